@@ -1,0 +1,182 @@
+# Oriel. Plain `make` leaves build/oriel (the command) and build/orield (the daemon).
+# `make help` lists the targets.
+
+BUILD   ?= build
+CC      ?= cc
+MODE    ?= release
+JOBS    ?= $(shell nproc)
+WERROR  ?= -Werror
+
+# Debian packages: what the build needs, and what the checks need beyond that.
+PACKAGES_BUILD := gcc make pkg-config libembree-dev libmicrohttpd-dev libjansson-dev libuv1-dev \
+	libsqlite3-dev libexpat1-dev libpng-dev libsodium-dev libcurl4-openssl-dev
+PACKAGES_CHECK := $(PACKAGES_BUILD) libcmocka-dev
+PACKAGES_LINT  := $(PACKAGES_CHECK) clang clang-tidy clang-format
+PACKAGES_DEMO  := $(PACKAGES_BUILD) curl
+
+WARNINGS := -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wstrict-prototypes \
+	-Wmissing-prototypes -Wvla -Wformat=2 -Wundef -fno-common
+# No option here may change what a floating-point expression means: results are compared by bytes.
+OPT_release := -O3 -fno-math-errno -fno-trapping-math
+OPT_asan    := -O1 -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer
+OPT_tsan    := -O1 -fsanitize=thread -fno-omit-frame-pointer
+STD      := -std=c17 -D_GNU_SOURCE -ffp-contract=off -g
+CFLAGS   ?=
+ALL_CFLAGS = $(STD) $(WARNINGS) $(WERROR) $(OPT_$(MODE)) $(CFLAGS) -pthread
+ALL_LDFLAGS = $(OPT_$(MODE)) $(LDFLAGS) -pthread
+
+# Embree 3 on Debian 12, 4 on later releases; core/scene/embree.c serves both.
+EMBREE_LIB := $(if $(wildcard /usr/include/embree4/rtcore.h),-lembree4,-lembree3)
+CORE_LIBS   := $(EMBREE_LIB) -lexpat -lpng -lsodium -lm
+API_LIBS    := -ljansson
+SERVER_LIBS := -lmicrohttpd -luv -lsqlite3 $(API_LIBS)
+CLIENT_LIBS := -lcurl $(API_LIBS)
+
+CORE_SRC   := $(sort $(wildcard core/*/*.c))
+API_SRC    := $(sort $(wildcard api/*.c))
+SERVER_SRC := $(sort $(wildcard server/*.c server/*/*.c))
+CLIENT_SRC := $(sort $(wildcard client/*.c))
+OFFICE_SRC := $(sort $(wildcard client/examples/office/*.c))
+SUPPORT_SRC := $(sort $(wildcard tests/support/*.c))
+TEST_SUITES := unit stats validation api migrations
+TEST_SRC   := $(sort $(foreach s,$(TEST_SUITES),$(wildcard tests/$(s)/test_*.c)))
+BENCH_SRC  := $(sort $(wildcard tests/bench/bench_*.c))
+
+# Boundaries by include path: only the core sees its own internals.
+INC_core    := -Icore/include -Icore
+INC_api     := -Icore/include -Iapi
+INC_server  := -Icore/include -Iapi -Iserver -I$(BUILD)/generated
+INC_client  := -Icore/include -Iapi -Iclient
+INC_tests   := -Icore/include -Icore -Iapi -Iserver -Itests -I$(BUILD)/generated
+
+obj = $(patsubst %.c,$(BUILD)/obj/%.o,$(1))
+CORE_OBJ   := $(call obj,$(CORE_SRC))
+API_OBJ    := $(call obj,$(API_SRC))
+SERVER_OBJ := $(call obj,$(SERVER_SRC))
+CLIENT_OBJ := $(call obj,$(CLIENT_SRC))
+OFFICE_OBJ := $(call obj,$(OFFICE_SRC))
+SUPPORT_OBJ := $(call obj,$(SUPPORT_SRC))
+SERVER_LIB_OBJ := $(filter-out %/server/main.o,$(SERVER_OBJ))
+TEST_BIN   := $(patsubst tests/%.c,$(BUILD)/tests/%,$(TEST_SRC))
+BENCH_BIN  := $(patsubst tests/%.c,$(BUILD)/tests/%,$(BENCH_SRC))
+
+.PHONY: all help clean check demo lint format asan tsan bench tests deps-build deps-check \
+	deps-lint deps-demo FORCE
+all: $(BUILD)/oriel $(BUILD)/orield $(BUILD)/oriel-lcp
+
+help:
+	@sed -n 's/^## //p' $(firstword $(MAKEFILE_LIST))
+
+## make            build/oriel, build/orield and the example's panel generator build/oriel-lcp
+## make demo       install what is needed, then upload, render and show the paper's office
+## make check      install what is needed, build, run every test; ends with "N passed, N failed"
+## make lint       formatting, boundaries, clang-tidy, and a build with clang
+## make asan       all tests under AddressSanitizer and UndefinedBehaviorSanitizer
+## make tsan       the threaded tests under ThreadSanitizer
+## make bench      speed against the raw ray rate, in one run
+## make format     clang-format in place
+
+# ---- Packages ------------------------------------------------------------------------------------
+# Installs the packages that are missing, and says so first. Debian's own packages only.
+define install_packages
+@missing=""; for p in $(1); do \
+	dpkg-query -W -f='$${Status}' $$p 2>/dev/null | grep -q 'install ok installed' || missing="$$missing $$p"; \
+	done; \
+	if [ -n "$$missing" ]; then \
+		echo "Installing Debian packages:$$missing"; \
+		run=""; [ "$$(id -u)" = 0 ] || run=sudo; \
+		$$run apt-get update -qq && \
+		$$run env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $$missing >/dev/null || exit 1; \
+	fi
+endef
+deps-build: ; $(call install_packages,$(PACKAGES_BUILD))
+deps-check: ; $(call install_packages,$(PACKAGES_CHECK))
+deps-lint:  ; $(call install_packages,$(PACKAGES_LINT))
+deps-demo:  ; $(call install_packages,$(PACKAGES_DEMO))
+
+# ---- Build ---------------------------------------------------------------------------------------
+# A change of flags rebuilds: the stamp holds the command line.
+$(BUILD)/flags: FORCE
+	@mkdir -p $(@D); echo '$(CC) $(ALL_CFLAGS)' | cmp -s - $@ || echo '$(CC) $(ALL_CFLAGS)' > $@
+
+define compile_rule
+$(BUILD)/obj/$(1)/%.o: $(1)/%.c $(BUILD)/flags
+	@mkdir -p $$(@D)
+	$$(CC) $$(ALL_CFLAGS) $(2) -MMD -MP -c $$< -o $$@
+endef
+$(eval $(call compile_rule,core,$(INC_core)))
+$(eval $(call compile_rule,api,$(INC_api)))
+$(eval $(call compile_rule,server,$(INC_server)))
+$(eval $(call compile_rule,client,$(INC_client)))
+$(eval $(call compile_rule,tests,$(INC_tests)))
+
+# Files that the daemon carries inside: migrations and the API contract.
+EMBEDDED := $(sort $(wildcard migrations/*.sql)) $(wildcard api/openapi.yaml)
+$(BUILD)/generated/embedded.h: $(EMBEDDED) Makefile
+	@mkdir -p $(@D)
+	@{ echo '/* Generated from migrations and api/openapi.yaml by the Makefile. */'; \
+	echo 'static const struct { const char *name; const char *text; } orl_embedded[] = {'; \
+	for f in $(EMBEDDED); do \
+		printf '{"%s",\n' "$$f"; \
+		sed -e 's/\\/\\\\/g' -e 's/"/\\"/g' -e 's/^/"/' -e 's/$$/\\n"/' "$$f"; \
+		echo '},'; \
+	done; echo '};'; } > $@
+$(SERVER_OBJ): | $(BUILD)/generated/embedded.h
+$(call obj,$(TEST_SRC)): | $(BUILD)/generated/embedded.h
+
+$(BUILD)/liboriel.a: $(CORE_OBJ) $(API_OBJ)
+	@rm -f $@; ar rcs $@ $^
+$(BUILD)/orield: $(SERVER_OBJ) $(BUILD)/liboriel.a
+	$(CC) $(ALL_LDFLAGS) -o $@ $^ $(SERVER_LIBS) $(CORE_LIBS)
+$(BUILD)/oriel: $(CLIENT_OBJ) $(BUILD)/liboriel.a
+	$(CC) $(ALL_LDFLAGS) -o $@ $^ $(CLIENT_LIBS) $(CORE_LIBS)
+$(BUILD)/oriel-lcp: $(OFFICE_OBJ)
+	$(CC) $(ALL_LDFLAGS) -o $@ $^ -lm
+$(BUILD)/tests/%: $(BUILD)/obj/tests/%.o $(SUPPORT_OBJ) $(SERVER_LIB_OBJ) $(BUILD)/liboriel.a
+	@mkdir -p $(@D)
+	$(CC) $(ALL_LDFLAGS) -o $@ $^ -lcmocka $(SERVER_LIBS) $(CLIENT_LIBS) $(CORE_LIBS)
+
+-include $(shell find $(BUILD)/obj -name '*.d' 2>/dev/null)
+
+# ---- Checks --------------------------------------------------------------------------------------
+tests: all $(TEST_BIN)
+
+check: deps-check
+	@$(MAKE) --no-print-directory -j$(JOBS) tests
+	@tests/run $(BUILD) $(TEST_BIN)
+
+asan: deps-check
+	@$(MAKE) --no-print-directory -j$(JOBS) BUILD=$(BUILD)/asan MODE=asan tests
+	@ASAN_OPTIONS=detect_leaks=1 UBSAN_OPTIONS=print_stacktrace=1 TEST_TIMEOUT=900 \
+		$(MAKE) --no-print-directory BUILD=$(BUILD)/asan MODE=asan run-tests
+tsan: deps-check
+	@$(MAKE) --no-print-directory -j$(JOBS) BUILD=$(BUILD)/tsan MODE=tsan tests
+	@TSAN_OPTIONS=suppressions=$(CURDIR)/tests/tsan.supp TEST_TIMEOUT=900 \
+		$(MAKE) --no-print-directory BUILD=$(BUILD)/tsan MODE=tsan run-tests
+.PHONY: run-tests
+run-tests:
+	@tests/run $(BUILD) $(TEST_BIN)
+
+LINT_SRC := $(CORE_SRC) $(API_SRC) $(SERVER_SRC) $(CLIENT_SRC) $(OFFICE_SRC)
+ALL_C := $(shell git ls-files '*.c' '*.h' 2>/dev/null)
+lint: deps-lint $(BUILD)/generated/embedded.h
+	clang-format --dry-run --Werror $(ALL_C)
+	tests/check_boundaries
+	clang-tidy --quiet $(CORE_SRC) -- $(STD) $(INC_core)
+	clang-tidy --quiet $(API_SRC) $(SERVER_SRC) $(CLIENT_SRC) $(OFFICE_SRC) -- $(STD) \
+		-Icore/include -Iapi -Iserver -Iclient -I$(BUILD)/generated
+	@$(MAKE) --no-print-directory -j$(JOBS) BUILD=$(BUILD)/clang CC=clang tests
+	@echo "lint: clean"
+format:
+	clang-format -i $(ALL_C)
+
+bench: deps-check
+	@$(MAKE) --no-print-directory -j$(JOBS) all $(BENCH_BIN)
+	@for b in $(BENCH_BIN); do $$b || exit 1; done
+
+demo: deps-demo
+	@$(MAKE) --no-print-directory -j$(JOBS) all
+	@client/examples/office/demo $(BUILD)
+
+clean:
+	rm -rf $(BUILD)

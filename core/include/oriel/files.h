@@ -1,0 +1,42 @@
+/*
+ * Where named files come from. The core opens no path a scene names: it asks the caller, who
+ * answers from a folder, an upload or a test's array. Nothing here ever starts a program.
+ */
+#ifndef ORIEL_FILES_H
+#define ORIEL_FILES_H
+
+#include <stddef.h>
+
+#include <oriel/error.h>
+
+/* The bytes of one file. Need not end in NUL. */
+struct orl_file {
+    const char *data;
+    size_t size;
+    void *handle; /* the provider's own; NULL when it needs none */
+};
+
+/* A provider of files. open and close are called from the thread that loads the scene. */
+struct orl_files {
+    void *ctx;
+    /* Fills ret_file, which stays valid until close, or returns ORL_ERR_NOT_FOUND / ORL_ERR_IO. */
+    int (*open)(void *ctx, const char *name, struct orl_file *ret_file, struct orl_error *err);
+    void (*close)(void *ctx, struct orl_file *file);
+};
+
+/* Files held in memory, the caller's: names[i] has contents[i]. Borrowed throughout. */
+struct orl_memory_files {
+    const char *const *names;
+    const struct orl_file *contents;
+    size_t count;
+};
+struct orl_files orl_files_from_memory(struct orl_memory_files *memory);
+
+/*
+ * Files below a folder of the local disk, mapped read-only. Names may be absolute or climb out of
+ * the folder: for the user's own command line only, never for an upload. Takes no ownership of
+ * folder, which must outlive the result.
+ */
+struct orl_files orl_files_from_folder(const char *folder);
+
+#endif

@@ -1,0 +1,167 @@
+/*
+ * One job from its document to its results: the only way into the renderer, for the daemon's
+ * workers, for `oriel run`, and for whatever comes later.
+ *
+ * A run goes load -> bvh -> photons -> maps -> render. It owns nothing of the caller's: files come
+ * from a provider, photon maps go to and come from a store, threads are lent by the caller (a crew),
+ * time is read through a callback, images are written below an output folder. Given the same job,
+ * files and seed the results are the same bytes for any crew size.
+ */
+#ifndef ORIEL_RUN_H
+#define ORIEL_RUN_H
+
+#include <stdatomic.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <oriel/crew.h>
+#include <oriel/error.h>
+#include <oriel/files.h>
+#include <oriel/vec.h>
+
+/* ---- The job ------------------------------------------------------------------------------- */
+
+enum orl_technique { ORL_TECHNIQUE_GATHER };
+
+struct orl_sensor {
+    struct orl_vec3 position;  /* scene units */
+    struct orl_vec3 direction; /* need not be unit */
+};
+
+struct orl_view_request {
+    char *name;   /* file name stem: letters, digits, '-', '_', '.'; unique in the job */
+    char *view;   /* Radiance view options, "-vtv -vp ... " */
+    uint32_t width, height;
+};
+
+/* What to compute. Strings and arrays are owned; orl_job_done frees them. */
+struct orl_job {
+    char **scene_files; /* names of the main files, in order, for the provider */
+    size_t n_scene_files;
+    enum orl_technique technique;
+    uint64_t seed;
+    uint64_t photons_global, photons_caustic; /* targets; defaults below */
+    uint32_t gather_samples;                  /* per sensor; 0 = default */
+    char *sensors_file;                       /* NULL, or a file of "x y z dx dy dz" lines */
+    struct orl_sensor *sensors;
+    size_t n_sensors;
+    struct orl_view_request *views;
+    size_t n_views;
+};
+
+enum { ORL_DEFAULT_PHOTONS = 2000000 };
+
+void orl_job_init(struct orl_job *job); /* defaults, nothing else set */
+void orl_job_done(struct orl_job *job); /* frees what job owns; NULL and half-filled are fine */
+
+/* Checks what can be checked without the scene: counts, limits, names, view strings. */
+int orl_job_validate(const struct orl_job *job, struct orl_error *err);
+
+/* ---- Photon map store ------------------------------------------------------------------------ */
+
+enum { ORL_DIGEST_HEX = 64 };
+
+struct orl_map_info {
+    char kind[16];               /* "global" or "caustic" */
+    char key[ORL_DIGEST_HEX + 1]; /* digest of all that determines the map, lower-case hex */
+    uint64_t emitted, stored, bytes;
+    double seconds; /* what building it took */
+    bool cached;    /* true when this job found it ready */
+};
+
+/* Where maps live between jobs. All calls come from the run's lead thread. */
+struct orl_map_store {
+    void *ctx;
+    /*
+     * Asks for the map. Returns 0 with ret_path naming a complete file (ret_hit true, and *ret_info
+     * filled with what was committed) or a path at which the caller is to create it (ret_hit false).
+     * May wait while another job builds the same key; gives up with ORL_ERR_CANCELLED when *cancel.
+     * A hit stays pinned until release.
+     */
+    int (*acquire)(void *ctx, const char *kind, const char *key, atomic_bool *cancel,
+                   char ret_path[4096], bool *ret_hit, struct orl_map_info *ret_info,
+                   struct orl_error *err);
+    /* After a miss: the file at that path is complete and synced. It becomes visible, and pinned. */
+    int (*commit)(void *ctx, const struct orl_map_info *info, struct orl_error *err);
+    /* After a miss that failed, or a hit that proved corrupt: drops the file. */
+    void (*abandon)(void *ctx, const char *kind, const char *key);
+    /* Unpins after a hit or a commit. */
+    void (*release)(void *ctx, const char *kind, const char *key);
+};
+
+/* A store that keeps maps as <folder>/<kind>-<key>.opm, for one process at a time. */
+struct orl_folder_store {
+    char folder[4096];
+};
+struct orl_map_store orl_map_store_in_folder(struct orl_folder_store *state);
+
+/* ---- Results --------------------------------------------------------------------------------- */
+
+enum orl_stage {
+    ORL_STAGE_LOAD,
+    ORL_STAGE_BVH,
+    ORL_STAGE_PHOTONS,
+    ORL_STAGE_MAPS,
+    ORL_STAGE_RENDER,
+    ORL_STAGE_COUNT
+};
+const char *orl_stage_name(enum orl_stage stage); /* "load", "bvh", "photons", "maps", "render" */
+
+struct orl_view_result {
+    char *name, *hdr, *png; /* hdr and png: file names below the output folder */
+    double seconds;
+};
+
+struct orl_result {
+    uint32_t threads;
+    uint64_t seed;
+    double timings_s[ORL_STAGE_COUNT];
+    double total_s;
+    struct orl_map_info maps[2];
+    size_t n_maps;
+    double *illuminance_lx; /* one per sensor */
+    size_t n_sensors;
+    struct orl_view_result *views;
+    size_t n_views;
+    char **warnings;
+    size_t n_warnings;
+};
+void orl_result_done(struct orl_result *result);
+
+/* ---- Running --------------------------------------------------------------------------------- */
+
+struct orl_run_env {
+    struct orl_crew *crew;             /* borrowed; the calling thread leads it */
+    const struct orl_files *files;     /* borrowed */
+    const struct orl_map_store *store; /* borrowed */
+    const char *output_folder;         /* exists; images are written here */
+    atomic_bool *cancel;               /* borrowed; polled per batch and tile */
+    double (*now_s)(void *ctx);        /* a steady clock */
+    /* Called by the lead thread, now and then, with fraction 0..1 of the stage and of the job. */
+    void (*progress)(void *ctx, enum orl_stage stage, double stage_fraction, double job_fraction);
+    /* Called by the lead thread when a map is settled (hit or built). May be NULL. */
+    void (*map_ready)(void *ctx, const struct orl_map_info *info);
+    void *ctx;
+};
+
+/* Runs the job. Returns 0 and fills ret_result (owned by the caller) or a negative orl_err. */
+int orl_run(const struct orl_job *job, const struct orl_run_env *env, struct orl_result *ret_result,
+            struct orl_error *err);
+
+/* ---- Checks on upload ------------------------------------------------------------------------ */
+
+struct orl_scene_summary {
+    uint64_t surfaces, materials, sources, triangles, bsdfs;
+    double bounds_min[3], bounds_max[3];
+    char digest[ORL_DIGEST_HEX + 1];
+    char **referenced; /* names of files the scene pulled in beyond its main ones */
+    size_t n_referenced;
+};
+
+/* Parses the scene and everything it refers to, as a job would, and says what is in it. */
+int orl_scene_check(const char *const *main_files, size_t n_files, const struct orl_files *files,
+                    struct orl_scene_summary *ret_summary, struct orl_error *err);
+void orl_scene_summary_done(struct orl_scene_summary *summary);
+
+#endif

@@ -1,0 +1,115 @@
+/*
+ * Vectors and colours. World axes: +X east, +Y north, +Z up, metres (scene files may use any unit).
+ * Colours are Radiance RGB: W/sr/m2 for radiance, W/m2 for irradiance, W for flux, per channel.
+ */
+#ifndef ORIEL_VEC_H
+#define ORIEL_VEC_H
+
+#include <math.h>
+#include <oriel/units.h>
+
+struct orl_vec3 {
+    double x, y, z;
+};
+
+struct orl_rgb {
+    double r, g, b;
+};
+
+/* A right-handed orthonormal frame: local (x, y, z) is x*u + y*v + z*n. */
+struct orl_frame {
+    struct orl_vec3 u, v, n;
+};
+
+static inline struct orl_vec3 orl_v3(double x, double y, double z)
+{
+    return (struct orl_vec3){x, y, z};
+}
+static inline struct orl_vec3 orl_add(struct orl_vec3 a, struct orl_vec3 b)
+{
+    return orl_v3(a.x + b.x, a.y + b.y, a.z + b.z);
+}
+static inline struct orl_vec3 orl_sub(struct orl_vec3 a, struct orl_vec3 b)
+{
+    return orl_v3(a.x - b.x, a.y - b.y, a.z - b.z);
+}
+static inline struct orl_vec3 orl_scale(struct orl_vec3 a, double s)
+{
+    return orl_v3(a.x * s, a.y * s, a.z * s);
+}
+/* a + s b */
+static inline struct orl_vec3 orl_madd(struct orl_vec3 a, struct orl_vec3 b, double s)
+{
+    return orl_v3(a.x + s * b.x, a.y + s * b.y, a.z + s * b.z);
+}
+static inline struct orl_vec3 orl_neg(struct orl_vec3 a)
+{
+    return orl_v3(-a.x, -a.y, -a.z);
+}
+static inline double orl_dot(struct orl_vec3 a, struct orl_vec3 b)
+{
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+static inline struct orl_vec3 orl_cross(struct orl_vec3 a, struct orl_vec3 b)
+{
+    return orl_v3(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
+}
+static inline double orl_length(struct orl_vec3 a)
+{
+    return sqrt(orl_dot(a, a));
+}
+/* The unit vector along a; the zero vector stays zero. */
+static inline struct orl_vec3 orl_normalize(struct orl_vec3 a)
+{
+    const double length = orl_length(a);
+    return length > 0 ? orl_scale(a, 1.0 / length) : a;
+}
+
+/* A frame about unit n, without branches on n's direction but for its sign (Duff et al. 2017). */
+static inline struct orl_frame orl_frame_about(struct orl_vec3 n)
+{
+    const double sign = copysign(1.0, n.z), a = -1.0 / (sign + n.z), b = n.x * n.y * a;
+    return (struct orl_frame){{1.0 + sign * n.x * n.x * a, sign * b, -sign * n.x},
+                              {b, sign + n.y * n.y * a, -n.y},
+                              n};
+}
+static inline struct orl_vec3 orl_to_local(const struct orl_frame *f, struct orl_vec3 w)
+{
+    return orl_v3(orl_dot(w, f->u), orl_dot(w, f->v), orl_dot(w, f->n));
+}
+static inline struct orl_vec3 orl_to_world(const struct orl_frame *f, struct orl_vec3 l)
+{
+    return orl_add(orl_add(orl_scale(f->u, l.x), orl_scale(f->v, l.y)), orl_scale(f->n, l.z));
+}
+
+static inline struct orl_rgb orl_gray(double value)
+{
+    return (struct orl_rgb){value, value, value};
+}
+static inline struct orl_rgb orl_rgb_add(struct orl_rgb a, struct orl_rgb b)
+{
+    return (struct orl_rgb){a.r + b.r, a.g + b.g, a.b + b.b};
+}
+static inline struct orl_rgb orl_rgb_mul(struct orl_rgb a, struct orl_rgb b)
+{
+    return (struct orl_rgb){a.r * b.r, a.g * b.g, a.b * b.b};
+}
+static inline struct orl_rgb orl_rgb_scale(struct orl_rgb a, double s)
+{
+    return (struct orl_rgb){a.r * s, a.g * s, a.b * s};
+}
+/* Luminance-weighted mean: times ORL_EFFICACY_LM_PER_W it is photometric. */
+static inline double orl_luma(struct orl_rgb a)
+{
+    return ORL_LUMA_R * a.r + ORL_LUMA_G * a.g + ORL_LUMA_B * a.b;
+}
+static inline double orl_rgb_max(struct orl_rgb a)
+{
+    return fmax(a.r, fmax(a.g, a.b));
+}
+static inline int orl_rgb_is_finite(struct orl_rgb a)
+{
+    return isfinite(a.r) && isfinite(a.g) && isfinite(a.b);
+}
+
+#endif

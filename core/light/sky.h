@@ -1,0 +1,13 @@
+/*
+ * Radiance of the sky in a direction: the patterns that gendaylit (Perez et al. 1993) and gensky
+ * (CIE clear, intermediate, overcast, uniform) write, ground half included.
+ */
+#ifndef ORL_LIGHT_SKY_H
+#define ORL_LIGHT_SKY_H
+
+#include "scene/description.h"
+
+/* skybright(direction) as Radiance's perezlum.cal / skybright.cal define it; direction is unit. */
+double orl_sky_brightness(const struct orl_sky *sky, struct orl_vec3 direction);
+
+#endif

@@ -1,0 +1,109 @@
+/*
+ * What a set of Radiance scene files says, after aliases, modifiers and commands are resolved:
+ * plain data, in the files' own units and coordinates, in double. The parser (parse.h) makes it;
+ * the geometry adapter, the lights and the materials read it.
+ *
+ * Invariants: every number is finite; every material index is valid; polygons have at least three
+ * vertices and a non-zero normal (degenerate ones are counted in n_degenerate and dropped);
+ * directions are unit vectors; radii are positive.
+ * Ownership: an orl_description owns everything in it.
+ */
+#ifndef ORL_SCENE_DESCRIPTION_H
+#define ORL_SCENE_DESCRIPTION_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include <oriel/bsdf.h>
+#include <oriel/vec.h>
+
+enum orl_material_kind {
+    ORL_MATERIAL_VOID,    /* a surface modified by void: black, absorbs (Radiance ignores it) */
+    ORL_MATERIAL_PLASTIC, /* color, specular, roughness */
+    ORL_MATERIAL_METAL,   /* color, specular, roughness */
+    ORL_MATERIAL_GLASS,   /* transmissivity, ior */
+    ORL_MATERIAL_BSDF,    /* bsdf, up, thickness, front/back/transmitted diffuse additions */
+    ORL_MATERIAL_LIGHT,   /* radiance; a source to be sampled directly */
+    ORL_MATERIAL_GLOW,    /* radiance, max_radius; seen, but sampled only within max_radius */
+};
+
+struct orl_material {
+    enum orl_material_kind kind;
+    char *name;
+    struct orl_rgb color;          /* plastic, metal: reflectance as written; light, glow: radiance */
+    double specular, roughness;    /* plastic, metal */
+    struct orl_rgb transmissivity; /* glass: as written (at normal incidence, one pass) */
+    double ior;                    /* glass: 1.52 unless written */
+    double max_radius;             /* glow: fourth argument */
+    struct orl_bsdf *bsdf;         /* BSDF: a reference held */
+    double thickness;              /* BSDF: as written, signed */
+    struct orl_vec3 up;            /* BSDF: as written, not projected */
+    struct orl_rgb front, back, transmitted; /* BSDF: additional diffuse of 3, 6 or 9 reals */
+    int32_t sky;                   /* light, glow: index into skies that scales color, or -1 */
+};
+
+enum orl_surface_kind {
+    ORL_SURFACE_POLYGON,
+    ORL_SURFACE_SPHERE,   /* center[0], radius[0]; normal outwards */
+    ORL_SURFACE_BUBBLE,   /* the same, normal inwards */
+    ORL_SURFACE_CYLINDER, /* center[0..1], radius[0]; normal outwards */
+    ORL_SURFACE_TUBE,     /* the same, normal inwards */
+    ORL_SURFACE_CONE,     /* center[0..1], radius[0..1]; normal outwards */
+    ORL_SURFACE_CUP,      /* the same, normal inwards */
+    ORL_SURFACE_RING,     /* center[0], normal, radius[0] < radius[1] */
+};
+
+struct orl_surface {
+    enum orl_surface_kind kind;
+    uint32_t material;
+    char *name;
+    const char *file; /* points into orl_description.files */
+    int line;
+    /* polygon */
+    struct orl_vec3 *vertices;
+    uint32_t n_vertices;
+    /* the others */
+    struct orl_vec3 center[2];
+    double radius[2];
+    struct orl_vec3 normal; /* ring; for polygons the unit normal by Newell's method */
+};
+
+/* A "source" primitive: light from infinitely far away, within angle/2 of dir. */
+struct orl_distant {
+    uint32_t material; /* LIGHT or GLOW */
+    char *name;
+    struct orl_vec3 direction; /* towards the source, unit */
+    double angle_deg;          /* full opening angle, 0 < angle <= 360; 180: a hemisphere */
+};
+
+/* A sky or ground pattern as gendaylit and gensky write it: skybright in its two forms. */
+enum orl_sky_kind { ORL_SKY_PEREZ, ORL_SKY_CIE };
+
+struct orl_sky {
+    enum orl_sky_kind kind;
+    double a[10]; /* the arguments, A1..A10, as in perezlum.cal or skybright.cal */
+    int n_args;
+};
+
+struct orl_description {
+    struct orl_material *materials;
+    size_t n_materials;
+    struct orl_surface *surfaces;
+    size_t n_surfaces;
+    struct orl_distant *distants;
+    size_t n_distants;
+    struct orl_sky *skies;
+    size_t n_skies;
+    char **files; /* names of all files read, in order of first use */
+    size_t n_files;
+    size_t n_main;         /* the first n_main of them were named by the caller */
+    uint64_t n_degenerate; /* polygons dropped: zero area or fewer than three distinct corners */
+    unsigned char digest[32]; /* SHA-256 over the contents of all files read, in order */
+    char **warnings;
+    size_t n_warnings;
+};
+
+/* Frees what it owns; NULL and half-filled are fine. */
+void orl_description_done(struct orl_description *description);
+
+#endif
