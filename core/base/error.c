@@ -1,0 +1,88 @@
+#include <oriel/error.h>
+
+#include <stdio.h>
+#include <string.h>
+
+int orl_error_set(struct orl_error *err, int code, const char *format, ...)
+{
+    if (err) {
+        va_list args;
+        memset(err, 0, sizeof *err);
+        err->code = code;
+        va_start(args, format);
+        vsnprintf(err->message, sizeof err->message, format, args);
+        va_end(args);
+    }
+    return code;
+}
+
+void orl_error_at(struct orl_error *err, const char *file, int line, const char *primitive)
+{
+    if (!err)
+        return;
+    if (file)
+        snprintf(err->file, sizeof err->file, "%s", file);
+    if (line > 0)
+        err->line = line;
+    if (primitive)
+        snprintf(err->primitive, sizeof err->primitive, "%s", primitive);
+}
+
+void orl_error_hint(struct orl_error *err, const char *format, ...)
+{
+    va_list args;
+    if (!err)
+        return;
+    va_start(args, format);
+    vsnprintf(err->hint, sizeof err->hint, format, args);
+    va_end(args);
+}
+
+const char *orl_err_name(int code)
+{
+    static const char *const names[] = {
+        "ok",        "no-memory", "io",      "syntax",  "unsupported", "out-of-range",
+        "not-found", "limit",     "corrupt", "version", "cancelled",   "invalid",
+        "internal",
+    };
+    const int index = -code;
+    return index >= 0 && index < (int)(sizeof names / sizeof *names) ? names[index] : "unknown";
+}
+
+/* Appends to text, which holds size bytes of which *used are taken; cuts what does not fit. */
+static void append(char *text, unsigned long size, unsigned long *used, const char *part)
+{
+    const unsigned long length = strlen(part);
+    const unsigned long room = size - *used - 1;
+    const unsigned long taken = length < room ? length : room;
+    memcpy(text + *used, part, taken);
+    *used += taken;
+    text[*used] = '\0';
+}
+
+void orl_error_format(const struct orl_error *err, char *ret_text, unsigned long size)
+{
+    unsigned long used = 0;
+    char number[32];
+    if (size == 0)
+        return;
+    ret_text[0] = '\0';
+    if (err->file[0]) {
+        append(ret_text, size, &used, err->file);
+        if (err->line > 0) {
+            snprintf(number, sizeof number, ":%d", err->line);
+            append(ret_text, size, &used, number);
+        }
+        append(ret_text, size, &used, ": ");
+    }
+    if (err->primitive[0]) {
+        append(ret_text, size, &used, err->primitive);
+        append(ret_text, size, &used, ": ");
+    }
+    append(ret_text, size, &used, err->message);
+    if (err->hint[0]) {
+        append(ret_text, size, &used, " (");
+        append(ret_text, size, &used, err->hint);
+        append(ret_text, size, &used, ")");
+    }
+}

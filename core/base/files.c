@@ -1,0 +1,85 @@
+#include <oriel/files.h>
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdio.h>
+#include <stdint.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <oriel/limits.h>
+
+static int memory_open(void *ctx, const char *name, struct orl_file *ret_file,
+                       struct orl_error *err)
+{
+    const struct orl_memory_files *memory = ctx;
+    for (size_t i = 0; i < memory->count; i++) {
+        if (strcmp(memory->names[i], name) == 0) {
+            *ret_file = memory->contents[i];
+            return 0;
+        }
+    }
+    return orl_error_set(err, ORL_ERR_NOT_FOUND, "no file named '%s'", name);
+}
+
+static void memory_close(void *ctx, struct orl_file *file)
+{
+    (void)ctx;
+    (void)file;
+}
+
+struct orl_files orl_files_from_memory(struct orl_memory_files *memory)
+{
+    return (struct orl_files){memory, memory_open, memory_close};
+}
+
+static int folder_open(void *ctx, const char *name, struct orl_file *ret_file,
+                       struct orl_error *err)
+{
+    const char *folder = ctx;
+    char path[4096];
+    struct stat st;
+    int code = 0;
+    const int length = name[0] == '/' ? snprintf(path, sizeof path, "%s", name)
+                                      : snprintf(path, sizeof path, "%s/%s", folder, name);
+    if (length < 0 || (size_t)length >= sizeof path)
+        return orl_error_set(err, ORL_ERR_LIMIT, "the path of '%s' is too long", name);
+    const int fd = open(path, O_RDONLY | O_CLOEXEC);
+    if (fd < 0) {
+        const int why = errno;
+        return orl_error_set(err, why == ENOENT ? ORL_ERR_NOT_FOUND : ORL_ERR_IO,
+                             "cannot open '%s': %s", name, strerror(why));
+    }
+    if (fstat(fd, &st) != 0 || !S_ISREG(st.st_mode)) {
+        code = orl_error_set(err, ORL_ERR_IO, "'%s' is not a regular file", name);
+    } else if ((unsigned long)st.st_size > ORL_LIMIT_FILE_BYTES) {
+        code = orl_error_set(err, ORL_ERR_LIMIT, "'%s' is larger than %lu MiB", name,
+                             ORL_LIMIT_FILE_BYTES >> 20);
+    } else if (st.st_size == 0) {
+        *ret_file = (struct orl_file){"", 0, NULL};
+    } else {
+        void *data = mmap(NULL, (size_t)st.st_size, PROT_READ, MAP_PRIVATE, fd, 0);
+        if (data == MAP_FAILED)
+            code = orl_error_set(err, ORL_ERR_IO, "cannot map '%s': %s", name, strerror(errno));
+        else
+            *ret_file = (struct orl_file){data, (size_t)st.st_size, data};
+    }
+    close(fd);
+    return code;
+}
+
+static void folder_close(void *ctx, struct orl_file *file)
+{
+    (void)ctx;
+    if (file->handle)
+        munmap(file->handle, file->size);
+    file->handle = NULL;
+}
+
+struct orl_files orl_files_from_folder(const char *folder)
+{
+    /* The provider only reads through ctx; the cast drops const for the common struct. */
+    return (struct orl_files){(void *)(uintptr_t)folder, folder_open, folder_close};
+}

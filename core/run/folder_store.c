@@ -1,0 +1,75 @@
+#include <oriel/run.h>
+
+#include <errno.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+static int map_path(const struct orl_folder_store *state, const char *kind, const char *key,
+                    const char *suffix, char ret_path[4096], struct orl_error *err)
+{
+    const int length = snprintf(ret_path, 4096, "%s/%s-%s.opm%s", state->folder, kind, key, suffix);
+    if (length < 0 || length >= 4096)
+        return orl_error_set(err, ORL_ERR_LIMIT, "the map folder's path is too long");
+    return 0;
+}
+
+static int folder_acquire(void *ctx, const char *kind, const char *key, atomic_bool *cancel,
+                          char ret_path[4096], bool *ret_hit, struct orl_map_info *ret_info,
+                          struct orl_error *err)
+{
+    const struct orl_folder_store *state = ctx;
+    struct stat st;
+    int code = 0;
+    (void)cancel; /* nobody else builds here, so there is nothing to wait for */
+    if (mkdir(state->folder, 0777) != 0 && errno != EEXIST)
+        return orl_error_set(err, ORL_ERR_IO, "cannot make the map folder '%s': %s", state->folder,
+                             strerror(errno));
+    code = map_path(state, kind, key, "", ret_path, err);
+    if (code < 0)
+        return code;
+    *ret_hit = stat(ret_path, &st) == 0;
+    if (*ret_hit) {
+        /* What the file does not know is left at zero; the run reads the rest from the map. */
+        memset(ret_info, 0, sizeof *ret_info);
+        snprintf(ret_info->kind, sizeof ret_info->kind, "%s", kind);
+        snprintf(ret_info->key, sizeof ret_info->key, "%s", key);
+        ret_info->bytes = (uint64_t)st.st_size;
+        ret_info->cached = true;
+        return 0;
+    }
+    return map_path(state, kind, key, ".part", ret_path, err);
+}
+
+static int folder_commit(void *ctx, const struct orl_map_info *info, struct orl_error *err)
+{
+    const struct orl_folder_store *state = ctx;
+    char from[4096], to[4096];
+    int code = map_path(state, info->kind, info->key, ".part", from, err);
+    if (code == 0)
+        code = map_path(state, info->kind, info->key, "", to, err);
+    if (code == 0 && rename(from, to) != 0)
+        code = orl_error_set(err, ORL_ERR_IO, "cannot keep the map '%s': %s", to, strerror(errno));
+    return code;
+}
+
+static void folder_abandon(void *ctx, const char *kind, const char *key)
+{
+    char path[4096];
+    if (map_path(ctx, kind, key, ".part", path, NULL) == 0)
+        unlink(path);
+    if (map_path(ctx, kind, key, "", path, NULL) == 0)
+        unlink(path);
+}
+
+static void folder_release(void *ctx, const char *kind, const char *key)
+{
+    (void)ctx, (void)kind, (void)key;
+}
+
+struct orl_map_store orl_map_store_in_folder(struct orl_folder_store *state)
+{
+    return (struct orl_map_store){state, folder_acquire, folder_commit, folder_abandon,
+                                  folder_release};
+}

@@ -1,0 +1,119 @@
+#include <oriel/run.h>
+
+#include <ctype.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <oriel/limits.h>
+
+#include "render/view.h"
+
+void orl_job_init(struct orl_job *job)
+{
+    memset(job, 0, sizeof *job);
+    job->technique = ORL_TECHNIQUE_GATHER;
+    job->seed = 1;
+    job->photons_global = ORL_DEFAULT_PHOTONS;
+    job->photons_caustic = ORL_DEFAULT_PHOTONS;
+}
+
+void orl_job_done(struct orl_job *job)
+{
+    if (!job)
+        return;
+    for (size_t i = 0; i < job->n_scene_files; i++)
+        free(job->scene_files[i]);
+    free(job->scene_files);
+    free(job->sensors_file);
+    free(job->sensors);
+    for (size_t i = 0; i < job->n_views; i++) {
+        free(job->views[i].name);
+        free(job->views[i].view);
+    }
+    free(job->views);
+    memset(job, 0, sizeof *job);
+}
+
+static int validate_view(const struct orl_job *job, size_t index, struct orl_error *err)
+{
+    const struct orl_view_request *v = &job->views[index];
+    struct orl_view view;
+    int code;
+    const size_t length = v->name ? strlen(v->name) : 0;
+    if (length == 0 || length > 100 || v->name[0] == '.')
+        return orl_error_set(err, ORL_ERR_INVALID, "view %zu needs a name of 1 to 100 characters",
+                             index);
+    for (size_t i = 0; i < length; i++)
+        if (!isalnum((unsigned char)v->name[i]) && !strchr("-_.", v->name[i]))
+            return orl_error_set(err, ORL_ERR_INVALID,
+                                 "view name '%s' may hold letters, digits, '-', '_' and '.' only",
+                                 v->name);
+    for (size_t i = 0; i < index; i++)
+        if (strcmp(job->views[i].name, v->name) == 0)
+            return orl_error_set(err, ORL_ERR_INVALID, "two views are named '%s'", v->name);
+    if (v->width < 1 || v->height < 1 || v->width > ORL_LIMIT_IMAGE_SIDE ||
+        v->height > ORL_LIMIT_IMAGE_SIDE ||
+        (uint64_t)v->width * v->height > ORL_LIMIT_IMAGE_PIXELS)
+        return orl_error_set(err, ORL_ERR_LIMIT,
+                             "view '%s': %u x %u pixels; sides go from 1 to %u, pixels to %lu",
+                             v->name, v->width, v->height, ORL_LIMIT_IMAGE_SIDE,
+                             ORL_LIMIT_IMAGE_PIXELS);
+    code = orl_view_parse(v->view ? v->view : "", &view, err);
+    if (code < 0)
+        orl_error_at(err, NULL, 0, v->name);
+    return code;
+}
+
+int orl_job_validate(const struct orl_job *job, struct orl_error *err)
+{
+    if (job->n_sensors == 0 && !job->sensors_file && job->n_views == 0)
+        return orl_error_set(err, ORL_ERR_INVALID, "a job needs sensors, views or both");
+    if (job->n_sensors > ORL_LIMIT_SENSORS)
+        return orl_error_set(err, ORL_ERR_LIMIT, "%zu sensors; at most %lu are allowed",
+                             job->n_sensors, ORL_LIMIT_SENSORS);
+    if (job->n_views > ORL_LIMIT_VIEWS)
+        return orl_error_set(err, ORL_ERR_LIMIT, "%zu views; at most %u are allowed", job->n_views,
+                             ORL_LIMIT_VIEWS);
+    if (job->photons_global > ORL_LIMIT_PHOTONS || job->photons_caustic > ORL_LIMIT_PHOTONS)
+        return orl_error_set(err, ORL_ERR_LIMIT, "at most %lu photons may be asked for in a map",
+                             ORL_LIMIT_PHOTONS);
+    if (job->photons_global < 1)
+        return orl_error_set(err, ORL_ERR_INVALID, "photons.global must be at least 1");
+    for (size_t i = 0; i < job->n_sensors; i++) {
+        const struct orl_sensor *s = &job->sensors[i];
+        const double length = orl_length(s->direction);
+        if (!isfinite(s->position.x + s->position.y + s->position.z) || !isfinite(length) ||
+            length <= 0)
+            return orl_error_set(err, ORL_ERR_RANGE,
+                                 "sensor %zu needs a finite position and a non-zero direction", i);
+    }
+    for (size_t i = 0; i < job->n_views; i++) {
+        const int code = validate_view(job, i, err);
+        if (code < 0)
+            return code;
+    }
+    return 0;
+}
+
+void orl_result_done(struct orl_result *result)
+{
+    if (!result)
+        return;
+    free(result->illuminance_lx);
+    for (size_t i = 0; i < result->n_views; i++) {
+        free(result->views[i].name);
+        free(result->views[i].hdr);
+        free(result->views[i].png);
+    }
+    free(result->views);
+    for (size_t i = 0; i < result->n_warnings; i++)
+        free(result->warnings[i]);
+    free(result->warnings);
+    memset(result, 0, sizeof *result);
+}
+
+const char *orl_stage_name(enum orl_stage stage)
+{
+    static const char *const names[ORL_STAGE_COUNT] = {"load", "bvh", "photons", "maps", "render"};
+    return stage < ORL_STAGE_COUNT ? names[stage] : "unknown";
+}
