@@ -1,0 +1,24 @@
+/*
+ * Results and photon maps -> JSON, as result.json and the job document hold them:
+ *
+ *     {"state", "threads", "seed", "timings_s": {"load", "bvh", "photons", "maps", "render",
+ *      "total"}, "maps": [{"kind", "key", "emitted", "stored", "bytes", "seconds", "cached"}],
+ *      "sensors": [{"illuminance_lx"}], "views": [{"name", "hdr", "png", "seconds"}],
+ *      "warnings": ["..."]}
+ *
+ * Returned objects are new references, the caller's; NULL when out of memory.
+ */
+#ifndef ORL_API_RESULT_JSON_H
+#define ORL_API_RESULT_JSON_H
+
+#include <jansson.h>
+
+#include <oriel/run.h>
+
+/* state: "succeeded", "failed", ... A result that orl_run did not fill in may be all zeros. */
+json_t *orl_result_to_json(const struct orl_result *result, const char *state);
+
+/* One map: kind, key, emitted, stored, bytes, seconds, cached. */
+json_t *orl_map_info_to_json(const struct orl_map_info *info);
+
+#endif
