@@ -2,7 +2,8 @@
  * Errors as RFC 9457 problem documents (application/problem+json).
  *
  *     {"type": "urn:oriel:error:syntax", "title": "The text does not parse", "status": 400,
- *      "detail": "...", "file": "room.rad", "line": 12, "primitive": "polygon floor", "hint": "..."}
+ *      "detail": "...", "file": "room.rad", "line": 12, "primitive": "polygon floor", "hint":
+ * "..."}
  *
  * The last four appear only when known. One table, in problem.c, maps orl_err to an HTTP status.
  * Returned objects are new references, the caller's; NULL when out of memory.

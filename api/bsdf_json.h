@@ -1,0 +1,17 @@
+/*
+ * What an uploaded BSDF holds -> JSON: {"name", "kind", "resolution", "values", "bytes",
+ * "components": {"reflection_front", "reflection_back", "transmission_front",
+ * "transmission_back"}, "max_albedo": {"front", "back"}, "thickness_m", "clamped"}.
+ * Front and back are those of a Radiance surface (front: the side its normal points to), which is
+ * the other way round in the XML. A new reference, the caller's; NULL when out of memory.
+ */
+#ifndef ORL_API_BSDF_JSON_H
+#define ORL_API_BSDF_JSON_H
+
+#include <jansson.h>
+
+#include <oriel/bsdf.h>
+
+json_t *orl_bsdf_info_to_json(const struct orl_bsdf_info *info);
+
+#endif

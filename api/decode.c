@@ -1,0 +1,164 @@
+#include "decode.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <oriel/limits.h>
+
+int orl_json_fail(struct orl_error *err, int code, const char *path, const char *what, ...)
+{
+    char text[ORL_ERROR_TEXT_MAX];
+    va_list args;
+    va_start(args, what);
+    vsnprintf(text, sizeof text, what, args);
+    va_end(args);
+    orl_error_set(err, code, "%s: %s", path, text);
+    orl_error_at(err, NULL, 0, path);
+    return code;
+}
+
+int orl_json_parse(const char *name, const char *text, size_t size, json_t **ret_doc,
+                   struct orl_error *err)
+{
+    if (size > ORL_LIMIT_JOB_BYTES)
+        return orl_error_set(err, ORL_ERR_LIMIT, "the document has %zu bytes; the limit is %lu",
+                             size, ORL_LIMIT_JOB_BYTES);
+    json_error_t where;
+    json_t *doc = json_loadb(text, size, JSON_REJECT_DUPLICATES, &where);
+    if (doc) {
+        *ret_doc = doc;
+        return 0;
+    }
+    if (json_error_code(&where) == json_error_out_of_memory)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory reading JSON");
+    orl_error_set(err, ORL_ERR_SYNTAX, "not valid JSON, column %d: %s", where.column, where.text);
+    orl_error_at(err, name, where.line > 0 ? where.line : 1, NULL);
+    return ORL_ERR_SYNTAX;
+}
+
+static const char *type_name(const json_t *value)
+{
+    static const char *const names[] = {"an object", "an array", "a string", "a number",
+                                        "a number",  "true",     "false",    "null"};
+    return value ? names[json_typeof(value)] : "nothing";
+}
+
+static int wrong_type(const json_t *value, const char *path, const char *wanted,
+                      struct orl_error *err)
+{
+    return orl_json_fail(err, ORL_ERR_INVALID, path, "%s is wanted here, not %s", wanted,
+                         type_name(value));
+}
+
+static bool is_listed(const char *word, const char *const *list)
+{
+    for (; *list; list++)
+        if (strcmp(word, *list) == 0)
+            return true;
+    return false;
+}
+
+static int unknown_member(const char *path, const char *key, const char *const *allowed,
+                          struct orl_error *err)
+{
+    char where[ORL_JSON_PATH_MAX], known[ORL_ERROR_TEXT_MAX] = "";
+    snprintf(where, sizeof where, "%s%s%.60s", path, *path ? "." : "", key);
+    size_t used = 0;
+    for (; *allowed && used < sizeof known; allowed++) {
+        const int n =
+            snprintf(known + used, sizeof known - used, "%s%s", used ? ", " : "", *allowed);
+        used += n > 0 ? (size_t)n : 0;
+    }
+    orl_json_fail(err, ORL_ERR_INVALID, where, "there is no such member");
+    orl_error_hint(err, "Known here: %s", known);
+    return ORL_ERR_INVALID;
+}
+
+int orl_json_object(const json_t *value, const char *path, const char *const *allowed,
+                    struct orl_error *err)
+{
+    if (!json_is_object(value))
+        return wrong_type(value, *path ? path : "document", "an object", err);
+    const char *key;
+    json_t *member;
+    /* json_object_foreach wants a non-const object but changes nothing. */
+    json_object_foreach((json_t *)(uintptr_t)value, key, member)
+    {
+        if (!is_listed(key, allowed))
+            return unknown_member(path, key, allowed, err);
+    }
+    return 0;
+}
+
+int orl_json_array(const json_t *value, const char *path, size_t max, struct orl_error *err)
+{
+    if (!json_is_array(value))
+        return wrong_type(value, path, "an array", err);
+    if (json_array_size(value) > max)
+        return orl_json_fail(err, ORL_ERR_LIMIT, path, "%zu elements; the limit is %zu",
+                             json_array_size(value), max);
+    return 0;
+}
+
+int orl_json_whole(const json_t *value, const char *path, uint64_t min, uint64_t max,
+                   uint64_t *ret_value, struct orl_error *err)
+{
+    /* 2^53: above it a double no longer tells neighbours apart. */
+    const double exact = 9007199254740992.0;
+    uint64_t whole = 0;
+    bool ok = false;
+    if (json_is_integer(value)) {
+        ok = json_integer_value(value) >= 0;
+        whole = ok ? (uint64_t)json_integer_value(value) : 0;
+    } else if (json_is_real(value)) {
+        const double real = json_real_value(value);
+        ok = real >= 0 && real <= exact && floor(real) == real;
+        whole = ok ? (uint64_t)real : 0;
+    } else {
+        return wrong_type(value, path, "a whole number", err);
+    }
+    if (!ok || whole < min || whole > max)
+        return orl_json_fail(err, ORL_ERR_RANGE, path, "a whole number from %llu to %llu is wanted",
+                             (unsigned long long)min, (unsigned long long)max);
+    *ret_value = whole;
+    return 0;
+}
+
+int orl_json_real(const json_t *value, const char *path, double *ret_value, struct orl_error *err)
+{
+    if (!json_is_number(value))
+        return wrong_type(value, path, "a number", err);
+    const double real = json_number_value(value);
+    if (!isfinite(real))
+        return orl_json_fail(err, ORL_ERR_RANGE, path, "the number is not finite");
+    *ret_value = real;
+    return 0;
+}
+
+int orl_json_bool(const json_t *value, const char *path, bool *ret_value, struct orl_error *err)
+{
+    if (!json_is_boolean(value))
+        return wrong_type(value, path, "true or false", err);
+    *ret_value = json_is_true(value);
+    return 0;
+}
+
+int orl_json_string(const json_t *value, const char *path, size_t max, char **ret_text,
+                    struct orl_error *err)
+{
+    if (!json_is_string(value))
+        return wrong_type(value, path, "a string", err);
+    const size_t length = json_string_length(value);
+    if (length == 0)
+        return orl_json_fail(err, ORL_ERR_INVALID, path, "the string is empty");
+    if (length > max)
+        return orl_json_fail(err, ORL_ERR_LIMIT, path, "%zu bytes; the limit is %zu", length, max);
+    char *copy = strdup(json_string_value(value));
+    if (!copy)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    *ret_text = copy;
+    return 0;
+}

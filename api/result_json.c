@@ -1,0 +1,98 @@
+#include "result_json.h"
+
+#include <string.h>
+
+#include <oriel/vec.h>
+
+/*
+ * jansson's "o" in json_pack steals the reference and fails when it is NULL, so that one check at
+ * the end of each function covers all of its parts.
+ */
+json_t *orl_map_info_to_json(const struct orl_map_info *info)
+{
+    return json_pack("{s:s, s:s, s:I, s:I, s:I, s:f, s:b}", "kind", info->kind, "key", info->key,
+                     "emitted", (json_int_t)info->emitted, "stored", (json_int_t)info->stored,
+                     "bytes", (json_int_t)info->bytes, "seconds", info->seconds, "cached",
+                     (int)info->cached);
+}
+
+static json_t *timings_to_json(const struct orl_result *result)
+{
+    json_t *timings = json_object();
+    int rc = timings ? 0 : -1;
+    for (int stage = 0; stage < ORL_STAGE_COUNT && rc == 0; stage++)
+        rc = json_object_set_new(timings, orl_stage_name((enum orl_stage)stage),
+                                 json_real(result->timings_s[stage]));
+    if (rc == 0)
+        rc = json_object_set_new(timings, "total", json_real(result->total_s));
+    if (rc) {
+        json_decref(timings);
+        return NULL;
+    }
+    return timings;
+}
+
+/* Appends item (stolen) to array; -1 when either is NULL or memory is short. */
+static int append(json_t *array, json_t *item)
+{
+    return item ? json_array_append_new(array, item) : -1;
+}
+
+static json_t *maps_to_json(const struct orl_result *result)
+{
+    json_t *maps = json_array();
+    for (size_t i = 0; i < result->n_maps; i++)
+        if (append(maps, orl_map_info_to_json(&result->maps[i]))) {
+            json_decref(maps);
+            return NULL;
+        }
+    return maps;
+}
+
+static json_t *sensors_to_json(const struct orl_result *result)
+{
+    json_t *sensors = json_array();
+    for (size_t i = 0; i < result->n_sensors; i++) {
+        /* JSON has no NaN: one broken sensor shows as null instead of losing all the others. */
+        json_t *lux = json_real(result->illuminance_lx[i]);
+        if (append(sensors, json_pack("{s:o}", "illuminance_lx", lux ? lux : json_null()))) {
+            json_decref(sensors);
+            return NULL;
+        }
+    }
+    return sensors;
+}
+
+static json_t *views_to_json(const struct orl_result *result)
+{
+    json_t *views = json_array();
+    for (size_t i = 0; i < result->n_views; i++) {
+        const struct orl_view_result *view = &result->views[i];
+        if (append(views, json_pack("{s:s, s:s*, s:s*, s:f}", "name", view->name, "hdr", view->hdr,
+                                    "png", view->png, "seconds", view->seconds))) {
+            json_decref(views);
+            return NULL;
+        }
+    }
+    return views;
+}
+
+static json_t *warnings_to_json(const struct orl_result *result)
+{
+    json_t *warnings = json_array();
+    for (size_t i = 0; i < result->n_warnings; i++)
+        if (append(warnings, json_string(result->warnings[i]))) {
+            json_decref(warnings);
+            return NULL;
+        }
+    return warnings;
+}
+
+json_t *orl_result_to_json(const struct orl_result *result, const char *state)
+{
+    return json_pack("{s:s, s:I, s:I, s:o, s:o, s:o, s:o, s:o}", "state", state, "threads",
+                     (json_int_t)result->threads, "seed", (json_int_t)result->seed, "timings_s",
+                     timings_to_json(result), "maps", maps_to_json(result), "sensors",
+                     sensors_to_json(result), "views", views_to_json(result), "warnings",
+                     warnings_to_json(result));
+}

@@ -1,0 +1,15 @@
+/*
+ * What an uploaded scene holds -> JSON: {"surfaces", "materials", "sources", "triangles", "bsdfs",
+ * "bounds": {"min": [x, y, z], "max": [x, y, z]}, "digest", "referenced": ["lcp.xml", ...]}.
+ * A new reference, the caller's; NULL when out of memory.
+ */
+#ifndef ORL_API_SCENE_JSON_H
+#define ORL_API_SCENE_JSON_H
+
+#include <jansson.h>
+
+#include <oriel/run.h>
+
+json_t *orl_scene_summary_to_json(const struct orl_scene_summary *summary);
+
+#endif
