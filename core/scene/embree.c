@@ -1,0 +1,195 @@
+#include "scene/embree.h"
+
+#include <string.h>
+
+#if __has_include(<embree4/rtcore.h>)
+#include <embree4/rtcore.h>
+#else
+#include <embree3/rtcore.h>
+#endif
+
+#include "scene/quadric.h"
+
+enum { GEOMETRY_TRIANGLES = 0, GEOMETRY_CURVED = 1 };
+
+/* Embree calls back for user geometry; single rays only, so N is 1. */
+static void curved_bounds(const struct RTCBoundsFunctionArguments *args)
+{
+    const struct orl_geometry *geometry = args->geometryUserPtr;
+    struct orl_vec3 low, high;
+    orl_quadric_bounds(&geometry->facets[geometry->n_facets - 1 - args->primID], &low, &high);
+    /* Floats round either way: widen by more than an ulp of the scene. */
+    const double pad = geometry->radius * 1e-6;
+    args->bounds_o->lower_x = (float)(low.x - pad);
+    args->bounds_o->lower_y = (float)(low.y - pad);
+    args->bounds_o->lower_z = (float)(low.z - pad);
+    args->bounds_o->upper_x = (float)(high.x + pad);
+    args->bounds_o->upper_y = (float)(high.y + pad);
+    args->bounds_o->upper_z = (float)(high.z + pad);
+}
+
+static bool curved_test(const struct orl_geometry *geometry, uint32_t primitive,
+                        const struct RTCRay *ray, double *ret_t, struct orl_vec3 *ret_normal)
+{
+    return orl_quadric_intersect(&geometry->facets[geometry->n_facets - 1 - primitive],
+                                 orl_v3(ray->org_x, ray->org_y, ray->org_z),
+                                 orl_v3(ray->dir_x, ray->dir_y, ray->dir_z), ray->tnear, ray->tfar,
+                                 ret_t, ret_normal);
+}
+
+static void curved_intersect(const struct RTCIntersectFunctionNArguments *args)
+{
+    struct RTCRayHit *rayhit = (struct RTCRayHit *)args->rayhit;
+    struct orl_vec3 normal;
+    double t;
+    if (!args->valid[0] ||
+        !curved_test(args->geometryUserPtr, args->primID, &rayhit->ray, &t, &normal))
+        return;
+    rayhit->ray.tfar = (float)t;
+    rayhit->hit.geomID = args->geomID;
+    rayhit->hit.primID = args->primID;
+}
+
+static void curved_occluded(const struct RTCOccludedFunctionNArguments *args)
+{
+    struct RTCRay *ray = (struct RTCRay *)args->ray;
+    struct orl_vec3 normal;
+    double t;
+    if (args->valid[0] && curved_test(args->geometryUserPtr, args->primID, ray, &t, &normal))
+        ray->tfar = -INFINITY;
+}
+
+static int build_triangles(struct orl_geometry *geometry, RTCDevice device, RTCScene scene)
+{
+    RTCGeometry mesh = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    const size_t n = geometry->n_triangles;
+    float *vertices = rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                              3 * sizeof(float), 3 * n);
+    unsigned *indices = rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                                                3 * sizeof(unsigned), n);
+    if (n > 0 && (!vertices || !indices)) {
+        rtcReleaseGeometry(mesh);
+        return ORL_ERR_NOMEM;
+    }
+    for (size_t i = 0; i < n; i++) {
+        const struct orl_triangle *t = &geometry->triangles[i];
+        const struct orl_vec3 corners[3] = {t->a, t->b, t->c};
+        for (size_t k = 0; k < 3; k++) {
+            vertices[9 * i + 3 * k] = (float)corners[k].x;
+            vertices[9 * i + 3 * k + 1] = (float)corners[k].y;
+            vertices[9 * i + 3 * k + 2] = (float)corners[k].z;
+            indices[3 * i + k] = (unsigned)(3 * i + k);
+        }
+    }
+    rtcCommitGeometry(mesh);
+    rtcAttachGeometryByID(scene, mesh, GEOMETRY_TRIANGLES);
+    rtcReleaseGeometry(mesh);
+    return 0;
+}
+
+static void build_curved(struct orl_geometry *geometry, RTCDevice device, RTCScene scene,
+                         unsigned count)
+{
+    RTCGeometry curved = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
+    rtcSetGeometryUserPrimitiveCount(curved, count);
+    rtcSetGeometryUserData(curved, geometry);
+    rtcSetGeometryBoundsFunction(curved, curved_bounds, NULL);
+    rtcSetGeometryIntersectFunction(curved, curved_intersect);
+    rtcSetGeometryOccludedFunction(curved, curved_occluded);
+    rtcCommitGeometry(curved);
+    rtcAttachGeometryByID(scene, curved, GEOMETRY_CURVED);
+    rtcReleaseGeometry(curved);
+}
+
+int orl_embree_build(struct orl_geometry *geometry, struct orl_error *err)
+{
+    unsigned n_curved = 0;
+    for (size_t i = 0; i < geometry->n_facets; i++)
+        n_curved += geometry->facets[i].kind != ORL_SURFACE_POLYGON;
+    /* One build thread: the hierarchy, and with it the order of ties, is the same every time. */
+    RTCDevice device = rtcNewDevice("threads=1");
+    RTCScene scene = device ? rtcNewScene(device) : NULL;
+    if (!scene) {
+        if (device)
+            rtcReleaseDevice(device);
+        return orl_error_set(err, ORL_ERR_NOMEM, "Embree would not start");
+    }
+    geometry->device = device;
+    geometry->scene = scene;
+    rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
+    rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_HIGH);
+    if (geometry->n_triangles > 0 && build_triangles(geometry, device, scene) < 0)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for %zu triangles",
+                             geometry->n_triangles);
+    if (n_curved > 0)
+        build_curved(geometry, device, scene, n_curved);
+    rtcCommitScene(scene);
+    const enum RTCError failure = rtcGetDeviceError(device);
+    if (failure != RTC_ERROR_NONE)
+        return orl_error_set(err,
+                             failure == RTC_ERROR_OUT_OF_MEMORY ? ORL_ERR_NOMEM : ORL_ERR_INTERNAL,
+                             "Embree failed to build the scene (error %d)", (int)failure);
+    return 0;
+}
+
+void orl_embree_free(struct orl_geometry *geometry)
+{
+    if (geometry->scene)
+        rtcReleaseScene(geometry->scene);
+    if (geometry->device)
+        rtcReleaseDevice(geometry->device);
+    geometry->scene = NULL;
+    geometry->device = NULL;
+}
+
+static struct RTCRay make_ray(struct orl_vec3 origin, struct orl_vec3 direction,
+                              double max_distance)
+{
+    return (struct RTCRay){.org_x = (float)origin.x,
+                           .org_y = (float)origin.y,
+                           .org_z = (float)origin.z,
+                           .dir_x = (float)direction.x,
+                           .dir_y = (float)direction.y,
+                           .dir_z = (float)direction.z,
+                           .tnear = 0.0F,
+                           .tfar = (float)max_distance,
+                           .mask = 0xffffffffU};
+}
+
+bool orl_embree_intersect(const struct orl_geometry *geometry, struct orl_vec3 origin,
+                          struct orl_vec3 direction, double max_distance,
+                          struct orl_embree_hit *ret_hit)
+{
+    struct RTCRayHit rayhit = {.ray = make_ray(origin, direction, max_distance)};
+    rayhit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    rayhit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+#if RTC_VERSION_MAJOR >= 4
+    rtcIntersect1(geometry->scene, &rayhit, NULL);
+#else
+    struct RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    rtcIntersect1(geometry->scene, &context, &rayhit);
+#endif
+    if (rayhit.hit.geomID == RTC_INVALID_GEOMETRY_ID)
+        return false;
+    ret_hit->distance = rayhit.ray.tfar;
+    ret_hit->curved = rayhit.hit.geomID == GEOMETRY_CURVED;
+    ret_hit->index = ret_hit->curved
+                         ? (uint32_t)(geometry->n_facets - 1 - rayhit.hit.primID)
+                         : rayhit.hit.primID;
+    return true;
+}
+
+bool orl_embree_occluded(const struct orl_geometry *geometry, struct orl_vec3 origin,
+                         struct orl_vec3 direction, double max_distance)
+{
+    struct RTCRay ray = make_ray(origin, direction, max_distance);
+#if RTC_VERSION_MAJOR >= 4
+    rtcOccluded1(geometry->scene, &ray, NULL);
+#else
+    struct RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    rtcOccluded1(geometry->scene, &context, &ray);
+#endif
+    return ray.tfar < 0.0F;
+}

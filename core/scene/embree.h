@@ -1,0 +1,27 @@
+/*
+ * The one place that knows Embree: version 3 (Debian 12) and 4 (later releases) alike.
+ * Only geometry.c includes this.
+ */
+#ifndef ORL_SCENE_EMBREE_H
+#define ORL_SCENE_EMBREE_H
+
+#include "scene/geometry.h"
+
+/* Builds device and scene from geometry's triangles (first) and curved facets. */
+int orl_embree_build(struct orl_geometry *geometry, struct orl_error *err);
+void orl_embree_free(struct orl_geometry *geometry);
+
+/* What a ray met: a triangle's index, or a facet's when curved. */
+struct orl_embree_hit {
+    double distance;
+    uint32_t index;
+    bool curved;
+};
+
+bool orl_embree_intersect(const struct orl_geometry *geometry, struct orl_vec3 origin,
+                          struct orl_vec3 direction, double max_distance,
+                          struct orl_embree_hit *ret_hit);
+bool orl_embree_occluded(const struct orl_geometry *geometry, struct orl_vec3 origin,
+                         struct orl_vec3 direction, double max_distance);
+
+#endif

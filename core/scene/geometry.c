@@ -1,0 +1,233 @@
+#include "scene/geometry.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include <oriel/limits.h>
+
+#include "scene/embree.h"
+#include "scene/quadric.h"
+#include "scene/triangulate.h"
+
+static void include(struct orl_vec3 p, struct orl_vec3 *low, struct orl_vec3 *high)
+{
+    *low = orl_v3(fmin(low->x, p.x), fmin(low->y, p.y), fmin(low->z, p.z));
+    *high = orl_v3(fmax(high->x, p.x), fmax(high->y, p.y), fmax(high->z, p.z));
+}
+
+static double largest(struct orl_vec3 v)
+{
+    return fmax(fabs(v.x), fmax(fabs(v.y), fabs(v.z)));
+}
+
+static void fill_curved(struct orl_facet *facet, const struct orl_surface *surface)
+{
+    facet->normal = surface->normal;
+    for (int k = 0; k < 2; k++) {
+        facet->center[k] = surface->center[k];
+        facet->radius[k] = surface->radius[k];
+    }
+    if (surface->kind == ORL_SURFACE_CYLINDER || surface->kind == ORL_SURFACE_TUBE)
+        facet->radius[1] = facet->radius[0];
+}
+
+static void bounds_of(const struct orl_surface *surface, struct orl_vec3 *low,
+                      struct orl_vec3 *high)
+{
+    struct orl_facet facet = {.kind = surface->kind};
+    struct orl_vec3 a, b;
+    for (uint32_t i = 0; i < surface->n_vertices; i++)
+        include(surface->vertices[i], low, high);
+    if (surface->kind != ORL_SURFACE_POLYGON) {
+        fill_curved(&facet, surface);
+        orl_quadric_bounds(&facet, &a, &b);
+        include(a, low, high);
+        include(b, low, high);
+    }
+}
+
+/* Cuts a polygon into triangles, moved, and measures it. */
+static int add_polygon(struct orl_geometry *g, const struct orl_surface *surface, uint32_t facet,
+                       uint32_t (*triples)[3])
+{
+    struct orl_facet *f = &g->facets[facet];
+    double reach = 0;
+    const int n = orl_triangulate(surface->vertices, surface->n_vertices, surface->normal, triples);
+    if (n < 0)
+        return n;
+    f->normal = surface->normal;
+    f->first_triangle = (uint32_t)g->n_triangles;
+    f->n_triangles = (uint32_t)n;
+    for (int i = 0; i < n; i++) {
+        const struct orl_triangle t = {orl_sub(surface->vertices[triples[i][0]], g->center),
+                                       orl_sub(surface->vertices[triples[i][1]], g->center),
+                                       orl_sub(surface->vertices[triples[i][2]], g->center), facet};
+        g->triangles[g->n_triangles++] = t;
+        f->area += 0.5 * orl_length(orl_cross(orl_sub(t.b, t.a), orl_sub(t.c, t.a)));
+        reach = fmax(reach, fmax(largest(t.a), fmax(largest(t.b), largest(t.c))));
+    }
+    f->offset = reach * 0x1p-20;
+    return 0;
+}
+
+static void add_curved(struct orl_geometry *g, const struct orl_surface *surface, uint32_t facet)
+{
+    struct orl_facet *f = &g->facets[facet];
+    struct orl_vec3 low, high;
+    fill_curved(f, surface);
+    for (int k = 0; k < 2; k++)
+        f->center[k] = orl_sub(f->center[k], g->center);
+    orl_quadric_bounds(f, &low, &high);
+    f->area = orl_quadric_area(f);
+    f->offset = fmax(largest(low), largest(high)) * 0x1p-20;
+}
+
+/* Polygons come first and curved facets last, so that Embree's numbers map by arithmetic alone. */
+static int add_facets(struct orl_geometry *g, const struct orl_description *d)
+{
+    size_t most = 3, polygon = 0, curved = d->n_surfaces;
+    int code = 0;
+    for (size_t i = 0; i < d->n_surfaces; i++)
+        if (d->surfaces[i].n_vertices > most)
+            most = d->surfaces[i].n_vertices;
+    uint32_t(*triples)[3] = malloc(most * sizeof *triples);
+    if (!triples)
+        return ORL_ERR_NOMEM;
+    for (size_t i = 0; i < d->n_surfaces && code == 0; i++) {
+        const struct orl_surface *surface = &d->surfaces[i];
+        const bool flat = surface->kind == ORL_SURFACE_POLYGON;
+        const uint32_t facet = (uint32_t)(flat ? polygon++ : --curved);
+        g->facets[facet].kind = surface->kind;
+        g->facets[facet].material = surface->material;
+        if (flat)
+            code = add_polygon(g, surface, facet, triples);
+        else
+            add_curved(g, surface, facet);
+    }
+    free(triples);
+    return code;
+}
+
+static void measure(struct orl_geometry *g, const struct orl_description *d)
+{
+    struct orl_vec3 low = orl_v3(INFINITY, INFINITY, INFINITY), high = orl_neg(low);
+    for (size_t i = 0; i < d->n_surfaces; i++)
+        bounds_of(&d->surfaces[i], &low, &high);
+    if (d->n_surfaces == 0)
+        low = high = orl_v3(0, 0, 0);
+    g->center = orl_scale(orl_add(low, high), 0.5);
+    g->low = orl_sub(low, g->center);
+    g->high = orl_sub(high, g->center);
+    g->radius = orl_length(g->high);
+}
+
+int orl_geometry_new(const struct orl_description *description, struct orl_geometry **ret_geometry,
+                     struct orl_error *err)
+{
+    size_t corners = 0;
+    int code = ORL_ERR_NOMEM;
+    struct orl_geometry *g = calloc(1, sizeof *g);
+    if (!g)
+        goto done;
+    if (description->n_surfaces > ORL_LIMIT_SURFACES) {
+        code = orl_error_set(err, ORL_ERR_LIMIT, "%zu surfaces; at most %lu are allowed",
+                             description->n_surfaces, ORL_LIMIT_SURFACES);
+        goto done;
+    }
+    for (size_t i = 0; i < description->n_surfaces; i++)
+        corners += description->surfaces[i].n_vertices;
+    measure(g, description);
+    g->n_facets = description->n_surfaces;
+    g->facets = calloc(g->n_facets + 1, sizeof *g->facets);
+    g->triangles = malloc((corners + 1) * sizeof *g->triangles);
+    if (!g->facets || !g->triangles)
+        goto done;
+    code = add_facets(g, description);
+    if (code == 0)
+        code = orl_embree_build(g, err);
+done:
+    if (code == 0)
+        *ret_geometry = g;
+    else
+        orl_geometry_free(g);
+    if (code == ORL_ERR_NOMEM)
+        orl_error_set(err, code, "out of memory for the scene's geometry");
+    return code;
+}
+
+void orl_geometry_free(struct orl_geometry *geometry)
+{
+    if (!geometry)
+        return;
+    orl_embree_free(geometry);
+    free(geometry->facets);
+    free(geometry->triangles);
+    free(geometry);
+}
+
+bool orl_geometry_intersect(const struct orl_geometry *geometry, struct orl_vec3 origin,
+                            struct orl_vec3 direction, double max_distance,
+                            struct orl_hit *ret_hit)
+{
+    struct orl_embree_hit e;
+    if (!orl_embree_intersect(geometry, origin, direction, max_distance, &e))
+        return false;
+    const uint32_t index = e.curved ? e.index : geometry->triangles[e.index].facet;
+    const struct orl_facet *facet = &geometry->facets[index];
+    double t = e.distance;
+    struct orl_vec3 normal = facet->normal;
+    if (e.curved) {
+        /* Again in double; at a graze Embree's float root may be all there is. */
+        orl_quadric_intersect(facet, origin, direction, -facet->offset, INFINITY, &t, &normal);
+    } else {
+        const double slope = orl_dot(direction, normal);
+        const struct orl_vec3 to_plane = orl_sub(geometry->triangles[e.index].a, origin);
+        const double exact = orl_dot(to_plane, normal) / slope;
+        if (fabs(exact - t) <= 1e-3 * t + facet->offset)
+            t = exact;
+    }
+    ret_hit->distance = t;
+    ret_hit->point = orl_madd(origin, direction, t);
+    ret_hit->normal = normal;
+    ret_hit->facet = index;
+    ret_hit->front = orl_dot(direction, normal) < 0;
+    return true;
+}
+
+bool orl_geometry_occluded(const struct orl_geometry *geometry, struct orl_vec3 origin,
+                           struct orl_vec3 direction, double max_distance)
+{
+    return orl_embree_occluded(geometry, origin, direction, max_distance);
+}
+
+struct orl_vec3 orl_hit_leave(const struct orl_geometry *geometry, const struct orl_hit *hit,
+                              struct orl_vec3 direction)
+{
+    const double offset = geometry->facets[hit->facet].offset;
+    return orl_madd(hit->point, hit->normal,
+                    orl_dot(direction, hit->normal) >= 0 ? offset : -offset);
+}
+
+void orl_facet_sample(const struct orl_geometry *geometry, uint32_t facet, const double u[2],
+                      struct orl_vec3 *ret_point, struct orl_vec3 *ret_normal)
+{
+    const struct orl_facet *f = &geometry->facets[facet];
+    if (f->kind != ORL_SURFACE_POLYGON) {
+        orl_quadric_sample(f, u, ret_point, ret_normal);
+        return;
+    }
+    /* The first coordinate picks the triangle by area and is stretched to serve again. */
+    double left = u[0] * f->area, area = 0;
+    const struct orl_triangle *t = &geometry->triangles[f->first_triangle];
+    for (uint32_t i = 0; i < f->n_triangles; i++) {
+        t = &geometry->triangles[f->first_triangle + i];
+        area = 0.5 * orl_length(orl_cross(orl_sub(t->b, t->a), orl_sub(t->c, t->a)));
+        if (left < area || i + 1 == f->n_triangles)
+            break;
+        left -= area;
+    }
+    const double s = sqrt(fmin(fmax(area > 0 ? left / area : 0, 0), 1));
+    *ret_point = orl_add(orl_add(orl_scale(t->a, 1 - s), orl_scale(t->b, s * (1 - u[1]))),
+                         orl_scale(t->c, s * u[1]));
+    *ret_normal = f->normal;
+}

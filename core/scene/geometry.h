@@ -1,0 +1,83 @@
+/*
+ * The scene's surfaces as a ray tracer sees them, on top of Embree (3 or 4, robust mode).
+ *
+ * Coordinates: the scene is moved by -center, in double, before it becomes Embree's floats. All of
+ * the core beyond this header works in these moved coordinates; orl_geometry.center is added or
+ * subtracted only where a job's sensors and views come in. Units are the scene file's.
+ *
+ * Hits: the point is projected back onto the true surface in double, so that its error does not
+ * grow with distance. Rays that start on a surface are to start at orl_hit_leave(hit, direction).
+ *
+ * Determinism: the hierarchy is built by one thread, so that ties are broken the same way each time.
+ * Threads: immutable once built; intersect and occluded may be called from any thread.
+ */
+#ifndef ORL_SCENE_GEOMETRY_H
+#define ORL_SCENE_GEOMETRY_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <oriel/error.h>
+
+#include "scene/description.h"
+
+/* A surface as it is shot at: the description's, moved, with what hits need at hand. */
+struct orl_facet {
+    enum orl_surface_kind kind;
+    uint32_t material;
+    struct orl_vec3 normal; /* polygons and rings: unit, the declared front */
+    struct orl_vec3 center[2];
+    double radius[2];
+    double offset;      /* how far from the surface a ray must start to be clear of it */
+    double area;
+    uint32_t first_triangle, n_triangles; /* polygons: into orl_geometry.triangles */
+};
+
+struct orl_triangle {
+    struct orl_vec3 a, b, c;
+    uint32_t facet;
+};
+
+struct orl_geometry {
+    struct orl_vec3 center; /* subtracted from the files' coordinates */
+    struct orl_vec3 low, high; /* bounds, moved coordinates */
+    double radius;             /* of the bounding sphere about the moved origin */
+    struct orl_facet *facets;
+    size_t n_facets;
+    struct orl_triangle *triangles;
+    size_t n_triangles;
+    void *device, *scene; /* Embree's */
+};
+
+struct orl_hit {
+    double distance;
+    struct orl_vec3 point;  /* on the surface */
+    struct orl_vec3 normal; /* unit, the declared front */
+    uint32_t facet;
+    bool front; /* the ray met the front: dot(direction, normal) < 0 */
+};
+
+/* Returns 0 and a geometry the caller frees, or ORL_ERR_NOMEM, ORL_ERR_RANGE. */
+int orl_geometry_new(const struct orl_description *description, struct orl_geometry **ret_geometry,
+                     struct orl_error *err);
+void orl_geometry_free(struct orl_geometry *geometry);
+
+/* The nearest surface along the ray within max_distance; direction is unit. */
+bool orl_geometry_intersect(const struct orl_geometry *geometry, struct orl_vec3 origin,
+                            struct orl_vec3 direction, double max_distance,
+                            struct orl_hit *ret_hit);
+
+/* Whether anything at all, glass included, lies within max_distance. */
+bool orl_geometry_occluded(const struct orl_geometry *geometry, struct orl_vec3 origin,
+                           struct orl_vec3 direction, double max_distance);
+
+/* Where a ray that leaves the hit point along direction is to start. */
+struct orl_vec3 orl_hit_leave(const struct orl_geometry *geometry, const struct orl_hit *hit,
+                              struct orl_vec3 direction);
+
+/* A point uniform by area on a facet, with its front normal; u in [0,1)^2. */
+void orl_facet_sample(const struct orl_geometry *geometry, uint32_t facet, const double u[2],
+                      struct orl_vec3 *ret_point, struct orl_vec3 *ret_normal);
+
+#endif

@@ -1,0 +1,25 @@
+/*
+ * Curved and annular surfaces, intersected in double: spheres, cylinders, cones, rings.
+ */
+#ifndef ORL_SCENE_QUADRIC_H
+#define ORL_SCENE_QUADRIC_H
+
+#include <stdbool.h>
+
+#include "scene/geometry.h"
+
+/* Nearest crossing with near < t < far; fills t and the declared front normal there. */
+bool orl_quadric_intersect(const struct orl_facet *facet, struct orl_vec3 origin,
+                           struct orl_vec3 direction, double near, double far, double *ret_t,
+                           struct orl_vec3 *ret_normal);
+
+void orl_quadric_bounds(const struct orl_facet *facet, struct orl_vec3 *ret_low,
+                        struct orl_vec3 *ret_high);
+
+double orl_quadric_area(const struct orl_facet *facet);
+
+/* A point uniform by area, with its front normal. */
+void orl_quadric_sample(const struct orl_facet *facet, const double u[2], struct orl_vec3 *ret_point,
+                        struct orl_vec3 *ret_normal);
+
+#endif
