@@ -1,0 +1,131 @@
+#include "bundle.h"
+
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include <oriel/limits.h>
+#include <oriel/run.h>
+
+#include "files.h"
+#include "json_get.h"
+#include "progress.h"
+
+static bool name_can_travel(const char *name)
+{
+    if (name[0] == '/' || name[0] == '\0')
+        return false;
+    for (const char *part = name; part; part = strchr(part, '/')) {
+        part += *part == '/';
+        if (strncmp(part, "..", 2) == 0 && (part[2] == '/' || part[2] == '\0'))
+            return false;
+    }
+    return true;
+}
+
+static bool is_xml(const char *name)
+{
+    const size_t length = strlen(name);
+
+    return length > 4 && strcmp(name + length - 4, ".xml") == 0;
+}
+
+/* Adds a file unless it is there already: one file may be referred to many times. */
+static int add_part(struct orl_bundle *bundle, const char *folder, const char *name, bool resource,
+                    struct orl_error *err)
+{
+    char path[4096];
+    struct orl_part *part;
+    int rc;
+
+    for (size_t i = 0; i < bundle->n_parts; i++)
+        if (strcmp(bundle->parts[i].name, name) == 0)
+            return 0;
+    if (!name_can_travel(name)) {
+        orl_error_set(err, ORL_ERR_INVALID, "\"%.200s\" lies outside the scene's folder", name);
+        orl_error_hint(err, "an upload carries only files below the folder: move it there");
+        return ORL_ERR_INVALID;
+    }
+    rc = orl_join_path(folder, name, path, sizeof path, err);
+    if (rc)
+        return rc;
+    if (bundle->n_parts == bundle->room)
+        return orl_error_set(err, ORL_ERR_LIMIT, "the scene has more than %u files",
+                             ORL_LIMIT_SCENE_FILES);
+    part = &bundle->parts[bundle->n_parts++];
+    *part = (struct orl_part){strdup(path), strdup(name), resource || is_xml(name)};
+    if (!part->path || !part->name)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    return 0;
+}
+
+int orl_bundle_collect(const char *folder, const char *const *main_files, size_t n_files,
+                       struct orl_bundle *ret_bundle, struct orl_error *err)
+{
+    const struct orl_files files = orl_files_from_folder(folder);
+    struct orl_bundle bundle = {.room = ORL_LIMIT_SCENE_FILES};
+    struct orl_scene_summary summary = {0};
+    int rc;
+
+    bundle.parts = calloc(bundle.room, sizeof *bundle.parts);
+    if (!bundle.parts) {
+        rc = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+        goto done;
+    }
+    rc = orl_scene_check(main_files, n_files, &files, &summary, err);
+    for (size_t i = 0; i < n_files && rc == 0; i++)
+        rc = add_part(&bundle, folder, main_files[i], false, err);
+    for (size_t i = 0; i < summary.n_referenced && rc == 0; i++)
+        rc = add_part(&bundle, folder, summary.referenced[i], true, err);
+    if (rc == 0) {
+        *ret_bundle = bundle;
+        bundle = (struct orl_bundle){0};
+    }
+done:
+    orl_scene_summary_done(&summary);
+    orl_bundle_done(&bundle);
+    return rc;
+}
+
+void orl_bundle_done(struct orl_bundle *bundle)
+{
+    if (!bundle)
+        return;
+    for (size_t i = 0; i < bundle->n_parts; i++) {
+        free(bundle->parts[i].path);
+        free(bundle->parts[i].name);
+    }
+    free(bundle->parts);
+    *bundle = (struct orl_bundle){0};
+}
+
+int orl_bundle_upload(const struct orl_bundle *bundle, struct orl_http *http, char **ret_id,
+                      struct orl_error *err)
+{
+    const double start_s = orl_clock_s(NULL);
+    double bytes = 0;
+    char amount[32];
+    json_t *reply = NULL;
+    int rc;
+
+    for (size_t i = 0; i < bundle->n_parts; i++) {
+        struct stat info;
+
+        if (stat(bundle->parts[i].path, &info) == 0)
+            bytes += (double)info.st_size;
+    }
+    rc = orl_http_post_parts(http, "/v1/scenes", bundle->parts, bundle->n_parts, &reply, err);
+    if (rc)
+        return rc;
+    orl_format_amount(bytes, "B", amount, sizeof amount);
+    fprintf(stderr, "scene: %zu files, %s, %s in %.1f s\n", bundle->n_parts, amount,
+            http->status == 201 ? "uploaded" : "already known to the daemon",
+            orl_clock_s(NULL) - start_s);
+    *ret_id = strdup(orl_json_text(reply, "id"));
+    json_decref(reply);
+    if (!*ret_id)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    return 0;
+}

@@ -1,0 +1,30 @@
+/*
+ * What an upload of a scene must carry: the main files, in order, and every file they refer to
+ * (BSDFs, !xform files). The core's own parser finds the references, so that nothing is forgotten
+ * and a mistake in the scene is reported before a byte is sent.
+ *
+ * Names travel as the scene's texts spell them, because that is how the daemon will look them up;
+ * names that leave the folder ("../", "/") cannot travel and are refused.
+ */
+#ifndef ORL_CLIENT_BUNDLE_H
+#define ORL_CLIENT_BUNDLE_H
+
+#include <stddef.h>
+
+#include "http.h"
+
+struct orl_bundle {
+    struct orl_part *parts; /* owned, with their strings; main files first */
+    size_t n_parts, room;
+};
+
+/* Collects the files below folder. */
+int orl_bundle_collect(const char *folder, const char *const *main_files, size_t n_files,
+                       struct orl_bundle *ret_bundle, struct orl_error *err);
+void orl_bundle_done(struct orl_bundle *bundle); /* NULL and half-filled are fine */
+
+/* Uploads it; says on stderr what it sends. *ret_id is owned (free()). */
+int orl_bundle_upload(const struct orl_bundle *bundle, struct orl_http *http, char **ret_id,
+                      struct orl_error *err);
+
+#endif

@@ -1,0 +1,105 @@
+/* oriel fetch ID -o DIR: result.json and the images it names. */
+#include "command.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#include "files.h"
+#include "follow.h"
+#include "http.h"
+#include "json_get.h"
+#include "report.h"
+
+/* A name from the network becomes a path of ours: it must stay inside the folder. */
+static bool is_plain_name(const char *name)
+{
+    return *name && *name != '.' && !strchr(name, '/');
+}
+
+static int fetch_image(struct orl_http *http, const char *id, const char *name, const char *folder,
+                       struct orl_error *err)
+{
+    char escaped[1024], rest[1100], path[2048], file[4096];
+    int rc;
+
+    if (!*name)
+        return 0; /* a view may lack one of the two formats */
+    if (!is_plain_name(name))
+        return orl_error_set(err, ORL_ERR_INVALID,
+                             "the daemon names a file \"%.100s\", which "
+                             "would leave the output folder",
+                             name);
+    rc = orl_http_escape(name, escaped, sizeof escaped, err);
+    if (rc)
+        return rc;
+    snprintf(rest, sizeof rest, "/files/%s", escaped);
+    rc = orl_job_path(id, rest, path, sizeof path, err);
+    if (rc == 0)
+        rc = orl_join_path(folder, name, file, sizeof file, err);
+    if (rc == 0)
+        rc = orl_http_download(http, path, file, err);
+    if (rc == 0)
+        printf("%s\n", file);
+    return rc;
+}
+
+static int fetch_all(struct orl_http *http, const char *id, const char *folder,
+                     struct orl_error *err)
+{
+    char path[1024], file[4096];
+    json_t *result = NULL;
+    const json_t *view;
+    size_t i;
+    int rc = orl_job_path(id, "/result", path, sizeof path, err);
+
+    if (rc == 0)
+        rc = orl_http_call(http, "GET", path, &result, err);
+    if (rc)
+        return rc;
+    json_array_foreach(json_object_get(result, "views"), i, view)
+    {
+        rc = fetch_image(http, id, orl_json_text(view, "hdr"), folder, err);
+        if (rc == 0)
+            rc = fetch_image(http, id, orl_json_text(view, "png"), folder, err);
+        if (rc)
+            goto done;
+    }
+    /* Last: who finds result.json finds the images it names. */
+    rc = orl_join_path(folder, "result.json", file, sizeof file, err);
+    if (rc == 0)
+        rc = orl_http_download(http, path, file, err);
+    if (rc == 0)
+        printf("%s\n", file);
+done:
+    json_decref(result);
+    return rc;
+}
+
+int orl_cmd_fetch(const struct orl_command *self, int argc, char **argv)
+{
+    const char *server = NULL, *folder = NULL;
+    const struct orl_option options[] = {
+        {.name = "output",
+         .letter = 'o',
+         .metavar = "DIR",
+         .help = "where to put the results",
+         .value = &folder},
+        ORL_OPTION_SERVER(&server),
+    };
+    struct orl_operands operands;
+    struct orl_http http = {0};
+    struct orl_error err = {0};
+    int rc;
+
+    if (!orl_options_parse(self, argc, argv, options, 2, 1, 1, &operands, &rc))
+        return rc;
+    if (!folder)
+        return orl_usage_error(self, "-o DIR is missing");
+    rc = orl_http_open(&http, server, &err);
+    if (rc == 0)
+        rc = orl_make_folder(folder, &err);
+    if (rc == 0)
+        rc = fetch_all(&http, operands.items[0], folder, &err);
+    orl_http_close(&http);
+    return rc ? orl_report_error(&err) : ORL_EXIT_OK;
+}

@@ -1,0 +1,77 @@
+/* oriel status [ID]: one job in detail, or the latest ones as a table. */
+#include "command.h"
+
+#include <stdio.h>
+
+#include "follow.h"
+#include "http.h"
+#include "json_get.h"
+#include "progress.h"
+#include "report.h"
+
+static void print_job(const json_t *job)
+{
+    const json_t *maps = json_object_get(job, "maps"), *map;
+    const double eta_s = orl_json_number(job, "eta_s", -1);
+    const double position = orl_json_number(job, "queue_position", -1);
+    char text[256];
+    size_t i;
+
+    printf("id       %s\nstate    %s\n", orl_json_text(job, "id"), orl_json_text(job, "state"));
+    if (position > 0)
+        printf("queue    %.0f\n", position);
+    if (*orl_json_text(job, "stage"))
+        printf("stage    %s\n", orl_json_text(job, "stage"));
+    printf("percent  %.1f\n", orl_json_number(job, "percent", 0));
+    if (eta_s >= 0) {
+        orl_format_duration(eta_s, text, sizeof text);
+        printf("eta      %s\n", text);
+    }
+    json_array_foreach(maps, i, map)
+    {
+        orl_format_map(map, text, sizeof text);
+        printf("%s\n", text);
+    }
+    fflush(stdout);
+    orl_report_job_error(job);
+}
+
+static void print_jobs(const json_t *jobs)
+{
+    const json_t *job;
+    size_t i;
+
+    printf("%-36s %-10s %8s  %s\n", "id", "state", "percent", "created");
+    json_array_foreach(jobs, i, job)
+    {
+        printf("%-36s %-10s %8.1f  %s\n", orl_json_text(job, "id"), orl_json_text(job, "state"),
+               orl_json_number(job, "percent", 0), orl_json_text(job, "created"));
+    }
+}
+
+int orl_cmd_status(const struct orl_command *self, int argc, char **argv)
+{
+    const char *server = NULL;
+    const struct orl_option options[] = {ORL_OPTION_SERVER(&server)};
+    struct orl_operands operands;
+    struct orl_http http = {0};
+    struct orl_error err = {0};
+    char path[1024] = "/v1/jobs";
+    json_t *reply = NULL;
+    int rc;
+
+    if (!orl_options_parse(self, argc, argv, options, 1, 0, 1, &operands, &rc))
+        return rc;
+    rc = orl_http_open(&http, server, &err);
+    if (rc == 0 && operands.count)
+        rc = orl_job_path(operands.items[0], "", path, sizeof path, &err);
+    if (rc == 0)
+        rc = orl_http_call(&http, "GET", path, &reply, &err);
+    if (rc == 0 && operands.count)
+        print_job(reply);
+    else if (rc == 0)
+        print_jobs(json_object_get(reply, "jobs"));
+    json_decref(reply);
+    orl_http_close(&http);
+    return rc ? orl_report_error(&err) : ORL_EXIT_OK;
+}

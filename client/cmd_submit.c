@@ -1,0 +1,89 @@
+/* oriel submit JOB.json: uploads what the document names, posts the job, prints its id. */
+#include "command.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "bundle.h"
+#include "follow.h"
+#include "http.h"
+#include "job_file.h"
+#include "job_json.h"
+#include "json_get.h"
+#include "report.h"
+
+/* Uploads "scene": {"files": [...]} and puts the id in its place; an id stays as it is. */
+static int send_scene(struct orl_http *http, struct orl_job_file *file, struct orl_error *err)
+{
+    struct orl_bundle bundle = {0};
+    struct orl_job job = {0};
+    char *id = NULL;
+    int rc;
+
+    if (!json_is_object(json_object_get(file->doc, "scene")))
+        return 0;
+    /* Decoding it as `oriel run` would finds mistakes before anything is sent. */
+    rc = orl_job_from_json(file->doc, ORL_JOB_LOCAL, &job, NULL, err);
+    if (rc)
+        return rc;
+    rc = orl_job_validate(&job, err);
+    if (rc == 0)
+        rc = orl_bundle_collect(file->folder, (const char *const *)job.scene_files,
+                                job.n_scene_files, &bundle, err);
+    if (rc == 0)
+        rc = orl_bundle_upload(&bundle, http, &id, err);
+    if (rc == 0 && json_object_set_new(file->doc, "scene", json_string(id)) != 0)
+        rc = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    free(id);
+    orl_bundle_done(&bundle);
+    orl_job_done(&job);
+    return rc;
+}
+
+/* Everything up to the daemon's 202. *ret_reply is the job's first document. */
+static int submit(struct orl_http *http, const char *path, json_t **ret_reply,
+                  struct orl_error *err)
+{
+    struct orl_job_file file = {0};
+    int rc = orl_job_file_read(path, &file, err);
+
+    if (rc == 0)
+        rc = send_scene(http, &file, err);
+    if (rc == 0)
+        rc = orl_job_file_inline_sensors(&file, err);
+    if (rc == 0)
+        rc = orl_http_post_json(http, "/v1/jobs", file.doc, ret_reply, err);
+    orl_job_file_done(&file);
+    return rc;
+}
+
+int orl_cmd_submit(const struct orl_command *self, int argc, char **argv)
+{
+    const char *server = NULL;
+    bool wait = false;
+    const struct orl_option options[] = {
+        ORL_OPTION_SERVER(&server),
+        {.name = "wait", .help = "follow the job to its end", .flag = &wait},
+    };
+    struct orl_operands operands;
+    struct orl_http http = {0};
+    struct orl_error err = {0};
+    json_t *reply = NULL;
+    int rc, code;
+
+    if (!orl_options_parse(self, argc, argv, options, 2, 1, 1, &operands, &code))
+        return code;
+    rc = orl_http_open(&http, server, &err);
+    if (rc == 0)
+        rc = submit(&http, operands.items[0], &reply, &err);
+    if (rc) {
+        code = orl_report_error(&err);
+    } else {
+        printf("%s\n", orl_json_text(reply, "id"));
+        fflush(stdout);
+        code = wait ? orl_follow_job(&http, orl_json_text(reply, "id")) : ORL_EXIT_OK;
+    }
+    json_decref(reply);
+    orl_http_close(&http);
+    return code;
+}

@@ -1,0 +1,15 @@
+/* oriel version */
+#include "command.h"
+
+#include <stdio.h>
+
+int orl_cmd_version(const struct orl_command *self, int argc, char **argv)
+{
+    struct orl_operands operands;
+    int code;
+
+    if (!orl_options_parse(self, argc, argv, NULL, 0, 0, 0, &operands, &code))
+        return code;
+    printf("oriel %s\n", ORL_CLIENT_VERSION);
+    return ORL_EXIT_OK;
+}

@@ -1,0 +1,150 @@
+#include "follow.h"
+
+#include <stdio.h>
+#include <string.h>
+#include <time.h>
+
+#include "command.h"
+#include "json_get.h"
+#include "progress.h"
+#include "report.h"
+
+/* How long a daemon that stopped answering is waited for: it may be restarting. */
+#define PATIENCE_S 60.0
+
+int orl_job_path(const char *id, const char *rest, char *ret_path, size_t size,
+                 struct orl_error *err)
+{
+    char escaped[512];
+    const int rc = orl_http_escape(id, escaped, sizeof escaped, err);
+    int length;
+
+    if (rc)
+        return rc;
+    length = snprintf(ret_path, size, "/v1/jobs/%s%s", escaped, rest);
+    if (length < 0 || (size_t)length >= size)
+        return orl_error_set(err, ORL_ERR_LIMIT, "the job's address is too long");
+    return 0;
+}
+
+void orl_format_map(const json_t *map, char *ret_text, size_t size)
+{
+    const double seconds = orl_json_number(map, "seconds", 0);
+    char stored[32], bytes[32];
+
+    orl_format_amount(orl_json_number(map, "stored", 0), "", stored, sizeof stored);
+    orl_format_amount(orl_json_number(map, "bytes", 0), "B", bytes, sizeof bytes);
+    if (orl_json_true(map, "cached"))
+        snprintf(ret_text, size, "%s map: found in the cache (%s photons, %s), %.1f s saved",
+                 orl_json_text(map, "kind"), stored, bytes, seconds);
+    else
+        snprintf(ret_text, size, "%s map: built in %.1f s (%s photons, %s)",
+                 orl_json_text(map, "kind"), seconds, stored, bytes);
+}
+
+/* Says once, for each map of the job, how it was come by. */
+static void note_maps(struct orl_progress *progress, const json_t *job, size_t *noted)
+{
+    const json_t *maps = json_object_get(job, "maps");
+
+    for (; *noted < json_array_size(maps); ++*noted) {
+        char text[256];
+
+        orl_format_map(json_array_get(maps, *noted), text, sizeof text);
+        orl_progress_note(progress, "%s", text);
+    }
+}
+
+static void note_timings(const json_t *job)
+{
+    const json_t *timings = json_object_get(job, "timings_s"), *value;
+    const char *name;
+
+    if (json_object_size(timings) == 0)
+        return;
+    fprintf(stderr, "seconds:");
+    json_object_foreach((json_t *)(uintptr_t)timings, name, value)
+    {
+        fprintf(stderr, " %s %.2f", name, json_number_value(value));
+    }
+    fputc('\n', stderr);
+}
+
+/* Says how the job ended; the exit code. */
+static int conclude(const json_t *job, const char *id)
+{
+    const char *state = orl_json_text(job, "state");
+
+    orl_report_job_error(job);
+    note_timings(job);
+    fprintf(stderr, "job %s: %s\n", id, state);
+    return strcmp(state, "succeeded") == 0 ? ORL_EXIT_OK : ORL_EXIT_FAILED;
+}
+
+static void pause_s(double seconds)
+{
+    const struct timespec span = {(time_t)seconds,
+                                  (long)((seconds - (double)(time_t)seconds) * 1e9)};
+
+    nanosleep(&span, NULL);
+}
+
+static void show(struct orl_progress *progress, const json_t *job)
+{
+    const char *state = orl_json_text(job, "state"), *stage = orl_json_text(job, "stage");
+
+    if (strcmp(state, "queued") == 0)
+        stage = "queued";
+    orl_progress_show(progress, *stage ? stage : state, orl_json_number(job, "percent", 0) / 100,
+                      orl_json_number(job, "eta_s", -1));
+}
+
+static bool has_ended(const json_t *job)
+{
+    const char *state = orl_json_text(job, "state");
+
+    return strcmp(state, "queued") != 0 && strcmp(state, "running") != 0;
+}
+
+int orl_follow_job(struct orl_http *http, const char *id)
+{
+    struct orl_progress progress;
+    struct orl_error err = {0};
+    char path[1024];
+    size_t noted = 0;
+    double silent_since_s = -1, wait_s = 0.1;
+    int rc = orl_job_path(id, "", path, sizeof path, &err);
+
+    orl_progress_start(&progress);
+    while (rc == 0) {
+        json_t *job = NULL;
+        int code = -1;
+
+        rc = orl_http_call(http, "GET", path, &job, &err);
+        if (rc == 0) {
+            silent_since_s = -1;
+            note_maps(&progress, job, &noted);
+            if (has_ended(job)) {
+                orl_progress_end(&progress);
+                code = conclude(job, id);
+            } else {
+                show(&progress, job);
+            }
+            json_decref(job);
+            if (code >= 0)
+                return code;
+        } else if (rc == ORL_ERR_IO && http->status == 0) {
+            if (silent_since_s < 0) {
+                silent_since_s = orl_clock_s(NULL);
+                orl_progress_note(&progress, "the daemon does not answer; trying again");
+            }
+            if (orl_clock_s(NULL) - silent_since_s < PATIENCE_S)
+                rc = 0;
+        }
+        pause_s(wait_s);
+        wait_s = wait_s < 0.5 ? wait_s * 1.25
+                              : wait_s; /* quick jobs end quickly, long ones poll little */
+    }
+    orl_progress_end(&progress);
+    return orl_report_error(&err);
+}

@@ -1,0 +1,147 @@
+#include "job_file.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <oriel/files.h>
+#include <oriel/limits.h>
+
+#include "decode.h"
+
+/* The folder part of path, "." when there is none. */
+static int folder_of(const char *path, char *ret_folder, size_t size, struct orl_error *err)
+{
+    const char *slash = strrchr(path, '/');
+    const size_t length = slash ? (size_t)(slash - path) : 0;
+
+    if (length >= size)
+        return orl_error_set(err, ORL_ERR_LIMIT, "the document's path is too long");
+    if (!slash)
+        snprintf(ret_folder, size, ".");
+    else if (length == 0)
+        snprintf(ret_folder, size, "/");
+    else
+        snprintf(ret_folder, size, "%.*s", (int)length, path);
+    return 0;
+}
+
+int orl_job_file_read(const char *path, struct orl_job_file *ret_file, struct orl_error *err)
+{
+    const struct orl_files here = orl_files_from_folder(".");
+    struct orl_file text;
+    int rc;
+
+    *ret_file = (struct orl_job_file){0};
+    rc = folder_of(path, ret_file->folder, sizeof ret_file->folder, err);
+    if (rc)
+        return rc;
+    rc = here.open(here.ctx, path, &text, err);
+    if (rc)
+        return rc;
+    if (text.size > ORL_LIMIT_JOB_BYTES)
+        rc = orl_error_set(err, ORL_ERR_LIMIT, "the job document is larger than %lu MiB",
+                           ORL_LIMIT_JOB_BYTES >> 20);
+    else
+        rc = orl_json_parse(path, text.data, text.size, &ret_file->doc, err);
+    here.close(here.ctx, &text);
+    return rc;
+}
+
+void orl_job_file_done(struct orl_job_file *file)
+{
+    if (file)
+        json_decref(file->doc);
+}
+
+/* Reads one "x y z dx dy dz" line (NUL-terminated). Returns 1 when it holds a sensor, 0 when it is
+ * blank or a comment, -1 when it is neither. */
+static int read_sensor(const char *line, double ret_values[6])
+{
+    int count = 0;
+    char *end;
+
+    for (;; count++) {
+        line += strspn(line, " \t\r");
+        if (*line == '\0' || *line == '#')
+            break;
+        if (count == 6)
+            return -1;
+        ret_values[count] = strtod(line, &end);
+        if (end == line || !isfinite(ret_values[count]) || !strchr(" \t\r#", *end))
+            return -1;
+        line = end;
+    }
+    return count == 6 ? 1 : count == 0 ? 0 : -1;
+}
+
+static int append_sensor(json_t *array, const double v[6], struct orl_error *err)
+{
+    json_t *row = json_array();
+
+    for (int i = 0; i < 6; i++)
+        if (json_array_append_new(row, json_real(v[i])) != 0) {
+            json_decref(row);
+            return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+        }
+    if (json_array_append_new(array, row) != 0)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    return 0;
+}
+
+/* Every line of the text into the array. name is for messages. */
+static int read_sensors(const char *name, const struct orl_file *text, json_t *array,
+                        struct orl_error *err)
+{
+    const char *at = text->data, *const end = at + text->size;
+
+    for (int number = 1; at < end; number++) {
+        const char *newline = memchr(at, '\n', (size_t)(end - at));
+        const size_t length = (size_t)((newline ? newline : end) - at);
+        char line[512];
+        double values[6];
+        int found = -1, rc = 0;
+
+        if (length < sizeof line && !memchr(at, '\0', length)) {
+            memcpy(line, at, length);
+            line[length] = '\0';
+            found = read_sensor(line, values);
+        }
+        if (found < 0)
+            rc = orl_error_set(err, ORL_ERR_SYNTAX, "a sensor is six numbers: x y z dx dy dz");
+        else if (found > 0)
+            rc = append_sensor(array, values, err);
+        if (rc) {
+            orl_error_at(err, name, number, NULL);
+            return rc;
+        }
+        at += length + (newline ? 1 : 0);
+    }
+    return 0;
+}
+
+int orl_job_file_inline_sensors(struct orl_job_file *file, struct orl_error *err)
+{
+    const json_t *sensors = json_object_get(file->doc, "sensors");
+    const char *name = json_string_value(json_object_get(sensors, "file"));
+    const struct orl_files folder = orl_files_from_folder(file->folder);
+    struct orl_file text;
+    json_t *array;
+    int rc;
+
+    if (!name)
+        return 0; /* absent, an array, or something the daemon will complain about */
+    rc = folder.open(folder.ctx, name, &text, err);
+    if (rc)
+        return rc;
+    array = json_array();
+    rc = array ? read_sensors(name, &text, array, err)
+               : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    folder.close(folder.ctx, &text);
+    if (rc == 0 && json_object_set(file->doc, "sensors", array) != 0)
+        rc = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    json_decref(array);
+    return rc;
+}

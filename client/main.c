@@ -1,0 +1,99 @@
+/* oriel: the command line. A static table of commands; each says for itself what it does. */
+#include "command.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#include <curl/curl.h>
+
+static const struct orl_command commands[] = {
+    {"run", "JOB.json -o DIR [--threads N]", "Render a job here, without a daemon",
+     "JOB.json names its scene as {\"files\": [...]}, relative to the document. Images and\n"
+     "result.json go to DIR, photon maps to DIR/maps, where the next run finds them again.",
+     orl_cmd_run},
+    {"submit", "JOB.json [--server URL] [--wait]",
+     "Send a job, and the files it needs, to a daemon",
+     "Uploads the scene's files and everything they refer to, then prints the job's id.",
+     orl_cmd_submit},
+    {"status", "[ID] [--server URL]", "Show one job, or the latest ones", NULL, orl_cmd_status},
+    {"wait", "ID [--server URL]", "Follow a job to its end, with progress",
+     "Ends with 0 when the job succeeded, 1 when it failed or was cancelled. A daemon that\n"
+     "restarts in between is waited for.",
+     orl_cmd_wait},
+    {"fetch", "ID -o DIR [--server URL]", "Download a finished job's results", NULL, orl_cmd_fetch},
+    {"cancel", "ID [--server URL]", "Stop a job", NULL, orl_cmd_cancel},
+    {"maps", "[--server URL]", "List the photon maps a daemon holds, and what they saved", NULL,
+     orl_cmd_maps},
+    {"upload", "scene FILE... | bsdf FILE  [--server URL]", "Send a scene or a BSDF; prints its id",
+     "A scene's files are named relative to the working directory, as its texts refer to them.",
+     orl_cmd_upload},
+    {"version", "", "Print the version", NULL, orl_cmd_version},
+};
+
+enum { COMMAND_COUNT = sizeof commands / sizeof commands[0] };
+
+static const struct orl_command *find_command(const char *name)
+{
+    for (size_t i = 0; i < COMMAND_COUNT; i++)
+        if (strcmp(commands[i].name, name) == 0)
+            return &commands[i];
+    return NULL;
+}
+
+static void print_overview(FILE *to)
+{
+    fprintf(to, "oriel: daylight rendering, here or through an orield daemon\n\n"
+                "usage: oriel COMMAND ...\n\n");
+    for (size_t i = 0; i < COMMAND_COUNT; i++)
+        fprintf(to, "  %-8s %s\n", commands[i].name, commands[i].summary);
+    fprintf(to, "\n`oriel COMMAND --help` says more. Daemon: --server URL, or $ORIEL_URL, or\n"
+                "http://127.0.0.1:8423. Exit codes: 0 done, 1 failed, 2 wrong command line.\n");
+}
+
+/* Spellings that people try: --help, -h, help [COMMAND], --version. Returns -1 when none is. */
+static int run_synonym(int argc, char **argv)
+{
+    if (strcmp(argv[1], "--version") == 0)
+        return orl_cmd_version(find_command("version"), 1, argv + 1);
+    if (strcmp(argv[1], "--help") != 0 && strcmp(argv[1], "-h") != 0 &&
+        strcmp(argv[1], "help") != 0)
+        return -1;
+    if (argc > 2 && find_command(argv[2])) {
+        char help[] = "--help";
+        char *line[] = {argv[2], help, NULL};
+        return find_command(argv[2])->run(find_command(argv[2]), 2, line);
+    }
+    print_overview(stdout);
+    return ORL_EXIT_OK;
+}
+
+int main(int argc, char **argv)
+{
+    const struct orl_command *command;
+    int code;
+
+    if (argc < 2) {
+        print_overview(stderr);
+        return ORL_EXIT_USAGE;
+    }
+    code = run_synonym(argc, argv);
+    if (code >= 0)
+        return code;
+    command = find_command(argv[1]);
+    if (!command) {
+        fprintf(stderr, "oriel: there is no command \"%s\". Try `oriel --help`.\n", argv[1]);
+        return ORL_EXIT_USAGE;
+    }
+    if (curl_global_init(CURL_GLOBAL_DEFAULT) != 0) {
+        fprintf(stderr, "oriel: libcurl does not start\n");
+        return ORL_EXIT_FAILED;
+    }
+    code = command->run(command, argc - 1, argv + 1);
+    curl_global_cleanup();
+    /* A full disk or a closed pipe must not pass for success. */
+    if (fflush(stdout) != 0 || ferror(stdout)) {
+        fprintf(stderr, "oriel: standard output cannot be written\n");
+        code = code ? code : ORL_EXIT_FAILED;
+    }
+    return code;
+}

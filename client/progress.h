@@ -1,0 +1,40 @@
+/*
+ * Progress on stderr: one line rewritten in place when it is a terminal, else a plain line when the
+ * stage changes and every tenth of the way (never more often than that: logs stay short).
+ * The caller says how far the job is; time is the caller's steady clock, in seconds.
+ */
+#ifndef ORL_CLIENT_PROGRESS_H
+#define ORL_CLIENT_PROGRESS_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+struct orl_progress {
+    bool terminal;
+    double started_s, drawn_s;
+    char stage[32]; /* last one shown */
+    int tenth;      /* last one shown, -1 before the first */
+    bool line_open; /* something stands on the terminal's line */
+};
+
+double orl_clock_s(void *unused); /* a steady clock */
+
+void orl_progress_start(struct orl_progress *progress);
+
+/* fraction of the whole job, 0..1; eta_s negative: work it out from the time gone by. */
+void orl_progress_show(struct orl_progress *progress, const char *stage, double fraction,
+                       double eta_s);
+
+/* A line of its own (a map found, a warning), above the bar. */
+void orl_progress_note(struct orl_progress *progress, const char *format, ...)
+    __attribute__((format(printf, 2, 3)));
+
+/* Takes the bar away. */
+void orl_progress_end(struct orl_progress *progress);
+
+/* "8 s", "2:05", "1:02:05"; "?" when it cannot be said. */
+void orl_format_duration(double seconds, char *ret_text, size_t size);
+/* "950", "24.7 kB", "1.2 GB", and "2.0 M" for counts when unit is "". */
+void orl_format_amount(double amount, const char *unit, char *ret_text, size_t size);
+
+#endif
