@@ -1,0 +1,247 @@
+#include "store/bundle.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <sodium.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <oriel/limits.h>
+
+enum { NAME_MAX_BYTES = 255 };
+
+void orl_bundle_done(struct orl_bundle *bundle)
+{
+    if (!bundle)
+        return;
+    for (size_t i = 0; i < bundle->count; i++) {
+        if (bundle->files[i].temporary)
+            unlink(bundle->files[i].path);
+        free(bundle->files[i].name);
+        free(bundle->files[i].path);
+    }
+    free(bundle->files);
+    memset(bundle, 0, sizeof *bundle);
+}
+
+/* Well-formed UTF-8? Overlong forms and surrogates would give one name two spellings. */
+static bool is_utf8(const unsigned char *s)
+{
+    while (*s) {
+        const int more = *s < 0x80 ? 0 : *s < 0xc2 ? -1 : *s < 0xe0 ? 1 : *s < 0xf0 ? 2 : 3;
+        if (more < 0 || *s > 0xf4)
+            return false;
+        if ((*s == 0xe0 && s[1] < 0xa0) || (*s == 0xed && s[1] > 0x9f) ||
+            (*s == 0xf0 && s[1] < 0x90) || (*s == 0xf4 && s[1] > 0x8f))
+            return false;
+        for (int i = 1; i <= more; i++)
+            if ((s[i] & 0xc0) != 0x80)
+                return false;
+        s += more + 1;
+    }
+    return true;
+}
+
+static const char *name_fault(const char *name)
+{
+    const size_t length = strlen(name);
+    if (length == 0)
+        return "it is empty";
+    if (length > NAME_MAX_BYTES)
+        return "it is longer than 255 bytes";
+    if (name[0] == '/')
+        return "it must be relative";
+    if (!is_utf8((const unsigned char *)name))
+        return "it is not UTF-8";
+    for (const char *c = name; *c; c++)
+        if ((unsigned char)*c < 32 || *c == 127 || *c == '\\')
+            return "it holds a control character or a backslash";
+    for (const char *part = name; part;) {
+        const size_t n = strcspn(part, "/");
+        if (n == 0 || (n == 1 && part[0] == '.') || (n == 2 && part[0] == '.' && part[1] == '.'))
+            return "a part of it is empty, '.' or '..'";
+        part = part[n] ? part + n + 1 : NULL;
+    }
+    return NULL;
+}
+
+int orl_bundle_check_name(const char *name, struct orl_error *err)
+{
+    const char *fault = name_fault(name);
+    if (!fault)
+        return 0;
+    /* The name goes back to the sender: what JSON and a terminal cannot show is replaced. */
+    char shown[81];
+    snprintf(shown, sizeof shown, "%s", name);
+    for (char *c = shown; *c; c++)
+        if ((unsigned char)*c < 32 || (unsigned char)*c > 126)
+            *c = '?';
+    orl_error_set(err, ORL_ERR_INVALID, "the file name '%s' is refused: %s", shown, fault);
+    orl_error_at(err, shown, 0, NULL);
+    return ORL_ERR_INVALID;
+}
+
+static int grow(struct orl_bundle *bundle, struct orl_error *err)
+{
+    const size_t room = bundle->room ? 2 * bundle->room : 16;
+    struct orl_bundle_file *files = realloc(bundle->files, room * sizeof *files);
+    if (!files)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    bundle->files = files;
+    bundle->room = room;
+    return 0;
+}
+
+int orl_bundle_add(struct orl_bundle *bundle, const char *name, bool resource, const char *path,
+                   uint64_t bytes, const char *sha, bool temporary, struct orl_error *err)
+{
+    int rc = orl_bundle_check_name(name, err);
+    if (rc)
+        return rc;
+    if (bundle->count >= ORL_LIMIT_SCENE_FILES)
+        return orl_error_set(err, ORL_ERR_LIMIT, "more than %u files in one scene",
+                             ORL_LIMIT_SCENE_FILES);
+    for (size_t i = 0; i < bundle->count; i++)
+        if (strcmp(bundle->files[i].name, name) == 0) {
+            orl_error_set(err, ORL_ERR_INVALID, "two files are named '%s'", name);
+            orl_error_at(err, name, 0, NULL);
+            return ORL_ERR_INVALID;
+        }
+    if (bundle->count == bundle->room && grow(bundle, err))
+        return ORL_ERR_NOMEM;
+    struct orl_bundle_file file = {.bytes = bytes, .resource = resource, .temporary = temporary};
+    file.name = strdup(name);
+    file.path = strdup(path);
+    if (!file.name || !file.path) {
+        free(file.name);
+        free(file.path);
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    }
+    if (sha)
+        snprintf(file.sha, sizeof file.sha, "%s", sha);
+    bundle->files[bundle->count++] = file;
+    return 0;
+}
+
+static bool comes_after(const struct orl_bundle_file *a, const struct orl_bundle_file *b)
+{
+    if (a->resource != b->resource)
+        return a->resource;
+    return a->resource && strcmp(a->name, b->name) > 0;
+}
+
+void orl_bundle_sort(struct orl_bundle *bundle)
+{
+    /* By insertion: stable, which keeps the order of main files, and there are at most 512. */
+    for (size_t i = 1; i < bundle->count; i++) {
+        const struct orl_bundle_file file = bundle->files[i];
+        size_t k = i;
+        for (; k > 0 && comes_after(&bundle->files[k - 1], &file); k--)
+            bundle->files[k] = bundle->files[k - 1];
+        bundle->files[k] = file;
+    }
+}
+
+int orl_bundle_id(const struct orl_bundle *bundle, char ret_id[ORL_SHA_HEX], struct orl_error *err)
+{
+    crypto_hash_sha256_state hash;
+    unsigned char digest[crypto_hash_sha256_BYTES];
+    char line[NAME_MAX_BYTES + ORL_SHA_HEX + 16];
+    crypto_hash_sha256_init(&hash);
+    crypto_hash_sha256_update(&hash, (const unsigned char *)"oriel-scene 1\n", 14);
+    for (size_t i = 0; i < bundle->count; i++) {
+        const struct orl_bundle_file *file = &bundle->files[i];
+        if (!orl_is_sha256(file->sha))
+            return orl_error_set(err, ORL_ERR_INTERNAL, "file '%s' has no digest", file->name);
+        const int n = snprintf(line, sizeof line, "%s %s %s\n",
+                               file->resource ? "resource" : "main", file->sha, file->name);
+        crypto_hash_sha256_update(&hash, (const unsigned char *)line, (unsigned long long)n);
+    }
+    crypto_hash_sha256_final(&hash, digest);
+    sodium_bin2hex(ret_id, ORL_SHA_HEX, digest, sizeof digest);
+    return 0;
+}
+
+size_t orl_bundle_main_count(const struct orl_bundle *bundle)
+{
+    size_t count = 0;
+    for (size_t i = 0; i < bundle->count; i++)
+        count += !bundle->files[i].resource;
+    return count;
+}
+
+uint64_t orl_bundle_bytes(const struct orl_bundle *bundle)
+{
+    uint64_t bytes = 0;
+    for (size_t i = 0; i < bundle->count; i++)
+        bytes += bundle->files[i].bytes;
+    return bytes;
+}
+
+const struct orl_bundle_file *orl_bundle_find(const struct orl_bundle *bundle, const char *name)
+{
+    while (name[0] == '.' && name[1] == '/')
+        name += 2;
+    for (size_t i = 0; i < bundle->count; i++)
+        if (strcmp(bundle->files[i].name, name) == 0)
+            return &bundle->files[i];
+    return NULL;
+}
+
+int orl_map_file(const char *path, struct orl_file *ret_file, struct orl_error *err)
+{
+    struct stat st;
+    const int fd = open(path, O_RDONLY | O_CLOEXEC);
+    if (fd < 0 || fstat(fd, &st) != 0) {
+        orl_error_set(err, ORL_ERR_IO, "cannot open a stored file: %s", strerror(errno));
+        if (fd >= 0)
+            close(fd);
+        return ORL_ERR_IO;
+    }
+    int rc = 0;
+    if (st.st_size == 0) {
+        *ret_file = (struct orl_file){"", 0, NULL};
+    } else {
+        void *data = mmap(NULL, (size_t)st.st_size, PROT_READ, MAP_PRIVATE, fd, 0);
+        if (data == MAP_FAILED)
+            rc = orl_error_set(err, ORL_ERR_IO, "cannot map a stored file: %s", strerror(errno));
+        else
+            *ret_file = (struct orl_file){data, (size_t)st.st_size, data};
+    }
+    close(fd);
+    return rc;
+}
+
+void orl_unmap_file(struct orl_file *file)
+{
+    if (file->handle)
+        munmap(file->handle, file->size);
+    *file = (struct orl_file){0};
+}
+
+static int provider_open(void *ctx, const char *name, struct orl_file *ret_file,
+                         struct orl_error *err)
+{
+    const struct orl_bundle_file *file = orl_bundle_find(ctx, name);
+    if (!file) {
+        orl_error_set(err, ORL_ERR_NOT_FOUND, "no file named '%.200s' was uploaded", name);
+        orl_error_hint(err, "Upload it with the scene, under the name by which it is referred to");
+        return ORL_ERR_NOT_FOUND;
+    }
+    return orl_map_file(file->path, ret_file, err);
+}
+
+static void provider_close(void *ctx, struct orl_file *file)
+{
+    (void)ctx;
+    orl_unmap_file(file);
+}
+
+struct orl_files orl_bundle_provider(struct orl_bundle *bundle)
+{
+    return (struct orl_files){bundle, provider_open, provider_close};
+}

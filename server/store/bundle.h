@@ -1,0 +1,69 @@
+/*
+ * A bundle: the files of one scene, each a name, a role and a path on disk, and the provider that
+ * hands them to the core.
+ *
+ * Main files come first, in the order of the scene; resources (BSDFs, files that !xform names)
+ * follow, sorted by name. The id is the SHA-256 of this text, so that a client can compute it too:
+ *
+ *     oriel-scene 1\n
+ *     main <sha256 of the bytes> <name>\n          for each main file, in order
+ *     resource <sha256 of the bytes> <name>\n      for each resource, sorted by name (bytewise)
+ *
+ * Names: relative, components separated by '/', none of them empty, "." or "..", no control
+ * characters or backslashes, UTF-8, at most 255 bytes.
+ * Ownership: a bundle owns its entries; files on disk belong to whoever made it.
+ * Threads: build on one thread; the provider may then be used by one thread at a time.
+ */
+#ifndef ORL_STORE_BUNDLE_H
+#define ORL_STORE_BUNDLE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <oriel/error.h>
+#include <oriel/files.h>
+
+#include "store/folders.h"
+
+struct orl_bundle_file {
+    char *name;
+    char *path; /* where its bytes are */
+    uint64_t bytes;
+    bool resource;
+    bool temporary; /* path is ours to remove */
+    char sha[ORL_SHA_HEX];
+};
+
+struct orl_bundle {
+    struct orl_bundle_file *files;
+    size_t count, room;
+};
+
+/* Frees the entries, and removes those files still marked temporary. NULL and zeroed are fine. */
+void orl_bundle_done(struct orl_bundle *bundle);
+
+/* Is name fit for a file of a bundle? ORL_ERR_INVALID with the reason when not. */
+int orl_bundle_check_name(const char *name, struct orl_error *err);
+
+/* Appends; refuses bad and double names and more files than limits.h allows. sha may be NULL. */
+int orl_bundle_add(struct orl_bundle *bundle, const char *name, bool resource, const char *path,
+                   uint64_t bytes, const char *sha, bool temporary, struct orl_error *err);
+
+/* Main files first, resources sorted; then the id. Every sha must be known. */
+void orl_bundle_sort(struct orl_bundle *bundle);
+int orl_bundle_id(const struct orl_bundle *bundle, char ret_id[ORL_SHA_HEX], struct orl_error *err);
+
+size_t orl_bundle_main_count(const struct orl_bundle *bundle);
+uint64_t orl_bundle_bytes(const struct orl_bundle *bundle);
+/* The entry of that name, "./" in front ignored, or NULL. */
+const struct orl_bundle_file *orl_bundle_find(const struct orl_bundle *bundle, const char *name);
+
+/* A provider that maps the files read-only; borrows bundle. */
+struct orl_files orl_bundle_provider(struct orl_bundle *bundle);
+
+/* Maps a whole file read-only; an empty one gives "". Undo with orl_unmap_file. */
+int orl_map_file(const char *path, struct orl_file *ret_file, struct orl_error *err);
+void orl_unmap_file(struct orl_file *file);
+
+#endif

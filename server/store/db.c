@@ -1,0 +1,113 @@
+#include "store/db.h"
+
+#include <stdarg.h>
+#include <string.h>
+
+enum { BUSY_TIMEOUT_MS = 5000 };
+
+int orl_db_error(struct orl_db *db, const char *what, struct orl_error *err)
+{
+    return orl_error_set(err, ORL_ERR_IO, "database: %s: %s", what,
+                         db->handle ? sqlite3_errmsg(db->handle) : "out of memory");
+}
+
+int orl_db_exec(struct orl_db *db, const char *sql, struct orl_error *err)
+{
+    if (sqlite3_exec(db->handle, sql, NULL, NULL, NULL) != SQLITE_OK)
+        return orl_db_error(db, "statement failed", err);
+    return 0;
+}
+
+int orl_db_open(struct orl_db *db, const char *path, struct orl_error *err)
+{
+    const int flags = SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_NOMUTEX;
+    db->handle = NULL;
+    int rc = 0;
+    if (sqlite3_open_v2(path, &db->handle, flags, NULL) != SQLITE_OK)
+        rc = orl_db_error(db, "cannot open", err);
+    if (rc == 0 && sqlite3_busy_timeout(db->handle, BUSY_TIMEOUT_MS) != SQLITE_OK)
+        rc = orl_db_error(db, "cannot set the busy timeout", err);
+    if (rc == 0)
+        rc = orl_db_exec(db,
+                         "PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL;"
+                         "PRAGMA foreign_keys = ON; PRAGMA trusted_schema = OFF;",
+                         err);
+    if (rc)
+        orl_db_close(db);
+    return rc;
+}
+
+void orl_db_close(struct orl_db *db)
+{
+    sqlite3_close(db->handle);
+    db->handle = NULL;
+}
+
+static int bind_arguments(sqlite3_stmt *stmt, const char *types, va_list args)
+{
+    int rc = SQLITE_OK;
+    for (int i = 0; types[i] && rc == SQLITE_OK; i++) {
+        if (types[i] == 's') {
+            const char *text = va_arg(args, const char *);
+            rc = text ? sqlite3_bind_text(stmt, i + 1, text, -1, SQLITE_TRANSIENT)
+                      : sqlite3_bind_null(stmt, i + 1);
+        } else if (types[i] == 'i') {
+            rc = sqlite3_bind_int64(stmt, i + 1, va_arg(args, int64_t));
+        } else if (types[i] == 'd') {
+            rc = sqlite3_bind_double(stmt, i + 1, va_arg(args, double));
+        } else {
+            rc = SQLITE_MISUSE;
+        }
+    }
+    return rc;
+}
+
+static sqlite3_stmt *prepare_with(struct orl_db *db, struct orl_error *err, const char *sql,
+                                  const char *types, va_list args)
+{
+    sqlite3_stmt *stmt = NULL;
+    if (sqlite3_prepare_v2(db->handle, sql, -1, &stmt, NULL) != SQLITE_OK) {
+        orl_db_error(db, "cannot prepare a statement", err);
+        return NULL;
+    }
+    if (bind_arguments(stmt, types, args) != SQLITE_OK) {
+        orl_db_error(db, "cannot bind arguments", err);
+        sqlite3_finalize(stmt);
+        return NULL;
+    }
+    return stmt;
+}
+
+sqlite3_stmt *orl_db_prepare(struct orl_db *db, struct orl_error *err, const char *sql,
+                             const char *types, ...)
+{
+    va_list args;
+    va_start(args, types);
+    sqlite3_stmt *stmt = prepare_with(db, err, sql, types, args);
+    va_end(args);
+    return stmt;
+}
+
+int orl_db_run(struct orl_db *db, struct orl_error *err, int *ret_changes, const char *sql,
+               const char *types, ...)
+{
+    va_list args;
+    va_start(args, types);
+    sqlite3_stmt *stmt = prepare_with(db, err, sql, types, args);
+    va_end(args);
+    if (!stmt)
+        return ORL_ERR_IO;
+    int rc = 0;
+    if (sqlite3_step(stmt) != SQLITE_DONE)
+        rc = orl_db_error(db, "statement failed", err);
+    sqlite3_finalize(stmt);
+    if (rc == 0 && ret_changes)
+        *ret_changes = sqlite3_changes(db->handle);
+    return rc;
+}
+
+const char *orl_db_text(sqlite3_stmt *stmt, int column)
+{
+    const char *text = (const char *)sqlite3_column_text(stmt, column);
+    return text ? text : "";
+}

@@ -1,0 +1,193 @@
+#include "store/folders.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <ftw.h>
+#include <libgen.h>
+#include <sodium.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+static int io_error(struct orl_error *err, const char *what, const char *path)
+{
+    return orl_error_set(err, ORL_ERR_IO, "cannot %s %s: %s", what, path, strerror(errno));
+}
+
+static int make_folder(const char *path, struct orl_error *err)
+{
+    if (mkdir(path, 0777) != 0 && errno != EEXIST)
+        return io_error(err, "make the folder", path);
+    return 0;
+}
+
+void orl_folders_path(const struct orl_folders *folders, char ret_path[ORL_PATH_MAX],
+                      const char *format, ...)
+{
+    const int used = snprintf(ret_path, ORL_PATH_MAX, "%s/", folders->root);
+    va_list args;
+    va_start(args, format);
+    vsnprintf(ret_path + used, (size_t)(ORL_PATH_MAX - used), format, args);
+    va_end(args);
+}
+
+void orl_folders_temporary(const struct orl_folders *folders, char ret_path[ORL_PATH_MAX])
+{
+    unsigned char bytes[12];
+    char hex[2 * sizeof bytes + 1];
+    randombytes_buf(bytes, sizeof bytes);
+    sodium_bin2hex(hex, sizeof hex, bytes, sizeof bytes);
+    orl_folders_path(folders, ret_path, "tmp/%s", hex);
+}
+
+static int take_lock(struct orl_folders *folders, struct orl_error *err)
+{
+    char path[ORL_PATH_MAX];
+    orl_folders_path(folders, path, "oriel.lock");
+    folders->lock_fd = open(path, O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+    if (folders->lock_fd < 0)
+        return io_error(err, "open", path);
+    if (flock(folders->lock_fd, LOCK_EX | LOCK_NB) != 0) {
+        orl_error_set(err, ORL_ERR_INVALID, "another daemon uses the data folder %s",
+                      folders->root);
+        orl_error_hint(err, "Stop it, or give another folder with --data");
+        return ORL_ERR_INVALID;
+    }
+    return 0;
+}
+
+int orl_folders_open(struct orl_folders *folders, const char *root, struct orl_error *err)
+{
+    static const char *const below[] = {"blobs", "maps", "results", "tmp"};
+    char path[ORL_PATH_MAX];
+    folders->lock_fd = -1;
+    if (strlen(root) >= sizeof folders->root)
+        return orl_error_set(err, ORL_ERR_LIMIT, "the data folder's path is too long");
+    snprintf(folders->root, sizeof folders->root, "%s", root);
+    int rc = make_folder(root, err);
+    if (rc == 0)
+        rc = take_lock(folders, err);
+    orl_folders_path(folders, path, "tmp");
+    if (rc == 0)
+        rc = orl_remove_tree(path, err); /* what a killed daemon left half-written */
+    for (size_t i = 0; i < sizeof below / sizeof *below && rc == 0; i++) {
+        orl_folders_path(folders, path, "%s", below[i]);
+        rc = make_folder(path, err);
+    }
+    if (rc)
+        orl_folders_close(folders);
+    return rc;
+}
+
+void orl_folders_close(struct orl_folders *folders)
+{
+    if (folders->lock_fd >= 0)
+        close(folders->lock_fd);
+    folders->lock_fd = -1;
+}
+
+static int remove_entry(const char *path, const struct stat *st, int type, struct FTW *ftw)
+{
+    (void)st, (void)type, (void)ftw;
+    return remove(path);
+}
+
+int orl_remove_tree(const char *path, struct orl_error *err)
+{
+    enum { OPEN_FOLDERS = 16 };
+    if (nftw(path, remove_entry, OPEN_FOLDERS, FTW_DEPTH | FTW_PHYS) != 0 && errno != ENOENT)
+        return io_error(err, "remove", path);
+    return 0;
+}
+
+int orl_sync_path(const char *path, struct orl_error *err)
+{
+    const int fd = open(path, O_RDONLY | O_CLOEXEC);
+    if (fd < 0)
+        return io_error(err, "open", path);
+    int rc = 0;
+    if (fsync(fd) != 0)
+        rc = io_error(err, "sync", path);
+    close(fd);
+    return rc;
+}
+
+int orl_rename_synced(const char *from, const char *to, struct orl_error *err)
+{
+    char folder[ORL_PATH_MAX];
+    if (rename(from, to) != 0)
+        return io_error(err, "rename to", to);
+    snprintf(folder, sizeof folder, "%s", to);
+    return orl_sync_path(dirname(folder), err);
+}
+
+int orl_write_file(const char *path, const void *data, size_t size, struct orl_error *err)
+{
+    const int fd = open(path, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+    if (fd < 0)
+        return io_error(err, "create", path);
+    int rc = 0;
+    const char *at = data;
+    while (size > 0 && rc == 0) {
+        const ssize_t n = write(fd, at, size);
+        if (n < 0 && errno == EINTR)
+            continue;
+        if (n < 0) {
+            rc = io_error(err, "write", path);
+            break;
+        }
+        at += n;
+        size -= (size_t)n;
+    }
+    if (rc == 0 && fsync(fd) != 0)
+        rc = io_error(err, "sync", path);
+    if (close(fd) != 0 && rc == 0)
+        rc = io_error(err, "close", path);
+    return rc;
+}
+
+void orl_blob_path(const struct orl_folders *folders, const char *sha, char ret_path[ORL_PATH_MAX])
+{
+    orl_folders_path(folders, ret_path, "blobs/%.2s/%s", sha, sha);
+}
+
+bool orl_blob_exists(const struct orl_folders *folders, const char *sha)
+{
+    char path[ORL_PATH_MAX];
+    orl_blob_path(folders, sha, path);
+    return access(path, R_OK) == 0;
+}
+
+int orl_blob_keep(const struct orl_folders *folders, const char *temporary, const char *sha,
+                  struct orl_error *err)
+{
+    char path[ORL_PATH_MAX], folder[ORL_PATH_MAX];
+    if (orl_blob_exists(folders, sha)) {
+        unlink(temporary);
+        return 0;
+    }
+    orl_folders_path(folders, folder, "blobs/%.2s", sha);
+    int rc = make_folder(folder, err);
+    if (rc == 0)
+        rc = orl_sync_path(temporary, err);
+    orl_blob_path(folders, sha, path);
+    if (rc == 0)
+        rc = orl_rename_synced(temporary, path, err);
+    orl_folders_path(folders, folder, "blobs");
+    return rc ? rc : orl_sync_path(folder, err);
+}
+
+void orl_sha256_hex(const void *data, size_t size, char ret_hex[ORL_SHA_HEX])
+{
+    unsigned char digest[crypto_hash_sha256_BYTES];
+    crypto_hash_sha256(digest, data, size);
+    sodium_bin2hex(ret_hex, ORL_SHA_HEX, digest, sizeof digest);
+}
+
+bool orl_is_sha256(const char *text)
+{
+    return strlen(text) == ORL_SHA_HEX - 1 && strspn(text, "0123456789abcdef") == ORL_SHA_HEX - 1;
+}

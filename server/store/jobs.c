@@ -1,0 +1,81 @@
+#include "store/jobs.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static const char *const state_names[ORL_JOB_STATE_COUNT] = {"queued", "running", "succeeded",
+                                                             "failed", "cancelled"};
+
+const char *orl_job_state_name(enum orl_job_state state)
+{
+    return state < ORL_JOB_STATE_COUNT ? state_names[state] : "unknown";
+}
+
+enum orl_job_state orl_job_state_from_name(const char *name)
+{
+    unsigned state = 0;
+    while (state < ORL_JOB_STATE_COUNT && strcmp(state_names[state], name) != 0)
+        state++;
+    return (enum orl_job_state)state;
+}
+
+int orl_job_row_insert(struct orl_db *db, const struct orl_job_row *row, int64_t *ret_seq,
+                       struct orl_error *err)
+{
+    const int rc = orl_db_run(db, err, NULL,
+                              "INSERT INTO jobs (id, scene, document, state, created_ms) "
+                              "VALUES (?, ?, ?, ?, ?)",
+                              "ssssi", row->id, row->scene, row->document,
+                              orl_job_state_name(row->state), row->created_ms);
+    if (rc == 0)
+        *ret_seq = sqlite3_last_insert_rowid(db->handle);
+    return rc;
+}
+
+int orl_job_row_update(struct orl_db *db, const struct orl_job_row *row, struct orl_error *err)
+{
+    return orl_db_run(db, err, NULL,
+                      "UPDATE jobs SET state = ?, attempts = ?, started_ms = nullif(?, 0), "
+                      "finished_ms = nullif(?, 0), outcome = ?, problem = ? WHERE seq = ?",
+                      "siiissi", orl_job_state_name(row->state), (int64_t)row->attempts,
+                      row->started_ms, row->finished_ms, row->outcome, row->problem, row->seq);
+}
+
+static struct orl_job_row read_row(sqlite3_stmt *stmt)
+{
+    struct orl_job_row row = {
+        .seq = sqlite3_column_int64(stmt, 0),
+        .state = orl_job_state_from_name(orl_db_text(stmt, 4)),
+        .attempts = sqlite3_column_int(stmt, 5),
+        .created_ms = sqlite3_column_int64(stmt, 6),
+        .started_ms = sqlite3_column_int64(stmt, 7),
+        .finished_ms = sqlite3_column_int64(stmt, 8),
+        .outcome = (const char *)sqlite3_column_text(stmt, 9),
+        .problem = (const char *)sqlite3_column_text(stmt, 10),
+    };
+    snprintf(row.id, sizeof row.id, "%s", orl_db_text(stmt, 1));
+    snprintf(row.scene, sizeof row.scene, "%s", orl_db_text(stmt, 2));
+    snprintf(row.document, sizeof row.document, "%s", orl_db_text(stmt, 3));
+    return row;
+}
+
+int orl_job_rows(struct orl_db *db, int (*visit)(void *ctx, const struct orl_job_row *row),
+                 void *ctx, struct orl_error *err)
+{
+    sqlite3_stmt *stmt = orl_db_prepare(
+        db, err,
+        "SELECT seq, id, scene, document, state, attempts, created_ms, started_ms, finished_ms, "
+        "outcome, problem FROM jobs ORDER BY seq",
+        "");
+    if (!stmt)
+        return ORL_ERR_IO;
+    int rc = 0, step;
+    while (rc == 0 && (step = sqlite3_step(stmt)) == SQLITE_ROW) {
+        const struct orl_job_row row = read_row(stmt);
+        rc = visit(ctx, &row);
+    }
+    if (rc == 0 && step != SQLITE_DONE)
+        rc = orl_db_error(db, "cannot read the jobs", err);
+    sqlite3_finalize(stmt);
+    return rc;
+}

@@ -1,0 +1,45 @@
+/*
+ * Rows of jobs. Loop thread only. The state machine is jobs.h's; this only remembers.
+ */
+#ifndef ORL_STORE_JOBS_H
+#define ORL_STORE_JOBS_H
+
+#include <stdint.h>
+
+#include "store/db.h"
+#include "store/folders.h"
+
+enum { ORL_JOB_ID = 33 };
+
+enum orl_job_state {
+    ORL_JOB_QUEUED,
+    ORL_JOB_RUNNING,
+    ORL_JOB_SUCCEEDED,
+    ORL_JOB_FAILED,
+    ORL_JOB_CANCELLED,
+    ORL_JOB_STATE_COUNT
+};
+const char *orl_job_state_name(enum orl_job_state state);
+/* ORL_JOB_STATE_COUNT when there is no such state. */
+enum orl_job_state orl_job_state_from_name(const char *name);
+
+struct orl_job_row {
+    int64_t seq;
+    char id[ORL_JOB_ID];
+    char scene[ORL_SHA_HEX], document[ORL_SHA_HEX];
+    enum orl_job_state state;
+    int attempts;
+    int64_t created_ms, started_ms, finished_ms; /* 0: not yet */
+    const char *outcome, *problem;               /* JSON text, borrowed; NULL: none */
+};
+
+/* Inserts; *ret_seq is its place in the order of arrival. */
+int orl_job_row_insert(struct orl_db *db, const struct orl_job_row *row, int64_t *ret_seq,
+                       struct orl_error *err);
+/* Writes state, attempts, times, outcome and problem. */
+int orl_job_row_update(struct orl_db *db, const struct orl_job_row *row, struct orl_error *err);
+/* Every job, oldest first. Stops when visit returns non-zero, and returns it. */
+int orl_job_rows(struct orl_db *db, int (*visit)(void *ctx, const struct orl_job_row *row),
+                 void *ctx, struct orl_error *err);
+
+#endif
