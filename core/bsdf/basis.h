@@ -1,0 +1,49 @@
+/*
+ * Angle bases of BSDF matrices: the hemisphere cut into rings of constant polar angle, each ring
+ * into equal cells, the first of which is centred on azimuth 0 (the x axis). Klems, J. H., "A new
+ * method for predicting the solar heat gain of complex fenestration systems", ASHRAE Transactions
+ * 100(1), 1994.
+ *
+ * Invariants: rings follow each other without gap from the pole outwards; every cell has a
+ * positive projected solid angle. A basis is plain data and may be copied.
+ */
+#ifndef ORL_BSDF_BASIS_H
+#define ORL_BSDF_BASIS_H
+
+#include <oriel/error.h>
+#include <oriel/vec.h>
+
+enum { ORL_BASIS_RINGS_MAX = 64, ORL_BASIS_CELLS_MAX = 2048, ORL_BASIS_NAME_MAX = 64 };
+
+struct orl_ring {
+    double cos2_low, cos2_high; /* squared cosine at the inner and the outer edge: low > high */
+    int cells, first;           /* in azimuth; index of the ring's first cell */
+    double omega_sr;            /* projected solid angle of one cell */
+};
+
+struct orl_basis {
+    char name[ORL_BASIS_NAME_MAX];
+    struct orl_ring rings[ORL_BASIS_RINGS_MAX];
+    int n_rings, n_cells;
+    double outer_deg; /* where the next ring must begin */
+};
+
+/* One of the standard bases by its name, without regard to case. 0 or ORL_ERR_NOT_FOUND. */
+int orl_basis_standard(const char *name, struct orl_basis *ret_basis);
+
+/* An empty basis, and its rings from the pole outwards. */
+void orl_basis_init(struct orl_basis *basis, const char *name);
+int orl_basis_add_ring(struct orl_basis *basis, double lower_deg, double upper_deg, double cells,
+                       struct orl_error *err);
+
+/* The cell of a direction by its x, y and |z|, or -1 outside the basis. */
+int orl_basis_cell(const struct orl_basis *basis, double x, double y, double z);
+
+/* The ring of a cell. */
+const struct orl_ring *orl_basis_ring(const struct orl_basis *basis, int cell);
+
+/* A direction with z > 0 in a cell, uniform in projected solid angle for uniform u, clear of the
+ * border by 1e-9 of the cell. */
+struct orl_vec3 orl_basis_direction(const struct orl_basis *basis, int cell, double u0, double u1);
+
+#endif

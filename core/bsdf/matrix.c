@@ -1,0 +1,120 @@
+#include "bsdf/matrix.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+int orl_matrix_init(struct orl_matrix *matrix, const struct orl_basis *a, const struct orl_basis *b,
+                    struct orl_error *err)
+{
+    const size_t count = (size_t)a->n_cells * (size_t)b->n_cells;
+    memset(matrix, 0, sizeof *matrix);
+    matrix->basis[ORL_AXIS_A] = *a;
+    matrix->basis[ORL_AXIS_B] = *b;
+    matrix->values = calloc(count, sizeof *matrix->values);
+    if (!matrix->values)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for the BSDF matrix");
+    return 0;
+}
+
+static float value_at(const struct orl_matrix *m, enum orl_axis given, int cell, int other)
+{
+    const size_t columns = (size_t)m->basis[ORL_AXIS_B].n_cells;
+    const size_t a = (size_t)(given == ORL_AXIS_A ? cell : other);
+    const size_t b = (size_t)(given == ORL_AXIS_A ? other : cell);
+    return m->values[a * columns + b];
+}
+
+/* Running sums over the other axis for one given cell, scaled to end in exactly 1. */
+static double accumulate(const struct orl_matrix *m, enum orl_axis given, int cell, double *row)
+{
+    const struct orl_basis *other = &m->basis[1 - given];
+    double sum = 0;
+    for (int i = 0; i < other->n_cells; i++) {
+        sum += (double)value_at(m, given, cell, i) * orl_basis_ring(other, i)->omega_sr;
+        row[i] = sum;
+    }
+    for (int i = 0; i < other->n_cells && sum > 0; i++)
+        row[i] /= sum;
+    return sum;
+}
+
+int orl_matrix_finish(struct orl_matrix *m, struct orl_error *err)
+{
+    const size_t cells[2] = {(size_t)m->basis[0].n_cells, (size_t)m->basis[1].n_cells};
+    m->minimum = m->values[0];
+    for (size_t i = 1; i < cells[0] * cells[1]; i++)
+        if (m->values[i] < m->minimum)
+            m->minimum = m->values[i];
+    for (int given = 0; given < 2; given++) {
+        m->cumulative[given] = calloc(cells[0] * cells[1], sizeof **m->cumulative);
+        m->total[given] = calloc(cells[given], sizeof **m->total);
+        if (!m->cumulative[given] || !m->total[given])
+            return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for the BSDF matrix");
+        for (size_t c = 0; c < cells[given]; c++)
+            m->total[given][c] = accumulate(m, (enum orl_axis)given, (int)c,
+                                            m->cumulative[given] + c * cells[1 - given]);
+    }
+    return 0;
+}
+
+void orl_matrix_done(struct orl_matrix *m)
+{
+    if (!m)
+        return;
+    free(m->values);
+    for (int given = 0; given < 2; given++) {
+        free(m->cumulative[given]);
+        free(m->total[given]);
+    }
+    memset(m, 0, sizeof *m);
+}
+
+size_t orl_matrix_bytes(const struct orl_matrix *m)
+{
+    const size_t a = (size_t)m->basis[0].n_cells, b = (size_t)m->basis[1].n_cells;
+    return a * b * (sizeof(float) + 2 * sizeof(double)) + (a + b) * sizeof(double);
+}
+
+static int cell_of(const struct orl_matrix *m, enum orl_axis axis, struct orl_vec3 d)
+{
+    const double sign = axis == ORL_AXIS_A ? -1 : 1;
+    return orl_basis_cell(&m->basis[axis], sign * d.x, sign * d.y, d.z);
+}
+
+double orl_matrix_eval(const struct orl_matrix *m, struct orl_vec3 a, struct orl_vec3 b)
+{
+    const int cell_a = cell_of(m, ORL_AXIS_A, a), cell_b = cell_of(m, ORL_AXIS_B, b);
+    if (cell_a < 0 || cell_b < 0)
+        return 0;
+    return value_at(m, ORL_AXIS_A, cell_a, cell_b);
+}
+
+double orl_matrix_total(const struct orl_matrix *m, enum orl_axis given, struct orl_vec3 direction)
+{
+    const int cell = cell_of(m, given, direction);
+    return cell < 0 ? 0 : m->total[given][cell];
+}
+
+double orl_matrix_draw(const struct orl_matrix *m, enum orl_axis given, struct orl_vec3 direction,
+                       const double u[2], struct orl_vec3 *ret_direction)
+{
+    const struct orl_basis *other = &m->basis[1 - given];
+    const int cell = cell_of(m, given, direction);
+    const double *row = m->cumulative[given] + (size_t)cell * (size_t)other->n_cells;
+    const double sign = given == ORL_AXIS_A ? 1 : -1;
+    int low = 0, high = other->n_cells - 1;
+    double below, rest;
+    while (low < high) { /* the first cell whose running sum exceeds u */
+        const int middle = (low + high) / 2;
+        if (row[middle] > u[0])
+            high = middle;
+        else
+            low = middle + 1;
+    }
+    below = low > 0 ? row[low - 1] : 0;
+    rest = (u[0] - below) / (row[low] - below);
+    *ret_direction = orl_basis_direction(other, low, rest < 1 ? rest : 1, u[1]);
+    ret_direction->x *= sign;
+    ret_direction->y *= sign;
+    return value_at(m, given, cell, low);
+}

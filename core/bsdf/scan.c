@@ -1,0 +1,198 @@
+#include "bsdf/scan.h"
+
+#include <math.h>
+#include <stdint.h>
+#include <string.h>
+#include <strings.h>
+
+void orl_scan_init(struct orl_scan *scan)
+{
+    memset(scan, 0, sizeof *scan);
+}
+
+void orl_scan_feed(struct orl_scan *scan, const char *piece, size_t size)
+{
+    scan->next = piece;
+    scan->end = piece + size;
+}
+
+void orl_scan_finish(struct orl_scan *scan)
+{
+    scan->next = scan->end = NULL;
+    scan->finished = true;
+}
+
+static bool is_separator(char c)
+{
+    return c == ' ' || c == '\n' || c == '\t' || c == '\r' || c == ',';
+}
+
+static bool ends_number(char c)
+{
+    return is_separator(c) || c == '{' || c == '}';
+}
+
+static bool is_digit(char c)
+{
+    return c >= '0' && c <= '9';
+}
+
+/*
+ * value * 10^exponent. Exact where both fit a double exactly, which covers what programs print;
+ * otherwise within a few units in the last place, far below the float that is kept.
+ */
+static double scale_by_ten(uint64_t digits, int exponent)
+{
+    static const double exact[] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
+                                   1e8,  1e9,  1e10, 1e11, 1e12, 1e13, 1e14, 1e15,
+                                   1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
+    double value = (double)digits;
+    if (digits == 0)
+        return 0;
+    for (; exponent > 22; exponent -= 22)
+        value *= 1e22;
+    for (; exponent < -22; exponent += 22)
+        value /= 1e22;
+    return exponent >= 0 ? value * exact[exponent] : value / exact[-exponent];
+}
+
+/* The digits of a number, with the power of ten that the point and surplus digits stand for. */
+struct digits {
+    uint64_t value;
+    int exponent;
+    bool any;
+};
+
+static const char *read_digits(const char *p, const char *end, struct digits *d)
+{
+    bool point = false;
+    for (; p < end && (is_digit(*p) || (*p == '.' && !point)); p++) {
+        if (*p == '.') {
+            point = true;
+            continue;
+        }
+        d->any = true;
+        if (d->value < UINT64_C(100000000000000000)) {
+            d->value = d->value * 10 + (uint64_t)(*p - '0');
+            d->exponent -= point;
+        } else {
+            d->exponent += !point; /* beyond 18 digits: only the magnitude counts */
+        }
+    }
+    return p;
+}
+
+/* An optional exponent, held within +-9999 however many digits it has. NULL when malformed. */
+static const char *read_exponent(const char *p, const char *end, int *exponent)
+{
+    bool negative = false;
+    int value = 0;
+    if (p == end || (*p != 'e' && *p != 'E'))
+        return p;
+    if (++p < end && (*p == '+' || *p == '-'))
+        negative = *p++ == '-';
+    if (p == end || !is_digit(*p))
+        return NULL;
+    for (; p < end && is_digit(*p); p++)
+        if (value < 9999)
+            value = value * 10 + (*p - '0');
+    if (value > 9999)
+        value = 9999;
+    *exponent += negative ? -value : value;
+    return p;
+}
+
+/* Says what is wrong with text, which is no plain number. */
+static int refuse(const char *text, size_t length, struct orl_error *err)
+{
+    const size_t skip = length > 0 && (*text == '-' || *text == '+');
+    const int shown = (int)(length < 40 ? length : 40);
+    if (length - skip >= 3 &&
+        (!strncasecmp(text + skip, "nan", 3) || !strncasecmp(text + skip, "inf", 3)))
+        return orl_error_set(err, ORL_ERR_RANGE, "'%.*s' is not a finite number", shown, text);
+    return orl_error_set(err, ORL_ERR_SYNTAX, "'%.*s' is not a number", shown, text);
+}
+
+int orl_number_parse(const char *text, size_t length, double *ret_value, struct orl_error *err)
+{
+    const char *p = text, *const end = text + length;
+    struct digits d = {0, 0, false};
+    bool negative = false;
+    double value;
+    if (p < end && (*p == '+' || *p == '-'))
+        negative = *p++ == '-';
+    p = read_digits(p, end, &d);
+    if (d.any)
+        p = read_exponent(p, end, &d.exponent);
+    if (!d.any || p != end)
+        return refuse(text, length, err);
+    value = scale_by_ten(d.value, d.exponent);
+    if (!(value <= ORL_BSDF_VALUE_MAX))
+        return orl_error_set(err, ORL_ERR_RANGE, "'%.*s' is too large: at most %g is accepted",
+                             (int)(length < 40 ? length : 40), text, ORL_BSDF_VALUE_MAX);
+    *ret_value = negative ? -value : value;
+    return 0;
+}
+
+/* Appends to the cut number what the present piece has of it. */
+static int extend_partial(struct orl_scan *scan, struct orl_error *err)
+{
+    const char *p = scan->next;
+    size_t length;
+    while (p < scan->end && !ends_number(*p))
+        p++;
+    length = (size_t)(p - scan->next);
+    if (length > sizeof scan->partial - scan->partial_length)
+        return orl_error_set(err, ORL_ERR_SYNTAX, "a number is longer than %d characters",
+                             ORL_SCAN_TOKEN_MAX);
+    if (length > 0) /* at the end there is no piece to copy from */
+        memcpy(scan->partial + scan->partial_length, scan->next, length);
+    scan->partial_length += length;
+    scan->next = p;
+    return 0;
+}
+
+/* Completes a number that began in an earlier piece, if the present one or the end completes it. */
+static int next_from_partial(struct orl_scan *scan, double *ret_value, struct orl_error *err)
+{
+    int code = extend_partial(scan, err);
+    if (code < 0)
+        return code;
+    if (scan->next == scan->end && !scan->finished)
+        return ORL_TOKEN_NONE;
+    code = orl_number_parse(scan->partial, scan->partial_length, ret_value, err);
+    scan->partial_length = 0;
+    return code < 0 ? code : ORL_TOKEN_NUMBER;
+}
+
+int orl_scan_next(struct orl_scan *scan, double *ret_value, struct orl_error *err)
+{
+    const char *start;
+    int code;
+    if (scan->partial_length > 0)
+        return next_from_partial(scan, ret_value, err);
+    while (scan->next < scan->end && is_separator(*scan->next))
+        scan->next++;
+    if (scan->next == scan->end)
+        return ORL_TOKEN_NONE;
+    if (*scan->next == '{' || *scan->next == '}')
+        return *scan->next++ == '{' ? ORL_TOKEN_OPEN : ORL_TOKEN_CLOSE;
+    start = scan->next;
+    while (scan->next < scan->end && !ends_number(*scan->next))
+        scan->next++;
+    if (scan->next == scan->end) {
+        scan->next = start;
+        return next_from_partial(scan, ret_value, err);
+    }
+    code = orl_number_parse(start, (size_t)(scan->next - start), ret_value, err);
+    return code < 0 ? code : ORL_TOKEN_NUMBER;
+}
+
+float orl_bsdf_value(double value, size_t *clamped)
+{
+    if (value < 0) {
+        ++*clamped;
+        return 0;
+    }
+    return value < ORL_BSDF_VALUE_MIN ? 0 : (float)value;
+}
