@@ -16,7 +16,6 @@
 #include "files.h"
 #include "follow.h"
 #include "job_file.h"
-#include "job_json.h"
 #include "problem.h"
 #include "progress.h"
 #include "report.h"
@@ -153,9 +152,7 @@ static int run_document(const char *document, const char *output, uint32_t threa
     unlink(path); /* an earlier run's success must not outlive this one's start */
     rc = orl_job_file_read(document, &file, &err);
     if (rc == 0)
-        rc = orl_job_from_json(file.doc, ORL_JOB_LOCAL, &job, NULL, &err);
-    if (rc == 0)
-        rc = orl_job_validate(&job, &err);
+        rc = orl_job_file_decode(&file, &job, &err);
     if (rc == 0)
         rc = run_job(&job, file.folder, output, threads, &result, &err);
     json = rc ? failure_to_json(&job, threads, &err) : orl_result_to_json(&result, "succeeded");

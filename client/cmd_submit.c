@@ -8,7 +8,6 @@
 #include "follow.h"
 #include "http.h"
 #include "job_file.h"
-#include "job_json.h"
 #include "json_get.h"
 #include "report.h"
 
@@ -23,10 +22,7 @@ static int send_scene(struct orl_http *http, struct orl_job_file *file, struct o
     if (!json_is_object(json_object_get(file->doc, "scene")))
         return 0;
     /* Decoding it as `oriel run` would finds mistakes before anything is sent. */
-    rc = orl_job_from_json(file->doc, ORL_JOB_LOCAL, &job, NULL, err);
-    if (rc)
-        return rc;
-    rc = orl_job_validate(&job, err);
+    rc = orl_job_file_decode(file, &job, err);
     if (rc == 0)
         rc = orl_bundle_collect(file->folder, (const char *const *)job.scene_files,
                                 job.n_scene_files, &bundle, err);

@@ -55,15 +55,15 @@ static void note_maps(struct orl_progress *progress, const json_t *job, size_t *
     }
 }
 
-static void note_timings(const json_t *job)
+static void note_timings(json_t *job)
 {
-    const json_t *timings = json_object_get(job, "timings_s"), *value;
+    json_t *timings = json_object_get(job, "timings_s"), *value;
     const char *name;
 
     if (json_object_size(timings) == 0)
         return;
     fprintf(stderr, "seconds:");
-    json_object_foreach((json_t *)(uintptr_t)timings, name, value)
+    json_object_foreach(timings, name, value)
     {
         fprintf(stderr, " %s %.2f", name, json_number_value(value));
     }
@@ -71,7 +71,7 @@ static void note_timings(const json_t *job)
 }
 
 /* Says how the job ended; the exit code. */
-static int conclude(const json_t *job, const char *id)
+static int conclude(json_t *job, const char *id)
 {
     const char *state = orl_json_text(job, "state");
 

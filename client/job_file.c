@@ -10,6 +10,7 @@
 #include <oriel/limits.h>
 
 #include "decode.h"
+#include "job_json.h"
 
 /* The folder part of path, "." when there is none. */
 static int folder_of(const char *path, char *ret_folder, size_t size, struct orl_error *err)
@@ -34,7 +35,7 @@ int orl_job_file_read(const char *path, struct orl_job_file *ret_file, struct or
     struct orl_file text;
     int rc;
 
-    *ret_file = (struct orl_job_file){0};
+    *ret_file = (struct orl_job_file){.path = path};
     rc = folder_of(path, ret_file->folder, sizeof ret_file->folder, err);
     if (rc)
         return rc;
@@ -54,6 +55,26 @@ void orl_job_file_done(struct orl_job_file *file)
 {
     if (file)
         json_decref(file->doc);
+}
+
+int orl_job_file_decode(const struct orl_job_file *file, struct orl_job *ret_job,
+                        struct orl_error *err)
+{
+    struct orl_error found = {0};
+    struct orl_job job = {0};
+    int rc = orl_job_from_json(file->doc, ORL_JOB_LOCAL, &job, NULL, &found);
+
+    if (rc == 0)
+        rc = orl_job_validate(&job, &found);
+    if (rc) {
+        orl_job_done(&job);
+        orl_error_at(&found, file->path, 0, NULL);
+        if (err)
+            *err = found;
+        return rc;
+    }
+    *ret_job = job;
+    return 0;
 }
 
 /* Reads one "x y z dx dy dz" line (NUL-terminated). Returns 1 when it holds a sensor, 0 when it is

@@ -1,0 +1,36 @@
+/*
+ * Running the built `oriel` as a child, as a script would: arguments in, exit code and both
+ * outputs back. The program is $ORIEL_BUILD/oriel (default build/oriel).
+ */
+#ifndef ORL_TESTS_SUPPORT_CLI_H
+#define ORL_TESTS_SUPPORT_CLI_H
+
+#include <stddef.h>
+#include <sys/types.h>
+
+enum { CLI_OUTPUT_MAX = 65536 };
+
+struct cli_result {
+    int exit_code;                                 /* -1 when a signal ended it */
+    char out[CLI_OUTPUT_MAX], err[CLI_OUTPUT_MAX]; /* cut short beyond that; always end in NUL */
+};
+
+/* A running child; its outputs go to temporary files. */
+struct cli_child {
+    pid_t pid;
+    int out_fd, err_fd;
+};
+
+/* args ends with NULL and leaves out the program's name. Fails the test when it cannot start. */
+struct cli_child cli_start(const char *const *args);
+void cli_finish(struct cli_child *child, struct cli_result *ret_result);
+void cli_run(const char *const *args, struct cli_result *ret_result);
+
+/* A new temporary folder, and its end. path holds at least 64 bytes. */
+void cli_make_folder(char *path);
+void cli_remove_folder(const char *path);
+void cli_write_file(const char *folder, const char *name, const char *text);
+/* The file's text, NUL-terminated and owned (free()), or NULL when there is none. */
+char *cli_read_file(const char *folder, const char *name);
+
+#endif
