@@ -72,15 +72,20 @@ int orl_basis_add_ring(struct orl_basis *basis, double lower_deg, double upper_d
     return 0;
 }
 
-int orl_basis_cell(const struct orl_basis *basis, double x, double y, double z)
+struct orl_polar orl_polar_of(struct orl_vec3 d)
 {
-    const double cos2 = z * z;
+    const double turn = atan2(d.y, d.x) / (2 * ORL_PI);
+    return (struct orl_polar){d.z * d.z, turn == turn ? turn : 0};
+}
+
+int orl_basis_cell(const struct orl_basis *basis, struct orl_polar place, int turned)
+{
+    const double turn = turned ? place.turn + 0.5 : place.turn;
     for (int r = 0; r < basis->n_rings; r++) {
         const struct orl_ring *ring = &basis->rings[r];
-        if (cos2 >= ring->cos2_high) {
-            const double turn = atan2(y, x) / (2 * ORL_PI);
-            const int cell = isfinite(turn) ? (int)floor(turn * ring->cells + 0.5) : 0;
-            return ring->first + (cell < 0 ? cell + ring->cells : cell) % ring->cells;
+        if (place.cos2 >= ring->cos2_high) {
+            const int cell = (int)(turn * ring->cells + 0.5 + ring->cells);
+            return ring->first + cell % ring->cells;
         }
     }
     return -1;

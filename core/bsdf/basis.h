@@ -36,8 +36,15 @@ void orl_basis_init(struct orl_basis *basis, const char *name);
 int orl_basis_add_ring(struct orl_basis *basis, double lower_deg, double upper_deg, double cells,
                        struct orl_error *err);
 
-/* The cell of a direction by its x, y and |z|, or -1 outside the basis. */
-int orl_basis_cell(const struct orl_basis *basis, double x, double y, double z);
+/* A direction as the bases see it: which side of the surface does not matter. */
+struct orl_polar {
+    double cos2; /* squared cosine of the polar angle */
+    double turn; /* azimuth in turns, -0.5 to 0.5 */
+};
+struct orl_polar orl_polar_of(struct orl_vec3 direction);
+
+/* The cell of a direction, or of the one half a turn about the axis away; -1 outside the basis. */
+int orl_basis_cell(const struct orl_basis *basis, struct orl_polar place, int turned);
 
 /* The ring of a cell. */
 const struct orl_ring *orl_basis_ring(const struct orl_basis *basis, int cell);

@@ -42,33 +42,51 @@ static bool is_tree(const struct orl_bsdf *bsdf)
     return bsdf->document.structure == ORL_STRUCTURE_TREE4;
 }
 
+/* A direction in the coordinates of the data, found once however many components are asked. */
+struct place {
+    struct orl_square square; /* trees */
+    struct orl_polar polar;   /* matrices */
+};
+
+static struct place place_of(const struct orl_bsdf *bsdf, struct orl_vec3 direction)
+{
+    struct place place = {{0, 0}, {0, 0}};
+    if (is_tree(bsdf))
+        place.square = orl_disk_to_square(direction.x, direction.y);
+    else
+        place.polar = orl_polar_of(direction);
+    return place;
+}
+
 static double view_eval(const struct orl_bsdf *bsdf, const struct view *view, struct orl_vec3 in,
                         struct orl_vec3 out)
 {
-    const struct orl_vec3 a = view->transposed ? out : in, b = view->transposed ? in : out;
+    struct place a, b;
     if (!view->component)
         return 0;
-    return is_tree(bsdf) ? orl_tree_eval(&view->component->tree, a, b)
-                         : orl_matrix_eval(&view->component->matrix, a, b);
+    a = place_of(bsdf, view->transposed ? out : in);
+    b = place_of(bsdf, view->transposed ? in : out);
+    return is_tree(bsdf) ? orl_tree_eval(&view->component->tree, a.square, b.square)
+                         : orl_matrix_eval(&view->component->matrix, a.polar, b.polar);
 }
 
 static double view_total(const struct orl_bsdf *bsdf, const struct view *view, enum role role,
-                         struct orl_vec3 direction)
+                         const struct place *place)
 {
     const enum orl_axis given = axis_of(view, role);
     if (!view->component)
         return 0;
-    return is_tree(bsdf) ? orl_tree_total(&view->component->tree, given, direction)
-                         : orl_matrix_total(&view->component->matrix, given, direction);
+    return is_tree(bsdf) ? orl_tree_total(&view->component->tree, given, place->square)
+                         : orl_matrix_total(&view->component->matrix, given, place->polar);
 }
 
 static double view_draw(const struct orl_bsdf *bsdf, const struct view *view, enum role role,
-                        struct orl_vec3 direction, const double u[2], struct orl_vec3 *ret_other)
+                        const struct place *place, const double u[2], struct orl_vec3 *ret_other)
 {
     const enum orl_axis given = axis_of(view, role);
     return is_tree(bsdf)
-               ? orl_tree_draw(&view->component->tree, given, direction, u, ret_other)
-               : orl_matrix_draw(&view->component->matrix, given, direction, u, ret_other);
+               ? orl_tree_draw(&view->component->tree, given, place->square, u, ret_other)
+               : orl_matrix_draw(&view->component->matrix, given, place->polar, u, ret_other);
 }
 
 /* ---- Loading -----------------------------------------------------------------------------------
@@ -101,7 +119,7 @@ static void describe_tree(struct orl_bsdf_info *info, const struct orl_tree *tre
     if (info->resolution < 1 << tree->depth)
         info->resolution = 1 << tree->depth;
     info->values += tree->values;
-    info->bytes += tree->n_words * sizeof *tree->words;
+    info->bytes += tree->n_words * sizeof *tree->words + tree->n_blocks * sizeof *tree->blocks;
     info->clamped += tree->clamped;
 }
 
@@ -125,12 +143,12 @@ static double max_albedo(const struct orl_bsdf *bsdf, bool front)
     const int side = is_tree(bsdf) ? bsdf->info.resolution : 64;
     double largest = 0;
     for (int i = 0; i < side * side; i++) {
-        struct orl_vec3 in = orl_square_to_hemisphere(
-            (struct orl_square){(i / side + 0.5) / side, (i % side + 0.5) / side});
+        const struct orl_vec3 in = orl_square_to_hemisphere((struct orl_square){
+            (2.0 * (i / side) + 1) / side - 1, (2.0 * (i % side) + 1) / side - 1});
+        const struct place place = place_of(bsdf, in);
         double sum = 0;
-        in.z = front ? in.z : -in.z;
         for (int transmitted = 0; transmitted < 2; transmitted++)
-            sum += view_total(bsdf, &bsdf->views[front][transmitted], ROLE_IN, in);
+            sum += view_total(bsdf, &bsdf->views[front][transmitted], ROLE_IN, &place);
         largest = fmax(largest, sum);
     }
     return largest;
@@ -219,30 +237,29 @@ struct orl_rgb orl_bsdf_diffuse(const struct orl_bsdf *bsdf, bool in_front, bool
     return orl_gray(is_tree(bsdf) ? component->tree.minimum : component->matrix.minimum);
 }
 
-/* The views that a direction in its role can take part in: by reflection, by transmission. */
-static const struct view *view_for(const struct orl_bsdf *bsdf, enum role role,
-                                   struct orl_vec3 direction, bool transmitted)
+/* The view that a direction in its role takes part in, by reflection or by transmission. */
+static const struct view *view_for(const struct orl_bsdf *bsdf, enum role role, bool front,
+                                   bool transmitted)
 {
-    const bool front = direction.z > 0;
     return &bsdf->views[role == ROLE_IN ? front : front != transmitted][transmitted];
 }
 
 /* Reflected and transmitted totals for a direction, zero for a side that is not asked for. */
-static void totals(const struct orl_bsdf *bsdf, enum role role, struct orl_vec3 direction,
-                   enum orl_bsdf_side sides, double ret_total[2])
+static void totals(const struct orl_bsdf *bsdf, enum role role, bool front,
+                   const struct place *place, enum orl_bsdf_side sides, double ret_total[2])
 {
     for (int t = 0; t < 2; t++) {
         const bool wanted = sides & (t ? ORL_BSDF_TRANSMIT : ORL_BSDF_REFLECT);
-        ret_total[t] =
-            wanted ? view_total(bsdf, view_for(bsdf, role, direction, t), role, direction) : 0;
+        ret_total[t] = wanted ? view_total(bsdf, view_for(bsdf, role, front, t), role, place) : 0;
     }
 }
 
 struct orl_rgb orl_bsdf_albedo(const struct orl_bsdf *bsdf, struct orl_vec3 in,
                                enum orl_bsdf_side sides)
 {
+    const struct place place = place_of(bsdf, in);
     double total[2];
-    totals(bsdf, ROLE_IN, in, sides, total);
+    totals(bsdf, ROLE_IN, in.z > 0, &place, sides, total);
     return orl_gray(total[0] + total[1]);
 }
 
@@ -254,17 +271,19 @@ static bool draw(const struct orl_bsdf *bsdf, enum role role, struct orl_vec3 gi
                  enum orl_bsdf_side sides, const double u[3], struct orl_vec3 *ret_other,
                  struct orl_rgb *ret_weight, double *ret_pdf)
 {
+    const struct place place = place_of(bsdf, given);
+    const bool front = given.z > 0;
     double total[2], sum, value;
     bool transmitted;
-    totals(bsdf, role, given, sides, total);
+    totals(bsdf, role, front, &place, sides, total);
     sum = total[0] + total[1];
     if (!(sum > 0))
         return false;
     transmitted = total[1] > 0 && u[2] * sum >= total[0];
-    value = view_draw(bsdf, view_for(bsdf, role, given, transmitted), role, given, u, ret_other);
+    value = view_draw(bsdf, view_for(bsdf, role, front, transmitted), role, &place, u, ret_other);
     *ret_pdf = value * ret_other->z / sum;
     *ret_weight = orl_gray(sum);
-    if ((given.z > 0) == transmitted)
+    if (front == transmitted)
         ret_other->z = -ret_other->z;
     return true;
 }
@@ -275,13 +294,15 @@ static double pdf(const struct orl_bsdf *bsdf, enum role role, struct orl_vec3 g
     const bool transmitted = (given.z > 0) != (other.z > 0);
     const struct orl_vec3 in = role == ROLE_IN ? given : other;
     const struct orl_vec3 out = role == ROLE_IN ? other : given;
+    struct place place;
     double total[2], value;
     if (!(sides & (transmitted ? ORL_BSDF_TRANSMIT : ORL_BSDF_REFLECT)))
         return 0;
     value = view_eval(bsdf, view_between(bsdf, in, out), in, out);
     if (!(value > 0))
         return 0;
-    totals(bsdf, role, given, sides, total);
+    place = place_of(bsdf, given);
+    totals(bsdf, role, given.z > 0, &place, sides, total);
     return value * fabs(other.z) / (total[0] + total[1]);
 }
 

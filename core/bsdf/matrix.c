@@ -75,31 +75,30 @@ size_t orl_matrix_bytes(const struct orl_matrix *m)
     return a * b * (sizeof(float) + 2 * sizeof(double)) + (a + b) * sizeof(double);
 }
 
-static int cell_of(const struct orl_matrix *m, enum orl_axis axis, struct orl_vec3 d)
+static int cell_of(const struct orl_matrix *m, enum orl_axis axis, struct orl_polar place)
 {
-    const double sign = axis == ORL_AXIS_A ? -1 : 1;
-    return orl_basis_cell(&m->basis[axis], sign * d.x, sign * d.y, d.z);
+    return orl_basis_cell(&m->basis[axis], place, axis == ORL_AXIS_A);
 }
 
-double orl_matrix_eval(const struct orl_matrix *m, struct orl_vec3 a, struct orl_vec3 b)
+double orl_matrix_eval(const struct orl_matrix *m, struct orl_polar a, struct orl_polar b)
 {
     const int cell_a = cell_of(m, ORL_AXIS_A, a), cell_b = cell_of(m, ORL_AXIS_B, b);
     if (cell_a < 0 || cell_b < 0)
         return 0;
-    return value_at(m, ORL_AXIS_A, cell_a, cell_b);
+    return (double)value_at(m, ORL_AXIS_A, cell_a, cell_b);
 }
 
-double orl_matrix_total(const struct orl_matrix *m, enum orl_axis given, struct orl_vec3 direction)
+double orl_matrix_total(const struct orl_matrix *m, enum orl_axis given, struct orl_polar place)
 {
-    const int cell = cell_of(m, given, direction);
+    const int cell = cell_of(m, given, place);
     return cell < 0 ? 0 : m->total[given][cell];
 }
 
-double orl_matrix_draw(const struct orl_matrix *m, enum orl_axis given, struct orl_vec3 direction,
+double orl_matrix_draw(const struct orl_matrix *m, enum orl_axis given, struct orl_polar place,
                        const double u[2], struct orl_vec3 *ret_direction)
 {
     const struct orl_basis *other = &m->basis[1 - given];
-    const int cell = cell_of(m, given, direction);
+    const int cell = cell_of(m, given, place);
     const double *row = m->cumulative[given] + (size_t)cell * (size_t)other->n_cells;
     const double sign = given == ORL_AXIS_A ? 1 : -1;
     int low = 0, high = other->n_cells - 1;
@@ -116,5 +115,5 @@ double orl_matrix_draw(const struct orl_matrix *m, enum orl_axis given, struct o
     *ret_direction = orl_basis_direction(other, low, rest < 1 ? rest : 1, u[1]);
     ret_direction->x *= sign;
     ret_direction->y *= sign;
-    return value_at(m, given, cell, low);
+    return (double)value_at(m, given, cell, low);
 }

@@ -31,11 +31,10 @@ void orl_matrix_done(struct orl_matrix *matrix); /* NULL and half-built are allo
 size_t orl_matrix_bytes(const struct orl_matrix *matrix);
 
 /* As the functions of the same names in tree.h; zero outside the bases. */
-double orl_matrix_eval(const struct orl_matrix *matrix, struct orl_vec3 a, struct orl_vec3 b);
+double orl_matrix_eval(const struct orl_matrix *matrix, struct orl_polar a, struct orl_polar b);
 double orl_matrix_total(const struct orl_matrix *matrix, enum orl_axis given,
-                        struct orl_vec3 direction);
-double orl_matrix_draw(const struct orl_matrix *matrix, enum orl_axis given,
-                       struct orl_vec3 direction, const double u[2],
-                       struct orl_vec3 *ret_direction);
+                        struct orl_polar place);
+double orl_matrix_draw(const struct orl_matrix *matrix, enum orl_axis given, struct orl_polar place,
+                       const double u[2], struct orl_vec3 *ret_direction);
 
 #endif

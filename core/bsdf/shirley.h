@@ -1,11 +1,11 @@
 /*
- * The equal-area map between the unit square and the unit disk of Shirley and Chiu ("A low
- * distortion map between disk and square", Journal of Graphics Tools 2(3), 1997), as tensor trees
- * use it: the disk is the hemisphere seen along its axis, so that equal areas of the square are
- * equal projected solid angles, pi steradians for the whole square.
+ * The equal-area map between the square and the unit disk of Shirley and Chiu ("A low distortion
+ * map between disk and square", Journal of Graphics Tools 2(3), 1997), as tensor trees use it: the
+ * disk is the hemisphere seen along its axis, so that equal areas of the square are equal
+ * projected solid angles, pi steradians for the whole square.
  *
- * Square coordinates lie in [0,1]; the disk is centred on the origin. Both functions are total: a
- * NaN comes out as the centre or the rim, never as an index out of bounds later on.
+ * Square coordinates here run from -1 to 1, with the pole at 0: turning a direction by half a turn
+ * about the axis negates both, exactly. Both functions are total.
  */
 #ifndef ORL_BSDF_SHIRLEY_H
 #define ORL_BSDF_SHIRLEY_H

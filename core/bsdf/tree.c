@@ -1,81 +1,89 @@
 /* Reads tensor trees: values, integrals over one direction, draws of one given the other. */
 #include "bsdf/tree.h"
 
-#include "bsdf/shirley.h"
+#include <string.h>
 
 /* A place on the square in units of the finest cell, 2^depth a side. */
 struct cell {
     unsigned x, y;
 };
 
-static struct cell cell_of(struct orl_vec3 direction, double sign, unsigned depth)
+static unsigned coordinate(double s, unsigned side)
 {
-    const struct orl_square s = orl_disk_to_square(sign * direction.x, sign * direction.y);
-    const unsigned side = 1U << depth;
-    const unsigned x = (unsigned)(s.x * side), y = (unsigned)(s.y * side);
-    return (struct cell){x < side ? x : side - 1, y < side ? y : side - 1};
+    const double c = (0.5 + 0.5 * s) * side;
+    if (!(c > 0)) /* NaN too */
+        return 0;
+    return c < side ? (unsigned)c : side - 1;
 }
 
-static double axis_sign(enum orl_axis axis)
+/* A is mapped as the light travels, half a turn from where the direction points. */
+static struct cell cell_of(struct orl_square place, enum orl_axis axis, unsigned depth)
 {
-    return axis == ORL_AXIS_A ? -1 : 1;
+    const double sign = axis == ORL_AXIS_A ? -1 : 1;
+    return (struct cell){coordinate(sign * place.x, 1U << depth),
+                         coordinate(sign * place.y, 1U << depth)};
 }
 
-double orl_tree_mean(const uint32_t *words, struct orl_tree_ref ref, enum orl_axis given,
-                     unsigned x, unsigned y, unsigned level)
+static float float_of(uint32_t bits)
 {
-    const uint32_t *node;
-    unsigned depth, shift, mask;
-    if (ref.leaf)
-        return orl_tree_float(ref.bits);
-    node = orl_tree_node(words, ref.bits);
-    depth = ref.bits >> 28;
-    shift = level - depth;
+    float value;
+    memcpy(&value, &bits, sizeof value);
+    return value;
+}
+
+static struct orl_tree_ref child_of(const uint32_t *node, unsigned i)
+{
+    return (struct orl_tree_ref){node[1 + i], node[0] >> i & 1};
+}
+
+/* See orl_tree_mean; a block's four leaves for the given cell are summed on the spot. */
+static inline float mean_of(const struct orl_tree *tree, struct orl_tree_ref ref,
+                            enum orl_axis given, struct cell c, unsigned level)
+{
+    const unsigned depth = orl_tree_ref_depth(ref);
+    const size_t index = orl_tree_ref_index(ref);
+    const unsigned shift = level - depth, mask = (1U << depth) - 1;
+    const unsigned x = c.x >> shift & mask, y = c.y >> shift & mask;
+    if (depth == 0)
+        return float_of(ref.bits);
     if (depth == 1) {
-        const unsigned mine = (x >> shift & 1) | (y >> shift & 1) << 1;
-        const unsigned first = given == ORL_AXIS_A ? mine : 4 * mine;
+        const unsigned mine = x | y << 1;
+        const float *leaf = tree->blocks[index] + (given == ORL_AXIS_A ? mine : 4 * mine);
         const unsigned step = given == ORL_AXIS_A ? 4 : 1;
-        const uint32_t *leaf = node + 1 + first;
-        return 0.25 * (((double)orl_tree_float(leaf[0]) + orl_tree_float(leaf[step])) +
-                       ((double)orl_tree_float(leaf[2 * step]) + orl_tree_float(leaf[3 * step])));
+        return 0.25F * ((leaf[0] + leaf[step]) + (leaf[2 * step] + leaf[3 * step]));
     }
-    mask = (1U << depth) - 1;
-    node += ORL_TREE_HEAD + ((size_t)given << 2 * depth);
-    return orl_tree_float(node[(x >> shift & mask) << depth | (y >> shift & mask)]);
+    return float_of(
+        tree->words[index + ORL_TREE_HEAD + ((size_t)given << 2 * depth) + (x << depth | y)]);
 }
 
-double orl_tree_eval(const struct orl_tree *tree, struct orl_vec3 a, struct orl_vec3 b)
+float orl_tree_mean(const struct orl_tree *tree, struct orl_tree_ref ref, enum orl_axis given,
+                    unsigned x, unsigned y, unsigned level)
 {
-    const struct cell ca = cell_of(a, -1, tree->depth), cb = cell_of(b, 1, tree->depth);
+    return mean_of(tree, ref, given, (struct cell){x, y}, level);
+}
+
+double orl_tree_eval(const struct orl_tree *tree, struct orl_square a, struct orl_square b)
+{
+    const struct cell ca = cell_of(a, ORL_AXIS_A, tree->depth);
+    const struct cell cb = cell_of(b, ORL_AXIS_B, tree->depth);
     struct orl_tree_ref ref = tree->root;
     for (unsigned level = tree->depth; !ref.leaf;) {
+        const unsigned depth = orl_tree_ref_depth(ref);
         unsigned i;
         level--;
         i = (ca.x >> level & 1) | (ca.y >> level & 1) << 1 | (cb.x >> level & 1) << 2 |
             (cb.y >> level & 1) << 3;
-        ref = orl_tree_child(orl_tree_node(tree->words, ref.bits), i);
+        if (depth == 1)
+            return (double)tree->blocks[orl_tree_ref_index(ref)][i];
+        ref = child_of(tree->words + orl_tree_ref_index(ref), i);
     }
-    return orl_tree_float(ref.bits);
+    return (double)float_of(ref.bits);
 }
 
-double orl_tree_total(const struct orl_tree *tree, enum orl_axis given, struct orl_vec3 direction)
+double orl_tree_total(const struct orl_tree *tree, enum orl_axis given, struct orl_square place)
 {
-    const struct cell c = cell_of(direction, axis_sign(given), tree->depth);
-    return ORL_PI * orl_tree_mean(tree->words, tree->root, given, c.x, c.y, tree->depth);
-}
-
-/*
- * Chooses the upper half with probability high / (low + high) and stretches what is left of u to
- * [0,1) again. A half of weight 0 is never chosen, since u < 1.
- */
-static unsigned choose_half(double low, double high, double *u)
-{
-    const double p = low / (low + high);
-    const bool upper = *u >= p;
-    *u = upper ? (*u - p) / (1 - p) : *u / p;
-    if (!(*u < 1)) /* rounding */
-        *u = 0x1.fffffffffffffp-1;
-    return upper;
+    const struct cell c = cell_of(place, given, tree->depth);
+    return ORL_PI * (double)mean_of(tree, tree->root, given, c, tree->depth);
 }
 
 /*
@@ -85,37 +93,64 @@ static unsigned choose_half(double low, double high, double *u)
 static double inside_cell(unsigned cell, double u, unsigned levels)
 {
     const double margin = 0x1p-30;
-    return ldexp(cell + margin + u * (1 - 2 * margin), -(int)levels);
+    return (cell + margin + u * (1 - 2 * margin)) * (2.0 / (1U << levels)) - 1;
 }
 
-double orl_tree_draw(const struct orl_tree *tree, enum orl_axis given, struct orl_vec3 direction,
+/*
+ * Chooses one of four with probability in proportion to its mean. *t is uniform below their sum
+ * and comes out uniform below the chosen mean. The sum is only as good as floats are: t may reach
+ * it, in which case the last one of positive mean is taken. Not all four are zero.
+ */
+static inline unsigned choose_quarter(const float mean[4], double *t)
+{
+    const double m0 = (double)mean[0], m1 = (double)mean[1], m2 = (double)mean[2];
+    const double end0 = m0, end1 = m0 + m1, end2 = end1 + m2;
+    unsigned i = (unsigned)(*t >= end0) + (unsigned)(*t >= end1) + (unsigned)(*t >= end2);
+    const double start[4] = {0, end0, end1, end2};
+    *t -= start[i];
+    if (!(*t < (double)mean[i])) {
+        while (!(mean[i] > 0))
+            i--;
+        *t = (double)mean[i] * 0x1.fffffffffffffp-1;
+    }
+    return i;
+}
+
+/*
+ * A descent: at each level the quarters of the other direction's cell are weighed by their means
+ * over it. The first uniform picks the leaf, as a place along a curve through the square, and its
+ * remainder with the second one the place within the leaf.
+ */
+double orl_tree_draw(const struct orl_tree *tree, enum orl_axis given, struct orl_square place,
                      const double u[2], struct orl_vec3 *ret_direction)
 {
-    const struct cell c = cell_of(direction, axis_sign(given), tree->depth);
+    const struct cell c = cell_of(place, given, tree->depth);
+    const unsigned own = given == ORL_AXIS_A ? 0 : 2, others = 2 - own;
     struct orl_tree_ref ref = tree->root;
-    unsigned level = tree->depth, x = 0, y = 0;
-    double ux = u[0], uy = u[1], sign = -axis_sign(given);
+    unsigned level = tree->depth, x = 0, y = 0, mine, i;
+    const double sign = given == ORL_AXIS_A ? 1 : -1; /* of the direction that is drawn */
+    double t = u[0] * (double)mean_of(tree, ref, given, c, level);
     while (!ref.leaf) {
-        const uint32_t *node = orl_tree_node(tree->words, ref.bits);
-        double mean[4];
-        unsigned mine, high_x, high_y, i;
+        const unsigned depth = orl_tree_ref_depth(ref);
+        const size_t index = orl_tree_ref_index(ref);
+        float mean[4];
         level--;
-        mine = (c.x >> level & 1) | (c.y >> level & 1) << 1;
-        for (unsigned other = 0; other < 4; other++) {
-            i = given == ORL_AXIS_A ? mine | other << 2 : other | mine << 2;
-            mean[other] =
-                orl_tree_mean(tree->words, orl_tree_child(node, i), given, c.x, c.y, level);
-        }
-        high_x = choose_half(mean[0] + mean[2], mean[1] + mean[3], &ux);
-        high_y = choose_half(mean[high_x], mean[2 | high_x], &uy);
-        i = high_x | high_y << 1;
-        ref = orl_tree_child(node, given == ORL_AXIS_A ? mine | i << 2 : i | mine << 2);
-        x = x << 1 | high_x;
-        y = y << 1 | high_y;
+        mine = ((c.x >> level & 1) | (c.y >> level & 1) << 1) << own;
+        for (unsigned k = 0; k < 4; k++)
+            mean[k] = depth == 1 ? tree->blocks[index][mine | k << others]
+                                 : mean_of(tree, child_of(tree->words + index, mine | k << others),
+                                           given, c, level);
+        t *= 4; /* the mean over the square is a quarter of the sum over its quarters */
+        i = choose_quarter(mean, &t);
+        x = x << 1 | (i & 1);
+        y = y << 1 | i >> 1;
+        ref =
+            depth == 1 ? orl_tree_leaf(mean[i]) : child_of(tree->words + index, mine | i << others);
     }
+    t = fmin(t / (double)float_of(ref.bits), 0x1.fffffffffffffp-1);
     *ret_direction = orl_square_to_hemisphere((struct orl_square){
-        inside_cell(x, ux, tree->depth - level), inside_cell(y, uy, tree->depth - level)});
+        inside_cell(x, t, tree->depth - level), inside_cell(y, u[1], tree->depth - level)});
     ret_direction->x *= sign;
     ret_direction->y *= sign;
-    return orl_tree_float(ref.bits);
+    return (double)float_of(ref.bits);
 }

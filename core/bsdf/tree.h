@@ -6,14 +6,16 @@
  * the light travels) and B (the file's "exitant"). A child of a branch is numbered by four bits:
  * bit 0 A.x, bit 1 A.y, bit 2 B.x, bit 3 B.y; a set bit is the upper half.
  *
- * Store: one array of 32-bit words, children before parents. A branch is
+ * Store. The lowest branches, all of whose children are leaves, are blocks of 16 floats: one line
+ * of the cache each. Higher branches are runs of 32-bit words:
  *     word 0       bit i set: child i is a leaf
- *     words 1..16  the children: a leaf's value (float), or depth << 28 | index of its first word
- *     and, when its depth is at least 2,
+ *     words 1..16  the children: a leaf's value (float), or depth << 28 | index, which counts
+ *                  blocks for depth 1 and words above
  *     4^depth      float means over B, for each cell of A at 2^depth a side, x-major
  *     4^depth      float means over A, for each cell of B
  * depth is how many levels of branches the node spans, itself included. The means make a draw of
- * one direction given the other a plain descent: at each level, four sums to choose from.
+ * one direction given the other a plain descent: at each level, four sums to choose from. Those of
+ * a block are summed when they are wanted, which costs less than fetching them.
  *
  * Invariants: leaves are finite and not negative (scan.h); the tree is immutable once built.
  * Threads: any number may read. References: Ward, Kurt and Bonneel 2014 (the format); Clarberg,
@@ -27,9 +29,10 @@
 #include <stdint.h>
 
 #include <oriel/error.h>
-#include <oriel/vec.h>
 
-enum { ORL_TREE_FANOUT = 16, ORL_TREE_HEAD = 17 };
+#include "bsdf/shirley.h"
+
+enum { ORL_TREE_FANOUT = 16, ORL_TREE_HEAD = 17, ORL_TREE_INDEX_BITS = 28 };
 
 /* Which of the two directions is given. */
 enum orl_axis { ORL_AXIS_A = 0, ORL_AXIS_B = 1 };
@@ -41,8 +44,10 @@ struct orl_tree_ref {
 };
 
 struct orl_tree {
-    uint32_t *words; /* owned */
-    size_t n_words, capacity;
+    uint32_t *words; /* higher branches; owned */
+    size_t n_words, words_capacity;
+    float (*blocks)[ORL_TREE_FANOUT]; /* lowest branches, on cache lines; owned */
+    size_t n_blocks, blocks_capacity;
     struct orl_tree_ref root;
     unsigned depth; /* log2 of the resolution per axis; 0: one leaf */
     size_t values;  /* leaves in the file */
@@ -65,48 +70,36 @@ void orl_tree_done(struct orl_tree *tree); /* NULL and half-built are allowed */
 
 /* ---- Reading (tree.c) ------------------------------------------------------------------------ */
 
-static inline float orl_tree_float(uint32_t bits)
-{
-    union {
-        uint32_t bits;
-        float value;
-    } u = {bits};
-    return u.value;
-}
-
 static inline unsigned orl_tree_ref_depth(struct orl_tree_ref ref)
 {
-    return ref.leaf ? 0 : ref.bits >> 28;
+    return ref.leaf ? 0 : ref.bits >> ORL_TREE_INDEX_BITS;
 }
 
-static inline const uint32_t *orl_tree_node(const uint32_t *words, uint32_t bits)
+static inline uint32_t orl_tree_ref_index(struct orl_tree_ref ref)
 {
-    return words + (bits & 0x0fffffffU);
-}
-
-static inline struct orl_tree_ref orl_tree_child(const uint32_t *node, unsigned i)
-{
-    return (struct orl_tree_ref){node[1 + i], node[0] >> i & 1};
+    return ref.bits & ((1U << ORL_TREE_INDEX_BITS) - 1);
 }
 
 /*
  * The mean over the other direction, within ref's subtree, where the given direction lies in cell
  * (x, y); coordinates in units of the finest cell, of which ref's side has 2^level.
  */
-double orl_tree_mean(const uint32_t *words, struct orl_tree_ref ref, enum orl_axis given,
-                     unsigned x, unsigned y, unsigned level);
+float orl_tree_mean(const struct orl_tree *tree, struct orl_tree_ref ref, enum orl_axis given,
+                    unsigned x, unsigned y, unsigned level);
 
-/* The value at directions a and b (their x and y; A is negated inside). */
-double orl_tree_eval(const struct orl_tree *tree, struct orl_vec3 a, struct orl_vec3 b);
+/* Directions below are places on the square as orl_disk_to_square gives them; A's is turned inside.
+ */
+
+double orl_tree_eval(const struct orl_tree *tree, struct orl_square a, struct orl_square b);
 
 /* The integral over the other hemisphere of value times cosine, for the given direction. */
-double orl_tree_total(const struct orl_tree *tree, enum orl_axis given, struct orl_vec3 direction);
+double orl_tree_total(const struct orl_tree *tree, enum orl_axis given, struct orl_square place);
 
 /*
  * Draws the other direction in proportion to value times cosine; u: two uniforms in [0,1). Only
  * where orl_tree_total is positive. ret_direction has z > 0; returns the value there.
  */
-double orl_tree_draw(const struct orl_tree *tree, enum orl_axis given, struct orl_vec3 direction,
+double orl_tree_draw(const struct orl_tree *tree, enum orl_axis given, struct orl_square place,
                      const double u[2], struct orl_vec3 *ret_direction);
 
 #endif

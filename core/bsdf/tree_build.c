@@ -8,8 +8,10 @@
 
 /* What an index of 28 bits can reach, and no more than a bounded multiple of the values. */
 #define WORDS_MAX (2 * ORL_LIMIT_BSDF_VALUES)
-_Static_assert(WORDS_MAX <= 1UL << 28, "a child's index has 28 bits");
+_Static_assert(WORDS_MAX <= 1UL << ORL_TREE_INDEX_BITS, "an index must fit");
 _Static_assert(ORL_LIMIT_TREE_DEPTH < 16, "a child's depth has 4 bits");
+
+enum { LINE_BYTES = 64 };
 
 static uint32_t float_bits(float value)
 {
@@ -23,23 +25,42 @@ struct orl_tree_ref orl_tree_leaf(float value)
     return (struct orl_tree_ref){float_bits(value), true};
 }
 
-/* Makes room for count more words. */
-static int reserve(struct orl_tree *tree, size_t count, struct orl_error *err)
+static int out_of_memory(struct orl_error *err)
 {
-    size_t capacity = tree->capacity ? tree->capacity : 4096;
+    return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for the tensor tree");
+}
+
+/* Makes room for count more words. Children, once finished, never move within their array. */
+static int reserve_words(struct orl_tree *tree, size_t count, struct orl_error *err)
+{
+    size_t capacity = tree->words_capacity ? tree->words_capacity : 4096;
     uint32_t *words;
     if (count > WORDS_MAX - tree->n_words)
         return orl_error_set(err, ORL_ERR_LIMIT, "the tensor tree needs more than %lu MB",
                              WORDS_MAX * sizeof(uint32_t) >> 20);
-    if (tree->n_words + count <= tree->capacity)
+    if (tree->n_words + count <= tree->words_capacity)
         return 0;
     while (capacity < tree->n_words + count)
         capacity += capacity / 2;
     words = realloc(tree->words, capacity * sizeof *words);
     if (!words)
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for the tensor tree");
+        return out_of_memory(err);
     tree->words = words;
-    tree->capacity = capacity;
+    tree->words_capacity = capacity;
+    return 0;
+}
+
+/* Moves the blocks to an array of the given capacity that starts on a cache line. */
+static int resize_blocks(struct orl_tree *tree, size_t capacity, struct orl_error *err)
+{
+    float(*blocks)[ORL_TREE_FANOUT] = aligned_alloc(LINE_BYTES, capacity * sizeof *blocks);
+    if (!blocks)
+        return out_of_memory(err);
+    if (tree->n_blocks > 0)
+        memcpy(blocks, tree->blocks, tree->n_blocks * sizeof *blocks);
+    free(tree->blocks);
+    tree->blocks = blocks;
+    tree->blocks_capacity = capacity;
     return 0;
 }
 
@@ -62,20 +83,57 @@ static void fill_means(const struct orl_tree *tree, const struct orl_tree_ref *c
             double sum = 0;
             for (unsigned other = 0; other < 4; other++) {
                 const unsigned i = given == ORL_AXIS_A ? mine | other << 2 : other | mine << 2;
-                sum += orl_tree_mean(tree->words, child[i], given, x, y, low);
+                sum += (double)orl_tree_mean(tree, child[i], given, x, y, low);
             }
             means[x << depth | y] = float_bits((float)(0.25 * sum));
         }
     }
 }
 
+/* A branch over leaves only. */
+static int add_block(struct orl_tree *tree, const struct orl_tree_ref *child,
+                     struct orl_tree_ref *ret_ref, struct orl_error *err)
+{
+    const size_t capacity = tree->blocks_capacity;
+    int code = 0;
+    if (tree->n_blocks == capacity)
+        code = resize_blocks(tree, capacity ? capacity + capacity / 2 : 1024, err);
+    if (code < 0)
+        return code;
+    for (int i = 0; i < ORL_TREE_FANOUT; i++)
+        memcpy(&tree->blocks[tree->n_blocks][i], &child[i].bits, sizeof(float));
+    ret_ref->bits = 1U << ORL_TREE_INDEX_BITS | (uint32_t)tree->n_blocks++;
+    ret_ref->leaf = false;
+    return 0;
+}
+
+/* A branch of depth at least 2. */
+static int add_node(struct orl_tree *tree, const struct orl_tree_ref *child, unsigned depth,
+                    struct orl_tree_ref *ret_ref, struct orl_error *err)
+{
+    const size_t means = (size_t)1 << 2 * depth;
+    const int code = reserve_words(tree, ORL_TREE_HEAD + 2 * means, err);
+    uint32_t *node;
+    if (code < 0)
+        return code;
+    node = tree->words + tree->n_words;
+    node[0] = 0;
+    for (int i = 0; i < ORL_TREE_FANOUT; i++) {
+        node[0] |= (uint32_t)child[i].leaf << i;
+        node[1 + i] = child[i].bits;
+    }
+    fill_means(tree, child, ORL_AXIS_A, depth, node + ORL_TREE_HEAD);
+    fill_means(tree, child, ORL_AXIS_B, depth, node + ORL_TREE_HEAD + means);
+    ret_ref->bits = depth << ORL_TREE_INDEX_BITS | (uint32_t)tree->n_words;
+    ret_ref->leaf = false;
+    tree->n_words += ORL_TREE_HEAD + 2 * means;
+    return 0;
+}
+
 int orl_tree_branch(struct orl_tree *tree, const struct orl_tree_ref child[ORL_TREE_FANOUT],
                     struct orl_tree_ref *ret_ref, struct orl_error *err)
 {
     unsigned depth = 1;
-    size_t means = 0;
-    uint32_t *node;
-    int code;
     if (all_equal(child)) {
         *ret_ref = child[0];
         return 0;
@@ -86,24 +144,8 @@ int orl_tree_branch(struct orl_tree *tree, const struct orl_tree_ref child[ORL_T
     if (depth > ORL_LIMIT_TREE_DEPTH)
         return orl_error_set(err, ORL_ERR_LIMIT, "the tensor tree is deeper than %u levels",
                              ORL_LIMIT_TREE_DEPTH);
-    if (depth > 1)
-        means = (size_t)1 << 2 * depth;
-    code = reserve(tree, ORL_TREE_HEAD + 2 * means, err);
-    if (code < 0)
-        return code;
-    node = tree->words + tree->n_words;
-    node[0] = 0;
-    for (int i = 0; i < ORL_TREE_FANOUT; i++) {
-        node[0] |= (uint32_t)child[i].leaf << i;
-        node[1 + i] = child[i].bits;
-    }
-    if (means > 0) {
-        fill_means(tree, child, ORL_AXIS_A, depth, node + ORL_TREE_HEAD);
-        fill_means(tree, child, ORL_AXIS_B, depth, node + ORL_TREE_HEAD + means);
-    }
-    *ret_ref = (struct orl_tree_ref){depth << 28 | (uint32_t)tree->n_words, false};
-    tree->n_words += ORL_TREE_HEAD + 2 * means;
-    return 0;
+    return depth == 1 ? add_block(tree, child, ret_ref, err)
+                      : add_node(tree, child, depth, ret_ref, err);
 }
 
 /* A cube of cells within a grid of values. */
@@ -147,13 +189,16 @@ void orl_tree_finish(struct orl_tree *tree, struct orl_tree_ref root)
 {
     tree->root = root;
     tree->depth = orl_tree_ref_depth(root);
-    if (tree->n_words > 0 && tree->n_words < tree->capacity) {
+    /* Giving back spare room is a courtesy: where it fails, the larger array stays. */
+    if (tree->n_words > 0 && tree->n_words < tree->words_capacity) {
         uint32_t *words = realloc(tree->words, tree->n_words * sizeof *words);
-        if (words) { /* shrinking is a courtesy; keep the larger block if it fails */
+        if (words) {
             tree->words = words;
-            tree->capacity = tree->n_words;
+            tree->words_capacity = tree->n_words;
         }
     }
+    if (tree->n_blocks > 0 && tree->n_blocks < tree->blocks_capacity)
+        resize_blocks(tree, tree->n_blocks, NULL);
 }
 
 void orl_tree_done(struct orl_tree *tree)
@@ -161,5 +206,6 @@ void orl_tree_done(struct orl_tree *tree)
     if (!tree)
         return;
     free(tree->words);
+    free(tree->blocks);
     memset(tree, 0, sizeof *tree);
 }
