@@ -1,0 +1,189 @@
+#include "config.h"
+
+#include <arpa/inet.h>
+#include <errno.h>
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "limits.h"
+
+enum { DEFAULT_PORT = 8423 };
+
+void orl_config_help(FILE *stream)
+{
+    fprintf(stream,
+            "Usage: orield [OPTION]...\n"
+            "Serves daylight renderings over HTTP. See GET /openapi.yaml for the interface.\n\n"
+            "  --listen ADDRESS:PORT  where to listen (127.0.0.1:%d); loopback only\n"
+            "  --port PORT            the port alone; 0 takes a free one\n"
+            "  --data DIR             where everything is kept ($ORIEL_DATA, else ./oriel-data)\n"
+            "  --threads N            threads that render (all processors)\n"
+            "  --jobs N               jobs that render at once, sharing the threads (1)\n"
+            "  --log-level LEVEL      debug, info, warn or error (info)\n"
+            "  --help, --version\n\n"
+            "Once it listens it prints \"listening on http://ADDRESS:PORT\" on standard output;\n"
+            "the log goes to standard error. SIGTERM stops it: a job that is running is queued\n"
+            "again and starts over with the next start.\n",
+            DEFAULT_PORT);
+}
+
+static int parse_number(const char *option, const char *text, unsigned long min, unsigned long max,
+                        unsigned long *ret_value, struct orl_error *err)
+{
+    char *end = NULL;
+    errno = 0;
+    const unsigned long value = strtoul(text, &end, 10);
+    if (errno || end == text || *end || text[0] == '-' || value < min || value > max)
+        return orl_error_set(err, ORL_ERR_INVALID, "%s takes a number from %lu to %lu, not '%s'",
+                             option, min, max, text);
+    *ret_value = value;
+    return 0;
+}
+
+static void set_port(struct orl_config *config, unsigned long port)
+{
+    if (config->address.any.sa_family == AF_INET6)
+        config->address.v6.sin6_port = htons((uint16_t)port);
+    else
+        config->address.v4.sin_port = htons((uint16_t)port);
+}
+
+static bool is_loopback(const struct orl_config *config)
+{
+    if (config->address.any.sa_family == AF_INET6)
+        return IN6_IS_ADDR_LOOPBACK(&config->address.v6.sin6_addr);
+    return ntohl(config->address.v4.sin_addr.s_addr) >> 24 == 127;
+}
+
+/* "127.0.0.1:8423", "localhost:0", "[::1]:8423". */
+static int parse_listen(const char *text, struct orl_config *config, struct orl_error *err)
+{
+    char host[64];
+    const char *colon = strrchr(text, ':');
+    const size_t length = colon ? (size_t)(colon - text) : 0;
+    if (!colon || length == 0 || length >= sizeof host)
+        return orl_error_set(err, ORL_ERR_INVALID, "--listen takes ADDRESS:PORT, not '%s'", text);
+    memcpy(host, text, length);
+    host[length] = '\0';
+    memset(&config->address, 0, sizeof config->address);
+    if (strcmp(host, "localhost") == 0)
+        snprintf(host, sizeof host, "127.0.0.1");
+    if (host[0] == '[' && host[length - 1] == ']') {
+        host[length - 1] = '\0';
+        config->address.v6.sin6_family = AF_INET6;
+        if (inet_pton(AF_INET6, host + 1, &config->address.v6.sin6_addr) != 1)
+            return orl_error_set(err, ORL_ERR_INVALID, "'%s' is no address", host + 1);
+    } else {
+        config->address.v4.sin_family = AF_INET;
+        if (inet_pton(AF_INET, host, &config->address.v4.sin_addr) != 1)
+            return orl_error_set(err, ORL_ERR_INVALID, "'%s' is no address", host);
+    }
+    if (!is_loopback(config)) {
+        orl_error_set(err, ORL_ERR_INVALID,
+                      "%s is not a loopback address: without access tokens and TLS, which Oriel "
+                      "does not have yet, anyone who reaches it could use it",
+                      host);
+        orl_error_hint(err, "Listen on 127.0.0.1 and reach it through an SSH tunnel");
+        return ORL_ERR_INVALID;
+    }
+    unsigned long port;
+    const int rc = parse_number("--listen's port", colon + 1, 0, 65535, &port, err);
+    if (rc == 0)
+        set_port(config, port);
+    return rc;
+}
+
+static int apply_option(struct orl_config *config, const char *name, const char *value,
+                        struct orl_error *err)
+{
+    unsigned long number = 0;
+    int rc = 0;
+    if (strcmp(name, "--listen") == 0)
+        return parse_listen(value, config, err);
+    if (strcmp(name, "--data") == 0) {
+        config->data = value;
+    } else if (strcmp(name, "--port") == 0) {
+        rc = parse_number(name, value, 0, 65535, &number, err);
+        if (rc == 0)
+            set_port(config, number);
+    } else if (strcmp(name, "--threads") == 0) {
+        rc = parse_number(name, value, 1, ORL_SERVER_THREADS, &number, err);
+        config->threads = (uint32_t)number;
+    } else if (strcmp(name, "--jobs") == 0) {
+        rc = parse_number(name, value, 1, ORL_SERVER_THREADS, &number, err);
+        config->jobs = (uint32_t)number;
+    } else if (strcmp(name, "--log-level") == 0) {
+        if (orl_log_level_from_name(value, &config->log_level))
+            rc = orl_error_set(err, ORL_ERR_INVALID, "there is no log level '%s'", value);
+    } else {
+        rc = orl_error_set(err, ORL_ERR_INVALID, "there is no option '%s'", name);
+        orl_error_hint(err, "orield --help lists them");
+    }
+    return rc;
+}
+
+static void set_defaults(struct orl_config *config)
+{
+    memset(config, 0, sizeof *config);
+    config->address.v4.sin_family = AF_INET;
+    config->address.v4.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    config->address.v4.sin_port = htons(DEFAULT_PORT);
+    const char *data = getenv("ORIEL_DATA");
+    config->data = data && *data ? data : "oriel-data";
+    const long processors = sysconf(_SC_NPROCESSORS_ONLN);
+    config->threads = processors < 1                          ? 1
+                      : processors > (long)ORL_SERVER_THREADS ? ORL_SERVER_THREADS
+                                                              : (uint32_t)processors;
+    config->jobs = 1;
+    config->log_level = ORL_LOG_INFO;
+}
+
+int orl_config_parse(int argc, char **argv, struct orl_config *ret_config,
+                     enum orl_config_action *ret_action, struct orl_error *err)
+{
+    struct orl_config config;
+    enum orl_config_action action = ORL_CONFIG_SERVE;
+    set_defaults(&config);
+    for (int i = 1; i < argc; i++) {
+        if (strcmp(argv[i], "--help") == 0 || strcmp(argv[i], "-h") == 0) {
+            action = ORL_CONFIG_HELP;
+            break;
+        }
+        if (strcmp(argv[i], "--version") == 0) {
+            action = ORL_CONFIG_VERSION;
+            break;
+        }
+        char name[32];
+        const char *equals = strchr(argv[i], '=');
+        snprintf(name, sizeof name, "%.*s", equals ? (int)(equals - argv[i]) : 31, argv[i]);
+        const char *value = equals ? equals + 1 : i + 1 < argc ? argv[++i] : NULL;
+        if (!value)
+            return orl_error_set(err, ORL_ERR_INVALID, "%s wants a value", name);
+        const int rc = apply_option(&config, name, value, err);
+        if (rc)
+            return rc;
+    }
+    if (config.jobs > config.threads)
+        config.threads = config.jobs; /* each needs one to lead it */
+    *ret_config = config;
+    *ret_action = action;
+    return 0;
+}
+
+void orl_address_format(const struct sockaddr *address, char *ret_text, size_t size)
+{
+    char host[INET6_ADDRSTRLEN] = "?";
+    if (address->sa_family == AF_INET6) {
+        struct sockaddr_in6 v6;
+        memcpy(&v6, address, sizeof v6);
+        inet_ntop(AF_INET6, &v6.sin6_addr, host, sizeof host);
+        snprintf(ret_text, size, "[%s]:%u", host, ntohs(v6.sin6_port));
+    } else {
+        struct sockaddr_in v4;
+        memcpy(&v4, address, sizeof v4);
+        inet_ntop(AF_INET, &v4.sin_addr, host, sizeof host);
+        snprintf(ret_text, size, "%s:%u", host, ntohs(v4.sin_port));
+    }
+}

@@ -1,0 +1,38 @@
+/*
+ * The daemon's settings, from its arguments and the environment (ORIEL_DATA).
+ */
+#ifndef ORL_SERVER_CONFIG_H
+#define ORL_SERVER_CONFIG_H
+
+#include <netinet/in.h>
+#include <stdint.h>
+#include <stdio.h>
+
+#include <oriel/error.h>
+
+#include "log.h"
+
+struct orl_config {
+    union {
+        struct sockaddr any;
+        struct sockaddr_in v4;
+        struct sockaddr_in6 v6;
+    } address;
+    const char *data; /* borrowed from argv or the environment */
+    uint32_t threads; /* that render, over all jobs */
+    uint32_t jobs;    /* that render at once */
+    enum orl_log_level log_level;
+};
+
+enum orl_config_action { ORL_CONFIG_SERVE, ORL_CONFIG_HELP, ORL_CONFIG_VERSION };
+
+/* ORL_ERR_INVALID with a sentence for the user; *ret_action says what was asked for. */
+int orl_config_parse(int argc, char **argv, struct orl_config *ret_config,
+                     enum orl_config_action *ret_action, struct orl_error *err);
+
+void orl_config_help(FILE *stream);
+
+/* "127.0.0.1:8423" or "[::1]:8423" as text. */
+void orl_address_format(const struct sockaddr *address, char *ret_text, size_t size);
+
+#endif

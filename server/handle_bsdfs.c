@@ -1,0 +1,137 @@
+#include "handlers.h"
+
+#include <jansson.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <oriel/bsdf.h>
+
+#include "bsdf_json.h"
+#include "reply.h"
+#include "server.h"
+#include "store/scenes.h"
+#include "stored_item.h"
+
+/* A BSDF on its way in. */
+struct upload {
+    char name[256]; /* for messages; as the sender calls it */
+    char id[ORL_SHA_HEX];
+    uint64_t bytes;
+    char *summary; /* JSON text */
+    int rc;
+    struct orl_error err;
+};
+
+static void upload_free(void *state)
+{
+    struct upload *upload = state;
+    free(upload->summary);
+    free(upload);
+}
+
+/* ---- On the pool
+ * --------------------------------------------------------------------------------- */
+
+static void hash_upload(struct orl_request *request)
+{
+    struct upload *upload = request->state;
+    struct orl_file file;
+    upload->rc = orl_body_view(&request->body, &request->server->folders, &file, &upload->err);
+    if (upload->rc == 0)
+        orl_sha256_hex(file.data, file.size, upload->id);
+    upload->bytes = upload->rc == 0 ? file.size : 0;
+}
+
+static int summarise(struct upload *upload, const struct orl_file *file)
+{
+    struct orl_bsdf *bsdf = NULL;
+    struct orl_bsdf_info info;
+    const int rc = orl_bsdf_load_xml(upload->name, file->data, file->size, &bsdf, &upload->err);
+    if (rc)
+        return rc;
+    orl_bsdf_describe(bsdf, &info);
+    orl_bsdf_unref(bsdf);
+    json_t *json = orl_bsdf_info_to_json(&info);
+    upload->summary = json ? json_dumps(json, JSON_COMPACT) : NULL;
+    json_decref(json);
+    return upload->summary ? 0 : orl_error_set(&upload->err, ORL_ERR_NOMEM, "out of memory");
+}
+
+static void check_and_keep(struct orl_request *request)
+{
+    struct upload *upload = request->state;
+    const struct orl_folders *folders = &request->server->folders;
+    struct orl_file file;
+    char path[ORL_PATH_MAX];
+    upload->rc = orl_body_view(&request->body, folders, &file, &upload->err);
+    if (upload->rc == 0)
+        upload->rc = summarise(upload, &file);
+    if (upload->rc)
+        return;
+    upload->rc = orl_body_take_file(&request->body, folders, path, &upload->err);
+    if (upload->rc)
+        return;
+    upload->rc = orl_blob_keep(folders, path, upload->id, &upload->err);
+    if (upload->rc)
+        unlink(path);
+}
+
+/* ---- On the loop
+ * --------------------------------------------------------------------------------- */
+
+static void insert_and_reply(struct orl_request *request)
+{
+    struct upload *upload = request->state;
+    bool created = false;
+    if (upload->rc == 0)
+        upload->rc = orl_bsdf_insert(&request->server->db, upload->id, upload->name, upload->bytes,
+                                     upload->summary, &created, &upload->err);
+    if (upload->rc)
+        orl_reply_error(request, &upload->err);
+    else
+        orl_reply_stored_item(request, &orl_item_bsdf, upload->id, created ? 201 : 200, &created);
+}
+
+static void look_up(struct orl_request *request)
+{
+    struct upload *upload = request->state;
+    struct orl_stored_item item;
+    bool found = false, created = false;
+    if (upload->rc == 0)
+        upload->rc = orl_bsdf_find(&request->server->db, upload->id, &item, &found, &upload->err);
+    if (upload->rc) {
+        orl_reply_error(request, &upload->err);
+    } else if (found) {
+        free(item.summary);
+        orl_reply_stored_item(request, &orl_item_bsdf, upload->id, 200, &created);
+    } else {
+        orl_request_work(request, check_and_keep, insert_and_reply);
+    }
+}
+
+void orl_handle_bsdf_post(struct orl_request *request)
+{
+    const char *name = orl_request_query(request, "name");
+    struct upload *upload = calloc(1, sizeof *upload);
+    struct orl_error err;
+    request->state = upload;
+    request->free_state = upload_free;
+    if (!upload) {
+        orl_error_set(&err, ORL_ERR_NOMEM, "out of memory");
+        orl_reply_error(request, &err);
+        return;
+    }
+    if (name && orl_bundle_check_name(name, &err)) {
+        orl_reply_error(request, &err);
+        return;
+    }
+    snprintf(upload->name, sizeof upload->name, "%s", name ? name : "bsdf.xml");
+    orl_request_work(request, hash_upload, look_up);
+}
+
+void orl_handle_bsdf_get(struct orl_request *request)
+{
+    orl_reply_stored_item(request, &orl_item_bsdf, request->params[0], 200, NULL);
+}

@@ -1,0 +1,222 @@
+#include "handlers.h"
+
+#include <jansson.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "job_output.h"
+#include "job_status.h"
+#include "limits.h"
+#include "reply.h"
+#include "server.h"
+#include "store/scenes.h"
+
+/* A job on its way in. */
+struct job_post {
+    struct orl_job job;
+    char *scene;
+    char document[ORL_SHA_HEX];
+    int rc;
+    struct orl_error err;
+};
+
+static void job_post_free(void *state)
+{
+    struct job_post *post = state;
+    orl_job_done(&post->job);
+    free(post->scene);
+    free(post);
+}
+
+/* ---- On the pool
+ * --------------------------------------------------------------------------------- */
+
+static void read_document(struct orl_request *request)
+{
+    struct job_post *post = request->state;
+    struct orl_file body;
+    post->rc = orl_body_view(&request->body, &request->server->folders, &body, &post->err);
+    if (post->rc)
+        return;
+    post->rc = orl_job_read(body.data, body.size, &post->job, &post->scene, &post->err);
+    if (post->rc == 0)
+        orl_sha256_hex(body.data, body.size, post->document);
+}
+
+static void keep_document(struct orl_request *request)
+{
+    struct job_post *post = request->state;
+    const struct orl_folders *folders = &request->server->folders;
+    char path[ORL_PATH_MAX];
+    post->rc = orl_body_take_file(&request->body, folders, path, &post->err);
+    if (post->rc)
+        return;
+    post->rc = orl_blob_keep(folders, path, post->document, &post->err);
+    if (post->rc)
+        unlink(path);
+}
+
+/* ---- On the loop
+ * --------------------------------------------------------------------------------- */
+
+static void reply_job(struct orl_request *request, unsigned status, const struct orl_jobs_job *job)
+{
+    char location[80];
+    orl_reply_json(request, status, orl_job_status(request->server->jobs, job));
+    orl_reply_header(request, "Cache-Control", "no-store");
+    if (status == 202) {
+        snprintf(location, sizeof location, "/v1/jobs/%s", job->row.id);
+        orl_reply_header(request, "Location", location);
+        orl_reply_header(request, "Retry-After", "1");
+    }
+}
+
+static bool refuse_when_full(struct orl_request *request)
+{
+    if (!orl_jobs_full(request->server->jobs))
+        return false;
+    orl_reply_problem(request, 429, "queue-full", "Too many jobs wait already",
+                      "%u jobs are queued; try again when some have run", ORL_SERVER_QUEUE);
+    orl_reply_header(request, "Retry-After", "30");
+    return true;
+}
+
+static void submit(struct orl_request *request)
+{
+    struct job_post *post = request->state;
+    const struct orl_jobs_job *job = NULL;
+    if (post->rc == 0 && refuse_when_full(request))
+        return;
+    if (post->rc == 0)
+        post->rc =
+            orl_jobs_submit(request->server->jobs, post->scene, post->document, &job, &post->err);
+    if (post->rc)
+        orl_reply_error(request, &post->err);
+    else
+        reply_job(request, 202, job);
+}
+
+/* What the document refers to must be here. */
+static int check_references(struct orl_server *server, struct job_post *post)
+{
+    struct orl_bundle bundle = {0};
+    int rc = orl_scene_files(&server->db, &server->folders, post->scene, &bundle, &post->err);
+    if (rc == 0 && bundle.count == 0) {
+        rc = orl_error_set(&post->err, ORL_ERR_NOT_FOUND, "no scene of that id is stored");
+        orl_error_at(&post->err, NULL, 0, "scene");
+        orl_error_hint(&post->err, "Upload it with POST /v1/scenes first");
+    }
+    if (rc == 0 && post->job.sensors_file && !orl_bundle_find(&bundle, post->job.sensors_file)) {
+        rc = orl_error_set(&post->err, ORL_ERR_NOT_FOUND,
+                           "the scene was uploaded without a file named '%.200s'",
+                           post->job.sensors_file);
+        orl_error_at(&post->err, NULL, 0, "sensors.file");
+        orl_error_hint(&post->err, "Upload it as a resource, or give the sensors as an array");
+    }
+    orl_bundle_done(&bundle);
+    return rc;
+}
+
+static void look_up(struct orl_request *request)
+{
+    struct job_post *post = request->state;
+    if (post->rc == 0)
+        post->rc = check_references(request->server, post);
+    if (post->rc)
+        orl_reply_error(request, &post->err);
+    else
+        orl_request_work(request, keep_document, submit);
+}
+
+void orl_handle_job_post(struct orl_request *request)
+{
+    if (refuse_when_full(request))
+        return;
+    struct job_post *post = calloc(1, sizeof *post);
+    if (!post) {
+        orl_reply_json(request, 500, NULL);
+        return;
+    }
+    request->state = post;
+    request->free_state = job_post_free;
+    orl_request_work(request, read_document, look_up);
+}
+
+/* The job of the path, or NULL after a 404. */
+static const struct orl_jobs_job *find_job(struct orl_request *request)
+{
+    const struct orl_jobs_job *job = orl_jobs_find(request->server->jobs, request->params[0]);
+    if (!job)
+        orl_reply_not_found(request, "job");
+    return job;
+}
+
+void orl_handle_job_get(struct orl_request *request)
+{
+    const struct orl_jobs_job *job = find_job(request);
+    if (job)
+        reply_job(request, 200, job);
+}
+
+void orl_handle_job_cancel(struct orl_request *request)
+{
+    const struct orl_jobs_job *job = find_job(request);
+    struct orl_error err;
+    if (!job)
+        return;
+    if (orl_jobs_cancel(request->server->jobs, job->row.id, &err))
+        orl_reply_problem(request, 409, "finished", "The job is finished", "%s", err.message);
+    else
+        reply_job(request, job->row.state == ORL_JOB_RUNNING ? 202 : 200, job);
+}
+
+/* ?state= and ?limit=; false after a 400. */
+static bool read_filter(struct orl_request *request, enum orl_job_state *ret_state,
+                        unsigned long *ret_limit)
+{
+    const char *state = orl_request_query(request, "state");
+    const char *limit = orl_request_query(request, "limit");
+    char *end = NULL;
+    if (state) {
+        *ret_state = orl_job_state_from_name(state);
+        if (*ret_state == ORL_JOB_STATE_COUNT) {
+            orl_reply_problem(request, 400, "invalid", "The query is not understood",
+                              "state is queued, running, succeeded, failed or cancelled");
+            return false;
+        }
+    }
+    if (limit) {
+        *ret_limit = strtoul(limit, &end, 10);
+        if (end == limit || *end || *ret_limit < 1 || *ret_limit > ORL_SERVER_LIST) {
+            orl_reply_problem(request, 400, "invalid", "The query is not understood",
+                              "limit is a number from 1 to %u", ORL_SERVER_LIST);
+            return false;
+        }
+    }
+    return true;
+}
+
+void orl_handle_job_list(struct orl_request *request)
+{
+    const struct orl_jobs *jobs = request->server->jobs;
+    enum orl_job_state state = ORL_JOB_STATE_COUNT;
+    unsigned long limit = 100;
+    if (!read_filter(request, &state, &limit))
+        return;
+    json_t *list = json_array();
+    for (const struct orl_jobs_job *job = orl_jobs_newest(jobs); job && list; job = job->older) {
+        if (state != ORL_JOB_STATE_COUNT && job->row.state != state)
+            continue;
+        if (json_array_size(list) == limit)
+            break;
+        json_t *doc = orl_job_status(jobs, job);
+        if (!doc || json_array_append_new(list, doc)) {
+            json_decref(list);
+            list = NULL;
+        }
+    }
+    orl_reply_json(request, 200, json_pack("{s:o}", "jobs", list));
+    orl_reply_header(request, "Cache-Control", "no-store");
+}

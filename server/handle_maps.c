@@ -1,0 +1,42 @@
+#include "handlers.h"
+
+#include <jansson.h>
+#include <stdlib.h>
+
+#include "reply.h"
+#include "server.h"
+#include "times.h"
+
+static json_t *map_to_json(const struct orl_stored_map *map)
+{
+    char created[ORL_TIME_TEXT], used[ORL_TIME_TEXT];
+    orl_time_format(map->created_ms, created);
+    orl_time_format(map->last_used_ms, used);
+    return json_pack("{s:s, s:s, s:I, s:I, s:I, s:f, s:I, s:f, s:s, s:s}", "kind", map->info.kind,
+                     "key", map->info.key, "emitted", (json_int_t)map->info.emitted, "stored",
+                     (json_int_t)map->info.stored, "bytes", (json_int_t)map->info.bytes, "seconds",
+                     map->info.seconds, "hits", (json_int_t)map->hits, "seconds_saved",
+                     map->seconds_saved, "created", created, "last_used", used);
+}
+
+void orl_handle_map_list(struct orl_request *request)
+{
+    struct orl_stored_map *maps = NULL;
+    size_t count = 0;
+    struct orl_error err;
+    if (orl_map_cache_list(request->server->maps, &maps, &count, &err)) {
+        orl_reply_error(request, &err);
+        return;
+    }
+    json_t *list = json_array();
+    for (size_t i = 0; i < count && list; i++) {
+        json_t *map = map_to_json(&maps[i]);
+        if (!map || json_array_append_new(list, map)) {
+            json_decref(list);
+            list = NULL;
+        }
+    }
+    free(maps);
+    orl_reply_json(request, 200, json_pack("{s:o}", "maps", list));
+    orl_reply_header(request, "Cache-Control", "no-store");
+}

@@ -1,0 +1,83 @@
+#include "handlers.h"
+
+#include <jansson.h>
+
+#include "carried.h"
+#include "limits.h"
+#include "reply.h"
+#include "server.h"
+#include "times.h"
+#include "version.h"
+
+void orl_handle_index(struct orl_request *request)
+{
+    orl_reply_json(request, 200,
+                   json_pack("{s:s, s:s, s:s, s:s, s:{s:s, s:s, s:s, s:s, s:s, s:s}}", "service",
+                             "oriel", "version", ORL_VERSION, "api", "v1", "contract",
+                             "/openapi.yaml", "links", "scenes", "/v1/scenes", "bsdfs", "/v1/bsdfs",
+                             "jobs", "/v1/jobs", "maps", "/v1/maps", "limits", "/v1/limits",
+                             "health", "/healthz"));
+}
+
+/* Alive: the loop turns. */
+void orl_handle_health(struct orl_request *request)
+{
+    const struct orl_server *server = request->server;
+    orl_reply_json(request, 200,
+                   json_pack("{s:s, s:s, s:f}", "status", "ok", "version", ORL_VERSION, "uptime_s",
+                             orl_time_steady_s() - server->started_s));
+    orl_reply_header(request, "Cache-Control", "no-store");
+}
+
+/* Ready: it takes jobs. A stopping daemon is answered for before any handler (request.c). */
+void orl_handle_ready(struct orl_request *request)
+{
+    const struct orl_jobs *jobs = request->server->jobs;
+    const bool full = orl_jobs_full(jobs);
+    orl_reply_json(request, full ? 503 : 200,
+                   json_pack("{s:s, s:I, s:I}", "status", full ? "queue full" : "ready", "queued",
+                             (json_int_t)orl_jobs_count(jobs, ORL_JOB_QUEUED), "running",
+                             (json_int_t)orl_jobs_count(jobs, ORL_JOB_RUNNING)));
+    orl_reply_header(request, "Cache-Control", "no-store");
+}
+
+void orl_handle_openapi(struct orl_request *request)
+{
+    const char *text = orl_carried_find("api/openapi.yaml");
+    if (text)
+        orl_reply_text(request, "application/yaml", text);
+    else
+        orl_reply_not_found(request, "contract");
+}
+
+void orl_handle_limits(struct orl_request *request)
+{
+    static const struct {
+        const char *name;
+        json_int_t value;
+    } limits[] = {
+        {"file_bytes", ORL_LIMIT_FILE_BYTES},
+        {"scene_bytes", ORL_SERVER_SCENE_BYTES},
+        {"scene_files", ORL_LIMIT_SCENE_FILES},
+        {"surfaces", ORL_LIMIT_SURFACES},
+        {"polygon_vertices", ORL_LIMIT_POLYGON_VERTICES},
+        {"bsdf_values", ORL_LIMIT_BSDF_VALUES},
+        {"bsdf_tree_depth", ORL_LIMIT_TREE_DEPTH},
+        {"sensors", ORL_LIMIT_SENSORS},
+        {"views", ORL_LIMIT_VIEWS},
+        {"image_side", ORL_LIMIT_IMAGE_SIDE},
+        {"image_pixels", ORL_LIMIT_IMAGE_PIXELS},
+        {"photons", ORL_LIMIT_PHOTONS},
+        {"job_bytes", ORL_LIMIT_JOB_BYTES},
+        {"queued_jobs", ORL_SERVER_QUEUE},
+        {"connections", ORL_SERVER_CONNECTIONS},
+    };
+    json_t *doc = json_object();
+    for (size_t i = 0; i < sizeof limits / sizeof *limits; i++)
+        if (json_object_set_new(doc, limits[i].name, json_integer(limits[i].value))) {
+            json_decref(doc);
+            doc = NULL;
+            break;
+        }
+    orl_reply_json(request, 200, doc);
+}

@@ -1,0 +1,166 @@
+#include "http.h"
+
+#include <errno.h>
+#include <microhttpd.h>
+#include <netinet/in.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "limits.h"
+#include "request.h"
+#include "server.h"
+
+struct orl_http {
+    struct orl_server *server;
+    struct MHD_Daemon *daemon;
+    uv_poll_t poll;
+    uv_timer_t timer;
+    int listen_fd;
+    bool running; /* inside MHD_run */
+    bool closed;
+};
+
+static void on_timer(uv_timer_t *timer)
+{
+    orl_http_kick(timer->data);
+}
+
+static void on_readable(uv_poll_t *poll, int status, int events)
+{
+    (void)status, (void)events;
+    orl_http_kick(poll->data);
+}
+
+void orl_http_kick(struct orl_http *http)
+{
+    enum { TURNS = 64 }; /* then the loop has a turn too */
+    MHD_UNSIGNED_LONG_LONG timeout_ms = 0;
+    bool more = true, timed = true;
+    if (http->running || http->closed)
+        return;
+    http->running = true;
+    for (int i = 0; i < TURNS && more; i++) {
+        MHD_run(http->daemon);
+        timed = MHD_get_timeout(http->daemon, &timeout_ms) == MHD_YES;
+        more = timed && timeout_ms == 0;
+    }
+    http->running = false;
+    if (timed)
+        uv_timer_start(&http->timer, on_timer, timeout_ms, 0);
+    else
+        uv_timer_stop(&http->timer);
+}
+
+static void on_message(void *ctx, const char *format, va_list args)
+    __attribute__((format(printf, 2, 0)));
+static void on_message(void *ctx, const char *format, va_list args)
+{
+    const struct orl_http *http = ctx;
+    char text[512];
+    vsnprintf(text, sizeof text, format, args);
+    text[strcspn(text, "\r\n")] = '\0';
+    orl_log_event(&http->server->log, ORL_LOG_DEBUG, "http", "s", "message", text);
+}
+
+static int listen_on(const struct sockaddr *address, int *ret_fd, struct orl_error *err)
+{
+    const socklen_t size =
+        address->sa_family == AF_INET6 ? sizeof(struct sockaddr_in6) : sizeof(struct sockaddr_in);
+    const int one = 1;
+    char text[80];
+    const int fd = socket(address->sa_family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
+    if (fd >= 0 && setsockopt(fd, SOL_SOCKET, SO_REUSEADDR, &one, sizeof one) == 0 &&
+        bind(fd, address, size) == 0 && listen(fd, SOMAXCONN) == 0) {
+        *ret_fd = fd;
+        return 0;
+    }
+    orl_address_format(address, text, sizeof text);
+    orl_error_set(err, ORL_ERR_IO, "cannot listen on %s: %s", text, strerror(errno));
+    if (errno == EADDRINUSE)
+        orl_error_hint(err, "Another program listens there; --port 0 takes a free port");
+    if (fd >= 0)
+        close(fd);
+    return ORL_ERR_IO;
+}
+
+static int start_daemon(struct orl_http *http, struct orl_error *err)
+{
+    const unsigned flags = MHD_USE_EPOLL | MHD_ALLOW_SUSPEND_RESUME | MHD_USE_ERROR_LOG;
+    http->daemon = MHD_start_daemon(
+        flags, 0, NULL, NULL, orl_request_serve, http->server, MHD_OPTION_EXTERNAL_LOGGER,
+        on_message, (void *)http, MHD_OPTION_LISTEN_SOCKET, http->listen_fd,
+        MHD_OPTION_CONNECTION_LIMIT, ORL_SERVER_CONNECTIONS, MHD_OPTION_CONNECTION_TIMEOUT,
+        ORL_SERVER_TIMEOUT_S, MHD_OPTION_CONNECTION_MEMORY_LIMIT,
+        (size_t)ORL_SERVER_CONNECTION_MEMORY, MHD_OPTION_NOTIFY_COMPLETED, orl_request_completed,
+        (void *)http->server, MHD_OPTION_END);
+    if (!http->daemon)
+        return orl_error_set(err, ORL_ERR_IO, "cannot start the HTTP server: %s", strerror(errno));
+    return 0;
+}
+
+int orl_http_start(struct orl_server *server, const struct sockaddr *address,
+                   struct orl_http **ret_http, struct orl_error *err)
+{
+    struct orl_http *http = calloc(1, sizeof *http);
+    if (!http)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    http->server = server;
+    int rc = listen_on(address, &http->listen_fd, err);
+    if (rc)
+        goto failed;
+    rc = start_daemon(http, err);
+    if (rc) {
+        close(http->listen_fd);
+        goto failed;
+    }
+    const union MHD_DaemonInfo *info = MHD_get_daemon_info(http->daemon, MHD_DAEMON_INFO_EPOLL_FD);
+    if (!info || uv_poll_init(&server->loop, &http->poll, info->epoll_fd) != 0) {
+        rc = orl_error_set(err, ORL_ERR_INTERNAL, "the HTTP server has no epoll descriptor");
+        MHD_stop_daemon(http->daemon);
+        goto failed;
+    }
+    uv_timer_init(&server->loop, &http->timer);
+    http->poll.data = http;
+    http->timer.data = http;
+    uv_poll_start(&http->poll, UV_READABLE, on_readable);
+    uv_timer_start(&http->timer, on_timer, 0, 0);
+    *ret_http = http;
+    return 0;
+failed:
+    free(http);
+    return rc;
+}
+
+void orl_http_address(const struct orl_http *http, struct sockaddr_storage *ret_address)
+{
+    socklen_t size = sizeof *ret_address;
+    memset(ret_address, 0, sizeof *ret_address);
+    getsockname(http->listen_fd, (struct sockaddr *)ret_address, &size);
+}
+
+void orl_http_quiesce(struct orl_http *http)
+{
+    /* From here the listening socket is ours to close. */
+    const MHD_socket fd = MHD_quiesce_daemon(http->daemon);
+    if (fd != MHD_INVALID_SOCKET)
+        close(fd);
+}
+
+void orl_http_stop(struct orl_http *http)
+{
+    if (!http || http->closed)
+        return;
+    http->closed = true;
+    uv_poll_stop(&http->poll);
+    uv_close((uv_handle_t *)&http->poll, NULL);
+    uv_close((uv_handle_t *)&http->timer, NULL);
+    MHD_stop_daemon(http->daemon);
+}
+
+void orl_http_free(struct orl_http *http)
+{
+    free(http);
+}

@@ -1,0 +1,35 @@
+/*
+ * libmicrohttpd on the libuv loop.
+ *
+ * MHD runs without a thread of its own, on an epoll descriptor that the loop polls. MHD's sockets
+ * in it are edge-triggered, so MHD is run until it has nothing more to do; a timer honours what
+ * MHD_get_timeout returns (a duration). After a connection is resumed the loop must kick it.
+ * Threads: the loop thread only.
+ */
+#ifndef ORL_SERVER_HTTP_H
+#define ORL_SERVER_HTTP_H
+
+#include <sys/socket.h>
+#include <uv.h>
+
+#include <oriel/error.h>
+
+struct orl_http;
+struct orl_server;
+
+/* Listens on address (port 0: a free one). Borrows server, for the callbacks of request.h. */
+int orl_http_start(struct orl_server *server, const struct sockaddr *address,
+                   struct orl_http **ret_http, struct orl_error *err);
+/* Where it listens. */
+void orl_http_address(const struct orl_http *http, struct sockaddr_storage *ret_address);
+/* Lets MHD go on; not from within a handler. */
+void orl_http_kick(struct orl_http *http);
+/* Takes no more connections. */
+void orl_http_quiesce(struct orl_http *http);
+/* Closes everything; no connection may be suspended. The handles close with the loop's next turns.
+ */
+void orl_http_stop(struct orl_http *http); /* NULL is allowed */
+/* Frees it once the loop has run dry. */
+void orl_http_free(struct orl_http *http);
+
+#endif

@@ -1,0 +1,99 @@
+#include "job_status.h"
+
+#include <math.h>
+#include <stdio.h>
+
+#include "result_json.h"
+#include "times.h"
+
+static json_t *time_or_null(int64_t ms)
+{
+    char text[ORL_TIME_TEXT];
+    if (ms == 0)
+        return json_null();
+    orl_time_format(ms, text);
+    return json_string(text);
+}
+
+/* Seconds left, from the share done so far; null while that says too little. */
+static json_t *eta(const struct orl_jobs_job *job, double fraction)
+{
+    const double elapsed = orl_time_steady_s() - job->started_s;
+    if (fraction < 0.01 || elapsed <= 0)
+        return json_null();
+    return json_real(round(10 * elapsed * (1 - fraction) / fraction) / 10);
+}
+
+static int add_running(json_t *doc, const struct orl_jobs_job *job)
+{
+    struct orl_progress progress;
+    orl_worker_progress(job->worker, &progress);
+    json_t *maps = json_array();
+    int rc = maps ? 0 : -1;
+    for (size_t i = 0; i < progress.n_maps && rc == 0; i++)
+        rc = json_array_append_new(maps, orl_map_info_to_json(&progress.maps[i]));
+    rc |= json_object_set_new(doc, "stage", json_string(orl_stage_name(progress.stage)));
+    rc |= json_object_set_new(doc, "stage_percent", json_real(100 * progress.stage_fraction));
+    rc |= json_object_set_new(doc, "percent", json_real(100 * progress.job_fraction));
+    rc |= json_object_set_new(doc, "eta_s", eta(job, progress.job_fraction));
+    rc |= json_object_set_new(doc, "maps", maps);
+    rc |= json_object_set_new(doc, "cancelling", json_boolean(job->cancelled));
+    return rc;
+}
+
+static int add_finished(json_t *doc, json_t *links, const struct orl_jobs_job *job)
+{
+    int rc = 0;
+    if (job->row.state == ORL_JOB_FAILED && job->problem)
+        rc = json_object_set_new(doc, "error", json_loads(job->problem, 0, NULL));
+    if (job->row.state != ORL_JOB_SUCCEEDED || !job->outcome)
+        return rc;
+    json_t *outcome = json_loads(job->outcome, 0, NULL);
+    json_t *files = json_array(), *entry;
+    size_t i;
+    char url[2 * ORL_PARAM_MAX];
+    json_array_foreach(json_object_get(outcome, "files"), i, entry)
+    {
+        snprintf(url, sizeof url, "/v1/jobs/%s/files/%s", job->row.id,
+                 json_string_value(json_object_get(entry, "name")));
+        rc |= json_array_append_new(files, json_string(url));
+    }
+    rc |= json_object_set_new(links, "files", files);
+    snprintf(url, sizeof url, "/v1/jobs/%s/result", job->row.id);
+    rc |= json_object_set_new(links, "result", json_string(url));
+    rc |= json_object_set_new(doc, "percent", json_real(100));
+    rc |= json_object_update_missing(doc, outcome);
+    json_decref(outcome);
+    return rc;
+}
+
+json_t *orl_job_status(const struct orl_jobs *jobs, const struct orl_jobs_job *job)
+{
+    const struct orl_job_row *row = &job->row;
+    char self[80], cancel[96];
+    snprintf(self, sizeof self, "/v1/jobs/%s", row->id);
+    snprintf(cancel, sizeof cancel, "/v1/jobs/%s/cancel", row->id);
+    json_t *doc = json_pack("{s:s, s:s, s:s, s:i, s:o, s:o, s:o, s:{s:s}}", "id", row->id, "state",
+                            orl_job_state_name(row->state), "scene", row->scene, "attempts",
+                            row->attempts, "created", time_or_null(row->created_ms), "started",
+                            time_or_null(row->started_ms), "finished",
+                            time_or_null(row->finished_ms), "links", "self", self);
+    if (!doc)
+        return NULL;
+    json_t *links = json_object_get(doc, "links");
+    int rc = 0;
+    if (row->state == ORL_JOB_QUEUED)
+        rc = json_object_set_new(doc, "queue_position",
+                                 json_integer((json_int_t)orl_jobs_position(jobs, job)));
+    else if (row->state == ORL_JOB_RUNNING && job->worker)
+        rc = add_running(doc, job);
+    else
+        rc = add_finished(doc, links, job);
+    if (row->state <= ORL_JOB_RUNNING)
+        rc |= json_object_set_new(links, "cancel", json_string(cancel));
+    if (rc) {
+        json_decref(doc);
+        return NULL;
+    }
+    return doc;
+}

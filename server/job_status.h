@@ -1,0 +1,21 @@
+/*
+ * A job's document, as GET /v1/jobs/{id} shows it, made from memory alone:
+ *
+ *     {"id", "state", "stage", "percent", "eta_s", "attempts", "scene", "created", "started",
+ *      "finished", "queue_position", "maps": [...], "timings_s": {...}, "error": {...},
+ *      "links": {"self", "result", "cancel", "files": [...]}}
+ *
+ * stage, percent and eta_s while it runs, queue_position while it waits; what is not known is null
+ * or absent. maps appear as they are settled, with "cached" for a hit.
+ */
+#ifndef ORL_SERVER_JOB_STATUS_H
+#define ORL_SERVER_JOB_STATUS_H
+
+#include <jansson.h>
+
+#include "jobs.h"
+
+/* A new reference; NULL when out of memory. */
+json_t *orl_job_status(const struct orl_jobs *jobs, const struct orl_jobs_job *job);
+
+#endif

@@ -1,0 +1,326 @@
+#include "jobs.h"
+
+#include <sodium.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "limits.h"
+#include "problem.h"
+#include "store/scenes.h"
+#include "times.h"
+
+enum { BUCKETS = 4096 };
+
+struct orl_jobs {
+    struct orl_jobs_env env;
+    struct orl_jobs_job *newest, *oldest;
+    struct orl_jobs_job *next; /* the oldest that may be queued: none before it is */
+    struct orl_jobs_job *buckets[BUCKETS];
+    size_t counts[ORL_JOB_STATE_COUNT];
+    bool stopping;
+};
+
+/* ---- The list -----------------------------------------------------------------------------------
+ */
+
+/* Ids are random hexadecimal digits, so the first few serve as the hash. */
+static size_t bucket_of(const char *id)
+{
+    char head[5];
+    snprintf(head, sizeof head, "%.4s", id);
+    return strtoul(head, NULL, 16) % BUCKETS;
+}
+
+static void job_free(struct orl_jobs_job *job)
+{
+    if (!job)
+        return;
+    free(job->outcome);
+    free(job->problem);
+    free(job);
+}
+
+static void link_job(struct orl_jobs *jobs, struct orl_jobs_job *job)
+{
+    const size_t bucket = bucket_of(job->row.id);
+    job->jobs = jobs;
+    job->older = jobs->newest;
+    if (jobs->newest)
+        jobs->newest->newer = job;
+    else
+        jobs->oldest = job;
+    jobs->newest = job;
+    job->same_bucket = jobs->buckets[bucket];
+    jobs->buckets[bucket] = job;
+    jobs->counts[job->row.state]++;
+    if (!jobs->next)
+        jobs->next = job;
+}
+
+static struct orl_jobs_job *find_job(const struct orl_jobs *jobs, const char *id)
+{
+    struct orl_jobs_job *job = jobs->buckets[bucket_of(id)];
+    while (job && strcmp(job->row.id, id) != 0)
+        job = job->same_bucket;
+    return job;
+}
+
+const struct orl_jobs_job *orl_jobs_find(const struct orl_jobs *jobs, const char *id)
+{
+    return find_job(jobs, id);
+}
+
+const struct orl_jobs_job *orl_jobs_newest(const struct orl_jobs *jobs)
+{
+    return jobs->newest;
+}
+
+size_t orl_jobs_position(const struct orl_jobs *jobs, const struct orl_jobs_job *job)
+{
+    size_t position = 1;
+    if (job->row.state != ORL_JOB_QUEUED)
+        return 0;
+    for (const struct orl_jobs_job *before = jobs->next; before && before != job;
+         before = before->newer)
+        position += before->row.state == ORL_JOB_QUEUED;
+    return position;
+}
+
+size_t orl_jobs_count(const struct orl_jobs *jobs, enum orl_job_state state)
+{
+    return jobs->counts[state];
+}
+
+bool orl_jobs_full(const struct orl_jobs *jobs)
+{
+    return jobs->counts[ORL_JOB_QUEUED] >= ORL_SERVER_QUEUE;
+}
+
+/* ---- Transitions --------------------------------------------------------------------------------
+ */
+
+/*
+ * Writes the row, then changes the state in memory. When the database refuses, the change in memory
+ * is made all the same: the job has run or not, whatever the disk says; the log tells.
+ */
+static void set_state(struct orl_jobs_job *job, enum orl_job_state state)
+{
+    struct orl_jobs *jobs = job->jobs;
+    struct orl_error err;
+    jobs->counts[job->row.state]--;
+    jobs->counts[state]++;
+    job->row.state = state;
+    job->row.outcome = job->outcome;
+    job->row.problem = job->problem;
+    if (state >= ORL_JOB_SUCCEEDED)
+        job->row.finished_ms = orl_time_now_ms();
+    const int rc = orl_job_row_update(jobs->env.db, &job->row, &err);
+    if (rc)
+        orl_log_event(jobs->env.log, ORL_LOG_ERROR, "job-row-failed", "ss", "job", job->row.id,
+                      "why", err.message);
+    orl_log_event(jobs->env.log, ORL_LOG_INFO, "job", "ssi", "job", job->row.id, "state",
+                  orl_job_state_name(state), "attempt", (int64_t)job->row.attempts);
+}
+
+static void fail_job(struct orl_jobs_job *job, const struct orl_error *err)
+{
+    json_t *problem = orl_problem_from_error(err, NULL);
+    char text[2 * ORL_ERROR_TEXT_MAX];
+    free(job->problem);
+    job->problem = problem ? json_dumps(problem, JSON_COMPACT) : NULL;
+    json_decref(problem);
+    set_state(job, ORL_JOB_FAILED);
+    orl_error_format(err, text, sizeof text);
+    orl_log_event(job->jobs->env.log, ORL_LOG_WARN, "job-failed", "ss", "job", job->row.id, "why",
+                  text);
+}
+
+static void start_next(struct orl_jobs *jobs);
+
+static void job_done(void *ctx, const struct orl_worker_outcome *outcome)
+{
+    struct orl_jobs_job *job = ctx;
+    struct orl_jobs *jobs = job->jobs;
+    job->worker = NULL;
+    free(job->outcome);
+    job->outcome = outcome->summary;
+    if (outcome->code == 0) {
+        set_state(job, ORL_JOB_SUCCEEDED);
+    } else if (outcome->code == ORL_ERR_CANCELLED && job->cancelled) {
+        set_state(job, ORL_JOB_CANCELLED);
+    } else if (outcome->code == ORL_ERR_CANCELLED && job->requeue) {
+        job->row.attempts--;
+        job->row.started_ms = 0;
+        set_state(job, ORL_JOB_QUEUED);
+    } else {
+        fail_job(job, &outcome->err);
+    }
+    if (jobs->stopping && jobs->counts[ORL_JOB_RUNNING] == 0)
+        jobs->env.idle(jobs->env.ctx);
+    start_next(jobs);
+}
+
+static int start_job(struct orl_jobs_job *job, struct orl_error *err)
+{
+    struct orl_jobs *jobs = job->jobs;
+    struct orl_worker_spec spec = {
+        .folders = jobs->env.folders,
+        .maps = orl_map_cache_store(jobs->env.maps),
+        .threads = jobs->env.threads / jobs->env.at_once,
+        .done = job_done,
+        .ctx = job,
+    };
+    snprintf(spec.job_id, sizeof spec.job_id, "%s", job->row.id);
+    orl_blob_path(jobs->env.folders, job->row.document, spec.document_path);
+    int rc = orl_scene_files(jobs->env.db, jobs->env.folders, job->row.scene, &spec.bundle, err);
+    if (rc)
+        return rc;
+    /* Counted before it starts, so that a crash in the first moment counts too. */
+    job->row.attempts++;
+    job->row.started_ms = orl_time_now_ms();
+    job->started_s = orl_time_steady_s();
+    set_state(job, ORL_JOB_RUNNING);
+    return orl_worker_start(jobs->env.loop, &spec, &job->worker, err);
+}
+
+static void start_next(struct orl_jobs *jobs)
+{
+    while (!jobs->stopping && jobs->counts[ORL_JOB_RUNNING] < jobs->env.at_once) {
+        while (jobs->next && jobs->next->row.state != ORL_JOB_QUEUED)
+            jobs->next = jobs->next->newer;
+        struct orl_jobs_job *job = jobs->next;
+        struct orl_error err;
+        if (!job)
+            return;
+        if (start_job(job, &err))
+            fail_job(job, &err);
+    }
+}
+
+int orl_jobs_submit(struct orl_jobs *jobs, const char *scene, const char *document,
+                    const struct orl_jobs_job **ret_job, struct orl_error *err)
+{
+    unsigned char bytes[(ORL_JOB_ID - 1) / 2];
+    struct orl_jobs_job *job = calloc(1, sizeof *job);
+    if (!job)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    randombytes_buf(bytes, sizeof bytes);
+    sodium_bin2hex(job->row.id, sizeof job->row.id, bytes, sizeof bytes);
+    snprintf(job->row.scene, sizeof job->row.scene, "%s", scene);
+    snprintf(job->row.document, sizeof job->row.document, "%s", document);
+    job->row.state = ORL_JOB_QUEUED;
+    job->row.created_ms = orl_time_now_ms();
+    const int rc = orl_job_row_insert(jobs->env.db, &job->row, &job->row.seq, err);
+    if (rc) {
+        job_free(job);
+        return rc;
+    }
+    link_job(jobs, job);
+    orl_log_event(jobs->env.log, ORL_LOG_INFO, "job", "sss", "job", job->row.id, "state", "queued",
+                  "scene", scene);
+    start_next(jobs);
+    *ret_job = job;
+    return 0;
+}
+
+int orl_jobs_cancel(struct orl_jobs *jobs, const char *id, struct orl_error *err)
+{
+    struct orl_jobs_job *job = find_job(jobs, id);
+    if (!job)
+        return orl_error_set(err, ORL_ERR_NOT_FOUND, "there is no such job");
+    switch (job->row.state) {
+    case ORL_JOB_QUEUED:
+        set_state(job, ORL_JOB_CANCELLED);
+        return 0;
+    case ORL_JOB_RUNNING:
+        job->cancelled = true;
+        orl_worker_cancel(job->worker);
+        return 0;
+    case ORL_JOB_CANCELLED:
+        return 0;
+    default:
+        return orl_error_set(err, ORL_ERR_INVALID, "the job has %s already",
+                             orl_job_state_name(job->row.state));
+    }
+}
+
+void orl_jobs_stop(struct orl_jobs *jobs)
+{
+    jobs->stopping = true;
+    for (struct orl_jobs_job *job = jobs->newest; job; job = job->older)
+        if (job->row.state == ORL_JOB_RUNNING) {
+            job->requeue = true;
+            orl_worker_cancel(job->worker);
+        }
+    if (jobs->counts[ORL_JOB_RUNNING] == 0)
+        jobs->env.idle(jobs->env.ctx);
+}
+
+/* ---- Start and end ------------------------------------------------------------------------------
+ */
+
+static int load_row(void *ctx, const struct orl_job_row *row)
+{
+    struct orl_jobs_job *job = calloc(1, sizeof *job);
+    if (!job)
+        return ORL_ERR_NOMEM;
+    job->row = *row;
+    job->outcome = row->outcome ? strdup(row->outcome) : NULL;
+    job->problem = row->problem ? strdup(row->problem) : NULL;
+    job->row.outcome = job->outcome;
+    job->row.problem = job->problem;
+    link_job(ctx, job);
+    return 0;
+}
+
+/* Jobs that were running when the last daemon ended without a word. */
+static void recover(struct orl_jobs *jobs)
+{
+    for (struct orl_jobs_job *job = jobs->oldest; job; job = job->newer) {
+        if (job->row.state != ORL_JOB_RUNNING)
+            continue;
+        if (job->row.attempts < ORL_SERVER_ATTEMPTS) {
+            job->row.started_ms = 0;
+            set_state(job, ORL_JOB_QUEUED);
+            continue;
+        }
+        struct orl_error err;
+        orl_error_set(
+            &err, ORL_ERR_INTERNAL,
+            "the daemon ended abruptly %d times while this job ran; it is not tried again",
+            job->row.attempts);
+        orl_error_hint(&err, "Too little memory is the usual cause: ask for fewer photons, "
+                             "sensors or pixels");
+        fail_job(job, &err);
+    }
+}
+
+int orl_jobs_open(const struct orl_jobs_env *env, struct orl_jobs **ret_jobs, struct orl_error *err)
+{
+    struct orl_jobs *jobs = calloc(1, sizeof *jobs);
+    if (!jobs)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    jobs->env = *env;
+    const int rc = orl_job_rows(env->db, load_row, jobs, err);
+    if (rc) {
+        orl_jobs_close(jobs);
+        return rc;
+    }
+    recover(jobs);
+    *ret_jobs = jobs;
+    start_next(jobs);
+    return 0;
+}
+
+void orl_jobs_close(struct orl_jobs *jobs)
+{
+    if (!jobs)
+        return;
+    while (jobs->newest) {
+        struct orl_jobs_job *job = jobs->newest;
+        jobs->newest = job->older;
+        job_free(job);
+    }
+    free(jobs);
+}

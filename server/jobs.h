@@ -1,0 +1,77 @@
+/*
+ * Jobs: the state machine and the queue, held in memory and mirrored in the database.
+ *
+ *     queued -> running -> succeeded | failed | cancelled
+ *     queued -> cancelled
+ *     running -> queued      when the daemon stops or was killed
+ *
+ * A row is written before a state is shown to anyone. Jobs run in order of arrival, at most as many
+ * at once as configured. A job that was running when the daemon was killed is queued again; after
+ * ORL_SERVER_ATTEMPTS starts it fails, for it is then likely what kills the daemon. An orderly
+ * stop does not count as an attempt.
+ *
+ * Memory: one struct orl_jobs_job for every job ever made (under a kilobyte); nothing expires yet.
+ * Threads: the loop thread only.
+ */
+#ifndef ORL_SERVER_JOBS_H
+#define ORL_SERVER_JOBS_H
+
+#include <jansson.h>
+#include <stdbool.h>
+#include <uv.h>
+
+#include "log.h"
+#include "map_cache.h"
+#include "store/jobs.h"
+#include "worker.h"
+
+struct orl_jobs;
+
+/* What a job is made of; read-only outside jobs.c. */
+struct orl_jobs_job {
+    struct orl_jobs *jobs;
+    struct orl_job_row row;    /* outcome and problem point to the two below */
+    char *outcome, *problem;   /* JSON text, owned */
+    struct orl_worker *worker; /* while running */
+    double started_s;          /* steady clock, while running */
+    bool cancelled, requeue;   /* what to make of ORL_ERR_CANCELLED */
+    struct orl_jobs_job *older, *newer, *same_bucket;
+};
+
+struct orl_jobs_env {
+    uv_loop_t *loop;
+    struct orl_db *db;
+    const struct orl_folders *folders;
+    struct orl_map_cache *maps;
+    const struct orl_log *log;
+    uint32_t threads; /* over all jobs */
+    uint32_t at_once;
+    void (*idle)(void *ctx); /* after orl_jobs_stop, when nothing runs any more */
+    void *ctx;
+};
+
+/* Loads every job, recovers those that were running, starts what can start. Borrows env's parts. */
+int orl_jobs_open(const struct orl_jobs_env *env, struct orl_jobs **ret_jobs,
+                  struct orl_error *err);
+void orl_jobs_close(struct orl_jobs *jobs); /* nothing may run; NULL is allowed */
+
+/* Starts no more jobs, stops those that run and queues them again; then calls env.idle. */
+void orl_jobs_stop(struct orl_jobs *jobs);
+
+/* Is there room in the queue? */
+bool orl_jobs_full(const struct orl_jobs *jobs);
+/* Queues a job whose document is a blob. *ret_job belongs to jobs. */
+int orl_jobs_submit(struct orl_jobs *jobs, const char *scene, const char *document,
+                    const struct orl_jobs_job **ret_job, struct orl_error *err);
+/* Queued: cancelled at once. Running: cancelled soon. Finished: ORL_ERR_INVALID unless cancelled.
+ */
+int orl_jobs_cancel(struct orl_jobs *jobs, const char *id, struct orl_error *err);
+
+const struct orl_jobs_job *orl_jobs_find(const struct orl_jobs *jobs, const char *id);
+/* The newest job; go on with ->older. */
+const struct orl_jobs_job *orl_jobs_newest(const struct orl_jobs *jobs);
+/* 1 for the next to run; 0 when it does not wait. */
+size_t orl_jobs_position(const struct orl_jobs *jobs, const struct orl_jobs_job *job);
+size_t orl_jobs_count(const struct orl_jobs *jobs, enum orl_job_state state);
+
+#endif

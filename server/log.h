@@ -1,0 +1,34 @@
+/*
+ * The log: one line of key=value pairs per event on stderr.
+ *
+ *     time=2024-03-22T11:30:00.123Z level=info event=request id=12 method=GET status=200 ms=0.4
+ *
+ * Values with spaces or quotes are quoted, control characters replaced, so that what a client
+ * sends can never make a second line.
+ * Threads: the loop thread only.
+ */
+#ifndef ORL_SERVER_LOG_H
+#define ORL_SERVER_LOG_H
+
+#include <stdint.h>
+#include <stdio.h>
+
+enum orl_log_level { ORL_LOG_DEBUG, ORL_LOG_INFO, ORL_LOG_WARN, ORL_LOG_ERROR };
+
+struct orl_log {
+    FILE *stream; /* NULL: silent */
+    enum orl_log_level level;
+};
+
+/*
+ * fields: one letter a value, each preceded by its key, ends the list by ending: 's' const char *
+ * (NULL prints "-"), 'i' int64_t, 'd' double with three decimals.
+ *     orl_log_event(log, ORL_LOG_INFO, "request", "is", "id", (int64_t)12, "path", path);
+ */
+void orl_log_event(const struct orl_log *log, enum orl_log_level level, const char *event,
+                   const char *fields, ...);
+
+/* 0 and *ret_level for "debug", "info", "warn" or "error"; -1 otherwise. */
+int orl_log_level_from_name(const char *name, enum orl_log_level *ret_level);
+
+#endif

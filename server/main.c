@@ -1,0 +1,55 @@
+/*
+ * orield: reads its settings, prepares the process, serves until a signal says stop.
+ */
+#include <signal.h>
+#include <sodium.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "config.h"
+#include "limits.h"
+#include "server.h"
+#include "version.h"
+
+static void announce(const char *url)
+{
+    printf("listening on %s\n", url);
+    fflush(stdout);
+}
+
+static int complain(const struct orl_error *err, int status)
+{
+    char text[3 * ORL_ERROR_TEXT_MAX];
+    orl_error_format(err, text, sizeof text);
+    fprintf(stderr, "orield: %s\n", text);
+    return status;
+}
+
+int main(int argc, char **argv)
+{
+    struct orl_config config;
+    struct orl_error err;
+    enum orl_config_action action;
+    char pool[16];
+    if (orl_config_parse(argc, argv, &config, &action, &err))
+        return complain(&err, 2);
+    if (action == ORL_CONFIG_HELP) {
+        orl_config_help(stdout);
+        return 0;
+    }
+    if (action == ORL_CONFIG_VERSION) {
+        printf("orield %s\n", ORL_VERSION);
+        return 0;
+    }
+    if (sodium_init() < 0) {
+        fprintf(stderr, "orield: no source of random numbers\n");
+        return 1;
+    }
+    /* libuv reads this before its first work and never again. */
+    snprintf(pool, sizeof pool, "%u", config.threads + ORL_SERVER_IO_THREADS);
+    setenv("UV_THREADPOOL_SIZE", pool, 1);
+    signal(SIGPIPE, SIG_IGN); /* a client that hangs up is an error of write, not of ours */
+    if (orl_server_run(&config, announce, &err))
+        return complain(&err, 1);
+    return 0;
+}

@@ -1,0 +1,44 @@
+/*
+ * The photon map cache: which maps are on disk, which are being built, who uses them.
+ *
+ * Implements struct orl_map_store (oriel/run.h) for the workers. An entry is absent, building or
+ * ready. The first job to acquire an absent map builds it; others that want it wait until it is
+ * ready, or take over when the builder gives up, and poll their cancel flag meanwhile. Pins count
+ * the jobs that use a ready map.
+ *
+ * Durability: commit moves the synced file into maps/ first; the row follows on the loop thread
+ * (flush). A crash in between leaves a file without a row, removed at the next start; rows without
+ * files are dropped then too.
+ *
+ * Threads: one mutex; the store's functions from any worker, everything else on the loop thread.
+ * wake is called from workers, with the mutex released, when flush has something to do.
+ */
+#ifndef ORL_SERVER_MAP_CACHE_H
+#define ORL_SERVER_MAP_CACHE_H
+
+#include <oriel/run.h>
+
+#include "log.h"
+#include "store/folders.h"
+#include "store/maps.h"
+
+struct orl_map_cache;
+
+typedef void (*orl_map_cache_wake)(void *ctx);
+
+/* Borrows folders and db, which must outlive it. */
+int orl_map_cache_open(const struct orl_folders *folders, struct orl_db *db,
+                       orl_map_cache_wake wake, void *wake_ctx, struct orl_map_cache **ret_cache,
+                       struct orl_error *err);
+void orl_map_cache_close(struct orl_map_cache *cache); /* NULL is allowed */
+
+struct orl_map_store orl_map_cache_store(struct orl_map_cache *cache);
+
+/* Writes what changed to the database. */
+int orl_map_cache_flush(struct orl_map_cache *cache, struct orl_error *err);
+
+/* A copy of the ready maps, the latest used first; owned, free(). */
+int orl_map_cache_list(struct orl_map_cache *cache, struct orl_stored_map **ret_maps,
+                       size_t *ret_count, struct orl_error *err);
+
+#endif

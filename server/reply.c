@@ -1,0 +1,113 @@
+#include "reply.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "problem.h"
+
+static void set_response(struct orl_request *request, unsigned status,
+                         struct MHD_Response *response, const char *type)
+{
+    if (!response) {
+        static const char text[] = "{\"type\":\"urn:oriel:error:nomem\",\"status\":500}";
+        response = MHD_create_response_from_buffer(sizeof text - 1, (void *)(uintptr_t)text,
+                                                   MHD_RESPMEM_PERSISTENT);
+        type = "application/problem+json";
+        status = 500;
+    }
+    if (request->response)
+        MHD_destroy_response(request->response);
+    request->response = response;
+    request->status = status;
+    if (type)
+        orl_reply_header(request, "Content-Type", type);
+}
+
+void orl_reply_header(struct orl_request *request, const char *name, const char *value)
+{
+    if (request->response)
+        MHD_add_response_header(request->response, name, value);
+}
+
+static void reply_document(struct orl_request *request, unsigned status, json_t *json,
+                           const char *type)
+{
+    char *text = json ? json_dumps(json, JSON_COMPACT) : NULL;
+    json_decref(json);
+    struct MHD_Response *response = NULL;
+    if (text)
+        response = MHD_create_response_from_buffer(strlen(text), text, MHD_RESPMEM_MUST_FREE);
+    if (text && !response)
+        free(text);
+    set_response(request, status, response, type);
+}
+
+void orl_reply_json(struct orl_request *request, unsigned status, json_t *json)
+{
+    reply_document(request, status, json, "application/json");
+}
+
+void orl_reply_error(struct orl_request *request, const struct orl_error *err)
+{
+    int status = 500;
+    json_t *problem = orl_problem_from_error(err, &status);
+    reply_document(request, (unsigned)status, problem, "application/problem+json");
+}
+
+void orl_reply_problem(struct orl_request *request, unsigned status, const char *type,
+                       const char *title, const char *detail, ...)
+{
+    char text[ORL_ERROR_TEXT_MAX];
+    va_list args;
+    va_start(args, detail);
+    vsnprintf(text, sizeof text, detail, args);
+    va_end(args);
+    reply_document(request, status, orl_problem_new((int)status, type, title, "%s", text),
+                   "application/problem+json");
+}
+
+void orl_reply_not_found(struct orl_request *request, const char *what)
+{
+    orl_reply_problem(request, 404, "no-such-resource", "There is no such resource",
+                      "there is no %s of that name here", what);
+}
+
+void orl_reply_text(struct orl_request *request, const char *type, const char *text)
+{
+    set_response(request, 200,
+                 MHD_create_response_from_buffer(strlen(text), (void *)(uintptr_t)text,
+                                                 MHD_RESPMEM_PERSISTENT),
+                 type);
+}
+
+void orl_reply_file(struct orl_request *request, int fd, uint64_t size, const char *type)
+{
+    set_response(request, 200, MHD_create_response_from_fd64(size, fd), type);
+}
+
+void orl_reply_not_modified(struct orl_request *request)
+{
+    set_response(request, 304, MHD_create_response_from_buffer(0, NULL, MHD_RESPMEM_PERSISTENT),
+                 NULL);
+}
+
+void orl_reply_etag(struct orl_request *request, const char *tag)
+{
+    char quoted[2 * ORL_PARAM_MAX + 8];
+    snprintf(quoted, sizeof quoted, "\"%s\"", tag);
+    orl_reply_header(request, "ETag", quoted);
+}
+
+bool orl_reply_if_none_match(struct orl_request *request, const char *tag)
+{
+    char quoted[2 * ORL_PARAM_MAX + 8];
+    const char *known = orl_request_header(request, "If-None-Match");
+    snprintf(quoted, sizeof quoted, "\"%s\"", tag);
+    if (!known || (strcmp(known, "*") != 0 && !strstr(known, quoted)))
+        return false;
+    orl_reply_not_modified(request);
+    orl_reply_etag(request, tag);
+    return true;
+}

@@ -1,0 +1,35 @@
+/*
+ * Replies. Each makes the response of a request, once; sending it is request.c's. When memory runs
+ * out a plain 500 goes out instead.
+ */
+#ifndef ORL_SERVER_REPLY_H
+#define ORL_SERVER_REPLY_H
+
+#include <jansson.h>
+
+#include "request.h"
+
+/* Takes json; NULL (out of memory) becomes a 500. */
+void orl_reply_json(struct orl_request *request, unsigned status, json_t *json);
+/* application/problem+json for an error of the core. */
+void orl_reply_error(struct orl_request *request, const struct orl_error *err);
+/* ... and for one of HTTP itself; see orl_problem_new. */
+void orl_reply_problem(struct orl_request *request, unsigned status, const char *type,
+                       const char *title, const char *detail, ...)
+    __attribute__((format(printf, 5, 6)));
+/* 404: there is no such thing here. */
+void orl_reply_not_found(struct orl_request *request, const char *what);
+/* Constant text. */
+void orl_reply_text(struct orl_request *request, const char *type, const char *text);
+/* A file, by descriptor, which it takes. */
+void orl_reply_file(struct orl_request *request, int fd, uint64_t size, const char *type);
+/* 304, without a body. */
+void orl_reply_not_modified(struct orl_request *request);
+
+/* Adds a header to the response made. */
+void orl_reply_header(struct orl_request *request, const char *name, const char *value);
+/* Adds the strong ETag "tag"; or, when the client has it already, replies 304 instead: true. */
+bool orl_reply_if_none_match(struct orl_request *request, const char *tag);
+void orl_reply_etag(struct orl_request *request, const char *tag);
+
+#endif

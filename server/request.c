@@ -1,0 +1,205 @@
+#include "request.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "reply.h"
+#include "router.h"
+#include "server.h"
+#include "times.h"
+
+const char *orl_request_query(const struct orl_request *request, const char *name)
+{
+    return MHD_lookup_connection_value(request->connection, MHD_GET_ARGUMENT_KIND, name);
+}
+
+const char *orl_request_header(const struct orl_request *request, const char *name)
+{
+    return MHD_lookup_connection_value(request->connection, MHD_HEADER_KIND, name);
+}
+
+/* ---- Work on the pool
+ * ---------------------------------------------------------------------------- */
+
+static void work_run(uv_work_t *work)
+{
+    struct orl_request *request = work->data;
+    request->run(request);
+}
+
+static void work_back(uv_work_t *work, int status)
+{
+    (void)status; /* works are never cancelled */
+    struct orl_request *request = work->data;
+    struct orl_server *server = request->server;
+    request->working = false;
+    server->working--;
+    if (request->then)
+        request->then(request);
+    if (request->working)
+        return; /* then sent it back to the pool */
+    MHD_resume_connection(request->connection);
+    orl_http_kick(server->http);
+    orl_server_work_done(server);
+}
+
+void orl_request_work(struct orl_request *request, orl_request_step run, orl_request_step then)
+{
+    request->run = run;
+    request->then = then;
+    request->working = true;
+    request->work.data = request;
+    request->server->working++;
+    uv_queue_work(&request->server->loop, &request->work, work_run, work_back);
+}
+
+static void flush_body(struct orl_request *request)
+{
+    orl_body_flush(&request->body, &request->server->folders);
+}
+
+/* ---- MHD's callbacks
+ * ----------------------------------------------------------------------------- */
+
+static void refuse_too_large(struct orl_request *request)
+{
+    orl_reply_problem(request, 413, "limit", "The request is too large",
+                      "the body may have at most %llu bytes",
+                      (unsigned long long)request->route->max_body);
+}
+
+/* Finds the route and refuses at once what can be refused by the headers. */
+static void open_request(struct orl_request *request, const char *url)
+{
+    char allow[64];
+    const struct orl_route *route = NULL;
+    const unsigned status = orl_router_find(request->method, url, &route, request->params, allow);
+    if (status == 405) {
+        orl_reply_problem(request, 405, "method-not-allowed", "The method does not apply here",
+                          "%s is not possible here; %s would be", request->method, allow);
+        orl_reply_header(request, "Allow", allow);
+        return;
+    }
+    if (status) {
+        orl_reply_not_found(request, "resource");
+        return;
+    }
+    request->route = route;
+    orl_body_init(&request->body, route->max_body);
+    if (request->server->stopping) {
+        orl_reply_problem(request, 503, "stopping", "The daemon is stopping",
+                          "try again when it has been started anew");
+        return;
+    }
+    const char *length = orl_request_header(request, MHD_HTTP_HEADER_CONTENT_LENGTH);
+    if (length && strtoull(length, NULL, 10) > route->max_body)
+        refuse_too_large(request);
+    else if (!orl_router_accepts(route, orl_request_header(request, MHD_HTTP_HEADER_CONTENT_TYPE)))
+        orl_reply_problem(request, 415, "unsupported-media-type",
+                          "The body has a type that is not understood", "%s takes %s%s%s", url,
+                          route->types[0], route->types[1] ? " or " : "",
+                          route->types[1] ? route->types[1] : "");
+}
+
+static struct orl_request *new_request(struct orl_server *server, struct MHD_Connection *connection,
+                                       const char *url, const char *method)
+{
+    struct orl_request *request = calloc(1, sizeof *request);
+    if (!request)
+        return NULL;
+    request->server = server;
+    request->connection = connection;
+    request->id = ++server->requests;
+    request->started_s = orl_time_steady_s();
+    snprintf(request->method, sizeof request->method, "%s", method);
+    snprintf(request->path, sizeof request->path, "%s", url);
+    orl_body_init(&request->body, 0);
+    open_request(request, url);
+    return request;
+}
+
+static enum MHD_Result send_response(struct orl_request *request)
+{
+    struct MHD_Response *response = request->response;
+    request->response = NULL;
+    const enum MHD_Result sent = MHD_queue_response(request->connection, request->status, response);
+    MHD_destroy_response(response);
+    return sent;
+}
+
+/* Takes what has arrived; a full buffer goes to the disk while the connection waits. */
+static enum MHD_Result take_data(struct orl_request *request, const char *data, size_t *data_size)
+{
+    const bool full = orl_body_append(&request->body, data, *data_size);
+    *data_size = 0;
+    /* A client that goes on long after its body became too large is cut off. */
+    if (request->body.over && request->body.size / 2 > request->body.limit + ORL_SERVER_BODY_BUFFER)
+        return MHD_NO;
+    if (full) {
+        MHD_suspend_connection(request->connection);
+        orl_request_work(request, flush_body, NULL);
+    }
+    return MHD_YES;
+}
+
+static enum MHD_Result dispatch(struct orl_request *request)
+{
+    request->dispatched = true;
+    if (request->body.over)
+        refuse_too_large(request);
+    else if (request->body.failed)
+        orl_reply_error(request, &request->body.err);
+    else
+        request->route->handler(request);
+    if (request->response)
+        return send_response(request);
+    if (!request->working)
+        return MHD_NO; /* a handler that neither replied nor worked: our bug, closed at once */
+    MHD_suspend_connection(request->connection);
+    return MHD_YES;
+}
+
+enum MHD_Result orl_request_serve(void *ctx, struct MHD_Connection *connection, const char *url,
+                                  const char *method, const char *version, const char *data,
+                                  size_t *data_size, void **handle)
+{
+    (void)version;
+    struct orl_request *request = *handle;
+    if (!request) {
+        request = new_request(ctx, connection, url, method);
+        *handle = request;
+        if (!request)
+            return MHD_NO;
+        /* Refused by its headers: answered before the body, which is then never read. */
+        return request->response ? send_response(request) : MHD_YES;
+    }
+    if (*data_size > 0)
+        return take_data(request, data, data_size);
+    if (!request->dispatched)
+        return dispatch(request);
+    if (request->response)
+        return send_response(request);
+    return request->status ? MHD_YES : MHD_NO;
+}
+
+void orl_request_completed(void *ctx, struct MHD_Connection *connection, void **handle,
+                           enum MHD_RequestTerminationCode why)
+{
+    (void)connection;
+    struct orl_server *server = ctx;
+    struct orl_request *request = *handle;
+    if (!request)
+        return;
+    orl_log_event(&server->log, ORL_LOG_INFO, "request", "issids", "id", (int64_t)request->id,
+                  "method", request->method, "path", request->path, "status",
+                  (int64_t)request->status, "ms", 1000 * (orl_time_steady_s() - request->started_s),
+                  "end", why == MHD_REQUEST_TERMINATED_COMPLETED_OK ? "ok" : "broken");
+    if (request->response)
+        MHD_destroy_response(request->response);
+    if (request->state && request->free_state)
+        request->free_state(request->state);
+    orl_body_done(&request->body);
+    free(request);
+    *handle = NULL;
+}

@@ -1,0 +1,65 @@
+/*
+ * One HTTP request, from its first header to its last byte sent.
+ *
+ * A handler runs on the loop thread once the body is there. It either replies (reply.h) or calls
+ * orl_request_work: run goes to the pool while the connection is suspended, then follows on the
+ * loop thread, and may reply or call orl_request_work again. What a handler keeps between the two
+ * hangs on state, freed by free_state with the request whatever happens.
+ *
+ * Threads: loop, except for run; between orl_request_work and then, only run touches the request.
+ */
+#ifndef ORL_SERVER_REQUEST_H
+#define ORL_SERVER_REQUEST_H
+
+#include <microhttpd.h>
+#include <stdbool.h>
+#include <stdint.h>
+#include <uv.h>
+
+#include "body.h"
+
+struct orl_server;
+struct orl_route;
+struct orl_request;
+
+typedef void (*orl_request_step)(struct orl_request *request);
+
+enum { ORL_ROUTE_PARAMS = 2, ORL_PARAM_MAX = 160, ORL_LOGGED_PATH = 200 };
+
+struct orl_request {
+    struct orl_server *server;
+    struct MHD_Connection *connection;
+    const struct orl_route *route; /* NULL: refused before a route was found */
+    uint64_t id;
+    double started_s;
+    char method[16], path[ORL_LOGGED_PATH]; /* for the log; the path may be cut */
+    char params[ORL_ROUTE_PARAMS][ORL_PARAM_MAX];
+    struct orl_body body;
+    bool dispatched; /* the handler has been called */
+
+    struct MHD_Response *response; /* made, not yet queued */
+    unsigned status;               /* of the response made or queued; 0 before */
+
+    uv_work_t work;
+    orl_request_step run, then;
+    bool working;
+
+    void *state;
+    void (*free_state)(void *state);
+};
+
+/* Has run called on the pool and then on the loop. The handler must return without replying. */
+void orl_request_work(struct orl_request *request, orl_request_step run, orl_request_step then);
+
+/* A query argument or header, or NULL. */
+const char *orl_request_query(const struct orl_request *request, const char *name);
+const char *orl_request_header(const struct orl_request *request, const char *name);
+
+/* MHD's callbacks; the closure is the struct orl_server. */
+enum MHD_Result orl_request_serve(void *server, struct MHD_Connection *connection, const char *url,
+                                  const char *method, const char *version, const char *data,
+                                  size_t *data_size, void **request);
+void orl_request_completed(void *server, struct MHD_Connection *connection, void **request,
+                           enum MHD_RequestTerminationCode why);
+
+#endif

@@ -1,0 +1,90 @@
+#include "router.h"
+
+#include <stdio.h>
+#include <string.h>
+#include <strings.h>
+
+#include "handlers.h"
+#include "limits.h"
+
+static const char *const json_types[] = {"application/json", NULL};
+static const char *const scene_types[] = {"multipart/form-data", "application/json", NULL};
+
+static const struct orl_route routes[] = {
+    {"GET", "/", orl_handle_index, 0, NULL},
+    {"GET", "/healthz", orl_handle_health, 0, NULL},
+    {"GET", "/readyz", orl_handle_ready, 0, NULL},
+    {"GET", "/openapi.yaml", orl_handle_openapi, 0, NULL},
+    {"GET", "/v1/limits", orl_handle_limits, 0, NULL},
+    {"POST", "/v1/scenes", orl_handle_scene_post, ORL_SERVER_SCENE_BYTES, scene_types},
+    {"GET", "/v1/scenes/{}", orl_handle_scene_get, 0, NULL},
+    {"POST", "/v1/bsdfs", orl_handle_bsdf_post, ORL_LIMIT_FILE_BYTES, NULL},
+    {"GET", "/v1/bsdfs/{}", orl_handle_bsdf_get, 0, NULL},
+    {"POST", "/v1/jobs", orl_handle_job_post, ORL_LIMIT_JOB_BYTES, json_types},
+    {"GET", "/v1/jobs", orl_handle_job_list, 0, NULL},
+    {"GET", "/v1/jobs/{}", orl_handle_job_get, 0, NULL},
+    {"DELETE", "/v1/jobs/{}", orl_handle_job_cancel, 0, NULL},
+    {"POST", "/v1/jobs/{}/cancel", orl_handle_job_cancel, 4096, NULL},
+    {"GET", "/v1/jobs/{}/result", orl_handle_job_result, 0, NULL},
+    {"GET", "/v1/jobs/{}/files/{}", orl_handle_job_file, 0, NULL},
+    {"GET", "/v1/maps", orl_handle_map_list, 0, NULL},
+};
+
+/* Does url have the shape of path? Fills the parameters on the way. */
+static bool path_matches(const char *path, const char *url,
+                         char ret_params[ORL_ROUTE_PARAMS][ORL_PARAM_MAX])
+{
+    size_t param = 0;
+    while (*path) {
+        if (path[0] != '{') {
+            if (*path++ != *url++)
+                return false;
+            continue;
+        }
+        const size_t length = strcspn(url, "/");
+        if (length == 0 || length >= ORL_PARAM_MAX || param == ORL_ROUTE_PARAMS)
+            return false;
+        memcpy(ret_params[param], url, length);
+        ret_params[param++][length] = '\0';
+        url += length;
+        path += 2;
+    }
+    return *url == '\0';
+}
+
+static void allow(const char *method, char ret_allow[64])
+{
+    const size_t used = strlen(ret_allow);
+    snprintf(ret_allow + used, 64 - used, "%s%s%s", used ? ", " : "", method,
+             strcmp(method, "GET") == 0 ? ", HEAD" : "");
+}
+
+unsigned orl_router_find(const char *method, const char *url, const struct orl_route **ret_route,
+                         char ret_params[ORL_ROUTE_PARAMS][ORL_PARAM_MAX], char ret_allow[64])
+{
+    const char *wanted = strcmp(method, "HEAD") == 0 ? "GET" : method;
+    ret_allow[0] = '\0';
+    for (size_t i = 0; i < sizeof routes / sizeof *routes; i++) {
+        if (!path_matches(routes[i].path, url, ret_params))
+            continue;
+        if (strcmp(routes[i].method, wanted) == 0) {
+            *ret_route = &routes[i];
+            return 0;
+        }
+        allow(routes[i].method, ret_allow);
+    }
+    return ret_allow[0] ? 405 : 404;
+}
+
+bool orl_router_accepts(const struct orl_route *route, const char *content_type)
+{
+    if (!route->types)
+        return true;
+    if (!content_type)
+        return false;
+    const size_t length = strcspn(content_type, "; \t");
+    for (const char *const *type = route->types; *type; type++)
+        if (strlen(*type) == length && strncasecmp(*type, content_type, length) == 0)
+            return true;
+    return false;
+}

@@ -1,0 +1,27 @@
+/*
+ * The routes: a static table of method, path and handler, and how a request finds its own.
+ */
+#ifndef ORL_SERVER_ROUTER_H
+#define ORL_SERVER_ROUTER_H
+
+#include "request.h"
+
+struct orl_route {
+    const char *method; /* GET serves HEAD too */
+    const char *path;   /* "/v1/jobs/{}/files/{}": each {} is a parameter */
+    orl_request_step handler;
+    uint64_t max_body;        /* 0: no body is read */
+    const char *const *types; /* media types accepted for the body, ends with NULL; NULL: any */
+};
+
+/*
+ * Finds the route. Returns 0 and fills ret_route and ret_params, or an HTTP status: 404, or 405
+ * with the methods that would do in ret_allow.
+ */
+unsigned orl_router_find(const char *method, const char *url, const struct orl_route **ret_route,
+                         char ret_params[ORL_ROUTE_PARAMS][ORL_PARAM_MAX], char ret_allow[64]);
+
+/* Does the media type of a Content-Type header (NULL: none) suit the route? */
+bool orl_router_accepts(const struct orl_route *route, const char *content_type);
+
+#endif

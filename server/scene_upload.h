@@ -1,0 +1,35 @@
+/*
+ * A scene on its way in: taken apart, named by its content, checked, kept. Pool threads, one at a
+ * time; the rows are handle_scenes.c's.
+ */
+#ifndef ORL_SERVER_SCENE_UPLOAD_H
+#define ORL_SERVER_SCENE_UPLOAD_H
+
+#include <jansson.h>
+#include <microhttpd.h>
+
+#include "store/bundle.h"
+
+struct orl_scene_upload {
+    struct orl_bundle bundle; /* files still in tmp/ are removed by done */
+    char id[ORL_SHA_HEX];
+    char *summary; /* JSON text, once checked */
+};
+
+void orl_scene_upload_done(struct orl_scene_upload *upload);
+
+/* From multipart/form-data. */
+int orl_scene_upload_multipart(struct orl_scene_upload *upload, struct MHD_Connection *connection,
+                               const struct orl_file *body, const struct orl_folders *folders,
+                               struct orl_error *err);
+/* From {"files": [{"name", "text" | "base64", "resource"}], "bsdfs": {"name": "id"}}. */
+int orl_scene_upload_json(struct orl_scene_upload *upload, const struct orl_file *body,
+                          const struct orl_folders *folders, struct orl_error *err);
+
+/* Parses the whole scene as a job would; fills summary. */
+int orl_scene_upload_check(struct orl_scene_upload *upload, struct orl_error *err);
+/* Moves the files to their places among the blobs. */
+int orl_scene_upload_keep(struct orl_scene_upload *upload, const struct orl_folders *folders,
+                          struct orl_error *err);
+
+#endif

@@ -1,0 +1,170 @@
+#include "server.h"
+
+#include <signal.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "store/migrate.h"
+#include "times.h"
+
+/* ---- Stopping -----------------------------------------------------------------------------------
+ */
+
+/* Once neither jobs nor requests are on the pool, everything can be closed. */
+static void stop_if_quiet(struct orl_server *server)
+{
+    if (!server->stopping || !server->jobs_idle || server->working > 0)
+        return;
+    if (uv_is_closing((uv_handle_t *)&server->maps_changed))
+        return;
+    orl_http_stop(server->http);
+    uv_close((uv_handle_t *)&server->maps_changed, NULL);
+    for (int i = 0; i < 2; i++)
+        if (!uv_is_closing((uv_handle_t *)&server->signals[i]))
+            uv_close((uv_handle_t *)&server->signals[i], NULL);
+}
+
+void orl_server_work_done(struct orl_server *server)
+{
+    stop_if_quiet(server);
+}
+
+static void on_jobs_idle(void *ctx)
+{
+    struct orl_server *server = ctx;
+    server->jobs_idle = true;
+    stop_if_quiet(server);
+}
+
+static void on_signal(uv_signal_t *handle, int signum)
+{
+    struct orl_server *server = handle->data;
+    orl_log_event(&server->log, ORL_LOG_INFO, "stopping", "i", "signal", (int64_t)signum);
+    /* The next one has its default effect. */
+    for (int i = 0; i < 2; i++)
+        uv_signal_stop(&server->signals[i]);
+    server->stopping = true;
+    orl_http_quiesce(server->http);
+    orl_jobs_stop(server->jobs);
+}
+
+/* ---- The map cache's news
+ * ------------------------------------------------------------------------ */
+
+static void on_maps_changed(uv_async_t *handle)
+{
+    struct orl_server *server = handle->data;
+    struct orl_error err;
+    if (orl_map_cache_flush(server->maps, &err))
+        orl_log_event(&server->log, ORL_LOG_ERROR, "map-row-failed", "s", "why", err.message);
+}
+
+/* From a worker. */
+static void wake_for_maps(void *ctx)
+{
+    uv_async_send(ctx);
+}
+
+/* ---- Starting -----------------------------------------------------------------------------------
+ */
+
+static int open_storage(struct orl_server *server, struct orl_error *err)
+{
+    char path[ORL_PATH_MAX];
+    int rc = orl_folders_open(&server->folders, server->config.data, err);
+    if (rc)
+        return rc;
+    orl_folders_path(&server->folders, path, "oriel.db");
+    rc = orl_db_open(&server->db, path, err);
+    if (rc == 0)
+        rc = orl_db_migrate_embedded(&server->db, err);
+    if (rc == 0)
+        rc = orl_map_cache_open(&server->folders, &server->db, wake_for_maps, &server->maps_changed,
+                                &server->maps, err);
+    return rc;
+}
+
+static void close_storage(struct orl_server *server)
+{
+    orl_map_cache_close(server->maps);
+    orl_db_close(&server->db);
+    orl_folders_close(&server->folders);
+}
+
+static void watch_signals(struct orl_server *server)
+{
+    static const int numbers[2] = {SIGTERM, SIGINT};
+    for (int i = 0; i < 2; i++) {
+        uv_signal_init(&server->loop, &server->signals[i]);
+        server->signals[i].data = server;
+        uv_signal_start(&server->signals[i], on_signal, numbers[i]);
+    }
+}
+
+static int open_jobs(struct orl_server *server, struct orl_error *err)
+{
+    const struct orl_jobs_env env = {
+        .loop = &server->loop,
+        .db = &server->db,
+        .folders = &server->folders,
+        .maps = server->maps,
+        .log = &server->log,
+        .threads = server->config.threads,
+        .at_once = server->config.jobs,
+        .idle = on_jobs_idle,
+        .ctx = server,
+    };
+    return orl_jobs_open(&env, &server->jobs, err);
+}
+
+static void announce_address(struct orl_server *server, void (*announce)(const char *url))
+{
+    struct sockaddr_storage address;
+    char text[80], url[96];
+    orl_http_address(server->http, &address);
+    orl_address_format((const struct sockaddr *)&address, text, sizeof text);
+    snprintf(url, sizeof url, "http://%s", text);
+    orl_log_event(&server->log, ORL_LOG_INFO, "started", "ssii", "url", url, "data",
+                  server->config.data, "threads", (int64_t)server->config.threads, "jobs",
+                  (int64_t)server->config.jobs);
+    announce(url);
+}
+
+int orl_server_run(const struct orl_config *config, void (*announce)(const char *url),
+                   struct orl_error *err)
+{
+    struct orl_server server;
+    memset(&server, 0, sizeof server);
+    server.config = *config;
+    server.log = (struct orl_log){stderr, config->log_level};
+    server.folders.lock_fd = -1;
+    server.started_s = orl_time_steady_s();
+    if (uv_loop_init(&server.loop) != 0)
+        return orl_error_set(err, ORL_ERR_INTERNAL, "cannot start the event loop");
+    uv_async_init(&server.loop, &server.maps_changed, on_maps_changed);
+    server.maps_changed.data = &server;
+    /* HTTP before the jobs: nothing is served until the loop runs, and a port that is taken is
+     * found before a job starts. */
+    int rc = open_storage(&server, err);
+    if (rc == 0)
+        rc = orl_http_start(&server, &server.config.address.any, &server.http, err);
+    if (rc == 0)
+        rc = open_jobs(&server, err);
+    if (rc == 0) {
+        watch_signals(&server);
+        announce_address(&server, announce);
+    } else {
+        orl_http_stop(server.http);
+        uv_close((uv_handle_t *)&server.maps_changed, NULL);
+    }
+    uv_run(&server.loop, UV_RUN_DEFAULT);
+    orl_http_free(server.http);
+    if (server.maps)
+        orl_map_cache_flush(server.maps, NULL);
+    orl_jobs_close(server.jobs);
+    close_storage(&server);
+    uv_loop_close(&server.loop);
+    if (rc == 0)
+        orl_log_event(&server.log, ORL_LOG_INFO, "stopped", "");
+    return rc;
+}

@@ -1,0 +1,49 @@
+/*
+ * The daemon: the loop, and everything that lives on it.
+ *
+ * Start: data folder -> database -> map cache -> jobs -> HTTP. Stop, on SIGTERM or SIGINT: no new
+ * connections, running jobs asked to stop and queued again, the answers under way sent, then all is
+ * closed in the opposite order. A second signal ends the process at once.
+ */
+#ifndef ORL_SERVER_SERVER_H
+#define ORL_SERVER_SERVER_H
+
+#include <stdbool.h>
+#include <uv.h>
+
+#include "config.h"
+#include "http.h"
+#include "jobs.h"
+#include "log.h"
+#include "map_cache.h"
+#include "store/db.h"
+#include "store/folders.h"
+
+struct orl_server {
+    struct orl_config config;
+    struct orl_log log;
+    uv_loop_t loop;
+    uv_async_t maps_changed;
+    uv_signal_t signals[2];
+    struct orl_folders folders;
+    struct orl_db db;
+    struct orl_map_cache *maps;
+    struct orl_jobs *jobs;
+    struct orl_http *http;
+    uint64_t requests; /* served or under way; the last one's id */
+    unsigned working;  /* requests whose work is on the pool */
+    double started_s;
+    bool stopping, jobs_idle;
+};
+
+/*
+ * Serves until told to stop by a signal. UV_THREADPOOL_SIZE must have been set already. announce
+ * is called with "http://127.0.0.1:8423" once connections are taken.
+ */
+int orl_server_run(const struct orl_config *config, void (*announce)(const char *url),
+                   struct orl_error *err);
+
+/* A request's work came back; when stopping, this may have been what the stop waited for. */
+void orl_server_work_done(struct orl_server *server);
+
+#endif

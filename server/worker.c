@@ -1,0 +1,212 @@
+#include "worker.h"
+
+#include <errno.h>
+#include <pthread.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "job_output.h"
+#include "times.h"
+
+enum { RENDER_NICE = 10, FRACTION_ONE = 1000000 };
+
+/* One pool work: a member of the crew. */
+struct member {
+    uv_work_t work;
+    struct orl_worker *worker;
+    uint32_t index;
+};
+
+struct orl_worker {
+    struct orl_worker_spec spec;
+    struct orl_crew *crew;
+    struct member *members;
+    uint32_t queued;                   /* works that have not come back; loop thread */
+    struct orl_worker_outcome outcome; /* the lead's, then the loop's once all are back */
+    atomic_bool cancel;
+    atomic_int stage, stage_ppm, job_ppm;
+    pthread_mutex_t maps_mutex;
+    struct orl_map_info maps[2];
+    size_t n_maps;
+};
+
+static double now_s(void *ctx)
+{
+    (void)ctx;
+    return orl_time_steady_s();
+}
+
+static int to_ppm(double fraction)
+{
+    return fraction >= 1 ? FRACTION_ONE : fraction > 0 ? (int)(fraction * FRACTION_ONE) : 0;
+}
+
+static void on_progress(void *ctx, enum orl_stage stage, double stage_fraction, double job_fraction)
+{
+    struct orl_worker *worker = ctx;
+    atomic_store(&worker->stage, (int)stage);
+    atomic_store(&worker->stage_ppm, to_ppm(stage_fraction));
+    atomic_store(&worker->job_ppm, to_ppm(job_fraction));
+}
+
+static void on_map_ready(void *ctx, const struct orl_map_info *info)
+{
+    struct orl_worker *worker = ctx;
+    pthread_mutex_lock(&worker->maps_mutex);
+    if (worker->n_maps < sizeof worker->maps / sizeof *worker->maps)
+        worker->maps[worker->n_maps++] = *info;
+    pthread_mutex_unlock(&worker->maps_mutex);
+}
+
+/* The job, read back from its document; its main files are the bundle's. */
+static int read_job(struct orl_worker *worker, struct orl_job *ret_job, struct orl_error *err)
+{
+    struct orl_file file;
+    int rc = orl_map_file(worker->spec.document_path, &file, err);
+    if (rc)
+        return rc;
+    rc = orl_job_read(file.data, file.size, ret_job, NULL, err);
+    orl_unmap_file(&file);
+    if (rc == 0) {
+        rc = orl_job_set_scene(ret_job, &worker->spec.bundle, err);
+        if (rc)
+            orl_job_done(ret_job);
+    }
+    return rc;
+}
+
+static int run_job(struct orl_worker *worker, const char *output, struct orl_error *err)
+{
+    struct orl_job job;
+    struct orl_result result;
+    memset(&result, 0, sizeof result);
+    int rc = read_job(worker, &job, err);
+    if (rc)
+        return rc;
+    const struct orl_files files = orl_bundle_provider(&worker->spec.bundle);
+    const struct orl_run_env env = {
+        .crew = worker->crew,
+        .files = &files,
+        .store = &worker->spec.maps,
+        .output_folder = output,
+        .cancel = &worker->cancel,
+        .now_s = now_s,
+        .progress = on_progress,
+        .map_ready = on_map_ready,
+        .ctx = worker,
+    };
+    rc = orl_run(&job, &env, &result, err);
+    if (rc == 0) {
+        rc = orl_job_output_write(&result, output, &worker->outcome.summary, err);
+        orl_result_done(&result);
+    }
+    orl_job_done(&job);
+    return rc;
+}
+
+/* Everything the lead does; returns the job's code. */
+static int lead(struct orl_worker *worker, struct orl_error *err)
+{
+    char output[ORL_PATH_MAX], final[ORL_PATH_MAX];
+    orl_folders_temporary(worker->spec.folders, output);
+    orl_folders_path(worker->spec.folders, final, "results/%s", worker->spec.job_id);
+    if (mkdir(output, 0777) != 0)
+        return orl_error_set(err, ORL_ERR_IO, "cannot make a folder for the results: %s",
+                             strerror(errno));
+    int rc = run_job(worker, output, err);
+    if (rc == 0)
+        rc = orl_sync_path(output, err);
+    /* A crash between the rename and the row leaves results of an earlier attempt. */
+    if (rc == 0)
+        rc = orl_remove_tree(final, err);
+    if (rc == 0)
+        rc = orl_rename_synced(output, final, err);
+    if (rc)
+        orl_remove_tree(output, NULL);
+    return rc;
+}
+
+static void member_work(uv_work_t *work)
+{
+    struct member *member = work->data;
+    struct orl_worker *worker = member->worker;
+    /* Lowers this thread alone (Linux). It cannot be raised again without privileges, which is
+     * well: pool threads do nothing that should come before the loop. */
+    setpriority(PRIO_PROCESS, (id_t)gettid(), RENDER_NICE);
+    if (member->index > 0) {
+        orl_crew_serve(worker->crew, member->index);
+        return;
+    }
+    worker->outcome.code = lead(worker, &worker->outcome.err);
+    orl_crew_dismiss(worker->crew);
+}
+
+static void worker_free(struct orl_worker *worker)
+{
+    if (!worker)
+        return;
+    orl_bundle_done(&worker->spec.bundle);
+    orl_crew_free(worker->crew);
+    pthread_mutex_destroy(&worker->maps_mutex);
+    free(worker->members);
+    free(worker);
+}
+
+static void member_back(uv_work_t *work, int status)
+{
+    (void)status; /* works are never cancelled: the crew must be dismissed by its lead */
+    struct orl_worker *worker = ((struct member *)work->data)->worker;
+    if (--worker->queued > 0)
+        return;
+    worker->spec.done(worker->spec.ctx, &worker->outcome);
+    worker_free(worker);
+}
+
+int orl_worker_start(uv_loop_t *loop, struct orl_worker_spec *spec, struct orl_worker **ret_worker,
+                     struct orl_error *err)
+{
+    struct orl_worker *worker = calloc(1, sizeof *worker);
+    if (!worker) {
+        orl_bundle_done(&spec->bundle);
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    }
+    worker->spec = *spec;
+    memset(&spec->bundle, 0, sizeof spec->bundle);
+    pthread_mutex_init(&worker->maps_mutex, NULL);
+    worker->crew = orl_crew_new(spec->threads);
+    worker->members = calloc(spec->threads, sizeof *worker->members);
+    if (!worker->crew || !worker->members) {
+        worker_free(worker);
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    }
+    /* The lead is queued first, so that it is never behind servers that wait for it. */
+    for (uint32_t i = 0; i < spec->threads; i++) {
+        worker->members[i] = (struct member){.worker = worker, .index = i};
+        worker->members[i].work.data = &worker->members[i];
+        uv_queue_work(loop, &worker->members[i].work, member_work, member_back);
+        worker->queued++;
+    }
+    *ret_worker = worker;
+    return 0;
+}
+
+void orl_worker_cancel(struct orl_worker *worker)
+{
+    atomic_store(&worker->cancel, true);
+}
+
+void orl_worker_progress(struct orl_worker *worker, struct orl_progress *ret_progress)
+{
+    ret_progress->stage = (enum orl_stage)atomic_load(&worker->stage);
+    ret_progress->stage_fraction = atomic_load(&worker->stage_ppm) / (double)FRACTION_ONE;
+    ret_progress->job_fraction = atomic_load(&worker->job_ppm) / (double)FRACTION_ONE;
+    pthread_mutex_lock(&worker->maps_mutex);
+    ret_progress->n_maps = worker->n_maps;
+    memcpy(ret_progress->maps, worker->maps, sizeof worker->maps);
+    pthread_mutex_unlock(&worker->maps_mutex);
+}

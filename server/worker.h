@@ -1,0 +1,59 @@
+/*
+ * One running job on the libuv pool.
+ *
+ * The loop thread queues as many pool works as the crew has members: the first leads (reads the
+ * document, calls orl_run, writes the results), the others serve it (oriel/crew.h). They run at a
+ * lower priority than the loop. Progress goes through atomics, and map news through a small
+ * mutex-protected array, so that a status poll never waits. Nothing here touches the database.
+ *
+ * Results: written to tmp/, synced, then moved to results/<job> as a whole; only then done is
+ * called with code 0.
+ *
+ * Ownership: start takes the bundle; the worker frees itself after done returns.
+ * Threads: every function here on the loop thread.
+ */
+#ifndef ORL_SERVER_WORKER_H
+#define ORL_SERVER_WORKER_H
+
+#include <uv.h>
+
+#include <oriel/run.h>
+
+#include "store/bundle.h"
+#include "store/jobs.h"
+
+struct orl_worker;
+
+struct orl_worker_outcome {
+    int code;             /* 0 or a negative orl_err */
+    struct orl_error err; /* why, when code is not 0 */
+    char *summary;        /* JSON text: timings_s, maps, files; owned by done; NULL on failure */
+};
+
+struct orl_worker_spec {
+    char job_id[ORL_JOB_ID];
+    char document_path[ORL_PATH_MAX];
+    struct orl_bundle bundle;
+    const struct orl_folders *folders; /* borrowed */
+    struct orl_map_store maps;
+    uint32_t threads;
+    /* On the loop thread, once, when no pool thread works for the job any more. */
+    void (*done)(void *ctx, const struct orl_worker_outcome *outcome);
+    void *ctx;
+};
+
+struct orl_progress {
+    enum orl_stage stage;
+    double stage_fraction, job_fraction;
+    struct orl_map_info maps[2];
+    size_t n_maps;
+};
+
+/* Takes spec->bundle whether it succeeds or not. */
+int orl_worker_start(uv_loop_t *loop, struct orl_worker_spec *spec, struct orl_worker **ret_worker,
+                     struct orl_error *err);
+/* Asks it to stop; done still comes, with ORL_ERR_CANCELLED unless it was faster. */
+void orl_worker_cancel(struct orl_worker *worker);
+void orl_worker_progress(struct orl_worker *worker, struct orl_progress *ret_progress);
+
+#endif
