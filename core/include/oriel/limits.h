@@ -7,6 +7,7 @@
 #define ORL_LIMIT_FILE_BYTES (512UL << 20)    /* one uploaded file */
 #define ORL_LIMIT_SCENE_FILES 512U            /* files in one scene */
 #define ORL_LIMIT_INCLUDE_DEPTH 16U           /* nesting of !xform files */
+#define ORL_LIMIT_SCENE_TEXT (4UL << 30)        /* scene text read, repeats of xform -a included */
 #define ORL_LIMIT_SURFACES 20000000UL         /* surfaces after all !xform -a repeats */
 #define ORL_LIMIT_POLYGON_VERTICES 20000U     /* corners of one polygon: triangulation is quadratic */
 #define ORL_LIMIT_ARGUMENTS 400000U           /* arguments of one primitive */

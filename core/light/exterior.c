@@ -1,0 +1,163 @@
+#include "light/exterior.h"
+
+enum { MOST_BOUNCES = 64, SURE_BOUNCES = 3, MOST_PANES = 64 };
+
+struct orl_rgb orl_transmittance(const struct orl_world *world, struct orl_vec3 origin,
+                                 struct orl_vec3 direction, double max_distance,
+                                 bool through_ports)
+{
+    struct orl_rgb share = orl_gray(1);
+    for (int pane = 0; pane < MOST_PANES; pane++) {
+        struct orl_hit hit;
+        if (!orl_geometry_intersect(world->geometry, origin, direction, max_distance, &hit))
+            return share;
+        const struct orl_material *m = orl_world_material(world, &hit);
+        if (m->kind != ORL_MATERIAL_GLASS ||
+            (!through_ports && orl_world_crossing(world, &hit) == ORL_CROSSING_INWARDS))
+            return orl_gray(0);
+        share =
+            orl_rgb_mul(share, orl_material_straight(m, orl_dot(direction, hit.normal)));
+        origin = orl_hit_leave(world->geometry, &hit, direction);
+        max_distance -= hit.distance;
+    }
+    return orl_gray(0);
+}
+
+/* cos as irradiance, or lobes towards the eye as radiance. */
+static struct orl_rgb response(const struct orl_direct_query *query, struct orl_vec3 light)
+{
+    const double cosine = orl_dot(light, query->normal);
+    if (!(cosine > 0))
+        return orl_gray(0);
+    if (!query->lobes)
+        return orl_gray(cosine);
+    return orl_rgb_scale(orl_scatter_eval_lobes(query->lobes, query->hit, light, query->eye),
+                         cosine);
+}
+
+static struct orl_rgb light_from_emitter(const struct orl_world *world,
+                                         const struct orl_emitter *emitter,
+                                         const struct orl_direct_query *query,
+                                         struct orl_random *random)
+{
+    const struct orl_facet *facet = &world->geometry->facets[emitter->facet];
+    const double u[2] = {orl_random_uniform(random), orl_random_uniform(random)};
+    struct orl_vec3 point, normal;
+    orl_facet_sample(world->geometry, emitter->facet, u, &point, &normal);
+    point = orl_madd(point, normal, facet->offset);
+    const struct orl_vec3 way = orl_sub(point, query->point);
+    const double d2 = orl_dot(way, way), d = sqrt(d2);
+    if (!(d > 0))
+        return orl_gray(0);
+    const struct orl_vec3 light = orl_scale(way, 1 / d);
+    const double leaves = -orl_dot(light, normal);
+    const struct orl_rgb seen = response(query, light);
+    if (!(leaves > 0) || !(orl_rgb_max(seen) > 0))
+        return orl_gray(0);
+    const struct orl_rgb share =
+        orl_transmittance(world, query->point, light, d * (1 - 1e-6), query->through_ports);
+    return orl_rgb_scale(orl_rgb_mul(orl_rgb_mul(emitter->radiance, seen), share),
+                         leaves * facet->area / d2);
+}
+
+struct orl_rgb orl_direct_light(const struct orl_world *world,
+                                const struct orl_direct_query *query, struct orl_random *random)
+{
+    struct orl_rgb sum = orl_gray(0);
+    for (size_t i = 0; i < world->n_suns; i++) {
+        const struct orl_sun *sun = &world->suns[i];
+        const double u[2] = {orl_random_uniform(random), orl_random_uniform(random)};
+        const struct orl_vec3 light = orl_sun_sample(sun, u);
+        const struct orl_rgb seen = response(query, light);
+        if (!(orl_rgb_max(seen) > 0))
+            continue;
+        const struct orl_rgb share =
+            orl_transmittance(world, query->point, light, INFINITY, query->through_ports);
+        sum = orl_rgb_add(sum, orl_rgb_mul(orl_rgb_mul(sun->irradiance, seen), share));
+    }
+    for (size_t i = 0; i < world->n_emitters; i++)
+        if (world->emitters[i].direct)
+            sum = orl_rgb_add(
+                sum, light_from_emitter(world, &world->emitters[i], query, random));
+    return sum;
+}
+
+/* Suns and lights on one side of the surface, as its lobes send them towards the eye. */
+static struct orl_rgb lobes_of_side(const struct orl_world *world, const struct orl_hit *hit,
+                                    struct orl_vec3 eye, struct orl_vec3 side,
+                                    struct orl_random *random)
+{
+    const struct orl_direct_query query = {.point = orl_hit_leave(world->geometry, hit, side),
+                                           .normal = side,
+                                           .lobes = orl_world_material(world, hit),
+                                           .hit = hit,
+                                           .eye = eye};
+    return orl_direct_light(world, &query, random);
+}
+
+/* What suns and lights send towards the eye by way of this surface. */
+static struct orl_rgb scattered_direct(const struct orl_world *world, const struct orl_hit *hit,
+                                       struct orl_vec3 eye, struct orl_random *random)
+{
+    const struct orl_material *m = orl_world_material(world, hit);
+    const struct orl_vec3 normal = hit->front ? hit->normal : orl_neg(hit->normal);
+    const struct orl_rgb diffuse = orl_material_diffuse(m);
+    struct orl_rgb sum = orl_gray(0);
+    if (orl_rgb_max(diffuse) > 0) {
+        const struct orl_direct_query query = {
+            .point = orl_hit_leave(world->geometry, hit, normal), .normal = normal};
+        sum = orl_rgb_mul(orl_rgb_scale(diffuse, 1 / ORL_PI),
+                          orl_direct_light(world, &query, random));
+    }
+    if (orl_material_has_lobes(m))
+        sum = orl_rgb_add(sum, lobes_of_side(world, hit, eye, normal, random));
+    if (m->kind == ORL_MATERIAL_BSDF &&
+        orl_world_crossing(world, hit) != ORL_CROSSING_INWARDS)
+        sum = orl_rgb_add(sum, lobes_of_side(world, hit, eye, orl_neg(normal), random));
+    return sum;
+}
+
+struct orl_rgb orl_exterior_radiance(const struct orl_world *world, struct orl_vec3 origin,
+                                     struct orl_vec3 direction, struct orl_random *random)
+{
+    struct orl_rgb sum = orl_gray(0), weight = orl_gray(1);
+    bool mirrored = false, sampled_lights = false;
+    for (int bounce = 0; bounce < MOST_BOUNCES; bounce++) {
+        struct orl_hit hit;
+        if (!orl_geometry_intersect(world->geometry, origin, direction, INFINITY, &hit)) {
+            struct orl_rgb sky = orl_world_dome_radiance(world, direction);
+            if (mirrored)
+                sky = orl_rgb_add(sky, orl_world_sun_radiance(world, direction));
+            return orl_rgb_add(sum, orl_rgb_mul(weight, sky));
+        }
+        const struct orl_material *m = orl_world_material(world, &hit);
+        const struct orl_vec3 eye = orl_neg(direction);
+        if (m->kind == ORL_MATERIAL_GLOW || (m->kind == ORL_MATERIAL_LIGHT && !sampled_lights))
+            sum = orl_rgb_add(sum, orl_rgb_mul(weight, orl_material_emission(m, &hit)));
+        const struct orl_rgb direct = scattered_direct(world, &hit, eye, random);
+        sum = orl_rgb_add(sum, orl_rgb_mul(weight, direct));
+        const bool barred = orl_world_crossing(world, &hit) == ORL_CROSSING_INWARDS;
+        const struct orl_scatter s =
+            orl_scatter_sample(m, &hit, eye, ORL_TRANSPORT_EYE,
+                               barred ? ORL_LOBE_REFLECTED : ORL_LOBE_ALL, random);
+        if (s.event == ORL_EVENT_ABSORBED)
+            return sum;
+        /* After a mirror nobody sampled the lights for us; after glass the last vertex still did. */
+        if (s.event == ORL_EVENT_MIRROR)
+            mirrored = true;
+        else if (s.event != ORL_EVENT_STRAIGHT)
+            mirrored = false;
+        if (s.event != ORL_EVENT_STRAIGHT)
+            sampled_lights = !mirrored;
+        weight = orl_rgb_mul(weight, s.weight);
+        if (bounce >= SURE_BOUNCES) {
+            const double survive = fmin(orl_rgb_max(weight), 1.0);
+            if (orl_random_uniform(random) >= survive)
+                return sum;
+            weight = orl_rgb_scale(weight, 1 / survive);
+        }
+        origin = orl_hit_leave(world->geometry, &hit, s.direction);
+        direction = s.direction;
+    }
+    return sum;
+}

@@ -1,0 +1,45 @@
+/*
+ * Radiance found by paths alone: no photon map, explicit shadow rays to suns and lights, one
+ * bounce after another until the path leaves, is absorbed or dies by roulette. Unbiased for all
+ * that does not need a path to hit a sun's disc after a mirror.
+ *
+ * It is what photon ports see when they look out (so that every photon carries the radiance that
+ * arrives, the ground's and the neighbours' included), and what views see of surfaces outside.
+ */
+#ifndef ORL_LIGHT_EXTERIOR_H
+#define ORL_LIGHT_EXTERIOR_H
+
+#include "light/world.h"
+
+/*
+ * One estimate of the radiance arriving at origin from direction, suns seen straight excluded.
+ * Paths do not pass ports inwards: light from inside a building is left out.
+ */
+struct orl_rgb orl_exterior_radiance(const struct orl_world *world, struct orl_vec3 origin,
+                                     struct orl_vec3 direction, struct orl_random *random);
+
+/*
+ * Share of light that comes straight from `direction`, from within max_distance, thin glass on the
+ * way included. With through_ports false a port met from outside blocks.
+ */
+struct orl_rgb orl_transmittance(const struct orl_world *world, struct orl_vec3 origin,
+                                 struct orl_vec3 direction, double max_distance,
+                                 bool through_ports);
+
+/*
+ * Irradiance at a point with that (unit) normal from suns and lights sampled directly: one shadow
+ * ray each. With lobes not NULL, weighted by that hit's lobes towards eye instead of counted
+ * whole: the result is then radiance.
+ */
+struct orl_direct_query {
+    struct orl_vec3 point;  /* clear of the surface */
+    struct orl_vec3 normal; /* towards the side that is lit */
+    bool through_ports;
+    const struct orl_material *lobes;
+    const struct orl_hit *hit;
+    struct orl_vec3 eye;
+};
+struct orl_rgb orl_direct_light(const struct orl_world *world,
+                                const struct orl_direct_query *query, struct orl_random *random);
+
+#endif

@@ -1,0 +1,152 @@
+#include "light/world.h"
+
+#include <stdatomic.h>
+#include <stdlib.h>
+
+#include "base/random.h"
+#include "bsdf/shirley.h"
+
+/*
+ * A window is a port when rays leaving one of its faces, with everything taken as opaque, reach
+ * open space much more often than rays leaving the other. Panes inside a building see open space
+ * from neither side (the outer panes block), panes standing free see it from both.
+ */
+enum { MOST_RAYS = 4000000, MOST_RAYS_A_FACE = 2048, LEAST_RAYS_A_FACE = 64 };
+static const double least_seen = 1e-3; /* share of escaping rays that makes a face an outside face */
+static const double least_contrast = 4; /* and how many times the other face's it must be */
+
+enum { SEAL_PATHS = 16384, SEAL_BOUNCES = 8, SEAL_ESCAPES = 2 };
+
+struct search {
+    const struct orl_world *world;
+    const uint32_t *candidates;
+    struct orl_port *found; /* one per candidate; area 0: not a port */
+    uint32_t rays;
+    const struct orl_port *ports;
+    size_t n_ports;
+    atomic_uint escapes;
+};
+
+/* A cosine-weighted direction about normal. */
+static struct orl_vec3 cosine_direction(struct orl_vec3 normal, struct orl_random *random)
+{
+    const struct orl_frame frame = orl_frame_about(normal);
+    const struct orl_square s = {orl_random_uniform(random), orl_random_uniform(random)};
+    return orl_to_world(&frame, orl_square_to_hemisphere(s));
+}
+
+static double share_escaping(const struct search *search, uint32_t facet, bool front,
+                             struct orl_random *random)
+{
+    const struct orl_geometry *g = search->world->geometry;
+    uint32_t escaped = 0;
+    for (uint32_t i = 0; i < search->rays; i++) {
+        const double u[2] = {orl_random_uniform(random), orl_random_uniform(random)};
+        struct orl_vec3 point, normal;
+        orl_facet_sample(g, facet, u, &point, &normal);
+        if (!front)
+            normal = orl_neg(normal);
+        point = orl_madd(point, normal, g->facets[facet].offset);
+        escaped += !orl_geometry_occluded(g, point, cosine_direction(normal, random), INFINITY);
+    }
+    return (double)escaped / search->rays;
+}
+
+static void look_both_ways(void *arg, size_t index, uint32_t member)
+{
+    struct search *search = arg;
+    const uint32_t facet = search->candidates[index];
+    const struct orl_facet *f = &search->world->geometry->facets[facet];
+    struct orl_random random = orl_random_stream(0, ORL_PURPOSE_PILOT, facet);
+    (void)member;
+    const double front = share_escaping(search, facet, true, &random);
+    const double back = share_escaping(search, facet, false, &random);
+    const double more = fmax(front, back), less = fmin(front, back);
+    if (more < least_seen || more < least_contrast * less)
+        return;
+    search->found[index] = (struct orl_port){
+        facet, front > back, front > back ? f->normal : orl_neg(f->normal), f->area};
+}
+
+/* A diffuse path from a port's inner face, windows taken as walls: does it get out? */
+static void try_to_escape(void *arg, size_t index, uint32_t member)
+{
+    struct search *search = arg;
+    const struct orl_geometry *g = search->world->geometry;
+    const struct orl_port *port = &search->ports[index % search->n_ports];
+    struct orl_random random = orl_random_stream(1, ORL_PURPOSE_PILOT, index);
+    const double u[2] = {orl_random_uniform(&random), orl_random_uniform(&random)};
+    struct orl_vec3 point, normal;
+    (void)member;
+    orl_facet_sample(g, port->facet, u, &point, &normal);
+    normal = orl_neg(port->outward);
+    point = orl_madd(point, normal, g->facets[port->facet].offset);
+    for (int bounce = 0; bounce < SEAL_BOUNCES; bounce++) {
+        const struct orl_vec3 direction = cosine_direction(normal, &random);
+        struct orl_hit hit;
+        if (!orl_geometry_intersect(g, point, direction, INFINITY, &hit)) {
+            atomic_fetch_add_explicit(&search->escapes, 1, memory_order_relaxed);
+            return;
+        }
+        normal = hit.front ? hit.normal : orl_neg(hit.normal);
+        point = orl_hit_leave(g, &hit, normal);
+    }
+}
+
+static size_t list_candidates(const struct orl_world *world, uint32_t *ret_candidates)
+{
+    size_t n = 0;
+    for (size_t i = 0; i < world->geometry->n_facets; i++) {
+        const struct orl_facet *f = &world->geometry->facets[i];
+        if (f->kind == ORL_SURFACE_POLYGON && f->area > 0 &&
+            orl_material_is_window(&world->description.materials[f->material]))
+            ret_candidates[n++] = (uint32_t)i;
+    }
+    return n;
+}
+
+int orl_world_find_ports(struct orl_world *world, struct orl_crew *crew, struct orl_error *err)
+{
+    const size_t n_facets = world->geometry->n_facets;
+    struct search search = {.world = world};
+    uint32_t *candidates = malloc((n_facets + 1) * sizeof *candidates);
+    struct orl_port *found = NULL;
+    int code = ORL_ERR_NOMEM;
+    if (!candidates)
+        goto done;
+    const size_t n = list_candidates(world, candidates);
+    found = calloc(n + 1, sizeof *found);
+    world->port_of_facet = malloc((n_facets + 1) * sizeof *world->port_of_facet);
+    if (!found || !world->port_of_facet)
+        goto done;
+    search.candidates = candidates;
+    search.found = found;
+    const size_t share = MOST_RAYS / (n + 1);
+    search.rays = (uint32_t)(share > MOST_RAYS_A_FACE     ? MOST_RAYS_A_FACE
+                             : share < LEAST_RAYS_A_FACE ? LEAST_RAYS_A_FACE
+                                                          : share);
+    orl_crew_for(crew, n, look_both_ways, &search);
+    for (size_t i = 0; i < n_facets; i++)
+        world->port_of_facet[i] = ORL_NO_PORT;
+    for (size_t i = 0; i < n; i++) {
+        if (found[i].area > 0) {
+            world->port_of_facet[found[i].facet] = (int32_t)world->n_ports;
+            found[world->n_ports++] = found[i];
+        }
+    }
+    world->ports = found;
+    found = NULL;
+    atomic_init(&search.escapes, 0);
+    search.ports = world->ports;
+    search.n_ports = world->n_ports;
+    if (world->n_ports > 0)
+        orl_crew_for(crew, SEAL_PATHS, try_to_escape, &search);
+    world->open = world->n_ports == 0 || atomic_load(&search.escapes) >= SEAL_ESCAPES;
+    code = 0;
+done:
+    if (code < 0)
+        orl_error_set(err, code, "out of memory while looking for photon ports");
+    free(found);
+    free(candidates);
+    return code;
+}

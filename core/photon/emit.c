@@ -1,0 +1,195 @@
+#include "photon/emit.h"
+
+#include "bsdf/shirley.h"
+#include "photon/table.h"
+
+/* The port as a path meets it from outside. */
+static struct orl_hit port_hit(const struct orl_world *world, const struct orl_port *port,
+                               struct orl_vec3 point)
+{
+    return (struct orl_hit){.point = point,
+                            .normal = world->geometry->facets[port->facet].normal,
+                            .facet = port->facet,
+                            .front = port->outside_is_front};
+}
+
+/* Light of that radiance times measure arrives at the port from outwards; sends it through. */
+static bool pass_port(const struct orl_world *world, const struct orl_port *port,
+                      struct orl_vec3 point, struct orl_vec3 outwards, struct orl_rgb flux,
+                      struct orl_random *random, struct orl_flight *ret_flight)
+{
+    const struct orl_hit hit = port_hit(world, port, point);
+    const struct orl_scatter s =
+        orl_scatter_sample(orl_world_material(world, &hit), &hit, outwards, ORL_TRANSPORT_LIGHT,
+                           ORL_LOBE_TRANSMITTED, random);
+    if (s.event == ORL_EVENT_ABSORBED)
+        return false;
+    ret_flight->origin = orl_hit_leave(world->geometry, &hit, s.direction);
+    ret_flight->direction = s.direction;
+    ret_flight->flux = orl_rgb_mul(flux, s.weight);
+    ret_flight->scattered = s.event != ORL_EVENT_STRAIGHT;
+    ret_flight->from_port = true;
+    return orl_rgb_max(ret_flight->flux) > 0;
+}
+
+static bool emit_port_dome(const struct orl_emission *e, const struct orl_stratum *stratum,
+                           const double *u, struct orl_random *random,
+                           struct orl_flight *ret_flight)
+{
+    const struct orl_world *world = e->world;
+    const struct orl_port *port = &world->ports[stratum->port];
+    const struct orl_frame frame = orl_frame_about(port->outward);
+    struct orl_vec3 point, normal;
+    double at[2];
+    orl_facet_sample(world->geometry, port->facet, u + 1, &point, &normal);
+    const double density = orl_table_sample(&e->port_tables[stratum->port], u + 3, at);
+    const struct orl_square square = {at[0], at[1]};
+    const struct orl_vec3 out = orl_to_world(&frame, orl_square_to_hemisphere(square));
+    const struct orl_vec3 start =
+        orl_madd(point, port->outward, world->geometry->facets[port->facet].offset);
+    const struct orl_rgb radiance = orl_exterior_radiance(world, start, out, random);
+    /* The square is uniform in projected solid angle, pi in all. */
+    const struct orl_rgb flux = orl_rgb_scale(radiance, ORL_PI * port->area / density);
+    return orl_rgb_max(flux) > 0 && pass_port(world, port, point, out, flux, random, ret_flight);
+}
+
+static bool emit_port_sun(const struct orl_emission *e, const struct orl_stratum *stratum,
+                          const double *u, struct orl_random *random,
+                          struct orl_flight *ret_flight)
+{
+    const struct orl_world *world = e->world;
+    const struct orl_port *port = &world->ports[stratum->port];
+    const struct orl_sun *sun = &world->suns[stratum->sun];
+    const struct orl_vec3 out = orl_sun_sample(sun, u + 3);
+    const double cosine = orl_dot(out, port->outward);
+    struct orl_vec3 point, normal;
+    if (!(cosine > 0))
+        return false;
+    orl_facet_sample(world->geometry, port->facet, u + 1, &point, &normal);
+    const struct orl_vec3 start =
+        orl_madd(point, port->outward, world->geometry->facets[port->facet].offset);
+    const struct orl_rgb share = orl_transmittance(world, start, out, INFINITY, false);
+    if (!(orl_rgb_max(share) > 0))
+        return false;
+    ret_flight->from_light = true;
+    return pass_port(world, port, point, out,
+                     orl_rgb_scale(orl_rgb_mul(sun->irradiance, share), cosine * port->area),
+                     random, ret_flight);
+}
+
+static bool emit_emitter(const struct orl_emission *e, const struct orl_stratum *stratum,
+                         const double *u, struct orl_flight *ret_flight)
+{
+    const struct orl_emitter *emitter = &e->world->emitters[stratum->port];
+    const struct orl_facet *facet = &e->world->geometry->facets[emitter->facet];
+    struct orl_vec3 point, normal;
+    const struct orl_square square = {u[3], u[4]};
+    orl_facet_sample(e->world->geometry, emitter->facet, u + 1, &point, &normal);
+    const struct orl_frame frame = orl_frame_about(normal);
+    ret_flight->origin = orl_madd(point, normal, facet->offset);
+    ret_flight->direction = orl_to_world(&frame, orl_square_to_hemisphere(square));
+    ret_flight->flux = orl_rgb_scale(emitter->radiance, ORL_PI * facet->area);
+    ret_flight->from_light = emitter->direct;
+    return true;
+}
+
+/* The scene's box as seen from direction: a point on the faces that look there, by their share. */
+static double sample_box(const struct orl_geometry *g, struct orl_vec3 towards, const double *u,
+                         struct orl_vec3 *ret_point)
+{
+    const double pad = g->radius * 1e-4;
+    const double low[3] = {g->low.x - pad, g->low.y - pad, g->low.z - pad};
+    const double high[3] = {g->high.x + pad, g->high.y + pad, g->high.z + pad};
+    const double d[3] = {towards.x, towards.y, towards.z};
+    double area[3], total = 0, at[3];
+    int face = 0;
+    for (int k = 0; k < 3; k++) {
+        const int i = (k + 1) % 3, j = (k + 2) % 3;
+        area[k] = fabs(d[k]) * (high[i] - low[i]) * (high[j] - low[j]);
+        total += area[k];
+    }
+    double left = u[0] * total;
+    while (face < 2 && left >= area[face])
+        left -= area[face++];
+    const int i = (face + 1) % 3, j = (face + 2) % 3;
+    at[face] = d[face] > 0 ? high[face] : low[face];
+    at[i] = low[i] + fmin(area[face] > 0 ? left / area[face] : 0, 1) * (high[i] - low[i]);
+    at[j] = low[j] + u[1] * (high[j] - low[j]);
+    *ret_point = orl_v3(at[0], at[1], at[2]);
+    return total;
+}
+
+static bool emit_open(const struct orl_emission *e, const struct orl_stratum *stratum,
+                      const double *u, struct orl_flight *ret_flight)
+{
+    const struct orl_world *world = e->world;
+    struct orl_vec3 towards;
+    struct orl_rgb radiance;
+    double measure;
+    if (stratum->kind == ORL_STRATUM_OPEN_SUN) {
+        towards = orl_sun_sample(&world->suns[stratum->sun], u + 3);
+        radiance = world->suns[stratum->sun].radiance;
+        measure = world->suns[stratum->sun].solid_angle_sr;
+        ret_flight->from_light = true;
+    } else {
+        double at[2];
+        const double density = orl_table_sample(&e->dome_table, u + 3, at);
+        const double z = 2 * at[1] - 1, s = sqrt(fmax(0, 1 - z * z)), phi = 2 * ORL_PI * at[0];
+        towards = orl_v3(s * cos(phi), s * sin(phi), z);
+        radiance = orl_world_dome_radiance(world, towards);
+        measure = 4 * ORL_PI / density;
+    }
+    const double area = sample_box(world->geometry, towards, u + 1, &ret_flight->origin);
+    ret_flight->direction = orl_neg(towards);
+    ret_flight->flux = orl_rgb_scale(radiance, measure * area);
+    return orl_rgb_max(ret_flight->flux) > 0;
+}
+
+bool orl_emission_from(const struct orl_emission *emission, const struct orl_stratum *stratum,
+                       const double *point, struct orl_random *random,
+                       struct orl_flight *ret_flight)
+{
+    *ret_flight = (struct orl_flight){.from_light = false};
+    switch (stratum->kind) {
+    case ORL_STRATUM_PORT_DOME:
+        return emit_port_dome(emission, stratum, point, random, ret_flight);
+    case ORL_STRATUM_PORT_SUN:
+        return emit_port_sun(emission, stratum, point, random, ret_flight);
+    case ORL_STRATUM_EMITTER:
+        return emit_emitter(emission, stratum, point, ret_flight);
+    case ORL_STRATUM_OPEN_DOME:
+    case ORL_STRATUM_OPEN_SUN:
+        return emit_open(emission, stratum, point, ret_flight);
+    }
+    return false;
+}
+
+static const struct orl_stratum *pick(const struct orl_emission *e, double u, bool caustic)
+{
+    size_t low = 0, high = e->n_strata;
+    while (high - low > 1) {
+        const size_t middle = low + (high - low) / 2;
+        const struct orl_stratum *s = &e->strata[middle];
+        if ((caustic ? s->below_caustic : s->below) <= u)
+            low = middle;
+        else
+            high = middle;
+    }
+    return &e->strata[low];
+}
+
+bool orl_emission_sample(const struct orl_emission *emission, uint64_t seed, uint64_t index,
+                         bool caustic, struct orl_random *random, struct orl_flight *ret_flight)
+{
+    double point[5];
+    const uint32_t sequence = (uint32_t)orl_mix64(seed * 2 + caustic) + (uint32_t)(index >> 32);
+    if (emission->n_strata == 0)
+        return false;
+    orl_sobol_point(&emission->sobol, (uint32_t)index, sequence, 5, point);
+    const struct orl_stratum *stratum = pick(emission, point[0], caustic);
+    const double share = caustic ? stratum->share_caustic : stratum->share;
+    if (!(share > 0) || !orl_emission_from(emission, stratum, point, random, ret_flight))
+        return false;
+    ret_flight->flux = orl_rgb_scale(ret_flight->flux, 1 / share);
+    return true;
+}

@@ -1,0 +1,79 @@
+/*
+ * Where photons start. The light of the scene is divided into strata (a port and the domes seen
+ * from it, a port and a sun, a local emitter, and in open scenes the domes and suns themselves);
+ * an emission picks a stratum by its flux, then a place and a direction by importance, and carries
+ * flux / probability, so that all photons weigh about the same.
+ *
+ * From a port: a point uniform over the pane, a direction outwards from a table of the light that
+ * arrives there (made by a pilot of exterior paths, mixed with a tenth of cosine-weighted
+ * directions so that nothing the pilot missed is lost), the radiance that really comes from there
+ * along a path, then the pane's own transmission. Suns: a point on the disc and one shadow ray.
+ *
+ * The first five random numbers of an emission are a scrambled Sobol point by its index.
+ */
+#ifndef ORL_PHOTON_EMIT_H
+#define ORL_PHOTON_EMIT_H
+
+#include "base/sobol.h"
+#include "light/exterior.h"
+
+enum orl_stratum_kind {
+    ORL_STRATUM_PORT_DOME,
+    ORL_STRATUM_PORT_SUN,
+    ORL_STRATUM_EMITTER,
+    ORL_STRATUM_OPEN_DOME,
+    ORL_STRATUM_OPEN_SUN,
+};
+
+struct orl_stratum {
+    enum orl_stratum_kind kind;
+    uint32_t port;    /* or emitter */
+    uint32_t sun;
+    double flux_w;    /* luma, estimated */
+    double share;     /* probability for global photons */
+    double share_caustic;
+    double below, below_caustic; /* running sums before it */
+};
+
+/* A direction distribution over the unit square, piecewise constant, row by row. */
+struct orl_table {
+    uint32_t side_x, side_y;
+    double *weight;     /* per cell: its probability */
+    double *row_below;  /* running sums of rows, side_y + 1 */
+    double *cell_below; /* running sums within each row, side_y * (side_x + 1) */
+    double mean;        /* of the values it was made from */
+};
+
+struct orl_emission {
+    const struct orl_world *world; /* borrowed */
+    struct orl_sobol sobol;
+    struct orl_stratum *strata;
+    size_t n_strata;
+    struct orl_table *port_tables; /* per port: over the outer hemisphere's Shirley-Chiu square */
+    struct orl_table dome_table;   /* open scenes: over the sphere, equal-area cylinder */
+    bool has_caustics;             /* a pilot found a way for them */
+};
+
+/* A photon about to fly: just past its port, or at its emitter. */
+struct orl_flight {
+    struct orl_vec3 origin, direction;
+    struct orl_rgb flux;
+    bool from_light; /* a sun or light, sampled directly by the renderer, as against a dome or glow */
+    bool scattered;  /* already deflected: by the port's BSDF */
+    bool from_port;
+};
+
+int orl_emission_new(const struct orl_world *world, uint64_t seed, struct orl_crew *crew,
+                     struct orl_emission **ret_emission, struct orl_error *err);
+void orl_emission_free(struct orl_emission *emission);
+
+/* The index-th emission; false when nothing comes of it. random serves what Sobol does not. */
+bool orl_emission_sample(const struct orl_emission *emission, uint64_t seed, uint64_t index,
+                         bool caustic, struct orl_random *random, struct orl_flight *ret_flight);
+
+/* Emission from one stratum, with probability one; point: five numbers in [0,1). */
+bool orl_emission_from(const struct orl_emission *emission, const struct orl_stratum *stratum,
+                       const double *point, struct orl_random *random,
+                       struct orl_flight *ret_flight);
+
+#endif

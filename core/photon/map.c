@@ -1,0 +1,179 @@
+#include "photon/map.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <sodium.h>
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "photon/pack.h"
+
+uint16_t orl_octahedral_encode(struct orl_vec3 n)
+{
+    const double sum = fabs(n.x) + fabs(n.y) + fabs(n.z);
+    double u = n.x / sum, v = n.y / sum;
+    if (n.z < 0) {
+        const double fold = (1 - fabs(v)) * copysign(1.0, u);
+        v = (1 - fabs(u)) * copysign(1.0, v);
+        u = fold;
+    }
+    return (uint16_t)((unsigned)lrint(127 * u + 127) | (unsigned)lrint(127 * v + 127) << 8);
+}
+
+struct orl_vec3 orl_octahedral_decode(uint16_t code)
+{
+    double u = ((code & 255) - 127) / 127.0, v = ((code >> 8) - 127) / 127.0;
+    const double z = 1 - fabs(u) - fabs(v);
+    if (z < 0) {
+        const double fold = (1 - fabs(v)) * copysign(1.0, u);
+        v = (1 - fabs(u)) * copysign(1.0, v);
+        u = fold;
+    }
+    return orl_normalize(orl_v3(u, v, z));
+}
+
+static uint64_t aligned(uint64_t offset)
+{
+    return (offset + 63) & ~(uint64_t)63;
+}
+
+struct orl_map_layout orl_map_layout_of(uint64_t count)
+{
+    struct orl_map_layout l = {.leaves = (count + ORL_MAP_LEAF - 1) / ORL_MAP_LEAF};
+    uint64_t groups = 0, nodes = l.leaves;
+    l.places = aligned(sizeof(struct orl_map_header));
+    l.fluxes = l.places + l.leaves * ORL_LEAF_WORDS * sizeof(uint32_t);
+    l.normals = aligned(l.fluxes + count * sizeof(uint32_t));
+    l.sources = aligned(l.normals + count * sizeof(uint16_t));
+    l.boxes = aligned(l.sources + count * sizeof(uint16_t));
+    while (nodes > 0 && l.levels < ORL_MAP_LEVELS) {
+        nodes = (nodes + ORL_MAP_FANOUT - 1) / ORL_MAP_FANOUT;
+        l.groups[l.levels++] = nodes;
+        groups += nodes;
+        if (nodes == 1)
+            break;
+    }
+    l.size = l.boxes + groups * sizeof(struct orl_map_group);
+    return l;
+}
+
+static bool checksum_matches(const void *data, size_t size, const unsigned char *expected)
+{
+    unsigned char sum[ORL_MAP_CHECKSUM];
+    crypto_generichash(sum, sizeof sum, data, size, NULL, 0);
+    return memcmp(sum, expected, sizeof sum) == 0;
+}
+
+static int check_header(const struct orl_map_header *h, size_t size, const char *path,
+                        struct orl_error *err)
+{
+    if (size < sizeof *h || memcmp(h->magic, "ORIELPM", 8) != 0)
+        return orl_error_set(err, ORL_ERR_CORRUPT, "'%s' is not a photon map", path);
+    if (h->version != ORL_MAP_VERSION || h->byte_order != 0x01020304U)
+        return orl_error_set(err, ORL_ERR_VERSION, "'%s' is a photon map of version %u, not %d",
+                             path, h->version, ORL_MAP_VERSION);
+    if (!checksum_matches(h, offsetof(struct orl_map_header, header_checksum), h->header_checksum))
+        return orl_error_set(err, ORL_ERR_CORRUPT, "the header of photon map '%s' is damaged", path);
+    const struct orl_map_layout l = orl_map_layout_of(h->count);
+    if (h->size != size || l.size != size || l.places != h->places || l.fluxes != h->fluxes ||
+        l.normals != h->normals || l.sources != h->sources || l.boxes != h->boxes ||
+        l.levels != h->levels || h->emitted == 0 || !(h->cell > 0))
+        return orl_error_set(err, ORL_ERR_CORRUPT, "photon map '%s' is truncated or damaged", path);
+    return 0;
+}
+
+static void take_apart(struct orl_photon_map *map)
+{
+    const char *base = map->file;
+    const struct orl_map_layout l = orl_map_layout_of(map->header->count);
+    const struct orl_map_group *group = (const void *)(base + l.boxes);
+    map->places = (const void *)(base + l.places);
+    map->fluxes = (const void *)(base + l.fluxes);
+    map->normals = (const void *)(base + l.normals);
+    map->sources = (const void *)(base + l.sources);
+    for (uint32_t i = 0; i < l.levels; i++) {
+        map->levels[i] = group;
+        group += l.groups[i];
+    }
+}
+
+static int map_file(const char *path, struct orl_photon_map *map, struct orl_error *err)
+{
+    struct stat st;
+    int code = 0;
+    const int fd = open(path, O_RDONLY | O_CLOEXEC);
+    if (fd < 0)
+        return orl_error_set(err, ORL_ERR_IO, "cannot open photon map '%s': %s", path,
+                             strerror(errno));
+    if (fstat(fd, &st) != 0 || st.st_size < (off_t)sizeof(struct orl_map_header)) {
+        code = orl_error_set(err, ORL_ERR_CORRUPT, "photon map '%s' is truncated", path);
+    } else {
+        void *file = mmap(NULL, (size_t)st.st_size, PROT_READ, MAP_SHARED, fd, 0);
+        if (file == MAP_FAILED) {
+            code = orl_error_set(err, ORL_ERR_IO, "cannot map photon map '%s': %s", path,
+                                 strerror(errno));
+        } else {
+            map->file = file;
+            map->size = (size_t)st.st_size;
+            map->header = file;
+        }
+    }
+    close(fd);
+    return code;
+}
+
+int orl_photon_map_open(const char *path, bool verify, struct orl_photon_map **ret_map,
+                        struct orl_error *err)
+{
+    struct orl_photon_map *map = calloc(1, sizeof *map);
+    if (!map)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory opening a photon map");
+    int code = map_file(path, map, err);
+    if (code == 0)
+        code = check_header(map->header, map->size, path, err);
+    if (code == 0 && verify &&
+        !checksum_matches((const char *)map->file + sizeof *map->header,
+                          map->size - sizeof *map->header, map->header->body_checksum))
+        code = orl_error_set(err, ORL_ERR_CORRUPT, "photon map '%s' fails its checksum", path);
+    if (code < 0) {
+        orl_photon_map_free(map);
+        return code;
+    }
+    take_apart(map);
+    *ret_map = map;
+    return 0;
+}
+
+void orl_photon_map_free(struct orl_photon_map *map)
+{
+    if (!map)
+        return;
+    if (map->file)
+        munmap(map->file, map->size);
+    free(map);
+}
+
+const struct orl_map_header *orl_photon_map_header(const struct orl_photon_map *map)
+{
+    return map->header;
+}
+
+struct orl_photon orl_photon_map_get(const struct orl_photon_map *map, size_t index)
+{
+    const struct orl_map_header *h = map->header;
+    const uint32_t *leaf = map->places + index / ORL_MAP_LEAF * ORL_LEAF_WORDS;
+    const uint32_t a = leaf[index % ORL_MAP_LEAF], b = leaf[index % ORL_MAP_LEAF + ORL_MAP_LEAF];
+    const struct orl_rgb flux = orl_rgb_scale(orl_flux_unpack(map->fluxes[index]), h->flux_unit);
+    struct orl_photon photon = {.flux = {(float)flux.r, (float)flux.g, (float)flux.b},
+                                .normal = map->normals[index],
+                                .batch = (uint8_t)(a >> 20 & 15U)};
+    uint32_t cell[3];
+    orl_place_unpack(a, b, cell);
+    for (int i = 0; i < 3; i++)
+        photon.position[i] = (float)(h->low[i] + (cell[i] + 0.5) * h->cell);
+    return photon;
+}

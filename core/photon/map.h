@@ -1,0 +1,96 @@
+/*
+ * Photon maps: built once, written to a file, mapped from it and searched in place.
+ *
+ * File, little-endian, one block after another at 64-byte boundaries:
+ *   header    see struct orl_map_header
+ *   places    per leaf of 16 photons: 16 words a, then 16 words b (128 bytes)
+ *               a = x | batch << 20 | (z >> 12) << 24,  b = y | (z & 0xfff) << 20
+ *             x, y, z: 20 bits each, cells of header.cell from header.low
+ *   fluxes    per photon: shared-exponent RGB (9-9-9-5) in units of header.flux_unit
+ *   normals   per photon: octahedral, 8 + 8 bits, the side that was lit
+ *   sources   per photon: index of the source or bin it came from (0: not told apart)
+ *   boxes     per group of 8 siblings, from the leaves up: 6 x 8 floats, lows then highs
+ * 16 bytes a photon, and about 1.7 for the boxes. Photons are in Morton order; ties keep the order
+ * of emission. The batch (emission index mod 16) is for error estimates. Places are relative to
+ * the map's own bounds: over 100 m a cell is 0.1 mm.
+ *
+ * Threads: a map is immutable and may be searched from any thread.
+ */
+#ifndef ORL_PHOTON_MAP_H
+#define ORL_PHOTON_MAP_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <oriel/crew.h>
+#include <oriel/error.h>
+#include <oriel/vec.h>
+
+enum {
+    ORL_MAP_VERSION = 1,
+    ORL_MAP_LEAF = 16,    /* photons a leaf */
+    ORL_MAP_FANOUT = 8,   /* children a node */
+    ORL_MAP_LEVELS = 12,  /* most levels: 16 * 8^11 photons */
+    ORL_MAP_BATCHES = 16, /* values of the batch index */
+    ORL_MAP_CHECKSUM = 32,
+};
+
+/* A photon as it is traced, before it is packed. */
+struct orl_photon {
+    float position[3]; /* moved coordinates */
+    float flux[3];     /* W, before the division by the number emitted */
+    uint16_t normal;   /* orl_octahedral_encode of the lit side */
+    uint8_t batch;
+    uint8_t unused;
+};
+
+struct orl_map_header {
+    char magic[8]; /* "ORIELPM" and NUL */
+    uint32_t version;
+    uint32_t byte_order; /* 0x01020304 as written */
+    uint64_t count;      /* photons */
+    uint64_t emitted;    /* paths started; fluxes are divided by it */
+    double low[3], cell; /* place of cell (0,0,0)'s corner; edge of a cell */
+    double flux_unit;    /* W, the division by emitted included */
+    uint64_t places, fluxes, normals, sources, boxes, size; /* byte offsets; size of the file */
+    uint32_t levels;
+    uint32_t reserved;
+    char kind[16];
+    unsigned char body_checksum[ORL_MAP_CHECKSUM];   /* BLAKE2b of all after the header */
+    unsigned char header_checksum[ORL_MAP_CHECKSUM]; /* BLAKE2b of all before this field */
+};
+
+struct orl_photon_map;
+
+uint16_t orl_octahedral_encode(struct orl_vec3 unit);
+struct orl_vec3 orl_octahedral_decode(uint16_t code);
+
+/* What a build needs to know beside the photons. */
+struct orl_map_build {
+    const char *kind;
+    uint64_t emitted;
+    uint64_t seed; /* of the dither that keeps mean fluxes exact */
+};
+
+/*
+ * Sorts the photons (the array is used as scratch) and writes the file, synced. The order of
+ * photons decides ties, so it must be the order of emission.
+ */
+int orl_photon_map_write(const char *path, struct orl_photon *photons, size_t count,
+                         const struct orl_map_build *build, struct orl_crew *crew,
+                         struct orl_error *err);
+
+/*
+ * Maps a file. Header and sizes are always checked, so that a damaged file can give wrong numbers
+ * at worst; with verify the whole body is, too. ORL_ERR_IO, _CORRUPT, _VERSION, _NOMEM.
+ */
+int orl_photon_map_open(const char *path, bool verify, struct orl_photon_map **ret_map,
+                        struct orl_error *err);
+void orl_photon_map_free(struct orl_photon_map *map); /* NULL is allowed */
+const struct orl_map_header *orl_photon_map_header(const struct orl_photon_map *map);
+
+/* The first photon's place, flux and so on, for tests and tools: index < count. */
+struct orl_photon orl_photon_map_get(const struct orl_photon_map *map, size_t index);
+
+#endif

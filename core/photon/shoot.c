@@ -1,0 +1,186 @@
+#include "photon/shoot.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "photon/trace.h"
+
+enum { BATCH = 8192, FIRST_ROUND = 16, MOST_A_ROUND = 512 };
+enum { DRY_BATCHES = 64 }; /* this many batches without a photon: there is no light to catch */
+static const double most_emitted_per_photon = 10000;
+
+/* Batches of one kind, as they come back. */
+struct queue {
+    struct orl_deposits *batches;
+    size_t n_done, n_round; /* kept so far; being traced */
+    size_t stored;
+    bool finished;
+};
+
+struct shooting {
+    const struct orl_shoot_env *env;
+    struct queue queues[ORL_MAP_KINDS];
+};
+
+const char *orl_map_kind_name(enum orl_map_kind kind)
+{
+    return kind == ORL_MAP_GLOBAL ? "global" : "caustic";
+}
+
+static void shoot_batch(void *arg, size_t index, uint32_t member)
+{
+    struct shooting *shooting = arg;
+    const struct orl_shoot_env *env = shooting->env;
+    const size_t n_global = shooting->queues[ORL_MAP_GLOBAL].n_round;
+    const enum orl_map_kind kind = index < n_global ? ORL_MAP_GLOBAL : ORL_MAP_CAUSTIC;
+    struct queue *queue = &shooting->queues[kind];
+    const size_t batch = queue->n_done + (kind == ORL_MAP_GLOBAL ? index : index - n_global);
+    struct orl_deposits *deposits = &queue->batches[batch];
+    (void)member;
+    for (uint64_t i = 0; i < BATCH; i++) {
+        const uint64_t photon = (uint64_t)batch * BATCH + i;
+        struct orl_random random =
+            orl_random_stream(env->seed, ORL_PURPOSE_PHOTON, photon * ORL_MAP_KINDS + kind);
+        struct orl_flight flight;
+        if ((i & 1023) == 0 && atomic_load_explicit(env->cancel, memory_order_relaxed))
+            return;
+        if (orl_emission_sample(env->emission, env->seed, photon, kind == ORL_MAP_CAUSTIC, &random,
+                                &flight))
+            orl_trace_photon(env->emission->world, &flight, kind == ORL_MAP_CAUSTIC,
+                             (uint8_t)(photon % ORL_MAP_BATCHES), &random, deposits);
+    }
+}
+
+/* How many batches the next round needs, from the yield so far. */
+static size_t plan_round(const struct queue *queue, uint64_t target)
+{
+    if (queue->finished)
+        return 0;
+    if (queue->n_done == 0)
+        return FIRST_ROUND;
+    const double yield = ((double)queue->stored + 1) / (double)queue->n_done;
+    const double need = ceil(((double)target - (double)queue->stored) / yield);
+    return need < 1 ? 1 : need > MOST_A_ROUND ? MOST_A_ROUND : (size_t)need;
+}
+
+static int grow(struct queue *queue)
+{
+    const size_t count = queue->n_done + queue->n_round;
+    struct orl_deposits *grown = realloc(queue->batches, (count + 1) * sizeof *grown);
+    if (!grown)
+        return ORL_ERR_NOMEM;
+    queue->batches = grown;
+    memset(grown + queue->n_done, 0, queue->n_round * sizeof *grown);
+    return 0;
+}
+
+/* Keeps the round's batches up to the one that reaches the target; drops the rest. */
+static int settle(struct queue *queue, uint64_t target)
+{
+    const size_t end = queue->n_done + queue->n_round;
+    int code = 0;
+    for (size_t i = queue->n_done; i < end; i++) {
+        if (queue->batches[i].out_of_memory)
+            code = ORL_ERR_NOMEM;
+        if (queue->finished) {
+            free(queue->batches[i].photons);
+            continue;
+        }
+        queue->stored += queue->batches[i].count;
+        queue->n_done = i + 1;
+        queue->finished = queue->stored >= target;
+    }
+    queue->n_round = 0;
+    if ((queue->stored == 0 && queue->n_done >= DRY_BATCHES) ||
+        (double)queue->n_done * BATCH > most_emitted_per_photon * (double)target + 1e6)
+        queue->finished = true;
+    return code;
+}
+
+/* One array of all, in order; the batches are freed as they are copied. */
+static int collect(struct queue *queue, struct orl_shot *shot)
+{
+    shot->photons = malloc((queue->stored + 1) * sizeof *shot->photons);
+    if (!shot->photons)
+        return ORL_ERR_NOMEM;
+    shot->count = 0;
+    shot->emitted = queue->n_done > 0 ? (uint64_t)queue->n_done * BATCH : 1;
+    for (size_t i = 0; i < queue->n_done; i++) {
+        struct orl_deposits *d = &queue->batches[i];
+        if (d->count > 0)
+            memcpy(shot->photons + shot->count, d->photons, d->count * sizeof *d->photons);
+        shot->count += d->count;
+        shot->rays += d->rays;
+        shot->escaped += d->escaped;
+        shot->capped += d->capped;
+        free(d->photons);
+        d->photons = NULL;
+    }
+    return 0;
+}
+
+static void report(const struct shooting *shooting, const struct orl_shot *shots)
+{
+    double have = 0, want = 0;
+    for (int k = 0; k < ORL_MAP_KINDS; k++) {
+        const struct queue *queue = &shooting->queues[k];
+        have += queue->finished ? (double)shots[k].target : (double)queue->stored;
+        want += (double)shots[k].target;
+    }
+    if (shooting->env->progress)
+        shooting->env->progress(shooting->env->ctx, want > 0 ? have / want : 1);
+}
+
+/* All rounds, until every queue is finished. */
+static int shoot_rounds(struct shooting *shooting, const struct orl_shot *shots)
+{
+    for (;;) {
+        size_t total = 0;
+        for (int k = 0; k < ORL_MAP_KINDS; k++) {
+            struct queue *queue = &shooting->queues[k];
+            queue->n_round = plan_round(queue, shots[k].target);
+            total += queue->n_round;
+            if (grow(queue) < 0) {
+                queue->n_round = 0;
+                return ORL_ERR_NOMEM;
+            }
+        }
+        if (total == 0)
+            return 0;
+        orl_crew_for(shooting->env->crew, total, shoot_batch, shooting);
+        if (atomic_load(shooting->env->cancel))
+            return ORL_ERR_CANCELLED;
+        for (int k = 0; k < ORL_MAP_KINDS; k++)
+            if (settle(&shooting->queues[k], shots[k].target) < 0)
+                return ORL_ERR_NOMEM;
+        report(shooting, shots);
+    }
+}
+
+int orl_shoot(const struct orl_shoot_env *env, struct orl_shot shots[ORL_MAP_KINDS],
+              struct orl_error *err)
+{
+    struct shooting shooting = {.env = env};
+    int code = 0;
+    for (int k = 0; k < ORL_MAP_KINDS; k++)
+        shooting.queues[k].finished =
+            shots[k].target == 0 || (k == ORL_MAP_CAUSTIC && !env->emission->has_caustics);
+    code = shoot_rounds(&shooting, shots);
+    for (int k = 0; k < ORL_MAP_KINDS && code == 0; k++)
+        code = collect(&shooting.queues[k], &shots[k]);
+    for (int k = 0; k < ORL_MAP_KINDS; k++) {
+        struct queue *queue = &shooting.queues[k];
+        for (size_t i = 0; queue->batches && i < queue->n_done + queue->n_round; i++)
+            free(queue->batches[i].photons);
+        free(queue->batches);
+        if (code < 0) {
+            free(shots[k].photons);
+            shots[k].photons = NULL;
+        }
+    }
+    if (code == ORL_ERR_CANCELLED)
+        orl_error_set(err, code, "cancelled while tracing photons");
+    else if (code < 0)
+        orl_error_set(err, code, "out of memory for photons");
+    return code;
+}

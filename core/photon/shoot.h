@@ -1,0 +1,41 @@
+/*
+ * Tracing photons until there are enough: global and caustic ones in one pass, by all cores.
+ *
+ * Work goes in batches of a fixed number of emissions, named by index; rounds of batches are sized
+ * from the counts of the rounds before, never from time or threads. A map takes all batches up to
+ * the first that reaches its target, so that its photons, their order and the number emitted
+ * depend on the seed alone, and a larger target continues where a smaller one stopped.
+ */
+#ifndef ORL_PHOTON_SHOOT_H
+#define ORL_PHOTON_SHOOT_H
+
+#include <stdatomic.h>
+
+#include "photon/emit.h"
+#include "photon/map.h"
+
+enum orl_map_kind { ORL_MAP_GLOBAL, ORL_MAP_CAUSTIC, ORL_MAP_KINDS };
+const char *orl_map_kind_name(enum orl_map_kind kind); /* "global", "caustic" */
+
+struct orl_shot {
+    uint64_t target;            /* in: photons wanted; 0 for none */
+    struct orl_photon *photons; /* out, owned by the caller: in order of emission */
+    size_t count;
+    uint64_t emitted;
+    uint64_t rays, escaped, capped;
+};
+
+struct orl_shoot_env {
+    const struct orl_emission *emission;
+    uint64_t seed;
+    struct orl_crew *crew;
+    atomic_bool *cancel;
+    void (*progress)(void *ctx, double fraction);
+    void *ctx;
+};
+
+/* Fills shots[kind]; returns 0, ORL_ERR_CANCELLED or ORL_ERR_NOMEM (photons then freed). */
+int orl_shoot(const struct orl_shoot_env *env, struct orl_shot shots[ORL_MAP_KINDS],
+              struct orl_error *err);
+
+#endif

@@ -1,0 +1,289 @@
+#include <stdlib.h>
+#include <string.h>
+
+#include "bsdf/shirley.h"
+#include "photon/emit.h"
+#include "photon/table.h"
+#include "photon/trace.h"
+
+/*
+ * Pilots. Paths are shared out over the ports so that a building of a thousand windows costs no
+ * more than a room: few ports get fine tables, many get coarse ones.
+ */
+enum { PILOT_PATHS = 1 << 18, PATHS_A_CELL = 16, FINEST_SIDE = 32, COARSEST_SIDE = 4 };
+enum { DOME_SIDE_X = 128, DOME_SIDE_Y = 64 };
+enum { CAUSTIC_FLIGHTS = 1 << 17, MOST_FLIGHTS_A_STRATUM = 1 << 14, LEAST_FLIGHTS_A_STRATUM = 512 };
+static const double floor_share = 0.1;    /* of cosine-weighted directions in every table */
+static const double open_share = 0.25;    /* of photons that start at the sky when there are ports */
+static const double caustic_floor = 0.02; /* of caustic photons spread evenly over what may yield */
+
+struct pilot {
+    struct orl_emission *emission;
+    uint64_t seed;
+    uint32_t side;
+    double *values; /* side * side per port */
+    uint32_t flights;
+    double *yield; /* per stratum: caustic flux deposited per flight */
+    int failed;
+};
+
+static double transmitted_luma(const struct orl_world *world, const struct orl_port *port,
+                               struct orl_vec3 outwards)
+{
+    const struct orl_facet *facet = &world->geometry->facets[port->facet];
+    const struct orl_material *m = &world->description.materials[facet->material];
+    if (m->kind == ORL_MATERIAL_GLASS)
+        return orl_luma(orl_material_straight(m, orl_dot(outwards, facet->normal)));
+    const struct orl_frame frame = orl_bsdf_frame(m, facet->normal);
+    return orl_luma(
+        orl_bsdf_albedo(m->bsdf, orl_to_local(&frame, outwards), ORL_BSDF_TRANSMIT));
+}
+
+/* One cell of one port's table: mean of what arrives and gets through. */
+static void look_out(void *arg, size_t index, uint32_t member)
+{
+    struct pilot *pilot = arg;
+    const struct orl_world *world = pilot->emission->world;
+    const size_t cells = (size_t)pilot->side * pilot->side;
+    const struct orl_port *port = &world->ports[index / cells];
+    const size_t x = index % cells % pilot->side, y = index % cells / pilot->side;
+    const struct orl_frame frame = orl_frame_about(port->outward);
+    struct orl_random random = orl_random_stream(pilot->seed, ORL_PURPOSE_PILOT, 2 * index);
+    double sum = 0;
+    (void)member;
+    for (int i = 0; i < PATHS_A_CELL; i++) {
+        const double u[2] = {orl_random_uniform(&random), orl_random_uniform(&random)};
+        const struct orl_square square = {((double)x + orl_random_uniform(&random)) / pilot->side,
+                                          ((double)y + orl_random_uniform(&random)) / pilot->side};
+        const struct orl_vec3 out = orl_to_world(&frame, orl_square_to_hemisphere(square));
+        struct orl_vec3 point, normal;
+        orl_facet_sample(world->geometry, port->facet, u, &point, &normal);
+        point = orl_madd(point, port->outward, world->geometry->facets[port->facet].offset);
+        sum += orl_luma(orl_exterior_radiance(world, point, out, &random)) *
+               transmitted_luma(world, port, out);
+    }
+    pilot->values[index] = sum / PATHS_A_CELL;
+}
+
+static int make_port_tables(struct pilot *pilot, struct orl_crew *crew)
+{
+    struct orl_emission *e = pilot->emission;
+    const size_t n_ports = e->world->n_ports;
+    int code = 0;
+    pilot->side = FINEST_SIDE;
+    while (pilot->side > COARSEST_SIDE &&
+           (size_t)pilot->side * pilot->side * n_ports * PATHS_A_CELL > PILOT_PATHS)
+        pilot->side /= 2;
+    const size_t cells = (size_t)pilot->side * pilot->side;
+    pilot->values = calloc(n_ports * cells + 1, sizeof *pilot->values);
+    e->port_tables = calloc(n_ports + 1, sizeof *e->port_tables);
+    if (!pilot->values || !e->port_tables)
+        return ORL_ERR_NOMEM;
+    orl_crew_for(crew, n_ports * cells, look_out, pilot);
+    for (size_t i = 0; i < n_ports && code == 0; i++)
+        code = orl_table_init(&e->port_tables[i], pilot->side, pilot->side,
+                              pilot->values + i * cells, floor_share);
+    return code;
+}
+
+/* Area of the scene's box as seen from a direction. */
+static double box_area(const struct orl_geometry *g, struct orl_vec3 d)
+{
+    const struct orl_vec3 s = orl_sub(g->high, g->low);
+    return fabs(d.x) * s.y * s.z + fabs(d.y) * s.x * s.z + fabs(d.z) * s.x * s.y;
+}
+
+static int make_dome_table(struct orl_emission *e)
+{
+    double *values = malloc(sizeof *values * DOME_SIDE_X * DOME_SIDE_Y);
+    if (!values)
+        return ORL_ERR_NOMEM;
+    for (int i = 0; i < DOME_SIDE_X * DOME_SIDE_Y; i++) {
+        const double z = 2 * (i / DOME_SIDE_X + 0.5) / DOME_SIDE_Y - 1, s = sqrt(1 - z * z);
+        const double phi = 2 * ORL_PI * (i % DOME_SIDE_X + 0.5) / DOME_SIDE_X;
+        const struct orl_vec3 d = orl_v3(s * cos(phi), s * sin(phi), z);
+        values[i] =
+            orl_luma(orl_world_dome_radiance(e->world, d)) * box_area(e->world->geometry, d);
+    }
+    const int code = orl_table_init(&e->dome_table, DOME_SIDE_X, DOME_SIDE_Y, values, floor_share);
+    free(values);
+    return code;
+}
+
+static void add_stratum(struct orl_emission *e, enum orl_stratum_kind kind, size_t port, size_t sun,
+                        double flux_w)
+{
+    if (flux_w > 0)
+        e->strata[e->n_strata++] = (struct orl_stratum){
+            .kind = kind, .port = (uint32_t)port, .sun = (uint32_t)sun, .flux_w = flux_w};
+}
+
+/* Share of a port's sun that is not in shadow is left to the flights; here it counts whole. */
+static double port_sun_flux(const struct orl_world *world, const struct orl_port *port,
+                            const struct orl_sun *sun)
+{
+    const double cosine = orl_dot(sun->frame.n, port->outward);
+    const double half = sqrt(fmax(0, 1 - sun->cos_half_angle * sun->cos_half_angle));
+    if (cosine < -half)
+        return 0;
+    /* A sun in the pane's plane still has half its disc in front: never quite zero. */
+    const double seen = fmax(cosine, half);
+    const struct orl_vec3 out =
+        cosine > 0 ? sun->frame.n : orl_normalize(orl_madd(sun->frame.n, port->outward, half));
+    return orl_luma(sun->irradiance) * seen * port->area *
+           fmax(transmitted_luma(world, port, out), 1e-3);
+}
+
+static int list_strata(struct orl_emission *e)
+{
+    const struct orl_world *world = e->world;
+    const size_t most =
+        world->n_ports * (1 + world->n_suns) + world->n_emitters + world->n_suns + 1;
+    e->strata = calloc(most, sizeof *e->strata);
+    if (!e->strata)
+        return ORL_ERR_NOMEM;
+    for (size_t p = 0; p < world->n_ports; p++) {
+        const struct orl_port *port = &world->ports[p];
+        add_stratum(e, ORL_STRATUM_PORT_DOME, p, 0, ORL_PI * port->area * e->port_tables[p].mean);
+        for (size_t s = 0; s < world->n_suns; s++)
+            add_stratum(e, ORL_STRATUM_PORT_SUN, p, s,
+                        port_sun_flux(world, port, &world->suns[s]));
+    }
+    for (size_t i = 0; i < world->n_emitters; i++) {
+        const struct orl_emitter *emitter = &world->emitters[i];
+        add_stratum(e, ORL_STRATUM_EMITTER, i, 0,
+                    ORL_PI * world->geometry->facets[emitter->facet].area *
+                        orl_luma(emitter->radiance));
+    }
+    if (!world->open)
+        return 0;
+    add_stratum(e, ORL_STRATUM_OPEN_DOME, 0, 0, 4 * ORL_PI * e->dome_table.mean);
+    for (size_t s = 0; s < world->n_suns; s++)
+        add_stratum(e, ORL_STRATUM_OPEN_SUN, 0, s,
+                    orl_luma(world->suns[s].irradiance) *
+                        box_area(world->geometry, world->suns[s].frame.n));
+    return 0;
+}
+
+static bool starts_at_sky(const struct orl_stratum *s)
+{
+    return s->kind == ORL_STRATUM_OPEN_DOME || s->kind == ORL_STRATUM_OPEN_SUN;
+}
+
+/* Global photons go by flux; but the sky, which lights the whole neighbourhood, never takes it all. */
+static void share_out(struct orl_emission *e)
+{
+    double sky = 0, rest = 0, below = 0;
+    for (size_t i = 0; i < e->n_strata; i++)
+        *(starts_at_sky(&e->strata[i]) ? &sky : &rest) += e->strata[i].flux_w;
+    const double of_sky = sky > 0 ? (rest > 0 ? fmin(open_share, sky / (sky + rest)) : 1) : 0;
+    for (size_t i = 0; i < e->n_strata; i++) {
+        struct orl_stratum *s = &e->strata[i];
+        s->share = starts_at_sky(s) ? of_sky * s->flux_w / sky : (1 - of_sky) * s->flux_w / rest;
+        s->below = below;
+        below += s->share;
+    }
+}
+
+/* Caustic flux per flight of one stratum, by tracing some. */
+static void try_caustics(void *arg, size_t index, uint32_t member)
+{
+    struct pilot *pilot = arg;
+    const struct orl_stratum *stratum = &pilot->emission->strata[index];
+    struct orl_deposits deposits = {0};
+    double sum = 0;
+    (void)member;
+    for (uint32_t i = 0; i < pilot->flights; i++) {
+        double point[5];
+        struct orl_flight flight;
+        struct orl_random random =
+            orl_random_stream(pilot->seed, ORL_PURPOSE_PILOT, 2 * ((uint64_t)index << 32 | i) + 1);
+        orl_sobol_point(&pilot->emission->sobol, i, (uint32_t)(pilot->seed + index), 5, point);
+        if (!orl_emission_from(pilot->emission, stratum, point, &random, &flight))
+            continue;
+        if (!flight.from_light)
+            break;
+        orl_trace_photon(pilot->emission->world, &flight, true, 0, &random, &deposits);
+    }
+    for (size_t i = 0; i < deposits.count; i++)
+        sum += orl_luma((struct orl_rgb){deposits.photons[i].flux[0], deposits.photons[i].flux[1],
+                                         deposits.photons[i].flux[2]});
+    free(deposits.photons);
+    pilot->yield[index] = sum / pilot->flights;
+}
+
+static bool may_make_caustics(const struct orl_emission *e, const struct orl_stratum *s)
+{
+    return s->kind == ORL_STRATUM_PORT_SUN || s->kind == ORL_STRATUM_OPEN_SUN ||
+           (s->kind == ORL_STRATUM_EMITTER && e->world->emitters[s->port].direct);
+}
+
+/* Caustic photons go by what the pilot's brought down, and a little everywhere. */
+static int share_out_caustics(struct pilot *pilot, struct orl_crew *crew)
+{
+    struct orl_emission *e = pilot->emission;
+    double sum = 0, flux = 0, below = 0;
+    pilot->yield = calloc(e->n_strata + 1, sizeof *pilot->yield);
+    if (!pilot->yield)
+        return ORL_ERR_NOMEM;
+    const size_t each = CAUSTIC_FLIGHTS / (e->n_strata + 1);
+    pilot->flights = (uint32_t)(each > MOST_FLIGHTS_A_STRATUM    ? MOST_FLIGHTS_A_STRATUM
+                                : each < LEAST_FLIGHTS_A_STRATUM ? LEAST_FLIGHTS_A_STRATUM
+                                                                 : each);
+    orl_crew_for(crew, e->n_strata, try_caustics, pilot);
+    for (size_t i = 0; i < e->n_strata; i++) {
+        sum += pilot->yield[i];
+        flux += may_make_caustics(e, &e->strata[i]) ? e->strata[i].flux_w : 0;
+    }
+    e->has_caustics = sum > 0;
+    for (size_t i = 0; i < e->n_strata && sum > 0; i++) {
+        struct orl_stratum *s = &e->strata[i];
+        s->share_caustic = (1 - caustic_floor) * pilot->yield[i] / sum;
+        if (may_make_caustics(e, s))
+            s->share_caustic += caustic_floor * s->flux_w / flux;
+        s->below_caustic = below;
+        below += s->share_caustic;
+    }
+    return 0;
+}
+
+int orl_emission_new(const struct orl_world *world, uint64_t seed, struct orl_crew *crew,
+                     struct orl_emission **ret_emission, struct orl_error *err)
+{
+    struct orl_emission *e = calloc(1, sizeof *e);
+    struct pilot pilot = {.emission = e, .seed = seed};
+    int code = e ? 0 : ORL_ERR_NOMEM;
+    if (code == 0) {
+        e->world = world;
+        orl_sobol_init(&e->sobol);
+        code = make_port_tables(&pilot, crew);
+    }
+    if (code == 0 && world->open)
+        code = make_dome_table(e);
+    if (code == 0)
+        code = list_strata(e);
+    if (code == 0) {
+        share_out(e);
+        code = share_out_caustics(&pilot, crew);
+    }
+    free(pilot.values);
+    free(pilot.yield);
+    if (code < 0) {
+        orl_emission_free(e);
+        return orl_error_set(err, code, "out of memory preparing photon emission");
+    }
+    *ret_emission = e;
+    return 0;
+}
+
+void orl_emission_free(struct orl_emission *emission)
+{
+    if (!emission)
+        return;
+    for (size_t i = 0; emission->port_tables && i < emission->world->n_ports; i++)
+        orl_table_done(&emission->port_tables[i]);
+    free(emission->port_tables);
+    orl_table_done(&emission->dome_table);
+    free(emission->strata);
+    free(emission);
+}
