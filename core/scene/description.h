@@ -5,8 +5,9 @@
  *
  * Invariants: every number is finite; every material index is valid; polygons have at least three
  * vertices and a non-zero normal (degenerate ones are counted in n_degenerate and dropped);
- * directions are unit vectors; radii are positive.
- * Ownership: an orl_description owns everything in it.
+ * directions are unit vectors; radii are positive, but that one end of a cone and the inside of a
+ * ring may be 0.
+ * Ownership: an orl_description owns everything in it; strings and vertices lie in its storage.
  */
 #ifndef ORL_SCENE_DESCRIPTION_H
 #define ORL_SCENE_DESCRIPTION_H
@@ -16,6 +17,8 @@
 
 #include <oriel/bsdf.h>
 #include <oriel/vec.h>
+
+struct orl_storage;
 
 enum orl_material_kind {
     ORL_MATERIAL_VOID,    /* a surface modified by void: black, absorbs (Radiance ignores it) */
@@ -30,16 +33,16 @@ enum orl_material_kind {
 struct orl_material {
     enum orl_material_kind kind;
     char *name;
-    struct orl_rgb color;          /* plastic, metal: reflectance as written; light, glow: radiance */
-    double specular, roughness;    /* plastic, metal */
-    struct orl_rgb transmissivity; /* glass: as written (at normal incidence, one pass) */
-    double ior;                    /* glass: 1.52 unless written */
-    double max_radius;             /* glow: fourth argument */
-    struct orl_bsdf *bsdf;         /* BSDF: a reference held */
-    double thickness;              /* BSDF: as written, signed */
-    struct orl_vec3 up;            /* BSDF: as written, not projected */
+    struct orl_rgb color;       /* plastic, metal: reflectance as written; light, glow: radiance */
+    double specular, roughness; /* plastic, metal */
+    struct orl_rgb transmissivity;           /* glass: as written (at normal incidence, one pass) */
+    double ior;                              /* glass: 1.52 unless written */
+    double max_radius;                       /* glow: fourth argument */
+    struct orl_bsdf *bsdf;                   /* BSDF: a reference held */
+    double thickness;                        /* BSDF: as written, signed */
+    struct orl_vec3 up;                      /* BSDF: as written, not projected */
     struct orl_rgb front, back, transmitted; /* BSDF: additional diffuse of 3, 6 or 9 reals */
-    int32_t sky;                   /* light, glow: index into skies that scales color, or -1 */
+    int32_t sky; /* light, glow: index into skies that scales color, or -1 */
 };
 
 enum orl_surface_kind {
@@ -96,11 +99,12 @@ struct orl_description {
     size_t n_skies;
     char **files; /* names of all files read, in order of first use */
     size_t n_files;
-    size_t n_main;         /* the first n_main of them were named by the caller */
-    uint64_t n_degenerate; /* polygons dropped: zero area or fewer than three distinct corners */
-    unsigned char digest[32]; /* SHA-256 over the contents of all files read, in order */
+    size_t n_main;            /* the first n_main of them were named by the caller as scene text */
+    uint64_t n_degenerate;    /* polygons dropped: zero area or fewer than three distinct corners */
+    unsigned char digest[32]; /* SHA-256 over length and content of all files read, in order */
     char **warnings;
     size_t n_warnings;
+    struct orl_storage *storage; /* holds the strings and vertices above */
 };
 
 /* Frees what it owns; NULL and half-filled are fine. */

@@ -1,0 +1,56 @@
+/*
+ * The generators that scene files call: genbox, gensky and gendaylit. Each reads the words of its
+ * command and writes the scene text that Radiance's program of that name writes, with the same
+ * numbers to the printed digit, so that a scene means the same whether a command or its output
+ * stands in it. Text is then parsed like any other.
+ *
+ * Errors: ORL_ERR_SYNTAX for words that make no sense, _RANGE for numbers out of range,
+ * _UNSUPPORTED for options that Oriel has no use for.
+ */
+#ifndef ORL_SCENE_GENERATE_H
+#define ORL_SCENE_GENERATE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include <oriel/error.h>
+
+/* Scene text in the making, and what is to be said about it. */
+struct orl_text {
+    char *data;
+    size_t size, room;
+    bool failed;        /* out of memory: data is short */
+    char warnings[512]; /* sentences joined by "; ", or "" */
+};
+
+void orl_text_done(struct orl_text *text);
+void orl_text_add(struct orl_text *text, const char *format, ...)
+    __attribute__((format(printf, 2, 3)));
+void orl_text_warn(struct orl_text *text, const char *format, ...)
+    __attribute__((format(printf, 2, 3)));
+
+/* words[0] is the command's name. */
+int orl_genbox(const char *const *words, size_t count, struct orl_text *text,
+               struct orl_error *err);
+int orl_gensky(const char *const *words, size_t count, struct orl_text *text,
+               struct orl_error *err);
+int orl_gendaylit(const char *const *words, size_t count, struct orl_text *text,
+                  struct orl_error *err);
+
+/* ---- What the generators share ----------------------------------------------------------------
+ */
+
+/* The words of a command, read one after the other. */
+struct orl_words {
+    const char *program;
+    const char *const *at;
+    size_t left;
+};
+
+/* The number that follows option, or the whole number. */
+int orl_words_number(struct orl_words *words, const char *option, double *ret_value,
+                     struct orl_error *err);
+int orl_words_int(struct orl_words *words, const char *option, int low, int high, int *ret_value,
+                  struct orl_error *err);
+
+#endif

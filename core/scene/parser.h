@@ -1,0 +1,90 @@
+/*
+ * What the parts of the scene parser share: the description in the making, the modifiers defined so
+ * far, and the scope in which the text being read stands. Internal to this folder.
+ *
+ * Errors from here on carry file, line and primitive. Threads: one at a time.
+ */
+#ifndef ORL_SCENE_PARSER_H
+#define ORL_SCENE_PARSER_H
+
+#include "scene/description.h"
+#include "scene/primitive.h"
+#include "scene/sources.h"
+#include "scene/symbols.h"
+#include "scene/xform.h"
+
+/* Something that is warned about once, with a count, however often it happens. */
+struct orl_tally {
+    uint64_t count;
+    char first[ORL_ERROR_NAME_MAX]; /* "polygon w at a.rad:12" */
+};
+
+struct orl_parser {
+    struct orl_description *out;
+    struct orl_sources sources;
+    struct orl_symbols symbols;
+    struct orl_primitive primitive;
+    size_t surfaces_room, materials_room, distants_room, skies_room, warnings_room;
+    size_t text_bytes;     /* read so far, repeats included */
+    uint64_t vertices;     /* kept so far */
+    int32_t void_material; /* index, or -1 */
+    struct orl_tally degenerate, bent, unmodified;
+};
+
+/* Where text stands: what is applied to its surfaces, and where file names are looked up. */
+struct orl_scope {
+    const char *file; /* for messages and surfaces; lives as long as the description */
+    const char *folder;
+    struct orl_xform xform;
+    const char *modifier; /* replaces that of surfaces, or NULL */
+    const char *prefix;   /* goes before their names, or NULL */
+    const struct orl_scope *outer;
+    unsigned depth;
+};
+
+/* parse.c: reads text in a scope; line > 0 when a command wrote it, and then is the command's. */
+int orl_parser_read(struct orl_parser *parser, const struct orl_scope *scope, const char *text,
+                    size_t size, int line, struct orl_error *err);
+
+/* commands.c: a '!' line. */
+int orl_parser_command(struct orl_parser *parser, const struct orl_scope *scope, const char *line,
+                       int number, struct orl_error *err);
+
+/* surfaces.c: polygon, sphere, ..., source. */
+int orl_parser_surface(struct orl_parser *parser, const struct orl_scope *scope,
+                       struct orl_error *err);
+bool orl_parser_is_surface(const char *type);
+
+/* materials.c: plastic, ..., glow, brightfunc; and aliases of them. */
+int orl_parser_modifier(struct orl_parser *parser, const struct orl_scope *scope,
+                        struct orl_error *err);
+int orl_parser_alias(struct orl_parser *parser, const struct orl_scope *scope,
+                     struct orl_error *err);
+bool orl_parser_is_modifier(const char *type);
+
+/* materials.c: the index of the material that stands for "void". */
+int orl_parser_void(struct orl_parser *parser, uint32_t *ret_index);
+
+/* ---- Helpers, parser.c ------------------------------------------------------------------------
+ */
+
+/* Reports on the primitive at hand. Returns code. */
+int orl_parser_fail(struct orl_parser *parser, const struct orl_scope *scope, struct orl_error *err,
+                    int code, const char *format, ...) __attribute__((format(printf, 5, 6)));
+
+/* Checks the counts of the primitive's arguments. */
+int orl_parser_expect(struct orl_parser *parser, const struct orl_scope *scope, size_t n_strings,
+                      size_t n_reals, struct orl_error *err);
+
+/* A warning in the description, at most a hundred of them. */
+void orl_parser_warn(struct orl_parser *parser, const char *format, ...)
+    __attribute__((format(printf, 2, 3)));
+void orl_parser_count(struct orl_parser *parser, const struct orl_scope *scope,
+                      struct orl_tally *tally);
+/* Turns the tallies into warnings. */
+void orl_parser_report(struct orl_parser *parser);
+
+/* Makes room for one more item in a growing array. Returns false when out of memory. */
+bool orl_parser_grow(void *array, size_t *room, size_t count, size_t item);
+
+#endif
