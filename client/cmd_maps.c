@@ -21,14 +21,15 @@ static void print_maps(const json_t *maps)
     {
         const double seconds = orl_json_number(map, "seconds", 0);
         const double hits = orl_json_number(map, "hits", 0);
+        const double saved = orl_json_number(map, "seconds_saved", hits * seconds);
         char emitted[32], stored[32], size[32];
 
         orl_format_amount(orl_json_number(map, "emitted", 0), "", emitted, sizeof emitted);
         orl_format_amount(orl_json_number(map, "stored", 0), "", stored, sizeof stored);
         orl_format_amount(orl_json_number(map, "bytes", 0), "B", size, sizeof size);
         printf("%-8s %-12.12s %9s %9s %10s %7.1f s %5.0f %7.1f s\n", orl_json_text(map, "kind"),
-               orl_json_text(map, "key"), emitted, stored, size, seconds, hits, hits * seconds);
-        saved_s += hits * seconds;
+               orl_json_text(map, "key"), emitted, stored, size, seconds, hits, saved);
+        saved_s += saved;
     }
     orl_format_duration(saved_s, span, sizeof span);
     printf("%zu maps; found ready, they saved %s of photon tracing\n", json_array_size(maps), span);
