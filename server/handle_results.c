@@ -71,10 +71,9 @@ static const struct orl_jobs_job *find_succeeded(struct orl_request *request)
     }
     if (job->row.state == ORL_JOB_SUCCEEDED)
         return job;
-    orl_reply_problem(request, 409, "no-result", "The job has no results",
-                      job->row.state <= ORL_JOB_RUNNING ? "the job is %s; ask again later"
-                                                        : "the job has %s",
-                      orl_job_state_name(job->row.state));
+    orl_reply_problem(request, 409, "no-result", "The job has no results", "its state is '%s'%s",
+                      orl_job_state_name(job->row.state),
+                      job->row.state <= ORL_JOB_RUNNING ? "; ask again later" : "");
     if (job->row.state <= ORL_JOB_RUNNING)
         orl_reply_header(request, "Retry-After", "1");
     return NULL;

@@ -51,7 +51,7 @@ static int add_finished(json_t *doc, json_t *links, const struct orl_jobs_job *j
     json_t *outcome = json_loads(job->outcome, 0, NULL);
     json_t *files = json_array(), *entry;
     size_t i;
-    char url[2 * ORL_PARAM_MAX];
+    char url[320];
     json_array_foreach(json_object_get(outcome, "files"), i, entry)
     {
         snprintf(url, sizeof url, "/v1/jobs/%s/files/%s", job->row.id,

@@ -34,7 +34,8 @@ void orl_reply_header(struct orl_request *request, const char *name, const char 
 static void reply_document(struct orl_request *request, unsigned status, json_t *json,
                            const char *type)
 {
-    char *text = json ? json_dumps(json, JSON_COMPACT) : NULL;
+    /* Ten digits: seconds and percents are for people; results are files, in full. */
+    char *text = json ? json_dumps(json, JSON_COMPACT | JSON_REAL_PRECISION(10)) : NULL;
     json_decref(json);
     struct MHD_Response *response = NULL;
     if (text)

@@ -128,9 +128,20 @@ static enum MHD_Result send_response(struct orl_request *request)
     return sent;
 }
 
+static bool expects_body(const struct orl_request *request)
+{
+    const char *length = orl_request_header(request, MHD_HTTP_HEADER_CONTENT_LENGTH);
+    return (length && strtoull(length, NULL, 10) > 0) ||
+           orl_request_header(request, MHD_HTTP_HEADER_TRANSFER_ENCODING);
+}
+
 /* Takes what has arrived; a full buffer goes to the disk while the connection waits. */
 static enum MHD_Result take_data(struct orl_request *request, const char *data, size_t *data_size)
 {
+    /* With chunked bodies MHD offers the next chunk even to a connection just suspended; what is
+     * not taken comes again after it is resumed. */
+    if (request->working)
+        return MHD_YES;
     const bool full = orl_body_append(&request->body, data, *data_size);
     *data_size = 0;
     /* A client that goes on long after its body became too large is cut off. */
@@ -146,6 +157,8 @@ static enum MHD_Result take_data(struct orl_request *request, const char *data, 
 static enum MHD_Result dispatch(struct orl_request *request)
 {
     request->dispatched = true;
+    if (request->response)
+        return send_response(request);
     if (request->body.over)
         refuse_too_large(request);
     else if (request->body.failed)
@@ -171,8 +184,9 @@ enum MHD_Result orl_request_serve(void *ctx, struct MHD_Connection *connection, 
         *handle = request;
         if (!request)
             return MHD_NO;
-        /* Refused by its headers: answered before the body, which is then never read. */
-        return request->response ? send_response(request) : MHD_YES;
+        /* Refused by its headers: answered before the body, which is then never read. Without a
+         * body it can wait for the next call, which lets the connection live on. */
+        return request->response && expects_body(request) ? send_response(request) : MHD_YES;
     }
     if (*data_size > 0)
         return take_data(request, data, data_size);
@@ -180,7 +194,7 @@ enum MHD_Result orl_request_serve(void *ctx, struct MHD_Connection *connection, 
         return dispatch(request);
     if (request->response)
         return send_response(request);
-    return request->status ? MHD_YES : MHD_NO;
+    return request->working || request->status ? MHD_YES : MHD_NO;
 }
 
 void orl_request_completed(void *ctx, struct MHD_Connection *connection, void **handle,
