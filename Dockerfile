@@ -1,0 +1,28 @@
+# Oriel's daemon on Debian 12, from Debian's own packages. See server/README.md for running it.
+FROM debian:12 AS build
+RUN apt-get update && apt-get install -y --no-install-recommends \
+        gcc libc6-dev make pkg-config libembree-dev libmicrohttpd-dev libjansson-dev libuv1-dev \
+        libsqlite3-dev libexpat1-dev libpng-dev libsodium-dev libcurl4-openssl-dev \
+    && rm -rf /var/lib/apt/lists/*
+WORKDIR /src
+COPY . .
+RUN make -j"$(nproc)" BUILD=/out /out/orield /out/oriel
+
+FROM debian:12
+RUN apt-get update && apt-get install -y --no-install-recommends \
+        libembree3-3 libmicrohttpd12 libjansson4 libuv1 libsqlite3-0 libexpat1 libpng16-16 \
+        libsodium23 libcurl4 ca-certificates curl \
+    && rm -rf /var/lib/apt/lists/* \
+    && useradd --system --uid 8423 --home-dir /var/lib/oriel --shell /usr/sbin/nologin oriel \
+    && install -d -o oriel -g oriel -m 0750 /var/lib/oriel
+COPY --from=build /out/orield /out/oriel /usr/local/bin/
+USER oriel
+ENV ORIEL_DATA=/var/lib/oriel
+VOLUME /var/lib/oriel
+# The daemon takes loopback connections only: run the container with --network host.
+EXPOSE 8423
+STOPSIGNAL SIGTERM
+HEALTHCHECK --interval=30s --timeout=5s --start-period=10s \
+    CMD curl -fsS http://127.0.0.1:8423/healthz || exit 1
+ENTRYPOINT ["/usr/local/bin/orield"]
+CMD ["--listen", "127.0.0.1:8423"]
