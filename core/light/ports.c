@@ -4,7 +4,7 @@
 #include <stdlib.h>
 
 #include "base/random.h"
-#include "bsdf/shirley.h"
+#include "scene/hemisphere.h"
 
 /*
  * A window is a port when rays leaving one of its faces, with everything taken as opaque, reach
@@ -30,9 +30,8 @@ struct search {
 /* A cosine-weighted direction about normal. */
 static struct orl_vec3 cosine_direction(struct orl_vec3 normal, struct orl_random *random)
 {
-    const struct orl_frame frame = orl_frame_about(normal);
-    const struct orl_square s = {orl_random_uniform(random), orl_random_uniform(random)};
-    return orl_to_world(&frame, orl_square_to_hemisphere(s));
+    const double u = orl_random_uniform(random), v = orl_random_uniform(random);
+    return orl_hemisphere_about(normal, u, v);
 }
 
 static double share_escaping(const struct search *search, uint32_t facet, bool front,

@@ -1,7 +1,7 @@
 #include "photon/emit.h"
 
-#include "bsdf/shirley.h"
 #include "photon/table.h"
+#include "scene/hemisphere.h"
 
 /* The port as a path meets it from outside. */
 static struct orl_hit port_hit(const struct orl_world *world, const struct orl_port *port,
@@ -38,13 +38,11 @@ static bool emit_port_dome(const struct orl_emission *e, const struct orl_stratu
 {
     const struct orl_world *world = e->world;
     const struct orl_port *port = &world->ports[stratum->port];
-    const struct orl_frame frame = orl_frame_about(port->outward);
     struct orl_vec3 point, normal;
     double at[2];
     orl_facet_sample(world->geometry, port->facet, u + 1, &point, &normal);
     const double density = orl_table_sample(&e->port_tables[stratum->port], u + 3, at);
-    const struct orl_square square = {at[0], at[1]};
-    const struct orl_vec3 out = orl_to_world(&frame, orl_square_to_hemisphere(square));
+    const struct orl_vec3 out = orl_hemisphere_about(port->outward, at[0], at[1]);
     const struct orl_vec3 start =
         orl_madd(point, port->outward, world->geometry->facets[port->facet].offset);
     const struct orl_rgb radiance = orl_exterior_radiance(world, start, out, random);
@@ -83,11 +81,9 @@ static bool emit_emitter(const struct orl_emission *e, const struct orl_stratum 
     const struct orl_emitter *emitter = &e->world->emitters[stratum->port];
     const struct orl_facet *facet = &e->world->geometry->facets[emitter->facet];
     struct orl_vec3 point, normal;
-    const struct orl_square square = {u[3], u[4]};
     orl_facet_sample(e->world->geometry, emitter->facet, u + 1, &point, &normal);
-    const struct orl_frame frame = orl_frame_about(normal);
     ret_flight->origin = orl_madd(point, normal, facet->offset);
-    ret_flight->direction = orl_to_world(&frame, orl_square_to_hemisphere(square));
+    ret_flight->direction = orl_hemisphere_about(normal, u[3], u[4]);
     ret_flight->flux = orl_rgb_scale(emitter->radiance, ORL_PI * facet->area);
     ret_flight->from_light = emitter->direct;
     return true;

@@ -1,10 +1,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "bsdf/shirley.h"
 #include "photon/emit.h"
 #include "photon/table.h"
 #include "photon/trace.h"
+#include "scene/hemisphere.h"
 
 /*
  * Pilots. Paths are shared out over the ports so that a building of a thousand windows costs no
@@ -47,15 +47,14 @@ static void look_out(void *arg, size_t index, uint32_t member)
     const size_t cells = (size_t)pilot->side * pilot->side;
     const struct orl_port *port = &world->ports[index / cells];
     const size_t x = index % cells % pilot->side, y = index % cells / pilot->side;
-    const struct orl_frame frame = orl_frame_about(port->outward);
     struct orl_random random = orl_random_stream(pilot->seed, ORL_PURPOSE_PILOT, 2 * index);
     double sum = 0;
     (void)member;
     for (int i = 0; i < PATHS_A_CELL; i++) {
         const double u[2] = {orl_random_uniform(&random), orl_random_uniform(&random)};
-        const struct orl_square square = {((double)x + orl_random_uniform(&random)) / pilot->side,
-                                          ((double)y + orl_random_uniform(&random)) / pilot->side};
-        const struct orl_vec3 out = orl_to_world(&frame, orl_square_to_hemisphere(square));
+        const double at_x = ((double)x + orl_random_uniform(&random)) / pilot->side;
+        const double at_y = ((double)y + orl_random_uniform(&random)) / pilot->side;
+        const struct orl_vec3 out = orl_hemisphere_about(port->outward, at_x, at_y);
         struct orl_vec3 point, normal;
         orl_facet_sample(world->geometry, port->facet, u, &point, &normal);
         point = orl_madd(point, port->outward, world->geometry->facets[port->facet].offset);

@@ -1,18 +1,144 @@
 #include <oriel/run.h>
 
+#include <sodium.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "run/stages.h"
+#include "scene/parse.h"
+
+/* Shares of a typical job's time, for the job's own percentage. */
+static const double stage_share[ORL_STAGE_COUNT] = {0.03, 0.02, 0.30, 0.05, 0.60};
+
+void orl_run_progress(const struct orl_run_state *state, double fraction)
+{
+    double before = 0;
+    if (!state->env->progress)
+        return;
+    for (int i = 0; i < (int)state->stage; i++)
+        before += stage_share[i];
+    fraction = fmin(fmax(fraction, 0), 1);
+    state->env->progress(state->env->ctx, state->stage, fraction,
+                         before + fraction * stage_share[state->stage]);
+}
+
+/* Books the time since the stage began. */
+static void leave(struct orl_run_state *state)
+{
+    const double now = state->env->now_s(state->env->ctx);
+    state->result->timings_s[state->stage] += now - state->stage_started;
+    state->stage_started = now;
+}
+
+void orl_run_enter(struct orl_run_state *state, enum orl_stage stage)
+{
+    leave(state);
+    state->stage = stage;
+    orl_run_progress(state, 0);
+}
+
+void orl_run_warn(struct orl_run_state *state, const char *format, ...)
+{
+    struct orl_result *r = state->result;
+    char text[512];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    char **grown = realloc(r->warnings, (r->n_warnings + 1) * sizeof *grown);
+    if (!grown)
+        return;
+    r->warnings = grown;
+    grown[r->n_warnings] = strdup(text);
+    if (grown[r->n_warnings])
+        r->n_warnings++;
+}
+
+static int load_sensors(struct orl_run_state *state, struct orl_error *err)
+{
+    const struct orl_job *job = state->job;
+    const struct orl_files *files = state->env->files;
+    struct orl_file file;
+    state->sensors = job->sensors;
+    state->n_sensors = job->n_sensors;
+    if (!job->sensors_file)
+        return 0;
+    int code = files->open(files->ctx, job->sensors_file, &file, err);
+    if (code < 0)
+        return code;
+    code = orl_sensors_parse(job->sensors_file, file.data, file.size, &state->sensors,
+                             &state->n_sensors, err);
+    state->sensors_owned = code == 0;
+    files->close(files->ctx, &file);
+    return code;
+}
+
+static int load(struct orl_run_state *state, struct orl_description *ret_description,
+                struct orl_error *err)
+{
+    const struct orl_job *job = state->job;
+    int code = orl_job_validate(job, err);
+    if (code == 0 && (job->n_scene_files == 0 || sodium_init() < 0))
+        code = orl_error_set(err, ORL_ERR_INVALID, "the job names no scene files");
+    if (code == 0)
+        code = load_sensors(state, err);
+    if (code == 0)
+        code = orl_scene_parse((const char *const *)job->scene_files, job->n_scene_files,
+                               state->env->files, ret_description, err);
+    for (size_t i = 0; code == 0 && i < ret_description->n_warnings; i++)
+        orl_run_warn(state, "%s", ret_description->warnings[i]);
+    return code;
+}
+
+static int run_stages(struct orl_run_state *state, struct orl_error *err)
+{
+    struct orl_description description = {0};
+    int code;
+    orl_run_progress(state, 0);
+    code = load(state, &description, err);
+    if (code < 0)
+        return code;
+    orl_run_enter(state, ORL_STAGE_BVH);
+    code = orl_world_new(&description, &state->world, err);
+    if (code == 0)
+        code = orl_world_find_ports(state->world, state->env->crew, err);
+    if (code == 0)
+        code = orl_run_maps(state, err);
+    if (code == 0) {
+        orl_run_enter(state, ORL_STAGE_RENDER);
+        code = orl_run_render(state, err);
+    }
+    return code;
+}
+
 int orl_run(const struct orl_job *job, const struct orl_run_env *env, struct orl_result *ret_result,
             struct orl_error *err)
 {
-    (void)job, (void)env, (void)ret_result;
-    return orl_error_set(err, ORL_ERR_UNSUPPORTED, "rendering is being built");
-}
-int orl_scene_check(const char *const *main_files, size_t n_files, const struct orl_files *files,
-                    struct orl_scene_summary *ret_summary, struct orl_error *err)
-{
-    (void)main_files, (void)n_files, (void)files, (void)ret_summary;
-    return orl_error_set(err, ORL_ERR_UNSUPPORTED, "rendering is being built");
-}
-void orl_scene_summary_done(struct orl_scene_summary *summary)
-{
-    (void)summary;
+    struct orl_result result = {.threads = orl_crew_size(env->crew), .seed = job->seed};
+    struct orl_run_state state = {.job = job, .env = env, .result = &result};
+    const double started = env->now_s(env->ctx);
+    int code;
+    state.stage_started = started;
+    state.searches = malloc(orl_crew_size(env->crew) * sizeof *state.searches);
+    if (state.searches)
+        code = run_stages(&state, err);
+    else
+        code = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    leave(&state);
+    result.total_s = env->now_s(env->ctx) - started;
+    orl_run_release_maps(&state);
+    orl_world_free(state.world);
+    if (state.sensors_owned)
+        free(state.sensors);
+    free(state.searches);
+    if (code < 0) {
+        orl_result_done(&result);
+        return code;
+    }
+    if (env->progress)
+        env->progress(env->ctx, ORL_STAGE_RENDER, 1, 1);
+    *ret_result = result;
+    return 0;
 }

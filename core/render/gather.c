@@ -1,0 +1,248 @@
+#include "render/gather.h"
+
+#include <stdlib.h>
+
+enum { MOST_BOUNCES = 64, SURE_BOUNCES = 4 };
+enum { NEIGHBOURS_GLOBAL = 64, NEIGHBOURS_CAUSTIC = 200 };
+enum { RADIUS_PROBES = 256, OUTSIDE_RAYS = 32 };
+
+static int compare_doubles(const void *a, const void *b)
+{
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* The radius that k neighbours take at the map's own photons: at the median, or further out. */
+static double typical_radius(const struct orl_photon_map *map, uint32_t k, double percentile,
+                             double widest, struct orl_search *search)
+{
+    const uint64_t count = orl_photon_map_header(map)->count;
+    double radii[RADIUS_PROBES];
+    if (count == 0)
+        return widest;
+    for (uint32_t i = 0; i < RADIUS_PROBES; i++) {
+        const struct orl_photon p = orl_photon_map_get(map, count * i / RADIUS_PROBES);
+        const struct orl_density_query query = {
+            .point = orl_v3(p.position[0], p.position[1], p.position[2]),
+            .normal = orl_octahedral_decode(p.normal),
+            .k = k,
+            .max_radius = widest};
+        radii[i] = orl_density_estimate(map, &query, search).radius;
+    }
+    qsort(radii, RADIUS_PROBES, sizeof *radii, compare_doubles);
+    return radii[(int)(percentile * (RADIUS_PROBES - 1))];
+}
+
+void orl_gather_init(struct orl_gather *gather, const struct orl_world *world,
+                     const struct orl_photon_map *const maps[ORL_MAP_KINDS], uint64_t seed,
+                     struct orl_search *search)
+{
+    static const uint32_t neighbours[ORL_MAP_KINDS] = {NEIGHBOURS_GLOBAL, NEIGHBOURS_CAUSTIC};
+    const double widest = fmax(0.1 * world->geometry->radius, 1e-9);
+    *gather = (struct orl_gather){.world = world, .seed = seed};
+    for (int kind = 0; kind < ORL_MAP_KINDS; kind++) {
+        gather->maps[kind] = maps[kind];
+        gather->k[kind] = neighbours[kind];
+        if (!maps[kind])
+            continue;
+        /* Dark corners may reach further than most, but not across the room. */
+        const double far = typical_radius(maps[kind], neighbours[kind], 0.95, widest, search);
+        gather->max_radius[kind] = fmin(4 * far, widest);
+        if (kind == ORL_MAP_GLOBAL)
+            gather->near = 2 * far;
+    }
+}
+
+bool orl_gather_is_outside(const struct orl_gather *gather, struct orl_vec3 point)
+{
+    const struct orl_world *world = gather->world;
+    if (world->open)
+        return false;
+    /* In a sealed scene nothing inside sees past the walls, and most of what is outside does. */
+    for (int i = 0; i < OUTSIDE_RAYS; i++) {
+        const double z = 1 - (2 * i + 1.0) / OUTSIDE_RAYS, s = sqrt(1 - z * z);
+        const double phi = 2.399963229728653 * i;
+        if (!orl_geometry_occluded(world->geometry, point, orl_v3(s * cos(phi), s * sin(phi), z),
+                                   INFINITY))
+            return true;
+    }
+    return false;
+}
+
+struct orl_density orl_gather_density(const struct orl_gather *gather, enum orl_map_kind kind,
+                                      struct orl_vec3 point, struct orl_vec3 normal,
+                                      struct orl_search *search)
+{
+    if (!gather->maps[kind])
+        return (struct orl_density){.found = 0};
+    const struct orl_density_query query = {
+        .point = point, .normal = normal, .k = gather->k[kind], .max_radius = gather->max_radius[kind]};
+    return orl_density_estimate(gather->maps[kind], &query, search);
+}
+
+/* What a diffuse surface sends back, but for the glossy part: by density, or lit again when near. */
+static struct orl_rgb diffuse_radiance(const struct orl_gather *gather, const struct orl_hit *hit,
+                                       const struct orl_material *material, bool near,
+                                       struct orl_random *random, struct orl_search *search)
+{
+    const struct orl_vec3 lit = hit->front ? hit->normal : orl_neg(hit->normal);
+    struct orl_rgb irradiance;
+    if (near) {
+        const struct orl_direct_query query = {
+            .point = orl_hit_leave(gather->world->geometry, hit, lit),
+            .normal = lit,
+            .through_ports = true};
+        irradiance = orl_rgb_add(
+            orl_direct_light(gather->world, &query, random),
+            orl_gather_density(gather, ORL_MAP_CAUSTIC, hit->point, lit, search).irradiance);
+    } else {
+        irradiance = orl_gather_density(gather, ORL_MAP_GLOBAL, hit->point, lit, search).irradiance;
+    }
+    return orl_rgb_scale(orl_rgb_mul(irradiance, orl_material_diffuse(material)), 1 / ORL_PI);
+}
+
+/* As orl_gather_radiance, and tells how far the first thing met is. */
+static struct orl_rgb trace_gather(const struct orl_gather *gather, struct orl_vec3 origin,
+                                   struct orl_vec3 direction, bool outside,
+                                   struct orl_random *random, struct orl_search *search,
+                                   double *ret_distance)
+{
+    const struct orl_world *world = gather->world;
+    struct orl_rgb sum = orl_gray(0), weight = orl_gray(1);
+    *ret_distance = INFINITY;
+    for (int bounce = 0; bounce < MOST_BOUNCES; bounce++) {
+        struct orl_hit hit;
+        if (outside)
+            return orl_rgb_add(
+                sum, orl_rgb_mul(weight, orl_exterior_radiance(world, origin, direction, random)));
+        if (!orl_geometry_intersect(world->geometry, origin, direction, INFINITY, &hit))
+            return orl_rgb_add(sum,
+                               orl_rgb_mul(weight, orl_world_dome_radiance(world, direction)));
+        if (bounce == 0)
+            *ret_distance = hit.distance;
+        const struct orl_material *m = orl_world_material(world, &hit);
+        const bool diffuse = orl_rgb_max(orl_material_diffuse(m)) > 0;
+        const bool near = hit.distance < gather->near;
+        if (m->kind == ORL_MATERIAL_GLOW)
+            sum = orl_rgb_add(sum, orl_rgb_mul(weight, orl_material_emission(m, &hit)));
+        if (diffuse)
+            sum = orl_rgb_add(
+                sum, orl_rgb_mul(weight, diffuse_radiance(gather, &hit, m, near, random, search)));
+        const enum orl_lobes lobes =
+            diffuse && !near ? ORL_LOBE_REFLECTED : ORL_LOBE_ALL;
+        const struct orl_scatter s = orl_scatter_sample(m, &hit, orl_neg(direction),
+                                                        ORL_TRANSPORT_EYE, lobes, random);
+        if (s.event == ORL_EVENT_ABSORBED)
+            return sum;
+        weight = orl_rgb_mul(weight, s.weight);
+        /* Dim lobes and long chains end by roulette. */
+        const double survive = fmin(orl_rgb_max(weight), 1.0);
+        if (bounce >= SURE_BOUNCES || survive < 0.2) {
+            if (orl_random_uniform(random) >= survive)
+                return sum;
+            weight = orl_rgb_scale(weight, 1 / survive);
+        }
+        outside = s.transmitted && !world->open &&
+                  orl_world_crossing(world, &hit) == ORL_CROSSING_OUTWARDS;
+        origin = orl_hit_leave(world->geometry, &hit, s.direction);
+        direction = s.direction;
+    }
+    return sum;
+}
+
+struct orl_rgb orl_gather_radiance(const struct orl_gather *gather, struct orl_vec3 origin,
+                                   struct orl_vec3 direction, bool outside,
+                                   struct orl_random *random, struct orl_search *search)
+{
+    double distance;
+    return trace_gather(gather, origin, direction, outside, random, search, &distance);
+}
+
+struct orl_rgb orl_gather_direct(const struct orl_gather *gather, const struct orl_place *place,
+                                 uint32_t rays, struct orl_random *random)
+{
+    const struct orl_direct_query query = {
+        .point = place->point, .normal = place->normal, .through_ports = true};
+    struct orl_rgb sum = orl_gray(0);
+    for (uint32_t i = 0; i < rays; i++)
+        sum = orl_rgb_add(sum, orl_direct_light(gather->world, &query, random));
+    return orl_rgb_scale(sum, 1.0 / rays);
+}
+
+/* ---- The hemisphere --------------------------------------------------------------------------- */
+
+/* One ray of the hemisphere: what it saw and how far it went. */
+struct strand {
+    struct orl_rgb radiance;
+    double distance;
+};
+
+static double channel(struct orl_rgb c, int i)
+{
+    return i == 0 ? c.r : i == 1 ? c.g : c.b;
+}
+
+/* Adds one strand's share of the gradients: differences to its neighbours below and beside. */
+static void add_gradients(struct orl_hemisphere *h, const struct orl_frame *frame,
+                          const struct strand *strands, uint32_t rows, uint32_t columns,
+                          uint32_t row, uint32_t column)
+{
+    const struct strand *here = &strands[row * columns + column];
+    const struct strand *beside = &strands[row * columns + (column + columns - 1) % columns];
+    const struct strand *below = row > 0 ? here - columns : NULL;
+    const double phi = 2 * ORL_PI * (column + 0.5) / columns, edge = 2 * ORL_PI * column / columns;
+    const struct orl_vec3 out = orl_add(orl_scale(frame->u, cos(phi)), orl_scale(frame->v, sin(phi)));
+    const struct orl_vec3 around =
+        orl_add(orl_scale(frame->u, -sin(edge)), orl_scale(frame->v, cos(edge)));
+    const struct orl_vec3 turn =
+        orl_add(orl_scale(frame->u, -sin(phi)), orl_scale(frame->v, cos(phi)));
+    const double sine_low = sqrt((double)row / rows), sine_high = sqrt((row + 1.0) / rows);
+    const double middle = sqrt((row + 0.5) / rows);
+    const double tangent = middle / sqrt(1 - middle * middle);
+    for (int c = 0; c < 3; c++) {
+        const double value = channel(here->radiance, c);
+        h->by_rotation[c] = orl_madd(h->by_rotation[c], turn,
+                                     -tangent * value * ORL_PI / ((double)rows * columns));
+        if (below)
+            h->by_translation[c] = orl_madd(
+                h->by_translation[c], out,
+                2 * ORL_PI / columns * sine_low * (1 - sine_low * sine_low) /
+                    fmin(here->distance, below->distance) * (value - channel(below->radiance, c)));
+        h->by_translation[c] = orl_madd(
+            h->by_translation[c], around,
+            (sine_high - sine_low) / fmin(here->distance, beside->distance) *
+                (value - channel(beside->radiance, c)));
+    }
+}
+
+struct orl_hemisphere orl_gather_hemisphere(const struct orl_gather *gather,
+                                            const struct orl_place *place, uint32_t rows,
+                                            uint32_t columns, struct orl_random *random,
+                                            struct orl_search *search)
+{
+    const struct orl_frame frame = orl_frame_about(place->normal);
+    struct orl_hemisphere h = {.irradiance = {0, 0, 0}};
+    double nearness = 0;
+    struct strand *strands = malloc(sizeof *strands * rows * columns);
+    for (uint32_t i = 0; i < rows * columns; i++) {
+        const double sine = sqrt((i / columns + orl_random_uniform(random)) / rows);
+        const double phi = 2 * ORL_PI * (i % columns + orl_random_uniform(random)) / columns;
+        const struct orl_vec3 direction = orl_to_world(
+            &frame, orl_v3(sine * cos(phi), sine * sin(phi), sqrt(fmax(0, 1 - sine * sine))));
+        double distance;
+        const struct orl_rgb radiance = trace_gather(gather, place->point, direction,
+                                                     place->outside, random, search, &distance);
+        h.irradiance = orl_rgb_add(h.irradiance, radiance);
+        distance = fmax(distance, 1e-9 * gather->world->geometry->radius);
+        nearness += 1 / distance;
+        if (strands)
+            strands[i] = (struct strand){radiance, distance};
+    }
+    h.irradiance = orl_rgb_scale(h.irradiance, ORL_PI / ((double)rows * columns));
+    h.mean_distance = nearness > 0 ? (double)rows * columns / nearness : INFINITY;
+    /* Without memory for the strands the estimate stands, with flat gradients. */
+    for (uint32_t i = 0; strands && i < rows * columns; i++)
+        add_gradients(&h, &frame, strands, rows, columns, i / columns, i % columns);
+    free(strands);
+    return h;
+}

@@ -1,0 +1,119 @@
+#include "base/sobol.h"
+#include "render/gather.h"
+#include "scene/hemisphere.h"
+
+enum { PANE_POINTS = 1024, SUN_RAYS = 64 };
+
+/*
+ * Sun by way of one BSDF pane to a point that no photon lands on: points stratified over the pane,
+ * the BSDF evaluated from the sun to the sensor.
+ */
+static struct orl_rgb light_by_pane(const struct orl_gather *gather, uint32_t facet,
+                                    const struct orl_sun *sun, const struct orl_place *place,
+                                    const struct orl_sobol *sobol, uint32_t sequence)
+{
+    const struct orl_geometry *g = gather->world->geometry;
+    struct orl_rgb sum = orl_gray(0);
+    for (uint32_t i = 0; i < PANE_POINTS; i++) {
+        struct orl_hit hit = {.facet = facet};
+        double u[4];
+        orl_sobol_point(sobol, i, sequence, 4, u);
+        orl_facet_sample(g, facet, u, &hit.point, &hit.normal);
+        const struct orl_vec3 light = orl_sun_sample(sun, u + 2);
+        const struct orl_vec3 way = orl_sub(place->point, hit.point);
+        const double d2 = orl_dot(way, way), d = sqrt(d2);
+        const struct orl_vec3 eye = orl_scale(way, 1 / d);
+        const double arrives = -orl_dot(eye, place->normal), leaves = orl_dot(eye, hit.normal);
+        if (!(d > 0) || arrives <= 0)
+            continue;
+        const struct orl_material *m = orl_world_material(gather->world, &hit);
+        const struct orl_rgb f = orl_scatter_eval_lobes(m, &hit, light, eye);
+        if (!(orl_rgb_max(f) > 0))
+            continue;
+        const struct orl_rgb from_sun = orl_transmittance(
+            gather->world, orl_hit_leave(g, &hit, light), light, INFINITY, true);
+        const struct orl_rgb to_eye = orl_transmittance(
+            gather->world, orl_hit_leave(g, &hit, eye), eye, d * (1 - 1e-6), true);
+        const double measure =
+            fabs(orl_dot(light, hit.normal)) * fabs(leaves) * arrives / d2;
+        sum = orl_rgb_add(sum, orl_rgb_scale(orl_rgb_mul(orl_rgb_mul(f, from_sun),
+                                                         orl_rgb_mul(to_eye, sun->irradiance)),
+                                             measure));
+    }
+    return orl_rgb_scale(sum, g->facets[facet].area / PANE_POINTS);
+}
+
+static struct orl_rgb caustics_in_air(const struct orl_gather *gather,
+                                      const struct orl_place *place, uint64_t index)
+{
+    const struct orl_world *world = gather->world;
+    struct orl_rgb sum = orl_gray(0);
+    struct orl_sobol sobol;
+    orl_sobol_init(&sobol);
+    for (size_t f = 0; f < world->geometry->n_facets; f++) {
+        const struct orl_facet *facet = &world->geometry->facets[f];
+        if (world->description.materials[facet->material].kind != ORL_MATERIAL_BSDF ||
+            !(facet->area > 0))
+            continue;
+        for (size_t s = 0; s < world->n_suns; s++)
+            sum = orl_rgb_add(
+                sum, light_by_pane(gather, (uint32_t)f, &world->suns[s], place, &sobol,
+                                   (uint32_t)orl_mix64(gather->seed + index * 31 + f)));
+    }
+    return sum;
+}
+
+/* The surface a sensor lies on, if one is close behind it and faces the same way. */
+static bool lies_on_surface(const struct orl_gather *gather, const struct orl_place *place,
+                            struct orl_vec3 *ret_point)
+{
+    struct orl_hit hit;
+    const double reach = 0.25 * gather->max_radius[ORL_MAP_CAUSTIC];
+    if (!gather->maps[ORL_MAP_CAUSTIC] ||
+        !orl_geometry_intersect(gather->world->geometry, place->point, orl_neg(place->normal),
+                                reach, &hit))
+        return false;
+    if (fabs(orl_dot(hit.normal, place->normal)) < 0.9 ||
+        !(orl_rgb_max(orl_material_diffuse(orl_world_material(gather->world, &hit))) > 0))
+        return false;
+    *ret_point = hit.point;
+    return true;
+}
+
+/* The hemisphere by scrambled Sobol directions: a sensor needs no gradients. */
+static struct orl_rgb gather_evenly(const struct orl_gather *gather, const struct orl_place *place,
+                                    uint32_t samples, uint64_t index, struct orl_search *search)
+{
+    struct orl_rgb sum = orl_gray(0);
+    struct orl_sobol sobol;
+    orl_sobol_init(&sobol);
+    for (uint32_t i = 0; i < samples; i++) {
+        struct orl_random random = orl_random_stream(
+            gather->seed, ORL_PURPOSE_SENSOR, (index << 24) + i + 1);
+        double u[2];
+        orl_sobol_point(&sobol, i, (uint32_t)orl_mix64(gather->seed ^ (index + 1)), 2, u);
+        const struct orl_vec3 direction = orl_hemisphere_about(place->normal, u[0], u[1]);
+        sum = orl_rgb_add(sum, orl_gather_radiance(gather, place->point, direction, place->outside,
+                                                   &random, search));
+    }
+    return orl_rgb_scale(sum, ORL_PI / samples);
+}
+
+double orl_gather_sensor(const struct orl_gather *gather, struct orl_vec3 position,
+                         struct orl_vec3 direction, uint32_t samples, uint64_t index,
+                         struct orl_search *search)
+{
+    struct orl_place place = {.point = position, .normal = direction};
+    struct orl_random random = orl_random_stream(gather->seed, ORL_PURPOSE_SENSOR, index << 24);
+    struct orl_vec3 on_surface;
+    place.outside = orl_gather_is_outside(gather, position);
+    struct orl_rgb sum = orl_gather_direct(gather, &place, SUN_RAYS, &random);
+    if (lies_on_surface(gather, &place, &on_surface))
+        sum = orl_rgb_add(sum, orl_gather_density(gather, ORL_MAP_CAUSTIC, on_surface,
+                                                  place.normal, search)
+                                   .irradiance);
+    else
+        sum = orl_rgb_add(sum, caustics_in_air(gather, &place, index));
+    sum = orl_rgb_add(sum, gather_evenly(gather, &place, samples, index, search));
+    return ORL_EFFICACY_LM_PER_W * orl_luma(sum);
+}

@@ -1,0 +1,77 @@
+#include <oriel/run.h>
+
+#include <sodium.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "light/world.h"
+#include "scene/parse.h"
+
+static int copy_references(const struct orl_world *world, struct orl_scene_summary *summary)
+{
+    const struct orl_description *d = &world->description;
+    const size_t n = d->n_files - d->n_main;
+    summary->referenced = calloc(n + 1, sizeof *summary->referenced);
+    if (!summary->referenced)
+        return ORL_ERR_NOMEM;
+    for (size_t i = 0; i < n; i++) {
+        summary->referenced[i] = strdup(d->files[d->n_main + i]);
+        if (!summary->referenced[i])
+            return ORL_ERR_NOMEM;
+        summary->n_referenced++;
+    }
+    return 0;
+}
+
+static void summarise(const struct orl_world *world, struct orl_scene_summary *summary)
+{
+    const struct orl_description *d = &world->description;
+    const struct orl_geometry *g = world->geometry;
+    const struct orl_vec3 low = orl_add(g->low, g->center), high = orl_add(g->high, g->center);
+    summary->surfaces = d->n_surfaces;
+    summary->materials = d->n_materials;
+    summary->sources = d->n_distants;
+    summary->triangles = g->n_triangles;
+    for (size_t i = 0; i < d->n_materials; i++)
+        summary->bsdfs += d->materials[i].kind == ORL_MATERIAL_BSDF;
+    summary->bounds_min[0] = low.x;
+    summary->bounds_min[1] = low.y;
+    summary->bounds_min[2] = low.z;
+    summary->bounds_max[0] = high.x;
+    summary->bounds_max[1] = high.y;
+    summary->bounds_max[2] = high.z;
+    sodium_bin2hex(summary->digest, sizeof summary->digest, d->digest, sizeof d->digest);
+}
+
+int orl_scene_check(const char *const *main_files, size_t n_files, const struct orl_files *files,
+                    struct orl_scene_summary *ret_summary, struct orl_error *err)
+{
+    struct orl_description description = {0};
+    struct orl_scene_summary summary = {0};
+    struct orl_world *world = NULL;
+    int code = orl_scene_parse(main_files, n_files, files, &description, err);
+    if (code == 0)
+        code = orl_world_new(&description, &world, err);
+    if (code == 0) {
+        summarise(world, &summary);
+        code = copy_references(world, &summary);
+        if (code < 0)
+            orl_error_set(err, code, "out of memory");
+    }
+    orl_world_free(world);
+    if (code < 0)
+        orl_scene_summary_done(&summary);
+    else
+        *ret_summary = summary;
+    return code;
+}
+
+void orl_scene_summary_done(struct orl_scene_summary *summary)
+{
+    if (!summary)
+        return;
+    for (size_t i = 0; i < summary->n_referenced; i++)
+        free(summary->referenced[i]);
+    free(summary->referenced);
+    memset(summary, 0, sizeof *summary);
+}

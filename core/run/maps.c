@@ -1,0 +1,197 @@
+#include <sodium.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "run/stages.h"
+
+/* What a map's photons depend on beyond the scene: raised when their making changes. */
+static const char recipe[] = "oriel photons 1";
+
+static void make_key(const struct orl_run_state *state, enum orl_map_kind kind, uint64_t target,
+                     char ret_key[ORL_DIGEST_HEX + 1])
+{
+    const uint64_t numbers[4] = {ORL_MAP_VERSION, (uint64_t)kind, target, state->job->seed};
+    unsigned char digest[crypto_hash_sha256_BYTES];
+    crypto_hash_sha256_state hash;
+    crypto_hash_sha256_init(&hash);
+    crypto_hash_sha256_update(&hash, (const unsigned char *)recipe, sizeof recipe);
+    crypto_hash_sha256_update(&hash, state->world->description.digest,
+                              sizeof state->world->description.digest);
+    crypto_hash_sha256_update(&hash, (const unsigned char *)numbers, sizeof numbers);
+    crypto_hash_sha256_final(&hash, digest);
+    sodium_bin2hex(ret_key, ORL_DIGEST_HEX + 1, digest, sizeof digest);
+}
+
+struct map_work {
+    uint64_t target;
+    bool hit;
+    char path[4096];
+    struct orl_map_info info;
+};
+
+/* Opens what the store had. A damaged file is dropped and asked for once more, then to be built. */
+static int acquire(struct orl_run_state *state, enum orl_map_kind kind, struct map_work *work,
+                   struct orl_error *err)
+{
+    const struct orl_map_store *store = state->env->store;
+    const char *name = orl_map_kind_name(kind);
+    make_key(state, kind, work->target, state->keys[kind]);
+    for (int attempt = 0; attempt < 2; attempt++) {
+        int code = store->acquire(store->ctx, name, state->keys[kind], state->env->cancel,
+                                  work->path, &work->hit, &work->info, err);
+        if (code < 0)
+            return code;
+        state->held[kind] = true;
+        if (!work->hit)
+            return 0;
+        code = orl_photon_map_open(work->path, true, &state->maps[kind], err);
+        if (code == 0) {
+            const struct orl_map_header *h = orl_photon_map_header(state->maps[kind]);
+            snprintf(work->info.kind, sizeof work->info.kind, "%s", name);
+            snprintf(work->info.key, sizeof work->info.key, "%s", state->keys[kind]);
+            work->info.stored = h->count;
+            work->info.emitted = h->emitted;
+            work->info.bytes = h->size;
+            work->info.cached = true;
+            return 0;
+        }
+        if (code != ORL_ERR_CORRUPT && code != ORL_ERR_VERSION)
+            return code;
+        orl_run_warn(state, "a cached %s photon map was damaged and is built again", name);
+        store->abandon(store->ctx, name, state->keys[kind]);
+        state->held[kind] = false;
+    }
+    return orl_error_set(err, ORL_ERR_CORRUPT, "the cached %s photon map is damaged twice over",
+                         name);
+}
+
+static void shoot_progress(void *ctx, double fraction)
+{
+    orl_run_progress(ctx, fraction);
+}
+
+static int shoot(struct orl_run_state *state, struct orl_shot shots[ORL_MAP_KINDS],
+                 struct orl_error *err)
+{
+    struct orl_emission *emission = NULL;
+    int code = orl_emission_new(state->world, state->job->seed, state->env->crew, &emission, err);
+    if (code == 0) {
+        const struct orl_shoot_env env = {.emission = emission,
+                                          .seed = state->job->seed,
+                                          .crew = state->env->crew,
+                                          .cancel = state->env->cancel,
+                                          .progress = shoot_progress,
+                                          .ctx = state};
+        code = orl_shoot(&env, shots, err);
+    }
+    if (code == 0 && emission->n_strata == 0)
+        orl_run_warn(state, "no light reaches the scene: everything is black");
+    orl_emission_free(emission);
+    return code;
+}
+
+/* Writes one map, hands it to the store and opens it. */
+static int keep(struct orl_run_state *state, enum orl_map_kind kind, struct map_work *work,
+                struct orl_shot *shot, double photon_seconds, struct orl_error *err)
+{
+    const struct orl_run_env *env = state->env;
+    const struct orl_map_build build = {
+        .kind = orl_map_kind_name(kind), .emitted = shot->emitted, .seed = state->job->seed};
+    const double started = env->now_s(env->ctx);
+    int code =
+        orl_photon_map_write(work->path, shot->photons, shot->count, &build, env->crew, err);
+    if (code == 0)
+        code = orl_photon_map_open(work->path, false, &state->maps[kind], err);
+    if (code < 0)
+        return code;
+    const struct orl_map_header *h = orl_photon_map_header(state->maps[kind]);
+    work->info = (struct orl_map_info){.emitted = h->emitted, .stored = h->count, .bytes = h->size};
+    work->info.seconds = photon_seconds + env->now_s(env->ctx) - started;
+    snprintf(work->info.kind, sizeof work->info.kind, "%s", build.kind);
+    snprintf(work->info.key, sizeof work->info.key, "%s", state->keys[kind]);
+    if (shot->capped > 0)
+        orl_run_warn(state, "%llu %s photons were lost to the bounce limit",
+                     (unsigned long long)shot->capped, build.kind);
+    return env->store->commit(env->store->ctx, &work->info, err);
+}
+
+/* Photon time of one kind: the pass is one, so it is told apart by the rays each kind took. */
+static double share_of_rays(const struct orl_shot *shots, int kind, double seconds)
+{
+    const double all = (double)(shots[ORL_MAP_GLOBAL].rays + shots[ORL_MAP_CAUSTIC].rays);
+    return all > 0 ? seconds * (double)shots[kind].rays / all : 0;
+}
+
+static int build_missing(struct orl_run_state *state, struct map_work *work, struct orl_error *err)
+{
+    const struct orl_run_env *env = state->env;
+    struct orl_shot shots[ORL_MAP_KINDS] = {{0}, {0}};
+    const double started = env->now_s(env->ctx);
+    bool missing = false;
+    int code = 0;
+    for (int k = 0; k < ORL_MAP_KINDS; k++) {
+        shots[k].target = work[k].target > 0 && !work[k].hit ? work[k].target : 0;
+        missing = missing || shots[k].target > 0;
+    }
+    if (missing)
+        code = shoot(state, shots, err);
+    const double seconds = env->now_s(env->ctx) - started;
+    orl_run_enter(state, ORL_STAGE_MAPS);
+    for (int k = 0; k < ORL_MAP_KINDS && code == 0; k++)
+        if (shots[k].target > 0)
+            code = keep(state, (enum orl_map_kind)k, &work[k], &shots[k],
+                        share_of_rays(shots, k, seconds), err);
+    for (int k = 0; k < ORL_MAP_KINDS; k++)
+        free(shots[k].photons);
+    return code;
+}
+
+int orl_run_maps(struct orl_run_state *state, struct orl_error *err)
+{
+    const struct orl_run_env *env = state->env;
+    struct map_work *work = calloc(ORL_MAP_KINDS, sizeof *work);
+    int code = 0;
+    if (!work)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    orl_run_enter(state, ORL_STAGE_PHOTONS);
+    work[ORL_MAP_GLOBAL].target = state->job->photons_global;
+    work[ORL_MAP_CAUSTIC].target = state->job->photons_caustic;
+    for (int k = 0; k < ORL_MAP_KINDS && code == 0; k++) {
+        if (work[k].target > 0)
+            code = acquire(state, (enum orl_map_kind)k, &work[k], err);
+    }
+    if (code == 0)
+        code = build_missing(state, work, err);
+    for (int k = 0; k < ORL_MAP_KINDS && code == 0; k++) {
+        if (work[k].target == 0)
+            continue;
+        state->result->maps[state->result->n_maps++] = work[k].info;
+        if (env->map_ready)
+            env->map_ready(env->ctx, &work[k].info);
+        if (work[k].info.stored == 0 && k == ORL_MAP_GLOBAL)
+            orl_run_warn(state, "no photons: no light reaches a diffuse surface");
+    }
+    /* A build that failed leaves nothing behind. */
+    for (int k = 0; k < ORL_MAP_KINDS && code < 0; k++) {
+        if (state->held[k] && !work[k].hit && !work[k].info.kind[0]) {
+            env->store->abandon(env->store->ctx, orl_map_kind_name((enum orl_map_kind)k),
+                                state->keys[k]);
+            state->held[k] = false;
+        }
+    }
+    free(work);
+    return code;
+}
+
+void orl_run_release_maps(struct orl_run_state *state)
+{
+    const struct orl_map_store *store = state->env->store;
+    for (int k = 0; k < ORL_MAP_KINDS; k++) {
+        orl_photon_map_free(state->maps[k]);
+        state->maps[k] = NULL;
+        if (state->held[k])
+            store->release(store->ctx, orl_map_kind_name((enum orl_map_kind)k), state->keys[k]);
+        state->held[k] = false;
+    }
+}

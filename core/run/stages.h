@@ -1,0 +1,44 @@
+/*
+ * The stages of a run, shared by run.c and its parts: the state that passes from one to the next.
+ */
+#ifndef ORL_RUN_STAGES_H
+#define ORL_RUN_STAGES_H
+
+#include <oriel/run.h>
+
+#include "render/gather.h"
+
+struct orl_run_state {
+    const struct orl_job *job;
+    const struct orl_run_env *env;
+    struct orl_result *result; /* being filled */
+    struct orl_sensor *sensors; /* of the job, or of its file; owned when sensors_owned */
+    size_t n_sensors;
+    bool sensors_owned;
+    struct orl_world *world;
+    struct orl_photon_map *maps[ORL_MAP_KINDS];
+    bool held[ORL_MAP_KINDS]; /* the store's pin is ours to release */
+    char keys[ORL_MAP_KINDS][ORL_DIGEST_HEX + 1];
+    struct orl_search *searches; /* one per crew member */
+    enum orl_stage stage;
+    double stage_started;
+};
+
+/* Begins a stage: books the time of the one before, and reports. */
+void orl_run_enter(struct orl_run_state *state, enum orl_stage stage);
+void orl_run_progress(const struct orl_run_state *state, double fraction);
+void orl_run_warn(struct orl_run_state *state, const char *format, ...)
+    __attribute__((format(printf, 2, 3)));
+
+/* Parses "x y z dx dy dz" lines; '#' starts a comment. Fills an array the caller frees. */
+int orl_sensors_parse(const char *name, const char *text, size_t size,
+                      struct orl_sensor **ret_sensors, size_t *ret_count, struct orl_error *err);
+
+/* Photons and maps stages: every map the job needs is in state->maps, from the store or new. */
+int orl_run_maps(struct orl_run_state *state, struct orl_error *err);
+void orl_run_release_maps(struct orl_run_state *state);
+
+/* Render stage. */
+int orl_run_render(struct orl_run_state *state, struct orl_error *err);
+
+#endif
