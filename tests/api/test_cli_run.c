@@ -166,7 +166,7 @@ static void test_mistakes_are_named_and_recorded(void **state)
         {"job.json", NULL, "job.json", "not-found"},
         {"room.rad", NULL, "room.rad", "not-found"},
         {"room.rad", "", "room.rad", "syntax"},
-        {"room.rad", "void plastic grey\n0\n0\n5 0.5 nan 0.5 0 0\n", "room.rad:4: ", "range"},
+        {"room.rad", "void plastic grey\n0\n0\n5 0.5 nan 0.5 0 0\n", "room.rad:4: ", "out-of-range"},
         {"room.rad", "void trans veil\n0\n0\n7 0.5 0.5 0.5 0 0 0.5 0.5\n", "trans veil",
          "unsupported"},
         {"sensors.txt", "1 2 3 0 0 1\n1 2 3\n", "sensors.txt:2: ", "syntax"},
