@@ -1,0 +1,269 @@
+/* The map cache alone, without HTTP: one build for many, taking over, cancelling, restarting. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <pthread.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "map_cache.h"
+#include "store/migrate.h"
+
+#define KEY "00000000000000000000000000000000000000000000000000000000000000aa"
+
+struct fixture {
+    char root[64];
+    struct orl_folders folders;
+    struct orl_db db;
+    struct orl_map_cache *cache;
+    struct orl_map_store store;
+    atomic_int woken;
+    struct orl_error err;
+};
+
+static void wake(void *ctx)
+{
+    atomic_fetch_add(&((struct fixture *)ctx)->woken, 1);
+}
+
+static int open_all(struct fixture *f)
+{
+    char path[ORL_PATH_MAX];
+    int rc = orl_folders_open(&f->folders, f->root, &f->err);
+    orl_folders_path(&f->folders, path, "oriel.db");
+    if (rc == 0)
+        rc = orl_db_open(&f->db, path, &f->err);
+    if (rc == 0)
+        rc = orl_db_migrate_embedded(&f->db, &f->err);
+    if (rc == 0)
+        rc = orl_map_cache_open(&f->folders, &f->db, wake, f, &f->cache, &f->err);
+    if (rc == 0)
+        f->store = orl_map_cache_store(f->cache);
+    return rc;
+}
+
+static void close_all(struct fixture *f)
+{
+    orl_map_cache_close(f->cache);
+    f->cache = NULL;
+    orl_db_close(&f->db);
+    orl_folders_close(&f->folders);
+}
+
+static int setup(void **state)
+{
+    struct fixture *f = calloc(1, sizeof *f);
+    snprintf(f->root, sizeof f->root, "/tmp/oriel-test-XXXXXX");
+    *state = f;
+    return mkdtemp(f->root) ? open_all(f) : -1;
+}
+
+static int teardown(void **state)
+{
+    struct fixture *f = *state;
+    close_all(f);
+    orl_remove_tree(f->root, NULL);
+    free(f);
+    return 0;
+}
+
+static struct orl_map_info info_of(double seconds)
+{
+    return (struct orl_map_info){
+        .kind = "global", .key = KEY, .emitted = 20, .stored = 10, .bytes = 3, .seconds = seconds};
+}
+
+static void build(struct fixture *f, const char *path)
+{
+    const struct orl_map_info info = info_of(2.5);
+    assert_int_equal(orl_write_file(path, "map", 3, &f->err), 0);
+    assert_int_equal(f->store.commit(f->store.ctx, &info, &f->err), 0);
+}
+
+static bool acquire(struct fixture *f, char path[4096], struct orl_map_info *info)
+{
+    bool hit = false;
+    assert_int_equal(f->store.acquire(f->store.ctx, "global", KEY, NULL, path, &hit, info, &f->err),
+                     0);
+    return hit;
+}
+
+static void test_miss_then_hit(void **state)
+{
+    struct fixture *f = *state;
+    char path[4096];
+    struct orl_map_info info;
+    assert_false(acquire(f, path, &info));
+    build(f, path);
+    assert_true(access(path, F_OK) != 0); /* moved to its place */
+    f->store.release(f->store.ctx, "global", KEY);
+    assert_true(acquire(f, path, &info));
+    assert_int_equal(access(path, R_OK), 0);
+    assert_true(info.cached);
+    assert_true(info.seconds == 2.5);
+    assert_int_equal(info.stored, 10);
+    f->store.release(f->store.ctx, "global", KEY);
+
+    struct orl_stored_map *maps = NULL;
+    size_t count = 0;
+    assert_int_equal(orl_map_cache_list(f->cache, &maps, &count, &f->err), 0);
+    assert_int_equal(count, 1);
+    assert_int_equal(maps[0].hits, 1);
+    assert_true(maps[0].seconds_saved == 2.5);
+    free(maps);
+    assert_int_equal(atomic_load(&f->woken), 2); /* the commit and the hit */
+}
+
+struct racer {
+    struct fixture *f;
+    pthread_t thread;
+    atomic_int *builds;
+    bool fails; /* gives up the first build */
+    bool hit;
+};
+
+static void *race(void *arg)
+{
+    struct racer *racer = arg;
+    struct fixture *f = racer->f;
+    char path[4096];
+    struct orl_map_info info;
+    struct orl_error err;
+    if (f->store.acquire(f->store.ctx, "global", KEY, NULL, path, &racer->hit, &info, &err))
+        return NULL;
+    if (!racer->hit) {
+        const int nth = atomic_fetch_add(racer->builds, 1);
+        usleep(30000);
+        if (racer->fails && nth == 0) {
+            f->store.abandon(f->store.ctx, "global", KEY);
+            return NULL;
+        }
+        info = info_of(1);
+        orl_write_file(path, "map", 3, &err);
+        f->store.commit(f->store.ctx, &info, &err);
+    }
+    f->store.release(f->store.ctx, "global", KEY);
+    return racer;
+}
+
+static void run_race(struct fixture *f, bool fails, int expected_builds, int expected_done)
+{
+    enum { RACERS = 8 };
+    struct racer racers[RACERS];
+    atomic_int builds = 0;
+    int hits = 0, done = 0;
+    for (int i = 0; i < RACERS; i++) {
+        racers[i] = (struct racer){.f = f, .builds = &builds, .fails = fails};
+        assert_int_equal(pthread_create(&racers[i].thread, NULL, race, &racers[i]), 0);
+    }
+    for (int i = 0; i < RACERS; i++) {
+        void *ok = NULL;
+        pthread_join(racers[i].thread, &ok);
+        done += ok != NULL;
+        hits += racers[i].hit;
+    }
+    assert_int_equal(atomic_load(&builds), expected_builds);
+    assert_int_equal(done, expected_done);
+    assert_int_equal(hits, RACERS - expected_builds);
+}
+
+static void test_eight_jobs_one_build(void **state)
+{
+    run_race(*state, false, 1, 8);
+}
+
+/* The builder gives up: exactly one of those that wait takes over. */
+static void test_another_takes_over(void **state)
+{
+    run_race(*state, true, 2, 7);
+}
+
+static void test_waiting_can_be_cancelled(void **state)
+{
+    struct fixture *f = *state;
+    char path[4096];
+    struct orl_map_info info;
+    atomic_bool cancel = true;
+    bool hit = true;
+    assert_false(acquire(f, path, &info));
+    assert_int_equal(
+        f->store.acquire(f->store.ctx, "global", KEY, &cancel, path, &hit, &info, &f->err),
+        ORL_ERR_CANCELLED);
+    f->store.abandon(f->store.ctx, "global", KEY);
+}
+
+static void test_survives_restart(void **state)
+{
+    struct fixture *f = *state;
+    char path[4096];
+    struct orl_map_info info;
+    assert_false(acquire(f, path, &info));
+    build(f, path);
+    assert_int_equal(orl_map_cache_flush(f->cache, &f->err), 0);
+    close_all(f);
+    assert_int_equal(open_all(f), 0);
+    assert_true(acquire(f, path, &info));
+    assert_true(info.seconds == 2.5);
+}
+
+/* Without the row (a crash just after the rename) the file goes; without the file, the row. */
+static void test_orphans_go_at_start(void **state)
+{
+    struct fixture *f = *state;
+    char path[4096], final[ORL_PATH_MAX];
+    struct orl_map_info info;
+    orl_folders_path(&f->folders, final, "maps/global-%s.opm", KEY);
+    assert_false(acquire(f, path, &info));
+    build(f, path);
+    close_all(f);
+    assert_int_equal(open_all(f), 0);
+    assert_true(access(final, F_OK) != 0);
+    assert_false(acquire(f, path, &info));
+    build(f, path);
+    assert_int_equal(orl_map_cache_flush(f->cache, &f->err), 0);
+    assert_int_equal(unlink(final), 0);
+    close_all(f);
+    assert_int_equal(open_all(f), 0);
+    struct orl_stored_map *maps = NULL;
+    size_t count = 7;
+    assert_int_equal(orl_map_cache_list(f->cache, &maps, &count, &f->err), 0);
+    assert_int_equal(count, 0);
+    free(maps);
+    assert_false(acquire(f, path, &info));
+}
+
+/* A hit that proves damaged is dropped, file and row, and built anew. */
+static void test_damaged_map_is_rebuilt(void **state)
+{
+    struct fixture *f = *state;
+    char path[4096], final[4096];
+    struct orl_map_info info;
+    assert_false(acquire(f, path, &info));
+    build(f, path);
+    f->store.release(f->store.ctx, "global", KEY);
+    assert_true(acquire(f, final, &info));
+    f->store.abandon(f->store.ctx, "global", KEY);
+    assert_true(access(final, F_OK) != 0);
+    assert_false(acquire(f, path, &info));
+    build(f, path);
+    assert_true(acquire(f, final, &info));
+    assert_int_equal(access(final, R_OK), 0);
+}
+
+#define EACH(test) cmocka_unit_test_setup_teardown(test, setup, teardown)
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        EACH(test_miss_then_hit),          EACH(test_eight_jobs_one_build),
+        EACH(test_another_takes_over),     EACH(test_waiting_can_be_cancelled),
+        EACH(test_survives_restart),       EACH(test_orphans_go_at_start),
+        EACH(test_damaged_map_is_rebuilt),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,199 @@
+/* Migrations: fresh, twice, stepwise, torn, edited, and from a later version. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "store/db.h"
+#include "store/jobs.h"
+#include "store/migrate.h"
+
+static const struct orl_migration two[] = {
+    {"0001_first.sql", "CREATE TABLE a (x INTEGER) STRICT; INSERT INTO a VALUES (1);"},
+    {"0002_second.sql", "ALTER TABLE a ADD COLUMN y INTEGER; UPDATE a SET y = x + 1;"},
+};
+
+struct fixture {
+    char path[64];
+    struct orl_db db;
+    struct orl_error err;
+};
+
+static int setup(void **state)
+{
+    struct fixture *f = calloc(1, sizeof *f);
+    snprintf(f->path, sizeof f->path, "/tmp/oriel-test-XXXXXX");
+    const int fd = mkstemp(f->path);
+    if (fd < 0)
+        return -1;
+    close(fd);
+    *state = f;
+    return orl_db_open(&f->db, f->path, &f->err);
+}
+
+static int teardown(void **state)
+{
+    struct fixture *f = *state;
+    char path[80];
+    orl_db_close(&f->db);
+    unlink(f->path);
+    snprintf(path, sizeof path, "%s-wal", f->path);
+    unlink(path);
+    snprintf(path, sizeof path, "%s-shm", f->path);
+    unlink(path);
+    free(f);
+    return 0;
+}
+
+static int64_t number(struct fixture *f, const char *sql)
+{
+    sqlite3_stmt *stmt = orl_db_prepare(&f->db, &f->err, sql, "");
+    assert_non_null(stmt);
+    assert_int_equal(sqlite3_step(stmt), SQLITE_ROW);
+    const int64_t value = sqlite3_column_int64(stmt, 0);
+    sqlite3_finalize(stmt);
+    return value;
+}
+
+static void test_pragmas(void **state)
+{
+    struct fixture *f = *state;
+    assert_int_equal(number(f, "PRAGMA foreign_keys"), 1);
+    assert_int_equal(number(f, "PRAGMA synchronous"), 2);
+    assert_int_equal(number(f, "SELECT count(*) FROM pragma_journal_mode WHERE "
+                               "journal_mode = 'wal'"),
+                     1);
+}
+
+static void test_fresh_and_again(void **state)
+{
+    struct fixture *f = *state;
+    assert_int_equal(orl_db_migrate_embedded(&f->db, &f->err), 0);
+    const int64_t applied = number(f, "SELECT count(*) FROM schema_migrations");
+    assert_true(applied >= 1);
+    assert_int_equal(orl_db_migrate_embedded(&f->db, &f->err), 0);
+    assert_int_equal(number(f, "SELECT count(*) FROM schema_migrations"), applied);
+    assert_int_equal(number(f, "SELECT count(*) FROM sqlite_schema WHERE type = 'table' AND name "
+                               "IN ('scenes', 'scene_files', 'bsdfs', 'maps', 'jobs')"),
+                     5);
+}
+
+static void test_stepwise_keeps_data(void **state)
+{
+    struct fixture *f = *state;
+    assert_int_equal(orl_db_migrate(&f->db, two, 1, &f->err), 0);
+    assert_int_equal(orl_db_exec(&f->db, "INSERT INTO a VALUES (41)", &f->err), 0);
+    assert_int_equal(orl_db_migrate(&f->db, two, 2, &f->err), 0);
+    assert_int_equal(number(f, "SELECT y FROM a WHERE x = 41"), 42);
+}
+
+/* A migration that fails halfway leaves nothing, and can be applied once it is mended. */
+static void test_failure_is_atomic(void **state)
+{
+    struct fixture *f = *state;
+    struct orl_migration list[2] = {two[0],
+                                    {"0002_bad.sql", "CREATE TABLE b (x INTEGER) STRICT; "
+                                                     "INSERT INTO nowhere VALUES (1);"}};
+    assert_int_equal(orl_db_migrate(&f->db, list, 2, &f->err), ORL_ERR_IO);
+    assert_string_equal(f->err.file, "0002_bad.sql");
+    assert_int_equal(number(f, "SELECT count(*) FROM schema_migrations"), 1);
+    assert_int_equal(number(f, "SELECT count(*) FROM sqlite_schema WHERE name = 'b'"), 0);
+    assert_int_equal(orl_db_migrate(&f->db, two, 2, &f->err), 0);
+}
+
+static void test_later_version_is_refused(void **state)
+{
+    struct fixture *f = *state;
+    assert_int_equal(orl_db_migrate(&f->db, two, 2, &f->err), 0);
+    assert_int_equal(orl_db_migrate(&f->db, two, 1, &f->err), ORL_ERR_VERSION);
+    assert_non_null(strstr(f->err.message, "later version"));
+    assert_int_equal(number(f, "SELECT y FROM a"), 2);
+}
+
+static void test_edited_migration_is_refused(void **state)
+{
+    struct fixture *f = *state;
+    struct orl_migration edited[2] = {two[0], two[1]};
+    edited[0].sql = "CREATE TABLE a (x INTEGER, z TEXT) STRICT;";
+    assert_int_equal(orl_db_migrate(&f->db, two, 2, &f->err), 0);
+    assert_int_equal(orl_db_migrate(&f->db, edited, 2, &f->err), ORL_ERR_CORRUPT);
+}
+
+static void test_gap_is_refused(void **state)
+{
+    struct fixture *f = *state;
+    assert_int_equal(orl_db_migrate(&f->db, &two[1], 1, &f->err), ORL_ERR_INTERNAL);
+}
+
+/* The schema holds the rows to what the code promises. */
+static void test_schema_refuses_nonsense(void **state)
+{
+    struct fixture *f = *state;
+    static const char *const bad[] = {
+        "INSERT INTO scenes VALUES ('short', 1, 1, '{}')",
+        "INSERT INTO jobs (id, scene, document, state, created_ms) VALUES ('j', "
+        "'0123456789abcdef0123456789abcdef0123456789abcdef0123456789abcdef', "
+        "'0123456789abcdef0123456789abcdef0123456789abcdef0123456789abcdef', 'queued', 1)",
+        "INSERT INTO maps VALUES ('global', 'k', 1, 1, 1, 1.0, 0, 0.0, 1, 1)",
+    };
+    assert_int_equal(orl_db_migrate_embedded(&f->db, &f->err), 0);
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
+        assert_int_equal(orl_db_exec(&f->db, bad[i], &f->err), ORL_ERR_IO);
+}
+
+static int last_row(void *ctx, const struct orl_job_row *row)
+{
+    struct orl_job_row *last = ctx;
+    assert_string_equal(row->problem, "{\"a\":1}");
+    *last = *row;
+    return 0;
+}
+
+static void test_job_rows_round_trip(void **state)
+{
+    struct fixture *f = *state;
+    struct orl_job_row row = {.id = "job-1", .state = ORL_JOB_QUEUED, .created_ms = 11}, last;
+    memset(&last, 0, sizeof last);
+    memset(row.scene, 'a', 64);
+    memset(row.document, 'b', 64);
+    assert_int_equal(orl_db_migrate_embedded(&f->db, &f->err), 0);
+    char sql[256];
+    snprintf(sql, sizeof sql, "INSERT INTO scenes VALUES ('%s', 1, 1, '{}')", row.scene);
+    assert_int_equal(orl_db_exec(&f->db, sql, &f->err), 0);
+    assert_int_equal(orl_job_row_insert(&f->db, &row, &row.seq, &f->err), 0);
+    row.state = ORL_JOB_FAILED;
+    row.attempts = 2;
+    row.finished_ms = 13;
+    row.problem = "{\"a\":1}";
+    assert_int_equal(orl_job_row_update(&f->db, &row, &f->err), 0);
+    assert_int_equal(orl_job_rows(&f->db, last_row, &last, &f->err), 0);
+    assert_string_equal(last.id, "job-1");
+    assert_int_equal(last.state, ORL_JOB_FAILED);
+    assert_int_equal(last.attempts, 2);
+    assert_int_equal(last.started_ms, 0);
+    assert_int_equal(last.finished_ms, 13);
+    assert_null(last.outcome);
+}
+
+#define EACH(test) cmocka_unit_test_setup_teardown(test, setup, teardown)
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        EACH(test_pragmas),
+        EACH(test_fresh_and_again),
+        EACH(test_stepwise_keeps_data),
+        EACH(test_failure_is_atomic),
+        EACH(test_later_version_is_refused),
+        EACH(test_edited_migration_is_refused),
+        EACH(test_gap_is_refused),
+        EACH(test_schema_refuses_nonsense),
+        EACH(test_job_rows_round_trip),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

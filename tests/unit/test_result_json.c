@@ -1,0 +1,128 @@
+/* result.json: its members by name, for scripts rely on them; and what JSON cannot say. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <jansson.h>
+#include <math.h>
+#include <string.h>
+
+#include "bsdf_json.h"
+#include "result_json.h"
+#include "scene_json.h"
+
+static struct orl_result example(void)
+{
+    static double lux[3] = {812.5, NAN, 0};
+    static struct orl_view_result views[1] = {{"desk", "desk.hdr", "desk.png", 1.5}};
+    static char *warnings[1] = {"a polygon has no area"};
+    struct orl_result result = {
+        .threads = 2,
+        .seed = 9,
+        .timings_s = {0.5, 0.25, 3, 1, 2},
+        .total_s = 6.75,
+        .n_maps = 1,
+        .illuminance_lx = lux,
+        .n_sensors = 3,
+        .views = views,
+        .n_views = 1,
+        .warnings = warnings,
+        .n_warnings = 1,
+    };
+    result.maps[0] =
+        (struct orl_map_info){"global", "ab", 5000000000ULL, 1900000, 40000000, 12.25, true};
+    return result;
+}
+
+static void test_members(void **state)
+{
+    (void)state;
+    const struct orl_result result = example();
+    json_t *doc = orl_result_to_json(&result, "succeeded");
+    json_t *expected = json_loads(
+        "{\"state\":\"succeeded\",\"threads\":2,\"seed\":9,"
+        "\"timings_s\":{\"load\":0.5,\"bvh\":0.25,\"photons\":3.0,\"maps\":1.0,\"render\":2.0,"
+        "\"total\":6.75},"
+        "\"maps\":[{\"kind\":\"global\",\"key\":\"ab\",\"emitted\":5000000000,\"stored\":1900000,"
+        "\"bytes\":40000000,\"seconds\":12.25,\"cached\":true}],"
+        "\"sensors\":[{\"illuminance_lx\":812.5},{\"illuminance_lx\":null},"
+        "{\"illuminance_lx\":0.0}],"
+        "\"views\":[{\"name\":\"desk\",\"hdr\":\"desk.hdr\",\"png\":\"desk.png\","
+        "\"seconds\":1.5}],"
+        "\"warnings\":[\"a polygon has no area\"]}",
+        0, NULL);
+    assert_non_null(doc);
+    assert_non_null(expected);
+    assert_true(json_equal(doc, expected));
+    json_decref(doc);
+    json_decref(expected);
+}
+
+static void test_empty_result(void **state)
+{
+    (void)state;
+    struct orl_result result;
+    memset(&result, 0, sizeof result);
+    json_t *doc = orl_result_to_json(&result, "failed");
+    assert_non_null(doc);
+    assert_string_equal(json_string_value(json_object_get(doc, "state")), "failed");
+    assert_true(json_is_array(json_object_get(doc, "sensors")));
+    assert_int_equal(json_array_size(json_object_get(doc, "views")), 0);
+    assert_int_equal(json_object_size(json_object_get(doc, "timings_s")), ORL_STAGE_COUNT + 1);
+    json_decref(doc);
+}
+
+static void test_scene_summary(void **state)
+{
+    (void)state;
+    char *referenced[] = {"lcp.xml"};
+    const struct orl_scene_summary summary = {.surfaces = 12,
+                                              .bsdfs = 1,
+                                              .bounds_min = {-1, 0, 0.5},
+                                              .bounds_max = {INFINITY, 1, 2},
+                                              .digest = "cafe",
+                                              .referenced = referenced,
+                                              .n_referenced = 1};
+    json_t *doc = orl_scene_summary_to_json(&summary);
+    assert_non_null(doc);
+    assert_int_equal(json_integer_value(json_object_get(doc, "surfaces")), 12);
+    const json_t *bounds = json_object_get(doc, "bounds");
+    assert_true(json_real_value(json_array_get(json_object_get(bounds, "min"), 2)) == 0.5);
+    assert_true(json_is_null(json_array_get(json_object_get(bounds, "max"), 0)));
+    assert_string_equal(json_string_value(json_array_get(json_object_get(doc, "referenced"), 0)),
+                        "lcp.xml");
+    json_decref(doc);
+}
+
+static void test_bsdf_info(void **state)
+{
+    (void)state;
+    const struct orl_bsdf_info info = {.name = "na\xefve", /* Latin-1, which is not UTF-8 */
+                                       .kind = "Klems full",
+                                       .resolution = 145,
+                                       .has = {{true, false}, {false, true}},
+                                       .max_albedo = {0.25, 0.75}};
+    json_t *doc = orl_bsdf_info_to_json(&info);
+    assert_non_null(doc);
+    assert_true(json_is_null(json_object_get(doc, "name")));
+    const json_t *components = json_object_get(doc, "components");
+    assert_true(json_is_true(json_object_get(components, "reflection_back")));
+    assert_true(json_is_true(json_object_get(components, "transmission_front")));
+    assert_true(json_is_false(json_object_get(components, "transmission_back")));
+    const json_t *albedo = json_object_get(doc, "max_albedo");
+    assert_true(json_real_value(json_object_get(albedo, "front")) == 0.75);
+    json_decref(doc);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_members),
+        cmocka_unit_test(test_empty_result),
+        cmocka_unit_test(test_scene_summary),
+        cmocka_unit_test(test_bsdf_info),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
