@@ -27,11 +27,16 @@ static int temporary_file(void)
 
 struct cli_child cli_start(const char *const *args)
 {
+    return cli_start_program("oriel", args);
+}
+
+struct cli_child cli_start_program(const char *name, const char *const *args)
+{
     const char *build = getenv("ORIEL_BUILD");
     char program[1024], *argv[MAX_ARGS] = {program};
     struct cli_child child = {.out_fd = temporary_file(), .err_fd = temporary_file()};
 
-    snprintf(program, sizeof program, "%s/oriel", build ? build : "build");
+    snprintf(program, sizeof program, "%s/%s", build ? build : "build", name);
     assert_int_equal(access(program, X_OK), 0);
     for (int i = 0; args[i]; i++) {
         assert_true(i + 2 < MAX_ARGS);
@@ -48,12 +53,20 @@ struct cli_child cli_start(const char *const *args)
     return child;
 }
 
-static void read_back(int fd, char text[CLI_OUTPUT_MAX])
+void cli_peek(const struct cli_child *child, char *ret_text)
 {
-    const ssize_t length = pread(fd, text, CLI_OUTPUT_MAX - 1, 0);
+    const ssize_t length = pread(child->out_fd, ret_text, CLI_OUTPUT_MAX - 1, 0);
 
     assert_true(length >= 0);
-    text[length] = '\0';
+    ret_text[length] = '\0';
+}
+
+static void read_back(int fd, char *ret_text)
+{
+    const ssize_t length = pread(fd, ret_text, CLI_OUTPUT_MAX - 1, 0);
+
+    assert_true(length >= 0);
+    ret_text[length] = '\0';
     close(fd);
 }
 

@@ -21,6 +21,11 @@ struct cli_child {
     int out_fd, err_fd;
 };
 
+/* The same for another built program, "orield". */
+struct cli_child cli_start_program(const char *name, const char *const *args);
+/* What the child has written to standard output so far; text holds CLI_OUTPUT_MAX bytes. */
+void cli_peek(const struct cli_child *child, char *ret_text);
+
 /* args ends with NULL and leaves out the program's name. Fails the test when it cannot start. */
 struct cli_child cli_start(const char *const *args);
 void cli_finish(struct cli_child *child, struct cli_result *ret_result);
