@@ -76,6 +76,11 @@ unsigned orl_router_find(const char *method, const char *url, const struct orl_r
     return ret_allow[0] ? 405 : 404;
 }
 
+size_t orl_router_count(void)
+{
+    return sizeof routes / sizeof *routes;
+}
+
 bool orl_router_accepts(const struct orl_route *route, const char *content_type)
 {
     if (!route->types)

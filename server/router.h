@@ -4,6 +4,8 @@
 #ifndef ORL_SERVER_ROUTER_H
 #define ORL_SERVER_ROUTER_H
 
+#include <stddef.h>
+
 #include "request.h"
 
 struct orl_route {
@@ -20,6 +22,9 @@ struct orl_route {
  */
 unsigned orl_router_find(const char *method, const char *url, const struct orl_route **ret_route,
                          char ret_params[ORL_ROUTE_PARAMS][ORL_PARAM_MAX], char ret_allow[64]);
+
+/* How many routes there are; the contract must have as many operations. */
+size_t orl_router_count(void);
 
 /* Does the media type of a Content-Type header (NULL: none) suit the route? */
 bool orl_router_accepts(const struct orl_route *route, const char *content_type);

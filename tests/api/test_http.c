@@ -1,0 +1,258 @@
+/* The daemon as HTTP sees it: routes, refusals, the contract, start and stop. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <ctype.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "router.h"
+#include "support/daemon.h"
+
+static int setup(void **state)
+{
+    static struct daemon daemon;
+    daemon_start(&daemon, NULL);
+    *state = &daemon;
+    return 0;
+}
+
+static int teardown(void **state)
+{
+    daemon_remove(*state);
+    return 0;
+}
+
+static void test_service_routes(void **state)
+{
+    static const struct {
+        const char *path, *member;
+    } routes[] = {
+        {"/", "service"},        {"/healthz", "status"}, {"/readyz", "status"},
+        {"/v1/limits", "views"}, {"/v1/jobs", "jobs"},   {"/v1/maps", "maps"},
+    };
+    for (size_t i = 0; i < sizeof routes / sizeof *routes; i++) {
+        struct reply reply;
+        daemon_get(*state, routes[i].path, &reply);
+        assert_int_equal(reply.status, 200);
+        assert_string_equal(reply_header(&reply, "Content-Type"), "application/json");
+        assert_non_null(reply_at(&reply, routes[i].member));
+        reply_done(&reply);
+        daemon_request(*state, "HEAD", routes[i].path, NULL, NULL, 0, NULL, &reply);
+        assert_int_equal(reply.status, 200);
+        assert_int_equal(reply.size, 0);
+        reply_done(&reply);
+    }
+}
+
+/* Every refusal is a problem document with the status that HTTP shows too. */
+static const struct {
+    const char *method, *path, *type, *body;
+    long status;
+    const char *problem, *allow;
+} refusals[] = {
+    {"GET", "/nowhere", NULL, NULL, 404, "no-such-resource", NULL},
+    {"GET", "/v1/jobs/", NULL, NULL, 404, "no-such-resource", NULL},
+    {"GET", "/v1/jobs/0123", NULL, NULL, 404, "no-such-resource", NULL},
+    {"DELETE", "/v1/jobs/0123", NULL, NULL, 404, "no-such-resource", NULL},
+    {"GET", "/v1/jobs/0123/result", NULL, NULL, 404, "no-such-resource", NULL},
+    {"GET", "/v1/jobs/0123/files/a.hdr", NULL, NULL, 404, "no-such-resource", NULL},
+    {"GET", "/v1/jobs/0123/files/..%2Foriel.db", NULL, NULL, 404, "no-such-resource", NULL},
+    {"GET", "/v1/scenes/0123", NULL, NULL, 404, "no-such-resource", NULL},
+    {"GET", "/v1/bsdfs/%00%ff'; DROP TABLE jobs", NULL, NULL, 404, "no-such-resource", NULL},
+    {"PUT", "/v1/jobs", "application/json", "{}", 405, "method-not-allowed", "POST, GET, HEAD"},
+    {"DELETE", "/healthz", NULL, NULL, 405, "method-not-allowed", "GET, HEAD"},
+    {"GET", "/v1/scenes", NULL, NULL, 405, "method-not-allowed", "POST"},
+    {"BREW", "/v1/maps", NULL, NULL, 405, "method-not-allowed", "GET, HEAD"},
+    {"POST", "/v1/jobs", "text/plain", "{}", 415, "unsupported-media-type", NULL},
+    {"POST", "/v1/jobs", NULL, "{}", 415, "unsupported-media-type", NULL},
+    {"POST", "/v1/scenes", "application/xml", "<a/>", 415, "unsupported-media-type", NULL},
+    {"POST", "/v1/scenes", "application/jsonx", "{}", 415, "unsupported-media-type", NULL},
+    {"POST", "/v1/jobs", "application/json", "{\"scene\":\n}", 400, "syntax", NULL},
+    {"POST", "/v1/jobs", "application/json", "", 400, "syntax", NULL},
+    {"POST", "/v1/jobs", "application/json", "{\"scene\":1,\"scene\":1}", 400, "syntax", NULL},
+    {"POST", "/v1/jobs", "application/json; charset=utf-8", "{}", 422, "invalid", NULL},
+    {"POST", "/v1/scenes", "multipart/form-data", "x", 400, "syntax", NULL},
+    {"GET", "/v1/jobs?limit=0", NULL, NULL, 400, "invalid", NULL},
+    {"GET", "/v1/jobs?limit=x", NULL, NULL, 400, "invalid", NULL},
+    {"GET", "/v1/jobs?state=lost", NULL, NULL, 400, "invalid", NULL},
+};
+
+static void test_refusals(void **state)
+{
+    for (size_t i = 0; i < sizeof refusals / sizeof *refusals; i++) {
+        char type[80], path[160];
+        struct reply reply;
+        /* libcurl does not escape what is not fit for a URL. */
+        snprintf(path, sizeof path, "%s", refusals[i].path);
+        for (char *c = path; *c; c++)
+            if (*c == ' ')
+                *c = '+';
+        daemon_request(*state, refusals[i].method, path, refusals[i].type, refusals[i].body,
+                       refusals[i].body ? strlen(refusals[i].body) : 0, NULL, &reply);
+        snprintf(type, sizeof type, "urn:oriel:error:%s", refusals[i].problem);
+        if (reply.status != refusals[i].status || strcmp(reply_text(&reply, "type"), type) != 0)
+            fail_msg("%s %s: %ld %s", refusals[i].method, refusals[i].path, reply.status,
+                     reply.body);
+        assert_string_equal(reply_header(&reply, "Content-Type"), "application/problem+json");
+        assert_true(reply_number(&reply, "status") == (double)refusals[i].status);
+        assert_true(strlen(reply_text(&reply, "title")) > 0);
+        if (refusals[i].allow)
+            assert_string_equal(reply_header(&reply, "Allow"), refusals[i].allow);
+        reply_done(&reply);
+    }
+}
+
+static void test_json_mistake_has_its_line(void **state)
+{
+    struct reply reply;
+    daemon_post_json(*state, "/v1/jobs", "{\"seed\": 1,\n\"scene\": }", &reply);
+    assert_int_equal(reply.status, 400);
+    assert_true(reply_number(&reply, "line") == 2);
+    reply_done(&reply);
+    daemon_post_json(*state, "/v1/jobs", "{\"photons\": {\"globl\": 1}, \"scene\": \"x\"}", &reply);
+    assert_int_equal(reply.status, 422);
+    reply_done(&reply);
+}
+
+/* Refused by its length before it is sent; or swallowed, without a length, and refused then. */
+static void test_too_large(void **state)
+{
+    struct reply reply;
+    daemon_request(*state, "POST", "/v1/jobs", "application/json", "{}", 2,
+                   "Content-Length: 99999999999", &reply);
+    assert_int_equal(reply.status, 413);
+    assert_string_equal(reply_text(&reply, "type"), "urn:oriel:error:limit");
+    reply_done(&reply);
+    daemon_request(*state, "POST", "/v1/jobs/0/cancel", NULL, calloc(1, 8000), 8000,
+                   "Transfer-Encoding: chunked", &reply);
+    assert_int_equal(reply.status, 413);
+    reply_done(&reply);
+}
+
+/* What a path of the contract allows, as the daemon tells with a 405. */
+static void ask_allow(struct daemon *daemon, const char *line, char ret_allow[64])
+{
+    char path[128];
+    struct reply reply;
+    snprintf(path, sizeof path, "%.*s", (int)strlen(line) - 3, line + 2);
+    for (char *brace; (brace = strchr(path, '{'));) {
+        char *end = strchr(brace, '}');
+        assert_non_null(end);
+        *brace = 'x';
+        memmove(brace + 1, end + 1, strlen(end));
+    }
+    daemon_request(daemon, "BREW", path, NULL, NULL, 0, NULL, &reply);
+    if (reply.status != 405)
+        fail_msg("the contract names %s, which the daemon does not know", path);
+    snprintf(ret_allow, 64, "%s", reply_header(&reply, "Allow"));
+    reply_done(&reply);
+}
+
+/* Every operation of the contract is served, and there are as many as the daemon has routes. */
+static void test_contract_matches(void **state)
+{
+    static const char *const methods[] = {"get", "post", "delete", "put", "patch"};
+    struct reply contract;
+    char allow[64] = "", *save = NULL;
+    size_t operations = 0;
+    daemon_get(*state, "/openapi.yaml", &contract);
+    assert_int_equal(contract.status, 200);
+    assert_int_equal(strncmp(contract.body, "openapi: 3.1", 12), 0);
+    for (char *line = strtok_r(contract.body, "\n", &save); line;
+         line = strtok_r(NULL, "\n", &save)) {
+        if (strncmp(line, "  /", 3) == 0)
+            ask_allow(*state, line, allow);
+        for (size_t i = 0; i < sizeof methods / sizeof *methods; i++) {
+            char key[16], verb[16] = "";
+            snprintf(key, sizeof key, "    %s:", methods[i]);
+            if (strcmp(line, key) != 0)
+                continue;
+            for (size_t k = 0; methods[i][k]; k++)
+                verb[k] = (char)toupper((unsigned char)methods[i][k]);
+            if (!strstr(allow, verb))
+                fail_msg("the contract's %s is not among '%s'", verb, allow);
+            operations++;
+        }
+    }
+    assert_int_equal(operations, orl_router_count());
+    reply_done(&contract);
+}
+
+static void test_one_daemon_per_folder(void **state)
+{
+    struct daemon *daemon = *state;
+    char command[400];
+    const char *build = getenv("ORIEL_BUILD");
+    snprintf(command, sizeof command,
+             "%s/orield --port 0 --data %s 2>&1 | grep -q 'another daemon'",
+             build ? build : "build", daemon->root);
+    assert_int_equal(system(command), 0);
+}
+
+static int run(const char *arguments)
+{
+    char command[400];
+    const char *build = getenv("ORIEL_BUILD");
+    snprintf(command, sizeof command, "%s/orield %s >/dev/null 2>&1", build ? build : "build",
+             arguments);
+    const int status = system(command);
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+static void test_command_line(void **state)
+{
+    (void)state;
+    assert_int_equal(run("--help"), 0);
+    assert_int_equal(run("--version"), 0);
+    static const char *const wrong[] = {
+        "--listen 0.0.0.0:1",
+        "--listen 192.168.1.2:80",
+        "--listen [::]:1",
+        "--listen nonsense",
+        "--port 70000",
+        "--port -1",
+        "--threads 0",
+        "--threads x",
+        "--threads",
+        "--what 1",
+        "--jobs 0",
+        "--log-level loud",
+        "--listen 127.0.0.1:1x",
+        "--listen example.org:80",
+    };
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++)
+        if (run(wrong[i]) != 2)
+            fail_msg("orield %s did not end with status 2", wrong[i]);
+}
+
+static void test_stops_cleanly(void **state)
+{
+    struct daemon *daemon = *state;
+    assert_int_equal(daemon_end(daemon, SIGTERM), 0);
+    daemon_restart(daemon, NULL);
+    assert_int_equal(daemon_end(daemon, SIGINT), 0);
+    daemon_restart(daemon, NULL);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_service_routes),
+        cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_json_mistake_has_its_line),
+        cmocka_unit_test(test_too_large),
+        cmocka_unit_test(test_contract_matches),
+        cmocka_unit_test(test_one_daemon_per_folder),
+        cmocka_unit_test(test_command_line),
+        cmocka_unit_test(test_stops_cleanly),
+    };
+    return cmocka_run_group_tests(tests, setup, teardown);
+}

@@ -1,0 +1,82 @@
+/*
+ * A real daemon for a test: $ORIEL_BUILD/orield (default build/orield) as a child process, on a
+ * free port, with a temporary data folder; and HTTP requests to it by libcurl.
+ *
+ * Everything here fails the running test (cmocka) when it cannot do its part. Replies are owned:
+ * reply_done. The child dies with the test program, whatever happens to that.
+ */
+#ifndef ORL_TESTS_SUPPORT_DAEMON_H
+#define ORL_TESTS_SUPPORT_DAEMON_H
+
+#include <jansson.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <sys/types.h>
+
+struct daemon {
+    pid_t pid;
+    char url[64];  /* "http://127.0.0.1:40123" */
+    char root[64]; /* the data folder */
+    void *curl;    /* one connection, kept alive */
+};
+
+struct reply {
+    long status;
+    char *headers; /* as received */
+    char *body;    /* NUL added */
+    size_t size;
+    json_t *json; /* the body, when it is JSON */
+    double seconds;
+};
+
+/* With a new data folder; extra (may be NULL) are further arguments, ending with NULL. */
+void daemon_start(struct daemon *daemon, const char *const *extra);
+/* Again on the same data folder, after daemon_end. */
+void daemon_restart(struct daemon *daemon, const char *const *extra);
+/* Sends the signal and waits. Returns the exit status, or -1 when a signal ended it. */
+int daemon_end(struct daemon *daemon, int signum);
+/* Ends it if it runs, and removes its folder. */
+void daemon_remove(struct daemon *daemon);
+/* How many files lie below a folder of the data folder ("blobs"). */
+size_t daemon_count_files(const struct daemon *daemon, const char *folder);
+
+/* method "GET", "POST", ...; body may be NULL; type may be NULL. header may be NULL or one line. */
+void daemon_request(struct daemon *daemon, const char *method, const char *path, const char *type,
+                    const void *body, size_t size, const char *header, struct reply *ret_reply);
+void daemon_get(struct daemon *daemon, const char *path, struct reply *ret_reply);
+void daemon_post_json(struct daemon *daemon, const char *path, const char *json,
+                      struct reply *ret_reply);
+
+struct upload_file {
+    const char *name, *data;
+    size_t size;
+    bool resource; /* sent as a part named "resource" */
+};
+/* multipart/form-data to /v1/scenes; bsdfs may be NULL. */
+void daemon_upload(struct daemon *daemon, const struct upload_file *files, size_t count,
+                   const char *bsdfs, struct reply *ret_reply);
+
+void reply_done(struct reply *reply);
+/* A member of the reply's JSON by a path of names and indices, "maps.0.cached"; NULL: absent. */
+const json_t *reply_at(const struct reply *reply, const char *path);
+const char *reply_text(const struct reply *reply, const char *path); /* "" when absent */
+double reply_number(const struct reply *reply, const char *path);    /* NAN when absent */
+/* A header's value, or NULL; valid until the next call. */
+const char *reply_header(const struct reply *reply, const char *name);
+
+/* ---- Jobs --------------------------------------------------------------------------------------
+ */
+
+/* A glazed room under a sunny sky; its id once uploaded. */
+void daemon_upload_room(struct daemon *daemon, char ret_id[65]);
+/* Submits a job of that scene: two sensors and, with a name, a 32x24 view. Fills its path. */
+void daemon_submit(struct daemon *daemon, const char *scene, long photons, int seed,
+                   const char *view, char ret_path[80]);
+/* Polls until the job's state is one of the last three, or for at most seconds. */
+void daemon_wait(struct daemon *daemon, const char *path, double seconds, struct reply *ret_reply);
+/* Polls until the job runs and has got beyond that percentage. */
+void daemon_wait_running(struct daemon *daemon, const char *path, double percent);
+
+extern const char room_scene[], room_sky[];
+
+#endif
