@@ -119,7 +119,7 @@ static void describe_tree(struct orl_bsdf_info *info, const struct orl_tree *tre
     if (info->resolution < 1 << tree->depth)
         info->resolution = 1 << tree->depth;
     info->values += tree->values;
-    info->bytes += tree->n_words * sizeof *tree->words + tree->n_blocks * sizeof *tree->blocks;
+    info->bytes += tree->n_lines * sizeof *tree->lines;
     info->clamped += tree->clamped;
 }
 

@@ -31,29 +31,31 @@ static float float_of(uint32_t bits)
     return value;
 }
 
-static struct orl_tree_ref child_of(const uint32_t *node, unsigned i)
+static struct orl_tree_ref child_of(const struct orl_tree *tree, struct orl_tree_ref ref,
+                                    unsigned i)
 {
-    return (struct orl_tree_ref){node[1 + i], node[0] >> i & 1};
+    return (struct orl_tree_ref){tree->lines[orl_tree_index(ref)].words[i]};
 }
 
-/* See orl_tree_mean; a block's four leaves for the given cell are summed on the spot. */
+/* See orl_tree_mean. The four leaves of a lowest branch are summed on the spot. */
 static inline float mean_of(const struct orl_tree *tree, struct orl_tree_ref ref,
                             enum orl_axis given, struct cell c, unsigned level)
 {
-    const unsigned depth = orl_tree_ref_depth(ref);
-    const size_t index = orl_tree_ref_index(ref);
+    const unsigned depth = orl_tree_depth(ref);
     const unsigned shift = level - depth, mask = (1U << depth) - 1;
     const unsigned x = c.x >> shift & mask, y = c.y >> shift & mask;
+    const uint32_t *words;
     if (depth == 0)
         return float_of(ref.bits);
+    words = tree->lines[orl_tree_index(ref)].words;
     if (depth == 1) {
-        const unsigned mine = x | y << 1;
-        const float *leaf = tree->blocks[index] + (given == ORL_AXIS_A ? mine : 4 * mine);
-        const unsigned step = given == ORL_AXIS_A ? 4 : 1;
-        return 0.25F * ((leaf[0] + leaf[step]) + (leaf[2 * step] + leaf[3 * step]));
+        const unsigned mine = x | y << 1, step = given == ORL_AXIS_A ? 4 : 1;
+        const uint32_t *leaf = words + (given == ORL_AXIS_A ? mine : 4 * mine);
+        return 0.25F * ((float_of(leaf[0]) + float_of(leaf[step])) +
+                        (float_of(leaf[2 * step]) + float_of(leaf[3 * step])));
     }
-    return float_of(
-        tree->words[index + ORL_TREE_HEAD + ((size_t)given << 2 * depth) + (x << depth | y)]);
+    __builtin_prefetch(words); /* a descent that comes this way wants the children next */
+    return float_of(words[ORL_TREE_FANOUT + ((size_t)given << 2 * depth) + (x << depth | y)]);
 }
 
 float orl_tree_mean(const struct orl_tree *tree, struct orl_tree_ref ref, enum orl_axis given,
@@ -67,15 +69,11 @@ double orl_tree_eval(const struct orl_tree *tree, struct orl_square a, struct or
     const struct cell ca = cell_of(a, ORL_AXIS_A, tree->depth);
     const struct cell cb = cell_of(b, ORL_AXIS_B, tree->depth);
     struct orl_tree_ref ref = tree->root;
-    for (unsigned level = tree->depth; !ref.leaf;) {
-        const unsigned depth = orl_tree_ref_depth(ref);
-        unsigned i;
+    for (unsigned level = tree->depth; !orl_tree_is_leaf(ref);) {
         level--;
-        i = (ca.x >> level & 1) | (ca.y >> level & 1) << 1 | (cb.x >> level & 1) << 2 |
-            (cb.y >> level & 1) << 3;
-        if (depth == 1)
-            return (double)tree->blocks[orl_tree_ref_index(ref)][i];
-        ref = child_of(tree->words + orl_tree_ref_index(ref), i);
+        ref = child_of(tree, ref,
+                       (ca.x >> level & 1) | (ca.y >> level & 1) << 1 | (cb.x >> level & 1) << 2 |
+                           (cb.y >> level & 1) << 3);
     }
     return (double)float_of(ref.bits);
 }
@@ -130,22 +128,20 @@ double orl_tree_draw(const struct orl_tree *tree, enum orl_axis given, struct or
     unsigned level = tree->depth, x = 0, y = 0, mine, i;
     const double sign = given == ORL_AXIS_A ? 1 : -1; /* of the direction that is drawn */
     double t = u[0] * (double)mean_of(tree, ref, given, c, level);
-    while (!ref.leaf) {
-        const unsigned depth = orl_tree_ref_depth(ref);
-        const size_t index = orl_tree_ref_index(ref);
+    while (!orl_tree_is_leaf(ref)) {
+        struct orl_tree_ref child[4];
         float mean[4];
         level--;
         mine = ((c.x >> level & 1) | (c.y >> level & 1) << 1) << own;
         for (unsigned k = 0; k < 4; k++)
-            mean[k] = depth == 1 ? tree->blocks[index][mine | k << others]
-                                 : mean_of(tree, child_of(tree->words + index, mine | k << others),
-                                           given, c, level);
+            child[k] = child_of(tree, ref, mine | k << others);
+        for (unsigned k = 0; k < 4; k++)
+            mean[k] = mean_of(tree, child[k], given, c, level);
         t *= 4; /* the mean over the square is a quarter of the sum over its quarters */
         i = choose_quarter(mean, &t);
         x = x << 1 | (i & 1);
         y = y << 1 | i >> 1;
-        ref =
-            depth == 1 ? orl_tree_leaf(mean[i]) : child_of(tree->words + index, mine | i << others);
+        ref = child[i];
     }
     t = fmin(t / (double)float_of(ref.bits), 0x1.fffffffffffffp-1);
     *ret_direction = orl_square_to_hemisphere((struct orl_square){

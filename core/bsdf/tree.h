@@ -6,16 +6,16 @@
  * the light travels) and B (the file's "exitant"). A child of a branch is numbered by four bits:
  * bit 0 A.x, bit 1 A.y, bit 2 B.x, bit 3 B.y; a set bit is the upper half.
  *
- * Store. The lowest branches, all of whose children are leaves, are blocks of 16 floats: one line
- * of the cache each. Higher branches are runs of 32-bit words:
- *     word 0       bit i set: child i is a leaf
- *     words 1..16  the children: a leaf's value (float), or depth << 28 | index, which counts
- *                  blocks for depth 1 and words above
- *     4^depth      float means over B, for each cell of A at 2^depth a side, x-major
- *     4^depth      float means over A, for each cell of B
+ * Store: one array of lines of 16 words, a cache line each, children before parents. A word of a
+ * branch is a child: a leaf's value (a float, never negative), or with the sign bit set
+ * depth - 1 (3 bits) and the index of the child's first line (28 bits). A branch is
+ *     1 line             its children
+ * and, when not all of them are leaves, that is when its depth is at least 2,
+ *     4^depth words      float means over B, for each cell of A at 2^depth a side, x-major
+ *     4^depth words      float means over A, for each cell of B
  * depth is how many levels of branches the node spans, itself included. The means make a draw of
  * one direction given the other a plain descent: at each level, four sums to choose from. Those of
- * a block are summed when they are wanted, which costs less than fetching them.
+ * a lowest branch are summed when they are wanted, which costs less than fetching them.
  *
  * Invariants: leaves are finite and not negative (scan.h); the tree is immutable once built.
  * Threads: any number may read. References: Ward, Kurt and Bonneel 2014 (the format); Clarberg,
@@ -32,22 +32,23 @@
 
 #include "bsdf/shirley.h"
 
-enum { ORL_TREE_FANOUT = 16, ORL_TREE_HEAD = 17, ORL_TREE_INDEX_BITS = 28 };
+enum { ORL_TREE_FANOUT = 16, ORL_TREE_INDEX_BITS = 28 };
 
 /* Which of the two directions is given. */
 enum orl_axis { ORL_AXIS_A = 0, ORL_AXIS_B = 1 };
 
-/* A leaf's value or a branch, as held in a branch's words. */
+/* A leaf or a branch, as a word of the store. */
 struct orl_tree_ref {
     uint32_t bits;
-    bool leaf;
+};
+
+struct orl_tree_line {
+    uint32_t words[ORL_TREE_FANOUT];
 };
 
 struct orl_tree {
-    uint32_t *words; /* higher branches; owned */
-    size_t n_words, words_capacity;
-    float (*blocks)[ORL_TREE_FANOUT]; /* lowest branches, on cache lines; owned */
-    size_t n_blocks, blocks_capacity;
+    struct orl_tree_line *lines; /* aligned to 64 bytes; owned */
+    size_t n_lines, capacity;
     struct orl_tree_ref root;
     unsigned depth; /* log2 of the resolution per axis; 0: one leaf */
     size_t values;  /* leaves in the file */
@@ -70,12 +71,19 @@ void orl_tree_done(struct orl_tree *tree); /* NULL and half-built are allowed */
 
 /* ---- Reading (tree.c) ------------------------------------------------------------------------ */
 
-static inline unsigned orl_tree_ref_depth(struct orl_tree_ref ref)
+static inline bool orl_tree_is_leaf(struct orl_tree_ref ref)
 {
-    return ref.leaf ? 0 : ref.bits >> ORL_TREE_INDEX_BITS;
+    return !(ref.bits >> 31);
 }
 
-static inline uint32_t orl_tree_ref_index(struct orl_tree_ref ref)
+/* Levels of branches below and with this one; 0 for a leaf. */
+static inline unsigned orl_tree_depth(struct orl_tree_ref ref)
+{
+    return orl_tree_is_leaf(ref) ? 0 : (ref.bits >> ORL_TREE_INDEX_BITS & 7) + 1;
+}
+
+/* A branch's first line. */
+static inline size_t orl_tree_index(struct orl_tree_ref ref)
 {
     return ref.bits & ((1U << ORL_TREE_INDEX_BITS) - 1);
 }

@@ -3,15 +3,17 @@
 
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
 
 #include <oriel/limits.h>
 
-/* What an index of 28 bits can reach, and no more than a bounded multiple of the values. */
-#define WORDS_MAX (2 * ORL_LIMIT_BSDF_VALUES)
-_Static_assert(WORDS_MAX <= 1UL << ORL_TREE_INDEX_BITS, "an index must fit");
-_Static_assert(ORL_LIMIT_TREE_DEPTH < 16, "a child's depth has 4 bits");
+enum { LINE_BYTES = 64, HUGE_BYTES = 2 << 20 };
 
-enum { LINE_BYTES = 64 };
+/* A bounded multiple of the values, whatever the shape of the tree. */
+#define LINES_MAX (2 * ORL_LIMIT_BSDF_VALUES / ORL_TREE_FANOUT)
+_Static_assert(LINES_MAX <= 1UL << ORL_TREE_INDEX_BITS, "an index must fit");
+_Static_assert(ORL_LIMIT_TREE_DEPTH <= 8, "a child's depth has 3 bits");
+_Static_assert(sizeof(struct orl_tree_line) == LINE_BYTES, "a line of the cache");
 
 static uint32_t float_bits(float value)
 {
@@ -22,52 +24,50 @@ static uint32_t float_bits(float value)
 
 struct orl_tree_ref orl_tree_leaf(float value)
 {
-    return (struct orl_tree_ref){float_bits(value), true};
+    return (struct orl_tree_ref){float_bits(value)};
 }
 
-static int out_of_memory(struct orl_error *err)
+/*
+ * Moves the lines to an array of the given capacity. A large one asks for huge pages: a draw jumps
+ * all over it, and would otherwise wait for the page tables as often as for the data.
+ */
+static int resize(struct orl_tree *tree, size_t capacity, struct orl_error *err)
 {
-    return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for the tensor tree");
+    const size_t page = capacity >= 2 * HUGE_BYTES / LINE_BYTES ? HUGE_BYTES : LINE_BYTES;
+    const size_t bytes = (capacity * LINE_BYTES + page - 1) / page * page;
+    struct orl_tree_line *lines = aligned_alloc(page, bytes);
+    if (!lines)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for the tensor tree");
+#ifdef MADV_HUGEPAGE
+    if (page == HUGE_BYTES)
+        madvise(lines, bytes, MADV_HUGEPAGE); /* a wish: nothing depends on it */
+#endif
+    if (tree->n_lines > 0)
+        memcpy(lines, tree->lines, tree->n_lines * sizeof *lines);
+    free(tree->lines);
+    tree->lines = lines;
+    tree->capacity = capacity;
+    return 0;
 }
 
-/* Makes room for count more words. Children, once finished, never move within their array. */
-static int reserve_words(struct orl_tree *tree, size_t count, struct orl_error *err)
+/* Makes room for count more lines. */
+static int reserve(struct orl_tree *tree, size_t count, struct orl_error *err)
 {
-    size_t capacity = tree->words_capacity ? tree->words_capacity : 4096;
-    uint32_t *words;
-    if (count > WORDS_MAX - tree->n_words)
+    size_t capacity = tree->capacity ? tree->capacity : 256;
+    if (count > LINES_MAX - tree->n_lines)
         return orl_error_set(err, ORL_ERR_LIMIT, "the tensor tree needs more than %lu MB",
-                             WORDS_MAX * sizeof(uint32_t) >> 20);
-    if (tree->n_words + count <= tree->words_capacity)
+                             LINES_MAX * LINE_BYTES >> 20);
+    if (tree->n_lines + count <= tree->capacity)
         return 0;
-    while (capacity < tree->n_words + count)
+    while (capacity < tree->n_lines + count)
         capacity += capacity / 2;
-    words = realloc(tree->words, capacity * sizeof *words);
-    if (!words)
-        return out_of_memory(err);
-    tree->words = words;
-    tree->words_capacity = capacity;
-    return 0;
-}
-
-/* Moves the blocks to an array of the given capacity that starts on a cache line. */
-static int resize_blocks(struct orl_tree *tree, size_t capacity, struct orl_error *err)
-{
-    float(*blocks)[ORL_TREE_FANOUT] = aligned_alloc(LINE_BYTES, capacity * sizeof *blocks);
-    if (!blocks)
-        return out_of_memory(err);
-    if (tree->n_blocks > 0)
-        memcpy(blocks, tree->blocks, tree->n_blocks * sizeof *blocks);
-    free(tree->blocks);
-    tree->blocks = blocks;
-    tree->blocks_capacity = capacity;
-    return 0;
+    return resize(tree, capacity, err);
 }
 
 static bool all_equal(const struct orl_tree_ref child[ORL_TREE_FANOUT])
 {
     for (int i = 0; i < ORL_TREE_FANOUT; i++)
-        if (!child[i].leaf || child[i].bits != child[0].bits)
+        if (!orl_tree_is_leaf(child[i]) || child[i].bits != child[0].bits)
             return false;
     return true;
 }
@@ -90,62 +90,37 @@ static void fill_means(const struct orl_tree *tree, const struct orl_tree_ref *c
     }
 }
 
-/* A branch over leaves only. */
-static int add_block(struct orl_tree *tree, const struct orl_tree_ref *child,
-                     struct orl_tree_ref *ret_ref, struct orl_error *err)
-{
-    const size_t capacity = tree->blocks_capacity;
-    int code = 0;
-    if (tree->n_blocks == capacity)
-        code = resize_blocks(tree, capacity ? capacity + capacity / 2 : 1024, err);
-    if (code < 0)
-        return code;
-    for (int i = 0; i < ORL_TREE_FANOUT; i++)
-        memcpy(&tree->blocks[tree->n_blocks][i], &child[i].bits, sizeof(float));
-    ret_ref->bits = 1U << ORL_TREE_INDEX_BITS | (uint32_t)tree->n_blocks++;
-    ret_ref->leaf = false;
-    return 0;
-}
-
-/* A branch of depth at least 2. */
-static int add_node(struct orl_tree *tree, const struct orl_tree_ref *child, unsigned depth,
-                    struct orl_tree_ref *ret_ref, struct orl_error *err)
-{
-    const size_t means = (size_t)1 << 2 * depth;
-    const int code = reserve_words(tree, ORL_TREE_HEAD + 2 * means, err);
-    uint32_t *node;
-    if (code < 0)
-        return code;
-    node = tree->words + tree->n_words;
-    node[0] = 0;
-    for (int i = 0; i < ORL_TREE_FANOUT; i++) {
-        node[0] |= (uint32_t)child[i].leaf << i;
-        node[1 + i] = child[i].bits;
-    }
-    fill_means(tree, child, ORL_AXIS_A, depth, node + ORL_TREE_HEAD);
-    fill_means(tree, child, ORL_AXIS_B, depth, node + ORL_TREE_HEAD + means);
-    ret_ref->bits = depth << ORL_TREE_INDEX_BITS | (uint32_t)tree->n_words;
-    ret_ref->leaf = false;
-    tree->n_words += ORL_TREE_HEAD + 2 * means;
-    return 0;
-}
-
 int orl_tree_branch(struct orl_tree *tree, const struct orl_tree_ref child[ORL_TREE_FANOUT],
                     struct orl_tree_ref *ret_ref, struct orl_error *err)
 {
     unsigned depth = 1;
+    size_t means = 0; /* words for one given direction */
+    uint32_t *words;
+    int code;
     if (all_equal(child)) {
         *ret_ref = child[0];
         return 0;
     }
     for (int i = 0; i < ORL_TREE_FANOUT; i++)
-        if (orl_tree_ref_depth(child[i]) >= depth)
-            depth = orl_tree_ref_depth(child[i]) + 1;
+        if (orl_tree_depth(child[i]) >= depth)
+            depth = orl_tree_depth(child[i]) + 1;
     if (depth > ORL_LIMIT_TREE_DEPTH)
         return orl_error_set(err, ORL_ERR_LIMIT, "the tensor tree is deeper than %u levels",
                              ORL_LIMIT_TREE_DEPTH);
-    return depth == 1 ? add_block(tree, child, ret_ref, err)
-                      : add_node(tree, child, depth, ret_ref, err);
+    if (depth > 1)
+        means = (size_t)1 << 2 * depth;
+    code = reserve(tree, 1 + 2 * means / ORL_TREE_FANOUT, err);
+    if (code < 0)
+        return code;
+    words = tree->lines[tree->n_lines].words;
+    memcpy(words, child, ORL_TREE_FANOUT * sizeof *words);
+    if (means > 0) {
+        fill_means(tree, child, ORL_AXIS_A, depth, words + ORL_TREE_FANOUT);
+        fill_means(tree, child, ORL_AXIS_B, depth, words + ORL_TREE_FANOUT + means);
+    }
+    ret_ref->bits = 1U << 31 | (depth - 1) << ORL_TREE_INDEX_BITS | (uint32_t)tree->n_lines;
+    tree->n_lines += 1 + 2 * means / ORL_TREE_FANOUT;
+    return 0;
 }
 
 /* A cube of cells within a grid of values. */
@@ -188,24 +163,16 @@ int orl_tree_grid(struct orl_tree *tree, const float *values, unsigned log2_side
 void orl_tree_finish(struct orl_tree *tree, struct orl_tree_ref root)
 {
     tree->root = root;
-    tree->depth = orl_tree_ref_depth(root);
+    tree->depth = orl_tree_depth(root);
     /* Giving back spare room is a courtesy: where it fails, the larger array stays. */
-    if (tree->n_words > 0 && tree->n_words < tree->words_capacity) {
-        uint32_t *words = realloc(tree->words, tree->n_words * sizeof *words);
-        if (words) {
-            tree->words = words;
-            tree->words_capacity = tree->n_words;
-        }
-    }
-    if (tree->n_blocks > 0 && tree->n_blocks < tree->blocks_capacity)
-        resize_blocks(tree, tree->n_blocks, NULL);
+    if (tree->n_lines > 0 && tree->n_lines < tree->capacity)
+        resize(tree, tree->n_lines, NULL);
 }
 
 void orl_tree_done(struct orl_tree *tree)
 {
     if (!tree)
         return;
-    free(tree->words);
-    free(tree->blocks);
+    free(tree->lines);
     memset(tree, 0, sizeof *tree);
 }
