@@ -16,6 +16,7 @@ struct orl_random {
 enum orl_purpose {
     ORL_PURPOSE_PILOT = 1,
     ORL_PURPOSE_PHOTON,
+    ORL_PURPOSE_DITHER,
     ORL_PURPOSE_SENSOR,
     ORL_PURPOSE_PIXEL,
     ORL_PURPOSE_BENCH,

@@ -38,22 +38,38 @@ static uint32_t hash32(uint32_t x)
 }
 
 /* Direction numbers by the recurrence of Bratley and Fox 1988. */
+static void make_directions(uint32_t dimension, uint32_t v[32])
+{
+    const uint32_t degree = polynomials[dimension].degree;
+    for (uint32_t i = 0; i < 32; i++) {
+        if (dimension == 0) {
+            v[i] = 1U << (31 - i);
+            continue;
+        }
+        if (i < degree) {
+            v[i] = polynomials[dimension].initial[i] << (31 - i);
+            continue;
+        }
+        v[i] = v[i - degree] ^ (v[i - degree] >> degree);
+        for (uint32_t k = 1; k < degree; k++)
+            if ((polynomials[dimension].coefficients >> (degree - 1 - k)) & 1U)
+                v[i] ^= v[i - k];
+    }
+}
+
 void orl_sobol_init(struct orl_sobol *sobol)
 {
-    for (uint32_t i = 0; i < 32; i++)
-        sobol->direction[0][i] = 1U << (31 - i);
-    for (uint32_t d = 1; d < ORL_SOBOL_DIMENSIONS; d++) {
-        uint32_t *const v = sobol->direction[d];
-        const uint32_t degree = polynomials[d].degree;
-        for (uint32_t i = 0; i < 32; i++) {
-            if (i < degree) {
-                v[i] = polynomials[d].initial[i] << (31 - i);
-                continue;
+    for (uint32_t d = 0; d < ORL_SOBOL_DIMENSIONS; d++) {
+        uint32_t v[32];
+        make_directions(d, v);
+        for (uint32_t byte = 0; byte < 4; byte++) {
+            for (uint32_t value = 0; value < 256; value++) {
+                uint32_t sum = 0;
+                for (uint32_t bit = 0; bit < 8; bit++)
+                    if (value >> bit & 1U)
+                        sum ^= v[8 * byte + bit];
+                sobol->by_byte[d][byte][value] = sum;
             }
-            v[i] = v[i - degree] ^ (v[i - degree] >> degree);
-            for (uint32_t k = 1; k < degree; k++)
-                if ((polynomials[d].coefficients >> (degree - 1 - k)) & 1U)
-                    v[i] ^= v[i - k];
         }
     }
 }
@@ -63,12 +79,11 @@ void orl_sobol_point(const struct orl_sobol *sobol, uint32_t index, uint32_t see
 {
     const uint32_t shuffled = reverse_bits(scramble_reversed(reverse_bits(index), hash32(seed)));
     for (uint32_t d = 0; d < count; d++) {
-        uint32_t point = 0;
-        for (uint32_t bits = shuffled, i = 0; bits; bits >>= 1, i++)
-            if (bits & 1U)
-                point ^= sobol->direction[d][i];
-        point = reverse_bits(
+        const uint32_t(*const table)[256] = sobol->by_byte[d];
+        const uint32_t point = table[0][shuffled & 255] ^ table[1][shuffled >> 8 & 255] ^
+                               table[2][shuffled >> 16 & 255] ^ table[3][shuffled >> 24];
+        const uint32_t scrambled = reverse_bits(
             scramble_reversed(reverse_bits(point), hash32(seed ^ (0x9e3779b9U * (d + 1)))));
-        ret_point[d] = point * 0x1p-32;
+        ret_point[d] = scrambled * 0x1p-32;
     }
 }

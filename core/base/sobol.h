@@ -13,9 +13,9 @@
 
 enum { ORL_SOBOL_DIMENSIONS = 6 };
 
-/* Direction numbers; constant once made, shared by all threads. */
+/* Constant once made, shared by all threads. */
 struct orl_sobol {
-    uint32_t direction[ORL_SOBOL_DIMENSIONS][32];
+    uint32_t by_byte[ORL_SOBOL_DIMENSIONS][4][256]; /* direction numbers, summed for every byte */
 };
 
 void orl_sobol_init(struct orl_sobol *sobol);

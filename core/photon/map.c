@@ -10,6 +10,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "photon/flux.h"
 #include "photon/pack.h"
 
 uint16_t orl_octahedral_encode(struct orl_vec3 n)

@@ -4,8 +4,6 @@
 #ifndef ORL_PHOTON_PACK_H
 #define ORL_PHOTON_PACK_H
 
-#include <string.h>
-
 #include "photon/map.h"
 
 enum { ORL_PLACE_BITS = 20, ORL_PLACE_CELLS = 1 << ORL_PLACE_BITS, ORL_LEAF_WORDS = 32 };
@@ -38,17 +36,6 @@ static inline void orl_place_unpack(uint32_t a, uint32_t b, uint32_t ret_cell[3]
     ret_cell[0] = a & 0xfffffU;
     ret_cell[1] = b & 0xfffffU;
     ret_cell[2] = (a >> 24) << 12 | b >> 20;
-}
-
-/* Shared-exponent RGB in units of header.flux_unit: mantissas of 9 bits, exponent biased by 24. */
-static inline struct orl_rgb orl_flux_unpack(uint32_t code)
-{
-    /* 2^(exponent - 24), written down as a double's bits: this is in the innermost loop. */
-    const uint64_t bits = (uint64_t)((code >> 27) + 1023 - 24) << 52;
-    double scale;
-    memcpy(&scale, &bits, sizeof scale);
-    return (struct orl_rgb){(code & 511U) * scale, (code >> 9 & 511U) * scale,
-                            (code >> 18 & 511U) * scale};
 }
 
 #endif

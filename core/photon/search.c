@@ -1,10 +1,8 @@
 #include "photon/search.h"
 
-#include "photon/pack.h"
-
-/* The same surface: normals within 45 degrees, chord within 0.05 of square to their mean. */
-static const double same_side = 0.7071067811865476;
-static const double same_sheet = 0.05;
+#include "photon/boxes.h"
+#include "photon/flux.h"
+#include "photon/sheet.h"
 
 struct walk {
     const struct orl_photon_map *map;
@@ -12,7 +10,8 @@ struct walk {
     struct orl_search_candidate *candidates;
     float at[3]; /* the query point, in cells, moved so that cell corners stand for centres */
     float radius2; /* in cells */
-    uint32_t k, found;
+    uint32_t k, found, room; /* room: candidates held before the nearest k are kept, > k */
+    uint16_t normal; /* the query's, coded */
 };
 
 static bool nearer(const struct orl_search_candidate *a, const struct orl_search_candidate *b)
@@ -51,17 +50,6 @@ static void select_nth(struct orl_search_candidate *list, int64_t count, int64_t
     }
 }
 
-static bool on_same_sheet(const struct walk *walk, uint32_t index, const float chord[3])
-{
-    const struct orl_vec3 n = orl_octahedral_decode(walk->map->normals[index]);
-    const struct orl_vec3 q = walk->query->normal;
-    if (orl_dot(n, q) < same_side)
-        return false;
-    const struct orl_vec3 c = orl_v3(chord[0], chord[1], chord[2]);
-    const double off = 0.5 * fabs(orl_dot(c, orl_add(n, q)));
-    return off <= same_sheet * orl_length(c) + 4; /* four cells for rounding */
-}
-
 static void scan_leaf(struct walk *walk, uint32_t leaf)
 {
     const uint32_t *a = walk->map->places + (size_t)leaf * ORL_LEAF_WORDS, *b = a + ORL_MAP_LEAF;
@@ -78,10 +66,11 @@ static void scan_leaf(struct walk *walk, uint32_t leaf)
     for (uint32_t i = 0; i < n; i++) {
         const float chord[3] = {dx[i], dy[i], dz[i]};
         const uint32_t index = (uint32_t)(first + i);
-        if (!(d2[i] < walk->radius2) || !on_same_sheet(walk, index, chord))
+        if (!(d2[i] < walk->radius2) || 
+            !orl_same_sheet(walk->query->normal, walk->normal, walk->map->normals[index], chord))
             continue;
         walk->candidates[walk->found++] = (struct orl_search_candidate){d2[i], index};
-        if (walk->found == 2 * walk->k) {
+        if (walk->found == walk->room) {
             /* Full: keep the nearest k, and look no further than the last of them. */
             select_nth(walk->candidates, walk->found, walk->k - 1);
             walk->found = walk->k;
@@ -90,57 +79,64 @@ static void scan_leaf(struct walk *walk, uint32_t leaf)
     }
 }
 
-/* Squared distance from the point to each child's box. */
-static void box_distances(const struct orl_map_group *group, const float at[3],
-                          float ret_distance2[ORL_MAP_FANOUT])
-{
-    for (int c = 0; c < ORL_MAP_FANOUT; c++) {
-        float sum = 0;
-        for (int k = 0; k < 3; k++) {
-            const float below = group->low[k][c] - at[k], above = at[k] - group->high[k][c];
-            float out = below > above ? below : above;
-            out = out > 0 ? out : 0;
-            sum += out * out;
-        }
-        ret_distance2[c] = sum;
-    }
-}
-
-struct visit {
-    float distance2;
-    uint32_t level, node;
-};
-
 /* Depth first, nearest child first. */
 static void walk_boxes(struct walk *walk)
 {
-    struct visit stack[ORL_MAP_LEVELS * ORL_MAP_FANOUT];
+    struct orl_box_visit stack[ORL_BOX_STACK];
     uint32_t depth = 0;
     if (walk->map->header->levels == 0)
         return;
-    stack[depth++] = (struct visit){0, walk->map->header->levels, 0};
+    stack[depth++] = (struct orl_box_visit){0, walk->map->header->levels, 0};
     while (depth > 0) {
-        const struct visit at = stack[--depth];
+        const struct orl_box_visit at = stack[--depth];
         if (!(at.distance2 < walk->radius2))
             continue;
-        if (at.level == 0) {
+        if (at.level == 0)
             scan_leaf(walk, at.node);
-            continue;
-        }
+        else
+            depth = orl_box_push(walk->map, at, walk->at, walk->radius2, stack, depth);
+    }
+}
+
+/*
+ * A first radius, from the leaf nearest to the point: as if its photons lay on a square that just
+ * fits its box, k of them take k/16 of its area. Half as much again, and most searches find k at
+ * once without wading through many more.
+ */
+static float first_radius2(const struct walk *walk)
+{
+    uint32_t node = 0, nearest = 0;
+    const struct orl_map_group *group = NULL;
+    for (uint32_t level = walk->map->header->levels; level-- > 0;) {
         float distance2[ORL_MAP_FANOUT];
-        const uint32_t bottom = depth;
-        box_distances(&walk->map->levels[at.level - 1][at.node], walk->at, distance2);
-        for (uint32_t c = 0; c < ORL_MAP_FANOUT; c++) {
-            if (!(distance2[c] < walk->radius2))
-                continue;
-            const struct visit child = {distance2[c], at.level - 1, at.node * ORL_MAP_FANOUT + c};
-            uint32_t place = depth++;
-            while (place > bottom && stack[place - 1].distance2 < child.distance2) {
-                stack[place] = stack[place - 1];
-                place--;
-            }
-            stack[place] = child;
-        }
+        group = &walk->map->levels[level][node];
+        orl_box_distances(group, walk->at, distance2);
+        nearest = 0;
+        for (uint32_t c = 1; c < ORL_MAP_FANOUT; c++)
+            if (distance2[c] < distance2[nearest])
+                nearest = c;
+        node = node * ORL_MAP_FANOUT + nearest;
+    }
+    float diagonal2 = 1;
+    for (int i = 0; group && i < 3; i++) {
+        const float side = group->high[i][nearest] - group->low[i][nearest];
+        diagonal2 += side * side;
+    }
+    return diagonal2 * (float)(1.5 / (2 * ORL_PI) / ORL_MAP_LEAF) * (float)walk->k;
+}
+
+/* Searches ever wider until there are k, or all within the largest radius. */
+static void search_nearest(struct walk *walk)
+{
+    const float most2 = walk->radius2;
+    float radius2 = walk->map->header->levels > 0 ? first_radius2(walk) : most2;
+    for (;;) {
+        walk->radius2 = radius2 < most2 ? radius2 : most2;
+        walk->found = 0;
+        walk_boxes(walk);
+        if (walk->found >= walk->k || !(radius2 < most2))
+            return;
+        radius2 *= 4;
     }
 }
 
@@ -157,19 +153,19 @@ struct orl_density orl_density_estimate(const struct orl_photon_map *map,
                                         struct orl_search *search)
 {
     const struct orl_map_header *h = map->header;
-    const double point[3] = {query->point.x, query->point.y, query->point.z};
     const double reach = query->max_radius / h->cell;
     struct walk walk = {.map = map,
                         .query = query,
                         .candidates = search->candidates,
                         .radius2 = (float)(reach * reach),
-                        .k = query->k < ORL_SEARCH_MOST ? query->k : ORL_SEARCH_MOST};
+                        .k = query->k < ORL_SEARCH_MOST ? query->k : ORL_SEARCH_MOST,
+                        .normal = orl_octahedral_encode(query->normal)};
     struct orl_density density = {.radius = query->max_radius};
-    for (int i = 0; i < 3; i++)
-        walk.at[i] = (float)((point[i] - h->low[i]) / h->cell - 0.5);
+    orl_box_locate(map, query->point, walk.at);
     if (walk.k < 2)
         walk.k = 2;
-    walk_boxes(&walk);
+    walk.room = 4 * walk.k < 2 * ORL_SEARCH_MOST ? 4 * walk.k : 2 * ORL_SEARCH_MOST;
+    search_nearest(&walk);
     density.found = walk.found;
     if (walk.found >= walk.k) {
         select_nth(walk.candidates, walk.found, walk.k - 1);

@@ -1,10 +1,8 @@
 /*
  * Density estimation: irradiance from the photons nearest to a point of a surface.
  *
- * A photon counts when it landed on the same surface: its normal within 45 degrees of the query's,
- * and the chord between the two points square to the mean of the normals (which holds exactly on
- * planes, spheres and cylinders), so that nothing is gathered through a wall or from a parallel
- * surface. The estimate over k neighbours is (sum of the nearest k-1 fluxes) / (pi r_k^2), which is
+ * A photon counts when it landed on the same sheet of surface (sheet.h), so that nothing is gathered
+ * through a wall or from a parallel surface. The estimate over k neighbours is (sum of the nearest k-1 fluxes) / (pi r_k^2), which is
  * unbiased for uniform density; with fewer than k within the largest radius, all of them over the
  * largest disc.
  *

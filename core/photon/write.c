@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include "base/random.h"
+#include "photon/flux.h"
 #include "photon/pack.h"
 
 struct sort_item {
@@ -93,24 +94,11 @@ static void sort_items(struct writer *w)
 /* Rounds up or down by chance, so that sums keep their means; the chance is the photon's own. */
 static uint32_t pack_flux(const struct writer *w, const struct orl_photon *photon, uint32_t index)
 {
-    double value[3], most = 0;
-    uint32_t mantissa[3];
-    int exponent;
-    for (int i = 0; i < 3; i++) {
-        value[i] = photon->flux[i] / ((double)w->build->emitted * w->header.flux_unit);
-        most = fmax(most, value[i]);
-    }
-    if (!(most > 0))
-        return 0;
-    frexp(most * (1 + 0x1p-9), &exponent);
-    exponent = exponent < -15 ? -15 : exponent > 16 ? 16 : exponent;
-    for (int i = 0; i < 3; i++) {
-        struct orl_random random =
-            orl_random_stream(w->build->seed + (uint64_t)i, ORL_PURPOSE_PHOTON, index);
-        const double m = ldexp(value[i], 9 - exponent) + orl_random_uniform(&random);
-        mantissa[i] = m < 511 ? (uint32_t)m : 511;
-    }
-    return mantissa[0] | mantissa[1] << 9 | mantissa[2] << 18 | (uint32_t)(exponent + 15) << 27;
+    const struct orl_rgb flux = {photon->flux[0], photon->flux[1], photon->flux[2]};
+    struct orl_random random = orl_random_stream(w->build->seed, ORL_PURPOSE_DITHER, index);
+    return orl_flux_pack(
+        orl_rgb_scale(flux, 1 / ((double)w->build->emitted * w->header.flux_unit)),
+        orl_random_uniform(&random));
 }
 
 static void pack_chunk(void *arg, size_t chunk, uint32_t member)

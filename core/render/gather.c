@@ -3,7 +3,7 @@
 #include <stdlib.h>
 
 enum { MOST_BOUNCES = 64, SURE_BOUNCES = 4 };
-enum { NEIGHBOURS_GLOBAL = 64, NEIGHBOURS_CAUSTIC = 200 };
+enum { NEIGHBOURS_GLOBAL = 50, NEIGHBOURS_CAUSTIC = 200 };
 enum { RADIUS_PROBES = 256, OUTSIDE_RAYS = 32 };
 
 static int compare_doubles(const void *a, const void *b)
@@ -33,13 +33,14 @@ static double typical_radius(const struct orl_photon_map *map, uint32_t k, doubl
     return radii[(int)(percentile * (RADIUS_PROBES - 1))];
 }
 
-void orl_gather_init(struct orl_gather *gather, const struct orl_world *world,
+int orl_gather_init(struct orl_gather *gather, const struct orl_world *world,
                      const struct orl_photon_map *const maps[ORL_MAP_KINDS], uint64_t seed,
                      struct orl_search *search)
 {
     static const uint32_t neighbours[ORL_MAP_KINDS] = {NEIGHBOURS_GLOBAL, NEIGHBOURS_CAUSTIC};
     const double widest = fmax(0.1 * world->geometry->radius, 1e-9);
     *gather = (struct orl_gather){.world = world, .seed = seed};
+    orl_sobol_init(&gather->sobol);
     for (int kind = 0; kind < ORL_MAP_KINDS; kind++) {
         gather->maps[kind] = maps[kind];
         gather->k[kind] = neighbours[kind];
@@ -51,6 +52,19 @@ void orl_gather_init(struct orl_gather *gather, const struct orl_world *world,
         if (kind == ORL_MAP_GLOBAL)
             gather->near = 2 * far;
     }
+    if (maps[ORL_MAP_GLOBAL]) {
+        gather->leaves = orl_leaves_new(maps[ORL_MAP_GLOBAL], gather->k[ORL_MAP_GLOBAL],
+                                        gather->max_radius[ORL_MAP_GLOBAL]);
+        if (!gather->leaves)
+            return ORL_ERR_NOMEM;
+    }
+    return 0;
+}
+
+void orl_gather_done(struct orl_gather *gather)
+{
+    orl_leaves_free(gather->leaves);
+    gather->leaves = NULL;
 }
 
 bool orl_gather_is_outside(const struct orl_gather *gather, struct orl_vec3 point)
@@ -86,7 +100,7 @@ static struct orl_rgb diffuse_radiance(const struct orl_gather *gather, const st
                                        struct orl_random *random, struct orl_search *search)
 {
     const struct orl_vec3 lit = hit->front ? hit->normal : orl_neg(hit->normal);
-    struct orl_rgb irradiance;
+    struct orl_rgb irradiance = orl_gray(0);
     if (near) {
         const struct orl_direct_query query = {
             .point = orl_hit_leave(gather->world->geometry, hit, lit),
@@ -95,8 +109,8 @@ static struct orl_rgb diffuse_radiance(const struct orl_gather *gather, const st
         irradiance = orl_rgb_add(
             orl_direct_light(gather->world, &query, random),
             orl_gather_density(gather, ORL_MAP_CAUSTIC, hit->point, lit, search).irradiance);
-    } else {
-        irradiance = orl_gather_density(gather, ORL_MAP_GLOBAL, hit->point, lit, search).irradiance;
+    } else if (gather->leaves) {
+        irradiance = orl_leaves_irradiance(gather->leaves, hit->point, lit, search);
     }
     return orl_rgb_scale(orl_rgb_mul(irradiance, orl_material_diffuse(material)), 1 / ORL_PI);
 }

@@ -14,8 +14,9 @@
 #ifndef ORL_RENDER_GATHER_H
 #define ORL_RENDER_GATHER_H
 
+#include "base/sobol.h"
 #include "light/exterior.h"
-#include "photon/search.h"
+#include "photon/leaves.h"
 #include "photon/shoot.h"
 
 struct orl_gather {
@@ -24,13 +25,16 @@ struct orl_gather {
     uint32_t k[ORL_MAP_KINDS];                        /* neighbours */
     double max_radius[ORL_MAP_KINDS];
     double near; /* hits closer than this are lit again */
+    struct orl_leaves *leaves; /* of the global map, owned; NULL when there is none */
+    struct orl_sobol sobol;
     uint64_t seed;
 };
 
-/* Chooses neighbours and radii from the maps themselves. */
-void orl_gather_init(struct orl_gather *gather, const struct orl_world *world,
+/* Chooses neighbours and radii from the maps themselves. Returns 0 or ORL_ERR_NOMEM. */
+int orl_gather_init(struct orl_gather *gather, const struct orl_world *world,
                      const struct orl_photon_map *const maps[ORL_MAP_KINDS], uint64_t seed,
                      struct orl_search *search);
+void orl_gather_done(struct orl_gather *gather);
 
 /* Where light is asked for. */
 struct orl_place {

@@ -1,4 +1,3 @@
-#include "base/sobol.h"
 #include "render/gather.h"
 #include "scene/hemisphere.h"
 
@@ -10,14 +9,14 @@ enum { PANE_POINTS = 1024, SUN_RAYS = 64 };
  */
 static struct orl_rgb light_by_pane(const struct orl_gather *gather, uint32_t facet,
                                     const struct orl_sun *sun, const struct orl_place *place,
-                                    const struct orl_sobol *sobol, uint32_t sequence)
+                                    uint32_t sequence)
 {
     const struct orl_geometry *g = gather->world->geometry;
     struct orl_rgb sum = orl_gray(0);
     for (uint32_t i = 0; i < PANE_POINTS; i++) {
         struct orl_hit hit = {.facet = facet};
         double u[4];
-        orl_sobol_point(sobol, i, sequence, 4, u);
+        orl_sobol_point(&gather->sobol, i, sequence, 4, u);
         orl_facet_sample(g, facet, u, &hit.point, &hit.normal);
         const struct orl_vec3 light = orl_sun_sample(sun, u + 2);
         const struct orl_vec3 way = orl_sub(place->point, hit.point);
@@ -48,8 +47,6 @@ static struct orl_rgb caustics_in_air(const struct orl_gather *gather,
 {
     const struct orl_world *world = gather->world;
     struct orl_rgb sum = orl_gray(0);
-    struct orl_sobol sobol;
-    orl_sobol_init(&sobol);
     for (size_t f = 0; f < world->geometry->n_facets; f++) {
         const struct orl_facet *facet = &world->geometry->facets[f];
         if (world->description.materials[facet->material].kind != ORL_MATERIAL_BSDF ||
@@ -57,7 +54,7 @@ static struct orl_rgb caustics_in_air(const struct orl_gather *gather,
             continue;
         for (size_t s = 0; s < world->n_suns; s++)
             sum = orl_rgb_add(
-                sum, light_by_pane(gather, (uint32_t)f, &world->suns[s], place, &sobol,
+                sum, light_by_pane(gather, (uint32_t)f, &world->suns[s], place,
                                    (uint32_t)orl_mix64(gather->seed + index * 31 + f)));
     }
     return sum;
@@ -85,13 +82,11 @@ static struct orl_rgb gather_evenly(const struct orl_gather *gather, const struc
                                     uint32_t samples, uint64_t index, struct orl_search *search)
 {
     struct orl_rgb sum = orl_gray(0);
-    struct orl_sobol sobol;
-    orl_sobol_init(&sobol);
     for (uint32_t i = 0; i < samples; i++) {
         struct orl_random random = orl_random_stream(
             gather->seed, ORL_PURPOSE_SENSOR, (index << 24) + i + 1);
         double u[2];
-        orl_sobol_point(&sobol, i, (uint32_t)orl_mix64(gather->seed ^ (index + 1)), 2, u);
+        orl_sobol_point(&gather->sobol, i, (uint32_t)orl_mix64(gather->seed ^ (index + 1)), 2, u);
         const struct orl_vec3 direction = orl_hemisphere_about(place->normal, u[0], u[1]);
         sum = orl_rgb_add(sum, orl_gather_radiance(gather, place->point, direction, place->outside,
                                                    &random, search));

@@ -53,6 +53,10 @@ int orl_run_render(struct orl_run_state *state, struct orl_error *err)
     struct orl_gather gather;
     const struct orl_photon_map *maps[ORL_MAP_KINDS] = {state->maps[ORL_MAP_GLOBAL],
                                                         state->maps[ORL_MAP_CAUSTIC]};
-    orl_gather_init(&gather, state->world, maps, state->job->seed, &state->searches[0]);
-    return render_sensors(state, &gather, 1, err);
+    int code = orl_gather_init(&gather, state->world, maps, state->job->seed, &state->searches[0]);
+    if (code < 0)
+        return orl_error_set(err, code, "out of memory for the final gather");
+    code = render_sensors(state, &gather, 1, err);
+    orl_gather_done(&gather);
+    return code;
 }

@@ -1,0 +1,66 @@
+/*
+ * Walking a photon map's hierarchy of boxes: shared by the searches.
+ */
+#ifndef ORL_PHOTON_BOXES_H
+#define ORL_PHOTON_BOXES_H
+
+#include "photon/pack.h"
+
+/* A node still to be looked at: level 0 is a leaf. */
+struct orl_box_visit {
+    float distance2;
+    uint32_t level, node;
+};
+
+enum { ORL_BOX_STACK = ORL_MAP_LEVELS * ORL_MAP_FANOUT };
+
+/* Squared distance, in cells, from a point to each child's box; infinite for absent children. */
+static inline void orl_box_distances(const struct orl_map_group *group, const float at[3],
+                                     float ret_distance2[ORL_MAP_FANOUT])
+{
+    for (int c = 0; c < ORL_MAP_FANOUT; c++) {
+        float sum = 0;
+        for (int k = 0; k < 3; k++) {
+            const float below = group->low[k][c] - at[k], above = at[k] - group->high[k][c];
+            float out = below > above ? below : above;
+            out = out > 0 ? out : 0;
+            sum += out * out;
+        }
+        ret_distance2[c] = sum;
+    }
+}
+
+/* Pushes the children of a node that are nearer than radius2, the nearest on top. */
+static inline uint32_t orl_box_push(const struct orl_photon_map *map, struct orl_box_visit visit,
+                                    const float at[3], float radius2, struct orl_box_visit *stack,
+                                    uint32_t depth)
+{
+    const uint32_t bottom = depth;
+    float distance2[ORL_MAP_FANOUT];
+    orl_box_distances(&map->levels[visit.level - 1][visit.node], at, distance2);
+    for (uint32_t c = 0; c < ORL_MAP_FANOUT; c++) {
+        if (!(distance2[c] < radius2))
+            continue;
+        const struct orl_box_visit child = {distance2[c], visit.level - 1,
+                                            visit.node * ORL_MAP_FANOUT + c};
+        uint32_t place = depth++;
+        while (place > bottom && stack[place - 1].distance2 < child.distance2) {
+            stack[place] = stack[place - 1];
+            place--;
+        }
+        stack[place] = child;
+    }
+    return depth;
+}
+
+/* A point in cells, moved so that the corner of a photon's cell stands for its centre. */
+static inline void orl_box_locate(const struct orl_photon_map *map, struct orl_vec3 point,
+                                  float ret_at[3])
+{
+    const struct orl_map_header *h = map->header;
+    ret_at[0] = (float)((point.x - h->low[0]) / h->cell - 0.5);
+    ret_at[1] = (float)((point.y - h->low[1]) / h->cell - 0.5);
+    ret_at[2] = (float)((point.z - h->low[2]) / h->cell - 0.5);
+}
+
+#endif
