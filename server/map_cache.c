@@ -123,38 +123,6 @@ static int cache_acquire(void *ctx, const char *kind, const char *key, atomic_bo
     return rc;
 }
 
-static int cache_commit(void *ctx, const struct orl_map_info *info, struct orl_error *err)
-{
-    struct orl_map_cache *cache = ctx;
-    char path[ORL_PATH_MAX], building[ORL_PATH_MAX];
-    pthread_mutex_lock(&cache->mutex);
-    struct entry *entry = find_entry(cache, info->kind, info->key);
-    const bool ours = entry && entry->state == ENTRY_BUILDING;
-    if (ours)
-        memcpy(building, entry->building, sizeof building);
-    pthread_mutex_unlock(&cache->mutex);
-    if (!ours)
-        return orl_error_set(err, ORL_ERR_INTERNAL, "a map was committed that nobody built");
-    /* Only the builder may touch a building entry, so the disk can be slow without the lock. */
-    final_path(cache, info->kind, info->key, path);
-    int rc = orl_sync_path(building, err);
-    if (rc == 0)
-        rc = orl_rename_synced(building, path, err);
-    if (rc)
-        return rc;
-    pthread_mutex_lock(&cache->mutex);
-    entry->map = (struct orl_stored_map){.info = *info, .created_ms = orl_time_now_ms()};
-    entry->map.info.cached = false;
-    entry->map.last_used_ms = entry->map.created_ms;
-    entry->state = ENTRY_READY;
-    entry->pins++;
-    entry->dirty = true;
-    pthread_cond_broadcast(&cache->changed);
-    pthread_mutex_unlock(&cache->mutex);
-    cache->wake(cache->wake_ctx);
-    return 0;
-}
-
 static void cache_abandon(void *ctx, const char *kind, const char *key)
 {
     struct orl_map_cache *cache = ctx;
@@ -175,6 +143,41 @@ static void cache_abandon(void *ctx, const char *kind, const char *key)
     pthread_cond_broadcast(&cache->changed);
     pthread_mutex_unlock(&cache->mutex);
     cache->wake(cache->wake_ctx);
+}
+
+static int cache_commit(void *ctx, const struct orl_map_info *info, struct orl_error *err)
+{
+    struct orl_map_cache *cache = ctx;
+    char path[ORL_PATH_MAX], building[ORL_PATH_MAX];
+    pthread_mutex_lock(&cache->mutex);
+    struct entry *entry = find_entry(cache, info->kind, info->key);
+    const bool ours = entry && entry->state == ENTRY_BUILDING;
+    if (ours)
+        memcpy(building, entry->building, sizeof building);
+    pthread_mutex_unlock(&cache->mutex);
+    if (!ours)
+        return orl_error_set(err, ORL_ERR_INTERNAL, "a map was committed that nobody built");
+    /* Only the builder may touch a building entry, so the disk can be slow without the lock. */
+    final_path(cache, info->kind, info->key, path);
+    int rc = orl_sync_path(building, err);
+    if (rc == 0)
+        rc = orl_rename_synced(building, path, err);
+    if (rc) {
+        /* Given up here, lest those who wait for this build wait for ever. */
+        cache_abandon(cache, info->kind, info->key);
+        return rc;
+    }
+    pthread_mutex_lock(&cache->mutex);
+    entry->map = (struct orl_stored_map){.info = *info, .created_ms = orl_time_now_ms()};
+    entry->map.info.cached = false;
+    entry->map.last_used_ms = entry->map.created_ms;
+    entry->state = ENTRY_READY;
+    entry->pins++;
+    entry->dirty = true;
+    pthread_cond_broadcast(&cache->changed);
+    pthread_mutex_unlock(&cache->mutex);
+    cache->wake(cache->wake_ctx);
+    return 0;
 }
 
 static void cache_release(void *ctx, const char *kind, const char *key)

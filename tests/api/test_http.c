@@ -125,13 +125,14 @@ static void test_json_mistake_has_its_line(void **state)
 /* Refused by its length before it is sent; or swallowed, without a length, and refused then. */
 static void test_too_large(void **state)
 {
+    static const char zeros[8000];
     struct reply reply;
     daemon_request(*state, "POST", "/v1/jobs", "application/json", "{}", 2,
                    "Content-Length: 99999999999", &reply);
     assert_int_equal(reply.status, 413);
     assert_string_equal(reply_text(&reply, "type"), "urn:oriel:error:limit");
     reply_done(&reply);
-    daemon_request(*state, "POST", "/v1/jobs/0/cancel", NULL, calloc(1, 8000), 8000,
+    daemon_request(*state, "POST", "/v1/jobs/0/cancel", NULL, zeros, sizeof zeros,
                    "Transfer-Encoding: chunked", &reply);
     assert_int_equal(reply.status, 413);
     reply_done(&reply);

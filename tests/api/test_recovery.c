@@ -1,0 +1,179 @@
+/* Kill -9 in the middle of a job, again and again; orderly stops; what a new daemon makes of it. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "support/daemon.h"
+
+enum { PHOTONS = 20000, MANY_PHOTONS = 200000000, SOME_PHOTONS = 2000000 };
+
+struct fixture {
+    struct daemon daemon;
+    char scene[65];
+};
+
+static int setup(void **state)
+{
+    static struct fixture fixture;
+    daemon_start(&fixture.daemon, NULL);
+    daemon_upload_room(&fixture.daemon, fixture.scene);
+    *state = &fixture;
+    return 0;
+}
+
+static int teardown(void **state)
+{
+    daemon_remove(&((struct fixture *)*state)->daemon);
+    return 0;
+}
+
+static void expect_state(struct daemon *daemon, const char *job, const char *state, int attempts)
+{
+    struct reply reply;
+    daemon_wait(daemon, job, 120, &reply);
+    if (strcmp(reply_text(&reply, "state"), state) != 0 ||
+        reply_number(&reply, "attempts") != attempts)
+        fail_msg("%s: %s", job, reply.body);
+    reply_done(&reply);
+}
+
+static void expect_file(struct daemon *daemon, const char *job, const char *name)
+{
+    struct reply reply;
+    char path[160];
+    snprintf(path, sizeof path, "%s/files/%s", job, name);
+    daemon_get(daemon, path, &reply);
+    assert_int_equal(reply.status, 200);
+    assert_true(reply.size > 0);
+    reply_done(&reply);
+}
+
+static void test_killed_in_the_middle(void **state)
+{
+    struct fixture *f = *state;
+    char done[80], running[80], waiting[80];
+    struct reply reply;
+    daemon_submit(&f->daemon, f->scene, PHOTONS, 1, "kept", done);
+    expect_state(&f->daemon, done, "succeeded", 1);
+    daemon_submit(&f->daemon, f->scene, SOME_PHOTONS, 2, "torn", running);
+    daemon_submit(&f->daemon, f->scene, PHOTONS, 1, "later", waiting);
+    daemon_wait_running(&f->daemon, running, 0);
+    assert_int_equal(daemon_end(&f->daemon, SIGKILL), -1);
+
+    daemon_restart(&f->daemon, NULL);
+    expect_file(&f->daemon, done, "kept.hdr");
+    expect_state(&f->daemon, done, "succeeded", 1);
+    expect_state(&f->daemon, running, "succeeded", 2);
+    expect_file(&f->daemon, running, "torn.png");
+    expect_state(&f->daemon, waiting, "succeeded", 1);
+    assert_int_equal(daemon_count_files(&f->daemon, "tmp"), 0);
+    /* The map of before the kill is still a hit. */
+    daemon_get(&f->daemon, waiting, &reply);
+    assert_true(json_is_true(reply_at(&reply, "maps.0.cached")));
+    reply_done(&reply);
+}
+
+/* A job that (it seems) kills the daemon is not tried for ever; the queue goes on. */
+static void test_third_kill_fails_the_job(void **state)
+{
+    struct fixture *f = *state;
+    char killer[80], next[80];
+    struct reply reply;
+    daemon_submit(&f->daemon, f->scene, MANY_PHOTONS, 3, NULL, killer);
+    daemon_submit(&f->daemon, f->scene, PHOTONS, 3, NULL, next);
+    for (int i = 0; i < 3; i++) {
+        daemon_wait_running(&f->daemon, killer, -1);
+        daemon_end(&f->daemon, SIGKILL);
+        daemon_restart(&f->daemon, NULL);
+    }
+    expect_state(&f->daemon, killer, "failed", 3);
+    daemon_get(&f->daemon, killer, &reply);
+    assert_non_null(strstr(reply_text(&reply, "error.detail"), "3 times"));
+    assert_true(strlen(reply_text(&reply, "error.hint")) > 0);
+    reply_done(&reply);
+    expect_state(&f->daemon, next, "succeeded", 1);
+}
+
+/* SIGTERM: the job is queued again, and that does not count as an attempt. */
+static void test_orderly_stop_requeues(void **state)
+{
+    struct fixture *f = *state;
+    char running[80];
+    struct reply reply;
+    daemon_submit(&f->daemon, f->scene, MANY_PHOTONS, 4, NULL, running);
+    for (int i = 0; i < 4; i++) {
+        daemon_wait_running(&f->daemon, running, -1);
+        assert_int_equal(daemon_end(&f->daemon, SIGTERM), 0);
+        daemon_restart(&f->daemon, NULL);
+    }
+    daemon_wait_running(&f->daemon, running, -1);
+    daemon_get(&f->daemon, running, &reply);
+    assert_true(reply_number(&reply, "attempts") == 1);
+    reply_done(&reply);
+    daemon_request(&f->daemon, "DELETE", running, NULL, NULL, 0, NULL, &reply);
+    reply_done(&reply);
+    expect_state(&f->daemon, running, "cancelled", 1);
+}
+
+/* What a crash may leave: half-written files, and a map without a row. */
+static void test_leftovers_go_at_start(void **state)
+{
+    struct fixture *f = *state;
+    char path[160];
+    static const char *const leftovers[] = {"tmp/abc", "maps/global-00ff.opm"};
+    daemon_end(&f->daemon, SIGKILL);
+    for (size_t i = 0; i < sizeof leftovers / sizeof *leftovers; i++) {
+        snprintf(path, sizeof path, "%s/%s", f->daemon.root, leftovers[i]);
+        FILE *file = fopen(path, "w");
+        assert_non_null(file);
+        fputs("half", file);
+        fclose(file);
+    }
+    daemon_restart(&f->daemon, NULL);
+    for (size_t i = 0; i < sizeof leftovers / sizeof *leftovers; i++) {
+        snprintf(path, sizeof path, "%s/%s", f->daemon.root, leftovers[i]);
+        assert_true(access(path, F_OK) != 0);
+    }
+}
+
+/* Its maps' bytes spoilt on the disk: the daemon notices, builds them again, and says so. */
+static void test_damaged_map_is_built_again(void **state)
+{
+    struct fixture *f = *state;
+    char job[80], path[160], command[400];
+    struct reply reply;
+    daemon_submit(&f->daemon, f->scene, PHOTONS, 5, NULL, job);
+    expect_state(&f->daemon, job, "succeeded", 1);
+    snprintf(command, sizeof command,
+             "for f in %s/maps/*.opm; do printf spoilt | dd of=$f bs=1 seek=1000 conv=notrunc "
+             "2>/dev/null || exit 1; done",
+             f->daemon.root);
+    assert_int_equal(system(command), 0);
+    daemon_submit(&f->daemon, f->scene, PHOTONS, 5, NULL, job);
+    expect_state(&f->daemon, job, "succeeded", 1);
+    snprintf(path, sizeof path, "%s/result", job);
+    daemon_get(&f->daemon, path, &reply);
+    assert_true(json_is_false(reply_at(&reply, "maps.0.cached")));
+    assert_non_null(strstr(reply_text(&reply, "warnings.0"), "damaged"));
+    reply_done(&reply);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_killed_in_the_middle),
+        cmocka_unit_test(test_third_kill_fails_the_job),
+        cmocka_unit_test(test_orderly_stop_requeues),
+        cmocka_unit_test(test_leftovers_go_at_start),
+        cmocka_unit_test(test_damaged_map_is_built_again),
+    };
+    return cmocka_run_group_tests(tests, setup, teardown);
+}
