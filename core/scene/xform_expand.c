@@ -92,7 +92,31 @@ static int use_once(struct expansion *e, const char *const *words, size_t count,
 }
 
 /*
- * The words with item replaced by middle, and with the copy's number put after the -n that is there
+ * Puts the copy's number behind the names that -n gives, as the command does: an argument file
+ * extends the first, an array sets them all to the last one. Returns false when there is none.
+ */
+static bool number_names(const char **words, size_t count, char letter, size_t number,
+                         char name[ORL_PREFIX_BYTES])
+{
+    const char *old = NULL;
+    bool done = false;
+    for (size_t i = 1; i < count && !(old && letter == 'i'); i++)
+        if (strcmp(words[i - 1], "-n") == 0)
+            old = words[i];
+    if (!old)
+        return false;
+    snprintf(name, ORL_PREFIX_BYTES, "%.*s.%zu", ORL_PREFIX_BYTES - 24, old, number);
+    for (size_t i = 1; i < count && !(done && letter == 'i'); i++) {
+        if (strcmp(words[i - 1], "-n") == 0) {
+            words[i] = name;
+            done = true;
+        }
+    }
+    return true;
+}
+
+/*
+ * The words with item and its value replaced by middle, and the copy's number added to its names,
  * or "-n <letter><number>" put in front.
  */
 static int expand_copy(struct expansion *e, const char *const *words, size_t count, size_t item,
@@ -101,7 +125,7 @@ static int expand_copy(struct expansion *e, const char *const *words, size_t cou
 {
     char name[ORL_PREFIX_BYTES];
     const char **copy = calloc(count + n_middle + 2, sizeof *copy);
-    size_t n = 2, at;
+    size_t n = 2, from = 2;
     int code;
     if (!copy)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
@@ -111,17 +135,13 @@ static int expand_copy(struct expansion *e, const char *const *words, size_t cou
         copy[n++] = middle[i];
     for (size_t i = item + 2; i < count; i++)
         copy[n++] = words[i];
-    at = find(copy + 2, n - 2, "-n") + 3;
-    if (at < n) {
-        snprintf(name, sizeof name, "%.*s.%zu", ORL_PREFIX_BYTES - 24, copy[at], number);
-        copy[at] = name;
-        code = expand(e, copy + 2, n - 2, err);
-    } else {
+    if (!number_names(copy + 2, n - 2, letter, number, name)) {
         snprintf(name, sizeof name, "%c%zu", letter, number);
         copy[0] = "-n";
         copy[1] = name;
-        code = expand(e, copy, n, err);
+        from = 0;
     }
+    code = expand(e, copy + from, n - from, err);
     free(copy);
     return code;
 }

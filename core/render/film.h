@@ -1,0 +1,35 @@
+/*
+ * Images and the files they go to.
+ *
+ * HDR is Radiance's: RGBE, run-length encoded by component, scanlines from the top, the whole VIEW
+ * line, so that its tools (and evalglare) read it. Values are W/sr/m2 per channel, no exposure.
+ * PNG is for looking at: luminance compressed by Reinhard et al. 2002 about the image's own
+ * log-average, sRGB.
+ */
+#ifndef ORL_RENDER_FILM_H
+#define ORL_RENDER_FILM_H
+
+#include <stdint.h>
+
+#include <oriel/error.h>
+#include <oriel/vec.h>
+
+#include "render/view.h"
+
+struct orl_film {
+    uint32_t width, height;
+    float (*pixels)[3]; /* from the top left, row by row; owned */
+};
+
+int orl_film_init(struct orl_film *film, uint32_t width, uint32_t height, struct orl_error *err);
+void orl_film_done(struct orl_film *film);
+
+/* Both write to path.part, sync and rename, so that a file is whole or absent. */
+int orl_film_write_hdr(const struct orl_film *film, const struct orl_view *view, const char *path,
+                       struct orl_error *err);
+int orl_film_write_png(const struct orl_film *film, const char *path, struct orl_error *err);
+
+/* One pixel as RGBE; non-finite and negative parts become zero. */
+void orl_rgbe_encode(const float rgb[3], unsigned char ret_rgbe[4]);
+
+#endif

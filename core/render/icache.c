@@ -1,0 +1,176 @@
+#include "render/icache.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+struct orl_icache_entry {
+    uint64_t key;
+    uint32_t record, next;
+};
+
+static const uint32_t nothing = UINT32_MAX;
+
+void orl_icache_init(struct orl_icache *cache)
+{
+    memset(cache, 0, sizeof *cache);
+}
+
+void orl_icache_done(struct orl_icache *cache)
+{
+    free(cache->records);
+    free(cache->entries);
+    free(cache->heads);
+    memset(cache, 0, sizeof *cache);
+}
+
+int orl_icache_add(struct orl_icache *cache, const struct orl_record *records, size_t count)
+{
+    if (cache->count + count > cache->capacity) {
+        const size_t capacity = 2 * (cache->count + count);
+        struct orl_record *grown = realloc(cache->records, capacity * sizeof *grown);
+        if (!grown)
+            return ORL_ERR_NOMEM;
+        cache->records = grown;
+        cache->capacity = capacity;
+    }
+    if (count > 0)
+        memcpy(cache->records + cache->count, records, count * sizeof *records);
+    cache->count += count;
+    return 0;
+}
+
+/* How far a record serves at most; a cell of its level is at least twice as wide. */
+static double reach_of(const struct orl_record *record)
+{
+    return ORL_ICACHE_ACCURACY * record->radius;
+}
+
+static int level_of(const struct orl_record *record)
+{
+    int exponent;
+    frexp(2 * reach_of(record), &exponent);
+    return exponent;
+}
+
+static uint64_t cell_key(int level, int64_t x, int64_t y, int64_t z)
+{
+    uint64_t key = orl_mix64((uint64_t)level + 0x51ed270b);
+    key = orl_mix64(key ^ (uint64_t)x);
+    key = orl_mix64(key ^ (uint64_t)y);
+    return orl_mix64(key ^ (uint64_t)z);
+}
+
+static void insert(struct orl_icache *cache, uint64_t key, uint32_t record)
+{
+    uint32_t *head = &cache->heads[key % cache->n_heads];
+    cache->entries[cache->n_entries] = (struct orl_icache_entry){key, record, *head};
+    *head = (uint32_t)cache->n_entries++;
+}
+
+/* A record goes into each of the (at most eight) cells that its reach touches. */
+static void insert_record(struct orl_icache *cache, uint32_t index)
+{
+    const struct orl_record *record = &cache->records[index];
+    const int level = level_of(record);
+    const double cell = ldexp(1, level), reach = reach_of(record);
+    const double at[3] = {record->place.point.x, record->place.point.y, record->place.point.z};
+    int64_t low[3], high[3];
+    for (int k = 0; k < 3; k++) {
+        low[k] = (int64_t)floor((at[k] - reach) / cell);
+        high[k] = (int64_t)floor((at[k] + reach) / cell);
+    }
+    if (level < cache->lowest_level)
+        cache->lowest_level = level;
+    if (level > cache->highest_level)
+        cache->highest_level = level;
+    for (int64_t z = low[2]; z <= high[2]; z++)
+        for (int64_t y = low[1]; y <= high[1]; y++)
+            for (int64_t x = low[0]; x <= high[0]; x++)
+                insert(cache, cell_key(level, x, y, z), index);
+}
+
+int orl_icache_index(struct orl_icache *cache)
+{
+    struct orl_icache_entry *entries =
+        realloc(cache->entries, (8 * cache->count + 1) * sizeof *entries);
+    if (!entries)
+        return ORL_ERR_NOMEM;
+    cache->entries = entries;
+    cache->n_heads = 4 * cache->count + 1;
+    uint32_t *heads = realloc(cache->heads, cache->n_heads * sizeof *heads);
+    if (!heads)
+        return ORL_ERR_NOMEM;
+    cache->heads = heads;
+    for (size_t i = 0; i < cache->n_heads; i++)
+        heads[i] = nothing;
+    cache->n_entries = 0;
+    cache->lowest_level = 10000;
+    cache->highest_level = -10000;
+    for (size_t i = 0; i < cache->count; i++)
+        insert_record(cache, (uint32_t)i);
+    return 0;
+}
+
+static double channel_at(const struct orl_record *record, int c, double value,
+                         struct orl_vec3 turn, struct orl_vec3 shift)
+{
+    return value + orl_dot(turn, record->by_rotation[c]) +
+           orl_dot(shift, record->by_translation[c]);
+}
+
+/* The record carried over to the place along its gradients, never below zero. */
+static struct orl_rgb carried(const struct orl_record *record, const struct orl_place *place)
+{
+    const struct orl_vec3 turn = orl_cross(record->place.normal, place->normal);
+    const struct orl_vec3 shift = orl_sub(place->point, record->place.point);
+    const struct orl_rgb e = record->irradiance;
+    return (struct orl_rgb){fmax(channel_at(record, 0, e.r, turn, shift), 0),
+                            fmax(channel_at(record, 1, e.g, turn, shift), 0),
+                            fmax(channel_at(record, 2, e.b, turn, shift), 0)};
+}
+
+/* The weight with which a record serves a place; 0 when it does not. */
+static double weight_of(const struct orl_record *record, const struct orl_place *place)
+{
+    const struct orl_vec3 shift = orl_sub(place->point, record->place.point);
+    const double distance = orl_length(shift);
+    const double cosine = orl_dot(place->normal, record->place.normal);
+    if (record->place.outside != place->outside || distance >= reach_of(record) || cosine < 0.8)
+        return 0;
+    /* A place well behind or before the record's surface sees another scene. */
+    const struct orl_vec3 both = orl_add(place->normal, record->place.normal);
+    if (fabs(orl_dot(shift, both)) > 0.1 * record->radius * ORL_ICACHE_ACCURACY)
+        return 0;
+    const double error = distance / record->radius + sqrt(fmax(0, 1 - cosine));
+    return error < ORL_ICACHE_ACCURACY
+               ? 1 / fmax(error, 1e-3 * ORL_ICACHE_ACCURACY) - 1 / ORL_ICACHE_ACCURACY
+               : 0;
+}
+
+bool orl_icache_lookup(const struct orl_icache *cache, const struct orl_place *place,
+                       struct orl_rgb *ret_irradiance)
+{
+    struct orl_rgb sum = orl_gray(0);
+    double total = 0;
+    for (int level = cache->lowest_level; cache->count > 0 && level <= cache->highest_level;
+         level++) {
+        const double cell = ldexp(1, level);
+        const uint64_t key =
+            cell_key(level, (int64_t)floor(place->point.x / cell),
+                     (int64_t)floor(place->point.y / cell), (int64_t)floor(place->point.z / cell));
+        for (uint32_t i = cache->heads[key % cache->n_heads]; i != nothing;
+             i = cache->entries[i].next) {
+            const struct orl_record *record = &cache->records[cache->entries[i].record];
+            const double weight =
+                cache->entries[i].key == key ? weight_of(record, place) : 0;
+            if (weight <= 0)
+                continue;
+            sum = orl_rgb_add(sum, orl_rgb_scale(carried(record, place), weight));
+            total += weight;
+        }
+    }
+    if (!(total > 0))
+        return false;
+    *ret_irradiance = orl_rgb_scale(sum, 1 / total);
+    return true;
+}

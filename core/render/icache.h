@@ -1,0 +1,49 @@
+/*
+ * An irradiance cache that does not depend on order: records are placed in rounds, each round
+ * decided by the records of the rounds before and computed in parallel, so that an image is the
+ * same for any number of threads and has no seams.
+ *
+ * A record holds the gathered irradiance at a place with its gradients and a radius (the harmonic
+ * mean of the gather's ray lengths, held between bounds that follow the pixels). It serves a place
+ * x with error e = |x - x_i| / R_i + sqrt(1 - n . n_i) below ORL_ICACHE_ACCURACY, weighted by
+ * 1/e - 1/accuracy, which fades to nothing at the rim: no circles show.
+ *
+ * References: Ward, Rubinstein, Clear 1988; Ward and Heckbert 1992; Krivanek and Gautron 2009.
+ */
+#ifndef ORL_RENDER_ICACHE_H
+#define ORL_RENDER_ICACHE_H
+
+#include "render/gather.h"
+
+#define ORL_ICACHE_ACCURACY 0.25
+
+struct orl_record {
+    struct orl_place place;
+    struct orl_rgb irradiance;
+    struct orl_vec3 by_rotation[3], by_translation[3];
+    double radius;
+};
+
+struct orl_icache {
+    struct orl_record *records;
+    size_t count, capacity;
+    /* An index by level (power of two of the record's reach) and cell; rebuilt between rounds. */
+    struct orl_icache_entry *entries;
+    size_t n_entries;
+    uint32_t *heads; /* hash table: first entry of a bucket */
+    size_t n_heads;
+    int lowest_level, highest_level;
+};
+
+void orl_icache_init(struct orl_icache *cache);
+void orl_icache_done(struct orl_icache *cache);
+
+/* Adds records (copied); they are found after orl_icache_index. Returns 0 or ORL_ERR_NOMEM. */
+int orl_icache_add(struct orl_icache *cache, const struct orl_record *records, size_t count);
+int orl_icache_index(struct orl_icache *cache);
+
+/* Interpolates; false when no record serves this place. */
+bool orl_icache_lookup(const struct orl_icache *cache, const struct orl_place *place,
+                       struct orl_rgb *ret_irradiance);
+
+#endif

@@ -1,0 +1,250 @@
+#include "render/image.h"
+
+#include <stdlib.h>
+
+#include "render/icache.h"
+#include "render/shade.h"
+
+enum { TILE = 16, RAYS_A_SIDE = 2, TILES_A_ROUND = 64 };
+enum { HEMISPHERE_ROWS = 18, HEMISPHERE_COLUMNS = 56 };
+enum { COARSEST_STEP = 16, RECORDS_A_ROUND = 256 };
+
+/* How far records reach, in pixels: their radii are held between these over the accuracy. */
+static const double least_reach_pixels = 3, most_reach_pixels = 40;
+
+struct painter {
+    const struct orl_image_env *env;
+    const struct orl_view *view;
+    struct orl_film *film;
+    struct orl_icache cache;
+    bool outside;
+    double pixel_angle; /* of a pixel, radians: about */
+    size_t first_tile, tiles_x;
+    /* A round of records: places found, then computed. */
+    struct orl_record *wanted;
+    size_t n_wanted, capacity, first_record;
+    uint32_t step;
+    struct orl_record *found; /* per lattice row: up to width * vertices */
+    uint32_t *n_found;
+    size_t row_room;
+};
+
+static bool cancelled(const struct painter *p)
+{
+    return atomic_load_explicit(p->env->cancel, memory_order_relaxed);
+}
+
+static bool pixel_ray(const struct painter *p, double x, double y, struct orl_vec3 *ret_origin,
+                      struct orl_vec3 *ret_direction)
+{
+    if (!orl_view_ray(p->view, x / p->film->width, 1 - y / p->film->height, ret_origin,
+                      ret_direction))
+        return false;
+    *ret_origin = orl_sub(*ret_origin, p->env->gather->world->geometry->center);
+    return true;
+}
+
+/* ---- Records ---------------------------------------------------------------------------------- */
+
+/* Gathers at a place; the record's random numbers come from the pixel that asked for it. */
+static void compute_record(void *arg, size_t index, uint32_t member)
+{
+    const struct painter *p = arg;
+    const struct orl_gather *gather = p->env->gather;
+    struct orl_record *record = &p->wanted[p->first_record + index];
+    struct orl_random random = orl_random_stream(
+        gather->seed + p->env->index, ORL_PURPOSE_RECORD, p->cache.count + p->first_record + index);
+    const double footprint = record->radius;
+    if (cancelled(p))
+        return;
+    const struct orl_hemisphere h =
+        orl_gather_hemisphere(gather, &record->place, HEMISPHERE_ROWS, HEMISPHERE_COLUMNS, &random,
+                              &p->env->searches[member]);
+    record->irradiance = h.irradiance;
+    record->radius = fmin(fmax(h.mean_distance, footprint * least_reach_pixels / ORL_ICACHE_ACCURACY),
+                          footprint * most_reach_pixels / ORL_ICACHE_ACCURACY);
+    for (int c = 0; c < 3; c++) {
+        const double value = c == 0 ? h.irradiance.r : c == 1 ? h.irradiance.g : h.irradiance.b;
+        const double steepest = value / record->radius, slope = orl_length(h.by_translation[c]);
+        /* A gradient that would halve the value within the reach is noise, not shape. */
+        record->by_rotation[c] = h.by_rotation[c];
+        record->by_translation[c] =
+            orl_scale(h.by_translation[c], slope > steepest ? steepest / slope : 1);
+    }
+}
+
+/* The places along one lattice row that no record serves yet. */
+static void look_along_row(void *arg, size_t index, uint32_t member)
+{
+    struct painter *p = arg;
+    const uint32_t y = (uint32_t)index * p->step;
+    struct orl_record *found = p->found + index * p->row_room;
+    uint32_t n = 0;
+    for (uint32_t x = 0; x < p->film->width && !cancelled(p); x += p->step) {
+        struct orl_vec3 origin, direction;
+        struct orl_sight sight;
+        struct orl_random random = {0};
+        struct orl_rgb ignored;
+        if (!pixel_ray(p, x + 0.5, y + 0.5, &origin, &direction))
+            continue;
+        orl_shade_look(p->env->gather, origin, direction, p->outside, true, &random,
+                       &p->env->searches[member], &sight);
+        for (uint32_t i = 0; i < sight.n_vertices; i++) {
+            const struct orl_vertex *v = &sight.vertices[i];
+            if (!orl_icache_lookup(&p->cache, &v->place, &ignored))
+                found[n++] = (struct orl_record){.place = v->place,
+                                                 .radius = v->distance * p->pixel_angle};
+        }
+    }
+    p->n_found[index] = n;
+}
+
+/* Of the places found, in order, those not too close to one already taken this round. */
+static int choose_places(struct painter *p, size_t rows)
+{
+    size_t total = 0;
+    for (size_t i = 0; i < rows; i++)
+        total += p->n_found[i];
+    struct orl_record *wanted = realloc(p->wanted, (total + 1) * sizeof *wanted);
+    if (!wanted)
+        return ORL_ERR_NOMEM;
+    p->wanted = wanted;
+    p->n_wanted = 0;
+    for (size_t i = 0; i < rows; i++)
+        for (uint32_t k = 0; k < p->n_found[i]; k++)
+            wanted[p->n_wanted++] = p->found[i * p->row_room + k];
+    return 0;
+}
+
+static int compute_wanted(struct painter *p)
+{
+    for (p->first_record = 0; p->first_record < p->n_wanted; p->first_record += RECORDS_A_ROUND) {
+        const size_t left = p->n_wanted - p->first_record;
+        orl_crew_for(p->env->crew, left < RECORDS_A_ROUND ? left : RECORDS_A_ROUND, compute_record,
+                     p);
+        if (cancelled(p))
+            return ORL_ERR_CANCELLED;
+    }
+    const int code = orl_icache_add(&p->cache, p->wanted, p->n_wanted);
+    return code < 0 ? code : orl_icache_index(&p->cache);
+}
+
+/* Rounds from a coarse lattice to every pixel; rounds share of the progress is half. */
+static int place_records(struct painter *p)
+{
+    int code = 0;
+    double done = 0;
+    for (p->step = COARSEST_STEP; p->step >= 1 && code == 0; p->step /= 2) {
+        const size_t rows = (p->film->height + p->step - 1) / p->step;
+        const size_t columns = (p->film->width + p->step - 1) / p->step;
+        p->row_room = columns * ORL_SHADE_VERTICES;
+        p->found = malloc(rows * p->row_room * sizeof *p->found);
+        p->n_found = calloc(rows, sizeof *p->n_found);
+        code = p->found && p->n_found ? 0 : ORL_ERR_NOMEM;
+        if (code == 0) {
+            orl_crew_for(p->env->crew, rows, look_along_row, p);
+            code = choose_places(p, rows);
+        }
+        if (code == 0)
+            code = compute_wanted(p);
+        free(p->found);
+        free(p->n_found);
+        done += 0.1;
+        p->env->progress(p->env->ctx, done);
+    }
+    return code;
+}
+
+/* ---- Pixels ----------------------------------------------------------------------------------- */
+
+static struct orl_rgb vertex_radiance(const struct painter *p, const struct orl_vertex *v,
+                                      struct orl_random *random, struct orl_search *search)
+{
+    const struct orl_gather *gather = p->env->gather;
+    struct orl_rgb gathered, sum = orl_gather_direct(gather, &v->place, 1, random);
+    if (!v->place.outside)
+        sum = orl_rgb_add(sum, orl_gather_density(gather, ORL_MAP_CAUSTIC, v->on_surface,
+                                                  v->place.normal, search)
+                                   .irradiance);
+    if (!orl_icache_lookup(&p->cache, &v->place, &gathered))
+        gathered = orl_gather_hemisphere(gather, &v->place, HEMISPHERE_ROWS / 2,
+                                         HEMISPHERE_COLUMNS / 2, random, search)
+                       .irradiance;
+    return orl_rgb_mul(v->weight, orl_rgb_add(sum, gathered));
+}
+
+static struct orl_rgb pixel_radiance(const struct painter *p, uint32_t x, uint32_t y,
+                                     struct orl_search *search)
+{
+    struct orl_rgb sum = orl_gray(0);
+    for (uint32_t i = 0; i < RAYS_A_SIDE * RAYS_A_SIDE; i++) {
+        struct orl_random random =
+            orl_random_stream(p->env->gather->seed + p->env->index, ORL_PURPOSE_PIXEL,
+                              ((uint64_t)y * p->film->width + x) * 16 + i);
+        const double dx = (i % RAYS_A_SIDE + orl_random_uniform(&random)) / RAYS_A_SIDE;
+        const double dy = (i / RAYS_A_SIDE + orl_random_uniform(&random)) / RAYS_A_SIDE;
+        struct orl_vec3 origin, direction;
+        struct orl_sight sight;
+        if (!pixel_ray(p, x + dx, y + dy, &origin, &direction))
+            continue;
+        orl_shade_look(p->env->gather, origin, direction, p->outside, false, &random, search,
+                       &sight);
+        sum = orl_rgb_add(sum, sight.rest);
+        for (uint32_t v = 0; v < sight.n_vertices; v++)
+            sum = orl_rgb_add(sum, vertex_radiance(p, &sight.vertices[v], &random, search));
+    }
+    return orl_rgb_scale(sum, 1.0 / (RAYS_A_SIDE * RAYS_A_SIDE));
+}
+
+static void paint_tile(void *arg, size_t index, uint32_t member)
+{
+    struct painter *p = arg;
+    const size_t tile = p->first_tile + index;
+    const uint32_t x0 = (uint32_t)(tile % p->tiles_x) * TILE;
+    const uint32_t y0 = (uint32_t)(tile / p->tiles_x) * TILE;
+    for (uint32_t y = y0; y < y0 + TILE && y < p->film->height && !cancelled(p); y++) {
+        for (uint32_t x = x0; x < x0 + TILE && x < p->film->width; x++) {
+            const struct orl_rgb c = pixel_radiance(p, x, y, &p->env->searches[member]);
+            float *pixel = p->film->pixels[(size_t)y * p->film->width + x];
+            pixel[0] = isfinite(c.r) ? (float)c.r : 0;
+            pixel[1] = isfinite(c.g) ? (float)c.g : 0;
+            pixel[2] = isfinite(c.b) ? (float)c.b : 0;
+        }
+    }
+}
+
+static int paint(struct painter *p)
+{
+    p->tiles_x = (p->film->width + TILE - 1) / TILE;
+    const size_t tiles = p->tiles_x * ((p->film->height + TILE - 1) / TILE);
+    for (p->first_tile = 0; p->first_tile < tiles; p->first_tile += TILES_A_ROUND) {
+        const size_t left = tiles - p->first_tile;
+        orl_crew_for(p->env->crew, left < TILES_A_ROUND ? left : TILES_A_ROUND, paint_tile, p);
+        if (cancelled(p))
+            return ORL_ERR_CANCELLED;
+        p->env->progress(p->env->ctx, 0.5 + 0.5 * (double)p->first_tile / (double)tiles);
+    }
+    return 0;
+}
+
+int orl_image_render(const struct orl_image_env *env, const struct orl_view *view,
+                     struct orl_film *film, struct orl_error *err)
+{
+    struct painter painter = {.env = env, .view = view, .film = film};
+    const struct orl_vec3 eye = orl_sub(view->point, env->gather->world->geometry->center);
+    const double degrees = view->type == 'l' ? 0 : fmax(view->horizontal, view->vertical);
+    const double side = fmax(film->width, film->height);
+    painter.outside = orl_gather_is_outside(env->gather, eye);
+    painter.pixel_angle = fmax(degrees * ORL_DEG_TO_RAD, 0.05) / side;
+    orl_icache_init(&painter.cache);
+    int code = place_records(&painter);
+    if (code == 0)
+        code = paint(&painter);
+    orl_icache_done(&painter.cache);
+    free(painter.wanted);
+    if (code == ORL_ERR_CANCELLED)
+        return orl_error_set(err, code, "cancelled while rendering a view");
+    if (code < 0)
+        return orl_error_set(err, code, "out of memory rendering a view");
+    return 0;
+}

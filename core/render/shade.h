@@ -1,0 +1,35 @@
+/*
+ * What a view ray sees: the ray is followed through panes and mirrors, both ways where it splits,
+ * down to diffuse surfaces; what else it meets (sky, lights, lobes) is summed on the way.
+ */
+#ifndef ORL_RENDER_SHADE_H
+#define ORL_RENDER_SHADE_H
+
+#include "render/gather.h"
+
+enum { ORL_SHADE_VERTICES = 8 };
+
+/* A diffuse surface on the ray's way. */
+struct orl_vertex {
+    struct orl_place place; /* the side seen, clear of the surface */
+    struct orl_vec3 on_surface;
+    struct orl_rgb weight; /* of its irradiance in the ray's radiance: path times albedo / pi */
+    double distance;       /* from the eye */
+};
+
+struct orl_sight {
+    struct orl_vertex vertices[ORL_SHADE_VERTICES];
+    uint32_t n_vertices;
+    struct orl_rgb rest; /* radiance of all that is not diffuse */
+};
+
+/*
+ * Follows one ray. With only_vertices no lobes are sampled and rest is not filled in: the cheap
+ * look that places irradiance records.
+ */
+void orl_shade_look(const struct orl_gather *gather, struct orl_vec3 origin,
+                    struct orl_vec3 direction, bool outside, bool only_vertices,
+                    struct orl_random *random, struct orl_search *search,
+                    struct orl_sight *ret_sight);
+
+#endif
