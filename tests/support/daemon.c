@@ -117,10 +117,10 @@ static int remove_entry(const char *path, const struct stat *st, int type, struc
 void daemon_remove(struct daemon *daemon)
 {
     char log[96];
-    if (daemon->pid > 0)
-        daemon_end(daemon, SIGKILL);
-    if (!daemon->root[0])
-        return;
+    /* Orderly, so that a sanitizer has its say about all that the daemon did. */
+    const int status = daemon->pid > 0 ? daemon_end(daemon, SIGTERM) : 0;
+    if (status != 0)
+        fail_msg("the daemon ended with status %d; see %s.log", status, daemon->root);
     nftw(daemon->root, remove_entry, 16, FTW_DEPTH | FTW_PHYS);
     snprintf(log, sizeof log, "%s.log", daemon->root);
     unlink(log);

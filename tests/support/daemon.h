@@ -35,7 +35,7 @@ void daemon_start(struct daemon *daemon, const char *const *extra);
 void daemon_restart(struct daemon *daemon, const char *const *extra);
 /* Sends the signal and waits. Returns the exit status, or -1 when a signal ended it. */
 int daemon_end(struct daemon *daemon, int signum);
-/* Ends it if it runs, and removes its folder. */
+/* Ends it by SIGTERM if it runs, expects status 0, and removes its folder. */
 void daemon_remove(struct daemon *daemon);
 /* How many files lie below a folder of the data folder ("blobs"). */
 size_t daemon_count_files(const struct daemon *daemon, const char *folder);
