@@ -34,7 +34,7 @@ struct run {
     const struct orl_scope *scope;
     size_t stage;
     int line;
-    bool warned; /* its generator has had its say: arrays run it again */
+    struct orl_text text; /* what its generator wrote, once: arrays read it again */
 };
 
 static int run_stage(struct run *run, struct orl_error *err);
@@ -152,19 +152,19 @@ static int read_arguments(void *ctx, const char *name, char **ret_text, struct o
 
 static int generate(struct run *run, generator make, struct orl_error *err)
 {
-    struct orl_text text = {0};
-    size_t count;
-    const char *const *words = stage_words(run, &count);
-    int code = make(words, count, &text, err);
-    if (code == 0 && text.failed)
-        code = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-    if (code == 0 && text.warnings[0] && !run->warned)
-        orl_parser_warn(run->parser, "%s:%d: %s", run->scope->file, run->line, text.warnings);
-    run->warned = true;
-    if (code == 0)
-        code = orl_parser_read(run->parser, run->scope, text.data, text.size, run->line, err);
-    orl_text_done(&text);
-    return code;
+    struct orl_text *text = &run->text;
+    if (!text->data) {
+        size_t count;
+        const char *const *words = stage_words(run, &count);
+        const int code = make(words, count, text, err);
+        if (code < 0)
+            return code;
+        if (text->failed)
+            return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+        if (text->warnings[0])
+            orl_parser_warn(run->parser, "%s:%d: %s", run->scope->file, run->line, text->warnings);
+    }
+    return orl_parser_read(run->parser, run->scope, text->data, text->size, run->line, err);
 }
 
 static int refuse(const char *name, struct orl_error *err)
@@ -201,6 +201,7 @@ int orl_parser_command(struct orl_parser *parser, const struct orl_scope *scope,
         run.stage = command.n_stages - 1;
         code = run_stage(&run, err);
     }
+    orl_text_done(&run.text);
     orl_command_done(&command);
     /* Errors inside what was read have their place already. */
     if (code < 0 && err->file[0] == '\0') {

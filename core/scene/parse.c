@@ -109,11 +109,11 @@ static int read_command(struct orl_parser *parser, const struct orl_scope *scope
     return code;
 }
 
-/* Arrays read files again and again: the sum is bounded, and an empty read is not free. */
+/* Arrays read files again and again: the sum is bounded, and a short read is not free. */
 static int count_text(struct orl_parser *parser, const struct orl_scope *scope, size_t size,
                       struct orl_error *err)
 {
-    enum { READ_COST = 256 };
+    enum { READ_COST = 4096 };
     parser->text_bytes += size + READ_COST;
     if (parser->text_bytes <= ORL_LIMIT_SCENE_TEXT)
         return 0;

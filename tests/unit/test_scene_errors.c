@@ -1,0 +1,360 @@
+/*
+ * Scene text that must be refused: the code, the line and the primitive that the user is told.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include <oriel/files.h>
+
+#include "scene/parse.h"
+
+#define RED "void plastic red 0 0 5 .5 .2 .1 0 0\n"
+#define SKY "void brightfunc sky 2 skybright perezlum.cal 0 10 1 1 1 -1 1 -1 1 0 0 1\n"
+#define BSDF(strings, reals) "void BSDF b\n" strings "\n0\n" reals "\n"
+
+struct bad {
+    const char *text;
+    int code, line;
+    const char *primitive, *message; /* message: a part of it */
+};
+
+static const struct bad bad_scenes[] = {
+    /* words and counts */
+    {"void", ORL_ERR_SYNTAX, 1, "", "after a modifier"},
+    {"void plastic", ORL_ERR_SYNTAX, 1, "", "after a type"},
+    {"void plastic m\n", ORL_ERR_SYNTAX, 2, "plastic m", "count of string"},
+    {"void plastic m\n0\n0\n5 .1 .1 .1 0", ORL_ERR_SYNTAX, 4, "plastic m", "ends among"},
+    {"void plastic m\n0\n0\n4 .1 .1 .1 0", ORL_ERR_SYNTAX, 1, "plastic m", "5 number"},
+    {"void plastic m\n1 x\n0\n5 .1 .1 .1 0 0", ORL_ERR_SYNTAX, 1, "plastic m", "0 string"},
+    {"void plastic m\n0\n1 7\n5 .1 .1 .1 0 0", ORL_ERR_SYNTAX, 3, "plastic m", "must be 0"},
+    {"void plastic m\n-1\n", ORL_ERR_SYNTAX, 2, "plastic m", "count of string"},
+    {"void plastic m\n0 0\n# no\n5 .1 .1 .1 0 0", ORL_ERR_SYNTAX, 3, "plastic m",
+     "count of number"},
+    {"void plastic m\n0 0 999999999\n", ORL_ERR_LIMIT, 2, "plastic m", "too many arguments"},
+    {"void plastic m\n0 0 99999999999999\n", ORL_ERR_LIMIT, 2, "plastic m", "too many arguments"},
+    {"void plastic m\n0\n0\n5 .1 .x .1 0 0", ORL_ERR_SYNTAX, 4, "plastic m", "'.x'"},
+    {"void plastic m\n0\n0\n5 .1 nan .1 0 0", ORL_ERR_RANGE, 4, "plastic m", "'nan'"},
+    {"void plastic m\n0\n0\n5 .1\n-Inf .1 0 0", ORL_ERR_RANGE, 5, "plastic m", "'-Inf'"},
+    {"void plastic m\n0\n0\n5 .1 1e400 .1 0 0", ORL_ERR_RANGE, 4, "plastic m", "'1e400'"},
+    {"void plastic 'm\n0\n0\n", ORL_ERR_SYNTAX, 1, "", "never closed"},
+    {"\n\nvoid pl\x01stic m", ORL_ERR_SYNTAX, 3, "", "byte 0x01"},
+    {"\n5 0 0\n", ORL_ERR_SYNTAX, 2, "0 0", "no type"},
+    /* types and names */
+    {"\nvoid plastik m 0 0 5 0 0 0 0 0", ORL_ERR_SYNTAX, 2, "plastik m", "no type"},
+    {"void trans t 0 0 7 1 1 1 0 0 1 0", ORL_ERR_UNSUPPORTED, 1, "trans t", "type trans"},
+    {"void mesh t 1 x.rtm 0 0", ORL_ERR_UNSUPPORTED, 1, "mesh t", "type mesh"},
+    {"void mixfunc t 4 a b .5 . 0 0", ORL_ERR_UNSUPPORTED, 1, "mixfunc t", "type mixfunc"},
+    {"\nred polygon p 0 0 9 0 0 0 1 0 0 0 1 0", ORL_ERR_NOT_FOUND, 2, "polygon p", "'red'"},
+    {"red polygon p 0 0 9 0 0 0 1 0 0 0 1 0\n" RED, ORL_ERR_NOT_FOUND, 1, "polygon p", "'red'"},
+    {RED "red sphere s 0 0 4 0 0 0 1\ns sphere t 0 0 4 0 0 0 1", ORL_ERR_NOT_FOUND, 3, "sphere t",
+     "'s'"},
+    {RED "red plastic m 0 0 5 0 0 0 0 0", ORL_ERR_UNSUPPORTED, 2, "plastic m", "cannot modify"},
+    {"x plastic m 0 0 5 0 0 0 0 0", ORL_ERR_NOT_FOUND, 1, "plastic m", "'x'"},
+    {"inherit plastic m 0 0 5 0 0 0 0 0", ORL_ERR_NOT_FOUND, 1, "plastic m", "'inherit'"},
+    {"void plastic void 0 0 5 0 0 0 0 0", ORL_ERR_SYNTAX, 1, "plastic void", "reserved"},
+    {"void alias a b", ORL_ERR_NOT_FOUND, 1, "alias a", "'b'"},
+    {"void alias a", ORL_ERR_SYNTAX, 1, "alias a", "ends among"},
+    {SKY "sky plastic m 0 0 5 0 0 0 0 0", ORL_ERR_UNSUPPORTED, 2, "plastic m", "light and glow"},
+    {SKY RED "sky alias m red", ORL_ERR_UNSUPPORTED, 3, "alias m", "light and glow"},
+    {SKY "sky sphere s 0 0 4 0 0 0 1", ORL_ERR_UNSUPPORTED, 2, "sphere s", "pattern"},
+    /* materials out of range */
+    {"void plastic m 0 0 5 1 .5 .5 0 0", ORL_ERR_RANGE, 1, "plastic m", "reflectance"},
+    {"void plastic m 0 0 5 -.1 .5 .5 0 0", ORL_ERR_RANGE, 1, "plastic m", "reflectance"},
+    {"void metal m 0 0 5 .5 1.5 .5 1 0", ORL_ERR_RANGE, 1, "metal m", "reflectance"},
+    {"void plastic m 0 0 5 .5 .5 .5 1 0", ORL_ERR_RANGE, 1, "plastic m", "specularity"},
+    {"void plastic m 0 0 5 .5 .5 .5 0 -1", ORL_ERR_RANGE, 1, "plastic m", "roughness"},
+    {"void glass g 0 0 3 1.1 1 1", ORL_ERR_RANGE, 1, "glass g", "transmissivity"},
+    {"void glass g 0 0 4 1 1 1 0", ORL_ERR_RANGE, 1, "glass g", "refraction"},
+    {"void glass g 0 0 2 1 1", ORL_ERR_SYNTAX, 1, "glass g", "3 number"},
+    {"void light l 0 0 3 1 -1 1", ORL_ERR_RANGE, 1, "light l", "negative"},
+    {"void glow l 0 0 3 1 1 1", ORL_ERR_SYNTAX, 1, "glow l", "4 number"},
+    /* surfaces */
+    {RED "red polygon w\n0\n0\n8 0 0 0 1 0 0 0 1", ORL_ERR_SYNTAX, 2, "polygon w", "8 numbers"},
+    {RED "red polygon w\n0\n0\n10 0 0 0 1 0 0 0 1 0 1", ORL_ERR_SYNTAX, 2, "polygon w",
+     "10 numbers"},
+    {RED "red polygon w 0 0 0", ORL_ERR_SYNTAX, 2, "polygon w", "0 numbers"},
+    {RED "red sphere s 0 0 4 0 0 0 0", ORL_ERR_RANGE, 2, "sphere s", "radius 0"},
+    {RED "red sphere s 0 0 4 0 0 0 -1", ORL_ERR_RANGE, 2, "sphere s", "radius -1"},
+    {RED "red cylinder c 0 0 7 0 0 0 0 0 0 1", ORL_ERR_RANGE, 2, "cylinder c", "same point"},
+    {RED "red tube c 0 0 7 0 0 0 0 0 1 0", ORL_ERR_RANGE, 2, "tube c", "radius 0"},
+    {RED "red cone c 0 0 8 0 0 0 0 0 1 0 0", ORL_ERR_RANGE, 2, "cone c", "radius 0"},
+    {RED "red cup c 0 0 8 0 0 0 0 0 1 2 -1", ORL_ERR_RANGE, 2, "cup c", "radius -1"},
+    {RED "red ring r 0 0 8 0 0 0 0 0 0 0 1", ORL_ERR_RANGE, 2, "ring r", "no length"},
+    {RED "red ring r 0 0 8 0 0 0 0 0 1 1 1", ORL_ERR_RANGE, 2, "ring r", "enclose"},
+    {RED "red source s 0 0 4 0 0 1 1", ORL_ERR_UNSUPPORTED, 2, "source s", "light or glow"},
+    {"void source s 0 0 4 0 0 1 1", ORL_ERR_UNSUPPORTED, 1, "source s", "light or glow"},
+    {"void light l 0 0 3 1 1 1\nl source s 0 0 4 0 0 0 1", ORL_ERR_RANGE, 2, "source s",
+     "no length"},
+    {"void light l 0 0 3 1 1 1\nl source s 0 0 4 0 0 1 0", ORL_ERR_RANGE, 2, "source s", "angle"},
+    {"void light l 0 0 3 1 1 1\nl source s 0 0 4 0 0 1 361", ORL_ERR_RANGE, 2, "source s", "angle"},
+    /* skies */
+    {"void brightfunc f 2 stripes stripes.cal 0 0", ORL_ERR_UNSUPPORTED, 1, "brightfunc f",
+     "stripes"},
+    {"void brightfunc f 2 skybright perezlum.cal 0 3 1 2 3", ORL_ERR_SYNTAX, 1, "brightfunc f",
+     "10"},
+    {"void brightfunc f 2 skybr skybright.cal 0 3 1 2 3", ORL_ERR_SYNTAX, 1, "brightfunc f", "7"},
+    {"void brightfunc f 2 skybr skybright.cal 0 3 5 2 3", ORL_ERR_RANGE, 1, "brightfunc f",
+     "type 5"},
+    {"void brightfunc f 4 skybright perezlum.cal -rx 9 0 10 1 1 1 -1 1 -1 1 0 0 1",
+     ORL_ERR_UNSUPPORTED, 1, "brightfunc f", "vertical"},
+    /* BSDFs, before their file is looked at */
+    {BSDF("5 0 x.xml 0 0 1", "0"), ORL_ERR_SYNTAX, 1, "BSDF b", "six string"},
+    {BSDF("6 .1 x.xml 0 0 1 .", "0"), ORL_ERR_UNSUPPORTED, 1, "BSDF b", "thickness"},
+    {BSDF("6 0 x.xml 0 0 0 .", "0"), ORL_ERR_RANGE, 1, "BSDF b", "up vector"},
+    {BSDF("6 0 x.xml 0 0 z .", "0"), ORL_ERR_UNSUPPORTED, 1, "BSDF b", "'z'"},
+    {BSDF("6 0 x.xml 0 0 1 f.cal", "0"), ORL_ERR_UNSUPPORTED, 1, "BSDF b", "f.cal"},
+    {BSDF("7 0 x.xml 0 0 1 . -q", "0"), ORL_ERR_SYNTAX, 1, "BSDF b", "'-q'"},
+    {BSDF("6 0 x.xml 0 0 1 .", "4 0 0 0 0"), ORL_ERR_SYNTAX, 1, "BSDF b", "3, 6 or 9"},
+    {BSDF("6 0 x.xml 0 0 1 .", "3 0 0 1"), ORL_ERR_RANGE, 1, "BSDF b", "diffuse"},
+    {BSDF("6 0 x.xml 0 0 1 .", "0"), ORL_ERR_NOT_FOUND, 1, "BSDF b", "x.xml"},
+    /* commands */
+    {"\n!cat /etc/passwd\n", ORL_ERR_UNSUPPORTED, 2, "!cat /etc/passwd", "'cat' is not run"},
+    {"!genbox red b 1 1 1 > x\n", ORL_ERR_UNSUPPORTED, 1, "!genbox red b 1 1 1 > x", "'>'"},
+    {"!genbox red b 1 1 1; rm x\n", ORL_ERR_UNSUPPORTED, 1, "!genbox red b 1 1 1; rm x", "';'"},
+    {"!genbox red `id` 1 1 1\n", ORL_ERR_UNSUPPORTED, 1, "!genbox red `id` 1 1 1", "'`'"},
+    {"!genbox red \"$(id)\" 1 1 1\n", ORL_ERR_UNSUPPORTED, 1, "!genbox red \"$(id)\" 1 1 1", "'$'"},
+    {"!genbox red b 1 1 1 | cat\n", ORL_ERR_UNSUPPORTED, 1, "!genbox red b 1 1 1 | cat", "'cat'"},
+    {"!\n", ORL_ERR_SYNTAX, 1, "!", "missing"},
+    {"!xform a.rad |\n", ORL_ERR_SYNTAX, 1, "!xform a.rad |", "missing"},
+    {"!genbox red 'b 1 1 1\n", ORL_ERR_SYNTAX, 1, "!genbox red 'b 1 1 1", "never closed"},
+    {"\n!genbox red b 1 1 1\n", ORL_ERR_NOT_FOUND, 2, "polygon b.1540", "'red'"},
+    {RED "!genbox red b 1 0 1\n", ORL_ERR_RANGE, 2, "!genbox red b 1 0 1", "not positive"},
+    {RED "!genbox red b 1 1\n", ORL_ERR_SYNTAX, 2, "!genbox red b 1 1", "three sizes"},
+    {RED "!genbox red b 1 1 1 -r .1\n", ORL_ERR_UNSUPPORTED, 2, "!genbox red b 1 1 1 -r .1",
+     "'-r'"},
+    {"!gensky 13 1 12\n", ORL_ERR_RANGE, 1, "!gensky 13 1 12", "month is 13"},
+    {"!gensky 1 1 noon\n", ORL_ERR_SYNTAX, 1, "!gensky 1 1 noon", "time of day"},
+    {"!gensky 1 1 12XYZ\n", ORL_ERR_SYNTAX, 1, "!gensky 1 1 12XYZ", "time zone"},
+    {"!gensky 1 1 12 -q\n", ORL_ERR_SYNTAX, 1, "!gensky 1 1 12 -q", "'-q'"},
+    {"!gendaylit 1 1 12 -C\n", ORL_ERR_UNSUPPORTED, 1, "!gendaylit 1 1 12 -C", "coloured"},
+    {"!gendaylit 1 1 12 -W 5\n", ORL_ERR_SYNTAX, 1, "!gendaylit 1 1 12 -W 5", "needs a number"},
+    {"!gendaylit 1 1 25 -W 5 5\n", ORL_ERR_SYNTAX, 1, "!gendaylit 1 1 25 -W 5 5", "time of day"},
+    {"!xform -t 1 0\n", ORL_ERR_SYNTAX, 1, "!xform -t 1 0", "lacks a number"},
+    {"!xform -t 1 0 x a.rad\n", ORL_ERR_SYNTAX, 1, "!xform -t 1 0 x a.rad", "'x'"},
+    {"!xform -s 0 a.rad\n", ORL_ERR_RANGE, 1, "!xform -s 0 a.rad", "must not be 0"},
+    {"!xform -s 1e300 -s 1e300 a.rad\n", ORL_ERR_RANGE, 1, "!xform -s 1e300 -s 1e300 a.rad",
+     "range"},
+    {"!xform -t 1 0 0\n", ORL_ERR_SYNTAX, 1, "!xform -t 1 0 0", "no file"},
+    {"!xform -q a.rad\n", ORL_ERR_SYNTAX, 1, "!xform -q a.rad", "'-q'"},
+    {"!xform missing.rad\n", ORL_ERR_NOT_FOUND, 1, "!xform missing.rad", "missing.rad"},
+    {"!xform -a 0 a.rad\n", ORL_ERR_SYNTAX, 1, "!xform -a 0 a.rad", "positive count"},
+    {"!xform -a 1000000000 a.rad\n", ORL_ERR_LIMIT, 1, "!xform -a 1000000000 a.rad", "copies"},
+    {"!genbox red b 1 1 1 | genbox red b 1 1 1\n", ORL_ERR_UNSUPPORTED, 1,
+     "!genbox red b 1 1 1 | genbox red b 1 1 1", "behind"},
+};
+
+static int parse_memory(const char *const *names, const struct orl_file *contents, size_t count,
+                        struct orl_error *err)
+{
+    struct orl_memory_files memory = {names, contents, count};
+    const struct orl_files files = orl_files_from_memory(&memory);
+    struct orl_description description = {0};
+    const int code = orl_scene_parse(names, 1, &files, &description, err);
+    /* Outputs stay untouched on failure. */
+    if (code < 0)
+        assert_null(description.storage);
+    orl_description_done(&description);
+    return code;
+}
+
+static int parse_bytes(const char *text, size_t size, struct orl_error *err)
+{
+    static const char *const names[] = {"a.rad"};
+    /* A copy of its own, so that a read past the end is seen. */
+    char *copy = malloc(size ? size : 1);
+    struct orl_file file = {copy, size, NULL};
+    int code;
+    assert_non_null(copy);
+    memcpy(copy, text, size);
+    code = parse_memory(names, &file, 1, err);
+    free(copy);
+    return code;
+}
+
+static void test_bad_scenes(void **state)
+{
+    int wrong = 0;
+    (void)state;
+    for (size_t i = 0; i < sizeof bad_scenes / sizeof *bad_scenes; i++) {
+        const struct bad *bad = bad_scenes + i;
+        struct orl_error err = {0};
+        const int code = parse_bytes(bad->text, strlen(bad->text), &err);
+        if (code == bad->code && err.code == bad->code && err.line == bad->line &&
+            strcmp(err.file, "a.rad") == 0 && strcmp(err.primitive, bad->primitive) == 0 &&
+            strstr(err.message, bad->message))
+            continue;
+        print_error("%s\n-> %d %s:%d: %s: %s\n", bad->text, code, err.file, err.line, err.primitive,
+                    err.message);
+        wrong++;
+    }
+    assert_int_equal(wrong, 0);
+}
+
+static void test_empty_and_binary_files(void **state)
+{
+    static const char png[] = "\x89PNG\r\n\x1a\n\0\0\0\rIHDR";
+    static const char nul[] = "void plastic m\n0\n0\n5 .1 .1 \0 0 0\n";
+    struct orl_error err = {0};
+    (void)state;
+    assert_int_equal(parse_bytes("", 0, &err), ORL_ERR_SYNTAX);
+    assert_string_equal(err.file, "a.rad");
+    assert_non_null(strstr(err.message, "empty"));
+    assert_int_equal(parse_bytes(png, sizeof png, &err), ORL_ERR_SYNTAX);
+    assert_int_equal(parse_bytes(nul, sizeof nul, &err), ORL_ERR_SYNTAX);
+    assert_int_equal(err.line, 4);
+    assert_string_equal(err.primitive, "plastic m");
+}
+
+static void test_missing_main_file(void **state)
+{
+    static const char *const names[] = {"a.rad"};
+    struct orl_error err = {0};
+    (void)state;
+    assert_int_equal(parse_memory(names, NULL, 0, &err), ORL_ERR_NOT_FOUND);
+    assert_string_equal(err.file, "a.rad");
+}
+
+/* Every prefix of a good scene either parses or is refused with a place; none crashes. */
+static void test_every_cut(void **state)
+{
+    static const char text[] =
+        "# cut\nvoid plastic 'red' 0 0 5 .5 .2 .1 0 0\nvoid alias r red\n"
+        "r polygon p 0 0 9 0 0 0 1 0 0 0 1 0\n!genbox r b 1 1 1 | xform -n \"x y\" -a 2 -t 2 0 0\n"
+        "!gensky -ang 40 10 +s\nskyfunc glow s 0 0 4 1 1 1 0\n!gendaylit -ang 4 10 -P 5 .2\n"
+        "s source g 0 0 4 0 0 1 180\n";
+    size_t refused = 0;
+    (void)state;
+    for (size_t size = 1; size < sizeof text; size++) {
+        struct orl_error err = {0};
+        const int code = parse_bytes(text, size, &err);
+        if (code < 0) {
+            refused++;
+            assert_true(err.line > 0 && err.file[0] && err.message[0]);
+        }
+    }
+    assert_true(refused > sizeof text / 2);
+}
+
+static void test_long_words(void **state)
+{
+    enum { LENGTH = 6000 };
+    char *text = malloc(LENGTH);
+    struct orl_error err = {0};
+    (void)state;
+    assert_non_null(text);
+    memset(text, 'x', LENGTH);
+    assert_int_equal(parse_bytes(text, LENGTH, &err), ORL_ERR_LIMIT);
+    text[0] = '"';
+    assert_int_equal(parse_bytes(text, LENGTH, &err), ORL_ERR_LIMIT);
+    memset(text, '9', LENGTH);
+    memcpy(text, "void light l 0 0 3 ", 19);
+    assert_int_equal(parse_bytes(text, LENGTH - 2000, &err), ORL_ERR_RANGE);
+    assert_string_equal(err.primitive, "light l");
+    free(text);
+}
+
+static void test_errors_in_included_files(void **state)
+{
+    static const char *const names[] = {"main.rad", "sub/a.rad", "sub/b.rad"};
+    static const struct orl_file contents[] = {{"# one\n!xform -t 1 0 0 sub/a.rad\n", 33, NULL},
+                                               {"\n\n!xform -rz 90 b.rad\n", 23, NULL},
+                                               {"\nnone sphere s 0 0 4 0 0 0 1\n", 29, NULL}};
+    struct orl_error err = {0};
+    (void)state;
+    assert_int_equal(parse_memory(names, contents, 3, &err), ORL_ERR_NOT_FOUND);
+    assert_string_equal(err.file, "sub/b.rad");
+    assert_int_equal(err.line, 2);
+    assert_string_equal(err.primitive, "sphere s");
+}
+
+static void test_cycles_and_bombs(void **state)
+{
+    enum { LENGTH = 8 << 20 };
+    static const char *const names[] = {"a.rad", "b.rad"};
+    static const struct orl_file cycle[] = {{"!xform b.rad", 12, NULL},
+                                            {"!xform ./a.rad", 14, NULL}};
+    char *comment = malloc(LENGTH);
+    const struct orl_file bomb[] = {{"!xform -a 9000 -rz 1 -a 9 b.rad", 31, NULL},
+                                    {comment, LENGTH, NULL}};
+    struct orl_error err = {0};
+    (void)state;
+    assert_int_equal(parse_memory(names, cycle, 2, &err), ORL_ERR_LIMIT);
+    assert_string_equal(err.file, "b.rad");
+    assert_non_null(strstr(err.message, "includes itself"));
+    assert_non_null(comment);
+    memset(comment, '#', LENGTH);
+    assert_int_equal(parse_memory(names, bomb, 2, &err), ORL_ERR_LIMIT);
+    assert_non_null(strstr(err.message, "MiB"));
+    free(comment);
+}
+
+static void test_deep_nesting(void **state)
+{
+    char names[40][16], texts[40][32];
+    const char *name[40];
+    struct orl_file contents[40];
+    struct orl_error err = {0};
+    (void)state;
+    for (int i = 0; i < 40; i++) {
+        snprintf(names[i], sizeof names[i], "f%d.rad", i);
+        snprintf(texts[i], sizeof texts[i], i < 39 ? "!xform f%d.rad\n" : "# end %d\n", i + 1);
+        name[i] = names[i];
+        contents[i] = (struct orl_file){texts[i], strlen(texts[i]), NULL};
+    }
+    assert_int_equal(parse_memory(name, contents, 40, &err), ORL_ERR_LIMIT);
+    assert_non_null(strstr(err.message, "deep"));
+    contents[12] = (struct orl_file){"# end\n", 6, NULL};
+    assert_int_equal(parse_memory(name, contents, 40, &err), 0);
+}
+
+static void test_bsdf_up_along_normal(void **state)
+{
+    static const char *const names[] = {"a.rad", "b.xml"};
+    static const char scene[] = "void BSDF b 6 0 b.xml 0 0 1 . 0 0\n"
+                                "b polygon roof 0 0 9 0 0 0 1 0 0 0 1 0\n";
+    static const char xml[] =
+        "<?xml version=\"1.0\"?><WindowElement><WindowElementType>System</WindowElementType>"
+        "<Optical><Layer><Material><Name>u</Name></Material><DataDefinition>"
+        "<IncidentDataStructure>TensorTree4</IncidentDataStructure></DataDefinition>"
+        "<WavelengthData><LayerNumber>System</LayerNumber>"
+        "<Wavelength unit=\"Integral\">Visible</Wavelength><WavelengthDataBlock>"
+        "<WavelengthDataDirection>Transmission Back</WavelengthDataDirection>"
+        "<AngleBasis>LBNL/Shirley-Chiu</AngleBasis><ScatteringDataType>BTDF</ScatteringDataType>"
+        "<ScatteringData>{ 0.1 }</ScatteringData></WavelengthDataBlock></WavelengthData></Layer>"
+        "</Optical></WindowElement>\n";
+    const struct orl_file contents[] = {{scene, sizeof scene - 1, NULL},
+                                        {xml, sizeof xml - 1, NULL}};
+    const struct orl_file cut[] = {{scene, sizeof scene - 1, NULL}, {xml, sizeof xml / 2, NULL}};
+    struct orl_error err = {0};
+    (void)state;
+    assert_int_equal(parse_memory(names, contents, 2, &err), ORL_ERR_RANGE);
+    assert_string_equal(err.primitive, "polygon roof");
+    assert_non_null(strstr(err.message, "up vector"));
+    /* Truncated XML: the place is in the XML. */
+    assert_int_equal(parse_memory(names, cut, 2, &err), ORL_ERR_SYNTAX);
+    assert_string_equal(err.file, "b.xml");
+    assert_true(err.line > 0);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_bad_scenes),
+        cmocka_unit_test(test_empty_and_binary_files),
+        cmocka_unit_test(test_missing_main_file),
+        cmocka_unit_test(test_every_cut),
+        cmocka_unit_test(test_long_words),
+        cmocka_unit_test(test_errors_in_included_files),
+        cmocka_unit_test(test_cycles_and_bombs),
+        cmocka_unit_test(test_deep_nesting),
+        cmocka_unit_test(test_bsdf_up_along_normal),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
