@@ -1,0 +1,355 @@
+/*
+ * The contract of BSDFs: draws follow their pdf, the pdf is that of f |cos|, integrals agree.
+ *
+ * The square of the other direction is cut into cells of equal projected solid angle, on each side
+ * of the surface. Draws are counted per cell and compared with the pdf by Pearson's chi-square,
+ * cells expecting fewer than 10 draws being pooled. Seeds are fixed, so the outcome is too; the
+ * threshold still allows for chance: 1e-3 for the whole file, shared out over its comparisons
+ * (Bonferroni).
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "base/random.h"
+#include "fixtures/bsdf_make.h"
+
+enum {
+    SIDE = 32, /* cells per axis in which draws are counted */
+    CELLS = 2 * SIDE * SIDE,
+    FINE = 20, /* points per axis of a cell in which the pdf is integrated */
+    DRAWS = 40000,
+    GIVEN = 4, /* given directions per BSDF, side and way of drawing */
+    BSDFS = 4,
+    COMPARISONS = BSDFS * 2 * 3 * GIVEN,
+};
+
+static const double significance = 1e-3 / COMPARISONS;
+
+struct fixture {
+    struct orl_bsdf *bsdf[BSDFS];
+};
+
+static int load_all(void **state)
+{
+    static struct fixture fixture;
+    fixture.bsdf[0] = load_text(read_fixture("tests/fixtures/bsdf_lcp8.xml"));
+    fixture.bsdf[1] = load_text(read_fixture("tests/fixtures/bsdf_klems41.xml"));
+    fixture.bsdf[2] = load_text(make_tree_file(4));
+    fixture.bsdf[3] =
+        load_text(make_file("TensorTree4", "Transmission Back", NULL,
+                            "{{0}{0}{1e-12}{0}{0}{3}{0}{0}{0}{0}{0}{0}{0}{0}{1}{.2}}"));
+    *state = &fixture;
+    for (int i = 0; i < BSDFS; i++)
+        if (!fixture.bsdf[i])
+            return -1;
+    return 0;
+}
+
+static int unload_all(void **state)
+{
+    struct fixture *fixture = *state;
+    for (int i = 0; i < BSDFS; i++)
+        orl_bsdf_unref(fixture->bsdf[i]);
+    return 0;
+}
+
+/* ---- An independent map of the hemisphere ------------------------------------------------------
+ */
+
+/* Equal areas of (cos^2, azimuth) are equal projected solid angles: no need of the code's map. */
+static struct orl_vec3 place(double u, double v, bool front)
+{
+    const double cosine = sqrt(1 - u), sine = sqrt(u), azimuth = 2 * ORL_PI * v;
+    return orl_v3(sine * cos(azimuth), sine * sin(azimuth), front ? cosine : -cosine);
+}
+
+static int cell_of(struct orl_vec3 d)
+{
+    double v = atan2(d.y, d.x) / (2 * ORL_PI);
+    const int i = (int)((1 - d.z * d.z) * SIDE);
+    int j;
+    v = v < 0 ? v + 1 : v;
+    j = (int)(v * SIDE);
+    return ((d.z > 0) * SIDE + (i < SIDE ? i : SIDE - 1)) * SIDE + (j < SIDE ? j : SIDE - 1);
+}
+
+static double uniform(struct orl_random *random)
+{
+    return orl_random_uniform(random);
+}
+
+static struct orl_vec3 any_direction(struct orl_random *random)
+{
+    const double u = uniform(random), v = uniform(random);
+    return place(u, v, uniform(random) < 0.5);
+}
+
+/* ---- Chi-square --------------------------------------------------------------------------------
+ */
+
+/* Upper tail, by Wilson and Hilferty's cube root; good to some percent this far out. */
+static double chi_square_tail(double x, int degrees)
+{
+    const double k = degrees, z = (cbrt(x / k) - (1 - 2 / (9 * k))) / sqrt(2 / (9 * k));
+    return 0.5 * erfc(z / sqrt(2));
+}
+
+static double p_value(const double *expected, const double *counted)
+{
+    double pooled_expected = 0, pooled_counted = 0, x = 0;
+    int cells = 0;
+    for (int i = 0; i < CELLS; i++) {
+        if (expected[i] < 10) {
+            pooled_expected += expected[i];
+            pooled_counted += counted[i];
+            continue;
+        }
+        x += (counted[i] - expected[i]) * (counted[i] - expected[i]) / expected[i];
+        cells++;
+    }
+    if (pooled_expected >= 10) {
+        x += (pooled_counted - pooled_expected) * (pooled_counted - pooled_expected) /
+             pooled_expected;
+        cells++;
+    } else if (pooled_counted > 40) {
+        return 0; /* draws where hardly any belong */
+    }
+    return cells > 1 ? chi_square_tail(x, cells - 1) : 1;
+}
+
+/* Which way a direction is drawn. */
+struct way {
+    bool adjoint;
+    enum orl_bsdf_side sides;
+};
+
+static double pdf_of(const struct orl_bsdf *bsdf, const struct way *way, struct orl_vec3 given,
+                     struct orl_vec3 other)
+{
+    return way->adjoint ? orl_bsdf_pdf_adjoint(bsdf, given, way->sides, other)
+                        : orl_bsdf_pdf(bsdf, given, way->sides, other);
+}
+
+static bool draw(const struct orl_bsdf *bsdf, const struct way *way, struct orl_vec3 given,
+                 const double u[3], struct orl_vec3 *other, struct orl_rgb *weight, double *pdf)
+{
+    return way->adjoint ? orl_bsdf_sample_adjoint(bsdf, given, way->sides, u, other, weight, pdf)
+                        : orl_bsdf_sample(bsdf, given, way->sides, u, other, weight, pdf);
+}
+
+/* f |cos| for the pair, whichever of them was given. */
+static double scattered(const struct orl_bsdf *bsdf, const struct way *way, struct orl_vec3 given,
+                        struct orl_vec3 other)
+{
+    const struct orl_rgb f =
+        way->adjoint ? orl_bsdf_eval(bsdf, other, given) : orl_bsdf_eval(bsdf, given, other);
+    return orl_luma(f) * fabs(other.z);
+}
+
+/*
+ * Integrates the pdf over every cell, at points jittered so that no border of the data stays
+ * hidden between them. Returns the sum over all cells.
+ */
+static double expect(const struct orl_bsdf *bsdf, const struct way *way, struct orl_vec3 given,
+                     struct orl_random *random, double *ret_expected)
+{
+    const double share = ORL_PI / (SIDE * SIDE) / (FINE * FINE);
+    double total = 0;
+    for (int cell = 0; cell < CELLS; cell++) {
+        double sum = 0;
+        for (int k = 0; k < FINE * FINE; k++) {
+            const double u = cell / SIDE % SIDE + (k / FINE + uniform(random)) / FINE;
+            const double v = cell % SIDE + (k % FINE + uniform(random)) / FINE;
+            const struct orl_vec3 d = place(u / SIDE, v / SIDE, cell >= SIDE * SIDE);
+            sum += pdf_of(bsdf, way, given, d) / fabs(d.z);
+        }
+        ret_expected[cell] = sum * share;
+        total += sum * share;
+    }
+    return total;
+}
+
+/* ---- Tests -------------------------------------------------------------------------------------
+ */
+
+static void check_draws(const struct orl_bsdf *bsdf, const struct way *way,
+                        struct orl_random *random, int label)
+{
+    static double expected[CELLS], counted[CELLS];
+    for (int g = 0; g < GIVEN; g++) {
+        const struct orl_vec3 given = any_direction(random);
+        const double centre[3] = {0.5, 0.5, 0.5};
+        struct orl_vec3 some;
+        struct orl_rgb ignored;
+        double total, p;
+        if (!draw(bsdf, way, given, centre, &some, &ignored, &p))
+            continue; /* black on these sides */
+        total = expect(bsdf, way, given, random, expected);
+        assert_true(fabs(total - 1) < 1e-2); /* jitter; exactly so below */
+        memset(counted, 0, sizeof counted);
+        for (int i = 0; i < DRAWS; i++) {
+            const double u[3] = {uniform(random), uniform(random), uniform(random)};
+            struct orl_vec3 other;
+            struct orl_rgb weight;
+            double pdf;
+            assert_true(draw(bsdf, way, given, u, &other, &weight, &pdf));
+            counted[cell_of(other)]++;
+        }
+        for (int c = 0; c < CELLS; c++)
+            expected[c] *= DRAWS / total;
+        p = p_value(expected, counted);
+        if (p < significance)
+            fail_msg("BSDF %d, adjoint %d, sides %d, direction %d: p = %g", label, way->adjoint,
+                     way->sides, g, p);
+    }
+}
+
+static void draws_follow_the_pdf(void **state)
+{
+    const struct fixture *fixture = *state;
+    struct orl_random random = orl_random_stream(1, ORL_PURPOSE_BENCH, 1);
+    for (int b = 0; b < BSDFS; b++)
+        for (int adjoint = 0; adjoint < 2; adjoint++)
+            for (int sides = ORL_BSDF_REFLECT; sides <= ORL_BSDF_BOTH; sides++) {
+                const struct way way = {adjoint, (enum orl_bsdf_side)sides};
+                check_draws(fixture->bsdf[b], &way, &random, b);
+            }
+}
+
+/* The same cell for the draw, its value and its pdf; directions are unit and never level. */
+static void draws_values_and_pdfs_agree(void **state)
+{
+    const struct fixture *fixture = *state;
+    struct orl_random random = orl_random_stream(2, ORL_PURPOSE_BENCH, 1);
+    int drawn = 0;
+    for (int i = 0; i < 200000; i++) {
+        static const double edge[] = {0, 0x1p-53, 0.5, 1 - 0x1p-53, 0.25, 0x1p-60, 0.75};
+        const struct orl_bsdf *bsdf = fixture->bsdf[i % BSDFS];
+        const struct way way = {i / BSDFS % 2, (enum orl_bsdf_side)(1 + i / (2 * BSDFS) % 3)};
+        const struct orl_vec3 given = any_direction(&random);
+        double u[3] = {uniform(&random), uniform(&random), uniform(&random)};
+        struct orl_vec3 other;
+        struct orl_rgb weight;
+        double pdf, value;
+        for (int k = 0; k < 3; k++) /* half the time at the edges of the unit interval */
+            if (uniform(&random) < 0.5)
+                u[k] = edge[(int)(uniform(&random) * 7)];
+        if (!draw(bsdf, &way, given, u, &other, &weight, &pdf))
+            continue;
+        drawn++;
+        value = scattered(bsdf, &way, given, other);
+        assert_true(pdf > 0 && value > 0);
+        assert_true(pdf == pdf_of(bsdf, &way, given, other));
+        assert_true(fabs(orl_luma(weight) * pdf / value - 1) < 1e-12);
+        assert_true(fabs(orl_length(other) - 1) < 1e-14 && other.z != 0);
+        assert_true(way.sides == ORL_BSDF_BOTH ||
+                    ((given.z > 0) == (other.z > 0)) == (way.sides == ORL_BSDF_REFLECT));
+    }
+    assert_in_range(drawn, 100000, 200000);
+}
+
+/* Albedo against jittered quadrature that knows nothing of cells; their steps leave it 0.2 %. */
+static void albedo_is_the_integral_of_f(void **state)
+{
+    const struct fixture *fixture = *state;
+    struct orl_random random = orl_random_stream(3, ORL_PURPOSE_BENCH, 1);
+    for (int i = 0; i < 24; i++) {
+        const struct orl_bsdf *bsdf = fixture->bsdf[i % 3];
+        const struct orl_vec3 in = any_direction(&random);
+        const int n = 512;
+        double sum = 0;
+        for (int k = 0; k < 2 * n * n; k++) {
+            const double u = (k / n % n + uniform(&random)) / n;
+            const double v = (k % n + uniform(&random)) / n;
+            sum += orl_luma(orl_bsdf_eval(bsdf, in, place(u, v, k >= n * n)));
+        }
+        sum *= ORL_PI / ((double)n * n);
+        assert_true(fabs(sum / orl_luma(orl_bsdf_albedo(bsdf, in, ORL_BSDF_BOTH)) - 1) < 1e-2);
+    }
+}
+
+/* Exactly, for a tree of 2^3: one point in each cell of the square is the integral. */
+static void a_trees_integrals_are_sums_over_its_cells(void **state)
+{
+    const struct orl_bsdf *bsdf = ((const struct fixture *)*state)->bsdf[0];
+    struct orl_random random = orl_random_stream(4, ORL_PURPOSE_BENCH, 1);
+    for (int i = 0; i < 200; i++) {
+        const struct orl_vec3 in = any_direction(&random);
+        double sum = 0, pdf = 0, adjoint = 0;
+        for (int k = 0; k < 128; k++) {
+            /* The centre of a cell: the map of Shirley and Chiu, from the paper. */
+            const double a = (k % 8 + 0.5) / 4 - 1, b = (k / 8 % 8 + 0.5) / 4 - 1;
+            const double r = fmax(fabs(a), fabs(b));
+            const double phi = fabs(a) >= fabs(b)
+                                   ? ORL_PI / 4 * b / a + (a < 0 ? ORL_PI : 0)
+                                   : ORL_PI / 2 - ORL_PI / 4 * a / b + (b < 0 ? ORL_PI : 0);
+            const double z = sqrt(1 - r * r);
+            const struct orl_vec3 d = orl_v3(r * cos(phi), r * sin(phi), k < 64 ? z : -z);
+            sum += orl_luma(orl_bsdf_eval(bsdf, in, d));
+            pdf += orl_bsdf_pdf(bsdf, in, ORL_BSDF_BOTH, d) / z;
+            adjoint += orl_bsdf_pdf_adjoint(bsdf, in, ORL_BSDF_BOTH, d) / z;
+        }
+        sum *= ORL_PI / 64;
+        assert_true(fabs(sum - orl_luma(orl_bsdf_albedo(bsdf, in, ORL_BSDF_BOTH))) < 1e-6);
+        assert_true(fabs(pdf * ORL_PI / 64 - 1) < 1e-6);
+        assert_true(fabs(adjoint * ORL_PI / 64 - 1) < 1e-6);
+    }
+}
+
+/* The panel has one transmission; the other is its transpose, and the adjoint the same draw. */
+static void a_filled_in_transmission_is_reciprocal(void **state)
+{
+    const struct orl_bsdf *bsdf = ((const struct fixture *)*state)->bsdf[0];
+    struct orl_random random = orl_random_stream(5, ORL_PURPOSE_BENCH, 1);
+    for (int i = 0; i < 20000; i++) {
+        struct orl_vec3 in = any_direction(&random), out = any_direction(&random);
+        const double u[3] = {uniform(&random), uniform(&random), uniform(&random)};
+        struct orl_vec3 forward, adjoint;
+        struct orl_rgb weight[2];
+        double pdf[2];
+        if ((in.z > 0) == (out.z > 0))
+            out.z = -out.z;
+        assert_true(orl_luma(orl_bsdf_eval(bsdf, in, out)) ==
+                    orl_luma(orl_bsdf_eval(bsdf, out, in)));
+        assert_true(orl_bsdf_sample(bsdf, in, ORL_BSDF_TRANSMIT, u, &forward, &weight[0], &pdf[0]));
+        assert_true(
+            orl_bsdf_sample_adjoint(bsdf, in, ORL_BSDF_TRANSMIT, u, &adjoint, &weight[1], &pdf[1]));
+        assert_true(forward.x == adjoint.x && forward.y == adjoint.y && forward.z == adjoint.z);
+        assert_true(pdf[0] == pdf[1]);
+    }
+}
+
+/* A cell of 1e-12 of its neighbours is as good as never drawn, and black ones never. */
+static void a_sliver_does_no_harm(void **state)
+{
+    const struct orl_bsdf *bsdf = ((const struct fixture *)*state)->bsdf[3];
+    struct orl_random random = orl_random_stream(6, ORL_PURPOSE_BENCH, 1);
+    /* Light travelling towards (-, +) finds the sliver at B (-, -) and 1 at B (+, +). */
+    const struct orl_vec3 in = orl_v3(0.5, -0.5, sqrt(0.5));
+    for (int i = 0; i < 1000000; i++) {
+        const double u[3] = {uniform(&random), uniform(&random), uniform(&random)};
+        struct orl_vec3 out;
+        struct orl_rgb weight;
+        double pdf;
+        assert_true(orl_bsdf_sample(bsdf, in, ORL_BSDF_BOTH, u, &out, &weight, &pdf));
+        assert_true(out.x > 0 && out.y > 0 && out.z < 0);
+    }
+    assert_true(orl_bsdf_pdf(bsdf, in, ORL_BSDF_BOTH, orl_v3(-0.5, -0.5, -sqrt(0.5))) > 0);
+}
+
+int main(void)
+{
+    static const struct CMUnitTest tests[] = {
+        cmocka_unit_test(draws_follow_the_pdf),
+        cmocka_unit_test(draws_values_and_pdfs_agree),
+        cmocka_unit_test(albedo_is_the_integral_of_f),
+        cmocka_unit_test(a_trees_integrals_are_sums_over_its_cells),
+        cmocka_unit_test(a_filled_in_transmission_is_reciprocal),
+        cmocka_unit_test(a_sliver_does_no_harm),
+    };
+    return cmocka_run_group_tests(tests, load_all, unload_all);
+}
