@@ -30,16 +30,20 @@ static inline void orl_box_distances(const struct orl_map_group *group, const fl
     }
 }
 
-/* Pushes the children of a node that are nearer than radius2, the nearest on top. */
+/*
+ * Pushes the children of a node that are nearer than radius2 and face the right way, the nearest
+ * on top.
+ */
 static inline uint32_t orl_box_push(const struct orl_photon_map *map, struct orl_box_visit visit,
-                                    const float at[3], float radius2, struct orl_box_visit *stack,
-                                    uint32_t depth)
+                                    const float at[3], uint32_t facing, float radius2,
+                                    struct orl_box_visit *stack, uint32_t depth)
 {
+    const struct orl_map_group *group = &map->levels[visit.level - 1][visit.node];
     const uint32_t bottom = depth;
     float distance2[ORL_MAP_FANOUT];
-    orl_box_distances(&map->levels[visit.level - 1][visit.node], at, distance2);
+    orl_box_distances(group, at, distance2);
     for (uint32_t c = 0; c < ORL_MAP_FANOUT; c++) {
-        if (!(distance2[c] < radius2))
+        if (!(distance2[c] < radius2) || !(group->facing[c] & facing))
             continue;
         const struct orl_box_visit child = {distance2[c], visit.level - 1,
                                             visit.node * ORL_MAP_FANOUT + c};

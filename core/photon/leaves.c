@@ -84,7 +84,7 @@ static struct orl_rgb value_of(struct orl_leaves *leaves, uint32_t leaf, struct 
                                              h->low[1] + (site->at[1] + 0.5) * h->cell,
                                              h->low[2] + (site->at[2] + 0.5) * h->cell);
         const struct orl_rgb irradiance =
-            estimate(leaves, point, orl_octahedral_decode(site->normal), search);
+            estimate(leaves, point, orl_normal_decode(site->normal), search);
         word = orl_flux_pack(orl_rgb_scale(irradiance, 1 / leaves->unit), 0.5);
         if (word == 0)
             word = value_zero;
@@ -98,11 +98,12 @@ static bool nearest_leaf(const struct orl_leaves *leaves, struct orl_vec3 point,
                          struct orl_vec3 normal, uint32_t *ret_leaf)
 {
     const struct orl_photon_map *map = leaves->map;
-    const uint16_t code = orl_octahedral_encode(normal);
+    const uint16_t code = orl_normal_encode(normal);
     struct orl_box_visit stack[ORL_BOX_STACK];
     uint32_t depth = 0;
     float at[3], best2 = leaves->reach2;
     bool found = false;
+    const uint32_t facing = orl_facing_mask(&map->facing, normal);
     orl_box_locate(map, point, at);
     if (map->header->levels > 0)
         stack[depth++] = (struct orl_box_visit){0, map->header->levels, 0};
@@ -111,7 +112,7 @@ static bool nearest_leaf(const struct orl_leaves *leaves, struct orl_vec3 point,
         if (!(visit.distance2 < best2))
             continue;
         if (visit.level > 0) {
-            depth = orl_box_push(map, visit, at, best2, stack, depth);
+            depth = orl_box_push(map, visit, at, facing, best2, stack, depth);
             continue;
         }
         const struct site *site = &leaves->sites[visit.node];

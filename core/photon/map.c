@@ -13,30 +13,6 @@
 #include "photon/flux.h"
 #include "photon/pack.h"
 
-uint16_t orl_octahedral_encode(struct orl_vec3 n)
-{
-    const double sum = fabs(n.x) + fabs(n.y) + fabs(n.z);
-    double u = n.x / sum, v = n.y / sum;
-    if (n.z < 0) {
-        const double fold = (1 - fabs(v)) * copysign(1.0, u);
-        v = (1 - fabs(u)) * copysign(1.0, v);
-        u = fold;
-    }
-    return (uint16_t)((unsigned)lrint(127 * u + 127) | (unsigned)lrint(127 * v + 127) << 8);
-}
-
-struct orl_vec3 orl_octahedral_decode(uint16_t code)
-{
-    double u = ((code & 255) - 127) / 127.0, v = ((code >> 8) - 127) / 127.0;
-    const double z = 1 - fabs(u) - fabs(v);
-    if (z < 0) {
-        const double fold = (1 - fabs(v)) * copysign(1.0, u);
-        v = (1 - fabs(u)) * copysign(1.0, v);
-        u = fold;
-    }
-    return orl_normalize(orl_v3(u, v, z));
-}
-
 static uint64_t aligned(uint64_t offset)
 {
     return (offset + 63) & ~(uint64_t)63;
@@ -92,6 +68,7 @@ static void take_apart(struct orl_photon_map *map)
     const char *base = map->file;
     const struct orl_map_layout l = orl_map_layout_of(map->header->count);
     const struct orl_map_group *group = (const void *)(base + l.boxes);
+    orl_facing_init(&map->facing);
     map->places = (const void *)(base + l.places);
     map->fluxes = (const void *)(base + l.fluxes);
     map->normals = (const void *)(base + l.normals);

@@ -9,9 +9,11 @@
  *   fluxes    per photon: shared-exponent RGB (9-9-9-5) in units of header.flux_unit
  *   normals   per photon: octahedral, 8 + 8 bits, the side that was lit
  *   sources   per photon: index of the source or bin it came from (0: not told apart)
- *   boxes     per group of 8 siblings, from the leaves up: 6 x 8 floats, lows then highs
- * 16 bytes a photon, and about 1.7 for the boxes. Photons are in Morton order; ties keep the order
- * of emission. The batch (emission index mod 16) is for error estimates. Places are relative to
+ *   boxes     per group of 8 siblings, from the leaves up: 6 x 8 floats, lows then highs, and
+ *               8 masks of the bins (facing.h) that the normals inside fall into
+ * 16 bytes a photon, and about 2 for the boxes. Photons are ordered by the bin of their normal,
+ * then in Morton order, so that a leaf is a patch of one sheet of surface; ties keep the order of
+ * emission. The batch (emission index mod 16) is for error estimates. Places are relative to
  * the map's own bounds: over 100 m a cell is 0.1 mm.
  *
  * Threads: a map is immutable and may be searched from any thread.
@@ -40,7 +42,7 @@ enum {
 struct orl_photon {
     float position[3]; /* moved coordinates */
     float flux[3];     /* W, before the division by the number emitted */
-    uint16_t normal;   /* orl_octahedral_encode of the lit side */
+    uint16_t normal;   /* orl_normal_encode of the lit side (facing.h) */
     uint8_t batch;
     uint8_t unused;
 };
@@ -62,9 +64,6 @@ struct orl_map_header {
 };
 
 struct orl_photon_map;
-
-uint16_t orl_octahedral_encode(struct orl_vec3 unit);
-struct orl_vec3 orl_octahedral_decode(uint16_t code);
 
 /* What a build needs to know beside the photons. */
 struct orl_map_build {

@@ -4,13 +4,15 @@
 #ifndef ORL_PHOTON_PACK_H
 #define ORL_PHOTON_PACK_H
 
+#include "photon/facing.h"
 #include "photon/map.h"
 
 enum { ORL_PLACE_BITS = 20, ORL_PLACE_CELLS = 1 << ORL_PLACE_BITS, ORL_LEAF_WORDS = 32 };
 
-/* Bounds of the children of one node, in cells; an absent child is inside out. */
+/* Bounds of the children of one node, in cells; an absent child is inside out and faces nowhere. */
 struct orl_map_group {
     float low[3][ORL_MAP_FANOUT], high[3][ORL_MAP_FANOUT];
+    uint32_t facing[ORL_MAP_FANOUT];
 };
 
 /* A mapped file, taken apart. */
@@ -21,6 +23,7 @@ struct orl_photon_map {
     const uint32_t *places, *fluxes;
     const uint16_t *normals, *sources;
     const struct orl_map_group *levels[ORL_MAP_LEVELS]; /* [0]: groups of leaves */
+    struct orl_facing facing;
 };
 
 /* How the file is divided, given the number of photons. */

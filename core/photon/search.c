@@ -12,6 +12,7 @@ struct walk {
     float radius2; /* in cells */
     uint32_t k, found, room; /* room: candidates held before the nearest k are kept, > k */
     uint16_t normal; /* the query's, coded */
+    uint32_t facing; /* bins of normals worth a visit */
 };
 
 static bool nearer(const struct orl_search_candidate *a, const struct orl_search_candidate *b)
@@ -94,7 +95,7 @@ static void walk_boxes(struct walk *walk)
         if (at.level == 0)
             scan_leaf(walk, at.node);
         else
-            depth = orl_box_push(walk->map, at, walk->at, walk->radius2, stack, depth);
+            depth = orl_box_push(walk->map, at, walk->at, walk->facing, walk->radius2, stack, depth);
     }
 }
 
@@ -112,9 +113,12 @@ static float first_radius2(const struct walk *walk)
         group = &walk->map->levels[level][node];
         orl_box_distances(group, walk->at, distance2);
         nearest = 0;
-        for (uint32_t c = 1; c < ORL_MAP_FANOUT; c++)
+        for (uint32_t c = 0; c < ORL_MAP_FANOUT; c++) {
+            if (!(group->facing[c] & walk->facing))
+                distance2[c] = INFINITY;
             if (distance2[c] < distance2[nearest])
                 nearest = c;
+        }
         node = node * ORL_MAP_FANOUT + nearest;
     }
     float diagonal2 = 1;
@@ -159,7 +163,8 @@ struct orl_density orl_density_estimate(const struct orl_photon_map *map,
                         .candidates = search->candidates,
                         .radius2 = (float)(reach * reach),
                         .k = query->k < ORL_SEARCH_MOST ? query->k : ORL_SEARCH_MOST,
-                        .normal = orl_octahedral_encode(query->normal)};
+                        .normal = orl_normal_encode(query->normal),
+                        .facing = orl_facing_mask(&map->facing, query->normal)};
     struct orl_density density = {.radius = query->max_radius};
     orl_box_locate(map, query->point, walk.at);
     if (walk.k < 2)

@@ -2,6 +2,8 @@
 
 #include <stdlib.h>
 
+#include "photon/facing.h"
+
 static void deposit(struct orl_deposits *deposits, const struct orl_hit *hit, struct orl_rgb flux,
                     uint8_t batch)
 {
@@ -20,7 +22,7 @@ static void deposit(struct orl_deposits *deposits, const struct orl_hit *hit, st
     deposits->photons[deposits->count++] = (struct orl_photon){
         .position = {(float)hit->point.x, (float)hit->point.y, (float)hit->point.z},
         .flux = {(float)flux.r, (float)flux.g, (float)flux.b},
-        .normal = orl_octahedral_encode(lit),
+        .normal = orl_normal_encode(lit),
         .batch = batch};
 }
 

@@ -14,7 +14,7 @@
 #include "photon/pack.h"
 
 struct sort_item {
-    uint64_t code; /* Morton */
+    uint64_t code; /* bin of the normal, then Morton */
     uint32_t index;
 };
 
@@ -28,7 +28,7 @@ struct writer {
     char *file; /* being filled, mapped */
 };
 
-enum { CHUNK = 1 << 15 };
+enum { CHUNK = 1 << 15, MORTON_BITS = 57 };
 
 /* Spreads 20 bits to every third. */
 static uint64_t spread(uint64_t x)
@@ -63,15 +63,18 @@ static void make_codes(void *arg, size_t chunk, uint32_t member)
     for (size_t i = chunk * CHUNK; i < chunk_end(w, chunk); i++) {
         uint32_t cell[3];
         cell_of(w, &w->photons[i], cell);
-        w->items[i] = (struct sort_item){
-            spread(cell[0]) | spread(cell[1]) << 1 | spread(cell[2]) << 2, (uint32_t)i};
+        const uint64_t bin = orl_facing_bin(w->photons[i].normal);
+        /* 19 of the 20 bits an axis leave room for the bin above. */
+        const uint64_t morton =
+            spread(cell[0] >> 1) | spread(cell[1] >> 1) << 1 | spread(cell[2] >> 1) << 2;
+        w->items[i] = (struct sort_item){bin << MORTON_BITS | morton, (uint32_t)i};
     }
 }
 
 /* Stable least-digit radix sort: equal places stay in order of emission. */
 static void sort_items(struct writer *w)
 {
-    enum { DIGIT = 12, BUCKETS = 1 << DIGIT, PASSES = 5 };
+    enum { DIGIT = 13, BUCKETS = 1 << DIGIT, PASSES = 5 };
     static const size_t mask = BUCKETS - 1;
     for (int pass = 0; pass < PASSES; pass++) {
         const int shift = pass * DIGIT;
@@ -122,8 +125,9 @@ static void pack_chunk(void *arg, size_t chunk, uint32_t member)
 }
 
 static void include_box(struct orl_map_group *group, uint64_t child, const float low[3],
-                        const float high[3])
+                        const float high[3], uint32_t facing)
 {
+    group->facing[child] |= facing;
     for (int k = 0; k < 3; k++) {
         group->low[k][child] = fminf(group->low[k][child], low[k]);
         group->high[k][child] = fmaxf(group->high[k][child], high[k]);
@@ -135,6 +139,7 @@ static void clear_groups(struct orl_map_group *groups, uint64_t count)
     for (uint64_t g = 0; g < count; g++) {
         for (int k = 0; k < 3; k++) {
             for (int c = 0; c < ORL_MAP_FANOUT; c++) {
+                groups[g].facing[c] = 0;
                 groups[g].low[k][c] = INFINITY;
                 groups[g].high[k][c] = -INFINITY;
             }
@@ -146,6 +151,7 @@ static void build_boxes(const struct writer *w)
 {
     struct orl_map_group *groups = (void *)(w->file + w->layout.boxes);
     const uint32_t *places = (const void *)(w->file + w->layout.places);
+    const uint16_t *normals = (const void *)(w->file + w->layout.normals);
     uint64_t total = 0;
     for (uint32_t level = 0; level < w->layout.levels; level++)
         total += w->layout.groups[level];
@@ -156,7 +162,8 @@ static void build_boxes(const struct writer *w)
         uint32_t cell[3];
         orl_place_unpack(words[0], words[ORL_MAP_LEAF], cell);
         const float at[3] = {(float)cell[0], (float)cell[1], (float)cell[2]};
-        include_box(&groups[leaf / ORL_MAP_FANOUT], leaf % ORL_MAP_FANOUT, at, at);
+        include_box(&groups[leaf / ORL_MAP_FANOUT], leaf % ORL_MAP_FANOUT, at, at,
+                    1U << orl_facing_bin(normals[i]));
     }
     for (uint32_t level = 1; level < w->layout.levels; level++) {
         const struct orl_map_group *below = groups;
@@ -167,7 +174,8 @@ static void build_boxes(const struct writer *w)
                                       below[node].low[2][c]};
                 const float high[3] = {below[node].high[0][c], below[node].high[1][c],
                                        below[node].high[2][c]};
-                include_box(&groups[node / ORL_MAP_FANOUT], node % ORL_MAP_FANOUT, low, high);
+                include_box(&groups[node / ORL_MAP_FANOUT], node % ORL_MAP_FANOUT, low, high,
+                            below[node].facing[c]);
             }
         }
     }

@@ -2,6 +2,8 @@
 
 #include <stdlib.h>
 
+#include "photon/facing.h"
+
 enum { MOST_BOUNCES = 64, SURE_BOUNCES = 4 };
 enum { NEIGHBOURS_GLOBAL = 50, NEIGHBOURS_CAUSTIC = 200 };
 enum { RADIUS_PROBES = 256, OUTSIDE_RAYS = 32 };
@@ -24,7 +26,7 @@ static double typical_radius(const struct orl_photon_map *map, uint32_t k, doubl
         const struct orl_photon p = orl_photon_map_get(map, count * i / RADIUS_PROBES);
         const struct orl_density_query query = {
             .point = orl_v3(p.position[0], p.position[1], p.position[2]),
-            .normal = orl_octahedral_decode(p.normal),
+            .normal = orl_normal_decode(p.normal),
             .k = k,
             .max_radius = widest};
         radii[i] = orl_density_estimate(map, &query, search).radius;
