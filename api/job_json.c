@@ -163,20 +163,6 @@ static int decode_view(const json_t *doc, size_t index, struct orl_view_request 
     return rc;
 }
 
-/* Two views of one name would overwrite each other's images. */
-static int check_view_names(const struct orl_job *job, struct orl_error *err)
-{
-    for (size_t i = 1; i < job->n_views; i++)
-        for (size_t k = 0; k < i; k++)
-            if (strcmp(job->views[i].name, job->views[k].name) == 0) {
-                char path[ORL_JSON_PATH_MAX];
-                snprintf(path, sizeof path, "views[%zu].name", i);
-                return orl_json_fail(err, ORL_ERR_INVALID, path, "'%s' is the name of views[%zu]",
-                                     job->views[i].name, k);
-            }
-    return 0;
-}
-
 static int decode_views(const json_t *views, struct orl_job *job, struct orl_error *err)
 {
     if (!views)
@@ -193,7 +179,7 @@ static int decode_views(const json_t *views, struct orl_job *job, struct orl_err
         const size_t i = job->n_views++;
         rc = decode_view(json_array_get(views, i), i, &job->views[i], err);
     }
-    return rc ? rc : check_view_names(job, err);
+    return rc;
 }
 
 /* A member that has only one legal value so far. */

@@ -30,7 +30,7 @@ enum orl_job_origin { ORL_JOB_LOCAL, ORL_JOB_REMOTE };
  * returned owned (free()) in *ret_scene_id; scene_files stays empty for the caller to fill in.
  * ret_scene_id may be NULL for ORL_JOB_LOCAL. On success the caller owns ret_job (orl_job_done).
  * Errors: ORL_ERR_INVALID (members, types), ORL_ERR_RANGE, ORL_ERR_LIMIT, ORL_ERR_NOMEM.
- * What needs the view strings or the scene is orl_job_validate's to check.
+ * What needs the view strings, their names compared, or the scene is orl_job_validate's to check.
  */
 int orl_job_from_json(const json_t *doc, enum orl_job_origin origin, struct orl_job *ret_job,
                       char **ret_scene_id, struct orl_error *err);

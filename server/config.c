@@ -88,7 +88,7 @@ static int parse_listen(const char *text, struct orl_config *config, struct orl_
         orl_error_hint(err, "Listen on 127.0.0.1 and reach it through an SSH tunnel");
         return ORL_ERR_INVALID;
     }
-    unsigned long port;
+    unsigned long port = 0;
     const int rc = parse_number("--listen's port", colon + 1, 0, 65535, &port, err);
     if (rc == 0)
         set_port(config, port);

@@ -41,7 +41,8 @@ static void final_path(const struct orl_map_cache *cache, const char *kind, cons
 static struct entry *find_entry(struct orl_map_cache *cache, const char *kind, const char *key)
 {
     struct entry *entry = cache->entries;
-    while (entry && (strcmp(entry->map.info.kind, kind) || strcmp(entry->map.info.key, key)))
+    while (entry &&
+           (strcmp(entry->map.info.kind, kind) != 0 || strcmp(entry->map.info.key, key) != 0))
         entry = entry->next;
     return entry;
 }

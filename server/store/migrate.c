@@ -39,7 +39,7 @@ static int check_applied(struct orl_db *db, const struct orl_migration *list, si
     while (rc == 0 && (step = sqlite3_step(stmt)) == SQLITE_ROW) {
         const sqlite3_int64 version = sqlite3_column_int64(stmt, 0);
         char digest[DIGEST_HEX];
-        if (version > (sqlite3_int64)count) {
+        if (version > (sqlite3_int64)count || applied >= count) {
             rc = orl_error_set(err, ORL_ERR_VERSION,
                                "the database was written by a later version of Oriel: it has "
                                "migration %lld, this program knows %zu",
@@ -106,7 +106,7 @@ int orl_db_migrate(struct orl_db *db, const struct orl_migration *list, size_t c
 int orl_db_migrate_embedded(struct orl_db *db, struct orl_error *err)
 {
     static const char prefix[] = "migrations/";
-    struct orl_migration list[64];
+    struct orl_migration list[64] = {{0}};
     size_t count = 0;
     for (size_t i = 0; i < orl_carried_count(); i++) {
         const struct orl_carried_file file = orl_carried_at(i);

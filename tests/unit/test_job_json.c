@@ -113,9 +113,6 @@ static const struct {
      ORL_ERR_INVALID, "views[0].name"},
     {"\"scene\":\"" ID "\",\"views\":[{\"name\":\"a\",\"view\":\"\",\"width\":1,\"height\":1},7]",
      ORL_ERR_INVALID, "views[0].view"},
-    {"\"scene\":\"" ID "\",\"views\":[{\"name\":\"a\",\"view\":\"-vtv\",\"width\":1,\"height\":1},"
-     "{\"name\":\"a\",\"view\":\"-vta\",\"width\":1,\"height\":1}]",
-     ORL_ERR_INVALID, "views[1].name"},
 };
 
 static void test_mistakes_name_their_path(void **state)
