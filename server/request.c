@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "guard.h"
 #include "reply.h"
 #include "router.h"
 #include "server.h"
@@ -19,8 +20,7 @@ const char *orl_request_header(const struct orl_request *request, const char *na
     return MHD_lookup_connection_value(request->connection, MHD_HEADER_KIND, name);
 }
 
-/* ---- Work on the pool
- * ---------------------------------------------------------------------------- */
+/* ---- Work on the pool ------------------------------------------------------------------------- */
 
 static void work_run(uv_work_t *work)
 {
@@ -59,8 +59,7 @@ static void flush_body(struct orl_request *request)
     orl_body_flush(&request->body, &request->server->folders);
 }
 
-/* ---- MHD's callbacks
- * ----------------------------------------------------------------------------- */
+/* ---- MHD's callbacks -------------------------------------------------------------------------- */
 
 static void refuse_too_large(struct orl_request *request)
 {
@@ -74,6 +73,12 @@ static void open_request(struct orl_request *request, const char *url)
 {
     char allow[64];
     const struct orl_route *route = NULL;
+    const char *refusal = orl_guard_check(orl_request_header(request, MHD_HTTP_HEADER_HOST),
+                                          orl_request_header(request, MHD_HTTP_HEADER_ORIGIN));
+    if (refusal) {
+        orl_reply_problem(request, 403, "forbidden", "The request is refused", "%s", refusal);
+        return;
+    }
     const unsigned status = orl_router_find(request->method, url, &route, request->params, allow);
     if (status == 405) {
         orl_reply_problem(request, 405, "method-not-allowed", "The method does not apply here",

@@ -110,6 +110,39 @@ static void test_refusals(void **state)
     }
 }
 
+/* Web pages are kept out, programs let in. */
+static void test_guard(void **state)
+{
+    static const struct {
+        const char *header;
+        long status;
+    } cases[] = {
+        {"Host: localhost:9000", 200},
+        {"Host: 127.0.0.1", 200},
+        {"Host: [::1]:8423", 200},
+        {"Host: LOCALHOST", 200},
+        {"Host: evil.example", 403},
+        {"Host: 127.0.0.1.evil.example:80", 403},
+        {"Host: localhost.evil:80", 403},
+        {"Host: [::2]:80", 403},
+        {"Host: [::1", 403},
+        {"Host: 127.0.0.1:80x", 403},
+        {"Host: 10.0.0.1", 403},
+        {"Origin: http://evil.example", 403},
+        {"Origin: null", 403},
+        {"Origin: https://localhost", 403},
+        {"Origin: http://localhost:3", 200},
+        {"Origin: http://127.0.0.1@evil.example", 403},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        struct reply reply;
+        daemon_request(*state, "GET", "/healthz", NULL, NULL, 0, cases[i].header, &reply);
+        if (reply.status != cases[i].status)
+            fail_msg("%s: %ld", cases[i].header, reply.status);
+        reply_done(&reply);
+    }
+}
+
 static void test_json_mistake_has_its_line(void **state)
 {
     struct reply reply;
@@ -248,6 +281,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_service_routes),
         cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_guard),
         cmocka_unit_test(test_json_mistake_has_its_line),
         cmocka_unit_test(test_too_large),
         cmocka_unit_test(test_contract_matches),

@@ -11,6 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "limits.h"
 #include "support/daemon.h"
 
 enum { PHOTONS = 20000, MANY_PHOTONS = 200000000 };
@@ -68,8 +69,7 @@ static void count_maps(struct daemon *daemon, size_t *ret_maps, double *ret_hits
     reply_done(&reply);
 }
 
-/* ---- One job at a time
- * ---------------------------------------------------------------------------- */
+/* ---- One job at a time ------------------------------------------------------------------------ */
 
 static void check_images(struct daemon *daemon, const char *job)
 {
@@ -302,8 +302,36 @@ static void test_failure_is_told(void **state)
     reply_done(&reply);
 }
 
-/* ---- Two jobs at once
- * ----------------------------------------------------------------------------- */
+/* The queue has an end; what it refuses it refuses before it stores. */
+static void test_full_queue(void **state)
+{
+    struct fixture *f = *state;
+    struct reply reply;
+    char blocker[80], job[80];
+    daemon_submit(&f->daemon, f->scene, MANY_PHOTONS, 7, NULL, blocker);
+    daemon_wait_running(&f->daemon, blocker, -1);
+    for (unsigned i = 0; i < ORL_SERVER_QUEUE; i++)
+        daemon_submit(&f->daemon, f->scene, PHOTONS, 1, NULL, job);
+    daemon_get(&f->daemon, "/readyz", &reply);
+    assert_int_equal(reply.status, 503);
+    reply_done(&reply);
+    daemon_post_json(&f->daemon, "/v1/jobs", "{}", &reply);
+    assert_int_equal(reply.status, 429);
+    assert_non_null(reply_header(&reply, "Retry-After"));
+    reply_done(&reply);
+    daemon_request(&f->daemon, "DELETE", job, NULL, NULL, 0, NULL, &reply);
+    assert_int_equal(reply.status, 200);
+    reply_done(&reply);
+    daemon_get(&f->daemon, "/readyz", &reply);
+    assert_int_equal(reply.status, 200);
+    reply_done(&reply);
+    daemon_get(&f->daemon, "/v1/jobs?limit=1000", &reply);
+    assert_int_equal(json_array_size(reply_at(&reply, "jobs")), 1000);
+    print_message("# a listing of 1000 jobs: %.1f ms\n", 1000 * reply.seconds);
+    reply_done(&reply);
+}
+
+/* ---- Two jobs at once ------------------------------------------------------------------------- */
 
 static void test_two_jobs_build_one_map(void **state)
 {
@@ -359,6 +387,7 @@ static int run_single(void)
         cmocka_unit_test(test_list),
         cmocka_unit_test(test_references_must_be_here),
         cmocka_unit_test(test_failure_is_told),
+        cmocka_unit_test(test_full_queue), /* last: it leaves the queue full */
     };
     return cmocka_run_group_tests(tests, setup, teardown);
 }
