@@ -31,7 +31,7 @@ static void upload_free(void *state)
     free(upload);
 }
 
-/* ---- On the pool ------------------------------------------------------------------------------ */
+/* ---- On the pool ---------------------------------------------------------------------------- */
 
 static void hash_upload(struct orl_request *request)
 {
@@ -77,7 +77,7 @@ static void check_and_keep(struct orl_request *request)
         unlink(path);
 }
 
-/* ---- On the loop ------------------------------------------------------------------------------ */
+/* ---- On the loop ---------------------------------------------------------------------------- */
 
 static void insert_and_reply(struct orl_request *request)
 {

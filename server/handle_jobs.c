@@ -30,7 +30,7 @@ static void job_post_free(void *state)
     free(post);
 }
 
-/* ---- On the pool ------------------------------------------------------------------------------ */
+/* ---- On the pool ---------------------------------------------------------------------------- */
 
 static void read_document(struct orl_request *request)
 {
@@ -57,7 +57,7 @@ static void keep_document(struct orl_request *request)
         unlink(path);
 }
 
-/* ---- On the loop ------------------------------------------------------------------------------ */
+/* ---- On the loop ---------------------------------------------------------------------------- */
 
 static void reply_job(struct orl_request *request, unsigned status, const struct orl_jobs_job *job)
 {

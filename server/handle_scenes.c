@@ -22,7 +22,7 @@ static void scene_post_free(void *state)
     free(post);
 }
 
-/* ---- On the pool ------------------------------------------------------------------------------ */
+/* ---- On the pool ---------------------------------------------------------------------------- */
 
 static void take_apart(struct orl_request *request)
 {
@@ -48,7 +48,7 @@ static void check_and_keep(struct orl_request *request)
         post->rc = orl_scene_upload_keep(&post->upload, &request->server->folders, &post->err);
 }
 
-/* ---- On the loop ------------------------------------------------------------------------------ */
+/* ---- On the loop ---------------------------------------------------------------------------- */
 
 static void insert_and_reply(struct orl_request *request)
 {

@@ -21,7 +21,7 @@ struct orl_jobs {
     bool stopping;
 };
 
-/* ---- The list --------------------------------------------------------------------------------- */
+/* ---- The list ------------------------------------------------------------------------------- */
 
 /* Ids are random hexadecimal digits, so the first few serve as the hash. */
 static size_t bucket_of(const char *id)
@@ -96,7 +96,7 @@ bool orl_jobs_full(const struct orl_jobs *jobs)
     return jobs->counts[ORL_JOB_QUEUED] >= ORL_SERVER_QUEUE;
 }
 
-/* ---- Transitions ------------------------------------------------------------------------------ */
+/* ---- Transitions ---------------------------------------------------------------------------- */
 
 /*
  * Writes the row, then changes the state in memory. When the database refuses, the change in memory
@@ -255,7 +255,7 @@ void orl_jobs_stop(struct orl_jobs *jobs)
         jobs->env.idle(jobs->env.ctx);
 }
 
-/* ---- Start and end ---------------------------------------------------------------------------- */
+/* ---- Start and end -------------------------------------------------------------------------- */
 
 static int load_row(void *ctx, const struct orl_job_row *row)
 {

@@ -62,7 +62,7 @@ static struct entry *find_or_add(struct orl_map_cache *cache, const char *kind, 
     return entry;
 }
 
-/* ---- The store, called by workers ------------------------------------------------------------- */
+/* ---- The store, called by workers ----------------------------------------------------------- */
 
 /* Waits a moment for an entry to change; short, because the cancel flag has no condition. */
 static void wait_a_moment(struct orl_map_cache *cache)
@@ -195,7 +195,7 @@ struct orl_map_store orl_map_cache_store(struct orl_map_cache *cache)
     return (struct orl_map_store){cache, cache_acquire, cache_commit, cache_abandon, cache_release};
 }
 
-/* ---- The loop thread's side ------------------------------------------------------------------- */
+/* ---- The loop thread's side ----------------------------------------------------------------- */
 
 int orl_map_cache_flush(struct orl_map_cache *cache, struct orl_error *err)
 {

@@ -20,7 +20,7 @@ const char *orl_request_header(const struct orl_request *request, const char *na
     return MHD_lookup_connection_value(request->connection, MHD_HEADER_KIND, name);
 }
 
-/* ---- Work on the pool ------------------------------------------------------------------------- */
+/* ---- Work on the pool ----------------------------------------------------------------------- */
 
 static void work_run(uv_work_t *work)
 {
@@ -59,7 +59,7 @@ static void flush_body(struct orl_request *request)
     orl_body_flush(&request->body, &request->server->folders);
 }
 
-/* ---- MHD's callbacks -------------------------------------------------------------------------- */
+/* ---- MHD's callbacks ------------------------------------------------------------------------ */
 
 static void refuse_too_large(struct orl_request *request)
 {

@@ -96,7 +96,7 @@ int orl_scene_upload_multipart(struct orl_scene_upload *upload, struct MHD_Conne
     return rc ? rc : finish(upload, err);
 }
 
-/* ---- JSON ------------------------------------------------------------------------------------- */
+/* ---- JSON ----------------------------------------------------------------------------------- */
 
 /* The bytes of one file object; *ret_data is owned. */
 static int decode_content(const json_t *file, const char *where, unsigned char **ret_data,
@@ -187,7 +187,7 @@ int orl_scene_upload_json(struct orl_scene_upload *upload, const struct orl_file
     return rc ? rc : finish(upload, err);
 }
 
-/* ---- Checking and keeping --------------------------------------------------------------------- */
+/* ---- Checking and keeping ------------------------------------------------------------------- */
 
 int orl_scene_upload_check(struct orl_scene_upload *upload, struct orl_error *err)
 {

@@ -7,7 +7,7 @@
 #include "store/migrate.h"
 #include "times.h"
 
-/* ---- Stopping --------------------------------------------------------------------------------- */
+/* ---- Stopping ------------------------------------------------------------------------------- */
 
 /* Once neither jobs nor requests are on the pool, everything can be closed. */
 static void stop_if_quiet(struct orl_server *server)
@@ -47,7 +47,7 @@ static void on_signal(uv_signal_t *handle, int signum)
     orl_jobs_stop(server->jobs);
 }
 
-/* ---- The map cache's news --------------------------------------------------------------------- */
+/* ---- The map cache's news ------------------------------------------------------------------- */
 
 static void on_maps_changed(uv_async_t *handle)
 {
@@ -63,7 +63,7 @@ static void wake_for_maps(void *ctx)
     uv_async_send(ctx);
 }
 
-/* ---- Starting --------------------------------------------------------------------------------- */
+/* ---- Starting ------------------------------------------------------------------------------- */
 
 static int open_storage(struct orl_server *server, struct orl_error *err)
 {

@@ -42,7 +42,7 @@ int orl_rename_synced(const char *from, const char *to, struct orl_error *err);
 /* Writes a whole new file and syncs it. */
 int orl_write_file(const char *path, const void *data, size_t size, struct orl_error *err);
 
-/* ---- Blobs: content-addressed files ----------------------------------------------------------- */
+/* ---- Blobs: content-addressed files --------------------------------------------------------- */
 
 void orl_blob_path(const struct orl_folders *folders, const char *sha, char ret_path[ORL_PATH_MAX]);
 bool orl_blob_exists(const struct orl_folders *folders, const char *sha);

@@ -69,7 +69,7 @@ static void count_maps(struct daemon *daemon, size_t *ret_maps, double *ret_hits
     reply_done(&reply);
 }
 
-/* ---- One job at a time ------------------------------------------------------------------------ */
+/* ---- One job at a time ---------------------------------------------------------------------- */
 
 static void check_images(struct daemon *daemon, const char *job)
 {
@@ -331,7 +331,7 @@ static void test_full_queue(void **state)
     reply_done(&reply);
 }
 
-/* ---- Two jobs at once ------------------------------------------------------------------------- */
+/* ---- Two jobs at once ----------------------------------------------------------------------- */
 
 static void test_two_jobs_build_one_map(void **state)
 {

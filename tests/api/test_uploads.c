@@ -27,7 +27,7 @@ static int teardown(void **state)
     return 0;
 }
 
-/* ---- BSDFs ------------------------------------------------------------------------------------ */
+/* ---- BSDFs ---------------------------------------------------------------------------------- */
 
 /* A Klems matrix on a basis of two patches, which the file itself defines: enough to be valid. */
 #define WINDOW_HEAD                                                                                \
@@ -106,7 +106,7 @@ static void test_bad_bsdfs(void **state)
     assert_int_equal(daemon_count_files(*state, "tmp"), 0);
 }
 
-/* ---- Scenes ----------------------------------------------------------------------------------- */
+/* ---- Scenes --------------------------------------------------------------------------------- */
 
 static struct upload_file file_of(const char *name, const char *text)
 {

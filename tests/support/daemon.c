@@ -33,7 +33,7 @@ static void nap(double seconds)
     nanosleep(&t, NULL);
 }
 
-/* ---- The process ------------------------------------------------------------------------------ */
+/* ---- The process ---------------------------------------------------------------------------- */
 
 enum { MAX_ARGS = 32 };
 
@@ -137,7 +137,7 @@ size_t daemon_count_files(const struct daemon *daemon, const char *folder)
     return count;
 }
 
-/* ---- Requests --------------------------------------------------------------------------------- */
+/* ---- Requests ------------------------------------------------------------------------------- */
 
 struct buffer {
     char *data;
@@ -286,7 +286,7 @@ const char *reply_header(const struct reply *reply, const char *name)
     return NULL;
 }
 
-/* ---- Jobs ------------------------------------------------------------------------------------- */
+/* ---- Jobs ----------------------------------------------------------------------------------- */
 
 /* 4 x 5 x 3 m, a window to the south; normals face inwards. */
 const char room_scene[] = "void plastic white\n0\n0\n5 0.7 0.7 0.7 0 0\n"

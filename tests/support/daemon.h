@@ -64,7 +64,7 @@ double reply_number(const struct reply *reply, const char *path);    /* NAN when
 /* A header's value, or NULL; valid until the next call. */
 const char *reply_header(const struct reply *reply, const char *name);
 
-/* ---- Jobs ------------------------------------------------------------------------------------- */
+/* ---- Jobs ----------------------------------------------------------------------------------- */
 
 /* A glazed room under a sunny sky; its id once uploaded. */
 void daemon_upload_room(struct daemon *daemon, char ret_id[65]);
