@@ -143,8 +143,9 @@ static double max_albedo(const struct orl_bsdf *bsdf, bool front)
     const int side = is_tree(bsdf) ? bsdf->info.resolution : 64;
     double largest = 0;
     for (int i = 0; i < side * side; i++) {
-        const struct orl_vec3 in = orl_square_to_hemisphere((struct orl_square){
-            (2.0 * (i / side) + 1) / side - 1, (2.0 * (i % side) + 1) / side - 1});
+        const int row = i / side, column = i % side;
+        const struct orl_vec3 in = orl_square_to_hemisphere(
+            (struct orl_square){(2.0 * row + 1) / side - 1, (2.0 * column + 1) / side - 1});
         const struct place place = place_of(bsdf, in);
         double sum = 0;
         for (int transmitted = 0; transmitted < 2; transmitted++)

@@ -49,7 +49,7 @@ static inline float mean_of(const struct orl_tree *tree, struct orl_tree_ref ref
         return float_of(ref.bits);
     words = tree->lines[orl_tree_index(ref)].words;
     if (depth == 1) {
-        const unsigned mine = x | y << 1, step = given == ORL_AXIS_A ? 4 : 1;
+        const size_t mine = x | y << 1, step = given == ORL_AXIS_A ? 4 : 1;
         const uint32_t *leaf = words + (given == ORL_AXIS_A ? mine : 4 * mine);
         return 0.25F * ((float_of(leaf[0]) + float_of(leaf[step])) +
                         (float_of(leaf[2 * step]) + float_of(leaf[3 * step])));

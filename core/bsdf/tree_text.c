@@ -89,7 +89,7 @@ static int close_grid(struct orl_tree_text *text, struct orl_tree_ref *ret_ref,
 static int on_close(struct orl_tree_text *text, struct orl_error *err)
 {
     struct orl_brace *brace;
-    struct orl_tree_ref ref;
+    struct orl_tree_ref ref = orl_tree_leaf(0);
     int code;
     if (text->n_open == 0)
         return orl_error_set(err, ORL_ERR_SYNTAX, "'}' without its '{'");

@@ -8,8 +8,9 @@
  *
  * Values are 1/sr, per channel, not cosine-weighted. Light arrives along -in (that is, in points
  * back to where it came from) and leaves along out. Reflection when in.z and out.z share a sign,
- * transmission when not. Reciprocity: a component the file lacks is the transpose of the one it
- * has (never for TensorTree3). When reading against the light, callers swap in and out.
+ * transmission when not. Reciprocity: a transmission the file lacks is the transpose of the one it
+ * has; a missing reflection is black. Where a file gives both transmissions, each serves the light
+ * that arrives on its own side; Radiance's rpict, tracing backwards, uses the other one.
  *
  * An orl_bsdf is immutable once loaded, reference-counted, and safe to share between threads.
  * References: Klems 1994; Ward et al. 2011 and 2014 (tensor tree); Shirley and Chiu 1997.
@@ -74,15 +75,15 @@ double orl_bsdf_pdf_adjoint(const struct orl_bsdf *bsdf, struct orl_vec3 out,
 
 /* What a BSDF is, for upload checks and messages. */
 struct orl_bsdf_info {
-    char name[128];            /* of the material, from the file */
-    char kind[32];             /* "TensorTree4", "Klems full", ... */
-    int resolution;            /* directions per axis (trees) or per hemisphere (matrices) */
-    size_t values;             /* leaf values held */
-    size_t bytes;              /* memory held */
-    bool has[2][2];            /* [front?][transmitted?]: in the file, rather than by reciprocity */
-    double max_albedo[2];      /* largest directional R + T for light from the back, the front */
-    double thickness_m;        /* 0 when not given */
-    size_t clamped;            /* negative values set to zero */
+    char name[128];       /* of the material, from the file */
+    char kind[32];        /* "TensorTree4", "Klems full", ... */
+    int resolution;       /* directions per axis (trees) or per hemisphere (matrices) */
+    size_t values;        /* leaf values held */
+    size_t bytes;         /* memory held */
+    bool has[2][2];       /* [front?][transmitted?]: in the file, rather than by reciprocity */
+    double max_albedo[2]; /* largest directional R + T for light from the back, the front */
+    double thickness_m;   /* 0 when not given */
+    size_t clamped;       /* negative values set to zero */
 };
 void orl_bsdf_describe(const struct orl_bsdf *bsdf, struct orl_bsdf_info *ret_info);
 
