@@ -164,10 +164,12 @@ void orl_handle_job_cancel(struct orl_request *request)
     struct orl_error err;
     if (!job)
         return;
-    if (orl_jobs_cancel(request->server->jobs, job->row.id, &err))
+    if (orl_jobs_cancel(request->server->jobs, job->row.id, &err) == 0)
+        reply_job(request, job->row.state == ORL_JOB_RUNNING ? 202 : 200, job);
+    else if (err.code == ORL_ERR_INVALID)
         orl_reply_problem(request, 409, "finished", "The job is finished", "%s", err.message);
     else
-        reply_job(request, job->row.state == ORL_JOB_RUNNING ? 202 : 200, job);
+        orl_reply_error(request, &err);
 }
 
 /* ?state= and ?limit=; false after a 400. */

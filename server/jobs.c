@@ -222,6 +222,23 @@ int orl_jobs_submit(struct orl_jobs *jobs, const char *scene, const char *docume
     return 0;
 }
 
+/*
+ * The row says cancelled at once, so that a crash does not bring the job back; in memory it runs on
+ * until its threads have heard. Should it succeed first, its row is written once more.
+ */
+static int cancel_running(struct orl_jobs_job *job, struct orl_error *err)
+{
+    struct orl_job_row row = job->row;
+    row.state = ORL_JOB_CANCELLED;
+    row.finished_ms = orl_time_now_ms();
+    const int rc = orl_job_row_update(job->jobs->env.db, &row, err);
+    if (rc)
+        return rc;
+    job->cancelled = true;
+    orl_worker_cancel(job->worker);
+    return 0;
+}
+
 int orl_jobs_cancel(struct orl_jobs *jobs, const char *id, struct orl_error *err)
 {
     struct orl_jobs_job *job = find_job(jobs, id);
@@ -232,9 +249,7 @@ int orl_jobs_cancel(struct orl_jobs *jobs, const char *id, struct orl_error *err
         set_state(job, ORL_JOB_CANCELLED);
         return 0;
     case ORL_JOB_RUNNING:
-        job->cancelled = true;
-        orl_worker_cancel(job->worker);
-        return 0;
+        return cancel_running(job, err);
     case ORL_JOB_CANCELLED:
         return 0;
     default:

@@ -123,6 +123,22 @@ static void test_orderly_stop_requeues(void **state)
     expect_state(&f->daemon, running, "cancelled", 1);
 }
 
+/* A cancellation that was answered for holds, even when the daemon is killed right after. */
+static void test_cancelled_stays_cancelled(void **state)
+{
+    struct fixture *f = *state;
+    char running[80];
+    struct reply reply;
+    daemon_submit(&f->daemon, f->scene, MANY_PHOTONS, 6, NULL, running);
+    daemon_wait_running(&f->daemon, running, -1);
+    daemon_request(&f->daemon, "DELETE", running, NULL, NULL, 0, NULL, &reply);
+    assert_int_equal(reply.status, 202);
+    reply_done(&reply);
+    daemon_end(&f->daemon, SIGKILL);
+    daemon_restart(&f->daemon, NULL);
+    expect_state(&f->daemon, running, "cancelled", 1);
+}
+
 /* What a crash may leave: half-written files, and a map without a row. */
 static void test_leftovers_go_at_start(void **state)
 {
@@ -172,6 +188,7 @@ int main(void)
         cmocka_unit_test(test_killed_in_the_middle),
         cmocka_unit_test(test_third_kill_fails_the_job),
         cmocka_unit_test(test_orderly_stop_requeues),
+        cmocka_unit_test(test_cancelled_stays_cancelled),
         cmocka_unit_test(test_leftovers_go_at_start),
         cmocka_unit_test(test_damaged_map_is_built_again),
     };

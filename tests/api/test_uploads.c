@@ -6,9 +6,12 @@
 
 #include <cmocka.h>
 #include <math.h>
+#include <netinet/in.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include "store/bundle.h"
 #include "support/daemon.h"
@@ -332,6 +335,74 @@ static void test_bad_json_uploads(void **state)
     assert_int_equal(daemon_count_files(*state, "tmp"), 0);
 }
 
+#define PART(headers, body) "--XX\r\nContent-Disposition: form-data" headers "\r\n\r\n" body "\r\n"
+
+static void test_malformed_multipart(void **state)
+{
+    static const struct {
+        const char *body;
+        long status;
+    } bad[] = {
+        {"", 422},
+        {"--XX--\r\n", 422},
+        {PART("; name=\"file\"; filename=\"a.rad\"", "#"), 400}, /* no end */
+        {"--XX\r\nContent-Disposition: form-data; name=\"file\"; filename=\"a.rad\"\r\n", 400},
+        {PART("; name=\"file\"; filename=\"\"", "#") "--XX--\r\n", 422},
+        {PART("; name=\"other\"", "text") "--XX--\r\n", 422},
+        {PART("; name=\"bsdfs\"", "{\"a\":")
+             PART("; name=\"file\"; filename=\"a.rad\"", "#") "--XX--\r\n",
+         400},
+        {PART("; name=\"bsdfs\"", "[]")
+             PART("; name=\"file\"; filename=\"a.rad\"", "#") "--XX--\r\n",
+         422},
+    };
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        struct reply reply;
+        daemon_request(*state, "POST", "/v1/scenes", "multipart/form-data; boundary=XX",
+                       bad[i].body, strlen(bad[i].body), NULL, &reply);
+        if (reply.status != bad[i].status)
+            fail_msg("case %zu: %ld %s", i, reply.status, reply.body);
+        reply_done(&reply);
+    }
+    assert_int_equal(daemon_count_files(*state, "tmp"), 0);
+}
+
+static bool tmp_is_empty_soon(struct daemon *daemon)
+{
+    for (int i = 0; i < 100; i++) {
+        if (daemon_count_files(daemon, "tmp") == 0)
+            return true;
+        usleep(50000);
+    }
+    return false;
+}
+
+/* A client that promises much, sends some, and hangs up: what it sent goes with it. */
+static void test_broken_off_upload(void **state)
+{
+    enum { SENT = 3 << 20 };
+    static char zeros[SENT];
+    struct daemon *daemon = *state;
+    struct sockaddr_in address = {.sin_family = AF_INET, .sin_addr = {htonl(INADDR_LOOPBACK)}};
+    address.sin_port = htons((uint16_t)strtoul(strrchr(daemon->url, ':') + 1, NULL, 10));
+    const int fd = socket(AF_INET, SOCK_STREAM, 0);
+    assert_int_equal(connect(fd, (struct sockaddr *)&address, sizeof address), 0);
+    const char head[] = "POST /v1/bsdfs HTTP/1.1\r\nHost: localhost\r\n"
+                        "Content-Length: 100000000\r\n\r\n";
+    assert_int_equal(send(fd, head, sizeof head - 1, MSG_NOSIGNAL), sizeof head - 1);
+    for (size_t sent = 0; sent < SENT;) {
+        const ssize_t n = send(fd, zeros + sent, SENT - sent, MSG_NOSIGNAL);
+        assert_true(n > 0);
+        sent += (size_t)n;
+    }
+    close(fd);
+    assert_true(tmp_is_empty_soon(daemon));
+    struct reply reply;
+    daemon_get(daemon, "/healthz", &reply);
+    assert_int_equal(reply.status, 200);
+    reply_done(&reply);
+}
+
 /* More than one buffer of the daemon's, so that it goes through the disk; and byte for byte. */
 static void test_large_upload(void **state)
 {
@@ -374,6 +445,8 @@ int main(void)
         cmocka_unit_test(test_empty_and_missing_files),
         cmocka_unit_test(test_names_are_checked),
         cmocka_unit_test(test_bad_json_uploads),
+        cmocka_unit_test(test_malformed_multipart),
+        cmocka_unit_test(test_broken_off_upload),
         cmocka_unit_test(test_large_upload),
     };
     return cmocka_run_group_tests(tests, setup, teardown);
