@@ -35,38 +35,89 @@ static struct orl_rgb response(const struct orl_direct_query *query, struct orl_
                          cosine);
 }
 
-static struct orl_rgb light_from_emitter(const struct orl_world *world,
-                                         const struct orl_emitter *emitter,
-                                         const struct orl_direct_query *query,
-                                         struct orl_random *random)
+/* A point of an emitter as seen from the query, with the solid angle it stands for. */
+struct aim {
+    struct orl_vec3 light; /* unit, towards the point */
+    double distance, measure_sr;
+};
+
+/* A sphere from outside: uniform over the cone it fills. */
+static bool aim_at_sphere(const struct orl_facet *facet, struct orl_vec3 from, const double u[2],
+                          struct aim *ret_aim)
+{
+    const struct orl_vec3 way = orl_sub(facet->center[0], from);
+    const double d2 = orl_dot(way, way), r2 = facet->radius[0] * facet->radius[0];
+    if (d2 <= r2 * (1 + 1e-9))
+        return false;
+    const double sine2 = r2 / d2, least_cosine = sqrt(1 - sine2);
+    const double down = u[0] * sine2 / (1 + least_cosine), cosine = 1 - down;
+    const double sine = sqrt(fmax(0, down * (2 - down))), phi = 2 * ORL_PI * u[1], d = sqrt(d2);
+    const struct orl_frame frame = orl_frame_about(orl_scale(way, 1 / d));
+    ret_aim->light = orl_to_world(&frame, orl_v3(sine * cos(phi), sine * sin(phi), cosine));
+    ret_aim->distance = d * cosine - sqrt(fmax(0, r2 - d2 * sine * sine));
+    ret_aim->measure_sr = 2 * ORL_PI * sine2 / (1 + least_cosine);
+    return true;
+}
+
+/* Any other surface: uniform by area. */
+static bool aim_by_area(const struct orl_world *world, const struct orl_emitter *emitter,
+                        struct orl_vec3 from, const double u[2], struct aim *ret_aim)
 {
     const struct orl_facet *facet = &world->geometry->facets[emitter->facet];
-    const double u[2] = {orl_random_uniform(random), orl_random_uniform(random)};
     struct orl_vec3 point, normal;
     orl_facet_sample(world->geometry, emitter->facet, u, &point, &normal);
-    point = orl_madd(point, normal, facet->offset);
-    const struct orl_vec3 way = orl_sub(point, query->point);
+    const struct orl_vec3 way = orl_sub(point, from);
     const double d2 = orl_dot(way, way), d = sqrt(d2);
     if (!(d > 0))
+        return false;
+    ret_aim->light = orl_scale(way, 1 / d);
+    ret_aim->distance = d;
+    ret_aim->measure_sr = -orl_dot(ret_aim->light, normal) * facet->area / d2;
+    return ret_aim->measure_sr > 0;
+}
+
+static struct orl_rgb light_from_emitter(const struct orl_world *world,
+                                         const struct orl_emitter *emitter,
+                                         const struct orl_direct_query *query, const double u[2])
+{
+    const struct orl_facet *facet = &world->geometry->facets[emitter->facet];
+    struct aim aim;
+    const bool aimed = facet->kind == ORL_SURFACE_SPHERE
+                           ? aim_at_sphere(facet, query->point, u, &aim)
+                           : aim_by_area(world, emitter, query->point, u, &aim);
+    if (!aimed)
         return orl_gray(0);
-    const struct orl_vec3 light = orl_scale(way, 1 / d);
-    const double leaves = -orl_dot(light, normal);
-    const struct orl_rgb seen = response(query, light);
-    if (!(leaves > 0) || !(orl_rgb_max(seen) > 0))
+    const struct orl_rgb seen = response(query, aim.light);
+    if (!(orl_rgb_max(seen) > 0))
         return orl_gray(0);
+    const double reach = aim.distance - 2 * facet->offset;
     const struct orl_rgb share =
-        orl_transmittance(world, query->point, light, d * (1 - 1e-6), query->through_ports);
+        reach > 0
+            ? orl_transmittance(world, query->point, aim.light, reach, query->through_ports)
+            : orl_gray(1);
     return orl_rgb_scale(orl_rgb_mul(orl_rgb_mul(emitter->radiance, seen), share),
-                         leaves * facet->area / d2);
+                         aim.measure_sr);
+}
+
+/* The numbers for the n-th light: random, or the caller's even ones turned by the golden ratio. */
+static void numbers_for(const struct orl_direct_query *query, size_t n, struct orl_random *random,
+                        double ret_u[2])
+{
+    for (int i = 0; i < 2; i++) {
+        const double turn = (double)n * (i == 0 ? 0.6180339887498949 : 0.7548776662466927);
+        ret_u[i] = query->u ? query->u[i] + turn : orl_random_uniform(random);
+        ret_u[i] -= floor(ret_u[i]);
+    }
 }
 
 struct orl_rgb orl_direct_light(const struct orl_world *world,
                                 const struct orl_direct_query *query, struct orl_random *random)
 {
     struct orl_rgb sum = orl_gray(0);
+    double u[2];
     for (size_t i = 0; i < world->n_suns; i++) {
         const struct orl_sun *sun = &world->suns[i];
-        const double u[2] = {orl_random_uniform(random), orl_random_uniform(random)};
+        numbers_for(query, i, random, u);
         const struct orl_vec3 light = orl_sun_sample(sun, u);
         const struct orl_rgb seen = response(query, light);
         if (!(orl_rgb_max(seen) > 0))
@@ -75,10 +126,12 @@ struct orl_rgb orl_direct_light(const struct orl_world *world,
             orl_transmittance(world, query->point, light, INFINITY, query->through_ports);
         sum = orl_rgb_add(sum, orl_rgb_mul(orl_rgb_mul(sun->irradiance, seen), share));
     }
-    for (size_t i = 0; i < world->n_emitters; i++)
-        if (world->emitters[i].direct)
-            sum = orl_rgb_add(
-                sum, light_from_emitter(world, &world->emitters[i], query, random));
+    for (size_t i = 0; i < world->n_emitters; i++) {
+        if (!world->emitters[i].direct)
+            continue;
+        numbers_for(query, world->n_suns + i, random, u);
+        sum = orl_rgb_add(sum, light_from_emitter(world, &world->emitters[i], query, u));
+    }
     return sum;
 }
 

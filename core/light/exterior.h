@@ -38,6 +38,7 @@ struct orl_direct_query {
     const struct orl_material *lobes;
     const struct orl_hit *hit;
     struct orl_vec3 eye;
+    const double *u; /* two numbers in [0,1) from an even sequence, or NULL for random ones */
 };
 struct orl_rgb orl_direct_light(const struct orl_world *world,
                                 const struct orl_direct_query *query, struct orl_random *random);

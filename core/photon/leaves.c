@@ -7,10 +7,15 @@
 #include "photon/flux.h"
 #include "photon/sheet.h"
 
-/* Where a leaf's estimate is made: at its middle photon. */
+/*
+ * Where a leaf's estimate is made: amid its photons. Not at one of them, for there density is known
+ * to be higher (the photon itself) or lower (evenly emitted ones keep apart); only when the middle
+ * is no place on the surface does a photon's own have to do, and is then left out of the count.
+ */
 struct site {
     float at[3]; /* cells */
     uint16_t normal;
+    bool at_photon;
 };
 
 struct orl_leaves {
@@ -25,6 +30,65 @@ struct orl_leaves {
 
 /* Stands for zero irradiance: the smallest exponent with an empty mantissa, but not the empty word. */
 static const uint32_t value_zero = 1U << 27;
+
+static struct orl_density_query query_at(const struct orl_leaves *leaves, struct orl_vec3 point,
+                                         struct orl_vec3 normal)
+{
+    return (struct orl_density_query){
+        .point = point, .normal = normal, .k = leaves->k, .max_radius = leaves->max_radius};
+}
+
+static uint32_t leaf_size(const struct orl_photon_map *map, uint64_t leaf)
+{
+    const uint64_t left = map->header->count - leaf * ORL_MAP_LEAF;
+    return left < ORL_MAP_LEAF ? (uint32_t)left : ORL_MAP_LEAF;
+}
+
+static uint32_t middle_photon(const struct orl_photon_map *map, uint64_t leaf)
+{
+    return (uint32_t)(leaf * ORL_MAP_LEAF + leaf_size(map, leaf) / 2);
+}
+
+/* Squared distances of a leaf's photons from a point: the mean, and the least. */
+static void spread_about(float (*const photons)[3], uint32_t n, const float at[3], float *ret_mean,
+                         float *ret_least)
+{
+    *ret_mean = 0;
+    *ret_least = INFINITY;
+    for (uint32_t i = 0; i < n; i++) {
+        float d2 = 0;
+        for (int k = 0; k < 3; k++)
+            d2 += (photons[i][k] - at[k]) * (photons[i][k] - at[k]);
+        *ret_mean += d2 / (float)n;
+        *ret_least = d2 < *ret_least ? d2 : *ret_least;
+    }
+}
+
+static struct site make_site(const struct orl_photon_map *map, uint64_t leaf)
+{
+    const uint32_t n = leaf_size(map, leaf), middle = n / 2;
+    const uint32_t *words = map->places + leaf * ORL_LEAF_WORDS;
+    const uint16_t normal = map->normals[leaf * ORL_MAP_LEAF + middle];
+    float photons[ORL_MAP_LEAF][3], mean, least;
+    struct site site = {{0, 0, 0}, normal, false};
+    for (uint32_t i = 0; i < n; i++) {
+        uint32_t cell[3];
+        orl_place_unpack(words[i], words[i + ORL_MAP_LEAF], cell);
+        for (int k = 0; k < 3; k++) {
+            photons[i][k] = (float)cell[k];
+            site.at[k] += photons[i][k] / (float)n;
+        }
+    }
+    const float chord[3] = {photons[middle][0] - site.at[0], photons[middle][1] - site.at[1],
+                            photons[middle][2] - site.at[2]};
+    spread_about(photons, n, site.at, &mean, &least);
+    /* Photons of two patches have their middle between them, where there is nothing. */
+    site.at_photon = n < ORL_MAP_LEAF || least > 0.5F * mean ||
+                     !orl_same_sheet(orl_normal_decode(normal), normal, normal, chord);
+    for (int k = 0; k < 3 && site.at_photon; k++)
+        site.at[k] = photons[middle][k];
+    return site;
+}
 
 struct orl_leaves *orl_leaves_new(const struct orl_photon_map *map, uint32_t k, double max_radius)
 {
@@ -44,15 +108,8 @@ struct orl_leaves *orl_leaves_new(const struct orl_photon_map *map, uint32_t k, 
         orl_leaves_free(leaves);
         return NULL;
     }
-    for (uint64_t i = 0; i < n; i++) {
-        const uint64_t left = h->count - i * ORL_MAP_LEAF;
-        const uint32_t middle = (left < ORL_MAP_LEAF ? (uint32_t)left : ORL_MAP_LEAF) / 2;
-        const uint32_t *words = map->places + i * ORL_LEAF_WORDS + middle;
-        uint32_t cell[3];
-        orl_place_unpack(words[0], words[ORL_MAP_LEAF], cell);
-        leaves->sites[i] = (struct site){{(float)cell[0], (float)cell[1], (float)cell[2]},
-                                         map->normals[i * ORL_MAP_LEAF + middle]};
-    }
+    for (uint64_t i = 0; i < n; i++)
+        leaves->sites[i] = make_site(map, i);
     return leaves;
 }
 
@@ -65,14 +122,6 @@ void orl_leaves_free(struct orl_leaves *leaves)
     free(leaves);
 }
 
-static struct orl_rgb estimate(const struct orl_leaves *leaves, struct orl_vec3 point,
-                               struct orl_vec3 normal, struct orl_search *search)
-{
-    const struct orl_density_query query = {
-        .point = point, .normal = normal, .k = leaves->k, .max_radius = leaves->max_radius};
-    return orl_density_estimate(leaves->map, &query, search).irradiance;
-}
-
 /* The leaf's value, made now if nobody has; two that make it at once write the same word. */
 static struct orl_rgb value_of(struct orl_leaves *leaves, uint32_t leaf, struct orl_search *search)
 {
@@ -83,8 +132,12 @@ static struct orl_rgb value_of(struct orl_leaves *leaves, uint32_t leaf, struct 
         const struct orl_vec3 point = orl_v3(h->low[0] + (site->at[0] + 0.5) * h->cell,
                                              h->low[1] + (site->at[1] + 0.5) * h->cell,
                                              h->low[2] + (site->at[2] + 0.5) * h->cell);
+        struct orl_density_query query =
+            query_at(leaves, point, orl_normal_decode(site->normal));
+        query.at_photon = site->at_photon;
+        query.skip = middle_photon(leaves->map, leaf);
         const struct orl_rgb irradiance =
-            estimate(leaves, point, orl_normal_decode(site->normal), search);
+            orl_density_estimate(leaves->map, &query, search).irradiance;
         word = orl_flux_pack(orl_rgb_scale(irradiance, 1 / leaves->unit), 0.5);
         if (word == 0)
             word = value_zero;
@@ -133,5 +186,6 @@ struct orl_rgb orl_leaves_irradiance(struct orl_leaves *leaves, struct orl_vec3 
     uint32_t leaf;
     if (nearest_leaf(leaves, point, normal, &leaf))
         return value_of(leaves, leaf, search);
-    return estimate(leaves, point, normal, search);
+    const struct orl_density_query query = query_at(leaves, point, normal);
+    return orl_density_estimate(leaves->map, &query, search).irradiance;
 }

@@ -1,6 +1,6 @@
 /*
- * Irradiance by leaf: the density estimate at the middle photon of each leaf of a map, made when
- * first asked for and kept. A final gather that asks the same wall a million times then pays for
+ * Irradiance by leaf: the density estimate amid the photons of each leaf of a map, made when first
+ * asked for and kept. A final gather that asks the same wall a million times then pays for
  * one estimate per leaf (16 photons) and a short look-up each.
  *
  * What a leaf holds depends on the map alone, so that it does not matter who computes it first,

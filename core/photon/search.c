@@ -67,7 +67,8 @@ static void scan_leaf(struct walk *walk, uint32_t leaf)
     for (uint32_t i = 0; i < n; i++) {
         const float chord[3] = {dx[i], dy[i], dz[i]};
         const uint32_t index = (uint32_t)(first + i);
-        if (!(d2[i] < walk->radius2) || 
+        if (!(d2[i] < walk->radius2) || (walk->query->at_photon && index == walk->query->skip) ||
+            
             !orl_same_sheet(walk->query->normal, walk->normal, walk->map->normals[index], chord))
             continue;
         walk->candidates[walk->found++] = (struct orl_search_candidate){d2[i], index};

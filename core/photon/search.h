@@ -30,6 +30,8 @@ struct orl_density_query {
     struct orl_vec3 normal; /* unit, the lit side */
     uint32_t k;             /* 1 .. ORL_SEARCH_MOST */
     double max_radius;
+    bool at_photon;     /* the point is photon `skip`'s own, which is then left out: it would */
+    uint32_t skip;      /* otherwise be counted wherever one asks about a photon's place */
 };
 
 struct orl_density {

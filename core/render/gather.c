@@ -177,11 +177,15 @@ struct orl_rgb orl_gather_radiance(const struct orl_gather *gather, struct orl_v
 struct orl_rgb orl_gather_direct(const struct orl_gather *gather, const struct orl_place *place,
                                  uint32_t rays, struct orl_random *random)
 {
+    double u[2];
     const struct orl_direct_query query = {
-        .point = place->point, .normal = place->normal, .through_ports = true};
+        .point = place->point, .normal = place->normal, .through_ports = true, .u = u};
+    const uint32_t sequence = (uint32_t)orl_random_bits(random);
     struct orl_rgb sum = orl_gray(0);
-    for (uint32_t i = 0; i < rays; i++)
+    for (uint32_t i = 0; i < rays; i++) {
+        orl_sobol_point(&gather->sobol, i, sequence, 2, u);
         sum = orl_rgb_add(sum, orl_direct_light(gather->world, &query, random));
+    }
     return orl_rgb_scale(sum, 1.0 / rays);
 }
 

@@ -1,6 +1,6 @@
 /*
  * One view by the gather technique: irradiance records in rounds from coarse to fine, then pixels
- * in tiles, each pixel from a few jittered rays.
+ * in tiles, each pixel from a few rays on a regular grid.
  */
 #ifndef ORL_RENDER_IMAGE_H
 #define ORL_RENDER_IMAGE_H

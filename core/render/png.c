@@ -5,7 +5,7 @@
 #include "render/film.h"
 
 /* Middle grey of the picture, and the luminance (times the average) that comes out white. */
-static const double key = 0.18, white = 12.0;
+static const double key = 0.18, white = 60.0;
 
 static double luminance(const float rgb[3])
 {

@@ -1,7 +1,7 @@
 #include "render/gather.h"
 #include "scene/hemisphere.h"
 
-enum { PANE_POINTS = 1024, SUN_RAYS = 64 };
+enum { PANE_POINTS = 1024, SUN_RAYS = 128 };
 
 /*
  * Sun by way of one BSDF pane to a point that no photon lands on: points stratified over the pane,
@@ -98,7 +98,9 @@ double orl_gather_sensor(const struct orl_gather *gather, struct orl_vec3 positi
                          struct orl_vec3 direction, uint32_t samples, uint64_t index,
                          struct orl_search *search)
 {
-    struct orl_place place = {.point = position, .normal = direction};
+    /* A sensor written down as lying on a surface is to look away from it, not at it. */
+    const double clear = gather->world->geometry->radius * 0x1p-18;
+    struct orl_place place = {.point = orl_madd(position, direction, clear), .normal = direction};
     struct orl_random random = orl_random_stream(gather->seed, ORL_PURPOSE_SENSOR, index << 24);
     struct orl_vec3 on_surface;
     place.outside = orl_gather_is_outside(gather, position);

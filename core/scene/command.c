@@ -26,35 +26,31 @@ static int refuse(struct orl_error *err, char c)
     return ORL_ERR_UNSUPPORTED;
 }
 
-/* Copies one word to *to without its quotes; returns where it ends in the line, NULL on error. */
-static const char *copy_word(const char *at, char **to, struct orl_error *err)
+/* Copies one word to *to without its quotes, and moves *line behind it. */
+static int copy_word(const char **line, char **to, struct orl_error *err)
 {
+    const char *at = *line;
     char quote = '\0', *start = *to;
     for (; *at && (quote || (!is_blank(*at) && *at != '|')); at++) {
         if (quote ? *at == quote : *at == '"' || *at == '\'') {
             quote = quote ? '\0' : *at;
             continue;
         }
-        if (quote != '\'' && strchr("$`", *at)) {
-            refuse(err, *at);
-            return NULL;
-        }
-        if (!quote && (strchr(";&<>*?[]{}()", *at) || (*to == start && strchr("~#", *at)))) {
-            refuse(err, *at);
-            return NULL;
-        }
+        if (quote != '\'' && strchr("$`", *at))
+            return refuse(err, *at);
+        if (!quote && (strchr(";&<>*?[]{}()", *at) || (*to == start && strchr("~#", *at))))
+            return refuse(err, *at);
         if (*at == '\\' && quote != '\'' && at[1])
             at++;
         *(*to)++ = *at;
     }
     *(*to)++ = '\0';
-    if (quote || *to - start > (long)ORL_LIMIT_WORD_BYTES) {
-        orl_error_set(err, quote ? ORL_ERR_SYNTAX : ORL_ERR_LIMIT,
-                      quote ? "a quote in the command is never closed"
-                            : "a word of the command is too long");
-        return NULL;
-    }
-    return at;
+    *line = at;
+    if (quote)
+        return orl_error_set(err, ORL_ERR_SYNTAX, "a quote in the command is never closed");
+    if (*to - start > (long)ORL_LIMIT_WORD_BYTES)
+        return orl_error_set(err, ORL_ERR_LIMIT, "a word of the command is too long");
+    return 0;
 }
 
 static int end_stage(struct orl_command *command, struct orl_error *err)
@@ -92,9 +88,7 @@ int orl_command_split(struct orl_command *command, const char *line, struct orl_
             continue;
         }
         command->words[command->n_words++] = to;
-        at = copy_word(at, &to, err);
-        if (!at)
-            code = err ? err->code : ORL_ERR_SYNTAX;
+        code = copy_word(&at, &to, err);
     }
     if (code == 0)
         code = end_stage(command, err);

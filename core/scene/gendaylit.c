@@ -7,6 +7,7 @@
 
 #include <string.h>
 
+#include "scene/cie.h"
 #include "scene/number.h"
 #include "scene/perez.h"
 #include "scene/sun.h"
@@ -64,24 +65,10 @@ static int read_hour(struct gendaylit *sky, const char *word, struct orl_text *t
 static int read_when(struct gendaylit *sky, struct orl_words *words, struct orl_text *text,
                      struct orl_error *err)
 {
-    int code;
-    if (words->left < 3)
-        return orl_error_set(err, ORL_ERR_SYNTAX,
-                             "gendaylit needs month, day and hour, or -ang altitude azimuth");
-    if (strcmp(words->at[0], "-ang") == 0) {
-        double altitude = 0, azimuth = 0;
-        words->at++, words->left--;
-        code = orl_words_number(words, "-ang", &altitude, err);
-        if (code == 0)
-            code = orl_words_number(words, "-ang", &azimuth, err);
-        sky->by_angle = true;
-        sky->sun.altitude_rad = altitude * ORL_DEG_TO_RAD;
-        sky->sun.azimuth_rad = azimuth * ORL_DEG_TO_RAD;
+    int code = orl_words_sun(words, &sky->sun, &sky->by_angle, err);
+    if (code < 0 || sky->by_angle)
         return code;
-    }
-    code = orl_words_int(words, "the month", 1, 12, &sky->moment.month, err);
-    if (code == 0)
-        code = orl_words_int(words, "the day", 1, 31, &sky->moment.day, err);
+    code = orl_words_date(words, &sky->moment, err);
     if (code == 0)
         code = read_hour(sky, words->at[0], text, err);
     words->at++, words->left--;
@@ -95,14 +82,6 @@ static int read_input(struct gendaylit *sky, struct orl_words *words, const char
     if (code == 0 && input != INPUT_GLOBAL_W)
         code = orl_words_number(words, option, &sky->second, err);
     sky->input = input;
-    return code;
-}
-
-static int read_angle(struct orl_words *words, const char *option, double *ret_rad,
-                      struct orl_error *err)
-{
-    const int code = orl_words_number(words, option, ret_rad, err);
-    *ret_rad *= ORL_DEG_TO_RAD;
     return code;
 }
 
@@ -141,11 +120,11 @@ static int read_option(struct gendaylit *sky, struct orl_words *words, struct or
     case 'y':
         return orl_words_int(words, option, 1950, 2050, &sky->moment.year, err);
     case 'a':
-        return read_angle(words, option, &sky->site.latitude_rad, err);
+        return orl_words_angle(words, option, &sky->site.latitude_rad, err);
     case 'o':
-        return read_angle(words, option, &sky->site.longitude_rad, err);
+        return orl_words_angle(words, option, &sky->site.longitude_rad, err);
     case 'm':
-        return read_angle(words, option, &sky->site.meridian_rad, err);
+        return orl_words_angle(words, option, &sky->site.meridian_rad, err);
     case 'g':
         return orl_words_number(words, option, &sky->ground_reflectance, err);
     case 'd':
@@ -187,7 +166,7 @@ static double half_day(const struct gendaylit *sky)
     const int day = orl_day_of_year(sky->moment.month, sky->moment.day);
     const float w = (float)-(tan(sky->site.latitude_rad) * tan(orl_sun_declination(day)));
     const float rest = 1.0F - w * w;
-    return (ORL_PI / 2.0 - atan2(w, sqrt(rest))) * 180.0 / (ORL_PI * 15.0);
+    return (ORL_PI / 2.0 - atan2(w, sqrt((double)rest))) * 180.0 / (ORL_PI * 15.0);
 }
 
 /*
@@ -218,12 +197,8 @@ static bool place_sun(struct gendaylit *sky, struct orl_text *text)
     if (!sky->by_angle) {
         double declination, hour;
         orl_sun_clock(&sky->site, &sky->moment, &declination, &hour);
-        if (!sky->moment.solar &&
-            fabs(sky->site.meridian_rad - sky->site.longitude_rad) > 45.0 * ORL_DEG_TO_RAD)
-            orl_text_warn(text,
-                          "gendaylit: %.1f hours lie between the standard meridian and the "
-                          "longitude (both are degrees west)",
-                          (sky->site.longitude_rad - sky->site.meridian_rad) * 12.0 / ORL_PI);
+        if (!sky->moment.solar)
+            orl_text_warn_site(text, "gendaylit", &sky->site);
         up = sun_is_up(sky, &hour, text);
         sky->sun = orl_sun_at(&sky->site, declination, hour);
     }
@@ -435,23 +410,13 @@ static bool find_illuminance(struct gendaylit *sky, struct orl_text *text)
     return check_illuminance(sky, text);
 }
 
-/* The ground's share of zenith radiance: fits by sun altitude for the CIE sky that comes closest.
- */
+/* The ground's share of zenith radiance, from the CIE sky that comes closest. */
 static double ground_factor(const struct gendaylit *sky)
 {
-    static const double clear[5] = {2.766521, 0.547665, -0.369832, 0.009237, 0.059229};
-    static const double intermediate[5] = {3.5556, -2.7152, -1.3081, 1.0660, 0.60227};
-    const bool is_clear = sky->clearness >= 6.0;
-    const double *c = is_clear ? clear : intermediate;
-    const double altitude = sky->sun.altitude_rad, from_zenith = ORL_PI / 2.0 - altitude;
-    const double x = (altitude - ORL_PI / 4.0) / (ORL_PI / 4.0), height = sky->direction.z;
-    const double shape =
-        is_clear ? 0.274 * (0.91 + 10.0 * exp(-3.0 * from_zenith) + 0.45 * height * height)
-                 : (2.739 + 0.9891 * sin(0.3119 + 2.6 * altitude)) *
-                       exp(-from_zenith * (0.4441 + 1.48 * altitude));
     if (sky->clearness == 1.0)
         return 0.777778;
-    return ((((c[4] * x + c[3]) * x + c[2]) * x + c[1]) * x + c[0]) / shape / ORL_PI;
+    return orl_cie_factor(sky->clearness >= 6.0 ? ORL_CIE_CLEAR : ORL_CIE_INTERMEDIATE,
+                          sky->sun.altitude_rad);
 }
 
 static void find_radiances(struct gendaylit *sky)

@@ -102,3 +102,45 @@ int orl_words_int(struct orl_words *words, const char *option, int low, int high
     *ret_value = value;
     return 0;
 }
+
+int orl_words_angle(struct orl_words *words, const char *option, double *ret_rad,
+                    struct orl_error *err)
+{
+    double degrees = 0;
+    const int code = orl_words_number(words, option, &degrees, err);
+    if (code == 0)
+        *ret_rad = degrees * ORL_DEG_TO_RAD;
+    return code;
+}
+
+int orl_words_sun(struct orl_words *words, struct orl_sun *ret_sun, bool *ret_given,
+                  struct orl_error *err)
+{
+    int code;
+    if (words->left < 3)
+        return orl_error_set(err, ORL_ERR_SYNTAX,
+                             "%s needs month, day and hour, or -ang altitude azimuth",
+                             words->program);
+    *ret_given = strcmp(words->at[0], "-ang") == 0;
+    if (!*ret_given)
+        return 0;
+    words->at++, words->left--;
+    code = orl_words_angle(words, "-ang", &ret_sun->altitude_rad, err);
+    return code < 0 ? code : orl_words_angle(words, "-ang", &ret_sun->azimuth_rad, err);
+}
+
+int orl_words_date(struct orl_words *words, struct orl_moment *moment, struct orl_error *err)
+{
+    const int code = orl_words_int(words, "the month", 1, 12, &moment->month, err);
+    return code < 0 ? code : orl_words_int(words, "the day", 1, 31, &moment->day, err);
+}
+
+void orl_text_warn_site(struct orl_text *text, const char *program, const struct orl_site *site)
+{
+    const double west_rad = site->longitude_rad - site->meridian_rad;
+    if (fabs(west_rad) > 45.0 * ORL_DEG_TO_RAD)
+        orl_text_warn(text,
+                      "%s: %.1f hours lie between the standard meridian and the longitude "
+                      "(both are degrees west)",
+                      program, west_rad * 12.0 / ORL_PI);
+}

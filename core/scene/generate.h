@@ -15,6 +15,8 @@
 
 #include <oriel/error.h>
 
+#include "scene/sun.h"
+
 /* Scene text in the making, and what is to be said about it. */
 struct orl_text {
     char *data;
@@ -52,5 +54,19 @@ int orl_words_number(struct orl_words *words, const char *option, double *ret_va
                      struct orl_error *err);
 int orl_words_int(struct orl_words *words, const char *option, int low, int high, int *ret_value,
                   struct orl_error *err);
+
+/* An angle in degrees, into radians. */
+int orl_words_angle(struct orl_words *words, const char *option, double *ret_rad,
+                    struct orl_error *err);
+
+/* "-ang altitude azimuth" at the front: ret_given says whether it was there. */
+int orl_words_sun(struct orl_words *words, struct orl_sun *ret_sun, bool *ret_given,
+                  struct orl_error *err);
+
+/* The month and the day that follow. */
+int orl_words_date(struct orl_words *words, struct orl_moment *moment, struct orl_error *err);
+
+/* Warns when meridian and longitude are further apart than three hours: a sign is wrong, mostly. */
+void orl_text_warn_site(struct orl_text *text, const char *program, const struct orl_site *site);
 
 #endif

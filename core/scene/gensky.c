@@ -9,6 +9,7 @@
 #include <string.h>
 #include <strings.h>
 
+#include "scene/cie.h"
 #include "scene/number.h"
 #include "scene/sun.h"
 
@@ -91,38 +92,13 @@ static int read_hour(struct gensky *sky, const char *word, struct orl_error *err
 
 static int read_when(struct gensky *sky, struct orl_words *words, struct orl_error *err)
 {
-    int code;
-    if (words->left < 3)
-        return orl_error_set(err, ORL_ERR_SYNTAX,
-                             "gensky needs month, day and hour, or -ang altitude azimuth");
-    if (strcmp(words->at[0], "-ang") == 0) {
-        double altitude = 0, azimuth = 0;
-        words->at++, words->left--;
-        code = orl_words_number(words, "-ang", &altitude, err);
-        if (code == 0)
-            code = orl_words_number(words, "-ang", &azimuth, err);
-        sky->by_angle = true;
-        sky->sun.altitude_rad = altitude * ORL_DEG_TO_RAD;
-        sky->sun.azimuth_rad = azimuth * ORL_DEG_TO_RAD;
+    int code = orl_words_sun(words, &sky->sun, &sky->by_angle, err);
+    if (code < 0 || sky->by_angle)
         return code;
-    }
-    code = orl_words_int(words, "the month", 1, 12, &sky->moment.month, err);
-    if (code == 0)
-        code = orl_words_int(words, "the day", 1, 31, &sky->moment.day, err);
+    code = orl_words_date(words, &sky->moment, err);
     if (code == 0)
         code = read_hour(sky, words->at[0], err);
     words->at++, words->left--;
-    return code;
-}
-
-/* An angle in degrees that follows option. */
-static int read_angle(struct orl_words *words, const char *option, double *ret_rad,
-                      struct orl_error *err)
-{
-    double degrees = 0;
-    const int code = orl_words_number(words, option, &degrees, err);
-    if (code == 0)
-        *ret_rad = degrees * ORL_DEG_TO_RAD;
     return code;
 }
 
@@ -163,11 +139,12 @@ static int read_option(struct gensky *sky, struct orl_words *words, struct orl_e
     case 'g':
         return orl_words_number(words, option, &sky->ground_reflectance, err);
     case 'a':
-        return read_angle(words, option, &sky->site.latitude_rad, err);
+        return orl_words_angle(words, option, &sky->site.latitude_rad, err);
     case 'o':
-        return read_angle(words, option, &sky->site.longitude_rad, err);
+        return orl_words_angle(words, option, &sky->site.longitude_rad, err);
     case 'm': /* a time zone overrides it */
-        return read_angle(words, option, sky->zone_given ? &unused : &sky->site.meridian_rad, err);
+        return orl_words_angle(words, option, sky->zone_given ? &unused : &sky->site.meridian_rad,
+                               err);
     default:
         return orl_error_set(err, ORL_ERR_SYNTAX, "gensky: '%.40s' is no option", option);
     }
@@ -185,12 +162,8 @@ static void place_sun(struct gensky *sky, struct orl_text *text)
         double declination, hour;
         orl_sun_clock(&sky->site, &sky->moment, &declination, &hour);
         sky->sun = orl_sun_at(&sky->site, declination, hour);
-        if (!sky->moment.solar &&
-            fabs(sky->site.meridian_rad - sky->site.longitude_rad) > 45.0 * ORL_DEG_TO_RAD)
-            orl_text_warn(text,
-                          "gensky: %.1f hours lie between the standard meridian and the "
-                          "longitude (both are degrees west)",
-                          (sky->site.longitude_rad - sky->site.meridian_rad) * 12.0 / ORL_PI);
+        if (!sky->moment.solar)
+            orl_text_warn_site(text, "gensky", &sky->site);
     }
     if (!is_overcast(sky) && sky->sun.altitude_rad > highest) {
         orl_text_warn(text, "gensky: the sun is too close to the zenith for this sky: its altitude "
@@ -200,31 +173,17 @@ static void place_sun(struct gensky *sky, struct orl_text *text)
     sky->direction = orl_sun_direction(&sky->sun);
 }
 
-/* Horizontal irradiance over zenith radiance times shape: fits by sun altitude. */
-static double sky_integral(enum sky type, double altitude_rad)
-{
-    static const double clear[5] = {2.766521, 0.547665, -0.369832, 0.009237, 0.059229};
-    static const double intermediate[5] = {3.5556, -2.7152, -1.3081, 1.0660, 0.60227};
-    const double *c = type == SKY_INTERMEDIATE ? intermediate : clear;
-    const double x = (altitude_rad - ORL_PI / 4.0) / (ORL_PI / 4.0);
-    return (((c[4] * x + c[3]) * x + c[2]) * x + c[1]) * x + c[0];
-}
-
 /* Sets shape and returns horizontal irradiance / (pi * zenith radiance). */
 static double normalise(struct gensky *sky)
 {
-    const double altitude = sky->sun.altitude_rad, from_zenith = ORL_PI / 2.0 - altitude;
+    const enum orl_cie_type type =
+        sky->type == SKY_INTERMEDIATE ? ORL_CIE_INTERMEDIATE : ORL_CIE_CLEAR;
     if (sky->type == SKY_UNIFORM)
         return 1.0;
     if (sky->type == SKY_OVERCAST)
         return 0.777778;
-    if (sky->type == SKY_CLEAR)
-        sky->shape = 0.274 * (0.91 + 10.0 * exp(-3.0 * from_zenith) +
-                              0.45 * sky->direction.z * sky->direction.z);
-    else
-        sky->shape = (2.739 + 0.9891 * sin(0.3119 + 2.6 * altitude)) *
-                     exp(-from_zenith * (0.4441 + 1.48 * altitude));
-    return sky_integral(sky->type, altitude) / sky->shape / ORL_PI;
+    sky->shape = orl_cie_shape(type, sky->sun.altitude_rad);
+    return orl_cie_factor(type, sky->sun.altitude_rad);
 }
 
 static double zenith_by_model(const struct gensky *sky)

@@ -177,8 +177,9 @@ bool orl_geometry_intersect(const struct orl_geometry *geometry, struct orl_vec3
     double t = e.distance;
     struct orl_vec3 normal = facet->normal;
     if (e.curved) {
-        /* Again in double; at a graze Embree's float root may be all there is. */
-        orl_quadric_intersect(facet, origin, direction, -facet->offset, INFINITY, &t, &normal);
+        /* The same root again, in double. At a graze there may be none: then Embree's must do. */
+        if (!orl_quadric_intersect(facet, origin, direction, 0.5 * t, 2 * t, &t, &normal))
+            normal = orl_quadric_normal(facet, orl_madd(origin, direction, t));
     } else {
         const double slope = orl_dot(direction, normal);
         const struct orl_vec3 to_plane = orl_sub(geometry->triangles[e.index].a, origin);

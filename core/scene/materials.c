@@ -1,10 +1,10 @@
 /*
- * Modifiers: materials, the two sky patterns, and aliases. A material's own modifier may be void or
+ * Modifiers: materials, and aliases of them. A material's own modifier may be void or
  * a sky; anything else would be a pattern or texture that is not simulated.
- * References: "The RADIANCE Synthetic Imaging System", section 2.1.2; perezlum.cal and
- * skybright.cal for the sky patterns.
+ * Reference: "The RADIANCE Synthetic Imaging System", section 2.1.2.
  */
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "scene/number.h"
@@ -106,31 +106,6 @@ static int string_number(struct orl_parser *parser, const struct orl_scope *scop
     return ORL_ERR_UNSUPPORTED;
 }
 
-/* The transform among the string arguments from index first on, under the scope's. */
-static int string_xform(struct orl_parser *parser, const struct orl_scope *scope, size_t first,
-                        struct orl_xform *ret_xform, struct orl_error *err)
-{
-    enum { WORDS_MAX = 256 };
-    const char *words[WORDS_MAX] = {NULL};
-    const size_t count = parser->primitive.n_strings - first;
-    struct orl_xform own;
-    size_t used = 0;
-    int code = 0;
-    if (count > WORDS_MAX)
-        return orl_parser_fail(parser, scope, err, ORL_ERR_LIMIT,
-                               "it has too many string arguments");
-    for (size_t i = 0; i < count; i++)
-        words[i] = orl_primitive_string(&parser->primitive, first + i);
-    code = orl_xform_read(words, count, &own, &used, err);
-    if (code < 0)
-        return orl_parser_fail(parser, scope, err, code, "its transform is not valid");
-    if (used < count)
-        return orl_parser_fail(parser, scope, err, ORL_ERR_SYNTAX,
-                               "'%.60s' in its transform is no transform", words[used]);
-    *ret_xform = orl_xform_compose(&scope->xform, &own);
-    return 0;
-}
-
 static int read_bsdf_file(struct orl_parser *parser, const struct orl_scope *scope,
                           struct orl_material *material, struct orl_error *err)
 {
@@ -140,16 +115,16 @@ static int read_bsdf_file(struct orl_parser *parser, const struct orl_scope *sco
     int code = orl_sources_find(&parser->sources, scope->folder,
                                 orl_primitive_string(&parser->primitive, 1), &source, err);
     if (code < 0) {
-        memcpy(name, err->message, sizeof name - 1);
-        name[sizeof name - 1] = '\0';
+        snprintf(name, sizeof name, "%.*s", (int)sizeof name - 1, err->message);
         return orl_parser_fail(parser, scope, err, code, "its BSDF file is missing: %s", name);
     }
     code = orl_sources_bsdf(&parser->sources, source, &bsdf, err);
     if (code < 0) {
         /* The place is in the XML; only what is not said yet is added. */
         const bool has_place = err->file[0] != '\0';
+        snprintf(name, sizeof name, "BSDF %.200s", parser->primitive.id);
         orl_error_at(err, has_place ? NULL : scope->file, has_place ? 0 : parser->primitive.line,
-                     err->primitive[0] ? NULL : parser->primitive.id);
+                     err->primitive[0] ? NULL : name);
         return code;
     }
     material->bsdf = orl_bsdf_ref(bsdf);
@@ -165,7 +140,7 @@ static int read_bsdf_diffuse(struct orl_parser *parser, const struct orl_scope *
     if (n > 9 || n % 3 != 0)
         return orl_parser_fail(parser, scope, err, ORL_ERR_SYNTAX,
                                "a BSDF takes 0, 3, 6 or 9 number arguments, not %zu", n);
-    for (size_t i = 0; i < n / 3 && code == 0; i++) {
+    for (size_t i = 0; i < 3 && 3 * i < n && code == 0; i++) {
         *parts[i] = real_rgb(parser, 3 * i);
         code = check_share(parser, scope, *parts[i], false, "diffuse part", err);
     }
@@ -192,7 +167,7 @@ static int read_bsdf(struct orl_parser *parser, const struct orl_scope *scope,
                                "function files ('%.60s') are not read: '.' must stand there",
                                orl_primitive_string(primitive, 5));
     if (code == 0)
-        code = string_xform(parser, scope, 6, &xform, err);
+        code = orl_parser_string_xform(parser, scope, 6, &xform, err);
     if (code == 0 && material->thickness != 0)
         code = orl_parser_fail(parser, scope, err, ORL_ERR_UNSUPPORTED,
                                "BSDFs with a thickness, which stand for other geometry, are not "
@@ -298,117 +273,6 @@ static int define(struct orl_parser *parser, const struct orl_scope *scope, cons
     return 0;
 }
 
-/* ---- Skies ------------------------------------------------------------------------------------
- */
-
-static bool ends_with(const char *path, const char *name)
-{
-    const char *slash = strrchr(path, '/');
-    return strcmp(slash ? slash + 1 : path, name) == 0;
-}
-
-/* The sun's place among the arguments, or -1 for skies that have none. */
-static int sun_argument(const struct orl_sky *sky)
-{
-    if (sky->kind == ORL_SKY_PEREZ)
-        return 7;
-    return sky->n_args == 7 ? 4 : -1;
-}
-
-static int read_cie_type(struct orl_parser *parser, const struct orl_scope *scope,
-                         const struct orl_sky *sky, struct orl_error *err)
-{
-    const double type = sky->a[0];
-    const bool overcast = type == 2 || type == 3;
-    if (!overcast && type != 1 && type != 4)
-        return orl_parser_fail(parser, scope, err, ORL_ERR_RANGE, "sky type %g is not 1, 2, 3 or 4",
-                               type);
-    if (!overcast && sky->n_args != 7)
-        return orl_parser_fail(parser, scope, err, ORL_ERR_SYNTAX,
-                               "a clear or intermediate sky takes 7 number arguments");
-    if (!overcast && !(sky->a[3] > 0))
-        return orl_parser_fail(parser, scope, err, ORL_ERR_RANGE,
-                               "its normalisation %g (the fourth number) is not positive",
-                               sky->a[3]);
-    return 0;
-}
-
-/* Which pattern it is, and its arguments as written. */
-static int read_pattern(struct orl_parser *parser, const struct orl_scope *scope,
-                        struct orl_sky *sky, struct orl_error *err)
-{
-    const struct orl_primitive *primitive = &parser->primitive;
-    const size_t n = primitive->n_reals;
-    const char *variable = primitive->n_strings > 0 ? orl_primitive_string(primitive, 0) : "";
-    const char *file = primitive->n_strings > 1 ? orl_primitive_string(primitive, 1) : "";
-    const bool perez = strcmp(variable, "skybright") == 0 && ends_with(file, "perezlum.cal");
-    const bool cie = (strcmp(variable, "skybr") == 0 || strcmp(variable, "skybright") == 0) &&
-                     ends_with(file, "skybright.cal");
-    if (!perez && !cie) {
-        orl_parser_fail(parser, scope, err, ORL_ERR_UNSUPPORTED,
-                        "only the skies of gendaylit (skybright perezlum.cal) and gensky (skybr "
-                        "skybright.cal) are supported, not '%.40s %.60s'",
-                        variable, file);
-        return ORL_ERR_UNSUPPORTED;
-    }
-    if (perez ? n != 10 : n != 3 && n != 7)
-        return orl_parser_fail(parser, scope, err, ORL_ERR_SYNTAX,
-                               "%s takes %s number arguments, not %zu", variable,
-                               perez ? "10" : "3 or 7", n);
-    sky->kind = perez ? ORL_SKY_PEREZ : ORL_SKY_CIE;
-    sky->n_args = (int)n;
-    memcpy(sky->a, primitive->reals, n * sizeof *sky->a);
-    return cie ? read_cie_type(parser, scope, sky, err) : 0;
-}
-
-/* Turns the sky with its scene: only about the vertical, since its formula knows up. */
-static int turn_sky(struct orl_parser *parser, const struct orl_scope *scope, struct orl_sky *sky,
-                    struct orl_error *err)
-{
-    struct orl_xform xform;
-    struct orl_vec3 up, sun;
-    const int at = sun_argument(sky);
-    const int code = string_xform(parser, scope, 2, &xform, err);
-    if (code < 0)
-        return code;
-    up = orl_scale(orl_xform_vector(&xform, orl_v3(0, 0, 1)), 1.0 / xform.scale);
-    if (!(up.z > 1.0 - 1e-9))
-        return orl_parser_fail(parser, scope, err, ORL_ERR_UNSUPPORTED,
-                               "a sky can be turned about the vertical only");
-    if (at < 0)
-        return 0;
-    sun = orl_xform_vector(&xform, orl_v3(sky->a[at], sky->a[at + 1], sky->a[at + 2]));
-    sky->a[at] = sun.x / xform.scale;
-    sky->a[at + 1] = sun.y / xform.scale;
-    sky->a[at + 2] = sun.z / xform.scale;
-    return 0;
-}
-
-static int define_sky(struct orl_parser *parser, const struct orl_scope *scope, const char *name,
-                      struct orl_error *err)
-{
-    struct orl_description *out = parser->out;
-    struct orl_sky sky = {0};
-    struct orl_symbol symbol = {.kind = ORL_SYMBOL_SKY};
-    const struct orl_symbol *old = orl_symbols_find(&parser->symbols, name);
-    int code = read_pattern(parser, scope, &sky, err);
-    if (code == 0)
-        code = turn_sky(parser, scope, &sky, err);
-    if (code < 0)
-        return code;
-    if (old && old->kind == ORL_SYMBOL_SKY && out->skies[old->index].kind == sky.kind &&
-        memcmp(out->skies[old->index].a, sky.a, sizeof sky.a) == 0)
-        return 0;
-    symbol.name = orl_storage_text(out->storage, name, strlen(name));
-    symbol.index = (uint32_t)out->n_skies;
-    if (!symbol.name || out->n_skies >= INT32_MAX ||
-        !orl_parser_grow(&out->skies, &parser->skies_room, out->n_skies, sizeof *out->skies) ||
-        orl_symbols_set(&parser->symbols, symbol) < 0)
-        return orl_parser_fail(parser, scope, err, ORL_ERR_NOMEM, "out of memory");
-    out->skies[out->n_skies++] = sky;
-    return 0;
-}
-
 /* ---- Entry points -----------------------------------------------------------------------------
  */
 
@@ -466,7 +330,7 @@ int orl_parser_modifier(struct orl_parser *parser, const struct orl_scope *scope
         if (material.sky >= 0)
             return orl_parser_fail(parser, scope, err, ORL_ERR_UNSUPPORTED,
                                    "a pattern cannot modify another");
-        return define_sky(parser, scope, parser->primitive.id, err);
+        return orl_parser_sky(parser, scope, parser->primitive.id, err);
     }
     material.kind = type->kind;
     code = type->read(parser, scope, &material, err);

@@ -95,3 +95,27 @@ void orl_parser_report(struct orl_parser *parser)
     report(parser, &parser->unmodified,
            "has no material (its modifier is void): it is taken as black");
 }
+
+int orl_parser_string_xform(struct orl_parser *parser, const struct orl_scope *scope, size_t first,
+                            struct orl_xform *ret_xform, struct orl_error *err)
+{
+    enum { WORDS_MAX = 256 };
+    const char *words[WORDS_MAX] = {NULL};
+    const size_t count = parser->primitive.n_strings - first;
+    struct orl_xform own;
+    size_t used = 0;
+    int code = 0;
+    if (count > WORDS_MAX)
+        return orl_parser_fail(parser, scope, err, ORL_ERR_LIMIT,
+                               "it has too many string arguments");
+    for (size_t i = 0; i < count; i++)
+        words[i] = orl_primitive_string(&parser->primitive, first + i);
+    code = orl_xform_read(words, count, &own, &used, err);
+    if (code < 0)
+        return orl_parser_fail(parser, scope, err, code, "its transform is not valid");
+    if (used < count)
+        return orl_parser_fail(parser, scope, err, ORL_ERR_SYNTAX,
+                               "'%.60s' in its transform is no transform", words[used]);
+    *ret_xform = orl_xform_compose(&scope->xform, &own);
+    return 0;
+}

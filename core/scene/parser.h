@@ -55,12 +55,16 @@ int orl_parser_surface(struct orl_parser *parser, const struct orl_scope *scope,
                        struct orl_error *err);
 bool orl_parser_is_surface(const char *type);
 
-/* materials.c: plastic, ..., glow, brightfunc; and aliases of them. */
+/* materials.c: plastic, ..., glow (and brightfunc, by way of skies.c); and aliases. */
 int orl_parser_modifier(struct orl_parser *parser, const struct orl_scope *scope,
                         struct orl_error *err);
 int orl_parser_alias(struct orl_parser *parser, const struct orl_scope *scope,
                      struct orl_error *err);
 bool orl_parser_is_modifier(const char *type);
+
+/* skies.c: a brightfunc. */
+int orl_parser_sky(struct orl_parser *parser, const struct orl_scope *scope, const char *name,
+                   struct orl_error *err);
 
 /* materials.c: the index of the material that stands for "void". */
 int orl_parser_void(struct orl_parser *parser, uint32_t *ret_index);
@@ -75,6 +79,10 @@ int orl_parser_fail(struct orl_parser *parser, const struct orl_scope *scope, st
 /* Checks the counts of the primitive's arguments. */
 int orl_parser_expect(struct orl_parser *parser, const struct orl_scope *scope, size_t n_strings,
                       size_t n_reals, struct orl_error *err);
+
+/* The transform among its string arguments from index first on, within the scope's. */
+int orl_parser_string_xform(struct orl_parser *parser, const struct orl_scope *scope, size_t first,
+                            struct orl_xform *ret_xform, struct orl_error *err);
 
 /* A warning in the description, at most a hundred of them. */
 void orl_parser_warn(struct orl_parser *parser, const char *format, ...)

@@ -116,6 +116,21 @@ bool orl_quadric_intersect(const struct orl_facet *facet, struct orl_vec3 origin
     return hit;
 }
 
+struct orl_vec3 orl_quadric_normal(const struct orl_facet *facet, struct orl_vec3 point)
+{
+    struct orl_vec3 normal = facet->normal;
+    if (is_sphere(facet->kind)) {
+        normal = orl_normalize(orl_sub(point, facet->center[0]));
+    } else if (facet->kind != ORL_SURFACE_RING) {
+        const struct axis axis = axis_of(facet);
+        const struct orl_vec3 m = orl_sub(point, facet->center[0]);
+        const struct orl_vec3 radial =
+            orl_normalize(orl_madd(m, axis.direction, -orl_dot(m, axis.direction)));
+        normal = orl_normalize(orl_madd(radial, axis.direction, -axis.slope));
+    }
+    return is_inverted(facet->kind) ? orl_neg(normal) : normal;
+}
+
 /* Half extent of a disc of radius r about axis n along each world axis. */
 static struct orl_vec3 disc_extent(struct orl_vec3 n, double r)
 {

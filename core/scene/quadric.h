@@ -13,6 +13,9 @@ bool orl_quadric_intersect(const struct orl_facet *facet, struct orl_vec3 origin
                            struct orl_vec3 direction, double near, double far, double *ret_t,
                            struct orl_vec3 *ret_normal);
 
+/* The declared front normal at a point of the surface. */
+struct orl_vec3 orl_quadric_normal(const struct orl_facet *facet, struct orl_vec3 point);
+
 void orl_quadric_bounds(const struct orl_facet *facet, struct orl_vec3 *ret_low,
                         struct orl_vec3 *ret_high);
 

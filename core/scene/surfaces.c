@@ -44,7 +44,8 @@ bool orl_parser_is_surface(const char *type)
 static int out_of_memory(struct orl_parser *parser, const struct orl_scope *scope,
                          struct orl_error *err)
 {
-    return orl_parser_fail(parser, scope, err, ORL_ERR_NOMEM, "out of memory");
+    orl_parser_fail(parser, scope, err, ORL_ERR_NOMEM, "out of memory");
+    return ORL_ERR_NOMEM;
 }
 
 /* The material of the primitive at hand, with the scope's override. */
@@ -100,8 +101,9 @@ static bool is_finite(struct orl_vec3 v)
 static int not_finite(struct orl_parser *parser, const struct orl_scope *scope,
                       struct orl_error *err)
 {
-    return orl_parser_fail(parser, scope, err, ORL_ERR_RANGE,
-                           "its coordinates are too large once transformed");
+    orl_parser_fail(parser, scope, err, ORL_ERR_RANGE,
+                    "its coordinates are too large once transformed");
+    return ORL_ERR_RANGE;
 }
 
 /* ---- Polygons ---------------------------------------------------------------------------------
@@ -117,8 +119,10 @@ static int copy_vertices(struct orl_parser *parser, const struct orl_scope *scop
     if (n > 3 && first.x == last.x && first.y == last.y && first.z == last.z)
         n--; /* closed by hand */
     parser->vertices += n;
-    if (parser->vertices > 8 * (uint64_t)ORL_LIMIT_SURFACES)
-        return orl_parser_fail(parser, scope, err, ORL_ERR_LIMIT, "the scene has too many corners");
+    if (parser->vertices > 8 * (uint64_t)ORL_LIMIT_SURFACES) {
+        orl_parser_fail(parser, scope, err, ORL_ERR_LIMIT, "the scene has too many corners");
+        return ORL_ERR_LIMIT;
+    }
     surface->vertices = orl_storage_take(parser->out->storage, n * sizeof *surface->vertices);
     if (!surface->vertices)
         return out_of_memory(parser, scope, err);

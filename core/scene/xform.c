@@ -84,7 +84,7 @@ static int axis_of(const char *word)
 static int read_one(const char *const *words, size_t count, struct orl_xform *ret_one,
                     struct orl_error *err)
 {
-    double n[3];
+    double n[3] = {0, 0, 0};
     const char *word = words[0];
     int code = 0;
     if (strcmp(word, "-t") == 0) {
@@ -144,7 +144,8 @@ static bool is_finite(const struct orl_xform *t)
 int orl_xform_read(const char *const *words, size_t count, struct orl_xform *ret_xform,
                    size_t *ret_used, struct orl_error *err)
 {
-    struct orl_xform total = orl_xform_identity, block = orl_xform_identity, one;
+    struct orl_xform total = orl_xform_identity, block = orl_xform_identity;
+    struct orl_xform one = orl_xform_identity;
     int times = 1;
     size_t i = 0;
     while (i < count) {

@@ -101,13 +101,13 @@ static bool number_names(const char **words, size_t count, char letter, size_t n
     const char *old = NULL;
     bool done = false;
     for (size_t i = 1; i < count && !(old && letter == 'i'); i++)
-        if (strcmp(words[i - 1], "-n") == 0)
+        if (words[i - 1] && strcmp(words[i - 1], "-n") == 0)
             old = words[i];
     if (!old)
         return false;
     snprintf(name, ORL_PREFIX_BYTES, "%.*s.%zu", ORL_PREFIX_BYTES - 24, old, number);
     for (size_t i = 1; i < count && !(done && letter == 'i'); i++) {
-        if (strcmp(words[i - 1], "-n") == 0) {
+        if (words[i - 1] && strcmp(words[i - 1], "-n") == 0) {
             words[i] = name;
             done = true;
         }
