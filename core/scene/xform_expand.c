@@ -78,6 +78,9 @@ static int use_once(struct expansion *e, const char *const *words, size_t count,
     const int code = orl_xform_read(words + options, count - options, &use.xform, &used, err);
     if (code < 0)
         return code;
+    if (++e->copies > ORL_LIMIT_XFORM_ARRAY)
+        return orl_error_set(err, ORL_ERR_LIMIT, "xform: more than %u copies in one command",
+                             ORL_LIMIT_XFORM_ARRAY);
     if (use.prefix && strlen(prefix) == ORL_PREFIX_BYTES - 1)
         return orl_error_set(err, ORL_ERR_LIMIT, "xform: the prefix of -n is too long");
     use.files = words + options + used;
@@ -146,14 +149,6 @@ static int expand_copy(struct expansion *e, const char *const *words, size_t cou
     return code;
 }
 
-static int count_copy(struct expansion *e, struct orl_error *err)
-{
-    if (++e->copies <= ORL_LIMIT_XFORM_ARRAY)
-        return 0;
-    return orl_error_set(err, ORL_ERR_LIMIT, "xform: more than %u copies in one command",
-                         ORL_LIMIT_XFORM_ARRAY);
-}
-
 static int expand_array(struct expansion *e, const char *const *words, size_t count, size_t item,
                         struct orl_error *err)
 {
@@ -169,9 +164,7 @@ static int expand_array(struct expansion *e, const char *const *words, size_t co
                              ORL_LIMIT_XFORM_ARRAY);
     for (int i = 0; i < copies && code == 0; i++) {
         snprintf(number, sizeof number, "%d", i);
-        code = count_copy(e, err);
-        if (code == 0)
-            code = expand_copy(e, words, count, item, middle, 2, 'a', (size_t)i, err);
+        code = expand_copy(e, words, count, item, middle, 2, 'a', (size_t)i, err);
     }
     return code;
 }
@@ -191,8 +184,6 @@ static int expand_line(struct expansion *e, const char *const *words, size_t cou
         code = orl_error_set(err, ORL_ERR_SYNTAX, "xform: an argument file holds arguments only");
     if (code == 0 && command.n_words > 0 && strcmp(command.words[0], "xform") == 0)
         first = 1;
-    if (code == 0)
-        code = count_copy(e, err);
     if (code == 0)
         code = expand_copy(e, words, count, item, (const char *const *)command.words + first,
                            command.n_words - first, 'i', (*number)++, err);
