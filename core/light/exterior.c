@@ -23,6 +23,38 @@ struct orl_rgb orl_transmittance(const struct orl_world *world, struct orl_vec3 
     return orl_gray(0);
 }
 
+struct orl_rgb orl_mirrored_transmittance(const struct orl_world *world, struct orl_vec3 origin,
+                                          struct orl_vec3 sun, struct orl_vec3 mirror,
+                                          bool through_ports, struct orl_vec3 *ret_direction)
+{
+    const struct orl_vec3 direction = orl_madd(sun, mirror, -2 * orl_dot(sun, mirror));
+    struct orl_rgb sum = orl_gray(0), share = orl_gray(1);
+    *ret_direction = direction;
+    /* Every pane of that normal on the way mirrors some and lets the rest through to the next. */
+    for (int pane = 0; pane < MOST_PANES; pane++) {
+        struct orl_hit hit;
+        if (!orl_geometry_intersect(world->geometry, origin, direction, INFINITY, &hit))
+            return sum;
+        const struct orl_material *m = orl_world_material(world, &hit);
+        const double cosine = orl_dot(direction, hit.normal);
+        if (fabs(orl_dot(hit.normal, mirror)) >= 1 - 1e-9) {
+            const struct orl_rgb back = orl_mirror_reflectance(m, cosine);
+            if (orl_rgb_max(back) > 0)
+                sum = orl_rgb_add(
+                    sum, orl_rgb_mul(orl_rgb_mul(share, back),
+                                     orl_transmittance(world,
+                                                       orl_hit_leave(world->geometry, &hit, sun),
+                                                       sun, INFINITY, through_ports)));
+        }
+        if (m->kind != ORL_MATERIAL_GLASS ||
+            (!through_ports && orl_world_crossing(world, &hit) == ORL_CROSSING_INWARDS))
+            return sum;
+        share = orl_rgb_mul(share, orl_material_straight(m, cosine));
+        origin = orl_hit_leave(world->geometry, &hit, direction);
+    }
+    return sum;
+}
+
 /* cos as irradiance, or lobes towards the eye as radiance. */
 static struct orl_rgb response(const struct orl_direct_query *query, struct orl_vec3 light)
 {
@@ -110,6 +142,25 @@ static void numbers_for(const struct orl_direct_query *query, size_t n, struct o
     }
 }
 
+/* The sun's images in the scene's mirrors. */
+static struct orl_rgb mirrored_sun(const struct orl_world *world, const struct orl_sun *sun,
+                                   const struct orl_direct_query *query, struct orl_vec3 towards)
+{
+    struct orl_rgb sum = orl_gray(0);
+    for (size_t i = 0; i < world->n_mirrors; i++) {
+        struct orl_vec3 light;
+        const struct orl_vec3 mirror = world->mirrors[i];
+        const struct orl_vec3 image = orl_madd(towards, mirror, -2 * orl_dot(towards, mirror));
+        const struct orl_rgb seen = response(query, image);
+        if (!(orl_rgb_max(seen) > 0))
+            continue;
+        const struct orl_rgb share = orl_mirrored_transmittance(
+            world, query->point, towards, mirror, query->through_ports, &light);
+        sum = orl_rgb_add(sum, orl_rgb_mul(orl_rgb_mul(sun->irradiance, seen), share));
+    }
+    return sum;
+}
+
 struct orl_rgb orl_direct_light(const struct orl_world *world,
                                 const struct orl_direct_query *query, struct orl_random *random)
 {
@@ -120,6 +171,8 @@ struct orl_rgb orl_direct_light(const struct orl_world *world,
         numbers_for(query, i, random, u);
         const struct orl_vec3 light = orl_sun_sample(sun, u);
         const struct orl_rgb seen = response(query, light);
+        if (query->mirrored)
+            sum = orl_rgb_add(sum, mirrored_sun(world, sun, query, light));
         if (!(orl_rgb_max(seen) > 0))
             continue;
         const struct orl_rgb share =
@@ -144,7 +197,8 @@ static struct orl_rgb lobes_of_side(const struct orl_world *world, const struct 
                                            .normal = side,
                                            .lobes = orl_world_material(world, hit),
                                            .hit = hit,
-                                           .eye = eye};
+                                           .eye = eye,
+                                           .mirrored = true};
     return orl_direct_light(world, &query, random);
 }
 
@@ -158,7 +212,9 @@ static struct orl_rgb scattered_direct(const struct orl_world *world, const stru
     struct orl_rgb sum = orl_gray(0);
     if (orl_rgb_max(diffuse) > 0) {
         const struct orl_direct_query query = {
-            .point = orl_hit_leave(world->geometry, hit, normal), .normal = normal};
+            .point = orl_hit_leave(world->geometry, hit, normal),
+            .normal = normal,
+            .mirrored = true};
         sum = orl_rgb_mul(orl_rgb_scale(diffuse, 1 / ORL_PI),
                           orl_direct_light(world, &query, random));
     }
@@ -174,13 +230,11 @@ struct orl_rgb orl_exterior_radiance(const struct orl_world *world, struct orl_v
                                      struct orl_vec3 direction, struct orl_random *random)
 {
     struct orl_rgb sum = orl_gray(0), weight = orl_gray(1);
-    bool mirrored = false, sampled_lights = false;
+    bool sampled_lights = false;
     for (int bounce = 0; bounce < MOST_BOUNCES; bounce++) {
         struct orl_hit hit;
         if (!orl_geometry_intersect(world->geometry, origin, direction, INFINITY, &hit)) {
-            struct orl_rgb sky = orl_world_dome_radiance(world, direction);
-            if (mirrored)
-                sky = orl_rgb_add(sky, orl_world_sun_radiance(world, direction));
+            const struct orl_rgb sky = orl_world_dome_radiance(world, direction);
             return orl_rgb_add(sum, orl_rgb_mul(weight, sky));
         }
         const struct orl_material *m = orl_world_material(world, &hit);
@@ -196,12 +250,8 @@ struct orl_rgb orl_exterior_radiance(const struct orl_world *world, struct orl_v
         if (s.event == ORL_EVENT_ABSORBED)
             return sum;
         /* After a mirror nobody sampled the lights for us; after glass the last vertex still did. */
-        if (s.event == ORL_EVENT_MIRROR)
-            mirrored = true;
-        else if (s.event != ORL_EVENT_STRAIGHT)
-            mirrored = false;
         if (s.event != ORL_EVENT_STRAIGHT)
-            sampled_lights = !mirrored;
+            sampled_lights = s.event != ORL_EVENT_MIRROR;
         weight = orl_rgb_mul(weight, s.weight);
         if (bounce >= SURE_BOUNCES) {
             const double survive = fmin(orl_rgb_max(weight), 1.0);

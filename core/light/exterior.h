@@ -1,7 +1,8 @@
 /*
  * Radiance found by paths alone: no photon map, explicit shadow rays to suns and lights, one
- * bounce after another until the path leaves, is absorbed or dies by roulette. Unbiased for all
- * that does not need a path to hit a sun's disc after a mirror.
+ * bounce after another until the path leaves, is absorbed or dies by roulette. Suns in flat mirrors
+ * and panes are found by their images, one reflection deep; suns reflected twice over, or by curved
+ * mirrors, are left out.
  *
  * It is what photon ports see when they look out (so that every photon carries the radiance that
  * arrives, the ground's and the neighbours' included), and what views see of surfaces outside.
@@ -27,6 +28,14 @@ struct orl_rgb orl_transmittance(const struct orl_world *world, struct orl_vec3 
                                  bool through_ports);
 
 /*
+ * Share of the light of a sun, at `sun`, that comes to origin by one reflection in a flat mirror of
+ * that normal, panes on the way included; ret_direction is where it comes from.
+ */
+struct orl_rgb orl_mirrored_transmittance(const struct orl_world *world, struct orl_vec3 origin,
+                                          struct orl_vec3 sun, struct orl_vec3 mirror,
+                                          bool through_ports, struct orl_vec3 *ret_direction);
+
+/*
  * Irradiance at a point with that (unit) normal from suns and lights sampled directly: one shadow
  * ray each. With lobes not NULL, weighted by that hit's lobes towards eye instead of counted
  * whole: the result is then radiance.
@@ -38,6 +47,7 @@ struct orl_direct_query {
     const struct orl_material *lobes;
     const struct orl_hit *hit;
     struct orl_vec3 eye;
+    bool mirrored;   /* with the suns' images in flat mirrors, one reflection deep */
     const double *u; /* two numbers in [0,1) from an even sequence, or NULL for random ones */
 };
 struct orl_rgb orl_direct_light(const struct orl_world *world,

@@ -17,7 +17,7 @@
 #include "scene/geometry.h"
 #include "scene/scatter.h"
 
-enum { ORL_NO_PORT = -1 };
+enum { ORL_NO_PORT = -1, ORL_MOST_MIRRORS = 32 };
 
 /* A small distant light, to be sampled directly: the sun, as gendaylit writes it. */
 struct orl_sun {
@@ -58,6 +58,9 @@ struct orl_world {
     size_t n_domes;
     struct orl_emitter *emitters;
     size_t n_emitters;
+    struct orl_vec3 *mirrors; /* distinct normals (up to sign) of flat mirror-like surfaces */
+    size_t n_mirrors;
+    size_t n_mirrors_left_out; /* beyond ORL_MOST_MIRRORS: suns are not reflected by those */
     struct orl_port *ports;
     size_t n_ports;
     int32_t *port_of_facet; /* index into ports or ORL_NO_PORT */
@@ -90,6 +93,9 @@ struct orl_rgb orl_world_sun_radiance(const struct orl_world *world, struct orl_
 
 /* A direction uniform over the sun's disc; u in [0,1)^2. */
 struct orl_vec3 orl_sun_sample(const struct orl_sun *sun, const double u[2]);
+
+/* Share of light that a surface mirrors, at the angle of this cosine; zero when it is no mirror. */
+struct orl_rgb orl_mirror_reflectance(const struct orl_material *material, double cosine);
 
 /* Whether a path through this hit passes a port, and to which side. */
 enum orl_crossing { ORL_CROSSING_NONE, ORL_CROSSING_INWARDS, ORL_CROSSING_OUTWARDS };

@@ -58,21 +58,26 @@ static bool emit_port_sun(const struct orl_emission *e, const struct orl_stratum
     const struct orl_world *world = e->world;
     const struct orl_port *port = &world->ports[stratum->port];
     const struct orl_sun *sun = &world->suns[stratum->sun];
-    const struct orl_vec3 out = orl_sun_sample(sun, u + 3);
-    const double cosine = orl_dot(out, port->outward);
-    struct orl_vec3 point, normal;
-    if (!(cosine > 0))
-        return false;
+    const struct orl_vec3 towards = orl_sun_sample(sun, u + 3);
+    const bool image = stratum->kind == ORL_STRATUM_PORT_IMAGE;
+    struct orl_vec3 point, normal, out = towards;
     orl_facet_sample(world->geometry, port->facet, u + 1, &point, &normal);
     const struct orl_vec3 start =
         orl_madd(point, port->outward, world->geometry->facets[port->facet].offset);
-    const struct orl_rgb share = orl_transmittance(world, start, out, INFINITY, false);
-    if (!(orl_rgb_max(share) > 0))
+    const struct orl_rgb share =
+        image ? orl_mirrored_transmittance(world, start, towards, world->mirrors[stratum->mirror],
+                                           false, &out)
+              : orl_transmittance(world, start, towards, INFINITY, false);
+    const double cosine = orl_dot(out, port->outward);
+    if (!(cosine > 0) || !(orl_rgb_max(share) > 0))
         return false;
     ret_flight->from_light = true;
-    return pass_port(world, port, point, out,
-                     orl_rgb_scale(orl_rgb_mul(sun->irradiance, share), cosine * port->area),
-                     random, ret_flight);
+    if (!pass_port(world, port, point, out,
+                   orl_rgb_scale(orl_rgb_mul(sun->irradiance, share), cosine * port->area), random,
+                   ret_flight))
+        return false;
+    ret_flight->scattered = ret_flight->scattered || image;
+    return true;
 }
 
 static bool emit_emitter(const struct orl_emission *e, const struct orl_stratum *stratum,
@@ -150,6 +155,7 @@ bool orl_emission_from(const struct orl_emission *emission, const struct orl_str
     case ORL_STRATUM_PORT_DOME:
         return emit_port_dome(emission, stratum, point, random, ret_flight);
     case ORL_STRATUM_PORT_SUN:
+    case ORL_STRATUM_PORT_IMAGE:
         return emit_port_sun(emission, stratum, point, random, ret_flight);
     case ORL_STRATUM_EMITTER:
         return emit_emitter(emission, stratum, point, ret_flight);

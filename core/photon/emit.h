@@ -7,7 +7,8 @@
  * From a port: a point uniform over the pane, a direction outwards from a table of the light that
  * arrives there (made by a pilot of exterior paths, mixed with a tenth of cosine-weighted
  * directions so that nothing the pilot missed is lost), the radiance that really comes from there
- * along a path, then the pane's own transmission. Suns: a point on the disc and one shadow ray.
+ * along a path, then the pane's own transmission. Suns, and their images in flat mirrors outside: a
+ * point on the disc and one shadow ray.
  *
  * The first five random numbers of an emission are a scrambled Sobol point by its index.
  */
@@ -20,6 +21,7 @@
 enum orl_stratum_kind {
     ORL_STRATUM_PORT_DOME,
     ORL_STRATUM_PORT_SUN,
+    ORL_STRATUM_PORT_IMAGE, /* a sun's image in an outside mirror */
     ORL_STRATUM_EMITTER,
     ORL_STRATUM_OPEN_DOME,
     ORL_STRATUM_OPEN_SUN,
@@ -28,7 +30,7 @@ enum orl_stratum_kind {
 struct orl_stratum {
     enum orl_stratum_kind kind;
     uint32_t port;    /* or emitter */
-    uint32_t sun;
+    uint32_t sun, mirror;
     double flux_w;    /* luma, estimated */
     double share;     /* probability for global photons */
     double share_caustic;

@@ -12,6 +12,7 @@
  */
 enum { PILOT_PATHS = 1 << 18, PATHS_A_CELL = 16, FINEST_SIDE = 32, COARSEST_SIDE = 4 };
 enum { DOME_SIDE_X = 128, DOME_SIDE_Y = 64 };
+enum { IMAGE_FLIGHTS = 256 };
 enum { CAUSTIC_FLIGHTS = 1 << 17, MOST_FLIGHTS_A_STRATUM = 1 << 14, LEAST_FLIGHTS_A_STRATUM = 512 };
 static const double floor_share = 0.1;    /* of cosine-weighted directions in every table */
 static const double open_share = 0.25;    /* of photons that start at the sky when there are ports */
@@ -133,11 +134,45 @@ static double port_sun_flux(const struct orl_world *world, const struct orl_port
            fmax(transmitted_luma(world, port, out), 1e-3);
 }
 
+/* Share of flights by which a sun's image reaches a port at all, times what arrives. */
+static double port_image_flux(const struct orl_emission *e, const struct orl_stratum *stratum)
+{
+    double sum = 0;
+    for (uint32_t i = 0; i < IMAGE_FLIGHTS; i++) {
+        double point[5];
+        struct orl_flight flight;
+        struct orl_random random = orl_random_stream(stratum->port, ORL_PURPOSE_PILOT, i);
+        orl_sobol_point(&e->sobol, i, stratum->mirror, 5, point);
+        if (orl_emission_from(e, stratum, point, &random, &flight))
+            sum += orl_luma(flight.flux) / IMAGE_FLIGHTS;
+    }
+    return sum;
+}
+
+/* The suns' images in mirrors outside; only those that some flight of a pilot found. */
+static void list_images(struct orl_emission *e, size_t most)
+{
+    const struct orl_world *world = e->world;
+    for (size_t p = 0; p < world->n_ports; p++) {
+        for (size_t s = 0; s < world->n_suns; s++) {
+            for (size_t m = 0; m < world->n_mirrors && e->n_strata < most; m++) {
+                const struct orl_stratum image = {.kind = ORL_STRATUM_PORT_IMAGE,
+                                                  .port = (uint32_t)p,
+                                                  .sun = (uint32_t)s,
+                                                  .mirror = (uint32_t)m};
+                e->strata[e->n_strata] = image;
+                e->strata[e->n_strata].flux_w = port_image_flux(e, &image);
+                e->n_strata += e->strata[e->n_strata].flux_w > 0;
+            }
+        }
+    }
+}
+
 static int list_strata(struct orl_emission *e)
 {
     const struct orl_world *world = e->world;
-    const size_t most =
-        world->n_ports * (1 + world->n_suns) + world->n_emitters + world->n_suns + 1;
+    const size_t most = world->n_ports * (1 + world->n_suns * (1 + world->n_mirrors)) +
+                        world->n_emitters + world->n_suns + 1;
     e->strata = calloc(most, sizeof *e->strata);
     if (!e->strata)
         return ORL_ERR_NOMEM;
@@ -154,6 +189,7 @@ static int list_strata(struct orl_emission *e)
                     ORL_PI * world->geometry->facets[emitter->facet].area *
                         orl_luma(emitter->radiance));
     }
+    list_images(e, most);
     if (!world->open)
         return 0;
     add_stratum(e, ORL_STRATUM_OPEN_DOME, 0, 0, 4 * ORL_PI * e->dome_table.mean);
@@ -213,7 +249,8 @@ static void try_caustics(void *arg, size_t index, uint32_t member)
 
 static bool may_make_caustics(const struct orl_emission *e, const struct orl_stratum *s)
 {
-    return s->kind == ORL_STRATUM_PORT_SUN || s->kind == ORL_STRATUM_OPEN_SUN ||
+    return s->kind == ORL_STRATUM_PORT_SUN || s->kind == ORL_STRATUM_PORT_IMAGE ||
+           s->kind == ORL_STRATUM_OPEN_SUN ||
            (s->kind == ORL_STRATUM_EMITTER && e->world->emitters[s->port].direct);
 }
 

@@ -5,7 +5,7 @@
 #include "photon/facing.h"
 
 enum { MOST_BOUNCES = 64, SURE_BOUNCES = 4 };
-enum { NEIGHBOURS_GLOBAL = 50, NEIGHBOURS_CAUSTIC = 200 };
+enum { NEIGHBOURS_GLOBAL = 64, NEIGHBOURS_CAUSTIC = 200 };
 enum { RADIUS_PROBES = 256, OUTSIDE_RAYS = 32 };
 
 static int compare_doubles(const void *a, const void *b)
@@ -178,8 +178,12 @@ struct orl_rgb orl_gather_direct(const struct orl_gather *gather, const struct o
                                  uint32_t rays, struct orl_random *random)
 {
     double u[2];
-    const struct orl_direct_query query = {
-        .point = place->point, .normal = place->normal, .through_ports = true, .u = u};
+    /* Outside there is no caustic map: the sun in mirrors is found by its images there. */
+    const struct orl_direct_query query = {.point = place->point,
+                                           .normal = place->normal,
+                                           .through_ports = true,
+                                           .mirrored = place->outside,
+                                           .u = u};
     const uint32_t sequence = (uint32_t)orl_random_bits(random);
     struct orl_rgb sum = orl_gray(0);
     for (uint32_t i = 0; i < rays; i++) {
