@@ -21,12 +21,13 @@ void orl_config_help(FILE *stream)
             "  --data DIR             where everything is kept ($ORIEL_DATA, else ./oriel-data)\n"
             "  --threads N            threads that render (all processors)\n"
             "  --jobs N               jobs that render at once, sharing the threads (1)\n"
+            "  --idle-timeout S       seconds of silence after which a connection is closed (%u)\n"
             "  --log-level LEVEL      debug, info, warn or error (info)\n"
             "  --help, --version\n\n"
             "Once it listens it prints \"listening on http://ADDRESS:PORT\" on standard output;\n"
             "the log goes to standard error. SIGTERM stops it: a job that is running is queued\n"
             "again and starts over with the next start.\n",
-            DEFAULT_PORT);
+            DEFAULT_PORT, ORL_SERVER_TIMEOUT_S);
 }
 
 static int parse_number(const char *option, const char *text, unsigned long min, unsigned long max,
@@ -114,6 +115,9 @@ static int apply_option(struct orl_config *config, const char *name, const char 
     } else if (strcmp(name, "--jobs") == 0) {
         rc = parse_number(name, value, 1, ORL_SERVER_THREADS, &number, err);
         config->jobs = (uint32_t)number;
+    } else if (strcmp(name, "--idle-timeout") == 0) {
+        rc = parse_number(name, value, 1, 3600, &number, err);
+        config->idle_timeout_s = (uint32_t)number;
     } else if (strcmp(name, "--log-level") == 0) {
         if (orl_log_level_from_name(value, &config->log_level))
             rc = orl_error_set(err, ORL_ERR_INVALID, "there is no log level '%s'", value);
@@ -137,6 +141,7 @@ static void set_defaults(struct orl_config *config)
                       : processors > (long)ORL_SERVER_THREADS ? ORL_SERVER_THREADS
                                                               : (uint32_t)processors;
     config->jobs = 1;
+    config->idle_timeout_s = ORL_SERVER_TIMEOUT_S;
     config->log_level = ORL_LOG_INFO;
 }
 

@@ -18,9 +18,10 @@ struct orl_config {
         struct sockaddr_in v4;
         struct sockaddr_in6 v6;
     } address;
-    const char *data; /* borrowed from argv or the environment */
-    uint32_t threads; /* that render, over all jobs */
-    uint32_t jobs;    /* that render at once */
+    const char *data;        /* borrowed from argv or the environment */
+    uint32_t threads;        /* that render, over all jobs */
+    uint32_t jobs;           /* that render at once */
+    uint32_t idle_timeout_s; /* of silence, before a connection is closed */
     enum orl_log_level log_level;
 };
 

@@ -93,7 +93,7 @@ static int start_daemon(struct orl_http *http, struct orl_error *err)
         flags, 0, NULL, NULL, orl_request_serve, http->server, MHD_OPTION_EXTERNAL_LOGGER,
         on_message, (void *)http, MHD_OPTION_LISTEN_SOCKET, http->listen_fd,
         MHD_OPTION_CONNECTION_LIMIT, ORL_SERVER_CONNECTIONS, MHD_OPTION_CONNECTION_TIMEOUT,
-        ORL_SERVER_TIMEOUT_S, MHD_OPTION_CONNECTION_MEMORY_LIMIT,
+        http->server->config.idle_timeout_s, MHD_OPTION_CONNECTION_MEMORY_LIMIT,
         (size_t)ORL_SERVER_CONNECTION_MEMORY, MHD_OPTION_NOTIFY_COMPLETED, orl_request_completed,
         (void *)http->server, MHD_OPTION_END);
     if (!http->daemon)

@@ -4,6 +4,9 @@
  * MHD runs without a thread of its own, on an epoll descriptor that the loop polls. MHD's sockets
  * in it are edge-triggered, so MHD is run until it has nothing more to do; a timer honours what
  * MHD_get_timeout returns (a duration). After a connection is resumed the loop must kick it.
+ * A client that hangs up in the middle of its body may go unnoticed until the idle timeout: when
+ * the last bytes and the hang-up arrive together, MHD 0.9.75 takes the edge for the bytes alone.
+ *
  * Threads: the loop thread only.
  */
 #ifndef ORL_SERVER_HTTP_H

@@ -19,7 +19,8 @@
 static int setup(void **state)
 {
     static struct daemon daemon;
-    daemon_start(&daemon, NULL);
+    static const char *const extra[] = {"--idle-timeout", "3", NULL};
+    daemon_start(&daemon, extra);
     *state = &daemon;
     return 0;
 }
@@ -369,7 +370,7 @@ static void test_malformed_multipart(void **state)
 
 static bool tmp_is_empty_soon(struct daemon *daemon)
 {
-    for (int i = 0; i < 100; i++) {
+    for (int i = 0; i < 200; i++) {
         if (daemon_count_files(daemon, "tmp") == 0)
             return true;
         usleep(50000);
@@ -377,7 +378,10 @@ static bool tmp_is_empty_soon(struct daemon *daemon)
     return false;
 }
 
-/* A client that promises much, sends some, and hangs up: what it sent goes with it. */
+/*
+ * A client that promises much, sends some, and hangs up: what it sent goes with it, at the latest
+ * after the idle timeout.
+ */
 static void test_broken_off_upload(void **state)
 {
     enum { SENT = 3 << 20 };
