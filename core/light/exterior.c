@@ -202,6 +202,17 @@ static struct orl_rgb lobes_of_side(const struct orl_world *world, const struct 
     return orl_direct_light(world, &query, random);
 }
 
+/* Lambertian reflection of suns and lights by a surface of that albedo, on the side of the eye. */
+static struct orl_rgb diffuse_direct(const struct orl_world *world, const struct orl_hit *hit,
+                                     struct orl_vec3 normal, struct orl_rgb albedo,
+                                     struct orl_random *random)
+{
+    const struct orl_direct_query query = {.point = orl_hit_leave(world->geometry, hit, normal),
+                                           .normal = normal,
+                                           .mirrored = true};
+    return orl_rgb_mul(orl_rgb_scale(albedo, 1 / ORL_PI), orl_direct_light(world, &query, random));
+}
+
 /* What suns and lights send towards the eye by way of this surface. */
 static struct orl_rgb scattered_direct(const struct orl_world *world, const struct orl_hit *hit,
                                        struct orl_vec3 eye, struct orl_random *random)
@@ -210,14 +221,8 @@ static struct orl_rgb scattered_direct(const struct orl_world *world, const stru
     const struct orl_vec3 normal = hit->front ? hit->normal : orl_neg(hit->normal);
     const struct orl_rgb diffuse = orl_material_diffuse(m);
     struct orl_rgb sum = orl_gray(0);
-    if (orl_rgb_max(diffuse) > 0) {
-        const struct orl_direct_query query = {
-            .point = orl_hit_leave(world->geometry, hit, normal),
-            .normal = normal,
-            .mirrored = true};
-        sum = orl_rgb_mul(orl_rgb_scale(diffuse, 1 / ORL_PI),
-                          orl_direct_light(world, &query, random));
-    }
+    if (orl_rgb_max(diffuse) > 0)
+        sum = diffuse_direct(world, hit, normal, diffuse, random);
     if (orl_material_has_lobes(m))
         sum = orl_rgb_add(sum, lobes_of_side(world, hit, eye, normal, random));
     if (m->kind == ORL_MATERIAL_BSDF &&
@@ -226,11 +231,38 @@ static struct orl_rgb scattered_direct(const struct orl_world *world, const stru
     return sum;
 }
 
+/*
+ * A BSDF port met from outside after a diffuse bounce. Its sharp lobes would put the sun on the
+ * ground as sparks that hardly any path finds, so their flux is kept and their shape is not: light
+ * is sent back evenly, by the reflectance for the direction it comes from.
+ */
+static struct orl_rgb folded_direct(const struct orl_world *world, const struct orl_hit *hit)
+{
+    const struct orl_material *m = orl_world_material(world, hit);
+    const struct orl_frame frame = orl_bsdf_frame(m, hit->normal);
+    const struct orl_vec3 normal = hit->front ? hit->normal : orl_neg(hit->normal);
+    struct orl_rgb sum = orl_gray(0);
+    for (size_t i = 0; i < world->n_suns; i++) {
+        const struct orl_vec3 sun = world->suns[i].frame.n;
+        const double cosine = orl_dot(sun, normal);
+        if (!(cosine > 0))
+            continue;
+        const struct orl_rgb albedo =
+            orl_bsdf_albedo(m->bsdf, orl_to_local(&frame, sun), ORL_BSDF_REFLECT);
+        const struct orl_rgb share = orl_transmittance(
+            world, orl_hit_leave(world->geometry, hit, normal), sun, INFINITY, false);
+        sum = orl_rgb_add(sum, orl_rgb_scale(orl_rgb_mul(orl_rgb_mul(albedo, share),
+                                                         world->suns[i].irradiance),
+                                             cosine / ORL_PI));
+    }
+    return sum;
+}
+
 struct orl_rgb orl_exterior_radiance(const struct orl_world *world, struct orl_vec3 origin,
                                      struct orl_vec3 direction, struct orl_random *random)
 {
     struct orl_rgb sum = orl_gray(0), weight = orl_gray(1);
-    bool sampled_lights = false;
+    bool sampled_lights = false, diffused = false;
     for (int bounce = 0; bounce < MOST_BOUNCES; bounce++) {
         struct orl_hit hit;
         if (!orl_geometry_intersect(world->geometry, origin, direction, INFINITY, &hit)) {
@@ -241,9 +273,11 @@ struct orl_rgb orl_exterior_radiance(const struct orl_world *world, struct orl_v
         const struct orl_vec3 eye = orl_neg(direction);
         if (m->kind == ORL_MATERIAL_GLOW || (m->kind == ORL_MATERIAL_LIGHT && !sampled_lights))
             sum = orl_rgb_add(sum, orl_rgb_mul(weight, orl_material_emission(m, &hit)));
-        const struct orl_rgb direct = scattered_direct(world, &hit, eye, random);
-        sum = orl_rgb_add(sum, orl_rgb_mul(weight, direct));
         const bool barred = orl_world_crossing(world, &hit) == ORL_CROSSING_INWARDS;
+        const bool folded = barred && diffused && m->kind == ORL_MATERIAL_BSDF;
+        const struct orl_rgb direct = folded ? folded_direct(world, &hit)
+                                             : scattered_direct(world, &hit, eye, random);
+        sum = orl_rgb_add(sum, orl_rgb_mul(weight, direct));
         const struct orl_scatter s =
             orl_scatter_sample(m, &hit, eye, ORL_TRANSPORT_EYE,
                                barred ? ORL_LOBE_REFLECTED : ORL_LOBE_ALL, random);
@@ -252,6 +286,7 @@ struct orl_rgb orl_exterior_radiance(const struct orl_world *world, struct orl_v
         /* After a mirror nobody sampled the lights for us; after glass the last vertex still did. */
         if (s.event != ORL_EVENT_STRAIGHT)
             sampled_lights = s.event != ORL_EVENT_MIRROR;
+        diffused = diffused || s.event == ORL_EVENT_DIFFUSE;
         weight = orl_rgb_mul(weight, s.weight);
         if (bounce >= SURE_BOUNCES) {
             const double survive = fmin(orl_rgb_max(weight), 1.0);

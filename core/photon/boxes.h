@@ -18,15 +18,17 @@ enum { ORL_BOX_STACK = ORL_MAP_LEVELS * ORL_MAP_FANOUT };
 static inline void orl_box_distances(const struct orl_map_group *group, const float at[3],
                                      float ret_distance2[ORL_MAP_FANOUT])
 {
-    for (int c = 0; c < ORL_MAP_FANOUT; c++) {
-        float sum = 0;
-        for (int k = 0; k < 3; k++) {
-            const float below = group->low[k][c] - at[k], above = at[k] - group->high[k][c];
+    /* Children in the inner loop: eight at once, where the machine can. */
+    for (int c = 0; c < ORL_MAP_FANOUT; c++)
+        ret_distance2[c] = 0;
+    for (int k = 0; k < 3; k++) {
+        const float *low = group->low[k], *high = group->high[k];
+        for (int c = 0; c < ORL_MAP_FANOUT; c++) {
+            const float below = low[c] - at[k], above = at[k] - high[c];
             float out = below > above ? below : above;
             out = out > 0 ? out : 0;
-            sum += out * out;
+            ret_distance2[c] += out * out;
         }
-        ret_distance2[c] = sum;
     }
 }
 

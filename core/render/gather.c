@@ -5,7 +5,7 @@
 #include "photon/facing.h"
 
 enum { MOST_BOUNCES = 64, SURE_BOUNCES = 4 };
-enum { NEIGHBOURS_GLOBAL = 64, NEIGHBOURS_CAUSTIC = 200 };
+enum { NEIGHBOURS_GLOBAL = 64, NEIGHBOURS_CAUSTIC = 300 };
 enum { RADIUS_PROBES = 256, OUTSIDE_RAYS = 32 };
 
 static int compare_doubles(const void *a, const void *b)

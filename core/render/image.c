@@ -157,15 +157,34 @@ static int place_records(struct painter *p)
 
 /* ---- Pixels ----------------------------------------------------------------------------------- */
 
+/* A pixel's last caustic estimate: rays of one pixel mostly meet within a fraction of its radius. */
+struct memo {
+    struct orl_vec3 point, normal;
+    struct orl_density density;
+};
+
+static struct orl_rgb caustic_at(const struct painter *p, const struct orl_vertex *v,
+                                 struct memo *memo, struct orl_search *search)
+{
+    const double reach = 0.25 * memo->density.radius;
+    const struct orl_vec3 way = orl_sub(v->on_surface, memo->point);
+    if (memo->density.radius > 0 && orl_dot(way, way) < reach * reach &&
+        orl_dot(memo->normal, v->place.normal) > 0.999)
+        return memo->density.irradiance;
+    *memo = (struct memo){v->on_surface, v->place.normal,
+                          orl_gather_density(p->env->gather, ORL_MAP_CAUSTIC, v->on_surface,
+                                             v->place.normal, search)};
+    return memo->density.irradiance;
+}
+
 static struct orl_rgb vertex_radiance(const struct painter *p, const struct orl_vertex *v,
-                                      struct orl_random *random, struct orl_search *search)
+                                      struct memo *memo, struct orl_random *random,
+                                      struct orl_search *search)
 {
     const struct orl_gather *gather = p->env->gather;
     struct orl_rgb gathered, sum = orl_gather_direct(gather, &v->place, 1, random);
     if (!v->place.outside)
-        sum = orl_rgb_add(sum, orl_gather_density(gather, ORL_MAP_CAUSTIC, v->on_surface,
-                                                  v->place.normal, search)
-                                   .irradiance);
+        sum = orl_rgb_add(sum, caustic_at(p, v, memo, search));
     if (!orl_icache_lookup(&p->cache, &v->place, &gathered))
         gathered = orl_gather_hemisphere(gather, &v->place, HEMISPHERE_ROWS / 2,
                                          HEMISPHERE_COLUMNS / 2, random, search)
@@ -177,6 +196,7 @@ static struct orl_rgb pixel_radiance(const struct painter *p, uint32_t x, uint32
                                      struct orl_search *search)
 {
     struct orl_rgb sum = orl_gray(0);
+    struct memo memo = {.density = {.radius = 0}};
     for (uint32_t i = 0; i < RAYS_A_SIDE * RAYS_A_SIDE; i++) {
         struct orl_random random =
             orl_random_stream(p->env->gather->seed + p->env->index, ORL_PURPOSE_PIXEL,
@@ -192,7 +212,7 @@ static struct orl_rgb pixel_radiance(const struct painter *p, uint32_t x, uint32
                        &sight);
         sum = orl_rgb_add(sum, sight.rest);
         for (uint32_t v = 0; v < sight.n_vertices; v++)
-            sum = orl_rgb_add(sum, vertex_radiance(p, &sight.vertices[v], &random, search));
+            sum = orl_rgb_add(sum, vertex_radiance(p, &sight.vertices[v], &memo, &random, search));
     }
     return orl_rgb_scale(sum, 1.0 / (RAYS_A_SIDE * RAYS_A_SIDE));
 }

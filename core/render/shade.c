@@ -1,6 +1,6 @@
 #include "render/shade.h"
 
-enum { MOST_SPLITS = 6, PANE_SAMPLES = 16, GLOSS_SAMPLES = 4 };
+enum { MOST_SPLITS = 6, PANE_SAMPLES = 32, GLOSS_SAMPLES = 4 };
 static const double dimmest = 0.004; /* branches below this share of the pixel are not followed */
 
 /* One branch of the ray still to be followed. */
@@ -79,6 +79,18 @@ static struct orl_rgb direct_in_lobes(struct look *look, const struct orl_hit *h
     return orl_rgb_scale(sum, 1.0 / samples);
 }
 
+static struct orl_scatter sample_lobes(const struct look *look, const struct orl_hit *hit,
+                                       const struct orl_material *m, struct orl_vec3 eye,
+                                       uint32_t sample, uint32_t sequence)
+{
+    const enum orl_lobes lobes = (enum orl_lobes)(ORL_LOBE_REFLECTED | ORL_LOBE_TRANSMITTED);
+    double u[3];
+    if (m->kind != ORL_MATERIAL_BSDF)
+        return orl_scatter_sample(m, hit, eye, ORL_TRANSPORT_EYE, lobes, look->random);
+    orl_sobol_point(&look->gather->sobol, sample, sequence, 3, u);
+    return orl_scatter_sample_bsdf(m, hit, eye, ORL_TRANSPORT_EYE, lobes, u);
+}
+
 /* Lobes of a surface: lights directly, all else by a few rays. */
 static void add_lobes(struct look *look, const struct branch *at, const struct orl_hit *hit,
                       const struct orl_material *m, uint32_t samples)
@@ -91,11 +103,9 @@ static void add_lobes(struct look *look, const struct branch *at, const struct o
     add(look, at->weight, direct_in_lobes(look, hit, m, eye, seen, 2));
     if (m->kind == ORL_MATERIAL_BSDF)
         add(look, at->weight, direct_in_lobes(look, hit, m, eye, orl_neg(seen), 2));
+    const uint32_t sequence = (uint32_t)orl_random_bits(look->random);
     for (uint32_t i = 0; i < samples; i++) {
-        const struct orl_scatter s =
-            orl_scatter_sample(m, hit, eye, ORL_TRANSPORT_EYE,
-                               (enum orl_lobes)(ORL_LOBE_REFLECTED | ORL_LOBE_TRANSMITTED),
-                               look->random);
+        const struct orl_scatter s = sample_lobes(look, hit, m, eye, i, sequence);
         bool outside = at->outside;
         if (s.event == ORL_EVENT_ABSORBED)
             continue;

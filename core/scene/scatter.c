@@ -136,20 +136,18 @@ static struct orl_scatter sample_glass(const struct orl_material *material,
 
 /* ---- BSDF ------------------------------------------------------------------------------------- */
 
-static struct orl_scatter sample_bsdf(const struct orl_material *material,
-                                      const struct orl_hit *hit, struct orl_vec3 from,
-                                      enum orl_transport transport, enum orl_lobes lobes,
-                                      struct orl_random *random)
+struct orl_scatter orl_scatter_sample_bsdf(const struct orl_material *material,
+                                           const struct orl_hit *hit, struct orl_vec3 from,
+                                           enum orl_transport transport, enum orl_lobes lobes,
+                                           const double u[3])
 {
     const struct orl_frame frame = orl_bsdf_frame(material, hit->normal);
     const struct orl_vec3 local = orl_to_local(&frame, from);
     struct orl_scatter s = {.event = ORL_EVENT_ABSORBED};
     struct orl_vec3 next;
-    double pdf, u[3];
+    double pdf;
     const int sides = (lobes & ORL_LOBE_REFLECTED ? ORL_BSDF_REFLECT : 0) |
                       (lobes & ORL_LOBE_TRANSMITTED ? ORL_BSDF_TRANSMIT : 0);
-    for (int i = 0; i < 3; i++)
-        u[i] = orl_random_uniform(random);
     if (sides == 0 ||
         !(transport == ORL_TRANSPORT_LIGHT
               ? orl_bsdf_sample(material->bsdf, local, (enum orl_bsdf_side)sides, u, &next,
@@ -236,8 +234,11 @@ struct orl_scatter orl_scatter_sample(const struct orl_material *material,
         return sample_reflector(material, hit, from, lobes, random);
     case ORL_MATERIAL_GLASS:
         return sample_glass(material, hit, from, lobes, random);
-    case ORL_MATERIAL_BSDF:
-        return sample_bsdf(material, hit, from, transport, lobes, random);
+    case ORL_MATERIAL_BSDF: {
+        const double u0 = orl_random_uniform(random), u1 = orl_random_uniform(random);
+        const double u[3] = {u0, u1, orl_random_uniform(random)};
+        return orl_scatter_sample_bsdf(material, hit, from, transport, lobes, u);
+    }
     case ORL_MATERIAL_VOID:
     case ORL_MATERIAL_LIGHT:
     case ORL_MATERIAL_GLOW:

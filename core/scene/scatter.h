@@ -47,6 +47,12 @@ struct orl_scatter orl_scatter_sample(const struct orl_material *material,
                                       enum orl_transport transport, enum orl_lobes lobes,
                                       struct orl_random *random);
 
+/* The same for a BSDF surface, from three given numbers in [0,1): an even sequence serves well. */
+struct orl_scatter orl_scatter_sample_bsdf(const struct orl_material *material,
+                                           const struct orl_hit *hit, struct orl_vec3 from,
+                                           enum orl_transport transport, enum orl_lobes lobes,
+                                           const double u[3]);
+
 /*
  * f, in 1/sr, without the diffuse part of plastic and metal and without mirrors and straight
  * passes: what light arriving from "light" sends towards "eye" in lobes of finite width.
