@@ -57,9 +57,9 @@ static int check_header(const struct orl_map_header *h, size_t size, const char 
         return orl_error_set(err, ORL_ERR_CORRUPT, "the header of photon map '%s' is damaged", path);
     /* More photons than the writer takes could wrap the sizes below around to look right. */
     const struct orl_map_layout l = orl_map_layout_of(h->count);
-    if (h->count > UINT32_MAX || h->size != size || l.size != size || l.places != h->places || l.fluxes != h->fluxes ||
-        l.normals != h->normals || l.sources != h->sources || l.boxes != h->boxes ||
-        l.levels != h->levels || h->emitted == 0 || !(h->cell > 0))
+    if (h->count > UINT32_MAX || h->size != size || l.size != size || l.places != h->places ||
+        l.fluxes != h->fluxes || l.normals != h->normals || l.sources != h->sources ||
+        l.boxes != h->boxes || l.levels != h->levels || h->emitted == 0 || !(h->cell > 0))
         return orl_error_set(err, ORL_ERR_CORRUPT, "photon map '%s' is truncated or damaged", path);
     return 0;
 }

@@ -185,7 +185,7 @@ static void build_boxes(const struct writer *w)
 static void measure(struct writer *w)
 {
     struct orl_map_header *h = &w->header;
-    double high[3] = {-INFINITY, -INFINITY, -INFINITY}, flux = 0;
+    double high[3] = {-INFINITY, -INFINITY, -INFINITY}, flux = 0, brightest = 0;
     for (int k = 0; k < 3; k++)
         h->low[k] = INFINITY;
     for (size_t i = 0; i < w->count; i++) {
@@ -194,7 +194,9 @@ static void measure(struct writer *w)
             h->low[k] = fmin(h->low[k], p->position[k]);
             high[k] = fmax(high[k], p->position[k]);
         }
-        flux += fmax(p->flux[0], fmax(p->flux[1], p->flux[2]));
+        const double most = fmax(p->flux[0], fmax(p->flux[1], p->flux[2]));
+        flux += most;
+        brightest = fmax(brightest, most);
     }
     for (int k = 0; k < 3; k++) {
         if (w->count == 0)
@@ -203,7 +205,9 @@ static void measure(struct writer *w)
     }
     if (!(h->cell > 0))
         h->cell = 1e-6;
-    h->flux_unit = flux > 0 ? flux / (double)w->count / (double)w->build->emitted : 1;
+    /* The mean; or more, lest a photon that outshines all others together be cut (flux.h). */
+    const double unit = fmax(flux / fmax((double)w->count, 1), brightest / ORL_FLUX_MOST);
+    h->flux_unit = unit > 0 ? unit / (double)w->build->emitted : 1;
 }
 
 static void fill_header(struct writer *w)

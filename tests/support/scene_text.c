@@ -1,0 +1,203 @@
+#include "support/scene_text.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+#include <cmocka.h>
+
+#include "scene/parse.h"
+#include "support/cli.h"
+
+static const char scene_name[] = "scene.rad";
+
+struct text_files {
+    const char *names[2];
+    struct orl_file contents[2];
+    struct orl_memory_files memory;
+    struct orl_files files;
+};
+
+static void text_files_init(struct text_files *t, const char *scene, const char *resource_name,
+                            const char *resource_text)
+{
+    memset(t, 0, sizeof *t);
+    t->names[0] = scene_name;
+    t->contents[0] = (struct orl_file){scene, strlen(scene), NULL};
+    if (resource_name) {
+        t->names[1] = resource_name;
+        t->contents[1] = (struct orl_file){resource_text, strlen(resource_text), NULL};
+    }
+    t->memory = (struct orl_memory_files){t->names, t->contents, resource_name ? 2 : 1};
+    t->files = orl_files_from_memory(&t->memory);
+}
+
+static void fail_with(const struct orl_error *err)
+{
+    char text[1024];
+    orl_error_format(err, text, sizeof text);
+    fail_msg("%s", text);
+}
+
+/* Results are to depend on no clock; this one only has to run. */
+static double now_s(void *ctx)
+{
+    struct timespec t;
+    (void)ctx;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+static void fill_job(const struct scene_run *run, char **names, struct orl_view_request *view,
+                     struct orl_job *job)
+{
+    static char view_name[] = "view";
+    orl_job_init(job);
+    job->scene_files = names;
+    job->n_scene_files = 1;
+    job->seed = run->seed ? run->seed : 1;
+    job->photons_global = run->global ? run->global : 20000;
+    job->photons_caustic = run->caustic;
+    job->gather_samples = run->samples;
+    job->sensors = (struct orl_sensor *)(uintptr_t)run->sensors;
+    job->n_sensors = run->n_sensors;
+    if (run->view) {
+        *view = (struct orl_view_request){view_name, (char *)(uintptr_t)run->view, run->width,
+                                          run->height};
+        job->views = view;
+        job->n_views = 1;
+    }
+}
+
+/* Nothing in the job is owned by it here, so it is not passed to orl_job_done. */
+static int run_job(const struct scene_run *run, struct orl_result *ret_result,
+                   struct orl_error *err)
+{
+    char name[sizeof scene_name], folder[64] = "", *names[1] = {name};
+    struct text_files text;
+    struct orl_job job;
+    struct orl_view_request view;
+    struct orl_folder_store state;
+    atomic_bool cancel;
+    memcpy(name, scene_name, sizeof name);
+    text_files_init(&text, run->scene, run->resource_name, run->resource_text);
+    fill_job(run, names, &view, &job);
+    if (!run->folder)
+        cli_make_folder(folder);
+    const char *output = run->folder ? run->folder : folder;
+    snprintf(state.folder, sizeof state.folder, "%s", output);
+    const struct orl_map_store store = orl_map_store_in_folder(&state);
+    atomic_init(&cancel, false);
+    const struct orl_run_env env = {.crew = orl_crew_start(run->threads ? run->threads : 1),
+                                    .files = &text.files,
+                                    .store = &store,
+                                    .output_folder = output,
+                                    .cancel = &cancel,
+                                    .now_s = now_s};
+    assert_non_null(env.crew);
+    const int code = orl_run(&job, &env, ret_result, err);
+    orl_crew_stop(env.crew);
+    if (!run->folder)
+        cli_remove_folder(folder);
+    return code;
+}
+
+struct orl_result scene_run(const struct scene_run *run)
+{
+    struct orl_result result = {0};
+    struct orl_error err = {0};
+    if (run_job(run, &result, &err) < 0)
+        fail_with(&err);
+    assert_int_equal(result.n_sensors, run->n_sensors);
+    return result;
+}
+
+void scene_run_lx(const struct scene_run *run, double *ret_lx)
+{
+    struct orl_result result = scene_run(run);
+    memcpy(ret_lx, result.illuminance_lx, run->n_sensors * sizeof *ret_lx);
+    orl_result_done(&result);
+}
+
+int scene_run_fails(const struct scene_run *run, struct orl_error *ret_err)
+{
+    struct orl_result result = {0};
+    const int code = run_job(run, &result, ret_err);
+    assert_true(code < 0);
+    return code;
+}
+
+struct orl_description scene_parse_text(const char *text, const char *resource_name,
+                                        const char *resource_text)
+{
+    const char *const names[1] = {scene_name};
+    struct text_files files;
+    struct orl_description description = {0};
+    struct orl_error err = {0};
+    text_files_init(&files, text, resource_name, resource_text);
+    if (orl_scene_parse(names, 1, &files.files, &description, &err) < 0)
+        fail_with(&err);
+    return description;
+}
+
+struct orl_geometry *scene_geometry(const char *text)
+{
+    struct orl_description description = scene_parse_text(text, NULL, NULL);
+    struct orl_geometry *geometry = NULL;
+    struct orl_error err = {0};
+    if (orl_geometry_new(&description, &geometry, &err) < 0)
+        fail_with(&err);
+    orl_description_done(&description);
+    return geometry;
+}
+
+void scene_map_path(const struct orl_result *result, const char *folder, const char *kind,
+                    char ret_path[512])
+{
+    for (size_t i = 0; i < result->n_maps; i++) {
+        if (strcmp(result->maps[i].kind, kind) == 0) {
+            snprintf(ret_path, 512, "%s/%s-%s.opm", folder, kind, result->maps[i].key);
+            return;
+        }
+    }
+    fail_msg("no %s map", kind);
+}
+
+unsigned char *scene_read_bytes(const char *path, size_t *ret_size)
+{
+    FILE *file = fopen(path, "rb");
+    unsigned char *bytes = NULL;
+    long size = 0;
+    assert_non_null(file);
+    if (fseek(file, 0, SEEK_END) == 0)
+        size = ftell(file);
+    rewind(file);
+    assert_true(size >= 0);
+    bytes = malloc((size_t)size + 1);
+    assert_non_null(bytes);
+    assert_int_equal(fread(bytes, 1, (size_t)size, file), size);
+    fclose(file);
+    *ret_size = (size_t)size;
+    return bytes;
+}
+
+void scene_uniform_bsdf(double value, char ret_xml[2048])
+{
+    snprintf(ret_xml, 2048,
+             "<?xml version=\"1.0\"?><WindowElement><WindowElementType>System</WindowElementType>"
+             "<FileType>BSDF</FileType><Optical><Layer><Material><Name>uniform</Name></Material>"
+             "<DataDefinition><IncidentDataStructure>TensorTree4</IncidentDataStructure>"
+             "</DataDefinition><WavelengthData><LayerNumber>System</LayerNumber>"
+             "<Wavelength unit=\"Integral\">Visible</Wavelength><WavelengthDataBlock>"
+             "<WavelengthDataDirection>Transmission Back</WavelengthDataDirection>"
+             "<AngleBasis>LBNL/Shirley-Chiu</AngleBasis>"
+             "<ScatteringDataType>BTDF</ScatteringDataType><ScatteringData>{ %.15g }"
+             "</ScatteringData></WavelengthDataBlock></WavelengthData></Layer></Optical>"
+             "</WindowElement>\n",
+             value);
+}

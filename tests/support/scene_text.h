@@ -1,0 +1,52 @@
+/*
+ * Scenes given as text, in the test's own process: parsed into geometry, or run through orl_run
+ * into a temporary folder. Everything here fails the test when it does not succeed.
+ */
+#ifndef ORL_TESTS_SUPPORT_SCENE_TEXT_H
+#define ORL_TESTS_SUPPORT_SCENE_TEXT_H
+
+#include <oriel/run.h>
+
+#include "scene/geometry.h"
+
+/* One job: a scene of one text, and at most one file that it mentions. Zero means a default. */
+struct scene_run {
+    const char *scene;
+    const char *resource_name, *resource_text; /* a BSDF, say; or NULL */
+    const struct orl_sensor *sensors;
+    size_t n_sensors;
+    const char *view; /* NULL for none; the image is view.hdr, view.png in folder */
+    uint32_t width, height;
+    uint64_t seed;             /* 0: 1 */
+    uint64_t global, caustic;  /* 0: 20000 and none */
+    uint32_t samples, threads; /* 0: Oriel's default; 1 */
+    const char *folder;        /* where maps and images stay; NULL: nowhere */
+};
+
+/* Runs it; the result is the caller's, for orl_result_done. */
+struct orl_result scene_run(const struct scene_run *run);
+
+/* The same, for tests that want just the illuminances: ret_lx holds n_sensors. */
+void scene_run_lx(const struct scene_run *run, double *ret_lx);
+
+/* The same, expecting failure: returns the error code. */
+int scene_run_fails(const struct scene_run *run, struct orl_error *ret_err);
+
+/* Parses text, with the one resource or NULL; for orl_description_done. */
+struct orl_description scene_parse_text(const char *text, const char *resource_name,
+                                        const char *resource_text);
+
+/* Text to geometry; for orl_geometry_free. Facets are in the text's order when all are polygons. */
+struct orl_geometry *scene_geometry(const char *text);
+
+/* The path of the one map of that kind ("global", "caustic") in a run's folder. */
+void scene_map_path(const struct orl_result *result, const char *folder, const char *kind,
+                    char ret_path[512]);
+
+/* A whole file; free() it. */
+unsigned char *scene_read_bytes(const char *path, size_t *ret_size);
+
+/* A tensor tree that transmits `value` per steradian in every direction, both ways, as XML. */
+void scene_uniform_bsdf(double value, char ret_xml[2048]);
+
+#endif
