@@ -41,9 +41,8 @@ void orl_error_hint(struct orl_error *err, const char *format, ...)
 const char *orl_err_name(int code)
 {
     static const char *const names[] = {
-        "ok",        "no-memory", "io",      "syntax",  "unsupported", "out-of-range",
-        "not-found", "limit",     "corrupt", "version", "cancelled",   "invalid",
-        "internal",
+        "ok",    "no-memory", "io",      "syntax",    "unsupported", "out-of-range", "not-found",
+        "limit", "corrupt",   "version", "cancelled", "invalid",     "internal",
     };
     const int index = -code;
     return index >= 0 && index < (int)(sizeof names / sizeof *names) ? names[index] : "unknown";

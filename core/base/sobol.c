@@ -4,8 +4,8 @@
 static const struct {
     uint32_t degree, coefficients, initial[5];
 } polynomials[ORL_SOBOL_DIMENSIONS] = {
-    {0, 0, {0}},          {1, 0, {1}},          {2, 1, {1, 3}},
-    {3, 1, {1, 3, 1}},    {3, 2, {1, 1, 1}},    {4, 1, {1, 1, 3, 3}},
+    {0, 0, {0}},       {1, 0, {1}},       {2, 1, {1, 3}},
+    {3, 1, {1, 3, 1}}, {3, 2, {1, 1, 1}}, {4, 1, {1, 1, 3, 3}},
 };
 
 static uint32_t reverse_bits(uint32_t x)

@@ -3,8 +3,7 @@
 enum { MOST_BOUNCES = 64, SURE_BOUNCES = 3, MOST_PANES = 64 };
 
 struct orl_rgb orl_transmittance(const struct orl_world *world, struct orl_vec3 origin,
-                                 struct orl_vec3 direction, double max_distance,
-                                 bool through_ports)
+                                 struct orl_vec3 direction, double max_distance, bool through_ports)
 {
     struct orl_rgb share = orl_gray(1);
     for (int pane = 0; pane < MOST_PANES; pane++) {
@@ -15,8 +14,7 @@ struct orl_rgb orl_transmittance(const struct orl_world *world, struct orl_vec3 
         if (m->kind != ORL_MATERIAL_GLASS ||
             (!through_ports && orl_world_crossing(world, &hit) == ORL_CROSSING_INWARDS))
             return orl_gray(0);
-        share =
-            orl_rgb_mul(share, orl_material_straight(m, orl_dot(direction, hit.normal)));
+        share = orl_rgb_mul(share, orl_material_straight(m, orl_dot(direction, hit.normal)));
         origin = orl_hit_leave(world->geometry, &hit, direction);
         max_distance -= hit.distance;
     }
@@ -41,10 +39,10 @@ struct orl_rgb orl_mirrored_transmittance(const struct orl_world *world, struct 
             const struct orl_rgb back = orl_mirror_reflectance(m, cosine);
             if (orl_rgb_max(back) > 0)
                 sum = orl_rgb_add(
-                    sum, orl_rgb_mul(orl_rgb_mul(share, back),
-                                     orl_transmittance(world,
-                                                       orl_hit_leave(world->geometry, &hit, sun),
-                                                       sun, INFINITY, through_ports)));
+                    sum,
+                    orl_rgb_mul(orl_rgb_mul(share, back),
+                                orl_transmittance(world, orl_hit_leave(world->geometry, &hit, sun),
+                                                  sun, INFINITY, through_ports)));
         }
         if (m->kind != ORL_MATERIAL_GLASS ||
             (!through_ports && orl_world_crossing(world, &hit) == ORL_CROSSING_INWARDS))
@@ -124,11 +122,9 @@ static struct orl_rgb light_from_emitter(const struct orl_world *world,
         return orl_gray(0);
     const double reach = aim.distance - 2 * facet->offset;
     const struct orl_rgb share =
-        reach > 0
-            ? orl_transmittance(world, query->point, aim.light, reach, query->through_ports)
-            : orl_gray(1);
-    return orl_rgb_scale(orl_rgb_mul(orl_rgb_mul(emitter->radiance, seen), share),
-                         aim.measure_sr);
+        reach > 0 ? orl_transmittance(world, query->point, aim.light, reach, query->through_ports)
+                  : orl_gray(1);
+    return orl_rgb_scale(orl_rgb_mul(orl_rgb_mul(emitter->radiance, seen), share), aim.measure_sr);
 }
 
 /* The numbers for the n-th light: random, or the caller's even ones turned by the golden ratio. */
@@ -161,8 +157,8 @@ static struct orl_rgb mirrored_sun(const struct orl_world *world, const struct o
     return sum;
 }
 
-struct orl_rgb orl_direct_light(const struct orl_world *world,
-                                const struct orl_direct_query *query, struct orl_random *random)
+struct orl_rgb orl_direct_light(const struct orl_world *world, const struct orl_direct_query *query,
+                                struct orl_random *random)
 {
     struct orl_rgb sum = orl_gray(0);
     double u[2];
@@ -207,9 +203,8 @@ static struct orl_rgb diffuse_direct(const struct orl_world *world, const struct
                                      struct orl_vec3 normal, struct orl_rgb albedo,
                                      struct orl_random *random)
 {
-    const struct orl_direct_query query = {.point = orl_hit_leave(world->geometry, hit, normal),
-                                           .normal = normal,
-                                           .mirrored = true};
+    const struct orl_direct_query query = {
+        .point = orl_hit_leave(world->geometry, hit, normal), .normal = normal, .mirrored = true};
     return orl_rgb_mul(orl_rgb_scale(albedo, 1 / ORL_PI), orl_direct_light(world, &query, random));
 }
 
@@ -225,8 +220,7 @@ static struct orl_rgb scattered_direct(const struct orl_world *world, const stru
         sum = diffuse_direct(world, hit, normal, diffuse, random);
     if (orl_material_has_lobes(m))
         sum = orl_rgb_add(sum, lobes_of_side(world, hit, eye, normal, random));
-    if (m->kind == ORL_MATERIAL_BSDF &&
-        orl_world_crossing(world, hit) != ORL_CROSSING_INWARDS)
+    if (m->kind == ORL_MATERIAL_BSDF && orl_world_crossing(world, hit) != ORL_CROSSING_INWARDS)
         sum = orl_rgb_add(sum, lobes_of_side(world, hit, eye, orl_neg(normal), random));
     return sum;
 }
@@ -251,9 +245,9 @@ static struct orl_rgb folded_direct(const struct orl_world *world, const struct 
             orl_bsdf_albedo(m->bsdf, orl_to_local(&frame, sun), ORL_BSDF_REFLECT);
         const struct orl_rgb share = orl_transmittance(
             world, orl_hit_leave(world->geometry, hit, normal), sun, INFINITY, false);
-        sum = orl_rgb_add(sum, orl_rgb_scale(orl_rgb_mul(orl_rgb_mul(albedo, share),
-                                                         world->suns[i].irradiance),
-                                             cosine / ORL_PI));
+        sum = orl_rgb_add(
+            sum, orl_rgb_scale(orl_rgb_mul(orl_rgb_mul(albedo, share), world->suns[i].irradiance),
+                               cosine / ORL_PI));
     }
     return sum;
 }
@@ -275,15 +269,15 @@ struct orl_rgb orl_exterior_radiance(const struct orl_world *world, struct orl_v
             sum = orl_rgb_add(sum, orl_rgb_mul(weight, orl_material_emission(m, &hit)));
         const bool barred = orl_world_crossing(world, &hit) == ORL_CROSSING_INWARDS;
         const bool folded = barred && diffused && m->kind == ORL_MATERIAL_BSDF;
-        const struct orl_rgb direct = folded ? folded_direct(world, &hit)
-                                             : scattered_direct(world, &hit, eye, random);
+        const struct orl_rgb direct =
+            folded ? folded_direct(world, &hit) : scattered_direct(world, &hit, eye, random);
         sum = orl_rgb_add(sum, orl_rgb_mul(weight, direct));
-        const struct orl_scatter s =
-            orl_scatter_sample(m, &hit, eye, ORL_TRANSPORT_EYE,
-                               barred ? ORL_LOBE_REFLECTED : ORL_LOBE_ALL, random);
+        const struct orl_scatter s = orl_scatter_sample(
+            m, &hit, eye, ORL_TRANSPORT_EYE, barred ? ORL_LOBE_REFLECTED : ORL_LOBE_ALL, random);
         if (s.event == ORL_EVENT_ABSORBED)
             return sum;
-        /* After a mirror nobody sampled the lights for us; after glass the last vertex still did. */
+        /* After a mirror nobody sampled the lights for us; after glass the last vertex still did.
+         */
         if (s.event != ORL_EVENT_STRAIGHT)
             sampled_lights = s.event != ORL_EVENT_MIRROR;
         diffused = diffused || s.event == ORL_EVENT_DIFFUSE;

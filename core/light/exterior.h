@@ -51,7 +51,7 @@ struct orl_direct_query {
     bool mirrored;   /* with the suns' images in flat mirrors, one reflection deep */
     const double *u; /* two numbers in [0,1) from an even sequence, or NULL for random ones */
 };
-struct orl_rgb orl_direct_light(const struct orl_world *world,
-                                const struct orl_direct_query *query, struct orl_random *random);
+struct orl_rgb orl_direct_light(const struct orl_world *world, const struct orl_direct_query *query,
+                                struct orl_random *random);
 
 #endif

@@ -12,7 +12,8 @@
  * from neither side (the outer panes block), panes standing free see it from both.
  */
 enum { MOST_RAYS = 4000000, MOST_RAYS_A_FACE = 2048, LEAST_RAYS_A_FACE = 64 };
-static const double least_seen = 1e-3; /* share of escaping rays that makes a face an outside face */
+static const double least_seen =
+    1e-3; /* share of escaping rays that makes a face an outside face */
 static const double least_contrast = 4; /* and how many times the other face's it must be */
 
 enum { SEAL_PATHS = 16384, SEAL_BOUNCES = 8, SEAL_ESCAPES = 2 };
@@ -121,9 +122,9 @@ int orl_world_find_ports(struct orl_world *world, struct orl_crew *crew, struct 
     search.candidates = candidates;
     search.found = found;
     const size_t share = MOST_RAYS / (n + 1);
-    search.rays = (uint32_t)(share > MOST_RAYS_A_FACE     ? MOST_RAYS_A_FACE
+    search.rays = (uint32_t)(share > MOST_RAYS_A_FACE    ? MOST_RAYS_A_FACE
                              : share < LEAST_RAYS_A_FACE ? LEAST_RAYS_A_FACE
-                                                          : share);
+                                                         : share);
     orl_crew_for(crew, n, look_both_ways, &search);
     for (size_t i = 0; i < n_facets; i++)
         world->port_of_facet[i] = ORL_NO_PORT;

@@ -12,7 +12,8 @@ static void add_distant(struct orl_world *world, const struct orl_distant *dista
 {
     const struct orl_material *material = &world->description.materials[distant->material];
     const double half = 0.5 * distant->angle_deg * ORL_DEG_TO_RAD;
-    const struct orl_sky *sky = material->sky >= 0 ? &world->description.skies[material->sky] : NULL;
+    const struct orl_sky *sky =
+        material->sky >= 0 ? &world->description.skies[material->sky] : NULL;
     if (material->kind == ORL_MATERIAL_LIGHT && distant->angle_deg <= widest_sun_deg) {
         struct orl_sun *sun = &world->suns[world->n_suns++];
         /* 1 - cos without cancellation: the disc is half a degree across. */
@@ -38,8 +39,8 @@ static void add_emitters(struct orl_world *world)
         const struct orl_material *m = &world->description.materials[g->facets[i].material];
         const bool shines = m->kind == ORL_MATERIAL_LIGHT || m->kind == ORL_MATERIAL_GLOW;
         if (shines && g->facets[i].area > 0 && orl_luma(m->color) > 0)
-            world->emitters[world->n_emitters++] = (struct orl_emitter){
-                (uint32_t)i, m->color, m->kind == ORL_MATERIAL_LIGHT};
+            world->emitters[world->n_emitters++] =
+                (struct orl_emitter){(uint32_t)i, m->color, m->kind == ORL_MATERIAL_LIGHT};
     }
 }
 

@@ -52,8 +52,7 @@ static bool emit_port_dome(const struct orl_emission *e, const struct orl_stratu
 }
 
 static bool emit_port_sun(const struct orl_emission *e, const struct orl_stratum *stratum,
-                          const double *u, struct orl_random *random,
-                          struct orl_flight *ret_flight)
+                          const double *u, struct orl_random *random, struct orl_flight *ret_flight)
 {
     const struct orl_world *world = e->world;
     const struct orl_port *port = &world->ports[stratum->port];

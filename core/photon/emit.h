@@ -29,10 +29,10 @@ enum orl_stratum_kind {
 
 struct orl_stratum {
     enum orl_stratum_kind kind;
-    uint32_t port;    /* or emitter */
+    uint32_t port; /* or emitter */
     uint32_t sun, mirror;
-    double flux_w;    /* luma, estimated */
-    double share;     /* probability for global photons */
+    double flux_w; /* luma, estimated */
+    double share;  /* probability for global photons */
     double share_caustic;
     double below, below_caustic; /* running sums before it */
 };
@@ -60,7 +60,8 @@ struct orl_emission {
 struct orl_flight {
     struct orl_vec3 origin, direction;
     struct orl_rgb flux;
-    bool from_light; /* a sun or light, sampled directly by the renderer, as against a dome or glow */
+    bool from_light; /* a sun or light, sampled directly by the renderer, as against a dome or glow
+                      */
     bool scattered;  /* already deflected: by the port's BSDF */
     bool from_port;
 };

@@ -22,13 +22,14 @@ struct orl_leaves {
     const struct orl_photon_map *map;
     uint32_t k;
     double max_radius;
-    double unit;   /* W/m2: of the values kept */
-    float reach2;  /* cells: how far a leaf may be */
+    double unit;  /* W/m2: of the values kept */
+    float reach2; /* cells: how far a leaf may be */
     struct site *sites;
     _Atomic uint32_t *values; /* 0: not made yet */
 };
 
-/* Stands for zero irradiance: the smallest exponent with an empty mantissa, but not the empty word. */
+/* Stands for zero irradiance: the smallest exponent with an empty mantissa, but not the empty word.
+ */
 static const uint32_t value_zero = 1U << 27;
 
 static struct orl_density_query query_at(const struct orl_leaves *leaves, struct orl_vec3 point,
@@ -132,8 +133,7 @@ static struct orl_rgb value_of(struct orl_leaves *leaves, uint32_t leaf, struct 
         const struct orl_vec3 point = orl_v3(h->low[0] + (site->at[0] + 0.5) * h->cell,
                                              h->low[1] + (site->at[1] + 0.5) * h->cell,
                                              h->low[2] + (site->at[2] + 0.5) * h->cell);
-        struct orl_density_query query =
-            query_at(leaves, point, orl_normal_decode(site->normal));
+        struct orl_density_query query = query_at(leaves, point, orl_normal_decode(site->normal));
         query.at_photon = site->at_photon;
         query.skip = middle_photon(leaves->map, leaf);
         const struct orl_rgb irradiance =

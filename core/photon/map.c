@@ -54,7 +54,8 @@ static int check_header(const struct orl_map_header *h, size_t size, const char 
         return orl_error_set(err, ORL_ERR_VERSION, "'%s' is a photon map of version %u, not %d",
                              path, h->version, ORL_MAP_VERSION);
     if (!checksum_matches(h, offsetof(struct orl_map_header, header_checksum), h->header_checksum))
-        return orl_error_set(err, ORL_ERR_CORRUPT, "the header of photon map '%s' is damaged", path);
+        return orl_error_set(err, ORL_ERR_CORRUPT, "the header of photon map '%s' is damaged",
+                             path);
     /* More photons than the writer takes could wrap the sizes below around to look right. */
     const struct orl_map_layout l = orl_map_layout_of(h->count);
     if (h->count > UINT32_MAX || h->size != size || l.size != size || l.places != h->places ||

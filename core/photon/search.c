@@ -8,11 +8,11 @@ struct walk {
     const struct orl_photon_map *map;
     const struct orl_density_query *query;
     struct orl_search_candidate *candidates;
-    float at[3]; /* the query point, in cells, moved so that cell corners stand for centres */
+    float at[3];   /* the query point, in cells, moved so that cell corners stand for centres */
     float radius2; /* in cells */
     uint32_t k, found, room; /* room: candidates held before the nearest k are kept, > k */
-    uint16_t normal; /* the query's, coded */
-    uint32_t facing; /* bins of normals worth a visit */
+    uint16_t normal;         /* the query's, coded */
+    uint32_t facing;         /* bins of normals worth a visit */
 };
 
 static bool nearer(const struct orl_search_candidate *a, const struct orl_search_candidate *b)
@@ -68,7 +68,7 @@ static void scan_leaf(struct walk *walk, uint32_t leaf)
         const float chord[3] = {dx[i], dy[i], dz[i]};
         const uint32_t index = (uint32_t)(first + i);
         if (!(d2[i] < walk->radius2) || (walk->query->at_photon && index == walk->query->skip) ||
-            
+
             !orl_same_sheet(walk->query->normal, walk->normal, walk->map->normals[index], chord))
             continue;
         walk->candidates[walk->found++] = (struct orl_search_candidate){d2[i], index};
@@ -96,7 +96,8 @@ static void walk_boxes(struct walk *walk)
         if (at.level == 0)
             scan_leaf(walk, at.node);
         else
-            depth = orl_box_push(walk->map, at, walk->at, walk->facing, walk->radius2, stack, depth);
+            depth =
+                orl_box_push(walk->map, at, walk->at, walk->facing, walk->radius2, stack, depth);
     }
 }
 

@@ -1,10 +1,10 @@
 /*
  * Density estimation: irradiance from the photons nearest to a point of a surface.
  *
- * A photon counts when it landed on the same sheet of surface (sheet.h), so that nothing is gathered
- * through a wall or from a parallel surface. The estimate over k neighbours is (sum of the nearest k-1 fluxes) / (pi r_k^2), which is
- * unbiased for uniform density; with fewer than k within the largest radius, all of them over the
- * largest disc.
+ * A photon counts when it landed on the same sheet of surface (sheet.h), so that nothing is
+ * gathered through a wall or from a parallel surface. The estimate over k neighbours is (sum of the
+ * nearest k-1 fluxes) / (pi r_k^2), which is unbiased for uniform density; with fewer than k within
+ * the largest radius, all of them over the largest disc.
  *
  * Reference: Jensen 2001, chapter 7.
  */
@@ -30,8 +30,8 @@ struct orl_density_query {
     struct orl_vec3 normal; /* unit, the lit side */
     uint32_t k;             /* 1 .. ORL_SEARCH_MOST */
     double max_radius;
-    bool at_photon;     /* the point is photon `skip`'s own, which is then left out: it would */
-    uint32_t skip;      /* otherwise be counted wherever one asks about a photon's place */
+    bool at_photon; /* the point is photon `skip`'s own, which is then left out: it would */
+    uint32_t skip;  /* otherwise be counted wherever one asks about a photon's place */
 };
 
 struct orl_density {

@@ -14,8 +14,8 @@ enum { PILOT_PATHS = 1 << 18, PATHS_A_CELL = 16, FINEST_SIDE = 32, COARSEST_SIDE
 enum { DOME_SIDE_X = 128, DOME_SIDE_Y = 64 };
 enum { IMAGE_FLIGHTS = 256 };
 enum { CAUSTIC_FLIGHTS = 1 << 17, MOST_FLIGHTS_A_STRATUM = 1 << 14, LEAST_FLIGHTS_A_STRATUM = 512 };
-static const double floor_share = 0.1;    /* of cosine-weighted directions in every table */
-static const double open_share = 0.25;    /* of photons that start at the sky when there are ports */
+static const double floor_share = 0.1; /* of cosine-weighted directions in every table */
+static const double open_share = 0.25; /* of photons that start at the sky when there are ports */
 static const double caustic_floor = 0.02; /* of caustic photons spread evenly over what may yield */
 
 struct pilot {
@@ -36,8 +36,7 @@ static double transmitted_luma(const struct orl_world *world, const struct orl_p
     if (m->kind == ORL_MATERIAL_GLASS)
         return orl_luma(orl_material_straight(m, orl_dot(outwards, facet->normal)));
     const struct orl_frame frame = orl_bsdf_frame(m, facet->normal);
-    return orl_luma(
-        orl_bsdf_albedo(m->bsdf, orl_to_local(&frame, outwards), ORL_BSDF_TRANSMIT));
+    return orl_luma(orl_bsdf_albedo(m->bsdf, orl_to_local(&frame, outwards), ORL_BSDF_TRANSMIT));
 }
 
 /* One cell of one port's table: mean of what arrives and gets through. */
@@ -180,8 +179,7 @@ static int list_strata(struct orl_emission *e)
         const struct orl_port *port = &world->ports[p];
         add_stratum(e, ORL_STRATUM_PORT_DOME, p, 0, ORL_PI * port->area * e->port_tables[p].mean);
         for (size_t s = 0; s < world->n_suns; s++)
-            add_stratum(e, ORL_STRATUM_PORT_SUN, p, s,
-                        port_sun_flux(world, port, &world->suns[s]));
+            add_stratum(e, ORL_STRATUM_PORT_SUN, p, s, port_sun_flux(world, port, &world->suns[s]));
     }
     for (size_t i = 0; i < world->n_emitters; i++) {
         const struct orl_emitter *emitter = &world->emitters[i];
@@ -205,7 +203,8 @@ static bool starts_at_sky(const struct orl_stratum *s)
     return s->kind == ORL_STRATUM_OPEN_DOME || s->kind == ORL_STRATUM_OPEN_SUN;
 }
 
-/* Global photons go by flux; but the sky, which lights the whole neighbourhood, never takes it all. */
+/* Global photons go by flux; but the sky, which lights the whole neighbourhood, never takes it all.
+ */
 static void share_out(struct orl_emission *e)
 {
     double sky = 0, rest = 0, below = 0;

@@ -62,9 +62,8 @@ static uint32_t find_step(const double *below, uint32_t n, double at, double *re
 double orl_table_sample(const struct orl_table *table, const double u[2], double ret_point[2])
 {
     double within_x, within_y;
-    const uint32_t y =
-        find_step(table->row_below, table->side_y, u[1] * table->row_below[table->side_y],
-                  &within_y);
+    const uint32_t y = find_step(table->row_below, table->side_y,
+                                 u[1] * table->row_below[table->side_y], &within_y);
     const double *const below = table->cell_below + (size_t)y * (table->side_x + 1);
     const uint32_t x = find_step(below, table->side_x, u[0] * below[table->side_x], &within_x);
     ret_point[0] = (x + within_x) / table->side_x;

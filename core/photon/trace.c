@@ -9,8 +9,7 @@ static void deposit(struct orl_deposits *deposits, const struct orl_hit *hit, st
 {
     if (deposits->count == deposits->capacity) {
         const size_t capacity = deposits->capacity ? 2 * deposits->capacity : 4096;
-        struct orl_photon *grown =
-            realloc(deposits->photons, capacity * sizeof *deposits->photons);
+        struct orl_photon *grown = realloc(deposits->photons, capacity * sizeof *deposits->photons);
         if (!grown) {
             deposits->out_of_memory = true;
             return;
@@ -55,8 +54,8 @@ void orl_trace_photon(const struct orl_world *world, const struct orl_flight *fl
             deposit(deposits, &hit, flux, batch);
         const enum orl_lobes lobes =
             caustic ? (enum orl_lobes)(ORL_LOBE_REFLECTED | ORL_LOBE_TRANSMITTED) : ORL_LOBE_ALL;
-        const struct orl_scatter s = orl_scatter_sample(m, &hit, orl_neg(direction),
-                                                        ORL_TRANSPORT_LIGHT, lobes, random);
+        const struct orl_scatter s =
+            orl_scatter_sample(m, &hit, orl_neg(direction), ORL_TRANSPORT_LIGHT, lobes, random);
         if (s.event == ORL_EVENT_ABSORBED || !survives(s.weight, &flux, random))
             return;
         if (s.transmitted) {

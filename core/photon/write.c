@@ -44,9 +44,7 @@ static void cell_of(const struct writer *w, const struct orl_photon *photon, uin
 {
     for (int i = 0; i < 3; i++) {
         const double at = (photon->position[i] - w->header.low[i]) / w->header.cell;
-        ret_cell[i] = at <= 0                      ? 0
-                      : at >= ORL_PLACE_CELLS - 1 ? ORL_PLACE_CELLS - 1
-                                                   : (uint32_t)at;
+        ret_cell[i] = at <= 0 ? 0 : at >= ORL_PLACE_CELLS - 1 ? ORL_PLACE_CELLS - 1 : (uint32_t)at;
     }
 }
 
@@ -99,9 +97,8 @@ static uint32_t pack_flux(const struct writer *w, const struct orl_photon *photo
 {
     const struct orl_rgb flux = {photon->flux[0], photon->flux[1], photon->flux[2]};
     struct orl_random random = orl_random_stream(w->build->seed, ORL_PURPOSE_DITHER, index);
-    return orl_flux_pack(
-        orl_rgb_scale(flux, 1 / ((double)w->build->emitted * w->header.flux_unit)),
-        orl_random_uniform(&random));
+    return orl_flux_pack(orl_rgb_scale(flux, 1 / ((double)w->build->emitted * w->header.flux_unit)),
+                         orl_random_uniform(&random));
 }
 
 static void pack_chunk(void *arg, size_t chunk, uint32_t member)

@@ -20,8 +20,8 @@ int orl_out_open(struct orl_out_file *file, const char *path, struct orl_error *
 int orl_out_close(struct orl_out_file *file, int code, struct orl_error *err)
 {
     int why = 0;
-    if (code == 0 && (fflush(file->stream) != 0 || ferror(file->stream) ||
-                      fsync(fileno(file->stream)) != 0))
+    if (code == 0 &&
+        (fflush(file->stream) != 0 || ferror(file->stream) || fsync(fileno(file->stream)) != 0))
         why = errno ? errno : EIO;
     if (fclose(file->stream) != 0 && why == 0)
         why = errno;

@@ -36,8 +36,8 @@ static double typical_radius(const struct orl_photon_map *map, uint32_t k, doubl
 }
 
 int orl_gather_init(struct orl_gather *gather, const struct orl_world *world,
-                     const struct orl_photon_map *const maps[ORL_MAP_KINDS], uint64_t seed,
-                     struct orl_search *search)
+                    const struct orl_photon_map *const maps[ORL_MAP_KINDS], uint64_t seed,
+                    struct orl_search *search)
 {
     static const uint32_t neighbours[ORL_MAP_KINDS] = {NEIGHBOURS_GLOBAL, NEIGHBOURS_CAUSTIC};
     const double widest = fmax(0.1 * world->geometry->radius, 1e-9);
@@ -91,12 +91,15 @@ struct orl_density orl_gather_density(const struct orl_gather *gather, enum orl_
 {
     if (!gather->maps[kind])
         return (struct orl_density){.found = 0};
-    const struct orl_density_query query = {
-        .point = point, .normal = normal, .k = gather->k[kind], .max_radius = gather->max_radius[kind]};
+    const struct orl_density_query query = {.point = point,
+                                            .normal = normal,
+                                            .k = gather->k[kind],
+                                            .max_radius = gather->max_radius[kind]};
     return orl_density_estimate(gather->maps[kind], &query, search);
 }
 
-/* What a diffuse surface sends back, but for the glossy part: by density, or lit again when near. */
+/* What a diffuse surface sends back, but for the glossy part: by density, or lit again when near.
+ */
 static struct orl_rgb diffuse_radiance(const struct orl_gather *gather, const struct orl_hit *hit,
                                        const struct orl_material *material, bool near,
                                        struct orl_random *random, struct orl_search *search)
@@ -104,10 +107,10 @@ static struct orl_rgb diffuse_radiance(const struct orl_gather *gather, const st
     const struct orl_vec3 lit = hit->front ? hit->normal : orl_neg(hit->normal);
     struct orl_rgb irradiance = orl_gray(0);
     if (near) {
-        const struct orl_direct_query query = {
-            .point = orl_hit_leave(gather->world->geometry, hit, lit),
-            .normal = lit,
-            .through_ports = true};
+        const struct orl_direct_query query = {.point =
+                                                   orl_hit_leave(gather->world->geometry, hit, lit),
+                                               .normal = lit,
+                                               .through_ports = true};
         irradiance = orl_rgb_add(
             orl_direct_light(gather->world, &query, random),
             orl_gather_density(gather, ORL_MAP_CAUSTIC, hit->point, lit, search).irradiance);
@@ -132,8 +135,7 @@ static struct orl_rgb trace_gather(const struct orl_gather *gather, struct orl_v
             return orl_rgb_add(
                 sum, orl_rgb_mul(weight, orl_exterior_radiance(world, origin, direction, random)));
         if (!orl_geometry_intersect(world->geometry, origin, direction, INFINITY, &hit))
-            return orl_rgb_add(sum,
-                               orl_rgb_mul(weight, orl_world_dome_radiance(world, direction)));
+            return orl_rgb_add(sum, orl_rgb_mul(weight, orl_world_dome_radiance(world, direction)));
         if (bounce == 0)
             *ret_distance = hit.distance;
         const struct orl_material *m = orl_world_material(world, &hit);
@@ -144,10 +146,9 @@ static struct orl_rgb trace_gather(const struct orl_gather *gather, struct orl_v
         if (diffuse)
             sum = orl_rgb_add(
                 sum, orl_rgb_mul(weight, diffuse_radiance(gather, &hit, m, near, random, search)));
-        const enum orl_lobes lobes =
-            diffuse && !near ? ORL_LOBE_REFLECTED : ORL_LOBE_ALL;
-        const struct orl_scatter s = orl_scatter_sample(m, &hit, orl_neg(direction),
-                                                        ORL_TRANSPORT_EYE, lobes, random);
+        const enum orl_lobes lobes = diffuse && !near ? ORL_LOBE_REFLECTED : ORL_LOBE_ALL;
+        const struct orl_scatter s =
+            orl_scatter_sample(m, &hit, orl_neg(direction), ORL_TRANSPORT_EYE, lobes, random);
         if (s.event == ORL_EVENT_ABSORBED)
             return sum;
         weight = orl_rgb_mul(weight, s.weight);
@@ -193,7 +194,8 @@ struct orl_rgb orl_gather_direct(const struct orl_gather *gather, const struct o
     return orl_rgb_scale(sum, 1.0 / rays);
 }
 
-/* ---- The hemisphere --------------------------------------------------------------------------- */
+/* ---- The hemisphere ---------------------------------------------------------------------------
+ */
 
 /* One ray of the hemisphere: what it saw and how far it went. */
 struct strand {
@@ -215,7 +217,8 @@ static void add_gradients(struct orl_hemisphere *h, const struct orl_frame *fram
     const struct strand *beside = &strands[row * columns + (column + columns - 1) % columns];
     const struct strand *below = row > 0 ? here - columns : NULL;
     const double phi = 2 * ORL_PI * (column + 0.5) / columns, edge = 2 * ORL_PI * column / columns;
-    const struct orl_vec3 out = orl_add(orl_scale(frame->u, cos(phi)), orl_scale(frame->v, sin(phi)));
+    const struct orl_vec3 out =
+        orl_add(orl_scale(frame->u, cos(phi)), orl_scale(frame->v, sin(phi)));
     const struct orl_vec3 around =
         orl_add(orl_scale(frame->u, -sin(edge)), orl_scale(frame->v, cos(edge)));
     const struct orl_vec3 turn =
@@ -225,17 +228,17 @@ static void add_gradients(struct orl_hemisphere *h, const struct orl_frame *fram
     const double tangent = middle / sqrt(1 - middle * middle);
     for (int c = 0; c < 3; c++) {
         const double value = channel(here->radiance, c);
-        h->by_rotation[c] = orl_madd(h->by_rotation[c], turn,
-                                     -tangent * value * ORL_PI / ((double)rows * columns));
+        h->by_rotation[c] =
+            orl_madd(h->by_rotation[c], turn, -tangent * value * ORL_PI / ((double)rows * columns));
         if (below)
             h->by_translation[c] = orl_madd(
                 h->by_translation[c], out,
                 2 * ORL_PI / columns * sine_low * (1 - sine_low * sine_low) /
                     fmin(here->distance, below->distance) * (value - channel(below->radiance, c)));
-        h->by_translation[c] = orl_madd(
-            h->by_translation[c], around,
-            (sine_high - sine_low) / fmin(here->distance, beside->distance) *
-                (value - channel(beside->radiance, c)));
+        h->by_translation[c] =
+            orl_madd(h->by_translation[c], around,
+                     (sine_high - sine_low) / fmin(here->distance, beside->distance) *
+                         (value - channel(beside->radiance, c)));
     }
 }
 

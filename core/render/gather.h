@@ -24,7 +24,7 @@ struct orl_gather {
     const struct orl_photon_map *maps[ORL_MAP_KINDS]; /* NULL: no photons of that kind */
     uint32_t k[ORL_MAP_KINDS];                        /* neighbours */
     double max_radius[ORL_MAP_KINDS];
-    double near; /* hits closer than this are lit again */
+    double near;               /* hits closer than this are lit again */
     struct orl_leaves *leaves; /* of the global map, owned; NULL when there is none */
     struct orl_sobol sobol;
     uint64_t seed;
@@ -32,8 +32,8 @@ struct orl_gather {
 
 /* Chooses neighbours and radii from the maps themselves. Returns 0 or ORL_ERR_NOMEM. */
 int orl_gather_init(struct orl_gather *gather, const struct orl_world *world,
-                     const struct orl_photon_map *const maps[ORL_MAP_KINDS], uint64_t seed,
-                     struct orl_search *search);
+                    const struct orl_photon_map *const maps[ORL_MAP_KINDS], uint64_t seed,
+                    struct orl_search *search);
 void orl_gather_done(struct orl_gather *gather);
 
 /* Where light is asked for. */

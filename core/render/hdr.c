@@ -5,7 +5,13 @@
 #include "render/film.h"
 
 /* Scanlines outside these widths cannot be run-length encoded by component. */
-enum { SHORTEST_RLE = 8, LONGEST_RLE = 32767, LEAST_RUN = 4, LONGEST_RUN = 127, LONGEST_DUMP = 128 };
+enum {
+    SHORTEST_RLE = 8,
+    LONGEST_RLE = 32767,
+    LEAST_RUN = 4,
+    LONGEST_RUN = 127,
+    LONGEST_DUMP = 128
+};
 
 void orl_rgbe_encode(const float rgb[3], unsigned char ret_rgbe[4])
 {

@@ -111,8 +111,8 @@ int orl_icache_index(struct orl_icache *cache)
     return 0;
 }
 
-static double channel_at(const struct orl_record *record, int c, double value,
-                         struct orl_vec3 turn, struct orl_vec3 shift)
+static double channel_at(const struct orl_record *record, int c, double value, struct orl_vec3 turn,
+                         struct orl_vec3 shift)
 {
     return value + orl_dot(turn, record->by_rotation[c]) +
            orl_dot(shift, record->by_translation[c]);
@@ -161,8 +161,7 @@ bool orl_icache_lookup(const struct orl_icache *cache, const struct orl_place *p
         for (uint32_t i = cache->heads[key % cache->n_heads]; i != nothing;
              i = cache->entries[i].next) {
             const struct orl_record *record = &cache->records[cache->entries[i].record];
-            const double weight =
-                cache->entries[i].key == key ? weight_of(record, place) : 0;
+            const double weight = cache->entries[i].key == key ? weight_of(record, place) : 0;
             if (weight <= 0)
                 continue;
             sum = orl_rgb_add(sum, orl_rgb_scale(carried(record, place), weight));

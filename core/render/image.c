@@ -44,7 +44,8 @@ static bool pixel_ray(const struct painter *p, double x, double y, struct orl_ve
     return true;
 }
 
-/* ---- Records ---------------------------------------------------------------------------------- */
+/* ---- Records ----------------------------------------------------------------------------------
+ */
 
 /* Gathers at a place; the record's random numbers come from the pixel that asked for it. */
 static void compute_record(void *arg, size_t index, uint32_t member)
@@ -52,8 +53,8 @@ static void compute_record(void *arg, size_t index, uint32_t member)
     const struct painter *p = arg;
     const struct orl_gather *gather = p->env->gather;
     struct orl_record *record = &p->wanted[p->first_record + index];
-    struct orl_random random = orl_random_stream(
-        gather->seed + p->env->index, ORL_PURPOSE_RECORD, p->cache.count + p->first_record + index);
+    struct orl_random random = orl_random_stream(gather->seed + p->env->index, ORL_PURPOSE_RECORD,
+                                                 p->cache.count + p->first_record + index);
     const double footprint = record->radius;
     if (cancelled(p))
         return;
@@ -61,8 +62,9 @@ static void compute_record(void *arg, size_t index, uint32_t member)
         orl_gather_hemisphere(gather, &record->place, HEMISPHERE_ROWS, HEMISPHERE_COLUMNS, &random,
                               &p->env->searches[member]);
     record->irradiance = h.irradiance;
-    record->radius = fmin(fmax(h.mean_distance, footprint * least_reach_pixels / ORL_ICACHE_ACCURACY),
-                          footprint * most_reach_pixels / ORL_ICACHE_ACCURACY);
+    record->radius =
+        fmin(fmax(h.mean_distance, footprint * least_reach_pixels / ORL_ICACHE_ACCURACY),
+             footprint * most_reach_pixels / ORL_ICACHE_ACCURACY);
     for (int c = 0; c < 3; c++) {
         const double value = c == 0 ? h.irradiance.r : c == 1 ? h.irradiance.g : h.irradiance.b;
         const double steepest = value / record->radius, slope = orl_length(h.by_translation[c]);
@@ -92,8 +94,8 @@ static void look_along_row(void *arg, size_t index, uint32_t member)
         for (uint32_t i = 0; i < sight.n_vertices; i++) {
             const struct orl_vertex *v = &sight.vertices[i];
             if (!orl_icache_lookup(&p->cache, &v->place, &ignored))
-                found[n++] = (struct orl_record){.place = v->place,
-                                                 .radius = v->distance * p->pixel_angle};
+                found[n++] =
+                    (struct orl_record){.place = v->place, .radius = v->distance * p->pixel_angle};
         }
     }
     p->n_found[index] = n;
@@ -155,9 +157,11 @@ static int place_records(struct painter *p)
     return code;
 }
 
-/* ---- Pixels ----------------------------------------------------------------------------------- */
+/* ---- Pixels -----------------------------------------------------------------------------------
+ */
 
-/* A pixel's last caustic estimate: rays of one pixel mostly meet within a fraction of its radius. */
+/* A pixel's last caustic estimate: rays of one pixel mostly meet within a fraction of its radius.
+ */
 struct memo {
     struct orl_vec3 point, normal;
     struct orl_density density;

@@ -29,12 +29,11 @@ static struct orl_rgb light_by_pane(const struct orl_gather *gather, uint32_t fa
         const struct orl_rgb f = orl_scatter_eval_lobes(m, &hit, light, eye);
         if (!(orl_rgb_max(f) > 0))
             continue;
-        const struct orl_rgb from_sun = orl_transmittance(
-            gather->world, orl_hit_leave(g, &hit, light), light, INFINITY, true);
-        const struct orl_rgb to_eye = orl_transmittance(
-            gather->world, orl_hit_leave(g, &hit, eye), eye, d * (1 - 1e-6), true);
-        const double measure =
-            fabs(orl_dot(light, hit.normal)) * fabs(leaves) * arrives / d2;
+        const struct orl_rgb from_sun =
+            orl_transmittance(gather->world, orl_hit_leave(g, &hit, light), light, INFINITY, true);
+        const struct orl_rgb to_eye = orl_transmittance(gather->world, orl_hit_leave(g, &hit, eye),
+                                                        eye, d * (1 - 1e-6), true);
+        const double measure = fabs(orl_dot(light, hit.normal)) * fabs(leaves) * arrives / d2;
         sum = orl_rgb_add(sum, orl_rgb_scale(orl_rgb_mul(orl_rgb_mul(f, from_sun),
                                                          orl_rgb_mul(to_eye, sun->irradiance)),
                                              measure));
@@ -53,9 +52,9 @@ static struct orl_rgb caustics_in_air(const struct orl_gather *gather,
             !(facet->area > 0))
             continue;
         for (size_t s = 0; s < world->n_suns; s++)
-            sum = orl_rgb_add(
-                sum, light_by_pane(gather, (uint32_t)f, &world->suns[s], place,
-                                   (uint32_t)orl_mix64(gather->seed + index * 31 + f)));
+            sum =
+                orl_rgb_add(sum, light_by_pane(gather, (uint32_t)f, &world->suns[s], place,
+                                               (uint32_t)orl_mix64(gather->seed + index * 31 + f)));
     }
     return sum;
 }
@@ -83,8 +82,8 @@ static struct orl_rgb gather_evenly(const struct orl_gather *gather, const struc
 {
     struct orl_rgb sum = orl_gray(0);
     for (uint32_t i = 0; i < samples; i++) {
-        struct orl_random random = orl_random_stream(
-            gather->seed, ORL_PURPOSE_SENSOR, (index << 24) + i + 1);
+        struct orl_random random =
+            orl_random_stream(gather->seed, ORL_PURPOSE_SENSOR, (index << 24) + i + 1);
         double u[2];
         orl_sobol_point(&gather->sobol, i, (uint32_t)orl_mix64(gather->seed ^ (index + 1)), 2, u);
         const struct orl_vec3 direction = orl_hemisphere_about(place->normal, u[0], u[1]);
@@ -106,9 +105,9 @@ double orl_gather_sensor(const struct orl_gather *gather, struct orl_vec3 positi
     place.outside = orl_gather_is_outside(gather, position);
     struct orl_rgb sum = orl_gather_direct(gather, &place, SUN_RAYS, &random);
     if (lies_on_surface(gather, &place, &on_surface))
-        sum = orl_rgb_add(sum, orl_gather_density(gather, ORL_MAP_CAUSTIC, on_surface,
-                                                  place.normal, search)
-                                   .irradiance);
+        sum = orl_rgb_add(
+            sum, orl_gather_density(gather, ORL_MAP_CAUSTIC, on_surface, place.normal, search)
+                     .irradiance);
     else
         sum = orl_rgb_add(sum, caustics_in_air(gather, &place, index));
     sum = orl_rgb_add(sum, gather_evenly(gather, &place, samples, index, search));

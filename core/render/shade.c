@@ -111,9 +111,9 @@ static void add_lobes(struct look *look, const struct branch *at, const struct o
             continue;
         if (s.transmitted && crossing != ORL_CROSSING_NONE)
             outside = !world->open && crossing == ORL_CROSSING_OUTWARDS;
-        const struct orl_rgb seen_there = orl_gather_radiance(
-            look->gather, orl_hit_leave(world->geometry, hit, s.direction), s.direction, outside,
-            look->random, look->search);
+        const struct orl_rgb seen_there =
+            orl_gather_radiance(look->gather, orl_hit_leave(world->geometry, hit, s.direction),
+                                s.direction, outside, look->random, look->search);
         sum = orl_rgb_add(sum, orl_rgb_mul(s.weight, seen_there));
     }
     add(look, at->weight, orl_rgb_scale(sum, 1.0 / samples));

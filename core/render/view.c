@@ -6,7 +6,8 @@
 
 #include <oriel/limits.h>
 
-/* One word of the options, NUL-terminated in word; returns where the next begins, NULL at the end. */
+/* One word of the options, NUL-terminated in word; returns where the next begins, NULL at the end.
+ */
 static const char *next_word(const char *text, char *word, size_t size)
 {
     size_t length;
@@ -137,11 +138,8 @@ static const char *parse_option(const char *word, const char *text, struct orl_v
 int orl_view_parse(const char *text, struct orl_view *ret_view, struct orl_error *err)
 {
     struct orl_error local;
-    struct orl_view view = {.type = 'v',
-                            .direction = {0, 1, 0},
-                            .up = {0, 0, 1},
-                            .horizontal = 45,
-                            .vertical = 45};
+    struct orl_view view = {
+        .type = 'v', .direction = {0, 1, 0}, .up = {0, 0, 1}, .horizontal = 45, .vertical = 45};
     char word[64];
     int code;
     if (!err)
@@ -182,7 +180,8 @@ bool orl_view_ray(const struct orl_view *view, double x, double y, struct orl_ve
         return true;
     }
     if (view->type == 'h') {
-        const double z2 = 1.0 - x * x * orl_dot(view->h, view->h) - y * y * orl_dot(view->v, view->v);
+        const double z2 =
+            1.0 - x * x * orl_dot(view->h, view->h) - y * y * orl_dot(view->v, view->v);
         if (z2 < 0)
             return false;
         along = sqrt(z2);

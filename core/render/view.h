@@ -13,9 +13,9 @@
 #include <oriel/vec.h>
 
 struct orl_view {
-    char type;                          /* 'v', 'l', 'a' or 'h' */
+    char type;                            /* 'v', 'l', 'a' or 'h' */
     struct orl_vec3 point, direction, up; /* direction is unit */
-    double horizontal, vertical;        /* degrees; scene units for 'l' */
+    double horizontal, vertical;          /* degrees; scene units for 'l' */
     double shift, lift, fore, aft;
     struct orl_vec3 h, v; /* image axes, scaled to the image's extent for 'v', 'l' and 'h' */
 };

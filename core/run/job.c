@@ -52,12 +52,10 @@ static int validate_view(const struct orl_job *job, size_t index, struct orl_err
         if (strcmp(job->views[i].name, v->name) == 0)
             return orl_error_set(err, ORL_ERR_INVALID, "two views are named '%s'", v->name);
     if (v->width < 1 || v->height < 1 || v->width > ORL_LIMIT_IMAGE_SIDE ||
-        v->height > ORL_LIMIT_IMAGE_SIDE ||
-        (uint64_t)v->width * v->height > ORL_LIMIT_IMAGE_PIXELS)
-        return orl_error_set(err, ORL_ERR_LIMIT,
-                             "view '%s': %u x %u pixels; sides go from 1 to %u, pixels to %lu",
-                             v->name, v->width, v->height, ORL_LIMIT_IMAGE_SIDE,
-                             ORL_LIMIT_IMAGE_PIXELS);
+        v->height > ORL_LIMIT_IMAGE_SIDE || (uint64_t)v->width * v->height > ORL_LIMIT_IMAGE_PIXELS)
+        return orl_error_set(
+            err, ORL_ERR_LIMIT, "view '%s': %u x %u pixels; sides go from 1 to %u, pixels to %lu",
+            v->name, v->width, v->height, ORL_LIMIT_IMAGE_SIDE, ORL_LIMIT_IMAGE_PIXELS);
     code = orl_view_parse(v->view ? v->view : "", &view, err);
     if (code < 0)
         orl_error_at(err, NULL, 0, v->name);

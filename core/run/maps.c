@@ -104,8 +104,7 @@ static int keep(struct orl_run_state *state, enum orl_map_kind kind, struct map_
     const struct orl_map_build build = {
         .kind = orl_map_kind_name(kind), .emitted = shot->emitted, .seed = state->job->seed};
     const double started = env->now_s(env->ctx);
-    int code =
-        orl_photon_map_write(work->path, shot->photons, shot->count, &build, env->crew, err);
+    int code = orl_photon_map_write(work->path, shot->photons, shot->count, &build, env->crew, err);
     if (code == 0)
         code = orl_photon_map_open(work->path, false, &state->maps[kind], err);
     if (code < 0)

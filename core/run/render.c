@@ -121,8 +121,8 @@ static int render_view(struct orl_run_state *state, const struct orl_gather *gat
     return code;
 }
 
-static int render_views(struct orl_run_state *state, const struct orl_gather *gather,
-                        double before, struct orl_error *err)
+static int render_views(struct orl_run_state *state, const struct orl_gather *gather, double before,
+                        struct orl_error *err)
 {
     const size_t n = state->job->n_views;
     int code = 0;
@@ -147,8 +147,7 @@ int orl_run_render(struct orl_run_state *state, struct orl_error *err)
     int code = orl_gather_init(&gather, state->world, maps, state->job->seed, &state->searches[0]);
     if (code < 0)
         return orl_error_set(err, code, "out of memory for the final gather");
-    const double sensors_share =
-        state->job->n_views == 0 ? 1 : state->n_sensors == 0 ? 0 : 0.2;
+    const double sensors_share = state->job->n_views == 0 ? 1 : state->n_sensors == 0 ? 0 : 0.2;
     code = render_sensors(state, &gather, sensors_share, err);
     if (code == 0)
         code = render_views(state, &gather, sensors_share, err);

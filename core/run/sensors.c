@@ -28,8 +28,7 @@ static int parse_line(char *line, double values[6])
 static int add_sensor(struct orl_sensor **sensors, size_t *count, const double v[6])
 {
     if ((*count & (*count - 1)) == 0) {
-        struct orl_sensor *grown =
-            realloc(*sensors, (*count ? 2 * *count : 1) * sizeof **sensors);
+        struct orl_sensor *grown = realloc(*sensors, (*count ? 2 * *count : 1) * sizeof **sensors);
         if (!grown)
             return ORL_ERR_NOMEM;
         *sensors = grown;

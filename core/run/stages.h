@@ -11,7 +11,7 @@
 struct orl_run_state {
     const struct orl_job *job;
     const struct orl_run_env *env;
-    struct orl_result *result; /* being filled */
+    struct orl_result *result;  /* being filled */
     struct orl_sensor *sensors; /* of the job, or of its file; owned when sensors_owned */
     size_t n_sensors;
     bool sensors_owned;

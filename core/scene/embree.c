@@ -174,9 +174,8 @@ bool orl_embree_intersect(const struct orl_geometry *geometry, struct orl_vec3 o
         return false;
     ret_hit->distance = rayhit.ray.tfar;
     ret_hit->curved = rayhit.hit.geomID == GEOMETRY_CURVED;
-    ret_hit->index = ret_hit->curved
-                         ? (uint32_t)(geometry->n_facets - 1 - rayhit.hit.primID)
-                         : rayhit.hit.primID;
+    ret_hit->index = ret_hit->curved ? (uint32_t)(geometry->n_facets - 1 - rayhit.hit.primID)
+                                     : rayhit.hit.primID;
     return true;
 }
 

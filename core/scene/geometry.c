@@ -166,8 +166,7 @@ void orl_geometry_free(struct orl_geometry *geometry)
 }
 
 bool orl_geometry_intersect(const struct orl_geometry *geometry, struct orl_vec3 origin,
-                            struct orl_vec3 direction, double max_distance,
-                            struct orl_hit *ret_hit)
+                            struct orl_vec3 direction, double max_distance, struct orl_hit *ret_hit)
 {
     struct orl_embree_hit e;
     if (!orl_embree_intersect(geometry, origin, direction, max_distance, &e))

@@ -8,8 +8,8 @@
  * Hits: the point is projected back onto the true surface in double, so that its error does not
  * grow with distance. Rays that start on a surface are to start at orl_hit_leave(hit, direction).
  *
- * Determinism: the hierarchy is built by one thread, so that ties are broken the same way each time.
- * Threads: immutable once built; intersect and occluded may be called from any thread.
+ * Determinism: the hierarchy is built by one thread, so that ties are broken the same way each
+ * time. Threads: immutable once built; intersect and occluded may be called from any thread.
  */
 #ifndef ORL_SCENE_GEOMETRY_H
 #define ORL_SCENE_GEOMETRY_H
@@ -29,7 +29,7 @@ struct orl_facet {
     struct orl_vec3 normal; /* polygons and rings: unit, the declared front */
     struct orl_vec3 center[2];
     double radius[2];
-    double offset;      /* how far from the surface a ray must start to be clear of it */
+    double offset; /* how far from the surface a ray must start to be clear of it */
     double area;
     uint32_t first_triangle, n_triangles; /* polygons: into orl_geometry.triangles */
 };
@@ -40,7 +40,7 @@ struct orl_triangle {
 };
 
 struct orl_geometry {
-    struct orl_vec3 center; /* subtracted from the files' coordinates */
+    struct orl_vec3 center;    /* subtracted from the files' coordinates */
     struct orl_vec3 low, high; /* bounds, moved coordinates */
     double radius;             /* of the bounding sphere about the moved origin */
     struct orl_facet *facets;

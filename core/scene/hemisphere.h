@@ -6,7 +6,8 @@
 
 #include "bsdf/shirley.h"
 
-/* The unit vector with z >= 0 above (u, v) of [0,1]^2: equal areas are equal projected solid angles. */
+/* The unit vector with z >= 0 above (u, v) of [0,1]^2: equal areas are equal projected solid
+ * angles. */
 static inline struct orl_vec3 orl_hemisphere_point(double u, double v)
 {
     return orl_square_to_hemisphere((struct orl_square){2 * u - 1, 2 * v - 1});

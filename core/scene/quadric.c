@@ -46,7 +46,8 @@ static bool sphere_hit(const struct orl_facet *f, struct orl_vec3 o, struct orl_
 {
     double roots[2];
     const struct orl_vec3 m = orl_sub(o, f->center[0]);
-    /* The distance of the line to the centre, squared, is formed from the nearest point: exact far out. */
+    /* The distance of the line to the centre, squared, is formed from the nearest point: exact far
+     * out. */
     const double h = orl_dot(m, d);
     const struct orl_vec3 nearest = orl_madd(m, d, -h);
     const double c = orl_dot(nearest, nearest) + h * h - f->radius[0] * f->radius[0];
@@ -67,7 +68,8 @@ static bool cone_hit(const struct orl_facet *f, struct orl_vec3 o, struct orl_ve
     const struct axis axis = axis_of(f);
     const struct orl_vec3 m = orl_sub(o, f->center[0]);
     const double mz = orl_dot(m, axis.direction), dz = orl_dot(d, axis.direction);
-    const struct orl_vec3 mp = orl_madd(m, axis.direction, -mz), dp = orl_madd(d, axis.direction, -dz);
+    const struct orl_vec3 mp = orl_madd(m, axis.direction, -mz),
+                          dp = orl_madd(d, axis.direction, -dz);
     const double r0 = axis.radius + axis.slope * mz, r1 = axis.slope * dz;
     double roots[2];
     const int n = solve(orl_dot(dp, dp) - r1 * r1, orl_dot(mp, dp) - r0 * r1,
@@ -157,7 +159,8 @@ void orl_quadric_bounds(const struct orl_facet *facet, struct orl_vec3 *ret_low,
     } else {
         const struct axis axis = axis_of(facet);
         for (int i = 0; i < 2; i++)
-            grow(facet->center[i], disc_extent(axis.direction, facet->radius[i]), ret_low, ret_high);
+            grow(facet->center[i], disc_extent(axis.direction, facet->radius[i]), ret_low,
+                 ret_high);
     }
 }
 
@@ -171,8 +174,8 @@ double orl_quadric_area(const struct orl_facet *facet)
     return ORL_PI * (r0 + r1) * hypot(axis_of(facet).length, r1 - r0);
 }
 
-void orl_quadric_sample(const struct orl_facet *facet, const double u[2], struct orl_vec3 *ret_point,
-                        struct orl_vec3 *ret_normal)
+void orl_quadric_sample(const struct orl_facet *facet, const double u[2],
+                        struct orl_vec3 *ret_point, struct orl_vec3 *ret_normal)
 {
     const double r0 = facet->radius[0], r1 = facet->radius[1], phi = 2 * ORL_PI * u[1];
     if (is_sphere(facet->kind)) {
@@ -183,8 +186,8 @@ void orl_quadric_sample(const struct orl_facet *facet, const double u[2], struct
         const struct orl_frame frame = orl_frame_about(facet->normal);
         const double r = sqrt(r0 * r0 + u[0] * (r1 * r1 - r0 * r0));
         *ret_normal = facet->normal;
-        *ret_point = orl_madd(orl_madd(facet->center[0], frame.u, r * cos(phi)), frame.v,
-                              r * sin(phi));
+        *ret_point =
+            orl_madd(orl_madd(facet->center[0], frame.u, r * cos(phi)), frame.v, r * sin(phi));
     } else {
         /* Area grows linearly with the radius: invert its integral along the axis. */
         const struct axis axis = axis_of(facet);
@@ -194,8 +197,8 @@ void orl_quadric_sample(const struct orl_facet *facet, const double u[2], struct
         const struct orl_vec3 radial =
             orl_add(orl_scale(frame.u, cos(phi)), orl_scale(frame.v, sin(phi)));
         *ret_normal = orl_normalize(orl_madd(radial, axis.direction, -axis.slope));
-        *ret_point = orl_madd(orl_madd(facet->center[0], axis.direction, share * axis.length), radial,
-                              r0 + share * (r1 - r0));
+        *ret_point = orl_madd(orl_madd(facet->center[0], axis.direction, share * axis.length),
+                              radial, r0 + share * (r1 - r0));
     }
     if (is_inverted(facet->kind))
         *ret_normal = orl_neg(*ret_normal);

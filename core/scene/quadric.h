@@ -22,7 +22,7 @@ void orl_quadric_bounds(const struct orl_facet *facet, struct orl_vec3 *ret_low,
 double orl_quadric_area(const struct orl_facet *facet);
 
 /* A point uniform by area, with its front normal. */
-void orl_quadric_sample(const struct orl_facet *facet, const double u[2], struct orl_vec3 *ret_point,
-                        struct orl_vec3 *ret_normal);
+void orl_quadric_sample(const struct orl_facet *facet, const double u[2],
+                        struct orl_vec3 *ret_point, struct orl_vec3 *ret_normal);
 
 #endif

@@ -32,11 +32,9 @@ bool orl_material_has_lobes(const struct orl_material *material)
            (material->roughness > 0 && orl_rgb_max(orl_material_specular(material)) > 0);
 }
 
-struct orl_rgb orl_material_emission(const struct orl_material *material,
-                                     const struct orl_hit *hit)
+struct orl_rgb orl_material_emission(const struct orl_material *material, const struct orl_hit *hit)
 {
-    const bool shines =
-        material->kind == ORL_MATERIAL_LIGHT || material->kind == ORL_MATERIAL_GLOW;
+    const bool shines = material->kind == ORL_MATERIAL_LIGHT || material->kind == ORL_MATERIAL_GLOW;
     return shines && hit->front ? material->color : orl_gray(0);
 }
 
@@ -49,7 +47,8 @@ struct orl_frame orl_bsdf_frame(const struct orl_material *material, struct orl_
     return frame;
 }
 
-/* ---- Glass ------------------------------------------------------------------------------------ */
+/* ---- Glass ------------------------------------------------------------------------------------
+ */
 
 /* One channel of a pane: one-surface reflectance r, one-pass transmission d. */
 static double pane_transmittance(double r, double d)
@@ -134,7 +133,8 @@ static struct orl_scatter sample_glass(const struct orl_material *material,
     return s;
 }
 
-/* ---- BSDF ------------------------------------------------------------------------------------- */
+/* ---- BSDF -------------------------------------------------------------------------------------
+ */
 
 struct orl_scatter orl_scatter_sample_bsdf(const struct orl_material *material,
                                            const struct orl_hit *hit, struct orl_vec3 from,
@@ -161,7 +161,8 @@ struct orl_scatter orl_scatter_sample_bsdf(const struct orl_material *material,
     return s;
 }
 
-/* ---- Plastic and metal ------------------------------------------------------------------------ */
+/* ---- Plastic and metal ------------------------------------------------------------------------
+ */
 
 /* Cosine-weighted about normal. */
 static struct orl_vec3 sample_cosine(struct orl_vec3 normal, struct orl_random *random)
@@ -180,8 +181,8 @@ static bool sample_ward(double roughness, struct orl_vec3 normal, struct orl_vec
     const struct orl_frame frame = orl_frame_about(normal);
     const double tangent = roughness * sqrt(-log(1 - orl_random_uniform(random)));
     const double phi = 2 * ORL_PI * orl_random_uniform(random);
-    const struct orl_vec3 half = orl_normalize(
-        orl_to_world(&frame, orl_v3(tangent * cos(phi), tangent * sin(phi), 1)));
+    const struct orl_vec3 half =
+        orl_normalize(orl_to_world(&frame, orl_v3(tangent * cos(phi), tangent * sin(phi), 1)));
     const struct orl_vec3 d = mirrored(from, half);
     const double cos_in = orl_dot(from, normal), cos_out = orl_dot(d, normal);
     if (cos_out <= 0 || orl_dot(from, half) <= 0)

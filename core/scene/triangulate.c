@@ -36,7 +36,8 @@ static bool seam_enters(const struct corner *ring, const struct corner *a, const
                         const struct corner *c, const struct corner *p)
 {
     const struct corner *next = &ring[p->next], *previous = &ring[p->previous];
-    const bool next_inside = area2(a, b, next) > 0 && area2(b, c, next) > 0 && area2(c, a, next) > 0;
+    const bool next_inside =
+        area2(a, b, next) > 0 && area2(b, c, next) > 0 && area2(c, a, next) > 0;
     const bool previous_inside =
         area2(a, b, previous) > 0 && area2(b, c, previous) > 0 && area2(c, a, previous) > 0;
     return next_inside || previous_inside;

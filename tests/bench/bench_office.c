@@ -36,7 +36,7 @@ struct bench {
     struct orl_crew *crew;
     uint64_t photons;
     int runs;
-    double rate; /* Embree's rays a second */
+    double rate;   /* Embree's rays a second */
     char map[512]; /* a global photon map of `photons` */
 };
 
@@ -82,7 +82,8 @@ static void close_file(void *ctx, struct orl_file *file)
     b->of_office.close(b->of_office.ctx, file);
 }
 
-/* ---- Embree alone ----------------------------------------------------------------------------- */
+/* ---- Embree alone -----------------------------------------------------------------------------
+ */
 
 struct ray {
     struct orl_vec3 origin, direction;
@@ -149,7 +150,8 @@ static void measure_rate(struct bench *b)
     orl_world_free(world);
 }
 
-/* ---- Jobs ------------------------------------------------------------------------------------- */
+/* ---- Jobs -------------------------------------------------------------------------------------
+ */
 
 static void run_job(struct bench *b, const char *maps, const struct orl_job *what,
                     struct orl_result *ret_result)
@@ -177,7 +179,8 @@ static void run_job(struct bench *b, const char *maps, const struct orl_job *wha
 
 static void row(const struct bench *b, const char *what, double seconds, const char *note)
 {
-    printf("  %-46s %8.2f s %9.1f M ray-times   %s\n", what, seconds, seconds * b->rate / 1e6, note);
+    printf("  %-46s %8.2f s %9.1f M ray-times   %s\n", what, seconds, seconds * b->rate / 1e6,
+           note);
 }
 
 /* Photons of one kind, distributed and indexed; the sensor is there because a job needs one. */
@@ -281,7 +284,8 @@ static void bench_open(struct bench *b)
            1e3 * median(verified, b->runs));
 }
 
-/* ---- The whole -------------------------------------------------------------------------------- */
+/* ---- The whole --------------------------------------------------------------------------------
+ */
 
 /* The panel's BSDF, 2^6, by the example's own generator. */
 static void make_panel(const struct bench *b)

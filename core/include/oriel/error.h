@@ -30,15 +30,16 @@ enum { ORL_ERROR_NAME_MAX = 256, ORL_ERROR_TEXT_MAX = 512 };
 
 /* What went wrong, where, and what would mend it. Fields that do not apply are "" or 0. */
 struct orl_error {
-    int code;                            /* an enum orl_err */
-    char file[ORL_ERROR_NAME_MAX];       /* as the user named it */
-    int line;                            /* 1-based; 0 when there is none */
-    char primitive[ORL_ERROR_NAME_MAX];  /* "polygon wall_w", "WavelengthDataBlock" */
-    char message[ORL_ERROR_TEXT_MAX];    /* one sentence: what is wrong */
-    char hint[ORL_ERROR_TEXT_MAX];       /* one sentence: what would fix it */
+    int code;                           /* an enum orl_err */
+    char file[ORL_ERROR_NAME_MAX];      /* as the user named it */
+    int line;                           /* 1-based; 0 when there is none */
+    char primitive[ORL_ERROR_NAME_MAX]; /* "polygon wall_w", "WavelengthDataBlock" */
+    char message[ORL_ERROR_TEXT_MAX];   /* one sentence: what is wrong */
+    char hint[ORL_ERROR_TEXT_MAX];      /* one sentence: what would fix it */
 };
 
-/* Fills err (NULL is allowed) with code and a printf-style message, clears the rest; returns code. */
+/* Fills err (NULL is allowed) with code and a printf-style message, clears the rest; returns code.
+ */
 int orl_error_set(struct orl_error *err, int code, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 

@@ -4,23 +4,23 @@
 #ifndef ORIEL_LIMITS_H
 #define ORIEL_LIMITS_H
 
-#define ORL_LIMIT_FILE_BYTES (512UL << 20)    /* one uploaded file */
-#define ORL_LIMIT_SCENE_FILES 512U            /* files in one scene */
-#define ORL_LIMIT_INCLUDE_DEPTH 16U           /* nesting of !xform files */
-#define ORL_LIMIT_SCENE_TEXT (4UL << 30)        /* scene text read, repeats of xform -a included */
-#define ORL_LIMIT_SURFACES 20000000UL         /* surfaces after all !xform -a repeats */
-#define ORL_LIMIT_POLYGON_VERTICES 20000U     /* corners of one polygon: triangulation is quadratic */
-#define ORL_LIMIT_ARGUMENTS 400000U           /* arguments of one primitive */
-#define ORL_LIMIT_WORD_BYTES 4096U            /* one word of a scene file */
-#define ORL_LIMIT_XFORM_ARRAY 100000U         /* copies made by one !xform -a chain */
-#define ORL_LIMIT_XML_DEPTH 64U               /* element nesting in a BSDF file */
-#define ORL_LIMIT_TREE_DEPTH 8U               /* log2 of a tensor tree's resolution per axis */
-#define ORL_LIMIT_BSDF_VALUES (64UL << 20)    /* leaf values in one BSDF file */
-#define ORL_LIMIT_SENSORS 4000000UL           /* sensors in one job */
-#define ORL_LIMIT_VIEWS 1024U                 /* views in one job */
-#define ORL_LIMIT_IMAGE_SIDE 16384U           /* pixels along one side */
-#define ORL_LIMIT_IMAGE_PIXELS (64UL << 20)   /* pixels in one image */
-#define ORL_LIMIT_PHOTONS 1000000000UL        /* photons asked for in one map */
-#define ORL_LIMIT_JOB_BYTES (256UL << 20)     /* one job document */
+#define ORL_LIMIT_FILE_BYTES (512UL << 20)  /* one uploaded file */
+#define ORL_LIMIT_SCENE_FILES 512U          /* files in one scene */
+#define ORL_LIMIT_INCLUDE_DEPTH 16U         /* nesting of !xform files */
+#define ORL_LIMIT_SCENE_TEXT (4UL << 30)    /* scene text read, repeats of xform -a included */
+#define ORL_LIMIT_SURFACES 20000000UL       /* surfaces after all !xform -a repeats */
+#define ORL_LIMIT_POLYGON_VERTICES 20000U   /* corners of one polygon: triangulation is quadratic */
+#define ORL_LIMIT_ARGUMENTS 400000U         /* arguments of one primitive */
+#define ORL_LIMIT_WORD_BYTES 4096U          /* one word of a scene file */
+#define ORL_LIMIT_XFORM_ARRAY 100000U       /* copies made by one !xform -a chain */
+#define ORL_LIMIT_XML_DEPTH 64U             /* element nesting in a BSDF file */
+#define ORL_LIMIT_TREE_DEPTH 8U             /* log2 of a tensor tree's resolution per axis */
+#define ORL_LIMIT_BSDF_VALUES (64UL << 20)  /* leaf values in one BSDF file */
+#define ORL_LIMIT_SENSORS 4000000UL         /* sensors in one job */
+#define ORL_LIMIT_VIEWS 1024U               /* views in one job */
+#define ORL_LIMIT_IMAGE_SIDE 16384U         /* pixels along one side */
+#define ORL_LIMIT_IMAGE_PIXELS (64UL << 20) /* pixels in one image */
+#define ORL_LIMIT_PHOTONS 1000000000UL      /* photons asked for in one map */
+#define ORL_LIMIT_JOB_BYTES (256UL << 20)   /* one job document */
 
 #endif

@@ -3,9 +3,9 @@
  * workers, for `oriel run`, and for whatever comes later.
  *
  * A run goes load -> bvh -> photons -> maps -> render. It owns nothing of the caller's: files come
- * from a provider, photon maps go to and come from a store, threads are lent by the caller (a crew),
- * time is read through a callback, images are written below an output folder. Given the same job,
- * files and seed the results are the same bytes for any crew size.
+ * from a provider, photon maps go to and come from a store, threads are lent by the caller (a
+ * crew), time is read through a callback, images are written below an output folder. Given the same
+ * job, files and seed the results are the same bytes for any crew size.
  */
 #ifndef ORIEL_RUN_H
 #define ORIEL_RUN_H
@@ -30,8 +30,8 @@ struct orl_sensor {
 };
 
 struct orl_view_request {
-    char *name;   /* file name stem: letters, digits, '-', '_', '.'; unique in the job */
-    char *view;   /* Radiance view options, "-vtv -vp ... " */
+    char *name; /* file name stem: letters, digits, '-', '_', '.'; unique in the job */
+    char *view; /* Radiance view options, "-vtv -vp ... " */
     uint32_t width, height;
 };
 
@@ -63,7 +63,7 @@ int orl_job_validate(const struct orl_job *job, struct orl_error *err);
 enum { ORL_DIGEST_HEX = 64 };
 
 struct orl_map_info {
-    char kind[16];               /* "global" or "caustic" */
+    char kind[16];                /* "global" or "caustic" */
     char key[ORL_DIGEST_HEX + 1]; /* digest of all that determines the map, lower-case hex */
     uint64_t emitted, stored, bytes;
     double seconds; /* what building it took */
@@ -75,14 +75,15 @@ struct orl_map_store {
     void *ctx;
     /*
      * Asks for the map. Returns 0 with ret_path naming a complete file (ret_hit true, and *ret_info
-     * filled with what was committed) or a path at which the caller is to create it (ret_hit false).
-     * May wait while another job builds the same key; gives up with ORL_ERR_CANCELLED when *cancel.
-     * A hit stays pinned until release.
+     * filled with what was committed) or a path at which the caller is to create it (ret_hit
+     * false). May wait while another job builds the same key; gives up with ORL_ERR_CANCELLED when
+     * *cancel. A hit stays pinned until release.
      */
     int (*acquire)(void *ctx, const char *kind, const char *key, atomic_bool *cancel,
                    char ret_path[4096], bool *ret_hit, struct orl_map_info *ret_info,
                    struct orl_error *err);
-    /* After a miss: the file at that path is complete and synced. It becomes visible, and pinned. */
+    /* After a miss: the file at that path is complete and synced. It becomes visible, and pinned.
+     */
     int (*commit)(void *ctx, const struct orl_map_info *info, struct orl_error *err);
     /* After a miss that failed, or a hit that proved corrupt: drops the file. */
     void (*abandon)(void *ctx, const char *kind, const char *key);

@@ -69,9 +69,8 @@ static inline struct orl_vec3 orl_normalize(struct orl_vec3 a)
 static inline struct orl_frame orl_frame_about(struct orl_vec3 n)
 {
     const double sign = copysign(1.0, n.z), a = -1.0 / (sign + n.z), b = n.x * n.y * a;
-    return (struct orl_frame){{1.0 + sign * n.x * n.x * a, sign * b, -sign * n.x},
-                              {b, sign + n.y * n.y * a, -n.y},
-                              n};
+    return (struct orl_frame){
+        {1.0 + sign * n.x * n.x * a, sign * b, -sign * n.x}, {b, sign + n.y * n.y * a, -n.y}, n};
 }
 static inline struct orl_vec3 orl_to_local(const struct orl_frame *f, struct orl_vec3 w)
 {
