@@ -113,13 +113,13 @@ int orl_photon_map_open(const char *path, bool verify, struct orl_photon_map **r
     if (!map)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory opening a photon map");
     int code = map_file(path, map, err);
-    if (code == 0)
+    if (code == 0 && map->header)
         code = check_header(map->header, map->size, path, err);
-    if (code == 0 && verify &&
+    if (code == 0 && verify && map->header &&
         !checksum_matches((const char *)map->file + sizeof *map->header,
                           map->size - sizeof *map->header, map->header->body_checksum))
         code = orl_error_set(err, ORL_ERR_CORRUPT, "photon map '%s' fails its checksum", path);
-    if (code < 0) {
+    if (code < 0 || !map->header) {
         orl_photon_map_free(map);
         return code;
     }

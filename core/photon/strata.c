@@ -98,8 +98,9 @@ static int make_dome_table(struct orl_emission *e)
     if (!values)
         return ORL_ERR_NOMEM;
     for (int i = 0; i < DOME_SIDE_X * DOME_SIDE_Y; i++) {
-        const double z = 2 * (i / DOME_SIDE_X + 0.5) / DOME_SIDE_Y - 1, s = sqrt(1 - z * z);
-        const double phi = 2 * ORL_PI * (i % DOME_SIDE_X + 0.5) / DOME_SIDE_X;
+        const int row = i / DOME_SIDE_X, column = i % DOME_SIDE_X;
+        const double z = 2 * (row + 0.5) / DOME_SIDE_Y - 1, s = sqrt(1 - z * z);
+        const double phi = 2 * ORL_PI * (column + 0.5) / DOME_SIDE_X;
         const struct orl_vec3 d = orl_v3(s * cos(phi), s * sin(phi), z);
         values[i] =
             orl_luma(orl_world_dome_radiance(e->world, d)) * box_area(e->world->geometry, d);

@@ -191,7 +191,7 @@ static void measure(struct writer *w)
             h->low[k] = fmin(h->low[k], p->position[k]);
             high[k] = fmax(high[k], p->position[k]);
         }
-        const double most = fmax(p->flux[0], fmax(p->flux[1], p->flux[2]));
+        const double most = fmaxf(p->flux[0], fmaxf(p->flux[1], p->flux[2]));
         flux += most;
         brightest = fmax(brightest, most);
     }

@@ -252,8 +252,9 @@ struct orl_hemisphere orl_gather_hemisphere(const struct orl_gather *gather,
     double nearness = 0;
     struct strand *strands = malloc(sizeof *strands * rows * columns);
     for (uint32_t i = 0; i < rows * columns; i++) {
-        const double sine = sqrt((i / columns + orl_random_uniform(random)) / rows);
-        const double phi = 2 * ORL_PI * (i % columns + orl_random_uniform(random)) / columns;
+        const uint32_t row = i / columns, column = i % columns;
+        const double sine = sqrt((row + orl_random_uniform(random)) / rows);
+        const double phi = 2 * ORL_PI * (column + orl_random_uniform(random)) / columns;
         const struct orl_vec3 direction = orl_to_world(
             &frame, orl_v3(sine * cos(phi), sine * sin(phi), sqrt(fmax(0, 1 - sine * sine))));
         double distance;

@@ -24,7 +24,7 @@ void orl_rgbe_encode(const float rgb[3], unsigned char ret_rgbe[4])
     memset(ret_rgbe, 0, 4);
     if (most < 1e-32F)
         return;
-    const double scale = frexp(most, &exponent) * 256.0 / most;
+    const double scale = frexp((double)most, &exponent) * 256.0 / most;
     for (int i = 0; i < 3; i++)
         ret_rgbe[i] = (unsigned char)fmin(clean[i] * scale, 255);
     ret_rgbe[3] = (unsigned char)(exponent + 128);
@@ -89,12 +89,12 @@ static void write_scanline(FILE *stream, float (*const row)[3], uint32_t width,
 int orl_film_write_hdr(const struct orl_film *film, const struct orl_view *view, const char *path,
                        struct orl_error *err)
 {
-    struct orl_out_file file;
+    struct orl_out_file file = {.stream = NULL};
     char text[1024];
     unsigned char *scratch = malloc((size_t)film->width * 4);
     int code = scratch ? orl_out_open(&file, path, err)
                        : orl_error_set(err, ORL_ERR_NOMEM, "out of memory writing an image");
-    if (code == 0) {
+    if (code == 0 && file.stream) {
         const double aspect = orl_view_pixel_aspect(view, film->width, film->height);
         orl_view_format(view, text, sizeof text);
         fprintf(file.stream, "#?RADIANCE\nSOFTWARE= Oriel\nVIEW= %s\n", text);

@@ -12,6 +12,13 @@ enum { COARSEST_STEP = 16, RECORDS_A_ROUND = 256 };
 /* How far records reach, in pixels: their radii are held between these over the accuracy. */
 static const double least_reach_pixels = 3, most_reach_pixels = 40;
 
+/* Places of one lattice row that want a record. */
+struct row {
+    struct orl_record *places; /* with the size of a pixel there as radius */
+    size_t count, capacity;
+    bool out_of_memory;
+};
+
 struct painter {
     const struct orl_image_env *env;
     const struct orl_view *view;
@@ -20,13 +27,11 @@ struct painter {
     bool outside;
     double pixel_angle; /* of a pixel, radians: about */
     size_t first_tile, tiles_x;
-    /* A round of records: places found, then computed. */
-    struct orl_record *wanted;
-    size_t n_wanted, capacity, first_record;
+    /* A round of records: places found row by row, then computed. */
     uint32_t step;
-    struct orl_record *found; /* per lattice row: up to width * vertices */
-    uint32_t *n_found;
-    size_t row_room;
+    struct row *rows;
+    struct orl_record *wanted;
+    size_t n_wanted, first_record;
 };
 
 static bool cancelled(const struct painter *p)
@@ -75,13 +80,27 @@ static void compute_record(void *arg, size_t index, uint32_t member)
     }
 }
 
+static void want(struct row *row, const struct orl_vertex *v, double pixel_angle)
+{
+    if (row->count == row->capacity) {
+        const size_t capacity = row->capacity ? 2 * row->capacity : 16;
+        struct orl_record *grown = realloc(row->places, capacity * sizeof *grown);
+        if (!grown) {
+            row->out_of_memory = true;
+            return;
+        }
+        row->places = grown;
+        row->capacity = capacity;
+    }
+    row->places[row->count++] =
+        (struct orl_record){.place = v->place, .radius = v->distance * pixel_angle};
+}
+
 /* The places along one lattice row that no record serves yet. */
 static void look_along_row(void *arg, size_t index, uint32_t member)
 {
-    struct painter *p = arg;
+    const struct painter *p = arg;
     const uint32_t y = (uint32_t)index * p->step;
-    struct orl_record *found = p->found + index * p->row_room;
-    uint32_t n = 0;
     for (uint32_t x = 0; x < p->film->width && !cancelled(p); x += p->step) {
         struct orl_vec3 origin, direction;
         struct orl_sight sight;
@@ -91,31 +110,31 @@ static void look_along_row(void *arg, size_t index, uint32_t member)
             continue;
         orl_shade_look(p->env->gather, origin, direction, p->outside, true, &random,
                        &p->env->searches[member], &sight);
-        for (uint32_t i = 0; i < sight.n_vertices; i++) {
-            const struct orl_vertex *v = &sight.vertices[i];
-            if (!orl_icache_lookup(&p->cache, &v->place, &ignored))
-                found[n++] =
-                    (struct orl_record){.place = v->place, .radius = v->distance * p->pixel_angle};
-        }
+        for (uint32_t i = 0; i < sight.n_vertices; i++)
+            if (!orl_icache_lookup(&p->cache, &sight.vertices[i].place, &ignored))
+                want(&p->rows[index], &sight.vertices[i], p->pixel_angle);
     }
-    p->n_found[index] = n;
 }
 
-/* Of the places found, in order, those not too close to one already taken this round. */
-static int choose_places(struct painter *p, size_t rows)
+/* All rows' places in one array, in order; the rows are emptied. */
+static int join_rows(struct painter *p, size_t rows)
 {
     size_t total = 0;
-    for (size_t i = 0; i < rows; i++)
-        total += p->n_found[i];
+    bool short_of_memory = false;
+    for (size_t i = 0; i < rows; i++) {
+        total += p->rows[i].count;
+        short_of_memory = short_of_memory || p->rows[i].out_of_memory;
+    }
     struct orl_record *wanted = realloc(p->wanted, (total + 1) * sizeof *wanted);
-    if (!wanted)
-        return ORL_ERR_NOMEM;
-    p->wanted = wanted;
+    if (wanted)
+        p->wanted = wanted;
     p->n_wanted = 0;
-    for (size_t i = 0; i < rows; i++)
-        for (uint32_t k = 0; k < p->n_found[i]; k++)
-            wanted[p->n_wanted++] = p->found[i * p->row_room + k];
-    return 0;
+    for (size_t i = 0; i < rows; i++) {
+        for (size_t k = 0; wanted && k < p->rows[i].count; k++)
+            wanted[p->n_wanted++] = p->rows[i].places[k];
+        free(p->rows[i].places);
+    }
+    return wanted && !short_of_memory ? 0 : ORL_ERR_NOMEM;
 }
 
 static int compute_wanted(struct painter *p)
@@ -131,26 +150,21 @@ static int compute_wanted(struct painter *p)
     return code < 0 ? code : orl_icache_index(&p->cache);
 }
 
-/* Rounds from a coarse lattice to every pixel; rounds share of the progress is half. */
+/* Rounds from a coarse lattice to every pixel: the first half of the view's progress. */
 static int place_records(struct painter *p)
 {
     int code = 0;
     double done = 0;
     for (p->step = COARSEST_STEP; p->step >= 1 && code == 0; p->step /= 2) {
         const size_t rows = (p->film->height + p->step - 1) / p->step;
-        const size_t columns = (p->film->width + p->step - 1) / p->step;
-        p->row_room = columns * ORL_SHADE_VERTICES;
-        p->found = malloc(rows * p->row_room * sizeof *p->found);
-        p->n_found = calloc(rows, sizeof *p->n_found);
-        code = p->found && p->n_found ? 0 : ORL_ERR_NOMEM;
-        if (code == 0) {
-            orl_crew_for(p->env->crew, rows, look_along_row, p);
-            code = choose_places(p, rows);
-        }
+        p->rows = calloc(rows, sizeof *p->rows);
+        if (!p->rows)
+            return ORL_ERR_NOMEM;
+        orl_crew_for(p->env->crew, rows, look_along_row, p);
+        code = join_rows(p, rows);
+        free(p->rows);
         if (code == 0)
             code = compute_wanted(p);
-        free(p->found);
-        free(p->n_found);
         done += 0.1;
         p->env->progress(p->env->ctx, done);
     }
@@ -206,8 +220,8 @@ static struct orl_rgb pixel_radiance(const struct painter *p, uint32_t x, uint32
             orl_random_stream(p->env->gather->seed + p->env->index, ORL_PURPOSE_PIXEL,
                               ((uint64_t)y * p->film->width + x) * 16 + i);
         /* Not jittered: beside a sky hundreds of times brighter, chance coverage frays an edge. */
-        const double dx = (i % RAYS_A_SIDE + 0.5) / RAYS_A_SIDE;
-        const double dy = (i / RAYS_A_SIDE + 0.5) / RAYS_A_SIDE;
+        const uint32_t column = i % RAYS_A_SIDE, row = i / RAYS_A_SIDE;
+        const double dx = (column + 0.5) / RAYS_A_SIDE, dy = (row + 0.5) / RAYS_A_SIDE;
         struct orl_vec3 origin, direction;
         struct orl_sight sight;
         if (!pixel_ray(p, x + dx, y + dy, &origin, &direction))

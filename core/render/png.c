@@ -68,11 +68,11 @@ static int encode(const struct orl_film *film, FILE *stream, unsigned char *row,
 
 int orl_film_write_png(const struct orl_film *film, const char *path, struct orl_error *err)
 {
-    struct orl_out_file file;
+    struct orl_out_file file = {.stream = NULL};
     unsigned char *row = malloc((size_t)film->width * 3);
     int code = row ? orl_out_open(&file, path, err)
                    : orl_error_set(err, ORL_ERR_NOMEM, "out of memory writing an image");
-    if (code == 0) {
+    if (code == 0 && file.stream) {
         code = encode(film, file.stream, row, log_average(film));
         if (code < 0)
             orl_error_set(err, code, "libpng failed writing '%s'", path);
