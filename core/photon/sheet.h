@@ -1,7 +1,7 @@
 /*
  * Whether two points lie on the same sheet of surface: normals within 30 degrees of each other, and
  * the chord between the points square to the mean normal, within 5 % of its length (2 % where the
- * coded normals agree: a code is off by 0.8 degrees at most) and a few cells of rounding. So a
+ * coded normals agree: a code is off by 1 degree at most) and a few cells of rounding. So a
  * sheet 5 mm above another stays apart from it out to 25 cm. Exact on planes, spheres and
  * cylinders; false through walls, around corners and between parallel surfaces.
  */

@@ -1,0 +1,429 @@
+/*
+ * Density estimates: the right photons are found, uniform light comes back unbiased, nothing is
+ * gathered through walls or off other surfaces, and leaf look-ups agree with plain estimates.
+ *
+ * With k-th nearest distance r, the estimate (k-1) flux / (pi r^2) of uniform photons has mean 1
+ * and relative variance 1 / (k-2); tolerances follow from that.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include <cmocka.h>
+#include <sodium.h>
+
+#include "base/random.h"
+#include "photon/facing.h"
+#include "photon/leaves.h"
+#include "photon/sheet.h"
+#include "support/cli.h"
+
+static char folder[64];
+static struct orl_search *search;
+
+static int set_up(void **state)
+{
+    (void)state;
+    cli_make_folder(folder);
+    search = malloc(sizeof *search);
+    return sodium_init() < 0 || !search ? -1 : 0;
+}
+
+static int tear_down(void **state)
+{
+    (void)state;
+    free(search);
+    cli_remove_folder(folder);
+    return 0;
+}
+
+/* A growing list of photons, each of flux 1 unless said otherwise. */
+struct shower {
+    struct orl_photon *photons;
+    size_t count;
+    struct orl_random random;
+};
+
+static struct shower shower_new(size_t most, uint64_t seed)
+{
+    struct shower s = {malloc((most + 1) * sizeof *s.photons), 0,
+                       orl_random_stream(seed, ORL_PURPOSE_BENCH, 0)};
+    assert_non_null(s.photons);
+    return s;
+}
+
+static void land(struct shower *s, struct orl_vec3 at, struct orl_vec3 normal, double flux)
+{
+    s->photons[s->count++] =
+        (struct orl_photon){.position = {(float)at.x, (float)at.y, (float)at.z},
+                            .flux = {(float)flux, (float)flux, (float)flux},
+                            .normal = orl_normal_encode(normal)};
+}
+
+/* count photons, uniform over the parallelogram at corner. */
+static void rain(struct shower *s, size_t count, struct orl_vec3 corner, struct orl_vec3 a,
+                 struct orl_vec3 b, struct orl_vec3 normal)
+{
+    for (size_t i = 0; i < count; i++) {
+        const double u = orl_random_uniform(&s->random), v = orl_random_uniform(&s->random);
+        land(s, orl_madd(orl_madd(corner, a, u), b, v), normal, 1);
+    }
+}
+
+/* Writes, opens and frees the photons. */
+static struct orl_photon_map *settle(struct shower *s)
+{
+    const struct orl_map_build build = {.kind = "global", .emitted = 1, .seed = 1};
+    struct orl_photon_map *map = NULL;
+    struct orl_crew *crew = orl_crew_start(1);
+    char path[128];
+    struct orl_error err;
+    snprintf(path, sizeof path, "%s/map", folder);
+    assert_int_equal(orl_photon_map_write(path, s->photons, s->count, &build, crew, &err), 0);
+    assert_int_equal(orl_photon_map_open(path, false, &map, &err), 0);
+    orl_crew_stop(crew);
+    free(s->photons);
+    return map;
+}
+
+static struct orl_density ask(const struct orl_photon_map *map, struct orl_vec3 point,
+                              struct orl_vec3 normal, uint32_t k, double max_radius)
+{
+    const struct orl_density_query query = {
+        .point = point, .normal = normal, .k = k, .max_radius = max_radius};
+    return orl_density_estimate(map, &query, search);
+}
+
+static const struct orl_vec3 zero = {0, 0, 0}, x_axis = {1, 0, 0}, y_axis = {0, 1, 0},
+                             z_axis = {0, 0, 1}, down = {0, 0, -1};
+
+/* ---- The same photons as brute force ----------------------------------------------------------
+ */
+
+struct neighbour {
+    double distance2, flux;
+};
+
+static int compare_neighbours(const void *a, const void *b)
+{
+    const struct neighbour *x = a, *y = b;
+    return (x->distance2 > y->distance2) - (x->distance2 < y->distance2);
+}
+
+/* The estimate over all photons of the map, sorted; in cells, as the search has them. */
+static struct orl_density brute_force(const struct orl_photon_map *map,
+                                      const struct orl_density_query *q, struct neighbour *list)
+{
+    const struct orl_map_header *h = orl_photon_map_header(map);
+    const uint16_t own = orl_normal_encode(q->normal);
+    size_t n = 0;
+    struct orl_density density = {.radius = q->max_radius};
+    for (size_t i = 0; i < h->count; i++) {
+        const struct orl_photon p = orl_photon_map_get(map, i);
+        const struct orl_vec3 d =
+            orl_sub(orl_v3(p.position[0], p.position[1], p.position[2]), q->point);
+        const float chord[3] = {(float)(d.x / h->cell), (float)(d.y / h->cell),
+                                (float)(d.z / h->cell)};
+        if (orl_length(d) < q->max_radius && orl_same_sheet(q->normal, own, p.normal, chord))
+            list[n++] = (struct neighbour){orl_dot(d, d), p.flux[0]};
+    }
+    qsort(list, n, sizeof *list, compare_neighbours);
+    density.found = (uint32_t)n;
+    if (n >= q->k) {
+        density.found = q->k - 1;
+        density.radius = sqrt(list[q->k - 1].distance2);
+    }
+    for (uint32_t i = 0; i < density.found; i++)
+        density.irradiance.r += list[i].flux / (ORL_PI * density.radius * density.radius);
+    return density;
+}
+
+/*
+ * A floor and a wall that meet, fluxes different for each photon. Radii agree within the rounding
+ * of places to floats (2e-7 of 2 m); sums within what that does to the disc's area.
+ */
+static void test_brute_force(void **state)
+{
+    static const uint32_t ks[] = {2, 16, 64, 300, 4096};
+    struct shower s = shower_new(20000, 1);
+    (void)state;
+    rain(&s, 10000, zero, orl_scale(x_axis, 2), orl_scale(y_axis, 2), z_axis);
+    rain(&s, 6000, zero, orl_scale(x_axis, 2), orl_scale(z_axis, 2), y_axis);
+    for (size_t i = 0; i < s.count; i++)
+        for (int c = 0; c < 3; c++)
+            s.photons[i].flux[c] *= (float)(1 + orl_random_uniform(&s.random));
+    struct orl_random random = s.random;
+    struct neighbour *list = malloc(s.count * sizeof *list);
+    struct orl_photon_map *map = settle(&s);
+    assert_non_null(list);
+    for (int i = 0; i < 300; i++) {
+        const double u = 2 * orl_random_uniform(&random), v = 2 * orl_random_uniform(&random);
+        const bool floor = i % 2 == 0;
+        const struct orl_density_query q = {.point = floor ? orl_v3(u, v, 0) : orl_v3(u, 0, v),
+                                            .normal = floor ? z_axis : y_axis,
+                                            .k = ks[i / 2 % 5],
+                                            .max_radius = i % 3 == 0 ? 0.05 : 0.7};
+        const struct orl_density is = orl_density_estimate(map, &q, search);
+        const struct orl_density should = brute_force(map, &q, list);
+        assert_int_equal(is.found, should.found);
+        assert_true(fabs(is.radius - should.radius) <= 1e-6);
+        assert_true(fabs(is.irradiance.r - should.irradiance.r) <=
+                    should.irradiance.r * 4e-6 / should.radius);
+    }
+    free(list);
+    orl_photon_map_free(map);
+}
+
+/* ---- Few photons ------------------------------------------------------------------------------
+ */
+
+static void test_few_photons(void **state)
+{
+    const double reach = 0.5, area = ORL_PI * reach * reach;
+    (void)state;
+    for (size_t n = 0; n <= 3; n++) {
+        struct shower s = shower_new(n, 2);
+        for (size_t i = 0; i < n; i++)
+            land(&s, orl_v3(0.1 * (double)i, 0, 0), z_axis, 1);
+        struct orl_photon_map *map = settle(&s);
+        const struct orl_density many = ask(map, zero, z_axis, 64, reach);
+        assert_int_equal(many.found, n);
+        /* Fluxes are rounded to 1/256 at most, places to a cell. */
+        assert_true(fabs(many.irradiance.g - (double)n / area) <= (double)n / area / 256);
+        for (uint32_t k = 1; k <= 4; k++) {
+            const struct orl_density d = ask(map, orl_v3(0.01, 0.02, 0), z_axis, k, reach);
+            assert_true(orl_rgb_is_finite(d.irradiance));
+            assert_true(d.irradiance.r >= 0 && (n == 0) == (d.irradiance.r == 0));
+        }
+        struct orl_leaves *leaves = orl_leaves_new(map, 64, reach);
+        assert_non_null(leaves);
+        const struct orl_rgb e = orl_leaves_irradiance(leaves, zero, z_axis, search);
+        assert_true(orl_rgb_is_finite(e) && e.r >= 0);
+        orl_leaves_free(leaves);
+        orl_photon_map_free(map);
+    }
+}
+
+/* A thousand photons on one spot: as bright as a cell's disc allows, but finite. */
+static void test_coincident_photons(void **state)
+{
+    struct shower s = shower_new(1000, 3);
+    (void)state;
+    for (int i = 0; i < 1000; i++)
+        land(&s, orl_v3(0.25, 0.5, 1), z_axis, 1);
+    struct orl_photon_map *map = settle(&s);
+    const struct orl_density d = ask(map, orl_v3(0.25, 0.5, 1), z_axis, 64, 0.1);
+    assert_int_equal(d.found, 63);
+    assert_true(orl_rgb_is_finite(d.irradiance) && d.irradiance.r > 0);
+    assert_int_equal(ask(map, orl_v3(0.25, 0.5, 1), down, 64, 0.1).found, 0);
+    orl_photon_map_free(map);
+}
+
+/* ---- Bias -------------------------------------------------------------------------------------
+ */
+
+/*
+ * 400 discs that do not overlap, on a square of 4e5 photons: their mean is within 3 standard errors
+ * of the true density, and their spread is what theory says (chi-square of 399, 4 sigma).
+ */
+static void test_uniform_plane(void **state)
+{
+    enum { COUNT = 400000, SIDE = 20, QUERIES = SIDE * SIDE, K = 64 };
+    struct shower s = shower_new(COUNT, 4);
+    double sum = 0, sum2 = 0;
+    (void)state;
+    rain(&s, COUNT, zero, x_axis, y_axis, z_axis);
+    struct orl_photon_map *map = settle(&s);
+    for (int i = 0; i < QUERIES; i++) {
+        const struct orl_vec3 at =
+            orl_v3((i % SIDE + 0.5) / SIDE, (double)(i / SIDE) / SIDE + 0.025, 0);
+        const double e = ask(map, at, z_axis, K, 0.02).irradiance.r / COUNT;
+        sum += e;
+        sum2 += (e - 1) * (e - 1);
+    }
+    const double variance = 1.0 / (K - 2);
+    assert_true(fabs(sum / QUERIES - 1) < 3 * sqrt(variance / QUERIES));
+    assert_true(fabs(sum2 / QUERIES / variance - 1) < 4 * sqrt(2.0 / QUERIES) + 4.0 / K);
+    orl_photon_map_free(map);
+}
+
+/*
+ * On a sphere a chord c cuts off a cap of area pi c^2, exactly: the plane's estimate holds. 1000
+ * queries of k = 128: standard error 0.28 %, so 1 % is more than 3 sigma.
+ */
+static void test_sphere(void **state)
+{
+    enum { COUNT = 400000, QUERIES = 1000, K = 128 };
+    struct shower s = shower_new(COUNT, 5);
+    double sum = 0;
+    (void)state;
+    for (int i = 0; i < COUNT; i++) {
+        const double z = 2 * orl_random_uniform(&s.random) - 1, r = sqrt(1 - z * z);
+        const double phi = 2 * ORL_PI * orl_random_uniform(&s.random);
+        const struct orl_vec3 n = orl_v3(r * cos(phi), r * sin(phi), z);
+        land(&s, orl_scale(n, 2), orl_neg(n), 1);
+    }
+    struct orl_random random = s.random;
+    struct orl_photon_map *map = settle(&s);
+    for (int i = 0; i < QUERIES; i++) {
+        const double z = 2 * orl_random_uniform(&random) - 1, r = sqrt(1 - z * z);
+        const double phi = 2 * ORL_PI * orl_random_uniform(&random);
+        const struct orl_vec3 n = orl_v3(r * cos(phi), r * sin(phi), z);
+        sum += ask(map, orl_scale(n, 2), orl_neg(n), K, 0.5).irradiance.r;
+    }
+    const double expected = COUNT / (16 * ORL_PI);
+    assert_true(fabs(sum / QUERIES / expected - 1) < 0.01);
+    orl_photon_map_free(map);
+}
+
+/* ---- Other surfaces ---------------------------------------------------------------------------
+ */
+
+/* Light on one sheet; the query lies on another. Nothing may be found. */
+static void check_no_leak(struct orl_vec3 corner, struct orl_vec3 a, struct orl_vec3 b,
+                          struct orl_vec3 lit, struct orl_vec3 point, struct orl_vec3 normal)
+{
+    struct shower s = shower_new(100000, 6);
+    rain(&s, 100000, corner, a, b, lit);
+    struct orl_photon_map *map = settle(&s);
+    const struct orl_density d = ask(map, point, normal, 64, 0.2);
+    assert_int_equal(d.found, 0);
+    assert_true(d.irradiance.r == 0);
+    struct orl_leaves *leaves = orl_leaves_new(map, 64, 0.2);
+    assert_non_null(leaves);
+    assert_true(orl_leaves_irradiance(leaves, point, normal, search).r == 0);
+    orl_leaves_free(leaves);
+    orl_photon_map_free(map);
+}
+
+/* A wall 1 mm thick, lit on the other side. */
+static void test_through_a_wall(void **state)
+{
+    (void)state;
+    check_no_leak(zero, x_axis, y_axis, z_axis, orl_v3(0.5, 0.5, -0.001), down);
+}
+
+/* Under a table top 5 mm above the floor, and above it. */
+static void test_parallel_sheets(void **state)
+{
+    (void)state;
+    check_no_leak(zero, x_axis, y_axis, z_axis, orl_v3(0.5, 0.5, -0.005), z_axis);
+    check_no_leak(zero, x_axis, y_axis, z_axis, orl_v3(0.5, 0.5, 0.005), z_axis);
+    /* Tilted, so that normals are not codes exactly. */
+    const double c = cos(0.3), t = sin(0.3);
+    const struct orl_vec3 n = orl_v3(0, -t, c), along = orl_v3(0, c, t);
+    const struct orl_vec3 middle = orl_madd(orl_scale(x_axis, 0.5), along, 0.5);
+    check_no_leak(zero, x_axis, along, n, orl_madd(middle, n, 0.005), n);
+    check_no_leak(zero, x_axis, along, n, orl_madd(middle, n, -0.005), n);
+}
+
+/* A lit floor that meets a dark wall, and the other way round. */
+static void test_around_a_corner(void **state)
+{
+    (void)state;
+    check_no_leak(zero, x_axis, y_axis, z_axis, orl_v3(0.5, 0, 0.001), y_axis);
+    check_no_leak(zero, x_axis, z_axis, y_axis, orl_v3(0.5, 0.001, 0), z_axis);
+}
+
+/* ---- Leaves -----------------------------------------------------------------------------------
+ */
+
+/*
+ * Leaf values are estimates with k = 64 amid their photons. The 12500 leaves' discs overlap
+ * four-fold (64 photons to 16), so 4 / 12500 * 1/62 is the variance of their mean: 3 sigma are
+ * 0.68 %. A leaf's middle is not a place chosen by chance; 0.5 % is allowed for that.
+ */
+static void test_leaves_agree(void **state)
+{
+    enum { COUNT = 200000, QUERIES = 40000 };
+    struct shower s = shower_new(COUNT, 7);
+    double sum = 0, plain = 0;
+    (void)state;
+    rain(&s, COUNT, zero, x_axis, y_axis, z_axis);
+    struct orl_random random = s.random;
+    struct orl_photon_map *map = settle(&s);
+    struct orl_leaves *leaves = orl_leaves_new(map, 64, 0.1);
+    assert_non_null(leaves);
+    for (int i = 0; i < QUERIES; i++) {
+        const double u = 0.05 + 0.9 * orl_random_uniform(&random);
+        const struct orl_vec3 at = orl_v3(u, 0.05 + 0.9 * orl_random_uniform(&random), 0);
+        sum += orl_leaves_irradiance(leaves, at, z_axis, search).r / COUNT / QUERIES;
+        plain += ask(map, at, z_axis, 64, 0.1).irradiance.r / COUNT / QUERIES;
+    }
+    print_message("leaves %.4f, plain estimates %.4f\n", sum, plain);
+    assert_true(fabs(plain - 1) < 0.0068);
+    assert_true(fabs(sum - 1) < 0.0068 + 0.005);
+    assert_true(orl_leaves_irradiance(leaves, orl_v3(0.5, 0.5, 0), down, search).r == 0);
+    orl_leaves_free(leaves);
+    orl_photon_map_free(map);
+}
+
+struct looking {
+    struct orl_leaves *leaves;
+    struct orl_search *searches;
+    struct orl_rgb *values;
+    size_t count, step;
+};
+
+static void look(void *arg, size_t index, uint32_t member)
+{
+    struct looking *l = arg;
+    const size_t i = index * l->step % l->count;
+    struct orl_random random = orl_random_stream(8, ORL_PURPOSE_BENCH, i);
+    const double u = orl_random_uniform(&random), v = orl_random_uniform(&random);
+    l->values[i] = orl_leaves_irradiance(l->leaves, orl_v3(u, v, 0), z_axis, &l->searches[member]);
+}
+
+/* Asked in another order, and by several threads at once, every answer is the same bits. */
+static void test_leaves_in_any_order(void **state)
+{
+    enum { COUNT = 50000, QUERIES = 10007 };
+    static const struct {
+        uint32_t threads;
+        size_t step;
+    } ways[3] = {{1, 1}, {1, 4231}, {4, 77}};
+    struct shower s = shower_new(COUNT, 9);
+    struct orl_rgb *first = NULL;
+    (void)state;
+    rain(&s, COUNT, zero, x_axis, y_axis, z_axis);
+    struct orl_photon_map *map = settle(&s);
+    for (int w = 0; w < 3; w++) {
+        struct orl_crew *crew = orl_crew_start(ways[w].threads);
+        struct looking l = {orl_leaves_new(map, 64, 0.1),
+                            malloc(ways[w].threads * sizeof *l.searches),
+                            malloc(QUERIES * sizeof *l.values), QUERIES, ways[w].step};
+        assert_true(l.leaves && l.searches && l.values && crew);
+        orl_crew_for(crew, QUERIES, look, &l);
+        orl_crew_stop(crew);
+        orl_leaves_free(l.leaves);
+        free(l.searches);
+        if (first)
+            assert_memory_equal(l.values, first, QUERIES * sizeof *first);
+        else
+            first = l.values;
+        if (l.values != first)
+            free(l.values);
+    }
+    free(first);
+    orl_photon_map_free(map);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_brute_force),
+        cmocka_unit_test(test_few_photons),
+        cmocka_unit_test(test_coincident_photons),
+        cmocka_unit_test(test_uniform_plane),
+        cmocka_unit_test(test_sphere),
+        cmocka_unit_test(test_through_a_wall),
+        cmocka_unit_test(test_parallel_sheets),
+        cmocka_unit_test(test_around_a_corner),
+        cmocka_unit_test(test_leaves_agree),
+        cmocka_unit_test(test_leaves_in_any_order),
+    };
+    return cmocka_run_group_tests(tests, set_up, tear_down);
+}
