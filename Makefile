@@ -162,9 +162,10 @@ ALL_C := $(shell git ls-files '*.c' '*.h' 2>/dev/null)
 lint: deps-lint $(BUILD)/generated/embedded.h
 	clang-format --dry-run --Werror $(ALL_C)
 	tests/check_boundaries
-	clang-tidy --quiet $(CORE_SRC) -- $(STD) $(INC_core)
-	clang-tidy --quiet $(API_SRC) $(SERVER_SRC) $(CLIENT_SRC) $(OFFICE_SRC) -- $(STD) \
-		-Icore/include -Iapi -Iserver -Iclient -I$(BUILD)/generated
+	@printf '%s\n' $(CORE_SRC) | xargs -P $(JOBS) -I{} clang-tidy --quiet {} -- $(STD) $(INC_core)
+	@printf '%s\n' $(API_SRC) $(SERVER_SRC) $(CLIENT_SRC) $(OFFICE_SRC) | \
+		xargs -P $(JOBS) -I{} clang-tidy --quiet {} -- $(STD) -Icore/include -Iapi -Iserver \
+		-Iclient -I$(BUILD)/generated
 	@$(MAKE) --no-print-directory -j$(JOBS) BUILD=$(BUILD)/clang CC=clang tests
 	@echo "lint: clean"
 format:

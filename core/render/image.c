@@ -146,6 +146,8 @@ static int compute_wanted(struct painter *p)
         if (cancelled(p))
             return ORL_ERR_CANCELLED;
     }
+    /* p->wanted is freed in orl_image_render, which the analyzer cannot see from here. */
+    /* NOLINTNEXTLINE(clang-analyzer-unix.Malloc) */
     const int code = orl_icache_add(&p->cache, p->wanted, p->n_wanted);
     return code < 0 ? code : orl_icache_index(&p->cache);
 }
