@@ -94,6 +94,11 @@ deps-check: ; $(call install_packages,$(PACKAGES_CHECK))
 deps-lint:  ; $(call install_packages,$(PACKAGES_LINT))
 deps-demo:  ; $(call install_packages,$(PACKAGES_DEMO))
 
+# `make V=1` shows the commands.
+V ?= 0
+Q := $(if $(filter 1,$(V)),,@)
+say = $(if $(filter 1,$(V)),,@echo "  $(1)  $(2)")
+
 # ---- Build ---------------------------------------------------------------------------------------
 # A change of flags rebuilds: the stamp holds the command line.
 $(BUILD)/flags: FORCE
@@ -102,7 +107,8 @@ $(BUILD)/flags: FORCE
 define compile_rule
 $(BUILD)/obj/$(1)/%.o: $(1)/%.c $(BUILD)/flags
 	@mkdir -p $$(@D)
-	$$(CC) $$(ALL_CFLAGS) $(2) -MMD -MP -c $$< -o $$@
+	$$(call say,CC,$$@)
+	$$(Q)$$(CC) $$(ALL_CFLAGS) $(2) -MMD -MP -c $$< -o $$@
 endef
 $(eval $(call compile_rule,core,$(INC_core)))
 $(eval $(call compile_rule,api,$(INC_api)))
@@ -127,14 +133,21 @@ $(call obj,$(TEST_SRC)): | $(BUILD)/generated/embedded.h
 $(BUILD)/liboriel.a: $(CORE_OBJ) $(API_OBJ)
 	@rm -f $@; ar rcs $@ $^
 $(BUILD)/orield: $(SERVER_OBJ) $(BUILD)/liboriel.a
-	$(CC) $(ALL_LDFLAGS) -o $@ $^ $(SERVER_LIBS) $(CORE_LIBS)
+	$(call say,LD,$@)
+	$(Q)$(CC) $(ALL_LDFLAGS) -o $@ $^ $(SERVER_LIBS) $(CORE_LIBS)
 $(BUILD)/oriel: $(CLIENT_OBJ) $(BUILD)/liboriel.a
-	$(CC) $(ALL_LDFLAGS) -o $@ $^ $(CLIENT_LIBS) $(CORE_LIBS)
+	$(call say,LD,$@)
+	$(Q)$(CC) $(ALL_LDFLAGS) -o $@ $^ $(CLIENT_LIBS) $(CORE_LIBS)
 $(BUILD)/oriel-lcp: $(OFFICE_OBJ)
-	$(CC) $(ALL_LDFLAGS) -o $@ $^ -lm
-$(BUILD)/tests/%: $(BUILD)/obj/tests/%.o $(SUPPORT_OBJ) $(SERVER_LIB_OBJ) $(BUILD)/liboriel.a
+	$(call say,LD,$@)
+	$(Q)$(CC) $(ALL_LDFLAGS) -o $@ $^ -lm
+# What tests link beside the library: all of the daemon but its main, and their own shared code.
+$(BUILD)/libtests.a: $(SUPPORT_OBJ) $(SERVER_LIB_OBJ)
+	@rm -f $@; ar rcs $@ $^
+$(BUILD)/tests/%: $(BUILD)/obj/tests/%.o $(BUILD)/libtests.a $(BUILD)/liboriel.a
 	@mkdir -p $(@D)
-	$(CC) $(ALL_LDFLAGS) -o $@ $^ -lcmocka $(SERVER_LIBS) $(CLIENT_LIBS) $(CORE_LIBS)
+	$(call say,LD,$@)
+	$(Q)$(CC) $(ALL_LDFLAGS) -o $@ $^ -lcmocka $(SERVER_LIBS) $(CLIENT_LIBS) $(CORE_LIBS)
 
 -include $(shell find $(BUILD)/obj -name '*.d' 2>/dev/null)
 
