@@ -68,7 +68,10 @@ static void look_both_ways(void *arg, size_t index, uint32_t member)
         facet, front > back, front > back ? f->normal : orl_neg(f->normal), f->area};
 }
 
-/* A diffuse path from a port's inner face, windows taken as walls: does it get out? */
+/*
+ * A diffuse path from a port's inner face: does it get out by any way but a port? Ports are walls
+ * to it; windows that are no ports (curved ones, panes with the sky on both sides) let it through.
+ */
 static void try_to_escape(void *arg, size_t index, uint32_t member)
 {
     struct search *search = arg;
@@ -81,15 +84,18 @@ static void try_to_escape(void *arg, size_t index, uint32_t member)
     orl_facet_sample(g, port->facet, u, &point, &normal);
     normal = orl_neg(port->outward);
     point = orl_madd(point, normal, g->facets[port->facet].offset);
+    struct orl_vec3 direction = cosine_direction(normal, &random);
     for (int bounce = 0; bounce < SEAL_BOUNCES; bounce++) {
-        const struct orl_vec3 direction = cosine_direction(normal, &random);
         struct orl_hit hit;
         if (!orl_geometry_intersect(g, point, direction, INFINITY, &hit)) {
             atomic_fetch_add_explicit(&search->escapes, 1, memory_order_relaxed);
             return;
         }
-        normal = hit.front ? hit.normal : orl_neg(hit.normal);
-        point = orl_hit_leave(g, &hit, normal);
+        const bool through = orl_material_is_window(orl_world_material(search->world, &hit)) &&
+                             orl_world_crossing(search->world, &hit) == ORL_CROSSING_NONE;
+        if (!through)
+            direction = cosine_direction(hit.front ? hit.normal : orl_neg(hit.normal), &random);
+        point = orl_hit_leave(g, &hit, direction);
     }
 }
 

@@ -179,11 +179,11 @@ struct orl_rgb orl_gather_direct(const struct orl_gather *gather, const struct o
                                  uint32_t rays, struct orl_random *random)
 {
     double u[2];
-    /* Outside there is no caustic map: the sun in mirrors is found by its images there. */
+    /* Where there are no caustic photons the sun in mirrors is found by its images. */
     const struct orl_direct_query query = {.point = place->point,
                                            .normal = place->normal,
                                            .through_ports = true,
-                                           .mirrored = place->outside,
+                                           .mirrored = place->outside || place->in_air,
                                            .u = u};
     const uint32_t sequence = (uint32_t)orl_random_bits(random);
     struct orl_rgb sum = orl_gray(0);

@@ -41,6 +41,7 @@ struct orl_place {
     struct orl_vec3 point;  /* on or off a surface, clear of it */
     struct orl_vec3 normal; /* unit */
     bool outside;
+    bool in_air; /* off any surface: no photon lands there */
 };
 
 /* Whether a point of open space counts as outside: false unless the scene is sealed. */
@@ -76,7 +77,8 @@ struct orl_rgb orl_gather_direct(const struct orl_gather *gather, const struct o
 
 /*
  * Illuminance, in lux, of a sensor: all three parts. A sensor on a surface reads caustics by
- * density; one in mid-air, where no photon lands, by points on the BSDF panes it sees.
+ * density. In mid-air, where no photon lands, it takes the sun by points on the BSDF panes and by
+ * the sun's images in flat mirrors; caustics of lamps and of curved mirrors are left out there.
  */
 double orl_gather_sensor(const struct orl_gather *gather, struct orl_vec3 position,
                          struct orl_vec3 direction, uint32_t samples, uint64_t index,

@@ -64,9 +64,9 @@ static bool lies_on_surface(const struct orl_gather *gather, const struct orl_pl
                             struct orl_vec3 *ret_point)
 {
     struct orl_hit hit;
-    const double reach = 0.25 * gather->max_radius[ORL_MAP_CAUSTIC];
-    if (!gather->maps[ORL_MAP_CAUSTIC] ||
-        !orl_geometry_intersect(gather->world->geometry, place->point, orl_neg(place->normal),
+    const double reach =
+        0.25 * fmin(gather->max_radius[ORL_MAP_CAUSTIC], gather->max_radius[ORL_MAP_GLOBAL]);
+    if (!orl_geometry_intersect(gather->world->geometry, place->point, orl_neg(place->normal),
                                 reach, &hit))
         return false;
     if (fabs(orl_dot(hit.normal, place->normal)) < 0.9 ||
@@ -103,12 +103,15 @@ double orl_gather_sensor(const struct orl_gather *gather, struct orl_vec3 positi
     struct orl_random random = orl_random_stream(gather->seed, ORL_PURPOSE_SENSOR, index << 24);
     struct orl_vec3 on_surface;
     place.outside = orl_gather_is_outside(gather, position);
+    /* Without a caustic map caustics were not asked for: then there are none anywhere. */
+    const bool caustics = gather->maps[ORL_MAP_CAUSTIC] != NULL;
+    place.in_air = caustics && !lies_on_surface(gather, &place, &on_surface);
     struct orl_rgb sum = orl_gather_direct(gather, &place, SUN_RAYS, &random);
-    if (lies_on_surface(gather, &place, &on_surface))
+    if (caustics && !place.in_air)
         sum = orl_rgb_add(
             sum, orl_gather_density(gather, ORL_MAP_CAUSTIC, on_surface, place.normal, search)
                      .irradiance);
-    else
+    else if (place.in_air)
         sum = orl_rgb_add(sum, caustics_in_air(gather, &place, index));
     sum = orl_rgb_add(sum, gather_evenly(gather, &place, samples, index, search));
     return ORL_EFFICACY_LM_PER_W * orl_luma(sum);

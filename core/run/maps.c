@@ -138,8 +138,12 @@ static int build_missing(struct orl_run_state *state, struct map_work *work, str
         shots[k].target = work[k].target > 0 && !work[k].hit ? work[k].target : 0;
         missing = missing || shots[k].target > 0;
     }
-    if (missing)
+    if (missing) {
         code = shoot(state, shots, err);
+    } else {
+        state->cost_s[ORL_STAGE_PHOTONS] = 0;
+        state->cost_s[ORL_STAGE_MAPS] = 0;
+    }
     const double seconds = env->now_s(env->ctx) - started;
     orl_run_enter(state, ORL_STAGE_MAPS);
     for (int k = 0; k < ORL_MAP_KINDS && code == 0; k++)

@@ -5,8 +5,6 @@
 #include "render/image.h"
 #include "run/stages.h"
 
-enum { DEFAULT_GATHER_SAMPLES = 4096 };
-
 struct sensor_work {
     const struct orl_run_state *state;
     const struct orl_gather *gather;
@@ -19,7 +17,7 @@ static void compute_sensor(void *arg, size_t index, uint32_t member)
     const struct orl_run_state *state = work->state;
     const size_t i = work->first + index;
     const uint32_t samples =
-        state->job->gather_samples ? state->job->gather_samples : DEFAULT_GATHER_SAMPLES;
+        state->job->gather_samples ? state->job->gather_samples : ORL_DEFAULT_GATHER_SAMPLES;
     if (atomic_load_explicit(state->env->cancel, memory_order_relaxed))
         return;
     state->result->illuminance_lx[i] = orl_gather_sensor(

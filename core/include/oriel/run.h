@@ -50,7 +50,7 @@ struct orl_job {
     size_t n_views;
 };
 
-enum { ORL_DEFAULT_PHOTONS = 2000000 };
+enum { ORL_DEFAULT_PHOTONS = 2000000, ORL_DEFAULT_GATHER_SAMPLES = 4096 };
 
 void orl_job_init(struct orl_job *job); /* defaults, nothing else set */
 void orl_job_done(struct orl_job *job); /* frees what job owns; NULL and half-filled are fine */
