@@ -1,5 +1,6 @@
 #include "photon/emit.h"
 
+#include "photon/guide.h"
 #include "photon/table.h"
 #include "scene/hemisphere.h"
 
@@ -93,9 +94,8 @@ static bool emit_emitter(const struct orl_emission *e, const struct orl_stratum 
     return true;
 }
 
-/* The scene's box as seen from direction: a point on the faces that look there, by their share. */
-static double sample_box(const struct orl_geometry *g, struct orl_vec3 towards, const double *u,
-                         struct orl_vec3 *ret_point)
+double orl_emission_box_point(const struct orl_geometry *g, struct orl_vec3 towards,
+                              const double u[2], struct orl_vec3 *ret_point)
 {
     const double pad = g->radius * 1e-4;
     const double low[3] = {g->low.x - pad, g->low.y - pad, g->low.z - pad};
@@ -139,9 +139,14 @@ static bool emit_open(const struct orl_emission *e, const struct orl_stratum *st
         radiance = orl_world_dome_radiance(world, towards);
         measure = 4 * ORL_PI / density;
     }
-    const double area = sample_box(world->geometry, towards, u + 1, &ret_flight->origin);
+    double place[2] = {u[1], u[2]}, density = 1;
+    const struct orl_table *guide = orl_guide_find(e, stratum, towards);
+    if (guide)
+        density = orl_table_sample(guide, u + 1, place);
+    const double area =
+        orl_emission_box_point(world->geometry, towards, place, &ret_flight->origin);
     ret_flight->direction = orl_neg(towards);
-    ret_flight->flux = orl_rgb_scale(radiance, measure * area);
+    ret_flight->flux = orl_rgb_scale(radiance, measure * area / density);
     return orl_rgb_max(ret_flight->flux) > 0;
 }
 

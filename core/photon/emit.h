@@ -10,6 +10,8 @@
  * along a path, then the pane's own transmission. Suns, and their images in flat mirrors outside: a
  * point on the disc and one shadow ray.
  *
+ * From the open sky: a direction by the domes' radiance, a place on the scene's box by a guide.
+ *
  * The first five random numbers of an emission are a scrambled Sobol point by its index.
  */
 #ifndef ORL_PHOTON_EMIT_H
@@ -53,7 +55,8 @@ struct orl_emission {
     size_t n_strata;
     struct orl_table *port_tables; /* per port: over the outer hemisphere's Shirley-Chiu square */
     struct orl_table dome_table;   /* open scenes: over the sphere, equal-area cylinder */
-    bool has_caustics;             /* a pilot found a way for them */
+    struct orl_table *sun_guides, *dome_guides; /* open scenes: guide.h */
+    bool has_caustics;                          /* a pilot found a way for them */
 };
 
 /* A photon about to fly: just past its port, or at its emitter. */
@@ -73,6 +76,13 @@ void orl_emission_free(struct orl_emission *emission);
 /* The index-th emission; false when nothing comes of it. random serves what Sobol does not. */
 bool orl_emission_sample(const struct orl_emission *emission, uint64_t seed, uint64_t index,
                          bool caustic, struct orl_random *random, struct orl_flight *ret_flight);
+
+/*
+ * The scene's box as seen from far away: a point on the faces that look towards the light, uniform
+ * by projected area. Returns that area.
+ */
+double orl_emission_box_point(const struct orl_geometry *geometry, struct orl_vec3 towards,
+                              const double u[2], struct orl_vec3 *ret_point);
 
 /* Emission from one stratum, with probability one; point: five numbers in [0,1). */
 bool orl_emission_from(const struct orl_emission *emission, const struct orl_stratum *stratum,

@@ -1,7 +1,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "photon/emit.h"
+#include "photon/guide.h"
 #include "photon/table.h"
 #include "photon/trace.h"
 #include "scene/hemisphere.h"
@@ -298,6 +298,8 @@ int orl_emission_new(const struct orl_world *world, uint64_t seed, struct orl_cr
         code = make_dome_table(e);
     if (code == 0)
         code = list_strata(e);
+    if (code == 0 && world->open)
+        code = orl_guide_make(e, seed, crew);
     if (code == 0) {
         share_out(e);
         code = share_out_caustics(&pilot, crew);
@@ -320,6 +322,7 @@ void orl_emission_free(struct orl_emission *emission)
         orl_table_done(&emission->port_tables[i]);
     free(emission->port_tables);
     orl_table_done(&emission->dome_table);
+    orl_guide_done(emission);
     free(emission->strata);
     free(emission);
 }

@@ -79,9 +79,8 @@ int orl_job_validate(const struct orl_job *job, struct orl_error *err)
         return orl_error_set(err, ORL_ERR_INVALID, "photons.global must be at least 1");
     for (size_t i = 0; i < job->n_sensors; i++) {
         const struct orl_sensor *s = &job->sensors[i];
-        const double length = orl_length(s->direction);
-        if (!isfinite(s->position.x + s->position.y + s->position.z) || !isfinite(length) ||
-            length <= 0)
+        if (!isfinite(s->position.x + s->position.y + s->position.z) ||
+            !isnormal(orl_dot(s->direction, s->direction)))
             return orl_error_set(err, ORL_ERR_RANGE,
                                  "sensor %zu needs a finite position and a non-zero direction", i);
     }

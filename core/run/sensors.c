@@ -60,8 +60,9 @@ int orl_sensors_parse(const char *name, const char *text, size_t size,
         if (n != 6)
             code = orl_error_set(err, ORL_ERR_SYNTAX,
                                  "a sensor is six finite numbers: x y z dx dy dz");
-        else if (!(v[3] * v[3] + v[4] * v[4] + v[5] * v[5] > 0))
-            code = orl_error_set(err, ORL_ERR_RANGE, "the sensor's direction has no length");
+        else if (!isnormal(v[3] * v[3] + v[4] * v[4] + v[5] * v[5]))
+            code = orl_error_set(err, ORL_ERR_RANGE,
+                                 "the sensor's direction has no length, or far too much");
         else if (count >= ORL_LIMIT_SENSORS)
             code = orl_error_set(err, ORL_ERR_LIMIT, "more than %lu sensors", ORL_LIMIT_SENSORS);
         else if (add_sensor(&sensors, &count, v) < 0)

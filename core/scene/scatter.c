@@ -50,40 +50,51 @@ struct orl_frame orl_bsdf_frame(const struct orl_material *material, struct orl_
 /* ---- Glass ------------------------------------------------------------------------------------
  */
 
-/* One channel of a pane: one-surface reflectance r, one-pass transmission d. */
-static double pane_transmittance(double r, double d)
-{
-    return (1 - r) * (1 - r) * d / (1 - r * r * d * d);
-}
-
-static double pane_reflectance(double r, double d)
-{
-    return r * (1 + (1 - 2 * r) * d * d) / (1 - r * r * d * d);
-}
+/* One surface, one polarisation: what Fresnel sends back and lets in. Both, for 1 - r cancels. */
+struct surface {
+    double r, t;
+};
 
 struct pane {
-    double parallel, perpendicular; /* Fresnel reflectance of one surface, by polarisation */
-    double path;                    /* length inside relative to the normal's */
+    struct surface parallel, perpendicular;
+    double path; /* length inside relative to the normal's */
 };
+
+static struct surface surface_of(double numerator, double denominator, double product)
+{
+    const double r = numerator / denominator;
+    return (struct surface){r * r, 4 * product / (denominator * denominator)};
+}
 
 static struct pane pane_at(const struct orl_material *material, double cosine)
 {
     const double n = material->ior, c = fmin(fabs(cosine), 1.0);
     const double inside = sqrt(1 - (1 - c * c) / (n * n));
-    const double s = (c - n * inside) / (c + n * inside), p = (n * c - inside) / (n * c + inside);
-    return (struct pane){p * p, s * s, 1 / inside};
+    return (struct pane){surface_of(n * c - inside, n * c + inside, n * c * inside),
+                         surface_of(c - n * inside, c + n * inside, n * c * inside), 1 / inside};
+}
+
+/* All passes, each of transmission d; 1 - r^2 d^2 in factors, which is exact at grazing too. */
+static double pane_transmittance(struct surface s, double d)
+{
+    return s.t > 0 ? s.t * s.t * d / ((s.t + s.r * (1 - d)) * (1 + s.r * d)) : 0;
+}
+
+static double pane_reflectance(struct surface s, double d)
+{
+    return s.r * (1 + d * pane_transmittance(s, d));
 }
 
 /* Both polarisations of a channel, averaged; share is pane_transmittance or pane_reflectance. */
 static double unpolarised(const struct pane *pane, double transmissivity,
-                          double (*share)(double r, double d))
+                          double (*share)(struct surface s, double d))
 {
     const double d = pow(transmissivity, pane->path);
     return 0.5 * (share(pane->parallel, d) + share(pane->perpendicular, d));
 }
 
 static struct orl_rgb pane_share(const struct orl_material *material, double cosine,
-                                 double (*share)(double r, double d))
+                                 double (*share)(struct surface s, double d))
 {
     const struct pane pane = pane_at(material, cosine);
     const struct orl_rgb t = material->transmissivity;
