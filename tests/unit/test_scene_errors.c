@@ -297,7 +297,7 @@ static void test_cycles_and_bombs(void **state)
 
 static void test_deep_nesting(void **state)
 {
-    char names[40][16], texts[40][32];
+    char names[40][24], texts[40][40];
     const char *name[40];
     struct orl_file contents[40];
     struct orl_error err = {0};
