@@ -1,0 +1,435 @@
+/*
+ * Materials: glass by Fresnel, energy, and draws that follow what is evaluated.
+ *
+ * A draw's weight is f |cos| / pdf, so that the mean weight of draws that fall into a part of the
+ * hemisphere is the integral of f |cos| over that part, whatever the pdf. That is compared, bin by
+ * bin, with a quadrature of orl_scatter_eval_lobes; the sum of squared deviations over their
+ * variances is chi-square. Seeds are fixed; bounds are at 99.99 % (Wilson and Hilferty, z = 3.72).
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "base/random.h"
+#include "scene/scatter.h"
+#include "support/scene_text.h"
+
+#define POLYGON "m polygon p 0 0 9 0 0 0 1 0 0 0 1 0\n"
+
+enum { RINGS = 16, SECTORS = 16, BINS = 2 * RINGS * SECTORS, FINE = 48, DRAWS = 200000 };
+
+/* A material met from its front, in a tilted frame: nothing may depend on axes. */
+struct subject {
+    struct orl_description description;
+    const struct orl_material *material;
+    struct orl_hit hit;
+    struct orl_frame frame;
+};
+
+static struct subject subject_of(const char *text, const char *resource, const char *resource_text)
+{
+    struct subject s;
+    char scene[1024];
+    snprintf(scene, sizeof scene, "%s" POLYGON, text);
+    s.description = scene_parse_text(scene, resource, resource_text);
+    s.material = &s.description.materials[s.description.surfaces[0].material];
+    s.hit = (struct orl_hit){
+        .distance = 1, .normal = orl_normalize(orl_v3(0.2, -0.7, 0.5)), .front = true};
+    /* For a BSDF its own frame, so that a direction means the same to both. */
+    s.frame = s.material->kind == ORL_MATERIAL_BSDF ? orl_bsdf_frame(s.material, s.hit.normal)
+                                                    : orl_frame_about(s.hit.normal);
+    return s;
+}
+
+static struct orl_vec3 direction(const struct subject *s, double theta_deg, double phi_deg)
+{
+    const double t = theta_deg * ORL_DEG_TO_RAD, p = phi_deg * ORL_DEG_TO_RAD;
+    return orl_to_world(&s->frame, orl_v3(sin(t) * cos(p), sin(t) * sin(p), cos(t)));
+}
+
+static double chi_square_bound(double n)
+{
+    const double c = 2 / (9 * n), root = 1 - c + 3.72 * sqrt(c);
+    return n * root * root * root;
+}
+
+/* ---- Glass ------------------------------------------------------------------------------------
+ */
+
+#define CLEAR "void glass m 0 0 4 1 1 1 1.52\n"
+#define TINTED "void glass m 0 0 4 .96 .96 .96 1.52\n"
+
+/* Fresnel at two surfaces, all passes summed, polarisations averaged: the numbers to six digits. */
+static void test_slab(void **state)
+{
+    static const double angle[6] = {0, 30, 45, 60, 75, 85};
+    static const double expected[6] = {.918318, .915957, .902528, .843471, .614805, .245646};
+    struct subject clear = subject_of(CLEAR, NULL, NULL), tinted = subject_of(TINTED, NULL, NULL);
+    (void)state;
+    for (int i = 0; i < 6; i++) {
+        const struct orl_rgb t =
+            orl_material_straight(clear.material, cos(angle[i] * ORL_DEG_TO_RAD));
+        assert_true(fabs(t.g - expected[i]) < 1e-6);
+    }
+    assert_true(fabs(orl_material_straight(tinted.material, 1).r - .881460) < 1e-6);
+    orl_description_done(&clear.description);
+    orl_description_done(&tinted.description);
+}
+
+/* To 90 degrees and there: T falls to 0, R rises to 1, nothing is gained, all is finite. */
+static void test_glass_to_grazing(void **state)
+{
+    struct subject clear = subject_of(CLEAR, NULL, NULL), tinted = subject_of(TINTED, NULL, NULL);
+    double before = 1;
+    (void)state;
+    for (int i = 10000; i >= 0; i--) {
+        const double c = i > 100 ? i / 10000.0 : i == 0 ? 0 : pow(10, (i - 100) / 8.0 - 2);
+        const double t = orl_material_straight(clear.material, c).g;
+        const double r = orl_glass_reflectance(clear.material, c).g;
+        const double tt = orl_material_straight(tinted.material, c).g;
+        const double tr = orl_glass_reflectance(tinted.material, c).g;
+        assert_true(isfinite(t) && isfinite(r) && isfinite(tt) && isfinite(tr));
+        assert_true(t >= 0 && t <= before + 1e-12);
+        assert_true(fabs(t + r - 1) < 1e-12);
+        assert_true(tt >= 0 && tr >= 0 && tt <= t && tt + tr <= 1 + 1e-12);
+        before = t;
+    }
+    assert_true(before < 1e-12);
+    orl_description_done(&clear.description);
+    orl_description_done(&tinted.description);
+}
+
+struct tally {
+    struct orl_rgb straight, mirror, diffuse, glossy;
+    double squares; /* of the luma of weights */
+};
+
+static struct tally draw_all(const struct subject *s, struct orl_vec3 from,
+                             enum orl_transport transport, enum orl_lobes lobes, uint64_t seed)
+{
+    struct tally t = {.squares = 0};
+    for (int i = 0; i < DRAWS; i++) {
+        struct orl_random random = orl_random_stream(seed, ORL_PURPOSE_BENCH, (uint64_t)i);
+        const struct orl_scatter d =
+            orl_scatter_sample(s->material, &s->hit, from, transport, lobes, &random);
+        struct orl_rgb *sum = d.event == ORL_EVENT_STRAIGHT  ? &t.straight
+                              : d.event == ORL_EVENT_MIRROR  ? &t.mirror
+                              : d.event == ORL_EVENT_DIFFUSE ? &t.diffuse
+                              : d.event == ORL_EVENT_GLOSSY  ? &t.glossy
+                                                             : NULL;
+        if (!sum)
+            continue;
+        assert_true(fabs(orl_length(d.direction) - 1) < 1e-9);
+        assert_int_equal(d.transmitted,
+                         orl_dot(d.direction, s->hit.normal) * orl_dot(from, s->hit.normal) < 0);
+        *sum = orl_rgb_add(*sum, orl_rgb_scale(d.weight, 1.0 / DRAWS));
+        t.squares += orl_luma(d.weight) * orl_luma(d.weight) / DRAWS;
+    }
+    return t;
+}
+
+/* A choice of probability p and weight a/p has standard error a sqrt((1-p)/p/n); 4 of them. */
+static void assert_share(double mean, double share, double p)
+{
+    assert_true(fabs(mean - share) <= 4 * share * sqrt((1 - p) / p / DRAWS) + 1e-12);
+}
+
+static void test_glass_draws(void **state)
+{
+    static const double angles[] = {0, 45, 80, 89.9};
+    struct subject s = subject_of("void glass m 0 0 4 .9 .6 .3 1.52\n", NULL, NULL);
+    (void)state;
+    for (int i = 0; i < 4; i++) {
+        const struct orl_vec3 from = direction(&s, angles[i], 40);
+        const double c = orl_dot(from, s.hit.normal);
+        const struct orl_rgb t = orl_material_straight(s.material, c);
+        const struct orl_rgb r = orl_glass_reflectance(s.material, c);
+        const double p = orl_luma(t) / (orl_luma(t) + orl_luma(r));
+        const struct tally drawn = draw_all(&s, from, ORL_TRANSPORT_LIGHT, ORL_LOBE_ALL, 1);
+        assert_share(drawn.straight.r, t.r, p);
+        assert_share(drawn.straight.b, t.b, p);
+        assert_share(drawn.mirror.r, r.r, 1 - p);
+        assert_share(drawn.mirror.b, r.b, 1 - p);
+        /* One way only: no choice, no noise. */
+        const struct tally back = draw_all(&s, from, ORL_TRANSPORT_EYE, ORL_LOBE_REFLECTED, 2);
+        assert_true(fabs(back.mirror.g - r.g) < 1e-9 && orl_rgb_max(back.straight) == 0);
+    }
+    orl_description_done(&s.description);
+}
+
+/* ---- Plastic and metal ------------------------------------------------------------------------
+ */
+
+static void test_diffuse_and_mirror(void **state)
+{
+    struct subject plastic = subject_of("void plastic m 0 0 5 .6 .4 .2 .1 0\n", NULL, NULL);
+    struct subject metal = subject_of("void metal m 0 0 5 .8 .6 .4 .7 0\n", NULL, NULL);
+    const struct subject *const subjects[2] = {&plastic, &metal};
+    (void)state;
+    for (int k = 0; k < 2; k++) {
+        const struct subject *s = subjects[k];
+        const struct orl_rgb d = orl_material_diffuse(s->material);
+        const struct orl_rgb m = orl_material_specular(s->material);
+        const struct orl_vec3 from = direction(s, 70, 10);
+        const double p = orl_luma(d) / (orl_luma(d) + orl_luma(m));
+        const struct tally t = draw_all(s, from, ORL_TRANSPORT_LIGHT, ORL_LOBE_ALL, 3);
+        assert_share(t.diffuse.r, d.r, p);
+        assert_share(t.diffuse.b, d.b, p);
+        assert_share(t.mirror.r, m.r, 1 - p);
+        assert_share(t.mirror.b, m.b, 1 - p);
+    }
+    /* As Radiance has it: plastic's highlight is white, metal's is coloured. */
+    assert_true(fabs(orl_material_diffuse(plastic.material).r - .54) < 1e-12);
+    assert_true(fabs(orl_material_specular(plastic.material).b - .1) < 1e-12);
+    assert_true(fabs(orl_material_diffuse(metal.material).b - .12) < 1e-12);
+    assert_true(fabs(orl_material_specular(metal.material).b - .28) < 1e-12);
+    orl_description_done(&plastic.description);
+    orl_description_done(&metal.description);
+}
+
+/* Diffuse draws by the cosine: mean cosine 2/3 (variance 1/18), none below, both sides alike. */
+static void test_cosine_law(void **state)
+{
+    struct subject s = subject_of("void plastic m 0 0 5 .5 .5 .5 0 0\n", NULL, NULL);
+    (void)state;
+    for (int side = 0; side < 2; side++) {
+        const struct orl_vec3 from = direction(&s, side ? 150 : 30, 0);
+        double sum = 0;
+        for (int i = 0; i < DRAWS; i++) {
+            struct orl_random random = orl_random_stream(4, ORL_PURPOSE_BENCH, (uint64_t)i);
+            const struct orl_scatter d = orl_scatter_sample(
+                s.material, &s.hit, from, ORL_TRANSPORT_LIGHT, ORL_LOBE_ALL, &random);
+            const double c = orl_dot(d.direction, s.hit.normal) * (side ? -1 : 1);
+            assert_int_equal(d.event, ORL_EVENT_DIFFUSE);
+            assert_true(c >= 0);
+            sum += c / DRAWS;
+        }
+        assert_true(fabs(sum - 2.0 / 3) < 4 * sqrt(1.0 / 18 / DRAWS));
+    }
+    orl_description_done(&s.description);
+}
+
+static void test_absorbers(void **state)
+{
+    struct subject black = subject_of("void plastic m 0 0 5 0 0 0 0 0\n", NULL, NULL);
+    struct subject light = subject_of("void light m 0 0 3 1 1 1\n", NULL, NULL);
+    struct subject white = subject_of("void plastic m 0 0 5 .9 .9 .9 0 0\n", NULL, NULL);
+    struct orl_random random = orl_random_stream(5, ORL_PURPOSE_BENCH, 0);
+    (void)state;
+    assert_int_equal(orl_scatter_sample(black.material, &black.hit, black.hit.normal,
+                                        ORL_TRANSPORT_LIGHT, ORL_LOBE_ALL, &random)
+                         .event,
+                     ORL_EVENT_ABSORBED);
+    assert_int_equal(orl_scatter_sample(light.material, &light.hit, light.hit.normal,
+                                        ORL_TRANSPORT_LIGHT, ORL_LOBE_ALL, &random)
+                         .event,
+                     ORL_EVENT_ABSORBED);
+    assert_int_equal(orl_scatter_sample(white.material, &white.hit, white.hit.normal,
+                                        ORL_TRANSPORT_EYE, ORL_LOBE_TRANSMITTED, &random)
+                         .event,
+                     ORL_EVENT_ABSORBED);
+    orl_description_done(&black.description);
+    orl_description_done(&light.description);
+    orl_description_done(&white.description);
+}
+
+/* ---- Lobes ------------------------------------------------------------------------------------
+ */
+
+/* Bins of equal projected solid angle about the subject's frame, front side first. */
+static int bin_of(const struct subject *s, struct orl_vec3 d)
+{
+    const struct orl_vec3 l = orl_to_local(&s->frame, d);
+    double turn = atan2(l.y, l.x) / (2 * ORL_PI);
+    turn = turn < 0 ? turn + 1 : turn;
+    const int ring = (int)((1 - l.z * l.z) * RINGS), sector = (int)(turn * SECTORS);
+    return ((l.z < 0) * RINGS + (ring < RINGS ? ring : RINGS - 1)) * SECTORS +
+           (sector < SECTORS ? sector : SECTORS - 1);
+}
+
+/* Integrals of f |cos| over the bins, by midpoints; also the whole. */
+static double integrate(const struct subject *s, struct orl_vec3 from, enum orl_transport transport,
+                        double ret_bins[BINS])
+{
+    double sum = 0;
+    for (int b = 0; b < BINS; b++) {
+        ret_bins[b] = 0;
+        const int ring = b / SECTORS % RINGS;
+        const double top = sqrt(1 - (double)ring / RINGS), low = sqrt(1 - (ring + 1.0) / RINGS);
+        for (int i = 0; i < FINE * FINE; i++) {
+            /* Even steps of the cosine: fine enough at grazing, where lobes are thin. */
+            const double c = top - (top - low) * (i / FINE + 0.5) / FINE, q = sqrt(1 - c * c);
+            const double phi = 2 * ORL_PI * (b % SECTORS + (i % FINE + 0.5) / FINE) / SECTORS;
+            const struct orl_vec3 to =
+                orl_to_world(&s->frame, orl_v3(q * cos(phi), q * sin(phi), b < BINS / 2 ? c : -c));
+            const struct orl_rgb f = transport == ORL_TRANSPORT_LIGHT
+                                         ? orl_scatter_eval_lobes(s->material, &s->hit, from, to)
+                                         : orl_scatter_eval_lobes(s->material, &s->hit, to, from);
+            ret_bins[b] += f.g * 2 * c * (top - low);
+        }
+        ret_bins[b] *= ORL_PI / (SECTORS * FINE * FINE);
+        sum += ret_bins[b];
+    }
+    return sum;
+}
+
+/*
+ * Bins that expect fewer than 50 draws' worth of weight are pooled. The midpoint rule may be off by
+ * `slack` of a bin where the lobe is sharp or has steps; that is added to the deviation allowed.
+ */
+static void check_lobe(const struct subject *s, struct orl_vec3 from, enum orl_transport transport,
+                       double slack, uint64_t seed)
+{
+    static double expected[BINS], sum[BINS], squares[BINS];
+    const double albedo = integrate(s, from, transport, expected);
+    double chi2 = 0, cells = 0, pool[3] = {0, 0, 0};
+    const enum orl_lobes lobes = (enum orl_lobes)(ORL_LOBE_REFLECTED | ORL_LOBE_TRANSMITTED);
+    memset(sum, 0, sizeof sum);
+    memset(squares, 0, sizeof squares);
+    for (int i = 0; i < DRAWS; i++) {
+        struct orl_random random = orl_random_stream(seed, ORL_PURPOSE_BENCH, (uint64_t)i);
+        const struct orl_scatter d =
+            orl_scatter_sample(s->material, &s->hit, from, transport, lobes, &random);
+        if (d.event == ORL_EVENT_ABSORBED)
+            continue;
+        const int b = bin_of(s, d.direction);
+        sum[b] += d.weight.g / DRAWS;
+        squares[b] += d.weight.g * d.weight.g / DRAWS / DRAWS;
+    }
+    for (int b = 0; b < BINS; b++) {
+        const double variance = squares[b] - sum[b] * sum[b] / DRAWS;
+        if (expected[b] < 50 * albedo / DRAWS || !(variance > 0)) {
+            pool[0] += sum[b], pool[1] += expected[b], pool[2] += fmax(variance, 0);
+            continue;
+        }
+        const double off = fmax(fabs(sum[b] - expected[b]) - slack * expected[b], 0);
+        chi2 += off * off / variance;
+        cells++;
+    }
+    assert_true(cells >= 1);
+    assert_true(chi2 < chi_square_bound(cells));
+    assert_true(fabs(pool[0] - pool[1]) < 4 * sqrt(pool[2]) + 20 * albedo / DRAWS);
+    /* Energy: what is drawn is no more than what came, within noise. */
+    const struct tally t = draw_all(s, from, transport, lobes, seed + 1);
+    const double mean = t.glossy.g, noise = 4 * sqrt(fmax(t.squares - mean * mean, 0) / DRAWS);
+    assert_true(fabs(mean - albedo) < noise + slack * albedo);
+    assert_true(mean <= 1 + noise);
+}
+
+/* Ward's lobe, narrow and wide, from the normal to grazing, of a surface that mirrors nearly all.
+ */
+static void test_ward(void **state)
+{
+    static const double angles[] = {0, 45, 80, 88};
+    static const char *const texts[2] = {"void metal m 0 0 5 .999 .999 .999 1 .05\n",
+                                         "void metal m 0 0 5 .999 .999 .999 1 .2\n"};
+    (void)state;
+    for (int k = 0; k < 2; k++) {
+        struct subject s = subject_of(texts[k], NULL, NULL);
+        /* The narrow lobe at 88 degrees is thinner than the quadrature's steps. */
+        for (int i = 0; i < (k == 0 ? 3 : 4); i++)
+            check_lobe(&s, direction(&s, angles[i], 25), ORL_TRANSPORT_LIGHT, 0.004,
+                       (uint64_t)(10 * k + i));
+        orl_description_done(&s.description);
+    }
+}
+
+/* Weights of rough draws are bounded, so that no photon flares up. */
+static void test_ward_weights(void **state)
+{
+    struct subject s = subject_of("void metal m 0 0 5 .9 .9 .9 1 .2\n", NULL, NULL);
+    (void)state;
+    for (int i = 0; i < DRAWS; i++) {
+        struct orl_random random = orl_random_stream(6, ORL_PURPOSE_BENCH, (uint64_t)i);
+        const struct orl_vec3 from = direction(&s, 90 * orl_random_uniform(&random), 0);
+        const struct orl_scatter d =
+            orl_scatter_sample(s.material, &s.hit, from, ORL_TRANSPORT_EYE, ORL_LOBE_ALL, &random);
+        assert_true(d.event == ORL_EVENT_ABSORBED || d.weight.g <= 1.8);
+    }
+    orl_description_done(&s.description);
+}
+
+static void test_reciprocity(void **state)
+{
+    struct subject s = subject_of("void plastic m 0 0 5 .5 .5 .5 .1 .1\n", NULL, NULL);
+    struct orl_random random = orl_random_stream(7, ORL_PURPOSE_BENCH, 0);
+    (void)state;
+    for (int i = 0; i < 10000; i++) {
+        const double a = 90 * orl_random_uniform(&random), b = 90 * orl_random_uniform(&random);
+        const struct orl_vec3 l = direction(&s, a, 360 * orl_random_uniform(&random));
+        const struct orl_vec3 e = direction(&s, b, 360 * orl_random_uniform(&random));
+        const double f = orl_scatter_eval_lobes(s.material, &s.hit, l, e).g;
+        const double r = orl_scatter_eval_lobes(s.material, &s.hit, e, l).g;
+        assert_true(isfinite(f) && f >= 0);
+        assert_true(fabs(f - r) <= 1e-12 * f);
+        /* Both on the other side: the surface is the same from there. */
+        const double back = orl_scatter_eval_lobes(s.material, &s.hit, orl_neg(l), orl_neg(e)).g;
+        assert_true(fabs(f - back) <= 1e-12 * f);
+        assert_true(orl_scatter_eval_lobes(s.material, &s.hit, l, orl_neg(e)).g == 0);
+    }
+    orl_description_done(&s.description);
+}
+
+/* ---- BSDFs, in both ways of transport ---------------------------------------------------------
+ */
+
+/*
+ * Light and eye each follow the same f: what one evaluates forwards, the other draws backwards. The
+ * data is piecewise constant with steps inside bins: 2 % of a bin is allowed for the quadrature.
+ */
+static void test_bsdf_transport(void **state)
+{
+    static const char *const names[2] = {"tests/fixtures/bsdf_lcp8.xml",
+                                         "tests/fixtures/bsdf_klems41.xml"};
+    static const double angles[] = {20, 60, 130};
+    (void)state;
+    for (int k = 0; k < 2; k++) {
+        size_t size;
+        unsigned char *xml = scene_read_bytes(names[k], &size);
+        xml[size] = '\0';
+        struct subject s =
+            subject_of("void BSDF m 6 0 made.xml 0 1 0 . 0 0\n", "made.xml", (const char *)xml);
+        for (int i = 0; i < 3; i++) {
+            const struct orl_vec3 from = direction(&s, angles[i], 75);
+            check_lobe(&s, from, ORL_TRANSPORT_LIGHT, 0.02, (uint64_t)(40 + 10 * k + i));
+            check_lobe(&s, from, ORL_TRANSPORT_EYE, 0.02, (uint64_t)(60 + 10 * k + i));
+        }
+        orl_description_done(&s.description);
+        free(xml);
+    }
+}
+
+/* A uniform pane is reciprocal: drawn from either end the mean weight is pi f, with no noise. */
+static void test_uniform_bsdf(void **state)
+{
+    char xml[2048];
+    (void)state;
+    scene_uniform_bsdf(0.2, xml);
+    struct subject s = subject_of("void BSDF m 6 0 made.xml 0 1 0 . 0 0\n", "made.xml", xml);
+    for (int i = 0; i < 4; i++) {
+        const struct orl_vec3 from = direction(&s, i & 1 ? 35 : 140, 0);
+        const struct tally t =
+            draw_all(&s, from, i & 2 ? ORL_TRANSPORT_EYE : ORL_TRANSPORT_LIGHT, ORL_LOBE_ALL, 8);
+        assert_true(fabs(t.glossy.g - 0.2 * ORL_PI) < 1e-6);
+    }
+    orl_description_done(&s.description);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_slab),         cmocka_unit_test(test_glass_to_grazing),
+        cmocka_unit_test(test_glass_draws),  cmocka_unit_test(test_diffuse_and_mirror),
+        cmocka_unit_test(test_cosine_law),   cmocka_unit_test(test_absorbers),
+        cmocka_unit_test(test_ward),         cmocka_unit_test(test_ward_weights),
+        cmocka_unit_test(test_reciprocity),  cmocka_unit_test(test_bsdf_transport),
+        cmocka_unit_test(test_uniform_bsdf),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
