@@ -13,6 +13,7 @@ PACKAGES_BUILD := gcc make pkg-config libembree-dev libmicrohttpd-dev libjansson
 PACKAGES_CHECK := $(PACKAGES_BUILD) libcmocka-dev
 PACKAGES_LINT  := $(PACKAGES_CHECK) clang clang-tidy clang-format
 PACKAGES_DEMO  := $(PACKAGES_BUILD) curl
+PACKAGES_FUZZ  := $(PACKAGES_BUILD) clang llvm libclang-rt-14-dev
 
 WARNINGS := -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wstrict-prototypes \
 	-Wmissing-prototypes -Wvla -Wformat=2 -Wundef -fno-common
@@ -20,6 +21,7 @@ WARNINGS := -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wstrict-prototypes \
 OPT_release := -O3 -fno-math-errno -fno-trapping-math
 OPT_asan    := -O1 -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer
 OPT_tsan    := -O1 -fsanitize=thread -fno-omit-frame-pointer
+OPT_fuzz    := $(OPT_asan) -fsanitize=fuzzer-no-link
 STD      := -std=c17 -D_GNU_SOURCE -ffp-contract=off -g
 CFLAGS   ?=
 ALL_CFLAGS = $(STD) $(WARNINGS) $(WERROR) $(OPT_$(MODE)) $(CFLAGS) -pthread
@@ -37,7 +39,9 @@ API_SRC    := $(sort $(wildcard api/*.c))
 SERVER_SRC := $(sort $(wildcard server/*.c server/*/*.c))
 CLIENT_SRC := $(sort $(wildcard client/*.c))
 OFFICE_SRC := $(sort $(wildcard client/examples/office/*.c))
-SUPPORT_SRC := $(sort $(wildcard tests/support/*.c))
+FUZZ_TARGETS := $(patsubst tests/fuzz/%.c,%,$(sort $(wildcard tests/fuzz/fuzz_*.c)))
+SUPPORT_SRC := $(sort $(wildcard tests/support/*.c) $(FUZZ_TARGETS:%=tests/fuzz/%.c) \
+	tests/fuzz/promise.c)
 TEST_SUITES := unit stats validation api migrations
 TEST_SRC   := $(sort $(foreach s,$(TEST_SUITES),$(wildcard tests/$(s)/test_*.c)))
 BENCH_SRC  := $(sort $(wildcard tests/bench/bench_*.c))
@@ -61,7 +65,7 @@ TEST_BIN   := $(patsubst tests/%.c,$(BUILD)/tests/%,$(TEST_SRC))
 BENCH_BIN  := $(patsubst tests/%.c,$(BUILD)/tests/%,$(BENCH_SRC))
 
 .PHONY: all help clean check demo lint format asan tsan bench tests deps-build deps-check \
-	deps-lint deps-demo FORCE
+	deps-lint deps-demo deps-fuzz fuzz fuzzers FORCE
 all: $(BUILD)/oriel $(BUILD)/orield $(BUILD)/oriel-lcp
 
 help:
@@ -73,6 +77,7 @@ help:
 ## make lint       formatting, boundaries, clang-tidy, and a build with clang
 ## make asan       all tests under AddressSanitizer and UndefinedBehaviorSanitizer
 ## make tsan       the threaded tests under ThreadSanitizer
+## make fuzz       every reader of untrusted input under libFuzzer, SECONDS=60 each
 ## make bench      speed against the raw ray rate, in one run
 ## make format     clang-format in place
 
@@ -93,6 +98,7 @@ deps-build: ; $(call install_packages,$(PACKAGES_BUILD))
 deps-check: ; $(call install_packages,$(PACKAGES_CHECK))
 deps-lint:  ; $(call install_packages,$(PACKAGES_LINT))
 deps-demo:  ; $(call install_packages,$(PACKAGES_DEMO))
+deps-fuzz:  ; $(call install_packages,$(PACKAGES_FUZZ))
 
 # `make V=1` shows the commands.
 V ?= 0
@@ -166,6 +172,24 @@ tsan: deps-check
 	@$(MAKE) --no-print-directory -j$(JOBS) BUILD=$(BUILD)/tsan MODE=tsan tests
 	@TSAN_OPTIONS=suppressions=$(CURDIR)/tests/tsan.supp TEST_TIMEOUT=900 \
 		$(MAKE) --no-print-directory BUILD=$(BUILD)/tsan MODE=tsan run-tests
+
+# Smaller limits, so that small inputs reach them. New units go to the build folder; the committed
+# corpus only grows by hand.
+SECONDS ?= 60
+fuzz: deps-fuzz
+	@$(MAKE) --no-print-directory -j$(JOBS) BUILD=$(BUILD)/fuzz MODE=fuzz CC=clang \
+		CFLAGS='-include tests/fuzz/limits.h' fuzzers
+	@tests/fuzz/run $(BUILD)/fuzz $(SECONDS) $(JOBS) $(FUZZ_TARGETS)
+fuzzers: $(FUZZ_TARGETS:%=$(BUILD)/%)
+$(FUZZ_TARGETS:%=$(BUILD)/obj/tests/fuzz/driver_%.o): $(BUILD)/obj/tests/fuzz/driver_%.o: \
+		tests/fuzz/driver.c $(BUILD)/flags
+	@mkdir -p $(@D)
+	$(call say,CC,$@)
+	$(Q)$(CC) $(ALL_CFLAGS) $(INC_tests) -DFUZZ_TARGET=$* -MMD -MP -c $< -o $@
+$(FUZZ_TARGETS:%=$(BUILD)/%): $(BUILD)/%: $(BUILD)/obj/tests/fuzz/driver_%.o \
+		$(BUILD)/obj/tests/fuzz/%.o $(BUILD)/obj/tests/fuzz/promise.o $(BUILD)/liboriel.a
+	$(call say,LD,$@)
+	$(Q)$(CC) $(ALL_LDFLAGS) -fsanitize=fuzzer -o $@ $^ $(API_LIBS) $(CORE_LIBS)
 .PHONY: run-tests
 run-tests:
 	@tests/run $(BUILD) $(TEST_BIN)

@@ -60,7 +60,7 @@ static int reserve(struct orl_tree *tree, size_t count, struct orl_error *err)
     if (tree->n_lines + count <= tree->capacity)
         return 0;
     while (capacity < tree->n_lines + count)
-        capacity += capacity / 2;
+        capacity += capacity / 2 + 1;
     return resize(tree, capacity, err);
 }
 

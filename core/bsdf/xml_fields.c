@@ -86,6 +86,16 @@ static void read_number(struct orl_xml_reader *r, double *ret_value)
         orl_xml_fail(r, code);
 }
 
+/* A part has one block of data. Asked where its direction is named, and again before the data:
+ * Visible may be said in between, and a block may hold data twice. */
+static bool is_given(struct orl_xml_reader *r)
+{
+    if (!r->visible || !r->document->parts[r->part].present)
+        return false;
+    FAIL(r, ORL_ERR_SYNTAX, "%s is given twice for Visible", part_names[r->part]);
+    return true;
+}
+
 static void read_part(struct orl_xml_reader *r)
 {
     for (int i = 0; i < ORL_PART_COUNT; i++)
@@ -93,8 +103,8 @@ static void read_part(struct orl_xml_reader *r)
             r->part = i;
     if (r->part < 0)
         FAIL(r, ORL_ERR_SYNTAX, "unknown WavelengthDataDirection '%s'", r->text);
-    else if (r->visible && r->document->parts[r->part].present)
-        FAIL(r, ORL_ERR_SYNTAX, "%s is given twice for Visible", part_names[r->part]);
+    else
+        is_given(r);
 }
 
 static void read_basis_name(struct orl_xml_reader *r, enum orl_axis axis)
@@ -134,6 +144,8 @@ static void begin_data(struct orl_xml_reader *r)
         FAIL(r, ORL_ERR_SYNTAX, "ScatteringData before its WavelengthDataDirection");
         return;
     }
+    if (is_given(r))
+        return;
     component = &r->document->parts[r->part];
     switch (r->document->structure) {
     case ORL_STRUCTURE_TREE4:

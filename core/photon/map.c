@@ -2,6 +2,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <math.h>
 #include <sodium.h>
 #include <stddef.h>
 #include <stdlib.h>
@@ -60,8 +61,37 @@ static int check_header(const struct orl_map_header *h, size_t size, const char 
     const struct orl_map_layout l = orl_map_layout_of(h->count);
     if (h->count > UINT32_MAX || h->size != size || l.size != size || l.places != h->places ||
         l.fluxes != h->fluxes || l.normals != h->normals || l.sources != h->sources ||
-        l.boxes != h->boxes || l.levels != h->levels || h->emitted == 0 || !(h->cell > 0))
+        l.boxes != h->boxes || l.levels != h->levels || h->emitted == 0)
         return orl_error_set(err, ORL_ERR_CORRUPT, "photon map '%s' is truncated or damaged", path);
+    return 0;
+}
+
+/* Numbers that searches divide by or add to, and text that is printed. */
+static int check_values(const struct orl_map_header *h, const char *path, struct orl_error *err)
+{
+    if (!isnormal(h->cell) || !(h->cell > 0) || !isfinite(h->flux_unit) || h->flux_unit < 0 ||
+        !isfinite(h->low[0]) || !isfinite(h->low[1]) || !isfinite(h->low[2]) ||
+        h->kind[sizeof h->kind - 1] != '\0')
+        return orl_error_set(err, ORL_ERR_CORRUPT, "photon map '%s' has impossible values", path);
+    return 0;
+}
+
+/*
+ * Searches follow any child that faces somewhere. In the last group of a level the absent ones must
+ * face nowhere, or damage there would lead beyond the file; everywhere else all children exist.
+ */
+static int check_absent(const struct orl_photon_map *map, const char *path, struct orl_error *err)
+{
+    const struct orl_map_layout l = orl_map_layout_of(map->header->count);
+    uint64_t nodes = l.leaves;
+    for (uint32_t i = 0; i < l.levels; i++) {
+        const uint64_t last = l.groups[i] - 1;
+        for (uint64_t c = nodes - last * ORL_MAP_FANOUT; c < ORL_MAP_FANOUT; c++)
+            if (map->levels[i][last].facing[c] != 0)
+                return orl_error_set(err, ORL_ERR_CORRUPT,
+                                     "the boxes of photon map '%s' are damaged", path);
+        nodes = l.groups[i];
+    }
     return 0;
 }
 
@@ -119,13 +149,17 @@ int orl_photon_map_open(const char *path, bool verify, struct orl_photon_map **r
         !checksum_matches((const char *)map->file + sizeof *map->header,
                           map->size - sizeof *map->header, map->header->body_checksum))
         code = orl_error_set(err, ORL_ERR_CORRUPT, "photon map '%s' fails its checksum", path);
-    if (code < 0 || !map->header) {
-        orl_photon_map_free(map);
-        return code;
+    if (code == 0 && map->header)
+        code = check_values(map->header, path, err);
+    if (code == 0 && map->header) {
+        take_apart(map);
+        code = check_absent(map, path, err);
     }
-    take_apart(map);
-    *ret_map = map;
-    return 0;
+    if (code < 0 || !map->header)
+        orl_photon_map_free(map);
+    else
+        *ret_map = map;
+    return code;
 }
 
 void orl_photon_map_free(struct orl_photon_map *map)

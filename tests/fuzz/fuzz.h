@@ -1,0 +1,43 @@
+/*
+ * Entry points of the fuzz targets: each takes bytes as a stranger might send them, runs them
+ * through the code that reads them for real, and checks what the headers promise about the outcome.
+ * The same functions serve libFuzzer (driver.c) and the test that repeats the committed corpus
+ * (tests/unit/test_fuzz_corpus.c).
+ *
+ * A broken promise ends the process with abort(): under libFuzzer the input is then kept, in the
+ * test the program fails. Nothing is kept between calls; any number may follow each other.
+ */
+#ifndef ORL_TESTS_FUZZ_H
+#define ORL_TESTS_FUZZ_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <oriel/error.h>
+#include <oriel/vec.h>
+
+/* Return true when the bytes were accepted: a scene was parsed, a map opened, ... */
+bool fuzz_scene(const uint8_t *data, size_t size);
+bool fuzz_bsdf(const uint8_t *data, size_t size);
+bool fuzz_job(const uint8_t *data, size_t size);
+bool fuzz_map(const uint8_t *data, size_t size);
+bool fuzz_sensors(const uint8_t *data, size_t size);
+
+/* ---- For the targets (promise.c) ---------------------------------------------------------------
+ */
+
+/* Aborts, with the promise that was broken, unless it holds. */
+#define FUZZ_PROMISE(holds) fuzz_promise((holds), #holds, __FILE__, __LINE__)
+void fuzz_promise(bool holds, const char *what, const char *file, int line);
+
+/*
+ * What every failure promises: a code of the enum that the error repeats, a message, terminated
+ * texts, and that the HTTP layer can make a problem document of it.
+ */
+void fuzz_check_error(int code, const struct orl_error *err);
+
+void fuzz_check_finite(struct orl_vec3 v);
+void fuzz_check_unit(struct orl_vec3 v);
+
+#endif

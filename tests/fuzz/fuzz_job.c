@@ -1,0 +1,86 @@
+/* Job documents, as the command line and as the daemon read them, and the views inside. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "decode.h"
+#include "fuzz/fuzz.h"
+#include "job_json.h"
+#include "render/view.h"
+
+static void check_rays(const struct orl_view *view)
+{
+    for (int i = 0; i <= 16; i++) {
+        struct orl_vec3 origin, direction;
+        if (!orl_view_ray(view, (i % 5) / 4.0, (i / 5) / 3.0, &origin, &direction))
+            continue;
+        fuzz_check_finite(origin);
+        fuzz_check_unit(direction);
+    }
+}
+
+/* A view that is accepted casts sound rays, and what is written of it reads back the same. */
+static bool check_view(const char *text)
+{
+    struct orl_view view, again;
+    struct orl_error err = {0};
+    char written[2][1024];
+    int code = orl_view_parse(text, &view, &err);
+    if (code < 0) {
+        fuzz_check_error(code, &err);
+        return false;
+    }
+    check_rays(&view);
+    FUZZ_PROMISE(orl_view_pixel_aspect(&view, 40, 30) > 0);
+    orl_view_format(&view, written[0], sizeof written[0]);
+    FUZZ_PROMISE(strlen(written[0]) < sizeof written[0] - 1);
+    code = orl_view_parse(written[0], &again, &err);
+    FUZZ_PROMISE(code == 0);
+    orl_view_format(&again, written[1], sizeof written[1]);
+    FUZZ_PROMISE(again.type == view.type && strlen(written[1]) < sizeof written[1] - 1);
+    return true;
+}
+
+static bool check_document(const json_t *doc, enum orl_job_origin origin)
+{
+    struct orl_error err = {0};
+    struct orl_job job;
+    char *id = NULL;
+    int code = orl_job_from_json(doc, origin, &job, &id, &err);
+    if (code < 0) {
+        fuzz_check_error(code, &err);
+        FUZZ_PROMISE(id == NULL);
+        return false;
+    }
+    FUZZ_PROMISE((origin == ORL_JOB_REMOTE) == (id != NULL));
+    FUZZ_PROMISE((origin == ORL_JOB_LOCAL) == (job.n_scene_files > 0));
+    code = orl_job_validate(&job, &err);
+    if (code < 0)
+        fuzz_check_error(code, &err);
+    for (size_t i = 0; i < job.n_views; i++) {
+        const bool sound = check_view(job.views[i].view);
+        FUZZ_PROMISE(code < 0 || sound);
+    }
+    orl_job_done(&job);
+    free(id);
+    return code == 0;
+}
+
+bool fuzz_job(const uint8_t *data, size_t size)
+{
+    struct orl_error err = {0};
+    json_t *doc = NULL;
+    bool accepted = false;
+    const int code = orl_json_parse("job.json", (const char *)data, size, &doc, &err);
+    if (code < 0) {
+        fuzz_check_error(code, &err);
+        /* No document: perhaps a bare view. */
+        char *text = strndup((const char *)data, size);
+        accepted = text && check_view(text);
+        free(text);
+        return accepted;
+    }
+    accepted = check_document(doc, ORL_JOB_LOCAL);
+    accepted |= check_document(doc, ORL_JOB_REMOTE);
+    json_decref(doc);
+    return accepted;
+}

@@ -1,0 +1,27 @@
+/*
+ * Smaller bounds, included before anything else in fuzzing builds: inputs of a few hundred bytes
+ * then reach them within milliseconds instead of gigabytes.
+ */
+#ifndef ORL_TESTS_FUZZ_LIMITS_H
+#define ORL_TESTS_FUZZ_LIMITS_H
+
+#include <oriel/limits.h>
+
+#undef ORL_LIMIT_SCENE_TEXT
+#undef ORL_LIMIT_SURFACES
+#undef ORL_LIMIT_POLYGON_VERTICES
+#undef ORL_LIMIT_ARGUMENTS
+#undef ORL_LIMIT_WORD_BYTES
+#undef ORL_LIMIT_XFORM_ARRAY
+#undef ORL_LIMIT_BSDF_VALUES
+#undef ORL_LIMIT_SENSORS
+#define ORL_LIMIT_SCENE_TEXT (2UL << 20)
+#define ORL_LIMIT_SURFACES 2000UL
+#define ORL_LIMIT_POLYGON_VERTICES 60U
+#define ORL_LIMIT_ARGUMENTS 240U
+#define ORL_LIMIT_WORD_BYTES 128U
+#define ORL_LIMIT_XFORM_ARRAY 500U
+#define ORL_LIMIT_BSDF_VALUES (1UL << 14)
+#define ORL_LIMIT_SENSORS 200UL
+
+#endif

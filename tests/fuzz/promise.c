@@ -1,0 +1,53 @@
+#include "fuzz/fuzz.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "problem.h"
+
+void fuzz_promise(bool holds, const char *what, const char *file, int line)
+{
+    if (holds)
+        return;
+    fprintf(stderr, "%s:%d: broken promise: %s\n", file, line, what);
+    abort();
+}
+
+static void check_text(const char *text, size_t size)
+{
+    FUZZ_PROMISE(memchr(text, '\0', size) != NULL);
+}
+
+void fuzz_check_error(int code, const struct orl_error *err)
+{
+    char line[4 * ORL_ERROR_TEXT_MAX];
+    int status = 0;
+    json_t *problem;
+    FUZZ_PROMISE(code < 0 && code >= ORL_ERR_INTERNAL);
+    FUZZ_PROMISE(code != ORL_ERR_INTERNAL);
+    FUZZ_PROMISE(err->code == code);
+    FUZZ_PROMISE(err->line >= 0);
+    check_text(err->file, sizeof err->file);
+    check_text(err->primitive, sizeof err->primitive);
+    check_text(err->message, sizeof err->message);
+    check_text(err->hint, sizeof err->hint);
+    FUZZ_PROMISE(err->message[0] != '\0');
+    orl_error_format(err, line, sizeof line);
+    FUZZ_PROMISE(line[0] != '\0');
+    problem = orl_problem_from_error(err, &status);
+    FUZZ_PROMISE(problem != NULL);
+    FUZZ_PROMISE(status >= 400 && status < 600);
+    json_decref(problem);
+}
+
+void fuzz_check_finite(struct orl_vec3 v)
+{
+    FUZZ_PROMISE(isfinite(v.x) && isfinite(v.y) && isfinite(v.z));
+}
+
+void fuzz_check_unit(struct orl_vec3 v)
+{
+    fuzz_check_finite(v);
+    FUZZ_PROMISE(fabs(orl_length(v) - 1) < 1e-6);
+}

@@ -1,0 +1,116 @@
+/*
+ * Repeats the fuzz corpus: every committed input, among them those that once broke something, goes
+ * through its target, which aborts when a promise is broken. For each target some input must be
+ * accepted and some refused, lest a change of format leave the corpus without effect.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <dirent.h>
+#include <sodium.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "fuzz/fuzz.h"
+#include "support/scene_text.h"
+
+typedef bool (*fuzz_target)(const uint8_t *data, size_t size);
+
+/* One file: in a block of its exact size, so that AddressSanitizer sees reads beyond its end. */
+static bool repeat(fuzz_target target, const char *folder, const char *name)
+{
+    char path[512];
+    size_t size;
+    snprintf(path, sizeof path, "%s/%s", folder, name);
+    unsigned char *bytes = scene_read_bytes(path, &size);
+    uint8_t *exact = malloc(size ? size : 1);
+    assert_non_null(exact);
+    for (size_t i = 0; i < size; i++)
+        exact[i] = bytes[i];
+    free(bytes);
+    /* Said before, as nothing is said after an abort. */
+    fprintf(stderr, "# %s\n", path);
+    const bool accepted = target(exact, size);
+    free(exact);
+    return accepted;
+}
+
+static void repeat_all(const char *folder, fuzz_target target)
+{
+    size_t accepted = 0, refused = 0;
+    DIR *entries = opendir(folder);
+    assert_non_null(entries);
+    for (const struct dirent *entry; (entry = readdir(entries)) != NULL;) {
+        if (entry->d_name[0] == '.')
+            continue;
+        if (repeat(target, folder, entry->d_name))
+            accepted++;
+        else
+            refused++;
+    }
+    closedir(entries);
+    assert_true(accepted > 0);
+    assert_true(refused > 0);
+}
+
+/* No bytes at all, and a short run of every single value: things no corpus needs to hold. */
+static void repeat_trifles(fuzz_target target)
+{
+    target((const uint8_t *)"", 0);
+    for (int value = 0; value < 256; value++) {
+        uint8_t bytes[8];
+        for (size_t i = 0; i < sizeof bytes; i++)
+            bytes[i] = (uint8_t)value;
+        target(bytes, 1);
+        target(bytes, sizeof bytes);
+    }
+}
+
+static void test_scene(void **state)
+{
+    (void)state;
+    repeat_all("tests/fuzz/corpus/scene", fuzz_scene);
+    repeat_trifles(fuzz_scene);
+}
+
+static void test_bsdf(void **state)
+{
+    (void)state;
+    repeat_all("tests/fuzz/corpus/bsdf", fuzz_bsdf);
+    repeat_trifles(fuzz_bsdf);
+}
+
+static void test_job(void **state)
+{
+    (void)state;
+    repeat_all("tests/fuzz/corpus/job", fuzz_job);
+    repeat_trifles(fuzz_job);
+}
+
+static void test_map(void **state)
+{
+    (void)state;
+    repeat_all("tests/fuzz/corpus/map", fuzz_map);
+    repeat_trifles(fuzz_map);
+}
+
+static void test_sensors(void **state)
+{
+    (void)state;
+    repeat_all("tests/fuzz/corpus/sensors", fuzz_sensors);
+    repeat_trifles(fuzz_sensors);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_scene), cmocka_unit_test(test_bsdf),    cmocka_unit_test(test_job),
+        cmocka_unit_test(test_map),   cmocka_unit_test(test_sensors),
+    };
+    if (sodium_init() < 0)
+        return 1;
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
