@@ -5,6 +5,7 @@
 #include "photon/facing.h"
 
 enum { MOST_BOUNCES = 64, SURE_BOUNCES = 4 };
+enum { NEIGHBOURS_CAUSTIC_RELIT = 32 }; /* seen by one ray of many: noise averages out */
 enum { NEIGHBOURS_GLOBAL = 64, NEIGHBOURS_CAUSTIC = 300 };
 enum { RADIUS_PROBES = 256, OUTSIDE_RAYS = 32 };
 
@@ -48,9 +49,12 @@ int orl_gather_init(struct orl_gather *gather, const struct orl_world *world,
         gather->k[kind] = neighbours[kind];
         if (!maps[kind])
             continue;
-        /* Dark corners may reach further than most, but not across the room. */
+        /*
+         * Dark corners may reach further than most for global photons, but not across the room.
+         * Caustics end: where there are few photons a wider search would find another one's.
+         */
         const double far = typical_radius(maps[kind], neighbours[kind], 0.95, widest, search);
-        gather->max_radius[kind] = fmin(4 * far, widest);
+        gather->max_radius[kind] = fmin(kind == ORL_MAP_GLOBAL ? 4 * far : far, widest);
         if (kind == ORL_MAP_GLOBAL)
             gather->near = 2 * far;
     }
@@ -85,17 +89,23 @@ bool orl_gather_is_outside(const struct orl_gather *gather, struct orl_vec3 poin
     return false;
 }
 
-struct orl_density orl_gather_density(const struct orl_gather *gather, enum orl_map_kind kind,
-                                      struct orl_vec3 point, struct orl_vec3 normal,
-                                      struct orl_search *search)
+static struct orl_density caustic_density(const struct orl_gather *gather, struct orl_vec3 point,
+                                          struct orl_vec3 normal, uint32_t k,
+                                          struct orl_search *search)
 {
-    if (!gather->maps[kind])
+    if (!gather->maps[ORL_MAP_CAUSTIC])
         return (struct orl_density){.found = 0};
     const struct orl_density_query query = {.point = point,
                                             .normal = normal,
-                                            .k = gather->k[kind],
-                                            .max_radius = gather->max_radius[kind]};
-    return orl_density_estimate(gather->maps[kind], &query, search);
+                                            .k = k,
+                                            .max_radius = gather->max_radius[ORL_MAP_CAUSTIC]};
+    return orl_density_estimate(gather->maps[ORL_MAP_CAUSTIC], &query, search);
+}
+
+struct orl_density orl_gather_caustic(const struct orl_gather *gather, struct orl_vec3 point,
+                                      struct orl_vec3 normal, struct orl_search *search)
+{
+    return caustic_density(gather, point, normal, gather->k[ORL_MAP_CAUSTIC], search);
 }
 
 /* What a diffuse surface sends back, but for the glossy part: by density, or lit again when near.
@@ -113,7 +123,7 @@ static struct orl_rgb diffuse_radiance(const struct orl_gather *gather, const st
                                                .through_ports = true};
         irradiance = orl_rgb_add(
             orl_direct_light(gather->world, &query, random),
-            orl_gather_density(gather, ORL_MAP_CAUSTIC, hit->point, lit, search).irradiance);
+            caustic_density(gather, hit->point, lit, NEIGHBOURS_CAUSTIC_RELIT, search).irradiance);
     } else if (gather->leaves) {
         irradiance = orl_leaves_irradiance(gather->leaves, hit->point, lit, search);
     }

@@ -52,10 +52,9 @@ struct orl_rgb orl_gather_radiance(const struct orl_gather *gather, struct orl_v
                                    struct orl_vec3 direction, bool outside,
                                    struct orl_random *random, struct orl_search *search);
 
-/* Irradiance by density of one map, for a point of a surface. */
-struct orl_density orl_gather_density(const struct orl_gather *gather, enum orl_map_kind kind,
-                                      struct orl_vec3 point, struct orl_vec3 normal,
-                                      struct orl_search *search);
+/* The caustic part, by density, for a point of a surface. */
+struct orl_density orl_gather_caustic(const struct orl_gather *gather, struct orl_vec3 point,
+                                      struct orl_vec3 normal, struct orl_search *search);
 
 /*
  * The gathered part at a place, by a stratified cosine-weighted hemisphere of rows x columns rays,

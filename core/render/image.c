@@ -191,9 +191,9 @@ static struct orl_rgb caustic_at(const struct painter *p, const struct orl_verte
     if (memo->density.radius > 0 && orl_dot(way, way) < reach * reach &&
         orl_dot(memo->normal, v->place.normal) > 0.999)
         return memo->density.irradiance;
-    *memo = (struct memo){v->on_surface, v->place.normal,
-                          orl_gather_density(p->env->gather, ORL_MAP_CAUSTIC, v->on_surface,
-                                             v->place.normal, search)};
+    *memo =
+        (struct memo){v->on_surface, v->place.normal,
+                      orl_gather_caustic(p->env->gather, v->on_surface, v->place.normal, search)};
     return memo->density.irradiance;
 }
 

@@ -108,9 +108,8 @@ double orl_gather_sensor(const struct orl_gather *gather, struct orl_vec3 positi
     place.in_air = caustics && !lies_on_surface(gather, &place, &on_surface);
     struct orl_rgb sum = orl_gather_direct(gather, &place, SUN_RAYS, &random);
     if (caustics && !place.in_air)
-        sum = orl_rgb_add(
-            sum, orl_gather_density(gather, ORL_MAP_CAUSTIC, on_surface, place.normal, search)
-                     .irradiance);
+        sum = orl_rgb_add(sum,
+                          orl_gather_caustic(gather, on_surface, place.normal, search).irradiance);
     else if (place.in_air)
         sum = orl_rgb_add(sum, caustics_in_air(gather, &place, index));
     sum = orl_rgb_add(sum, gather_evenly(gather, &place, samples, index, search));

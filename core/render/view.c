@@ -55,23 +55,45 @@ static int set_type(struct orl_view *view, const char *word, struct orl_error *e
     return 0;
 }
 
-/* The image axes from direction, up and the angles; the checks Radiance makes too. */
-static int set_up(struct orl_view *view, struct orl_error *err)
+/* What no picture needs, and rays could not be computed from. */
+static int check_sizes(const struct orl_view *view, struct orl_error *err)
 {
-    const double widest = view->type == 'v' ? 180.0 : view->type == 'h' ? 180.0001 : 360.0001;
-    double h = view->horizontal, v = view->vertical;
-    struct orl_vec3 right, above;
-    view->direction = orl_normalize(view->direction);
-    right = orl_cross(view->direction, view->up);
-    if (orl_length(view->direction) <= 0)
-        return orl_error_set(err, ORL_ERR_RANGE, "the view direction -vd has no length");
-    if (!(orl_length(right) > 1e-9 * orl_length(view->up)))
-        return orl_error_set(err, ORL_ERR_RANGE,
-                             "the view direction -vd and the up vector -vu are parallel");
-    if (!(h > 0) || !(v > 0) || (view->type != 'l' && (h >= widest || v >= widest)))
+    const double widest = view->type == 'v'   ? 180.0
+                          : view->type == 'h' ? 180.0001
+                          : view->type == 'a' ? 360.0001
+                                              : 1e9;
+    const double narrowest = 1e-9, farthest = 1e12, most_shift = 1e6;
+    const double h = view->horizontal, v = view->vertical;
+    if (!(h > narrowest && h < widest && v > narrowest && v < widest))
         return orl_error_set(err, ORL_ERR_RANGE,
                              "view size -vh %g -vv %g is out of range for type %c", h, v,
                              view->type);
+    if (fabs(view->shift) > most_shift || fabs(view->lift) > most_shift)
+        return orl_error_set(err, ORL_ERR_RANGE, "view shift -vs %g or lift -vl %g is too large",
+                             view->shift, view->lift);
+    if (!(orl_length(view->point) < farthest) || !(view->fore < farthest))
+        return orl_error_set(err, ORL_ERR_RANGE, "the view point -vp or clipping -vo is too far");
+    return 0;
+}
+
+/* The image axes from direction, up and the angles; the checks Radiance makes too. */
+static int set_up(struct orl_view *view, struct orl_error *err)
+{
+    double h = view->horizontal, v = view->vertical;
+    struct orl_vec3 right, above;
+    /* Squares that overflow or fade out would leave no unit vector. */
+    if (!isnormal(orl_dot(view->direction, view->direction)))
+        return orl_error_set(err, ORL_ERR_RANGE, "the view direction -vd has no usable length");
+    if (!isnormal(orl_dot(view->up, view->up)))
+        return orl_error_set(err, ORL_ERR_RANGE, "the up vector -vu has no usable length");
+    view->direction = orl_normalize(view->direction);
+    right = orl_cross(view->direction, orl_normalize(view->up));
+    if (!(orl_length(right) > 1e-9))
+        return orl_error_set(err, ORL_ERR_RANGE,
+                             "the view direction -vd and the up vector -vu are parallel");
+    const int code = check_sizes(view, err);
+    if (code < 0)
+        return code;
     if (view->fore < 0 || (view->aft > 0 && view->aft <= view->fore))
         return orl_error_set(err, ORL_ERR_RANGE, "view clipping -vo and -va make no sense");
     right = orl_normalize(right);
