@@ -33,7 +33,8 @@ static const char *parse_numbers(const char *text, const char *option, double *v
             return NULL;
         }
         values[i] = strtod(word, &end);
-        if (*end != '\0' || !isfinite(values[i])) {
+        /* A word that fills the buffer was cut, and its number may be another. */
+        if (strlen(word) == sizeof word - 1 || *end != '\0' || !isfinite(values[i])) {
             orl_error_set(err, ORL_ERR_SYNTAX, "view option %s: '%s' is not a finite number",
                           option, word);
             return NULL;
