@@ -80,12 +80,13 @@ static struct site make_site(const struct orl_photon_map *map, uint64_t leaf)
             site.at[k] += photons[i][k] / (float)n;
         }
     }
-    const float chord[3] = {photons[middle][0] - site.at[0], photons[middle][1] - site.at[1],
-                            photons[middle][2] - site.at[2]};
+    const struct orl_vec3 chord =
+        orl_v3(photons[middle][0] - site.at[0], photons[middle][1] - site.at[1],
+               photons[middle][2] - site.at[2]);
     spread_about(photons, n, site.at, &mean, &least);
     /* Photons of two patches have their middle between them, where there is nothing. */
     site.at_photon = n < ORL_MAP_LEAF || least > 0.5F * mean ||
-                     !orl_same_sheet(orl_normal_decode(normal), normal, normal, chord);
+                     !orl_chord_fits(orl_normal_decode(normal), chord, 0.1);
     for (int k = 0; k < 3 && site.at_photon; k++)
         site.at[k] = photons[middle][k];
     return site;

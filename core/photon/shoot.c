@@ -58,6 +58,9 @@ static size_t plan_round(const struct queue *queue, uint64_t target)
         return 0;
     if (queue->n_done == 0)
         return FIRST_ROUND;
+    /* Nothing yet: no more than it takes to tell that there is nothing. */
+    if (queue->stored == 0 && queue->n_done < DRY_BATCHES)
+        return DRY_BATCHES - queue->n_done;
     const double yield = ((double)queue->stored + 1) / (double)queue->n_done;
     const double need = ceil(((double)target - (double)queue->stored) / yield);
     return need < 1 ? 1 : need > MOST_A_ROUND ? MOST_A_ROUND : (size_t)need;
