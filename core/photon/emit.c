@@ -119,7 +119,7 @@ double orl_emission_box_point(const struct orl_geometry *g, struct orl_vec3 towa
     return total;
 }
 
-static bool emit_open(const struct orl_emission *e, const struct orl_stratum *stratum,
+static bool emit_open(const struct orl_emission *e, const struct orl_stratum *stratum, bool caustic,
                       const double *u, struct orl_flight *ret_flight)
 {
     const struct orl_world *world = e->world;
@@ -140,7 +140,7 @@ static bool emit_open(const struct orl_emission *e, const struct orl_stratum *st
         measure = 4 * ORL_PI / density;
     }
     double place[2] = {u[1], u[2]}, density = 1;
-    const struct orl_table *guide = orl_guide_find(e, stratum, towards);
+    const struct orl_table *guide = orl_guide_find(e, stratum, caustic, towards);
     if (guide)
         density = orl_table_sample(guide, u + 1, place);
     const double area =
@@ -151,7 +151,7 @@ static bool emit_open(const struct orl_emission *e, const struct orl_stratum *st
 }
 
 bool orl_emission_from(const struct orl_emission *emission, const struct orl_stratum *stratum,
-                       const double *point, struct orl_random *random,
+                       bool caustic, const double *point, struct orl_random *random,
                        struct orl_flight *ret_flight)
 {
     *ret_flight = (struct orl_flight){.from_light = false};
@@ -165,7 +165,7 @@ bool orl_emission_from(const struct orl_emission *emission, const struct orl_str
         return emit_emitter(emission, stratum, point, ret_flight);
     case ORL_STRATUM_OPEN_DOME:
     case ORL_STRATUM_OPEN_SUN:
-        return emit_open(emission, stratum, point, ret_flight);
+        return emit_open(emission, stratum, caustic, point, ret_flight);
     }
     return false;
 }
@@ -194,7 +194,7 @@ bool orl_emission_sample(const struct orl_emission *emission, uint64_t seed, uin
     orl_sobol_point(&emission->sobol, (uint32_t)index, sequence, 5, point);
     const struct orl_stratum *stratum = pick(emission, point[0], caustic);
     const double share = caustic ? stratum->share_caustic : stratum->share;
-    if (!(share > 0) || !orl_emission_from(emission, stratum, point, random, ret_flight))
+    if (!(share > 0) || !orl_emission_from(emission, stratum, caustic, point, random, ret_flight))
         return false;
     ret_flight->flux = orl_rgb_scale(ret_flight->flux, 1 / share);
     return true;

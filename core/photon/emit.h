@@ -55,8 +55,8 @@ struct orl_emission {
     size_t n_strata;
     struct orl_table *port_tables; /* per port: over the outer hemisphere's Shirley-Chiu square */
     struct orl_table dome_table;   /* open scenes: over the sphere, equal-area cylinder */
-    struct orl_table *sun_guides, *dome_guides; /* open scenes: guide.h */
-    bool has_caustics;                          /* a pilot found a way for them */
+    struct orl_table *sun_guides, *sun_caustic_guides, *dome_guides; /* open scenes: guide.h */
+    bool has_caustics; /* a pilot found a way for them */
 };
 
 /* A photon about to fly: just past its port, or at its emitter. */
@@ -86,7 +86,7 @@ double orl_emission_box_point(const struct orl_geometry *geometry, struct orl_ve
 
 /* Emission from one stratum, with probability one; point: five numbers in [0,1). */
 bool orl_emission_from(const struct orl_emission *emission, const struct orl_stratum *stratum,
-                       const double *point, struct orl_random *random,
+                       bool caustic, const double *point, struct orl_random *random,
                        struct orl_flight *ret_flight);
 
 #endif

@@ -9,13 +9,16 @@
  */
 enum { PATCHES_X = 16, PATCHES_Y = 16, SUN_SIDE = 128, PATCH_SIDE = 32, PHOTONS_A_CELL = 4 };
 static const double guided_share = 0.9;
-static const double least_worth = 0.02; /* of a place whose photons all leave after one bounce */
+/* Of a place whose photons all leave at once: they still light what they land on; no caustic does.
+ */
+static const double least_worth = 0.02, least_worth_caustic = 0.0005;
 
 struct pilot {
     const struct orl_emission *emission;
     const struct orl_stratum *stratum;
     uint64_t seed;
     uint32_t patch, side;
+    bool caustic;
     double *values;
 };
 
@@ -37,8 +40,11 @@ static struct orl_vec3 patch_direction(uint32_t patch, struct orl_random *random
     return orl_v3(s * cos(phi), s * sin(phi), z);
 }
 
-/* 1 when light that arrives so goes on to meet something else, 0 when it is as good as gone. */
-static double worth(const struct orl_world *world, struct orl_vec3 origin,
+/*
+ * 1 when light that arrives so goes on to meet something else (caustic: when it is deflected at
+ * once), 0 when it is as good as gone.
+ */
+static double worth(const struct orl_world *world, bool caustic, struct orl_vec3 origin,
                     struct orl_vec3 direction, struct orl_random *random)
 {
     struct orl_hit hit;
@@ -51,6 +57,8 @@ static double worth(const struct orl_world *world, struct orl_vec3 origin,
                            ORL_TRANSPORT_LIGHT, ORL_LOBE_ALL, random);
     if (s.event == ORL_EVENT_ABSORBED)
         return 0;
+    if (caustic)
+        return s.event == ORL_EVENT_MIRROR || s.event == ORL_EVENT_GLOSSY;
     return orl_geometry_occluded(world->geometry, orl_hit_leave(world->geometry, &hit, s.direction),
                                  s.direction, INFINITY);
 }
@@ -74,9 +82,10 @@ static void probe_row(void *arg, size_t row, uint32_t member)
             const double u[2] = {x / pilot->side, y / pilot->side};
             struct orl_vec3 origin;
             orl_emission_box_point(world->geometry, towards, u, &origin);
-            sum += worth(world, origin, orl_neg(towards), &random);
+            sum += worth(world, pilot->caustic, origin, orl_neg(towards), &random);
         }
-        pilot->values[cell] = least_worth + sum / PHOTONS_A_CELL;
+        pilot->values[cell] =
+            (pilot->caustic ? least_worth_caustic : least_worth) + sum / PHOTONS_A_CELL;
     }
 }
 
@@ -104,41 +113,58 @@ static int make_dome_guides(struct orl_emission *e, struct pilot *pilot, struct 
     return code;
 }
 
+static int make_sun_guides(struct orl_emission *e, struct pilot *pilot, struct orl_crew *crew)
+{
+    const uint32_t sun = pilot->stratum->sun;
+    pilot->side = SUN_SIDE;
+    pilot->patch = PATCHES_X * PATCHES_Y + sun;
+    int code = make_table(pilot, crew, &e->sun_guides[sun]);
+    pilot->caustic = true;
+    if (code == 0)
+        code = make_table(pilot, crew, &e->sun_caustic_guides[sun]);
+    pilot->caustic = false;
+    return code;
+}
+
 int orl_guide_make(struct orl_emission *emission, uint64_t seed, struct orl_crew *crew)
 {
     struct pilot pilot = {.emission = emission, .seed = seed};
     int code = 0;
-    emission->sun_guides = calloc(emission->world->n_suns + 1, sizeof *emission->sun_guides);
-    if (!emission->sun_guides)
+    const size_t n_suns = emission->world->n_suns;
+    emission->sun_guides = calloc(n_suns + 1, sizeof *emission->sun_guides);
+    emission->sun_caustic_guides = calloc(n_suns + 1, sizeof *emission->sun_caustic_guides);
+    if (!emission->sun_guides || !emission->sun_caustic_guides)
         return ORL_ERR_NOMEM;
     for (size_t i = 0; i < emission->n_strata && code == 0; i++) {
         pilot.stratum = &emission->strata[i];
-        pilot.side = SUN_SIDE;
-        pilot.patch = PATCHES_X * PATCHES_Y + pilot.stratum->sun;
-        if (pilot.stratum->kind == ORL_STRATUM_OPEN_SUN)
-            code = make_table(&pilot, crew, &emission->sun_guides[pilot.stratum->sun]);
-        else if (pilot.stratum->kind == ORL_STRATUM_OPEN_DOME)
+        if (pilot.stratum->kind == ORL_STRATUM_OPEN_DOME)
             code = make_dome_guides(emission, &pilot, crew);
+        if (pilot.stratum->kind == ORL_STRATUM_OPEN_SUN)
+            code = make_sun_guides(emission, &pilot, crew);
     }
     return code;
 }
 
 void orl_guide_done(struct orl_emission *emission)
 {
-    for (size_t i = 0; emission->sun_guides && i < emission->world->n_suns; i++)
+    for (size_t i = 0; emission->sun_caustic_guides && i < emission->world->n_suns; i++) {
         orl_table_done(&emission->sun_guides[i]);
+        orl_table_done(&emission->sun_caustic_guides[i]);
+    }
     for (size_t i = 0; emission->dome_guides && i < PATCHES_X * PATCHES_Y; i++)
         orl_table_done(&emission->dome_guides[i]);
     free(emission->sun_guides);
+    free(emission->sun_caustic_guides);
     free(emission->dome_guides);
 }
 
 const struct orl_table *orl_guide_find(const struct orl_emission *emission,
-                                       const struct orl_stratum *stratum, struct orl_vec3 towards)
+                                       const struct orl_stratum *stratum, bool caustic,
+                                       struct orl_vec3 towards)
 {
     const struct orl_table *table = NULL;
     if (stratum->kind == ORL_STRATUM_OPEN_SUN && emission->sun_guides)
-        table = &emission->sun_guides[stratum->sun];
+        table = &(caustic ? emission->sun_caustic_guides : emission->sun_guides)[stratum->sun];
     else if (stratum->kind == ORL_STRATUM_OPEN_DOME && emission->dome_guides)
         table = &emission->dome_guides[patch_of(towards)];
     return table && table->weight ? table : NULL;

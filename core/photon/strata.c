@@ -143,7 +143,7 @@ static double port_image_flux(const struct orl_emission *e, const struct orl_str
         struct orl_flight flight;
         struct orl_random random = orl_random_stream(stratum->port, ORL_PURPOSE_PILOT, i);
         orl_sobol_point(&e->sobol, i, stratum->mirror, 5, point);
-        if (orl_emission_from(e, stratum, point, &random, &flight))
+        if (orl_emission_from(e, stratum, false, point, &random, &flight))
             sum += orl_luma(flight.flux) / IMAGE_FLIGHTS;
     }
     return sum;
@@ -234,7 +234,7 @@ static void try_caustics(void *arg, size_t index, uint32_t member)
         struct orl_random random =
             orl_random_stream(pilot->seed, ORL_PURPOSE_PILOT, 2 * ((uint64_t)index << 32 | i) + 1);
         orl_sobol_point(&pilot->emission->sobol, i, (uint32_t)(pilot->seed + index), 5, point);
-        if (!orl_emission_from(pilot->emission, stratum, point, &random, &flight))
+        if (!orl_emission_from(pilot->emission, stratum, true, point, &random, &flight))
             continue;
         if (!flight.from_light)
             break;
