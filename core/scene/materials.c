@@ -91,6 +91,8 @@ static int read_light(struct orl_parser *parser, const struct orl_scope *scope,
         material->max_radius = parser->primitive.reals[3] * scope->xform.scale;
     if (rgb_min(material->color) < 0)
         return orl_parser_fail(parser, scope, err, ORL_ERR_RANGE, "its radiance is negative");
+    if (orl_rgb_max(material->color) > 1e30) /* the sun's is 1e7; sums must stay finite */
+        return orl_parser_fail(parser, scope, err, ORL_ERR_RANGE, "its radiance is too large");
     return 0;
 }
 

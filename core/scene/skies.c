@@ -2,6 +2,7 @@
  * Sky patterns: brightfunc as gendaylit and gensky write it. Other patterns are not simulated.
  * References: gendaylit(1), gensky(1), perezlum.cal and skybright.cal of Radiance.
  */
+#include <math.h>
 #include <string.h>
 
 #include "scene/parser.h"
@@ -18,6 +19,26 @@ static int sun_argument(const struct orl_sky *sky)
     if (sky->kind == ORL_SKY_PEREZ)
         return 7;
     return sky->n_args == 7 ? 4 : -1;
+}
+
+/*
+ * Radiance of such a sky would overflow, or be no number: exp(A4 / 0.01) at the horizon, exp(A6 pi)
+ * opposite the sun. The Perez model itself never gets beyond A4 = 0.32 and A6 = 1.9.
+ */
+static int check_size(struct orl_parser *parser, const struct orl_scope *scope,
+                      const struct orl_sky *sky, struct orl_error *err)
+{
+    const double most = 1e12, steepest = 1, sharpest = 30;
+    const bool perez = sky->kind == ORL_SKY_PEREZ;
+    for (int i = 0; i < sky->n_args; i++)
+        if (fabs(sky->a[i]) > (perez && i == 3 ? steepest : perez && i == 5 ? sharpest : most))
+            return orl_parser_fail(parser, scope, err, ORL_ERR_RANGE,
+                                   "its argument A%d, %g, makes a sky without bounds", i + 1,
+                                   sky->a[i]);
+    if (!perez && sky->n_args == 7 && sky->a[0] != 2 && sky->a[0] != 3 && sky->a[3] < 1 / most)
+        return orl_parser_fail(parser, scope, err, ORL_ERR_RANGE,
+                               "its normalisation %g (the fourth number) is too small", sky->a[3]);
+    return 0;
 }
 
 static int read_cie_type(struct orl_parser *parser, const struct orl_scope *scope,
@@ -107,6 +128,8 @@ int orl_parser_sky(struct orl_parser *parser, const struct orl_scope *scope, con
     int code = read_pattern(parser, scope, &sky, err);
     if (code == 0)
         code = turn_sky(parser, scope, &sky, err);
+    if (code == 0)
+        code = check_size(parser, scope, &sky, err);
     if (code < 0)
         return code;
     if (old && old->kind == ORL_SYMBOL_SKY && out->skies[old->index].kind == sky.kind &&

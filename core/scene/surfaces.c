@@ -93,13 +93,15 @@ static struct orl_vec3 real3(const struct orl_parser *parser, size_t i)
     return orl_v3(r[0], r[1], r[2]);
 }
 
-static bool is_finite(struct orl_vec3 v)
+/* Rays are traced in single precision, which holds squares and products of places up to here. */
+static const double farthest = 1e12;
+
+static bool in_reach(struct orl_vec3 v)
 {
-    return isfinite(v.x) && isfinite(v.y) && isfinite(v.z);
+    return fabs(v.x) < farthest && fabs(v.y) < farthest && fabs(v.z) < farthest;
 }
 
-static int not_finite(struct orl_parser *parser, const struct orl_scope *scope,
-                      struct orl_error *err)
+static int too_far(struct orl_parser *parser, const struct orl_scope *scope, struct orl_error *err)
 {
     orl_parser_fail(parser, scope, err, ORL_ERR_RANGE,
                     "its coordinates are too large once transformed");
@@ -131,8 +133,8 @@ static int copy_vertices(struct orl_parser *parser, const struct orl_scope *scop
         const struct orl_vec3 p =
             orl_xform_point(&scope->xform, real3(parser, 3 * (backwards ? n - 1 - i : i)));
         surface->vertices[i] = p;
-        if (!is_finite(p))
-            return not_finite(parser, scope, err);
+        if (!in_reach(p))
+            return too_far(parser, scope, err);
     }
     return 0;
 }
@@ -180,7 +182,6 @@ static int read_polygon(struct orl_parser *parser, const struct orl_scope *scope
 {
     const size_t n_reals = parser->primitive.n_reals;
     struct orl_vec3 area;
-    double size2;
     int code;
     if (parser->primitive.n_strings != 0 || n_reals < 9 || n_reals % 3 != 0) {
         orl_parser_fail(parser, scope, err, ORL_ERR_SYNTAX,
@@ -197,11 +198,9 @@ static int read_polygon(struct orl_parser *parser, const struct orl_scope *scope
     if (code < 0)
         return code;
     area = newell(surface);
-    size2 = extent2(surface);
-    if (!isfinite(size2) || !is_finite(area))
-        return not_finite(parser, scope, err);
+    const double size2 = extent2(surface);
     /* Rounding alone gives a line an "area" of some 1e-16 of its length squared. */
-    *ret_keep = orl_length(area) > 1e-13 * size2;
+    *ret_keep = isnormal(orl_dot(area, area)) && orl_length(area) > 1e-13 * size2;
     if (!*ret_keep) {
         orl_parser_count(parser, scope, &parser->degenerate);
         return 0;
@@ -258,7 +257,7 @@ static int read_ring(struct orl_parser *parser, const struct orl_scope *scope,
     const double *r = parser->primitive.reals;
     const double inner = fmin(r[6], r[7]), outer = fmax(r[6], r[7]);
     struct orl_vec3 normal = orl_normalize(orl_xform_vector(&scope->xform, real3(parser, 3)));
-    if (!(orl_length(normal) > 0.5))
+    if (!(fabs(orl_length(normal) - 1.0) < 1e-6))
         return orl_parser_fail(parser, scope, err, ORL_ERR_RANGE,
                                "its direction (%g %g %g) has no length", r[3], r[4], r[5]);
     if (inner < 0 || !(outer > inner))
@@ -284,9 +283,9 @@ static int read_round(struct orl_parser *parser, const struct orl_scope *scope,
         code = read_sphere(parser, scope, surface, err);
     else
         code = read_cone(parser, scope, surface, err);
-    if (code == 0 && (!is_finite(surface->center[0]) || !is_finite(surface->center[1]) ||
-                      !isfinite(surface->radius[0]) || !isfinite(surface->radius[1])))
-        code = not_finite(parser, scope, err);
+    if (code == 0 && (!in_reach(surface->center[0]) || !in_reach(surface->center[1]) ||
+                      !(surface->radius[0] < farthest) || !(surface->radius[1] < farthest)))
+        code = too_far(parser, scope, err);
     return code;
 }
 

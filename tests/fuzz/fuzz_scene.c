@@ -2,15 +2,14 @@
  * Radiance scene text, commands included. A byte 0x1c (file separator) splits the input: what comes
  * before is main.rad, what comes after is part.rad, which main.rad may read by !xform, as scene
  * text or as an argument file; panel.xml, a BSDF, is always at hand. What parses is checked against
- * description.h and made into geometry, as an upload would be.
+ * description.h and made into a world, as an upload is (core/light/world.h).
  */
 #include <stdlib.h>
 #include <string.h>
 
 #include "fuzz/fuzz.h"
-#include "scene/geometry.h"
+#include "light/world.h"
 #include "scene/parse.h"
-#include "scene/quadric.h"
 
 static const char panel[] =
     "<?xml version=\"1.0\"?><WindowElement><FileType>BSDF</FileType><Optical><Layer>"
@@ -92,18 +91,10 @@ static void check_description(const struct orl_description *d)
     FUZZ_PROMISE(d->n_main >= 1 && d->n_main <= d->n_files);
 }
 
-/* Geometry may be refused (RANGE), but what is built has sound facets and can be shot at. */
-static void check_geometry(const struct orl_description *d)
+/* Facets are sound and can be shot at. */
+static void check_geometry(const struct orl_geometry *g)
 {
-    struct orl_geometry *g = NULL;
-    struct orl_error err = {0};
     struct orl_hit hit;
-    const int code = orl_geometry_new(d, &g, &err);
-    if (code < 0) {
-        fuzz_check_error(code, &err);
-        return;
-    }
-    FUZZ_PROMISE(g->n_facets == d->n_surfaces);
     fuzz_check_finite(g->low);
     fuzz_check_finite(g->high);
     for (size_t i = 0; i < g->n_facets; i++) {
@@ -113,7 +104,34 @@ static void check_geometry(const struct orl_description *d)
     }
     if (orl_geometry_intersect(g, orl_v3(0.1, 0.2, 0.3), orl_v3(0.6, 0, 0.8), 1e6, &hit))
         FUZZ_PROMISE(hit.facet < g->n_facets);
-    orl_geometry_free(g);
+}
+
+/* The description, which is used up, as an upload makes a world of it; some of it may be refused.
+ */
+static bool check_world(struct orl_description *d)
+{
+    static const struct orl_vec3 directions[] = {
+        {0, 0, 1}, {0, 0, -1}, {1, 0, 0}, {0, -0.96, 0.28}, {-0.6, 0.64, 0.48}};
+    struct orl_world *world = NULL;
+    struct orl_error err = {0};
+    const size_t n_surfaces = d->n_surfaces;
+    const int code = orl_world_new(d, &world, &err);
+    if (code < 0) {
+        fuzz_check_error(code, &err);
+        return false;
+    }
+    FUZZ_PROMISE(world->geometry->n_facets == n_surfaces);
+    check_geometry(world->geometry);
+    for (size_t i = 0; i < sizeof directions / sizeof *directions; i++) {
+        const struct orl_rgb dome = orl_world_dome_radiance(world, directions[i]);
+        check_color(dome);
+        FUZZ_PROMISE(dome.r >= 0 && dome.g >= 0 && dome.b >= 0);
+        check_color(orl_world_sun_radiance(world, directions[i]));
+    }
+    for (size_t i = 0; i < world->n_suns; i++)
+        check_color(world->suns[i].irradiance);
+    orl_world_free(world);
+    return true;
 }
 
 bool fuzz_scene(const uint8_t *data, size_t size)
@@ -136,7 +154,5 @@ bool fuzz_scene(const uint8_t *data, size_t size)
         return false;
     }
     check_description(&description);
-    check_geometry(&description);
-    orl_description_done(&description);
-    return true;
+    return check_world(&description);
 }

@@ -225,14 +225,14 @@ static void test_numbers(void **state)
 {
     struct orl_description d =
         parse(RED "red sphere s 0 0 4 +.5 -1.25e-3 12345678901234567890123e-20 0.1\n"
-                  "red sphere s 0 0 4 1e22 5. 9007199254740993 3.0000000000000004\n");
+                  "void glow g 0 0 4 1e22 5. 9007199254740993 3.0000000000000004\n");
     (void)state;
     assert_true(d.surfaces[0].center[0].x == .5 && d.surfaces[0].center[0].y == -1.25e-3);
     assert_true(d.surfaces[0].center[0].z == 123.45678901234567890123);
     assert_true(d.surfaces[0].radius[0] == 0.1);
-    assert_true(d.surfaces[1].center[0].x == 1e22 && d.surfaces[1].center[0].y == 5);
-    assert_true(d.surfaces[1].center[0].z == 9007199254740992.0);
-    assert_true(d.surfaces[1].radius[0] == 3.0000000000000004);
+    assert_true(d.materials[1].color.r == 1e22 && d.materials[1].color.g == 5);
+    assert_true(d.materials[1].color.b == 9007199254740992.0);
+    assert_true(d.materials[1].max_radius == 3.0000000000000004);
     orl_description_done(&d);
 }
 
@@ -330,7 +330,7 @@ static void test_sky_turns_with_its_scene(void **state)
 {
     struct orl_description d = parse("!gensky -ang 30 0 -s | xform -rz 90\n"
                                      "void brightfunc s 4 skybright perezlum.cal -rz -90\n0\n"
-                                     "10 1 2 3 4 5 6 7 1 0 0\n");
+                                     "10 1 2 3 .4 5 6 7 1 0 0\n");
     (void)state;
     /* A southern sun turned by a quarter, counter-clockwise from above, stands in the east. */
     assert_true(fabs(d.skies[0].a[4] - cos(30 * ORL_DEG_TO_RAD)) < 1e-6);
