@@ -84,7 +84,7 @@ static bool aim_at_sphere(const struct orl_facet *facet, struct orl_vec3 from, c
     const double sine = sqrt(fmax(0, down * (2 - down))), phi = 2 * ORL_PI * u[1], d = sqrt(d2);
     const struct orl_frame frame = orl_frame_about(orl_scale(way, 1 / d));
     ret_aim->light = orl_to_world(&frame, orl_v3(sine * cos(phi), sine * sin(phi), cosine));
-    /* As far as a sphere a little larger: a ray to the rim, rounded to floats, is not to meet it. */
+    /* As far as a sphere a little larger: a ray to the rim is a float, and must not meet it. */
     const double room = 2 * facet->radius[0] * (d * 0x1p-20 + facet->offset);
     ret_aim->distance = d * cosine - sqrt(fmax(0, r2 - d2 * sine * sine) + room);
     ret_aim->measure_sr = 2 * ORL_PI * sine2 / (1 + least_cosine);
