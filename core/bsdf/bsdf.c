@@ -8,33 +8,17 @@
  */
 #include <oriel/bsdf.h>
 
-#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 
-#include "bsdf/document.h"
+#include "bsdf/front.h"
 #include "bsdf/shirley.h"
 
-/* One component as the surface sees it. */
-struct view {
-    const struct orl_component *component; /* NULL: black */
-    bool transposed;                       /* in is the component's B, out its A */
-};
-
-struct orl_bsdf {
-    atomic_uint references;
-    struct orl_document document;
-    struct view views[2][2]; /* [light comes from the front?][transmitted?] */
-    struct orl_bsdf_info info;
-};
-
-enum role { ROLE_IN, ROLE_OUT };
-
 /* Which of the component's directions plays the role. */
-static enum orl_axis axis_of(const struct view *view, enum role role)
+static enum orl_axis axis_of(const struct orl_view *view, enum orl_role role)
 {
-    return (role == ROLE_OUT) != view->transposed ? ORL_AXIS_B : ORL_AXIS_A;
+    return (role == ORL_ROLE_OUT) != view->transposed ? ORL_AXIS_B : ORL_AXIS_A;
 }
 
 static bool is_tree(const struct orl_bsdf *bsdf)
@@ -58,8 +42,8 @@ static struct place place_of(const struct orl_bsdf *bsdf, struct orl_vec3 direct
     return place;
 }
 
-static double view_eval(const struct orl_bsdf *bsdf, const struct view *view, struct orl_vec3 in,
-                        struct orl_vec3 out)
+static double view_eval(const struct orl_bsdf *bsdf, const struct orl_view *view,
+                        struct orl_vec3 in, struct orl_vec3 out)
 {
     struct place a, b;
     if (!view->component)
@@ -70,8 +54,8 @@ static double view_eval(const struct orl_bsdf *bsdf, const struct view *view, st
                          : orl_matrix_eval(&view->component->matrix, a.polar, b.polar);
 }
 
-static double view_total(const struct orl_bsdf *bsdf, const struct view *view, enum role role,
-                         const struct place *place)
+static double view_total(const struct orl_bsdf *bsdf, const struct orl_view *view,
+                         enum orl_role role, const struct place *place)
 {
     const enum orl_axis given = axis_of(view, role);
     if (!view->component)
@@ -80,8 +64,9 @@ static double view_total(const struct orl_bsdf *bsdf, const struct view *view, e
                          : orl_matrix_total(&view->component->matrix, given, place->polar);
 }
 
-static double view_draw(const struct orl_bsdf *bsdf, const struct view *view, enum role role,
-                        const struct place *place, const double u[2], struct orl_vec3 *ret_other)
+static double view_draw(const struct orl_bsdf *bsdf, const struct orl_view *view,
+                        enum orl_role role, const struct place *place, const double u[2],
+                        struct orl_vec3 *ret_other)
 {
     const enum orl_axis given = axis_of(view, role);
     return is_tree(bsdf)
@@ -89,8 +74,7 @@ static double view_draw(const struct orl_bsdf *bsdf, const struct view *view, en
                : orl_matrix_draw(&view->component->matrix, given, place->polar, u, ret_other);
 }
 
-/* ---- Loading -----------------------------------------------------------------------------------
- */
+/* ---- Loading --------------------------------------------------------------------------------- */
 
 static void set_views(struct orl_bsdf *bsdf)
 {
@@ -110,7 +94,7 @@ static void set_views(struct orl_bsdf *bsdf)
         if (own->present)
             bsdf->views[front][1].component = own;
         else if (other->present)
-            bsdf->views[front][1] = (struct view){other, true};
+            bsdf->views[front][1] = (struct orl_view){other, true};
     }
 }
 
@@ -137,20 +121,67 @@ static void describe_matrix(struct orl_bsdf_info *info, const struct orl_matrix 
     info->clamped += matrix->clamped;
 }
 
-/* The largest R + T over a grid of directions at the data's own resolution. */
+/* ---- Every direction the data tell apart ----------------------------------------------------- */
+
+size_t orl_view_cells(const struct orl_bsdf *bsdf, const struct orl_view *view)
+{
+    if (!view->component)
+        return 0;
+    if (is_tree(bsdf))
+        return (size_t)1 << 2 * view->component->tree.depth;
+    return (size_t)view->component->matrix.basis[axis_of(view, ORL_ROLE_IN)].n_cells;
+}
+
+struct orl_vec3 orl_view_incident(const struct orl_bsdf *bsdf, const struct orl_view *view,
+                                  size_t cell, bool front, double *ret_omega_sr)
+{
+    const enum orl_axis axis = axis_of(view, ORL_ROLE_IN);
+    const double sign = axis == ORL_AXIS_A ? -1 : 1;
+    struct orl_vec3 in;
+    if (is_tree(bsdf)) {
+        const unsigned depth = view->component->tree.depth;
+        const size_t side = (size_t)1 << depth;
+        const double width = 2.0 / (double)side;
+        in = orl_square_to_hemisphere(
+            (struct orl_square){((double)(cell >> depth) + 0.5) * width - 1,
+                                ((double)(cell & (side - 1)) + 0.5) * width - 1});
+        *ret_omega_sr = ORL_PI / (double)(side * side);
+    } else {
+        const struct orl_basis *basis = &view->component->matrix.basis[axis];
+        in = orl_basis_direction(basis, (int)cell, 0.5, 0.5);
+        *ret_omega_sr = orl_basis_ring(basis, (int)cell)->omega_sr;
+    }
+    return orl_v3(sign * in.x, sign * in.y, front ? in.z : -in.z);
+}
+
+double orl_view_omega(const struct orl_bsdf *bsdf, const struct orl_view *view, struct orl_vec3 in,
+                      struct orl_vec3 out)
+{
+    struct place a, b;
+    const struct orl_basis *basis;
+    int cell;
+    if (!view->component)
+        return 0;
+    a = place_of(bsdf, view->transposed ? out : in);
+    b = place_of(bsdf, view->transposed ? in : out);
+    if (is_tree(bsdf))
+        return ORL_PI / (double)((size_t)1 << 2 * orl_tree_leaf_level(&view->component->tree,
+                                                                      a.square, b.square));
+    basis = &view->component->matrix.basis[axis_of(view, ORL_ROLE_OUT)];
+    cell = orl_basis_cell(basis, view->transposed ? a.polar : b.polar, view->transposed);
+    return cell < 0 ? 0 : orl_basis_ring(basis, cell)->omega_sr;
+}
+
+/* The largest R + T over all directions that the data tell apart. */
 static double max_albedo(const struct orl_bsdf *bsdf, bool front)
 {
-    const int side = is_tree(bsdf) ? bsdf->info.resolution : 64;
-    double largest = 0;
-    for (int i = 0; i < side * side; i++) {
-        const int row = i / side, column = i % side;
-        const struct orl_vec3 in = orl_square_to_hemisphere(
-            (struct orl_square){(2.0 * row + 1) / side - 1, (2.0 * column + 1) / side - 1});
-        const struct place place = place_of(bsdf, in);
-        double sum = 0;
-        for (int transmitted = 0; transmitted < 2; transmitted++)
-            sum += view_total(bsdf, &bsdf->views[front][transmitted], ROLE_IN, &place);
-        largest = fmax(largest, sum);
+    double largest = 0, omega;
+    for (int t = 0; t < 2; t++) {
+        const struct orl_view *view = &bsdf->views[front][t];
+        for (size_t i = 0; i < orl_view_cells(bsdf, view); i++) {
+            const struct orl_vec3 in = orl_view_incident(bsdf, view, i, front, &omega);
+            largest = fmax(largest, orl_bsdf_albedo(bsdf, in, ORL_BSDF_BOTH).g);
+        }
     }
     return largest;
 }
@@ -214,12 +245,11 @@ void orl_bsdf_describe(const struct orl_bsdf *bsdf, struct orl_bsdf_info *ret_in
     *ret_info = bsdf->info;
 }
 
-/* ---- Values ------------------------------------------------------------------------------------
- */
+/* ---- Values ---------------------------------------------------------------------------------- */
 
 /* The view for light from in to out. A direction in the surface itself counts as the back. */
-static const struct view *view_between(const struct orl_bsdf *bsdf, struct orl_vec3 in,
-                                       struct orl_vec3 out)
+static const struct orl_view *view_between(const struct orl_bsdf *bsdf, struct orl_vec3 in,
+                                           struct orl_vec3 out)
 {
     const bool in_front = in.z > 0, out_front = out.z > 0;
     return &bsdf->views[in_front][in_front != out_front];
@@ -239,14 +269,14 @@ struct orl_rgb orl_bsdf_diffuse(const struct orl_bsdf *bsdf, bool in_front, bool
 }
 
 /* The view that a direction in its role takes part in, by reflection or by transmission. */
-static const struct view *view_for(const struct orl_bsdf *bsdf, enum role role, bool front,
-                                   bool transmitted)
+static const struct orl_view *view_for(const struct orl_bsdf *bsdf, enum orl_role role, bool front,
+                                       bool transmitted)
 {
-    return &bsdf->views[role == ROLE_IN ? front : front != transmitted][transmitted];
+    return &bsdf->views[role == ORL_ROLE_IN ? front : front != transmitted][transmitted];
 }
 
 /* Reflected and transmitted totals for a direction, zero for a side that is not asked for. */
-static void totals(const struct orl_bsdf *bsdf, enum role role, bool front,
+static void totals(const struct orl_bsdf *bsdf, enum orl_role role, bool front,
                    const struct place *place, enum orl_bsdf_side sides, double ret_total[2])
 {
     for (int t = 0; t < 2; t++) {
@@ -260,15 +290,14 @@ struct orl_rgb orl_bsdf_albedo(const struct orl_bsdf *bsdf, struct orl_vec3 in,
 {
     const struct place place = place_of(bsdf, in);
     double total[2];
-    totals(bsdf, ROLE_IN, in.z > 0, &place, sides, total);
+    totals(bsdf, ORL_ROLE_IN, in.z > 0, &place, sides, total);
     return orl_gray(total[0] + total[1]);
 }
 
-/* ---- Draws -------------------------------------------------------------------------------------
- */
+/* ---- Draws ----------------------------------------------------------------------------------- */
 
 /* Given a direction in its role, draws the one in the other role. */
-static bool draw(const struct orl_bsdf *bsdf, enum role role, struct orl_vec3 given,
+static bool draw(const struct orl_bsdf *bsdf, enum orl_role role, struct orl_vec3 given,
                  enum orl_bsdf_side sides, const double u[3], struct orl_vec3 *ret_other,
                  struct orl_rgb *ret_weight, double *ret_pdf)
 {
@@ -289,12 +318,12 @@ static bool draw(const struct orl_bsdf *bsdf, enum role role, struct orl_vec3 gi
     return true;
 }
 
-static double pdf(const struct orl_bsdf *bsdf, enum role role, struct orl_vec3 given,
+static double pdf(const struct orl_bsdf *bsdf, enum orl_role role, struct orl_vec3 given,
                   enum orl_bsdf_side sides, struct orl_vec3 other)
 {
     const bool transmitted = (given.z > 0) != (other.z > 0);
-    const struct orl_vec3 in = role == ROLE_IN ? given : other;
-    const struct orl_vec3 out = role == ROLE_IN ? other : given;
+    const struct orl_vec3 in = role == ORL_ROLE_IN ? given : other;
+    const struct orl_vec3 out = role == ORL_ROLE_IN ? other : given;
     struct place place;
     double total[2], value;
     if (!(sides & (transmitted ? ORL_BSDF_TRANSMIT : ORL_BSDF_REFLECT)))
@@ -311,24 +340,24 @@ bool orl_bsdf_sample(const struct orl_bsdf *bsdf, struct orl_vec3 in, enum orl_b
                      const double u[3], struct orl_vec3 *ret_out, struct orl_rgb *ret_weight,
                      double *ret_pdf)
 {
-    return draw(bsdf, ROLE_IN, in, sides, u, ret_out, ret_weight, ret_pdf);
+    return draw(bsdf, ORL_ROLE_IN, in, sides, u, ret_out, ret_weight, ret_pdf);
 }
 
 bool orl_bsdf_sample_adjoint(const struct orl_bsdf *bsdf, struct orl_vec3 out,
                              enum orl_bsdf_side sides, const double u[3], struct orl_vec3 *ret_in,
                              struct orl_rgb *ret_weight, double *ret_pdf)
 {
-    return draw(bsdf, ROLE_OUT, out, sides, u, ret_in, ret_weight, ret_pdf);
+    return draw(bsdf, ORL_ROLE_OUT, out, sides, u, ret_in, ret_weight, ret_pdf);
 }
 
 double orl_bsdf_pdf(const struct orl_bsdf *bsdf, struct orl_vec3 in, enum orl_bsdf_side sides,
                     struct orl_vec3 out)
 {
-    return pdf(bsdf, ROLE_IN, in, sides, out);
+    return pdf(bsdf, ORL_ROLE_IN, in, sides, out);
 }
 
 double orl_bsdf_pdf_adjoint(const struct orl_bsdf *bsdf, struct orl_vec3 out,
                             enum orl_bsdf_side sides, struct orl_vec3 in)
 {
-    return pdf(bsdf, ROLE_OUT, out, sides, in);
+    return pdf(bsdf, ORL_ROLE_OUT, out, sides, in);
 }

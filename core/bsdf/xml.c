@@ -51,8 +51,7 @@ const char *orl_xml_element_name(enum orl_xml_element element)
     return "";
 }
 
-/* ---- Expat's callbacks -------------------------------------------------------------------------
- */
+/* ---- Expat's callbacks ----------------------------------------------------------------------- */
 
 static enum orl_xml_element element_at(struct orl_xml_reader *r, const char *name)
 {
@@ -138,8 +137,7 @@ static void on_doctype(void *ctx, const XML_Char *name, const XML_Char *system,
     FAIL(r, ORL_ERR_UNSUPPORTED, "a document type declaration; entities are not accepted");
 }
 
-/* ---- The whole ---------------------------------------------------------------------------------
- */
+/* ---- The whole ------------------------------------------------------------------------------- */
 
 /* Hands the file to expat in slices; its own errors get their line here. */
 static void parse(struct orl_xml_reader *r, const char *xml, size_t size)

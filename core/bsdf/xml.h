@@ -78,8 +78,7 @@ void orl_xml_fail(struct orl_xml_reader *reader, int code);
 /* The name of an element that means something, or "". */
 const char *orl_xml_element_name(enum orl_xml_element element);
 
-/* ---- Readers of elements (xml_fields.c) --------------------------------------------------------
- */
+/* ---- Readers of elements (xml_fields.c) ------------------------------------------------------ */
 
 /* An element begins; attributes as expat gives them. */
 void orl_xml_begin(struct orl_xml_reader *reader, enum orl_xml_element element,

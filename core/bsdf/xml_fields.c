@@ -48,8 +48,7 @@ static double unit_in_m(const char **attributes)
     return 1;
 }
 
-/* ---- Short elements ----------------------------------------------------------------------------
- */
+/* ---- Short elements -------------------------------------------------------------------------- */
 
 static void read_structure(struct orl_xml_reader *r)
 {
@@ -130,8 +129,7 @@ static void add_ring(struct orl_xml_reader *r)
         orl_xml_fail(r, code);
 }
 
-/* ---- Scattering data ---------------------------------------------------------------------------
- */
+/* ---- Scattering data ------------------------------------------------------------------------- */
 
 static void begin_data(struct orl_xml_reader *r)
 {
@@ -194,8 +192,7 @@ static void end_data(struct orl_xml_reader *r)
         orl_xml_fail(r, code);
 }
 
-/* ---- Beginnings and ends -----------------------------------------------------------------------
- */
+/* ---- Beginnings and ends --------------------------------------------------------------------- */
 
 void orl_xml_begin(struct orl_xml_reader *r, enum orl_xml_element element, const char **attributes)
 {

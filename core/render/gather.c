@@ -186,7 +186,7 @@ struct orl_rgb orl_gather_radiance(const struct orl_gather *gather, struct orl_v
 }
 
 struct orl_rgb orl_gather_direct(const struct orl_gather *gather, const struct orl_place *place,
-                                 uint32_t rays, struct orl_random *random)
+                                 uint32_t sequence, uint32_t first, uint32_t rays)
 {
     double u[2];
     /* Where there are no caustic photons the sun in mirrors is found by its images. */
@@ -195,17 +195,16 @@ struct orl_rgb orl_gather_direct(const struct orl_gather *gather, const struct o
                                            .through_ports = true,
                                            .mirrored = place->outside || place->in_air,
                                            .u = u};
-    const uint32_t sequence = (uint32_t)orl_random_bits(random);
+    struct orl_random unused = {0}; /* the query has its numbers */
     struct orl_rgb sum = orl_gray(0);
-    for (uint32_t i = 0; i < rays; i++) {
+    for (uint32_t i = first; i < first + rays; i++) {
         orl_sobol_point(&gather->sobol, i, sequence, 2, u);
-        sum = orl_rgb_add(sum, orl_direct_light(gather->world, &query, random));
+        sum = orl_rgb_add(sum, orl_direct_light(gather->world, &query, &unused));
     }
     return orl_rgb_scale(sum, 1.0 / rays);
 }
 
-/* ---- The hemisphere ---------------------------------------------------------------------------
- */
+/* ---- The hemisphere -------------------------------------------------------------------------- */
 
 /* One ray of the hemisphere: what it saw and how far it went. */
 struct strand {

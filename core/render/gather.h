@@ -70,9 +70,12 @@ struct orl_hemisphere orl_gather_hemisphere(const struct orl_gather *gather,
                                             uint32_t columns, struct orl_random *random,
                                             struct orl_search *search);
 
-/* Direct light at a place, mean of that many shadow rays per light. */
+/*
+ * Direct light at a place: mean of that many shadow rays per light, the points first, first + 1,
+ * ... of the Sobol sequence of that name, so that a pixel's rays can share one.
+ */
 struct orl_rgb orl_gather_direct(const struct orl_gather *gather, const struct orl_place *place,
-                                 uint32_t rays, struct orl_random *random);
+                                 uint32_t sequence, uint32_t first, uint32_t rays);
 
 /*
  * Illuminance, in lux, of a sensor: all three parts. A sensor on a surface reads caustics by

@@ -5,7 +5,7 @@
 #include "render/icache.h"
 #include "render/shade.h"
 
-enum { TILE = 16, RAYS_A_SIDE = 2, TILES_A_ROUND = 64 };
+enum { TILE = 16, RAYS_A_SIDE = 2, TILES_A_ROUND = 64, LAMP_RAYS = 4 };
 enum { HEMISPHERE_ROWS = 18, HEMISPHERE_COLUMNS = 56 };
 enum { COARSEST_STEP = 16, RECORDS_A_ROUND = 256 };
 
@@ -25,7 +25,8 @@ struct painter {
     struct orl_film *film;
     struct orl_icache cache;
     bool outside;
-    double pixel_angle; /* of a pixel, radians: about */
+    double pixel_angle;   /* of a pixel, radians: about */
+    uint32_t shadow_rays; /* a ray and light: lamps are larger than the sun */
     size_t first_tile, tiles_x;
     /* A round of records: places found row by row, then computed. */
     uint32_t step;
@@ -49,8 +50,7 @@ static bool pixel_ray(const struct painter *p, double x, double y, struct orl_ve
     return true;
 }
 
-/* ---- Records ----------------------------------------------------------------------------------
- */
+/* ---- Records --------------------------------------------------------------------------------- */
 
 /* Gathers at a place; the record's random numbers come from the pixel that asked for it. */
 static void compute_record(void *arg, size_t index, uint32_t member)
@@ -173,12 +173,14 @@ static int place_records(struct painter *p)
     return code;
 }
 
-/* ---- Pixels -----------------------------------------------------------------------------------
- */
+/* ---- Pixels ---------------------------------------------------------------------------------- */
 
-/* A pixel's last caustic estimate: rays of one pixel mostly meet within a fraction of its radius.
+/*
+ * What the rays of one pixel share: a sequence for shadow rays, and the last caustic estimate, for
+ * they mostly meet within a fraction of its radius.
  */
 struct memo {
+    uint32_t sequence;
     struct orl_vec3 point, normal;
     struct orl_density density;
 };
@@ -192,17 +194,19 @@ static struct orl_rgb caustic_at(const struct painter *p, const struct orl_verte
         orl_dot(memo->normal, v->place.normal) > 0.999)
         return memo->density.irradiance;
     *memo =
-        (struct memo){v->on_surface, v->place.normal,
+        (struct memo){memo->sequence, v->on_surface, v->place.normal,
                       orl_gather_caustic(p->env->gather, v->on_surface, v->place.normal, search)};
     return memo->density.irradiance;
 }
 
 static struct orl_rgb vertex_radiance(const struct painter *p, const struct orl_vertex *v,
-                                      struct memo *memo, struct orl_random *random,
+                                      struct memo *memo, uint32_t ray, struct orl_random *random,
                                       struct orl_search *search)
 {
     const struct orl_gather *gather = p->env->gather;
-    struct orl_rgb gathered, sum = orl_gather_direct(gather, &v->place, 1, random);
+    struct orl_rgb gathered;
+    struct orl_rgb sum =
+        orl_gather_direct(gather, &v->place, memo->sequence, ray * p->shadow_rays, p->shadow_rays);
     if (!v->place.outside)
         sum = orl_rgb_add(sum, caustic_at(p, v, memo, search));
     if (!orl_icache_lookup(&p->cache, &v->place, &gathered))
@@ -216,11 +220,12 @@ static struct orl_rgb pixel_radiance(const struct painter *p, uint32_t x, uint32
                                      struct orl_search *search)
 {
     struct orl_rgb sum = orl_gray(0);
-    struct memo memo = {.density = {.radius = 0}};
+    const uint64_t pixel = (uint64_t)y * p->film->width + x;
+    struct memo memo = {
+        .sequence = (uint32_t)orl_mix64(p->env->gather->seed * 5 + p->env->index * 7 + pixel)};
     for (uint32_t i = 0; i < RAYS_A_SIDE * RAYS_A_SIDE; i++) {
-        struct orl_random random =
-            orl_random_stream(p->env->gather->seed + p->env->index, ORL_PURPOSE_PIXEL,
-                              ((uint64_t)y * p->film->width + x) * 16 + i);
+        struct orl_random random = orl_random_stream(p->env->gather->seed + p->env->index,
+                                                     ORL_PURPOSE_PIXEL, pixel * 16 + i);
         /* Not jittered: beside a sky hundreds of times brighter, chance coverage frays an edge. */
         const uint32_t column = i % RAYS_A_SIDE, row = i / RAYS_A_SIDE;
         const double dx = (column + 0.5) / RAYS_A_SIDE, dy = (row + 0.5) / RAYS_A_SIDE;
@@ -232,7 +237,8 @@ static struct orl_rgb pixel_radiance(const struct painter *p, uint32_t x, uint32
                        &sight);
         sum = orl_rgb_add(sum, sight.rest);
         for (uint32_t v = 0; v < sight.n_vertices; v++)
-            sum = orl_rgb_add(sum, vertex_radiance(p, &sight.vertices[v], &memo, &random, search));
+            sum =
+                orl_rgb_add(sum, vertex_radiance(p, &sight.vertices[v], &memo, i, &random, search));
     }
     return orl_rgb_scale(sum, 1.0 / (RAYS_A_SIDE * RAYS_A_SIDE));
 }
@@ -277,6 +283,7 @@ int orl_image_render(const struct orl_image_env *env, const struct orl_view *vie
     const double side = fmax(film->width, film->height);
     painter.outside = orl_gather_is_outside(env->gather, eye);
     painter.pixel_angle = fmax(degrees * ORL_DEG_TO_RAD, 0.05) / side;
+    painter.shadow_rays = env->gather->world->n_emitters > 0 ? LAMP_RAYS : 1;
     orl_icache_init(&painter.cache);
     int code = place_records(&painter);
     if (code == 0)

@@ -100,13 +100,13 @@ double orl_gather_sensor(const struct orl_gather *gather, struct orl_vec3 positi
     /* A sensor written down as lying on a surface is to look away from it, not at it. */
     const double clear = gather->world->geometry->radius * 0x1p-18;
     struct orl_place place = {.point = orl_madd(position, direction, clear), .normal = direction};
-    struct orl_random random = orl_random_stream(gather->seed, ORL_PURPOSE_SENSOR, index << 24);
+    const uint32_t sequence = (uint32_t)orl_mix64(gather->seed * 3 + index);
     struct orl_vec3 on_surface;
     place.outside = orl_gather_is_outside(gather, position);
     /* Without a caustic map caustics were not asked for: then there are none anywhere. */
     const bool caustics = gather->maps[ORL_MAP_CAUSTIC] != NULL;
     place.in_air = caustics && !lies_on_surface(gather, &place, &on_surface);
-    struct orl_rgb sum = orl_gather_direct(gather, &place, SUN_RAYS, &random);
+    struct orl_rgb sum = orl_gather_direct(gather, &place, sequence, 0, SUN_RAYS);
     if (caustics && !place.in_air)
         sum = orl_rgb_add(sum,
                           orl_gather_caustic(gather, on_surface, place.normal, search).irradiance);

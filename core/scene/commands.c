@@ -46,8 +46,7 @@ static const char *const *stage_words(const struct run *run, size_t *ret_count)
     return (const char *const *)run->command->words + start[0];
 }
 
-/* ---- Included files ---------------------------------------------------------------------------
- */
+/* ---- Included files -------------------------------------------------------------------------- */
 
 static int check_nesting(const struct orl_scope *scope, const char *name, struct orl_error *err)
 {
@@ -86,8 +85,7 @@ static int include(struct run *run, const struct orl_scope *inner, const char *n
     return orl_parser_read(parser, &scope, file.data, file.size, 0, err);
 }
 
-/* ---- xform ------------------------------------------------------------------------------------
- */
+/* ---- xform ----------------------------------------------------------------------------------- */
 
 /* The scope inside a use of xform; prefix is where a joined prefix may be written. */
 static struct orl_scope enter(const struct orl_scope *outer, const struct orl_xform_use *use,
@@ -147,8 +145,7 @@ static int read_arguments(void *ctx, const char *name, char **ret_text, struct o
     return *ret_text ? 0 : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
 }
 
-/* ---- Generators -------------------------------------------------------------------------------
- */
+/* ---- Generators ------------------------------------------------------------------------------ */
 
 static int generate(struct run *run, generator make, struct orl_error *err)
 {

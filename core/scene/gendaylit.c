@@ -38,8 +38,7 @@ struct gendaylit {
     double normalisation, solar, ground;
 };
 
-/* ---- Options ----------------------------------------------------------------------------------
- */
+/* ---- Options --------------------------------------------------------------------------------- */
 
 /* The program reads "12:30" as 12, and so do we, aloud. */
 static int read_hour(struct gendaylit *sky, const char *word, struct orl_text *text,
@@ -157,8 +156,7 @@ static int read_option(struct gendaylit *sky, struct orl_words *words, struct or
     }
 }
 
-/* ---- The sun ----------------------------------------------------------------------------------
- */
+/* ---- The sun --------------------------------------------------------------------------------- */
 
 /* Half the day's length in hours by the fitted declination; NaN in polar day and night. */
 static double half_day(const struct gendaylit *sky)
@@ -197,8 +195,6 @@ static bool place_sun(struct gendaylit *sky, struct orl_text *text)
     if (!sky->by_angle) {
         double declination, hour;
         orl_sun_clock(&sky->site, &sky->moment, &declination, &hour);
-        if (!sky->moment.solar)
-            orl_text_warn_site(text, "gendaylit", &sky->site);
         up = sun_is_up(sky, &hour, text);
         sky->sun = orl_sun_at(&sky->site, declination, hour);
     }
@@ -215,8 +211,7 @@ static bool place_sun(struct gendaylit *sky, struct orl_text *text)
     return up;
 }
 
-/* ---- From what was measured to clearness and brightness ----------------------------------------
- */
+/* ---- From what was measured to clearness and brightness -------------------------------------- */
 
 static double zenith_rad(const struct gendaylit *sky)
 {
@@ -333,8 +328,7 @@ static bool irradiance_from_illuminance(struct gendaylit *sky)
     return true;
 }
 
-/* ---- The sky ----------------------------------------------------------------------------------
- */
+/* ---- The sky --------------------------------------------------------------------------------- */
 
 /* Negative values become 0. Returns false, with the reason, for a sky that is to be black. */
 static bool check_pair(const struct gendaylit *sky, double *direct, double *diffuse, double most,
@@ -436,32 +430,46 @@ static void find_radiances(struct gendaylit *sky)
     sky->ground *= sky->ground_reflectance;
 }
 
-static void write_sky(const struct gendaylit *sky, bool black, struct orl_text *text)
+/* From the options to radiances. Returns false for a black sky. */
+static bool solve(struct gendaylit *sky, struct orl_text *text)
 {
-    const struct orl_vec3 d = sky->direction;
-    const double solar = sky->clearness > 1.0 ? sky->solar : 0.0, *c = sky->shape.c;
-    if (sky->with_sun && !black)
-        orl_text_add(text,
-                     "void light solar\n0\n0\n3 %.3e %.3e %.3e\n"
-                     "solar source sun\n0\n0\n4 %f %f %f %f\n",
-                     solar, solar, solar, d.x, d.y, d.z, 2.0 * HALF_SUN_DEG);
-    orl_text_add(text, "void brightfunc skyfunc\n2 skybright perezlum.cal\n0\n");
-    if (black)
-        orl_text_add(text, "10 0 0 0 0 0 0 0 %f %f %f\n", d.x, d.y, d.z);
-    else
-        orl_text_add(text, "10 %.3e %.3e %f %f %f %f %f %f %f %f\n", sky->normalisation,
-                     sky->ground, c[0], c[1], c[2], c[3], c[4], d.x, d.y, d.z);
+    if (sky->dew_point_c < -40 || sky->dew_point_c > 40)
+        sky->dew_point_c = 10.97353115;
+    sky->water_cm = exp(0.07 * sky->dew_point_c - 0.075); /* Perez 1990, equation 3 */
+    if (!place_sun(sky, text) || !find_indices(sky, text) || !find_illuminance(sky, text))
+        return false;
+    find_radiances(sky);
+    if (sky->shape.c[1] > 0) { /* grows without bound at the horizon */
+        orl_text_warn(text, "gendaylit: the model has no answer here: the sky is black");
+        return false;
+    }
+    return true;
 }
 
-int orl_gendaylit(const char *const *words, size_t count, struct orl_text *text,
-                  struct orl_error *err)
+static void give_numbers(const struct gendaylit *sky, struct orl_sky_numbers *numbers)
+{
+    const double *c = sky->shape.c;
+    const struct orl_vec3 d = sky->direction;
+    *numbers = (struct orl_sky_numbers){
+        .pattern = {.kind = ORL_SKY_PEREZ,
+                    .a = {sky->normalisation, sky->ground, c[0], c[1], c[2], c[3], c[4]},
+                    .n_args = 10},
+        .has_sun = sky->with_sun,
+        .sun = d,
+        .sun_radiance = sky->with_sun && sky->clearness > 1.0 ? sky->solar : 0.0,
+        .sun_angle_deg = 2.0 * HALF_SUN_DEG,
+        .diffuse = sky->output == OUTPUT_SOLAR ? sky->diffuse_w : sky->diffuse_lx};
+    numbers->diffuse /= sky->output == OUTPUT_VISIBLE ? ORL_EFFICACY_LM_PER_W : 1.0;
+}
+
+int orl_gendaylit_numbers(const char *const *words, size_t count, struct orl_text *text,
+                          struct orl_sky_numbers *ret_numbers, struct orl_error *err)
 {
     struct gendaylit sky = {.site = orl_site_default,
                             .with_sun = true,
                             .ground_reflectance = 0.2,
                             .dew_point_c = 10.97353115};
     struct orl_words rest = {"gendaylit", words + 1, count - 1};
-    bool black;
     int code = read_when(&sky, &rest, text, err);
     while (code == 0 && rest.left > 0)
         code = read_option(&sky, &rest, err);
@@ -469,16 +477,14 @@ int orl_gendaylit(const char *const *words, size_t count, struct orl_text *text,
         code = orl_error_set(err, ORL_ERR_RANGE, "gendaylit: the interval -i is negative");
     if (code < 0)
         return code;
-    if (sky.dew_point_c < -40 || sky.dew_point_c > 40)
-        sky.dew_point_c = 10.97353115;
-    sky.water_cm = exp(0.07 * sky.dew_point_c - 0.075); /* Perez 1990, equation 3 */
-    black = !place_sun(&sky, text) || !find_indices(&sky, text) || !find_illuminance(&sky, text);
-    if (!black) {
-        find_radiances(&sky);
-        black = sky.shape.c[1] > 0; /* grows without bound at the horizon */
-        if (black)
-            orl_text_warn(text, "gendaylit: the model has no answer here: the sky is black");
-    }
-    write_sky(&sky, black, text);
+    if (solve(&sky, text))
+        give_numbers(&sky, ret_numbers);
+    else
+        *ret_numbers = (struct orl_sky_numbers){
+            .pattern = {.kind = ORL_SKY_PEREZ, .n_args = 10}, .black = true, .sun = sky.direction};
+    memcpy(ret_numbers->pattern.a + 7,
+           (double[3]){sky.direction.x, sky.direction.y, sky.direction.z}, 3 * sizeof(double));
+    ret_numbers->by_clock = !sky.by_angle && !sky.moment.solar;
+    ret_numbers->site = sky.site;
     return 0;
 }

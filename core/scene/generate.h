@@ -15,6 +15,7 @@
 
 #include <oriel/error.h>
 
+#include "scene/description.h"
 #include "scene/sun.h"
 
 /* Scene text in the making, and what is to be said about it. */
@@ -39,8 +40,28 @@ int orl_gensky(const char *const *words, size_t count, struct orl_text *text,
 int orl_gendaylit(const char *const *words, size_t count, struct orl_text *text,
                   struct orl_error *err);
 
-/* ---- What the generators share ----------------------------------------------------------------
+/*
+ * The sky that the same words stand for, in full precision instead of printed digits. Radiances are
+ * W/sr/m2 per channel. text gets the warnings only; what the site's longitude suggests is not among
+ * them.
  */
+struct orl_sky_numbers {
+    struct orl_sky pattern; /* sky and ground, as skybright's arguments */
+    bool black;             /* nothing shines; said in the warnings */
+    bool has_sun;           /* one is to be written, be it of radiance 0 */
+    struct orl_vec3 sun;    /* towards its centre */
+    double sun_radiance;    /* 0 without a sun */
+    double sun_angle_deg;   /* the whole disc's */
+    double diffuse;         /* W/m2 that the pattern's upper half is meant to give; -1: not given */
+    bool by_clock;          /* the sun was placed by standard time at the site */
+    struct orl_site site;
+};
+int orl_gendaylit_numbers(const char *const *words, size_t count, struct orl_text *text,
+                          struct orl_sky_numbers *ret_numbers, struct orl_error *err);
+int orl_gensky_numbers(const char *const *words, size_t count, struct orl_text *text,
+                       struct orl_sky_numbers *ret_numbers, struct orl_error *err);
+
+/* ---- What the generators share --------------------------------------------------------------- */
 
 /* The words of a command, read one after the other. */
 struct orl_words {

@@ -35,6 +35,7 @@ struct gensky {
     struct orl_vec3 direction;
     double shape; /* A4: the CIE formula's value at the sun's zenith distance */
     double ground;
+    double diffuse; /* horizontal irradiance as given (-B), or -1 */
 };
 
 struct zone {
@@ -162,8 +163,6 @@ static void place_sun(struct gensky *sky, struct orl_text *text)
         double declination, hour;
         orl_sun_clock(&sky->site, &sky->moment, &declination, &hour);
         sky->sun = orl_sun_at(&sky->site, declination, hour);
-        if (!sky->moment.solar)
-            orl_text_warn_site(text, "gensky", &sky->site);
     }
     if (!is_overcast(sky) && sky->sun.altitude_rad > highest) {
         orl_text_warn(text, "gensky: the sun is too close to the zenith for this sky: its altitude "
@@ -216,6 +215,7 @@ static bool find_solar(struct gensky *sky)
 static void find_brightness(struct gensky *sky)
 {
     const double factor = normalise(sky);
+    sky->diffuse = sky->zenith_given == GIVEN_IRRADIANCE ? sky->zenith : -1.0;
     if (sky->zenith_given == GIVEN_IRRADIANCE)
         sky->zenith /= factor * ORL_PI;
     else if (sky->zenith_given == GIVEN_NOT)
@@ -228,23 +228,8 @@ static void find_brightness(struct gensky *sky)
     sky->ground *= sky->ground_reflectance;
 }
 
-static void write_sky(const struct gensky *sky, struct orl_text *text)
-{
-    const struct orl_vec3 d = sky->direction;
-    if (sky->with_sun)
-        orl_text_add(text,
-                     "void light solar\n0\n0\n3 %.3e %.3e %.3e\n"
-                     "solar source sun\n0\n0\n4 %f %f %f 0.5\n",
-                     sky->solar, sky->solar, sky->solar, d.x, d.y, d.z);
-    orl_text_add(text, "void brightfunc skyfunc\n2 skybr skybright.cal\n0\n");
-    if (is_overcast(sky))
-        orl_text_add(text, "3 %d %.3e %.3e\n", (int)sky->type, sky->zenith, sky->ground);
-    else
-        orl_text_add(text, "7 %d %.3e %.3e %.3e %f %f %f\n", (int)sky->type, sky->zenith,
-                     sky->ground, sky->shape, d.x, d.y, d.z);
-}
-
-int orl_gensky(const char *const *words, size_t count, struct orl_text *text, struct orl_error *err)
+int orl_gensky_numbers(const char *const *words, size_t count, struct orl_text *text,
+                       struct orl_sky_numbers *ret_numbers, struct orl_error *err)
 {
     struct gensky sky = {.site = orl_site_default,
                          .type = SKY_CLEAR,
@@ -259,6 +244,17 @@ int orl_gensky(const char *const *words, size_t count, struct orl_text *text, st
         return code;
     place_sun(&sky, text);
     find_brightness(&sky);
-    write_sky(&sky, text);
+    *ret_numbers = (struct orl_sky_numbers){
+        .pattern = {.kind = ORL_SKY_CIE,
+                    .a = {(double)sky.type, sky.zenith, sky.ground, sky.shape, sky.direction.x,
+                          sky.direction.y, sky.direction.z},
+                    .n_args = is_overcast(&sky) ? 3 : 7},
+        .has_sun = sky.with_sun,
+        .sun = sky.direction,
+        .sun_radiance = sky.with_sun ? sky.solar : 0.0,
+        .sun_angle_deg = 0.5,
+        .diffuse = sky.diffuse,
+        .by_clock = !sky.by_angle && !sky.moment.solar,
+        .site = sky.site};
     return 0;
 }

@@ -19,8 +19,7 @@ static struct orl_rgb real_rgb(const struct orl_parser *parser, size_t i)
     return (struct orl_rgb){r[0], r[1], r[2]};
 }
 
-/* ---- Materials --------------------------------------------------------------------------------
- */
+/* ---- Materials ------------------------------------------------------------------------------- */
 
 static double rgb_min(struct orl_rgb c)
 {
@@ -208,8 +207,7 @@ bool orl_parser_is_modifier(const char *type)
     return find_type(type) || strcmp(type, "brightfunc") == 0;
 }
 
-/* ---- Definitions ------------------------------------------------------------------------------
- */
+/* ---- Definitions ----------------------------------------------------------------------------- */
 
 static bool same_rgb(struct orl_rgb a, struct orl_rgb b)
 {
@@ -275,8 +273,7 @@ static int define(struct orl_parser *parser, const struct orl_scope *scope, cons
     return 0;
 }
 
-/* ---- Entry points -----------------------------------------------------------------------------
- */
+/* ---- Entry points ---------------------------------------------------------------------------- */
 
 /* A modifier's own modifier: void (-1) or a sky. */
 static int find_sky(struct orl_parser *parser, const struct orl_scope *scope, int32_t *ret_sky,

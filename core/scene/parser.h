@@ -69,8 +69,7 @@ int orl_parser_sky(struct orl_parser *parser, const struct orl_scope *scope, con
 /* materials.c: the index of the material that stands for "void". */
 int orl_parser_void(struct orl_parser *parser, uint32_t *ret_index);
 
-/* ---- Helpers, parser.c ------------------------------------------------------------------------
- */
+/* ---- Helpers, parser.c ----------------------------------------------------------------------- */
 
 /* Reports on the primitive at hand. Returns code. */
 int orl_parser_fail(struct orl_parser *parser, const struct orl_scope *scope, struct orl_error *err,

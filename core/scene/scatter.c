@@ -47,8 +47,7 @@ struct orl_frame orl_bsdf_frame(const struct orl_material *material, struct orl_
     return frame;
 }
 
-/* ---- Glass ------------------------------------------------------------------------------------
- */
+/* ---- Glass ----------------------------------------------------------------------------------- */
 
 /* One surface, one polarisation: what Fresnel sends back and lets in. Both, for 1 - r cancels. */
 struct surface {
@@ -144,8 +143,7 @@ static struct orl_scatter sample_glass(const struct orl_material *material,
     return s;
 }
 
-/* ---- BSDF -------------------------------------------------------------------------------------
- */
+/* ---- BSDF ------------------------------------------------------------------------------------ */
 
 struct orl_scatter orl_scatter_sample_bsdf(const struct orl_material *material,
                                            const struct orl_hit *hit, struct orl_vec3 from,
@@ -172,8 +170,7 @@ struct orl_scatter orl_scatter_sample_bsdf(const struct orl_material *material,
     return s;
 }
 
-/* ---- Plastic and metal ------------------------------------------------------------------------
- */
+/* ---- Plastic and metal ----------------------------------------------------------------------- */
 
 /* Cosine-weighted about normal. */
 static struct orl_vec3 sample_cosine(struct orl_vec3 normal, struct orl_random *random)

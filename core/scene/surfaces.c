@@ -108,8 +108,7 @@ static int too_far(struct orl_parser *parser, const struct orl_scope *scope, str
     return ORL_ERR_RANGE;
 }
 
-/* ---- Polygons ---------------------------------------------------------------------------------
- */
+/* ---- Polygons -------------------------------------------------------------------------------- */
 
 /* Copies the vertices through the transform, backwards when the front would change sides. */
 static int copy_vertices(struct orl_parser *parser, const struct orl_scope *scope,
@@ -211,8 +210,7 @@ static int read_polygon(struct orl_parser *parser, const struct orl_scope *scope
     return 0;
 }
 
-/* ---- The round ones ---------------------------------------------------------------------------
- */
+/* ---- The round ones -------------------------------------------------------------------------- */
 
 static int check_radius(struct orl_parser *parser, const struct orl_scope *scope, double radius,
                         struct orl_error *err)
@@ -289,8 +287,7 @@ static int read_round(struct orl_parser *parser, const struct orl_scope *scope,
     return code;
 }
 
-/* ---- All of them ------------------------------------------------------------------------------
- */
+/* ---- All of them ----------------------------------------------------------------------------- */
 
 /* A BSDF's up vector must not stand on the surface: its azimuth would be undefined. */
 static int check_up(struct orl_parser *parser, const struct orl_scope *scope,

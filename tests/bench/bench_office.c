@@ -82,8 +82,7 @@ static void close_file(void *ctx, struct orl_file *file)
     b->of_office.close(b->of_office.ctx, file);
 }
 
-/* ---- Embree alone -----------------------------------------------------------------------------
- */
+/* ---- Embree alone ---------------------------------------------------------------------------- */
 
 struct ray {
     struct orl_vec3 origin, direction;
@@ -150,8 +149,7 @@ static void measure_rate(struct bench *b)
     orl_world_free(world);
 }
 
-/* ---- Jobs -------------------------------------------------------------------------------------
- */
+/* ---- Jobs ------------------------------------------------------------------------------------ */
 
 static void run_job(struct bench *b, const char *maps, const struct orl_job *what,
                     struct orl_result *ret_result)
@@ -284,8 +282,7 @@ static void bench_open(struct bench *b)
            1e3 * median(verified, b->runs));
 }
 
-/* ---- The whole --------------------------------------------------------------------------------
- */
+/* ---- The whole ------------------------------------------------------------------------------- */
 
 /* The panel's BSDF, 2^6, by the example's own generator. */
 static void make_panel(const struct bench *b)
