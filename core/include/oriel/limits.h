@@ -16,6 +16,7 @@
 #define ORL_LIMIT_XML_DEPTH 64U             /* element nesting in a BSDF file */
 #define ORL_LIMIT_TREE_DEPTH 8U             /* log2 of a tensor tree's resolution per axis */
 #define ORL_LIMIT_BSDF_VALUES (64UL << 20)  /* leaf values in one BSDF file */
+#define ORL_LIMIT_WEATHER_ROWS 527040UL     /* rows of a weather file: a leap year's minutes */
 #define ORL_LIMIT_SENSORS 4000000UL         /* sensors in one job */
 #define ORL_LIMIT_VIEWS 1024U               /* views in one job */
 #define ORL_LIMIT_IMAGE_SIDE 16384U         /* pixels along one side */

@@ -1,0 +1,332 @@
+#include "light/weather.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+#include <oriel/limits.h>
+
+#include "scene/number.h"
+
+/* A piece of the file: a line, or a field of one. */
+struct span {
+    const char *at;
+    size_t length;
+};
+
+struct reader {
+    const char *name;
+    struct span rest; /* what is not read yet */
+    int line;
+    struct orl_weather weather;
+    size_t room;
+    struct orl_error *err;
+};
+
+static int fail(struct reader *reader, int code, const char *what)
+{
+    orl_error_set(reader->err, code, "%s", what);
+    orl_error_at(reader->err, reader->name, reader->line, NULL);
+    return code;
+}
+
+/* ---- Lines and fields ------------------------------------------------------------------------ */
+
+static struct span trimmed(struct span s)
+{
+    static const char blanks[] = " \t\r";
+    while (s.length > 0 && memchr(blanks, s.at[0], sizeof blanks - 1))
+        s.at++, s.length--;
+    while (s.length > 0 && memchr(blanks, s.at[s.length - 1], sizeof blanks - 1))
+        s.length--;
+    return s;
+}
+
+/* Cuts what lies before the separator off the front of rest; false when rest is used up. */
+static bool cut(struct span *rest, char separator, struct span *ret_piece)
+{
+    const char *end;
+    if (!rest->at)
+        return false;
+    end = rest->length > 0 ? memchr(rest->at, separator, rest->length) : NULL;
+    *ret_piece = (struct span){rest->at, end ? (size_t)(end - rest->at) : rest->length};
+    *rest = end ? (struct span){end + 1, rest->length - ret_piece->length - 1} : (struct span){0};
+    *ret_piece = trimmed(*ret_piece);
+    return true;
+}
+
+/* The next line that is not blank. */
+static bool next_line(struct reader *reader, struct span *ret_line)
+{
+    do {
+        if (!cut(&reader->rest, '\n', ret_line))
+            return false;
+        reader->line++;
+    } while (ret_line->length == 0);
+    return true;
+}
+
+static bool begins(struct span s, const char *word)
+{
+    const size_t length = strlen(word);
+    return s.length >= length && strncasecmp(s.at, word, length) == 0;
+}
+
+static int number(struct reader *reader, struct span field, const char *what, double low,
+                  double high, double *ret_value)
+{
+    double value = 0;
+    if (orl_number_read(field.at, field.length, &value) != ORL_NUMBER_OK) {
+        orl_error_set(reader->err, ORL_ERR_SYNTAX, "%s: '%.*s' is not a finite number", what,
+                      field.length < 40 ? (int)field.length : 40, field.at ? field.at : "");
+        orl_error_at(reader->err, reader->name, reader->line, NULL);
+        return ORL_ERR_SYNTAX;
+    }
+    if (!(value >= low && value <= high)) {
+        orl_error_set(reader->err, ORL_ERR_RANGE, "%s is %g, and must lie between %g and %g", what,
+                      value, low, high);
+        orl_error_at(reader->err, reader->name, reader->line, NULL);
+        return ORL_ERR_RANGE;
+    }
+    *ret_value = value;
+    return 0;
+}
+
+/* ---- Rows ------------------------------------------------------------------------------------ */
+
+/* Month, day, hour, direct, diffuse as five fields; the hour as the file has it. */
+static int read_row(struct reader *reader, const struct span fields[5], double first_hour,
+                    struct orl_weather_row *ret_row)
+{
+    static const signed char days[12] = {31, 29, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31};
+    static const double missing = 9999; /* as both formats mark it */
+    double month = 0, day = 0;
+    struct orl_weather_row row = {.line = reader->line};
+    int code = number(reader, fields[0], "the month", 1, 12, &month);
+    if (code == 0)
+        code = number(reader, fields[1], "the day", 1, days[(int)month - 1], &day);
+    if (code == 0)
+        code = number(reader, fields[2], "the hour", first_hour, 24, &row.hour);
+    if (code == 0)
+        code = number(reader, fields[3], "direct light", -1e6, 1e6, &row.direct);
+    if (code == 0)
+        code = number(reader, fields[4], "diffuse light", -1e6, 1e6, &row.diffuse);
+    if (code < 0)
+        return code;
+    if (month != floor(month) || day != floor(day))
+        return fail(reader, ORL_ERR_SYNTAX, "month and day are whole numbers");
+    row.month = (int)month;
+    row.day = (int)day;
+    if (reader->weather.units == ORL_WEATHER_NORMAL_LX) /* lux may well be more than 9999 */
+        row.missing = row.direct >= 100 * missing || row.diffuse >= 100 * missing;
+    else
+        row.missing = row.direct >= missing || row.diffuse >= missing;
+    *ret_row = row;
+    return 0;
+}
+
+static int keep_row(struct reader *reader, const struct orl_weather_row *row)
+{
+    struct orl_weather *weather = &reader->weather;
+    if (weather->n_rows >= ORL_LIMIT_WEATHER_ROWS)
+        return fail(reader, ORL_ERR_LIMIT, "there are more rows than a year has minutes");
+    if (weather->n_rows == reader->room) {
+        const size_t room = reader->room ? 2 * reader->room : 1024;
+        void *grown = realloc(weather->rows, room * sizeof *weather->rows);
+        if (!grown)
+            return fail(reader, ORL_ERR_NOMEM, "out of memory");
+        weather->rows = grown;
+        reader->room = room;
+    }
+    weather->rows[weather->n_rows++] = *row;
+    return 0;
+}
+
+/* ---- EPW ------------------------------------------------------------------------------------- */
+
+enum { EPW_FIELDS_READ = 16, EPW_HEADER_LINES = 8 };
+
+/* LOCATION,city,state,country,source,WMO,latitude,longitude,time zone,elevation */
+static int read_location(struct reader *reader, struct span line)
+{
+    struct orl_weather *weather = &reader->weather;
+    struct span fields[9] = {0};
+    int code;
+    for (int i = 0; i < 9; i++)
+        if (!cut(&line, ',', &fields[i]))
+            return fail(reader, ORL_ERR_SYNTAX, "LOCATION ends before the time zone");
+    code = number(reader, fields[6], "the latitude", -90, 90, &weather->latitude_deg);
+    if (code == 0)
+        code = number(reader, fields[7], "the longitude", -180, 180, &weather->longitude_deg);
+    if (code == 0)
+        code = number(reader, fields[8], "the time zone", -14, 14, &weather->time_zone_h);
+    return code;
+}
+
+/* DATA PERIODS,how many,records an hour,... */
+static int read_periods(struct reader *reader, struct span line)
+{
+    struct span field;
+    double an_hour = 0;
+    int code;
+    if (!cut(&line, ',', &field) || !cut(&line, ',', &field) || !cut(&line, ',', &field))
+        return fail(reader, ORL_ERR_SYNTAX, "DATA PERIODS ends before the records an hour");
+    code = number(reader, field, "the records an hour", 1, 60, &an_hour);
+    if (code == 0 && an_hour != 1) {
+        fail(reader, ORL_ERR_UNSUPPORTED, "only EPW files of one record an hour are read");
+        orl_error_hint(reader->err, "convert it to WEA, whose rows say their own times");
+        return ORL_ERR_UNSUPPORTED;
+    }
+    return code;
+}
+
+static int read_epw_row(struct reader *reader, struct span line)
+{
+    struct span fields[EPW_FIELDS_READ] = {0};
+    struct orl_weather_row row;
+    int code;
+    for (int i = 0; i < EPW_FIELDS_READ; i++)
+        if (!cut(&line, ',', &fields[i]))
+            return fail(reader, ORL_ERR_SYNTAX,
+                        "the row ends before the diffuse horizontal irradiance, its 16th field");
+    const struct span five[5] = {fields[1], fields[2], fields[3], fields[14], fields[15]};
+    code = read_row(reader, five, 1, &row);
+    if (code < 0)
+        return code;
+    row.hour -= 0.5;
+    return keep_row(reader, &row);
+}
+
+static int read_epw(struct reader *reader, struct span line)
+{
+    int code = read_location(reader, line), lines = 1;
+    reader->weather.units = ORL_WEATHER_NORMAL_W;
+    while (code == 0 && !begins(line, "DATA PERIODS,")) {
+        if (lines++ == EPW_HEADER_LINES || !next_line(reader, &line))
+            return fail(reader, ORL_ERR_SYNTAX, "the header has no line DATA PERIODS");
+    }
+    if (code == 0)
+        code = read_periods(reader, line);
+    while (code == 0 && next_line(reader, &line))
+        code = read_epw_row(reader, line);
+    return code;
+}
+
+/* ---- WEA ------------------------------------------------------------------------------------- */
+
+enum { WEA_LATITUDE, WEA_LONGITUDE, WEA_TIME_ZONE, WEA_ELEVATION, WEA_UNITS, WEA_KEYS };
+
+static int read_wea_header(struct reader *reader)
+{
+    static const struct {
+        const char *key;
+        double low, high;
+    } keys[WEA_KEYS] = {{"latitude", -90, 90},
+                        {"longitude", -180, 180},
+                        {"time_zone", -210, 210},
+                        {"site_elevation", -1000, 10000},
+                        {"weather_data_file_units", 1, 3}};
+    double values[WEA_KEYS] = {0};
+    for (int i = 0; i < WEA_KEYS; i++) {
+        struct span line, value;
+        int code;
+        if (!next_line(reader, &line) || !begins(line, keys[i].key)) {
+            orl_error_set(reader->err, ORL_ERR_SYNTAX, "'%s' and its value are expected here",
+                          keys[i].key);
+            orl_error_at(reader->err, reader->name, reader->line, NULL);
+            return ORL_ERR_SYNTAX;
+        }
+        value = (struct span){line.at + strlen(keys[i].key), line.length - strlen(keys[i].key)};
+        code = number(reader, trimmed(value), keys[i].key, keys[i].low, keys[i].high, &values[i]);
+        if (code < 0)
+            return code;
+    }
+    if (values[WEA_UNITS] != floor(values[WEA_UNITS]))
+        return fail(reader, ORL_ERR_RANGE, "weather_data_file_units is 1, 2 or 3");
+    reader->weather.latitude_deg = values[WEA_LATITUDE];
+    reader->weather.longitude_deg = -values[WEA_LONGITUDE];
+    reader->weather.time_zone_h = -values[WEA_TIME_ZONE] / 15.0;
+    reader->weather.units = (enum orl_weather_units)values[WEA_UNITS];
+    return 0;
+}
+
+static int read_wea_row(struct reader *reader, struct span line)
+{
+    struct span fields[5] = {0};
+    struct orl_weather_row row;
+    int code;
+    for (int i = 0; i < 5; i++) {
+        const char *at = line.at;
+        size_t n = 0;
+        while (n < line.length && at[n] != ' ' && at[n] != '\t')
+            n++;
+        if (n == 0)
+            return fail(reader, ORL_ERR_SYNTAX,
+                        "a row is: month, day, hour, direct and diffuse light");
+        fields[i] = (struct span){at, n};
+        line = trimmed((struct span){at + n, line.length - n});
+    }
+    code = read_row(reader, fields, 0, &row);
+    return code < 0 ? code : keep_row(reader, &row);
+}
+
+static int read_wea(struct reader *reader)
+{
+    struct span line;
+    int code = read_wea_header(reader);
+    while (code == 0 && next_line(reader, &line))
+        code = read_wea_row(reader, line);
+    return code;
+}
+
+/* ---- Entry points ---------------------------------------------------------------------------- */
+
+int orl_weather_parse(const char *name, const char *text, size_t size,
+                      struct orl_weather *ret_weather, struct orl_error *err)
+{
+    struct orl_error local;
+    struct reader reader = {.name = name, .rest = {text, size}, .err = err ? err : &local};
+    struct span line = {0};
+    int code;
+    if (next_line(&reader, &line) && begins(line, "LOCATION,"))
+        code = read_epw(&reader, line);
+    else if (begins(line, "place"))
+        code = read_wea(&reader);
+    else
+        code = fail(&reader, ORL_ERR_SYNTAX,
+                    "a weather file begins with LOCATION (EPW) or place (WEA)");
+    if (code == 0 && reader.weather.n_rows == 0)
+        code = fail(&reader, ORL_ERR_SYNTAX, "the weather file has no rows");
+    if (code < 0) {
+        orl_weather_done(&reader.weather);
+        return code;
+    }
+    reader.weather.whole_year = reader.weather.n_rows == 8760 || reader.weather.n_rows == 8784;
+    *ret_weather = reader.weather;
+    return 0;
+}
+
+void orl_weather_done(struct orl_weather *weather)
+{
+    if (!weather)
+        return;
+    free(weather->rows);
+    memset(weather, 0, sizeof *weather);
+}
+
+const struct orl_weather_row *orl_weather_find(const struct orl_weather *weather, int month,
+                                               int day, double hour)
+{
+    const struct orl_weather_row *best = NULL;
+    double nearest = 0.5 + 1e-9;
+    for (size_t i = 0; i < weather->n_rows; i++) {
+        const struct orl_weather_row *row = &weather->rows[i];
+        const double distance = fabs(row->hour - hour);
+        if (row->month == month && row->day == day && distance <= nearest) {
+            best = row;
+            nearest = distance;
+        }
+    }
+    return best;
+}

@@ -1,0 +1,229 @@
+/* EPW and WEA files: small ones of our own making, good and bad. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "light/weather.h"
+#include "support/scene_text.h"
+
+#define LOCATION "LOCATION,Somewhere,-,TST,made up,000000,38.42,27.14,2.0,25.0\n"
+#define PERIODS "DATA PERIODS,1,1,Data,Sunday,1/1,12/31\n"
+#define EPW LOCATION PERIODS
+#define WEA                                                                                        \
+    "place Somewhere_TST\nlatitude 38.42\nlongitude -27.14\ntime_zone -30\nsite_elevation 25\n"    \
+    "weather_data_file_units 1\n"
+/* A row up to the direct normal irradiance. */
+#define TO_DIRECT(month, day, hour)                                                                \
+    "2020," #month "," #day "," #hour ",0,flags,9,7,87,101300,0,0,305,0,"
+
+static int parse(const char *text, struct orl_weather *weather, struct orl_error *err)
+{
+    return orl_weather_parse("x.epw", text, strlen(text), weather, err);
+}
+
+static struct orl_weather parse_good(const char *text)
+{
+    struct orl_weather weather = {0};
+    struct orl_error err = {0};
+    if (parse(text, &weather, &err) < 0)
+        fail_msg("line %d: %s", err.line, err.message);
+    return weather;
+}
+
+static void assert_site(const struct orl_weather *weather)
+{
+    assert_true(weather->latitude_deg == 38.42);
+    assert_true(weather->longitude_deg == 27.14);
+    assert_true(weather->time_zone_h == 2);
+}
+
+/* The same hour in both formats: east in one, west in the other; the hour's end and its middle. */
+static void test_both_formats_agree(void **state)
+{
+    struct orl_weather epw = parse_good(EPW TO_DIRECT(3, 22, 12) "800,120,0,0,0\n");
+    struct orl_weather wea = parse_good(WEA "3 22 11.500 800 120\n");
+    (void)state;
+    assert_site(&epw);
+    assert_site(&wea);
+    assert_int_equal(epw.units, wea.units);
+    assert_int_equal(epw.n_rows, 1);
+    assert_int_equal(wea.n_rows, 1);
+    const struct orl_weather_row *a = epw.rows, *b = wea.rows;
+    assert_true(a->month == 3 && a->day == 22 && a->hour == 11.5);
+    assert_true(a->direct == 800 && a->diffuse == 120 && !a->missing);
+    assert_true(b->month == 3 && b->day == 22 && b->hour == 11.5);
+    assert_true(b->direct == 800 && b->diffuse == 120 && !b->missing);
+    assert_int_equal(a->line, 3);
+    assert_int_equal(b->line, 7);
+    orl_weather_done(&epw);
+    orl_weather_done(&wea);
+}
+
+/* Files of our own in the full layout: eight header lines, two days of hours. */
+static void test_fixtures(void **state)
+{
+    static const char *const paths[2] = {"tests/fixtures/weather.epw",
+                                         "tests/fixtures/weather.wea"};
+    struct orl_weather weather[2];
+    (void)state;
+    for (int i = 0; i < 2; i++) {
+        size_t size;
+        struct orl_error err;
+        unsigned char *text = scene_read_bytes(paths[i], &size);
+        assert_int_equal(orl_weather_parse(paths[i], (char *)text, size, &weather[i], &err), 0);
+        free(text);
+        assert_int_equal(weather[i].n_rows, 48);
+        assert_false(weather[i].whole_year);
+    }
+    for (size_t k = 0; k < 48; k++) {
+        const struct orl_weather_row *a = &weather[0].rows[k], *b = &weather[1].rows[k];
+        assert_true(a->month == b->month && a->day == b->day && a->hour == b->hour);
+        assert_true(a->direct == b->direct && a->diffuse == b->diffuse);
+        assert_true(a->missing == b->missing);
+    }
+    const struct orl_weather_row *noon = orl_weather_find(&weather[0], 3, 22, 11.5);
+    assert_non_null(noon);
+    assert_true(noon->direct == 812 && noon->diffuse == 119);
+    orl_weather_done(&weather[0]);
+    orl_weather_done(&weather[1]);
+}
+
+static void test_nearest_row(void **state)
+{
+    static const struct {
+        int month, day;
+        double hour, found; /* -1: none */
+    } cases[] = {{1, 1, 0.5, 0.5},   {1, 1, 1.0, 1.5},    {1, 1, 0.99, 0.5}, {1, 1, 2.0, 1.5},
+                 {1, 1, 2.01, -1},   {1, 1, 0, 0.5},      {2, 29, 12, 12},   {2, 28, 12, -1},
+                 {3, 1, 12.5, 12.5}, {3, 1, 23.99, 23.5}, {4, 1, 1, -1}};
+    struct orl_weather weather = parse_good(
+        WEA "1 1 0.5 0 0\n1 1 1.5 1 1\n2 29 12 5 5\n3 1 12.5 9 9\r\n\n3\t1  23.5 0 0 extra\n");
+    (void)state;
+    assert_int_equal(weather.n_rows, 5);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        const struct orl_weather_row *row =
+            orl_weather_find(&weather, cases[i].month, cases[i].day, cases[i].hour);
+        if (cases[i].found < 0)
+            assert_null(row);
+        else
+            assert_true(row && row->hour == cases[i].found);
+    }
+    orl_weather_done(&weather);
+}
+
+static void test_missing_values(void **state)
+{
+    struct orl_weather epw = parse_good(EPW TO_DIRECT(1, 1, 1) "9999,0,0\n" TO_DIRECT(
+        1, 1, 2) "0,9999,0\n" TO_DIRECT(1, 1, 3) "9998,0,0\n");
+    (void)state;
+    assert_true(epw.rows[0].missing && epw.rows[1].missing && !epw.rows[2].missing);
+    orl_weather_done(&epw);
+    /* In lux, 9999 is a value like any other. */
+    struct orl_weather lux =
+        parse_good("place a_b\nlatitude 0\nlongitude 0\ntime_zone 0\nsite_elevation 0\n"
+                   "weather_data_file_units 3\n1 1 9.5 9999 20000\n1 1 10.5 999900 0\n");
+    assert_int_equal(lux.units, ORL_WEATHER_NORMAL_LX);
+    assert_true(!lux.rows[0].missing && lux.rows[1].missing);
+    orl_weather_done(&lux);
+}
+
+/* Half-hour zones come through whole: India is at 82.5 degrees. */
+static void test_half_hour_zone(void **state)
+{
+    struct orl_weather india =
+        parse_good("place a_b\nlatitude 28.6\nlongitude -77.2\ntime_zone -82.5\n"
+                   "site_elevation 216\nweather_data_file_units 2\n6 1 9.5 1 2\n");
+    (void)state;
+    assert_true(india.time_zone_h == 5.5);
+    assert_int_equal(india.units, ORL_WEATHER_HORIZONTAL_W);
+    orl_weather_done(&india);
+}
+
+static void test_bad_files(void **state)
+{
+    static const struct {
+        const char *text;
+        int code, line;
+    } bad[] = {
+        {"", ORL_ERR_SYNTAX, 1},
+        {"\n\n", ORL_ERR_SYNTAX, 3},
+        {"hello\n", ORL_ERR_SYNTAX, 1},
+        {"LOCATION,a,b,c\n", ORL_ERR_SYNTAX, 1},
+        {"LOCATION,a,b,c,d,e,91,0,0,0\n" PERIODS, ORL_ERR_RANGE, 1},
+        {"LOCATION,a,b,c,d,e,0,181,0,0\n" PERIODS, ORL_ERR_RANGE, 1},
+        {"LOCATION,a,b,c,d,e,0,0,nan,0\n" PERIODS, ORL_ERR_SYNTAX, 1},
+        {LOCATION "COMMENTS 1,x\n", ORL_ERR_SYNTAX, 3},
+        {LOCATION "a\nb\nc\nd\ne\nf\ng\nh\n" PERIODS, ORL_ERR_SYNTAX, 8},
+        {LOCATION "DATA PERIODS,1\n", ORL_ERR_SYNTAX, 2},
+        {LOCATION "DATA PERIODS,1,4,Data,Sunday,1/1,12/31\n", ORL_ERR_UNSUPPORTED, 2},
+        {EPW, ORL_ERR_SYNTAX, 3},
+        {EPW TO_DIRECT(3, 22, 12) "800", ORL_ERR_SYNTAX, 3},
+        {EPW TO_DIRECT(3, 22, 12) "800,", ORL_ERR_SYNTAX, 3},
+        {EPW TO_DIRECT(3, 22, 12) "1e999,0,0\n", ORL_ERR_SYNTAX, 3},
+        {EPW TO_DIRECT(13, 22, 12) "800,120,0\n", ORL_ERR_RANGE, 3},
+        {EPW TO_DIRECT(2, 30, 12) "800,120,0\n", ORL_ERR_RANGE, 3},
+        {EPW TO_DIRECT(2, 1.5, 12) "800,120,0\n", ORL_ERR_SYNTAX, 3},
+        {EPW TO_DIRECT(3, 22, 0) "800,120,0\n", ORL_ERR_RANGE, 3},
+        {EPW TO_DIRECT(3, 22, 25) "800,120,0\n", ORL_ERR_RANGE, 3},
+        {EPW TO_DIRECT(3, 22, 12) "800,120,0\n" TO_DIRECT(3, 22, 13) "8\n", ORL_ERR_SYNTAX, 4},
+        {WEA, ORL_ERR_SYNTAX, 7},
+        {WEA "3 22 11.5 800\n", ORL_ERR_SYNTAX, 7},
+        {WEA "3 22 11.5 800 x\n", ORL_ERR_SYNTAX, 7},
+        {WEA "0 22 11.5 800 120\n", ORL_ERR_RANGE, 7},
+        {WEA "3 22 -0.5 800 120\n", ORL_ERR_RANGE, 7},
+        {"place a_b\nlongitude 0\n", ORL_ERR_SYNTAX, 2},
+        {"place a_b\nlatitude 0\nlongitude 0\ntime_zone 0\nsite_elevation 0\n"
+         "weather_data_file_units 4\n1 1 1 1 1\n",
+         ORL_ERR_RANGE, 6},
+        {"place a_b\nlatitude 0\nlongitude 0\ntime_zone 0\nsite_elevation 0\n"
+         "weather_data_file_units 1.5\n1 1 1 1 1\n",
+         ORL_ERR_RANGE, 6},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        struct orl_weather weather = {.n_rows = 77};
+        struct orl_error err = {0};
+        const int code = parse(bad[i].text, &weather, &err);
+        if (code != bad[i].code || err.line != bad[i].line)
+            fail_msg("file %zu: code %d at line %d (%s), not %d at %d", i, code, err.line,
+                     err.message, bad[i].code, bad[i].line);
+        assert_string_equal(err.file, "x.epw");
+        assert_int_equal(weather.n_rows, 77); /* untouched */
+    }
+}
+
+/* Every beginning of a good file is a good file or an error, in a block of its exact size. */
+static void test_every_truncation(void **state)
+{
+    static const char good[] = EPW TO_DIRECT(3, 22, 12) "800,120,0\n";
+    (void)state;
+    for (size_t size = 0; size < sizeof good; size++) {
+        char *text = malloc(size ? size : 1);
+        struct orl_weather weather = {0};
+        struct orl_error err = {0};
+        assert_non_null(text);
+        memcpy(text, good, size);
+        const int code = orl_weather_parse("x.epw", text, size, &weather, &err);
+        assert_true(code == 0 ? weather.n_rows == 1 : err.code == code && err.line > 0);
+        orl_weather_done(&weather);
+        free(text);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_both_formats_agree), cmocka_unit_test(test_fixtures),
+        cmocka_unit_test(test_nearest_row),        cmocka_unit_test(test_missing_values),
+        cmocka_unit_test(test_half_hour_zone),     cmocka_unit_test(test_bad_files),
+        cmocka_unit_test(test_every_truncation),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
