@@ -14,3 +14,92 @@ json_t *orl_bsdf_info_to_json(const struct orl_bsdf_info *info)
                      info->max_albedo[0], "thickness_m", info->thickness_m, "clamped",
                      (json_int_t)info->clamped);
 }
+
+/* ---- The check ---------------------------------------------------------------------------------
+ */
+
+/* {"front": one, "back": other}; takes both. */
+static json_t *both_sides(json_t *front, json_t *back)
+{
+    return json_pack("{s:o, s:o}", "front", front, "back", back);
+}
+
+static json_t *directions(const struct orl_bsdf_hemispherical *h)
+{
+    json_t *list = json_array();
+    for (int i = 0; i < ORL_BSDF_CHECK_DIRECTIONS; i++)
+        json_array_append_new(list, json_pack("{s:f, s:f, s:f, s:f}", "theta_deg", h[i].theta_deg,
+                                              "phi_deg", h[i].phi_deg, "reflected", h[i].reflected,
+                                              "transmitted", h[i].transmitted));
+    return list;
+}
+
+static json_t *extremes(const struct orl_bsdf_extremes *x)
+{
+    return json_pack("{s:f, s:f, s:f, s:f, s:f}", "least", x->least, "mean", x->mean, "most",
+                     x->most, "most_theta_deg", x->most_theta_deg, "most_phi_deg", x->most_phi_deg);
+}
+
+/* Of one component, which has a coarse maximum besides. */
+static json_t *component_extremes(const struct orl_bsdf_extremes *x)
+{
+    json_t *json = extremes(x);
+    if (json)
+        json_object_set_new(json, "most_coarse", json_real(x->most_coarse));
+    return json;
+}
+
+static json_t *side_extremes(const struct orl_bsdf_check *check, int front)
+{
+    return json_pack("{s:o, s:o, s:o}", "reflected", component_extremes(&check->extremes[front][0]),
+                     "transmitted", component_extremes(&check->extremes[front][1]), "total",
+                     extremes(&check->total[front]));
+}
+
+/* null where there was nothing to compare. */
+static json_t *share(double value)
+{
+    return value < 0 ? json_null() : json_real(value);
+}
+
+static json_t *peak(const struct orl_bsdf_peak *p)
+{
+    return json_pack("{s:f, s:f, s:f, s:f, s:f, s:f}", "theta_deg", p->theta_deg, "phi_deg",
+                     p->phi_deg, "cell_sr", p->cell_sr, "smear", p->smear, "share", p->share,
+                     "dgp_loss_max", p->dgp_loss);
+}
+
+static json_t *redirection(const struct orl_bsdf_redirection by_origin[2])
+{
+    return json_pack("{s:{s:f, s:f}, s:{s:f, s:f}}", "from_above", "transmitted",
+                     by_origin[1].transmitted, "upward", by_origin[1].upward, "from_below",
+                     "transmitted", by_origin[0].transmitted, "upward", by_origin[0].upward);
+}
+
+static json_t *verdicts(const struct orl_bsdf_check *check)
+{
+    json_t *list = json_array();
+    for (size_t i = 0; i < check->n_verdicts; i++)
+        json_array_append_new(list, json_pack("{s:s, s:s}", "level",
+                                              orl_bsdf_level_name(check->verdicts[i].level), "text",
+                                              check->verdicts[i].text));
+    return list;
+}
+
+json_t *orl_bsdf_check_to_json(const struct orl_bsdf_check *c)
+{
+    json_t *check = json_pack(
+        "{s:s, s:o, s:o, s:o, s:{s:o, s:o, s:o}, s:{s:o, s:o}, s:o}", "verdict",
+        orl_bsdf_level_name(c->worst), "verdicts", verdicts(c), "hemispherical",
+        both_sides(directions(c->directions[1]), directions(c->directions[0])), "extremes",
+        both_sides(side_extremes(c, 1), side_extremes(c, 0)), "irreciprocal", "reflection_front",
+        share(c->irreciprocal_reflection[1]), "reflection_back",
+        share(c->irreciprocal_reflection[0]), "transmission", share(c->irreciprocal_transmission),
+        "straight_through", "normal", peak(&c->normal), "strongest", peak(&c->strongest),
+        "redirection", both_sides(redirection(c->redirection[1]), redirection(c->redirection[0])));
+    json_t *json = orl_bsdf_info_to_json(&c->info);
+    if (json_object_set_new(json, "check", check) == 0)
+        return json;
+    json_decref(json);
+    return NULL;
+}

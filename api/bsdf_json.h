@@ -14,4 +14,12 @@
 
 json_t *orl_bsdf_info_to_json(const struct orl_bsdf_info *info);
 
+/*
+ * The same with its check: all of the above, and "check": {"verdict", "verdicts": [{"level",
+ * "text"}], "hemispherical": {"front", "back": [{"theta_deg", "phi_deg", "reflected",
+ * "transmitted"}]}, "extremes", "irreciprocal", "straight_through", "redirection"}; oriel/bsdf.h
+ * says what each means, api/openapi.yaml how each looks.
+ */
+json_t *orl_bsdf_check_to_json(const struct orl_bsdf_check *check);
+
 #endif

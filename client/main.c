@@ -27,6 +27,12 @@ static const struct orl_command commands[] = {
     {"upload", "scene FILE... | bsdf FILE  [--server URL]", "Send a scene or a BSDF; prints its id",
      "A scene's files are named relative to the working directory, as its texts refer to them.",
      orl_cmd_upload},
+    {"bsdf", "check FILE [--json]", "Look a BSDF file over before it is used",
+     "Prints type and resolution, reflectance and transmittance by direction, and what is wrong "
+     "or\n"
+     "worth knowing: energy gained, reciprocity, sides and up, the sun's smear. Ends with 1 when\n"
+     "the file is refused or at fault.",
+     orl_cmd_bsdf},
     {"version", "", "Print the version", NULL, orl_cmd_version},
 };
 

@@ -46,13 +46,13 @@ static void hash_upload(struct orl_request *request)
 static int summarise(struct upload *upload, const struct orl_file *file)
 {
     struct orl_bsdf *bsdf = NULL;
-    struct orl_bsdf_info info;
+    struct orl_bsdf_check check;
     const int rc = orl_bsdf_load_xml(upload->name, file->data, file->size, &bsdf, &upload->err);
     if (rc)
         return rc;
-    orl_bsdf_describe(bsdf, &info);
+    orl_bsdf_examine(bsdf, &check);
     orl_bsdf_unref(bsdf);
-    json_t *json = orl_bsdf_info_to_json(&info);
+    json_t *json = orl_bsdf_check_to_json(&check);
     upload->summary = json ? json_dumps(json, JSON_COMPACT) : NULL;
     json_decref(json);
     return upload->summary ? 0 : orl_error_set(&upload->err, ORL_ERR_NOMEM, "out of memory");

@@ -64,18 +64,35 @@ float orl_tree_mean(const struct orl_tree *tree, struct orl_tree_ref ref, enum o
     return mean_of(tree, ref, given, (struct cell){x, y}, level);
 }
 
-double orl_tree_eval(const struct orl_tree *tree, struct orl_square a, struct orl_square b)
+/* The leaf that holds the pair, and how far down it is. */
+static inline struct orl_tree_ref leaf_of(const struct orl_tree *tree, struct orl_square a,
+                                          struct orl_square b, unsigned *ret_level)
 {
     const struct cell ca = cell_of(a, ORL_AXIS_A, tree->depth);
     const struct cell cb = cell_of(b, ORL_AXIS_B, tree->depth);
     struct orl_tree_ref ref = tree->root;
-    for (unsigned level = tree->depth; !orl_tree_is_leaf(ref);) {
+    unsigned level = tree->depth;
+    while (!orl_tree_is_leaf(ref)) {
         level--;
         ref = child_of(tree, ref,
                        (ca.x >> level & 1) | (ca.y >> level & 1) << 1 | (cb.x >> level & 1) << 2 |
                            (cb.y >> level & 1) << 3);
     }
-    return (double)float_of(ref.bits);
+    *ret_level = tree->depth - level;
+    return ref;
+}
+
+double orl_tree_eval(const struct orl_tree *tree, struct orl_square a, struct orl_square b)
+{
+    unsigned level;
+    return (double)float_of(leaf_of(tree, a, b, &level).bits);
+}
+
+unsigned orl_tree_leaf_level(const struct orl_tree *tree, struct orl_square a, struct orl_square b)
+{
+    unsigned level;
+    leaf_of(tree, a, b, &level);
+    return level;
 }
 
 double orl_tree_total(const struct orl_tree *tree, enum orl_axis given, struct orl_square place)

@@ -56,7 +56,7 @@ struct orl_tree {
     float minimum;  /* over all leaves */
 };
 
-/* ---- Building (tree_build.c) ---------------------------------------------------------------- */
+/* ---- Building (tree_build.c) ----------------------------------------------------------------- */
 
 /* Appends a branch over 16 finished children and its means; 16 equal leaves become one leaf. */
 int orl_tree_branch(struct orl_tree *tree, const struct orl_tree_ref child[ORL_TREE_FANOUT],
@@ -99,6 +99,9 @@ float orl_tree_mean(const struct orl_tree *tree, struct orl_tree_ref ref, enum o
  */
 
 double orl_tree_eval(const struct orl_tree *tree, struct orl_square a, struct orl_square b);
+
+/* How many times each axis is halved down to the leaf that holds the pair. */
+unsigned orl_tree_leaf_level(const struct orl_tree *tree, struct orl_square a, struct orl_square b);
 
 /* The integral over the other hemisphere of value times cosine, for the given direction. */
 double orl_tree_total(const struct orl_tree *tree, enum orl_axis given, struct orl_square place);

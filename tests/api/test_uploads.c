@@ -74,6 +74,7 @@ static void test_bsdf(void **state)
     assert_true(json_is_true(reply_at(&reply, "created")));
     assert_string_equal(reply_text(&reply, "summary.name"), "Test");
     assert_true(json_is_object(reply_at(&reply, "summary.components")));
+    assert_string_equal(reply_text(&reply, "summary.check.verdict"), "note");
     reply_done(&reply);
     post_bsdf(*state, bsdf_xml, &reply);
     assert_int_equal(reply.status, 200);
@@ -83,6 +84,7 @@ static void test_bsdf(void **state)
     daemon_get(*state, path, &reply);
     assert_int_equal(reply.status, 200);
     assert_true(reply_number(&reply, "bytes") == (double)strlen(bsdf_xml));
+    assert_true(json_is_array(reply_at(&reply, "summary.check.hemispherical.back")));
     reply_done(&reply);
     snprintf(header, sizeof header, "If-None-Match: \"%s\"", sha);
     daemon_request(*state, "GET", path, NULL, NULL, 0, header, &reply);

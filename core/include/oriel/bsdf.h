@@ -87,4 +87,87 @@ struct orl_bsdf_info {
 };
 void orl_bsdf_describe(const struct orl_bsdf *bsdf, struct orl_bsdf_info *ret_info);
 
+/* ---- The check on upload ---------------------------------------------------------------------
+ *
+ * Directions are those the light comes from: theta from the normal on its side, phi from +x
+ * towards +y. Index 1 is light from the front, 0 from the back (outside), as in has[][].
+ */
+
+enum {
+    ORL_BSDF_CHECK_DIRECTIONS = 21, /* 0, and 15 to 75 degrees at four azimuths */
+    ORL_BSDF_VERDICTS_MAX = 20,
+    ORL_BSDF_VERDICT_TEXT = 256,
+};
+
+struct orl_bsdf_hemispherical {
+    double theta_deg, phi_deg;
+    double reflected, transmitted; /* 0..1 */
+};
+
+/* Of a directional-hemispherical value over all directions that the data tell apart. */
+struct orl_bsdf_extremes {
+    double least, mean, most;            /* mean: of perfectly diffuse light */
+    double most_theta_deg, most_phi_deg; /* where most is */
+    /* The most of means over 1/32 by 1/32 of a tree's square: what Radiance's checkBSDF reports.
+     * Not for totals; equal to most for matrices. */
+    double most_coarse;
+};
+
+/*
+ * The light that goes straight through, and what the data's resolution does to the sun in it. The
+ * sun fills the cell of the data that it shines through: its image is smear times too large and as
+ * much too dim. Glare counts luminance squared times solid angle, which that divides by smear;
+ * 0.0918 log10(1 + s) of DGP (Wienold and Christoffersen 2006) then loses 0.0918 log10(smear) at
+ * the most.
+ */
+struct orl_bsdf_peak {
+    double theta_deg, phi_deg; /* of the light, from the outside */
+    double cell_sr;            /* solid angle of the cell that the straight direction falls into */
+    double smear;              /* over that of the sun's disc; at least 1 */
+    double share;              /* of the transmission that stands out as a peak there: 0..1 */
+    double dgp_loss;           /* bound on the DGP lost; 0 where there is no peak */
+};
+
+/* What light from 30 to 60 degrees above or below the horizontal does, +y being up. */
+struct orl_bsdf_redirection {
+    double transmitted; /* 0..1 */
+    double upward;      /* share of that which leaves rising */
+};
+
+enum orl_bsdf_level { ORL_BSDF_OK, ORL_BSDF_NOTE, ORL_BSDF_WARNING, ORL_BSDF_FAULT };
+
+struct orl_bsdf_verdict {
+    enum orl_bsdf_level level;
+    char text[ORL_BSDF_VERDICT_TEXT]; /* one sentence or two */
+};
+
+struct orl_bsdf_check {
+    struct orl_bsdf_info info;
+    struct orl_bsdf_hemispherical directions[2][ORL_BSDF_CHECK_DIRECTIONS];
+    struct orl_bsdf_extremes extremes[2][2]; /* [front?][transmitted?] */
+    struct orl_bsdf_extremes total[2];       /* R + T */
+    double total_exchanged[2];               /* most R + T if the two reflections changed places */
+    /*
+     * The share of the scattered light that would have to move for f(in, out) = f(out, in): 0 for
+     * reciprocal data, 1 where the reverse of every path is dark. Negative: nothing to compare.
+     */
+    double irreciprocal_reflection[2], irreciprocal_transmission;
+    struct orl_bsdf_peak normal; /* straight through at normal incidence */
+    struct orl_bsdf_peak
+        strongest; /* of the directions above, the one with most light in the peak */
+    struct orl_bsdf_redirection redirection[2][2]; /* [front?][light from above?] */
+    size_t n_verdicts;
+    struct orl_bsdf_verdict verdicts[ORL_BSDF_VERDICTS_MAX]; /* in plain words */
+    enum orl_bsdf_level worst;
+};
+
+/*
+ * Looks a BSDF over: milliseconds for a matrix, up to a second for the largest trees. Values that
+ * are not finite never get here: orl_bsdf_load_xml refuses them, with their line.
+ */
+void orl_bsdf_examine(const struct orl_bsdf *bsdf, struct orl_bsdf_check *ret_check);
+
+/* "ok", "note", "warning", "fault". */
+const char *orl_bsdf_level_name(enum orl_bsdf_level level);
+
 #endif

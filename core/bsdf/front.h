@@ -1,0 +1,42 @@
+/*
+ * Inside core/bsdf: what an orl_bsdf is made of, for bsdf.c, which answers for it, and check.c,
+ * which looks it over. Not for anyone else.
+ *
+ * A view is one component as the surface sees it: the file's sides turned into the surface's, and
+ * a transmission that the file lacks seen through the one that it has. Immutable once loaded.
+ */
+#ifndef ORL_BSDF_FRONT_H
+#define ORL_BSDF_FRONT_H
+
+#include <stdatomic.h>
+
+#include <oriel/bsdf.h>
+
+#include "bsdf/document.h"
+
+struct orl_view {
+    const struct orl_component *component; /* NULL: black */
+    bool transposed;                       /* in is the component's B, out its A */
+};
+
+struct orl_bsdf {
+    atomic_uint references;
+    struct orl_document document;
+    struct orl_view views[2][2]; /* [light comes from the front?][transmitted?] */
+    struct orl_bsdf_info info;
+};
+
+enum orl_role { ORL_ROLE_IN, ORL_ROLE_OUT };
+
+/* How many incident directions the view's data tell apart at most; 0 when it is black. */
+size_t orl_view_cells(const struct orl_bsdf *bsdf, const struct orl_view *view);
+
+/* The middle of one of them, for light from that side, and its projected solid angle. */
+struct orl_vec3 orl_view_incident(const struct orl_bsdf *bsdf, const struct orl_view *view,
+                                  size_t cell, bool front, double *ret_omega_sr);
+
+/* The projected solid angle over which out may roam with f(in, out) being one number. */
+double orl_view_omega(const struct orl_bsdf *bsdf, const struct orl_view *view, struct orl_vec3 in,
+                      struct orl_vec3 out);
+
+#endif
