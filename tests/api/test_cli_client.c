@@ -1,4 +1,5 @@
 /* The commands that talk to a daemon, against canned answers: what they send, show and keep. */
+#include <pthread.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -30,6 +31,7 @@ struct request {
 
 struct fixture {
     struct MHD_Daemon *daemon;
+    pthread_mutex_t lock;        /* what follows belongs to the daemon's thread while a run lasts */
     const struct canned *canned; /* ends with a NULL request */
     struct request *requests;    /* as they came */
     size_t n_requests;
@@ -63,17 +65,15 @@ static const struct canned *find_answer(const struct fixture *f, const char *lin
     return found;
 }
 
-static enum MHD_Result answer(void *arg, struct MHD_Connection *connection, const char *url,
-                              const char *method, const char *version, const char *data,
-                              size_t *data_size, void **context)
+static enum MHD_Result answer_locked(struct fixture *f, struct MHD_Connection *connection,
+                                     const char *url, const char *method, const char *data,
+                                     size_t *data_size, void **context)
 {
-    struct fixture *f = arg;
     struct request *request = *context;
     const struct canned *canned;
     struct MHD_Response *response;
     enum MHD_Result rc;
 
-    (void)version;
     if (!request) {
         if (f->n_requests == MAX_REQUESTS)
             return MHD_NO;
@@ -99,11 +99,37 @@ static enum MHD_Result answer(void *arg, struct MHD_Connection *connection, cons
     return rc;
 }
 
+static enum MHD_Result answer(void *arg, struct MHD_Connection *connection, const char *url,
+                              const char *method, const char *version, const char *data,
+                              size_t *data_size, void **context)
+{
+    struct fixture *f = arg;
+    enum MHD_Result rc;
+
+    (void)version;
+    pthread_mutex_lock(&f->lock);
+    rc = answer_locked(f, connection, url, method, data, data_size, context);
+    pthread_mutex_unlock(&f->lock);
+    return rc;
+}
+
+/* Runs the command; after it, what the daemon's thread wrote is this thread's to read. */
+static void run_args(struct fixture *f, const struct canned *canned, const char *const *args)
+{
+    pthread_mutex_lock(&f->lock);
+    f->canned = canned;
+    pthread_mutex_unlock(&f->lock);
+    cli_run(args, &f->result);
+    pthread_mutex_lock(&f->lock);
+    pthread_mutex_unlock(&f->lock);
+}
+
 static int set_up(void **state)
 {
     struct fixture *f = calloc(1, sizeof *f);
     const union MHD_DaemonInfo *info;
 
+    pthread_mutex_init(&f->lock, NULL);
     f->requests = calloc(MAX_REQUESTS, sizeof *f->requests);
     cli_make_folder(f->folder);
     f->daemon =
@@ -149,8 +175,7 @@ static void run(struct fixture *f, const struct canned *canned, const char *comm
     }
     args[n++] = "--server";
     args[n++] = f->url;
-    f->canned = canned;
-    cli_run(args, &f->result);
+    run_args(f, canned, args);
 }
 
 /* ---- Tests --------------------------------------------------------------------------------- */
@@ -414,8 +439,7 @@ static void test_upload_bsdf_sends_the_bytes(void **state)
 
     cli_write_file(f->folder, "shade.xml", "<WindowElement/>");
     snprintf(path, sizeof path, "%s/shade.xml", f->folder);
-    f->canned = canned;
-    cli_run(args, &f->result);
+    run_args(f, canned, args);
     assert_int_equal(f->result.exit_code, 0);
     assert_string_equal(f->result.out, SCENE_ID "\n");
     assert_string_equal(find_request(f, "POST /v1/bsdfs")->body, "<WindowElement/>");
