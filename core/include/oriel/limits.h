@@ -21,7 +21,7 @@
 #define ORL_LIMIT_VIEWS 1024U               /* views in one job */
 #define ORL_LIMIT_IMAGE_SIDE 16384U         /* pixels along one side */
 #define ORL_LIMIT_IMAGE_PIXELS (64UL << 20) /* pixels in one image */
-#define ORL_LIMIT_PHOTONS 1000000000UL      /* photons asked for in one map */
-#define ORL_LIMIT_JOB_BYTES (256UL << 20)   /* one job document */
+#define ORL_LIMIT_PHOTONS 100000000UL /* photons asked for in one map: about 10 GB while built */
+#define ORL_LIMIT_JOB_BYTES (256UL << 20) /* one job document */
 
 #endif
