@@ -1,9 +1,11 @@
 /*
  * What an uploaded BSDF holds -> JSON: {"name", "kind", "resolution", "values", "bytes",
  * "components": {"reflection_front", "reflection_back", "transmission_front",
- * "transmission_back"}, "max_albedo": {"front", "back"}, "thickness_m", "clamped"}.
- * Front and back are those of a Radiance surface (front: the side its normal points to), which is
- * the other way round in the XML. A new reference, the caller's; NULL when out of memory.
+ * "transmission_back"}, "dummy": {"transmission_front",
+ * "transmission_back": null, "zero" or "copy"}, "max_albedo": {"front", "back"}, "thickness_m",
+ * "clamped"}. Front and back are those of a Radiance surface (front: the side its normal points
+ * to), which is the other way round in the XML. A new reference, the caller's; NULL when out of
+ * memory.
  */
 #ifndef ORL_API_BSDF_JSON_H
 #define ORL_API_BSDF_JSON_H

@@ -1,6 +1,6 @@
 /*
  * The front: turns the file's sides into the surface's frame, fills a missing transmission by
- * reciprocity, and offers one contract over trees and matrices.
+ * reciprocity, drops a dummy one, and offers one contract over trees and matrices.
  *
  * The pdf of a draw is f |cos| over its integral, computed from the very leaf that eval reads; a
  * sample's weight is therefore the albedo. The descent that makes the draw follows float means, so
@@ -79,6 +79,7 @@ static double view_draw(const struct orl_bsdf *bsdf, const struct orl_view *view
 static void set_views(struct orl_bsdf *bsdf)
 {
     const struct orl_component *parts = bsdf->document.parts;
+    memset(bsdf->views, 0, sizeof bsdf->views);
     for (int front = 0; front < 2; front++) {
         /* The file's Front is the exterior: our back. */
         const struct orl_component *reflection =
@@ -96,6 +97,56 @@ static void set_views(struct orl_bsdf *bsdf)
         else if (other->present)
             bsdf->views[front][1] = (struct orl_view){other, true};
     }
+}
+
+static bool is_black(const struct orl_bsdf *bsdf, const struct orl_component *c)
+{
+    const struct orl_matrix *m = &c->matrix;
+    if (is_tree(bsdf))
+        return orl_tree_is_leaf(c->tree.root) && !(c->tree.minimum > 0);
+    for (int i = 0; i < m->basis[ORL_AXIS_A].n_cells; i++)
+        if (m->total[ORL_AXIS_A][i] > 0)
+            return false;
+    return true;
+}
+
+static bool is_same(const struct orl_bsdf *bsdf, const struct orl_component *c,
+                    const struct orl_component *d)
+{
+    if (is_tree(bsdf))
+        return orl_tree_equal(&c->tree, &d->tree);
+    return orl_matrix_equal(&c->matrix, &d->matrix);
+}
+
+/* Exact copies whose reverse differs: the one called Back has nothing of its own to say. */
+static bool is_senseless_copy(const struct orl_bsdf *bsdf, const struct orl_component *front,
+                              const struct orl_component *back)
+{
+    return is_same(bsdf, front, back) && orl_bsdf_irreciprocal_transmission(bsdf) > 0.02;
+}
+
+/* See enum orl_bsdf_dummy. The views must be set, and are set anew. */
+static void drop_dummy(struct orl_bsdf *bsdf)
+{
+    struct orl_component *front = &bsdf->document.parts[ORL_PART_TRANSMISSION_FRONT];
+    struct orl_component *back = &bsdf->document.parts[ORL_PART_TRANSMISSION_BACK];
+    struct orl_component *dropped;
+    enum orl_bsdf_dummy kind = ORL_BSDF_DUMMY_ZERO;
+    if (!front->present || !back->present)
+        return;
+    if (is_black(bsdf, front) != is_black(bsdf, back)) {
+        dropped = is_black(bsdf, front) ? front : back;
+    } else if (is_senseless_copy(bsdf, front, back)) {
+        dropped = back;
+        kind = ORL_BSDF_DUMMY_COPY;
+    } else {
+        return;
+    }
+    bsdf->info.dummy[dropped == back] = kind;
+    orl_tree_done(&dropped->tree);
+    orl_matrix_done(&dropped->matrix);
+    dropped->present = false;
+    set_views(bsdf);
 }
 
 static void describe_tree(struct orl_bsdf_info *info, const struct orl_tree *tree)
@@ -221,6 +272,7 @@ int orl_bsdf_load_xml(const char *name, const char *xml, size_t size, struct orl
         return code;
     }
     set_views(bsdf);
+    drop_dummy(bsdf);
     describe(bsdf);
     *ret_bsdf = bsdf;
     return 0;

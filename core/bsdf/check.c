@@ -11,7 +11,6 @@
 #include "bsdf/shirley.h"
 
 enum {
-    RECIPROCITY_DRAWS = 40000,
     REDIRECTION_DRAWS = 256, /* for each of the directions looked at */
     PATCH_SIDE = 32,
     PEAK_SIDE = 49, /* points across the surroundings of the straight direction */
@@ -22,20 +21,6 @@ static struct orl_vec3 light_from(double theta_deg, double phi_deg, bool front)
     const double sine = sin(theta_deg * ORL_DEG_TO_RAD), cosine = cos(theta_deg * ORL_DEG_TO_RAD);
     const double phi = phi_deg * ORL_DEG_TO_RAD;
     return orl_v3(sine * cos(phi), sine * sin(phi), front ? cosine : -cosine);
-}
-
-/*
- * Point i of an additive recurrence in up to four dimensions, with the inverse powers of the
- * positive root of x^5 = x + 1 for steps: evenly spread, and in step with no grid of the data.
- */
-static void even_point(unsigned i, double ret_u[4])
-{
-    double step = 1;
-    for (int k = 0; k < 4; k++) {
-        double whole;
-        step /= 1.1673039782614187;
-        ret_u[k] = modf(0.5 + step * (i + 1), &whole);
-    }
 }
 
 /* ---- Hemispherical values -------------------------------------------------------------------- */
@@ -153,47 +138,13 @@ static void fill_extremes(const struct orl_bsdf *bsdf, struct orl_bsdf_check *c)
 
 /* ---- Reciprocity ----------------------------------------------------------------------------- */
 
-/*
- * The mean over the light scattered one way of max(0, 1 - f(out, in) / f(in, out)), and that
- * light's amount: what the reverse paths lack. Pairs that only the reverse has light on are seen
- * from the other side, where the roles are exchanged.
- */
-static double missing_in_reverse(const struct orl_bsdf *bsdf, bool front, enum orl_bsdf_side side,
-                                 double *ret_amount)
-{
-    double missing = 0, amount = 0;
-    for (unsigned i = 0; i < RECIPROCITY_DRAWS; i++) {
-        double u[4], r, pdf, f;
-        struct orl_vec3 in, out;
-        struct orl_rgb weight;
-        even_point(i, u);
-        r = sqrt(u[0]);
-        in = orl_v3(r * cos(2 * ORL_PI * u[1]), r * sin(2 * ORL_PI * u[1]), sqrt(1 - u[0]));
-        in.z = front ? in.z : -in.z;
-        if (!orl_bsdf_sample(bsdf, in, side, (double[3]){u[2], u[3], 0.5}, &out, &weight, &pdf))
-            continue;
-        f = orl_luma(orl_bsdf_eval(bsdf, in, out));
-        amount += orl_luma(weight);
-        missing += orl_luma(weight) * fmax(0, 1 - orl_luma(orl_bsdf_eval(bsdf, out, in)) / f);
-    }
-    *ret_amount = amount / RECIPROCITY_DRAWS;
-    return missing / RECIPROCITY_DRAWS;
-}
-
 static void fill_reciprocity(const struct orl_bsdf *bsdf, struct orl_bsdf_check *c)
 {
-    double missing[2], amount[2];
-    for (int front = 0; front < 2; front++) {
-        missing[0] = missing_in_reverse(bsdf, front, ORL_BSDF_REFLECT, &amount[0]);
-        c->irreciprocal_reflection[front] = amount[0] > 0 ? missing[0] / amount[0] : -1;
-    }
-    c->irreciprocal_transmission = -1;
-    if (!bsdf->info.has[0][1] || !bsdf->info.has[1][1])
-        return;
     for (int front = 0; front < 2; front++)
-        missing[front] = missing_in_reverse(bsdf, front, ORL_BSDF_TRANSMIT, &amount[front]);
-    if (amount[0] + amount[1] > 0)
-        c->irreciprocal_transmission = (missing[0] + missing[1]) / (amount[0] + amount[1]);
+        c->irreciprocal_reflection[front] = orl_bsdf_irreciprocal_reflection(bsdf, front);
+    c->irreciprocal_transmission = bsdf->info.has[0][1] && bsdf->info.has[1][1]
+                                       ? orl_bsdf_irreciprocal_transmission(bsdf)
+                                       : -1;
 }
 
 /* ---- Straight through ------------------------------------------------------------------------ */
@@ -314,7 +265,7 @@ static struct orl_bsdf_redirection redirection(const struct orl_bsdf *bsdf, bool
             double u[4], pdf;
             struct orl_vec3 out;
             struct orl_rgb weight;
-            even_point(i, u);
+            orl_even_point(i, u);
             if (!orl_bsdf_sample(bsdf, in, ORL_BSDF_TRANSMIT, u, &out, &weight, &pdf))
                 break;
             drawn++;

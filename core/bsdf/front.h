@@ -39,4 +39,17 @@ struct orl_vec3 orl_view_incident(const struct orl_bsdf *bsdf, const struct orl_
 double orl_view_omega(const struct orl_bsdf *bsdf, const struct orl_view *view, struct orl_vec3 in,
                       struct orl_vec3 out);
 
+/*
+ * Point i of an additive recurrence in up to four dimensions, with the inverse powers of the
+ * positive root of x^5 = x + 1 for steps: evenly spread, and in step with no grid of the data.
+ */
+void orl_even_point(unsigned i, double ret_u[4]);
+
+/*
+ * The share of the light that would have to move for f(in, out) = f(out, in): 0 to 1, negative
+ * where there is no light. Transmission compares the two ways through.
+ */
+double orl_bsdf_irreciprocal_reflection(const struct orl_bsdf *bsdf, bool front);
+double orl_bsdf_irreciprocal_transmission(const struct orl_bsdf *bsdf);
+
 #endif

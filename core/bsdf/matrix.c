@@ -69,6 +69,26 @@ void orl_matrix_done(struct orl_matrix *m)
     memset(m, 0, sizeof *m);
 }
 
+static bool same_rings(const struct orl_basis *a, const struct orl_basis *b)
+{
+    if (a->n_rings != b->n_rings || a->n_cells != b->n_cells)
+        return false;
+    for (int i = 0; i < a->n_rings; i++)
+        if (a->rings[i].cells != b->rings[i].cells ||
+            a->rings[i].cos2_high != b->rings[i].cos2_high)
+            return false;
+    return true;
+}
+
+bool orl_matrix_equal(const struct orl_matrix *m, const struct orl_matrix *other)
+{
+    const size_t count =
+        (size_t)m->basis[ORL_AXIS_A].n_cells * (size_t)m->basis[ORL_AXIS_B].n_cells;
+    return same_rings(&m->basis[0], &other->basis[0]) &&
+           same_rings(&m->basis[1], &other->basis[1]) &&
+           !memcmp(m->values, other->values, count * sizeof *m->values);
+}
+
 size_t orl_matrix_bytes(const struct orl_matrix *m)
 {
     const size_t a = (size_t)m->basis[0].n_cells, b = (size_t)m->basis[1].n_cells;

@@ -8,6 +8,7 @@
 #ifndef ORL_BSDF_MATRIX_H
 #define ORL_BSDF_MATRIX_H
 
+#include <stdbool.h>
 #include <stddef.h>
 
 #include "bsdf/basis.h"
@@ -28,6 +29,8 @@ int orl_matrix_init(struct orl_matrix *matrix, const struct orl_basis *a, const 
 /* Builds sums and minimum from the values. */
 int orl_matrix_finish(struct orl_matrix *matrix, struct orl_error *err);
 void orl_matrix_done(struct orl_matrix *matrix); /* NULL and half-built are allowed */
+/* The same values over the same rings. */
+bool orl_matrix_equal(const struct orl_matrix *matrix, const struct orl_matrix *other);
 size_t orl_matrix_bytes(const struct orl_matrix *matrix);
 
 /* As the functions of the same names in tree.h; zero outside the bases. */

@@ -64,6 +64,14 @@ float orl_tree_mean(const struct orl_tree *tree, struct orl_tree_ref ref, enum o
     return mean_of(tree, ref, given, (struct cell){x, y}, level);
 }
 
+/* Trees are built in one order, children first: equal ones have equal lines. */
+bool orl_tree_equal(const struct orl_tree *tree, const struct orl_tree *other)
+{
+    return tree->root.bits == other->root.bits && tree->n_lines == other->n_lines &&
+           (tree->n_lines == 0 ||
+            !memcmp(tree->lines, other->lines, tree->n_lines * sizeof *tree->lines));
+}
+
 /* The leaf that holds the pair, and how far down it is. */
 static inline struct orl_tree_ref leaf_of(const struct orl_tree *tree, struct orl_square a,
                                           struct orl_square b, unsigned *ret_level)

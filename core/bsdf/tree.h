@@ -95,6 +95,9 @@ static inline size_t orl_tree_index(struct orl_tree_ref ref)
 float orl_tree_mean(const struct orl_tree *tree, struct orl_tree_ref ref, enum orl_axis given,
                     unsigned x, unsigned y, unsigned level);
 
+/* The same function of the same cells. */
+bool orl_tree_equal(const struct orl_tree *tree, const struct orl_tree *other);
+
 /* Directions below are places on the square as orl_disk_to_square gives them; A's is turned inside.
  */
 

@@ -43,7 +43,15 @@ static void judge_components(struct orl_bsdf_check *c)
             say(c, ORL_BSDF_NOTE,
                 "There is no Reflection %s: seen from the %s, the surface reflects nothing.",
                 file_side[front], side_name(front));
-        if (!c->info.has[front][1] && c->info.has[!front][1])
+        if (c->info.dummy[front] != ORL_BSDF_DUMMY_NONE)
+            say(c, ORL_BSDF_NOTE,
+                "Transmission %s is no data but %s: it is taken as absent, and the other one "
+                "reversed.",
+                file_side[front],
+                c->info.dummy[front] == ORL_BSDF_DUMMY_ZERO
+                    ? "all zeros"
+                    : "a copy of the other, which is not its own reverse");
+        else if (!c->info.has[front][1] && c->info.has[!front][1])
             say(c, ORL_BSDF_NOTE,
                 "There is no Transmission %s: it is the other one reversed, by reciprocity.",
                 file_side[front]);

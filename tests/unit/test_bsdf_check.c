@@ -267,6 +267,74 @@ static void a_black_surface_is_told(void **state)
     assert_close(c.normal.share, 0, 0);
 }
 
+/* ---- Dummy transmissions -----------------------------------------------------------------------
+ */
+
+/* Whatever stands in for the missing transmission, the check comes out as if it were not there. */
+static void a_dummy_transmission_is_as_good_as_none(void **state)
+{
+    static const struct {
+        const char *front, *back;
+        enum orl_bsdf_dummy dummy[2];
+    } cases[] = {{SLATS_PASS, "{0}", {ORL_BSDF_DUMMY_NONE, ORL_BSDF_DUMMY_ZERO}},
+                 {SLATS_PASS, SLATS_PASS, {ORL_BSDF_DUMMY_NONE, ORL_BSDF_DUMMY_COPY}},
+                 {"{0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0}",
+                  SLATS_PASS,
+                  {ORL_BSDF_DUMMY_ZERO, ORL_BSDF_DUMMY_NONE}}};
+    (void)state;
+    for (int i = 0; i < 3; i++) {
+        const struct orl_bsdf_check with = examine(TREE_FILE({"Transmission Front", cases[i].front},
+                                                             {"Transmission Back", cases[i].back}));
+        const struct orl_bsdf_check without =
+            i == 2 ? examine(TREE_FILE({"Transmission Back", cases[i].back}))
+                   : examine(TREE_FILE({"Transmission Front", cases[i].front}));
+        assert_int_equal(with.info.dummy[0], cases[i].dummy[0]);
+        assert_int_equal(with.info.dummy[1], cases[i].dummy[1]);
+        assert_int_equal(with.info.has[0][1], i != 2);
+        assert_int_equal(with.info.has[1][1], i == 2);
+        assert_memory_equal(with.directions, without.directions, sizeof with.directions);
+        assert_memory_equal(with.extremes, without.extremes, sizeof with.extremes);
+        assert_int_equal(level_of(&with, i == 1 ? "a copy of the other" : "all zeros"),
+                         ORL_BSDF_NOTE);
+    }
+}
+
+/* A matrix that repeats its front; its reverse is another, but for the diagonal. */
+static struct text klems_twice(bool diagonal)
+{
+    static const char *const names[] = {"Transmission Front", "Transmission Back"};
+    struct text t;
+    text_open(&t);
+    make_head(t.stream, "Columns");
+    for (int k = 0; k < 2; k++) {
+        make_block_head(t.stream, "Visible", names[k], "LBNL/Klems Quarter");
+        for (int i = 0; i < 41 * 41; i++)
+            fprintf(t.stream, "%s\n", i % 41 == (diagonal ? i / 41 : i / 82) ? "1" : "0");
+        make_block_tail(t.stream);
+    }
+    make_tail(t.stream);
+    text_close(&t);
+    return t;
+}
+
+/* Where the reverse is the same, a copy says so truly. Different data are never dummies. */
+static void true_transmissions_are_kept(void **state)
+{
+    struct orl_bsdf_check c =
+        examine(TREE_FILE({"Transmission Front", "{0.2}"}, {"Transmission Back", "{0.2}"}));
+    (void)state;
+    assert_true(c.info.has[0][1] && c.info.has[1][1]);
+    c = examine(TREE_FILE({"Transmission Front", SLATS_PASS}, {"Transmission Back", "{0.1}"}));
+    assert_true(c.info.has[0][1] && c.info.has[1][1]);
+    assert_int_equal(level_of(&c, "Transmission is not reciprocal"), ORL_BSDF_WARNING);
+    c = examine(TREE_FILE({"Transmission Front", "{0}"}, {"Transmission Back", "{0}"}));
+    assert_int_equal(c.info.dummy[0] + c.info.dummy[1], 0);
+    c = examine(klems_twice(true));
+    assert_true(c.info.has[0][1] && c.info.has[1][1]);
+    c = examine(klems_twice(false));
+    assert_int_equal(c.info.dummy[1], ORL_BSDF_DUMMY_COPY);
+}
+
 /* ---- JSON --------------------------------------------------------------------------------------
  */
 
@@ -309,6 +377,8 @@ int main(void)
         cmocka_unit_test(swapped_reflections_are_found),
         cmocka_unit_test(negative_values_are_told),
         cmocka_unit_test(a_black_surface_is_told),
+        cmocka_unit_test(a_dummy_transmission_is_as_good_as_none),
+        cmocka_unit_test(true_transmissions_are_kept),
         cmocka_unit_test(the_check_is_told_as_json),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

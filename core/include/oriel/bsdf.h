@@ -73,6 +73,13 @@ double orl_bsdf_pdf(const struct orl_bsdf *bsdf, struct orl_vec3 in, enum orl_bs
 double orl_bsdf_pdf_adjoint(const struct orl_bsdf *bsdf, struct orl_vec3 out,
                             enum orl_bsdf_side sides, struct orl_vec3 in);
 
+/*
+ * A transmission that a file holds but that is no data: all zero where the other one is not, or the
+ * other one's numbers repeated although they are not their own reverse. Programs that write just
+ * one transmission fill the other in like that. It is taken as absent.
+ */
+enum orl_bsdf_dummy { ORL_BSDF_DUMMY_NONE, ORL_BSDF_DUMMY_ZERO, ORL_BSDF_DUMMY_COPY };
+
 /* What a BSDF is, for upload checks and messages. */
 struct orl_bsdf_info {
     char name[128];       /* of the material, from the file */
@@ -83,7 +90,8 @@ struct orl_bsdf_info {
     bool has[2][2];       /* [front?][transmitted?]: in the file, rather than by reciprocity */
     double max_albedo[2]; /* largest directional R + T for light from the back, the front */
     double thickness_m;   /* 0 when not given */
-    size_t clamped;       /* negative values set to zero */
+    enum orl_bsdf_dummy dummy[2]; /* the transmission of light from the back, the front */
+    size_t clamped;               /* negative values set to zero */
 };
 void orl_bsdf_describe(const struct orl_bsdf *bsdf, struct orl_bsdf_info *ret_info);
 
