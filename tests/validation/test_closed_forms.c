@@ -233,7 +233,8 @@ static void test_glass_furnace(void **state)
         {{1, 1, 1.05}, {0, 0, 1}}, {{.3, .4, .2}, {0, 0, -1}}, {{1.9, 1.9, 1.9}, {1, 1, 1}}};
     double lx[3];
     (void)state;
-    scene_run_lx(&(struct scene_run){.scene = scene, .sensors = sensors, .n_sensors = 3}, lx);
+    scene_run_lx(
+        &(struct scene_run){.scene = scene, .sensors = sensors, .n_sensors = 3, .global = 200}, lx);
     /* Mirrored rays that meet the ball: less than 0.5 % of a hemisphere, times their share. */
     for (int i = 0; i < 3; i++)
         assert_within(lx[i], efficacy * ORL_PI, 0.005);
