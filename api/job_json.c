@@ -8,6 +8,7 @@
 #include <oriel/limits.h>
 
 #include "decode.h"
+#include "sky_json.h"
 
 enum { FILE_NAME_MAX_BYTES = 1024, VIEW_TEXT_MAX = 4096, VIEW_NAME_MAX = 128 };
 
@@ -215,9 +216,9 @@ static int decode_settings(const json_t *doc, struct orl_job *job, struct orl_er
 int orl_job_from_json(const json_t *doc, enum orl_job_origin origin, struct orl_job *ret_job,
                       char **ret_scene_id, struct orl_error *err)
 {
-    static const char *const allowed[] = {"kind",    "scene",   "technique",
-                                          "seed",    "photons", "gather_samples",
-                                          "sensors", "views",   NULL};
+    static const char *const allowed[] = {
+        "kind",           "scene", "technique", "seed",  "photons",
+        "gather_samples", "sky",   "sensors",   "views", NULL};
     struct orl_job job;
     char *id = NULL;
     orl_job_init(&job);
@@ -230,6 +231,8 @@ int orl_job_from_json(const json_t *doc, enum orl_job_origin origin, struct orl_
                                      : decode_remote_scene(scene, &id, err);
     if (rc == 0)
         rc = decode_settings(doc, &job, err);
+    if (rc == 0)
+        rc = orl_sky_from_json(json_object_get(doc, "sky"), &job.sky, err);
     if (rc == 0)
         rc = decode_sensors(json_object_get(doc, "sensors"), &job, err);
     if (rc == 0)

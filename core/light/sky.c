@@ -69,3 +69,23 @@ double orl_sky_brightness(const struct orl_sky *sky, struct orl_vec3 direction)
         sky->kind == ORL_SKY_PEREZ ? perez(sky->a, direction) : cie(sky->a, direction);
     return fmax(value, 0.0);
 }
+
+/*
+ * Midpoints in height and azimuth. Rows are even in z, not in z^2 as equal shares of flux would be:
+ * the formulas change most near the horizon. The peak about the sun is wider than the columns.
+ */
+double orl_sky_horizontal(const struct orl_sky *sky)
+{
+    enum { ROWS = 256, COLUMNS = 256 };
+    double sum = 0;
+    for (int i = 0; i < ROWS; i++) {
+        const double z = (i + 0.5) / ROWS, r = sqrt(1.0 - z * z);
+        double row = 0;
+        for (int k = 0; k < COLUMNS; k++) {
+            const double phi = 2.0 * ORL_PI * (k + 0.5) / COLUMNS;
+            row += orl_sky_brightness(sky, orl_v3(r * cos(phi), r * sin(phi), z));
+        }
+        sum += row * z;
+    }
+    return 2.0 * ORL_PI * sum / (ROWS * COLUMNS);
+}

@@ -10,4 +10,10 @@
 /* skybright(direction) as Radiance's perezlum.cal / skybright.cal define it; direction is unit. */
 double orl_sky_brightness(const struct orl_sky *sky, struct orl_vec3 direction);
 
+/*
+ * The irradiance that the sky's upper half gives a horizontal surface, W/m2 per channel, by
+ * quadrature: good to 1e-4 of itself.
+ */
+double orl_sky_horizontal(const struct orl_sky *sky);
+
 #endif

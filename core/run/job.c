@@ -6,6 +6,7 @@
 
 #include <oriel/limits.h>
 
+#include "light/daylight.h"
 #include "render/view.h"
 
 void orl_job_init(struct orl_job *job)
@@ -15,6 +16,9 @@ void orl_job_init(struct orl_job *job)
     job->seed = 1;
     job->photons_global = ORL_DEFAULT_PHOTONS;
     job->photons_caustic = ORL_DEFAULT_PHOTONS;
+    job->sky.ground_reflectance = 0.2;
+    job->sky.turbidity = 2.45;
+    job->sky.direct_normal_lx = -1;
 }
 
 void orl_job_done(struct orl_job *job)
@@ -24,6 +28,7 @@ void orl_job_done(struct orl_job *job)
     for (size_t i = 0; i < job->n_scene_files; i++)
         free(job->scene_files[i]);
     free(job->scene_files);
+    free(job->sky.weather_file);
     free(job->sensors_file);
     free(job->sensors);
     for (size_t i = 0; i < job->n_views; i++) {
@@ -89,7 +94,7 @@ int orl_job_validate(const struct orl_job *job, struct orl_error *err)
         if (code < 0)
             return code;
     }
-    return 0;
+    return orl_daylight_check(&job->sky, err);
 }
 
 void orl_result_done(struct orl_result *result)

@@ -19,6 +19,8 @@ static void make_key(const struct orl_run_state *state, enum orl_map_kind kind, 
     crypto_hash_sha256_update(&hash, state->world->description.digest,
                               sizeof state->world->description.digest);
     crypto_hash_sha256_update(&hash, (const unsigned char *)numbers, sizeof numbers);
+    if (state->job->sky.model != ORL_SKY_OF_SCENE)
+        crypto_hash_sha256_update(&hash, state->sky_digest, sizeof state->sky_digest);
     crypto_hash_sha256_final(&hash, digest);
     sodium_bin2hex(ret_key, ORL_DIGEST_HEX + 1, digest, sizeof digest);
 }

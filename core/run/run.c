@@ -109,7 +109,7 @@ static int load(struct orl_run_state *state, struct orl_description *ret_descrip
                                state->env->files, ret_description, err);
     for (size_t i = 0; code == 0 && i < ret_description->n_warnings; i++)
         orl_run_warn(state, "%s", ret_description->warnings[i]);
-    return code;
+    return code < 0 ? code : orl_run_sky(state, ret_description, err);
 }
 
 static int run_stages(struct orl_run_state *state, struct orl_error *err)
@@ -118,8 +118,10 @@ static int run_stages(struct orl_run_state *state, struct orl_error *err)
     int code;
     orl_run_progress(state, 0);
     code = load(state, &description, err);
-    if (code < 0)
+    if (code < 0) {
+        orl_description_done(&description);
         return code;
+    }
     orl_run_enter(state, ORL_STAGE_BVH);
     code = orl_world_new(&description, &state->world, err);
     if (code == 0)

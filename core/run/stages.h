@@ -15,6 +15,7 @@ struct orl_run_state {
     struct orl_sensor *sensors; /* of the job, or of its file; owned when sensors_owned */
     size_t n_sensors;
     bool sensors_owned;
+    unsigned char sky_digest[32]; /* of the job's sky; meaningless without one */
     struct orl_world *world;
     struct orl_photon_map *maps[ORL_MAP_KINDS];
     bool held[ORL_MAP_KINDS]; /* the store's pin is ours to release */
@@ -34,6 +35,10 @@ void orl_run_warn(struct orl_run_state *state, const char *format, ...)
 /* Parses "x y z dx dy dz" lines; '#' starts a comment. Fills an array the caller frees. */
 int orl_sensors_parse(const char *name, const char *text, size_t size,
                       struct orl_sensor **ret_sensors, size_t *ret_count, struct orl_error *err);
+
+/* Load stage: the sky that the job asks for, if any, into the description. */
+int orl_run_sky(struct orl_run_state *state, struct orl_description *description,
+                struct orl_error *err);
 
 /* Photons and maps stages: every map the job needs is in state->maps, from the store or new. */
 int orl_run_maps(struct orl_run_state *state, struct orl_error *err);

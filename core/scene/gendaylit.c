@@ -457,6 +457,7 @@ static void give_numbers(const struct gendaylit *sky, struct orl_sky_numbers *nu
         .has_sun = sky->with_sun,
         .sun = d,
         .sun_radiance = sky->with_sun && sky->clearness > 1.0 ? sky->solar : 0.0,
+        .sun_measured = sky->solar,
         .sun_angle_deg = 2.0 * HALF_SUN_DEG,
         .diffuse = sky->output == OUTPUT_SOLAR ? sky->diffuse_w : sky->diffuse_lx};
     numbers->diffuse /= sky->output == OUTPUT_VISIBLE ? ORL_EFFICACY_LM_PER_W : 1.0;

@@ -51,6 +51,7 @@ struct orl_sky_numbers {
     bool has_sun;           /* one is to be written, be it of radiance 0 */
     struct orl_vec3 sun;    /* towards its centre */
     double sun_radiance;    /* 0 without a sun */
+    double sun_measured;    /* the radiance that the input asks for: gendaylit drops a faint sun */
     double sun_angle_deg;   /* the whole disc's */
     double diffuse;         /* W/m2 that the pattern's upper half is meant to give; -1: not given */
     bool by_clock;          /* the sun was placed by standard time at the site */

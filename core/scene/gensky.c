@@ -252,6 +252,7 @@ int orl_gensky_numbers(const char *const *words, size_t count, struct orl_text *
         .has_sun = sky.with_sun,
         .sun = sky.direction,
         .sun_radiance = sky.with_sun ? sky.solar : 0.0,
+        .sun_measured = sky.with_sun ? sky.solar : 0.0,
         .sun_angle_deg = 0.5,
         .diffuse = sky.diffuse,
         .by_clock = !sky.by_angle && !sky.moment.solar,

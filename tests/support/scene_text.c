@@ -64,6 +64,8 @@ static void fill_job(const struct scene_run *run, char **names, struct orl_view_
     job->photons_global = run->global ? run->global : 20000;
     job->photons_caustic = run->caustic;
     job->gather_samples = run->samples;
+    if (run->sky)
+        job->sky = *run->sky;
     job->sensors = (struct orl_sensor *)(uintptr_t)run->sensors;
     job->n_sensors = run->n_sensors;
     if (run->view) {

@@ -72,6 +72,53 @@ static void test_local_document_and_defaults(void **state)
     orl_job_done(&job);
 }
 
+#define SKY_JOB(sky) "{\"scene\":\"" ID "\",\"sensors\":[[0,0,0,0,0,1]],\"sky\":" sky "}"
+
+static struct orl_job decode_sky(const char *text)
+{
+    struct orl_job job;
+    struct orl_error err = {0};
+    char *id = NULL;
+    if (decode(text, ORL_JOB_REMOTE, &job, &id, &err) < 0 || orl_job_validate(&job, &err) < 0)
+        fail_msg("%s: %s", text, err.message);
+    free(id);
+    return job;
+}
+
+static void test_skies(void **state)
+{
+    (void)state;
+    struct orl_job job = decode_sky(SKY_JOB(
+        "{\"perez\":{\"month\":3,\"day\":22,\"hour\":12,\"latitude\":38.42,\"longitude\":27.14,"
+        "\"time_zone\":2,\"direct_normal_w_m2\":800,\"diffuse_horizontal_w_m2\":120}}"));
+    assert_int_equal(job.sky.model, ORL_SKY_BY_PEREZ);
+    assert_int_equal(job.sky.normalise, ORL_SKY_FLUX);
+    assert_int_equal(job.sky.input, ORL_SKY_NORMAL_W);
+    assert_true(job.sky.time_given && !job.sky.sun_given);
+    assert_true(job.sky.longitude_deg == 27.14 && job.sky.time_zone_h == 2);
+    assert_true(job.sky.first == 800 && job.sky.second == 120);
+    assert_true(job.sky.ground_reflectance == 0.2);
+    orl_job_done(&job);
+    job = decode_sky(SKY_JOB("{\"perez\":{\"sun_altitude\":30,\"sun_azimuth\":-20,"
+                             "\"direct_horizontal_w_m2\":80,\"diffuse_horizontal_w_m2\":120},"
+                             "\"normalise\":\"gendaylit\"}"));
+    assert_int_equal(job.sky.input, ORL_SKY_HORIZONTAL_W);
+    assert_int_equal(job.sky.normalise, ORL_SKY_GENDAYLIT);
+    assert_true(job.sky.sun_given && job.sky.sun_azimuth_deg == -20 && job.sky.first == 80);
+    orl_job_done(&job);
+    job = decode_sky(SKY_JOB("{\"cie\":{\"type\":\"overcast\",\"zenith_cd_m2\":5000}}"));
+    assert_int_equal(job.sky.model, ORL_SKY_BY_CIE);
+    assert_int_equal(job.sky.cie_type, ORL_SKY_OVERCAST);
+    assert_int_equal(job.sky.input, ORL_SKY_ZENITH_CD_M2);
+    orl_job_done(&job);
+    job = decode_sky(SKY_JOB("{\"weather\":{\"file\":\"x.epw\",\"month\":3,\"day\":22,"
+                             "\"hour\":11.5,\"ground_reflectance\":0.3}}"));
+    assert_int_equal(job.sky.model, ORL_SKY_BY_WEATHER);
+    assert_string_equal(job.sky.weather_file, "x.epw");
+    assert_true(job.sky.hour == 11.5 && job.sky.ground_reflectance == 0.3);
+    orl_job_done(&job);
+}
+
 /* Each mistake: the document (without braces), the code, and the JSON path it must name. */
 static const struct {
     const char *text;
@@ -113,6 +160,32 @@ static const struct {
      ORL_ERR_INVALID, "views[0].name"},
     {"\"scene\":\"" ID "\",\"views\":[{\"name\":\"a\",\"view\":\"\",\"width\":1,\"height\":1},7]",
      ORL_ERR_INVALID, "views[0].view"},
+    {"\"scene\":\"" ID "\",\"sky\":7", ORL_ERR_INVALID, "sky"},
+    {"\"scene\":\"" ID "\",\"sky\":{}", ORL_ERR_INVALID, "sky"},
+    {"\"scene\":\"" ID "\",\"sky\":{\"perez\":{},\"cie\":{}}", ORL_ERR_INVALID, "sky"},
+    {"\"scene\":\"" ID "\",\"sky\":{\"perez\":{\"lat\":1}}", ORL_ERR_INVALID, "sky.perez.lat"},
+    {"\"scene\":\"" ID "\",\"sky\":{\"moon\":{}}", ORL_ERR_INVALID, "sky.moon"},
+    {"\"scene\":\"" ID "\",\"sky\":{\"perez\":{\"sun_altitude\":1,\"sun_azimuth\":1}}",
+     ORL_ERR_INVALID, "sky.perez"},
+    {"\"scene\":\"" ID
+     "\",\"sky\":{\"perez\":{\"direct_normal_lx\":1,\"diffuse_horizontal_w_m2\":1}}",
+     ORL_ERR_INVALID, "sky.perez"},
+    {"\"scene\":\"" ID "\",\"sky\":{\"perez\":{\"direct_normal_lx\":1,\"clearness\":1}}",
+     ORL_ERR_INVALID, "sky.perez"},
+    {"\"scene\":\"" ID "\",\"sky\":{\"perez\":{\"direct_normal_w_m2\":1}}", ORL_ERR_INVALID,
+     "sky.perez.diffuse_horizontal_w_m2"},
+    {"\"scene\":\"" ID "\",\"sky\":{\"perez\":{\"month\":3}}", ORL_ERR_INVALID, "sky.perez.day"},
+    {"\"scene\":\"" ID "\",\"sky\":{\"perez\":{\"month\":13}}", ORL_ERR_RANGE, "sky.perez.month"},
+    {"\"scene\":\"" ID "\",\"sky\":{\"cie\":{}}", ORL_ERR_INVALID, "sky.cie.type"},
+    {"\"scene\":\"" ID "\",\"sky\":{\"cie\":{\"type\":\"blue\"}}", ORL_ERR_INVALID, "sky.cie.type"},
+    {"\"scene\":\"" ID "\",\"sky\":{\"cie\":{\"type\":\"clear\",\"direct_normal_lx\":-1}}",
+     ORL_ERR_RANGE, "sky.cie.direct_normal_lx"},
+    {"\"scene\":\"" ID "\",\"sky\":{\"weather\":{\"month\":1,\"day\":1,\"hour\":1}}",
+     ORL_ERR_INVALID, "sky.weather.file"},
+    {"\"scene\":\"" ID "\",\"sky\":{\"weather\":{\"file\":\"x\",\"month\":1,\"day\":1}}",
+     ORL_ERR_INVALID, "sky.weather.hour"},
+    {"\"scene\":\"" ID "\",\"sky\":{\"cie\":{\"type\":\"clear\"},\"normalise\":\"yes\"}",
+     ORL_ERR_INVALID, "sky.normalise"},
 };
 
 static void test_mistakes_name_their_path(void **state)
@@ -186,6 +259,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_full_remote_document),
         cmocka_unit_test(test_local_document_and_defaults),
+        cmocka_unit_test(test_skies),
         cmocka_unit_test(test_mistakes_name_their_path),
         cmocka_unit_test(test_unknown_member_lists_the_known),
         cmocka_unit_test(test_syntax_has_a_line),

@@ -18,9 +18,10 @@
 #include <oriel/crew.h>
 #include <oriel/error.h>
 #include <oriel/files.h>
+#include <oriel/sky.h>
 #include <oriel/vec.h>
 
-/* ---- The job ------------------------------------------------------------------------------- */
+/* ---- The job --------------------------------------------------------------------------------- */
 
 enum orl_technique { ORL_TECHNIQUE_GATHER };
 
@@ -43,6 +44,7 @@ struct orl_job {
     uint64_t seed;
     uint64_t photons_global, photons_caustic; /* targets; defaults below */
     uint32_t gather_samples;                  /* per sensor; 0 = default */
+    struct orl_sky_request sky;               /* beside a scene without distant sources */
     char *sensors_file;                       /* NULL, or a file of "x y z dx dy dz" lines */
     struct orl_sensor *sensors;
     size_t n_sensors;

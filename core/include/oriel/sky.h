@@ -1,0 +1,64 @@
+/*
+ * A sky asked for by a job, beside or instead of the scene's own, so that one scene serves many
+ * hours. Sun, sky and ground are then far away around the scene, as gendaylit or gensky with the
+ * usual "source" lines would put them.
+ *
+ * Conventions: degrees; latitude north, longitude EAST, time zone in hours EAST of Greenwich
+ * (Radiance's programs take longitude west); azimuth of the sun from south towards west, as they
+ * do. Hours are standard time, from midnight. Irradiances in W/m2 (all of the sun's spectrum),
+ * illuminances in lx.
+ *
+ * Normalisation: FLUX takes the diffuse flux given as what the sky delivers, by fine quadrature,
+ * and lights the ground by sun and sky together: its radiance is reflectance * horizontal / pi.
+ * GENDAYLIT keeps the programs' own numbers: gendaylit divides by a mean over 145 patches, which
+ * loses 0.7 to 2.7 % of the flux, and both take the ground's light from a CIE sky.
+ */
+#ifndef ORIEL_SKY_H
+#define ORIEL_SKY_H
+
+#include <stdbool.h>
+
+enum orl_sky_model {
+    ORL_SKY_OF_SCENE = 0, /* none is asked for */
+    ORL_SKY_BY_PEREZ,     /* Perez, Seals, Michalsky 1993, from input */
+    ORL_SKY_BY_CIE,       /* CIE types, from cie_type and input */
+    ORL_SKY_BY_WEATHER,   /* Perez, from a row of weather_file */
+};
+
+enum orl_sky_normalise { ORL_SKY_FLUX = 0, ORL_SKY_GENDAYLIT };
+
+/* What first and second are. */
+enum orl_sky_input {
+    ORL_SKY_NORMAL_W = 0, /* Perez: direct normal, diffuse horizontal irradiance */
+    ORL_SKY_NORMAL_LX,    /* Perez: direct normal, diffuse horizontal illuminance */
+    ORL_SKY_HORIZONTAL_W, /* Perez: direct horizontal, diffuse horizontal irradiance */
+    ORL_SKY_GLOBAL_W,     /* Perez: global horizontal irradiance, split after Erbs 1982; - */
+    ORL_SKY_INDICES,      /* Perez: clearness, brightness */
+    ORL_SKY_TYPICAL,      /* CIE: -; gensky's own brightness for the sun's altitude */
+    ORL_SKY_ZENITH_CD_M2, /* CIE: luminance of the zenith; - */
+    ORL_SKY_DIFFUSE_LX,   /* CIE: diffuse horizontal illuminance; - */
+};
+
+enum orl_sky_cie { ORL_SKY_CLEAR = 1, ORL_SKY_OVERCAST, ORL_SKY_UNIFORM, ORL_SKY_INTERMEDIATE };
+
+struct orl_sky_request {
+    enum orl_sky_model model;
+    enum orl_sky_normalise normalise;
+    /* Where the sun is (Perez, CIE): said, or by time and place. Overcast needs neither, when its
+     * brightness is given. Weather files know the place, and only the time is taken. */
+    bool sun_given;
+    double sun_altitude_deg, sun_azimuth_deg;
+    bool time_given;
+    int month, day;
+    double hour;
+    double latitude_deg, longitude_deg, time_zone_h;
+    enum orl_sky_input input;
+    double first, second;
+    double ground_reflectance;
+    enum orl_sky_cie cie_type;
+    double turbidity;        /* CIE, clear and intermediate, ORL_SKY_TYPICAL */
+    double direct_normal_lx; /* CIE, clear and intermediate: the sun's; negative: gensky's own */
+    char *weather_file;      /* a name for the job's file provider; owned by the job */
+};
+
+#endif

@@ -1,0 +1,324 @@
+#include "light/daylight.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "light/sky.h"
+#include "scene/generate.h"
+#include "scene/storage.h"
+
+/* ---- The words of the command that would give the same sky ---- */
+
+enum { MOST_WORDS = 32, WORD_BYTES = 40 };
+
+struct command {
+    char text[MOST_WORDS][WORD_BYTES];
+    const char *words[MOST_WORDS];
+    size_t count;
+};
+
+static void add_word(struct command *command, const char *word)
+{
+    snprintf(command->text[command->count], WORD_BYTES, "%s", word);
+    command->words[command->count] = command->text[command->count];
+    command->count++;
+}
+
+/* Every double comes back from 17 digits as it was. */
+static void add_number(struct command *command, double value)
+{
+    char word[WORD_BYTES];
+    snprintf(word, sizeof word, "%.17g", value);
+    add_word(command, word);
+}
+
+static void add_option(struct command *command, const char *option, double value)
+{
+    add_word(command, option);
+    add_number(command, value);
+}
+
+/* Time and site, or the sun's place; where a sky needs neither, any place does. */
+static void add_when(struct command *command, const struct orl_sky_request *request)
+{
+    char hour[WORD_BYTES];
+    if (!request->time_given) {
+        add_option(command, "-ang", request->sun_given ? request->sun_altitude_deg : 45.0);
+        add_number(command, request->sun_given ? request->sun_azimuth_deg : 0.0);
+        return;
+    }
+    add_number(command, request->month);
+    add_number(command, request->day);
+    snprintf(hour, sizeof hour, "%.12f", request->hour); /* gensky takes no exponent here */
+    add_word(command, hour);
+    add_option(command, "-a", request->latitude_deg);
+    add_option(command, "-o", -request->longitude_deg);
+    add_option(command, "-m", -15.0 * request->time_zone_h);
+}
+
+static int find_perez(const struct orl_sky_request *request, struct orl_text *text,
+                      struct orl_sky_numbers *ret_numbers, struct orl_error *err)
+{
+    static const char *const options[] = {[ORL_SKY_NORMAL_W] = "-W",
+                                          [ORL_SKY_NORMAL_LX] = "-L",
+                                          [ORL_SKY_HORIZONTAL_W] = "-G",
+                                          [ORL_SKY_GLOBAL_W] = "-E",
+                                          [ORL_SKY_INDICES] = "-P"};
+    struct command command = {.count = 0};
+    add_word(&command, "gendaylit");
+    add_when(&command, request);
+    add_option(&command, "-g", request->ground_reflectance);
+    add_option(&command, options[request->input], request->first);
+    if (request->input != ORL_SKY_GLOBAL_W)
+        add_number(&command, request->second);
+    return orl_gendaylit_numbers(command.words, command.count, text, ret_numbers, err);
+}
+
+/* The solid angle of a disc, without cancellation. */
+static double disc_sr(double angle_deg)
+{
+    const double quarter = sin(0.25 * angle_deg * ORL_DEG_TO_RAD);
+    return 4 * ORL_PI * quarter * quarter;
+}
+
+static int find_cie(const struct orl_sky_request *request, struct orl_text *text,
+                    struct orl_sky_numbers *ret_numbers, struct orl_error *err)
+{
+    static const char *const types[] = {[ORL_SKY_CLEAR] = "+s",
+                                        [ORL_SKY_OVERCAST] = "-c",
+                                        [ORL_SKY_UNIFORM] = "-u",
+                                        [ORL_SKY_INTERMEDIATE] = "+i"};
+    static const double gensky_disc_deg = 0.5;
+    struct command command = {.count = 0};
+    add_word(&command, "gensky");
+    add_when(&command, request);
+    add_word(&command, types[request->cie_type]);
+    add_option(&command, "-g", request->ground_reflectance);
+    add_option(&command, "-t", request->turbidity);
+    if (request->input != ORL_SKY_TYPICAL)
+        add_option(&command, request->input == ORL_SKY_DIFFUSE_LX ? "-B" : "-b",
+                   request->first / ORL_EFFICACY_LM_PER_W);
+    if (request->direct_normal_lx >= 0)
+        add_option(&command, "-r",
+                   request->direct_normal_lx / ORL_EFFICACY_LM_PER_W / disc_sr(gensky_disc_deg));
+    return orl_gensky_numbers(command.words, command.count, text, ret_numbers, err);
+}
+
+/* ---- Normalisation ---- */
+
+/* Where a pattern keeps the sky's brightness; the ground's is the next. */
+static int brightness_argument(const struct orl_sky *pattern)
+{
+    return pattern->kind == ORL_SKY_PEREZ ? 0 : 1;
+}
+
+/* What the pattern's upper half gives with these two brightnesses. */
+static double horizontal_with(const struct orl_sky *pattern, double sky, double ground)
+{
+    struct orl_sky changed = *pattern;
+    const int at = brightness_argument(pattern);
+    changed.a[at] = sky;
+    changed.a[at + 1] = ground;
+    return orl_sky_horizontal(&changed);
+}
+
+/*
+ * Scales the sky to the flux it was given, if it was, and sets the ground to what sun and sky throw
+ * onto it. The ground shines a little above the horizon, too (skybright blends the two there), so
+ * one depends on the other, linearly but where the model's negative values are cut off; hence a
+ * last step that takes up what is left.
+ */
+static void normalise(struct orl_daylight *daylight, double diffuse, double reflectance)
+{
+    struct orl_sky *pattern = &daylight->pattern;
+    double *sky = pattern->a + brightness_argument(pattern), *ground = sky + 1;
+    const double per_sky = horizontal_with(pattern, 1, 0);
+    const double per_ground = horizontal_with(pattern, 0, 1);
+    const double direct =
+        daylight->sun_radiance * disc_sr(daylight->sun_angle_deg) * fmax(0.0, daylight->sun.z);
+    const double share = reflectance / ORL_PI;
+    if (!(per_sky > 0))
+        return;
+    if (diffuse < 0)
+        diffuse = (*sky * per_sky + share * direct * per_ground) / (1.0 - share * per_ground);
+    *ground = share * (diffuse + direct);
+    *sky = (diffuse - *ground * per_ground) / per_sky;
+    *sky += (diffuse - horizontal_with(pattern, *sky, *ground)) / per_sky;
+    *sky = fmax(*sky, 0.0);
+}
+
+/* Conventions have one disc of the sun; gensky has a smaller one, of the same flux. */
+static void widen_sun(struct orl_daylight *daylight)
+{
+    daylight->sun_radiance *= disc_sr(daylight->sun_angle_deg) / disc_sr(ORL_SUN_DIAMETER_DEG);
+    daylight->sun_angle_deg = ORL_SUN_DIAMETER_DEG;
+}
+
+/* ---- Entry points ---- */
+
+static void warn_site(const struct orl_sky_request *request, struct orl_text *text)
+{
+    const double hours = request->longitude_deg / 15.0 - request->time_zone_h;
+    if (request->time_given && fabs(hours) > 3.0)
+        orl_text_warn(text,
+                      "%.1f hours lie between longitude and time zone (both are counted east)",
+                      fabs(hours));
+}
+
+static bool needs_sun(const struct orl_sky *pattern)
+{
+    return pattern->kind == ORL_SKY_PEREZ || pattern->n_args == 7;
+}
+
+static int find(const struct orl_sky_request *request, struct orl_text *text,
+                struct orl_daylight *daylight, struct orl_error *err)
+{
+    struct orl_sky_numbers numbers;
+    const int code = request->model == ORL_SKY_BY_CIE ? find_cie(request, text, &numbers, err)
+                                                      : find_perez(request, text, &numbers, err);
+    if (code < 0)
+        return code;
+    warn_site(request, text);
+    daylight->pattern = numbers.pattern;
+    daylight->sun = numbers.sun;
+    daylight->sun_radiance = numbers.sun_radiance;
+    daylight->sun_angle_deg = numbers.sun_angle_deg;
+    daylight->black = numbers.black;
+    if (!numbers.black && needs_sun(&numbers.pattern) && numbers.sun.z <= 0) {
+        orl_text_warn(text, "the sun is below the horizon: the sky is black");
+        daylight->black = true;
+    }
+    if (!daylight->black && request->normalise == ORL_SKY_FLUX) {
+        daylight->sun_radiance = numbers.sun_measured;
+        widen_sun(daylight);
+        normalise(daylight, numbers.diffuse, request->ground_reflectance);
+    }
+    return 0;
+}
+
+/* A weather row as the Perez sky that it stands for, at the middle of its interval. */
+static int request_of_row(const struct orl_sky_request *request, const struct orl_weather *weather,
+                          struct orl_sky_request *ret_request, struct orl_text *text,
+                          struct orl_error *err)
+{
+    static const enum orl_sky_input inputs[] = {[ORL_WEATHER_NORMAL_W] = ORL_SKY_NORMAL_W,
+                                                [ORL_WEATHER_HORIZONTAL_W] = ORL_SKY_HORIZONTAL_W,
+                                                [ORL_WEATHER_NORMAL_LX] = ORL_SKY_NORMAL_LX};
+    const struct orl_weather_row *row =
+        orl_weather_find(weather, request->month, request->day, request->hour);
+    struct orl_sky_request found = *request;
+    int code;
+    if (!row) {
+        orl_error_set(err, ORL_ERR_NOT_FOUND, "the file has no row for month %d, day %d, hour %g",
+                      request->month, request->day, request->hour);
+        return ORL_ERR_NOT_FOUND;
+    }
+    if (row->missing) {
+        orl_error_set(err, ORL_ERR_RANGE, "sun and sky were not measured at this hour");
+        orl_error_at(err, NULL, row->line, NULL);
+        return ORL_ERR_RANGE;
+    }
+    if (row->direct < 0 || row->diffuse < 0)
+        orl_text_warn(text, "line %d of the weather file: negative light is taken as 0", row->line);
+    if (fabs(row->hour - request->hour) > 1e-6)
+        orl_text_warn(text, "the weather file's row for hour %g is taken for hour %g", row->hour,
+                      request->hour);
+    found.model = ORL_SKY_BY_PEREZ;
+    found.hour = row->hour;
+    found.latitude_deg = weather->latitude_deg;
+    found.longitude_deg = weather->longitude_deg;
+    found.time_zone_h = weather->time_zone_h;
+    found.input = inputs[weather->units];
+    found.first = fmax(row->direct, 0.0);
+    found.second = fmax(row->diffuse, 0.0);
+    code = orl_daylight_check(&found, err);
+    if (code < 0)
+        orl_error_at(err, NULL, row->line, NULL);
+    *ret_request = found;
+    return code;
+}
+
+int orl_daylight_find(const struct orl_sky_request *request, const struct orl_weather *weather,
+                      struct orl_daylight *ret_daylight, struct orl_error *err)
+{
+    struct orl_text text = {0};
+    struct orl_daylight daylight = {0};
+    struct orl_sky_request row;
+    int code = 0;
+    if (request->model == ORL_SKY_BY_WEATHER) {
+        code = request_of_row(request, weather, &row, &text, err);
+        request = &row;
+    }
+    if (code == 0)
+        code = find(request, &text, &daylight, err);
+    if (code == 0) {
+        snprintf(daylight.warnings, sizeof daylight.warnings, "%s", text.warnings);
+        *ret_daylight = daylight;
+    }
+    orl_text_done(&text);
+    return code;
+}
+
+static int add_source(struct orl_description *description, const char *name,
+                      enum orl_material_kind kind, double radiance, int32_t sky,
+                      struct orl_vec3 direction, double angle_deg)
+{
+    struct orl_material *material = &description->materials[description->n_materials];
+    struct orl_distant *distant = &description->distants[description->n_distants];
+    char *copy = orl_storage_text(description->storage, name, strlen(name));
+    if (!copy)
+        return ORL_ERR_NOMEM;
+    *material =
+        (struct orl_material){.kind = kind, .name = copy, .color = orl_gray(radiance), .sky = sky};
+    *distant = (struct orl_distant){.material = (uint32_t)description->n_materials,
+                                    .name = copy,
+                                    .direction = orl_normalize(direction),
+                                    .angle_deg = angle_deg};
+    description->n_materials++;
+    description->n_distants++;
+    return 0;
+}
+
+/* Room for three more materials and sources, and one more sky. */
+static int make_room(struct orl_description *d)
+{
+    void *grown = realloc(d->materials, (d->n_materials + 3) * sizeof *d->materials);
+    d->materials = grown ? grown : d->materials;
+    if (grown)
+        grown = realloc(d->distants, (d->n_distants + 3) * sizeof *d->distants);
+    d->distants = grown ? grown : d->distants;
+    if (grown)
+        grown = realloc(d->skies, (d->n_skies + 1) * sizeof *d->skies);
+    d->skies = grown ? grown : d->skies;
+    return grown ? 0 : ORL_ERR_NOMEM;
+}
+
+int orl_daylight_add(const struct orl_daylight *daylight, struct orl_description *description,
+                     struct orl_error *err)
+{
+    const struct orl_vec3 up = {0, 0, 1};
+    const int32_t sky = (int32_t)description->n_skies;
+    int code;
+    if (description->n_distants > 0) {
+        orl_error_set(err, ORL_ERR_INVALID,
+                      "the job gives a sky, but the scene has the distant source '%.100s' already",
+                      description->distants[0].name);
+        orl_error_at(err, NULL, 0, "sky");
+        orl_error_hint(err, "leave the sky out of the job, or out of the scene");
+        return ORL_ERR_INVALID;
+    }
+    if (daylight->black)
+        return 0;
+    code = make_room(description);
+    if (code == 0)
+        description->skies[description->n_skies++] = daylight->pattern;
+    if (code == 0 && daylight->sun_radiance > 0)
+        code = add_source(description, "sun", ORL_MATERIAL_LIGHT, daylight->sun_radiance, -1,
+                          daylight->sun, daylight->sun_angle_deg);
+    if (code == 0)
+        code = add_source(description, "sky", ORL_MATERIAL_GLOW, 1, sky, up, 180);
+    if (code == 0)
+        code = add_source(description, "ground", ORL_MATERIAL_GLOW, 1, sky, orl_neg(up), 180);
+    return code < 0 ? orl_error_set(err, code, "out of memory for the sky") : 0;
+}

@@ -1,0 +1,352 @@
+/*
+ * Skies that jobs ask for: what they deliver against what they were given, by a quadrature of the
+ * test's own; the programs' numbers; what is refused.
+ */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "light/daylight.h"
+#include "light/sky.h"
+#include "support/scene_text.h"
+
+static const double efficacy = ORL_EFFICACY_LM_PER_W;
+
+static struct orl_sky_request request_at(double altitude, double azimuth)
+{
+    return (struct orl_sky_request){.model = ORL_SKY_BY_PEREZ,
+                                    .sun_given = true,
+                                    .sun_altitude_deg = altitude,
+                                    .sun_azimuth_deg = azimuth,
+                                    .ground_reflectance = 0.2,
+                                    .turbidity = 2.45,
+                                    .direct_normal_lx = -1};
+}
+
+/* Noon-ish at a site in the east, as a document would have it. */
+static struct orl_sky_request request_by_time(void)
+{
+    struct orl_sky_request request = request_at(0, 0);
+    request.sun_given = false;
+    request.time_given = true;
+    request.month = 3;
+    request.day = 22;
+    request.hour = 11.5;
+    request.latitude_deg = 38.42;
+    request.longitude_deg = 27.14;
+    request.time_zone_h = 2;
+    return request;
+}
+
+static struct orl_daylight find(const struct orl_sky_request *request)
+{
+    struct orl_daylight daylight = {0};
+    struct orl_error err = {0};
+    if (orl_daylight_check(request, &err) < 0 ||
+        orl_daylight_find(request, NULL, &daylight, &err) < 0)
+        fail_msg("%s", err.message);
+    return daylight;
+}
+
+/* Horizontal illuminance of the sky, by midpoints of equal flux: z^2 and azimuth. */
+static double sky_lx(const struct orl_daylight *daylight)
+{
+    enum { ROWS = 1600, COLUMNS = 720 };
+    double sum = 0;
+    for (int i = 0; i < ROWS; i++) {
+        const double z = sqrt((i + 0.5) / ROWS), r = sqrt(1.0 - z * z);
+        for (int k = 0; k < COLUMNS; k++) {
+            const double phi = 2.0 * ORL_PI * (k + 0.25) / COLUMNS;
+            const struct orl_vec3 d = {r * cos(phi), r * sin(phi), z};
+            sum += orl_sky_brightness(&daylight->pattern, d);
+        }
+    }
+    return efficacy * ORL_PI * sum / ((double)ROWS * COLUMNS);
+}
+
+static double sun_normal_lx(const struct orl_daylight *daylight)
+{
+    const double half = 0.5 * daylight->sun_angle_deg * ORL_DEG_TO_RAD;
+    return efficacy * daylight->sun_radiance * 4 * ORL_PI * sin(0.5 * half) * sin(0.5 * half);
+}
+
+static void assert_near(double value, double wanted, double relative, const char *what)
+{
+    if (!(fabs(value - wanted) <= relative * fabs(wanted)))
+        fail_msg("%s: %.8g, not %.8g (off by %.3g)", what, value, wanted, value / wanted - 1);
+}
+
+/* Each term of the budget: sky, sun, and ground lit by both. */
+static double check_flux(const struct orl_sky_request *request, double diffuse_lx,
+                         double direct_normal_lx, const char *what)
+{
+    const struct orl_daylight d = find(request);
+    const int ground_at = d.pattern.kind == ORL_SKY_PEREZ ? 1 : 2;
+    const double got = sky_lx(&d);
+    const double total = diffuse_lx + direct_normal_lx * fmax(d.sun.z, 0);
+    assert_near(got, diffuse_lx, 1e-3, what);
+    assert_near(sun_normal_lx(&d), direct_normal_lx, 1e-9, what);
+    assert_near(d.pattern.a[ground_at] * ORL_PI * efficacy, request->ground_reflectance * total,
+                1e-9, what);
+    return fabs(got / diffuse_lx - 1);
+}
+
+/*
+ * From overcast to clear, the sun from low to high: every bin of the model. A strong sun next to
+ * the horizon is beyond it: such a sky is black, and says why.
+ */
+static void test_perez_delivers_its_flux(void **state)
+{
+    static const double altitudes[] = {3, 10, 30, 50, 70, 86},
+                        directs[] = {0, 2000, 10000, 30000, 60000, 90000};
+    double worst = 0;
+    int black = 0;
+    (void)state;
+    for (size_t i = 0; i < 6; i++) {
+        for (size_t k = 0; k < 6; k++) {
+            char what[80];
+            struct orl_sky_request request = request_at(altitudes[i], 17 * (double)(i + k) - 60);
+            request.input = ORL_SKY_NORMAL_LX;
+            request.first = directs[k];
+            request.second = 12000;
+            snprintf(what, sizeof what, "altitude %g, direct %g", altitudes[i], directs[k]);
+            const struct orl_daylight d = find(&request);
+            if (d.black) {
+                assert_true(altitudes[i] == 3 && directs[k] >= 30000);
+                assert_non_null(strstr(d.warnings, "no answer here"));
+                black++;
+                continue;
+            }
+            worst = fmax(worst, check_flux(&request, 12000, directs[k], what));
+        }
+    }
+    assert_true(black <= 3);
+    print_message("# Perez: at most %.4f %% off\n", 100 * worst);
+}
+
+static void test_cie_delivers_its_flux(void **state)
+{
+    static const double altitudes[] = {5, 20, 45, 80};
+    double worst = 0;
+    (void)state;
+    for (int type = ORL_SKY_CLEAR; type <= ORL_SKY_INTERMEDIATE; type++) {
+        for (size_t i = 0; i < 4; i++) {
+            char what[80];
+            struct orl_sky_request request = request_at(altitudes[i], 30);
+            const bool even = type == ORL_SKY_OVERCAST || type == ORL_SKY_UNIFORM;
+            request.model = ORL_SKY_BY_CIE;
+            request.cie_type = (enum orl_sky_cie)type;
+            request.input = ORL_SKY_DIFFUSE_LX;
+            request.first = 15000;
+            request.direct_normal_lx = even ? -1 : 70000;
+            snprintf(what, sizeof what, "type %d, altitude %g", type, altitudes[i]);
+            worst = fmax(worst, check_flux(&request, 15000, even ? 0 : 70000, what));
+        }
+    }
+    print_message("# CIE: at most %.4f %% off\n", 100 * worst);
+}
+
+/* A zenith that is given stays, whatever the flux. */
+static void test_zenith_stays(void **state)
+{
+    struct orl_sky_request request = request_at(0, 0);
+    (void)state;
+    request.sun_given = false;
+    request.model = ORL_SKY_BY_CIE;
+    request.cie_type = ORL_SKY_OVERCAST;
+    request.input = ORL_SKY_ZENITH_CD_M2;
+    request.first = 5000;
+    const struct orl_daylight d = find(&request);
+    assert_near(efficacy * orl_sky_brightness(&d.pattern, orl_v3(0, 0, 1)), 5000, 1e-5, "zenith");
+    /* 7 pi / 9 of it, less what the blend with the ground takes. */
+    assert_near(sky_lx(&d), 5000 * 7 * ORL_PI / 9, 5e-3, "flux");
+    assert_near(efficacy * ORL_PI * d.pattern.a[2], 0.2 * sky_lx(&d), 1e-4, "ground");
+}
+
+/* The mode to compare with gendaylit: its own numbers, and what they lose. */
+static void test_gendaylit_mode(void **state)
+{
+    struct orl_sky_request request = request_by_time();
+    (void)state;
+    request.first = 800;
+    request.second = 120;
+    const struct orl_daylight flux = find(&request);
+    request.normalise = ORL_SKY_GENDAYLIT;
+    const struct orl_daylight same = find(&request);
+    struct orl_description text =
+        scene_parse_text("!gendaylit 3 22 11.5 -a 38.42 -o -27.14 -m -30 -W 800 120\n"
+                         "skyfunc glow g 0 0 4 1 1 1 0\ng source sky 0 0 4 0 0 1 180\n",
+                         NULL, NULL);
+    assert_int_equal(text.n_skies, 1);
+    for (int i = 0; i < 10; i++)
+        assert_true(fabs(text.skies[0].a[i] - same.pattern.a[i]) <=
+                    5.1e-4 * fabs(same.pattern.a[i]) + 6e-7);
+    assert_near(text.materials[text.distants[0].material].color.g, same.sun_radiance, 5.1e-4,
+                "sun");
+    assert_true(orl_dot(text.distants[0].direction, same.sun) > 1 - 1e-10);
+    orl_description_done(&text);
+    const double lost = 1 - sky_lx(&same) / sky_lx(&flux);
+    print_message("# gendaylit's quadrature loses %.2f %%\n", 100 * lost);
+    assert_true(lost > 0.005 && lost < 0.03);
+    assert_true(same.sun_radiance == flux.sun_radiance);
+}
+
+/* A longitude east of Greenwich: the sun is past its height an hour later than one to the west. */
+static void test_longitude_is_east(void **state)
+{
+    struct orl_sky_request request = request_by_time();
+    (void)state;
+    request.first = 800;
+    request.second = 120;
+    /* At 27.14 E and 38.42 N, GMT + 2: solar noon is at 12 h 18 min that day; before it, east. */
+    request.hour = 12.2;
+    assert_true(find(&request).sun.x > 0);
+    request.hour = 12.4;
+    const struct orl_daylight after = find(&request);
+    assert_true(after.sun.x < 0);
+    assert_true(after.warnings[0] == '\0');
+    request.longitude_deg = -27.14;
+    assert_non_null(strstr(find(&request).warnings, "counted east"));
+}
+
+static void test_black_skies_say_so(void **state)
+{
+    struct orl_sky_request request = request_by_time();
+    struct orl_daylight d;
+    (void)state;
+    request.first = 800;
+    request.second = 120;
+    request.hour = 1.5;
+    d = find(&request);
+    assert_true(d.black && strstr(d.warnings, "horizon"));
+    request.hour = 11.5;
+    request.first = request.second = 0;
+    d = find(&request);
+    assert_true(d.black && strstr(d.warnings, "black"));
+    request = request_at(-10, 0);
+    request.model = ORL_SKY_BY_CIE;
+    request.cie_type = ORL_SKY_CLEAR;
+    request.input = ORL_SKY_DIFFUSE_LX;
+    request.first = 1000;
+    d = find(&request);
+    assert_true(d.black && strstr(d.warnings, "horizon"));
+}
+
+/* The row's own hour, site and measures; nothing of the request but its date. */
+static void test_weather_row_is_a_perez_sky(void **state)
+{
+    static const char epw[] =
+        "LOCATION,a,b,c,d,e,38.42,27.14,2.0,25\nDATA PERIODS,1,1,Data,Sunday,1/1,12/31\n"
+        "0,3,22,12,0,f,0,0,0,0,0,0,0,0,800,120,0\n0,3,22,13,0,f,0,0,0,0,0,0,0,0,9999,120,0\n"
+        "0,3,22,14,0,f,0,0,0,0,0,0,0,0,1500,120,0\n0,3,22,15,0,f,0,0,0,0,0,0,0,0,-5,120,0\n";
+    struct orl_sky_request asked = request_by_time(), perez = request_by_time();
+    struct orl_weather weather;
+    struct orl_daylight a = {0};
+    struct orl_error err = {0};
+    (void)state;
+    assert_int_equal(orl_weather_parse("x", epw, strlen(epw), &weather, &err), 0);
+    asked.model = ORL_SKY_BY_WEATHER;
+    asked.latitude_deg = asked.longitude_deg = asked.time_zone_h = 0;
+    assert_int_equal(orl_daylight_find(&asked, &weather, &a, &err), 0);
+    perez.first = 800;
+    perez.second = 120;
+    const struct orl_daylight b = find(&perez);
+    assert_memory_equal(a.pattern.a, b.pattern.a, sizeof a.pattern.a);
+    assert_true(a.sun_radiance == b.sun_radiance && a.warnings[0] == '\0');
+    asked.hour = 11.3; /* the same row, aloud */
+    assert_int_equal(orl_daylight_find(&asked, &weather, &a, &err), 0);
+    assert_memory_equal(a.pattern.a, b.pattern.a, sizeof a.pattern.a);
+    assert_non_null(strstr(a.warnings, "hour 11.5"));
+    asked.hour = 12.5; /* not measured */
+    assert_int_equal(orl_daylight_find(&asked, &weather, &a, &err), ORL_ERR_RANGE);
+    assert_int_equal(err.line, 4);
+    asked.hour = 13.5; /* more than the sun has */
+    assert_int_equal(orl_daylight_find(&asked, &weather, &a, &err), ORL_ERR_RANGE);
+    assert_int_equal(err.line, 5);
+    asked.hour = 14.5;
+    assert_int_equal(orl_daylight_find(&asked, &weather, &a, &err), 0);
+    assert_non_null(strstr(a.warnings, "negative"));
+    asked.day = 23;
+    assert_int_equal(orl_daylight_find(&asked, &weather, &a, &err), ORL_ERR_NOT_FOUND);
+    orl_weather_done(&weather);
+}
+
+static void test_scene_with_a_sky_is_refused(void **state)
+{
+    struct orl_sky_request request = request_at(40, 0);
+    struct orl_error err = {0};
+    (void)state;
+    request.first = 500;
+    request.second = 100;
+    const struct orl_daylight d = find(&request);
+    struct orl_description taken = scene_parse_text(
+        "void glow g 0 0 4 1 1 1 0\ng source heaven 0 0 4 0 0 1 180\n", NULL, NULL);
+    assert_int_equal(orl_daylight_add(&d, &taken, &err), ORL_ERR_INVALID);
+    assert_non_null(strstr(err.message, "heaven"));
+    assert_int_equal(taken.n_distants, 1);
+    orl_description_done(&taken);
+    struct orl_description free_one = scene_parse_text("# nothing\n", NULL, NULL);
+    assert_int_equal(orl_daylight_add(&d, &free_one, &err), 0);
+    assert_int_equal(free_one.n_distants, 3);
+    assert_int_equal(free_one.n_skies, 1);
+    assert_true(free_one.distants[0].angle_deg == 0.533);
+    orl_description_done(&free_one);
+}
+
+static void test_bad_requests(void **state)
+{
+    struct orl_sky_request r[16];
+    size_t n = 0;
+    (void)state;
+    for (size_t i = 0; i < 16; i++) {
+        r[i] = request_by_time();
+        r[i].first = 800;
+        r[i].second = 120;
+    }
+    r[n++].latitude_deg = 91;
+    r[n++].longitude_deg = NAN;
+    r[n++].time_zone_h = 120;
+    r[n++].hour = 24;
+    r[n++].month = 13;
+    r[n++].day = 32;
+    r[n++].first = 1400;
+    r[n++].second = -1;
+    r[n++].ground_reflectance = 1.1;
+    r[n++].sun_given = true;
+    r[n++].time_given = false;
+    r[n++].input = ORL_SKY_TYPICAL;
+    r[n++].input = ORL_SKY_INDICES;
+    r[n++].model = ORL_SKY_BY_WEATHER;
+    r[n++].model = ORL_SKY_BY_CIE; /* of no type */
+    r[n].month = 4;
+    r[n++].day = 31;
+    for (size_t i = 0; i < n; i++) {
+        struct orl_error err = {0};
+        const int code = orl_daylight_check(&r[i], &err);
+        if (code != ORL_ERR_RANGE && code != ORL_ERR_INVALID)
+            fail_msg("request %zu: code %d", i, code);
+        assert_string_equal(err.primitive, "sky");
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_perez_delivers_its_flux),
+        cmocka_unit_test(test_cie_delivers_its_flux),
+        cmocka_unit_test(test_zenith_stays),
+        cmocka_unit_test(test_gendaylit_mode),
+        cmocka_unit_test(test_longitude_is_east),
+        cmocka_unit_test(test_black_skies_say_so),
+        cmocka_unit_test(test_weather_row_is_a_perez_sky),
+        cmocka_unit_test(test_scene_with_a_sky_is_refused),
+        cmocka_unit_test(test_bad_requests),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
