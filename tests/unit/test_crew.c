@@ -1,0 +1,153 @@
+/*
+ * Crews: every index is done once, whoever serves, comes late or stays away. Meant to be run under
+ * ThreadSanitizer as well.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdatomic.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+#include <pthread.h>
+
+#include <oriel/crew.h>
+
+enum { MOST = 8 };
+
+/* What a loop leaves behind. Not atomic where one index is written by one member only. */
+struct loop {
+    uint32_t *done; /* per index */
+    uint32_t per_member[MOST];
+    uint32_t size;
+    atomic_uint bad_member;
+};
+
+static void count(void *arg, size_t index, uint32_t member)
+{
+    struct loop *loop = arg;
+    loop->done[index]++;
+    if (member < loop->size)
+        loop->per_member[member]++;
+    else
+        atomic_fetch_add(&loop->bad_member, 1);
+}
+
+/* Runs a loop, and checks it; what members wrote is seen by the lead when it returns. */
+static void check_loop(struct orl_crew *crew, size_t n)
+{
+    struct loop loop = {.done = calloc(n + 1, sizeof *loop.done), .size = orl_crew_size(crew)};
+    uint64_t sum = 0;
+    assert_non_null(loop.done);
+    atomic_init(&loop.bad_member, 0);
+    orl_crew_for(crew, n, count, &loop);
+    for (size_t i = 0; i < n; i++)
+        assert_int_equal(loop.done[i], 1);
+    assert_int_equal(loop.done[n], 0);
+    assert_int_equal(atomic_load(&loop.bad_member), 0);
+    for (uint32_t m = 0; m < loop.size; m++)
+        sum += loop.per_member[m];
+    assert_int_equal(sum, n);
+    free(loop.done);
+}
+
+static void test_every_index_once(void **state)
+{
+    static const uint32_t sizes[] = {1, 2, 7};
+    static const size_t counts[] = {0, 1, 2, 3, 100, 10000};
+    (void)state;
+    for (int s = 0; s < 3; s++) {
+        struct orl_crew *crew = orl_crew_start(sizes[s]);
+        assert_non_null(crew);
+        assert_int_equal(orl_crew_size(crew), sizes[s]);
+        for (size_t c = 0; c < sizeof counts / sizeof *counts; c++)
+            check_loop(crew, counts[c]);
+        orl_crew_stop(crew);
+    }
+}
+
+/* Thousands of short loops, one after the other: no server joins the wrong one. */
+static void test_many_short_loops(void **state)
+{
+    struct orl_crew *crew = orl_crew_start(4);
+    (void)state;
+    for (size_t i = 0; i < 3000; i++)
+        check_loop(crew, i % 5);
+    orl_crew_stop(crew);
+}
+
+/* A crew of seven of which nobody else turns up: the lead does it all. */
+static void test_absent_servers(void **state)
+{
+    struct orl_crew *crew = orl_crew_new(7);
+    (void)state;
+    assert_non_null(crew);
+    check_loop(crew, 1000);
+    orl_crew_dismiss(crew);
+    orl_crew_free(crew);
+}
+
+struct server {
+    struct orl_crew *crew;
+    uint32_t member;
+    pthread_t thread;
+};
+
+static void *serve(void *arg)
+{
+    const struct server *server = arg;
+    orl_crew_serve(server->crew, server->member);
+    return NULL;
+}
+
+/* Servers that come between loops, and one after the crew was dismissed: it returns at once. */
+static void test_late_servers(void **state)
+{
+    struct orl_crew *crew = orl_crew_new(4);
+    struct server servers[3];
+    (void)state;
+    for (uint32_t m = 1; m < 4; m++) {
+        check_loop(crew, 200);
+        if (m == 3)
+            orl_crew_dismiss(crew);
+        servers[m - 1] = (struct server){.crew = crew, .member = m};
+        assert_int_equal(pthread_create(&servers[m - 1].thread, NULL, serve, &servers[m - 1]), 0);
+        if (m < 3)
+            check_loop(crew, 2000);
+    }
+    for (int i = 0; i < 3; i++)
+        pthread_join(servers[i].thread, NULL);
+    orl_crew_free(crew);
+}
+
+/* Dismissed while they wait and without any work ever: all return. */
+static void test_dismiss_idle(void **state)
+{
+    (void)state;
+    for (int i = 0; i < 50; i++)
+        orl_crew_stop(orl_crew_start(3));
+    orl_crew_stop(NULL);
+    orl_crew_free(NULL);
+}
+
+/* Sizes of 0 count as 1. */
+static void test_size_zero(void **state)
+{
+    struct orl_crew *crew = orl_crew_start(0);
+    (void)state;
+    assert_int_equal(orl_crew_size(crew), 1);
+    check_loop(crew, 10);
+    orl_crew_stop(crew);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_every_index_once), cmocka_unit_test(test_many_short_loops),
+        cmocka_unit_test(test_absent_servers),   cmocka_unit_test(test_late_servers),
+        cmocka_unit_test(test_dismiss_idle),     cmocka_unit_test(test_size_zero),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
