@@ -10,7 +10,7 @@ enum { HEMISPHERE_ROWS = 18, HEMISPHERE_COLUMNS = 56 };
 enum { COARSEST_STEP = 16, RECORDS_A_ROUND = 256 };
 
 /* How far records reach, in pixels: their radii are held between these over the accuracy. */
-static const double least_reach_pixels = 3, most_reach_pixels = 40;
+static const double least_reach_pixels = 1.5, most_reach_pixels = 40;
 
 /* Places of one lattice row that want a record. */
 struct row {
