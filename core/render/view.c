@@ -219,8 +219,10 @@ bool orl_view_ray(const struct orl_view *view, double x, double y, struct orl_ve
         x *= s;
         y *= s;
     }
-    d = orl_normalize(orl_madd(orl_madd(orl_scale(d, along), view->h, x), view->v, y));
-    *ret_origin = orl_madd(o, d, view->fore);
+    const struct orl_vec3 way = orl_madd(orl_madd(orl_scale(d, along), view->h, x), view->v, y);
+    d = orl_normalize(way);
+    /* -vo is a plane's distance in perspective, a sphere's radius in a fisheye. */
+    *ret_origin = orl_madd(o, view->type == 'v' ? way : d, view->fore);
     *ret_direction = d;
     return true;
 }

@@ -1,0 +1,227 @@
+/*
+ * Views: rays of the four types against hand-computed ones, the VIEW line's round trip, errors.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "render/view.h"
+
+static struct orl_view parse(const char *text)
+{
+    struct orl_view view;
+    struct orl_error err;
+    if (orl_view_parse(text, &view, &err) < 0)
+        fail_msg("%s: %s", text, err.message);
+    return view;
+}
+
+/* The ray's direction, any length, and its origin. */
+static void assert_ray(const struct orl_view *view, double x, double y, struct orl_vec3 origin,
+                       struct orl_vec3 direction)
+{
+    struct orl_vec3 o, d;
+    assert_true(orl_view_ray(view, x, y, &o, &d));
+    assert_true(fabs(orl_length(d) - 1) < 1e-12);
+    assert_true(orl_length(orl_sub(o, origin)) < 1e-9);
+    assert_true(orl_length(orl_sub(d, orl_normalize(direction))) < 1e-9);
+}
+
+static const struct orl_vec3 zero = {0, 0, 0};
+
+static void test_defaults(void **state)
+{
+    const struct orl_view v = parse("");
+    (void)state;
+    assert_int_equal(v.type, 'v');
+    assert_true(v.horizontal == 45 && v.vertical == 45);
+    assert_ray(&v, 0.5, 0.5, zero, orl_v3(0, 1, 0));
+}
+
+/* 90 degrees across: at the edges the tangent is 1; x is to the right of north, that is east. */
+static void test_perspective(void **state)
+{
+    const struct orl_view v = parse("-vtv -vp 1 2 3 -vd 0 5 0 -vu 0 0 2 -vh 90 -vv 60");
+    const double t = tan(30 * ORL_DEG_TO_RAD);
+    const struct orl_vec3 at = {1, 2, 3};
+    (void)state;
+    assert_ray(&v, 0.5, 0.5, at, orl_v3(0, 1, 0));
+    assert_ray(&v, 1, 1, at, orl_v3(1, 1, t));
+    assert_ray(&v, 0, 0, at, orl_v3(-1, 1, -t));
+    assert_ray(&v, 0.75, 0.25, at, orl_v3(0.5, 1, -0.5 * t));
+    assert_true(fabs(orl_view_pixel_aspect(&v, 300, 200) - (t / 200) / (1.0 / 300)) < 1e-12);
+}
+
+/* Up is only a hint: tilted into the image by the part square to the direction. */
+static void test_tilted_up(void **state)
+{
+    const struct orl_view v = parse("-vtv -vd 0 1 -1 -vu 0 0 1 -vh 90 -vv 90");
+    const struct orl_vec3 d = orl_normalize(orl_v3(0, 1, -1)), up = orl_normalize(orl_v3(0, 1, 1));
+    (void)state;
+    assert_ray(&v, 1, 1, zero, orl_add(orl_add(d, up), orl_v3(1, 0, 0)));
+}
+
+/* Parallel: the size is in scene units, origins differ and directions do not. */
+static void test_parallel(void **state)
+{
+    const struct orl_view v = parse("-vtl -vp 0 0 10 -vd 0 0 -1 -vu 0 1 0 -vh 4 -vv 2");
+    (void)state;
+    assert_ray(&v, 0.5, 0.5, orl_v3(0, 0, 10), orl_v3(0, 0, -1));
+    assert_ray(&v, 1, 1, orl_v3(2, 1, 10), orl_v3(0, 0, -1));
+    assert_ray(&v, 0, 1, orl_v3(-2, 1, 10), orl_v3(0, 0, -1));
+    assert_true(fabs(orl_view_pixel_aspect(&v, 40, 20) - 1) < 1e-12);
+}
+
+/* Angular fisheye of 180 degrees: the angle from the axis grows evenly; corners see nothing. */
+static void test_angular_fisheye(void **state)
+{
+    const struct orl_view v = parse("-vta -vd 0 1 0 -vu 0 0 1 -vh 180 -vv 180");
+    const double a = 45 * ORL_DEG_TO_RAD, b = 90 * sqrt(0.5) * ORL_DEG_TO_RAD;
+    struct orl_vec3 o, d;
+    (void)state;
+    assert_ray(&v, 0.5, 0.5, zero, orl_v3(0, 1, 0));
+    assert_ray(&v, 0.75, 0.5, zero, orl_v3(sin(a), cos(a), 0));
+    assert_ray(&v, 0.5, 0.25, zero, orl_v3(0, cos(a), -sin(a)));
+    assert_ray(&v, 1, 0.5, zero, orl_v3(1, 0, 0));
+    /* Along the diagonal: 64 degrees off at (3/4, 3/4). */
+    assert_ray(&v, 0.75, 0.75, zero, orl_v3(sin(b) * sqrt(0.5), cos(b), sin(b) * sqrt(0.5)));
+    /* Radiance sees through 360 degrees at most: the square's corners are at 127 degrees here. */
+    assert_true(orl_view_ray(&v, 1, 1, &o, &d));
+    const struct orl_view all = parse("-vta -vd 0 1 0 -vu 0 0 1 -vh 360 -vv 360");
+    assert_ray(&all, 1, 0.5, zero, orl_v3(0, -1, 0));
+    assert_false(orl_view_ray(&all, 1, 1, &o, &d));
+}
+
+/* Hemispherical fisheye: the sine of the angle grows evenly; beyond the circle there is nothing. */
+static void test_hemispherical_fisheye(void **state)
+{
+    const struct orl_view v = parse("-vth -vd 0 1 0 -vu 0 0 1 -vh 180 -vv 180");
+    struct orl_vec3 o, d;
+    (void)state;
+    assert_ray(&v, 0.75, 0.5, zero, orl_v3(0.5, sqrt(0.75), 0));
+    assert_ray(&v, 0.5, 0.9, zero, orl_v3(0, 0.6, 0.8));
+    assert_false(orl_view_ray(&v, 1, 1, &o, &d));
+}
+
+/*
+ * Shift and lift move the image by its own size; -vo starts rays further on: at a plane in
+ * perspective, at a sphere in a fisheye.
+ */
+static void test_shift_and_clip(void **state)
+{
+    const struct orl_view v = parse("-vtv -vd 0 1 0 -vu 0 0 1 -vh 90 -vv 90 -vs .5 -vl -.5 -vo 2");
+    const struct orl_view a = parse("-vta -vd 0 1 0 -vu 0 0 1 -vh 180 -vv 180 -vo 2");
+    (void)state;
+    assert_ray(&v, 0.5, 0.5, orl_v3(2, 2, -2), orl_v3(1, 1, -1));
+    assert_ray(&a, 1, 0.5, orl_v3(2, 0, 0), orl_v3(1, 0, 0));
+}
+
+static void assert_same(const struct orl_view *a, const struct orl_view *b)
+{
+    struct orl_vec3 oa, da, ob, db;
+    for (int i = 0; i < 9; i++) {
+        const double x = i % 3 / 2.0, y = i / 3 / 2.0;
+        const bool seen = orl_view_ray(a, x, y, &oa, &da);
+        assert_int_equal(seen, orl_view_ray(b, x, y, &ob, &db));
+        if (!seen)
+            continue;
+        /* Nine digits are written. */
+        assert_true(orl_length(orl_sub(oa, ob)) < 1e-6 && orl_length(orl_sub(da, db)) < 1e-7);
+    }
+}
+
+static void test_round_trip(void **state)
+{
+    static const char *const texts[] = {
+        "-vtv -vp 0.35 5.6 1.5 -vd 0.25 -1 0.05 -vu 0 0 1 -vh 75.2 -vv 60",
+        "-vtl -vp 1 2 3 -vd 1 1 -1 -vu 0 0 1 -vh 12.5 -vv 8 -vs 0.25 -vl -0.125",
+        "-vta -vp 1.3 2 1.2 -vd 1 0 0 -vu 0 0 1 -vh 180 -vv 170",
+        "-vth -vp -1e3 2e-3 1 -vd 1 2 3 -vu 1 0 0 -vh 120 -vv 100 -vo .1 -va 20"};
+    (void)state;
+    for (int i = 0; i < 4; i++) {
+        const struct orl_view first = parse(texts[i]);
+        char text[1024];
+        orl_view_format(&first, text, sizeof text);
+        const struct orl_view second = parse(text);
+        assert_int_equal(first.type, second.type);
+        assert_same(&first, &second);
+        /* Every parameter is written out: evalglare refuses less. */
+        for (const char *option = "pduhvoasl"; *option; option++) {
+            const char word[] = {' ', '-', 'v', *option, ' ', '\0'};
+            assert_non_null(strstr(text, word));
+        }
+    }
+}
+
+/* As it stands in files: with a keyword in front, and blanks anywhere. */
+static void test_prefixes(void **state)
+{
+    static const char *const prefixes[] = {"VIEW= ", "VIEW=",      "rpict ", "rvu ",
+                                           "rview ", "VIEW= rvu ", "  \t",   ""};
+    const struct orl_view plain = parse("-vta -vp 1 2 3 -vd 1 0 0 -vh 100 -vv 100");
+    (void)state;
+    for (size_t i = 0; i < sizeof prefixes / sizeof *prefixes; i++) {
+        char text[128] = "";
+        strcat(text, prefixes[i]);
+        strcat(text, "-vta  -vp 1 2 3\t-vd 1 0 0\n-vh 100 -vv 100 ");
+        const struct orl_view v = parse(text);
+        assert_same(&v, &plain);
+    }
+}
+
+static void test_errors(void **state)
+{
+    static const struct {
+        const char *text;
+        int code;
+    } bad[] = {{"-vtv -vp 1 2", ORL_ERR_SYNTAX},
+               {"-vtv -vp 1 2 x", ORL_ERR_SYNTAX},
+               {"-vtv -vp 1 2 nan", ORL_ERR_SYNTAX},
+               {"-vtv -vp 1 2 1e999", ORL_ERR_SYNTAX},
+               {"-vtx", ORL_ERR_SYNTAX},
+               {"-vt", ORL_ERR_SYNTAX},
+               {"-vtvv", ORL_ERR_SYNTAX},
+               {"-vtc", ORL_ERR_UNSUPPORTED},
+               {"-vts", ORL_ERR_UNSUPPORTED},
+               {"-foo 3", ORL_ERR_SYNTAX},
+               {"view.vf", ORL_ERR_SYNTAX},
+               {"-vd 0 0 0", ORL_ERR_RANGE},
+               {"-vd 0 0 1 -vu 0 0 1", ORL_ERR_RANGE},
+               {"-vd 0 0 1 -vu 0 0 -3", ORL_ERR_RANGE},
+               {"-vu 0 0 0", ORL_ERR_RANGE},
+               {"-vh 0", ORL_ERR_RANGE},
+               {"-vv -20", ORL_ERR_RANGE},
+               {"-vtv -vh 180", ORL_ERR_RANGE},
+               {"-vth -vh 181", ORL_ERR_RANGE},
+               {"-vta -vh 361", ORL_ERR_RANGE},
+               {"-vo -1", ORL_ERR_RANGE},
+               {"-vo 3 -va 2", ORL_ERR_RANGE}};
+    (void)state;
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        struct orl_view view = {.type = '?'};
+        struct orl_error err = {0};
+        const int code = orl_view_parse(bad[i].text, &view, &err);
+        if (code != bad[i].code)
+            fail_msg("'%s' gave %d", bad[i].text, code);
+        assert_int_equal(err.code, code);
+        assert_true(err.message[0] != '\0');
+        assert_int_equal(view.type, '?'); /* untouched on failure */
+        assert_int_equal(orl_view_parse(bad[i].text, &view, NULL), bad[i].code);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_defaults),        cmocka_unit_test(test_perspective),
+        cmocka_unit_test(test_tilted_up),       cmocka_unit_test(test_parallel),
+        cmocka_unit_test(test_angular_fisheye), cmocka_unit_test(test_hemispherical_fisheye),
+        cmocka_unit_test(test_shift_and_clip),  cmocka_unit_test(test_round_trip),
+        cmocka_unit_test(test_prefixes),        cmocka_unit_test(test_errors),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
