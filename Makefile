@@ -51,7 +51,7 @@ INC_core    := -Icore/include -Icore
 INC_api     := -Icore/include -Iapi
 INC_server  := -Icore/include -Iapi -Iserver -I$(BUILD)/generated
 INC_client  := -Icore/include -Iapi -Iclient
-INC_tests   := -Icore/include -Icore -Iapi -Iserver -Itests -I$(BUILD)/generated
+INC_tests   := -Icore/include -Icore -Iapi -iquote server -Itests -I$(BUILD)/generated
 
 obj = $(patsubst %.c,$(BUILD)/obj/%.o,$(1))
 CORE_OBJ   := $(call obj,$(CORE_SRC))
