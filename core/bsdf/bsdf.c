@@ -21,22 +21,20 @@ static enum orl_axis axis_of(const struct orl_view *view, enum orl_role role)
     return (role == ORL_ROLE_OUT) != view->transposed ? ORL_AXIS_B : ORL_AXIS_A;
 }
 
-static bool is_tree(const struct orl_bsdf *bsdf)
-{
-    return bsdf->document.structure == ORL_STRUCTURE_TREE4;
-}
-
 /* A direction in the coordinates of the data, found once however many components are asked. */
 struct place {
-    struct orl_square square; /* trees */
+    struct orl_square square; /* trees of rank 4 */
+    struct orl_round round;   /* trees of rank 3 */
     struct orl_polar polar;   /* matrices */
 };
 
 static struct place place_of(const struct orl_bsdf *bsdf, struct orl_vec3 direction)
 {
-    struct place place = {{0, 0}, {0, 0}};
-    if (is_tree(bsdf))
+    struct place place = {{0, 0}, {0, 0}, {0, 0}};
+    if (bsdf->document.structure == ORL_STRUCTURE_TREE4)
         place.square = orl_disk_to_square(direction.x, direction.y);
+    else if (bsdf->document.structure == ORL_STRUCTURE_TREE3)
+        place.round = orl_round_of(direction);
     else
         place.polar = orl_polar_of(direction);
     return place;
@@ -45,23 +43,31 @@ static struct place place_of(const struct orl_bsdf *bsdf, struct orl_vec3 direct
 static double view_eval(const struct orl_bsdf *bsdf, const struct orl_view *view,
                         struct orl_vec3 in, struct orl_vec3 out)
 {
+    const struct orl_component *c = view->component;
     struct place a, b;
-    if (!view->component)
+    if (!c)
         return 0;
     a = place_of(bsdf, view->transposed ? out : in);
     b = place_of(bsdf, view->transposed ? in : out);
-    return is_tree(bsdf) ? orl_tree_eval(&view->component->tree, a.square, b.square)
-                         : orl_matrix_eval(&view->component->matrix, a.polar, b.polar);
+    if (bsdf->document.structure == ORL_STRUCTURE_TREE4)
+        return orl_tree_eval(&c->tree, a.square, b.square);
+    if (bsdf->document.structure == ORL_STRUCTURE_TREE3)
+        return orl_iso_eval(&c->iso, a.round, b.round);
+    return orl_matrix_eval(&c->matrix, a.polar, b.polar);
 }
 
 static double view_total(const struct orl_bsdf *bsdf, const struct orl_view *view,
                          enum orl_role role, const struct place *place)
 {
     const enum orl_axis given = axis_of(view, role);
-    if (!view->component)
+    const struct orl_component *c = view->component;
+    if (!c)
         return 0;
-    return is_tree(bsdf) ? orl_tree_total(&view->component->tree, given, place->square)
-                         : orl_matrix_total(&view->component->matrix, given, place->polar);
+    if (bsdf->document.structure == ORL_STRUCTURE_TREE4)
+        return orl_tree_total(&c->tree, given, place->square);
+    if (bsdf->document.structure == ORL_STRUCTURE_TREE3)
+        return orl_iso_total(&c->iso, given, place->round);
+    return orl_matrix_total(&c->matrix, given, place->polar);
 }
 
 static double view_draw(const struct orl_bsdf *bsdf, const struct orl_view *view,
@@ -69,9 +75,12 @@ static double view_draw(const struct orl_bsdf *bsdf, const struct orl_view *view
                         struct orl_vec3 *ret_other)
 {
     const enum orl_axis given = axis_of(view, role);
-    return is_tree(bsdf)
-               ? orl_tree_draw(&view->component->tree, given, place->square, u, ret_other)
-               : orl_matrix_draw(&view->component->matrix, given, place->polar, u, ret_other);
+    const struct orl_component *c = view->component;
+    if (bsdf->document.structure == ORL_STRUCTURE_TREE4)
+        return orl_tree_draw(&c->tree, given, place->square, u, ret_other);
+    if (bsdf->document.structure == ORL_STRUCTURE_TREE3)
+        return orl_iso_draw(&c->iso, given, place->round, u, ret_other);
+    return orl_matrix_draw(&c->matrix, given, place->polar, u, ret_other);
 }
 
 /* ---- Loading --------------------------------------------------------------------------------- */
@@ -94,7 +103,7 @@ static void set_views(struct orl_bsdf *bsdf)
             bsdf->views[front][0].component = reflection;
         if (own->present)
             bsdf->views[front][1].component = own;
-        else if (other->present)
+        else if (other->present && bsdf->document.structure != ORL_STRUCTURE_TREE3)
             bsdf->views[front][1] = (struct orl_view){other, true};
     }
 }
@@ -102,7 +111,7 @@ static void set_views(struct orl_bsdf *bsdf)
 static bool is_black(const struct orl_bsdf *bsdf, const struct orl_component *c)
 {
     const struct orl_matrix *m = &c->matrix;
-    if (is_tree(bsdf))
+    if (bsdf->document.structure == ORL_STRUCTURE_TREE4)
         return orl_tree_is_leaf(c->tree.root) && !(c->tree.minimum > 0);
     for (int i = 0; i < m->basis[ORL_AXIS_A].n_cells; i++)
         if (m->total[ORL_AXIS_A][i] > 0)
@@ -113,7 +122,7 @@ static bool is_black(const struct orl_bsdf *bsdf, const struct orl_component *c)
 static bool is_same(const struct orl_bsdf *bsdf, const struct orl_component *c,
                     const struct orl_component *d)
 {
-    if (is_tree(bsdf))
+    if (bsdf->document.structure == ORL_STRUCTURE_TREE4)
         return orl_tree_equal(&c->tree, &d->tree);
     return orl_matrix_equal(&c->matrix, &d->matrix);
 }
@@ -132,7 +141,8 @@ static void drop_dummy(struct orl_bsdf *bsdf)
     struct orl_component *back = &bsdf->document.parts[ORL_PART_TRANSMISSION_BACK];
     struct orl_component *dropped;
     enum orl_bsdf_dummy kind = ORL_BSDF_DUMMY_ZERO;
-    if (!front->present || !back->present)
+    /* Of rank 3, what is dropped would not be filled in. */
+    if (!front->present || !back->present || bsdf->document.structure == ORL_STRUCTURE_TREE3)
         return;
     if (is_black(bsdf, front) != is_black(bsdf, back)) {
         dropped = is_black(bsdf, front) ? front : back;
@@ -158,6 +168,15 @@ static void describe_tree(struct orl_bsdf_info *info, const struct orl_tree *tre
     info->clamped += tree->clamped;
 }
 
+static void describe_iso(struct orl_bsdf_info *info, const struct orl_iso *iso)
+{
+    if (info->resolution < 2 * (int)iso->half)
+        info->resolution = 2 * (int)iso->half;
+    info->values += iso->leaves;
+    info->bytes += orl_iso_bytes(iso);
+    info->clamped += iso->clamped;
+}
+
 static void describe_matrix(struct orl_bsdf_info *info, const struct orl_matrix *matrix)
 {
     const int cells = matrix->basis[ORL_AXIS_A].n_cells;
@@ -178,9 +197,29 @@ size_t orl_view_cells(const struct orl_bsdf *bsdf, const struct orl_view *view)
 {
     if (!view->component)
         return 0;
-    if (is_tree(bsdf))
+    if (bsdf->document.structure == ORL_STRUCTURE_TREE4)
         return (size_t)1 << 2 * view->component->tree.depth;
+    if (bsdf->document.structure == ORL_STRUCTURE_TREE3)
+        return view->component->iso.half;
     return (size_t)view->component->matrix.basis[axis_of(view, ORL_ROLE_IN)].n_cells;
+}
+
+static struct orl_vec3 tree_incident(const struct orl_tree *tree, size_t cell, double *ret_omega_sr)
+{
+    const size_t side = (size_t)1 << tree->depth;
+    const double width = 2.0 / (double)side;
+    *ret_omega_sr = ORL_PI / (double)(side * side);
+    return orl_square_to_hemisphere(
+        (struct orl_square){((double)(cell >> tree->depth) + 0.5) * width - 1,
+                            ((double)(cell & (side - 1)) + 0.5) * width - 1});
+}
+
+/* All azimuths are one; this one is along x. */
+static struct orl_vec3 iso_incident(const struct orl_iso *iso, size_t ring, double *ret_omega_sr)
+{
+    const double sine = ((double)ring + 0.5) / iso->half;
+    *ret_omega_sr = ORL_PI * (2.0 * (double)ring + 1) / ((double)iso->half * iso->half);
+    return orl_v3(sine, 0, sqrt(1 - sine * sine));
 }
 
 struct orl_vec3 orl_view_incident(const struct orl_bsdf *bsdf, const struct orl_view *view,
@@ -188,17 +227,13 @@ struct orl_vec3 orl_view_incident(const struct orl_bsdf *bsdf, const struct orl_
 {
     const enum orl_axis axis = axis_of(view, ORL_ROLE_IN);
     const double sign = axis == ORL_AXIS_A ? -1 : 1;
+    const struct orl_basis *basis = &view->component->matrix.basis[axis];
     struct orl_vec3 in;
-    if (is_tree(bsdf)) {
-        const unsigned depth = view->component->tree.depth;
-        const size_t side = (size_t)1 << depth;
-        const double width = 2.0 / (double)side;
-        in = orl_square_to_hemisphere(
-            (struct orl_square){((double)(cell >> depth) + 0.5) * width - 1,
-                                ((double)(cell & (side - 1)) + 0.5) * width - 1});
-        *ret_omega_sr = ORL_PI / (double)(side * side);
+    if (bsdf->document.structure == ORL_STRUCTURE_TREE4) {
+        in = tree_incident(&view->component->tree, cell, ret_omega_sr);
+    } else if (bsdf->document.structure == ORL_STRUCTURE_TREE3) {
+        in = iso_incident(&view->component->iso, cell, ret_omega_sr);
     } else {
-        const struct orl_basis *basis = &view->component->matrix.basis[axis];
         in = orl_basis_direction(basis, (int)cell, 0.5, 0.5);
         *ret_omega_sr = orl_basis_ring(basis, (int)cell)->omega_sr;
     }
@@ -208,17 +243,20 @@ struct orl_vec3 orl_view_incident(const struct orl_bsdf *bsdf, const struct orl_
 double orl_view_omega(const struct orl_bsdf *bsdf, const struct orl_view *view, struct orl_vec3 in,
                       struct orl_vec3 out)
 {
-    struct place a, b;
+    const struct orl_component *c = view->component;
     const struct orl_basis *basis;
+    struct place a, b;
     int cell;
-    if (!view->component)
+    if (!c)
         return 0;
     a = place_of(bsdf, view->transposed ? out : in);
     b = place_of(bsdf, view->transposed ? in : out);
-    if (is_tree(bsdf))
-        return ORL_PI / (double)((size_t)1 << 2 * orl_tree_leaf_level(&view->component->tree,
-                                                                      a.square, b.square));
-    basis = &view->component->matrix.basis[axis_of(view, ORL_ROLE_OUT)];
+    if (bsdf->document.structure == ORL_STRUCTURE_TREE4)
+        return ORL_PI /
+               (double)((size_t)1 << 2 * orl_tree_leaf_level(&c->tree, a.square, b.square));
+    if (bsdf->document.structure == ORL_STRUCTURE_TREE3)
+        return ORL_PI / (4.0 * c->iso.half * c->iso.half);
+    basis = &c->matrix.basis[axis_of(view, ORL_ROLE_OUT)];
     cell = orl_basis_cell(basis, view->transposed ? a.polar : b.polar, view->transposed);
     return cell < 0 ? 0 : orl_basis_ring(basis, cell)->omega_sr;
 }
@@ -243,12 +281,18 @@ static void describe(struct orl_bsdf *bsdf)
     memcpy(info->name, bsdf->document.name, sizeof info->name);
     info->thickness_m = bsdf->document.thickness_m;
     info->bytes = sizeof *bsdf;
-    strncpy(info->kind, "TensorTree4", sizeof info->kind - 1);
+    strncpy(info->kind,
+            bsdf->document.structure == ORL_STRUCTURE_TREE3 ? "TensorTree3" : "TensorTree4",
+            sizeof info->kind - 1);
     for (int i = 0; i < ORL_PART_COUNT; i++) {
         const struct orl_component *part = &bsdf->document.parts[i];
-        if (part->present && is_tree(bsdf))
+        if (!part->present)
+            continue;
+        if (bsdf->document.structure == ORL_STRUCTURE_TREE4)
             describe_tree(info, &part->tree);
-        else if (part->present)
+        else if (bsdf->document.structure == ORL_STRUCTURE_TREE3)
+            describe_iso(info, &part->iso);
+        else
             describe_matrix(info, &part->matrix);
     }
     for (int front = 0; front < 2; front++)
@@ -317,7 +361,11 @@ struct orl_rgb orl_bsdf_diffuse(const struct orl_bsdf *bsdf, bool in_front, bool
     const struct orl_component *component = bsdf->views[in_front][transmitted].component;
     if (!component)
         return orl_gray(0);
-    return orl_gray(is_tree(bsdf) ? component->tree.minimum : component->matrix.minimum);
+    if (bsdf->document.structure == ORL_STRUCTURE_TREE4)
+        return orl_gray((double)component->tree.minimum);
+    if (bsdf->document.structure == ORL_STRUCTURE_TREE3)
+        return orl_gray((double)component->iso.minimum);
+    return orl_gray((double)component->matrix.minimum);
 }
 
 /* The view that a direction in its role takes part in, by reflection or by transmission. */

@@ -5,6 +5,7 @@
 #ifndef ORL_BSDF_DOCUMENT_H
 #define ORL_BSDF_DOCUMENT_H
 
+#include "bsdf/iso.h"
 #include "bsdf/matrix.h"
 #include "bsdf/tree.h"
 
@@ -17,11 +18,17 @@ enum orl_part {
     ORL_PART_COUNT
 };
 
-enum orl_structure { ORL_STRUCTURE_NONE, ORL_STRUCTURE_TREE4, ORL_STRUCTURE_MATRIX };
+enum orl_structure {
+    ORL_STRUCTURE_NONE,
+    ORL_STRUCTURE_TREE3,
+    ORL_STRUCTURE_TREE4,
+    ORL_STRUCTURE_MATRIX
+};
 
 struct orl_component {
     bool present;
     struct orl_tree tree;     /* for TREE4 */
+    struct orl_iso iso;       /* for TREE3 */
     struct orl_matrix matrix; /* for MATRIX */
 };
 

@@ -7,6 +7,7 @@
 
 #include <oriel/limits.h>
 
+#include "bsdf/iso.h"
 #include "bsdf/matrix.h"
 #include "bsdf/scan.h"
 #include "bsdf/tree.h"
@@ -19,7 +20,10 @@ struct orl_brace {
 
 struct orl_tree_text {
     struct orl_scan scan;
-    struct orl_tree *tree; /* borrowed, built here */
+    unsigned rank; /* 4: builds the tree, 3: the iso; borrowed */
+    struct orl_tree *tree;
+    struct orl_iso *iso;
+    size_t *values, *clamped; /* counts of whichever is built */
     struct orl_brace open[ORL_LIMIT_TREE_DEPTH + 1];
     unsigned n_open;
     float *grid; /* values of the innermost brace; owned */
@@ -28,6 +32,7 @@ struct orl_tree_text {
 };
 
 void orl_tree_text_init(struct orl_tree_text *text, struct orl_tree *tree);
+void orl_tree_text_init_iso(struct orl_tree_text *text, struct orl_iso *iso);
 int orl_tree_text_feed(struct orl_tree_text *text, const char *piece, size_t size,
                        struct orl_error *err);
 /* The block has ended: the tree must be whole. */

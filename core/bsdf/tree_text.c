@@ -1,6 +1,7 @@
 /*
  * "{ v }" is a leaf, "{ v v ... }" a grid of 16^n values, "{ {..} {..} ... }" a branch of 16
- * children. Depth is bounded by ORL_LIMIT_TREE_DEPTH, values by ORL_LIMIT_BSDF_VALUES.
+ * children; of rank 3, 8^n and 8. Depth is bounded by ORL_LIMIT_TREE_DEPTH, values by
+ * ORL_LIMIT_BSDF_VALUES.
  */
 #include "bsdf/text.h"
 
@@ -11,7 +12,25 @@ void orl_tree_text_init(struct orl_tree_text *text, struct orl_tree *tree)
 {
     memset(text, 0, sizeof *text);
     orl_scan_init(&text->scan);
+    text->rank = 4;
     text->tree = tree;
+    text->values = &tree->values;
+    text->clamped = &tree->clamped;
+}
+
+void orl_tree_text_init_iso(struct orl_tree_text *text, struct orl_iso *iso)
+{
+    memset(text, 0, sizeof *text);
+    orl_scan_init(&text->scan);
+    text->rank = 3;
+    text->iso = iso;
+    text->values = &iso->leaves;
+    text->clamped = &iso->clamped;
+}
+
+static unsigned fanout(const struct orl_tree_text *text)
+{
+    return 1U << text->rank;
 }
 
 void orl_tree_text_done(struct orl_tree_text *text)
@@ -26,11 +45,9 @@ static int on_open(struct orl_tree_text *text, struct orl_error *err)
         return orl_error_set(err, ORL_ERR_SYNTAX, "more data after the end of the tensor tree");
     if (text->n_grid > 0)
         return orl_error_set(err, ORL_ERR_SYNTAX, "'{' among the values of a grid");
-    if (text->n_open > 0 && text->open[text->n_open - 1].n_children == ORL_TREE_FANOUT)
+    if (text->n_open > 0 && text->open[text->n_open - 1].n_children == fanout(text))
         return orl_error_set(err, ORL_ERR_SYNTAX,
-                             "a branch of the tensor tree has more than %d "
-                             "children",
-                             ORL_TREE_FANOUT);
+                             "a branch of the tensor tree has more than %u children", fanout(text));
     if (text->n_open > ORL_LIMIT_TREE_DEPTH)
         return orl_error_set(err, ORL_ERR_LIMIT, "the tensor tree is deeper than %u levels",
                              ORL_LIMIT_TREE_DEPTH);
@@ -52,38 +69,66 @@ static int grow_grid(struct orl_tree_text *text, struct orl_error *err)
 static int on_number(struct orl_tree_text *text, double number, struct orl_error *err)
 {
     struct orl_tree *tree = text->tree;
-    const float value = orl_bsdf_value(number, &tree->clamped);
+    const float value = orl_bsdf_value(number, text->clamped);
     if (text->n_open == 0)
         return orl_error_set(err, ORL_ERR_SYNTAX, "a number outside the braces of the tensor tree");
     if (text->open[text->n_open - 1].n_children > 0)
         return orl_error_set(err, ORL_ERR_SYNTAX, "a number among the children of a branch");
-    if (tree->values == ORL_LIMIT_BSDF_VALUES)
+    if (*text->values == ORL_LIMIT_BSDF_VALUES)
         return orl_error_set(err, ORL_ERR_LIMIT, "the tensor tree has more than %lu values",
                              ORL_LIMIT_BSDF_VALUES);
     if (text->n_grid == text->grid_capacity && grow_grid(text, err) < 0)
         return ORL_ERR_NOMEM;
-    if (tree->values++ == 0 || value < tree->minimum)
+    if (tree && (*text->values == 0 || value < tree->minimum))
         tree->minimum = value;
+    ++*text->values;
     text->grid[text->n_grid++] = value;
     return 0;
+}
+
+/* Where the innermost brace is, in cells of its own size: by its number among its siblings, and
+ * that of each brace around it. */
+static void find_place(const struct orl_tree_text *text, unsigned ret_place[3])
+{
+    ret_place[0] = ret_place[1] = ret_place[2] = 0;
+    for (unsigned level = 0; level + 1 < text->n_open; level++)
+        for (unsigned axis = 0; axis < 3; axis++)
+            ret_place[axis] = ret_place[axis] << 1 | (text->open[level].n_children >> axis & 1);
 }
 
 /* Turns the values of the innermost brace into a leaf or a branch. */
 static int close_grid(struct orl_tree_text *text, struct orl_tree_ref *ret_ref,
                       struct orl_error *err)
 {
-    unsigned log2_side = 0;
-    while ((size_t)1 << 4 * log2_side < text->n_grid)
+    const unsigned level = text->n_open - 1;
+    unsigned log2_side = 0, place[3];
+    while ((size_t)1 << text->rank * log2_side < text->n_grid)
         log2_side++;
-    if ((size_t)1 << 4 * log2_side != text->n_grid)
+    if ((size_t)1 << text->rank * log2_side != text->n_grid)
         return orl_error_set(err, ORL_ERR_SYNTAX,
-                             "a grid of %zu values; a tensor tree of rank 4 has 1, 16, 256, ...",
-                             text->n_grid);
-    if (text->n_open - 1 + log2_side > ORL_LIMIT_TREE_DEPTH)
+                             "a grid of %zu values; a tensor tree of rank %u has 1, %u, %u, ...",
+                             text->n_grid, text->rank, fanout(text), fanout(text) * fanout(text));
+    if (level + log2_side > ORL_LIMIT_TREE_DEPTH)
         return orl_error_set(err, ORL_ERR_LIMIT, "the tensor tree is deeper than %u levels",
                              ORL_LIMIT_TREE_DEPTH);
     text->n_grid = 0;
-    return orl_tree_grid(text->tree, text->grid, log2_side, ret_ref, err);
+    if (text->rank == 4)
+        return orl_tree_grid(text->tree, text->grid, log2_side, ret_ref, err);
+    find_place(text, place);
+    orl_iso_fill(text->iso, place, level, text->grid, log2_side);
+    return 0;
+}
+
+/* Turns the children of the innermost brace into a branch. */
+static int close_branch(struct orl_tree_text *text, struct orl_tree_ref *ret_ref,
+                        struct orl_error *err)
+{
+    const struct orl_brace *brace = &text->open[text->n_open - 1];
+    if (brace->n_children != fanout(text))
+        return orl_error_set(err, ORL_ERR_SYNTAX,
+                             "a branch of the tensor tree has %u children where %u belong",
+                             brace->n_children, fanout(text));
+    return text->rank == 4 ? orl_tree_branch(text->tree, brace->child, ret_ref, err) : 0;
 }
 
 static int on_close(struct orl_tree_text *text, struct orl_error *err)
@@ -93,25 +138,20 @@ static int on_close(struct orl_tree_text *text, struct orl_error *err)
     int code;
     if (text->n_open == 0)
         return orl_error_set(err, ORL_ERR_SYNTAX, "'}' without its '{'");
-    brace = &text->open[text->n_open - 1];
-    if (text->n_grid > 0)
-        code = close_grid(text, &ref, err);
-    else if (brace->n_children == ORL_TREE_FANOUT)
-        code = orl_tree_branch(text->tree, brace->child, &ref, err);
-    else
-        code = orl_error_set(err, ORL_ERR_SYNTAX,
-                             "a branch of the tensor tree has %u children where %d belong",
-                             brace->n_children, ORL_TREE_FANOUT);
+    code = text->n_grid > 0 ? close_grid(text, &ref, err) : close_branch(text, &ref, err);
     if (code < 0)
         return code;
     if (--text->n_open == 0) {
-        orl_tree_finish(text->tree, ref);
+        if (text->rank == 4)
+            orl_tree_finish(text->tree, ref);
+        else
+            code = orl_iso_finish(text->iso, err);
         text->complete = true;
     } else {
         brace = &text->open[text->n_open - 1];
         brace->child[brace->n_children++] = ref;
     }
-    return 0;
+    return code;
 }
 
 /* Works off the tokens at hand. */

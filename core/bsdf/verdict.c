@@ -51,6 +51,12 @@ static void judge_components(struct orl_bsdf_check *c)
                 c->info.dummy[front] == ORL_BSDF_DUMMY_ZERO
                     ? "all zeros"
                     : "a copy of the other, which is not its own reverse");
+        else if (!c->info.has[front][1] && c->info.has[!front][1] &&
+                 c->extremes[!front][1].mean > 0 && !(c->extremes[front][1].mean > 0))
+            say(c, ORL_BSDF_WARNING,
+                "There is no Transmission %s, and isotropic data are not reversed: light from the "
+                "%s is not let through.",
+                file_side[front], side_name(front));
         else if (!c->info.has[front][1] && c->info.has[!front][1])
             say(c, ORL_BSDF_NOTE,
                 "There is no Transmission %s: it is the other one reversed, by reciprocity.",

@@ -218,6 +218,7 @@ void orl_document_done(struct orl_document *document)
         return;
     for (int i = 0; i < ORL_PART_COUNT; i++) {
         orl_tree_done(&document->parts[i].tree);
+        orl_iso_done(&document->parts[i].iso);
         orl_matrix_done(&document->parts[i].matrix);
     }
     memset(document, 0, sizeof *document);

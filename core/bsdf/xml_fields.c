@@ -57,11 +57,13 @@ static void read_structure(struct orl_xml_reader *r)
         FAIL(r, ORL_ERR_SYNTAX, "IncidentDataStructure is given twice");
     else if (!strcasecmp(r->text, "TensorTree4"))
         d->structure = ORL_STRUCTURE_TREE4;
+    else if (!strcasecmp(r->text, "TensorTree3"))
+        d->structure = ORL_STRUCTURE_TREE3;
     else if (!strcasecmp(r->text, "Columns") || !strcasecmp(r->text, "Rows"))
         d->structure = ORL_STRUCTURE_MATRIX;
     else
         FAIL(r, ORL_ERR_UNSUPPORTED,
-             "IncidentDataStructure '%s' is not supported (TensorTree4, Columns and Rows are)",
+             "IncidentDataStructure '%s' is none of TensorTree3, TensorTree4, Columns and Rows",
              r->text);
     d->by_rows = !strcasecmp(r->text, "Rows");
 }
@@ -131,6 +133,18 @@ static void add_ring(struct orl_xml_reader *r)
 
 /* ---- Scattering data ------------------------------------------------------------------------- */
 
+static int begin_tree(struct orl_xml_reader *r, struct orl_component *component)
+{
+    if (!r->tree_basis)
+        return orl_error_set(r->err, ORL_ERR_SYNTAX, "a tensor tree without its AngleBasis");
+    if (r->document->structure == ORL_STRUCTURE_TREE4) {
+        orl_tree_text_init(&r->tree_text, &component->tree);
+        return 0;
+    }
+    orl_tree_text_init_iso(&r->tree_text, &component->iso);
+    return orl_iso_init(&component->iso, r->err);
+}
+
 static void begin_data(struct orl_xml_reader *r)
 {
     struct orl_component *component;
@@ -146,10 +160,9 @@ static void begin_data(struct orl_xml_reader *r)
         return;
     component = &r->document->parts[r->part];
     switch (r->document->structure) {
+    case ORL_STRUCTURE_TREE3:
     case ORL_STRUCTURE_TREE4:
-        if (!r->tree_basis)
-            code = orl_error_set(r->err, ORL_ERR_SYNTAX, "a tensor tree without its AngleBasis");
-        orl_tree_text_init(&r->tree_text, &component->tree);
+        code = begin_tree(r, component);
         break;
     case ORL_STRUCTURE_MATRIX:
         if (!r->have_basis[0] || !r->have_basis[1])
@@ -171,9 +184,9 @@ static void begin_data(struct orl_xml_reader *r)
 
 void orl_xml_feed(struct orl_xml_reader *r, const char *text, size_t length)
 {
-    const int code = r->document->structure == ORL_STRUCTURE_TREE4
-                         ? orl_tree_text_feed(&r->tree_text, text, length, r->err)
-                         : orl_matrix_text_feed(&r->matrix_text, text, length, r->err);
+    const int code = r->document->structure == ORL_STRUCTURE_MATRIX
+                         ? orl_matrix_text_feed(&r->matrix_text, text, length, r->err)
+                         : orl_tree_text_feed(&r->tree_text, text, length, r->err);
     if (code < 0)
         orl_xml_fail(r, code);
 }
@@ -183,9 +196,9 @@ static void end_data(struct orl_xml_reader *r)
     int code;
     if (!r->reading)
         return;
-    code = r->document->structure == ORL_STRUCTURE_TREE4
-               ? orl_tree_text_finish(&r->tree_text, r->err)
-               : orl_matrix_text_finish(&r->matrix_text, r->err);
+    code = r->document->structure == ORL_STRUCTURE_MATRIX
+               ? orl_matrix_text_finish(&r->matrix_text, r->err)
+               : orl_tree_text_finish(&r->tree_text, r->err);
     r->reading = false;
     orl_tree_text_done(&r->tree_text);
     if (code < 0)

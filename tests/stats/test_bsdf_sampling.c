@@ -23,7 +23,7 @@ enum {
     FINE = 20, /* points per axis of a cell in which the pdf is integrated */
     DRAWS = 40000,
     GIVEN = 4, /* given directions per BSDF, side and way of drawing */
-    BSDFS = 4,
+    BSDFS = 5,
     COMPARISONS = BSDFS * 2 * 3 * GIVEN,
 };
 
@@ -42,6 +42,7 @@ static int load_all(void **state)
     fixture.bsdf[3] =
         load_text(make_file("TensorTree4", "Transmission Back", NULL,
                             "{{0}{0}{1e-12}{0}{0}{3}{0}{0}{0}{0}{0}{0}{0}{0}{1}{.2}}"));
+    fixture.bsdf[4] = load_text(make_iso_file(4));
     *state = &fixture;
     for (int i = 0; i < BSDFS; i++)
         if (!fixture.bsdf[i])
@@ -257,8 +258,8 @@ static void albedo_is_the_integral_of_f(void **state)
 {
     const struct fixture *fixture = *state;
     struct orl_random random = orl_random_stream(3, ORL_PURPOSE_BENCH, 1);
-    for (int i = 0; i < 24; i++) {
-        const struct orl_bsdf *bsdf = fixture->bsdf[i % 3];
+    for (int i = 0; i < 32; i++) {
+        const struct orl_bsdf *bsdf = fixture->bsdf[i % 4 == 3 ? 4 : i % 4];
         const struct orl_vec3 in = any_direction(&random);
         const int n = 512;
         double sum = 0;

@@ -96,6 +96,59 @@ static void a_missing_transmission_is_the_transpose(void **state)
     orl_bsdf_unref(bsdf);
 }
 
+/*
+ * Of rank 3: bit 0 is A (1: near the normal is never reached, as sines end at the middle), bits 1
+ * and 2 are B once A travels along +x. Whatever the two are turned by, the value stays.
+ */
+static void a_tree_of_rank_3_turns_with_the_light(void **state)
+{
+    struct orl_bsdf *grid =
+        load_text(make_file("TensorTree3", "Reflection Front", NULL, "{0 1 2 3 9 9 9 9}"));
+    struct orl_bsdf *braces =
+        load_text(make_file("TensorTree3", "Reflection Front", NULL, "{{0}{9}{2}{9}{1}{9}{3}{9}}"));
+    struct orl_bsdf *deep =
+        load_text(make_file("TensorTree3", "Reflection Front", NULL,
+                            "{{0}{9}{{5}{6}{5}{6}{5}{6}{5}{6}}{9}{1}{9}{3 3 3 3 4 4 4 4}{9}}"));
+    (void)state;
+    assert_non_null(grid);
+    assert_non_null(braces);
+    assert_non_null(deep);
+    for (int i = 0; i < 24; i++) {
+        const double turn = 0.1 + i * 0.7, c = cos(turn), s = sin(turn);
+        for (int cell = 0; cell < 4; cell++) {
+            const double x = cell & 2 ? 0.4 : -0.3, y = cell & 1 ? 0.5 : -0.2;
+            const struct orl_vec3 out = direction(x * c - y * s, x * s + y * c, -1);
+            const struct orl_vec3 flat = direction(-0.8 * c, -0.8 * s, -1); /* sine 0.8 */
+            const struct orl_vec3 steep = direction(-0.2 * c, -0.2 * s, -1);
+            assert_close(eval(grid, flat, out), cell, 0);
+            assert_close(eval(braces, steep, out), cell, 0);
+            assert_close(eval(deep, flat, out), ((double[]){0, 1, 5, 3}[cell]), 0);
+            assert_close(eval(deep, steep, out), ((double[]){0, 1, 6, 4}[cell]), 0);
+        }
+    }
+    orl_bsdf_unref(grid);
+    orl_bsdf_unref(braces);
+    orl_bsdf_unref(deep);
+}
+
+static void a_tree_of_rank_3_is_not_reversed(void **state)
+{
+    struct orl_bsdf *bsdf =
+        load_text(make_file("TensorTree3", "Transmission Front", NULL, "{0.2}"));
+    struct orl_bsdf_info info;
+    (void)state;
+    assert_non_null(bsdf);
+    assert_close(eval(bsdf, direction(0.1, 0, -1), direction(0.2, 0.3, 1)), 0.2, 1e-7);
+    assert_close(eval(bsdf, direction(0.1, 0, 1), direction(0.2, 0.3, -1)), 0, 0);
+    assert_close(orl_bsdf_diffuse(bsdf, false, true).g, 0.2, 1e-7);
+    assert_close(orl_bsdf_albedo(bsdf, direction(0.7, 0.1, -1), ORL_BSDF_BOTH).g, 0.2 * ORL_PI,
+                 1e-7);
+    orl_bsdf_describe(bsdf, &info);
+    assert_string_equal(info.kind, "TensorTree3");
+    assert_int_equal(info.values, 1);
+    orl_bsdf_unref(bsdf);
+}
+
 /* Values by Radiance 6.1a (SDevalBSDF, SDdirectHemi); it perturbs each by up to 3e-4 on purpose. */
 static void values_are_radiances(void **state)
 {
@@ -376,6 +429,13 @@ static void a_number_may_lie_across_a_slice(void **state)
 #define TREE                                                                                       \
     HEAD "<DataDefinition>\n<IncidentDataStructure>TensorTree4</IncidentDataStructure>\n"          \
          "</DataDefinition>\n"
+#define TREE3                                                                                      \
+    HEAD "<DataDefinition>\n<IncidentDataStructure>TensorTree3</IncidentDataStructure>\n"          \
+         "</DataDefinition>\n" BLOCK_HEAD
+#define BLOCK_HEAD                                                                                 \
+    "<WavelengthData><Wavelength>Visible</Wavelength>\n<WavelengthDataBlock>\n"                    \
+    "<WavelengthDataDirection>Transmission Back</WavelengthDataDirection>\n"                       \
+    "<AngleBasis>LBNL/Shirley-Chiu</AngleBasis>\n<ScatteringData>\n"
 #define BLOCK                                                                                      \
     TREE "<WavelengthData><Wavelength>Visible</Wavelength>\n<WavelengthDataBlock>\n"               \
          "<WavelengthDataDirection>Transmission Back</WavelengthDataDirection>\n"                  \
@@ -405,8 +465,14 @@ static const struct bad_file {
      "Glass"},
     {"<!DOCTYPE x [<!ENTITY a \"b\">]>\n<WindowElement/>", ORL_ERR_UNSUPPORTED, 1, "",
      "document type"},
-    {HEAD "<DataDefinition>\n<IncidentDataStructure>TensorTree3</IncidentDataStructure>",
-     ORL_ERR_UNSUPPORTED, 5, "IncidentDataStructure", "TensorTree3"},
+    {HEAD "<DataDefinition>\n<IncidentDataStructure>TensorTree5</IncidentDataStructure>",
+     ORL_ERR_UNSUPPORTED, 5, "IncidentDataStructure", "TensorTree5"},
+    {TREE3 "{0 1 2 3}" END, ORL_ERR_SYNTAX, 12, "Transmission Back", "rank 3 has 1, 8, 64"},
+    {TREE3 "{{0}{0}{0}{0}{0}{0}{0}}" END, ORL_ERR_SYNTAX, 12, "Transmission Back", "where 8"},
+    {TREE3 "{{0}{0}{0}{0}{0}{0}{0}{0}{0}}" END, ORL_ERR_SYNTAX, 12, "Transmission Back",
+     "more than 8"},
+    {TREE3 "{{{{{{{{{0 0 0 0 0 0 0 0}" END, ORL_ERR_LIMIT, 12, "Transmission Back", "deeper"},
+    {TREE3 "{0 0 0 0 nan" END, ORL_ERR_RANGE, 12, "Transmission Back", "'nan'"},
     {HEAD "<Material><Thickness>-1</Thickness>", ORL_ERR_RANGE, 4, "Thickness", "'-1'"},
     {BLOCK "{0 1 nan}" END, ORL_ERR_RANGE, 12, "WavelengthDataBlock Transmission Back", "'nan'"},
     {BLOCK "{0}\n{1}" END, ORL_ERR_SYNTAX, 13, "Transmission Back", "after the end"},
@@ -585,6 +651,8 @@ int main(void)
         cmocka_unit_test(a_tree_numbers_its_children_by_axis),
         cmocka_unit_test(a_grid_runs_its_last_axis_fastest),
         cmocka_unit_test(a_missing_transmission_is_the_transpose),
+        cmocka_unit_test(a_tree_of_rank_3_turns_with_the_light),
+        cmocka_unit_test(a_tree_of_rank_3_is_not_reversed),
         cmocka_unit_test(values_are_radiances),
         cmocka_unit_test(the_klems_fixture_describes_itself),
         cmocka_unit_test(the_full_klems_basis_has_its_cells_in_place),

@@ -9,8 +9,9 @@
  * Values are 1/sr, per channel, not cosine-weighted. Light arrives along -in (that is, in points
  * back to where it came from) and leaves along out. Reflection when in.z and out.z share a sign,
  * transmission when not. Reciprocity: a transmission the file lacks is the transpose of the one it
- * has; a missing reflection is black. Where a file gives both transmissions, each serves the light
- * that arrives on its own side; Radiance's rpict, tracing backwards, uses the other one.
+ * has, but for TensorTree3, which stays black that way; a missing reflection is black. Where a file
+ * gives both transmissions, each serves the light that arrives on its own side; Radiance's rpict,
+ * tracing backwards, uses the other one.
  *
  * An orl_bsdf is immutable once loaded, reference-counted, and safe to share between threads.
  * References: Klems 1994; Ward et al. 2011 and 2014 (tensor tree); Shirley and Chiu 1997.
@@ -83,7 +84,7 @@ enum orl_bsdf_dummy { ORL_BSDF_DUMMY_NONE, ORL_BSDF_DUMMY_ZERO, ORL_BSDF_DUMMY_C
 /* What a BSDF is, for upload checks and messages. */
 struct orl_bsdf_info {
     char name[128];       /* of the material, from the file */
-    char kind[32];        /* "TensorTree4", "Klems full", ... */
+    char kind[32];        /* "TensorTree3", "TensorTree4", "Klems Full", ... */
     int resolution;       /* directions per axis (trees) or per hemisphere (matrices) */
     size_t values;        /* leaf values held */
     size_t bytes;         /* memory held */
