@@ -13,7 +13,11 @@
 struct scene_run {
     const char *scene;
     const char *resource_name, *resource_text; /* a BSDF, say; or NULL */
-    const struct orl_sky_request *sky;         /* NULL: the scene's */
+    const char *source; /* instead of scene: a folder of files, their names, a sensor file */
+    const char *const *names;
+    size_t n_names;
+    const char *sensors_file;
+    const struct orl_sky_request *sky; /* NULL: the scene's */
     const struct orl_sensor *sensors;
     size_t n_sensors;
     const char *view; /* NULL for none; the image is view.hdr, view.png in folder */

@@ -1,0 +1,331 @@
+/*
+ * Images on disk: RGBE of known values, HDR files read back by a decoder of the test's own, PNG by
+ * libpng.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+#include <png.h>
+
+#include "base/random.h"
+#include "render/film.h"
+#include "support/cli.h"
+#include "support/scene_text.h"
+
+static char folder[64];
+
+static int set_up(void **state)
+{
+    (void)state;
+    cli_make_folder(folder);
+    return 0;
+}
+
+static int tear_down(void **state)
+{
+    (void)state;
+    cli_remove_folder(folder);
+    return 0;
+}
+
+static const char *path_of(const char *name)
+{
+    static char path[128];
+    snprintf(path, sizeof path, "%s/%s", folder, name);
+    return path;
+}
+
+/* ---- RGBE -------------------------------------------------------------------------------------
+ */
+
+static void test_rgbe(void **state)
+{
+    static const struct {
+        float rgb[3];
+        unsigned char rgbe[4];
+    } known[] = {{{1, 1, 1}, {128, 128, 128, 129}},
+                 {{0, 0, 0}, {0, 0, 0, 0}},
+                 {{0.5F, 0.25F, 0}, {128, 64, 0, 128}},
+                 {{1000, 1, 0.1F}, {250, 0, 0, 138}},
+                 {{1e-33F, 0, 0}, {0, 0, 0, 0}},
+                 {{NAN, 1, 1}, {0, 128, 128, 129}},
+                 {{INFINITY, 1, -INFINITY}, {0, 128, 0, 129}},
+                 {{-5, 2, 1}, {0, 128, 64, 130}},
+                 {{0.9999999F, 0, 0}, {255, 0, 0, 128}}};
+    (void)state;
+    for (size_t i = 0; i < sizeof known / sizeof *known; i++) {
+        unsigned char rgbe[4];
+        orl_rgbe_encode(known[i].rgb, rgbe);
+        assert_memory_equal(rgbe, known[i].rgbe, 4);
+    }
+}
+
+/* ---- A decoder of Radiance pictures -----------------------------------------------------------
+ */
+
+/* The header's lines, and the pixels as they stand: bytes of RGBE. */
+struct picture {
+    char view[1200], aspect[64];
+    bool has_format;
+    unsigned width, height;
+    unsigned char (*rgbe)[4];
+};
+
+/* One line without its end; fails at the end of the bytes. */
+static void take_line(const unsigned char **at, const unsigned char *end, char *line, size_t size)
+{
+    size_t n = 0;
+    while (*at < end && **at != '\n') {
+        assert_true(n + 1 < size);
+        line[n++] = (char)*(*at)++;
+    }
+    assert_true(*at < end);
+    (*at)++;
+    line[n] = '\0';
+}
+
+/* A scanline of four components, each in runs (over 128: repeat one byte) and dumps. */
+static const unsigned char *take_rle(const unsigned char *at, const unsigned char *end,
+                                     unsigned width, unsigned char (*row)[4])
+{
+    assert_true(end - at >= 4 && at[0] == 2 && at[1] == 2);
+    assert_int_equal(at[2] << 8 | at[3], width);
+    at += 4;
+    for (int c = 0; c < 4; c++) {
+        for (unsigned x = 0; x < width;) {
+            assert_true(end - at >= 2);
+            const bool run = at[0] > 128;
+            const unsigned count = run ? at[0] - 128U : at[0];
+            at++;
+            assert_true(count > 0 && x + count <= width && end - at >= (run ? 1 : (int)count));
+            for (unsigned i = 0; i < count; i++)
+                row[x++][c] = run ? *at : at[i];
+            at += run ? 1 : count;
+        }
+    }
+    return at;
+}
+
+static struct picture read_picture(const char *path)
+{
+    struct picture p = {.width = 0};
+    size_t size;
+    unsigned char *bytes = scene_read_bytes(path, &size);
+    const unsigned char *at = bytes, *end = bytes + size;
+    char line[1200];
+    take_line(&at, end, line, sizeof line);
+    assert_string_equal(line, "#?RADIANCE");
+    for (take_line(&at, end, line, sizeof line); line[0]; take_line(&at, end, line, sizeof line)) {
+        if (strncmp(line, "VIEW=", 5) == 0)
+            snprintf(p.view, sizeof p.view, "%s", line + 5);
+        if (strncmp(line, "PIXASPECT=", 10) == 0)
+            snprintf(p.aspect, sizeof p.aspect, "%.63s", line + 10);
+        p.has_format = p.has_format || strcmp(line, "FORMAT=32-bit_rle_rgbe") == 0;
+        assert_null(strstr(line, "EXPOSURE"));
+    }
+    take_line(&at, end, line, sizeof line);
+    assert_int_equal(sscanf(line, "-Y %u +X %u", &p.height, &p.width), 2);
+    p.rgbe = malloc((size_t)p.width * p.height * sizeof *p.rgbe);
+    assert_non_null(p.rgbe);
+    for (unsigned y = 0; y < p.height; y++) {
+        unsigned char(*row)[4] = p.rgbe + (size_t)y * p.width;
+        if (p.width >= 8 && p.width < 32768) {
+            at = take_rle(at, end, p.width, row);
+        } else {
+            assert_true(end - at >= 4 * (long)p.width);
+            memcpy(row, at, 4 * (size_t)p.width);
+            at += 4 * (size_t)p.width;
+        }
+    }
+    assert_ptr_equal(at, end);
+    free(bytes);
+    return p;
+}
+
+/* ---- HDR files --------------------------------------------------------------------------------
+ */
+
+static struct orl_view some_view(void)
+{
+    struct orl_view view;
+    assert_int_equal(orl_view_parse("-vta -vp 1 2 3 -vd 1 0 0 -vh 180 -vv 180", &view, NULL), 0);
+    return view;
+}
+
+/* What fills a film, by kind: noise, long runs, one value, runs of every length. */
+static float pixel_value(int kind, unsigned x, unsigned y, int c, struct orl_random *random)
+{
+    switch (kind) {
+    case 0:
+        return (float)exp(20 * orl_random_uniform(random) - 10);
+    case 1:
+        return (float)((x / 200 + y) % 3 + (unsigned)c);
+    case 2:
+        return 0.7F;
+    default: {
+        /* Run n is n pixels long: 1 + 2 + ... */
+        const unsigned run = (unsigned)((sqrt(8.0 * x + 1) - 1) / 2);
+        return run % 2 ? 3.5F : 1e-3F;
+    }
+    }
+}
+
+static void check_size(unsigned width, unsigned height, int kind)
+{
+    const struct orl_view view = some_view();
+    struct orl_random random = orl_random_stream(width, ORL_PURPOSE_BENCH, (uint64_t)kind);
+    struct orl_film film;
+    assert_int_equal(orl_film_init(&film, width, height, NULL), 0);
+    for (unsigned i = 0; i < width * height; i++)
+        for (int c = 0; c < 3; c++)
+            film.pixels[i][c] = pixel_value(kind, i % width, i / width, c, &random);
+    assert_int_equal(orl_film_write_hdr(&film, &view, path_of("a.hdr"), NULL), 0);
+    struct picture p = read_picture(path_of("a.hdr"));
+    assert_int_equal(p.width, width);
+    assert_int_equal(p.height, height);
+    for (unsigned i = 0; i < width * height; i++) {
+        const double scale = ldexp(1, p.rgbe[i][3] - 136);
+        const double most = fmax(film.pixels[i][0], fmax(film.pixels[i][1], film.pixels[i][2]));
+        /* The middle of a step of 1/256 of a power of two above the brightest: half of 1/128. */
+        for (int c = 0; c < 3; c++)
+            assert_true(fabs((p.rgbe[i][c] + 0.5) * scale - film.pixels[i][c]) <= most / 256);
+    }
+    free(p.rgbe);
+    orl_film_done(&film);
+}
+
+static void test_hdr_sizes(void **state)
+{
+    static const unsigned widths[] = {1, 5, 7, 8, 300, 32767, 32768, 40000};
+    (void)state;
+    for (size_t w = 0; w < sizeof widths / sizeof *widths; w++)
+        for (int kind = 0; kind < 4; kind++)
+            check_size(widths[w], widths[w] > 1000 ? 2 : 11, kind);
+}
+
+static void test_hdr_header(void **state)
+{
+    const struct orl_view view = some_view();
+    struct orl_film film;
+    char text[1024];
+    (void)state;
+    assert_int_equal(orl_film_init(&film, 16, 16, NULL), 0);
+    assert_int_equal(orl_film_write_hdr(&film, &view, path_of("b.hdr"), NULL), 0);
+    struct picture p = read_picture(path_of("b.hdr"));
+    orl_view_format(&view, text, sizeof text);
+    assert_true(p.has_format);
+    assert_non_null(strstr(p.view, text));
+    assert_non_null(strstr(p.view, "-vta "));
+    assert_string_equal(p.aspect, ""); /* square pixels */
+    for (int i = 0; i < 256; i++)
+        assert_memory_equal(p.rgbe[i], "\0\0\0\0", 4);
+    free(p.rgbe);
+    orl_film_done(&film);
+    /* The .part that was written first is gone. */
+    assert_int_equal(access(path_of("b.hdr.part"), F_OK), -1);
+}
+
+/* Pixels twice as high as wide say so, by their height over their width. */
+static void test_pixel_aspect(void **state)
+{
+    const struct orl_view view = some_view();
+    struct orl_film film;
+    double aspect = 0;
+    (void)state;
+    assert_int_equal(orl_film_init(&film, 20, 10, NULL), 0);
+    assert_int_equal(orl_film_write_hdr(&film, &view, path_of("c.hdr"), NULL), 0);
+    struct picture p = read_picture(path_of("c.hdr"));
+    assert_int_equal(sscanf(p.aspect, "%lf", &aspect), 1);
+    assert_true(fabs(aspect - 2) < 1e-5);
+    free(p.rgbe);
+    orl_film_done(&film);
+}
+
+/* ---- PNG --------------------------------------------------------------------------------------
+ */
+
+static png_bytep read_png(const char *path, png_image *ret_image)
+{
+    memset(ret_image, 0, sizeof *ret_image);
+    ret_image->version = PNG_IMAGE_VERSION;
+    assert_true(png_image_begin_read_from_file(ret_image, path));
+    ret_image->format = PNG_FORMAT_RGB;
+    png_bytep pixels = malloc(PNG_IMAGE_SIZE(*ret_image));
+    assert_non_null(pixels);
+    assert_true(png_image_finish_read(ret_image, NULL, pixels, 0, NULL));
+    return pixels;
+}
+
+/* A ramp stays a ramp, grey stays grey, and what is no number is black. */
+static void test_png(void **state)
+{
+    enum { WIDTH = 64, HEIGHT = 3 };
+    struct orl_film film;
+    png_image image;
+    (void)state;
+    assert_int_equal(orl_film_init(&film, WIDTH, HEIGHT, NULL), 0);
+    for (int i = 0; i < WIDTH * HEIGHT; i++)
+        for (int c = 0; c < 3; c++)
+            film.pixels[i][c] = (float)pow(10, (i % WIDTH) / 16.0 - 2);
+    film.pixels[WIDTH][0] = film.pixels[WIDTH][1] = film.pixels[WIDTH][2] = NAN;
+    film.pixels[WIDTH + 1][1] = INFINITY;
+    film.pixels[WIDTH + 2][0] = -1;
+    assert_int_equal(orl_film_write_png(&film, path_of("d.png"), NULL), 0);
+    png_bytep pixels = read_png(path_of("d.png"), &image);
+    assert_int_equal(image.width, WIDTH);
+    assert_int_equal(image.height, HEIGHT);
+    for (int x = 0; x < WIDTH; x++) {
+        const png_byte *pixel = pixels + 3 * x;
+        assert_true(pixel[0] == pixel[1] && pixel[1] == pixel[2]);
+        assert_true(x == 0 || pixel[0] >= pixel[-3]);
+    }
+    assert_true(pixels[3 * (WIDTH - 1)] > pixels[0] + 100);
+    assert_memory_equal(pixels + 3 * WIDTH, "\0\0\0\0\0\0", 6);
+    free(pixels);
+    orl_film_done(&film);
+}
+
+/* All black is a picture too. */
+static void test_black_png(void **state)
+{
+    struct orl_film film;
+    png_image image;
+    (void)state;
+    assert_int_equal(orl_film_init(&film, 3, 3, NULL), 0);
+    assert_int_equal(orl_film_write_png(&film, path_of("e.png"), NULL), 0);
+    png_bytep pixels = read_png(path_of("e.png"), &image);
+    for (int i = 0; i < 27; i++)
+        assert_int_equal(pixels[i], 0);
+    free(pixels);
+    orl_film_done(&film);
+}
+
+static void test_unwritable(void **state)
+{
+    const struct orl_view view = some_view();
+    struct orl_film film;
+    struct orl_error err;
+    (void)state;
+    assert_int_equal(orl_film_init(&film, 2, 2, NULL), 0);
+    assert_int_equal(orl_film_write_hdr(&film, &view, path_of("no/a.hdr"), &err), ORL_ERR_IO);
+    assert_int_equal(orl_film_write_png(&film, path_of("no/a.png"), &err), ORL_ERR_IO);
+    orl_film_done(&film);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_rgbe),       cmocka_unit_test(test_hdr_sizes),
+        cmocka_unit_test(test_hdr_header), cmocka_unit_test(test_pixel_aspect),
+        cmocka_unit_test(test_png),        cmocka_unit_test(test_black_png),
+        cmocka_unit_test(test_unwritable),
+    };
+    return cmocka_run_group_tests(tests, set_up, tear_down);
+}
