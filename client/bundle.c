@@ -89,6 +89,20 @@ done:
     return rc;
 }
 
+int orl_bundle_add(struct orl_bundle *bundle, const char *folder, const char *name,
+                   struct orl_error *err)
+{
+    const struct orl_files files = orl_files_from_folder(folder);
+    struct orl_file file;
+    /* Opened once, so that a misspelt name is told before anything is sent. */
+    const int rc = files.open(files.ctx, name, &file, err);
+
+    if (rc)
+        return rc;
+    files.close(files.ctx, &file);
+    return add_part(bundle, folder, name, true, err);
+}
+
 void orl_bundle_done(struct orl_bundle *bundle)
 {
     if (!bundle)

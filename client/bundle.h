@@ -21,6 +21,10 @@ struct orl_bundle {
 /* Collects the files below folder. */
 int orl_bundle_collect(const char *folder, const char *const *main_files, size_t n_files,
                        struct orl_bundle *ret_bundle, struct orl_error *err);
+
+/* Adds a file that the scene does not mention but a job does: a weather file. */
+int orl_bundle_add(struct orl_bundle *bundle, const char *folder, const char *name,
+                   struct orl_error *err);
 void orl_bundle_done(struct orl_bundle *bundle); /* NULL and half-filled are fine */
 
 /* Uploads it; says on stderr what it sends. *ret_id is owned (free()). */

@@ -26,6 +26,8 @@ static int send_scene(struct orl_http *http, struct orl_job_file *file, struct o
     if (rc == 0)
         rc = orl_bundle_collect(file->folder, (const char *const *)job.scene_files,
                                 job.n_scene_files, &bundle, err);
+    if (rc == 0 && job.sky.weather_file)
+        rc = orl_bundle_add(&bundle, file->folder, job.sky.weather_file, err);
     if (rc == 0)
         rc = orl_bundle_upload(&bundle, http, &id, err);
     if (rc == 0 && json_object_set_new(file->doc, "scene", json_string(id)) != 0)

@@ -96,6 +96,19 @@ static void submit(struct orl_request *request)
         reply_job(request, 202, job);
 }
 
+/* A file that the document names, at that path of it, must have come with the scene. */
+static int check_file(const struct orl_bundle *bundle, const char *name, const char *path,
+                      const char *hint, struct orl_error *err)
+{
+    if (!name || orl_bundle_find(bundle, name))
+        return 0;
+    orl_error_set(err, ORL_ERR_NOT_FOUND, "the scene was uploaded without a file named '%.200s'",
+                  name);
+    orl_error_at(err, NULL, 0, path);
+    orl_error_hint(err, "%s", hint);
+    return ORL_ERR_NOT_FOUND;
+}
+
 /* What the document refers to must be here. */
 static int check_references(struct orl_server *server, struct job_post *post)
 {
@@ -106,13 +119,12 @@ static int check_references(struct orl_server *server, struct job_post *post)
         orl_error_at(&post->err, NULL, 0, "scene");
         orl_error_hint(&post->err, "Upload it with POST /v1/scenes first");
     }
-    if (rc == 0 && post->job.sensors_file && !orl_bundle_find(&bundle, post->job.sensors_file)) {
-        rc = orl_error_set(&post->err, ORL_ERR_NOT_FOUND,
-                           "the scene was uploaded without a file named '%.200s'",
-                           post->job.sensors_file);
-        orl_error_at(&post->err, NULL, 0, "sensors.file");
-        orl_error_hint(&post->err, "Upload it as a resource, or give the sensors as an array");
-    }
+    if (rc == 0)
+        rc = check_file(&bundle, post->job.sensors_file, "sensors.file",
+                        "Upload it as a resource, or give the sensors as an array", &post->err);
+    if (rc == 0)
+        rc = check_file(&bundle, post->job.sky.weather_file, "sky.weather.file",
+                        "Upload it with the scene as a resource", &post->err);
     orl_bundle_done(&bundle);
     return rc;
 }

@@ -36,7 +36,7 @@ static int check_time(const struct orl_sky_request *r, struct orl_error *err)
     static const signed char days[12] = {31, 29, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31};
     const struct range ranges[] = {{"month", r->month, 1, 12},
                                    {"day", r->day, 1, 31},
-                                   {"hour", r->hour, 0, 23.9999},
+                                   {"hour", r->hour, 0, nextafter(24, 0)},
                                    {"latitude", r->latitude_deg, -90, 90},
                                    {"longitude", r->longitude_deg, -180, 180},
                                    {"time_zone", r->time_zone_h, -14, 14}};
