@@ -15,13 +15,14 @@ json_t *orl_bsdf_info_to_json(const struct orl_bsdf_info *info)
                                    (int)info->has[1][1], "transmission_back", (int)info->has[0][1]);
     /* A name that is not UTF-8 is left out rather than failing the whole. */
     json_t *name = json_string(info->name);
-    return json_pack("{s:o, s:s, s:i, s:I, s:I, s:o, s:{s:o, s:o}, s:{s:f, s:f}, s:f, s:I}", "name",
-                     name ? name : json_null(), "kind", info->kind, "resolution", info->resolution,
-                     "values", (json_int_t)info->values, "bytes", (json_int_t)info->bytes,
-                     "components", components, "dummy", "transmission_front", dummy(info->dummy[1]),
-                     "transmission_back", dummy(info->dummy[0]), "max_albedo", "front",
-                     info->max_albedo[1], "back", info->max_albedo[0], "thickness_m",
-                     info->thickness_m, "clamped", (json_int_t)info->clamped);
+    return json_pack("{s:o, s:s, s:i, s:I, s:I, s:o, s:{s:o, s:o}, s:{s:f, s:f}, s:f, s:b, s:I}",
+                     "name", name ? name : json_null(), "kind", info->kind, "resolution",
+                     info->resolution, "values", (json_int_t)info->values, "bytes",
+                     (json_int_t)info->bytes, "components", components, "dummy",
+                     "transmission_front", dummy(info->dummy[1]), "transmission_back",
+                     dummy(info->dummy[0]), "max_albedo", "front", info->max_albedo[1], "back",
+                     info->max_albedo[0], "thickness_m", info->thickness_m, "colored",
+                     (int)info->colored, "clamped", (json_int_t)info->clamped);
 }
 
 /* ---- The check ---------------------------------------------------------------------------------

@@ -3,9 +3,9 @@
  * "components": {"reflection_front", "reflection_back", "transmission_front",
  * "transmission_back"}, "dummy": {"transmission_front",
  * "transmission_back": null, "zero" or "copy"}, "max_albedo": {"front", "back"}, "thickness_m",
- * "clamped"}. Front and back are those of a Radiance surface (front: the side its normal points
- * to), which is the other way round in the XML. A new reference, the caller's; NULL when out of
- * memory.
+ * "colored", "clamped"}. Front and back are those of a Radiance surface (front: the side its normal
+ * points to), which is the other way round in the XML. A new reference, the caller's; NULL when out
+ * of memory.
  */
 #ifndef ORL_API_BSDF_JSON_H
 #define ORL_API_BSDF_JSON_H

@@ -280,6 +280,7 @@ static void describe(struct orl_bsdf *bsdf)
     struct orl_bsdf_info *info = &bsdf->info;
     memcpy(info->name, bsdf->document.name, sizeof info->name);
     info->thickness_m = bsdf->document.thickness_m;
+    info->colored = bsdf->document.colored;
     info->bytes = sizeof *bsdf;
     strncpy(info->kind,
             bsdf->document.structure == ORL_STRUCTURE_TREE3 ? "TensorTree3" : "TensorTree4",

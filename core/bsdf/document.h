@@ -36,6 +36,7 @@ struct orl_document {
     char name[128];     /* of the material, "" when not given */
     double thickness_m; /* 0 when not given */
     enum orl_structure structure;
+    bool colored; /* there are CIE channels beside Visible, which are not read */
     bool by_rows; /* MATRIX: Rows rather than Columns */
     struct orl_component parts[ORL_PART_COUNT];
 };

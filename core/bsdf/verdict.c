@@ -71,6 +71,10 @@ static void judge_components(struct orl_bsdf_check *c)
 
 static void judge_values(struct orl_bsdf_check *c)
 {
+    if (c->info.colored)
+        say(c, ORL_BSDF_WARNING,
+            "The file holds colour, which is not read: the surface comes out grey, its luminance "
+            "right.");
     if (c->info.clamped > 0)
         say(c, c->info.clamped * 1000 > c->info.values ? ORL_BSDF_WARNING : ORL_BSDF_NOTE,
             "%zu of %zu values are negative; they are read as zero.", c->info.clamped,

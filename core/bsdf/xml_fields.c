@@ -264,6 +264,8 @@ static void read_ring_upper(struct orl_xml_reader *r)
 static void read_wavelength(struct orl_xml_reader *r)
 {
     r->visible = !strcasecmp(r->text, "Visible");
+    if (!strncasecmp(r->text, "CIE-", 4))
+        r->document->colored = true;
 }
 
 static void read_column_basis(struct orl_xml_reader *r)

@@ -92,7 +92,8 @@ struct orl_bsdf_info {
     double max_albedo[2]; /* largest directional R + T for light from the back, the front */
     double thickness_m;   /* 0 when not given */
     enum orl_bsdf_dummy dummy[2]; /* the transmission of light from the back, the front */
-    size_t clamped;               /* negative values set to zero */
+    bool colored;   /* there is colour (CIE channels) in the file; only Visible is used: grey */
+    size_t clamped; /* negative values set to zero */
 };
 void orl_bsdf_describe(const struct orl_bsdf *bsdf, struct orl_bsdf_info *ret_info);
 
