@@ -177,7 +177,7 @@ tsan: deps-check
 # corpus only grows by hand.
 SECONDS ?= 60
 fuzz: deps-fuzz
-	@$(MAKE) --no-print-directory -j$(JOBS) BUILD=$(BUILD)/fuzz MODE=fuzz CC=clang \
+	@$(MAKE) --no-print-directory -j$(JOBS) BUILD=$(BUILD)/fuzz MODE=fuzz CC=clang WERROR= \
 		CFLAGS='-include tests/fuzz/limits.h' fuzzers
 	@tests/fuzz/run $(BUILD)/fuzz $(SECONDS) $(JOBS) $(FUZZ_TARGETS)
 fuzzers: $(FUZZ_TARGETS:%=$(BUILD)/%)

@@ -23,6 +23,7 @@ bool fuzz_bsdf(const uint8_t *data, size_t size);
 bool fuzz_job(const uint8_t *data, size_t size);
 bool fuzz_map(const uint8_t *data, size_t size);
 bool fuzz_sensors(const uint8_t *data, size_t size);
+bool fuzz_weather(const uint8_t *data, size_t size);
 
 /* ---- For the targets (promise.c) ---------------------------------------------------------------
  */
@@ -36,6 +37,10 @@ void fuzz_promise(bool holds, const char *what, const char *file, int line);
  * texts, and that the HTTP layer can make a problem document of it.
  */
 void fuzz_check_error(int code, const struct orl_error *err);
+
+/* A sky that can be computed with: finite, nowhere negative. */
+struct orl_daylight;
+void fuzz_check_daylight(const struct orl_daylight *daylight);
 
 void fuzz_check_finite(struct orl_vec3 v);
 void fuzz_check_unit(struct orl_vec3 v);

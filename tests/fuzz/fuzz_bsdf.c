@@ -59,6 +59,19 @@ static void check_info(const struct orl_bsdf *bsdf)
     json_decref(json);
 }
 
+/* The check on upload, and what it says as JSON. */
+static void check_check(const struct orl_bsdf *bsdf)
+{
+    struct orl_bsdf_check check;
+    orl_bsdf_examine(bsdf, &check);
+    FUZZ_PROMISE(check.n_verdicts <= ORL_BSDF_VERDICTS_MAX);
+    for (size_t i = 0; i < check.n_verdicts; i++)
+        FUZZ_PROMISE(memchr(check.verdicts[i].text, '\0', ORL_BSDF_VERDICT_TEXT) != NULL);
+    json_t *json = orl_bsdf_check_to_json(&check);
+    FUZZ_PROMISE(json != NULL);
+    json_decref(json);
+}
+
 bool fuzz_bsdf(const uint8_t *data, size_t size)
 {
     const struct orl_vec3 directions[] = {{0, 0, 1},       {0, 0, -1},         {1, 0, 0},
@@ -79,6 +92,7 @@ bool fuzz_bsdf(const uint8_t *data, size_t size)
         for (int through = 0; through < 2; through++)
             check_color(orl_bsdf_diffuse(bsdf, front, through));
     check_info(bsdf);
+    check_check(bsdf);
     orl_bsdf_unref(bsdf);
     return true;
 }

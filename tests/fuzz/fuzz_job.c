@@ -5,6 +5,7 @@
 #include "decode.h"
 #include "fuzz/fuzz.h"
 #include "job_json.h"
+#include "light/daylight.h"
 #include "render/view.h"
 
 static void check_rays(const struct orl_view *view)
@@ -40,6 +41,20 @@ static bool check_view(const char *text)
     return true;
 }
 
+/* What the sky of a sound job comes to; that of a weather file is fuzz_weather.c's. */
+static void check_sky(const struct orl_sky_request *sky)
+{
+    struct orl_daylight daylight;
+    struct orl_error err = {0};
+    if (sky->model == ORL_SKY_OF_SCENE || sky->model == ORL_SKY_BY_WEATHER)
+        return;
+    const int code = orl_daylight_find(sky, NULL, &daylight, &err);
+    if (code < 0)
+        fuzz_check_error(code, &err);
+    else
+        fuzz_check_daylight(&daylight);
+}
+
 static bool check_document(const json_t *doc, enum orl_job_origin origin)
 {
     struct orl_error err = {0};
@@ -56,6 +71,8 @@ static bool check_document(const json_t *doc, enum orl_job_origin origin)
     code = orl_job_validate(&job, &err);
     if (code < 0)
         fuzz_check_error(code, &err);
+    else
+        check_sky(&job.sky);
     for (size_t i = 0; i < job.n_views; i++) {
         const bool sound = check_view(job.views[i].view);
         FUZZ_PROMISE(code < 0 || sound);

@@ -4,6 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "light/daylight.h"
+#include "light/sky.h"
 #include "problem.h"
 
 void fuzz_promise(bool holds, const char *what, const char *file, int line)
@@ -50,4 +52,22 @@ void fuzz_check_unit(struct orl_vec3 v)
 {
     fuzz_check_finite(v);
     FUZZ_PROMISE(fabs(orl_length(v) - 1) < 1e-6);
+}
+
+void fuzz_check_daylight(const struct orl_daylight *daylight)
+{
+    static const struct orl_vec3 directions[] = {
+        {0, 0, 1}, {0, 0, -1}, {1, 0, 0}, {0, -0.96, 0.28}, {-0.6, 0.64, 0.48}};
+    check_text(daylight->warnings, sizeof daylight->warnings);
+    if (daylight->black)
+        return;
+    for (size_t i = 0; i < sizeof directions / sizeof *directions; i++) {
+        const double value = orl_sky_brightness(&daylight->pattern, directions[i]);
+        FUZZ_PROMISE(isfinite(value) && value >= 0);
+    }
+    FUZZ_PROMISE(isfinite(daylight->sun_radiance) && daylight->sun_radiance >= 0);
+    if (daylight->sun_radiance > 0) {
+        fuzz_check_unit(daylight->sun);
+        FUZZ_PROMISE(daylight->sun_angle_deg > 0 && daylight->sun_angle_deg < 10);
+    }
 }

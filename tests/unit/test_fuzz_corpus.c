@@ -104,11 +104,19 @@ static void test_sensors(void **state)
     repeat_trifles(fuzz_sensors);
 }
 
+static void test_weather(void **state)
+{
+    (void)state;
+    repeat_all("tests/fuzz/corpus/weather", fuzz_weather);
+    repeat_trifles(fuzz_weather);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_scene), cmocka_unit_test(test_bsdf),    cmocka_unit_test(test_job),
-        cmocka_unit_test(test_map),   cmocka_unit_test(test_sensors),
+        cmocka_unit_test(test_scene),   cmocka_unit_test(test_bsdf),
+        cmocka_unit_test(test_job),     cmocka_unit_test(test_map),
+        cmocka_unit_test(test_sensors), cmocka_unit_test(test_weather),
     };
     if (sodium_init() < 0)
         return 1;

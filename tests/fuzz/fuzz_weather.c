@@ -1,0 +1,56 @@
+/* Weather files, EPW and WEA, and the skies of their rows. */
+#include "fuzz/fuzz.h"
+#include "light/daylight.h"
+
+static void check_row(const struct orl_weather_row *row)
+{
+    FUZZ_PROMISE(row->month >= 1 && row->month <= 12 && row->day >= 1 && row->day <= 31);
+    FUZZ_PROMISE(row->hour >= 0 && row->hour <= 24 && row->line > 0);
+    FUZZ_PROMISE(isfinite(row->direct) && isfinite(row->diffuse));
+}
+
+/* The sky of a row, as a job asks for it. */
+static void check_sky(const struct orl_weather *weather, const struct orl_weather_row *row,
+                      enum orl_sky_normalise normalise)
+{
+    char name[] = "weather.epw";
+    const struct orl_sky_request request = {.model = ORL_SKY_BY_WEATHER,
+                                            .normalise = normalise,
+                                            .time_given = true,
+                                            .month = row->month,
+                                            .day = row->day,
+                                            .hour = row->hour,
+                                            .ground_reflectance = 0.2,
+                                            .weather_file = name};
+    struct orl_daylight daylight;
+    struct orl_error err = {0};
+    int code = orl_daylight_check(&request, &err);
+    if (code == 0)
+        code = orl_daylight_find(&request, weather, &daylight, &err);
+    if (code < 0)
+        fuzz_check_error(code, &err);
+    else
+        fuzz_check_daylight(&daylight);
+}
+
+bool fuzz_weather(const uint8_t *data, size_t size)
+{
+    enum { SKIES = 4 };
+    struct orl_weather weather = {0};
+    struct orl_error err = {0};
+    const int code = orl_weather_parse("weather.epw", (const char *)data, size, &weather, &err);
+    if (code < 0) {
+        fuzz_check_error(code, &err);
+        FUZZ_PROMISE(weather.rows == NULL);
+        return false;
+    }
+    FUZZ_PROMISE(weather.n_rows > 0);
+    FUZZ_PROMISE(fabs(weather.latitude_deg) <= 90 && fabs(weather.longitude_deg) <= 180);
+    FUZZ_PROMISE(isfinite(weather.time_zone_h));
+    for (size_t i = 0; i < weather.n_rows; i++)
+        check_row(&weather.rows[i]);
+    for (size_t i = 0; i < weather.n_rows && i < SKIES; i++)
+        check_sky(&weather, &weather.rows[i], i % 2 ? ORL_SKY_FLUX : ORL_SKY_GENDAYLIT);
+    orl_weather_done(&weather);
+    return true;
+}
