@@ -302,7 +302,6 @@ int orl_weather_parse(const char *name, const char *text, size_t size,
         orl_weather_done(&reader.weather);
         return code;
     }
-    reader.weather.whole_year = reader.weather.n_rows == 8760 || reader.weather.n_rows == 8784;
     *ret_weather = reader.weather;
     return 0;
 }

@@ -39,13 +39,13 @@ struct orl_weather_row {
 struct orl_weather {
     double latitude_deg, longitude_deg, time_zone_h;
     enum orl_weather_units units;
-    bool whole_year; /* 8760 or 8784 rows */
     struct orl_weather_row *rows;
     size_t n_rows;
 };
 
-/* Parses either format, told apart by the first word. name is for messages. The caller passes
- * *ret_weather to orl_weather_done. */
+/* Parses either format, told apart by the first word. name is for messages. Any number of rows
+ * makes a file: parts of a year are common in WEA. The caller passes *ret_weather to
+ * orl_weather_done. */
 int orl_weather_parse(const char *name, const char *text, size_t size,
                       struct orl_weather *ret_weather, struct orl_error *err);
 void orl_weather_done(struct orl_weather *weather); /* NULL is fine */

@@ -48,7 +48,7 @@ int orl_run_sky(struct orl_run_state *state, struct orl_description *description
                 struct orl_error *err)
 {
     const struct orl_sky_request *request = &state->job->sky;
-    struct orl_daylight daylight;
+    struct orl_daylight daylight = {0};
     int code;
     if (request->model == ORL_SKY_OF_SCENE)
         return 0;
