@@ -77,7 +77,7 @@ int orl_cmd_bsdf(const struct orl_command *self, int argc, char **argv)
         {.name = "json", .help = "print what the daemon would answer", .flag = &as_json},
     };
     struct orl_operands operands;
-    struct orl_bsdf_check check;
+    struct orl_bsdf_check check = {0};
     struct orl_error err = {0};
     int rc;
     if (!orl_options_parse(self, argc, argv, options, 1, 2, 2, &operands, &rc))

@@ -172,8 +172,8 @@ static void look_around(const struct orl_bsdf *bsdf, struct orl_vec3 in, double 
     s->peak = 0;
     s->point_sr = step * cell * step * cell;
     for (int i = 0; i < PEAK_SIDE * PEAK_SIDE; i++) {
-        const double dx = (i % PEAK_SIDE + 0.5) * step - OUTER;
-        const double dy = (i / PEAK_SIDE + 0.5) * step - OUTER;
+        const int row = i / PEAK_SIDE, column = i % PEAK_SIDE;
+        const double dx = (column + 0.5) * step - OUTER, dy = (row + 0.5) * step - OUTER;
         const double x = -in.x + dx * cell, y = -in.y + dy * cell, z2 = 1 - x * x - y * y;
         s->radius[i] = sqrt(dx * dx + dy * dy);
         s->value[i] = -1;
@@ -255,8 +255,9 @@ static struct orl_bsdf_redirection redirection(const struct orl_bsdf *bsdf, bool
     struct orl_bsdf_redirection result = {0, 0};
     double sum = 0, upward = 0;
     for (int k = 0; k < 9; k++) { /* elevations 30, 45, 60 at azimuths -30, 0, 30 of the facade */
-        const double elevation = (30 + 15 * (k / 3)) * ORL_DEG_TO_RAD;
-        const double azimuth = (30 * (k % 3) - 30) * ORL_DEG_TO_RAD;
+        const int row = k / 3, column = k % 3;
+        const double elevation = (30 + 15 * row) * ORL_DEG_TO_RAD;
+        const double azimuth = (30 * column - 30) * ORL_DEG_TO_RAD;
         const double level = cos(elevation), rise = sin(elevation);
         const struct orl_vec3 in = orl_v3(level * sin(azimuth), above ? rise : -rise,
                                           front ? level * cos(azimuth) : -level * cos(azimuth));

@@ -174,7 +174,7 @@ static size_t cell_at(const struct orl_iso *iso, double radius, double angle)
 
 static double value_at(const struct orl_iso *iso, unsigned a, size_t cell)
 {
-    return (double)iso->values[a * 4 * (size_t)iso->half * iso->half + cell];
+    return (double)iso->values[(size_t)a * 4 * iso->half * iso->half + cell];
 }
 
 double orl_iso_eval(const struct orl_iso *iso, struct orl_round a, struct orl_round b)
