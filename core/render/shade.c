@@ -55,7 +55,9 @@ static void add_vertex(struct look *look, const struct branch *at, const struct 
     if (look->sight->n_vertices >= ORL_SHADE_VERTICES)
         return;
     look->sight->vertices[look->sight->n_vertices++] = (struct orl_vertex){
-        .place = {orl_hit_leave(look->gather->world->geometry, hit, seen), seen, at->outside},
+        .place = {.point = orl_hit_leave(look->gather->world->geometry, hit, seen),
+                  .normal = seen,
+                  .outside = at->outside},
         .on_surface = hit->point,
         .weight = orl_rgb_scale(orl_rgb_mul(at->weight, orl_material_diffuse(m)), 1 / ORL_PI),
         .distance = at->distance + hit->distance};
