@@ -164,8 +164,11 @@ int orl_config_parse(int argc, char **argv, struct orl_config *ret_config,
         const char *equals = strchr(argv[i], '=');
         snprintf(name, sizeof name, "%.*s", equals ? (int)(equals - argv[i]) : 31, argv[i]);
         const char *value = equals ? equals + 1 : i + 1 < argc ? argv[++i] : NULL;
-        if (!value)
-            return orl_error_set(err, ORL_ERR_INVALID, "%s wants a value", name);
+        if (!value) {
+            orl_error_set(err, ORL_ERR_INVALID, "%s is no option, or wants a value", name);
+            orl_error_hint(err, "orield --help lists them");
+            return ORL_ERR_INVALID;
+        }
         const int rc = apply_option(&config, name, value, err);
         if (rc)
             return rc;

@@ -49,6 +49,7 @@ int main(int argc, char **argv)
     snprintf(pool, sizeof pool, "%u", config.threads + ORL_SERVER_IO_THREADS);
     setenv("UV_THREADPOOL_SIZE", pool, 1);
     signal(SIGPIPE, SIG_IGN); /* a client that hangs up is an error of write, not of ours */
+    signal(SIGXFSZ, SIG_IGN); /* so is a file that grows beyond ulimit -f */
     if (orl_server_run(&config, announce, &err))
         return complain(&err, 1);
     return 0;

@@ -87,6 +87,14 @@ static void note_hit(struct entry *entry)
     entry->dirty = true;
 }
 
+/* A file that someone removed, to make room perhaps, is built again rather than missed for ever. */
+static bool is_ready(const struct orl_map_cache *cache, const struct entry *entry)
+{
+    char path[ORL_PATH_MAX];
+    final_path(cache, entry->map.info.kind, entry->map.info.key, path);
+    return entry->state == ENTRY_READY && access(path, R_OK) == 0;
+}
+
 static int cache_acquire(void *ctx, const char *kind, const char *key, atomic_bool *cancel,
                          char ret_path[4096], bool *ret_hit, struct orl_map_info *ret_info,
                          struct orl_error *err)
@@ -104,7 +112,7 @@ static int cache_acquire(void *ctx, const char *kind, const char *key, atomic_bo
         else
             wait_a_moment(cache);
     }
-    if (rc == 0 && entry->state == ENTRY_READY) {
+    if (rc == 0 && is_ready(cache, entry)) {
         hit = true;
         note_hit(entry);
         *ret_info = entry->map.info;

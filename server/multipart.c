@@ -139,7 +139,8 @@ int orl_multipart_split(struct MHD_Connection *connection, const struct orl_file
         MHD_create_post_processor(connection, PROCESSOR_BUFFER, on_data, &s);
     if (!processor)
         return orl_error_set(err, ORL_ERR_SYNTAX,
-                             "the Content-Type of the multipart body names no boundary");
+                             "the Content-Type of the multipart body names no boundary, or one of "
+                             "a single character");
     feed(&s, processor, body);
     if (MHD_destroy_post_processor(processor) != MHD_YES && s.rc == 0)
         s.rc = orl_error_set(err, ORL_ERR_SYNTAX, "the multipart/form-data body ends too early");

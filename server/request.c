@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "guard.h"
+#include "limits.h"
 #include "reply.h"
 #include "router.h"
 #include "server.h"
@@ -124,8 +125,19 @@ static struct orl_request *new_request(struct orl_server *server, struct MHD_Con
     return request;
 }
 
+/* Files it kept go before its answer: who has that finds no trace of a refused upload. */
+static void let_go(struct orl_request *request)
+{
+    if (request->state && request->free_state)
+        request->free_state(request->state);
+    request->state = NULL;
+    if (request->dispatched)
+        orl_body_done(&request->body);
+}
+
 static enum MHD_Result send_response(struct orl_request *request)
 {
+    let_go(request);
     struct MHD_Response *response = request->response;
     request->response = NULL;
     const enum MHD_Result sent = MHD_queue_response(request->connection, request->status, response);
@@ -133,11 +145,18 @@ static enum MHD_Result send_response(struct orl_request *request)
     return sent;
 }
 
-static bool expects_body(const struct orl_request *request)
+/*
+ * A request refused by its headers is answered at once when its client waits for leave to send the
+ * body, or when that is endless or huge; the connection is then closed. Any other body is read and
+ * dropped first: a client that is still sending would see the connection break, and no answer.
+ */
+static bool answer_at_once(const struct orl_request *request)
 {
     const char *length = orl_request_header(request, MHD_HTTP_HEADER_CONTENT_LENGTH);
-    return (length && strtoull(length, NULL, 10) > 0) ||
-           orl_request_header(request, MHD_HTTP_HEADER_TRANSFER_ENCODING);
+    const unsigned long long bytes = length ? strtoull(length, NULL, 10) : 0;
+    return orl_request_header(request, MHD_HTTP_HEADER_TRANSFER_ENCODING) ||
+           bytes > ORL_SERVER_DROPPED_BODY ||
+           (bytes > 0 && orl_request_header(request, MHD_HTTP_HEADER_EXPECT));
 }
 
 /* Takes what has arrived; a full buffer goes to the disk while the connection waits. */
@@ -147,6 +166,10 @@ static enum MHD_Result take_data(struct orl_request *request, const char *data, 
      * not taken comes again after it is resumed. */
     if (request->working)
         return MHD_YES;
+    if (request->response) {
+        *data_size = 0; /* refused already */
+        return MHD_YES;
+    }
     const bool full = orl_body_append(&request->body, data, *data_size);
     *data_size = 0;
     /* A client that goes on long after its body became too large is cut off. */
@@ -189,9 +212,8 @@ enum MHD_Result orl_request_serve(void *ctx, struct MHD_Connection *connection, 
         *handle = request;
         if (!request)
             return MHD_NO;
-        /* Refused by its headers: answered before the body, which is then never read. Without a
-         * body it can wait for the next call, which lets the connection live on. */
-        return request->response && expects_body(request) ? send_response(request) : MHD_YES;
+        /* Without a body it can wait for the next call, which lets the connection live on. */
+        return request->response && answer_at_once(request) ? send_response(request) : MHD_YES;
     }
     if (*data_size > 0)
         return take_data(request, data, data_size);
@@ -216,8 +238,7 @@ void orl_request_completed(void *ctx, struct MHD_Connection *connection, void **
                   "end", why == MHD_REQUEST_TERMINATED_COMPLETED_OK ? "ok" : "broken");
     if (request->response)
         MHD_destroy_response(request->response);
-    if (request->state && request->free_state)
-        request->free_state(request->state);
+    let_go(request);
     orl_body_done(&request->body);
     free(request);
     *handle = NULL;

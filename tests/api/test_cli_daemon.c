@@ -203,7 +203,7 @@ static void test_cancel_ends_a_long_job(void **state)
 
     cli_write_file(f->folder, "long.json",
                    "{\"kind\": \"render\", \"scene\": {\"files\": [\"room.rad\"]}, \"photons\":"
-                   " {\"global\": 900000000, \"caustic\": 0}, " SENSORS "}");
+                   " {\"global\": 100000000, \"caustic\": 0}, " SENSORS "}");
     snprintf(path, sizeof path, "%s/long.json", f->folder);
     run(f, 0, "submit", path, NULL, NULL);
     assert_int_equal(sscanf(f->result.out, "%63s", id), 1);

@@ -327,7 +327,7 @@ static void test_an_interrupt_cancels(void **state)
     /* Far more photons than a third of a second traces. */
     cli_write_file(f->folder, "job.json",
                    "{\"kind\": \"render\", \"scene\": {\"files\": [\"room.rad\"]},\n"
-                   " \"photons\": {\"global\": 900000000, \"caustic\": 0},\n"
+                   " \"photons\": {\"global\": 100000000, \"caustic\": 0},\n"
                    " \"sensors\": {\"file\": \"sensors.txt\"}}");
     child = cli_start(args);
     nanosleep(&moment, NULL);

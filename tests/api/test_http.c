@@ -171,6 +171,24 @@ static void test_too_large(void **state)
     reply_done(&reply);
 }
 
+/* A client that sends its body without asking hears why it is refused, not a broken connection. */
+static void test_refused_with_its_body(void **state)
+{
+    enum { BYTES = 20 << 20 };
+    char *zeros = calloc(1, BYTES);
+    struct reply reply;
+    assert_non_null(zeros);
+    daemon_request(*state, "POST", "/v1/scenes", "application/xml", zeros, BYTES,
+                   "Expect:", &reply);
+    assert_int_equal(reply.status, 415);
+    assert_string_equal(reply_text(&reply, "type"), "urn:oriel:error:unsupported-media-type");
+    reply_done(&reply);
+    daemon_request(*state, "PUT", "/nowhere", NULL, zeros, BYTES, "Expect:", &reply);
+    assert_int_equal(reply.status, 404);
+    reply_done(&reply);
+    free(zeros);
+}
+
 /* What a path of the contract allows, as the daemon tells with a 405. */
 static void ask_allow(struct daemon *daemon, const char *line, char ret_allow[64])
 {
@@ -284,6 +302,7 @@ int main(void)
         cmocka_unit_test(test_guard),
         cmocka_unit_test(test_json_mistake_has_its_line),
         cmocka_unit_test(test_too_large),
+        cmocka_unit_test(test_refused_with_its_body),
         cmocka_unit_test(test_contract_matches),
         cmocka_unit_test(test_one_daemon_per_folder),
         cmocka_unit_test(test_command_line),

@@ -14,7 +14,7 @@
 #include "limits.h"
 #include "support/daemon.h"
 
-enum { PHOTONS = 20000, MANY_PHOTONS = 200000000 };
+enum { PHOTONS = 20000, MANY_PHOTONS = 100000000 };
 
 struct fixture {
     struct daemon daemon;

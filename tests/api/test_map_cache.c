@@ -256,6 +256,26 @@ static void test_damaged_map_is_rebuilt(void **state)
     assert_int_equal(access(final, R_OK), 0);
 }
 
+/* A file that someone removed to make room: a miss, not a failure of every job that wants it. */
+static void test_removed_map_is_rebuilt(void **state)
+{
+    struct fixture *f = *state;
+    char path[4096], final[4096];
+    struct orl_map_info info;
+    assert_false(acquire(f, path, &info));
+    build(f, path);
+    f->store.release(f->store.ctx, "global", KEY);
+    assert_true(acquire(f, final, &info));
+    f->store.release(f->store.ctx, "global", KEY);
+    assert_int_equal(unlink(final), 0);
+    assert_false(acquire(f, path, &info));
+    build(f, path);
+    f->store.release(f->store.ctx, "global", KEY);
+    assert_true(acquire(f, final, &info));
+    assert_int_equal(access(final, R_OK), 0);
+    f->store.release(f->store.ctx, "global", KEY);
+}
+
 #define EACH(test) cmocka_unit_test_setup_teardown(test, setup, teardown)
 int main(void)
 {
@@ -263,7 +283,7 @@ int main(void)
         EACH(test_miss_then_hit),          EACH(test_eight_jobs_one_build),
         EACH(test_another_takes_over),     EACH(test_waiting_can_be_cancelled),
         EACH(test_survives_restart),       EACH(test_orphans_go_at_start),
-        EACH(test_damaged_map_is_rebuilt),
+        EACH(test_damaged_map_is_rebuilt), EACH(test_removed_map_is_rebuilt),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

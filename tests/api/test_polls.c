@@ -12,7 +12,7 @@
 
 #include "support/daemon.h"
 
-enum { POLLS = 1000, PAUSE_US = 4000, MANY_PHOTONS = 500000000 };
+enum { POLLS = 1000, PAUSE_US = 4000, MANY_PHOTONS = 100000000 };
 
 static int setup(void **state)
 {

@@ -9,11 +9,12 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include "support/daemon.h"
 
-enum { PHOTONS = 20000, MANY_PHOTONS = 200000000, SOME_PHOTONS = 2000000 };
+enum { PHOTONS = 20000, MANY_PHOTONS = 100000000, SOME_PHOTONS = 2000000 };
 
 struct fixture {
     struct daemon daemon;
@@ -182,6 +183,30 @@ static void test_damaged_map_is_built_again(void **state)
     reply_done(&reply);
 }
 
+/* A limit on the size of files ends the job that meets it, not the daemon. */
+static void test_file_size_limit(void **state)
+{
+    struct fixture *f = *state;
+    struct rlimit before, tight;
+    struct reply reply;
+    char job[80];
+    assert_int_equal(getrlimit(RLIMIT_FSIZE, &before), 0);
+    tight = before;
+    tight.rlim_cur = 1 << 20;
+    assert_int_equal(daemon_end(&f->daemon, SIGTERM), 0);
+    assert_int_equal(setrlimit(RLIMIT_FSIZE, &tight), 0);
+    daemon_restart(&f->daemon, NULL);
+    assert_int_equal(setrlimit(RLIMIT_FSIZE, &before), 0);
+    daemon_submit(&f->daemon, f->scene, 200000, 6, NULL, job);
+    daemon_wait(&f->daemon, job, 60, &reply);
+    assert_string_equal(reply_text(&reply, "state"), "failed");
+    assert_non_null(strstr(reply_text(&reply, "error.detail"), "File too large"));
+    reply_done(&reply);
+    assert_int_equal(daemon_count_files(&f->daemon, "tmp"), 0);
+    assert_int_equal(daemon_end(&f->daemon, SIGTERM), 0);
+    daemon_restart(&f->daemon, NULL);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -191,6 +216,7 @@ int main(void)
         cmocka_unit_test(test_cancelled_stays_cancelled),
         cmocka_unit_test(test_leftovers_go_at_start),
         cmocka_unit_test(test_damaged_map_is_built_again),
+        cmocka_unit_test(test_file_size_limit),
     };
     return cmocka_run_group_tests(tests, setup, teardown);
 }
