@@ -88,6 +88,8 @@ int orl_job_validate(const struct orl_job *job, struct orl_error *err)
             !isnormal(orl_dot(s->direction, s->direction)))
             return orl_error_set(err, ORL_ERR_RANGE,
                                  "sensor %zu needs a finite position and a non-zero direction", i);
+        if (!(orl_length(s->position) < ORL_LIMIT_DISTANCE))
+            return orl_error_set(err, ORL_ERR_RANGE, "sensor %zu is too far away", i);
     }
     for (size_t i = 0; i < job->n_views; i++) {
         const int code = validate_view(job, i, err);

@@ -63,6 +63,8 @@ int orl_sensors_parse(const char *name, const char *text, size_t size,
         else if (!isnormal(v[3] * v[3] + v[4] * v[4] + v[5] * v[5]))
             code = orl_error_set(err, ORL_ERR_RANGE,
                                  "the sensor's direction has no length, or far too much");
+        else if (!(orl_length(orl_v3(v[0], v[1], v[2])) < ORL_LIMIT_DISTANCE))
+            code = orl_error_set(err, ORL_ERR_RANGE, "the sensor is too far away");
         else if (count >= ORL_LIMIT_SENSORS)
             code = orl_error_set(err, ORL_ERR_LIMIT, "more than %lu sensors", ORL_LIMIT_SENSORS);
         else if (add_sensor(&sensors, &count, v) < 0)

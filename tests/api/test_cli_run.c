@@ -171,6 +171,10 @@ static void test_mistakes_are_named_and_recorded(void **state)
         {"room.rad", "void trans veil\n0\n0\n7 0.5 0.5 0.5 0 0 0.5 0.5\n", "trans veil",
          "unsupported"},
         {"sensors.txt", "1 2 3 0 0 1\n1 2 3\n", "sensors.txt:2: ", "syntax"},
+        {"sensors.txt", "1 2 3 0 0 1\n\n1e20 2 3 0 0 1\n", "sensors.txt:3: ", "out-of-range"},
+        {"job.json",
+         "{\"scene\": {\"files\": [\"room.rad\"]}, \"sensors\": [[0, -1e300, 0, 0, 0, 1]]}",
+         "sensor 0 is too far", "out-of-range"},
     };
 
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {

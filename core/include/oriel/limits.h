@@ -18,6 +18,7 @@
 #define ORL_LIMIT_BSDF_VALUES (64UL << 20)  /* leaf values in one BSDF file */
 #define ORL_LIMIT_WEATHER_ROWS 527040UL     /* rows of a weather file: a leap year's minutes */
 #define ORL_LIMIT_SENSORS 4000000UL         /* sensors in one job */
+#define ORL_LIMIT_DISTANCE 1e12             /* of a sensor from the origin: rays are floats */
 #define ORL_LIMIT_VIEWS 1024U               /* views in one job */
 #define ORL_LIMIT_IMAGE_SIDE 16384U         /* pixels along one side */
 #define ORL_LIMIT_IMAGE_PIXELS (64UL << 20) /* pixels in one image */
