@@ -8,11 +8,11 @@ JOBS    ?= $(shell nproc)
 WERROR  ?= -Werror
 
 # Debian packages: what the build needs, and what the checks need beyond that.
-PACKAGES_BUILD := gcc make pkg-config libembree-dev libmicrohttpd-dev libjansson-dev libuv1-dev \
+PACKAGES_BUILD := gcc libc6-dev make libembree-dev libmicrohttpd-dev libjansson-dev libuv1-dev \
 	libsqlite3-dev libexpat1-dev libpng-dev libsodium-dev libcurl4-openssl-dev
 PACKAGES_CHECK := $(PACKAGES_BUILD) libcmocka-dev
 PACKAGES_LINT  := $(PACKAGES_CHECK) clang clang-tidy clang-format
-PACKAGES_DEMO  := $(PACKAGES_BUILD) curl
+PACKAGES_DEMO  := $(PACKAGES_BUILD)
 PACKAGES_FUZZ  := $(PACKAGES_BUILD) clang llvm libclang-rt-14-dev
 
 WARNINGS := -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wstrict-prototypes \
