@@ -197,7 +197,7 @@ run-tests:
 LINT_SRC := $(CORE_SRC) $(API_SRC) $(SERVER_SRC) $(CLIENT_SRC) $(OFFICE_SRC)
 ALL_C := $(shell git ls-files '*.c' '*.h' 2>/dev/null)
 lint: deps-lint $(BUILD)/generated/embedded.h
-	clang-format --dry-run --Werror $(ALL_C)
+	@clang-format --dry-run --Werror $(ALL_C)
 	tests/check_boundaries
 	@printf '%s\n' $(CORE_SRC) | xargs -P $(JOBS) -I{} clang-tidy --quiet {} -- $(STD) $(INC_core)
 	@printf '%s\n' $(API_SRC) $(SERVER_SRC) $(CLIENT_SRC) $(OFFICE_SRC) | \

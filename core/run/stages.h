@@ -20,7 +20,7 @@ struct orl_run_state {
     struct orl_photon_map *maps[ORL_MAP_KINDS];
     bool held[ORL_MAP_KINDS]; /* the store's pin is ours to release */
     char keys[ORL_MAP_KINDS][ORL_DIGEST_HEX + 1];
-    struct orl_search *searches; /* one per crew member */
+    struct orl_search *searches;    /* one per crew member */
     double cost_s[ORL_STAGE_COUNT]; /* guessed, for the job's percentage: only ratios matter */
     enum orl_stage stage;
     double stage_started;
