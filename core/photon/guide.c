@@ -7,7 +7,14 @@
 
 /* Sky patches: an equal-area cylinder of 16 x 16; tables finer for a sun, whose light is parallel.
  */
-enum { PATCHES_X = 16, PATCHES_Y = 16, SUN_SIDE = 128, PATCH_SIDE = 32, PHOTONS_A_CELL = 4 };
+enum {
+    PATCHES_X = 16,
+    PATCHES_Y = 16,
+    PATCHES = PATCHES_X * PATCHES_Y,
+    SUN_SIDE = 128,
+    PATCH_SIDE = 32,
+    PHOTONS_A_CELL = 4
+};
 static const double guided_share = 0.9;
 /* Of a place whose photons all leave at once: they still light what they land on; no caustic does.
  */
@@ -104,11 +111,11 @@ static int make_table(struct pilot *pilot, struct orl_crew *crew, struct orl_tab
 static int make_dome_guides(struct orl_emission *e, struct pilot *pilot, struct orl_crew *crew)
 {
     int code = 0;
-    e->dome_guides = calloc(PATCHES_X * PATCHES_Y, sizeof *e->dome_guides);
+    e->dome_guides = calloc(PATCHES, sizeof *e->dome_guides);
     if (!e->dome_guides)
         return ORL_ERR_NOMEM;
     pilot->side = PATCH_SIDE;
-    for (pilot->patch = 0; pilot->patch < PATCHES_X * PATCHES_Y && code == 0; pilot->patch++)
+    for (pilot->patch = 0; pilot->patch < PATCHES && code == 0; pilot->patch++)
         code = make_table(pilot, crew, &e->dome_guides[pilot->patch]);
     return code;
 }
@@ -117,7 +124,7 @@ static int make_sun_guides(struct orl_emission *e, struct pilot *pilot, struct o
 {
     const uint32_t sun = pilot->stratum->sun;
     pilot->side = SUN_SIDE;
-    pilot->patch = PATCHES_X * PATCHES_Y + sun;
+    pilot->patch = PATCHES + sun;
     int code = make_table(pilot, crew, &e->sun_guides[sun]);
     pilot->caustic = true;
     if (code == 0)
@@ -151,7 +158,7 @@ void orl_guide_done(struct orl_emission *emission)
         orl_table_done(&emission->sun_guides[i]);
         orl_table_done(&emission->sun_caustic_guides[i]);
     }
-    for (size_t i = 0; emission->dome_guides && i < PATCHES_X * PATCHES_Y; i++)
+    for (size_t i = 0; emission->dome_guides && i < PATCHES; i++)
         orl_table_done(&emission->dome_guides[i]);
     free(emission->sun_guides);
     free(emission->sun_caustic_guides);
