@@ -156,11 +156,21 @@ static struct RTCRay make_ray(struct orl_vec3 origin, struct orl_vec3 direction,
                            .mask = 0xffffffffU};
 }
 
+/* Embree's own assertion ends the process on rays from beyond 1.8e18; nothing is hit from there. */
+static bool is_traceable(struct orl_vec3 origin, struct orl_vec3 direction)
+{
+    const double far = 1e18;
+    return fabs(origin.x) < far && fabs(origin.y) < far && fabs(origin.z) < far &&
+           isfinite(direction.x + direction.y + direction.z);
+}
+
 bool orl_embree_intersect(const struct orl_geometry *geometry, struct orl_vec3 origin,
                           struct orl_vec3 direction, double max_distance,
                           struct orl_embree_hit *ret_hit)
 {
     struct RTCRayHit rayhit = {.ray = make_ray(origin, direction, max_distance)};
+    if (!is_traceable(origin, direction))
+        return false;
     rayhit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
     rayhit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
 #if RTC_VERSION_MAJOR >= 4
@@ -183,6 +193,8 @@ bool orl_embree_occluded(const struct orl_geometry *geometry, struct orl_vec3 or
                          struct orl_vec3 direction, double max_distance)
 {
     struct RTCRay ray = make_ray(origin, direction, max_distance);
+    if (!is_traceable(origin, direction))
+        return false;
 #if RTC_VERSION_MAJOR >= 4
     rtcOccluded1(geometry->scene, &ray, NULL);
 #else

@@ -128,10 +128,16 @@ static int read_repeats(const char *const *words, size_t count, int *ret_repeats
     return 0;
 }
 
+/* By squaring: an array of n copies repeats its block n^2 / 2 times in all. */
 static void repeat(struct orl_xform *total, const struct orl_xform *block, int times)
 {
-    for (int i = 0; i < times; i++)
-        *total = orl_xform_compose(block, total);
+    struct orl_xform power = *block;
+    for (; times > 0; times >>= 1) {
+        if (times & 1)
+            *total = orl_xform_compose(&power, total);
+        if (times > 1)
+            power = orl_xform_compose(&power, &power);
+    }
 }
 
 static bool is_finite(const struct orl_xform *t)
