@@ -8,7 +8,7 @@
 #define ORL_LIMIT_SCENE_FILES 512U          /* files in one scene */
 #define ORL_LIMIT_INCLUDE_DEPTH 16U         /* nesting of !xform files */
 #define ORL_LIMIT_SCENE_TEXT (4UL << 30)    /* scene text read, repeats of xform -a included */
-#define ORL_LIMIT_SURFACES 20000000UL       /* surfaces after all !xform -a repeats */
+#define ORL_LIMIT_SURFACES 5000000UL        /* surfaces after all !xform -a repeats */
 #define ORL_LIMIT_POLYGON_VERTICES 20000U   /* corners of one polygon: triangulation is quadratic */
 #define ORL_LIMIT_ARGUMENTS 400000U         /* arguments of one primitive */
 #define ORL_LIMIT_WORD_BYTES 4096U          /* one word of a scene file */
@@ -22,7 +22,7 @@
 #define ORL_LIMIT_VIEWS 1024U               /* views in one job */
 #define ORL_LIMIT_IMAGE_SIDE 16384U         /* pixels along one side */
 #define ORL_LIMIT_IMAGE_PIXELS (64UL << 20) /* pixels in one image */
-#define ORL_LIMIT_PHOTONS 100000000UL /* photons asked for in one map: about 10 GB while built */
-#define ORL_LIMIT_JOB_BYTES (256UL << 20) /* one job document */
+#define ORL_LIMIT_PHOTONS 100000000UL    /* photons asked for in one map: about 10 GB while built */
+#define ORL_LIMIT_JOB_BYTES (64UL << 20) /* one job document */
 
 #endif
