@@ -3,6 +3,8 @@
 
 #include <stdio.h>
 
+#include <oriel/version.h>
+
 int orl_cmd_version(const struct orl_command *self, int argc, char **argv)
 {
     struct orl_operands operands;
@@ -10,6 +12,6 @@ int orl_cmd_version(const struct orl_command *self, int argc, char **argv)
 
     if (!orl_options_parse(self, argc, argv, NULL, 0, 0, 0, &operands, &code))
         return code;
-    printf("oriel %s\n", ORL_CLIENT_VERSION);
+    printf("oriel %s\n", ORL_VERSION);
     return ORL_EXIT_OK;
 }

@@ -13,8 +13,6 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#define ORL_CLIENT_VERSION "0.1.0"
-
 enum orl_exit { ORL_EXIT_OK = 0, ORL_EXIT_FAILED = 1, ORL_EXIT_USAGE = 2 };
 
 struct orl_command {

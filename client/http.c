@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include <oriel/limits.h>
+#include <oriel/version.h>
 
 #include "command.h"
 #include "files.h"
@@ -134,7 +135,7 @@ static int prepare(struct orl_http *http, const char *method, const char *path, 
     curl_easy_setopt(curl, CURLOPT_URL, url);
     curl_easy_setopt(curl, CURLOPT_CUSTOMREQUEST, method);
     curl_easy_setopt(curl, CURLOPT_PROTOCOLS_STR, "http,https");
-    curl_easy_setopt(curl, CURLOPT_USERAGENT, "oriel/" ORL_CLIENT_VERSION);
+    curl_easy_setopt(curl, CURLOPT_USERAGENT, "oriel/" ORL_VERSION);
     curl_easy_setopt(curl, CURLOPT_NOSIGNAL, 1L);
     curl_easy_setopt(curl, CURLOPT_CONNECTTIMEOUT, 10L);
     /* A big upload may take minutes to check: give up on silence, not on duration. */

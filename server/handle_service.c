@@ -2,12 +2,13 @@
 
 #include <jansson.h>
 
+#include <oriel/version.h>
+
 #include "carried.h"
 #include "limits.h"
 #include "reply.h"
 #include "server.h"
 #include "times.h"
-#include "version.h"
 
 void orl_handle_index(struct orl_request *request)
 {

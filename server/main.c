@@ -6,10 +6,11 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include <oriel/version.h>
+
 #include "config.h"
 #include "limits.h"
 #include "server.h"
-#include "version.h"
 
 static void announce(const char *url)
 {
