@@ -10,12 +10,12 @@
 /* Luminous efficacy of equal-energy white, lm/W: Radiance, src/common/color.h (WHTEFFICACY). */
 #define ORL_EFFICACY_LM_PER_W 179.0
 
-/* Radiance's default RGB primaries: the luminance of each, summing to 1 (design notes, HDR). */
+/* Radiance's default RGB primaries: the luminance of each, summing to 1 (src/common/color.h). */
 #define ORL_LUMA_R 0.265074126
 #define ORL_LUMA_G 0.670114631
 #define ORL_LUMA_B 0.064811243
 
-/* Mean angular diameter of the solar disc, degrees: gendaylit and gensky write the same. */
+/* Mean angular diameter of the solar disc, degrees, as gendaylit writes it; gensky writes 0.5. */
 #define ORL_SUN_DIAMETER_DEG 0.533
 
 #define ORL_DEG_TO_RAD (ORL_PI / 180.0)
