@@ -42,7 +42,7 @@ OFFICE_SRC := $(sort $(wildcard client/examples/office/*.c))
 FUZZ_TARGETS := $(patsubst tests/fuzz/%.c,%,$(sort $(wildcard tests/fuzz/fuzz_*.c)))
 SUPPORT_SRC := $(sort $(wildcard tests/support/*.c) $(FUZZ_TARGETS:%=tests/fuzz/%.c) \
 	tests/fuzz/promise.c)
-TEST_SUITES := unit stats validation api migrations
+TEST_SUITES := unit stats validation stability api migrations
 TEST_SRC   := $(sort $(foreach s,$(TEST_SUITES),$(wildcard tests/$(s)/test_*.c)))
 BENCH_SRC  := $(sort $(wildcard tests/bench/bench_*.c))
 
@@ -65,7 +65,7 @@ TEST_BIN   := $(patsubst tests/%.c,$(BUILD)/tests/%,$(TEST_SRC))
 BENCH_BIN  := $(patsubst tests/%.c,$(BUILD)/tests/%,$(BENCH_SRC))
 
 .PHONY: all help clean check demo lint format asan tsan bench tests deps-build deps-check \
-	deps-lint deps-demo deps-fuzz fuzz fuzzers FORCE
+	deps-lint deps-demo deps-fuzz fuzz fuzzers stability FORCE
 all: $(BUILD)/oriel $(BUILD)/orield $(BUILD)/oriel-lcp
 
 help:
@@ -77,6 +77,7 @@ help:
 ## make lint       formatting, boundaries, clang-tidy, and a build with clang
 ## make asan       all tests under AddressSanitizer and UndefinedBehaviorSanitizer
 ## make tsan       the threaded tests under ThreadSanitizer
+## make stability  the 48 hard cases in their long form, as a table of measured values and bounds
 ## make fuzz       every reader of untrusted input under libFuzzer, SECONDS=60 each
 ## make bench      speed against the raw ray rate, in one run
 ## make format     clang-format in place
@@ -172,6 +173,12 @@ tsan: deps-check
 	@$(MAKE) --no-print-directory -j$(JOBS) BUILD=$(BUILD)/tsan MODE=tsan tests
 	@TSAN_OPTIONS=suppressions=$(CURDIR)/tests/tsan.supp TEST_TIMEOUT=900 \
 		$(MAKE) --no-print-directory BUILD=$(BUILD)/tsan MODE=tsan run-tests
+
+HARD_CASES := 48
+STABILITY_BIN := $(filter $(BUILD)/tests/stability/%,$(TEST_BIN))
+stability: deps-check
+	@$(MAKE) --no-print-directory -j$(JOBS) all $(STABILITY_BIN)
+	@tests/stability_table $(BUILD) $(HARD_CASES) $(STABILITY_BIN)
 
 # Smaller limits, so that small inputs reach them. New units go to the build folder; the committed
 # corpus only grows by hand.
