@@ -11,10 +11,11 @@ struct orl_rgb orl_transmittance(const struct orl_world *world, struct orl_vec3 
         if (!orl_geometry_intersect(world->geometry, origin, direction, max_distance, &hit))
             return share;
         const struct orl_material *m = orl_world_material(world, &hit);
-        if (m->kind != ORL_MATERIAL_GLASS ||
+        const struct orl_rgb through = orl_material_straight(m, &hit, orl_neg(direction));
+        if (!(orl_rgb_max(through) > 0) ||
             (!through_ports && orl_world_crossing(world, &hit) == ORL_CROSSING_INWARDS))
             return orl_gray(0);
-        share = orl_rgb_mul(share, orl_material_straight(m, orl_dot(direction, hit.normal)));
+        share = orl_rgb_mul(share, through);
         origin = orl_hit_leave(world->geometry, &hit, direction);
         max_distance -= hit.distance;
     }
@@ -34,9 +35,8 @@ struct orl_rgb orl_mirrored_transmittance(const struct orl_world *world, struct 
         if (!orl_geometry_intersect(world->geometry, origin, direction, INFINITY, &hit))
             return sum;
         const struct orl_material *m = orl_world_material(world, &hit);
-        const double cosine = orl_dot(direction, hit.normal);
         if (fabs(orl_dot(hit.normal, mirror)) >= 1 - 1e-9) {
-            const struct orl_rgb back = orl_mirror_reflectance(m, cosine);
+            const struct orl_rgb back = orl_material_mirrored(m, &hit, orl_neg(direction));
             if (orl_rgb_max(back) > 0)
                 sum = orl_rgb_add(
                     sum,
@@ -44,10 +44,11 @@ struct orl_rgb orl_mirrored_transmittance(const struct orl_world *world, struct 
                                 orl_transmittance(world, orl_hit_leave(world->geometry, &hit, sun),
                                                   sun, INFINITY, through_ports)));
         }
-        if (m->kind != ORL_MATERIAL_GLASS ||
+        const struct orl_rgb through = orl_material_straight(m, &hit, orl_neg(direction));
+        if (!(orl_rgb_max(through) > 0) ||
             (!through_ports && orl_world_crossing(world, &hit) == ORL_CROSSING_INWARDS))
             return sum;
-        share = orl_rgb_mul(share, orl_material_straight(m, cosine));
+        share = orl_rgb_mul(share, through);
         origin = orl_hit_leave(world->geometry, &hit, direction);
     }
     return sum;
@@ -222,7 +223,7 @@ static struct orl_rgb scattered_direct(const struct orl_world *world, const stru
         sum = diffuse_direct(world, hit, normal, diffuse, random);
     if (orl_material_has_lobes(m))
         sum = orl_rgb_add(sum, lobes_of_side(world, hit, eye, normal, random));
-    if (m->kind == ORL_MATERIAL_BSDF && orl_world_crossing(world, hit) != ORL_CROSSING_INWARDS)
+    if (orl_material_transmits_lobes(m) && orl_world_crossing(world, hit) != ORL_CROSSING_INWARDS)
         sum = orl_rgb_add(sum, lobes_of_side(world, hit, eye, orl_neg(normal), random));
     return sum;
 }
@@ -235,7 +236,6 @@ static struct orl_rgb scattered_direct(const struct orl_world *world, const stru
 static struct orl_rgb folded_direct(const struct orl_world *world, const struct orl_hit *hit)
 {
     const struct orl_material *m = orl_world_material(world, hit);
-    const struct orl_frame frame = orl_bsdf_frame(m, hit->normal);
     const struct orl_vec3 normal = hit->front ? hit->normal : orl_neg(hit->normal);
     struct orl_rgb sum = orl_gray(0);
     for (size_t i = 0; i < world->n_suns; i++) {
@@ -243,8 +243,7 @@ static struct orl_rgb folded_direct(const struct orl_world *world, const struct 
         const double cosine = orl_dot(sun, normal);
         if (!(cosine > 0))
             continue;
-        const struct orl_rgb albedo =
-            orl_bsdf_albedo(m->bsdf, orl_to_local(&frame, sun), ORL_BSDF_REFLECT);
+        const struct orl_rgb albedo = orl_material_albedo(m, hit, sun, ORL_LOBE_REFLECTED);
         const struct orl_rgb share = orl_transmittance(
             world, orl_hit_leave(world->geometry, hit, normal), sun, INFINITY, false);
         sum = orl_rgb_add(
@@ -267,10 +266,10 @@ struct orl_rgb orl_exterior_radiance(const struct orl_world *world, struct orl_v
         }
         const struct orl_material *m = orl_world_material(world, &hit);
         const struct orl_vec3 eye = orl_neg(direction);
-        if (m->kind == ORL_MATERIAL_GLOW || (m->kind == ORL_MATERIAL_LIGHT && !sampled_lights))
-            sum = orl_rgb_add(sum, orl_rgb_mul(weight, orl_material_emission(m, &hit)));
+        if (m->kind == ORL_MATERIAL_GLOW || (orl_material_is_lamp(m) && !sampled_lights))
+            sum = orl_rgb_add(sum, orl_rgb_mul(weight, orl_material_emission(m, &hit, eye)));
         const bool barred = orl_world_crossing(world, &hit) == ORL_CROSSING_INWARDS;
-        const bool folded = barred && diffused && m->kind == ORL_MATERIAL_BSDF;
+        const bool folded = barred && diffused && orl_material_transmits_lobes(m);
         const struct orl_rgb direct =
             folded ? folded_direct(world, &hit) : scattered_direct(world, &hit, eye, random);
         sum = orl_rgb_add(sum, orl_rgb_mul(weight, direct));

@@ -37,18 +37,11 @@ static void add_emitters(struct orl_world *world)
     const struct orl_geometry *g = world->geometry;
     for (size_t i = 0; i < g->n_facets; i++) {
         const struct orl_material *m = &world->description.materials[g->facets[i].material];
-        const bool shines = m->kind == ORL_MATERIAL_LIGHT || m->kind == ORL_MATERIAL_GLOW;
+        const bool shines = orl_material_shines(m);
         if (shines && g->facets[i].area > 0 && orl_luma(m->color) > 0)
             world->emitters[world->n_emitters++] =
-                (struct orl_emitter){(uint32_t)i, m->color, m->kind == ORL_MATERIAL_LIGHT};
+                (struct orl_emitter){(uint32_t)i, m->color, orl_material_is_lamp(m)};
     }
-}
-
-struct orl_rgb orl_mirror_reflectance(const struct orl_material *material, double cosine)
-{
-    if (material->kind == ORL_MATERIAL_GLASS)
-        return orl_glass_reflectance(material, cosine);
-    return material->roughness > 0 ? orl_gray(0) : orl_material_specular(material);
 }
 
 /* In a street of glass the directions are few: panes that face alike share one. */
@@ -63,7 +56,7 @@ static int add_mirrors(struct orl_world *world)
         const struct orl_material *m = &world->description.materials[f->material];
         size_t k = 0;
         const bool flat = f->kind == ORL_SURFACE_POLYGON || f->kind == ORL_SURFACE_RING;
-        if (!flat || !(f->area > 0) || !(orl_rgb_max(orl_mirror_reflectance(m, 0.5)) > 0))
+        if (!flat || !(f->area > 0) || !orl_material_is_mirror(m))
             continue;
         while (k < world->n_mirrors && fabs(orl_dot(f->normal, world->mirrors[k])) < 1 - 1e-9)
             k++;
@@ -81,9 +74,8 @@ static size_t count_emitters(const struct orl_world *world)
 {
     size_t n = 0;
     for (size_t i = 0; i < world->geometry->n_facets; i++) {
-        const enum orl_material_kind kind =
-            world->description.materials[world->geometry->facets[i].material].kind;
-        n += kind == ORL_MATERIAL_LIGHT || kind == ORL_MATERIAL_GLOW;
+        const uint32_t material = world->geometry->facets[i].material;
+        n += orl_material_shines(&world->description.materials[material]);
     }
     return n;
 }
@@ -93,8 +85,7 @@ static int check_materials(const struct orl_description *d, struct orl_error *er
 {
     for (size_t i = 0; i < d->n_materials; i++) {
         const struct orl_material *m = &d->materials[i];
-        const double extra =
-            orl_rgb_max(m->front) + orl_rgb_max(m->back) + orl_rgb_max(m->transmitted);
+        const double extra = orl_rgb_max(m->front) + orl_rgb_max(m->back) + orl_rgb_max(m->through);
         if (m->kind == ORL_MATERIAL_BSDF && extra > 0) {
             orl_error_set(err, ORL_ERR_UNSUPPORTED,
                           "diffuse additions to a BSDF are not simulated yet");

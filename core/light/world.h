@@ -94,9 +94,6 @@ struct orl_rgb orl_world_sun_radiance(const struct orl_world *world, struct orl_
 /* A direction uniform over the sun's disc; u in [0,1)^2. */
 struct orl_vec3 orl_sun_sample(const struct orl_sun *sun, const double u[2]);
 
-/* Share of light that a surface mirrors, at the angle of this cosine; zero when it is no mirror. */
-struct orl_rgb orl_mirror_reflectance(const struct orl_material *material, double cosine);
-
 /* Whether a path through this hit passes a port, and to which side. */
 enum orl_crossing { ORL_CROSSING_NONE, ORL_CROSSING_INWARDS, ORL_CROSSING_OUTWARDS };
 enum orl_crossing orl_world_crossing(const struct orl_world *world, const struct orl_hit *hit);

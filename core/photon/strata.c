@@ -33,10 +33,8 @@ static double transmitted_luma(const struct orl_world *world, const struct orl_p
 {
     const struct orl_facet *facet = &world->geometry->facets[port->facet];
     const struct orl_material *m = &world->description.materials[facet->material];
-    if (m->kind == ORL_MATERIAL_GLASS)
-        return orl_luma(orl_material_straight(m, orl_dot(outwards, facet->normal)));
-    const struct orl_frame frame = orl_bsdf_frame(m, facet->normal);
-    return orl_luma(orl_bsdf_albedo(m->bsdf, orl_to_local(&frame, outwards), ORL_BSDF_TRANSMIT));
+    const struct orl_hit hit = {.normal = facet->normal};
+    return orl_luma(orl_material_albedo(m, &hit, outwards, ORL_LOBE_TRANSMITTED));
 }
 
 /* One cell of one port's table: mean of what arrives and gets through. */

@@ -152,7 +152,7 @@ static struct orl_rgb trace_gather(const struct orl_gather *gather, struct orl_v
         const bool diffuse = orl_rgb_max(orl_material_diffuse(m)) > 0;
         const bool near = hit.distance < gather->near;
         if (m->kind == ORL_MATERIAL_GLOW)
-            sum = orl_rgb_add(sum, orl_rgb_mul(weight, orl_material_emission(m, &hit)));
+            sum = orl_rgb_add(sum, orl_rgb_mul(weight, orl_material_emission(m, &hit, orl_neg(direction))));
         if (diffuse)
             sum = orl_rgb_add(
                 sum, orl_rgb_mul(weight, diffuse_radiance(gather, &hit, m, near, random, search)));

@@ -48,7 +48,7 @@ static struct orl_rgb caustics_in_air(const struct orl_gather *gather,
     struct orl_rgb sum = orl_gray(0);
     for (size_t f = 0; f < world->geometry->n_facets; f++) {
         const struct orl_facet *facet = &world->geometry->facets[f];
-        if (world->description.materials[facet->material].kind != ORL_MATERIAL_BSDF ||
+        if (!orl_material_transmits_lobes(&world->description.materials[facet->material]) ||
             !(facet->area > 0))
             continue;
         for (size_t s = 0; s < world->n_suns; s++)

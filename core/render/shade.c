@@ -87,10 +87,10 @@ static struct orl_scatter sample_lobes(const struct look *look, const struct orl
 {
     const enum orl_lobes lobes = (enum orl_lobes)(ORL_LOBE_REFLECTED | ORL_LOBE_TRANSMITTED);
     double u[3];
-    if (m->kind != ORL_MATERIAL_BSDF)
+    if (!orl_material_transmits_lobes(m))
         return orl_scatter_sample(m, hit, eye, ORL_TRANSPORT_EYE, lobes, look->random);
     orl_sobol_point(&look->gather->sobol, sample, sequence, 3, u);
-    return orl_scatter_sample_bsdf(m, hit, eye, ORL_TRANSPORT_EYE, lobes, u);
+    return orl_scatter_sample_at(m, hit, eye, ORL_TRANSPORT_EYE, lobes, u);
 }
 
 /* Lobes of a surface: lights directly, all else by a few rays. */
@@ -103,7 +103,7 @@ static void add_lobes(struct look *look, const struct branch *at, const struct o
     const enum orl_crossing crossing = orl_world_crossing(world, hit);
     struct orl_rgb sum = orl_gray(0);
     add(look, at->weight, direct_in_lobes(look, hit, m, eye, seen, 2));
-    if (m->kind == ORL_MATERIAL_BSDF)
+    if (orl_material_transmits_lobes(m))
         add(look, at->weight, direct_in_lobes(look, hit, m, eye, orl_neg(seen), 2));
     const uint32_t sequence = (uint32_t)orl_random_bits(look->random);
     for (uint32_t i = 0; i < samples; i++) {
@@ -129,15 +129,11 @@ static void meet(struct look *look, const struct branch *at, const struct orl_hi
     const struct orl_vec3 mirrored = orl_sub(orl_scale(hit->normal, 2 * cosine), eye);
     if (orl_rgb_max(orl_material_diffuse(m)) > 0)
         add_vertex(look, at, hit, m);
-    if (m->kind == ORL_MATERIAL_GLASS) {
-        follow(look, at, hit, mirrored, orl_glass_reflectance(m, cosine), false);
-        follow(look, at, hit, at->direction, orl_material_straight(m, cosine), true);
-    } else if (!orl_material_has_lobes(m)) {
-        follow(look, at, hit, mirrored, orl_material_specular(m), false);
-    } else if (!look->only_vertices) {
-        add_lobes(look, at, hit, m, m->kind == ORL_MATERIAL_BSDF ? PANE_SAMPLES : GLOSS_SAMPLES);
-    }
-    add(look, at->weight, orl_material_emission(m, hit));
+    follow(look, at, hit, mirrored, orl_material_mirrored(m, hit, eye), false);
+    follow(look, at, hit, at->direction, orl_material_straight(m, hit, eye), true);
+    if (orl_material_has_lobes(m) && !look->only_vertices)
+        add_lobes(look, at, hit, m, orl_material_transmits_lobes(m) ? PANE_SAMPLES : GLOSS_SAMPLES);
+    add(look, at->weight, orl_material_emission(m, hit, eye));
 }
 
 void orl_shade_look(const struct orl_gather *gather, struct orl_vec3 origin,

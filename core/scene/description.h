@@ -12,6 +12,7 @@
 #ifndef ORL_SCENE_DESCRIPTION_H
 #define ORL_SCENE_DESCRIPTION_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -21,27 +22,49 @@
 struct orl_storage;
 
 enum orl_material_kind {
-    ORL_MATERIAL_VOID,    /* a surface modified by void: black, absorbs (Radiance ignores it) */
-    ORL_MATERIAL_PLASTIC, /* color, specular, roughness */
-    ORL_MATERIAL_METAL,   /* color, specular, roughness */
-    ORL_MATERIAL_GLASS,   /* transmissivity, ior */
-    ORL_MATERIAL_BSDF,    /* bsdf, up, thickness, front/back/transmitted diffuse additions */
-    ORL_MATERIAL_LIGHT,   /* radiance; a source to be sampled directly */
-    ORL_MATERIAL_GLOW,    /* radiance, max_radius; seen, but sampled only within max_radius */
+    ORL_MATERIAL_VOID,       /* a surface modified by void: black, absorbs (Radiance ignores it) */
+    ORL_MATERIAL_PLASTIC,    /* color, specular, roughness, grain (plastic2) */
+    ORL_MATERIAL_METAL,      /* color, specular, roughness, grain (metal2) */
+    ORL_MATERIAL_TRANS,      /* the same (trans2), transmitted, transmitted_specular */
+    ORL_MATERIAL_GLASS,      /* transmissivity, ior */
+    ORL_MATERIAL_DIELECTRIC, /* media: a dielectric has air in front, an interface anything */
+    ORL_MATERIAL_MIRROR,     /* color, on the front; black behind */
+    ORL_MATERIAL_BSDF,       /* bsdf, up, thickness, peak, front/back/through diffuse additions */
+    ORL_MATERIAL_LIGHT,      /* radiance; a source to be sampled directly */
+    ORL_MATERIAL_GLOW,       /* radiance, max_radius; seen, but sampled only within max_radius */
+    ORL_MATERIAL_SPOTLIGHT,  /* a light that shines within a cone: spot */
+    ORL_MATERIAL_ILLUM,      /* a light that views see as what it stands for: seen_as */
+};
+
+enum { ORL_SEEN_AS_ITSELF = -1, ORL_SEEN_AS_NOTHING = -2 };
+
+struct orl_medium {
+    struct orl_rgb transmissivity; /* of a unit of length, 0..1 */
+    double ior;
 };
 
 struct orl_material {
     enum orl_material_kind kind;
     char *name;
-    struct orl_rgb color;       /* plastic, metal: reflectance as written; light, glow: radiance */
-    double specular, roughness; /* plastic, metal */
-    struct orl_rgb transmissivity;           /* glass: as written (at normal incidence, one pass) */
-    double ior;                              /* glass: 1.52 unless written */
-    double max_radius;                       /* glow: fourth argument */
-    struct orl_bsdf *bsdf;                   /* BSDF: a reference held */
-    double thickness;                        /* BSDF: as written, signed */
-    struct orl_vec3 up;                      /* BSDF: as written, not projected */
-    struct orl_rgb front, back, transmitted; /* BSDF: additional diffuse of 3, 6 or 9 reals */
+    struct orl_rgb color;  /* reflectors: reflectance as written; lights: radiance */
+    double specular;       /* reflectors: share of color, or of white for plastic and trans */
+    double roughness[2];   /* reflectors: rms slope along grain and across; equal: isotropic */
+    struct orl_vec3 grain; /* plastic2 and the like: as written, not projected */
+    double transmitted;    /* trans: share of what is not reflected as by a mirror */
+    double transmitted_specular;   /* trans: share of that which is not spread evenly */
+    struct orl_rgb transmissivity; /* glass: as written (at normal incidence, one pass) */
+    double ior;                    /* glass: 1.52 unless written */
+    struct orl_medium media[2];    /* dielectric, interface: behind the normal, in front of it */
+    double max_radius;             /* glow: fourth argument */
+    struct orl_bsdf *bsdf;         /* BSDF: a reference held */
+    double thickness;              /* BSDF: as written, signed */
+    struct orl_vec3 up;            /* BSDF: as written, not projected */
+    bool peak;                     /* aBSDF: what goes nearly straight through goes straight */
+    struct orl_rgb front, back, through; /* BSDF: additional diffuse of 3, 6 or 9 reals */
+    struct orl_vec3 aim;                 /* spotlight: unit; zero: shines evenly */
+    double cos_cone;                     /* spotlight: of the half angle */
+    double focus;                        /* spotlight: how far behind the lamp its beam starts */
+    int32_t seen_as;                     /* illum: material that views see, or orl_seen_as */
     int32_t sky; /* light, glow: index into skies that scales color, or -1 */
 };
 

@@ -48,14 +48,14 @@ static int read_opaque(struct orl_parser *parser, const struct orl_scope *scope,
         return code;
     material->color = real_rgb(parser, 0);
     material->specular = parser->primitive.reals[3];
-    material->roughness = parser->primitive.reals[4];
+    material->roughness[0] = material->roughness[1] = parser->primitive.reals[4];
     code = check_share(parser, scope, material->color, false, "reflectance", err);
     if (code == 0)
         code =
             check_share(parser, scope, orl_gray(material->specular), !plastic, "specularity", err);
-    if (code == 0 && !(material->roughness >= 0 && material->roughness <= 1))
+    if (code == 0 && !(material->roughness[0] >= 0 && material->roughness[0] <= 1))
         code = orl_parser_fail(parser, scope, err, ORL_ERR_RANGE,
-                               "its roughness %g is not from 0 to 1", material->roughness);
+                               "its roughness %g is not from 0 to 1", material->roughness[0]);
     return code;
 }
 
@@ -135,7 +135,7 @@ static int read_bsdf_file(struct orl_parser *parser, const struct orl_scope *sco
 static int read_bsdf_diffuse(struct orl_parser *parser, const struct orl_scope *scope,
                              struct orl_material *material, struct orl_error *err)
 {
-    struct orl_rgb *const parts[3] = {&material->front, &material->back, &material->transmitted};
+    struct orl_rgb *const parts[3] = {&material->front, &material->back, &material->through};
     const size_t n = parser->primitive.n_reals;
     int code = 0;
     if (n > 9 || n % 3 != 0)
@@ -214,15 +214,49 @@ static bool same_rgb(struct orl_rgb a, struct orl_rgb b)
     return a.r == b.r && a.g == b.g && a.b == b.b;
 }
 
+static bool same_vec3(struct orl_vec3 a, struct orl_vec3 b)
+{
+    return a.x == b.x && a.y == b.y && a.z == b.z;
+}
+
+static bool same_medium(struct orl_medium a, struct orl_medium b)
+{
+    return same_rgb(a.transmissivity, b.transmissivity) && a.ior == b.ior;
+}
+
+static bool same_reflector(const struct orl_material *a, const struct orl_material *b)
+{
+    return same_rgb(a->color, b->color) && a->specular == b->specular &&
+           a->roughness[0] == b->roughness[0] && a->roughness[1] == b->roughness[1] &&
+           same_vec3(a->grain, b->grain) && a->transmitted == b->transmitted &&
+           a->transmitted_specular == b->transmitted_specular;
+}
+
+static bool same_clear(const struct orl_material *a, const struct orl_material *b)
+{
+    return same_rgb(a->transmissivity, b->transmissivity) && a->ior == b->ior &&
+           same_medium(a->media[0], b->media[0]) && same_medium(a->media[1], b->media[1]);
+}
+
+static bool same_bsdf(const struct orl_material *a, const struct orl_material *b)
+{
+    return a->bsdf == b->bsdf && a->thickness == b->thickness && same_vec3(a->up, b->up) &&
+           a->peak == b->peak && same_rgb(a->front, b->front) && same_rgb(a->back, b->back) &&
+           same_rgb(a->through, b->through);
+}
+
+static bool same_light(const struct orl_material *a, const struct orl_material *b)
+{
+    return a->max_radius == b->max_radius && same_vec3(a->aim, b->aim) &&
+           a->cos_cone == b->cos_cone && a->focus == b->focus && a->seen_as == b->seen_as &&
+           a->sky == b->sky;
+}
+
 /* Whether two materials of one name are the same: arrays read their materials again and again. */
 static bool same_material(const struct orl_material *a, const struct orl_material *b)
 {
-    return a->kind == b->kind && same_rgb(a->color, b->color) && a->specular == b->specular &&
-           a->roughness == b->roughness && same_rgb(a->transmissivity, b->transmissivity) &&
-           a->ior == b->ior && a->max_radius == b->max_radius && a->bsdf == b->bsdf &&
-           a->thickness == b->thickness && a->up.x == b->up.x && a->up.y == b->up.y &&
-           a->up.z == b->up.z && same_rgb(a->front, b->front) && same_rgb(a->back, b->back) &&
-           same_rgb(a->transmitted, b->transmitted) && a->sky == b->sky;
+    return a->kind == b->kind && same_reflector(a, b) && same_clear(a, b) && same_bsdf(a, b) &&
+           same_light(a, b);
 }
 
 /* Adds the material; takes its BSDF reference, whatever happens. */
@@ -244,7 +278,8 @@ static int add_material(struct orl_parser *parser, const char *name, struct orl_
 
 int orl_parser_void(struct orl_parser *parser, uint32_t *ret_index)
 {
-    struct orl_material nothing = {.kind = ORL_MATERIAL_VOID, .sky = -1};
+    struct orl_material nothing = {
+        .kind = ORL_MATERIAL_VOID, .seen_as = ORL_SEEN_AS_ITSELF, .sky = -1};
     if (parser->void_material < 0) {
         uint32_t index = 0;
         if (add_material(parser, "void", &nothing, &index) < 0)
@@ -319,7 +354,7 @@ int orl_parser_modifier(struct orl_parser *parser, const struct orl_scope *scope
                         struct orl_error *err)
 {
     const struct material_type *type = find_type(parser->primitive.type);
-    struct orl_material material = {.sky = -1};
+    struct orl_material material = {.seen_as = ORL_SEEN_AS_ITSELF, .sky = -1};
     int code = check_name(parser, scope, err);
     if (code == 0)
         code = find_sky(parser, scope, &material.sky, err);

@@ -28,15 +28,16 @@ static void check_color(struct orl_rgb c)
 
 static void check_material(const struct orl_description *d, const struct orl_material *m)
 {
-    FUZZ_PROMISE(m->kind >= ORL_MATERIAL_VOID && m->kind <= ORL_MATERIAL_GLOW);
+    FUZZ_PROMISE(m->kind >= ORL_MATERIAL_VOID && m->kind <= ORL_MATERIAL_ILLUM);
     FUZZ_PROMISE(m->name != NULL);
     check_color(m->color);
     check_color(m->transmissivity);
     check_color(m->front);
     check_color(m->back);
-    check_color(m->transmitted);
+    check_color(m->through);
     fuzz_check_finite(m->up);
-    FUZZ_PROMISE(isfinite(m->specular) && isfinite(m->roughness) && isfinite(m->ior));
+    FUZZ_PROMISE(isfinite(m->specular) && isfinite(m->roughness[0]) && isfinite(m->roughness[1]) &&
+                 isfinite(m->ior));
     FUZZ_PROMISE(isfinite(m->max_radius) && isfinite(m->thickness));
     FUZZ_PROMISE((m->kind == ORL_MATERIAL_BSDF) == (m->bsdf != NULL));
     FUZZ_PROMISE(m->sky >= -1 && (m->sky < 0 || (size_t)m->sky < d->n_skies));

@@ -146,7 +146,7 @@ static void test_materials(void **state)
     assert_int_equal(d.materials[0].kind, ORL_MATERIAL_PLASTIC);
     assert_string_equal(d.materials[0].name, "p");
     assert_true(d.materials[0].color.g == .2 && d.materials[0].specular == .04);
-    assert_true(d.materials[0].roughness == .05 && d.materials[0].sky == -1);
+    assert_true(d.materials[0].roughness[0] == .05 && d.materials[0].sky == -1);
     assert_true(d.materials[1].transmissivity.b == .9 && d.materials[1].ior == 1.52);
     assert_true(d.materials[2].ior == 1.4);
     assert_true(d.materials[3].color.b == 3 && d.materials[3].max_radius == -1);
@@ -360,7 +360,7 @@ static void test_bsdf_is_shared(void **state)
     assert_int_equal(d.materials[0].kind, ORL_MATERIAL_BSDF);
     assert_non_null(d.materials[0].bsdf);
     assert_ptr_equal(d.materials[0].bsdf, d.materials[1].bsdf);
-    assert_true(d.materials[0].back.g == .2 && d.materials[0].transmitted.b == .3);
+    assert_true(d.materials[0].back.g == .2 && d.materials[0].through.b == .3);
     assert_vec(d.materials[0].up, 0, 0, 1);
     assert_vec(d.materials[1].up, 0, -1, 0);
     orl_description_done(&d);
