@@ -3,8 +3,11 @@
  * reciprocity, drops a dummy one, and offers one contract over trees and matrices.
  *
  * The pdf of a draw is f |cos| over its integral, computed from the very leaf that eval reads; a
- * sample's weight is therefore the albedo. The descent that makes the draw follows float means, so
- * it realises that pdf to about 1e-6 relative, with no region of positive f left out.
+ * sample's weight is therefore the albedo. (f is the file's there: where R + T is above 1, values
+ * are divided by it when they are read, which leaves the pdf of a draw given the incident direction
+ * as it is, and puts the quotient into the weight of a draw given the other one.) The descent that
+ * makes the draw follows float means, so it realises that pdf to about 1e-6 relative, with no
+ * region of positive f left out.
  */
 #include <oriel/bsdf.h>
 
@@ -261,18 +264,25 @@ double orl_view_omega(const struct orl_bsdf *bsdf, const struct orl_view *view, 
     return cell < 0 ? 0 : orl_basis_ring(basis, cell)->omega_sr;
 }
 
-/* The largest R + T over all directions that the data tell apart. */
-static double max_albedo(const struct orl_bsdf *bsdf, bool front)
+/*
+ * The largest R + T as filed, over all directions that the data tell apart. Where the largest R
+ * and the largest T do not add up to more than 1, nothing can, and nobody need look again.
+ */
+static void find_gain(struct orl_bsdf *bsdf, bool front)
 {
-    double largest = 0, omega;
+    double largest = 0, parts[2] = {0, 0}, omega;
     for (int t = 0; t < 2; t++) {
         const struct orl_view *view = &bsdf->views[front][t];
         for (size_t i = 0; i < orl_view_cells(bsdf, view); i++) {
             const struct orl_vec3 in = orl_view_incident(bsdf, view, i, front, &omega);
-            largest = fmax(largest, orl_bsdf_albedo(bsdf, in, ORL_BSDF_BOTH).g);
+            double total[2];
+            orl_bsdf_filed_totals(bsdf, in, total);
+            largest = fmax(largest, total[0] + total[1]);
+            parts[t] = fmax(parts[t], total[t]);
         }
     }
-    return largest;
+    bsdf->info.max_albedo[front] = largest;
+    bsdf->may_gain[front] = parts[0] + parts[1] > 1;
 }
 
 static void describe(struct orl_bsdf *bsdf)
@@ -297,7 +307,7 @@ static void describe(struct orl_bsdf *bsdf)
             describe_matrix(info, &part->matrix);
     }
     for (int front = 0; front < 2; front++)
-        info->max_albedo[front] = max_albedo(bsdf, front);
+        find_gain(bsdf, front);
 }
 
 int orl_bsdf_load_xml(const char *name, const char *xml, size_t size, struct orl_bsdf **ret_bsdf,
@@ -352,21 +362,17 @@ static const struct orl_view *view_between(const struct orl_bsdf *bsdf, struct o
     return &bsdf->views[in_front][in_front != out_front];
 }
 
-struct orl_rgb orl_bsdf_eval(const struct orl_bsdf *bsdf, struct orl_vec3 in, struct orl_vec3 out)
-{
-    return orl_gray(view_eval(bsdf, view_between(bsdf, in, out), in, out));
-}
-
 struct orl_rgb orl_bsdf_diffuse(const struct orl_bsdf *bsdf, bool in_front, bool transmitted)
 {
     const struct orl_component *component = bsdf->views[in_front][transmitted].component;
+    const double gain = fmax(1, bsdf->info.max_albedo[in_front]);
     if (!component)
         return orl_gray(0);
     if (bsdf->document.structure == ORL_STRUCTURE_TREE4)
-        return orl_gray((double)component->tree.minimum);
+        return orl_gray((double)component->tree.minimum / gain);
     if (bsdf->document.structure == ORL_STRUCTURE_TREE3)
-        return orl_gray((double)component->iso.minimum);
-    return orl_gray((double)component->matrix.minimum);
+        return orl_gray((double)component->iso.minimum / gain);
+    return orl_gray((double)component->matrix.minimum / gain);
 }
 
 /* The view that a direction in its role takes part in, by reflection or by transmission. */
@@ -386,13 +392,39 @@ static void totals(const struct orl_bsdf *bsdf, enum orl_role role, bool front,
     }
 }
 
+void orl_bsdf_filed_totals(const struct orl_bsdf *bsdf, struct orl_vec3 in, double ret_total[2])
+{
+    const struct place place = place_of(bsdf, in);
+    totals(bsdf, ORL_ROLE_IN, in.z > 0, &place, ORL_BSDF_BOTH, ret_total);
+}
+
+/*
+ * What every value for light from there is divided by, lest more light leaves than came: R + T
+ * where the file has more than 1 for it. Both reflection and transmission shrink alike, and draws
+ * given the incident direction keep their pdf.
+ */
+static double gain_of(const struct orl_bsdf *bsdf, struct orl_vec3 in)
+{
+    double total[2];
+    if (!bsdf->may_gain[in.z > 0])
+        return 1;
+    orl_bsdf_filed_totals(bsdf, in, total);
+    return fmax(1, total[0] + total[1]);
+}
+
+struct orl_rgb orl_bsdf_eval(const struct orl_bsdf *bsdf, struct orl_vec3 in, struct orl_vec3 out)
+{
+    const double value = view_eval(bsdf, view_between(bsdf, in, out), in, out);
+    return orl_gray(value > 0 ? value / gain_of(bsdf, in) : 0);
+}
+
 struct orl_rgb orl_bsdf_albedo(const struct orl_bsdf *bsdf, struct orl_vec3 in,
                                enum orl_bsdf_side sides)
 {
     const struct place place = place_of(bsdf, in);
     double total[2];
     totals(bsdf, ORL_ROLE_IN, in.z > 0, &place, sides, total);
-    return orl_gray(total[0] + total[1]);
+    return orl_gray((total[0] + total[1]) / gain_of(bsdf, in));
 }
 
 /* ---- Draws ----------------------------------------------------------------------------------- */
@@ -413,9 +445,9 @@ static bool draw(const struct orl_bsdf *bsdf, enum orl_role role, struct orl_vec
     transmitted = total[1] > 0 && u[2] * sum >= total[0];
     value = view_draw(bsdf, view_for(bsdf, role, front, transmitted), role, &place, u, ret_other);
     *ret_pdf = value * ret_other->z / sum;
-    *ret_weight = orl_gray(sum);
     if (front == transmitted)
         ret_other->z = -ret_other->z;
+    *ret_weight = orl_gray(sum / gain_of(bsdf, role == ORL_ROLE_IN ? given : *ret_other));
     return true;
 }
 

@@ -1,5 +1,6 @@
 /*
- * The figures of a BSDF's check. What can be summed over the data's own cells is exact; shares of
+ * The figures of a BSDF's check, of the file as it is: before the division that keeps R + T from
+ * being above 1. What can be summed over the data's own cells is exact; shares of
  * light (reciprocity, redirection) are means over evenly spread draws, the same ones every time,
  * good to about half a per cent.
  */
@@ -36,8 +37,10 @@ static void scatter_beam(const struct orl_bsdf *bsdf, bool front, struct orl_bsd
     for (int k = 0; k < 4; k++) {
         const struct orl_vec3 in = orl_normalize(
             orl_to_world(&frame, orl_v3(k & 1 ? half : -half, k & 2 ? half : -half, 1)));
-        h->reflected += 0.25 * orl_luma(orl_bsdf_albedo(bsdf, in, ORL_BSDF_REFLECT));
-        h->transmitted += 0.25 * orl_luma(orl_bsdf_albedo(bsdf, in, ORL_BSDF_TRANSMIT));
+        double total[2];
+        orl_bsdf_filed_totals(bsdf, in, total);
+        h->reflected += 0.25 * total[0];
+        h->transmitted += 0.25 * total[1];
     }
 }
 
@@ -69,12 +72,11 @@ static void widen(struct orl_bsdf_extremes *x, double value, struct orl_vec3 in)
 static void add_total(const struct orl_bsdf *bsdf, struct orl_bsdf_check *c, bool front,
                       struct orl_vec3 in)
 {
-    const struct orl_vec3 other = orl_v3(in.x, in.y, -in.z);
-    const double through = orl_luma(orl_bsdf_albedo(bsdf, in, ORL_BSDF_TRANSMIT));
-    widen(&c->total[front], orl_luma(orl_bsdf_albedo(bsdf, in, ORL_BSDF_BOTH)), in);
-    c->total_exchanged[front] =
-        fmax(c->total_exchanged[front],
-             through + orl_luma(orl_bsdf_albedo(bsdf, other, ORL_BSDF_REFLECT)));
+    double own[2], other[2];
+    orl_bsdf_filed_totals(bsdf, in, own);
+    orl_bsdf_filed_totals(bsdf, orl_v3(in.x, in.y, -in.z), other);
+    widen(&c->total[front], own[0] + own[1], in);
+    c->total_exchanged[front] = fmax(c->total_exchanged[front], own[1] + other[0]);
 }
 
 /* Means over patches of the square of incident directions. */
@@ -113,11 +115,11 @@ static void fill_extremes_of(const struct orl_bsdf *bsdf, struct orl_bsdf_check 
     x->least = cells > 0 ? INFINITY : 0;
     for (size_t i = 0; i < cells; i++) {
         const struct orl_vec3 in = orl_view_incident(bsdf, view, i, front, &omega);
-        const double value =
-            orl_luma(orl_bsdf_albedo(bsdf, in, transmitted ? ORL_BSDF_TRANSMIT : ORL_BSDF_REFLECT));
-        widen(x, value, in);
-        add_to_patch(&patches, in, value);
-        sum += value * omega;
+        double total[2];
+        orl_bsdf_filed_totals(bsdf, in, total);
+        widen(x, total[transmitted], in);
+        add_to_patch(&patches, in, total[transmitted]);
+        sum += total[transmitted] * omega;
         add_total(bsdf, c, front, in);
     }
     x->mean = sum / ORL_PI;
@@ -221,12 +223,14 @@ static struct orl_bsdf_peak peak_at(const struct orl_bsdf *bsdf,
     const double omega_sr = orl_view_omega(bsdf, &bsdf->views[0][1], in, orl_neg(in));
     struct orl_bsdf_peak p = {h->theta_deg, h->phi_deg, 0, 1, 0, 0};
     struct surroundings around;
+    double total[2];
     if (!(h->transmitted > 0) || !(omega_sr > 0))
         return p;
     p.cell_sr = omega_sr / fabs(in.z);
     p.smear = fmax(1, p.cell_sr / sun_sr);
     look_around(bsdf, in, omega_sr, &around);
-    p.share = peak_share(&around, h->transmitted);
+    orl_bsdf_filed_totals(bsdf, in, total);
+    p.share = peak_share(&around, h->transmitted / fmax(1, total[0] + total[1]));
     if (p.share > 0.01)
         p.dgp_loss = 0.0918 * log10(p.smear);
     return p;
@@ -273,9 +277,10 @@ static struct orl_bsdf_redirection redirection(const struct orl_bsdf *bsdf, bool
             rising += out.y > 0;
         }
         if (drawn > 0) {
-            const double through = orl_luma(orl_bsdf_albedo(bsdf, in, ORL_BSDF_TRANSMIT));
-            sum += through;
-            upward += through * rising / drawn;
+            double total[2];
+            orl_bsdf_filed_totals(bsdf, in, total);
+            sum += total[1];
+            upward += total[1] * rising / drawn;
         }
     }
     result.transmitted = sum / 9;

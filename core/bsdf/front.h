@@ -23,6 +23,7 @@ struct orl_bsdf {
     atomic_uint references;
     struct orl_document document;
     struct orl_view views[2][2]; /* [light comes from the front?][transmitted?] */
+    bool may_gain[2];            /* R + T of light from the back, the front, may be above 1 */
     struct orl_bsdf_info info;
 };
 
@@ -38,6 +39,9 @@ struct orl_vec3 orl_view_incident(const struct orl_bsdf *bsdf, const struct orl_
 /* The projected solid angle over which out may roam with f(in, out) being one number. */
 double orl_view_omega(const struct orl_bsdf *bsdf, const struct orl_view *view, struct orl_vec3 in,
                       struct orl_vec3 out);
+
+/* Directional R and T as the file has them, whatever their sum is. */
+void orl_bsdf_filed_totals(const struct orl_bsdf *bsdf, struct orl_vec3 in, double ret_total[2]);
 
 /*
  * Point i of an additive recurrence in up to four dimensions, with the inverse powers of the

@@ -94,7 +94,7 @@ static void judge_energy(struct orl_bsdf_check *c)
         if (x->most > 1 + tolerance)
             say(c, x->most > 1.05 || x->mean > 1 + tolerance ? ORL_BSDF_FAULT : ORL_BSDF_WARNING,
                 "Energy is gained: of light from the %s, theta %.1f, phi %.1f degrees, R + T = "
-                "%.3f.",
+                "%.3f. Where it is above 1, values are rescaled to 1 for rendering.",
                 side_name(front), x->most_theta_deg, x->most_phi_deg, x->most);
     }
     if (above && c->info.has[0][0] && c->info.has[1][0] && c->total_exchanged[0] <= 1 + tolerance &&

@@ -13,6 +13,11 @@
  * gives both transmissions, each serves the light that arrives on its own side; Radiance's rpict,
  * tracing backwards, uses the other one.
  *
+ * Energy: no BSDF sends out more light than it gets. Where a file's R + T for light from some
+ * direction is above 1, all values for light from there are divided by it, so that it is 1, to
+ * the last bit or so; values for other directions stay. Data that were reciprocal are then so no
+ * more between such a direction and another: f(in, out) is divided, f(out, in) is not.
+ *
  * An orl_bsdf is immutable once loaded, reference-counted, and safe to share between threads.
  * References: Klems 1994; Ward et al. 2011 and 2014 (tensor tree); Shirley and Chiu 1997.
  */
@@ -61,8 +66,9 @@ bool orl_bsdf_sample(const struct orl_bsdf *bsdf, struct orl_vec3 in, enum orl_b
 
 /*
  * The adjoint: given the direction out in which light leaves, draws in with pdf proportional to
- * luma of f(in,out) |cos in|. Weights and pdf as above with |cos in|. For reciprocal data it is
- * orl_bsdf_sample(out); for data that is not, it stays consistent with orl_bsdf_eval(in, out).
+ * luma of f(in,out) |cos in|, f as in the file. Weights and pdf as above with |cos in|. For
+ * reciprocal data it is orl_bsdf_sample(out); for data that is not, it stays consistent with
+ * orl_bsdf_eval(in, out).
  */
 bool orl_bsdf_sample_adjoint(const struct orl_bsdf *bsdf, struct orl_vec3 out,
                              enum orl_bsdf_side sides, const double u[3], struct orl_vec3 *ret_in,
@@ -89,7 +95,7 @@ struct orl_bsdf_info {
     size_t values;        /* leaf values held */
     size_t bytes;         /* memory held */
     bool has[2][2];       /* [front?][transmitted?]: in the file, rather than by reciprocity */
-    double max_albedo[2]; /* largest directional R + T for light from the back, the front */
+    double max_albedo[2]; /* largest directional R + T in the file, from the back, the front */
     double thickness_m;   /* 0 when not given */
     enum orl_bsdf_dummy dummy[2]; /* the transmission of light from the back, the front */
     bool colored;   /* there is colour (CIE channels) in the file; only Visible is used: grey */
