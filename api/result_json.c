@@ -77,6 +77,38 @@ static json_t *views_to_json(const struct orl_result *result)
     return views;
 }
 
+static json_t *health_to_json(const struct orl_health *h)
+{
+    const struct {
+        const char *name;
+        uint64_t count;
+    } counts[] = {
+        {"non_finite", h->non_finite},
+        {"bsdf_clamped", h->bsdf_clamped},
+        {"bsdf_rescaled", h->bsdf_rescaled},
+        {"degenerate", h->degenerate},
+        {"photons_capped", h->photons_capped},
+        {"paths_capped", h->paths_capped},
+        {"rays_leaked", h->rays_leaked},
+        {"sparse_estimates", h->sparse},
+        {"bsdf_values", h->bsdf_values},
+        {"surfaces", h->surfaces},
+        {"photons", h->photons},
+        {"paths", h->paths},
+        {"rays", h->rays},
+        {"estimates", h->estimates},
+    };
+    json_t *health =
+        json_pack("{s:f, s:f}", "flux_w", h->flux_w, "flux_capped_w", h->flux_capped_w);
+    for (size_t i = 0; health && i < sizeof counts / sizeof *counts; i++)
+        if (json_object_set_new(health, counts[i].name,
+                                json_integer((json_int_t)counts[i].count))) {
+            json_decref(health);
+            return NULL;
+        }
+    return health;
+}
+
 static json_t *warnings_to_json(const struct orl_result *result)
 {
     json_t *warnings = json_array();
@@ -90,9 +122,9 @@ static json_t *warnings_to_json(const struct orl_result *result)
 
 json_t *orl_result_to_json(const struct orl_result *result, const char *state)
 {
-    return json_pack("{s:s, s:I, s:I, s:o, s:o, s:o, s:o, s:o}", "state", state, "threads",
+    return json_pack("{s:s, s:I, s:I, s:o, s:o, s:o, s:o, s:o, s:o}", "state", state, "threads",
                      (json_int_t)result->threads, "seed", (json_int_t)result->seed, "timings_s",
                      timings_to_json(result), "maps", maps_to_json(result), "sensors",
-                     sensors_to_json(result), "views", views_to_json(result), "warnings",
-                     warnings_to_json(result));
+                     sensors_to_json(result), "views", views_to_json(result), "health",
+                     health_to_json(&result->health), "warnings", warnings_to_json(result));
 }

@@ -28,6 +28,7 @@ static struct orl_result example(void)
         .n_sensors = 3,
         .views = views,
         .n_views = 1,
+        .health = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 0.5, 0.25, {0, 0, 0}, {0, 0, 0}},
         .warnings = warnings,
         .n_warnings = 1,
     };
@@ -51,6 +52,10 @@ static void test_members(void **state)
         "{\"illuminance_lx\":0.0}],"
         "\"views\":[{\"name\":\"desk\",\"hdr\":\"desk.hdr\",\"png\":\"desk.png\","
         "\"seconds\":1.5}],"
+        "\"health\":{\"non_finite\":1,\"bsdf_clamped\":2,\"bsdf_rescaled\":3,\"degenerate\":4,"
+        "\"photons_capped\":5,\"paths_capped\":6,\"rays_leaked\":7,\"sparse_estimates\":8,"
+        "\"bsdf_values\":9,\"surfaces\":10,\"photons\":11,\"paths\":12,\"rays\":13,"
+        "\"estimates\":14,\"flux_w\":0.5,\"flux_capped_w\":0.25},"
         "\"warnings\":[\"a polygon has no area\"]}",
         0, NULL);
     assert_non_null(doc);

@@ -18,6 +18,7 @@
 #include <oriel/crew.h>
 #include <oriel/error.h>
 #include <oriel/files.h>
+#include <oriel/health.h>
 #include <oriel/sky.h>
 #include <oriel/vec.h>
 
@@ -127,6 +128,7 @@ struct orl_result {
     size_t n_sensors;
     struct orl_view_result *views;
     size_t n_views;
+    struct orl_health health; /* of what this run did */
     char **warnings;
     size_t n_warnings;
 };
