@@ -65,7 +65,7 @@ TEST_BIN   := $(patsubst tests/%.c,$(BUILD)/tests/%,$(TEST_SRC))
 BENCH_BIN  := $(patsubst tests/%.c,$(BUILD)/tests/%,$(BENCH_SRC))
 
 .PHONY: all help clean check demo lint format asan tsan bench tests deps-build deps-check \
-	deps-lint deps-demo deps-fuzz fuzz fuzzers stability FORCE
+	deps-lint deps-demo deps-fuzz fuzz fuzzers stability cie171 oracles FORCE
 all: $(BUILD)/oriel $(BUILD)/orield $(BUILD)/oriel-lcp
 
 help:
@@ -78,6 +78,8 @@ help:
 ## make asan       all tests under AddressSanitizer and UndefinedBehaviorSanitizer
 ## make tsan       the threaded tests under ThreadSanitizer
 ## make stability  the 48 hard cases in their long form, as a table of measured values and bounds
+## make cie171     CIE 171:2006, cases 5.4 to 5.14, as a table of references and results
+## make oracles    skies, the white furnace, the moved office: the same kind of table
 ## make fuzz       every reader of untrusted input under libFuzzer, SECONDS=60 each
 ## make bench      speed against the raw ray rate, in one run
 ## make format     clang-format in place
@@ -179,6 +181,15 @@ STABILITY_BIN := $(filter $(BUILD)/tests/stability/%,$(TEST_BIN))
 stability: deps-check
 	@$(MAKE) --no-print-directory -j$(JOBS) all $(STABILITY_BIN)
 	@tests/stability_table $(BUILD) $(HARD_CASES) $(STABILITY_BIN)
+
+CIE171_BIN := $(filter $(BUILD)/tests/validation/test_cie171%,$(TEST_BIN))
+cie171: deps-check
+	@$(MAKE) --no-print-directory -j$(JOBS) $(CIE171_BIN)
+	@tests/stability_table $(BUILD) rows $(CIE171_BIN)
+ORACLE_BIN := $(patsubst %,$(BUILD)/tests/validation/test_%,sky_illuminance)
+oracles: deps-check
+	@$(MAKE) --no-print-directory -j$(JOBS) $(ORACLE_BIN)
+	@tests/stability_table $(BUILD) rows $(ORACLE_BIN)
 
 # Smaller limits, so that small inputs reach them. New units go to the build folder; the committed
 # corpus only grows by hand.
