@@ -99,6 +99,7 @@ static int add_facets(struct orl_geometry *g, const struct orl_description *d)
         const uint32_t facet = (uint32_t)(flat ? polygon++ : --curved);
         g->facets[facet].kind = surface->kind;
         g->facets[facet].material = surface->material;
+        g->facets[facet].surface = (uint32_t)i;
         if (flat)
             code = add_polygon(g, surface, facet, triples);
         else

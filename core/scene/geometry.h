@@ -25,8 +25,8 @@
 /* A surface as it is shot at: the description's, moved, with what hits need at hand. */
 struct orl_facet {
     enum orl_surface_kind kind;
-    uint32_t material;
-    struct orl_vec3 normal; /* polygons and rings: unit, the declared front */
+    uint32_t material, surface; /* indices into the description's */
+    struct orl_vec3 normal;     /* polygons and rings: unit, the declared front */
     struct orl_vec3 center[2];
     double radius[2];
     double offset; /* how far from the surface a ray must start to be clear of it */
