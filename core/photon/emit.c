@@ -154,7 +154,7 @@ bool orl_emission_from(const struct orl_emission *emission, const struct orl_str
                        bool caustic, const double *point, struct orl_random *random,
                        struct orl_flight *ret_flight)
 {
-    *ret_flight = (struct orl_flight){.from_light = false};
+    *ret_flight = (struct orl_flight){.fate = orl_random_uniform(random)};
     switch (stratum->kind) {
     case ORL_STRATUM_PORT_DOME:
         return emit_port_dome(emission, stratum, point, random, ret_flight);
@@ -187,15 +187,16 @@ static const struct orl_stratum *pick(const struct orl_emission *e, double u, bo
 bool orl_emission_sample(const struct orl_emission *emission, uint64_t seed, uint64_t index,
                          bool caustic, struct orl_random *random, struct orl_flight *ret_flight)
 {
-    double point[5];
+    double point[6];
     const uint32_t sequence = (uint32_t)orl_mix64(seed * 2 + caustic) + (uint32_t)(index >> 32);
     if (emission->n_strata == 0)
         return false;
-    orl_sobol_point(&emission->sobol, (uint32_t)index, sequence, 5, point);
+    orl_sobol_point(&emission->sobol, (uint32_t)index, sequence, 6, point);
     const struct orl_stratum *stratum = pick(emission, point[0], caustic);
     const double share = caustic ? stratum->share_caustic : stratum->share;
     if (!(share > 0) || !orl_emission_from(emission, stratum, caustic, point, random, ret_flight))
         return false;
     ret_flight->flux = orl_rgb_scale(ret_flight->flux, 1 / share);
+    ret_flight->fate = point[5];
     return true;
 }

@@ -12,7 +12,8 @@
  *
  * From the open sky: a direction by the domes' radiance, a place on the scene's box by a guide.
  *
- * The first five random numbers of an emission are a scrambled Sobol point by its index.
+ * The first five random numbers of an emission and its fate are a scrambled Sobol point by its
+ * index.
  */
 #ifndef ORL_PHOTON_EMIT_H
 #define ORL_PHOTON_EMIT_H
@@ -67,6 +68,7 @@ struct orl_flight {
                       */
     bool scattered;  /* already deflected: by the port's BSDF */
     bool from_port;
+    double fate; /* in [0,1): at what chance of being alive it dies (trace.h) */
 };
 
 int orl_emission_new(const struct orl_world *world, uint64_t seed, struct orl_crew *crew,
@@ -84,7 +86,8 @@ bool orl_emission_sample(const struct orl_emission *emission, uint64_t seed, uin
 double orl_emission_box_point(const struct orl_geometry *geometry, struct orl_vec3 towards,
                               const double u[2], struct orl_vec3 *ret_point);
 
-/* Emission from one stratum, with probability one; point: five numbers in [0,1). */
+/* Emission from one stratum, with probability one and a random fate; point: five numbers in [0,1).
+ */
 bool orl_emission_from(const struct orl_emission *emission, const struct orl_stratum *stratum,
                        bool caustic, const double *point, struct orl_random *random,
                        struct orl_flight *ret_flight);

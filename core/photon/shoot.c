@@ -5,8 +5,10 @@
 
 #include "photon/trace.h"
 
-enum { BATCH = 8192, FIRST_ROUND = 16, MOST_A_ROUND = 512 };
-enum { DRY_BATCHES = 64 }; /* this many batches without a photon: there is no light to catch */
+enum { SMALL_BATCH = 64, DOUBLINGS = 7, BATCH = SMALL_BATCH << DOUBLINGS, MOST_A_ROUND = 512 };
+enum { MOST_GROWTH = 15 }; /* a round emits at most this many times what was emitted before */
+/* This many emissions, or rays, without a photon: there is no light to catch. */
+enum { DRY_EMISSIONS = 64 * BATCH, DRY_RAYS = 1 << 24 };
 static const double most_emitted_per_photon = 10000;
 
 /* Batches of one kind, as they come back. */
@@ -14,6 +16,7 @@ struct queue {
     struct orl_deposits *batches;
     size_t n_done, n_round; /* kept so far; being traced */
     size_t stored;
+    uint64_t rays;
     bool finished;
 };
 
@@ -27,6 +30,17 @@ const char *orl_map_kind_name(enum orl_map_kind kind)
     return kind == ORL_MAP_GLOBAL ? "global" : "caustic";
 }
 
+/*
+ * Emissions before a batch: the first two batches are small, each one after that as large as all
+ * before it, until they are of full size.
+ */
+static uint64_t emitted_before(size_t batch)
+{
+    if (batch > DOUBLINGS)
+        return (uint64_t)(batch - DOUBLINGS) * BATCH;
+    return batch == 0 ? 0 : (uint64_t)SMALL_BATCH << (batch - 1);
+}
+
 static void shoot_batch(void *arg, size_t index, uint32_t member)
 {
     struct shooting *shooting = arg;
@@ -36,13 +50,13 @@ static void shoot_batch(void *arg, size_t index, uint32_t member)
     struct queue *queue = &shooting->queues[kind];
     const size_t batch = queue->n_done + (kind == ORL_MAP_GLOBAL ? index : index - n_global);
     struct orl_deposits *deposits = &queue->batches[batch];
+    const uint64_t first = emitted_before(batch), end = emitted_before(batch + 1);
     (void)member;
-    for (uint64_t i = 0; i < BATCH; i++) {
-        const uint64_t photon = (uint64_t)batch * BATCH + i;
+    for (uint64_t photon = first; photon < end; photon++) {
         struct orl_random random =
             orl_random_stream(env->seed, ORL_PURPOSE_PHOTON, photon * ORL_MAP_KINDS + kind);
         struct orl_flight flight;
-        if ((i & 1023) == 0 && atomic_load_explicit(env->cancel, memory_order_relaxed))
+        if ((photon & 15) == 0 && atomic_load_explicit(env->cancel, memory_order_relaxed))
             return;
         if (orl_emission_sample(env->emission, env->seed, photon, kind == ORL_MAP_CAUSTIC, &random,
                                 &flight))
@@ -54,16 +68,23 @@ static void shoot_batch(void *arg, size_t index, uint32_t member)
 /* How many batches the next round needs, from the yield so far. */
 static size_t plan_round(const struct queue *queue, uint64_t target)
 {
+    size_t batches = 1;
     if (queue->finished)
         return 0;
     if (queue->n_done == 0)
-        return FIRST_ROUND;
+        return batches;
+    const double emitted = (double)emitted_before(queue->n_done);
+    const double yield = (double)queue->stored / emitted;
+    double need = MOST_GROWTH * emitted;
+    if (yield > 0)
+        need = fmin(need, ((double)target - (double)queue->stored) / yield);
     /* Nothing yet: no more than it takes to tell that there is nothing. */
-    if (queue->stored == 0 && queue->n_done < DRY_BATCHES)
-        return DRY_BATCHES - queue->n_done;
-    const double yield = ((double)queue->stored + 1) / (double)queue->n_done;
-    const double need = ceil(((double)target - (double)queue->stored) / yield);
-    return need < 1 ? 1 : need > MOST_A_ROUND ? MOST_A_ROUND : (size_t)need;
+    else
+        need = fmin(need, DRY_EMISSIONS - emitted);
+    while (batches < MOST_A_ROUND &&
+           (double)emitted_before(queue->n_done + batches) < emitted + need)
+        batches++;
+    return batches;
 }
 
 static int grow(struct queue *queue)
@@ -90,12 +111,14 @@ static int settle(struct queue *queue, uint64_t target)
             continue;
         }
         queue->stored += queue->batches[i].count;
+        queue->rays += queue->batches[i].health.rays;
         queue->n_done = i + 1;
         queue->finished = queue->stored >= target;
     }
     queue->n_round = 0;
-    if ((queue->stored == 0 && queue->n_done >= DRY_BATCHES) ||
-        (double)queue->n_done * BATCH > most_emitted_per_photon * (double)target + 1e6)
+    const uint64_t emitted = emitted_before(queue->n_done);
+    if ((queue->stored == 0 && (emitted >= DRY_EMISSIONS || queue->rays >= DRY_RAYS)) ||
+        (double)emitted > most_emitted_per_photon * (double)target + 1e6)
         queue->finished = true;
     return code;
 }
@@ -107,15 +130,14 @@ static int collect(struct queue *queue, struct orl_shot *shot)
     if (!shot->photons)
         return ORL_ERR_NOMEM;
     shot->count = 0;
-    shot->emitted = queue->n_done > 0 ? (uint64_t)queue->n_done * BATCH : 1;
+    shot->emitted = queue->n_done > 0 ? emitted_before(queue->n_done) : 1;
     for (size_t i = 0; i < queue->n_done; i++) {
         struct orl_deposits *d = &queue->batches[i];
         if (d->count > 0)
             memcpy(shot->photons + shot->count, d->photons, d->count * sizeof *d->photons);
         shot->count += d->count;
-        shot->rays += d->rays;
-        shot->escaped += d->escaped;
-        shot->capped += d->capped;
+        const struct orl_health health = orl_deposits_health(d);
+        orl_health_add(&shot->health, &health);
         free(d->photons);
         d->photons = NULL;
     }

@@ -1,15 +1,18 @@
 /*
  * Tracing photons until there are enough: global and caustic ones in one pass, by all cores.
  *
- * Work goes in batches of a fixed number of emissions, named by index; rounds of batches are sized
- * from the counts of the rounds before, never from time or threads. A map takes all batches up to
- * the first that reaches its target, so that its photons, their order and the number emitted
- * depend on the seed alone, and a larger target continues where a smaller one stopped.
+ * Work goes in batches of emissions, named by index: small ones first, for an emission may leave
+ * 10^4 photons where walls absorb little, then of a fixed size. Rounds of batches are sized from
+ * the counts of the rounds before, never from time or threads. A map takes all batches up to the
+ * first that reaches its target, so that its photons, their order and the number emitted depend on
+ * the seed alone, and a larger target continues where a smaller one stopped.
  */
 #ifndef ORL_PHOTON_SHOOT_H
 #define ORL_PHOTON_SHOOT_H
 
 #include <stdatomic.h>
+
+#include <oriel/health.h>
 
 #include "photon/emit.h"
 #include "photon/map.h"
@@ -22,7 +25,7 @@ struct orl_shot {
     struct orl_photon *photons; /* out, owned by the caller: in order of emission */
     size_t count;
     uint64_t emitted;
-    uint64_t rays, escaped, capped;
+    struct orl_health health;
 };
 
 struct orl_shoot_env {

@@ -4,9 +4,16 @@
 
 #include "photon/facing.h"
 
+/* Leaves a photon; one that is no finite number, also as floats, is dropped and counted. */
 static void deposit(struct orl_deposits *deposits, const struct orl_hit *hit, struct orl_rgb flux,
                     uint8_t batch)
 {
+    const struct orl_vec3 p = hit->point;
+    const float sum = (float)flux.r + (float)flux.g + (float)flux.b + (float)(p.x + p.y + p.z);
+    if (!isfinite(sum)) {
+        deposits->health.non_finite++;
+        return;
+    }
     if (deposits->count == deposits->capacity) {
         const size_t capacity = deposits->capacity ? 2 * deposits->capacity : 4096;
         struct orl_photon *grown = realloc(deposits->photons, capacity * sizeof *deposits->photons);
@@ -18,45 +25,73 @@ static void deposit(struct orl_deposits *deposits, const struct orl_hit *hit, st
         deposits->capacity = capacity;
     }
     const struct orl_vec3 lit = hit->front ? hit->normal : orl_neg(hit->normal);
-    deposits->photons[deposits->count++] = (struct orl_photon){
-        .position = {(float)hit->point.x, (float)hit->point.y, (float)hit->point.z},
-        .flux = {(float)flux.r, (float)flux.g, (float)flux.b},
-        .normal = orl_normal_encode(lit),
-        .batch = batch};
+    deposits->photons[deposits->count++] =
+        (struct orl_photon){.position = {(float)p.x, (float)p.y, (float)p.z},
+                            .flux = {(float)flux.r, (float)flux.g, (float)flux.b},
+                            .normal = orl_normal_encode(lit),
+                            .batch = batch};
 }
 
-/* Russian roulette by the luma of what is left; false: dead. */
-static bool survives(struct orl_rgb weight, struct orl_rgb *flux, struct orl_random *random)
+/* Roulette: false when the chance of being alive has fallen to the photon's fate. */
+static bool survives(struct orl_rgb weight, double fate, double *alive, struct orl_rgb *flux)
 {
-    const double chance = orl_luma(weight);
-    if (chance < 1 && orl_random_uniform(random) >= chance)
+    const double chance = fmin(orl_luma(weight), 1);
+    *alive *= chance;
+    if (!(*alive > fate))
         return false;
-    *flux = orl_rgb_scale(orl_rgb_mul(*flux, weight), chance < 1 ? 1 / chance : 1);
+    *flux = orl_rgb_scale(orl_rgb_mul(*flux, weight), 1 / chance);
     return true;
+}
+
+/* A ray that met nothing: from within a sealed building that is a leak. */
+static void escape(const struct orl_world *world, struct orl_vec3 origin, struct orl_vec3 direction,
+                   bool inside, struct orl_health *health)
+{
+    if (world->open || !inside)
+        return;
+    if (health->rays_leaked++ == 0) {
+        health->leak_from = origin;
+        health->leak_towards = direction;
+    }
+}
+
+static void give_up(struct orl_deposits *deposits, struct orl_rgb flux)
+{
+    deposits->health.photons_capped++;
+    orl_sum_add(&deposits->flux_capped, orl_luma(flux));
 }
 
 void orl_trace_photon(const struct orl_world *world, const struct orl_flight *flight, bool caustic,
                       uint8_t batch, struct orl_random *random, struct orl_deposits *deposits)
 {
+    const enum orl_lobes lobes =
+        caustic ? (enum orl_lobes)(ORL_LOBE_REFLECTED | ORL_LOBE_TRANSMITTED) : ORL_LOBE_ALL;
     struct orl_vec3 origin = flight->origin, direction = flight->direction;
-    struct orl_rgb flux = flight->flux;
+    struct orl_rgb flux = orl_health_keep(&deposits->health, flight->flux);
     bool scattered = flight->scattered, crossed = flight->from_port, outside = false;
-    for (int bounce = 0; bounce < ORL_TRACE_MOST_BOUNCES; bounce++) {
+    double alive = 1;
+    int unseen = 0;
+    deposits->health.photons++;
+    orl_sum_add(&deposits->flux, orl_luma(flux));
+    for (int bounce = 0; bounce < ORL_TRACE_MOST_BOUNCES && unseen < ORL_TRACE_MOST_UNSEEN;
+         bounce++) {
         struct orl_hit hit;
-        deposits->rays++;
+        deposits->health.rays++;
         if (!orl_geometry_intersect(world->geometry, origin, direction, INFINITY, &hit)) {
-            deposits->escaped++;
+            escape(world, origin, direction, crossed && !outside, &deposits->health);
             return;
         }
         const struct orl_material *m = orl_world_material(world, &hit);
         const bool diffuse = orl_rgb_max(orl_material_diffuse(m)) > 0;
-        if (diffuse && !outside && (!caustic || scattered))
+        unseen++;
+        if (diffuse && !outside && (!caustic || scattered)) {
             deposit(deposits, &hit, flux, batch);
-        const enum orl_lobes lobes =
-            caustic ? (enum orl_lobes)(ORL_LOBE_REFLECTED | ORL_LOBE_TRANSMITTED) : ORL_LOBE_ALL;
+            unseen = 0;
+        }
         const struct orl_scatter s =
             orl_scatter_sample(m, &hit, orl_neg(direction), ORL_TRANSPORT_LIGHT, lobes, random);
-        if (s.event == ORL_EVENT_ABSORBED || !survives(s.weight, &flux, random))
+        if (s.event == ORL_EVENT_ABSORBED ||
+            !survives(orl_health_keep(&deposits->health, s.weight), flight->fate, &alive, &flux))
             return;
         if (s.transmitted) {
             const enum orl_crossing crossing = orl_world_crossing(world, &hit);
@@ -73,5 +108,13 @@ void orl_trace_photon(const struct orl_world *world, const struct orl_flight *fl
         origin = orl_hit_leave(world->geometry, &hit, s.direction);
         direction = s.direction;
     }
-    deposits->capped++;
+    give_up(deposits, flux);
+}
+
+struct orl_health orl_deposits_health(const struct orl_deposits *deposits)
+{
+    struct orl_health health = deposits->health;
+    health.flux_w = orl_sum_value(&deposits->flux);
+    health.flux_capped_w = orl_sum_value(&deposits->flux_capped);
+    return health;
 }

@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include "base/random.h"
+#include "base/sum.h"
 #include "photon/flux.h"
 #include "photon/pack.h"
 
@@ -182,7 +183,8 @@ static void build_boxes(const struct writer *w)
 static void measure(struct writer *w)
 {
     struct orl_map_header *h = &w->header;
-    double high[3] = {-INFINITY, -INFINITY, -INFINITY}, flux = 0, brightest = 0;
+    double high[3] = {-INFINITY, -INFINITY, -INFINITY}, brightest = 0;
+    struct orl_sum flux = {0, 0};
     for (int k = 0; k < 3; k++)
         h->low[k] = INFINITY;
     for (size_t i = 0; i < w->count; i++) {
@@ -192,7 +194,7 @@ static void measure(struct writer *w)
             high[k] = fmax(high[k], p->position[k]);
         }
         const double most = fmaxf(p->flux[0], fmaxf(p->flux[1], p->flux[2]));
-        flux += most;
+        orl_sum_add(&flux, most);
         brightest = fmax(brightest, most);
     }
     for (int k = 0; k < 3; k++) {
@@ -203,7 +205,8 @@ static void measure(struct writer *w)
     if (!(h->cell > 0))
         h->cell = 1e-6;
     /* The mean; or more, lest a photon that outshines all others together be cut (flux.h). */
-    const double unit = fmax(flux / fmax((double)w->count, 1), brightest / ORL_FLUX_MOST);
+    const double unit =
+        fmax(orl_sum_value(&flux) / fmax((double)w->count, 1), brightest / ORL_FLUX_MOST);
     h->flux_unit = unit > 0 ? unit / (double)w->build->emitted : 1;
 }
 

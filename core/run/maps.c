@@ -116,17 +116,20 @@ static int keep(struct orl_run_state *state, enum orl_map_kind kind, struct map_
     work->info.seconds = photon_seconds + env->now_s(env->ctx) - started;
     snprintf(work->info.kind, sizeof work->info.kind, "%s", build.kind);
     snprintf(work->info.key, sizeof work->info.key, "%s", state->keys[kind]);
-    if (shot->capped > 0)
-        orl_run_warn(state, "%llu %s photons were lost to the bounce limit",
-                     (unsigned long long)shot->capped, build.kind);
+    if (shot->count > 0 && shot->count < shot->target)
+        orl_run_warn(state, "only %zu of the %llu %s photons asked for were found, of %llu emitted",
+                     shot->count, (unsigned long long)shot->target, build.kind,
+                     (unsigned long long)shot->emitted);
+    orl_health_add(&state->result->health, &shot->health);
     return env->store->commit(env->store->ctx, &work->info, err);
 }
 
 /* Photon time of one kind: the pass is one, so it is told apart by the rays each kind took. */
 static double share_of_rays(const struct orl_shot *shots, int kind, double seconds)
 {
-    const double all = (double)(shots[ORL_MAP_GLOBAL].rays + shots[ORL_MAP_CAUSTIC].rays);
-    return all > 0 ? seconds * (double)shots[kind].rays / all : 0;
+    const double all =
+        (double)(shots[ORL_MAP_GLOBAL].health.rays + shots[ORL_MAP_CAUSTIC].health.rays);
+    return all > 0 ? seconds * (double)shots[kind].health.rays / all : 0;
 }
 
 static int build_missing(struct orl_run_state *state, struct map_work *work, struct orl_error *err)
