@@ -11,6 +11,7 @@
 
 #include <cmocka.h>
 
+#include "photon/map.h"
 #include "scene/parse.h"
 #include "support/cli.h"
 
@@ -172,6 +173,24 @@ void scene_map_path(const struct orl_result *result, const char *folder, const c
         }
     }
     fail_msg("no %s map", kind);
+}
+
+double scene_map_flux(const struct orl_result *result, const char *folder, const char *kind,
+                      double *ret_squares)
+{
+    struct orl_photon_map *map = NULL;
+    char path[512];
+    double sum = 0;
+    scene_map_path(result, folder, kind, path);
+    assert_int_equal(orl_photon_map_open(path, true, &map, NULL), 0);
+    *ret_squares = 0;
+    for (uint64_t i = 0; i < orl_photon_map_header(map)->count; i++) {
+        const double flux = orl_photon_map_get(map, i).flux[1];
+        sum += flux;
+        *ret_squares += flux * flux;
+    }
+    orl_photon_map_free(map);
+    return sum;
 }
 
 unsigned char *scene_read_bytes(const char *path, size_t *ret_size)

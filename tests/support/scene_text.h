@@ -48,6 +48,10 @@ struct orl_geometry *scene_geometry(const char *text);
 void scene_map_path(const struct orl_result *result, const char *folder, const char *kind,
                     char ret_path[512]);
 
+/* Sum of the photons' fluxes in that map, green channel, in watts, and of their squares. */
+double scene_map_flux(const struct orl_result *result, const char *folder, const char *kind,
+                      double *ret_squares);
+
 /* A whole file; free() it. */
 unsigned char *scene_read_bytes(const char *path, size_t *ret_size);
 

@@ -14,7 +14,6 @@
 
 #include <cmocka.h>
 
-#include "photon/map.h"
 #include "support/cli.h"
 #include "support/scene_text.h"
 
@@ -71,25 +70,6 @@ static void assert_within(double value, double expected, double relative)
         fail_msg("%.6g is not within %.2g of %.6g", value, relative, expected);
 }
 
-/* Sum of all photons of a map, in watts. */
-static double map_flux(const struct orl_result *result, const char *folder, const char *kind,
-                       double *ret_second_moment)
-{
-    struct orl_photon_map *map = NULL;
-    char path[512];
-    double sum = 0, squares = 0;
-    scene_map_path(result, folder, kind, path);
-    assert_int_equal(orl_photon_map_open(path, true, &map, NULL), 0);
-    for (uint64_t i = 0; i < orl_photon_map_header(map)->count; i++) {
-        const double flux = orl_photon_map_get(map, i).flux[1];
-        sum += flux;
-        squares += flux * flux;
-    }
-    orl_photon_map_free(map);
-    *ret_second_moment = squares;
-    return sum;
-}
-
 struct outcome {
     double lx[SENSORS + IN_AIR], global_w, global_sigma, caustic_w, caustic_sigma;
 };
@@ -112,11 +92,11 @@ static struct outcome run(const char *scene, uint64_t caustic)
                                                              .folder = folder});
     for (int i = 0; i < SENSORS + IN_AIR; i++)
         o.lx[i] = result.illuminance_lx[i];
-    o.global_w = map_flux(&result, folder, "global", &squares);
+    o.global_w = scene_map_flux(&result, folder, "global", &squares);
     o.global_sigma = sqrt(squares);
     o.caustic_w = o.caustic_sigma = 0;
     if (caustic) {
-        o.caustic_w = map_flux(&result, folder, "caustic", &squares);
+        o.caustic_w = scene_map_flux(&result, folder, "caustic", &squares);
         o.caustic_sigma = sqrt(squares);
     }
     orl_result_done(&result);
