@@ -179,6 +179,7 @@ struct orl_density orl_density_estimate(const struct orl_photon_map *map,
         density.found = walk.k - 1;
         density.radius = sqrt((double)walk.candidates[walk.k - 1].distance2) * h->cell;
     }
+    search->health.estimates += density.found > 0;
     if (density.found == 0)
         return density;
     /* Photons on one spot have no area to spread over but a cell's. */

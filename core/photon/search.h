@@ -11,6 +11,8 @@
 #ifndef ORL_PHOTON_SEARCH_H
 #define ORL_PHOTON_SEARCH_H
 
+#include <oriel/health.h>
+
 #include "photon/map.h"
 
 enum { ORL_SEARCH_MOST = 4096 };
@@ -23,6 +25,7 @@ struct orl_search_candidate {
 /* Scratch, one per thread; big enough for k = ORL_SEARCH_MOST. */
 struct orl_search {
     struct orl_search_candidate candidates[2 * ORL_SEARCH_MOST];
+    struct orl_health health; /* what the thread counted; sparse is not in it yet */
 };
 
 struct orl_density_query {

@@ -167,7 +167,7 @@ int orl_run(const struct orl_job *job, const struct orl_run_env *env, struct orl
     const double started = env->now_s(env->ctx);
     int code;
     state.stage_started = started;
-    state.searches = malloc(orl_crew_size(env->crew) * sizeof *state.searches);
+    state.searches = calloc(orl_crew_size(env->crew), sizeof *state.searches);
     if (state.searches)
         code = run_stages(&state, err);
     else
