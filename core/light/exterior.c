@@ -254,12 +254,15 @@ static struct orl_rgb folded_direct(const struct orl_world *world, const struct 
 }
 
 struct orl_rgb orl_exterior_radiance(const struct orl_world *world, struct orl_vec3 origin,
-                                     struct orl_vec3 direction, struct orl_random *random)
+                                     struct orl_vec3 direction, struct orl_random *random,
+                                     struct orl_health *health)
 {
     struct orl_rgb sum = orl_gray(0), weight = orl_gray(1);
     bool sampled_lights = false, diffused = false;
+    health->paths++;
     for (int bounce = 0; bounce < MOST_BOUNCES; bounce++) {
         struct orl_hit hit;
+        health->rays++;
         if (!orl_geometry_intersect(world->geometry, origin, direction, INFINITY, &hit)) {
             const struct orl_rgb sky = orl_world_dome_radiance(world, direction);
             return orl_rgb_add(sum, orl_rgb_mul(weight, sky));
@@ -292,5 +295,6 @@ struct orl_rgb orl_exterior_radiance(const struct orl_world *world, struct orl_v
         origin = orl_hit_leave(world->geometry, &hit, s.direction);
         direction = s.direction;
     }
+    health->paths_capped++;
     return sum;
 }

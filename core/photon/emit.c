@@ -34,7 +34,7 @@ static bool pass_port(const struct orl_world *world, const struct orl_port *port
 }
 
 static bool emit_port_dome(const struct orl_emission *e, const struct orl_stratum *stratum,
-                           const double *u, struct orl_random *random,
+                           const double *u, struct orl_random *random, struct orl_health *health,
                            struct orl_flight *ret_flight)
 {
     const struct orl_world *world = e->world;
@@ -46,7 +46,7 @@ static bool emit_port_dome(const struct orl_emission *e, const struct orl_stratu
     const struct orl_vec3 out = orl_hemisphere_about(port->outward, at[0], at[1]);
     const struct orl_vec3 start =
         orl_madd(point, port->outward, world->geometry->facets[port->facet].offset);
-    const struct orl_rgb radiance = orl_exterior_radiance(world, start, out, random);
+    const struct orl_rgb radiance = orl_exterior_radiance(world, start, out, random, health);
     /* The square is uniform in projected solid angle, pi in all. */
     const struct orl_rgb flux = orl_rgb_scale(radiance, ORL_PI * port->area / density);
     return orl_rgb_max(flux) > 0 && pass_port(world, port, point, out, flux, random, ret_flight);
@@ -152,12 +152,12 @@ static bool emit_open(const struct orl_emission *e, const struct orl_stratum *st
 
 bool orl_emission_from(const struct orl_emission *emission, const struct orl_stratum *stratum,
                        bool caustic, const double *point, struct orl_random *random,
-                       struct orl_flight *ret_flight)
+                       struct orl_health *health, struct orl_flight *ret_flight)
 {
     *ret_flight = (struct orl_flight){.fate = orl_random_uniform(random)};
     switch (stratum->kind) {
     case ORL_STRATUM_PORT_DOME:
-        return emit_port_dome(emission, stratum, point, random, ret_flight);
+        return emit_port_dome(emission, stratum, point, random, health, ret_flight);
     case ORL_STRATUM_PORT_SUN:
     case ORL_STRATUM_PORT_IMAGE:
         return emit_port_sun(emission, stratum, point, random, ret_flight);
@@ -185,7 +185,8 @@ static const struct orl_stratum *pick(const struct orl_emission *e, double u, bo
 }
 
 bool orl_emission_sample(const struct orl_emission *emission, uint64_t seed, uint64_t index,
-                         bool caustic, struct orl_random *random, struct orl_flight *ret_flight)
+                         bool caustic, struct orl_random *random, struct orl_health *health,
+                         struct orl_flight *ret_flight)
 {
     double point[6];
     const uint32_t sequence = (uint32_t)orl_mix64(seed * 2 + caustic) + (uint32_t)(index >> 32);
@@ -194,7 +195,8 @@ bool orl_emission_sample(const struct orl_emission *emission, uint64_t seed, uin
     orl_sobol_point(&emission->sobol, (uint32_t)index, sequence, 6, point);
     const struct orl_stratum *stratum = pick(emission, point[0], caustic);
     const double share = caustic ? stratum->share_caustic : stratum->share;
-    if (!(share > 0) || !orl_emission_from(emission, stratum, caustic, point, random, ret_flight))
+    if (!(share > 0) ||
+        !orl_emission_from(emission, stratum, caustic, point, random, health, ret_flight))
         return false;
     ret_flight->flux = orl_rgb_scale(ret_flight->flux, 1 / share);
     ret_flight->fate = point[5];

@@ -75,9 +75,13 @@ int orl_emission_new(const struct orl_world *world, uint64_t seed, struct orl_cr
                      struct orl_emission **ret_emission, struct orl_error *err);
 void orl_emission_free(struct orl_emission *emission);
 
-/* The index-th emission; false when nothing comes of it. random serves what Sobol does not. */
+/*
+ * The index-th emission; false when nothing comes of it. random serves what Sobol does not. Paths
+ * that look out of a port are counted into health.
+ */
 bool orl_emission_sample(const struct orl_emission *emission, uint64_t seed, uint64_t index,
-                         bool caustic, struct orl_random *random, struct orl_flight *ret_flight);
+                         bool caustic, struct orl_random *random, struct orl_health *health,
+                         struct orl_flight *ret_flight);
 
 /*
  * The scene's box as seen from far away: a point on the faces that look towards the light, uniform
@@ -90,6 +94,6 @@ double orl_emission_box_point(const struct orl_geometry *geometry, struct orl_ve
  */
 bool orl_emission_from(const struct orl_emission *emission, const struct orl_stratum *stratum,
                        bool caustic, const double *point, struct orl_random *random,
-                       struct orl_flight *ret_flight);
+                       struct orl_health *health, struct orl_flight *ret_flight);
 
 #endif

@@ -59,7 +59,7 @@ static void shoot_batch(void *arg, size_t index, uint32_t member)
         if ((photon & 15) == 0 && atomic_load_explicit(env->cancel, memory_order_relaxed))
             return;
         if (orl_emission_sample(env->emission, env->seed, photon, kind == ORL_MAP_CAUSTIC, &random,
-                                &flight))
+                                &deposits->health, &flight))
             orl_trace_photon(env->emission->world, &flight, kind == ORL_MAP_CAUSTIC,
                              (uint8_t)(photon % ORL_MAP_BATCHES), &random, deposits);
     }

@@ -46,6 +46,7 @@ static void look_out(void *arg, size_t index, uint32_t member)
     const struct orl_port *port = &world->ports[index / cells];
     const size_t x = index % cells % pilot->side, y = index % cells / pilot->side;
     struct orl_random random = orl_random_stream(pilot->seed, ORL_PURPOSE_PILOT, 2 * index);
+    struct orl_health ignored = {0}; /* a pilot's paths reach no result */
     double sum = 0;
     (void)member;
     for (int i = 0; i < PATHS_A_CELL; i++) {
@@ -56,7 +57,7 @@ static void look_out(void *arg, size_t index, uint32_t member)
         struct orl_vec3 point, normal;
         orl_facet_sample(world->geometry, port->facet, u, &point, &normal);
         point = orl_madd(point, port->outward, world->geometry->facets[port->facet].offset);
-        sum += orl_luma(orl_exterior_radiance(world, point, out, &random)) *
+        sum += orl_luma(orl_exterior_radiance(world, point, out, &random, &ignored)) *
                transmitted_luma(world, port, out);
     }
     pilot->values[index] = sum / PATHS_A_CELL;
@@ -135,13 +136,14 @@ static double port_sun_flux(const struct orl_world *world, const struct orl_port
 /* Share of flights by which a sun's image reaches a port at all, times what arrives. */
 static double port_image_flux(const struct orl_emission *e, const struct orl_stratum *stratum)
 {
+    struct orl_health ignored = {0};
     double sum = 0;
     for (uint32_t i = 0; i < IMAGE_FLIGHTS; i++) {
         double point[5];
         struct orl_flight flight;
         struct orl_random random = orl_random_stream(stratum->port, ORL_PURPOSE_PILOT, i);
         orl_sobol_point(&e->sobol, i, stratum->mirror, 5, point);
-        if (orl_emission_from(e, stratum, false, point, &random, &flight))
+        if (orl_emission_from(e, stratum, false, point, &random, &ignored, &flight))
             sum += orl_luma(flight.flux) / IMAGE_FLIGHTS;
     }
     return sum;
@@ -232,7 +234,8 @@ static void try_caustics(void *arg, size_t index, uint32_t member)
         struct orl_random random =
             orl_random_stream(pilot->seed, ORL_PURPOSE_PILOT, 2 * ((uint64_t)index << 32 | i) + 1);
         orl_sobol_point(&pilot->emission->sobol, i, (uint32_t)(pilot->seed + index), 5, point);
-        if (!orl_emission_from(pilot->emission, stratum, true, point, &random, &flight))
+        if (!orl_emission_from(pilot->emission, stratum, true, point, &random, &deposits.health,
+                               &flight))
             continue;
         if (!flight.from_light)
             break;

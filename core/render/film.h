@@ -12,6 +12,7 @@
 #include <stdint.h>
 
 #include <oriel/error.h>
+#include <oriel/health.h>
 #include <oriel/vec.h>
 
 #include "render/view.h"
@@ -23,6 +24,10 @@ struct orl_film {
 
 int orl_film_init(struct orl_film *film, uint32_t width, uint32_t height, struct orl_error *err);
 void orl_film_done(struct orl_film *film);
+
+/* Sets a pixel. A colour that is no finite float becomes black, and is counted. */
+void orl_film_set(struct orl_film *film, uint32_t x, uint32_t y, struct orl_rgb color,
+                  struct orl_health *health);
 
 /* Both write to path.part, sync and rename, so that a file is whole or absent. */
 int orl_film_write_hdr(const struct orl_film *film, const struct orl_view *view, const char *path,

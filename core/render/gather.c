@@ -139,20 +139,26 @@ static struct orl_rgb trace_gather(const struct orl_gather *gather, struct orl_v
     const struct orl_world *world = gather->world;
     struct orl_rgb sum = orl_gray(0), weight = orl_gray(1);
     *ret_distance = INFINITY;
+    search->health.paths++;
     for (int bounce = 0; bounce < MOST_BOUNCES; bounce++) {
         struct orl_hit hit;
         if (outside)
-            return orl_rgb_add(
-                sum, orl_rgb_mul(weight, orl_exterior_radiance(world, origin, direction, random)));
-        if (!orl_geometry_intersect(world->geometry, origin, direction, INFINITY, &hit))
+            return orl_rgb_add(sum,
+                               orl_rgb_mul(weight, orl_exterior_radiance(world, origin, direction,
+                                                                         random, &search->health)));
+        search->health.rays++;
+        if (!orl_geometry_intersect(world->geometry, origin, direction, INFINITY, &hit)) {
+            search->health.rays_leaked += !world->open;
             return orl_rgb_add(sum, orl_rgb_mul(weight, orl_world_dome_radiance(world, direction)));
+        }
         if (bounce == 0)
             *ret_distance = hit.distance;
         const struct orl_material *m = orl_world_material(world, &hit);
         const bool diffuse = orl_rgb_max(orl_material_diffuse(m)) > 0;
         const bool near = hit.distance < gather->near;
         if (m->kind == ORL_MATERIAL_GLOW)
-            sum = orl_rgb_add(sum, orl_rgb_mul(weight, orl_material_emission(m, &hit, orl_neg(direction))));
+            sum = orl_rgb_add(
+                sum, orl_rgb_mul(weight, orl_material_emission(m, &hit, orl_neg(direction))));
         if (diffuse)
             sum = orl_rgb_add(
                 sum, orl_rgb_mul(weight, diffuse_radiance(gather, &hit, m, near, random, search)));
@@ -174,6 +180,7 @@ static struct orl_rgb trace_gather(const struct orl_gather *gather, struct orl_v
         origin = orl_hit_leave(world->geometry, &hit, s.direction);
         direction = s.direction;
     }
+    search->health.paths_capped++;
     return sum;
 }
 
@@ -182,7 +189,8 @@ struct orl_rgb orl_gather_radiance(const struct orl_gather *gather, struct orl_v
                                    struct orl_random *random, struct orl_search *search)
 {
     double distance;
-    return trace_gather(gather, origin, direction, outside, random, search, &distance);
+    return orl_health_keep(&search->health, trace_gather(gather, origin, direction, outside, random,
+                                                         search, &distance));
 }
 
 struct orl_rgb orl_gather_direct(const struct orl_gather *gather, const struct orl_place *place,
@@ -267,8 +275,9 @@ struct orl_hemisphere orl_gather_hemisphere(const struct orl_gather *gather,
         const struct orl_vec3 direction = orl_to_world(
             &frame, orl_v3(sine * cos(phi), sine * sin(phi), sqrt(fmax(0, 1 - sine * sine))));
         double distance;
-        const struct orl_rgb radiance = trace_gather(gather, place->point, direction,
-                                                     place->outside, random, search, &distance);
+        const struct orl_rgb radiance = orl_health_keep(
+            &search->health, trace_gather(gather, place->point, direction, place->outside, random,
+                                          search, &distance));
         h.irradiance = orl_rgb_add(h.irradiance, radiance);
         distance = fmax(distance, 1e-9 * gather->world->geometry->radius);
         nearness += 1 / distance;

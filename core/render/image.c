@@ -235,10 +235,11 @@ static struct orl_rgb pixel_radiance(const struct painter *p, uint32_t x, uint32
             continue;
         orl_shade_look(p->env->gather, origin, direction, p->outside, false, &random, search,
                        &sight);
-        sum = orl_rgb_add(sum, sight.rest);
+        sum = orl_rgb_add(sum, orl_health_keep(&search->health, sight.rest));
         for (uint32_t v = 0; v < sight.n_vertices; v++)
-            sum =
-                orl_rgb_add(sum, vertex_radiance(p, &sight.vertices[v], &memo, i, &random, search));
+            sum = orl_rgb_add(
+                sum, orl_health_keep(&search->health, vertex_radiance(p, &sight.vertices[v], &memo,
+                                                                      i, &random, search)));
     }
     return orl_rgb_scale(sum, 1.0 / (RAYS_A_SIDE * RAYS_A_SIDE));
 }
@@ -252,10 +253,7 @@ static void paint_tile(void *arg, size_t index, uint32_t member)
     for (uint32_t y = y0; y < y0 + TILE && y < p->film->height && !cancelled(p); y++) {
         for (uint32_t x = x0; x < x0 + TILE && x < p->film->width; x++) {
             const struct orl_rgb c = pixel_radiance(p, x, y, &p->env->searches[member]);
-            float *pixel = p->film->pixels[(size_t)y * p->film->width + x];
-            pixel[0] = isfinite(c.r) ? (float)c.r : 0;
-            pixel[1] = isfinite(c.g) ? (float)c.g : 0;
-            pixel[2] = isfinite(c.b) ? (float)c.b : 0;
+            orl_film_set(p->film, x, y, c, &p->env->searches[member].health);
         }
     }
 }

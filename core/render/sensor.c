@@ -106,12 +106,16 @@ double orl_gather_sensor(const struct orl_gather *gather, struct orl_vec3 positi
     /* Without a caustic map caustics were not asked for: then there are none anywhere. */
     const bool caustics = gather->maps[ORL_MAP_CAUSTIC] != NULL;
     place.in_air = caustics && !lies_on_surface(gather, &place, &on_surface);
-    struct orl_rgb sum = orl_gather_direct(gather, &place, sequence, 0, SUN_RAYS);
+    struct orl_health *health = &search->health;
+    struct orl_rgb sum =
+        orl_health_keep(health, orl_gather_direct(gather, &place, sequence, 0, SUN_RAYS));
     if (caustics && !place.in_air)
-        sum = orl_rgb_add(sum,
-                          orl_gather_caustic(gather, on_surface, place.normal, search).irradiance);
+        sum = orl_rgb_add(
+            sum,
+            orl_health_keep(
+                health, orl_gather_caustic(gather, on_surface, place.normal, search).irradiance));
     else if (place.in_air)
-        sum = orl_rgb_add(sum, caustics_in_air(gather, &place, index));
+        sum = orl_rgb_add(sum, orl_health_keep(health, caustics_in_air(gather, &place, index)));
     sum = orl_rgb_add(sum, gather_evenly(gather, &place, samples, index, search));
     return ORL_EFFICACY_LM_PER_W * orl_luma(sum);
 }

@@ -153,11 +153,14 @@ void orl_shade_look(const struct orl_gather *gather, struct orl_vec3 origin,
     while (look.depth > 0) {
         const struct branch at = look.stack[--look.depth];
         struct orl_hit hit;
-        if (orl_geometry_intersect(world->geometry, at.origin, at.direction, INFINITY, &hit))
+        search->health.rays++;
+        if (orl_geometry_intersect(world->geometry, at.origin, at.direction, INFINITY, &hit)) {
             meet(&look, &at, &hit);
-        else
-            add(&look, at.weight,
-                orl_rgb_add(orl_world_dome_radiance(world, at.direction),
-                            orl_world_sun_radiance(world, at.direction)));
+            continue;
+        }
+        search->health.rays_leaked += !world->open && !at.outside;
+        add(&look, at.weight,
+            orl_rgb_add(orl_world_dome_radiance(world, at.direction),
+                        orl_world_sun_radiance(world, at.direction)));
     }
 }

@@ -150,5 +150,7 @@ int orl_run_render(struct orl_run_state *state, struct orl_error *err)
     if (code == 0)
         code = render_views(state, &gather, sensors_share, err);
     orl_gather_done(&gather);
+    for (uint32_t i = 0; i < orl_crew_size(state->env->crew); i++)
+        orl_health_add(&state->result->health, &state->searches[i].health);
     return code;
 }
