@@ -3,195 +3,23 @@
  * a sky; anything else would be a pattern or texture that is not simulated.
  * Reference: "The RADIANCE Synthetic Imaging System", section 2.1.2.
  */
-#include <math.h>
-#include <stdio.h>
 #include <string.h>
 
-#include "scene/number.h"
-#include "scene/parser.h"
-
-typedef int (*material_reader)(struct orl_parser *parser, const struct orl_scope *scope,
-                               struct orl_material *material, struct orl_error *err);
-
-static struct orl_rgb real_rgb(const struct orl_parser *parser, size_t i)
-{
-    const double *r = parser->primitive.reals + i;
-    return (struct orl_rgb){r[0], r[1], r[2]};
-}
-
-/* ---- Materials ------------------------------------------------------------------------------- */
-
-static double rgb_min(struct orl_rgb c)
-{
-    return fmin(c.r, fmin(c.g, c.b));
-}
-
-/* Channels from 0 up to below most (or to most itself, if closed). */
-static int check_share(struct orl_parser *parser, const struct orl_scope *scope, struct orl_rgb c,
-                       bool closed, const char *what, struct orl_error *err)
-{
-    if (rgb_min(c) >= 0 && (orl_rgb_max(c) < 1 || (closed && orl_rgb_max(c) <= 1)))
-        return 0;
-    orl_parser_fail(parser, scope, err, ORL_ERR_RANGE, "its %s (%g %g %g) is not from 0 to %s 1",
-                    what, c.r, c.g, c.b, closed ? "" : "below");
-    orl_error_hint(err, "a surface that returns all light, or more, has no answer");
-    return ORL_ERR_RANGE;
-}
-
-/* Plastic and metal share their arguments. */
-static int read_opaque(struct orl_parser *parser, const struct orl_scope *scope,
-                       struct orl_material *material, struct orl_error *err)
-{
-    const bool plastic = material->kind == ORL_MATERIAL_PLASTIC;
-    int code = orl_parser_expect(parser, scope, 0, 5, err);
-    if (code < 0)
-        return code;
-    material->color = real_rgb(parser, 0);
-    material->specular = parser->primitive.reals[3];
-    material->roughness[0] = material->roughness[1] = parser->primitive.reals[4];
-    code = check_share(parser, scope, material->color, false, "reflectance", err);
-    if (code == 0)
-        code =
-            check_share(parser, scope, orl_gray(material->specular), !plastic, "specularity", err);
-    if (code == 0 && !(material->roughness[0] >= 0 && material->roughness[0] <= 1))
-        code = orl_parser_fail(parser, scope, err, ORL_ERR_RANGE,
-                               "its roughness %g is not from 0 to 1", material->roughness[0]);
-    return code;
-}
-
-static int read_glass(struct orl_parser *parser, const struct orl_scope *scope,
-                      struct orl_material *material, struct orl_error *err)
-{
-    const bool has_index = parser->primitive.n_reals == 4;
-    int code = orl_parser_expect(parser, scope, 0, has_index ? 4 : 3, err);
-    if (code < 0)
-        return code;
-    material->transmissivity = real_rgb(parser, 0);
-    material->ior = has_index ? parser->primitive.reals[3] : 1.52;
-    code = check_share(parser, scope, material->transmissivity, true, "transmissivity", err);
-    if (code == ORL_ERR_RANGE)
-        orl_error_hint(err, "transmissivity excludes reflection: clear glass that transmits 0.88 "
-                            "has 0.96");
-    if (code == 0 && !(material->ior >= 1 && material->ior <= 10))
-        code = orl_parser_fail(parser, scope, err, ORL_ERR_RANGE,
-                               "its index of refraction %g is not from 1 to 10", material->ior);
-    return code;
-}
-
-static int read_light(struct orl_parser *parser, const struct orl_scope *scope,
-                      struct orl_material *material, struct orl_error *err)
-{
-    const bool glow = material->kind == ORL_MATERIAL_GLOW;
-    const int code = orl_parser_expect(parser, scope, 0, glow ? 4 : 3, err);
-    if (code < 0)
-        return code;
-    material->color = real_rgb(parser, 0);
-    if (glow)
-        material->max_radius = parser->primitive.reals[3] * scope->xform.scale;
-    if (rgb_min(material->color) < 0)
-        return orl_parser_fail(parser, scope, err, ORL_ERR_RANGE, "its radiance is negative");
-    if (orl_rgb_max(material->color) > 1e30) /* the sun's is 1e7; sums must stay finite */
-        return orl_parser_fail(parser, scope, err, ORL_ERR_RANGE, "its radiance is too large");
-    return 0;
-}
-
-/* A string argument that must be a number: expressions of function files are not evaluated. */
-static int string_number(struct orl_parser *parser, const struct orl_scope *scope, size_t i,
-                         double *ret_value, struct orl_error *err)
-{
-    const char *text = orl_primitive_string(&parser->primitive, i);
-    if (orl_number_read(text, strlen(text), ret_value) == ORL_NUMBER_OK)
-        return 0;
-    orl_parser_fail(parser, scope, err, ORL_ERR_UNSUPPORTED, "'%.60s' is not a number", text);
-    orl_error_hint(err, "expressions are not evaluated: write thickness and up vector as numbers");
-    return ORL_ERR_UNSUPPORTED;
-}
-
-static int read_bsdf_file(struct orl_parser *parser, const struct orl_scope *scope,
-                          struct orl_material *material, struct orl_error *err)
-{
-    struct orl_bsdf *bsdf = NULL;
-    size_t source = 0;
-    char name[ORL_ERROR_NAME_MAX];
-    int code = orl_sources_find(&parser->sources, scope->folder,
-                                orl_primitive_string(&parser->primitive, 1), &source, err);
-    if (code < 0) {
-        snprintf(name, sizeof name, "%.*s", (int)sizeof name - 1, err->message);
-        return orl_parser_fail(parser, scope, err, code, "its BSDF file is missing: %s", name);
-    }
-    code = orl_sources_bsdf(&parser->sources, source, &bsdf, err);
-    if (code < 0) {
-        /* The place is in the XML; only what is not said yet is added. */
-        const bool has_place = err->file[0] != '\0';
-        snprintf(name, sizeof name, "BSDF %.200s", parser->primitive.id);
-        orl_error_at(err, has_place ? NULL : scope->file, has_place ? 0 : parser->primitive.line,
-                     err->primitive[0] ? NULL : name);
-        return code;
-    }
-    material->bsdf = orl_bsdf_ref(bsdf);
-    return 0;
-}
-
-static int read_bsdf_diffuse(struct orl_parser *parser, const struct orl_scope *scope,
-                             struct orl_material *material, struct orl_error *err)
-{
-    struct orl_rgb *const parts[3] = {&material->front, &material->back, &material->through};
-    const size_t n = parser->primitive.n_reals;
-    int code = 0;
-    if (n > 9 || n % 3 != 0)
-        return orl_parser_fail(parser, scope, err, ORL_ERR_SYNTAX,
-                               "a BSDF takes 0, 3, 6 or 9 number arguments, not %zu", n);
-    for (size_t i = 0; i < 3 && 3 * i < n && code == 0; i++) {
-        *parts[i] = real_rgb(parser, 3 * i);
-        code = check_share(parser, scope, *parts[i], false, "diffuse part", err);
-    }
-    return code;
-}
-
-static int read_bsdf(struct orl_parser *parser, const struct orl_scope *scope,
-                     struct orl_material *material, struct orl_error *err)
-{
-    const struct orl_primitive *primitive = &parser->primitive;
-    struct orl_xform xform;
-    double up[3] = {0, 0, 0};
-    int code;
-    if (primitive->n_strings < 6)
-        return orl_parser_fail(parser, scope, err, ORL_ERR_SYNTAX,
-                               "a BSDF takes six string arguments: thickness, file, up x y z, and "
-                               "'.'; here are %zu",
-                               primitive->n_strings);
-    code = string_number(parser, scope, 0, &material->thickness, err);
-    for (size_t i = 0; i < 3 && code == 0; i++)
-        code = string_number(parser, scope, 2 + i, up + i, err);
-    if (code == 0 && strcmp(orl_primitive_string(primitive, 5), ".") != 0)
-        code = orl_parser_fail(parser, scope, err, ORL_ERR_UNSUPPORTED,
-                               "function files ('%.60s') are not read: '.' must stand there",
-                               orl_primitive_string(primitive, 5));
-    if (code == 0)
-        code = orl_parser_string_xform(parser, scope, 6, &xform, err);
-    if (code == 0 && material->thickness != 0)
-        code = orl_parser_fail(parser, scope, err, ORL_ERR_UNSUPPORTED,
-                               "BSDFs with a thickness, which stand for other geometry, are not "
-                               "supported yet");
-    if (code < 0)
-        return code;
-    material->up = orl_xform_vector(&xform, orl_v3(up[0], up[1], up[2]));
-    if (!(orl_length(material->up) > 0) || !isfinite(orl_length(material->up)))
-        return orl_parser_fail(parser, scope, err, ORL_ERR_RANGE, "its up vector has no length");
-    code = read_bsdf_diffuse(parser, scope, material, err);
-    return code == 0 ? read_bsdf_file(parser, scope, material, err) : code;
-}
+#include "scene/material_readers.h"
 
 struct material_type {
     const char *name;
     enum orl_material_kind kind;
-    material_reader read;
+    orl_material_reader read;
 };
 
 static const struct material_type material_types[] = {
-    {"plastic", ORL_MATERIAL_PLASTIC, read_opaque}, {"metal", ORL_MATERIAL_METAL, read_opaque},
-    {"glass", ORL_MATERIAL_GLASS, read_glass},      {"BSDF", ORL_MATERIAL_BSDF, read_bsdf},
-    {"light", ORL_MATERIAL_LIGHT, read_light},      {"glow", ORL_MATERIAL_GLOW, read_light},
+    {"plastic", ORL_MATERIAL_PLASTIC, orl_material_read_opaque},
+    {"metal", ORL_MATERIAL_METAL, orl_material_read_opaque},
+    {"glass", ORL_MATERIAL_GLASS, orl_material_read_glass},
+    {"BSDF", ORL_MATERIAL_BSDF, orl_material_read_bsdf},
+    {"light", ORL_MATERIAL_LIGHT, orl_material_read_light},
+    {"glow", ORL_MATERIAL_GLOW, orl_material_read_light},
 };
 
 static const struct material_type *find_type(const char *name)
