@@ -109,6 +109,8 @@ static int render_view(struct orl_run_state *state, const struct orl_gather *gat
     if (code == 0)
         code = orl_view_parse(request->view, &view, err);
     if (code == 0)
+        orl_run_judge_view(state, request->name, &view);
+    if (code == 0)
         code = orl_film_init(&film, request->width, request->height, err);
     if (code == 0)
         code = orl_image_render(&env, &view, &film, err);

@@ -94,28 +94,6 @@ static int load_sensors(struct orl_run_state *state, struct orl_error *err)
     return code;
 }
 
-/* BSDFs that would have made light out of nothing, each said once. */
-static void warn_of_gains(struct orl_run_state *state, const struct orl_description *d)
-{
-    const double tolerance = 1e-3; /* the check of BSDFs passes that over, too */
-    for (size_t i = 0; i < d->n_materials; i++) {
-        const struct orl_material *m = &d->materials[i];
-        struct orl_bsdf_info info;
-        size_t first = 0;
-        while (d->materials[first].bsdf != m->bsdf)
-            first++;
-        if (!m->bsdf || first < i)
-            continue;
-        orl_bsdf_describe(m->bsdf, &info);
-        const double most = fmax(info.max_albedo[0], info.max_albedo[1]);
-        if (most > 1 + tolerance)
-            orl_run_warn(state,
-                         "BSDF '%.100s': reflectance and transmittance add up to %.3f for some "
-                         "directions; values are rescaled to 1 there",
-                         m->name, most);
-    }
-}
-
 static int load(struct orl_run_state *state, struct orl_description *ret_description,
                 struct orl_error *err)
 {
@@ -132,7 +110,7 @@ static int load(struct orl_run_state *state, struct orl_description *ret_descrip
     for (size_t i = 0; code == 0 && i < ret_description->n_warnings; i++)
         orl_run_warn(state, "%s", ret_description->warnings[i]);
     if (code == 0)
-        warn_of_gains(state, ret_description);
+        orl_run_count_scene(state, ret_description);
     return code < 0 ? code : orl_run_sky(state, ret_description, err);
 }
 
@@ -150,12 +128,14 @@ static int run_stages(struct orl_run_state *state, struct orl_error *err)
     code = orl_world_new(&description, &state->world, err);
     if (code == 0)
         code = orl_world_find_ports(state->world, state->env->crew, err);
-    if (code == 0)
+    if (code == 0 && !orl_run_is_dark(state))
         code = orl_run_maps(state, err);
     if (code == 0) {
         orl_run_enter(state, ORL_STAGE_RENDER);
         code = orl_run_render(state, err);
     }
+    if (code == 0)
+        orl_run_judge_health(state);
     return code;
 }
 

@@ -7,6 +7,7 @@
 #include <oriel/run.h>
 
 #include "render/gather.h"
+#include "render/view.h"
 
 struct orl_run_state {
     const struct orl_job *job;
@@ -39,6 +40,19 @@ int orl_sensors_parse(const char *name, const char *text, size_t size,
 /* Load stage: the sky that the job asks for, if any, into the description. */
 int orl_run_sky(struct orl_run_state *state, struct orl_description *description,
                 struct orl_error *err);
+
+/* What the scene's files had wrong, into the result's health. */
+void orl_run_count_scene(struct orl_run_state *state, const struct orl_description *description);
+
+/* Whether no light comes to any sensor or view of the job: then photons are not worth tracing. Says
+ * so in a warning. */
+bool orl_run_is_dark(struct orl_run_state *state);
+
+/* Warns of an eye inside a solid, in a wall or on a surface. */
+void orl_run_judge_view(struct orl_run_state *state, const char *name, const struct orl_view *view);
+
+/* At the end: warnings where the result's health calls for them. */
+void orl_run_judge_health(struct orl_run_state *state);
 
 /* Photons and maps stages: every map the job needs is in state->maps, from the store or new. */
 int orl_run_maps(struct orl_run_state *state, struct orl_error *err);

@@ -18,12 +18,12 @@ struct orl_health {
     /* What went wrong. */
     uint64_t non_finite;     /* values that were no finite number, and were left out */
     uint64_t bsdf_clamped;   /* values of BSDF files below zero: read as zero */
-    uint64_t bsdf_rescaled;  /* values of BSDF files scaled down, lest energy be gained */
+    uint64_t bsdf_rescaled;  /* BSDFs with values scaled down, lest energy be gained */
     uint64_t degenerate;     /* surfaces without area: dropped */
     uint64_t photons_capped; /* photons given up at the bounce limit */
     uint64_t paths_capped;   /* paths from sensors, views and ports, likewise */
     uint64_t rays_leaked;    /* rays that left a sealed scene without passing a window */
-    uint64_t sparse;         /* density estimates from fewer than ORL_HEALTH_FEW photons */
+    uint64_t sparse;         /* density estimates from fewer than 8 photons */
     /* What that is to be judged against. */
     uint64_t bsdf_values; /* values of BSDF files */
     uint64_t surfaces;    /* of the scene, the dropped ones included */
@@ -37,8 +37,6 @@ struct orl_health {
      * none leaked. In a result the place is in the files' coordinates. */
     struct orl_vec3 leak_from, leak_towards;
 };
-
-enum { ORL_HEALTH_FEW = 8 };
 
 /* Adds part to sum; the first leak stays. */
 void orl_health_add(struct orl_health *sum, const struct orl_health *part);

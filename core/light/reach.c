@@ -1,0 +1,71 @@
+#include "light/reach.h"
+
+#include <stdatomic.h>
+
+#include "base/random.h"
+#include "scene/hemisphere.h"
+
+enum { MOST_BOUNCES = 64, CHUNK = 64 };
+
+struct quest {
+    const struct orl_world *world;
+    const struct orl_outlook *outlooks;
+    size_t count, paths;
+    atomic_bool found;
+};
+
+static struct orl_vec3 set_out(const struct orl_outlook *outlook, struct orl_random *random)
+{
+    const double u = orl_random_uniform(random), v = orl_random_uniform(random);
+    if (orl_dot(outlook->normal, outlook->normal) > 0)
+        return orl_hemisphere_about(outlook->normal, u, v);
+    const double z = 2 * u - 1, s = sqrt(fmax(0, 1 - z * z)), phi = 2 * ORL_PI * v;
+    return orl_v3(s * cos(phi), s * sin(phi), z);
+}
+
+static bool finds_light(const struct quest *quest, size_t path)
+{
+    const struct orl_world *world = quest->world;
+    const struct orl_outlook *outlook = &quest->outlooks[path % quest->count];
+    const bool distant = world->n_suns + world->n_domes > 0;
+    struct orl_random random = orl_random_stream(2, ORL_PURPOSE_PILOT, path);
+    struct orl_vec3 point = outlook->point, direction = set_out(outlook, &random);
+    for (int bounce = 0; bounce < MOST_BOUNCES; bounce++) {
+        struct orl_hit hit;
+        if (!orl_geometry_intersect(world->geometry, point, direction, INFINITY, &hit))
+            return distant;
+        const struct orl_material *m = orl_world_material(world, &hit);
+        if (orl_material_shines(m))
+            return true;
+        if (!orl_material_is_window(m)) {
+            const double u = orl_random_uniform(&random), v = orl_random_uniform(&random);
+            direction = orl_hemisphere_about(hit.front ? hit.normal : orl_neg(hit.normal), u, v);
+        }
+        point = orl_hit_leave(world->geometry, &hit, direction);
+    }
+    return false;
+}
+
+static void try_chunk(void *arg, size_t chunk, uint32_t member)
+{
+    struct quest *quest = arg;
+    const size_t end = (chunk + 1) * CHUNK < quest->paths ? (chunk + 1) * CHUNK : quest->paths;
+    (void)member;
+    for (size_t path = chunk * CHUNK; path < end; path++) {
+        /* Whoever finds light first: the answer is the same. */
+        if (atomic_load_explicit(&quest->found, memory_order_relaxed))
+            return;
+        if (finds_light(quest, path))
+            atomic_store_explicit(&quest->found, true, memory_order_relaxed);
+    }
+}
+
+bool orl_light_reaches(const struct orl_world *world, const struct orl_outlook *outlooks,
+                       size_t count, size_t paths, struct orl_crew *crew)
+{
+    struct quest quest = {.world = world, .outlooks = outlooks, .count = count, .paths = paths};
+    atomic_init(&quest.found, false);
+    if (count > 0)
+        orl_crew_for(crew, (paths + CHUNK - 1) / CHUNK, try_chunk, &quest);
+    return atomic_load(&quest.found);
+}

@@ -1,0 +1,173 @@
+/* What the run counted of its numbers, put into words where it matters. */
+#include <stdlib.h>
+
+#include "light/reach.h"
+#include "run/stages.h"
+
+enum { OUTLOOK_PATHS = 16384, VIEW_PATHS = 2048, VIEW_PROBES = 64 };
+
+/* Shares from which on a warning is due. */
+static const double many_leaks = 1e-6, much_flux = 1e-4, many_paths = 1e-3, many_values = 1e-3,
+                    many_sparse = 0.1;
+
+/* BSDFs that would have made light out of nothing are each said once; the rest is counted. */
+void orl_run_count_scene(struct orl_run_state *state, const struct orl_description *d)
+{
+    const double tolerance = 1e-3; /* the check of BSDFs passes that over, too */
+    struct orl_health *h = &state->result->health;
+    h->degenerate = d->n_degenerate;
+    h->surfaces = d->n_surfaces + d->n_degenerate;
+    for (size_t i = 0; i < d->n_materials; i++) {
+        const struct orl_material *m = &d->materials[i];
+        struct orl_bsdf_info info;
+        size_t first = 0;
+        while (d->materials[first].bsdf != m->bsdf)
+            first++;
+        if (!m->bsdf || first < i)
+            continue;
+        orl_bsdf_describe(m->bsdf, &info);
+        const double most = fmax(info.max_albedo[0], info.max_albedo[1]);
+        h->bsdf_values += info.values;
+        h->bsdf_clamped += info.clamped;
+        h->bsdf_rescaled += most > 1;
+        if (most > 1 + tolerance)
+            orl_run_warn(state,
+                         "BSDF '%.100s': reflectance and transmittance add up to %.3f for some "
+                         "directions; values are rescaled to 1 there",
+                         m->name, most);
+    }
+}
+
+/* ---- Places without light -------------------------------------------------------------------- */
+
+static struct orl_vec3 moved(const struct orl_run_state *state, struct orl_vec3 point)
+{
+    return orl_sub(point, state->world->geometry->center);
+}
+
+/* Every sensor and every eye of the job; NULL when out of memory or when there are none. */
+static struct orl_outlook *list_outlooks(const struct orl_run_state *state, size_t *ret_count)
+{
+    const double clear = state->world->geometry->radius * 0x1p-18; /* as sensors are read */
+    const struct orl_job *job = state->job;
+    struct orl_outlook *list = malloc((state->n_sensors + job->n_views + 1) * sizeof *list);
+    size_t n = 0;
+    for (size_t i = 0; list && i < state->n_sensors; i++) {
+        const struct orl_vec3 normal = orl_normalize(state->sensors[i].direction);
+        const struct orl_vec3 point = moved(state, state->sensors[i].position);
+        list[n++] = (struct orl_outlook){orl_madd(point, normal, clear), normal};
+    }
+    for (size_t i = 0; list && i < job->n_views; i++) {
+        struct orl_view view;
+        if (orl_view_parse(job->views[i].view, &view, NULL) == 0)
+            list[n++] = (struct orl_outlook){moved(state, view.point), {0, 0, 0}};
+    }
+    *ret_count = n;
+    return list;
+}
+
+bool orl_run_is_dark(struct orl_run_state *state)
+{
+    const struct orl_world *world = state->world;
+    size_t count = 0;
+    /* A port is a way in; parallel views see from everywhere; no light at all is soon found out. */
+    if (world->n_ports > 0 || world->n_suns + world->n_domes + world->n_emitters == 0)
+        return false;
+    for (size_t i = 0; i < state->job->n_views; i++) {
+        struct orl_view view;
+        if (orl_view_parse(state->job->views[i].view, &view, NULL) < 0 || view.type == 'l')
+            return false;
+    }
+    struct orl_outlook *outlooks = list_outlooks(state, &count);
+    const size_t paths = count > OUTLOOK_PATHS ? count : OUTLOOK_PATHS;
+    const bool dark = outlooks && count > 0 &&
+                      !orl_light_reaches(world, outlooks, count, paths, state->env->crew);
+    free(outlooks);
+    if (dark)
+        orl_run_warn(state,
+                     "no light reaches the sensors and views: none of %zu paths from them "
+                     "found any; they are black, and no photons were traced",
+                     paths);
+    return dark;
+}
+
+/* Whether some surface is so close that it is chance which of its sides the eye is on. */
+static bool lies_on_surface(const struct orl_geometry *g, struct orl_vec3 point)
+{
+    for (int i = 0; i < VIEW_PROBES; i++) {
+        const double z = 1 - (2 * i + 1.0) / VIEW_PROBES, s = sqrt(1 - z * z);
+        const double phi = 2.399963229728653 * i; /* the golden angle */
+        if (orl_geometry_occluded(g, point, orl_v3(s * cos(phi), s * sin(phi), z),
+                                  g->radius * 0x1p-18))
+            return true;
+    }
+    return false;
+}
+
+void orl_run_judge_view(struct orl_run_state *state, const char *name, const struct orl_view *view)
+{
+    const struct orl_outlook outlook = {moved(state, view->point), {0, 0, 0}};
+    if (view->type == 'l')
+        return;
+    if (lies_on_surface(state->world->geometry, outlook.point))
+        orl_run_warn(state, "view '%s': the eye lies on a surface: which side it sees is chance",
+                     name);
+    else if (!orl_light_reaches(state->world, &outlook, 1, VIEW_PATHS, state->env->crew))
+        orl_run_warn(
+            state, "view '%s': no light reaches the eye: it may be inside a solid or a wall", name);
+}
+
+/* ---- The verdict ----------------------------------------------------------------------------- */
+
+static double share(uint64_t part, uint64_t whole)
+{
+    return whole > 0 ? (double)part / (double)whole : 0;
+}
+
+static void judge_leaks(struct orl_run_state *state, const struct orl_health *h)
+{
+    const struct orl_vec3 p = h->leak_from, d = h->leak_towards;
+    const unsigned long long leaked = h->rays_leaked, rays = h->rays;
+    if (!(share(h->rays_leaked, h->rays) > many_leaks))
+        return;
+    if (orl_dot(d, d) > 0)
+        orl_run_warn(state,
+                     "%llu of %llu rays left the building by no window: it is not closed; "
+                     "one got out from (%.6g %.6g %.6g) towards (%.4f %.4f %.4f)",
+                     leaked, rays, p.x, p.y, p.z, d.x, d.y, d.z);
+    else
+        orl_run_warn(state, "%llu of %llu rays left the building by no window: it is not closed",
+                     leaked, rays);
+}
+
+void orl_run_judge_health(struct orl_run_state *state)
+{
+    struct orl_health *h = &state->result->health;
+    if (h->rays_leaked > 0)
+        h->leak_from = orl_add(h->leak_from, state->world->geometry->center);
+    judge_leaks(state, h);
+    if (h->non_finite > 0)
+        orl_run_warn(state,
+                     "%llu values were no finite numbers and count as black: results near "
+                     "them are too low",
+                     (unsigned long long)h->non_finite);
+    if (h->flux_capped_w > much_flux * h->flux_w)
+        orl_run_warn(state,
+                     "%.3g %% of the light was lost to the bounce limit, with %llu of %llu "
+                     "photons: surfaces that absorb next to nothing come out too dark",
+                     100 * h->flux_capped_w / h->flux_w, (unsigned long long)h->photons_capped,
+                     (unsigned long long)h->photons);
+    if (share(h->paths_capped, h->paths) > many_paths)
+        orl_run_warn(state,
+                     "%.3g %% of the paths from sensors and views were cut at the bounce "
+                     "limit: results are too low, by less than that",
+                     100 * share(h->paths_capped, h->paths));
+    if (share(h->bsdf_clamped, h->bsdf_values) > many_values)
+        orl_run_warn(state, "%llu of %llu values of the BSDFs are negative and were read as zero",
+                     (unsigned long long)h->bsdf_clamped, (unsigned long long)h->bsdf_values);
+    if (share(h->sparse, h->estimates) > many_sparse)
+        orl_run_warn(state,
+                     "%.0f %% of the density estimates rest on fewer than 8 photons: more "
+                     "photons would make the results less rough",
+                     100 * share(h->sparse, h->estimates));
+}
