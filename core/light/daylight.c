@@ -155,6 +155,53 @@ static void widen_sun(struct orl_daylight *daylight)
     daylight->sun_angle_deg = ORL_SUN_DIAMETER_DEG;
 }
 
+/* ---- The horizon ---- */
+
+static double altitude_of(struct orl_vec3 sun)
+{
+    return atan2(sun.z, hypot(sun.x, sun.y));
+}
+
+/* The same azimuth at another height. */
+static struct orl_vec3 raised(struct orl_vec3 sun, double altitude_rad)
+{
+    const double level = hypot(sun.x, sun.y);
+    if (!(level > 0))
+        return sun;
+    return orl_v3(sun.x / level * cos(altitude_rad), sun.y / level * cos(altitude_rad),
+                  sin(altitude_rad));
+}
+
+/*
+ * What the horizon leaves of the sun's disc, as a smaller disc of the same radiance, area and
+ * centre of gravity: light, where it comes from, and so (to first order) the light on level ground
+ * are those of the segment. With the sun's centre h radii above the horizon, the share of the disc
+ * above it is 1 - (acos h - h sqrt(1 - h^2)) / pi, its moment 2/3 (1 - h^2)^(3/2).
+ */
+static void cut_by_horizon(struct orl_daylight *daylight)
+{
+    const double radius = 0.5 * daylight->sun_angle_deg * ORL_DEG_TO_RAD;
+    const double altitude = altitude_of(daylight->sun), h = altitude / radius;
+    const double side2 = fmax(0, 1 - h * h);
+    double share;
+    if (h >= 1)
+        return;
+    share = h > -1 ? 1 - (acos(h) - h * sqrt(side2)) / ORL_PI : 0;
+    if (!(share > 1e-9)) {
+        daylight->sun_radiance = 0;
+        return;
+    }
+    daylight->sun = raised(daylight->sun,
+                           altitude + radius * 2.0 / 3.0 * side2 * sqrt(side2) / (ORL_PI * share));
+    daylight->sun_angle_deg *= sqrt(share);
+}
+
+/* Its centre has set, its rim has not. */
+static bool is_half_set(struct orl_vec3 sun)
+{
+    return sun.z <= 0 && altitude_of(sun) > -0.5 * ORL_SUN_DIAMETER_DEG * ORL_DEG_TO_RAD;
+}
+
 /* ---- Entry points ---- */
 
 static void warn_site(const struct orl_sky_request *request, struct orl_text *text)
@@ -171,12 +218,44 @@ static bool needs_sun(const struct orl_sky *pattern)
     return pattern->kind == ORL_SKY_PEREZ || pattern->n_args == 7;
 }
 
+static int find_numbers(const struct orl_sky_request *request, struct orl_text *text,
+                        struct orl_sky_numbers *ret_numbers, struct orl_error *err)
+{
+    return request->model == ORL_SKY_BY_CIE ? find_cie(request, text, ret_numbers, err)
+                                            : find_perez(request, text, ret_numbers, err);
+}
+
+/*
+ * The models know no sun below the horizon. Until the last of it has set, the sky is that of a sun
+ * on the horizon; the sun itself stays where it is.
+ */
+static int find_half_set(const struct orl_sky_request *request, struct orl_text *text,
+                         struct orl_sky_numbers *numbers, struct orl_error *err)
+{
+    const struct orl_vec3 sun = numbers->sun;
+    struct orl_sky_request risen = *request;
+    int code;
+    risen.time_given = false;
+    risen.sun_given = true;
+    risen.sun_altitude_deg = 1e-6;
+    risen.sun_azimuth_deg = atan2(-sun.x, -sun.y) / ORL_DEG_TO_RAD;
+    text->warnings[0] = '\0'; /* what the setting sun had the models say */
+    code = find_numbers(&risen, text, numbers, err);
+    numbers->sun = sun;
+    return code;
+}
+
 static int find(const struct orl_sky_request *request, struct orl_text *text,
                 struct orl_daylight *daylight, struct orl_error *err)
 {
+    const bool by_flux = request->normalise == ORL_SKY_FLUX;
     struct orl_sky_numbers numbers;
-    const int code = request->model == ORL_SKY_BY_CIE ? find_cie(request, text, &numbers, err)
-                                                      : find_perez(request, text, &numbers, err);
+    int code = find_numbers(request, text, &numbers, err);
+    bool half_set = false;
+    if (code == 0 && by_flux && needs_sun(&numbers.pattern) && is_half_set(numbers.sun)) {
+        half_set = true;
+        code = find_half_set(request, text, &numbers, err);
+    }
     if (code < 0)
         return code;
     warn_site(request, text);
@@ -185,13 +264,14 @@ static int find(const struct orl_sky_request *request, struct orl_text *text,
     daylight->sun_radiance = numbers.sun_radiance;
     daylight->sun_angle_deg = numbers.sun_angle_deg;
     daylight->black = numbers.black;
-    if (!numbers.black && needs_sun(&numbers.pattern) && numbers.sun.z <= 0) {
+    if (!numbers.black && !half_set && needs_sun(&numbers.pattern) && numbers.sun.z <= 0) {
         orl_text_warn(text, "the sun is below the horizon: the sky is black");
         daylight->black = true;
     }
-    if (!daylight->black && request->normalise == ORL_SKY_FLUX) {
+    if (!daylight->black && by_flux) {
         daylight->sun_radiance = numbers.sun_measured;
         widen_sun(daylight);
+        cut_by_horizon(daylight);
         normalise(daylight, numbers.diffuse, request->ground_reflectance);
     }
     return 0;

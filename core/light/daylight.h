@@ -2,8 +2,9 @@
  * From a job's request (oriel/sky.h) to sun, sky and ground as the rest of the core knows them.
  *
  * The numbers are those of gendaylit and gensky for the same input, in full precision; with
- * ORL_SKY_FLUX they are then scaled. A sky that cannot shine (night, no light measured) is black
- * and says so in warnings.
+ * ORL_SKY_FLUX they are then scaled, and the horizon cuts the sun's disc: a setting sun is a
+ * smaller one, higher up. A sky that cannot shine (night, no light measured) is black and says so
+ * in warnings.
  *
  * Threads: pure functions. Errors: ORL_ERR_INVALID, _RANGE, _NOT_FOUND (no such row), _NOMEM.
  */

@@ -413,7 +413,7 @@ static double ground_factor(const struct gendaylit *sky)
                           sky->sun.altitude_rad);
 }
 
-static void find_radiances(struct gendaylit *sky)
+static void find_radiances(struct gendaylit *sky, struct orl_text *text)
 {
     const double disc_sr = 2.0 * ORL_PI * (1.0 - cos(HALF_SUN_DEG * ORL_DEG_TO_RAD));
     const bool solar_output = sky->output == OUTPUT_SOLAR;
@@ -423,6 +423,14 @@ static void find_radiances(struct gendaylit *sky)
     sky->normalisation = (solar_output ? sky->diffuse_w : sky->diffuse_lx) /
                          orl_perez_patch_integral(&sky->shape, z) / unit;
     sky->solar = (solar_output ? sky->direct_w : sky->direct_lx) / disc_sr / unit;
+    if (sky->sun.altitude_rad <= -HALF_SUN_DEG * ORL_DEG_TO_RAD) {
+        /* The program lets it shine, from below. */
+        if (sky->with_sun && sky->solar > 0)
+            orl_text_warn(text, "gendaylit: the sun is below the horizon: its direct light is "
+                                "left out");
+        sky->with_sun = false;
+        sky->solar = 0.0;
+    }
     sky->ground =
         orl_perez_luminance(&sky->shape, 0.0, z) * sky->normalisation * ground_factor(sky);
     if (sky->with_sun && sky->clearness > 1.0)
@@ -438,7 +446,7 @@ static bool solve(struct gendaylit *sky, struct orl_text *text)
     sky->water_cm = exp(0.07 * sky->dew_point_c - 0.075); /* Perez 1990, equation 3 */
     if (!place_sun(sky, text) || !find_indices(sky, text) || !find_illuminance(sky, text))
         return false;
-    find_radiances(sky);
+    find_radiances(sky, text);
     if (sky->shape.c[1] > 0) { /* grows without bound at the horizon */
         orl_text_warn(text, "gendaylit: the model has no answer here: the sky is black");
         return false;
