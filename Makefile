@@ -21,6 +21,7 @@ WARNINGS := -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wstrict-prototypes \
 OPT_release := -O3 -fno-math-errno -fno-trapping-math
 OPT_asan    := -O1 -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer
 OPT_tsan    := -O1 -fsanitize=thread -fno-omit-frame-pointer
+OPT_cover   := -O1 --coverage
 OPT_fuzz    := $(OPT_asan) -fsanitize=fuzzer-no-link
 STD      := -std=c17 -D_GNU_SOURCE -ffp-contract=off -g
 CFLAGS   ?=
@@ -73,7 +74,8 @@ help:
 
 ## make            build/oriel, build/orield and the example's panel generator build/oriel-lcp
 ## make demo       install what is needed, then upload, render and show the paper's office
-## make check      install what is needed, build, run every test; ends with "N passed, N failed"
+## make check      install what is needed, build, run every test; prints the coverage of core/ and
+##                 ends with "N passed, N failed"
 ## make lint       formatting, boundaries, clang-tidy, and a build with clang
 ## make asan       all tests under AddressSanitizer and UndefinedBehaviorSanitizer
 ## make tsan       the threaded tests under ThreadSanitizer
@@ -163,9 +165,19 @@ $(BUILD)/tests/%: $(BUILD)/obj/tests/%.o $(BUILD)/libtests.a $(BUILD)/liboriel.a
 # ---- Checks --------------------------------------------------------------------------------------
 tests: all $(TEST_BIN)
 
+# The figure for coverage comes from a second build with counters, and from the suites that look at
+# the core: what users run is what the tests themselves are about.
+COVER_SUITES := unit stats validation stability
+COVER_BIN := $(foreach s,$(COVER_SUITES),$(filter $(BUILD)/tests/$(s)/%,$(TEST_BIN)))
+COVER_LEAST := 85
 check: deps-check
 	@$(MAKE) --no-print-directory -j$(JOBS) tests
-	@tests/run $(BUILD) $(TEST_BIN)
+	@$(MAKE) --no-print-directory -j$(JOBS) BUILD=$(BUILD)/cover MODE=cover CC=gcc covered
+	@TEST_NOTE=$(BUILD)/coverage.txt tests/run $(BUILD) $(TEST_BIN)
+.PHONY: covered
+covered: $(COVER_BIN)
+	@echo "  counting the lines that tests run"
+	@tests/coverage $(BUILD) $(COVER_LEAST) $(COVER_BIN) >$(BUILD)/../coverage.txt || true
 
 asan: deps-check
 	@$(MAKE) --no-print-directory -j$(JOBS) BUILD=$(BUILD)/asan MODE=asan tests
