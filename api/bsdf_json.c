@@ -15,14 +15,15 @@ json_t *orl_bsdf_info_to_json(const struct orl_bsdf_info *info)
                                    (int)info->has[1][1], "transmission_back", (int)info->has[0][1]);
     /* A name that is not UTF-8 is left out rather than failing the whole. */
     json_t *name = json_string(info->name);
-    return json_pack("{s:o, s:s, s:i, s:I, s:I, s:o, s:{s:o, s:o}, s:{s:f, s:f}, s:f, s:b, s:I}",
-                     "name", name ? name : json_null(), "kind", info->kind, "resolution",
-                     info->resolution, "values", (json_int_t)info->values, "bytes",
-                     (json_int_t)info->bytes, "components", components, "dummy",
-                     "transmission_front", dummy(info->dummy[1]), "transmission_back",
-                     dummy(info->dummy[0]), "max_albedo", "front", info->max_albedo[1], "back",
-                     info->max_albedo[0], "thickness_m", info->thickness_m, "colored",
-                     (int)info->colored, "clamped", (json_int_t)info->clamped);
+    return json_pack(
+        "{s:o, s:s, s:i, s:I, s:I, s:o, s:{s:o, s:o}, s:{s:f, s:f}, s:f, s:b, s:b, s:I, s:I}",
+        "name", name ? name : json_null(), "kind", info->kind, "resolution", info->resolution,
+        "values", (json_int_t)info->values, "bytes", (json_int_t)info->bytes, "components",
+        components, "dummy", "transmission_front", dummy(info->dummy[1]), "transmission_back",
+        dummy(info->dummy[0]), "max_albedo", "front", info->max_albedo[1], "back",
+        info->max_albedo[0], "thickness_m", info->thickness_m, "colored", (int)info->colored,
+        "color_left_out", (int)info->color_left_out, "out_of_gamut", (json_int_t)info->out_of_gamut,
+        "clamped", (json_int_t)info->clamped);
 }
 
 /* ---- The check ---------------------------------------------------------------------------------
@@ -54,8 +55,10 @@ static json_t *extremes(const struct orl_bsdf_extremes *x)
 static json_t *component_extremes(const struct orl_bsdf_extremes *x)
 {
     json_t *json = extremes(x);
-    if (json)
+    if (json) {
         json_object_set_new(json, "most_coarse", json_real(x->most_coarse));
+        json_object_set_new(json, "even", json_real(x->even));
+    }
     return json;
 }
 
@@ -74,9 +77,9 @@ static json_t *share(double value)
 
 static json_t *peak(const struct orl_bsdf_peak *p)
 {
-    return json_pack("{s:f, s:f, s:f, s:f, s:f, s:f}", "theta_deg", p->theta_deg, "phi_deg",
+    return json_pack("{s:f, s:f, s:f, s:f, s:f, s:f, s:f}", "theta_deg", p->theta_deg, "phi_deg",
                      p->phi_deg, "cell_sr", p->cell_sr, "smear", p->smear, "share", p->share,
-                     "dgp_loss_max", p->dgp_loss);
+                     "straight", p->straight, "dgp_loss_max", p->dgp_loss);
 }
 
 static json_t *redirection(const struct orl_bsdf_redirection by_origin[2])

@@ -123,6 +123,7 @@ static void fill_extremes_of(const struct orl_bsdf *bsdf, struct orl_bsdf_check 
         add_total(bsdf, c, front, in);
     }
     x->mean = sum / ORL_PI;
+    x->even = ORL_PI * orl_luma(orl_bsdf_diffuse(bsdf, front, transmitted));
     x->most_coarse =
         bsdf->document.structure == ORL_STRUCTURE_MATRIX ? x->most : largest_mean(&patches);
 }
@@ -221,13 +222,14 @@ static struct orl_bsdf_peak peak_at(const struct orl_bsdf *bsdf,
     const double sun_sr = ORL_PI * radius * radius;
     const struct orl_vec3 in = light_from(h->theta_deg, h->phi_deg, false);
     const double omega_sr = orl_view_omega(bsdf, &bsdf->views[0][1], in, orl_neg(in));
-    struct orl_bsdf_peak p = {h->theta_deg, h->phi_deg, 0, 1, 0, 0};
+    struct orl_bsdf_peak p = {h->theta_deg, h->phi_deg, 0, 1, 0, 0, 0};
     struct surroundings around;
     double total[2];
     if (!(h->transmitted > 0) || !(omega_sr > 0))
         return p;
     p.cell_sr = omega_sr / fabs(in.z);
     p.smear = fmax(1, p.cell_sr / sun_sr);
+    p.straight = orl_luma(orl_bsdf_straight(bsdf, in));
     look_around(bsdf, in, omega_sr, &around);
     orl_bsdf_filed_totals(bsdf, in, total);
     p.share = peak_share(&around, h->transmitted / fmax(1, total[0] + total[1]));

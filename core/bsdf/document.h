@@ -5,8 +5,10 @@
 #ifndef ORL_BSDF_DOCUMENT_H
 #define ORL_BSDF_DOCUMENT_H
 
-#include "bsdf/iso.h"
+#include "bsdf/chroma.h"
+#include "bsdf/data.h"
 #include "bsdf/matrix.h"
+#include "bsdf/peak.h"
 #include "bsdf/tree.h"
 
 /* The file's own names for the four components; Front is the exterior. */
@@ -18,25 +20,35 @@ enum orl_part {
     ORL_PART_COUNT
 };
 
-enum orl_structure {
-    ORL_STRUCTURE_NONE,
-    ORL_STRUCTURE_TREE3,
-    ORL_STRUCTURE_TREE4,
-    ORL_STRUCTURE_MATRIX
-};
-
 struct orl_component {
     bool present;
     struct orl_tree tree;     /* for TREE4 */
     struct orl_iso iso;       /* for TREE3 */
     struct orl_matrix matrix; /* for MATRIX */
+    struct orl_chroma chroma;
+    struct orl_peak peak; /* of transmissions */
 };
+
+/* Values, integrals and draws, as the functions of the same names in tree.h; luminance only. */
+double orl_component_eval(enum orl_structure structure, const struct orl_component *component,
+                          const struct orl_coords *a, const struct orl_coords *b);
+double orl_component_total(enum orl_structure structure, const struct orl_component *component,
+                           enum orl_axis given, const struct orl_coords *coords);
+double orl_component_draw(enum orl_structure structure, const struct orl_component *component,
+                          enum orl_axis given, const struct orl_coords *coords, const double u[2],
+                          struct orl_vec3 *ret_other);
+
+/* Memory held; the values it came from; the resolution as orl_bsdf_info counts it. */
+size_t orl_component_bytes(enum orl_structure structure, const struct orl_component *component);
+size_t orl_component_values(enum orl_structure structure, const struct orl_component *component);
+int orl_component_resolution(enum orl_structure structure, const struct orl_component *component);
+size_t orl_component_clamped(enum orl_structure structure, const struct orl_component *component);
+void orl_component_done(struct orl_component *component); /* half-built is allowed */
 
 struct orl_document {
     char name[128];     /* of the material, "" when not given */
     double thickness_m; /* 0 when not given */
     enum orl_structure structure;
-    bool colored; /* there are CIE channels beside Visible, which are not read */
     bool by_rows; /* MATRIX: Rows rather than Columns */
     struct orl_component parts[ORL_PART_COUNT];
 };

@@ -1,6 +1,6 @@
 /*
- * Inside core/bsdf: what an orl_bsdf is made of, for bsdf.c, which answers for it, and check.c,
- * which looks it over. Not for anyone else.
+ * Inside core/bsdf: what an orl_bsdf is made of, for bsdf.c, which makes it, values.c, which
+ * answers for it, and check.c, which looks it over. Not for anyone else.
  *
  * A view is one component as the surface sees it: the file's sides turned into the surface's, and
  * a transmission that the file lacks seen through the one that it has. Immutable once loaded.
@@ -23,11 +23,17 @@ struct orl_bsdf {
     atomic_uint references;
     struct orl_document document;
     struct orl_view views[2][2]; /* [light comes from the front?][transmitted?] */
-    bool may_gain[2];            /* R + T of light from the back, the front, may be above 1 */
+    double bound[2]; /* on R + T as filed, of light from the back, the front, in any channel */
     struct orl_bsdf_info info;
 };
 
 enum orl_role { ORL_ROLE_IN, ORL_ROLE_OUT };
+
+/* Which of the component's directions plays the role. */
+static inline enum orl_axis orl_view_axis(const struct orl_view *view, enum orl_role role)
+{
+    return (role == ORL_ROLE_OUT) != view->transposed ? ORL_AXIS_B : ORL_AXIS_A;
+}
 
 /* How many incident directions the view's data tell apart at most; 0 when it is black. */
 size_t orl_view_cells(const struct orl_bsdf *bsdf, const struct orl_view *view);
@@ -42,6 +48,9 @@ double orl_view_omega(const struct orl_bsdf *bsdf, const struct orl_view *view, 
 
 /* Directional R and T as the file has them, whatever their sum is. */
 void orl_bsdf_filed_totals(const struct orl_bsdf *bsdf, struct orl_vec3 in, double ret_total[2]);
+/* The same in colour, summed over the sides asked for. */
+struct orl_rgb orl_bsdf_filed_color(const struct orl_bsdf *bsdf, struct orl_vec3 in,
+                                    enum orl_bsdf_side sides);
 
 /*
  * Point i of an additive recurrence in up to four dimensions, with the inverse powers of the

@@ -112,10 +112,12 @@ int orl_iso_finish(struct orl_iso *iso, struct orl_error *err)
     const size_t half = (size_t)1 << (depth - 1), n = 2 * half;
     iso->half = (unsigned)half;
     iso->values = calloc(half * n * n, sizeof *iso->values);
-    iso->rows = calloc(half * n, sizeof *iso->rows);
-    iso->edges = calloc(half * half, sizeof *iso->edges);
-    iso->corners = calloc(half * half, sizeof *iso->corners);
-    if (!iso->values || !iso->rows || !iso->edges || !iso->corners)
+    if (!iso->plain) {
+        iso->rows = calloc(half * n, sizeof *iso->rows);
+        iso->edges = calloc(half * half, sizeof *iso->edges);
+        iso->corners = calloc(half * half, sizeof *iso->corners);
+    }
+    if (!iso->values || (!iso->plain && (!iso->rows || !iso->edges || !iso->corners)))
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for the tensor tree");
     for (size_t a = 0; a < half; a++)
         for (size_t i = 0; i < n * n; i++) /* the file counts rings from the horizon */
@@ -124,7 +126,7 @@ int orl_iso_finish(struct orl_iso *iso, struct orl_error *err)
     free(iso->canvas);
     iso->canvas = NULL;
     iso->minimum = iso->values[0];
-    for (unsigned a = 0; a < half; a++)
+    for (unsigned a = 0; a < half && !iso->plain; a++)
         add_up(iso, a);
     return 0;
 }
@@ -145,7 +147,8 @@ size_t orl_iso_bytes(const struct orl_iso *iso)
 {
     const size_t half = iso->half;
     return 4 * half * half * half * sizeof *iso->values +
-           4 * half * half * sizeof *iso->rows; /* rows: 2 half^2; edges and corners: half^2 each */
+           (iso->plain ? 0
+                       : 4 * half * half * sizeof *iso->rows); /* edges and corners: half^2 each */
 }
 
 /* ---- Reading -----------------------------------------------------------------------------------
@@ -177,10 +180,23 @@ static double value_at(const struct orl_iso *iso, unsigned a, size_t cell)
     return (double)iso->values[(size_t)a * 4 * iso->half * iso->half + cell];
 }
 
+unsigned orl_iso_ring(const struct orl_iso *iso, struct orl_round a)
+{
+    return ring_at(iso, a.radius);
+}
+
+size_t orl_iso_cell(const struct orl_iso *iso, struct orl_round a, struct orl_round b,
+                    unsigned *ret_ring)
+{
+    *ret_ring = ring_at(iso, a.radius);
+    return cell_at(iso, b.radius, b.azimuth - a.azimuth - ORL_PI);
+}
+
 double orl_iso_eval(const struct orl_iso *iso, struct orl_round a, struct orl_round b)
 {
-    return value_at(iso, ring_at(iso, a.radius),
-                    cell_at(iso, b.radius, b.azimuth - a.azimuth - ORL_PI));
+    unsigned ring;
+    const size_t cell = orl_iso_cell(iso, a, b, &ring);
+    return value_at(iso, ring, cell);
 }
 
 /* The shares, in eighths of the circle, of an edge cell and of half a corner, for B's radius. */
@@ -267,6 +283,7 @@ static double draw_b(const struct orl_iso *iso, struct orl_round a, const double
 struct piece {
     double value, start, length; /* along its side from the middle of it; the side has -1 to 1 */
     unsigned side;
+    size_t cell;
 };
 
 /* Piece i of 4 (2k + 2), counter-clockwise. */
@@ -274,17 +291,38 @@ static struct piece piece_at(const struct orl_iso *iso, unsigned a, const struct
                              struct shares shares, unsigned i)
 {
     const unsigned per_side = 2 * ring->k + 2, side = i / per_side, m = i % per_side;
-    struct piece piece = {0, 0, 0, side};
+    struct piece piece = {0, 0, 0, side, 0};
     if (m == 0 || m == per_side - 1) {
-        piece.value = value_at(iso, a, ring->corner[m == 0 ? (side + 3) & 3 : side]);
+        piece.cell = ring->corner[m == 0 ? (side + 3) & 3 : side];
         piece.start = m == 0 ? -1 : 1 - shares.corner;
         piece.length = shares.corner;
     } else {
-        piece.value = value_at(iso, a, edge_cell(ring, side, m - 1));
+        piece.cell = edge_cell(ring, side, m - 1);
         piece.start = ((double)m - 1 - ring->k) * shares.edge;
         piece.length = shares.edge;
     }
+    piece.value = value_at(iso, a, piece.cell);
     return piece;
+}
+
+double orl_iso_integral_near(const struct orl_iso *iso, struct orl_round b, unsigned reach,
+                             orl_iso_part part, const void *ctx)
+{
+    const struct ring ring = ring_of(iso->half, ring_at(iso, b.radius));
+    const struct shares shares = shares_of(iso, b.radius, ring.k);
+    const unsigned first = ring.k > reach ? ring.k - reach : 0;
+    const unsigned last = ring.k + reach < iso->half ? ring.k + reach : iso->half - 1;
+    /* Further out only the middle of side 0 is near; its cells m are pieces m + 1. */
+    const bool all = ring.k <= reach;
+    const unsigned low = all ? 0 : ring.k - reach;
+    const unsigned high = all ? 4 * (2 * ring.k + 2) : ring.k + reach + 2;
+    double sum = 0;
+    for (unsigned a = first; a <= last; a++)
+        for (unsigned i = low; i < high; i++) {
+            const struct piece piece = piece_at(iso, a, &ring, shares, i);
+            sum += ring_weight(iso, a) * piece.length * part(ctx, a, piece.cell, piece.value);
+        }
+    return ORL_PI / 4 * sum;
 }
 
 /* A for a given B: its ring, then the piece that B lies on, which says how A is turned. */
@@ -293,7 +331,7 @@ static double draw_a(const struct orl_iso *iso, struct orl_round b, const double
 {
     const struct ring ring = ring_of(iso->half, ring_at(iso, b.radius));
     const struct shares shares = shares_of(iso, b.radius, ring.k);
-    struct piece piece = {0, 0, 0, 0};
+    struct piece piece = {0, 0, 0, 0, 0};
     double t = u[0] * orl_iso_total(iso, ORL_AXIS_B, b) / (ORL_PI / 4), whole = 0, s, sine2, angle;
     unsigned chosen = 0;
     for (unsigned a = 0; a < iso->half; a++) {

@@ -36,6 +36,7 @@ struct orl_iso {
     float minimum;
     float *canvas;  /* while building: the grid at the finest size there may be */
     unsigned depth; /* of the deepest leaf so far */
+    bool plain;     /* to be evaluated only: there are no sums */
 };
 
 /* A direction as it is seen along the axis; which side of the surface does not matter. */
@@ -62,6 +63,22 @@ double orl_iso_eval(const struct orl_iso *iso, struct orl_round a, struct orl_ro
 double orl_iso_total(const struct orl_iso *iso, enum orl_axis given, struct orl_round place);
 double orl_iso_draw(const struct orl_iso *iso, enum orl_axis given, struct orl_round place,
                     const double u[2], struct orl_vec3 *ret_direction);
+
+/* The ring of a direction as A; with it, the cell [B.x][B.y] of a pair. */
+unsigned orl_iso_ring(const struct orl_iso *iso, struct orl_round a);
+size_t orl_iso_cell(const struct orl_iso *iso, struct orl_round a, struct orl_round b,
+                    unsigned *ret_ring);
+
+/* What of a value counts, by ring of A and cell of B. */
+typedef double (*orl_iso_part)(const void *ctx, unsigned ring, size_t cell, double value);
+
+/*
+ * For a given B: the integral over A of part, which is 0 but for rings within reach of B's and,
+ * from there on the square where that matters, cells within reach + 1 of the line of the straight
+ * ones.
+ */
+double orl_iso_integral_near(const struct orl_iso *iso, struct orl_round b, unsigned reach,
+                             orl_iso_part part, const void *ctx);
 
 /* Memory held. */
 size_t orl_iso_bytes(const struct orl_iso *iso);

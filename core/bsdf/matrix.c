@@ -80,12 +80,16 @@ static bool same_rings(const struct orl_basis *a, const struct orl_basis *b)
     return true;
 }
 
+bool orl_matrix_is_alike(const struct orl_matrix *m, const struct orl_matrix *other)
+{
+    return same_rings(&m->basis[0], &other->basis[0]) && same_rings(&m->basis[1], &other->basis[1]);
+}
+
 bool orl_matrix_equal(const struct orl_matrix *m, const struct orl_matrix *other)
 {
     const size_t count =
         (size_t)m->basis[ORL_AXIS_A].n_cells * (size_t)m->basis[ORL_AXIS_B].n_cells;
-    return same_rings(&m->basis[0], &other->basis[0]) &&
-           same_rings(&m->basis[1], &other->basis[1]) &&
+    return orl_matrix_is_alike(m, other) &&
            !memcmp(m->values, other->values, count * sizeof *m->values);
 }
 
@@ -95,22 +99,34 @@ size_t orl_matrix_bytes(const struct orl_matrix *m)
     return a * b * (sizeof(float) + 2 * sizeof(double)) + (a + b) * sizeof(double);
 }
 
-static int cell_of(const struct orl_matrix *m, enum orl_axis axis, struct orl_polar place)
+int orl_matrix_cell(const struct orl_matrix *m, enum orl_axis axis, struct orl_polar place)
 {
     return orl_basis_cell(&m->basis[axis], place, axis == ORL_AXIS_A);
 }
 
+bool orl_matrix_is_square(const struct orl_matrix *m)
+{
+    return same_rings(&m->basis[ORL_AXIS_A], &m->basis[ORL_AXIS_B]);
+}
+
+ptrdiff_t orl_matrix_index(const struct orl_matrix *m, struct orl_polar a, struct orl_polar b)
+{
+    const int cell_a = orl_matrix_cell(m, ORL_AXIS_A, a),
+              cell_b = orl_matrix_cell(m, ORL_AXIS_B, b);
+    if (cell_a < 0 || cell_b < 0)
+        return -1;
+    return (ptrdiff_t)cell_a * m->basis[ORL_AXIS_B].n_cells + cell_b;
+}
+
 double orl_matrix_eval(const struct orl_matrix *m, struct orl_polar a, struct orl_polar b)
 {
-    const int cell_a = cell_of(m, ORL_AXIS_A, a), cell_b = cell_of(m, ORL_AXIS_B, b);
-    if (cell_a < 0 || cell_b < 0)
-        return 0;
-    return (double)value_at(m, ORL_AXIS_A, cell_a, cell_b);
+    const ptrdiff_t index = orl_matrix_index(m, a, b);
+    return index < 0 ? 0 : (double)m->values[index];
 }
 
 double orl_matrix_total(const struct orl_matrix *m, enum orl_axis given, struct orl_polar place)
 {
-    const int cell = cell_of(m, given, place);
+    const int cell = orl_matrix_cell(m, given, place);
     return cell < 0 ? 0 : m->total[given][cell];
 }
 
@@ -118,7 +134,7 @@ double orl_matrix_draw(const struct orl_matrix *m, enum orl_axis given, struct o
                        const double u[2], struct orl_vec3 *ret_direction)
 {
     const struct orl_basis *other = &m->basis[1 - given];
-    const int cell = cell_of(m, given, place);
+    const int cell = orl_matrix_cell(m, given, place);
     const double *row = m->cumulative[given] + (size_t)cell * (size_t)other->n_cells;
     const double sign = given == ORL_AXIS_A ? 1 : -1;
     int low = 0, high = other->n_cells - 1;

@@ -33,6 +33,14 @@ void orl_matrix_done(struct orl_matrix *matrix); /* NULL and half-built are allo
 bool orl_matrix_equal(const struct orl_matrix *matrix, const struct orl_matrix *other);
 size_t orl_matrix_bytes(const struct orl_matrix *matrix);
 
+/* Where a pair of directions has its value: a * cells of B + b. -1 outside the bases. */
+ptrdiff_t orl_matrix_index(const struct orl_matrix *matrix, struct orl_polar a, struct orl_polar b);
+/* The cell of a direction; -1 outside. */
+int orl_matrix_cell(const struct orl_matrix *matrix, enum orl_axis axis, struct orl_polar place);
+/* Whether two matrices have the same cells, and whether one has the same for both directions. */
+bool orl_matrix_is_alike(const struct orl_matrix *matrix, const struct orl_matrix *other);
+bool orl_matrix_is_square(const struct orl_matrix *matrix);
+
 /* As the functions of the same names in tree.h; zero outside the bases. */
 double orl_matrix_eval(const struct orl_matrix *matrix, struct orl_polar a, struct orl_polar b);
 double orl_matrix_total(const struct orl_matrix *matrix, enum orl_axis given,

@@ -31,12 +31,6 @@ static float float_of(uint32_t bits)
     return value;
 }
 
-static struct orl_tree_ref child_of(const struct orl_tree *tree, struct orl_tree_ref ref,
-                                    unsigned i)
-{
-    return (struct orl_tree_ref){tree->lines[orl_tree_index(ref)].words[i]};
-}
-
 /* See orl_tree_mean. The four leaves of a lowest branch are summed on the spot. */
 static inline float mean_of(const struct orl_tree *tree, struct orl_tree_ref ref,
                             enum orl_axis given, struct cell c, unsigned level)
@@ -82,12 +76,18 @@ static inline struct orl_tree_ref leaf_of(const struct orl_tree *tree, struct or
     unsigned level = tree->depth;
     while (!orl_tree_is_leaf(ref)) {
         level--;
-        ref = child_of(tree, ref,
-                       (ca.x >> level & 1) | (ca.y >> level & 1) << 1 | (cb.x >> level & 1) << 2 |
-                           (cb.y >> level & 1) << 3);
+        ref = orl_tree_child(tree, ref,
+                             (ca.x >> level & 1) | (ca.y >> level & 1) << 1 |
+                                 (cb.x >> level & 1) << 2 | (cb.y >> level & 1) << 3);
     }
     *ret_level = tree->depth - level;
     return ref;
+}
+
+size_t orl_square_cell(enum orl_axis axis, struct orl_square place, unsigned depth)
+{
+    const struct cell c = cell_of(place, axis, depth);
+    return (size_t)c.x << depth | c.y;
 }
 
 double orl_tree_eval(const struct orl_tree *tree, struct orl_square a, struct orl_square b)
@@ -159,7 +159,7 @@ double orl_tree_draw(const struct orl_tree *tree, enum orl_axis given, struct or
         level--;
         mine = ((c.x >> level & 1) | (c.y >> level & 1) << 1) << own;
         for (unsigned k = 0; k < 4; k++)
-            child[k] = child_of(tree, ref, mine | k << others);
+            child[k] = orl_tree_child(tree, ref, mine | k << others);
         for (unsigned k = 0; k < 4; k++)
             mean[k] = mean_of(tree, child[k], given, c, level);
         t *= 4; /* the mean over the square is a quarter of the sum over its quarters */

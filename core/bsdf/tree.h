@@ -27,6 +27,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <string.h>
 
 #include <oriel/error.h>
 
@@ -54,6 +55,7 @@ struct orl_tree {
     size_t values;  /* leaves in the file */
     size_t clamped; /* negative values set to zero */
     float minimum;  /* over all leaves */
+    bool plain;     /* to be evaluated only: there are no means, branches have one line */
 };
 
 /* ---- Building (tree_build.c) ----------------------------------------------------------------- */
@@ -88,6 +90,19 @@ static inline size_t orl_tree_index(struct orl_tree_ref ref)
     return ref.bits & ((1U << ORL_TREE_INDEX_BITS) - 1);
 }
 
+static inline struct orl_tree_ref orl_tree_child(const struct orl_tree *tree,
+                                                 struct orl_tree_ref ref, unsigned i)
+{
+    return (struct orl_tree_ref){tree->lines[orl_tree_index(ref)].words[i]};
+}
+
+static inline float orl_tree_leaf_value(struct orl_tree_ref leaf)
+{
+    float value;
+    memcpy(&value, &leaf.bits, sizeof value);
+    return value;
+}
+
 /*
  * The mean over the other direction, within ref's subtree, where the given direction lies in cell
  * (x, y); coordinates in units of the finest cell, of which ref's side has 2^level.
@@ -102,6 +117,9 @@ bool orl_tree_equal(const struct orl_tree *tree, const struct orl_tree *other);
  */
 
 double orl_tree_eval(const struct orl_tree *tree, struct orl_square a, struct orl_square b);
+
+/* The cell that a direction lies in when the square has 2^depth a side: x << depth | y. */
+size_t orl_square_cell(enum orl_axis axis, struct orl_square place, unsigned depth);
 
 /* How many times each axis is halved down to the leaf that holds the pair. */
 unsigned orl_tree_leaf_level(const struct orl_tree *tree, struct orl_square a, struct orl_square b);

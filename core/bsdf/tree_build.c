@@ -107,7 +107,7 @@ int orl_tree_branch(struct orl_tree *tree, const struct orl_tree_ref child[ORL_T
     if (depth > ORL_LIMIT_TREE_DEPTH)
         return orl_error_set(err, ORL_ERR_LIMIT, "the tensor tree is deeper than %u levels",
                              ORL_LIMIT_TREE_DEPTH);
-    if (depth > 1)
+    if (depth > 1 && !tree->plain)
         means = (size_t)1 << 2 * depth;
     code = reserve(tree, 1 + 2 * means / ORL_TREE_FANOUT, err);
     if (code < 0)

@@ -7,6 +7,7 @@
 
 #include <stdarg.h>
 #include <stdio.h>
+#include <string.h>
 
 __attribute__((format(printf, 3, 4))) static void
 say(struct orl_bsdf_check *c, enum orl_bsdf_level level, const char *format, ...)
@@ -72,9 +73,19 @@ static void judge_components(struct orl_bsdf_check *c)
 static void judge_values(struct orl_bsdf_check *c)
 {
     if (c->info.colored)
+        say(c, ORL_BSDF_OK, "The file holds colour, and is simulated in colour.");
+    if (c->info.color_left_out)
         say(c, ORL_BSDF_WARNING,
-            "The file holds colour, which is not read: the surface comes out grey, its luminance "
-            "right.");
+            "Colour is incomplete: %s must both stand beside Visible, in the same cells. What "
+            "lacks "
+            "one comes out grey, its luminance right.",
+            strncmp(c->info.kind, "TensorTree", 10) ? "CIE-X and CIE-Z" : "CIE-u and CIE-v");
+    if (c->info.out_of_gamut > 0)
+        say(c, ORL_BSDF_NOTE,
+            "%zu values have colours beyond what RGB can show; they are shown as the nearest of "
+            "the "
+            "same luminance.",
+            c->info.out_of_gamut);
     if (c->info.clamped > 0)
         say(c, c->info.clamped * 1000 > c->info.values ? ORL_BSDF_WARNING : ORL_BSDF_NOTE,
             "%zu of %zu values are negative; they are read as zero.", c->info.clamped,
@@ -190,11 +201,16 @@ static void judge_peak(struct orl_bsdf_check *c)
         "Straight through, the sun's disc is smeared over %.3g times its size (%.0f at normal "
         "incidence): glare (DGP) may come out too low by up to %.3f.",
         p->smear, c->normal.smear, p->dgp_loss);
-    if (p->share > 0.05)
+    if (p->straight > 0)
         say(c, ORL_BSDF_NOTE,
-            "%.0f %% of the light at theta %.0f, phi %.0f goes straight through: as aBSDF, which "
-            "keeps that part sharp, it would be truer if the real pane is clear.",
-            100 * p->share, p->theta_deg, p->phi_deg);
+            "At theta %.0f, phi %.0f, %.1f %% of the light goes straight through: the material "
+            "aBSDF "
+            "keeps that part sharp, which is truer if the real pane is clear.",
+            p->theta_deg, p->phi_deg, 100 * p->straight);
+    else
+        say(c, ORL_BSDF_OK,
+            "What stands out is too broad or too faint to be taken for a straight "
+            "view: aBSDF would change nothing there.");
 }
 
 void orl_bsdf_judge(struct orl_bsdf_check *check)

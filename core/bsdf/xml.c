@@ -189,7 +189,7 @@ int orl_document_read(const char *name, const char *xml, size_t size,
     r->document = document;
     r->err = err ? err : &ignored;
     r->file = name;
-    r->part = -1;
+    r->part = r->channel = -1;
     XML_SetUserData(r->parser, r);
     XML_SetElementHandler(r->parser, on_start, on_end);
     XML_SetCharacterDataHandler(r->parser, on_text);
@@ -216,10 +216,7 @@ void orl_document_done(struct orl_document *document)
 {
     if (!document)
         return;
-    for (int i = 0; i < ORL_PART_COUNT; i++) {
-        orl_tree_done(&document->parts[i].tree);
-        orl_iso_done(&document->parts[i].iso);
-        orl_matrix_done(&document->parts[i].matrix);
-    }
+    for (int i = 0; i < ORL_PART_COUNT; i++)
+        orl_component_done(&document->parts[i]);
     memset(document, 0, sizeof *document);
 }

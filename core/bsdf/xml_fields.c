@@ -87,13 +87,20 @@ static void read_number(struct orl_xml_reader *r, double *ret_value)
         orl_xml_fail(r, code);
 }
 
-/* A part has one block of data. Asked where its direction is named, and again before the data:
- * Visible may be said in between, and a block may hold data twice. */
+/* Whether the part has that channel already; its flag. */
+static bool *given_flag(struct orl_component *component, int channel)
+{
+    return channel == 0 ? &component->present : &component->chroma.given[channel - 1];
+}
+
+/* A part has one block of data a channel. Asked where its direction is named, and again before the
+ * data: the channel may be said in between, and a block may hold data twice. */
 static bool is_given(struct orl_xml_reader *r)
 {
-    if (!r->visible || !r->document->parts[r->part].present)
+    if (r->channel < 0 || !*given_flag(&r->document->parts[r->part], r->channel))
         return false;
-    FAIL(r, ORL_ERR_SYNTAX, "%s is given twice for Visible", part_names[r->part]);
+    FAIL(r, ORL_ERR_SYNTAX, "%s is given twice for %s", part_names[r->part],
+         r->channel == 0 ? "Visible" : "the same channel of colour");
     return true;
 }
 
@@ -133,16 +140,35 @@ static void add_ring(struct orl_xml_reader *r)
 
 /* ---- Scattering data ------------------------------------------------------------------------- */
 
+/* Colour is only ever evaluated: it needs no sums. */
 static int begin_tree(struct orl_xml_reader *r, struct orl_component *component)
 {
+    const int k = r->channel - 1;
+    struct orl_tree *tree = k < 0 ? &component->tree : &component->chroma.tree[k];
+    struct orl_iso *iso = k < 0 ? &component->iso : &component->chroma.iso[k];
+    int code;
     if (!r->tree_basis)
         return orl_error_set(r->err, ORL_ERR_SYNTAX, "a tensor tree without its AngleBasis");
     if (r->document->structure == ORL_STRUCTURE_TREE4) {
-        orl_tree_text_init(&r->tree_text, &component->tree);
+        orl_tree_text_init(&r->tree_text, tree);
+        tree->plain = k >= 0;
         return 0;
     }
-    orl_tree_text_init_iso(&r->tree_text, &component->iso);
-    return orl_iso_init(&component->iso, r->err);
+    orl_tree_text_init_iso(&r->tree_text, iso);
+    code = orl_iso_init(iso, r->err);
+    iso->plain = k >= 0;
+    return code;
+}
+
+static int begin_matrix(struct orl_xml_reader *r, struct orl_component *component)
+{
+    struct orl_matrix *matrix =
+        r->channel == 0 ? &component->matrix : &component->chroma.matrix[r->channel - 1];
+    if (!r->have_basis[0] || !r->have_basis[1])
+        return orl_error_set(r->err, ORL_ERR_SYNTAX,
+                             "a matrix without its ColumnAngleBasis and RowAngleBasis");
+    orl_matrix_text_init(&r->matrix_text, matrix, r->document->by_rows);
+    return orl_matrix_init(matrix, &r->basis[0], &r->basis[1], r->err);
 }
 
 static void begin_data(struct orl_xml_reader *r)
@@ -150,7 +176,7 @@ static void begin_data(struct orl_xml_reader *r)
     struct orl_component *component;
     int code = 0;
     r->reading = false;
-    if (!r->visible)
+    if (r->channel < 0)
         return;
     if (r->part < 0) {
         FAIL(r, ORL_ERR_SYNTAX, "ScatteringData before its WavelengthDataDirection");
@@ -165,12 +191,7 @@ static void begin_data(struct orl_xml_reader *r)
         code = begin_tree(r, component);
         break;
     case ORL_STRUCTURE_MATRIX:
-        if (!r->have_basis[0] || !r->have_basis[1])
-            code = orl_error_set(r->err, ORL_ERR_SYNTAX,
-                                 "a matrix without its ColumnAngleBasis and RowAngleBasis");
-        else
-            code = orl_matrix_init(&component->matrix, &r->basis[0], &r->basis[1], r->err);
-        orl_matrix_text_init(&r->matrix_text, &component->matrix, r->document->by_rows);
+        code = begin_matrix(r, component);
         break;
     default:
         code = orl_error_set(r->err, ORL_ERR_SYNTAX, "data before the IncidentDataStructure");
@@ -179,7 +200,7 @@ static void begin_data(struct orl_xml_reader *r)
     if (code < 0)
         orl_xml_fail(r, code);
     else
-        r->reading = component->present = true;
+        r->reading = *given_flag(component, r->channel) = true;
 }
 
 void orl_xml_feed(struct orl_xml_reader *r, const char *text, size_t length)
@@ -219,7 +240,7 @@ void orl_xml_begin(struct orl_xml_reader *r, enum orl_xml_element element, const
     } else if (element == EL_RING) {
         r->ring_cells = r->ring_lower = r->ring_upper = 0;
     } else if (element == EL_WAVELENGTH_DATA) {
-        r->visible = false;
+        r->channel = -1;
     } else if (element == EL_BLOCK) {
         r->part = -1;
         r->tree_basis = r->have_basis[0] = r->have_basis[1] = false;
@@ -263,27 +284,33 @@ static void read_ring_upper(struct orl_xml_reader *r)
 
 static void read_wavelength(struct orl_xml_reader *r)
 {
-    r->visible = !strcasecmp(r->text, "Visible");
-    if (!strncasecmp(r->text, "CIE-", 4))
-        r->document->colored = true;
+    const bool matrix = r->document->structure == ORL_STRUCTURE_MATRIX;
+    if (!strcasecmp(r->text, "Visible"))
+        r->channel = 0;
+    else if (!strcasecmp(r->text, matrix ? "CIE-X" : "CIE-u"))
+        r->channel = 1;
+    else if (!strcasecmp(r->text, matrix ? "CIE-Z" : "CIE-v"))
+        r->channel = 2;
+    else
+        r->channel = -1;
 }
 
 static void read_column_basis(struct orl_xml_reader *r)
 {
-    if (r->visible)
+    if (r->channel >= 0)
         read_basis_name(r, ORL_AXIS_A);
 }
 
 static void read_row_basis(struct orl_xml_reader *r)
 {
-    if (r->visible)
+    if (r->channel >= 0)
         read_basis_name(r, ORL_AXIS_B);
 }
 
 static void read_tree_basis(struct orl_xml_reader *r)
 {
     r->tree_basis = !strcasecmp(r->text, "LBNL/Shirley-Chiu");
-    if (r->visible && !r->tree_basis)
+    if (r->channel >= 0 && !r->tree_basis)
         FAIL(r, ORL_ERR_UNSUPPORTED, "angle basis '%s' of a tensor tree", r->text);
 }
 

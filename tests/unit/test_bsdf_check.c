@@ -250,8 +250,8 @@ static void swapped_reflections_are_found(void **state)
     assert_int_equal(level_of(&c, "look swapped"), ORL_BSDF_FAULT);
 }
 
-/* The loss of colour is not silent. */
-static void colour_that_is_not_read_is_told(void **state)
+/* Half a colour is none, and the loss of it is not silent. */
+static void incomplete_colour_is_told(void **state)
 {
     struct text t;
     struct orl_bsdf_check c;
@@ -267,11 +267,12 @@ static void colour_that_is_not_read_is_told(void **state)
     make_tail(t.stream);
     text_close(&t);
     c = examine(t);
-    assert_true(c.info.colored);
-    assert_int_equal(level_of(&c, "holds colour"), ORL_BSDF_WARNING);
+    assert_false(c.info.colored);
+    assert_true(c.info.color_left_out);
+    assert_int_equal(level_of(&c, "Colour is incomplete"), ORL_BSDF_WARNING);
     assert_close(c.directions[0][0].reflected, 0.1 * ORL_PI, 1e-7);
     c = examine(TREE_FILE({"Reflection Front", "{0.1}"}));
-    assert_int_equal(level_of(&c, "holds colour"), -1);
+    assert_int_equal(level_of(&c, "olour"), -1);
 }
 
 static void negative_values_are_told(void **state)
@@ -399,7 +400,7 @@ int main(void)
         cmocka_unit_test(slats_the_right_way_round_are_fine),
         cmocka_unit_test(a_transmission_filed_under_the_wrong_side_is_found),
         cmocka_unit_test(swapped_reflections_are_found),
-        cmocka_unit_test(colour_that_is_not_read_is_told),
+        cmocka_unit_test(incomplete_colour_is_told),
         cmocka_unit_test(negative_values_are_told),
         cmocka_unit_test(a_black_surface_is_told),
         cmocka_unit_test(a_dummy_transmission_is_as_good_as_none),

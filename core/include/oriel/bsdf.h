@@ -14,12 +14,18 @@
  * tracing backwards, uses the other one.
  *
  * Energy: no BSDF sends out more light than it gets. Where a file's R + T for light from some
- * direction is above 1, all values for light from there are divided by it, so that it is 1, to
- * the last bit or so; values for other directions stay. Data that were reciprocal are then so no
- * more between such a direction and another: f(in, out) is divided, f(out, in) is not.
+ * direction is above 1, in some channel, all values for light from there are divided by it, so that
+ * it is 1, to the last bit or so; values for other directions stay. Data that were reciprocal are
+ * then so no more between such a direction and another: f(in, out) is divided, f(out, in) is not.
  *
- * An orl_bsdf is immutable once loaded, reference-counted, and safe to share between threads.
- * References: Klems 1994; Ward et al. 2011 and 2014 (tensor tree); Shirley and Chiu 1997.
+ * Colour: where a file has CIE X and Z (matrices) or u' and v' (trees) beside Visible, values are
+ * RGB by Radiance's primaries and equal-energy white, with Visible for luma, exactly. Draws go by
+ * luminance alone; their weights carry the colour.
+ *
+ * An orl_bsdf is immutable once loaded, reference-counted, and safe to share between threads: all
+ * tables that draws need are made by orl_bsdf_load_xml from that file alone, so that nothing
+ * depends on what else is loaded, in which order, or on who asks first. Memory is bounded by
+ * limits.h. References: Klems 1994; Ward et al. 2011 and 2014 (tensor tree); Shirley and Chiu 1997.
  */
 #ifndef ORIEL_BSDF_H
 #define ORIEL_BSDF_H
@@ -87,6 +93,43 @@ double orl_bsdf_pdf_adjoint(const struct orl_bsdf *bsdf, struct orl_vec3 out,
  */
 enum orl_bsdf_dummy { ORL_BSDF_DUMMY_NONE, ORL_BSDF_DUMMY_ZERO, ORL_BSDF_DUMMY_COPY };
 
+/* ---- Straight through ------------------------------------------------------------------------
+ *
+ * What stands out of a transmission around the straight direction, found when the file is loaded:
+ * the material aBSDF lets it pass undeviated and scatters the rest. How it is found is told in
+ * core/bsdf/peak.h. f(in, out) = straight part + rest; orl_bsdf_straight is the integral of the
+ * former, so that what goes straight and what is scattered sum to orl_bsdf_albedo.
+ */
+
+/* The share of light from in that goes straight through: 0..1 a channel. */
+struct orl_rgb orl_bsdf_straight(const struct orl_bsdf *bsdf, struct orl_vec3 in);
+
+/* How much of f(in, out) is straight: 0..1. */
+double orl_bsdf_straight_part(const struct orl_bsdf *bsdf, struct orl_vec3 in, struct orl_vec3 out);
+
+/*
+ * As orl_bsdf_sample, or given out with adjoint as orl_bsdf_sample_adjoint, but for what goes
+ * straight: direction is then the opposite of the one given, pdf is 0, and the weight such that its
+ * mean is orl_bsdf_straight of the direction the light comes from. The pdf of the others is of f
+ * whole: the density of drawing them is that times 1 - orl_bsdf_straight_part.
+ */
+struct orl_bsdf_draw {
+    struct orl_vec3 direction;
+    struct orl_rgb weight;
+    double pdf;
+    bool straight;
+};
+bool orl_bsdf_sample_split(const struct orl_bsdf *bsdf, struct orl_vec3 given, bool adjoint,
+                           enum orl_bsdf_side sides, const double u[3],
+                           struct orl_bsdf_draw *ret_draw);
+
+/* The integral whose inverse the pdf has: of the luminance as filed, R + T above 1 included. */
+double orl_bsdf_total(const struct orl_bsdf *bsdf, struct orl_vec3 given, bool adjoint,
+                      enum orl_bsdf_side sides);
+
+/* A bound, at most 1, on every channel of orl_bsdf_albedo for light from that side. */
+double orl_bsdf_max_albedo(const struct orl_bsdf *bsdf, bool in_front);
+
 /* What a BSDF is, for upload checks and messages. */
 struct orl_bsdf_info {
     char name[128];       /* of the material, from the file */
@@ -98,8 +141,11 @@ struct orl_bsdf_info {
     double max_albedo[2]; /* largest directional R + T in the file, from the back, the front */
     double thickness_m;   /* 0 when not given */
     enum orl_bsdf_dummy dummy[2]; /* the transmission of light from the back, the front */
-    bool colored;   /* there is colour (CIE channels) in the file; only Visible is used: grey */
-    size_t clamped; /* negative values set to zero */
+    bool colored;                 /* some component has colour */
+    bool
+        color_left_out; /* some component has one channel of colour only, or of other cells: grey */
+    size_t out_of_gamut; /* values whose colour RGB cannot show: moved to its edge */
+    size_t clamped;      /* negative luminances set to zero */
 };
 void orl_bsdf_describe(const struct orl_bsdf *bsdf, struct orl_bsdf_info *ret_info);
 
@@ -127,6 +173,7 @@ struct orl_bsdf_extremes {
     /* The most of means over 1/32 by 1/32 of a tree's square: what Radiance's checkBSDF reports.
      * Not for totals; equal to most for matrices. */
     double most_coarse;
+    double even; /* what is sent evenly to all sides whatever it comes from: pi orl_bsdf_diffuse */
 };
 
 /*
@@ -141,6 +188,7 @@ struct orl_bsdf_peak {
     double cell_sr;            /* solid angle of the cell that the straight direction falls into */
     double smear;              /* over that of the sun's disc; at least 1 */
     double share;              /* of the transmission that stands out as a peak there: 0..1 */
+    double straight;           /* orl_bsdf_straight: of the light, what aBSDF lets pass; 0..1 */
     double dgp_loss;           /* bound on the DGP lost; 0 where there is no peak */
 };
 

@@ -1,0 +1,79 @@
+#include "bsdf/color.h"
+
+/* Luminance by channel: what red, green and blue have of it. Their sum is 1. */
+struct shares {
+    double r, g, b;
+};
+
+enum { STEPS = 65535 };
+
+/* Shares this near those of white are white: printed chromaticities have four digits and more. */
+static const double gray_tolerance = 2e-5;
+/* Beyond the triangle by more than what printing and rounding explain. */
+static const double outside_tolerance = 1e-3;
+
+/* X and Z of a primary of luminance 1. */
+struct primary {
+    double x, z;
+};
+#define PRIMARY(cx, cy)                                                                            \
+    {                                                                                              \
+        (cx) / (cy), (1 - (cx) - (cy)) / (cy)                                                      \
+    }
+static const struct primary red = PRIMARY(0.640, 0.330), green = PRIMARY(0.290, 0.600),
+                            blue = PRIMARY(0.150, 0.060);
+
+static struct orl_tint encode(struct shares s)
+{
+    const double sum = s.r + s.g + s.b;
+    double r = nearbyint(s.r / sum * STEPS), b = nearbyint(s.b / sum * STEPS);
+    /* The rest is green's: none of it where there is none. */
+    if (!(s.g > 0))
+        b = STEPS - r;
+    return (struct orl_tint){(uint32_t)r << 16 | (uint32_t)fmin(b, STEPS - r)};
+}
+
+static struct orl_tint tint_of_shares(struct shares s, size_t *outside)
+{
+    if (fabs(s.r - ORL_LUMA_R) < gray_tolerance && fabs(s.g - ORL_LUMA_G) < gray_tolerance &&
+        fabs(s.b - ORL_LUMA_B) < gray_tolerance)
+        return orl_tint_gray;
+    *outside += fmin(s.r, fmin(s.g, s.b)) < -outside_tolerance;
+    return encode((struct shares){fmax(s.r, 0), fmax(s.g, 0), fmax(s.b, 0)});
+}
+
+/* Two equations for red and blue, green's share being 1 less theirs. */
+struct orl_tint orl_tint_of_xyz(double x, double y, double z, size_t *outside)
+{
+    const double dx = x / y - green.x, dz = z / y - green.z;
+    const double rx = red.x - green.x, rz = red.z - green.z;
+    const double bx = blue.x - green.x, bz = blue.z - green.z;
+    const double d = rx * bz - bx * rz;
+    const double r = (dx * bz - bx * dz) / d, b = (rx * dz - dx * rz) / d;
+    return tint_of_shares((struct shares){r, 1 - r - b, b}, outside);
+}
+
+struct orl_tint orl_tint_of_uv(double u, double v, size_t *outside)
+{
+    if (!(v > 0))
+        return orl_tint_gray;
+    return orl_tint_of_xyz(2.25 * u / v, 1, (3 - 0.75 * u - 5 * v) / v, outside);
+}
+
+struct orl_tint orl_tint_of_rgb(struct orl_rgb c)
+{
+    const double luma = orl_luma(c);
+    size_t none = 0;
+    return tint_of_shares(
+        (struct shares){ORL_LUMA_R * c.r / luma, ORL_LUMA_G * c.g / luma, ORL_LUMA_B * c.b / luma},
+        &none);
+}
+
+struct orl_rgb orl_tint_rgb(struct orl_tint tint)
+{
+    const uint32_t r = tint.code >> 16, b = tint.code & 0xffff;
+    if (tint.code == orl_tint_gray.code)
+        return orl_gray(1);
+    return (struct orl_rgb){r / (STEPS * ORL_LUMA_R), (STEPS - r - b) / (STEPS * ORL_LUMA_G),
+                            b / (STEPS * ORL_LUMA_B)};
+}

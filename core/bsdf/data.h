@@ -1,0 +1,36 @@
+/* The kinds of data a file may hold, and a direction in the coordinates of each. */
+#ifndef ORL_BSDF_DATA_H
+#define ORL_BSDF_DATA_H
+
+#include "bsdf/basis.h"
+#include "bsdf/iso.h"
+#include "bsdf/shirley.h"
+
+enum orl_structure {
+    ORL_STRUCTURE_NONE,
+    ORL_STRUCTURE_TREE3,
+    ORL_STRUCTURE_TREE4,
+    ORL_STRUCTURE_MATRIX
+};
+
+/* Found once for a direction, however many components are asked. */
+struct orl_coords {
+    struct orl_square square; /* TREE4 */
+    struct orl_round round;   /* TREE3 */
+    struct orl_polar polar;   /* MATRIX */
+};
+
+static inline struct orl_coords orl_coords_of(enum orl_structure structure,
+                                              struct orl_vec3 direction)
+{
+    struct orl_coords coords = {{0, 0}, {0, 0}, {0, 0}};
+    if (structure == ORL_STRUCTURE_TREE4)
+        coords.square = orl_disk_to_square(direction.x, direction.y);
+    else if (structure == ORL_STRUCTURE_TREE3)
+        coords.round = orl_round_of(direction);
+    else
+        coords.polar = orl_polar_of(direction);
+    return coords;
+}
+
+#endif

@@ -1,0 +1,411 @@
+#include "bsdf/peak.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "bsdf/document.h"
+
+enum { REACH = 2, SPAN = 2 * REACH + 1, ISO_SPAN = 2 * REACH + 2, NEIGHBOURS_MAX = 32 };
+
+static const double contrast = 8;         /* of the peak's mean over what is not of it */
+static const double least_surround = 0.2; /* of the peak's solid angle */
+static const double least_share = 5e-4;   /* of the light */
+
+/* A straight cell and its neighbours, of equal solid angle. */
+struct group {
+    double value[NEIGHBOURS_MAX]; /* negative: no such cell */
+    bool fine[NEIGHBOURS_MAX];    /* a leaf of the finest size */
+    unsigned count;
+    uint32_t middle; /* bits of the straight cell; two in data of rank 3 */
+    double cell_sr;
+};
+
+/* The largest of those not yet taken; count when there is none. */
+static unsigned next_brightest(const struct group *g, uint32_t taken)
+{
+    unsigned best = g->count;
+    for (unsigned i = 0; i < g->count; i++)
+        if (!(taken >> i & 1) && g->value[i] >= 0 &&
+            (best == g->count || g->value[i] > g->value[best]))
+            best = i;
+    return best;
+}
+
+/* See the header. Returns the members, 0 when there is no peak. */
+static uint32_t find_members(const struct group *g, double *ret_surround, double *ret_share)
+{
+    uint32_t taken = 0, members = 0;
+    double peak = 0, surround = 0;
+    unsigned n_peak = 0, n_surround = 0, i;
+    while ((i = next_brightest(g, taken)) < g->count) {
+        taken |= 1U << i;
+        if (g->fine[i] && peak <= contrast * g->value[i] * n_peak) {
+            members |= 1U << i;
+            peak += g->value[i];
+            n_peak++;
+        } else {
+            surround += g->value[i];
+            n_surround++;
+        }
+        if (n_peak == 0) /* the brightest is not of the finest size */
+            return 0;
+    }
+    if ((members & g->middle) != g->middle || n_surround < least_surround * n_peak)
+        return 0;
+    *ret_surround = n_surround > 0 ? surround / n_surround : 0;
+    *ret_share = (peak - n_peak * *ret_surround) * g->cell_sr;
+    return *ret_share >= least_share ? members : 0;
+}
+
+static double above(double value, double surround)
+{
+    return value > surround ? value - surround : 0;
+}
+
+/* What is being made, besides the peak itself: sums in double, with their colour. */
+struct sums {
+    struct orl_rgb *color[2]; /* NULL for B of rank 3 */
+};
+
+static int begin(struct orl_peak *p, struct sums *sums, size_t cells, bool both)
+{
+    p->members = calloc(cells, sizeof *p->members);
+    p->surround = calloc(cells, sizeof *p->surround);
+    bool ok = p->members && p->surround;
+    p->cells = cells;
+    for (int axis = 0; axis < (both ? 2 : 1); axis++) {
+        p->share[axis] = calloc(cells, sizeof *p->share[axis]);
+        sums->color[axis] = calloc(cells, sizeof *sums->color[axis]);
+        ok = ok && p->share[axis] && sums->color[axis];
+    }
+    return ok ? 0 : ORL_ERR_NOMEM;
+}
+
+/* From sums to what is kept; a peak that is nowhere is dropped. */
+static int finish(struct orl_peak *p, struct sums *sums, bool colored, int code)
+{
+    for (int axis = 0; axis < 2 && code == 0; axis++) {
+        if (!sums->color[axis])
+            continue;
+        if (colored)
+            p->tint[axis] = malloc(p->cells * sizeof *p->tint[axis]);
+        if (colored && !p->tint[axis])
+            code = ORL_ERR_NOMEM;
+        for (size_t i = 0; i < p->cells && code == 0; i++) {
+            const double luma = orl_luma(sums->color[axis][i]);
+            p->share[axis][i] = (float)luma;
+            p->greatest[axis] = fmaxf(p->greatest[axis], (float)luma);
+            if (colored)
+                p->tint[axis][i] = luma > 0 ? orl_tint_of_rgb(sums->color[axis][i]) : orl_tint_gray;
+        }
+    }
+    free(sums->color[0]);
+    free(sums->color[1]);
+    if (code < 0 || !(p->greatest[ORL_AXIS_A] > 0))
+        orl_peak_done(p);
+    return code;
+}
+
+/* ---- Trees of rank 4 ------------------------------------------------------------------------- */
+
+/* The middle of a cell; A's is seen from where the light comes. */
+static struct orl_square middle_of(unsigned x, unsigned y, unsigned depth, double sign)
+{
+    const double width = 2.0 / (1U << depth);
+    return (struct orl_square){sign * ((x + 0.5) * width - 1), sign * ((y + 0.5) * width - 1)};
+}
+
+/* Neighbour k of a cell; false beyond the border of the square. */
+static bool neighbour(unsigned x, unsigned y, unsigned k, unsigned depth, unsigned *ret_x,
+                      unsigned *ret_y)
+{
+    const int nx = (int)x + (int)(k % SPAN) - REACH, ny = (int)y + (int)(k / SPAN) - REACH;
+    const int side = 1 << depth;
+    *ret_x = (unsigned)nx;
+    *ret_y = (unsigned)ny;
+    return nx >= 0 && ny >= 0 && nx < side && ny < side;
+}
+
+static void look_about(const struct orl_tree *tree, unsigned x, unsigned y, struct group *g)
+{
+    const struct orl_square a = middle_of(x, y, tree->depth, -1);
+    *g = (struct group){.count = SPAN * SPAN,
+                        .middle = 1U << (REACH * SPAN + REACH),
+                        .cell_sr = ORL_PI / (double)((size_t)1 << 2 * tree->depth)};
+    for (unsigned k = 0; k < g->count; k++) {
+        unsigned nx, ny;
+        g->value[k] = -1;
+        if (!neighbour(x, y, k, tree->depth, &nx, &ny))
+            continue;
+        const struct orl_square b = middle_of(nx, ny, tree->depth, 1);
+        g->value[k] = orl_tree_eval(tree, a, b);
+        g->fine[k] = orl_tree_leaf_level(tree, a, b) == tree->depth;
+    }
+}
+
+static void add_tree_cell(struct orl_component *c, struct sums *sums, unsigned x, unsigned y)
+{
+    const unsigned depth = c->tree.depth;
+    const size_t cell = (size_t)x << depth | y;
+    struct orl_peak *p = &c->peak;
+    struct group g;
+    double surround, share;
+    /* Most straight cells are large or dark: one look tells. */
+    const struct orl_coords a = {.square = middle_of(x, y, depth, -1)};
+    if (orl_tree_leaf_level(&c->tree, a.square, middle_of(x, y, depth, 1)) < depth)
+        return;
+    look_about(&c->tree, x, y, &g);
+    p->members[cell] = find_members(&g, &surround, &share);
+    if (!p->members[cell])
+        return;
+    p->surround[cell] = (float)surround;
+    for (unsigned k = 0; k < g.count; k++) {
+        unsigned nx, ny;
+        if (!(p->members[cell] >> k & 1) || !neighbour(x, y, k, depth, &nx, &ny))
+            continue;
+        const struct orl_coords b = {.square = middle_of(nx, ny, depth, 1)};
+        const struct orl_rgb part =
+            orl_tinted(orl_chroma_tint(ORL_STRUCTURE_TREE4, c, &a, &b),
+                       above(g.value[k], (double)p->surround[cell]) * g.cell_sr);
+        sums->color[ORL_AXIS_A][cell] = orl_rgb_add(sums->color[ORL_AXIS_A][cell], part);
+        struct orl_rgb *other = &sums->color[ORL_AXIS_B][(size_t)nx << depth | ny];
+        *other = orl_rgb_add(*other, part);
+    }
+}
+
+static int make_tree(struct orl_component *c)
+{
+    const unsigned side = 1U << c->tree.depth;
+    struct sums sums = {{NULL, NULL}};
+    const int code = begin(&c->peak, &sums, (size_t)side * side, true);
+    for (unsigned x = 0; x < side && code == 0; x++)
+        for (unsigned y = 0; y < side; y++)
+            add_tree_cell(c, &sums, x, y);
+    return finish(&c->peak, &sums, c->chroma.present, code);
+}
+
+/* ---- Trees of rank 3 ------------------------------------------------------------------------- */
+
+/*
+ * The straight direction for ring a of A is that ring's place on the +x axis of the square, between
+ * two cells. Bit dy * SPAN + dx: column half + a - REACH + dx, row half - 1 - REACH + dy.
+ */
+static int iso_bit(const struct orl_iso *iso, unsigned a, size_t cell)
+{
+    const int n = 2 * (int)iso->half, half = (int)iso->half;
+    const int dx = (int)cell / n - (half + (int)a) + REACH, dy = (int)cell % n - half + 1 + REACH;
+    return dx >= 0 && dx < SPAN && dy >= 0 && dy < ISO_SPAN ? dy * SPAN + dx : -1;
+}
+
+static bool iso_cell(const struct orl_iso *iso, unsigned a, unsigned bit, size_t *ret_cell)
+{
+    const int n = 2 * (int)iso->half, half = (int)iso->half;
+    const int x = half + (int)a - REACH + (int)bit % SPAN, y = half - 1 - REACH + (int)bit / SPAN;
+    *ret_cell = (size_t)(x * n + y);
+    return x >= 0 && y >= 0 && x < n && y < n;
+}
+
+static void add_ring(struct orl_component *c, struct sums *sums, unsigned a)
+{
+    const struct orl_iso *iso = &c->iso;
+    const size_t n = 2 * (size_t)iso->half;
+    struct orl_peak *p = &c->peak;
+    struct group g = {.count = SPAN * ISO_SPAN,
+                      .middle = 1U << (REACH * SPAN + REACH) | 1U << ((REACH + 1) * SPAN + REACH),
+                      .cell_sr = ORL_PI / (double)(n * n)};
+    double surround, share;
+    size_t cell;
+    for (unsigned k = 0; k < g.count; k++) {
+        g.fine[k] = true;
+        g.value[k] = iso_cell(iso, a, k, &cell) ? (double)iso->values[a * n * n + cell] : -1;
+    }
+    p->members[a] = find_members(&g, &surround, &share);
+    if (!p->members[a])
+        return;
+    p->surround[a] = (float)surround;
+    for (unsigned k = 0; k < g.count; k++) {
+        if (!(p->members[a] >> k & 1) || !iso_cell(iso, a, k, &cell))
+            continue;
+        /* Light along -x, as A has it; B at the middle of the cell. */
+        struct orl_coords from = {.round = {(a + 0.5) / iso->half, ORL_PI}};
+        struct orl_vec3 to = orl_square_to_hemisphere(
+            (struct orl_square){((double)(cell / n) + 0.5) * 2 / (double)n - 1,
+                                ((double)(cell % n) + 0.5) * 2 / (double)n - 1});
+        struct orl_coords b = {.round = orl_round_of(to)};
+        sums->color[ORL_AXIS_A][a] =
+            orl_rgb_add(sums->color[ORL_AXIS_A][a],
+                        orl_tinted(orl_chroma_tint(ORL_STRUCTURE_TREE3, c, &from, &b),
+                                   above(g.value[k], (double)p->surround[a]) * g.cell_sr));
+    }
+}
+
+static int make_iso(struct orl_component *c)
+{
+    struct sums sums = {{NULL, NULL}};
+    const int code = begin(&c->peak, &sums, c->iso.half, false);
+    for (unsigned a = 0; a < c->iso.half && code == 0; a++)
+        add_ring(c, &sums, a);
+    return finish(&c->peak, &sums, c->chroma.present, code);
+}
+
+/* ---- Matrices -------------------------------------------------------------------------------- */
+
+/* The mean over cells near the straight one, by solid angle; negative when there are none. */
+static double mean_about(const struct orl_matrix *m, int cell, double reach)
+{
+    const struct orl_basis *basis = &m->basis[ORL_AXIS_B];
+    const struct orl_vec3 middle = orl_basis_direction(basis, cell, 0.5, 0.5);
+    double sum = 0, omega = 0;
+    for (int k = 0; k < basis->n_cells; k++) {
+        const struct orl_vec3 d = orl_basis_direction(basis, k, 0.5, 0.5);
+        const double one = orl_basis_ring(basis, k)->omega_sr;
+        if (k == cell || hypot(d.x - middle.x, d.y - middle.y) > reach)
+            continue;
+        sum += one * (double)m->values[(ptrdiff_t)cell * basis->n_cells + k];
+        omega += one;
+    }
+    return omega > least_surround * orl_basis_ring(basis, cell)->omega_sr ? sum / omega : -1;
+}
+
+static int make_matrix(struct orl_component *c)
+{
+    const struct orl_matrix *m = &c->matrix;
+    const int cells = m->basis[ORL_AXIS_A].n_cells;
+    struct orl_peak *p = &c->peak;
+    struct sums sums = {{NULL, NULL}};
+    if (!orl_matrix_is_square(m))
+        return 0;
+    const int code = begin(p, &sums, (size_t)cells, true);
+    for (int i = 0; i < cells && code == 0; i++) {
+        const double omega = orl_basis_ring(&m->basis[ORL_AXIS_B], i)->omega_sr;
+        const ptrdiff_t index = (ptrdiff_t)i * cells + i;
+        const double value = (double)m->values[index];
+        const double surround = mean_about(m, i, 2.4 * sqrt(omega));
+        if (surround < 0 || !(value > contrast * surround) ||
+            !((value - surround) * omega >= least_share))
+            continue;
+        p->members[i] = 1;
+        p->surround[i] = (float)surround;
+        const struct orl_tint tint = c->chroma.present ? c->chroma.values[index] : orl_tint_gray;
+        sums.color[ORL_AXIS_A][i] = sums.color[ORL_AXIS_B][i] =
+            orl_tinted(tint, above(value, (double)p->surround[i]) * omega);
+    }
+    return finish(p, &sums, c->chroma.present, code);
+}
+
+/* ---- The whole ------------------------------------------------------------------------------- */
+
+int orl_peak_make(enum orl_structure structure, struct orl_component *component,
+                  struct orl_error *err)
+{
+    int code;
+    if (structure == ORL_STRUCTURE_TREE4)
+        code = make_tree(component);
+    else
+        code = structure == ORL_STRUCTURE_TREE3 ? make_iso(component) : make_matrix(component);
+    return code < 0 ? orl_error_set(err, code, "out of memory for the BSDF's peak") : 0;
+}
+
+void orl_peak_done(struct orl_peak *peak)
+{
+    free(peak->members);
+    free(peak->surround);
+    for (int axis = 0; axis < 2; axis++) {
+        free(peak->share[axis]);
+        free(peak->tint[axis]);
+    }
+    memset(peak, 0, sizeof *peak);
+}
+
+size_t orl_peak_bytes(const struct orl_peak *peak)
+{
+    size_t each = sizeof *peak->members + sizeof *peak->surround;
+    for (int axis = 0; axis < 2; axis++)
+        each += (peak->share[axis] ? sizeof *peak->share[axis] : 0) +
+                (peak->tint[axis] ? sizeof *peak->tint[axis] : 0);
+    return peak->cells * each;
+}
+
+/* The cell of A, and the bit that stands for B's; -1 when it is far from straight. */
+static int bit_of(enum orl_structure structure, const struct orl_component *c,
+                  const struct orl_coords *a, const struct orl_coords *b, size_t *ret_cell)
+{
+    if (structure == ORL_STRUCTURE_TREE4) {
+        const unsigned depth = c->tree.depth;
+        const size_t cell = orl_square_cell(ORL_AXIS_A, a->square, depth);
+        const size_t other = orl_square_cell(ORL_AXIS_B, b->square, depth);
+        const size_t mask = ((size_t)1 << depth) - 1;
+        const int dx = (int)(other >> depth) - (int)(cell >> depth) + REACH;
+        const int dy = (int)(other & mask) - (int)(cell & mask) + REACH;
+        *ret_cell = cell;
+        return dx >= 0 && dy >= 0 && dx < SPAN && dy < SPAN ? dy * SPAN + dx : -1;
+    }
+    if (structure == ORL_STRUCTURE_TREE3) {
+        unsigned ring;
+        const size_t cell = orl_iso_cell(&c->iso, a->round, b->round, &ring);
+        *ret_cell = ring;
+        return iso_bit(&c->iso, ring, cell);
+    }
+    const int cell = orl_matrix_cell(&c->matrix, ORL_AXIS_A, a->polar);
+    *ret_cell = (size_t)cell;
+    return cell >= 0 && cell == orl_matrix_cell(&c->matrix, ORL_AXIS_B, b->polar) ? 0 : -1;
+}
+
+double orl_peak_part(enum orl_structure structure, const struct orl_component *component,
+                     const struct orl_coords *a, const struct orl_coords *b, double value)
+{
+    const struct orl_peak *p = &component->peak;
+    size_t cell;
+    if (p->cells == 0)
+        return 0;
+    const int bit = bit_of(structure, component, a, b, &cell);
+    if (bit < 0 || !(p->members[cell] >> bit & 1))
+        return 0;
+    return above(value, (double)p->surround[cell]);
+}
+
+/* The part of a value of rank 3 that is of the peak, for the integral given B. */
+static double iso_part(const void *ctx, unsigned ring, size_t cell, double value)
+{
+    const struct orl_component *c = ctx;
+    const int bit = iso_bit(&c->iso, ring, cell);
+    if (bit < 0 || !(c->peak.members[ring] >> bit & 1))
+        return 0;
+    return above(value, (double)c->peak.surround[ring]);
+}
+
+/* Where a given direction has its share; negative: nowhere. */
+static ptrdiff_t share_index(enum orl_structure structure, const struct orl_component *c,
+                             enum orl_axis given, const struct orl_coords *coords)
+{
+    if (structure == ORL_STRUCTURE_TREE4)
+        return (ptrdiff_t)orl_square_cell(given, coords->square, c->tree.depth);
+    if (structure == ORL_STRUCTURE_TREE3)
+        return (ptrdiff_t)orl_iso_ring(&c->iso, coords->round);
+    return orl_matrix_cell(&c->matrix, given, coords->polar);
+}
+
+double orl_peak_total(enum orl_structure structure, const struct orl_component *component,
+                      enum orl_axis given, const struct orl_coords *coords)
+{
+    const struct orl_peak *p = &component->peak;
+    if (p->cells == 0)
+        return 0;
+    if (structure == ORL_STRUCTURE_TREE3 && given == ORL_AXIS_B)
+        return orl_iso_integral_near(&component->iso, coords->round, REACH, iso_part, component);
+    const ptrdiff_t index = share_index(structure, component, given, coords);
+    return index < 0 ? 0 : (double)p->share[given][index];
+}
+
+struct orl_rgb orl_peak_color(enum orl_structure structure, const struct orl_component *component,
+                              enum orl_axis given, const struct orl_coords *coords)
+{
+    const struct orl_peak *p = &component->peak;
+    if (p->cells == 0)
+        return orl_gray(0);
+    const ptrdiff_t index = share_index(structure, component, given, coords);
+    if (index < 0)
+        return orl_gray(0);
+    return orl_tinted(p->tint[given] ? p->tint[given][index] : orl_tint_gray,
+                      (double)p->share[given][index]);
+}

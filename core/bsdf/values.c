@@ -1,0 +1,303 @@
+/*
+ * Values, integrals and draws of a BSDF, over its views.
+ *
+ * The pdf of a draw is f |cos| over its integral, by luminance, computed from the very leaf that
+ * eval reads; a sample's weight is therefore the albedo, times the tint of that leaf. (f is the
+ * file's there: where R + T is above 1, values are divided by it when they are read, which leaves
+ * the pdf of a draw given the incident direction as it is, and puts the quotient into the weight of
+ * a draw given the other one.) The descent that makes the draw follows float means, so it realises
+ * that pdf to about 1e-6 relative, with no region of positive f left out.
+ */
+#include <oriel/bsdf.h>
+
+#include "bsdf/front.h"
+
+/* ---- One pair of directions ------------------------------------------------------------------ */
+
+struct pair {
+    const struct orl_component *component; /* NULL: black */
+    struct orl_coords a, b;
+    double value; /* as filed */
+};
+
+/* A direction in the surface itself counts as the back. */
+static struct pair pair_of(const struct orl_bsdf *bsdf, struct orl_vec3 in, struct orl_vec3 out)
+{
+    const enum orl_structure structure = bsdf->document.structure;
+    const bool in_front = in.z > 0, out_front = out.z > 0;
+    const struct orl_view *view = &bsdf->views[in_front][in_front != out_front];
+    struct pair p = {.component = view->component};
+    if (!p.component)
+        return p;
+    p.a = orl_coords_of(structure, view->transposed ? out : in);
+    p.b = orl_coords_of(structure, view->transposed ? in : out);
+    p.value = orl_component_eval(structure, p.component, &p.a, &p.b);
+    return p;
+}
+
+static struct orl_tint tint_of(const struct orl_bsdf *bsdf, const struct pair *p)
+{
+    return p->component ? orl_chroma_tint(bsdf->document.structure, p->component, &p->a, &p->b)
+                        : orl_tint_gray;
+}
+
+/* How much of the pair's value goes straight: 0 to 1. */
+static double straight_share(const struct orl_bsdf *bsdf, const struct pair *p)
+{
+    if (!(p->value > 0))
+        return 0;
+    return orl_peak_part(bsdf->document.structure, p->component, &p->a, &p->b, p->value) / p->value;
+}
+
+double orl_bsdf_straight_part(const struct orl_bsdf *bsdf, struct orl_vec3 in, struct orl_vec3 out)
+{
+    struct pair p;
+    if ((in.z > 0) == (out.z > 0))
+        return 0;
+    p = pair_of(bsdf, in, out);
+    return straight_share(bsdf, &p);
+}
+
+/* ---- Integrals ------------------------------------------------------------------------------- */
+
+/* The view that a direction in its role takes part in, by reflection or by transmission. */
+static const struct orl_view *view_for(const struct orl_bsdf *bsdf, enum orl_role role, bool front,
+                                       bool transmitted)
+{
+    return &bsdf->views[role == ORL_ROLE_IN ? front : front != transmitted][transmitted];
+}
+
+static bool wants(enum orl_bsdf_side sides, bool transmitted)
+{
+    return sides & (transmitted ? ORL_BSDF_TRANSMIT : ORL_BSDF_REFLECT);
+}
+
+/* Reflected and transmitted totals for a direction, zero for a side that is not asked for. */
+static void totals(const struct orl_bsdf *bsdf, enum orl_role role, bool front,
+                   const struct orl_coords *coords, enum orl_bsdf_side sides, double ret_total[2])
+{
+    for (int t = 0; t < 2; t++) {
+        const struct orl_view *view = view_for(bsdf, role, front, t);
+        ret_total[t] = wants(sides, t) && view->component
+                           ? orl_component_total(bsdf->document.structure, view->component,
+                                                 orl_view_axis(view, role), coords)
+                           : 0;
+    }
+}
+
+void orl_bsdf_filed_totals(const struct orl_bsdf *bsdf, struct orl_vec3 in, double ret_total[2])
+{
+    const struct orl_coords coords = orl_coords_of(bsdf->document.structure, in);
+    totals(bsdf, ORL_ROLE_IN, in.z > 0, &coords, ORL_BSDF_BOTH, ret_total);
+}
+
+struct orl_rgb orl_bsdf_filed_color(const struct orl_bsdf *bsdf, struct orl_vec3 in,
+                                    enum orl_bsdf_side sides)
+{
+    const enum orl_structure structure = bsdf->document.structure;
+    const struct orl_coords coords = orl_coords_of(structure, in);
+    struct orl_rgb sum = orl_gray(0);
+    double total[2];
+    totals(bsdf, ORL_ROLE_IN, in.z > 0, &coords, sides, total);
+    for (int t = 0; t < 2; t++) {
+        const struct orl_view *view = view_for(bsdf, ORL_ROLE_IN, in.z > 0, t);
+        if (total[t] > 0)
+            sum = orl_rgb_add(
+                sum, orl_tinted(orl_chroma_total(structure, view->component,
+                                                 orl_view_axis(view, ORL_ROLE_IN), &coords),
+                                total[t]));
+    }
+    return sum;
+}
+
+/*
+ * What every value for light from there is divided by, lest more light leaves than came: R + T
+ * where the file has more than 1 for it, in any channel. Both reflection and transmission shrink
+ * alike, and draws given the incident direction keep their pdf.
+ */
+static double gain_of(const struct orl_bsdf *bsdf, struct orl_vec3 in)
+{
+    if (!(bsdf->bound[in.z > 0] > 1))
+        return 1;
+    return fmax(1, orl_rgb_max(orl_bsdf_filed_color(bsdf, in, ORL_BSDF_BOTH)));
+}
+
+struct orl_rgb orl_bsdf_eval(const struct orl_bsdf *bsdf, struct orl_vec3 in, struct orl_vec3 out)
+{
+    const struct pair p = pair_of(bsdf, in, out);
+    if (!(p.value > 0))
+        return orl_gray(0);
+    return orl_tinted(tint_of(bsdf, &p), p.value / gain_of(bsdf, in));
+}
+
+struct orl_rgb orl_bsdf_diffuse(const struct orl_bsdf *bsdf, bool in_front, bool transmitted)
+{
+    const struct orl_component *component = bsdf->views[in_front][transmitted].component;
+    const double gain = fmax(1, bsdf->info.max_albedo[in_front]);
+    /* What of a colour is everywhere is for no single tint to say. */
+    if (!component || component->chroma.present)
+        return orl_gray(0);
+    if (bsdf->document.structure == ORL_STRUCTURE_TREE4)
+        return orl_gray((double)component->tree.minimum / gain);
+    if (bsdf->document.structure == ORL_STRUCTURE_TREE3)
+        return orl_gray((double)component->iso.minimum / gain);
+    return orl_gray((double)component->matrix.minimum / gain);
+}
+
+struct orl_rgb orl_bsdf_albedo(const struct orl_bsdf *bsdf, struct orl_vec3 in,
+                               enum orl_bsdf_side sides)
+{
+    return orl_rgb_scale(orl_bsdf_filed_color(bsdf, in, sides), 1 / gain_of(bsdf, in));
+}
+
+struct orl_rgb orl_bsdf_straight(const struct orl_bsdf *bsdf, struct orl_vec3 in)
+{
+    const enum orl_structure structure = bsdf->document.structure;
+    const struct orl_view *view = &bsdf->views[in.z > 0][1];
+    const struct orl_coords coords = orl_coords_of(structure, in);
+    if (!view->component || view->component->peak.cells == 0)
+        return orl_gray(0);
+    return orl_rgb_scale(
+        orl_peak_color(structure, view->component, orl_view_axis(view, ORL_ROLE_IN), &coords),
+        1 / gain_of(bsdf, in));
+}
+
+double orl_bsdf_max_albedo(const struct orl_bsdf *bsdf, bool in_front)
+{
+    return fmin(1, bsdf->bound[in_front]);
+}
+
+double orl_bsdf_total(const struct orl_bsdf *bsdf, struct orl_vec3 given, bool adjoint,
+                      enum orl_bsdf_side sides)
+{
+    const struct orl_coords coords = orl_coords_of(bsdf->document.structure, given);
+    double total[2];
+    totals(bsdf, adjoint ? ORL_ROLE_OUT : ORL_ROLE_IN, given.z > 0, &coords, sides, total);
+    return total[0] + total[1];
+}
+
+/* ---- Draws ----------------------------------------------------------------------------------- */
+
+/*
+ * A draw that fell into the peak goes straight instead. Given the incident direction its weight is
+ * what it was. Given the other one, the peak that is left out is an integral over incident
+ * directions, and the share that goes straight one over those it leaves by: for data that are not
+ * reciprocal they differ, and the weight makes up for it.
+ */
+static void straighten(const struct orl_bsdf *bsdf, enum orl_role role, struct orl_vec3 given,
+                       double sum, struct orl_bsdf_draw *draw)
+{
+    const enum orl_structure structure = bsdf->document.structure;
+    draw->straight = true;
+    draw->direction = orl_neg(given);
+    draw->pdf = 0;
+    if (role == ORL_ROLE_OUT) {
+        const struct orl_view *view = view_for(bsdf, role, given.z > 0, true);
+        const struct orl_coords coords = orl_coords_of(structure, given);
+        const double left_out =
+            orl_peak_total(structure, view->component, orl_view_axis(view, role), &coords);
+        draw->weight = orl_rgb_scale(orl_bsdf_straight(bsdf, draw->direction),
+                                     left_out > 0 ? sum / left_out : 0);
+    }
+}
+
+/* Given a direction in its role, draws the one in the other role; with peaks, those go straight. */
+static bool draw_other(const struct orl_bsdf *bsdf, enum orl_role role, struct orl_vec3 given,
+                       enum orl_bsdf_side sides, const double u[3], bool peaks,
+                       struct orl_bsdf_draw *ret)
+{
+    const enum orl_structure structure = bsdf->document.structure;
+    const struct orl_coords coords = orl_coords_of(structure, given);
+    const bool front = given.z > 0;
+    const struct orl_view *view;
+    struct pair p = {.component = NULL};
+    double total[2], sum;
+    bool transmitted;
+    totals(bsdf, role, front, &coords, sides, total);
+    sum = total[0] + total[1];
+    if (!(sum > 0))
+        return false;
+    transmitted = total[1] > 0 && u[2] * sum >= total[0];
+    view = view_for(bsdf, role, front, transmitted);
+    p.value = orl_component_draw(structure, view->component, orl_view_axis(view, role), &coords, u,
+                                 &ret->direction);
+    ret->pdf = p.value * ret->direction.z / sum;
+    ret->straight = false;
+    if (front == transmitted)
+        ret->direction.z = -ret->direction.z;
+    ret->weight = orl_gray(sum / gain_of(bsdf, role == ORL_ROLE_IN ? given : ret->direction));
+    if (view->component->chroma.present || (peaks && view->component->peak.cells > 0)) {
+        const bool is_a = orl_view_axis(view, role) == ORL_AXIS_A;
+        const struct orl_coords other = orl_coords_of(structure, ret->direction);
+        p.component = view->component;
+        p.a = is_a ? coords : other;
+        p.b = is_a ? other : coords;
+        ret->weight = orl_tinted(tint_of(bsdf, &p), ret->weight.g);
+    }
+    /* What is left of the number that chose the side chooses again. */
+    if (peaks && transmitted && p.component &&
+        (u[2] * sum - total[0]) / total[1] < straight_share(bsdf, &p))
+        straighten(bsdf, role, given, sum, ret);
+    return true;
+}
+
+static double pdf(const struct orl_bsdf *bsdf, enum orl_role role, struct orl_vec3 given,
+                  enum orl_bsdf_side sides, struct orl_vec3 other)
+{
+    const bool transmitted = (given.z > 0) != (other.z > 0);
+    const struct orl_vec3 in = role == ORL_ROLE_IN ? given : other;
+    const struct orl_vec3 out = role == ORL_ROLE_IN ? other : given;
+    struct pair p;
+    if (!wants(sides, transmitted))
+        return 0;
+    p = pair_of(bsdf, in, out);
+    if (!(p.value > 0))
+        return 0;
+    return p.value * fabs(other.z) / orl_bsdf_total(bsdf, given, role == ORL_ROLE_OUT, sides);
+}
+
+static bool draw_plain(const struct orl_bsdf *bsdf, enum orl_role role, struct orl_vec3 given,
+                       enum orl_bsdf_side sides, const double u[3], struct orl_vec3 *ret_other,
+                       struct orl_rgb *ret_weight, double *ret_pdf)
+{
+    struct orl_bsdf_draw draw;
+    if (!draw_other(bsdf, role, given, sides, u, false, &draw))
+        return false;
+    *ret_other = draw.direction;
+    *ret_weight = draw.weight;
+    *ret_pdf = draw.pdf;
+    return true;
+}
+
+bool orl_bsdf_sample(const struct orl_bsdf *bsdf, struct orl_vec3 in, enum orl_bsdf_side sides,
+                     const double u[3], struct orl_vec3 *ret_out, struct orl_rgb *ret_weight,
+                     double *ret_pdf)
+{
+    return draw_plain(bsdf, ORL_ROLE_IN, in, sides, u, ret_out, ret_weight, ret_pdf);
+}
+
+bool orl_bsdf_sample_adjoint(const struct orl_bsdf *bsdf, struct orl_vec3 out,
+                             enum orl_bsdf_side sides, const double u[3], struct orl_vec3 *ret_in,
+                             struct orl_rgb *ret_weight, double *ret_pdf)
+{
+    return draw_plain(bsdf, ORL_ROLE_OUT, out, sides, u, ret_in, ret_weight, ret_pdf);
+}
+
+bool orl_bsdf_sample_split(const struct orl_bsdf *bsdf, struct orl_vec3 given, bool adjoint,
+                           enum orl_bsdf_side sides, const double u[3],
+                           struct orl_bsdf_draw *ret_draw)
+{
+    return draw_other(bsdf, adjoint ? ORL_ROLE_OUT : ORL_ROLE_IN, given, sides, u, true, ret_draw);
+}
+
+double orl_bsdf_pdf(const struct orl_bsdf *bsdf, struct orl_vec3 in, enum orl_bsdf_side sides,
+                    struct orl_vec3 out)
+{
+    return pdf(bsdf, ORL_ROLE_IN, in, sides, out);
+}
+
+double orl_bsdf_pdf_adjoint(const struct orl_bsdf *bsdf, struct orl_vec3 out,
+                            enum orl_bsdf_side sides, struct orl_vec3 in)
+{
+    return pdf(bsdf, ORL_ROLE_OUT, out, sides, in);
+}
