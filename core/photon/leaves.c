@@ -137,12 +137,16 @@ static struct orl_rgb value_of(struct orl_leaves *leaves, uint32_t leaf, struct 
         struct orl_density_query query = query_at(leaves, point, orl_normal_decode(site->normal));
         query.at_photon = site->at_photon;
         query.skip = middle_photon(leaves->map, leaf);
+        const struct orl_health before = search->health;
         const struct orl_rgb irradiance =
             orl_density_estimate(leaves->map, &query, search).irradiance;
+        uint32_t expected = 0;
         word = orl_flux_pack(orl_rgb_scale(irradiance, 1 / leaves->unit), 0.5);
         if (word == 0)
             word = value_zero;
-        atomic_store_explicit(&leaves->values[leaf], word, memory_order_relaxed);
+        /* Who comes second does not count it again. */
+        if (!atomic_compare_exchange_strong(&leaves->values[leaf], &expected, word))
+            search->health = before;
     }
     return orl_rgb_scale(orl_flux_unpack(word), leaves->unit);
 }
