@@ -26,17 +26,38 @@ struct orl_rgb orl_glass_transmittance(const struct orl_material *material, doub
 struct orl_rgb orl_glass_reflectance(const struct orl_material *material, double cosine);
 struct orl_scatter orl_glass_sample(const struct orl_draw *draw, const double u[3]);
 
-/* reflector.c: plastic, metal and what is made of the same lobes. */
+/* reflector.c: plastic, metal, trans. Diffuse and specular reflectance, and what trans lets
+ * through: spread evenly, or straight (about straight, when rough). */
+struct orl_rgb orl_reflector_diffuse(const struct orl_material *material);
 struct orl_rgb orl_reflector_specular(const struct orl_material *material);
+struct orl_rgb orl_trans_spread(const struct orl_material *material);
+struct orl_rgb orl_trans_straight(const struct orl_material *material);
+bool orl_reflector_has_lobes(const struct orl_material *material);
+bool orl_reflector_transmits_lobes(const struct orl_material *material);
 struct orl_rgb orl_reflector_lobes(const struct orl_material *material, const struct orl_hit *hit,
                                    struct orl_vec3 light, struct orl_vec3 eye);
 struct orl_scatter orl_reflector_sample(const struct orl_draw *draw, const double u[3]);
+double orl_reflector_pdf(const struct orl_draw *draw, struct orl_vec3 towards);
+
+/* dielectric.c: clear solids and liquids. */
+double orl_dielectric_reflectance(const struct orl_material *material, const struct orl_hit *hit,
+                                  struct orl_vec3 from);
+struct orl_scatter orl_dielectric_sample(const struct orl_draw *draw, const double u[3]);
+
+/* mirror.c */
+struct orl_rgb orl_mirror_reflectance(const struct orl_material *material,
+                                      const struct orl_hit *hit, struct orl_vec3 from);
+struct orl_scatter orl_mirror_sample(const struct orl_draw *draw);
 
 /* panel.c: surfaces described by a BSDF. */
 struct orl_rgb orl_panel_lobes(const struct orl_material *material, const struct orl_hit *hit,
                                struct orl_vec3 light, struct orl_vec3 eye);
 struct orl_rgb orl_panel_albedo(const struct orl_material *material, const struct orl_hit *hit,
                                 struct orl_vec3 light, enum orl_lobes lobes);
+/* Towards eye; nothing unless it is an aBSDF. */
+struct orl_rgb orl_panel_straight(const struct orl_material *material, const struct orl_hit *hit,
+                                  struct orl_vec3 eye);
 struct orl_scatter orl_panel_sample(const struct orl_draw *draw, const double u[3]);
+double orl_panel_pdf(const struct orl_draw *draw, struct orl_vec3 towards);
 
 #endif
