@@ -245,6 +245,24 @@ static int find_half_set(const struct orl_sky_request *request, struct orl_text 
     return code;
 }
 
+/*
+ * Where the Perez model grows without bound towards the horizon (a strong sun low in a bright sky)
+ * gendaylit's sky is black. What was measured is not: sun and flux stay, and what is left of the
+ * pattern, its glow about the sun, is scaled to them.
+ */
+static void do_without_gradation(struct orl_sky_numbers *numbers, bool by_flux,
+                                 struct orl_text *text)
+{
+    if (!numbers->no_gradation)
+        return;
+    numbers->black = !by_flux;
+    if (by_flux)
+        numbers->pattern.a[0] = 1;
+    orl_text_warn(text, by_flux ? "the model of the sky has no answer here: it is taken without "
+                                  "its change from zenith to horizon"
+                                : "the model of the sky has no answer here: it is black");
+}
+
 static int find(const struct orl_sky_request *request, struct orl_text *text,
                 struct orl_daylight *daylight, struct orl_error *err)
 {
@@ -259,6 +277,7 @@ static int find(const struct orl_sky_request *request, struct orl_text *text,
     if (code < 0)
         return code;
     warn_site(request, text);
+    do_without_gradation(&numbers, by_flux, text);
     daylight->pattern = numbers.pattern;
     daylight->sun = numbers.sun;
     daylight->sun_radiance = numbers.sun_radiance;

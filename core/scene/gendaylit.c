@@ -447,10 +447,6 @@ static bool solve(struct gendaylit *sky, struct orl_text *text)
     if (!place_sun(sky, text) || !find_indices(sky, text) || !find_illuminance(sky, text))
         return false;
     find_radiances(sky, text);
-    if (sky->shape.c[1] > 0) { /* grows without bound at the horizon */
-        orl_text_warn(text, "gendaylit: the model has no answer here: the sky is black");
-        return false;
-    }
     return true;
 }
 
@@ -466,9 +462,13 @@ static void give_numbers(const struct gendaylit *sky, struct orl_sky_numbers *nu
         .sun = d,
         .sun_radiance = sky->with_sun && sky->clearness > 1.0 ? sky->solar : 0.0,
         .sun_measured = sky->solar,
+        .black = c[1] > 0, /* grows without bound at the horizon */
+        .no_gradation = c[1] > 0,
         .sun_angle_deg = 2.0 * HALF_SUN_DEG,
         .diffuse = sky->output == OUTPUT_SOLAR ? sky->diffuse_w : sky->diffuse_lx};
     numbers->diffuse /= sky->output == OUTPUT_VISIBLE ? ORL_EFFICACY_LM_PER_W : 1.0;
+    if (numbers->no_gradation)
+        numbers->pattern.a[2] = numbers->pattern.a[3] = 0;
 }
 
 int orl_gendaylit_numbers(const char *const *words, size_t count, struct orl_text *text,

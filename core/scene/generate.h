@@ -47,7 +47,9 @@ int orl_gendaylit(const char *const *words, size_t count, struct orl_text *text,
  */
 struct orl_sky_numbers {
     struct orl_sky pattern; /* sky and ground, as skybright's arguments */
-    bool black;             /* nothing shines; said in the warnings */
+    bool black;             /* nothing shines; said in the warnings, but for the next case */
+    bool no_gradation;      /* black since the model has no answer; the pattern is one without its
+                               change from zenith to horizon, of no particular brightness */
     bool has_sun;           /* one is to be written, be it of radiance 0 */
     struct orl_vec3 sun;    /* towards its centre */
     double sun_radiance;    /* 0 without a sun */

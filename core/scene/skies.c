@@ -23,18 +23,21 @@ static int sun_argument(const struct orl_sky *sky)
 
 /*
  * Radiance of such a sky would overflow, or be no number: exp(A4 / 0.01) at the horizon, exp(A6 pi)
- * opposite the sun. The Perez model itself never gets beyond A4 = 0.32 and A6 = 1.9.
+ * opposite the sun. The Perez model itself never gets beyond A4 = 0.32 and A6 = 1.9; far below zero
+ * both are harmless, and common.
  */
 static int check_size(struct orl_parser *parser, const struct orl_scope *scope,
                       const struct orl_sky *sky, struct orl_error *err)
 {
     const double most = 1e12, steepest = 1, sharpest = 30;
     const bool perez = sky->kind == ORL_SKY_PEREZ;
-    for (int i = 0; i < sky->n_args; i++)
-        if (fabs(sky->a[i]) > (perez && i == 3 ? steepest : perez && i == 5 ? sharpest : most))
+    for (int i = 0; i < sky->n_args; i++) {
+        const double high = perez && i == 3 ? steepest : perez && i == 5 ? sharpest : most;
+        if (!(sky->a[i] >= -most && sky->a[i] <= high))
             return orl_parser_fail(parser, scope, err, ORL_ERR_RANGE,
                                    "its argument A%d, %g, makes a sky without bounds", i + 1,
                                    sky->a[i]);
+    }
     if (!perez && sky->n_args == 7 && sky->a[0] != 2 && sky->a[0] != 3 && sky->a[3] < 1 / most)
         return orl_parser_fail(parser, scope, err, ORL_ERR_RANGE,
                                "its normalisation %g (the fourth number) is too small", sky->a[3]);

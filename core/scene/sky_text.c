@@ -24,6 +24,8 @@ int orl_gendaylit(const char *const *words, size_t count, struct orl_text *text,
         return code;
     if (sky.by_clock)
         orl_text_warn_site(text, "gendaylit", &sky.site);
+    if (sky.no_gradation)
+        orl_text_warn(text, "gendaylit: the model has no answer here: the sky is black");
     write_sun(&sky, "0.533000", text);
     orl_text_add(text, "void brightfunc skyfunc\n2 skybright perezlum.cal\n0\n");
     if (sky.black)

@@ -99,14 +99,14 @@ static double check_flux(const struct orl_sky_request *request, double diffuse_l
 
 /*
  * From overcast to clear, the sun from low to high: every bin of the model. A strong sun next to
- * the horizon is beyond it: such a sky is black, and says why.
+ * the horizon is beyond it: such a sky is simplified, and says so, and still delivers.
  */
 static void test_perez_delivers_its_flux(void **state)
 {
     static const double altitudes[] = {3, 10, 30, 50, 70, 86},
                         directs[] = {0, 2000, 10000, 30000, 60000, 90000};
     double worst = 0;
-    int black = 0;
+    int beyond = 0;
     (void)state;
     for (size_t i = 0; i < 6; i++) {
         for (size_t k = 0; k < 6; k++) {
@@ -117,16 +117,14 @@ static void test_perez_delivers_its_flux(void **state)
             request.second = 12000;
             snprintf(what, sizeof what, "altitude %g, direct %g", altitudes[i], directs[k]);
             const struct orl_daylight d = find(&request);
-            if (d.black) {
+            if (strstr(d.warnings, "no answer here")) {
                 assert_true(altitudes[i] == 3 && directs[k] >= 30000);
-                assert_non_null(strstr(d.warnings, "no answer here"));
-                black++;
-                continue;
+                beyond++;
             }
             worst = fmax(worst, check_flux(&request, 12000, directs[k], what));
         }
     }
-    assert_true(black <= 3);
+    assert_in_range(beyond, 1, 3);
     print_message("# Perez: at most %.4f %% off\n", 100 * worst);
 }
 
