@@ -1,18 +1,21 @@
-/* The BSDF material: its file, its up vector, what it adds. */
+/*
+ * The materials BSDF and aBSDF: file, up vector, what is added. A BSDF's first string is its
+ * thickness, which an aBSDF does not have; the others are the same.
+ */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
 #include "scene/material_readers.h"
 
-static int read_bsdf_file(struct orl_parser *parser, const struct orl_scope *scope,
+static int read_bsdf_file(struct orl_parser *parser, const struct orl_scope *scope, size_t string,
                           struct orl_material *material, struct orl_error *err)
 {
     struct orl_bsdf *bsdf = NULL;
     size_t source = 0;
     char name[ORL_ERROR_NAME_MAX];
     int code = orl_sources_find(&parser->sources, scope->folder,
-                                orl_primitive_string(&parser->primitive, 1), &source, err);
+                                orl_primitive_string(&parser->primitive, string), &source, err);
     if (code < 0) {
         snprintf(name, sizeof name, "%.*s", (int)sizeof name - 1, err->message);
         return orl_parser_fail(parser, scope, err, code, "its BSDF file is missing: %s", name);
@@ -46,36 +49,67 @@ static int read_bsdf_diffuse(struct orl_parser *parser, const struct orl_scope *
     return code;
 }
 
+/* What is added may be more than what the file leaves of the light. */
+static void warn_of_gain(struct orl_parser *parser, const struct orl_material *material)
+{
+    struct orl_bsdf_info info;
+    const double through = orl_rgb_max(material->through);
+    const double added[2] = {orl_rgb_max(material->back) + through,
+                             orl_rgb_max(material->front) + through};
+    orl_bsdf_describe(material->bsdf, &info);
+    for (int front = 0; front < 2; front++)
+        if (added[front] > 0 && fmin(1, info.max_albedo[front]) + added[front] > 1)
+            orl_parser_warn(parser,
+                            "BSDF %s: with its diffuse parts it sends out up to %.3f of the light "
+                            "from its %s; where that is above 1 it is rescaled to 1",
+                            parser->primitive.id, fmin(1, info.max_albedo[front]) + added[front],
+                            front ? "front" : "back");
+}
+
+/* Thickness, where there is one, and up. */
+static int read_bsdf_numbers(struct orl_parser *parser, const struct orl_scope *scope, size_t file,
+                             struct orl_material *material, struct orl_error *err)
+{
+    struct orl_xform xform;
+    double up[3] = {0, 0, 0};
+    int code = file == 0 ? 0 : orl_material_number(parser, scope, 0, &material->thickness, err);
+    for (size_t i = 0; i < 3 && code == 0; i++)
+        code = orl_material_number(parser, scope, file + 1 + i, up + i, err);
+    if (code == 0 && strcmp(orl_primitive_string(&parser->primitive, file + 4), ".") != 0)
+        code = orl_parser_fail(parser, scope, err, ORL_ERR_UNSUPPORTED,
+                               "function files ('%.60s') are not read: '.' must stand there",
+                               orl_primitive_string(&parser->primitive, file + 4));
+    if (code == 0)
+        code = orl_parser_string_xform(parser, scope, file + 5, &xform, err);
+    if (code < 0)
+        return code;
+    material->thickness *= xform.scale;
+    if (!isfinite(material->thickness))
+        return orl_parser_fail(parser, scope, err, ORL_ERR_RANGE, "its thickness is too large");
+    material->up = orl_xform_vector(&xform, orl_v3(up[0], up[1], up[2]));
+    if (!(orl_length(material->up) > 0) || !isfinite(orl_length(material->up)))
+        return orl_parser_fail(parser, scope, err, ORL_ERR_RANGE, "its up vector has no length");
+    return 0;
+}
+
 int orl_material_read_bsdf(struct orl_parser *parser, const struct orl_scope *scope,
                            struct orl_material *material, struct orl_error *err)
 {
     const struct orl_primitive *primitive = &parser->primitive;
-    struct orl_xform xform;
-    double up[3] = {0, 0, 0};
+    const size_t file = strcmp(primitive->type, "aBSDF") == 0 ? 0 : 1; /* which string names it */
     int code;
-    if (primitive->n_strings < 6)
+    material->peak = file == 0;
+    if (primitive->n_strings < file + 5)
         return orl_parser_fail(parser, scope, err, ORL_ERR_SYNTAX,
-                               "a BSDF takes six string arguments: thickness, file, up x y z, and "
-                               "'.'; here are %zu",
-                               primitive->n_strings);
-    code = orl_material_number(parser, scope, 0, &material->thickness, err);
-    for (size_t i = 0; i < 3 && code == 0; i++)
-        code = orl_material_number(parser, scope, 2 + i, up + i, err);
-    if (code == 0 && strcmp(orl_primitive_string(primitive, 5), ".") != 0)
-        code = orl_parser_fail(parser, scope, err, ORL_ERR_UNSUPPORTED,
-                               "function files ('%.60s') are not read: '.' must stand there",
-                               orl_primitive_string(primitive, 5));
+                               "%s string arguments: %sfile, up x y z, and '.'; here are %zu",
+                               file == 0 ? "an aBSDF takes five" : "a BSDF takes six",
+                               file == 0 ? "" : "thickness, ", primitive->n_strings);
+    code = read_bsdf_numbers(parser, scope, file, material, err);
     if (code == 0)
-        code = orl_parser_string_xform(parser, scope, 6, &xform, err);
-    if (code == 0 && material->thickness != 0)
-        code = orl_parser_fail(parser, scope, err, ORL_ERR_UNSUPPORTED,
-                               "BSDFs with a thickness, which stand for other geometry, are not "
-                               "supported yet");
-    if (code < 0)
-        return code;
-    material->up = orl_xform_vector(&xform, orl_v3(up[0], up[1], up[2]));
-    if (!(orl_length(material->up) > 0) || !isfinite(orl_length(material->up)))
-        return orl_parser_fail(parser, scope, err, ORL_ERR_RANGE, "its up vector has no length");
-    code = read_bsdf_diffuse(parser, scope, material, err);
-    return code == 0 ? read_bsdf_file(parser, scope, material, err) : code;
+        code = read_bsdf_diffuse(parser, scope, material, err);
+    if (code == 0)
+        code = read_bsdf_file(parser, scope, file, material, err);
+    if (code == 0)
+        warn_of_gain(parser, material);
+    return code;
 }

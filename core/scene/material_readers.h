@@ -11,13 +11,25 @@
 typedef int (*orl_material_reader)(struct orl_parser *parser, const struct orl_scope *scope,
                                    struct orl_material *material, struct orl_error *err);
 
-/* material_readers.c */
-int orl_material_read_opaque(struct orl_parser *parser, const struct orl_scope *scope,
-                             struct orl_material *material, struct orl_error *err);
+/* material_readers.c; reflector: plastic, metal, trans; grained: plastic2, metal2, trans2 */
+int orl_material_read_reflector(struct orl_parser *parser, const struct orl_scope *scope,
+                                struct orl_material *material, struct orl_error *err);
+int orl_material_read_grained(struct orl_parser *parser, const struct orl_scope *scope,
+                              struct orl_material *material, struct orl_error *err);
 int orl_material_read_glass(struct orl_parser *parser, const struct orl_scope *scope,
                             struct orl_material *material, struct orl_error *err);
+int orl_material_read_dielectric(struct orl_parser *parser, const struct orl_scope *scope,
+                                 struct orl_material *material, struct orl_error *err);
+int orl_material_read_interface(struct orl_parser *parser, const struct orl_scope *scope,
+                                struct orl_material *material, struct orl_error *err);
+int orl_material_read_mirror(struct orl_parser *parser, const struct orl_scope *scope,
+                             struct orl_material *material, struct orl_error *err);
 int orl_material_read_light(struct orl_parser *parser, const struct orl_scope *scope,
                             struct orl_material *material, struct orl_error *err);
+int orl_material_read_illum(struct orl_parser *parser, const struct orl_scope *scope,
+                            struct orl_material *material, struct orl_error *err);
+int orl_material_read_spotlight(struct orl_parser *parser, const struct orl_scope *scope,
+                                struct orl_material *material, struct orl_error *err);
 
 /* bsdf_material.c; the reference in material->bsdf is the caller's to drop, also on failure. */
 int orl_material_read_bsdf(struct orl_parser *parser, const struct orl_scope *scope,
@@ -35,5 +47,9 @@ int orl_material_share(struct orl_parser *parser, const struct orl_scope *scope,
 /* A string argument that must be a number: expressions of function files are not evaluated. */
 int orl_material_number(struct orl_parser *parser, const struct orl_scope *scope, size_t i,
                         double *ret_value, struct orl_error *err);
+
+/* A string argument that must be '.': where Radiance's types name a function file. */
+int orl_material_no_function(struct orl_parser *parser, const struct orl_scope *scope, size_t i,
+                             struct orl_error *err);
 
 #endif

@@ -14,12 +14,22 @@ struct material_type {
 };
 
 static const struct material_type material_types[] = {
-    {"plastic", ORL_MATERIAL_PLASTIC, orl_material_read_opaque},
-    {"metal", ORL_MATERIAL_METAL, orl_material_read_opaque},
+    {"plastic", ORL_MATERIAL_PLASTIC, orl_material_read_reflector},
+    {"metal", ORL_MATERIAL_METAL, orl_material_read_reflector},
+    {"trans", ORL_MATERIAL_TRANS, orl_material_read_reflector},
+    {"plastic2", ORL_MATERIAL_PLASTIC, orl_material_read_grained},
+    {"metal2", ORL_MATERIAL_METAL, orl_material_read_grained},
+    {"trans2", ORL_MATERIAL_TRANS, orl_material_read_grained},
     {"glass", ORL_MATERIAL_GLASS, orl_material_read_glass},
+    {"dielectric", ORL_MATERIAL_DIELECTRIC, orl_material_read_dielectric},
+    {"interface", ORL_MATERIAL_DIELECTRIC, orl_material_read_interface},
+    {"mirror", ORL_MATERIAL_MIRROR, orl_material_read_mirror},
     {"BSDF", ORL_MATERIAL_BSDF, orl_material_read_bsdf},
+    {"aBSDF", ORL_MATERIAL_BSDF, orl_material_read_bsdf},
     {"light", ORL_MATERIAL_LIGHT, orl_material_read_light},
     {"glow", ORL_MATERIAL_GLOW, orl_material_read_light},
+    {"spotlight", ORL_MATERIAL_SPOTLIGHT, orl_material_read_spotlight},
+    {"illum", ORL_MATERIAL_ILLUM, orl_material_read_illum},
 };
 
 static const struct material_type *find_type(const char *name)

@@ -13,19 +13,9 @@ struct unsupported {
 };
 
 static const struct unsupported unsupported_types[] = {
-    {"trans", "describe it as a BSDF"},
-    {"trans2", "describe it as a BSDF"},
-    {"dielectric", "use glass for panes, or a BSDF"},
-    {"interface", "use glass for panes, or a BSDF"},
-    {"plastic2", "use plastic, which has one roughness"},
-    {"metal2", "use metal, which has one roughness"},
     {"ashik2", "use plastic or metal"},
-    {"mirror", "use metal with specularity 1 and roughness 0"},
-    {"illum", "use the glass or BSDF that it stands for"},
-    {"spotlight", "use light"},
     {"mist", "leave it out"},
     {"antimatter", "leave it out, and cut the hole into the polygon"},
-    {"aBSDF", "use BSDF"},
     {"prism1", "describe it as a BSDF"},
     {"prism2", "describe it as a BSDF"},
     {"plasfunc", "use plastic, or a BSDF"},

@@ -1,10 +1,26 @@
 #include "scene/kinds.h"
 
 #include "scene/hemisphere.h"
+#include "scene/ward.h"
+
+/*
+ * What light is divided into. As Radiance has it: a share `specular` is mirrored, white for plastic
+ * and trans; of the rest, which takes the material's colour, trans lets `transmitted` through, and
+ * of that `transmitted_specular` without spreading it evenly.
+ */
+enum part { DIFFUSE, SPECULAR, SPREAD, STRAIGHT, PARTS };
 
 static bool is_rough(const struct orl_material *material)
 {
     return material->roughness[0] > 0;
+}
+
+struct orl_rgb orl_reflector_diffuse(const struct orl_material *material)
+{
+    const double share = 1.0 - material->specular;
+    if (material->kind != ORL_MATERIAL_TRANS)
+        return orl_rgb_scale(material->color, share);
+    return orl_rgb_scale(material->color, share * (1 - material->transmitted));
 }
 
 struct orl_rgb orl_reflector_specular(const struct orl_material *material)
@@ -14,65 +30,151 @@ struct orl_rgb orl_reflector_specular(const struct orl_material *material)
     return orl_gray(material->specular);
 }
 
-/* Ward's half vector by its density; false when the mirrored direction goes below the surface. */
-static bool sample_ward(double roughness, struct orl_vec3 normal, struct orl_vec3 from,
-                        const double u[2], struct orl_vec3 *ret_direction, double *ret_weight)
+struct orl_rgb orl_trans_spread(const struct orl_material *material)
 {
-    const struct orl_frame frame = orl_frame_about(normal);
-    const double tangent = roughness * sqrt(-log(1 - u[0]));
-    const double phi = 2 * ORL_PI * u[1];
-    const struct orl_vec3 half =
-        orl_normalize(orl_to_world(&frame, orl_v3(tangent * cos(phi), tangent * sin(phi), 1)));
-    const struct orl_vec3 d = orl_mirrored(from, half);
-    const double cos_in = orl_dot(from, normal), cos_out = orl_dot(d, normal);
-    if (cos_out <= 0 || orl_dot(from, half) <= 0)
-        return false;
-    *ret_direction = d;
-    *ret_weight = 2 * cos_out / (cos_in + cos_out);
-    return true;
+    if (material->kind != ORL_MATERIAL_TRANS)
+        return orl_gray(0);
+    return orl_rgb_scale(material->color, (1 - material->specular) * material->transmitted *
+                                              (1 - material->transmitted_specular));
+}
+
+struct orl_rgb orl_trans_straight(const struct orl_material *material)
+{
+    if (material->kind != ORL_MATERIAL_TRANS)
+        return orl_gray(0);
+    return orl_rgb_scale(material->color, (1 - material->specular) * material->transmitted *
+                                              material->transmitted_specular);
+}
+
+/* The parts of the allowed lobes; ret_luma, by which one is chosen. */
+static void parts_of(const struct orl_material *m, enum orl_lobes lobes,
+                     struct orl_rgb ret_part[PARTS], double ret_luma[PARTS])
+{
+    const bool through = lobes & ORL_LOBE_TRANSMITTED && m->kind == ORL_MATERIAL_TRANS;
+    ret_part[DIFFUSE] = lobes & ORL_LOBE_DIFFUSE ? orl_reflector_diffuse(m) : orl_gray(0);
+    ret_part[SPECULAR] = lobes & ORL_LOBE_REFLECTED ? orl_reflector_specular(m) : orl_gray(0);
+    ret_part[SPREAD] = through ? orl_trans_spread(m) : orl_gray(0);
+    ret_part[STRAIGHT] = through ? orl_trans_straight(m) : orl_gray(0);
+    for (int i = 0; i < PARTS; i++)
+        ret_luma[i] = orl_luma(ret_part[i]);
+}
+
+/* One after the other: this part, or one of those that follow? */
+static enum part choose(const double luma[PARTS], double u, double *ret_chance)
+{
+    double after[PARTS];
+    after[PARTS - 1] = 0;
+    for (int i = PARTS - 1; i > 0; i--)
+        after[i - 1] = luma[i] + after[i];
+    *ret_chance = 1;
+    for (int i = 0; i < PARTS; i++) {
+        const double p = luma[i] / (luma[i] + after[i]);
+        if (!(after[i] > 0) || u < p) {
+            *ret_chance *= after[i] > 0 ? p : 1;
+            return (enum part)i;
+        }
+        *ret_chance *= 1 - p;
+        u = (u - p) / (1 - p);
+    }
+    return STRAIGHT;
+}
+
+/* Fills in event and direction; returns f cos / pdf of the part alone, 0 where the light is lost.
+ */
+static double send(struct orl_scatter *s, enum part part, const struct orl_material *m,
+                   struct orl_vec3 normal, struct orl_vec3 from, const double u[2])
+{
+    double weight = 1;
+    s->transmitted = part == SPREAD || part == STRAIGHT;
+    if (part == DIFFUSE || part == SPREAD) {
+        s->event = part == DIFFUSE ? ORL_EVENT_DIFFUSE : ORL_EVENT_GLOSSY;
+        s->direction = orl_hemisphere_about(part == DIFFUSE ? normal : orl_neg(normal), u[0], u[1]);
+        return 1;
+    }
+    if (!is_rough(m)) {
+        s->event = part == SPECULAR ? ORL_EVENT_MIRROR : ORL_EVENT_STRAIGHT;
+        s->direction = part == SPECULAR ? orl_mirrored(from, normal) : orl_neg(from);
+        return 1;
+    }
+    const struct orl_ward ward = orl_ward_at(m, normal);
+    if (part == SPECULAR ? orl_ward_sample_reflected(&ward, from, u, &s->direction, &weight)
+                         : orl_ward_sample_transmitted(&ward, from, u, &s->direction, &weight))
+        s->event = ORL_EVENT_GLOSSY;
+    return weight;
+}
+
+static struct orl_vec3 facing(const struct orl_hit *hit, struct orl_vec3 from)
+{
+    return orl_dot(from, hit->normal) >= 0 ? hit->normal : orl_neg(hit->normal);
 }
 
 struct orl_scatter orl_reflector_sample(const struct orl_draw *draw, const double u[3])
 {
-    const struct orl_material *m = draw->material;
-    const struct orl_vec3 front = draw->hit->normal, from = draw->from;
-    const struct orl_vec3 normal = orl_dot(from, front) >= 0 ? front : orl_neg(front);
     struct orl_scatter s = {.event = ORL_EVENT_ABSORBED};
-    const struct orl_rgb diffuse =
-        draw->lobes & ORL_LOBE_DIFFUSE ? orl_material_diffuse(m) : orl_gray(0);
-    const struct orl_rgb specular =
-        draw->lobes & ORL_LOBE_REFLECTED ? orl_reflector_specular(m) : orl_gray(0);
-    const double d = orl_luma(diffuse), r = orl_luma(specular);
-    double lobe = 1;
-    if (!(d + r > 0))
+    struct orl_rgb parts[PARTS];
+    double luma[PARTS], chance;
+    parts_of(draw->material, draw->lobes, parts, luma);
+    if (!(luma[DIFFUSE] + luma[SPECULAR] + luma[SPREAD] + luma[STRAIGHT] > 0))
         return s;
-    const double p = d / (d + r);
-    if (r <= 0 || u[2] < p) {
-        s.event = ORL_EVENT_DIFFUSE;
-        s.direction = orl_hemisphere_about(normal, u[0], u[1]);
-        s.weight = orl_rgb_scale(diffuse, 1 / p);
-        return s;
-    }
-    if (!is_rough(m)) {
-        s.event = ORL_EVENT_MIRROR;
-        s.direction = orl_mirrored(from, normal);
-    } else if (sample_ward(m->roughness[0], normal, from, u, &s.direction, &lobe)) {
-        s.event = ORL_EVENT_GLOSSY;
-    }
-    s.weight = orl_rgb_scale(specular, lobe / (1 - p));
+    const enum part part = choose(luma, u[2], &chance);
+    const double weight =
+        send(&s, part, draw->material, facing(draw->hit, draw->from), draw->from, u);
+    s.weight = orl_rgb_scale(parts[part], weight / chance);
     return s;
+}
+
+double orl_reflector_pdf(const struct orl_draw *draw, struct orl_vec3 towards)
+{
+    const struct orl_vec3 normal = facing(draw->hit, draw->from);
+    const double cosine = orl_dot(towards, normal);
+    const struct orl_ward ward = orl_ward_at(draw->material, normal);
+    const bool rough = is_rough(draw->material);
+    struct orl_rgb parts[PARTS];
+    double luma[PARTS], sum = 0;
+    parts_of(draw->material, draw->lobes, parts, luma);
+    const double total = luma[DIFFUSE] + luma[SPECULAR] + luma[SPREAD] + luma[STRAIGHT];
+    if (!(total > 0))
+        return 0;
+    sum += luma[cosine > 0 ? DIFFUSE : SPREAD] * fabs(cosine) / ORL_PI;
+    if (rough && cosine > 0 && luma[SPECULAR] > 0)
+        sum += luma[SPECULAR] * orl_ward_pdf_reflected(&ward, draw->from, towards);
+    if (rough && cosine < 0 && luma[STRAIGHT] > 0)
+        sum += luma[STRAIGHT] * orl_ward_pdf_transmitted(&ward, draw->from, towards);
+    return sum / total;
+}
+
+bool orl_reflector_transmits_lobes(const struct orl_material *material)
+{
+    return material->kind == ORL_MATERIAL_TRANS &&
+           (orl_rgb_max(orl_trans_spread(material)) > 0 ||
+            (is_rough(material) && orl_rgb_max(orl_trans_straight(material)) > 0));
+}
+
+bool orl_reflector_has_lobes(const struct orl_material *material)
+{
+    return (is_rough(material) && orl_rgb_max(orl_reflector_specular(material)) > 0) ||
+           orl_reflector_transmits_lobes(material);
 }
 
 struct orl_rgb orl_reflector_lobes(const struct orl_material *material, const struct orl_hit *hit,
                                    struct orl_vec3 light, struct orl_vec3 eye)
 {
-    const double a2 = material->roughness[0] * material->roughness[0];
     const double cos_light = orl_dot(light, hit->normal), cos_eye = orl_dot(eye, hit->normal);
-    if (a2 <= 0 || cos_light * cos_eye <= 0)
-        return orl_gray(0);
-    const struct orl_vec3 half = orl_add(light, eye);
-    const double h2 = orl_dot(half, half), hn = orl_dot(half, hit->normal), hn2 = hn * hn;
-    const double tangent2 = fmax(0, (h2 - hn2) / hn2);
-    return orl_rgb_scale(orl_reflector_specular(material),
-                         exp(-tangent2 / a2) * h2 / (ORL_PI * a2 * hn2 * hn2));
+    struct orl_rgb sum = orl_gray(0);
+    if (cos_light * cos_eye > 0) {
+        if (!is_rough(material))
+            return sum;
+        const struct orl_ward ward = orl_ward_at(material, hit->normal);
+        return orl_rgb_scale(orl_reflector_specular(material),
+                             orl_ward_reflected(&ward, light, eye));
+    }
+    if (!(cos_light * cos_eye < 0) || material->kind != ORL_MATERIAL_TRANS)
+        return sum;
+    sum = orl_rgb_scale(orl_trans_spread(material), 1 / ORL_PI);
+    if (is_rough(material)) {
+        const struct orl_ward ward = orl_ward_at(material, hit->normal);
+        sum = orl_rgb_add(sum, orl_rgb_scale(orl_trans_straight(material),
+                                             orl_ward_transmitted(&ward, light, eye)));
+    }
+    return sum;
 }

@@ -4,31 +4,40 @@
 
 static bool is_reflector(const struct orl_material *material)
 {
-    return material->kind == ORL_MATERIAL_PLASTIC || material->kind == ORL_MATERIAL_METAL;
+    return material->kind == ORL_MATERIAL_PLASTIC || material->kind == ORL_MATERIAL_METAL ||
+           material->kind == ORL_MATERIAL_TRANS;
 }
 
 bool orl_material_is_window(const struct orl_material *material)
 {
-    return material->kind == ORL_MATERIAL_GLASS || material->kind == ORL_MATERIAL_BSDF;
+    switch (material->kind) {
+    case ORL_MATERIAL_GLASS:
+    case ORL_MATERIAL_BSDF:
+    case ORL_MATERIAL_DIELECTRIC:
+        return true;
+    case ORL_MATERIAL_TRANS:
+        return orl_rgb_max(orl_trans_spread(material)) > 0 ||
+               orl_rgb_max(orl_trans_straight(material)) > 0;
+    default:
+        return false;
+    }
 }
 
 struct orl_rgb orl_material_diffuse(const struct orl_material *material)
 {
-    if (!is_reflector(material))
-        return orl_gray(0);
-    return orl_rgb_scale(material->color, 1.0 - material->specular);
+    return is_reflector(material) ? orl_reflector_diffuse(material) : orl_gray(0);
 }
 
 bool orl_material_has_lobes(const struct orl_material *material)
 {
-    if (is_reflector(material))
-        return material->roughness[0] > 0 && orl_rgb_max(orl_reflector_specular(material)) > 0;
-    return material->kind == ORL_MATERIAL_BSDF;
+    return is_reflector(material) ? orl_reflector_has_lobes(material)
+                                  : material->kind == ORL_MATERIAL_BSDF;
 }
 
 bool orl_material_transmits_lobes(const struct orl_material *material)
 {
-    return material->kind == ORL_MATERIAL_BSDF;
+    return is_reflector(material) ? orl_reflector_transmits_lobes(material)
+                                  : material->kind == ORL_MATERIAL_BSDF;
 }
 
 struct orl_rgb orl_material_straight(const struct orl_material *material, const struct orl_hit *hit,
@@ -36,7 +45,10 @@ struct orl_rgb orl_material_straight(const struct orl_material *material, const 
 {
     if (material->kind == ORL_MATERIAL_GLASS)
         return orl_glass_transmittance(material, orl_dot(from, hit->normal));
-    return orl_gray(0);
+    if (material->kind == ORL_MATERIAL_TRANS && !(material->roughness[0] > 0))
+        return orl_trans_straight(material);
+    return material->kind == ORL_MATERIAL_BSDF ? orl_panel_straight(material, hit, from)
+                                               : orl_gray(0);
 }
 
 struct orl_rgb orl_material_mirrored(const struct orl_material *material, const struct orl_hit *hit,
@@ -44,7 +56,11 @@ struct orl_rgb orl_material_mirrored(const struct orl_material *material, const 
 {
     if (material->kind == ORL_MATERIAL_GLASS)
         return orl_glass_reflectance(material, orl_dot(from, hit->normal));
-    if (is_reflector(material) && !orl_material_has_lobes(material))
+    if (material->kind == ORL_MATERIAL_MIRROR)
+        return orl_mirror_reflectance(material, hit, from);
+    if (material->kind == ORL_MATERIAL_DIELECTRIC)
+        return orl_gray(orl_dielectric_reflectance(material, hit, from));
+    if (is_reflector(material) && !(material->roughness[0] > 0))
         return orl_reflector_specular(material);
     return orl_gray(0);
 }
@@ -56,12 +72,26 @@ bool orl_material_is_mirror(const struct orl_material *material)
            0;
 }
 
+/* What gets through, in whatever way, but for BSDFs. */
+static struct orl_rgb transmitted(const struct orl_material *material, const struct orl_hit *hit,
+                                  struct orl_vec3 light)
+{
+    struct orl_scatter s;
+    if (orl_material_refract(material, hit, light, ORL_TRANSPORT_LIGHT, &s))
+        return s.weight;
+    if (material->kind == ORL_MATERIAL_TRANS)
+        return orl_rgb_add(orl_trans_spread(material), orl_trans_straight(material));
+    if (material->kind == ORL_MATERIAL_BSDF)
+        return orl_gray(0); /* counted with its other parts */
+    return orl_material_straight(material, hit, light);
+}
+
 struct orl_rgb orl_material_albedo(const struct orl_material *material, const struct orl_hit *hit,
                                    struct orl_vec3 light, enum orl_lobes lobes)
 {
     struct orl_rgb sum = orl_gray(0);
     if (material->kind == ORL_MATERIAL_BSDF)
-        sum = orl_panel_albedo(material, hit, light, lobes);
+        return orl_panel_albedo(material, hit, light, lobes);
     if (lobes & ORL_LOBE_DIFFUSE)
         sum = orl_rgb_add(sum, orl_material_diffuse(material));
     if (lobes & ORL_LOBE_REFLECTED)
@@ -69,25 +99,8 @@ struct orl_rgb orl_material_albedo(const struct orl_material *material, const st
             orl_rgb_add(sum, is_reflector(material) ? orl_reflector_specular(material)
                                                     : orl_material_mirrored(material, hit, light));
     if (lobes & ORL_LOBE_TRANSMITTED)
-        sum = orl_rgb_add(sum, orl_material_straight(material, hit, light));
+        sum = orl_rgb_add(sum, transmitted(material, hit, light));
     return sum;
-}
-
-bool orl_material_shines(const struct orl_material *material)
-{
-    return orl_material_is_lamp(material) || material->kind == ORL_MATERIAL_GLOW;
-}
-
-bool orl_material_is_lamp(const struct orl_material *material)
-{
-    return material->kind == ORL_MATERIAL_LIGHT;
-}
-
-struct orl_rgb orl_material_emission(const struct orl_material *material, const struct orl_hit *hit,
-                                     struct orl_vec3 towards)
-{
-    const bool shines = orl_material_shines(material) && orl_dot(towards, hit->normal) > 0;
-    return shines ? material->color : orl_gray(0);
 }
 
 struct orl_scatter orl_scatter_sample_at(const struct orl_material *material,
@@ -99,14 +112,16 @@ struct orl_scatter orl_scatter_sample_at(const struct orl_material *material,
     switch (material->kind) {
     case ORL_MATERIAL_PLASTIC:
     case ORL_MATERIAL_METAL:
+    case ORL_MATERIAL_TRANS:
         return orl_reflector_sample(&draw, u);
     case ORL_MATERIAL_GLASS:
         return orl_glass_sample(&draw, u);
     case ORL_MATERIAL_BSDF:
         return orl_panel_sample(&draw, u);
-    case ORL_MATERIAL_TRANS:
     case ORL_MATERIAL_DIELECTRIC:
+        return orl_dielectric_sample(&draw, u);
     case ORL_MATERIAL_MIRROR:
+        return orl_mirror_sample(&draw);
     case ORL_MATERIAL_VOID:
     case ORL_MATERIAL_LIGHT:
     case ORL_MATERIAL_GLOW:
@@ -125,6 +140,16 @@ struct orl_scatter orl_scatter_sample(const struct orl_material *material,
     const double u0 = orl_random_uniform(random), u1 = orl_random_uniform(random);
     const double u[3] = {u0, u1, orl_random_uniform(random)};
     return orl_scatter_sample_at(material, hit, from, transport, lobes, u);
+}
+
+double orl_scatter_pdf(const struct orl_material *material, const struct orl_hit *hit,
+                       struct orl_vec3 from, enum orl_transport transport, enum orl_lobes lobes,
+                       struct orl_vec3 towards)
+{
+    const struct orl_draw draw = {material, hit, from, transport, lobes};
+    if (is_reflector(material))
+        return orl_reflector_pdf(&draw, towards);
+    return material->kind == ORL_MATERIAL_BSDF ? orl_panel_pdf(&draw, towards) : 0;
 }
 
 struct orl_rgb orl_scatter_eval_lobes(const struct orl_material *material,
