@@ -11,6 +11,7 @@
  * open space much more often than rays leaving the other. Panes inside a building see open space
  * from neither side (the outer panes block), panes standing free see it from both.
  */
+enum { OWNER_PROBES = 128 };
 enum { MOST_RAYS = 4000000, MOST_RAYS_A_FACE = 2048, LEAST_RAYS_A_FACE = 64 };
 static const double least_seen =
     1e-3; /* share of escaping rays that makes a face an outside face */
@@ -52,6 +53,33 @@ static double share_escaping(const struct search *search, uint32_t facet, bool f
     return (double)escaped / search->rays;
 }
 
+bool orl_port_owns(const struct orl_world *world, const struct orl_port *port,
+                   struct orl_vec3 point)
+{
+    const struct orl_geometry *g = world->geometry;
+    const double offset = g->facets[port->facet].offset;
+    struct orl_hit hit;
+    /* A ray that slips past the rim has met nobody else's surface either. */
+    return !port->shared ||
+           !orl_geometry_intersect(g, orl_madd(point, port->outward, offset),
+                                   orl_neg(port->outward), 2 * offset, &hit) ||
+           hit.facet == port->facet;
+}
+
+static bool is_shared(const struct orl_world *world, struct orl_port port,
+                      struct orl_random *random)
+{
+    port.shared = true;
+    for (int i = 0; i < OWNER_PROBES; i++) {
+        const double u[2] = {orl_random_uniform(random), orl_random_uniform(random)};
+        struct orl_vec3 point, normal;
+        orl_facet_sample(world->geometry, port.facet, u, &point, &normal);
+        if (!orl_port_owns(world, &port, point))
+            return true;
+    }
+    return false;
+}
+
 static void look_both_ways(void *arg, size_t index, uint32_t member)
 {
     struct search *search = arg;
@@ -64,8 +92,10 @@ static void look_both_ways(void *arg, size_t index, uint32_t member)
     const double more = fmax(front, back), less = fmin(front, back);
     if (more < least_seen || more < least_contrast * less)
         return;
-    search->found[index] = (struct orl_port){
-        facet, front > back, front > back ? f->normal : orl_neg(f->normal), f->area};
+    const struct orl_vec3 outward = front > back ? f->normal : orl_neg(f->normal);
+    struct orl_port port = {facet, front > back, outward, f->area, false};
+    port.shared = is_shared(search->world, port, &random);
+    search->found[index] = port;
 }
 
 /*

@@ -47,6 +47,7 @@ struct orl_port {
     bool outside_is_front; /* the declared normal points outdoors */
     struct orl_vec3 outward;
     double area;
+    bool shared; /* other surfaces lie in its plane, across it: see orl_port_owns */
 };
 
 struct orl_world {
@@ -93,6 +94,13 @@ struct orl_rgb orl_world_sun_radiance(const struct orl_world *world, struct orl_
 
 /* A direction uniform over the sun's disc; u in [0,1)^2. */
 struct orl_vec3 orl_sun_sample(const struct orl_sun *sun, const double u[2]);
+
+/*
+ * Whether a place on a port is the port's own. Where two surfaces lie in one plane a ray meets one
+ * of them and is past both: so must be what the ports send in, or light would be counted twice.
+ */
+bool orl_port_owns(const struct orl_world *world, const struct orl_port *port,
+                   struct orl_vec3 point);
 
 /* Whether a path through this hit passes a port, and to which side. */
 enum orl_crossing { ORL_CROSSING_NONE, ORL_CROSSING_INWARDS, ORL_CROSSING_OUTWARDS };

@@ -20,6 +20,8 @@ static bool pass_port(const struct orl_world *world, const struct orl_port *port
                       struct orl_random *random, struct orl_flight *ret_flight)
 {
     const struct orl_hit hit = port_hit(world, port, point);
+    if (!orl_port_owns(world, port, point))
+        return false;
     const struct orl_scatter s =
         orl_scatter_sample(orl_world_material(world, &hit), &hit, outwards, ORL_TRANSPORT_LIGHT,
                            ORL_LOBE_TRANSMITTED, random);

@@ -12,12 +12,16 @@ static struct orl_rgb light_by_pane(const struct orl_gather *gather, uint32_t fa
                                     uint32_t sequence)
 {
     const struct orl_geometry *g = gather->world->geometry;
+    const int32_t index = gather->world->port_of_facet[facet];
+    const struct orl_port *port = index == ORL_NO_PORT ? NULL : &gather->world->ports[index];
     struct orl_rgb sum = orl_gray(0);
     for (uint32_t i = 0; i < PANE_POINTS; i++) {
         struct orl_hit hit = {.facet = facet};
         double u[4];
         orl_sobol_point(&gather->sobol, i, sequence, 4, u);
         orl_facet_sample(g, facet, u, &hit.point, &hit.normal);
+        if (port && !orl_port_owns(gather->world, port, hit.point))
+            continue;
         const struct orl_vec3 light = orl_sun_sample(sun, u + 2);
         const struct orl_vec3 way = orl_sub(place->point, hit.point);
         const double d2 = orl_dot(way, way), d = sqrt(d2);
