@@ -4,6 +4,7 @@
 #include <stdlib.h>
 
 #include "base/random.h"
+#include "light/proxies.h"
 #include "scene/hemisphere.h"
 
 /*
@@ -47,7 +48,7 @@ static double share_escaping(const struct search *search, uint32_t facet, bool f
         orl_facet_sample(g, facet, u, &point, &normal);
         if (!front)
             normal = orl_neg(normal);
-        point = orl_madd(point, normal, g->facets[facet].offset);
+        point = orl_facet_leave(g, facet, point, g->facets[facet].normal, normal);
         escaped += !orl_geometry_occluded(g, point, cosine_direction(normal, random), INFINITY);
     }
     return (double)escaped / search->rays;
@@ -113,7 +114,7 @@ static void try_to_escape(void *arg, size_t index, uint32_t member)
     (void)member;
     orl_facet_sample(g, port->facet, u, &point, &normal);
     normal = orl_neg(port->outward);
-    point = orl_madd(point, normal, g->facets[port->facet].offset);
+    point = orl_facet_leave(g, port->facet, point, g->facets[port->facet].normal, normal);
     struct orl_vec3 direction = cosine_direction(normal, &random);
     for (int bounce = 0; bounce < SEAL_BOUNCES; bounce++) {
         struct orl_hit hit;
@@ -178,6 +179,7 @@ int orl_world_find_ports(struct orl_world *world, struct orl_crew *crew, struct 
     if (world->n_ports > 0)
         orl_crew_for(crew, SEAL_PATHS, try_to_escape, &search);
     world->open = world->n_ports == 0 || atomic_load(&search.escapes) >= SEAL_ESCAPES;
+    orl_proxies_settle(world);
     code = 0;
 done:
     if (code < 0)

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "light/proxies.h"
 #include "light/sky.h"
 
 /* Distant lights up to this full angle are sampled as discs; wider ones are domes. */
@@ -37,7 +38,7 @@ static void add_emitters(struct orl_world *world)
     const struct orl_geometry *g = world->geometry;
     for (size_t i = 0; i < g->n_facets; i++) {
         const struct orl_material *m = &world->description.materials[g->facets[i].material];
-        const bool shines = orl_material_shines(m);
+        const bool shines = orl_material_is_lamp(m) || orl_material_glows(m);
         if (shines && g->facets[i].area > 0 && orl_luma(m->color) > 0)
             world->emitters[world->n_emitters++] =
                 (struct orl_emitter){(uint32_t)i, m->color, orl_material_is_lamp(m)};
@@ -80,22 +81,6 @@ static size_t count_emitters(const struct orl_world *world)
     return n;
 }
 
-/* What parses but is not simulated is refused here, once, with the material's name. */
-static int check_materials(const struct orl_description *d, struct orl_error *err)
-{
-    for (size_t i = 0; i < d->n_materials; i++) {
-        const struct orl_material *m = &d->materials[i];
-        const double extra = orl_rgb_max(m->front) + orl_rgb_max(m->back) + orl_rgb_max(m->through);
-        if (m->kind == ORL_MATERIAL_BSDF && extra > 0) {
-            orl_error_set(err, ORL_ERR_UNSUPPORTED,
-                          "diffuse additions to a BSDF are not simulated yet");
-            orl_error_at(err, NULL, 0, m->name);
-            return ORL_ERR_UNSUPPORTED;
-        }
-    }
-    return 0;
-}
-
 int orl_world_new(struct orl_description *description, struct orl_world **ret_world,
                   struct orl_error *err)
 {
@@ -107,9 +92,9 @@ int orl_world_new(struct orl_description *description, struct orl_world **ret_wo
     }
     world->description = *description;
     memset(description, 0, sizeof *description);
-    code = check_materials(&world->description, err);
+    code = orl_geometry_new(&world->description, &world->geometry, err);
     if (code == 0)
-        code = orl_geometry_new(&world->description, &world->geometry, err);
+        code = orl_proxies_part(world, err);
     if (code < 0)
         goto done;
     const size_t distants = world->description.n_distants + 1;
@@ -138,6 +123,7 @@ void orl_world_free(struct orl_world *world)
 {
     if (!world)
         return;
+    orl_proxies_done(world);
     orl_geometry_free(world->geometry);
     orl_description_done(&world->description);
     free(world->suns);

@@ -52,7 +52,12 @@ struct orl_port {
 
 struct orl_world {
     struct orl_description description; /* owned */
-    struct orl_geometry *geometry;      /* owned */
+    struct orl_geometry *geometry;      /* owned; what light meets */
+    struct orl_world *seen;             /* what views see: this world with another geometry, or NULL
+                                           when there are no BSDFs that stand for geometry */
+    struct orl_geometry *proxies;       /* owned: of those BSDFs, or NULL */
+    bool *hidden;                       /* per facet: there for views alone; or NULL. proxies.h */
+    size_t n_hidden;
     struct orl_sun *suns;
     size_t n_suns;
     struct orl_dome *domes;

@@ -47,7 +47,7 @@ static bool emit_port_dome(const struct orl_emission *e, const struct orl_stratu
     const double density = orl_table_sample(&e->port_tables[stratum->port], u + 3, at);
     const struct orl_vec3 out = orl_hemisphere_about(port->outward, at[0], at[1]);
     const struct orl_vec3 start =
-        orl_madd(point, port->outward, world->geometry->facets[port->facet].offset);
+        orl_facet_leave(world->geometry, port->facet, point, normal, port->outward);
     const struct orl_rgb radiance = orl_exterior_radiance(world, start, out, random, health);
     /* The square is uniform in projected solid angle, pi in all. */
     const struct orl_rgb flux = orl_rgb_scale(radiance, ORL_PI * port->area / density);
@@ -65,7 +65,7 @@ static bool emit_port_sun(const struct orl_emission *e, const struct orl_stratum
     struct orl_vec3 point, normal, out = towards;
     orl_facet_sample(world->geometry, port->facet, u + 1, &point, &normal);
     const struct orl_vec3 start =
-        orl_madd(point, port->outward, world->geometry->facets[port->facet].offset);
+        orl_facet_leave(world->geometry, port->facet, point, normal, port->outward);
     const struct orl_rgb share =
         image ? orl_mirrored_transmittance(world, start, towards, world->mirrors[stratum->mirror],
                                            false, &out)

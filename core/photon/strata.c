@@ -56,7 +56,7 @@ static void look_out(void *arg, size_t index, uint32_t member)
         const struct orl_vec3 out = orl_hemisphere_about(port->outward, at_x, at_y);
         struct orl_vec3 point, normal;
         orl_facet_sample(world->geometry, port->facet, u, &point, &normal);
-        point = orl_madd(point, port->outward, world->geometry->facets[port->facet].offset);
+        point = orl_facet_leave(world->geometry, port->facet, point, normal, port->outward);
         sum += orl_luma(orl_exterior_radiance(world, point, out, &random, &ignored)) *
                transmitted_luma(world, port, out);
     }

@@ -2,6 +2,7 @@
 
 #include <stdlib.h>
 
+#include "light/proxies.h"
 #include "photon/facing.h"
 
 enum { MOST_BOUNCES = 64, SURE_BOUNCES = 4 };
@@ -204,10 +205,17 @@ struct orl_rgb orl_gather_direct(const struct orl_gather *gather, const struct o
                                            .mirrored = place->outside || place->in_air,
                                            .u = u};
     struct orl_random unused = {0}; /* the query has its numbers */
+/* The scene that lights a place. */
+static const struct orl_world *scene_of(const struct orl_gather *gather,
+                                        const struct orl_place *place)
+{
+    return place->proxied ? orl_world_seen(gather->world) : gather->world;
+}
+
     struct orl_rgb sum = orl_gray(0);
     for (uint32_t i = first; i < first + rays; i++) {
         orl_sobol_point(&gather->sobol, i, sequence, 2, u);
-        sum = orl_rgb_add(sum, orl_direct_light(gather->world, &query, &unused));
+        sum = orl_rgb_add(sum, orl_direct_light(scene_of(gather, place), &query, &unused));
     }
     return orl_rgb_scale(sum, 1.0 / rays);
 }
@@ -274,10 +282,14 @@ struct orl_hemisphere orl_gather_hemisphere(const struct orl_gather *gather,
         const double phi = 2 * ORL_PI * (column + orl_random_uniform(random)) / columns;
         const struct orl_vec3 direction = orl_to_world(
             &frame, orl_v3(sine * cos(phi), sine * sin(phi), sqrt(fmax(0, 1 - sine * sine))));
-        double distance;
+        double distance = INFINITY;
         const struct orl_rgb radiance = orl_health_keep(
-            &search->health, trace_gather(gather, place->point, direction, place->outside, random,
-                                          search, &distance));
+            &search->health,
+            place->proxied
+                ? orl_exterior_radiance(scene_of(gather, place), place->point, direction, random,
+                                        &search->health)
+                : trace_gather(gather, place->point, direction, place->outside, random, search,
+                               &distance));
         h.irradiance = orl_rgb_add(h.irradiance, radiance);
         distance = fmax(distance, 1e-9 * gather->world->geometry->radius);
         nearness += 1 / distance;

@@ -41,7 +41,8 @@ struct orl_place {
     struct orl_vec3 point;  /* on or off a surface, clear of it */
     struct orl_vec3 normal; /* unit */
     bool outside;
-    bool in_air; /* off any surface: no photon lands there */
+    bool in_air;  /* off any surface: no photon lands there */
+    bool proxied; /* on a surface that a BSDF stands for: lit as views see it; then outside too */
 };
 
 /* Whether a point of open space counts as outside: false unless the scene is sealed. */

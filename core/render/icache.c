@@ -135,7 +135,8 @@ static double weight_of(const struct orl_record *record, const struct orl_place 
     const struct orl_vec3 shift = orl_sub(place->point, record->place.point);
     const double distance = orl_length(shift);
     const double cosine = orl_dot(place->normal, record->place.normal);
-    if (record->place.outside != place->outside || distance >= reach_of(record) || cosine < 0.8)
+    if (record->place.outside != place->outside || record->place.proxied != place->proxied ||
+        distance >= reach_of(record) || cosine < 0.8)
         return 0;
     /* A place well behind or before the record's surface sees another scene. */
     const struct orl_vec3 both = orl_add(place->normal, record->place.normal);

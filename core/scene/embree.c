@@ -31,8 +31,10 @@ static void curved_bounds(const struct RTCBoundsFunctionArguments *args)
 static bool curved_test(const struct orl_geometry *geometry, uint32_t primitive,
                         const struct RTCRay *ray, double *ret_t, struct orl_vec3 *ret_normal)
 {
-    return orl_quadric_intersect(&geometry->facets[geometry->n_facets - 1 - primitive],
-                                 orl_v3(ray->org_x, ray->org_y, ray->org_z),
+    const struct orl_facet *facet = &geometry->facets[geometry->n_facets - 1 - primitive];
+    /* Without area: left out of this geometry. */
+    return facet->area > 0 &&
+           orl_quadric_intersect(facet, orl_v3(ray->org_x, ray->org_y, ray->org_z),
                                  orl_v3(ray->dir_x, ray->dir_y, ray->dir_z), ray->tnear, ray->tfar,
                                  ret_t, ret_normal);
 }

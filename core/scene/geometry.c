@@ -100,6 +100,7 @@ static int add_facets(struct orl_geometry *g, const struct orl_description *d)
         g->facets[facet].kind = surface->kind;
         g->facets[facet].material = surface->material;
         g->facets[facet].surface = (uint32_t)i;
+        g->facets[facet].beyond = d->materials[surface->material].thickness;
         if (flat)
             code = add_polygon(g, surface, facet, triples);
         else
@@ -156,6 +157,42 @@ done:
     return code;
 }
 
+int orl_geometry_subset(const struct orl_geometry *whole, const bool *keep,
+                        struct orl_geometry **ret_geometry, struct orl_error *err)
+{
+    struct orl_geometry *g = malloc(sizeof *g);
+    int code = ORL_ERR_NOMEM;
+    if (!g)
+        return orl_error_set(err, code, "out of memory for the scene's geometry");
+    *g = *whole;
+    g->device = g->scene = NULL;
+    g->n_triangles = 0;
+    g->facets = malloc((g->n_facets + 1) * sizeof *g->facets);
+    g->triangles = malloc((whole->n_triangles + 1) * sizeof *g->triangles);
+    if (!g->facets || !g->triangles)
+        goto done;
+    for (size_t i = 0; i < g->n_facets; i++) {
+        struct orl_facet *f = &g->facets[i];
+        const size_t kept = keep[i] ? whole->facets[i].n_triangles : 0;
+        *f = whole->facets[i];
+        f->area = keep[i] ? f->area : 0;
+        f->n_triangles = (uint32_t)kept;
+        f->first_triangle = (uint32_t)g->n_triangles;
+        memcpy(g->triangles + g->n_triangles, whole->triangles + whole->facets[i].first_triangle,
+               kept * sizeof *g->triangles);
+        g->n_triangles += kept;
+    }
+    code = orl_embree_build(g, err);
+done:
+    if (code == 0)
+        *ret_geometry = g;
+    else
+        orl_geometry_free(g);
+    if (code == ORL_ERR_NOMEM)
+        orl_error_set(err, code, "out of memory for the scene's geometry");
+    return code;
+}
+
 void orl_geometry_free(struct orl_geometry *geometry)
 {
     if (!geometry)
@@ -201,12 +238,21 @@ bool orl_geometry_occluded(const struct orl_geometry *geometry, struct orl_vec3 
     return orl_embree_occluded(geometry, origin, direction, max_distance);
 }
 
+struct orl_vec3 orl_facet_leave(const struct orl_geometry *geometry, uint32_t facet,
+                                struct orl_vec3 point, struct orl_vec3 normal,
+                                struct orl_vec3 direction)
+{
+    const struct orl_facet *f = &geometry->facets[facet];
+    const double side = orl_dot(direction, normal) >= 0 ? 1 : -1;
+    /* To the side of what it stands for: beyond that. */
+    const double hidden = f->beyond * side < 0 ? fabs(f->beyond) : 0;
+    return orl_madd(point, normal, side * (f->offset + hidden));
+}
+
 struct orl_vec3 orl_hit_leave(const struct orl_geometry *geometry, const struct orl_hit *hit,
                               struct orl_vec3 direction)
 {
-    const double offset = geometry->facets[hit->facet].offset;
-    return orl_madd(hit->point, hit->normal,
-                    orl_dot(direction, hit->normal) >= 0 ? offset : -offset);
+    return orl_facet_leave(geometry, hit->facet, hit->point, hit->normal, direction);
 }
 
 void orl_facet_sample(const struct orl_geometry *geometry, uint32_t facet, const double u[2],

@@ -6,7 +6,8 @@
  * subtracted only where a job's sensors and views come in. Units are the scene file's.
  *
  * Hits: the point is projected back onto the true surface in double, so that its error does not
- * grow with distance. Rays that start on a surface are to start at orl_hit_leave(hit, direction).
+ * grow with distance. Rays that start on a surface are to start at orl_hit_leave(hit, direction):
+ * clear of the surface, and of what a BSDF with a thickness stands for.
  *
  * Determinism: the hierarchy is built by one thread, so that ties are broken the same way each
  * time. Threads: immutable once built; intersect and occluded may be called from any thread.
@@ -30,6 +31,7 @@ struct orl_facet {
     struct orl_vec3 center[2];
     double radius[2];
     double offset; /* how far from the surface a ray must start to be clear of it */
+    double beyond; /* BSDF: what it stands for lies this far behind it (negative: in front) */
     double area;
     uint32_t first_triangle, n_triangles; /* polygons: into orl_geometry.triangles */
 };
@@ -71,6 +73,18 @@ bool orl_geometry_intersect(const struct orl_geometry *geometry, struct orl_vec3
 /* Whether anything at all, glass included, lies within max_distance. */
 bool orl_geometry_occluded(const struct orl_geometry *geometry, struct orl_vec3 origin,
                            struct orl_vec3 direction, double max_distance);
+
+/*
+ * A copy in which only the facets to keep can be met; the others have their places in the arrays,
+ * but no area. Returns 0 and a geometry the caller frees, or ORL_ERR_NOMEM.
+ */
+int orl_geometry_subset(const struct orl_geometry *whole, const bool *keep,
+                        struct orl_geometry **ret_geometry, struct orl_error *err);
+
+/* Where a ray that leaves a point of a facet, of that front normal, along direction is to start. */
+struct orl_vec3 orl_facet_leave(const struct orl_geometry *geometry, uint32_t facet,
+                                struct orl_vec3 point, struct orl_vec3 normal,
+                                struct orl_vec3 direction);
 
 /* Where a ray that leaves the hit point along direction is to start. */
 struct orl_vec3 orl_hit_leave(const struct orl_geometry *geometry, const struct orl_hit *hit,

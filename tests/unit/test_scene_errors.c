@@ -106,7 +106,9 @@ static const struct bad bad_scenes[] = {
      ORL_ERR_UNSUPPORTED, 1, "brightfunc f", "vertical"},
     /* BSDFs, before their file is looked at */
     {BSDF("5 0 x.xml 0 0 1", "0"), ORL_ERR_SYNTAX, 1, "BSDF b", "six string"},
-    {BSDF("6 .1 x.xml 0 0 1 .", "0"), ORL_ERR_UNSUPPORTED, 1, "BSDF b", "thickness"},
+    {BSDF("8 1e300 x.xml 0 0 1 . -s 1e300", "0"), ORL_ERR_RANGE, 1, "BSDF b", "thickness"},
+    {"void aBSDF b\n4 x.xml 0 0 1\n0\n0\n", ORL_ERR_SYNTAX, 1, "aBSDF b", "five string"},
+    {"void aBSDF b\n5 x.xml 0 0 1 .\n0\n0\n", ORL_ERR_NOT_FOUND, 1, "BSDF b", "x.xml"},
     {BSDF("6 0 x.xml 0 0 0 .", "0"), ORL_ERR_RANGE, 1, "BSDF b", "up vector"},
     {BSDF("6 0 x.xml 0 0 z .", "0"), ORL_ERR_UNSUPPORTED, 1, "BSDF b", "'z'"},
     {BSDF("6 0 x.xml 0 0 1 f.cal", "0"), ORL_ERR_UNSUPPORTED, 1, "BSDF b", "f.cal"},

@@ -1,0 +1,181 @@
+#include "light/proxies.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/random.h"
+
+enum { POINTS = 32, FIRST_POINTS = 6, LOOKS = 5, MOST_WAYS = 64, MOST_PANES = 64 };
+static const double hidden_share = 0.75;
+static const double aside_of_thickness = 0.01; /* how far aside one looks */
+
+/* The ways across proxies: distinct directions from what they stand for towards them. */
+struct ways {
+    struct orl_vec3 way[MOST_WAYS];
+    size_t count;
+    double reach; /* the largest thickness */
+};
+
+static bool is_proxy(const struct orl_world *world, uint32_t facet)
+{
+    const struct orl_facet *f = &world->geometry->facets[facet];
+    return f->beyond != 0 && f->area > 0 &&
+           (f->kind == ORL_SURFACE_POLYGON || f->kind == ORL_SURFACE_RING);
+}
+
+static struct orl_vec3 way_across(const struct orl_facet *f)
+{
+    return f->beyond > 0 ? f->normal : orl_neg(f->normal);
+}
+
+static void add_way(struct ways *ways, const struct orl_facet *f)
+{
+    const struct orl_vec3 way = way_across(f);
+    size_t k = 0;
+    ways->reach = fmax(ways->reach, fabs(f->beyond));
+    while (k < ways->count && orl_dot(way, ways->way[k]) < 1 - 1e-6)
+        k++;
+    if (k == ways->count && k < MOST_WAYS)
+        ways->way[ways->count++] = way;
+}
+
+/* Looks from a point along a way: is a proxy there that stands for what is at the point? */
+static bool is_covered(const struct orl_world *world, const struct orl_geometry *proxies,
+                       struct orl_vec3 point, struct orl_vec3 way, double reach, uint32_t self)
+{
+    double at = 0;
+    for (int i = 0; i < MOST_PANES; i++) {
+        struct orl_hit hit;
+        if (!orl_geometry_intersect(proxies, orl_madd(point, way, at), way, reach - at, &hit))
+            return false;
+        const struct orl_facet *f = &proxies->facets[hit.facet];
+        at += hit.distance;
+        /* Of proxies that stand for each other only the first is one. */
+        if (orl_dot(way_across(f), way) > 1 - 1e-3 && at <= fabs(f->beyond) + 4 * f->offset &&
+            hit.facet != self &&
+            (!is_proxy(world, self) || (hit.facet < self && !world->hidden[hit.facet])))
+            return true;
+        at += f->offset;
+    }
+    return false;
+}
+
+/* The same a little to all sides, from just behind the point: it may lie in the proxy's plane. */
+static bool is_well_covered(const struct orl_world *world, const struct orl_geometry *proxies,
+                            const struct ways *ways, struct orl_vec3 way, struct orl_vec3 point,
+                            uint32_t self)
+{
+    const struct orl_frame frame = orl_frame_about(way);
+    const double back = 2 * world->geometry->facets[self].offset;
+    const double aside = fmax(8 * back, aside_of_thickness * ways->reach);
+    for (int i = 0; i < LOOKS; i++) {
+        const double x = i == 1 ? aside : i == 2 ? -aside : 0;
+        const double y = i == 3 ? aside : i == 4 ? -aside : 0;
+        const struct orl_vec3 from =
+            orl_madd(orl_madd(orl_madd(point, frame.u, x), frame.v, y), way, -back);
+        if (!is_covered(world, proxies, from, way, ways->reach + back, self))
+            return false;
+    }
+    return true;
+}
+
+static bool is_hidden(const struct orl_world *world, const struct orl_geometry *proxies,
+                      const struct ways *ways, uint32_t facet)
+{
+    struct orl_random random = orl_random_stream(2, ORL_PURPOSE_PILOT, facet);
+    int covered = 0;
+    for (int i = 0; i < POINTS; i++) {
+        const double u[2] = {orl_random_uniform(&random), orl_random_uniform(&random)};
+        struct orl_vec3 point, normal;
+        bool found = false;
+        orl_facet_sample(world->geometry, facet, u, &point, &normal);
+        for (size_t w = 0; w < ways->count && !found; w++)
+            found = is_well_covered(world, proxies, ways, ways->way[w], point, facet);
+        covered += found;
+        if (i + 1 == FIRST_POINTS && covered == 0)
+            return false;
+    }
+    return covered >= hidden_share * POINTS;
+}
+
+int orl_proxies_part(struct orl_world *world, struct orl_error *err)
+{
+    struct orl_geometry *whole = world->geometry, *light = NULL, *seen = NULL;
+    const size_t n = whole->n_facets;
+    struct ways ways = {.count = 0};
+    bool *keep = NULL;
+    int code = 0;
+    for (uint32_t i = 0; i < n; i++)
+        if (is_proxy(world, i))
+            add_way(&ways, &whole->facets[i]);
+    if (ways.count == 0)
+        return 0;
+    keep = calloc(n, sizeof *keep);
+    world->hidden = calloc(n, sizeof *world->hidden);
+    world->seen = calloc(1, sizeof *world->seen);
+    if (!keep || !world->hidden || !world->seen) {
+        code = ORL_ERR_NOMEM;
+        goto done;
+    }
+    for (uint32_t i = 0; i < n; i++)
+        keep[i] = is_proxy(world, i);
+    code = orl_geometry_subset(whole, keep, &world->proxies, err);
+    for (uint32_t i = 0; i < n && code == 0; i++) {
+        world->hidden[i] = whole->facets[i].area > 0 && is_hidden(world, world->proxies, &ways, i);
+        world->n_hidden += world->hidden[i];
+    }
+    for (uint32_t i = 0; i < n && code == 0; i++)
+        keep[i] = !world->hidden[i];
+    if (code == 0)
+        code = orl_geometry_subset(whole, keep, &light, err);
+    for (uint32_t i = 0; i < n && code == 0; i++) /* views see no proxy, hidden or not */
+        keep[i] = !is_proxy(world, i);
+    if (code == 0)
+        code = orl_geometry_subset(whole, keep, &seen, err);
+    if (code < 0)
+        goto done;
+    world->geometry = light;
+    world->seen->geometry = seen;
+    light = NULL;
+    orl_geometry_free(whole);
+done:
+    orl_geometry_free(light);
+    free(keep);
+    return code;
+}
+
+void orl_proxies_settle(struct orl_world *world)
+{
+    struct orl_geometry *const geometry = world->seen ? world->seen->geometry : NULL;
+    if (!world->seen)
+        return;
+    *world->seen = *world;
+    world->seen->geometry = geometry;
+    world->seen->seen = NULL;
+}
+
+void orl_proxies_done(struct orl_world *world)
+{
+    if (world->seen)
+        orl_geometry_free(world->seen->geometry);
+    orl_geometry_free(world->proxies);
+    free(world->seen);
+    free(world->hidden);
+}
+
+enum orl_crossing orl_proxies_passed(const struct orl_world *world, struct orl_vec3 origin,
+                                     struct orl_vec3 direction, double distance)
+{
+    enum orl_crossing last = ORL_CROSSING_NONE;
+    for (int i = 0; i < MOST_PANES && world->proxies; i++) {
+        struct orl_hit hit;
+        if (!orl_geometry_intersect(world->proxies, origin, direction, distance, &hit))
+            break;
+        const enum orl_crossing crossing = orl_world_crossing(world, &hit);
+        const double step = hit.distance + world->proxies->facets[hit.facet].offset;
+        last = crossing == ORL_CROSSING_NONE ? last : crossing;
+        origin = orl_madd(origin, direction, step);
+        distance -= step;
+    }
+    return last;
+}
