@@ -120,9 +120,12 @@ static struct orl_rgb light_from_emitter(const struct orl_world *world,
                            : aim_by_area(world, emitter, query->point, u, &aim);
     if (!aimed)
         return orl_gray(0);
+    const struct orl_material *m = &world->description.materials[facet->material];
     const struct orl_rgb seen = response(query, aim.light);
-    if (!(orl_rgb_max(seen) > 0))
+    if (!(orl_rgb_max(seen) > 0) || !orl_material_beams(m, orl_neg(aim.light)))
         return orl_gray(0);
+    if (m->focus > 0)
+        aim.measure_sr *= orl_spot_spread(m->focus, aim.distance);
     const double reach = aim.distance - 2 * facet->offset;
     const struct orl_rgb share =
         reach > 0 ? orl_transmittance(world, query->point, aim.light, reach, query->through_ports)
@@ -257,7 +260,8 @@ struct orl_rgb orl_exterior_radiance(const struct orl_world *world, struct orl_v
                                      struct orl_vec3 direction, struct orl_random *random,
                                      struct orl_health *health)
 {
-    struct orl_rgb sum = orl_gray(0), weight = orl_gray(1);
+    struct orl_rgb sum = orl_gray(0), weight = orl_gray(1), clarity = orl_gray(1);
+    const enum orl_lobes back = (enum orl_lobes)(ORL_LOBE_REFLECTED | ORL_LOBE_DIFFUSE);
     bool sampled_lights = false, diffused = false;
     health->paths++;
     for (int bounce = 0; bounce < MOST_BOUNCES; bounce++) {
@@ -265,25 +269,27 @@ struct orl_rgb orl_exterior_radiance(const struct orl_world *world, struct orl_v
         health->rays++;
         if (!orl_geometry_intersect(world->geometry, origin, direction, INFINITY, &hit)) {
             const struct orl_rgb sky = orl_world_dome_radiance(world, direction);
+            weight = orl_rgb_mul(weight, orl_clarity_after(clarity, INFINITY));
             return orl_rgb_add(sum, orl_rgb_mul(weight, sky));
         }
         const struct orl_material *m = orl_world_material(world, &hit);
         const struct orl_vec3 eye = orl_neg(direction);
-        if (m->kind == ORL_MATERIAL_GLOW || (orl_material_is_lamp(m) && !sampled_lights))
+        weight = orl_rgb_mul(weight, orl_material_dimming(m, &hit, clarity));
+        if (orl_material_glows(m) || (orl_material_is_lamp(m) && !sampled_lights))
             sum = orl_rgb_add(sum, orl_rgb_mul(weight, orl_material_emission(m, &hit, eye)));
         const bool barred = orl_world_crossing(world, &hit) == ORL_CROSSING_INWARDS;
-        const bool folded = barred && diffused && orl_material_transmits_lobes(m);
+        const bool folded = barred && diffused && m->kind == ORL_MATERIAL_BSDF;
         const struct orl_rgb direct =
             folded ? folded_direct(world, &hit) : scattered_direct(world, &hit, eye, random);
         sum = orl_rgb_add(sum, orl_rgb_mul(weight, direct));
-        const struct orl_scatter s = orl_scatter_sample(
-            m, &hit, eye, ORL_TRANSPORT_EYE, barred ? ORL_LOBE_REFLECTED : ORL_LOBE_ALL, random);
+        const struct orl_scatter s = orl_scatter_sample(m, &hit, eye, ORL_TRANSPORT_EYE,
+                                                        barred ? back : ORL_LOBE_ALL, random);
         if (s.event == ORL_EVENT_ABSORBED)
             return sum;
         /* After a mirror nobody sampled the lights for us; after glass the last vertex still did.
          */
         if (s.event != ORL_EVENT_STRAIGHT)
-            sampled_lights = s.event != ORL_EVENT_MIRROR;
+            sampled_lights = s.event == ORL_EVENT_DIFFUSE || s.event == ORL_EVENT_GLOSSY;
         diffused = diffused || s.event == ORL_EVENT_DIFFUSE;
         weight = orl_rgb_mul(weight, s.weight);
         if (bounce >= SURE_BOUNCES) {
@@ -292,6 +298,7 @@ struct orl_rgb orl_exterior_radiance(const struct orl_world *world, struct orl_v
                 return sum;
             weight = orl_rgb_scale(weight, 1 / survive);
         }
+        clarity = orl_scatter_clarity(m, &s, clarity);
         origin = orl_hit_leave(world->geometry, &hit, s.direction);
         direction = s.direction;
     }

@@ -1,9 +1,9 @@
 /*
  * Radiance found by paths alone: no photon map, explicit shadow rays to suns and lights, one
  * bounce after another until the path leaves, is absorbed or dies by roulette. Suns in flat mirrors
- * and panes are found by their images, one reflection deep; suns reflected twice over, or by curved
- * mirrors, are left out, and what BSDF ports send back outdoors after a diffuse bounce keeps its
- * flux but not its shape.
+ * and panes are found by their images, one reflection deep; suns reflected twice over, by curved
+ * mirrors, or refracted, are left out, and what BSDF ports send back outdoors after a diffuse
+ * bounce keeps its flux but not its shape.
  *
  * It is what photon ports see when they look out (so that every photon carries the radiance that
  * arrives, the ground's and the neighbours' included), and what views see of surfaces outside.

@@ -32,6 +32,7 @@ static bool pass_port(const struct orl_world *world, const struct orl_port *port
     ret_flight->flux = orl_rgb_mul(flux, s.weight);
     ret_flight->scattered = s.event != ORL_EVENT_STRAIGHT;
     ret_flight->from_port = true;
+    ret_flight->clarity = orl_scatter_clarity(orl_world_material(world, &hit), &s, orl_gray(1));
     return orl_rgb_max(ret_flight->flux) > 0;
 }
 
@@ -82,18 +83,39 @@ static bool emit_port_sun(const struct orl_emission *e, const struct orl_stratum
     return true;
 }
 
+/* Uniform over a spotlight's cone; the flux of light of radiance 1 from a unit of area. */
+static double spot_direction(const struct orl_material *spot, struct orl_vec3 normal,
+                             const double u[2], struct orl_vec3 *ret_direction)
+{
+    const struct orl_frame frame = orl_frame_about(spot->aim);
+    const double down = u[0] * (1 - spot->cos_cone), cosine = 1 - down;
+    const double sine = sqrt(down * (2 - down)), phi = 2 * ORL_PI * u[1];
+    *ret_direction = orl_to_world(&frame, orl_v3(sine * cos(phi), sine * sin(phi), cosine));
+    return 2 * ORL_PI * (1 - spot->cos_cone) * fmax(orl_dot(*ret_direction, normal), 0);
+}
+
 static bool emit_emitter(const struct orl_emission *e, const struct orl_stratum *stratum,
                          const double *u, struct orl_flight *ret_flight)
 {
-    const struct orl_emitter *emitter = &e->world->emitters[stratum->port];
-    const struct orl_facet *facet = &e->world->geometry->facets[emitter->facet];
+    const struct orl_world *world = e->world;
+    const struct orl_emitter *emitter = &world->emitters[stratum->port];
+    const struct orl_facet *facet = &world->geometry->facets[emitter->facet];
+    const struct orl_material *m = &world->description.materials[facet->material];
     struct orl_vec3 point, normal;
-    orl_facet_sample(e->world->geometry, emitter->facet, u + 1, &point, &normal);
+    double measure = ORL_PI;
+    orl_facet_sample(world->geometry, emitter->facet, u + 1, &point, &normal);
     ret_flight->origin = orl_madd(point, normal, facet->offset);
-    ret_flight->direction = orl_hemisphere_about(normal, u[3], u[4]);
-    ret_flight->flux = orl_rgb_scale(emitter->radiance, ORL_PI * facet->area);
+    /* A cone of 60 degrees' half angle holds as much as the cosine's pi. */
+    if (m->kind == ORL_MATERIAL_SPOTLIGHT && m->cos_cone > 0.5)
+        measure = spot_direction(m, normal, u + 3, &ret_flight->direction);
+    else
+        ret_flight->direction = orl_hemisphere_about(normal, u[3], u[4]);
+    if (!orl_material_beams(m, ret_flight->direction))
+        return false;
+    ret_flight->flux = orl_rgb_scale(emitter->radiance, measure * facet->area);
     ret_flight->from_light = emitter->direct;
-    return true;
+    ret_flight->focus = m->focus;
+    return measure > 0;
 }
 
 double orl_emission_box_point(const struct orl_geometry *g, struct orl_vec3 towards,

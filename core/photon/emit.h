@@ -10,6 +10,9 @@
  * along a path, then the pane's own transmission. Suns, and their images in flat mirrors outside: a
  * point on the disc and one shadow ray.
  *
+ * From a local emitter: a point uniform by area, a direction by the cosine or, for narrow
+ * spotlights, uniform over the cone.
+ *
  * From the open sky: a direction by the domes' radiance, a place on the scene's box by a guide.
  *
  * The first five random numbers of an emission and its fate are a scrambled Sobol point by its
@@ -68,7 +71,9 @@ struct orl_flight {
                       */
     bool scattered;  /* already deflected: by the port's BSDF */
     bool from_port;
-    double fate; /* in [0,1): at what chance of being alive it dies (trace.h) */
+    struct orl_rgb clarity; /* from a port: of what lies behind it (scatter.h) */
+    double focus;           /* from a spotlight: see lamp.c of the scene; else 0 */
+    double fate;            /* in [0,1): at what chance of being alive it dies (trace.h) */
 };
 
 int orl_emission_new(const struct orl_world *world, uint64_t seed, struct orl_crew *crew,

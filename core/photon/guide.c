@@ -65,7 +65,8 @@ static double worth(const struct orl_world *world, bool caustic, struct orl_vec3
     if (s.event == ORL_EVENT_ABSORBED)
         return 0;
     if (caustic)
-        return s.event == ORL_EVENT_MIRROR || s.event == ORL_EVENT_GLOSSY;
+        return s.event == ORL_EVENT_MIRROR || s.event == ORL_EVENT_GLOSSY ||
+               s.event == ORL_EVENT_REFRACTED;
     return orl_geometry_occluded(world->geometry, orl_hit_leave(world->geometry, &hit, s.direction),
                                  s.direction, INFINITY);
 }

@@ -168,6 +168,15 @@ static void list_images(struct orl_emission *e, size_t most)
     }
 }
 
+/* At most, for spotlights. */
+static double emitter_flux(const struct orl_world *world, const struct orl_emitter *emitter)
+{
+    const struct orl_facet *facet = &world->geometry->facets[emitter->facet];
+    const struct orl_material *m = &world->description.materials[facet->material];
+    const double cone = m->kind == ORL_MATERIAL_SPOTLIGHT ? 2 * ORL_PI * (1 - m->cos_cone) : ORL_PI;
+    return fmin(cone, ORL_PI) * facet->area * orl_luma(emitter->radiance);
+}
+
 static int list_strata(struct orl_emission *e)
 {
     const struct orl_world *world = e->world;
@@ -184,9 +193,7 @@ static int list_strata(struct orl_emission *e)
     }
     for (size_t i = 0; i < world->n_emitters; i++) {
         const struct orl_emitter *emitter = &world->emitters[i];
-        add_stratum(e, ORL_STRATUM_EMITTER, i, 0,
-                    ORL_PI * world->geometry->facets[emitter->facet].area *
-                        orl_luma(emitter->radiance));
+        add_stratum(e, ORL_STRATUM_EMITTER, i, 0, emitter_flux(world, emitter));
     }
     list_images(e, most);
     if (!world->open)

@@ -32,15 +32,37 @@ static void deposit(struct orl_deposits *deposits, const struct orl_hit *hit, st
                             .batch = batch};
 }
 
+/* A photon under way. */
+struct course {
+    struct orl_vec3 origin, direction;
+    struct orl_rgb flux;
+    double fate, alive;
+    struct orl_rgb clarity;      /* of what it flies through */
+    double focus, flown, spread; /* off a spotlight: until it is scattered */
+};
+
 /* Roulette: false when the chance of being alive has fallen to the photon's fate. */
-static bool survives(struct orl_rgb weight, double fate, double *alive, struct orl_rgb *flux)
+static bool survives(struct course *c, struct orl_rgb weight)
 {
     const double chance = fmin(orl_luma(weight), 1);
-    *alive *= chance;
-    if (!(*alive > fate))
+    c->alive *= chance;
+    if (!(c->alive > c->fate))
         return false;
-    *flux = orl_rgb_scale(orl_rgb_mul(*flux, weight), 1 / chance);
+    c->flux = orl_rgb_scale(orl_rgb_mul(c->flux, weight), 1 / chance);
     return true;
+}
+
+/* What the way to a hit does: a medium dims; a spotlight's beam is wider than its lamp (lamp.c). */
+static bool arrives(struct course *c, const struct orl_material *m, const struct orl_hit *hit)
+{
+    if (c->focus > 0) {
+        const double before = c->spread;
+        c->flown += hit->distance;
+        c->spread = fmax(orl_spot_spread(c->focus, c->flown), 1e-12);
+        c->flux = orl_rgb_scale(c->flux, c->spread / before);
+    }
+    const struct orl_rgb left = orl_material_dimming(m, hit, c->clarity);
+    return orl_is_clear(left) || survives(c, left);
 }
 
 /* A ray that met nothing: from within a sealed building that is a leak. */
@@ -55,6 +77,17 @@ static void escape(const struct orl_world *world, struct orl_vec3 origin, struct
     }
 }
 
+/* On to where the scatter sends it. */
+static void depart(struct course *c, const struct orl_world *world, const struct orl_material *m,
+                   const struct orl_hit *hit, const struct orl_scatter *s)
+{
+    if (s->event == ORL_EVENT_DIFFUSE || s->event == ORL_EVENT_GLOSSY)
+        c->focus = 0;
+    c->clarity = orl_scatter_clarity(m, s, c->clarity);
+    c->origin = orl_hit_leave(world->geometry, hit, s->direction);
+    c->direction = s->direction;
+}
+
 static void give_up(struct orl_deposits *deposits, struct orl_rgb flux)
 {
     deposits->health.photons_capped++;
@@ -66,32 +99,39 @@ void orl_trace_photon(const struct orl_world *world, const struct orl_flight *fl
 {
     const enum orl_lobes lobes =
         caustic ? (enum orl_lobes)(ORL_LOBE_REFLECTED | ORL_LOBE_TRANSMITTED) : ORL_LOBE_ALL;
-    struct orl_vec3 origin = flight->origin, direction = flight->direction;
-    struct orl_rgb flux = orl_health_keep(&deposits->health, flight->flux);
+    struct course c = {.origin = flight->origin,
+                       .direction = flight->direction,
+                       .flux = orl_health_keep(&deposits->health, flight->flux),
+                       .fate = flight->fate,
+                       .alive = 1,
+                       .clarity = flight->from_port ? flight->clarity : orl_gray(1),
+                       .focus = flight->focus,
+                       .spread = 1};
     bool scattered = flight->scattered, crossed = flight->from_port, outside = false;
-    double alive = 1;
     int unseen = 0;
     deposits->health.photons++;
-    orl_sum_add(&deposits->flux, orl_luma(flux));
+    orl_sum_add(&deposits->flux, orl_luma(c.flux));
     for (int bounce = 0; bounce < ORL_TRACE_MOST_BOUNCES && unseen < ORL_TRACE_MOST_UNSEEN;
          bounce++) {
         struct orl_hit hit;
         deposits->health.rays++;
-        if (!orl_geometry_intersect(world->geometry, origin, direction, INFINITY, &hit)) {
-            escape(world, origin, direction, crossed && !outside, &deposits->health);
+        if (!orl_geometry_intersect(world->geometry, c.origin, c.direction, INFINITY, &hit)) {
+            escape(world, c.origin, c.direction, crossed && !outside, &deposits->health);
             return;
         }
         const struct orl_material *m = orl_world_material(world, &hit);
         const bool diffuse = orl_rgb_max(orl_material_diffuse(m)) > 0;
+        if (!arrives(&c, m, &hit))
+            return;
         unseen++;
         if (diffuse && !outside && (!caustic || scattered)) {
-            deposit(deposits, &hit, flux, batch);
+            deposit(deposits, &hit, c.flux, batch);
             unseen = 0;
         }
         const struct orl_scatter s =
-            orl_scatter_sample(m, &hit, orl_neg(direction), ORL_TRANSPORT_LIGHT, lobes, random);
+            orl_scatter_sample(m, &hit, orl_neg(c.direction), ORL_TRANSPORT_LIGHT, lobes, random);
         if (s.event == ORL_EVENT_ABSORBED ||
-            !survives(orl_health_keep(&deposits->health, s.weight), flight->fate, &alive, &flux))
+            !survives(&c, orl_health_keep(&deposits->health, s.weight)))
             return;
         if (s.transmitted) {
             const enum orl_crossing crossing = orl_world_crossing(world, &hit);
@@ -103,12 +143,10 @@ void orl_trace_photon(const struct orl_world *world, const struct orl_flight *fl
                 outside = !world->open && crossing == ORL_CROSSING_OUTWARDS;
             }
         }
-        if (s.event != ORL_EVENT_STRAIGHT)
-            scattered = true;
-        origin = orl_hit_leave(world->geometry, &hit, s.direction);
-        direction = s.direction;
+        scattered = scattered || s.event != ORL_EVENT_STRAIGHT;
+        depart(&c, world, m, &hit, &s);
     }
-    give_up(deposits, flux);
+    give_up(deposits, c.flux);
 }
 
 struct orl_health orl_deposits_health(const struct orl_deposits *deposits)

@@ -194,6 +194,13 @@ struct orl_rgb orl_gather_radiance(const struct orl_gather *gather, struct orl_v
                                                          search, &distance));
 }
 
+/* The scene that lights a place. */
+static const struct orl_world *scene_of(const struct orl_gather *gather,
+                                        const struct orl_place *place)
+{
+    return place->proxied ? orl_world_seen(gather->world) : gather->world;
+}
+
 struct orl_rgb orl_gather_direct(const struct orl_gather *gather, const struct orl_place *place,
                                  uint32_t sequence, uint32_t first, uint32_t rays)
 {
@@ -205,13 +212,6 @@ struct orl_rgb orl_gather_direct(const struct orl_gather *gather, const struct o
                                            .mirrored = place->outside || place->in_air,
                                            .u = u};
     struct orl_random unused = {0}; /* the query has its numbers */
-/* The scene that lights a place. */
-static const struct orl_world *scene_of(const struct orl_gather *gather,
-                                        const struct orl_place *place)
-{
-    return place->proxied ? orl_world_seen(gather->world) : gather->world;
-}
-
     struct orl_rgb sum = orl_gray(0);
     for (uint32_t i = first; i < first + rays; i++) {
         orl_sobol_point(&gather->sobol, i, sequence, 2, u);
@@ -284,12 +284,11 @@ struct orl_hemisphere orl_gather_hemisphere(const struct orl_gather *gather,
             &frame, orl_v3(sine * cos(phi), sine * sin(phi), sqrt(fmax(0, 1 - sine * sine))));
         double distance = INFINITY;
         const struct orl_rgb radiance = orl_health_keep(
-            &search->health,
-            place->proxied
-                ? orl_exterior_radiance(scene_of(gather, place), place->point, direction, random,
-                                        &search->health)
-                : trace_gather(gather, place->point, direction, place->outside, random, search,
-                               &distance));
+            &search->health, place->proxied
+                                 ? orl_exterior_radiance(scene_of(gather, place), place->point,
+                                                         direction, random, &search->health)
+                                 : trace_gather(gather, place->point, direction, place->outside,
+                                                random, search, &distance));
         h.irradiance = orl_rgb_add(h.irradiance, radiance);
         distance = fmax(distance, 1e-9 * gather->world->geometry->radius);
         nearness += 1 / distance;

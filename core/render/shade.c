@@ -1,5 +1,7 @@
 #include "render/shade.h"
 
+#include "light/proxies.h"
+
 enum { MOST_SPLITS = 6, PANE_SAMPLES = 32, GLOSS_SAMPLES = 4 };
 static const double dimmest = 0.004; /* branches below this share of the pixel are not followed */
 
@@ -8,6 +10,7 @@ struct branch {
     struct orl_vec3 origin, direction;
     struct orl_rgb weight;
     double distance;
+    struct orl_rgb clarity; /* of what it goes through */
     bool outside;
     uint32_t splits;
 };
@@ -22,29 +25,47 @@ struct look {
     uint32_t depth;
 };
 
+/* The scene that views see. */
+static const struct orl_world *scene_of(const struct look *look)
+{
+    return orl_world_seen(look->gather->world);
+}
+
 static void add(struct look *look, struct orl_rgb weight, struct orl_rgb radiance)
 {
     look->sight->rest = orl_rgb_add(look->sight->rest, orl_rgb_mul(weight, radiance));
 }
 
-static void follow(struct look *look, const struct branch *from, const struct orl_hit *hit,
-                   struct orl_vec3 direction, struct orl_rgb share, bool transmitted)
+/* Whether a branch that starts there is outside: ports tell, and where an illum is looked through,
+ * a look around. */
+static bool is_outside(const struct look *look, const struct branch *from,
+                       const struct orl_hit *hit, struct orl_vec3 start, bool transmitted)
 {
-    const struct orl_world *world = look->gather->world;
-    struct branch next = {.direction = direction,
-                          .weight = orl_rgb_mul(from->weight, share),
+    const struct orl_world *world = scene_of(look);
+    if (!transmitted || world->open)
+        return from->outside;
+    if (orl_world_material(world, hit)->kind == ORL_MATERIAL_ILLUM)
+        return orl_gather_is_outside(look->gather, start);
+    const enum orl_crossing crossing = orl_world_crossing(world, hit);
+    return crossing == ORL_CROSSING_NONE ? from->outside : crossing == ORL_CROSSING_OUTWARDS;
+}
+
+/* On in the direction of s, with its weight. */
+static void follow(struct look *look, const struct branch *from, const struct orl_hit *hit,
+                   const struct orl_scatter *s)
+{
+    const struct orl_world *world = scene_of(look);
+    const struct orl_material *m = orl_world_material(world, hit);
+    struct branch next = {.direction = s->direction,
+                          .weight = orl_rgb_mul(from->weight, s->weight),
                           .distance = from->distance + hit->distance,
-                          .outside = from->outside,
+                          .clarity = orl_scatter_clarity(m, s, from->clarity),
                           .splits = from->splits + 1};
     if (orl_rgb_max(next.weight) < dimmest || look->depth >= 2 * MOST_SPLITS ||
         next.splits > MOST_SPLITS)
         return;
-    next.origin = orl_hit_leave(world->geometry, hit, direction);
-    if (transmitted && !world->open) {
-        const enum orl_crossing crossing = orl_world_crossing(world, hit);
-        if (crossing != ORL_CROSSING_NONE)
-            next.outside = crossing == ORL_CROSSING_OUTWARDS;
-    }
+    next.origin = orl_hit_leave(world->geometry, hit, s->direction);
+    next.outside = is_outside(look, from, hit, next.origin, s->transmitted);
     look->stack[look->depth++] = next;
 }
 
@@ -52,12 +73,15 @@ static void add_vertex(struct look *look, const struct branch *at, const struct 
                        const struct orl_material *m)
 {
     const struct orl_vec3 seen = hit->front ? hit->normal : orl_neg(hit->normal);
+    const struct orl_world *world = scene_of(look);
+    const bool proxied = orl_world_hides(world, hit->facet);
     if (look->sight->n_vertices >= ORL_SHADE_VERTICES)
         return;
     look->sight->vertices[look->sight->n_vertices++] = (struct orl_vertex){
-        .place = {.point = orl_hit_leave(look->gather->world->geometry, hit, seen),
+        .place = {.point = orl_hit_leave(world->geometry, hit, seen),
                   .normal = seen,
-                  .outside = at->outside},
+                  .outside = at->outside || proxied,
+                  .proxied = proxied},
         .on_surface = hit->point,
         .weight = orl_rgb_scale(orl_rgb_mul(at->weight, orl_material_diffuse(m)), 1 / ORL_PI),
         .distance = at->distance + hit->distance};
@@ -68,16 +92,18 @@ static struct orl_rgb direct_in_lobes(struct look *look, const struct orl_hit *h
                                       const struct orl_material *m, struct orl_vec3 eye,
                                       struct orl_vec3 side, uint32_t samples)
 {
-    const struct orl_direct_query query = {
-        .point = orl_hit_leave(look->gather->world->geometry, hit, side),
-        .normal = side,
-        .through_ports = true,
-        .lobes = m,
-        .hit = hit,
-        .eye = eye};
+    const struct orl_world *world = scene_of(look);
+    if (!orl_world_hides(world, hit->facet))
+        world = look->gather->world;
+    const struct orl_direct_query query = {.point = orl_hit_leave(world->geometry, hit, side),
+                                           .normal = side,
+                                           .through_ports = true,
+                                           .lobes = m,
+                                           .hit = hit,
+                                           .eye = eye};
     struct orl_rgb sum = orl_gray(0);
     for (uint32_t i = 0; i < samples; i++)
-        sum = orl_rgb_add(sum, orl_direct_light(look->gather->world, &query, look->random));
+        sum = orl_rgb_add(sum, orl_direct_light(world, &query, look->random));
     return orl_rgb_scale(sum, 1.0 / samples);
 }
 
@@ -93,11 +119,22 @@ static struct orl_scatter sample_lobes(const struct look *look, const struct orl
     return orl_scatter_sample_at(m, hit, eye, ORL_TRANSPORT_EYE, lobes, u);
 }
 
-/* Lobes of a surface: lights directly, all else by a few rays. */
+/* What comes along a lobe's ray. */
+static struct orl_rgb seen_along(struct look *look, const struct orl_hit *hit,
+                                 struct orl_vec3 direction, bool outside)
+{
+    const struct orl_world *world = scene_of(look);
+    const struct orl_vec3 start = orl_hit_leave(world->geometry, hit, direction);
+    if (orl_world_hides(world, hit->facet))
+        return orl_exterior_radiance(world, start, direction, look->random, &look->search->health);
+    return orl_gather_radiance(look->gather, start, direction, outside, look->random, look->search);
+}
+
+/* Lobes of a surface: lights directly, all else by a few rays. What goes straight is followed. */
 static void add_lobes(struct look *look, const struct branch *at, const struct orl_hit *hit,
                       const struct orl_material *m, uint32_t samples)
 {
-    const struct orl_world *world = look->gather->world;
+    const struct orl_world *world = scene_of(look);
     const struct orl_vec3 eye = orl_neg(at->direction);
     const struct orl_vec3 seen = hit->front ? hit->normal : orl_neg(hit->normal);
     const enum orl_crossing crossing = orl_world_crossing(world, hit);
@@ -109,31 +146,68 @@ static void add_lobes(struct look *look, const struct branch *at, const struct o
     for (uint32_t i = 0; i < samples; i++) {
         const struct orl_scatter s = sample_lobes(look, hit, m, eye, i, sequence);
         bool outside = at->outside;
-        if (s.event == ORL_EVENT_ABSORBED)
+        if (s.event == ORL_EVENT_ABSORBED || s.event == ORL_EVENT_STRAIGHT)
             continue;
         if (s.transmitted && crossing != ORL_CROSSING_NONE)
             outside = !world->open && crossing == ORL_CROSSING_OUTWARDS;
-        const struct orl_rgb seen_there =
-            orl_gather_radiance(look->gather, orl_hit_leave(world->geometry, hit, s.direction),
-                                s.direction, outside, look->random, look->search);
-        sum = orl_rgb_add(sum, orl_rgb_mul(s.weight, seen_there));
+        sum = orl_rgb_add(sum, orl_rgb_mul(s.weight, seen_along(look, hit, s.direction, outside)));
     }
     add(look, at->weight, orl_rgb_scale(sum, 1.0 / samples));
 }
 
-static void meet(struct look *look, const struct branch *at, const struct orl_hit *hit)
+/* Both ways on of what is not scattered. */
+static void split(struct look *look, const struct branch *at, const struct orl_hit *hit,
+                  const struct orl_material *m)
 {
-    const struct orl_material *m = orl_world_material(look->gather->world, hit);
     const struct orl_vec3 eye = orl_neg(at->direction);
+    struct orl_scatter on = {.direction = at->direction,
+                             .weight = orl_material_straight(m, hit, eye),
+                             .transmitted = true};
     const double cosine = orl_dot(eye, hit->normal);
-    const struct orl_vec3 mirrored = orl_sub(orl_scale(hit->normal, 2 * cosine), eye);
+    struct orl_scatter back = {.direction = orl_sub(orl_scale(hit->normal, 2 * cosine), eye),
+                               .weight = orl_material_mirrored(m, hit, eye),
+                               .clarity = m->media[hit->front ? 1 : 0].transmissivity};
+    follow(look, at, hit, &back);
+    orl_material_refract(m, hit, eye, ORL_TRANSPORT_EYE, &on);
+    follow(look, at, hit, &on);
+}
+
+/* What a view sees there: an illum is something else to it. NULL: nothing at all. */
+static const struct orl_material *seen_at(const struct look *look, const struct orl_hit *hit)
+{
+    const struct orl_world *world = scene_of(look);
+    const struct orl_material *m = orl_world_material(world, hit);
+    if (m->kind != ORL_MATERIAL_ILLUM)
+        return m;
+    return m->seen_as >= 0 ? &world->description.materials[m->seen_as] : NULL;
+}
+
+static void meet(struct look *look, const struct branch *met, const struct orl_hit *hit)
+{
+    const struct orl_material *m = seen_at(look, hit);
+    struct branch at = *met;
+    if (!m) {
+        const struct orl_scatter on = {
+            .direction = at.direction, .weight = orl_gray(1), .transmitted = true};
+        follow(look, &at, hit, &on);
+        return;
+    }
+    at.weight = orl_rgb_mul(at.weight, orl_material_dimming(m, hit, at.clarity));
     if (orl_rgb_max(orl_material_diffuse(m)) > 0)
-        add_vertex(look, at, hit, m);
-    follow(look, at, hit, mirrored, orl_material_mirrored(m, hit, eye), false);
-    follow(look, at, hit, at->direction, orl_material_straight(m, hit, eye), true);
+        add_vertex(look, &at, hit, m);
+    split(look, &at, hit, m);
     if (orl_material_has_lobes(m) && !look->only_vertices)
-        add_lobes(look, at, hit, m, orl_material_transmits_lobes(m) ? PANE_SAMPLES : GLOSS_SAMPLES);
-    add(look, at->weight, orl_material_emission(m, hit, eye));
+        add_lobes(look, &at, hit, m,
+                  orl_material_transmits_lobes(m) ? PANE_SAMPLES : GLOSS_SAMPLES);
+    add(look, at.weight, orl_material_emission(m, hit, orl_neg(at.direction)));
+}
+
+/* Views pass the BSDFs that stand for what they see, but notice which side they are on. */
+static void pass_proxies(const struct orl_world *world, double distance, struct branch *at)
+{
+    const enum orl_crossing passed = orl_proxies_passed(world, at->origin, at->direction, distance);
+    if (passed != ORL_CROSSING_NONE && !world->open)
+        at->outside = passed == ORL_CROSSING_OUTWARDS;
 }
 
 void orl_shade_look(const struct orl_gather *gather, struct orl_vec3 origin,
@@ -141,7 +215,7 @@ void orl_shade_look(const struct orl_gather *gather, struct orl_vec3 origin,
                     struct orl_random *random, struct orl_search *search,
                     struct orl_sight *ret_sight)
 {
-    const struct orl_world *world = gather->world;
+    const struct orl_world *world = orl_world_seen(gather->world);
     struct look look = {.gather = gather,
                         .random = random,
                         .search = search,
@@ -149,17 +223,24 @@ void orl_shade_look(const struct orl_gather *gather, struct orl_vec3 origin,
                         .only_vertices = only_vertices};
     ret_sight->n_vertices = 0;
     ret_sight->rest = orl_gray(0);
-    look.stack[look.depth++] = (struct branch){origin, direction, orl_gray(1), 0, outside, 0};
+    look.stack[look.depth++] = (struct branch){.origin = origin,
+                                               .direction = direction,
+                                               .weight = orl_gray(1),
+                                               .clarity = orl_gray(1),
+                                               .outside = outside};
     while (look.depth > 0) {
-        const struct branch at = look.stack[--look.depth];
-        struct orl_hit hit;
+        struct branch at = look.stack[--look.depth];
+        struct orl_hit hit = {.distance = INFINITY};
         search->health.rays++;
-        if (orl_geometry_intersect(world->geometry, at.origin, at.direction, INFINITY, &hit)) {
+        const bool met =
+            orl_geometry_intersect(world->geometry, at.origin, at.direction, INFINITY, &hit);
+        pass_proxies(world, hit.distance, &at);
+        if (met) {
             meet(&look, &at, &hit);
             continue;
         }
         search->health.rays_leaked += !world->open && !at.outside;
-        add(&look, at.weight,
+        add(&look, orl_rgb_mul(at.weight, orl_clarity_after(at.clarity, INFINITY)),
             orl_rgb_add(orl_world_dome_radiance(world, at.direction),
                         orl_world_sun_radiance(world, at.direction)));
     }

@@ -96,6 +96,8 @@ struct orl_scatter orl_dielectric_sample(const struct orl_draw *draw, const doub
 
 struct orl_rgb orl_clarity_after(struct orl_rgb clarity, double distance)
 {
+    if (orl_is_clear(clarity))
+        return clarity;
     return (struct orl_rgb){pow(clarity.r, distance), pow(clarity.g, distance),
                             pow(clarity.b, distance)};
 }

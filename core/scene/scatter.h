@@ -165,6 +165,13 @@ bool orl_material_glows(const struct orl_material *material);
 /* Whether that direction, away from it, is in its beam: spotlights. */
 bool orl_material_beams(const struct orl_material *material, struct orl_vec3 towards);
 
+/* A spotlight's share of the light at that distance, against a lamp without a focus. */
+static inline double orl_spot_spread(double focus, double distance)
+{
+    const double share = distance / (distance + focus);
+    return share * share;
+}
+
 /*
  * Radiance emitted at a hit towards a direction (lights shine from their front). An illum's too:
  * views, which see something else there, ask for orl_material.seen_as first.
