@@ -12,17 +12,10 @@
 
 #include <cmocka.h>
 
-#include "base/random.h"
+#include "support/meshes.h"
 #include "support/scene_text.h"
 
-#define GREY "void plastic m 0 0 5 .5 .5 .5 0 0\n"
-
-static struct orl_vec3 on_sphere(struct orl_random *random)
-{
-    const double z = 2 * orl_random_uniform(random) - 1, s = sqrt(fmax(0, 1 - z * z));
-    const double phi = 2 * ORL_PI * orl_random_uniform(random);
-    return orl_v3(s * cos(phi), s * sin(phi), z);
-}
+#define GREY MESH_GREY
 
 /* ---- Curved surfaces --------------------------------------------------------------------------
  *
@@ -156,9 +149,9 @@ static void test_sphere_closed_form(void **state)
     (void)state;
     for (int i = 0; i < 20000; i++) {
         const double far = i % 4 == 0 ? 1e3 : i % 4 == 1 ? 10 : 1.5;
-        const struct orl_vec3 from = orl_scale(on_sphere(&random), far);
+        const struct orl_vec3 from = orl_scale(mesh_direction(&random), far);
         const struct orl_vec3 aim =
-            orl_scale(on_sphere(&random), 1.9 * orl_random_uniform(&random));
+            orl_scale(mesh_direction(&random), 1.9 * orl_random_uniform(&random));
         const struct orl_vec3 d = orl_normalize(orl_sub(aim, from));
         const double h = orl_dot(from, d);
         const double root = sqrt(h * h - orl_dot(from, from) + 4);
@@ -176,89 +169,20 @@ static void test_sphere_closed_form(void **state)
 /* ---- Leaks ------------------------------------------------------------------------------------
  */
 
-#define BOX GREY "!genbox m b 3 2 1.5\n"
-
-/*
- * An icosphere: 20 faces cut into 4^2 each, normals outwards, vertices shared to the digit. Written
- * as text, as scenes are.
- */
-static size_t write_face(char *text, const struct orl_vec3 v[3], int depth, int *number)
-{
-    if (depth == 0)
-        return (size_t)sprintf(text,
-                               "m polygon f%d 0 0 9 %.12g %.12g %.12g %.12g %.12g %.12g %.12g "
-                               "%.12g %.12g\n",
-                               (*number)++, v[0].x, v[0].y, v[0].z, v[1].x, v[1].y, v[1].z, v[2].x,
-                               v[2].y, v[2].z);
-    struct orl_vec3 middle[3];
-    size_t size = 0;
-    for (int i = 0; i < 3; i++)
-        middle[i] = orl_normalize(orl_add(v[i], v[(i + 1) % 3]));
-    for (int i = 0; i < 3; i++)
-        size += write_face(text + size,
-                           (const struct orl_vec3[3]){v[i], middle[i], middle[(i + 2) % 3]},
-                           depth - 1, number);
-    return size + write_face(text + size, middle, depth - 1, number);
-}
-
-static char *icosphere(void)
-{
-    static const int faces[20][3] = {{0, 11, 5}, {0, 5, 1},  {0, 1, 7},   {0, 7, 10}, {0, 10, 11},
-                                     {1, 5, 9},  {5, 11, 4}, {11, 10, 2}, {10, 7, 6}, {7, 1, 8},
-                                     {3, 9, 4},  {3, 4, 2},  {3, 2, 6},   {3, 6, 8},  {3, 8, 9},
-                                     {4, 9, 5},  {2, 4, 11}, {6, 2, 10},  {8, 6, 7},  {9, 8, 1}};
-    const double t = (1 + sqrt(5.0)) / 2;
-    const struct orl_vec3 v[12] = {{-1, t, 0}, {1, t, 0}, {-1, -t, 0}, {1, -t, 0},
-                                   {0, -1, t}, {0, 1, t}, {0, -1, -t}, {0, 1, -t},
-                                   {t, 0, -1}, {t, 0, 1}, {-t, 0, -1}, {-t, 0, 1}};
-    char *text = malloc(20 * 16 * 256);
-    int number = 0;
-    assert_non_null(text);
-    size_t size = (size_t)sprintf(text, GREY);
-    for (int f = 0; f < 20; f++) {
-        struct orl_vec3 corners[3];
-        for (int i = 0; i < 3; i++)
-            corners[i] = orl_normalize(v[faces[f][i]]);
-        size += write_face(text + size, corners, 2, &number);
-    }
-    return text;
-}
-
-/* A random point of a random edge of the mesh. */
-static struct orl_vec3 edge_point(const struct orl_geometry *g, struct orl_random *random)
-{
-    const size_t i = (size_t)(orl_random_uniform(random) * (double)g->n_triangles);
-    const struct orl_vec3 c[3] = {g->triangles[i].a, g->triangles[i].b, g->triangles[i].c};
-    const int k = (int)(3 * orl_random_uniform(random));
-    const double t = orl_random_uniform(random);
-    /* Every eighth goes for the corner itself. */
-    return orl_madd(c[k], orl_sub(c[(k + 1) % 3], c[k]), t < 0.125 ? 0 : t);
-}
-
 /* Rays from inside, aimed at edges, corners and anywhere: all are caught. */
-static void check_closed(const char *text, int rays)
+static void check_closed(const char *text)
 {
     struct orl_geometry *g = scene_geometry(text);
-    struct orl_random random = orl_random_stream(5, ORL_PURPOSE_BENCH, 0);
-    int leaks = 0;
-    for (int i = 0; i < rays; i++) {
-        const struct orl_vec3 from =
-            orl_scale(on_sphere(&random), 0.4 * orl_random_uniform(&random));
-        const struct orl_vec3 d =
-            i % 4 == 3 ? on_sphere(&random) : orl_normalize(orl_sub(edge_point(g, &random), from));
-        struct orl_hit hit;
-        leaks += !orl_geometry_intersect(g, from, d, INFINITY, &hit) || hit.front;
-    }
-    assert_int_equal(leaks, 0);
+    assert_int_equal(mesh_leaks(g, 500000, 5), 0);
     orl_geometry_free(g);
 }
 
 static void test_no_leaks(void **state)
 {
-    char *sphere = icosphere();
+    char *sphere = mesh_icosphere();
     (void)state;
-    check_closed(BOX, 500000);
-    check_closed(sphere, 500000);
+    check_closed(MESH_BOX);
+    check_closed(sphere);
     free(sphere);
 }
 
@@ -268,22 +192,12 @@ static void test_no_leaks(void **state)
  */
 static void test_no_leaks_on_bounce(void **state)
 {
-    char *sphere = icosphere();
-    const char *const texts[3] = {BOX, sphere, GREY "m bubble s 0 0 4 0 0 0 1"};
+    char *sphere = mesh_icosphere();
+    const char *const texts[3] = {MESH_BOX, sphere, GREY "m bubble s 0 0 4 0 0 0 1"};
     (void)state;
     for (int t = 0; t < 3; t++) {
         struct orl_geometry *g = scene_geometry(texts[t]);
-        struct orl_random random = orl_random_stream(6, ORL_PURPOSE_BENCH, 0);
-        struct orl_vec3 from = {0, 0, 0}, d = on_sphere(&random);
-        for (int i = 0; i < 200000; i++) {
-            struct orl_hit hit;
-            assert_true(orl_geometry_intersect(g, from, d, INFINITY, &hit));
-            const struct orl_vec3 in = hit.front ? hit.normal : orl_neg(hit.normal);
-            d = on_sphere(&random);
-            if (orl_dot(d, in) < 0)
-                d = orl_neg(d);
-            from = orl_hit_leave(g, &hit, d);
-        }
+        assert_int_equal(mesh_leaks_on_bounce(g, 200000, 6), 0);
         orl_geometry_free(g);
     }
     free(sphere);
@@ -314,7 +228,7 @@ static void test_shifted(void **state)
     for (int i = 0; i < 20000; i++) {
         const double u = orl_random_uniform(&random), v = orl_random_uniform(&random);
         const struct orl_vec3 from = orl_v3(4 * u - 2, 3 * v - 1.5, 2 * (i % 9) / 9.0 - 1);
-        const struct orl_vec3 d = on_sphere(&random);
+        const struct orl_vec3 d = mesh_direction(&random);
         struct orl_hit a, b;
         const bool met = orl_geometry_intersect(here, from, d, INFINITY, &a);
         const bool also = orl_geometry_intersect(there, from, d, INFINITY, &b);

@@ -1,0 +1,30 @@
+/*
+ * Closed meshes, and rays that try to get out of them.
+ */
+#ifndef ORL_TESTS_SUPPORT_MESHES_H
+#define ORL_TESTS_SUPPORT_MESHES_H
+
+#include <stdint.h>
+
+#include "base/random.h"
+#include "scene/geometry.h"
+
+#define MESH_GREY "void plastic m 0 0 5 .5 .5 .5 0 0\n"
+#define MESH_BOX MESH_GREY "!genbox m b 3 2 1.5\n"
+
+/*
+ * An icosphere as scene text: 20 faces cut into 4^2 each, normals outwards, vertices shared to the
+ * digit. free() it.
+ */
+char *mesh_icosphere(void);
+
+/* A unit vector, uniform over the sphere. */
+struct orl_vec3 mesh_direction(struct orl_random *random);
+
+/* Of rays from inside, aimed at edges, corners and anywhere, those that are not caught. */
+uint64_t mesh_leaks(const struct orl_geometry *geometry, uint64_t rays, uint64_t seed);
+
+/* The same for a path that bounces about, starting anew at every hit. */
+uint64_t mesh_leaks_on_bounce(const struct orl_geometry *geometry, uint64_t bounces, uint64_t seed);
+
+#endif
