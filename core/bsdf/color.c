@@ -42,6 +42,12 @@ static struct orl_tint tint_of_shares(struct shares s, size_t *outside)
     return encode((struct shares){fmax(s.r, 0), fmax(s.g, 0), fmax(s.b, 0)});
 }
 
+/*
+ * The shares of white that the equations below give for X = Y = Z. ORL_LUMA_R and so on, by which
+ * luma is taken everywhere, are 1e-4 off; white is to be white by those.
+ */
+static const struct shares white = {0.26510582010582012, 0.67010582010582009, 0.064788359788359784};
+
 /* Two equations for red and blue, green's share being 1 less theirs. */
 struct orl_tint orl_tint_of_xyz(double x, double y, double z, size_t *outside)
 {
@@ -50,7 +56,10 @@ struct orl_tint orl_tint_of_xyz(double x, double y, double z, size_t *outside)
     const double bx = blue.x - green.x, bz = blue.z - green.z;
     const double d = rx * bz - bx * rz;
     const double r = (dx * bz - bx * dz) / d, b = (rx * dz - dx * rz) / d;
-    return tint_of_shares((struct shares){r, 1 - r - b, b}, outside);
+    return tint_of_shares((struct shares){r * (ORL_LUMA_R / white.r),
+                                          (1 - r - b) * (ORL_LUMA_G / white.g),
+                                          b * (ORL_LUMA_B / white.b)},
+                          outside);
 }
 
 struct orl_tint orl_tint_of_uv(double u, double v, size_t *outside)
