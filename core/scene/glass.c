@@ -18,8 +18,9 @@ static struct surface surface_of(double numerator, double denominator, double pr
 
 static struct pane pane_at(const struct orl_material *material, double cosine)
 {
-    const double n = material->ior, c = fmin(fabs(cosine), 1.0);
-    const double inside = sqrt(1 - (1 - c * c) / (n * n));
+    /* Never quite 0, where glass of index 1 would divide nothing by nothing. */
+    const double n = material->ior, c = fmin(fmax(fabs(cosine), 1e-150), 1.0);
+    const double inside = sqrt((n - 1) * (n + 1) + c * c) / n;
     return (struct pane){surface_of(n * c - inside, n * c + inside, n * c * inside),
                          surface_of(c - n * inside, c + n * inside, n * c * inside), 1 / inside};
 }

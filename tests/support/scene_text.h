@@ -34,6 +34,9 @@ struct orl_result scene_run(const struct scene_run *run);
 /* The same, for tests that want just the illuminances: ret_lx holds n_sensors. */
 void scene_run_lx(const struct scene_run *run, double *ret_lx);
 
+/* The same, whether it fails or not: returns 0 or the error code; results are dropped. */
+int scene_run_try(const struct scene_run *run, struct orl_error *ret_err);
+
 /* The same, expecting failure: returns the error code. */
 int scene_run_fails(const struct scene_run *run, struct orl_error *ret_err);
 

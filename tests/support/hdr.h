@@ -1,0 +1,14 @@
+/*
+ * Reading back the HDR images that Oriel writes: run-length coded RGBE, scanlines from the top.
+ */
+#ifndef ORL_TESTS_SUPPORT_HDR_H
+#define ORL_TESTS_SUPPORT_HDR_H
+
+/*
+ * W/sr/m2 per channel, row by row; ret_rgb holds width * height. A channel's eight bits stand for
+ * the middle of their step, but for 0, which is read as 0. Fails the test unless the file is of
+ * that size. width: 8 to 32767.
+ */
+void hdr_read(const char *path, int width, int height, double (*ret_rgb)[3]);
+
+#endif
