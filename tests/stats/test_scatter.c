@@ -1,10 +1,6 @@
 /*
- * Materials: glass by Fresnel, energy, and draws that follow what is evaluated.
- *
- * A draw's weight is f |cos| / pdf, so that the mean weight of draws that fall into a part of the
- * hemisphere is the integral of f |cos| over that part, whatever the pdf. That is compared, bin by
- * bin, with a quadrature of orl_scatter_eval_lobes; the sum of squared deviations over their
- * variances is chi-square. Seeds are fixed; bounds are at 99.99 % (Wilson and Hilferty, z = 3.72).
+ * Materials: glass by Fresnel, energy, and draws that follow what is evaluated (support/subject.h).
+ * Seeds are fixed.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -19,45 +15,9 @@
 #include "base/random.h"
 #include "scene/kinds.h"
 #include "support/scene_text.h"
+#include "support/subject.h"
 
-#define POLYGON "m polygon p 0 0 9 0 0 0 1 0 0 0 1 0\n"
-
-enum { RINGS = 16, SECTORS = 16, BINS = 2 * RINGS * SECTORS, FINE = 48, DRAWS = 200000 };
-
-/* A material met from its front, in a tilted frame: nothing may depend on axes. */
-struct subject {
-    struct orl_description description;
-    const struct orl_material *material;
-    struct orl_hit hit;
-    struct orl_frame frame;
-};
-
-static struct subject subject_of(const char *text, const char *resource, const char *resource_text)
-{
-    struct subject s;
-    char scene[1024];
-    snprintf(scene, sizeof scene, "%s" POLYGON, text);
-    s.description = scene_parse_text(scene, resource, resource_text);
-    s.material = &s.description.materials[s.description.surfaces[0].material];
-    s.hit = (struct orl_hit){
-        .distance = 1, .normal = orl_normalize(orl_v3(0.2, -0.7, 0.5)), .front = true};
-    /* For a BSDF its own frame, so that a direction means the same to both. */
-    s.frame = s.material->kind == ORL_MATERIAL_BSDF ? orl_bsdf_frame(s.material, s.hit.normal)
-                                                    : orl_frame_about(s.hit.normal);
-    return s;
-}
-
-static struct orl_vec3 direction(const struct subject *s, double theta_deg, double phi_deg)
-{
-    const double t = theta_deg * ORL_DEG_TO_RAD, p = phi_deg * ORL_DEG_TO_RAD;
-    return orl_to_world(&s->frame, orl_v3(sin(t) * cos(p), sin(t) * sin(p), cos(t)));
-}
-
-static double chi_square_bound(double n)
-{
-    const double c = 2 / (9 * n), root = 1 - c + 3.72 * sqrt(c);
-    return n * root * root * root;
-}
+enum { DRAWS = SUBJECT_DRAWS };
 
 /* ---- Glass ------------------------------------------------------------------------------------
  */
@@ -90,8 +50,8 @@ static void test_slab(void **state)
         assert_true(fabs(t.g - expected[i]) < 1e-6);
     }
     assert_true(fabs(straight_at(tinted.material, 1).r - .881460) < 1e-6);
-    orl_description_done(&clear.description);
-    orl_description_done(&tinted.description);
+    subject_done(&clear);
+    subject_done(&tinted);
 }
 
 /* To 90 degrees and there: T falls to 0, R rises to 1, nothing is gained, all is finite. */
@@ -113,37 +73,8 @@ static void test_glass_to_grazing(void **state)
         before = t;
     }
     assert_true(before < 1e-12);
-    orl_description_done(&clear.description);
-    orl_description_done(&tinted.description);
-}
-
-struct tally {
-    struct orl_rgb straight, mirror, diffuse, glossy;
-    double squares; /* of the luma of weights */
-};
-
-static struct tally draw_all(const struct subject *s, struct orl_vec3 from,
-                             enum orl_transport transport, enum orl_lobes lobes, uint64_t seed)
-{
-    struct tally t = {.squares = 0};
-    for (int i = 0; i < DRAWS; i++) {
-        struct orl_random random = orl_random_stream(seed, ORL_PURPOSE_BENCH, (uint64_t)i);
-        const struct orl_scatter d =
-            orl_scatter_sample(s->material, &s->hit, from, transport, lobes, &random);
-        struct orl_rgb *sum = d.event == ORL_EVENT_STRAIGHT  ? &t.straight
-                              : d.event == ORL_EVENT_MIRROR  ? &t.mirror
-                              : d.event == ORL_EVENT_DIFFUSE ? &t.diffuse
-                              : d.event == ORL_EVENT_GLOSSY  ? &t.glossy
-                                                             : NULL;
-        if (!sum)
-            continue;
-        assert_true(fabs(orl_length(d.direction) - 1) < 1e-9);
-        assert_int_equal(d.transmitted,
-                         orl_dot(d.direction, s->hit.normal) * orl_dot(from, s->hit.normal) < 0);
-        *sum = orl_rgb_add(*sum, orl_rgb_scale(d.weight, 1.0 / DRAWS));
-        t.squares += orl_luma(d.weight) * orl_luma(d.weight) / DRAWS;
-    }
-    return t;
+    subject_done(&clear);
+    subject_done(&tinted);
 }
 
 /* A choice of probability p and weight a/p has standard error a sqrt((1-p)/p/n); 4 of them. */
@@ -158,21 +89,21 @@ static void test_glass_draws(void **state)
     struct subject s = subject_of("void glass m 0 0 4 .9 .6 .3 1.52\n", NULL, NULL);
     (void)state;
     for (int i = 0; i < 4; i++) {
-        const struct orl_vec3 from = direction(&s, angles[i], 40);
+        const struct orl_vec3 from = subject_direction(&s, angles[i], 40);
         const double c = orl_dot(from, s.hit.normal);
         const struct orl_rgb t = straight_at(s.material, c);
         const struct orl_rgb r = mirrored_at(s.material, c);
         const double p = orl_luma(t) / (orl_luma(t) + orl_luma(r));
-        const struct tally drawn = draw_all(&s, from, ORL_TRANSPORT_LIGHT, ORL_LOBE_ALL, 1);
+        const struct tally drawn = subject_draw(&s, from, ORL_TRANSPORT_LIGHT, ORL_LOBE_ALL, 1);
         assert_share(drawn.straight.r, t.r, p);
         assert_share(drawn.straight.b, t.b, p);
         assert_share(drawn.mirror.r, r.r, 1 - p);
         assert_share(drawn.mirror.b, r.b, 1 - p);
         /* One way only: no choice, no noise. */
-        const struct tally back = draw_all(&s, from, ORL_TRANSPORT_EYE, ORL_LOBE_REFLECTED, 2);
+        const struct tally back = subject_draw(&s, from, ORL_TRANSPORT_EYE, ORL_LOBE_REFLECTED, 2);
         assert_true(fabs(back.mirror.g - r.g) < 1e-9 && orl_rgb_max(back.straight) == 0);
     }
-    orl_description_done(&s.description);
+    subject_done(&s);
 }
 
 /* ---- Plastic and metal ------------------------------------------------------------------------
@@ -188,9 +119,9 @@ static void test_diffuse_and_mirror(void **state)
         const struct subject *s = subjects[k];
         const struct orl_rgb d = orl_material_diffuse(s->material);
         const struct orl_rgb m = orl_reflector_specular(s->material);
-        const struct orl_vec3 from = direction(s, 70, 10);
+        const struct orl_vec3 from = subject_direction(s, 70, 10);
         const double p = orl_luma(d) / (orl_luma(d) + orl_luma(m));
-        const struct tally t = draw_all(s, from, ORL_TRANSPORT_LIGHT, ORL_LOBE_ALL, 3);
+        const struct tally t = subject_draw(s, from, ORL_TRANSPORT_LIGHT, ORL_LOBE_ALL, 3);
         assert_share(t.diffuse.r, d.r, p);
         assert_share(t.diffuse.b, d.b, p);
         assert_share(t.mirror.r, m.r, 1 - p);
@@ -201,8 +132,8 @@ static void test_diffuse_and_mirror(void **state)
     assert_true(fabs(orl_reflector_specular(plastic.material).b - .1) < 1e-12);
     assert_true(fabs(orl_material_diffuse(metal.material).b - .12) < 1e-12);
     assert_true(fabs(orl_reflector_specular(metal.material).b - .28) < 1e-12);
-    orl_description_done(&plastic.description);
-    orl_description_done(&metal.description);
+    subject_done(&plastic);
+    subject_done(&metal);
 }
 
 /* Diffuse draws by the cosine: mean cosine 2/3 (variance 1/18), none below, both sides alike. */
@@ -211,7 +142,7 @@ static void test_cosine_law(void **state)
     struct subject s = subject_of("void plastic m 0 0 5 .5 .5 .5 0 0\n", NULL, NULL);
     (void)state;
     for (int side = 0; side < 2; side++) {
-        const struct orl_vec3 from = direction(&s, side ? 150 : 30, 0);
+        const struct orl_vec3 from = subject_direction(&s, side ? 150 : 30, 0);
         double sum = 0;
         for (int i = 0; i < DRAWS; i++) {
             struct orl_random random = orl_random_stream(4, ORL_PURPOSE_BENCH, (uint64_t)i);
@@ -224,7 +155,7 @@ static void test_cosine_law(void **state)
         }
         assert_true(fabs(sum - 2.0 / 3) < 4 * sqrt(1.0 / 18 / DRAWS));
     }
-    orl_description_done(&s.description);
+    subject_done(&s);
 }
 
 static void test_absorbers(void **state)
@@ -246,93 +177,13 @@ static void test_absorbers(void **state)
                                         ORL_TRANSPORT_EYE, ORL_LOBE_TRANSMITTED, &random)
                          .event,
                      ORL_EVENT_ABSORBED);
-    orl_description_done(&black.description);
-    orl_description_done(&light.description);
-    orl_description_done(&white.description);
+    subject_done(&black);
+    subject_done(&light);
+    subject_done(&white);
 }
 
 /* ---- Lobes ------------------------------------------------------------------------------------
  */
-
-/* Bins of equal projected solid angle about the subject's frame, front side first. */
-static int bin_of(const struct subject *s, struct orl_vec3 d)
-{
-    const struct orl_vec3 l = orl_to_local(&s->frame, d);
-    double turn = atan2(l.y, l.x) / (2 * ORL_PI);
-    turn = turn < 0 ? turn + 1 : turn;
-    const int ring = (int)((1 - l.z * l.z) * RINGS), sector = (int)(turn * SECTORS);
-    return ((l.z < 0) * RINGS + (ring < RINGS ? ring : RINGS - 1)) * SECTORS +
-           (sector < SECTORS ? sector : SECTORS - 1);
-}
-
-/* Integrals of f |cos| over the bins, by midpoints; also the whole. */
-static double integrate(const struct subject *s, struct orl_vec3 from, enum orl_transport transport,
-                        double ret_bins[BINS])
-{
-    double sum = 0;
-    for (int b = 0; b < BINS; b++) {
-        ret_bins[b] = 0;
-        const int ring = b / SECTORS % RINGS;
-        const double top = sqrt(1 - (double)ring / RINGS), low = sqrt(1 - (ring + 1.0) / RINGS);
-        for (int i = 0; i < FINE * FINE; i++) {
-            /* Even steps of the cosine: fine enough at grazing, where lobes are thin. */
-            const double c = top - (top - low) * (i / FINE + 0.5) / FINE, q = sqrt(1 - c * c);
-            const double phi = 2 * ORL_PI * (b % SECTORS + (i % FINE + 0.5) / FINE) / SECTORS;
-            const struct orl_vec3 to =
-                orl_to_world(&s->frame, orl_v3(q * cos(phi), q * sin(phi), b < BINS / 2 ? c : -c));
-            const struct orl_rgb f = transport == ORL_TRANSPORT_LIGHT
-                                         ? orl_scatter_eval_lobes(s->material, &s->hit, from, to)
-                                         : orl_scatter_eval_lobes(s->material, &s->hit, to, from);
-            ret_bins[b] += f.g * 2 * c * (top - low);
-        }
-        ret_bins[b] *= ORL_PI / (SECTORS * FINE * FINE);
-        sum += ret_bins[b];
-    }
-    return sum;
-}
-
-/*
- * Bins that expect fewer than 50 draws' worth of weight are pooled. The midpoint rule may be off by
- * `slack` of a bin where the lobe is sharp or has steps; that is added to the deviation allowed.
- */
-static void check_lobe(const struct subject *s, struct orl_vec3 from, enum orl_transport transport,
-                       double slack, uint64_t seed)
-{
-    static double expected[BINS], sum[BINS], squares[BINS];
-    const double albedo = integrate(s, from, transport, expected);
-    double chi2 = 0, cells = 0, pool[3] = {0, 0, 0};
-    const enum orl_lobes lobes = (enum orl_lobes)(ORL_LOBE_REFLECTED | ORL_LOBE_TRANSMITTED);
-    memset(sum, 0, sizeof sum);
-    memset(squares, 0, sizeof squares);
-    for (int i = 0; i < DRAWS; i++) {
-        struct orl_random random = orl_random_stream(seed, ORL_PURPOSE_BENCH, (uint64_t)i);
-        const struct orl_scatter d =
-            orl_scatter_sample(s->material, &s->hit, from, transport, lobes, &random);
-        if (d.event == ORL_EVENT_ABSORBED)
-            continue;
-        const int b = bin_of(s, d.direction);
-        sum[b] += d.weight.g / DRAWS;
-        squares[b] += d.weight.g * d.weight.g / DRAWS / DRAWS;
-    }
-    for (int b = 0; b < BINS; b++) {
-        const double variance = squares[b] - sum[b] * sum[b] / DRAWS;
-        if (expected[b] < 50 * albedo / DRAWS || !(variance > 0)) {
-            pool[0] += sum[b], pool[1] += expected[b], pool[2] += fmax(variance, 0);
-            continue;
-        }
-        const double off = fmax(fabs(sum[b] - expected[b]) - slack * expected[b], 0);
-        chi2 += off * off / variance;
-        cells++;
-    }
-    assert_true(cells >= 1);
-    assert_true(chi2 < chi_square_bound(cells));
-    assert_true(fabs(pool[0] - pool[1]) < 4 * sqrt(pool[2]) + 20 * albedo / DRAWS);
-    /* Energy: what is drawn is no more than what came, within noise. */
-    const struct tally t = draw_all(s, from, transport, lobes, seed + 1);
-    const double mean = t.glossy.g, noise = 4 * sqrt(fmax(t.squares - mean * mean, 0) / DRAWS);
-    assert_true(fabs(mean - albedo) < noise + slack * albedo);
-    assert_true(mean <= 1 + noise);
-}
 
 /* Ward's lobe, narrow and wide, from the normal to grazing, of a surface that mirrors nearly all.
  */
@@ -346,9 +197,9 @@ static void test_ward(void **state)
         struct subject s = subject_of(texts[k], NULL, NULL);
         /* The narrow lobe at 88 degrees is thinner than the quadrature's steps. */
         for (int i = 0; i < (k == 0 ? 3 : 4); i++)
-            check_lobe(&s, direction(&s, angles[i], 25), ORL_TRANSPORT_LIGHT, 0.004,
-                       (uint64_t)(10 * k + i));
-        orl_description_done(&s.description);
+            subject_check_lobe(&s, subject_direction(&s, angles[i], 25), ORL_TRANSPORT_LIGHT, 0.004,
+                               (uint64_t)(10 * k + i));
+        subject_done(&s);
     }
 }
 
@@ -359,33 +210,20 @@ static void test_ward_weights(void **state)
     (void)state;
     for (int i = 0; i < DRAWS; i++) {
         struct orl_random random = orl_random_stream(6, ORL_PURPOSE_BENCH, (uint64_t)i);
-        const struct orl_vec3 from = direction(&s, 90 * orl_random_uniform(&random), 0);
+        const struct orl_vec3 from = subject_direction(&s, 90 * orl_random_uniform(&random), 0);
         const struct orl_scatter d =
             orl_scatter_sample(s.material, &s.hit, from, ORL_TRANSPORT_EYE, ORL_LOBE_ALL, &random);
         assert_true(d.event == ORL_EVENT_ABSORBED || d.weight.g <= 1.8);
     }
-    orl_description_done(&s.description);
+    subject_done(&s);
 }
 
 static void test_reciprocity(void **state)
 {
     struct subject s = subject_of("void plastic m 0 0 5 .5 .5 .5 .1 .1\n", NULL, NULL);
-    struct orl_random random = orl_random_stream(7, ORL_PURPOSE_BENCH, 0);
     (void)state;
-    for (int i = 0; i < 10000; i++) {
-        const double a = 90 * orl_random_uniform(&random), b = 90 * orl_random_uniform(&random);
-        const struct orl_vec3 l = direction(&s, a, 360 * orl_random_uniform(&random));
-        const struct orl_vec3 e = direction(&s, b, 360 * orl_random_uniform(&random));
-        const double f = orl_scatter_eval_lobes(s.material, &s.hit, l, e).g;
-        const double r = orl_scatter_eval_lobes(s.material, &s.hit, e, l).g;
-        assert_true(isfinite(f) && f >= 0);
-        assert_true(fabs(f - r) <= 1e-12 * f);
-        /* Both on the other side: the surface is the same from there. */
-        const double back = orl_scatter_eval_lobes(s.material, &s.hit, orl_neg(l), orl_neg(e)).g;
-        assert_true(fabs(f - back) <= 1e-12 * f);
-        assert_true(orl_scatter_eval_lobes(s.material, &s.hit, l, orl_neg(e)).g == 0);
-    }
-    orl_description_done(&s.description);
+    subject_check_reciprocity(&s, 7);
+    subject_done(&s);
 }
 
 /* ---- BSDFs, in both ways of transport ---------------------------------------------------------
@@ -408,11 +246,11 @@ static void test_bsdf_transport(void **state)
         struct subject s =
             subject_of("void BSDF m 6 0 made.xml 0 1 0 . 0 0\n", "made.xml", (const char *)xml);
         for (int i = 0; i < 3; i++) {
-            const struct orl_vec3 from = direction(&s, angles[i], 75);
-            check_lobe(&s, from, ORL_TRANSPORT_LIGHT, 0.02, (uint64_t)(40 + 10 * k + i));
-            check_lobe(&s, from, ORL_TRANSPORT_EYE, 0.02, (uint64_t)(60 + 10 * k + i));
+            const struct orl_vec3 from = subject_direction(&s, angles[i], 75);
+            subject_check_lobe(&s, from, ORL_TRANSPORT_LIGHT, 0.02, (uint64_t)(40 + 10 * k + i));
+            subject_check_lobe(&s, from, ORL_TRANSPORT_EYE, 0.02, (uint64_t)(60 + 10 * k + i));
         }
-        orl_description_done(&s.description);
+        subject_done(&s);
         free(xml);
     }
 }
@@ -425,12 +263,12 @@ static void test_uniform_bsdf(void **state)
     scene_uniform_bsdf(0.2, xml);
     struct subject s = subject_of("void BSDF m 6 0 made.xml 0 1 0 . 0 0\n", "made.xml", xml);
     for (int i = 0; i < 4; i++) {
-        const struct orl_vec3 from = direction(&s, i & 1 ? 35 : 140, 0);
-        const struct tally t =
-            draw_all(&s, from, i & 2 ? ORL_TRANSPORT_EYE : ORL_TRANSPORT_LIGHT, ORL_LOBE_ALL, 8);
+        const struct orl_vec3 from = subject_direction(&s, i & 1 ? 35 : 140, 0);
+        const struct tally t = subject_draw(
+            &s, from, i & 2 ? ORL_TRANSPORT_EYE : ORL_TRANSPORT_LIGHT, ORL_LOBE_ALL, 8);
         assert_true(fabs(t.glossy.g - 0.2 * ORL_PI) < 1e-6);
     }
-    orl_description_done(&s.description);
+    subject_done(&s);
 }
 
 int main(void)

@@ -1,0 +1,225 @@
+#include "support/subject.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "support/scene_text.h"
+
+#define POLYGON "m polygon p 0 0 9 0 0 0 1 0 0 0 1 0\n"
+
+enum { RINGS = 16, SECTORS = 16, BINS = 2 * RINGS * SECTORS, FINE = 48, DRAWS = SUBJECT_DRAWS };
+
+struct subject subject_of(const char *text, const char *resource, const char *resource_text)
+{
+    struct subject s;
+    char scene[1024];
+    snprintf(scene, sizeof scene, "%s" POLYGON, text);
+    s.description = scene_parse_text(scene, resource, resource_text);
+    s.material = &s.description.materials[s.description.surfaces[0].material];
+    s.hit = (struct orl_hit){
+        .distance = 1, .normal = orl_normalize(orl_v3(0.2, -0.7, 0.5)), .front = true};
+    /* For a BSDF its own frame, so that a direction means the same to both. */
+    s.frame = s.material->kind == ORL_MATERIAL_BSDF ? orl_bsdf_frame(s.material, s.hit.normal)
+                                                    : orl_frame_about(s.hit.normal);
+    return s;
+}
+
+struct orl_vec3 subject_direction(const struct subject *s, double theta_deg, double phi_deg)
+{
+    const double t = theta_deg * ORL_DEG_TO_RAD, p = phi_deg * ORL_DEG_TO_RAD;
+    return orl_to_world(&s->frame, orl_v3(sin(t) * cos(p), sin(t) * sin(p), cos(t)));
+}
+
+void subject_done(struct subject *s)
+{
+    orl_description_done(&s->description);
+}
+
+/* z = 3.72: exceeded once in 10^4. */
+static double chi_square_bound(double n, double z)
+{
+    const double c = 2 / (9 * n), root = fmax(1 - c + z * sqrt(c), 0);
+    return n * root * root * root;
+}
+
+struct tally subject_draw(const struct subject *s, struct orl_vec3 from,
+                          enum orl_transport transport, enum orl_lobes lobes, uint64_t seed)
+{
+    struct tally t = {.squares = 0};
+    for (int i = 0; i < DRAWS; i++) {
+        struct orl_random random = orl_random_stream(seed, ORL_PURPOSE_BENCH, (uint64_t)i);
+        const struct orl_scatter d =
+            orl_scatter_sample(s->material, &s->hit, from, transport, lobes, &random);
+        struct orl_rgb *sum = d.event == ORL_EVENT_STRAIGHT    ? &t.straight
+                              : d.event == ORL_EVENT_MIRROR    ? &t.mirror
+                              : d.event == ORL_EVENT_DIFFUSE   ? &t.diffuse
+                              : d.event == ORL_EVENT_GLOSSY    ? &t.glossy
+                              : d.event == ORL_EVENT_REFRACTED ? &t.refracted
+                                                               : NULL;
+        if (!sum)
+            continue;
+        assert_true(fabs(orl_length(d.direction) - 1) < 1e-9);
+        assert_int_equal(d.transmitted,
+                         orl_dot(d.direction, s->hit.normal) * orl_dot(from, s->hit.normal) < 0);
+        *sum = orl_rgb_add(*sum, orl_rgb_scale(d.weight, 1.0 / DRAWS));
+        t.most = fmax(t.most, orl_rgb_max(d.weight));
+        t.squares += orl_luma(d.weight) * orl_luma(d.weight) / DRAWS;
+    }
+    return t;
+}
+
+/* Bins of equal projected solid angle about the subject's frame, front side first. */
+static int bin_of(const struct subject *s, struct orl_vec3 d)
+{
+    const struct orl_vec3 l = orl_to_local(&s->frame, d);
+    double turn = atan2(l.y, l.x) / (2 * ORL_PI);
+    turn = turn < 0 ? turn + 1 : turn;
+    const int ring = (int)((1 - l.z * l.z) * RINGS), sector = (int)(turn * SECTORS);
+    return ((l.z < 0) * RINGS + (ring < RINGS ? ring : RINGS - 1)) * SECTORS +
+           (sector < SECTORS ? sector : SECTORS - 1);
+}
+
+/* Integrals of f |cos| over the bins, by midpoints; also the whole. */
+static double integrate(const struct subject *s, struct orl_vec3 from, enum orl_transport transport,
+                        double ret_bins[BINS])
+{
+    double sum = 0;
+    for (int b = 0; b < BINS; b++) {
+        ret_bins[b] = 0;
+        const int ring = b / SECTORS % RINGS;
+        const double top = sqrt(1 - (double)ring / RINGS), low = sqrt(1 - (ring + 1.0) / RINGS);
+        for (int i = 0; i < FINE * FINE; i++) {
+            /* Even steps of the cosine: fine enough at grazing, where lobes are thin. */
+            const double c = top - (top - low) * (i / FINE + 0.5) / FINE, q = sqrt(1 - c * c);
+            const double phi = 2 * ORL_PI * (b % SECTORS + (i % FINE + 0.5) / FINE) / SECTORS;
+            const struct orl_vec3 to =
+                orl_to_world(&s->frame, orl_v3(q * cos(phi), q * sin(phi), b < BINS / 2 ? c : -c));
+            const struct orl_rgb f = transport == ORL_TRANSPORT_LIGHT
+                                         ? orl_scatter_eval_lobes(s->material, &s->hit, from, to)
+                                         : orl_scatter_eval_lobes(s->material, &s->hit, to, from);
+            ret_bins[b] += f.g * 2 * c * (top - low);
+        }
+        ret_bins[b] *= ORL_PI / (SECTORS * FINE * FINE);
+        sum += ret_bins[b];
+    }
+    return sum;
+}
+
+/* Bins that expect fewer than 50 draws' worth of weight are pooled. */
+double subject_check_lobe(const struct subject *s, struct orl_vec3 from,
+                          enum orl_transport transport, double slack, uint64_t seed)
+{
+    static double expected[BINS], sum[BINS], squares[BINS];
+    const double albedo = integrate(s, from, transport, expected);
+    double chi2 = 0, cells = 0, pool[3] = {0, 0, 0};
+    const enum orl_lobes lobes = (enum orl_lobes)(ORL_LOBE_REFLECTED | ORL_LOBE_TRANSMITTED);
+    memset(sum, 0, sizeof sum);
+    memset(squares, 0, sizeof squares);
+    for (int i = 0; i < DRAWS; i++) {
+        struct orl_random random = orl_random_stream(seed, ORL_PURPOSE_BENCH, (uint64_t)i);
+        const struct orl_scatter d =
+            orl_scatter_sample(s->material, &s->hit, from, transport, lobes, &random);
+        if (d.event == ORL_EVENT_ABSORBED)
+            continue;
+        const int b = bin_of(s, d.direction);
+        sum[b] += d.weight.g / DRAWS;
+        squares[b] += d.weight.g * d.weight.g / DRAWS / DRAWS;
+    }
+    for (int b = 0; b < BINS; b++) {
+        const double variance = squares[b] - sum[b] * sum[b] / DRAWS;
+        if (expected[b] < 50 * albedo / DRAWS || !(variance > 0)) {
+            pool[0] += sum[b], pool[1] += expected[b], pool[2] += fmax(variance, 0);
+            continue;
+        }
+        const double off = fmax(fabs(sum[b] - expected[b]) - slack * expected[b], 0);
+        chi2 += off * off / variance;
+        cells++;
+    }
+    assert_true(cells >= 1);
+    assert_true(chi2 < chi_square_bound(cells, 3.72));
+    assert_true(fabs(pool[0] - pool[1]) < 4 * sqrt(pool[2]) + 20 * albedo / DRAWS);
+    /* Energy: what is drawn is no more than what came, within noise. */
+    const struct tally t = subject_draw(s, from, transport, lobes, seed + 1);
+    const double mean = t.glossy.g, noise = 4 * sqrt(fmax(t.squares - mean * mean, 0) / DRAWS);
+    assert_true(fabs(mean - albedo) < noise + slack * albedo);
+    assert_true(mean <= 1 + noise);
+    return albedo;
+}
+
+/* The share of draws that each bin should get, by midpoints; returns the sum. */
+static double integrate_pdf(const struct subject *s, struct orl_vec3 from,
+                            enum orl_transport transport, enum orl_lobes lobes,
+                            double ret_bins[BINS])
+{
+    double sum = 0;
+    for (int b = 0; b < BINS; b++) {
+        const int ring = b / SECTORS % RINGS;
+        const double top = sqrt(1 - (double)ring / RINGS), low = sqrt(1 - (ring + 1.0) / RINGS);
+        ret_bins[b] = 0;
+        for (int i = 0; i < FINE * FINE; i++) {
+            const double c = top - (top - low) * (i / FINE + 0.5) / FINE, q = sqrt(1 - c * c);
+            const double phi = 2 * ORL_PI * (b % SECTORS + (i % FINE + 0.5) / FINE) / SECTORS;
+            const struct orl_vec3 to =
+                orl_to_world(&s->frame, orl_v3(q * cos(phi), q * sin(phi), b < BINS / 2 ? c : -c));
+            ret_bins[b] += orl_scatter_pdf(s->material, &s->hit, from, transport, lobes, to);
+        }
+        ret_bins[b] *= 2 * ORL_PI * (top - low) / (SECTORS * FINE * FINE);
+        sum += ret_bins[b];
+    }
+    return sum;
+}
+
+void subject_check_pdf(const struct subject *s, struct orl_vec3 from, enum orl_transport transport,
+                       enum orl_lobes lobes, double slack, uint64_t seed)
+{
+    static double expected[BINS], count[BINS];
+    const double share = integrate_pdf(s, from, transport, lobes, expected);
+    double chi2 = 0, cells = 0, drawn = 0, pool[2] = {0, 0};
+    memset(count, 0, sizeof count);
+    for (int i = 0; i < DRAWS; i++) {
+        struct orl_random random = orl_random_stream(seed, ORL_PURPOSE_BENCH, (uint64_t)i);
+        const struct orl_scatter d =
+            orl_scatter_sample(s->material, &s->hit, from, transport, lobes, &random);
+        if (d.event != ORL_EVENT_DIFFUSE && d.event != ORL_EVENT_GLOSSY)
+            continue;
+        drawn++;
+        count[bin_of(s, d.direction)]++;
+    }
+    assert_true(fabs(drawn - share * DRAWS) <=
+                4 * sqrt(share * fmax(1 - share, 0) * DRAWS) + slack * DRAWS + 1e-3 * DRAWS);
+    for (int b = 0; b < BINS; b++) {
+        const double n = expected[b] * DRAWS;
+        if (n < 20) {
+            pool[0] += count[b], pool[1] += n;
+            continue;
+        }
+        const double off = fmax(fabs(count[b] - n) - slack * n, 0);
+        chi2 += off * off / (n * (1 - expected[b]) + 1e-9);
+        cells++;
+    }
+    assert_true(cells >= 1);
+    assert_true(chi2 < chi_square_bound(cells, 3.72));
+    assert_true(slack > 0 || chi2 > chi_square_bound(cells, -3.72));
+    assert_true(fabs(pool[0] - pool[1]) < 4 * sqrt(pool[1]) + 5 + slack * DRAWS);
+}
+
+void subject_check_reciprocity(const struct subject *s, uint64_t seed)
+{
+    struct orl_random random = orl_random_stream(seed, ORL_PURPOSE_BENCH, 0);
+    for (int i = 0; i < 20000; i++) {
+        const double a = 180 * orl_random_uniform(&random), b = 180 * orl_random_uniform(&random);
+        const struct orl_vec3 l = subject_direction(s, a, 360 * orl_random_uniform(&random));
+        const struct orl_vec3 e = subject_direction(s, b, 360 * orl_random_uniform(&random));
+        const struct orl_rgb f = orl_scatter_eval_lobes(s->material, &s->hit, l, e);
+        const struct orl_rgb r = orl_scatter_eval_lobes(s->material, &s->hit, e, l);
+        assert_true(orl_rgb_is_finite(f) && f.r >= 0 && f.g >= 0 && f.b >= 0);
+        assert_true(fabs(f.r - r.r) <= 1e-9 * f.r + 1e-300);
+        assert_true(fabs(f.b - r.b) <= 1e-9 * f.b + 1e-300);
+    }
+}
