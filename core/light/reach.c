@@ -23,6 +23,32 @@ static struct orl_vec3 set_out(const struct orl_outlook *outlook, struct orl_ran
     return orl_v3(s * cos(phi), s * sin(phi), z);
 }
 
+/* Whether a point of some lamp, any one, is in sight; windows are no obstacle. */
+static bool sees_lamp(const struct orl_world *world, struct orl_vec3 point,
+                      struct orl_random *random)
+{
+    const struct orl_geometry *g = world->geometry;
+    const double u0 = orl_random_uniform(random), u1 = orl_random_uniform(random);
+    const double u[2] = {orl_random_uniform(random), u1};
+    struct orl_vec3 there, normal;
+    struct orl_hit hit;
+    if (world->n_emitters == 0)
+        return false;
+    const uint32_t facet = world->emitters[(size_t)(u0 * (double)world->n_emitters)].facet;
+    orl_facet_sample(g, facet, u, &there, &normal);
+    const struct orl_vec3 direction = orl_normalize(orl_sub(there, point));
+    for (int pane = 0; pane < MOST_BOUNCES; pane++) {
+        if (!orl_geometry_intersect(g, point, direction, INFINITY, &hit))
+            return false;
+        if (hit.facet == facet)
+            return true;
+        if (!orl_material_is_window(orl_world_material(world, &hit)))
+            return false;
+        point = orl_hit_leave(g, &hit, direction);
+    }
+    return false;
+}
+
 static bool finds_light(const struct quest *quest, size_t path)
 {
     const struct orl_world *world = quest->world;
@@ -32,11 +58,11 @@ static bool finds_light(const struct quest *quest, size_t path)
     struct orl_vec3 point = outlook->point, direction = set_out(outlook, &random);
     for (int bounce = 0; bounce < MOST_BOUNCES; bounce++) {
         struct orl_hit hit;
+        if (sees_lamp(world, point, &random))
+            return true;
         if (!orl_geometry_intersect(world->geometry, point, direction, INFINITY, &hit))
             return distant;
         const struct orl_material *m = orl_world_material(world, &hit);
-        if (orl_material_shines(m))
-            return true;
         if (!orl_material_is_window(m)) {
             const double u = orl_random_uniform(&random), v = orl_random_uniform(&random);
             direction = orl_hemisphere_about(hit.front ? hit.normal : orl_neg(hit.normal), u, v);

@@ -1,9 +1,9 @@
 /*
  * Whether any light can come to a place at all: asked by paths that leave it, bounce diffusely off
- * whatever they meet, pass windows, and look for the open (when there is a sky or a sun) or for a
- * surface that shines. What no path finds is dark: a room without a window, the inside of a solid
- * or of a wall. A hole of a millionth of a room's surface is found by 2^14 paths of 64 bounces more
- * likely than not.
+ * whatever they meet, pass windows, look for the open (when there is a sky or a sun), and try at
+ * each turn whether a lamp is in sight. What no path finds is dark: a room without a window, the
+ * inside of a solid or of a wall. A hole of a millionth of a room's surface is found by 2^14 paths
+ * of 64 bounces more likely than not.
  *
  * The answer depends on the seed of the paths alone, not on the crew.
  */

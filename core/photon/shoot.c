@@ -80,7 +80,8 @@ static size_t plan_round(const struct queue *queue, uint64_t target)
         need = fmin(need, ((double)target - (double)queue->stored) / yield);
     /* Nothing yet: no more than it takes to tell that there is nothing. */
     else
-        need = fmin(need, DRY_EMISSIONS - emitted);
+        need = fmin(fmin(need, DRY_EMISSIONS - emitted),
+                    DRY_RAYS * emitted / fmax((double)queue->rays, 1) - emitted);
     while (batches < MOST_A_ROUND &&
            (double)emitted_before(queue->n_done + batches) < emitted + need)
         batches++;

@@ -14,6 +14,7 @@ enum { PILOT_PATHS = 1 << 18, PATHS_A_CELL = 16, FINEST_SIDE = 32, COARSEST_SIDE
 enum { DOME_SIDE_X = 128, DOME_SIDE_Y = 64 };
 enum { IMAGE_FLIGHTS = 256 };
 enum { CAUSTIC_FLIGHTS = 1 << 17, MOST_FLIGHTS_A_STRATUM = 1 << 14, LEAST_FLIGHTS_A_STRATUM = 512 };
+enum { CAUSTIC_RAYS = 1 << 20 }; /* a stratum: enough where flights go to and fro between mirrors */
 static const double floor_share = 0.1; /* of cosine-weighted directions in every table */
 static const double open_share = 0.25; /* of photons that start at the sky when there are ports */
 static const double caustic_floor = 0.02; /* of caustic photons spread evenly over what may yield */
@@ -233,11 +234,13 @@ static void try_caustics(void *arg, size_t index, uint32_t member)
     struct pilot *pilot = arg;
     const struct orl_stratum *stratum = &pilot->emission->strata[index];
     struct orl_deposits deposits = {0};
+    uint32_t flown = 0;
     double sum = 0;
     (void)member;
-    for (uint32_t i = 0; i < pilot->flights; i++) {
+    for (uint32_t i = 0; i < pilot->flights && deposits.health.rays < CAUSTIC_RAYS; i++) {
         double point[5];
         struct orl_flight flight;
+        flown++;
         struct orl_random random =
             orl_random_stream(pilot->seed, ORL_PURPOSE_PILOT, 2 * ((uint64_t)index << 32 | i) + 1);
         orl_sobol_point(&pilot->emission->sobol, i, (uint32_t)(pilot->seed + index), 5, point);
@@ -252,7 +255,7 @@ static void try_caustics(void *arg, size_t index, uint32_t member)
         sum += orl_luma((struct orl_rgb){deposits.photons[i].flux[0], deposits.photons[i].flux[1],
                                          deposits.photons[i].flux[2]});
     free(deposits.photons);
-    pilot->yield[index] = sum / pilot->flights;
+    pilot->yield[index] = sum / flown;
 }
 
 static bool may_make_caustics(const struct orl_emission *e, const struct orl_stratum *s)
