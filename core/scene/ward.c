@@ -82,69 +82,52 @@ double orl_ward_pdf_reflected(const struct orl_ward *ward, struct orl_vec3 from,
 
 /* ---- Transmitted ----------------------------------------------------------------------------- */
 
-/* A frame about the straight direction, one axis along the grain as it is seen from there. */
-static struct orl_frame frame_about_straight(const struct orl_ward *ward, struct orl_vec3 straight)
+/* A direction on the plane of the equal-area projection about the normal on its side. */
+struct point {
+    double x, y;
+};
+
+static struct point project(const struct orl_frame *frame, struct orl_vec3 d)
 {
-    if (ward->round)
-        return orl_frame_about(straight);
-    const struct orl_vec3 seen = orl_madd(ward->grain, straight, -orl_dot(ward->grain, straight));
-    if (!(orl_length(seen) > 1e-6))
-        return orl_frame_about(straight);
-    const struct orl_vec3 u = orl_normalize(seen);
-    return (struct orl_frame){u, orl_cross(straight, u), straight};
+    const double stretch = sqrt(2 / (1 + fabs(orl_dot(d, frame->n))));
+    return (struct point){stretch * orl_dot(d, frame->u), stretch * orl_dot(d, frame->v)};
 }
 
-/* The Gaussian about straight: in the distance of unit vectors, whose square spans 2 dw. */
-static double gaussian(const struct orl_ward *ward, struct orl_vec3 straight, struct orl_vec3 to)
+/* The Gaussian between a direction and where light from the other one goes straight. */
+static double gaussian(const struct orl_ward *ward, struct orl_vec3 a, struct orl_vec3 b)
 {
-    const struct orl_vec3 off = orl_sub(to, straight);
-    const double s = orl_dot(off, off), area = ward->along * ward->across;
-    if (ward->round)
-        return exp(-s / area) / (ORL_PI * area);
-    const struct orl_frame frame = frame_about_straight(ward, straight);
-    const double x = orl_dot(to, frame.u), y = orl_dot(to, frame.v), r2 = x * x + y * y;
-    const double steepness =
-        r2 > 0 ? (square(x / ward->along) + square(y / ward->across)) / r2 : 1 / area;
-    return exp(-s * steepness) / (ORL_PI * area);
+    const struct orl_frame frame = frame_of(ward);
+    const struct point p = project(&frame, orl_neg(a)), q = project(&frame, b);
+    return exp(-square((p.x - q.x) / ward->along) - square((p.y - q.y) / ward->across)) /
+           (ORL_PI * ward->along * ward->across);
 }
 
-/* From either end, times 2 / (sum of the cosines). */
 double orl_ward_transmitted(const struct orl_ward *ward, struct orl_vec3 a, struct orl_vec3 b)
 {
     const double cosines = fabs(orl_dot(a, ward->normal)) + fabs(orl_dot(b, ward->normal));
-    double value = gaussian(ward, orl_neg(a), b);
-    if (!ward->round)
-        value = fmin(value, gaussian(ward, orl_neg(b), a));
-    return value > 0 ? 2 * value / cosines : 0;
+    return 2 * gaussian(ward, a, b) / cosines;
 }
 
 bool orl_ward_sample_transmitted(const struct orl_ward *ward, struct orl_vec3 from,
                                  const double u[2], struct orl_vec3 *ret_direction,
                                  double *ret_weight)
 {
-    const struct orl_vec3 straight = orl_neg(from);
-    const struct orl_frame frame = frame_about_straight(ward, straight);
-    const double phi = 2 * ORL_PI * u[1];
-    const double x = ward->along * cos(phi), y = ward->across * sin(phi), r2 = x * x + y * y;
-    const double s = -log(1 - u[0]) * r2;
-    if (s > 4) /* beyond the opposite direction: a share exp(-4/a^2) of a lobe that rough */
+    const struct orl_frame frame = frame_of(ward);
+    const struct point p = project(&frame, orl_neg(from));
+    const double root = sqrt(-log(1 - u[0])), phi = 2 * ORL_PI * u[1];
+    const double x = p.x + ward->along * root * cos(phi);
+    const double y = p.y + ward->across * root * sin(phi), r2 = x * x + y * y;
+    const double cos_in = orl_dot(from, ward->normal), cos_out = 1 - r2 / 2;
+    if (!(cos_out > 0))
         return false;
-    const double side = sqrt(s * (1 - s / 4) / r2);
-    const struct orl_vec3 d = orl_to_world(&frame, orl_v3(x * side, y * side, 1 - s / 2));
-    const double cos_in = orl_dot(from, ward->normal), cos_out = -orl_dot(d, ward->normal);
-    if (cos_out <= 0)
-        return false;
-    *ret_direction = d;
+    const double shrink = sqrt(1 - r2 / 4);
+    *ret_direction = orl_to_world(&frame, orl_v3(x * shrink, y * shrink, -cos_out));
     *ret_weight = 2 * cos_out / (cos_in + cos_out);
-    if (!ward->round) {
-        const double ahead = gaussian(ward, straight, d), back = gaussian(ward, orl_neg(d), from);
-        *ret_weight *= back < ahead ? back / ahead : 1;
-    }
     return true;
 }
 
 double orl_ward_pdf_transmitted(const struct orl_ward *ward, struct orl_vec3 from,
                                 struct orl_vec3 to)
 {
-    return orl_dot(to, ward->normal) < 0 ? gaussian(ward, orl_neg(from), to) : 0;
+    return orl_dot(to, ward->normal) < 0 ? gaussian(ward, from, to) : 0;
 }

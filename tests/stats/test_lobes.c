@@ -97,8 +97,8 @@ static void test_energy(void **state)
                 assert_true(t.most <= 2);
                 assert_true(t.glossy.g <= 1 + 4 * sqrt(t.squares / SUBJECT_DRAWS));
                 assert_true(t.glossy.g > 0.3);
-                /* Hardly any, where it is narrow. */
-                assert_true(r > 1 || steep[i] > 61 || t.glossy.g > 0.98);
+                /* Hardly anything is lost where it is narrow. */
+                assert_true(r > 1 || steep[i] > 61 || t.glossy.g > 0.97);
             }
             subject_done(&s);
         }
