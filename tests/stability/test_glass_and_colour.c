@@ -214,16 +214,16 @@ static void test_43_known_angles(void **state)
 /* From 85 degrees on, to where the disc's rim looks past the pane's plane. */
 static void test_43_to_grazing(void **state)
 {
+    const double step = stability_full() ? 0.05 : 0.4;
     double before = 1;
     int rises = 0;
     (void)state;
-    for (int i = 0; i <= 47; i++) {
-        const double share = through_pane(85 + 0.1 * i, 1);
+    for (int i = 0; i * step <= 4.7; i++) {
+        const double share = through_pane(85 + step * i, 1);
         rises += !(share < before) || !(share > 0);
         before = share;
     }
-    stability_row(43, "glass at 90 deg", "steps of 0.1 deg at which T does not fall, 85 to 89.7",
-                  rises, 0);
+    stability_row(43, "glass at 90 deg", "steps at which T does not fall, 85 to 89.7", rises, 0);
 }
 
 /* The formulas themselves, down to cosines that are hardly numbers: T goes as the cosine. */
