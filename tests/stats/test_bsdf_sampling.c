@@ -20,10 +20,10 @@
 enum {
     SIDE = 32, /* cells per axis in which draws are counted */
     CELLS = 2 * SIDE * SIDE,
-    FINE = 20, /* points per axis of a cell in which the pdf is integrated */
-    DRAWS = 40000,
-    GIVEN = 4, /* given directions per BSDF, side and way of drawing */
-    BSDFS = 5,
+    FINE = 16, /* points per axis of a cell in which the pdf is integrated */
+    DRAWS = 20000,
+    GIVEN = 2, /* given directions per BSDF, side and way of drawing */
+    BSDFS = 10,
     COMPARISONS = BSDFS * 2 * 3 * GIVEN,
 };
 
@@ -32,6 +32,21 @@ static const double significance = 1e-3 / COMPARISONS;
 struct fixture {
     struct orl_bsdf *bsdf[BSDFS];
 };
+
+/* Bases of the file's own: three rings in, two out, some cells wide. */
+static struct orl_bsdf *load_own_basis(void)
+{
+    static const struct make_ring in[] = {{1, 20}, {5, 50}, {3, 90}, {0, 0}};
+    static const struct make_ring out[] = {{1, 40}, {7, 90}, {0, 0}};
+    struct text own;
+    text_open(&own);
+    make_basis(own.stream, "in", in);
+    make_basis(own.stream, "out", out);
+    text_close(&own);
+    struct orl_bsdf *bsdf = load_text(make_matrix_file("Columns", own.data, "in", 9, "out", 8));
+    free(own.data);
+    return bsdf;
+}
 
 static int load_all(void **state)
 {
@@ -43,6 +58,14 @@ static int load_all(void **state)
         load_text(make_file("TensorTree4", "Transmission Back", NULL,
                             "{{0}{0}{1e-12}{0}{0}{3}{0}{0}{0}{0}{0}{0}{0}{0}{1}{.2}}"));
     fixture.bsdf[4] = load_text(make_iso_file(4));
+    fixture.bsdf[5] =
+        load_text(make_matrix_file("Columns", "", "LBNL/Klems Full", 145, "LBNL/Klems Full", 145));
+    fixture.bsdf[6] =
+        load_text(make_matrix_file("Rows", "", "LBNL/Klems Half", 77, "LBNL/Klems Half", 77));
+    fixture.bsdf[7] =
+        load_text(make_matrix_file("Rows", "", "LBNL/Klems Quarter", 41, "LBNL/Klems Full", 145));
+    fixture.bsdf[8] = load_own_basis();
+    fixture.bsdf[9] = load_text(make_tinted_file(4, 0.2, 0.1, 0.3, 0.5));
     *state = &fixture;
     for (int i = 0; i < BSDFS; i++)
         if (!fixture.bsdf[i])
@@ -258,8 +281,9 @@ static void albedo_is_the_integral_of_f(void **state)
 {
     const struct fixture *fixture = *state;
     struct orl_random random = orl_random_stream(3, ORL_PURPOSE_BENCH, 1);
-    for (int i = 0; i < 32; i++) {
-        const struct orl_bsdf *bsdf = fixture->bsdf[i % 4 == 3 ? 4 : i % 4];
+    for (int i = 0; i < 36; i++) {
+        static const int smooth[] = {0, 1, 2, 4, 5, 6, 7, 8, 9}; /* 3 has just 16 cells */
+        const struct orl_bsdf *bsdf = fixture->bsdf[smooth[i % 9]];
         const struct orl_vec3 in = any_direction(&random);
         const int n = 512;
         double sum = 0;
@@ -298,6 +322,32 @@ static void a_trees_integrals_are_sums_over_its_cells(void **state)
         assert_true(fabs(sum - orl_luma(orl_bsdf_albedo(bsdf, in, ORL_BSDF_BOTH))) < 1e-6);
         assert_true(fabs(pdf * ORL_PI / 64 - 1) < 1e-6);
         assert_true(fabs(adjoint * ORL_PI / 64 - 1) < 1e-6);
+    }
+}
+
+/*
+ * Of a matrix with bases of the file's own: what a ring's cells are worth is pi (cos^2 - cos^2)
+ * over their number, and light from inside is the file's Back.
+ */
+static void a_matrixs_integrals_are_sums_over_its_cells(void **state)
+{
+    const struct orl_bsdf *bsdf = ((const struct fixture *)*state)->bsdf[8];
+    const double c40 = pow(cos(40 * ORL_DEG_TO_RAD), 2);
+    for (int front = 0; front < 2; front++) {
+        /* The middle of the pole's cell; cell 0 of ring 1, where light travels along +x. */
+        const double angle[] = {0, 35 * ORL_DEG_TO_RAD};
+        for (int in = 0; in < 2; in++) {
+            const struct orl_vec3 d =
+                orl_v3(-sin(angle[in]), 0, front ? cos(angle[in]) : -cos(angle[in]));
+            for (int transmitted = 0; transmitted < 2; transmitted++) {
+                const int k = (transmitted ? 0 : 2) + front;
+                double sum = 0;
+                for (int out = 0; out < 8; out++)
+                    sum += make_matrix_value(k, in, out) * ORL_PI * (out == 0 ? 1 - c40 : c40 / 7);
+                const enum orl_bsdf_side side = transmitted ? ORL_BSDF_TRANSMIT : ORL_BSDF_REFLECT;
+                assert_true(fabs(orl_luma(orl_bsdf_albedo(bsdf, d, side)) - sum) < 1e-6);
+            }
+        }
     }
 }
 
@@ -349,6 +399,7 @@ int main(void)
         cmocka_unit_test(draws_values_and_pdfs_agree),
         cmocka_unit_test(albedo_is_the_integral_of_f),
         cmocka_unit_test(a_trees_integrals_are_sums_over_its_cells),
+        cmocka_unit_test(a_matrixs_integrals_are_sums_over_its_cells),
         cmocka_unit_test(a_filled_in_transmission_is_reciprocal),
         cmocka_unit_test(a_sliver_does_no_harm),
     };
