@@ -9,9 +9,12 @@
  * illuminances in lx.
  *
  * Normalisation: FLUX takes the diffuse flux given as what the sky delivers, by fine quadrature,
- * and lights the ground by sun and sky together: its radiance is reflectance * horizontal / pi.
+ * and lights the ground by sun and sky together: its radiance is reflectance * horizontal / pi. The
+ * horizon cuts the sun's disc. Where the Perez model has no answer, the sky keeps its flux and
+ * does without the model's change from zenith to horizon.
  * GENDAYLIT keeps the programs' own numbers: gendaylit divides by a mean over 145 patches, which
- * loses 0.7 to 2.7 % of the flux, and both take the ground's light from a CIE sky.
+ * loses 0.7 to 2.7 % of the flux, and both take the ground's light from a CIE sky; the sun is whole
+ * or down; what the model cannot say is black.
  */
 #ifndef ORIEL_SKY_H
 #define ORIEL_SKY_H
