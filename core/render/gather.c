@@ -138,7 +138,8 @@ static struct orl_rgb trace_gather(const struct orl_gather *gather, struct orl_v
                                    double *ret_distance)
 {
     const struct orl_world *world = gather->world;
-    struct orl_rgb sum = orl_gray(0), weight = orl_gray(1);
+    struct orl_rgb sum = orl_gray(0), weight = orl_gray(1), clarity = orl_gray(1);
+    const enum orl_lobes but_diffuse = (enum orl_lobes)(ORL_LOBE_REFLECTED | ORL_LOBE_TRANSMITTED);
     *ret_distance = INFINITY;
     search->health.paths++;
     for (int bounce = 0; bounce < MOST_BOUNCES; bounce++) {
@@ -150,6 +151,7 @@ static struct orl_rgb trace_gather(const struct orl_gather *gather, struct orl_v
         search->health.rays++;
         if (!orl_geometry_intersect(world->geometry, origin, direction, INFINITY, &hit)) {
             search->health.rays_leaked += !world->open;
+            weight = orl_rgb_mul(weight, orl_clarity_after(clarity, INFINITY));
             return orl_rgb_add(sum, orl_rgb_mul(weight, orl_world_dome_radiance(world, direction)));
         }
         if (bounce == 0)
@@ -157,13 +159,14 @@ static struct orl_rgb trace_gather(const struct orl_gather *gather, struct orl_v
         const struct orl_material *m = orl_world_material(world, &hit);
         const bool diffuse = orl_rgb_max(orl_material_diffuse(m)) > 0;
         const bool near = hit.distance < gather->near;
-        if (m->kind == ORL_MATERIAL_GLOW)
+        weight = orl_rgb_mul(weight, orl_material_dimming(m, &hit, clarity));
+        if (orl_material_glows(m))
             sum = orl_rgb_add(
                 sum, orl_rgb_mul(weight, orl_material_emission(m, &hit, orl_neg(direction))));
         if (diffuse)
             sum = orl_rgb_add(
                 sum, orl_rgb_mul(weight, diffuse_radiance(gather, &hit, m, near, random, search)));
-        const enum orl_lobes lobes = diffuse && !near ? ORL_LOBE_REFLECTED : ORL_LOBE_ALL;
+        const enum orl_lobes lobes = diffuse && !near ? but_diffuse : ORL_LOBE_ALL;
         const struct orl_scatter s =
             orl_scatter_sample(m, &hit, orl_neg(direction), ORL_TRANSPORT_EYE, lobes, random);
         if (s.event == ORL_EVENT_ABSORBED)
@@ -178,6 +181,7 @@ static struct orl_rgb trace_gather(const struct orl_gather *gather, struct orl_v
         }
         outside = s.transmitted && !world->open &&
                   orl_world_crossing(world, &hit) == ORL_CROSSING_OUTWARDS;
+        clarity = orl_scatter_clarity(m, &s, clarity);
         origin = orl_hit_leave(world->geometry, &hit, s.direction);
         direction = s.direction;
     }
