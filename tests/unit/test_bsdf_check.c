@@ -196,7 +196,43 @@ static void energy_out_of_nothing_is_found(void **state)
     assert_close(c.total[0].most, 1.2, 1e-6);
     assert_int_equal(c.worst, ORL_BSDF_FAULT);
     assert_int_equal(level_of(&c, "R + T = 1.200"), ORL_BSDF_FAULT);
+    assert_int_equal(level_of(&c, "rescaled"), ORL_BSDF_FAULT);
     assert_int_equal(level_of(&c, "look swapped"), -1);
+}
+
+static double eval(const struct orl_bsdf *bsdf, struct orl_vec3 in, struct orl_vec3 out)
+{
+    return orl_luma(orl_bsdf_eval(bsdf, in, out));
+}
+
+/*
+ * In use, that file's values for light from outside are divided by 1.2, whichever way the light
+ * goes and whichever direction a draw is given; what comes from inside, 0.886, stays as filed.
+ */
+static void energy_out_of_nothing_is_divided_out(void **state)
+{
+    struct orl_bsdf *bsdf =
+        load_text(TREE_FILE({"Reflection Front", "{0.2}"}, {"Reflection Back", "{0.1}"},
+                            {"Transmission Front", "{0.18197186}"}));
+    const struct orl_vec3 outside = {0.6, 0, -0.8}, inside = {0, 0.8, 0.6}, up = {0, 0, 1};
+    const double u[3] = {0.3, 0.6, 0.9}, through = 0.18197186;
+    struct orl_vec3 other;
+    struct orl_rgb weight;
+    double pdf;
+    (void)state;
+    assert_non_null(bsdf);
+    assert_close(eval(bsdf, outside, orl_neg(up)), 0.2 / 1.2, 1e-7);
+    assert_close(eval(bsdf, outside, inside), through / 1.2, 1e-7);
+    assert_close(eval(bsdf, inside, outside), through, 1e-7);
+    assert_close(eval(bsdf, inside, up), 0.1, 1e-7);
+    assert_close(orl_luma(orl_bsdf_albedo(bsdf, outside, ORL_BSDF_BOTH)), 1, 1e-14);
+    assert_close(orl_luma(orl_bsdf_albedo(bsdf, inside, ORL_BSDF_BOTH)), (0.1 + through) * ORL_PI,
+                 1e-6);
+    assert_true(orl_bsdf_sample(bsdf, outside, ORL_BSDF_TRANSMIT, u, &other, &weight, &pdf));
+    assert_close(orl_luma(weight) * pdf, eval(bsdf, outside, other) * other.z, 1e-12);
+    assert_true(orl_bsdf_sample_adjoint(bsdf, inside, ORL_BSDF_TRANSMIT, u, &other, &weight, &pdf));
+    assert_close(orl_luma(weight) * pdf, eval(bsdf, other, inside) * -other.z, 1e-12);
+    orl_bsdf_unref(bsdf);
 }
 
 /* A little noise in one direction is no fault. */
@@ -396,6 +432,7 @@ int main(void)
         cmocka_unit_test(a_clear_pane_smears_the_sun),
         cmocka_unit_test(a_klems_pane_smears_it_more),
         cmocka_unit_test(energy_out_of_nothing_is_found),
+        cmocka_unit_test(energy_out_of_nothing_is_divided_out),
         cmocka_unit_test(noise_is_only_a_warning),
         cmocka_unit_test(slats_the_right_way_round_are_fine),
         cmocka_unit_test(a_transmission_filed_under_the_wrong_side_is_found),
