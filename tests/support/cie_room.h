@@ -1,0 +1,35 @@
+/*
+ * The room of CIE 171's cases, 4 x 4 m and 3 m high, its corner at the origin, as scene text: six
+ * faces of a material "w" that face in, one of which may have a hole.
+ */
+#ifndef ORL_TESTS_CIE_ROOM_H
+#define ORL_TESTS_CIE_ROOM_H
+
+#include <stddef.h>
+
+#include <oriel/vec.h>
+
+enum { CIE_FLOOR, CIE_NORTH, CIE_WEST, CIE_EAST, CIE_SOUTH, CIE_CEILING, CIE_FACES };
+
+struct cie_face {
+    const char *name;
+    struct orl_vec3 corner, u, v, normal; /* two edges; the normal faces in */
+};
+extern const struct cie_face cie_faces[CIE_FACES];
+
+/* A hole in the middle of a face along u, and from `from` on along v. */
+struct cie_hole {
+    int face; /* -1: there is none */
+    double w, h, from;
+};
+
+/* A hole's corner and edges. */
+void cie_hole_edges(const struct cie_hole *hole, struct orl_vec3 *ret_corner,
+                    struct orl_vec3 *ret_a, struct orl_vec3 *ret_b);
+
+/* Writes the room after `at` characters of text; with pane not NULL also what fills the hole, of
+ * that material, facing in. Returns how much text there is then. */
+size_t cie_room_text(char *text, size_t size, size_t at, const struct cie_hole *hole,
+                     const char *pane);
+
+#endif
