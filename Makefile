@@ -198,7 +198,7 @@ CIE171_BIN := $(filter $(BUILD)/tests/validation/test_cie171%,$(TEST_BIN))
 cie171: deps-check
 	@$(MAKE) --no-print-directory -j$(JOBS) $(CIE171_BIN)
 	@tests/stability_table $(BUILD) rows $(CIE171_BIN)
-ORACLE_BIN := $(patsubst %,$(BUILD)/tests/validation/test_%,sky_illuminance sky_radiance)
+ORACLE_BIN := $(patsubst %,$(BUILD)/tests/validation/test_%,sky_illuminance sky_radiance furnace office_moved)
 oracles: deps-check
 	@$(MAKE) --no-print-directory -j$(JOBS) $(ORACLE_BIN)
 	@tests/stability_table $(BUILD) rows $(ORACLE_BIN)
