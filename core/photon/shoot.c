@@ -142,6 +142,8 @@ static int collect(struct queue *queue, struct orl_shot *shot)
         free(d->photons);
         d->photons = NULL;
     }
+    shot->health.flux_w /= (double)shot->emitted;
+    shot->health.flux_capped_w /= (double)shot->emitted;
     return 0;
 }
 

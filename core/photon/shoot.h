@@ -25,7 +25,7 @@ struct orl_shot {
     struct orl_photon *photons; /* out, owned by the caller: in order of emission */
     size_t count;
     uint64_t emitted;
-    struct orl_health health;
+    struct orl_health health; /* fluxes divided by the number emitted: watts */
 };
 
 struct orl_shoot_env {
