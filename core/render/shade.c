@@ -111,7 +111,11 @@ static struct orl_scatter sample_lobes(const struct look *look, const struct orl
                                        const struct orl_material *m, struct orl_vec3 eye,
                                        uint32_t sample, uint32_t sequence)
 {
-    const enum orl_lobes lobes = (enum orl_lobes)(ORL_LOBE_REFLECTED | ORL_LOBE_TRANSMITTED);
+    /* What is mirrored is followed by itself. */
+    const bool mirrors = orl_rgb_max(orl_material_mirrored(m, hit, eye)) > 0;
+    const enum orl_lobes lobes = mirrors
+                                     ? ORL_LOBE_TRANSMITTED
+                                     : (enum orl_lobes)(ORL_LOBE_REFLECTED | ORL_LOBE_TRANSMITTED);
     double u[3];
     if (!orl_material_transmits_lobes(m))
         return orl_scatter_sample(m, hit, eye, ORL_TRANSPORT_EYE, lobes, look->random);
@@ -130,7 +134,8 @@ static struct orl_rgb seen_along(struct look *look, const struct orl_hit *hit,
     return orl_gather_radiance(look->gather, start, direction, outside, look->random, look->search);
 }
 
-/* Lobes of a surface: lights directly, all else by a few rays. What goes straight is followed. */
+/* Lobes of a surface: lights directly, all else by a few rays. What goes straight is followed too.
+ */
 static void add_lobes(struct look *look, const struct branch *at, const struct orl_hit *hit,
                       const struct orl_material *m, uint32_t samples)
 {
@@ -146,7 +151,7 @@ static void add_lobes(struct look *look, const struct branch *at, const struct o
     for (uint32_t i = 0; i < samples; i++) {
         const struct orl_scatter s = sample_lobes(look, hit, m, eye, i, sequence);
         bool outside = at->outside;
-        if (s.event == ORL_EVENT_ABSORBED || s.event == ORL_EVENT_STRAIGHT)
+        if (s.event != ORL_EVENT_GLOSSY)
             continue;
         if (s.transmitted && crossing != ORL_CROSSING_NONE)
             outside = !world->open && crossing == ORL_CROSSING_OUTWARDS;
