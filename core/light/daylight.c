@@ -196,10 +196,11 @@ static void cut_by_horizon(struct orl_daylight *daylight)
     daylight->sun_angle_deg *= sqrt(share);
 }
 
-/* Its centre has set, its rim has not. */
+/* Its centre has set, its rim has not. The models take it for set a little early: they round. */
 static bool is_half_set(struct orl_vec3 sun)
 {
-    return sun.z <= 0 && altitude_of(sun) > -0.5 * ORL_SUN_DIAMETER_DEG * ORL_DEG_TO_RAD;
+    const double rounding = 1e-5, radius = 0.5 * ORL_SUN_DIAMETER_DEG * ORL_DEG_TO_RAD;
+    return sun.z <= rounding && altitude_of(sun) > -radius;
 }
 
 /* ---- Entry points ---- */

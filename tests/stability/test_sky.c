@@ -183,11 +183,17 @@ static const struct plant {
     const char *direct, *diffuse;
     enum fate fate;
 } plants[] = {
-    {12, "9999", "120", FATE_REFUSED},      {1452, "400", "9999", FATE_REFUSED},
-    {1453, "99999", "99999", FATE_REFUSED}, {1454, "9999.0", "9999.0", FATE_REFUSED},
-    {2604, "0", "0", FATE_BLACK},           {3684, "0.0", "-0.0", FATE_BLACK},
-    {3685, "-5", "120", FATE_WARNED},       {4429, "-999", "-999", FATE_BLACK},
-    {5172, "1500", "120", FATE_REFUSED},    {6037, "400", "5000", FATE_REFUSED},
+    {3, "400", "120", FATE_BLACK},
+    {12, "9999", "120", FATE_REFUSED},
+    {1452, "400", "9999", FATE_REFUSED},
+    {1453, "99999", "99999", FATE_REFUSED},
+    {1454, "9999.0", "9999.0", FATE_REFUSED},
+    {2604, "0", "0", FATE_BLACK},
+    {3684, "0.0", "-0.0", FATE_BLACK},
+    {3685, "-5", "120", FATE_WARNED},
+    {4429, "-999", "-999", FATE_BLACK},
+    {5172, "1500", "120", FATE_REFUSED},
+    {6037, "400", "5000", FATE_REFUSED},
     {8749, "1e5", "0", FATE_REFUSED},
 };
 enum { PLANTS = sizeof plants / sizeof *plants, HEADER = 2 };

@@ -236,6 +236,35 @@ static void test_black_skies_say_so(void **state)
     assert_true(d.black && strstr(d.warnings, "horizon"));
 }
 
+/*
+ * Sunset by the clock, in steps of 2 s, of which the disc takes some 80: what is left of the sun,
+ * facing it, falls to nothing without a jump, and the sky shines until then.
+ */
+static void test_sunset(void **state)
+{
+    struct orl_sky_request request = request_by_time();
+    double before = 20000, most = 0;
+    int partial = 0, lit = 0;
+    (void)state;
+    request.input = ORL_SKY_NORMAL_LX;
+    request.first = 20000;
+    request.second = 0;
+    for (int i = 0; i < 300; i++) {
+        request.hour = 18.2 + i / 1800.0;
+        const struct orl_daylight d = find(&request);
+        const double lx = d.black ? 0 : sun_normal_lx(&d);
+        assert_true(lx <= before * (1 + 1e-9));
+        assert_true(d.black == (lx == 0) && d.black == (d.warnings[0] != '\0'));
+        most = fmax(most, before - lx);
+        partial += lx > 0 && lx < 19999;
+        lit += lx > 0;
+        before = lx;
+    }
+    assert_in_range(partial, 70, 100);
+    assert_in_range(lit, partial + 1, 299);
+    assert_true(most < 20000 * 2.0 / 60); /* the disc's widest part, 4 / pi of its mean */
+}
+
 /* The row's own hour, site and measures; nothing of the request but its date. */
 static void test_weather_row_is_a_perez_sky(void **state)
 {
@@ -342,6 +371,7 @@ int main(void)
         cmocka_unit_test(test_gendaylit_mode),
         cmocka_unit_test(test_longitude_is_east),
         cmocka_unit_test(test_black_skies_say_so),
+        cmocka_unit_test(test_sunset),
         cmocka_unit_test(test_weather_row_is_a_perez_sky),
         cmocka_unit_test(test_scene_with_a_sky_is_refused),
         cmocka_unit_test(test_bad_requests),
