@@ -45,27 +45,69 @@
 #define PLATE "m polygon plate 0 0 12 -1 -1 0 1 -1 0 1 1 0 -1 1 0\n"
 
 struct stuff {
-    const char *name, *text;             /* text defines the material m */
-    bool lets_through;                   /* then the tray has a lid */
-    bool white;                          /* absorbs nothing */
-    double diffuse, specular, roughness; /* reflectances of its plate; all 0: no plate */
+    const char *name, *text;                /* text defines the material m */
+    bool lets_through;                      /* then the tray has a lid */
+    bool white;                             /* absorbs nothing */
+    double diffuse, specular, roughness[2]; /* of its plate, along x and y; all 0: no plate */
 };
 
 /* By kind. */
 static const struct stuff stuffs[] = {
-    {"plastic, white", "void plastic m 0 0 5 .9999 .9999 .9999 0 0\n", false, true, .9999, 0, 0},
-    {"plastic, grey", "void plastic m 0 0 5 .5 .5 .5 0 0\n", false, false, .5, 0, 0},
-    {"plastic, glossy", "void plastic m 0 0 5 .9999 .9999 .9999 .05 0\n", false, true, .95, .05, 0},
-    {"plastic, glossy grey", "void plastic m 0 0 5 .4 .4 .4 .1 0\n", false, false, .36, .1, 0},
-    {"plastic, rough .1", "void plastic m 0 0 5 .9999 .9999 .9999 .05 .1\n", false, true, .95, .05,
-     .1},
-    {"plastic, rough .2", "void plastic m 0 0 5 .5 .5 .5 .1 .2\n", false, false, .45, .1, .2},
-    {"metal, mirror", "void metal m 0 0 5 .9999 .9999 .9999 1 0\n", false, true, 0, 1, 0},
-    {"metal, grey mirror", "void metal m 0 0 5 .7 .7 .7 1 0\n", false, false, 0, .7, 0},
-    {"metal, half mirror", "void metal m 0 0 5 .9999 .9999 .9999 .5 0\n", false, true, .5, .5, 0},
-    {"metal, rough .1", "void metal m 0 0 5 .9999 .9999 .9999 .9 .1\n", false, true, .1, .9, .1},
-    {"metal, rough .3", "void metal m 0 0 5 .8 .8 .8 .9 .3\n", false, false, .08, .72, .3},
-    {"glass", "void glass m 0 0 4 1 1 1 1.52\n", true, true, 0, 0, 0},
+    {"plastic, white", "void plastic m 0 0 5 .9999 .9999 .9999 0 0\n", false, true, .9999, 0, {0}},
+    {"plastic, grey", "void plastic m 0 0 5 .5 .5 .5 0 0\n", false, false, .5, 0, {0}},
+    {"plastic, glossy",
+     "void plastic m 0 0 5 .9999 .9999 .9999 .05 0\n",
+     false,
+     true,
+     .95,
+     .05,
+     {0}},
+    {"plastic, glossy grey", "void plastic m 0 0 5 .4 .4 .4 .1 0\n", false, false, .36, .1, {0}},
+    {"plastic, rough .1",
+     "void plastic m 0 0 5 .9999 .9999 .9999 .05 .1\n",
+     false,
+     true,
+     .95,
+     .05,
+     {.1, .1}},
+    {"plastic, rough .2", "void plastic m 0 0 5 .5 .5 .5 .1 .2\n", false, false, .45, .1, {.2, .2}},
+    {"plastic2, rough .05 and .2",
+     "void plastic2 m 4 1 0 0 . 0 6 .5 .5 .5 .1 .05 .2\n",
+     false,
+     false,
+     .45,
+     .1,
+     {.05, .2}},
+    {"metal, mirror", "void metal m 0 0 5 .9999 .9999 .9999 1 0\n", false, true, 0, 1, {0}},
+    {"metal, grey mirror", "void metal m 0 0 5 .7 .7 .7 1 0\n", false, false, 0, .7, {0}},
+    {"metal, half mirror", "void metal m 0 0 5 .9999 .9999 .9999 .5 0\n", false, true, .5, .5, {0}},
+    {"metal, rough .1",
+     "void metal m 0 0 5 .9999 .9999 .9999 .9 .1\n",
+     false,
+     true,
+     .1,
+     .9,
+     {.1, .1}},
+    {"metal, rough .3", "void metal m 0 0 5 .8 .8 .8 .9 .3\n", false, false, .08, .72, {.3, .3}},
+    {"metal2, rough .05 and .3",
+     "void metal2 m 4 1 0 0 . 0 6 .8 .8 .8 .9 .05 .3\n",
+     false,
+     false,
+     .08,
+     .72,
+     {.05, .3}},
+    {"mirror", "void mirror m 0 0 3 .9999 .9999 .9999\n", false, true, 0, .9999, {0}},
+    {"trans, clear", "void trans m 0 0 7 .9999 .9999 .9999 .05 0 .9 1\n", true, true, 0, 0, {0}},
+    {"trans, milky", "void trans m 0 0 7 .9999 .9999 .9999 0 0 .5 0\n", true, true, 0, 0, {0}},
+    {"trans, half", "void trans m 0 0 7 .9999 .9999 .9999 .05 0 .5 .5\n", true, true, 0, 0, {0}},
+    {"glass", "void glass m 0 0 4 1 1 1 1.52\n", true, true, 0, 0, {0}},
+    {"dielectric, 20 cm thick",
+     "void dielectric m 0 0 5 1 1 1 1.5 0\n!genbox m outer 2.4 2.4 1.2 | xform -t -.2 -.2 -.2\n",
+     true,
+     true,
+     0,
+     0,
+     {0}},
 };
 enum { STUFFS = sizeof stuffs / sizeof *stuffs };
 
@@ -107,7 +149,7 @@ static void test_trays(void **state)
         for (int p = 0; p < PLACES; p++) {
             const double tolerance = p == CORNER ? 1.5 * set.tolerance : set.tolerance;
             snprintf(what, sizeof what, "%s: %s", s->name, place_names[p]);
-            if (s->roughness > 0)
+            if (s->roughness[0] > 0)
                 assert_true(found[p] > 0.5 && found[p] < 1 + tolerance);
             else
                 reference_row_within(&set, what, 1, found[p], tolerance);
@@ -118,23 +160,26 @@ static void test_trays(void **state)
 
 /* ---- Plates ---------------------------------------------------------------------------------- */
 
-/* The rough lobe: with h the sum of both directions, rho exp(-tan^2 / a^2) h.h / (pi a^2 hz^4). */
+/*
+ * The rough lobe: with h the sum of both directions and a, b the roughness along x and y,
+ * rho exp(-((hx / a)^2 + (hy / b)^2) / hz^2) h.h / (pi a b hz^4).
+ */
 static double lobe(const struct stuff *s, struct orl_vec3 in, struct orl_vec3 out)
 {
     const struct orl_vec3 h = orl_add(in, out);
-    const double a2 = s->roughness * s->roughness, h2 = h.z * h.z;
-    return s->specular * exp(-(h.x * h.x + h.y * h.y) / (h2 * a2)) * orl_dot(h, h) /
-           (ORL_PI * a2 * h2 * h2);
+    const double a = s->roughness[0], b = s->roughness[1], h2 = h.z * h.z;
+    return s->specular * exp(-(h.x * h.x / (a * a) + h.y * h.y / (b * b)) / h2) * orl_dot(h, h) /
+           (ORL_PI * a * b * h2 * h2);
 }
 
-/* Of light from that angle, what is sent back in all; by midpoints even in z^2. */
-static double albedo(const struct stuff *s, double cosine)
+/* Of light from that angle to the normal, and about it, what is sent back in all; by midpoints even
+ * in z^2. */
+static double albedo(const struct stuff *s, double cosine, double azimuth)
 {
-    enum { ROWS = 400, COLUMNS = 400 };
-    const struct orl_vec3 in = orl_v3(sqrt(1 - cosine * cosine), 0, cosine);
+    enum { ROWS = 300, COLUMNS = 300 };
+    const double sine = sqrt(1 - cosine * cosine);
+    const struct orl_vec3 in = orl_v3(sine * cos(azimuth), sine * sin(azimuth), cosine);
     double sum = 0;
-    if (!(s->roughness > 0))
-        return s->diffuse + s->specular;
     for (int i = 0; i < ROWS; i++)
         for (int k = 0; k < COLUMNS; k++) {
             const double z2 = (i + 0.5) / ROWS, r = sqrt(1 - z2);
@@ -144,19 +189,26 @@ static double albedo(const struct stuff *s, double cosine)
     return s->diffuse + sum * ORL_PI / (ROWS * COLUMNS);
 }
 
-/* Mean radiance, weighted by the cosine, that a sensor at that height above the plate's middle has
- * when it looks down: the plate shows its albedo and 1 is beside it. */
+/*
+ * Mean radiance, weighted by the cosine, that a sensor at that height above the plate's middle has
+ * when it looks down: the plate shows its albedo and 1 is beside it. A quarter of the plate says
+ * all.
+ */
 static double above_plate(const struct stuff *s, double height)
 {
-    enum { STEPS = 64, SIDE = 200 };
-    double albedos[STEPS], sum = 0;
-    for (int i = 0; i < STEPS; i++)
-        albedos[i] = albedo(s, (i + 0.5) / STEPS);
+    enum { STEPS = 32, TURNS = 6, SIDE = 200 };
+    double albedos[STEPS][TURNS], sum = 0;
+    for (int i = 0; i < STEPS * TURNS; i++)
+        albedos[i / TURNS][i % TURNS] =
+            s->roughness[0] > 0
+                ? albedo(s, (i / TURNS + 0.5) / STEPS, (i % TURNS + 0.5) / TURNS * ORL_PI / 2)
+                : s->diffuse + s->specular;
     for (int i = 0; i < SIDE * SIDE; i++) {
-        const double x = (i % SIDE + 0.5) / SIDE, y = (i / SIDE + 0.5) / SIDE;
+        const double x = (i % SIDE + 0.5) / SIDE, y = ((double)(i / SIDE) + 0.5) / SIDE;
         const double d2 = x * x + y * y + height * height, cosine = height / sqrt(d2);
-        const int step = (int)(cosine * STEPS);
-        sum += (1 - albedos[step < STEPS ? step : STEPS - 1]) * cosine * cosine / d2;
+        const int step = (int)(cosine * STEPS), turn = (int)(atan2(y, x) / (ORL_PI / 2) * TURNS);
+        sum += (1 - albedos[step < STEPS ? step : STEPS - 1][turn < TURNS ? turn : TURNS - 1]) *
+               cosine * cosine / d2;
     }
     return 1 - sum * 4 / (ORL_PI * SIDE * SIDE);
 }
