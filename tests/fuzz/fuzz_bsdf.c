@@ -32,6 +32,22 @@ static void check_sample(const struct orl_bsdf *bsdf, struct orl_vec3 given,
     }
 }
 
+/* What goes straight is a share, and so are the draws that do. */
+static void check_straight(const struct orl_bsdf *bsdf, struct orl_vec3 given, const double u[3])
+{
+    check_color(orl_bsdf_straight(bsdf, given));
+    for (int adjoint = 0; adjoint < 2; adjoint++) {
+        struct orl_bsdf_draw draw;
+        if (!orl_bsdf_sample_split(bsdf, given, adjoint, ORL_BSDF_BOTH, u, &draw))
+            continue;
+        fuzz_check_unit(draw.direction);
+        check_color(draw.weight);
+        FUZZ_PROMISE(isfinite(draw.pdf) && (draw.straight || draw.pdf > 0));
+        const double part = orl_bsdf_straight_part(bsdf, given, draw.direction);
+        FUZZ_PROMISE(part >= 0 && part <= 1);
+    }
+}
+
 static void check_direction(const struct orl_bsdf *bsdf, struct orl_vec3 in,
                             const struct orl_vec3 *directions, size_t count)
 {
@@ -43,6 +59,8 @@ static void check_direction(const struct orl_bsdf *bsdf, struct orl_vec3 in,
         for (size_t i = 0; i < 3; i++)
             check_sample(bsdf, in, (enum orl_bsdf_side)sides, u[i]);
     }
+    for (size_t i = 0; i < 3; i++)
+        check_straight(bsdf, in, u[i]);
 }
 
 static void check_info(const struct orl_bsdf *bsdf)
