@@ -285,6 +285,10 @@ int orl_material_read_illum(struct orl_parser *parser, const struct orl_scope *s
     if (code < 0)
         return code;
     material->color = orl_material_rgb(parser, 0);
+    orl_parser_warn(parser,
+                    "illum %.100s at %.200s:%d: it shines like a light, and no other light passes "
+                    "it: sun and sky behind it are hidden",
+                    parser->primitive.id, scope->file, parser->primitive.line);
     return check_radiance(parser, scope, material->color, err);
 }
 

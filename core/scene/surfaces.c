@@ -328,6 +328,17 @@ static int keep_surface(struct orl_parser *parser, const struct orl_scope *scope
     return 0;
 }
 
+static int fail_source(struct orl_parser *parser, const struct orl_scope *scope,
+                       enum orl_material_kind kind, struct orl_error *err)
+{
+    orl_parser_fail(parser, scope, err, ORL_ERR_UNSUPPORTED,
+                    "a source needs a light or glow as its modifier");
+    if (kind == ORL_MATERIAL_SPOTLIGHT)
+        orl_error_hint(err, "a spotlight is to be a surface; a sun that shines on one spot only is "
+                            "not simulated");
+    return ORL_ERR_UNSUPPORTED;
+}
+
 static int read_source(struct orl_parser *parser, const struct orl_scope *scope,
                        struct orl_error *err)
 {
@@ -342,8 +353,7 @@ static int read_source(struct orl_parser *parser, const struct orl_scope *scope,
     r = parser->primitive.reals;
     if (out->materials[distant.material].kind != ORL_MATERIAL_LIGHT &&
         out->materials[distant.material].kind != ORL_MATERIAL_GLOW)
-        return orl_parser_fail(parser, scope, err, ORL_ERR_UNSUPPORTED,
-                               "a source needs a light or glow as its modifier");
+        return fail_source(parser, scope, out->materials[distant.material].kind, err);
     distant.direction = orl_normalize(orl_xform_vector(&scope->xform, real3(parser, 0)));
     distant.angle_deg = r[3];
     if (!(fabs(orl_length(distant.direction) - 1.0) < 1e-6))

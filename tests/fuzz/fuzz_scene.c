@@ -26,6 +26,31 @@ static void check_color(struct orl_rgb c)
     FUZZ_PROMISE(orl_rgb_is_finite(c));
 }
 
+/* Light that meets it from anywhere: weights and values are finite, and nothing is negative. */
+static void check_scatter(const struct orl_material *m)
+{
+    static const struct orl_vec3 from[] = {{0, 0, 1}, {0.6, 0, 0.8}, {0, -0.8, -0.6}, {1, 0, 1e-9}};
+    static const double u[][3] = {{0.3, 0.7, 0.1}, {0.999999, 0, 0.5}, {0, 0.25, 0.999999}};
+    const struct orl_hit hit = {.distance = 2, .normal = {0, 0, 1}, .front = true};
+    if (m->kind == ORL_MATERIAL_BSDF)
+        return; /* its up vector may stand on this surface */
+    for (size_t i = 0; i < sizeof from / sizeof *from; i++) {
+        for (size_t k = 0; k < sizeof u / sizeof *u; k++) {
+            const struct orl_scatter s = orl_scatter_sample_at(
+                m, &hit, from[i], k & 1 ? ORL_TRANSPORT_EYE : ORL_TRANSPORT_LIGHT, ORL_LOBE_ALL,
+                u[k]);
+            if (s.event == ORL_EVENT_ABSORBED)
+                continue;
+            check_color(s.weight);
+            FUZZ_PROMISE(s.weight.r >= 0 && s.weight.g >= 0 && s.weight.b >= 0);
+            fuzz_check_unit(s.direction);
+            check_color(orl_scatter_eval_lobes(m, &hit, from[i], s.direction));
+        }
+        check_color(orl_material_albedo(m, &hit, from[i], ORL_LOBE_ALL));
+        check_color(orl_material_emission(m, &hit, from[i]));
+    }
+}
+
 static void check_material(const struct orl_description *d, const struct orl_material *m)
 {
     FUZZ_PROMISE(m->kind >= ORL_MATERIAL_VOID && m->kind <= ORL_MATERIAL_ILLUM);
@@ -39,6 +64,27 @@ static void check_material(const struct orl_description *d, const struct orl_mat
     FUZZ_PROMISE(isfinite(m->specular) && isfinite(m->roughness[0]) && isfinite(m->roughness[1]) &&
                  isfinite(m->ior));
     FUZZ_PROMISE(isfinite(m->max_radius) && isfinite(m->thickness));
+    FUZZ_PROMISE(m->specular >= 0 && m->specular <= 1 && m->roughness[0] >= 0 &&
+                 m->roughness[0] <= 1 && m->roughness[1] >= 0 && m->roughness[1] <= 1);
+    FUZZ_PROMISE(m->transmitted >= 0 && m->transmitted <= 1 && m->transmitted_specular >= 0 &&
+                 m->transmitted_specular <= 1);
+    fuzz_check_finite(m->grain);
+    fuzz_check_finite(m->aim);
+    if (m->roughness[0] != m->roughness[1])
+        fuzz_check_unit(m->grain);
+    for (int side = 0; m->kind == ORL_MATERIAL_DIELECTRIC && side < 2; side++) {
+        const struct orl_rgb t = m->media[side].transmissivity;
+        check_color(t);
+        FUZZ_PROMISE(t.r >= 0 && t.g >= 0 && t.b >= 0 && orl_rgb_max(t) <= 1);
+        FUZZ_PROMISE(m->media[side].ior >= 1 && m->media[side].ior <= 10);
+    }
+    if (m->kind == ORL_MATERIAL_SPOTLIGHT)
+        fuzz_check_unit(m->aim);
+    FUZZ_PROMISE(m->cos_cone >= -1 && m->cos_cone <= 1 && m->focus >= 0 && isfinite(m->focus));
+    FUZZ_PROMISE(m->seen_as >= ORL_SEEN_AS_NOTHING &&
+                 (m->seen_as < 0 || ((size_t)m->seen_as < d->n_materials &&
+                                     d->materials[m->seen_as].kind != ORL_MATERIAL_ILLUM)));
+    check_scatter(m);
     FUZZ_PROMISE((m->kind == ORL_MATERIAL_BSDF) == (m->bsdf != NULL));
     FUZZ_PROMISE(m->sky >= -1 && (m->sky < 0 || (size_t)m->sky < d->n_skies));
 }

@@ -1,0 +1,182 @@
+/*
+ * Every type of material: what its numbers become, under transforms too; and that each of
+ * Radiance's types of primitive has an answer of its own, be it a refusal that helps.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include <oriel/files.h>
+
+#include "scene/parse.h"
+#include "scene/scatter.h"
+#include "support/scene_text.h"
+
+static bool near(double a, double b)
+{
+    return fabs(a - b) <= 1e-12 * fmax(1, fabs(b));
+}
+
+static bool same_rgb(struct orl_rgb c, double r, double g, double b)
+{
+    return near(c.r, r) && near(c.g, g) && near(c.b, b);
+}
+
+static void test_reflectors(void **state)
+{
+    struct orl_description d =
+        scene_parse_text("void trans t 0 0 7 .8 .7 .6 .1 .2 .5 .4\n"
+                         "void plastic2 p 4 1 2 2 . 0 6 .5 .4 .3 .02 .1 .2\n"
+                         "void metal2 m 6 1 0 0 . -rz 90 0 6 .5 .4 .3 .9 .1 .2\n"
+                         "void trans2 s 4 0 3 0 . 0 8 .5 .4 .3 .1 .1 .2 .6 .7\n",
+                         NULL, NULL);
+    const struct orl_material *m = d.materials;
+    (void)state;
+    assert_int_equal(d.n_materials, 4);
+    assert_int_equal(m[0].kind, ORL_MATERIAL_TRANS);
+    assert_true(same_rgb(m[0].color, .8, .7, .6) && near(m[0].specular, .1));
+    assert_true(near(m[0].roughness[0], .2) && near(m[0].roughness[1], .2));
+    assert_true(near(m[0].transmitted, .5) && near(m[0].transmitted_specular, .4));
+    assert_int_equal(m[1].kind, ORL_MATERIAL_PLASTIC);
+    assert_true(near(m[1].roughness[0], .1) && near(m[1].roughness[1], .2));
+    assert_true(near(m[1].grain.x, 1.0 / 3) && near(m[1].grain.y, 2.0 / 3));
+    assert_int_equal(m[2].kind, ORL_MATERIAL_METAL);
+    assert_true(near(m[2].grain.x, 0) && near(m[2].grain.y, 1));
+    assert_int_equal(m[3].kind, ORL_MATERIAL_TRANS);
+    assert_true(near(m[3].transmitted, .6) && near(m[3].transmitted_specular, .7));
+    orl_description_done(&d);
+}
+
+static void test_clear_materials(void **state)
+{
+    struct orl_description d = scene_parse_text("void dielectric d 0 0 5 .9 .8 .7 1.5 0\n"
+                                                "void interface i 0 0 8 .9 .8 .7 1.5 1 .5 1 1.33\n"
+                                                "void mirror m 0 0 3 .9 .8 1\n",
+                                                NULL, NULL);
+    const struct orl_material *m = d.materials;
+    (void)state;
+    assert_int_equal(m[0].kind, ORL_MATERIAL_DIELECTRIC);
+    assert_true(same_rgb(m[0].media[0].transmissivity, .9, .8, .7) && near(m[0].media[0].ior, 1.5));
+    assert_true(same_rgb(m[0].media[1].transmissivity, 1, 1, 1) && near(m[0].media[1].ior, 1));
+    assert_int_equal(m[1].kind, ORL_MATERIAL_DIELECTRIC);
+    assert_true(same_rgb(m[1].media[1].transmissivity, 1, .5, 1));
+    assert_true(near(m[1].media[1].ior, 1.33));
+    assert_int_equal(m[2].kind, ORL_MATERIAL_MIRROR);
+    assert_true(same_rgb(m[2].color, .9, .8, 1));
+    assert_int_equal(d.n_warnings, 0);
+    orl_description_done(&d);
+}
+
+static void test_lights(void **state)
+{
+    struct orl_description d = scene_parse_text("void glass g 0 0 3 .9 .9 .9\n"
+                                                "void spotlight s 0 0 7 1 2 3 60 0 0 -2\n"
+                                                "void illum a 0 0 3 1 2 3\n"
+                                                "void illum b 1 void 0 3 1 2 3\n"
+                                                "void illum c 1 g 0 3 1 2 3\n"
+                                                "void illum d 1 c 0 3 1 2 3\n",
+                                                NULL, NULL);
+    const struct orl_material *m = d.materials;
+    (void)state;
+    assert_int_equal(m[1].kind, ORL_MATERIAL_SPOTLIGHT);
+    assert_true(near(m[1].focus, 2) && near(m[1].aim.z, -1) && near(m[1].cos_cone, sqrt(.75)));
+    assert_int_equal(m[2].kind, ORL_MATERIAL_ILLUM);
+    assert_int_equal(m[2].seen_as, ORL_SEEN_AS_NOTHING);
+    assert_int_equal(m[3].seen_as, ORL_SEEN_AS_NOTHING);
+    assert_int_equal(m[4].seen_as, 0);
+    assert_int_equal(m[5].seen_as, 0);
+    for (int i = 1; i < 6; i++)
+        assert_true(orl_material_is_lamp(&m[i]) && orl_material_shines(&m[i]));
+    orl_description_done(&d);
+}
+
+/* What is accepted but not simulated as written is said. */
+static void test_warnings(void **state)
+{
+    static const char *const texts[3][2] = {
+        {"void dielectric d 0 0 5 1 1 1 1.5 8e5\n", "dispersion"},
+        {"void plastic p 0 0 5 0 0 0 0 0\nvoid mirror m 1 p 0 3 .9 .8 1\n", "not 'p'"},
+        {"void illum i 0 0 3 1 1 1\n", "no other light passes"}};
+    (void)state;
+    for (int i = 0; i < 3; i++) {
+        struct orl_description d = scene_parse_text(texts[i][0], NULL, NULL);
+        assert_int_equal(d.n_warnings, 1);
+        assert_non_null(strstr(d.warnings[0], texts[i][1]));
+        orl_description_done(&d);
+    }
+}
+
+/* Turned by 90 degrees about z and ten times as large, as xform has it. */
+static void test_transforms(void **state)
+{
+    static const char materials[] = "void dielectric d 0 0 5 .5 .5 .5 1.5 0\n"
+                                    "void spotlight s 0 0 7 1 2 3 60 2 0 0\n"
+                                    "void glow w 0 0 4 1 1 1 3\n"
+                                    "void metal2 m 4 1 0 0 . 0 6 .5 .4 .3 .9 .1 .2\n";
+    static const char *const names[] = {"a.rad", "m.rad"};
+    static const char main_text[] = "!xform -rz 90 -s 10 m.rad\n";
+    const struct orl_file contents[] = {{main_text, sizeof main_text - 1, NULL},
+                                        {materials, sizeof materials - 1, NULL}};
+    struct orl_memory_files memory = {names, contents, 2};
+    const struct orl_files files = orl_files_from_memory(&memory);
+    struct orl_description d = {0};
+    struct orl_error err = {0};
+    (void)state;
+    assert_int_equal(orl_scene_parse(names, 1, &files, &d, &err), 0);
+    assert_true(near(d.materials[0].media[0].transmissivity.g, pow(.5, .1)));
+    assert_true(near(d.materials[1].focus, 20) && near(d.materials[1].aim.y, 1));
+    assert_true(near(d.materials[2].max_radius, 30));
+    assert_true(near(d.materials[3].grain.y, 1));
+    orl_description_done(&d);
+}
+
+/* All of Radiance's types of primitive; those read here, and those refused by name, with a hint. */
+static void test_every_type_has_an_answer(void **state)
+{
+    static const char *const read[] = {
+        "polygon",  "cone",       "sphere", "ring",      "cylinder",  "cup",       "bubble",
+        "tube",     "source",     "alias",  "plastic",   "metal",     "glass",     "trans",
+        "plastic2", "metal2",     "trans2", "interface", "glow",      "light",     "illum",
+        "mirror",   "dielectric", "BSDF",   "aBSDF",     "spotlight", "brightfunc"};
+    static const char *const refused[] = {
+        "texfunc",    "texdata",    "instance",  "mesh",      "plasfunc",  "metfunc",
+        "brightdata", "brighttext", "colorpict", "mist",      "transfunc", "BRTDfunc",
+        "WGMDfunc",   "plasdata",   "metdata",   "transdata", "colorfunc", "antimatter",
+        "colordata",  "colortext",  "mixfunc",   "mixdata",   "mixtext",   "mixpict",
+        "prism1",     "prism2",     "ashik2",    "spectrum",  "specfile",  "specfunc",
+        "specdata",   "specpict"};
+    static const char *const names[] = {"a.rad"};
+    (void)state;
+    assert_int_equal(sizeof read / sizeof *read + sizeof refused / sizeof *refused, 59);
+    for (size_t i = 0; i < 59; i++) {
+        const size_t n_read = sizeof read / sizeof *read;
+        const char *type = i < n_read ? read[i] : refused[i - n_read];
+        struct orl_description d = {0};
+        struct orl_error err = {0};
+        char text[64];
+        snprintf(text, sizeof text, "\nvoid %s x\n", type);
+        const struct orl_file file = {text, strlen(text), NULL};
+        struct orl_memory_files memory = {names, &file, 1};
+        const struct orl_files files = orl_files_from_memory(&memory);
+        const int code = orl_scene_parse(names, 1, &files, &d, &err);
+        /* Without arguments those that are read end too soon. */
+        assert_int_equal(code, i < n_read ? ORL_ERR_SYNTAX : ORL_ERR_UNSUPPORTED);
+        assert_true(i < n_read || (err.line == 2 && err.hint[0] != '\0'));
+        assert_null(strstr(err.message, "no type of primitive"));
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_reflectors), cmocka_unit_test(test_clear_materials),
+        cmocka_unit_test(test_lights),     cmocka_unit_test(test_warnings),
+        cmocka_unit_test(test_transforms), cmocka_unit_test(test_every_type_has_an_answer),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
