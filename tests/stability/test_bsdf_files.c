@@ -158,7 +158,7 @@ static void test_19_cut_short(void **state)
 /* Braces and values thrown together: whatever comes of it, an error has a line and a reason. */
 static void test_19_braces_at_random(void **state)
 {
-    const long rounds = stability_full() ? 100000 : 600;
+    const long rounds = stability_full() ? 20000 : 600;
     struct orl_random random = orl_random_stream(2, ORL_PURPOSE_BENCH, 19);
     long mute = 0, refused = 0;
     (void)state;
