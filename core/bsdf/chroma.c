@@ -150,21 +150,23 @@ static int finish_tree(struct orl_chroma *c, const struct orl_tree *tree, size_t
     for (int axis = 0; axis < 2; axis++) {
         j.sums[axis] = calloc(level_start(c->depth + 1), sizeof *j.sums[axis]);
         c->total[axis] = malloc(cells * sizeof *c->total[axis]);
-        if (!j.sums[axis] || !c->total[axis])
-            code = no_memory(err);
     }
-    if (code == 0)
-        join(&j, &whole);
-    for (int axis = 0; axis < 2 && code == 0; axis++) {
+    if (!j.sums[0] || !j.sums[1] || !c->total[0] || !c->total[1]) {
+        code = no_memory(err);
+        goto done;
+    }
+    join(&j, &whole);
+    for (int axis = 0; axis < 2; axis++) {
         push_down(j.sums[axis], c->depth);
         for (size_t i = 0; i < cells; i++)
             c->total[axis][i] = tint_or_gray(j.sums[axis][level_start(c->depth) + i]);
     }
-    free(j.sums[0]);
-    free(j.sums[1]);
     *outside += j.outside;
     c->cells = cells;
-    c->present = code == 0;
+    c->present = true;
+done:
+    free(j.sums[0]);
+    free(j.sums[1]);
     return code;
 }
 
@@ -186,10 +188,11 @@ static int finish_iso(struct orl_chroma *c, const struct orl_iso *iso, size_t *o
     c->total[ORL_AXIS_A] = malloc(half * sizeof *c->total[ORL_AXIS_A]);
     if (!c->total[ORL_AXIS_A])
         return no_memory(err);
+    const size_t side = 2 * (size_t)half;
     for (size_t a = 0; a < half; a++) {
         struct orl_rgb sum = orl_gray(0);
-        for (size_t i = 0; i < 4 * (size_t)half * half; i++) {
-            const size_t x = i / (2 * half), y = i % (2 * half);
+        for (size_t i = 0; i < side * side; i++) {
+            const size_t x = i / side, y = i % side;
             const double luminance = at_cell(iso, half, a, x, y);
             if (luminance > 0)
                 add_to(&sum,

@@ -201,8 +201,17 @@ static bool iso_cell(const struct orl_iso *iso, unsigned a, unsigned bit, size_t
 {
     const int n = 2 * (int)iso->half, half = (int)iso->half;
     const int x = half + (int)a - REACH + (int)bit % SPAN, y = half - 1 - REACH + (int)bit / SPAN;
-    *ret_cell = (size_t)(x * n + y);
+    *ret_cell = (size_t)x * (size_t)n + (size_t)y;
     return x >= 0 && y >= 0 && x < n && y < n;
+}
+
+/* B at the middle of a cell, with A as it is looked up when light travels along +x. */
+static struct orl_coords iso_coords(const struct orl_iso *iso, size_t cell)
+{
+    const size_t n = 2 * (size_t)iso->half, x = cell / n, y = cell % n;
+    const struct orl_square middle = {((double)x + 0.5) / iso->half - 1,
+                                      ((double)y + 0.5) / iso->half - 1};
+    return (struct orl_coords){.round = orl_round_of(orl_square_to_hemisphere(middle))};
 }
 
 static void add_ring(struct orl_component *c, struct sums *sums, unsigned a)
@@ -226,12 +235,8 @@ static void add_ring(struct orl_component *c, struct sums *sums, unsigned a)
     for (unsigned k = 0; k < g.count; k++) {
         if (!(p->members[a] >> k & 1) || !iso_cell(iso, a, k, &cell))
             continue;
-        /* Light along -x, as A has it; B at the middle of the cell. */
-        struct orl_coords from = {.round = {(a + 0.5) / iso->half, ORL_PI}};
-        struct orl_vec3 to = orl_square_to_hemisphere(
-            (struct orl_square){((double)(cell / n) + 0.5) * 2 / (double)n - 1,
-                                ((double)(cell % n) + 0.5) * 2 / (double)n - 1});
-        struct orl_coords b = {.round = orl_round_of(to)};
+        const struct orl_coords from = {.round = {(a + 0.5) / iso->half, ORL_PI}};
+        const struct orl_coords b = iso_coords(iso, cell);
         sums->color[ORL_AXIS_A][a] =
             orl_rgb_add(sums->color[ORL_AXIS_A][a],
                         orl_tinted(orl_chroma_tint(ORL_STRUCTURE_TREE3, c, &from, &b),

@@ -70,7 +70,7 @@ static void warn_of_gain(struct orl_parser *parser, const struct orl_material *m
 static int read_bsdf_numbers(struct orl_parser *parser, const struct orl_scope *scope, size_t file,
                              struct orl_material *material, struct orl_error *err)
 {
-    struct orl_xform xform;
+    struct orl_xform xform = orl_xform_identity;
     double up[3] = {0, 0, 0};
     int code = file == 0 ? 0 : orl_material_number(parser, scope, 0, &material->thickness, err);
     for (size_t i = 0; i < 3 && code == 0; i++)
