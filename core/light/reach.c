@@ -49,25 +49,41 @@ static bool sees_lamp(const struct orl_world *world, struct orl_vec3 point,
     return false;
 }
 
+/*
+ * Rays are floats: one in ten million leaves a hit that lies a hair beyond the edge where two walls
+ * meet, and so gets out. What also gets out when it starts a little before that hit has found a
+ * hole.
+ */
+static bool gets_out(const struct orl_world *world, struct orl_vec3 before,
+                     struct orl_vec3 direction)
+{
+    struct orl_hit hit;
+    return world->n_suns + world->n_domes > 0 &&
+           !orl_geometry_intersect(world->geometry, before, direction, INFINITY, &hit);
+}
+
 static bool finds_light(const struct quest *quest, size_t path)
 {
     const struct orl_world *world = quest->world;
     const struct orl_outlook *outlook = &quest->outlooks[path % quest->count];
-    const bool distant = world->n_suns + world->n_domes > 0;
+    const double little = 1e-4 * world->geometry->radius;
     struct orl_random random = orl_random_stream(2, ORL_PURPOSE_PILOT, path);
-    struct orl_vec3 point = outlook->point, direction = set_out(outlook, &random);
+    struct orl_vec3 point = outlook->point, before = point;
+    struct orl_vec3 direction = set_out(outlook, &random);
     for (int bounce = 0; bounce < MOST_BOUNCES; bounce++) {
         struct orl_hit hit;
         if (sees_lamp(world, point, &random))
             return true;
         if (!orl_geometry_intersect(world->geometry, point, direction, INFINITY, &hit))
-            return distant;
-        const struct orl_material *m = orl_world_material(world, &hit);
-        if (!orl_material_is_window(m)) {
+            return gets_out(world, before, direction);
+        before = orl_madd(hit.point, direction, -fmin(little, 0.5 * hit.distance));
+        if (!orl_material_is_window(orl_world_material(world, &hit))) {
             const double u = orl_random_uniform(&random), v = orl_random_uniform(&random);
             direction = orl_hemisphere_about(hit.front ? hit.normal : orl_neg(hit.normal), u, v);
+            point = orl_hit_leave(world->geometry, &hit, direction);
+        } else {
+            before = point = orl_hit_leave(world->geometry, &hit, direction);
         }
-        point = orl_hit_leave(world->geometry, &hit, direction);
     }
     return false;
 }

@@ -1,0 +1,95 @@
+/*
+ * Whether light reaches a place: by a hole however small, from a lamp however small, through glass;
+ * not into closed rooms and solids, and not where there is none. The same for any crew.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include <cmocka.h>
+
+#include "light/reach.h"
+#include "support/room.h"
+
+#define CLOSED ROOM_SKY ROOM_SUN ROOM_GREY "!genbox w room 4 5 3 -i\n"
+#define LAMP "void light lamp 0 0 3 1 1 1\n"
+
+/* From one place of the files' coordinates, all round. */
+static bool reaches(const char *text, struct orl_vec3 from, uint32_t threads)
+{
+    struct orl_description description = scene_parse_text(text, NULL, NULL);
+    struct orl_crew *crew = orl_crew_start(threads);
+    struct orl_world *world = NULL;
+    assert_int_equal(orl_world_new(&description, &world, NULL), 0);
+    assert_int_equal(orl_world_find_ports(world, crew, NULL), 0);
+    const struct orl_outlook outlook = {orl_sub(from, world->geometry->center), {0, 0, 0}};
+    const bool found = orl_light_reaches(world, &outlook, 1, 16384, crew);
+    orl_world_free(world);
+    orl_crew_stop(crew);
+    return found;
+}
+
+static void test_closed(void **state)
+{
+    (void)state;
+    for (uint32_t threads = 1; threads <= 3; threads += 2) {
+        assert_false(reaches(CLOSED, orl_v3(1, 1, 1), threads));
+        assert_true(reaches(CLOSED, orl_v3(9, 9, 9), threads));
+        assert_false(
+            reaches(CLOSED LAMP "lamp sphere bulb 0 0 4 5 1 1 .1\n", orl_v3(1, 1, 1), threads));
+    }
+}
+
+/* A hole of 2 x 2 cm is 4e-6 of the room's surface. */
+static void test_hole(void **state)
+{
+    static const char text[] =
+        ROOM_SKY ROOM_GREY "w polygon floor 0 0 12 0 0 0 4 0 0 4 5 0 0 5 0\n"
+                           "w polygon west 0 0 12 0 0 0 0 5 0 0 5 3 0 0 3\n"
+                           "w polygon east 0 0 12 4 0 0 4 0 3 4 5 3 4 5 0\n"
+                           "w polygon north 0 0 12 0 5 0 4 5 0 4 5 3 0 5 3\n"
+                           "w polygon south 0 0 12 0 0 0 0 0 3 4 0 3 4 0 0\n"
+                           "w polygon ceiling 0 0 30 0 0 3 0 5 3 4 5 3 4 0 3 0 0 3 "
+                           "2 2 3 2.02 2 3 2.02 2.02 3 2 2.02 3 2 2 3\n";
+    (void)state;
+    assert_true(reaches(text, orl_v3(1, 1, 1), 1));
+}
+
+static void test_lamps(void **state)
+{
+    static const char small[] = CLOSED LAMP "lamp sphere bulb 0 0 4 3 4 2 1e-5\n";
+    static const char encased[] = CLOSED LAMP "lamp sphere bulb 0 0 4 3 4 2 1e-5\n"
+                                              "void glass p 0 0 3 .9 .9 .9\n"
+                                              "p sphere case 0 0 4 3 4 2 .1\n";
+    static const char hidden[] = CLOSED LAMP "lamp sphere bulb 0 0 4 3 4 2 1e-5\n"
+                                             "w sphere case 0 0 4 3 4 2 .1\n";
+    (void)state;
+    assert_true(reaches(small, orl_v3(1, 1, 1), 1));
+    assert_true(reaches(encased, orl_v3(1, 1, 1), 1));
+    assert_false(reaches(hidden, orl_v3(1, 1, 1), 1));
+}
+
+static void test_windows_and_solids(void **state)
+{
+    static const char room[] = ROOM_SKY ROOM_GREY ROOM_CLEAR ROOM_SHELL ROOM_PANE
+        "!genbox w block 1 1 1 | xform -t 1 3 0\n";
+    static const char night[] = ROOM_GREY ROOM_CLEAR ROOM_SHELL ROOM_PANE;
+    (void)state;
+    assert_true(reaches(room, orl_v3(3, 1, 1), 1));
+    assert_false(reaches(room, orl_v3(1.5, 3.5, .5), 1));
+    assert_false(reaches(night, orl_v3(3, 1, 1), 1));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_closed),
+        cmocka_unit_test(test_hole),
+        cmocka_unit_test(test_lamps),
+        cmocka_unit_test(test_windows_and_solids),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
