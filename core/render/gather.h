@@ -81,7 +81,8 @@ struct orl_rgb orl_gather_direct(const struct orl_gather *gather, const struct o
 /*
  * Illuminance, in lux, of a sensor: all three parts. A sensor on a surface reads caustics by
  * density. In mid-air, where no photon lands, it takes the sun by points on the BSDF panes and by
- * the sun's images in flat mirrors; caustics of lamps and of curved mirrors are left out there.
+ * the sun's images in flat mirrors; caustics of lamps, of curved mirrors and of dielectrics are
+ * left out there.
  */
 double orl_gather_sensor(const struct orl_gather *gather, struct orl_vec3 position,
                          struct orl_vec3 direction, uint32_t samples, uint64_t index,

@@ -25,6 +25,22 @@ static void compute_sensor(void *arg, size_t index, uint32_t member)
         orl_normalize(state->sensors[i].direction), samples, i, &state->searches[member]);
 }
 
+/* The sun behind a dielectric comes as caustic photons, which only surfaces catch. */
+static void warn_of_dielectrics(struct orl_run_state *state)
+{
+    const struct orl_world *world = state->world;
+    for (size_t i = 0; world->n_suns > 0 && i < world->geometry->n_facets; i++) {
+        const uint32_t material = world->geometry->facets[i].material;
+        if (world->description.materials[material].kind != ORL_MATERIAL_DIELECTRIC)
+            continue;
+        orl_run_warn(state,
+                     "the sun through dielectrics (material '%s') reaches sensors that lie on "
+                     "surfaces, but not those in mid-air",
+                     world->description.materials[material].name);
+        return;
+    }
+}
+
 /* Rounds of a few hundred sensors, so that progress and cancelling are heard in between. */
 static int render_sensors(struct orl_run_state *state, const struct orl_gather *gather,
                           double share, struct orl_error *err)
@@ -37,6 +53,7 @@ static int render_sensors(struct orl_run_state *state, const struct orl_gather *
     if (!state->result->illuminance_lx)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for %zu sensors", n);
     state->result->n_sensors = n;
+    warn_of_dielectrics(state);
     for (size_t first = 0; first < n; first += ROUND) {
         struct sensor_work work = {state, gather, first, n - first < ROUND ? n - first : ROUND};
         orl_crew_for(state->env->crew, work.count, compute_sensor, &work);

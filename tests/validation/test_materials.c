@@ -49,6 +49,7 @@ struct outcome {
     double w[MOST_SENSORS]; /* irradiances, W/m2 */
     double global_w, global_sigma, caustic_w, caustic_sigma;
     double pixels[SIDE * SIDE][3];
+    bool warned; /* of dielectrics */
 };
 
 static void run(struct scene_run job, struct outcome *o)
@@ -73,6 +74,9 @@ static void run(struct scene_run job, struct outcome *o)
         snprintf(path, sizeof path, "%s/view.hdr", folder);
         hdr_read(path, SIDE, SIDE, o->pixels);
     }
+    o->warned = false;
+    for (size_t i = 0; i < result.n_warnings; i++)
+        o->warned = o->warned || strstr(result.warnings[i], "dielectrics");
     orl_result_done(&result);
     cli_remove_folder(folder);
 }
@@ -194,6 +198,7 @@ static void test_lampshade(void **state)
                            .n_sensors = 1},
         &o);
     assert_within("flux", o.global_w, expected, 3 * o.global_sigma + 0.01 * expected);
+    assert_false(o.warned);
 }
 
 /* ---- A solid glass block --------------------------------------------------------------------- */
@@ -281,6 +286,7 @@ static void test_block_and_sun(void **state)
     assert_within("in the patch", o.w[0], arrives, 0.2 * arrives);
     assert_within("in the patch", o.w[1], arrives, 0.2 * arrives);
     assert_within("beyond it", o.w[2], 0, 0.005 * arrives);
+    assert_true(o.warned); /* sensors in mid-air would get nothing of it */
 }
 
 /* ---- A mirror -------------------------------------------------------------------------------- */
