@@ -15,15 +15,17 @@ enum orl_structure {
 
 /* Found once for a direction, however many components are asked. */
 struct orl_coords {
-    struct orl_square square; /* TREE4 */
-    struct orl_round round;   /* TREE3 */
-    struct orl_polar polar;   /* MATRIX */
+    union {
+        struct orl_square square; /* TREE4 */
+        struct orl_round round;   /* TREE3 */
+        struct orl_polar polar;   /* MATRIX */
+    };
 };
 
 static inline struct orl_coords orl_coords_of(enum orl_structure structure,
                                               struct orl_vec3 direction)
 {
-    struct orl_coords coords = {{0, 0}, {0, 0}, {0, 0}};
+    struct orl_coords coords;
     if (structure == ORL_STRUCTURE_TREE4)
         coords.square = orl_disk_to_square(direction.x, direction.y);
     else if (structure == ORL_STRUCTURE_TREE3)

@@ -21,7 +21,7 @@ struct pair {
 };
 
 /* A direction in the surface itself counts as the back. */
-static struct pair pair_of(const struct orl_bsdf *bsdf, struct orl_vec3 in, struct orl_vec3 out)
+static inline struct pair pair_of(const struct orl_bsdf *bsdf, struct orl_vec3 in, struct orl_vec3 out)
 {
     const enum orl_structure structure = bsdf->document.structure;
     const bool in_front = in.z > 0, out_front = out.z > 0;
@@ -35,10 +35,14 @@ static struct pair pair_of(const struct orl_bsdf *bsdf, struct orl_vec3 in, stru
     return p;
 }
 
-static struct orl_tint tint_of(const struct orl_bsdf *bsdf, const struct pair *p)
+/* The colour of that luminance, which is part of the pair's value. */
+static inline struct orl_rgb color_of(const struct orl_bsdf *bsdf, const struct pair *p,
+                                      double luminance)
 {
-    return p->component ? orl_chroma_tint(bsdf->document.structure, p->component, &p->a, &p->b)
-                        : orl_tint_gray;
+    if (!p->component || !p->component->chroma.present) /* most data are grey */
+        return orl_gray(luminance);
+    return orl_tinted(orl_chroma_tint(bsdf->document.structure, p->component, &p->a, &p->b),
+                      luminance);
 }
 
 /* How much of the pair's value goes straight: 0 to 1. */
@@ -115,7 +119,7 @@ struct orl_rgb orl_bsdf_filed_color(const struct orl_bsdf *bsdf, struct orl_vec3
  * where the file has more than 1 for it, in any channel. Both reflection and transmission shrink
  * alike, and draws given the incident direction keep their pdf.
  */
-static double gain_of(const struct orl_bsdf *bsdf, struct orl_vec3 in)
+static inline double gain_of(const struct orl_bsdf *bsdf, struct orl_vec3 in)
 {
     if (!(bsdf->bound[in.z > 0] > 1))
         return 1;
@@ -127,7 +131,7 @@ struct orl_rgb orl_bsdf_eval(const struct orl_bsdf *bsdf, struct orl_vec3 in, st
     const struct pair p = pair_of(bsdf, in, out);
     if (!(p.value > 0))
         return orl_gray(0);
-    return orl_tinted(tint_of(bsdf, &p), p.value / gain_of(bsdf, in));
+    return color_of(bsdf, &p, p.value / gain_of(bsdf, in));
 }
 
 struct orl_rgb orl_bsdf_diffuse(const struct orl_bsdf *bsdf, bool in_front, bool transmitted)
@@ -232,7 +236,7 @@ static bool draw_other(const struct orl_bsdf *bsdf, enum orl_role role, struct o
         p.component = view->component;
         p.a = is_a ? coords : other;
         p.b = is_a ? other : coords;
-        ret->weight = orl_tinted(tint_of(bsdf, &p), ret->weight.g);
+        ret->weight = color_of(bsdf, &p, ret->weight.g);
     }
     /* What is left of the number that chose the side chooses again. */
     if (peaks && transmitted && p.component &&

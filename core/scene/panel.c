@@ -116,7 +116,7 @@ struct local {
     bool adjoint;
     enum orl_bsdf_side sides;
     struct added added;
-    double data, sum; /* luminances: of the data, and with what is added */
+    double data, sum; /* luminances: of the data, and with what is added; 1 with nothing added */
 };
 
 static struct local local_of(const struct orl_draw *draw, const struct orl_frame *frame)
@@ -126,7 +126,9 @@ static struct local local_of(const struct orl_draw *draw, const struct orl_frame
                       .adjoint = draw->transport == ORL_TRANSPORT_EYE,
                       .sides = sides_of(draw->lobes)};
     l.added = added_to(l.material, l.from.z > 0, l.sides);
-    l.data = l.sides ? orl_bsdf_total(l.material->bsdf, l.from, l.adjoint, l.sides) : 0;
+    l.data = l.sides ? 1 : 0;
+    if (l.sides && added_luma(&l.added) > 0)
+        l.data = orl_bsdf_total(l.material->bsdf, l.from, l.adjoint, l.sides);
     l.sum = l.data + added_luma(&l.added);
     return l;
 }
