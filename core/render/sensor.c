@@ -1,7 +1,8 @@
 #include "render/gather.h"
 #include "scene/hemisphere.h"
 
-enum { PANE_POINTS = 1024, SUN_RAYS = 128 };
+enum { PANE_POINTS = 1024, SUN_RAYS = 128, GRAZING_SUN_RAYS = 2048 };
+static const double grazing_discs = 2; /* a sun within so many radii of the sensor's plane */
 
 /*
  * Sun by way of one BSDF pane to a point that no photon lands on: points stratified over the pane,
@@ -97,6 +98,19 @@ static struct orl_rgb gather_evenly(const struct orl_gather *gather, const struc
     return orl_rgb_scale(sum, ORL_PI / samples);
 }
 
+/* Of a sun that the sensor's own plane cuts, or nearly, most rays say nothing: then more are sent.
+ */
+static uint32_t sun_rays(const struct orl_gather *gather, struct orl_vec3 normal)
+{
+    for (size_t i = 0; i < gather->world->n_suns; i++) {
+        const struct orl_sun *sun = &gather->world->suns[i];
+        const double half = sqrt(fmax(0, 1 - sun->cos_half_angle * sun->cos_half_angle));
+        if (fabs(orl_dot(sun->frame.n, normal)) < grazing_discs * half)
+            return GRAZING_SUN_RAYS;
+    }
+    return SUN_RAYS;
+}
+
 double orl_gather_sensor(const struct orl_gather *gather, struct orl_vec3 position,
                          struct orl_vec3 direction, uint32_t samples, uint64_t index,
                          struct orl_search *search)
@@ -111,8 +125,8 @@ double orl_gather_sensor(const struct orl_gather *gather, struct orl_vec3 positi
     const bool caustics = gather->maps[ORL_MAP_CAUSTIC] != NULL;
     place.in_air = caustics && !lies_on_surface(gather, &place, &on_surface);
     struct orl_health *health = &search->health;
-    struct orl_rgb sum =
-        orl_health_keep(health, orl_gather_direct(gather, &place, sequence, 0, SUN_RAYS));
+    struct orl_rgb sum = orl_health_keep(
+        health, orl_gather_direct(gather, &place, sequence, 0, sun_rays(gather, direction)));
     if (caustics && !place.in_air)
         sum = orl_rgb_add(
             sum,

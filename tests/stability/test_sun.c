@@ -45,7 +45,7 @@ static double grazing_share(double d)
 /*
  * n sensors at a place in the open above whose planes the sun stands by d: the planes are turned
  * about the level line across the sun's azimuth. Lux over those of a sensor that faces the sun.
- * Each sensor has its own scrambling of the 128 points on the disc, the same one in each run.
+ * Each sensor has its own scrambling of the points on the disc, the same one in each run.
  */
 static void read_grazing(double d, size_t n, double *ret_share)
 {
@@ -70,24 +70,23 @@ static void test_01_above_a_wall(void **state)
 {
     enum { SENSORS = 64 };
     static const double degrees[] = {0.1, 0.15, 0.2, 0.26, 0.3, 0.5};
-    double worst_mean = 0, worst_rms = 0;
+    double worst_mean = 0, worst = 0;
     (void)state;
     for (int i = 0; i < 6; i++) {
         const double d = degrees[i] * ORL_DEG_TO_RAD;
-        double share[SENSORS], sum = 0, squares = 0;
+        double share[SENSORS], sum = 0;
         read_grazing(d, SENSORS, share);
         for (int k = 0; k < SENSORS; k++) {
             const double off = share[k] / grazing_share(d) - 1;
             sum += off;
-            squares += off * off;
+            worst = fmax(worst, fabs(off));
         }
         worst_mean = fmax(worst_mean, fabs(sum / SENSORS));
-        worst_rms = fmax(worst_rms, sqrt(squares / SENSORS));
     }
     stability_row(1, "sun 0.1 deg above a wall plane", "E / closed form - 1: mean of 64 sensors",
                   worst_mean, 0.001);
-    stability_row(1, "sun 0.1 deg above a wall plane", "E / closed form - 1: rms of 64 sensors",
-                  worst_rms, 0.005);
+    stability_row(1, "sun 0.1 deg above a wall plane", "E / closed form - 1: worst of 64 sensors",
+                  worst, 0.005);
 }
 
 /* Both sides of the plane, from 1e-9 to 1e-3 rad; R is 4.7e-3. Shares of R, since E goes with it.
