@@ -128,6 +128,10 @@ static int run_stages(struct orl_run_state *state, struct orl_error *err)
     code = orl_world_new(&description, &state->world, err);
     if (code == 0)
         code = orl_world_find_ports(state->world, state->env->crew, err);
+    if (code == 0 && state->world->proxies && state->world->n_hidden == 0)
+        orl_run_warn(state,
+                     "there are BSDFs with a thickness, but no surface lies within it behind "
+                     "them: views see nothing in their place");
     if (code == 0 && !orl_run_is_dark(state))
         code = orl_run_maps(state, err);
     if (code == 0) {
