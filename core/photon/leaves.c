@@ -2,6 +2,7 @@
 
 #include <stdatomic.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "photon/boxes.h"
 #include "photon/flux.h"
@@ -13,20 +14,32 @@
  * is no place on the surface does a photon's own have to do, and is then left out of the count.
  */
 struct site {
-    float at[3]; /* cells */
+    float at[3];   /* cells */
+    float spread2; /* cells: mean squared distance of the leaf's photons from their middle */
     uint16_t normal;
     bool at_photon;
 };
 
 struct orl_leaves {
     const struct orl_photon_map *map;
+    const struct orl_world *world;
     uint32_t k;
     double max_radius;
     double unit;  /* W/m2: of the values kept */
     float reach2; /* cells: how far a leaf may be */
     struct site *sites;
-    _Atomic uint32_t *values; /* 0: not made yet */
+    _Atomic uint64_t *values; /* 0: not made yet; else the value, and above it the clear radius */
 };
+
+/* A leaf's estimate. */
+struct estimate {
+    struct orl_rgb irradiance;
+    double clear; /* no wall is nearer to the site */
+};
+
+enum { MOST_TRIES = 4 };
+/* A leaf serves points within its spread times this: an even disc ends at 1.41. */
+static const float reach_of_leaf = 2;
 
 /* Stands for zero irradiance: the smallest exponent with an empty mantissa, but not the empty word.
  */
@@ -70,8 +83,8 @@ static struct site make_site(const struct orl_photon_map *map, uint64_t leaf)
     const uint32_t n = leaf_size(map, leaf), middle = n / 2;
     const uint32_t *words = map->places + leaf * ORL_LEAF_WORDS;
     const uint16_t normal = map->normals[leaf * ORL_MAP_LEAF + middle];
-    float photons[ORL_MAP_LEAF][3], mean, least;
-    struct site site = {{0, 0, 0}, normal, false};
+    float photons[ORL_MAP_LEAF][3] = {{0}}, mean, least;
+    struct site site = {{0, 0, 0}, 0, normal, false};
     for (uint32_t i = 0; i < n; i++) {
         uint32_t cell[3];
         orl_place_unpack(words[i], words[i + ORL_MAP_LEAF], cell);
@@ -84,6 +97,7 @@ static struct site make_site(const struct orl_photon_map *map, uint64_t leaf)
         orl_v3(photons[middle][0] - site.at[0], photons[middle][1] - site.at[1],
                photons[middle][2] - site.at[2]);
     spread_about(photons, n, site.at, &mean, &least);
+    site.spread2 = mean;
     /* Photons of two patches have their middle between them, where there is nothing. */
     site.at_photon = n < ORL_MAP_LEAF || least > 0.5F * mean ||
                      !orl_chord_fits(orl_normal_decode(normal), chord, 0.1);
@@ -92,7 +106,8 @@ static struct site make_site(const struct orl_photon_map *map, uint64_t leaf)
     return site;
 }
 
-struct orl_leaves *orl_leaves_new(const struct orl_photon_map *map, uint32_t k, double max_radius)
+struct orl_leaves *orl_leaves_new(const struct orl_photon_map *map, const struct orl_world *world,
+                                  uint32_t k, double max_radius)
 {
     const struct orl_map_header *h = map->header;
     const uint64_t n = (h->count + ORL_MAP_LEAF - 1) / ORL_MAP_LEAF;
@@ -100,6 +115,7 @@ struct orl_leaves *orl_leaves_new(const struct orl_photon_map *map, uint32_t k, 
     if (!leaves)
         return NULL;
     leaves->map = map;
+    leaves->world = world;
     leaves->k = k;
     leaves->max_radius = max_radius;
     leaves->reach2 = (float)(max_radius / h->cell * (max_radius / h->cell));
@@ -124,42 +140,100 @@ void orl_leaves_free(struct orl_leaves *leaves)
     free(leaves);
 }
 
-/* The leaf's value, made now if nobody has; two that make it at once write the same word. */
-static struct orl_rgb value_of(struct orl_leaves *leaves, uint32_t leaf, struct orl_search *search)
+static struct orl_vec3 site_point(const struct orl_leaves *leaves, const struct site *site)
 {
-    uint32_t word = atomic_load_explicit(&leaves->values[leaf], memory_order_relaxed);
+    const struct orl_map_header *h = leaves->map->header;
+    return orl_v3(h->low[0] + (site->at[0] + 0.5) * h->cell,
+                  h->low[1] + (site->at[1] + 0.5) * h->cell,
+                  h->low[2] + (site->at[2] + 0.5) * h->cell);
+}
+
+/* How far a site may be off the surface: on a curved one it lies inside the curve. */
+static double site_tolerance(const struct orl_leaves *leaves, uint32_t leaf)
+{
+    const struct orl_photon p = orl_photon_map_get(leaves->map, middle_photon(leaves->map, leaf));
+    const struct orl_vec3 way = orl_sub(orl_v3(p.position[0], p.position[1], p.position[2]),
+                                        site_point(leaves, &leaves->sites[leaf]));
+    return 0.2 * orl_length(way) + 16 * leaves->map->header->cell;
+}
+
+static struct orl_density make_estimate(const struct orl_leaves *leaves, uint32_t leaf,
+                                        struct orl_search *search)
+{
+    const struct site *site = &leaves->sites[leaf];
+    struct orl_density_query query =
+        query_at(leaves, site_point(leaves, site), orl_normal_decode(site->normal));
+    struct orl_footing footing;
+    query.at_photon = site->at_photon;
+    query.skip = middle_photon(leaves->map, leaf);
+    if (leaves->world && orl_footing_find(leaves->world, query.point, query.normal,
+                                          site_tolerance(leaves, leaf), &footing)) {
+        query.point = footing.point;
+        query.normal = footing.normal;
+        query.footing = &footing;
+    }
+    return orl_density_estimate(leaves->map, &query, search);
+}
+
+static uint64_t pack_estimate(const struct orl_leaves *leaves, const struct orl_density *density)
+{
+    const float clear = (float)density->clear;
+    uint32_t low = orl_flux_pack(orl_rgb_scale(density->irradiance, 1 / leaves->unit), 0.5), high;
+    if (low == 0)
+        low = value_zero;
+    memcpy(&high, &clear, sizeof high);
+    return (uint64_t)high << 32 | low;
+}
+
+static struct estimate unpack_estimate(const struct orl_leaves *leaves, uint64_t word)
+{
+    const uint32_t high = (uint32_t)(word >> 32);
+    float clear;
+    memcpy(&clear, &high, sizeof clear);
+    return (struct estimate){orl_rgb_scale(orl_flux_unpack((uint32_t)word), leaves->unit), clear};
+}
+
+/* The leaf's estimate, made now if nobody has; two that make it at once make the same word. */
+static struct estimate estimate_of(struct orl_leaves *leaves, uint32_t leaf,
+                                   struct orl_search *search)
+{
+    uint64_t word = atomic_load_explicit(&leaves->values[leaf], memory_order_relaxed);
     if (word == 0) {
-        const struct orl_map_header *h = leaves->map->header;
-        const struct site *site = &leaves->sites[leaf];
-        const struct orl_vec3 point = orl_v3(h->low[0] + (site->at[0] + 0.5) * h->cell,
-                                             h->low[1] + (site->at[1] + 0.5) * h->cell,
-                                             h->low[2] + (site->at[2] + 0.5) * h->cell);
-        struct orl_density_query query = query_at(leaves, point, orl_normal_decode(site->normal));
-        query.at_photon = site->at_photon;
-        query.skip = middle_photon(leaves->map, leaf);
         const struct orl_health before = search->health;
-        const struct orl_rgb irradiance =
-            orl_density_estimate(leaves->map, &query, search).irradiance;
-        uint32_t expected = 0;
-        word = orl_flux_pack(orl_rgb_scale(irradiance, 1 / leaves->unit), 0.5);
-        if (word == 0)
-            word = value_zero;
+        const struct orl_density density = make_estimate(leaves, leaf, search);
+        uint64_t expected = 0;
+        word = pack_estimate(leaves, &density);
         /* Who comes second does not count it again. */
         if (!atomic_compare_exchange_strong(&leaves->values[leaf], &expected, word))
             search->health = before;
     }
-    return orl_rgb_scale(orl_flux_unpack(word), leaves->unit);
+    return unpack_estimate(leaves, word);
 }
 
-/* The nearest leaf whose site is on the query's sheet; false when none is within reach. */
-static bool nearest_leaf(const struct orl_leaves *leaves, struct orl_vec3 point,
-                         struct orl_vec3 normal, uint32_t *ret_leaf)
+/* A leaf and its site's squared distance, in cells. */
+struct candidate {
+    float distance2;
+    uint32_t leaf;
+};
+
+static bool comes_before(struct candidate a, struct candidate b)
+{
+    return a.distance2 < b.distance2 || (a.distance2 == b.distance2 && a.leaf < b.leaf);
+}
+
+/*
+ * The nearest leaf whose site is on the query's sheet, of those that come after `last`; false when
+ * none is within reach.
+ */
+static bool next_leaf(const struct orl_leaves *leaves, struct orl_vec3 point,
+                      struct orl_vec3 normal, struct candidate last, struct candidate *ret_next)
 {
     const struct orl_photon_map *map = leaves->map;
     const uint16_t code = orl_normal_encode(normal);
     struct orl_box_visit stack[ORL_BOX_STACK];
+    struct candidate best = {leaves->reach2, 0};
     uint32_t depth = 0;
-    float at[3], best2 = leaves->reach2;
+    float at[3];
     bool found = false;
     const uint32_t facing = orl_facing_mask(&map->facing, normal);
     orl_box_locate(map, point, at);
@@ -167,30 +241,63 @@ static bool nearest_leaf(const struct orl_leaves *leaves, struct orl_vec3 point,
         stack[depth++] = (struct orl_box_visit){0, map->header->levels, 0};
     while (depth > 0) {
         const struct orl_box_visit visit = stack[--depth];
-        if (!(visit.distance2 < best2))
+        if (!(visit.distance2 <= best.distance2))
             continue;
         if (visit.level > 0) {
-            depth = orl_box_push(map, visit, at, facing, best2, stack, depth);
+            depth = orl_box_push(map, visit, at, facing, best.distance2, stack, depth);
             continue;
         }
         const struct site *site = &leaves->sites[visit.node];
         const float chord[3] = {site->at[0] - at[0], site->at[1] - at[1], site->at[2] - at[2]};
-        const float d2 = chord[0] * chord[0] + chord[1] * chord[1] + chord[2] * chord[2];
-        if (d2 < best2 && orl_same_sheet(normal, code, site->normal, chord)) {
-            best2 = d2;
-            *ret_leaf = visit.node;
+        const struct candidate here = {
+            chord[0] * chord[0] + chord[1] * chord[1] + chord[2] * chord[2], visit.node};
+        if (comes_before(here, best) && comes_before(last, here) &&
+            orl_same_sheet(normal, code, site->normal, chord)) {
+            best = here;
             found = true;
         }
     }
+    *ret_next = best;
     return found;
 }
 
-struct orl_rgb orl_leaves_irradiance(struct orl_leaves *leaves, struct orl_vec3 point,
-                                     struct orl_vec3 normal, struct orl_search *search)
+/*
+ * Whether the leaf covers the place. In a sun patch leaves are small and many: were the nearest to
+ * serve whatever its size, they would light the dark around them, half way to its sparse leaves.
+ */
+static bool covers(const struct orl_leaves *leaves, struct candidate leaf)
 {
-    uint32_t leaf;
-    if (nearest_leaf(leaves, point, normal, &leaf))
-        return value_of(leaves, leaf, search);
-    const struct orl_density_query query = query_at(leaves, point, normal);
+    return leaf.distance2 <= reach_of_leaf * reach_of_leaf * (leaves->sites[leaf.leaf].spread2 + 1);
+}
+
+/* Whether the leaf's site is on the footing's surface, and nothing stands between. */
+static bool is_joined(const struct orl_leaves *leaves, struct candidate leaf,
+                      const struct estimate *estimate, const struct orl_footing *footing)
+{
+    const double cell = leaves->map->header->cell, distance = sqrt((double)leaf.distance2) * cell;
+    const struct orl_vec3 site = site_point(leaves, &leaves->sites[leaf.leaf]);
+    if (!footing)
+        return true;
+    /* On another, parallel surface close by. */
+    if (fabs(orl_dot(orl_sub(site, footing->point), footing->normal)) > 4 * cell &&
+        distance < orl_footing_flat(footing))
+        return false;
+    return distance < estimate->clear || orl_footing_joins(footing, site);
+}
+
+struct orl_rgb orl_leaves_irradiance(struct orl_leaves *leaves, struct orl_vec3 point,
+                                     struct orl_vec3 normal, const struct orl_footing *footing,
+                                     struct orl_search *search)
+{
+    struct candidate leaf = {-1, 0};
+    for (int i = 0; i < MOST_TRIES && next_leaf(leaves, point, normal, leaf, &leaf); i++) {
+        if (!covers(leaves, leaf))
+            continue;
+        const struct estimate estimate = estimate_of(leaves, leaf.leaf, search);
+        if (is_joined(leaves, leaf, &estimate, footing))
+            return estimate.irradiance;
+    }
+    struct orl_density_query query = query_at(leaves, point, normal);
+    query.footing = footing;
     return orl_density_estimate(leaves->map, &query, search).irradiance;
 }

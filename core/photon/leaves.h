@@ -3,9 +3,13 @@
  * asked for and kept. A final gather that asks the same wall a million times then pays for
  * one estimate per leaf (16 photons) and a short look-up each.
  *
- * What a leaf holds depends on the map alone, so that it does not matter who computes it first,
- * or twice: results are the same for any number of threads. Values are kept as one 32-bit word
- * (shared-exponent RGB), written atomically.
+ * A look-up takes the nearest leaf on the same sheet of surface. Where the leaf's estimate met a
+ * wall, or did not reach as far as the point asked about, a ray tells whether something stands
+ * between the two; then the next leaf is tried, and after some the estimate is made at the point.
+ *
+ * What a leaf holds depends on map and scene alone, so that it does not matter who computes it
+ * first, or twice: results are the same for any number of threads. Value (shared-exponent RGB) and
+ * clear radius are kept as one 64-bit word, written atomically.
  *
  * Reference: Christensen 1999 (precomputed irradiance), here lazily.
  */
@@ -16,12 +20,17 @@
 
 struct orl_leaves;
 
-/* k and max_radius: of the estimates. The map is borrowed. NULL when out of memory. */
-struct orl_leaves *orl_leaves_new(const struct orl_photon_map *map, uint32_t k, double max_radius);
+/*
+ * k and max_radius: of the estimates. Map and world are borrowed; with world NULL surfaces are
+ * taken to be endless. NULL when out of memory.
+ */
+struct orl_leaves *orl_leaves_new(const struct orl_photon_map *map, const struct orl_world *world,
+                                  uint32_t k, double max_radius);
 void orl_leaves_free(struct orl_leaves *leaves);
 
-/* Irradiance of the nearest leaf on the same sheet of surface; by density where there is none. */
+/* Irradiance at a point; its footing (the point's own) may be NULL, then walls are not seen. */
 struct orl_rgb orl_leaves_irradiance(struct orl_leaves *leaves, struct orl_vec3 point,
-                                     struct orl_vec3 normal, struct orl_search *search);
+                                     struct orl_vec3 normal, const struct orl_footing *footing,
+                                     struct orl_search *search);
 
 #endif

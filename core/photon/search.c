@@ -7,7 +7,9 @@
 struct walk {
     const struct orl_photon_map *map;
     const struct orl_density_query *query;
+    const struct orl_footprint *footprint; /* NULL: the whole disc */
     struct orl_search_candidate *candidates;
+    float flat2;   /* in cells: nearer than this photons lie in the footing's plane */
     float at[3];   /* the query point, in cells, moved so that cell corners stand for centres */
     float radius2; /* in cells */
     uint32_t k, found, room; /* room: candidates held before the nearest k are kept, > k */
@@ -51,6 +53,18 @@ static void select_nth(struct orl_search_candidate *list, int64_t count, int64_t
     }
 }
 
+/* Photons of the footing's own facet are in its plane, others not: within rounding, in cells. */
+static bool in_footprint(const struct walk *walk, const float chord[3], float distance2)
+{
+    const double cell = walk->map->header->cell;
+    if (distance2 < walk->flat2 &&
+        fabs(orl_dot(orl_v3(chord[0], chord[1], chord[2]), walk->query->normal)) > 4)
+        return false;
+    return !walk->footprint ||
+           orl_footprint_holds(walk->footprint,
+                               orl_v3(chord[0] * cell, chord[1] * cell, chord[2] * cell));
+}
+
 static void scan_leaf(struct walk *walk, uint32_t leaf)
 {
     const uint32_t *a = walk->map->places + (size_t)leaf * ORL_LEAF_WORDS, *b = a + ORL_MAP_LEAF;
@@ -68,8 +82,8 @@ static void scan_leaf(struct walk *walk, uint32_t leaf)
         const float chord[3] = {dx[i], dy[i], dz[i]};
         const uint32_t index = (uint32_t)(first + i);
         if (!(d2[i] < walk->radius2) || (walk->query->at_photon && index == walk->query->skip) ||
-
-            !orl_same_sheet(walk->query->normal, walk->normal, walk->map->normals[index], chord))
+            !orl_same_sheet(walk->query->normal, walk->normal, walk->map->normals[index], chord) ||
+            !in_footprint(walk, chord, d2[i]))
             continue;
         walk->candidates[walk->found++] = (struct orl_search_candidate){d2[i], index};
         if (walk->found == walk->room) {
@@ -154,37 +168,73 @@ static struct orl_rgb sum_fluxes(const struct walk *walk, uint32_t count)
     return orl_rgb_scale(sum, walk->map->header->flux_unit);
 }
 
+/* The estimate over the disc, or the footprint, within max_radius. */
+static struct orl_density estimate_within(struct walk *walk, double max_radius)
+{
+    const double cell = walk->map->header->cell, reach = max_radius / cell;
+    struct orl_density density = {.radius = max_radius};
+    walk->radius2 = (float)(reach * reach);
+    search_nearest(walk);
+    density.found = walk->found;
+    if (walk->found >= walk->k) {
+        select_nth(walk->candidates, walk->found, walk->k - 1);
+        density.found = walk->k - 1;
+        density.radius = sqrt((double)walk->candidates[walk->k - 1].distance2) * cell;
+    }
+    /* Photons on one spot have no area to spread over but a cell's. */
+    density.radius = fmax(density.radius, cell);
+    density.clear = density.radius;
+    if (density.found == 0)
+        return density;
+    const double area = walk->footprint ? orl_footprint_area(walk->footprint, density.radius)
+                                        : ORL_PI * density.radius * density.radius;
+    density.irradiance =
+        orl_rgb_scale(sum_fluxes(walk, density.found), 1 / fmax(area, ORL_PI * cell * cell));
+    return density;
+}
+
+/* Over the footprint: out to twice the disc that holds k, or as far as allowed. */
+static struct orl_density estimate_footprint(struct walk *walk, double disc)
+{
+    const double most = walk->query->max_radius;
+    struct orl_density density;
+    struct orl_footprint footprint;
+    double reach = fmin(2 * disc, most);
+    walk->footprint = &footprint;
+    for (;;) {
+        orl_footprint_make(walk->query->footing, reach, &footprint);
+        density = estimate_within(walk, reach);
+        density.clear = fmin(footprint.clear, density.radius);
+        if (!(reach < most) || 4 * density.found >= walk->k)
+            return density;
+        reach = most;
+    }
+}
+
 struct orl_density orl_density_estimate(const struct orl_photon_map *map,
                                         const struct orl_density_query *query,
                                         struct orl_search *search)
 {
-    const struct orl_map_header *h = map->header;
-    const double reach = query->max_radius / h->cell;
     struct walk walk = {.map = map,
                         .query = query,
                         .candidates = search->candidates,
-                        .radius2 = (float)(reach * reach),
                         .k = query->k < ORL_SEARCH_MOST ? query->k : ORL_SEARCH_MOST,
                         .normal = orl_normal_encode(query->normal),
                         .facing = orl_facing_mask(&map->facing, query->normal)};
-    struct orl_density density = {.radius = query->max_radius};
     orl_box_locate(map, query->point, walk.at);
     if (walk.k < 2)
         walk.k = 2;
     walk.room = 4 * walk.k < 2 * ORL_SEARCH_MOST ? 4 * walk.k : 2 * ORL_SEARCH_MOST;
-    search_nearest(&walk);
-    density.found = walk.found;
-    if (walk.found >= walk.k) {
-        select_nth(walk.candidates, walk.found, walk.k - 1);
-        density.found = walk.k - 1;
-        density.radius = sqrt((double)walk.candidates[walk.k - 1].distance2) * h->cell;
+    if (query->footing) {
+        const double flat = orl_footing_flat(query->footing) / map->header->cell;
+        walk.flat2 = (float)fmin(flat * flat, 1e30);
     }
+    struct orl_density density = estimate_within(&walk, query->max_radius);
+    if (query->footing && density.found > 0 && !orl_footing_is_free(query->footing, density.radius))
+        density = estimate_footprint(&walk, density.radius);
     search->health.estimates += density.found > 0;
-    if (density.found == 0)
-        return density;
-    /* Photons on one spot have no area to spread over but a cell's. */
-    density.radius = fmax(density.radius, h->cell);
-    density.irradiance = orl_rgb_scale(sum_fluxes(&walk, density.found),
-                                       1 / (ORL_PI * density.radius * density.radius));
+    if (density.found > 0 && density.found < ORL_SEARCH_SPARSE && density.found + 1 < walk.k &&
+        density.found < map->header->count)
+        search->health.sparse++;
     return density;
 }

@@ -2,9 +2,16 @@
  * Density estimation: irradiance from the photons nearest to a point of a surface.
  *
  * A photon counts when it landed on the same sheet of surface (sheet.h), so that nothing is
- * gathered through a wall or from a parallel surface. The estimate over k neighbours is (sum of the
- * nearest k-1 fluxes) / (pi r_k^2), which is unbiased for uniform density; with fewer than k within
- * the largest radius, all of them over the largest disc.
+ * gathered through a wall or from a parallel surface, and within the point's footprint
+ * (footprint.h), so that nothing is gathered past a wall that stands on the surface. The estimate
+ * over k neighbours is (sum of the nearest k-1 fluxes) / A, A the footprint's area within the
+ * distance of the k-th: pi r_k^2 where nothing is in the way. It is unbiased for uniform density,
+ * up to edges and into corners. With fewer than k within the largest radius it is all of them over
+ * the largest area.
+ *
+ * The disc comes first, at the price of a few rays. Only where it is cut the footprint is made, to
+ * twice the disc's radius (the quarter of a disc in a corner then holds about k), and, should it
+ * hold too few photons, once more to the largest radius.
  *
  * Reference: Jensen 2001, chapter 7.
  */
@@ -13,19 +20,20 @@
 
 #include <oriel/health.h>
 
+#include "photon/footprint.h"
 #include "photon/map.h"
 
-enum { ORL_SEARCH_MOST = 4096 };
+enum { ORL_SEARCH_MOST = 4096, ORL_SEARCH_SPARSE = 8 };
 
 struct orl_search_candidate {
     float distance2;
     uint32_t index;
 };
 
-/* Scratch, one per thread; big enough for k = ORL_SEARCH_MOST. */
+/* Scratch, one per thread, zero at first; big enough for k = ORL_SEARCH_MOST. */
 struct orl_search {
     struct orl_search_candidate candidates[2 * ORL_SEARCH_MOST];
-    struct orl_health health; /* what the thread counted; sparse is not in it yet */
+    struct orl_health health; /* what the thread counted */
 };
 
 struct orl_density_query {
@@ -35,11 +43,13 @@ struct orl_density_query {
     double max_radius;
     bool at_photon; /* the point is photon `skip`'s own, which is then left out: it would */
     uint32_t skip;  /* otherwise be counted wherever one asks about a photon's place */
+    const struct orl_footing *footing; /* the point's surface; NULL: taken to be endless */
 };
 
 struct orl_density {
     struct orl_rgb irradiance; /* W/m2 */
-    double radius;             /* of the disc used */
+    double radius;             /* of the part of the footprint used */
+    double clear;              /* no wall is nearer; no more than radius */
     uint32_t found;            /* photons in it */
 };
 

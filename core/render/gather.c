@@ -60,7 +60,7 @@ int orl_gather_init(struct orl_gather *gather, const struct orl_world *world,
             gather->near = 2 * far;
     }
     if (maps[ORL_MAP_GLOBAL]) {
-        gather->leaves = orl_leaves_new(maps[ORL_MAP_GLOBAL], gather->k[ORL_MAP_GLOBAL],
+        gather->leaves = orl_leaves_new(maps[ORL_MAP_GLOBAL], world, gather->k[ORL_MAP_GLOBAL],
                                         gather->max_radius[ORL_MAP_GLOBAL]);
         if (!gather->leaves)
             return ORL_ERR_NOMEM;
@@ -90,23 +90,29 @@ bool orl_gather_is_outside(const struct orl_gather *gather, struct orl_vec3 poin
     return false;
 }
 
-static struct orl_density caustic_density(const struct orl_gather *gather, struct orl_vec3 point,
-                                          struct orl_vec3 normal, uint32_t k,
+static struct orl_density caustic_density(const struct orl_gather *gather,
+                                          const struct orl_footing *footing, uint32_t k,
                                           struct orl_search *search)
 {
     if (!gather->maps[ORL_MAP_CAUSTIC])
         return (struct orl_density){.found = 0};
-    const struct orl_density_query query = {.point = point,
-                                            .normal = normal,
+    const struct orl_density_query query = {.point = footing->point,
+                                            .normal = footing->normal,
                                             .k = k,
-                                            .max_radius = gather->max_radius[ORL_MAP_CAUSTIC]};
+                                            .max_radius = gather->max_radius[ORL_MAP_CAUSTIC],
+                                            .footing = footing};
     return orl_density_estimate(gather->maps[ORL_MAP_CAUSTIC], &query, search);
 }
 
 struct orl_density orl_gather_caustic(const struct orl_gather *gather, struct orl_vec3 point,
                                       struct orl_vec3 normal, struct orl_search *search)
 {
-    return caustic_density(gather, point, normal, gather->k[ORL_MAP_CAUSTIC], search);
+    struct orl_footing footing;
+    /* Places come here without their facet; the surface is where they say, within rounding. */
+    const double rounding = gather->world->geometry->radius * 0x1p-18;
+    if (!orl_footing_find(gather->world, point, normal, rounding, &footing))
+        return (struct orl_density){.found = 0};
+    return caustic_density(gather, &footing, gather->k[ORL_MAP_CAUSTIC], search);
 }
 
 /* What a diffuse surface sends back, but for the glossy part: by density, or lit again when near.
@@ -116,6 +122,7 @@ static struct orl_rgb diffuse_radiance(const struct orl_gather *gather, const st
                                        struct orl_random *random, struct orl_search *search)
 {
     const struct orl_vec3 lit = hit->front ? hit->normal : orl_neg(hit->normal);
+    const struct orl_footing footing = {gather->world, hit->point, lit, hit->facet};
     struct orl_rgb irradiance = orl_gray(0);
     if (near) {
         const struct orl_direct_query query = {.point =
@@ -124,9 +131,9 @@ static struct orl_rgb diffuse_radiance(const struct orl_gather *gather, const st
                                                .through_ports = true};
         irradiance = orl_rgb_add(
             orl_direct_light(gather->world, &query, random),
-            caustic_density(gather, hit->point, lit, NEIGHBOURS_CAUSTIC_RELIT, search).irradiance);
+            caustic_density(gather, &footing, NEIGHBOURS_CAUSTIC_RELIT, search).irradiance);
     } else if (gather->leaves) {
-        irradiance = orl_leaves_irradiance(gather->leaves, hit->point, lit, search);
+        irradiance = orl_leaves_irradiance(gather->leaves, hit->point, lit, &footing, search);
     }
     return orl_rgb_scale(orl_rgb_mul(irradiance, orl_material_diffuse(material)), 1 / ORL_PI);
 }

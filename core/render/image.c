@@ -188,7 +188,7 @@ struct memo {
 static struct orl_rgb caustic_at(const struct painter *p, const struct orl_vertex *v,
                                  struct memo *memo, struct orl_search *search)
 {
-    const double reach = 0.25 * memo->density.radius;
+    const double reach = fmin(0.25 * memo->density.radius, memo->density.clear);
     const struct orl_vec3 way = orl_sub(v->on_surface, memo->point);
     if (memo->density.radius > 0 && orl_dot(way, way) < reach * reach &&
         orl_dot(memo->normal, v->place.normal) > 0.999)

@@ -256,7 +256,7 @@ static void bench_sensors(struct bench *b)
 static void bench_open(struct bench *b)
 {
     double seconds[MOST_RUNS], verified[MOST_RUNS];
-    struct orl_search *search = malloc(sizeof *search);
+    struct orl_search *search = calloc(1, sizeof *search);
     struct orl_error err = {0};
     for (int run = 0; run < b->runs; run++) {
         for (int verify = 0; verify < 2; verify++) {

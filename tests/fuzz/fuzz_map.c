@@ -79,8 +79,8 @@ static void search_map(const struct orl_photon_map *map)
 {
     static const struct orl_vec3 normals[] = {{0, 0, 1}, {0.6, 0, -0.8}, {-1, 0, 0}};
     const struct orl_map_header *h = orl_photon_map_header(map);
-    struct orl_search *search = malloc(sizeof *search);
-    struct orl_leaves *leaves = orl_leaves_new(map, 8, 0.5);
+    struct orl_search *search = calloc(1, sizeof *search);
+    struct orl_leaves *leaves = orl_leaves_new(map, NULL, 8, 0.5);
     FUZZ_PROMISE(search != NULL && leaves != NULL);
     FUZZ_PROMISE(memchr(h->kind, '\0', sizeof h->kind) != NULL);
     for (size_t i = 0; i < 12; i++) {
@@ -98,7 +98,7 @@ static void search_map(const struct orl_photon_map *map)
             .skip = (uint32_t)i};
         const struct orl_density density = orl_density_estimate(map, &query, search);
         FUZZ_PROMISE(density.found <= h->count && density.found <= 2 * ORL_SEARCH_MOST);
-        orl_leaves_irradiance(leaves, query.point, query.normal, search);
+        orl_leaves_irradiance(leaves, query.point, query.normal, NULL, search);
     }
     orl_leaves_free(leaves);
     free(search);

@@ -28,7 +28,7 @@ static int set_up(void **state)
 {
     (void)state;
     cli_make_folder(folder);
-    search = malloc(sizeof *search);
+    search = calloc(1, sizeof *search);
     return sodium_init() < 0 || !search ? -1 : 0;
 }
 
@@ -198,9 +198,9 @@ static void test_few_photons(void **state)
             assert_true(orl_rgb_is_finite(d.irradiance));
             assert_true(d.irradiance.r >= 0 && (n == 0) == (d.irradiance.r == 0));
         }
-        struct orl_leaves *leaves = orl_leaves_new(map, 64, reach);
+        struct orl_leaves *leaves = orl_leaves_new(map, NULL, 64, reach);
         assert_non_null(leaves);
-        const struct orl_rgb e = orl_leaves_irradiance(leaves, zero, z_axis, search);
+        const struct orl_rgb e = orl_leaves_irradiance(leaves, zero, z_axis, NULL, search);
         assert_true(orl_rgb_is_finite(e) && e.r >= 0);
         orl_leaves_free(leaves);
         orl_photon_map_free(map);
@@ -292,9 +292,9 @@ static void check_no_leak(struct orl_vec3 corner, struct orl_vec3 a, struct orl_
     const struct orl_density d = ask(map, point, normal, 64, 0.14);
     assert_int_equal(d.found, 0);
     assert_true(d.irradiance.r == 0);
-    struct orl_leaves *leaves = orl_leaves_new(map, 64, 0.14);
+    struct orl_leaves *leaves = orl_leaves_new(map, NULL, 64, 0.14);
     assert_non_null(leaves);
-    assert_true(orl_leaves_irradiance(leaves, point, normal, search).r == 0);
+    assert_true(orl_leaves_irradiance(leaves, point, normal, NULL, search).r == 0);
     orl_leaves_free(leaves);
     orl_photon_map_free(map);
 }
@@ -345,18 +345,18 @@ static void test_leaves_agree(void **state)
     rain(&s, COUNT, zero, x_axis, y_axis, z_axis);
     struct orl_random random = s.random;
     struct orl_photon_map *map = settle(&s);
-    struct orl_leaves *leaves = orl_leaves_new(map, 64, 0.1);
+    struct orl_leaves *leaves = orl_leaves_new(map, NULL, 64, 0.1);
     assert_non_null(leaves);
     for (int i = 0; i < QUERIES; i++) {
         const double u = 0.05 + 0.9 * orl_random_uniform(&random);
         const struct orl_vec3 at = orl_v3(u, 0.05 + 0.9 * orl_random_uniform(&random), 0);
-        sum += orl_leaves_irradiance(leaves, at, z_axis, search).r / COUNT / QUERIES;
+        sum += orl_leaves_irradiance(leaves, at, z_axis, NULL, search).r / COUNT / QUERIES;
         plain += ask(map, at, z_axis, 64, 0.1).irradiance.r / COUNT / QUERIES;
     }
     print_message("leaves %.4f, plain estimates %.4f\n", sum, plain);
     assert_true(fabs(plain - 1) < 0.0068);
     assert_true(fabs(sum - 1) < 0.0068 + 0.005);
-    assert_true(orl_leaves_irradiance(leaves, orl_v3(0.5, 0.5, 0), down, search).r == 0);
+    assert_true(orl_leaves_irradiance(leaves, orl_v3(0.5, 0.5, 0), down, NULL, search).r == 0);
     orl_leaves_free(leaves);
     orl_photon_map_free(map);
 }
@@ -374,7 +374,8 @@ static void look(void *arg, size_t index, uint32_t member)
     const size_t i = index * l->step % l->count;
     struct orl_random random = orl_random_stream(8, ORL_PURPOSE_BENCH, i);
     const double u = orl_random_uniform(&random), v = orl_random_uniform(&random);
-    l->values[i] = orl_leaves_irradiance(l->leaves, orl_v3(u, v, 0), z_axis, &l->searches[member]);
+    l->values[i] =
+        orl_leaves_irradiance(l->leaves, orl_v3(u, v, 0), z_axis, NULL, &l->searches[member]);
 }
 
 /* Asked in another order, and by several threads at once, every answer is the same bits. */
@@ -392,8 +393,8 @@ static void test_leaves_in_any_order(void **state)
     struct orl_photon_map *map = settle(&s);
     for (int w = 0; w < 3; w++) {
         struct orl_crew *crew = orl_crew_start(ways[w].threads);
-        struct looking l = {orl_leaves_new(map, 64, 0.1),
-                            malloc(ways[w].threads * sizeof *l.searches),
+        struct looking l = {orl_leaves_new(map, NULL, 64, 0.1),
+                            calloc(ways[w].threads, sizeof *l.searches),
                             malloc(QUERIES * sizeof *l.values), QUERIES, ways[w].step};
         assert_true(l.leaves && l.searches && l.values && crew);
         orl_crew_for(crew, QUERIES, look, &l);
