@@ -91,7 +91,7 @@ static double tube_exit(const struct orl_facet *f, const struct orl_frame *frame
     double best = INFINITY;
     if (around != 0)
         best = fabs(radius * sine_20 / around);
-    if (climb != 0)
+    if (fabs(climb) > 1e-9)
         best = fmin(best, fmax((climb > 0 ? length - z : -z) / climb, 0));
     return best;
 }

@@ -1,0 +1,123 @@
+/*
+ * Footprints against areas that are known: whole discs, halves at an edge, quarters in a corner,
+ * what a wall leaves, tiles that carry a floor on, a gap between two plates.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "photon/footprint.h"
+#include "support/scene_text.h"
+
+#define GREY "void plastic w 0 0 5 .5 .5 .5 0 0\n"
+
+static struct orl_world *world_of(const char *scene)
+{
+    struct orl_description description = scene_parse_text(scene, NULL, NULL);
+    struct orl_world *world = NULL;
+    struct orl_error err;
+    assert_int_equal(orl_world_new(&description, &world, &err), 0);
+    return world;
+}
+
+/* The share of the disc that the footprint at a place of the scene covers. */
+static double share_at(const struct orl_world *world, struct orl_vec3 place, struct orl_vec3 normal,
+                       double radius)
+{
+    struct orl_footing footing;
+    struct orl_footprint footprint;
+    assert_true(
+        orl_footing_find(world, orl_sub(place, world->geometry->center), normal, 1e-4, &footing));
+    orl_footprint_make(&footing, radius, &footprint);
+    const double share = orl_footprint_area(&footprint, radius) / (ORL_PI * radius * radius);
+    if (orl_footing_is_free(&footing, radius))
+        assert_true(share > 1 - 1e-9);
+    return share;
+}
+
+/* What a straight line at that distance over the radius leaves of a disc. */
+static double segment(double distance)
+{
+    return 1 - (acos(distance) - distance * sqrt(1 - distance * distance)) / ORL_PI;
+}
+
+static const struct orl_vec3 up = {0, 0, 1};
+
+static void edges_and_corners(void **state)
+{
+    struct orl_world *world = world_of(GREY "w polygon f 0 0 12 0 0 0 4 0 0 4 3 0 0 3 0\n");
+    (void)state;
+    assert_true(fabs(share_at(world, orl_v3(2, 1.5, 0), up, 1) - 1) < 1e-9);
+    assert_true(fabs(share_at(world, orl_v3(2, 0, 0), up, 0.5) - 0.5) < 1e-3);
+    assert_true(fabs(share_at(world, orl_v3(0, 0, 0), up, 0.5) - 0.25) < 1e-3);
+    for (double d = 0.05; d < 1; d += 0.1)
+        assert_true(fabs(share_at(world, orl_v3(2, 0.5 * d, 0), up, 0.5) - segment(d)) < 2e-4);
+    orl_world_free(world);
+}
+
+static void walls(void **state)
+{
+    struct orl_world *world = world_of(GREY "w polygon f 0 0 12 0 0 0 4 0 0 4 4 0 0 4 0\n"
+                                            "w polygon on 0 0 12 2 0 0 2 4 0 2 4 3 2 0 3\n"
+                                            "w polygon off 0 0 12 0 2 .01 4 2 .01 4 2 3 0 2 3\n"
+                                            "w polygon ramp 0 0 12 0 3 0 4 3 0 4 4 .3 0 4 .3\n");
+    (void)state;
+    for (double d = 0.05; d < 1; d += 0.1) {
+        assert_true(fabs(share_at(world, orl_v3(2 + 0.5 * d, 0.9, 0), up, 0.5) - segment(d)) <
+                    2e-4);
+        assert_true(fabs(share_at(world, orl_v3(1, 2 - 0.5 * d, 0), up, 0.5) - segment(d)) < 2e-4);
+    }
+    orl_world_free(world);
+}
+
+static void tiles_and_gaps(void **state)
+{
+    struct orl_world *world = world_of(GREY "!genbox w a 1 1 1 | xform -a 3 -t 1 0 0\n"
+                                            "!genbox w b 3 1 1 | xform -t 0 1.1 0\n");
+    (void)state;
+    /* Three boxes side by side: their tops are one; the fourth is beyond a gap. */
+    assert_true(fabs(share_at(world, orl_v3(1.02, 0.5, 1), up, 0.4) - 1) < 1e-9);
+    assert_true(fabs(share_at(world, orl_v3(1.5, 0.9, 1), up, 0.5) - segment(0.2)) < 2e-4);
+    orl_world_free(world);
+}
+
+static void curves(void **state)
+{
+    struct orl_world *world = world_of(GREY "w sphere s 0 0 4 0 0 0 1\n"
+                                            "w cylinder c 0 0 7 3 0 0 3 0 2 .5\n");
+    (void)state;
+    assert_true(fabs(share_at(world, orl_v3(0, 0, 1), up, 0.3) - 1) < 1e-9);
+    /* Beyond 28 degrees a sphere is another sheet: a cap of chord 0.484. */
+    assert_true(fabs(share_at(world, orl_v3(0, 0, 1), up, 1) - 0.2341) < 0.01);
+    /* Half at the end of the tube. */
+    assert_true(fabs(share_at(world, orl_v3(3.5, 0, 2), orl_v3(1, 0, 0), 0.1) - 0.5) < 0.01);
+    orl_world_free(world);
+}
+
+static void joined(void **state)
+{
+    struct orl_world *world = world_of(GREY "w polygon f 0 0 12 0 0 0 4 0 0 4 4 0 0 4 0\n"
+                                            "w polygon wall 0 0 12 2 0 0 2 2 0 2 2 3 2 0 3\n");
+    const struct orl_vec3 moved = world->geometry->center;
+    struct orl_footing footing;
+    (void)state;
+    assert_true(orl_footing_find(world, orl_sub(orl_v3(1.9, 1, 0), moved), up, 1e-4, &footing));
+    assert_false(orl_footing_joins(&footing, orl_sub(orl_v3(2.1, 1, 0), moved)));
+    assert_true(orl_footing_joins(&footing, orl_sub(orl_v3(1, 3, 0), moved)));
+    orl_world_free(world);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(edges_and_corners),
+        cmocka_unit_test(walls),
+        cmocka_unit_test(tiles_and_gaps),
+        cmocka_unit_test(curves),
+        cmocka_unit_test(joined),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
