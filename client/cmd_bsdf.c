@@ -44,6 +44,8 @@ static void print_check(const char *file, const struct orl_bsdf_check *c)
     printf("%s: %s, resolution %d, %zu values", file, info->kind, info->resolution, info->values);
     if (info->name[0] != '\0')
         printf(", \"%s\"", info->name);
+    if (info->colored)
+        printf(", in colour");
     if (info->thickness_m > 0)
         printf(", %.4g mm thick", 1000 * info->thickness_m);
     printf("\n");

@@ -5,7 +5,7 @@
 
 #include "base/random.h"
 
-enum { POINTS = 32, FIRST_POINTS = 6, LOOKS = 5, MOST_WAYS = 64, MOST_PANES = 64 };
+enum { POINTS = 32, FIRST_POINTS = 6, LOOKS = 5, MOST_WAYS = 256, MOST_PANES = 64 };
 static const double hidden_share = 0.75;
 static const double aside_of_thickness = 0.01; /* how far aside one looks */
 
@@ -28,15 +28,19 @@ static struct orl_vec3 way_across(const struct orl_facet *f)
     return f->beyond > 0 ? f->normal : orl_neg(f->normal);
 }
 
-static void add_way(struct ways *ways, const struct orl_facet *f)
+/* False: there are too many. */
+static bool add_way(struct ways *ways, const struct orl_facet *f)
 {
     const struct orl_vec3 way = way_across(f);
     size_t k = 0;
     ways->reach = fmax(ways->reach, fabs(f->beyond));
-    while (k < ways->count && orl_dot(way, ways->way[k]) < 1 - 1e-6)
+    while (k < ways->count && orl_dot(way, ways->way[k]) < 1 - 1e-5)
         k++;
-    if (k == ways->count && k < MOST_WAYS)
+    if (k == MOST_WAYS)
+        return false;
+    if (k == ways->count)
         ways->way[ways->count++] = way;
+    return true;
 }
 
 /* Looks from a point along a way: is a proxy there that stands for what is at the point? */
@@ -106,8 +110,12 @@ int orl_proxies_part(struct orl_world *world, struct orl_error *err)
     bool *keep = NULL;
     int code = 0;
     for (uint32_t i = 0; i < n; i++)
-        if (is_proxy(world, i))
-            add_way(&ways, &whole->facets[i]);
+        if (is_proxy(world, i) && !add_way(&ways, &whole->facets[i])) {
+            orl_error_set(err, ORL_ERR_LIMIT,
+                          "BSDFs with a thickness face more than %d different ways", MOST_WAYS);
+            orl_error_hint(err, "give curved ones thickness 0 and leave out what they stand for");
+            return ORL_ERR_LIMIT;
+        }
     if (ways.count == 0)
         return 0;
     keep = calloc(n, sizeof *keep);

@@ -21,8 +21,8 @@
 #include "light/world.h"
 
 /*
- * Parts the scene of a world just made; without proxies nothing changes. Returns 0 or
- * ORL_ERR_NOMEM.
+ * Parts the scene of a world just made; without proxies nothing changes. Returns 0, ORL_ERR_NOMEM,
+ * or ORL_ERR_LIMIT for proxies that face more ways than are looked along.
  */
 int orl_proxies_part(struct orl_world *world, struct orl_error *err);
 void orl_proxies_done(struct orl_world *world);
