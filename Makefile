@@ -167,7 +167,7 @@ tests: all $(TEST_BIN)
 
 # The figure for coverage comes from a second build with counters, and from the suites that look at
 # the core: what users run is what the tests themselves are about.
-COVER_SUITES := unit stats validation stability
+COVER_SUITES := unit stats validation
 COVER_BIN := $(foreach s,$(COVER_SUITES),$(filter $(BUILD)/tests/$(s)/%,$(TEST_BIN)))
 COVER_LEAST := 85
 check: deps-check
