@@ -17,6 +17,7 @@
 #include "photon/facing.h"
 #include "photon/map.h"
 #include "support/cli.h"
+#include "support/hdr.h"
 #include "support/room.h"
 #include "support/stability.h"
 
@@ -93,9 +94,12 @@ static void test_white_sphere(void **state)
  */
 
 /* The room with walls of 0.3 m all round, and a solid block in it. */
-static struct orl_result run_view(const char *view)
+static struct orl_result run_view(const char *view, double *ret_brightest)
 {
-    return scene_run(
+    static double pixels[18 * 24][3];
+    char folder[64], path[128];
+    cli_make_folder(folder);
+    struct orl_result result = scene_run(
         &(struct scene_run){.scene = ROOM_SKY ROOM_SUN ROOM_GREY ROOM_CLEAR ROOM_SHELL ROOM_PANE
                             "!genbox w block 1 1 1 | xform -t 1 3 0\n"
                             "!genbox w pier .5 .5 3 | xform -t -2 -2 0\n"
@@ -109,7 +113,16 @@ static struct orl_result run_view(const char *view)
                             .height = 18,
                             .samples = 64,
                             .global = 5000,
-                            .caustic = 5000});
+                            .caustic = 5000,
+                            .folder = folder});
+    snprintf(path, sizeof path, "%s/view.hdr", folder);
+    hdr_read(path, 24, 18, pixels);
+    *ret_brightest = 0;
+    for (int i = 0; i < 18 * 24; i++)
+        for (int k = 0; k < 3; k++)
+            *ret_brightest = fmax(*ret_brightest, pixels[i][k]);
+    cli_remove_folder(folder);
+    return result;
 }
 
 static void test_views(void **state)
@@ -120,16 +133,21 @@ static void test_views(void **state)
         {"-vtv -vp 1.5 3.5 .5 -vd 1 1 .2", "inside a solid or a wall", "eye in a block: flagged"},
         {"-vtv -vp -.15 2 1 -vd 0 1 .2", "inside a solid or a wall", "eye in a wall: flagged"},
         {"-vtv -vp 2 2 0 -vd 0 1 .2", "lies on a surface", "eye on the floor: flagged"}};
+    double brightest, dark = 0;
     bool clean = true;
     (void)state;
     for (int i = 0; i < 3; i++) {
-        struct orl_result result = run_view(cases[i].view);
+        struct orl_result result = run_view(cases[i].view, &brightest);
+        dark = fmax(dark, i < 2 ? brightest : 0);
         stability_holds(38, "view inside a solid, or in a wall", cases[i].invariant,
                         warned(&result, cases[i].words) && result.n_views == 1);
         clean = clean && result.health.non_finite == 0;
         orl_result_done(&result);
     }
-    struct orl_result result = run_view("-vtv -vp 3 1.5 1.2 -vd 0 1 0");
+    stability_row(38, "view inside a solid, or in a wall",
+                  "brightest pixel in block and wall, W/sr/m2", dark, 0);
+    struct orl_result result = run_view("-vtv -vp 3 1.5 1.2 -vd 0 1 0", &brightest);
+    assert_true(brightest > 0.1);
     stability_holds(38, "view inside a solid, or in a wall", "eye in the room: not flagged",
                     !warned(&result, "view '"));
     stability_holds(38, "view inside a solid, or in a wall", "nothing that is no number", clean);
