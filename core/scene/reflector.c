@@ -50,13 +50,18 @@ struct orl_rgb orl_trans_straight(const struct orl_material *material)
 static void parts_of(const struct orl_material *m, enum orl_lobes lobes,
                      struct orl_rgb ret_part[PARTS], double ret_luma[PARTS])
 {
-    const bool through = lobes & ORL_LOBE_TRANSMITTED && m->kind == ORL_MATERIAL_TRANS;
     ret_part[DIFFUSE] = lobes & ORL_LOBE_DIFFUSE ? orl_reflector_diffuse(m) : orl_gray(0);
     ret_part[SPECULAR] = lobes & ORL_LOBE_REFLECTED ? orl_reflector_specular(m) : orl_gray(0);
-    ret_part[SPREAD] = through ? orl_trans_spread(m) : orl_gray(0);
-    ret_part[STRAIGHT] = through ? orl_trans_straight(m) : orl_gray(0);
-    for (int i = 0; i < PARTS; i++)
-        ret_luma[i] = orl_luma(ret_part[i]);
+    ret_luma[DIFFUSE] = orl_luma(ret_part[DIFFUSE]);
+    ret_luma[SPECULAR] = orl_luma(ret_part[SPECULAR]);
+    ret_part[SPREAD] = ret_part[STRAIGHT] = orl_gray(0);
+    ret_luma[SPREAD] = ret_luma[STRAIGHT] = 0;
+    if (m->kind != ORL_MATERIAL_TRANS || !(lobes & ORL_LOBE_TRANSMITTED))
+        return;
+    ret_part[SPREAD] = orl_trans_spread(m);
+    ret_part[STRAIGHT] = orl_trans_straight(m);
+    ret_luma[SPREAD] = orl_luma(ret_part[SPREAD]);
+    ret_luma[STRAIGHT] = orl_luma(ret_part[STRAIGHT]);
 }
 
 /* One after the other: this part, or one of those that follow? */
@@ -67,10 +72,14 @@ static enum part choose(const double luma[PARTS], double u, double *ret_chance)
     for (int i = PARTS - 1; i > 0; i--)
         after[i - 1] = luma[i] + after[i];
     *ret_chance = 1;
-    for (int i = 0; i < PARTS; i++) {
+    for (int i = 0; i < PARTS - 1; i++) {
+        if (!(after[i] > 0))
+            return (enum part)i;
+        if (!(luma[i] > 0))
+            continue;
         const double p = luma[i] / (luma[i] + after[i]);
-        if (!(after[i] > 0) || u < p) {
-            *ret_chance *= after[i] > 0 ? p : 1;
+        if (u < p) {
+            *ret_chance *= p;
             return (enum part)i;
         }
         *ret_chance *= 1 - p;
