@@ -140,7 +140,7 @@ static struct orl_rgb diffuse_radiance(const struct orl_gather *gather, const st
 
 /* As orl_gather_radiance, and tells how far the first thing met is. */
 static struct orl_rgb trace_gather(const struct orl_gather *gather, struct orl_vec3 origin,
-                                   struct orl_vec3 direction, bool outside,
+                                   struct orl_vec3 direction, bool outside, const double *first,
                                    struct orl_random *random, struct orl_search *search,
                                    double *ret_distance)
 {
@@ -174,8 +174,11 @@ static struct orl_rgb trace_gather(const struct orl_gather *gather, struct orl_v
             sum = orl_rgb_add(
                 sum, orl_rgb_mul(weight, diffuse_radiance(gather, &hit, m, near, random, search)));
         const enum orl_lobes lobes = diffuse && !near ? but_diffuse : ORL_LOBE_ALL;
+        const struct orl_vec3 eye = orl_neg(direction);
         const struct orl_scatter s =
-            orl_scatter_sample(m, &hit, orl_neg(direction), ORL_TRANSPORT_EYE, lobes, random);
+            bounce == 0 && first
+                ? orl_scatter_sample_at(m, &hit, eye, ORL_TRANSPORT_EYE, lobes, first)
+                : orl_scatter_sample(m, &hit, eye, ORL_TRANSPORT_EYE, lobes, random);
         if (s.event == ORL_EVENT_ABSORBED)
             return sum;
         weight = orl_rgb_mul(weight, s.weight);
@@ -197,12 +200,12 @@ static struct orl_rgb trace_gather(const struct orl_gather *gather, struct orl_v
 }
 
 struct orl_rgb orl_gather_radiance(const struct orl_gather *gather, struct orl_vec3 origin,
-                                   struct orl_vec3 direction, bool outside,
+                                   struct orl_vec3 direction, bool outside, const double *first,
                                    struct orl_random *random, struct orl_search *search)
 {
     double distance;
-    return orl_health_keep(&search->health, trace_gather(gather, origin, direction, outside, random,
-                                                         search, &distance));
+    return orl_health_keep(&search->health, trace_gather(gather, origin, direction, outside, first,
+                                                         random, search, &distance));
 }
 
 /* The scene that lights a place. */
@@ -299,7 +302,7 @@ struct orl_hemisphere orl_gather_hemisphere(const struct orl_gather *gather,
                                  ? orl_exterior_radiance(scene_of(gather, place), place->point,
                                                          direction, random, &search->health)
                                  : trace_gather(gather, place->point, direction, place->outside,
-                                                random, search, &distance));
+                                                NULL, random, search, &distance));
         h.irradiance = orl_rgb_add(h.irradiance, radiance);
         distance = fmax(distance, 1e-9 * gather->world->geometry->radius);
         nearness += 1 / distance;

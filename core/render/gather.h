@@ -48,9 +48,13 @@ struct orl_place {
 /* Whether a point of open space counts as outside: false unless the scene is sealed. */
 bool orl_gather_is_outside(const struct orl_gather *gather, struct orl_vec3 point);
 
-/* Radiance along a gather ray: lights and suns not seen straight. */
+/*
+ * Radiance along a gather ray: lights and suns not seen straight. first: three numbers in [0,1)
+ * from an even sequence for what happens at the first surface, so that of many rays through a pane
+ * even shares are mirrored and sent on; NULL for random ones.
+ */
 struct orl_rgb orl_gather_radiance(const struct orl_gather *gather, struct orl_vec3 origin,
-                                   struct orl_vec3 direction, bool outside,
+                                   struct orl_vec3 direction, bool outside, const double *first,
                                    struct orl_random *random, struct orl_search *search);
 
 /* The caustic part, by density, for a point of a surface. */

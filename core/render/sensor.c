@@ -81,7 +81,8 @@ static bool lies_on_surface(const struct orl_gather *gather, const struct orl_pl
     return true;
 }
 
-/* The hemisphere by scrambled Sobol directions: a sensor needs no gradients. */
+/* The hemisphere by scrambled Sobol points, up to what a ray's first surface does with it: a sensor
+ * needs no gradients. */
 static struct orl_rgb gather_evenly(const struct orl_gather *gather, const struct orl_place *place,
                                     uint32_t samples, uint64_t index, struct orl_search *search)
 {
@@ -89,11 +90,11 @@ static struct orl_rgb gather_evenly(const struct orl_gather *gather, const struc
     for (uint32_t i = 0; i < samples; i++) {
         struct orl_random random =
             orl_random_stream(gather->seed, ORL_PURPOSE_SENSOR, (index << 24) + i + 1);
-        double u[2];
-        orl_sobol_point(&gather->sobol, i, (uint32_t)orl_mix64(gather->seed ^ (index + 1)), 2, u);
+        double u[5];
+        orl_sobol_point(&gather->sobol, i, (uint32_t)orl_mix64(gather->seed ^ (index + 1)), 5, u);
         const struct orl_vec3 direction = orl_hemisphere_about(place->normal, u[0], u[1]);
         sum = orl_rgb_add(sum, orl_gather_radiance(gather, place->point, direction, place->outside,
-                                                   &random, search));
+                                                   u + 2, &random, search));
     }
     return orl_rgb_scale(sum, ORL_PI / samples);
 }
