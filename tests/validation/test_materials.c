@@ -50,6 +50,7 @@ struct outcome {
     double global_w, global_sigma, caustic_w, caustic_sigma;
     double pixels[SIDE * SIDE][3];
     bool warned; /* of dielectrics */
+    struct orl_health health;
 };
 
 static void run(struct scene_run job, struct outcome *o)
@@ -74,6 +75,7 @@ static void run(struct scene_run job, struct outcome *o)
         snprintf(path, sizeof path, "%s/view.hdr", folder);
         hdr_read(path, SIDE, SIDE, o->pixels);
     }
+    o->health = result.health;
     o->warned = false;
     for (size_t i = 0; i < result.n_warnings; i++)
         o->warned = o->warned || strstr(result.warnings[i], "dielectrics");
@@ -289,6 +291,33 @@ static void test_block_and_sun(void **state)
     assert_true(o.warned); /* sensors in mid-air would get nothing of it */
 }
 
+/*
+ * A lamp inside a clear cube: of its light, what meets no face within the critical angle stays
+ * for ever; it ends by the bounce limit, counted, or on the lamp. The six cones do not overlap:
+ * 3 (1 - cos(asin(1 / n))) gets out, less half a per cent that meets the lamp on its way.
+ */
+static void test_trapped_light(void **state)
+{
+    static const struct orl_sensor sensor = {{2, 4.5, 0}, {0, 0, 1}};
+    const double flux = 1000 * ORL_PI * 4 * ORL_PI * .02 * .02;
+    const double free = 3 * (1 - sqrt(1 - 1 / 2.25));
+    struct outcome o;
+    (void)state;
+    run((struct scene_run){.scene = DARK WALLS SOUTH CEILING
+                           "void light lamp 0 0 3 1000 1000 1000\n"
+                           "lamp sphere bulb 0 0 4 2 2.5 1.5 .02\n"
+                           "void dielectric cube 0 0 5 1 1 1 1.5 0\n"
+                           "!genbox cube c 1 1 1 | xform -t 1.4 1.9 .9\n",
+                           .sensors = &sensor,
+                           .n_sensors = 1,
+                           .global = 5000},
+        &o);
+    assert_within("flux", o.global_w, free * flux, 3 * o.global_sigma + 0.01 * flux);
+    assert_within("all of it", o.health.flux_w, flux, 0.01 * flux);
+    assert_true(o.health.photons_capped > 0 && o.health.flux_capped_w > 0.05 * flux);
+    assert_true(o.health.flux_capped_w < (1 - free) * flux * 1.02);
+}
+
 /* ---- A mirror -------------------------------------------------------------------------------- */
 
 /* A square metre on the floor sends the sun to a ceiling beside it. */
@@ -450,9 +479,10 @@ int main(void)
         cmocka_unit_test(test_skylight_and_sky), cmocka_unit_test(test_skylight_and_sun),
         cmocka_unit_test(test_skylight_patch),   cmocka_unit_test(test_lampshade),
         cmocka_unit_test(test_block_and_sky),    cmocka_unit_test(test_block_and_sun),
-        cmocka_unit_test(test_mirror_patch),     cmocka_unit_test(test_spotlight),
-        cmocka_unit_test(test_spotlight_seen),   cmocka_unit_test(test_illum_is_light),
-        cmocka_unit_test(test_illum_seen),       cmocka_unit_test(test_glow_radius),
+        cmocka_unit_test(test_trapped_light),    cmocka_unit_test(test_mirror_patch),
+        cmocka_unit_test(test_spotlight),        cmocka_unit_test(test_spotlight_seen),
+        cmocka_unit_test(test_illum_is_light),   cmocka_unit_test(test_illum_seen),
+        cmocka_unit_test(test_glow_radius),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
