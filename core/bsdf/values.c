@@ -21,7 +21,8 @@ struct pair {
 };
 
 /* A direction in the surface itself counts as the back. */
-static inline struct pair pair_of(const struct orl_bsdf *bsdf, struct orl_vec3 in, struct orl_vec3 out)
+static inline struct pair pair_of(const struct orl_bsdf *bsdf, struct orl_vec3 in,
+                                  struct orl_vec3 out)
 {
     const enum orl_structure structure = bsdf->document.structure;
     const bool in_front = in.z > 0, out_front = out.z > 0;
