@@ -15,6 +15,8 @@
 #include <cmocka.h>
 
 #include "fixtures/bsdf_make.h"
+#include "support/cli.h"
+#include "support/hdr.h"
 #include "support/scene_text.h"
 
 #define SUN "void light l 0 0 3 1e6 1e6 1e6\nl source sun 0 0 4 0 -1 1 .533\n"
@@ -130,6 +132,37 @@ static void colour_leaves_illuminance_alone(void **state)
     assert_watts(0, lx[0], sun_w() * (0.3 + 0.05 / ORL_PI * form(&sensors[0])), 0.01);
 }
 
+/* Under an even sky an aBSDF shows 0.6 of it straight and 0.2 scattered, and neither twice. */
+static void a_view_through_counts_once(void **state)
+{
+    enum { SIDE = 16 };
+    static double rgb[SIDE * SIDE][3];
+    double mean = 0;
+    struct text bsdf = make_clear_file(5, 0.6, 0.2);
+    char folder[64], path[128];
+    (void)state;
+    cli_make_folder(folder);
+    struct orl_result result = scene_run(&(struct scene_run){
+        .scene = "void glow g 0 0 4 1 1 1 0\ng source sky 0 0 4 0 0 1 360\n" ROOM
+                 "void aBSDF p 5 pane.xml 0 0 1 . 0 0\n" PANE,
+        .resource_name = "pane.xml",
+        .resource_text = bsdf.data,
+        .view = "-vtv -vp 2 1 .75 -vd 0 -1 0 -vu 0 0 1 -vh 30 -vv 30",
+        .width = SIDE,
+        .height = SIDE,
+        .folder = folder});
+    snprintf(path, sizeof path, "%s/view.hdr", folder);
+    hdr_read(path, SIDE, SIDE, rgb);
+    /* A quarter of a pixel's draws are scattered: a pixel's deviation is about 0.01, the mean's a
+     * sixteenth of that, and RGBE rounds by up to 0.4 %. */
+    for (int i = 0; i < SIDE * SIDE; i++)
+        mean += rgb[i][1] / (SIDE * SIDE);
+    assert_true(fabs(mean - 0.8) < 0.005);
+    orl_result_done(&result);
+    cli_remove_folder(folder);
+    free(bsdf.data);
+}
+
 int main(void)
 {
     static const struct CMUnitTest tests[] = {
@@ -137,6 +170,7 @@ int main(void)
         cmocka_unit_test(a_bsdfs_patch_is_blurred),
         cmocka_unit_test(what_is_added_lights_the_room),
         cmocka_unit_test(colour_leaves_illuminance_alone),
+        cmocka_unit_test(a_view_through_counts_once),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
