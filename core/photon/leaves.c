@@ -27,6 +27,7 @@ struct orl_leaves {
     double max_radius;
     double unit;  /* W/m2: of the values kept */
     float reach2; /* cells: how far a leaf may be */
+    struct orl_spread *spread;
     struct site *sites;
     _Atomic uint64_t *values; /* 0: not made yet; else the value, and above it the clear radius */
 };
@@ -38,8 +39,13 @@ struct estimate {
 };
 
 enum { MOST_TRIES = 4 };
-/* A leaf serves points within its spread times this: an even disc ends at 1.41. */
-static const float reach_of_leaf = 2;
+/*
+ * A leaf serves points within its spread times this. An even disc ends at 1.41. Served no further,
+ * the points left over are the gaps, and what the leaves read is low by half a percent, for they
+ * took the points where photons are and left those where they are not; served to 3 it is high by as
+ * much. In between nothing is lost or made: measured in the integrating sphere.
+ */
+static const float reach_of_leaf = 1.85F;
 
 /* Stands for zero irradiance: the smallest exponent with an empty mantissa, but not the empty word.
  */
@@ -122,7 +128,8 @@ struct orl_leaves *orl_leaves_new(const struct orl_photon_map *map, const struct
     leaves->unit = h->flux_unit * k / (ORL_PI * max_radius * max_radius);
     leaves->sites = malloc((n + 1) * sizeof *leaves->sites);
     leaves->values = calloc(n + 1, sizeof *leaves->values);
-    if (!leaves->sites || !leaves->values) {
+    leaves->spread = orl_spread_new(map, k, max_radius);
+    if (!leaves->sites || !leaves->values || !leaves->spread) {
         orl_leaves_free(leaves);
         return NULL;
     }
@@ -135,6 +142,7 @@ void orl_leaves_free(struct orl_leaves *leaves)
 {
     if (!leaves)
         return;
+    orl_spread_free(leaves->spread);
     free(leaves->sites);
     free(leaves->values);
     free(leaves);
@@ -172,7 +180,7 @@ static struct orl_density make_estimate(const struct orl_leaves *leaves, uint32_
         query.normal = footing.normal;
         query.footing = &footing;
     }
-    return orl_density_estimate(leaves->map, &query, search);
+    return orl_spread_estimate(leaves->spread, &query, search);
 }
 
 static uint64_t pack_estimate(const struct orl_leaves *leaves, const struct orl_density *density)
@@ -299,5 +307,5 @@ struct orl_rgb orl_leaves_irradiance(struct orl_leaves *leaves, struct orl_vec3 
     }
     struct orl_density_query query = query_at(leaves, point, normal);
     query.footing = footing;
-    return orl_density_estimate(leaves->map, &query, search).irradiance;
+    return orl_spread_estimate(leaves->spread, &query, search).irradiance;
 }

@@ -3,9 +3,10 @@
  * asked for and kept. A final gather that asks the same wall a million times then pays for
  * one estimate per leaf (16 photons) and a short look-up each.
  *
- * A look-up takes the nearest leaf on the same sheet of surface. Where the leaf's estimate met a
- * wall, or did not reach as far as the point asked about, a ray tells whether something stands
- * between the two; then the next leaf is tried, and after some the estimate is made at the point.
+ * A look-up takes the nearest leaf on the same sheet of surface that covers the point. Where the
+ * leaf's estimate met a wall, or did not reach as far as the point asked about, a ray tells whether
+ * something stands between the two; then the next leaf is tried, and after some the estimate is
+ * made at the point.
  *
  * What a leaf holds depends on map and scene alone, so that it does not matter who computes it
  * first, or twice: results are the same for any number of threads. Value (shared-exponent RGB) and
@@ -16,13 +17,13 @@
 #ifndef ORL_PHOTON_LEAVES_H
 #define ORL_PHOTON_LEAVES_H
 
-#include "photon/search.h"
+#include "photon/spread.h"
 
 struct orl_leaves;
 
 /*
- * k and max_radius: of the estimates. Map and world are borrowed; with world NULL surfaces are
- * taken to be endless. NULL when out of memory.
+ * k and max_radius: of the estimates (spread.h). Map and world are borrowed; with world NULL
+ * surfaces are taken to be endless. NULL when out of memory.
  */
 struct orl_leaves *orl_leaves_new(const struct orl_photon_map *map, const struct orl_world *world,
                                   uint32_t k, double max_radius);

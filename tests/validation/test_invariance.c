@@ -93,7 +93,10 @@ static void test_flipped_normals(void **state)
         assert_within(b[i], a[i], 0.042);
 }
 
-/* Room, sky and sun are mirror images of themselves about x = 2: so are results. */
+/*
+ * Room, sky and sun are mirror images of themselves about x = 2: so are results. Over ten seeds of
+ * 300000 photons the worst pair's difference scatters by 1.4 %; twice as many make that 1.0 %.
+ */
 static void test_symmetry(void **state)
 {
     static const struct orl_sensor pairs[6] = {{{0.5, 3, 0}, {0, 0, 1}}, {{3.5, 3, 0}, {0, 0, 1}},
@@ -105,7 +108,7 @@ static void test_symmetry(void **state)
         &(struct scene_run){.scene = ROOM_SKY ROOM_SUN ROOM_GREY ROOM_CLEAR ROOM_SHELL ROOM_PANE,
                             .sensors = pairs,
                             .n_sensors = 6,
-                            .global = 300000},
+                            .global = 600000},
         lx);
     for (int i = 0; i < 6; i += 2)
         assert_within(lx[i], lx[i + 1], 0.035);

@@ -1,0 +1,237 @@
+#include "photon/spread.h"
+
+#include <stdlib.h>
+
+#include "photon/boxes.h"
+#include "photon/flux.h"
+#include "photon/sheet.h"
+
+enum { BESIDE = 2, NEIGHBOURS = 2 * BESIDE + 1 };
+
+struct orl_spread {
+    const struct orl_photon_map *map;
+    float *
+        reach2[ORL_MAP_LEVELS + 1]; /* cells: per leaf, then the most of a node's, level by level */
+};
+
+static uint32_t photons_of(const struct orl_photon_map *map, uint64_t leaf)
+{
+    const uint64_t left = map->header->count - leaf * ORL_MAP_LEAF;
+    return left < ORL_MAP_LEAF ? (uint32_t)left : ORL_MAP_LEAF;
+}
+
+static int compare(const void *a, const void *b)
+{
+    const float x = *(const float *)a, y = *(const float *)b;
+    return (x > y) - (x < y);
+}
+
+/* The median of squared distances from the middle: a few strays do not move it. */
+static float median2(const struct orl_photon_map *map, uint64_t leaf)
+{
+    const uint32_t n = photons_of(map, leaf), *words = map->places + leaf * ORL_LEAF_WORDS;
+    float at[ORL_MAP_LEAF][3], middle[3] = {0}, d2[ORL_MAP_LEAF];
+    for (uint32_t i = 0; i < n; i++) {
+        uint32_t cell[3];
+        orl_place_unpack(words[i], words[i + ORL_MAP_LEAF], cell);
+        for (int k = 0; k < 3; k++) {
+            at[i][k] = (float)cell[k];
+            middle[k] += at[i][k] / (float)n;
+        }
+    }
+    for (uint32_t i = 0; i < n; i++) {
+        d2[i] = 0;
+        for (int k = 0; k < 3; k++)
+            d2[i] += (at[i][k] - middle[k]) * (at[i][k] - middle[k]);
+    }
+    qsort(d2, n, sizeof *d2, compare);
+    return d2[n / 2];
+}
+
+/*
+ * A radius from 16 photons alone is noisy, and what it spreads with it: the median of a leaf and
+ * its neighbours in Morton order is less so. Half of an even disc lies within the median of squared
+ * distances, and a leaf takes its share of the k photons' area.
+ */
+static void measure_leaves(struct orl_spread *spread, const float *medians, uint64_t leaves,
+                           uint32_t k, double max_radius)
+{
+    const float most = (float)(max_radius / spread->map->header->cell);
+    for (uint64_t i = 0; i < leaves; i++) {
+        float near[NEIGHBOURS];
+        uint32_t n = 0;
+        for (uint64_t j = i < BESIDE ? 0 : i - BESIDE; j <= i + BESIDE && j < leaves; j++)
+            near[n++] = medians[j] / (float)photons_of(spread->map, j);
+        qsort(near, n, sizeof *near, compare);
+        const float even = 2 * (float)k * near[n / 2];
+        spread->reach2[0][i] = even < 1 ? 1 : even > most * most ? most * most : even;
+    }
+}
+
+static void measure_nodes(struct orl_spread *spread, const struct orl_map_layout *layout)
+{
+    uint64_t children = layout->leaves;
+    for (uint32_t level = 0; level < layout->levels; level++) {
+        for (uint64_t node = 0; node < layout->groups[level]; node++) {
+            float most = 0;
+            for (uint64_t c = node * ORL_MAP_FANOUT;
+                 c < (node + 1) * ORL_MAP_FANOUT && c < children; c++)
+                most = spread->reach2[level][c] > most ? spread->reach2[level][c] : most;
+            spread->reach2[level + 1][node] = most;
+        }
+        children = layout->groups[level];
+    }
+}
+
+struct orl_spread *orl_spread_new(const struct orl_photon_map *map, uint32_t k, double max_radius)
+{
+    const struct orl_map_layout layout = orl_map_layout_of(map->header->count);
+    struct orl_spread *spread = calloc(1, sizeof *spread);
+    if (!spread)
+        return NULL;
+    spread->map = map;
+    for (uint32_t level = 0; level <= layout.levels && layout.levels > 0; level++) {
+        const uint64_t nodes = level == 0 ? layout.leaves : layout.groups[level - 1];
+        spread->reach2[level] = calloc(nodes + 1, sizeof(float));
+        if (!spread->reach2[level]) {
+            orl_spread_free(spread);
+            return NULL;
+        }
+    }
+    float *medians = malloc((layout.leaves + 1) * sizeof *medians);
+    if (!medians) {
+        orl_spread_free(spread);
+        return NULL;
+    }
+    for (uint64_t i = 0; i < layout.leaves; i++)
+        medians[i] = median2(map, i);
+    if (layout.levels > 0) {
+        measure_leaves(spread, medians, layout.leaves, k, max_radius);
+        measure_nodes(spread, &layout);
+    }
+    free(medians);
+    return spread;
+}
+
+void orl_spread_free(struct orl_spread *spread)
+{
+    if (!spread)
+        return;
+    for (uint32_t level = 0; level <= ORL_MAP_LEVELS; level++)
+        free(spread->reach2[level]);
+    free(spread);
+}
+
+/* One question: what is summed up so far. */
+struct ask {
+    const struct orl_spread *spread;
+    const struct orl_density_query *query;
+    const struct orl_footprint *footprint; /* NULL: whole discs */
+    float at[3], flat2;
+    uint16_t normal;
+    uint32_t facing, found;
+    float widest2;      /* cells: of the discs that count */
+    struct orl_rgb sum; /* flux over cells */
+};
+
+/* Nearer than flat2 photons lie in the footing's own plane, within rounding. */
+static bool counts(const struct ask *ask, uint32_t index, const float chord[3], float distance2)
+{
+    const struct orl_photon_map *map = ask->spread->map;
+    const struct orl_vec3 c = orl_v3(chord[0], chord[1], chord[2]);
+    if (ask->query->at_photon && index == ask->query->skip)
+        return false;
+    if (!orl_same_sheet(ask->query->normal, ask->normal, map->normals[index], chord))
+        return false;
+    if (distance2 < ask->flat2 && fabs(orl_dot(c, ask->query->normal)) > 4)
+        return false;
+    return !ask->footprint || orl_footprint_holds(ask->footprint, orl_scale(c, map->header->cell));
+}
+
+static void add_leaf(struct ask *ask, uint32_t leaf)
+{
+    const struct orl_photon_map *map = ask->spread->map;
+    const uint32_t *a = map->places + (size_t)leaf * ORL_LEAF_WORDS, *b = a + ORL_MAP_LEAF;
+    const uint32_t n = photons_of(map, leaf);
+    const float reach2 = ask->spread->reach2[0][leaf];
+    float dx[ORL_MAP_LEAF], dy[ORL_MAP_LEAF], dz[ORL_MAP_LEAF], d2[ORL_MAP_LEAF];
+    struct orl_rgb sum = orl_gray(0);
+    uint32_t found = 0;
+    for (int i = 0; i < ORL_MAP_LEAF; i++) {
+        dx[i] = (float)(int32_t)(a[i] & 0xfffffU) - ask->at[0];
+        dy[i] = (float)(int32_t)(b[i] & 0xfffffU) - ask->at[1];
+        dz[i] = (float)(int32_t)((a[i] >> 24) << 12 | b[i] >> 20) - ask->at[2];
+        d2[i] = dx[i] * dx[i] + dy[i] * dy[i] + dz[i] * dz[i];
+    }
+    for (uint32_t i = 0; i < n; i++) {
+        const float chord[3] = {dx[i], dy[i], dz[i]};
+        if (!(d2[i] < reach2) || !counts(ask, leaf * ORL_MAP_LEAF + i, chord, d2[i]))
+            continue;
+        sum = orl_rgb_add(sum, orl_flux_unpack(map->fluxes[leaf * ORL_MAP_LEAF + i]));
+        found++;
+    }
+    if (found == 0)
+        return;
+    const double cell = map->header->cell;
+    const double area = ask->footprint
+                            ? orl_footprint_area(ask->footprint, sqrt((double)reach2) * cell)
+                            : ORL_PI * (double)reach2 * cell * cell;
+    ask->sum = orl_rgb_add(ask->sum, orl_rgb_scale(sum, 1 / fmax(area, ORL_PI * cell * cell)));
+    ask->found += found;
+    ask->widest2 = reach2 > ask->widest2 ? reach2 : ask->widest2;
+}
+
+/* Every leaf whose discs reach the point. */
+static void add_all(struct ask *ask)
+{
+    const struct orl_photon_map *map = ask->spread->map;
+    struct orl_box_visit stack[ORL_BOX_STACK];
+    uint32_t depth = 0;
+    if (map->header->levels > 0)
+        stack[depth++] = (struct orl_box_visit){0, map->header->levels, 0};
+    while (depth > 0) {
+        const struct orl_box_visit at = stack[--depth];
+        const float reach2 = ask->spread->reach2[at.level][at.node];
+        if (!(at.distance2 < reach2))
+            continue;
+        if (at.level == 0)
+            add_leaf(ask, at.node);
+        else
+            depth = orl_box_push(map, at, ask->at, ask->facing, reach2, stack, depth);
+    }
+}
+
+struct orl_density orl_spread_estimate(const struct orl_spread *spread,
+                                       const struct orl_density_query *query,
+                                       struct orl_search *search)
+{
+    const struct orl_map_header *h = spread->map->header;
+    struct ask ask = {.spread = spread,
+                      .query = query,
+                      .normal = orl_normal_encode(query->normal),
+                      .facing = orl_facing_mask(&spread->map->facing, query->normal)};
+    struct orl_footprint footprint;
+    double clear = INFINITY;
+    orl_box_locate(spread->map, query->point, ask.at);
+    if (query->footing) {
+        const double flat = orl_footing_flat(query->footing) / h->cell;
+        ask.flat2 = (float)fmin(flat * flat, 1e30);
+    }
+    struct ask whole = ask;
+    add_all(&whole);
+    const double widest = sqrt((double)whole.widest2) * h->cell;
+    if (query->footing && whole.found > 0 && !orl_footing_is_free(query->footing, widest)) {
+        orl_footprint_make(query->footing, widest, &footprint);
+        ask.footprint = &footprint;
+        clear = footprint.clear;
+        whole = ask;
+        add_all(&whole);
+    }
+    search->health.estimates += whole.found > 0;
+    if (whole.found > 0 && whole.found < ORL_SEARCH_SPARSE && whole.found < h->count)
+        search->health.sparse++;
+    return (struct orl_density){.irradiance = orl_rgb_scale(whole.sum, h->flux_unit),
+                                .radius = widest,
+                                .clear = fmin(clear, widest),
+                                .found = whole.found};
+}

@@ -1,0 +1,32 @@
+/*
+ * Density by spreading: every photon is spread evenly over a disc of its own, whose size goes with
+ * the density where it landed, so that a disc holds about k photons of its kind.
+ *
+ * What a photon spreads is its flux, no more and no less, whatever the sizes: light is neither made
+ * nor lost. The nearest neighbours' estimate (search.h) is not like that. Beside a sun patch its
+ * discs reach for the patch's many photons and shrink as they find them, and the dark reads several
+ * times too bright, half a percent of the light in a sunny room.
+ *
+ * All photons of a leaf have one radius, from the median of their distances to their middle, and of
+ * the leaves beside it. Walls
+ * and edges are the asking point's footprint's (footprint.h): per radius, what is left of the disc.
+ *
+ * Reference: Silverman 1986, section 5.3 (the adaptive kernel method); Abramson 1982.
+ */
+#ifndef ORL_PHOTON_SPREAD_H
+#define ORL_PHOTON_SPREAD_H
+
+#include "photon/search.h"
+
+struct orl_spread;
+
+/* k: photons a disc. The map is borrowed. NULL when out of memory. */
+struct orl_spread *orl_spread_new(const struct orl_photon_map *map, uint32_t k, double max_radius);
+void orl_spread_free(struct orl_spread *spread); /* NULL is allowed */
+
+/* Irradiance at query's point; its k and max_radius are not looked at. */
+struct orl_density orl_spread_estimate(const struct orl_spread *spread,
+                                       const struct orl_density_query *query,
+                                       struct orl_search *search);
+
+#endif
