@@ -257,12 +257,12 @@ static struct orl_rgb folded_direct(const struct orl_world *world, const struct 
 }
 
 struct orl_rgb orl_exterior_radiance(const struct orl_world *world, struct orl_vec3 origin,
-                                     struct orl_vec3 direction, struct orl_random *random,
-                                     struct orl_health *health)
+                                     struct orl_vec3 direction, bool lamps_sampled,
+                                     struct orl_random *random, struct orl_health *health)
 {
     struct orl_rgb sum = orl_gray(0), weight = orl_gray(1), clarity = orl_gray(1);
     const enum orl_lobes back = (enum orl_lobes)(ORL_LOBE_REFLECTED | ORL_LOBE_DIFFUSE);
-    bool sampled_lights = false, diffused = false;
+    bool diffused = false;
     health->paths++;
     for (int bounce = 0; bounce < MOST_BOUNCES; bounce++) {
         struct orl_hit hit;
@@ -275,7 +275,7 @@ struct orl_rgb orl_exterior_radiance(const struct orl_world *world, struct orl_v
         const struct orl_material *m = orl_world_material(world, &hit);
         const struct orl_vec3 eye = orl_neg(direction);
         weight = orl_rgb_mul(weight, orl_material_dimming(m, &hit, clarity));
-        if (orl_material_glows(m) || (orl_material_is_lamp(m) && !sampled_lights))
+        if (orl_material_glows(m) || (orl_material_is_lamp(m) && !lamps_sampled))
             sum = orl_rgb_add(sum, orl_rgb_mul(weight, orl_material_emission(m, &hit, eye)));
         const bool barred = orl_world_crossing(world, &hit) == ORL_CROSSING_INWARDS;
         const bool folded = barred && diffused && m->kind == ORL_MATERIAL_BSDF;
@@ -289,7 +289,7 @@ struct orl_rgb orl_exterior_radiance(const struct orl_world *world, struct orl_v
         /* After a mirror nobody sampled the lights for us; after glass the last vertex still did.
          */
         if (s.event != ORL_EVENT_STRAIGHT)
-            sampled_lights = s.event == ORL_EVENT_DIFFUSE || s.event == ORL_EVENT_GLOSSY;
+            lamps_sampled = s.event == ORL_EVENT_DIFFUSE || s.event == ORL_EVENT_GLOSSY;
         diffused = diffused || s.event == ORL_EVENT_DIFFUSE;
         weight = orl_rgb_mul(weight, s.weight);
         if (bounce >= SURE_BOUNCES) {

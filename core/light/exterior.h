@@ -17,11 +17,13 @@
 
 /*
  * One estimate of the radiance arriving at origin from direction, suns seen straight excluded.
- * Paths do not pass ports inwards: light from inside a building is left out. Counts into health.
+ * Paths do not pass ports inwards: light from inside a building is left out. With lamps_sampled,
+ * lamps seen straight or through panes are too: the caller's shadow rays found them. Counts into
+ * health.
  */
 struct orl_rgb orl_exterior_radiance(const struct orl_world *world, struct orl_vec3 origin,
-                                     struct orl_vec3 direction, struct orl_random *random,
-                                     struct orl_health *health);
+                                     struct orl_vec3 direction, bool lamps_sampled,
+                                     struct orl_random *random, struct orl_health *health);
 
 /*
  * Share of light that comes straight from `direction`, from within max_distance, thin glass on the

@@ -49,7 +49,7 @@ static bool emit_port_dome(const struct orl_emission *e, const struct orl_stratu
     const struct orl_vec3 out = orl_hemisphere_about(port->outward, at[0], at[1]);
     const struct orl_vec3 start =
         orl_facet_leave(world->geometry, port->facet, point, normal, port->outward);
-    const struct orl_rgb radiance = orl_exterior_radiance(world, start, out, random, health);
+    const struct orl_rgb radiance = orl_exterior_radiance(world, start, out, false, random, health);
     /* The square is uniform in projected solid angle, pi in all. */
     const struct orl_rgb flux = orl_rgb_scale(radiance, ORL_PI * port->area / density);
     return orl_rgb_max(flux) > 0 && pass_port(world, port, point, out, flux, random, ret_flight);

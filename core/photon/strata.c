@@ -58,7 +58,7 @@ static void look_out(void *arg, size_t index, uint32_t member)
         struct orl_vec3 point, normal;
         orl_facet_sample(world->geometry, port->facet, u, &point, &normal);
         point = orl_facet_leave(world->geometry, port->facet, point, normal, port->outward);
-        sum += orl_luma(orl_exterior_radiance(world, point, out, &random, &ignored)) *
+        sum += orl_luma(orl_exterior_radiance(world, point, out, false, &random, &ignored)) *
                transmitted_luma(world, port, out);
     }
     pilot->values[index] = sum / PATHS_A_CELL;

@@ -147,14 +147,15 @@ static struct orl_rgb trace_gather(const struct orl_gather *gather, struct orl_v
     const struct orl_world *world = gather->world;
     struct orl_rgb sum = orl_gray(0), weight = orl_gray(1), clarity = orl_gray(1);
     const enum orl_lobes but_diffuse = (enum orl_lobes)(ORL_LOBE_REFLECTED | ORL_LOBE_TRANSMITTED);
+    bool lamps_sampled = true; /* by the shadow rays of the place that the ray comes from */
     *ret_distance = INFINITY;
     search->health.paths++;
     for (int bounce = 0; bounce < MOST_BOUNCES; bounce++) {
         struct orl_hit hit;
         if (outside)
-            return orl_rgb_add(sum,
-                               orl_rgb_mul(weight, orl_exterior_radiance(world, origin, direction,
-                                                                         random, &search->health)));
+            return orl_rgb_add(sum, orl_rgb_mul(weight, orl_exterior_radiance(
+                                                            world, origin, direction, lamps_sampled,
+                                                            random, &search->health)));
         search->health.rays++;
         if (!orl_geometry_intersect(world->geometry, origin, direction, INFINITY, &hit)) {
             search->health.rays_leaked += !world->open;
@@ -189,6 +190,8 @@ static struct orl_rgb trace_gather(const struct orl_gather *gather, struct orl_v
                 return sum;
             weight = orl_rgb_scale(weight, 1 / survive);
         }
+        if (s.event != ORL_EVENT_STRAIGHT)
+            lamps_sampled = s.event == ORL_EVENT_DIFFUSE;
         outside = s.transmitted && !world->open &&
                   orl_world_crossing(world, &hit) == ORL_CROSSING_OUTWARDS;
         clarity = orl_scatter_clarity(m, &s, clarity);
@@ -300,7 +303,7 @@ struct orl_hemisphere orl_gather_hemisphere(const struct orl_gather *gather,
         const struct orl_rgb radiance = orl_health_keep(
             &search->health, place->proxied
                                  ? orl_exterior_radiance(scene_of(gather, place), place->point,
-                                                         direction, random, &search->health)
+                                                         direction, true, random, &search->health)
                                  : trace_gather(gather, place->point, direction, place->outside,
                                                 NULL, random, search, &distance));
         h.irradiance = orl_rgb_add(h.irradiance, radiance);

@@ -130,7 +130,8 @@ static struct orl_rgb seen_along(struct look *look, const struct orl_hit *hit,
     const struct orl_world *world = scene_of(look);
     const struct orl_vec3 start = orl_hit_leave(world->geometry, hit, direction);
     if (orl_world_hides(world, hit->facet))
-        return orl_exterior_radiance(world, start, direction, look->random, &look->search->health);
+        return orl_exterior_radiance(world, start, direction, true, look->random,
+                                     &look->search->health);
     return orl_gather_radiance(look->gather, start, direction, outside, NULL, look->random,
                                look->search);
 }
