@@ -118,6 +118,10 @@ static void test_place(void **state)
     orl_result_done(&there);
 }
 
+/*
+ * Powers of two change no bit. Other factors round photons to other cells of the map, so that some
+ * change leaves: another draw of a noise of 1 %, in a few places. Held to 0.2 %.
+ */
 static void test_unit(void **state)
 {
     (void)state;
@@ -126,9 +130,9 @@ static void test_unit(void **state)
     stability_row(27, "scene x 2^10 and 2^-10", "sensors of a room: largest relative difference",
                   exact, 1e-9);
     stability_row(27, "scene in km", "sensors of a room x 1e-3: largest relative difference",
-                  difference_by(&(struct room_change){1e-3, 0, {0, 0, 0}}), 1e-3);
+                  difference_by(&(struct room_change){1e-3, 0, {0, 0, 0}}), 2e-3);
     stability_row(27, "scene in mm", "sensors of a room x 1e3: largest relative difference",
-                  difference_by(&(struct room_change){1e3, 0, {0, 0, 0}}), 1e-3);
+                  difference_by(&(struct room_change){1e3, 0, {0, 0, 0}}), 2e-3);
 }
 
 /* ---- 34, 46: sides --------------------------------------------------------------------------- */
