@@ -337,8 +337,8 @@ static void test_horizontal_mask(void **state)
         cases[i] = facades[0];
         cases[i].opening = names[i];
         cases[i].outside = outside[i];
-        cases[i].photons = mask_photons() / 3; /* a smaller one */
-        cases[i].rays *= stability_full() ? 4 : 1;
+        cases[i].photons = stability_full() ? mask_photons() : mask_photons() / 3;
+        cases[i].rays *= stability_full() ? 8 : 1;
         cases[i].look = under_mask;
         cases[i].ctx = &depths[i];
     }

@@ -126,7 +126,7 @@ static void read_sensors(const char *scene, const struct orl_sensor *sensors, si
     scene_run_lx(&(struct scene_run){.scene = scene,
                                      .sensors = sensors,
                                      .n_sensors = n,
-                                     .samples = 4096,
+                                     .samples = stability_full() ? 16384 : 4096,
                                      .global = stability_full() ? 4000000 : 200000},
                  ret_radiance);
     for (size_t i = 0; i < n; i++)
