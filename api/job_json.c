@@ -197,13 +197,26 @@ static int decode_only(const json_t *doc, const char *key, const char *only, boo
     return 0;
 }
 
+static int decode_technique(const json_t *value, struct orl_job *job, struct orl_error *err)
+{
+    if (!value)
+        return 0;
+    for (int i = 0; i < ORL_TECHNIQUE_COUNT && json_is_string(value); i++)
+        if (strcmp(json_string_value(value), orl_technique_name((enum orl_technique)i)) == 0) {
+            job->technique = (enum orl_technique)i;
+            return 0;
+        }
+    return orl_json_fail(err, ORL_ERR_INVALID, "technique",
+                         "\"gather\" or \"backward\" is wanted here");
+}
+
 static int decode_settings(const json_t *doc, struct orl_job *job, struct orl_error *err)
 {
     const json_t *seed = json_object_get(doc, "seed");
     const json_t *samples = json_object_get(doc, "gather_samples");
     int rc = decode_only(doc, "kind", "render", false, err);
     if (rc == 0)
-        rc = decode_only(doc, "technique", "gather", false, err);
+        rc = decode_technique(json_object_get(doc, "technique"), job, err);
     if (rc == 0 && seed)
         rc = orl_json_whole(seed, "seed", 0, INT64_MAX, &job->seed, err);
     uint64_t count = 0;

@@ -55,7 +55,9 @@ static json_t *sensors_to_json(const struct orl_result *result)
     for (size_t i = 0; i < result->n_sensors; i++) {
         /* JSON has no NaN: one broken sensor shows as null instead of losing all the others. */
         json_t *lux = json_real(result->illuminance_lx[i]);
-        if (append(sensors, json_pack("{s:o}", "illuminance_lx", lux ? lux : json_null()))) {
+        json_t *se = result->standard_error_lx ? json_real(result->standard_error_lx[i]) : NULL;
+        if (append(sensors, json_pack("{s:o, s:o*}", "illuminance_lx", lux ? lux : json_null(),
+                                      "standard_error_lx", se))) {
             json_decref(sensors);
             return NULL;
         }

@@ -107,6 +107,9 @@ struct orl_vec3 orl_sun_sample(const struct orl_sun *sun, const double u[2]);
 bool orl_port_owns(const struct orl_world *world, const struct orl_port *port,
                    struct orl_vec3 point);
 
+/* Whether a point of open space counts as outside: false unless the scene is sealed. */
+bool orl_world_is_outside(const struct orl_world *world, struct orl_vec3 point);
+
 /* Whether a path through this hit passes a port, and to which side. */
 enum orl_crossing { ORL_CROSSING_NONE, ORL_CROSSING_INWARDS, ORL_CROSSING_OUTWARDS };
 enum orl_crossing orl_world_crossing(const struct orl_world *world, const struct orl_hit *hit);

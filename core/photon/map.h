@@ -45,6 +45,7 @@ struct orl_photon {
     uint16_t normal;   /* orl_normal_encode of the lit side (facing.h) */
     uint8_t batch;
     uint8_t unused;
+    uint32_t facet; /* it landed on; not kept in maps */
 };
 
 struct orl_map_header {

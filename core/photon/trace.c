@@ -29,7 +29,8 @@ static void deposit(struct orl_deposits *deposits, const struct orl_hit *hit, st
         (struct orl_photon){.position = {(float)p.x, (float)p.y, (float)p.z},
                             .flux = {(float)flux.r, (float)flux.g, (float)flux.b},
                             .normal = orl_normal_encode(lit),
-                            .batch = batch};
+                            .batch = batch,
+                            .facet = hit->facet};
 }
 
 /* A photon under way. */

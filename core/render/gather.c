@@ -8,7 +8,7 @@
 enum { MOST_BOUNCES = 64, SURE_BOUNCES = 4 };
 enum { NEIGHBOURS_CAUSTIC_RELIT = 32 }; /* seen by one ray of many: noise averages out */
 enum { NEIGHBOURS_GLOBAL = 64, NEIGHBOURS_CAUSTIC = 300 };
-enum { RADIUS_PROBES = 256, OUTSIDE_RAYS = 32 };
+enum { RADIUS_PROBES = 256 };
 
 static int compare_doubles(const void *a, const void *b)
 {
@@ -72,22 +72,6 @@ void orl_gather_done(struct orl_gather *gather)
 {
     orl_leaves_free(gather->leaves);
     gather->leaves = NULL;
-}
-
-bool orl_gather_is_outside(const struct orl_gather *gather, struct orl_vec3 point)
-{
-    const struct orl_world *world = gather->world;
-    if (world->open)
-        return false;
-    /* In a sealed scene nothing inside sees past the walls, and most of what is outside does. */
-    for (int i = 0; i < OUTSIDE_RAYS; i++) {
-        const double z = 1 - (2 * i + 1.0) / OUTSIDE_RAYS, s = sqrt(1 - z * z);
-        const double phi = 2.399963229728653 * i;
-        if (!orl_geometry_occluded(world->geometry, point, orl_v3(s * cos(phi), s * sin(phi), z),
-                                   INFINITY))
-            return true;
-    }
-    return false;
 }
 
 static struct orl_density caustic_density(const struct orl_gather *gather,

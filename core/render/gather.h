@@ -45,9 +45,6 @@ struct orl_place {
     bool proxied; /* on a surface that a BSDF stands for: lit as views see it; then outside too */
 };
 
-/* Whether a point of open space counts as outside: false unless the scene is sealed. */
-bool orl_gather_is_outside(const struct orl_gather *gather, struct orl_vec3 point);
-
 /*
  * Radiance along a gather ray: lights and suns not seen straight. first: three numbers in [0,1)
  * from an even sequence for what happens at the first surface, so that of many rays through a pane

@@ -279,7 +279,7 @@ int orl_image_render(const struct orl_image_env *env, const struct orl_view *vie
     const struct orl_vec3 eye = orl_sub(view->point, env->gather->world->geometry->center);
     const double degrees = view->type == 'l' ? 0 : fmax(view->horizontal, view->vertical);
     const double side = fmax(film->width, film->height);
-    painter.outside = orl_gather_is_outside(env->gather, eye);
+    painter.outside = orl_world_is_outside(env->gather->world, eye);
     painter.pixel_angle = fmax(degrees * ORL_DEG_TO_RAD, 0.05) / side;
     painter.shadow_rays = env->gather->world->n_emitters > 0 ? LAMP_RAYS : 1;
     orl_icache_init(&painter.cache);

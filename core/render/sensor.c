@@ -121,7 +121,7 @@ double orl_gather_sensor(const struct orl_gather *gather, struct orl_vec3 positi
     struct orl_place place = {.point = orl_madd(position, direction, clear), .normal = direction};
     const uint32_t sequence = (uint32_t)orl_mix64(gather->seed * 3 + index);
     struct orl_vec3 on_surface;
-    place.outside = orl_gather_is_outside(gather, place.point);
+    place.outside = orl_world_is_outside(gather->world, place.point);
     /* Without a caustic map caustics were not asked for: then there are none anywhere. */
     const bool caustics = gather->maps[ORL_MAP_CAUSTIC] != NULL;
     place.in_air = caustics && !lies_on_surface(gather, &place, &on_surface);

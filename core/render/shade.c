@@ -45,7 +45,7 @@ static bool is_outside(const struct look *look, const struct branch *from,
     if (!transmitted || world->open)
         return from->outside;
     if (orl_world_material(world, hit)->kind == ORL_MATERIAL_ILLUM)
-        return orl_gather_is_outside(look->gather, start);
+        return orl_world_is_outside(look->gather->world, start);
     const enum orl_crossing crossing = orl_world_crossing(world, hit);
     return crossing == ORL_CROSSING_NONE ? from->outside : crossing == ORL_CROSSING_OUTWARDS;
 }

@@ -71,6 +71,10 @@ int orl_job_validate(const struct orl_job *job, struct orl_error *err)
 {
     if (job->n_sensors == 0 && !job->sensors_file && job->n_views == 0)
         return orl_error_set(err, ORL_ERR_INVALID, "a job needs sensors, views or both");
+    if (job->technique == ORL_TECHNIQUE_BACKWARD && job->n_views > 0)
+        return orl_error_set(
+            err, ORL_ERR_UNSUPPORTED,
+            "the technique backward computes sensors only: render views by gather");
     if (job->n_sensors > ORL_LIMIT_SENSORS)
         return orl_error_set(err, ORL_ERR_LIMIT, "%zu sensors; at most %lu are allowed",
                              job->n_sensors, ORL_LIMIT_SENSORS);
@@ -104,6 +108,7 @@ void orl_result_done(struct orl_result *result)
     if (!result)
         return;
     free(result->illuminance_lx);
+    free(result->standard_error_lx);
     for (size_t i = 0; i < result->n_views; i++) {
         free(result->views[i].name);
         free(result->views[i].hdr);
@@ -114,6 +119,12 @@ void orl_result_done(struct orl_result *result)
         free(result->warnings[i]);
     free(result->warnings);
     memset(result, 0, sizeof *result);
+}
+
+const char *orl_technique_name(enum orl_technique technique)
+{
+    static const char *const names[ORL_TECHNIQUE_COUNT] = {"gather", "backward"};
+    return technique < ORL_TECHNIQUE_COUNT ? names[technique] : "unknown";
 }
 
 const char *orl_stage_name(enum orl_stage stage)

@@ -114,6 +114,17 @@ static int load(struct orl_run_state *state, struct orl_description *ret_descrip
     return code < 0 ? code : orl_run_sky(state, ret_description, err);
 }
 
+static int run_gather(struct orl_run_state *state, struct orl_error *err)
+{
+    int code = 0;
+    if (!orl_run_is_dark(state))
+        code = orl_run_maps(state, err);
+    if (code < 0)
+        return code;
+    orl_run_enter(state, ORL_STAGE_RENDER);
+    return orl_run_render(state, err);
+}
+
 static int run_stages(struct orl_run_state *state, struct orl_error *err)
 {
     struct orl_description description = {0};
@@ -132,12 +143,9 @@ static int run_stages(struct orl_run_state *state, struct orl_error *err)
         orl_run_warn(state,
                      "there are BSDFs with a thickness, but no surface lies within it behind "
                      "them: views see nothing in their place");
-    if (code == 0 && !orl_run_is_dark(state))
-        code = orl_run_maps(state, err);
-    if (code == 0) {
-        orl_run_enter(state, ORL_STAGE_RENDER);
-        code = orl_run_render(state, err);
-    }
+    if (code == 0)
+        code = state->job->technique == ORL_TECHNIQUE_BACKWARD ? orl_run_backward(state, err)
+                                                               : run_gather(state, err);
     if (code == 0)
         orl_run_judge_health(state);
     return code;

@@ -58,6 +58,9 @@ void orl_run_judge_health(struct orl_run_state *state);
 int orl_run_maps(struct orl_run_state *state, struct orl_error *err);
 void orl_run_release_maps(struct orl_run_state *state);
 
+/* Photons and render stages of the backward technique. */
+int orl_run_backward(struct orl_run_state *state, struct orl_error *err);
+
 /* Render stage. */
 int orl_run_render(struct orl_run_state *state, struct orl_error *err);
 

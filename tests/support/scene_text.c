@@ -65,6 +65,7 @@ static void fill_job(const struct scene_run *run, char **names, struct orl_view_
     job->n_scene_files = run->source ? run->n_names : 1;
     job->sensors_file = (char *)(uintptr_t)run->sensors_file;
     job->seed = run->seed ? run->seed : 1;
+    job->technique = run->technique;
     job->photons_global = run->global ? run->global : 20000;
     job->photons_caustic = run->caustic;
     job->gather_samples = run->samples;

@@ -22,7 +22,8 @@ struct scene_run {
     size_t n_sensors;
     const char *view; /* NULL for none; the image is view.hdr, view.png in folder */
     uint32_t width, height;
-    uint64_t seed;             /* 0: 1 */
+    uint64_t seed; /* 0: 1 */
+    enum orl_technique technique;
     uint64_t global, caustic;  /* 0: 20000 and none */
     uint32_t samples, threads; /* 0: Oriel's default; 1 */
     const char *folder;        /* where maps and images stay; NULL: nowhere */

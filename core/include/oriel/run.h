@@ -24,7 +24,12 @@
 
 /* ---- The job --------------------------------------------------------------------------------- */
 
-enum orl_technique { ORL_TECHNIQUE_GATHER };
+enum orl_technique {
+    ORL_TECHNIQUE_GATHER,   /* photon maps through one final gather */
+    ORL_TECHNIQUE_BACKWARD, /* unbiased, no maps, no density: the yardstick, with standard errors */
+    ORL_TECHNIQUE_COUNT
+};
+const char *orl_technique_name(enum orl_technique technique); /* "gather", "backward" */
 
 struct orl_sensor {
     struct orl_vec3 position;  /* scene units */
@@ -124,7 +129,8 @@ struct orl_result {
     double total_s;
     struct orl_map_info maps[2];
     size_t n_maps;
-    double *illuminance_lx; /* one per sensor */
+    double *illuminance_lx;    /* one per sensor */
+    double *standard_error_lx; /* one per sensor, or NULL: not known to the technique */
     size_t n_sensors;
     struct orl_view_result *views;
     size_t n_views;

@@ -1,0 +1,107 @@
+#include "render/vpl.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "photon/facing.h"
+
+/* The cap, as the inverse square of a length: this share of what lamps are typically apart. */
+static const double near_share = 0.12;
+enum { PAIRS = 1024 };
+
+static struct orl_vec3 from_floats(const float v[3])
+{
+    return orl_v3(v[0], v[1], v[2]);
+}
+
+static void to_floats(struct orl_vec3 v, float ret[3])
+{
+    ret[0] = (float)v.x;
+    ret[1] = (float)v.y;
+    ret[2] = (float)v.z;
+}
+
+/* The photon's surface is met again, for the map's coded normal is good to a degree only. */
+static void make_lamp(const struct orl_world *world, const struct orl_photon *photon,
+                      struct orl_vpl *ret_lamp)
+{
+    const struct orl_geometry *g = world->geometry;
+    const struct orl_vec3 at = from_floats(photon->position);
+    const struct orl_vec3 coded = orl_normal_decode(photon->normal);
+    const double lift = 64 * g->radius * 0x1p-24 + 4 * g->facets[photon->facet].offset;
+    struct orl_hit hit;
+    if (!orl_geometry_intersect(g, orl_madd(at, coded, lift), orl_neg(coded), 2 * lift, &hit) ||
+        hit.facet != photon->facet)
+        hit = (struct orl_hit){.point = at, .normal = coded, .facet = photon->facet, .front = true};
+    const struct orl_vec3 lit = orl_dot(hit.normal, coded) > 0 ? hit.normal : orl_neg(hit.normal);
+    const struct orl_rgb albedo = orl_material_diffuse(orl_world_material(world, &hit));
+    to_floats(orl_madd(hit.point, lit, g->facets[photon->facet].offset), ret_lamp->point);
+    to_floats(lit, ret_lamp->normal);
+    ret_lamp->intensity[0] = (float)(photon->flux[0] * albedo.r / ORL_PI);
+    ret_lamp->intensity[1] = (float)(photon->flux[1] * albedo.g / ORL_PI);
+    ret_lamp->intensity[2] = (float)(photon->flux[2] * albedo.b / ORL_PI);
+}
+
+static int compare(const void *a, const void *b)
+{
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* Lamps are some distance apart: the median over pairs of them. */
+static double typical_distance(const struct orl_vpls *vpls, size_t count)
+{
+    double apart[PAIRS];
+    for (size_t i = 0; i < PAIRS; i++) {
+        const struct orl_vpl *a = &vpls->lamps[orl_mix64(2 * i + 1) % count];
+        const struct orl_vpl *b = &vpls->lamps[orl_mix64(2 * i + 2) % count];
+        apart[i] = orl_length(orl_sub(from_floats(a->point), from_floats(b->point)));
+    }
+    qsort(apart, PAIRS, sizeof *apart, compare);
+    return apart[PAIRS / 2];
+}
+
+int orl_vpls_init(struct orl_vpls *vpls, const struct orl_world *world,
+                  const struct orl_photon *photons, size_t count, uint64_t emitted)
+{
+    size_t next[ORL_MAP_BATCHES] = {0};
+    *vpls = (struct orl_vpls){.world = world, .emitted = (double)emitted / ORL_MAP_BATCHES};
+    vpls->lamps = malloc((count + 1) * sizeof *vpls->lamps);
+    if (!vpls->lamps)
+        return ORL_ERR_NOMEM;
+    for (size_t i = 0; i < count; i++)
+        vpls->first[photons[i].batch + 1]++;
+    for (size_t b = 0; b < ORL_MAP_BATCHES; b++) {
+        vpls->first[b + 1] += vpls->first[b];
+        next[b] = vpls->first[b];
+    }
+    for (size_t i = 0; i < count; i++)
+        make_lamp(world, &photons[i], &vpls->lamps[next[photons[i].batch]++]);
+    const double near = count > 0 ? near_share * typical_distance(vpls, count) : 1;
+    vpls->most_sr_m2 = near > 0 ? 1 / (near * near) : INFINITY;
+    return 0;
+}
+
+void orl_vpls_done(struct orl_vpls *vpls)
+{
+    free(vpls->lamps);
+    memset(vpls, 0, sizeof *vpls);
+}
+
+struct orl_rgb orl_vpl_light(const struct orl_vpls *vpls, uint32_t group, size_t lamp,
+                             struct orl_vec3 point, struct orl_vec3 normal)
+{
+    const struct orl_vpl *l = &vpls->lamps[vpls->first[group] + lamp];
+    const double count = (double)(vpls->first[group + 1] - vpls->first[group]);
+    const struct orl_vec3 way = orl_sub(from_floats(l->point), point);
+    const double d2 = orl_dot(way, way), d = sqrt(d2);
+    const double here = orl_dot(way, normal), there = -orl_dot(way, from_floats(l->normal));
+    if (!(d > 0) || !(here > 0) || !(there > 0))
+        return orl_gray(0);
+    const double factor = fmin(here * there / (d2 * d2), vpls->most_sr_m2);
+    /* In a sealed scene nothing goes out through a port and comes in again: light/world.h. */
+    const struct orl_rgb share = orl_transmittance(vpls->world, point, orl_scale(way, 1 / d),
+                                                   d * (1 - 1e-6), vpls->world->open);
+    const struct orl_rgb intensity = {l->intensity[0], l->intensity[1], l->intensity[2]};
+    return orl_rgb_scale(orl_rgb_mul(intensity, share), factor * count / vpls->emitted);
+}
