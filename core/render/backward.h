@@ -1,10 +1,11 @@
 /*
  * The backward technique (the paper's xxx): unbiased, no cache, no density estimate. Irradiance at
- * a place is the mean of samples, each of which adds up direct      one shadow ray to every sun and
- * lamp, and to the suns' images in flat mirrors; a ray       aimed (aim.h), with what it sees of
- * sky and glow, and of suns and lamps in the lobes of what it meets, panes of BSDF above all; lamps
- * connections to a few virtual point lights (vpl.h): all diffuse surfaces. Every path of light is
- * in exactly one of the three.
+ * a place is the mean of samples, each of which adds up
+ * - direct light: one shadow ray to every sun and lamp, and to the suns' images in flat mirrors;
+ * - a ray, aimed (aim.h): what it sees of sky and glow, and of suns and lamps in the lobes of what
+ *   it meets, panes of BSDF above all;
+ * - connections to a few virtual point lights (vpl.h): all diffuse surfaces.
+ * Every path of light is in exactly one of the three.
  *
  * Samples fall into 16 groups, each with its own numbers and its own virtual lamps; their spread
  * gives the standard error. It is rather too large, by up to 1.6 where photons matter most: groups
