@@ -52,7 +52,8 @@ static int prepare(struct work *work, struct orl_error *err)
         if (code < 0)
             orl_error_set(err, code, "out of memory for virtual lamps");
     }
-    free(shots[ORL_MAP_GLOBAL].photons);
+    for (int kind = 0; kind < ORL_MAP_KINDS; kind++)
+        free(shots[kind].photons);
     orl_emission_free(emission);
     return code;
 }
