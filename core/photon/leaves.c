@@ -58,15 +58,9 @@ static struct orl_density_query query_at(const struct orl_leaves *leaves, struct
         .point = point, .normal = normal, .k = leaves->k, .max_radius = leaves->max_radius};
 }
 
-static uint32_t leaf_size(const struct orl_photon_map *map, uint64_t leaf)
-{
-    const uint64_t left = map->header->count - leaf * ORL_MAP_LEAF;
-    return left < ORL_MAP_LEAF ? (uint32_t)left : ORL_MAP_LEAF;
-}
-
 static uint32_t middle_photon(const struct orl_photon_map *map, uint64_t leaf)
 {
-    return (uint32_t)(leaf * ORL_MAP_LEAF + leaf_size(map, leaf) / 2);
+    return (uint32_t)(leaf * ORL_MAP_LEAF + orl_leaf_photons(map, leaf) / 2);
 }
 
 /* Squared distances of a leaf's photons from a point: the mean, and the least. */
@@ -86,7 +80,7 @@ static void spread_about(float (*const photons)[3], uint32_t n, const float at[3
 
 static struct site make_site(const struct orl_photon_map *map, uint64_t leaf)
 {
-    const uint32_t n = leaf_size(map, leaf), middle = n / 2;
+    const uint32_t n = orl_leaf_photons(map, leaf), middle = n / 2;
     const uint32_t *words = map->places + leaf * ORL_LEAF_WORDS;
     const uint16_t normal = map->normals[leaf * ORL_MAP_LEAF + middle];
     float photons[ORL_MAP_LEAF][3] = {{0}}, mean, least;

@@ -34,6 +34,13 @@ struct orl_map_layout {
 };
 struct orl_map_layout orl_map_layout_of(uint64_t count);
 
+/* Photons in a leaf: 16, but for the last one. */
+static inline uint32_t orl_leaf_photons(const struct orl_photon_map *map, uint64_t leaf)
+{
+    const uint64_t left = map->header->count - leaf * ORL_MAP_LEAF;
+    return left < ORL_MAP_LEAF ? (uint32_t)left : ORL_MAP_LEAF;
+}
+
 static inline void orl_place_unpack(uint32_t a, uint32_t b, uint32_t ret_cell[3])
 {
     ret_cell[0] = a & 0xfffffU;

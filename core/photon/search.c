@@ -69,8 +69,7 @@ static void scan_leaf(struct walk *walk, uint32_t leaf)
 {
     const uint32_t *a = walk->map->places + (size_t)leaf * ORL_LEAF_WORDS, *b = a + ORL_MAP_LEAF;
     const uint64_t first = (uint64_t)leaf * ORL_MAP_LEAF;
-    const uint64_t left = walk->map->header->count - first;
-    const uint32_t n = left < ORL_MAP_LEAF ? (uint32_t)left : ORL_MAP_LEAF;
+    const uint32_t n = orl_leaf_photons(walk->map, leaf);
     float dx[ORL_MAP_LEAF], dy[ORL_MAP_LEAF], dz[ORL_MAP_LEAF], d2[ORL_MAP_LEAF];
     for (int i = 0; i < ORL_MAP_LEAF; i++) {
         dx[i] = (float)(int32_t)(a[i] & 0xfffffU) - walk->at[0];

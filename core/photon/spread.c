@@ -14,12 +14,6 @@ struct orl_spread {
         reach2[ORL_MAP_LEVELS + 1]; /* cells: per leaf, then the most of a node's, level by level */
 };
 
-static uint32_t photons_of(const struct orl_photon_map *map, uint64_t leaf)
-{
-    const uint64_t left = map->header->count - leaf * ORL_MAP_LEAF;
-    return left < ORL_MAP_LEAF ? (uint32_t)left : ORL_MAP_LEAF;
-}
-
 static int compare(const void *a, const void *b)
 {
     const float x = *(const float *)a, y = *(const float *)b;
@@ -29,7 +23,7 @@ static int compare(const void *a, const void *b)
 /* The median of squared distances from the middle: a few strays do not move it. */
 static float median2(const struct orl_photon_map *map, uint64_t leaf)
 {
-    const uint32_t n = photons_of(map, leaf), *words = map->places + leaf * ORL_LEAF_WORDS;
+    const uint32_t n = orl_leaf_photons(map, leaf), *words = map->places + leaf * ORL_LEAF_WORDS;
     float at[ORL_MAP_LEAF][3], middle[3] = {0}, d2[ORL_MAP_LEAF];
     for (uint32_t i = 0; i < n; i++) {
         uint32_t cell[3];
@@ -61,7 +55,7 @@ static void measure_leaves(struct orl_spread *spread, const float *medians, uint
         float near[NEIGHBOURS];
         uint32_t n = 0;
         for (uint64_t j = i < BESIDE ? 0 : i - BESIDE; j <= i + BESIDE && j < leaves; j++)
-            near[n++] = medians[j] / (float)photons_of(spread->map, j);
+            near[n++] = medians[j] / (float)orl_leaf_photons(spread->map, j);
         qsort(near, n, sizeof *near, compare);
         const float even = 2 * (float)k * near[n / 2];
         spread->reach2[0][i] = even < 1 ? 1 : even > most * most ? most * most : even;
@@ -152,7 +146,7 @@ static void add_leaf(struct ask *ask, uint32_t leaf)
 {
     const struct orl_photon_map *map = ask->spread->map;
     const uint32_t *a = map->places + (size_t)leaf * ORL_LEAF_WORDS, *b = a + ORL_MAP_LEAF;
-    const uint32_t n = photons_of(map, leaf);
+    const uint32_t n = orl_leaf_photons(map, leaf);
     const float reach2 = ask->spread->reach2[0][leaf];
     float dx[ORL_MAP_LEAF], dy[ORL_MAP_LEAF], dz[ORL_MAP_LEAF], d2[ORL_MAP_LEAF];
     struct orl_rgb sum = orl_gray(0);

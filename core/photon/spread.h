@@ -7,9 +7,9 @@
  * discs reach for the patch's many photons and shrink as they find them, and the dark reads several
  * times too bright, half a percent of the light in a sunny room.
  *
- * All photons of a leaf have one radius, from the median of their distances to their middle, and of
- * the leaves beside it. Walls
- * and edges are the asking point's footprint's (footprint.h): per radius, what is left of the disc.
+ * All photons of a leaf have one radius, from the median of their distances to their middle and of
+ * the leaves beside it. Walls and edges are the asking point's footprint's (footprint.h): for each
+ * radius, what is left of the disc.
  *
  * Reference: Silverman 1986, section 5.3 (the adaptive kernel method); Abramson 1982.
  */
