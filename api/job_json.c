@@ -207,7 +207,8 @@ static int decode_technique(const json_t *value, struct orl_job *job, struct orl
             return 0;
         }
     return orl_json_fail(err, ORL_ERR_INVALID, "technique",
-                         "\"gather\" or \"backward\" is wanted here");
+                         "\"auto\", \"backward\", \"gather\", \"direct\" or \"precomputed\" is "
+                         "wanted here");
 }
 
 static int decode_settings(const json_t *doc, struct orl_job *job, struct orl_error *err)
@@ -219,10 +220,14 @@ static int decode_settings(const json_t *doc, struct orl_job *job, struct orl_er
         rc = decode_technique(json_object_get(doc, "technique"), job, err);
     if (rc == 0 && seed)
         rc = orl_json_whole(seed, "seed", 0, INT64_MAX, &job->seed, err);
-    uint64_t count = 0;
+    const json_t *pixel_samples = json_object_get(doc, "pixel_samples");
+    uint64_t count = 0, pixel_count = 0;
     if (rc == 0 && samples)
         rc = orl_json_whole(samples, "gather_samples", 0, 1U << 24, &count, err);
+    if (rc == 0 && pixel_samples)
+        rc = orl_json_whole(pixel_samples, "pixel_samples", 0, 1U << 20, &pixel_count, err);
     job->gather_samples = (uint32_t)count;
+    job->pixel_samples = (uint32_t)pixel_count;
     return rc ? rc : decode_photons(json_object_get(doc, "photons"), job, err);
 }
 
@@ -230,8 +235,8 @@ int orl_job_from_json(const json_t *doc, enum orl_job_origin origin, struct orl_
                       char **ret_scene_id, struct orl_error *err)
 {
     static const char *const allowed[] = {
-        "kind",           "scene", "technique", "seed",  "photons",
-        "gather_samples", "sky",   "sensors",   "views", NULL};
+        "kind",          "scene", "technique", "seed",  "photons", "gather_samples",
+        "pixel_samples", "sky",   "sensors",   "views", NULL};
     struct orl_job job;
     char *id = NULL;
     orl_job_init(&job);

@@ -90,6 +90,7 @@ int orl_world_new(struct orl_description *description, struct orl_world **ret_wo
         orl_description_done(description);
         goto done;
     }
+    world->omit = (struct orl_omissions){.most_reflections = ORL_ALL_REFLECTIONS, .channels = 3};
     world->description = *description;
     memset(description, 0, sizeof *description);
     code = orl_geometry_new(&world->description, &world->geometry, err);

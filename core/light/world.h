@@ -13,6 +13,7 @@
 #define ORL_LIGHT_WORLD_H
 
 #include <oriel/crew.h>
+#include <oriel/plan.h>
 
 #include "scene/geometry.h"
 #include "scene/scatter.h"
@@ -50,6 +51,14 @@ struct orl_port {
     bool shared; /* other surfaces lie in its plane, across it: see orl_port_owns */
 };
 
+/* What a run leaves out (plan/plan.h decides). */
+struct orl_omissions {
+    bool exterior; /* surfaces outside reflect nothing: they only stand in the way */
+    bool mirror_caustics, lobe_caustics; /* no caustic photons by way of mirrors, of lobes */
+    uint32_t most_reflections;           /* diffuse ones that light is followed through */
+    uint32_t channels;                   /* 3, or 1: all is gray, and red stands for all */
+};
+
 struct orl_world {
     struct orl_description description; /* owned */
     struct orl_geometry *geometry;      /* owned; what light meets */
@@ -71,6 +80,7 @@ struct orl_world {
     size_t n_ports;
     int32_t *port_of_facet; /* index into ports or ORL_NO_PORT */
     bool open;              /* light can get in without crossing a port */
+    struct orl_omissions omit;
 };
 
 /*

@@ -16,7 +16,8 @@ struct walk {
     double cos_start, travelled; /* since that place */
     bool straight;               /* nothing but panes since then */
     bool lamps_sampled;          /* lamps met now were already counted by shadow rays */
-    uint32_t mirrors;            /* since then */
+    bool from_eye;    /* nothing but mirrors, panes and lenses between here and the eye */
+    uint32_t mirrors; /* since then */
     bool outside;
     bool met; /* a surface, at hit */
     struct orl_hit hit;
@@ -52,10 +53,10 @@ static double add_diffuse(struct walk *w, const struct orl_hit *hit, struct orl_
                                            .normal = lit,
                                            .through_ports = true,
                                            .mirrored = true};
-    const struct orl_rgb e =
-        orl_rgb_add(orl_direct_light(world, &query, w->random),
-                    some_lamps(&w->backward->vpls, w->group,
-                               (size_t)orl_random_bits(w->random) >> 8, 1, query.point, lit));
+    const struct orl_rgb e = orl_rgb_add(
+        orl_direct_light(world, &query, w->random),
+        some_lamps(&w->backward->vpls, w->group, (size_t)orl_random_bits(w->random) >> 8,
+                   w->from_eye ? LAMPS_A_SAMPLE : 1, query.point, lit));
     collect(w, orl_rgb_scale(orl_rgb_mul(albedo, e), left / ORL_PI));
     return left;
 }
@@ -84,7 +85,7 @@ static void escape(struct walk *w)
     const struct orl_world *world = w->backward->world;
     w->weight = orl_rgb_mul(w->weight, orl_clarity_after(w->clarity, INFINITY));
     collect(w, orl_world_dome_radiance(world, w->direction));
-    if (w->mirrors > 1 && !w->lamps_sampled)
+    if (w->from_eye || (w->mirrors > 1 && !w->lamps_sampled))
         collect(w, orl_world_sun_radiance(world, w->direction));
 }
 
@@ -117,6 +118,7 @@ static bool go_on_diffusely(struct walk *w, double left)
     w->hit = aimed.hit;
     w->travelled = 0;
     w->straight = w->lamps_sampled = true;
+    w->from_eye = false;
     w->mirrors = 0;
     return true;
 }
@@ -130,6 +132,7 @@ static void note_event(struct walk *w, enum orl_event event)
     w->mirrors += event == ORL_EVENT_MIRROR ? 1 : event == ORL_EVENT_REFRACTED ? 2 : 0;
     if (event == ORL_EVENT_GLOSSY)
         w->mirrors = 0;
+    w->from_eye = w->from_eye && event != ORL_EVENT_GLOSSY;
     w->lamps_sampled = event == ORL_EVENT_GLOSSY;
 }
 
@@ -153,7 +156,7 @@ static bool scatter(struct walk *w, const struct orl_material *m, double diffuse
         w->outside = orl_world_crossing(world, &w->hit) == ORL_CROSSING_OUTWARDS;
     w->origin = orl_hit_leave(world->geometry, &w->hit, s.direction);
     w->direction = s.direction;
-    if (!w->outside)
+    if (!w->outside || w->from_eye)
         w->met =
             orl_geometry_intersect(world->geometry, w->origin, w->direction, INFINITY, &w->hit);
     return true;
@@ -164,7 +167,9 @@ static void follow(struct walk *w)
 {
     const struct orl_world *world = w->backward->world;
     for (int bounce = 0; bounce < MOST_BOUNCES; bounce++) {
-        if (w->outside) {
+        const bool enters =
+            w->from_eye && w->met && orl_world_crossing(world, &w->hit) == ORL_CROSSING_INWARDS;
+        if (w->outside && !enters && !(w->from_eye && !w->met)) {
             collect(w, orl_exterior_radiance(world, w->origin, w->direction, w->lamps_sampled,
                                              w->random, w->health));
             return;
@@ -279,4 +284,23 @@ struct orl_estimate orl_backward_irradiance(const struct orl_backward *backward,
         square += (means[group] - orl_luma(mean)) * (means[group] - orl_luma(mean));
     const double degrees = (double)ORL_MAP_BATCHES * (ORL_MAP_BATCHES - 1);
     return (struct orl_estimate){mean, sqrt(square / degrees)};
+}
+
+struct orl_rgb orl_backward_radiance(const struct orl_backward *backward, struct orl_vec3 origin,
+                                     struct orl_vec3 direction, bool outside, uint32_t group,
+                                     struct orl_random *random, struct orl_health *health)
+{
+    struct walk w = {.backward = backward,
+                     .random = random,
+                     .group = group,
+                     .origin = origin,
+                     .direction = direction,
+                     .weight = {1, 1, 1},
+                     .clarity = {1, 1, 1},
+                     .health = health,
+                     .from_eye = true,
+                     .outside = outside};
+    w.met = orl_geometry_intersect(backward->world->geometry, origin, direction, INFINITY, &w.hit);
+    follow(&w);
+    return orl_health_keep(health, w.sum);
 }

@@ -20,6 +20,7 @@
 
 #include "base/sobol.h"
 #include "render/aim.h"
+#include "render/paint.h"
 #include "render/vpl.h"
 
 struct orl_backward {
@@ -48,5 +49,17 @@ struct orl_estimate orl_backward_irradiance(const struct orl_backward *backward,
                                             struct orl_vec3 position, struct orl_vec3 normal,
                                             uint32_t samples, uint64_t index,
                                             struct orl_health *health);
+
+/*
+ * One estimate of the radiance seen from origin in a direction, suns and lamps seen straight
+ * included; the virtual lamps are those of the group.
+ */
+struct orl_rgb orl_backward_radiance(const struct orl_backward *backward, struct orl_vec3 origin,
+                                     struct orl_vec3 direction, bool outside, uint32_t group,
+                                     struct orl_random *random, struct orl_health *health);
+
+/* A view, of that many paths a pixel. Returns 0 or ORL_ERR_CANCELLED. */
+int orl_backward_render(const struct orl_backward *backward, const struct orl_painting *painting,
+                        uint32_t samples, struct orl_error *err);
 
 #endif

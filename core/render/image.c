@@ -5,7 +5,7 @@
 #include "render/icache.h"
 #include "render/shade.h"
 
-enum { TILE = 16, RAYS_A_SIDE = 2, TILES_A_ROUND = 64, LAMP_RAYS = 4 };
+enum { RAYS_A_SIDE = 2, LAMP_RAYS = 4 };
 enum { HEMISPHERE_ROWS = 18, HEMISPHERE_COLUMNS = 56 };
 enum { COARSEST_STEP = 16, RECORDS_A_ROUND = 256 };
 
@@ -20,14 +20,12 @@ struct row {
 };
 
 struct painter {
-    const struct orl_image_env *env;
-    const struct orl_view *view;
-    struct orl_film *film;
+    const struct orl_gather *gather;
+    const struct orl_painting *painting;
     struct orl_icache cache;
     bool outside;
     double pixel_angle;   /* of a pixel, radians: about */
     uint32_t shadow_rays; /* a ray and light: lamps are larger than the sun */
-    size_t first_tile, tiles_x;
     /* A round of records: places found row by row, then computed. */
     uint32_t step;
     struct row *rows;
@@ -37,17 +35,13 @@ struct painter {
 
 static bool cancelled(const struct painter *p)
 {
-    return atomic_load_explicit(p->env->cancel, memory_order_relaxed);
+    return orl_paint_cancelled(p->painting->env);
 }
 
-static bool pixel_ray(const struct painter *p, double x, double y, struct orl_vec3 *ret_origin,
-                      struct orl_vec3 *ret_direction)
+/* Names the numbers of this view. */
+static uint64_t seed_of(const struct painter *p)
 {
-    if (!orl_view_ray(p->view, x / p->film->width, 1 - y / p->film->height, ret_origin,
-                      ret_direction))
-        return false;
-    *ret_origin = orl_sub(*ret_origin, p->env->gather->world->geometry->center);
-    return true;
+    return p->gather->seed + p->painting->env->index;
 }
 
 /* ---- Records --------------------------------------------------------------------------------- */
@@ -56,16 +50,15 @@ static bool pixel_ray(const struct painter *p, double x, double y, struct orl_ve
 static void compute_record(void *arg, size_t index, uint32_t member)
 {
     const struct painter *p = arg;
-    const struct orl_gather *gather = p->env->gather;
     struct orl_record *record = &p->wanted[p->first_record + index];
-    struct orl_random random = orl_random_stream(gather->seed + p->env->index, ORL_PURPOSE_RECORD,
-                                                 p->cache.count + p->first_record + index);
+    struct orl_random random =
+        orl_random_stream(seed_of(p), ORL_PURPOSE_RECORD, p->cache.count + p->first_record + index);
     const double footprint = record->radius;
     if (cancelled(p))
         return;
     const struct orl_hemisphere h =
-        orl_gather_hemisphere(gather, &record->place, HEMISPHERE_ROWS, HEMISPHERE_COLUMNS, &random,
-                              &p->env->searches[member]);
+        orl_gather_hemisphere(p->gather, &record->place, HEMISPHERE_ROWS, HEMISPHERE_COLUMNS,
+                              &random, &p->painting->env->searches[member]);
     record->irradiance = h.irradiance;
     record->radius =
         fmin(fmax(h.mean_distance, footprint * least_reach_pixels / ORL_ICACHE_ACCURACY),
@@ -101,15 +94,15 @@ static void look_along_row(void *arg, size_t index, uint32_t member)
 {
     const struct painter *p = arg;
     const uint32_t y = (uint32_t)index * p->step;
-    for (uint32_t x = 0; x < p->film->width && !cancelled(p); x += p->step) {
+    for (uint32_t x = 0; x < p->painting->film->width && !cancelled(p); x += p->step) {
         struct orl_vec3 origin, direction;
         struct orl_sight sight;
         struct orl_random random = {0};
         struct orl_rgb ignored;
-        if (!pixel_ray(p, x + 0.5, y + 0.5, &origin, &direction))
+        if (!orl_paint_ray(p->painting, x + 0.5, y + 0.5, &origin, &direction))
             continue;
-        orl_shade_look(p->env->gather, origin, direction, p->outside, true, &random,
-                       &p->env->searches[member], &sight);
+        orl_shade_look(p->gather, origin, direction, p->outside, true, &random,
+                       &p->painting->env->searches[member], &sight);
         for (uint32_t i = 0; i < sight.n_vertices; i++)
             if (!orl_icache_lookup(&p->cache, &sight.vertices[i].place, &ignored))
                 want(&p->rows[index], &sight.vertices[i], p->pixel_angle);
@@ -141,8 +134,8 @@ static int compute_wanted(struct painter *p)
 {
     for (p->first_record = 0; p->first_record < p->n_wanted; p->first_record += RECORDS_A_ROUND) {
         const size_t left = p->n_wanted - p->first_record;
-        orl_crew_for(p->env->crew, left < RECORDS_A_ROUND ? left : RECORDS_A_ROUND, compute_record,
-                     p);
+        orl_crew_for(p->painting->env->crew, left < RECORDS_A_ROUND ? left : RECORDS_A_ROUND,
+                     compute_record, p);
         if (cancelled(p))
             return ORL_ERR_CANCELLED;
     }
@@ -158,17 +151,17 @@ static int place_records(struct painter *p)
     int code = 0;
     double done = 0;
     for (p->step = COARSEST_STEP; p->step >= 1 && code == 0; p->step /= 2) {
-        const size_t rows = (p->film->height + p->step - 1) / p->step;
+        const size_t rows = (p->painting->film->height + p->step - 1) / p->step;
         p->rows = calloc(rows, sizeof *p->rows);
         if (!p->rows)
             return ORL_ERR_NOMEM;
-        orl_crew_for(p->env->crew, rows, look_along_row, p);
+        orl_crew_for(p->painting->env->crew, rows, look_along_row, p);
         code = join_rows(p, rows);
         free(p->rows);
         if (code == 0)
             code = compute_wanted(p);
         done += 0.1;
-        p->env->progress(p->env->ctx, done);
+        p->painting->env->progress(p->painting->env->ctx, done);
     }
     return code;
 }
@@ -193,9 +186,8 @@ static struct orl_rgb caustic_at(const struct painter *p, const struct orl_verte
     if (memo->density.radius > 0 && orl_dot(way, way) < reach * reach &&
         orl_dot(memo->normal, v->place.normal) > 0.999)
         return memo->density.irradiance;
-    *memo =
-        (struct memo){memo->sequence, v->on_surface, v->place.normal,
-                      orl_gather_caustic(p->env->gather, v->on_surface, v->place.normal, search)};
+    *memo = (struct memo){memo->sequence, v->on_surface, v->place.normal,
+                          orl_gather_caustic(p->gather, v->on_surface, v->place.normal, search)};
     return memo->density.irradiance;
 }
 
@@ -203,7 +195,7 @@ static struct orl_rgb vertex_radiance(const struct painter *p, const struct orl_
                                       struct memo *memo, uint32_t ray, struct orl_random *random,
                                       struct orl_search *search)
 {
-    const struct orl_gather *gather = p->env->gather;
+    const struct orl_gather *gather = p->gather;
     struct orl_rgb gathered;
     struct orl_rgb sum =
         orl_gather_direct(gather, &v->place, memo->sequence, ray * p->shadow_rays, p->shadow_rays);
@@ -216,25 +208,23 @@ static struct orl_rgb vertex_radiance(const struct painter *p, const struct orl_
     return orl_rgb_mul(v->weight, orl_rgb_add(sum, gathered));
 }
 
-static struct orl_rgb pixel_radiance(const struct painter *p, uint32_t x, uint32_t y,
-                                     struct orl_search *search)
+static struct orl_rgb pixel_radiance(void *ctx, uint32_t x, uint32_t y, struct orl_search *search)
 {
+    const struct painter *p = ctx;
     struct orl_rgb sum = orl_gray(0);
-    const uint64_t pixel = (uint64_t)y * p->film->width + x;
+    const uint64_t pixel = (uint64_t)y * p->painting->film->width + x;
     struct memo memo = {
-        .sequence = (uint32_t)orl_mix64(p->env->gather->seed * 5 + p->env->index * 7 + pixel)};
+        .sequence = (uint32_t)orl_mix64(p->gather->seed * 5 + p->painting->env->index * 7 + pixel)};
     for (uint32_t i = 0; i < RAYS_A_SIDE * RAYS_A_SIDE; i++) {
-        struct orl_random random = orl_random_stream(p->env->gather->seed + p->env->index,
-                                                     ORL_PURPOSE_PIXEL, pixel * 16 + i);
+        struct orl_random random = orl_random_stream(seed_of(p), ORL_PURPOSE_PIXEL, pixel * 16 + i);
         /* Not jittered: beside a sky hundreds of times brighter, chance coverage frays an edge. */
         const uint32_t column = i % RAYS_A_SIDE, row = i / RAYS_A_SIDE;
         const double dx = (column + 0.5) / RAYS_A_SIDE, dy = (row + 0.5) / RAYS_A_SIDE;
         struct orl_vec3 origin, direction;
         struct orl_sight sight;
-        if (!pixel_ray(p, x + dx, y + dy, &origin, &direction))
+        if (!orl_paint_ray(p->painting, x + dx, y + dy, &origin, &direction))
             continue;
-        orl_shade_look(p->env->gather, origin, direction, p->outside, false, &random, search,
-                       &sight);
+        orl_shade_look(p->gather, origin, direction, p->outside, false, &random, search, &sight);
         sum = orl_rgb_add(sum, orl_health_keep(&search->health, sight.rest));
         for (uint32_t v = 0; v < sight.n_vertices; v++)
             sum = orl_rgb_add(
@@ -244,48 +234,21 @@ static struct orl_rgb pixel_radiance(const struct painter *p, uint32_t x, uint32
     return orl_rgb_scale(sum, 1.0 / (RAYS_A_SIDE * RAYS_A_SIDE));
 }
 
-static void paint_tile(void *arg, size_t index, uint32_t member)
+int orl_image_render(const struct orl_gather *gather, const struct orl_painting *painting,
+                     struct orl_error *err)
 {
-    struct painter *p = arg;
-    const size_t tile = p->first_tile + index;
-    const uint32_t x0 = (uint32_t)(tile % p->tiles_x) * TILE;
-    const uint32_t y0 = (uint32_t)(tile / p->tiles_x) * TILE;
-    for (uint32_t y = y0; y < y0 + TILE && y < p->film->height && !cancelled(p); y++) {
-        for (uint32_t x = x0; x < x0 + TILE && x < p->film->width; x++) {
-            const struct orl_rgb c = pixel_radiance(p, x, y, &p->env->searches[member]);
-            orl_film_set(p->film, x, y, c, &p->env->searches[member].health);
-        }
-    }
-}
-
-static int paint(struct painter *p)
-{
-    p->tiles_x = (p->film->width + TILE - 1) / TILE;
-    const size_t tiles = p->tiles_x * ((p->film->height + TILE - 1) / TILE);
-    for (p->first_tile = 0; p->first_tile < tiles; p->first_tile += TILES_A_ROUND) {
-        const size_t left = tiles - p->first_tile;
-        orl_crew_for(p->env->crew, left < TILES_A_ROUND ? left : TILES_A_ROUND, paint_tile, p);
-        if (cancelled(p))
-            return ORL_ERR_CANCELLED;
-        p->env->progress(p->env->ctx, 0.5 + 0.5 * (double)p->first_tile / (double)tiles);
-    }
-    return 0;
-}
-
-int orl_image_render(const struct orl_image_env *env, const struct orl_view *view,
-                     struct orl_film *film, struct orl_error *err)
-{
-    struct painter painter = {.env = env, .view = view, .film = film};
-    const struct orl_vec3 eye = orl_sub(view->point, env->gather->world->geometry->center);
+    struct painter painter = {.gather = gather, .painting = painting};
+    const struct orl_view *view = painting->view;
+    const struct orl_vec3 eye = orl_sub(view->point, gather->world->geometry->center);
     const double degrees = view->type == 'l' ? 0 : fmax(view->horizontal, view->vertical);
-    const double side = fmax(film->width, film->height);
-    painter.outside = orl_world_is_outside(env->gather->world, eye);
+    const double side = fmax(painting->film->width, painting->film->height);
+    painter.outside = orl_world_is_outside(gather->world, eye);
     painter.pixel_angle = fmax(degrees * ORL_DEG_TO_RAD, 0.05) / side;
-    painter.shadow_rays = env->gather->world->n_emitters > 0 ? LAMP_RAYS : 1;
+    painter.shadow_rays = gather->world->n_emitters > 0 ? LAMP_RAYS : 1;
     orl_icache_init(&painter.cache);
     int code = place_records(&painter);
     if (code == 0)
-        code = paint(&painter);
+        code = orl_paint(painting, pixel_radiance, &painter, 0.5);
     orl_icache_done(&painter.cache);
     free(painter.wanted);
     if (code == ORL_ERR_CANCELLED)

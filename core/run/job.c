@@ -12,10 +12,10 @@
 void orl_job_init(struct orl_job *job)
 {
     memset(job, 0, sizeof *job);
-    job->technique = ORL_TECHNIQUE_GATHER;
+    job->technique = ORL_TECHNIQUE_AUTO;
     job->seed = 1;
-    job->photons_global = ORL_DEFAULT_PHOTONS;
-    job->photons_caustic = ORL_DEFAULT_PHOTONS;
+    job->photons_global = ORL_PHOTONS_BY_PLAN;
+    job->photons_caustic = ORL_PHOTONS_BY_PLAN;
     job->sky.ground_reflectance = 0.2;
     job->sky.turbidity = 2.45;
     job->sky.direct_normal_lx = -1;
@@ -67,21 +67,22 @@ static int validate_view(const struct orl_job *job, size_t index, struct orl_err
     return code;
 }
 
+static bool too_many(uint64_t photons)
+{
+    return photons > ORL_LIMIT_PHOTONS && photons != ORL_PHOTONS_BY_PLAN;
+}
+
 int orl_job_validate(const struct orl_job *job, struct orl_error *err)
 {
     if (job->n_sensors == 0 && !job->sensors_file && job->n_views == 0)
         return orl_error_set(err, ORL_ERR_INVALID, "a job needs sensors, views or both");
-    if (job->technique == ORL_TECHNIQUE_BACKWARD && job->n_views > 0)
-        return orl_error_set(
-            err, ORL_ERR_UNSUPPORTED,
-            "the technique backward computes sensors only: render views by gather");
     if (job->n_sensors > ORL_LIMIT_SENSORS)
         return orl_error_set(err, ORL_ERR_LIMIT, "%zu sensors; at most %lu are allowed",
                              job->n_sensors, ORL_LIMIT_SENSORS);
     if (job->n_views > ORL_LIMIT_VIEWS)
         return orl_error_set(err, ORL_ERR_LIMIT, "%zu views; at most %u are allowed", job->n_views,
                              ORL_LIMIT_VIEWS);
-    if (job->photons_global > ORL_LIMIT_PHOTONS || job->photons_caustic > ORL_LIMIT_PHOTONS)
+    if (too_many(job->photons_global) || too_many(job->photons_caustic))
         return orl_error_set(err, ORL_ERR_LIMIT, "at most %lu photons may be asked for in a map",
                              ORL_LIMIT_PHOTONS);
     if (job->photons_global < 1)
@@ -121,14 +122,9 @@ void orl_result_done(struct orl_result *result)
     memset(result, 0, sizeof *result);
 }
 
-const char *orl_technique_name(enum orl_technique technique)
-{
-    static const char *const names[ORL_TECHNIQUE_COUNT] = {"gather", "backward"};
-    return technique < ORL_TECHNIQUE_COUNT ? names[technique] : "unknown";
-}
-
 const char *orl_stage_name(enum orl_stage stage)
 {
-    static const char *const names[ORL_STAGE_COUNT] = {"load", "bvh", "photons", "maps", "render"};
+    static const char *const names[ORL_STAGE_COUNT] = {"load",    "bvh",  "plan",
+                                                       "photons", "maps", "render"};
     return stage < ORL_STAGE_COUNT ? names[stage] : "unknown";
 }

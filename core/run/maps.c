@@ -168,8 +168,8 @@ int orl_run_maps(struct orl_run_state *state, struct orl_error *err)
     if (!work)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     orl_run_enter(state, ORL_STAGE_PHOTONS);
-    work[ORL_MAP_GLOBAL].target = state->job->photons_global;
-    work[ORL_MAP_CAUSTIC].target = state->job->photons_caustic;
+    work[ORL_MAP_GLOBAL].target = state->result->plan.photons_global;
+    work[ORL_MAP_CAUSTIC].target = state->result->plan.photons_caustic;
     for (int k = 0; k < ORL_MAP_KINDS && code == 0; k++) {
         if (work[k].target > 0)
             code = acquire(state, (enum orl_map_kind)k, &work[k], err);

@@ -2,64 +2,44 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "render/image.h"
 #include "run/stages.h"
 
-struct sensor_work {
-    const struct orl_run_state *state;
-    const struct orl_gather *gather;
-    size_t first, count;
+/* What is rendered at the moment: its technique and how much of the stage came before. */
+struct rendering {
+    struct orl_run_state *state;
+    const struct orl_renderer *renderer;
+    size_t first; /* sensor of this round */
 };
 
 static void compute_sensor(void *arg, size_t index, uint32_t member)
 {
-    const struct sensor_work *work = arg;
-    const struct orl_run_state *state = work->state;
-    const size_t i = work->first + index;
-    const uint32_t samples =
-        state->job->gather_samples ? state->job->gather_samples : ORL_DEFAULT_GATHER_SAMPLES;
-    if (atomic_load_explicit(state->env->cancel, memory_order_relaxed))
-        return;
-    state->result->illuminance_lx[i] = orl_gather_sensor(
-        work->gather, orl_sub(state->sensors[i].position, state->world->geometry->center),
-        orl_normalize(state->sensors[i].direction), samples, i, &state->searches[member]);
+    const struct rendering *rendering = arg;
+    if (!atomic_load_explicit(rendering->state->env->cancel, memory_order_relaxed))
+        rendering->renderer->sensor(rendering->renderer->ctx, rendering->first + index, member);
 }
 
-/* The sun behind a dielectric comes as caustic photons, which only surfaces catch. */
-static void warn_of_dielectrics(struct orl_run_state *state)
-{
-    const struct orl_world *world = state->world;
-    for (size_t i = 0; world->n_suns > 0 && i < world->geometry->n_facets; i++) {
-        const uint32_t material = world->geometry->facets[i].material;
-        if (world->description.materials[material].kind != ORL_MATERIAL_DIELECTRIC)
-            continue;
-        orl_run_warn(state,
-                     "the sun through dielectrics (material '%s') reaches sensors that lie on "
-                     "surfaces, but not those in mid-air",
-                     world->description.materials[material].name);
-        return;
-    }
-}
-
-/* Rounds of a few hundred sensors, so that progress and cancelling are heard in between. */
-static int render_sensors(struct orl_run_state *state, const struct orl_gather *gather,
-                          double share, struct orl_error *err)
+/* Rounds of some sensors, so that progress and cancelling are heard in between. */
+static int render_sensors(struct rendering *rendering, double share, struct orl_error *err)
 {
     enum { ROUND = 128 };
+    struct orl_run_state *state = rendering->state;
+    struct orl_result *result = state->result;
     const size_t n = state->n_sensors;
     if (n == 0)
         return 0;
-    state->result->illuminance_lx = calloc(n, sizeof *state->result->illuminance_lx);
-    if (!state->result->illuminance_lx)
+    result->illuminance_lx = calloc(n, sizeof(double));
+    if (rendering->renderer->knows_errors)
+        result->standard_error_lx = calloc(n, sizeof(double));
+    if (!result->illuminance_lx ||
+        (rendering->renderer->knows_errors && !result->standard_error_lx))
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for %zu sensors", n);
-    state->result->n_sensors = n;
-    warn_of_dielectrics(state);
-    for (size_t first = 0; first < n; first += ROUND) {
-        struct sensor_work work = {state, gather, first, n - first < ROUND ? n - first : ROUND};
-        orl_crew_for(state->env->crew, work.count, compute_sensor, &work);
+    result->n_sensors = n;
+    for (rendering->first = 0; rendering->first < n; rendering->first += ROUND) {
+        const size_t left = n - rendering->first, count = left < ROUND ? left : ROUND;
+        orl_crew_for(state->env->crew, count, compute_sensor, rendering);
         if (atomic_load(state->env->cancel))
             return orl_error_set(err, ORL_ERR_CANCELLED, "cancelled while computing sensors");
-        orl_run_progress(state, share * (double)(first + work.count) / (double)n);
+        orl_run_progress(state, share * (double)(rendering->first + count) / (double)n);
     }
     return 0;
 }
@@ -106,13 +86,13 @@ static int name_view(struct orl_view_result *result, const char *name, struct or
     return 0;
 }
 
-static int render_view(struct orl_run_state *state, const struct orl_gather *gather, size_t index,
-                       struct view_progress *progress, struct orl_error *err)
+static int render_view(struct rendering *rendering, size_t index, struct view_progress *progress,
+                       struct orl_error *err)
 {
+    struct orl_run_state *state = rendering->state;
     const struct orl_view_request *request = &state->job->views[index];
     struct orl_view_result *result = &state->result->views[index];
-    const struct orl_image_env env = {.gather = gather,
-                                      .crew = state->env->crew,
+    const struct orl_paint_env env = {.crew = state->env->crew,
                                       .searches = state->searches,
                                       .cancel = state->env->cancel,
                                       .index = index,
@@ -121,6 +101,7 @@ static int render_view(struct orl_run_state *state, const struct orl_gather *gat
     const double started = state->env->now_s(state->env->ctx);
     struct orl_film film = {0};
     struct orl_view view;
+    const struct orl_painting painting = {&env, state->world->geometry, &view, &film};
     state->result->n_views = index + 1;
     int code = name_view(result, request->name, err);
     if (code == 0)
@@ -130,7 +111,7 @@ static int render_view(struct orl_run_state *state, const struct orl_gather *gat
     if (code == 0)
         code = orl_film_init(&film, request->width, request->height, err);
     if (code == 0)
-        code = orl_image_render(&env, &view, &film, err);
+        code = rendering->renderer->view(rendering->renderer->ctx, &painting, err);
     if (code == 0)
         code = write_view(state, &film, &view, result, err);
     orl_film_done(&film);
@@ -138,9 +119,9 @@ static int render_view(struct orl_run_state *state, const struct orl_gather *gat
     return code;
 }
 
-static int render_views(struct orl_run_state *state, const struct orl_gather *gather, double before,
-                        struct orl_error *err)
+static int render_views(struct rendering *rendering, double before, struct orl_error *err)
 {
+    struct orl_run_state *state = rendering->state;
     const size_t n = state->job->n_views;
     int code = 0;
     if (n == 0)
@@ -151,24 +132,20 @@ static int render_views(struct orl_run_state *state, const struct orl_gather *ga
     for (size_t i = 0; i < n && code == 0; i++) {
         struct view_progress progress = {state, before + (1 - before) * (double)i / (double)n,
                                          (1 - before) / (double)n};
-        code = render_view(state, gather, i, &progress, err);
+        code = render_view(rendering, i, &progress, err);
     }
     return code;
 }
 
-int orl_run_render(struct orl_run_state *state, struct orl_error *err)
+int orl_run_render(struct orl_run_state *state, const struct orl_renderer *renderer,
+                   struct orl_error *err)
 {
-    struct orl_gather gather;
-    const struct orl_photon_map *maps[ORL_MAP_KINDS] = {state->maps[ORL_MAP_GLOBAL],
-                                                        state->maps[ORL_MAP_CAUSTIC]};
-    int code = orl_gather_init(&gather, state->world, maps, state->job->seed, &state->searches[0]);
-    if (code < 0)
-        return orl_error_set(err, code, "out of memory for the final gather");
+    struct rendering rendering = {.state = state, .renderer = renderer};
     const double sensors_share = state->job->n_views == 0 ? 1 : state->n_sensors == 0 ? 0 : 0.2;
-    code = render_sensors(state, &gather, sensors_share, err);
+    orl_run_enter(state, ORL_STAGE_RENDER);
+    int code = render_sensors(&rendering, sensors_share, err);
     if (code == 0)
-        code = render_views(state, &gather, sensors_share, err);
-    orl_gather_done(&gather);
+        code = render_views(&rendering, sensors_share, err);
     for (uint32_t i = 0; i < orl_crew_size(state->env->crew); i++)
         orl_health_add(&state->result->health, &state->searches[i].health);
     return code;

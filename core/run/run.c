@@ -16,13 +16,14 @@ static const double photon_us = 0.7, index_us = 0.3, gather_us = 2.5, pixel_us =
 static void guess_costs(struct orl_run_state *state)
 {
     const struct orl_job *job = state->job;
-    const double photons = (double)job->photons_global + (double)job->photons_caustic;
+    const double photons = 2.0 * ORL_DEFAULT_PHOTONS;
     const double samples = job->gather_samples ? job->gather_samples : ORL_DEFAULT_GATHER_SAMPLES;
     double pixels = 0;
     for (size_t i = 0; i < job->n_views; i++)
         pixels += (double)job->views[i].width * job->views[i].height;
     state->cost_s[ORL_STAGE_LOAD] = 0.2;
     state->cost_s[ORL_STAGE_BVH] = 0.05;
+    state->cost_s[ORL_STAGE_PLAN] = 0.1;
     state->cost_s[ORL_STAGE_PHOTONS] = 1e-6 * photons * photon_us;
     state->cost_s[ORL_STAGE_MAPS] = 1e-6 * photons * index_us;
     state->cost_s[ORL_STAGE_RENDER] =
@@ -114,18 +115,8 @@ static int load(struct orl_run_state *state, struct orl_description *ret_descrip
     return code < 0 ? code : orl_run_sky(state, ret_description, err);
 }
 
-static int run_gather(struct orl_run_state *state, struct orl_error *err)
-{
-    int code = 0;
-    if (!orl_run_is_dark(state))
-        code = orl_run_maps(state, err);
-    if (code < 0)
-        return code;
-    orl_run_enter(state, ORL_STAGE_RENDER);
-    return orl_run_render(state, err);
-}
-
-static int run_stages(struct orl_run_state *state, struct orl_error *err)
+/* What a job and its plan have in common: everything before photons. */
+static int prepare(struct orl_run_state *state, struct orl_error *err)
 {
     struct orl_description description = {0};
     int code;
@@ -143,16 +134,27 @@ static int run_stages(struct orl_run_state *state, struct orl_error *err)
         orl_run_warn(state,
                      "there are BSDFs with a thickness, but no surface lies within it behind "
                      "them: views see nothing in their place");
+    if (code < 0)
+        return code;
+    orl_run_enter(state, ORL_STAGE_PLAN);
+    return orl_run_plan(state, err);
+}
+
+static int run_stages(struct orl_run_state *state, struct orl_error *err)
+{
+    int code = prepare(state, err);
     if (code == 0)
-        code = state->job->technique == ORL_TECHNIQUE_BACKWARD ? orl_run_backward(state, err)
-                                                               : run_gather(state, err);
+        code = state->result->plan.technique == ORL_TECHNIQUE_BACKWARD
+                   ? orl_run_backward(state, err)
+                   : orl_run_gather(state, err);
     if (code == 0)
         orl_run_judge_health(state);
     return code;
 }
 
-int orl_run(const struct orl_job *job, const struct orl_run_env *env, struct orl_result *ret_result,
-            struct orl_error *err)
+static int run(const struct orl_job *job, const struct orl_run_env *env,
+               int (*stages)(struct orl_run_state *state, struct orl_error *err),
+               struct orl_result *ret_result, struct orl_error *err)
 {
     struct orl_result result = {.threads = orl_crew_size(env->crew), .seed = job->seed};
     struct orl_run_state state = {.job = job, .env = env, .result = &result};
@@ -161,7 +163,7 @@ int orl_run(const struct orl_job *job, const struct orl_run_env *env, struct orl
     state.stage_started = started;
     state.searches = calloc(orl_crew_size(env->crew), sizeof *state.searches);
     if (state.searches)
-        code = run_stages(&state, err);
+        code = stages(&state, err);
     else
         code = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     leave(&state);
@@ -179,4 +181,16 @@ int orl_run(const struct orl_job *job, const struct orl_run_env *env, struct orl
         env->progress(env->ctx, ORL_STAGE_RENDER, 1, 1);
     *ret_result = result;
     return 0;
+}
+
+int orl_run(const struct orl_job *job, const struct orl_run_env *env, struct orl_result *ret_result,
+            struct orl_error *err)
+{
+    return run(job, env, run_stages, ret_result, err);
+}
+
+int orl_plan_job(const struct orl_job *job, const struct orl_run_env *env,
+                 struct orl_result *ret_result, struct orl_error *err)
+{
+    return run(job, env, prepare, ret_result, err);
 }

@@ -7,7 +7,7 @@
 #include <oriel/run.h>
 
 #include "render/gather.h"
-#include "render/view.h"
+#include "render/paint.h"
 
 struct orl_run_state {
     const struct orl_job *job;
@@ -58,10 +58,25 @@ void orl_run_judge_health(struct orl_run_state *state);
 int orl_run_maps(struct orl_run_state *state, struct orl_error *err);
 void orl_run_release_maps(struct orl_run_state *state);
 
-/* Photons and render stages of the backward technique. */
-int orl_run_backward(struct orl_run_state *state, struct orl_error *err);
+/* A technique at work: what the render stage asks of it. */
+struct orl_renderer {
+    void *ctx;
+    bool knows_errors; /* of sensors: fills result->standard_error_lx */
+    /* Fills the result's sensor; called by any member of the crew. */
+    void (*sensor)(void *ctx, size_t index, uint32_t member);
+    int (*view)(void *ctx, const struct orl_painting *painting, struct orl_error *err);
+};
 
-/* Render stage. */
-int orl_run_render(struct orl_run_state *state, struct orl_error *err);
+/* Render stage: sensors and views, into the result and the output folder. */
+int orl_run_render(struct orl_run_state *state, const struct orl_renderer *renderer,
+                   struct orl_error *err);
+
+/* Plan stage: technique and effects into the result's plan; the world is left without what the plan
+ * leaves out. */
+int orl_run_plan(struct orl_run_state *state, struct orl_error *err);
+
+/* Photons, maps and render stages, by the technique of the plan. */
+int orl_run_backward(struct orl_run_state *state, struct orl_error *err);
+int orl_run_gather(struct orl_run_state *state, struct orl_error *err);
 
 #endif

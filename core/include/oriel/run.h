@@ -2,10 +2,10 @@
  * One job from its document to its results: the only way into the renderer, for the daemon's
  * workers, for `oriel run`, and for whatever comes later.
  *
- * A run goes load -> bvh -> photons -> maps -> render. It owns nothing of the caller's: files come
- * from a provider, photon maps go to and come from a store, threads are lent by the caller (a
- * crew), time is read through a callback, images are written below an output folder. Given the same
- * job, files and seed the results are the same bytes for any crew size.
+ * A run goes load -> bvh -> plan -> photons -> maps -> render. It owns nothing of the caller's:
+ * files come from a provider, photon maps go to and come from a store, threads are lent by the
+ * caller (a crew), time is read through a callback, images are written below an output folder.
+ * Given the same job, files and seed the results are the same bytes for any crew size.
  */
 #ifndef ORIEL_RUN_H
 #define ORIEL_RUN_H
@@ -19,17 +19,11 @@
 #include <oriel/error.h>
 #include <oriel/files.h>
 #include <oriel/health.h>
+#include <oriel/plan.h>
 #include <oriel/sky.h>
 #include <oriel/vec.h>
 
 /* ---- The job --------------------------------------------------------------------------------- */
-
-enum orl_technique {
-    ORL_TECHNIQUE_GATHER,   /* photon maps through one final gather */
-    ORL_TECHNIQUE_BACKWARD, /* unbiased, no maps, no density: the yardstick, with standard errors */
-    ORL_TECHNIQUE_COUNT
-};
-const char *orl_technique_name(enum orl_technique technique); /* "gather", "backward" */
 
 struct orl_sensor {
     struct orl_vec3 position;  /* scene units */
@@ -47,9 +41,11 @@ struct orl_job {
     char **scene_files; /* names of the main files, in order, for the provider */
     size_t n_scene_files;
     enum orl_technique technique;
+    enum orl_wish wishes[ORL_EFFECT_COUNT];
     uint64_t seed;
-    uint64_t photons_global, photons_caustic; /* targets; defaults below */
+    uint64_t photons_global, photons_caustic; /* targets, or ORL_PHOTONS_BY_PLAN */
     uint32_t gather_samples;                  /* per sensor; 0 = default */
+    uint32_t pixel_samples;                   /* of the backward technique; 0 = default */
     struct orl_sky_request sky;               /* beside a scene without distant sources */
     char *sensors_file;                       /* NULL, or a file of "x y z dx dy dz" lines */
     struct orl_sensor *sensors;
@@ -58,7 +54,12 @@ struct orl_job {
     size_t n_views;
 };
 
-enum { ORL_DEFAULT_PHOTONS = 2000000, ORL_DEFAULT_GATHER_SAMPLES = 4096 };
+#define ORL_PHOTONS_BY_PLAN UINT64_MAX
+enum {
+    ORL_DEFAULT_PHOTONS = 2000000,
+    ORL_DEFAULT_GATHER_SAMPLES = 4096,
+    ORL_DEFAULT_PIXEL_SAMPLES = 64
+};
 
 void orl_job_init(struct orl_job *job); /* defaults, nothing else set */
 void orl_job_done(struct orl_job *job); /* frees what job owns; NULL and half-filled are fine */
@@ -71,7 +72,7 @@ int orl_job_validate(const struct orl_job *job, struct orl_error *err);
 enum { ORL_DIGEST_HEX = 64 };
 
 struct orl_map_info {
-    char kind[16];                /* "global" or "caustic" */
+    char kind[16];                /* "global", "caustic" or "precomputed" */
     char key[ORL_DIGEST_HEX + 1]; /* digest of all that determines the map, lower-case hex */
     uint64_t emitted, stored, bytes;
     double seconds; /* what building it took */
@@ -110,24 +111,28 @@ struct orl_map_store orl_map_store_in_folder(struct orl_folder_store *state);
 enum orl_stage {
     ORL_STAGE_LOAD,
     ORL_STAGE_BVH,
+    ORL_STAGE_PLAN,
     ORL_STAGE_PHOTONS,
     ORL_STAGE_MAPS,
     ORL_STAGE_RENDER,
     ORL_STAGE_COUNT
 };
-const char *orl_stage_name(enum orl_stage stage); /* "load", "bvh", "photons", "maps", "render" */
+const char *orl_stage_name(enum orl_stage stage); /* "load", "bvh", "plan", ... */
 
 struct orl_view_result {
     char *name, *hdr, *png; /* hdr and png: file names below the output folder */
     double seconds;
 };
 
+enum { ORL_RESULT_MAPS = 3 };
+
 struct orl_result {
     uint32_t threads;
     uint64_t seed;
+    struct orl_plan plan; /* what was simulated, and why */
     double timings_s[ORL_STAGE_COUNT];
     double total_s;
-    struct orl_map_info maps[2];
+    struct orl_map_info maps[ORL_RESULT_MAPS];
     size_t n_maps;
     double *illuminance_lx;    /* one per sensor */
     double *standard_error_lx; /* one per sensor, or NULL: not known to the technique */
@@ -155,6 +160,13 @@ struct orl_run_env {
     void (*map_ready)(void *ctx, const struct orl_map_info *info);
     void *ctx;
 };
+
+/*
+ * Makes the job's plan without rendering: loads the scene and runs the pilot. Returns 0 and fills
+ * ret_result as orl_run does, but for maps, sensors and views. The store is not used.
+ */
+int orl_plan_job(const struct orl_job *job, const struct orl_run_env *env,
+                 struct orl_result *ret_result, struct orl_error *err);
 
 /* Runs the job. Returns 0 and fills ret_result (owned by the caller) or a negative orl_err. */
 int orl_run(const struct orl_job *job, const struct orl_run_env *env, struct orl_result *ret_result,

@@ -1,0 +1,64 @@
+/* A job by the techniques of photon maps: the maps, then sensors and views from them. */
+#include "run/stages.h"
+
+#include "render/image.h"
+
+struct work {
+    struct orl_run_state *state;
+    struct orl_gather gather;
+};
+
+static void compute_sensor(void *ctx, size_t index, uint32_t member)
+{
+    const struct work *work = ctx;
+    const struct orl_run_state *state = work->state;
+    const struct orl_sensor *sensor = &state->sensors[index];
+    const uint32_t samples =
+        state->job->gather_samples ? state->job->gather_samples : ORL_DEFAULT_GATHER_SAMPLES;
+    state->result->illuminance_lx[index] = orl_gather_sensor(
+        &work->gather, orl_sub(sensor->position, state->world->geometry->center),
+        orl_normalize(sensor->direction), samples, index, &state->searches[member]);
+}
+
+static int render_view(void *ctx, const struct orl_painting *painting, struct orl_error *err)
+{
+    const struct work *work = ctx;
+    return orl_image_render(&work->gather, painting, err);
+}
+
+/* The sun behind a dielectric comes as caustic photons, which only surfaces catch. */
+static void warn_of_dielectrics(struct orl_run_state *state)
+{
+    const struct orl_world *world = state->world;
+    for (size_t i = 0; world->n_suns > 0 && i < world->geometry->n_facets; i++) {
+        const uint32_t material = world->geometry->facets[i].material;
+        if (world->description.materials[material].kind != ORL_MATERIAL_DIELECTRIC)
+            continue;
+        orl_run_warn(state,
+                     "the sun through dielectrics (material '%s') reaches sensors that lie on "
+                     "surfaces, but not those in mid-air",
+                     world->description.materials[material].name);
+        return;
+    }
+}
+
+int orl_run_gather(struct orl_run_state *state, struct orl_error *err)
+{
+    struct work work = {.state = state};
+    const struct orl_renderer renderer = {
+        .ctx = &work, .sensor = compute_sensor, .view = render_view};
+    const struct orl_photon_map *maps[ORL_MAP_KINDS];
+    int code = orl_run_is_dark(state) ? 0 : orl_run_maps(state, err);
+    if (code < 0)
+        return code;
+    for (int kind = 0; kind < ORL_MAP_KINDS; kind++)
+        maps[kind] = state->maps[kind];
+    if (orl_gather_init(&work.gather, state->world, maps, state->job->seed, &state->searches[0]) <
+        0)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for the final gather");
+    if (state->n_sensors > 0)
+        warn_of_dielectrics(state);
+    code = orl_run_render(state, &renderer, err);
+    orl_gather_done(&work.gather);
+    return code;
+}
