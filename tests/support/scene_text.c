@@ -65,10 +65,13 @@ static void fill_job(const struct scene_run *run, char **names, struct orl_view_
     job->n_scene_files = run->source ? run->n_names : 1;
     job->sensors_file = (char *)(uintptr_t)run->sensors_file;
     job->seed = run->seed ? run->seed : 1;
-    job->technique = run->technique;
+    job->technique = run->technique || run->by_plan ? run->technique : ORL_TECHNIQUE_GATHER;
     job->photons_global = run->global ? run->global : 20000;
     job->photons_caustic = run->caustic;
     job->gather_samples = run->samples;
+    job->pixel_samples = run->pixel_samples;
+    if (run->wishes)
+        memcpy(job->wishes, run->wishes, sizeof job->wishes);
     if (run->sky)
         job->sky = *run->sky;
     job->sensors = (struct orl_sensor *)(uintptr_t)run->sensors;

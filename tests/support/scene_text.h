@@ -22,11 +22,14 @@ struct scene_run {
     size_t n_sensors;
     const char *view; /* NULL for none; the image is view.hdr, view.png in folder */
     uint32_t width, height;
-    uint64_t seed; /* 0: 1 */
-    enum orl_technique technique;
-    uint64_t global, caustic;  /* 0: 20000 and none */
-    uint32_t samples, threads; /* 0: Oriel's default; 1 */
-    const char *folder;        /* where maps and images stay; NULL: nowhere */
+    uint64_t seed;                /* 0: 1 */
+    enum orl_technique technique; /* auto: gather, unless by_plan */
+    bool by_plan;
+    const enum orl_wish *wishes; /* ORL_EFFECT_COUNT of them, or NULL: all auto */
+    uint64_t global, caustic;    /* 0: 20000 and none */
+    uint32_t samples, threads;   /* 0: Oriel's default; 1 */
+    uint32_t pixel_samples;      /* 0: Oriel's default */
+    const char *folder;          /* where maps and images stay; NULL: nowhere */
 };
 
 /* Runs it; the result is the caller's, for orl_result_done. */
