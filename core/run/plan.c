@@ -11,5 +11,8 @@ int orl_run_plan(struct orl_run_state *state, struct orl_error *err)
                                              .crew = state->env->crew,
                                              .now_s = state->env->now_s,
                                              .ctx = state->env->ctx};
-    return orl_plan_make(&request, state->world, &state->result->plan, err);
+    const int code = orl_plan_make(&request, state->world, &state->result->plan, err);
+    if (code == 0 && state->env->plan_ready)
+        state->env->plan_ready(state->env->ctx, &state->result->plan);
+    return code;
 }

@@ -156,6 +156,8 @@ struct orl_run_env {
     double (*now_s)(void *ctx);        /* a steady clock */
     /* Called by the lead thread, now and then, with fraction 0..1 of the stage and of the job. */
     void (*progress)(void *ctx, enum orl_stage stage, double stage_fraction, double job_fraction);
+    /* Called by the lead thread once the plan is made. May be NULL. */
+    void (*plan_ready)(void *ctx, const struct orl_plan *plan);
     /* Called by the lead thread when a map is settled (hit or built). May be NULL. */
     void (*map_ready)(void *ctx, const struct orl_map_info *info);
     void *ctx;
