@@ -1,6 +1,7 @@
 #include "photon/emit.h"
 
 #include "photon/guide.h"
+#include "photon/map.h"
 #include "photon/table.h"
 #include "scene/hemisphere.h"
 
@@ -213,10 +214,12 @@ bool orl_emission_sample(const struct orl_emission *emission, uint64_t seed, uin
                          struct orl_flight *ret_flight)
 {
     double point[6];
-    const uint32_t sequence = (uint32_t)orl_mix64(seed * 2 + caustic) + (uint32_t)(index >> 32);
+    const uint64_t batch = index % ORL_MAP_BATCHES, within = index / ORL_MAP_BATCHES;
+    const uint32_t sequence = (uint32_t)orl_mix64(orl_mix64(seed * 2 + caustic) + batch) +
+                              (uint32_t)(within >> 32);
     if (emission->n_strata == 0)
         return false;
-    orl_sobol_point(&emission->sobol, (uint32_t)index, sequence, 6, point);
+    orl_sobol_point(&emission->sobol, (uint32_t)within, sequence, 6, point);
     const struct orl_stratum *stratum = pick(emission, point[0], caustic);
     const double share = caustic ? stratum->share_caustic : stratum->share;
     if (!(share > 0) ||

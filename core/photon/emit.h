@@ -16,7 +16,8 @@
  * From the open sky: a direction by the domes' radiance, a place on the scene's box by a guide.
  *
  * The first five random numbers of an emission and its fate are a scrambled Sobol point by its
- * index.
+ * index. Each batch (index mod 16) has a sequence of its own, independent of the others', so that
+ * the spread of batches tells the error of their mean.
  */
 #ifndef ORL_PHOTON_EMIT_H
 #define ORL_PHOTON_EMIT_H

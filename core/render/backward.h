@@ -7,9 +7,8 @@
  * - connections to a few virtual point lights (vpl.h): all diffuse surfaces.
  * Every path of light is in exactly one of the three.
  *
- * Samples fall into 16 groups, each with its own numbers and its own virtual lamps; their spread
- * gives the standard error. It is rather too large, by up to 1.6 where photons matter most: groups
- * share one even sequence of emissions, and are more alike together than apart.
+ * Samples fall into 16 groups, each with its own numbers and its own virtual lamps, of emissions
+ * that are independent of the other groups'; their spread gives the standard error.
  *
  * Suns by way of a curved mirror, of two mirrors or of a dielectric have no shadow rays: only a ray
  * that happens on the disc finds them. That is noise, not bias. Exterior paths are exterior.h's.

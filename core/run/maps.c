@@ -6,7 +6,7 @@
 #include "run/stages.h"
 
 /* What a map's photons depend on beyond the scene: raised when their making changes. */
-static const char recipe[] = "oriel photons 6";
+static const char recipe[] = "oriel photons 7";
 
 static void make_key(const struct orl_run_state *state, enum orl_map_kind kind, uint64_t target,
                      char ret_key[ORL_DIGEST_HEX + 1])
