@@ -6,6 +6,8 @@
 #include "render/shade.h"
 
 enum { RAYS_A_SIDE = 2, LAMP_RAYS = 4 };
+enum { PANE_SAMPLES = 32, GLOSS_SAMPLES = 4 };
+static const double dimmest = 0.004; /* branches below this share of the pixel are not followed */
 enum { HEMISPHERE_ROWS = 18, HEMISPHERE_COLUMNS = 56 };
 enum { COARSEST_STEP = 16, RECORDS_A_ROUND = 256 };
 
@@ -22,6 +24,7 @@ struct row {
 struct painter {
     const struct orl_gather *gather;
     const struct orl_painting *painting;
+    struct orl_onlooker onlooker;
     struct orl_icache cache;
     bool outside;
     double pixel_angle;   /* of a pixel, radians: about */
@@ -101,7 +104,7 @@ static void look_along_row(void *arg, size_t index, uint32_t member)
         struct orl_rgb ignored;
         if (!orl_paint_ray(p->painting, x + 0.5, y + 0.5, &origin, &direction))
             continue;
-        orl_shade_look(p->gather, origin, direction, p->outside, true, &random,
+        orl_shade_look(&p->onlooker, origin, direction, p->outside, true, &random,
                        &p->painting->env->searches[member], &sight);
         for (uint32_t i = 0; i < sight.n_vertices; i++)
             if (!orl_icache_lookup(&p->cache, &sight.vertices[i].place, &ignored))
@@ -224,7 +227,7 @@ static struct orl_rgb pixel_radiance(void *ctx, uint32_t x, uint32_t y, struct o
         struct orl_sight sight;
         if (!orl_paint_ray(p->painting, x + dx, y + dy, &origin, &direction))
             continue;
-        orl_shade_look(p->gather, origin, direction, p->outside, false, &random, search, &sight);
+        orl_shade_look(&p->onlooker, origin, direction, p->outside, false, &random, search, &sight);
         sum = orl_rgb_add(sum, orl_health_keep(&search->health, sight.rest));
         for (uint32_t v = 0; v < sight.n_vertices; v++)
             sum = orl_rgb_add(
@@ -234,10 +237,25 @@ static struct orl_rgb pixel_radiance(void *ctx, uint32_t x, uint32_t y, struct o
     return orl_rgb_scale(sum, 1.0 / (RAYS_A_SIDE * RAYS_A_SIDE));
 }
 
+static struct orl_rgb lobe_radiance(const void *ctx, struct orl_vec3 origin,
+                                    struct orl_vec3 direction, bool outside,
+                                    struct orl_random *random, struct orl_search *search)
+{
+    return orl_gather_radiance(ctx, origin, direction, outside, NULL, random, search);
+}
+
 int orl_image_render(const struct orl_gather *gather, const struct orl_painting *painting,
                      struct orl_error *err)
 {
-    struct painter painter = {.gather = gather, .painting = painting};
+    struct painter painter = {.gather = gather,
+                              .painting = painting,
+                              .onlooker = {.world = gather->world,
+                                           .sobol = &gather->sobol,
+                                           .pane_samples = PANE_SAMPLES,
+                                           .gloss_samples = GLOSS_SAMPLES,
+                                           .dimmest = dimmest,
+                                           .radiance = lobe_radiance,
+                                           .ctx = gather}};
     const struct orl_view *view = painting->view;
     const struct orl_vec3 eye = orl_sub(view->point, gather->world->geometry->center);
     const double degrees = view->type == 'l' ? 0 : fmax(view->horizontal, view->vertical);

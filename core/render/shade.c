@@ -2,8 +2,7 @@
 
 #include "light/proxies.h"
 
-enum { MOST_SPLITS = 6, PANE_SAMPLES = 32, GLOSS_SAMPLES = 4 };
-static const double dimmest = 0.004; /* branches below this share of the pixel are not followed */
+enum { MOST_SPLITS = 6, MOST_SPLITS_BY_LOT = 64, MOST_BRANCHES = 16 };
 
 /* One branch of the ray still to be followed. */
 struct branch {
@@ -16,19 +15,19 @@ struct branch {
 };
 
 struct look {
-    const struct orl_gather *gather;
+    const struct orl_onlooker *onlooker;
     struct orl_random *random;
     struct orl_search *search;
     struct orl_sight *sight;
     bool only_vertices;
-    struct branch stack[2 * MOST_SPLITS];
+    struct branch stack[MOST_BRANCHES];
     uint32_t depth;
 };
 
 /* The scene that views see. */
 static const struct orl_world *scene_of(const struct look *look)
 {
-    return orl_world_seen(look->gather->world);
+    return orl_world_seen(look->onlooker->world);
 }
 
 static void add(struct look *look, struct orl_rgb weight, struct orl_rgb radiance)
@@ -45,9 +44,25 @@ static bool is_outside(const struct look *look, const struct branch *from,
     if (!transmitted || world->open)
         return from->outside;
     if (orl_world_material(world, hit)->kind == ORL_MATERIAL_ILLUM)
-        return orl_world_is_outside(look->gather->world, start);
+        return orl_world_is_outside(look->onlooker->world, start);
     const enum orl_crossing crossing = orl_world_crossing(world, hit);
     return crossing == ORL_CROSSING_NONE ? from->outside : crossing == ORL_CROSSING_OUTWARDS;
+}
+
+/* Whether a branch is worth following, or drawn to be. */
+static bool goes_on(struct look *look, struct branch *branch)
+{
+    const struct orl_onlooker *onlooker = look->onlooker;
+    const double share = orl_rgb_max(branch->weight);
+    const uint32_t most = onlooker->by_lot ? MOST_SPLITS_BY_LOT : MOST_SPLITS;
+    if (look->depth >= MOST_BRANCHES || branch->splits > most)
+        return false;
+    if (share >= onlooker->dimmest || !onlooker->by_lot)
+        return share >= onlooker->dimmest;
+    if (!(orl_random_uniform(look->random) * onlooker->dimmest < share))
+        return false;
+    branch->weight = orl_rgb_scale(branch->weight, onlooker->dimmest / share);
+    return true;
 }
 
 /* On in the direction of s, with its weight. */
@@ -61,8 +76,7 @@ static void follow(struct look *look, const struct branch *from, const struct or
                           .distance = from->distance + hit->distance,
                           .clarity = orl_scatter_clarity(m, s, from->clarity),
                           .splits = from->splits + 1};
-    if (orl_rgb_max(next.weight) < dimmest || look->depth >= 2 * MOST_SPLITS ||
-        next.splits > MOST_SPLITS)
+    if (!goes_on(look, &next))
         return;
     next.origin = orl_hit_leave(world->geometry, hit, s->direction);
     next.outside = is_outside(look, from, hit, next.origin, s->transmitted);
@@ -94,13 +108,14 @@ static struct orl_rgb direct_in_lobes(struct look *look, const struct orl_hit *h
 {
     const struct orl_world *world = scene_of(look);
     if (!orl_world_hides(world, hit->facet))
-        world = look->gather->world;
+        world = look->onlooker->world;
     const struct orl_direct_query query = {.point = orl_hit_leave(world->geometry, hit, side),
                                            .normal = side,
                                            .through_ports = true,
                                            .lobes = m,
                                            .hit = hit,
-                                           .eye = eye};
+                                           .eye = eye,
+                                           .mirrored = true};
     struct orl_rgb sum = orl_gray(0);
     for (uint32_t i = 0; i < samples; i++)
         sum = orl_rgb_add(sum, orl_direct_light(world, &query, look->random));
@@ -119,7 +134,7 @@ static struct orl_scatter sample_lobes(const struct look *look, const struct orl
     double u[3];
     if (!orl_material_transmits_lobes(m))
         return orl_scatter_sample(m, hit, eye, ORL_TRANSPORT_EYE, lobes, look->random);
-    orl_sobol_point(&look->gather->sobol, sample, sequence, 3, u);
+    orl_sobol_point(look->onlooker->sobol, sample, sequence, 3, u);
     return orl_scatter_sample_at(m, hit, eye, ORL_TRANSPORT_EYE, lobes, u);
 }
 
@@ -132,8 +147,8 @@ static struct orl_rgb seen_along(struct look *look, const struct orl_hit *hit,
     if (orl_world_hides(world, hit->facet))
         return orl_exterior_radiance(world, start, direction, true, look->random,
                                      &look->search->health);
-    return orl_gather_radiance(look->gather, start, direction, outside, NULL, look->random,
-                               look->search);
+    return look->onlooker->radiance(look->onlooker->ctx, start, direction, outside, look->random,
+                                    look->search);
 }
 
 /* Lobes of a surface: lights directly, all else by a few rays. What goes straight is followed too.
@@ -205,7 +220,8 @@ static void meet(struct look *look, const struct branch *met, const struct orl_h
     split(look, &at, hit, m);
     if (orl_material_has_lobes(m) && !look->only_vertices)
         add_lobes(look, &at, hit, m,
-                  orl_material_transmits_lobes(m) ? PANE_SAMPLES : GLOSS_SAMPLES);
+                  orl_material_transmits_lobes(m) ? look->onlooker->pane_samples
+                                                  : look->onlooker->gloss_samples);
     add(look, at.weight, orl_material_emission(m, hit, orl_neg(at.direction)));
 }
 
@@ -217,17 +233,19 @@ static void pass_proxies(const struct orl_world *world, double distance, struct 
         at->outside = passed == ORL_CROSSING_OUTWARDS;
 }
 
-void orl_shade_look(const struct orl_gather *gather, struct orl_vec3 origin,
+void orl_shade_look(const struct orl_onlooker *onlooker, struct orl_vec3 origin,
                     struct orl_vec3 direction, bool outside, bool only_vertices,
                     struct orl_random *random, struct orl_search *search,
                     struct orl_sight *ret_sight)
 {
-    const struct orl_world *world = orl_world_seen(gather->world);
-    struct look look = {.gather = gather,
-                        .random = random,
-                        .search = search,
-                        .sight = ret_sight,
-                        .only_vertices = only_vertices};
+    const struct orl_world *world = orl_world_seen(onlooker->world);
+    struct look look; /* not its stack, which is large and empty */
+    look.onlooker = onlooker;
+    look.random = random;
+    look.search = search;
+    look.sight = ret_sight;
+    look.only_vertices = only_vertices;
+    look.depth = 0;
     ret_sight->n_vertices = 0;
     ret_sight->rest = orl_gray(0);
     look.stack[look.depth++] = (struct branch){.origin = origin,

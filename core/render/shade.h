@@ -1,6 +1,7 @@
 /*
  * What a view ray sees: the ray is followed through panes and mirrors, both ways where it splits,
- * down to diffuse surfaces; what else it meets (sky, lights, lobes) is summed on the way.
+ * down to diffuse surfaces; what else it meets (sky, lights, lobes) is summed on the way. What
+ * light comes along the rays of a lobe is for the technique to say.
  */
 #ifndef ORL_RENDER_SHADE_H
 #define ORL_RENDER_SHADE_H
@@ -23,11 +24,27 @@ struct orl_sight {
     struct orl_rgb rest; /* radiance of all that is not diffuse */
 };
 
+/* A technique's radiance along a ray of a lobe: lights and suns not seen straight. */
+typedef struct orl_rgb orl_shade_radiance(const void *ctx, struct orl_vec3 origin,
+                                          struct orl_vec3 direction, bool outside,
+                                          struct orl_random *random, struct orl_search *search);
+
+/* Who looks. */
+struct orl_onlooker {
+    const struct orl_world *world;
+    const struct orl_sobol *sobol;
+    uint32_t pane_samples, gloss_samples; /* rays into a pane's lobes, into others */
+    double dimmest; /* branches below this share of the ray are not followed; */
+    bool by_lot;    /* or one in some is, and then counts for all: no bias */
+    orl_shade_radiance *radiance;
+    const void *ctx;
+};
+
 /*
  * Follows one ray. With only_vertices no lobes are sampled and rest is not filled in: the cheap
  * look that places irradiance records.
  */
-void orl_shade_look(const struct orl_gather *gather, struct orl_vec3 origin,
+void orl_shade_look(const struct orl_onlooker *onlooker, struct orl_vec3 origin,
                     struct orl_vec3 direction, bool outside, bool only_vertices,
                     struct orl_random *random, struct orl_search *search,
                     struct orl_sight *ret_sight);
