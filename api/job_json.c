@@ -8,6 +8,7 @@
 #include <oriel/limits.h>
 
 #include "decode.h"
+#include "plan_json.h"
 #include "sky_json.h"
 
 enum { FILE_NAME_MAX_BYTES = 1024, VIEW_TEXT_MAX = 4096, VIEW_NAME_MAX = 128 };
@@ -228,15 +229,17 @@ static int decode_settings(const json_t *doc, struct orl_job *job, struct orl_er
         rc = orl_json_whole(pixel_samples, "pixel_samples", 0, 1U << 20, &pixel_count, err);
     job->gather_samples = (uint32_t)count;
     job->pixel_samples = (uint32_t)pixel_count;
+    if (rc == 0)
+        rc = orl_wishes_from_json(json_object_get(doc, "effects"), job->wishes, err);
     return rc ? rc : decode_photons(json_object_get(doc, "photons"), job, err);
 }
 
 int orl_job_from_json(const json_t *doc, enum orl_job_origin origin, struct orl_job *ret_job,
                       char **ret_scene_id, struct orl_error *err)
 {
-    static const char *const allowed[] = {
-        "kind",          "scene", "technique", "seed",  "photons", "gather_samples",
-        "pixel_samples", "sky",   "sensors",   "views", NULL};
+    static const char *const allowed[] = {"kind", "scene",   "technique",      "effects",
+                                          "seed", "photons", "gather_samples", "pixel_samples",
+                                          "sky",  "sensors", "views",          NULL};
     struct orl_job job;
     char *id = NULL;
     orl_job_init(&job);

@@ -2,8 +2,10 @@
  * A job document (JSON) -> struct orl_job.
  *
  *     {"kind": "render", "scene": "<id>" or {"files": ["room.rad", ...]},
- *      "technique": "gather" or "backward" (sensors only), "seed": 1,
- *      "photons": {"global": 2000000, "caustic": 2000000}, "gather_samples": 4096,
+ *      "technique": "auto" (the default), "backward", "gather", "direct" or "precomputed",
+ *      "effects": {"caustics": "skip", ...} (plan_json.h), "seed": 1,
+ *      "photons": {"global": 2000000, "caustic": 2000000} (each by the plan when left out),
+ *      "gather_samples": 4096 (a sensor's rays), "pixel_samples": 64 (a pixel's paths, backward),
  *      "sky": {...} (sky_json.h), only with a scene that has none,
  *      "sensors": {"file": "sensors.txt"} or [[x, y, z, dx, dy, dz], ...],
  *      "views": [{"name": "desk", "view": "-vtv -vp ...", "width": 400, "height": 300}]}

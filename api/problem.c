@@ -4,6 +4,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "encode.h"
+
 /* The one table from errors to HTTP. */
 static const struct {
     int code, status;
@@ -37,23 +39,9 @@ int orl_problem_status(int code)
     return problems[find_problem(code)].status;
 }
 
-/* Text from a damaged file may not be UTF-8, which jansson refuses: '?' stands for what is not. */
-static json_t *safe_string(const char *text)
-{
-    json_t *string = json_string(text);
-    if (string)
-        return string;
-    char ascii[ORL_ERROR_TEXT_MAX];
-    snprintf(ascii, sizeof ascii, "%s", text);
-    for (char *c = ascii; *c; c++)
-        if ((unsigned char)*c > 126 || (unsigned char)*c < 32)
-            *c = '?';
-    return json_string(ascii);
-}
-
 static int set_text(json_t *object, const char *key, const char *text)
 {
-    return *text ? json_object_set_new(object, key, safe_string(text)) : 0;
+    return *text ? json_object_set_new(object, key, orl_json_from_text(text)) : 0;
 }
 
 json_t *orl_problem_from_error(const struct orl_error *err, int *ret_status)
@@ -89,7 +77,7 @@ json_t *orl_problem_new(int status, const char *type, const char *title, const c
     va_end(args);
     snprintf(urn, sizeof urn, "urn:oriel:error:%s", type);
     json_t *problem = json_pack("{s:s, s:s, s:i}", "type", urn, "title", title, "status", status);
-    if (problem && json_object_set_new(problem, "detail", safe_string(text))) {
+    if (problem && json_object_set_new(problem, "detail", orl_json_from_text(text))) {
         json_decref(problem);
         return NULL;
     }

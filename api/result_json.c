@@ -4,6 +4,9 @@
 
 #include <oriel/vec.h>
 
+#include "encode.h"
+#include "plan_json.h"
+
 /*
  * jansson's "o" in json_pack steals the reference and fails when it is NULL, so that one check at
  * the end of each function covers all of its parts.
@@ -54,10 +57,10 @@ static json_t *sensors_to_json(const struct orl_result *result)
     json_t *sensors = json_array();
     for (size_t i = 0; i < result->n_sensors; i++) {
         /* JSON has no NaN: one broken sensor shows as null instead of losing all the others. */
-        json_t *lux = json_real(result->illuminance_lx[i]);
+        json_t *lux = orl_json_from_real(result->illuminance_lx[i]);
         json_t *se = result->standard_error_lx ? json_real(result->standard_error_lx[i]) : NULL;
-        if (append(sensors, json_pack("{s:o, s:o*}", "illuminance_lx", lux ? lux : json_null(),
-                                      "standard_error_lx", se))) {
+        if (append(sensors,
+                   json_pack("{s:o, s:o*}", "illuminance_lx", lux, "standard_error_lx", se))) {
             json_decref(sensors);
             return NULL;
         }
@@ -115,18 +118,25 @@ static json_t *warnings_to_json(const struct orl_result *result)
 {
     json_t *warnings = json_array();
     for (size_t i = 0; i < result->n_warnings; i++)
-        if (append(warnings, json_string(result->warnings[i]))) {
+        if (append(warnings, orl_json_from_text(result->warnings[i]))) {
             json_decref(warnings);
             return NULL;
         }
     return warnings;
 }
 
+json_t *orl_planned_to_json(const struct orl_result *result)
+{
+    return json_pack("{s:o, s:o}", "plan", orl_plan_to_json(&result->plan), "warnings",
+                     warnings_to_json(result));
+}
+
 json_t *orl_result_to_json(const struct orl_result *result, const char *state)
 {
-    return json_pack("{s:s, s:I, s:I, s:o, s:o, s:o, s:o, s:o, s:o}", "state", state, "threads",
-                     (json_int_t)result->threads, "seed", (json_int_t)result->seed, "timings_s",
-                     timings_to_json(result), "maps", maps_to_json(result), "sensors",
-                     sensors_to_json(result), "views", views_to_json(result), "health",
-                     health_to_json(&result->health), "warnings", warnings_to_json(result));
+    return json_pack("{s:s, s:I, s:I, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "state", state,
+                     "threads", (json_int_t)result->threads, "seed", (json_int_t)result->seed,
+                     "plan", orl_plan_to_json(&result->plan), "timings_s", timings_to_json(result),
+                     "maps", maps_to_json(result), "sensors", sensors_to_json(result), "views",
+                     views_to_json(result), "health", health_to_json(&result->health), "warnings",
+                     warnings_to_json(result));
 }

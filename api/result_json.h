@@ -1,10 +1,11 @@
 /*
  * Results and photon maps -> JSON, as result.json and the job document hold them:
  *
- *     {"state", "threads", "seed", "timings_s": {"load", "bvh", "photons", "maps", "render",
- *      "total"}, "maps": [{"kind", "key", "emitted", "stored", "bytes", "seconds", "cached"}],
- *      "sensors": [{"illuminance_lx"}], "views": [{"name", "hdr", "png", "seconds"}],
- *      "warnings": ["..."]}
+ *     {"state", "threads", "seed", "plan": {...} or null (plan_json.h),
+ *      "timings_s": {"load", "bvh", "plan", "photons", "maps", "render", "total"},
+ *      "maps": [{"kind", "key", "emitted", "stored", "bytes", "seconds", "cached"}],
+ *      "sensors": [{"illuminance_lx", and "standard_error_lx" where it is known}],
+ *      "views": [{"name", "hdr", "png", "seconds"}], "health": {...}, "warnings": ["..."]}
  *
  * Returned objects are new references, the caller's; NULL when out of memory.
  */
@@ -17,6 +18,9 @@
 
 /* state: "succeeded", "failed", ... A result that orl_run did not fill in may be all zeros. */
 json_t *orl_result_to_json(const struct orl_result *result, const char *state);
+
+/* A result of orl_plan_job: {"plan": {...}, "warnings": ["..."]}. */
+json_t *orl_planned_to_json(const struct orl_result *result);
 
 /* One map: kind, key, emitted, stored, bytes, seconds, cached. */
 json_t *orl_map_info_to_json(const struct orl_map_info *info);

@@ -33,6 +33,7 @@ static void test_full_remote_document(void **state)
     const int rc =
         decode("{\"kind\":\"render\",\"scene\":\"" ID "\",\"technique\":\"gather\",\"seed\":7,"
                "\"photons\":{\"global\":2e5,\"caustic\":0},\"gather_samples\":64,"
+               "\"pixel_samples\":1048576,\"effects\":{\"glossy\":\"force\"},"
                "\"sensors\":[[1,2,3,0,0,1],[4.5,5,6,1,0,0]],"
                "\"views\":[{\"name\":\"a\",\"view\":\"-vtv\",\"width\":4,\"height\":3}]}",
                ORL_JOB_REMOTE, &job, &id, &err);
@@ -41,13 +42,35 @@ static void test_full_remote_document(void **state)
     assert_int_equal(job.seed, 7);
     assert_int_equal(job.photons_global, 200000);
     assert_int_equal(job.photons_caustic, 0);
+    assert_int_equal(job.technique, ORL_TECHNIQUE_GATHER);
     assert_int_equal(job.gather_samples, 64);
+    assert_int_equal(job.pixel_samples, 1048576);
+    assert_int_equal(job.wishes[ORL_EFFECT_GLOSSY], ORL_WISH_FORCE);
     assert_int_equal(job.n_sensors, 2);
     assert_true(job.sensors[1].position.x == 4.5 && job.sensors[1].direction.x == 1);
     assert_int_equal(job.n_views, 1);
     assert_string_equal(job.views[0].view, "-vtv");
     assert_int_equal(job.views[0].width, 4);
     assert_int_equal(job.n_scene_files, 0);
+    orl_job_done(&job);
+    free(id);
+}
+
+/* One map's target may be left to the plan while the other is given. */
+static void test_one_of_two_photon_counts(void **state)
+{
+    (void)state;
+    struct orl_job job;
+    struct orl_error err;
+    char *id = NULL;
+    assert_int_equal(decode("{\"scene\":\"" ID "\",\"technique\":\"precomputed\","
+                            "\"photons\":{\"caustic\":1000},\"sensors\":[[0,0,0,0,0,1]]}",
+                            ORL_JOB_REMOTE, &job, &id, &err),
+                     0);
+    assert_int_equal(job.technique, ORL_TECHNIQUE_PRECOMPUTED);
+    assert_int_equal(job.photons_caustic, 1000);
+    assert_true(job.photons_global == ORL_PHOTONS_BY_PLAN);
+    assert_int_equal(orl_job_validate(&job, &err), 0);
     orl_job_done(&job);
     free(id);
 }
@@ -66,8 +89,13 @@ static void test_local_document_and_defaults(void **state)
     assert_int_equal(job.n_scene_files, 2);
     assert_string_equal(job.scene_files[1], "b.rad");
     assert_string_equal(job.sensors_file, "s.txt");
-    assert_int_equal(job.photons_global, ORL_DEFAULT_PHOTONS);
-    assert_int_equal(job.photons_caustic, ORL_DEFAULT_PHOTONS);
+    assert_int_equal(job.technique, ORL_TECHNIQUE_AUTO);
+    assert_true(job.photons_global == ORL_PHOTONS_BY_PLAN);
+    assert_true(job.photons_caustic == ORL_PHOTONS_BY_PLAN);
+    assert_int_equal(job.gather_samples, 0);
+    assert_int_equal(job.pixel_samples, 0);
+    for (int i = 0; i < ORL_EFFECT_COUNT; i++)
+        assert_int_equal(job.wishes[i], ORL_WISH_AUTO);
     assert_int_equal(job.seed, 1);
     orl_job_done(&job);
 }
@@ -136,6 +164,8 @@ static const struct {
     {"\"scene\":\"" ID "\",\"sensor\":[]", ORL_ERR_INVALID, "sensor"},
     {"\"scene\":\"" ID "\",\"kind\":\"annual\"", ORL_ERR_INVALID, "kind"},
     {"\"scene\":\"" ID "\",\"technique\":1", ORL_ERR_INVALID, "technique"},
+    {"\"scene\":\"" ID "\",\"technique\":\"gathr\"", ORL_ERR_INVALID, "technique"},
+    {"\"scene\":\"" ID "\",\"effects\":{\"caustic\":\"skip\"}", ORL_ERR_INVALID, "effects.caustic"},
     {"\"scene\":\"" ID "\",\"photons\":{\"globl\":1}", ORL_ERR_INVALID, "photons.globl"},
     {"\"scene\":\"" ID "\",\"photons\":[]", ORL_ERR_INVALID, "photons"},
     {"\"scene\":\"" ID "\",\"photons\":{\"global\":0}", ORL_ERR_RANGE, "photons.global"},
@@ -145,6 +175,9 @@ static const struct {
     {"\"scene\":\"" ID "\",\"photons\":{\"caustic\":\"many\"}", ORL_ERR_INVALID, "photons.caustic"},
     {"\"scene\":\"" ID "\",\"seed\":-1", ORL_ERR_RANGE, "seed"},
     {"\"scene\":\"" ID "\",\"gather_samples\":null", ORL_ERR_INVALID, "gather_samples"},
+    {"\"scene\":\"" ID "\",\"pixel_samples\":-1", ORL_ERR_RANGE, "pixel_samples"},
+    {"\"scene\":\"" ID "\",\"pixel_samples\":1048577", ORL_ERR_RANGE, "pixel_samples"},
+    {"\"scene\":\"" ID "\",\"pixel_samples\":\"64\"", ORL_ERR_INVALID, "pixel_samples"},
     {"\"scene\":\"" ID "\",\"sensors\":7", ORL_ERR_INVALID, "sensors"},
     {"\"scene\":\"" ID "\",\"sensors\":{\"file\":\"\"}", ORL_ERR_INVALID, "sensors.file"},
     {"\"scene\":\"" ID "\",\"sensors\":[[0,0,0,0,0,1],[1,2,3]]", ORL_ERR_INVALID, "sensors[1]"},
@@ -258,6 +291,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_full_remote_document),
+        cmocka_unit_test(test_one_of_two_photon_counts),
         cmocka_unit_test(test_local_document_and_defaults),
         cmocka_unit_test(test_skies),
         cmocka_unit_test(test_mistakes_name_their_path),

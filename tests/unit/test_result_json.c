@@ -10,6 +10,7 @@
 #include <string.h>
 
 #include "bsdf_json.h"
+#include "plan_json.h"
 #include "result_json.h"
 #include "scene_json.h"
 
@@ -21,8 +22,8 @@ static struct orl_result example(void)
     struct orl_result result = {
         .threads = 2,
         .seed = 9,
-        .timings_s = {0.5, 0.25, 3, 1, 2},
-        .total_s = 6.75,
+        .timings_s = {0.5, 0.25, 0.125, 3, 1, 2},
+        .total_s = 6.875,
         .n_maps = 1,
         .illuminance_lx = lux,
         .n_sensors = 3,
@@ -43,9 +44,9 @@ static void test_members(void **state)
     const struct orl_result result = example();
     json_t *doc = orl_result_to_json(&result, "succeeded");
     json_t *expected = json_loads(
-        "{\"state\":\"succeeded\",\"threads\":2,\"seed\":9,"
-        "\"timings_s\":{\"load\":0.5,\"bvh\":0.25,\"photons\":3.0,\"maps\":1.0,\"render\":2.0,"
-        "\"total\":6.75},"
+        "{\"state\":\"succeeded\",\"threads\":2,\"seed\":9,\"plan\":null,"
+        "\"timings_s\":{\"load\":0.5,\"bvh\":0.25,\"plan\":0.125,\"photons\":3.0,"
+        "\"maps\":1.0,\"render\":2.0,\"total\":6.875},"
         "\"maps\":[{\"kind\":\"global\",\"key\":\"ab\",\"emitted\":5000000000,\"stored\":1900000,"
         "\"bytes\":40000000,\"seconds\":12.25,\"cached\":true}],"
         "\"sensors\":[{\"illuminance_lx\":812.5},{\"illuminance_lx\":null},"
@@ -65,6 +66,42 @@ static void test_members(void **state)
     json_decref(expected);
 }
 
+/* A plan that was made stands in the result, and in what `oriel plan` prints. */
+static void test_plan(void **state)
+{
+    (void)state;
+    struct orl_result result = example();
+    result.plan.technique = ORL_TECHNIQUE_DIRECT;
+    json_t *plan = orl_plan_to_json(&result.plan);
+    json_t *doc = orl_result_to_json(&result, "succeeded");
+    json_t *planned = orl_planned_to_json(&result);
+    assert_true(json_is_object(plan));
+    assert_true(json_equal(json_object_get(doc, "plan"), plan));
+    assert_true(json_equal(json_object_get(planned, "plan"), plan));
+    assert_true(json_equal(json_object_get(planned, "warnings"), json_object_get(doc, "warnings")));
+    assert_int_equal(json_object_size(planned), 2);
+    json_decref(planned);
+    json_decref(doc);
+    json_decref(plan);
+}
+
+/* Standard errors appear where they are known; a warning in Latin-1 does not lose the result. */
+static void test_standard_errors_and_odd_warnings(void **state)
+{
+    (void)state;
+    static double errors[3] = {0.5, 0, 0.25};
+    static char *warnings[1] = {"stra\xdf\x65 has no area"};
+    struct orl_result result = example();
+    result.standard_error_lx = errors;
+    result.warnings = warnings;
+    json_t *doc = orl_result_to_json(&result, "succeeded");
+    const json_t *first = json_array_get(json_object_get(doc, "sensors"), 0);
+    assert_true(json_real_value(json_object_get(first, "standard_error_lx")) == 0.5);
+    assert_string_equal(json_string_value(json_array_get(json_object_get(doc, "warnings"), 0)),
+                        "stra?e has no area");
+    json_decref(doc);
+}
+
 static void test_empty_result(void **state)
 {
     (void)state;
@@ -73,6 +110,7 @@ static void test_empty_result(void **state)
     json_t *doc = orl_result_to_json(&result, "failed");
     assert_non_null(doc);
     assert_string_equal(json_string_value(json_object_get(doc, "state")), "failed");
+    assert_true(json_is_null(json_object_get(doc, "plan")));
     assert_true(json_is_array(json_object_get(doc, "sensors")));
     assert_int_equal(json_array_size(json_object_get(doc, "views")), 0);
     assert_int_equal(json_object_size(json_object_get(doc, "timings_s")), ORL_STAGE_COUNT + 1);
@@ -125,6 +163,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_members),
+        cmocka_unit_test(test_plan),
+        cmocka_unit_test(test_standard_errors_and_odd_warnings),
         cmocka_unit_test(test_empty_result),
         cmocka_unit_test(test_scene_summary),
         cmocka_unit_test(test_bsdf_info),

@@ -1,0 +1,19 @@
+/*
+ * JSON values from what the core says, which may hold what JSON cannot: names out of files in any
+ * encoding, numbers that are not finite. New references, the caller's; NULL when out of memory.
+ */
+#ifndef ORL_API_ENCODE_H
+#define ORL_API_ENCODE_H
+
+#include <jansson.h>
+
+/*
+ * text as a string. When it is not UTF-8, '?' stands for every byte that is not printable ASCII,
+ * and what goes beyond ORL_ERROR_TEXT_MAX bytes is cut off.
+ */
+json_t *orl_json_from_text(const char *text);
+
+/* A number; null in place of an infinity or a NaN. */
+json_t *orl_json_from_real(double value);
+
+#endif

@@ -1,0 +1,99 @@
+#include "plan_json.h"
+
+#include <stdbool.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "decode.h"
+#include "encode.h"
+
+static const char group_name[] = "caustics";
+
+static bool in_group(int effect)
+{
+    return effect == ORL_EFFECT_CAUSTICS_MIRROR || effect == ORL_EFFECT_CAUSTICS_BSDF ||
+           effect == ORL_EFFECT_CAUSTICS_GLASS;
+}
+
+static int decode_wish(const json_t *effects, const char *name, enum orl_wish *wish,
+                       struct orl_error *err)
+{
+    const json_t *value = json_object_get(effects, name);
+    char path[ORL_JSON_PATH_MAX];
+    if (!value)
+        return 0;
+    for (int i = 0; i < ORL_WISH_COUNT && json_is_string(value); i++)
+        if (strcmp(json_string_value(value), orl_wish_name((enum orl_wish)i)) == 0) {
+            *wish = (enum orl_wish)i;
+            return 0;
+        }
+    snprintf(path, sizeof path, "effects.%s", name);
+    return orl_json_fail(err, ORL_ERR_INVALID, path,
+                         "\"auto\", \"force\" or \"skip\" is wanted here");
+}
+
+int orl_wishes_from_json(const json_t *effects, enum orl_wish wishes[ORL_EFFECT_COUNT],
+                         struct orl_error *err)
+{
+    const char *allowed[ORL_EFFECT_COUNT + 2] = {group_name};
+    enum orl_wish group;
+    if (!effects)
+        return 0;
+    for (int i = 0; i < ORL_EFFECT_COUNT; i++)
+        allowed[i + 1] = orl_effect_name((enum orl_effect)i);
+    int rc = orl_json_object(effects, "effects", allowed, err);
+    if (rc == 0 && json_object_get(effects, group_name)) {
+        rc = decode_wish(effects, group_name, &group, err);
+        for (int i = 0; i < ORL_EFFECT_COUNT && rc == 0; i++)
+            if (in_group(i))
+                wishes[i] = group;
+    }
+    for (int i = 0; i < ORL_EFFECT_COUNT && rc == 0; i++)
+        rc = decode_wish(effects, orl_effect_name((enum orl_effect)i), &wishes[i], err);
+    return rc;
+}
+
+/* NULL where there is no bound. */
+static const char *unit_name(enum orl_bound_unit unit)
+{
+    return unit == ORL_BOUND_LX ? "lx" : unit == ORL_BOUND_RELATIVE ? "relative" : NULL;
+}
+
+static json_t *decision_to_json(enum orl_effect effect, const struct orl_decision *decision)
+{
+    const char *unit = unit_name(decision->unit);
+    json_t *bound =
+        unit ? json_pack("{s:o, s:s}", "value", orl_json_from_real(decision->bound), "unit", unit)
+             : json_null();
+    return json_pack("{s:s, s:b, s:s, s:o, s:o, s:o}", "effect", orl_effect_name(effect),
+                     "simulated", (int)decision->simulated, "wish", orl_wish_name(decision->wish),
+                     "why", orl_json_from_text(decision->why), "bound", bound, "saved_s",
+                     orl_json_from_real(decision->saved_s));
+}
+
+static json_t *decisions_to_json(const struct orl_plan *plan)
+{
+    json_t *effects = json_array();
+    for (int i = 0; i < ORL_EFFECT_COUNT && effects; i++) {
+        json_t *effect = decision_to_json((enum orl_effect)i, &plan->effects[i]);
+        if (!effect || json_array_append_new(effects, effect)) {
+            json_decref(effects);
+            return NULL;
+        }
+    }
+    return effects;
+}
+
+json_t *orl_plan_to_json(const struct orl_plan *plan)
+{
+    if (plan->technique == ORL_TECHNIQUE_AUTO)
+        return json_null();
+    json_t *reflections = plan->most_reflections == ORL_ALL_REFLECTIONS
+                              ? json_null()
+                              : json_integer((json_int_t)plan->most_reflections);
+    return json_pack(
+        "{s:s, s:o, s:o, s:I, s:{s:I, s:I}, s:o}", "technique", orl_technique_name(plan->technique),
+        "why", orl_json_from_text(plan->technique_why), "most_reflections", reflections, "channels",
+        (json_int_t)plan->channels, "photons", "global", (json_int_t)plan->photons_global,
+        "caustic", (json_int_t)plan->photons_caustic, "effects", decisions_to_json(plan));
+}

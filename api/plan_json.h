@@ -1,0 +1,37 @@
+/*
+ * Plans: what a job document wishes of them, and how result.json tells them.
+ *
+ * A job document's "effects" is an object from names of effects (orl_effect_name) to "auto",
+ * "force" or "skip". "caustics" stands for caustics_mirror, caustics_bsdf and caustics_glass; one
+ * of those that is named beside it wins, whatever their order.
+ *
+ * A result's "plan", and what `oriel plan --json` prints:
+ *
+ *     {"technique": "gather", "why": "...", "most_reflections": 12 or null (all of them),
+ *      "channels": 1 or 3, "photons": {"global": 2000000, "caustic": 0},
+ *      "effects": [{"effect": "sun", "simulated": true, "wish": "auto", "why": "...",
+ *                   "bound": null or {"value": 0.2, "unit": "lx" or "relative"},
+ *                   "saved_s": 0.5}, ...]}
+ *
+ * with every effect once, in the order of enum orl_effect. A bound that is not finite has the value
+ * null. Returned objects are new references, the caller's; NULL when out of memory.
+ */
+#ifndef ORL_API_PLAN_JSON_H
+#define ORL_API_PLAN_JSON_H
+
+#include <jansson.h>
+
+#include <oriel/error.h>
+#include <oriel/plan.h>
+
+/*
+ * Reads a job document's "effects" (NULL: absent, nothing changes) into wishes, which hold
+ * defaults. ORL_ERR_INVALID with the JSON path; wishes may then be changed in part.
+ */
+int orl_wishes_from_json(const json_t *effects, enum orl_wish wishes[ORL_EFFECT_COUNT],
+                         struct orl_error *err);
+
+/* json null for a plan that was never made (its technique is still ORL_TECHNIQUE_AUTO). */
+json_t *orl_plan_to_json(const struct orl_plan *plan);
+
+#endif
