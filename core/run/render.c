@@ -112,6 +112,9 @@ static int render_view(struct rendering *rendering, size_t index, struct view_pr
         code = orl_film_init(&film, request->width, request->height, err);
     if (code == 0)
         code = rendering->renderer->view(rendering->renderer->ctx, &painting, err);
+    if (code == 0 && state->env->view_ready)
+        state->env->view_ready(state->env->ctx, index, film.pixels,
+                               (size_t)film.width * film.height);
     if (code == 0)
         code = write_view(state, &film, &view, result, err);
     orl_film_done(&film);

@@ -160,6 +160,9 @@ struct orl_run_env {
     void (*plan_ready)(void *ctx, const struct orl_plan *plan);
     /* Called by the lead thread when a map is settled (hit or built). May be NULL. */
     void (*map_ready)(void *ctx, const struct orl_map_info *info);
+    /* Called by the lead thread when a view of the job is rendered: its pixels in W/sr/m2, from the
+     * top left, row by row; valid during the call. May be NULL. */
+    void (*view_ready)(void *ctx, size_t index, float (*const pixels)[3], size_t count);
     void *ctx;
 };
 
