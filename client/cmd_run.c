@@ -4,98 +4,17 @@
  */
 #include "command.h"
 
-#include <sched.h>
-#include <signal.h>
-#include <stdatomic.h>
 #include <stdio.h>
-#include <string.h>
 #include <unistd.h>
 
 #include <oriel/run.h>
 
 #include "files.h"
-#include "follow.h"
 #include "job_file.h"
+#include "local.h"
 #include "problem.h"
-#include "progress.h"
 #include "report.h"
 #include "result_json.h"
-
-/* The one variable outside a function: a signal handler has no other way to say anything. */
-static atomic_bool interrupted;
-
-static void on_interrupt(int number)
-{
-    atomic_store(&interrupted, true);
-    signal(number, SIG_DFL); /* a second Ctrl-C ends the program at once */
-}
-
-static void catch_interrupts(void)
-{
-    struct sigaction action = {.sa_handler = on_interrupt, .sa_flags = SA_RESTART};
-
-    sigemptyset(&action.sa_mask);
-    sigaction(SIGINT, &action, NULL);
-    sigaction(SIGTERM, &action, NULL);
-}
-
-/* The processors this process may use: fewer than there are, under taskset or in a container. */
-static uint32_t usable_cores(void)
-{
-    cpu_set_t set;
-
-    if (sched_getaffinity(0, sizeof set, &set) == 0 && CPU_COUNT(&set) > 0)
-        return (uint32_t)CPU_COUNT(&set);
-    return 1;
-}
-
-static void on_progress(void *ctx, enum orl_stage stage, double stage_fraction, double job_fraction)
-{
-    (void)stage_fraction;
-    orl_progress_show(ctx, orl_stage_name(stage), job_fraction, -1);
-}
-
-static void on_map(void *ctx, const struct orl_map_info *info)
-{
-    json_t *map = orl_map_info_to_json(info);
-    char text[256];
-
-    if (map) {
-        orl_format_map(map, text, sizeof text);
-        orl_progress_note(ctx, "%s", text);
-    }
-    json_decref(map);
-}
-
-/* Runs a decoded job with the folder of its document for files. */
-static int run_job(const struct orl_job *job, const char *folder, const char *output,
-                   uint32_t threads, struct orl_result *ret_result, struct orl_error *err)
-{
-    const struct orl_files files = orl_files_from_folder(folder);
-    struct orl_folder_store maps;
-    struct orl_map_store store = orl_map_store_in_folder(&maps);
-    struct orl_progress progress;
-    struct orl_run_env env = {.files = &files,
-                              .store = &store,
-                              .output_folder = output,
-                              .cancel = &interrupted,
-                              .now_s = orl_clock_s,
-                              .progress = on_progress,
-                              .map_ready = on_map,
-                              .ctx = &progress};
-    int rc = orl_join_path(output, "maps", maps.folder, sizeof maps.folder, err);
-
-    if (rc)
-        return rc;
-    env.crew = orl_crew_start(threads);
-    if (!env.crew)
-        return orl_error_set(err, ORL_ERR_NOMEM, "%u threads cannot be started", threads);
-    orl_progress_start(&progress);
-    rc = orl_run(job, &env, ret_result, err);
-    orl_progress_end(&progress);
-    orl_crew_stop(env.crew);
-    return rc;
-}
 
 /* result.json for a run that went wrong: what is known, and why. */
 static json_t *failure_to_json(const struct orl_job *job, uint32_t threads,
@@ -154,7 +73,7 @@ static int run_document(const char *document, const char *output, uint32_t threa
     if (rc == 0)
         rc = orl_job_file_decode(&file, &job, &err);
     if (rc == 0)
-        rc = run_job(&job, file.folder, output, threads, &result, &err);
+        rc = orl_local_run(&job, file.folder, output, threads, &result, &err);
     json = rc ? failure_to_json(&job, threads, &err) : orl_result_to_json(&result, "succeeded");
     if (write_result(output, json, &second)) {
         orl_report_error(&second);
@@ -187,7 +106,7 @@ int orl_cmd_run(const struct orl_command *self, int argc, char **argv)
          .value = &threads_text},
     };
     struct orl_operands operands;
-    uint64_t threads = usable_cores();
+    uint64_t threads = orl_local_cores();
     int code;
 
     if (!orl_options_parse(self, argc, argv, options, 2, 1, 1, &operands, &code))
@@ -197,6 +116,6 @@ int orl_cmd_run(const struct orl_command *self, int argc, char **argv)
     if (threads_text && !orl_parse_count(threads_text, 1, 1024, &threads))
         return orl_usage_error(self, "--threads takes a number from 1 to 1024, not \"%s\"",
                                threads_text);
-    catch_interrupts();
+    orl_local_catch_interrupts();
     return run_document(operands.items[0], output, (uint32_t)threads);
 }

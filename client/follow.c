@@ -1,5 +1,6 @@
 #include "follow.h"
 
+#include <stdbool.h>
 #include <stdio.h>
 #include <string.h>
 #include <time.h>
@@ -40,6 +41,16 @@ void orl_format_map(const json_t *map, char *ret_text, size_t size)
     else
         snprintf(ret_text, size, "%s map: built in %.1f s (%s photons, %s)",
                  orl_json_text(map, "kind"), seconds, stored, bytes);
+}
+
+/* Says once which technique the plan chose. */
+static void note_technique(struct orl_progress *progress, const json_t *job, bool *noted)
+{
+    const char *technique = orl_json_text(job, "technique");
+
+    if (*technique && !*noted)
+        orl_progress_note(progress, "plan: %s", technique);
+    *noted = *noted || *technique;
 }
 
 /* Says once, for each map of the job, how it was come by. */
@@ -111,6 +122,7 @@ int orl_follow_job(struct orl_http *http, const char *id)
     struct orl_progress progress;
     struct orl_error err = {0};
     char path[1024];
+    bool technique_noted = false;
     size_t noted = 0;
     double silent_since_s = -1, wait_s = 0.1;
     int rc = orl_job_path(id, "", path, sizeof path, &err);
@@ -123,6 +135,7 @@ int orl_follow_job(struct orl_http *http, const char *id)
         rc = orl_http_call(http, "GET", path, &job, &err);
         if (rc == 0) {
             silent_since_s = -1;
+            note_technique(&progress, job, &technique_noted);
             note_maps(&progress, job, &noted);
             if (has_ended(job)) {
                 orl_progress_end(&progress);

@@ -11,6 +11,12 @@ static const struct orl_command commands[] = {
      "JOB.json names its scene as {\"files\": [...]}, relative to the document. Images and\n"
      "result.json go to DIR, photon maps to DIR/maps, where the next run finds them again.",
      orl_cmd_run},
+    {"plan", "JOB.json [--json] [--threads N]",
+     "Show which technique and effects a job would get, without rendering",
+     "Prints a row for each effect of light: is it simulated, what does leaving it out cost any\n"
+     "sensor or pixel at most (lux, or a share), what does it save (estimated seconds of one\n"
+     "thread), and why. The job's \"effects\" can force or skip each.",
+     orl_cmd_plan},
     {"submit", "JOB.json [--server URL] [--wait]",
      "Send a job, and the files it needs, to a daemon",
      "Uploads the scene's files and everything they refer to, then prints the job's id.",

@@ -101,9 +101,11 @@ int orl_job_output_write(const struct orl_result *result, const char *folder, ch
     }
     json_t *summary = NULL;
     if (rc == 0)
-        summary = json_pack("{s:O, s:O, s:O, s:O}", "threads", json_object_get(doc, "threads"),
-                            "timings_s", json_object_get(doc, "timings_s"), "maps",
-                            json_object_get(doc, "maps"), "files", files);
+        summary = json_pack("{s:s, s:O, s:O, s:O, s:O}", "technique",
+                            orl_technique_name(result->plan.technique), "threads",
+                            json_object_get(doc, "threads"), "timings_s",
+                            json_object_get(doc, "timings_s"), "maps", json_object_get(doc, "maps"),
+                            "files", files);
     if (rc == 0)
         text = summary ? json_dumps(summary, JSON_COMPACT) : NULL;
     if (rc == 0 && !text)

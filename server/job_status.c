@@ -35,6 +35,9 @@ static int add_running(json_t *doc, const struct orl_jobs_job *job)
     rc |= json_object_set_new(doc, "stage", json_string(orl_stage_name(progress.stage)));
     rc |= json_object_set_new(doc, "stage_percent", json_real(100 * progress.stage_fraction));
     rc |= json_object_set_new(doc, "percent", json_real(100 * progress.job_fraction));
+    if (progress.technique != ORL_TECHNIQUE_AUTO)
+        rc |= json_object_set_new(doc, "technique",
+                                  json_string(orl_technique_name(progress.technique)));
     rc |= json_object_set_new(doc, "eta_s", eta(job, progress.job_fraction));
     rc |= json_object_set_new(doc, "maps", maps);
     rc |= json_object_set_new(doc, "cancelling", json_boolean(job->cancelled));

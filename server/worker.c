@@ -29,9 +29,9 @@ struct orl_worker {
     uint32_t queued;                   /* works that have not come back; loop thread */
     struct orl_worker_outcome outcome; /* the lead's, then the loop's once all are back */
     atomic_bool cancel;
-    atomic_int stage, stage_ppm, job_ppm;
+    atomic_int stage, stage_ppm, job_ppm, technique;
     pthread_mutex_t maps_mutex;
-    struct orl_map_info maps[2];
+    struct orl_map_info maps[ORL_RESULT_MAPS];
     size_t n_maps;
 };
 
@@ -52,6 +52,12 @@ static void on_progress(void *ctx, enum orl_stage stage, double stage_fraction, 
     atomic_store(&worker->stage, (int)stage);
     atomic_store(&worker->stage_ppm, to_ppm(stage_fraction));
     atomic_store(&worker->job_ppm, to_ppm(job_fraction));
+}
+
+static void on_plan_ready(void *ctx, const struct orl_plan *plan)
+{
+    struct orl_worker *worker = ctx;
+    atomic_store(&worker->technique, (int)plan->technique);
 }
 
 static void on_map_ready(void *ctx, const struct orl_map_info *info)
@@ -97,6 +103,7 @@ static int run_job(struct orl_worker *worker, const char *output, struct orl_err
         .cancel = &worker->cancel,
         .now_s = now_s,
         .progress = on_progress,
+        .plan_ready = on_plan_ready,
         .map_ready = on_map_ready,
         .ctx = worker,
     };
@@ -205,6 +212,7 @@ void orl_worker_progress(struct orl_worker *worker, struct orl_progress *ret_pro
     ret_progress->stage = (enum orl_stage)atomic_load(&worker->stage);
     ret_progress->stage_fraction = atomic_load(&worker->stage_ppm) / (double)FRACTION_ONE;
     ret_progress->job_fraction = atomic_load(&worker->job_ppm) / (double)FRACTION_ONE;
+    ret_progress->technique = (enum orl_technique)atomic_load(&worker->technique);
     pthread_mutex_lock(&worker->maps_mutex);
     ret_progress->n_maps = worker->n_maps;
     memcpy(ret_progress->maps, worker->maps, sizeof worker->maps);

@@ -27,7 +27,7 @@ struct orl_worker;
 struct orl_worker_outcome {
     int code;             /* 0 or a negative orl_err */
     struct orl_error err; /* why, when code is not 0 */
-    char *summary;        /* JSON text: timings_s, maps, files; owned by done; NULL on failure */
+    char *summary;        /* JSON text: technique, timings_s, maps, files; owned by done, or NULL */
 };
 
 struct orl_worker_spec {
@@ -45,7 +45,8 @@ struct orl_worker_spec {
 struct orl_progress {
     enum orl_stage stage;
     double stage_fraction, job_fraction;
-    struct orl_map_info maps[2];
+    enum orl_technique technique; /* ORL_TECHNIQUE_AUTO until the plan is made */
+    struct orl_map_info maps[ORL_RESULT_MAPS];
     size_t n_maps;
 };
 

@@ -30,7 +30,8 @@ static const char window_text[] = "pane polygon window\n0\n0\n12 3 0 0  0 0 0  0
 
 #define JOB(seed, what)                                                                            \
     "{\"kind\": \"render\", \"scene\": {\"files\": [\"room.rad\"]}, \"seed\": " seed               \
-    ", \"photons\": {\"global\": 20000, \"caustic\": 1000}, \"gather_samples\": 64, " what "}"
+    ", \"technique\": \"gather\", \"photons\": {\"global\": 20000, \"caustic\": 1000}, "           \
+    "\"gather_samples\": 64, " what "}"
 #define SENSORS "\"sensors\": {\"file\": \"sensors.txt\"}"
 #define VIEWS                                                                                      \
     "\"views\": [{\"name\": \"north\", \"view\": \"-vtv -vp 1.5 0.5 1.5 -vd 0 1 0\","              \
@@ -202,7 +203,8 @@ static void test_cancel_ends_a_long_job(void **state)
     char path[160], id[64];
 
     cli_write_file(f->folder, "long.json",
-                   "{\"kind\": \"render\", \"scene\": {\"files\": [\"room.rad\"]}, \"photons\":"
+                   "{\"kind\": \"render\", \"scene\": {\"files\": [\"room.rad\"]},"
+                   " \"technique\": \"gather\", \"photons\":"
                    " {\"global\": 100000000, \"caustic\": 0}, " SENSORS "}");
     snprintf(path, sizeof path, "%s/long.json", f->folder);
     run(f, 0, "submit", path, NULL, NULL);

@@ -130,8 +130,8 @@ static void test_wrong_command_lines_exit_with_2(void **state)
 
 static void test_every_command_has_help(void **state)
 {
-    static const char *const names[] = {"run",    "submit", "status", "wait",   "fetch",
-                                        "cancel", "maps",   "upload", "version"};
+    static const char *const names[] = {"run",   "plan",   "submit", "status", "wait",
+                                        "fetch", "cancel", "maps",   "upload", "version"};
     struct fixture *f = *state;
     const char *const overview[] = {"--help", NULL};
 
@@ -330,6 +330,7 @@ static void test_an_interrupt_cancels(void **state)
     /* Far more photons than a third of a second traces. */
     cli_write_file(f->folder, "job.json",
                    "{\"kind\": \"render\", \"scene\": {\"files\": [\"room.rad\"]},\n"
+                   " \"technique\": \"gather\",\n"
                    " \"photons\": {\"global\": 100000000, \"caustic\": 0},\n"
                    " \"sensors\": {\"file\": \"sensors.txt\"}}");
     child = cli_start(args);

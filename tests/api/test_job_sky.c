@@ -51,7 +51,8 @@ static void post(struct fixture *f, const char *sky, struct reply *reply)
 {
     char text[1024];
     snprintf(text, sizeof text,
-             "{\"scene\":\"%s\",\"photons\":{\"global\":2000,\"caustic\":0},"
+             "{\"scene\":\"%s\",\"technique\":\"gather\",\"photons\":{"
+             "\"global\":2000,\"caustic\":0},"
              "\"gather_samples\":4096," SENSORS ",\"sky\":%s}",
              f->scene, sky);
     daemon_post_json(&f->daemon, "/v1/jobs", text, reply);
@@ -130,7 +131,8 @@ static void test_submit_carries_the_weather_file(void **state)
     cli_write_file(folder, "room.rad", room_scene);
     cli_write_file(folder, "job.json",
                    "{\"scene\":{\"files\":[\"room.rad\"]},\"gather_samples\":64," SENSORS
-                   ",\"photons\":{\"global\":2000,\"caustic\":0},\"sky\":{\"weather\":{\"file\":"
+                   ",\"technique\":\"gather\",\"photons\":{\"global\":2000,\"caustic\":0},\"sky\":{"
+                   "\"weather\":{\"file\":"
                    "\"a.epw\",\"month\":3,\"day\":22,\"hour\":11.5}}}");
     cli_run(args, &result);
     assert_int_equal(result.exit_code, 1);

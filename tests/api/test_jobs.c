@@ -11,6 +11,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <oriel/plan.h>
+
 #include "limits.h"
 #include "support/daemon.h"
 
@@ -113,6 +115,8 @@ static void check_result(struct daemon *daemon, const char *job)
     assert_true(near > far && far > 10 && near < 100000);
     assert_string_equal(reply_text(&reply, "views.0.hdr"), "a.hdr");
     assert_true(reply_number(&reply, "timings_s.total") > 0);
+    assert_string_equal(reply_text(&reply, "plan.technique"), "gather");
+    assert_int_equal(json_array_size(reply_at(&reply, "plan.effects")), ORL_EFFECT_COUNT);
     reply_done(&reply);
 }
 
@@ -130,9 +134,40 @@ static void test_life_of_a_job(void **state)
     assert_int_equal(json_array_size(reply_at(&reply, "links.files")), 3);
     assert_true(json_is_false(reply_at(&reply, "maps.0.cached")));
     assert_string_equal(reply_text(&reply, "maps.0.kind"), "global");
+    assert_string_equal(reply_text(&reply, "technique"), "gather");
     reply_done(&reply);
     check_result(&f->daemon, job);
     check_images(&f->daemon, job);
+}
+
+/* A job's wishes and samples reach its plan; the technique is the plan's when none is named. */
+static void test_wishes_reach_the_plan(void **state)
+{
+    struct fixture *f = *state;
+    struct reply reply;
+    char text[512], job[80], path[96], wish[48];
+    snprintf(text, sizeof text,
+             "{\"scene\":\"%s\",\"effects\":{\"caustics\":\"skip\",\"sky\":\"force\"},"
+             "\"pixel_samples\":2,\"gather_samples\":16,\"photons\":{\"global\":2000},"
+             "\"sensors\":[[2,1,0.8,0,0,1]]}",
+             f->scene);
+    daemon_post_json(&f->daemon, "/v1/jobs", text, &reply);
+    assert_int_equal(reply.status, 202);
+    snprintf(job, sizeof job, "%s", reply_text(&reply, "links.self"));
+    reply_done(&reply);
+    expect_success(&f->daemon, job, &reply);
+    assert_string_not_equal(reply_text(&reply, "technique"), "auto");
+    reply_done(&reply);
+    snprintf(path, sizeof path, "%s/result", job);
+    daemon_get(&f->daemon, path, &reply);
+    for (int i = 0; i < ORL_EFFECT_COUNT; i++) {
+        const bool caustics = strncmp(orl_effect_name((enum orl_effect)i), "caustics_", 9) == 0;
+        snprintf(wish, sizeof wish, "plan.effects.%d.wish", i);
+        assert_string_equal(reply_text(&reply, wish), caustics              ? "skip"
+                                                      : i == ORL_EFFECT_SKY ? "force"
+                                                                            : "auto");
+    }
+    reply_done(&reply);
 }
 
 /* Another view, size and set of sensors use the same maps; another seed does not. */
@@ -381,6 +416,7 @@ static int run_single(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_life_of_a_job),
+        cmocka_unit_test(test_wishes_reach_the_plan),
         cmocka_unit_test(test_second_view_hits_the_maps),
         cmocka_unit_test(test_cancel),
         cmocka_unit_test(test_finished_jobs_cannot_be_cancelled),

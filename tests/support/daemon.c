@@ -331,7 +331,7 @@ void daemon_submit(struct daemon *daemon, const char *scene, long photons, int s
                  "-vh 70 -vv 55\",\"width\":32,\"height\":24}]",
                  view);
     snprintf(text, sizeof text,
-             "{\"kind\":\"render\",\"scene\":\"%s\",\"seed\":%d,"
+             "{\"kind\":\"render\",\"scene\":\"%s\",\"seed\":%d,\"technique\":\"gather\","
              "\"photons\":{\"global\":%ld,\"caustic\":%ld},\"gather_samples\":64,"
              "\"sensors\":[[2,1,0.8,0,0,1],[2,4,0.8,0,0,1]]%s}",
              scene, seed, photons, photons / 2, views);

@@ -1,0 +1,27 @@
+/*
+ * Jobs in this process: what `oriel run` and `oriel plan` have in common. Files come from the
+ * folder of the job document. A second Ctrl-C or SIGTERM ends the program.
+ */
+#ifndef ORL_CLIENT_LOCAL_H
+#define ORL_CLIENT_LOCAL_H
+
+#include <stdint.h>
+
+#include <oriel/error.h>
+#include <oriel/run.h>
+
+/* The processors this process may use: fewer than there are, under taskset or in a container. */
+uint32_t orl_local_cores(void);
+
+/* From here on, Ctrl-C and SIGTERM cancel what the two below do. */
+void orl_local_catch_interrupts(void);
+
+/* Renders, with progress on stderr; images go to output, maps to output/maps. */
+int orl_local_run(const struct orl_job *job, const char *folder, const char *output,
+                  uint32_t threads, struct orl_result *ret_result, struct orl_error *err);
+
+/* Makes the plan, and nothing else; quietly. */
+int orl_local_plan(const struct orl_job *job, const char *folder, uint32_t threads,
+                   struct orl_result *ret_result, struct orl_error *err);
+
+#endif

@@ -1,0 +1,133 @@
+#include "plan_table.h"
+
+#include <math.h>
+#include <stdbool.h>
+
+#include "progress.h"
+#include "wrap.h"
+
+/* Columns of the table: the widest effect has 15 letters; the reason takes what is left. */
+enum { EFFECT_WIDTH = 15, SIMULATED_WIDTH = 11, BOUND_WIDTH = 9, SAVED_WIDTH = 8, GAP = 2 };
+enum { WHY_COLUMN = EFFECT_WIDTH + SIMULATED_WIDTH + BOUND_WIDTH + SAVED_WIDTH + 4 * GAP };
+enum { HEAD_WIDTH = 13 };
+
+static int left_out(const struct orl_plan *plan)
+{
+    int count = 0;
+
+    for (int i = 0; i < ORL_EFFECT_COUNT; i++)
+        count += !plan->effects[i].simulated;
+    return count;
+}
+
+void orl_format_plan(const struct orl_plan *plan, char *ret_text, size_t size)
+{
+    snprintf(ret_text, size, "%s; %d of %d effects left out", orl_technique_name(plan->technique),
+             left_out(plan), ORL_EFFECT_COUNT);
+}
+
+/* Two digits are enough for a bound; "1.2e+03" is not what a person writes. */
+static void format_bound(const struct orl_decision *decision, char *ret_text, size_t size)
+{
+    const bool relative = decision->unit == ORL_BOUND_RELATIVE;
+    const double value = relative ? 100 * decision->bound : decision->bound;
+    const char *unit = relative ? "%" : "lx";
+
+    if (decision->unit == ORL_BOUND_NONE)
+        snprintf(ret_text, size, "-");
+    else if (!isfinite(value) || value >= 1e6)
+        snprintf(ret_text, size, "unbounded");
+    else if (value > 0 && value < 0.001)
+        snprintf(ret_text, size, "<0.001 %s", unit);
+    else
+        snprintf(ret_text, size, "%.*f %s",
+                 value >= 10 || value == 0 ? 0
+                 : value >= 1              ? 1
+                 : value >= 0.1            ? 2
+                                           : 3,
+                 value, unit);
+}
+
+static void format_saved(const struct orl_decision *decision, char *ret_text, size_t size)
+{
+    if (!(decision->saved_s > 0) || !isfinite(decision->saved_s))
+        snprintf(ret_text, size, "-");
+    else if (decision->saved_s < 0.05)
+        snprintf(ret_text, size, "<0.1 s");
+    else if (decision->saved_s < 100)
+        snprintf(ret_text, size, "%.1f s", decision->saved_s);
+    else
+        orl_format_duration(decision->saved_s, ret_text, size);
+}
+
+static void print_row(FILE *to, enum orl_effect effect, const struct orl_decision *decision)
+{
+    char simulated[32], bound[32], saved[32];
+
+    snprintf(simulated, sizeof simulated, "%s%s%s%s", decision->simulated ? "yes" : "no",
+             decision->wish ? " (" : "", decision->wish ? orl_wish_name(decision->wish) : "",
+             decision->wish ? ")" : "");
+    format_bound(decision, bound, sizeof bound);
+    format_saved(decision, saved, sizeof saved);
+    fprintf(to, "%-*s  %-*s  %*s  %*s  ", EFFECT_WIDTH, orl_effect_name(effect), SIMULATED_WIDTH,
+            simulated, BOUND_WIDTH, bound, SAVED_WIDTH, saved);
+    orl_print_wrapped(to, WHY_COLUMN, WHY_COLUMN, decision->why);
+}
+
+static void print_photons(FILE *to, const struct orl_plan *plan)
+{
+    const struct {
+        const char *name;
+        uint64_t target;
+    } maps[] = {{"global", plan->photons_global}, {"caustic", plan->photons_caustic}};
+    const char *before = "";
+
+    fprintf(to, "%-*s", HEAD_WIDTH, "photons");
+    for (size_t i = 0; i < sizeof maps / sizeof maps[0]; i++) {
+        char amount[32];
+
+        if (maps[i].target == 0)
+            continue;
+        orl_format_amount((double)maps[i].target, "", amount, sizeof amount);
+        fprintf(to, "%s%s %s", before, amount, maps[i].name);
+        before = ", ";
+    }
+    fputs(*before ? "\n" : "none\n", to);
+}
+
+static void print_head(FILE *to, const struct orl_plan *plan)
+{
+    char text[ORL_WHY_MAX + 64];
+
+    snprintf(text, sizeof text, "%s%s%s", orl_technique_name(plan->technique),
+             plan->technique_why[0] ? ": " : "", plan->technique_why);
+    fprintf(to, "%-*s", HEAD_WIDTH, "technique");
+    orl_print_wrapped(to, HEAD_WIDTH, HEAD_WIDTH, text);
+    print_photons(to, plan);
+    fprintf(to, "%-*s%s\n", HEAD_WIDTH, "channels", plan->channels == 1 ? "1 (grey)" : "3");
+    if (plan->most_reflections == ORL_ALL_REFLECTIONS)
+        fprintf(to, "%-*sall diffuse ones\n", HEAD_WIDTH, "reflections");
+    else
+        fprintf(to, "%-*s%u diffuse ones at most\n", HEAD_WIDTH, "reflections",
+                plan->most_reflections);
+}
+
+void orl_plan_print(FILE *to, const struct orl_plan *plan)
+{
+    char line[96];
+    double saved_s = 0;
+
+    print_head(to, plan);
+    fprintf(to, "\n%-*s  %-*s  %*s  %*s  %s\n", EFFECT_WIDTH, "effect", SIMULATED_WIDTH,
+            "simulated", BOUND_WIDTH, "bound", SAVED_WIDTH, "saved", "why");
+    for (int i = 0; i < ORL_EFFECT_COUNT; i++) {
+        print_row(to, (enum orl_effect)i, &plan->effects[i]);
+        if (isfinite(plan->effects[i].saved_s))
+            saved_s += plan->effects[i].saved_s;
+    }
+    snprintf(line, sizeof line, "%d of %d effects left out", left_out(plan), ORL_EFFECT_COUNT);
+    fprintf(to, "\n%s", line);
+    if (saved_s >= 0.05)
+        fprintf(to, ", which saves about %.1f s of one thread", saved_s);
+    fputc('\n', to);
+}

@@ -1,0 +1,273 @@
+/* `oriel plan` as a script sees it: the table, the JSON, and that nothing is rendered. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+#include <jansson.h>
+
+#include <oriel/plan.h>
+
+#include "support/cli.h"
+
+/* A room without a roof, under a sky with a sun. */
+static const char scene_text[] = "void plastic grey\n0\n0\n5 0.5 0.5 0.5 0 0\n"
+                                 "void light beam\n0\n0\n3 1e6 1e6 1e6\n"
+                                 "beam source sun\n0\n0\n4 0.3 -0.5 1 0.533\n"
+                                 "void glow sky_glow\n0\n0\n4 10 10 10 0\n"
+                                 "sky_glow source sky\n0\n0\n4 0 0 1 180\n"
+                                 "grey polygon floor\n0\n0\n12 0 0 0  3 0 0  3 4 0  0 4 0\n"
+                                 "grey polygon west\n0\n0\n12 0 0 0  0 4 0  0 4 3  0 0 3\n";
+
+#define JOB(effects)                                                                               \
+    "{\"scene\": {\"files\": [\"room.rad\"]}, \"effects\": " effects ",\n"                         \
+    " \"photons\": {\"global\": 20000, \"caustic\": 0}, \"gather_samples\": 64,\n"                 \
+    " \"sensors\": [[1.5, 1, 0.8, 0, 0, 1]]}\n"
+
+struct fixture {
+    char folder[64], job[96], output[96];
+    struct cli_result result;
+};
+
+static int set_up(void **state)
+{
+    struct fixture *f = calloc(1, sizeof *f);
+
+    cli_make_folder(f->folder);
+    snprintf(f->job, sizeof f->job, "%s/job.json", f->folder);
+    snprintf(f->output, sizeof f->output, "%s/out", f->folder);
+    cli_write_file(f->folder, "room.rad", scene_text);
+    cli_write_file(f->folder, "job.json", JOB("{}"));
+    *state = f;
+    return 0;
+}
+
+static int tear_down(void **state)
+{
+    struct fixture *f = *state;
+
+    cli_remove_folder(f->folder);
+    free(f);
+    return 0;
+}
+
+static void plan(struct fixture *f, const char *option)
+{
+    const char *const args[] = {"plan", f->job, option, NULL};
+
+    cli_run(args, &f->result);
+}
+
+/* Runs with --json; the document, which the caller frees. */
+static json_t *planned(struct fixture *f, const char *threads)
+{
+    const char *const args[] = {"plan", "--json", "--threads", threads, f->job, NULL};
+    json_t *doc;
+
+    cli_run(args, &f->result);
+    if (f->result.exit_code != 0)
+        fail_msg("exit %d: %s", f->result.exit_code, f->result.err);
+    doc = json_loads(f->result.out, 0, NULL);
+    assert_non_null(doc);
+    return doc;
+}
+
+/* Drops the estimates of seconds, the only part of a plan that may differ between two runs. */
+static json_t *without_seconds(json_t *plan)
+{
+    json_t *effects = json_object_get(plan, "effects"), *effect;
+    size_t i;
+
+    assert_int_equal(json_array_size(effects), ORL_EFFECT_COUNT);
+    json_array_foreach(effects, i, effect)
+    {
+        assert_int_equal(json_object_del(effect, "saved_s"), 0);
+    }
+    return plan;
+}
+
+static void test_the_table_has_every_effect(void **state)
+{
+    struct fixture *f = *state;
+    const char *at;
+
+    plan(f, NULL);
+    assert_int_equal(f->result.exit_code, 0);
+    assert_int_equal(strncmp(f->result.out, "technique ", 10), 0);
+    at = strstr(f->result.out, "\neffect ");
+    assert_non_null(at);
+    assert_non_null(strstr(at, "simulated"));
+    /* A row each, in the order of the plan. */
+    for (int i = 0; i < ORL_EFFECT_COUNT; i++) {
+        char row[32];
+
+        snprintf(row, sizeof row, "\n%-15s  ", orl_effect_name((enum orl_effect)i));
+        at = strstr(at, row);
+        if (!at)
+            fail_msg("no row for %s in:\n%s", orl_effect_name((enum orl_effect)i), f->result.out);
+    }
+}
+
+static void test_no_line_is_too_long(void **state)
+{
+    struct fixture *f = *state;
+    char *line, *rest;
+
+    plan(f, NULL);
+    assert_int_equal(f->result.exit_code, 0);
+    for (line = strtok_r(f->result.out, "\n", &rest); line; line = strtok_r(NULL, "\n", &rest))
+        if (strlen(line) > 100)
+            fail_msg("%zu columns: %s", strlen(line), line);
+}
+
+/* The row of an effect in the table, up to its end. */
+static void row_of(const struct fixture *f, const char *effect, char ret_row[160])
+{
+    char start[32];
+    const char *at;
+
+    snprintf(start, sizeof start, "\n%s ", effect);
+    at = strstr(f->result.out, start);
+    assert_non_null(at);
+    snprintf(ret_row, 160, "%.*s", (int)strcspn(at + 1, "\n"), at + 1);
+}
+
+static void test_wishes_show(void **state)
+{
+    struct fixture *f = *state;
+    char row[160];
+
+    cli_write_file(f->folder, "job.json",
+                   JOB("{\"caustics\": \"skip\", \"caustics_bsdf\": \"auto\", \"sky\": "
+                       "\"force\"}"));
+    plan(f, NULL);
+    assert_int_equal(f->result.exit_code, 0);
+    row_of(f, "caustics_mirror", row);
+    assert_non_null(strstr(row, "(skip)"));
+    row_of(f, "caustics_bsdf", row);
+    assert_null(strstr(row, "("));
+    row_of(f, "sky", row);
+    assert_non_null(strstr(row, "(force)"));
+}
+
+static void test_json_is_what_a_run_says(void **state)
+{
+    struct fixture *f = *state;
+    const char *const args[] = {"run", f->job, "-o", f->output, NULL};
+    json_t *one = planned(f, "1"), *three = planned(f, "3"), *result;
+    char *text;
+
+    assert_true(json_is_array(json_object_get(one, "warnings")));
+    cli_run(args, &f->result);
+    assert_int_equal(f->result.exit_code, 0);
+    text = cli_read_file(f->output, "result.json");
+    assert_non_null(text);
+    result = json_loads(text, 0, NULL);
+    free(text);
+    without_seconds(json_object_get(one, "plan"));
+    without_seconds(json_object_get(three, "plan"));
+    without_seconds(json_object_get(result, "plan"));
+    assert_true(json_equal(json_object_get(one, "plan"), json_object_get(three, "plan")));
+    assert_true(json_equal(json_object_get(one, "plan"), json_object_get(result, "plan")));
+    assert_non_null(strstr(f->result.err, "plan: "));
+    json_decref(one);
+    json_decref(three);
+    json_decref(result);
+}
+
+/* The technique that is asked for is the plan's; left out, the plan names one. */
+static void test_the_technique(void **state)
+{
+    static const char *const techniques[] = {"backward", "gather", "direct", "precomputed"};
+    struct fixture *f = *state;
+    json_t *doc = planned(f, "1");
+    const char *chosen =
+        json_string_value(json_object_get(json_object_get(doc, "plan"), "technique"));
+
+    assert_non_null(chosen);
+    assert_string_not_equal(chosen, "auto");
+    json_decref(doc);
+    for (size_t i = 0; i < sizeof techniques / sizeof techniques[0]; i++) {
+        char text[512];
+
+        snprintf(text, sizeof text, "{\"technique\": \"%s\", %s", techniques[i], JOB("{}") + 1);
+        cli_write_file(f->folder, "job.json", text);
+        doc = planned(f, "1");
+        assert_string_equal(
+            json_string_value(json_object_get(json_object_get(doc, "plan"), "technique")),
+            techniques[i]);
+        json_decref(doc);
+    }
+}
+
+static void test_nothing_is_written(void **state)
+{
+    struct fixture *f = *state;
+    char path[160];
+
+    plan(f, NULL);
+    assert_int_equal(f->result.exit_code, 0);
+    for (size_t i = 0; i < 2; i++) {
+        snprintf(path, sizeof path, "%s/%s", f->folder, i ? "maps" : "result.json");
+        assert_int_equal(access(path, F_OK), -1);
+    }
+}
+
+static void test_mistakes(void **state)
+{
+    static const struct {
+        const char *file, *text, *says;
+    } cases[] = {
+        {"job.json", "{\"scene\":\n }", "job.json:2: "},
+        {"job.json", JOB("{\"caustic\": \"skip\"}"), "job.json: effects.caustic: "},
+        {"job.json", JOB("{\"caustic\": \"skip\"}"), "caustics_mirror"},
+        {"job.json", JOB("{\"sun\": \"no\"}"), "effects.sun: \"auto\", \"force\" or \"skip\""},
+        {"room.rad", "void plastic grey\n0\n0\n5 0.5 nan 0.5 0 0\n", "room.rad:4: "},
+    };
+    static const char *const usage[][3] = {{"plan", NULL}, {"plan", "a", "b"}};
+    struct fixture *f;
+
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        tear_down(state);
+        set_up(state);
+        f = *state;
+        cli_write_file(f->folder, cases[i].file, cases[i].text);
+        plan(f, "--json");
+        assert_int_equal(f->result.exit_code, 1);
+        assert_string_equal(f->result.out, "");
+        if (!strstr(f->result.err, cases[i].says))
+            fail_msg("expected \"%s\" in:\n%s", cases[i].says, f->result.err);
+    }
+    f = *state;
+    unlink(f->job);
+    plan(f, NULL);
+    assert_int_equal(f->result.exit_code, 1);
+    for (size_t i = 0; i < 2; i++) {
+        const char *const args[] = {usage[i][0], usage[i][1], usage[i][2], NULL};
+
+        cli_run(args, &f->result);
+        assert_int_equal(f->result.exit_code, 2);
+    }
+    plan(f, "--threads=0");
+    assert_int_equal(f->result.exit_code, 2);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(test_the_table_has_every_effect, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_no_line_is_too_long, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_wishes_show, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_json_is_what_a_run_says, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_the_technique, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_nothing_is_written, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_mistakes, set_up, tear_down),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
