@@ -41,11 +41,14 @@ SERVER_SRC := $(sort $(wildcard server/*.c server/*/*.c))
 CLIENT_SRC := $(sort $(wildcard client/*.c))
 OFFICE_SRC := $(sort $(wildcard client/examples/office/*.c))
 FUZZ_TARGETS := $(patsubst tests/fuzz/%.c,%,$(sort $(wildcard tests/fuzz/fuzz_*.c)))
+# Of tests/bench, bench_*.c run by `make bench`; table2 and gallery are targets of their own; the rest
+# is shared.
+BENCH_SRC  := $(sort $(wildcard tests/bench/bench_*.c))
+TABLE_SRC  := tests/bench/table2.c tests/bench/gallery.c
 SUPPORT_SRC := $(sort $(wildcard tests/support/*.c) $(FUZZ_TARGETS:%=tests/fuzz/%.c) \
-	tests/fuzz/promise.c)
+	tests/fuzz/promise.c $(filter-out $(BENCH_SRC) $(TABLE_SRC),$(wildcard tests/bench/*.c)))
 TEST_SUITES := unit stats validation stability api migrations
 TEST_SRC   := $(sort $(foreach s,$(TEST_SUITES),$(wildcard tests/$(s)/test_*.c)))
-BENCH_SRC  := $(sort $(wildcard tests/bench/bench_*.c))
 
 # Boundaries by include path: only the core sees its own internals.
 INC_core    := -Icore/include -Icore
@@ -65,7 +68,7 @@ SERVER_LIB_OBJ := $(filter-out %/server/main.o,$(SERVER_OBJ))
 TEST_BIN   := $(patsubst tests/%.c,$(BUILD)/tests/%,$(TEST_SRC))
 BENCH_BIN  := $(patsubst tests/%.c,$(BUILD)/tests/%,$(BENCH_SRC))
 
-.PHONY: all help clean check demo lint format asan tsan bench tests deps-build deps-check \
+.PHONY: all help clean check demo lint format asan tsan bench table2 gallery tests deps-build deps-check \
 	deps-lint deps-demo deps-fuzz fuzz fuzzers stability cie171 oracles FORCE
 all: $(BUILD)/oriel $(BUILD)/orield $(BUILD)/oriel-lcp
 
@@ -84,6 +87,8 @@ help:
 ## make oracles    skies, the white furnace, the moved office: the same kind of table
 ## make fuzz       every reader of untrusted input under libFuzzer, SECONDS=60 each
 ## make bench      speed against the raw ray rate, in one run
+## make table2     the techniques' times and errors on the office, beside Radiance's if it is there
+## make gallery    pictures by all techniques, side by side, in build/gallery
 ## make format     clang-format in place
 
 # ---- Packages ------------------------------------------------------------------------------------
@@ -240,7 +245,10 @@ format:
 
 bench: deps-check
 	@$(MAKE) --no-print-directory -j$(JOBS) all $(BENCH_BIN)
-	@for b in $(BENCH_BIN); do $$b || exit 1; done
+	@for b in $(BENCH_BIN); do ORIEL_BUILD=$(BUILD) $$b || exit 1; done
+table2 gallery: %: deps-check
+	@$(MAKE) --no-print-directory -j$(JOBS) all $(BUILD)/tests/bench/$*
+	@ORIEL_BUILD=$(BUILD) $(BUILD)/tests/bench/$*
 
 demo: deps-demo
 	@$(MAKE) --no-print-directory -j$(JOBS) all

@@ -40,16 +40,21 @@ static double decode(unsigned char mantissa, unsigned char exponent)
     return mantissa > 0 && exponent > 0 ? ldexp(mantissa + 0.5, exponent - 136) : 0;
 }
 
-/* Behind the header's blank line and the line of the resolution. */
+/* Behind the header's blank line and the line of the resolution, which others pad with blanks. */
 static const char *find_pixels(const char *text, const char *end, int width, int height)
 {
-    char wanted[64];
+    char line[64] = "";
+    int found_width = 0, found_height = 0;
     const char *blank = memmem(text, (size_t)(end - text), "\n\n", 2);
     assert_non_null(blank);
-    snprintf(wanted, sizeof wanted, "-Y %d +X %d\n", height, width);
-    assert_true((size_t)(end - blank) > 2 + strlen(wanted));
-    assert_memory_equal(blank + 2, wanted, strlen(wanted));
-    return blank + 2 + strlen(wanted);
+    const char *start = blank + 2, *newline = memchr(start, '\n', (size_t)(end - start));
+    assert_non_null(newline);
+    assert_true((size_t)(newline - start) < sizeof line);
+    memcpy(line, start, (size_t)(newline - start));
+    assert_int_equal(sscanf(line, "-Y %d +X %d", &found_height, &found_width), 2);
+    assert_int_equal(found_width, width);
+    assert_int_equal(found_height, height);
+    return newline + 1;
 }
 
 void hdr_read(const char *path, int width, int height, double (*ret_rgb)[3])

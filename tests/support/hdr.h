@@ -1,5 +1,6 @@
 /*
- * Reading back the HDR images that Oriel writes: run-length coded RGBE, scanlines from the top.
+ * Reading back the HDR images that Oriel writes (and Radiance): run-length coded RGBE, scanlines
+ * from the top.
  */
 #ifndef ORL_TESTS_SUPPORT_HDR_H
 #define ORL_TESTS_SUPPORT_HDR_H

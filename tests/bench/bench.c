@@ -1,0 +1,125 @@
+#include "bench/bench.h"
+
+#include <fcntl.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
+
+void bench_fail(const char *what, const struct orl_error *err)
+{
+    char text[1024] = "";
+    if (err)
+        orl_error_format(err, text, sizeof text);
+    fprintf(stderr, "bench: %s%s%s\n", what, err ? ": " : "", text);
+    exit(1);
+}
+
+static double read_clock(clockid_t clock)
+{
+    struct timespec t;
+    clock_gettime(clock, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+double bench_wall_s(void *ctx)
+{
+    (void)ctx;
+    return read_clock(CLOCK_MONOTONIC);
+}
+
+double bench_cpu_s(void *ctx)
+{
+    (void)ctx;
+    return read_clock(CLOCK_PROCESS_CPUTIME_ID);
+}
+
+static int compare(const void *a, const void *b)
+{
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+double bench_median(double *values, int n)
+{
+    qsort(values, (size_t)n, sizeof *values, compare);
+    return values[n / 2];
+}
+
+uint64_t bench_number(const char *variable, uint64_t otherwise)
+{
+    const char *text = getenv(variable);
+    return text && *text ? strtoull(text, NULL, 10) : otherwise;
+}
+
+const char *bench_build(void)
+{
+    const char *build = getenv("ORIEL_BUILD");
+    return build ? build : "build";
+}
+
+void bench_make_folder(char ret_folder[BENCH_PATH])
+{
+    snprintf(ret_folder, BENCH_PATH, "/tmp/oriel-bench-XXXXXX");
+    if (!mkdtemp(ret_folder))
+        bench_fail("no temporary folder", NULL);
+}
+
+void bench_remove_folder(const char *folder)
+{
+    const char *const argv[] = {"rm", "-rf", folder, NULL};
+    bench_spawn(argv, NULL, NULL, NULL, NULL);
+}
+
+/* In the child: a file in place of a standard stream. */
+static void redirect(const char *path, int flags, int stream)
+{
+    const int file = open(path, flags, 0644);
+    if (file < 0 || dup2(file, stream) < 0)
+        _exit(126);
+    close(file);
+}
+
+int bench_spawn(const char *const *argv, const char *folder, const char *input, const char *output,
+                double *ret_cpu_s)
+{
+    int status = -1;
+    struct rusage use;
+    fflush(NULL);
+    const pid_t child = fork();
+    if (child == 0) {
+        if (folder && chdir(folder) < 0)
+            _exit(126);
+        redirect(input ? input : "/dev/null", O_RDONLY, STDIN_FILENO);
+        if (output)
+            redirect(output, O_WRONLY | O_CREAT | O_TRUNC, STDOUT_FILENO);
+        execvp(argv[0], (char *const *)(uintptr_t)argv);
+        _exit(127);
+    }
+    if (child < 0 || wait4(child, &status, 0, &use) < 0)
+        bench_fail("cannot start a program", NULL);
+    if (ret_cpu_s)
+        *ret_cpu_s = (double)use.ru_utime.tv_sec + 1e-6 * (double)use.ru_utime.tv_usec +
+                     (double)use.ru_stime.tv_sec + 1e-6 * (double)use.ru_stime.tv_usec;
+    return WIFEXITED(status) ? WEXITSTATUS(status) : 128;
+}
+
+void bench_run(const struct bench_env *env, const struct orl_job *job,
+               struct orl_result *ret_result)
+{
+    struct orl_folder_store folder;
+    struct orl_error err = {0};
+    atomic_bool cancel = false;
+    snprintf(folder.folder, sizeof folder.folder, "%s", env->maps);
+    const struct orl_map_store store = orl_map_store_in_folder(&folder);
+    const struct orl_run_env run = {.crew = env->crew,
+                                    .files = env->files,
+                                    .store = &store,
+                                    .output_folder = env->output,
+                                    .cancel = &cancel,
+                                    .now_s = env->now_s};
+    if (orl_run(job, &run, ret_result, &err) < 0)
+        bench_fail("a job", &err);
+}

@@ -1,0 +1,59 @@
+/*
+ * What programs that measure share: clocks, medians, knobs from the environment, other programs
+ * run without a shell, a folder that goes away, and one job run in this process.
+ *
+ * These are programs, not tests: where something does not succeed, they say so and exit.
+ */
+#ifndef ORL_TESTS_BENCH_BENCH_H
+#define ORL_TESTS_BENCH_BENCH_H
+
+#include <oriel/run.h>
+
+#include "scene/geometry.h"
+
+enum { BENCH_MOST_RUNS = 9, BENCH_PATH = 512 };
+
+void bench_fail(const char *what, const struct orl_error *err) __attribute__((noreturn));
+
+double bench_wall_s(void *ctx);
+/* Of this process, all threads: other people's load does not count. Nor does waiting for a disk. */
+double bench_cpu_s(void *ctx);
+
+/* Reorders values. */
+double bench_median(double *values, int n);
+
+/* A number from the environment, or otherwise. */
+uint64_t bench_number(const char *variable, uint64_t otherwise);
+
+/* The build folder: ORIEL_BUILD, or "build". */
+const char *bench_build(void);
+
+/* An empty folder below /tmp, and its end. */
+void bench_make_folder(char ret_folder[BENCH_PATH]);
+void bench_remove_folder(const char *folder);
+
+/*
+ * Runs argv[0] (a path, or looked for on PATH) in a folder (NULL: here), its input and output from
+ * and to files there (NULL: nothing, and ours). Returns the exit status, 127 when there is no such
+ * program; ret_cpu_s (may be NULL): user and system time of it and of what it ran.
+ */
+int bench_spawn(const char *const *argv, const char *folder, const char *input, const char *output,
+                double *ret_cpu_s);
+
+/* Where and how jobs run. */
+struct bench_env {
+    const struct orl_files *files;
+    struct orl_crew *crew;
+    const char *maps;   /* folder of photon maps, made when it is missing */
+    const char *output; /* folder of images */
+    double (*now_s)(void *ctx);
+};
+/* The result is the caller's. */
+void bench_run(const struct bench_env *env, const struct orl_job *job,
+               struct orl_result *ret_result);
+
+/* Single incoherent rays a second that Embree alone answers, as light takes them; median of runs.
+ */
+double bench_embree_rate(const struct orl_geometry *geometry, int runs, double (*now_s)(void *ctx));
+
+#endif

@@ -1,0 +1,89 @@
+#include "bench/compare.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include <oriel/units.h>
+#include <oriel/vec.h>
+
+#include "bench/bench.h"
+#include "support/hdr.h"
+
+void bench_reference_done(struct bench_reference *reference)
+{
+    free(reference->a);
+    free(reference->b);
+    *reference = (struct bench_reference){0};
+}
+
+static double at(const struct bench_reference *r, size_t i)
+{
+    return (r->a[i] + r->b[i]) / 2;
+}
+
+static double mean(const struct bench_reference *r)
+{
+    double sum = 0;
+    for (size_t i = 0; i < r->n; i++)
+        sum += at(r, i);
+    return sum / (double)r->n;
+}
+
+struct bench_deviation bench_compare(const struct bench_reference *reference, const double *values,
+                                     double darkest)
+{
+    const double least = darkest * mean(reference);
+    struct bench_deviation d = {0};
+    double squares = 0, sum = 0, n = 0;
+    for (size_t i = 0; i < reference->n; i++) {
+        const double r = at(reference, i), x = values[i];
+        if (!(r > least))
+            continue;
+        squares += (x - reference->a[i]) * (x - reference->b[i]) / (r * r);
+        sum += (x - r) / r;
+        n++;
+        if (fabs(x - r) / r > fabs(d.worst)) {
+            d.worst = (x - r) / r;
+            d.worst_at = i;
+        }
+    }
+    d.rms = n > 0 && squares > 0 ? sqrt(squares / n) : 0;
+    d.bias = n > 0 ? sum / n : 0;
+    return d;
+}
+
+double bench_reference_noise(const struct bench_reference *reference, double darkest)
+{
+    const double least = darkest * mean(reference);
+    double squares = 0, n = 0;
+    for (size_t i = 0; i < reference->n; i++) {
+        const double r = at(reference, i), half = (reference->a[i] - reference->b[i]) / 2;
+        if (!(r > least))
+            continue;
+        squares += half * half / (r * r);
+        n++;
+    }
+    return n > 0 ? sqrt(squares / n) : 0;
+}
+
+double bench_bias_of_mean(const struct bench_reference *reference, const double *values)
+{
+    double sum = 0;
+    for (size_t i = 0; i < reference->n; i++)
+        sum += values[i];
+    return sum / (double)reference->n / mean(reference) - 1;
+}
+
+double *bench_read_luminances(const char *path, int width, int height)
+{
+    const size_t n = (size_t)width * (size_t)height;
+    double(*rgb)[3] = malloc(n * sizeof *rgb), *values = malloc(n * sizeof *values);
+    if (!rgb || !values)
+        bench_fail("out of memory", NULL);
+    hdr_read(path, width, height, rgb);
+    for (size_t i = 0; i < n; i++)
+        values[i] =
+            ORL_EFFICACY_LM_PER_W * orl_luma((struct orl_rgb){rgb[i][0], rgb[i][1], rgb[i][2]});
+    free(rgb);
+    return values;
+}
