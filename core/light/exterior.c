@@ -2,6 +2,14 @@
 
 enum { MOST_BOUNCES = 64, SURE_BOUNCES = 3, MOST_PANES = 64 };
 
+/* Out by a port beyond which nothing is. */
+static bool leaves_clear(const struct orl_world *world, const struct orl_hit *hit)
+{
+    const int32_t port = world->port_of_facet ? world->port_of_facet[hit->facet] : ORL_NO_PORT;
+    return port != ORL_NO_PORT && world->ports[port].clear &&
+           hit->front != world->ports[port].outside_is_front;
+}
+
 struct orl_rgb orl_transmittance(const struct orl_world *world, struct orl_vec3 origin,
                                  struct orl_vec3 direction, double max_distance, bool through_ports)
 {
@@ -16,6 +24,8 @@ struct orl_rgb orl_transmittance(const struct orl_world *world, struct orl_vec3 
             (!through_ports && orl_world_crossing(world, &hit) == ORL_CROSSING_INWARDS))
             return orl_gray(0);
         share = orl_rgb_mul(share, through);
+        if (isinf(max_distance) && leaves_clear(world, &hit))
+            return share;
         origin = orl_hit_leave(world->geometry, &hit, direction);
         max_distance -= hit.distance;
     }
@@ -28,6 +38,7 @@ struct orl_rgb orl_mirrored_transmittance(const struct orl_world *world, struct 
 {
     const struct orl_vec3 direction = orl_madd(sun, mirror, -2 * orl_dot(sun, mirror));
     struct orl_rgb sum = orl_gray(0), share = orl_gray(1);
+    bool outside = !through_ports;
     *ret_direction = direction;
     /* Every pane of that normal on the way mirrors some and lets the rest through to the next. */
     for (int pane = 0; pane < MOST_PANES; pane++) {
@@ -35,7 +46,8 @@ struct orl_rgb orl_mirrored_transmittance(const struct orl_world *world, struct 
         if (!orl_geometry_intersect(world->geometry, origin, direction, INFINITY, &hit))
             return sum;
         const struct orl_material *m = orl_world_material(world, &hit);
-        if (fabs(orl_dot(hit.normal, mirror)) >= 1 - 1e-9) {
+        const enum orl_crossing crossing = orl_world_crossing(world, &hit);
+        if (fabs(orl_dot(hit.normal, mirror)) >= 1 - 1e-9 && !(outside && world->omit.exterior)) {
             const struct orl_rgb back = orl_material_mirrored(m, &hit, orl_neg(direction));
             if (orl_rgb_max(back) > 0)
                 sum = orl_rgb_add(
@@ -45,9 +57,11 @@ struct orl_rgb orl_mirrored_transmittance(const struct orl_world *world, struct 
                                                   sun, INFINITY, through_ports)));
         }
         const struct orl_rgb through = orl_material_straight(m, &hit, orl_neg(direction));
-        if (!(orl_rgb_max(through) > 0) ||
-            (!through_ports && orl_world_crossing(world, &hit) == ORL_CROSSING_INWARDS))
+        if (!(orl_rgb_max(through) > 0) || leaves_clear(world, &hit) ||
+            (!through_ports && crossing == ORL_CROSSING_INWARDS))
             return sum;
+        if (crossing != ORL_CROSSING_NONE)
+            outside = crossing == ORL_CROSSING_OUTWARDS;
         share = orl_rgb_mul(share, through);
         origin = orl_hit_leave(world->geometry, &hit, direction);
     }
@@ -256,6 +270,42 @@ static struct orl_rgb folded_direct(const struct orl_world *world, const struct 
     return sum;
 }
 
+/*
+ * The domes where nothing stands before them, and what shines there: surfaces outside let light
+ * through or stop it, and send none back.
+ */
+static struct orl_rgb unreflected_radiance(const struct orl_world *world, struct orl_vec3 origin,
+                                           struct orl_vec3 direction, bool lamps_sampled,
+                                           struct orl_health *health)
+{
+    struct orl_rgb sum = orl_gray(0), weight = orl_gray(1);
+    for (int pane = 0; pane < MOST_PANES; pane++) {
+        struct orl_hit hit;
+        health->rays++;
+        if (!orl_geometry_intersect(world->geometry, origin, direction, INFINITY, &hit))
+            return orl_rgb_add(sum, orl_rgb_mul(weight, orl_world_dome_radiance(world, direction)));
+        const struct orl_material *m = orl_world_material(world, &hit);
+        const struct orl_vec3 eye = orl_neg(direction);
+        if (orl_material_glows(m) || (orl_material_is_lamp(m) && !lamps_sampled))
+            sum = orl_rgb_add(sum, orl_rgb_mul(weight, orl_material_emission(m, &hit, eye)));
+        weight = orl_rgb_mul(weight, orl_material_straight(m, &hit, eye));
+        if (!(orl_rgb_max(weight) > 0) || orl_world_crossing(world, &hit) == ORL_CROSSING_INWARDS)
+            return sum;
+        origin = orl_hit_leave(world->geometry, &hit, direction);
+    }
+    return sum;
+}
+
+struct orl_rgb orl_port_radiance(const struct orl_world *world, const struct orl_port *port,
+                                 struct orl_vec3 origin, struct orl_vec3 direction,
+                                 struct orl_random *random, struct orl_health *health)
+{
+    if (!port->clear)
+        return orl_exterior_radiance(world, origin, direction, false, random, health);
+    health->paths++;
+    return orl_world_dome_radiance(world, direction);
+}
+
 struct orl_rgb orl_exterior_radiance(const struct orl_world *world, struct orl_vec3 origin,
                                      struct orl_vec3 direction, bool lamps_sampled,
                                      struct orl_random *random, struct orl_health *health)
@@ -264,6 +314,8 @@ struct orl_rgb orl_exterior_radiance(const struct orl_world *world, struct orl_v
     const enum orl_lobes back = (enum orl_lobes)(ORL_LOBE_REFLECTED | ORL_LOBE_DIFFUSE);
     bool diffused = false;
     health->paths++;
+    if (world->omit.exterior)
+        return unreflected_radiance(world, origin, direction, lamps_sampled, health);
     for (int bounce = 0; bounce < MOST_BOUNCES; bounce++) {
         struct orl_hit hit;
         health->rays++;

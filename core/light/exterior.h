@@ -19,11 +19,19 @@
  * One estimate of the radiance arriving at origin from direction, suns seen straight excluded.
  * Paths do not pass ports inwards: light from inside a building is left out. With lamps_sampled,
  * lamps seen straight or through panes are too: the caller's shadow rays found them. Counts into
- * health.
+ * health. With omit.exterior surfaces reflect nothing: what is left is what comes straight.
  */
 struct orl_rgb orl_exterior_radiance(const struct orl_world *world, struct orl_vec3 origin,
                                      struct orl_vec3 direction, bool lamps_sampled,
                                      struct orl_random *random, struct orl_health *health);
+
+/*
+ * The same for one that leaves a port outwards, lamps not sampled; beyond a clear port no ray is
+ * needed.
+ */
+struct orl_rgb orl_port_radiance(const struct orl_world *world, const struct orl_port *port,
+                                 struct orl_vec3 origin, struct orl_vec3 direction,
+                                 struct orl_random *random, struct orl_health *health);
 
 /*
  * Share of light that comes straight from `direction`, from within max_distance, thin glass on the

@@ -94,7 +94,8 @@ static void look_both_ways(void *arg, size_t index, uint32_t member)
     if (more < least_seen || more < least_contrast * less)
         return;
     const struct orl_vec3 outward = front > back ? f->normal : orl_neg(f->normal);
-    struct orl_port port = {facet, front > back, outward, f->area, false};
+    struct orl_port port = {
+        .facet = facet, .outside_is_front = front > back, .outward = outward, .area = f->area};
     port.shared = is_shared(search->world, port, &random);
     search->found[index] = port;
 }

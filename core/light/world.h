@@ -49,11 +49,16 @@ struct orl_port {
     struct orl_vec3 outward;
     double area;
     bool shared; /* other surfaces lie in its plane, across it: see orl_port_owns */
+    /* What the planner finds out; false, all is found by rays. */
+    bool clear;  /* nothing lies beyond its plane: whoever looks out sees domes and suns alone */
+    bool silent; /* no light comes to it from outside: it sends no photons */
 };
 
 /* What a run leaves out (plan/plan.h decides). */
 struct orl_omissions {
     bool exterior; /* surfaces outside reflect nothing: they only stand in the way */
+    bool glossy, media, refraction, bleached; /* already done to the materials; here for who tells maps apart
+                                     */
     bool mirror_caustics, lobe_caustics; /* no caustic photons by way of mirrors, of lobes */
     uint32_t most_reflections;           /* diffuse ones that light is followed through */
     uint32_t channels;                   /* 3, or 1: all is gray, and red stands for all */
@@ -80,6 +85,8 @@ struct orl_world {
     size_t n_ports;
     int32_t *port_of_facet; /* index into ports or ORL_NO_PORT */
     bool open;              /* light can get in without crossing a port */
+    bool caustics_lit;      /* the planner found mirrors or lobes that a sun or lamp lights: caustic
+                               photons are to be shot, whether or not a pilot's flights meet them */
     struct orl_omissions omit;
 };
 

@@ -31,7 +31,7 @@ static bool pass_port(const struct orl_world *world, const struct orl_port *port
     ret_flight->origin = orl_hit_leave(world->geometry, &hit, s.direction);
     ret_flight->direction = s.direction;
     ret_flight->flux = orl_rgb_mul(flux, s.weight);
-    ret_flight->scattered = s.event != ORL_EVENT_STRAIGHT;
+    ret_flight->way = orl_deflected(ret_flight->way, s.event);
     ret_flight->from_port = true;
     ret_flight->clarity = orl_scatter_clarity(orl_world_material(world, &hit), &s, orl_gray(1));
     return orl_rgb_max(ret_flight->flux) > 0;
@@ -50,7 +50,7 @@ static bool emit_port_dome(const struct orl_emission *e, const struct orl_stratu
     const struct orl_vec3 out = orl_hemisphere_about(port->outward, at[0], at[1]);
     const struct orl_vec3 start =
         orl_facet_leave(world->geometry, port->facet, point, normal, port->outward);
-    const struct orl_rgb radiance = orl_exterior_radiance(world, start, out, false, random, health);
+    const struct orl_rgb radiance = orl_port_radiance(world, port, start, out, random, health);
     /* The square is uniform in projected solid angle, pi in all. */
     const struct orl_rgb flux = orl_rgb_scale(radiance, ORL_PI * port->area / density);
     return orl_rgb_max(flux) > 0 && pass_port(world, port, point, out, flux, random, ret_flight);
@@ -71,16 +71,17 @@ static bool emit_port_sun(const struct orl_emission *e, const struct orl_stratum
     const struct orl_rgb share =
         image ? orl_mirrored_transmittance(world, start, towards, world->mirrors[stratum->mirror],
                                            false, &out)
-              : orl_transmittance(world, start, towards, INFINITY, false);
+        : port->clear ? orl_gray(1)
+                      : orl_transmittance(world, start, towards, INFINITY, false);
     const double cosine = orl_dot(out, port->outward);
     if (!(cosine > 0) || !(orl_rgb_max(share) > 0))
         return false;
     ret_flight->from_light = true;
+    ret_flight->way.mirror = image;
     if (!pass_port(world, port, point, out,
                    orl_rgb_scale(orl_rgb_mul(sun->irradiance, share), cosine * port->area), random,
                    ret_flight))
         return false;
-    ret_flight->scattered = ret_flight->scattered || image;
     return true;
 }
 
@@ -215,8 +216,8 @@ bool orl_emission_sample(const struct orl_emission *emission, uint64_t seed, uin
 {
     double point[6];
     const uint64_t batch = index % ORL_MAP_BATCHES, within = index / ORL_MAP_BATCHES;
-    const uint32_t sequence = (uint32_t)orl_mix64(orl_mix64(seed * 2 + caustic) + batch) +
-                              (uint32_t)(within >> 32);
+    const uint32_t sequence =
+        (uint32_t)orl_mix64(orl_mix64(seed * 2 + caustic) + batch) + (uint32_t)(within >> 32);
     if (emission->n_strata == 0)
         return false;
     orl_sobol_point(&emission->sobol, (uint32_t)within, sequence, 6, point);

@@ -64,13 +64,26 @@ struct orl_emission {
     bool has_caustics; /* a pilot found a way for them */
 };
 
+/* What has deflected a photon, other than diffuse surfaces. */
+struct orl_deflection {
+    bool mirror; /* mirrors, panes' reflections, dielectrics */
+    bool lobe;
+};
+
+static inline struct orl_deflection orl_deflected(struct orl_deflection way, enum orl_event event)
+{
+    way.mirror = way.mirror || event == ORL_EVENT_MIRROR || event == ORL_EVENT_REFRACTED;
+    way.lobe = way.lobe || event == ORL_EVENT_GLOSSY;
+    return way;
+}
+
 /* A photon about to fly: just past its port, or at its emitter. */
 struct orl_flight {
     struct orl_vec3 origin, direction;
     struct orl_rgb flux;
     bool from_light; /* a sun or light, sampled directly by the renderer, as against a dome or glow
                       */
-    bool scattered;  /* already deflected: by the port's BSDF */
+    struct orl_deflection way; /* already deflected: by the port's BSDF, or a mirror outside */
     bool from_port;
     struct orl_rgb clarity; /* from a port: of what lies behind it (scatter.h) */
     double focus;           /* from a spotlight: see lamp.c of the scene; else 0 */

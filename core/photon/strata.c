@@ -45,6 +45,8 @@ static void look_out(void *arg, size_t index, uint32_t member)
     const struct orl_world *world = pilot->emission->world;
     const size_t cells = (size_t)pilot->side * pilot->side;
     const struct orl_port *port = &world->ports[index / cells];
+    if (port->silent)
+        return;
     const size_t x = index % cells % pilot->side, y = index % cells / pilot->side;
     struct orl_random random = orl_random_stream(pilot->seed, ORL_PURPOSE_PILOT, 2 * index);
     struct orl_health ignored = {0}; /* a pilot's paths reach no result */
@@ -58,7 +60,7 @@ static void look_out(void *arg, size_t index, uint32_t member)
         struct orl_vec3 point, normal;
         orl_facet_sample(world->geometry, port->facet, u, &point, &normal);
         point = orl_facet_leave(world->geometry, port->facet, point, normal, port->outward);
-        sum += orl_luma(orl_exterior_radiance(world, point, out, false, &random, &ignored)) *
+        sum += orl_luma(orl_port_radiance(world, port, point, out, &random, &ignored)) *
                transmitted_luma(world, port, out);
     }
     pilot->values[index] = sum / PATHS_A_CELL;
@@ -156,7 +158,11 @@ static void list_images(struct orl_emission *e, size_t most)
     const struct orl_world *world = e->world;
     for (size_t p = 0; p < world->n_ports; p++) {
         for (size_t s = 0; s < world->n_suns; s++) {
-            for (size_t m = 0; m < world->n_mirrors && e->n_strata < most; m++) {
+            const size_t mirrors =
+                world->ports[p].clear || world->ports[p].silent || world->omit.exterior
+                    ? 0
+                    : world->n_mirrors;
+            for (size_t m = 0; m < mirrors && e->n_strata < most; m++) {
                 const struct orl_stratum image = {.kind = ORL_STRATUM_PORT_IMAGE,
                                                   .port = (uint32_t)p,
                                                   .sun = (uint32_t)s,
@@ -189,7 +195,7 @@ static int list_strata(struct orl_emission *e)
     for (size_t p = 0; p < world->n_ports; p++) {
         const struct orl_port *port = &world->ports[p];
         add_stratum(e, ORL_STRATUM_PORT_DOME, p, 0, ORL_PI * port->area * e->port_tables[p].mean);
-        for (size_t s = 0; s < world->n_suns; s++)
+        for (size_t s = 0; s < world->n_suns && !port->silent; s++)
             add_stratum(e, ORL_STRATUM_PORT_SUN, p, s, port_sun_flux(world, port, &world->suns[s]));
     }
     for (size_t i = 0; i < world->n_emitters; i++) {
@@ -274,6 +280,8 @@ static int share_out_caustics(struct pilot *pilot, struct orl_crew *crew)
     if (!pilot->yield)
         return ORL_ERR_NOMEM;
     const size_t each = CAUSTIC_FLIGHTS / (e->n_strata + 1);
+    if (e->world->omit.mirror_caustics && e->world->omit.lobe_caustics)
+        return 0;
     pilot->flights = (uint32_t)(each > MOST_FLIGHTS_A_STRATUM    ? MOST_FLIGHTS_A_STRATUM
                                 : each < LEAST_FLIGHTS_A_STRATUM ? LEAST_FLIGHTS_A_STRATUM
                                                                  : each);
@@ -282,12 +290,13 @@ static int share_out_caustics(struct pilot *pilot, struct orl_crew *crew)
         sum += pilot->yield[i];
         flux += may_make_caustics(e, &e->strata[i]) ? e->strata[i].flux_w : 0;
     }
-    e->has_caustics = sum > 0;
-    for (size_t i = 0; i < e->n_strata && sum > 0; i++) {
+    const double spread = sum > 0 ? caustic_floor : 1;
+    e->has_caustics = sum > 0 || (e->world->caustics_lit && flux > 0);
+    for (size_t i = 0; i < e->n_strata && e->has_caustics; i++) {
         struct orl_stratum *s = &e->strata[i];
-        s->share_caustic = (1 - caustic_floor) * pilot->yield[i] / sum;
+        s->share_caustic = sum > 0 ? (1 - caustic_floor) * pilot->yield[i] / sum : 0;
         if (may_make_caustics(e, s))
-            s->share_caustic += caustic_floor * s->flux_w / flux;
+            s->share_caustic += spread * s->flux_w / flux;
         s->below_caustic = below;
         below += s->share_caustic;
     }

@@ -95,6 +95,12 @@ static void give_up(struct orl_deposits *deposits, struct orl_rgb flux)
     orl_sum_add(&deposits->flux_capped, orl_luma(flux));
 }
 
+/* Caustic photons by way of what the plan leaves out. */
+static bool is_left_out(const struct orl_world *world, struct orl_deflection way)
+{
+    return (way.mirror && world->omit.mirror_caustics) || (way.lobe && world->omit.lobe_caustics);
+}
+
 void orl_trace_photon(const struct orl_world *world, const struct orl_flight *flight, bool caustic,
                       uint8_t batch, struct orl_random *random, struct orl_deposits *deposits)
 {
@@ -108,8 +114,15 @@ void orl_trace_photon(const struct orl_world *world, const struct orl_flight *fl
                        .clarity = flight->from_port ? flight->clarity : orl_gray(1),
                        .focus = flight->focus,
                        .spread = 1};
-    bool scattered = flight->scattered, crossed = flight->from_port, outside = false;
+    struct orl_deflection way = flight->way;
+    bool crossed = flight->from_port, outside = false;
+    const uint32_t most = world->omit.most_reflections < ORL_ALL_REFLECTIONS
+                              ? world->omit.most_reflections
+                              : UINT32_MAX;
+    uint32_t reflections = 0;
     int unseen = 0;
+    if (caustic && is_left_out(world, way))
+        return;
     deposits->health.photons++;
     orl_sum_add(&deposits->flux, orl_luma(c.flux));
     for (int bounce = 0; bounce < ORL_TRACE_MOST_BOUNCES && unseen < ORL_TRACE_MOST_UNSEEN;
@@ -125,7 +138,7 @@ void orl_trace_photon(const struct orl_world *world, const struct orl_flight *fl
         if (!arrives(&c, m, &hit))
             return;
         unseen++;
-        if (diffuse && !outside && (!caustic || scattered)) {
+        if (diffuse && !outside && (caustic ? way.mirror || way.lobe : reflections < most)) {
             deposit(deposits, &hit, c.flux, batch);
             unseen = 0;
         }
@@ -144,7 +157,10 @@ void orl_trace_photon(const struct orl_world *world, const struct orl_flight *fl
                 outside = !world->open && crossing == ORL_CROSSING_OUTWARDS;
             }
         }
-        scattered = scattered || s.event != ORL_EVENT_STRAIGHT;
+        way = orl_deflected(way, s.event);
+        reflections += s.event == ORL_EVENT_DIFFUSE;
+        if (caustic ? is_left_out(world, way) : reflections >= most)
+            return;
         depart(&c, world, m, &hit, &s);
     }
     give_up(deposits, c.flux);

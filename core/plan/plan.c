@@ -1,29 +1,33 @@
 #include "plan/plan.h"
 
-#include <stdio.h>
 #include <string.h>
 
-static uint64_t photons(uint64_t asked)
-{
-    return asked == ORL_PHOTONS_BY_PLAN ? ORL_DEFAULT_PHOTONS : asked;
-}
+#include "light/proxies.h"
+#include "plan/decide.h"
 
 int orl_plan_make(const struct orl_plan_request *request, struct orl_world *world,
                   struct orl_plan *ret_plan, struct orl_error *err)
 {
-    const struct orl_job *job = request->job;
-    (void)world;
-    (void)err;
+    struct orl_survey survey;
+    struct orl_lit lit;
     memset(ret_plan, 0, sizeof *ret_plan);
-    ret_plan->technique =
-        job->technique == ORL_TECHNIQUE_AUTO ? ORL_TECHNIQUE_GATHER : job->technique;
-    ret_plan->most_reflections = ORL_ALL_REFLECTIONS;
-    ret_plan->channels = 3;
-    ret_plan->photons_global = photons(job->photons_global);
-    ret_plan->photons_caustic = photons(job->photons_caustic);
-    for (int i = 0; i < ORL_EFFECT_COUNT; i++) {
-        ret_plan->effects[i].simulated = true;
-        ret_plan->effects[i].wish = job->wishes[i];
+    for (int i = 0; i < ORL_EFFECT_COUNT; i++)
+        ret_plan->effects[i].wish = request->job->wishes[i];
+    const int code = orl_survey_init(&survey, request, world);
+    if (code < 0) {
+        orl_error_set(err, code, "out of memory for the plan");
+        goto done;
     }
-    return 0;
+    orl_decide_materials(&survey, ret_plan);
+    orl_decide_lights(&survey, ret_plan);
+    orl_decide_windows(&survey, ret_plan);
+    orl_decide_color(&survey, ret_plan);
+    orl_lit_look(&survey, &lit);
+    orl_decide_technique(&survey, &lit, ret_plan);
+    orl_decide_caustics(&survey, &lit, ret_plan);
+    orl_decide_requests(&survey, ret_plan);
+    orl_proxies_settle(world);
+done:
+    orl_survey_done(&survey);
+    return code;
 }

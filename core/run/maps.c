@@ -8,6 +8,40 @@
 /* What a map's photons depend on beyond the scene: raised when their making changes. */
 static const char recipe[] = "oriel photons 7";
 
+/*
+ * What the plan leaves out changes photons; what it leaves in is in the files. So that jobs share
+ * maps whose plans differ in nothing that photons know, it is the world that counts, not the plan.
+ */
+static void add_plan(crypto_hash_sha256_state *hash, const struct orl_world *world,
+                     enum orl_map_kind kind)
+{
+    const struct orl_omissions *omit = &world->omit;
+    const bool caustic = kind == ORL_MAP_CAUSTIC;
+    const uint64_t numbers[] = {omit->exterior,
+                                omit->glossy,
+                                omit->media,
+                                omit->refraction,
+                                omit->bleached,
+                                omit->channels,
+                                caustic ? 0 : omit->most_reflections,
+                                caustic && omit->mirror_caustics,
+                                caustic && omit->lobe_caustics,
+                                caustic && world->caustics_lit,
+                                world->n_suns,
+                                world->n_domes,
+                                world->n_emitters};
+    crypto_hash_sha256_update(hash, (const unsigned char *)numbers, sizeof numbers);
+    for (size_t i = 0; i < world->n_suns; i++) {
+        const struct orl_vec3 n = world->suns[i].frame.n;
+        const double sun[] = {n.x, n.y, n.z, world->suns[i].cos_half_angle};
+        crypto_hash_sha256_update(hash, (const unsigned char *)sun, sizeof sun);
+    }
+    for (size_t i = 0; i < world->n_ports; i++) {
+        const unsigned char silent = world->ports[i].silent;
+        crypto_hash_sha256_update(hash, &silent, sizeof silent);
+    }
+}
+
 static void make_key(const struct orl_run_state *state, enum orl_map_kind kind, uint64_t target,
                      char ret_key[ORL_DIGEST_HEX + 1])
 {
@@ -21,6 +55,7 @@ static void make_key(const struct orl_run_state *state, enum orl_map_kind kind, 
     crypto_hash_sha256_update(&hash, (const unsigned char *)numbers, sizeof numbers);
     if (state->job->sky.model != ORL_SKY_OF_SCENE)
         crypto_hash_sha256_update(&hash, state->sky_digest, sizeof state->sky_digest);
+    add_plan(&hash, state->world, kind);
     crypto_hash_sha256_final(&hash, digest);
     sodium_bin2hex(ret_key, ORL_DIGEST_HEX + 1, digest, sizeof digest);
 }

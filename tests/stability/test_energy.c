@@ -228,7 +228,8 @@ static void test_mirror_box(void **state)
                                       .sensors = &sensor,
                                       .n_sensors = 1,
                                       .samples = 64,
-                                      .global = 1000000});
+                                      .global = 1000000,
+                                      .wishes = scene_wish_maps});
     stability_row(44, "mirror box", "rays until it ends", (double)result.health.rays, 3e7);
     stability_row(44, "mirror box", "light lost: relative to rho^1000",
                   fabs(result.health.flux_capped_w / result.health.flux_w / expected - 1), 0.02);

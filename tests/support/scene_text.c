@@ -117,6 +117,12 @@ static int run_job(const struct scene_run *run, struct orl_result *ret_result,
     return code;
 }
 
+const enum orl_wish scene_wish_maps[ORL_EFFECT_COUNT] = {
+    [ORL_EFFECT_INTERREFLECTION] = ORL_WISH_FORCE,
+    [ORL_EFFECT_CAUSTICS_MIRROR] = ORL_WISH_FORCE,
+    [ORL_EFFECT_CAUSTICS_BSDF] = ORL_WISH_FORCE,
+};
+
 struct orl_result scene_run(const struct scene_run *run)
 {
     struct orl_result result = {0};

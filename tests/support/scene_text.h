@@ -32,6 +32,10 @@ struct scene_run {
     const char *folder;          /* where maps and images stay; NULL: nowhere */
 };
 
+/* For runs that look at photon maps, whether or not a plan would make them: forces what photons are
+ * for, interreflection and caustics. */
+extern const enum orl_wish scene_wish_maps[ORL_EFFECT_COUNT];
+
 /* Runs it; the result is the caller's, for orl_result_done. */
 struct orl_result scene_run(const struct scene_run *run);
 

@@ -1,0 +1,121 @@
+/* Caustics: by what is lit (lit.h), never by what a pilot happened to see. */
+#include "plan/decide.h"
+
+enum { RAYS_A_PHOTON = 3 };
+
+static bool any_lit(const struct orl_lit *lit)
+{
+    return lit->classes[ORL_LIT_FLAT].lit || lit->classes[ORL_LIT_CURVED].lit ||
+           lit->classes[ORL_LIT_LOBE].lit;
+}
+
+static double map_s(const struct orl_survey *survey)
+{
+    return RAYS_A_PHOTON * (double)ORL_DEFAULT_PHOTONS * survey->ray_s;
+}
+
+/* A flat mirror doubles a sun, times what it reflects; what is curved may gather it to a point. */
+static double mirror_bound(const struct orl_survey *survey, const struct orl_lit *lit)
+{
+    const struct orl_world *world = survey->world;
+    double focused = survey->lamp_lx;
+    for (size_t i = 0; i < world->n_suns; i++)
+        focused += ORL_EFFICACY_LM_PER_W * ORL_PI * orl_luma(world->suns[i].radiance);
+    if (lit->classes[ORL_LIT_CURVED].facets > 0)
+        return focused;
+    return lit->classes[ORL_LIT_FLAT].share * (survey->sun_lx + survey->lamp_lx);
+}
+
+/*
+ * What is lit only by way of something else that is lit counts too: where both mirrors and lobes
+ * are there and one of them is lit, the other may be.
+ */
+static bool decide_mirrors(const struct orl_survey *survey, const struct orl_lit *lit,
+                           struct orl_decision *decision)
+{
+    const struct orl_lit_class *flat = &lit->classes[ORL_LIT_FLAT];
+    const struct orl_lit_class *curved = &lit->classes[ORL_LIT_CURVED];
+    const bool needed = flat->facets + curved->facets > 0 && any_lit(lit);
+    const struct orl_finding finding = {.needed = needed,
+                                        .unit = ORL_BOUND_LX,
+                                        .bound = needed ? mirror_bound(survey, lit) : 0,
+                                        .saved_s =
+                                            flat->facets + curved->facets > 0 ? map_s(survey) : 0};
+    if (lit->lights == 0)
+        return orl_settle(decision, &finding, "there are %zu suns and lamps to be mirrored",
+                          lit->lights);
+    if (flat->facets + curved->facets == 0)
+        return orl_settle(decision, &finding, "%zu surfaces mirror or refract",
+                          flat->facets + curved->facets);
+    if (!needed)
+        return orl_settle(decision, &finding,
+                          "none of %zu surfaces that mirror or refract is lit inside by a sun or "
+                          "lamp",
+                          flat->facets + curved->facets);
+    return orl_settle(decision, &finding,
+                      "of %zu flat and %zu curved surfaces that mirror or refract some are lit; "
+                      "they send on up to %.3g %%",
+                      flat->facets, curved->facets, 100 * fmax(flat->share, curved->share));
+}
+
+static bool decide_lobes(const struct orl_survey *survey, const struct orl_lit *lit,
+                         struct orl_decision *decision)
+{
+    const struct orl_lit_class *lobes = &lit->classes[ORL_LIT_LOBE];
+    const bool needed = lobes->facets > 0 && any_lit(lit);
+    const struct orl_finding finding = {
+        .needed = needed,
+        .unit = ORL_BOUND_LX,
+        .bound = needed ? lobes->share * (survey->sun_lx + survey->lamp_lx) : 0,
+        .saved_s = lobes->facets > 0 ? map_s(survey) : 0};
+    if (lit->lights == 0)
+        return orl_settle(decision, &finding, "there are %zu suns and lamps to be scattered",
+                          lit->lights);
+    if (lobes->facets == 0)
+        return orl_settle(decision, &finding, "%zu surfaces scatter into lobes", lobes->facets);
+    if (!needed)
+        return orl_settle(decision, &finding,
+                          "none of %zu surfaces that scatter into lobes is lit inside by a sun or "
+                          "lamp",
+                          lobes->facets);
+    return orl_settle(decision, &finding,
+                      "of %zu surfaces that scatter into lobes some are lit; they send on up to "
+                      "%.3g %%",
+                      lobes->facets, 100 * lobes->share);
+}
+
+static bool is_glass(const struct orl_material *m)
+{
+    return m->kind == ORL_MATERIAL_GLASS || (m->kind == ORL_MATERIAL_BSDF && m->peak) ||
+           (m->kind == ORL_MATERIAL_TRANS && !(m->roughness[0] > 0) && m->transmitted > 0 &&
+            m->transmitted_specular > 0);
+}
+
+static void decide_glass(const struct orl_survey *survey, struct orl_decision *decision)
+{
+    const size_t panes = orl_survey_count(survey, is_glass);
+    /* Shadow rays pass panes anyway: it cannot be left out, and there is nothing to gain by it. */
+    decision->simulated = true;
+    const struct orl_finding finding = {.needed = panes > 0, .unit = ORL_BOUND_LX, .bound = 0};
+    orl_settle(decision, &finding,
+               "%zu panes let light straight through: shadow rays see to that, exactly, without "
+               "photons",
+               panes);
+    decision->simulated = panes > 0 || decision->wish == ORL_WISH_FORCE;
+}
+
+void orl_decide_caustics(struct orl_survey *survey, const struct orl_lit *lit,
+                         struct orl_plan *plan)
+{
+    struct orl_world *world = survey->world;
+    const uint64_t asked = survey->request->job->photons_caustic;
+    const bool mirrors = decide_mirrors(survey, lit, &plan->effects[ORL_EFFECT_CAUSTICS_MIRROR]);
+    const bool lobes = decide_lobes(survey, lit, &plan->effects[ORL_EFFECT_CAUSTICS_BSDF]);
+    decide_glass(survey, &plan->effects[ORL_EFFECT_CAUSTICS_GLASS]);
+    world->omit.mirror_caustics = !mirrors;
+    world->omit.lobe_caustics = !lobes;
+    world->caustics_lit = (mirrors || lobes) && any_lit(lit);
+    plan->photons_caustic = asked == ORL_PHOTONS_BY_PLAN ? (uint64_t)ORL_DEFAULT_PHOTONS : asked;
+    if (!(mirrors || lobes) || plan->technique == ORL_TECHNIQUE_BACKWARD)
+        plan->photons_caustic = 0;
+}

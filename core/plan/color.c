@@ -1,0 +1,110 @@
+/* Whether anything is coloured: exactly, every used material and every light looked at. */
+#include "plan/decide.h"
+
+static bool is_gray(struct orl_rgb c)
+{
+    return c.r == c.g && c.g == c.b;
+}
+
+static bool media_are_gray(const struct orl_material *m)
+{
+    return is_gray(m->media[0].transmissivity) && is_gray(m->media[1].transmissivity);
+}
+
+static bool has_coloured_bsdf(const struct orl_material *m)
+{
+    struct orl_bsdf_info info = {.colored = false};
+    if (m->bsdf)
+        orl_bsdf_describe(m->bsdf, &info);
+    return info.colored;
+}
+
+/* What is not of its kind is zero, which is gray. */
+static bool is_coloured(const struct orl_material *m)
+{
+    return !(is_gray(m->color) && is_gray(m->transmissivity) && media_are_gray(m) &&
+             is_gray(m->front) && is_gray(m->back) && is_gray(m->through)) ||
+           has_coloured_bsdf(m);
+}
+
+static size_t coloured_lights(const struct orl_world *world)
+{
+    size_t n = 0;
+    for (size_t i = 0; i < world->n_suns; i++)
+        n += !is_gray(world->suns[i].radiance);
+    for (size_t i = 0; i < world->n_domes; i++)
+        n += !is_gray(world->domes[i].radiance);
+    return n;
+}
+
+/* How much more the most coloured channel of anything is than its luma. */
+static double vividness(const struct orl_survey *survey)
+{
+    const struct orl_world *world = survey->world;
+    double most = 1;
+    for (size_t i = 0; i < world->description.n_materials; i++) {
+        const struct orl_material *m = &world->description.materials[i];
+        const struct orl_rgb colors[] = {m->color, m->transmissivity, m->front, m->back,
+                                         m->through};
+        for (size_t k = 0; survey->surfaces[i] > 0 && k < sizeof colors / sizeof *colors; k++)
+            if (orl_luma(colors[k]) > 0)
+                most = fmax(most, orl_rgb_max(colors[k]) / orl_luma(colors[k]));
+    }
+    return most;
+}
+
+static struct orl_rgb gray_of(struct orl_rgb c)
+{
+    return is_gray(c) ? c : orl_gray(orl_luma(c));
+}
+
+/* Everything becomes as bright as it was, and gray. */
+static void bleach(struct orl_world *world)
+{
+    for (size_t i = 0; i < world->description.n_materials; i++) {
+        struct orl_material *m = &world->description.materials[i];
+        m->color = gray_of(m->color);
+        m->transmissivity = gray_of(m->transmissivity);
+        m->front = gray_of(m->front);
+        m->back = gray_of(m->back);
+        m->through = gray_of(m->through);
+        for (int k = 0; k < 2; k++)
+            m->media[k].transmissivity = gray_of(m->media[k].transmissivity);
+    }
+    for (size_t i = 0; i < world->n_suns; i++) {
+        world->suns[i].radiance = gray_of(world->suns[i].radiance);
+        world->suns[i].irradiance = gray_of(world->suns[i].irradiance);
+    }
+    for (size_t i = 0; i < world->n_domes; i++)
+        world->domes[i].radiance = gray_of(world->domes[i].radiance);
+    for (size_t i = 0; i < world->n_emitters; i++)
+        world->emitters[i].radiance = gray_of(world->emitters[i].radiance);
+}
+
+void orl_decide_color(struct orl_survey *survey, struct orl_plan *plan)
+{
+    struct orl_world *world = survey->world;
+    struct orl_decision *decision = &plan->effects[ORL_EFFECT_COLOR];
+    const size_t materials = orl_survey_count(survey, is_coloured);
+    const size_t lights = coloured_lights(world);
+    const double vivid = vividness(survey);
+    const struct orl_finding finding = {
+        .needed = materials + lights > 0,
+        .unit = ORL_BOUND_RELATIVE,
+        /* Two reflections by the most coloured: each further one would be worth less. */
+        .bound = materials + lights > 0 ? vivid * vivid - 1 : 0};
+    orl_settle(decision, &finding, "surfaces that have a colour: %zu; lights that have one: %zu",
+               materials, lights);
+    plan->channels = decision->simulated ? 3 : 1;
+    if (!decision->simulated && orl_survey_count(survey, has_coloured_bsdf) > 0) {
+        /* Data cannot be bleached. */
+        decision->simulated = true;
+        plan->channels = 3;
+        return;
+    }
+    if (!decision->simulated && materials + lights > 0) {
+        bleach(world);
+        world->omit.bleached = true;
+    }
+    world->omit.channels = plan->channels;
+}

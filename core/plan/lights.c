@@ -1,0 +1,79 @@
+/* Suns, skies and lamps: whether there are any, and what they can give at most. */
+#include "plan/decide.h"
+
+enum { SUN_RAYS_A_SENSOR = 128, SUN_RAYS_A_PIXEL = 8 };
+
+static double shadow_rays_s(const struct orl_survey *survey, size_t lights)
+{
+    const double places =
+        SUN_RAYS_A_SENSOR * (double)survey->request->n_sensors + SUN_RAYS_A_PIXEL * survey->pixels;
+    return places * (double)lights * survey->ray_s;
+}
+
+/*
+ * A sun counts by its own irradiance and what surfaces reflect of it; only one that is too dim to
+ * matter however it is focused, pi L, goes by itself.
+ */
+static void decide_sun(struct orl_survey *survey, struct orl_plan *plan)
+{
+    struct orl_world *world = survey->world;
+    double focused = 0;
+    for (size_t i = 0; i < world->n_suns; i++)
+        focused += ORL_EFFICACY_LM_PER_W * ORL_PI * orl_luma(world->suns[i].radiance);
+    const struct orl_finding finding = {
+        .needed = focused > survey->tolerance_lx,
+        .unit = ORL_BOUND_LX,
+        .bound = fmin(survey->sun_lx + orl_survey_reflected_lx(survey, survey->sun_lx), focused),
+        .saved_s = shadow_rays_s(survey, world->n_suns)};
+    if (!orl_settle(&plan->effects[ORL_EFFECT_SUN], &finding,
+                    world->n_suns == 0
+                        ? "there are %zu suns"
+                        : "suns: %zu; a plane that faces them gets %.4g lx where nothing focuses",
+                    world->n_suns, survey->sun_lx))
+        world->n_suns = 0;
+}
+
+static void decide_sky(struct orl_survey *survey, struct orl_plan *plan)
+{
+    struct orl_world *world = survey->world;
+    const struct orl_finding finding = {.needed = survey->sky_lx > survey->tolerance_lx,
+                                        .unit = ORL_BOUND_LX,
+                                        .bound = survey->sky_lx,
+                                        .saved_s = survey->sensor_rays * survey->ray_s / 3};
+    if (!orl_settle(&plan->effects[ORL_EFFECT_SKY], &finding,
+                    "skies and other wide lights: %zu; the brightest direction of them all round "
+                    "would give %.4g lx",
+                    world->n_domes, survey->sky_lx))
+        world->n_domes = 0;
+}
+
+/* Lamps left out are black, so that rays which meet them see that too. */
+static void put_out_lamps(struct orl_world *world)
+{
+    for (size_t i = 0; i < world->n_emitters; i++) {
+        const uint32_t material = world->geometry->facets[world->emitters[i].facet].material;
+        world->description.materials[material].color = orl_gray(0);
+    }
+    world->n_emitters = 0;
+}
+
+static void decide_lamps(struct orl_survey *survey, struct orl_plan *plan)
+{
+    struct orl_world *world = survey->world;
+    const struct orl_finding finding = {.needed = survey->lamp_lx > survey->tolerance_lx,
+                                        .unit = ORL_BOUND_LX,
+                                        .bound = survey->lamp_lx,
+                                        .saved_s = shadow_rays_s(survey, world->n_emitters)};
+    if (!orl_settle(&plan->effects[ORL_EFFECT_LAMPS], &finding,
+                    "shining surfaces: %zu; right before the brightest it is %.4g lx",
+                    world->n_emitters, survey->lamp_lx))
+        put_out_lamps(world);
+}
+
+void orl_decide_lights(struct orl_survey *survey, struct orl_plan *plan)
+{
+    decide_sun(survey, plan);
+    decide_sky(survey, plan);
+    decide_lamps(survey, plan);
+    orl_survey_measure(survey);
+}

@@ -1,0 +1,173 @@
+#include "plan/survey.h"
+
+#include <stdlib.h>
+
+#include "base/random.h"
+#include "light/sky.h"
+#include "render/view.h"
+
+enum { SKY_ROWS = 64, SKY_COLUMNS = 128, TIMED_RAYS = 2048, MOST_SENSORS_LOOKED_AT = 4096 };
+static const double most_tolerance_lx = 0.01, tolerance_of_all = 1e-6;
+static const double sky_margin = 1.1;  /* the peak of a sky lies between its samples */
+static const double shading_share = 1; /* of a ray's time, beside it */
+enum { RAYS_A_SAMPLE = 3 };
+
+double orl_survey_dome_peak(const struct orl_dome *dome)
+{
+    double most = 0;
+    if (!dome->sky)
+        return orl_luma(dome->radiance);
+    for (int row = 0; row < SKY_ROWS; row++) {
+        for (int column = 0; column < SKY_COLUMNS; column++) {
+            const double z = 2 * (row + 0.5) / SKY_ROWS - 1, s = sqrt(1 - z * z);
+            const double phi = 2 * ORL_PI * (column + 0.5) / SKY_COLUMNS;
+            const struct orl_vec3 d = orl_v3(s * cos(phi), s * sin(phi), z);
+            if (orl_dot(d, dome->direction) >= dome->cos_half_angle)
+                most = fmax(most, orl_sky_brightness(dome->sky, d));
+        }
+    }
+    return sky_margin * most * orl_luma(dome->radiance);
+}
+
+double orl_survey_reflected_lx(const struct orl_survey *survey, double direct_lx)
+{
+    const double rho = fmin(survey->rho, 1 - 1e-6);
+    return direct_lx * rho / (1 - rho);
+}
+
+/* Diffuse and glossy, at normal incidence: what walls and panels send back into the room. */
+static double reflectance(const struct orl_material *m)
+{
+    const enum orl_lobes back = (enum orl_lobes)(ORL_LOBE_DIFFUSE | ORL_LOBE_REFLECTED);
+    double most = 0;
+    if (!(orl_rgb_max(orl_material_diffuse(m)) > 0) && !orl_material_has_lobes(m))
+        return 0;
+    for (int side = 0; side < 2; side++) {
+        const struct orl_hit hit = {.normal = {0, 0, 1}, .front = side == 0};
+        const struct orl_vec3 from = orl_v3(0, 0, side == 0 ? 1 : -1);
+        most = fmax(most, orl_rgb_max(orl_material_albedo(m, &hit, from, back)));
+    }
+    return fmin(most, 1);
+}
+
+void orl_survey_measure(struct orl_survey *survey)
+{
+    const struct orl_world *world = survey->world;
+    double sun = 0, sky = 0, lamp = 0;
+    for (size_t i = 0; i < world->n_suns; i++)
+        sun += orl_luma(world->suns[i].irradiance);
+    for (size_t i = 0; i < world->n_domes; i++)
+        sky += ORL_PI * orl_survey_dome_peak(&world->domes[i]);
+    for (size_t i = 0; i < world->n_emitters; i++)
+        lamp = fmax(lamp, ORL_PI * orl_luma(world->emitters[i].radiance));
+    survey->sun_lx = ORL_EFFICACY_LM_PER_W * sun;
+    survey->sky_lx = ORL_EFFICACY_LM_PER_W * sky;
+    survey->lamp_lx = ORL_EFFICACY_LM_PER_W * lamp;
+    survey->rho = survey->rho_diffuse = 0;
+    for (size_t i = 0; i < world->description.n_materials; i++) {
+        const struct orl_material *m = &world->description.materials[i];
+        if (survey->surfaces[i] == 0)
+            continue;
+        survey->rho = fmax(survey->rho, reflectance(m));
+        survey->rho_diffuse = fmax(survey->rho_diffuse, orl_rgb_max(orl_material_diffuse(m)));
+    }
+}
+
+/* Facets of the scene that light meets, and of that which views see. */
+static void count_surfaces(struct orl_survey *survey)
+{
+    const struct orl_world *world = survey->world;
+    const struct orl_world *seen = world->seen ? world->seen : world;
+    for (size_t i = 0; i < world->geometry->n_facets; i++) {
+        const struct orl_facet *light = &world->geometry->facets[i];
+        const struct orl_facet *view = &seen->geometry->facets[i];
+        if (light->area > 0 || view->area > 0)
+            survey->surfaces[light->material]++;
+    }
+    for (size_t i = 0; i < world->description.n_materials; i++) {
+        const int32_t behind = world->description.materials[i].seen_as;
+        if (survey->surfaces[i] > 0 && behind >= 0 && survey->surfaces[behind] == 0)
+            survey->surfaces[behind] = survey->surfaces[i];
+    }
+}
+
+/* Rays all over the box of the scene; the time is for estimates alone. */
+static double time_rays(const struct orl_survey *survey)
+{
+    const struct orl_plan_request *request = survey->request;
+    const struct orl_geometry *g = survey->world->geometry;
+    struct orl_random random = orl_random_stream(3, ORL_PURPOSE_PILOT, 0);
+    const double started = request->now_s ? request->now_s(request->ctx) : 0;
+    for (int i = 0; i < TIMED_RAYS; i++) {
+        struct orl_hit hit;
+        const double x = orl_random_uniform(&random), y = orl_random_uniform(&random);
+        const struct orl_vec3 from =
+            orl_v3(g->low.x + x * (g->high.x - g->low.x), g->low.y + y * (g->high.y - g->low.y),
+                   g->low.z + orl_random_uniform(&random) * (g->high.z - g->low.z));
+        const double z = 2 * orl_random_uniform(&random) - 1, s = sqrt(fmax(0, 1 - z * z));
+        const double phi = 2 * ORL_PI * orl_random_uniform(&random);
+        orl_geometry_intersect(g, from, orl_v3(s * cos(phi), s * sin(phi), z), INFINITY, &hit);
+    }
+    const double ended = request->now_s ? request->now_s(request->ctx) : 0;
+    return (1 + shading_share) * fmax(ended - started, 0) / TIMED_RAYS;
+}
+
+int orl_survey_init(struct orl_survey *survey, const struct orl_plan_request *request,
+                    struct orl_world *world)
+{
+    const struct orl_job *job = request->job;
+    const size_t n = world->description.n_materials + 1;
+    const uint32_t samples =
+        job->gather_samples ? job->gather_samples : (uint32_t)ORL_DEFAULT_GATHER_SAMPLES;
+    *survey = (struct orl_survey){.request = request, .world = world};
+    survey->surfaces = calloc(n, sizeof *survey->surfaces);
+    if (!survey->surfaces)
+        return ORL_ERR_NOMEM;
+    count_surfaces(survey);
+    orl_survey_measure(survey);
+    const double all = survey->sun_lx + survey->sky_lx + survey->lamp_lx;
+    survey->tolerance_lx = fmin(most_tolerance_lx, tolerance_of_all * all);
+    survey->ray_s = time_rays(survey);
+    survey->sensor_rays = RAYS_A_SAMPLE * (double)request->n_sensors * samples;
+    for (size_t i = 0; i < job->n_views; i++)
+        survey->pixels += (double)job->views[i].width * job->views[i].height;
+    return 0;
+}
+
+void orl_survey_done(struct orl_survey *survey)
+{
+    free(survey->surfaces);
+}
+
+size_t orl_survey_count(const struct orl_survey *survey,
+                        bool (*is)(const struct orl_material *material))
+{
+    size_t n = 0;
+    for (size_t i = 0; i < survey->world->description.n_materials; i++)
+        if (survey->surfaces[i] > 0 && is(&survey->world->description.materials[i]))
+            n += survey->surfaces[i];
+    return n;
+}
+
+bool orl_survey_asks_outside(const struct orl_survey *survey)
+{
+    const struct orl_plan_request *request = survey->request;
+    const struct orl_world *world = survey->world;
+    const struct orl_job *job = request->job;
+    const double clear = world->geometry->radius * 0x1p-18; /* as sensors are read */
+    if (world->open || request->n_sensors > MOST_SENSORS_LOOKED_AT)
+        return true;
+    for (size_t i = 0; i < request->n_sensors; i++) {
+        const struct orl_sensor *s = &request->sensors[i];
+        const struct orl_vec3 at = orl_sub(s->position, world->geometry->center);
+        if (orl_world_is_outside(world, orl_madd(at, orl_normalize(s->direction), clear)))
+            return true;
+    }
+    for (size_t i = 0; i < job->n_views; i++) {
+        struct orl_view view;
+        if (orl_view_parse(job->views[i].view, &view, NULL) < 0 || view.type == 'l' ||
+            orl_world_is_outside(world, orl_sub(view.point, world->geometry->center)))
+            return true;
+    }
+    return false;
+}

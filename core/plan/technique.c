@@ -1,0 +1,154 @@
+/* Which technique, how deep light is followed, and by how many photons. */
+#include <stdio.h>
+
+#include "plan/decide.h"
+
+/* Virtual lamps are as good as samples connect to them: more would be of no use to sensors. */
+enum { LAMPS = 300000, DEEPEST = 1000 };
+/* Two mirrors of less than this send on less than half a per cent of a sun. */
+static const double strong_mirror = 0.07;
+
+/* ---- Technique ------------------------------------------------------------------------------- */
+
+/*
+ * Paths from a sensor find suns by shadow rays, also in flat mirrors and behind BSDFs; but a sun by
+ * way of something curved, of a lens or of two mirrors only by chance.
+ */
+static bool is_noise_to_paths(const struct orl_world *world, const struct orl_lit *lit)
+{
+    const struct orl_lit_class *flat = &lit->classes[ORL_LIT_FLAT];
+    return lit->classes[ORL_LIT_CURVED].lit ||
+           (flat->lit && flat->share > strong_mirror && world->n_mirrors > 1);
+}
+
+static enum orl_technique choose(const struct orl_survey *survey, const struct orl_lit *lit,
+                                 char ret_why[ORL_WHY_MAX])
+{
+    const struct orl_job *job = survey->request->job;
+    const enum orl_wish gather = job->wishes[ORL_EFFECT_FINAL_GATHER];
+    if (job->technique != ORL_TECHNIQUE_AUTO &&
+        !(job->technique == ORL_TECHNIQUE_GATHER && gather == ORL_WISH_SKIP)) {
+        snprintf(ret_why, ORL_WHY_MAX, "as the job asks");
+        return job->technique;
+    }
+    if (gather == ORL_WISH_FORCE) {
+        snprintf(ret_why, ORL_WHY_MAX, "the job asks for a final gather");
+        return ORL_TECHNIQUE_GATHER;
+    }
+    if (gather == ORL_WISH_SKIP && (job->n_views > 0 || job->technique == ORL_TECHNIQUE_GATHER)) {
+        snprintf(ret_why, ORL_WHY_MAX, "the job leaves out the final gather");
+        return ORL_TECHNIQUE_DIRECT;
+    }
+    if (job->n_views > 0 || survey->request->n_sensors == 0) {
+        snprintf(ret_why, ORL_WHY_MAX,
+                 "%zu views: an image is smooth soonest by a final gather to a photon map",
+                 job->n_views);
+        return ORL_TECHNIQUE_GATHER;
+    }
+    if (is_noise_to_paths(survey->world, lit)) {
+        snprintf(ret_why, ORL_WHY_MAX,
+                 "%zu mirrors or lenses that paths from the %zu sensors would find by chance "
+                 "only: photons find them",
+                 lit->classes[ORL_LIT_CURVED].facets + lit->classes[ORL_LIT_FLAT].facets,
+                 survey->request->n_sensors);
+        return ORL_TECHNIQUE_GATHER;
+    }
+    snprintf(ret_why, ORL_WHY_MAX,
+             "%zu sensors and no view: paths are exact on average, and need no map",
+             survey->request->n_sensors);
+    return ORL_TECHNIQUE_BACKWARD;
+}
+
+static void decide_gather(const struct orl_survey *survey, struct orl_plan *plan)
+{
+    struct orl_decision *decision = &plan->effects[ORL_EFFECT_FINAL_GATHER];
+    const bool gathers =
+        plan->technique == ORL_TECHNIQUE_GATHER || plan->technique == ORL_TECHNIQUE_PRECOMPUTED;
+    const struct orl_finding finding = {.needed = gathers, .unit = ORL_BOUND_NONE};
+    orl_settle(decision, &finding, "technique %s, for %zu sensors and %zu views",
+               orl_technique_name(plan->technique), survey->request->n_sensors,
+               survey->request->job->n_views);
+    decision->simulated = gathers;
+}
+
+/* ---- Interreflection ------------------------------------------------------------------------- */
+
+/* After how many reflections less than the tolerance is left, of light that nothing focuses. */
+static uint32_t depth(const struct orl_survey *survey, const struct orl_lit *lit)
+{
+    const double rho = survey->rho_diffuse;
+    double left =
+        survey->sun_lx * (1 + (double)survey->world->n_mirrors) + survey->sky_lx + survey->lamp_lx;
+    if (lit->classes[ORL_LIT_CURVED].lit || lit->classes[ORL_LIT_LOBE].lit || rho >= 1)
+        return ORL_ALL_REFLECTIONS;
+    left *= rho / (1 - rho);
+    for (uint32_t n = 0; n < DEEPEST; n++, left *= rho)
+        if (left <= survey->tolerance_lx)
+            return n;
+    return ORL_ALL_REFLECTIONS;
+}
+
+static void decide_interreflection(struct orl_survey *survey, const struct orl_lit *lit,
+                                   struct orl_plan *plan)
+{
+    struct orl_decision *decision = &plan->effects[ORL_EFFECT_INTERREFLECTION];
+    const double direct = survey->sun_lx + survey->sky_lx + survey->lamp_lx;
+    const double rho = fmin(survey->rho_diffuse, 1 - 1e-6);
+    const uint32_t n = depth(survey, lit);
+    const struct orl_finding finding = {.needed = n > 0,
+                                        .unit = ORL_BOUND_LX,
+                                        .bound = direct * rho / (1 - rho),
+                                        .saved_s = 3 * (double)ORL_DEFAULT_PHOTONS * survey->ray_s};
+    if (n < ORL_ALL_REFLECTIONS)
+        orl_settle(decision, &finding,
+                   "the brightest diffuse surface reflects %.4g %%: after %u reflections there is "
+                   "less than %.2g lx to come",
+                   100 * survey->rho_diffuse, n, survey->tolerance_lx);
+    else
+        orl_settle(decision, &finding, "the brightest diffuse surface reflects %.4g %%",
+                   100 * survey->rho_diffuse);
+    plan->most_reflections = !decision->simulated               ? 0
+                             : decision->wish == ORL_WISH_FORCE ? ORL_ALL_REFLECTIONS
+                                                                : n;
+}
+
+/* Of a surface that the map itself shows, the light that comes to it counts, not what it sends. */
+static uint32_t reflections_of_photons(const struct orl_plan *plan)
+{
+    const bool itself = plan->technique == ORL_TECHNIQUE_DIRECT;
+    return plan->most_reflections < ORL_ALL_REFLECTIONS ? plan->most_reflections + itself
+                                                        : ORL_ALL_REFLECTIONS;
+}
+
+static uint64_t global_photons(const struct orl_survey *survey, const struct orl_plan *plan)
+{
+    const uint64_t asked = survey->request->job->photons_global;
+    if (survey->world->omit.most_reflections == 0)
+        return 0;
+    if (asked != ORL_PHOTONS_BY_PLAN)
+        return asked;
+    return plan->technique == ORL_TECHNIQUE_BACKWARD ? LAMPS : ORL_DEFAULT_PHOTONS;
+}
+
+void orl_decide_technique(struct orl_survey *survey, const struct orl_lit *lit,
+                          struct orl_plan *plan)
+{
+    plan->technique = choose(survey, lit, plan->technique_why);
+    decide_gather(survey, plan);
+    decide_interreflection(survey, lit, plan);
+    survey->world->omit.most_reflections = reflections_of_photons(plan);
+    plan->photons_global = global_photons(survey, plan);
+}
+
+/* ---- What jobs may ask for ------------------------------------------------------------------- */
+
+void orl_decide_requests(struct orl_survey *survey, struct orl_plan *plan)
+{
+    const struct orl_finding nothing = {.needed = false, .unit = ORL_BOUND_NONE};
+    struct orl_decision *glare = &plan->effects[ORL_EFFECT_GLARE];
+    struct orl_decision *bins = &plan->effects[ORL_EFFECT_BINS];
+    orl_settle(glare, &nothing, "0 of %zu views ask for a glare metric",
+               survey->request->job->n_views);
+    orl_settle(bins, &nothing, "the job is for 1 moment, not for a year: light is not told apart");
+    glare->simulated = bins->simulated = false;
+}

@@ -1,0 +1,211 @@
+/* What windows have to do with it: surfaces outside, which ports send light, which suns reach in.
+ */
+#include <stdlib.h>
+
+#include "base/random.h"
+#include "light/exterior.h"
+#include "plan/beyond.h"
+#include "plan/decide.h"
+#include "scene/hemisphere.h"
+
+enum { REACH_PATHS = 2048, REACH_BOUNCES = 8, PILOT_PATHS = 2048 };
+
+/* Half the disc: a sun in a pane's plane still has part of it in front. */
+static bool sun_faces(const struct orl_sun *sun, struct orl_vec3 outward)
+{
+    const double half = sqrt(fmax(0, 1 - sun->cos_half_angle * sun->cos_half_angle));
+    return orl_dot(sun->frame.n, outward) >= -half;
+}
+
+/* ---- Exterior -------------------------------------------------------------------------------- */
+
+/* Share of the light that looks out of ports find, by way of surfaces outside. */
+static double share_reflected(const struct orl_survey *survey)
+{
+    struct orl_world straight = *survey->world;
+    const struct orl_world *world = survey->world;
+    double all = 0, direct = 0;
+    straight.omit.exterior = true;
+    for (uint32_t i = 0; i < PILOT_PATHS && world->n_ports > 0; i++) {
+        const struct orl_port *port = &world->ports[i % world->n_ports];
+        struct orl_random random = orl_random_stream(4, ORL_PURPOSE_PILOT, i), same;
+        struct orl_health ignored = {0};
+        struct orl_vec3 point, normal;
+        const double u[2] = {orl_random_uniform(&random), orl_random_uniform(&random)};
+        const double a = orl_random_uniform(&random), b = orl_random_uniform(&random);
+        const struct orl_vec3 out = orl_hemisphere_about(port->outward, a, b);
+        orl_facet_sample(world->geometry, port->facet, u, &point, &normal);
+        point = orl_facet_leave(world->geometry, port->facet, point, normal, port->outward);
+        same = random;
+        all += port->area *
+               orl_luma(orl_exterior_radiance(world, point, out, false, &random, &ignored));
+        direct += port->area *
+                  orl_luma(orl_exterior_radiance(&straight, point, out, false, &same, &ignored));
+    }
+    return all > 0 ? fmax(0, 1 - direct / all) : 0;
+}
+
+static void decide_exterior(struct orl_survey *survey, struct orl_plan *plan)
+{
+    struct orl_world *world = survey->world;
+    struct orl_decision *decision = &plan->effects[ORL_EFFECT_EXTERIOR];
+    const bool looks = decision->wish != ORL_WISH_FORCE && world->n_ports > 0;
+    const double rho =
+        looks && survey->n_clear < world->n_ports ? orl_beyond_reflectance(world) : 0;
+    const double direct = survey->sun_lx + survey->sky_lx + survey->lamp_lx;
+    struct orl_finding finding = {
+        .needed = world->n_ports > 0 && rho > 0,
+        .unit = ORL_BOUND_LX,
+        .bound = rho > 0 ? rho * (direct + orl_survey_reflected_lx(survey, direct)) : 0,
+        .saved_s = (double)plan->photons_global * survey->ray_s};
+    if (world->n_ports == 0) {
+        orl_settle(decision, &finding,
+                   "there are %zu windows to look out of: what stands outside is lit as all else",
+                   world->n_ports);
+        return;
+    }
+    if (world->open)
+        finding.needed = true;
+    if (!looks)
+        orl_settle(decision, &finding, "whatever stands before the %zu windows is followed",
+                   world->n_ports);
+    else if (rho > 0)
+        orl_settle(decision, &finding,
+                   "surfaces reach beyond %zu of %zu windows and reflect up to %.3g %%; of the "
+                   "light of the sky, %.2g %% comes in by way of them",
+                   world->n_ports - survey->n_clear, world->n_ports, 100 * rho,
+                   100 * share_reflected(survey));
+    else
+        orl_settle(decision, &finding,
+                   "no surface that reflects reaches beyond the plane of any of the %zu windows",
+                   world->n_ports);
+    if (!decision->simulated)
+        world->omit.exterior = survey->n_clear < world->n_ports;
+}
+
+/* ---- Ports ----------------------------------------------------------------------------------- */
+
+/* With nothing beyond its plane a port gets light from domes and suns in front of it, or none. */
+static bool is_silent(const struct orl_world *world, const struct orl_port *port)
+{
+    if (!port->clear)
+        return false;
+    for (size_t i = 0; i < world->n_suns; i++)
+        if (sun_faces(&world->suns[i], port->outward))
+            return false;
+    for (size_t i = 0; i < world->n_domes; i++) {
+        const struct orl_dome *dome = &world->domes[i];
+        const double sine = sqrt(fmax(0, 1 - dome->cos_half_angle * dome->cos_half_angle));
+        if (dome->cos_half_angle < 0 || orl_dot(dome->direction, port->outward) > -sine)
+            return false;
+    }
+    return true;
+}
+
+static void decide_ports(struct orl_survey *survey, struct orl_plan *plan)
+{
+    struct orl_world *world = survey->world;
+    size_t silent = 0;
+    for (size_t i = 0; i < world->n_ports; i++)
+        silent += is_silent(world, &world->ports[i]);
+    const struct orl_finding finding = {
+        .needed = silent < world->n_ports,
+        .unit = ORL_BOUND_LX,
+        .bound = silent < world->n_ports ? survey->sun_lx + survey->sky_lx : 0};
+    const bool all = plan->effects[ORL_EFFECT_PORTS].wish == ORL_WISH_FORCE;
+    const bool some = orl_settle(&plan->effects[ORL_EFFECT_PORTS], &finding,
+                                 "%zu of %zu windows face a sky, a sun, or surfaces outside",
+                                 world->n_ports - silent, world->n_ports);
+    for (size_t i = 0; i < world->n_ports; i++)
+        world->ports[i].silent = !some || (!all && is_silent(world, &world->ports[i]));
+}
+
+/* ---- Suns ------------------------------------------------------------------------------------ */
+
+/* Rays from inside that look for the sun through holes too small to make the building open. */
+static bool sun_found_inside(const struct orl_world *world, struct orl_vec3 sun)
+{
+    const struct orl_geometry *g = world->geometry;
+    for (uint32_t path = 0; path < REACH_PATHS; path++) {
+        const struct orl_port *port = &world->ports[path % world->n_ports];
+        struct orl_random random = orl_random_stream(5, ORL_PURPOSE_PILOT, path);
+        const double u[2] = {orl_random_uniform(&random), orl_random_uniform(&random)};
+        struct orl_vec3 point, normal = orl_neg(port->outward), ignored;
+        orl_facet_sample(g, port->facet, u, &point, &ignored);
+        point = orl_facet_leave(g, port->facet, point, g->facets[port->facet].normal, normal);
+        for (int bounce = 0; bounce < REACH_BOUNCES; bounce++) {
+            struct orl_hit hit;
+            const double a = orl_random_uniform(&random), b = orl_random_uniform(&random);
+            const struct orl_vec3 d = orl_hemisphere_about(normal, a, b);
+            if (!orl_geometry_intersect(g, point, d, INFINITY, &hit))
+                break;
+            normal = hit.front ? hit.normal : orl_neg(hit.normal);
+            point = orl_hit_leave(g, &hit, normal);
+            if (orl_rgb_max(orl_transmittance(world, point, sun, INFINITY, true)) > 0)
+                return true;
+        }
+    }
+    return false;
+}
+
+/*
+ * A sun behind the planes of all windows, with nothing outside to send its light in: only the
+ * outside is lit by it, and nobody asks for that.
+ */
+static bool can_reach(const struct orl_survey *survey, const struct orl_sun *sun)
+{
+    const struct orl_world *world = survey->world;
+    if (!(orl_rgb_max(sun->irradiance) > 0))
+        return false;
+    if (world->n_ports == 0 || world->open || survey->n_clear < world->n_ports)
+        return true;
+    for (size_t i = 0; i < world->n_ports; i++)
+        if (sun_faces(sun, world->ports[i].outward))
+            return true;
+    return orl_survey_asks_outside(survey) || sun_found_inside(world, sun->frame.n);
+}
+
+static void decide_suns(struct orl_survey *survey, struct orl_plan *plan)
+{
+    struct orl_world *world = survey->world;
+    struct orl_decision *decision = &plan->effects[ORL_EFFECT_SUNS];
+    struct orl_decision *sun = &plan->effects[ORL_EFFECT_SUN];
+    const bool forced = decision->wish == ORL_WISH_FORCE || sun->wish == ORL_WISH_FORCE;
+    const size_t all = world->n_suns;
+    size_t kept = 0;
+    for (size_t i = 0; i < all; i++)
+        if (forced || (decision->wish == ORL_WISH_AUTO && can_reach(survey, &world->suns[i])))
+            world->suns[kept++] = world->suns[i];
+    const struct orl_finding finding = {
+        .needed = kept > 0,
+        .unit = ORL_BOUND_LX,
+        .bound = decision->wish == ORL_WISH_SKIP || kept == all ? survey->sun_lx : 0,
+        .saved_s = (double)(all - kept) * survey->sensor_rays * survey->ray_s / 3};
+    world->n_suns = kept;
+    orl_settle(decision, &finding,
+               "%zu of %zu suns are in front of a window, or may be seen from where light is "
+               "asked for",
+               kept, all);
+    if (kept == 0 && all > 0 && sun->wish == ORL_WISH_AUTO)
+        orl_settle(sun, &finding,
+                   "none of the %zu suns is in front of a window, and nothing stands outside to "
+                   "reflect them",
+                   all);
+}
+
+void orl_decide_windows(struct orl_survey *survey, struct orl_plan *plan)
+{
+    struct orl_world *world = survey->world;
+    bool *clear = calloc(world->n_ports + 1, sizeof *clear);
+    if (clear && plan->effects[ORL_EFFECT_EXTERIOR].wish != ORL_WISH_FORCE)
+        orl_beyond_look(world, clear);
+    for (size_t i = 0; clear && i < world->n_ports; i++) {
+        world->ports[i].clear = clear[i];
+        survey->n_clear += clear[i];
+    }
+    free(clear);
+    decide_exterior(survey, plan);
+    decide_suns(survey, plan);
+    decide_ports(survey, plan);
+    orl_survey_measure(survey);
+}
