@@ -113,16 +113,36 @@ static void test_the_table_has_every_effect(void **state)
     }
 }
 
+static void assert_narrow(char *text)
+{
+    char *rest;
+
+    for (char *line = strtok_r(text, "\n", &rest); line; line = strtok_r(NULL, "\n", &rest))
+        if (strlen(line) > 100)
+            fail_msg("%zu columns: %s", strlen(line), line);
+}
+
+/* Tables and warnings are wrapped, and words that fit no line are cut. */
 static void test_no_line_is_too_long(void **state)
 {
     struct fixture *f = *state;
-    char *line, *rest;
+    char name[128], job[512], scene[1024];
 
+    memset(name, 'n', 120);
+    strcpy(name + 120, ".rad");
+    snprintf(scene, sizeof scene, "%svoid dielectric prism\n0\n0\n5 0.9 0.9 0.9 1.5 0.1\n",
+             scene_text);
+    snprintf(job, sizeof job,
+             "{\"scene\": {\"files\": [\"%s\"]}, \"sensors\": [[1, 1, 1, 0, 0, 1]]}", name);
+    cli_write_file(f->folder, name, scene);
+    cli_write_file(f->folder, "job.json", job);
     plan(f, NULL);
     assert_int_equal(f->result.exit_code, 0);
-    for (line = strtok_r(f->result.out, "\n", &rest); line; line = strtok_r(NULL, "\n", &rest))
-        if (strlen(line) > 100)
-            fail_msg("%zu columns: %s", strlen(line), line);
+    assert_int_equal(strncmp(f->result.err, "warning: dielectric prism at", 28), 0);
+    assert_non_null(strstr(f->result.err, "nnn\n         nnn"));
+    assert_non_null(strstr(f->result.err, "not simulated\n"));
+    assert_narrow(f->result.out);
+    assert_narrow(f->result.err);
 }
 
 /* The row of an effect in the table, up to its end. */
