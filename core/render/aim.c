@@ -1,33 +1,91 @@
 #include "render/aim.h"
 
+#include <stdlib.h>
+
 #include "scene/hemisphere.h"
 
-static void add_beams(struct orl_aim *aim, const struct orl_port *port)
+/* The beam of a sun in a kind of pane, new where there is none yet; or none. */
+static bool find_beam(struct orl_aim *aim, const struct orl_sobol *sobol, uint32_t facet,
+                      struct orl_vec3 sun, uint32_t *ret_index)
+{
+    const struct orl_facet *f = &aim->world->geometry->facets[facet];
+    const struct orl_material *m = &aim->world->description.materials[f->material];
+    uint32_t i = 0;
+    for (; i < aim->n_beams; i++) {
+        const struct orl_beam *beam = &aim->beams[i];
+        if (beam->material == m && orl_dot(beam->normal, f->normal) > 1 - 1e-9 &&
+            orl_dot(beam->sun, sun) > 1 - 1e-12)
+            break;
+    }
+    *ret_index = i;
+    if (i == ORL_MOST_BEAMS)
+        return false;
+    if (i == aim->n_beams) {
+        aim->beams[i] = (struct orl_beam){.material = m, .normal = f->normal, .sun = sun};
+        orl_beam_init(&aim->beams[i], sobol, facet);
+        aim->n_beams++;
+    }
+    return true;
+}
+
+static void add_shafts(struct orl_aim *aim, const struct orl_sobol *sobol,
+                       const struct orl_port *port)
 {
     const struct orl_world *world = aim->world;
     const struct orl_facet *facet = &world->geometry->facets[port->facet];
-    const struct orl_material *m = &world->description.materials[facet->material];
-    if (!orl_material_transmits_lobes(m))
+    const bool flat = facet->kind == ORL_SURFACE_POLYGON || facet->kind == ORL_SURFACE_RING;
+    uint32_t beam;
+    if (!flat || !orl_material_transmits_lobes(&world->description.materials[facet->material]))
         return;
-    for (uint32_t i = 0; i < aim->n_beams; i++)
-        if (aim->beams[i].material == m && orl_dot(aim->beams[i].normal, facet->normal) > 1 - 1e-9)
-            return;
-    for (size_t s = 0; s < world->n_suns && aim->n_beams < ORL_MOST_BEAMS; s++)
-        if (orl_dot(world->suns[s].frame.n, port->outward) > 0)
-            aim->beams[aim->n_beams++] =
-                (struct orl_beam){m, facet->normal, world->suns[s].frame.n, port->facet};
+    for (size_t s = 0; s < world->n_suns; s++)
+        if (orl_dot(world->suns[s].frame.n, port->outward) > 0 &&
+            find_beam(aim, sobol, port->facet, world->suns[s].frame.n, &beam))
+            aim->shafts[aim->n_shafts++] =
+                orl_shaft_of(world->geometry, &aim->beams[beam], beam, port->facet);
 }
 
-void orl_aim_init(struct orl_aim *aim, const struct orl_world *world)
+int orl_aim_init(struct orl_aim *aim, const struct orl_world *world, const struct orl_sobol *sobol)
 {
-    *aim = (struct orl_aim){.world = world, .by_cosine = 1};
-    for (size_t i = 0; i < world->n_ports; i++)
-        add_beams(aim, &world->ports[i]);
-    if (world->n_ports > 0)
-        aim->at_ports = 0.4;
-    if (aim->n_beams > 0)
-        aim->along_beams = 0.2;
-    aim->by_cosine -= aim->at_ports + aim->along_beams;
+    *aim = (struct orl_aim){.world = world};
+    aim->first_shaft = calloc(world->n_ports + 1, sizeof *aim->first_shaft);
+    if (!aim->first_shaft)
+        return ORL_ERR_NOMEM;
+    bool lobes = false;
+    for (size_t i = 0; i < world->n_ports; i++) {
+        const uint32_t m = world->geometry->facets[world->ports[i].facet].material;
+        lobes = lobes || orl_material_transmits_lobes(&world->description.materials[m]);
+    }
+    if (!lobes || world->n_suns == 0)
+        return 0;
+    aim->cells = malloc(sizeof *aim->cells);
+    aim->beams = calloc(ORL_MOST_BEAMS, sizeof *aim->beams);
+    aim->shafts = calloc(world->n_ports * world->n_suns, sizeof *aim->shafts);
+    if (!aim->cells || !aim->beams || !aim->shafts)
+        return ORL_ERR_NOMEM;
+    orl_beam_cells_init(aim->cells);
+    for (size_t i = 0; i < world->n_ports; i++) {
+        add_shafts(aim, sobol, &world->ports[i]);
+        aim->first_shaft[i + 1] = aim->n_shafts;
+    }
+    return 0;
+}
+
+void orl_aim_done(struct orl_aim *aim)
+{
+    free(aim->first_shaft);
+    free(aim->cells);
+    free(aim->beams);
+    free(aim->shafts);
+    *aim = (struct orl_aim){.world = NULL};
+}
+
+struct orl_effort orl_aim_effort(const struct orl_aim *aim, struct orl_effort wanted)
+{
+    if (aim->world->n_ports == 0)
+        wanted.rays[ORL_WAY_PORT] = 0;
+    if (aim->n_shafts == 0)
+        wanted.rays[ORL_WAY_BEAM] = 0;
+    return wanted;
 }
 
 /* Density, per steradian, with which a ray is aimed at the port it meets. */
@@ -39,63 +97,49 @@ static double port_density(const struct orl_aim *aim, const struct orl_aimed *ai
            (cosine * facet->area * (double)aim->world->n_ports);
 }
 
-static bool is_of(const struct orl_aim *aim, const struct orl_beam *beam, const struct orl_hit *hit)
-{
-    return orl_world_material(aim->world, hit) == beam->material &&
-           orl_dot(beam->normal, hit->normal) > 1 - 1e-9;
-}
-
 /* The same for rays drawn along beams. */
-static double beam_density(const struct orl_aim *aim, const struct orl_aimed *aimed)
+static double beam_density(const struct orl_aim *aim, const struct orl_aimed *aimed,
+                           struct orl_vec3 point)
 {
+    const int32_t port = aim->world->port_of_facet[aimed->hit.facet];
     double sum = 0;
-    for (uint32_t i = 0; i < aim->n_beams; i++) {
-        const struct orl_beam *beam = &aim->beams[i];
-        if (is_of(aim, beam, &aimed->hit))
-            sum += orl_scatter_pdf(beam->material, &aimed->hit, beam->sun, ORL_TRANSPORT_LIGHT,
-                                   ORL_LOBE_TRANSMITTED, orl_neg(aimed->direction));
-    }
-    return aim->n_beams > 0 ? sum / aim->n_beams : 0;
+    for (uint32_t i = aim->first_shaft[port]; i < aim->first_shaft[port + 1]; i++)
+        sum += orl_shaft_density(&aim->shafts[i], &aim->beams[aim->shafts[i].beam], aim->cells,
+                                 point, aimed->direction);
+    return sum / aim->n_shafts;
 }
 
-/* Draws a direction; ret_beam and ret_facet say what the ray must first meet to count. */
-static bool draw(const struct orl_aim *aim, struct orl_vec3 point, struct orl_vec3 normal,
-                 const double u[3], struct orl_vec3 *ret_direction,
-                 const struct orl_beam **ret_beam, uint32_t *ret_facet)
+/* Draws a direction; ret_facet says what the ray must first meet to count, UINT32_MAX: anything. */
+static bool draw(const struct orl_aim *aim, enum orl_way way, struct orl_vec3 point,
+                 struct orl_vec3 normal, const double u[3], struct orl_vec3 *ret_direction,
+                 uint32_t *ret_facet)
 {
     const struct orl_world *world = aim->world;
-    double left = u[2] - aim->by_cosine;
-    *ret_beam = NULL;
-    *ret_facet = UINT32_MAX;
-    if (left < 0 || world->n_ports == 0) {
+    const size_t choices = way == ORL_WAY_PORT ? world->n_ports : aim->n_shafts;
+    const size_t choice = (size_t)(u[2] * (double)choices);
+    if (way == ORL_WAY_COSINE) {
+        *ret_facet = UINT32_MAX;
         *ret_direction = orl_hemisphere_about(normal, u[0], u[1]);
         return true;
     }
-    if (left < aim->at_ports || aim->n_beams == 0) {
-        const size_t i = (size_t)(fmin(left / aim->at_ports, 1 - 0x1p-53) * (double)world->n_ports);
+    if (way == ORL_WAY_PORT) {
         struct orl_vec3 there, ignored;
-        *ret_facet = world->ports[i].facet;
+        *ret_facet = world->ports[choice].facet;
         orl_facet_sample(world->geometry, *ret_facet, u, &there, &ignored);
         *ret_direction = orl_normalize(orl_sub(there, point));
         return true;
     }
-    left = fmin((left - aim->at_ports) / aim->along_beams, 1 - 0x1p-53) * aim->n_beams;
-    const struct orl_beam *beam = &aim->beams[(uint32_t)left];
-    const struct orl_hit pane = {.facet = beam->facet, .normal = beam->normal};
-    const double three[3] = {u[0], u[1], left - floor(left)};
-    const struct orl_scatter s = orl_scatter_sample_at(
-        beam->material, &pane, beam->sun, ORL_TRANSPORT_LIGHT, ORL_LOBE_TRANSMITTED, three);
-    *ret_beam = beam;
-    *ret_direction = orl_neg(s.direction);
-    return s.event == ORL_EVENT_GLOSSY;
+    const struct orl_shaft *shaft = &aim->shafts[choice];
+    *ret_facet = shaft->facet;
+    return orl_shaft_draw(shaft, &aim->beams[shaft->beam], aim->cells, point, u, ret_direction);
 }
 
-bool orl_aim_sample(const struct orl_aim *aim, struct orl_vec3 point, struct orl_vec3 normal,
-                    const double u[3], struct orl_aimed *ret_aimed)
+bool orl_aim_sample(const struct orl_aim *aim, const struct orl_effort *effort, enum orl_way way,
+                    struct orl_vec3 point, struct orl_vec3 normal, const double u[3],
+                    struct orl_aimed *ret_aimed)
 {
-    const struct orl_beam *beam;
     uint32_t facet;
-    if (!draw(aim, point, normal, u, &ret_aimed->direction, &beam, &facet))
+    if (!draw(aim, way, point, normal, u, &ret_aimed->direction, &facet))
         return false;
     const double cosine = orl_dot(ret_aimed->direction, normal);
     if (!(cosine > 0))
@@ -104,13 +148,13 @@ bool orl_aim_sample(const struct orl_aim *aim, struct orl_vec3 point, struct orl
                                             INFINITY, &ret_aimed->hit);
     const bool at_port =
         ret_aimed->met && aim->world->port_of_facet[ret_aimed->hit.facet] != ORL_NO_PORT;
-    if ((facet != UINT32_MAX && (!ret_aimed->met || ret_aimed->hit.facet != facet)) ||
-        (beam && (!at_port || !is_of(aim, beam, &ret_aimed->hit))))
+    if (facet != UINT32_MAX && (!ret_aimed->met || ret_aimed->hit.facet != facet))
         return false;
-    double density = aim->by_cosine * cosine / ORL_PI;
-    if (at_port)
-        density += aim->at_ports * port_density(aim, ret_aimed) +
-                   aim->along_beams * beam_density(aim, ret_aimed);
+    double density = effort->rays[ORL_WAY_COSINE] * cosine / ORL_PI;
+    if (at_port && effort->rays[ORL_WAY_PORT] > 0)
+        density += effort->rays[ORL_WAY_PORT] * port_density(aim, ret_aimed);
+    if (at_port && effort->rays[ORL_WAY_BEAM] > 0)
+        density += effort->rays[ORL_WAY_BEAM] * beam_density(aim, ret_aimed, point);
     ret_aimed->weight = cosine / density;
     return true;
 }

@@ -2,23 +2,27 @@
  * The backward technique (the paper's xxx): unbiased, no cache, no density estimate. Irradiance at
  * a place is the mean of samples, each of which adds up
  * - direct light: one shadow ray to every sun and lamp, and to the suns' images in flat mirrors;
- * - a ray, aimed (aim.h): what it sees of sky and glow, and of suns and lamps in the lobes of what
- *   it meets, panes of BSDF above all;
+ * - rays, aimed (aim.h): what they see of sky and glow, and of suns and lamps in the lobes of what
+ *   they meet, panes of BSDF above all;
  * - connections to a few virtual point lights (vpl.h): all diffuse surfaces.
  * Every path of light is in exactly one of the three.
  *
- * Samples fall into 16 groups, each with its own numbers and its own virtual lamps, of emissions
- * that are independent of the other groups'; their spread gives the standard error.
+ * Sensors: samples fall into 16 groups, each with its own numbers and its own virtual lamps, of
+ * emissions that are independent of the other groups'; their spread gives the standard error.
+ * Views: rays are followed both ways where they split (shade.h), and one sample is taken at every
+ * diffuse surface that they come to; branches of little weight are followed by lot.
  *
  * Suns by way of a curved mirror, of two mirrors or of a dielectric have no shadow rays: only a ray
  * that happens on the disc finds them. That is noise, not bias. Exterior paths are exterior.h's.
- * BSDFs with a thickness are met as light meets them.
+ * BSDFs with a thickness are met as light meets them, but by views' own rays, which see what they
+ * stand for.
  */
 #ifndef ORL_RENDER_BACKWARD_H
 #define ORL_RENDER_BACKWARD_H
 
 #include "base/sobol.h"
 #include "render/aim.h"
+#include "render/gather.h"
 #include "render/paint.h"
 #include "render/vpl.h"
 
@@ -26,6 +30,7 @@ struct orl_backward {
     const struct orl_world *world; /* borrowed */
     struct orl_vpls vpls;
     struct orl_aim aim;
+    struct orl_effort deep; /* rays at surfaces that a ray comes to */
     struct orl_sobol sobol;
     uint64_t seed;
 };
@@ -49,16 +54,33 @@ struct orl_estimate orl_backward_irradiance(const struct orl_backward *backward,
                                             uint32_t samples, uint64_t index,
                                             struct orl_health *health);
 
-/*
- * One estimate of the radiance seen from origin in a direction, suns and lamps seen straight
- * included; the virtual lamps are those of the group.
- */
-struct orl_rgb orl_backward_radiance(const struct orl_backward *backward, struct orl_vec3 origin,
-                                     struct orl_vec3 direction, bool outside, uint32_t group,
-                                     struct orl_random *random, struct orl_health *health);
-
-/* A view, of that many paths a pixel. Returns 0 or ORL_ERR_CANCELLED. */
+/* A view, of that many rays a pixel. Returns 0 or ORL_ERR_CANCELLED. */
 int orl_backward_render(const struct orl_backward *backward, const struct orl_painting *painting,
                         uint32_t samples, struct orl_error *err);
+
+/* ---- One sample ------------------------------------------------------------------------------ */
+
+/* What the paths of one sample share. */
+struct orl_tracer {
+    const struct orl_backward *backward;
+    uint32_t group; /* whose virtual lamps it is lit by */
+    struct orl_random random;
+    struct orl_health *health;
+};
+
+/* What a sample at a place is made of. Its first numbers are the points of even sequences. */
+struct orl_sampling {
+    uint32_t sequence, index;
+    struct orl_effort effort;
+    uint32_t lamps;
+};
+
+/* One estimate of the irradiance at a place. */
+struct orl_rgb orl_backward_light(struct orl_tracer *tracer, const struct orl_place *place,
+                                  const struct orl_sampling *sampling);
+
+/* One estimate of the radiance along a ray that a lobe sent: lamps and suns not seen straight. */
+struct orl_rgb orl_backward_radiance(struct orl_tracer *tracer, struct orl_vec3 origin,
+                                     struct orl_vec3 direction, bool outside);
 
 #endif

@@ -1,31 +1,82 @@
-/* Views by the backward technique: every pixel the mean of paths through it. */
+/* Views by the backward technique: every pixel the mean of a number of rays through it. */
 #include "render/backward.h"
+#include "render/shade.h"
+
+enum { LAMPS_A_RAY = 8, PANE_SAMPLES = 4, GLOSS_SAMPLES = 2 };
+static const struct orl_effort at_surfaces = {{1, 2, 1}};
+static const double dimmest = 0.1; /* branches below this share of a ray are followed by lot */
 
 struct painter {
     const struct orl_backward *backward;
     const struct orl_painting *painting;
+    struct orl_effort effort;
     uint32_t samples;
     bool outside;
 };
 
+/* A lobe's ray has its own numbers: those of the look go on with it. */
+static struct orl_rgb lobe_radiance(const void *ctx, struct orl_vec3 origin,
+                                    struct orl_vec3 direction, bool outside,
+                                    struct orl_random *random, struct orl_search *search)
+{
+    const uint64_t name = orl_random_bits(random);
+    struct orl_tracer tracer = {.backward = ctx,
+                                .group = (uint32_t)(name % ORL_MAP_BATCHES),
+                                .random = {name},
+                                .health = &search->health};
+    return orl_health_keep(&search->health,
+                           orl_backward_radiance(&tracer, origin, direction, outside));
+}
+
+/* The light of all diffuse surfaces that a ray came to. */
+static struct orl_rgb lit_surfaces(const struct orl_sight *sight, struct orl_sampling sampling,
+                                   struct orl_tracer *tracer)
+{
+    struct orl_rgb sum = orl_gray(0);
+    for (uint32_t v = 0; v < sight->n_vertices; v++) {
+        const struct orl_vertex *vertex = &sight->vertices[v];
+        const struct orl_rgb light = orl_backward_light(tracer, &vertex->place, &sampling);
+        sum = orl_rgb_add(sum, orl_health_keep(tracer->health, orl_rgb_mul(vertex->weight, light)));
+        sampling.sequence += 0x632be59bU;
+    }
+    return sum;
+}
+
 static struct orl_rgb pixel_radiance(void *ctx, uint32_t x, uint32_t y, struct orl_search *search)
 {
     const struct painter *p = ctx;
+    const struct orl_backward *b = p->backward;
     const uint64_t index = p->painting->env->index;
     const uint64_t pixel = (uint64_t)y * p->painting->film->width + x;
-    const uint32_t sequence =
-        (uint32_t)orl_mix64(p->backward->seed * 5 + index * 7 + orl_mix64(pixel));
+    const uint64_t name = orl_mix64(b->seed * 5 + index * 7 + orl_mix64(pixel));
+    const struct orl_onlooker onlooker = {.world = b->world,
+                                          .sobol = &b->sobol,
+                                          .pane_samples = PANE_SAMPLES,
+                                          .gloss_samples = GLOSS_SAMPLES,
+                                          .dimmest = dimmest,
+                                          .by_lot = true,
+                                          .radiance = lobe_radiance,
+                                          .ctx = b};
+    struct orl_sampling sampling = {
+        .sequence = (uint32_t)(name >> 8) + 1, .effort = p->effort, .lamps = LAMPS_A_RAY};
     struct orl_rgb sum = orl_gray(0);
     for (uint32_t i = 0; i < p->samples; i++) {
-        struct orl_random random =
-            orl_random_stream(p->backward->seed + index, ORL_PURPOSE_PIXEL, (pixel << 24) + i);
+        struct orl_tracer tracer = {
+            .backward = b,
+            .group = (uint32_t)((name + i) % ORL_MAP_BATCHES),
+            .random = orl_random_stream(b->seed + index, ORL_PURPOSE_PIXEL, (pixel << 24) + i),
+            .health = &search->health};
         struct orl_vec3 origin, direction;
+        struct orl_sight sight;
         double u[2];
-        orl_sobol_point(&p->backward->sobol, i, sequence, 2, u);
-        if (orl_paint_ray(p->painting, x + u[0], y + u[1], &origin, &direction))
-            sum = orl_rgb_add(sum,
-                              orl_backward_radiance(p->backward, origin, direction, p->outside,
-                                                    i % ORL_MAP_BATCHES, &random, &search->health));
+        orl_sobol_point(&b->sobol, i, (uint32_t)(name >> 8), 2, u);
+        if (!orl_paint_ray(p->painting, x + u[0], y + u[1], &origin, &direction))
+            continue;
+        sampling.index = i;
+        orl_shade_look(&onlooker, origin, direction, p->outside, false, &tracer.random, search,
+                       &sight);
+        sum = orl_rgb_add(sum, orl_health_keep(&search->health, sight.rest));
+        sum = orl_rgb_add(sum, lit_surfaces(&sight, sampling, &tracer));
     }
     return orl_rgb_scale(sum, 1.0 / p->samples);
 }
@@ -36,6 +87,7 @@ int orl_backward_render(const struct orl_backward *backward, const struct orl_pa
     const struct orl_vec3 eye = orl_sub(painting->view->point, painting->geometry->center);
     struct painter painter = {.backward = backward,
                               .painting = painting,
+                              .effort = orl_aim_effort(&backward->aim, at_surfaces),
                               .samples = samples,
                               .outside = orl_world_is_outside(backward->world, eye)};
     const int code = orl_paint(painting, pixel_radiance, &painter, 0);

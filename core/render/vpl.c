@@ -35,8 +35,8 @@ static void make_lamp(const struct orl_world *world, const struct orl_photon *ph
         hit = (struct orl_hit){.point = at, .normal = coded, .facet = photon->facet, .front = true};
     const struct orl_vec3 lit = orl_dot(hit.normal, coded) > 0 ? hit.normal : orl_neg(hit.normal);
     const struct orl_rgb albedo = orl_material_diffuse(orl_world_material(world, &hit));
-    to_floats(orl_madd(hit.point, lit, g->facets[photon->facet].offset), ret_lamp->point);
-    to_floats(lit, ret_lamp->normal);
+    to_floats(orl_madd(hit.point, lit, g->facets[photon->facet].offset), ret_lamp->place);
+    to_floats(lit, ret_lamp->place + 3);
     ret_lamp->intensity[0] = (float)(photon->flux[0] * albedo.r / ORL_PI);
     ret_lamp->intensity[1] = (float)(photon->flux[1] * albedo.g / ORL_PI);
     ret_lamp->intensity[2] = (float)(photon->flux[2] * albedo.b / ORL_PI);
@@ -55,7 +55,7 @@ static double typical_distance(const struct orl_vpls *vpls, size_t count)
     for (size_t i = 0; i < PAIRS; i++) {
         const struct orl_vpl *a = &vpls->lamps[orl_mix64(2 * i + 1) % count];
         const struct orl_vpl *b = &vpls->lamps[orl_mix64(2 * i + 2) % count];
-        apart[i] = orl_length(orl_sub(from_floats(a->point), from_floats(b->point)));
+        apart[i] = orl_length(orl_sub(from_floats(a->place), from_floats(b->place)));
     }
     qsort(apart, PAIRS, sizeof *apart, compare);
     return apart[PAIRS / 2];
@@ -79,23 +79,27 @@ int orl_vpls_init(struct orl_vpls *vpls, const struct orl_world *world,
         make_lamp(world, &photons[i], &vpls->lamps[next[photons[i].batch]++]);
     const double near = count > 0 ? near_share * typical_distance(vpls, count) : 1;
     vpls->most_sr_m2 = near > 0 ? 1 / (near * near) : INFINITY;
-    return 0;
+    return orl_vpl_plant(vpls);
 }
 
 void orl_vpls_done(struct orl_vpls *vpls)
 {
     free(vpls->lamps);
+    free(vpls->nodes);
     memset(vpls, 0, sizeof *vpls);
 }
 
-struct orl_rgb orl_vpl_light(const struct orl_vpls *vpls, uint32_t group, size_t lamp,
+struct orl_rgb orl_vpl_light(const struct orl_vpls *vpls, uint32_t group, double u,
                              struct orl_vec3 point, struct orl_vec3 normal)
 {
-    const struct orl_vpl *l = &vpls->lamps[vpls->first[group] + lamp];
-    const double count = (double)(vpls->first[group + 1] - vpls->first[group]);
-    const struct orl_vec3 way = orl_sub(from_floats(l->point), point);
+    uint32_t lamp;
+    double probability;
+    if (!orl_vpl_draw(vpls, group, u, point, normal, &lamp, &probability))
+        return orl_gray(0);
+    const struct orl_vpl *l = &vpls->lamps[lamp];
+    const struct orl_vec3 way = orl_sub(from_floats(l->place), point);
     const double d2 = orl_dot(way, way), d = sqrt(d2);
-    const double here = orl_dot(way, normal), there = -orl_dot(way, from_floats(l->normal));
+    const double here = orl_dot(way, normal), there = -orl_dot(way, from_floats(l->place + 3));
     if (!(d > 0) || !(here > 0) || !(there > 0))
         return orl_gray(0);
     const double factor = fmin(here * there / (d2 * d2), vpls->most_sr_m2);
@@ -103,5 +107,5 @@ struct orl_rgb orl_vpl_light(const struct orl_vpls *vpls, uint32_t group, size_t
     const struct orl_rgb share = orl_transmittance(vpls->world, point, orl_scale(way, 1 / d),
                                                    d * (1 - 1e-6), vpls->world->open);
     const struct orl_rgb intensity = {l->intensity[0], l->intensity[1], l->intensity[2]};
-    return orl_rgb_scale(orl_rgb_mul(intensity, share), factor * count / vpls->emitted);
+    return orl_rgb_scale(orl_rgb_mul(intensity, share), factor / (probability * vpls->emitted));
 }

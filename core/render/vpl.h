@@ -7,7 +7,9 @@
  * therefore capped, and what the cap cuts off is left to rays that hit the near surface by
  * themselves (Kollig and Keller 2004): they take the share orl_vpl_left of it.
  *
- * Lamps are in as many independent groups as photons have batches, for standard errors.
+ * Lamps are in as many independent groups as photons have batches, for standard errors. Those of a
+ * group are leaves of a binary tree; a place draws one by going down from the root, at each fork by
+ * lot, by how much each side might light the place at most (Yuksel 2019, stochastic lightcuts).
  */
 #ifndef ORL_RENDER_VPL_H
 #define ORL_RENDER_VPL_H
@@ -16,16 +18,27 @@
 #include "photon/shoot.h"
 
 struct orl_vpl {
-    float point[3], normal[3]; /* point: clear of the surface */
+    float place[6];     /* point, clear of the surface, and normal */
     float intensity[3]; /* W/sr along the normal, before the division by the number emitted */
+};
+
+/* Neighbours: within a radius of the center, normals within a spread of the normal. */
+struct orl_vpl_node {
+    float center[3], radius;
+    float normal[3], spread;
+    float power;           /* sum of the lamps' intensities: luma */
+    uint32_t first, count; /* lamps */
+    uint32_t right;        /* node; the left one is the next. 0: a leaf */
 };
 
 struct orl_vpls {
     const struct orl_world *world; /* borrowed */
     struct orl_vpl *lamps;         /* group by group */
     size_t first[ORL_MAP_BATCHES + 1];
-    double emitted;    /* paths per group */
-    double most_sr_m2; /* the cap of cos cos / distance^2 */
+    struct orl_vpl_node *nodes;      /* of all trees */
+    uint32_t roots[ORL_MAP_BATCHES]; /* of groups that have lamps */
+    double emitted;                  /* paths per group */
+    double most_sr_m2;               /* the cap of cos cos / distance^2 */
 };
 
 /* From photons in order of emission, which are left alone. Returns 0 or ORL_ERR_NOMEM. */
@@ -33,9 +46,16 @@ int orl_vpls_init(struct orl_vpls *vpls, const struct orl_world *world,
                   const struct orl_photon *photons, size_t count, uint64_t emitted);
 void orl_vpls_done(struct orl_vpls *vpls);
 
-/* Irradiance at a place by one lamp, as if it stood for its whole group. */
-struct orl_rgb orl_vpl_light(const struct orl_vpls *vpls, uint32_t group, size_t lamp,
+/* One estimate of the irradiance at a place by all of a group's lamps. u: even over samples. */
+struct orl_rgb orl_vpl_light(const struct orl_vpls *vpls, uint32_t group, double u,
                              struct orl_vec3 point, struct orl_vec3 normal);
+
+/* A lamp drawn for a place, and the probability; false when none lights it. */
+bool orl_vpl_draw(const struct orl_vpls *vpls, uint32_t group, double u, struct orl_vec3 point,
+                  struct orl_vec3 normal, uint32_t *ret_lamp, double *ret_probability);
+
+/* Makes the trees, and puts the lamps in their order. Returns 0 or ORL_ERR_NOMEM. */
+int orl_vpl_plant(struct orl_vpls *vpls);
 
 /* The share of a surface's light that a ray of that length between those cosines is to take. */
 static inline double orl_vpl_left(const struct orl_vpls *vpls, double cos_here, double cos_there,

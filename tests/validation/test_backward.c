@@ -126,25 +126,13 @@ static void test_standard_errors(void **state)
     assert_true(log(seen / told) <= 0.9 && log(seen / told) >= log(0.1));
 }
 
-static void test_views_are_refused(void **state)
-{
-    struct orl_error err;
-    (void)state;
-    assert_int_equal(scene_run_fails(&(struct scene_run){.scene = ROOM_SKY ROOM_GREY ROOM_SHELL,
-                                                         .technique = ORL_TECHNIQUE_BACKWARD,
-                                                         .view = "-vtv",
-                                                         .width = 8,
-                                                         .height = 8},
-                                     &err),
-                     ORL_ERR_UNSUPPORTED);
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_integrating_sphere), cmocka_unit_test(test_sky_component),
-        cmocka_unit_test(test_both_techniques),    cmocka_unit_test(test_standard_errors),
-        cmocka_unit_test(test_views_are_refused),
+        cmocka_unit_test(test_integrating_sphere),
+        cmocka_unit_test(test_sky_component),
+        cmocka_unit_test(test_both_techniques),
+        cmocka_unit_test(test_standard_errors),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,166 @@
+/* Trees of virtual lamps: neighbours in place and normal together. */
+#include <stdlib.h>
+
+#include "render/vpl.h"
+
+enum { LAMPS_A_LEAF = 4 };
+/* Lamps within such an angle, seen from a place, are not told apart. */
+static const double alike = 0.2;
+
+struct gardener {
+    struct orl_vpls *vpls;
+    uint32_t n_nodes;
+    float normals_as; /* a length: how far apart opposite normals count */
+};
+
+/* Bounds of some lamps: three coordinates, three of the normal. */
+struct bounds {
+    float low[6], high[6];
+};
+
+static struct bounds bounds_of(const struct orl_vpl *lamps, uint32_t count)
+{
+    struct bounds b;
+    for (int axis = 0; axis < 6; axis++)
+        b.low[axis] = b.high[axis] = lamps[0].place[axis];
+    for (uint32_t i = 1; i < count; i++)
+        for (int axis = 0; axis < 6; axis++) {
+            const float x = lamps[i].place[axis];
+            b.low[axis] = x < b.low[axis] ? x : b.low[axis];
+            b.high[axis] = x > b.high[axis] ? x : b.high[axis];
+        }
+    return b;
+}
+
+/* The axis along which they are furthest apart; -1 when they are all in one place. */
+static int widest(const struct gardener *g, const struct bounds *b)
+{
+    int best = -1;
+    float most = 0;
+    for (int axis = 0; axis < 6; axis++) {
+        const float apart = (b->high[axis] - b->low[axis]) * (axis < 3 ? 1 : g->normals_as);
+        if (apart > most) {
+            most = apart;
+            best = axis;
+        }
+    }
+    return best;
+}
+
+static void describe(struct orl_vpl_node *node, const struct bounds *b, const struct orl_vpl *lamps)
+{
+    double radius2 = 0, spread2 = 0, power = 0;
+    for (int axis = 0; axis < 3; axis++) {
+        const double half = 0.5 * ((double)b->high[axis] - b->low[axis]);
+        const double turn = 0.5 * ((double)b->high[axis + 3] - b->low[axis + 3]);
+        node->center[axis] = 0.5F * (b->high[axis] + b->low[axis]);
+        node->normal[axis] = 0.5F * (b->high[axis + 3] + b->low[axis + 3]);
+        radius2 += half * half;
+        spread2 += turn * turn;
+    }
+    for (uint32_t i = 0; i < node->count; i++)
+        power += orl_luma(
+            (struct orl_rgb){lamps[i].intensity[0], lamps[i].intensity[1], lamps[i].intensity[2]});
+    node->radius = (float)(sqrt(radius2) * (1 + 1e-5));
+    node->spread = (float)(sqrt(spread2) * (1 + 1e-5));
+    node->power = (float)power;
+}
+
+/* Those below the middle first; returns how many. */
+static uint32_t part(struct orl_vpl *lamps, uint32_t count, int axis, float middle)
+{
+    uint32_t below = 0;
+    for (uint32_t i = 0; i < count; i++)
+        if (lamps[i].place[axis] < middle) {
+            const struct orl_vpl lamp = lamps[i];
+            lamps[i] = lamps[below];
+            lamps[below++] = lamp;
+        }
+    return below;
+}
+
+/* One node and all below it; returns its index. Goes as deep as floats can be halved, at most. */
+static uint32_t grow(struct gardener *g, uint32_t first, uint32_t count)
+{
+    struct orl_vpl *lamps = &g->vpls->lamps[first];
+    const uint32_t index = g->n_nodes++;
+    struct orl_vpl_node *node = &g->vpls->nodes[index];
+    const struct bounds b = bounds_of(lamps, count);
+    const int axis = widest(g, &b);
+    *node = (struct orl_vpl_node){.first = first, .count = count};
+    describe(node, &b, lamps);
+    if (count <= LAMPS_A_LEAF || axis < 0)
+        return index;
+    const uint32_t below = part(lamps, count, axis, 0.5F * (b.low[axis] + b.high[axis]));
+    if (below == 0 || below == count)
+        return index;
+    grow(g, first, below);
+    node->right = grow(g, first + below, count - below);
+    return index;
+}
+
+int orl_vpl_plant(struct orl_vpls *vpls)
+{
+    struct gardener g = {.vpls = vpls, .normals_as = (float)vpls->world->geometry->radius};
+    const size_t count = vpls->first[ORL_MAP_BATCHES];
+    vpls->nodes = malloc((2 * count + 1) * sizeof *vpls->nodes);
+    if (!vpls->nodes)
+        return ORL_ERR_NOMEM;
+    for (size_t b = 0; b < ORL_MAP_BATCHES; b++)
+        if (vpls->first[b + 1] > vpls->first[b])
+            vpls->roots[b] =
+                grow(&g, (uint32_t)vpls->first[b], (uint32_t)(vpls->first[b + 1] - vpls->first[b]));
+    return 0;
+}
+
+/* How much the lamps of a node light a place, at most: zero only if none can. */
+static double most_light(const struct orl_vpl_node *node, struct orl_vec3 point,
+                         struct orl_vec3 normal, double most_sr_m2)
+{
+    const double x = node->center[0] - point.x, y = node->center[1] - point.y,
+                 z = node->center[2] - point.z, r = node->radius;
+    const double d2 = x * x + y * y + z * z, far = sqrt(d2) + r;
+    const double here = x * normal.x + y * normal.y + z * normal.z + r;
+    const double there =
+        r + far * node->spread - (x * node->normal[0] + y * node->normal[1] + z * node->normal[2]);
+    if (!(here > 0) || !(there > 0))
+        return 0;
+    const double near2 = d2 > r * r ? d2 : r * r;
+    const double factor = (here < far ? here : far) * (there < far ? there : far);
+    const double most = most_sr_m2 * near2 * near2; /* not divided yet: lamps may share a point */
+    return factor < most ? node->power * factor / (near2 * near2) : node->power * most_sr_m2;
+}
+
+/* Seen from far off its lamps light a place all alike. */
+static bool is_far(const struct orl_vpl_node *node, struct orl_vec3 point)
+{
+    const double x = node->center[0] - point.x, y = node->center[1] - point.y,
+                 z = node->center[2] - point.z;
+    const double near = node->radius / alike;
+    return x * x + y * y + z * z > near * near && node->spread < alike;
+}
+
+bool orl_vpl_draw(const struct orl_vpls *vpls, uint32_t group, double u, struct orl_vec3 point,
+                  struct orl_vec3 normal, uint32_t *ret_lamp, double *ret_probability)
+{
+    double probability = 1;
+    if (vpls->first[group + 1] == vpls->first[group])
+        return false;
+    const struct orl_vpl_node *node = &vpls->nodes[vpls->roots[group]];
+    while (node->right != 0 && !is_far(node, point)) {
+        const struct orl_vpl_node *left = node + 1, *right = &vpls->nodes[node->right];
+        const double l = most_light(left, point, normal, vpls->most_sr_m2);
+        const double r = most_light(right, point, normal, vpls->most_sr_m2);
+        if (!(l + r > 0))
+            return false;
+        const double share = l / (l + r);
+        const bool go_left = u < share;
+        u = go_left ? u / share : (u - share) / (1 - share);
+        probability *= go_left ? share : 1 - share;
+        node = go_left ? left : right;
+    }
+    const uint32_t n = (uint32_t)(fmin(fmax(u, 0), 1 - 0x1p-53) * node->count);
+    *ret_lamp = node->first + n;
+    *ret_probability = probability / node->count;
+    return true;
+}
