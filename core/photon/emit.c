@@ -57,7 +57,8 @@ static bool emit_port_dome(const struct orl_emission *e, const struct orl_stratu
 }
 
 static bool emit_port_sun(const struct orl_emission *e, const struct orl_stratum *stratum,
-                          const double *u, struct orl_random *random, struct orl_flight *ret_flight)
+                          bool caustic, const double *u, struct orl_random *random,
+                          struct orl_flight *ret_flight)
 {
     const struct orl_world *world = e->world;
     const struct orl_port *port = &world->ports[stratum->port];
@@ -65,7 +66,10 @@ static bool emit_port_sun(const struct orl_emission *e, const struct orl_stratum
     const struct orl_vec3 towards = orl_sun_sample(sun, u + 3);
     const bool image = stratum->kind == ORL_STRATUM_PORT_IMAGE;
     struct orl_vec3 point, normal, out = towards;
-    orl_facet_sample(world->geometry, port->facet, u + 1, &point, &normal);
+    double place[2] = {u[1], u[2]}, density = 1;
+    if (caustic && stratum->place.weight)
+        density = orl_table_sample(&stratum->place, u + 1, place);
+    orl_facet_sample(world->geometry, port->facet, place, &point, &normal);
     const struct orl_vec3 start =
         orl_facet_leave(world->geometry, port->facet, point, normal, port->outward);
     const struct orl_rgb share =
@@ -78,9 +82,10 @@ static bool emit_port_sun(const struct orl_emission *e, const struct orl_stratum
         return false;
     ret_flight->from_light = true;
     ret_flight->way.mirror = image;
-    if (!pass_port(world, port, point, out,
-                   orl_rgb_scale(orl_rgb_mul(sun->irradiance, share), cosine * port->area), random,
-                   ret_flight))
+    if (!pass_port(
+            world, port, point, out,
+            orl_rgb_scale(orl_rgb_mul(sun->irradiance, share), cosine * port->area / density),
+            random, ret_flight))
         return false;
     return true;
 }
@@ -186,7 +191,7 @@ bool orl_emission_from(const struct orl_emission *emission, const struct orl_str
         return emit_port_dome(emission, stratum, point, random, health, ret_flight);
     case ORL_STRATUM_PORT_SUN:
     case ORL_STRATUM_PORT_IMAGE:
-        return emit_port_sun(emission, stratum, point, random, ret_flight);
+        return emit_port_sun(emission, stratum, caustic, point, random, ret_flight);
     case ORL_STRATUM_EMITTER:
         return emit_emitter(emission, stratum, point, ret_flight);
     case ORL_STRATUM_OPEN_DOME:

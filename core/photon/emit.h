@@ -10,6 +10,9 @@
  * along a path, then the pane's own transmission. Suns, and their images in flat mirrors outside: a
  * point on the disc and one shadow ray.
  *
+ * Caustic photons start where on the pane a mirror, a lens or a lobe is to be met, when that is a
+ * small part of it (seek.h).
+ *
  * From a local emitter: a point uniform by area, a direction by the cosine or, for narrow
  * spotlights, uniform over the cone.
  *
@@ -34,6 +37,15 @@ enum orl_stratum_kind {
     ORL_STRATUM_OPEN_SUN,
 };
 
+/* A distribution over the unit square, piecewise constant, row by row. */
+struct orl_table {
+    uint32_t side_x, side_y;
+    double *weight;     /* per cell: its probability */
+    double *row_below;  /* running sums of rows, side_y + 1 */
+    double *cell_below; /* running sums within each row, side_y * (side_x + 1) */
+    double mean;        /* of the values it was made from */
+};
+
 struct orl_stratum {
     enum orl_stratum_kind kind;
     uint32_t port; /* or emitter */
@@ -42,15 +54,7 @@ struct orl_stratum {
     double share;  /* probability for global photons */
     double share_caustic;
     double below, below_caustic; /* running sums before it */
-};
-
-/* A direction distribution over the unit square, piecewise constant, row by row. */
-struct orl_table {
-    uint32_t side_x, side_y;
-    double *weight;     /* per cell: its probability */
-    double *row_below;  /* running sums of rows, side_y + 1 */
-    double *cell_below; /* running sums within each row, side_y * (side_x + 1) */
-    double mean;        /* of the values it was made from */
+    struct orl_table place;      /* of a sun in a port: where caustic photons start; seek.h */
 };
 
 struct orl_emission {

@@ -9,7 +9,8 @@ enum { SMALL_BATCH = 64, DOUBLINGS = 7, BATCH = SMALL_BATCH << DOUBLINGS, MOST_A
 enum { MOST_GROWTH = 15 }; /* a round emits at most this many times what was emitted before */
 /* This many emissions, or rays, without a photon: there is no light to catch. */
 enum { DRY_EMISSIONS = 64 * BATCH, DRY_RAYS = 1 << 24 };
-static const double most_emitted_per_photon = 10000;
+/* Nor is it worth more than this to catch the few there are. */
+static const double most_emitted_per_photon = 64, emitted_anyway = 1e7;
 
 /* Batches of one kind, as they come back. */
 struct queue {
@@ -119,7 +120,7 @@ static int settle(struct queue *queue, uint64_t target)
     queue->n_round = 0;
     const uint64_t emitted = emitted_before(queue->n_done);
     if ((queue->stored == 0 && (emitted >= DRY_EMISSIONS || queue->rays >= DRY_RAYS)) ||
-        (double)emitted > most_emitted_per_photon * (double)target + 1e6)
+        (double)emitted > most_emitted_per_photon * (double)target + emitted_anyway)
         queue->finished = true;
     return code;
 }

@@ -2,6 +2,7 @@
 #include <string.h>
 
 #include "photon/guide.h"
+#include "photon/seek.h"
 #include "photon/table.h"
 #include "photon/trace.h"
 #include "scene/hemisphere.h"
@@ -25,7 +26,8 @@ struct pilot {
     uint32_t side;
     double *values; /* side * side per port */
     uint32_t flights;
-    double *yield; /* per stratum: caustic flux deposited per flight */
+    double *yield;  /* per stratum: caustic flux deposited per flight */
+    double **found; /* of some strata: by where on the port it would start; seek.h */
     int failed;
 };
 
@@ -264,6 +266,40 @@ static void try_caustics(void *arg, size_t index, uint32_t member)
     pilot->yield[index] = sum / flown;
 }
 
+/* A pane that scatters by itself: every place on it makes caustic photons. */
+static bool sends_on_itself(const struct orl_emission *e, const struct orl_stratum *s)
+{
+    const uint32_t facet = e->world->ports[s->port].facet;
+    const uint32_t material = e->world->geometry->facets[facet].material;
+    return orl_material_transmits_lobes(&e->world->description.materials[material]);
+}
+
+/*
+ * What flights brought down and what was found by looking back from the mirrors are two estimates
+ * of one thing; the first misses what is small, the second what is lit by way of something else.
+ */
+static int seek(struct pilot *pilot)
+{
+    struct orl_emission *e = pilot->emission;
+    int code = 0;
+    pilot->found = calloc(e->n_strata + 1, sizeof *pilot->found);
+    if (!pilot->found)
+        return ORL_ERR_NOMEM;
+    code = orl_seek_look(e, pilot->found);
+    for (size_t i = 0; i < e->n_strata && code == 0; i++) {
+        double sum = 0;
+        if (!pilot->found[i])
+            continue;
+        for (size_t k = 0; k < ORL_SEEK_CELLS; k++)
+            sum += pilot->found[i][k];
+        if (!sends_on_itself(e, &e->strata[i]))
+            code = orl_seek_settle(&e->strata[i], pilot->found[i]);
+        if (e->strata[i].place.weight)
+            pilot->yield[i] = fmax(pilot->yield[i], sum);
+    }
+    return code;
+}
+
 static bool may_make_caustics(const struct orl_emission *e, const struct orl_stratum *s)
 {
     return s->kind == ORL_STRATUM_PORT_SUN || s->kind == ORL_STRATUM_PORT_IMAGE ||
@@ -286,6 +322,8 @@ static int share_out_caustics(struct pilot *pilot, struct orl_crew *crew)
                                 : each < LEAST_FLIGHTS_A_STRATUM ? LEAST_FLIGHTS_A_STRATUM
                                                                  : each);
     orl_crew_for(crew, e->n_strata, try_caustics, pilot);
+    if (seek(pilot) < 0)
+        return ORL_ERR_NOMEM;
     for (size_t i = 0; i < e->n_strata; i++) {
         sum += pilot->yield[i];
         flux += may_make_caustics(e, &e->strata[i]) ? e->strata[i].flux_w : 0;
@@ -325,6 +363,9 @@ int orl_emission_new(const struct orl_world *world, uint64_t seed, struct orl_cr
         code = share_out_caustics(&pilot, crew);
     }
     free(pilot.values);
+    for (size_t i = 0; pilot.found && i < e->n_strata; i++)
+        free(pilot.found[i]);
+    free(pilot.found);
     free(pilot.yield);
     if (code < 0) {
         orl_emission_free(e);
@@ -343,6 +384,8 @@ void orl_emission_free(struct orl_emission *emission)
     free(emission->port_tables);
     orl_table_done(&emission->dome_table);
     orl_guide_done(emission);
+    for (size_t i = 0; emission->strata && i < emission->n_strata; i++)
+        orl_table_done(&emission->strata[i].place);
     free(emission->strata);
     free(emission);
 }
