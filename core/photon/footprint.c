@@ -307,16 +307,28 @@ void orl_footprint_make(const struct orl_footing *footing, double radius,
         ret_footprint->wedges[i] = wedge_between(&spokes[i], &spokes[(i + 1) % SECTORS], radius, i);
 }
 
+/* By comparisons, for it is asked once a photon: each octant has four sectors. */
+static int sector_of(double x, double y)
+{
+    static const double tangents[3] = {0.1989123673796580, 0.4142135623730950, 0.6681786379192989};
+    const double a = fabs(x), b = fabs(y), low = fmin(a, b), high = fmax(a, b);
+    int sector = 0;
+    for (int i = 0; i < 3; i++)
+        sector += low >= tangents[i] * high;
+    if (b > a)
+        sector = SECTORS / 4 - 1 - sector;
+    if (x < 0)
+        sector = SECTORS / 2 - 1 - sector;
+    return y < 0 ? SECTORS - 1 - sector : sector;
+}
+
 bool orl_footprint_holds(const struct orl_footprint *footprint, struct orl_vec3 chord)
 {
     const double x = orl_dot(chord, footprint->frame.u), y = orl_dot(chord, footprint->frame.v);
     const double flat = sqrt(x * x + y * y), length = orl_length(chord);
     if (!(flat > 0))
         return true;
-    const double turn = atan2(y, x) / (2 * ORL_PI);
-    int sector = (int)floor((turn < 0 ? turn + 1 : turn) * SECTORS);
-    sector = sector < SECTORS ? sector : 0;
-    const struct orl_wedge *wedge = &footprint->wedges[sector];
+    const struct orl_wedge *wedge = &footprint->wedges[sector_of(x, y)];
     const double beyond = wedge->border.normal[0] * x + wedge->border.normal[1] * y;
     return length <= wedge->radius && beyond * length <= wedge->border.offset * flat;
 }

@@ -7,18 +7,7 @@
 #include "photon/boxes.h"
 #include "photon/flux.h"
 #include "photon/sheet.h"
-
-/*
- * Where a leaf's estimate is made: amid its photons. Not at one of them, for there density is known
- * to be higher (the photon itself) or lower (evenly emitted ones keep apart); only when the middle
- * is no place on the surface does a photon's own have to do, and is then left out of the count.
- */
-struct site {
-    float at[3];   /* cells */
-    float spread2; /* cells: mean squared distance of the leaf's photons from their middle */
-    uint16_t normal;
-    bool at_photon;
-};
+#include "photon/site.h"
 
 struct orl_leaves {
     const struct orl_photon_map *map;
@@ -28,7 +17,7 @@ struct orl_leaves {
     double unit;  /* W/m2: of the values kept */
     float reach2; /* cells: how far a leaf may be */
     struct orl_spread *spread;
-    struct site *sites;
+    struct orl_site *sites;
     _Atomic uint64_t *values; /* 0: not made yet; else the value, and above it the clear radius */
 };
 
@@ -58,54 +47,6 @@ static struct orl_density_query query_at(const struct orl_leaves *leaves, struct
         .point = point, .normal = normal, .k = leaves->k, .max_radius = leaves->max_radius};
 }
 
-static uint32_t middle_photon(const struct orl_photon_map *map, uint64_t leaf)
-{
-    return (uint32_t)(leaf * ORL_MAP_LEAF + orl_leaf_photons(map, leaf) / 2);
-}
-
-/* Squared distances of a leaf's photons from a point: the mean, and the least. */
-static void spread_about(float (*const photons)[3], uint32_t n, const float at[3], float *ret_mean,
-                         float *ret_least)
-{
-    *ret_mean = 0;
-    *ret_least = INFINITY;
-    for (uint32_t i = 0; i < n; i++) {
-        float d2 = 0;
-        for (int k = 0; k < 3; k++)
-            d2 += (photons[i][k] - at[k]) * (photons[i][k] - at[k]);
-        *ret_mean += d2 / (float)n;
-        *ret_least = d2 < *ret_least ? d2 : *ret_least;
-    }
-}
-
-static struct site make_site(const struct orl_photon_map *map, uint64_t leaf)
-{
-    const uint32_t n = orl_leaf_photons(map, leaf), middle = n / 2;
-    const uint32_t *words = map->places + leaf * ORL_LEAF_WORDS;
-    const uint16_t normal = map->normals[leaf * ORL_MAP_LEAF + middle];
-    float photons[ORL_MAP_LEAF][3] = {{0}}, mean, least;
-    struct site site = {{0, 0, 0}, 0, normal, false};
-    for (uint32_t i = 0; i < n; i++) {
-        uint32_t cell[3];
-        orl_place_unpack(words[i], words[i + ORL_MAP_LEAF], cell);
-        for (int k = 0; k < 3; k++) {
-            photons[i][k] = (float)cell[k];
-            site.at[k] += photons[i][k] / (float)n;
-        }
-    }
-    const struct orl_vec3 chord =
-        orl_v3(photons[middle][0] - site.at[0], photons[middle][1] - site.at[1],
-               photons[middle][2] - site.at[2]);
-    spread_about(photons, n, site.at, &mean, &least);
-    site.spread2 = mean;
-    /* Photons of two patches have their middle between them, where there is nothing. */
-    site.at_photon = n < ORL_MAP_LEAF || least > 0.5F * mean ||
-                     !orl_chord_fits(orl_normal_decode(normal), chord, 0.1);
-    for (int k = 0; k < 3 && site.at_photon; k++)
-        site.at[k] = photons[middle][k];
-    return site;
-}
-
 struct orl_leaves *orl_leaves_new(const struct orl_photon_map *map, const struct orl_world *world,
                                   uint32_t k, double max_radius)
 {
@@ -128,7 +69,7 @@ struct orl_leaves *orl_leaves_new(const struct orl_photon_map *map, const struct
         return NULL;
     }
     for (uint64_t i = 0; i < n; i++)
-        leaves->sites[i] = make_site(map, i);
+        leaves->sites[i] = orl_site_make(map, i);
     return leaves;
 }
 
@@ -142,38 +83,12 @@ void orl_leaves_free(struct orl_leaves *leaves)
     free(leaves);
 }
 
-static struct orl_vec3 site_point(const struct orl_leaves *leaves, const struct site *site)
-{
-    const struct orl_map_header *h = leaves->map->header;
-    return orl_v3(h->low[0] + (site->at[0] + 0.5) * h->cell,
-                  h->low[1] + (site->at[1] + 0.5) * h->cell,
-                  h->low[2] + (site->at[2] + 0.5) * h->cell);
-}
-
-/* How far a site may be off the surface: on a curved one it lies inside the curve. */
-static double site_tolerance(const struct orl_leaves *leaves, uint32_t leaf)
-{
-    const struct orl_photon p = orl_photon_map_get(leaves->map, middle_photon(leaves->map, leaf));
-    const struct orl_vec3 way = orl_sub(orl_v3(p.position[0], p.position[1], p.position[2]),
-                                        site_point(leaves, &leaves->sites[leaf]));
-    return 0.2 * orl_length(way) + 16 * leaves->map->header->cell;
-}
-
 static struct orl_density make_estimate(const struct orl_leaves *leaves, uint32_t leaf,
                                         struct orl_search *search)
 {
-    const struct site *site = &leaves->sites[leaf];
-    struct orl_density_query query =
-        query_at(leaves, site_point(leaves, site), orl_normal_decode(site->normal));
+    struct orl_density_query query = query_at(leaves, orl_v3(0, 0, 0), orl_v3(0, 0, 1));
     struct orl_footing footing;
-    query.at_photon = site->at_photon;
-    query.skip = middle_photon(leaves->map, leaf);
-    if (leaves->world && orl_footing_find(leaves->world, query.point, query.normal,
-                                          site_tolerance(leaves, leaf), &footing)) {
-        query.point = footing.point;
-        query.normal = footing.normal;
-        query.footing = &footing;
-    }
+    orl_site_ask(leaves->map, &leaves->sites[leaf], leaf, leaves->world, &query, &footing);
     return orl_spread_estimate(leaves->spread, &query, search);
 }
 
@@ -249,7 +164,7 @@ static bool next_leaf(const struct orl_leaves *leaves, struct orl_vec3 point,
             depth = orl_box_push(map, visit, at, facing, best.distance2, stack, depth);
             continue;
         }
-        const struct site *site = &leaves->sites[visit.node];
+        const struct orl_site *site = &leaves->sites[visit.node];
         const float chord[3] = {site->at[0] - at[0], site->at[1] - at[1], site->at[2] - at[2]};
         const struct candidate here = {
             chord[0] * chord[0] + chord[1] * chord[1] + chord[2] * chord[2], visit.node};
@@ -277,7 +192,7 @@ static bool is_joined(const struct orl_leaves *leaves, struct candidate leaf,
                       const struct estimate *estimate, const struct orl_footing *footing)
 {
     const double cell = leaves->map->header->cell, distance = sqrt((double)leaf.distance2) * cell;
-    const struct orl_vec3 site = site_point(leaves, &leaves->sites[leaf.leaf]);
+    const struct orl_vec3 site = orl_site_point(leaves->map, &leaves->sites[leaf.leaf]);
     if (!footing)
         return true;
     /* On another, parallel surface close by. */

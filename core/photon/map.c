@@ -26,8 +26,8 @@ struct orl_map_layout orl_map_layout_of(uint64_t count)
     l.places = aligned(sizeof(struct orl_map_header));
     l.fluxes = l.places + l.leaves * ORL_LEAF_WORDS * sizeof(uint32_t);
     l.normals = aligned(l.fluxes + count * sizeof(uint32_t));
-    l.sources = aligned(l.normals + count * sizeof(uint16_t));
-    l.boxes = aligned(l.sources + count * sizeof(uint16_t));
+    l.tags = aligned(l.normals + count * sizeof(uint16_t));
+    l.boxes = aligned(l.tags + count * sizeof(uint16_t));
     while (nodes > 0 && l.levels < ORL_MAP_LEVELS) {
         nodes = (nodes + ORL_MAP_FANOUT - 1) / ORL_MAP_FANOUT;
         l.groups[l.levels++] = nodes;
@@ -60,7 +60,7 @@ static int check_header(const struct orl_map_header *h, size_t size, const char 
     /* More photons than the writer takes could wrap the sizes below around to look right. */
     const struct orl_map_layout l = orl_map_layout_of(h->count);
     if (h->count > UINT32_MAX || h->size != size || l.size != size || l.places != h->places ||
-        l.fluxes != h->fluxes || l.normals != h->normals || l.sources != h->sources ||
+        l.fluxes != h->fluxes || l.normals != h->normals || l.tags != h->tags ||
         l.boxes != h->boxes || l.levels != h->levels || h->emitted == 0)
         return orl_error_set(err, ORL_ERR_CORRUPT, "photon map '%s' is truncated or damaged", path);
     return 0;
@@ -104,7 +104,7 @@ static void take_apart(struct orl_photon_map *map)
     map->places = (const void *)(base + l.places);
     map->fluxes = (const void *)(base + l.fluxes);
     map->normals = (const void *)(base + l.normals);
-    map->sources = (const void *)(base + l.sources);
+    map->tags = (const void *)(base + l.tags);
     for (uint32_t i = 0; i < l.levels; i++) {
         map->levels[i] = group;
         group += l.groups[i];
@@ -166,9 +166,53 @@ void orl_photon_map_free(struct orl_photon_map *map)
 {
     if (!map)
         return;
-    if (map->file)
+    if (map->in_memory)
+        free(map->file);
+    else if (map->file)
         munmap(map->file, map->size);
     free(map);
+}
+
+/* Copies one photon: everything in it is relative to the header, which is shared. */
+static void copy_photon(const struct orl_photon_map *from, uint64_t i, char *file,
+                        const struct orl_map_layout *l, uint64_t k)
+{
+    const uint32_t *words = from->places + i / ORL_MAP_LEAF * ORL_LEAF_WORDS + i % ORL_MAP_LEAF;
+    uint32_t *leaf = (uint32_t *)(void *)(file + l->places) + k / ORL_MAP_LEAF * ORL_LEAF_WORDS +
+                     k % ORL_MAP_LEAF;
+    leaf[0] = words[0];
+    leaf[ORL_MAP_LEAF] = words[ORL_MAP_LEAF];
+    ((uint32_t *)(void *)(file + l->fluxes))[k] = from->fluxes[i];
+    ((uint16_t *)(void *)(file + l->normals))[k] = from->normals[i];
+    ((uint16_t *)(void *)(file + l->tags))[k] = from->tags[i];
+}
+
+struct orl_photon_map *orl_photon_map_of_class(const struct orl_photon_map *map,
+                                               enum orl_photon_class class)
+{
+    uint64_t count = 0, kept = 0;
+    for (uint64_t i = 0; i < map->header->count; i++)
+        count += map->tags[i] == class;
+    const struct orl_map_layout l = orl_map_layout_of(count);
+    struct orl_photon_map *part = calloc(1, sizeof *part);
+    char *file = part ? calloc(1, l.size) : NULL;
+    if (!file) {
+        free(part);
+        return NULL;
+    }
+    struct orl_map_header *header = (void *)file;
+    *header = *map->header;
+    header->count = count;
+    header->levels = l.levels;
+    /* In order they were, and in order they stay. */
+    for (uint64_t i = 0; i < map->header->count; i++)
+        if (map->tags[i] == class)
+            copy_photon(map, i, file, &l, kept++);
+    orl_map_build_boxes(&l, count, file);
+    *part =
+        (struct orl_photon_map){.file = file, .size = l.size, .in_memory = true, .header = header};
+    take_apart(part);
+    return part;
 }
 
 const struct orl_map_header *orl_photon_map_header(const struct orl_photon_map *map)
@@ -184,7 +228,8 @@ struct orl_photon orl_photon_map_get(const struct orl_photon_map *map, size_t in
     const struct orl_rgb flux = orl_rgb_scale(orl_flux_unpack(map->fluxes[index]), h->flux_unit);
     struct orl_photon photon = {.flux = {(float)flux.r, (float)flux.g, (float)flux.b},
                                 .normal = map->normals[index],
-                                .batch = (uint8_t)(a >> 20 & 15U)};
+                                .batch = (uint8_t)(a >> 20 & 15U),
+                                .tag = (uint8_t)map->tags[index]};
     uint32_t cell[3];
     orl_place_unpack(a, b, cell);
     for (int i = 0; i < 3; i++)

@@ -8,13 +8,13 @@
  *             x, y, z: 20 bits each, cells of header.cell from header.low
  *   fluxes    per photon: shared-exponent RGB (9-9-9-5) in units of header.flux_unit
  *   normals   per photon: octahedral, 8 + 8 bits, the side that was lit
- *   sources   per photon: index of the source or bin it came from (0: not told apart)
- *   boxes     per group of 8 siblings, from the leaves up: 6 x 8 floats, lows then highs, and
- *               8 masks of the bins (facing.h) that the normals inside fall into
- * 16 bytes a photon, and about 2 for the boxes. Photons are ordered by the bin of their normal,
- * then in Morton order, so that a leaf is a patch of one sheet of surface; ties keep the order of
- * emission. The batch (emission index mod 16) is for error estimates. Places are relative to
- * the map's own bounds: over 100 m a cell is 0.1 mm.
+ *   tags      per photon: of a photon its class, of a precomputed record its clear radius
+ * (records.h) boxes     per group of 8 siblings, from the leaves up: 6 x 8 floats, lows then highs,
+ * and 8 masks of the bins (facing.h) that the normals inside fall into 16 bytes a photon, and about
+ * 2 for the boxes. Photons are ordered by the bin of their normal, then in Morton order, so that a
+ * leaf is a patch of one sheet of surface; ties keep the order of emission. The batch (emission
+ * index mod 16) is for error estimates. Places are relative to the map's own bounds: over 100 m a
+ * cell is 0.1 mm.
  *
  * Threads: a map is immutable and may be searched from any thread.
  */
@@ -30,12 +30,23 @@
 #include <oriel/vec.h>
 
 enum {
-    ORL_MAP_VERSION = 1,
+    ORL_MAP_VERSION = 2,
     ORL_MAP_LEAF = 16,    /* photons a leaf */
     ORL_MAP_FANOUT = 8,   /* children a node */
     ORL_MAP_LEVELS = 12,  /* most levels: 16 * 8^11 photons */
     ORL_MAP_BATCHES = 16, /* values of the batch index */
     ORL_MAP_CHECKSUM = 32,
+};
+
+/*
+ * By what else a photon's light may be found: each photon of the global map is of one class, so
+ * that an estimate can do without what shadow rays and the caustic map count.
+ */
+enum orl_photon_class {
+    ORL_PHOTON_REST,  /* all but the two below: of skies and glow, or after a diffuse reflection */
+    ORL_PHOTON_LIGHT, /* undeflected from a sun or lamp: what shadow rays see */
+    ORL_PHOTON_CAUSTIC, /* at its first diffuse surface, deflected, from a sun or lamp */
+    ORL_PHOTON_CLASSES
 };
 
 /* A photon as it is traced, before it is packed. */
@@ -44,7 +55,7 @@ struct orl_photon {
     float flux[3];     /* W, before the division by the number emitted */
     uint16_t normal;   /* orl_normal_encode of the lit side (facing.h) */
     uint8_t batch;
-    uint8_t unused;
+    uint8_t tag;    /* an orl_photon_class, or of a record see records.h */
     uint32_t facet; /* it landed on; not kept in maps */
 };
 
@@ -56,7 +67,7 @@ struct orl_map_header {
     uint64_t emitted;    /* paths started; fluxes are divided by it */
     double low[3], cell; /* place of cell (0,0,0)'s corner; edge of a cell */
     double flux_unit;    /* W, the division by emitted included */
-    uint64_t places, fluxes, normals, sources, boxes, size; /* byte offsets; size of the file */
+    uint64_t places, fluxes, normals, tags, boxes, size; /* byte offsets; size of the file */
     uint32_t levels;
     uint32_t reserved;
     char kind[16];
@@ -88,6 +99,14 @@ int orl_photon_map_write(const char *path, struct orl_photon *photons, size_t co
 int orl_photon_map_open(const char *path, bool verify, struct orl_photon_map **ret_map,
                         struct orl_error *err);
 void orl_photon_map_free(struct orl_photon_map *map); /* NULL is allowed */
+
+/*
+ * Those photons of a map that are of one class, as a map of their own, in memory: a search then
+ * does not wade through the others. NULL when out of memory. The caller frees it.
+ */
+struct orl_photon_map *orl_photon_map_of_class(const struct orl_photon_map *map,
+                                               enum orl_photon_class class);
+
 const struct orl_map_header *orl_photon_map_header(const struct orl_photon_map *map);
 
 /* The first photon's place, flux and so on, for tests and tools: index < count. */

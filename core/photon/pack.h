@@ -19,20 +19,24 @@ struct orl_map_group {
 struct orl_photon_map {
     void *file;
     size_t size;
+    bool in_memory; /* file was allocated, not mapped */
     const struct orl_map_header *header;
     const uint32_t *places, *fluxes;
-    const uint16_t *normals, *sources;
+    const uint16_t *normals, *tags;
     const struct orl_map_group *levels[ORL_MAP_LEVELS]; /* [0]: groups of leaves */
     struct orl_facing facing;
 };
 
 /* How the file is divided, given the number of photons. */
 struct orl_map_layout {
-    uint64_t leaves, places, fluxes, normals, sources, boxes, size;
+    uint64_t leaves, places, fluxes, normals, tags, boxes, size;
     uint64_t groups[ORL_MAP_LEVELS]; /* per level, from the leaves up; the last has one */
     uint32_t levels;
 };
 struct orl_map_layout orl_map_layout_of(uint64_t count);
+
+/* Fills in the boxes of a file from its places and normals. */
+void orl_map_build_boxes(const struct orl_map_layout *layout, uint64_t count, char *file);
 
 /* Photons in a leaf: 16, but for the last one. */
 static inline uint32_t orl_leaf_photons(const struct orl_photon_map *map, uint64_t leaf)

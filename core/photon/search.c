@@ -12,6 +12,7 @@ struct walk {
     float flat2;   /* in cells: nearer than this photons lie in the footing's plane */
     float at[3];   /* the query point, in cells, moved so that cell corners stand for centres */
     float radius2; /* in cells */
+    float hint2;   /* in cells: where the k nearest are likely to be; 0: not known */
     uint32_t k, found, room; /* room: candidates held before the nearest k are kept, > k */
     uint16_t normal;         /* the query's, coded */
     uint32_t facing;         /* bins of normals worth a visit */
@@ -148,7 +149,9 @@ static float first_radius2(const struct walk *walk)
 static void search_nearest(struct walk *walk)
 {
     const float most2 = walk->radius2;
-    float radius2 = walk->map->header->levels > 0 ? first_radius2(walk) : most2;
+    float radius2 = walk->hint2 > 0                 ? walk->hint2
+                    : walk->map->header->levels > 0 ? first_radius2(walk)
+                                                    : most2;
     for (;;) {
         walk->radius2 = radius2 < most2 ? radius2 : most2;
         walk->found = 0;
@@ -167,8 +170,8 @@ static struct orl_rgb sum_fluxes(const struct walk *walk, uint32_t count)
     return orl_rgb_scale(sum, walk->map->header->flux_unit);
 }
 
-/* The estimate over the disc, or the footprint, within max_radius. */
-static struct orl_density estimate_within(struct walk *walk, double max_radius)
+/* The nearest photons of the disc, or the footprint, within max_radius. */
+static struct orl_density find_within(struct walk *walk, double max_radius)
 {
     const double cell = walk->map->header->cell, reach = max_radius / cell;
     struct orl_density density = {.radius = max_radius};
@@ -183,36 +186,41 @@ static struct orl_density estimate_within(struct walk *walk, double max_radius)
     /* Photons on one spot have no area to spread over but a cell's. */
     density.radius = fmax(density.radius, cell);
     density.clear = density.radius;
-    if (density.found == 0)
-        return density;
-    const double area = walk->footprint ? orl_footprint_area(walk->footprint, density.radius)
-                                        : ORL_PI * density.radius * density.radius;
-    density.irradiance =
-        orl_rgb_scale(sum_fluxes(walk, density.found), 1 / fmax(area, ORL_PI * cell * cell));
     return density;
 }
 
-/* Over the footprint: out to twice the disc that holds k, or as far as allowed. */
-static struct orl_density estimate_footprint(struct walk *walk, double disc)
+/* A little beyond where the footprint has the area of a disc. */
+static float hint_of(const struct walk *walk, double disc)
+{
+    const double area = ORL_PI * disc * disc;
+    double radius = disc;
+    for (int i = 0; i < 3; i++)
+        radius *= sqrt(area / fmax(orl_footprint_area(walk->footprint, radius), 0.05 * area));
+    radius *= 1.1 / walk->map->header->cell;
+    return (float)(radius * radius);
+}
+
+/* Of the footprint: out to twice the disc that holds k, or as far as allowed. */
+static struct orl_density find_in_footprint(struct walk *walk, double disc,
+                                            struct orl_footprint *footprint)
 {
     const double most = walk->query->max_radius;
     struct orl_density density;
-    struct orl_footprint footprint;
     double reach = fmin(2 * disc, most);
-    walk->footprint = &footprint;
+    walk->footprint = footprint;
     for (;;) {
-        orl_footprint_make(walk->query->footing, reach, &footprint);
-        density = estimate_within(walk, reach);
-        density.clear = fmin(footprint.clear, density.radius);
+        orl_footprint_make(walk->query->footing, reach, footprint);
+        walk->hint2 = hint_of(walk, disc);
+        density = find_within(walk, reach);
+        density.clear = fmin(footprint->clear, density.radius);
         if (!(reach < most) || 4 * density.found >= walk->k)
             return density;
         reach = most;
     }
 }
 
-struct orl_density orl_density_estimate(const struct orl_photon_map *map,
-                                        const struct orl_density_query *query,
-                                        struct orl_search *search)
+static struct walk walk_of(const struct orl_photon_map *map, const struct orl_density_query *query,
+                           struct orl_search *search)
 {
     struct walk walk = {.map = map,
                         .query = query,
@@ -228,12 +236,59 @@ struct orl_density orl_density_estimate(const struct orl_photon_map *map,
         const double flat = orl_footing_flat(query->footing) / map->header->cell;
         walk.flat2 = (float)fmin(flat * flat, 1e30);
     }
-    struct orl_density density = estimate_within(&walk, query->max_radius);
+    return walk;
+}
+
+/* The disc first; where it is cut, the footprint. All but the irradiance. */
+static struct orl_density find(struct walk *walk, struct orl_footprint *footprint,
+                               struct orl_health *health)
+{
+    const struct orl_density_query *query = walk->query;
+    struct orl_density density = find_within(walk, query->max_radius);
     if (query->footing && density.found > 0 && !orl_footing_is_free(query->footing, density.radius))
-        density = estimate_footprint(&walk, density.radius);
-    search->health.estimates += density.found > 0;
-    if (density.found > 0 && density.found < ORL_SEARCH_SPARSE && density.found + 1 < walk.k &&
-        density.found < map->header->count)
-        search->health.sparse++;
+        density = find_in_footprint(walk, density.radius, footprint);
+    health->estimates += density.found > 0;
+    if (density.found > 0 && density.found < ORL_SEARCH_SPARSE && density.found + 1 < walk->k &&
+        density.found < walk->map->header->count)
+        health->sparse++;
     return density;
+}
+
+struct orl_density orl_density_estimate(const struct orl_photon_map *map,
+                                        const struct orl_density_query *query,
+                                        struct orl_search *search)
+{
+    struct walk walk = walk_of(map, query, search);
+    struct orl_footprint footprint;
+    struct orl_density density = find(&walk, &footprint, &search->health);
+    const double cell = map->header->cell;
+    if (density.found == 0)
+        return density;
+    const double area = walk.footprint ? orl_footprint_area(walk.footprint, density.radius)
+                                       : ORL_PI * density.radius * density.radius;
+    density.irradiance =
+        orl_rgb_scale(sum_fluxes(&walk, density.found), 1 / fmax(area, ORL_PI * cell * cell));
+    return density;
+}
+
+void orl_density_neighbourhood(const struct orl_photon_map *map,
+                               const struct orl_density_query *query, struct orl_search *search,
+                               struct orl_neighbourhood *ret_neighbourhood)
+{
+    struct walk walk = walk_of(map, query, search);
+    const struct orl_density density = find(&walk, &ret_neighbourhood->footprint, &search->health);
+    ret_neighbourhood->found = density.found;
+    ret_neighbourhood->radius = density.radius;
+    ret_neighbourhood->clear = density.clear;
+    ret_neighbourhood->cut = walk.footprint != NULL;
+}
+
+uint32_t orl_density_nearest(const struct orl_photon_map *map,
+                             const struct orl_density_query *query, struct orl_search *search,
+                             double *ret_radius)
+{
+    struct walk walk = walk_of(map, query, search);
+    const struct orl_density density = find_within(&walk, query->max_radius);
+    *ret_radius = density.radius;
+    return density.found;
 }

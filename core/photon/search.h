@@ -57,4 +57,27 @@ struct orl_density orl_density_estimate(const struct orl_photon_map *map,
                                         const struct orl_density_query *query,
                                         struct orl_search *search);
 
+/*
+ * The photons themselves, for estimates that weigh them by a rule of their own. They are the first
+ * `found` of search->candidates, in no order: up to k - 1, within radius, which is the distance of
+ * the next one; or all within max_radius.
+ */
+struct orl_neighbourhood {
+    uint32_t found;
+    double radius, clear;           /* as in a density */
+    bool cut;                       /* not the whole disc: */
+    struct orl_footprint footprint; /* this part of it */
+};
+void orl_density_neighbourhood(const struct orl_photon_map *map,
+                               const struct orl_density_query *query, struct orl_search *search,
+                               struct orl_neighbourhood *ret_neighbourhood);
+
+/*
+ * The same for points that are no photons, records say: of the query's sheet, whatever stands in
+ * between. Returns how many; ret_radius is as above.
+ */
+uint32_t orl_density_nearest(const struct orl_photon_map *map,
+                             const struct orl_density_query *query, struct orl_search *search,
+                             double *ret_radius);
+
 #endif

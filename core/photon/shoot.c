@@ -23,12 +23,13 @@ struct queue {
 
 struct shooting {
     const struct orl_shoot_env *env;
-    struct queue queues[ORL_MAP_KINDS];
+    struct queue queues[ORL_SHOT_KINDS];
 };
 
 const char *orl_map_kind_name(enum orl_map_kind kind)
 {
-    return kind == ORL_MAP_GLOBAL ? "global" : "caustic";
+    static const char *const names[ORL_MAP_KINDS] = {"global", "caustic", "precomputed"};
+    return kind < ORL_MAP_KINDS ? names[kind] : "unknown";
 }
 
 /*
@@ -55,7 +56,7 @@ static void shoot_batch(void *arg, size_t index, uint32_t member)
     (void)member;
     for (uint64_t photon = first; photon < end; photon++) {
         struct orl_random random =
-            orl_random_stream(env->seed, ORL_PURPOSE_PHOTON, photon * ORL_MAP_KINDS + kind);
+            orl_random_stream(env->seed, ORL_PURPOSE_PHOTON, photon * ORL_SHOT_KINDS + kind);
         struct orl_flight flight;
         if ((photon & 15) == 0 && atomic_load_explicit(env->cancel, memory_order_relaxed))
             return;
@@ -151,7 +152,7 @@ static int collect(struct queue *queue, struct orl_shot *shot)
 static void report(const struct shooting *shooting, const struct orl_shot *shots)
 {
     double have = 0, want = 0;
-    for (int k = 0; k < ORL_MAP_KINDS; k++) {
+    for (int k = 0; k < ORL_SHOT_KINDS; k++) {
         const struct queue *queue = &shooting->queues[k];
         have += queue->finished ? (double)shots[k].target : (double)queue->stored;
         want += (double)shots[k].target;
@@ -165,7 +166,7 @@ static int shoot_rounds(struct shooting *shooting, const struct orl_shot *shots)
 {
     for (;;) {
         size_t total = 0;
-        for (int k = 0; k < ORL_MAP_KINDS; k++) {
+        for (int k = 0; k < ORL_SHOT_KINDS; k++) {
             struct queue *queue = &shooting->queues[k];
             queue->n_round = plan_round(queue, shots[k].target);
             total += queue->n_round;
@@ -179,25 +180,25 @@ static int shoot_rounds(struct shooting *shooting, const struct orl_shot *shots)
         orl_crew_for(shooting->env->crew, total, shoot_batch, shooting);
         if (atomic_load(shooting->env->cancel))
             return ORL_ERR_CANCELLED;
-        for (int k = 0; k < ORL_MAP_KINDS; k++)
+        for (int k = 0; k < ORL_SHOT_KINDS; k++)
             if (settle(&shooting->queues[k], shots[k].target) < 0)
                 return ORL_ERR_NOMEM;
         report(shooting, shots);
     }
 }
 
-int orl_shoot(const struct orl_shoot_env *env, struct orl_shot shots[ORL_MAP_KINDS],
+int orl_shoot(const struct orl_shoot_env *env, struct orl_shot shots[ORL_SHOT_KINDS],
               struct orl_error *err)
 {
     struct shooting shooting = {.env = env};
     int code = 0;
-    for (int k = 0; k < ORL_MAP_KINDS; k++)
+    for (int k = 0; k < ORL_SHOT_KINDS; k++)
         shooting.queues[k].finished =
             shots[k].target == 0 || (k == ORL_MAP_CAUSTIC && !env->emission->has_caustics);
     code = shoot_rounds(&shooting, shots);
-    for (int k = 0; k < ORL_MAP_KINDS && code == 0; k++)
+    for (int k = 0; k < ORL_SHOT_KINDS && code == 0; k++)
         code = collect(&shooting.queues[k], &shots[k]);
-    for (int k = 0; k < ORL_MAP_KINDS; k++) {
+    for (int k = 0; k < ORL_SHOT_KINDS; k++) {
         struct queue *queue = &shooting.queues[k];
         for (size_t i = 0; queue->batches && i < queue->n_done + queue->n_round; i++)
             free(queue->batches[i].photons);

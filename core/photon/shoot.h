@@ -17,8 +17,14 @@
 #include "photon/emit.h"
 #include "photon/map.h"
 
-enum orl_map_kind { ORL_MAP_GLOBAL, ORL_MAP_CAUSTIC, ORL_MAP_KINDS };
-const char *orl_map_kind_name(enum orl_map_kind kind); /* "global", "caustic" */
+enum orl_map_kind {
+    ORL_MAP_GLOBAL,
+    ORL_MAP_CAUSTIC,
+    ORL_SHOT_KINDS,                       /* those of photons that are shot */
+    ORL_MAP_PRECOMPUTED = ORL_SHOT_KINDS, /* irradiance made from the global map (records.h) */
+    ORL_MAP_KINDS
+};
+const char *orl_map_kind_name(enum orl_map_kind kind); /* "global", "caustic", "precomputed" */
 
 struct orl_shot {
     uint64_t target;            /* in: photons wanted; 0 for none */
@@ -38,7 +44,7 @@ struct orl_shoot_env {
 };
 
 /* Fills shots[kind]; returns 0, ORL_ERR_CANCELLED or ORL_ERR_NOMEM (photons then freed). */
-int orl_shoot(const struct orl_shoot_env *env, struct orl_shot shots[ORL_MAP_KINDS],
+int orl_shoot(const struct orl_shoot_env *env, struct orl_shot shots[ORL_SHOT_KINDS],
               struct orl_error *err);
 
 #endif

@@ -6,7 +6,7 @@
 
 /* Leaves a photon; one that is no finite number, also as floats, is dropped and counted. */
 static void deposit(struct orl_deposits *deposits, const struct orl_hit *hit, struct orl_rgb flux,
-                    uint8_t batch)
+                    uint8_t batch, enum orl_photon_class class)
 {
     const struct orl_vec3 p = hit->point;
     const float sum = (float)flux.r + (float)flux.g + (float)flux.b + (float)(p.x + p.y + p.z);
@@ -30,6 +30,7 @@ static void deposit(struct orl_deposits *deposits, const struct orl_hit *hit, st
                             .flux = {(float)flux.r, (float)flux.g, (float)flux.b},
                             .normal = orl_normal_encode(lit),
                             .batch = batch,
+                            .tag = (uint8_t) class,
                             .facet = hit->facet};
 }
 
@@ -89,6 +90,13 @@ static void depart(struct course *c, const struct orl_world *world, const struct
     c->direction = s->direction;
 }
 
+static enum orl_photon_class class_after(enum orl_photon_class class, enum orl_event event)
+{
+    if (event == ORL_EVENT_STRAIGHT || class == ORL_PHOTON_REST)
+        return class;
+    return event == ORL_EVENT_DIFFUSE ? ORL_PHOTON_REST : ORL_PHOTON_CAUSTIC;
+}
+
 static void give_up(struct orl_deposits *deposits, struct orl_rgb flux)
 {
     deposits->health.photons_capped++;
@@ -116,6 +124,9 @@ void orl_trace_photon(const struct orl_world *world, const struct orl_flight *fl
                        .spread = 1};
     struct orl_deflection way = flight->way;
     bool crossed = flight->from_port, outside = false;
+    enum orl_photon_class class = !flight->from_light        ? ORL_PHOTON_REST
+                                  : (way.mirror || way.lobe) ? ORL_PHOTON_CAUSTIC
+                                                             : ORL_PHOTON_LIGHT;
     const uint32_t most = world->omit.most_reflections < ORL_ALL_REFLECTIONS
                               ? world->omit.most_reflections
                               : UINT32_MAX;
@@ -139,7 +150,7 @@ void orl_trace_photon(const struct orl_world *world, const struct orl_flight *fl
             return;
         unseen++;
         if (diffuse && !outside && (caustic ? way.mirror || way.lobe : reflections < most)) {
-            deposit(deposits, &hit, c.flux, batch);
+            deposit(deposits, &hit, c.flux, batch, class);
             unseen = 0;
         }
         const struct orl_scatter s =
@@ -161,6 +172,7 @@ void orl_trace_photon(const struct orl_world *world, const struct orl_flight *fl
         reflections += s.event == ORL_EVENT_DIFFUSE;
         if (caustic ? is_left_out(world, way) : reflections >= most)
             return;
+        class = class_after(class, s.event);
         depart(&c, world, m, &hit, &s);
     }
     give_up(deposits, c.flux);

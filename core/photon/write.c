@@ -108,6 +108,7 @@ static void pack_chunk(void *arg, size_t chunk, uint32_t member)
     uint32_t *places = (void *)(w->file + w->layout.places);
     uint32_t *fluxes = (void *)(w->file + w->layout.fluxes);
     uint16_t *normals = (void *)(w->file + w->layout.normals);
+    uint16_t *tags = (void *)(w->file + w->layout.tags);
     (void)member;
     for (size_t i = chunk * CHUNK; i < chunk_end(w, chunk); i++) {
         const uint32_t index = w->items[i].index;
@@ -119,6 +120,7 @@ static void pack_chunk(void *arg, size_t chunk, uint32_t member)
         leaf[ORL_MAP_LEAF] = cell[1] | (cell[2] & 0xfffU) << 20;
         fluxes[i] = pack_flux(w, photon, index);
         normals[i] = photon->normal;
+        tags[i] = photon->tag;
     }
 }
 
@@ -145,16 +147,16 @@ static void clear_groups(struct orl_map_group *groups, uint64_t count)
     }
 }
 
-static void build_boxes(const struct writer *w)
+void orl_map_build_boxes(const struct orl_map_layout *layout, uint64_t count, char *file)
 {
-    struct orl_map_group *groups = (void *)(w->file + w->layout.boxes);
-    const uint32_t *places = (const void *)(w->file + w->layout.places);
-    const uint16_t *normals = (const void *)(w->file + w->layout.normals);
+    struct orl_map_group *groups = (void *)(file + layout->boxes);
+    const uint32_t *places = (const void *)(file + layout->places);
+    const uint16_t *normals = (const void *)(file + layout->normals);
     uint64_t total = 0;
-    for (uint32_t level = 0; level < w->layout.levels; level++)
-        total += w->layout.groups[level];
+    for (uint32_t level = 0; level < layout->levels; level++)
+        total += layout->groups[level];
     clear_groups(groups, total);
-    for (size_t i = 0; i < w->count; i++) {
+    for (uint64_t i = 0; i < count; i++) {
         const uint64_t leaf = i / ORL_MAP_LEAF;
         const uint32_t *words = places + leaf * ORL_LEAF_WORDS + i % ORL_MAP_LEAF;
         uint32_t cell[3];
@@ -163,10 +165,10 @@ static void build_boxes(const struct writer *w)
         include_box(&groups[leaf / ORL_MAP_FANOUT], leaf % ORL_MAP_FANOUT, at, at,
                     1U << orl_facing_bin(normals[i]));
     }
-    for (uint32_t level = 1; level < w->layout.levels; level++) {
+    for (uint32_t level = 1; level < layout->levels; level++) {
         const struct orl_map_group *below = groups;
-        groups += w->layout.groups[level - 1];
-        for (uint64_t node = 0; node < w->layout.groups[level - 1]; node++) {
+        groups += layout->groups[level - 1];
+        for (uint64_t node = 0; node < layout->groups[level - 1]; node++) {
             for (int c = 0; c < ORL_MAP_FANOUT; c++) {
                 const float low[3] = {below[node].low[0][c], below[node].low[1][c],
                                       below[node].low[2][c]};
@@ -221,7 +223,7 @@ static void fill_header(struct writer *w)
     h->places = w->layout.places;
     h->fluxes = w->layout.fluxes;
     h->normals = w->layout.normals;
-    h->sources = w->layout.sources;
+    h->tags = w->layout.tags;
     h->boxes = w->layout.boxes;
     h->size = w->layout.size;
     h->levels = w->layout.levels;
@@ -277,7 +279,7 @@ int orl_photon_map_write(const char *path, struct orl_photon *photons, size_t co
     orl_crew_for(crew, chunks, make_codes, &w);
     sort_items(&w);
     orl_crew_for(crew, chunks, pack_chunk, &w);
-    build_boxes(&w);
+    orl_map_build_boxes(&w.layout, count, w.file);
     fill_header(&w);
     if (msync(w.file, w.layout.size, MS_SYNC) != 0 || fsync(fd) != 0)
         code = orl_error_set(err, ORL_ERR_IO, "cannot write photon map '%s': %s", path,

@@ -3,11 +3,13 @@
 #include <stdlib.h>
 
 #include "light/proxies.h"
+#include "photon/adapt.h"
 #include "photon/facing.h"
+#include "photon/records.h"
 
 enum { MOST_BOUNCES = 64, SURE_BOUNCES = 4 };
 enum { NEIGHBOURS_CAUSTIC_RELIT = 32 }; /* seen by one ray of many: noise averages out */
-enum { NEIGHBOURS_GLOBAL = 64, NEIGHBOURS_CAUSTIC = 300 };
+enum { NEIGHBOURS_GLOBAL = 64, NEIGHBOURS_CAUSTIC = 300, NEIGHBOURS_RECORDS = 4 };
 enum { RADIUS_PROBES = 256 };
 
 static int compare_doubles(const void *a, const void *b)
@@ -37,33 +39,56 @@ static double typical_radius(const struct orl_photon_map *map, uint32_t k, doubl
     return radii[(int)(percentile * (RADIUS_PROBES - 1))];
 }
 
-int orl_gather_init(struct orl_gather *gather, const struct orl_world *world,
+/*
+ * Dark corners may reach further than most for global photons, but not across the room. Caustics
+ * end: where there are few photons a wider search would find another one's. Records are few, and
+ * stand for 32 photons each.
+ */
+static void choose_radii(struct orl_gather *gather, enum orl_map_kind kind, double widest,
+                         struct orl_search *search)
+{
+    static const uint32_t neighbours[ORL_MAP_KINDS] = {NEIGHBOURS_GLOBAL, NEIGHBOURS_CAUSTIC,
+                                                       NEIGHBOURS_RECORDS};
+    gather->k[kind] = neighbours[kind];
+    if (!gather->maps[kind])
+        return;
+    const double far = typical_radius(gather->maps[kind], neighbours[kind], 0.95, widest, search);
+    switch (kind) {
+    case ORL_MAP_GLOBAL:
+        gather->max_radius[kind] = fmin(4 * far, widest);
+        gather->near = 2 * far;
+        break;
+    case ORL_MAP_PRECOMPUTED:
+        gather->max_radius[kind] = widest;
+        break;
+    default:
+        gather->max_radius[kind] = fmin(far, widest);
+    }
+    const double near_surface = 0.25 * fmin(gather->max_radius[kind], 4 * far);
+    gather->reach = gather->reach > 0 ? fmin(gather->reach, near_surface) : near_surface;
+}
+
+int orl_gather_init(struct orl_gather *gather, const struct orl_world *world, enum orl_rest rest,
                     const struct orl_photon_map *const maps[ORL_MAP_KINDS], uint64_t seed,
                     struct orl_search *search)
 {
-    static const uint32_t neighbours[ORL_MAP_KINDS] = {NEIGHBOURS_GLOBAL, NEIGHBOURS_CAUSTIC};
     const double widest = fmax(0.1 * world->geometry->radius, 1e-9);
-    *gather = (struct orl_gather){.world = world, .seed = seed};
+    const int unread = rest == ORL_REST_RECORDS ? ORL_MAP_GLOBAL : ORL_MAP_PRECOMPUTED;
+    *gather = (struct orl_gather){.world = world, .rest = rest, .seed = seed};
     orl_sobol_init(&gather->sobol);
     for (int kind = 0; kind < ORL_MAP_KINDS; kind++) {
-        gather->maps[kind] = maps[kind];
-        gather->k[kind] = neighbours[kind];
-        if (!maps[kind])
-            continue;
-        /*
-         * Dark corners may reach further than most for global photons, but not across the room.
-         * Caustics end: where there are few photons a wider search would find another one's.
-         */
-        const double far = typical_radius(maps[kind], neighbours[kind], 0.95, widest, search);
-        gather->max_radius[kind] = fmin(kind == ORL_MAP_GLOBAL ? 4 * far : far, widest);
-        if (kind == ORL_MAP_GLOBAL)
-            gather->near = 2 * far;
+        gather->maps[kind] = kind == unread ? NULL : maps[kind];
+        choose_radii(gather, (enum orl_map_kind)kind, widest, search);
     }
-    if (maps[ORL_MAP_GLOBAL]) {
+    if (gather->maps[ORL_MAP_GLOBAL]) {
         gather->leaves = orl_leaves_new(maps[ORL_MAP_GLOBAL], world, gather->k[ORL_MAP_GLOBAL],
                                         gather->max_radius[ORL_MAP_GLOBAL]);
-        if (!gather->leaves)
+        if (rest == ORL_REST_DENSITY)
+            gather->of_rest = orl_photon_map_of_class(maps[ORL_MAP_GLOBAL], ORL_PHOTON_REST);
+        if (!gather->leaves || (rest == ORL_REST_DENSITY && !gather->of_rest)) {
+            orl_gather_done(gather);
             return ORL_ERR_NOMEM;
+        }
     }
     return 0;
 }
@@ -71,7 +96,9 @@ int orl_gather_init(struct orl_gather *gather, const struct orl_world *world,
 void orl_gather_done(struct orl_gather *gather)
 {
     orl_leaves_free(gather->leaves);
+    orl_photon_map_free(gather->of_rest);
     gather->leaves = NULL;
+    gather->of_rest = NULL;
 }
 
 static struct orl_density caustic_density(const struct orl_gather *gather,
@@ -88,18 +115,59 @@ static struct orl_density caustic_density(const struct orl_gather *gather,
     return orl_density_estimate(gather->maps[ORL_MAP_CAUSTIC], &query, search);
 }
 
-struct orl_density orl_gather_caustic(const struct orl_gather *gather, struct orl_vec3 point,
-                                      struct orl_vec3 normal, struct orl_search *search)
+bool orl_gather_footing(const struct orl_gather *gather, struct orl_vec3 point,
+                        struct orl_vec3 normal, struct orl_footing *ret_footing)
 {
-    struct orl_footing footing;
-    /* Places come here without their facet; the surface is where they say, within rounding. */
     const double rounding = gather->world->geometry->radius * 0x1p-18;
-    if (!orl_footing_find(gather->world, point, normal, rounding, &footing))
-        return (struct orl_density){.found = 0};
-    return caustic_density(gather, &footing, gather->k[ORL_MAP_CAUSTIC], search);
+    return orl_footing_find(gather->world, point, normal, rounding, ret_footing);
 }
 
-/* What a diffuse surface sends back, but for the glossy part: by density, or lit again when near.
+struct orl_density orl_gather_caustic(const struct orl_gather *gather,
+                                      const struct orl_footing *footing, struct orl_search *search)
+{
+    return caustic_density(gather, footing, gather->k[ORL_MAP_CAUSTIC], search);
+}
+
+/* The number found and the radius are the photons' of an adaptive estimate; of records they say no
+ * more than that there were any. */
+struct orl_density orl_gather_rest(const struct orl_gather *gather,
+                                   const struct orl_footing *footing, struct orl_search *search)
+{
+    struct orl_density density = {.found = 0};
+    if (gather->of_rest) {
+        /* Four times as far for sixteen times the photons. */
+        const double widest = fmax(0.1 * gather->world->geometry->radius, 1e-9);
+        const struct orl_density_query query = {
+            .point = footing->point,
+            .normal = footing->normal,
+            .k = ORL_ADAPT_MOST,
+            .max_radius = fmin(4 * gather->max_radius[ORL_MAP_GLOBAL], widest),
+            .footing = footing};
+        return orl_adapt_estimate(gather->of_rest, &query, search);
+    }
+    if (gather->rest == ORL_REST_RECORDS && gather->maps[ORL_MAP_PRECOMPUTED])
+        density.found = orl_records_irradiance(gather->maps[ORL_MAP_PRECOMPUTED], footing,
+                                               gather->max_radius[ORL_MAP_PRECOMPUTED], search,
+                                               &density.irradiance);
+    return density;
+}
+
+/* A diffuse surface that a ray met, lit by shadow rays and caustic photons. */
+static struct orl_rgb lit_again(const struct orl_gather *gather, const struct orl_hit *hit,
+                                const struct orl_footing *footing, struct orl_random *random,
+                                struct orl_search *search)
+{
+    const struct orl_vec3 lit = footing->normal;
+    const struct orl_direct_query query = {.point =
+                                               orl_hit_leave(gather->world->geometry, hit, lit),
+                                           .normal = lit,
+                                           .through_ports = true};
+    return orl_rgb_add(
+        orl_direct_light(gather->world, &query, random),
+        caustic_density(gather, footing, NEIGHBOURS_CAUSTIC_RELIT, search).irradiance);
+}
+
+/* What a diffuse surface sends back, but for the glossy part: from a map, or lit again when near.
  */
 static struct orl_rgb diffuse_radiance(const struct orl_gather *gather, const struct orl_hit *hit,
                                        const struct orl_material *material, bool near,
@@ -107,18 +175,14 @@ static struct orl_rgb diffuse_radiance(const struct orl_gather *gather, const st
 {
     const struct orl_vec3 lit = hit->front ? hit->normal : orl_neg(hit->normal);
     const struct orl_footing footing = {gather->world, hit->point, lit, hit->facet};
+    const bool records = gather->rest == ORL_REST_RECORDS;
     struct orl_rgb irradiance = orl_gray(0);
-    if (near) {
-        const struct orl_direct_query query = {.point =
-                                                   orl_hit_leave(gather->world->geometry, hit, lit),
-                                               .normal = lit,
-                                               .through_ports = true};
-        irradiance = orl_rgb_add(
-            orl_direct_light(gather->world, &query, random),
-            caustic_density(gather, &footing, NEIGHBOURS_CAUSTIC_RELIT, search).irradiance);
-    } else if (gather->leaves) {
+    if (near || records)
+        irradiance = lit_again(gather, hit, &footing, random, search);
+    else if (gather->leaves)
         irradiance = orl_leaves_irradiance(gather->leaves, hit->point, lit, &footing, search);
-    }
+    if (records)
+        irradiance = orl_rgb_add(irradiance, orl_gather_rest(gather, &footing, search).irradiance);
     return orl_rgb_scale(orl_rgb_mul(irradiance, orl_material_diffuse(material)), 1 / ORL_PI);
 }
 

@@ -1,10 +1,19 @@
 /*
- * The gather technique (the paper's GCx): light at a point is
+ * The techniques of photon maps: light at a point is
  *   direct     from suns and lights, by shadow rays, through thin glass;
  *   caustic    from suns and lights after a mirror, a lobe or a BSDF: density of caustic photons;
- *   gathered   all the rest: a hemisphere of rays that see the domes, glow, and the radiance of
- *              diffuse surfaces by the density of global photons.
- * Every path of light is in exactly one of the three. Rays pass on through glass and are sampled
+ *   rest       all else. At a surface seen by a view, or with a sensor on it,
+ *     gathered   (technique gather, the paper's GCx) by a hemisphere of rays that see the domes,
+ *                glow, and the radiance of diffuse surfaces by the density of global photons;
+ *     density    (direct) by the density right there of global photons of class REST, bias held
+ *                down by the choice of bandwidth (photon/adapt.h);
+ *     records    (precomputed, xCP) from irradiance precomputed at a fraction of the photons
+ *                (photon/records.h): the global map itself is not needed.
+ * Every path of light is in exactly one of the three. Where no photons land (in mid-air, outside) a
+ * hemisphere of rays serves every technique, and so it does where there happen to be none.
+ *
+ * What such rays, and those of glossy lobes, meet is lit by the density of all global photons; from
+ * records, by all three parts once more. Rays pass on through glass and are sampled
  * through BSDFs and mirrors; where they leave a sealed building they go on as exterior paths.
  * Diffuse surfaces nearer than the density's own radius are not read from the map but lit again,
  * directly and by one more ray, so that corners are not dark.
@@ -19,19 +28,27 @@
 #include "photon/leaves.h"
 #include "photon/shoot.h"
 
+enum orl_rest { ORL_REST_GATHERED, ORL_REST_DENSITY, ORL_REST_RECORDS };
+
 struct orl_gather {
     const struct orl_world *world;
+    enum orl_rest rest;                               /* how it is read at surfaces */
     const struct orl_photon_map *maps[ORL_MAP_KINDS]; /* NULL: no photons of that kind */
     uint32_t k[ORL_MAP_KINDS];                        /* neighbours */
     double max_radius[ORL_MAP_KINDS];
-    double near;               /* hits closer than this are lit again */
-    struct orl_leaves *leaves; /* of the global map, owned; NULL when there is none */
+    double near;                    /* hits closer than this are lit again */
+    double reach;                   /* a sensor so close to a surface lies on it */
+    struct orl_leaves *leaves;      /* of the global map, owned; NULL when there is none */
+    struct orl_photon_map *of_rest; /* ORL_REST_DENSITY: its photons of class REST, owned */
     struct orl_sobol sobol;
     uint64_t seed;
 };
 
-/* Chooses neighbours and radii from the maps themselves. Returns 0 or ORL_ERR_NOMEM. */
-int orl_gather_init(struct orl_gather *gather, const struct orl_world *world,
+/*
+ * Chooses neighbours and radii from the maps themselves. With ORL_REST_RECORDS the global map is
+ * not looked at, otherwise the precomputed one. Returns 0 or ORL_ERR_NOMEM.
+ */
+int orl_gather_init(struct orl_gather *gather, const struct orl_world *world, enum orl_rest rest,
                     const struct orl_photon_map *const maps[ORL_MAP_KINDS], uint64_t seed,
                     struct orl_search *search);
 void orl_gather_done(struct orl_gather *gather);
@@ -54,9 +71,22 @@ struct orl_rgb orl_gather_radiance(const struct orl_gather *gather, struct orl_v
                                    struct orl_vec3 direction, bool outside, const double *first,
                                    struct orl_random *random, struct orl_search *search);
 
+/*
+ * The surface at a place that came without its facet; false when there is none within rounding.
+ */
+bool orl_gather_footing(const struct orl_gather *gather, struct orl_vec3 point,
+                        struct orl_vec3 normal, struct orl_footing *ret_footing);
+
 /* The caustic part, by density, for a point of a surface. */
-struct orl_density orl_gather_caustic(const struct orl_gather *gather, struct orl_vec3 point,
-                                      struct orl_vec3 normal, struct orl_search *search);
+struct orl_density orl_gather_caustic(const struct orl_gather *gather,
+                                      const struct orl_footing *footing, struct orl_search *search);
+
+/*
+ * The rest at a point of a surface, by density or from records; found is 0 where there are none, or
+ * when it is to be gathered.
+ */
+struct orl_density orl_gather_rest(const struct orl_gather *gather,
+                                   const struct orl_footing *footing, struct orl_search *search);
 
 /*
  * The gathered part at a place, by a stratified cosine-weighted hemisphere of rows x columns rays,

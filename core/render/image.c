@@ -92,6 +92,12 @@ static void want(struct row *row, const struct orl_vertex *v, double pixel_angle
         (struct orl_record){.place = v->place, .radius = v->distance * pixel_angle};
 }
 
+/* Where photons land, other techniques read them; outside all gather. */
+static bool is_gathered(const struct painter *p, const struct orl_vertex *v)
+{
+    return p->gather->rest == ORL_REST_GATHERED || v->place.outside;
+}
+
 /* The places along one lattice row that no record serves yet. */
 static void look_along_row(void *arg, size_t index, uint32_t member)
 {
@@ -107,7 +113,8 @@ static void look_along_row(void *arg, size_t index, uint32_t member)
         orl_shade_look(&p->onlooker, origin, direction, p->outside, true, &random,
                        &p->painting->env->searches[member], &sight);
         for (uint32_t i = 0; i < sight.n_vertices; i++)
-            if (!orl_icache_lookup(&p->cache, &sight.vertices[i].place, &ignored))
+            if (is_gathered(p, &sight.vertices[i]) &&
+                !orl_icache_lookup(&p->cache, &sight.vertices[i].place, &ignored))
                 want(&p->rows[index], &sight.vertices[i], p->pixel_angle);
     }
 }
@@ -171,27 +178,48 @@ static int place_records(struct painter *p)
 
 /* ---- Pixels ---------------------------------------------------------------------------------- */
 
-/*
- * What the rays of one pixel share: a sequence for shadow rays, and the last caustic estimate, for
- * they mostly meet within a fraction of its radius.
- */
-struct memo {
-    uint32_t sequence;
+/* An estimate, and where it was made. */
+struct estimate {
     struct orl_vec3 point, normal;
     struct orl_density density;
 };
 
-static struct orl_rgb caustic_at(const struct painter *p, const struct orl_vertex *v,
-                                 struct memo *memo, struct orl_search *search)
+/*
+ * What the rays of one pixel share: a sequence for shadow rays, and the last estimates, for they
+ * mostly meet within a fraction of the radius.
+ */
+struct memo {
+    uint32_t sequence;
+    struct estimate caustic, rest;
+};
+
+static bool serves(const struct estimate *e, const struct orl_vertex *v)
 {
-    const double reach = fmin(0.25 * memo->density.radius, memo->density.clear);
-    const struct orl_vec3 way = orl_sub(v->on_surface, memo->point);
-    if (memo->density.radius > 0 && orl_dot(way, way) < reach * reach &&
-        orl_dot(memo->normal, v->place.normal) > 0.999)
-        return memo->density.irradiance;
-    *memo = (struct memo){memo->sequence, v->on_surface, v->place.normal,
-                          orl_gather_caustic(p->gather, v->on_surface, v->place.normal, search)};
-    return memo->density.irradiance;
+    const double reach = fmin(0.25 * e->density.radius, e->density.clear);
+    const struct orl_vec3 way = orl_sub(v->on_surface, e->point);
+    return e->density.radius > 0 && orl_dot(way, way) < reach * reach &&
+           orl_dot(e->normal, v->place.normal) > 0.999;
+}
+
+/* Caustics and, but for the final gather, the rest: what photons say at a vertex. */
+static void read_maps(const struct painter *p, const struct orl_vertex *v, struct memo *memo,
+                      struct orl_search *search)
+{
+    const bool caustic = !serves(&memo->caustic, v);
+    const bool rest = p->gather->rest != ORL_REST_GATHERED && !serves(&memo->rest, v);
+    const struct estimate none = {.point = v->on_surface, .normal = v->place.normal};
+    struct orl_footing footing;
+    if (!caustic && !rest)
+        return;
+    const bool found = orl_gather_footing(p->gather, v->on_surface, v->place.normal, &footing);
+    if (caustic)
+        memo->caustic = none;
+    if (rest)
+        memo->rest = none;
+    if (caustic && found)
+        memo->caustic.density = orl_gather_caustic(p->gather, &footing, search);
+    if (rest && found)
+        memo->rest.density = orl_gather_rest(p->gather, &footing, search);
 }
 
 static struct orl_rgb vertex_radiance(const struct painter *p, const struct orl_vertex *v,
@@ -199,16 +227,20 @@ static struct orl_rgb vertex_radiance(const struct painter *p, const struct orl_
                                       struct orl_search *search)
 {
     const struct orl_gather *gather = p->gather;
-    struct orl_rgb gathered;
+    struct orl_rgb rest;
     struct orl_rgb sum =
         orl_gather_direct(gather, &v->place, memo->sequence, ray * p->shadow_rays, p->shadow_rays);
-    if (!v->place.outside)
-        sum = orl_rgb_add(sum, caustic_at(p, v, memo, search));
-    if (!orl_icache_lookup(&p->cache, &v->place, &gathered))
-        gathered = orl_gather_hemisphere(gather, &v->place, HEMISPHERE_ROWS / 2,
-                                         HEMISPHERE_COLUMNS / 2, random, search)
-                       .irradiance;
-    return orl_rgb_mul(v->weight, orl_rgb_add(sum, gathered));
+    if (!v->place.outside) {
+        read_maps(p, v, memo, search);
+        sum = orl_rgb_add(sum, memo->caustic.density.irradiance);
+    }
+    if (gather->rest != ORL_REST_GATHERED && !v->place.outside && memo->rest.density.found > 0)
+        rest = memo->rest.density.irradiance;
+    else if (!orl_icache_lookup(&p->cache, &v->place, &rest))
+        rest = orl_gather_hemisphere(gather, &v->place, HEMISPHERE_ROWS / 2, HEMISPHERE_COLUMNS / 2,
+                                     random, search)
+                   .irradiance;
+    return orl_rgb_mul(v->weight, orl_rgb_add(sum, rest));
 }
 
 static struct orl_rgb pixel_radiance(void *ctx, uint32_t x, uint32_t y, struct orl_search *search)

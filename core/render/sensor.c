@@ -66,18 +66,19 @@ static struct orl_rgb caustics_in_air(const struct orl_gather *gather,
 
 /* The surface a sensor lies on, if one is close behind it and faces the same way. */
 static bool lies_on_surface(const struct orl_gather *gather, const struct orl_place *place,
-                            struct orl_vec3 *ret_point)
+                            struct orl_footing *ret_footing)
 {
     struct orl_hit hit;
-    const double reach =
-        0.25 * fmin(gather->max_radius[ORL_MAP_CAUSTIC], gather->max_radius[ORL_MAP_GLOBAL]);
     if (!orl_geometry_intersect(gather->world->geometry, place->point, orl_neg(place->normal),
-                                reach, &hit))
+                                gather->reach, &hit))
         return false;
     if (fabs(orl_dot(hit.normal, place->normal)) < 0.9 ||
         !(orl_rgb_max(orl_material_diffuse(orl_world_material(gather->world, &hit))) > 0))
         return false;
-    *ret_point = hit.point;
+    *ret_footing = (struct orl_footing){.world = gather->world,
+                                        .point = hit.point,
+                                        .normal = hit.front ? hit.normal : orl_neg(hit.normal),
+                                        .facet = hit.facet};
     return true;
 }
 
@@ -120,21 +121,25 @@ double orl_gather_sensor(const struct orl_gather *gather, struct orl_vec3 positi
     const double clear = gather->world->geometry->radius * 0x1p-18;
     struct orl_place place = {.point = orl_madd(position, direction, clear), .normal = direction};
     const uint32_t sequence = (uint32_t)orl_mix64(gather->seed * 3 + index);
-    struct orl_vec3 on_surface;
+    struct orl_footing footing;
+    struct orl_density rest = {.found = 0};
     place.outside = orl_world_is_outside(gather->world, place.point);
+    const bool on_surface = lies_on_surface(gather, &place, &footing);
     /* Without a caustic map caustics were not asked for: then there are none anywhere. */
     const bool caustics = gather->maps[ORL_MAP_CAUSTIC] != NULL;
-    place.in_air = caustics && !lies_on_surface(gather, &place, &on_surface);
+    place.in_air = caustics && !on_surface;
     struct orl_health *health = &search->health;
     struct orl_rgb sum = orl_health_keep(
         health, orl_gather_direct(gather, &place, sequence, 0, sun_rays(gather, direction)));
-    if (caustics && !place.in_air)
+    if (on_surface) {
         sum = orl_rgb_add(
-            sum,
-            orl_health_keep(
-                health, orl_gather_caustic(gather, on_surface, place.normal, search).irradiance));
-    else if (place.in_air)
+            sum, orl_health_keep(health, orl_gather_caustic(gather, &footing, search).irradiance));
+        if (!place.outside)
+            rest = orl_gather_rest(gather, &footing, search);
+    } else if (place.in_air) {
         sum = orl_rgb_add(sum, orl_health_keep(health, caustics_in_air(gather, &place, index)));
-    sum = orl_rgb_add(sum, gather_evenly(gather, &place, samples, index, search));
+    }
+    sum = orl_rgb_add(sum, rest.found > 0 ? orl_health_keep(health, rest.irradiance)
+                                          : gather_evenly(gather, &place, samples, index, search));
     return ORL_EFFICACY_LM_PER_W * orl_luma(sum);
 }

@@ -25,7 +25,7 @@ static int prepare(struct work *work, struct orl_error *err)
     struct orl_run_state *state = work->state;
     const uint64_t lamps = state->result->plan.photons_global;
     struct orl_emission *emission = NULL;
-    struct orl_shot shots[ORL_MAP_KINDS] = {{0}, {0}};
+    struct orl_shot shots[ORL_SHOT_KINDS] = {{0}, {0}};
     int code = orl_emission_new(state->world, state->job->seed, state->env->crew, &emission, err);
     if (code == 0) {
         const struct orl_shoot_env env = {.emission = emission,
@@ -45,7 +45,7 @@ static int prepare(struct work *work, struct orl_error *err)
         if (code < 0)
             orl_error_set(err, code, "out of memory for virtual lamps");
     }
-    for (int kind = 0; kind < ORL_MAP_KINDS; kind++)
+    for (int kind = 0; kind < ORL_SHOT_KINDS; kind++)
         free(shots[kind].photons);
     orl_emission_free(emission);
     return code;

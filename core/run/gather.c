@@ -42,19 +42,27 @@ static void warn_of_dielectrics(struct orl_run_state *state)
     }
 }
 
+static enum orl_rest rest_of(enum orl_technique technique)
+{
+    return technique == ORL_TECHNIQUE_DIRECT        ? ORL_REST_DENSITY
+           : technique == ORL_TECHNIQUE_PRECOMPUTED ? ORL_REST_RECORDS
+                                                    : ORL_REST_GATHERED;
+}
+
 int orl_run_gather(struct orl_run_state *state, struct orl_error *err)
 {
     struct work work = {.state = state};
     const struct orl_renderer renderer = {
         .ctx = &work, .sensor = compute_sensor, .view = render_view};
     const struct orl_photon_map *maps[ORL_MAP_KINDS];
+    const enum orl_rest rest = rest_of(state->result->plan.technique);
     int code = orl_run_is_dark(state) ? 0 : orl_run_maps(state, err);
     if (code < 0)
         return code;
     for (int kind = 0; kind < ORL_MAP_KINDS; kind++)
         maps[kind] = state->maps[kind];
-    if (orl_gather_init(&work.gather, state->world, maps, state->job->seed, &state->searches[0]) <
-        0)
+    if (orl_gather_init(&work.gather, state->world, rest, maps, state->job->seed,
+                        &state->searches[0]) < 0)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for the final gather");
     if (state->n_sensors > 0)
         warn_of_dielectrics(state);

@@ -3,10 +3,26 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "photon/records.h"
 #include "run/stages.h"
 
 /* What a map's photons depend on beyond the scene: raised when their making changes. */
 static const char recipe[] = "oriel photons 7";
+
+/* And what precomputed irradiance does beyond its global map. */
+static const char records_recipe[] = "oriel records 1";
+
+/* Of precomputed irradiance: from the key of the global map it is made from. */
+static void derive_key(const char global[ORL_DIGEST_HEX + 1], char ret_key[ORL_DIGEST_HEX + 1])
+{
+    unsigned char digest[crypto_hash_sha256_BYTES];
+    crypto_hash_sha256_state hash;
+    crypto_hash_sha256_init(&hash);
+    crypto_hash_sha256_update(&hash, (const unsigned char *)records_recipe, sizeof records_recipe);
+    crypto_hash_sha256_update(&hash, (const unsigned char *)global, ORL_DIGEST_HEX);
+    crypto_hash_sha256_final(&hash, digest);
+    sodium_bin2hex(ret_key, ORL_DIGEST_HEX + 1, digest, sizeof digest);
+}
 
 /*
  * What the plan leaves out changes photons; what it leaves in is in the files. So that jobs share
@@ -45,6 +61,12 @@ static void add_plan(crypto_hash_sha256_state *hash, const struct orl_world *wor
 static void make_key(const struct orl_run_state *state, enum orl_map_kind kind, uint64_t target,
                      char ret_key[ORL_DIGEST_HEX + 1])
 {
+    if (kind == ORL_MAP_PRECOMPUTED) {
+        char global[ORL_DIGEST_HEX + 1];
+        make_key(state, ORL_MAP_GLOBAL, target, global);
+        derive_key(global, ret_key);
+        return;
+    }
     const uint64_t numbers[4] = {ORL_MAP_VERSION, (uint64_t)kind, target, state->job->seed};
     unsigned char digest[crypto_hash_sha256_BYTES];
     crypto_hash_sha256_state hash;
@@ -103,12 +125,12 @@ static int acquire(struct orl_run_state *state, enum orl_map_kind kind, struct m
                          name);
 }
 
-static void shoot_progress(void *ctx, double fraction)
+static void stage_progress(void *ctx, double fraction)
 {
     orl_run_progress(ctx, fraction);
 }
 
-static int shoot(struct orl_run_state *state, struct orl_shot shots[ORL_MAP_KINDS],
+static int shoot(struct orl_run_state *state, struct orl_shot shots[ORL_SHOT_KINDS],
                  struct orl_error *err)
 {
     struct orl_emission *emission = NULL;
@@ -118,7 +140,7 @@ static int shoot(struct orl_run_state *state, struct orl_shot shots[ORL_MAP_KIND
                                           .seed = state->job->seed,
                                           .crew = state->env->crew,
                                           .cancel = state->env->cancel,
-                                          .progress = shoot_progress,
+                                          .progress = stage_progress,
                                           .ctx = state};
         code = orl_shoot(&env, shots, err);
     }
@@ -133,30 +155,69 @@ static int shoot(struct orl_run_state *state, struct orl_shot shots[ORL_MAP_KIND
     return code;
 }
 
+/* What there is to write: photons, or records, and what they took. */
+struct harvest {
+    struct orl_photon *photons;
+    size_t count;
+    uint64_t emitted;
+    double seconds;
+};
+
 /* Writes one map, hands it to the store and opens it. */
 static int keep(struct orl_run_state *state, enum orl_map_kind kind, struct map_work *work,
-                struct orl_shot *shot, double photon_seconds, struct orl_error *err)
+                const struct harvest *harvest, struct orl_error *err)
 {
     const struct orl_run_env *env = state->env;
     const struct orl_map_build build = {
-        .kind = orl_map_kind_name(kind), .emitted = shot->emitted, .seed = state->job->seed};
+        .kind = orl_map_kind_name(kind), .emitted = harvest->emitted, .seed = state->job->seed};
     const double started = env->now_s(env->ctx);
-    int code = orl_photon_map_write(work->path, shot->photons, shot->count, &build, env->crew, err);
+    int code =
+        orl_photon_map_write(work->path, harvest->photons, harvest->count, &build, env->crew, err);
     if (code == 0)
         code = orl_photon_map_open(work->path, false, &state->maps[kind], err);
     if (code < 0)
         return code;
     const struct orl_map_header *h = orl_photon_map_header(state->maps[kind]);
     work->info = (struct orl_map_info){.emitted = h->emitted, .stored = h->count, .bytes = h->size};
-    work->info.seconds = photon_seconds + env->now_s(env->ctx) - started;
+    work->info.seconds = harvest->seconds + env->now_s(env->ctx) - started;
     snprintf(work->info.kind, sizeof work->info.kind, "%s", build.kind);
     snprintf(work->info.key, sizeof work->info.key, "%s", state->keys[kind]);
+    return env->store->commit(env->store->ctx, &work->info, err);
+}
+
+static int keep_shot(struct orl_run_state *state, enum orl_map_kind kind, struct map_work *work,
+                     const struct orl_shot *shot, double seconds, struct orl_error *err)
+{
+    const struct harvest harvest = {shot->photons, shot->count, shot->emitted, seconds};
     if (shot->count > 0 && shot->count < shot->target)
         orl_run_warn(state, "only %zu of the %llu %s photons asked for were found, of %llu emitted",
-                     shot->count, (unsigned long long)shot->target, build.kind,
+                     shot->count, (unsigned long long)shot->target, orl_map_kind_name(kind),
                      (unsigned long long)shot->emitted);
     orl_health_add(&state->result->health, &shot->health);
-    return env->store->commit(env->store->ctx, &work->info, err);
+    return keep(state, kind, work, &harvest, err);
+}
+
+/* Irradiance from the global map, which is in state->maps by now. */
+static int precompute(struct orl_run_state *state, struct map_work *work, struct orl_error *err)
+{
+    const struct orl_run_env *env = state->env;
+    const struct orl_records_making making = {.global = state->maps[ORL_MAP_GLOBAL],
+                                              .world = state->world,
+                                              .crew = env->crew,
+                                              .searches = state->searches,
+                                              .max_radius =
+                                                  fmax(0.1 * state->world->geometry->radius, 1e-9),
+                                              .cancel = env->cancel,
+                                              .progress = stage_progress,
+                                              .ctx = state};
+    const double started = env->now_s(env->ctx);
+    struct harvest harvest = {.emitted = orl_photon_map_header(making.global)->emitted};
+    int code = orl_records_make(&making, &harvest.photons, &harvest.count, err);
+    harvest.seconds = env->now_s(env->ctx) - started;
+    if (code == 0)
+        code = keep(state, ORL_MAP_PRECOMPUTED, work, &harvest, err);
+    free(harvest.photons);
+    return code;
 }
 
 /* Photon time of one kind: the pass is one, so it is told apart by the rays each kind took. */
@@ -167,31 +228,61 @@ static double share_of_rays(const struct orl_shot *shots, int kind, double secon
     return all > 0 ? seconds * (double)shots[kind].health.rays / all : 0;
 }
 
+static bool is_missing(const struct map_work *work)
+{
+    return work->target > 0 && !work->hit;
+}
+
 static int build_missing(struct orl_run_state *state, struct map_work *work, struct orl_error *err)
 {
     const struct orl_run_env *env = state->env;
-    struct orl_shot shots[ORL_MAP_KINDS] = {{0}, {0}};
+    struct orl_shot shots[ORL_SHOT_KINDS] = {{0}, {0}};
     const double started = env->now_s(env->ctx);
     bool missing = false;
     int code = 0;
-    for (int k = 0; k < ORL_MAP_KINDS; k++) {
-        shots[k].target = work[k].target > 0 && !work[k].hit ? work[k].target : 0;
+    for (int k = 0; k < ORL_SHOT_KINDS; k++) {
+        shots[k].target = is_missing(&work[k]) ? work[k].target : 0;
         missing = missing || shots[k].target > 0;
     }
-    if (missing) {
+    if (missing)
         code = shoot(state, shots, err);
-    } else {
+    else
         state->cost_s[ORL_STAGE_PHOTONS] = 0;
+    if (!missing && !is_missing(&work[ORL_MAP_PRECOMPUTED]))
         state->cost_s[ORL_STAGE_MAPS] = 0;
-    }
     const double seconds = env->now_s(env->ctx) - started;
     orl_run_enter(state, ORL_STAGE_MAPS);
-    for (int k = 0; k < ORL_MAP_KINDS && code == 0; k++)
+    for (int k = 0; k < ORL_SHOT_KINDS && code == 0; k++)
         if (shots[k].target > 0)
-            code = keep(state, (enum orl_map_kind)k, &work[k], &shots[k],
-                        share_of_rays(shots, k, seconds), err);
-    for (int k = 0; k < ORL_MAP_KINDS; k++)
+            code = keep_shot(state, (enum orl_map_kind)k, &work[k], &shots[k],
+                             share_of_rays(shots, k, seconds), err);
+    for (int k = 0; k < ORL_SHOT_KINDS; k++)
         free(shots[k].photons);
+    if (code == 0 && is_missing(&work[ORL_MAP_PRECOMPUTED]))
+        code = precompute(state, &work[ORL_MAP_PRECOMPUTED], err);
+    return code;
+}
+
+/*
+ * Asks the store for what the technique reads. Precomputed irradiance comes first: only where it is
+ * missing the global map is needed.
+ */
+static int acquire_all(struct orl_run_state *state, struct map_work *work, struct orl_error *err)
+{
+    static const enum orl_map_kind order[ORL_MAP_KINDS] = {ORL_MAP_PRECOMPUTED, ORL_MAP_GLOBAL,
+                                                           ORL_MAP_CAUSTIC};
+    const struct orl_plan *plan = &state->result->plan;
+    int code = 0;
+    work[ORL_MAP_GLOBAL].target = plan->photons_global;
+    work[ORL_MAP_CAUSTIC].target = plan->photons_caustic;
+    if (plan->technique == ORL_TECHNIQUE_PRECOMPUTED)
+        work[ORL_MAP_PRECOMPUTED].target = plan->photons_global;
+    for (int i = 0; i < ORL_MAP_KINDS && code == 0; i++) {
+        if (order[i] == ORL_MAP_GLOBAL && work[ORL_MAP_PRECOMPUTED].hit)
+            work[ORL_MAP_GLOBAL].target = 0;
+        if (work[order[i]].target > 0)
+            code = acquire(state, order[i], &work[order[i]], err);
+    }
     return code;
 }
 
@@ -199,16 +290,10 @@ int orl_run_maps(struct orl_run_state *state, struct orl_error *err)
 {
     const struct orl_run_env *env = state->env;
     struct map_work *work = calloc(ORL_MAP_KINDS, sizeof *work);
-    int code = 0;
     if (!work)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     orl_run_enter(state, ORL_STAGE_PHOTONS);
-    work[ORL_MAP_GLOBAL].target = state->result->plan.photons_global;
-    work[ORL_MAP_CAUSTIC].target = state->result->plan.photons_caustic;
-    for (int k = 0; k < ORL_MAP_KINDS && code == 0; k++) {
-        if (work[k].target > 0)
-            code = acquire(state, (enum orl_map_kind)k, &work[k], err);
-    }
+    int code = acquire_all(state, work, err);
     if (code == 0)
         code = build_missing(state, work, err);
     for (int k = 0; k < ORL_MAP_KINDS && code == 0; k++) {

@@ -39,7 +39,7 @@ static void fit(struct bytes *file)
     h.places = l.places;
     h.fluxes = l.fluxes;
     h.normals = l.normals;
-    h.sources = l.sources;
+    h.tags = l.tags;
     h.boxes = l.boxes;
     h.levels = l.levels;
     h.size = l.size;

@@ -150,12 +150,12 @@ static void test_gather(void **state)
         make_world(ROOM_SKY ROOM_GREY "void plastic x 0 0 5 .3 .3 .3 0 0\n"
                                       "w polygon floor 0 0 12 0 0 0 4 0 0 4 5 0 0 5 0\n"
                                       "x polygon west 0 0 12 0 0 0 0 5 0 0 5 3 0 0 3\n");
-    const struct orl_photon_map *const maps[ORL_MAP_KINDS] = {NULL, NULL};
+    const struct orl_photon_map *const maps[ORL_MAP_KINDS] = {NULL};
     struct orl_search *search = calloc(1, sizeof *search);
     struct orl_gather gather;
     (void)state;
     assert_non_null(search);
-    assert_int_equal(orl_gather_init(&gather, world, maps, 1, search), 0);
+    assert_int_equal(orl_gather_init(&gather, world, ORL_REST_GATHERED, maps, 1, search), 0);
     gather.near = INFINITY; /* all that is seen is lit again, and its albedo used */
     const struct orl_vec3 place = orl_sub(orl_v3(2, 2, 0.5), world->geometry->center);
     const double whole = orl_gather_sensor(&gather, place, orl_v3(0, 0, 1), 1024, 0, search);

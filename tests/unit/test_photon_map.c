@@ -362,7 +362,7 @@ static void test_huge_counts(void **state)
         h->places = l.places;
         h->fluxes = l.fluxes;
         h->normals = l.normals;
-        h->sources = l.sources;
+        h->tags = l.tags;
         h->boxes = l.boxes;
         h->levels = l.levels;
         h->size = l.size;
