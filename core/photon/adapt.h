@@ -1,0 +1,30 @@
+/*
+ * Density estimates whose bandwidth fits the light: narrow beside a shadow's edge, wide where light
+ * is even, so that both what a wide disc blurs (bias) and what a narrow one scatters (noise) stay
+ * small.
+ *
+ * One search finds the nearest photons, up to query->k. Discs about the point, each of half the
+ * next one's area, give estimates from noisy to smooth. From a disc of about 128 photons on,
+ * each ring is compared with the disc inside it: as long as the two agree within the scatter of so
+ * many photons, the estimate moves on to the larger disc. Between clear agreement and clear
+ * disagreement it moves part of the way, and no wider disc is used more than a narrower one: the
+ * result is a continuous function of the photons' fluxes, and no pattern shows where one
+ * bandwidth takes over from another. All areas are the footprint's (footprint.h).
+ *
+ * References: Lepski 1991, Theory of Probability and its Applications 35 (bandwidths by comparison
+ * of nested estimates); Belomestny and Spokoiny 2007, Annals of Statistics 35, 2287 (stagewise
+ * aggregation); Schregle 2003, Computer Graphics Forum 22, 729 (bias compensation for photon maps).
+ */
+#ifndef ORL_PHOTON_ADAPT_H
+#define ORL_PHOTON_ADAPT_H
+
+#include "photon/search.h"
+
+enum { ORL_ADAPT_MOST = 2048 }; /* photons: 2 % of scatter where light is even */
+
+/* As orl_density_estimate; radius is the mean of the discs used, by their weight in the result. */
+struct orl_density orl_adapt_estimate(const struct orl_photon_map *map,
+                                      const struct orl_density_query *query,
+                                      struct orl_search *search);
+
+#endif

@@ -1,0 +1,56 @@
+/*
+ * Irradiance precomputed at a fraction of the photons: the map of kind "precomputed". It is made
+ * from a global map, once, and read instead of it.
+ *
+ * A record is a photon in all but meaning: its place, the normal of the lit side, and as flux the
+ * irradiance there, W/m2, times the number emitted, so that a map's unpacked "flux" is irradiance.
+ * The estimate is that of adapt.h, of photons of class REST alone: shadow rays and the caustic map
+ * count the others. There is one record for every 32 such photons, amid a leaf (site.h) and on the
+ * surface itself. Its tag says how far no wall stands about it (orl_record_clear).
+ *
+ * A look-up interpolates the nearest records of the same sheet that nothing stands in front of,
+ * with weights that fall to zero, with their slope, at the distance of the first one not used: as
+ * records come and go nothing steps.
+ *
+ * Determinism: which records there are and what is in them depends on the global map and the scene.
+ * Threads: making is by a crew; look-ups are from any thread.
+ * References: Christensen 1999, Journal of Graphics Tools 4 (precomputed irradiance); Shepard 1968.
+ */
+#ifndef ORL_PHOTON_RECORDS_H
+#define ORL_PHOTON_RECORDS_H
+
+#include <stdatomic.h>
+
+#include <oriel/crew.h>
+
+#include "photon/search.h"
+
+struct orl_records_making {
+    const struct orl_photon_map *global;
+    const struct orl_world *world;
+    struct orl_crew *crew;
+    struct orl_search *searches; /* one per crew member */
+    double max_radius;           /* of estimates */
+    atomic_bool *cancel;
+    void (*progress)(void *ctx, double fraction);
+    void *ctx;
+};
+
+/*
+ * Makes the records, to be written with orl_photon_map_write and the global map's number emitted;
+ * the caller frees them. Returns 0, ORL_ERR_CANCELLED or ORL_ERR_NOMEM.
+ */
+int orl_records_make(const struct orl_records_making *making, struct orl_photon **ret_records,
+                     size_t *ret_count, struct orl_error *err);
+
+/* Within this distance of a record no wall stands: from its tag. */
+double orl_record_clear(const struct orl_world *world, uint32_t tag);
+
+/*
+ * Irradiance at a point of a surface; false when no record within max_radius serves it.
+ */
+bool orl_records_irradiance(const struct orl_photon_map *records, const struct orl_footing *footing,
+                            double max_radius, struct orl_search *search,
+                            struct orl_rgb *ret_irradiance);
+
+#endif

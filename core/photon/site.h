@@ -1,0 +1,30 @@
+/*
+ * Where the estimate that stands for a leaf of a map is made: amid its photons. Not at one of them,
+ * for there density is known to be higher (the photon itself) or lower (evenly emitted ones keep
+ * apart); only when the middle is no place on the surface does a photon's own have to do, and is
+ * then left out of the count.
+ */
+#ifndef ORL_PHOTON_SITE_H
+#define ORL_PHOTON_SITE_H
+
+#include "photon/search.h"
+
+struct orl_site {
+    float at[3];   /* cells */
+    float spread2; /* cells: mean squared distance of the leaf's photons from their middle */
+    uint16_t normal;
+    bool at_photon;
+};
+
+struct orl_site orl_site_make(const struct orl_photon_map *map, uint64_t leaf);
+struct orl_vec3 orl_site_point(const struct orl_photon_map *map, const struct orl_site *site);
+
+/*
+ * Puts the query at the site of that leaf, on the surface there when there is one: then true, and
+ * ret_footing, which the query refers to, is filled in. With world NULL there is none.
+ */
+bool orl_site_ask(const struct orl_photon_map *map, const struct orl_site *site, uint64_t leaf,
+                  const struct orl_world *world, struct orl_density_query *query,
+                  struct orl_footing *ret_footing);
+
+#endif
