@@ -37,8 +37,13 @@ static size_t coloured_lights(const struct orl_world *world)
     return n;
 }
 
-/* How much more the most coloured channel of anything is than its luma. */
-static double vividness(const struct orl_survey *survey)
+/* How much more the most coloured channel is than all of it. */
+static double vividness(struct orl_rgb c)
+{
+    return orl_luma(c) > 0 ? orl_rgb_max(c) / orl_luma(c) : 1;
+}
+
+static double most_vivid(const struct orl_survey *survey)
 {
     const struct orl_world *world = survey->world;
     double most = 1;
@@ -47,9 +52,12 @@ static double vividness(const struct orl_survey *survey)
         const struct orl_rgb colors[] = {m->color, m->transmissivity, m->front, m->back,
                                          m->through};
         for (size_t k = 0; survey->surfaces[i] > 0 && k < sizeof colors / sizeof *colors; k++)
-            if (orl_luma(colors[k]) > 0)
-                most = fmax(most, orl_rgb_max(colors[k]) / orl_luma(colors[k]));
+            most = fmax(most, vividness(colors[k]));
     }
+    for (size_t i = 0; i < world->n_suns; i++)
+        most = fmax(most, vividness(world->suns[i].radiance));
+    for (size_t i = 0; i < world->n_domes; i++)
+        most = fmax(most, vividness(world->domes[i].radiance));
     return most;
 }
 
@@ -87,7 +95,7 @@ void orl_decide_color(struct orl_survey *survey, struct orl_plan *plan)
     struct orl_decision *decision = &plan->effects[ORL_EFFECT_COLOR];
     const size_t materials = orl_survey_count(survey, is_coloured);
     const size_t lights = coloured_lights(world);
-    const double vivid = vividness(survey);
+    const double vivid = most_vivid(survey);
     const struct orl_finding finding = {
         .needed = materials + lights > 0,
         .unit = ORL_BOUND_RELATIVE,

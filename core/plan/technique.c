@@ -21,24 +21,10 @@ static bool is_noise_to_paths(const struct orl_world *world, const struct orl_li
            (flat->lit && flat->share > strong_mirror && world->n_mirrors > 1);
 }
 
-static enum orl_technique choose(const struct orl_survey *survey, const struct orl_lit *lit,
-                                 char ret_why[ORL_WHY_MAX])
+static enum orl_technique by_itself(const struct orl_survey *survey, const struct orl_lit *lit,
+                                    char ret_why[ORL_WHY_MAX])
 {
     const struct orl_job *job = survey->request->job;
-    const enum orl_wish gather = job->wishes[ORL_EFFECT_FINAL_GATHER];
-    if (job->technique != ORL_TECHNIQUE_AUTO &&
-        !(job->technique == ORL_TECHNIQUE_GATHER && gather == ORL_WISH_SKIP)) {
-        snprintf(ret_why, ORL_WHY_MAX, "as the job asks");
-        return job->technique;
-    }
-    if (gather == ORL_WISH_FORCE) {
-        snprintf(ret_why, ORL_WHY_MAX, "the job asks for a final gather");
-        return ORL_TECHNIQUE_GATHER;
-    }
-    if (gather == ORL_WISH_SKIP && (job->n_views > 0 || job->technique == ORL_TECHNIQUE_GATHER)) {
-        snprintf(ret_why, ORL_WHY_MAX, "the job leaves out the final gather");
-        return ORL_TECHNIQUE_DIRECT;
-    }
     if (job->n_views > 0 || survey->request->n_sensors == 0) {
         snprintf(ret_why, ORL_WHY_MAX,
                  "%zu views: an image is smooth soonest by a final gather to a photon map",
@@ -57,6 +43,28 @@ static enum orl_technique choose(const struct orl_survey *survey, const struct o
              "%zu sensors and no view: paths are exact on average, and need no map",
              survey->request->n_sensors);
     return ORL_TECHNIQUE_BACKWARD;
+}
+
+static enum orl_technique choose(const struct orl_survey *survey, const struct orl_lit *lit,
+                                 char ret_why[ORL_WHY_MAX])
+{
+    const struct orl_job *job = survey->request->job;
+    const enum orl_wish gather = job->wishes[ORL_EFFECT_FINAL_GATHER];
+    enum orl_technique technique = job->technique;
+    if (technique != ORL_TECHNIQUE_AUTO)
+        snprintf(ret_why, ORL_WHY_MAX, "as the job asks");
+    else
+        technique = by_itself(survey, lit, ret_why);
+    if (gather == ORL_WISH_FORCE && job->technique == ORL_TECHNIQUE_AUTO) {
+        snprintf(ret_why, ORL_WHY_MAX, "the job asks for a final gather");
+        return ORL_TECHNIQUE_GATHER;
+    }
+    if (gather == ORL_WISH_SKIP &&
+        (technique == ORL_TECHNIQUE_GATHER || technique == ORL_TECHNIQUE_PRECOMPUTED)) {
+        snprintf(ret_why, ORL_WHY_MAX, "the job leaves out the final gather");
+        return ORL_TECHNIQUE_DIRECT;
+    }
+    return technique;
 }
 
 static void decide_gather(const struct orl_survey *survey, struct orl_plan *plan)
