@@ -9,7 +9,8 @@ WERROR  ?= -Werror
 
 # Debian packages: what the build needs, and what the checks need beyond that.
 PACKAGES_BUILD := gcc libc6-dev make libembree-dev libmicrohttpd-dev libjansson-dev libuv1-dev \
-	libsqlite3-dev libexpat1-dev libpng-dev libsodium-dev libcurl4-openssl-dev
+	libsqlite3-dev libexpat1-dev libpng-dev libsodium-dev libcurl4-openssl-dev libcairo2-dev \
+	fonts-dejavu-core
 PACKAGES_CHECK := $(PACKAGES_BUILD) libcmocka-dev
 PACKAGES_LINT  := $(PACKAGES_CHECK) clang clang-tidy clang-format
 PACKAGES_DEMO  := $(PACKAGES_BUILD)
@@ -30,7 +31,7 @@ ALL_LDFLAGS = $(OPT_$(MODE)) $(LDFLAGS) -pthread
 
 # Embree 3 on Debian 12, 4 on later releases; core/scene/embree.c serves both.
 EMBREE_LIB := $(if $(wildcard /usr/include/embree4/rtcore.h),-lembree4,-lembree3)
-CORE_LIBS   := $(EMBREE_LIB) -lexpat -lpng -lsodium -lm
+CORE_LIBS   := $(EMBREE_LIB) -lexpat -lpng -lcairo -lsodium -lm
 API_LIBS    := -ljansson
 SERVER_LIBS := -lmicrohttpd -luv -lsqlite3 $(API_LIBS)
 CLIENT_LIBS := -lcurl $(API_LIBS)
@@ -51,11 +52,13 @@ TEST_SUITES := unit stats validation stability api migrations
 TEST_SRC   := $(sort $(foreach s,$(TEST_SUITES),$(wildcard tests/$(s)/test_*.c)))
 
 # Boundaries by include path: only the core sees its own internals.
-INC_core    := -Icore/include -Icore
+# cairo's headers name each other without their folder.
+INC_cairo   := -isystem /usr/include/cairo
+INC_core    := -Icore/include -Icore $(INC_cairo)
 INC_api     := -Icore/include -Iapi
 INC_server  := -Icore/include -Iapi -Iserver -I$(BUILD)/generated
 INC_client  := -Icore/include -Iapi -Iclient
-INC_tests   := -Icore/include -Icore -Iapi -iquote server -Itests -I$(BUILD)/generated
+INC_tests   := -Icore/include -Icore -Iapi -iquote server -Itests -I$(BUILD)/generated $(INC_cairo)
 
 obj = $(patsubst %.c,$(BUILD)/obj/%.o,$(1))
 CORE_OBJ   := $(call obj,$(CORE_SRC))

@@ -22,6 +22,7 @@ enum orl_purpose {
     ORL_PURPOSE_RECORD,
     ORL_PURPOSE_GUIDE,
     ORL_PURPOSE_BENCH,
+    ORL_PURPOSE_REFIT,
 };
 
 static inline uint64_t orl_mix64(uint64_t z)

@@ -24,5 +24,7 @@
 #define ORL_LIMIT_IMAGE_PIXELS (64UL << 20) /* pixels in one image */
 #define ORL_LIMIT_PHOTONS 100000000UL    /* photons asked for in one map: about 10 GB while built */
 #define ORL_LIMIT_JOB_BYTES (64UL << 20) /* one job document */
+#define ORL_LIMIT_STUDY_RUNS 2000U       /* runs of one study: settings times seeds */
+#define ORL_LIMIT_STUDY_LIST 64U         /* techniques, photons, samples or points of a study */
 
 #endif

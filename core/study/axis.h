@@ -1,0 +1,31 @@
+/*
+ * A logarithmic axis: values above zero onto a stretch of the page, and where its ticks stand: at
+ * 1, 2 and 5 times powers of ten, or at powers alone where those would crowd.
+ */
+#ifndef ORL_STUDY_AXIS_H
+#define ORL_STUDY_AXIS_H
+
+#include <stddef.h>
+
+enum { ORL_AXIS_TICKS = 64 };
+
+struct orl_axis {
+    double low, high; /* values at the ends */
+    double from, to;  /* page coordinates of the ends; may run either way */
+    double ticks[ORL_AXIS_TICKS];
+    size_t n_ticks; /* at least 2 */
+};
+
+/*
+ * An axis that shows values from low to high, both > 0, with some room beyond, over at least a
+ * factor of 8. spacing: least distance between ticks, in page units.
+ */
+void orl_axis_init(struct orl_axis *axis, double low, double high, double from, double to,
+                   double spacing);
+
+double orl_axis_at(const struct orl_axis *axis, double value); /* may lie beyond the ends */
+
+/* "0.05", "20", "10000", "1e+06". */
+void orl_axis_format(double tick, char *ret_text, size_t size);
+
+#endif

@@ -1,0 +1,270 @@
+#include "study/chart.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const double left_edge = 70, top_edge = 46, bottom_edge = 58, legend_width = 208,
+                    legend_gap = 22, row_height = 21;
+
+bool orl_box_meets(const struct orl_box *a, const struct orl_box *b)
+{
+    return a->x0 < b->x1 && b->x0 < a->x1 && a->y0 < b->y1 && b->y0 < a->y1;
+}
+
+bool orl_chart_shows(const struct orl_study_point *point)
+{
+    return isfinite(point->rms) && point->rms > 0 && isfinite(point->total_s) && point->total_s > 0;
+}
+
+void orl_chart_set_font(cairo_t *cairo, enum orl_chart_role role)
+{
+    static const double sizes[ORL_CHART_ROLES] = {16, 13, 12, 12, 11, 10};
+    cairo_font_options_t *options = cairo_font_options_create();
+    /* The same widths whatever the scale, so that what was laid out is what is drawn. */
+    cairo_font_options_set_hint_metrics(options, CAIRO_HINT_METRICS_OFF);
+    cairo_font_options_set_hint_style(options, CAIRO_HINT_STYLE_NONE);
+    cairo_set_font_options(cairo, options);
+    cairo_font_options_destroy(options);
+    cairo_select_font_face(cairo, "DejaVu Sans", CAIRO_FONT_SLANT_NORMAL,
+                           role == ORL_CHART_TITLE ? CAIRO_FONT_WEIGHT_BOLD
+                                                   : CAIRO_FONT_WEIGHT_NORMAL);
+    cairo_set_font_size(cairo, sizes[role]);
+}
+
+struct orl_chart_text *orl_chart_add(struct orl_chart *chart, cairo_t *cairo,
+                                     enum orl_chart_role role, const char *text, double x, double y,
+                                     enum orl_chart_align align)
+{
+    cairo_text_extents_t extents;
+    cairo_font_extents_t font;
+    if (chart->n_texts == chart->capacity) {
+        const size_t capacity = 2 * chart->capacity + 64;
+        struct orl_chart_text *grown = realloc(chart->texts, capacity * sizeof *grown);
+        if (!grown)
+            return NULL;
+        chart->texts = grown;
+        chart->capacity = capacity;
+    }
+    struct orl_chart_text *t = &chart->texts[chart->n_texts++];
+    *t = (struct orl_chart_text){.role = role};
+    snprintf(t->text, sizeof t->text, "%s", text);
+    orl_chart_set_font(cairo, role);
+    cairo_text_extents(cairo, t->text, &extents);
+    cairo_font_extents(cairo, &font);
+    const double width = extents.x_advance;
+    t->x = x - (align == ORL_CHART_MIDDLE ? width / 2 : align == ORL_CHART_RIGHT ? width : 0);
+    /* y is of the middle of the letters. */
+    t->y = y + (font.ascent - font.descent) / 2;
+    t->box = (struct orl_box){t->x, t->y - font.ascent, t->x + width, t->y + font.descent};
+    return t;
+}
+
+static size_t sort_by_time(const struct orl_study *study, size_t *index, size_t n)
+{
+    for (size_t i = 1; i < n; i++)
+        for (size_t k = i;
+             k > 0 && study->points[index[k]].total_s < study->points[index[k - 1]].total_s; k--) {
+            const size_t kept = index[k];
+            index[k] = index[k - 1];
+            index[k - 1] = kept;
+        }
+    return n;
+}
+
+size_t orl_chart_line(const struct orl_study *study, enum orl_technique technique,
+                      size_t *ret_index)
+{
+    size_t n = 0, kept = 0;
+    for (size_t i = 0; i < study->n_points; i++)
+        if (study->points[i].setting.technique == technique && orl_chart_shows(&study->points[i]))
+            ret_index[n++] = i;
+    sort_by_time(study, ret_index, n);
+    for (size_t i = 0; i < n; i++)
+        if (kept == 0 || study->points[ret_index[i]].rms < study->points[ret_index[kept - 1]].rms)
+            ret_index[kept++] = ret_index[i];
+    return kept;
+}
+
+size_t orl_chart_front(const struct orl_study *study, size_t *ret_index)
+{
+    size_t n = 0;
+    for (size_t i = 0; i < study->n_points; i++)
+        if (study->points[i].on_front && orl_chart_shows(&study->points[i]))
+            ret_index[n++] = i;
+    return sort_by_time(study, ret_index, n);
+}
+
+static void widen(double *low, double *high, double value)
+{
+    if (isfinite(value) && value > 0) {
+        *low = fmin(*low, value);
+        *high = fmax(*high, value);
+    }
+}
+
+static void make_axes(struct orl_chart *chart, const struct orl_study *study)
+{
+    double x0 = INFINITY, x1 = 0, y0 = INFINITY, y1 = 0;
+    for (size_t i = 0; i < study->n_points; i++) {
+        const struct orl_study_point *p = &study->points[i];
+        if (!orl_chart_shows(p))
+            continue;
+        widen(&x0, &x1, p->total_s);
+        widen(&y0, &y1, 100 * p->rms);
+        widen(&y0, &y1, 100 * (p->rms + p->rms_error));
+        /* A bar that reaches to zero has no end on this axis. */
+        widen(&y0, &y1, 100 * fmax(p->rms - p->rms_error, p->rms / 2));
+    }
+    for (size_t i = 0; i < study->n_given; i++) {
+        widen(&x0, &x1, study->given[i].seconds);
+        widen(&y0, &y1, 100 * study->given[i].rms);
+    }
+    if (!(x1 > 0))
+        x0 = x1 = 1;
+    if (!(y1 > 0))
+        y0 = y1 = 1;
+    chart->plot = (struct orl_box){left_edge, top_edge, chart->width - legend_width - legend_gap,
+                                   chart->height - bottom_edge};
+    orl_axis_init(&chart->x, x0, x1, chart->plot.x0, chart->plot.x1, 46);
+    orl_axis_init(&chart->y, y0, y1, chart->plot.y1, chart->plot.y0, 22);
+}
+
+static bool add_ticks(struct orl_chart *chart, cairo_t *cairo)
+{
+    char text[32];
+    bool ok = true;
+    for (size_t i = 0; i < chart->x.n_ticks; i++) {
+        orl_axis_format(chart->x.ticks[i], text, sizeof text);
+        ok = ok && orl_chart_add(chart, cairo, ORL_CHART_TICK, text,
+                                 orl_axis_at(&chart->x, chart->x.ticks[i]), chart->plot.y1 + 15,
+                                 ORL_CHART_MIDDLE);
+    }
+    for (size_t i = 0; i < chart->y.n_ticks; i++) {
+        orl_axis_format(chart->y.ticks[i], text, sizeof text);
+        ok = ok && orl_chart_add(chart, cairo, ORL_CHART_TICK, text, chart->plot.x0 - 8,
+                                 orl_axis_at(&chart->y, chart->y.ticks[i]), ORL_CHART_RIGHT);
+    }
+    return ok;
+}
+
+/* Shortens the last text by letters until it is no wider than that; UTF-8 is cut whole. */
+static void fit_width(struct orl_chart *chart, cairo_t *cairo, double width)
+{
+    struct orl_chart_text *t = &chart->texts[chart->n_texts - 1];
+    size_t length = strlen(t->text);
+    cairo_text_extents_t extents;
+    orl_chart_set_font(cairo, t->role);
+    while (t->box.x1 - t->box.x0 > width && length > 0) {
+        do
+            length--;
+        while (length > 0 && ((unsigned char)t->text[length] & 0xC0) == 0x80);
+        snprintf(t->text + length, sizeof t->text - length, "...");
+        cairo_text_extents(cairo, t->text, &extents);
+        t->box.x1 = t->box.x0 + extents.x_advance;
+    }
+}
+
+static bool add_titles(struct orl_chart *chart, const struct orl_study *study, const char *title,
+                       cairo_t *cairo)
+{
+    const struct orl_box *plot = &chart->plot;
+    char text[96];
+    if (study->threads == 1)
+        snprintf(text, sizeof text, "time, seconds (one thread)");
+    else
+        snprintf(text, sizeof text, "time, seconds (%u threads)", study->threads);
+    if (!orl_chart_add(chart, cairo, ORL_CHART_AXIS, text, (plot->x0 + plot->x1) / 2, plot->y1 + 40,
+                       ORL_CHART_MIDDLE))
+        return false;
+    struct orl_chart_text *t =
+        orl_chart_add(chart, cairo, ORL_CHART_AXIS,
+                      study->of_views ? "rms error of pixels, %" : "rms error of sensors, %", 0, 0,
+                      ORL_CHART_MIDDLE);
+    if (!t)
+        return false;
+    /* Turned to the left about its middle. */
+    const struct orl_box b = t->box;
+    const double x = 20, y = (plot->y0 + plot->y1) / 2;
+    t->upright = true;
+    t->box = (struct orl_box){x + b.y0, y - b.x1, x + b.y1, y - b.x0};
+    t->x = x + t->y;
+    t->y = y - b.x0;
+    if (!title || !title[0])
+        return true;
+    if (!orl_chart_add(chart, cairo, ORL_CHART_TITLE, title, plot->x0, 24, ORL_CHART_LEFT))
+        return false;
+    fit_width(chart, cairo, chart->width - plot->x0 - 12);
+    return true;
+}
+
+static bool add_row(struct orl_chart *chart, cairo_t *cairo, enum orl_chart_key key,
+                    enum orl_technique technique, const char *text)
+{
+    const double x = chart->plot.x1 + legend_gap;
+    const double y = chart->plot.y0 + 10 + row_height * (double)chart->n_rows;
+    const double indent = key == ORL_CHART_KEY_NOTE ? 0 : ORL_CHART_KEY_WIDTH + 8;
+    chart->rows[chart->n_rows++] = (struct orl_chart_row){key, technique, x, y};
+    if (!orl_chart_add(chart, cairo, ORL_CHART_LEGEND, text, x + indent, y, ORL_CHART_LEFT))
+        return false;
+    fit_width(chart, cairo, chart->width - x - indent - 6);
+    return true;
+}
+
+static bool add_legend(struct orl_chart *chart, const struct orl_study *study, cairo_t *cairo)
+{
+    bool ok = true, seen[ORL_TECHNIQUE_COUNT] = {false};
+    char text[96];
+    for (size_t i = 0; i < study->n_points; i++) {
+        const enum orl_technique technique = study->points[i].setting.technique;
+        if (!seen[technique] && orl_chart_shows(&study->points[i]))
+            ok = ok && add_row(chart, cairo, ORL_CHART_KEY_TECHNIQUE, technique,
+                               orl_technique_name(technique));
+        seen[technique] = seen[technique] || orl_chart_shows(&study->points[i]);
+    }
+    ok = ok && add_row(chart, cairo, ORL_CHART_KEY_FRONT, ORL_TECHNIQUE_AUTO, "best at its time");
+    const double noise = 100 * study->reference.standard_error;
+    if (noise > chart->y.low && noise < chart->y.high)
+        ok = ok && add_row(chart, cairo, ORL_CHART_KEY_REFERENCE, ORL_TECHNIQUE_AUTO,
+                           "reference's own error");
+    if (study->n_given > 0)
+        ok = ok && add_row(chart, cairo, ORL_CHART_KEY_GIVEN, ORL_TECHNIQUE_AUTO, "other programs");
+    chart->rows[chart->n_rows++].key = ORL_CHART_KEY_NOTE; /* an empty row */
+    snprintf(text, sizeof text, "bars: standard error, %u seed%s",
+             study->n_points > 0 ? study->points[0].seeds : 0,
+             study->n_points > 0 && study->points[0].seeds == 1 ? "" : "s");
+    ok = ok && add_row(chart, cairo, ORL_CHART_KEY_NOTE, ORL_TECHNIQUE_AUTO, text);
+    ok = ok &&
+         add_row(chart, cairo, ORL_CHART_KEY_NOTE, ORL_TECHNIQUE_AUTO, "numbers: photons, samples");
+    return ok;
+}
+
+int orl_chart_make(const struct orl_study *study, const char *title, struct orl_chart *ret_chart,
+                   struct orl_error *err)
+{
+    struct orl_chart chart = {.width = ORL_CHART_WIDTH, .height = ORL_CHART_HEIGHT};
+    cairo_surface_t *surface = cairo_image_surface_create(CAIRO_FORMAT_A8, 1, 1);
+    cairo_t *cairo = cairo_create(surface);
+    int code = 0;
+    make_axes(&chart, study);
+    if (cairo_status(cairo) != CAIRO_STATUS_SUCCESS || !add_ticks(&chart, cairo) ||
+        !add_titles(&chart, study, title, cairo) || !add_legend(&chart, study, cairo))
+        code = orl_error_set(err, ORL_ERR_NOMEM, "out of memory for a chart");
+    if (code == 0)
+        code = orl_chart_place_labels(&chart, study, cairo, err);
+    cairo_destroy(cairo);
+    cairo_surface_destroy(surface);
+    if (code < 0)
+        orl_chart_done(&chart);
+    else
+        *ret_chart = chart;
+    return code;
+}
+
+void orl_chart_done(struct orl_chart *chart)
+{
+    free(chart->texts);
+    chart->texts = NULL;
+    chart->n_texts = 0;
+}

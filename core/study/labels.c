@@ -1,0 +1,258 @@
+/*
+ * Labels of points: each tries places around its point, from near to far, and takes the cheapest.
+ * Other texts are walls; markers, curves and bars are only dear.
+ */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "study/chart.h"
+
+static const double marker_half = 6;  /* a marker's box, half its side */
+static const double text_gap = 2;     /* between texts */
+static const double leader_from = 12; /* labels at least that far have a leader */
+static const double impossible = 1e9;
+enum { DIRECTIONS = 16, RINGS = 9, GRID = 48 };
+
+struct segment {
+    double x0, y0, x1, y1, cost;
+};
+
+struct room {
+    struct orl_chart *chart;
+    struct orl_box *markers; /* owned */
+    size_t n_markers;
+    struct segment *segments; /* owned */
+    size_t n_segments;
+};
+
+struct place {
+    struct orl_box box;
+    double cost;
+    bool leads;
+};
+
+/* Whether the segment passes through the box (Liang and Barsky 1984). */
+static bool crosses(const struct segment *s, const struct orl_box *box)
+{
+    const double dx = s->x1 - s->x0, dy = s->y1 - s->y0;
+    const double p[4] = {-dx, dx, -dy, dy};
+    const double q[4] = {s->x0 - box->x0, box->x1 - s->x0, s->y0 - box->y0, box->y1 - s->y0};
+    double enter = 0, leave = 1;
+    for (int i = 0; i < 4; i++) {
+        if (p[i] == 0 && q[i] < 0)
+            return false;
+        if (p[i] < 0)
+            enter = fmax(enter, q[i] / p[i]);
+        else if (p[i] > 0)
+            leave = fmin(leave, q[i] / p[i]);
+    }
+    return enter < leave;
+}
+
+static struct orl_box grow(struct orl_box box, double by)
+{
+    return (struct orl_box){box.x0 - by, box.y0 - by, box.x1 + by, box.y1 + by};
+}
+
+/* Where a leader from the point ends: at the box, as near as may be. */
+static struct segment leader_to(const struct orl_box *box, double x, double y)
+{
+    return (struct segment){x, y, fmin(fmax(x, box->x0), box->x1), fmin(fmax(y, box->y0), box->y1),
+                            0};
+}
+
+/* What the box costs for a label of the point (x, y); impossible where it meets a text. */
+static double cost_of(const struct room *room, const struct orl_box *box, double x, double y,
+                      bool leads)
+{
+    const struct orl_box wide = grow(*box, text_gap), plot = grow(room->chart->plot, -text_gap);
+    const struct segment leader = leader_to(box, x, y);
+    double cost = 0;
+    if (box->x0 < plot.x0 || box->x1 > plot.x1 || box->y0 < plot.y0 || box->y1 > plot.y1)
+        return impossible;
+    for (size_t i = 0; i < room->chart->n_texts; i++) {
+        const struct orl_chart_text *t = &room->chart->texts[i];
+        const struct segment other = leader_to(&t->box, t->from_x, t->from_y);
+        if (orl_box_meets(&wide, &t->box))
+            return impossible;
+        cost += leads && crosses(&leader, &t->box) ? 60 : 0;
+        cost += t->leads && crosses(&other, &wide) ? 60 : 0;
+    }
+    for (size_t i = 0; i < room->n_markers; i++) {
+        const struct orl_box *m = &room->markers[i];
+        const bool own = x > m->x0 && x < m->x1 && y > m->y0 && y < m->y1;
+        cost += orl_box_meets(&wide, m) ? 40 : 0;
+        cost += leads && !own && crosses(&leader, m) ? 12 : 0;
+    }
+    for (size_t i = 0; i < room->n_segments; i++)
+        cost += crosses(&room->segments[i], &wide) ? room->segments[i].cost : 0;
+    return cost + 0.4 * hypot(leader.x1 - x, leader.y1 - y);
+}
+
+static void consider(const struct room *room, struct orl_box box, double x, double y, bool leads,
+                     struct place *best)
+{
+    const double cost = cost_of(room, &box, x, y, leads);
+    if (cost < best->cost)
+        *best = (struct place){box, cost, leads};
+}
+
+/* A box of that size beside the point, its edge at a distance in a direction. */
+static struct orl_box beside(double x, double y, double width, double height, double distance,
+                             int direction)
+{
+    const double angle = 2 * ORL_PI * direction / DIRECTIONS;
+    const double cx = x + cos(angle) * (width / 2 + distance);
+    const double cy = y + sin(angle) * (height / 2 + distance);
+    return (struct orl_box){cx - width / 2, cy - height / 2, cx + width / 2, cy + height / 2};
+}
+
+static struct place find_place(const struct room *room, const struct orl_chart_text *text, double x,
+                               double y)
+{
+    static const double rings[RINGS] = {7, 10, 16, 24, 36, 52, 72, 100, 140};
+    const struct orl_box *plot = &room->chart->plot;
+    const double width = text->box.x1 - text->box.x0, height = text->box.y1 - text->box.y0;
+    const bool given = text->role == ORL_CHART_GIVEN;
+    struct place best = {.cost = given ? impossible : 16};
+    for (int ring = 0; ring < (given ? RINGS : 3); ring++)
+        for (int i = 0; i < DIRECTIONS; i++)
+            consider(room, beside(x, y, width, height, rings[ring], i), x, y,
+                     rings[ring] > leader_from, &best);
+    /* Nothing around: anywhere. */
+    for (int i = 0; given && best.cost >= impossible && i < GRID * GRID; i++) {
+        const double left = plot->x0 + (plot->x1 - plot->x0) * (i % GRID) / GRID;
+        const double top = plot->y0 + (plot->y1 - plot->y0) * (int)(i / GRID) / GRID;
+        consider(room, (struct orl_box){left, top, left + width, top + height}, x, y, true, &best);
+    }
+    return best;
+}
+
+/* Adds a label where there is room for it, else nothing. */
+static int add_label(struct room *room, cairo_t *cairo, enum orl_chart_role role, const char *text,
+                     double x, double y, struct orl_error *err)
+{
+    struct orl_chart *chart = room->chart;
+    struct orl_chart_text *t = orl_chart_add(chart, cairo, role, text, 0, 0, ORL_CHART_LEFT);
+    if (!t)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for labels");
+    const struct orl_chart_text made = *t;
+    chart->n_texts--; /* it must not be in its own way */
+    const struct place place = find_place(room, &made, x, y);
+    if (place.box.x1 <= place.box.x0) {
+        chart->n_unlabelled += role == ORL_CHART_GIVEN;
+        return 0;
+    }
+    *t = made;
+    t->x += place.box.x0 - made.box.x0;
+    t->y += place.box.y0 - made.box.y0;
+    t->box = place.box;
+    t->leads = place.leads;
+    t->from_x = x;
+    t->from_y = y;
+    chart->n_texts++;
+    return 0;
+}
+
+static void add_marker(struct room *room, double x, double y, double half)
+{
+    room->markers[room->n_markers++] = (struct orl_box){x - half, y - half, x + half, y + half};
+}
+
+static void add_curves(struct room *room, const struct orl_study *study, size_t *index)
+{
+    const struct orl_chart *chart = room->chart;
+    for (int technique = 0; technique < ORL_TECHNIQUE_COUNT; technique++) {
+        const size_t n = orl_chart_line(study, (enum orl_technique)technique, index);
+        for (size_t i = 1; i < n; i++) {
+            const struct orl_study_point *a = &study->points[index[i - 1]];
+            const struct orl_study_point *b = &study->points[index[i]];
+            room->segments[room->n_segments++] = (struct segment){
+                orl_axis_at(&chart->x, a->total_s), orl_axis_at(&chart->y, 100 * a->rms),
+                orl_axis_at(&chart->x, b->total_s), orl_axis_at(&chart->y, 100 * b->rms), 12};
+        }
+    }
+}
+
+static void add_points(struct room *room, const struct orl_study *study)
+{
+    const struct orl_chart *chart = room->chart;
+    for (size_t i = 0; i < study->n_points; i++) {
+        const struct orl_study_point *p = &study->points[i];
+        if (!orl_chart_shows(p))
+            continue;
+        const double x = orl_axis_at(&chart->x, p->total_s);
+        const double up = isnan(p->rms_error) ? 0 : p->rms_error;
+        add_marker(room, x, orl_axis_at(&chart->y, 100 * p->rms),
+                   p->on_front ? marker_half : 0.7 * marker_half);
+        room->segments[room->n_segments++] =
+            (struct segment){x, orl_axis_at(&chart->y, 100 * (p->rms + up)), x,
+                             orl_axis_at(&chart->y, 100 * fmax(p->rms - up, p->rms / 2)), 4};
+    }
+    for (size_t i = 0; i < study->n_given; i++)
+        add_marker(room, orl_axis_at(&chart->x, study->given[i].seconds),
+                   orl_axis_at(&chart->y, 100 * study->given[i].rms), marker_half);
+}
+
+/* "2 M", "250 k", "4096". */
+static void format_count(double count, char *ret_text, size_t size)
+{
+    const double unit = count >= 1e5 && count >= 1e6 / 4 ? 1e6 : count >= 1e4 ? 1e3 : 1;
+    snprintf(ret_text, size, "%.4g%s", count / unit, unit > 1e3 ? " M" : unit > 1 ? " k" : "");
+}
+
+static void format_setting(const struct orl_study_setting *s, char *ret_text, size_t size)
+{
+    char photons[32];
+    format_count((double)s->photons, photons, sizeof photons);
+    if (s->photons > 0 && s->samples > 0)
+        snprintf(ret_text, size, "%s, %u", photons, s->samples);
+    else if (s->photons > 0)
+        snprintf(ret_text, size, "%s", photons);
+    else
+        snprintf(ret_text, size, "%u", s->samples);
+}
+
+static int label_all(struct room *room, const struct orl_study *study, cairo_t *cairo,
+                     const size_t *front, size_t n_front, struct orl_error *err)
+{
+    const struct orl_chart *chart = room->chart;
+    char text[64];
+    int code = 0;
+    for (size_t i = 0; i < study->n_given && code == 0; i++)
+        code = add_label(room, cairo, ORL_CHART_GIVEN, study->given[i].name,
+                         orl_axis_at(&chart->x, study->given[i].seconds),
+                         orl_axis_at(&chart->y, 100 * study->given[i].rms), err);
+    for (size_t i = 0; i < n_front && code == 0; i++) {
+        const struct orl_study_point *p = &study->points[front[i]];
+        format_setting(&p->setting, text, sizeof text);
+        code = add_label(room, cairo, ORL_CHART_POINT, text, orl_axis_at(&chart->x, p->total_s),
+                         orl_axis_at(&chart->y, 100 * p->rms), err);
+    }
+    return code;
+}
+
+int orl_chart_place_labels(struct orl_chart *chart, const struct orl_study *study, cairo_t *cairo,
+                           struct orl_error *err)
+{
+    const size_t n = study->n_points;
+    struct room room = {.chart = chart,
+                        .markers = calloc(n + study->n_given + 1, sizeof *room.markers),
+                        .segments = calloc(2 * n + 1, sizeof *room.segments)};
+    size_t *index = calloc(n + 1, sizeof *index);
+    int code = 0;
+    if (!room.markers || !room.segments || !index) {
+        code = orl_error_set(err, ORL_ERR_NOMEM, "out of memory for labels");
+    } else {
+        add_points(&room, study);
+        add_curves(&room, study, index);
+        const size_t n_front = orl_chart_front(study, index);
+        code = label_all(&room, study, cairo, index, n_front, err);
+    }
+    free(room.markers);
+    free(room.segments);
+    free(index);
+    return code;
+}

@@ -1,0 +1,125 @@
+/*
+ * Non-negative least squares by the active-set method of Lawson and Hanson (1974, chapter 23), for
+ * a handful of columns: columns enter one by one, the one with the steepest descent first, and
+ * leave when the solution without bounds would take them below zero.
+ */
+#include <float.h>
+#include <math.h>
+#include <stdbool.h>
+#include <string.h>
+
+#include "study/fit.h"
+
+struct nnls {
+    size_t n;
+    double gram[ORL_NNLS_COLUMNS][ORL_NNLS_COLUMNS]; /* A^T A */
+    double right[ORL_NNLS_COLUMNS];                  /* A^T b */
+    bool free[ORL_NNLS_COLUMNS];                     /* not held at zero */
+};
+
+static void prepare(struct nnls *s, const double *a, const double *b, size_t rows, size_t columns)
+{
+    memset(s, 0, sizeof *s);
+    s->n = columns;
+    for (size_t i = 0; i < rows; i++) {
+        const double *row = a + i * columns;
+        for (size_t j = 0; j < columns; j++) {
+            s->right[j] += row[j] * b[i];
+            for (size_t k = 0; k < columns; k++)
+                s->gram[j][k] += row[j] * row[k];
+        }
+    }
+}
+
+/* Solves the free columns' normal equations by Cholesky; a column that depends on those before it
+ * is given 0. */
+static void solve_free(const struct nnls *s, double z[ORL_NNLS_COLUMNS])
+{
+    double l[ORL_NNLS_COLUMNS][ORL_NNLS_COLUMNS] = {{0}}, y[ORL_NNLS_COLUMNS];
+    size_t index[ORL_NNLS_COLUMNS], m = 0;
+    for (size_t j = 0; j < s->n; j++) {
+        z[j] = 0;
+        if (!s->free[j])
+            continue;
+        double rest = s->gram[j][j], right = s->right[j];
+        for (size_t k = 0; k < m; k++) {
+            double dot = s->gram[j][index[k]];
+            for (size_t i = 0; i < k; i++)
+                dot -= l[m][i] * l[k][i];
+            l[m][k] = dot / l[k][k];
+            rest -= l[m][k] * l[m][k];
+            right -= l[m][k] * y[k];
+        }
+        if (rest <= 64 * DBL_EPSILON * s->gram[j][j])
+            continue;
+        l[m][m] = sqrt(rest);
+        y[m] = right / l[m][m];
+        index[m++] = j;
+    }
+    for (size_t k = m; k-- > 0;) {
+        double rest = y[k];
+        for (size_t i = k + 1; i < m; i++)
+            rest -= l[i][k] * z[index[i]];
+        z[index[k]] = rest / l[k][k];
+    }
+}
+
+/* Sets free the column along which the sum of squares falls most; false at the minimum. */
+static bool set_free(struct nnls *s, const double *x)
+{
+    double most = 0;
+    size_t best = s->n;
+    for (size_t j = 0; j < s->n; j++) {
+        double descent = s->right[j];
+        for (size_t k = 0; k < s->n; k++)
+            descent -= s->gram[j][k] * x[k];
+        descent /= sqrt(fmax(s->gram[j][j], DBL_MIN));
+        if (!s->free[j] && descent > most) {
+            most = descent;
+            best = j;
+        }
+    }
+    /* What rounding leaves of A^T b is no descent. */
+    if (best == s->n || most <= 1e-12 * fabs(s->right[best]) / sqrt(s->gram[best][best]))
+        return false;
+    s->free[best] = true;
+    return true;
+}
+
+/* Moves x towards z until the first free column meets zero, and holds that. True when none did. */
+static bool advance(struct nnls *s, double *x, const double *z)
+{
+    double step = 1;
+    size_t first = s->n;
+    for (size_t j = 0; j < s->n; j++) {
+        if (!s->free[j] || z[j] > 0)
+            continue;
+        const double t = x[j] > 0 ? x[j] / (x[j] - z[j]) : 0;
+        if (first == s->n || t < step) {
+            step = t;
+            first = j;
+        }
+    }
+    for (size_t j = 0; j < s->n; j++)
+        x[j] += s->free[j] ? step * (z[j] - x[j]) : 0;
+    if (first == s->n)
+        return true;
+    s->free[first] = false;
+    x[first] = 0;
+    return false;
+}
+
+void orl_nnls(const double *a, const double *b, size_t rows, size_t columns, double *ret_x)
+{
+    struct nnls s;
+    double z[ORL_NNLS_COLUMNS];
+    prepare(&s, a, b, rows, columns);
+    for (size_t j = 0; j < columns; j++)
+        ret_x[j] = 0;
+    /* Every pass ends at another set of columns; rounding may repeat one, so passes are counted. */
+    for (size_t pass = 0; pass < 4 * columns && set_free(&s, ret_x); pass++) {
+        do
+            solve_free(&s, z);
+        while (!advance(&s, ret_x, z));
+    }
+}

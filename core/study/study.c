@@ -1,0 +1,215 @@
+/*
+ * A study from its request to its results: the reference first, then setting by setting; the fits
+ * and the front at the end.
+ */
+#include <oriel/study.h>
+
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "study/fit.h"
+#include "study/judge.h"
+#include "study/series.h"
+
+/* Views do not tell the reference's error by themselves: the spread of some runs does. */
+enum { VIEW_REFERENCES = 4 };
+
+void orl_study_done(struct orl_study *study)
+{
+    if (!study)
+        return;
+    free(study->points);
+    free(study->fits);
+    orl_study_free_given(study->given, study->n_given);
+    for (size_t i = 0; i < study->n_warnings; i++)
+        free(study->warnings[i]);
+    free(study->warnings);
+    memset(study, 0, sizeof *study);
+}
+
+/* What the steps of a study share. */
+struct work {
+    const struct orl_study_request *request;
+    const struct orl_study_env *env;
+    struct orl_study *study;
+    struct orl_series_env series_env;
+    struct orl_study_setting *settings; /* owned */
+    size_t n_settings;
+    struct orl_reference reference; /* owned */
+};
+
+static uint32_t reference_runs(const struct work *work)
+{
+    return work->study->of_views ? VIEW_REFERENCES : 1;
+}
+
+static struct orl_study_setting reference_setting(const struct work *work)
+{
+    const uint32_t runs = reference_runs(work);
+    return (struct orl_study_setting){.technique = ORL_TECHNIQUE_BACKWARD,
+                                      .samples =
+                                          (work->request->reference_samples + runs - 1) / runs};
+}
+
+static double sum_of(const double *values, size_t count)
+{
+    double sum = 0;
+    for (size_t i = 0; i < count; i++)
+        sum += values[i];
+    return sum;
+}
+
+/* With seeds that none of the runs to be judged has. */
+static int run_reference(struct work *work, struct orl_error *err)
+{
+    const struct orl_study_setting setting = reference_setting(work);
+    const uint32_t runs = reference_runs(work);
+    struct orl_study_reference *about = &work->study->reference;
+    struct orl_series series = {0};
+    work->series_env.what = "reference";
+    int code = orl_series_run(&work->series_env, &setting,
+                              work->request->job.seed + work->request->repeats, runs, &series, err);
+    if (code == 0)
+        code = orl_reference_make(&work->reference, series.values, runs, series.errors,
+                                  series.count, work->study->of_views, err);
+    if (code == 0) {
+        about->samples = setting.samples * runs;
+        about->runs = runs;
+        about->seconds = sum_of(series.total_s, runs);
+        orl_reference_describe(&work->reference, about);
+    }
+    orl_series_done(&series);
+    return code;
+}
+
+static void take_times(struct orl_study_point *point, const struct orl_series *series)
+{
+    const double n = (double)series->n_runs;
+    double squares = 0;
+    point->total_s = sum_of(series->total_s, series->n_runs) / n;
+    for (size_t i = 0; i < series->n_runs; i++) {
+        const double d = series->total_s[i] - point->total_s;
+        squares += d * d;
+        for (int stage = 0; stage < ORL_STAGE_COUNT; stage++)
+            point->stages_s[stage] += series->stages_s[i][stage] / n;
+    }
+    point->total_error_s = series->n_runs > 1 ? sqrt(squares / (n * (n - 1))) : NAN;
+    point->map_bytes = series->map_bytes;
+}
+
+static int run_setting(struct work *work, const struct orl_study_setting *setting,
+                       struct orl_error *err)
+{
+    struct orl_study_point point = {.setting = *setting, .seeds = work->request->repeats};
+    struct orl_series series = {0};
+    work->series_env.what = orl_technique_name(setting->technique);
+    int code = orl_series_run(&work->series_env, setting, work->request->job.seed,
+                              work->request->repeats, &series, err);
+    if (code == 0 && series.count != work->reference.count)
+        code = orl_error_set(err, ORL_ERR_INTERNAL, "a run and its reference differ in size");
+    if (code == 0)
+        code = orl_study_judge(&work->reference, series.values, series.n_runs,
+                               work->study->of_views, &point, err);
+    if (code == 0) {
+        take_times(&point, &series);
+        work->study->points[work->study->n_points++] = point;
+        if (work->env->point_ready)
+            work->env->point_ready(work->env->ctx, &point);
+    }
+    orl_series_done(&series);
+    return code;
+}
+
+static int copy_given(struct work *work, struct orl_error *err)
+{
+    const struct orl_study_request *request = work->request;
+    struct orl_study *study = work->study;
+    study->given = calloc(request->n_given + 1, sizeof *study->given);
+    for (size_t i = 0; study->given && i < request->n_given; i++) {
+        study->given[i] = request->given[i];
+        study->given[i].name = strdup(request->given[i].name);
+        study->n_given = i + 1;
+        if (!study->given[i].name)
+            return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    }
+    return study->given ? 0 : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+}
+
+static int prepare(struct work *work, struct orl_error *err)
+{
+    struct orl_study *study = work->study;
+    struct orl_series_env *series = &work->series_env;
+    const struct orl_study_setting reference = reference_setting(work);
+    int code = copy_given(work, err);
+    if (code == 0)
+        code = orl_study_list_settings(work->request, &work->settings, &work->n_settings, err);
+    if (code < 0)
+        return code;
+    study->points = calloc(work->n_settings, sizeof *study->points);
+    study->fits = calloc(ORL_TECHNIQUE_COUNT, sizeof *study->fits);
+    if (!study->points || !study->fits)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    series->all = reference_runs(work) * orl_series_cost(work->request, &reference);
+    for (size_t i = 0; i < work->n_settings; i++)
+        series->all += work->request->repeats * orl_series_cost(work->request, &work->settings[i]);
+    const int length =
+        snprintf(series->folder, sizeof series->folder, "%s/study-XXXXXX", work->env->work_folder);
+    if (length < 0 || (size_t)length >= sizeof series->folder)
+        return orl_error_set(err, ORL_ERR_LIMIT, "the path of the work folder is too long");
+    if (!mkdtemp(series->folder)) {
+        series->folder[0] = '\0';
+        return orl_error_set(err, ORL_ERR_IO, "cannot make a folder in '%s': %s",
+                             work->env->work_folder, strerror(errno));
+    }
+    return 0;
+}
+
+static int fit_all(struct work *work, struct orl_error *err)
+{
+    struct orl_study *study = work->study;
+    int code = 0;
+    for (size_t i = 0; i < work->request->n_techniques && code >= 0; i++) {
+        code = orl_study_fit_make(study->points, study->n_points, work->request->techniques[i],
+                                  &study->fits[study->n_fits], err);
+        study->n_fits += code == 1;
+    }
+    return code < 0 ? code : 0;
+}
+
+int orl_study_run(const struct orl_study_request *request, const struct orl_study_env *env,
+                  struct orl_study *ret_study, struct orl_error *err)
+{
+    struct orl_study study = {.threads = orl_crew_size(env->crew),
+                              .of_views = orl_study_of_views(request)};
+    struct work work = {.request = request,
+                        .env = env,
+                        .study = &study,
+                        .series_env = {.request = request,
+                                       .env = env,
+                                       .warnings = &study.warnings,
+                                       .n_warnings = &study.n_warnings}};
+    int code = orl_study_request_validate(request, err);
+    if (code == 0)
+        code = prepare(&work, err);
+    if (code == 0)
+        code = run_reference(&work, err);
+    for (size_t i = 0; i < work.n_settings && code == 0; i++)
+        code = run_setting(&work, &work.settings[i], err);
+    if (code == 0)
+        code = fit_all(&work, err);
+    if (code == 0)
+        orl_study_mark_front(study.points, study.n_points);
+    if (work.series_env.folder[0])
+        rmdir(work.series_env.folder);
+    free(work.settings);
+    orl_reference_done(&work.reference);
+    if (code < 0)
+        orl_study_done(&study);
+    else
+        *ret_study = study;
+    return code;
+}
