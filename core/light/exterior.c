@@ -2,14 +2,6 @@
 
 enum { MOST_BOUNCES = 64, SURE_BOUNCES = 3, MOST_PANES = 64 };
 
-/* Out by a port beyond which nothing is. */
-static bool leaves_clear(const struct orl_world *world, const struct orl_hit *hit)
-{
-    const int32_t port = world->port_of_facet ? world->port_of_facet[hit->facet] : ORL_NO_PORT;
-    return port != ORL_NO_PORT && world->ports[port].clear &&
-           hit->front != world->ports[port].outside_is_front;
-}
-
 struct orl_rgb orl_transmittance(const struct orl_world *world, struct orl_vec3 origin,
                                  struct orl_vec3 direction, double max_distance, bool through_ports)
 {
@@ -24,7 +16,7 @@ struct orl_rgb orl_transmittance(const struct orl_world *world, struct orl_vec3 
             (!through_ports && orl_world_crossing(world, &hit) == ORL_CROSSING_INWARDS))
             return orl_gray(0);
         share = orl_rgb_mul(share, through);
-        if (isinf(max_distance) && leaves_clear(world, &hit))
+        if (isinf(max_distance) && orl_world_leaves_clear(world, &hit))
             return share;
         origin = orl_hit_leave(world->geometry, &hit, direction);
         max_distance -= hit.distance;
@@ -57,7 +49,7 @@ struct orl_rgb orl_mirrored_transmittance(const struct orl_world *world, struct 
                                                   sun, INFINITY, through_ports)));
         }
         const struct orl_rgb through = orl_material_straight(m, &hit, orl_neg(direction));
-        if (!(orl_rgb_max(through) > 0) || leaves_clear(world, &hit) ||
+        if (!(orl_rgb_max(through) > 0) || orl_world_leaves_clear(world, &hit) ||
             (!through_ports && crossing == ORL_CROSSING_INWARDS))
             return sum;
         if (crossing != ORL_CROSSING_NONE)

@@ -173,3 +173,10 @@ enum orl_crossing orl_world_crossing(const struct orl_world *world, const struct
     return hit->front == world->ports[port].outside_is_front ? ORL_CROSSING_INWARDS
                                                              : ORL_CROSSING_OUTWARDS;
 }
+
+bool orl_world_leaves_clear(const struct orl_world *world, const struct orl_hit *hit)
+{
+    const int32_t port = world->port_of_facet ? world->port_of_facet[hit->facet] : ORL_NO_PORT;
+    return port != ORL_NO_PORT && world->ports[port].clear &&
+           hit->front != world->ports[port].outside_is_front;
+}

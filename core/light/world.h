@@ -57,8 +57,9 @@ struct orl_port {
 /* What a run leaves out (plan/plan.h decides). */
 struct orl_omissions {
     bool exterior; /* surfaces outside reflect nothing: they only stand in the way */
-    bool glossy, media, refraction, bleached; /* already done to the materials; here for who tells maps apart
-                                     */
+    bool glossy, media, refraction,
+        bleached; /* already done to the materials; here for who tells maps apart
+                   */
     bool mirror_caustics, lobe_caustics; /* no caustic photons by way of mirrors, of lobes */
     uint32_t most_reflections;           /* diffuse ones that light is followed through */
     uint32_t channels;                   /* 3, or 1: all is gray, and red stands for all */
@@ -130,5 +131,8 @@ bool orl_world_is_outside(const struct orl_world *world, struct orl_vec3 point);
 /* Whether a path through this hit passes a port, and to which side. */
 enum orl_crossing { ORL_CROSSING_NONE, ORL_CROSSING_INWARDS, ORL_CROSSING_OUTWARDS };
 enum orl_crossing orl_world_crossing(const struct orl_world *world, const struct orl_hit *hit);
+
+/* Whether it passes, outwards, a port beyond which nothing is. */
+bool orl_world_leaves_clear(const struct orl_world *world, const struct orl_hit *hit);
 
 #endif

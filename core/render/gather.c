@@ -196,6 +196,7 @@ static struct orl_rgb trace_gather(const struct orl_gather *gather, struct orl_v
     struct orl_rgb sum = orl_gray(0), weight = orl_gray(1), clarity = orl_gray(1);
     const enum orl_lobes but_diffuse = (enum orl_lobes)(ORL_LOBE_REFLECTED | ORL_LOBE_TRANSMITTED);
     bool lamps_sampled = true; /* by the shadow rays of the place that the ray comes from */
+    uint32_t reflections = 0;
     *ret_distance = INFINITY;
     search->health.paths++;
     for (int bounce = 0; bounce < MOST_BOUNCES; bounce++) {
@@ -213,7 +214,8 @@ static struct orl_rgb trace_gather(const struct orl_gather *gather, struct orl_v
         if (bounce == 0)
             *ret_distance = hit.distance;
         const struct orl_material *m = orl_world_material(world, &hit);
-        const bool diffuse = orl_rgb_max(orl_material_diffuse(m)) > 0;
+        const bool diffuse =
+            orl_rgb_max(orl_material_diffuse(m)) > 0 && reflections < world->omit.most_reflections;
         const bool near = hit.distance < gather->near;
         weight = orl_rgb_mul(weight, orl_material_dimming(m, &hit, clarity));
         if (orl_material_glows(m))
@@ -222,7 +224,7 @@ static struct orl_rgb trace_gather(const struct orl_gather *gather, struct orl_v
         if (diffuse)
             sum = orl_rgb_add(
                 sum, orl_rgb_mul(weight, diffuse_radiance(gather, &hit, m, near, random, search)));
-        const enum orl_lobes lobes = diffuse && !near ? but_diffuse : ORL_LOBE_ALL;
+        const enum orl_lobes lobes = diffuse && near ? ORL_LOBE_ALL : but_diffuse;
         const struct orl_vec3 eye = orl_neg(direction);
         const struct orl_scatter s =
             bounce == 0 && first
@@ -240,6 +242,10 @@ static struct orl_rgb trace_gather(const struct orl_gather *gather, struct orl_v
         }
         if (s.event != ORL_EVENT_STRAIGHT)
             lamps_sampled = s.event == ORL_EVENT_DIFFUSE;
+        reflections += s.event == ORL_EVENT_DIFFUSE;
+        if (s.transmitted && orl_world_leaves_clear(world, &hit))
+            return orl_rgb_add(sum,
+                               orl_rgb_mul(weight, orl_world_dome_radiance(world, s.direction)));
         outside = s.transmitted && !world->open &&
                   orl_world_crossing(world, &hit) == ORL_CROSSING_OUTWARDS;
         clarity = orl_scatter_clarity(m, &s, clarity);
@@ -271,11 +277,12 @@ struct orl_rgb orl_gather_direct(const struct orl_gather *gather, const struct o
 {
     double u[2];
     /* Where there are no caustic photons the sun in mirrors is found by its images. */
-    const struct orl_direct_query query = {.point = place->point,
-                                           .normal = place->normal,
-                                           .through_ports = true,
-                                           .mirrored = place->outside || place->in_air,
-                                           .u = u};
+    const struct orl_direct_query query = {
+        .point = place->point,
+        .normal = place->normal,
+        .through_ports = true,
+        .mirrored = place->outside || (place->in_air && !gather->world->omit.mirror_caustics),
+        .u = u};
     struct orl_random unused = {0}; /* the query has its numbers */
     struct orl_rgb sum = orl_gray(0);
     for (uint32_t i = first; i < first + rays; i++) {

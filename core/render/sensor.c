@@ -136,7 +136,7 @@ double orl_gather_sensor(const struct orl_gather *gather, struct orl_vec3 positi
             sum, orl_health_keep(health, orl_gather_caustic(gather, &footing, search).irradiance));
         if (!place.outside)
             rest = orl_gather_rest(gather, &footing, search);
-    } else if (place.in_air) {
+    } else if (place.in_air && !gather->world->omit.lobe_caustics) {
         sum = orl_rgb_add(sum, orl_health_keep(health, caustics_in_air(gather, &place, index)));
     }
     sum = orl_rgb_add(sum, rest.found > 0 ? orl_health_keep(health, rest.irradiance)
