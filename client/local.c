@@ -11,6 +11,7 @@
 #include "plan_table.h"
 #include "progress.h"
 #include "result_json.h"
+#include "study_table.h"
 
 /* The one variable outside a function: a signal handler has no other way to say anything. */
 static atomic_bool interrupted;
@@ -112,6 +113,43 @@ int orl_local_plan(const struct orl_job *job, const char *folder, uint32_t threa
     if (rc)
         return rc;
     rc = orl_plan_job(job, &env, ret_result, err);
+    orl_crew_stop(env.crew);
+    return rc;
+}
+
+static void on_study_progress(void *ctx, const char *what, double fraction)
+{
+    orl_progress_show(ctx, what, fraction, -1);
+}
+
+static void on_study_point(void *ctx, const struct orl_study_point *point)
+{
+    char text[160];
+
+    orl_format_study_point(point, text, sizeof text);
+    orl_progress_note(ctx, "%s", text);
+}
+
+int orl_local_study(const struct orl_study_request *request, const char *folder, const char *output,
+                    uint32_t threads, struct orl_study *ret_study, struct orl_error *err)
+{
+    const struct orl_files files = orl_files_from_folder(folder);
+    struct orl_progress progress;
+    const struct orl_study_env env = {.crew = orl_crew_start(threads),
+                                      .files = &files,
+                                      .work_folder = output,
+                                      .cancel = &interrupted,
+                                      .now_s = orl_clock_s,
+                                      .progress = on_study_progress,
+                                      .point_ready = on_study_point,
+                                      .ctx = &progress};
+    int rc;
+
+    if (!env.crew)
+        return orl_error_set(err, ORL_ERR_NOMEM, "%u threads cannot be started", threads);
+    orl_progress_start(&progress);
+    rc = orl_study_run(request, &env, ret_study, err);
+    orl_progress_end(&progress);
     orl_crew_stop(env.crew);
     return rc;
 }

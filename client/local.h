@@ -1,6 +1,6 @@
 /*
- * Jobs in this process: what `oriel run` and `oriel plan` have in common. Files come from the
- * folder of the job document. A second Ctrl-C or SIGTERM ends the program.
+ * Jobs in this process: what `oriel run`, `oriel plan` and `oriel study` have in common. Files come
+ * from the folder of the job document. A second Ctrl-C or SIGTERM ends the program.
  */
 #ifndef ORL_CLIENT_LOCAL_H
 #define ORL_CLIENT_LOCAL_H
@@ -9,11 +9,12 @@
 
 #include <oriel/error.h>
 #include <oriel/run.h>
+#include <oriel/study.h>
 
 /* The processors this process may use: fewer than there are, under taskset or in a container. */
 uint32_t orl_local_cores(void);
 
-/* From here on, Ctrl-C and SIGTERM cancel what the two below do. */
+/* From here on, Ctrl-C and SIGTERM cancel what those below do. */
 void orl_local_catch_interrupts(void);
 
 /* Renders, with progress on stderr; images go to output, maps to output/maps. */
@@ -23,5 +24,9 @@ int orl_local_run(const struct orl_job *job, const char *folder, const char *out
 /* Makes the plan, and nothing else; quietly. */
 int orl_local_plan(const struct orl_job *job, const char *folder, uint32_t threads,
                    struct orl_result *ret_result, struct orl_error *err);
+
+/* Runs the study, with progress on stderr; its runs keep nothing in output. */
+int orl_local_study(const struct orl_study_request *request, const char *folder, const char *output,
+                    uint32_t threads, struct orl_study *ret_study, struct orl_error *err);
 
 #endif

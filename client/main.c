@@ -17,6 +17,12 @@ static const struct orl_command commands[] = {
      "sensor or pixel at most (lux, or a share), what does it save (estimated seconds of one\n"
      "thread), and why. The job's \"effects\" can force or skip each.",
      orl_cmd_plan},
+    {"study", "STUDY.json -o DIR [--threads N]",
+     "Show what accuracy costs in time, by techniques and settings",
+     "Runs every technique at every number of photons and samples that STUDY.json lists, with\n"
+     "several seeds, and compares them with one long unbiased run. Leaves study.json, study.csv,\n"
+     "study.svg and study.png in DIR. Times are of one thread unless --threads says more.",
+     orl_cmd_study},
     {"submit", "JOB.json [--server URL] [--wait]",
      "Send a job, and the files it needs, to a daemon",
      "Uploads the scene's files and everything they refer to, then prints the job's id.",

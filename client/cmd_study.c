@@ -1,0 +1,144 @@
+/*
+ * oriel study STUDY.json --output DIR: what accuracy costs in time, on one scene. Leaves
+ * study.json, study.csv, study.svg and study.png in DIR; prints the points as a table.
+ */
+#include "command.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <oriel/study.h>
+
+#include "files.h"
+#include "job_file.h"
+#include "local.h"
+#include "report.h"
+#include "study_json.h"
+#include "study_table.h"
+
+static const char *const file_names[] = {"study.json", "study.csv", "study.svg", "study.png"};
+enum { FILE_COUNT = sizeof file_names / sizeof *file_names };
+
+/* Older files must not outlive the start of a new study. */
+static int clear_output(const char *output, char paths[FILE_COUNT][4096], struct orl_error *err)
+{
+    int rc = orl_make_folder(output, err);
+
+    for (int i = 0; i < FILE_COUNT && rc == 0; i++) {
+        rc = orl_join_path(output, file_names[i], paths[i], sizeof paths[i], err);
+        if (rc == 0)
+            unlink(paths[i]);
+    }
+    return rc;
+}
+
+/* The document, with the name of its file in errors. */
+static int decode(const struct orl_job_file *file, struct orl_study_request *ret_request,
+                  char **ret_title, struct orl_error *err)
+{
+    struct orl_study_request request;
+    char *title = NULL;
+    int rc = orl_study_from_json(file->doc, &request, &title, err);
+
+    if (rc == 0) {
+        rc = orl_study_request_validate(&request, err);
+        if (rc) {
+            orl_study_request_done(&request);
+            free(title);
+        }
+    }
+    if (rc) {
+        orl_error_at(err, file->path, 0, NULL);
+        return rc;
+    }
+    *ret_request = request;
+    *ret_title = title;
+    return 0;
+}
+
+static int write_files(const struct orl_study *study, const char *title,
+                       char paths[FILE_COUNT][4096], struct orl_error *err)
+{
+    json_t *json = orl_study_to_json(study);
+    int rc = json ? orl_write_json(paths[0], json, err)
+                  : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+
+    json_decref(json);
+    if (rc == 0)
+        rc = orl_study_write_csv(study, paths[1], err);
+    if (rc == 0)
+        rc = orl_study_write_svg(study, title, paths[2], err);
+    if (rc == 0)
+        rc = orl_study_write_png(study, title, paths[3], err);
+    return rc;
+}
+
+static void print_summary(const struct orl_study *study, char paths[FILE_COUNT][4096])
+{
+    for (size_t i = 0; i < study->n_warnings; i++)
+        fprintf(stderr, "warning: %s\n", study->warnings[i]);
+    orl_study_print(stdout, study);
+    printf("\n");
+    for (int i = 0; i < FILE_COUNT; i++)
+        printf("%s\n", paths[i]);
+}
+
+static int run_document(const char *document, const char *output, uint32_t threads)
+{
+    struct orl_job_file file = {0};
+    struct orl_study_request request = {0};
+    struct orl_study study = {0};
+    struct orl_error err = {0};
+    char paths[FILE_COUNT][4096], *title = NULL;
+    int rc = clear_output(output, paths, &err);
+
+    if (rc == 0)
+        rc = orl_job_file_read(document, &file, &err);
+    if (rc == 0)
+        rc = decode(&file, &request, &title, &err);
+    if (rc == 0)
+        rc = orl_local_study(&request, file.folder, output, threads, &study, &err);
+    if (rc == 0)
+        rc = write_files(&study, title, paths, &err);
+    if (rc == 0)
+        print_summary(&study, paths);
+    else
+        orl_report_error(&err);
+    free(title);
+    orl_study_done(&study);
+    orl_study_request_done(&request);
+    orl_job_file_done(&file);
+    return rc ? ORL_EXIT_FAILED : ORL_EXIT_OK;
+}
+
+int orl_cmd_study(const struct orl_command *self, int argc, char **argv)
+{
+    const char *output = NULL, *threads_text = NULL;
+    const struct orl_option options[] = {
+        {.name = "output",
+         .letter = 'o',
+         .metavar = "DIR",
+         .help = "where the study's files go",
+         .value = &output},
+        {.name = "threads",
+         .letter = 'j',
+         .metavar = "N",
+         .help = "threads of every run (default: 1); times depend on it, errors do not",
+         .value = &threads_text},
+    };
+    struct orl_operands operands;
+    uint64_t threads = 1;
+    int code;
+
+    if (!orl_options_parse(self, argc, argv, options, 2, 1, 1, &operands, &code))
+        return code;
+    if (!output)
+        return orl_usage_error(self, "-o DIR is missing");
+    if (threads_text && !orl_parse_count(threads_text, 1, 1024, &threads))
+        return orl_usage_error(self, "--threads takes a number from 1 to 1024, not \"%s\"",
+                               threads_text);
+    orl_local_catch_interrupts();
+    return run_document(operands.items[0], output, (uint32_t)threads);
+}

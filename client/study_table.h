@@ -1,0 +1,15 @@
+/* A study for people: a table of its points, what was fitted, what to make of the reference. */
+#ifndef ORL_CLIENT_STUDY_TABLE_H
+#define ORL_CLIENT_STUDY_TABLE_H
+
+#include <stddef.h>
+#include <stdio.h>
+
+#include <oriel/study.h>
+
+void orl_study_print(FILE *to, const struct orl_study *study);
+
+/* "gather, 1.0 M photons, 256 samples: 1.2 s, rms 2.31 %". */
+void orl_format_study_point(const struct orl_study_point *point, char *ret_text, size_t size);
+
+#endif
