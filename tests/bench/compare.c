@@ -29,26 +29,46 @@ static double mean(const struct bench_reference *r)
     return sum / (double)r->n;
 }
 
+static int falling(const void *a, const void *b)
+{
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x < y) - (x > y);
+}
+
+/* Of squares, reordered, without the largest n_without. */
+static double root_mean(double *squares, size_t n, size_t n_without)
+{
+    double sum = 0;
+    qsort(squares, n, sizeof *squares, falling);
+    for (size_t i = n_without; i < n; i++)
+        sum += squares[i];
+    return n > n_without && sum > 0 ? sqrt(sum / (double)(n - n_without)) : 0;
+}
+
 struct bench_deviation bench_compare(const struct bench_reference *reference, const double *values,
                                      double darkest)
 {
     const double least = darkest * mean(reference);
     struct bench_deviation d = {0};
-    double squares = 0, sum = 0, n = 0;
+    double *squares = malloc(reference->n * sizeof *squares), sum = 0;
+    size_t n = 0;
+    if (!squares)
+        bench_fail("out of memory", NULL);
     for (size_t i = 0; i < reference->n; i++) {
         const double r = at(reference, i), x = values[i];
         if (!(r > least))
             continue;
-        squares += (x - reference->a[i]) * (x - reference->b[i]) / (r * r);
+        squares[n++] = (x - reference->a[i]) * (x - reference->b[i]) / (r * r);
         sum += (x - r) / r;
-        n++;
         if (fabs(x - r) / r > fabs(d.worst)) {
             d.worst = (x - r) / r;
             d.worst_at = i;
         }
     }
-    d.rms = n > 0 && squares > 0 ? sqrt(squares / n) : 0;
-    d.bias = n > 0 ? sum / n : 0;
+    d.rms = root_mean(squares, n, 0);
+    d.rms_99 = root_mean(squares, n, (n + 99) / 100);
+    d.bias = n > 0 ? sum / (double)n : 0;
+    free(squares);
     return d;
 }
 
