@@ -20,7 +20,8 @@ struct walk {
     bool lamps_sampled;          /* lamps met now were already counted by shadow rays */
     uint32_t mirrors;            /* since then */
     bool outside;
-    bool met; /* a surface, at hit */
+    bool clear; /* outside, with nothing but the sky before it */
+    bool met;   /* a surface, at hit */
     struct orl_hit hit;
 };
 
@@ -132,6 +133,7 @@ static bool scatter(struct walk *w, const struct orl_material *m)
     note_event(w, s.event);
     if (s.transmitted && !world->open && orl_world_crossing(world, &w->hit) != ORL_CROSSING_NONE)
         w->outside = orl_world_crossing(world, &w->hit) == ORL_CROSSING_OUTWARDS;
+    w->clear = w->outside && s.transmitted && orl_world_leaves_clear(world, &w->hit);
     w->origin = orl_hit_leave(world->geometry, &w->hit, s.direction);
     w->direction = s.direction;
     if (!w->outside)
@@ -145,6 +147,10 @@ static struct orl_rgb follow(struct walk *w)
 {
     const struct orl_world *world = w->tracer->backward->world;
     for (int bounce = 0; bounce < MOST_BOUNCES; bounce++) {
+        if (w->clear) {
+            collect(w, orl_world_dome_radiance(world, w->direction));
+            return w->sum;
+        }
         if (w->outside) {
             collect(w, orl_exterior_radiance(world, w->origin, w->direction, w->lamps_sampled,
                                              &w->tracer->random, w->tracer->health));
@@ -220,18 +226,13 @@ static struct orl_rgb direct_light(struct orl_tracer *tracer, const struct stop 
                             &tracer->random);
 }
 
-/* Mean of a few virtual lamps. */
 static struct orl_rgb some_lamps(struct orl_tracer *tracer, const struct stop *stop)
 {
-    const uint32_t lamps = stop->sampling ? stop->sampling->lamps : 1;
-    struct orl_rgb sum = orl_gray(0);
-    for (uint32_t k = 0; k < lamps; k++) {
-        double u;
-        numbers(tracer, stop, SLOT_LAMPS, lamps, k, 1, &u);
-        sum = orl_rgb_add(sum, orl_vpl_light(&tracer->backward->vpls, tracer->group, u,
-                                             stop->place.point, stop->place.normal));
-    }
-    return orl_rgb_scale(sum, 1.0 / lamps);
+    double u;
+    numbers(tracer, stop, SLOT_LAMPS, 1, 0, 1, &u);
+    return orl_vpl_light(&tracer->backward->vpls, tracer->group, u,
+                         stop->sampling ? stop->sampling->lamps : 1, stop->place.point,
+                         stop->place.normal);
 }
 
 /* What one aimed ray adds. */

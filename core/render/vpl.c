@@ -7,7 +7,7 @@
 
 /* The cap, as the inverse square of a length: this share of what lamps are typically apart. */
 static const double near_share = 0.12;
-enum { PAIRS = 1024 };
+enum { PAIRS = 1024, CUT_A_LAMP = 4 };
 
 static struct orl_vec3 from_floats(const float v[3])
 {
@@ -89,23 +89,36 @@ void orl_vpls_done(struct orl_vpls *vpls)
     memset(vpls, 0, sizeof *vpls);
 }
 
-struct orl_rgb orl_vpl_light(const struct orl_vpls *vpls, uint32_t group, double u,
-                             struct orl_vec3 point, struct orl_vec3 normal)
+/* Irradiance at a place by one lamp. */
+static struct orl_rgb light_of(const struct orl_vpls *vpls, const struct orl_vpl *lamp,
+                               struct orl_vec3 point, struct orl_vec3 normal)
 {
-    uint32_t lamp;
-    double probability;
-    if (!orl_vpl_draw(vpls, group, u, point, normal, &lamp, &probability))
-        return orl_gray(0);
-    const struct orl_vpl *l = &vpls->lamps[lamp];
-    const struct orl_vec3 way = orl_sub(from_floats(l->place), point);
+    const struct orl_vec3 way = orl_sub(from_floats(lamp->place), point);
     const double d2 = orl_dot(way, way), d = sqrt(d2);
-    const double here = orl_dot(way, normal), there = -orl_dot(way, from_floats(l->place + 3));
+    const double here = orl_dot(way, normal);
+    const double there = -orl_dot(way, from_floats(lamp->place + 3));
     if (!(d > 0) || !(here > 0) || !(there > 0))
         return orl_gray(0);
     const double factor = fmin(here * there / (d2 * d2), vpls->most_sr_m2);
     /* In a sealed scene nothing goes out through a port and comes in again: light/world.h. */
     const struct orl_rgb share = orl_transmittance(vpls->world, point, orl_scale(way, 1 / d),
                                                    d * (1 - 1e-6), vpls->world->open);
-    const struct orl_rgb intensity = {l->intensity[0], l->intensity[1], l->intensity[2]};
-    return orl_rgb_scale(orl_rgb_mul(intensity, share), factor / (probability * vpls->emitted));
+    const struct orl_rgb intensity = {lamp->intensity[0], lamp->intensity[1], lamp->intensity[2]};
+    return orl_rgb_scale(orl_rgb_mul(intensity, share), factor);
+}
+
+struct orl_rgb orl_vpl_light(const struct orl_vpls *vpls, uint32_t group, double u, uint32_t lamps,
+                             struct orl_vec3 point, struct orl_vec3 normal)
+{
+    struct orl_vpl_cut cut;
+    struct orl_rgb sum = orl_gray(0);
+    orl_vpl_cut_init(&cut, vpls, group, CUT_A_LAMP * lamps, point, normal);
+    for (uint32_t k = 0; k < lamps; k++) {
+        uint32_t lamp;
+        double probability;
+        if (orl_vpl_draw(vpls, &cut, (u + k) / lamps, point, normal, &lamp, &probability))
+            sum = orl_rgb_add(sum, orl_rgb_scale(light_of(vpls, &vpls->lamps[lamp], point, normal),
+                                                 1 / (probability * lamps * vpls->emitted)));
+    }
+    return sum;
 }

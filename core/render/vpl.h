@@ -9,7 +9,7 @@
  *
  * Lamps are in as many independent groups as photons have batches, for standard errors. Those of a
  * group are leaves of a binary tree; a place draws one by going down from the root, at each fork by
- * lot, by how much each side might light the place at most (Yuksel 2019, stochastic lightcuts).
+ * lot, by how much each side may light the place (Yuksel 2019, stochastic lightcuts).
  */
 #ifndef ORL_RENDER_VPL_H
 #define ORL_RENDER_VPL_H
@@ -22,10 +22,10 @@ struct orl_vpl {
     float intensity[3]; /* W/sr along the normal, before the division by the number emitted */
 };
 
-/* Neighbours: within a radius of the center, normals within a spread of the normal. */
+/* Neighbours, within a box; normals within a spread of the normal. */
 struct orl_vpl_node {
-    float center[3], radius;
-    float normal[3], spread;
+    float center[3], half[3], normal[3];
+    float radius, spread;
     float power;           /* sum of the lamps' intensities: luma */
     uint32_t first, count; /* lamps */
     uint32_t right;        /* node; the left one is the next. 0: a leaf */
@@ -46,13 +46,29 @@ int orl_vpls_init(struct orl_vpls *vpls, const struct orl_world *world,
                   const struct orl_photon *photons, size_t count, uint64_t emitted);
 void orl_vpls_done(struct orl_vpls *vpls);
 
-/* One estimate of the irradiance at a place by all of a group's lamps. u: even over samples. */
-struct orl_rgb orl_vpl_light(const struct orl_vpls *vpls, uint32_t group, double u,
+/*
+ * One estimate of the irradiance at a place by all of a group's lamps, from that many of them.
+ * u: even over samples.
+ */
+struct orl_rgb orl_vpl_light(const struct orl_vpls *vpls, uint32_t group, double u, uint32_t lamps,
                              struct orl_vec3 point, struct orl_vec3 normal);
 
-/* A lamp drawn for a place, and the probability; false when none lights it. */
-bool orl_vpl_draw(const struct orl_vpls *vpls, uint32_t group, double u, struct orl_vec3 point,
-                  struct orl_vec3 normal, uint32_t *ret_lamp, double *ret_probability);
+/* The top of a group's tree as a place sees it: forks of which most depends are decided first. */
+enum { ORL_VPL_MOST_CUT = 32 };
+struct orl_vpl_cut {
+    uint32_t nodes[ORL_VPL_MOST_CUT];
+    double light[ORL_VPL_MOST_CUT];  /* about */
+    double unsure[ORL_VPL_MOST_CUT]; /* of it, 0 where there is nothing to decide */
+    uint32_t count;
+    double sum; /* of light; 0: no lamp lights the place */
+};
+void orl_vpl_cut_init(struct orl_vpl_cut *cut, const struct orl_vpls *vpls, uint32_t group,
+                      uint32_t size, struct orl_vec3 point, struct orl_vec3 normal);
+
+/* A lamp drawn by a cut of the same place, and the probability; false when none lights it. */
+bool orl_vpl_draw(const struct orl_vpls *vpls, const struct orl_vpl_cut *cut, double u,
+                  struct orl_vec3 point, struct orl_vec3 normal, uint32_t *ret_lamp,
+                  double *ret_probability);
 
 /* Makes the trees, and puts the lamps in their order. Returns 0 or ORL_ERR_NOMEM. */
 int orl_vpl_plant(struct orl_vpls *vpls);

@@ -6,6 +6,7 @@
 enum { LAMPS_A_LEAF = 4 };
 /* Lamps within such an angle, seen from a place, are not told apart. */
 static const double alike = 0.2;
+static const double least_cosine = 1e-3; /* of what is seen at all */
 
 struct gardener {
     struct orl_vpls *vpls;
@@ -55,6 +56,7 @@ static void describe(struct orl_vpl_node *node, const struct bounds *b, const st
         const double turn = 0.5 * ((double)b->high[axis + 3] - b->low[axis + 3]);
         node->center[axis] = 0.5F * (b->high[axis] + b->low[axis]);
         node->normal[axis] = 0.5F * (b->high[axis + 3] + b->low[axis + 3]);
+        node->half[axis] = (float)(half * (1 + 1e-5));
         radius2 += half * half;
         spread2 += turn * turn;
     }
@@ -113,22 +115,38 @@ int orl_vpl_plant(struct orl_vpls *vpls)
     return 0;
 }
 
-/* How much the lamps of a node light a place, at most: zero only if none can. */
-static double most_light(const struct orl_vpl_node *node, struct orl_vec3 point,
-                         struct orl_vec3 normal, double most_sr_m2)
+/*
+ * How far a node's lamps may be up along a normal, given how far its middle is: generously, for the
+ * nearest of them shine most. Of those in the place's own plane nothing much is to be had.
+ */
+static double height(const struct orl_vpl_node *node, const double normal[3], double middle,
+                     double turned, double near)
 {
+    const double most = middle + turned + fabs(normal[0]) * node->half[0] +
+                        fabs(normal[1]) * node->half[1] + fabs(normal[2]) * node->half[2];
+    const double least = least_cosine * near;
+    if (!(most > 0))
+        return 0;
+    return most > least ? fmin(middle + turned + node->radius, 2 * near) : least;
+}
+
+/* About how much the lamps of a node light a place: zero only if none can. */
+static double likely_light(const struct orl_vpl_node *node, struct orl_vec3 point,
+                           struct orl_vec3 normal, double most_sr_m2)
+{
+    const double up[3] = {normal.x, normal.y, normal.z};
+    const double down[3] = {node->normal[0], node->normal[1], node->normal[2]};
     const double x = node->center[0] - point.x, y = node->center[1] - point.y,
                  z = node->center[2] - point.z, r = node->radius;
-    const double d2 = x * x + y * y + z * z, far = sqrt(d2) + r;
-    const double here = x * normal.x + y * normal.y + z * normal.z + r;
-    const double there =
-        r + far * node->spread - (x * node->normal[0] + y * node->normal[1] + z * node->normal[2]);
-    if (!(here > 0) || !(there > 0))
+    const double d2 = x * x + y * y + z * z, near2 = d2 > r * r ? d2 : r * r, near = sqrt(near2);
+    const double here = height(node, up, x * up[0] + y * up[1] + z * up[2], 0, near);
+    if (!(here > 0))
         return 0;
-    const double near2 = d2 > r * r ? d2 : r * r;
-    const double factor = (here < far ? here : far) * (there < far ? there : far);
+    const double there = height(node, down, -(x * down[0] + y * down[1] + z * down[2]),
+                                (sqrt(d2) + r) * node->spread, near);
+    const double factor = here * there;
     const double most = most_sr_m2 * near2 * near2; /* not divided yet: lamps may share a point */
-    return factor < most ? node->power * factor / (near2 * near2) : node->power * most_sr_m2;
+    return node->power * (factor < most ? factor / (near2 * near2) : most_sr_m2);
 }
 
 /* Seen from far off its lamps light a place all alike. */
@@ -140,17 +158,60 @@ static bool is_far(const struct orl_vpl_node *node, struct orl_vec3 point)
     return x * x + y * y + z * z > near * near && node->spread < alike;
 }
 
-bool orl_vpl_draw(const struct orl_vpls *vpls, uint32_t group, double u, struct orl_vec3 point,
-                  struct orl_vec3 normal, uint32_t *ret_lamp, double *ret_probability)
+static bool is_end(const struct orl_vpl_node *node, struct orl_vec3 point)
 {
-    double probability = 1;
+    return node->right == 0 || is_far(node, point);
+}
+
+static void set_node(struct orl_vpl_cut *cut, uint32_t i, const struct orl_vpls *vpls,
+                     uint32_t node, struct orl_vec3 point, struct orl_vec3 normal)
+{
+    const struct orl_vpl_node *n = &vpls->nodes[node];
+    cut->nodes[i] = node;
+    cut->light[i] = likely_light(n, point, normal, vpls->most_sr_m2);
+    cut->unsure[i] = cut->light[i] > 0 && !is_end(n, point) ? cut->light[i] : 0;
+}
+
+void orl_vpl_cut_init(struct orl_vpl_cut *cut, const struct orl_vpls *vpls, uint32_t group,
+                      uint32_t size, struct orl_vec3 point, struct orl_vec3 normal)
+{
+    cut->count = 0;
+    cut->sum = 0;
     if (vpls->first[group + 1] == vpls->first[group])
+        return;
+    set_node(cut, 0, vpls, vpls->roots[group], point, normal);
+    for (cut->count = 1; cut->count < size && cut->count < ORL_VPL_MOST_CUT; cut->count++) {
+        uint32_t most = 0;
+        for (uint32_t i = 1; i < cut->count; i++)
+            most = cut->unsure[i] > cut->unsure[most] ? i : most;
+        if (!(cut->unsure[most] > 0))
+            break;
+        const uint32_t node = cut->nodes[most];
+        set_node(cut, most, vpls, node + 1, point, normal);
+        set_node(cut, cut->count, vpls, vpls->nodes[node].right, point, normal);
+    }
+    for (uint32_t i = 0; i < cut->count; i++)
+        cut->sum += cut->light[i];
+}
+
+bool orl_vpl_draw(const struct orl_vpls *vpls, const struct orl_vpl_cut *cut, double u,
+                  struct orl_vec3 point, struct orl_vec3 normal, uint32_t *ret_lamp,
+                  double *ret_probability)
+{
+    uint32_t i = 0;
+    if (!(cut->sum > 0))
         return false;
-    const struct orl_vpl_node *node = &vpls->nodes[vpls->roots[group]];
-    while (node->right != 0 && !is_far(node, point)) {
+    for (u *= cut->sum; i + 1 < cut->count && u >= cut->light[i]; i++)
+        u -= cut->light[i];
+    if (!(cut->light[i] > 0)) /* only by rounding */
+        return false;
+    double probability = cut->light[i] / cut->sum;
+    u /= cut->light[i];
+    const struct orl_vpl_node *node = &vpls->nodes[cut->nodes[i]];
+    while (!is_end(node, point)) {
         const struct orl_vpl_node *left = node + 1, *right = &vpls->nodes[node->right];
-        const double l = most_light(left, point, normal, vpls->most_sr_m2);
-        const double r = most_light(right, point, normal, vpls->most_sr_m2);
+        const double l = likely_light(left, point, normal, vpls->most_sr_m2);
+        const double r = likely_light(right, point, normal, vpls->most_sr_m2);
         if (!(l + r > 0))
             return false;
         const double share = l / (l + r);
@@ -159,8 +220,7 @@ bool orl_vpl_draw(const struct orl_vpls *vpls, uint32_t group, double u, struct 
         probability *= go_left ? share : 1 - share;
         node = go_left ? left : right;
     }
-    const uint32_t n = (uint32_t)(fmin(fmax(u, 0), 1 - 0x1p-53) * node->count);
-    *ret_lamp = node->first + n;
+    *ret_lamp = node->first + (uint32_t)(fmin(fmax(u, 0), 1 - 0x1p-53) * node->count);
     *ret_probability = probability / node->count;
     return true;
 }

@@ -8,7 +8,7 @@
 #include "run/stages.h"
 
 /* More lamps than samples connect to are of no use. */
-enum { MOST_LAMPS = 1000000 };
+enum { MOST_LAMPS = 200000 };
 
 struct work {
     struct orl_run_state *state;
