@@ -161,19 +161,25 @@ static void add_marker(struct room *room, double x, double y, double half)
     room->markers[room->n_markers++] = (struct orl_box){x - half, y - half, x + half, y + half};
 }
 
-static void add_curves(struct room *room, const struct orl_study *study, size_t *index)
+/* The segments of a curve through those points. */
+static void add_curve(struct room *room, const struct orl_study *study, const size_t *index,
+                      size_t n)
 {
     const struct orl_chart *chart = room->chart;
-    for (int technique = 0; technique < ORL_TECHNIQUE_COUNT; technique++) {
-        const size_t n = orl_chart_line(study, (enum orl_technique)technique, index);
-        for (size_t i = 1; i < n; i++) {
-            const struct orl_study_point *a = &study->points[index[i - 1]];
-            const struct orl_study_point *b = &study->points[index[i]];
-            room->segments[room->n_segments++] = (struct segment){
-                orl_axis_at(&chart->x, a->total_s), orl_axis_at(&chart->y, 100 * a->rms),
-                orl_axis_at(&chart->x, b->total_s), orl_axis_at(&chart->y, 100 * b->rms), 12};
-        }
+    for (size_t i = 1; i < n; i++) {
+        const struct orl_study_point *a = &study->points[index[i - 1]];
+        const struct orl_study_point *b = &study->points[index[i]];
+        room->segments[room->n_segments++] = (struct segment){
+            orl_axis_at(&chart->x, a->total_s), orl_axis_at(&chart->y, 100 * a->rms),
+            orl_axis_at(&chart->x, b->total_s), orl_axis_at(&chart->y, 100 * b->rms), 12};
     }
+}
+
+static void add_curves(struct room *room, const struct orl_study *study, size_t *index)
+{
+    for (int technique = 0; technique < ORL_TECHNIQUE_COUNT; technique++)
+        add_curve(room, study, index, orl_chart_line(study, (enum orl_technique)technique, index));
+    add_curve(room, study, index, orl_chart_front(study, index));
 }
 
 static void add_points(struct room *room, const struct orl_study *study)
@@ -199,7 +205,7 @@ static void add_points(struct room *room, const struct orl_study *study)
 /* "2 M", "250 k", "4096". */
 static void format_count(double count, char *ret_text, size_t size)
 {
-    const double unit = count >= 1e5 && count >= 1e6 / 4 ? 1e6 : count >= 1e4 ? 1e3 : 1;
+    const double unit = count >= 1e6 ? 1e6 : count >= 1e4 ? 1e3 : 1;
     snprintf(ret_text, size, "%.4g%s", count / unit, unit > 1e3 ? " M" : unit > 1 ? " k" : "");
 }
 
@@ -240,7 +246,7 @@ int orl_chart_place_labels(struct orl_chart *chart, const struct orl_study *stud
     const size_t n = study->n_points;
     struct room room = {.chart = chart,
                         .markers = calloc(n + study->n_given + 1, sizeof *room.markers),
-                        .segments = calloc(2 * n + 1, sizeof *room.segments)};
+                        .segments = calloc(3 * n + 1, sizeof *room.segments)};
     size_t *index = calloc(n + 1, sizeof *index);
     int code = 0;
     if (!room.markers || !room.segments || !index) {
