@@ -71,8 +71,8 @@ SERVER_LIB_OBJ := $(filter-out %/server/main.o,$(SERVER_OBJ))
 TEST_BIN   := $(patsubst tests/%.c,$(BUILD)/tests/%,$(TEST_SRC))
 BENCH_BIN  := $(patsubst tests/%.c,$(BUILD)/tests/%,$(BENCH_SRC))
 
-.PHONY: all help clean check demo lint format asan tsan bench table2 gallery tests deps-build deps-check \
-	deps-lint deps-demo deps-fuzz fuzz fuzzers stability cie171 oracles FORCE
+.PHONY: all help clean check demo lint format asan tsan bench table2 gallery study tests deps-build \
+	deps-check deps-lint deps-demo deps-fuzz fuzz fuzzers stability cie171 oracles FORCE
 all: $(BUILD)/oriel $(BUILD)/orield $(BUILD)/oriel-lcp
 
 help:
@@ -91,6 +91,7 @@ help:
 ## make fuzz       every reader of untrusted input under libFuzzer, SECONDS=60 each
 ## make bench      speed against the raw ray rate, in one run
 ## make table2     the techniques' times and errors on the office, beside Radiance's if it is there
+## make study      what accuracy costs in time on the office: a table, and build/study/study.png
 ## make gallery    pictures by all techniques, side by side, in build/gallery
 ## make format     clang-format in place
 
@@ -252,6 +253,17 @@ bench: deps-check
 table2 gallery: %: deps-check
 	@$(MAKE) --no-print-directory -j$(JOBS) all $(BUILD)/tests/bench/$*
 	@ORIEL_BUILD=$(BUILD) $(BUILD)/tests/bench/$*
+
+# In a copy of the office, where the panel's BSDF is made once.
+STUDY := $(BUILD)/study
+study: deps-demo
+	@$(MAKE) --no-print-directory -j$(JOBS) $(BUILD)/oriel $(BUILD)/oriel-lcp
+	@mkdir -p $(STUDY)/office
+	@cp client/examples/office/*.rad client/examples/office/*.json client/examples/office/sensors.txt \
+		$(STUDY)/office/
+	@test -s $(STUDY)/office/lcp.xml || { $(BUILD)/oriel-lcp --resolution 6 --seed 1 \
+		-o $(STUDY)/office/lcp.xml.part && mv $(STUDY)/office/lcp.xml.part $(STUDY)/office/lcp.xml; }
+	@$(BUILD)/oriel study $(STUDY)/office/study.json --output $(STUDY)
 
 demo: deps-demo
 	@$(MAKE) --no-print-directory -j$(JOBS) all

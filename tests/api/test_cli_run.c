@@ -130,8 +130,8 @@ static void test_wrong_command_lines_exit_with_2(void **state)
 
 static void test_every_command_has_help(void **state)
 {
-    static const char *const names[] = {"run",   "plan",   "submit", "status", "wait",
-                                        "fetch", "cancel", "maps",   "upload", "version"};
+    static const char *const names[] = {"run",   "plan",   "study", "submit", "status", "wait",
+                                        "fetch", "cancel", "maps",  "upload", "version"};
     struct fixture *f = *state;
     const char *const overview[] = {"--help", NULL};
 
