@@ -231,6 +231,8 @@ static bool add_legend(struct orl_chart *chart, const struct orl_study *study, c
     if (study->n_given > 0)
         ok = ok && add_row(chart, cairo, ORL_CHART_KEY_GIVEN, ORL_TECHNIQUE_AUTO, "other programs");
     chart->rows[chart->n_rows++].key = ORL_CHART_KEY_NOTE; /* an empty row */
+    ok = ok && add_row(chart, cairo, ORL_CHART_KEY_NOTE, ORL_TECHNIQUE_AUTO,
+                       "hollow: its technique does better");
     snprintf(text, sizeof text, "bars: standard error, %u seed%s",
              study->n_points > 0 ? study->points[0].seeds : 0,
              study->n_points > 0 && study->points[0].seeds == 1 ? "" : "s");

@@ -63,6 +63,11 @@ static struct segment leader_to(const struct orl_box *box, double x, double y)
                             0};
 }
 
+static double length_of(const struct segment *s)
+{
+    return hypot(s->x1 - s->x0, s->y1 - s->y0);
+}
+
 /* What the box costs for a label of the point (x, y); impossible where it meets a text. */
 static double cost_of(const struct room *room, const struct orl_box *box, double x, double y,
                       bool leads)
@@ -85,10 +90,13 @@ static double cost_of(const struct room *room, const struct orl_box *box, double
         const bool own = x > m->x0 && x < m->x1 && y > m->y0 && y < m->y1;
         cost += orl_box_meets(&wide, m) ? 40 : 0;
         cost += leads && !own && crosses(&leader, m) ? 12 : 0;
+        /* One would take it for the other point's. */
+        const struct segment rival = leader_to(box, 0.5 * (m->x0 + m->x1), 0.5 * (m->y0 + m->y1));
+        cost += !own && length_of(&rival) < length_of(&leader) + 4 ? 18 : 0;
     }
     for (size_t i = 0; i < room->n_segments; i++)
         cost += crosses(&room->segments[i], &wide) ? room->segments[i].cost : 0;
-    return cost + 0.4 * hypot(leader.x1 - x, leader.y1 - y);
+    return cost + 0.4 * length_of(&leader);
 }
 
 static void consider(const struct room *room, struct orl_box box, double x, double y, bool leads,
@@ -182,6 +190,17 @@ static void add_curves(struct room *room, const struct orl_study *study, size_t 
     add_curve(room, study, index, orl_chart_front(study, index));
 }
 
+/* The dashed line of the reference's own error. */
+static void add_reference(struct room *room, const struct orl_study *study)
+{
+    const struct orl_box *plot = &room->chart->plot;
+    const double noise = 100 * study->reference.standard_error;
+    if (!(noise > room->chart->y.low && noise < room->chart->y.high))
+        return;
+    const double y = orl_axis_at(&room->chart->y, noise);
+    room->segments[room->n_segments++] = (struct segment){plot->x0, y, plot->x1, y, 8};
+}
+
 static void add_points(struct room *room, const struct orl_study *study)
 {
     const struct orl_chart *chart = room->chart;
@@ -246,7 +265,7 @@ int orl_chart_place_labels(struct orl_chart *chart, const struct orl_study *stud
     const size_t n = study->n_points;
     struct room room = {.chart = chart,
                         .markers = calloc(n + study->n_given + 1, sizeof *room.markers),
-                        .segments = calloc(3 * n + 1, sizeof *room.segments)};
+                        .segments = calloc(3 * n + 2, sizeof *room.segments)};
     size_t *index = calloc(n + 1, sizeof *index);
     int code = 0;
     if (!room.markers || !room.segments || !index) {
@@ -254,6 +273,7 @@ int orl_chart_place_labels(struct orl_chart *chart, const struct orl_study *stud
     } else {
         add_points(&room, study);
         add_curves(&room, study, index);
+        add_reference(&room, study);
         const size_t n_front = orl_chart_front(study, index);
         code = label_all(&room, study, cairo, index, n_front, err);
     }

@@ -39,10 +39,8 @@ bool orl_study_heeds_photons(enum orl_technique technique)
 
 bool orl_study_heeds_samples(enum orl_technique technique, bool of_views)
 {
-    /* Views by photon maps choose their own rays. */
-    if (of_views)
-        return technique == ORL_TECHNIQUE_BACKWARD;
-    return technique != ORL_TECHNIQUE_DIRECT;
+    /* Views by photon maps choose their own rays; sensors read maps directly but for a gather. */
+    return technique == ORL_TECHNIQUE_BACKWARD || (technique == ORL_TECHNIQUE_GATHER && !of_views);
 }
 
 bool orl_study_of_views(const struct orl_study_request *request)

@@ -60,7 +60,8 @@ void orl_study_request_done(struct orl_study_request *request); /* NULL, half-fi
 /* Checks what can be checked without the scene, and how many runs it comes to. */
 int orl_study_request_validate(const struct orl_study_request *request, struct orl_error *err);
 
-/* Which settings the technique takes notice of, when it computes views or sensors. */
+/* Which settings the technique takes notice of, when it computes views or sensors. Sensors in
+ * mid-air are gathered for by direct and precomputed too, with a job's default of samples. */
 bool orl_study_heeds_photons(enum orl_technique technique);
 bool orl_study_heeds_samples(enum orl_technique technique, bool of_views);
 
