@@ -1,5 +1,7 @@
 #include "photon/adapt.h"
 
+#include <stdlib.h>
+
 #include "photon/flux.h"
 #include "photon/pack.h"
 
@@ -77,13 +79,39 @@ static double agreement(const struct ring *disc, const struct ring *ring)
     return x * x * (3 - 2 * x);
 }
 
+static int compare(const void *a, const void *b)
+{
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+double orl_adapt_reach(const struct orl_photon_map *map, double widest, struct orl_search *search)
+{
+    enum { PROBES = 128 };
+    const uint64_t count = map->header->count;
+    double radii[PROBES];
+    if (count == 0)
+        return widest;
+    for (uint32_t i = 0; i < PROBES; i++) {
+        const struct orl_photon p = orl_photon_map_get(map, count * i / PROBES);
+        const struct orl_density_query query = {
+            .point = orl_v3(p.position[0], p.position[1], p.position[2]),
+            .normal = orl_normal_decode(p.normal),
+            .k = ORL_ADAPT_MOST,
+            .max_radius = widest};
+        orl_density_nearest(map, &query, search, &radii[i]);
+    }
+    qsort(radii, PROBES, sizeof *radii, compare);
+    return fmin(2 * radii[3 * PROBES / 4], widest);
+}
+
 struct orl_density orl_adapt_estimate(const struct orl_photon_map *map,
                                       const struct orl_density_query *query,
                                       struct orl_search *search)
 {
     struct orl_neighbourhood n;
     struct ring rings[RINGS], disc = {.luma = 0};
-    orl_density_neighbourhood(map, query, search, &n);
+    orl_density_neighbourhood(map, query, SMALLEST, search, &n);
     struct orl_density density = {.radius = n.radius, .clear = n.clear, .found = n.found};
     if (n.found == 0)
         return density;

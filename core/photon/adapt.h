@@ -22,6 +22,13 @@
 
 enum { ORL_ADAPT_MOST = 2048 }; /* photons: 2 % of scatter where light is even */
 
+/*
+ * A largest radius for such estimates: twice what that many photons take at most of the map's own,
+ * so that an estimate in a dark corner is still one, but on a narrow bar does not search the whole
+ * scene. No more than widest.
+ */
+double orl_adapt_reach(const struct orl_photon_map *map, double widest, struct orl_search *search);
+
 /* As orl_density_estimate; radius is the mean of the discs used, by their weight in the result. */
 struct orl_density orl_adapt_estimate(const struct orl_photon_map *map,
                                       const struct orl_density_query *query,

@@ -28,6 +28,7 @@ double orl_record_clear(const struct orl_world *world, uint32_t tag)
 struct maker {
     const struct orl_records_making *making;
     struct orl_photon_map *rest; /* owned: the photons that count */
+    double reach;
     struct orl_photon *records;
     bool *made;
     size_t count, first;
@@ -39,7 +40,7 @@ static bool make_record(const struct maker *m, uint64_t leaf, struct orl_search 
     const struct orl_records_making *making = m->making;
     const struct orl_photon_map *map = m->rest;
     struct orl_site site = orl_site_make(map, leaf);
-    struct orl_density_query query = {.k = ORL_ADAPT_MOST, .max_radius = making->max_radius};
+    struct orl_density_query query = {.k = ORL_ADAPT_MOST, .max_radius = m->reach};
     struct orl_footing footing;
     if (!orl_site_ask(map, &site, leaf, making->world, &query, &footing))
         return false;
@@ -95,6 +96,8 @@ int orl_records_make(const struct orl_records_making *making, struct orl_photon 
         orl_error_set(err, code, "out of memory for precomputed irradiance");
         goto done;
     }
+    const double widest = 0.1 * making->world->geometry->radius;
+    m.reach = orl_adapt_reach(m.rest, widest, &making->searches[0]);
     code = make_all(&m);
     if (code < 0) {
         orl_error_set(err, code, "cancelled while precomputing irradiance");
@@ -115,10 +118,13 @@ done:
 
 /* ---- Reading --------------------------------------------------------------------------------- */
 
-/* Sum of weighted records. */
-struct blend {
-    struct orl_rgb sum;
-    double weight;
+/*
+ * A weighted fit of a plane to the records about a point: sums of weights, of offsets in the
+ * tangent plane over the radius (x, y), and of values with either.
+ */
+struct fit {
+    double weight, x, y, xx, xy, yy;
+    struct orl_rgb value, by_x, by_y;
     uint32_t joined;
 };
 
@@ -132,13 +138,48 @@ static double facing_weight(struct orl_vec3 normal, uint16_t own, uint16_t code)
     return fmin(fmax((cosine - cosine_30) / (1 - cosine_30), 0), 1);
 }
 
+static void add_to_fit(struct fit *fit, double weight, double x, double y, struct orl_rgb value)
+{
+    fit->weight += weight;
+    fit->x += weight * x;
+    fit->y += weight * y;
+    fit->xx += weight * x * x;
+    fit->xy += weight * x * y;
+    fit->yy += weight * y * y;
+    fit->value = orl_rgb_add(fit->value, orl_rgb_scale(value, weight));
+    fit->by_x = orl_rgb_add(fit->by_x, orl_rgb_scale(value, weight * x));
+    fit->by_y = orl_rgb_add(fit->by_y, orl_rgb_scale(value, weight * y));
+    fit->joined++;
+}
+
+/*
+ * The plane's value at the point. Records lie closer together where there is more light, so that a
+ * mean of them is too high on every slope; and beside walls all lie on one side. Where they hardly
+ * tell a slope the plane is held level (the ridge).
+ */
+static struct orl_rgb fit_value(const struct fit *fit)
+{
+    const double ridge = 0.02 * fit->weight;
+    const double xx = fit->xx + ridge, yy = fit->yy + ridge;
+    const double determinant = xx * yy - fit->xy * fit->xy;
+    const double a = (yy * fit->x - fit->xy * fit->y) / determinant;
+    const double b = (xx * fit->y - fit->xy * fit->x) / determinant;
+    const double weight = fit->weight - a * fit->x - b * fit->y;
+    const struct orl_rgb sum = orl_rgb_add(
+        fit->value, orl_rgb_add(orl_rgb_scale(fit->by_x, -a), orl_rgb_scale(fit->by_y, -b)));
+    return (struct orl_rgb){fmax(sum.r / weight, 0), fmax(sum.g / weight, 0),
+                            fmax(sum.b / weight, 0)};
+}
+
 static void add_record(const struct orl_photon_map *map, const struct orl_footing *footing,
-                       const struct orl_search_candidate *c, double radius, struct blend *blend)
+                       const struct orl_frame *frame, const struct orl_search_candidate *c,
+                       double radius, struct fit *fit)
 {
     const struct orl_photon record = orl_photon_map_get(map, c->index);
     const double distance = sqrt((double)c->distance2) * map->header->cell;
     const double share = distance / radius;
     const struct orl_vec3 at = orl_v3(record.position[0], record.position[1], record.position[2]);
+    const struct orl_vec3 way = orl_sub(at, footing->point);
     if (distance > orl_record_clear(footing->world, record.tag) && !orl_footing_joins(footing, at))
         return;
     const double bell = fmax(1 - share * share, 0);
@@ -147,9 +188,8 @@ static void add_record(const struct orl_photon_map *map, const struct orl_footin
         facing_weight(footing->normal, orl_normal_encode(footing->normal), record.normal);
     const struct orl_rgb value =
         orl_rgb_scale(orl_flux_unpack(map->fluxes[c->index]), map->header->flux_unit);
-    blend->sum = orl_rgb_add(blend->sum, orl_rgb_scale(value, weight));
-    blend->weight += weight;
-    blend->joined++;
+    add_to_fit(fit, weight, orl_dot(way, frame->u) / radius, orl_dot(way, frame->v) / radius,
+               value);
 }
 
 bool orl_records_irradiance(const struct orl_photon_map *records, const struct orl_footing *footing,
@@ -161,19 +201,20 @@ bool orl_records_irradiance(const struct orl_photon_map *records, const struct o
                                       .k = NEAREST + 1,
                                       .max_radius = max_radius,
                                       .footing = footing};
-    struct blend blend;
+    const struct orl_frame frame = orl_frame_about(footing->normal);
+    struct fit fit;
     for (;; query.k *= 4) {
         double radius;
         const uint32_t found = orl_density_nearest(records, &query, search, &radius);
-        blend = (struct blend){.weight = 0};
+        fit = (struct fit){.weight = 0};
         for (uint32_t i = 0; i < found; i++)
-            add_record(records, footing, &search->candidates[i], radius, &blend);
+            add_record(records, footing, &frame, &search->candidates[i], radius, &fit);
         /* Beyond a wall there may be many: look further on this side. */
-        if (blend.joined >= LEAST_JOINED || found + 1 < query.k || query.k >= MOST_SEARCHED)
+        if (fit.joined >= LEAST_JOINED || found + 1 < query.k || query.k >= MOST_SEARCHED)
             break;
     }
-    if (!(blend.weight > 1e-9))
+    if (!(fit.weight > 1e-9))
         return false;
-    *ret_irradiance = orl_rgb_scale(blend.sum, 1 / blend.weight);
+    *ret_irradiance = fit_value(&fit);
     return true;
 }

@@ -8,13 +8,15 @@
  * count the others. There is one record for every 32 such photons, amid a leaf (site.h) and on the
  * surface itself. Its tag says how far no wall stands about it (orl_record_clear).
  *
- * A look-up interpolates the nearest records of the same sheet that nothing stands in front of,
+ * A look-up fits a plane to the nearest records of the same sheet that nothing stands in front of,
  * with weights that fall to zero, with their slope, at the distance of the first one not used: as
- * records come and go nothing steps.
+ * records come and go nothing steps. A plane, and not a mean: records are as dense as photons, and
+ * a mean would lean to the bright side.
  *
  * Determinism: which records there are and what is in them depends on the global map and the scene.
  * Threads: making is by a crew; look-ups are from any thread.
- * References: Christensen 1999, Journal of Graphics Tools 4 (precomputed irradiance); Shepard 1968.
+ * References: Christensen 1999, Journal of Graphics Tools 4 (precomputed irradiance); Fan and
+ * Gijbels 1996, chapter 3 (local linear fits).
  */
 #ifndef ORL_PHOTON_RECORDS_H
 #define ORL_PHOTON_RECORDS_H
@@ -30,7 +32,6 @@ struct orl_records_making {
     const struct orl_world *world;
     struct orl_crew *crew;
     struct orl_search *searches; /* one per crew member */
-    double max_radius;           /* of estimates */
     atomic_bool *cancel;
     void (*progress)(void *ctx, double fraction);
     void *ctx;

@@ -9,10 +9,11 @@ struct walk {
     const struct orl_density_query *query;
     const struct orl_footprint *footprint; /* NULL: the whole disc */
     struct orl_search_candidate *candidates;
-    float flat2;   /* in cells: nearer than this photons lie in the footing's plane */
-    float at[3];   /* the query point, in cells, moved so that cell corners stand for centres */
-    float radius2; /* in cells */
-    float hint2;   /* in cells: where the k nearest are likely to be; 0: not known */
+    float flat2;     /* in cells: nearer than this photons lie in the footing's plane */
+    float at[3];     /* the query point, in cells, moved so that cell corners stand for centres */
+    float radius2;   /* in cells */
+    float hint2;     /* in cells: where the k nearest are likely to be; 0: not known */
+    uint32_t enough; /* found in a footprint, lest it be made larger */
     uint32_t k, found, room; /* room: candidates held before the nearest k are kept, > k */
     uint16_t normal;         /* the query's, coded */
     uint32_t facing;         /* bins of normals worth a visit */
@@ -115,15 +116,27 @@ static void walk_boxes(struct walk *walk)
     }
 }
 
+static float diagonal2_of(const struct orl_map_group *group, uint32_t child)
+{
+    float sum = 1;
+    for (int i = 0; i < 3; i++) {
+        const float side = group->high[i][child] - group->low[i][child];
+        sum += side * side;
+    }
+    return sum;
+}
+
 /*
- * A first radius, from the leaf nearest to the point: as if its photons lay on a square that just
- * fits its box, k of them take k/16 of its area. Half as much again, and most searches find k at
- * once without wading through many more.
+ * A first radius, from the leaves about the point: as if the photons of one lay on a square that
+ * just fits its box, k of them take k/16 of its area. The leaf nearest to the point may be two
+ * patches far apart, and then says nothing; so the smallest beside it is asked, too. To begin with
+ * too small a radius costs little, too large a one very much: three quarters of k will do.
  */
 static float first_radius2(const struct walk *walk)
 {
     uint32_t node = 0, nearest = 0;
     const struct orl_map_group *group = NULL;
+    float smallest2 = INFINITY;
     for (uint32_t level = walk->map->header->levels; level-- > 0;) {
         float distance2[ORL_MAP_FANOUT];
         group = &walk->map->levels[level][node];
@@ -132,17 +145,15 @@ static float first_radius2(const struct walk *walk)
         for (uint32_t c = 0; c < ORL_MAP_FANOUT; c++) {
             if (!(group->facing[c] & walk->facing))
                 distance2[c] = INFINITY;
+            else if (level == 0)
+                smallest2 = fminf(smallest2, diagonal2_of(group, c));
             if (distance2[c] < distance2[nearest])
                 nearest = c;
         }
         node = node * ORL_MAP_FANOUT + nearest;
     }
-    float diagonal2 = 1;
-    for (int i = 0; group && i < 3; i++) {
-        const float side = group->high[i][nearest] - group->low[i][nearest];
-        diagonal2 += side * side;
-    }
-    return diagonal2 * (float)(1.5 / (2 * ORL_PI) / ORL_MAP_LEAF) * (float)walk->k;
+    const float diagonal2 = group ? fminf(diagonal2_of(group, nearest), 3 * smallest2) : 1;
+    return diagonal2 * (float)(0.75 / (2 * ORL_PI) / ORL_MAP_LEAF) * (float)walk->k;
 }
 
 /* Searches ever wider until there are k, or all within the largest radius. */
@@ -158,7 +169,9 @@ static void search_nearest(struct walk *walk)
         walk_boxes(walk);
         if (walk->found >= walk->k || !(radius2 < most2))
             return;
-        radius2 *= 4;
+        /* As much wider as there are too few, and a little. */
+        const float lack = 1.3F * (float)walk->k / (float)(walk->found + 1);
+        radius2 *= fminf(lack, 8);
     }
 }
 
@@ -213,7 +226,7 @@ static struct orl_density find_in_footprint(struct walk *walk, double disc,
         walk->hint2 = hint_of(walk, disc);
         density = find_within(walk, reach);
         density.clear = fmin(footprint->clear, density.radius);
-        if (!(reach < most) || 4 * density.found >= walk->k)
+        if (!(reach < most) || density.found >= walk->enough)
             return density;
         reach = most;
     }
@@ -259,6 +272,7 @@ struct orl_density orl_density_estimate(const struct orl_photon_map *map,
                                         struct orl_search *search)
 {
     struct walk walk = walk_of(map, query, search);
+    walk.enough = (walk.k + 3) / 4;
     struct orl_footprint footprint;
     struct orl_density density = find(&walk, &footprint, &search->health);
     const double cell = map->header->cell;
@@ -272,10 +286,12 @@ struct orl_density orl_density_estimate(const struct orl_photon_map *map,
 }
 
 void orl_density_neighbourhood(const struct orl_photon_map *map,
-                               const struct orl_density_query *query, struct orl_search *search,
+                               const struct orl_density_query *query, uint32_t least,
+                               struct orl_search *search,
                                struct orl_neighbourhood *ret_neighbourhood)
 {
     struct walk walk = walk_of(map, query, search);
+    walk.enough = least;
     const struct orl_density density = find(&walk, &ret_neighbourhood->footprint, &search->health);
     ret_neighbourhood->found = density.found;
     ret_neighbourhood->radius = density.radius;

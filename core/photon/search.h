@@ -60,7 +60,8 @@ struct orl_density orl_density_estimate(const struct orl_photon_map *map,
 /*
  * The photons themselves, for estimates that weigh them by a rule of their own. They are the first
  * `found` of search->candidates, in no order: up to k - 1, within radius, which is the distance of
- * the next one; or all within max_radius.
+ * the next one; or all within max_radius. Where a footprint within twice the disc that holds k has
+ * `least` of them it is not made larger: a narrow surface has no more.
  */
 struct orl_neighbourhood {
     uint32_t found;
@@ -69,7 +70,8 @@ struct orl_neighbourhood {
     struct orl_footprint footprint; /* this part of it */
 };
 void orl_density_neighbourhood(const struct orl_photon_map *map,
-                               const struct orl_density_query *query, struct orl_search *search,
+                               const struct orl_density_query *query, uint32_t least,
+                               struct orl_search *search,
                                struct orl_neighbourhood *ret_neighbourhood);
 
 /*

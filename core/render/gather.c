@@ -59,7 +59,7 @@ static void choose_radii(struct orl_gather *gather, enum orl_map_kind kind, doub
         gather->near = 2 * far;
         break;
     case ORL_MAP_PRECOMPUTED:
-        gather->max_radius[kind] = widest;
+        gather->max_radius[kind] = fmin(8 * far, widest);
         break;
     default:
         gather->max_radius[kind] = fmin(far, widest);
@@ -89,6 +89,8 @@ int orl_gather_init(struct orl_gather *gather, const struct orl_world *world, en
             orl_gather_done(gather);
             return ORL_ERR_NOMEM;
         }
+        if (gather->of_rest)
+            gather->reach_of_rest = orl_adapt_reach(gather->of_rest, widest, search);
     }
     return 0;
 }
@@ -135,14 +137,11 @@ struct orl_density orl_gather_rest(const struct orl_gather *gather,
 {
     struct orl_density density = {.found = 0};
     if (gather->of_rest) {
-        /* Four times as far for sixteen times the photons. */
-        const double widest = fmax(0.1 * gather->world->geometry->radius, 1e-9);
-        const struct orl_density_query query = {
-            .point = footing->point,
-            .normal = footing->normal,
-            .k = ORL_ADAPT_MOST,
-            .max_radius = fmin(4 * gather->max_radius[ORL_MAP_GLOBAL], widest),
-            .footing = footing};
+        const struct orl_density_query query = {.point = footing->point,
+                                                .normal = footing->normal,
+                                                .k = ORL_ADAPT_MOST,
+                                                .max_radius = gather->reach_of_rest,
+                                                .footing = footing};
         return orl_adapt_estimate(gather->of_rest, &query, search);
     }
     if (gather->rest == ORL_REST_RECORDS && gather->maps[ORL_MAP_PRECOMPUTED])

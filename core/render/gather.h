@@ -40,6 +40,7 @@ struct orl_gather {
     double reach;                   /* a sensor so close to a surface lies on it */
     struct orl_leaves *leaves;      /* of the global map, owned; NULL when there is none */
     struct orl_photon_map *of_rest; /* ORL_REST_DENSITY: its photons of class REST, owned */
+    double reach_of_rest;           /* its estimates' */
     struct orl_sobol sobol;
     uint64_t seed;
 };

@@ -10,7 +10,7 @@
 static const char recipe[] = "oriel photons 7";
 
 /* And what precomputed irradiance does beyond its global map. */
-static const char records_recipe[] = "oriel records 1";
+static const char records_recipe[] = "oriel records 2";
 
 /* Of precomputed irradiance: from the key of the global map it is made from. */
 static void derive_key(const char global[ORL_DIGEST_HEX + 1], char ret_key[ORL_DIGEST_HEX + 1])
@@ -205,8 +205,6 @@ static int precompute(struct orl_run_state *state, struct map_work *work, struct
                                               .world = state->world,
                                               .crew = env->crew,
                                               .searches = state->searches,
-                                              .max_radius =
-                                                  fmax(0.1 * state->world->geometry->radius, 1e-9),
                                               .cancel = env->cancel,
                                               .progress = stage_progress,
                                               .ctx = state};
