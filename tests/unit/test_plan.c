@@ -513,7 +513,8 @@ static void test_plain_room(void **state)
     assert_false(plan.effects[ORL_EFFECT_CAUSTICS_BSDF].simulated);
     assert_int_equal(plan.channels, 1);
     assert_int_equal(plan.photons_caustic, 0);
-    assert_true(plan.photons_global > 0);
+    /* Smooth light: a final gather needs few photons. */
+    assert_in_range(plan.photons_global, 50000, 500000);
     for (int i = 0; i < ORL_EFFECT_COUNT; i++)
         assert_true(plan.effects[i].simulated || plan.effects[i].bound == 0);
 }
