@@ -1,0 +1,267 @@
+/*
+ * Views by the backward technique: against closed forms where there are any, and against views from
+ * photon maps elsewhere. Pixels are noisy; what is compared is the middle of parts of a picture.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "support/cli.h"
+#include "support/hdr.h"
+#include "support/room.h"
+
+enum { SIDE = 32, PARTS = 4 };
+typedef double picture[SIDE * SIDE][3];
+
+struct look {
+    const char *scene, *view;
+    const char *pane;             /* a BSDF, or NULL */
+    enum orl_technique technique; /* AUTO: backward */
+    uint32_t pixel_samples;
+    uint64_t photons;
+    const enum orl_wish *wishes;
+};
+
+static void look(const struct look *l, picture ret)
+{
+    char folder[64], path[128];
+    cli_make_folder(folder);
+    struct orl_result result = scene_run(&(struct scene_run){
+        .scene = l->scene,
+        .resource_name = l->pane ? "pane.xml" : NULL,
+        .resource_text = l->pane,
+        .view = l->view,
+        .width = SIDE,
+        .height = SIDE,
+        .technique = l->technique == ORL_TECHNIQUE_AUTO ? ORL_TECHNIQUE_BACKWARD : l->technique,
+        .global = l->photons ? l->photons : 100000,
+        .caustic = l->technique == ORL_TECHNIQUE_GATHER ? l->photons : 0,
+        .pixel_samples = l->pixel_samples ? l->pixel_samples : 16,
+        .wishes = l->wishes,
+        .folder = folder});
+    snprintf(path, sizeof path, "%s/view.hdr", folder);
+    hdr_read(path, SIDE, SIDE, ret);
+    orl_result_done(&result);
+    cli_remove_folder(folder);
+}
+
+static int compare(const void *a, const void *b)
+{
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* Middle of the pixels' ratios, green channel, in one of PARTS x PARTS parts of two pictures: not
+ * what lies on the edge of something bright, where the techniques place their rays differently. */
+static double part_ratio(picture a, picture b, int column, int row)
+{
+    enum { SIZE = SIDE / PARTS };
+    double ratios[SIZE * SIZE];
+    for (int i = 0; i < SIZE * SIZE; i++) {
+        const int pixel = (row * SIZE + i / SIZE) * SIDE + column * SIZE + i % SIZE;
+        ratios[i] = a[pixel][1] == b[pixel][1] ? 1 : a[pixel][1] / b[pixel][1];
+    }
+    qsort(ratios, SIZE * SIZE, sizeof *ratios, compare);
+    return ratios[SIZE * SIZE / 2];
+}
+
+static double mean(picture p)
+{
+    double sum = 0;
+    for (int i = 0; i < SIDE * SIDE; i++)
+        sum += p[i][1];
+    return sum / (SIDE * SIDE);
+}
+
+/*
+ * The same scene by both techniques: the middle ratio of a part's pixels is 1 within a share. The
+ * gather's own bias is 2 or 3 % where photons are dense enough, more on small things; of 64 pixels
+ * that scatter by some 10 % at 64 rays each the middle is good to 1.6 %.
+ */
+static void assert_both_alike(const char *scene, const char *pane, const char *view, double share)
+{
+    static picture gathered, backward;
+    look(&(struct look){.scene = scene,
+                        .view = view,
+                        .pane = pane,
+                        .technique = ORL_TECHNIQUE_GATHER,
+                        .photons = 300000},
+         gathered);
+    look(&(struct look){.scene = scene, .view = view, .pane = pane, .pixel_samples = 64}, backward);
+    for (int row = 0; row < PARTS; row++)
+        for (int column = 0; column < PARTS; column++) {
+            const double ratio = part_ratio(backward, gathered, column, row);
+            if (!(fabs(ratio - 1) <= share))
+                fail_msg("part %d, %d: backward %g of gather", column, row, ratio);
+        }
+}
+
+/*
+ * A white furnace: a lamp of radiance L and radius a in a sphere of reflectance rho. Its wall shows
+ * rho L a^2 / (1 - rho (1 - a^2)) everywhere, the lamp itself L. 16384 rays that scatter by about
+ * half of their value: 0.4 %.
+ */
+static void test_furnace(void **state)
+{
+    static const double reflectances[3] = {0.2, 0.5, 0.9};
+    static picture p;
+    (void)state;
+    for (int i = 0; i < 3; i++) {
+        const double rho = reflectances[i], a = 0.1;
+        const double wall = rho * 100 * a * a / (1 - rho * (1 - a * a));
+        char scene[512];
+        snprintf(scene, sizeof scene,
+                 "void light l 0 0 3 100 100 100\nl sphere lamp 0 0 4 0 0 0 .1\n"
+                 "void plastic w 0 0 5 %g %g %g 0 0\nw bubble wall 0 0 4 0 0 0 1\n",
+                 rho, rho, rho);
+        look(&(struct look){.scene = scene, .view = "-vtv -vp 0 .3 -.5 -vd 0 1 0 -vh 90 -vv 90"},
+             p);
+        if (!(fabs(mean(p) / wall - 1) < 0.012))
+            fail_msg("wall of %g: %g, not %g", rho, mean(p), wall);
+        look(&(struct look){.scene = scene, .view = "-vtv -vp 0 -.5 0 -vd 0 1 0 -vh 4 -vv 4"}, p);
+        assert_true(fabs(mean(p) / 100 - 1) < 0.01);
+    }
+}
+
+/* Thin glass of index 1.52 at that angle, t the share that one pass leaves: both polarisations. */
+static double through_glass(double cosine, double transmissivity)
+{
+    const double n = 1.52, inside = sqrt(1 - (1 - cosine * cosine) / (n * n));
+    const double t = pow(transmissivity, 1 / inside);
+    const double s = (cosine - n * inside) / (cosine + n * inside);
+    const double p = (n * cosine - inside) / (n * cosine + inside);
+    double sum = 0;
+    for (int i = 0; i < 2; i++) {
+        const double r = i == 0 ? s * s : p * p;
+        sum += 0.5 * (1 - r) * (1 - r) * t / (1 - r * r * t * t);
+    }
+    return sum;
+}
+
+/* A view of 0.2 degrees into the middle of a disc of 0.533: straight, through a pane, in a mirror.
+ * What panes and walls add is some millionths of it. */
+static void test_sun_disc(void **state)
+{
+    static const char up[] = "-vtv -vp 2 1.5 .3 -vd 0 -1 1 -vh .2 -vv .2";
+    static const char mirror[] = "void mirror m 0 0 3 .8 .8 .8\n"
+                                 "m polygon mirror 0 0 12 1.5 .5 .1 2.5 .5 .1 2.5 2 .1 1.5 2 .1\n";
+    static const char down[] = "-vtv -vp 2 2 1.1 -vd 0 -1 -1 -vh .2 -vv .2";
+    static picture p;
+    char scene[2048];
+    (void)state;
+    snprintf(scene, sizeof scene, "%s", ROOM_SKY ROOM_SUN ROOM_GREY ROOM_SHELL);
+    look(&(struct look){.scene = scene, .view = up, .photons = 2000}, p);
+    assert_true(fabs(mean(p) / 1e6 - 1) < 0.005);
+    snprintf(scene, sizeof scene, "%s",
+             ROOM_SKY ROOM_SUN ROOM_GREY ROOM_SHELL ROOM_CLEAR ROOM_PANE);
+    look(&(struct look){.scene = scene, .view = up, .photons = 2000}, p);
+    assert_true(fabs(mean(p) / (1e6 * through_glass(sqrt(0.5), 0.9)) - 1) < 0.005);
+    /* The mirror on the floor, seen from above, shows what is up. */
+    snprintf(scene, sizeof scene, "%s%s", ROOM_SKY ROOM_SUN ROOM_GREY ROOM_SHELL, mirror);
+    look(&(struct look){.scene = scene, .view = down, .photons = 2000}, p);
+    assert_true(fabs(mean(p) / 0.8e6 - 1) < 0.005);
+}
+
+static void test_room_with_a_pane(void **state)
+{
+    (void)state;
+    assert_both_alike(ROOM_SKY ROOM_SUN ROOM_GREY ROOM_SHELL ROOM_CLEAR ROOM_PANE, NULL,
+                      "-vtv -vp 2 .5 1.5 -vd 0 1 -.2 -vh 90 -vv 80", 0.06);
+}
+
+/* From outside, through the pane: the ground in front of it, the wall, and what is seen within. */
+static void test_from_outside(void **state)
+{
+    (void)state;
+    assert_both_alike(ROOM_SKY ROOM_SUN ROOM_GREY ROOM_SHELL ROOM_CLEAR ROOM_PANE
+                      "w polygon ground 0 0 12 -9 -9 -.1 13 -9 -.1 13 14 -.1 -9 14 -.1\n",
+                      NULL, "-vtv -vp 1.5 -3 1.7 -vd .1 1 0 -vh 60 -vv 50", 0.06);
+}
+
+/* A glossy table under a clear window, and a lamp over it. */
+static void test_gloss_and_lamps(void **state)
+{
+    (void)state;
+    assert_both_alike(ROOM_SKY ROOM_SUN ROOM_GREY ROOM_SHELL ROOM_CLEAR ROOM_PANE
+                      "void plastic t 0 0 5 .3 .3 .3 .1 .1\n"
+                      "t polygon table 0 0 12 1 1 .8 3 1 .8 3 3 .8 1 3 .8\n"
+                      "void light b 0 0 3 20 20 20\n"
+                      "b polygon bulb 0 0 12 1.8 2 2.9 1.8 2.4 2.9 2.2 2.4 2.9 2.2 2 2.9\n",
+                      NULL, "-vtv -vp 2 4.5 1.6 -vd 0 -1 -.1 -vh 80 -vv 80", 0.08);
+}
+
+/* A BSDF in the window, seen itself; a mirror shows the room once more. */
+static void test_lobes_and_mirrors(void **state)
+{
+    char xml[2048];
+    (void)state;
+    scene_uniform_bsdf(0.2, xml);
+    assert_both_alike(ROOM_SKY ROOM_SUN ROOM_GREY ROOM_SHELL ROOM_BSDF ROOM_PANE
+                      "void mirror m 0 0 3 .8 .8 .8\n"
+                      "m polygon mirror 0 0 12 .1 1 .5 .1 4 .5 .1 4 2.5 .1 1 2.5\n",
+                      xml, "-vtv -vp 3 4.5 1.6 -vd -.4 -1 -.1 -vh 80 -vv 80", 0.08);
+}
+
+/* What a BSDF stands for is seen, and lit as it is seen. */
+static void test_what_stands_behind(void **state)
+{
+    char xml[2048];
+    (void)state;
+    scene_uniform_bsdf(0.2, xml);
+    assert_both_alike(ROOM_SKY ROOM_SUN ROOM_GREY ROOM_SHELL
+                      "void BSDF p 6 .2 pane.xml 0 0 1 . 0 0\n" ROOM_PANE
+                      "void plastic s 0 0 5 .5 .5 .5 0 0\n"
+                      "s polygon s1 0 0 12 1 -.14 1.4 3 -.14 1.4 3 -.02 1.4 1 -.02 1.4\n"
+                      "s polygon s2 0 0 12 1 -.14 1.9 3 -.14 1.9 3 -.02 1.9 1 -.02 1.9\n",
+                      xml, "-vtv -vp 2 .5 2.4 -vd 0 -1 -1 -vh 40 -vv 40", 0.08);
+}
+
+/* Pictures do not depend on the number of threads. */
+static void test_threads(void **state)
+{
+    unsigned char *bytes[2];
+    size_t sizes[2];
+    (void)state;
+    for (uint32_t i = 0; i < 2; i++) {
+        char folder[64], path[128];
+        cli_make_folder(folder);
+        struct orl_result result = scene_run(&(struct scene_run){
+            .scene = ROOM_SKY ROOM_SUN ROOM_GREY ROOM_SHELL ROOM_CLEAR ROOM_PANE,
+            .view = "-vtv -vp 2 4 1.5 -vd 0 -1 0 -vh 90 -vv 80",
+            .width = 48,
+            .height = 40,
+            .technique = ORL_TECHNIQUE_BACKWARD,
+            .pixel_samples = 4,
+            .threads = 1 + 2 * i,
+            .folder = folder});
+        snprintf(path, sizeof path, "%s/view.hdr", folder);
+        bytes[i] = scene_read_bytes(path, &sizes[i]);
+        orl_result_done(&result);
+        cli_remove_folder(folder);
+    }
+    assert_int_equal(sizes[0], sizes[1]);
+    assert_memory_equal(bytes[0], bytes[1], sizes[0]);
+    free(bytes[0]);
+    free(bytes[1]);
+}
+
+int main(void)
+{
+    static const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_furnace),
+        cmocka_unit_test(test_sun_disc),
+        cmocka_unit_test(test_room_with_a_pane),
+        cmocka_unit_test(test_from_outside),
+        cmocka_unit_test(test_gloss_and_lamps),
+        cmocka_unit_test(test_lobes_and_mirrors),
+        cmocka_unit_test(test_what_stands_behind),
+        cmocka_unit_test(test_threads),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
