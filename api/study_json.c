@@ -42,17 +42,21 @@ static int decode_job(const json_t *doc, struct orl_job *ret_job, struct orl_err
     return 0;
 }
 
-/* An array that is there and holds something; *ret_items is zeroed, owned, one per element. */
-static int new_list(const json_t *value, const char *path, size_t size, void **ret_items,
-                    struct orl_error *err)
+/* An array that is there and holds something: zeroed, owned, one per element; or NULL, and why. */
+static void *new_list(const json_t *value, const char *path, size_t size, int *ret_code,
+                      struct orl_error *err)
 {
-    const int rc = orl_json_array(value, path, ORL_LIMIT_STUDY_LIST, err);
-    if (rc)
-        return rc;
-    if (json_array_size(value) == 0)
-        return orl_json_fail(err, ORL_ERR_INVALID, path, "the list is empty");
-    *ret_items = calloc(json_array_size(value), size);
-    return *ret_items ? 0 : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    void *items = NULL;
+    *ret_code = orl_json_array(value, path, ORL_LIMIT_STUDY_LIST, err);
+    if (*ret_code)
+        return NULL;
+    if (json_array_size(value) > 0)
+        items = calloc(json_array_size(value), size);
+    else
+        *ret_code = orl_json_fail(err, ORL_ERR_INVALID, path, "the list is empty");
+    if (!items && *ret_code == 0)
+        *ret_code = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    return items;
 }
 
 static int decode_technique(const json_t *value, const char *path, enum orl_technique *ret,
@@ -70,9 +74,10 @@ static int decode_technique(const json_t *value, const char *path, enum orl_tech
 static int decode_techniques(const json_t *list, struct orl_study_request *request,
                              struct orl_error *err)
 {
-    void *items = NULL;
-    int rc = new_list(list, "techniques", sizeof *request->techniques, &items, err);
-    request->techniques = items;
+    int rc = 0;
+    request->techniques = new_list(list, "techniques", sizeof *request->techniques, &rc, err);
+    if (!request->techniques)
+        return rc;
     for (size_t i = 0; rc == 0 && i < json_array_size(list); i++) {
         char path[ORL_JSON_PATH_MAX];
         snprintf(path, sizeof path, "techniques[%zu]", i);
@@ -85,11 +90,12 @@ static int decode_techniques(const json_t *list, struct orl_study_request *reque
 static int decode_photons(const json_t *list, struct orl_study_request *request,
                           struct orl_error *err)
 {
-    void *items = NULL;
+    int rc = 0;
     if (!list)
         return 0;
-    int rc = new_list(list, "photons", sizeof *request->photons, &items, err);
-    request->photons = items;
+    request->photons = new_list(list, "photons", sizeof *request->photons, &rc, err);
+    if (!request->photons)
+        return rc;
     for (size_t i = 0; rc == 0 && i < json_array_size(list); i++) {
         char path[ORL_JSON_PATH_MAX];
         snprintf(path, sizeof path, "photons[%zu]", i);
@@ -109,14 +115,15 @@ static int decode_samples(const json_t *doc, struct orl_study_request *request,
     const char *other = views ? "gather_samples" : "pixel_samples";
     const json_t *list = json_object_get(doc, name);
     const uint64_t most = views ? 1U << 20 : 1U << 24;
-    void *items = NULL;
+    int rc = 0;
     if (json_object_get(doc, other))
         return orl_json_fail(err, ORL_ERR_INVALID, other, "%s are measured: \"%s\" is wanted",
                              views ? "views" : "sensors", name);
     if (!list)
         return 0;
-    int rc = new_list(list, name, sizeof *request->samples, &items, err);
-    request->samples = items;
+    request->samples = new_list(list, name, sizeof *request->samples, &rc, err);
+    if (!request->samples)
+        return rc;
     for (size_t i = 0; rc == 0 && i < json_array_size(list); i++) {
         char path[ORL_JSON_PATH_MAX];
         uint64_t count = 0;
@@ -167,11 +174,12 @@ static int decode_given(const json_t *value, size_t index, struct orl_study_give
 static int decode_points(const json_t *list, struct orl_study_request *request,
                          struct orl_error *err)
 {
-    void *items = NULL;
+    int rc = 0;
     if (!list)
         return 0;
-    int rc = new_list(list, "points", sizeof *request->given, &items, err);
-    request->given = items;
+    request->given = new_list(list, "points", sizeof *request->given, &rc, err);
+    if (!request->given)
+        return rc;
     /* Counted before it is decoded, so that a half-filled one is freed too. */
     while (rc == 0 && request->n_given < json_array_size(list)) {
         const size_t i = request->n_given++;

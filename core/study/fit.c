@@ -45,7 +45,7 @@ double orl_study_fit_predict(const struct orl_study_fit *fit,
 struct problem {
     size_t rows, columns;
     enum orl_fit_term terms[ORL_FIT_TERMS]; /* the columns */
-    const struct orl_study_point **points;  /* owned, as are the rest */
+    struct orl_study_setting *settings;     /* owned, as are the rest */
     double *y, *s;                          /* rms^2, its relative uncertainty */
     double *a, *b;                          /* scratch: the weighted problem */
     double *model;
@@ -53,7 +53,7 @@ struct problem {
 
 static void problem_done(struct problem *p)
 {
-    free(p->points);
+    free(p->settings);
     free(p->y);
 }
 
@@ -63,7 +63,7 @@ static size_t count_distinct(const struct problem *p, bool of_samples)
     double seen[3] = {0};
     size_t n = 0;
     for (size_t i = 0; i < p->rows && n < 3; i++) {
-        const struct orl_study_setting *s = &p->points[i]->setting;
+        const struct orl_study_setting *s = &p->settings[i];
         const double value = of_samples ? (double)s->samples : (double)s->photons;
         bool known = !(value > 0);
         for (size_t k = 0; k < n; k++)
@@ -90,9 +90,9 @@ static int problem_init(struct problem *p, const struct orl_study_point *points,
                         enum orl_technique technique, struct orl_error *err)
 {
     memset(p, 0, sizeof *p);
-    p->points = calloc(n + 1, sizeof *p->points);
+    p->settings = calloc(n + 1, sizeof *p->settings);
     p->y = calloc((n + 1) * (4 + ORL_FIT_TERMS), sizeof(double));
-    if (!p->points || !p->y)
+    if (!p->settings || !p->y)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for a fit");
     p->s = p->y + n;
     p->b = p->s + n;
@@ -102,7 +102,7 @@ static int problem_init(struct problem *p, const struct orl_study_point *points,
         if (points[i].setting.technique != technique || !(points[i].rms > 0))
             continue;
         const double s = 2 * points[i].rms_error / points[i].rms;
-        p->points[p->rows] = &points[i];
+        p->settings[p->rows] = points[i].setting;
         p->y[p->rows] = points[i].rms * points[i].rms;
         p->s[p->rows++] = s > least_uncertainty ? s : least_uncertainty;
     }
@@ -115,7 +115,7 @@ static void evaluate(struct problem *p, const double *x)
     for (size_t i = 0; i < p->rows; i++) {
         p->model[i] = 0;
         for (size_t c = 0; c < p->columns; c++)
-            p->model[i] += x[c] * factor(p->terms[c], &p->points[i]->setting);
+            p->model[i] += x[c] * factor(p->terms[c], &p->settings[i]);
     }
 }
 
@@ -131,7 +131,7 @@ static void solve(struct problem *p, const double *y, double x[ORL_FIT_TERMS])
             const double w = 1 / (p->s[i] * p->model[i]);
             p->b[i] = w * y[i];
             for (size_t c = 0; c < p->columns; c++) {
-                p->a[i * p->columns + c] = w * factor(p->terms[c], &p->points[i]->setting);
+                p->a[i * p->columns + c] = w * factor(p->terms[c], &p->settings[i]);
                 largest[c] = fmax(largest[c], p->a[i * p->columns + c]);
             }
         }

@@ -58,9 +58,9 @@ int orl_reference_make(struct orl_reference *ret_reference, double *const *runs,
                        const double *errors, size_t count, bool of_views, struct orl_error *err)
 {
     struct orl_reference reference = {.count = count,
-                                      .value = calloc(count, sizeof(double)),
-                                      .error = calloc(count, sizeof(double)),
-                                      .scale = calloc(count, sizeof(double))};
+                                      .value = calloc(count + 1, sizeof(double)),
+                                      .error = calloc(count + 1, sizeof(double)),
+                                      .scale = calloc(count + 1, sizeof(double))};
     if (!reference.value || !reference.error || !reference.scale) {
         orl_reference_done(&reference);
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for a reference");
@@ -239,10 +239,11 @@ static void fill_point(struct errors *errors, const double *biases, const double
 int orl_study_judge(const struct orl_reference *reference, double *const *runs, size_t n_runs,
                     bool of_views, struct orl_study_point *point, struct orl_error *err)
 {
-    struct errors errors = {.e = NULL};
+    struct errors errors;
     double *biases = calloc(2 * n_runs, sizeof(double));
-    int code = biases ? errors_init(&errors, reference, runs, n_runs, err)
-                      : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    if (!biases)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    const int code = errors_init(&errors, reference, runs, n_runs, err);
     if (code == 0) {
         judge_means(&errors, biases, biases + n_runs);
         fill_point(&errors, biases, biases + n_runs, of_views, point);

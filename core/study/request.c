@@ -98,7 +98,7 @@ int orl_study_request_validate(const struct orl_study_request *request, struct o
     }
     if (code == 0 && (request->repeats == 0 || request->reference_samples == 0))
         code = orl_error_set(err, ORL_ERR_INVALID, "a study needs repeats, and a reference");
-    if (code == 0 && settings > ORL_LIMIT_STUDY_RUNS / request->repeats)
+    if (code == 0 && (uint64_t)settings * request->repeats > ORL_LIMIT_STUDY_RUNS)
         code = orl_error_set(err, ORL_ERR_LIMIT,
                              "%zu settings with %u seeds each are more than %u runs", settings,
                              request->repeats, ORL_LIMIT_STUDY_RUNS);

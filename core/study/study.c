@@ -149,7 +149,7 @@ static int prepare(struct work *work, struct orl_error *err)
         code = orl_study_list_settings(work->request, &work->settings, &work->n_settings, err);
     if (code < 0)
         return code;
-    study->points = calloc(work->n_settings, sizeof *study->points);
+    study->points = calloc(work->n_settings + 1, sizeof *study->points);
     study->fits = calloc(ORL_TECHNIQUE_COUNT, sizeof *study->fits);
     if (!study->points || !study->fits)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");

@@ -46,7 +46,7 @@ struct orl_study study_of_chance(uint64_t index, size_t points, size_t given)
         const double t = pow(10, 3 * orl_random_uniform(&random) - 1);
         *p =
             (struct orl_study_point){.setting = {(enum orl_technique)(1 + i % techniques),
-                                                 100000 << (i % 7), 64U << (i % 5)},
+                                                 100000ULL << (i % 7), 64U << (i % 5)},
                                      .seeds = 3,
                                      .total_s = t,
                                      .total_error_s = 0.05 * t,
