@@ -6,6 +6,9 @@
 enum { MOST_RAYS = 1 << 18, MOST_SAMPLES = 256, LEAST_SAMPLES = 8, MOST_PANES = 64 };
 enum { WINDOW_SAMPLES = 1024, IMAGE_SAMPLES = 64 };
 
+/* Facets times lights: beyond this a look would take seconds. */
+static const double most_pairs = 2e5;
+
 struct look {
     const struct orl_world *world;
     struct orl_lit *lit;
@@ -200,6 +203,13 @@ static void look_from_windows(struct look *look)
     }
 }
 
+/* Where there is too much to look at, what cannot be ruled out is there. */
+static void take_as_lit(struct orl_lit *lit)
+{
+    for (int kind = 0; kind < ORL_LIT_KINDS; kind++)
+        lit->classes[kind].lit = lit->classes[kind].facets > 0;
+}
+
 void orl_lit_look(const struct orl_survey *survey, struct orl_lit *ret_lit)
 {
     const struct orl_world *world = survey->world;
@@ -215,6 +225,10 @@ void orl_lit_look(const struct orl_survey *survey, struct orl_lit *ret_lit)
     for (int kind = 0; kind < ORL_LIT_KINDS; kind++)
         facets += ret_lit->classes[kind].facets;
     const size_t share = MOST_RAYS / (2 * facets * ret_lit->lights);
+    if ((double)facets * (double)ret_lit->lights > most_pairs) {
+        take_as_lit(ret_lit);
+        return;
+    }
     look.samples = (uint32_t)(share > MOST_SAMPLES    ? MOST_SAMPLES
                               : share < LEAST_SAMPLES ? LEAST_SAMPLES
                                                       : share);

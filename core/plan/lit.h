@@ -9,7 +9,8 @@
  * In sealed scenes what is lit outside makes no caustics inside, but for those images, and for
  * panes that are lit from outside and scatter light in.
  *
- * The answer depends on the scene alone. Rays are bounded in number; facets share them.
+ * The answer depends on the scene alone. Rays are bounded in number; facets share them, and where
+ * facets and lights are too many for that, all that is there counts as lit.
  */
 #ifndef ORL_PLAN_LIT_H
 #define ORL_PLAN_LIT_H

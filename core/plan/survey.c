@@ -56,12 +56,14 @@ void orl_survey_measure(struct orl_survey *survey)
     double sun = 0, sky = 0, lamp = 0;
     for (size_t i = 0; i < world->n_suns; i++)
         sun += orl_luma(world->suns[i].irradiance);
-    for (size_t i = 0; i < world->n_domes; i++)
+    for (size_t i = 0; i < world->n_domes && !survey->sky_measured; i++)
         sky += ORL_PI * orl_survey_dome_peak(&world->domes[i]);
     for (size_t i = 0; i < world->n_emitters; i++)
         lamp = fmax(lamp, ORL_PI * orl_luma(world->emitters[i].radiance));
     survey->sun_lx = ORL_EFFICACY_LM_PER_W * sun;
-    survey->sky_lx = ORL_EFFICACY_LM_PER_W * sky;
+    if (world->n_domes == 0 || !survey->sky_measured)
+        survey->sky_lx = ORL_EFFICACY_LM_PER_W * sky;
+    survey->sky_measured = true;
     survey->lamp_lx = ORL_EFFICACY_LM_PER_W * lamp;
     survey->rho = survey->rho_diffuse = 0;
     for (size_t i = 0; i < world->description.n_materials; i++) {

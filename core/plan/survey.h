@@ -21,6 +21,7 @@ struct orl_survey {
     uint32_t *surfaces;             /* per material: how many are of it */
     double sun_lx, sky_lx, lamp_lx; /* at most, at unfocused places */
     double tolerance_lx;
+    bool sky_measured;  /* domes are taken out all or none: once is enough */
     double rho_diffuse; /* the largest of any surface */
     double rho;         /* the largest diffuse or glossy reflectance of a surface */
     double ray_s;       /* what one costs here, shading included */

@@ -6,8 +6,8 @@
 /* Virtual lamps are as good as samples connect to them: more would be of no use to sensors. */
 enum { LAMPS = 300000, DEEPEST = 1000 };
 enum { PHOTONS_A_WINDOW = 40000, LAMPS_A_WINDOW = 10000, LEAST_WINDOWS = 3 };
-/* Two mirrors of less than this send on less than half a per cent of a sun. */
-static const double strong_mirror = 0.07;
+/* Two mirrors of less than this, clear panes above all, send on less than a twentieth of a sun. */
+static const double strong_mirror = 0.2;
 
 /* ---- Technique ------------------------------------------------------------------------------- */
 
