@@ -10,7 +10,7 @@
 #include "encode.h"
 #include "job_json.h"
 
-enum { TITLE_MAX = 90, NAME_MAX_BYTES = 60, REPEATS_MAX = 1000 };
+enum { TITLE_MAX = 90, NOTE_MAX = 2000, NAME_MAX_BYTES = 60, REPEATS_MAX = 1000 };
 
 /* What a study has in common with a job, as a job document of its own. */
 static json_t *job_part(const json_t *doc)
@@ -215,13 +215,12 @@ static int decode_kind(const json_t *doc, struct orl_error *err)
     return orl_json_fail(err, ORL_ERR_INVALID, "kind", "a study says \"kind\": \"study\"");
 }
 
-static int decode(const json_t *doc, struct orl_study_request *request, char **ret_title,
-                  struct orl_error *err)
+static int decode(const json_t *doc, struct orl_study_request *request, struct orl_error *err)
 {
     static const char *const allowed[] = {
-        "kind",    "title",     "scene",      "sky",     "effects",        "seed",
-        "sensors", "views",     "techniques", "photons", "gather_samples", "pixel_samples",
-        "repeats", "reference", "points",     NULL};
+        "kind",          "title",   "note",      "scene",      "sky",     "effects",
+        "seed",          "sensors", "views",     "techniques", "photons", "gather_samples",
+        "pixel_samples", "repeats", "reference", "points",     NULL};
     int rc = orl_json_object(doc, "", allowed, err);
     if (rc == 0)
         rc = decode_kind(doc, err);
@@ -238,23 +237,24 @@ static int decode(const json_t *doc, struct orl_study_request *request, char **r
     if (rc == 0)
         rc = decode_points(json_object_get(doc, "points"), request, err);
     if (rc == 0 && json_object_get(doc, "title"))
-        rc = orl_json_string(json_object_get(doc, "title"), "title", TITLE_MAX, ret_title, err);
+        rc = orl_json_string(json_object_get(doc, "title"), "title", TITLE_MAX, &request->title,
+                             err);
+    if (rc == 0 && json_object_get(doc, "note"))
+        rc = orl_json_string(json_object_get(doc, "note"), "note", NOTE_MAX, &request->note, err);
     return rc;
 }
 
-int orl_study_from_json(const json_t *doc, struct orl_study_request *ret_request, char **ret_title,
+int orl_study_from_json(const json_t *doc, struct orl_study_request *ret_request,
                         struct orl_error *err)
 {
     struct orl_study_request request;
-    char *title = NULL;
     orl_study_request_init(&request);
-    const int rc = decode(doc, &request, &title, err);
+    const int rc = decode(doc, &request, err);
     if (rc) {
         orl_study_request_done(&request);
         return rc;
     }
     *ret_request = request;
-    *ret_title = title;
     return 0;
 }
 
@@ -347,9 +347,15 @@ static json_t *part_to_json(const struct orl_study *study, enum part part)
     return array;
 }
 
-json_t *orl_study_to_json(const struct orl_study *study)
+static json_t *text_or_null(const char *text)
 {
-    return json_pack("{s:s, s:I, s:s, s:o, s:o, s:o, s:o, s:o}", "kind", "study", "threads",
+    return text ? orl_json_from_text(text) : json_null();
+}
+
+json_t *orl_study_to_json(const struct orl_study *study, const struct orl_study_request *request)
+{
+    return json_pack("{s:s, s:o, s:o, s:I, s:s, s:o, s:o, s:o, s:o, s:o}", "kind", "study", "title",
+                     text_or_null(request->title), "note", text_or_null(request->note), "threads",
                      (json_int_t)study->threads, "measured", study->of_views ? "views" : "sensors",
                      "reference", reference_to_json(&study->reference), "points",
                      part_to_json(study, PART_POINTS), "fits", part_to_json(study, PART_FITS),

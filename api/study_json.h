@@ -1,7 +1,7 @@
 /*
  * A study document (JSON) -> struct orl_study_request, and struct orl_study -> study.json.
  *
- *     {"kind": "study", "title": "The office" (optional),
+ *     {"kind": "study", "title": "The office", "note": "Where ... was measured" (both optional),
  *      "scene": {"files": [...]}, "sky", "effects", "seed": as in a job (job_json.h),
  *      "sensors" or "views": as in a job, one of the two,
  *      "techniques": ["backward", "gather", "direct", "precomputed"],
@@ -12,7 +12,7 @@
  *      "points": [{"name": "Radiance, cached", "seconds": 142, "rms": 0.056}] (optional)}
  *
  * study.json:
- *     {"kind": "study", "threads", "measured": "sensors" or "views",
+ *     {"kind": "study", "title", "note", "threads", "measured": "sensors" or "views",
  *      "reference": {"samples", "runs", "seconds", "values", "left_out", "standard_error",
  * "worst"}, "points": [{"technique", "photons", "samples" (null: not heeded), "seeds", "seconds":
  * {"load", ..., "render", "total", "total_error"}, "rms", "rms_error", "bias", "bias_error",
@@ -33,12 +33,12 @@
 
 /*
  * Decodes doc, of a user of the command line. What is checked is each value by itself: the rest is
- * orl_study_request_validate's. *ret_title: owned (free()), NULL when there is none.
+ * orl_study_request_validate's.
  */
-int orl_study_from_json(const json_t *doc, struct orl_study_request *ret_request, char **ret_title,
+int orl_study_from_json(const json_t *doc, struct orl_study_request *ret_request,
                         struct orl_error *err);
 
-/* A new reference, the caller's; NULL when out of memory. */
-json_t *orl_study_to_json(const struct orl_study *study);
+/* A new reference, the caller's; NULL when out of memory. request: what it was asked by. */
+json_t *orl_study_to_json(const struct orl_study *study, const struct orl_study_request *request);
 
 #endif

@@ -5,8 +5,6 @@
 #include "command.h"
 
 #include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
 #include <oriel/study.h>
@@ -36,32 +34,28 @@ static int clear_output(const char *output, char paths[FILE_COUNT][4096], struct
 
 /* The document, with the name of its file in errors. */
 static int decode(const struct orl_job_file *file, struct orl_study_request *ret_request,
-                  char **ret_title, struct orl_error *err)
+                  struct orl_error *err)
 {
     struct orl_study_request request;
-    char *title = NULL;
-    int rc = orl_study_from_json(file->doc, &request, &title, err);
+    int rc = orl_study_from_json(file->doc, &request, err);
 
     if (rc == 0) {
         rc = orl_study_request_validate(&request, err);
-        if (rc) {
+        if (rc)
             orl_study_request_done(&request);
-            free(title);
-        }
     }
     if (rc) {
         orl_error_at(err, file->path, 0, NULL);
         return rc;
     }
     *ret_request = request;
-    *ret_title = title;
     return 0;
 }
 
-static int write_files(const struct orl_study *study, const char *title,
+static int write_files(const struct orl_study *study, const struct orl_study_request *request,
                        char paths[FILE_COUNT][4096], struct orl_error *err)
 {
-    json_t *json = orl_study_to_json(study);
+    json_t *json = orl_study_to_json(study, request);
     int rc = json ? orl_write_json(paths[0], json, err)
                   : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
 
@@ -69,9 +63,9 @@ static int write_files(const struct orl_study *study, const char *title,
     if (rc == 0)
         rc = orl_study_write_csv(study, paths[1], err);
     if (rc == 0)
-        rc = orl_study_write_svg(study, title, paths[2], err);
+        rc = orl_study_write_svg(study, request->title, paths[2], err);
     if (rc == 0)
-        rc = orl_study_write_png(study, title, paths[3], err);
+        rc = orl_study_write_png(study, request->title, paths[3], err);
     return rc;
 }
 
@@ -91,22 +85,21 @@ static int run_document(const char *document, const char *output, uint32_t threa
     struct orl_study_request request = {0};
     struct orl_study study = {0};
     struct orl_error err = {0};
-    char paths[FILE_COUNT][4096], *title = NULL;
+    char paths[FILE_COUNT][4096];
     int rc = clear_output(output, paths, &err);
 
     if (rc == 0)
         rc = orl_job_file_read(document, &file, &err);
     if (rc == 0)
-        rc = decode(&file, &request, &title, &err);
+        rc = decode(&file, &request, &err);
     if (rc == 0)
         rc = orl_local_study(&request, file.folder, output, threads, &study, &err);
     if (rc == 0)
-        rc = write_files(&study, title, paths, &err);
+        rc = write_files(&study, &request, paths, &err);
     if (rc == 0)
         print_summary(&study, paths);
     else
         orl_report_error(&err);
-    free(title);
     orl_study_done(&study);
     orl_study_request_done(&request);
     orl_job_file_done(&file);

@@ -28,6 +28,8 @@ void orl_study_request_done(struct orl_study_request *request)
     free(request->techniques);
     free(request->photons);
     free(request->samples);
+    free(request->title);
+    free(request->note);
     orl_study_free_given(request->given, request->n_given);
     memset(request, 0, sizeof *request);
 }

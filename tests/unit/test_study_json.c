@@ -14,38 +14,37 @@
 #include "support/study_data.h"
 
 static const char good[] =
-    "{\"kind\": \"study\", \"title\": \"A room\", \"scene\": {\"files\": [\"room.rad\"]},"
+    "{\"kind\": \"study\", \"title\": \"A room\", \"note\": \"Made up.\", \"scene\": {\"files\": "
+    "[\"room.rad\"]},"
     " \"seed\": 5, \"effects\": {\"caustics\": \"skip\"}, \"sensors\": [[1, 2, 0.8, 0, 0, 1]],"
     " \"techniques\": [\"backward\", \"direct\"], \"photons\": [1e4, 20000],"
     " \"gather_samples\": [64], \"repeats\": 2, \"reference\": {\"samples\": 512},"
     " \"points\": [{\"name\": \"By hand\", \"seconds\": 3600, \"rms\": 0.5}]}";
 
 /* Reads and checks, as the command does. */
-static int read_study(const char *text, struct orl_study_request *ret_request, char **ret_title,
+static int read_study(const char *text, struct orl_study_request *ret_request,
                       struct orl_error *err)
 {
     json_t *doc = NULL;
     int rc = orl_json_parse("study.json", text, strlen(text), &doc, err);
     if (rc == 0)
-        rc = orl_study_from_json(doc, ret_request, ret_title, err);
+        rc = orl_study_from_json(doc, ret_request, err);
     json_decref(doc);
     if (rc)
         return rc;
     rc = orl_study_request_validate(ret_request, err);
-    if (rc) {
+    if (rc)
         orl_study_request_done(ret_request);
-        free(*ret_title);
-    }
     return rc;
 }
 
 static void test_a_whole_document(void **state)
 {
     struct orl_study_request r;
-    char *title = NULL;
     (void)state;
-    assert_int_equal(read_study(good, &r, &title, NULL), 0);
-    assert_string_equal(title, "A room");
+    assert_int_equal(read_study(good, &r, NULL), 0);
+    assert_string_equal(r.title, "A room");
+    assert_string_equal(r.note, "Made up.");
     assert_string_equal(r.job.scene_files[0], "room.rad");
     assert_int_equal(r.job.seed, 5);
     assert_int_equal(r.job.n_sensors, 1);
@@ -61,7 +60,6 @@ static void test_a_whole_document(void **state)
     assert_int_equal(r.n_given, 1);
     assert_string_equal(r.given[0].name, "By hand");
     assert_true(r.given[0].seconds > 3599 && r.given[0].rms < 0.51);
-    free(title);
     orl_study_request_done(&r);
 }
 
@@ -111,9 +109,9 @@ static void test_mistakes_are_named(void **state)
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         struct orl_study_request r;
         struct orl_error err = {0};
-        char text[2048], *title = NULL;
+        char text[2048];
         change(cases[i].from, cases[i].to, text);
-        const int code = read_study(text, &r, &title, &err);
+        const int code = read_study(text, &r, &err);
         if (code != cases[i].code || !strstr(err.message, cases[i].says))
             fail_msg("%s instead of %s: %d, %s", cases[i].to, cases[i].from, code, err.message);
     }
@@ -123,14 +121,13 @@ static void test_sensors_and_views_are_not_mixed(void **state)
 {
     struct orl_study_request r;
     struct orl_error err = {0};
-    char *title = NULL;
     (void)state;
     assert_int_equal(
         read_study("{\"kind\": \"study\", \"scene\": {\"files\": [\"a.rad\"]}, \"sensors\":"
                    " [[1, 2, 1, 0, 0, 1]], \"views\": [{\"name\": \"v\", \"view\": \"-vtv\","
                    " \"width\": 8, \"height\": 8}], \"techniques\": [\"gather\"], \"photons\":"
                    " [1000], \"reference\": {\"samples\": 64}}",
-                   &r, &title, &err),
+                   &r, &err),
         ORL_ERR_INVALID);
     assert_non_null(strstr(err.message, "either sensors or views, not both"));
 }
@@ -142,7 +139,9 @@ static void test_results(void **state)
     (void)state;
     study.points[0].peak = NAN;
     study.points[1].setting.photons = 0;
-    json_t *json = orl_study_to_json(&study);
+    char title[] = "A room";
+    const struct orl_study_request request = {.title = title};
+    json_t *json = orl_study_to_json(&study, &request);
     assert_non_null(json);
     const json_t *points = json_object_get(json, "points");
     assert_int_equal(json_array_size(points), study.n_points);
@@ -159,6 +158,8 @@ static void test_results(void **state)
     assert_true(json_is_null(json_object_get(json_array_get(points, 1), "photons")));
     assert_int_equal(json_array_size(json_object_get(json, "given")), 2);
     assert_string_equal(json_string_value(json_object_get(json, "measured")), "sensors");
+    assert_string_equal(json_string_value(json_object_get(json, "title")), title);
+    assert_true(json_is_null(json_object_get(json, "note")));
     json_decref(json);
     orl_study_done(&study);
 }

@@ -51,6 +51,7 @@ struct orl_study_request {
     size_t n_samples;
     uint32_t repeats;           /* seeds of every setting */
     uint32_t reference_samples; /* of a sensor, or of a pixel */
+    char *title, *note;         /* for people; NULL: none. note: where given points come from */
     struct orl_study_given *given;
     size_t n_given;
 };
