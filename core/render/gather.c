@@ -299,7 +299,7 @@ struct strand {
     double distance;
 };
 
-static double channel(struct orl_rgb c, int i)
+static double channel(struct orl_rgb c, uint32_t i)
 {
     return i == 0 ? c.r : i == 1 ? c.g : c.b;
 }
@@ -307,7 +307,7 @@ static double channel(struct orl_rgb c, int i)
 /* Adds one strand's share of the gradients: differences to its neighbours below and beside. */
 static void add_gradients(struct orl_hemisphere *h, const struct orl_frame *frame,
                           const struct strand *strands, uint32_t rows, uint32_t columns,
-                          uint32_t row, uint32_t column)
+                          uint32_t row, uint32_t column, uint32_t channels)
 {
     const struct strand *here = &strands[row * columns + column];
     const struct strand *beside = &strands[row * columns + (column + columns - 1) % columns];
@@ -322,7 +322,7 @@ static void add_gradients(struct orl_hemisphere *h, const struct orl_frame *fram
     const double sine_low = sqrt((double)row / rows), sine_high = sqrt((row + 1.0) / rows);
     const double middle = sqrt((row + 0.5) / rows);
     const double tangent = middle / sqrt(1 - middle * middle);
-    for (int c = 0; c < 3; c++) {
+    for (uint32_t c = 0; c < channels; c++) {
         const double value = channel(here->radiance, c);
         h->by_rotation[c] =
             orl_madd(h->by_rotation[c], turn, -tangent * value * ORL_PI / ((double)rows * columns));
@@ -344,6 +344,7 @@ struct orl_hemisphere orl_gather_hemisphere(const struct orl_gather *gather,
                                             struct orl_search *search)
 {
     const struct orl_frame frame = orl_frame_about(place->normal);
+    const uint32_t channels = gather->world->omit.channels;
     struct orl_hemisphere h = {.irradiance = {0, 0, 0}};
     double nearness = 0;
     struct strand *strands = malloc(sizeof *strands * rows * columns);
@@ -370,7 +371,11 @@ struct orl_hemisphere orl_gather_hemisphere(const struct orl_gather *gather,
     h.mean_distance = nearness > 0 ? (double)rows * columns / nearness : INFINITY;
     /* Without memory for the strands the estimate stands, with flat gradients. */
     for (uint32_t i = 0; strands && i < rows * columns; i++)
-        add_gradients(&h, &frame, strands, rows, columns, i / columns, i % columns);
+        add_gradients(&h, &frame, strands, rows, columns, i / columns, i % columns, channels);
+    for (uint32_t c = channels; c < 3; c++) {
+        h.by_rotation[c] = h.by_rotation[0];
+        h.by_translation[c] = h.by_translation[0];
+    }
     free(strands);
     return h;
 }

@@ -10,9 +10,10 @@ struct orl_icache_entry {
 
 static const uint32_t nothing = UINT32_MAX;
 
-void orl_icache_init(struct orl_icache *cache)
+void orl_icache_init(struct orl_icache *cache, uint32_t channels)
 {
     memset(cache, 0, sizeof *cache);
+    cache->channels = channels;
 }
 
 void orl_icache_done(struct orl_icache *cache)
@@ -119,11 +120,14 @@ static double channel_at(const struct orl_record *record, int c, double value, s
 }
 
 /* The record carried over to the place along its gradients, never below zero. */
-static struct orl_rgb carried(const struct orl_record *record, const struct orl_place *place)
+static struct orl_rgb carried(const struct orl_record *record, const struct orl_place *place,
+                              uint32_t channels)
 {
     const struct orl_vec3 turn = orl_cross(record->place.normal, place->normal);
     const struct orl_vec3 shift = orl_sub(place->point, record->place.point);
     const struct orl_rgb e = record->irradiance;
+    if (channels == 1)
+        return orl_gray(fmax(channel_at(record, 0, e.r, turn, shift), 0));
     return (struct orl_rgb){fmax(channel_at(record, 0, e.r, turn, shift), 0),
                             fmax(channel_at(record, 1, e.g, turn, shift), 0),
                             fmax(channel_at(record, 2, e.b, turn, shift), 0)};
@@ -165,7 +169,7 @@ bool orl_icache_lookup(const struct orl_icache *cache, const struct orl_place *p
             const double weight = cache->entries[i].key == key ? weight_of(record, place) : 0;
             if (weight <= 0)
                 continue;
-            sum = orl_rgb_add(sum, orl_rgb_scale(carried(record, place), weight));
+            sum = orl_rgb_add(sum, orl_rgb_scale(carried(record, place, cache->channels), weight));
             total += weight;
         }
     }

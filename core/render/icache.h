@@ -25,6 +25,7 @@ struct orl_record {
 };
 
 struct orl_icache {
+    uint32_t channels; /* 3, or 1: all is gray */
     struct orl_record *records;
     size_t count, capacity;
     /* An index by level (power of two of the record's reach) and cell; rebuilt between rounds. */
@@ -35,7 +36,7 @@ struct orl_icache {
     int lowest_level, highest_level;
 };
 
-void orl_icache_init(struct orl_icache *cache);
+void orl_icache_init(struct orl_icache *cache, uint32_t channels);
 void orl_icache_done(struct orl_icache *cache);
 
 /* Adds records (copied); they are found after orl_icache_index. Returns 0 or ORL_ERR_NOMEM. */

@@ -295,7 +295,7 @@ int orl_image_render(const struct orl_gather *gather, const struct orl_painting 
     painter.outside = orl_world_is_outside(gather->world, eye);
     painter.pixel_angle = fmax(degrees * ORL_DEG_TO_RAD, 0.05) / side;
     painter.shadow_rays = gather->world->n_emitters > 0 ? LAMP_RAYS : 1;
-    orl_icache_init(&painter.cache);
+    orl_icache_init(&painter.cache, gather->world->omit.channels);
     int code = place_records(&painter);
     if (code == 0)
         code = orl_paint(painting, pixel_radiance, &painter, 0.5);
