@@ -81,6 +81,7 @@ static void make_reference(struct table *table)
     render_half(table, 1000001, &table->sensors.a, &table->image.a);
     render_half(table, 1000002, &table->sensors.b, &table->image.b);
     table->reference_wall_s = bench_wall_s(NULL) - started;
+    fprintf(stderr, "  reference made in %.0f s\n", table->reference_wall_s);
 }
 
 static void book_times(const struct orl_result *r, struct table_row *row)
@@ -115,6 +116,7 @@ static void measure(struct table *table, const struct technique *t, struct orl_c
 {
     struct table_row *row = &table->rows[table->n_rows++];
     *row = (struct table_row){.name = t->name, .paper = t->paper};
+    fprintf(stderr, "  %s\n", t->name);
     for (int run = 0; run < table->runs; run++) {
         struct table_row of_run = *row;
         double *luminances;

@@ -178,6 +178,7 @@ static void measure(struct radiance *r, const struct recipe *recipe, const doubl
     char use[256] = "", image[BENCH_PATH + 64];
     double lx[OFFICE_SENSORS];
     *row = (struct table_row){.name = recipe->name, .paper = recipe->paper, .radiance = true};
+    fprintf(stderr, "  Radiance: %s\n", recipe->name);
     for (int kind = 0; kind < TABLE_KINDS; kind++) {
         if (!recipe->uses[kind])
             continue;
@@ -209,6 +210,7 @@ void table_add_radiance(struct table *table)
         return;
     }
     prepare(&r);
+    fprintf(stderr, "  Radiance: maps\n");
     for (int kind = 0; kind < TABLE_KINDS; kind++)
         map_s[kind] =
             command(&r, NULL, NULL, "mkpmap %s %s %llu%s %s %s %s", maps[kind].make,
