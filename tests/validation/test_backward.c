@@ -126,13 +126,47 @@ static void test_standard_errors(void **state)
     assert_true(log(seen / told) <= 0.9 && log(seen / told) >= log(0.1));
 }
 
+/*
+ * Without interreflection walls are black to sensors: of the shelf's side of the room the sky and
+ * the sun are left, by either technique; the gather has no density to be wrong by then. Its 4096
+ * rays are drawn by the cosine alone: where the window takes up little, few of them find the sky.
+ */
+static void test_no_reflections(void **state)
+{
+    static const char scene[] = ROOM_SKY ROOM_SUN ROOM_GREY ROOM_CLEAR ROOM_SHELL ROOM_PANE;
+    enum orl_wish wishes[ORL_EFFECT_COUNT] = {ORL_WISH_AUTO};
+    (void)state;
+    wishes[ORL_EFFECT_INTERREFLECTION] = ORL_WISH_SKIP;
+    struct scene_run run = {.scene = scene,
+                            .sensors = room_sensors,
+                            .n_sensors = ROOM_SENSORS,
+                            .global = 100000,
+                            .wishes = wishes,
+                            .technique = ORL_TECHNIQUE_GATHER};
+    struct orl_result gathered = scene_run(&run);
+    run.technique = ORL_TECHNIQUE_BACKWARD;
+    struct orl_result r = scene_run(&run);
+    struct orl_result full = run_backward(scene, NULL, room_sensors, ROOM_SENSORS, 1);
+    for (size_t i = 0; i < ROOM_SENSORS; i++) {
+        const double most = ORL_EFFICACY_LM_PER_W * ORL_PI, lx = r.illuminance_lx[i];
+        const double few = 3 * sqrt(fmin(lx, most) * most / 4096);
+        const double bound = 0.02 * lx + few + 4 * r.standard_error_lx[i];
+        assert_true(r.illuminance_lx[i] < full.illuminance_lx[i]);
+        if (!(fabs(gathered.illuminance_lx[i] - r.illuminance_lx[i]) <= bound))
+            fail_msg("sensor %zu: gather %g, backward %g +- %g", i, gathered.illuminance_lx[i],
+                     r.illuminance_lx[i], r.standard_error_lx[i]);
+    }
+    orl_result_done(&gathered);
+    orl_result_done(&full);
+    orl_result_done(&r);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_integrating_sphere),
-        cmocka_unit_test(test_sky_component),
-        cmocka_unit_test(test_both_techniques),
-        cmocka_unit_test(test_standard_errors),
+        cmocka_unit_test(test_integrating_sphere), cmocka_unit_test(test_sky_component),
+        cmocka_unit_test(test_both_techniques),    cmocka_unit_test(test_standard_errors),
+        cmocka_unit_test(test_no_reflections),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
