@@ -234,7 +234,7 @@ int main(void)
     static struct gallery g;
     const long cores = sysconf(_SC_NPROCESSORS_ONLN);
     const char *only = getenv("ORIEL_GALLERY_SCENE");
-    g.samples = (uint32_t)bench_number("ORIEL_GALLERY_SAMPLES", 128);
+    g.samples = (uint32_t)bench_number("ORIEL_GALLERY_SAMPLES", 24);
     g.crew = orl_crew_start(cores > 1 ? (uint32_t)cores : 1);
     if (!g.crew)
         bench_fail("out of memory", NULL);

@@ -148,9 +148,8 @@ static void read_knobs(struct table *table)
     table->height = table->width * 3 / 4;
     table->sensor_samples =
         (uint32_t)bench_number("ORIEL_TABLE2_SENSOR_SAMPLES", ORL_DEFAULT_GATHER_SAMPLES);
-    table->pixel_samples =
-        (uint32_t)bench_number("ORIEL_TABLE2_PIXEL_SAMPLES", ORL_DEFAULT_PIXEL_SAMPLES);
-    table->reference_pixel_samples = (uint32_t)bench_number("ORIEL_TABLE2_REFERENCE", 512);
+    table->pixel_samples = (uint32_t)bench_number("ORIEL_TABLE2_PIXEL_SAMPLES", 16);
+    table->reference_pixel_samples = (uint32_t)bench_number("ORIEL_TABLE2_REFERENCE", 64);
     table->reference_sensor_samples =
         (uint32_t)bench_number("ORIEL_TABLE2_REFERENCE_SENSORS", 1 << 17);
     table->runs = (int)bench_number("ORIEL_TABLE2_RUNS", 1);
