@@ -155,7 +155,7 @@ static double light_of(const struct orl_shaft *shaft, const struct orl_beam *bea
                : 0;
 }
 
-/* Into one of the four quarters, and which of them; the chance of it multiplies probability. */
+/* The light of the four quarters from that cell on; returns their sum. */
 static double quarters(const struct orl_shaft *shaft, const struct orl_beam *beam,
                        const struct orl_beam_cells *cells, uint32_t first, struct orl_vec3 place,
                        double ret_light[4])
