@@ -1,4 +1,6 @@
 /* Caustics: by what is lit (lit.h), never by what a pilot happened to see. */
+#include <stdio.h>
+
 #include "plan/decide.h"
 
 enum { RAYS_A_PHOTON = 3 };
@@ -104,6 +106,19 @@ static void decide_glass(const struct orl_survey *survey, struct orl_decision *d
     decision->simulated = panes > 0 || decision->wish == ORL_WISH_FORCE;
 }
 
+/* Paths from sensors meet mirrors and lobes as they come: what is there they find. */
+static void admit(struct orl_decision *decision)
+{
+    char why[ORL_WHY_MAX - 60];
+    if (decision->wish != ORL_WISH_SKIP || !(decision->bound > 0))
+        return;
+    snprintf(why, sizeof why, "%.*s", (int)sizeof why - 1, decision->why);
+    snprintf(decision->why, sizeof decision->why, "the backward technique finds them anyway; %s",
+             why);
+    decision->simulated = true;
+    decision->saved_s = 0;
+}
+
 void orl_decide_caustics(struct orl_survey *survey, const struct orl_lit *lit,
                          struct orl_plan *plan)
 {
@@ -116,6 +131,10 @@ void orl_decide_caustics(struct orl_survey *survey, const struct orl_lit *lit,
     world->omit.lobe_caustics = !lobes;
     world->caustics_lit = (mirrors || lobes) && any_lit(lit);
     plan->photons_caustic = asked == ORL_PHOTONS_BY_PLAN ? (uint64_t)ORL_DEFAULT_PHOTONS : asked;
+    if (plan->technique == ORL_TECHNIQUE_BACKWARD) {
+        admit(&plan->effects[ORL_EFFECT_CAUSTICS_MIRROR]);
+        admit(&plan->effects[ORL_EFFECT_CAUSTICS_BSDF]);
+    }
     if (!(mirrors || lobes) || plan->technique == ORL_TECHNIQUE_BACKWARD)
         plan->photons_caustic = 0;
 }

@@ -293,6 +293,19 @@ static void test_lobes(void **state)
                      ORL_EFFECT_CAUSTICS_BSDF);
 }
 
+/* What a technique cannot leave out it does not claim to. */
+static void test_caustics_of_paths(void **state)
+{
+    const struct orl_plan plan = plan_of(&(struct query){.text = SKY SUN ROOM DISH,
+                                                         .technique = ORL_TECHNIQUE_BACKWARD,
+                                                         .effect = ORL_EFFECT_CAUSTICS_MIRROR,
+                                                         .wish = ORL_WISH_SKIP},
+                                         NULL);
+    (void)state;
+    assert_true(plan.effects[ORL_EFFECT_CAUSTICS_MIRROR].simulated);
+    assert_non_null(strstr(plan.effects[ORL_EFFECT_CAUSTICS_MIRROR].why, "anyway"));
+}
+
 static void test_glass(void **state)
 {
     struct orl_plan plan;
@@ -532,6 +545,7 @@ int main(void)
         cmocka_unit_test(test_mirrors),
         cmocka_unit_test(test_mirrors_outside),
         cmocka_unit_test(test_lobes),
+        cmocka_unit_test(test_caustics_of_paths),
         cmocka_unit_test(test_glass),
         cmocka_unit_test(test_interreflection),
         cmocka_unit_test(test_glossy),

@@ -43,7 +43,8 @@ struct orl_job {
     enum orl_technique technique;
     enum orl_wish wishes[ORL_EFFECT_COUNT];
     uint64_t seed;
-    uint64_t photons_global, photons_caustic; /* targets, or ORL_PHOTONS_BY_PLAN */
+    uint64_t photons_global, photons_caustic; /* targets, or ORL_PHOTONS_BY_PLAN; of a map that the
+                                                 plan does without there is none */
     uint32_t gather_samples;                  /* per sensor; 0 = default */
     uint32_t pixel_samples;                   /* of the backward technique; 0 = default */
     struct orl_sky_request sky;               /* beside a scene without distant sources */
