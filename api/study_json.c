@@ -191,18 +191,22 @@ static int decode_points(const json_t *list, struct orl_study_request *request,
 static int decode_reference(const json_t *doc, struct orl_study_request *request,
                             struct orl_error *err)
 {
-    static const char *const allowed[] = {"samples", NULL};
+    static const char *const allowed[] = {"samples", "runs", NULL};
     const json_t *reference = json_object_get(doc, "reference");
     const json_t *repeats = json_object_get(doc, "repeats");
     const uint64_t most = request->job.n_views > 0 ? 1U << 20 : 1U << 24;
-    uint64_t samples = 0, count = request->repeats;
+    uint64_t samples = 0, runs = request->reference_runs, count = request->repeats;
     int rc = orl_json_object(reference, "reference", allowed, err);
     if (rc == 0)
         rc = orl_json_whole(json_object_get(reference, "samples"), "reference.samples", 1, most,
                             &samples, err);
     if (rc == 0 && repeats)
         rc = orl_json_whole(repeats, "repeats", 1, REPEATS_MAX, &count, err);
+    if (rc == 0 && json_object_get(reference, "runs"))
+        rc = orl_json_whole(json_object_get(reference, "runs"), "reference.runs", 1, REPEATS_MAX,
+                            &runs, err);
     request->reference_samples = (uint32_t)samples;
+    request->reference_runs = (uint32_t)runs;
     request->repeats = (uint32_t)count;
     return rc;
 }

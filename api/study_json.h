@@ -8,7 +8,8 @@
  *      "photons": [250000, 1000000] (of each kind; for techniques of photon maps),
  *      "gather_samples": [256, 4096] (a sensor's rays), or "pixel_samples": [16, 64] (a pixel's
  *      paths; the backward technique's views alone take notice),
- *      "repeats": 3 (seeds of every setting), "reference": {"samples": 65536},
+ *      "repeats": 3 (seeds of every setting),
+ *      "reference": {"samples": 65536, "runs": 8 (seeds that share these)},
  *      "points": [{"name": "Radiance, cached", "seconds": 142, "rms": 0.056}] (optional)}
  *
  * study.json:

@@ -20,7 +20,7 @@ static const struct orl_command commands[] = {
     {"study", "STUDY.json -o DIR [--threads N]",
      "Show what accuracy costs in time, by techniques and settings",
      "Runs every technique at every number of photons and samples that STUDY.json lists, with\n"
-     "several seeds, and compares them with one long unbiased run. Leaves study.json, study.csv,\n"
+     "several seeds, and compares them with a long unbiased one. Leaves study.json, study.csv,\n"
      "study.svg and study.png in DIR. Times are of one thread unless --threads says more.",
      orl_cmd_study},
     {"submit", "JOB.json [--server URL] [--wait]",

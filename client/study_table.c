@@ -64,8 +64,10 @@ static void print_fit(FILE *to, const struct orl_study_fit *fit)
 void orl_study_print(FILE *to, const struct orl_study *study)
 {
     const struct orl_study_reference *r = &study->reference;
-    fprintf(to, "reference: backward, %u samples, %.1f s; standard error %.2f %% (largest %.2f %%)",
-            r->samples, r->seconds, 100 * r->standard_error, 100 * r->worst);
+    fprintf(to,
+            "reference: backward, %u samples in %u runs, %.1f s; standard error %.2f %% (largest "
+            "%.2f %%)",
+            r->samples, r->runs, r->seconds, 100 * r->standard_error, 100 * r->worst);
     fprintf(to, " of %zu %s", r->values, study->of_views ? "pixels" : "sensors");
     if (r->left_out)
         fprintf(to, "; %zu left out, not known to 1 %%", r->left_out);

@@ -11,6 +11,7 @@ void orl_study_request_init(struct orl_study_request *request)
     memset(request, 0, sizeof *request);
     orl_job_init(&request->job);
     request->repeats = 3;
+    request->reference_runs = 8;
 }
 
 void orl_study_free_given(struct orl_study_given *given, size_t count)
@@ -98,9 +99,14 @@ int orl_study_request_validate(const struct orl_study_request *request, struct o
         code = check_technique(request, i, err);
         settings += code == 0 ? count_settings(request, request->techniques[i]) : 0;
     }
-    if (code == 0 && (request->repeats == 0 || request->reference_samples == 0))
+    if (code == 0 &&
+        (request->repeats == 0 || request->reference_samples == 0 || request->reference_runs == 0))
         code = orl_error_set(err, ORL_ERR_INVALID, "a study needs repeats, and a reference");
-    if (code == 0 && (uint64_t)settings * request->repeats > ORL_LIMIT_STUDY_RUNS)
+    if (code == 0 && orl_study_of_views(request) && request->reference_runs < 2)
+        code = orl_error_set(err, ORL_ERR_INVALID,
+                             "a reference of views needs two runs: they tell its error");
+    if (code == 0 &&
+        (uint64_t)settings * request->repeats + request->reference_runs > ORL_LIMIT_STUDY_RUNS)
         code = orl_error_set(err, ORL_ERR_LIMIT,
                              "%zu settings with %u seeds each are more than %u runs", settings,
                              request->repeats, ORL_LIMIT_STUDY_RUNS);

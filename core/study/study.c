@@ -15,9 +15,6 @@
 #include "study/judge.h"
 #include "study/series.h"
 
-/* Views do not tell the reference's error by themselves: the spread of some runs does. */
-enum { VIEW_REFERENCES = 4 };
-
 void orl_study_done(struct orl_study *study)
 {
     if (!study)
@@ -42,14 +39,9 @@ struct work {
     struct orl_reference reference; /* owned */
 };
 
-static uint32_t reference_runs(const struct work *work)
-{
-    return work->study->of_views ? VIEW_REFERENCES : 1;
-}
-
 static struct orl_study_setting reference_setting(const struct work *work)
 {
-    const uint32_t runs = reference_runs(work);
+    const uint32_t runs = work->request->reference_runs;
     return (struct orl_study_setting){.technique = ORL_TECHNIQUE_BACKWARD,
                                       .samples =
                                           (work->request->reference_samples + runs - 1) / runs};
@@ -67,15 +59,16 @@ static double sum_of(const double *values, size_t count)
 static int run_reference(struct work *work, struct orl_error *err)
 {
     const struct orl_study_setting setting = reference_setting(work);
-    const uint32_t runs = reference_runs(work);
+    const uint32_t runs = work->request->reference_runs;
     struct orl_study_reference *about = &work->study->reference;
     struct orl_series series = {0};
     work->series_env.what = "reference";
     int code = orl_series_run(&work->series_env, &setting,
                               work->request->job.seed + work->request->repeats, runs, &series, err);
     if (code == 0)
-        code = orl_reference_make(&work->reference, series.values, runs, series.errors,
-                                  series.count, work->study->of_views, err);
+        code = orl_reference_make(&work->reference, series.values, runs,
+                                  runs == 1 ? series.errors : NULL, series.count,
+                                  work->study->of_views, err);
     if (code == 0) {
         about->samples = setting.samples * runs;
         about->runs = runs;
@@ -153,7 +146,7 @@ static int prepare(struct work *work, struct orl_error *err)
     study->fits = calloc(ORL_TECHNIQUE_COUNT, sizeof *study->fits);
     if (!study->points || !study->fits)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-    series->all = reference_runs(work) * orl_series_cost(work->request, &reference);
+    series->all = work->request->reference_runs * orl_series_cost(work->request, &reference);
     for (size_t i = 0; i < work->n_settings; i++)
         series->all += work->request->repeats * orl_series_cost(work->request, &work->settings[i]);
     const int length =

@@ -140,7 +140,7 @@ static void test_a_study_leaves_four_files_and_a_table(void **state)
     run(f);
     if (f->result.exit_code != 0)
         fail_msg("%s", f->result.err);
-    assert_says(f->result.out, "reference: backward, 16384 samples");
+    assert_says(f->result.out, "reference: backward, 16384 samples in 8 runs");
     assert_says(f->result.out, " 5.0 k ");
     assert_says(f->result.out, "rms^2 =");
     assert_json(f->output);

@@ -18,7 +18,7 @@ static const char good[] =
     "[\"room.rad\"]},"
     " \"seed\": 5, \"effects\": {\"caustics\": \"skip\"}, \"sensors\": [[1, 2, 0.8, 0, 0, 1]],"
     " \"techniques\": [\"backward\", \"direct\"], \"photons\": [1e4, 20000],"
-    " \"gather_samples\": [64], \"repeats\": 2, \"reference\": {\"samples\": 512},"
+    " \"gather_samples\": [64], \"repeats\": 2, \"reference\": {\"samples\": 512, \"runs\": 4},"
     " \"points\": [{\"name\": \"By hand\", \"seconds\": 3600, \"rms\": 0.5}]}";
 
 /* Reads and checks, as the command does. */
@@ -57,6 +57,7 @@ static void test_a_whole_document(void **state)
     assert_int_equal(r.samples[0], 64);
     assert_int_equal(r.repeats, 2);
     assert_int_equal(r.reference_samples, 512);
+    assert_int_equal(r.reference_runs, 4);
     assert_int_equal(r.n_given, 1);
     assert_string_equal(r.given[0].name, "By hand");
     assert_true(r.given[0].seconds > 3599 && r.given[0].rms < 0.51);
@@ -93,8 +94,9 @@ static void test_mistakes_are_named(void **state)
         {"[64]", "[6.5]", "gather_samples[0]: a whole number", ORL_ERR_RANGE},
         {"\"repeats\": 2", "\"repeats\": 0", "repeats: a whole number", ORL_ERR_RANGE},
         {"\"repeats\": 2", "\"repeats\": 1000", "more than 2000 runs", ORL_ERR_LIMIT},
-        {", \"reference\": {\"samples\": 512}", "", "reference: an object", ORL_ERR_INVALID},
-        {"{\"samples\": 512}", "{\"seed\": 512}", "reference.seed: ", ORL_ERR_INVALID},
+        {", \"reference\": {\"samples\": 512, \"runs\": 4}", "", "reference: an object",
+         ORL_ERR_INVALID},
+        {"{\"samples\": 512, \"runs\": 4}", "{\"seed\": 512}", "reference.seed: ", ORL_ERR_INVALID},
         {"3600", "0", "points[0].seconds: a number above zero", ORL_ERR_RANGE},
         {"0.5}", "\"5 %\"}", "points[0].rms: a number is wanted", ORL_ERR_INVALID},
         {"\"name\"", "\"label\"", "points[0].label: ", ORL_ERR_INVALID},

@@ -112,6 +112,7 @@ static struct orl_study_request make_request(void)
     r.n_samples = 2;
     r.repeats = 4;
     r.reference_samples = 65536;
+    r.reference_runs = 4;
     r.given = given;
     r.n_given = 1;
     return r;

@@ -12,10 +12,14 @@
  *     noise^2 = mean over i of the variance of e_i between seeds; needs two seeds
  *     p95   = 95th percentile of |e_i| over i and seeds, the reference's share included
  *     peak  = largest |e_i| of the brightest percent of pixels, mean over seeds; views only
- * with s_i the standard error of r_i, relative as e_i is. Taking its share out of rms^2 is right on
- * average, since the reference's seeds are independent of all others; where that share is more than
- * a quarter of rms^2 the point is marked: its error is known badly. Sensors whose reference is not
- * known to 1 % are left out of everything. Relative errors are fractions: 0.01 is 1 %.
+ * with s_i the standard error of r_i, relative as e_i is. The reference is the mean of several runs
+ * with seeds of their own, whose spread gives s_i; of one run, for sensors, it is what the run
+ * itself knew. Several are better than one of as many samples: a run's virtual lamps are shared by
+ * all its samples, so that no number of these mends what the lamps lack. Taking its share out of
+ * rms^2 is right on average, since the reference's seeds are independent of all others; where that
+ * share is more than a quarter of rms^2 the point is marked: its error is known badly. Sensors
+ * whose reference is not known to 1 % are left out of everything. Relative errors are fractions:
+ * 0.01 is 1 %.
  *
  * Time is what a user waits: every run starts without photon maps, and loads the scene.
  *
@@ -50,7 +54,8 @@ struct orl_study_request {
     uint32_t *samples;
     size_t n_samples;
     uint32_t repeats;           /* seeds of every setting */
-    uint32_t reference_samples; /* of a sensor, or of a pixel */
+    uint32_t reference_samples; /* of a sensor, or of a pixel: of all its runs together */
+    uint32_t reference_runs;    /* seeds that these are shared among */
     char *title, *note;         /* for people; NULL: none. note: where given points come from */
     struct orl_study_given *given;
     size_t n_given;
