@@ -196,6 +196,26 @@ struct orl_rgb orl_direct_light(const struct orl_world *world, const struct orl_
     return sum;
 }
 
+struct orl_rgb orl_direct_by_lobes(const struct orl_world *world, const struct orl_hit *hit,
+                                   const struct orl_material *material, struct orl_vec3 eye,
+                                   struct orl_random *random)
+{
+    const struct orl_vec3 seen = hit->front ? hit->normal : orl_neg(hit->normal);
+    struct orl_rgb sum = orl_gray(0);
+    for (int side = 0; side < (orl_material_transmits_lobes(material) ? 2 : 1); side++) {
+        const struct orl_vec3 normal = side == 0 ? seen : orl_neg(seen);
+        const struct orl_direct_query query = {.point = orl_hit_leave(world->geometry, hit, normal),
+                                               .normal = normal,
+                                               .through_ports = true,
+                                               .lobes = material,
+                                               .hit = hit,
+                                               .eye = eye,
+                                               .mirrored = true};
+        sum = orl_rgb_add(sum, orl_direct_light(world, &query, random));
+    }
+    return sum;
+}
+
 /* Suns and lights on one side of the surface, as its lobes send them towards the eye. */
 static struct orl_rgb lobes_of_side(const struct orl_world *world, const struct orl_hit *hit,
                                     struct orl_vec3 eye, struct orl_vec3 side,

@@ -67,4 +67,12 @@ struct orl_direct_query {
 struct orl_rgb orl_direct_light(const struct orl_world *world, const struct orl_direct_query *query,
                                 struct orl_random *random);
 
+/*
+ * Radiance of suns (images in flat mirrors included) and lights that the lobes of material at that
+ * hit send towards eye, from both sides where it transmits: one shadow ray each.
+ */
+struct orl_rgb orl_direct_by_lobes(const struct orl_world *world, const struct orl_hit *hit,
+                                   const struct orl_material *material, struct orl_vec3 eye,
+                                   struct orl_random *random);
+
 #endif

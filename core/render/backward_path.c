@@ -70,19 +70,8 @@ static void add_diffuse(struct walk *w, const struct orl_hit *hit, struct orl_rg
 /* Suns and lamps in the lobes of a surface, seen from where the path comes from. */
 static void add_lobes(struct walk *w, const struct orl_hit *hit, const struct orl_material *m)
 {
-    const struct orl_world *world = w->tracer->backward->world;
-    const struct orl_vec3 seen = hit->front ? hit->normal : orl_neg(hit->normal);
-    for (int side = 0; side < (orl_material_transmits_lobes(m) ? 2 : 1); side++) {
-        const struct orl_vec3 normal = side == 0 ? seen : orl_neg(seen);
-        const struct orl_direct_query query = {.point = orl_hit_leave(world->geometry, hit, normal),
-                                               .normal = normal,
-                                               .through_ports = true,
-                                               .lobes = m,
-                                               .hit = hit,
-                                               .eye = orl_neg(w->direction),
-                                               .mirrored = true};
-        collect(w, orl_direct_light(world, &query, &w->tracer->random));
-    }
+    collect(w, orl_direct_by_lobes(w->tracer->backward->world, hit, m, orl_neg(w->direction),
+                                   &w->tracer->random));
 }
 
 /* Beyond all surfaces. A sun's disc counts only where no shadow ray could have looked for it. */

@@ -185,13 +185,31 @@ static struct orl_rgb diffuse_radiance(const struct orl_gather *gather, const st
     return orl_rgb_scale(orl_rgb_mul(irradiance, orl_material_diffuse(material)), 1 / ORL_PI);
 }
 
+/*
+ * What a surface shines and, to a ray that is to find caustics itself, what its lobes send on of
+ * suns and lights.
+ */
+static struct orl_rgb shining_radiance(const struct orl_world *world, const struct orl_hit *hit,
+                                       struct orl_vec3 eye, bool caustics, bool lamps_sampled,
+                                       struct orl_random *random)
+{
+    const struct orl_material *m = orl_world_material(world, hit);
+    struct orl_rgb sum = orl_gray(0);
+    if (orl_material_glows(m) || (caustics && !lamps_sampled && orl_material_is_lamp(m)))
+        sum = orl_material_emission(m, hit, eye);
+    if (caustics && orl_material_has_lobes(m))
+        sum = orl_rgb_add(sum, orl_direct_by_lobes(world, hit, m, eye, random));
+    return sum;
+}
+
 /* As orl_gather_radiance, and tells how far the first thing met is. */
-static struct orl_rgb trace_gather(const struct orl_gather *gather, struct orl_vec3 origin,
-                                   struct orl_vec3 direction, bool outside, const double *first,
-                                   struct orl_random *random, struct orl_search *search,
-                                   double *ret_distance)
+static struct orl_rgb trace_gather(const struct orl_gather *gather,
+                                   const struct orl_gather_ray *ray, struct orl_random *random,
+                                   struct orl_search *search, double *ret_distance)
 {
     const struct orl_world *world = gather->world;
+    struct orl_vec3 origin = ray->origin, direction = ray->direction;
+    bool outside = ray->outside, caustics = ray->of_lobe;
     struct orl_rgb sum = orl_gray(0), weight = orl_gray(1), clarity = orl_gray(1);
     const enum orl_lobes but_diffuse = (enum orl_lobes)(ORL_LOBE_REFLECTED | ORL_LOBE_TRANSMITTED);
     bool lamps_sampled = true; /* by the shadow rays of the place that the ray comes from */
@@ -217,17 +235,16 @@ static struct orl_rgb trace_gather(const struct orl_gather *gather, struct orl_v
             orl_rgb_max(orl_material_diffuse(m)) > 0 && reflections < world->omit.most_reflections;
         const bool near = hit.distance < gather->near;
         weight = orl_rgb_mul(weight, orl_material_dimming(m, &hit, clarity));
-        if (orl_material_glows(m))
-            sum = orl_rgb_add(
-                sum, orl_rgb_mul(weight, orl_material_emission(m, &hit, orl_neg(direction))));
+        const struct orl_vec3 eye = orl_neg(direction);
+        sum = orl_rgb_add(sum, orl_rgb_mul(weight, shining_radiance(world, &hit, eye, caustics,
+                                                                    lamps_sampled, random)));
         if (diffuse)
             sum = orl_rgb_add(
                 sum, orl_rgb_mul(weight, diffuse_radiance(gather, &hit, m, near, random, search)));
         const enum orl_lobes lobes = diffuse && near ? ORL_LOBE_ALL : but_diffuse;
-        const struct orl_vec3 eye = orl_neg(direction);
         const struct orl_scatter s =
-            bounce == 0 && first
-                ? orl_scatter_sample_at(m, &hit, eye, ORL_TRANSPORT_EYE, lobes, first)
+            bounce == 0 && ray->first
+                ? orl_scatter_sample_at(m, &hit, eye, ORL_TRANSPORT_EYE, lobes, ray->first)
                 : orl_scatter_sample(m, &hit, eye, ORL_TRANSPORT_EYE, lobes, random);
         if (s.event == ORL_EVENT_ABSORBED)
             return sum;
@@ -240,8 +257,10 @@ static struct orl_rgb trace_gather(const struct orl_gather *gather, struct orl_v
             weight = orl_rgb_scale(weight, 1 / survive);
         }
         if (s.event != ORL_EVENT_STRAIGHT)
-            lamps_sampled = s.event == ORL_EVENT_DIFFUSE;
+            lamps_sampled =
+                s.event == ORL_EVENT_DIFFUSE || (caustics && s.event == ORL_EVENT_GLOSSY);
         reflections += s.event == ORL_EVENT_DIFFUSE;
+        caustics = caustics && s.event != ORL_EVENT_DIFFUSE;
         if (s.transmitted && orl_world_leaves_clear(world, &hit))
             return orl_rgb_add(sum,
                                orl_rgb_mul(weight, orl_world_dome_radiance(world, s.direction)));
@@ -255,13 +274,12 @@ static struct orl_rgb trace_gather(const struct orl_gather *gather, struct orl_v
     return sum;
 }
 
-struct orl_rgb orl_gather_radiance(const struct orl_gather *gather, struct orl_vec3 origin,
-                                   struct orl_vec3 direction, bool outside, const double *first,
-                                   struct orl_random *random, struct orl_search *search)
+struct orl_rgb orl_gather_radiance(const struct orl_gather *gather,
+                                   const struct orl_gather_ray *ray, struct orl_random *random,
+                                   struct orl_search *search)
 {
     double distance;
-    return orl_health_keep(&search->health, trace_gather(gather, origin, direction, outside, first,
-                                                         random, search, &distance));
+    return orl_health_keep(&search->health, trace_gather(gather, ray, random, search, &distance));
 }
 
 /* The scene that lights a place. */
@@ -354,13 +372,14 @@ struct orl_hemisphere orl_gather_hemisphere(const struct orl_gather *gather,
         const double phi = 2 * ORL_PI * (column + orl_random_uniform(random)) / columns;
         const struct orl_vec3 direction = orl_to_world(
             &frame, orl_v3(sine * cos(phi), sine * sin(phi), sqrt(fmax(0, 1 - sine * sine))));
+        const struct orl_gather_ray ray = {
+            .origin = place->point, .direction = direction, .outside = place->outside};
         double distance = INFINITY;
         const struct orl_rgb radiance = orl_health_keep(
             &search->health, place->proxied
                                  ? orl_exterior_radiance(scene_of(gather, place), place->point,
                                                          direction, true, random, &search->health)
-                                 : trace_gather(gather, place->point, direction, place->outside,
-                                                NULL, random, search, &distance));
+                                 : trace_gather(gather, &ray, random, search, &distance));
         h.irradiance = orl_rgb_add(h.irradiance, radiance);
         distance = fmax(distance, 1e-9 * gather->world->geometry->radius);
         nearness += 1 / distance;

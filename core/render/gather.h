@@ -63,14 +63,22 @@ struct orl_place {
     bool proxied; /* on a surface that a BSDF stands for: lit as views see it; then outside too */
 };
 
-/*
- * Radiance along a gather ray: lights and suns not seen straight. first: three numbers in [0,1)
- * from an even sequence for what happens at the first surface, so that of many rays through a pane
- * even shares are mirrored and sent on; NULL for random ones.
- */
-struct orl_rgb orl_gather_radiance(const struct orl_gather *gather, struct orl_vec3 origin,
-                                   struct orl_vec3 direction, bool outside, const double *first,
-                                   struct orl_random *random, struct orl_search *search);
+/* A ray that gathers. */
+struct orl_gather_ray {
+    struct orl_vec3 origin, direction;
+    bool outside;
+    bool of_lobe; /* of a view's, where no density counts caustics: the ray is to find them */
+    /*
+     * Three numbers in [0,1) from an even sequence for what happens at the first surface, so that
+     * of many rays through a pane even shares are mirrored and sent on; NULL for random ones.
+     */
+    const double *first;
+};
+
+/* Radiance along it: lights and suns not seen straight. */
+struct orl_rgb orl_gather_radiance(const struct orl_gather *gather,
+                                   const struct orl_gather_ray *ray, struct orl_random *random,
+                                   struct orl_search *search);
 
 /*
  * The surface at a place that came without its facet; false when there is none within rounding.

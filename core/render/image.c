@@ -273,7 +273,9 @@ static struct orl_rgb lobe_radiance(const void *ctx, struct orl_vec3 origin,
                                     struct orl_vec3 direction, bool outside,
                                     struct orl_random *random, struct orl_search *search)
 {
-    return orl_gather_radiance(ctx, origin, direction, outside, NULL, random, search);
+    const struct orl_gather_ray ray = {
+        .origin = origin, .direction = direction, .outside = outside, .of_lobe = true};
+    return orl_gather_radiance(ctx, &ray, random, search);
 }
 
 int orl_image_render(const struct orl_gather *gather, const struct orl_painting *painting,

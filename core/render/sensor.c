@@ -93,9 +93,12 @@ static struct orl_rgb gather_evenly(const struct orl_gather *gather, const struc
             orl_random_stream(gather->seed, ORL_PURPOSE_SENSOR, (index << 24) + i + 1);
         double u[5];
         orl_sobol_point(&gather->sobol, i, (uint32_t)orl_mix64(gather->seed ^ (index + 1)), 5, u);
-        const struct orl_vec3 direction = orl_hemisphere_about(place->normal, u[0], u[1]);
-        sum = orl_rgb_add(sum, orl_gather_radiance(gather, place->point, direction, place->outside,
-                                                   u + 2, &random, search));
+        const struct orl_gather_ray ray = {.origin = place->point,
+                                           .direction =
+                                               orl_hemisphere_about(place->normal, u[0], u[1]),
+                                           .outside = place->outside,
+                                           .first = u + 2};
+        sum = orl_rgb_add(sum, orl_gather_radiance(gather, &ray, &random, search));
     }
     return orl_rgb_scale(sum, ORL_PI / samples);
 }

@@ -101,25 +101,18 @@ static void add_vertex(struct look *look, const struct branch *at, const struct 
         .distance = at->distance + hit->distance};
 }
 
-/* Suns and lights in the lobes of a surface, from one side, averaged over a few shadow rays. */
+/* Suns and lights in the lobes of a surface, averaged over a few shadow rays. */
 static struct orl_rgb direct_in_lobes(struct look *look, const struct orl_hit *hit,
-                                      const struct orl_material *m, struct orl_vec3 eye,
-                                      struct orl_vec3 side, uint32_t samples)
+                                      const struct orl_material *m, struct orl_vec3 eye)
 {
+    enum { SAMPLES = 2 };
     const struct orl_world *world = scene_of(look);
+    struct orl_rgb sum = orl_gray(0);
     if (!orl_world_hides(world, hit->facet))
         world = look->onlooker->world;
-    const struct orl_direct_query query = {.point = orl_hit_leave(world->geometry, hit, side),
-                                           .normal = side,
-                                           .through_ports = true,
-                                           .lobes = m,
-                                           .hit = hit,
-                                           .eye = eye,
-                                           .mirrored = true};
-    struct orl_rgb sum = orl_gray(0);
-    for (uint32_t i = 0; i < samples; i++)
-        sum = orl_rgb_add(sum, orl_direct_light(world, &query, look->random));
-    return orl_rgb_scale(sum, 1.0 / samples);
+    for (int i = 0; i < SAMPLES; i++)
+        sum = orl_rgb_add(sum, orl_direct_by_lobes(world, hit, m, eye, look->random));
+    return orl_rgb_scale(sum, 1.0 / SAMPLES);
 }
 
 static struct orl_scatter sample_lobes(const struct look *look, const struct orl_hit *hit,
@@ -158,12 +151,9 @@ static void add_lobes(struct look *look, const struct branch *at, const struct o
 {
     const struct orl_world *world = scene_of(look);
     const struct orl_vec3 eye = orl_neg(at->direction);
-    const struct orl_vec3 seen = hit->front ? hit->normal : orl_neg(hit->normal);
     const enum orl_crossing crossing = orl_world_crossing(world, hit);
     struct orl_rgb sum = orl_gray(0);
-    add(look, at->weight, direct_in_lobes(look, hit, m, eye, seen, 2));
-    if (orl_material_transmits_lobes(m))
-        add(look, at->weight, direct_in_lobes(look, hit, m, eye, orl_neg(seen), 2));
+    add(look, at->weight, direct_in_lobes(look, hit, m, eye));
     const uint32_t sequence = (uint32_t)orl_random_bits(look->random);
     for (uint32_t i = 0; i < samples; i++) {
         const struct orl_scatter s = sample_lobes(look, hit, m, eye, i, sequence);
