@@ -50,5 +50,5 @@ double orl_axis_at(const struct orl_axis *axis, double value)
 
 void orl_axis_format(double tick, char *ret_text, size_t size)
 {
-    snprintf(ret_text, size, tick >= 1e6 || tick < 1e-4 ? "%.0e" : "%.10g", tick);
+    snprintf(ret_text, size, tick >= 1e5 || tick < 1e-4 ? "%.0e" : "%.10g", tick);
 }

@@ -25,7 +25,7 @@ void orl_axis_init(struct orl_axis *axis, double low, double high, double from, 
 
 double orl_axis_at(const struct orl_axis *axis, double value); /* may lie beyond the ends */
 
-/* "0.05", "20", "10000", "1e+06". */
+/* "0.05", "20", "10000", "1e+05". */
 void orl_axis_format(double tick, char *ret_text, size_t size);
 
 #endif

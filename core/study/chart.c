@@ -5,7 +5,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double left_edge = 70, top_edge = 46, bottom_edge = 58, legend_width = 208,
+#include "study/series.h"
+
+static const double left_edge = 86, top_edge = 46, bottom_edge = 58, legend_width = 208,
                     legend_gap = 22, row_height = 21;
 
 bool orl_box_meets(const struct orl_box *a, const struct orl_box *b)
@@ -15,7 +17,7 @@ bool orl_box_meets(const struct orl_box *a, const struct orl_box *b)
 
 bool orl_chart_shows(const struct orl_study_point *point)
 {
-    return isfinite(point->rms) && point->rms > 0 && isfinite(point->total_s) && point->total_s > 0;
+    return orl_study_can_show(point->rms) && orl_study_can_show(point->total_s);
 }
 
 void orl_chart_set_font(cairo_t *cairo, enum orl_chart_role role)

@@ -78,7 +78,7 @@ void orl_chart_done(struct orl_chart *chart);
 /* Sets the font of a role, the same for measuring and drawing. */
 void orl_chart_set_font(cairo_t *cairo, enum orl_chart_role role);
 
-/* Whether a point can be drawn: finite, above zero. */
+/* Whether a point can be drawn: known, above zero, nothing absurd. */
 bool orl_chart_shows(const struct orl_study_point *point);
 
 /* The points of a technique that none other of it beats, by time: its line. Returns how many. */

@@ -46,6 +46,11 @@ bool orl_study_heeds_samples(enum orl_technique technique, bool of_views)
     return technique == ORL_TECHNIQUE_BACKWARD || (technique == ORL_TECHNIQUE_GATHER && !of_views);
 }
 
+bool orl_study_can_show(double value)
+{
+    return value >= 1e-12 && value <= 1e12;
+}
+
 bool orl_study_of_views(const struct orl_study_request *request)
 {
     return request->job.n_views > 0;
@@ -111,9 +116,10 @@ int orl_study_request_validate(const struct orl_study_request *request, struct o
                              "%zu settings with %u seeds each are more than %u runs", settings,
                              request->repeats, ORL_LIMIT_STUDY_RUNS);
     for (size_t i = 0; i < request->n_given && code == 0; i++)
-        if (!(request->given[i].seconds > 0) || !(request->given[i].rms > 0))
+        if (!orl_study_can_show(request->given[i].seconds) ||
+            !orl_study_can_show(request->given[i].rms))
             code = orl_error_set(err, ORL_ERR_RANGE,
-                                 "point \"%s\": seconds and rms are greater than zero",
+                                 "point \"%s\": seconds and rms are from 1e-12 to 1e12",
                                  request->given[i].name);
     return code;
 }

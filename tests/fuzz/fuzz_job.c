@@ -1,12 +1,19 @@
-/* Job documents, as the command line and as the daemon read them, and the views inside. */
+/*
+ * Job documents, as the command line and as the daemon read them, and the views inside; documents
+ * of studies.
+ */
 #include <stdlib.h>
 #include <string.h>
+
+#include <oriel/limits.h>
 
 #include "decode.h"
 #include "fuzz/fuzz.h"
 #include "job_json.h"
 #include "light/daylight.h"
 #include "render/view.h"
+#include "study/series.h"
+#include "study_json.h"
 
 static void check_rays(const struct orl_view *view)
 {
@@ -82,6 +89,30 @@ static bool check_document(const json_t *doc, enum orl_job_origin origin)
     return code == 0;
 }
 
+/* A sound study comes to settings that can be listed, and not to more runs than there may be. */
+static bool check_study(const json_t *doc)
+{
+    struct orl_error err = {0};
+    struct orl_study_request request;
+    struct orl_study_setting *settings = NULL;
+    size_t count = 0;
+    int code = orl_study_from_json(doc, &request, &err);
+    if (code < 0) {
+        fuzz_check_error(code, &err);
+        return false;
+    }
+    code = orl_study_request_validate(&request, &err);
+    if (code < 0) {
+        fuzz_check_error(code, &err);
+    } else {
+        FUZZ_PROMISE(orl_study_list_settings(&request, &settings, &count, &err) == 0);
+        FUZZ_PROMISE(count > 0 && count * request.repeats <= ORL_LIMIT_STUDY_RUNS);
+        free(settings);
+    }
+    orl_study_request_done(&request);
+    return code == 0;
+}
+
 bool fuzz_job(const uint8_t *data, size_t size)
 {
     struct orl_error err = {0};
@@ -98,6 +129,7 @@ bool fuzz_job(const uint8_t *data, size_t size)
     }
     accepted = check_document(doc, ORL_JOB_LOCAL);
     accepted |= check_document(doc, ORL_JOB_REMOTE);
+    accepted |= check_study(doc);
     json_decref(doc);
     return accepted;
 }

@@ -11,6 +11,7 @@
 #include <expat.h>
 #include <png.h>
 
+#include "study/fit.h"
 #include "study/plot.h"
 #include "support/cli.h"
 #include "support/scene_text.h"
@@ -106,6 +107,31 @@ static void test_long_titles_and_names_are_cut(void **state)
     orl_study_done(&study);
 }
 
+/* The largest range that can be shown, and points that cannot: without error, time, sense. */
+static void test_absurd_points_do_no_harm(void **state)
+{
+    struct orl_study study = study_of_chance(5, 6, 2);
+    struct orl_chart chart;
+    (void)state;
+    study.points[0].rms = NAN;
+    study.points[1].rms = 0;
+    study.points[2].rms = 1e300;
+    study.points[3].total_s = INFINITY;
+    study.points[4].rms_error = INFINITY;
+    study.given[0].seconds = study.given[1].rms = 1e12;
+    study.given[1].seconds = study.given[0].rms = 1e-12;
+    orl_study_mark_front(study.points, study.n_points);
+    assert_int_equal(orl_chart_make(&study, NULL, &chart, NULL), 0);
+    assert_laid_out(&chart);
+    orl_chart_done(&chart);
+    study.n_points = study.n_given = 0;
+    assert_int_equal(orl_chart_make(&study, NULL, &chart, NULL), 0);
+    assert_laid_out(&chart);
+    orl_chart_done(&chart);
+    study.n_given = 2;
+    orl_study_done(&study);
+}
+
 static void test_svg_is_well_formed(void **state)
 {
     struct orl_study study = study_of_chance(3, 6, 5);
@@ -181,6 +207,7 @@ int main(void)
         cmocka_unit_test(test_ticks_are_written_plainly),
         cmocka_unit_test(test_no_two_texts_meet),
         cmocka_unit_test(test_long_titles_and_names_are_cut),
+        cmocka_unit_test(test_absurd_points_do_no_harm),
         cmocka_unit_test(test_svg_is_well_formed),
         cmocka_unit_test(test_png_shows_the_points),
         cmocka_unit_test(test_files_that_cannot_be_written),
