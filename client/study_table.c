@@ -61,6 +61,18 @@ static void print_fit(FILE *to, const struct orl_study_fit *fit)
     fprintf(to, "\n");
 }
 
+/* Other programs' work shows in times that differ from seed to seed. */
+static void print_unsteady(FILE *to, const struct orl_study *study)
+{
+    const double steady = 0.1;
+    size_t n = 0;
+    for (size_t i = 0; i < study->n_points; i++)
+        n += study->points[i].total_error_s > steady * study->points[i].total_s ? 1 : 0;
+    if (n > 0)
+        fprintf(to, "times of %zu of %zu points are not known to %.0f %%: was the machine busy?\n",
+                n, study->n_points, 100 * steady);
+}
+
 void orl_study_print(FILE *to, const struct orl_study *study)
 {
     const struct orl_study_reference *r = &study->reference;
@@ -81,6 +93,7 @@ void orl_study_print(FILE *to, const struct orl_study *study)
         print_point(to, &study->points[i], study->of_views);
     fprintf(to,
             "\n* nothing is both faster and more accurate; ~ the reference's own error shows\n");
+    print_unsteady(to, study);
     if (study->n_fits > 0)
         fprintf(to, "\nN photons, S samples:\n");
     for (size_t i = 0; i < study->n_fits; i++)
