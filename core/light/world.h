@@ -61,6 +61,7 @@ struct orl_omissions {
         bleached; /* already done to the materials; here for who tells maps apart
                    */
     bool mirror_caustics, lobe_caustics; /* no caustic photons by way of mirrors, of lobes */
+    bool counted_light; /* global photons that shadow rays or caustic photons count are not kept */
     uint32_t most_reflections;           /* diffuse ones that light is followed through */
     uint32_t channels;                   /* 3, or 1: all is gray, and red stands for all */
 };

@@ -166,53 +166,9 @@ void orl_photon_map_free(struct orl_photon_map *map)
 {
     if (!map)
         return;
-    if (map->in_memory)
-        free(map->file);
-    else if (map->file)
+    if (map->file)
         munmap(map->file, map->size);
     free(map);
-}
-
-/* Copies one photon: everything in it is relative to the header, which is shared. */
-static void copy_photon(const struct orl_photon_map *from, uint64_t i, char *file,
-                        const struct orl_map_layout *l, uint64_t k)
-{
-    const uint32_t *words = from->places + i / ORL_MAP_LEAF * ORL_LEAF_WORDS + i % ORL_MAP_LEAF;
-    uint32_t *leaf = (uint32_t *)(void *)(file + l->places) + k / ORL_MAP_LEAF * ORL_LEAF_WORDS +
-                     k % ORL_MAP_LEAF;
-    leaf[0] = words[0];
-    leaf[ORL_MAP_LEAF] = words[ORL_MAP_LEAF];
-    ((uint32_t *)(void *)(file + l->fluxes))[k] = from->fluxes[i];
-    ((uint16_t *)(void *)(file + l->normals))[k] = from->normals[i];
-    ((uint16_t *)(void *)(file + l->tags))[k] = from->tags[i];
-}
-
-struct orl_photon_map *orl_photon_map_of_class(const struct orl_photon_map *map,
-                                               enum orl_photon_class class)
-{
-    uint64_t count = 0, kept = 0;
-    for (uint64_t i = 0; i < map->header->count; i++)
-        count += map->tags[i] == class;
-    const struct orl_map_layout l = orl_map_layout_of(count);
-    struct orl_photon_map *part = calloc(1, sizeof *part);
-    char *file = part ? calloc(1, l.size) : NULL;
-    if (!file) {
-        free(part);
-        return NULL;
-    }
-    struct orl_map_header *header = (void *)file;
-    *header = *map->header;
-    header->count = count;
-    header->levels = l.levels;
-    /* In order they were, and in order they stay. */
-    for (uint64_t i = 0; i < map->header->count; i++)
-        if (map->tags[i] == class)
-            copy_photon(map, i, file, &l, kept++);
-    orl_map_build_boxes(&l, count, file);
-    *part =
-        (struct orl_photon_map){.file = file, .size = l.size, .in_memory = true, .header = header};
-    take_apart(part);
-    return part;
 }
 
 const struct orl_map_header *orl_photon_map_header(const struct orl_photon_map *map)

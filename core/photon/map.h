@@ -100,13 +100,6 @@ int orl_photon_map_open(const char *path, bool verify, struct orl_photon_map **r
                         struct orl_error *err);
 void orl_photon_map_free(struct orl_photon_map *map); /* NULL is allowed */
 
-/*
- * Those photons of a map that are of one class, as a map of their own, in memory: a search then
- * does not wade through the others. NULL when out of memory. The caller frees it.
- */
-struct orl_photon_map *orl_photon_map_of_class(const struct orl_photon_map *map,
-                                               enum orl_photon_class class);
-
 const struct orl_map_header *orl_photon_map_header(const struct orl_photon_map *map);
 
 /* The first photon's place, flux and so on, for tests and tools: index < count. */

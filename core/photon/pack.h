@@ -19,7 +19,6 @@ struct orl_map_group {
 struct orl_photon_map {
     void *file;
     size_t size;
-    bool in_memory; /* file was allocated, not mapped */
     const struct orl_map_header *header;
     const uint32_t *places, *fluxes;
     const uint16_t *normals, *tags;
@@ -34,9 +33,6 @@ struct orl_map_layout {
     uint32_t levels;
 };
 struct orl_map_layout orl_map_layout_of(uint64_t count);
-
-/* Fills in the boxes of a file from its places and normals. */
-void orl_map_build_boxes(const struct orl_map_layout *layout, uint64_t count, char *file);
 
 /* Photons in a leaf: 16, but for the last one. */
 static inline uint32_t orl_leaf_photons(const struct orl_photon_map *map, uint64_t leaf)

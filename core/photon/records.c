@@ -27,7 +27,6 @@ double orl_record_clear(const struct orl_world *world, uint32_t tag)
 
 struct maker {
     const struct orl_records_making *making;
-    struct orl_photon_map *rest; /* owned: the photons that count */
     double reach;
     struct orl_photon *records;
     bool *made;
@@ -38,7 +37,7 @@ static bool make_record(const struct maker *m, uint64_t leaf, struct orl_search 
                         struct orl_photon *ret_record)
 {
     const struct orl_records_making *making = m->making;
-    const struct orl_photon_map *map = m->rest;
+    const struct orl_photon_map *map = making->global;
     struct orl_site site = orl_site_make(map, leaf);
     struct orl_density_query query = {.k = ORL_ADAPT_MOST, .max_radius = m->reach};
     struct orl_footing footing;
@@ -84,20 +83,19 @@ static int make_all(struct maker *m)
 int orl_records_make(const struct orl_records_making *making, struct orl_photon **ret_records,
                      size_t *ret_count, struct orl_error *err)
 {
-    struct maker m = {.making = making,
-                      .rest = orl_photon_map_of_class(making->global, ORL_PHOTON_REST)};
+    const struct orl_photon_map *map = making->global;
+    struct maker m = {.making = making};
     size_t kept = 0;
     int code = ORL_ERR_NOMEM;
-    if (m.rest)
-        m.count = (m.rest->header->count + PHOTONS_A_RECORD - 1) / PHOTONS_A_RECORD;
+    m.count = (map->header->count + PHOTONS_A_RECORD - 1) / PHOTONS_A_RECORD;
     m.records = calloc(m.count + 1, sizeof *m.records);
     m.made = calloc(m.count + 1, sizeof *m.made);
-    if (!m.rest || !m.records || !m.made) {
+    if (!m.records || !m.made) {
         orl_error_set(err, code, "out of memory for precomputed irradiance");
         goto done;
     }
     const double widest = 0.1 * making->world->geometry->radius;
-    m.reach = orl_adapt_reach(m.rest, widest, &making->searches[0]);
+    m.reach = orl_adapt_reach(map, widest, &making->searches[0]);
     code = make_all(&m);
     if (code < 0) {
         orl_error_set(err, code, "cancelled while precomputing irradiance");
@@ -110,7 +108,6 @@ int orl_records_make(const struct orl_records_making *making, struct orl_photon 
     *ret_count = kept;
     m.records = NULL;
 done:
-    orl_photon_map_free(m.rest);
     free(m.made);
     free(m.records);
     return code;

@@ -4,9 +4,10 @@
  *
  * A record is a photon in all but meaning: its place, the normal of the lit side, and as flux the
  * irradiance there, W/m2, times the number emitted, so that a map's unpacked "flux" is irradiance.
- * The estimate is that of adapt.h, of photons of class REST alone: shadow rays and the caustic map
- * count the others. There is one record for every 32 such photons, amid a leaf (site.h) and on the
- * surface itself. Its tag says how far no wall stands about it (orl_record_clear).
+ * The estimate is that of adapt.h, from a map without photons of the light that shadow rays and the
+ * caustic map count (omit.counted_light). There is one record for every 32 photons, amid a leaf
+ * (site.h) and on the surface itself. Its tag says how far no wall stands about it
+ * (orl_record_clear).
  *
  * A look-up fits a plane to the nearest records of the same sheet that nothing stands in front of,
  * with weights that fall to zero, with their slope, at the distance of the first one not used: as

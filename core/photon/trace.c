@@ -150,7 +150,8 @@ void orl_trace_photon(const struct orl_world *world, const struct orl_flight *fl
             return;
         unseen++;
         if (diffuse && !outside && (caustic ? way.mirror || way.lobe : reflections < most)) {
-            deposit(deposits, &hit, c.flux, batch, class);
+            if (caustic || !world->omit.counted_light || class == ORL_PHOTON_REST)
+                deposit(deposits, &hit, c.flux, batch, class);
             unseen = 0;
         }
         const struct orl_scatter s =

@@ -147,7 +147,7 @@ static void clear_groups(struct orl_map_group *groups, uint64_t count)
     }
 }
 
-void orl_map_build_boxes(const struct orl_map_layout *layout, uint64_t count, char *file)
+static void build_boxes(const struct orl_map_layout *layout, uint64_t count, char *file)
 {
     struct orl_map_group *groups = (void *)(file + layout->boxes);
     const uint32_t *places = (const void *)(file + layout->places);
@@ -279,7 +279,7 @@ int orl_photon_map_write(const char *path, struct orl_photon *photons, size_t co
     orl_crew_for(crew, chunks, make_codes, &w);
     sort_items(&w);
     orl_crew_for(crew, chunks, pack_chunk, &w);
-    orl_map_build_boxes(&w.layout, count, w.file);
+    build_boxes(&w.layout, count, w.file);
     fill_header(&w);
     if (msync(w.file, w.layout.size, MS_SYNC) != 0 || fsync(fd) != 0)
         code = orl_error_set(err, ORL_ERR_IO, "cannot write photon map '%s': %s", path,

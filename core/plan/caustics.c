@@ -28,6 +28,14 @@ static double mirror_bound(const struct orl_survey *survey, const struct orl_lit
     return lit->classes[ORL_LIT_FLAT].share * (survey->sun_lx + survey->lamp_lx);
 }
 
+/* Panes seen from outside mirror suns onto what stands there, and so in by windows. */
+static bool may_light_outside(const struct orl_survey *survey)
+{
+    const struct orl_world *world = survey->world;
+    return world->n_mirrors > 0 && world->n_suns > 0 && survey->n_clear < world->n_ports &&
+           !world->omit.exterior;
+}
+
 /*
  * What is lit only by way of something else that is lit counts too: where both mirrors and lobes
  * are there and one of them is lit, the other may be.
@@ -37,7 +45,8 @@ static bool decide_mirrors(const struct orl_survey *survey, const struct orl_lit
 {
     const struct orl_lit_class *flat = &lit->classes[ORL_LIT_FLAT];
     const struct orl_lit_class *curved = &lit->classes[ORL_LIT_CURVED];
-    const bool needed = flat->facets + curved->facets > 0 && any_lit(lit);
+    const bool outside = may_light_outside(survey);
+    const bool needed = flat->facets + curved->facets > 0 && (any_lit(lit) || outside);
     const struct orl_finding finding = {.needed = needed,
                                         .unit = ORL_BOUND_LX,
                                         .bound = needed ? mirror_bound(survey, lit) : 0,
@@ -55,9 +64,11 @@ static bool decide_mirrors(const struct orl_survey *survey, const struct orl_lit
                           "lamp",
                           flat->facets + curved->facets);
     return orl_settle(decision, &finding,
-                      "of %zu flat and %zu curved surfaces that mirror or refract some are lit; "
+                      "of %zu flat and %zu curved surfaces that mirror or refract some are lit%s; "
                       "they send on up to %.3g %%",
-                      flat->facets, curved->facets, 100 * fmax(flat->share, curved->share));
+                      flat->facets, curved->facets,
+                      any_lit(lit) ? "" : ", from outside, where shadow rays see to it",
+                      100 * fmax(flat->share, curved->share));
 }
 
 static bool decide_lobes(const struct orl_survey *survey, const struct orl_lit *lit,
@@ -106,7 +117,10 @@ static void decide_glass(const struct orl_survey *survey, struct orl_decision *d
     decision->simulated = panes > 0 || decision->wish == ORL_WISH_FORCE;
 }
 
-/* Paths from sensors meet mirrors and lobes as they come: what is there they find. */
+/*
+ * Paths from sensors meet mirrors and lobes as they come: what is there they find, but for suns in
+ * flat mirrors, which shadow rays look for.
+ */
 static void admit(struct orl_decision *decision)
 {
     char why[ORL_WHY_MAX - 60];
@@ -119,6 +133,14 @@ static void admit(struct orl_decision *decision)
     decision->saved_s = 0;
 }
 
+/* Whether there is anything for caustic photons to do; where it was forced they are to try. */
+static bool may_land(const struct orl_lit *lit, const struct orl_plan *plan, bool simulated)
+{
+    const bool forced = plan->effects[ORL_EFFECT_CAUSTICS_MIRROR].wish == ORL_WISH_FORCE ||
+                        plan->effects[ORL_EFFECT_CAUSTICS_BSDF].wish == ORL_WISH_FORCE;
+    return simulated && (any_lit(lit) || forced) && plan->technique != ORL_TECHNIQUE_BACKWARD;
+}
+
 void orl_decide_caustics(struct orl_survey *survey, const struct orl_lit *lit,
                          struct orl_plan *plan)
 {
@@ -129,12 +151,15 @@ void orl_decide_caustics(struct orl_survey *survey, const struct orl_lit *lit,
     decide_glass(survey, &plan->effects[ORL_EFFECT_CAUSTICS_GLASS]);
     world->omit.mirror_caustics = !mirrors;
     world->omit.lobe_caustics = !lobes;
+    if (plan->effects[ORL_EFFECT_CAUSTICS_MIRROR].wish == ORL_WISH_SKIP)
+        world->n_mirrors = 0;
     world->caustics_lit = (mirrors || lobes) && any_lit(lit);
     plan->photons_caustic = asked == ORL_PHOTONS_BY_PLAN ? (uint64_t)ORL_DEFAULT_PHOTONS : asked;
     if (plan->technique == ORL_TECHNIQUE_BACKWARD) {
-        admit(&plan->effects[ORL_EFFECT_CAUSTICS_MIRROR]);
+        if (lit->classes[ORL_LIT_CURVED].facets > 0 || lit->lights > world->n_suns)
+            admit(&plan->effects[ORL_EFFECT_CAUSTICS_MIRROR]);
         admit(&plan->effects[ORL_EFFECT_CAUSTICS_BSDF]);
     }
-    if (!(mirrors || lobes) || plan->technique == ORL_TECHNIQUE_BACKWARD)
+    if (!may_land(lit, plan, mirrors || lobes))
         plan->photons_caustic = 0;
 }

@@ -71,8 +71,7 @@ static enum orl_technique choose(const struct orl_survey *survey, const struct o
 static void decide_gather(const struct orl_survey *survey, struct orl_plan *plan)
 {
     struct orl_decision *decision = &plan->effects[ORL_EFFECT_FINAL_GATHER];
-    const bool gathers =
-        plan->technique == ORL_TECHNIQUE_GATHER || plan->technique == ORL_TECHNIQUE_PRECOMPUTED;
+    const bool gathers = plan->technique == ORL_TECHNIQUE_GATHER;
     const struct orl_finding finding = {.needed = gathers, .unit = ORL_BOUND_NONE};
     orl_settle(decision, &finding, "technique %s, for %zu sensors and %zu views",
                orl_technique_name(plan->technique), survey->request->n_sensors,
@@ -121,10 +120,16 @@ static void decide_interreflection(struct orl_survey *survey, const struct orl_l
                                                                 : n;
 }
 
+/* Where a map is seen directly, shadow rays and caustic photons are seen beside it. */
+static bool shows_map(enum orl_technique technique)
+{
+    return technique == ORL_TECHNIQUE_DIRECT || technique == ORL_TECHNIQUE_PRECOMPUTED;
+}
+
 /* Of a surface that the map itself shows, the light that comes to it counts, not what it sends. */
 static uint32_t reflections_of_photons(const struct orl_plan *plan)
 {
-    const bool itself = plan->technique == ORL_TECHNIQUE_DIRECT;
+    const bool itself = shows_map(plan->technique);
     return plan->most_reflections < ORL_ALL_REFLECTIONS ? plan->most_reflections + itself
                                                         : ORL_ALL_REFLECTIONS;
 }
@@ -170,6 +175,7 @@ void orl_decide_technique(struct orl_survey *survey, const struct orl_lit *lit,
     decide_gather(survey, plan);
     decide_interreflection(survey, lit, plan);
     survey->world->omit.most_reflections = reflections_of_photons(plan);
+    survey->world->omit.counted_light = shows_map(plan->technique);
     plan->photons_global = global_photons(survey, plan);
 }
 

@@ -83,14 +83,9 @@ int orl_gather_init(struct orl_gather *gather, const struct orl_world *world, en
     if (gather->maps[ORL_MAP_GLOBAL]) {
         gather->leaves = orl_leaves_new(maps[ORL_MAP_GLOBAL], world, gather->k[ORL_MAP_GLOBAL],
                                         gather->max_radius[ORL_MAP_GLOBAL]);
-        if (rest == ORL_REST_DENSITY)
-            gather->of_rest = orl_photon_map_of_class(maps[ORL_MAP_GLOBAL], ORL_PHOTON_REST);
-        if (!gather->leaves || (rest == ORL_REST_DENSITY && !gather->of_rest)) {
-            orl_gather_done(gather);
+        if (!gather->leaves)
             return ORL_ERR_NOMEM;
-        }
-        if (gather->of_rest)
-            gather->reach_of_rest = orl_adapt_reach(gather->of_rest, widest, search);
+        gather->reach_of_rest = orl_adapt_reach(maps[ORL_MAP_GLOBAL], widest, search);
     }
     return 0;
 }
@@ -98,9 +93,7 @@ int orl_gather_init(struct orl_gather *gather, const struct orl_world *world, en
 void orl_gather_done(struct orl_gather *gather)
 {
     orl_leaves_free(gather->leaves);
-    orl_photon_map_free(gather->of_rest);
     gather->leaves = NULL;
-    gather->of_rest = NULL;
 }
 
 static struct orl_density caustic_density(const struct orl_gather *gather,
@@ -136,13 +129,13 @@ struct orl_density orl_gather_rest(const struct orl_gather *gather,
                                    const struct orl_footing *footing, struct orl_search *search)
 {
     struct orl_density density = {.found = 0};
-    if (gather->of_rest) {
+    if (gather->rest == ORL_REST_DENSITY && gather->maps[ORL_MAP_GLOBAL]) {
         const struct orl_density_query query = {.point = footing->point,
                                                 .normal = footing->normal,
                                                 .k = ORL_ADAPT_MOST,
                                                 .max_radius = gather->reach_of_rest,
                                                 .footing = footing};
-        return orl_adapt_estimate(gather->of_rest, &query, search);
+        return orl_adapt_estimate(gather->maps[ORL_MAP_GLOBAL], &query, search);
     }
     if (gather->rest == ORL_REST_RECORDS && gather->maps[ORL_MAP_PRECOMPUTED])
         density.found = orl_records_irradiance(gather->maps[ORL_MAP_PRECOMPUTED], footing,
@@ -174,14 +167,14 @@ static struct orl_rgb diffuse_radiance(const struct orl_gather *gather, const st
 {
     const struct orl_vec3 lit = hit->front ? hit->normal : orl_neg(hit->normal);
     const struct orl_footing footing = {gather->world, hit->point, lit, hit->facet};
-    const bool records = gather->rest == ORL_REST_RECORDS;
     struct orl_rgb irradiance = orl_gray(0);
-    if (near || records)
+    if (near || gather->rest != ORL_REST_GATHERED)
         irradiance = lit_again(gather, hit, &footing, random, search);
-    else if (gather->leaves)
-        irradiance = orl_leaves_irradiance(gather->leaves, hit->point, lit, &footing, search);
-    if (records)
+    if (gather->rest == ORL_REST_RECORDS)
         irradiance = orl_rgb_add(irradiance, orl_gather_rest(gather, &footing, search).irradiance);
+    else if (gather->leaves && !near)
+        irradiance = orl_rgb_add(
+            irradiance, orl_leaves_irradiance(gather->leaves, hit->point, lit, &footing, search));
     return orl_rgb_scale(orl_rgb_mul(irradiance, orl_material_diffuse(material)), 1 / ORL_PI);
 }
 

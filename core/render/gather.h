@@ -5,15 +5,16 @@
  *   rest       all else. At a surface seen by a view, or with a sensor on it,
  *     gathered   (technique gather, the paper's GCx) by a hemisphere of rays that see the domes,
  *                glow, and the radiance of diffuse surfaces by the density of global photons;
- *     density    (direct) by the density right there of global photons of class REST, bias held
- *                down by the choice of bandwidth (photon/adapt.h);
+ *     density    (direct) by the density right there of global photons, bias held down by the
+ *                choice of bandwidth (photon/adapt.h);
  *     records    (precomputed, xCP) from irradiance precomputed at a fraction of the photons
  *                (photon/records.h): the global map itself is not needed.
  * Every path of light is in exactly one of the three. Where no photons land (in mid-air, outside) a
  * hemisphere of rays serves every technique, and so it does where there happen to be none.
  *
- * What such rays, and those of glossy lobes, meet is lit by the density of all global photons; from
- * records, by all three parts once more. Rays pass on through glass and are sampled
+ * Where it is gathered, the global map holds photons of all light; else of the rest alone
+ * (omit.counted_light). What such rays, and those of glossy lobes, meet is lit by the density of
+ * global photons, or by all three parts once more. Rays pass on through glass and are sampled
  * through BSDFs and mirrors; where they leave a sealed building they go on as exterior paths.
  * Diffuse surfaces nearer than the density's own radius are not read from the map but lit again,
  * directly and by one more ray, so that corners are not dark.
@@ -36,11 +37,10 @@ struct orl_gather {
     const struct orl_photon_map *maps[ORL_MAP_KINDS]; /* NULL: no photons of that kind */
     uint32_t k[ORL_MAP_KINDS];                        /* neighbours */
     double max_radius[ORL_MAP_KINDS];
-    double near;                    /* hits closer than this are lit again */
-    double reach;                   /* a sensor so close to a surface lies on it */
-    struct orl_leaves *leaves;      /* of the global map, owned; NULL when there is none */
-    struct orl_photon_map *of_rest; /* ORL_REST_DENSITY: its photons of class REST, owned */
-    double reach_of_rest;           /* its estimates' */
+    double near;               /* hits closer than this are lit again */
+    double reach;              /* a sensor so close to a surface lies on it */
+    struct orl_leaves *leaves; /* of the global map, owned; NULL when there is none */
+    double reach_of_rest;      /* ORL_REST_DENSITY: of its estimates */
     struct orl_sobol sobol;
     uint64_t seed;
 };

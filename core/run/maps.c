@@ -10,7 +10,7 @@
 static const char recipe[] = "oriel photons 7";
 
 /* And what precomputed irradiance does beyond its global map. */
-static const char records_recipe[] = "oriel records 2";
+static const char records_recipe[] = "oriel records 3";
 
 /* Of precomputed irradiance: from the key of the global map it is made from. */
 static void derive_key(const char global[ORL_DIGEST_HEX + 1], char ret_key[ORL_DIGEST_HEX + 1])
@@ -42,6 +42,7 @@ static void add_plan(crypto_hash_sha256_state *hash, const struct orl_world *wor
                                 caustic ? 0 : omit->most_reflections,
                                 caustic && omit->mirror_caustics,
                                 caustic && omit->lobe_caustics,
+                                !caustic && omit->counted_light,
                                 caustic && world->caustics_lit,
                                 world->n_suns,
                                 world->n_domes,

@@ -187,47 +187,12 @@ static void test_dip(void **state)
 
 /* ---- Classes --------------------------------------------------------------------------------- */
 
-/* Of three classes in turn a third each; all that is in a photon stays, and so does the order. */
-static void test_of_class(void **state)
-{
-    enum { COUNT = 3001 };
-    struct orl_photon_map *map = rain(even, COUNT, 5, 3);
-    uint64_t total = 0;
-    (void)state;
-    for (int class = 0; class < ORL_PHOTON_CLASSES; class ++) {
-        struct orl_photon_map *part = orl_photon_map_of_class(map, (enum orl_photon_class) class);
-        assert_non_null(part);
-        const uint64_t count = orl_photon_map_header(part)->count;
-        uint64_t k = 0;
-        for (uint64_t i = 0; i < COUNT; i++) {
-            const struct orl_photon whole = orl_photon_map_get(map, i);
-            if (whole.tag != class)
-                continue;
-            const struct orl_photon here = orl_photon_map_get(part, k++);
-            assert_int_equal(here.tag, class);
-            for (int c = 0; c < 3; c++)
-                assert_true(here.position[c] == whole.position[c] && here.flux[c] == whole.flux[c]);
-        }
-        assert_int_equal(k, count);
-        /* Boxes, too: a search for all finds all. */
-        struct orl_density_query query = query_at(0, 0);
-        query.max_radius = 3;
-        query.k = ORL_SEARCH_MOST;
-        assert_int_equal(orl_density_estimate(part, &query, search).found, count);
-        total += count;
-        orl_photon_map_free(part);
-    }
-    assert_int_equal(total, COUNT);
-    orl_photon_map_free(map);
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_even),
         cmocka_unit_test(test_edge),
         cmocka_unit_test(test_dip),
-        cmocka_unit_test(test_of_class),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }
