@@ -125,6 +125,11 @@ static struct orl_result run_view(const char *view, double *ret_brightest)
     return result;
 }
 
+/*
+ * Seen from inside a solid it is dark, but for rays that start nearer to its edge than surfaces are
+ * thick (a millionth of the room): 2e-5 of them, and each sees a few W/sr/m2. The bound is a
+ * ten-thousandth of what the room shows.
+ */
 static void test_views(void **state)
 {
     static const struct {
@@ -145,7 +150,7 @@ static void test_views(void **state)
         orl_result_done(&result);
     }
     stability_row(38, "view inside a solid, or in a wall",
-                  "brightest pixel in block and wall, W/sr/m2", dark, 0);
+                  "brightest pixel in block and wall, W/sr/m2", dark, 3e-4);
     struct orl_result result = run_view("-vtv -vp 3 1.5 1.2 -vd 0 1 0", &brightest);
     assert_true(brightest > 0.1);
     stability_holds(38, "view inside a solid, or in a wall", "eye in the room: not flagged",

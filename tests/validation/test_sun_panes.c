@@ -85,7 +85,8 @@ static void assert_watts(int sensor, double lx, double watts, double relative)
 /*
  * Straight 0.6, spread evenly 0.2. The patch is lit by both, everything else by the latter alone:
  * no cell of the data shows. What is spread arrives as caustic photons, read by the nearest 300: 6
- * % of it are one standard deviation; of the patch's sum that is 0.1 %.
+ * % of it are one standard deviation, and four are allowed, for there are a dozen such readings; of
+ * the patch's sum that is 0.1 %.
  */
 static void an_absdfs_patch_is_sharp(void **state)
 {
@@ -97,7 +98,7 @@ static void an_absdfs_patch_is_sharp(void **state)
         if (i < IN_PATCH)
             assert_watts(i, lx[i], 0.6 * sun_w() + spread, 0.01);
         else
-            assert_watts(i, lx[i], spread, 0.18);
+            assert_watts(i, lx[i], spread, 0.24);
     }
 }
 
@@ -119,7 +120,7 @@ static void what_is_added_lights_the_room(void **state)
     lux_of(SUN ROOM "void BSDF p 6 0 pane.xml 0 0 1 . 0 9 0 0 0 0 0 0 .6 .6 .6\n" PANE,
            make_file("TensorTree4", "Transmission Front", NULL, "{0}"), lx);
     for (int i = 0; i < SENSORS; i++)
-        assert_watts(i, lx[i], 0.6 * sun_w() / ORL_PI * form(&sensors[i]), 0.18);
+        assert_watts(i, lx[i], 0.6 * sun_w() / ORL_PI * form(&sensors[i]), 0.24);
 }
 
 /* Red glass, so to speak: lux are Visible's, whatever the colour. */
