@@ -1,5 +1,6 @@
 #include "render/icache.h"
 
+#include <limits.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -152,23 +153,79 @@ static double weight_of(const struct orl_record *record, const struct orl_place 
                : 0;
 }
 
+/* Visits the records whose cells hold a point: those that may serve it, and some that do not. */
+struct visit {
+    const struct orl_icache *cache;
+    const struct orl_place *place;
+    int level;
+    uint64_t key;
+    uint32_t entry;
+};
+
+static struct visit visit_begin(const struct orl_icache *cache, const struct orl_place *place)
+{
+    return (struct visit){.cache = cache,
+                          .place = place,
+                          .level = cache->count > 0 ? cache->lowest_level - 1 : INT_MAX - 1,
+                          .entry = nothing};
+}
+
+/* The next one's index, or `nothing`. */
+static uint32_t visit_next(struct visit *v)
+{
+    const struct orl_icache *cache = v->cache;
+    for (;;) {
+        while (v->entry != nothing) {
+            const struct orl_icache_entry *e = &cache->entries[v->entry];
+            v->entry = e->next;
+            if (e->key == v->key)
+                return e->record;
+        }
+        if (++v->level > cache->highest_level)
+            return nothing;
+        const double cell = ldexp(1, v->level);
+        const struct orl_vec3 p = v->place->point;
+        v->key = cell_key(v->level, (int64_t)floor(p.x / cell), (int64_t)floor(p.y / cell),
+                          (int64_t)floor(p.z / cell));
+        v->entry = cache->heads[v->key % cache->n_heads];
+    }
+}
+
+int orl_icache_hold_back(struct orl_icache *cache)
+{
+    double *radii = malloc((cache->count + 1) * sizeof *radii);
+    if (!radii)
+        return ORL_ERR_NOMEM;
+    for (size_t i = 0; i < cache->count; i++)
+        radii[i] = cache->records[i].radius;
+    /* All at once, from the radii as they were: no order matters. */
+    for (size_t i = 0; i < cache->count; i++) {
+        const struct orl_record *near = &cache->records[i];
+        struct visit v = visit_begin(cache, &near->place);
+        for (uint32_t k = visit_next(&v); k != nothing; k = visit_next(&v)) {
+            const struct orl_record *far = &cache->records[k];
+            if (k != i && weight_of(far, &near->place) > 0) {
+                const double apart = orl_length(orl_sub(far->place.point, near->place.point));
+                radii[k] = fmin(radii[k], near->radius + apart);
+            }
+        }
+    }
+    for (size_t i = 0; i < cache->count; i++)
+        cache->records[i].radius = fmax(radii[i], cache->records[i].least);
+    free(radii);
+    return orl_icache_index(cache);
+}
+
 bool orl_icache_lookup(const struct orl_icache *cache, const struct orl_place *place,
                        struct orl_rgb *ret_irradiance)
 {
     struct orl_rgb sum = orl_gray(0);
     double total = 0;
-    for (int level = cache->lowest_level; cache->count > 0 && level <= cache->highest_level;
-         level++) {
-        const double cell = ldexp(1, level);
-        const uint64_t key =
-            cell_key(level, (int64_t)floor(place->point.x / cell),
-                     (int64_t)floor(place->point.y / cell), (int64_t)floor(place->point.z / cell));
-        for (uint32_t i = cache->heads[key % cache->n_heads]; i != nothing;
-             i = cache->entries[i].next) {
-            const struct orl_record *record = &cache->records[cache->entries[i].record];
-            const double weight = cache->entries[i].key == key ? weight_of(record, place) : 0;
-            if (weight <= 0)
-                continue;
+    struct visit v = visit_begin(cache, place);
+    for (uint32_t i = visit_next(&v); i != nothing; i = visit_next(&v)) {
+        const struct orl_record *record = &cache->records[i];
+        const double weight = weight_of(record, place);
+        if (weight > 0) {
             sum = orl_rgb_add(sum, orl_rgb_scale(carried(record, place, cache->channels), weight));
             total += weight;
         }

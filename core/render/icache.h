@@ -21,7 +21,7 @@ struct orl_record {
     struct orl_place place;
     struct orl_rgb irradiance;
     struct orl_vec3 by_rotation[3], by_translation[3];
-    double radius;
+    double radius, least; /* radius is never made less than that */
 };
 
 struct orl_icache {
@@ -42,6 +42,13 @@ void orl_icache_done(struct orl_icache *cache);
 /* Adds records (copied); they are found after orl_icache_index. Returns 0 or ORL_ERR_NOMEM. */
 int orl_icache_add(struct orl_icache *cache, const struct orl_record *records, size_t count);
 int orl_icache_index(struct orl_icache *cache);
+
+/*
+ * Holds records back where a neighbour within their reach has seen something near: no radius is
+ * larger than a neighbour's and the distance to it (Krivanek and Gautron 2009, neighbour clamping).
+ * Places that are then no longer served want records of their own. Indexes anew.
+ */
+int orl_icache_hold_back(struct orl_icache *cache);
 
 /* Interpolates; false when no record serves this place. */
 bool orl_icache_lookup(const struct orl_icache *cache, const struct orl_place *place,

@@ -9,14 +9,14 @@ enum { RAYS_A_SIDE = 2, LAMP_RAYS = 4 };
 enum { PANE_SAMPLES = 32, GLOSS_SAMPLES = 4 };
 static const double dimmest = 0.004; /* branches below this share of the pixel are not followed */
 enum { HEMISPHERE_ROWS = 18, HEMISPHERE_COLUMNS = 56 };
-enum { COARSEST_STEP = 16, RECORDS_A_ROUND = 256 };
+enum { COARSEST_STEP = 16, RECORDS_A_ROUND = 256, HOLDS = 2 };
 
 /* How far records reach, in pixels: their radii are held between these over the accuracy. */
 static const double least_reach_pixels = 1.5, most_reach_pixels = 40;
 
 /* Places of one lattice row that want a record. */
 struct row {
-    struct orl_record *places; /* with the size of a pixel there as radius */
+    struct orl_record *places; /* with the least radius that pixels allow */
     size_t count, capacity;
     bool out_of_memory;
 };
@@ -49,6 +49,15 @@ static uint64_t seed_of(const struct painter *p)
 
 /* ---- Records --------------------------------------------------------------------------------- */
 
+/* Where light would have changed by as much as there is: no record should reach that far. */
+static double bend_radius(const struct orl_hemisphere *h)
+{
+    const double slope = orl_length(h->by_translation[0]) + orl_length(h->by_translation[1]) +
+                         orl_length(h->by_translation[2]);
+    const double value = h->irradiance.r + h->irradiance.g + h->irradiance.b;
+    return slope > 0 ? value / slope : INFINITY;
+}
+
 /* Gathers at a place; the record's random numbers come from the pixel that asked for it. */
 static void compute_record(void *arg, size_t index, uint32_t member)
 {
@@ -56,27 +65,33 @@ static void compute_record(void *arg, size_t index, uint32_t member)
     struct orl_record *record = &p->wanted[p->first_record + index];
     struct orl_random random =
         orl_random_stream(seed_of(p), ORL_PURPOSE_RECORD, p->cache.count + p->first_record + index);
-    const double footprint = record->radius;
     if (cancelled(p))
         return;
     const struct orl_hemisphere h =
         orl_gather_hemisphere(p->gather, &record->place, HEMISPHERE_ROWS, HEMISPHERE_COLUMNS,
                               &random, &p->painting->env->searches[member]);
     record->irradiance = h.irradiance;
-    record->radius =
-        fmin(fmax(h.mean_distance, footprint * least_reach_pixels / ORL_ICACHE_ACCURACY),
-             footprint * most_reach_pixels / ORL_ICACHE_ACCURACY);
+    record->radius = fmin(fmax(fmin(h.mean_distance, bend_radius(&h)), record->least),
+                          record->least * most_reach_pixels / least_reach_pixels);
     for (int c = 0; c < 3; c++) {
         const double value = c == 0 ? h.irradiance.r : c == 1 ? h.irradiance.g : h.irradiance.b;
         const double steepest = value / record->radius, slope = orl_length(h.by_translation[c]);
-        /* A gradient that would halve the value within the reach is noise, not shape. */
+        /* So near an edge that the value would be gone within the radius. */
         record->by_rotation[c] = h.by_rotation[c];
         record->by_translation[c] =
             orl_scale(h.by_translation[c], slope > steepest ? steepest / slope : 1);
     }
 }
 
-static void want(struct row *row, const struct orl_vertex *v, double pixel_angle)
+/* What a pixel measures there; views in parallel see all in one size. */
+static double pixel_size(const struct painter *p, const struct orl_vertex *v)
+{
+    const struct orl_view *view = p->painting->view;
+    return view->type == 'l' ? view->horizontal / p->painting->film->width
+                             : v->distance * p->pixel_angle;
+}
+
+static void want(struct row *row, const struct orl_vertex *v, double pixel)
 {
     if (row->count == row->capacity) {
         const size_t capacity = row->capacity ? 2 * row->capacity : 16;
@@ -88,8 +103,8 @@ static void want(struct row *row, const struct orl_vertex *v, double pixel_angle
         row->places = grown;
         row->capacity = capacity;
     }
-    row->places[row->count++] =
-        (struct orl_record){.place = v->place, .radius = v->distance * pixel_angle};
+    row->places[row->count++] = (struct orl_record){
+        .place = v->place, .least = pixel * least_reach_pixels / ORL_ICACHE_ACCURACY};
 }
 
 /* Where photons land, other techniques read them; outside all gather. */
@@ -115,7 +130,7 @@ static void look_along_row(void *arg, size_t index, uint32_t member)
         for (uint32_t i = 0; i < sight.n_vertices; i++)
             if (is_gathered(p, &sight.vertices[i]) &&
                 !orl_icache_lookup(&p->cache, &sight.vertices[i].place, &ignored))
-                want(&p->rows[index], &sight.vertices[i], p->pixel_angle);
+                want(&p->rows[index], &sight.vertices[i], pixel_size(p, &sight.vertices[i]));
     }
 }
 
@@ -151,8 +166,13 @@ static int compute_wanted(struct painter *p)
     }
     /* p->wanted is freed in orl_image_render, which the analyzer cannot see from here. */
     /* NOLINTNEXTLINE(clang-analyzer-unix.Malloc) */
-    const int code = orl_icache_add(&p->cache, p->wanted, p->n_wanted);
-    return code < 0 ? code : orl_icache_index(&p->cache);
+    int code = orl_icache_add(&p->cache, p->wanted, p->n_wanted);
+    if (code == 0)
+        code = orl_icache_index(&p->cache);
+    /* After the last round there is nobody left to serve what is no longer reached. */
+    for (int i = 0; i < HOLDS && code == 0 && p->step > 1; i++)
+        code = orl_icache_hold_back(&p->cache);
+    return code;
 }
 
 /* Rounds from a coarse lattice to every pixel: the first half of the view's progress. */
