@@ -1,0 +1,109 @@
+/* Irradiance records: whom they serve, how gradients carry them, how neighbours hold them back. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "render/icache.h"
+
+/* On the plane z = 0, seen from above. */
+static struct orl_place place_at(double x, double y)
+{
+    return (struct orl_place){.point = orl_v3(x, y, 0), .normal = orl_v3(0, 0, 1)};
+}
+
+static struct orl_record record_at(double x, double y, double radius, double value)
+{
+    return (struct orl_record){
+        .place = place_at(x, y), .irradiance = orl_gray(value), .radius = radius, .least = 0.01};
+}
+
+static void fill(struct orl_icache *cache, const struct orl_record *records, size_t count)
+{
+    orl_icache_init(cache, 3);
+    assert_int_equal(orl_icache_add(cache, records, count), 0);
+    assert_int_equal(orl_icache_index(cache), 0);
+}
+
+/* A record serves as far as a quarter of its radius; alone it says what it holds, and its slope. */
+static void test_reach_and_gradient(void **state)
+{
+    struct orl_record record = record_at(0, 0, 4, 10);
+    struct orl_icache cache;
+    struct orl_rgb found;
+    (void)state;
+    for (int c = 0; c < 3; c++)
+        record.by_translation[c] = orl_v3(2, 0, 0);
+    fill(&cache, &record, 1);
+    const struct orl_place near = place_at(0.5, 0.5), far = place_at(1.01, 0);
+    assert_true(orl_icache_lookup(&cache, &near, &found));
+    assert_true(fabs(found.r - 11) < 1e-12 && found.r == found.g && found.g == found.b);
+    assert_false(orl_icache_lookup(&cache, &far, &found));
+    struct orl_place below = place_at(0, 0);
+    below.normal = orl_v3(0, 0, -1);
+    assert_false(orl_icache_lookup(&cache, &below, &found));
+    orl_icache_done(&cache);
+}
+
+/* No radius is larger than a neighbour's within reach and the way to it; none below its least. */
+static void test_hold_back(void **state)
+{
+    const struct orl_record records[4] = {
+        record_at(0, 0, 4, 1),     /* reaches 1: the next is within */
+        record_at(0.5, 0, 0.2, 1), /* something is near here */
+        record_at(3, 0, 4, 1),     /* reaches neither */
+        record_at(0, 0.9, 0.001, 1),
+    };
+    struct orl_icache cache;
+    (void)state;
+    fill(&cache, records, 4);
+    assert_int_equal(orl_icache_hold_back(&cache), 0);
+    assert_true(fabs(cache.records[0].radius - 0.7) < 1e-12);
+    assert_true(fabs(cache.records[1].radius - 0.2) < 1e-12);
+    assert_true(fabs(cache.records[2].radius - 4) < 1e-12);
+    assert_true(fabs(cache.records[3].radius - 0.01) < 1e-12);
+    /* What it no longer reaches it no longer serves. */
+    const struct orl_place was_served = place_at(0, 0.8);
+    struct orl_rgb found;
+    assert_false(orl_icache_lookup(&cache, &was_served, &found));
+    orl_icache_done(&cache);
+}
+
+/* The order in which records came changes no radius. */
+static void test_order(void **state)
+{
+    enum { COUNT = 200 };
+    struct orl_record records[COUNT], reversed[COUNT];
+    struct orl_icache one, other;
+    struct orl_random random = orl_random_stream(1, ORL_PURPOSE_BENCH, 0);
+    (void)state;
+    for (int i = 0; i < COUNT; i++) {
+        const double x = orl_random_uniform(&random), y = orl_random_uniform(&random);
+        records[i] = record_at(x, y, 0.05 + orl_random_uniform(&random), x + y);
+        reversed[COUNT - 1 - i] = records[i];
+    }
+    fill(&one, records, COUNT);
+    fill(&other, reversed, COUNT);
+    for (int round = 0; round < 2; round++) {
+        assert_int_equal(orl_icache_hold_back(&one), 0);
+        assert_int_equal(orl_icache_hold_back(&other), 0);
+    }
+    int held = 0;
+    for (int i = 0; i < COUNT; i++) {
+        assert_true(one.records[i].radius == other.records[COUNT - 1 - i].radius);
+        held += one.records[i].radius < records[i].radius;
+    }
+    assert_true(held > COUNT / 4);
+    orl_icache_done(&one);
+    orl_icache_done(&other);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_reach_and_gradient),
+                                       cmocka_unit_test(test_hold_back),
+                                       cmocka_unit_test(test_order)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
