@@ -49,8 +49,8 @@ static struct orl_result run_room(const struct random_scene *room, const char *b
                                          .technique = ORL_TECHNIQUE_BACKWARD,
                                          .wishes = wishes,
                                          .seed = seed,
-                                         .global = 20000,
-                                         .samples = 512});
+                                         .global = 10000,
+                                         .samples = 256});
 }
 
 static void compare_room(uint32_t index, const char *bsdf, struct tally *tally)
