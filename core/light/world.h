@@ -62,8 +62,8 @@ struct orl_omissions {
                    */
     bool mirror_caustics, lobe_caustics; /* no caustic photons by way of mirrors, of lobes */
     bool counted_light; /* global photons that shadow rays or caustic photons count are not kept */
-    uint32_t most_reflections;           /* diffuse ones that light is followed through */
-    uint32_t channels;                   /* 3, or 1: all is gray, and red stands for all */
+    uint32_t most_reflections; /* diffuse ones that light is followed through */
+    uint32_t channels;         /* 3, or 1: all is gray, and red stands for all */
 };
 
 struct orl_world {
