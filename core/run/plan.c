@@ -18,6 +18,17 @@ static void judge_skip(struct orl_run_state *state, const char *name, const stru
                      100 * d->bound);
 }
 
+/* Black results are to be no riddle. */
+static void judge_light(struct orl_run_state *state)
+{
+    const struct orl_world *world = state->world;
+    if (world->n_suns + world->n_domes + world->n_emitters == 0)
+        orl_run_warn(state,
+                     "no light: suns, skies and lamps, those left in, give less than %g lx: "
+                     "everything is black",
+                     tolerable_lx);
+}
+
 int orl_run_plan(struct orl_run_state *state, struct orl_error *err)
 {
     const struct orl_plan_request request = {.job = state->job,
@@ -31,6 +42,8 @@ int orl_run_plan(struct orl_run_state *state, struct orl_error *err)
     for (int i = 0; i < ORL_EFFECT_COUNT && code == 0; i++)
         if (plan->effects[i].wish == ORL_WISH_SKIP)
             judge_skip(state, orl_effect_name((enum orl_effect)i), &plan->effects[i]);
+    if (code == 0)
+        judge_light(state);
     if (code == 0 && state->env->plan_ready)
         state->env->plan_ready(state->env->ctx, plan);
     return code;
