@@ -193,7 +193,7 @@ static uint32_t visit_next(struct visit *v)
 
 int orl_icache_hold_back(struct orl_icache *cache)
 {
-    double *radii = malloc((cache->count + 1) * sizeof *radii);
+    double *radii = calloc(cache->count + 1, sizeof *radii);
     if (!radii)
         return ORL_ERR_NOMEM;
     for (size_t i = 0; i < cache->count; i++)
