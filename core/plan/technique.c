@@ -90,9 +90,11 @@ static uint32_t depth(const struct orl_survey *survey, const struct orl_lit *lit
     if (lit->classes[ORL_LIT_CURVED].lit || lit->classes[ORL_LIT_LOBE].lit || rho >= 1)
         return ORL_ALL_REFLECTIONS;
     left *= rho / (1 - rho);
-    for (uint32_t n = 0; n < DEEPEST; n++, left *= rho)
+    for (uint32_t n = 0; n < DEEPEST; n++) {
         if (left <= survey->tolerance_lx)
             return n;
+        left *= rho;
+    }
     return ORL_ALL_REFLECTIONS;
 }
 
