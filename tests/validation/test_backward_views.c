@@ -208,6 +208,18 @@ static void test_lobes_and_mirrors(void **state)
                       xml, "-vtv -vp 3 4.5 1.6 -vd -.4 -1 -.1 -vh 80 -vv 80", 0.08);
 }
 
+/* A polished table shows the BSDF in the window, and the sun by way of both. */
+static void test_lobes_in_lobes(void **state)
+{
+    char xml[2048];
+    (void)state;
+    scene_uniform_bsdf(0.2, xml);
+    assert_both_alike(ROOM_SKY ROOM_SUN ROOM_GREY ROOM_SHELL ROOM_BSDF ROOM_PANE
+                      "void plastic t 0 0 5 .3 .3 .3 .2 .1\n"
+                      "t polygon table 0 0 12 .2 .5 .8 3.8 .5 .8 3.8 4 .8 .2 4 .8\n",
+                      xml, "-vtv -vp 2 4.5 1.6 -vd 0 -1 -.3 -vh 70 -vv 70", 0.08);
+}
+
 /* What a BSDF stands for is seen, and lit as it is seen. */
 static void test_what_stands_behind(void **state)
 {
@@ -254,13 +266,10 @@ static void test_threads(void **state)
 int main(void)
 {
     static const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_furnace),
-        cmocka_unit_test(test_sun_disc),
-        cmocka_unit_test(test_room_with_a_pane),
-        cmocka_unit_test(test_from_outside),
-        cmocka_unit_test(test_gloss_and_lamps),
-        cmocka_unit_test(test_lobes_and_mirrors),
-        cmocka_unit_test(test_what_stands_behind),
+        cmocka_unit_test(test_furnace),          cmocka_unit_test(test_sun_disc),
+        cmocka_unit_test(test_room_with_a_pane), cmocka_unit_test(test_from_outside),
+        cmocka_unit_test(test_gloss_and_lamps),  cmocka_unit_test(test_lobes_and_mirrors),
+        cmocka_unit_test(test_lobes_in_lobes),   cmocka_unit_test(test_what_stands_behind),
         cmocka_unit_test(test_threads),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
