@@ -3,8 +3,7 @@
 
 #include "plan/decide.h"
 
-/* Virtual lamps are as good as samples connect to them: more would be of no use to sensors. */
-enum { LAMPS = 300000, DEEPEST = 1000 };
+enum { LEAST_LAMPS = 200000, MOST_LAMPS = 4000000, LAMPS_A_SAMPLE = 50, DEEPEST = 1000 };
 enum { PHOTONS_A_WINDOW = 40000, LAMPS_A_WINDOW = 10000, LEAST_WINDOWS = 3 };
 /* Two mirrors of less than this, clear panes above all, send on less than a twentieth of a sun. */
 static const double strong_mirror = 0.2;
@@ -153,16 +152,29 @@ static uint64_t enough(const struct orl_survey *survey, uint64_t for_edges, uint
     return a_window * windows;
 }
 
+/*
+ * A sample connects to eight of the virtual lamps, which all samples share: so many lamps that they
+ * put no floor under the error before the samples themselves do, and no more, for their tree is
+ * walked by every sample.
+ */
+static uint64_t lamps(const struct orl_survey *survey)
+{
+    const struct orl_job *job = survey->request->job;
+    const uint32_t samples = job->gather_samples ? job->gather_samples : ORL_DEFAULT_GATHER_SAMPLES;
+    const uint64_t wanted = LAMPS_A_SAMPLE * (uint64_t)samples;
+    return wanted < LEAST_LAMPS ? LEAST_LAMPS : wanted > MOST_LAMPS ? MOST_LAMPS : wanted;
+}
+
 static uint64_t global_photons(const struct orl_survey *survey, const struct orl_plan *plan)
 {
     const uint64_t asked = survey->request->job->photons_global;
     if (survey->world->omit.most_reflections == 0)
         return 0;
+    if (plan->technique == ORL_TECHNIQUE_BACKWARD)
+        return asked < lamps(survey) ? asked : enough(survey, lamps(survey), LAMPS_A_WINDOW);
     if (asked != ORL_PHOTONS_BY_PLAN)
         return asked;
     switch (plan->technique) {
-    case ORL_TECHNIQUE_BACKWARD:
-        return enough(survey, LAMPS, LAMPS_A_WINDOW);
     case ORL_TECHNIQUE_GATHER:
         return enough(survey, ORL_DEFAULT_PHOTONS, PHOTONS_A_WINDOW);
     default:

@@ -7,9 +7,6 @@
 #include "render/backward.h"
 #include "run/stages.h"
 
-/* More lamps than samples connect to are of no use. */
-enum { MOST_LAMPS = 200000 };
-
 struct work {
     struct orl_run_state *state;
     struct orl_backward backward;
@@ -34,7 +31,7 @@ static int prepare(struct work *work, struct orl_error *err)
                                           .cancel = state->env->cancel,
                                           .progress = photon_progress,
                                           .ctx = state};
-        shots[ORL_MAP_GLOBAL].target = lamps < MOST_LAMPS ? lamps : MOST_LAMPS;
+        shots[ORL_MAP_GLOBAL].target = lamps;
         code = orl_shoot(&env, shots, err);
     }
     if (code == 0) {
