@@ -6,11 +6,11 @@
 #include "photon/pack.h"
 
 /*
- * The smallest disc is the one that would hold 128 photons, were light even. It is not chosen by
+ * The smallest disc is the one that would hold 256 photons, were light even. It is not chosen by
  * the photons found in it, for that would choose those with too many. Only where it is all but
  * empty, beside something far brighter, the next one is taken.
  */
-enum { RINGS = 12, SMALLEST = 128, LEAST = 8 };
+enum { RINGS = 12, SMALLEST = 256, LEAST = 8 };
 
 /* In standard deviations of ring minus disc: full agreement up to the first, none from the last. */
 static const double agrees = 1.25, differs = 3.25;

@@ -4,7 +4,7 @@
  * small.
  *
  * One search finds the nearest photons, up to query->k. Discs about the point, each of half the
- * next one's area, give estimates from noisy to smooth. From a disc of about 128 photons on,
+ * next one's area, give estimates from noisy to smooth. From a disc of about 256 photons on,
  * each ring is compared with the disc inside it: as long as the two agree within the scatter of so
  * many photons, the estimate moves on to the larger disc. Between clear agreement and clear
  * disagreement it moves part of the way, and no wider disc is used more than a narrower one: the

@@ -10,7 +10,7 @@
 static const char recipe[] = "oriel photons 7";
 
 /* And what precomputed irradiance does beyond its global map. */
-static const char records_recipe[] = "oriel records 3";
+static const char records_recipe[] = "oriel records 4";
 
 /* Of precomputed irradiance: from the key of the global map it is made from. */
 static void derive_key(const char global[ORL_DIGEST_HEX + 1], char ret_key[ORL_DIGEST_HEX + 1])
