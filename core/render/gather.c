@@ -358,6 +358,7 @@ struct orl_hemisphere orl_gather_hemisphere(const struct orl_gather *gather,
     const uint32_t channels = gather->world->omit.channels;
     struct orl_hemisphere h = {.irradiance = {0, 0, 0}};
     double nearness = 0;
+    h.least_distance = INFINITY;
     struct strand *strands = malloc(sizeof *strands * rows * columns);
     for (uint32_t i = 0; i < rows * columns; i++) {
         const uint32_t row = i / columns, column = i % columns;
@@ -376,6 +377,7 @@ struct orl_hemisphere orl_gather_hemisphere(const struct orl_gather *gather,
         h.irradiance = orl_rgb_add(h.irradiance, radiance);
         distance = fmax(distance, 1e-9 * gather->world->geometry->radius);
         nearness += 1 / distance;
+        h.least_distance = fmin(h.least_distance, distance);
         if (strands)
             strands[i] = (struct strand){radiance, distance};
     }

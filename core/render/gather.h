@@ -99,12 +99,13 @@ struct orl_density orl_gather_rest(const struct orl_gather *gather,
 
 /*
  * The gathered part at a place, by a stratified cosine-weighted hemisphere of rows x columns rays,
- * with its gradients and the harmonic mean of the rays' lengths (Ward and Heckbert 1992).
+ * with its gradients, the harmonic mean of the rays' lengths (Ward and Heckbert 1992) and the
+ * least.
  */
 struct orl_hemisphere {
     struct orl_rgb irradiance;
     struct orl_vec3 by_rotation[3], by_translation[3]; /* per channel */
-    double mean_distance;
+    double mean_distance, least_distance;
 };
 struct orl_hemisphere orl_gather_hemisphere(const struct orl_gather *gather,
                                             const struct orl_place *place, uint32_t rows,

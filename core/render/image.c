@@ -14,6 +14,9 @@ enum { COARSEST_STEP = 16, RECORDS_A_ROUND = 256, HOLDS = 2 };
 /* How far records reach, in pixels: their radii are held between these over the accuracy. */
 static const double least_reach_pixels = 1.5, most_reach_pixels = 40;
 
+/* And no record reaches further than three quarters of the way to the nearest thing it has seen. */
+static const double nearest_reach = 0.75;
+
 /* Places of one lattice row that want a record. */
 struct row {
     struct orl_record *places; /* with the least radius that pixels allow */
@@ -71,8 +74,10 @@ static void compute_record(void *arg, size_t index, uint32_t member)
         orl_gather_hemisphere(p->gather, &record->place, HEMISPHERE_ROWS, HEMISPHERE_COLUMNS,
                               &random, &p->painting->env->searches[member]);
     record->irradiance = h.irradiance;
-    record->radius = fmin(fmax(fmin(h.mean_distance, bend_radius(&h)), record->least),
-                          record->least * most_reach_pixels / least_reach_pixels);
+    const double radius = fmin(fmin(h.mean_distance, bend_radius(&h)),
+                               nearest_reach / ORL_ICACHE_ACCURACY * h.least_distance);
+    record->radius =
+        fmin(fmax(radius, record->least), record->least * most_reach_pixels / least_reach_pixels);
     for (int c = 0; c < 3; c++) {
         const double value = c == 0 ? h.irradiance.r : c == 1 ? h.irradiance.g : h.irradiance.b;
         const double steepest = value / record->radius, slope = orl_length(h.by_translation[c]);
