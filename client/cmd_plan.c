@@ -77,9 +77,9 @@ int orl_cmd_plan(const struct orl_command *self, int argc, char **argv)
 
     if (!orl_options_parse(self, argc, argv, options, 2, 1, 1, &operands, &code))
         return code;
-    if (threads_text && !orl_parse_count(threads_text, 1, 1024, &threads))
-        return orl_usage_error(self, "--threads takes a number from 1 to 1024, not \"%s\"",
-                               threads_text);
+    code = orl_options_threads(self, threads_text, &threads);
+    if (code)
+        return code;
     orl_local_catch_interrupts();
     return plan_document(operands.items[0], (uint32_t)threads, as_json);
 }

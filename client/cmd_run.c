@@ -113,9 +113,9 @@ int orl_cmd_run(const struct orl_command *self, int argc, char **argv)
         return code;
     if (!output)
         return orl_usage_error(self, "-o DIR is missing");
-    if (threads_text && !orl_parse_count(threads_text, 1, 1024, &threads))
-        return orl_usage_error(self, "--threads takes a number from 1 to 1024, not \"%s\"",
-                               threads_text);
+    code = orl_options_threads(self, threads_text, &threads);
+    if (code)
+        return code;
     orl_local_catch_interrupts();
     return run_document(operands.items[0], output, (uint32_t)threads);
 }

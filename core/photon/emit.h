@@ -65,7 +65,7 @@ struct orl_emission {
     struct orl_table *port_tables; /* per port: over the outer hemisphere's Shirley-Chiu square */
     struct orl_table dome_table;   /* open scenes: over the sphere, equal-area cylinder */
     struct orl_table *sun_guides, *sun_caustic_guides, *dome_guides; /* open scenes: guide.h */
-    bool has_caustics; /* a pilot found a way for them */
+    bool has_caustics; /* a pilot found a way for them, or the planner something lit that may */
 };
 
 /* What has deflected a photon, other than diffuse surfaces. */

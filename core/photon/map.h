@@ -8,13 +8,14 @@
  *             x, y, z: 20 bits each, cells of header.cell from header.low
  *   fluxes    per photon: shared-exponent RGB (9-9-9-5) in units of header.flux_unit
  *   normals   per photon: octahedral, 8 + 8 bits, the side that was lit
- *   tags      per photon: of a photon its class, of a precomputed record its clear radius
- * (records.h) boxes     per group of 8 siblings, from the leaves up: 6 x 8 floats, lows then highs,
- * and 8 masks of the bins (facing.h) that the normals inside fall into 16 bytes a photon, and about
- * 2 for the boxes. Photons are ordered by the bin of their normal, then in Morton order, so that a
- * leaf is a patch of one sheet of surface; ties keep the order of emission. The batch (emission
- * index mod 16) is for error estimates. Places are relative to the map's own bounds: over 100 m a
- * cell is 0.1 mm.
+ *   tags      per photon: its class; of a precomputed record its clear radius (records.h)
+ *   boxes     per group of 8 siblings, from the leaves up: 6 x 8 floats, lows then highs, and
+ *               8 masks of the bins (facing.h) that the normals inside fall into
+ *
+ * 16 bytes a photon, and about 2 for the boxes. Photons are ordered by the bin of their normal,
+ * then in Morton order, so that a leaf is a patch of one sheet of surface; ties keep the order of
+ * emission. The batch (emission index mod 16) is for error estimates. Places are relative to the
+ * map's own bounds: over 100 m a cell is 0.1 mm.
  *
  * Threads: a map is immutable and may be searched from any thread.
  */
@@ -39,8 +40,8 @@ enum {
 };
 
 /*
- * By what else a photon's light may be found: each photon of the global map is of one class, so
- * that an estimate can do without what shadow rays and the caustic map count.
+ * By what else a photon's light may be found: each global photon is of one class. Maps that are
+ * seen directly hold the first alone (omit.counted_light of light/world.h).
  */
 enum orl_photon_class {
     ORL_PHOTON_REST,  /* all but the two below: of skies and glow, or after a diffuse reflection */

@@ -3,10 +3,11 @@
  * decided by the records of the rounds before and computed in parallel, so that an image is the
  * same for any number of threads and has no seams.
  *
- * A record holds the gathered irradiance at a place with its gradients and a radius (the harmonic
- * mean of the gather's ray lengths, held between bounds that follow the pixels). It serves a place
- * x with error e = |x - x_i| / R_i + sqrt(1 - n . n_i) below ORL_ICACHE_ACCURACY, weighted by
- * 1/e - 1/accuracy, which fades to nothing at the rim: no circles show.
+ * A record holds the gathered irradiance at a place with its gradients and a radius: the harmonic
+ * mean of the gather's ray lengths, or less near something close, on a steep gradient, and beside
+ * such records (orl_icache_hold_back); held between bounds that follow the pixels. It serves a
+ * place x with error e = |x - x_i| / R_i + sqrt(1 - n . n_i) below ORL_ICACHE_ACCURACY, weighted by
+ * 1/e - 1/accuracy, which fades to nothing at the rim.
  *
  * References: Ward, Rubinstein, Clear 1988; Ward and Heckbert 1992; Krivanek and Gautron 2009.
  */
