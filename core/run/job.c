@@ -19,6 +19,7 @@ void orl_job_init(struct orl_job *job)
     job->sky.ground_reflectance = 0.2;
     job->sky.turbidity = 2.45;
     job->sky.direct_normal_lx = -1;
+    job->goal.at = 0.95;
 }
 
 void orl_job_done(struct orl_job *job)
@@ -110,10 +111,14 @@ void orl_result_done(struct orl_result *result)
         return;
     free(result->illuminance_lx);
     free(result->standard_error_lx);
+    free(result->bias_estimate_lx);
+    free(result->interval_95_lx);
     for (size_t i = 0; i < result->n_views; i++) {
         free(result->views[i].name);
         free(result->views[i].hdr);
         free(result->views[i].png);
+        free(result->views[i].error_hdr);
+        free(result->views[i].error_png);
     }
     free(result->views);
     for (size_t i = 0; i < result->n_warnings; i++)

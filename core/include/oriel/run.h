@@ -36,6 +36,16 @@ struct orl_view_request {
     uint32_t width, height;
 };
 
+/*
+ * What a job wants of its results when it leaves the settings to the run: an accuracy or a time,
+ * not both. The run goes in rounds (run/rounds.h) until the goal is met or cannot be.
+ */
+struct orl_goal {
+    double relative_error; /* 0: none. |x - truth| / truth, with study.h's floors */
+    double at;             /* the share of sensors, or of pixels, that is to keep to it; 0..1 */
+    double deadline_s;     /* 0: none. Of the whole run, from its start */
+};
+
 /* What to compute. Strings and arrays are owned; orl_job_done frees them. */
 struct orl_job {
     char **scene_files; /* names of the main files, in order, for the provider */
@@ -47,6 +57,7 @@ struct orl_job {
                                                  plan does without there is none */
     uint32_t gather_samples;                  /* per sensor; 0 = default */
     uint32_t pixel_samples;                   /* of the backward technique; 0 = default */
+    struct orl_goal goal;                     /* instead of the three above */
     struct orl_sky_request sky;               /* beside a scene without distant sources */
     char *sensors_file;                       /* NULL, or a file of "x y z dx dy dz" lines */
     struct orl_sensor *sensors;
@@ -121,8 +132,27 @@ enum orl_stage {
 const char *orl_stage_name(enum orl_stage stage); /* "load", "bvh", "plan", ... */
 
 struct orl_view_result {
-    char *name, *hdr, *png; /* hdr and png: file names below the output folder */
+    char *name, *hdr, *png;      /* hdr and png: file names below the output folder */
+    char *error_hdr, *error_png; /* beside them: standard errors, W/sr/m2 of luma; relative ones in
+                                    false colours. NULL: not known */
     double seconds;
+};
+
+/* How a job with a goal ended. */
+struct orl_outcome {
+    bool asked, met;
+    uint32_t rounds;
+    double achieved;       /* relative error at the goal's share, as estimated; NaN: not known */
+    char why[ORL_WHY_MAX]; /* why it ended, and what would help where the goal is not met */
+};
+
+/* What the run took, beside its times, and what more would: seconds of whole runs like it. */
+struct orl_cost {
+    uint64_t rays, photons;
+    double error;         /* what the two below are about: relative, at the goal's share or 0.95 */
+    double halve_s;       /* until that is half of it; NaN: out of reach, or not known */
+    double one_percent_s; /* until that is 1 %; 0 when it is met */
+    char model[ORL_WHY_MAX]; /* what they are worked out from, in a sentence */
 };
 
 enum { ORL_RESULT_MAPS = 3 };
@@ -135,11 +165,16 @@ struct orl_result {
     double total_s;
     struct orl_map_info maps[ORL_RESULT_MAPS];
     size_t n_maps;
-    double *illuminance_lx;    /* one per sensor */
-    double *standard_error_lx; /* one per sensor, or NULL: not known to the technique */
+    /* One per sensor each; the last three are NULL where the technique does not know. */
+    double *illuminance_lx;
+    double *standard_error_lx;   /* of photons and rays together */
+    double *bias_estimate_lx;    /* what bandwidths are thought to add */
+    double (*interval_95_lx)[2]; /* low, high */
     size_t n_sensors;
     struct orl_view_result *views;
     size_t n_views;
+    struct orl_outcome outcome;
+    struct orl_cost cost;
     struct orl_health health; /* of what this run did */
     char **warnings;
     size_t n_warnings;
@@ -164,6 +199,11 @@ struct orl_run_env {
     /* Called by the lead thread when a view of the job is rendered: its pixels in W/sr/m2, from the
      * top left, row by row; valid during the call. May be NULL. */
     void (*view_ready)(void *ctx, size_t index, float (*const pixels)[3], size_t count);
+    /*
+     * Called by the lead thread after each round of a job with a goal: the result as it stands,
+     * files included; valid during the call. May be NULL.
+     */
+    void (*round_ready)(void *ctx, const struct orl_result *result);
     void *ctx;
 };
 
