@@ -42,7 +42,7 @@ static struct orl_rgb lit_surfaces(const struct orl_sight *sight, struct orl_sam
     return sum;
 }
 
-static struct orl_rgb pixel_radiance(void *ctx, uint32_t x, uint32_t y, struct orl_search *search)
+static struct orl_pixel pixel_radiance(void *ctx, uint32_t x, uint32_t y, struct orl_search *search)
 {
     const struct painter *p = ctx;
     const struct orl_backward *b = p->backward;
@@ -78,7 +78,7 @@ static struct orl_rgb pixel_radiance(void *ctx, uint32_t x, uint32_t y, struct o
         sum = orl_rgb_add(sum, orl_health_keep(&search->health, sight.rest));
         sum = orl_rgb_add(sum, lit_surfaces(&sight, sampling, &tracer));
     }
-    return orl_rgb_scale(sum, 1.0 / p->samples);
+    return (struct orl_pixel){orl_rgb_scale(sum, 1.0 / p->samples), NAN};
 }
 
 int orl_backward_render(const struct orl_backward *backward, const struct orl_painting *painting,

@@ -268,7 +268,7 @@ static struct orl_rgb vertex_radiance(const struct painter *p, const struct orl_
     return orl_rgb_mul(v->weight, orl_rgb_add(sum, rest));
 }
 
-static struct orl_rgb pixel_radiance(void *ctx, uint32_t x, uint32_t y, struct orl_search *search)
+static struct orl_pixel pixel_radiance(void *ctx, uint32_t x, uint32_t y, struct orl_search *search)
 {
     const struct painter *p = ctx;
     struct orl_rgb sum = orl_gray(0);
@@ -291,7 +291,7 @@ static struct orl_rgb pixel_radiance(void *ctx, uint32_t x, uint32_t y, struct o
                 sum, orl_health_keep(&search->health, vertex_radiance(p, &sight.vertices[v], &memo,
                                                                       i, &random, search)));
     }
-    return orl_rgb_scale(sum, 1.0 / (RAYS_A_SIDE * RAYS_A_SIDE));
+    return (struct orl_pixel){orl_rgb_scale(sum, 1.0 / (RAYS_A_SIDE * RAYS_A_SIDE)), NAN};
 }
 
 static struct orl_rgb lobe_radiance(const void *ctx, struct orl_vec3 origin,

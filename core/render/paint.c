@@ -33,8 +33,8 @@ static void paint_tile(void *arg, size_t index, uint32_t member)
         for (uint32_t x = x0; x < x0 + TILE && x < film->width; x++) {
             if (orl_paint_cancelled(painting->env))
                 return;
-            const struct orl_rgb c = tiles->pixel(tiles->ctx, x, y, search);
-            orl_film_set(painting->film, x, y, c, &search->health);
+            const struct orl_pixel pixel = tiles->pixel(tiles->ctx, x, y, search);
+            orl_film_set(painting->film, x, y, &pixel, &search->health);
         }
     }
 }

@@ -1,6 +1,7 @@
 /*
- * Pixels in tiles, by all cores: what images of every technique share. A pixel's value is a
- * function of its place alone, so that tiles may be painted in any order by any crew.
+ * Pixels in tiles, by all cores: what images of every technique share. What a pixel is, value and
+ * standard error, is a function of its place alone, so that tiles may be painted in any order by
+ * any crew.
  */
 #ifndef ORL_RENDER_PAINT_H
 #define ORL_RENDER_PAINT_H
@@ -40,8 +41,8 @@ bool orl_paint_ray(const struct orl_painting *painting, double x, double y,
                    struct orl_vec3 *ret_origin, struct orl_vec3 *ret_direction);
 
 /* Paints every pixel; progress goes from `before` to 1. Returns 0 or ORL_ERR_CANCELLED. */
-typedef struct orl_rgb orl_paint_pixel(void *ctx, uint32_t x, uint32_t y,
-                                       struct orl_search *search);
+typedef struct orl_pixel orl_paint_pixel(void *ctx, uint32_t x, uint32_t y,
+                                         struct orl_search *search);
 int orl_paint(const struct orl_painting *painting, orl_paint_pixel *pixel, void *ctx,
               double before);
 

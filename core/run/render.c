@@ -114,6 +114,7 @@ static int render_view(struct rendering *rendering, size_t index, struct view_pr
         code = rendering->renderer->view(rendering->renderer->ctx, &painting, err);
     if (code == 0 && state->env->view_ready)
         state->env->view_ready(state->env->ctx, index, film.pixels,
+                               orl_film_knows_errors(&film) ? film.errors : NULL,
                                (size_t)film.width * film.height);
     if (code == 0)
         code = write_view(state, &film, &view, result, err);

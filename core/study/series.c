@@ -53,10 +53,11 @@ static bool reserve(struct run *run, size_t count)
     return true;
 }
 
-static void take_view(void *ctx, size_t index, float (*const pixels)[3], size_t count)
+static void take_view(void *ctx, size_t index, float (*const pixels)[3], const float *errors,
+                      size_t count)
 {
     struct run *run = ctx;
-    (void)index;
+    (void)index, (void)errors;
     if (!reserve(run, count))
         return;
     for (size_t i = 0; i < count; i++) {

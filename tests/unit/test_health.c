@@ -46,11 +46,12 @@ static void test_film(void **state)
     struct orl_health health = {0};
     (void)state;
     assert_int_equal(orl_film_init(&film, 2, 2, NULL), 0);
-    orl_film_set(&film, 0, 1, (struct orl_rgb){1, 2, 3}, &health);
+    orl_film_set(&film, 0, 1, &(struct orl_pixel){{1, 2, 3}, 0}, &health);
     assert_int_equal(health.non_finite, 0);
-    orl_film_set(&film, 0, 0, (struct orl_rgb){1, NAN, 3}, &health);
-    orl_film_set(&film, 1, 0, (struct orl_rgb){1, 2, INFINITY}, &health);
-    orl_film_set(&film, 1, 1, (struct orl_rgb){1e39, 2, 3}, &health); /* more than a float holds */
+    orl_film_set(&film, 0, 0, &(struct orl_pixel){{1, NAN, 3}, 0}, &health);
+    orl_film_set(&film, 1, 0, &(struct orl_pixel){{1, 2, INFINITY}, 0}, &health);
+    /* More than a float holds. */
+    orl_film_set(&film, 1, 1, &(struct orl_pixel){{1e39, 2, 3}, 0}, &health);
     assert_int_equal(health.non_finite, 3);
     assert_true(film.pixels[2][1] == 2);
     for (int i = 0; i < 4; i++)

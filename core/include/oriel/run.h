@@ -197,8 +197,10 @@ struct orl_run_env {
     /* Called by the lead thread when a map is settled (hit or built). May be NULL. */
     void (*map_ready)(void *ctx, const struct orl_map_info *info);
     /* Called by the lead thread when a view of the job is rendered: its pixels in W/sr/m2, from the
-     * top left, row by row; valid during the call. May be NULL. */
-    void (*view_ready)(void *ctx, size_t index, float (*const pixels)[3], size_t count);
+     * top left, row by row, and the standard errors of their luma (NULL: not known); valid during
+     * the call. May be NULL. */
+    void (*view_ready)(void *ctx, size_t index, float (*const pixels)[3], const float *errors,
+                       size_t count);
     /*
      * Called by the lead thread after each round of a job with a goal: the result as it stands,
      * files included; valid during the call. May be NULL.
