@@ -29,44 +29,24 @@ static const char scene_text[] = "void plastic grey\n0\n0\n5 0.5 0.5 0.5 0 0\n"
     " \"photons\": {\"global\": 20000, \"caustic\": 0}, \"gather_samples\": 64,\n"                 \
     " \"sensors\": [[1.5, 1, 0.8, 0, 0, 1]]}\n"
 
-struct fixture {
-    char folder[64], job[96], output[96];
-    struct cli_result result;
-};
-
 static int set_up(void **state)
 {
-    struct fixture *f = calloc(1, sizeof *f);
-
-    cli_make_folder(f->folder);
-    snprintf(f->job, sizeof f->job, "%s/job.json", f->folder);
-    snprintf(f->output, sizeof f->output, "%s/out", f->folder);
-    cli_write_file(f->folder, "room.rad", scene_text);
-    cli_write_file(f->folder, "job.json", JOB("{}"));
-    *state = f;
-    return 0;
+    static const struct cli_file files[] = {
+        {"job.json", JOB("{}")}, {"room.rad", scene_text}, {NULL, NULL}};
+    return cli_desk_set_up(state, files);
 }
 
-static int tear_down(void **state)
+static void plan(struct cli_desk *f, const char *option)
 {
-    struct fixture *f = *state;
-
-    cli_remove_folder(f->folder);
-    free(f);
-    return 0;
-}
-
-static void plan(struct fixture *f, const char *option)
-{
-    const char *const args[] = {"plan", f->job, option, NULL};
+    const char *const args[] = {"plan", f->document, option, NULL};
 
     cli_run(args, &f->result);
 }
 
 /* Runs with --json; the document, which the caller frees. */
-static json_t *planned(struct fixture *f, const char *threads)
+static json_t *planned(struct cli_desk *f, const char *threads)
 {
-    const char *const args[] = {"plan", "--json", "--threads", threads, f->job, NULL};
+    const char *const args[] = {"plan", "--json", "--threads", threads, f->document, NULL};
     json_t *doc;
 
     cli_run(args, &f->result);
@@ -93,7 +73,7 @@ static json_t *without_seconds(json_t *plan)
 
 static void test_the_table_has_every_effect(void **state)
 {
-    struct fixture *f = *state;
+    struct cli_desk *f = *state;
     const char *at;
 
     plan(f, NULL);
@@ -125,7 +105,7 @@ static void assert_narrow(char *text)
 /* Tables and warnings are wrapped, and words that fit no line are cut. */
 static void test_no_line_is_too_long(void **state)
 {
-    struct fixture *f = *state;
+    struct cli_desk *f = *state;
     char name[128], job[512], scene[1024];
 
     memset(name, 'n', 120);
@@ -146,7 +126,7 @@ static void test_no_line_is_too_long(void **state)
 }
 
 /* The row of an effect in the table, up to its end. */
-static void row_of(const struct fixture *f, const char *effect, char ret_row[160])
+static void row_of(const struct cli_desk *f, const char *effect, char ret_row[160])
 {
     char start[32];
     const char *at;
@@ -159,7 +139,7 @@ static void row_of(const struct fixture *f, const char *effect, char ret_row[160
 
 static void test_wishes_show(void **state)
 {
-    struct fixture *f = *state;
+    struct cli_desk *f = *state;
     char row[160];
 
     cli_write_file(f->folder, "job.json",
@@ -177,8 +157,8 @@ static void test_wishes_show(void **state)
 
 static void test_json_is_what_a_run_says(void **state)
 {
-    struct fixture *f = *state;
-    const char *const args[] = {"run", f->job, "-o", f->output, NULL};
+    struct cli_desk *f = *state;
+    const char *const args[] = {"run", f->document, "-o", f->output, NULL};
     json_t *one = planned(f, "1"), *three = planned(f, "3"), *result;
     char *text;
 
@@ -204,7 +184,7 @@ static void test_json_is_what_a_run_says(void **state)
 static void test_the_technique(void **state)
 {
     static const char *const techniques[] = {"backward", "gather", "direct", "precomputed"};
-    struct fixture *f = *state;
+    struct cli_desk *f = *state;
     json_t *doc = planned(f, "1");
     const char *chosen =
         json_string_value(json_object_get(json_object_get(doc, "plan"), "technique"));
@@ -228,7 +208,7 @@ static void test_the_technique(void **state)
 
 static void test_nothing_is_written(void **state)
 {
-    struct fixture *f = *state;
+    struct cli_desk *f = *state;
     char path[160];
 
     plan(f, NULL);
@@ -251,10 +231,10 @@ static void test_mistakes(void **state)
         {"room.rad", "void plastic grey\n0\n0\n5 0.5 nan 0.5 0 0\n", "room.rad:4: "},
     };
     static const char *const usage[][3] = {{"plan", NULL}, {"plan", "a", "b"}};
-    struct fixture *f;
+    struct cli_desk *f;
 
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        tear_down(state);
+        cli_desk_tear_down(state);
         set_up(state);
         f = *state;
         cli_write_file(f->folder, cases[i].file, cases[i].text);
@@ -265,7 +245,7 @@ static void test_mistakes(void **state)
             fail_msg("expected \"%s\" in:\n%s", cases[i].says, f->result.err);
     }
     f = *state;
-    unlink(f->job);
+    unlink(f->document);
     plan(f, NULL);
     assert_int_equal(f->result.exit_code, 1);
     for (size_t i = 0; i < 2; i++) {
@@ -281,13 +261,14 @@ static void test_mistakes(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(test_the_table_has_every_effect, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(test_no_line_is_too_long, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(test_wishes_show, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(test_json_is_what_a_run_says, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(test_the_technique, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(test_nothing_is_written, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(test_mistakes, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_the_table_has_every_effect, set_up,
+                                        cli_desk_tear_down),
+        cmocka_unit_test_setup_teardown(test_no_line_is_too_long, set_up, cli_desk_tear_down),
+        cmocka_unit_test_setup_teardown(test_wishes_show, set_up, cli_desk_tear_down),
+        cmocka_unit_test_setup_teardown(test_json_is_what_a_run_says, set_up, cli_desk_tear_down),
+        cmocka_unit_test_setup_teardown(test_the_technique, set_up, cli_desk_tear_down),
+        cmocka_unit_test_setup_teardown(test_nothing_is_written, set_up, cli_desk_tear_down),
+        cmocka_unit_test_setup_teardown(test_mistakes, set_up, cli_desk_tear_down),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

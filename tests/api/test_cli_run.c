@@ -39,37 +39,18 @@ static const char job_text[] =
 
 static const char sensors_text[] = "# x y z dx dy dz\n1.5 1 0.8 0 0 1\n1.5 3 0.8 0 0 1\n";
 
-struct fixture {
-    char folder[64], job[96], output[96];
-    struct cli_result result;
-};
-
 static int set_up(void **state)
 {
-    struct fixture *f = calloc(1, sizeof *f);
-
-    cli_make_folder(f->folder);
-    snprintf(f->job, sizeof f->job, "%s/job.json", f->folder);
-    snprintf(f->output, sizeof f->output, "%s/out", f->folder);
-    cli_write_file(f->folder, "room.rad", scene_text);
-    cli_write_file(f->folder, "job.json", job_text);
-    cli_write_file(f->folder, "sensors.txt", sensors_text);
-    *state = f;
-    return 0;
+    static const struct cli_file files[] = {{"job.json", job_text},
+                                            {"room.rad", scene_text},
+                                            {"sensors.txt", sensors_text},
+                                            {NULL, NULL}};
+    return cli_desk_set_up(state, files);
 }
 
-static int tear_down(void **state)
+static void run(struct cli_desk *f, const char *output, const char *threads)
 {
-    struct fixture *f = *state;
-
-    cli_remove_folder(f->folder);
-    free(f);
-    return 0;
-}
-
-static void run(struct fixture *f, const char *output, const char *threads)
-{
-    const char *const args[] = {"run", f->job, "-o", output, "--threads", threads, NULL};
+    const char *const args[] = {"run", f->document, "-o", output, "--threads", threads, NULL};
 
     cli_run(args, &f->result);
 }
@@ -118,7 +99,7 @@ static void test_wrong_command_lines_exit_with_2(void **state)
         {{"upload", "picture", "a.hdr"}, "neither scene nor bsdf"},
         {{"fetch", "1"}, "-o DIR is missing"},
     };
-    struct fixture *f = *state;
+    struct cli_desk *f = *state;
 
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         cli_run(cases[i].args, &f->result);
@@ -132,7 +113,7 @@ static void test_every_command_has_help(void **state)
 {
     static const char *const names[] = {"run",   "plan",   "study", "submit", "status", "wait",
                                         "fetch", "cancel", "maps",  "upload", "version"};
-    struct fixture *f = *state;
+    struct cli_desk *f = *state;
     const char *const overview[] = {"--help", NULL};
 
     cli_run(overview, &f->result);
@@ -177,11 +158,11 @@ static void test_mistakes_are_named_and_recorded(void **state)
     };
 
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        struct fixture *f;
+        struct cli_desk *f;
         json_t *result;
         char type[64];
 
-        tear_down(state);
+        cli_desk_tear_down(state);
         set_up(state);
         f = *state;
         cli_write_file(f->folder, cases[i].file, cases[i].text ? cases[i].text : "");
@@ -204,7 +185,7 @@ static void test_mistakes_are_named_and_recorded(void **state)
 
 static void test_an_older_result_does_not_survive_a_failure(void **state)
 {
-    struct fixture *f = *state;
+    struct cli_desk *f = *state;
     json_t *result;
 
     assert_int_equal(mkdir(f->output, 0777), 0);
@@ -253,7 +234,7 @@ static int all_cached(const json_t *result)
 
 static void test_a_run_leaves_numbers_images_and_maps(void **state)
 {
-    struct fixture *f = *state;
+    struct cli_desk *f = *state;
     json_t *first, *second;
 
     run(f, f->output, "1");
@@ -301,7 +282,7 @@ static void assert_same_bytes(const char *folder, const char *other, const char 
 
 static void test_threads_change_no_byte(void **state)
 {
-    struct fixture *f = *state;
+    struct cli_desk *f = *state;
     char other[96];
     json_t *a, *b;
 
@@ -321,8 +302,8 @@ static void test_threads_change_no_byte(void **state)
 
 static void test_an_interrupt_cancels(void **state)
 {
-    struct fixture *f = *state;
-    const char *const args[] = {"run", f->job, "-o", f->output, NULL};
+    struct cli_desk *f = *state;
+    const char *const args[] = {"run", f->document, "-o", f->output, NULL};
     const struct timespec moment = {0, 300000000};
     struct cli_child child;
     json_t *result;
@@ -346,15 +327,17 @@ static void test_an_interrupt_cancels(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(test_wrong_command_lines_exit_with_2, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(test_every_command_has_help, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(test_mistakes_are_named_and_recorded, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_wrong_command_lines_exit_with_2, set_up,
+                                        cli_desk_tear_down),
+        cmocka_unit_test_setup_teardown(test_every_command_has_help, set_up, cli_desk_tear_down),
+        cmocka_unit_test_setup_teardown(test_mistakes_are_named_and_recorded, set_up,
+                                        cli_desk_tear_down),
         cmocka_unit_test_setup_teardown(test_an_older_result_does_not_survive_a_failure, set_up,
-                                        tear_down),
+                                        cli_desk_tear_down),
         cmocka_unit_test_setup_teardown(test_a_run_leaves_numbers_images_and_maps, set_up,
-                                        tear_down),
-        cmocka_unit_test_setup_teardown(test_threads_change_no_byte, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(test_an_interrupt_cancels, set_up, tear_down),
+                                        cli_desk_tear_down),
+        cmocka_unit_test_setup_teardown(test_threads_change_no_byte, set_up, cli_desk_tear_down),
+        cmocka_unit_test_setup_teardown(test_an_interrupt_cancels, set_up, cli_desk_tear_down),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

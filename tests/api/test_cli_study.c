@@ -25,32 +25,13 @@ static const char study_text[] =
 
 static const char sensors_text[] = "# x y z dx dy dz\n2 1 0.8 0 0 1\n2 3 0.8 0 0 1\n";
 
-struct fixture {
-    char folder[64], study[96], output[96];
-    struct cli_result result;
-};
-
 static int set_up(void **state)
 {
-    struct fixture *f = calloc(1, sizeof *f);
-
-    cli_make_folder(f->folder);
-    snprintf(f->study, sizeof f->study, "%s/study.json", f->folder);
-    snprintf(f->output, sizeof f->output, "%s/out", f->folder);
-    cli_write_file(f->folder, "room.rad", scene_text);
-    cli_write_file(f->folder, "sensors.txt", sensors_text);
-    cli_write_file(f->folder, "study.json", study_text);
-    *state = f;
-    return 0;
-}
-
-static int tear_down(void **state)
-{
-    struct fixture *f = *state;
-
-    cli_remove_folder(f->folder);
-    free(f);
-    return 0;
+    static const struct cli_file files[] = {{"study.json", study_text},
+                                            {"room.rad", scene_text},
+                                            {"sensors.txt", sensors_text},
+                                            {NULL, NULL}};
+    return cli_desk_set_up(state, files);
 }
 
 static void assert_says(const char *text, const char *wanted)
@@ -59,18 +40,18 @@ static void assert_says(const char *text, const char *wanted)
         fail_msg("expected \"%s\" in:\n%s", wanted, text);
 }
 
-static void run(struct fixture *f)
+static void run(struct cli_desk *f)
 {
-    const char *const args[] = {"study", f->study, "--output", f->output, NULL};
+    const char *const args[] = {"study", f->document, "--output", f->output, NULL};
 
     cli_run(args, &f->result);
 }
 
 static void test_wrong_command_lines_exit_with_2(void **state)
 {
-    struct fixture *f = *state;
-    const char *const no_output[] = {"study", f->study, NULL};
-    const char *const threads[] = {"study", f->study, "-o", f->output, "-j", "none", NULL};
+    struct cli_desk *f = *state;
+    const char *const no_output[] = {"study", f->document, NULL};
+    const char *const threads[] = {"study", f->document, "-o", f->output, "-j", "none", NULL};
 
     cli_run(no_output, &f->result);
     assert_int_equal(f->result.exit_code, 2);
@@ -95,7 +76,7 @@ static void test_mistakes_name_file_and_place(void **state)
          " {\"samples\": 1}}",
          "rum.rad"},
     };
-    struct fixture *f = *state;
+    struct cli_desk *f = *state;
 
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         cli_write_file(f->folder, "study.json", cases[i].text);
@@ -135,7 +116,7 @@ static void test_a_study_leaves_four_files_and_a_table(void **state)
         const char *name, *begins;
     } files[] = {
         {"study.csv", "technique,photons,"}, {"study.svg", "<?xml"}, {"study.png", "\x89PNG"}};
-    struct fixture *f = *state;
+    struct cli_desk *f = *state;
 
     run(f);
     if (f->result.exit_code != 0)
@@ -171,7 +152,7 @@ static void test_a_study_leaves_four_files_and_a_table(void **state)
 /* An older study's files are gone once a new one has begun, also when that fails. */
 static void test_older_files_do_not_survive_a_failure(void **state)
 {
-    struct fixture *f = *state;
+    struct cli_desk *f = *state;
 
     run(f);
     assert_int_equal(f->result.exit_code, 0);
@@ -185,12 +166,14 @@ static void test_older_files_do_not_survive_a_failure(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(test_wrong_command_lines_exit_with_2, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(test_mistakes_name_file_and_place, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_wrong_command_lines_exit_with_2, set_up,
+                                        cli_desk_tear_down),
+        cmocka_unit_test_setup_teardown(test_mistakes_name_file_and_place, set_up,
+                                        cli_desk_tear_down),
         cmocka_unit_test_setup_teardown(test_a_study_leaves_four_files_and_a_table, set_up,
-                                        tear_down),
+                                        cli_desk_tear_down),
         cmocka_unit_test_setup_teardown(test_older_files_do_not_survive_a_failure, set_up,
-                                        tear_down),
+                                        cli_desk_tear_down),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

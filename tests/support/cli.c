@@ -133,3 +133,24 @@ char *cli_read_file(const char *folder, const char *name)
     fclose(file);
     return text;
 }
+
+int cli_desk_set_up(void **state, const struct cli_file *files)
+{
+    struct cli_desk *desk = calloc(1, sizeof *desk);
+    assert_non_null(desk);
+    cli_make_folder(desk->folder);
+    snprintf(desk->document, sizeof desk->document, "%s/%s", desk->folder, files->name);
+    snprintf(desk->output, sizeof desk->output, "%s/out", desk->folder);
+    for (; files->name; files++)
+        cli_write_file(desk->folder, files->name, files->text);
+    *state = desk;
+    return 0;
+}
+
+int cli_desk_tear_down(void **state)
+{
+    struct cli_desk *desk = *state;
+    cli_remove_folder(desk->folder);
+    free(desk);
+    return 0;
+}

@@ -38,4 +38,18 @@ void cli_write_file(const char *folder, const char *name, const char *text);
 /* The file's text, NUL-terminated and owned (free()), or NULL when there is none. */
 char *cli_read_file(const char *folder, const char *name);
 
+/* A folder with a document and the files that it names; what is made goes to a folder in it. */
+struct cli_desk {
+    char folder[64], document[96], output[96];
+    struct cli_result result; /* of the last run */
+};
+
+struct cli_file {
+    const char *name, *text;
+};
+
+/* The document comes first; ends with a file without a name. For cmocka's set-up and tear-down. */
+int cli_desk_set_up(void **state, const struct cli_file *files);
+int cli_desk_tear_down(void **state);
+
 #endif

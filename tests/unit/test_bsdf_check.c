@@ -7,18 +7,8 @@
 #include <cmocka.h>
 
 #include "bsdf_json.h"
+#include "fixtures/bsdf_ask.h"
 #include "fixtures/bsdf_make.h"
-
-#define assert_close(value, expected, tolerance)                                                   \
-    check_close(value, expected, tolerance, __FILE__, __LINE__)
-
-static void check_close(double value, double expected, double tolerance, const char *file, int line)
-{
-    if (!(fabs(value - expected) <= tolerance)) {
-        print_error("%.17g is not %.17g within %g\n", value, expected, tolerance);
-        _fail(file, line);
-    }
-}
 
 /* A tree file made of blocks: pairs of direction and data. */
 static struct text tree_file(size_t n_blocks, const char *const (*blocks)[2])
@@ -200,7 +190,7 @@ static void energy_out_of_nothing_is_found(void **state)
     assert_int_equal(level_of(&c, "look swapped"), -1);
 }
 
-static double eval(const struct orl_bsdf *bsdf, struct orl_vec3 in, struct orl_vec3 out)
+static double value_of(const struct orl_bsdf *bsdf, struct orl_vec3 in, struct orl_vec3 out)
 {
     return orl_luma(orl_bsdf_eval(bsdf, in, out));
 }
@@ -221,17 +211,17 @@ static void energy_out_of_nothing_is_divided_out(void **state)
     double pdf;
     (void)state;
     assert_non_null(bsdf);
-    assert_close(eval(bsdf, outside, orl_neg(up)), 0.2 / 1.2, 1e-7);
-    assert_close(eval(bsdf, outside, inside), through / 1.2, 1e-7);
-    assert_close(eval(bsdf, inside, outside), through, 1e-7);
-    assert_close(eval(bsdf, inside, up), 0.1, 1e-7);
+    assert_close(value_of(bsdf, outside, orl_neg(up)), 0.2 / 1.2, 1e-7);
+    assert_close(value_of(bsdf, outside, inside), through / 1.2, 1e-7);
+    assert_close(value_of(bsdf, inside, outside), through, 1e-7);
+    assert_close(value_of(bsdf, inside, up), 0.1, 1e-7);
     assert_close(orl_luma(orl_bsdf_albedo(bsdf, outside, ORL_BSDF_BOTH)), 1, 1e-14);
     assert_close(orl_luma(orl_bsdf_albedo(bsdf, inside, ORL_BSDF_BOTH)), (0.1 + through) * ORL_PI,
                  1e-6);
     assert_true(orl_bsdf_sample(bsdf, outside, ORL_BSDF_TRANSMIT, u, &other, &weight, &pdf));
-    assert_close(orl_luma(weight) * pdf, eval(bsdf, outside, other) * other.z, 1e-12);
+    assert_close(orl_luma(weight) * pdf, value_of(bsdf, outside, other) * other.z, 1e-12);
     assert_true(orl_bsdf_sample_adjoint(bsdf, inside, ORL_BSDF_TRANSMIT, u, &other, &weight, &pdf));
-    assert_close(orl_luma(weight) * pdf, eval(bsdf, other, inside) * -other.z, 1e-12);
+    assert_close(orl_luma(weight) * pdf, value_of(bsdf, other, inside) * -other.z, 1e-12);
     orl_bsdf_unref(bsdf);
 }
 

@@ -8,28 +8,8 @@
 
 #include <oriel/crew.h>
 
+#include "fixtures/bsdf_ask.h"
 #include "fixtures/bsdf_make.h"
-
-#define assert_close(value, expected, tolerance)                                                   \
-    check_close(value, expected, tolerance, __FILE__, __LINE__)
-
-static void check_close(double value, double expected, double tolerance, const char *file, int line)
-{
-    if (!(fabs(value - expected) <= tolerance)) {
-        print_error("%.17g is not %.17g within %g\n", value, expected, tolerance);
-        _fail(file, line);
-    }
-}
-
-static struct orl_vec3 direction(double x, double y, double sign)
-{
-    return orl_v3(x, y, sign * sqrt(1 - x * x - y * y));
-}
-
-static double eval(const struct orl_bsdf *bsdf, struct orl_vec3 in, struct orl_vec3 out)
-{
-    return orl_bsdf_eval(bsdf, in, out).g;
-}
 
 /*
  * In the quadrants of the square: child bit i is axis i, A (the first two) is where the light
