@@ -13,9 +13,10 @@
  */
 json_t *orl_map_info_to_json(const struct orl_map_info *info)
 {
-    return json_pack("{s:s, s:s, s:I, s:I, s:I, s:f, s:b}", "kind", info->kind, "key", info->key,
-                     "emitted", (json_int_t)info->emitted, "stored", (json_int_t)info->stored,
-                     "bytes", (json_int_t)info->bytes, "seconds", info->seconds, "cached",
+    return json_pack("{s:s, s:s, s:I, s:I, s:I, s:I, s:f, s:b}", "kind", info->kind, "key",
+                     info->key, "emitted", (json_int_t)info->emitted, "stored",
+                     (json_int_t)info->stored, "reused", (json_int_t)info->reused, "bytes",
+                     (json_int_t)info->bytes, "seconds", info->seconds, "cached",
                      (int)info->cached);
 }
 

@@ -3,7 +3,7 @@
  *
  *     {"state", "threads", "seed", "plan": {...} or null (plan_json.h),
  *      "timings_s": {"load", "bvh", "plan", "photons", "maps", "render", "total"},
- *      "maps": [{"kind", "key", "emitted", "stored", "bytes", "seconds", "cached"}],
+ *      "maps": [{"kind", "key", "emitted", "stored", "reused", "bytes", "seconds", "cached"}],
  *      "sensors": [{"illuminance_lx", and "standard_error_lx" where it is known}],
  *      "views": [{"name", "hdr", "png", "seconds"}], "health": {...}, "warnings": ["..."]}
  *
@@ -22,7 +22,7 @@ json_t *orl_result_to_json(const struct orl_result *result, const char *state);
 /* A result of orl_plan_job: {"plan": {...}, "warnings": ["..."]}. */
 json_t *orl_planned_to_json(const struct orl_result *result);
 
-/* One map: kind, key, emitted, stored, bytes, seconds, cached. */
+/* One map: kind, key, emitted, stored, reused, bytes, seconds, cached. */
 json_t *orl_map_info_to_json(const struct orl_map_info *info);
 
 #endif

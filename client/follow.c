@@ -31,13 +31,18 @@ int orl_job_path(const char *id, const char *rest, char *ret_path, size_t size,
 void orl_format_map(const json_t *map, char *ret_text, size_t size)
 {
     const double seconds = orl_json_number(map, "seconds", 0);
-    char stored[32], bytes[32];
+    const double reused = orl_json_number(map, "reused", 0);
+    char stored[32], bytes[32], before[32];
 
     orl_format_amount(orl_json_number(map, "stored", 0), "", stored, sizeof stored);
     orl_format_amount(orl_json_number(map, "bytes", 0), "B", bytes, sizeof bytes);
+    orl_format_amount(reused, "", before, sizeof before);
     if (orl_json_true(map, "cached"))
         snprintf(ret_text, size, "%s map: found in the cache (%s photons, %s), %.1f s saved",
                  orl_json_text(map, "kind"), stored, bytes, seconds);
+    else if (reused > 0)
+        snprintf(ret_text, size, "%s map: topped up from %s photons (%s photons, %s)",
+                 orl_json_text(map, "kind"), before, stored, bytes);
     else
         snprintf(ret_text, size, "%s map: built in %.1f s (%s photons, %s)",
                  orl_json_text(map, "kind"), seconds, stored, bytes);

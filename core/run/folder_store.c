@@ -70,6 +70,9 @@ static void folder_release(void *ctx, const char *kind, const char *key)
 
 struct orl_map_store orl_map_store_in_folder(struct orl_folder_store *state)
 {
-    return (struct orl_map_store){state, folder_acquire, folder_commit, folder_abandon,
-                                  folder_release};
+    return (struct orl_map_store){.ctx = state,
+                                  .acquire = folder_acquire,
+                                  .commit = folder_commit,
+                                  .abandon = folder_abandon,
+                                  .release = folder_release};
 }

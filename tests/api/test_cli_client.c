@@ -192,7 +192,8 @@ static void test_wait_shows_progress_and_the_cache(void **state)
          "{\"id\": \"7\", \"state\": \"succeeded\", \"percent\": 100, \"maps\": ["
          " {\"kind\": \"global\", \"cached\": true, \"stored\": 2000123, \"bytes\": 48000000,"
          "  \"seconds\": 12.34}, {\"kind\": \"caustic\", \"cached\": false, \"stored\": 950,"
-         "  \"bytes\": 22800, \"seconds\": 3}]}"},
+         "  \"bytes\": 22800, \"seconds\": 3}, {\"kind\": \"precomputed\", \"cached\": false,"
+         "  \"stored\": 2000123, \"reused\": 500456, \"bytes\": 48000000, \"seconds\": 9}]}"},
         {NULL, 0, NULL}};
     struct fixture *f = *state;
 
@@ -203,6 +204,8 @@ static void test_wait_shows_progress_and_the_cache(void **state)
     assert_says(f->result.err,
                 "global map: found in the cache (2.0 M photons, 48.0 MB), 12.3 s saved");
     assert_says(f->result.err, "caustic map: built in 3.0 s (950 photons, 22.8 kB)");
+    assert_says(f->result.err,
+                "precomputed map: topped up from 500.5 k photons (2.0 M photons, 48.0 MB)");
     assert_says(f->result.err, "job 7: succeeded");
     assert_string_equal(f->result.out, "");
 }

@@ -17,7 +17,8 @@
 static struct orl_result example(void)
 {
     static double lux[3] = {812.5, NAN, 0};
-    static struct orl_view_result views[1] = {{"desk", "desk.hdr", "desk.png", 1.5}};
+    static struct orl_view_result views[1] = {
+        {.name = "desk", .hdr = "desk.hdr", .png = "desk.png", .seconds = 1.5}};
     static char *warnings[1] = {"a polygon has no area"};
     struct orl_result result = {
         .threads = 2,
@@ -33,8 +34,16 @@ static struct orl_result example(void)
         .warnings = warnings,
         .n_warnings = 1,
     };
-    result.maps[0] =
-        (struct orl_map_info){"global", "ab", 5000000000ULL, 1900000, 40000000, 12.25, true};
+    result.maps[0] = (struct orl_map_info){.kind = "global",
+                                           .key = "ab",
+                                           .family = "cd",
+                                           .target = 1800000,
+                                           .emitted = 5000000000ULL,
+                                           .stored = 1900000,
+                                           .bytes = 40000000,
+                                           .reused = 500000,
+                                           .seconds = 12.25,
+                                           .cached = true};
     return result;
 }
 
@@ -48,7 +57,7 @@ static void test_members(void **state)
         "\"timings_s\":{\"load\":0.5,\"bvh\":0.25,\"plan\":0.125,\"photons\":3.0,"
         "\"maps\":1.0,\"render\":2.0,\"total\":6.875},"
         "\"maps\":[{\"kind\":\"global\",\"key\":\"ab\",\"emitted\":5000000000,\"stored\":1900000,"
-        "\"bytes\":40000000,\"seconds\":12.25,\"cached\":true}],"
+        "\"reused\":500000,\"bytes\":40000000,\"seconds\":12.25,\"cached\":true}],"
         "\"sensors\":[{\"illuminance_lx\":812.5},{\"illuminance_lx\":null},"
         "{\"illuminance_lx\":0.0}],"
         "\"views\":[{\"name\":\"desk\",\"hdr\":\"desk.hdr\",\"png\":\"desk.png\","

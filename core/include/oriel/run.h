@@ -86,9 +86,14 @@ enum { ORL_DIGEST_HEX = 64 };
 struct orl_map_info {
     char kind[16];                /* "global", "caustic" or "precomputed" */
     char key[ORL_DIGEST_HEX + 1]; /* digest of all that determines the map, lower-case hex */
+    /* Digest of all of that but the target: of two maps of one family the larger continues the
+     * smaller. Empty: the map is made as a whole. */
+    char family[ORL_DIGEST_HEX + 1];
+    uint64_t target; /* photons asked for */
     uint64_t emitted, stored, bytes;
-    double seconds; /* what building it took */
-    bool cached;    /* true when this job found it ready */
+    uint64_t reused; /* of those stored, how many were taken over from a smaller map */
+    double seconds;  /* what building it took in all, with the smaller map, where that is known */
+    bool cached;     /* true when this job found it ready */
 };
 
 /* Where maps live between jobs. All calls come from the run's lead thread. */
@@ -108,8 +113,16 @@ struct orl_map_store {
     int (*commit)(void *ctx, const struct orl_map_info *info, struct orl_error *err);
     /* After a miss that failed, or a hit that proved corrupt: drops the file. */
     void (*abandon)(void *ctx, const char *kind, const char *key);
-    /* Unpins after a hit or a commit. */
+    /* Unpins after a hit, a commit, or a smaller map found. */
     void (*release)(void *ctx, const char *kind, const char *key);
+    /*
+     * Looks for the largest complete map of the family that was made for fewer photons than target.
+     * Returns 0; where *ret_found, ret_path names its file, *ret_info holds what was committed, and
+     * it stays pinned until release. NULL: maps are never topped up.
+     */
+    int (*find_smaller)(void *ctx, const char *kind, const char *family, uint64_t target,
+                        char ret_path[4096], bool *ret_found, struct orl_map_info *ret_info,
+                        struct orl_error *err);
 };
 
 /* A store that keeps maps as <folder>/<kind>-<key>.opm, for one process at a time. */
