@@ -200,7 +200,11 @@ static void cache_release(void *ctx, const char *kind, const char *key)
 
 struct orl_map_store orl_map_cache_store(struct orl_map_cache *cache)
 {
-    return (struct orl_map_store){cache, cache_acquire, cache_commit, cache_abandon, cache_release};
+    return (struct orl_map_store){.ctx = cache,
+                                  .acquire = cache_acquire,
+                                  .commit = cache_commit,
+                                  .abandon = cache_abandon,
+                                  .release = cache_release};
 }
 
 /* ---- The loop thread's side ----------------------------------------------------------------- */
