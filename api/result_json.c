@@ -53,15 +53,31 @@ static json_t *maps_to_json(const struct orl_result *result)
     return maps;
 }
 
+/* NULL where it is not known. */
+static json_t *number_of(const double *values, size_t index)
+{
+    return values ? orl_json_from_real(values[index]) : NULL;
+}
+
+static json_t *interval_of(const struct orl_result *result, size_t index)
+{
+    if (!result->interval_95_lx)
+        return NULL;
+    const double *interval = result->interval_95_lx[index];
+    return json_pack("[o, o]", orl_json_from_real(interval[0]), orl_json_from_real(interval[1]));
+}
+
 static json_t *sensors_to_json(const struct orl_result *result)
 {
     json_t *sensors = json_array();
     for (size_t i = 0; i < result->n_sensors; i++) {
         /* JSON has no NaN: one broken sensor shows as null instead of losing all the others. */
         json_t *lux = orl_json_from_real(result->illuminance_lx[i]);
-        json_t *se = result->standard_error_lx ? json_real(result->standard_error_lx[i]) : NULL;
-        if (append(sensors,
-                   json_pack("{s:o, s:o*}", "illuminance_lx", lux, "standard_error_lx", se))) {
+        json_t *se = number_of(result->standard_error_lx, i);
+        json_t *bias = number_of(result->bias_estimate_lx, i);
+        if (append(sensors, json_pack("{s:o, s:o*, s:o*, s:o*}", "illuminance_lx", lux,
+                                      "standard_error_lx", se, "bias_estimate_lx", bias,
+                                      "interval_95_lx", interval_of(result, i)))) {
             json_decref(sensors);
             return NULL;
         }

@@ -4,7 +4,8 @@
  *     {"state", "threads", "seed", "plan": {...} or null (plan_json.h),
  *      "timings_s": {"load", "bvh", "plan", "photons", "maps", "render", "total"},
  *      "maps": [{"kind", "key", "emitted", "stored", "reused", "bytes", "seconds", "cached"}],
- *      "sensors": [{"illuminance_lx", and "standard_error_lx" where it is known}],
+ *      "sensors": [{"illuminance_lx", "standard_error_lx", "bias_estimate_lx",
+ *                   "interval_95_lx": [low, high]}],
  *      "views": [{"name", "hdr", "png", "seconds"}], "health": {...}, "warnings": ["..."]}
  *
  * Returned objects are new references, the caller's; NULL when out of memory.

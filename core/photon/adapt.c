@@ -18,7 +18,8 @@ static const double agrees = 1.25, differs = 3.25;
 /* Photons of a ring, or of a disc. */
 struct ring {
     struct orl_rgb flux;
-    double luma, squares; /* sums of the photons' luma and of its squares */
+    double luma, squares;     /* sums of the photons' luma and of its squares */
+    struct orl_batches parts; /* of the luma */
     double area;
     uint32_t found;
 };
@@ -28,6 +29,7 @@ static void add(struct ring *sum, const struct ring *part)
     sum->flux = orl_rgb_add(sum->flux, part->flux);
     sum->luma += part->luma;
     sum->squares += part->squares;
+    orl_batches_add(&sum->parts, &part->parts, 1);
     sum->area += part->area;
     sum->found += part->found;
 }
@@ -54,8 +56,12 @@ static void fill_rings(const struct orl_photon_map *map, const struct orl_search
         const struct orl_search_candidate *c = &search->candidates[i];
         const struct orl_rgb flux = orl_rgb_scale(orl_flux_unpack(map->fluxes[c->index]), unit);
         const double luma = orl_luma(flux);
-        const struct ring one = {flux, luma, luma * luma, 0, 1};
-        add(&rings[ring_of((double)c->distance2 * inverse2)], &one);
+        struct ring *ring = &rings[ring_of((double)c->distance2 * inverse2)];
+        ring->flux = orl_rgb_add(ring->flux, flux);
+        ring->luma += luma;
+        ring->squares += luma * luma;
+        ring->parts.luma[orl_photon_batch(map, c->index)] += luma;
+        ring->found++;
     }
     for (int i = RINGS - 1; i >= 0; i--) {
         const double r = n->radius * exp2(-0.5 * i);
@@ -123,6 +129,7 @@ struct orl_density orl_adapt_estimate(const struct orl_photon_map *map,
     while (ring > 0 && (ring > smallest || disc.found < LEAST))
         add(&disc, &rings[--ring]);
     density.irradiance = orl_rgb_scale(disc.flux, 1 / fmax(disc.area, cell2));
+    orl_batches_add(&density.parts, &disc.parts, 1 / fmax(disc.area, cell2));
     density.radius = n.radius * exp2(-0.5 * ring);
     for (double use = 1; ring > 0 && use > 0;) {
         use *= agreement(&disc, &rings[--ring]);
@@ -130,8 +137,11 @@ struct orl_density orl_adapt_estimate(const struct orl_photon_map *map,
         const struct orl_rgb wider = orl_rgb_scale(disc.flux, 1 / fmax(disc.area, cell2));
         density.irradiance =
             orl_rgb_add(orl_rgb_scale(density.irradiance, 1 - use), orl_rgb_scale(wider, use));
+        orl_batches_add(&density.parts, &density.parts, -use);
+        orl_batches_add(&density.parts, &disc.parts, use / fmax(disc.area, cell2));
         density.radius += use * (n.radius * exp2(-0.5 * ring) - density.radius);
     }
     density.clear = fmin(n.clear, density.radius);
+    density.standard_error = sqrt(orl_batches_variance(&density.parts));
     return density;
 }

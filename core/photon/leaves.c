@@ -9,6 +9,14 @@
 #include "photon/sheet.h"
 #include "photon/site.h"
 
+enum { SHARE_WORDS = ORL_MAP_BATCHES / sizeof(uint64_t) };
+
+/* A leaf's estimate as it is kept. */
+struct kept {
+    _Atomic uint64_t value; /* 0: not made yet; else the value, and above it the clear radius */
+    _Atomic uint64_t shares[SHARE_WORDS]; /* of the batches; there before the value is */
+};
+
 struct orl_leaves {
     const struct orl_photon_map *map;
     const struct orl_world *world;
@@ -18,7 +26,7 @@ struct orl_leaves {
     float reach2; /* cells: how far a leaf may be */
     struct orl_spread *spread;
     struct orl_site *sites;
-    _Atomic uint64_t *values; /* 0: not made yet; else the value, and above it the clear radius */
+    struct kept *kept;
 };
 
 /* A leaf's estimate. */
@@ -62,9 +70,9 @@ struct orl_leaves *orl_leaves_new(const struct orl_photon_map *map, const struct
     leaves->reach2 = (float)(max_radius / h->cell * (max_radius / h->cell));
     leaves->unit = h->flux_unit * k / (ORL_PI * max_radius * max_radius);
     leaves->sites = malloc((n + 1) * sizeof *leaves->sites);
-    leaves->values = calloc(n + 1, sizeof *leaves->values);
+    leaves->kept = calloc(n + 1, sizeof *leaves->kept);
     leaves->spread = orl_spread_new(map, k, max_radius);
-    if (!leaves->sites || !leaves->values || !leaves->spread) {
+    if (!leaves->sites || !leaves->kept || !leaves->spread) {
         orl_leaves_free(leaves);
         return NULL;
     }
@@ -79,7 +87,7 @@ void orl_leaves_free(struct orl_leaves *leaves)
         return;
     orl_spread_free(leaves->spread);
     free(leaves->sites);
-    free(leaves->values);
+    free(leaves->kept);
     free(leaves);
 }
 
@@ -110,18 +118,41 @@ static struct estimate unpack_estimate(const struct orl_leaves *leaves, uint64_t
     return (struct estimate){orl_rgb_scale(orl_flux_unpack((uint32_t)word), leaves->unit), clear};
 }
 
-/* The leaf's estimate, made now if nobody has; two that make it at once make the same word. */
+static void keep_shares(struct kept *kept, const struct orl_batches *parts)
+{
+    uint64_t words[SHARE_WORDS];
+    uint8_t shares[ORL_MAP_BATCHES];
+    orl_batches_pack(parts, shares);
+    memcpy(words, shares, sizeof words);
+    for (int i = 0; i < SHARE_WORDS; i++)
+        atomic_store_explicit(&kept->shares[i], words[i], memory_order_relaxed);
+}
+
+/* The parts of a leaf's value, which has been made. */
+static struct orl_batches parts_of(const struct kept *kept, double luma)
+{
+    uint64_t words[SHARE_WORDS];
+    uint8_t shares[ORL_MAP_BATCHES];
+    for (int i = 0; i < SHARE_WORDS; i++)
+        words[i] = atomic_load_explicit(&kept->shares[i], memory_order_relaxed);
+    memcpy(shares, words, sizeof shares);
+    return orl_batches_unpack(shares, luma);
+}
+
+/* The leaf's estimate, made now if nobody has; two that make it at once make the same words. */
 static struct estimate estimate_of(struct orl_leaves *leaves, uint32_t leaf,
                                    struct orl_search *search)
 {
-    uint64_t word = atomic_load_explicit(&leaves->values[leaf], memory_order_relaxed);
+    struct kept *kept = &leaves->kept[leaf];
+    uint64_t word = atomic_load_explicit(&kept->value, memory_order_acquire);
     if (word == 0) {
         const struct orl_health before = search->health;
         const struct orl_density density = make_estimate(leaves, leaf, search);
         uint64_t expected = 0;
         word = pack_estimate(leaves, &density);
+        keep_shares(kept, &density.parts);
         /* Who comes second does not count it again. */
-        if (!atomic_compare_exchange_strong(&leaves->values[leaf], &expected, word))
+        if (!atomic_compare_exchange_strong(&kept->value, &expected, word))
             search->health = before;
     }
     return unpack_estimate(leaves, word);
@@ -204,17 +235,23 @@ static bool is_joined(const struct orl_leaves *leaves, struct candidate leaf,
 
 struct orl_rgb orl_leaves_irradiance(struct orl_leaves *leaves, struct orl_vec3 point,
                                      struct orl_vec3 normal, const struct orl_footing *footing,
-                                     struct orl_search *search)
+                                     struct orl_search *search, struct orl_batches *ret_parts)
 {
     struct candidate leaf = {-1, 0};
     for (int i = 0; i < MOST_TRIES && next_leaf(leaves, point, normal, leaf, &leaf); i++) {
         if (!covers(leaves, leaf))
             continue;
         const struct estimate estimate = estimate_of(leaves, leaf.leaf, search);
-        if (is_joined(leaves, leaf, &estimate, footing))
-            return estimate.irradiance;
+        if (!is_joined(leaves, leaf, &estimate, footing))
+            continue;
+        if (ret_parts)
+            *ret_parts = parts_of(&leaves->kept[leaf.leaf], orl_luma(estimate.irradiance));
+        return estimate.irradiance;
     }
     struct orl_density_query query = query_at(leaves, point, normal);
     query.footing = footing;
-    return orl_spread_estimate(leaves->spread, &query, search).irradiance;
+    const struct orl_density density = orl_spread_estimate(leaves->spread, &query, search);
+    if (ret_parts)
+        *ret_parts = density.parts;
+    return density.irradiance;
 }

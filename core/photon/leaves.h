@@ -10,7 +10,8 @@
  *
  * What a leaf holds depends on map and scene alone, so that it does not matter who computes it
  * first, or twice: results are the same for any number of threads. Value (shared-exponent RGB) and
- * clear radius are kept as one 64-bit word, written atomically.
+ * clear radius are kept as one 64-bit word, written atomically, after two words of what the batches
+ * of emission hold of it, in 255ths of the largest of them.
  *
  * Reference: Christensen 1999 (precomputed irradiance), here lazily.
  */
@@ -29,9 +30,12 @@ struct orl_leaves *orl_leaves_new(const struct orl_photon_map *map, const struct
                                   uint32_t k, double max_radius);
 void orl_leaves_free(struct orl_leaves *leaves);
 
-/* Irradiance at a point; its footing (the point's own) may be NULL, then walls are not seen. */
+/*
+ * Irradiance at a point; its footing (the point's own) may be NULL, then walls are not seen.
+ * ret_parts is NULL, or takes the parts of its luma.
+ */
 struct orl_rgb orl_leaves_irradiance(struct orl_leaves *leaves, struct orl_vec3 point,
                                      struct orl_vec3 normal, const struct orl_footing *footing,
-                                     struct orl_search *search);
+                                     struct orl_search *search, struct orl_batches *ret_parts);
 
 #endif

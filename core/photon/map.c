@@ -39,6 +39,16 @@ struct orl_map_layout orl_map_layout_of(uint64_t count)
     return l;
 }
 
+uint64_t orl_map_notes_at(const struct orl_map_layout *layout)
+{
+    return aligned(layout->size);
+}
+
+uint64_t orl_map_size(const struct orl_map_layout *layout, uint64_t count, uint32_t note_bytes)
+{
+    return note_bytes > 0 ? orl_map_notes_at(layout) + count * note_bytes : layout->size;
+}
+
 static bool checksum_matches(const void *data, size_t size, const unsigned char *expected)
 {
     unsigned char sum[ORL_MAP_CHECKSUM];
@@ -59,7 +69,8 @@ static int check_header(const struct orl_map_header *h, size_t size, const char 
                              path);
     /* More photons than the writer takes could wrap the sizes below around to look right. */
     const struct orl_map_layout l = orl_map_layout_of(h->count);
-    if (h->count > UINT32_MAX || h->size != size || l.size != size || l.places != h->places ||
+    if (h->count > UINT32_MAX || h->note_bytes > ORL_MAP_MOST_NOTED || h->size != size ||
+        orl_map_size(&l, h->count, h->note_bytes) != size || l.places != h->places ||
         l.fluxes != h->fluxes || l.normals != h->normals || l.tags != h->tags ||
         l.boxes != h->boxes || l.levels != h->levels || h->emitted == 0)
         return orl_error_set(err, ORL_ERR_CORRUPT, "photon map '%s' is truncated or damaged", path);
@@ -105,6 +116,7 @@ static void take_apart(struct orl_photon_map *map)
     map->fluxes = (const void *)(base + l.fluxes);
     map->normals = (const void *)(base + l.normals);
     map->tags = (const void *)(base + l.tags);
+    map->notes = map->header->note_bytes > 0 ? (const void *)(base + orl_map_notes_at(&l)) : NULL;
     for (uint32_t i = 0; i < l.levels; i++) {
         map->levels[i] = group;
         group += l.groups[i];
@@ -174,6 +186,11 @@ void orl_photon_map_free(struct orl_photon_map *map)
 const struct orl_map_header *orl_photon_map_header(const struct orl_photon_map *map)
 {
     return map->header;
+}
+
+const void *orl_photon_map_note(const struct orl_photon_map *map, size_t index)
+{
+    return map->notes ? map->notes + index * map->header->note_bytes : NULL;
 }
 
 struct orl_photon orl_photon_map_get(const struct orl_photon_map *map, size_t index)

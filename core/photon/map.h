@@ -11,6 +11,7 @@
  *   tags      per photon: its class; of a precomputed record its clear radius (records.h)
  *   boxes     per group of 8 siblings, from the leaves up: 6 x 8 floats, lows then highs, and
  *               8 masks of the bins (facing.h) that the normals inside fall into
+ *   notes     header.note_bytes per photon: what precomputed records add (records.h); else none
  *
  * 16 bytes a photon, and about 2 for the boxes. Photons are ordered by the bin of their normal,
  * then in Morton order, so that a leaf is a patch of one sheet of surface; ties keep the order of
@@ -31,12 +32,13 @@
 #include <oriel/vec.h>
 
 enum {
-    ORL_MAP_VERSION = 2,
+    ORL_MAP_VERSION = 3,
     ORL_MAP_LEAF = 16,    /* photons a leaf */
     ORL_MAP_FANOUT = 8,   /* children a node */
     ORL_MAP_LEVELS = 12,  /* most levels: 16 * 8^11 photons */
     ORL_MAP_BATCHES = 16, /* values of the batch index */
     ORL_MAP_CHECKSUM = 32,
+    ORL_MAP_MOST_NOTED = 64, /* bytes a photon */
 };
 
 /*
@@ -70,7 +72,7 @@ struct orl_map_header {
     double flux_unit;    /* W, the division by emitted included */
     uint64_t places, fluxes, normals, tags, boxes, size; /* byte offsets; size of the file */
     uint32_t levels;
-    uint32_t reserved;
+    uint32_t note_bytes;
     char kind[16];
     unsigned char body_checksum[ORL_MAP_CHECKSUM];   /* BLAKE2b of all after the header */
     unsigned char header_checksum[ORL_MAP_CHECKSUM]; /* BLAKE2b of all before this field */
@@ -82,7 +84,9 @@ struct orl_photon_map;
 struct orl_map_build {
     const char *kind;
     uint64_t emitted;
-    uint64_t seed; /* of the dither that keeps mean fluxes exact */
+    uint64_t seed;     /* of the dither that keeps mean fluxes exact */
+    const void *notes; /* note_bytes per photon, in the photons' order; NULL: none */
+    uint32_t note_bytes;
 };
 
 /*
@@ -102,6 +106,9 @@ int orl_photon_map_open(const char *path, bool verify, struct orl_photon_map **r
 void orl_photon_map_free(struct orl_photon_map *map); /* NULL is allowed */
 
 const struct orl_map_header *orl_photon_map_header(const struct orl_photon_map *map);
+
+/* A photon's note, of header.note_bytes; NULL in a map without notes. */
+const void *orl_photon_map_note(const struct orl_photon_map *map, size_t index);
 
 /* The first photon's place, flux and so on, for tests and tools: index < count. */
 struct orl_photon orl_photon_map_get(const struct orl_photon_map *map, size_t index);

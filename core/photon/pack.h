@@ -22,6 +22,7 @@ struct orl_photon_map {
     const struct orl_map_header *header;
     const uint32_t *places, *fluxes;
     const uint16_t *normals, *tags;
+    const unsigned char *notes;                         /* NULL: none */
     const struct orl_map_group *levels[ORL_MAP_LEVELS]; /* [0]: groups of leaves */
     struct orl_facing facing;
 };
@@ -33,6 +34,10 @@ struct orl_map_layout {
     uint32_t levels;
 };
 struct orl_map_layout orl_map_layout_of(uint64_t count);
+
+/* Where notes begin, after all else, and what a file with them measures. */
+uint64_t orl_map_notes_at(const struct orl_map_layout *layout);
+uint64_t orl_map_size(const struct orl_map_layout *layout, uint64_t count, uint32_t note_bytes);
 
 /* Photons in a leaf: 16, but for the last one. */
 static inline uint32_t orl_leaf_photons(const struct orl_photon_map *map, uint64_t leaf)

@@ -1,6 +1,7 @@
 #include "photon/records.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 #include "photon/adapt.h"
 #include "photon/flux.h"
@@ -28,13 +29,13 @@ double orl_record_clear(const struct orl_world *world, uint32_t tag)
 struct maker {
     const struct orl_records_making *making;
     double reach;
-    struct orl_photon *records;
+    struct orl_records records;
     bool *made;
-    size_t count, first;
+    size_t first;
 };
 
 static bool make_record(const struct maker *m, uint64_t leaf, struct orl_search *search,
-                        struct orl_photon *ret_record)
+                        struct orl_photon *ret_record, struct orl_record_note *ret_note)
 {
     const struct orl_records_making *making = m->making;
     const struct orl_photon_map *map = making->global;
@@ -52,6 +53,7 @@ static bool make_record(const struct maker *m, uint64_t leaf, struct orl_search 
                                       .normal = orl_normal_encode(footing.normal),
                                       .tag = tag_of(making->world, density.clear),
                                       .facet = footing.facet};
+    orl_batches_pack(&density.parts, ret_note->shares);
     return orl_rgb_is_finite(value);
 }
 
@@ -61,36 +63,58 @@ static void make_chunk(void *arg, size_t chunk, uint32_t member)
     const size_t first = m->first + chunk * CHUNK;
     if (atomic_load_explicit(m->making->cancel, memory_order_relaxed))
         return;
-    for (size_t i = first; i < first + CHUNK && i < m->count; i++)
-        m->made[i] =
-            make_record(m, LEAVES_A_RECORD * i, &m->making->searches[member], &m->records[i]);
+    for (size_t i = first; i < first + CHUNK && i < m->records.count; i++)
+        m->made[i] = make_record(m, LEAVES_A_RECORD * i, &m->making->searches[member],
+                                 &m->records.photons[i], &m->records.notes[i]);
 }
 
 static int make_all(struct maker *m)
 {
     const struct orl_records_making *making = m->making;
-    for (m->first = 0; m->first < m->count; m->first += ROUND) {
-        const size_t left = m->count - m->first, now = left < ROUND ? left : ROUND;
+    const size_t count = m->records.count;
+    for (m->first = 0; m->first < count; m->first += ROUND) {
+        const size_t left = count - m->first, now = left < ROUND ? left : ROUND;
         orl_crew_for(making->crew, (now + CHUNK - 1) / CHUNK, make_chunk, m);
         if (atomic_load(making->cancel))
             return ORL_ERR_CANCELLED;
         if (making->progress)
-            making->progress(making->ctx, (double)(m->first + now) / (double)m->count);
+            making->progress(making->ctx, (double)(m->first + now) / (double)count);
     }
     return 0;
 }
 
-int orl_records_make(const struct orl_records_making *making, struct orl_photon **ret_records,
-                     size_t *ret_count, struct orl_error *err)
+void orl_records_done(struct orl_records *records)
+{
+    free(records->photons);
+    free(records->notes);
+    memset(records, 0, sizeof *records);
+}
+
+/* Drops those that could not be made. */
+static void keep_made(struct orl_records *records, const bool *made)
+{
+    size_t kept = 0;
+    for (size_t i = 0; i < records->count; i++) {
+        if (!made[i])
+            continue;
+        records->photons[kept] = records->photons[i];
+        records->notes[kept++] = records->notes[i];
+    }
+    records->count = kept;
+}
+
+int orl_records_make(const struct orl_records_making *making, struct orl_records *ret_records,
+                     struct orl_error *err)
 {
     const struct orl_photon_map *map = making->global;
     struct maker m = {.making = making};
-    size_t kept = 0;
     int code = ORL_ERR_NOMEM;
-    m.count = (map->header->count + PHOTONS_A_RECORD - 1) / PHOTONS_A_RECORD;
-    m.records = calloc(m.count + 1, sizeof *m.records);
-    m.made = calloc(m.count + 1, sizeof *m.made);
-    if (!m.records || !m.made) {
+    const size_t count = (map->header->count + PHOTONS_A_RECORD - 1) / PHOTONS_A_RECORD;
+    m.records.count = count;
+    m.records.photons = calloc(count + 1, sizeof *m.records.photons);
+    m.records.notes = calloc(count + 1, sizeof *m.records.notes);
+    m.made = calloc(count + 1, sizeof *m.made);
+    if (!m.records.photons || !m.records.notes || !m.made) {
         orl_error_set(err, code, "out of memory for precomputed irradiance");
         goto done;
     }
@@ -101,15 +125,12 @@ int orl_records_make(const struct orl_records_making *making, struct orl_photon 
         orl_error_set(err, code, "cancelled while precomputing irradiance");
         goto done;
     }
-    for (size_t i = 0; i < m.count; i++)
-        if (m.made[i])
-            m.records[kept++] = m.records[i];
+    keep_made(&m.records, m.made);
     *ret_records = m.records;
-    *ret_count = kept;
-    m.records = NULL;
+    m.records = (struct orl_records){0};
 done:
     free(m.made);
-    free(m.records);
+    orl_records_done(&m.records);
     return code;
 }
 
@@ -122,6 +143,7 @@ done:
 struct fit {
     double weight, x, y, xx, xy, yy;
     struct orl_rgb value, by_x, by_y;
+    struct orl_batches parts, parts_by_x, parts_by_y; /* of the values' luma */
     uint32_t joined;
 };
 
@@ -135,7 +157,8 @@ static double facing_weight(struct orl_vec3 normal, uint16_t own, uint16_t code)
     return fmin(fmax((cosine - cosine_30) / (1 - cosine_30), 0), 1);
 }
 
-static void add_to_fit(struct fit *fit, double weight, double x, double y, struct orl_rgb value)
+static void add_to_fit(struct fit *fit, double weight, double x, double y, struct orl_rgb value,
+                       const struct orl_batches *parts)
 {
     fit->weight += weight;
     fit->x += weight * x;
@@ -146,6 +169,9 @@ static void add_to_fit(struct fit *fit, double weight, double x, double y, struc
     fit->value = orl_rgb_add(fit->value, orl_rgb_scale(value, weight));
     fit->by_x = orl_rgb_add(fit->by_x, orl_rgb_scale(value, weight * x));
     fit->by_y = orl_rgb_add(fit->by_y, orl_rgb_scale(value, weight * y));
+    orl_batches_add(&fit->parts, parts, weight);
+    orl_batches_add(&fit->parts_by_x, parts, weight * x);
+    orl_batches_add(&fit->parts_by_y, parts, weight * y);
     fit->joined++;
 }
 
@@ -154,7 +180,7 @@ static void add_to_fit(struct fit *fit, double weight, double x, double y, struc
  * mean of them is too high on every slope; and beside walls all lie on one side. Where they hardly
  * tell a slope the plane is held level (the ridge).
  */
-static struct orl_rgb fit_value(const struct fit *fit)
+static struct orl_rgb fit_value(const struct fit *fit, struct orl_batches *ret_parts)
 {
     const double ridge = 0.02 * fit->weight;
     const double xx = fit->xx + ridge, yy = fit->yy + ridge;
@@ -164,8 +190,20 @@ static struct orl_rgb fit_value(const struct fit *fit)
     const double weight = fit->weight - a * fit->x - b * fit->y;
     const struct orl_rgb sum = orl_rgb_add(
         fit->value, orl_rgb_add(orl_rgb_scale(fit->by_x, -a), orl_rgb_scale(fit->by_y, -b)));
+    *ret_parts = (struct orl_batches){{0}};
+    orl_batches_add(ret_parts, &fit->parts, 1 / weight);
+    orl_batches_add(ret_parts, &fit->parts_by_x, -a / weight);
+    orl_batches_add(ret_parts, &fit->parts_by_y, -b / weight);
     return (struct orl_rgb){fmax(sum.r / weight, 0), fmax(sum.g / weight, 0),
                             fmax(sum.b / weight, 0)};
+}
+
+/* A map that came without notes tells no errors. */
+static struct orl_batches parts_of(const struct orl_photon_map *map, uint32_t index, double luma)
+{
+    const struct orl_record_note *note = orl_photon_map_note(map, index);
+    return note && map->header->note_bytes >= sizeof *note ? orl_batches_unpack(note->shares, luma)
+                                                           : (struct orl_batches){{0}};
 }
 
 static void add_record(const struct orl_photon_map *map, const struct orl_footing *footing,
@@ -185,14 +223,16 @@ static void add_record(const struct orl_photon_map *map, const struct orl_footin
         facing_weight(footing->normal, orl_normal_encode(footing->normal), record.normal);
     const struct orl_rgb value =
         orl_rgb_scale(orl_flux_unpack(map->fluxes[c->index]), map->header->flux_unit);
-    add_to_fit(fit, weight, orl_dot(way, frame->u) / radius, orl_dot(way, frame->v) / radius,
-               value);
+    const struct orl_batches parts = parts_of(map, c->index, orl_luma(value));
+    add_to_fit(fit, weight, orl_dot(way, frame->u) / radius, orl_dot(way, frame->v) / radius, value,
+               &parts);
 }
 
-bool orl_records_irradiance(const struct orl_photon_map *records, const struct orl_footing *footing,
-                            double max_radius, struct orl_search *search,
-                            struct orl_rgb *ret_irradiance)
+struct orl_density orl_records_estimate(const struct orl_photon_map *records,
+                                        const struct orl_footing *footing, double max_radius,
+                                        struct orl_search *search)
 {
+    struct orl_density density = {.found = 0};
     struct orl_density_query query = {.point = footing->point,
                                       .normal = footing->normal,
                                       .k = NEAREST + 1,
@@ -211,7 +251,9 @@ bool orl_records_irradiance(const struct orl_photon_map *records, const struct o
             break;
     }
     if (!(fit.weight > 1e-9))
-        return false;
-    *ret_irradiance = fit_value(&fit);
-    return true;
+        return density;
+    density.found = 1;
+    density.irradiance = fit_value(&fit, &density.parts);
+    density.standard_error = sqrt(orl_batches_variance(&density.parts));
+    return density;
 }

@@ -7,7 +7,8 @@
  * The estimate is that of adapt.h, from a map without photons of the light that shadow rays and the
  * caustic map count (omit.counted_light). There is one record for every 32 photons, amid a leaf
  * (site.h) and on the surface itself. Its tag says how far no wall stands about it
- * (orl_record_clear).
+ * (orl_record_clear); its note, what the batches of emission hold of it (batches.h), in 255ths of
+ * the largest of them.
  *
  * A look-up fits a plane to the nearest records of the same sheet that nothing stands in front of,
  * with weights that fall to zero, with their slope, at the distance of the first one not used: as
@@ -38,21 +39,33 @@ struct orl_records_making {
     void *ctx;
 };
 
+struct orl_record_note {
+    uint8_t shares[ORL_MAP_BATCHES];
+};
+
+struct orl_records {
+    struct orl_photon *photons;
+    struct orl_record_note *notes;
+    size_t count;
+};
+void orl_records_done(struct orl_records *records); /* also of ones that are all zero */
+
 /*
- * Makes the records, to be written with orl_photon_map_write and the global map's number emitted;
- * the caller frees them. Returns 0, ORL_ERR_CANCELLED or ORL_ERR_NOMEM.
+ * Makes the records, to be written with orl_photon_map_write and the global map's number emitted.
+ * Returns 0, ORL_ERR_CANCELLED or ORL_ERR_NOMEM.
  */
-int orl_records_make(const struct orl_records_making *making, struct orl_photon **ret_records,
-                     size_t *ret_count, struct orl_error *err);
+int orl_records_make(const struct orl_records_making *making, struct orl_records *ret_records,
+                     struct orl_error *err);
 
 /* Within this distance of a record no wall stands: from its tag. */
 double orl_record_clear(const struct orl_world *world, uint32_t tag);
 
 /*
- * Irradiance at a point of a surface; false when no record within max_radius serves it.
+ * Irradiance at a point of a surface, with its parts and standard error; found is 1, or 0 when no
+ * record within max_radius serves the point.
  */
-bool orl_records_irradiance(const struct orl_photon_map *records, const struct orl_footing *footing,
-                            double max_radius, struct orl_search *search,
-                            struct orl_rgb *ret_irradiance);
+struct orl_density orl_records_estimate(const struct orl_photon_map *records,
+                                        const struct orl_footing *footing, double max_radius,
+                                        struct orl_search *search);
 
 #endif

@@ -175,12 +175,19 @@ static void search_nearest(struct walk *walk)
     }
 }
 
-static struct orl_rgb sum_fluxes(const struct walk *walk, uint32_t count)
+/* The first photons' fluxes, in all and by batch, over an area. */
+static void spread_fluxes(const struct walk *walk, double area, struct orl_density *density)
 {
+    const double unit = walk->map->header->flux_unit / area;
     struct orl_rgb sum = orl_gray(0);
-    for (uint32_t i = 0; i < count; i++)
-        sum = orl_rgb_add(sum, orl_flux_unpack(walk->map->fluxes[walk->candidates[i].index]));
-    return orl_rgb_scale(sum, walk->map->header->flux_unit);
+    for (uint32_t i = 0; i < density->found; i++) {
+        const uint32_t index = walk->candidates[i].index;
+        const struct orl_rgb flux = orl_flux_unpack(walk->map->fluxes[index]);
+        sum = orl_rgb_add(sum, flux);
+        density->parts.luma[orl_photon_batch(walk->map, index)] += unit * orl_luma(flux);
+    }
+    density->irradiance = orl_rgb_scale(sum, unit);
+    density->standard_error = sqrt(orl_batches_variance(&density->parts));
 }
 
 /* The nearest photons of the disc, or the footprint, within max_radius. */
@@ -280,8 +287,7 @@ struct orl_density orl_density_estimate(const struct orl_photon_map *map,
         return density;
     const double area = walk.footprint ? orl_footprint_area(walk.footprint, density.radius)
                                        : ORL_PI * density.radius * density.radius;
-    density.irradiance =
-        orl_rgb_scale(sum_fluxes(&walk, density.found), 1 / fmax(area, ORL_PI * cell * cell));
+    spread_fluxes(&walk, fmax(area, ORL_PI * cell * cell), &density);
     return density;
 }
 

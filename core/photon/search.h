@@ -20,6 +20,7 @@
 
 #include <oriel/health.h>
 
+#include "photon/batches.h"
 #include "photon/footprint.h"
 #include "photon/map.h"
 
@@ -51,6 +52,10 @@ struct orl_density {
     double radius;             /* of the part of the footprint used */
     double clear;              /* no wall is nearer; no more than radius */
     uint32_t found;            /* photons in it */
+    /* Of the irradiance's luma: */
+    double standard_error; /* of the photons' scatter */
+    double bias;           /* what it is thought to be too high, for its width */
+    struct orl_batches parts;
 };
 
 struct orl_density orl_density_estimate(const struct orl_photon_map *map,

@@ -125,7 +125,8 @@ struct ask {
     uint16_t normal;
     uint32_t facing, found;
     float widest2;      /* cells: of the discs that count */
-    struct orl_rgb sum; /* flux over cells */
+    struct orl_rgb sum; /* flux over area */
+    struct orl_batches parts;
 };
 
 /* Nearer than flat2 photons lie in the footing's own plane, within rounding. */
@@ -150,6 +151,7 @@ static void add_leaf(struct ask *ask, uint32_t leaf)
     const float reach2 = ask->spread->reach2[0][leaf];
     float dx[ORL_MAP_LEAF], dy[ORL_MAP_LEAF], dz[ORL_MAP_LEAF], d2[ORL_MAP_LEAF];
     struct orl_rgb sum = orl_gray(0);
+    struct orl_batches parts = {{0}};
     uint32_t found = 0;
     for (int i = 0; i < ORL_MAP_LEAF; i++) {
         dx[i] = (float)(int32_t)(a[i] & 0xfffffU) - ask->at[0];
@@ -161,7 +163,9 @@ static void add_leaf(struct ask *ask, uint32_t leaf)
         const float chord[3] = {dx[i], dy[i], dz[i]};
         if (!(d2[i] < reach2) || !counts(ask, leaf * ORL_MAP_LEAF + i, chord, d2[i]))
             continue;
-        sum = orl_rgb_add(sum, orl_flux_unpack(map->fluxes[leaf * ORL_MAP_LEAF + i]));
+        const struct orl_rgb flux = orl_flux_unpack(map->fluxes[leaf * ORL_MAP_LEAF + i]);
+        sum = orl_rgb_add(sum, flux);
+        parts.luma[a[i] >> 20 & (ORL_MAP_BATCHES - 1)] += orl_luma(flux);
         found++;
     }
     if (found == 0)
@@ -170,7 +174,9 @@ static void add_leaf(struct ask *ask, uint32_t leaf)
     const double area = ask->footprint
                             ? orl_footprint_area(ask->footprint, sqrt((double)reach2) * cell)
                             : ORL_PI * (double)reach2 * cell * cell;
-    ask->sum = orl_rgb_add(ask->sum, orl_rgb_scale(sum, 1 / fmax(area, ORL_PI * cell * cell)));
+    const double share = map->header->flux_unit / fmax(area, ORL_PI * cell * cell);
+    ask->sum = orl_rgb_add(ask->sum, orl_rgb_scale(sum, share));
+    orl_batches_add(&ask->parts, &parts, share);
     ask->found += found;
     ask->widest2 = reach2 > ask->widest2 ? reach2 : ask->widest2;
 }
@@ -224,8 +230,10 @@ struct orl_density orl_spread_estimate(const struct orl_spread *spread,
     search->health.estimates += whole.found > 0;
     if (whole.found > 0 && whole.found < ORL_SEARCH_SPARSE && whole.found < h->count)
         search->health.sparse++;
-    return (struct orl_density){.irradiance = orl_rgb_scale(whole.sum, h->flux_unit),
+    return (struct orl_density){.irradiance = whole.sum,
                                 .radius = widest,
                                 .clear = fmin(clear, widest),
-                                .found = whole.found};
+                                .found = whole.found,
+                                .standard_error = sqrt(orl_batches_variance(&whole.parts)),
+                                .parts = whole.parts};
 }

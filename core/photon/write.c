@@ -25,6 +25,7 @@ struct writer {
     const struct orl_map_build *build;
     struct sort_item *items, *spare;
     struct orl_map_layout layout;
+    uint64_t size; /* of the file */
     struct orl_map_header header;
     char *file; /* being filled, mapped */
 };
@@ -109,6 +110,8 @@ static void pack_chunk(void *arg, size_t chunk, uint32_t member)
     uint32_t *fluxes = (void *)(w->file + w->layout.fluxes);
     uint16_t *normals = (void *)(w->file + w->layout.normals);
     uint16_t *tags = (void *)(w->file + w->layout.tags);
+    char *notes = w->file + orl_map_notes_at(&w->layout);
+    const uint32_t noted = w->build->note_bytes;
     (void)member;
     for (size_t i = chunk * CHUNK; i < chunk_end(w, chunk); i++) {
         const uint32_t index = w->items[i].index;
@@ -121,6 +124,8 @@ static void pack_chunk(void *arg, size_t chunk, uint32_t member)
         fluxes[i] = pack_flux(w, photon, index);
         normals[i] = photon->normal;
         tags[i] = photon->tag;
+        if (noted > 0)
+            memcpy(notes + i * noted, (const char *)w->build->notes + (size_t)index * noted, noted);
     }
 }
 
@@ -225,11 +230,12 @@ static void fill_header(struct writer *w)
     h->normals = w->layout.normals;
     h->tags = w->layout.tags;
     h->boxes = w->layout.boxes;
-    h->size = w->layout.size;
+    h->size = w->size;
     h->levels = w->layout.levels;
+    h->note_bytes = w->build->note_bytes;
     strncpy(h->kind, w->build->kind, sizeof h->kind - 1);
     crypto_generichash(h->body_checksum, sizeof h->body_checksum,
-                       (unsigned char *)w->file + sizeof *h, w->layout.size - sizeof *h, NULL, 0);
+                       (unsigned char *)w->file + sizeof *h, w->size - sizeof *h, NULL, 0);
     crypto_generichash(h->header_checksum, sizeof h->header_checksum, (unsigned char *)h,
                        offsetof(struct orl_map_header, header_checksum), NULL, 0);
     memcpy(w->file, h, sizeof *h);
@@ -242,12 +248,12 @@ static int create_file(struct writer *w, const char *path, int *ret_fd, struct o
     if (fd < 0)
         return orl_error_set(err, ORL_ERR_IO, "cannot create photon map '%s': %s", path,
                              strerror(errno));
-    const int why = posix_fallocate(fd, 0, (off_t)w->layout.size);
-    void *file = why == 0 ? mmap(NULL, w->layout.size, PROT_READ | PROT_WRITE, MAP_SHARED, fd, 0)
-                          : MAP_FAILED;
+    const int why = posix_fallocate(fd, 0, (off_t)w->size);
+    void *file =
+        why == 0 ? mmap(NULL, w->size, PROT_READ | PROT_WRITE, MAP_SHARED, fd, 0) : MAP_FAILED;
     if (file == MAP_FAILED) {
         const int code = orl_error_set(err, ORL_ERR_IO, "no room for a photon map of %zu bytes: %s",
-                                       (size_t)w->layout.size, strerror(why ? why : errno));
+                                       (size_t)w->size, strerror(why ? why : errno));
         close(fd);
         return code;
     }
@@ -266,6 +272,7 @@ int orl_photon_map_write(const char *path, struct orl_photon *photons, size_t co
     if (count > UINT32_MAX)
         return orl_error_set(err, ORL_ERR_LIMIT, "%zu photons do not fit one map", count);
     w.layout = orl_map_layout_of(count);
+    w.size = orl_map_size(&w.layout, count, build->note_bytes);
     w.items = malloc((count + 1) * sizeof *w.items);
     w.spare = malloc((count + 1) * sizeof *w.spare);
     if (!w.items || !w.spare) {
@@ -281,12 +288,12 @@ int orl_photon_map_write(const char *path, struct orl_photon *photons, size_t co
     orl_crew_for(crew, chunks, pack_chunk, &w);
     build_boxes(&w.layout, count, w.file);
     fill_header(&w);
-    if (msync(w.file, w.layout.size, MS_SYNC) != 0 || fsync(fd) != 0)
+    if (msync(w.file, w.size, MS_SYNC) != 0 || fsync(fd) != 0)
         code = orl_error_set(err, ORL_ERR_IO, "cannot write photon map '%s': %s", path,
                              strerror(errno));
 done:
     if (w.file)
-        munmap(w.file, w.layout.size);
+        munmap(w.file, w.size);
     if (fd >= 0)
         close(fd);
     if (code < 0 && fd >= 0)

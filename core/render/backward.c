@@ -64,5 +64,6 @@ struct orl_estimate orl_backward_irradiance(const struct orl_backward *backward,
     for (uint32_t group = 0; group < ORL_MAP_BATCHES; group++)
         square += (means[group] - orl_luma(mean)) * (means[group] - orl_luma(mean));
     const double degrees = (double)ORL_MAP_BATCHES * (ORL_MAP_BATCHES - 1);
-    return (struct orl_estimate){mean, sqrt(square / degrees)};
+    return (struct orl_estimate){
+        .value = mean, .standard_error = sqrt(square / degrees), .degrees = ORL_MAP_BATCHES - 1};
 }

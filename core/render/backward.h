@@ -40,11 +40,6 @@ int orl_backward_init(struct orl_backward *backward, const struct orl_world *wor
                       const struct orl_photon *photons, size_t count, uint64_t emitted);
 void orl_backward_done(struct orl_backward *backward); /* also of one that is all zero */
 
-struct orl_estimate {
-    struct orl_rgb value;
-    double standard_error; /* of its luma */
-};
-
 /*
  * Irradiance on a plane at a position, with unit normal, both in moved coordinates. index names the
  * random numbers. Counts into health.

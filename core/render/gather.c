@@ -128,7 +128,7 @@ struct orl_density orl_gather_caustic(const struct orl_gather *gather,
 struct orl_density orl_gather_rest(const struct orl_gather *gather,
                                    const struct orl_footing *footing, struct orl_search *search)
 {
-    struct orl_density density = {.found = 0};
+    const struct orl_density density = {.found = 0};
     if (gather->rest == ORL_REST_DENSITY && gather->maps[ORL_MAP_GLOBAL]) {
         const struct orl_density_query query = {.point = footing->point,
                                                 .normal = footing->normal,
@@ -138,44 +138,83 @@ struct orl_density orl_gather_rest(const struct orl_gather *gather,
         return orl_adapt_estimate(gather->maps[ORL_MAP_GLOBAL], &query, search);
     }
     if (gather->rest == ORL_REST_RECORDS && gather->maps[ORL_MAP_PRECOMPUTED])
-        density.found = orl_records_irradiance(gather->maps[ORL_MAP_PRECOMPUTED], footing,
-                                               gather->max_radius[ORL_MAP_PRECOMPUTED], search,
-                                               &density.irradiance);
+        return orl_records_estimate(gather->maps[ORL_MAP_PRECOMPUTED], footing,
+                                    gather->max_radius[ORL_MAP_PRECOMPUTED], search);
     return density;
+}
+
+double orl_tally_variance(const struct orl_tally *tally)
+{
+    double variance = 0;
+    for (int kind = 0; kind < ORL_MAP_KINDS; kind++)
+        variance += orl_batches_variance(&tally->parts[kind]);
+    return variance;
 }
 
 /* A diffuse surface that a ray met, lit by shadow rays and caustic photons. */
 static struct orl_rgb lit_again(const struct orl_gather *gather, const struct orl_hit *hit,
                                 const struct orl_footing *footing, struct orl_random *random,
-                                struct orl_search *search)
+                                struct orl_search *search, struct orl_tally *tally)
 {
     const struct orl_vec3 lit = footing->normal;
     const struct orl_direct_query query = {.point =
                                                orl_hit_leave(gather->world->geometry, hit, lit),
                                            .normal = lit,
                                            .through_ports = true};
-    return orl_rgb_add(
-        orl_direct_light(gather->world, &query, random),
-        caustic_density(gather, footing, NEIGHBOURS_CAUSTIC_RELIT, search).irradiance);
+    const struct orl_density caustic =
+        caustic_density(gather, footing, NEIGHBOURS_CAUSTIC_RELIT, search);
+    tally->parts[ORL_MAP_CAUSTIC] = caustic.parts;
+    return orl_rgb_add(orl_direct_light(gather->world, &query, random), caustic.irradiance);
 }
 
-/* What a diffuse surface sends back, but for the glossy part: from a map, or lit again when near.
+/*
+ * The irradiance that a ray finds where it meets a diffuse surface: from a map, or lit again when
+ * near. The tally takes its parts.
  */
-static struct orl_rgb diffuse_radiance(const struct orl_gather *gather, const struct orl_hit *hit,
-                                       const struct orl_material *material, bool near,
-                                       struct orl_random *random, struct orl_search *search)
+static struct orl_rgb met_irradiance(const struct orl_gather *gather, const struct orl_hit *hit,
+                                     bool near, struct orl_random *random,
+                                     struct orl_search *search, struct orl_tally *tally)
 {
     const struct orl_vec3 lit = hit->front ? hit->normal : orl_neg(hit->normal);
     const struct orl_footing footing = {gather->world, hit->point, lit, hit->facet};
     struct orl_rgb irradiance = orl_gray(0);
     if (near || gather->rest != ORL_REST_GATHERED)
-        irradiance = lit_again(gather, hit, &footing, random, search);
-    if (gather->rest == ORL_REST_RECORDS)
-        irradiance = orl_rgb_add(irradiance, orl_gather_rest(gather, &footing, search).irradiance);
-    else if (gather->leaves && !near)
-        irradiance = orl_rgb_add(
-            irradiance, orl_leaves_irradiance(gather->leaves, hit->point, lit, &footing, search));
-    return orl_rgb_scale(orl_rgb_mul(irradiance, orl_material_diffuse(material)), 1 / ORL_PI);
+        irradiance = lit_again(gather, hit, &footing, random, search, tally);
+    if (gather->rest == ORL_REST_RECORDS) {
+        const struct orl_density rest = orl_gather_rest(gather, &footing, search);
+        tally->parts[ORL_MAP_PRECOMPUTED] = rest.parts;
+        irradiance = orl_rgb_add(irradiance, rest.irradiance);
+    } else if (gather->leaves && !near) {
+        irradiance =
+            orl_rgb_add(irradiance, orl_leaves_irradiance(gather->leaves, hit->point, lit, &footing,
+                                                          search, &tally->parts[ORL_MAP_GLOBAL]));
+    }
+    return irradiance;
+}
+
+/* What the surface sends back of it along the ray; photons are of no colour of their own. */
+static struct orl_rgb send_back(const struct orl_gather_ray *ray, struct orl_rgb weight,
+                                struct orl_rgb irradiance, const struct orl_tally *met)
+{
+    const struct orl_rgb sent = orl_rgb_mul(weight, irradiance);
+    const double luma = orl_luma(irradiance);
+    for (int kind = 0; kind < ORL_MAP_KINDS && ray->tally && luma > 0; kind++)
+        orl_batches_add(&ray->tally->parts[kind], &met->parts[kind],
+                        ray->share * orl_luma(sent) / luma);
+    return sent;
+}
+
+/* The diffuse part of what a ray of that weight sees of a surface, but for the glossy one. */
+static struct orl_rgb diffuse_radiance(const struct orl_gather *gather,
+                                       const struct orl_gather_ray *ray, const struct orl_hit *hit,
+                                       struct orl_rgb weight, bool near, struct orl_random *random,
+                                       struct orl_search *search)
+{
+    struct orl_tally met = {{{{0}}}};
+    const struct orl_rgb diffuse = orl_material_diffuse(orl_world_material(gather->world, hit));
+    const struct orl_rgb irradiance = met_irradiance(gather, hit, near, random, search, &met);
+    return send_back(ray, orl_rgb_scale(orl_rgb_mul(weight, diffuse), 1 / ORL_PI), irradiance,
+                     &met);
 }
 
 /*
@@ -232,8 +271,8 @@ static struct orl_rgb trace_gather(const struct orl_gather *gather,
         sum = orl_rgb_add(sum, orl_rgb_mul(weight, shining_radiance(world, &hit, eye, caustics,
                                                                     lamps_sampled, random)));
         if (diffuse)
-            sum = orl_rgb_add(
-                sum, orl_rgb_mul(weight, diffuse_radiance(gather, &hit, m, near, random, search)));
+            sum =
+                orl_rgb_add(sum, diffuse_radiance(gather, ray, &hit, weight, near, random, search));
         const enum orl_lobes lobes = diffuse && near ? ORL_LOBE_ALL : but_diffuse;
         const struct orl_scatter s =
             bounce == 0 && ray->first
@@ -349,6 +388,20 @@ static void add_gradients(struct orl_hemisphere *h, const struct orl_frame *fram
     }
 }
 
+/* Of the mean of the rays, one a stratum: half the squared difference of neighbours is a variance.
+ */
+static double variance_of_mean(const struct strand *strands, uint32_t rows, uint32_t columns)
+{
+    double square = 0;
+    for (uint32_t i = 0; i < rows * columns; i++) {
+        const uint32_t row = i / columns, beside = row * columns + (i + 1) % columns;
+        const double difference =
+            orl_luma(strands[i].radiance) - orl_luma(strands[beside].radiance);
+        square += difference * difference / 2;
+    }
+    return square / ((double)rows * columns * rows * columns);
+}
+
 struct orl_hemisphere orl_gather_hemisphere(const struct orl_gather *gather,
                                             const struct orl_place *place, uint32_t rows,
                                             uint32_t columns, struct orl_random *random,
@@ -357,6 +410,7 @@ struct orl_hemisphere orl_gather_hemisphere(const struct orl_gather *gather,
     const struct orl_frame frame = orl_frame_about(place->normal);
     const uint32_t channels = gather->world->omit.channels;
     struct orl_hemisphere h = {.irradiance = {0, 0, 0}};
+    struct orl_tally tally = {{{{0}}}};
     double nearness = 0;
     h.least_distance = INFINITY;
     struct strand *strands = malloc(sizeof *strands * rows * columns);
@@ -366,8 +420,11 @@ struct orl_hemisphere orl_gather_hemisphere(const struct orl_gather *gather,
         const double phi = 2 * ORL_PI * (column + orl_random_uniform(random)) / columns;
         const struct orl_vec3 direction = orl_to_world(
             &frame, orl_v3(sine * cos(phi), sine * sin(phi), sqrt(fmax(0, 1 - sine * sine))));
-        const struct orl_gather_ray ray = {
-            .origin = place->point, .direction = direction, .outside = place->outside};
+        const struct orl_gather_ray ray = {.origin = place->point,
+                                           .direction = direction,
+                                           .outside = place->outside,
+                                           .tally = &tally,
+                                           .share = ORL_PI / ((double)rows * columns)};
         double distance = INFINITY;
         const struct orl_rgb radiance = orl_health_keep(
             &search->health, place->proxied
@@ -390,6 +447,9 @@ struct orl_hemisphere orl_gather_hemisphere(const struct orl_gather *gather,
         h.by_rotation[c] = h.by_rotation[0];
         h.by_translation[c] = h.by_translation[0];
     }
+    h.standard_error =
+        sqrt(orl_tally_variance(&tally) +
+             (strands ? ORL_PI * ORL_PI * variance_of_mean(strands, rows, columns) : 0));
     free(strands);
     return h;
 }

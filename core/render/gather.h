@@ -28,6 +28,7 @@
 #include "light/exterior.h"
 #include "photon/leaves.h"
 #include "photon/shoot.h"
+#include "render/estimate.h"
 
 enum orl_rest { ORL_REST_GATHERED, ORL_REST_DENSITY, ORL_REST_RECORDS };
 
@@ -63,6 +64,12 @@ struct orl_place {
     bool proxied; /* on a surface that a BSDF stands for: lit as views see it; then outside too */
 };
 
+/* What the batches of emission hold of a sum, map by map: maps are independent of each other. */
+struct orl_tally {
+    struct orl_batches parts[ORL_MAP_KINDS];
+};
+double orl_tally_variance(const struct orl_tally *tally);
+
 /* A ray that gathers. */
 struct orl_gather_ray {
     struct orl_vec3 origin, direction;
@@ -73,6 +80,8 @@ struct orl_gather_ray {
      * of many rays through a pane even shares are mirrored and sent on; NULL for random ones.
      */
     const double *first;
+    struct orl_tally *tally; /* NULL, or what the radiance's parts are added to */
+    double share;            /* of the radiance in it */
 };
 
 /* Radiance along it: lights and suns not seen straight. */
@@ -100,12 +109,15 @@ struct orl_density orl_gather_rest(const struct orl_gather *gather,
 /*
  * The gathered part at a place, by a stratified cosine-weighted hemisphere of rows x columns rays,
  * with its gradients, the harmonic mean of the rays' lengths (Ward and Heckbert 1992) and the
- * least.
+ * least. The standard error, of its luma, is the photons' and the rays' together: of these each is
+ * compared with the next in its row, as if both were drawn from both strata (which errs on the high
+ * side).
  */
 struct orl_hemisphere {
     struct orl_rgb irradiance;
     struct orl_vec3 by_rotation[3], by_translation[3]; /* per channel */
     double mean_distance, least_distance;
+    double standard_error;
 };
 struct orl_hemisphere orl_gather_hemisphere(const struct orl_gather *gather,
                                             const struct orl_place *place, uint32_t rows,
@@ -120,13 +132,14 @@ struct orl_rgb orl_gather_direct(const struct orl_gather *gather, const struct o
                                  uint32_t sequence, uint32_t first, uint32_t rays);
 
 /*
- * Illuminance, in lux, of a sensor: all three parts. A sensor on a surface reads caustics by
+ * Irradiance of a sensor: all three parts. A sensor on a surface reads caustics by
  * density. In mid-air, where no photon lands, it takes the sun by points on the BSDF panes and by
  * the sun's images in flat mirrors; caustics of lamps, of curved mirrors and of dielectrics are
- * left out there.
+ * left out there. The standard error is that of the photons, by their batches, and of the rays, by
+ * 16 groups of them; that of the densities' bias estimates is not in it.
  */
-double orl_gather_sensor(const struct orl_gather *gather, struct orl_vec3 position,
-                         struct orl_vec3 direction, uint32_t samples, uint64_t index,
-                         struct orl_search *search);
+struct orl_estimate orl_gather_sensor(const struct orl_gather *gather, struct orl_vec3 position,
+                                      struct orl_vec3 direction, uint32_t samples, uint64_t index,
+                                      struct orl_search *search);
 
 #endif

@@ -1,7 +1,9 @@
 #include "render/gather.h"
 #include "scene/hemisphere.h"
 
-enum { PANE_POINTS = 1024, SUN_RAYS = 128, GRAZING_SUN_RAYS = 2048 };
+/* Rays and points fall into groups, each with sequences of its own: their spread tells the error.
+ */
+enum { GROUPS = 16, PANE_POINTS = 64, SUN_RAYS = 16, GRAZING_SUN_RAYS = 128 }; /* of a group */
 static const double grazing_discs = 2; /* a sun within so many radii of the sensor's plane */
 
 /*
@@ -47,7 +49,7 @@ static struct orl_rgb light_by_pane(const struct orl_gather *gather, uint32_t fa
 }
 
 static struct orl_rgb caustics_in_air(const struct orl_gather *gather,
-                                      const struct orl_place *place, uint64_t index)
+                                      const struct orl_place *place, uint64_t name)
 {
     const struct orl_world *world = gather->world;
     struct orl_rgb sum = orl_gray(0);
@@ -59,7 +61,7 @@ static struct orl_rgb caustics_in_air(const struct orl_gather *gather,
         for (size_t s = 0; s < world->n_suns; s++)
             sum =
                 orl_rgb_add(sum, light_by_pane(gather, (uint32_t)f, &world->suns[s], place,
-                                               (uint32_t)orl_mix64(gather->seed + index * 31 + f)));
+                                               (uint32_t)orl_mix64(gather->seed + name * 31 + f)));
     }
     return sum;
 }
@@ -82,22 +84,25 @@ static bool lies_on_surface(const struct orl_gather *gather, const struct orl_pl
     return true;
 }
 
-/* The hemisphere by scrambled Sobol points, up to what a ray's first surface does with it: a sensor
- * needs no gradients. */
+/* A group's share of the hemisphere by scrambled Sobol points, up to what a ray's first surface
+ * does with it: a sensor needs no gradients. */
 static struct orl_rgb gather_evenly(const struct orl_gather *gather, const struct orl_place *place,
-                                    uint32_t samples, uint64_t index, struct orl_search *search)
+                                    uint32_t samples, uint64_t name, struct orl_search *search,
+                                    struct orl_tally *tally)
 {
     struct orl_rgb sum = orl_gray(0);
     for (uint32_t i = 0; i < samples; i++) {
         struct orl_random random =
-            orl_random_stream(gather->seed, ORL_PURPOSE_SENSOR, (index << 24) + i + 1);
+            orl_random_stream(gather->seed, ORL_PURPOSE_SENSOR, (name << 24) + i + 1);
         double u[5];
-        orl_sobol_point(&gather->sobol, i, (uint32_t)orl_mix64(gather->seed ^ (index + 1)), 5, u);
+        orl_sobol_point(&gather->sobol, i, (uint32_t)orl_mix64(gather->seed ^ (name + 1)), 5, u);
         const struct orl_gather_ray ray = {.origin = place->point,
                                            .direction =
                                                orl_hemisphere_about(place->normal, u[0], u[1]),
                                            .outside = place->outside,
-                                           .first = u + 2};
+                                           .first = u + 2,
+                                           .tally = tally,
+                                           .share = ORL_PI / samples / GROUPS};
         sum = orl_rgb_add(sum, orl_gather_radiance(gather, &ray, &random, search));
     }
     return orl_rgb_scale(sum, ORL_PI / samples);
@@ -116,33 +121,98 @@ static uint32_t sun_rays(const struct orl_gather *gather, struct orl_vec3 normal
     return SUN_RAYS;
 }
 
-double orl_gather_sensor(const struct orl_gather *gather, struct orl_vec3 position,
-                         struct orl_vec3 direction, uint32_t samples, uint64_t index,
-                         struct orl_search *search)
+/* What is sampled at a place, by the groups' rays: all but densities. */
+struct sampling {
+    const struct orl_gather *gather;
+    struct orl_place place;
+    bool by_panes, by_hemisphere;
+    uint32_t sun_rays, samples; /* of a group */
+    uint64_t index;
+};
+
+static struct orl_rgb sample_group(const struct sampling *s, uint32_t group,
+                                   struct orl_search *search, struct orl_tally *tally)
+{
+    const uint64_t name = s->index * GROUPS + group;
+    const uint32_t sequence = (uint32_t)orl_mix64(s->gather->seed * 3 + name);
+    struct orl_health *health = &search->health;
+    struct orl_rgb sum =
+        orl_health_keep(health, orl_gather_direct(s->gather, &s->place, sequence, 0, s->sun_rays));
+    if (s->by_panes)
+        sum =
+            orl_rgb_add(sum, orl_health_keep(health, caustics_in_air(s->gather, &s->place, name)));
+    return s->by_hemisphere ? orl_rgb_add(sum, gather_evenly(s->gather, &s->place, s->samples, name,
+                                                             search, tally))
+                            : sum;
+}
+
+/* The groups' mean. */
+static struct orl_estimate sample(const struct sampling *s, struct orl_search *search,
+                                  struct orl_tally *tally)
+{
+    struct orl_rgb mean = orl_gray(0);
+    struct orl_batches groups;
+    for (uint32_t group = 0; group < GROUPS; group++) {
+        const struct orl_rgb value =
+            orl_rgb_scale(sample_group(s, group, search, tally), 1.0 / GROUPS);
+        groups.luma[group] = orl_luma(value);
+        mean = orl_rgb_add(mean, value);
+    }
+    return (struct orl_estimate){.value = mean,
+                                 .standard_error = sqrt(orl_batches_variance(&groups)),
+                                 .degrees = GROUPS - 1};
+}
+
+/* What one map has to do with a sensor: density at it, if any, and what rays saw. */
+static struct orl_estimate estimate_by_map(const struct orl_density *density,
+                                           const struct orl_batches *seen,
+                                           struct orl_health *health)
+{
+    struct orl_batches parts = *seen;
+    orl_batches_add(&parts, &density->parts, 1);
+    return (struct orl_estimate){.value = orl_health_keep(health, density->irradiance),
+                                 .standard_error = sqrt(orl_batches_variance(&parts)),
+                                 .degrees = ORL_MAP_BATCHES - 1,
+                                 .bias = density->bias};
+}
+
+struct orl_estimate orl_gather_sensor(const struct orl_gather *gather, struct orl_vec3 position,
+                                      struct orl_vec3 direction, uint32_t samples, uint64_t index,
+                                      struct orl_search *search)
 {
     /* A sensor written down as lying on a surface is to look away from it, not at it. */
     const double clear = gather->world->geometry->radius * 0x1p-18;
-    struct orl_place place = {.point = orl_madd(position, direction, clear), .normal = direction};
-    const uint32_t sequence = (uint32_t)orl_mix64(gather->seed * 3 + index);
+    const uint32_t each = samples / GROUPS > 0 ? samples / GROUPS : 1;
+    struct sampling sampling = {
+        .gather = gather,
+        .place = {.point = orl_madd(position, direction, clear), .normal = direction},
+        .sun_rays = sun_rays(gather, direction),
+        .samples = each,
+        .index = index};
+    struct orl_place *place = &sampling.place;
     struct orl_footing footing;
-    struct orl_density rest = {.found = 0};
-    place.outside = orl_world_is_outside(gather->world, place.point);
-    const bool on_surface = lies_on_surface(gather, &place, &footing);
+    const struct orl_density none = {.found = 0};
+    struct orl_density rest = none, caustic = none;
+    const int kind_of_rest =
+        gather->rest == ORL_REST_RECORDS ? ORL_MAP_PRECOMPUTED : ORL_MAP_GLOBAL;
+    struct orl_tally tally = {{{{0}}}};
+    place->outside = orl_world_is_outside(gather->world, place->point);
+    const bool on_surface = lies_on_surface(gather, place, &footing);
     /* Without a caustic map caustics were not asked for: then there are none anywhere. */
     const bool caustics = gather->maps[ORL_MAP_CAUSTIC] != NULL;
-    place.in_air = caustics && !on_surface;
-    struct orl_health *health = &search->health;
-    struct orl_rgb sum = orl_health_keep(
-        health, orl_gather_direct(gather, &place, sequence, 0, sun_rays(gather, direction)));
-    if (on_surface) {
-        sum = orl_rgb_add(
-            sum, orl_health_keep(health, orl_gather_caustic(gather, &footing, search).irradiance));
-        if (!place.outside)
-            rest = orl_gather_rest(gather, &footing, search);
-    } else if (place.in_air && !gather->world->omit.lobe_caustics) {
-        sum = orl_rgb_add(sum, orl_health_keep(health, caustics_in_air(gather, &place, index)));
+    place->in_air = caustics && !on_surface;
+    if (on_surface)
+        caustic = orl_gather_caustic(gather, &footing, search);
+    if (on_surface && !place->outside)
+        rest = orl_gather_rest(gather, &footing, search);
+    sampling.by_panes = place->in_air && !gather->world->omit.lobe_caustics;
+    sampling.by_hemisphere = rest.found == 0;
+    struct orl_estimate sum = sample(&sampling, search, &tally);
+    for (int kind = 0; kind < ORL_MAP_KINDS; kind++) {
+        const struct orl_density *there = kind == ORL_MAP_CAUSTIC ? &caustic
+                                          : kind == kind_of_rest  ? &rest
+                                                                  : &none;
+        sum = orl_estimate_add(sum, estimate_by_map(there, &tally.parts[kind], &search->health));
     }
-    sum = orl_rgb_add(sum, rest.found > 0 ? orl_health_keep(health, rest.irradiance)
-                                          : gather_evenly(gather, &place, samples, index, search));
-    return ORL_EFFICACY_LM_PER_W * orl_luma(sum);
+    return sum;
 }

@@ -58,8 +58,7 @@ static void compute_sensor(void *ctx, size_t index, uint32_t member)
     const struct orl_estimate e = orl_backward_irradiance(
         &work->backward, orl_sub(sensor->position, state->world->geometry->center),
         orl_normalize(sensor->direction), samples, index, &state->searches[member].health);
-    state->result->illuminance_lx[index] = ORL_EFFICACY_LM_PER_W * orl_luma(e.value);
-    state->result->standard_error_lx[index] = ORL_EFFICACY_LM_PER_W * e.standard_error;
+    orl_run_book_sensor(state, index, &e);
 }
 
 static int render_view(void *ctx, const struct orl_painting *painting, struct orl_error *err)
@@ -74,7 +73,7 @@ int orl_run_backward(struct orl_run_state *state, struct orl_error *err)
 {
     struct work work = {.state = state};
     const struct orl_renderer renderer = {
-        .ctx = &work, .knows_errors = true, .sensor = compute_sensor, .view = render_view};
+        .ctx = &work, .sensor = compute_sensor, .view = render_view};
     orl_run_enter(state, ORL_STAGE_PHOTONS);
     int code = prepare(&work, err);
     if (code == 0)

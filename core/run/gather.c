@@ -11,13 +11,14 @@ struct work {
 static void compute_sensor(void *ctx, size_t index, uint32_t member)
 {
     const struct work *work = ctx;
-    const struct orl_run_state *state = work->state;
+    struct orl_run_state *state = work->state;
     const struct orl_sensor *sensor = &state->sensors[index];
     const uint32_t samples =
         state->job->gather_samples ? state->job->gather_samples : ORL_DEFAULT_GATHER_SAMPLES;
-    state->result->illuminance_lx[index] = orl_gather_sensor(
+    const struct orl_estimate e = orl_gather_sensor(
         &work->gather, orl_sub(sensor->position, state->world->geometry->center),
         orl_normalize(sensor->direction), samples, index, &state->searches[member]);
+    orl_run_book_sensor(state, index, &e);
 }
 
 static int render_view(void *ctx, const struct orl_painting *painting, struct orl_error *err)

@@ -10,7 +10,7 @@
 static const char recipe[] = "oriel photons 7";
 
 /* And what precomputed irradiance does beyond its global map. */
-static const char records_recipe[] = "oriel records 4";
+static const char records_recipe[] = "oriel records 5";
 
 /* Of precomputed irradiance: from the key of the global map it is made from. */
 static void derive_key(const char global[ORL_DIGEST_HEX + 1], char ret_key[ORL_DIGEST_HEX + 1])
@@ -162,6 +162,7 @@ struct harvest {
     size_t count;
     uint64_t emitted;
     double seconds;
+    const struct orl_record_note *notes; /* of records */
 };
 
 /* Writes one map, hands it to the store and opens it. */
@@ -169,8 +170,12 @@ static int keep(struct orl_run_state *state, enum orl_map_kind kind, struct map_
                 const struct harvest *harvest, struct orl_error *err)
 {
     const struct orl_run_env *env = state->env;
-    const struct orl_map_build build = {
-        .kind = orl_map_kind_name(kind), .emitted = harvest->emitted, .seed = state->job->seed};
+    const struct orl_map_build build = {.kind = orl_map_kind_name(kind),
+                                        .emitted = harvest->emitted,
+                                        .seed = state->job->seed,
+                                        .notes = harvest->notes,
+                                        .note_bytes =
+                                            harvest->notes ? (uint32_t)sizeof *harvest->notes : 0};
     const double started = env->now_s(env->ctx);
     int code =
         orl_photon_map_write(work->path, harvest->photons, harvest->count, &build, env->crew, err);
@@ -189,7 +194,7 @@ static int keep(struct orl_run_state *state, enum orl_map_kind kind, struct map_
 static int keep_shot(struct orl_run_state *state, enum orl_map_kind kind, struct map_work *work,
                      const struct orl_shot *shot, double seconds, struct orl_error *err)
 {
-    const struct harvest harvest = {shot->photons, shot->count, shot->emitted, seconds};
+    const struct harvest harvest = {shot->photons, shot->count, shot->emitted, seconds, NULL};
     if (shot->count > 0 && shot->count < shot->target)
         orl_run_warn(state, "only %zu of the %llu %s photons asked for were found, of %llu emitted",
                      shot->count, (unsigned long long)shot->target, orl_map_kind_name(kind),
@@ -211,11 +216,15 @@ static int precompute(struct orl_run_state *state, struct map_work *work, struct
                                               .ctx = state};
     const double started = env->now_s(env->ctx);
     struct harvest harvest = {.emitted = orl_photon_map_header(making.global)->emitted};
-    int code = orl_records_make(&making, &harvest.photons, &harvest.count, err);
+    struct orl_records records = {0};
+    int code = orl_records_make(&making, &records, err);
+    harvest.photons = records.photons;
+    harvest.notes = records.notes;
+    harvest.count = records.count;
     harvest.seconds = env->now_s(env->ctx) - started;
     if (code == 0)
         code = keep(state, ORL_MAP_PRECOMPUTED, work, &harvest, err);
-    free(harvest.photons);
+    orl_records_done(&records);
     return code;
 }
 

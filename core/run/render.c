@@ -18,6 +18,20 @@ static void compute_sensor(void *arg, size_t index, uint32_t member)
         rendering->renderer->sensor(rendering->renderer->ctx, rendering->first + index, member);
 }
 
+void orl_run_book_sensor(const struct orl_run_state *state, size_t index,
+                         const struct orl_estimate *estimate)
+{
+    static const double lux = ORL_EFFICACY_LM_PER_W;
+    struct orl_result *result = state->result;
+    const double value = lux * orl_luma(estimate->value);
+    const double half = lux * orl_estimate_half_width(estimate);
+    result->illuminance_lx[index] = value;
+    result->standard_error_lx[index] = lux * estimate->standard_error;
+    result->bias_estimate_lx[index] = lux * estimate->bias;
+    result->interval_95_lx[index][0] = fmax(value - half, 0);
+    result->interval_95_lx[index][1] = value + half;
+}
+
 /* Rounds of some sensors, so that progress and cancelling are heard in between. */
 static int render_sensors(struct rendering *rendering, double share, struct orl_error *err)
 {
@@ -28,10 +42,11 @@ static int render_sensors(struct rendering *rendering, double share, struct orl_
     if (n == 0)
         return 0;
     result->illuminance_lx = calloc(n, sizeof(double));
-    if (rendering->renderer->knows_errors)
-        result->standard_error_lx = calloc(n, sizeof(double));
-    if (!result->illuminance_lx ||
-        (rendering->renderer->knows_errors && !result->standard_error_lx))
+    result->standard_error_lx = calloc(n, sizeof(double));
+    result->bias_estimate_lx = calloc(n, sizeof(double));
+    result->interval_95_lx = calloc(n, sizeof *result->interval_95_lx);
+    if (!result->illuminance_lx || !result->standard_error_lx || !result->bias_estimate_lx ||
+        !result->interval_95_lx)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for %zu sensors", n);
     result->n_sensors = n;
     for (rendering->first = 0; rendering->first < n; rendering->first += ROUND) {

@@ -61,11 +61,14 @@ void orl_run_release_maps(struct orl_run_state *state);
 /* A technique at work: what the render stage asks of it. */
 struct orl_renderer {
     void *ctx;
-    bool knows_errors; /* of sensors: fills result->standard_error_lx */
-    /* Fills the result's sensor; called by any member of the crew. */
+    /* Computes a sensor and books it; called by any member of the crew. */
     void (*sensor)(void *ctx, size_t index, uint32_t member);
     int (*view)(void *ctx, const struct orl_painting *painting, struct orl_error *err);
 };
+
+/* Into the result: the sensor's value and errors, in lux. */
+void orl_run_book_sensor(const struct orl_run_state *state, size_t index,
+                         const struct orl_estimate *estimate);
 
 /* Render stage: sensors and views, into the result and the output folder. */
 int orl_run_render(struct orl_run_state *state, const struct orl_renderer *renderer,

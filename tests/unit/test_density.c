@@ -200,7 +200,7 @@ static void test_few_photons(void **state)
         }
         struct orl_leaves *leaves = orl_leaves_new(map, NULL, 64, reach);
         assert_non_null(leaves);
-        const struct orl_rgb e = orl_leaves_irradiance(leaves, zero, z_axis, NULL, search);
+        const struct orl_rgb e = orl_leaves_irradiance(leaves, zero, z_axis, NULL, search, NULL);
         assert_true(orl_rgb_is_finite(e) && e.r >= 0);
         orl_leaves_free(leaves);
         orl_photon_map_free(map);
@@ -294,7 +294,7 @@ static void check_no_leak(struct orl_vec3 corner, struct orl_vec3 a, struct orl_
     assert_true(d.irradiance.r == 0);
     struct orl_leaves *leaves = orl_leaves_new(map, NULL, 64, 0.14);
     assert_non_null(leaves);
-    assert_true(orl_leaves_irradiance(leaves, point, normal, NULL, search).r == 0);
+    assert_true(orl_leaves_irradiance(leaves, point, normal, NULL, search, NULL).r == 0);
     orl_leaves_free(leaves);
     orl_photon_map_free(map);
 }
@@ -350,13 +350,14 @@ static void test_leaves_agree(void **state)
     for (int i = 0; i < QUERIES; i++) {
         const double u = 0.05 + 0.9 * orl_random_uniform(&random);
         const struct orl_vec3 at = orl_v3(u, 0.05 + 0.9 * orl_random_uniform(&random), 0);
-        sum += orl_leaves_irradiance(leaves, at, z_axis, NULL, search).r / COUNT / QUERIES;
+        sum += orl_leaves_irradiance(leaves, at, z_axis, NULL, search, NULL).r / COUNT / QUERIES;
         plain += ask(map, at, z_axis, 64, 0.1).irradiance.r / COUNT / QUERIES;
     }
     print_message("leaves %.4f, plain estimates %.4f\n", sum, plain);
     assert_true(fabs(plain - 1) < 0.0068);
     assert_true(fabs(sum - 1) < 0.0068 + 0.005);
-    assert_true(orl_leaves_irradiance(leaves, orl_v3(0.5, 0.5, 0), down, NULL, search).r == 0);
+    assert_true(orl_leaves_irradiance(leaves, orl_v3(0.5, 0.5, 0), down, NULL, search, NULL).r ==
+                0);
     orl_leaves_free(leaves);
     orl_photon_map_free(map);
 }
@@ -375,7 +376,7 @@ static void look(void *arg, size_t index, uint32_t member)
     struct orl_random random = orl_random_stream(8, ORL_PURPOSE_BENCH, i);
     const double u = orl_random_uniform(&random), v = orl_random_uniform(&random);
     l->values[i] =
-        orl_leaves_irradiance(l->leaves, orl_v3(u, v, 0), z_axis, NULL, &l->searches[member]);
+        orl_leaves_irradiance(l->leaves, orl_v3(u, v, 0), z_axis, NULL, &l->searches[member], NULL);
 }
 
 /* Asked in another order, and by several threads at once, every answer is the same bits. */

@@ -94,18 +94,27 @@ static void test_plan(void **state)
     json_decref(plan);
 }
 
-/* Standard errors appear where they are known; a warning in Latin-1 does not lose the result. */
-static void test_standard_errors_and_odd_warnings(void **state)
+/* Errors appear where they are known; a warning in Latin-1 does not lose the result. */
+static void test_errors_and_odd_warnings(void **state)
 {
     (void)state;
-    static double errors[3] = {0.5, 0, 0.25};
+    static double errors[3] = {0.5, 0, 0.25}, biases[3] = {-0.25, 0, 0};
+    static double intervals[3][2] = {{1, 3}, {0, 0}, {0, INFINITY}};
     static char *warnings[1] = {"stra\xdf\x65 has no area"};
     struct orl_result result = example();
     result.standard_error_lx = errors;
+    result.bias_estimate_lx = biases;
+    result.interval_95_lx = intervals;
     result.warnings = warnings;
     json_t *doc = orl_result_to_json(&result, "succeeded");
     const json_t *first = json_array_get(json_object_get(doc, "sensors"), 0);
     assert_true(json_real_value(json_object_get(first, "standard_error_lx")) == 0.5);
+    assert_true(json_real_value(json_object_get(first, "bias_estimate_lx")) == -0.25);
+    const json_t *interval = json_object_get(first, "interval_95_lx");
+    assert_int_equal(json_array_size(interval), 2);
+    assert_true(json_real_value(json_array_get(interval, 1)) == 3);
+    const json_t *last = json_array_get(json_object_get(doc, "sensors"), 2);
+    assert_true(json_is_null(json_array_get(json_object_get(last, "interval_95_lx"), 1)));
     assert_string_equal(json_string_value(json_array_get(json_object_get(doc, "warnings"), 0)),
                         "stra?e has no area");
     json_decref(doc);
@@ -173,7 +182,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_members),
         cmocka_unit_test(test_plan),
-        cmocka_unit_test(test_standard_errors_and_odd_warnings),
+        cmocka_unit_test(test_errors_and_odd_warnings),
         cmocka_unit_test(test_empty_result),
         cmocka_unit_test(test_scene_summary),
         cmocka_unit_test(test_bsdf_info),

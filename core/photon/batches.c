@@ -1,0 +1,23 @@
+#include "photon/batches.h"
+
+#include <math.h>
+
+void orl_batches_pack(const struct orl_batches *batches, uint8_t ret_shares[ORL_MAP_BATCHES])
+{
+    double most = 0;
+    for (int i = 0; i < ORL_MAP_BATCHES; i++)
+        most = fmax(most, batches->luma[i]);
+    for (int i = 0; i < ORL_MAP_BATCHES; i++)
+        ret_shares[i] = most > 0 ? (uint8_t)lround(255 * fmax(batches->luma[i], 0) / most) : 0;
+}
+
+struct orl_batches orl_batches_unpack(const uint8_t shares[ORL_MAP_BATCHES], double luma)
+{
+    struct orl_batches batches = {{0}};
+    uint32_t sum = 0;
+    for (int i = 0; i < ORL_MAP_BATCHES; i++)
+        sum += shares[i];
+    for (int i = 0; i < ORL_MAP_BATCHES && sum > 0; i++)
+        batches.luma[i] = shares[i] * (luma / sum);
+    return batches;
+}
