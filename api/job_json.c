@@ -216,9 +216,7 @@ static int decode_settings(const json_t *doc, struct orl_job *job, struct orl_er
 {
     const json_t *seed = json_object_get(doc, "seed");
     const json_t *samples = json_object_get(doc, "gather_samples");
-    int rc = decode_only(doc, "kind", "render", false, err);
-    if (rc == 0)
-        rc = decode_technique(json_object_get(doc, "technique"), job, err);
+    int rc = decode_technique(json_object_get(doc, "technique"), job, err);
     if (rc == 0 && seed)
         rc = orl_json_whole(seed, "seed", 0, INT64_MAX, &job->seed, err);
     const json_t *pixel_samples = json_object_get(doc, "pixel_samples");
@@ -243,7 +241,9 @@ int orl_job_from_json(const json_t *doc, enum orl_job_origin origin, struct orl_
     struct orl_job job;
     char *id = NULL;
     orl_job_init(&job);
-    int rc = orl_json_object(doc, "", allowed, err);
+    int rc = json_is_object(doc) ? decode_only(doc, "kind", "render", false, err) : 0;
+    if (rc == 0)
+        rc = orl_json_object(doc, "", allowed, err);
     const json_t *scene = json_object_get(doc, "scene");
     if (rc == 0 && !scene)
         rc = orl_json_fail(err, ORL_ERR_INVALID, "scene", "the job names no scene");

@@ -27,13 +27,14 @@ static json_t *job_part(const json_t *doc)
     return job;
 }
 
-static int decode_job(const json_t *doc, struct orl_job *ret_job, struct orl_error *err)
+static int decode_job(const json_t *doc, enum orl_job_origin origin, struct orl_job *ret_job,
+                      char **ret_scene_id, struct orl_error *err)
 {
     json_t *part = job_part(doc);
     struct orl_job job;
     if (!part)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-    const int rc = orl_job_from_json(part, ORL_JOB_LOCAL, &job, NULL, err);
+    const int rc = orl_job_from_json(part, origin, &job, ret_scene_id, err);
     json_decref(part);
     if (rc)
         return rc;
@@ -219,17 +220,18 @@ static int decode_kind(const json_t *doc, struct orl_error *err)
     return orl_json_fail(err, ORL_ERR_INVALID, "kind", "a study says \"kind\": \"study\"");
 }
 
-static int decode(const json_t *doc, struct orl_study_request *request, struct orl_error *err)
+static int decode(const json_t *doc, enum orl_job_origin origin, struct orl_study_request *request,
+                  char **ret_scene_id, struct orl_error *err)
 {
     static const char *const allowed[] = {
         "kind",          "title",   "note",      "scene",      "sky",     "effects",
         "seed",          "sensors", "views",     "techniques", "photons", "gather_samples",
         "pixel_samples", "repeats", "reference", "points",     NULL};
-    int rc = orl_json_object(doc, "", allowed, err);
+    int rc = json_is_object(doc) ? decode_kind(doc, err) : 0;
     if (rc == 0)
-        rc = decode_kind(doc, err);
+        rc = orl_json_object(doc, "", allowed, err);
     if (rc == 0)
-        rc = decode_job(doc, &request->job, err);
+        rc = decode_job(doc, origin, &request->job, ret_scene_id, err);
     if (rc == 0)
         rc = decode_techniques(json_object_get(doc, "techniques"), request, err);
     if (rc == 0)
@@ -248,17 +250,22 @@ static int decode(const json_t *doc, struct orl_study_request *request, struct o
     return rc;
 }
 
-int orl_study_from_json(const json_t *doc, struct orl_study_request *ret_request,
+int orl_study_from_json(const json_t *doc, enum orl_job_origin origin,
+                        struct orl_study_request *ret_request, char **ret_scene_id,
                         struct orl_error *err)
 {
     struct orl_study_request request;
+    char *scene_id = NULL;
     orl_study_request_init(&request);
-    const int rc = decode(doc, &request, err);
+    const int rc = decode(doc, origin, &request, &scene_id, err);
     if (rc) {
         orl_study_request_done(&request);
+        free(scene_id);
         return rc;
     }
     *ret_request = request;
+    if (ret_scene_id)
+        *ret_scene_id = scene_id;
     return 0;
 }
 
@@ -281,6 +288,25 @@ static json_t *seconds_to_json(const struct orl_study_point *p)
 static json_t *count_or_null(uint64_t count)
 {
     return count ? json_integer((json_int_t)count) : json_null();
+}
+
+json_t *orl_study_setting_to_json(const struct orl_study_setting *setting)
+{
+    return json_pack("{s:s, s:o, s:o}", "technique", orl_technique_name(setting->technique),
+                     "photons", count_or_null(setting->photons), "samples",
+                     count_or_null(setting->samples));
+}
+
+json_t *orl_study_point_in_short(const struct orl_study_point *p)
+{
+    json_t *point = orl_study_setting_to_json(&p->setting);
+    if (point && (json_object_set_new(point, "total_s", json_real(p->total_s)) ||
+                  json_object_set_new(point, "rms", orl_json_from_real(p->rms)) ||
+                  json_object_set_new(point, "rms_error", orl_json_from_real(p->rms_error)))) {
+        json_decref(point);
+        return NULL;
+    }
+    return point;
 }
 
 static json_t *point_to_json(const struct orl_study_point *p)

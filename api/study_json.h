@@ -2,7 +2,7 @@
  * A study document (JSON) -> struct orl_study_request, and struct orl_study -> study.json.
  *
  *     {"kind": "study", "title": "The office", "note": "Where ... was measured" (both optional),
- *      "scene": {"files": [...]}, "sky", "effects", "seed": as in a job (job_json.h),
+ *      "scene", "sky", "effects", "seed": as in a job (job_json.h),
  *      "sensors" or "views": as in a job, one of the two,
  *      "techniques": ["backward", "gather", "direct", "precomputed"],
  *      "photons": [250000, 1000000] (of each kind; for techniques of photon maps),
@@ -32,12 +32,21 @@
 #include <oriel/error.h>
 #include <oriel/study.h>
 
+#include "job_json.h"
+
 /*
- * Decodes doc, of a user of the command line. What is checked is each value by itself: the rest is
- * orl_study_request_validate's.
+ * Decodes doc; origin and ret_scene_id as in orl_job_from_json. What is checked is each value by
+ * itself: the rest is orl_study_request_validate's.
  */
-int orl_study_from_json(const json_t *doc, struct orl_study_request *ret_request,
+int orl_study_from_json(const json_t *doc, enum orl_job_origin origin,
+                        struct orl_study_request *ret_request, char **ret_scene_id,
                         struct orl_error *err);
+
+/* The setting as "technique", "photons" and "samples" (null: not heeded), in a new reference. */
+json_t *orl_study_setting_to_json(const struct orl_study_setting *setting);
+
+/* In short, for progress: the setting, "total_s", "rms" and "rms_error". */
+json_t *orl_study_point_in_short(const struct orl_study_point *point);
 
 /* A new reference, the caller's; NULL when out of memory. request: what it was asked by. */
 json_t *orl_study_to_json(const struct orl_study *study, const struct orl_study_request *request);

@@ -1,4 +1,4 @@
-/* oriel fetch ID -o DIR: result.json and the images it names. */
+/* oriel fetch ID -o DIR: result.json and the other files of a job or study. */
 #include "command.h"
 
 #include <stdio.h>
@@ -10,20 +10,20 @@
 #include "json_get.h"
 #include "report.h"
 
+static const char result_name[] = "result.json";
+
 /* A name from the network becomes a path of ours: it must stay inside the folder. */
 static bool is_plain_name(const char *name)
 {
     return *name && *name != '.' && !strchr(name, '/');
 }
 
-static int fetch_image(struct orl_http *http, const char *id, const char *name, const char *folder,
-                       struct orl_error *err)
+static int fetch_file(struct orl_http *http, const char *id, const char *name, const char *folder,
+                      struct orl_error *err)
 {
     char escaped[1024], rest[1100], path[2048], file[4096];
     int rc;
 
-    if (!*name)
-        return 0; /* a view may lack one of the two formats */
     if (!is_plain_name(name))
         return orl_error_set(err, ORL_ERR_INVALID,
                              "the daemon names a file \"%.100s\", which "
@@ -43,35 +43,47 @@ static int fetch_image(struct orl_http *http, const char *id, const char *name, 
     return rc;
 }
 
-static int fetch_all(struct orl_http *http, const char *id, const char *folder,
-                     struct orl_error *err)
+static int fetch_result(struct orl_http *http, const char *id, const char *folder,
+                        struct orl_error *err)
 {
     char path[1024], file[4096];
-    json_t *result = NULL;
-    const json_t *view;
-    size_t i;
     int rc = orl_job_path(id, "/result", path, sizeof path, err);
 
     if (rc == 0)
-        rc = orl_http_call(http, "GET", path, &result, err);
-    if (rc)
-        return rc;
-    json_array_foreach(json_object_get(result, "views"), i, view)
-    {
-        rc = fetch_image(http, id, orl_json_text(view, "hdr"), folder, err);
-        if (rc == 0)
-            rc = fetch_image(http, id, orl_json_text(view, "png"), folder, err);
-        if (rc)
-            goto done;
-    }
-    /* Last: who finds result.json finds the images it names. */
-    rc = orl_join_path(folder, "result.json", file, sizeof file, err);
+        rc = orl_join_path(folder, result_name, file, sizeof file, err);
     if (rc == 0)
         rc = orl_http_download(http, path, file, err);
     if (rc == 0)
         printf("%s\n", file);
-done:
-    json_decref(result);
+    return rc;
+}
+
+/* The job's document lists its files; without any, asking for the result tells why. */
+static int fetch_all(struct orl_http *http, const char *id, const char *folder,
+                     struct orl_error *err)
+{
+    char path[1024];
+    json_t *job = NULL;
+    const json_t *entry;
+    size_t i;
+    int rc = orl_job_path(id, "", path, sizeof path, err);
+
+    if (rc == 0)
+        rc = orl_http_call(http, "GET", path, &job, err);
+    if (rc)
+        return rc;
+    json_array_foreach(json_object_get(job, "files"), i, entry)
+    {
+        const char *name = orl_json_text(entry, "name");
+
+        rc = strcmp(name, result_name) != 0 ? fetch_file(http, id, name, folder, err) : 0;
+        if (rc)
+            break;
+    }
+    /* Last: who finds result.json finds the files that belong to it. */
+    if (rc == 0)
+        rc = fetch_result(http, id, folder, err);
+    json_decref(job);
     return rc;
 }
 

@@ -37,7 +37,7 @@ static int decode(const struct orl_job_file *file, struct orl_study_request *ret
                   struct orl_error *err)
 {
     struct orl_study_request request;
-    int rc = orl_study_from_json(file->doc, &request, err);
+    int rc = orl_study_from_json(file->doc, ORL_JOB_LOCAL, &request, NULL, err);
 
     if (rc == 0) {
         rc = orl_study_request_validate(&request, err);

@@ -1,4 +1,6 @@
-/* oriel submit JOB.json: uploads what the document names, posts the job, prints its id. */
+/*
+ * oriel submit JOB.json: uploads what the document names, posts the job or study, prints its id.
+ */
 #include "command.h"
 
 #include <stdio.h>
@@ -10,31 +12,37 @@
 #include "job_file.h"
 #include "json_get.h"
 #include "report.h"
+#include "task_json.h"
 
 /* Uploads "scene": {"files": [...]} and puts the id in its place; an id stays as it is. */
 static int send_scene(struct orl_http *http, struct orl_job_file *file, struct orl_error *err)
 {
     struct orl_bundle bundle = {0};
-    struct orl_job job = {0};
+    struct orl_task task = {0};
+    const struct orl_job *job;
     char *id = NULL;
     int rc;
 
     if (!json_is_object(json_object_get(file->doc, "scene")))
         return 0;
-    /* Decoding it as `oriel run` would finds mistakes before anything is sent. */
-    rc = orl_job_file_decode(file, &job, err);
-    if (rc == 0)
-        rc = orl_bundle_collect(file->folder, (const char *const *)job.scene_files,
-                                job.n_scene_files, &bundle, err);
-    if (rc == 0 && job.sky.weather_file)
-        rc = orl_bundle_add(&bundle, file->folder, job.sky.weather_file, err);
+    /* Decoding it as `oriel run` or `oriel study` would finds mistakes before anything is sent. */
+    rc = orl_task_from_json(file->doc, ORL_JOB_LOCAL, &task, NULL, err);
+    if (rc) {
+        orl_error_at(err, file->path, 0, NULL);
+        return rc;
+    }
+    job = orl_task_job(&task);
+    rc = orl_bundle_collect(file->folder, (const char *const *)job->scene_files, job->n_scene_files,
+                            &bundle, err);
+    if (rc == 0 && job->sky.weather_file)
+        rc = orl_bundle_add(&bundle, file->folder, job->sky.weather_file, err);
     if (rc == 0)
         rc = orl_bundle_upload(&bundle, http, &id, err);
     if (rc == 0 && json_object_set_new(file->doc, "scene", json_string(id)) != 0)
         rc = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     free(id);
     orl_bundle_done(&bundle);
-    orl_job_done(&job);
+    orl_task_done(&task);
     return rc;
 }
 

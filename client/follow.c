@@ -9,6 +9,7 @@
 #include "json_get.h"
 #include "progress.h"
 #include "report.h"
+#include "study_table.h"
 
 /* How long a daemon that stopped answering is waited for: it may be restarting. */
 #define PATIENCE_S 60.0
@@ -71,6 +72,19 @@ static void note_maps(struct orl_progress *progress, const json_t *job, size_t *
     }
 }
 
+/* Says once what each point of a study came to. */
+static void note_points(struct orl_progress *progress, const json_t *job, size_t *noted)
+{
+    const json_t *points = json_object_get(json_object_get(job, "study"), "points");
+
+    for (; *noted < json_array_size(points); ++*noted) {
+        char text[160];
+
+        orl_format_study_point(json_array_get(points, *noted), text, sizeof text);
+        orl_progress_note(progress, "%s", text);
+    }
+}
+
 static void note_timings(json_t *job)
 {
     json_t *timings = json_object_get(job, "timings_s"), *value;
@@ -109,6 +123,8 @@ static void show(struct orl_progress *progress, const json_t *job)
 {
     const char *state = orl_json_text(job, "state"), *stage = orl_json_text(job, "stage");
 
+    if (!*stage)
+        stage = orl_json_text(json_object_get(job, "study"), "running");
     if (strcmp(state, "queued") == 0)
         stage = "queued";
     orl_progress_show(progress, *stage ? stage : state, orl_json_number(job, "percent", 0) / 100,
@@ -128,7 +144,7 @@ int orl_follow_job(struct orl_http *http, const char *id)
     struct orl_error err = {0};
     char path[1024];
     bool technique_noted = false;
-    size_t noted = 0;
+    size_t noted = 0, points_noted = 0;
     double silent_since_s = -1, wait_s = 0.1;
     int rc = orl_job_path(id, "", path, sizeof path, &err);
 
@@ -142,6 +158,7 @@ int orl_follow_job(struct orl_http *http, const char *id)
             silent_since_s = -1;
             note_technique(&progress, job, &technique_noted);
             note_maps(&progress, job, &noted);
+            note_points(&progress, job, &points_noted);
             if (has_ended(job)) {
                 orl_progress_end(&progress);
                 code = conclude(job, id);

@@ -11,6 +11,7 @@
 #include "plan_table.h"
 #include "progress.h"
 #include "result_json.h"
+#include "study_json.h"
 #include "study_table.h"
 
 /* The one variable outside a function: a signal handler has no other way to say anything. */
@@ -117,17 +118,21 @@ int orl_local_plan(const struct orl_job *job, const char *folder, uint32_t threa
     return rc;
 }
 
-static void on_study_progress(void *ctx, const char *what, double fraction)
+static void on_study_progress(void *ctx, const struct orl_study_step *step)
 {
-    orl_progress_show(ctx, what, fraction, -1);
+    orl_progress_show(ctx, orl_study_step_name(step), step->fraction, -1);
 }
 
 static void on_study_point(void *ctx, const struct orl_study_point *point)
 {
+    json_t *json = orl_study_point_in_short(point);
     char text[160];
 
-    orl_format_study_point(point, text, sizeof text);
-    orl_progress_note(ctx, "%s", text);
+    if (json) {
+        orl_format_study_point(json, text, sizeof text);
+        orl_progress_note(ctx, "%s", text);
+    }
+    json_decref(json);
 }
 
 int orl_local_study(const struct orl_study_request *request, const char *folder, const char *output,

@@ -24,7 +24,7 @@ static const struct orl_command commands[] = {
      "study.svg and study.png in DIR. Times are of one thread unless --threads says more.",
      orl_cmd_study},
     {"submit", "JOB.json [--server URL] [--wait]",
-     "Send a job, and the files it needs, to a daemon",
+     "Send a job or a study, and the files it needs, to a daemon",
      "Uploads the scene's files and everything they refer to, then prints the job's id.",
      orl_cmd_submit},
     {"status", "[ID] [--server URL]", "Show one job, or the latest ones", NULL, orl_cmd_status},
@@ -32,7 +32,10 @@ static const struct orl_command commands[] = {
      "Ends with 0 when the job succeeded, 1 when it failed or was cancelled. A daemon that\n"
      "restarts in between is waited for.",
      orl_cmd_wait},
-    {"fetch", "ID -o DIR [--server URL]", "Download a finished job's results", NULL, orl_cmd_fetch},
+    {"fetch", "ID -o DIR [--server URL]", "Download a finished job's results",
+     "result.json and the files that belong to it: a job's images; a study's study.csv, study.svg\n"
+     "and study.png.",
+     orl_cmd_fetch},
     {"cancel", "ID [--server URL]", "Stop a job", NULL, orl_cmd_cancel},
     {"maps", "[--server URL]", "List the photon maps a daemon holds, and what they saved", NULL,
      orl_cmd_maps},

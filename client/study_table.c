@@ -2,6 +2,7 @@
 
 #include <math.h>
 
+#include "json_get.h"
 #include "progress.h"
 
 static void format_setting(uint64_t photons, uint32_t samples, char ret_photons[32],
@@ -100,11 +101,12 @@ void orl_study_print(FILE *to, const struct orl_study *study)
         print_fit(to, &study->fits[i]);
 }
 
-void orl_format_study_point(const struct orl_study_point *point, char *ret_text, size_t size)
+void orl_format_study_point(const json_t *point, char *ret_text, size_t size)
 {
     char photons[32], samples[32];
-    format_setting(point->setting.photons, point->setting.samples, photons, samples);
+    format_setting((uint64_t)orl_json_number(point, "photons", 0),
+                   (uint32_t)orl_json_number(point, "samples", 0), photons, samples);
     snprintf(ret_text, size, "%s, %s photons, %s samples: %.2f s, rms %.2f %%",
-             orl_technique_name(point->setting.technique), photons, samples, point->total_s,
-             100 * point->rms);
+             orl_json_text(point, "technique"), photons, samples,
+             orl_json_number(point, "total_s", NAN), 100 * orl_json_number(point, "rms", NAN));
 }

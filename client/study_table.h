@@ -5,11 +5,13 @@
 #include <stddef.h>
 #include <stdio.h>
 
+#include <jansson.h>
+
 #include <oriel/study.h>
 
 void orl_study_print(FILE *to, const struct orl_study *study);
 
-/* "gather, 1.0 M photons, 256 samples: 1.2 s, rms 2.31 %". */
-void orl_format_study_point(const struct orl_study_point *point, char *ret_text, size_t size);
+/* A point in short (study_json.h): "gather, 1.0 M photons, 256 samples: 1.2 s, rms 2.31 %". */
+void orl_format_study_point(const json_t *point, char *ret_text, size_t size);
 
 #endif

@@ -15,7 +15,7 @@
 
 /* A job on its way in. */
 struct job_post {
-    struct orl_job job;
+    struct orl_task task;
     char *scene;
     char document[ORL_SHA_HEX];
     int rc;
@@ -25,7 +25,7 @@ struct job_post {
 static void job_post_free(void *state)
 {
     struct job_post *post = state;
-    orl_job_done(&post->job);
+    orl_task_done(&post->task);
     free(post->scene);
     free(post);
 }
@@ -39,7 +39,7 @@ static void read_document(struct orl_request *request)
     post->rc = orl_body_view(&request->body, &request->server->folders, &body, &post->err);
     if (post->rc)
         return;
-    post->rc = orl_job_read(body.data, body.size, &post->job, &post->scene, &post->err);
+    post->rc = orl_job_read(body.data, body.size, &post->task, &post->scene, &post->err);
     if (post->rc == 0)
         orl_sha256_hex(body.data, body.size, post->document);
 }
@@ -88,8 +88,8 @@ static void submit(struct orl_request *request)
     if (post->rc == 0 && refuse_when_full(request))
         return;
     if (post->rc == 0)
-        post->rc =
-            orl_jobs_submit(request->server->jobs, post->scene, post->document, &job, &post->err);
+        post->rc = orl_jobs_submit(request->server->jobs, post->task.kind, post->scene,
+                                   post->document, &job, &post->err);
     if (post->rc)
         orl_reply_error(request, &post->err);
     else
@@ -112,6 +112,7 @@ static int check_file(const struct orl_bundle *bundle, const char *name, const c
 /* What the document refers to must be here. */
 static int check_references(struct orl_server *server, struct job_post *post)
 {
+    const struct orl_job *job = orl_task_job(&post->task);
     struct orl_bundle bundle = {0};
     int rc = orl_scene_files(&server->db, &server->folders, post->scene, &bundle, &post->err);
     if (rc == 0 && bundle.count == 0) {
@@ -120,10 +121,10 @@ static int check_references(struct orl_server *server, struct job_post *post)
         orl_error_hint(&post->err, "Upload it with POST /v1/scenes first");
     }
     if (rc == 0)
-        rc = check_file(&bundle, post->job.sensors_file, "sensors.file",
+        rc = check_file(&bundle, job->sensors_file, "sensors.file",
                         "Upload it as a resource, or give the sensors as an array", &post->err);
     if (rc == 0)
-        rc = check_file(&bundle, post->job.sky.weather_file, "sky.weather.file",
+        rc = check_file(&bundle, job->sky.weather_file, "sky.weather.file",
                         "Upload it with the scene as a resource", &post->err);
     orl_bundle_done(&bundle);
     return rc;

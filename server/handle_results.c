@@ -13,13 +13,17 @@
 
 static const char *type_of(const char *name)
 {
+    static const struct {
+        const char *ending, *type;
+    } types[] = {{".json", "application/json"},
+                 {".png", "image/png"},
+                 {".hdr", "image/vnd.radiance"},
+                 {".csv", "text/csv"},
+                 {".svg", "image/svg+xml"}};
     const char *dot = strrchr(name, '.');
-    if (dot && strcmp(dot, ".json") == 0)
-        return "application/json";
-    if (dot && strcmp(dot, ".png") == 0)
-        return "image/png";
-    if (dot && strcmp(dot, ".hdr") == 0)
-        return "image/vnd.radiance";
+    for (size_t i = 0; dot && i < sizeof types / sizeof *types; i++)
+        if (strcmp(dot, types[i].ending) == 0)
+            return types[i].type;
     return "application/octet-stream";
 }
 

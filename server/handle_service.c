@@ -70,6 +70,8 @@ void orl_handle_limits(struct orl_request *request)
         {"image_pixels", ORL_LIMIT_IMAGE_PIXELS},
         {"photons", ORL_LIMIT_PHOTONS},
         {"job_bytes", ORL_LIMIT_JOB_BYTES},
+        {"study_runs", ORL_SERVER_STUDY_RUNS},
+        {"study_list", ORL_LIMIT_STUDY_LIST},
         {"queued_jobs", ORL_SERVER_QUEUE},
         {"connections", ORL_SERVER_CONNECTIONS},
     };

@@ -7,29 +7,38 @@
 #include <sys/stat.h>
 
 #include "decode.h"
-#include "job_json.h"
+#include "limits.h"
 #include "result_json.h"
+#include "study_json.h"
 
-int orl_job_read(const char *text, size_t size, struct orl_job *ret_job, char **ret_scene_id,
+/* What the daemon takes of studies is less than what the command does. */
+static int check_runs(const struct orl_task *task, struct orl_error *err)
+{
+    if (task->kind != ORL_TASK_STUDY)
+        return 0;
+    return orl_study_check_runs(&task->of.study, ORL_SERVER_STUDY_RUNS, err);
+}
+
+int orl_job_read(const char *text, size_t size, struct orl_task *ret_task, char **ret_scene_id,
                  struct orl_error *err)
 {
     json_t *doc = NULL;
-    struct orl_job job;
+    struct orl_task task;
     char *scene = NULL;
     int rc = orl_json_parse(NULL, text, size, &doc, err);
     if (rc)
         return rc;
-    rc = orl_job_from_json(doc, ORL_JOB_REMOTE, &job, &scene, err);
+    rc = orl_task_from_json(doc, ORL_JOB_REMOTE, &task, &scene, err);
     json_decref(doc);
     if (rc)
         return rc;
-    rc = orl_job_validate(&job, err);
+    rc = check_runs(&task, err);
     if (rc) {
-        orl_job_done(&job);
+        orl_task_done(&task);
         free(scene);
         return rc;
     }
-    *ret_job = job;
+    *ret_task = task;
     if (ret_scene_id)
         *ret_scene_id = scene;
     else
@@ -85,10 +94,20 @@ static int write_result(json_t *result, const char *folder, struct orl_error *er
     return rc;
 }
 
+/* The summary as text; takes it, NULL included, which is an error. */
+static int dump_summary(json_t *summary, char **ret_summary, struct orl_error *err)
+{
+    char *text = summary ? json_dumps(summary, JSON_COMPACT) : NULL;
+    json_decref(summary);
+    if (!text)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    *ret_summary = text;
+    return 0;
+}
+
 int orl_job_output_write(const struct orl_result *result, const char *folder, char **ret_summary,
                          struct orl_error *err)
 {
-    char *text = NULL;
     json_t *doc = orl_result_to_json(result, "succeeded");
     json_t *files = json_array();
     int rc = write_result(doc, folder, err);
@@ -99,21 +118,46 @@ int orl_job_output_write(const struct orl_result *result, const char *folder, ch
         if (rc == 0)
             rc = add_file(files, folder, result->views[i].png, err);
     }
-    json_t *summary = NULL;
     if (rc == 0)
-        summary = json_pack("{s:s, s:O, s:O, s:O, s:O}", "technique",
-                            orl_technique_name(result->plan.technique), "threads",
-                            json_object_get(doc, "threads"), "timings_s",
-                            json_object_get(doc, "timings_s"), "maps", json_object_get(doc, "maps"),
-                            "files", files);
-    if (rc == 0)
-        text = summary ? json_dumps(summary, JSON_COMPACT) : NULL;
-    if (rc == 0 && !text)
-        rc = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-    json_decref(summary);
+        rc = dump_summary(json_pack("{s:s, s:O, s:O, s:O, s:O}", "technique",
+                                    orl_technique_name(result->plan.technique), "threads",
+                                    json_object_get(doc, "threads"), "timings_s",
+                                    json_object_get(doc, "timings_s"), "maps",
+                                    json_object_get(doc, "maps"), "files", files),
+                          ret_summary, err);
     json_decref(files);
     json_decref(doc);
+    return rc;
+}
+
+int orl_study_output_write(const struct orl_study *study, const struct orl_study_request *request,
+                           const char *folder, char **ret_summary, struct orl_error *err)
+{
+    static int (*const draw[])(const struct orl_study *, const char *, const char *,
+                               struct orl_error *) = {orl_study_write_svg, orl_study_write_png};
+    static const char *const drawn[] = {"study.svg", "study.png"};
+    char path[ORL_PATH_MAX];
+    json_t *doc = orl_study_to_json(study, request);
+    json_t *files = json_array();
+    int rc = write_result(doc, folder, err);
     if (rc == 0)
-        *ret_summary = text;
+        rc = add_file(files, folder, "result.json", err);
+    snprintf(path, sizeof path, "%s/study.csv", folder);
+    if (rc == 0)
+        rc = orl_study_write_csv(study, path, err);
+    if (rc == 0)
+        rc = add_file(files, folder, "study.csv", err);
+    for (size_t i = 0; i < 2 && rc == 0; i++) {
+        snprintf(path, sizeof path, "%s/%s", folder, drawn[i]);
+        rc = draw[i](study, request->title, path, err);
+        if (rc == 0)
+            rc = add_file(files, folder, drawn[i], err);
+    }
+    if (rc == 0)
+        rc = dump_summary(
+            json_pack("{s:O, s:O}", "threads", json_object_get(doc, "threads"), "files", files),
+            ret_summary, err);
+    json_decref(files);
+    json_decref(doc);
     return rc;
 }

@@ -4,6 +4,7 @@
 #include <stdio.h>
 
 #include "result_json.h"
+#include "study_json.h"
 #include "times.h"
 
 static json_t *time_or_null(int64_t ms)
@@ -24,22 +25,49 @@ static json_t *eta(const struct orl_jobs_job *job, double fraction)
     return json_real(round(10 * elapsed * (1 - fraction) / fraction) / 10);
 }
 
+static int add_render(json_t *doc, const struct orl_progress *progress)
+{
+    json_t *maps = json_array();
+    int rc = maps ? 0 : -1;
+    for (size_t i = 0; i < progress->n_maps && rc == 0; i++)
+        rc = json_array_append_new(maps, orl_map_info_to_json(&progress->maps[i]));
+    rc |= json_object_set_new(doc, "stage", json_string(orl_stage_name(progress->stage)));
+    rc |= json_object_set_new(doc, "stage_percent", json_real(100 * progress->stage_fraction));
+    if (progress->technique != ORL_TECHNIQUE_AUTO)
+        rc |= json_object_set_new(doc, "technique",
+                                  json_string(orl_technique_name(progress->technique)));
+    rc |= json_object_set_new(doc, "maps", maps);
+    return rc;
+}
+
+/* What is being run, and the points so far. */
+static int add_study(json_t *doc, const struct orl_progress *progress)
+{
+    const struct orl_study_step *step = &progress->step;
+    json_t *study = orl_study_setting_to_json(&step->setting), *points = json_array();
+    int rc = points ? 0 : -1;
+    for (size_t i = 0; i < progress->n_points && rc == 0; i++)
+        rc = json_array_append_new(points, orl_study_point_in_short(&progress->points[i]));
+    rc |= json_object_set_new(study, "running", json_string(orl_study_step_name(step)));
+    rc |= json_object_set_new(study, "run", json_integer(step->run));
+    rc |= json_object_set_new(study, "runs", json_integer(step->runs));
+    rc |= json_object_set_new(study, "settings", json_integer((json_int_t)progress->n_settings));
+    rc |= json_object_set_new(study, "points", points);
+    rc |= json_object_set_new(doc, "study", study);
+    return rc;
+}
+
 static int add_running(json_t *doc, const struct orl_jobs_job *job)
 {
     struct orl_progress progress;
+    int rc = 0;
     orl_worker_progress(job->worker, &progress);
-    json_t *maps = json_array();
-    int rc = maps ? 0 : -1;
-    for (size_t i = 0; i < progress.n_maps && rc == 0; i++)
-        rc = json_array_append_new(maps, orl_map_info_to_json(&progress.maps[i]));
-    rc |= json_object_set_new(doc, "stage", json_string(orl_stage_name(progress.stage)));
-    rc |= json_object_set_new(doc, "stage_percent", json_real(100 * progress.stage_fraction));
+    if (job->row.kind == ORL_TASK_RENDER)
+        rc = add_render(doc, &progress);
+    else if (progress.step.runs > 0)
+        rc = add_study(doc, &progress);
     rc |= json_object_set_new(doc, "percent", json_real(100 * progress.job_fraction));
-    if (progress.technique != ORL_TECHNIQUE_AUTO)
-        rc |= json_object_set_new(doc, "technique",
-                                  json_string(orl_technique_name(progress.technique)));
     rc |= json_object_set_new(doc, "eta_s", eta(job, progress.job_fraction));
-    rc |= json_object_set_new(doc, "maps", maps);
     rc |= json_object_set_new(doc, "cancelling", json_boolean(job->cancelled));
     return rc;
 }
@@ -76,11 +104,12 @@ json_t *orl_job_status(const struct orl_jobs *jobs, const struct orl_jobs_job *j
     char self[80], cancel[96];
     snprintf(self, sizeof self, "/v1/jobs/%s", row->id);
     snprintf(cancel, sizeof cancel, "/v1/jobs/%s/cancel", row->id);
-    json_t *doc = json_pack("{s:s, s:s, s:s, s:i, s:o, s:o, s:o, s:{s:s}}", "id", row->id, "state",
-                            orl_job_state_name(row->state), "scene", row->scene, "attempts",
-                            row->attempts, "created", time_or_null(row->created_ms), "started",
-                            time_or_null(row->started_ms), "finished",
-                            time_or_null(row->finished_ms), "links", "self", self);
+    json_t *doc =
+        json_pack("{s:s, s:s, s:s, s:s, s:i, s:o, s:o, s:o, s:{s:s}}", "id", row->id, "kind",
+                  orl_task_kind_name(row->kind), "state", orl_job_state_name(row->state), "scene",
+                  row->scene, "attempts", row->attempts, "created", time_or_null(row->created_ms),
+                  "started", time_or_null(row->started_ms), "finished",
+                  time_or_null(row->finished_ms), "links", "self", self);
     if (!doc)
         return NULL;
     json_t *links = json_object_get(doc, "links");

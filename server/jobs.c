@@ -196,8 +196,9 @@ static void start_next(struct orl_jobs *jobs)
     }
 }
 
-int orl_jobs_submit(struct orl_jobs *jobs, const char *scene, const char *document,
-                    const struct orl_jobs_job **ret_job, struct orl_error *err)
+int orl_jobs_submit(struct orl_jobs *jobs, enum orl_task_kind kind, const char *scene,
+                    const char *document, const struct orl_jobs_job **ret_job,
+                    struct orl_error *err)
 {
     unsigned char bytes[(ORL_JOB_ID - 1) / 2];
     struct orl_jobs_job *job = calloc(1, sizeof *job);
@@ -207,6 +208,7 @@ int orl_jobs_submit(struct orl_jobs *jobs, const char *scene, const char *docume
     sodium_bin2hex(job->row.id, sizeof job->row.id, bytes, sizeof bytes);
     snprintf(job->row.scene, sizeof job->row.scene, "%s", scene);
     snprintf(job->row.document, sizeof job->row.document, "%s", document);
+    job->row.kind = kind;
     job->row.state = ORL_JOB_QUEUED;
     job->row.created_ms = orl_time_now_ms();
     const int rc = orl_job_row_insert(jobs->env.db, &job->row, &job->row.seq, err);

@@ -61,8 +61,9 @@ void orl_jobs_stop(struct orl_jobs *jobs);
 /* Is there room in the queue? */
 bool orl_jobs_full(const struct orl_jobs *jobs);
 /* Queues a job whose document is a blob. *ret_job belongs to jobs. */
-int orl_jobs_submit(struct orl_jobs *jobs, const char *scene, const char *document,
-                    const struct orl_jobs_job **ret_job, struct orl_error *err);
+int orl_jobs_submit(struct orl_jobs *jobs, enum orl_task_kind kind, const char *scene,
+                    const char *document, const struct orl_jobs_job **ret_job,
+                    struct orl_error *err);
 /* For good. Queued: cancelled at once. Running: soon. Finished: ORL_ERR_INVALID unless cancelled.
  */
 int orl_jobs_cancel(struct orl_jobs *jobs, const char *id, struct orl_error *err);

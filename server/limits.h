@@ -13,11 +13,12 @@
 #define ORL_SERVER_DROPPED_BODY (512UL << 20)    /* of a refused request, read to answer it */
 #define ORL_SERVER_CONNECTIONS 256U              /* open at once */
 #define ORL_SERVER_CONNECTION_MEMORY (64U << 10) /* headers and read buffer of one */
-#define ORL_SERVER_TIMEOUT_S 60U /* of silence, before a connection is closed (default) */
-#define ORL_SERVER_QUEUE 1024U   /* jobs waiting */
-#define ORL_SERVER_LIST 1000U    /* jobs in one listing */
-#define ORL_SERVER_THREADS 512U  /* render threads */
-#define ORL_SERVER_IO_THREADS 4U /* pool threads beside them, for uploads and files */
-#define ORL_SERVER_ATTEMPTS 3    /* starts of one job before it counts as a killer */
+#define ORL_SERVER_TIMEOUT_S 60U   /* of silence, before a connection is closed (default) */
+#define ORL_SERVER_QUEUE 1024U     /* jobs waiting */
+#define ORL_SERVER_LIST 1000U      /* jobs in one listing */
+#define ORL_SERVER_STUDY_RUNS 500U /* runs of one study, the reference's included */
+#define ORL_SERVER_THREADS 512U    /* render threads */
+#define ORL_SERVER_IO_THREADS 4U   /* pool threads beside them, for uploads and files */
+#define ORL_SERVER_ATTEMPTS 3      /* starts of one job before it counts as a killer */
 
 #endif

@@ -30,9 +30,12 @@ struct orl_worker {
     struct orl_worker_outcome outcome; /* the lead's, then the loop's once all are back */
     atomic_bool cancel;
     atomic_int stage, stage_ppm, job_ppm, technique;
-    pthread_mutex_t maps_mutex;
+    pthread_mutex_t news_mutex;
     struct orl_map_info maps[ORL_RESULT_MAPS];
     size_t n_maps;
+    struct orl_study_step step;
+    struct orl_study_point *points; /* room for n_settings; those below n_points never change */
+    size_t n_settings, n_points;
 };
 
 static double now_s(void *ctx)
@@ -63,41 +66,56 @@ static void on_plan_ready(void *ctx, const struct orl_plan *plan)
 static void on_map_ready(void *ctx, const struct orl_map_info *info)
 {
     struct orl_worker *worker = ctx;
-    pthread_mutex_lock(&worker->maps_mutex);
+    pthread_mutex_lock(&worker->news_mutex);
     if (worker->n_maps < sizeof worker->maps / sizeof *worker->maps)
         worker->maps[worker->n_maps++] = *info;
-    pthread_mutex_unlock(&worker->maps_mutex);
+    pthread_mutex_unlock(&worker->news_mutex);
 }
 
-/* The job, read back from its document; its main files are the bundle's. */
-static int read_job(struct orl_worker *worker, struct orl_job *ret_job, struct orl_error *err)
+static void on_study_progress(void *ctx, const struct orl_study_step *step)
+{
+    struct orl_worker *worker = ctx;
+    atomic_store(&worker->job_ppm, to_ppm(step->fraction));
+    pthread_mutex_lock(&worker->news_mutex);
+    worker->step = *step;
+    pthread_mutex_unlock(&worker->news_mutex);
+}
+
+static void on_study_point(void *ctx, const struct orl_study_point *point)
+{
+    struct orl_worker *worker = ctx;
+    pthread_mutex_lock(&worker->news_mutex);
+    if (worker->n_points < worker->n_settings)
+        worker->points[worker->n_points++] = *point;
+    pthread_mutex_unlock(&worker->news_mutex);
+}
+
+/* What is asked for, read back from the document; its main files are the bundle's. */
+static int read_document(struct orl_worker *worker, struct orl_task *ret_task,
+                         struct orl_error *err)
 {
     struct orl_file file;
     int rc = orl_map_file(worker->spec.document_path, &file, err);
     if (rc)
         return rc;
-    rc = orl_job_read(file.data, file.size, ret_job, NULL, err);
+    rc = orl_job_read(file.data, file.size, ret_task, NULL, err);
     orl_unmap_file(&file);
     if (rc == 0) {
-        rc = orl_job_set_scene(ret_job, &worker->spec.bundle, err);
+        rc = orl_job_set_scene(orl_task_job(ret_task), &worker->spec.bundle, err);
         if (rc)
-            orl_job_done(ret_job);
+            orl_task_done(ret_task);
     }
     return rc;
 }
 
-static int run_job(struct orl_worker *worker, const char *output, struct orl_error *err)
+static int run_render(struct orl_worker *worker, const struct orl_job *job,
+                      const struct orl_files *files, const char *output, struct orl_error *err)
 {
-    struct orl_job job;
     struct orl_result result;
     memset(&result, 0, sizeof result);
-    int rc = read_job(worker, &job, err);
-    if (rc)
-        return rc;
-    const struct orl_files files = orl_bundle_provider(&worker->spec.bundle);
     const struct orl_run_env env = {
         .crew = worker->crew,
-        .files = &files,
+        .files = files,
         .store = &worker->spec.maps,
         .output_folder = output,
         .cancel = &worker->cancel,
@@ -107,12 +125,54 @@ static int run_job(struct orl_worker *worker, const char *output, struct orl_err
         .map_ready = on_map_ready,
         .ctx = worker,
     };
-    rc = orl_run(&job, &env, &result, err);
+    int rc = orl_run(job, &env, &result, err);
     if (rc == 0) {
         rc = orl_job_output_write(&result, output, &worker->outcome.summary, err);
         orl_result_done(&result);
     }
-    orl_job_done(&job);
+    return rc;
+}
+
+/* Without the map cache: what is measured begins without maps (oriel/study.h). */
+static int run_study(struct orl_worker *worker, const struct orl_study_request *request,
+                     const struct orl_files *files, const char *output, struct orl_error *err)
+{
+    struct orl_study study = {0};
+    const struct orl_study_env env = {
+        .crew = worker->crew,
+        .files = files,
+        .work_folder = output,
+        .cancel = &worker->cancel,
+        .now_s = now_s,
+        .progress = on_study_progress,
+        .point_ready = on_study_point,
+        .ctx = worker,
+    };
+    const size_t n_settings = orl_study_count_settings(request);
+    worker->points = calloc(n_settings, sizeof *worker->points);
+    if (!worker->points)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    pthread_mutex_lock(&worker->news_mutex);
+    worker->n_settings = n_settings;
+    pthread_mutex_unlock(&worker->news_mutex);
+    int rc = orl_study_run(request, &env, &study, err);
+    if (rc == 0) {
+        rc = orl_study_output_write(&study, request, output, &worker->outcome.summary, err);
+        orl_study_done(&study);
+    }
+    return rc;
+}
+
+static int run_document(struct orl_worker *worker, const char *output, struct orl_error *err)
+{
+    struct orl_task task;
+    int rc = read_document(worker, &task, err);
+    if (rc)
+        return rc;
+    const struct orl_files files = orl_bundle_provider(&worker->spec.bundle);
+    rc = task.kind == ORL_TASK_STUDY ? run_study(worker, &task.of.study, &files, output, err)
+                                     : run_render(worker, &task.of.render, &files, output, err);
+    orl_task_done(&task);
     return rc;
 }
 
@@ -125,7 +185,7 @@ static int lead(struct orl_worker *worker, struct orl_error *err)
     if (mkdir(output, 0777) != 0)
         return orl_error_set(err, ORL_ERR_IO, "cannot make a folder for the results: %s",
                              strerror(errno));
-    int rc = run_job(worker, output, err);
+    int rc = run_document(worker, output, err);
     if (rc == 0)
         rc = orl_sync_path(output, err);
     /* A crash between the rename and the row leaves results of an earlier attempt. */
@@ -159,8 +219,9 @@ static void worker_free(struct orl_worker *worker)
         return;
     orl_bundle_done(&worker->spec.bundle);
     orl_crew_free(worker->crew);
-    pthread_mutex_destroy(&worker->maps_mutex);
+    pthread_mutex_destroy(&worker->news_mutex);
     free(worker->members);
+    free(worker->points);
     free(worker);
 }
 
@@ -184,7 +245,7 @@ int orl_worker_start(uv_loop_t *loop, struct orl_worker_spec *spec, struct orl_w
     }
     worker->spec = *spec;
     memset(&spec->bundle, 0, sizeof spec->bundle);
-    pthread_mutex_init(&worker->maps_mutex, NULL);
+    pthread_mutex_init(&worker->news_mutex, NULL);
     worker->crew = orl_crew_new(spec->threads);
     worker->members = calloc(spec->threads, sizeof *worker->members);
     if (!worker->crew || !worker->members) {
@@ -213,8 +274,12 @@ void orl_worker_progress(struct orl_worker *worker, struct orl_progress *ret_pro
     ret_progress->stage_fraction = atomic_load(&worker->stage_ppm) / (double)FRACTION_ONE;
     ret_progress->job_fraction = atomic_load(&worker->job_ppm) / (double)FRACTION_ONE;
     ret_progress->technique = (enum orl_technique)atomic_load(&worker->technique);
-    pthread_mutex_lock(&worker->maps_mutex);
+    pthread_mutex_lock(&worker->news_mutex);
     ret_progress->n_maps = worker->n_maps;
     memcpy(ret_progress->maps, worker->maps, sizeof worker->maps);
-    pthread_mutex_unlock(&worker->maps_mutex);
+    ret_progress->step = worker->step;
+    ret_progress->n_settings = worker->n_settings;
+    ret_progress->points = worker->points;
+    ret_progress->n_points = worker->n_points;
+    pthread_mutex_unlock(&worker->news_mutex);
 }

@@ -2,9 +2,10 @@
  * One running job on the libuv pool.
  *
  * The loop thread queues as many pool works as the crew has members: the first leads (reads the
- * document, calls orl_run, writes the results), the others serve it (oriel/crew.h). They run at a
- * lower priority than the loop. Progress goes through atomics, and map news through a small
- * mutex-protected array, so that a status poll never waits. Nothing here touches the database.
+ * document, calls orl_run or orl_study_run, writes the results), the others serve it
+ * (oriel/crew.h). They run at a lower priority than the loop. Progress goes through atomics, and
+ * news of maps and of studies through a mutex that is held for copies only, so that a status poll
+ * never waits. Nothing here touches the database.
  *
  * Results: written to tmp/, synced, then moved to results/<job> as a whole; only then done is
  * called with code 0.
@@ -18,6 +19,7 @@
 #include <uv.h>
 
 #include <oriel/run.h>
+#include <oriel/study.h>
 
 #include "store/bundle.h"
 #include "store/jobs.h"
@@ -27,7 +29,7 @@ struct orl_worker;
 struct orl_worker_outcome {
     int code;             /* 0 or a negative orl_err */
     struct orl_error err; /* why, when code is not 0 */
-    char *summary;        /* JSON text: technique, timings_s, maps, files; owned by done, or NULL */
+    char *summary;        /* JSON text, see job_output.h; owned by done, or NULL */
 };
 
 struct orl_worker_spec {
@@ -48,6 +50,11 @@ struct orl_progress {
     enum orl_technique technique; /* ORL_TECHNIQUE_AUTO until the plan is made */
     struct orl_map_info maps[ORL_RESULT_MAPS];
     size_t n_maps;
+    /* Of a study, once its first run is under way; else runs are 0. */
+    struct orl_study_step step;
+    size_t n_settings;                    /* points it will have */
+    const struct orl_study_point *points; /* those it has; valid until the loop's next turn */
+    size_t n_points;
 };
 
 /* Takes spec->bundle whether it succeeds or not. */

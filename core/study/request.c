@@ -1,4 +1,6 @@
 /* Requests of studies: defaults, checks, clean-up. */
+#include <stdarg.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -64,63 +66,109 @@ static size_t count_settings(const struct orl_study_request *request, enum orl_t
            (orl_study_heeds_samples(technique, of_views) ? request->n_samples : 1);
 }
 
+size_t orl_study_count_settings(const struct orl_study_request *request)
+{
+    size_t count = 0;
+    for (size_t i = 0; i < request->n_techniques; i++)
+        count += count_settings(request, request->techniques[i]);
+    return count;
+}
+
+/* Says what is wrong with that member of the document. */
+__attribute__((format(printf, 4, 5))) static int fail(struct orl_error *err, int code,
+                                                      const char *member, const char *format, ...)
+{
+    char text[ORL_ERROR_TEXT_MAX];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    orl_error_set(err, code, "%s", text);
+    orl_error_at(err, NULL, 0, member);
+    return code;
+}
+
 static int check_technique(const struct orl_study_request *request, size_t index,
                            struct orl_error *err)
 {
     const enum orl_technique technique = request->techniques[index];
     const char *name = orl_technique_name(technique);
+    char at[48];
+    snprintf(at, sizeof at, "techniques[%zu]", index);
     if (technique == ORL_TECHNIQUE_AUTO)
-        return orl_error_set(err, ORL_ERR_INVALID,
-                             "a study names its techniques: \"auto\" is none");
+        return fail(err, ORL_ERR_INVALID, at, "a study names its techniques: \"auto\" is none");
     for (size_t i = 0; i < index; i++)
         if (request->techniques[i] == technique)
-            return orl_error_set(err, ORL_ERR_INVALID, "technique \"%s\" is named twice", name);
+            return fail(err, ORL_ERR_INVALID, at, "technique \"%s\" is named twice", name);
     if (count_settings(request, technique) > 0)
         return 0;
-    return orl_error_set(err, ORL_ERR_INVALID, "technique \"%s\" needs a list of %s", name,
-                         orl_study_heeds_photons(technique) && request->n_photons == 0 ? "photons"
-                                                                                       : "samples");
+    if (orl_study_heeds_photons(technique) && request->n_photons == 0)
+        return fail(err, ORL_ERR_INVALID, "photons", "technique \"%s\" needs a list of photons",
+                    name);
+    return fail(err, ORL_ERR_INVALID,
+                orl_study_of_views(request) ? "pixel_samples" : "gather_samples",
+                "technique \"%s\" needs a list of samples", name);
 }
 
 static int check_job(const struct orl_job *job, struct orl_error *err)
 {
     const bool sensors = job->n_sensors > 0 || job->sensors_file;
     if (sensors == (job->n_views > 0)) {
-        orl_error_set(err, ORL_ERR_INVALID, "a study measures either sensors or views%s",
-                      sensors ? ", not both" : ", but names none");
+        fail(err, ORL_ERR_INVALID, "views", "a study measures either sensors or views%s",
+             sensors ? ", not both" : ", but names none");
         orl_error_hint(err, "Times would otherwise be of both, errors of one");
         return ORL_ERR_INVALID;
     }
     return orl_job_validate(job, err);
 }
 
+static int check_counts(const struct orl_study_request *request, struct orl_error *err)
+{
+    if (request->repeats == 0)
+        return fail(err, ORL_ERR_INVALID, "repeats", "a study needs repeats");
+    if (request->reference_samples == 0 || request->reference_runs == 0)
+        return fail(err, ORL_ERR_INVALID, "reference", "a study needs a reference");
+    if (orl_study_of_views(request) && request->reference_runs < 2)
+        return fail(err, ORL_ERR_INVALID, "reference.runs",
+                    "a reference of views needs two runs: they tell its error");
+    return orl_study_check_runs(request, ORL_LIMIT_STUDY_RUNS, err);
+}
+
+int orl_study_check_runs(const struct orl_study_request *request, uint32_t most,
+                         struct orl_error *err)
+{
+    const size_t settings = orl_study_count_settings(request);
+    if ((uint64_t)settings * request->repeats + request->reference_runs <= most)
+        return 0;
+    fail(err, ORL_ERR_LIMIT, "repeats",
+         "%zu settings with %u seeds each, and %u of the reference, are more than %u runs",
+         settings, request->repeats, request->reference_runs, most);
+    orl_error_hint(err, "List fewer photons or samples, or repeat them less");
+    return ORL_ERR_LIMIT;
+}
+
+static int check_given(const struct orl_study_given *given, size_t index, struct orl_error *err)
+{
+    char at[48];
+    const bool seconds = orl_study_can_show(given->seconds);
+    if (seconds && orl_study_can_show(given->rms))
+        return 0;
+    snprintf(at, sizeof at, "points[%zu].%s", index, seconds ? "rms" : "seconds");
+    return fail(err, ORL_ERR_RANGE, at, "point \"%s\": seconds and rms are from 1e-12 to 1e12",
+                given->name);
+}
+
 int orl_study_request_validate(const struct orl_study_request *request, struct orl_error *err)
 {
-    size_t settings = 0;
     int code = check_job(&request->job, err);
     if (code == 0 && request->n_techniques == 0)
-        code = orl_error_set(err, ORL_ERR_INVALID, "the study names no technique");
-    for (size_t i = 0; i < request->n_techniques && code == 0; i++) {
+        code = fail(err, ORL_ERR_INVALID, "techniques", "the study names no technique");
+    for (size_t i = 0; i < request->n_techniques && code == 0; i++)
         code = check_technique(request, i, err);
-        settings += code == 0 ? count_settings(request, request->techniques[i]) : 0;
-    }
-    if (code == 0 &&
-        (request->repeats == 0 || request->reference_samples == 0 || request->reference_runs == 0))
-        code = orl_error_set(err, ORL_ERR_INVALID, "a study needs repeats, and a reference");
-    if (code == 0 && orl_study_of_views(request) && request->reference_runs < 2)
-        code = orl_error_set(err, ORL_ERR_INVALID,
-                             "a reference of views needs two runs: they tell its error");
-    if (code == 0 &&
-        (uint64_t)settings * request->repeats + request->reference_runs > ORL_LIMIT_STUDY_RUNS)
-        code = orl_error_set(err, ORL_ERR_LIMIT,
-                             "%zu settings with %u seeds each are more than %u runs", settings,
-                             request->repeats, ORL_LIMIT_STUDY_RUNS);
+    if (code == 0)
+        code = check_counts(request, err);
     for (size_t i = 0; i < request->n_given && code == 0; i++)
-        if (!orl_study_can_show(request->given[i].seconds) ||
-            !orl_study_can_show(request->given[i].rms))
-            code = orl_error_set(err, ORL_ERR_RANGE,
-                                 "point \"%s\": seconds and rms are from 1e-12 to 1e12",
-                                 request->given[i].name);
+        code = check_given(&request->given[i], i, err);
     return code;
 }
 
@@ -130,9 +178,8 @@ int orl_study_list_settings(const struct orl_study_request *request,
 {
     const bool of_views = orl_study_of_views(request);
     struct orl_study_setting *settings;
-    size_t count = 0, at = 0;
-    for (size_t i = 0; i < request->n_techniques; i++)
-        count += count_settings(request, request->techniques[i]);
+    const size_t count = orl_study_count_settings(request);
+    size_t at = 0;
     settings = calloc(count ? count : 1, sizeof *settings);
     if (!settings)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");

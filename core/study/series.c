@@ -1,5 +1,6 @@
 #include "study/series.h"
 
+#include <dirent.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -32,11 +33,11 @@ static double now_s(void *ctx)
 
 static void progress(void *ctx, enum orl_stage stage, double stage_fraction, double job_fraction)
 {
-    const struct orl_series_env *env = ((const struct run *)ctx)->env;
+    struct orl_series_env *env = ((const struct run *)ctx)->env;
     (void)stage, (void)stage_fraction;
+    env->step.fraction = (env->before + env->share * job_fraction) / env->all;
     if (env->env->progress)
-        env->env->progress(env->env->ctx, env->what,
-                           (env->before + env->share * job_fraction) / env->all);
+        env->env->progress(env->env->ctx, &env->step);
 }
 
 static bool reserve(struct run *run, size_t count)
@@ -74,15 +75,15 @@ static void take_sensors(struct run *run, const struct orl_result *result)
     run->count += result->n_sensors;
 }
 
-static void remove_images(const struct orl_series_env *env, const struct orl_job *job)
+/* Images, maps: whatever a run has left. */
+static void clear_folder(const char *folder)
 {
-    static const char *const endings[] = {"hdr", "png"};
-    char path[8192];
-    for (size_t i = 0; i < job->n_views; i++)
-        for (int k = 0; k < 2; k++) {
-            snprintf(path, sizeof path, "%s/%s.%s", env->folder, job->views[i].name, endings[k]);
-            unlink(path);
-        }
+    DIR *dir = opendir(folder);
+    const struct dirent *entry;
+    while (dir && (entry = readdir(dir)))
+        unlinkat(dirfd(dir), entry->d_name, 0); /* refuses "." and ".." */
+    if (dir)
+        closedir(dir);
 }
 
 /* Each warning once, however many runs had it. */
@@ -147,7 +148,7 @@ static int run_once(struct orl_series_env *env, const struct orl_job *job, struc
             code = orl_error_set(err, ORL_ERR_NOMEM, "out of memory for a run's values");
         }
     }
-    remove_images(env, job);
+    clear_folder(env->folder);
     return code;
 }
 
@@ -196,10 +197,13 @@ int orl_series_run(struct orl_series_env *env, const struct orl_study_setting *s
     if (!series.values || !series.stages_s || !series.total_s)
         code = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     env->share = orl_series_cost(env->request, setting);
+    env->step.setting = *setting;
+    env->step.runs = n_runs;
     for (uint32_t i = 0; i < n_runs && code == 0; i++) {
         const struct orl_job job = make_job(env->request, setting, first_seed + i);
         struct run run = {.env = env};
         struct orl_result result = {0};
+        env->step.run = i + 1;
         code = run_once(env, &job, &run, &result, err);
         if (code == 0)
             code = keep_run(&series, i, &run, &result, err);

@@ -31,10 +31,10 @@ void orl_series_done(struct orl_series *series);
 struct orl_series_env {
     const struct orl_study_request *request;
     const struct orl_study_env *env;
-    char folder[4096];         /* for maps and images */
-    double before, share, all; /* of the whole study's cost: runs that ended, this one, all */
-    const char *what;          /* for progress */
-    char ***warnings;          /* where new ones go */
+    char folder[4096];          /* for maps and images */
+    double before, share, all;  /* of the whole study's cost: runs that ended, this one, all */
+    struct orl_study_step step; /* for progress */
+    char ***warnings;           /* where new ones go */
     size_t *n_warnings;
 };
 

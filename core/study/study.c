@@ -28,6 +28,11 @@ void orl_study_done(struct orl_study *study)
     memset(study, 0, sizeof *study);
 }
 
+const char *orl_study_step_name(const struct orl_study_step *step)
+{
+    return step->reference ? "reference" : orl_technique_name(step->setting.technique);
+}
+
 /* What the steps of a study share. */
 struct work {
     const struct orl_study_request *request;
@@ -62,7 +67,7 @@ static int run_reference(struct work *work, struct orl_error *err)
     const uint32_t runs = work->request->reference_runs;
     struct orl_study_reference *about = &work->study->reference;
     struct orl_series series = {0};
-    work->series_env.what = "reference";
+    work->series_env.step.reference = true;
     int code = orl_series_run(&work->series_env, &setting,
                               work->request->job.seed + work->request->repeats, runs, &series, err);
     if (code == 0)
@@ -99,7 +104,7 @@ static int run_setting(struct work *work, const struct orl_study_setting *settin
 {
     struct orl_study_point point = {.setting = *setting, .seeds = work->request->repeats};
     struct orl_series series = {0};
-    work->series_env.what = orl_technique_name(setting->technique);
+    work->series_env.step.reference = false;
     int code = orl_series_run(&work->series_env, setting, work->request->job.seed,
                               work->request->repeats, &series, err);
     if (code == 0 && series.count != work->reference.count)

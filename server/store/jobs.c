@@ -23,10 +23,10 @@ int orl_job_row_insert(struct orl_db *db, const struct orl_job_row *row, int64_t
                        struct orl_error *err)
 {
     const int rc = orl_db_run(db, err, NULL,
-                              "INSERT INTO jobs (id, scene, document, state, created_ms) "
-                              "VALUES (?, ?, ?, ?, ?)",
-                              "ssssi", row->id, row->scene, row->document,
-                              orl_job_state_name(row->state), row->created_ms);
+                              "INSERT INTO jobs (id, kind, scene, document, state, created_ms) "
+                              "VALUES (?, ?, ?, ?, ?, ?)",
+                              "sssssi", row->id, orl_task_kind_name(row->kind), row->scene,
+                              row->document, orl_job_state_name(row->state), row->created_ms);
     if (rc == 0)
         *ret_seq = sqlite3_last_insert_rowid(db->handle);
     return rc;
@@ -52,6 +52,7 @@ static struct orl_job_row read_row(sqlite3_stmt *stmt)
         .finished_ms = sqlite3_column_int64(stmt, 8),
         .outcome = (const char *)sqlite3_column_text(stmt, 9),
         .problem = (const char *)sqlite3_column_text(stmt, 10),
+        .kind = orl_task_kind_from_name(orl_db_text(stmt, 11)),
     };
     snprintf(row.id, sizeof row.id, "%s", orl_db_text(stmt, 1));
     snprintf(row.scene, sizeof row.scene, "%s", orl_db_text(stmt, 2));
@@ -65,7 +66,7 @@ int orl_job_rows(struct orl_db *db, int (*visit)(void *ctx, const struct orl_job
     sqlite3_stmt *stmt = orl_db_prepare(
         db, err,
         "SELECT seq, id, scene, document, state, attempts, created_ms, started_ms, finished_ms, "
-        "outcome, problem FROM jobs ORDER BY seq",
+        "outcome, problem, kind FROM jobs ORDER BY seq",
         "");
     if (!stmt)
         return ORL_ERR_IO;

@@ -8,6 +8,7 @@
 
 #include "store/db.h"
 #include "store/folders.h"
+#include "task_json.h"
 
 enum { ORL_JOB_ID = 33 };
 
@@ -26,6 +27,7 @@ enum orl_job_state orl_job_state_from_name(const char *name);
 struct orl_job_row {
     int64_t seq;
     char id[ORL_JOB_ID];
+    enum orl_task_kind kind;
     char scene[ORL_SHA_HEX], document[ORL_SHA_HEX];
     enum orl_job_state state;
     int attempts;

@@ -282,9 +282,10 @@ static void test_maps_table_adds_up(void **state)
 static void test_fetch_keeps_images_and_result(void **state)
 {
     static const struct canned canned[] = {
-        {"GET /v1/jobs/7/result", 200,
-         "{\"state\": \"succeeded\", \"views\": [{\"name\": \"desk\", \"hdr\": \"desk.hdr\","
-         " \"png\": \"desk.png\"}]}"},
+        {"GET /v1/jobs/7/result", 200, "{\"state\": \"succeeded\"}"},
+        {"GET /v1/jobs/7", 200,
+         "{\"state\": \"succeeded\", \"files\": [{\"name\": \"result.json\", \"bytes\": 22},"
+         " {\"name\": \"desk.hdr\", \"bytes\": 11}, {\"name\": \"desk.png\", \"bytes\": 3}]}"},
         {"GET /v1/jobs/7/files/desk.hdr", 200, "#?RADIANCE\n"},
         {"GET /v1/jobs/7/files/desk.png", 200, "PNG"},
         {NULL, 0, NULL}};
@@ -304,13 +305,17 @@ static void test_fetch_keeps_images_and_result(void **state)
 static void test_fetch_keeps_nothing_that_failed(void **state)
 {
     static const struct canned unfinished[] = {
-        {"GET /v1/jobs/7/result", 409, "{\"detail\": \"the job still runs\"}"}, {NULL, 0, NULL}};
+        {"GET /v1/jobs/7", 200, "{\"state\": \"running\"}"},
+        {"GET /v1/jobs/7/result", 409, "{\"detail\": \"the job still runs\"}"},
+        {NULL, 0, NULL}};
     static const struct canned missing[] = {
-        {"GET /v1/jobs/8/result", 200, "{\"views\": [{\"hdr\": \"gone.hdr\"}]}"},
+        {"GET /v1/jobs/8", 200, "{\"files\": [{\"name\": \"gone.hdr\"}]}"},
+        {"GET /v1/jobs/8/result", 200, "{}"},
         {"GET /v1/jobs/8/files/gone.hdr", 404, "{\"detail\": \"there is no gone.hdr\"}"},
         {NULL, 0, NULL}};
     static const struct canned hostile[] = {
-        {"GET /v1/jobs/9/result", 200, "{\"views\": [{\"hdr\": \"../evil.hdr\"}]}"},
+        {"GET /v1/jobs/9", 200, "{\"files\": [{\"name\": \"../evil.hdr\"}]}"},
+        {"GET /v1/jobs/9/result", 200, "{}"},
         {NULL, 0, NULL}};
     struct fixture *f = *state;
     char inside[96];

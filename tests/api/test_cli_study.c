@@ -70,7 +70,7 @@ static void test_mistakes_name_file_and_place(void **state)
         {"{\"kind\": \"study\", \"scenes\": 1}", "study.json: scenes: "},
         {"{\"kind\": \"study\", \"scene\": {\"files\": [\"room.rad\"]}, \"sensors\": {\"file\":"
          " \"sensors.txt\"}, \"techniques\": [\"direct\"], \"reference\": {\"samples\": 1}}",
-         "study.json: technique \"direct\" needs a list of photons"},
+         "study.json: photons: technique \"direct\" needs a list of photons"},
         {"{\"kind\": \"study\", \"scene\": {\"files\": [\"rum.rad\"]}, \"sensors\": {\"file\":"
          " \"sensors.txt\"}, \"techniques\": [\"direct\"], \"photons\": [9], \"reference\":"
          " {\"samples\": 1}}",

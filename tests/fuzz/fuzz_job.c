@@ -90,17 +90,20 @@ static bool check_document(const json_t *doc, enum orl_job_origin origin)
 }
 
 /* A sound study comes to settings that can be listed, and not to more runs than there may be. */
-static bool check_study(const json_t *doc)
+static bool check_study(const json_t *doc, enum orl_job_origin origin)
 {
     struct orl_error err = {0};
     struct orl_study_request request;
     struct orl_study_setting *settings = NULL;
+    char *id = NULL;
     size_t count = 0;
-    int code = orl_study_from_json(doc, &request, &err);
+    int code = orl_study_from_json(doc, origin, &request, &id, &err);
     if (code < 0) {
         fuzz_check_error(code, &err);
+        FUZZ_PROMISE(id == NULL);
         return false;
     }
+    FUZZ_PROMISE((origin == ORL_JOB_REMOTE) == (id != NULL));
     code = orl_study_request_validate(&request, &err);
     if (code < 0) {
         fuzz_check_error(code, &err);
@@ -110,6 +113,7 @@ static bool check_study(const json_t *doc)
         free(settings);
     }
     orl_study_request_done(&request);
+    free(id);
     return code == 0;
 }
 
@@ -129,7 +133,8 @@ bool fuzz_job(const uint8_t *data, size_t size)
     }
     accepted = check_document(doc, ORL_JOB_LOCAL);
     accepted |= check_document(doc, ORL_JOB_REMOTE);
-    accepted |= check_study(doc);
+    accepted |= check_study(doc, ORL_JOB_LOCAL);
+    accepted |= check_study(doc, ORL_JOB_REMOTE);
     json_decref(doc);
     return accepted;
 }

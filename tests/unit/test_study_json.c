@@ -28,7 +28,7 @@ static int read_study(const char *text, struct orl_study_request *ret_request,
     json_t *doc = NULL;
     int rc = orl_json_parse("study.json", text, strlen(text), &doc, err);
     if (rc == 0)
-        rc = orl_study_from_json(doc, ret_request, err);
+        rc = orl_study_from_json(doc, ORL_JOB_LOCAL, ret_request, NULL, err);
     json_decref(doc);
     if (rc)
         return rc;

@@ -40,13 +40,15 @@ struct witness {
     bool fell;
 };
 
-static void on_progress(void *ctx, const char *what, double fraction)
+static void on_progress(void *ctx, const struct orl_study_step *step)
 {
     struct witness *w = ctx;
-    assert_non_null(what);
-    assert_true(fraction >= 0 && fraction <= 1 + 1e-9);
-    w->fell = w->fell || fraction < w->last - 1e-9;
-    w->last = fraction;
+    assert_true(step->fraction >= 0 && step->fraction <= 1 + 1e-9);
+    assert_true(step->run >= 1 && step->run <= step->runs);
+    assert_int_equal(step->reference, strcmp(orl_study_step_name(step), "reference") == 0);
+    assert_false(step->reference && w->points > 0);
+    w->fell = w->fell || step->fraction < w->last - 1e-9;
+    w->last = step->fraction;
     w->calls++;
 }
 

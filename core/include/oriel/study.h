@@ -63,8 +63,15 @@ struct orl_study_request {
 void orl_study_request_init(struct orl_study_request *request);
 void orl_study_request_done(struct orl_study_request *request); /* NULL, half-filled: fine */
 
-/* Checks what can be checked without the scene, and how many runs it comes to. */
+/* Checks what can be checked without the scene, and how many runs it comes to. Errors name the
+ * member of a study document (study_json.h) that would have to change, as orl_error.primitive. */
 int orl_study_request_validate(const struct orl_study_request *request, struct orl_error *err);
+
+/* How many settings it comes to: the points of the study. */
+size_t orl_study_count_settings(const struct orl_study_request *request);
+/* ORL_ERR_LIMIT when it comes to more runs than that, the reference's included. */
+int orl_study_check_runs(const struct orl_study_request *request, uint32_t most,
+                         struct orl_error *err);
 
 /* Which settings the technique takes notice of, when it computes views or sensors. Sensors in
  * mid-air are gathered for by direct and precomputed too, with a job's default of samples. */
@@ -135,15 +142,23 @@ void orl_study_done(struct orl_study *study); /* NULL and all zeros are fine */
 
 /* ---- Running --------------------------------------------------------------------------------- */
 
+/* Where a study has got to: a run of the reference or of a setting. */
+struct orl_study_step {
+    bool reference; /* then setting is the reference's */
+    struct orl_study_setting setting;
+    uint32_t run, runs; /* the seed it is at, from 1, and how many there are */
+    double fraction;    /* of the whole study, by what its runs are thought to cost */
+};
+const char *orl_study_step_name(const struct orl_study_step *step); /* "reference", "gather", ... */
+
 struct orl_study_env {
     struct orl_crew *crew;         /* borrowed; the calling thread leads it */
     const struct orl_files *files; /* borrowed */
     const char *work_folder;       /* exists; a folder is made in it and removed again */
     atomic_bool *cancel;           /* borrowed */
     double (*now_s)(void *ctx);    /* a steady clock */
-    /* Called by the lead thread: what is being run, and the fraction of the whole study that is
-     * done. May be NULL. */
-    void (*progress)(void *ctx, const char *what, double fraction);
+    /* Called by the lead thread, now and then. May be NULL. */
+    void (*progress)(void *ctx, const struct orl_study_step *step);
     /* A point is settled, but for whether it is on the front. May be NULL. */
     void (*point_ready)(void *ctx, const struct orl_study_point *point);
     void *ctx;
