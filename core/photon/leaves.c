@@ -68,7 +68,8 @@ struct orl_leaves *orl_leaves_new(const struct orl_photon_map *map, const struct
     leaves->k = k;
     leaves->max_radius = max_radius;
     leaves->reach2 = (float)(max_radius / h->cell * (max_radius / h->cell));
-    leaves->unit = h->flux_unit * k / (ORL_PI * max_radius * max_radius);
+    /* What k photons of mean flux make; or more, lest what the brightest makes be cut (flux.h). */
+    leaves->unit = fmax(h->flux_mean, h->flux_unit) * k / (ORL_PI * max_radius * max_radius);
     leaves->sites = malloc((n + 1) * sizeof *leaves->sites);
     leaves->kept = calloc(n + 1, sizeof *leaves->kept);
     leaves->spread = orl_spread_new(map, k, max_radius);

@@ -82,7 +82,8 @@ static int check_values(const struct orl_map_header *h, const char *path, struct
 {
     if (!isnormal(h->cell) || !(h->cell > 0) || !isfinite(h->flux_unit) || h->flux_unit < 0 ||
         !isfinite(h->low[0]) || !isfinite(h->low[1]) || !isfinite(h->low[2]) ||
-        h->kind[sizeof h->kind - 1] != '\0')
+        !isfinite(h->flux_mean) || h->flux_mean < 0 || abs(h->flux_exponent) > 2000 ||
+        h->kind[sizeof h->kind - 1] != '\0' || h->family[sizeof h->family - 1] != '\0')
         return orl_error_set(err, ORL_ERR_CORRUPT, "photon map '%s' has impossible values", path);
     return 0;
 }

@@ -14,9 +14,11 @@
  *   notes     header.note_bytes per photon: what precomputed records add (records.h); else none
  *
  * 16 bytes a photon, and about 2 for the boxes. Photons are ordered by the bin of their normal,
- * then in Morton order, so that a leaf is a patch of one sheet of surface; ties keep the order of
- * emission. The batch (emission index mod 16) is for error estimates. Places are relative to the
- * map's own bounds: over 100 m a cell is 0.1 mm.
+ * then in Morton order, so that a leaf is a patch of one sheet of surface; among ties a hash of
+ * their words decides, so that the file depends on which photons there are, not on how they came
+ * together: a map that is topped up (packing.h) is the same file as one made at once. The batch
+ * (emission index mod 16) is for error estimates. Cells are powers of two, as small as the map's
+ * own bounds allow: over 100 m between 0.1 and 0.2 mm.
  *
  * Threads: a map is immutable and may be searched from any thread.
  */
@@ -32,13 +34,14 @@
 #include <oriel/vec.h>
 
 enum {
-    ORL_MAP_VERSION = 3,
+    ORL_MAP_VERSION = 4,
     ORL_MAP_LEAF = 16,    /* photons a leaf */
     ORL_MAP_FANOUT = 8,   /* children a node */
     ORL_MAP_LEVELS = 12,  /* most levels: 16 * 8^11 photons */
     ORL_MAP_BATCHES = 16, /* values of the batch index */
     ORL_MAP_CHECKSUM = 32,
     ORL_MAP_MOST_NOTED = 64, /* bytes a photon */
+    ORL_MAP_FAMILY = 72,     /* room for a digest in hexadecimal */
 };
 
 /*
@@ -68,12 +71,17 @@ struct orl_map_header {
     uint32_t byte_order; /* 0x01020304 as written */
     uint64_t count;      /* photons */
     uint64_t emitted;    /* paths started; fluxes are divided by it */
+    uint64_t target;     /* photons asked for; 0: not a matter of counts */
     double low[3], cell; /* place of cell (0,0,0)'s corner; edge of a cell */
     double flux_unit;    /* W, the division by emitted included */
+    double flux_mean;    /* W, likewise: of the photons' brightest channels */
     uint64_t places, fluxes, normals, tags, boxes, size; /* byte offsets; size of the file */
     uint32_t levels;
     uint32_t note_bytes;
+    int32_t flux_exponent; /* of the unit, before the division (flux.h) */
+    uint32_t reserved;     /* 0 */
     char kind[16];
+    char family[ORL_MAP_FAMILY]; /* whose maps differ in the target alone (run.h); "": none */
     unsigned char body_checksum[ORL_MAP_CHECKSUM];   /* BLAKE2b of all after the header */
     unsigned char header_checksum[ORL_MAP_CHECKSUM]; /* BLAKE2b of all before this field */
 };
@@ -83,17 +91,22 @@ struct orl_photon_map;
 /* What a build needs to know beside the photons. */
 struct orl_map_build {
     const char *kind;
-    uint64_t emitted;
-    uint64_t seed;     /* of the dither that keeps mean fluxes exact */
+    const char *family; /* NULL: none */
+    uint64_t target;
+    uint64_t emitted;                     /* by all photons, the earlier map's among them */
+    uint64_t seed;                        /* of the dither that keeps mean fluxes exact */
+    double extent;                        /* of the scene: its radius. 0: as if 1 */
+    const struct orl_photon_map *earlier; /* of the same family, with the photons emitted first; all
+                                             of them are taken over. NULL: none */
     const void *notes; /* note_bytes per photon, in the photons' order; NULL: none */
     uint32_t note_bytes;
 };
 
 /*
- * Sorts the photons (the array is used as scratch) and writes the file, synced. The order of
- * photons decides ties, so it must be the order of emission.
+ * Packs and sorts the photons, with those of the earlier map, and writes the file, synced. They
+ * must be in the order of emission, as the dither of fluxes goes by it.
  */
-int orl_photon_map_write(const char *path, struct orl_photon *photons, size_t count,
+int orl_photon_map_write(const char *path, const struct orl_photon *photons, size_t count,
                          const struct orl_map_build *build, struct orl_crew *crew,
                          struct orl_error *err);
 

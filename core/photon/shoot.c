@@ -14,10 +14,10 @@ static const double most_emitted_per_photon = 64, emitted_anyway = 1e7;
 
 /* Batches of one kind, as they come back. */
 struct queue {
-    struct orl_deposits *batches;
-    size_t n_done, n_round; /* kept so far; being traced */
-    size_t stored;
-    uint64_t rays;
+    struct orl_deposits *batches; /* those of this shot */
+    size_t n_had;                 /* of the earlier one: not here */
+    size_t n_done, n_round;       /* kept so far, n_had among them; being traced */
+    uint64_t stored, rays;
     bool finished;
 };
 
@@ -43,6 +43,17 @@ static uint64_t emitted_before(size_t batch)
     return batch == 0 ? 0 : (uint64_t)SMALL_BATCH << (batch - 1);
 }
 
+/* The batches that a shot of that many emissions took; false when no shot stops there. */
+static bool find_batches(uint64_t emitted, size_t *ret_batches)
+{
+    size_t batches = emitted / BATCH;
+    batches = batches > 0 ? batches + DOUBLINGS : 0;
+    while (emitted_before(batches) < emitted && batches <= DOUBLINGS)
+        batches++;
+    *ret_batches = batches;
+    return emitted_before(batches) == emitted;
+}
+
 static void shoot_batch(void *arg, size_t index, uint32_t member)
 {
     struct shooting *shooting = arg;
@@ -51,7 +62,7 @@ static void shoot_batch(void *arg, size_t index, uint32_t member)
     const enum orl_map_kind kind = index < n_global ? ORL_MAP_GLOBAL : ORL_MAP_CAUSTIC;
     struct queue *queue = &shooting->queues[kind];
     const size_t batch = queue->n_done + (kind == ORL_MAP_GLOBAL ? index : index - n_global);
-    struct orl_deposits *deposits = &queue->batches[batch];
+    struct orl_deposits *deposits = &queue->batches[batch - queue->n_had];
     const uint64_t first = emitted_before(batch), end = emitted_before(batch + 1);
     (void)member;
     for (uint64_t photon = first; photon < end; photon++) {
@@ -92,49 +103,56 @@ static size_t plan_round(const struct queue *queue, uint64_t target)
 
 static int grow(struct queue *queue)
 {
-    const size_t count = queue->n_done + queue->n_round;
+    const size_t kept = queue->n_done - queue->n_had, count = kept + queue->n_round;
     struct orl_deposits *grown = realloc(queue->batches, (count + 1) * sizeof *grown);
     if (!grown)
         return ORL_ERR_NOMEM;
     queue->batches = grown;
-    memset(grown + queue->n_done, 0, queue->n_round * sizeof *grown);
+    memset(grown + kept, 0, queue->n_round * sizeof *grown);
     return 0;
 }
 
-/* Keeps the round's batches up to the one that reaches the target; drops the rest. */
+/* Whether the batches kept are all there are to be. Batch by batch: rounds are not to matter. */
+static bool is_finished(const struct queue *queue, uint64_t target)
+{
+    const uint64_t emitted = emitted_before(queue->n_done);
+    return queue->stored >= target ||
+           (queue->stored == 0 && (emitted >= DRY_EMISSIONS || queue->rays >= DRY_RAYS)) ||
+           (double)emitted > most_emitted_per_photon * (double)target + emitted_anyway;
+}
+
+/* Keeps the round's batches up to the one that finishes; drops the rest. */
 static int settle(struct queue *queue, uint64_t target)
 {
     const size_t end = queue->n_done + queue->n_round;
     int code = 0;
     for (size_t i = queue->n_done; i < end; i++) {
-        if (queue->batches[i].out_of_memory)
+        struct orl_deposits *batch = &queue->batches[i - queue->n_had];
+        if (batch->out_of_memory)
             code = ORL_ERR_NOMEM;
         if (queue->finished) {
-            free(queue->batches[i].photons);
+            free(batch->photons);
             continue;
         }
-        queue->stored += queue->batches[i].count;
-        queue->rays += queue->batches[i].health.rays;
+        queue->stored += batch->count;
+        queue->rays += batch->health.rays;
         queue->n_done = i + 1;
-        queue->finished = queue->stored >= target;
+        queue->finished = is_finished(queue, target);
     }
     queue->n_round = 0;
-    const uint64_t emitted = emitted_before(queue->n_done);
-    if ((queue->stored == 0 && (emitted >= DRY_EMISSIONS || queue->rays >= DRY_RAYS)) ||
-        (double)emitted > most_emitted_per_photon * (double)target + emitted_anyway)
-        queue->finished = true;
     return code;
 }
 
 /* One array of all, in order; the batches are freed as they are copied. */
 static int collect(struct queue *queue, struct orl_shot *shot)
 {
-    shot->photons = malloc((queue->stored + 1) * sizeof *shot->photons);
+    const uint64_t emitted = emitted_before(queue->n_done) - shot->had_emitted;
+    shot->photons = malloc((queue->stored - shot->had + 1) * sizeof *shot->photons);
     if (!shot->photons)
         return ORL_ERR_NOMEM;
     shot->count = 0;
     shot->emitted = queue->n_done > 0 ? emitted_before(queue->n_done) : 1;
-    for (size_t i = 0; i < queue->n_done; i++) {
+    for (size_t i = 0; i < queue->n_done - queue->n_had; i++) {
         struct orl_deposits *d = &queue->batches[i];
         if (d->count > 0)
             memcpy(shot->photons + shot->count, d->photons, d->count * sizeof *d->photons);
@@ -144,8 +162,8 @@ static int collect(struct queue *queue, struct orl_shot *shot)
         free(d->photons);
         d->photons = NULL;
     }
-    shot->health.flux_w /= (double)shot->emitted;
-    shot->health.flux_capped_w /= (double)shot->emitted;
+    shot->health.flux_w /= fmax((double)emitted, 1);
+    shot->health.flux_capped_w /= fmax((double)emitted, 1);
     return 0;
 }
 
@@ -187,29 +205,49 @@ static int shoot_rounds(struct shooting *shooting, const struct orl_shot *shots)
     }
 }
 
+/* Where each kind begins. */
+static int set_up_queues(struct shooting *shooting, const struct orl_shot *shots)
+{
+    for (int k = 0; k < ORL_SHOT_KINDS; k++) {
+        struct queue *queue = &shooting->queues[k];
+        if (!find_batches(shots[k].had_emitted, &queue->n_had))
+            return ORL_ERR_CORRUPT;
+        queue->n_done = queue->n_had;
+        queue->stored = shots[k].had;
+        queue->finished = shots[k].target == 0 || is_finished(queue, shots[k].target) ||
+                          (k == ORL_MAP_CAUSTIC && !shooting->env->emission->has_caustics);
+    }
+    return 0;
+}
+
+static void free_queues(struct shooting *shooting)
+{
+    for (int k = 0; k < ORL_SHOT_KINDS; k++) {
+        struct queue *queue = &shooting->queues[k];
+        for (size_t i = 0; queue->batches && i < queue->n_done + queue->n_round - queue->n_had; i++)
+            free(queue->batches[i].photons);
+        free(queue->batches);
+    }
+}
+
 int orl_shoot(const struct orl_shoot_env *env, struct orl_shot shots[ORL_SHOT_KINDS],
               struct orl_error *err)
 {
     struct shooting shooting = {.env = env};
-    int code = 0;
-    for (int k = 0; k < ORL_SHOT_KINDS; k++)
-        shooting.queues[k].finished =
-            shots[k].target == 0 || (k == ORL_MAP_CAUSTIC && !env->emission->has_caustics);
-    code = shoot_rounds(&shooting, shots);
+    int code = set_up_queues(&shooting, shots);
+    if (code == 0)
+        code = shoot_rounds(&shooting, shots);
     for (int k = 0; k < ORL_SHOT_KINDS && code == 0; k++)
         code = collect(&shooting.queues[k], &shots[k]);
-    for (int k = 0; k < ORL_SHOT_KINDS; k++) {
-        struct queue *queue = &shooting.queues[k];
-        for (size_t i = 0; queue->batches && i < queue->n_done + queue->n_round; i++)
-            free(queue->batches[i].photons);
-        free(queue->batches);
-        if (code < 0) {
-            free(shots[k].photons);
-            shots[k].photons = NULL;
-        }
+    free_queues(&shooting);
+    for (int k = 0; k < ORL_SHOT_KINDS && code < 0; k++) {
+        free(shots[k].photons);
+        shots[k].photons = NULL;
     }
     if (code == ORL_ERR_CANCELLED)
         orl_error_set(err, code, "cancelled while tracing photons");
+    else if (code == ORL_ERR_CORRUPT)
+        orl_error_set(err, code, "a photon map stops where none does");
     else if (code < 0)
         orl_error_set(err, code, "out of memory for photons");
     return code;

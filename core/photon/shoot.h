@@ -5,7 +5,8 @@
  * 10^4 photons where walls absorb little, then of a fixed size. Rounds of batches are sized from
  * the counts of the rounds before, never from time or threads. A map takes all batches up to the
  * first that reaches its target, so that its photons, their order and the number emitted depend on
- * the seed alone, and a larger target continues where a smaller one stopped.
+ * the seed alone, and a larger target continues where a smaller one stopped: from a map's numbers
+ * of photons and emissions follows which batches are left.
  */
 #ifndef ORL_PHOTON_SHOOT_H
 #define ORL_PHOTON_SHOOT_H
@@ -27,11 +28,12 @@ enum orl_map_kind {
 const char *orl_map_kind_name(enum orl_map_kind kind); /* "global", "caustic", "precomputed" */
 
 struct orl_shot {
-    uint64_t target;            /* in: photons wanted; 0 for none */
-    struct orl_photon *photons; /* out, owned by the caller: in order of emission */
-    size_t count;
-    uint64_t emitted;
-    struct orl_health health; /* fluxes divided by the number emitted: watts */
+    uint64_t target;            /* in: photons wanted, in all; 0 for none */
+    uint64_t had, had_emitted;  /* in: of an earlier, smaller shot that found some; 0: none */
+    struct orl_photon *photons; /* out, owned by the caller: the others, in order of emission */
+    size_t count;               /* of these */
+    uint64_t emitted;           /* in all */
+    struct orl_health health;   /* of this shot; fluxes divided by what it emitted: watts */
 };
 
 struct orl_shoot_env {
@@ -43,7 +45,10 @@ struct orl_shoot_env {
     void *ctx;
 };
 
-/* Fills shots[kind]; returns 0, ORL_ERR_CANCELLED or ORL_ERR_NOMEM (photons then freed). */
+/*
+ * Fills shots[kind]; returns 0, ORL_ERR_CANCELLED, ORL_ERR_NOMEM, or ORL_ERR_CORRUPT when no shot
+ * stops at had_emitted (photons then freed).
+ */
 int orl_shoot(const struct orl_shoot_env *env, struct orl_shot shots[ORL_SHOT_KINDS],
               struct orl_error *err);
 

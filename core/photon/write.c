@@ -12,7 +12,7 @@
 #include "base/random.h"
 #include "base/sum.h"
 #include "photon/flux.h"
-#include "photon/pack.h"
+#include "photon/packing.h"
 
 struct sort_item {
     uint64_t code; /* bin of the normal, then Morton */
@@ -20,8 +20,7 @@ struct sort_item {
 };
 
 struct writer {
-    const struct orl_photon *photons;
-    size_t count;
+    struct orl_packing packing;
     const struct orl_map_build *build;
     struct sort_item *items, *spare;
     struct orl_map_layout layout;
@@ -42,18 +41,10 @@ static uint64_t spread(uint64_t x)
     return (x | x << 2) & 0x1249249249249249ULL;
 }
 
-static void cell_of(const struct writer *w, const struct orl_photon *photon, uint32_t ret_cell[3])
-{
-    for (int i = 0; i < 3; i++) {
-        const double at = (photon->position[i] - w->header.low[i]) / w->header.cell;
-        ret_cell[i] = at <= 0 ? 0 : at >= ORL_PLACE_CELLS - 1 ? ORL_PLACE_CELLS - 1 : (uint32_t)at;
-    }
-}
-
 static size_t chunk_end(const struct writer *w, size_t chunk)
 {
-    const size_t end = (chunk + 1) * CHUNK;
-    return end < w->count ? end : w->count;
+    const size_t end = (chunk + 1) * CHUNK, count = w->packing.count;
+    return end < count ? end : count;
 }
 
 static void make_codes(void *arg, size_t chunk, uint32_t member)
@@ -62,8 +53,8 @@ static void make_codes(void *arg, size_t chunk, uint32_t member)
     (void)member;
     for (size_t i = chunk * CHUNK; i < chunk_end(w, chunk); i++) {
         uint32_t cell[3];
-        cell_of(w, &w->photons[i], cell);
-        const uint64_t bin = orl_facing_bin(w->photons[i].normal);
+        orl_packing_cell(&w->packing, i, cell);
+        const uint64_t bin = orl_facing_bin(orl_packing_normal(&w->packing, i));
         /* 19 of the 20 bits an axis leave room for the bin above. */
         const uint64_t morton =
             spread(cell[0] >> 1) | spread(cell[1] >> 1) << 1 | spread(cell[2] >> 1) << 2;
@@ -71,7 +62,7 @@ static void make_codes(void *arg, size_t chunk, uint32_t member)
     }
 }
 
-/* Stable least-digit radix sort: equal places stay in order of emission. */
+/* Stable least-digit radix sort. */
 static void sort_items(struct writer *w)
 {
     enum { DIGIT = 13, BUCKETS = 1 << DIGIT, PASSES = 5 };
@@ -79,14 +70,14 @@ static void sort_items(struct writer *w)
     for (int pass = 0; pass < PASSES; pass++) {
         const int shift = pass * DIGIT;
         size_t start[BUCKETS] = {0}, sum = 0;
-        for (size_t i = 0; i < w->count; i++)
+        for (size_t i = 0; i < w->packing.count; i++)
             start[w->items[i].code >> shift & mask]++;
         for (size_t b = 0; b < BUCKETS; b++) {
             const size_t n = start[b];
             start[b] = sum;
             sum += n;
         }
-        for (size_t i = 0; i < w->count; i++)
+        for (size_t i = 0; i < w->packing.count; i++)
             w->spare[start[w->items[i].code >> shift & mask]++] = w->items[i];
         struct sort_item *swap = w->items;
         w->items = w->spare;
@@ -94,13 +85,60 @@ static void sort_items(struct writer *w)
     }
 }
 
-/* Rounds up or down by chance, so that sums keep their means; the chance is the photon's own. */
-static uint32_t pack_flux(const struct writer *w, const struct orl_photon *photon, uint32_t index)
+/* A photon among others of the same code. */
+struct tie {
+    uint64_t hash, words[2];
+    uint32_t index;
+};
+
+static int by_hash(const void *a, const void *b)
 {
-    const struct orl_rgb flux = {photon->flux[0], photon->flux[1], photon->flux[2]};
-    struct orl_random random = orl_random_stream(w->build->seed, ORL_PURPOSE_DITHER, index);
-    return orl_flux_pack(orl_rgb_scale(flux, 1 / ((double)w->build->emitted * w->header.flux_unit)),
-                         orl_random_uniform(&random));
+    const struct tie *x = a, *y = b;
+    if (x->hash != y->hash)
+        return x->hash < y->hash ? -1 : 1;
+    if (x->words[0] != y->words[0])
+        return x->words[0] < y->words[0] ? -1 : 1;
+    if (x->words[1] != y->words[1])
+        return x->words[1] < y->words[1] ? -1 : 1;
+    return x->index < y->index ? -1 : 1;
+}
+
+static struct tie tie_of(const struct writer *w, uint32_t index)
+{
+    const struct orl_photon_words p = orl_packing_words(&w->packing, index);
+    struct tie tie = {.words = {(uint64_t)p.a << 32 | p.b,
+                                (uint64_t)p.flux << 32 | (uint32_t)p.normal << 16 | p.tag},
+                      .index = index};
+    tie.hash = orl_mix64(orl_mix64(tie.words[0]) ^ tie.words[1]);
+    return tie;
+}
+
+/* Photons of one code by hash. Left to their former order are only those that are the same. */
+static int settle_ties(struct writer *w)
+{
+    struct tie *ties = NULL;
+    size_t room = 0, end;
+    for (size_t first = 0; first < w->packing.count; first = end) {
+        for (end = first + 1; end < w->packing.count && w->items[end].code == w->items[first].code;)
+            end++;
+        const size_t n = end - first;
+        if (n > room) {
+            struct tie *grown = realloc(ties, (room = 2 * n) * sizeof *ties);
+            if (!grown) {
+                free(ties);
+                return ORL_ERR_NOMEM;
+            }
+            ties = grown;
+        }
+        for (size_t i = 0; i < n && n > 1; i++)
+            ties[i] = tie_of(w, w->items[first + i].index);
+        if (n > 1)
+            qsort(ties, n, sizeof *ties, by_hash);
+        for (size_t i = 0; i < n && n > 1; i++)
+            w->items[first + i].index = ties[i].index;
+    }
+    free(ties);
+    return 0;
 }
 
 static void pack_chunk(void *arg, size_t chunk, uint32_t member)
@@ -114,18 +152,16 @@ static void pack_chunk(void *arg, size_t chunk, uint32_t member)
     const uint32_t noted = w->build->note_bytes;
     (void)member;
     for (size_t i = chunk * CHUNK; i < chunk_end(w, chunk); i++) {
-        const uint32_t index = w->items[i].index;
-        const struct orl_photon *photon = &w->photons[index];
+        const struct orl_photon_words p = orl_packing_words(&w->packing, w->items[i].index);
         uint32_t *leaf = places + i / ORL_MAP_LEAF * ORL_LEAF_WORDS + i % ORL_MAP_LEAF;
-        uint32_t cell[3];
-        cell_of(w, photon, cell);
-        leaf[0] = cell[0] | (uint32_t)(photon->batch & 15) << 20 | (cell[2] >> 12) << 24;
-        leaf[ORL_MAP_LEAF] = cell[1] | (cell[2] & 0xfffU) << 20;
-        fluxes[i] = pack_flux(w, photon, index);
-        normals[i] = photon->normal;
-        tags[i] = photon->tag;
+        leaf[0] = p.a;
+        leaf[ORL_MAP_LEAF] = p.b;
+        fluxes[i] = p.flux;
+        normals[i] = p.normal;
+        tags[i] = p.tag;
         if (noted > 0)
-            memcpy(notes + i * noted, (const char *)w->build->notes + (size_t)index * noted, noted);
+            memcpy(notes + i * noted,
+                   (const char *)w->build->notes + (size_t)w->items[i].index * noted, noted);
     }
 }
 
@@ -186,35 +222,28 @@ static void build_boxes(const struct orl_map_layout *layout, uint64_t count, cha
     }
 }
 
-/* Bounds, cell size and flux unit; all from the photons alone. */
-static void measure(struct writer *w)
+/* The mean of the brightest channels, in the units of the map's words. */
+static double mean_flux(const struct writer *w)
+{
+    const uint32_t *fluxes = (const void *)(w->file + w->layout.fluxes);
+    struct orl_sum sum = {0, 0};
+    for (size_t i = 0; i < w->packing.count; i++)
+        orl_sum_add(&sum, orl_rgb_max(orl_flux_unpack(fluxes[i])));
+    return orl_sum_value(&sum) / fmax((double)w->packing.count, 1);
+}
+
+static void fill_measures(struct writer *w)
 {
     struct orl_map_header *h = &w->header;
-    double high[3] = {-INFINITY, -INFINITY, -INFINITY}, brightest = 0;
-    struct orl_sum flux = {0, 0};
-    for (int k = 0; k < 3; k++)
-        h->low[k] = INFINITY;
-    for (size_t i = 0; i < w->count; i++) {
-        const struct orl_photon *p = &w->photons[i];
-        for (int k = 0; k < 3; k++) {
-            h->low[k] = fmin(h->low[k], p->position[k]);
-            high[k] = fmax(high[k], p->position[k]);
-        }
-        const double most = fmaxf(p->flux[0], fmaxf(p->flux[1], p->flux[2]));
-        orl_sum_add(&flux, most);
-        brightest = fmax(brightest, most);
-    }
-    for (int k = 0; k < 3; k++) {
-        if (w->count == 0)
-            h->low[k] = high[k] = 0;
-        h->cell = fmax(h->cell, (high[k] - h->low[k]) / (ORL_PLACE_CELLS - 1));
-    }
-    if (!(h->cell > 0))
-        h->cell = 1e-6;
-    /* The mean; or more, lest a photon that outshines all others together be cut (flux.h). */
-    const double unit =
-        fmax(orl_sum_value(&flux) / fmax((double)w->count, 1), brightest / ORL_FLUX_MOST);
-    h->flux_unit = unit > 0 ? unit / (double)w->build->emitted : 1;
+    const struct orl_packing *p = &w->packing;
+    memcpy(h->low, p->low, sizeof h->low);
+    h->cell = p->cell;
+    h->flux_exponent = p->flux_exponent;
+    /* Without any light: of no matter, but a number to divide by. */
+    h->flux_unit = p->flux_exponent > ORL_FLUX_LEAST
+                       ? orl_flux_unit(p->flux_exponent) / (double)w->build->emitted
+                       : 1;
+    h->flux_mean = mean_flux(w) * h->flux_unit;
 }
 
 static void fill_header(struct writer *w)
@@ -223,8 +252,10 @@ static void fill_header(struct writer *w)
     memcpy(h->magic, "ORIELPM", 8);
     h->version = ORL_MAP_VERSION;
     h->byte_order = 0x01020304U;
-    h->count = w->count;
+    h->count = w->packing.count;
     h->emitted = w->build->emitted;
+    h->target = w->build->target;
+    fill_measures(w);
     h->places = w->layout.places;
     h->fluxes = w->layout.fluxes;
     h->normals = w->layout.normals;
@@ -234,6 +265,8 @@ static void fill_header(struct writer *w)
     h->levels = w->layout.levels;
     h->note_bytes = w->build->note_bytes;
     strncpy(h->kind, w->build->kind, sizeof h->kind - 1);
+    if (w->build->family)
+        strncpy(h->family, w->build->family, sizeof h->family - 1);
     crypto_generichash(h->body_checksum, sizeof h->body_checksum,
                        (unsigned char *)w->file + sizeof *h, w->size - sizeof *h, NULL, 0);
     crypto_generichash(h->header_checksum, sizeof h->header_checksum, (unsigned char *)h,
@@ -262,35 +295,48 @@ static int create_file(struct writer *w, const char *path, int *ret_fd, struct o
     return 0;
 }
 
-int orl_photon_map_write(const char *path, struct orl_photon *photons, size_t count,
+/* Into the order of the file. */
+static int sort_photons(struct writer *w, struct orl_crew *crew)
+{
+    orl_crew_for(crew, (w->packing.count + CHUNK - 1) / CHUNK, make_codes, w);
+    sort_items(w);
+    return settle_ties(w);
+}
+
+static int fill_file(struct writer *w, const char *path, int fd, struct orl_crew *crew,
+                     struct orl_error *err)
+{
+    const size_t count = w->packing.count;
+    orl_crew_for(crew, (count + CHUNK - 1) / CHUNK, pack_chunk, w);
+    build_boxes(&w->layout, count, w->file);
+    fill_header(w);
+    if (msync(w->file, w->size, MS_SYNC) != 0 || fsync(fd) != 0)
+        return orl_error_set(err, ORL_ERR_IO, "cannot write photon map '%s': %s", path,
+                             strerror(errno));
+    return 0;
+}
+
+int orl_photon_map_write(const char *path, const struct orl_photon *photons, size_t count,
                          const struct orl_map_build *build, struct orl_crew *crew,
                          struct orl_error *err)
 {
-    struct writer w = {.photons = photons, .count = count, .build = build};
-    const size_t chunks = (count + CHUNK - 1) / CHUNK;
+    struct writer w = {.build = build};
     int fd = -1, code = ORL_ERR_NOMEM;
-    if (count > UINT32_MAX)
-        return orl_error_set(err, ORL_ERR_LIMIT, "%zu photons do not fit one map", count);
-    w.layout = orl_map_layout_of(count);
-    w.size = orl_map_size(&w.layout, count, build->note_bytes);
-    w.items = malloc((count + 1) * sizeof *w.items);
-    w.spare = malloc((count + 1) * sizeof *w.spare);
-    if (!w.items || !w.spare) {
-        orl_error_set(err, code, "out of memory sorting %zu photons", count);
+    const size_t all = count + (build->earlier ? build->earlier->header->count : 0);
+    if (all > UINT32_MAX)
+        return orl_error_set(err, ORL_ERR_LIMIT, "%zu photons do not fit one map", all);
+    orl_packing_init(&w.packing, build->earlier, photons, count, build->seed, build->extent);
+    w.layout = orl_map_layout_of(all);
+    w.size = orl_map_size(&w.layout, all, build->note_bytes);
+    w.items = malloc((all + 1) * sizeof *w.items);
+    w.spare = malloc((all + 1) * sizeof *w.spare);
+    if (!w.items || !w.spare || sort_photons(&w, crew) < 0) {
+        orl_error_set(err, code, "out of memory sorting %zu photons", all);
         goto done;
     }
-    measure(&w);
     code = create_file(&w, path, &fd, err);
-    if (code < 0)
-        goto done;
-    orl_crew_for(crew, chunks, make_codes, &w);
-    sort_items(&w);
-    orl_crew_for(crew, chunks, pack_chunk, &w);
-    build_boxes(&w.layout, count, w.file);
-    fill_header(&w);
-    if (msync(w.file, w.size, MS_SYNC) != 0 || fsync(fd) != 0)
-        code = orl_error_set(err, ORL_ERR_IO, "cannot write photon map '%s': %s", path,
-                             strerror(errno));
+    if (code == 0)
+        code = fill_file(&w, path, fd, crew, err);
 done:
     if (w.file)
         munmap(w.file, w.size);

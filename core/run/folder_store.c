@@ -1,10 +1,13 @@
 #include <oriel/run.h>
 
+#include <dirent.h>
 #include <errno.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
+
+#include "photon/map.h"
 
 static int map_path(const struct orl_folder_store *state, const char *kind, const char *key,
                     const char *suffix, char ret_path[4096], struct orl_error *err)
@@ -68,11 +71,63 @@ static void folder_release(void *ctx, const char *kind, const char *key)
     (void)ctx, (void)kind, (void)key;
 }
 
+/* What the file called name says of itself; false when it is no map, or one of another version. */
+static bool read_info(const struct orl_folder_store *state, const char *name,
+                      struct orl_map_info *ret_info)
+{
+    struct orl_map_info info = {.cached = true};
+    struct orl_photon_map *map = NULL;
+    char path[4096], key[ORL_DIGEST_HEX + 1];
+    int end = 0;
+    if (sscanf(name, "%15[a-z]-%64[0-9a-f].opm%n", info.kind, key, &end) != 2 || end == 0 ||
+        name[end] != '\0' || map_path(state, info.kind, key, "", path, NULL) < 0 ||
+        orl_photon_map_open(path, false, &map, NULL) < 0)
+        return false;
+    const struct orl_map_header *h = orl_photon_map_header(map);
+    memcpy(info.key, key, sizeof key);
+    snprintf(info.family, sizeof info.family, "%.64s", h->family);
+    info.target = h->target;
+    info.emitted = h->emitted;
+    info.stored = h->count;
+    info.bytes = h->size;
+    orl_photon_map_free(map);
+    *ret_info = info;
+    return true;
+}
+
+static int folder_find_smaller(void *ctx, const char *kind, const char *family, uint64_t target,
+                               char ret_path[4096], bool *ret_found, struct orl_map_info *ret_info,
+                               struct orl_error *err)
+{
+    const struct orl_folder_store *state = ctx;
+    struct orl_map_info info, best = {.target = 0};
+    bool found = false;
+    DIR *folder = opendir(state->folder);
+    if (!folder)
+        return orl_error_set(err, ORL_ERR_IO, "cannot read the map folder '%s': %s", state->folder,
+                             strerror(errno));
+    for (const struct dirent *file; (file = readdir(folder)) != NULL;) {
+        if (!read_info(state, file->d_name, &info) || strcmp(info.kind, kind) != 0 ||
+            strcmp(info.family, family) != 0 || info.target >= target ||
+            (found && info.target < best.target))
+            continue;
+        best = info;
+        found = true;
+    }
+    closedir(folder);
+    *ret_found = found;
+    if (!found)
+        return 0;
+    *ret_info = best;
+    return map_path(state, kind, best.key, "", ret_path, err);
+}
+
 struct orl_map_store orl_map_store_in_folder(struct orl_folder_store *state)
 {
     return (struct orl_map_store){.ctx = state,
                                   .acquire = folder_acquire,
                                   .commit = folder_commit,
                                   .abandon = folder_abandon,
-                                  .release = folder_release};
+                                  .release = folder_release,
+                                  .find_smaller = folder_find_smaller};
 }

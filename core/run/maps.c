@@ -1,93 +1,18 @@
-#include <sodium.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "photon/records.h"
-#include "run/stages.h"
-
-/* What a map's photons depend on beyond the scene: raised when their making changes. */
-static const char recipe[] = "oriel photons 7";
-
-/* And what precomputed irradiance does beyond its global map. */
-static const char records_recipe[] = "oriel records 5";
-
-/* Of precomputed irradiance: from the key of the global map it is made from. */
-static void derive_key(const char global[ORL_DIGEST_HEX + 1], char ret_key[ORL_DIGEST_HEX + 1])
-{
-    unsigned char digest[crypto_hash_sha256_BYTES];
-    crypto_hash_sha256_state hash;
-    crypto_hash_sha256_init(&hash);
-    crypto_hash_sha256_update(&hash, (const unsigned char *)records_recipe, sizeof records_recipe);
-    crypto_hash_sha256_update(&hash, (const unsigned char *)global, ORL_DIGEST_HEX);
-    crypto_hash_sha256_final(&hash, digest);
-    sodium_bin2hex(ret_key, ORL_DIGEST_HEX + 1, digest, sizeof digest);
-}
-
-/*
- * What the plan leaves out changes photons; what it leaves in is in the files. So that jobs share
- * maps whose plans differ in nothing that photons know, it is the world that counts, not the plan.
- */
-static void add_plan(crypto_hash_sha256_state *hash, const struct orl_world *world,
-                     enum orl_map_kind kind)
-{
-    const struct orl_omissions *omit = &world->omit;
-    const bool caustic = kind == ORL_MAP_CAUSTIC;
-    const uint64_t numbers[] = {omit->exterior,
-                                omit->glossy,
-                                omit->media,
-                                omit->refraction,
-                                omit->bleached,
-                                omit->channels,
-                                caustic ? 0 : omit->most_reflections,
-                                caustic && omit->mirror_caustics,
-                                caustic && omit->lobe_caustics,
-                                !caustic && omit->counted_light,
-                                caustic && world->caustics_lit,
-                                world->n_suns,
-                                world->n_domes,
-                                world->n_emitters};
-    crypto_hash_sha256_update(hash, (const unsigned char *)numbers, sizeof numbers);
-    for (size_t i = 0; i < world->n_suns; i++) {
-        const struct orl_vec3 n = world->suns[i].frame.n;
-        const double sun[] = {n.x, n.y, n.z, world->suns[i].cos_half_angle};
-        crypto_hash_sha256_update(hash, (const unsigned char *)sun, sizeof sun);
-    }
-    for (size_t i = 0; i < world->n_ports; i++) {
-        const unsigned char silent = world->ports[i].silent;
-        crypto_hash_sha256_update(hash, &silent, sizeof silent);
-    }
-}
-
-static void make_key(const struct orl_run_state *state, enum orl_map_kind kind, uint64_t target,
-                     char ret_key[ORL_DIGEST_HEX + 1])
-{
-    if (kind == ORL_MAP_PRECOMPUTED) {
-        char global[ORL_DIGEST_HEX + 1];
-        make_key(state, ORL_MAP_GLOBAL, target, global);
-        derive_key(global, ret_key);
-        return;
-    }
-    const uint64_t numbers[4] = {ORL_MAP_VERSION, (uint64_t)kind, target, state->job->seed};
-    unsigned char digest[crypto_hash_sha256_BYTES];
-    crypto_hash_sha256_state hash;
-    crypto_hash_sha256_init(&hash);
-    crypto_hash_sha256_update(&hash, (const unsigned char *)recipe, sizeof recipe);
-    crypto_hash_sha256_update(&hash, state->world->description.digest,
-                              sizeof state->world->description.digest);
-    crypto_hash_sha256_update(&hash, (const unsigned char *)numbers, sizeof numbers);
-    if (state->job->sky.model != ORL_SKY_OF_SCENE)
-        crypto_hash_sha256_update(&hash, state->sky_digest, sizeof state->sky_digest);
-    add_plan(&hash, state->world, kind);
-    crypto_hash_sha256_final(&hash, digest);
-    sodium_bin2hex(ret_key, ORL_DIGEST_HEX + 1, digest, sizeof digest);
-}
+#include "run/map_keys.h"
 
 struct map_work {
     uint64_t target;
     bool hit;
     char path[4096];
+    struct orl_map_name name;
     struct orl_map_info info;
+    struct orl_photon_map *earlier; /* smaller, of the same family: to be topped up; or NULL */
+    struct orl_map_info earlier_info;
 };
 
 /* Opens what the store had. A damaged file is dropped and asked for once more, then to be built. */
@@ -96,7 +21,8 @@ static int acquire(struct orl_run_state *state, enum orl_map_kind kind, struct m
 {
     const struct orl_map_store *store = state->env->store;
     const char *name = orl_map_kind_name(kind);
-    make_key(state, kind, work->target, state->keys[kind]);
+    work->name = orl_run_map_name(state, kind, work->target);
+    memcpy(state->keys[kind], work->name.key, sizeof work->name.key);
     for (int attempt = 0; attempt < 2; attempt++) {
         int code = store->acquire(store->ctx, name, state->keys[kind], state->env->cancel,
                                   work->path, &work->hit, &work->info, err);
@@ -113,6 +39,7 @@ static int acquire(struct orl_run_state *state, enum orl_map_kind kind, struct m
             work->info.stored = h->count;
             work->info.emitted = h->emitted;
             work->info.bytes = h->size;
+            work->info.reused = 0;
             work->info.cached = true;
             return 0;
         }
@@ -124,6 +51,47 @@ static int acquire(struct orl_run_state *state, enum orl_map_kind kind, struct m
     }
     return orl_error_set(err, ORL_ERR_CORRUPT, "the cached %s photon map is damaged twice over",
                          name);
+}
+
+/*
+ * Looks for a smaller map to top up, the largest that is whole. A damaged one is left where it is:
+ * it is dropped by the job that asks for its key.
+ */
+static int find_earlier(struct orl_run_state *state, enum orl_map_kind kind, struct map_work *work,
+                        struct orl_error *err)
+{
+    const struct orl_map_store *store = state->env->store;
+    const char *name = orl_map_kind_name(kind);
+    uint64_t below = work->target;
+    while (store->find_smaller) {
+        char path[4096];
+        bool found = false;
+        struct orl_map_info *info = &work->earlier_info;
+        int code = store->find_smaller(store->ctx, name, work->name.family, below, path, &found,
+                                       info, err);
+        if (code < 0 || !found)
+            return code;
+        code = orl_photon_map_open(path, true, &work->earlier, NULL);
+        if (code == 0 && orl_photon_map_header(work->earlier)->count > 0)
+            return 0;
+        if (code < 0)
+            orl_run_warn(state, "a smaller %s photon map is damaged and cannot be topped up", name);
+        orl_photon_map_free(work->earlier);
+        work->earlier = NULL;
+        store->release(store->ctx, name, info->key);
+        below = info->target;
+    }
+    return 0;
+}
+
+static void drop_earlier(struct orl_run_state *state, enum orl_map_kind kind, struct map_work *work)
+{
+    const struct orl_map_store *store = state->env->store;
+    if (!work->earlier)
+        return;
+    orl_photon_map_free(work->earlier);
+    work->earlier = NULL;
+    store->release(store->ctx, orl_map_kind_name(kind), work->earlier_info.key);
 }
 
 static void stage_progress(void *ctx, double fraction)
@@ -158,7 +126,7 @@ static int shoot(struct orl_run_state *state, struct orl_shot shots[ORL_SHOT_KIN
 
 /* What there is to write: photons, or records, and what they took. */
 struct harvest {
-    struct orl_photon *photons;
+    const struct orl_photon *photons;
     size_t count;
     uint64_t emitted;
     double seconds;
@@ -171,8 +139,12 @@ static int keep(struct orl_run_state *state, enum orl_map_kind kind, struct map_
 {
     const struct orl_run_env *env = state->env;
     const struct orl_map_build build = {.kind = orl_map_kind_name(kind),
+                                        .family = work->name.family,
+                                        .target = work->target,
                                         .emitted = harvest->emitted,
                                         .seed = state->job->seed,
+                                        .extent = state->world->geometry->radius,
+                                        .earlier = work->earlier,
                                         .notes = harvest->notes,
                                         .note_bytes =
                                             harvest->notes ? (uint32_t)sizeof *harvest->notes : 0};
@@ -184,10 +156,17 @@ static int keep(struct orl_run_state *state, enum orl_map_kind kind, struct map_
     if (code < 0)
         return code;
     const struct orl_map_header *h = orl_photon_map_header(state->maps[kind]);
-    work->info = (struct orl_map_info){.emitted = h->emitted, .stored = h->count, .bytes = h->size};
+    work->info = (struct orl_map_info){
+        .target = work->target, .emitted = h->emitted, .stored = h->count, .bytes = h->size};
     work->info.seconds = harvest->seconds + env->now_s(env->ctx) - started;
+    if (work->earlier) {
+        work->info.reused = orl_photon_map_header(work->earlier)->count;
+        work->info.seconds += work->earlier_info.seconds;
+    }
     snprintf(work->info.kind, sizeof work->info.kind, "%s", build.kind);
-    snprintf(work->info.key, sizeof work->info.key, "%s", state->keys[kind]);
+    memcpy(work->info.key, work->name.key, sizeof work->info.key);
+    memcpy(work->info.family, work->name.family, sizeof work->info.family);
+    drop_earlier(state, kind, work);
     return env->store->commit(env->store->ctx, &work->info, err);
 }
 
@@ -195,10 +174,11 @@ static int keep_shot(struct orl_run_state *state, enum orl_map_kind kind, struct
                      const struct orl_shot *shot, double seconds, struct orl_error *err)
 {
     const struct harvest harvest = {shot->photons, shot->count, shot->emitted, seconds, NULL};
-    if (shot->count > 0 && shot->count < shot->target)
-        orl_run_warn(state, "only %zu of the %llu %s photons asked for were found, of %llu emitted",
-                     shot->count, (unsigned long long)shot->target, orl_map_kind_name(kind),
-                     (unsigned long long)shot->emitted);
+    const unsigned long long found = shot->had + shot->count, wanted = shot->target;
+    if (found > 0 && found < wanted)
+        orl_run_warn(state,
+                     "only %llu of the %llu %s photons asked for were found, of %llu emitted",
+                     found, wanted, orl_map_kind_name(kind), (unsigned long long)shot->emitted);
     orl_health_add(&state->result->health, &shot->health);
     return keep(state, kind, work, &harvest, err);
 }
@@ -241,6 +221,21 @@ static bool is_missing(const struct map_work *work)
     return work->target > 0 && !work->hit;
 }
 
+/* What there is to shoot of one kind: all, or what a smaller map has not. */
+static int plan_shot(struct orl_run_state *state, enum orl_map_kind kind, struct map_work *work,
+                     struct orl_shot *shot, struct orl_error *err)
+{
+    if (!is_missing(work))
+        return 0;
+    const int code = find_earlier(state, kind, work, err);
+    shot->target = work->target;
+    if (work->earlier) {
+        shot->had = orl_photon_map_header(work->earlier)->count;
+        shot->had_emitted = orl_photon_map_header(work->earlier)->emitted;
+    }
+    return code;
+}
+
 static int build_missing(struct orl_run_state *state, struct map_work *work, struct orl_error *err)
 {
     const struct orl_run_env *env = state->env;
@@ -248,13 +243,13 @@ static int build_missing(struct orl_run_state *state, struct map_work *work, str
     const double started = env->now_s(env->ctx);
     bool missing = false;
     int code = 0;
-    for (int k = 0; k < ORL_SHOT_KINDS; k++) {
-        shots[k].target = is_missing(&work[k]) ? work[k].target : 0;
+    for (int k = 0; k < ORL_SHOT_KINDS && code == 0; k++) {
+        code = plan_shot(state, (enum orl_map_kind)k, &work[k], &shots[k], err);
         missing = missing || shots[k].target > 0;
     }
-    if (missing)
+    if (missing && code == 0)
         code = shoot(state, shots, err);
-    else
+    if (!missing)
         state->cost_s[ORL_STAGE_PHOTONS] = 0;
     if (!missing && !is_missing(&work[ORL_MAP_PRECOMPUTED]))
         state->cost_s[ORL_STAGE_MAPS] = 0;
@@ -320,6 +315,7 @@ int orl_run_maps(struct orl_run_state *state, struct orl_error *err)
                                 state->keys[k]);
             state->held[k] = false;
         }
+        drop_earlier(state, (enum orl_map_kind)k, &work[k]);
     }
     free(work);
     return code;

@@ -1,0 +1,137 @@
+#include "photon/packing.h"
+
+#include "base/random.h"
+#include "photon/flux.h"
+
+/* Corners of the box that holds all photons. */
+struct bounds {
+    double low[3], high[3];
+};
+
+/* Where a photon of the earlier map is: its cell's corner, which lies in the same larger cells. */
+static void earlier_corner(const struct orl_photon_map *map, size_t index, double ret_at[3])
+{
+    const uint32_t *leaf = map->places + index / ORL_MAP_LEAF * ORL_LEAF_WORDS;
+    uint32_t cell[3];
+    orl_place_unpack(leaf[index % ORL_MAP_LEAF], leaf[index % ORL_MAP_LEAF + ORL_MAP_LEAF], cell);
+    for (int k = 0; k < 3; k++)
+        ret_at[k] = map->header->low[k] + cell[k] * map->header->cell;
+}
+
+static void place_of(const struct orl_packing *p, size_t index, double ret_at[3])
+{
+    if (index < p->n_earlier) {
+        earlier_corner(p->earlier, index, ret_at);
+        return;
+    }
+    for (int k = 0; k < 3; k++)
+        ret_at[k] = p->photons[index - p->n_earlier].position[k];
+}
+
+static struct bounds bound(const struct orl_packing *p)
+{
+    struct bounds b = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+    for (size_t i = 0; i < p->count; i++) {
+        double at[3];
+        place_of(p, i, at);
+        for (int k = 0; k < 3; k++) {
+            b.low[k] = fmin(b.low[k], at[k]);
+            b.high[k] = fmax(b.high[k], at[k]);
+        }
+    }
+    if (p->count == 0)
+        b = (struct bounds){{0, 0, 0}, {0, 0, 0}};
+    return b;
+}
+
+static bool fits(const struct bounds *b, double cell)
+{
+    bool fit = true;
+    for (int k = 0; k < 3; k++)
+        fit = fit && floor(b->high[k] / cell) - floor(b->low[k] / cell) < ORL_PLACE_CELLS;
+    return fit;
+}
+
+/* Powers of two, so that the divisions are exact. */
+static void choose_cells(struct orl_packing *p, double extent)
+{
+    const struct bounds b = bound(p);
+    p->cell = ldexp(1, ilogb(extent > 0 && isfinite(extent) ? extent : 1) - 32);
+    if (p->n_earlier > 0)
+        p->cell = fmax(p->cell, p->earlier->header->cell);
+    while (!fits(&b, p->cell) && isfinite(p->cell))
+        p->cell *= 2;
+    /* Zero is added lest it be negative: whether it is tells of photons by their order. */
+    for (int k = 0; k < 3; k++)
+        p->low[k] = floor(b.low[k] / p->cell) * p->cell + 0.0;
+}
+
+static void choose_exponent(struct orl_packing *p)
+{
+    double brightest = 0;
+    for (size_t i = 0; i < p->count - p->n_earlier; i++) {
+        const float *flux = p->photons[i].flux;
+        brightest = fmax(brightest, fmaxf(flux[0], fmaxf(flux[1], flux[2])));
+    }
+    p->flux_exponent = orl_flux_least(brightest);
+    if (p->n_earlier > 0 && p->earlier->header->flux_exponent > p->flux_exponent)
+        p->flux_exponent = p->earlier->header->flux_exponent;
+}
+
+void orl_packing_init(struct orl_packing *packing, const struct orl_photon_map *earlier,
+                      const struct orl_photon *photons, size_t n, uint64_t seed, double extent)
+{
+    *packing = (struct orl_packing){.earlier = earlier,
+                                    .photons = photons,
+                                    .n_earlier = earlier ? earlier->header->count : 0,
+                                    .seed = seed};
+    packing->count = packing->n_earlier + n;
+    choose_cells(packing, extent);
+    choose_exponent(packing);
+}
+
+void orl_packing_cell(const struct orl_packing *packing, size_t index, uint32_t ret_cell[3])
+{
+    double at[3];
+    place_of(packing, index, at);
+    for (int k = 0; k < 3; k++)
+        ret_cell[k] = (uint32_t)(floor(at[k] / packing->cell) - packing->low[k] / packing->cell);
+}
+
+uint16_t orl_packing_normal(const struct orl_packing *packing, size_t index)
+{
+    return index < packing->n_earlier ? packing->earlier->normals[index]
+                                      : packing->photons[index - packing->n_earlier].normal;
+}
+
+/* Rounds up or down by chance, so that sums keep their means; the chance is the photon's own. */
+static uint32_t new_flux(const struct orl_packing *p, size_t index)
+{
+    const float *flux = p->photons[index - p->n_earlier].flux;
+    struct orl_random random = orl_random_stream(p->seed, ORL_PURPOSE_DITHER, index);
+    return orl_flux_pack_from((struct orl_rgb){flux[0], flux[1], flux[2]}, p->flux_exponent,
+                              orl_random_uniform(&random));
+}
+
+struct orl_photon_words orl_packing_words(const struct orl_packing *packing, size_t index)
+{
+    const struct orl_photon_map *map = packing->earlier;
+    struct orl_photon_words words = {.normal = orl_packing_normal(packing, index)};
+    uint32_t batch, cell[3];
+    if (index < packing->n_earlier) {
+        const uint64_t word = index / ORL_MAP_LEAF * ORL_LEAF_WORDS + index % ORL_MAP_LEAF;
+        const int coarser = packing->flux_exponent - map->header->flux_exponent;
+        batch = map->places[word] >> 20 & 15U;
+        words.flux = orl_flux_coarsen(map->fluxes[index], coarser);
+        words.tag = map->tags[index];
+    } else {
+        const struct orl_photon *photon = &packing->photons[index - packing->n_earlier];
+        batch = photon->batch & 15U;
+        words.flux = new_flux(packing, index);
+        words.tag = photon->tag;
+    }
+    orl_packing_cell(packing, index, cell);
+    words.a = cell[0] | batch << 20 | (cell[2] >> 12) << 24;
+    words.b = cell[1] | (cell[2] & 0xfffU) << 20;
+    return words;
+}

@@ -1,0 +1,47 @@
+/*
+ * Photons in the words of a map: those of an earlier, smaller map, if there is one, then new ones.
+ *
+ * What a photon becomes depends on the photon, its number in the order of emission, and two sizes
+ * that fit all photons of the map: the edge of a cell and the step of the faintest flux. Both are
+ * powers of two that only grow as photons are added, cells begin at multiples of their edge, and
+ * bits that a greater size leaves no room for are cut off, never rounded. So a word packed for few
+ * photons and coarsened for many is the word that packing for many gives, and a map that is topped
+ * up holds what it would hold if it had been made at once.
+ *
+ * Places must be finite. Borrows photons and map. Threads: immutable once set up; words from any
+ * thread.
+ */
+#ifndef ORL_PHOTON_PACKING_H
+#define ORL_PHOTON_PACKING_H
+
+#include "photon/pack.h"
+
+struct orl_packing {
+    const struct orl_photon_map *earlier; /* or NULL */
+    const struct orl_photon *photons;     /* those that come after, in order of emission */
+    size_t n_earlier, count;              /* count: of all */
+    uint64_t seed;                        /* of the dither of fluxes, by order of emission */
+    double low[3], cell;                  /* as in struct orl_map_header */
+    int flux_exponent;
+};
+
+/* What a map keeps of one photon; map.h says how. */
+struct orl_photon_words {
+    uint32_t a, b; /* place and batch */
+    uint32_t flux;
+    uint16_t normal, tag;
+};
+
+/*
+ * Sets up the packing of earlier's photons and n more; extent: the scene's radius, cells are no
+ * smaller than 2^-32 of it.
+ */
+void orl_packing_init(struct orl_packing *packing, const struct orl_photon_map *earlier,
+                      const struct orl_photon *photons, size_t n, uint64_t seed, double extent);
+
+/* The earlier map's photons have the indices below n_earlier, in the order they have there. */
+void orl_packing_cell(const struct orl_packing *packing, size_t index, uint32_t ret_cell[3]);
+uint16_t orl_packing_normal(const struct orl_packing *packing, size_t index);
+struct orl_photon_words orl_packing_words(const struct orl_packing *packing, size_t index);
+
+#endif
