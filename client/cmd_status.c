@@ -8,6 +8,26 @@
 #include "json_get.h"
 #include "progress.h"
 #include "report.h"
+#include "study_table.h"
+
+/* What a study is at, and the points so far. */
+static void print_study(const json_t *study)
+{
+    const json_t *points = json_object_get(study, "points"), *point;
+    char text[160];
+    size_t i;
+
+    if (!study)
+        return;
+    printf("running  %s, run %.0f of %.0f\npoints   %zu of %.0f\n", orl_json_text(study, "running"),
+           orl_json_number(study, "run", 0), orl_json_number(study, "runs", 0),
+           json_array_size(points), orl_json_number(study, "settings", 0));
+    json_array_foreach(points, i, point)
+    {
+        orl_format_study_point(point, text, sizeof text);
+        printf("%s\n", text);
+    }
+}
 
 static void print_job(const json_t *job)
 {
@@ -17,7 +37,8 @@ static void print_job(const json_t *job)
     char text[256];
     size_t i;
 
-    printf("id       %s\nstate    %s\n", orl_json_text(job, "id"), orl_json_text(job, "state"));
+    printf("id       %s\nkind     %s\nstate    %s\n", orl_json_text(job, "id"),
+           orl_json_text(job, "kind"), orl_json_text(job, "state"));
     if (position > 0)
         printf("queue    %.0f\n", position);
     if (*orl_json_text(job, "stage"))
@@ -32,6 +53,7 @@ static void print_job(const json_t *job)
         orl_format_map(map, text, sizeof text);
         printf("%s\n", text);
     }
+    print_study(json_object_get(job, "study"));
     fflush(stdout);
     orl_report_job_error(job);
 }
@@ -41,11 +63,12 @@ static void print_jobs(const json_t *jobs)
     const json_t *job;
     size_t i;
 
-    printf("%-36s %-10s %8s  %s\n", "id", "state", "percent", "created");
+    printf("%-36s %-8s %-10s %8s  %s\n", "id", "kind", "state", "percent", "created");
     json_array_foreach(jobs, i, job)
     {
-        printf("%-36s %-10s %8.1f  %s\n", orl_json_text(job, "id"), orl_json_text(job, "state"),
-               orl_json_number(job, "percent", 0), orl_json_text(job, "created"));
+        printf("%-36s %-8s %-10s %8.1f  %s\n", orl_json_text(job, "id"), orl_json_text(job, "kind"),
+               orl_json_text(job, "state"), orl_json_number(job, "percent", 0),
+               orl_json_text(job, "created"));
     }
 }
 

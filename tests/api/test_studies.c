@@ -75,7 +75,7 @@ static void expect_state(struct fixture *f, const char *job, const char *state, 
 static const char small[] =
     "\"title\":\"A room\"," SENSORS "\"techniques\":[\"gather\"]," SMALL REFERENCE;
 
-/* Of ten sensors and a backward technique that takes its time, so that polls see it run. */
+/* A backward technique that takes its time, so that polls see it run. */
 static const char seen[] = SENSORS "\"techniques\":[\"direct\",\"backward\"],\"photons\":[2000],"
                                    "\"gather_samples\":[4000000],\"repeats\":9," REFERENCE;
 
@@ -219,6 +219,18 @@ static void cancel(struct fixture *f, const char *job, long status)
     reply_done(&reply);
 }
 
+/* `oriel status` of a study that runs. */
+static void check_status(const struct fixture *f, const char *job)
+{
+    static struct cli_result result;
+    const char *const args[] = {"status", strrchr(job, '/') + 1, "--server", f->daemon.url, NULL};
+    cli_run(args, &result);
+    assert_int_equal(result.exit_code, 0);
+    if (!strstr(result.out, "running  backward, run ") ||
+        !strstr(result.out, "points   1 of 2\ndirect, 2.0 k photons, - samples: "))
+        fail_msg("%s", result.out);
+}
+
 static void test_progress_and_cancelling(void **state)
 {
     struct fixture *f = *state;
@@ -241,6 +253,7 @@ static void test_progress_and_cancelling(void **state)
     assert_true(reply_number(&reply, "percent") > 0 && reply_number(&reply, "percent") < 100);
     assert_null(reply_at(&reply, "stage"));
     reply_done(&reply);
+    check_status(f, job);
 
     snprintf(path, sizeof path, "%s/result", job);
     daemon_get(&f->daemon, path, &reply);
