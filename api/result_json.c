@@ -90,8 +90,9 @@ static json_t *views_to_json(const struct orl_result *result)
     json_t *views = json_array();
     for (size_t i = 0; i < result->n_views; i++) {
         const struct orl_view_result *view = &result->views[i];
-        if (append(views, json_pack("{s:s, s:s*, s:s*, s:f}", "name", view->name, "hdr", view->hdr,
-                                    "png", view->png, "seconds", view->seconds))) {
+        if (append(views, json_pack("{s:s, s:s*, s:s*, s:s*, s:s*, s:f}", "name", view->name, "hdr",
+                                    view->hdr, "png", view->png, "error_hdr", view->error_hdr,
+                                    "error_png", view->error_png, "seconds", view->seconds))) {
             json_decref(views);
             return NULL;
         }

@@ -6,7 +6,8 @@
  *      "maps": [{"kind", "key", "emitted", "stored", "reused", "bytes", "seconds", "cached"}],
  *      "sensors": [{"illuminance_lx", "standard_error_lx", "bias_estimate_lx",
  *                   "interval_95_lx": [low, high]}],
- *      "views": [{"name", "hdr", "png", "seconds"}], "health": {...}, "warnings": ["..."]}
+ *      "views": [{"name", "hdr", "png", "error_hdr" and "error_png" where errors are known,
+ *                 "seconds"}], "health": {...}, "warnings": ["..."]}
  *
  * Returned objects are new references, the caller's; NULL when out of memory.
  */

@@ -117,6 +117,10 @@ int orl_job_output_write(const struct orl_result *result, const char *folder, ch
         rc = add_file(files, folder, result->views[i].hdr, err);
         if (rc == 0)
             rc = add_file(files, folder, result->views[i].png, err);
+        if (rc == 0)
+            rc = add_file(files, folder, result->views[i].error_hdr, err);
+        if (rc == 0)
+            rc = add_file(files, folder, result->views[i].error_png, err);
     }
     if (rc == 0)
         rc = dump_summary(json_pack("{s:s, s:O, s:O, s:O, s:O}", "technique",

@@ -10,7 +10,11 @@
  * Sensors: samples fall into 16 groups, each with its own numbers and its own virtual lamps, of
  * emissions that are independent of the other groups'; their spread gives the standard error.
  * Views: rays are followed both ways where they split (shade.h), and one sample is taken at every
- * diffuse surface that they come to; branches of little weight are followed by lot.
+ * diffuse surface that they come to; branches of little weight are followed by lot. A pixel's
+ * samples fall into up to 16 groups of consecutive ones, each with virtual lamps of its own; their
+ * spread, smoothed over neighbours (error_map.h), gives the standard error, on the safe side: the
+ * groups' samples are spread evenly together, which no group has of itself. Of one sample a pixel
+ * it is not known.
  *
  * Suns by way of a curved mirror, of two mirrors or of a dielectric have no shadow rays: only a ray
  * that happens on the disc finds them. That is noise, not bias. Exterior paths are exterior.h's.

@@ -1,5 +1,6 @@
 /* Views by the backward technique: every pixel the mean of a number of rays through it. */
 #include "render/backward.h"
+#include "render/error_map.h"
 #include "render/shade.h"
 
 enum { LAMPS_A_RAY = 8, PANE_SAMPLES = 4, GLOSS_SAMPLES = 2 };
@@ -42,7 +43,37 @@ static struct orl_rgb lit_surfaces(const struct orl_sight *sight, struct orl_sam
     return sum;
 }
 
-static struct orl_pixel pixel_radiance(void *ctx, uint32_t x, uint32_t y, struct orl_search *search)
+static struct orl_rgb ray_radiance(const struct painter *p, const struct orl_onlooker *onlooker,
+                                   const double place[2], struct orl_sampling sampling,
+                                   struct orl_tracer *tracer, struct orl_search *search)
+{
+    struct orl_vec3 origin, direction;
+    struct orl_sight sight;
+    if (!orl_paint_ray(p->painting, place[0], place[1], &origin, &direction))
+        return orl_gray(0);
+    orl_shade_look(onlooker, origin, direction, p->outside, false, &tracer->random, search, &sight);
+    return orl_rgb_add(orl_health_keep(tracer->health, sight.rest),
+                       lit_surfaces(&sight, sampling, tracer));
+}
+
+/* Sums of groups of samples, and how many each has. */
+struct groups {
+    double sums[ORL_MAP_BATCHES];
+    uint32_t counts[ORL_MAP_BATCHES];
+};
+
+/* Standard error of the mean of all, by how far the groups' means lie apart. */
+static double error_of(const struct groups *groups, uint32_t n, double mean)
+{
+    double square = 0;
+    for (uint32_t g = 0; g < n; g++) {
+        const double off = groups->sums[g] / groups->counts[g] - mean;
+        square += off * off;
+    }
+    return n > 1 ? sqrt(square / ((double)n * (n - 1))) : NAN;
+}
+
+static struct orl_pixel compute_pixel(void *ctx, uint32_t x, uint32_t y, struct orl_search *search)
 {
     const struct painter *p = ctx;
     const struct orl_backward *b = p->backward;
@@ -59,26 +90,27 @@ static struct orl_pixel pixel_radiance(void *ctx, uint32_t x, uint32_t y, struct
                                           .ctx = b};
     struct orl_sampling sampling = {
         .sequence = (uint32_t)(name >> 8) + 1, .effort = p->effort, .lamps = LAMPS_A_RAY};
+    const uint32_t n_groups = p->samples < ORL_MAP_BATCHES ? p->samples : ORL_MAP_BATCHES;
+    struct groups groups = {.sums = {0}};
     struct orl_rgb sum = orl_gray(0);
     for (uint32_t i = 0; i < p->samples; i++) {
+        const uint32_t group = (uint32_t)((uint64_t)i * n_groups / p->samples);
         struct orl_tracer tracer = {
             .backward = b,
-            .group = (uint32_t)((name + i) % ORL_MAP_BATCHES),
+            .group = (uint32_t)((name + group) % ORL_MAP_BATCHES),
             .random = orl_random_stream(b->seed + index, ORL_PURPOSE_PIXEL, (pixel << 24) + i),
             .health = &search->health};
-        struct orl_vec3 origin, direction;
-        struct orl_sight sight;
         double u[2];
         orl_sobol_point(&b->sobol, i, (uint32_t)(name >> 8), 2, u);
-        if (!orl_paint_ray(p->painting, x + u[0], y + u[1], &origin, &direction))
-            continue;
         sampling.index = i;
-        orl_shade_look(&onlooker, origin, direction, p->outside, false, &tracer.random, search,
-                       &sight);
-        sum = orl_rgb_add(sum, orl_health_keep(&search->health, sight.rest));
-        sum = orl_rgb_add(sum, lit_surfaces(&sight, sampling, &tracer));
+        const double place[2] = {x + u[0], y + u[1]};
+        const struct orl_rgb c = ray_radiance(p, &onlooker, place, sampling, &tracer, search);
+        sum = orl_rgb_add(sum, c);
+        groups.sums[group] += orl_luma(c);
+        groups.counts[group]++;
     }
-    return (struct orl_pixel){orl_rgb_scale(sum, 1.0 / p->samples), NAN};
+    const struct orl_rgb mean = orl_rgb_scale(sum, 1.0 / p->samples);
+    return (struct orl_pixel){mean, error_of(&groups, n_groups, orl_luma(mean))};
 }
 
 int orl_backward_render(const struct orl_backward *backward, const struct orl_painting *painting,
@@ -90,6 +122,10 @@ int orl_backward_render(const struct orl_backward *backward, const struct orl_pa
                               .effort = orl_aim_effort(&backward->aim, at_surfaces),
                               .samples = samples,
                               .outside = orl_world_is_outside(backward->world, eye)};
-    const int code = orl_paint(painting, pixel_radiance, &painter, 0);
-    return code == 0 ? 0 : orl_error_set(err, code, "cancelled while rendering a view");
+    const int code = orl_paint(painting, compute_pixel, &painter, 0);
+    if (code < 0)
+        return orl_error_set(err, code, "cancelled while rendering a view");
+    if (orl_film_smooth_errors(painting->film) < 0)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory rendering a view");
+    return 0;
 }

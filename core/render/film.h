@@ -6,7 +6,8 @@
  * PNG is for looking at: luminance compressed by Reinhard et al. 2002 about the image's own
  * log-average, sRGB.
  *
- * Beside its value a pixel has the standard error of its luma (error_map.h writes them).
+ * Beside its value a pixel has the standard error of its luma; error_map.h says of what, and writes
+ * these.
  */
 #ifndef ORL_RENDER_FILM_H
 #define ORL_RENDER_FILM_H

@@ -40,6 +40,28 @@ void orl_job_done(struct orl_job *job)
     memset(job, 0, sizeof *job);
 }
 
+/* Whether a view of that name would write its pictures where the other writes its error maps. */
+static bool is_error_of(const char *name, const char *of)
+{
+    const size_t length = strlen(of);
+    return strncmp(name, of, length) == 0 && strcmp(name + length, ".error") == 0;
+}
+
+static int validate_names(const struct orl_job *job, size_t index, struct orl_error *err)
+{
+    const char *name = job->views[index].name;
+    for (size_t i = 0; i < index; i++) {
+        const char *other = job->views[i].name;
+        if (strcmp(other, name) == 0)
+            return orl_error_set(err, ORL_ERR_INVALID, "two views are named '%s'", name);
+        if (is_error_of(name, other) || is_error_of(other, name))
+            return orl_error_set(err, ORL_ERR_INVALID,
+                                 "views named '%s' and '%s': '.error' names error maps", other,
+                                 name);
+    }
+    return 0;
+}
+
 static int validate_view(const struct orl_job *job, size_t index, struct orl_error *err)
 {
     const struct orl_view_request *v = &job->views[index];
@@ -54,9 +76,9 @@ static int validate_view(const struct orl_job *job, size_t index, struct orl_err
             return orl_error_set(err, ORL_ERR_INVALID,
                                  "view name '%s' may hold letters, digits, '-', '_' and '.' only",
                                  v->name);
-    for (size_t i = 0; i < index; i++)
-        if (strcmp(job->views[i].name, v->name) == 0)
-            return orl_error_set(err, ORL_ERR_INVALID, "two views are named '%s'", v->name);
+    code = validate_names(job, index, err);
+    if (code < 0)
+        return code;
     if (v->width < 1 || v->height < 1 || v->width > ORL_LIMIT_IMAGE_SIDE ||
         v->height > ORL_LIMIT_IMAGE_SIDE || (uint64_t)v->width * v->height > ORL_LIMIT_IMAGE_PIXELS)
         return orl_error_set(

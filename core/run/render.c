@@ -2,6 +2,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "render/error_map.h"
 #include "run/stages.h"
 
 /* What is rendered at the moment: its technique and how much of the stage came before. */
@@ -71,34 +72,61 @@ static void view_progress(void *ctx, double fraction)
     orl_run_progress(progress->state, progress->before + progress->share * fraction);
 }
 
-static int write_view(const struct orl_run_state *state, const struct orl_film *film,
-                      const struct orl_view *view, const struct orl_view_result *result,
-                      struct orl_error *err)
+static int path_of(const struct orl_run_state *state, const char *file, char ret_path[4096],
+                   struct orl_error *err)
+{
+    const int length = snprintf(ret_path, 4096, "%s/%s", state->env->output_folder, file);
+    if (length < 0 || length >= 4096)
+        return orl_error_set(err, ORL_ERR_LIMIT, "the path of the output folder is too long");
+    return 0;
+}
+
+/* name.ending, owned; NULL when out of memory. */
+static char *file_name(const char *name, const char *ending)
+{
+    const size_t size = strlen(name) + strlen(ending) + 2;
+    char *file = malloc(size);
+    if (file)
+        snprintf(file, size, "%s.%s", name, ending);
+    return file;
+}
+
+static int write_image(const struct orl_run_state *state, const struct orl_film *film,
+                       const struct orl_view *view, struct orl_view_result *result,
+                       struct orl_error *err)
 {
     char path[4096];
-    const char *folder = state->env->output_folder;
-    int length = snprintf(path, sizeof path, "%s/%s", folder, result->hdr);
-    if (length < 0 || (size_t)length >= sizeof path)
-        return orl_error_set(err, ORL_ERR_LIMIT, "the path of the output folder is too long");
-    int code = orl_film_write_hdr(film, view, path, err);
-    if (code == 0) {
-        snprintf(path, sizeof path, "%s/%s", folder, result->png);
+    result->hdr = file_name(result->name, "hdr");
+    result->png = file_name(result->name, "png");
+    if (!result->hdr || !result->png)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    int code = path_of(state, result->hdr, path, err);
+    if (code == 0)
+        code = orl_film_write_hdr(film, view, path, err);
+    if (code == 0)
+        code = path_of(state, result->png, path, err);
+    if (code == 0)
         code = orl_film_write_png(film, path, err);
-    }
     return code;
 }
 
-static int name_view(struct orl_view_result *result, const char *name, struct orl_error *err)
+static int write_errors(const struct orl_run_state *state, const struct orl_film *film,
+                        const struct orl_view *view, struct orl_view_result *result,
+                        struct orl_error *err)
 {
-    const size_t size = strlen(name) + 5;
-    result->name = strdup(name);
-    result->hdr = malloc(size);
-    result->png = malloc(size);
-    if (!result->name || !result->hdr || !result->png)
+    char path[4096];
+    result->error_hdr = file_name(result->name, "error.hdr");
+    result->error_png = file_name(result->name, "error.png");
+    if (!result->error_hdr || !result->error_png)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-    snprintf(result->hdr, size, "%s.hdr", name);
-    snprintf(result->png, size, "%s.png", name);
-    return 0;
+    int code = path_of(state, result->error_hdr, path, err);
+    if (code == 0)
+        code = orl_film_write_error_hdr(film, view, path, err);
+    if (code == 0)
+        code = path_of(state, result->error_png, path, err);
+    if (code == 0)
+        code = orl_film_write_error_png(film, path, err);
+    return code;
 }
 
 static int render_view(struct rendering *rendering, size_t index, struct view_progress *progress,
@@ -118,7 +146,8 @@ static int render_view(struct rendering *rendering, size_t index, struct view_pr
     struct orl_view view;
     const struct orl_painting painting = {&env, state->world->geometry, &view, &film};
     state->result->n_views = index + 1;
-    int code = name_view(result, request->name, err);
+    result->name = strdup(request->name);
+    int code = result->name ? 0 : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     if (code == 0)
         code = orl_view_parse(request->view, &view, err);
     if (code == 0)
@@ -132,7 +161,9 @@ static int render_view(struct rendering *rendering, size_t index, struct view_pr
                                orl_film_knows_errors(&film) ? film.errors : NULL,
                                (size_t)film.width * film.height);
     if (code == 0)
-        code = write_view(state, &film, &view, result, err);
+        code = write_image(state, &film, &view, result, err);
+    if (code == 0 && orl_film_knows_errors(&film))
+        code = write_errors(state, &film, &view, result, err);
     orl_film_done(&film);
     result->seconds = state->env->now_s(state->env->ctx) - started;
     return code;
