@@ -198,13 +198,41 @@ static void cache_release(void *ctx, const char *kind, const char *key)
     pthread_mutex_unlock(&cache->mutex);
 }
 
+static int cache_find_smaller(void *ctx, const char *kind, const char *family, uint64_t target,
+                              char ret_path[4096], bool *ret_found, struct orl_map_info *ret_info,
+                              struct orl_error *err)
+{
+    struct orl_map_cache *cache = ctx;
+    struct entry *best = NULL;
+    (void)err;
+    pthread_mutex_lock(&cache->mutex);
+    for (struct entry *entry = cache->entries; entry; entry = entry->next) {
+        const struct orl_map_info *info = &entry->map.info;
+        if (info->target < target && (!best || info->target > best->map.info.target) &&
+            strcmp(info->kind, kind) == 0 && strcmp(info->family, family) == 0 &&
+            is_ready(cache, entry))
+            best = entry;
+    }
+    if (best) {
+        note_hit(best);
+        *ret_info = best->map.info;
+        final_path(cache, kind, ret_info->key, ret_path);
+    }
+    pthread_mutex_unlock(&cache->mutex);
+    *ret_found = best != NULL;
+    if (best)
+        cache->wake(cache->wake_ctx);
+    return 0;
+}
+
 struct orl_map_store orl_map_cache_store(struct orl_map_cache *cache)
 {
     return (struct orl_map_store){.ctx = cache,
                                   .acquire = cache_acquire,
                                   .commit = cache_commit,
                                   .abandon = cache_abandon,
-                                  .release = cache_release};
+                                  .release = cache_release,
+                                  .find_smaller = cache_find_smaller};
 }
 
 /* ---- The loop thread's side ----------------------------------------------------------------- */

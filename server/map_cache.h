@@ -5,7 +5,8 @@
  * ready. The first job to acquire an absent map builds it; others that want it wait until it is
  * ready, or take over when the builder gives up, and poll their cancel flag meanwhile. A commit
  * that fails gives up the build; to abandon it once more does no harm. Pins count the jobs that use
- * a ready map.
+ * a ready map. A job that tops up a smaller map pins and counts as a hit of that one; it waits for
+ * none that is still being built.
  *
  * Durability: commit moves the synced file into maps/ first; the row follows on the loop thread
  * (flush). A crash in between leaves a file without a row, removed at the next start; rows without

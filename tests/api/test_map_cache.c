@@ -276,14 +276,105 @@ static void test_removed_map_is_rebuilt(void **state)
     f->store.release(f->store.ctx, "global", KEY);
 }
 
+/* ---- Families ------------------------------------------------------------------------------- */
+
+#define FAMILY "00000000000000000000000000000000000000000000000000000000000000fa"
+
+/* A key for each target. */
+static void key_of(uint64_t target, char ret_key[ORL_DIGEST_HEX + 1])
+{
+    snprintf(ret_key, ORL_DIGEST_HEX + 1, "%064llx", (unsigned long long)target);
+}
+
+static void begin(struct fixture *f, uint64_t target, char ret_path[4096])
+{
+    char key[ORL_DIGEST_HEX + 1];
+    struct orl_map_info info;
+    bool hit = true;
+    key_of(target, key);
+    assert_int_equal(
+        f->store.acquire(f->store.ctx, "global", key, NULL, ret_path, &hit, &info, &f->err), 0);
+    assert_false(hit);
+}
+
+static void finish(struct fixture *f, uint64_t target, const char *path)
+{
+    struct orl_map_info info = {.kind = "global", .family = FAMILY, .target = target, .seconds = 2};
+    key_of(target, info.key);
+    assert_int_equal(orl_write_file(path, "map", 3, &f->err), 0);
+    assert_int_equal(f->store.commit(f->store.ctx, &info, &f->err), 0);
+    f->store.release(f->store.ctx, "global", info.key);
+}
+
+/* The target of the map to top up, 0 for none; it is released again. */
+static uint64_t smaller_than(struct fixture *f, const char *kind, const char *family,
+                             uint64_t target)
+{
+    char path[4096];
+    struct orl_map_info info = {.target = 0};
+    bool found = false;
+    assert_int_equal(
+        f->store.find_smaller(f->store.ctx, kind, family, target, path, &found, &info, &f->err), 0);
+    if (!found)
+        return 0;
+    assert_int_equal(access(path, R_OK), 0);
+    f->store.release(f->store.ctx, kind, info.key);
+    return info.target;
+}
+
+/* Of a family the largest below the target, complete, its file there; also after a restart. */
+static void test_finds_the_largest_smaller(void **state)
+{
+    struct fixture *f = *state;
+    static const uint64_t targets[] = {500, 2000, 1000};
+    char path[4096], key[ORL_DIGEST_HEX + 1];
+    for (size_t i = 0; i < 3; i++) {
+        begin(f, targets[i], path);
+        assert_int_equal(smaller_than(f, "global", FAMILY, 501), i > 0 ? 500 : 0);
+        finish(f, targets[i], path);
+    }
+    begin(f, 1500, path); /* being built: not to be had yet */
+    for (int opened = 0; opened < 2; opened++) {
+        assert_int_equal(smaller_than(f, "global", FAMILY, 2000), 1000);
+        assert_int_equal(smaller_than(f, "global", FAMILY, 2001), 2000);
+        assert_int_equal(smaller_than(f, "global", FAMILY, 500), 0);
+        assert_int_equal(smaller_than(f, "caustic", FAMILY, 2001), 0);
+        assert_int_equal(smaller_than(f, "global", KEY, 2001), 0);
+        assert_int_equal(orl_map_cache_flush(f->cache, &f->err), 0);
+        close_all(f);
+        assert_int_equal(open_all(f), 0);
+    }
+    key_of(1000, key);
+    orl_folders_path(&f->folders, path, "maps/global-%s.opm", key);
+    assert_int_equal(unlink(path), 0);
+    assert_int_equal(smaller_than(f, "global", FAMILY, 2000), 500);
+}
+
+/* A map made as a whole has no family, and is never found. */
+static void test_no_family(void **state)
+{
+    struct fixture *f = *state;
+    char path[4096];
+    struct orl_map_info info;
+    assert_false(acquire(f, path, &info));
+    build(f, path);
+    assert_int_equal(smaller_than(f, "global", FAMILY, UINT64_MAX), 0);
+}
+
 #define EACH(test) cmocka_unit_test_setup_teardown(test, setup, teardown)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        EACH(test_miss_then_hit),          EACH(test_eight_jobs_one_build),
-        EACH(test_another_takes_over),     EACH(test_waiting_can_be_cancelled),
-        EACH(test_survives_restart),       EACH(test_orphans_go_at_start),
-        EACH(test_damaged_map_is_rebuilt), EACH(test_removed_map_is_rebuilt),
+        EACH(test_miss_then_hit),
+        EACH(test_eight_jobs_one_build),
+        EACH(test_another_takes_over),
+        EACH(test_waiting_can_be_cancelled),
+        EACH(test_survives_restart),
+        EACH(test_orphans_go_at_start),
+        EACH(test_damaged_map_is_rebuilt),
+        EACH(test_removed_map_is_rebuilt),
+        EACH(test_finds_the_largest_smaller),
+        EACH(test_no_family),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -10,8 +10,10 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "carried.h"
 #include "store/db.h"
 #include "store/jobs.h"
+#include "store/maps.h"
 #include "store/migrate.h"
 
 static const struct orl_migration two[] = {
@@ -140,11 +142,52 @@ static void test_schema_refuses_nonsense(void **state)
         "INSERT INTO jobs (id, scene, document, state, created_ms) VALUES ('j', "
         "'0123456789abcdef0123456789abcdef0123456789abcdef0123456789abcdef', "
         "'0123456789abcdef0123456789abcdef0123456789abcdef0123456789abcdef', 'queued', 1)",
-        "INSERT INTO maps VALUES ('global', 'k', 1, 1, 1, 1.0, 0, 0.0, 1, 1)",
+        "INSERT INTO maps VALUES ('global', 'k', 1, 1, 1, 1.0, 0, 0.0, 1, 1, NULL, 0)",
+        "INSERT INTO maps VALUES ('global', "
+        "'0123456789abcdef0123456789abcdef0123456789abcdef0123456789abcdef', 1, 1, 1, 1.0, 0, 0.0, "
+        "1, 1, 'short', 0)",
     };
     assert_int_equal(orl_db_migrate_embedded(&f->db, &f->err), 0);
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
         assert_int_equal(orl_db_exec(&f->db, bad[i], &f->err), ORL_ERR_IO);
+}
+
+static int only_map(void *ctx, const struct orl_stored_map *map)
+{
+    struct orl_stored_map *only = ctx;
+    assert_string_equal(only->info.key, "");
+    *only = *map;
+    return 0;
+}
+
+/* Maps kept before there were families stay, without one. */
+static void test_families_come_to_old_maps(void **state)
+{
+    struct fixture *f = *state;
+    struct orl_stored_map only = {.hits = 0};
+    const char *sql = orl_carried_find("migrations/0001_initial.sql");
+    assert_non_null(sql);
+    const struct orl_migration first = {"0001_initial.sql", sql};
+    assert_int_equal(orl_db_migrate(&f->db, &first, 1, &f->err), 0);
+    assert_int_equal(orl_db_exec(&f->db,
+                                 "INSERT INTO maps VALUES ('global', '0123456789abcdef0123456789"
+                                 "abcdef0123456789abcdef0123456789abcdef', 7, 5, 1, 1.5, 2, 3.0, "
+                                 "1, 1)",
+                                 &f->err),
+                     0);
+    assert_int_equal(orl_db_migrate_embedded(&f->db, &f->err), 0);
+    assert_int_equal(orl_map_rows(&f->db, only_map, &only, &f->err), 0);
+    assert_int_equal(only.info.stored, 5);
+    assert_int_equal(only.hits, 2);
+    assert_string_equal(only.info.family, "");
+    assert_int_equal(only.info.target, 0);
+    memset(only.info.family, 'c', 64);
+    only.info.target = 5000000000;
+    assert_int_equal(orl_map_row_put(&f->db, &only, &f->err), 0);
+    struct orl_stored_map again = {.hits = 0};
+    assert_int_equal(orl_map_rows(&f->db, only_map, &again, &f->err), 0);
+    assert_string_equal(again.info.family, only.info.family);
+    assert_true(again.info.target == 5000000000);
 }
 
 static int last_row(void *ctx, const struct orl_job_row *row)
@@ -193,6 +236,7 @@ int main(void)
         EACH(test_edited_migration_is_refused),
         EACH(test_gap_is_refused),
         EACH(test_schema_refuses_nonsense),
+        EACH(test_families_come_to_old_maps),
         EACH(test_job_rows_round_trip),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
