@@ -152,7 +152,7 @@ static int decode_above_zero(const json_t *value, const char *path, double *ret_
 static int decode_given(const json_t *value, size_t index, struct orl_study_given *given,
                         struct orl_error *err)
 {
-    static const char *const allowed[] = {"name", "seconds", "rms", NULL};
+    static const char *const allowed[] = {"name", "seconds", "rms", "rays_per_s", NULL};
     char path[ORL_JSON_PATH_MAX];
     snprintf(path, sizeof path, "points[%zu]", index);
     int rc = orl_json_object(value, path, allowed, err);
@@ -168,6 +168,10 @@ static int decode_given(const json_t *value, size_t index, struct orl_study_give
     if (rc == 0) {
         snprintf(path, sizeof path, "points[%zu].rms", index);
         rc = decode_above_zero(json_object_get(value, "rms"), path, &given->rms, err);
+    }
+    if (rc == 0 && json_object_get(value, "rays_per_s")) {
+        snprintf(path, sizeof path, "points[%zu].rays_per_s", index);
+        rc = decode_above_zero(json_object_get(value, "rays_per_s"), path, &given->rays_per_s, err);
     }
     return rc;
 }
@@ -345,8 +349,10 @@ static json_t *fit_to_json(const struct orl_study_fit *fit)
 
 static json_t *given_to_json(const struct orl_study_given *given)
 {
-    return json_pack("{s:o, s:f, s:f}", "name", orl_json_from_text(given->name), "seconds",
-                     given->seconds, "rms", given->rms);
+    return json_pack("{s:o, s:f, s:f, s:o, s:f}", "name", orl_json_from_text(given->name),
+                     "seconds", given->seconds, "rms", given->rms, "rays_per_s",
+                     given->rays_per_s > 0 ? json_real(given->rays_per_s) : json_null(), "here_s",
+                     given->here_s);
 }
 
 static json_t *reference_to_json(const struct orl_study_reference *r)
@@ -384,11 +390,11 @@ static json_t *text_or_null(const char *text)
 
 json_t *orl_study_to_json(const struct orl_study *study, const struct orl_study_request *request)
 {
-    return json_pack("{s:s, s:o, s:o, s:I, s:s, s:o, s:o, s:o, s:o, s:o}", "kind", "study", "title",
-                     text_or_null(request->title), "note", text_or_null(request->note), "threads",
-                     (json_int_t)study->threads, "measured", study->of_views ? "views" : "sensors",
-                     "reference", reference_to_json(&study->reference), "points",
-                     part_to_json(study, PART_POINTS), "fits", part_to_json(study, PART_FITS),
-                     "given", part_to_json(study, PART_GIVEN), "warnings",
-                     part_to_json(study, PART_WARNINGS));
+    return json_pack(
+        "{s:s, s:o, s:o, s:I, s:o, s:s, s:o, s:o, s:o, s:o, s:o}", "kind", "study", "title",
+        text_or_null(request->title), "note", text_or_null(request->note), "threads",
+        (json_int_t)study->threads, "rays_per_s", orl_json_from_real(study->rays_per_s), "measured",
+        study->of_views ? "views" : "sensors", "reference", reference_to_json(&study->reference),
+        "points", part_to_json(study, PART_POINTS), "fits", part_to_json(study, PART_FITS), "given",
+        part_to_json(study, PART_GIVEN), "warnings", part_to_json(study, PART_WARNINGS));
 }

@@ -10,16 +10,17 @@
  *      paths; the backward technique's views alone take notice),
  *      "repeats": 3 (seeds of every setting),
  *      "reference": {"samples": 65536, "runs": 8 (seeds that share these)},
- *      "points": [{"name": "Radiance, cached", "seconds": 142, "rms": 0.056}] (optional)}
+ *      "points": [{"name": "Radiance, cached", "seconds": 142, "rms": 0.056,
+ *      "rays_per_s": 4.9e6 (the machine's: oriel/study.h; optional)}] (optional)}
  *
  * study.json:
- *     {"kind": "study", "title", "note", "threads", "measured": "sensors" or "views",
+ *     {"kind": "study", "title", "note", "threads", "rays_per_s", "measured": "sensors" or "views",
  *      "reference": {"samples", "runs", "seconds", "values", "left_out", "standard_error",
  * "worst"}, "points": [{"technique", "photons", "samples" (null: not heeded), "seeds", "seconds":
  * {"load", ..., "render", "total", "total_error"}, "rms", "rms_error", "bias", "bias_error",
  * "noise", "p95", "peak", "map_bytes", "reference_shows", "on_front"}], "fits": [{"technique",
  * "points", "terms": {"kernel": {"value", "error"}, ...}, "chi2", "residual"}], "given": [{"name",
- * "seconds", "rms"}], "warnings": [...]} Numbers that are not known are null. What they mean is in
+ * "seconds", "rms", "rays_per_s", "here_s"}], "warnings": [...]} Numbers that are not known are null. What they mean is in
  * oriel/study.h; errors are fractions.
  *
  * Rules, ownership, threads and errors as in job_json.h.

@@ -120,7 +120,7 @@ static void make_axes(struct orl_chart *chart, const struct orl_study *study)
         widen(&y0, &y1, 100 * fmax(p->rms - p->rms_error, p->rms / 2));
     }
     for (size_t i = 0; i < study->n_given; i++) {
-        widen(&x0, &x1, study->given[i].seconds);
+        widen(&x0, &x1, study->given[i].here_s);
         widen(&y0, &y1, 100 * study->given[i].rms);
     }
     if (!(x1 > 0))
@@ -214,6 +214,15 @@ static bool add_row(struct orl_chart *chart, cairo_t *cairo, enum orl_chart_key 
     return true;
 }
 
+/* Is there a given point whose time was measured on another machine? */
+static bool any_scaled(const struct orl_study *study)
+{
+    bool any = false;
+    for (size_t i = 0; i < study->n_given; i++)
+        any = any || study->given[i].rays_per_s > 0;
+    return any;
+}
+
 static bool add_legend(struct orl_chart *chart, const struct orl_study *study, cairo_t *cairo)
 {
     bool ok = true, seen[ORL_TECHNIQUE_COUNT] = {false};
@@ -231,7 +240,8 @@ static bool add_legend(struct orl_chart *chart, const struct orl_study *study, c
         ok = ok && add_row(chart, cairo, ORL_CHART_KEY_REFERENCE, ORL_TECHNIQUE_AUTO,
                            "reference's own error");
     if (study->n_given > 0)
-        ok = ok && add_row(chart, cairo, ORL_CHART_KEY_GIVEN, ORL_TECHNIQUE_AUTO, "other programs");
+        ok = ok && add_row(chart, cairo, ORL_CHART_KEY_GIVEN, ORL_TECHNIQUE_AUTO,
+                           any_scaled(study) ? "other programs, as if here" : "other programs");
     chart->rows[chart->n_rows++].key = ORL_CHART_KEY_NOTE; /* an empty row */
     ok = ok && add_row(chart, cairo, ORL_CHART_KEY_NOTE, ORL_TECHNIQUE_AUTO,
                        "hollow: its technique does better");

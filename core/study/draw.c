@@ -268,7 +268,7 @@ int orl_chart_draw(const struct orl_chart *chart, const struct orl_study *study,
     for (int technique = 0; technique < ORL_TECHNIQUE_COUNT; technique++)
         draw_technique(chart, study, (enum orl_technique)technique, cairo, index);
     for (size_t i = 0; i < study->n_given; i++)
-        draw_cross(cairo, orl_axis_at(&chart->x, study->given[i].seconds),
+        draw_cross(cairo, orl_axis_at(&chart->x, study->given[i].here_s),
                    orl_axis_at(&chart->y, 100 * study->given[i].rms));
     cairo_restore(cairo);
     for (size_t i = 0; i < chart->n_rows; i++)

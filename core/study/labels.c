@@ -217,7 +217,7 @@ static void add_points(struct room *room, const struct orl_study *study)
                              orl_axis_at(&chart->y, 100 * fmax(p->rms - up, p->rms / 2)), 4};
     }
     for (size_t i = 0; i < study->n_given; i++)
-        add_marker(room, orl_axis_at(&chart->x, study->given[i].seconds),
+        add_marker(room, orl_axis_at(&chart->x, study->given[i].here_s),
                    orl_axis_at(&chart->y, 100 * study->given[i].rms), marker_half);
 }
 
@@ -248,7 +248,7 @@ static int label_all(struct room *room, const struct orl_study *study, cairo_t *
     int code = 0;
     for (size_t i = 0; i < study->n_given && code == 0; i++)
         code = add_label(room, cairo, ORL_CHART_GIVEN, study->given[i].name,
-                         orl_axis_at(&chart->x, study->given[i].seconds),
+                         orl_axis_at(&chart->x, study->given[i].here_s),
                          orl_axis_at(&chart->y, 100 * study->given[i].rms), err);
     for (size_t i = 0; i < n_front && code == 0; i++) {
         const struct orl_study_point *p = &study->points[front[i]];

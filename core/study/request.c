@@ -50,7 +50,7 @@ bool orl_study_heeds_samples(enum orl_technique technique, bool of_views)
 
 bool orl_study_can_show(double value)
 {
-    return value >= 1e-12 && value <= 1e12;
+    return value >= ORL_STUDY_LEAST && value <= ORL_STUDY_MOST;
 }
 
 bool orl_study_of_views(const struct orl_study_request *request)
@@ -150,12 +150,15 @@ int orl_study_check_runs(const struct orl_study_request *request, uint32_t most,
 static int check_given(const struct orl_study_given *given, size_t index, struct orl_error *err)
 {
     char at[48];
-    const bool seconds = orl_study_can_show(given->seconds);
-    if (seconds && orl_study_can_show(given->rms))
+    const bool seconds = orl_study_can_show(given->seconds), rms = orl_study_can_show(given->rms);
+    if (seconds && rms && (given->rays_per_s == 0 || orl_study_can_show(given->rays_per_s)))
         return 0;
-    snprintf(at, sizeof at, "points[%zu].%s", index, seconds ? "rms" : "seconds");
-    return fail(err, ORL_ERR_RANGE, at, "point \"%s\": seconds and rms are from 1e-12 to 1e12",
-                given->name);
+    snprintf(at, sizeof at, "points[%zu].%s", index,
+             !seconds ? "seconds"
+             : !rms   ? "rms"
+                      : "rays_per_s");
+    return fail(err, ORL_ERR_RANGE, at,
+                "point \"%s\": seconds, rms and rays_per_s are from 1e-12 to 1e12", given->name);
 }
 
 int orl_study_request_validate(const struct orl_study_request *request, struct orl_error *err)

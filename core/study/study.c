@@ -14,6 +14,7 @@
 #include "study/fit.h"
 #include "study/judge.h"
 #include "study/series.h"
+#include "study/speed.h"
 
 void orl_study_done(struct orl_study *study)
 {
@@ -166,6 +167,20 @@ static int prepare(struct work *work, struct orl_error *err)
     return 0;
 }
 
+/* This machine's, and what it makes of times measured on others. */
+static int measure_speed(struct work *work, struct orl_error *err)
+{
+    struct orl_study *study = work->study;
+    const int code = orl_study_measure_speed(work->request, work->env, &study->rays_per_s, err);
+    for (size_t i = 0; i < study->n_given && code == 0; i++) {
+        struct orl_study_given *given = &study->given[i];
+        const bool known = given->rays_per_s > 0 && isfinite(study->rays_per_s);
+        const double here_s = given->seconds * (known ? given->rays_per_s / study->rays_per_s : 1);
+        given->here_s = fmin(fmax(here_s, ORL_STUDY_LEAST), ORL_STUDY_MOST);
+    }
+    return code;
+}
+
 static int fit_all(struct work *work, struct orl_error *err)
 {
     struct orl_study *study = work->study;
@@ -193,6 +208,8 @@ int orl_study_run(const struct orl_study_request *request, const struct orl_stud
     int code = orl_study_request_validate(request, err);
     if (code == 0)
         code = prepare(&work, err);
+    if (code == 0)
+        code = measure_speed(&work, err);
     if (code == 0)
         code = run_reference(&work, err);
     for (size_t i = 0; i < work.n_settings && code == 0; i++)

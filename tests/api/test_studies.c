@@ -108,6 +108,7 @@ static void check_result(struct fixture *f, const char *job)
 {
     static const char *const names[] = {
         "threads",
+        "rays_per_s",
         "reference.samples",
         "reference.runs",
         "reference.seconds",

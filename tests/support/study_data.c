@@ -57,8 +57,9 @@ struct orl_study study_of_chance(uint64_t index, size_t points, size_t given)
         char name[64];
         snprintf(name, sizeof name, "another program's %s %zu", i % 2 ? "way" : "longer way", i);
         study.given[study.n_given++] =
-            (struct orl_study_given){strdup(name), 20 + 8 * orl_random_uniform(&random),
-                                     0.25 + 0.1 * orl_random_uniform(&random)};
+            (struct orl_study_given){.name = strdup(name),
+                                     .here_s = 20 + 8 * orl_random_uniform(&random),
+                                     .rms = 0.25 + 0.1 * orl_random_uniform(&random)};
     }
     orl_study_mark_front(study.points, study.n_points);
     return study;

@@ -118,8 +118,8 @@ static void test_absurd_points_do_no_harm(void **state)
     study.points[2].rms = 1e300;
     study.points[3].total_s = INFINITY;
     study.points[4].rms_error = INFINITY;
-    study.given[0].seconds = study.given[1].rms = 1e12;
-    study.given[1].seconds = study.given[0].rms = 1e-12;
+    study.given[0].here_s = study.given[1].rms = 1e12;
+    study.given[1].here_s = study.given[0].rms = 1e-12;
     orl_study_mark_front(study.points, study.n_points);
     assert_int_equal(orl_chart_make(&study, NULL, &chart, NULL), 0);
     assert_laid_out(&chart);
@@ -177,7 +177,7 @@ static void test_png_shows_the_points(void **state)
     assert_true(white > (size_t)image.width * image.height * 3 / 4);
     assert_int_equal(orl_chart_make(&study, NULL, &chart, NULL), 0);
     for (size_t i = 0; i < study.n_given; i++) {
-        const size_t x = (size_t)(2 * orl_axis_at(&chart.x, study.given[i].seconds));
+        const size_t x = (size_t)(2 * orl_axis_at(&chart.x, study.given[i].here_s));
         const size_t y = (size_t)(2 * orl_axis_at(&chart.y, 100 * study.given[i].rms));
         assert_true(pixels[y * image.width + x] < 200);
     }

@@ -99,6 +99,8 @@ static void test_mistakes_are_named(void **state)
         {"{\"samples\": 512, \"runs\": 4}", "{\"seed\": 512}", "reference.seed: ", ORL_ERR_INVALID},
         {"3600", "0", "points[0].seconds: a number above zero", ORL_ERR_RANGE},
         {"0.5}", "\"5 %\"}", "points[0].rms: a number is wanted", ORL_ERR_INVALID},
+        {"0.5}", "0.5, \"rays_per_s\": -1}", "points[0].rays_per_s: a number above zero",
+         ORL_ERR_RANGE},
         {"\"name\"", "\"label\"", "points[0].label: ", ORL_ERR_INVALID},
         {"\"By hand\"", "\"\"", "points[0].name: the string is empty", ORL_ERR_INVALID},
         {"\"sensors\": [[1, 2, 0.8, 0, 0, 1]],", "", "asks for nothing", ORL_ERR_INVALID},

@@ -98,7 +98,9 @@ static struct orl_study_request make_request(void)
     static enum orl_technique techniques[] = {ORL_TECHNIQUE_BACKWARD, ORL_TECHNIQUE_GATHER};
     static uint64_t photons[] = {2000, 30000};
     static uint32_t samples[] = {32, 512};
-    static struct orl_study_given given[] = {{view_name, 3, 0.1}};
+    static struct orl_study_given given[] = {
+        {.name = view_name, .seconds = 3, .rms = 0.1, .rays_per_s = 1000},
+        {.name = view_name, .seconds = 3, .rms = 0.1}};
     struct orl_study_request r;
     samples[0] = 32; /* a test may have changed it */
     orl_study_request_init(&r);
@@ -116,7 +118,7 @@ static struct orl_study_request make_request(void)
     r.reference_samples = 65536;
     r.reference_runs = 4;
     r.given = given;
-    r.n_given = 1;
+    r.n_given = 2;
     return r;
 }
 
@@ -154,8 +156,12 @@ static void test_sensors(void **state)
     assert_true(study.points[1].rms < 0.5 * study.points[0].rms);
     assert_int_equal(study.n_fits, 2);
     assert_true(study.fits[0].terms[ORL_FIT_SAMPLES] > 0);
-    assert_int_equal(study.n_given, 1);
+    assert_int_equal(study.n_given, 2);
     assert_string_equal(study.given[0].name, request.given[0].name);
+    /* Three seconds of a machine a thousand times slower, and of one of which nothing is known. */
+    assert_true(study.rays_per_s > 1000);
+    assert_true(fabs(study.given[0].here_s - 3000 / study.rays_per_s) < 1e-9);
+    assert_true(study.given[1].here_s == 3);
     orl_study_done(&study);
 }
 

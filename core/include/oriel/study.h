@@ -21,7 +21,9 @@
  * whose reference is not known to 1 % are left out of everything. Relative errors are fractions:
  * 0.01 is 1 %.
  *
- * Time is what a user waits: every run starts without photon maps, and loads the scene.
+ * Time is what a user waits: every run starts without photon maps, and loads the scene. What was
+ * measured on another machine is compared in ray-times: seconds times the rays that Embree alone
+ * answers there in the same scene.
  *
  * Ownership: a request and a study own what they point to. Threads: the calling thread leads the
  * crew; nothing is kept between calls. Errors as in error.h.
@@ -42,6 +44,8 @@ struct orl_study_setting {
 struct orl_study_given {
     char *name;
     double seconds, rms;
+    double rays_per_s; /* of the machine it was made on, as orl_study.rays_per_s; 0: not known */
+    double here_s;     /* in results: seconds as they would be here, by both rates */
 };
 
 struct orl_study_request {
@@ -127,6 +131,8 @@ double orl_study_fit_predict(const struct orl_study_fit *fit,
 
 struct orl_study {
     uint32_t threads;
+    double rays_per_s; /* single rays that Embree alone answers in this scene, on one thread: what
+                          seconds here are worth elsewhere. NaN: not known */
     bool of_views;
     struct orl_study_reference reference;
     struct orl_study_point *points; /* by technique, photons, samples, in the request's order */

@@ -1,0 +1,98 @@
+#include "study/speed.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "base/random.h"
+#include "scene/embree.h"
+#include "scene/hemisphere.h"
+#include "scene/parse.h"
+
+struct ray {
+    struct orl_vec3 origin, direction;
+};
+
+/* A path of a few bounces from the scene's middle; returns how many rays it has come to. */
+static size_t add_path(const struct orl_geometry *g, struct orl_random *random, struct ray *rays,
+                       size_t n, size_t most)
+{
+    const double z = 2 * orl_random_uniform(random) - 1;
+    const double phi = 2 * ORL_PI * orl_random_uniform(random), s = sqrt(fmax(0, 1 - z * z));
+    struct orl_vec3 point = orl_v3(0, 0, 0), direction = orl_v3(s * cos(phi), s * sin(phi), z);
+    struct orl_hit hit;
+    for (int bounce = 0; bounce < 8 && n < most; bounce++) {
+        const double u = orl_random_uniform(random), v = orl_random_uniform(random);
+        if (!orl_geometry_intersect(g, point, direction, INFINITY, &hit))
+            break;
+        const struct orl_vec3 normal = hit.front ? hit.normal : orl_neg(hit.normal);
+        direction = orl_hemisphere_about(normal, u, v);
+        point = orl_hit_leave(g, &hit, direction);
+        rays[n++] = (struct ray){point, direction};
+    }
+    return n;
+}
+
+/* Neighbours in the array are neighbours on a path; a shuffle makes them strangers. */
+static void shuffle(struct ray *rays, size_t n, struct orl_random *random)
+{
+    for (size_t i = n; i > 1; i--) {
+        const size_t j = orl_random_bits(random) % i;
+        const struct ray swap = rays[i - 1];
+        rays[i - 1] = rays[j];
+        rays[j] = swap;
+    }
+}
+
+static size_t make_rays(const struct orl_geometry *g, struct ray *rays, size_t most)
+{
+    struct orl_random random = orl_random_stream(1, ORL_PURPOSE_BENCH, 0);
+    size_t n = 0;
+    for (size_t path = 0; path < most && n < most; path++)
+        n = add_path(g, &random, rays, n, most);
+    shuffle(rays, n, &random);
+    return n;
+}
+
+static int compare(const void *a, const void *b)
+{
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+double orl_ray_rate(const struct orl_geometry *geometry, size_t n_rays, int runs,
+                    double (*now_s)(void *ctx), void *ctx)
+{
+    struct ray *rays = malloc(n_rays * sizeof *rays);
+    const size_t n = rays ? make_rays(geometry, rays, n_rays) : 0;
+    double rates[ORL_SPEED_MOST_RUNS];
+    size_t hits = 0;
+    for (int run = 0; run < runs; run++) {
+        const double started = now_s(ctx);
+        for (size_t i = 0; i < n; i++) {
+            struct orl_embree_hit hit;
+            hits +=
+                orl_embree_intersect(geometry, rays[i].origin, rays[i].direction, INFINITY, &hit);
+        }
+        rates[run] = (double)n / (now_s(ctx) - started);
+    }
+    free(rays);
+    qsort(rates, (size_t)runs, sizeof *rates, compare);
+    return hits > 0 ? rates[runs / 2] : NAN;
+}
+
+int orl_study_measure_speed(const struct orl_study_request *request,
+                            const struct orl_study_env *env, double *ret_rays_per_s,
+                            struct orl_error *err)
+{
+    struct orl_description description = {0};
+    struct orl_geometry *geometry = NULL;
+    int code = orl_scene_parse((const char *const *)request->job.scene_files,
+                               request->job.n_scene_files, env->files, &description, err);
+    if (code == 0)
+        code = orl_geometry_new(&description, &geometry, err);
+    if (code == 0)
+        *ret_rays_per_s = orl_ray_rate(geometry, 1 << 18, 3, env->now_s, env->ctx);
+    orl_geometry_free(geometry);
+    orl_description_done(&description);
+    return code;
+}
