@@ -173,16 +173,20 @@ static void draw_centered(cairo_t *cairo, const char *text, double x, double y)
 static void draw_scale(cairo_t *cairo, double x0, double x1, double y)
 {
     static const double ticks[] = {0.001, 0.003, 0.01, 0.03, 0.1, 0.3, 1};
-    enum { STEPS = 240 };
-    for (int i = 0; i < STEPS; i++) {
+    enum {
+        STOPS = 24
+    }; /* a multiple of the points' steps: straight between them, as colours are */
+    cairo_pattern_t *scale = cairo_pattern_create_linear(x0, 0, x1, 0);
+    for (int i = 0; i <= STOPS; i++) {
         unsigned char c[3];
-        orl_error_color(least * pow(most / least, (i + 0.5) / STEPS), c);
-        cairo_set_source_rgb(cairo, c[0] / 255.0, c[1] / 255.0, c[2] / 255.0);
-        /* A little wide, lest gaps show between them. */
-        cairo_rectangle(cairo, x0 + (x1 - x0) * i / STEPS, y,
-                        (x1 - x0) * (i == STEPS - 1 ? 1 : 1.5) / STEPS, 12);
-        cairo_fill(cairo);
+        orl_error_color(least * pow(most / least, (double)i / STOPS), c);
+        cairo_pattern_add_color_stop_rgb(scale, (double)i / STOPS, c[0] / 255.0, c[1] / 255.0,
+                                         c[2] / 255.0);
     }
+    cairo_set_source(cairo, scale);
+    cairo_rectangle(cairo, x0, y, x1 - x0, 12);
+    cairo_fill(cairo);
+    cairo_pattern_destroy(scale);
     cairo_set_source_rgb(cairo, 0.1, 0.1, 0.1);
     cairo_set_line_width(cairo, 1);
     for (size_t i = 0; i < sizeof ticks / sizeof *ticks; i++) {

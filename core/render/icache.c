@@ -217,21 +217,22 @@ int orl_icache_hold_back(struct orl_icache *cache)
 }
 
 bool orl_icache_lookup(const struct orl_icache *cache, const struct orl_place *place,
-                       struct orl_rgb *ret_irradiance)
+                       struct orl_cached *ret_cached)
 {
     struct orl_rgb sum = orl_gray(0);
-    double total = 0;
+    double total = 0, errors = 0;
     struct visit v = visit_begin(cache, place);
     for (uint32_t i = visit_next(&v); i != nothing; i = visit_next(&v)) {
         const struct orl_record *record = &cache->records[i];
         const double weight = weight_of(record, place);
         if (weight > 0) {
             sum = orl_rgb_add(sum, orl_rgb_scale(carried(record, place, cache->channels), weight));
+            errors += weight * record->standard_error;
             total += weight;
         }
     }
     if (!(total > 0))
         return false;
-    *ret_irradiance = orl_rgb_scale(sum, 1 / total);
+    *ret_cached = (struct orl_cached){orl_rgb_scale(sum, 1 / total), errors / total};
     return true;
 }

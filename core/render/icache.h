@@ -22,7 +22,8 @@ struct orl_record {
     struct orl_place place;
     struct orl_rgb irradiance;
     struct orl_vec3 by_rotation[3], by_translation[3];
-    double radius, least; /* radius is never made less than that */
+    double standard_error; /* of the irradiance's luma */
+    double radius, least;  /* radius is never made less than that */
 };
 
 struct orl_icache {
@@ -51,8 +52,18 @@ int orl_icache_index(struct orl_icache *cache);
  */
 int orl_icache_hold_back(struct orl_icache *cache);
 
-/* Interpolates; false when no record serves this place. */
+/* What records say of a place. */
+struct orl_cached {
+    struct orl_rgb irradiance;
+    double standard_error; /* of its luma */
+};
+
+/*
+ * Interpolates; false when no record serves this place. Records' errors are averaged as their
+ * values are, for these share photons; what their rays do to their gradients is not in them, nor
+ * what interpolation does.
+ */
 bool orl_icache_lookup(const struct orl_icache *cache, const struct orl_place *place,
-                       struct orl_rgb *ret_irradiance);
+                       struct orl_cached *ret_cached);
 
 #endif

@@ -74,6 +74,7 @@ static void compute_record(void *arg, size_t index, uint32_t member)
         orl_gather_hemisphere(p->gather, &record->place, HEMISPHERE_ROWS, HEMISPHERE_COLUMNS,
                               &random, &p->painting->env->searches[member]);
     record->irradiance = h.irradiance;
+    record->standard_error = h.standard_error;
     const double radius = fmin(fmin(h.mean_distance, bend_radius(&h)),
                                nearest_reach / ORL_ICACHE_ACCURACY * h.least_distance);
     record->radius =
@@ -127,7 +128,7 @@ static void look_along_row(void *arg, size_t index, uint32_t member)
         struct orl_vec3 origin, direction;
         struct orl_sight sight;
         struct orl_random random = {0};
-        struct orl_rgb ignored;
+        struct orl_cached ignored;
         if (!orl_paint_ray(p->painting, x + 0.5, y + 0.5, &origin, &direction))
             continue;
         orl_shade_look(&p->onlooker, origin, direction, p->outside, true, &random,
@@ -247,32 +248,98 @@ static void read_maps(const struct painter *p, const struct orl_vertex *v, struc
         memo->rest.density = orl_gather_rest(p->gather, &footing, search);
 }
 
-static struct orl_rgb vertex_radiance(const struct painter *p, const struct orl_vertex *v,
-                                      struct memo *memo, uint32_t ray, struct orl_random *random,
-                                      struct orl_search *search)
+/* Radiance, and the standard errors of its luma by the photons' two ways. */
+struct shade {
+    struct orl_rgb radiance;
+    double rest_error, caustic_error;
+};
+
+/* The rest at a vertex, by whichever way serves. */
+static struct orl_cached rest_at(const struct painter *p, const struct orl_vertex *v,
+                                 const struct memo *memo, struct orl_random *random,
+                                 struct orl_search *search)
 {
-    const struct orl_gather *gather = p->gather;
-    struct orl_rgb rest;
-    struct orl_rgb sum =
-        orl_gather_direct(gather, &v->place, memo->sequence, ray * p->shadow_rays, p->shadow_rays);
+    struct orl_cached cached;
+    const struct orl_density *read = &memo->rest.density;
+    if (!is_gathered(p, v) && read->found > 0)
+        return (struct orl_cached){read->irradiance, read->standard_error};
+    if (orl_icache_lookup(&p->cache, &v->place, &cached))
+        return cached;
+    const struct orl_hemisphere h = orl_gather_hemisphere(p->gather, &v->place, HEMISPHERE_ROWS / 2,
+                                                          HEMISPHERE_COLUMNS / 2, random, search);
+    return (struct orl_cached){h.irradiance, h.standard_error};
+}
+
+static struct shade vertex_shade(const struct painter *p, const struct orl_vertex *v,
+                                 struct memo *memo, uint32_t ray, struct orl_random *random,
+                                 struct orl_search *search)
+{
+    const double weight = orl_luma(v->weight);
+    struct shade shade = {.radiance = {0, 0, 0}};
+    struct orl_rgb sum = orl_gather_direct(p->gather, &v->place, memo->sequence,
+                                           ray * p->shadow_rays, p->shadow_rays);
     if (!v->place.outside) {
         read_maps(p, v, memo, search);
         sum = orl_rgb_add(sum, memo->caustic.density.irradiance);
+        shade.caustic_error = weight * memo->caustic.density.standard_error;
     }
-    if (gather->rest != ORL_REST_GATHERED && !v->place.outside && memo->rest.density.found > 0)
-        rest = memo->rest.density.irradiance;
-    else if (!orl_icache_lookup(&p->cache, &v->place, &rest))
-        rest = orl_gather_hemisphere(gather, &v->place, HEMISPHERE_ROWS / 2, HEMISPHERE_COLUMNS / 2,
-                                     random, search)
-                   .irradiance;
-    return orl_rgb_mul(v->weight, orl_rgb_add(sum, rest));
+    const struct orl_cached rest = rest_at(p, v, memo, random, search);
+    shade.rest_error = weight * rest.standard_error;
+    shade.radiance = orl_rgb_mul(v->weight, orl_rgb_add(sum, rest.irradiance));
+    return shade;
 }
 
-static struct orl_pixel pixel_radiance(void *ctx, uint32_t x, uint32_t y, struct orl_search *search)
+/* What a ray of a pixel sees: all its vertices, and what is not diffuse. */
+static struct shade sight_shade(const struct painter *p, const struct orl_sight *sight,
+                                struct memo *memo, uint32_t ray, struct orl_random *random,
+                                struct orl_search *search)
+{
+    struct shade sum = {.radiance = orl_health_keep(&search->health, sight->rest)};
+    for (uint32_t v = 0; v < sight->n_vertices; v++) {
+        const struct shade s = vertex_shade(p, &sight->vertices[v], memo, ray, random, search);
+        sum.radiance = orl_rgb_add(sum.radiance, orl_health_keep(&search->health, s.radiance));
+        sum.rest_error += s.rest_error;
+        sum.caustic_error += s.caustic_error;
+    }
+    return sum;
+}
+
+/* What is known of a pixel when some of its rays are in. */
+struct tally {
+    struct orl_rgb sum;
+    double squares, rest_error, caustic_error; /* sums */
+    uint32_t rays;
+};
+
+static void add_shade(struct tally *tally, const struct shade *shade)
+{
+    const double luma = orl_luma(shade->radiance);
+    tally->sum = orl_rgb_add(tally->sum, shade->radiance);
+    tally->squares += luma * luma;
+    tally->rest_error += shade->rest_error;
+    tally->caustic_error += shade->caustic_error;
+    tally->rays++;
+}
+
+/*
+ * The mean of the rays. Photons err alike on all of them, the two ways by chances of their own; on
+ * top of that comes how far rays lie apart: noise of shadow rays and of lobes, and edges that a few
+ * rays may miss.
+ */
+static struct orl_pixel settle(const struct tally *tally)
+{
+    const double n = tally->rays, mean = orl_luma(tally->sum) / n;
+    const double spread = tally->rays > 1 ? fmax(tally->squares / n - mean * mean, 0) / (n - 1) : 0;
+    const double rest = tally->rest_error / n, caustic = tally->caustic_error / n;
+    return (struct orl_pixel){orl_rgb_scale(tally->sum, 1 / n),
+                              sqrt(spread + rest * rest + caustic * caustic)};
+}
+
+static struct orl_pixel compute_pixel(void *ctx, uint32_t x, uint32_t y, struct orl_search *search)
 {
     const struct painter *p = ctx;
-    struct orl_rgb sum = orl_gray(0);
     const uint64_t pixel = (uint64_t)y * p->painting->film->width + x;
+    struct tally tally = {.rays = 0};
     struct memo memo = {
         .sequence = (uint32_t)orl_mix64(p->gather->seed * 5 + p->painting->env->index * 7 + pixel)};
     for (uint32_t i = 0; i < RAYS_A_SIDE * RAYS_A_SIDE; i++) {
@@ -282,16 +349,15 @@ static struct orl_pixel pixel_radiance(void *ctx, uint32_t x, uint32_t y, struct
         const double dx = (column + 0.5) / RAYS_A_SIDE, dy = (row + 0.5) / RAYS_A_SIDE;
         struct orl_vec3 origin, direction;
         struct orl_sight sight;
-        if (!orl_paint_ray(p->painting, x + dx, y + dy, &origin, &direction))
-            continue;
-        orl_shade_look(&p->onlooker, origin, direction, p->outside, false, &random, search, &sight);
-        sum = orl_rgb_add(sum, orl_health_keep(&search->health, sight.rest));
-        for (uint32_t v = 0; v < sight.n_vertices; v++)
-            sum = orl_rgb_add(
-                sum, orl_health_keep(&search->health, vertex_radiance(p, &sight.vertices[v], &memo,
-                                                                      i, &random, search)));
+        struct shade shade = {.radiance = {0, 0, 0}};
+        if (orl_paint_ray(p->painting, x + dx, y + dy, &origin, &direction)) {
+            orl_shade_look(&p->onlooker, origin, direction, p->outside, false, &random, search,
+                           &sight);
+            shade = sight_shade(p, &sight, &memo, i, &random, search);
+        }
+        add_shade(&tally, &shade);
     }
-    return (struct orl_pixel){orl_rgb_scale(sum, 1.0 / (RAYS_A_SIDE * RAYS_A_SIDE)), NAN};
+    return settle(&tally);
 }
 
 static struct orl_rgb lobe_radiance(const void *ctx, struct orl_vec3 origin,
@@ -325,7 +391,7 @@ int orl_image_render(const struct orl_gather *gather, const struct orl_painting 
     orl_icache_init(&painter.cache, gather->world->omit.channels);
     int code = place_records(&painter);
     if (code == 0)
-        code = orl_paint(painting, pixel_radiance, &painter, 0.5);
+        code = orl_paint(painting, compute_pixel, &painter, 0.5);
     orl_icache_done(&painter.cache);
     free(painter.wanted);
     if (code == ORL_ERR_CANCELLED)

@@ -32,18 +32,36 @@ static void test_reach_and_gradient(void **state)
 {
     struct orl_record record = record_at(0, 0, 4, 10);
     struct orl_icache cache;
-    struct orl_rgb found;
+    struct orl_cached found;
     (void)state;
     for (int c = 0; c < 3; c++)
         record.by_translation[c] = orl_v3(2, 0, 0);
     fill(&cache, &record, 1);
     const struct orl_place near = place_at(0.5, 0.5), far = place_at(1.01, 0);
     assert_true(orl_icache_lookup(&cache, &near, &found));
-    assert_true(fabs(found.r - 11) < 1e-12 && found.r == found.g && found.g == found.b);
+    const struct orl_rgb e = found.irradiance;
+    assert_true(fabs(e.r - 11) < 1e-12 && e.r == e.g && e.g == e.b);
     assert_false(orl_icache_lookup(&cache, &far, &found));
     struct orl_place below = place_at(0, 0);
     below.normal = orl_v3(0, 0, -1);
     assert_false(orl_icache_lookup(&cache, &below, &found));
+    orl_icache_done(&cache);
+}
+
+/* Errors of records are averaged by the weights that values are. */
+static void test_errors(void **state)
+{
+    struct orl_record records[2] = {record_at(0, 0, 4, 10), record_at(0.6, 0, 4, 20)};
+    struct orl_icache cache;
+    struct orl_cached found;
+    (void)state;
+    records[0].standard_error = 1;
+    records[1].standard_error = 3;
+    fill(&cache, records, 2);
+    const struct orl_place between = place_at(0.2, 0);
+    assert_true(orl_icache_lookup(&cache, &between, &found));
+    assert_true(found.irradiance.r > 10 && found.irradiance.r < 15);
+    assert_true(fabs(found.standard_error - (1 + (found.irradiance.r - 10) / 5)) < 1e-12);
     orl_icache_done(&cache);
 }
 
@@ -66,7 +84,7 @@ static void test_hold_back(void **state)
     assert_true(fabs(cache.records[3].radius - 0.01) < 1e-12);
     /* What it no longer reaches it no longer serves. */
     const struct orl_place was_served = place_at(0, 0.8);
-    struct orl_rgb found;
+    struct orl_cached found;
     assert_false(orl_icache_lookup(&cache, &was_served, &found));
     orl_icache_done(&cache);
 }
@@ -102,8 +120,8 @@ static void test_order(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_reach_and_gradient),
-                                       cmocka_unit_test(test_hold_back),
-                                       cmocka_unit_test(test_order)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_reach_and_gradient), cmocka_unit_test(test_errors),
+        cmocka_unit_test(test_hold_back), cmocka_unit_test(test_order)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
