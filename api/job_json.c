@@ -232,12 +232,61 @@ static int decode_settings(const json_t *doc, struct orl_job *job, struct orl_er
     return rc ? rc : decode_photons(json_object_get(doc, "photons"), job, err);
 }
 
+/* {"relative_error": e} or {"deadline_s": t}; "at" beside either. */
+static int decode_goal(const json_t *value, struct orl_goal *goal, struct orl_error *err)
+{
+    static const char *const allowed[] = {"relative_error", "deadline_s", "at", NULL};
+    if (!value)
+        return 0;
+    int rc = orl_json_object(value, "accuracy", allowed, err);
+    const json_t *error = json_object_get(value, "relative_error");
+    const json_t *deadline = json_object_get(value, "deadline_s");
+    const json_t *at = json_object_get(value, "at");
+    if (rc == 0 && !error == !deadline) {
+        rc = orl_json_fail(err, ORL_ERR_INVALID, "accuracy",
+                           "one of \"relative_error\" and \"deadline_s\" is wanted here");
+        orl_error_hint(err, "Write \"accuracy\": {\"relative_error\": 0.05} or "
+                            "{\"deadline_s\": 30}");
+    }
+    if (rc == 0 && error)
+        rc = orl_json_real(error, "accuracy.relative_error", &goal->relative_error, err);
+    if (rc == 0 && deadline)
+        rc = orl_json_real(deadline, "accuracy.deadline_s", &goal->deadline_s, err);
+    if (rc == 0 && at)
+        rc = orl_json_real(at, "accuracy.at", &goal->at, err);
+    if (rc == 0 && error && !(goal->relative_error > 0 && goal->relative_error <= 10))
+        rc = orl_json_fail(err, ORL_ERR_RANGE, "accuracy.relative_error",
+                           "it is a fraction, from above 0 to 10: 0.05 is 5 %%");
+    if (rc == 0 && deadline &&
+        !(goal->deadline_s > 0 && goal->deadline_s <= (double)ORL_LIMIT_DEADLINE_S))
+        rc = orl_json_fail(err, ORL_ERR_RANGE, "accuracy.deadline_s",
+                           "it is from above 0 to %lu seconds", ORL_LIMIT_DEADLINE_S);
+    if (rc == 0 && !(goal->at > 0 && goal->at <= 1))
+        rc = orl_json_fail(err, ORL_ERR_RANGE, "accuracy.at",
+                           "it is the share of sensors or pixels, from above 0 to 1");
+    return rc;
+}
+
+/* What a goal chooses by itself. */
+static int refuse_settings(const json_t *doc, struct orl_error *err)
+{
+    static const char *const chosen[] = {"photons", "gather_samples", "pixel_samples"};
+    for (size_t i = 0; i < sizeof chosen / sizeof *chosen; i++)
+        if (json_object_get(doc, chosen[i])) {
+            orl_json_fail(err, ORL_ERR_INVALID, chosen[i],
+                          "a job with \"accuracy\" chooses its photons and samples itself");
+            orl_error_hint(err, "Leave out one of the two");
+            return ORL_ERR_INVALID;
+        }
+    return 0;
+}
+
 int orl_job_from_json(const json_t *doc, enum orl_job_origin origin, struct orl_job *ret_job,
                       char **ret_scene_id, struct orl_error *err)
 {
-    static const char *const allowed[] = {"kind", "scene",   "technique",      "effects",
-                                          "seed", "photons", "gather_samples", "pixel_samples",
-                                          "sky",  "sensors", "views",          NULL};
+    static const char *const allowed[] = {
+        "kind",          "scene", "technique", "effects", "seed",     "photons", "gather_samples",
+        "pixel_samples", "sky",   "sensors",   "views",   "accuracy", NULL};
     struct orl_job job;
     char *id = NULL;
     orl_job_init(&job);
@@ -252,6 +301,10 @@ int orl_job_from_json(const json_t *doc, enum orl_job_origin origin, struct orl_
                                      : decode_remote_scene(scene, &id, err);
     if (rc == 0)
         rc = decode_settings(doc, &job, err);
+    if (rc == 0)
+        rc = decode_goal(json_object_get(doc, "accuracy"), &job.goal, err);
+    if (rc == 0 && json_object_get(doc, "accuracy"))
+        rc = refuse_settings(doc, err);
     if (rc == 0)
         rc = orl_sky_from_json(json_object_get(doc, "sky"), &job.sky, err);
     if (rc == 0)

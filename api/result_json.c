@@ -1,5 +1,6 @@
 #include "result_json.h"
 
+#include <math.h>
 #include <string.h>
 
 #include <oriel/vec.h>
@@ -143,6 +144,33 @@ static json_t *warnings_to_json(const struct orl_result *result)
     return warnings;
 }
 
+/* null without a goal. */
+static json_t *outcome_to_json(const struct orl_outcome *outcome)
+{
+    if (!outcome->asked)
+        return NULL;
+    json_t *asked = outcome->goal.deadline_s > 0
+                        ? json_pack("{s:f, s:f}", "deadline_s", outcome->goal.deadline_s, "at",
+                                    outcome->goal.at)
+                        : json_pack("{s:f, s:f}", "relative_error", outcome->goal.relative_error,
+                                    "at", outcome->goal.at);
+    return json_pack("{s:o, s:b, s:o, s:I, s:s}", "asked", asked, "met", (int)outcome->met,
+                     "achieved", orl_json_from_real(outcome->achieved), "rounds",
+                     (json_int_t)outcome->rounds, "why", outcome->why);
+}
+
+/* A run that came to nothing predicts nothing. */
+static json_t *cost_to_json(const struct orl_result *result)
+{
+    const struct orl_cost *cost = &result->cost;
+    const bool known = cost->model[0] != '\0';
+    return json_pack("{s:o, s:I, s:I, s:{s:o, s:o, s:o, s:s}}", "seconds", timings_to_json(result),
+                     "rays", (json_int_t)cost->rays, "photons", (json_int_t)cost->photons, "next",
+                     "error", orl_json_from_real(known ? cost->error : NAN), "halve_s",
+                     orl_json_from_real(known ? cost->halve_s : NAN), "one_percent_s",
+                     orl_json_from_real(known ? cost->one_percent_s : NAN), "model", cost->model);
+}
+
 json_t *orl_planned_to_json(const struct orl_result *result)
 {
     return json_pack("{s:o, s:o}", "plan", orl_plan_to_json(&result->plan), "warnings",
@@ -151,10 +179,11 @@ json_t *orl_planned_to_json(const struct orl_result *result)
 
 json_t *orl_result_to_json(const struct orl_result *result, const char *state)
 {
-    return json_pack("{s:s, s:I, s:I, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "state", state,
-                     "threads", (json_int_t)result->threads, "seed", (json_int_t)result->seed,
-                     "plan", orl_plan_to_json(&result->plan), "timings_s", timings_to_json(result),
-                     "maps", maps_to_json(result), "sensors", sensors_to_json(result), "views",
-                     views_to_json(result), "health", health_to_json(&result->health), "warnings",
-                     warnings_to_json(result));
+    return json_pack("{s:s, s:I, s:I, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o*, s:o}", "state",
+                     state, "threads", (json_int_t)result->threads, "seed",
+                     (json_int_t)result->seed, "plan", orl_plan_to_json(&result->plan), "timings_s",
+                     timings_to_json(result), "maps", maps_to_json(result), "sensors",
+                     sensors_to_json(result), "views", views_to_json(result), "health",
+                     health_to_json(&result->health), "warnings", warnings_to_json(result),
+                     "accuracy", outcome_to_json(&result->outcome), "cost", cost_to_json(result));
 }

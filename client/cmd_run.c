@@ -46,6 +46,9 @@ static void print_summary(const struct orl_result *result, const char *output)
 {
     for (size_t i = 0; i < result->n_warnings; i++)
         fprintf(stderr, "warning: %s\n", result->warnings[i]);
+    if (result->outcome.asked)
+        fprintf(stderr, "accuracy: %s: %s\n", result->outcome.met ? "met" : "not met",
+                result->outcome.why);
     fprintf(stderr, "seconds:");
     for (int i = 0; i < ORL_STAGE_COUNT; i++)
         fprintf(stderr, " %s %.2f", orl_stage_name((enum orl_stage)i), result->timings_s[i]);

@@ -3,6 +3,7 @@
 #include <sched.h>
 #include <signal.h>
 #include <stdatomic.h>
+#include <stdio.h>
 
 #include <oriel/files.h>
 
@@ -67,6 +68,16 @@ static void on_map(void *ctx, const struct orl_map_info *info)
     json_decref(map);
 }
 
+static void on_round(void *ctx, const struct orl_result *result)
+{
+    const struct orl_outcome *outcome = &result->outcome;
+    char error[32] = "not known yet";
+
+    if (outcome->achieved >= 0)
+        snprintf(error, sizeof error, "%.3g %%", 100 * outcome->achieved);
+    orl_progress_note(ctx, "round %u: error %s, %.1f s", outcome->rounds, error, result->total_s);
+}
+
 /* Gives env what both commands need. */
 static int prepare(struct orl_run_env *env, uint32_t threads, struct orl_error *err)
 {
@@ -90,6 +101,7 @@ int orl_local_run(const struct orl_job *job, const char *folder, const char *out
                               .progress = on_progress,
                               .plan_ready = on_plan,
                               .map_ready = on_map,
+                              .round_ready = on_round,
                               .ctx = &progress};
     int rc = orl_join_path(output, "maps", maps.folder, sizeof maps.folder, err);
 

@@ -44,15 +44,16 @@ static double typical_radius(const struct orl_photon_map *map, uint32_t k, doubl
  * end: where there are few photons a wider search would find another one's. Records are few, and
  * stand for 32 photons each.
  */
-static void choose_radii(struct orl_gather *gather, enum orl_map_kind kind, double widest,
-                         struct orl_search *search)
+static void choose_radii(struct orl_gather *gather, enum orl_map_kind kind, double bandwidth,
+                         double widest, struct orl_search *search)
 {
     static const uint32_t neighbours[ORL_MAP_KINDS] = {NEIGHBOURS_GLOBAL, NEIGHBOURS_CAUSTIC,
                                                        NEIGHBOURS_RECORDS};
-    gather->k[kind] = neighbours[kind];
+    const double k = fmax(round(bandwidth * neighbours[kind]), fmin(neighbours[kind], 8));
+    gather->k[kind] = (uint32_t)fmin(k, ORL_SEARCH_MOST);
     if (!gather->maps[kind])
         return;
-    const double far = typical_radius(gather->maps[kind], neighbours[kind], 0.95, widest, search);
+    const double far = typical_radius(gather->maps[kind], gather->k[kind], 0.95, widest, search);
     switch (kind) {
     case ORL_MAP_GLOBAL:
         gather->max_radius[kind] = fmin(4 * far, widest);
@@ -69,7 +70,8 @@ static void choose_radii(struct orl_gather *gather, enum orl_map_kind kind, doub
 }
 
 int orl_gather_init(struct orl_gather *gather, const struct orl_world *world, enum orl_rest rest,
-                    const struct orl_photon_map *const maps[ORL_MAP_KINDS], uint64_t seed,
+                    const struct orl_photon_map *const maps[ORL_MAP_KINDS],
+                    const double bandwidths[ORL_MAP_KINDS], uint64_t seed,
                     struct orl_search *search)
 {
     const double widest = fmax(0.1 * world->geometry->radius, 1e-9);
@@ -78,7 +80,8 @@ int orl_gather_init(struct orl_gather *gather, const struct orl_world *world, en
     orl_sobol_init(&gather->sobol);
     for (int kind = 0; kind < ORL_MAP_KINDS; kind++) {
         gather->maps[kind] = kind == unread ? NULL : maps[kind];
-        choose_radii(gather, (enum orl_map_kind)kind, widest, search);
+        choose_radii(gather, (enum orl_map_kind)kind, bandwidths ? bandwidths[kind] : 1, widest,
+                     search);
     }
     if (gather->maps[ORL_MAP_GLOBAL]) {
         gather->leaves = orl_leaves_new(maps[ORL_MAP_GLOBAL], world, gather->k[ORL_MAP_GLOBAL],

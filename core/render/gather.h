@@ -48,10 +48,12 @@ struct orl_gather {
 
 /*
  * Chooses neighbours and radii from the maps themselves. With ORL_REST_RECORDS the global map is
- * not looked at, otherwise the precomputed one. Returns 0 or ORL_ERR_NOMEM.
+ * not looked at, otherwise the precomputed one. bandwidths: areas of kernels
+ * in terms of the usual ones; NULL: as usual. Returns 0 or ORL_ERR_NOMEM.
  */
 int orl_gather_init(struct orl_gather *gather, const struct orl_world *world, enum orl_rest rest,
-                    const struct orl_photon_map *const maps[ORL_MAP_KINDS], uint64_t seed,
+                    const struct orl_photon_map *const maps[ORL_MAP_KINDS],
+                    const double bandwidths[ORL_MAP_KINDS], uint64_t seed,
                     struct orl_search *search);
 void orl_gather_done(struct orl_gather *gather);
 

@@ -95,6 +95,32 @@ static bool too_many(uint64_t photons)
     return photons > ORL_LIMIT_PHOTONS && photons != ORL_PHOTONS_BY_PLAN;
 }
 
+static int validate_goal(const struct orl_job *job, struct orl_error *err)
+{
+    const struct orl_goal *g = &job->goal;
+    const bool by_error = g->relative_error != 0, by_time = g->deadline_s != 0;
+    if (!by_error && !by_time)
+        return 0;
+    if (by_error && by_time)
+        return orl_error_set(err, ORL_ERR_INVALID,
+                             "a job keeps to an accuracy or to a deadline, not to both");
+    if (by_error && !(g->relative_error > 0 && g->relative_error <= 10))
+        return orl_error_set(err, ORL_ERR_RANGE,
+                             "accuracy.relative_error is a fraction, from above 0 to 10");
+    if (by_time && !(g->deadline_s > 0 && g->deadline_s <= (double)ORL_LIMIT_DEADLINE_S))
+        return orl_error_set(err, ORL_ERR_RANGE,
+                             "accuracy.deadline_s is from above 0 to %lu seconds",
+                             ORL_LIMIT_DEADLINE_S);
+    if (!(g->at > 0 && g->at <= 1))
+        return orl_error_set(err, ORL_ERR_RANGE, "accuracy.at is a share, from above 0 to 1");
+    if (job->photons_global != ORL_PHOTONS_BY_PLAN || job->photons_caustic != ORL_PHOTONS_BY_PLAN ||
+        job->gather_samples || job->pixel_samples)
+        return orl_error_set(err, ORL_ERR_INVALID,
+                             "a job with an accuracy or a deadline chooses its photons and "
+                             "samples itself");
+    return 0;
+}
+
 int orl_job_validate(const struct orl_job *job, struct orl_error *err)
 {
     if (job->n_sensors == 0 && !job->sensors_file && job->n_views == 0)
@@ -124,7 +150,8 @@ int orl_job_validate(const struct orl_job *job, struct orl_error *err)
         if (code < 0)
             return code;
     }
-    return orl_daylight_check(&job->sky, err);
+    const int code = validate_goal(job, err);
+    return code < 0 ? code : orl_daylight_check(&job->sky, err);
 }
 
 void orl_result_done(struct orl_result *result)

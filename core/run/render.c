@@ -129,6 +129,48 @@ static int write_errors(const struct orl_run_state *state, const struct orl_film
     return code;
 }
 
+/* Of an earlier round. */
+static void forget_files(struct orl_view_result *result)
+{
+    free(result->name);
+    free(result->hdr);
+    free(result->png);
+    free(result->error_hdr);
+    free(result->error_png);
+    *result = (struct orl_view_result){.seconds = result->seconds};
+}
+
+int orl_run_write_view(struct orl_run_state *state, size_t index, const struct orl_film *film,
+                       struct orl_error *err)
+{
+    const struct orl_view_request *request = &state->job->views[index];
+    struct orl_view_result *result = &state->result->views[index];
+    struct orl_view view;
+    forget_files(result);
+    result->name = strdup(request->name);
+    int code = result->name ? 0 : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    if (code == 0)
+        code = orl_view_parse(request->view, &view, err);
+    if (code == 0)
+        code = write_image(state, film, &view, result, err);
+    if (code == 0 && orl_film_knows_errors(film))
+        code = write_errors(state, film, &view, result, err);
+    return code;
+}
+
+/* Where a picture goes when it is finished. */
+static int keep_film(struct orl_run_state *state, size_t index, const struct orl_film *film,
+                     struct orl_error *err)
+{
+    if (state->take_film)
+        return state->take_film(state->take_ctx, index, film, err);
+    if (state->env->view_ready)
+        state->env->view_ready(state->env->ctx, index, film->pixels,
+                               orl_film_knows_errors(film) ? film->errors : NULL,
+                               (size_t)film->width * film->height);
+    return orl_run_write_view(state, index, film, err);
+}
+
 static int render_view(struct rendering *rendering, size_t index, struct view_progress *progress,
                        struct orl_error *err)
 {
@@ -146,24 +188,15 @@ static int render_view(struct rendering *rendering, size_t index, struct view_pr
     struct orl_view view;
     const struct orl_painting painting = {&env, state->world->geometry, &view, &film};
     state->result->n_views = index + 1;
-    result->name = strdup(request->name);
-    int code = result->name ? 0 : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-    if (code == 0)
-        code = orl_view_parse(request->view, &view, err);
+    int code = orl_view_parse(request->view, &view, err);
     if (code == 0)
         orl_run_judge_view(state, request->name, &view);
     if (code == 0)
         code = orl_film_init(&film, request->width, request->height, err);
     if (code == 0)
         code = rendering->renderer->view(rendering->renderer->ctx, &painting, err);
-    if (code == 0 && state->env->view_ready)
-        state->env->view_ready(state->env->ctx, index, film.pixels,
-                               orl_film_knows_errors(&film) ? film.errors : NULL,
-                               (size_t)film.width * film.height);
     if (code == 0)
-        code = write_image(state, &film, &view, result, err);
-    if (code == 0 && orl_film_knows_errors(&film))
-        code = write_errors(state, &film, &view, result, err);
+        code = keep_film(state, index, &film, err);
     orl_film_done(&film);
     result->seconds = state->env->now_s(state->env->ctx) - started;
     return code;

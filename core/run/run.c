@@ -6,7 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "run/stages.h"
+#include "run/cost.h"
+#include "run/rounds.h"
 #include "scene/parse.h"
 
 /* Rough costs, microseconds on one core: a photon traced, one indexed, a gather ray, a pixel. */
@@ -30,12 +31,25 @@ static void guess_costs(struct orl_run_state *state)
         1e-6 * ((double)state->n_sensors * samples * gather_us + pixels * pixel_us);
 }
 
+/* Of a job with a goal, what is done of the time that it is thought to take. */
+static double share_of_time(const struct orl_run_state *state)
+{
+    const double most = 0.999;
+    const double now = state->env->now_s(state->env->ctx) - state->started_s;
+    return state->ends_s > state->started_s ? fmin(now / (state->ends_s - state->started_s), most)
+                                            : 0;
+}
+
 void orl_run_progress(const struct orl_run_state *state, double fraction)
 {
     double before = 0, all = 0;
     if (!state->env->progress)
         return;
     fraction = fmin(fmax(fraction, 0), 1);
+    if (orl_goal_is_set(&state->job->goal)) {
+        state->env->progress(state->env->ctx, state->stage, fraction, share_of_time(state));
+        return;
+    }
     for (int i = 0; i < ORL_STAGE_COUNT; i++) {
         before += i < (int)state->stage ? state->cost_s[i] : 0;
         all += state->cost_s[i];
@@ -140,15 +154,24 @@ static int prepare(struct orl_run_state *state, struct orl_error *err)
     return orl_run_plan(state, err);
 }
 
+int orl_run_technique(struct orl_run_state *state, struct orl_error *err)
+{
+    return state->result->plan.technique == ORL_TECHNIQUE_BACKWARD ? orl_run_backward(state, err)
+                                                                   : orl_run_gather(state, err);
+}
+
 static int run_stages(struct orl_run_state *state, struct orl_error *err)
 {
+    const bool in_rounds = orl_goal_is_set(&state->job->goal);
     int code = prepare(state, err);
     if (code == 0)
-        code = state->result->plan.technique == ORL_TECHNIQUE_BACKWARD
-                   ? orl_run_backward(state, err)
-                   : orl_run_gather(state, err);
-    if (code == 0)
+        code = in_rounds ? orl_run_rounds(state, err) : orl_run_technique(state, err);
+    if (code == 0) {
+        leave(state);
         orl_run_judge_health(state);
+    }
+    if (code == 0 && !in_rounds)
+        orl_run_cost(state);
     return code;
 }
 
@@ -160,7 +183,9 @@ static int run(const struct orl_job *job, const struct orl_run_env *env,
     struct orl_run_state state = {.job = job, .env = env, .result = &result};
     const double started = env->now_s(env->ctx);
     int code;
-    state.stage_started = started;
+    state.stage_started = state.started_s = started;
+    if (job->goal.deadline_s > 0)
+        state.ends_s = started + job->goal.deadline_s;
     state.searches = calloc(orl_crew_size(env->crew), sizeof *state.searches);
     if (state.searches)
         code = stages(&state, err);

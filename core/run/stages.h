@@ -25,6 +25,12 @@ struct orl_run_state {
     double cost_s[ORL_STAGE_COUNT]; /* guessed, for the job's percentage: only ratios matter */
     enum orl_stage stage;
     double stage_started;
+    double started_s; /* of the run */
+    double ends_s;    /* of a job with a goal: when it is thought to end; 0: not known yet */
+    const double *bandwidths; /* by kind of map, in rounds (gather.h); NULL: as usual */
+    /* In rounds: where a finished picture goes instead of into files. */
+    int (*take_film)(void *ctx, size_t index, const struct orl_film *film, struct orl_error *err);
+    void *take_ctx;
 };
 
 /* Begins a stage: books the time of the one before, and reports. */
@@ -70,6 +76,10 @@ struct orl_renderer {
 void orl_run_book_sensor(const struct orl_run_state *state, size_t index,
                          const struct orl_estimate *estimate);
 
+/* Writes a view's files and names them in the result. */
+int orl_run_write_view(struct orl_run_state *state, size_t index, const struct orl_film *film,
+                       struct orl_error *err);
+
 /* Render stage: sensors and views, into the result and the output folder. */
 int orl_run_render(struct orl_run_state *state, const struct orl_renderer *renderer,
                    struct orl_error *err);
@@ -81,5 +91,6 @@ int orl_run_plan(struct orl_run_state *state, struct orl_error *err);
 /* Photons, maps and render stages, by the technique of the plan. */
 int orl_run_backward(struct orl_run_state *state, struct orl_error *err);
 int orl_run_gather(struct orl_run_state *state, struct orl_error *err);
+int orl_run_technique(struct orl_run_state *state, struct orl_error *err); /* either */
 
 #endif

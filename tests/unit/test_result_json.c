@@ -66,7 +66,10 @@ static void test_members(void **state)
         "\"photons_capped\":5,\"paths_capped\":6,\"rays_leaked\":7,\"sparse_estimates\":8,"
         "\"bsdf_values\":9,\"surfaces\":10,\"photons\":11,\"paths\":12,\"rays\":13,"
         "\"estimates\":14,\"flux_w\":0.5,\"flux_capped_w\":0.25},"
-        "\"warnings\":[\"a polygon has no area\"]}",
+        "\"warnings\":[\"a polygon has no area\"],"
+        "\"cost\":{\"seconds\":{\"load\":0.5,\"bvh\":0.25,\"plan\":0.125,\"photons\":3.0,"
+        "\"maps\":1.0,\"render\":2.0,\"total\":6.875},\"rays\":0,\"photons\":0,"
+        "\"next\":{\"error\":null,\"halve_s\":null,\"one_percent_s\":null,\"model\":\"\"}}}",
         0, NULL);
     assert_non_null(doc);
     assert_non_null(expected);

@@ -154,6 +154,7 @@ struct orl_view_result {
 /* How a job with a goal ended. */
 struct orl_outcome {
     bool asked, met;
+    struct orl_goal goal; /* the job's */
     uint32_t rounds;
     double achieved;       /* relative error at the goal's share, as estimated; NaN: not known */
     char why[ORL_WHY_MAX]; /* why it ended, and what would help where the goal is not met */

@@ -1,0 +1,275 @@
+#include "run/cost.h"
+
+#include <stdio.h>
+
+#include <oriel/limits.h>
+
+enum { HALVINGS = 40 };
+
+/* Samples of a sensor that go with one of a pixel, and with the planner's photons. */
+static const double pixel_samples = ORL_DEFAULT_GATHER_SAMPLES / ORL_DEFAULT_PIXEL_SAMPLES,
+                    map_samples = ORL_DEFAULT_GATHER_SAMPLES;
+/* Up to so many samples the planner's virtual lamps do; then they grow, to no more than that. */
+static const double lamps_samples = 2048;
+enum { LAMPS_MOST = 4000000, PHOTONS_A_ROUND = 8000000 };
+/*
+ * Variance of a sensor by S samples and L of the lamps that they share: as 1 / S + 90 / L, in the
+ * test office behind glass (105) and behind a laser cut panel (88), where the planner has 204 800.
+ */
+static const double lamps_noise = 90.0 / 204800;
+/* A round has no fewer samples, the second one of sensors twice that: lamps cost as much. */
+static const double least_samples = 256;
+/* A round may make so many times all the effort before, fewer where a bias is in the way, whose
+ * course is less well known; and so much more than is thought to be needed. */
+static const double growth = 32, growth_by_maps = 8, margin = 1.1;
+
+struct orl_work orl_work_of(const struct orl_run_state *state)
+{
+    const struct orl_plan *plan = &state->result->plan;
+    struct orl_work work = {.technique = plan->technique,
+                            .of_views = state->job->n_views > 0,
+                            .photons = {plan->photons_global, plan->photons_caustic},
+                            .least = least_samples};
+    const double photons = fmax((double)plan->photons_global, (double)plan->photons_caustic);
+    if (work.technique == ORL_TECHNIQUE_BACKWARD) {
+        work.most = lamps_samples * LAMPS_MOST / fmax(photons, 1);
+        work.most = fmin(work.most, 20 * lamps_samples);
+    } else {
+        work.least = work.of_views ? map_samples : least_samples;
+        work.most = fmin(map_samples * fmax(1, PHOTONS_A_ROUND / fmax(photons, 1)), 1 << 18);
+    }
+    return work;
+}
+
+/* How many times the planner's lamps. */
+static double more_lamps(double samples)
+{
+    return fmax(1, samples / lamps_samples);
+}
+
+uint64_t orl_work_photons(const struct orl_work *work, int kind, double samples)
+{
+    const double planned = (double)work->photons[kind];
+    if (work->technique == ORL_TECHNIQUE_BACKWARD)
+        return (uint64_t)(planned * more_lamps(samples));
+    return (uint64_t)ceil(planned * samples / map_samples);
+}
+
+uint32_t orl_work_pixel_samples(double samples)
+{
+    return (uint32_t)fmax(ceil(samples / pixel_samples), 1);
+}
+
+double orl_work_effort(const struct orl_work *work, double samples)
+{
+    if (work->technique != ORL_TECHNIQUE_BACKWARD || work->of_views)
+        return samples;
+    return 1 / (1 / samples + lamps_noise / more_lamps(samples));
+}
+
+/* The other way round. */
+static double samples_for(const struct orl_work *work, double effort)
+{
+    const double few = orl_work_effort(work, lamps_samples);
+    if (work->technique != ORL_TECHNIQUE_BACKWARD || work->of_views)
+        return effort;
+    return effort < few ? 1 / (1 / effort - lamps_noise)
+                        : effort * (1 + lamps_noise * lamps_samples);
+}
+
+/*
+ * Hemispheres of rays average over so many kernels of global photons that these may hold few: 64,
+ * or fewer as maps add up. Caustics are seen directly: what one kernel holds is to grow too, with
+ * the power 2/3 of all photons, from what the planner's photons have in it.
+ */
+void orl_work_bandwidths(double effort, double before, double ret_bandwidths[ORL_MAP_KINDS])
+{
+    const double all = before + effort;
+    ret_bandwidths[ORL_MAP_GLOBAL] = cbrt(effort / all);
+    ret_bandwidths[ORL_MAP_CAUSTIC] = effort / map_samples / cbrt(all / map_samples);
+    ret_bandwidths[ORL_MAP_PRECOMPUTED] = 1;
+}
+
+double orl_work_limit(void)
+{
+    return ORL_LIMIT_GOAL_SAMPLES;
+}
+
+double orl_work_next(const struct orl_work *work, double done, double wanted)
+{
+    const double unit = ORL_MAP_BATCHES; /* samples fall into so many groups */
+    const double most = work->technique == ORL_TECHNIQUE_BACKWARD ? growth : growth_by_maps;
+    const double missing = fmin(fmin(margin * wanted - done, most * done), orl_work_limit() - done);
+    double samples = work->least;
+    if (done > 0)
+        samples = fmax(samples_for(work, fmax(missing, 1)), work->of_views ? samples : 2 * samples);
+    return unit * ceil(fmin(samples, work->most) / unit);
+}
+
+static double photons_of(const struct orl_work *work, double samples)
+{
+    double sum = 0;
+    for (int kind = 0; kind < ORL_SHOT_KINDS; kind++)
+        sum += (double)orl_work_photons(work, kind, samples);
+    return sum;
+}
+
+/* By photon maps a view's own work is the same however many photons there are. */
+static bool renders_alike(const struct orl_work *work)
+{
+    return work->of_views && work->technique != ORL_TECHNIQUE_BACKWARD;
+}
+
+double orl_pace_round_s(const struct orl_pace *pace, const struct orl_work *work, double samples)
+{
+    double seconds = pace->rounds > 0 ? pace->beside_s / pace->rounds : 0;
+    if (pace->photons > 0)
+        seconds += pace->photon_s / pace->photons * photons_of(work, samples);
+    if (renders_alike(work))
+        return seconds + (pace->rounds > 0 ? pace->render_s / pace->rounds : 0);
+    return seconds + (pace->samples > 0 ? pace->render_s / pace->samples * samples : 0);
+}
+
+double orl_pace_samples(const struct orl_pace *pace, const struct orl_work *work, double seconds,
+                        double most)
+{
+    double low = work->least, high = fmax(fmin(work->most, most), low);
+    for (int i = 0; i < HALVINGS; i++) {
+        const double middle = 0.5 * (low + high);
+        if (orl_pace_round_s(pace, work, middle) <= seconds)
+            low = middle;
+        else
+            high = middle;
+    }
+    return ORL_MAP_BATCHES * floor(low / ORL_MAP_BATCHES);
+}
+
+double orl_pace_run_s(const struct orl_pace *pace, const struct orl_work *work, double wanted)
+{
+    double seconds = pace->before_s;
+    for (double done = 0; done < wanted || done == 0;) {
+        const double samples = orl_work_next(work, done, wanted);
+        seconds += orl_pace_round_s(pace, work, samples);
+        done += orl_work_effort(work, samples);
+    }
+    return seconds;
+}
+
+/* ---- The next digit -------------------------------------------------------------------------- */
+
+double orl_parts_error(const struct orl_parts *parts)
+{
+    double most = parts->count > 0 ? 0 : NAN;
+    for (size_t i = 0; i < parts->count; i++) {
+        const double error = orl_percentile_error(&parts->parts[i], parts->at);
+        most = isnan(error) || error > most ? error : most;
+        if (isnan(error))
+            break;
+    }
+    return most;
+}
+
+double orl_parts_work(const struct orl_parts *parts, double target)
+{
+    double most = 1;
+    for (size_t i = 0; i < parts->count; i++)
+        most = fmax(most, orl_percentile_work(&parts->parts[i], parts->at, target));
+    return most;
+}
+
+/* Seconds until the error is that; NaN when it takes more than a job may. */
+static double seconds_to(const struct orl_pace *pace, const struct orl_work *work,
+                         const struct orl_parts *parts, double target)
+{
+    const double wanted = pace->effort * orl_parts_work(parts, target);
+    return wanted <= orl_work_limit() ? orl_pace_run_s(pace, work, wanted) : NAN;
+}
+
+void orl_run_predict(struct orl_run_state *state, const struct orl_pace *pace,
+                     const struct orl_work *work, const struct orl_parts *parts)
+{
+    const double one_percent = 0.01;
+    struct orl_cost *cost = &state->result->cost;
+    cost->rays = state->result->health.rays;
+    cost->photons = state->result->health.photons;
+    cost->error = orl_parts_error(parts);
+    cost->halve_s = cost->one_percent_s = NAN;
+    snprintf(cost->model, sizeof cost->model, "the errors are not known");
+    if (isnan(cost->error))
+        return;
+    snprintf(cost->model, sizeof cost->model, "there is nothing left to gain");
+    if (!(cost->error > 0) || !(pace->effort > 0)) {
+        cost->one_percent_s = cost->error <= one_percent ? 0 : NAN;
+        return;
+    }
+    cost->halve_s = seconds_to(pace, work, parts, cost->error / 2);
+    cost->one_percent_s =
+        cost->error <= one_percent ? 0 : seconds_to(pace, work, parts, one_percent);
+    snprintf(cost->model, sizeof cost->model,
+             "a run in rounds by %s: %.3g s, %.3g s a million photons, %.3g s %s; error^2 falls as "
+             "1 / work",
+             orl_technique_name(work->technique), pace->before_s,
+             pace->photons > 0 ? 1e6 * pace->photon_s / pace->photons : 0,
+             renders_alike(work) ? pace->render_s / fmax(pace->rounds, 1)
+                                 : 1e3 * pace->render_s / pace->samples,
+             renders_alike(work) ? "a round of its views" : "a thousand samples");
+}
+
+/* ---- Jobs in one piece ----------------------------------------------------------------------- */
+
+/* A job's own settings, as samples of a sensor. */
+static double samples_of(const struct orl_run_state *state, const struct orl_work *work)
+{
+    const struct orl_job *job = state->job;
+    if (work->technique == ORL_TECHNIQUE_BACKWARD && state->n_sensors == 0)
+        return pixel_samples *
+               (job->pixel_samples ? job->pixel_samples : ORL_DEFAULT_PIXEL_SAMPLES);
+    if (state->n_sensors == 0)
+        return map_samples;
+    return job->gather_samples ? job->gather_samples : ORL_DEFAULT_GATHER_SAMPLES;
+}
+
+/* And the effort that they are, with the lamps that the plan has for them. */
+static double effort_of(const struct orl_work *work, double samples, double lamps)
+{
+    if (work->technique != ORL_TECHNIQUE_BACKWARD || work->of_views || !(lamps > 0))
+        return samples;
+    return 1 / (1 / samples + lamps_noise * (double)work->photons[ORL_MAP_GLOBAL] / lamps);
+}
+
+/* Seconds of photons and maps, those included that an earlier job spent on maps it left. */
+static double seconds_of_photons(const struct orl_result *result)
+{
+    double seconds = result->timings_s[ORL_STAGE_PHOTONS] + result->timings_s[ORL_STAGE_MAPS];
+    for (size_t i = 0; i < result->n_maps; i++)
+        seconds += result->maps[i].cached ? result->maps[i].seconds : 0;
+    return seconds;
+}
+
+void orl_run_cost(struct orl_run_state *state)
+{
+    const struct orl_result *result = state->result;
+    struct orl_work work = orl_work_of(state);
+    const double samples = samples_of(state, &work);
+    const double photons = (double)(work.photons[ORL_MAP_GLOBAL] + work.photons[ORL_MAP_CAUSTIC]);
+    /* This plan has lamps for its own samples; rounds start from those for the default of them. */
+    if (work.technique == ORL_TECHNIQUE_BACKWARD && samples > map_samples)
+        work.photons[ORL_MAP_GLOBAL] = (uint64_t)(photons * map_samples / samples);
+    const struct orl_pace pace = {.before_s = result->timings_s[ORL_STAGE_LOAD] +
+                                              result->timings_s[ORL_STAGE_BVH] +
+                                              result->timings_s[ORL_STAGE_PLAN],
+                                  .photons = photons,
+                                  .photon_s = seconds_of_photons(result),
+                                  .samples = samples,
+                                  .effort = effort_of(&work, samples, photons),
+                                  .render_s = result->timings_s[ORL_STAGE_RENDER],
+                                  .rounds = 1};
+    const struct orl_estimates sensors = {.value = result->illuminance_lx,
+                                          .error = result->standard_error_lx,
+                                          .bias = result->bias_estimate_lx,
+                                          .count = result->n_sensors,
+                                          .floor = orl_floor_of_sensors};
+    const struct orl_parts parts = {&sensors, result->standard_error_lx && result->n_sensors > 0,
+                                    0.95};
+    orl_run_predict(state, &pace, &work, &parts);
+}

@@ -1,0 +1,77 @@
+/*
+ * What work costs: samples, what they are by each technique, how long they take and what they
+ * bring.
+ *
+ * The size of a round (rounds.h) is a number of samples of every sensor. By the backward technique
+ * 64 of them go with a sample of every pixel, and virtual lamps with all; by photon maps 4096 go
+ * with the photons that the planner thinks right. What a round brings is counted as effort, in
+ * which variances fall as its inverse: samples, but for what too few lamps take away from them.
+ *
+ * The schedule of rounds is here, since it also says what another digit would cost: a small one to
+ * learn from, then one that is to reach the goal, then what is left.
+ */
+#ifndef ORL_RUN_COST_H
+#define ORL_RUN_COST_H
+
+#include "run/percentile.h"
+#include "run/stages.h"
+
+/* What is done by how many samples, for one job. */
+struct orl_work {
+    enum orl_technique technique;
+    bool of_views;                    /* some, maybe beside sensors */
+    uint64_t photons[ORL_SHOT_KINDS]; /* the planner's */
+    double least, most;               /* samples of a round */
+};
+
+struct orl_work orl_work_of(const struct orl_run_state *state);
+
+/* Photons of a kind, and samples of a pixel, that go with samples of a sensor; and their effort. */
+uint64_t orl_work_photons(const struct orl_work *work, int kind, double samples);
+uint32_t orl_work_pixel_samples(double samples);
+double orl_work_effort(const struct orl_work *work, double samples);
+
+/* The samples of the round after rounds of `done` effort, when `wanted` in all would do: by counts
+ * alone. */
+double orl_work_next(const struct orl_work *work, double done, double wanted);
+
+/* Areas of kernels in a round of that effort after others, in terms of what the maps would choose:
+ * see rounds.h. */
+void orl_work_bandwidths(double effort, double before, double ret_bandwidths[ORL_MAP_KINDS]);
+
+/* Effort in all that a job with a goal may take. */
+double orl_work_limit(void);
+
+/* How long it took, so far. */
+struct orl_pace {
+    double before_s;          /* until the first photon */
+    double photons, photon_s; /* traced and put into maps; virtual lamps count */
+    double samples, render_s;
+    double effort;
+    double rounds, beside_s; /* what is not of the above */
+};
+
+/* Seconds of a round, and of a whole run in rounds until so much effort is made. */
+double orl_pace_round_s(const struct orl_pace *pace, const struct orl_work *work, double samples);
+double orl_pace_run_s(const struct orl_pace *pace, const struct orl_work *work, double wanted);
+/* Samples of a round that is to last so long: from the least, to `most` or what rounds may have. */
+double orl_pace_samples(const struct orl_pace *pace, const struct orl_work *work, double seconds,
+                        double most);
+
+/* Of the parts of a job that have errors, the one that is worst: the parts are borrowed. */
+struct orl_parts {
+    const struct orl_estimates *parts;
+    size_t count;
+    double at;
+};
+double orl_parts_error(const struct orl_parts *parts);               /* NaN when one is not known */
+double orl_parts_work(const struct orl_parts *parts, double target); /* orl_percentile_work */
+
+/* Fills the predictions of the result's cost, and its counts, from what it took so far. */
+void orl_run_predict(struct orl_run_state *state, const struct orl_pace *pace,
+                     const struct orl_work *work, const struct orl_parts *parts);
+
+/* The cost of a job that went in one piece. */
+void orl_run_cost(struct orl_run_state *state);
+
+#endif

@@ -1,0 +1,135 @@
+#include "run/percentile.h"
+
+#include <math.h>
+
+#include "base/sum.h"
+
+enum { MOST_LOOKED_AT = 4096, HALVINGS = 48 };
+static const double confident = 1.2815515655446004; /* the normal quantile of 0.9 */
+
+const double orl_floor_of_sensors = 1e-3, orl_floor_of_pixels = 0.1;
+
+/* Probability that a normal error with that bias and deviation is beyond x, to either side. */
+static double beyond(double x, double bias, double error)
+{
+    if (!(error > 0))
+        return fabs(bias) > x ? 1 : 0;
+    return 0.5 * (erfc((x - bias) / error * M_SQRT1_2) + erfc((x + bias) / error * M_SQRT1_2));
+}
+
+/* Estimates as they are looked at: every so many, with the least that they are divided by. */
+struct look {
+    const struct orl_estimates *estimates;
+    size_t step, count;
+    double least;
+    double scale, bias_scale; /* of errors and biases */
+};
+
+/* Whether so few are beyond x as the share allows, as surely as is wanted. */
+static int is_bound(const struct look *look, double x, size_t allowed)
+{
+    const struct orl_estimates *e = look->estimates;
+    double mean = 0, variance = 0, third = 0;
+    for (size_t k = 0; k < look->count; k++) {
+        const size_t i = k * look->step;
+        const double by = fmax(fabs(e->value[i]), look->least);
+        const double p =
+            beyond(x * by, e->bias ? look->bias_scale * e->bias[i] : 0, look->scale * e->error[i]);
+        mean += p;
+        variance += p * (1 - p);
+        third += p * (1 - p) * (1 - 2 * p);
+    }
+    const double skew = variance > 0 ? third / variance : 0; /* times the deviation */
+    const double quantile =
+        mean + confident * sqrt(variance) + (confident * confident - 1) / 6 * skew;
+    return quantile <= (double)allowed + 0.5;
+}
+
+static int has_bias(const struct orl_estimates *e)
+{
+    for (size_t i = 0; e->bias && i < e->count; i++)
+        if (e->bias[i] != 0)
+            return 1;
+    return 0;
+}
+
+/* The mean value, and whether all errors are known. */
+static int take_mean(const struct orl_estimates *e, double *ret_mean)
+{
+    struct orl_sum sum = {0, 0};
+    for (size_t i = 0; i < e->count; i++) {
+        if (!isfinite(e->value[i]) || !isfinite(e->error[i]) || (e->bias && !isfinite(e->bias[i])))
+            return 0;
+        orl_sum_add(&sum, fabs(e->value[i]));
+    }
+    *ret_mean = orl_sum_value(&sum) / (double)e->count;
+    return 1;
+}
+
+/* How many of those looked at may be beyond the bound. */
+static size_t allowed_of(const struct look *look, double at)
+{
+    const size_t kept = (size_t)ceil(at * (double)look->count - 1e-9);
+    return look->count - (kept < look->count ? kept : look->count);
+}
+
+static double find_bound(const struct look *look, double at)
+{
+    const size_t allowed = allowed_of(look, at);
+    double low = 1e-9, high = 1e3;
+    if (is_bound(look, low, allowed))
+        return 0;
+    for (int i = 0; i < HALVINGS && high > low * (1 + 1e-6); i++) {
+        const double middle = sqrt(low * high);
+        if (is_bound(look, middle, allowed))
+            high = middle;
+        else
+            low = middle;
+    }
+    return high;
+}
+
+/* False when an error is not known. */
+static int look_at(const struct orl_estimates *estimates, struct look *ret_look)
+{
+    const size_t step = (estimates->count + MOST_LOOKED_AT - 1) / MOST_LOOKED_AT;
+    double mean;
+    if (estimates->count == 0 || !take_mean(estimates, &mean))
+        return 0;
+    *ret_look = (struct look){.estimates = estimates,
+                              .step = step,
+                              .count = (estimates->count + step - 1) / step,
+                              .least = estimates->floor * mean,
+                              .scale = 1,
+                              .bias_scale = 1};
+    return 1;
+}
+
+double orl_percentile_error(const struct orl_estimates *estimates, double at)
+{
+    struct look look;
+    if (!look_at(estimates, &look))
+        return NAN;
+    return look.least > 0 ? find_bound(&look, at) : 0;
+}
+
+double orl_percentile_work(const struct orl_estimates *estimates, double at, double target)
+{
+    const double now = orl_percentile_error(estimates, at);
+    double low = 1e-9, high = 1; /* of 1 / work */
+    struct look look;
+    if (!(now > target) || !look_at(estimates, &look))
+        return 1;
+    if (!has_bias(estimates))
+        return now / target * (now / target); /* errors, and so their bound, go as one */
+    for (int i = 0; i < HALVINGS; i++) {
+        const double middle = sqrt(low * high);
+        look.scale = sqrt(middle);
+        look.bias_scale = cbrt(middle);
+        if (is_bound(&look, target, allowed_of(&look, at)))
+            low = middle;
+        else
+            high = middle;
+    }
+    return 1 / low;
+}

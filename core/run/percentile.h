@@ -1,0 +1,45 @@
+/*
+ * The error that a share of many estimates keep to, from what is known of each: the at-percentile
+ * of |x_i - truth_i| / max(x_i, floor), where estimate i is off by its bias b_i and a normal error
+ * of deviation s_i.
+ *
+ * The percentile itself is by chance: which of 57 sensors come out badly differs from seed to seed.
+ * What is returned is therefore not its mean but a bound that holds with a probability of nine in
+ * ten: the least x at which the number of errors beyond x, a sum of independent trials
+ * (Poisson's binomial), is at most the number that the share allows, with that probability. The
+ * sum's quantile is Cornish and Fisher's, with skewness.
+ *
+ * Standard errors are estimates too, some too small and some too large. Student's t would allow for
+ * that in one estimate; among many, their scatter already makes the mixture of all wider than the
+ * errors themselves are, and no more is added.
+ *
+ * Of more than a few thousand estimates, pixels as a rule, some thousand are looked at, evenly
+ * spread. They count as independent, which pixels next to each other are not.
+ */
+#ifndef ORL_RUN_PERCENTILE_H
+#define ORL_RUN_PERCENTILE_H
+
+#include <stddef.h>
+
+struct orl_estimates {
+    const double *value, *error;
+    const double *bias; /* NULL: none is known */
+    size_t count;
+    double floor; /* share of the mean value below which nothing is divided by */
+};
+
+/* study.h's floors. */
+extern const double orl_floor_of_sensors, orl_floor_of_pixels;
+
+/* The bound; NaN when an error is not known. 0 when all is black. */
+double orl_percentile_error(const struct orl_estimates *estimates, double at);
+
+/*
+ * How many times the work done so far it takes, in all, to bring the bound down to target.
+ * Variances fall as the inverse of the work; biases as its power -1/3, which is what Knaus and
+ * Zwicker (2011, "Progressive photon mapping: a probabilistic approach") have of shrinking
+ * bandwidths.
+ */
+double orl_percentile_work(const struct orl_estimates *estimates, double at, double target);
+
+#endif

@@ -1,0 +1,56 @@
+/*
+ * What independent rounds have found of many values, put together: means weighted by the effort of
+ * each round, and the standard errors of these.
+ *
+ * Standard errors come from those of the rounds when every round knew its own, checked against the
+ * spread between rounds: where that is larger than they explain, over all values together, they are
+ * raised by as much. Otherwise they come from the spread alone, of few degrees of freedom, and each
+ * value's is drawn towards what all values' are relative to themselves (Smyth 2004, moderated
+ * variances): with two rounds a spread by itself says next to nothing.
+ *
+ * Ownership: init makes, done frees. Not for several threads.
+ */
+#ifndef ORL_RUN_POOL_H
+#define ORL_RUN_POOL_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <oriel/error.h>
+
+/* One round's findings. Errors are standard errors. */
+struct orl_found {
+    const double *value;
+    const double *error, *bias; /* NULL: not known */
+    double degrees;             /* of freedom of its errors */
+    double effort; /* samples or photons; variances are thought to fall as its inverse */
+};
+
+struct orl_pool {
+    size_t count;
+    uint32_t rounds;
+    double effort, effort_squares; /* sums; the second of effort^2 / degrees */
+    bool knows_errors, knows_bias; /* every round did */
+    double *mean, *bias;
+    double *spread;   /* sum of effort (x - mean)^2 */
+    double *within;   /* sum of effort^2 s^2 */
+    double *expected; /* sum of effort s^2 */
+};
+
+int orl_pool_init(struct orl_pool *pool, size_t count, struct orl_error *err);
+void orl_pool_done(struct orl_pool *pool); /* also of one that is all zero */
+
+void orl_pool_add(struct orl_pool *pool, const struct orl_found *found);
+
+/* Standard errors of the means; false, and NaN everywhere, while there is nothing to tell them by.
+ */
+bool orl_pool_errors(const struct orl_pool *pool, double floor, double *ret_errors);
+
+/* Of these errors. */
+double orl_pool_degrees(const struct orl_pool *pool);
+
+/* How often the variances that rounds report go into those between rounds; 1 with one round. */
+double orl_pool_dispersion(const struct orl_pool *pool);
+
+#endif

@@ -1,0 +1,433 @@
+#include "run/rounds.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/random.h"
+#include "run/cost.h"
+#include "run/pool.h"
+
+/* A deadline's round fills that much of what is left, the last one that. */
+static const double fill = 0.7, last_fill = 0.93, deadline_growth = 8;
+/* Less than this share of the deadline is not worth a round; so much over it is still kept. */
+static const double crumbs = 0.04, tolerance = 0.1;
+/* Work is given up when this much more than what is allowed would be needed. */
+static const double hopeless = 2;
+
+/* What has been found of the sensors, or of one view's pixels. */
+struct part {
+    struct orl_pool pool;
+    double *errors; /* of its means; owned */
+    double floor;
+    struct orl_film film; /* of a view: the means, in colour */
+};
+
+struct rounds {
+    struct orl_run_state *state;
+    struct orl_work work;
+    struct orl_pace pace;
+    struct part *parts; /* sensors first when there are any, then views */
+    size_t n_parts;
+    struct orl_estimates *estimates;  /* one per part */
+    double error;                     /* of the whole, as it stands */
+    double samples, effort;           /* of the round that runs */
+    double bandwidths[ORL_MAP_KINDS]; /* of the round */
+    uint32_t count;
+    bool ended;
+};
+
+bool orl_goal_is_set(const struct orl_goal *goal)
+{
+    return goal->relative_error > 0 || goal->deadline_s > 0;
+}
+
+static double now_s(const struct rounds *r)
+{
+    const struct orl_run_env *env = r->state->env;
+    return env->now_s(env->ctx);
+}
+
+/* ---- What has been found --------------------------------------------------------------------- */
+
+static int part_init(struct part *part, size_t count, double floor, struct orl_error *err)
+{
+    part->floor = floor;
+    part->errors = malloc((count + 1) * sizeof(double));
+    if (!part->errors)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    return orl_pool_init(&part->pool, count, err);
+}
+
+static int rounds_init(struct rounds *r, struct orl_run_state *state, struct orl_error *err)
+{
+    const size_t sensors = state->n_sensors > 0, views = state->job->n_views;
+    int code = 0;
+    *r = (struct rounds){.state = state, .n_parts = sensors + views, .error = NAN};
+    r->work = orl_work_of(state);
+    r->pace.before_s = now_s(r) - state->started_s;
+    r->parts = calloc(r->n_parts + 1, sizeof *r->parts);
+    r->estimates = calloc(r->n_parts + 1, sizeof *r->estimates);
+    state->result->views = calloc(views + 1, sizeof *state->result->views);
+    if (!r->parts || !r->estimates || !state->result->views)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    state->result->n_views = views;
+    if (sensors)
+        code = part_init(&r->parts[0], state->n_sensors, orl_floor_of_sensors, err);
+    for (size_t i = 0; i < views && code == 0; i++) {
+        const struct orl_view_request *v = &state->job->views[i];
+        struct part *part = &r->parts[sensors + i];
+        code = part_init(part, (size_t)v->width * v->height, orl_floor_of_pixels, err);
+        if (code == 0)
+            code = orl_film_init(&part->film, v->width, v->height, err);
+    }
+    return code;
+}
+
+static void rounds_done(struct rounds *r)
+{
+    for (size_t i = 0; r->parts && i < r->n_parts; i++) {
+        orl_pool_done(&r->parts[i].pool);
+        orl_film_done(&r->parts[i].film);
+        free(r->parts[i].errors);
+    }
+    free(r->parts);
+    free(r->estimates);
+}
+
+/* A round's picture: a luma, and perhaps its error, for every pixel; and the colours. */
+static int take_film(void *ctx, size_t index, const struct orl_film *film, struct orl_error *err)
+{
+    const struct rounds *r = ctx;
+    struct part *part = &r->parts[(r->state->n_sensors > 0) + index];
+    const size_t count = part->pool.count;
+    const double share = r->effort / (part->pool.effort + r->effort);
+    const bool knows = orl_film_knows_errors(film);
+    double *value = malloc((2 * count + 1) * sizeof(double)), *error = value + count;
+    if (!value)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for a round's pixels");
+    for (size_t i = 0; i < count; i++) {
+        const float *p = film->pixels[i];
+        value[i] = orl_luma((struct orl_rgb){p[0], p[1], p[2]});
+        error[i] = knows ? film->errors[i] : 0;
+        for (int c = 0; c < 3; c++)
+            part->film.pixels[i][c] =
+                (float)(part->film.pixels[i][c] + share * (p[c] - part->film.pixels[i][c]));
+    }
+    const struct orl_found found = {.value = value,
+                                    .error = knows ? error : NULL,
+                                    .degrees = ORL_MAP_BATCHES - 1,
+                                    .effort = r->effort};
+    orl_pool_add(&part->pool, &found);
+    free(value);
+    return 0;
+}
+
+static void take_sensors(struct rounds *r, const struct orl_result *found_by)
+{
+    const struct orl_found found = {.value = found_by->illuminance_lx,
+                                    .error = found_by->standard_error_lx,
+                                    .bias = found_by->bias_estimate_lx,
+                                    .degrees = ORL_MAP_BATCHES - 1,
+                                    .effort = r->effort};
+    if (found_by->n_sensors > 0)
+        orl_pool_add(&r->parts[0].pool, &found);
+}
+
+/* ---- A round --------------------------------------------------------------------------------- */
+
+static bool is_known(const struct orl_result *result, const char *warning)
+{
+    for (size_t i = 0; i < result->n_warnings; i++)
+        if (strcmp(result->warnings[i], warning) == 0)
+            return true;
+    return false;
+}
+
+/* What the round's own result holds beside values. */
+static void take_records(struct rounds *r, struct orl_result *found_by)
+{
+    struct orl_result *result = r->state->result;
+    for (size_t i = 0; i < found_by->n_warnings; i++)
+        if (!is_known(result, found_by->warnings[i]))
+            orl_run_warn(r->state, "%s", found_by->warnings[i]);
+    for (int i = 0; i < ORL_STAGE_COUNT; i++)
+        result->timings_s[i] += found_by->timings_s[i];
+    for (size_t i = 0; i < found_by->n_views; i++)
+        result->views[i].seconds += found_by->views[i].seconds;
+    if (r->count == 0) {
+        memcpy(result->maps, found_by->maps, sizeof result->maps);
+        result->n_maps = found_by->n_maps;
+    }
+    orl_health_add(&result->health, &found_by->health);
+}
+
+static void take_times(struct rounds *r, const struct orl_result *found_by, double all_s)
+{
+    const double photon_s =
+        found_by->timings_s[ORL_STAGE_PHOTONS] + found_by->timings_s[ORL_STAGE_MAPS];
+    const double render_s = found_by->timings_s[ORL_STAGE_RENDER];
+    const struct orl_plan *plan = &found_by->plan;
+    r->pace.photons += (double)(plan->photons_global + plan->photons_caustic);
+    r->pace.photon_s += photon_s;
+    for (size_t i = 0; i < found_by->n_maps; i++) /* what other rounds will have to take */
+        r->pace.photon_s += found_by->maps[i].cached ? found_by->maps[i].seconds : 0;
+    r->pace.samples += r->samples;
+    r->pace.effort += r->effort;
+    r->pace.render_s += render_s;
+    r->pace.beside_s += fmax(all_s - photon_s - render_s, 0);
+    r->pace.rounds++;
+}
+
+/* The run's state as a round sees it: the same world, but a job, a plan and a result of its own. */
+static void make_round(struct rounds *r, struct orl_job *job, struct orl_run_env *env,
+                       struct orl_result *result, struct orl_run_state *ret_round)
+{
+    const struct orl_run_state *state = r->state;
+    r->effort = orl_work_effort(&r->work, r->samples);
+    *job = *state->job;
+    if (r->count > 0)
+        job->seed = orl_mix64(job->seed ^ orl_mix64(r->count));
+    job->gather_samples = (uint32_t)r->samples;
+    job->pixel_samples = orl_work_pixel_samples(r->samples);
+    *result = (struct orl_result){.plan = state->result->plan};
+    result->plan.photons_global = orl_work_photons(&r->work, ORL_MAP_GLOBAL, r->samples);
+    result->plan.photons_caustic = orl_work_photons(&r->work, ORL_MAP_CAUSTIC, r->samples);
+    *env = *state->env;
+    env->map_ready = r->count == 0 ? env->map_ready : NULL;
+    *ret_round = *state;
+    ret_round->job = job;
+    ret_round->env = env;
+    ret_round->result = result;
+    orl_work_bandwidths(r->effort, r->pace.effort, r->bandwidths);
+    ret_round->bandwidths = r->bandwidths;
+    ret_round->take_film = take_film;
+    ret_round->take_ctx = r;
+    ret_round->stage_started = state->env->now_s(state->env->ctx);
+    for (uint32_t i = 0; i < orl_crew_size(env->crew); i++)
+        memset(&state->searches[i].health, 0, sizeof state->searches[i].health);
+}
+
+/* Maps of all rounds but the first are of no use to other jobs: they go when the round is over. */
+static void keep_maps_apart(struct orl_run_env *env, struct orl_folder_store *folder,
+                            struct orl_map_store *store)
+{
+    snprintf(folder->folder, sizeof folder->folder, "%s", env->output_folder);
+    *store = orl_map_store_in_folder(folder);
+    store->release = store->abandon;
+    env->store = store;
+}
+
+static int run_round(struct rounds *r, struct orl_error *err)
+{
+    struct orl_run_state *state = r->state, round;
+    struct orl_folder_store folder;
+    struct orl_map_store store;
+    struct orl_run_env env;
+    struct orl_result result;
+    struct orl_job job;
+    const double started = now_s(r);
+    make_round(r, &job, &env, &result, &round);
+    if (r->count > 0)
+        keep_maps_apart(&env, &folder, &store);
+    int code = orl_run_technique(&round, err);
+    if (code == 0)
+        orl_run_enter(&round, ORL_STAGE_RENDER); /* books what is left of it */
+    orl_run_release_maps(&round);
+    if (code == 0) {
+        take_sensors(r, &result);
+        take_records(r, &result);
+        take_times(r, &result, now_s(r) - started);
+        r->count++;
+    }
+    state->stage = ORL_STAGE_RENDER;
+    state->stage_started = now_s(r);
+    orl_result_done(&result);
+    return code;
+}
+
+/* ---- What it amounts to ---------------------------------------------------------------------- */
+
+static void judge(struct rounds *r)
+{
+    for (size_t i = 0; i < r->n_parts; i++) {
+        struct part *part = &r->parts[i];
+        orl_pool_errors(&part->pool, part->floor, part->errors);
+        r->estimates[i] = (struct orl_estimates){
+            .value = part->pool.mean,
+            .error = part->errors,
+            .bias = part->pool.knows_bias && !part->film.pixels ? part->pool.bias : NULL,
+            .count = part->pool.count,
+            .floor = part->floor};
+    }
+}
+
+static double *copy(double **array, const double *values, size_t count)
+{
+    if (!*array)
+        *array = malloc((count + 1) * sizeof(double));
+    if (*array)
+        memcpy(*array, values, count * sizeof(double));
+    return *array;
+}
+
+static void book_interval(const struct part *part, size_t i, double ret_interval[2])
+{
+    const struct orl_estimate pooled = {.standard_error = part->errors[i],
+                                        .degrees = orl_pool_degrees(&part->pool),
+                                        .bias = part->pool.knows_bias ? part->pool.bias[i] : 0};
+    const double half = orl_estimate_half_width(&pooled);
+    ret_interval[0] = fmax(part->pool.mean[i] - half, 0);
+    ret_interval[1] = part->pool.mean[i] + half;
+}
+
+static int show_sensors(struct rounds *r, struct orl_error *err)
+{
+    struct orl_result *result = r->state->result;
+    const struct part *part = &r->parts[0];
+    const size_t n = part->pool.count;
+    bool held = copy(&result->illuminance_lx, part->pool.mean, n);
+    held = held && copy(&result->standard_error_lx, part->errors, n);
+    if (part->pool.knows_bias)
+        held = held && copy(&result->bias_estimate_lx, part->pool.bias, n);
+    if (!result->interval_95_lx)
+        result->interval_95_lx = calloc(n, sizeof *result->interval_95_lx);
+    held = held && result->interval_95_lx;
+    for (size_t i = 0; held && i < n; i++)
+        book_interval(part, i, result->interval_95_lx[i]);
+    result->n_sensors = held ? n : 0;
+    return held ? 0 : orl_error_set(err, ORL_ERR_NOMEM, "out of memory for %zu sensors", n);
+}
+
+/* The result as it stands, files included. */
+static int show(struct rounds *r, struct orl_error *err)
+{
+    struct orl_run_state *state = r->state;
+    const size_t sensors = state->n_sensors > 0;
+    int code = sensors ? show_sensors(r, err) : 0;
+    for (size_t i = 0; i < state->job->n_views && code == 0; i++) {
+        struct part *part = &r->parts[sensors + i];
+        for (size_t k = 0; k < part->pool.count; k++)
+            part->film.errors[k] = (float)part->errors[k];
+        code = orl_run_write_view(state, i, &part->film, err);
+    }
+    return code;
+}
+
+static void end(struct rounds *r, bool met, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+static void end(struct rounds *r, bool met, const char *format, ...)
+{
+    struct orl_outcome *outcome = &r->state->result->outcome;
+    va_list args;
+    va_start(args, format);
+    vsnprintf(outcome->why, sizeof outcome->why, format, args);
+    va_end(args);
+    outcome->met = met;
+    r->ended = true;
+}
+
+/* After a round of a job for an accuracy: how large is the next one, if any. */
+static void go_on_for_error(struct rounds *r, const struct orl_parts *parts)
+{
+    const double target = r->state->job->goal.relative_error, done = r->pace.effort;
+    const double limit = orl_work_limit();
+    if (isnan(r->error)) {
+        r->samples = r->work.least; /* two rounds have a spread */
+        return;
+    }
+    if (r->error <= target) {
+        end(r, true, "%.3g %% is reached after %.0f samples in %u rounds", 100 * r->error,
+            r->pace.samples, r->count);
+        return;
+    }
+    const double wanted = done * orl_parts_work(parts, target);
+    if (done >= limit)
+        end(r, false,
+            "the limit of %.0f samples' worth of work is reached at %.3g %%; %.3g %% may be had "
+            "by several jobs of other seeds, averaged",
+            limit, 100 * r->error, 100 * target);
+    else if (wanted > hopeless * limit && r->count > 1)
+        end(r, false,
+            "it would take %.2g samples' worth of work, %.0f are allowed: ask for %.2g %% or more",
+            wanted, limit, 100 * r->error * sqrt(done / limit) * 1.2);
+    else
+        r->samples = orl_work_next(&r->work, done, wanted);
+    if (!r->ended)
+        r->state->ends_s = r->state->started_s + orl_pace_run_s(&r->pace, &r->work, wanted);
+}
+
+/* After a round, or before the first, of a job for a deadline. */
+static void go_on_for_time(struct rounds *r)
+{
+    const double deadline = r->state->job->goal.deadline_s;
+    const double left = r->state->started_s + deadline - now_s(r);
+    const double least = orl_pace_round_s(&r->pace, &r->work, r->work.least);
+    if (left < fmax(least, crumbs * deadline)) {
+        const bool met = left >= -tolerance * deadline;
+        end(r, met,
+            met ? "the time is used up after %u rounds: %.2g s are left"
+                : "the smallest round takes too long: %u done, %.2g s too late; fewer pixels or "
+                  "sensors are quicker",
+            r->count, fabs(left));
+        return;
+    }
+    double seconds = fill * left;
+    if (left - seconds < fmax(least, crumbs * deadline))
+        seconds = last_fill * left;
+    r->samples = orl_pace_samples(&r->pace, &r->work, fmax(seconds, least),
+                                  deadline_growth * r->pace.samples);
+}
+
+/* The outcome so far, and what comes next. */
+static int settle(struct rounds *r, struct orl_error *err)
+{
+    struct orl_run_state *state = r->state;
+    struct orl_result *result = state->result;
+    const struct orl_parts parts = {r->estimates, r->n_parts, state->job->goal.at};
+    judge(r);
+    r->error = orl_parts_error(&parts);
+    result->outcome.rounds = r->count;
+    result->outcome.achieved = r->error;
+    orl_run_predict(state, &r->pace, &r->work, &parts);
+    const int code = show(r, err);
+    if (state->job->goal.deadline_s > 0)
+        go_on_for_time(r);
+    else
+        go_on_for_error(r, &parts);
+    result->total_s = now_s(r) - state->started_s;
+    if (code == 0 && state->env->round_ready)
+        state->env->round_ready(state->env->ctx, result);
+    return code;
+}
+
+static void show_views_at_last(struct rounds *r)
+{
+    const struct orl_run_env *env = r->state->env;
+    for (size_t i = 0; i < r->state->job->n_views && env->view_ready; i++) {
+        const struct orl_film *film = &r->parts[(r->state->n_sensors > 0) + i].film;
+        env->view_ready(env->ctx, i, film->pixels,
+                        orl_film_knows_errors(film) ? film->errors : NULL,
+                        (size_t)film->width * film->height);
+    }
+}
+
+int orl_run_rounds(struct orl_run_state *state, struct orl_error *err)
+{
+    struct rounds r;
+    orl_run_enter(state, ORL_STAGE_PHOTONS);
+    int code = rounds_init(&r, state, err);
+    state->result->outcome =
+        (struct orl_outcome){.asked = true, .goal = state->job->goal, .achieved = NAN};
+    r.samples = r.work.least;
+    while (code == 0 && !r.ended) {
+        orl_run_enter(state, ORL_STAGE_PHOTONS);
+        code = run_round(&r, err);
+        if (code == 0)
+            code = settle(&r, err);
+    }
+    if (code == 0)
+        show_views_at_last(&r);
+    rounds_done(&r);
+    return code;
+}

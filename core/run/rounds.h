@@ -1,0 +1,32 @@
+/*
+ * Jobs that want an accuracy, or are given a time: rounds until the goal is met, or cannot be.
+ *
+ * A round is the job as it would run by itself, with settings for some effort (cost.h) and a seed
+ * of its own, made from the job's and the round's number; the first one's is the job's. Rounds are
+ * independent, so that their findings are pooled (pool.h): a value is the mean over rounds,
+ * weighted by effort. What comes before photons is done once.
+ *
+ * Unbiased techniques lose nothing by that. Those of photon maps have a bias that pooling leaves as
+ * it is; as in probabilistic progressive photon mapping (Knaus and Zwicker 2011) their bandwidths
+ * therefore shrink with all the photons so far: a kernel's area goes as their number to the power
+ * -1/3, by which bias and noise fall together.
+ *
+ * An accuracy: the error is what percentile.h takes it to be: the share of sensors, or of pixels,
+ * that the goal names is within it with a probability of nine in ten. The first round is small; its
+ * error and that variances fall as the inverse of effort say how much there is to do. Sizes depend
+ * on errors and counts alone, never on time: the same job and seed give the same bytes.
+ *
+ * A deadline: rounds are sized from the time that those before took, each to fill most of what is
+ * left. What such a job finds depends on the machine, and is never twice the same.
+ */
+#ifndef ORL_RUN_ROUNDS_H
+#define ORL_RUN_ROUNDS_H
+
+#include "run/stages.h"
+
+bool orl_goal_is_set(const struct orl_goal *goal);
+
+/* Photons, maps and render stages of a job with a goal, over and over. */
+int orl_run_rounds(struct orl_run_state *state, struct orl_error *err);
+
+#endif
