@@ -11,9 +11,16 @@
  * result is a continuous function of the photons' fluxes, and no pattern shows where one
  * bandwidth takes over from another. All areas are the footprint's (footprint.h).
  *
+ * Beside a wall or an edge a disc is cut, and what is left of it lies to one side of the point: the
+ * mean over it is off wherever light falls off, as it does in corners. There a plane is fitted to
+ * the photons, and its value at the point taken, as far as it differs from the mean by more than
+ * chance. It is several times as noisy as a mean (1.9 at a straight edge, 2.9 in a right corner)
+ * and discs are compared by it, so that they grow wider there.
+ *
  * References: Lepski 1991, Theory of Probability and its Applications 35 (bandwidths by comparison
  * of nested estimates); Belomestny and Spokoiny 2007, Annals of Statistics 35, 2287 (stagewise
- * aggregation); Schregle 2003, Computer Graphics Forum 22, 729 (bias compensation for photon maps).
+ * aggregation); Schregle 2003, Computer Graphics Forum 22, 729 (bias compensation for photon maps);
+ * Jones 1993, Statistics and Computing 3, 135 (linear boundary kernels).
  */
 #ifndef ORL_PHOTON_ADAPT_H
 #define ORL_PHOTON_ADAPT_H

@@ -9,7 +9,7 @@
 
 #include <cmocka.h>
 
-#include "photon/footprint.h"
+#include "photon/moments.h"
 #include "support/scene_text.h"
 
 #define GREY "void plastic w 0 0 5 .5 .5 .5 0 0\n"
@@ -84,6 +84,57 @@ static void tiles_and_gaps(void **state)
     orl_world_free(world);
 }
 
+/* Moments of a disc that straight lines cut, by the midpoints of a million small squares. */
+static struct orl_moments brute_force(const struct orl_footprint *footprint, double radius)
+{
+    enum { SIDE = 1000 };
+    const double step = 2 * radius / SIDE;
+    struct orl_moments m = {0};
+    for (int i = 0; i < SIDE * SIDE; i++) {
+        const double x = (i % SIDE + 0.5) * step - radius, y = (i / SIDE + 0.5) * step - radius;
+        const struct orl_frame *frame = &footprint->frame;
+        const struct orl_vec3 chord = orl_madd(orl_scale(frame->u, x), frame->v, y);
+        if (x * x + y * y > radius * radius || !orl_footprint_holds(footprint, chord))
+            continue;
+        const struct orl_moments one = {1, x, y, x * x, x * y, y * y};
+        m = orl_moments_add(&m, &one, step * step);
+    }
+    return m;
+}
+
+/* Squares on a border are counted or not: off by a few of a thousand rows. */
+static void assert_moments(const struct orl_world *world, struct orl_vec3 place, double radius)
+{
+    struct orl_footing footing;
+    struct orl_footprint footprint;
+    assert_true(
+        orl_footing_find(world, orl_sub(place, world->geometry->center), up, 1e-4, &footing));
+    orl_footprint_make(&footing, 0.5, &footprint);
+    const struct orl_moments m = orl_footprint_moments(&footprint, radius);
+    const struct orl_moments b = brute_force(&footprint, radius);
+    const double r3 = radius * radius * radius, r4 = r3 * radius, off = 2e-3;
+    assert_true(fabs(m.area - orl_footprint_area(&footprint, radius)) < 1e-12);
+    assert_true(fabs(m.area - b.area) < off * radius * radius);
+    assert_true(fabs(m.x - b.x) < off * r3 && fabs(m.y - b.y) < off * r3);
+    assert_true(fabs(m.xx - b.xx) < off * r4 && fabs(m.yy - b.yy) < off * r4);
+    assert_true(fabs(m.xy - b.xy) < off * r4);
+}
+
+static void moments(void **state)
+{
+    struct orl_world *world = world_of(GREY "w polygon f 0 0 12 0 0 0 4 0 0 4 3 0 0 3 0\n"
+                                            "w polygon on 0 0 12 2 0 0 3 3 0 3 3 3 2 0 3\n");
+    (void)state;
+    assert_moments(world, orl_v3(1, 1.5, 0), 0.5);
+    assert_moments(world, orl_v3(0, 0, 0), 0.5);
+    assert_moments(world, orl_v3(1, 0.01, 0), 0.3);
+    assert_moments(world, orl_v3(1.9, 0.1, 0), 0.5);
+    assert_moments(world, orl_v3(2.6, 1.3, 0), 0.5);
+    const struct orl_moments disc = orl_disc_moments(2);
+    assert_true(fabs(disc.area - 4 * ORL_PI) < 1e-12 && fabs(disc.xx - 4 * ORL_PI) < 1e-12);
+    orl_world_free(world);
+}
+
 static void curves(void **state)
 {
     struct orl_world *world = world_of(GREY "w sphere s 0 0 4 0 0 0 1\n"
@@ -116,6 +167,7 @@ int main(void)
         cmocka_unit_test(edges_and_corners),
         cmocka_unit_test(walls),
         cmocka_unit_test(tiles_and_gaps),
+        cmocka_unit_test(moments),
         cmocka_unit_test(curves),
         cmocka_unit_test(joined),
     };
