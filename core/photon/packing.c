@@ -3,29 +3,34 @@
 #include "base/random.h"
 #include "photon/flux.h"
 
-/* Corners of the box that holds all photons. */
+/* Corners of the box that holds all photons, in units. */
 struct bounds {
     double low[3], high[3];
 };
 
-/* Where a photon of the earlier map is: its cell's corner, which lies in the same larger cells. */
-static void earlier_corner(const struct orl_photon_map *map, size_t index, double ret_at[3])
+/*
+ * Where a photon of the earlier map is: its cell's corner, which lies in the same larger cells. All
+ * of this is exact: the map's cells begin at multiples of their edge, and that is a power of two.
+ */
+static void earlier_corner(const struct orl_packing *p, size_t index, double ret_at[3])
 {
-    const uint32_t *leaf = map->places + index / ORL_MAP_LEAF * ORL_LEAF_WORDS;
+    const struct orl_map_header *h = p->earlier->header;
+    const uint32_t *leaf = p->earlier->places + index / ORL_MAP_LEAF * ORL_LEAF_WORDS;
     uint32_t cell[3];
     orl_place_unpack(leaf[index % ORL_MAP_LEAF], leaf[index % ORL_MAP_LEAF + ORL_MAP_LEAF], cell);
     for (int k = 0; k < 3; k++)
-        ret_at[k] = map->header->low[k] + cell[k] * map->header->cell;
+        ret_at[k] = (rint(h->low[k] / h->cell) + cell[k]) * (h->cell / p->unit);
 }
 
+/* In units. */
 static void place_of(const struct orl_packing *p, size_t index, double ret_at[3])
 {
     if (index < p->n_earlier) {
-        earlier_corner(p->earlier, index, ret_at);
+        earlier_corner(p, index, ret_at);
         return;
     }
     for (int k = 0; k < 3; k++)
-        ret_at[k] = p->photons[index - p->n_earlier].position[k];
+        ret_at[k] = p->photons[index - p->n_earlier].position[k] / p->unit;
 }
 
 static struct bounds bound(const struct orl_packing *p)
@@ -44,26 +49,28 @@ static struct bounds bound(const struct orl_packing *p)
     return b;
 }
 
-static bool fits(const struct bounds *b, double cell)
+static bool fits(const struct bounds *b, double step)
 {
     bool fit = true;
     for (int k = 0; k < 3; k++)
-        fit = fit && floor(b->high[k] / cell) - floor(b->low[k] / cell) < ORL_PLACE_CELLS;
+        fit = fit && floor(b->high[k] / step) - floor(b->low[k] / step) < ORL_PLACE_CELLS;
     return fit;
 }
 
-/* Powers of two, so that the divisions are exact. */
-static void choose_cells(struct orl_packing *p, double extent)
+static void choose_cells(struct orl_packing *p)
 {
     const struct bounds b = bound(p);
-    p->cell = ldexp(1, ilogb(extent > 0 && isfinite(extent) ? extent : 1) - 32);
+    p->step = 0x1p-32;
     if (p->n_earlier > 0)
-        p->cell = fmax(p->cell, p->earlier->header->cell);
-    while (!fits(&b, p->cell) && isfinite(p->cell))
-        p->cell *= 2;
-    /* Zero is added lest it be negative: whether it is tells of photons by their order. */
-    for (int k = 0; k < 3; k++)
-        p->low[k] = floor(b.low[k] / p->cell) * p->cell + 0.0;
+        p->step = fmax(p->step, p->earlier->header->cell / p->unit);
+    while (!fits(&b, p->step) && isfinite(p->step))
+        p->step *= 2;
+    p->cell = p->step * p->unit;
+    for (int k = 0; k < 3; k++) {
+        /* Zero is added lest it be negative: whether it is tells of photons by their order. */
+        p->first[k] = floor(b.low[k] / p->step) + 0.0;
+        p->low[k] = p->first[k] * p->cell;
+    }
 }
 
 static void choose_exponent(struct orl_packing *p)
@@ -84,9 +91,10 @@ void orl_packing_init(struct orl_packing *packing, const struct orl_photon_map *
     *packing = (struct orl_packing){.earlier = earlier,
                                     .photons = photons,
                                     .n_earlier = earlier ? earlier->header->count : 0,
-                                    .seed = seed};
+                                    .seed = seed,
+                                    .unit = extent > 0 ? extent : 1};
     packing->count = packing->n_earlier + n;
-    choose_cells(packing, extent);
+    choose_cells(packing);
     choose_exponent(packing);
 }
 
@@ -95,7 +103,7 @@ void orl_packing_cell(const struct orl_packing *packing, size_t index, uint32_t 
     double at[3];
     place_of(packing, index, at);
     for (int k = 0; k < 3; k++)
-        ret_cell[k] = (uint32_t)(floor(at[k] / packing->cell) - packing->low[k] / packing->cell);
+        ret_cell[k] = (uint32_t)(floor(at[k] / packing->step) - packing->first[k]);
 }
 
 uint16_t orl_packing_normal(const struct orl_packing *packing, size_t index)

@@ -3,8 +3,9 @@
  *
  * What a photon becomes depends on the photon, its number in the order of emission, and two sizes
  * that fit all photons of the map: the edge of a cell and the step of the faintest flux. Both are
- * powers of two that only grow as photons are added, cells begin at multiples of their edge, and
- * bits that a greater size leaves no room for are cut off, never rounded. So a word packed for few
+ * powers of two, of a unit that is the scene's, and only grow as photons are added; cells begin at
+ * multiples of their edge, and bits that a greater size leaves no room for are cut off, never
+ * rounded. So a word packed for few
  * photons and coarsened for many is the word that packing for many gives, and a map that is topped
  * up holds what it would hold if it had been made at once.
  *
@@ -21,7 +22,10 @@ struct orl_packing {
     const struct orl_photon *photons;     /* those that come after, in order of emission */
     size_t n_earlier, count;              /* count: of all */
     uint64_t seed;                        /* of the dither of fluxes, by order of emission */
-    double low[3], cell;                  /* as in struct orl_map_header */
+    double unit;                          /* of places: the scene's radius */
+    double step, first[3]; /* edge of a cell, in units, a power of two; edges from the origin to the
+                              first cell */
+    double low[3], cell;   /* of both: as in struct orl_map_header */
     int flux_exponent;
 };
 
@@ -33,8 +37,8 @@ struct orl_photon_words {
 };
 
 /*
- * Sets up the packing of earlier's photons and n more; extent: the scene's radius, cells are no
- * smaller than 2^-32 of it.
+ * Sets up the packing of earlier's photons and n more. extent: the scene's radius, or 0 for 1;
+ * cells are powers of two of it, no smaller than 2^-32, so that they scale with the scene.
  */
 void orl_packing_init(struct orl_packing *packing, const struct orl_photon_map *earlier,
                       const struct orl_photon *photons, size_t n, uint64_t seed, double extent);

@@ -113,29 +113,35 @@ static struct tie tie_of(const struct writer *w, uint32_t index)
     return tie;
 }
 
+static void sort_ties(const struct writer *w, struct sort_item *items, size_t n, struct tie *ties)
+{
+    for (size_t i = 0; i < n; i++)
+        ties[i] = tie_of(w, items[i].index);
+    qsort(ties, n, sizeof *ties, by_hash);
+    for (size_t i = 0; i < n; i++)
+        items[i].index = ties[i].index;
+}
+
 /* Photons of one code by hash. Left to their former order are only those that are the same. */
 static int settle_ties(struct writer *w)
 {
     struct tie *ties = NULL;
     size_t room = 0, end;
     for (size_t first = 0; first < w->packing.count; first = end) {
-        for (end = first + 1; end < w->packing.count && w->items[end].code == w->items[first].code;)
-            end++;
-        const size_t n = end - first;
-        if (n > room) {
-            struct tie *grown = realloc(ties, (room = 2 * n) * sizeof *ties);
+        for (end = first + 1; end < w->packing.count; end++)
+            if (w->items[end].code != w->items[first].code)
+                break;
+        if (end - first > room) {
+            room = 2 * (end - first);
+            struct tie *grown = realloc(ties, room * sizeof *ties);
             if (!grown) {
                 free(ties);
                 return ORL_ERR_NOMEM;
             }
             ties = grown;
         }
-        for (size_t i = 0; i < n && n > 1; i++)
-            ties[i] = tie_of(w, w->items[first + i].index);
-        if (n > 1)
-            qsort(ties, n, sizeof *ties, by_hash);
-        for (size_t i = 0; i < n && n > 1; i++)
-            w->items[first + i].index = ties[i].index;
+        if (end - first > 1)
+            sort_ties(w, w->items + first, end - first, ties);
     }
     free(ties);
     return 0;

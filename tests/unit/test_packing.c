@@ -81,7 +81,7 @@ static void write_map(struct fixture *f, const char *name, size_t first, size_t 
                                         .target = end,
                                         .emitted = end,
                                         .seed = 3,
-                                        .extent = 50,
+                                        .extent = 37.3,
                                         .earlier = map};
     assert_int_equal(
         orl_photon_map_write(path, f->photons + first, end - first, &build, crew, &err), 0);
@@ -167,25 +167,58 @@ static void test_one_place(void **state)
     check_all(f);
 }
 
-/* What cells promise: none is wider than twice what the bounds call for, but for a floor. */
+static void check_cells(const struct fixture *f, double size, double extent)
+{
+    struct orl_packing p;
+    orl_packing_init(&p, NULL, f->photons, COUNT, 1, extent);
+    const double least = (extent > 0 ? extent : 1) * 0x1p-32;
+    assert_true(p.cell <= 2 * size / (ORL_PLACE_CELLS - 1) || p.cell == least);
+    for (size_t i = 0; i < COUNT; i++) {
+        uint32_t cell[3];
+        orl_packing_cell(&p, i, cell);
+        for (int k = 0; k < 3; k++) {
+            const double off = (f->photons[i].position[k] - p.low[k]) / p.cell - cell[k];
+            assert_true(cell[k] < ORL_PLACE_CELLS && off > -1e-6 && off < 1 + 1e-6);
+        }
+    }
+}
+
+/* Cells are no wider than twice what the bounds call for, unless they are the smallest there are.
+ */
 static void test_cells_are_tight(void **state)
 {
-    static const double sizes[] = {1e-12, 1e-3, 0.9, 4, 10, 99};
+    static const double sizes[] = {1e-12, 1e-3, 0.9, 4, 10, 99}, extents[] = {50, 37.3, 1e4, 0};
     struct fixture *f = *state;
-    struct orl_packing packing;
     for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
         make_photons(f, sizes[i], 1);
-        orl_packing_init(&packing, NULL, f->photons, COUNT, 1, 50);
-        assert_true(packing.cell <= 2 * sizes[i] / (ORL_PLACE_CELLS - 1) || packing.cell < 50e-9);
-        for (size_t k = 0; k < COUNT; k++) {
-            uint32_t cell[3];
-            orl_packing_cell(&packing, k, cell);
-            for (int axis = 0; axis < 3; axis++) {
-                const double off =
-                    f->photons[k].position[axis] - packing.low[axis] - cell[axis] * packing.cell;
-                assert_true(cell[axis] < ORL_PLACE_CELLS && off >= 0 && off <= packing.cell);
-            }
+        for (size_t k = 0; k < sizeof extents / sizeof *extents; k++)
+            check_cells(f, sizes[i], extents[k]);
+    }
+}
+
+/* Cells scale with the scene: photons stay together however they are measured. */
+static void test_cells_scale(void **state)
+{
+    struct fixture *f = *state;
+    struct orl_packing here, there;
+    make_photons(f, 10, 1);
+    orl_packing_init(&here, NULL, f->photons, COUNT, 1, 8);
+    for (int units = 0; units < 2; units++) {
+        const float scale = units ? 2048 : 0.125F;
+        struct orl_photon *scaled = malloc(sizeof f->photons);
+        assert_non_null(scaled);
+        memcpy(scaled, f->photons, sizeof f->photons);
+        for (size_t i = 0; i < COUNT; i++)
+            for (int k = 0; k < 3; k++)
+                scaled[i].position[k] *= scale;
+        orl_packing_init(&there, NULL, scaled, COUNT, 1, 8 * (double)scale);
+        for (size_t i = 0; i < COUNT; i++) {
+            uint32_t a[3], b[3];
+            orl_packing_cell(&here, i, a);
+            orl_packing_cell(&there, i, b);
+            assert_memory_equal(a, b, sizeof a);
         }
+        free(scaled);
     }
 }
 
@@ -221,8 +254,13 @@ static void test_flux_codes(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        EACH(test_even),      EACH(test_growing_places),  EACH(test_growing_fluxes),
-        EACH(test_one_place), EACH(test_cells_are_tight), cmocka_unit_test(test_flux_codes),
+        EACH(test_even),
+        EACH(test_growing_places),
+        EACH(test_growing_fluxes),
+        EACH(test_one_place),
+        EACH(test_cells_are_tight),
+        EACH(test_cells_scale),
+        cmocka_unit_test(test_flux_codes),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
