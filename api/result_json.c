@@ -144,8 +144,7 @@ static json_t *warnings_to_json(const struct orl_result *result)
     return warnings;
 }
 
-/* null without a goal. */
-static json_t *outcome_to_json(const struct orl_outcome *outcome)
+json_t *orl_outcome_to_json(const struct orl_outcome *outcome)
 {
     if (!outcome->asked)
         return NULL;
@@ -179,11 +178,11 @@ json_t *orl_planned_to_json(const struct orl_result *result)
 
 json_t *orl_result_to_json(const struct orl_result *result, const char *state)
 {
-    return json_pack("{s:s, s:I, s:I, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o*, s:o}", "state",
-                     state, "threads", (json_int_t)result->threads, "seed",
-                     (json_int_t)result->seed, "plan", orl_plan_to_json(&result->plan), "timings_s",
-                     timings_to_json(result), "maps", maps_to_json(result), "sensors",
-                     sensors_to_json(result), "views", views_to_json(result), "health",
-                     health_to_json(&result->health), "warnings", warnings_to_json(result),
-                     "accuracy", outcome_to_json(&result->outcome), "cost", cost_to_json(result));
+    return json_pack(
+        "{s:s, s:I, s:I, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o*, s:o}", "state", state, "threads",
+        (json_int_t)result->threads, "seed", (json_int_t)result->seed, "plan",
+        orl_plan_to_json(&result->plan), "timings_s", timings_to_json(result), "maps",
+        maps_to_json(result), "sensors", sensors_to_json(result), "views", views_to_json(result),
+        "health", health_to_json(&result->health), "warnings", warnings_to_json(result), "accuracy",
+        orl_outcome_to_json(&result->outcome), "cost", cost_to_json(result));
 }

@@ -7,7 +7,10 @@
  *      "sensors": [{"illuminance_lx", "standard_error_lx", "bias_estimate_lx",
  *                   "interval_95_lx": [low, high]}],
  *      "views": [{"name", "hdr", "png", "error_hdr" and "error_png" where errors are known,
- *                 "seconds"}], "health": {...}, "warnings": ["..."]}
+ *                 "seconds"}], "health": {...}, "warnings": ["..."],
+ *      "accuracy": {"asked", "met", "achieved", "rounds", "why"} of a job with a goal,
+ *      "cost": {"seconds": as timings_s, "rays", "photons",
+ *               "next": {"error", "halve_s", "one_percent_s", "model"}}}
  *
  * Returned objects are new references, the caller's; NULL when out of memory.
  */
@@ -23,6 +26,9 @@ json_t *orl_result_to_json(const struct orl_result *result, const char *state);
 
 /* A result of orl_plan_job: {"plan": {...}, "warnings": ["..."]}. */
 json_t *orl_planned_to_json(const struct orl_result *result);
+
+/* How a job with a goal ended, or stands; NULL without one. */
+json_t *orl_outcome_to_json(const struct orl_outcome *outcome);
 
 /* One map: kind, key, emitted, stored, reused, bytes, seconds, cached. */
 json_t *orl_map_info_to_json(const struct orl_map_info *info);

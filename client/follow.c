@@ -85,6 +85,22 @@ static void note_points(struct orl_progress *progress, const json_t *job, size_t
     }
 }
 
+/* Says once what each round of a job with a goal came to; those between two polls are passed over. */
+static void note_round(struct orl_progress *progress, const json_t *job, double *noted)
+{
+    const json_t *accuracy = json_object_get(job, "accuracy");
+    const double rounds = orl_json_number(accuracy, "rounds", 0);
+    const double error = orl_json_number(accuracy, "achieved", -1);
+
+    if (!(rounds > *noted))
+        return;
+    *noted = rounds;
+    if (error < 0)
+        orl_progress_note(progress, "round %.0f: error not known yet", rounds);
+    else
+        orl_progress_note(progress, "round %.0f: error %.3g %%", rounds, 100 * error);
+}
+
 static void note_timings(json_t *job)
 {
     json_t *timings = json_object_get(job, "timings_s"), *value;
@@ -105,7 +121,13 @@ static int conclude(json_t *job, const char *id)
 {
     const char *state = orl_json_text(job, "state");
 
+    const json_t *accuracy = json_object_get(job, "accuracy");
+
     orl_report_job_error(job);
+    if (accuracy)
+        fprintf(stderr, "accuracy: %s: %s\n",
+                json_is_true(json_object_get(accuracy, "met")) ? "met" : "not met",
+                orl_json_text(accuracy, "why"));
     note_timings(job);
     fprintf(stderr, "job %s: %s\n", id, state);
     return strcmp(state, "succeeded") == 0 ? ORL_EXIT_OK : ORL_EXIT_FAILED;
@@ -145,7 +167,7 @@ int orl_follow_job(struct orl_http *http, const char *id)
     char path[1024];
     bool technique_noted = false;
     size_t noted = 0, points_noted = 0;
-    double silent_since_s = -1, wait_s = 0.1;
+    double silent_since_s = -1, wait_s = 0.1, rounds_noted = 0;
     int rc = orl_job_path(id, "", path, sizeof path, &err);
 
     orl_progress_start(&progress);
@@ -159,6 +181,7 @@ int orl_follow_job(struct orl_http *http, const char *id)
             note_technique(&progress, job, &technique_noted);
             note_maps(&progress, job, &noted);
             note_points(&progress, job, &points_noted);
+            note_round(&progress, job, &rounds_noted);
             if (has_ended(job)) {
                 orl_progress_end(&progress);
                 code = conclude(job, id);

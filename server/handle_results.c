@@ -4,6 +4,7 @@
 #include <fcntl.h>
 #include <jansson.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -27,32 +28,49 @@ static const char *type_of(const char *name)
     return "application/octet-stream";
 }
 
-/* Is name one of the files the job's outcome lists? Nothing else is ever opened. */
-static bool is_listed(const struct orl_jobs_job *job, const char *name)
+/* What a request for results may be given. */
+struct shown {
+    const struct orl_jobs_job *job;
+    bool running;              /* they change with every round */
+    json_t *summary;           /* job_output.h; owned */
+    char folder[ORL_PATH_MAX]; /* where they are */
+};
+
+/* Is name one of the files the job's summary lists? Nothing else is ever opened. */
+static bool is_listed(const struct shown *shown, const char *name)
 {
-    json_t *outcome = job->outcome ? json_loads(job->outcome, 0, NULL) : NULL;
-    json_t *entry;
+    const json_t *entry;
     size_t i;
-    bool found = false;
-    json_array_foreach(json_object_get(outcome, "files"), i, entry)
+    json_array_foreach(json_object_get(shown->summary, "files"), i, entry)
     {
         const char *listed = json_string_value(json_object_get(entry, "name"));
-        found |= listed && strcmp(listed, name) == 0;
+        if (listed && strcmp(listed, name) == 0)
+            return true;
     }
-    json_decref(outcome);
-    return found;
+    return false;
 }
 
-/* Results never change once they are there, so the job and the name make a strong tag. */
-static void send_file(struct orl_request *request, const struct orl_jobs_job *job, const char *name)
+/* A job that ends at this moment has moved its results to where they stay. */
+static int open_file(struct orl_request *request, const struct shown *shown, const char *name)
 {
-    char path[ORL_PATH_MAX], tag[2 * ORL_PARAM_MAX];
-    struct stat st;
-    snprintf(tag, sizeof tag, "%s/%s", job->row.id, name);
-    if (orl_reply_if_none_match(request, tag))
-        return;
-    orl_folders_path(&request->server->folders, path, "results/%s/%s", job->row.id, name);
+    char path[ORL_PATH_MAX];
+    snprintf(path, sizeof path, "%.*s/%s", ORL_PATH_MAX - 256, shown->folder, name);
     const int fd = open(path, O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
+    if (fd >= 0 || !shown->running)
+        return fd;
+    orl_folders_path(&request->server->folders, path, "results/%s/%s", shown->job->row.id, name);
+    return open(path, O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
+}
+
+/* Results never change once the job has succeeded, so it and the name make a strong tag. */
+static void send_file(struct orl_request *request, const struct shown *shown, const char *name)
+{
+    char tag[2 * ORL_PARAM_MAX];
+    struct stat st;
+    snprintf(tag, sizeof tag, "%s/%s", shown->job->row.id, name);
+    if (!shown->running && orl_reply_if_none_match(request, tag))
+        return;
+    const int fd = open_file(request, shown, name);
     if (fd < 0 || fstat(fd, &st) != 0) {
         struct orl_error err;
         orl_error_set(&err, ORL_ERR_IO, "a result file cannot be read: %s", strerror(errno));
@@ -62,41 +80,65 @@ static void send_file(struct orl_request *request, const struct orl_jobs_job *jo
         return;
     }
     orl_reply_file(request, fd, (uint64_t)st.st_size, type_of(name));
-    orl_reply_etag(request, tag);
+    if (shown->running)
+        orl_reply_header(request, "Cache-Control", "no-store");
+    else
+        orl_reply_etag(request, tag);
 }
 
-/* The job, if it has results; NULL after a 404 or 409. */
-static const struct orl_jobs_job *find_succeeded(struct orl_request *request)
+/* The summary of what the job has to show, as text that is the caller's; NULL: nothing. */
+static char *find_summary(struct orl_request *request, struct shown *shown)
 {
-    const struct orl_jobs_job *job = orl_jobs_find(request->server->jobs, request->params[0]);
-    if (!job) {
+    const struct orl_jobs_job *job = shown->job;
+    shown->running = job->row.state == ORL_JOB_RUNNING;
+    if (shown->running)
+        return job->worker ? orl_worker_results(job->worker, shown->folder) : NULL;
+    orl_folders_path(&request->server->folders, shown->folder, "results/%s", job->row.id);
+    return job->row.state == ORL_JOB_SUCCEEDED && job->outcome ? strdup(job->outcome) : NULL;
+}
+
+/* False after a 404 or 409. A job has results when it has succeeded, or after its first round. */
+static bool find_results(struct orl_request *request, struct shown *ret_shown)
+{
+    struct shown shown = {.job = orl_jobs_find(request->server->jobs, request->params[0])};
+    if (!shown.job) {
         orl_reply_not_found(request, "job");
-        return NULL;
+        return false;
     }
-    if (job->row.state == ORL_JOB_SUCCEEDED)
-        return job;
+    char *text = find_summary(request, &shown);
+    shown.summary = text ? json_loads(text, 0, NULL) : NULL;
+    free(text);
+    if (shown.summary) {
+        *ret_shown = shown;
+        return true;
+    }
+    const enum orl_job_state state = shown.job->row.state;
     orl_reply_problem(request, 409, "no-result", "The job has no results", "its state is '%s'%s",
-                      orl_job_state_name(job->row.state),
-                      job->row.state <= ORL_JOB_RUNNING ? "; ask again later" : "");
-    if (job->row.state <= ORL_JOB_RUNNING)
+                      orl_job_state_name(state),
+                      state <= ORL_JOB_RUNNING ? "; ask again later" : "");
+    if (state <= ORL_JOB_RUNNING)
         orl_reply_header(request, "Retry-After", "1");
-    return NULL;
+    return false;
+}
+
+static void send_results(struct orl_request *request, const char *name)
+{
+    struct shown shown;
+    if (!find_results(request, &shown))
+        return;
+    if (is_listed(&shown, name))
+        send_file(request, &shown, name);
+    else
+        orl_reply_not_found(request, "result file");
+    json_decref(shown.summary);
 }
 
 void orl_handle_job_result(struct orl_request *request)
 {
-    const struct orl_jobs_job *job = find_succeeded(request);
-    if (job)
-        send_file(request, job, "result.json");
+    send_results(request, "result.json");
 }
 
 void orl_handle_job_file(struct orl_request *request)
 {
-    const struct orl_jobs_job *job = find_succeeded(request);
-    if (!job)
-        return;
-    if (is_listed(job, request->params[1]))
-        send_file(request, job, request->params[1]);
-    else
-        orl_reply_not_found(request, "result file");
+    send_results(request, request->params[1]);
 }

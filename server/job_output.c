@@ -105,10 +105,10 @@ static int dump_summary(json_t *summary, char **ret_summary, struct orl_error *e
     return 0;
 }
 
-int orl_job_output_write(const struct orl_result *result, const char *folder, char **ret_summary,
-                         struct orl_error *err)
+int orl_job_output_write(const struct orl_result *result, const char *state, const char *folder,
+                         char **ret_summary, struct orl_error *err)
 {
-    json_t *doc = orl_result_to_json(result, "succeeded");
+    json_t *doc = orl_result_to_json(result, state);
     json_t *files = json_array();
     int rc = write_result(doc, folder, err);
     if (rc == 0)
@@ -123,11 +123,12 @@ int orl_job_output_write(const struct orl_result *result, const char *folder, ch
             rc = add_file(files, folder, result->views[i].error_png, err);
     }
     if (rc == 0)
-        rc = dump_summary(json_pack("{s:s, s:O, s:O, s:O, s:O}", "technique",
+        rc = dump_summary(json_pack("{s:s, s:O, s:O, s:O, s:O*, s:O}", "technique",
                                     orl_technique_name(result->plan.technique), "threads",
                                     json_object_get(doc, "threads"), "timings_s",
                                     json_object_get(doc, "timings_s"), "maps",
-                                    json_object_get(doc, "maps"), "files", files),
+                                    json_object_get(doc, "maps"), "accuracy",
+                                    json_object_get(doc, "accuracy"), "files", files),
                           ret_summary, err);
     json_decref(files);
     json_decref(doc);

@@ -21,12 +21,12 @@ int orl_job_read(const char *text, size_t size, struct orl_task *ret_task, char 
 int orl_job_set_scene(struct orl_job *job, const struct orl_bundle *bundle, struct orl_error *err);
 
 /*
- * Writes result.json into folder and syncs it and the images. *ret_summary is the JSON text kept
- * with the job's row: {"technique", "threads", "timings_s", "maps", "files": [{"name", "bytes"}]},
- * owned.
+ * Writes result.json, with that state, into folder and syncs it and the images. *ret_summary is the
+ * JSON text kept with the job's row: {"technique", "threads", "timings_s", "maps", "accuracy" of a
+ * job with a goal, "files": [{"name", "bytes"}]}, owned.
  */
-int orl_job_output_write(const struct orl_result *result, const char *folder, char **ret_summary,
-                         struct orl_error *err);
+int orl_job_output_write(const struct orl_result *result, const char *state, const char *folder,
+                         char **ret_summary, struct orl_error *err);
 
 /* The same of a study: result.json, study.csv, study.svg, study.png; {"threads", "files"}. */
 int orl_study_output_write(const struct orl_study *study, const struct orl_study_request *request,

@@ -2,6 +2,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 
 #include "result_json.h"
 #include "study_json.h"
@@ -37,7 +38,28 @@ static int add_render(json_t *doc, const struct orl_progress *progress)
         rc |= json_object_set_new(doc, "technique",
                                   json_string(orl_technique_name(progress->technique)));
     rc |= json_object_set_new(doc, "maps", maps);
+    if (progress->outcome.asked)
+        rc |= json_object_set_new(doc, "accuracy", orl_outcome_to_json(&progress->outcome));
     return rc;
+}
+
+/* Where the results are that a summary lists. */
+static int add_links(json_t *links, const char *id, const json_t *summary)
+{
+    json_t *files = json_array();
+    const json_t *entry;
+    size_t i;
+    char url[320];
+    int rc = 0;
+    json_array_foreach(json_object_get(summary, "files"), i, entry)
+    {
+        snprintf(url, sizeof url, "/v1/jobs/%s/files/%s", id,
+                 json_string_value(json_object_get(entry, "name")));
+        rc |= json_array_append_new(files, json_string(url));
+    }
+    rc |= json_object_set_new(links, "files", files);
+    snprintf(url, sizeof url, "/v1/jobs/%s/result", id);
+    return rc | json_object_set_new(links, "result", json_string(url));
 }
 
 /* What is being run, and the points so far. */
@@ -57,15 +79,19 @@ static int add_study(json_t *doc, const struct orl_progress *progress)
     return rc;
 }
 
-static int add_running(json_t *doc, const struct orl_jobs_job *job)
+static int add_running(json_t *doc, json_t *links, const struct orl_jobs_job *job)
 {
     struct orl_progress progress;
-    int rc = 0;
+    char folder[ORL_PATH_MAX], *text = orl_worker_results(job->worker, folder);
+    json_t *summary = text ? json_loads(text, 0, NULL) : NULL;
+    int rc = summary ? add_links(links, job->row.id, summary) : 0;
+    free(text);
+    json_decref(summary);
     orl_worker_progress(job->worker, &progress);
     if (job->row.kind == ORL_TASK_RENDER)
-        rc = add_render(doc, &progress);
+        rc |= add_render(doc, &progress);
     else if (progress.step.runs > 0)
-        rc = add_study(doc, &progress);
+        rc |= add_study(doc, &progress);
     rc |= json_object_set_new(doc, "percent", json_real(100 * progress.job_fraction));
     rc |= json_object_set_new(doc, "eta_s", eta(job, progress.job_fraction));
     rc |= json_object_set_new(doc, "cancelling", json_boolean(job->cancelled));
@@ -80,18 +106,7 @@ static int add_finished(json_t *doc, json_t *links, const struct orl_jobs_job *j
     if (job->row.state != ORL_JOB_SUCCEEDED || !job->outcome)
         return rc;
     json_t *outcome = json_loads(job->outcome, 0, NULL);
-    json_t *files = json_array(), *entry;
-    size_t i;
-    char url[320];
-    json_array_foreach(json_object_get(outcome, "files"), i, entry)
-    {
-        snprintf(url, sizeof url, "/v1/jobs/%s/files/%s", job->row.id,
-                 json_string_value(json_object_get(entry, "name")));
-        rc |= json_array_append_new(files, json_string(url));
-    }
-    rc |= json_object_set_new(links, "files", files);
-    snprintf(url, sizeof url, "/v1/jobs/%s/result", job->row.id);
-    rc |= json_object_set_new(links, "result", json_string(url));
+    rc = add_links(links, job->row.id, outcome);
     rc |= json_object_set_new(doc, "percent", json_real(100));
     rc |= json_object_update_missing(doc, outcome);
     json_decref(outcome);
@@ -118,7 +133,7 @@ json_t *orl_job_status(const struct orl_jobs *jobs, const struct orl_jobs_job *j
         rc = json_object_set_new(doc, "queue_position",
                                  json_integer((json_int_t)orl_jobs_position(jobs, job)));
     else if (row->state == ORL_JOB_RUNNING && job->worker)
-        rc = add_running(doc, job);
+        rc = add_running(doc, links, job);
     else
         rc = add_finished(doc, links, job);
     if (row->state <= ORL_JOB_RUNNING)

@@ -33,6 +33,9 @@ struct orl_worker {
     pthread_mutex_t news_mutex;
     struct orl_map_info maps[ORL_RESULT_MAPS];
     size_t n_maps;
+    struct orl_outcome rounds; /* as the last round left it */
+    char *results;             /* their summary; owned */
+    char output[ORL_PATH_MAX]; /* where they are; set before there are any */
     struct orl_study_step step;
     struct orl_study_point *points; /* room for n_settings; those below n_points never change */
     size_t n_settings, n_points;
@@ -70,6 +73,22 @@ static void on_map_ready(void *ctx, const struct orl_map_info *info)
     if (worker->n_maps < sizeof worker->maps / sizeof *worker->maps)
         worker->maps[worker->n_maps++] = *info;
     pthread_mutex_unlock(&worker->news_mutex);
+}
+
+/* A result that cannot be written now will be missed by nobody but who asks now. */
+static void on_round_ready(void *ctx, const struct orl_result *result)
+{
+    struct orl_worker *worker = ctx;
+    char *summary = NULL, *before;
+    orl_job_output_write(result, "running", worker->output, &summary, NULL);
+    pthread_mutex_lock(&worker->news_mutex);
+    worker->rounds = result->outcome;
+    before = worker->results;
+    if (summary)
+        worker->results = summary;
+    pthread_mutex_unlock(&worker->news_mutex);
+    if (summary)
+        free(before);
 }
 
 static void on_study_progress(void *ctx, const struct orl_study_step *step)
@@ -123,11 +142,12 @@ static int run_render(struct orl_worker *worker, const struct orl_job *job,
         .progress = on_progress,
         .plan_ready = on_plan_ready,
         .map_ready = on_map_ready,
+        .round_ready = on_round_ready,
         .ctx = worker,
     };
     int rc = orl_run(job, &env, &result, err);
     if (rc == 0) {
-        rc = orl_job_output_write(&result, output, &worker->outcome.summary, err);
+        rc = orl_job_output_write(&result, "succeeded", output, &worker->outcome.summary, err);
         orl_result_done(&result);
     }
     return rc;
@@ -179,8 +199,9 @@ static int run_document(struct orl_worker *worker, const char *output, struct or
 /* Everything the lead does; returns the job's code. */
 static int lead(struct orl_worker *worker, struct orl_error *err)
 {
-    char output[ORL_PATH_MAX], final[ORL_PATH_MAX];
-    orl_folders_temporary(worker->spec.folders, output);
+    char final[ORL_PATH_MAX];
+    const char *output = worker->output;
+    orl_folders_temporary(worker->spec.folders, worker->output);
     orl_folders_path(worker->spec.folders, final, "results/%s", worker->spec.job_id);
     if (mkdir(output, 0777) != 0)
         return orl_error_set(err, ORL_ERR_IO, "cannot make a folder for the results: %s",
@@ -222,6 +243,7 @@ static void worker_free(struct orl_worker *worker)
     pthread_mutex_destroy(&worker->news_mutex);
     free(worker->members);
     free(worker->points);
+    free(worker->results);
     free(worker);
 }
 
@@ -277,9 +299,20 @@ void orl_worker_progress(struct orl_worker *worker, struct orl_progress *ret_pro
     pthread_mutex_lock(&worker->news_mutex);
     ret_progress->n_maps = worker->n_maps;
     memcpy(ret_progress->maps, worker->maps, sizeof worker->maps);
+    ret_progress->outcome = worker->rounds;
     ret_progress->step = worker->step;
     ret_progress->n_settings = worker->n_settings;
     ret_progress->points = worker->points;
     ret_progress->n_points = worker->n_points;
     pthread_mutex_unlock(&worker->news_mutex);
+}
+
+char *orl_worker_results(struct orl_worker *worker, char ret_folder[ORL_PATH_MAX])
+{
+    pthread_mutex_lock(&worker->news_mutex);
+    char *summary = worker->results ? strdup(worker->results) : NULL;
+    if (summary)
+        snprintf(ret_folder, ORL_PATH_MAX, "%s", worker->output);
+    pthread_mutex_unlock(&worker->news_mutex);
+    return summary;
 }

@@ -7,6 +7,8 @@
  * news of maps and of studies through a mutex that is held for copies only, so that a status poll
  * never waits. Nothing here touches the database.
  *
+ * A render job with a goal has results after each of its rounds, in the folder that it works in.
+ *
  * Results: written to tmp/, synced, then moved to results/<job> as a whole; only then done is
  * called with code 0.
  *
@@ -50,6 +52,7 @@ struct orl_progress {
     enum orl_technique technique; /* ORL_TECHNIQUE_AUTO until the plan is made */
     struct orl_map_info maps[ORL_RESULT_MAPS];
     size_t n_maps;
+    struct orl_outcome outcome; /* of a job with a goal, after its first round */
     /* Of a study, once its first run is under way; else runs are 0. */
     struct orl_study_step step;
     size_t n_settings;                    /* points it will have */
@@ -63,5 +66,11 @@ int orl_worker_start(uv_loop_t *loop, struct orl_worker_spec *spec, struct orl_w
 /* Asks it to stop; done still comes, with ORL_ERR_CANCELLED unless it was faster. */
 void orl_worker_cancel(struct orl_worker *worker);
 void orl_worker_progress(struct orl_worker *worker, struct orl_progress *ret_progress);
+
+/*
+ * What a job has to show before it ends: the summary of its results as they stand (job_output.h)
+ * and the folder that they are in, which goes when the job ends. NULL: nothing yet. The caller's.
+ */
+char *orl_worker_results(struct orl_worker *worker, char ret_folder[ORL_PATH_MAX]);
 
 #endif

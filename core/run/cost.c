@@ -19,9 +19,9 @@ enum { LAMPS_MOST = 4000000, PHOTONS_A_ROUND = 8000000 };
 static const double lamps_noise = 90.0 / 204800;
 /* A round has no fewer samples, the second one of sensors twice that: lamps cost as much. */
 static const double least_samples = 256;
-/* A round may make so many times all the effort before, fewer where a bias is in the way, whose
- * course is less well known; and so much more than is thought to be needed. */
-static const double growth = 32, growth_by_maps = 8, margin = 1.1;
+/* A round may make so many times all the effort before, for the first ones know errors badly; and
+ * so much more than is thought to be needed. */
+static const double growth = 8, margin = 1.1;
 
 struct orl_work orl_work_of(const struct orl_run_state *state)
 {
@@ -98,8 +98,8 @@ double orl_work_limit(void)
 double orl_work_next(const struct orl_work *work, double done, double wanted)
 {
     const double unit = ORL_MAP_BATCHES; /* samples fall into so many groups */
-    const double most = work->technique == ORL_TECHNIQUE_BACKWARD ? growth : growth_by_maps;
-    const double missing = fmin(fmin(margin * wanted - done, most * done), orl_work_limit() - done);
+    const double missing =
+        fmin(fmin(margin * wanted - done, growth * done), orl_work_limit() - done);
     double samples = work->least;
     if (done > 0)
         samples = fmax(samples_for(work, fmax(missing, 1)), work->of_views ? samples : 2 * samples);

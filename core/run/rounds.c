@@ -385,12 +385,14 @@ static int settle(struct rounds *r, struct orl_error *err)
     struct orl_run_state *state = r->state;
     struct orl_result *result = state->result;
     const struct orl_parts parts = {r->estimates, r->n_parts, state->job->goal.at};
+    const double started = now_s(r);
     judge(r);
     r->error = orl_parts_error(&parts);
     result->outcome.rounds = r->count;
     result->outcome.achieved = r->error;
     orl_run_predict(state, &r->pace, &r->work, &parts);
     const int code = show(r, err);
+    r->pace.beside_s += now_s(r) - started;
     if (state->job->goal.deadline_s > 0)
         go_on_for_time(r);
     else

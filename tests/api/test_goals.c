@@ -1,0 +1,200 @@
+/* Jobs for an accuracy or a deadline, through a real daemon: results before the end, and at it. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <signal.h>
+#include <stdio.h>
+#include <string.h>
+#include <time.h>
+
+#include "support/daemon.h"
+
+#define SENSORS "\"technique\":\"backward\",\"sensors\":[[2,1,0.8,0,0,1],[2,4,0.8,0,0,1]]"
+#define VIEW                                                                                       \
+    ",\"views\":[{\"name\":\"room\",\"view\":\"-vtv -vp 2 4 1.5 -vd 0 -1 0 -vu 0 0 1 -vh 60 "      \
+    "-vv 45\",\"width\":8,\"height\":6}]"
+/* Minutes, of many rounds; to be cancelled. */
+#define LONG SENSORS VIEW ",\"accuracy\":{\"deadline_s\":600}"
+
+struct fixture {
+    struct daemon daemon;
+    char scene[65];
+};
+
+static int setup(void **state)
+{
+    static struct fixture fixture;
+    daemon_start(&fixture.daemon, NULL);
+    daemon_upload_room(&fixture.daemon, fixture.scene);
+    *state = &fixture;
+    return 0;
+}
+
+static int teardown(void **state)
+{
+    daemon_remove(&((struct fixture *)*state)->daemon);
+    return 0;
+}
+
+static void post(struct fixture *f, const char *rest, struct reply *ret_reply)
+{
+    char text[2048];
+    snprintf(text, sizeof text, "{\"scene\":\"%s\",%s}", f->scene, rest);
+    daemon_post_json(&f->daemon, "/v1/jobs", text, ret_reply);
+}
+
+static void submit(struct fixture *f, const char *rest, char ret_path[80])
+{
+    struct reply reply;
+    post(f, rest, &reply);
+    if (reply.status != 202)
+        fail_msg("the job was refused: %s", reply.body);
+    snprintf(ret_path, 80, "%s", reply_text(&reply, "links.self"));
+    reply_done(&reply);
+}
+
+static void get_below(struct fixture *f, const char *job, const char *what, struct reply *ret_reply)
+{
+    char path[160];
+    snprintf(path, sizeof path, "%s/%s", job, what);
+    daemon_get(&f->daemon, path, ret_reply);
+}
+
+/* Until a round is done, and its results are there. */
+static void wait_for_round(struct fixture *f, const char *job)
+{
+    for (int polls = 0; polls < 3000; polls++) {
+        struct reply reply;
+        daemon_get(&f->daemon, job, &reply);
+        const bool there = reply_at(&reply, "links.result") != NULL;
+        if (there) {
+            assert_string_equal(reply_text(&reply, "state"), "running");
+            assert_true(reply_number(&reply, "accuracy.rounds") >= 1);
+            assert_true(reply_number(&reply, "accuracy.achieved") > 0);
+            assert_true(reply_number(&reply, "accuracy.asked.deadline_s") == 600);
+            assert_true(reply_number(&reply, "percent") < 100);
+            assert_true(reply_at(&reply, "links.files.4") != NULL);
+        }
+        reply_done(&reply);
+        if (there)
+            return;
+        nanosleep(&(struct timespec){0, 20000000}, NULL);
+    }
+    fail_msg("no round in a minute");
+}
+
+static void cancel(struct fixture *f, const char *job)
+{
+    struct reply reply;
+    daemon_request(&f->daemon, "DELETE", job, NULL, NULL, 0, NULL, &reply);
+    assert_int_equal(reply.status, 202);
+    reply_done(&reply);
+    daemon_wait(&f->daemon, job, 60, &reply);
+    assert_string_equal(reply_text(&reply, "state"), "cancelled");
+    reply_done(&reply);
+}
+
+/* What a running job has found so far, and that it is gone with the job. */
+static void test_results_before_the_end(void **state)
+{
+    struct fixture *f = *state;
+    struct reply reply;
+    char job[80];
+    submit(f, LONG, job);
+    wait_for_round(f, job);
+    get_below(f, job, "result", &reply);
+    assert_int_equal(reply.status, 200);
+    assert_string_equal(reply_text(&reply, "state"), "running");
+    assert_true(reply_number(&reply, "sensors.0.illuminance_lx") > 0);
+    assert_true(reply_number(&reply, "sensors.1.standard_error_lx") > 0);
+    assert_true(reply_number(&reply, "accuracy.rounds") >= 1);
+    assert_true(reply_number(&reply, "cost.next.halve_s") > 0);
+    assert_string_equal(reply_header(&reply, "Cache-Control"), "no-store");
+    assert_null(reply_header(&reply, "ETag"));
+    reply_done(&reply);
+    get_below(f, job, "files/room.hdr", &reply);
+    assert_int_equal(reply.status, 200);
+    assert_memory_equal(reply.body, "#?RADIANCE", 10);
+    reply_done(&reply);
+    get_below(f, job, "files/other.hdr", &reply);
+    assert_int_equal(reply.status, 404);
+    reply_done(&reply);
+    cancel(f, job);
+    get_below(f, job, "result", &reply);
+    assert_int_equal(reply.status, 409);
+    reply_done(&reply);
+    assert_int_equal(daemon_count_files(&f->daemon, "tmp"), 0);
+}
+
+/* A killed daemon starts the job again from its first round. */
+static void test_killed_between_rounds(void **state)
+{
+    struct fixture *f = *state;
+    char job[80];
+    submit(f, LONG, job);
+    wait_for_round(f, job);
+    assert_int_equal(daemon_end(&f->daemon, SIGKILL), -1);
+    daemon_restart(&f->daemon, NULL);
+    wait_for_round(f, job);
+    cancel(f, job);
+}
+
+static void test_accuracy_is_met(void **state)
+{
+    struct fixture *f = *state;
+    struct reply reply;
+    char job[80];
+    submit(f, SENSORS ",\"accuracy\":{\"relative_error\":0.1,\"at\":0.5}", job);
+    daemon_wait(&f->daemon, job, 60, &reply);
+    assert_string_equal(reply_text(&reply, "state"), "succeeded");
+    assert_true(json_is_true(reply_at(&reply, "accuracy.met")));
+    assert_true(reply_number(&reply, "accuracy.achieved") <= 0.1);
+    reply_done(&reply);
+    get_below(f, job, "result", &reply);
+    assert_string_equal(reply_text(&reply, "state"), "succeeded");
+    assert_true(reply_number(&reply, "accuracy.asked.relative_error") == 0.1);
+    assert_true(reply_number(&reply, "accuracy.asked.at") == 0.5);
+    assert_non_null(reply_header(&reply, "ETag"));
+    reply_done(&reply);
+}
+
+static void test_refusals(void **state)
+{
+    static const struct {
+        const char *goal, *told;
+    } cases[] = {
+        {"{}", "one of \"relative_error\" and \"deadline_s\""},
+        {"{\"relative_error\":0.1,\"deadline_s\":3}", "one of \"relative_error\""},
+        {"{\"relative_error\":0}", "accuracy.relative_error"},
+        {"{\"deadline_s\":-1}", "accuracy.deadline_s"},
+        {"{\"deadline_s\":3,\"at\":1.5}", "accuracy.at"},
+        {"{\"relative_error\":0.1,\"by\":3}", "by"},
+        {"{\"relative_error\":0.1},\"gather_samples\":64", "gather_samples"},
+        {"{\"relative_error\":0.1},\"photons\":{\"global\":1000}", "photons"},
+    };
+    struct fixture *f = *state;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        struct reply reply;
+        char rest[512];
+        snprintf(rest, sizeof rest, SENSORS ",\"accuracy\":%s", cases[i].goal);
+        post(f, rest, &reply);
+        assert_int_equal(reply.status / 100, 4);
+        if (!strstr(reply_text(&reply, "detail"), cases[i].told))
+            fail_msg("%s: %s", cases[i].goal, reply.body);
+        reply_done(&reply);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(test_results_before_the_end, setup, teardown),
+        cmocka_unit_test_setup_teardown(test_killed_between_rounds, setup, teardown),
+        cmocka_unit_test_setup_teardown(test_accuracy_is_met, setup, teardown),
+        cmocka_unit_test_setup_teardown(test_refusals, setup, teardown),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
