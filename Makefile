@@ -42,10 +42,10 @@ SERVER_SRC := $(sort $(wildcard server/*.c server/*/*.c))
 CLIENT_SRC := $(sort $(wildcard client/*.c))
 OFFICE_SRC := $(sort $(wildcard client/examples/office/*.c))
 FUZZ_TARGETS := $(patsubst tests/fuzz/%.c,%,$(sort $(wildcard tests/fuzz/fuzz_*.c)))
-# Of tests/bench, bench_*.c run by `make bench`; table2 and gallery are targets of their own; the rest
-# is shared.
+# Of tests/bench, bench_*.c run by `make bench`; table2, gallery and calibration are targets of their
+# own; the rest is shared.
 BENCH_SRC  := $(sort $(wildcard tests/bench/bench_*.c))
-TABLE_SRC  := tests/bench/table2.c tests/bench/gallery.c
+TABLE_SRC  := tests/bench/table2.c tests/bench/gallery.c tests/bench/calibration.c
 SUPPORT_SRC := $(sort $(wildcard tests/support/*.c) $(FUZZ_TARGETS:%=tests/fuzz/%.c) \
 	tests/fuzz/promise.c $(filter-out $(BENCH_SRC) $(TABLE_SRC),$(wildcard tests/bench/*.c)))
 TEST_SUITES := unit stats validation stability api migrations
@@ -71,7 +71,7 @@ SERVER_LIB_OBJ := $(filter-out %/server/main.o,$(SERVER_OBJ))
 TEST_BIN   := $(patsubst tests/%.c,$(BUILD)/tests/%,$(TEST_SRC))
 BENCH_BIN  := $(patsubst tests/%.c,$(BUILD)/tests/%,$(BENCH_SRC))
 
-.PHONY: all help clean check demo lint format asan tsan bench table2 gallery study tests deps-build \
+.PHONY: all help clean check demo lint format asan tsan bench table2 gallery calibration study tests deps-build \
 	deps-check deps-lint deps-demo deps-fuzz fuzz fuzzers stability cie171 oracles FORCE
 all: $(BUILD)/oriel $(BUILD)/orield $(BUILD)/oriel-lcp
 
@@ -93,6 +93,8 @@ help:
 ## make table2     the techniques' times and errors on the office, beside Radiance's if it is there
 ## make study      what accuracy costs in time on the office: a table, and build/study/study.png
 ## make gallery    pictures by all techniques, side by side, in build/gallery
+## make calibration  whether errors stated are errors made: intervals, error maps, jobs by accuracy
+##                 or deadline, predictions; long (tests/README.md has its parts)
 ## make format     clang-format in place
 
 # ---- Packages ------------------------------------------------------------------------------------
@@ -251,7 +253,7 @@ format:
 bench: deps-check
 	@$(MAKE) --no-print-directory -j$(JOBS) all $(BENCH_BIN)
 	@for b in $(BENCH_BIN); do ORIEL_BUILD=$(BUILD) $$b || exit 1; done
-table2 gallery: %: deps-check
+table2 gallery calibration: %: deps-check
 	@$(MAKE) --no-print-directory -j$(JOBS) all $(BUILD)/tests/bench/$*
 	@ORIEL_BUILD=$(BUILD) $(BUILD)/tests/bench/$*
 

@@ -35,7 +35,7 @@ double orl_film_relative_error(const struct orl_film *film, size_t pixel, double
 static bool alike(const struct orl_film *film, size_t a, size_t b)
 {
     const double off = luma_of(film, a) - luma_of(film, b);
-    return fabs(off) <= 2 * hypot(film->errors[a], film->errors[b]);
+    return fabs(off) <= 2 * hypot((double)film->errors[a], (double)film->errors[b]);
 }
 
 static float error_about(const struct orl_film *film, uint32_t x, uint32_t y)
@@ -150,7 +150,7 @@ static int say_how_large(const struct orl_film *film, char *ret_text, size_t siz
 {
     const size_t n = (size_t)film->width * film->height;
     const double mean = orl_film_mean(film);
-    double *errors = malloc(n * sizeof *errors);
+    double *errors = malloc((n + 1) * sizeof *errors);
     if (!errors)
         return ORL_ERR_NOMEM;
     for (size_t i = 0; i < n; i++)

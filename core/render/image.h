@@ -3,8 +3,8 @@
  * then pixels, each from a few rays on a regular grid.
  *
  * A pixel's standard error holds the photons' noise, by way of records or densities, and how far
- * its rays lie apart, which counts edges as if rays fell by chance. It does not hold what records miss between them, nor the bias of densities, nor what branches left out
- * would add.
+ * its rays lie apart, which counts edges as if rays fell by chance. It does not hold what records
+ * miss between them, nor the bias of densities, nor what branches left out would add.
  */
 #ifndef ORL_RENDER_IMAGE_H
 #define ORL_RENDER_IMAGE_H

@@ -119,7 +119,9 @@ void bench_run(const struct bench_env *env, const struct orl_job *job,
                                     .store = &store,
                                     .output_folder = env->output,
                                     .cancel = &cancel,
-                                    .now_s = env->now_s};
+                                    .now_s = env->now_s,
+                                    .view_ready = env->view_ready,
+                                    .ctx = env->ctx};
     if (orl_run(job, &run, ret_result, &err) < 0)
         bench_fail("a job", &err);
 }

@@ -47,6 +47,10 @@ struct bench_env {
     const char *maps;   /* folder of photon maps, made when it is missing */
     const char *output; /* folder of images */
     double (*now_s)(void *ctx);
+    /* As in orl_run_env; NULL: nobody looks. ctx is for both. */
+    void (*view_ready)(void *ctx, size_t index, float (*const pixels)[3], const float *errors,
+                       size_t count);
+    void *ctx;
 };
 /* The result is the caller's. */
 void bench_run(const struct bench_env *env, const struct orl_job *job,
