@@ -148,9 +148,9 @@ int orl_run_write_view(struct orl_run_state *state, size_t index, const struct o
     struct orl_view view;
     forget_files(result);
     result->name = strdup(request->name);
-    int code = result->name ? 0 : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-    if (code == 0)
-        code = orl_view_parse(request->view, &view, err);
+    if (!result->name)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    int code = orl_view_parse(request->view, &view, err);
     if (code == 0)
         code = write_image(state, film, &view, result, err);
     if (code == 0 && orl_film_knows_errors(film))
