@@ -242,7 +242,7 @@ static double seconds_of_photons(const struct orl_result *result)
 {
     double seconds = result->timings_s[ORL_STAGE_PHOTONS] + result->timings_s[ORL_STAGE_MAPS];
     for (size_t i = 0; i < result->n_maps; i++)
-        seconds += result->maps[i].cached ? result->maps[i].seconds : 0;
+        seconds += result->maps[i].earlier_s;
     return seconds;
 }
 

@@ -40,6 +40,7 @@ static int acquire(struct orl_run_state *state, enum orl_map_kind kind, struct m
             work->info.emitted = h->emitted;
             work->info.bytes = h->size;
             work->info.reused = 0;
+            work->info.earlier_s = work->info.seconds;
             work->info.cached = true;
             return 0;
         }
@@ -161,7 +162,8 @@ static int keep(struct orl_run_state *state, enum orl_map_kind kind, struct map_
     work->info.seconds = harvest->seconds + env->now_s(env->ctx) - started;
     if (work->earlier) {
         work->info.reused = orl_photon_map_header(work->earlier)->count;
-        work->info.seconds += work->earlier_info.seconds;
+        work->info.earlier_s = work->earlier_info.seconds;
+        work->info.seconds += work->info.earlier_s;
     }
     snprintf(work->info.kind, sizeof work->info.kind, "%s", build.kind);
     memcpy(work->info.key, work->name.key, sizeof work->info.key);

@@ -171,7 +171,7 @@ static void take_times(struct rounds *r, const struct orl_result *found_by, doub
     r->pace.photons += (double)(plan->photons_global + plan->photons_caustic);
     r->pace.photon_s += photon_s;
     for (size_t i = 0; i < found_by->n_maps; i++) /* what other rounds will have to take */
-        r->pace.photon_s += found_by->maps[i].cached ? found_by->maps[i].seconds : 0;
+        r->pace.photon_s += found_by->maps[i].earlier_s;
     r->pace.samples += r->samples;
     r->pace.effort += r->effort;
     r->pace.render_s += render_s;

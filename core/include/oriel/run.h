@@ -91,9 +91,10 @@ struct orl_map_info {
     char family[ORL_DIGEST_HEX + 1];
     uint64_t target; /* photons asked for */
     uint64_t emitted, stored, bytes;
-    uint64_t reused; /* of those stored, how many were taken over from a smaller map */
-    double seconds;  /* what building it took in all, with the smaller map, where that is known */
-    bool cached;     /* true when this job found it ready */
+    uint64_t reused;  /* of those stored, how many were taken over from a smaller map */
+    double seconds;   /* what building it took in all, with the smaller map, where that is known */
+    double earlier_s; /* of these, what jobs before this one spent */
+    bool cached;      /* true when this job found it ready */
 };
 
 /* Where maps live between jobs. All calls come from the run's lead thread. */
