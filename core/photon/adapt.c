@@ -1,6 +1,7 @@
 #include "photon/adapt.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 #include "photon/flux.h"
 #include "photon/moments.h"
@@ -16,43 +17,30 @@ enum { RINGS = 12, SMALLEST = 256, LEAST = 8 };
 /* In standard deviations of ring minus disc: full agreement up to the first, none from the last. */
 static const double agrees = 1.25, differs = 3.25;
 
-/* Photons' sums, by colour, and of their luma by batch. */
-struct sums {
-    struct orl_rgb flux;
-    struct orl_batches parts;
-};
-
 /* Photons of a ring, or of a disc: as far as the surface goes. */
 struct ring {
-    struct sums all, by_x, by_y; /* of fluxes, and of fluxes times either coordinate */
-    double squares;              /* of the photons' luma */
+    struct orl_rgb all, by_x, by_y; /* sums of fluxes, and of fluxes times either coordinate */
+    double squares;                 /* of the photons' luma */
     struct orl_moments room;
     uint32_t found;
 };
 
+/* The same sums, of luma, by batch. */
+struct batch_ring {
+    struct orl_batches all, by_x, by_y, squares;
+};
+
 /* Values at the point, W/m2, and the area that as certain a mean would take. */
 struct reading {
-    struct sums value;
+    struct orl_rgb value;
     double area;
 };
 
-static void add_sums(struct sums *sum, const struct sums *more, double factor)
-{
-    sum->flux = orl_rgb_add(sum->flux, orl_rgb_scale(more->flux, factor));
-    orl_batches_add(&sum->parts, &more->parts, factor);
-}
-
-static void add_photon(struct sums *sum, struct orl_rgb flux, uint32_t batch)
-{
-    sum->flux = orl_rgb_add(sum->flux, flux);
-    sum->parts.luma[batch] += orl_luma(flux);
-}
-
 static void add(struct ring *sum, const struct ring *part)
 {
-    add_sums(&sum->all, &part->all, 1);
-    add_sums(&sum->by_x, &part->by_x, 1);
-    add_sums(&sum->by_y, &part->by_y, 1);
+    sum->all = orl_rgb_add(sum->all, part->all);
+    sum->by_x = orl_rgb_add(sum->by_x, part->by_x);
+    sum->by_y = orl_rgb_add(sum->by_y, part->by_y);
     sum->squares += part->squares;
     sum->room = orl_moments_add(&sum->room, &part->room, 1);
     sum->found += part->found;
@@ -69,35 +57,43 @@ static int ring_of(double share2)
 }
 
 static void take_photon(const struct orl_photon_map *map, const struct orl_neighbourhood *n,
-                        struct orl_vec3 point, uint32_t index, struct ring *ring)
+                        struct orl_vec3 point, uint32_t index, struct ring *ring,
+                        struct batch_ring *by_batch)
 {
     const struct orl_rgb flux =
         orl_rgb_scale(orl_flux_unpack(map->fluxes[index]), map->header->flux_unit);
+    const double luma = orl_luma(flux);
     const uint32_t batch = orl_photon_batch(map, index);
-    add_photon(&ring->all, flux, batch);
-    ring->squares += orl_luma(flux) * orl_luma(flux);
+    ring->all = orl_rgb_add(ring->all, flux);
+    ring->squares += luma * luma;
     ring->found++;
+    by_batch->all.luma[batch] += luma;
+    by_batch->squares.luma[batch] += luma * luma;
     if (!n->cut)
         return;
     const struct orl_photon p = orl_photon_map_get(map, index);
     const struct orl_vec3 chord =
         orl_sub(orl_v3(p.position[0], p.position[1], p.position[2]), point);
-    const struct orl_frame *frame = &n->footprint.frame;
-    add_photon(&ring->by_x, orl_rgb_scale(flux, orl_dot(chord, frame->u)), batch);
-    add_photon(&ring->by_y, orl_rgb_scale(flux, orl_dot(chord, frame->v)), batch);
+    const double x = orl_dot(chord, n->footprint.frame.u);
+    const double y = orl_dot(chord, n->footprint.frame.v);
+    ring->by_x = orl_rgb_add(ring->by_x, orl_rgb_scale(flux, x));
+    ring->by_y = orl_rgb_add(ring->by_y, orl_rgb_scale(flux, y));
+    by_batch->by_x.luma[batch] += luma * x;
+    by_batch->by_y.luma[batch] += luma * y;
 }
 
 static void fill_rings(const struct orl_photon_map *map, const struct orl_search *search,
                        const struct orl_neighbourhood *n, struct orl_vec3 point,
-                       struct ring rings[RINGS])
+                       struct ring rings[RINGS], struct batch_ring by_batch[RINGS])
 {
     const double radius = n->radius / map->header->cell, inverse2 = 1 / (radius * radius);
     struct orl_moments inner = {0};
-    for (int i = 0; i < RINGS; i++)
-        rings[i] = (struct ring){.found = 0};
+    memset(rings, 0, RINGS * sizeof *rings);
+    memset(by_batch, 0, RINGS * sizeof *by_batch);
     for (uint32_t i = 0; i < n->found; i++) {
         const struct orl_search_candidate *c = &search->candidates[i];
-        take_photon(map, n, point, c->index, &rings[ring_of((double)c->distance2 * inverse2)]);
+        const int ring = ring_of((double)c->distance2 * inverse2);
+        take_photon(map, n, point, c->index, &rings[ring], &by_batch[ring]);
     }
     for (int i = RINGS - 1; i >= 0; i--) {
         const double r = n->radius * exp2(-0.5 * i);
@@ -111,9 +107,7 @@ static void fill_rings(const struct orl_photon_map *map, const struct orl_search
 /* The mean over the ring. */
 static struct reading read_level(const struct ring *ring, double area)
 {
-    struct reading level = {.area = area};
-    add_sums(&level.value, &ring->all, 1 / area);
-    return level;
+    return (struct reading){orl_rgb_scale(ring->all, 1 / area), area};
 }
 
 /*
@@ -129,27 +123,26 @@ static struct reading read_plane(const struct ring *ring)
     const double a = (yy * m->x - m->xy * m->y) / determinant;
     const double b = (xx * m->y - m->xy * m->x) / determinant;
     struct reading plane = read_level(ring, m->area - a * m->x - b * m->y);
-    add_sums(&plane.value, &ring->by_x, -a / plane.area);
-    add_sums(&plane.value, &ring->by_y, -b / plane.area);
+    plane.value = orl_rgb_add(plane.value, orl_rgb_scale(ring->by_x, -a / plane.area));
+    plane.value = orl_rgb_add(plane.value, orl_rgb_scale(ring->by_y, -b / plane.area));
     return plane;
 }
 
 static double luma_of(const struct reading *reading)
 {
-    return orl_luma(reading->value.flux);
+    return orl_luma(reading->value);
 }
 
-/* Moves on to another reading, by a share of the way. */
-static void move_on(struct reading *reading, const struct reading *to, double share)
+/* From one value to another, by a share of the way. */
+static struct orl_rgb move_on(struct orl_rgb value, struct orl_rgb to, double share)
 {
-    add_sums(&reading->value, &reading->value, -share);
-    add_sums(&reading->value, &to->value, share);
+    return orl_rgb_add(orl_rgb_scale(value, 1 - share), orl_rgb_scale(to, share));
 }
 
 /* How far ring and disc agree, from 1 to 0: as two draws of one density, by the scatter of both. */
 static double agreement(const struct ring *disc, const struct ring *ring)
 {
-    const double luma = orl_luma(disc->all.flux) + orl_luma(ring->all.flux);
+    const double luma = orl_luma(disc->all) + orl_luma(ring->all);
     if (!(ring->room.area > 1e-6 * disc->room.area) || !(disc->room.area > 0) || !(luma > 0))
         return 1;
     const struct reading in = read_plane(disc), out = read_plane(ring);
@@ -176,10 +169,106 @@ static struct reading estimate_of(const struct ring *disc, double least_area)
     const double off = luma_of(&plane) - luma_of(&level);
     const double variance = disc->squares / level.area * (1 / plane.area - 1 / level.area);
     if (off * off > 0 && plane.area > 0)
-        move_on(&level, &plane, off * off / (off * off + variance));
-    const struct orl_rgb value = level.value.flux;
-    level.value.flux = (struct orl_rgb){fmax(value.r, 0), fmax(value.g, 0), fmax(value.b, 0)};
+        level.value = move_on(level.value, plane.value, off * off / (off * off + variance));
+    const struct orl_rgb value = level.value;
+    level.value = (struct orl_rgb){fmax(value.r, 0), fmax(value.g, 0), fmax(value.b, 0)};
     return level;
+}
+
+/* ---- From disc to disc ----------------------------------------------------------------------- */
+
+struct blend {
+    struct orl_rgb value;
+    double bias;   /* of its luma */
+    double radius; /* over that of the widest disc */
+};
+
+/*
+ * The bias of a disc is taken to be in proportion to its area: then what another one, wider or
+ * narrower, has beyond it tells it.
+ */
+static double bias_of(const struct reading *disc, double area, const struct reading *other,
+                      double other_area)
+{
+    const double more = other_area - area;
+    return fabs(more) > 0.3 * fmin(area, other_area)
+               ? (luma_of(other) - luma_of(disc)) * area / more
+               : 0;
+}
+
+static struct blend blend_discs(const struct ring rings[RINGS], uint32_t found, double least_area)
+{
+    struct ring disc = {.found = 0};
+    int ring = RINGS, smallest = 0;
+    for (uint32_t even = found; even >= 2 * SMALLEST && smallest < RINGS - 1; even /= 2)
+        smallest++;
+    while (ring > 0 && (ring > smallest || disc.found < LEAST))
+        add(&disc, &rings[--ring]);
+    struct reading narrow = estimate_of(&disc, least_area);
+    struct blend blend = {.value = narrow.value, .radius = exp2(-0.5 * ring)};
+    for (double use = 1, before = 1; ring > 0 && use > 0; before = use) {
+        const double area = disc.room.area;
+        use *= agreement(&disc, &rings[--ring]);
+        add(&disc, &rings[ring]);
+        const struct reading wider = estimate_of(&disc, least_area);
+        blend.value = move_on(blend.value, wider.value, use);
+        blend.radius += use * (exp2(-0.5 * ring) - blend.radius);
+        blend.bias += before * bias_of(&narrow, area, &wider, disc.room.area);
+        blend.bias *= 1 - use;
+        if (ring == 0)
+            blend.bias += use * bias_of(&wider, disc.room.area, &narrow, area);
+        narrow = wider;
+    }
+    return blend;
+}
+
+/* What the rings' luma would be by all batches but one, which the others stand for. */
+static void leave_out(const struct ring rings[RINGS], const struct batch_ring by_batch[RINGS],
+                      uint32_t batch, struct ring ret_rings[RINGS])
+{
+    static const double factor = (double)ORL_MAP_BATCHES / (ORL_MAP_BATCHES - 1);
+    for (int i = 0; i < RINGS; i++) {
+        const struct ring *ring = &rings[i];
+        const struct batch_ring *b = &by_batch[i];
+        const double all = orl_luma(ring->all) - b->all.luma[batch];
+        const double by_x = orl_luma(ring->by_x) - b->by_x.luma[batch];
+        const double by_y = orl_luma(ring->by_y) - b->by_y.luma[batch];
+        const double squares = ring->squares - b->squares.luma[batch];
+        ret_rings[i] = (struct ring){.all = orl_gray(factor * fmax(all, 0)),
+                                     .by_x = orl_gray(factor * by_x),
+                                     .by_y = orl_gray(factor * by_y),
+                                     .squares = factor * factor * fmax(squares, 0),
+                                     .room = ring->room,
+                                     .found = ring->found};
+    }
+}
+
+/*
+ * The batches' parts, such that what is left without one of them is what the others alone would
+ * make of it, choice of discs and all (Tukey's pseudovalues), and their sum the whole.
+ */
+static void part_by_batch(const struct ring rings[RINGS], const struct batch_ring by_batch[RINGS],
+                          const struct blend *whole, double least_area, struct orl_density *density)
+{
+    static const double left = (ORL_MAP_BATCHES - 1.0) / ORL_MAP_BATCHES;
+    struct orl_batches value, bias;
+    double mean_value = 0, mean_bias = 0;
+    for (uint32_t i = 0; i < ORL_MAP_BATCHES; i++) {
+        struct ring others[RINGS];
+        leave_out(rings, by_batch, i, others);
+        const struct blend without = blend_discs(others, density->found, least_area);
+        value.luma[i] = -left * orl_luma(without.value);
+        bias.luma[i] = -left * without.bias;
+        mean_value += value.luma[i] / ORL_MAP_BATCHES;
+        mean_bias += bias.luma[i] / ORL_MAP_BATCHES;
+    }
+    for (uint32_t i = 0; i < ORL_MAP_BATCHES; i++) {
+        value.luma[i] += orl_luma(whole->value) / ORL_MAP_BATCHES - mean_value;
+        bias.luma[i] += whole->bias / ORL_MAP_BATCHES - mean_bias;
+    }
+    density->parts = value;
+    density->standard_error = sqrt(orl_batches_variance(&value));
+    density->bias = orl_batches_beyond_scatter(&bias);
 }
 
 static int compare(const void *a, const void *b)
@@ -213,30 +302,18 @@ struct orl_density orl_adapt_estimate(const struct orl_photon_map *map,
                                       struct orl_search *search)
 {
     struct orl_neighbourhood n;
-    struct ring rings[RINGS], disc = {.found = 0};
+    struct ring rings[RINGS];
+    struct batch_ring by_batch[RINGS];
     orl_density_neighbourhood(map, query, SMALLEST, search, &n);
     struct orl_density density = {.radius = n.radius, .clear = n.clear, .found = n.found};
     if (n.found == 0)
         return density;
-    fill_rings(map, search, &n, query->point, rings);
-    const double cell2 = ORL_PI * map->header->cell * map->header->cell;
-    int ring = RINGS, smallest = 0;
-    for (uint32_t even = n.found; even >= 2 * SMALLEST && smallest < RINGS - 1; even /= 2)
-        smallest++;
-    while (ring > 0 && (ring > smallest || disc.found < LEAST))
-        add(&disc, &rings[--ring]);
-    struct reading value = estimate_of(&disc, cell2);
-    density.radius = n.radius * exp2(-0.5 * ring);
-    for (double use = 1; ring > 0 && use > 0;) {
-        use *= agreement(&disc, &rings[--ring]);
-        add(&disc, &rings[ring]);
-        const struct reading wider = estimate_of(&disc, cell2);
-        move_on(&value, &wider, use);
-        density.radius += use * (n.radius * exp2(-0.5 * ring) - density.radius);
-    }
-    density.irradiance = value.value.flux;
-    density.parts = value.value.parts;
+    fill_rings(map, search, &n, query->point, rings, by_batch);
+    const double least_area = ORL_PI * map->header->cell * map->header->cell;
+    const struct blend blend = blend_discs(rings, n.found, least_area);
+    density.irradiance = blend.value;
+    density.radius = n.radius * blend.radius;
     density.clear = fmin(n.clear, density.radius);
-    density.standard_error = sqrt(orl_batches_variance(&density.parts));
+    part_by_batch(rings, by_batch, &blend, least_area, &density);
     return density;
 }

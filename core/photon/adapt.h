@@ -36,7 +36,11 @@ enum { ORL_ADAPT_MOST = 2048 }; /* photons: 2 % of scatter where light is even *
  */
 double orl_adapt_reach(const struct orl_photon_map *map, double widest, struct orl_search *search);
 
-/* As orl_density_estimate; radius is the mean of the discs used, by their weight in the result. */
+/*
+ * As orl_density_estimate; radius is the mean of the discs used, by their weight in the result. The
+ * standard error is by leaving batches out (Tukey's jackknife), so that it knows of the choice of
+ * discs; the bias is what wider discs have beyond the ones used, past its scatter.
+ */
 struct orl_density orl_adapt_estimate(const struct orl_photon_map *map,
                                       const struct orl_density_query *query,
                                       struct orl_search *search);

@@ -2,6 +2,15 @@
 
 #include <math.h>
 
+double orl_batches_beyond_scatter(const struct orl_batches *difference)
+{
+    const double scatter2 = orl_batches_variance(difference);
+    double sum = 0;
+    for (int i = 0; i < ORL_MAP_BATCHES; i++)
+        sum += difference->luma[i];
+    return sum * sum > scatter2 ? sum - scatter2 / sum : 0;
+}
+
 void orl_batches_pack(const struct orl_batches *batches, uint8_t ret_shares[ORL_MAP_BATCHES])
 {
     double most = 0;

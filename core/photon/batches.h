@@ -34,6 +34,12 @@ static inline void orl_batches_add(struct orl_batches *sum, const struct orl_bat
         sum->luma[i] += more->luma[i] * factor;
 }
 
+/*
+ * What a difference of two estimates from the same photons is worth: as much as it is thought to be
+ * beyond its scatter, nothing within it (the positive part of James and Stein's shrinkage).
+ */
+double orl_batches_beyond_scatter(const struct orl_batches *difference);
+
 /* For keeping: the parts in 255ths of the largest; and back, given what they add up to. */
 void orl_batches_pack(const struct orl_batches *batches, uint8_t ret_shares[ORL_MAP_BATCHES]);
 struct orl_batches orl_batches_unpack(const uint8_t shares[ORL_MAP_BATCHES], double luma);

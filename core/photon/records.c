@@ -34,6 +34,22 @@ struct maker {
     size_t first;
 };
 
+static struct orl_record_note note_of(const struct orl_density *density)
+{
+    const double luma = orl_luma(density->irradiance), mean = luma / ORL_MAP_BATCHES;
+    struct orl_record_note note = {.bias = 0};
+    double most = 0;
+    for (int i = 0; i < ORL_MAP_BATCHES; i++)
+        most = fmax(most, fabs(density->parts.luma[i] - mean));
+    if (!(luma > 0) || !(most > 0))
+        return note;
+    note.unit = (float)(most / INT8_MAX / luma);
+    note.bias = (float)(density->bias / luma);
+    for (int i = 0; i < ORL_MAP_BATCHES; i++)
+        note.off[i] = (int8_t)lround(INT8_MAX * (density->parts.luma[i] - mean) / most);
+    return note;
+}
+
 static bool make_record(const struct maker *m, uint64_t leaf, struct orl_search *search,
                         struct orl_photon *ret_record, struct orl_record_note *ret_note)
 {
@@ -53,7 +69,7 @@ static bool make_record(const struct maker *m, uint64_t leaf, struct orl_search 
                                       .normal = orl_normal_encode(footing.normal),
                                       .tag = tag_of(making->world, density.clear),
                                       .facet = footing.facet};
-    orl_batches_pack(&density.parts, ret_note->shares);
+    *ret_note = note_of(&density);
     return orl_rgb_is_finite(value);
 }
 
@@ -140,10 +156,14 @@ done:
  * A weighted fit of a plane to the records about a point: sums of weights, of offsets in the
  * tangent plane over the radius (x, y), and of values with either.
  */
+struct noted { /* of a value's luma */
+    struct orl_batches parts;
+    double bias;
+};
 struct fit {
     double weight, x, y, xx, xy, yy;
     struct orl_rgb value, by_x, by_y;
-    struct orl_batches parts, parts_by_x, parts_by_y; /* of the values' luma */
+    struct noted noted, noted_by_x, noted_by_y;
     uint32_t joined;
 };
 
@@ -157,8 +177,14 @@ static double facing_weight(struct orl_vec3 normal, uint16_t own, uint16_t code)
     return fmin(fmax((cosine - cosine_30) / (1 - cosine_30), 0), 1);
 }
 
+static void add_noted(struct noted *sum, const struct noted *more, double factor)
+{
+    orl_batches_add(&sum->parts, &more->parts, factor);
+    sum->bias += more->bias * factor;
+}
+
 static void add_to_fit(struct fit *fit, double weight, double x, double y, struct orl_rgb value,
-                       const struct orl_batches *parts)
+                       const struct noted *noted)
 {
     fit->weight += weight;
     fit->x += weight * x;
@@ -169,9 +195,9 @@ static void add_to_fit(struct fit *fit, double weight, double x, double y, struc
     fit->value = orl_rgb_add(fit->value, orl_rgb_scale(value, weight));
     fit->by_x = orl_rgb_add(fit->by_x, orl_rgb_scale(value, weight * x));
     fit->by_y = orl_rgb_add(fit->by_y, orl_rgb_scale(value, weight * y));
-    orl_batches_add(&fit->parts, parts, weight);
-    orl_batches_add(&fit->parts_by_x, parts, weight * x);
-    orl_batches_add(&fit->parts_by_y, parts, weight * y);
+    add_noted(&fit->noted, noted, weight);
+    add_noted(&fit->noted_by_x, noted, weight * x);
+    add_noted(&fit->noted_by_y, noted, weight * y);
     fit->joined++;
 }
 
@@ -180,7 +206,7 @@ static void add_to_fit(struct fit *fit, double weight, double x, double y, struc
  * mean of them is too high on every slope; and beside walls all lie on one side. Where they hardly
  * tell a slope the plane is held level (the ridge).
  */
-static struct orl_rgb fit_value(const struct fit *fit, struct orl_batches *ret_parts)
+static struct orl_rgb fit_value(const struct fit *fit, struct noted *ret_noted)
 {
     const double ridge = 0.02 * fit->weight;
     const double xx = fit->xx + ridge, yy = fit->yy + ridge;
@@ -190,20 +216,26 @@ static struct orl_rgb fit_value(const struct fit *fit, struct orl_batches *ret_p
     const double weight = fit->weight - a * fit->x - b * fit->y;
     const struct orl_rgb sum = orl_rgb_add(
         fit->value, orl_rgb_add(orl_rgb_scale(fit->by_x, -a), orl_rgb_scale(fit->by_y, -b)));
-    *ret_parts = (struct orl_batches){{0}};
-    orl_batches_add(ret_parts, &fit->parts, 1 / weight);
-    orl_batches_add(ret_parts, &fit->parts_by_x, -a / weight);
-    orl_batches_add(ret_parts, &fit->parts_by_y, -b / weight);
+    *ret_noted = (struct noted){.bias = 0};
+    add_noted(ret_noted, &fit->noted, 1 / weight);
+    add_noted(ret_noted, &fit->noted_by_x, -a / weight);
+    add_noted(ret_noted, &fit->noted_by_y, -b / weight);
     return (struct orl_rgb){fmax(sum.r / weight, 0), fmax(sum.g / weight, 0),
                             fmax(sum.b / weight, 0)};
 }
 
 /* A map that came without notes tells no errors. */
-static struct orl_batches parts_of(const struct orl_photon_map *map, uint32_t index, double luma)
+static struct noted noted_of(const struct orl_photon_map *map, uint32_t index, double luma)
 {
-    const struct orl_record_note *note = orl_photon_map_note(map, index);
-    return note && map->header->note_bytes >= sizeof *note ? orl_batches_unpack(note->shares, luma)
-                                                           : (struct orl_batches){{0}};
+    const unsigned char *at = orl_photon_map_note(map, index);
+    struct orl_record_note note;
+    if (!at || map->header->note_bytes < sizeof note)
+        return (struct noted){.bias = 0};
+    memcpy(&note, at, sizeof note);
+    struct noted noted = {.bias = luma * (double)note.bias};
+    for (int i = 0; i < ORL_MAP_BATCHES; i++)
+        noted.parts.luma[i] = luma * (1.0 / ORL_MAP_BATCHES + (double)note.unit * note.off[i]);
+    return noted;
 }
 
 static void add_record(const struct orl_photon_map *map, const struct orl_footing *footing,
@@ -223,9 +255,9 @@ static void add_record(const struct orl_photon_map *map, const struct orl_footin
         facing_weight(footing->normal, orl_normal_encode(footing->normal), record.normal);
     const struct orl_rgb value =
         orl_rgb_scale(orl_flux_unpack(map->fluxes[c->index]), map->header->flux_unit);
-    const struct orl_batches parts = parts_of(map, c->index, orl_luma(value));
+    const struct noted noted = noted_of(map, c->index, orl_luma(value));
     add_to_fit(fit, weight, orl_dot(way, frame->u) / radius, orl_dot(way, frame->v) / radius, value,
-               &parts);
+               &noted);
 }
 
 struct orl_density orl_records_estimate(const struct orl_photon_map *records,
@@ -253,7 +285,10 @@ struct orl_density orl_records_estimate(const struct orl_photon_map *records,
     if (!(fit.weight > 1e-9))
         return density;
     density.found = 1;
-    density.irradiance = fit_value(&fit, &density.parts);
+    struct noted noted;
+    density.irradiance = fit_value(&fit, &noted);
+    density.parts = noted.parts;
+    density.bias = noted.bias;
     density.standard_error = sqrt(orl_batches_variance(&density.parts));
     return density;
 }

@@ -7,8 +7,8 @@
  * The estimate is that of adapt.h, from a map without photons of the light that shadow rays and the
  * caustic map count (omit.counted_light). There is one record for every 32 photons, amid a leaf
  * (site.h) and on the surface itself. Its tag says how far no wall stands about it
- * (orl_record_clear); its note, what the batches of emission hold of it (batches.h), in 255ths of
- * the largest of them.
+ * (orl_record_clear); its note, what the batches of emission hold of it (batches.h) and what its
+ * bias is thought to be.
  *
  * A look-up fits a plane to the nearest records of the same sheet that nothing stands in front of,
  * with weights that fall to zero, with their slope, at the distance of the first one not used: as
@@ -39,8 +39,11 @@ struct orl_records_making {
     void *ctx;
 };
 
+/* Of a record, in the map file. */
 struct orl_record_note {
-    uint8_t shares[ORL_MAP_BATCHES];
+    float unit; /* of the estimate's luma, as are these: */
+    float bias;
+    int8_t off[ORL_MAP_BATCHES]; /* a batch's part less the mean one, in units */
 };
 
 struct orl_records {

@@ -175,10 +175,10 @@ static void search_nearest(struct walk *walk)
     }
 }
 
-/* The first photons' fluxes, in all and by batch, over an area. */
-static void spread_fluxes(const struct walk *walk, double area, struct orl_density *density)
+/* The first photons' fluxes, in all and by batch, over the area. */
+static void spread_fluxes(const struct walk *walk, struct orl_density *density)
 {
-    const double unit = walk->map->header->flux_unit / area;
+    const double unit = walk->map->header->flux_unit / density->area;
     struct orl_rgb sum = orl_gray(0);
     for (uint32_t i = 0; i < density->found; i++) {
         const uint32_t index = walk->candidates[i].index;
@@ -287,8 +287,33 @@ struct orl_density orl_density_estimate(const struct orl_photon_map *map,
         return density;
     const double area = walk.footprint ? orl_footprint_area(walk.footprint, density.radius)
                                        : ORL_PI * density.radius * density.radius;
-    spread_fluxes(&walk, fmax(area, ORL_PI * cell * cell), &density);
+    density.area = fmax(area, ORL_PI * cell * cell);
+    spread_fluxes(&walk, &density);
     return density;
+}
+
+double orl_density_bias(const struct orl_photon_map *map, const struct orl_density_query *query,
+                        const struct orl_density *estimate, struct orl_search *search)
+{
+    static const double least = 1.4; /* between the areas */
+    struct orl_density_query other = *query;
+    struct orl_health before = search->health;
+    struct orl_density second;
+    if (estimate->found == 0)
+        return 0;
+    other.k = 2 * query->k;
+    second = orl_density_estimate(map, &other, search);
+    if (second.area < least * estimate->area) {
+        other.max_radius = estimate->radius * sqrt(0.5);
+        second = orl_density_estimate(map, &other, search);
+    }
+    search->health = before; /* it is no estimate of its own */
+    if (fmax(second.area, estimate->area) < least * fmin(second.area, estimate->area))
+        return 0;
+    struct orl_batches difference = second.parts;
+    orl_batches_add(&difference, &estimate->parts, -1);
+    return orl_batches_beyond_scatter(&difference) * estimate->area /
+           (second.area - estimate->area);
 }
 
 void orl_density_neighbourhood(const struct orl_photon_map *map,

@@ -50,6 +50,7 @@ struct orl_density_query {
 struct orl_density {
     struct orl_rgb irradiance; /* W/m2 */
     double radius;             /* of the part of the footprint used */
+    double area;               /* of that part */
     double clear;              /* no wall is nearer; no more than radius */
     uint32_t found;            /* photons in it */
     /* Of the irradiance's luma: */
@@ -61,6 +62,14 @@ struct orl_density {
 struct orl_density orl_density_estimate(const struct orl_photon_map *map,
                                         const struct orl_density_query *query,
                                         struct orl_search *search);
+
+/*
+ * The bias of that estimate: where light curves it is in proportion to the area, so that what an
+ * area twice as large (half as large where none is allowed) adds to the estimate tells it. Of the
+ * difference counts what is beyond its scatter.
+ */
+double orl_density_bias(const struct orl_photon_map *map, const struct orl_density_query *query,
+                        const struct orl_density *estimate, struct orl_search *search);
 
 /*
  * The photons themselves, for estimates that weigh them by a rule of their own. They are the first

@@ -53,17 +53,9 @@ struct orl_estimate orl_backward_irradiance(const struct orl_backward *backward,
     struct orl_place place = {
         .point = orl_madd(position, normal, world->geometry->radius * 0x1p-18), .normal = normal};
     const uint32_t each = samples / ORL_MAP_BATCHES > 0 ? samples / ORL_MAP_BATCHES : 1;
-    struct orl_rgb mean = orl_gray(0);
-    double means[ORL_MAP_BATCHES], square = 0;
+    struct orl_rgb means[ORL_MAP_BATCHES];
     place.outside = orl_world_is_outside(world, place.point);
-    for (uint32_t group = 0; group < ORL_MAP_BATCHES; group++) {
-        const struct orl_rgb value = sample_group(backward, &place, group, each, index, health);
-        means[group] = orl_luma(value);
-        mean = orl_rgb_add(mean, orl_rgb_scale(value, 1.0 / ORL_MAP_BATCHES));
-    }
     for (uint32_t group = 0; group < ORL_MAP_BATCHES; group++)
-        square += (means[group] - orl_luma(mean)) * (means[group] - orl_luma(mean));
-    const double degrees = (double)ORL_MAP_BATCHES * (ORL_MAP_BATCHES - 1);
-    return (struct orl_estimate){
-        .value = mean, .standard_error = sqrt(square / degrees), .degrees = ORL_MAP_BATCHES - 1};
+        means[group] = sample_group(backward, &place, group, each, index, health);
+    return orl_estimate_of_mean(means, ORL_MAP_BATCHES);
 }

@@ -1,8 +1,8 @@
 /*
  * A value with what is known of its error.
  *
- * Variances come from 16 independent parts or groups each, so that a standard error has 15 degrees
- * of freedom; of a sum of independent ones it has more (Welch-Satterthwaite).
+ * Variances come from a few independent parts or groups each, one more than a standard error has
+ * degrees of freedom; of a sum of independent ones it has more (Welch-Satterthwaite).
  *
  * The 95 % interval lies evenly about the value. It is as wide as it must be for an estimate whose
  * bias is no larger than estimated, to whichever side: half of it is the standard error times the
@@ -16,6 +16,8 @@
 #ifndef ORL_RENDER_ESTIMATE_H
 #define ORL_RENDER_ESTIMATE_H
 
+#include <stdint.h>
+
 #include <oriel/vec.h>
 
 struct orl_estimate {
@@ -24,6 +26,9 @@ struct orl_estimate {
     double standard_error, degrees; /* and its degrees of freedom, more than 0 */
     double bias;                    /* what it is thought to be too high */
 };
+
+/* The mean of several independent values, 2 or more, by their spread. */
+struct orl_estimate orl_estimate_of_mean(const struct orl_rgb *values, uint32_t count);
 
 /* The two as independent terms of a sum. */
 struct orl_estimate orl_estimate_add(struct orl_estimate a, struct orl_estimate b);

@@ -99,18 +99,24 @@ void orl_gather_done(struct orl_gather *gather)
     gather->leaves = NULL;
 }
 
+static struct orl_density_query caustic_query(const struct orl_gather *gather,
+                                              const struct orl_footing *footing, uint32_t k)
+{
+    return (struct orl_density_query){.point = footing->point,
+                                      .normal = footing->normal,
+                                      .k = k,
+                                      .max_radius = gather->max_radius[ORL_MAP_CAUSTIC],
+                                      .footing = footing};
+}
+
 static struct orl_density caustic_density(const struct orl_gather *gather,
                                           const struct orl_footing *footing, uint32_t k,
                                           struct orl_search *search)
 {
-    if (!gather->maps[ORL_MAP_CAUSTIC])
-        return (struct orl_density){.found = 0};
-    const struct orl_density_query query = {.point = footing->point,
-                                            .normal = footing->normal,
-                                            .k = k,
-                                            .max_radius = gather->max_radius[ORL_MAP_CAUSTIC],
-                                            .footing = footing};
-    return orl_density_estimate(gather->maps[ORL_MAP_CAUSTIC], &query, search);
+    const struct orl_density_query query = caustic_query(gather, footing, k);
+    return gather->maps[ORL_MAP_CAUSTIC]
+               ? orl_density_estimate(gather->maps[ORL_MAP_CAUSTIC], &query, search)
+               : (struct orl_density){.found = 0};
 }
 
 bool orl_gather_footing(const struct orl_gather *gather, struct orl_vec3 point,
@@ -124,6 +130,18 @@ struct orl_density orl_gather_caustic(const struct orl_gather *gather,
                                       const struct orl_footing *footing, struct orl_search *search)
 {
     return caustic_density(gather, footing, gather->k[ORL_MAP_CAUSTIC], search);
+}
+
+struct orl_density orl_gather_caustic_with_bias(const struct orl_gather *gather,
+                                                const struct orl_footing *footing,
+                                                struct orl_search *search)
+{
+    const struct orl_density_query query =
+        caustic_query(gather, footing, gather->k[ORL_MAP_CAUSTIC]);
+    struct orl_density density = orl_gather_caustic(gather, footing, search);
+    if (density.found > 0)
+        density.bias = orl_density_bias(gather->maps[ORL_MAP_CAUSTIC], &query, &density, search);
+    return density;
 }
 
 /* The number found and the radius are the photons' of an adaptive estimate; of records they say no

@@ -101,6 +101,11 @@ bool orl_gather_footing(const struct orl_gather *gather, struct orl_vec3 point,
 struct orl_density orl_gather_caustic(const struct orl_gather *gather,
                                       const struct orl_footing *footing, struct orl_search *search);
 
+/* The same with its bias, for twice the time. */
+struct orl_density orl_gather_caustic_with_bias(const struct orl_gather *gather,
+                                                const struct orl_footing *footing,
+                                                struct orl_search *search);
+
 /*
  * The rest at a point of a surface, by density or from records; found is 0 where there are none, or
  * when it is to be gathered.

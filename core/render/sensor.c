@@ -1,10 +1,18 @@
 #include "render/gather.h"
 #include "scene/hemisphere.h"
 
-/* Rays and points fall into groups, each with sequences of its own: their spread tells the error.
- */
-enum { GROUPS = 16, PANE_POINTS = 64, SUN_RAYS = 16, GRAZING_SUN_RAYS = 128 }; /* of a group */
+/* Rays fall into groups, each with sequences of its own: their spread tells the error. */
+enum { GROUPS = 16, PANE_POINTS = 64, SUN_RAYS = 16, GRAZING_SUN_RAYS = 128 }; /* of each */
+enum { HEMISPHERES = 4 };
 static const double grazing_discs = 2; /* a sun within so many radii of the sensor's plane */
+
+/* Names of sequences: no two of any seeds are alike. */
+enum { OF_DIRECT, OF_HEMISPHERE, OF_PANES };
+
+static uint32_t sequence_of(const struct orl_gather *gather, uint64_t what, uint64_t name)
+{
+    return (uint32_t)orl_mix64(orl_mix64(orl_mix64(gather->seed) + what) + name);
+}
 
 /*
  * Sun by way of one BSDF pane to a point that no photon lands on: points stratified over the pane,
@@ -59,9 +67,8 @@ static struct orl_rgb caustics_in_air(const struct orl_gather *gather,
             !(facet->area > 0))
             continue;
         for (size_t s = 0; s < world->n_suns; s++)
-            sum =
-                orl_rgb_add(sum, light_by_pane(gather, (uint32_t)f, &world->suns[s], place,
-                                               (uint32_t)orl_mix64(gather->seed + name * 31 + f)));
+            sum = orl_rgb_add(sum, light_by_pane(gather, (uint32_t)f, &world->suns[s], place,
+                                                 sequence_of(gather, OF_PANES + f, name)));
     }
     return sum;
 }
@@ -84,28 +91,49 @@ static bool lies_on_surface(const struct orl_gather *gather, const struct orl_pl
     return true;
 }
 
-/* A group's share of the hemisphere by scrambled Sobol points, up to what a ray's first surface
- * does with it: a sensor needs no gradients. */
-static struct orl_rgb gather_evenly(const struct orl_gather *gather, const struct orl_place *place,
-                                    uint32_t samples, uint64_t name, struct orl_search *search,
-                                    struct orl_tally *tally)
+/*
+ * A group's share of the hemisphere by scrambled Sobol points, up to what a ray's first surface
+ * does with it: a sensor needs no gradients. The tally takes what the rays saw of photons.
+ */
+static struct orl_rgb gather_group(const struct orl_gather *gather, const struct orl_place *place,
+                                   uint32_t samples, uint64_t name, struct orl_search *search,
+                                   struct orl_tally *tally)
 {
+    const uint32_t sequence = sequence_of(gather, OF_HEMISPHERE, name);
     struct orl_rgb sum = orl_gray(0);
     for (uint32_t i = 0; i < samples; i++) {
         struct orl_random random =
             orl_random_stream(gather->seed, ORL_PURPOSE_SENSOR, (name << 24) + i + 1);
         double u[5];
-        orl_sobol_point(&gather->sobol, i, (uint32_t)orl_mix64(gather->seed ^ (name + 1)), 5, u);
+        orl_sobol_point(&gather->sobol, i, sequence, 5, u);
         const struct orl_gather_ray ray = {.origin = place->point,
                                            .direction =
                                                orl_hemisphere_about(place->normal, u[0], u[1]),
                                            .outside = place->outside,
                                            .first = u + 2,
                                            .tally = tally,
-                                           .share = ORL_PI / samples / GROUPS};
+                                           .share = ORL_PI / samples / HEMISPHERES};
         sum = orl_rgb_add(sum, orl_gather_radiance(gather, &ray, &random, search));
     }
     return orl_rgb_scale(sum, ORL_PI / samples);
+}
+
+/*
+ * The groups are few. A sequence of n rays has an error of about n^(-3/4), so that G of n / G have
+ * G^(1/4) times that: 16 would double it, and 4 tell their own by a few degrees of freedom, to
+ * which the photons add theirs.
+ */
+static struct orl_estimate gather_evenly(const struct orl_gather *gather,
+                                         const struct orl_place *place, uint32_t samples,
+                                         uint64_t index, struct orl_search *search,
+                                         struct orl_tally *tally)
+{
+    const uint32_t each = samples / HEMISPHERES > 0 ? samples / HEMISPHERES : 1;
+    struct orl_rgb means[HEMISPHERES];
+    for (uint32_t group = 0; group < HEMISPHERES; group++)
+        means[group] =
+            gather_group(gather, place, each, index * HEMISPHERES + group, search, tally);
+    return orl_estimate_of_mean(means, HEMISPHERES);
 }
 
 /* Of a sun that the sensor's own plane cuts, or nearly, most rays say nothing: then more are sent.
@@ -121,46 +149,23 @@ static uint32_t sun_rays(const struct orl_gather *gather, struct orl_vec3 normal
     return SUN_RAYS;
 }
 
-/* What is sampled at a place, by the groups' rays: all but densities. */
-struct sampling {
-    const struct orl_gather *gather;
-    struct orl_place place;
-    bool by_panes, by_hemisphere;
-    uint32_t sun_rays, samples; /* of a group */
-    uint64_t index;
-};
-
-static struct orl_rgb sample_group(const struct sampling *s, uint32_t group,
-                                   struct orl_search *search, struct orl_tally *tally)
+/* Light of suns and lamps, straight and, in mid-air, by panes: the mean of the groups. */
+static struct orl_estimate sample_lights(const struct orl_gather *gather,
+                                         const struct orl_place *place, uint64_t index,
+                                         struct orl_health *health)
 {
-    const uint64_t name = s->index * GROUPS + group;
-    const uint32_t sequence = (uint32_t)orl_mix64(s->gather->seed * 3 + name);
-    struct orl_health *health = &search->health;
-    struct orl_rgb sum =
-        orl_health_keep(health, orl_gather_direct(s->gather, &s->place, sequence, 0, s->sun_rays));
-    if (s->by_panes)
-        sum =
-            orl_rgb_add(sum, orl_health_keep(health, caustics_in_air(s->gather, &s->place, name)));
-    return s->by_hemisphere ? orl_rgb_add(sum, gather_evenly(s->gather, &s->place, s->samples, name,
-                                                             search, tally))
-                            : sum;
-}
-
-/* The groups' mean. */
-static struct orl_estimate sample(const struct sampling *s, struct orl_search *search,
-                                  struct orl_tally *tally)
-{
-    struct orl_rgb mean = orl_gray(0);
-    struct orl_batches groups;
+    const bool by_panes = place->in_air && !gather->world->omit.lobe_caustics;
+    const uint32_t rays = sun_rays(gather, place->normal);
+    struct orl_rgb means[GROUPS];
     for (uint32_t group = 0; group < GROUPS; group++) {
-        const struct orl_rgb value =
-            orl_rgb_scale(sample_group(s, group, search, tally), 1.0 / GROUPS);
-        groups.luma[group] = orl_luma(value);
-        mean = orl_rgb_add(mean, value);
+        const uint64_t name = index * GROUPS + group;
+        const uint32_t sequence = sequence_of(gather, OF_DIRECT, name);
+        means[group] = orl_health_keep(health, orl_gather_direct(gather, place, sequence, 0, rays));
+        if (by_panes)
+            means[group] = orl_rgb_add(
+                means[group], orl_health_keep(health, caustics_in_air(gather, place, name)));
     }
-    return (struct orl_estimate){.value = mean,
-                                 .standard_error = sqrt(orl_batches_variance(&groups)),
-                                 .degrees = GROUPS - 1};
+    return orl_estimate_of_mean(means, GROUPS);
 }
 
 /* What one map has to do with a sensor: density at it, if any, and what rays saw. */
@@ -182,32 +187,25 @@ struct orl_estimate orl_gather_sensor(const struct orl_gather *gather, struct or
 {
     /* A sensor written down as lying on a surface is to look away from it, not at it. */
     const double clear = gather->world->geometry->radius * 0x1p-18;
-    const uint32_t each = samples / GROUPS > 0 ? samples / GROUPS : 1;
-    struct sampling sampling = {
-        .gather = gather,
-        .place = {.point = orl_madd(position, direction, clear), .normal = direction},
-        .sun_rays = sun_rays(gather, direction),
-        .samples = each,
-        .index = index};
-    struct orl_place *place = &sampling.place;
+    struct orl_place place = {.point = orl_madd(position, direction, clear), .normal = direction};
     struct orl_footing footing;
     const struct orl_density none = {.found = 0};
     struct orl_density rest = none, caustic = none;
     const int kind_of_rest =
         gather->rest == ORL_REST_RECORDS ? ORL_MAP_PRECOMPUTED : ORL_MAP_GLOBAL;
     struct orl_tally tally = {{{{0}}}};
-    place->outside = orl_world_is_outside(gather->world, place->point);
-    const bool on_surface = lies_on_surface(gather, place, &footing);
+    place.outside = orl_world_is_outside(gather->world, place.point);
+    const bool on_surface = lies_on_surface(gather, &place, &footing);
     /* Without a caustic map caustics were not asked for: then there are none anywhere. */
     const bool caustics = gather->maps[ORL_MAP_CAUSTIC] != NULL;
-    place->in_air = caustics && !on_surface;
+    place.in_air = caustics && !on_surface;
     if (on_surface)
-        caustic = orl_gather_caustic(gather, &footing, search);
-    if (on_surface && !place->outside)
+        caustic = orl_gather_caustic_with_bias(gather, &footing, search);
+    if (on_surface && !place.outside)
         rest = orl_gather_rest(gather, &footing, search);
-    sampling.by_panes = place->in_air && !gather->world->omit.lobe_caustics;
-    sampling.by_hemisphere = rest.found == 0;
-    struct orl_estimate sum = sample(&sampling, search, &tally);
+    struct orl_estimate sum = sample_lights(gather, &place, index, &search->health);
+    if (rest.found == 0)
+        sum = orl_estimate_add(sum, gather_evenly(gather, &place, samples, index, search, &tally));
     for (int kind = 0; kind < ORL_MAP_KINDS; kind++) {
         const struct orl_density *there = kind == ORL_MAP_CAUSTIC ? &caustic
                                           : kind == kind_of_rest  ? &rest
