@@ -115,6 +115,87 @@ static bool aim_by_area(const struct orl_world *world, const struct orl_emitter 
     return ret_aim->measure_sr > 0;
 }
 
+/* The density with which a shadow ray is drawn that way: per steradian. */
+static double aim_pdf(const struct aim *aim)
+{
+    return 1 / aim->measure_sr;
+}
+
+/* The same for a ray from there that happened on the emitter at that hit. */
+static double aim_pdf_of_hit(const struct orl_world *world, const struct orl_hit *hit,
+                             struct orl_vec3 from)
+{
+    const struct orl_facet *facet = &world->geometry->facets[hit->facet];
+    const struct orl_vec3 way = orl_sub(hit->point, from);
+    const double d2 = orl_dot(way, way);
+    if (facet->kind != ORL_SURFACE_SPHERE) {
+        const double cosine = fabs(orl_dot(way, hit->normal)) / sqrt(d2);
+        return d2 / (cosine * facet->area);
+    }
+    const struct orl_vec3 to_center = orl_sub(facet->center[0], from);
+    const double r2 = facet->radius[0] * facet->radius[0], c2 = orl_dot(to_center, to_center);
+    const double sine2 = r2 / c2;
+    return c2 > r2 ? (1 + sqrt(1 - sine2)) / (2 * ORL_PI * sine2) : 0;
+}
+
+/*
+ * What rays may be drawn by where suns and lamps are looked for by way of a material's lobes. Both
+ * shares are worked out from this, whatever a path then allows: they must add up to one.
+ */
+static double lobe_pdf(const struct orl_material *material, const struct orl_hit *hit,
+                       struct orl_vec3 eye, struct orl_vec3 towards)
+{
+    return orl_scatter_pdf(material, hit, eye, ORL_TRANSPORT_EYE,
+                           (enum orl_lobes)(ORL_LOBE_REFLECTED | ORL_LOBE_TRANSMITTED), towards);
+}
+
+/* A spotlight's focus is known to shadow rays alone. */
+static bool is_for_rays(const struct orl_material *lamp)
+{
+    return !(lamp->focus > 0);
+}
+
+double orl_chance_share(const struct orl_world *world, const struct orl_hit *lamp,
+                        const struct orl_chance *chance)
+{
+    if (!(chance->pdf > 0))
+        return 0;
+    if (!isfinite(chance->pdf))
+        return 1;
+    if (!is_for_rays(orl_world_material(world, lamp)))
+        return 0;
+    const double pdf = aim_pdf_of_hit(world, lamp, chance->from);
+    return isfinite(pdf) ? chance->pdf / (chance->pdf + pdf) : 0;
+}
+
+struct orl_rgb orl_shining(const struct orl_world *world, const struct orl_hit *hit,
+                           struct orl_vec3 eye, const struct orl_chance *chance)
+{
+    const struct orl_material *m = orl_world_material(world, hit);
+    if (orl_material_glows(m))
+        return orl_material_emission(m, hit, eye);
+    if (!orl_material_is_lamp(m) || !(chance->pdf > 0))
+        return orl_gray(0);
+    return orl_rgb_scale(orl_material_emission(m, hit, eye), orl_chance_share(world, hit, chance));
+}
+
+struct orl_chance orl_chance_after(const struct orl_world *world, const struct orl_hit *hit,
+                                   struct orl_vec3 eye, const struct orl_scatter *scatter,
+                                   struct orl_chance before)
+{
+    if (scatter->event == ORL_EVENT_STRAIGHT)
+        return before;
+    if (scatter->event == ORL_EVENT_DIFFUSE)
+        return orl_chance_found();
+    if (scatter->event != ORL_EVENT_GLOSSY)
+        return orl_chance_unsought();
+    if (world->n_emitters == 0)
+        return orl_chance_found();
+    return (struct orl_chance){
+        lobe_pdf(orl_world_material(world, hit), hit, eye, scatter->direction),
+        orl_hit_leave(world->geometry, hit, scatter->direction)};
+}
+
 static struct orl_rgb light_from_emitter(const struct orl_world *world,
                                          const struct orl_emitter *emitter,
                                          const struct orl_direct_query *query, const double u[2])
@@ -130,13 +211,18 @@ static struct orl_rgb light_from_emitter(const struct orl_world *world,
     const struct orl_rgb seen = response(query, aim.light);
     if (!(orl_rgb_max(seen) > 0) || !orl_material_beams(m, orl_neg(aim.light)))
         return orl_gray(0);
+    double left = 1;
+    if (query->lobes && is_for_rays(m))
+        left = aim_pdf(&aim) /
+               (aim_pdf(&aim) + lobe_pdf(query->lobes, query->hit, query->eye, aim.light));
     if (m->focus > 0)
         aim.measure_sr *= orl_spot_spread(m->focus, aim.distance);
     const double reach = aim.distance - 2 * facet->offset;
     const struct orl_rgb share =
         reach > 0 ? orl_transmittance(world, query->point, aim.light, reach, query->through_ports)
                   : orl_gray(1);
-    return orl_rgb_scale(orl_rgb_mul(orl_rgb_mul(emitter->radiance, seen), share), aim.measure_sr);
+    return orl_rgb_scale(orl_rgb_mul(orl_rgb_mul(emitter->radiance, seen), share),
+                         aim.measure_sr * left);
 }
 
 /* The numbers for the n-th light: random, or the caller's even ones turned by the golden ratio. */
@@ -287,7 +373,7 @@ static struct orl_rgb folded_direct(const struct orl_world *world, const struct 
  * through or stop it, and send none back.
  */
 static struct orl_rgb unreflected_radiance(const struct orl_world *world, struct orl_vec3 origin,
-                                           struct orl_vec3 direction, bool lamps_sampled,
+                                           struct orl_vec3 direction, struct orl_chance chance,
                                            struct orl_health *health)
 {
     struct orl_rgb sum = orl_gray(0), weight = orl_gray(1);
@@ -298,8 +384,7 @@ static struct orl_rgb unreflected_radiance(const struct orl_world *world, struct
             return orl_rgb_add(sum, orl_rgb_mul(weight, orl_world_dome_radiance(world, direction)));
         const struct orl_material *m = orl_world_material(world, &hit);
         const struct orl_vec3 eye = orl_neg(direction);
-        if (orl_material_glows(m) || (orl_material_is_lamp(m) && !lamps_sampled))
-            sum = orl_rgb_add(sum, orl_rgb_mul(weight, orl_material_emission(m, &hit, eye)));
+        sum = orl_rgb_add(sum, orl_rgb_mul(weight, orl_shining(world, &hit, eye, &chance)));
         weight = orl_rgb_mul(weight, orl_material_straight(m, &hit, eye));
         if (!(orl_rgb_max(weight) > 0) || orl_world_crossing(world, &hit) == ORL_CROSSING_INWARDS)
             return sum;
@@ -313,13 +398,14 @@ struct orl_rgb orl_port_radiance(const struct orl_world *world, const struct orl
                                  struct orl_random *random, struct orl_health *health)
 {
     if (!port->clear)
-        return orl_exterior_radiance(world, origin, direction, false, random, health);
+        return orl_exterior_radiance(world, origin, direction, orl_chance_unsought(), random,
+                                     health);
     health->paths++;
     return orl_world_dome_radiance(world, direction);
 }
 
 struct orl_rgb orl_exterior_radiance(const struct orl_world *world, struct orl_vec3 origin,
-                                     struct orl_vec3 direction, bool lamps_sampled,
+                                     struct orl_vec3 direction, struct orl_chance chance,
                                      struct orl_random *random, struct orl_health *health)
 {
     struct orl_rgb sum = orl_gray(0), weight = orl_gray(1), clarity = orl_gray(1);
@@ -327,7 +413,7 @@ struct orl_rgb orl_exterior_radiance(const struct orl_world *world, struct orl_v
     bool diffused = false;
     health->paths++;
     if (world->omit.exterior)
-        return unreflected_radiance(world, origin, direction, lamps_sampled, health);
+        return unreflected_radiance(world, origin, direction, chance, health);
     for (int bounce = 0; bounce < MOST_BOUNCES; bounce++) {
         struct orl_hit hit;
         health->rays++;
@@ -339,8 +425,7 @@ struct orl_rgb orl_exterior_radiance(const struct orl_world *world, struct orl_v
         const struct orl_material *m = orl_world_material(world, &hit);
         const struct orl_vec3 eye = orl_neg(direction);
         weight = orl_rgb_mul(weight, orl_material_dimming(m, &hit, clarity));
-        if (orl_material_glows(m) || (orl_material_is_lamp(m) && !lamps_sampled))
-            sum = orl_rgb_add(sum, orl_rgb_mul(weight, orl_material_emission(m, &hit, eye)));
+        sum = orl_rgb_add(sum, orl_rgb_mul(weight, orl_shining(world, &hit, eye, &chance)));
         const bool barred = orl_world_crossing(world, &hit) == ORL_CROSSING_INWARDS;
         const bool folded = barred && diffused && m->kind == ORL_MATERIAL_BSDF;
         const struct orl_rgb direct =
@@ -350,10 +435,7 @@ struct orl_rgb orl_exterior_radiance(const struct orl_world *world, struct orl_v
                                                         barred ? back : ORL_LOBE_ALL, random);
         if (s.event == ORL_EVENT_ABSORBED)
             return sum;
-        /* After a mirror nobody sampled the lights for us; after glass the last vertex still did.
-         */
-        if (s.event != ORL_EVENT_STRAIGHT)
-            lamps_sampled = s.event == ORL_EVENT_DIFFUSE || s.event == ORL_EVENT_GLOSSY;
+        chance = folded ? orl_chance_found() : orl_chance_after(world, &hit, eye, &s, chance);
         diffused = diffused || s.event == ORL_EVENT_DIFFUSE;
         weight = orl_rgb_mul(weight, s.weight);
         if (bounce >= SURE_BOUNCES) {

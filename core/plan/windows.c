@@ -37,10 +37,10 @@ static double share_reflected(const struct orl_survey *survey)
         orl_facet_sample(world->geometry, port->facet, u, &point, &normal);
         point = orl_facet_leave(world->geometry, port->facet, point, normal, port->outward);
         same = random;
-        all += port->area *
-               orl_luma(orl_exterior_radiance(world, point, out, false, &random, &ignored));
-        direct += port->area *
-                  orl_luma(orl_exterior_radiance(&straight, point, out, false, &same, &ignored));
+        all += port->area * orl_luma(orl_exterior_radiance(world, point, out, orl_chance_unsought(),
+                                                           &random, &ignored));
+        direct += port->area * orl_luma(orl_exterior_radiance(
+                                   &straight, point, out, orl_chance_unsought(), &same, &ignored));
     }
     return all > 0 ? fmax(0, 1 - direct / all) : 0;
 }

@@ -78,8 +78,9 @@ struct orl_sampling {
 struct orl_rgb orl_backward_light(struct orl_tracer *tracer, const struct orl_place *place,
                                   const struct orl_sampling *sampling);
 
-/* One estimate of the radiance along a ray that a lobe sent: lamps and suns not seen straight. */
+/* One estimate of the radiance along a ray that a lobe sent: suns not seen straight. */
 struct orl_rgb orl_backward_radiance(struct orl_tracer *tracer, struct orl_vec3 origin,
-                                     struct orl_vec3 direction, bool outside);
+                                     struct orl_vec3 direction, bool outside,
+                                     struct orl_chance chance);
 
 #endif

@@ -17,7 +17,7 @@ struct walk {
     uint32_t reflections;        /* diffuse ones before that */
     double cos_start, travelled; /* since that place */
     bool straight;               /* nothing but panes since then */
-    bool lamps_sampled;          /* lamps met now were already counted by shadow rays */
+    struct orl_chance chance;    /* of lamps met now, what is left to count */
     uint32_t mirrors;            /* since then */
     bool outside;
     bool clear; /* outside, with nothing but the sky before it */
@@ -80,7 +80,7 @@ static void escape(struct walk *w)
     const struct orl_world *world = w->tracer->backward->world;
     w->weight = orl_rgb_mul(w->weight, orl_clarity_after(w->clarity, INFINITY));
     collect(w, orl_world_dome_radiance(world, w->direction));
-    if (w->mirrors > 1 && !w->lamps_sampled)
+    if (w->mirrors > 1 && !isfinite(w->chance.pdf))
         collect(w, orl_world_sun_radiance(world, w->direction));
 }
 
@@ -105,7 +105,6 @@ static void note_event(struct walk *w, enum orl_event event)
     w->mirrors += event == ORL_EVENT_MIRROR ? 1 : event == ORL_EVENT_REFRACTED ? 2 : 0;
     if (event == ORL_EVENT_GLOSSY)
         w->mirrors = 0;
-    w->lamps_sampled = event == ORL_EVENT_GLOSSY;
 }
 
 /* On by mirrors, panes and lobes, to the next hit; false when the path ends. */
@@ -119,6 +118,7 @@ static bool scatter(struct walk *w, const struct orl_material *m)
         return false;
     w->weight = orl_rgb_mul(w->weight, s.weight);
     w->clarity = orl_scatter_clarity(m, &s, w->clarity);
+    w->chance = orl_chance_after(world, &w->hit, orl_neg(w->direction), &s, w->chance);
     note_event(w, s.event);
     if (s.transmitted && !world->open && orl_world_crossing(world, &w->hit) != ORL_CROSSING_NONE)
         w->outside = orl_world_crossing(world, &w->hit) == ORL_CROSSING_OUTWARDS;
@@ -141,7 +141,7 @@ static struct orl_rgb follow(struct walk *w)
             return w->sum;
         }
         if (w->outside) {
-            collect(w, orl_exterior_radiance(world, w->origin, w->direction, w->lamps_sampled,
+            collect(w, orl_exterior_radiance(world, w->origin, w->direction, w->chance,
                                              &w->tracer->random, w->tracer->health));
             return w->sum;
         }
@@ -153,8 +153,7 @@ static struct orl_rgb follow(struct walk *w)
         const struct orl_rgb albedo = orl_material_diffuse(m);
         w->weight = orl_rgb_mul(w->weight, orl_material_dimming(m, &w->hit, w->clarity));
         w->travelled += w->hit.distance;
-        if (orl_material_glows(m) || (orl_material_is_lamp(m) && !w->lamps_sampled))
-            collect(w, orl_material_emission(m, &w->hit, orl_neg(w->direction)));
+        collect(w, orl_shining(world, &w->hit, orl_neg(w->direction), &w->chance));
         if (orl_rgb_max(albedo) > 0)
             add_diffuse(w, &w->hit, albedo);
         if (orl_material_has_lobes(m))
@@ -167,7 +166,8 @@ static struct orl_rgb follow(struct walk *w)
 }
 
 struct orl_rgb orl_backward_radiance(struct orl_tracer *tracer, struct orl_vec3 origin,
-                                     struct orl_vec3 direction, bool outside)
+                                     struct orl_vec3 direction, bool outside,
+                                     struct orl_chance chance)
 {
     struct walk w = {.tracer = tracer,
                      .origin = origin,
@@ -175,7 +175,7 @@ struct orl_rgb orl_backward_radiance(struct orl_tracer *tracer, struct orl_vec3 
                      .weight = {1, 1, 1},
                      .clarity = {1, 1, 1},
                      .importance = 1,
-                     .lamps_sampled = true,
+                     .chance = chance,
                      .outside = outside};
     tracer->health->paths++;
     w.met = !outside && orl_geometry_intersect(tracer->backward->world->geometry, origin, direction,
@@ -242,7 +242,6 @@ static struct orl_rgb look(struct orl_tracer *tracer, const struct stop *stop,
                      .reflections = stop->reflections,
                      .cos_start = orl_dot(aimed.direction, stop->place.normal),
                      .straight = true,
-                     .lamps_sampled = true,
                      .met = aimed.met,
                      .hit = aimed.hit};
     return orl_rgb_scale(follow(&w), ORL_PI);
@@ -275,7 +274,7 @@ static struct orl_rgb light_outside(struct orl_tracer *tracer, const struct stop
     return orl_rgb_scale(orl_exterior_radiance(stop->place.proxied ? orl_world_seen(world) : world,
                                                stop->place.point,
                                                orl_hemisphere_about(stop->place.normal, u[0], u[1]),
-                                               true, &tracer->random, tracer->health),
+                                               orl_chance_found(), &tracer->random, tracer->health),
                          ORL_PI);
 }
 

@@ -243,13 +243,12 @@ static struct orl_rgb diffuse_radiance(const struct orl_gather *gather,
  * suns and lights.
  */
 static struct orl_rgb shining_radiance(const struct orl_world *world, const struct orl_hit *hit,
-                                       struct orl_vec3 eye, bool caustics, bool lamps_sampled,
+                                       struct orl_vec3 eye, bool caustics, struct orl_chance chance,
                                        struct orl_random *random)
 {
     const struct orl_material *m = orl_world_material(world, hit);
-    struct orl_rgb sum = orl_gray(0);
-    if (orl_material_glows(m) || (caustics && !lamps_sampled && orl_material_is_lamp(m)))
-        sum = orl_material_emission(m, hit, eye);
+    const struct orl_chance found = orl_chance_found();
+    struct orl_rgb sum = orl_shining(world, hit, eye, caustics ? &chance : &found);
     if (caustics && orl_material_has_lobes(m))
         sum = orl_rgb_add(sum, orl_direct_by_lobes(world, hit, m, eye, random));
     return sum;
@@ -262,19 +261,19 @@ static struct orl_rgb trace_gather(const struct orl_gather *gather,
 {
     const struct orl_world *world = gather->world;
     struct orl_vec3 origin = ray->origin, direction = ray->direction;
-    bool outside = ray->outside, caustics = ray->of_lobe;
+    bool outside = ray->outside, caustics = ray->of_lobe != NULL;
     struct orl_rgb sum = orl_gray(0), weight = orl_gray(1), clarity = orl_gray(1);
     const enum orl_lobes but_diffuse = (enum orl_lobes)(ORL_LOBE_REFLECTED | ORL_LOBE_TRANSMITTED);
-    bool lamps_sampled = true; /* by the shadow rays of the place that the ray comes from */
+    struct orl_chance chance = ray->of_lobe ? *ray->of_lobe : orl_chance_found();
     uint32_t reflections = 0;
     *ret_distance = INFINITY;
     search->health.paths++;
     for (int bounce = 0; bounce < MOST_BOUNCES; bounce++) {
         struct orl_hit hit;
         if (outside)
-            return orl_rgb_add(sum, orl_rgb_mul(weight, orl_exterior_radiance(
-                                                            world, origin, direction, lamps_sampled,
-                                                            random, &search->health)));
+            return orl_rgb_add(
+                sum, orl_rgb_mul(weight, orl_exterior_radiance(world, origin, direction, chance,
+                                                               random, &search->health)));
         search->health.rays++;
         if (!orl_geometry_intersect(world->geometry, origin, direction, INFINITY, &hit)) {
             search->health.rays_leaked += !world->open;
@@ -289,8 +288,8 @@ static struct orl_rgb trace_gather(const struct orl_gather *gather,
         const bool near = hit.distance < gather->near;
         weight = orl_rgb_mul(weight, orl_material_dimming(m, &hit, clarity));
         const struct orl_vec3 eye = orl_neg(direction);
-        sum = orl_rgb_add(sum, orl_rgb_mul(weight, shining_radiance(world, &hit, eye, caustics,
-                                                                    lamps_sampled, random)));
+        sum = orl_rgb_add(
+            sum, orl_rgb_mul(weight, shining_radiance(world, &hit, eye, caustics, chance, random)));
         if (diffuse)
             sum =
                 orl_rgb_add(sum, diffuse_radiance(gather, ray, &hit, weight, near, random, search));
@@ -309,9 +308,9 @@ static struct orl_rgb trace_gather(const struct orl_gather *gather,
                 return sum;
             weight = orl_rgb_scale(weight, 1 / survive);
         }
-        if (s.event != ORL_EVENT_STRAIGHT)
-            lamps_sampled =
-                s.event == ORL_EVENT_DIFFUSE || (caustics && s.event == ORL_EVENT_GLOSSY);
+        chance = s.event == ORL_EVENT_GLOSSY && !caustics
+                     ? orl_chance_unsought()
+                     : orl_chance_after(world, &hit, eye, &s, chance);
         reflections += s.event == ORL_EVENT_DIFFUSE;
         caustics = caustics && s.event != ORL_EVENT_DIFFUSE;
         if (s.transmitted && orl_world_leaves_clear(world, &hit))
@@ -448,10 +447,10 @@ struct orl_hemisphere orl_gather_hemisphere(const struct orl_gather *gather,
                                            .share = ORL_PI / ((double)rows * columns)};
         double distance = INFINITY;
         const struct orl_rgb radiance = orl_health_keep(
-            &search->health, place->proxied
-                                 ? orl_exterior_radiance(scene_of(gather, place), place->point,
-                                                         direction, true, random, &search->health)
-                                 : trace_gather(gather, &ray, random, search, &distance));
+            &search->health,
+            place->proxied ? orl_exterior_radiance(scene_of(gather, place), place->point, direction,
+                                                   orl_chance_found(), random, &search->health)
+                           : trace_gather(gather, &ray, random, search, &distance));
         h.irradiance = orl_rgb_add(h.irradiance, radiance);
         distance = fmax(distance, 1e-9 * gather->world->geometry->radius);
         nearness += 1 / distance;

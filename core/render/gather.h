@@ -76,7 +76,8 @@ double orl_tally_variance(const struct orl_tally *tally);
 struct orl_gather_ray {
     struct orl_vec3 origin, direction;
     bool outside;
-    bool of_lobe; /* of a view's, where no density counts caustics: the ray is to find them */
+    /* Of a view's lobe, where no density counts caustics: the ray is to find them. Or NULL. */
+    const struct orl_chance *of_lobe;
     /*
      * Three numbers in [0,1) from an even sequence for what happens at the first surface, so that
      * of many rays through a pane even shares are mirrored and sent on; NULL for random ones.
@@ -86,7 +87,7 @@ struct orl_gather_ray {
     double share;            /* of the radiance in it */
 };
 
-/* Radiance along it: lights and suns not seen straight. */
+/* Radiance along it: suns not seen straight; of lamps what its lobe leaves to it. */
 struct orl_rgb orl_gather_radiance(const struct orl_gather *gather,
                                    const struct orl_gather_ray *ray, struct orl_random *random,
                                    struct orl_search *search);

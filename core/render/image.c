@@ -362,10 +362,11 @@ static struct orl_pixel compute_pixel(void *ctx, uint32_t x, uint32_t y, struct 
 
 static struct orl_rgb lobe_radiance(const void *ctx, struct orl_vec3 origin,
                                     struct orl_vec3 direction, bool outside,
-                                    struct orl_random *random, struct orl_search *search)
+                                    struct orl_chance chance, struct orl_random *random,
+                                    struct orl_search *search)
 {
     const struct orl_gather_ray ray = {
-        .origin = origin, .direction = direction, .outside = outside, .of_lobe = true};
+        .origin = origin, .direction = direction, .outside = outside, .of_lobe = &chance};
     return orl_gather_radiance(ctx, &ray, random, search);
 }
 

@@ -132,16 +132,17 @@ static struct orl_scatter sample_lobes(const struct look *look, const struct orl
 }
 
 /* What comes along a lobe's ray. */
-static struct orl_rgb seen_along(struct look *look, const struct orl_hit *hit,
-                                 struct orl_vec3 direction, bool outside)
+static struct orl_rgb seen_along(struct look *look, const struct orl_hit *hit, struct orl_vec3 eye,
+                                 const struct orl_scatter *s, bool outside)
 {
     const struct orl_world *world = scene_of(look);
-    const struct orl_vec3 start = orl_hit_leave(world->geometry, hit, direction);
+    const struct orl_vec3 start = orl_hit_leave(world->geometry, hit, s->direction);
+    const struct orl_chance chance = orl_chance_after(world, hit, eye, s, orl_chance_found());
     if (orl_world_hides(world, hit->facet))
-        return orl_exterior_radiance(world, start, direction, true, look->random,
+        return orl_exterior_radiance(world, start, s->direction, chance, look->random,
                                      &look->search->health);
-    return look->onlooker->radiance(look->onlooker->ctx, start, direction, outside, look->random,
-                                    look->search);
+    return look->onlooker->radiance(look->onlooker->ctx, start, s->direction, outside, chance,
+                                    look->random, look->search);
 }
 
 /* Lobes of a surface: lights directly, all else by a few rays. What goes straight is followed too.
@@ -162,7 +163,7 @@ static void add_lobes(struct look *look, const struct branch *at, const struct o
             continue;
         if (s.transmitted && crossing != ORL_CROSSING_NONE)
             outside = !world->open && crossing == ORL_CROSSING_OUTWARDS;
-        sum = orl_rgb_add(sum, orl_rgb_mul(s.weight, seen_along(look, hit, s.direction, outside)));
+        sum = orl_rgb_add(sum, orl_rgb_mul(s.weight, seen_along(look, hit, eye, &s, outside)));
     }
     add(look, at->weight, orl_rgb_scale(sum, 1.0 / samples));
 }

@@ -24,10 +24,12 @@ struct orl_sight {
     struct orl_rgb rest; /* radiance of all that is not diffuse */
 };
 
-/* A technique's radiance along a ray of a lobe: lights and suns not seen straight. */
+/* A technique's radiance along a ray of a lobe: suns not seen straight, and of lamps the share of
+ * that chance. */
 typedef struct orl_rgb orl_shade_radiance(const void *ctx, struct orl_vec3 origin,
                                           struct orl_vec3 direction, bool outside,
-                                          struct orl_random *random, struct orl_search *search);
+                                          struct orl_chance chance, struct orl_random *random,
+                                          struct orl_search *search);
 
 /* Who looks. */
 struct orl_onlooker {
