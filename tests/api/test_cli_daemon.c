@@ -165,6 +165,10 @@ static void test_a_second_job_finds_the_maps(void **state)
     assert_non_null(hdr);
     assert_memory_equal(hdr, "#?RADIANCE\n", 11);
     free(hdr);
+    hdr = cli_read_file(output, "north.error.hdr");
+    assert_non_null(hdr);
+    assert_memory_equal(hdr, "#?RADIANCE\n", 11);
+    free(hdr);
 }
 
 /* The same document gives the same numbers here and there: one code path. */

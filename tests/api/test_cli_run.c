@@ -296,6 +296,8 @@ static void test_threads_change_no_byte(void **state)
     assert_true(json_equal(json_object_get(a, "sensors"), json_object_get(b, "sensors")));
     assert_same_bytes(f->output, other, "north.hdr");
     assert_same_bytes(f->output, other, "north.png");
+    assert_same_bytes(f->output, other, "north.error.hdr");
+    assert_same_bytes(f->output, other, "north.error.png");
     json_decref(a);
     json_decref(b);
 }

@@ -73,12 +73,10 @@ static void count_maps(struct daemon *daemon, size_t *ret_maps, double *ret_hits
 
 /* ---- One job at a time ---------------------------------------------------------------------- */
 
-static void check_images(struct daemon *daemon, const char *job)
+static void check_hdr(struct daemon *daemon, const char *path)
 {
-    static const unsigned char png[] = {0x89, 'P', 'N', 'G'};
     struct reply reply;
-    char path[160], header[200];
-    snprintf(path, sizeof path, "%s/files/a.hdr", job);
+    char header[200];
     daemon_get(daemon, path, &reply);
     assert_int_equal(reply.status, 200);
     assert_int_equal(strncmp(reply.body, "#?RADIANCE\n", 11), 0);
@@ -89,12 +87,31 @@ static void check_images(struct daemon *daemon, const char *job)
     daemon_request(daemon, "GET", path, NULL, NULL, 0, header, &reply);
     assert_int_equal(reply.status, 304);
     reply_done(&reply);
-    snprintf(path, sizeof path, "%s/files/a.png", job);
+}
+
+static void check_png(struct daemon *daemon, const char *path)
+{
+    static const unsigned char png[] = {0x89, 'P', 'N', 'G'};
+    struct reply reply;
     daemon_get(daemon, path, &reply);
     assert_int_equal(reply.status, 200);
     assert_string_equal(reply_header(&reply, "Content-Type"), "image/png");
     assert_memory_equal(reply.body, png, sizeof png);
     reply_done(&reply);
+}
+
+/* The picture and its error map. */
+static void check_images(struct daemon *daemon, const char *job)
+{
+    static const char *const stems[] = {"a", "a.error"};
+    struct reply reply;
+    char path[160];
+    for (int i = 0; i < 2; i++) {
+        snprintf(path, sizeof path, "%s/files/%s.hdr", job, stems[i]);
+        check_hdr(daemon, path);
+        snprintf(path, sizeof path, "%s/files/%s.png", job, stems[i]);
+        check_png(daemon, path);
+    }
     snprintf(path, sizeof path, "%s/files/b.hdr", job);
     daemon_get(daemon, path, &reply);
     assert_int_equal(reply.status, 404);
@@ -114,6 +131,8 @@ static void check_result(struct daemon *daemon, const char *job)
     const double far = reply_number(&reply, "sensors.1.illuminance_lx");
     assert_true(near > far && far > 10 && near < 100000);
     assert_string_equal(reply_text(&reply, "views.0.hdr"), "a.hdr");
+    assert_string_equal(reply_text(&reply, "views.0.error_hdr"), "a.error.hdr");
+    assert_string_equal(reply_text(&reply, "views.0.error_png"), "a.error.png");
     assert_true(reply_number(&reply, "timings_s.total") > 0);
     assert_string_equal(reply_text(&reply, "plan.technique"), "gather");
     assert_int_equal(json_array_size(reply_at(&reply, "plan.effects")), ORL_EFFECT_COUNT);
@@ -131,7 +150,7 @@ static void test_life_of_a_job(void **state)
     assert_true(reply_number(&reply, "attempts") == 1);
     assert_string_equal(reply_text(&reply, "scene"), f->scene);
     assert_true(strlen(reply_text(&reply, "finished")) > 0);
-    assert_int_equal(json_array_size(reply_at(&reply, "links.files")), 3);
+    assert_int_equal(json_array_size(reply_at(&reply, "links.files")), 5);
     assert_true(json_is_false(reply_at(&reply, "maps.0.cached")));
     assert_string_equal(reply_text(&reply, "maps.0.kind"), "global");
     assert_string_equal(reply_text(&reply, "technique"), "gather");

@@ -4,7 +4,8 @@
  * after ORIEL_CALIBRATION: _SEEDS (of coverage, 30), _GOAL_SEEDS (10), _DEADLINE_SEEDS (1),
  * _NEXT_SEEDS (10 jobs), _PHOTONS (of maps), _BACKWARD_SAMPLES, _GATHER_SAMPLES (of a sensor),
  * _REFERENCE_RUNS, _REFERENCE_SAMPLES, _WIDTH (of views), _PIXEL_SAMPLES, _PIXEL_RUNS, _ERRORS
- * ("0.10 0.05 0.02"), _DEADLINES ("5 15 60", seconds), _THREADS.
+ * ("0.10 0.05 0.02"), _DEADLINES ("5 15 60", seconds), _THREADS, _CPU=1 (seconds of the processor,
+ * all threads together, but for deadlines: for busy machines).
  */
 #include "bench/calibration.h"
 
@@ -76,6 +77,7 @@ static void read_knobs(struct calibration_knobs *k)
     k->deadlines_s = numbers("ORIEL_CALIBRATION_DEADLINES", &deadlines_s);
     k->threads =
         (uint32_t)bench_number("ORIEL_CALIBRATION_THREADS", cores > 1 ? (uint64_t)cores : 1);
+    k->by_cpu = bench_number("ORIEL_CALIBRATION_CPU", 0) != 0;
     if (k->seeds < 2 || k->reference_runs < 2 || k->pixel_runs < 2 || k->width < 8)
         bench_fail("ORIEL_CALIBRATION: _SEEDS and runs start at 2, _WIDTH at 8", NULL);
 }

@@ -33,6 +33,7 @@ struct calibration_knobs {
     uint32_t width, pixel_samples, pixel_runs; /* of the views; runs of their reference */
     struct calibration_list errors, deadlines_s;
     uint32_t threads;
+    bool by_cpu; /* seconds are the processor's, but for deadlines */
 };
 
 struct calibration_scene {
