@@ -144,7 +144,8 @@ struct orl_rgb orl_gather_direct(const struct orl_gather *gather, const struct o
  * density. In mid-air, where no photon lands, it takes the sun by points on the BSDF panes and by
  * the sun's images in flat mirrors; caustics of lamps, of curved mirrors and of dielectrics are
  * left out there. The standard error is that of the photons, by their batches, and of the rays, by
- * 16 groups of them; that of the densities' bias estimates is not in it.
+ * a few groups of them; what single rays see of the photons' scatter is in both, so that it is
+ * on the high side where rays are fewer than leaves.
  */
 struct orl_estimate orl_gather_sensor(const struct orl_gather *gather, struct orl_vec3 position,
                                       struct orl_vec3 direction, uint32_t samples, uint64_t index,
