@@ -3,9 +3,10 @@
 #include <stdlib.h>
 
 #include "render/icache.h"
+#include "render/pixel.h"
 #include "render/shade.h"
 
-enum { RAYS_A_SIDE = 2, LAMP_RAYS = 4 };
+enum { LAMP_RAYS = 4 };
 enum { PANE_SAMPLES = 32, GLOSS_SAMPLES = 4 };
 static const double dimmest = 0.004; /* branches below this share of the pixel are not followed */
 enum { HEMISPHERE_ROWS = 18, HEMISPHERE_COLUMNS = 56 };
@@ -210,13 +211,18 @@ struct estimate {
     struct orl_density density;
 };
 
+/* The last two estimates: rays on an edge go to and fro between two surfaces. */
+struct estimates {
+    struct estimate last, before;
+};
+
 /*
- * What the rays of one pixel share: a sequence for shadow rays, and the last estimates, for they
- * mostly meet within a fraction of the radius.
+ * What the rays of one pixel share: a sequence for shadow rays, and estimates, for they mostly meet
+ * within a fraction of the radius.
  */
 struct memo {
     uint32_t sequence;
-    struct estimate caustic, rest;
+    struct estimates caustic, rest;
 };
 
 static bool serves(const struct estimate *e, const struct orl_vertex *v)
@@ -227,32 +233,38 @@ static bool serves(const struct estimate *e, const struct orl_vertex *v)
            orl_dot(e->normal, v->place.normal) > 0.999;
 }
 
+/* Whether one of two estimates serves, which is then the last; else there is room for another. */
+static bool recalls(struct estimates *e, const struct orl_vertex *v)
+{
+    const struct estimate last = e->last;
+    if (serves(&e->last, v))
+        return true;
+    const bool found = serves(&e->before, v);
+    e->last = e->before;
+    e->before = last;
+    return found;
+}
+
 /* Caustics and, but for the final gather, the rest: what photons say at a vertex. */
 static void read_maps(const struct painter *p, const struct orl_vertex *v, struct memo *memo,
                       struct orl_search *search)
 {
-    const bool caustic = !serves(&memo->caustic, v);
-    const bool rest = p->gather->rest != ORL_REST_GATHERED && !serves(&memo->rest, v);
+    const bool caustic = !recalls(&memo->caustic, v);
+    const bool rest = p->gather->rest != ORL_REST_GATHERED && !recalls(&memo->rest, v);
     const struct estimate none = {.point = v->on_surface, .normal = v->place.normal};
     struct orl_footing footing;
     if (!caustic && !rest)
         return;
     const bool found = orl_gather_footing(p->gather, v->on_surface, v->place.normal, &footing);
     if (caustic)
-        memo->caustic = none;
+        memo->caustic.last = none;
     if (rest)
-        memo->rest = none;
+        memo->rest.last = none;
     if (caustic && found)
-        memo->caustic.density = orl_gather_caustic(p->gather, &footing, search);
+        memo->caustic.last.density = orl_gather_caustic(p->gather, &footing, search);
     if (rest && found)
-        memo->rest.density = orl_gather_rest(p->gather, &footing, search);
+        memo->rest.last.density = orl_gather_rest(p->gather, &footing, search);
 }
-
-/* Radiance, and the standard errors of its luma by the photons' two ways. */
-struct shade {
-    struct orl_rgb radiance;
-    double rest_error, caustic_error;
-};
 
 /* The rest at a vertex, by whichever way serves. */
 static struct orl_cached rest_at(const struct painter *p, const struct orl_vertex *v,
@@ -260,7 +272,7 @@ static struct orl_cached rest_at(const struct painter *p, const struct orl_verte
                                  struct orl_search *search)
 {
     struct orl_cached cached;
-    const struct orl_density *read = &memo->rest.density;
+    const struct orl_density *read = &memo->rest.last.density;
     if (!is_gathered(p, v) && read->found > 0)
         return (struct orl_cached){read->irradiance, read->standard_error};
     if (orl_icache_lookup(&p->cache, &v->place, &cached))
@@ -270,18 +282,18 @@ static struct orl_cached rest_at(const struct painter *p, const struct orl_verte
     return (struct orl_cached){h.irradiance, h.standard_error};
 }
 
-static struct shade vertex_shade(const struct painter *p, const struct orl_vertex *v,
-                                 struct memo *memo, uint32_t ray, struct orl_random *random,
-                                 struct orl_search *search)
+static struct orl_shade vertex_shade(const struct painter *p, const struct orl_vertex *v,
+                                     struct memo *memo, uint32_t ray, struct orl_random *random,
+                                     struct orl_search *search)
 {
     const double weight = orl_luma(v->weight);
-    struct shade shade = {.radiance = {0, 0, 0}};
+    struct orl_shade shade = {.radiance = {0, 0, 0}};
     struct orl_rgb sum = orl_gather_direct(p->gather, &v->place, memo->sequence,
                                            ray * p->shadow_rays, p->shadow_rays);
     if (!v->place.outside) {
         read_maps(p, v, memo, search);
-        sum = orl_rgb_add(sum, memo->caustic.density.irradiance);
-        shade.caustic_error = weight * memo->caustic.density.standard_error;
+        sum = orl_rgb_add(sum, memo->caustic.last.density.irradiance);
+        shade.caustic_error = weight * memo->caustic.last.density.standard_error;
     }
     const struct orl_cached rest = rest_at(p, v, memo, random, search);
     shade.rest_error = weight * rest.standard_error;
@@ -290,13 +302,13 @@ static struct shade vertex_shade(const struct painter *p, const struct orl_verte
 }
 
 /* What a ray of a pixel sees: all its vertices, and what is not diffuse. */
-static struct shade sight_shade(const struct painter *p, const struct orl_sight *sight,
-                                struct memo *memo, uint32_t ray, struct orl_random *random,
-                                struct orl_search *search)
+static struct orl_shade sight_shade(const struct painter *p, const struct orl_sight *sight,
+                                    struct memo *memo, uint32_t ray, struct orl_random *random,
+                                    struct orl_search *search)
 {
-    struct shade sum = {.radiance = orl_health_keep(&search->health, sight->rest)};
+    struct orl_shade sum = {.radiance = orl_health_keep(&search->health, sight->rest)};
     for (uint32_t v = 0; v < sight->n_vertices; v++) {
-        const struct shade s = vertex_shade(p, &sight->vertices[v], memo, ray, random, search);
+        const struct orl_shade s = vertex_shade(p, &sight->vertices[v], memo, ray, random, search);
         sum.radiance = orl_rgb_add(sum.radiance, orl_health_keep(&search->health, s.radiance));
         sum.rest_error += s.rest_error;
         sum.caustic_error += s.caustic_error;
@@ -304,60 +316,30 @@ static struct shade sight_shade(const struct painter *p, const struct orl_sight 
     return sum;
 }
 
-/* What is known of a pixel when some of its rays are in. */
-struct tally {
-    struct orl_rgb sum;
-    double squares, rest_error, caustic_error; /* sums */
-    uint32_t rays;
-};
-
-static void add_shade(struct tally *tally, const struct shade *shade)
-{
-    const double luma = orl_luma(shade->radiance);
-    tally->sum = orl_rgb_add(tally->sum, shade->radiance);
-    tally->squares += luma * luma;
-    tally->rest_error += shade->rest_error;
-    tally->caustic_error += shade->caustic_error;
-    tally->rays++;
-}
-
-/*
- * The mean of the rays. Photons err alike on all of them, the two ways by chances of their own; on
- * top of that comes how far rays lie apart: noise of shadow rays and of lobes, and edges that a few
- * rays may miss.
- */
-static struct orl_pixel settle(const struct tally *tally)
-{
-    const double n = tally->rays, mean = orl_luma(tally->sum) / n;
-    const double spread = tally->rays > 1 ? fmax(tally->squares / n - mean * mean, 0) / (n - 1) : 0;
-    const double rest = tally->rest_error / n, caustic = tally->caustic_error / n;
-    return (struct orl_pixel){orl_rgb_scale(tally->sum, 1 / n),
-                              sqrt(spread + rest * rest + caustic * caustic)};
-}
-
 static struct orl_pixel compute_pixel(void *ctx, uint32_t x, uint32_t y, struct orl_search *search)
 {
     const struct painter *p = ctx;
     const uint64_t pixel = (uint64_t)y * p->painting->film->width + x;
-    struct tally tally = {.rays = 0};
+    struct orl_pixel_rays tally = {.rays = 0};
     struct memo memo = {
         .sequence = (uint32_t)orl_mix64(p->gather->seed * 5 + p->painting->env->index * 7 + pixel)};
-    for (uint32_t i = 0; i < RAYS_A_SIDE * RAYS_A_SIDE; i++) {
-        struct orl_random random = orl_random_stream(seed_of(p), ORL_PURPOSE_PIXEL, pixel * 16 + i);
-        /* Not jittered: beside a sky hundreds of times brighter, chance coverage frays an edge. */
-        const uint32_t column = i % RAYS_A_SIDE, row = i / RAYS_A_SIDE;
-        const double dx = (column + 0.5) / RAYS_A_SIDE, dy = (row + 0.5) / RAYS_A_SIDE;
+    for (uint32_t i = 0;
+         i < ORL_PIXEL_FIRST_RAYS || (i < ORL_PIXEL_RAYS && orl_pixel_is_uneven(&tally)); i++) {
+        struct orl_random random =
+            orl_random_stream(seed_of(p), ORL_PURPOSE_PIXEL, pixel * ORL_PIXEL_RAYS + i);
         struct orl_vec3 origin, direction;
         struct orl_sight sight;
-        struct shade shade = {.radiance = {0, 0, 0}};
+        struct orl_shade shade = {.radiance = {0, 0, 0}};
+        double dx, dy;
+        orl_pixel_place(i, &dx, &dy);
         if (orl_paint_ray(p->painting, x + dx, y + dy, &origin, &direction)) {
             orl_shade_look(&p->onlooker, origin, direction, p->outside, false, &random, search,
                            &sight);
             shade = sight_shade(p, &sight, &memo, i, &random, search);
         }
-        add_shade(&tally, &shade);
+        orl_pixel_add(&tally, &shade);
     }
-    return settle(&tally);
+    return orl_pixel_settle(&tally);
 }
 
 static struct orl_rgb lobe_radiance(const void *ctx, struct orl_vec3 origin,
