@@ -212,7 +212,7 @@ static int draw_legend(const struct orl_film *film, const struct layout *layout,
     cairo_set_font_size(cairo, 10);
     cairo_set_source_rgb(cairo, 0.1, 0.1, 0.1);
     cairo_move_to(cairo, 12, 13);
-    cairo_show_text(cairo, "Standard error, % of the pixel:");
+    cairo_show_text(cairo, "Standard error, % of the pixel's luminance:");
     cairo_move_to(cairo, 12, 26);
     cairo_show_text(cairo, text);
     draw_scale(cairo, 12, right, 32);
