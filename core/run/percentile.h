@@ -4,8 +4,8 @@
  * of deviation s_i.
  *
  * The percentile itself is by chance: which of 57 sensors come out badly differs from seed to seed.
- * What is returned is therefore not its mean but a bound that holds with a probability of nine in
- * ten: the least x at which the number of errors beyond x, a sum of independent trials
+ * What is returned is therefore not its mean but a bound that holds with a probability of
+ * 0.95: the least x at which the number of errors beyond x, a sum of independent trials
  * (Poisson's binomial), is at most the number that the share allows, with that probability. The
  * sum's quantile is Cornish and Fisher's, with skewness.
  *

@@ -70,6 +70,10 @@ static void fill_job(const struct scene_run *run, char **names, struct orl_view_
     job->photons_caustic = run->caustic;
     job->gather_samples = run->samples;
     job->pixel_samples = run->pixel_samples;
+    if (run->goal.relative_error > 0 || run->goal.deadline_s > 0) {
+        job->goal = run->goal;
+        job->photons_global = job->photons_caustic = ORL_PHOTONS_BY_PLAN;
+    }
     if (run->wishes)
         memcpy(job->wishes, run->wishes, sizeof job->wishes);
     if (run->sky)
@@ -108,7 +112,9 @@ static int run_job(const struct scene_run *run, struct orl_result *ret_result,
                                     .store = &store,
                                     .output_folder = output,
                                     .cancel = &cancel,
-                                    .now_s = now_s};
+                                    .now_s = run->now_s ? run->now_s : now_s,
+                                    .round_ready = run->round_ready,
+                                    .ctx = run->ctx};
     assert_non_null(env.crew);
     const int code = orl_run(&job, &env, ret_result, err);
     orl_crew_stop(env.crew);

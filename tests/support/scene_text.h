@@ -30,6 +30,11 @@ struct scene_run {
     uint32_t samples, threads;   /* 0: Oriel's default; 1 */
     uint32_t pixel_samples;      /* 0: Oriel's default */
     const char *folder;          /* where maps and images stay; NULL: nowhere */
+    struct orl_goal goal;        /* set: instead of photons and samples */
+    /* NULL: the machine's clock; no one is told. Both get ctx. */
+    double (*now_s)(void *ctx);
+    void (*round_ready)(void *ctx, const struct orl_result *result);
+    void *ctx;
 };
 
 /* For runs that look at photon maps, whether or not a plan would make them: forces what photons are

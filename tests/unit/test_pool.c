@@ -1,0 +1,278 @@
+/* What rounds find, put together; the error that a share keeps to; the schedule and what it costs.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <math.h>
+#include <stdlib.h>
+
+#include "base/random.h"
+#include "run/cost.h"
+#include "run/pool.h"
+
+/* Normal, by Box and Muller. */
+static double normal(struct orl_random *random)
+{
+    const double u = 1 - orl_random_uniform(random), v = orl_random_uniform(random);
+    return sqrt(-2 * log(u)) * cos(2 * ORL_PI * v);
+}
+
+static void assert_near(double value, double expected, double relative)
+{
+    if (!(fabs(value - expected) <= relative * fabs(expected)))
+        fail_msg("%.10g is not %.10g", value, expected);
+}
+
+static struct orl_random numbers(uint64_t index)
+{
+    return orl_random_stream(5, ORL_PURPOSE_BENCH, index);
+}
+
+/* ---- Pools ----------------------------------------------------------------------------------- */
+
+static void test_weighted_means(void **state)
+{
+    static const double first[2] = {1, 10}, second[2] = {5, 10}, errors[2][2] = {{3, 1}, {1, 1}};
+    static const double biases[2][2] = {{2, 0}, {1, 0}};
+    struct orl_pool pool;
+    double ret[2];
+    (void)state;
+    assert_int_equal(orl_pool_init(&pool, 2, NULL), 0);
+    assert_false(orl_pool_errors(&pool, 0, ret));
+    orl_pool_add(&pool, &(struct orl_found){first, errors[0], biases[0], 15, 1});
+    assert_true(orl_pool_errors(&pool, 0, ret));
+    assert_near(ret[0], 3, 1e-15);
+    orl_pool_add(&pool, &(struct orl_found){second, errors[1], biases[1], 15, 3});
+    assert_near(pool.mean[0], 4, 1e-15);
+    assert_near(pool.bias[0], 1.25, 1e-15);
+    assert_true(orl_pool_errors(&pool, 0, ret));
+    assert_near(ret[0], sqrt(1 * 9 + 9 * 1) / 4, 1e-15);
+    assert_near(ret[1], sqrt(1 * 1 + 9 * 1) / 4, 1e-15);
+    /* Welch: (1 + 3)^2 / (1 / 15 + 9 / 15). */
+    assert_near(orl_pool_degrees(&pool), 16 * 15 / 10.0, 1e-15);
+    orl_pool_done(&pool);
+}
+
+enum { VALUES = 4000 };
+
+/* Rounds of normal errors whose variance is as the inverse of effort, told as factor of it. */
+static void fill(struct orl_pool *pool, const double *efforts, int rounds, double factor)
+{
+    double *value = malloc(VALUES * sizeof *value), *error = malloc(VALUES * sizeof *error);
+    assert_true(value && error && orl_pool_init(pool, VALUES, NULL) == 0);
+    for (int r = 0; r < rounds; r++) {
+        struct orl_random random = numbers((uint64_t)r);
+        for (int i = 0; i < VALUES; i++) {
+            const double deviation = (1 + i % 4) / sqrt(efforts[r]);
+            value[i] = 100 * (1 + i % 4) + deviation * normal(&random);
+            error[i] = factor * deviation;
+        }
+        orl_pool_add(pool,
+                     &(struct orl_found){value, factor > 0 ? error : NULL, NULL, 15, efforts[r]});
+    }
+    free(value);
+    free(error);
+}
+
+/* Mean of (what is told / what it is)^2. */
+static double ratio(const struct orl_pool *pool)
+{
+    double *errors = malloc(VALUES * sizeof *errors), sum = 0;
+    assert_true(orl_pool_errors(pool, 1e-3, errors));
+    for (int i = 0; i < VALUES; i++)
+        sum += errors[i] * errors[i] * pool->effort / ((1 + i % 4) * (1 + i % 4)) / VALUES;
+    free(errors);
+    return sum;
+}
+
+/*
+ * From the spread alone, with two rounds: variances of 4000 values with one degree of freedom each
+ * have a mean that scatters by sqrt(2 / 4000) = 2.2 %; the bound is three of that. Drawn together
+ * as they are, single ones are within the factor 3 that 4 degrees of freedom allow.
+ */
+static void test_errors_from_the_spread(void **state)
+{
+    static const double efforts[2] = {1, 7};
+    struct orl_pool pool;
+    double errors[VALUES];
+    (void)state;
+    fill(&pool, efforts, 2, 0);
+    assert_near(ratio(&pool), 1, 0.067);
+    assert_near(orl_pool_degrees(&pool), 5, 1e-15);
+    orl_pool_errors(&pool, 1e-3, errors);
+    for (int i = 0; i < VALUES; i++)
+        assert_true(errors[i] > 0.85 * (1 + i % 4) / sqrt(8));
+    orl_pool_done(&pool);
+}
+
+/* The dispersion of 3 x 4000 squares scatters by sqrt(2 / 12000) = 1.3 %; bounds are three of it.
+ */
+static void test_rounds_that_tell_too_little(void **state)
+{
+    static const double efforts[4] = {1, 2, 4, 2};
+    struct orl_pool honest, boastful;
+    (void)state;
+    fill(&honest, efforts, 4, 1);
+    assert_near(orl_pool_dispersion(&honest), 1, 0.04);
+    assert_near(ratio(&honest), 1, 1e-12);
+    fill(&boastful, efforts, 4, 0.5);
+    assert_near(orl_pool_dispersion(&boastful), 4, 0.04);
+    assert_near(ratio(&boastful), 1, 0.04);
+    orl_pool_done(&honest);
+    orl_pool_done(&boastful);
+}
+
+/* ---- Percentiles ----------------------------------------------------------------------------- */
+
+enum { SENSORS = 57 };
+
+/* Probability that at most two of 57 trials come to pass. */
+static double at_most_two(double p)
+{
+    const double n = SENSORS, q = 1 - p;
+    return pow(q, n) + n * p * pow(q, n - 1) + n * (n - 1) / 2 * p * p * pow(q, n - 2);
+}
+
+/* All alike: the binomial distribution tells exactly how many normal errors are beyond. */
+static void test_even_errors(void **state)
+{
+    double value[SENSORS], error[SENSORS], low = 0, high = 1;
+    (void)state;
+    for (int i = 0; i < SENSORS; i++) {
+        value[i] = 50;
+        error[i] = 1;
+    }
+    const struct orl_estimates estimates = {value, error, NULL, SENSORS, 1e-3};
+    for (int i = 0; i < 60; i++) {
+        const double middle = 0.5 * (low + high);
+        *(at_most_two(middle) > 0.95 ? &low : &high) = middle;
+    }
+    const double x = orl_percentile_error(&estimates, 0.95);
+    /* 1 % of x is 5 % of p, which is what Cornish and Fisher leave at so few. */
+    assert_near(erfc(x * 50 / sqrt(2)), low, 0.06);
+    assert_near(orl_percentile_work(&estimates, 0.95, x / 2), 4, 1e-9);
+    assert_near(orl_percentile_work(&estimates, 0.95, 2 * x), 1, 1e-15);
+}
+
+/*
+ * Uneven ones, drawn 20000 times: the share of draws whose 55th error of 57 is within the bound is
+ * 0.95; of so many it scatters by 0.002, and the discrete sum allows for 0.02.
+ */
+static void test_uneven_errors_and_biases(void **state)
+{
+    double value[SENSORS], error[SENSORS], bias[SENSORS];
+    struct orl_random random = numbers(99);
+    int within = 0;
+    (void)state;
+    for (int i = 0; i < SENSORS; i++) {
+        value[i] = 100;
+        error[i] = 1 + 0.1 * i;
+        bias[i] = i % 3 - 1;
+    }
+    const struct orl_estimates estimates = {value, error, bias, SENSORS, 1e-3};
+    const double x = 100 * orl_percentile_error(&estimates, 0.95);
+    for (int draw = 0; draw < 20000; draw++) {
+        int beyond = 0;
+        for (int i = 0; i < SENSORS; i++)
+            beyond += fabs(bias[i] + error[i] * normal(&random)) > x;
+        within += beyond <= 2;
+    }
+    assert_near(within / 20000.0, 0.95, 0.02);
+    /* Half the error takes more than four times the work where some of it is bias. */
+    assert_true(orl_percentile_work(&estimates, 0.95, x / 200) > 4);
+}
+
+static void test_what_is_not_known_and_dark(void **state)
+{
+    double value[4] = {100, 100, 100, 0}, error[4] = {1, 1, 1, 0.2};
+    struct orl_estimates estimates = {value, error, NULL, 4, 1e-3};
+    (void)state;
+    /* The dark one is divided by 0.1 % of 75: it is off by more than its share. */
+    assert_true(orl_percentile_error(&estimates, 1) > 1);
+    assert_true(orl_percentile_error(&estimates, 0.75) < 0.05);
+    error[0] = NAN;
+    assert_true(isnan(orl_percentile_error(&estimates, 0.95)));
+    for (int i = 0; i < 4; i++)
+        value[i] = error[i] = 0;
+    assert_true(orl_percentile_error(&estimates, 0.95) == 0);
+}
+
+/* ---- Schedules ------------------------------------------------------------------------------- */
+
+static void test_schedule(void **state)
+{
+    const struct orl_work work = {ORL_TECHNIQUE_GATHER, false, {2000000, 0}, 256, 16384};
+    (void)state;
+    assert_true(orl_work_next(&work, 0, 0) == 256);
+    assert_true(orl_work_next(&work, 256, 300) == 512);   /* twice the least */
+    assert_true(orl_work_next(&work, 256, 1000) == 848);  /* 1.1 x 1000 - 256, of 16 */
+    assert_true(orl_work_next(&work, 256, 1e6) == 2048);  /* 8 x 256 */
+    assert_true(orl_work_next(&work, 1e5, 1e9) == 16384); /* the most */
+    assert_true(orl_work_photons(&work, ORL_MAP_GLOBAL, 4096) == 2000000);
+    assert_true(orl_work_photons(&work, ORL_MAP_CAUSTIC, 4096) == 0);
+}
+
+/* Lamps as the planner has them up to 2048 samples, then in step; effort falls short by them. */
+static void test_lamps(void **state)
+{
+    const struct orl_work work = {ORL_TECHNIQUE_BACKWARD, false, {204800, 0}, 256, 40960};
+    (void)state;
+    assert_true(orl_work_photons(&work, ORL_MAP_GLOBAL, 256) == 204800);
+    assert_true(orl_work_photons(&work, ORL_MAP_GLOBAL, 8192) == 819200);
+    assert_near(orl_work_effort(&work, 256), 1 / (1 / 256.0 + 90 / 204800.0), 1e-12);
+    assert_near(orl_work_effort(&work, 8192), 1 / (1 / 8192.0 + 90 / 819200.0), 1e-12);
+}
+
+/* Kernels of rounds alike: by all photons to the power -1/3; of one large round, 2/3 of its own. */
+static void test_bandwidths(void **state)
+{
+    double first[ORL_MAP_KINDS], eighth[ORL_MAP_KINDS], large[ORL_MAP_KINDS];
+    (void)state;
+    orl_work_bandwidths(4096, 0, first);
+    orl_work_bandwidths(4096, 7 * 4096, eighth);
+    orl_work_bandwidths(8 * 4096, 0, large);
+    assert_near(first[ORL_MAP_CAUSTIC], 1, 1e-12);
+    assert_near(first[ORL_MAP_GLOBAL], 1, 1e-12);
+    assert_near(eighth[ORL_MAP_CAUSTIC], 0.5, 1e-12);
+    assert_near(eighth[ORL_MAP_GLOBAL], 0.5, 1e-12);
+    assert_near(large[ORL_MAP_CAUSTIC], 4, 1e-12);
+}
+
+/* Seconds of a schedule written out: rounds of 256, 2048 and what 1.1 x 4000 leaves, 2096. */
+static void test_seconds(void **state)
+{
+    const struct orl_work work = {ORL_TECHNIQUE_GATHER, false, {4096, 4096}, 256, 16384};
+    const struct orl_pace pace = {.before_s = 2,
+                                  .photons = 1000,
+                                  .photon_s = 1, /* 1 ms each, two a sample */
+                                  .samples = 500,
+                                  .render_s = 1, /* 2 ms each */
+                                  .effort = 500,
+                                  .rounds = 2,
+                                  .beside_s = 1};
+    (void)state;
+    assert_near(orl_pace_round_s(&pace, &work, 256), 0.5 + 0.004 * 256, 1e-12);
+    assert_near(orl_pace_run_s(&pace, &work, 4000), 2 + 3 * 0.5 + 0.004 * (256 + 2048 + 2096),
+                1e-12);
+    assert_near(orl_pace_samples(&pace, &work, 4.5, 1e9), 1000, 0.016);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_weighted_means),
+        cmocka_unit_test(test_errors_from_the_spread),
+        cmocka_unit_test(test_rounds_that_tell_too_little),
+        cmocka_unit_test(test_even_errors),
+        cmocka_unit_test(test_uneven_errors_and_biases),
+        cmocka_unit_test(test_what_is_not_known_and_dark),
+        cmocka_unit_test(test_schedule),
+        cmocka_unit_test(test_lamps),
+        cmocka_unit_test(test_bandwidths),
+        cmocka_unit_test(test_seconds),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
