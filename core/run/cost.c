@@ -1,6 +1,7 @@
 #include "run/cost.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 
 #include <oriel/limits.h>
 
@@ -41,10 +42,10 @@ struct orl_work orl_work_of(const struct orl_run_state *state)
     return work;
 }
 
-/* How many times the planner's lamps. */
+/* How many times the planner's lamps; less than once only to fill the end of a deadline. */
 static double more_lamps(double samples)
 {
-    return fmax(1, samples / lamps_samples);
+    return samples < least_samples ? samples / least_samples : fmax(1, samples / lamps_samples);
 }
 
 uint64_t orl_work_photons(const struct orl_work *work, int kind, double samples)
@@ -67,7 +68,7 @@ double orl_work_effort(const struct orl_work *work, double samples)
     return 1 / (1 / samples + lamps_noise / more_lamps(samples));
 }
 
-/* The other way round. */
+/* The other way round, from the effort of a round of the least samples on. */
 static double samples_for(const struct orl_work *work, double effort)
 {
     const double few = orl_work_effort(work, lamps_samples);
@@ -246,6 +247,50 @@ static double seconds_of_photons(const struct orl_result *result)
     return seconds;
 }
 
+void orl_run_look(struct orl_run_state *state, size_t index, const struct orl_film *film)
+{
+    enum { MOST_PIXELS = 4096 };
+    const size_t all = (size_t)film->width * film->height;
+    const size_t step = (all + MOST_PIXELS - 1) / MOST_PIXELS, count = (all + step - 1) / step;
+    if (!state->looks)
+        state->looks = calloc(state->job->n_views, sizeof *state->looks);
+    double *values = state->looks ? malloc(2 * count * sizeof *values) : NULL;
+    if (!values)
+        return;
+    for (size_t i = 0; i < count; i++) {
+        const float *p = film->pixels[i * step];
+        values[i] = orl_luma((struct orl_rgb){p[0], p[1], p[2]});
+        values[count + i] = film->errors[i * step];
+    }
+    state->looks[index] = (struct orl_estimates){
+        .value = values, .error = values + count, .count = count, .floor = orl_floor_of_pixels};
+}
+
+void orl_run_forget_looks(struct orl_run_state *state)
+{
+    for (size_t i = 0; state->looks && i < state->job->n_views; i++)
+        free((double *)(uintptr_t)state->looks[i].value);
+    free(state->looks);
+    state->looks = NULL;
+}
+
+/* Sensors and views that have been found; how many. */
+static size_t list_parts(const struct orl_run_state *state, struct orl_estimates *ret_parts)
+{
+    const struct orl_result *result = state->result;
+    size_t n = 0;
+    if (result->n_sensors > 0)
+        ret_parts[n++] = (struct orl_estimates){.value = result->illuminance_lx,
+                                                .error = result->standard_error_lx,
+                                                .bias = result->bias_estimate_lx,
+                                                .count = result->n_sensors,
+                                                .floor = orl_floor_of_sensors};
+    for (size_t i = 0; state->looks && i < state->job->n_views; i++)
+        if (state->looks[i].count > 0)
+            ret_parts[n++] = state->looks[i];
+    return n;
+}
+
 void orl_run_cost(struct orl_run_state *state)
 {
     const struct orl_result *result = state->result;
@@ -264,12 +309,8 @@ void orl_run_cost(struct orl_run_state *state)
                                   .effort = effort_of(&work, samples, photons),
                                   .render_s = result->timings_s[ORL_STAGE_RENDER],
                                   .rounds = 1};
-    const struct orl_estimates sensors = {.value = result->illuminance_lx,
-                                          .error = result->standard_error_lx,
-                                          .bias = result->bias_estimate_lx,
-                                          .count = result->n_sensors,
-                                          .floor = orl_floor_of_sensors};
-    const struct orl_parts parts = {&sensors, result->standard_error_lx && result->n_sensors > 0,
-                                    0.95};
+    struct orl_estimates *estimates = calloc(state->job->n_views + 1, sizeof *estimates);
+    const struct orl_parts parts = {estimates, estimates ? list_parts(state, estimates) : 0, 0.95};
     orl_run_predict(state, &pace, &work, &parts);
+    free(estimates);
 }

@@ -71,7 +71,12 @@ double orl_parts_work(const struct orl_parts *parts, double target); /* orl_perc
 void orl_run_predict(struct orl_run_state *state, const struct orl_pace *pace,
                      const struct orl_work *work, const struct orl_parts *parts);
 
-/* The cost of a job that went in one piece. */
+/*
+ * The cost of a job that went in one piece. Of its views, some thousand pixels are taken note of as
+ * each is finished; a view that there is no memory for is missing from the error.
+ */
+void orl_run_look(struct orl_run_state *state, size_t index, const struct orl_film *film);
 void orl_run_cost(struct orl_run_state *state);
+void orl_run_forget_looks(struct orl_run_state *state);
 
 #endif

@@ -12,6 +12,8 @@
 static const double fill = 0.7, last_fill = 0.93, deadline_growth = 8;
 /* Less than this share of the deadline is not worth a round; so much over it is still kept. */
 static const double crumbs = 0.04, tolerance = 0.1;
+/* Its smallest rounds of sensors are so much smaller than others: they fill the end. */
+static const double short_round = 0.25;
 /* Work is given up when this much more than what is allowed would be needed. */
 static const double hopeless = 2;
 
@@ -65,6 +67,8 @@ static int rounds_init(struct rounds *r, struct orl_run_state *state, struct orl
     int code = 0;
     *r = (struct rounds){.state = state, .n_parts = sensors + views, .error = NAN};
     r->work = orl_work_of(state);
+    if (state->job->goal.deadline_s > 0 && !r->work.of_views)
+        r->work.least *= short_round;
     r->pace.before_s = now_s(r) - state->started_s;
     r->parts = calloc(r->n_parts + 1, sizeof *r->parts);
     r->estimates = calloc(r->n_parts + 1, sizeof *r->estimates);
@@ -385,12 +389,13 @@ static int settle(struct rounds *r, struct orl_error *err)
     struct orl_run_state *state = r->state;
     struct orl_result *result = state->result;
     const struct orl_parts parts = {r->estimates, r->n_parts, state->job->goal.at};
+    const struct orl_work usual = orl_work_of(state);
     const double started = now_s(r);
     judge(r);
     r->error = orl_parts_error(&parts);
     result->outcome.rounds = r->count;
     result->outcome.achieved = r->error;
-    orl_run_predict(state, &r->pace, &r->work, &parts);
+    orl_run_predict(state, &r->pace, &usual, &parts);
     const int code = show(r, err);
     r->pace.beside_s += now_s(r) - started;
     if (state->job->goal.deadline_s > 0)

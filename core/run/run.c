@@ -193,6 +193,7 @@ static int run(const struct orl_job *job, const struct orl_run_env *env,
         code = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     leave(&state);
     result.total_s = env->now_s(env->ctx) - started;
+    orl_run_forget_looks(&state);
     orl_run_release_maps(&state);
     orl_world_free(state.world);
     if (state.sensors_owned)

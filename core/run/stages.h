@@ -27,7 +27,8 @@ struct orl_run_state {
     double stage_started;
     double started_s; /* of the run */
     double ends_s;    /* of a job with a goal: when it is thought to end; 0: not known yet */
-    const double *bandwidths; /* by kind of map, in rounds (gather.h); NULL: as usual */
+    const double *bandwidths;    /* by kind of map, in rounds (gather.h); NULL: as usual */
+    struct orl_estimates *looks; /* by view, for the cost of a job in one piece; owned */
     /* In rounds: where a finished picture goes instead of into files. */
     int (*take_film)(void *ctx, size_t index, const struct orl_film *film, struct orl_error *err);
     void *take_ctx;
