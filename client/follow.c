@@ -85,7 +85,7 @@ static void note_points(struct orl_progress *progress, const json_t *job, size_t
     }
 }
 
-/* Says once what each round of a job with a goal came to; those between two polls are passed over. */
+/* Says once what each round of a job with a goal came to, but for those between two polls. */
 static void note_round(struct orl_progress *progress, const json_t *job, double *noted)
 {
     const json_t *accuracy = json_object_get(job, "accuracy");

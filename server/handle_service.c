@@ -71,6 +71,8 @@ void orl_handle_limits(struct orl_request *request)
         {"photons", ORL_LIMIT_PHOTONS},
         {"job_bytes", ORL_LIMIT_JOB_BYTES},
         {"study_runs", ORL_SERVER_STUDY_RUNS},
+        {"accuracy_samples", ORL_LIMIT_GOAL_SAMPLES},
+        {"deadline_s", ORL_LIMIT_DEADLINE_S},
         {"study_list", ORL_LIMIT_STUDY_LIST},
         {"queued_jobs", ORL_SERVER_QUEUE},
         {"connections", ORL_SERVER_CONNECTIONS},

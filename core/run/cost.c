@@ -8,7 +8,7 @@
 enum { HALVINGS = 40 };
 
 /* Samples of a sensor that go with one of a pixel, and with the planner's photons. */
-static const double pixel_samples = ORL_DEFAULT_GATHER_SAMPLES / ORL_DEFAULT_PIXEL_SAMPLES,
+static const double pixel_samples = 1.0 * ORL_DEFAULT_GATHER_SAMPLES / ORL_DEFAULT_PIXEL_SAMPLES,
                     map_samples = ORL_DEFAULT_GATHER_SAMPLES;
 /* Up to so many samples the planner's virtual lamps do; then they grow, to no more than that. */
 static const double lamps_samples = 2048;

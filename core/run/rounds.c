@@ -341,8 +341,8 @@ static void go_on_for_error(struct rounds *r, const struct orl_parts *parts)
         return;
     }
     if (r->error <= target) {
-        end(r, true, "%.3g %% is reached after %.0f samples in %u rounds", 100 * r->error,
-            r->pace.samples, r->count);
+        end(r, true, "%.3g %% is reached after %u round%s", 100 * r->error, r->count,
+            r->count == 1 ? "" : "s");
         return;
     }
     const double wanted = done * orl_parts_work(parts, target);
