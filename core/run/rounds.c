@@ -6,7 +6,7 @@
 
 #include "base/random.h"
 #include "run/cost.h"
-#include "run/pool.h"
+#include "run/findings.h"
 
 /* A deadline's round fills that much of what is left, the last one that. */
 static const double fill = 0.7, last_fill = 0.93, deadline_growth = 8;
@@ -17,21 +17,11 @@ static const double short_round = 0.25;
 /* Work is given up when this much more than what is allowed would be needed. */
 static const double hopeless = 2;
 
-/* What has been found of the sensors, or of one view's pixels. */
-struct part {
-    struct orl_pool pool;
-    double *errors; /* of its means; owned */
-    double floor;
-    struct orl_film film; /* of a view: the means, in colour */
-};
-
 struct rounds {
     struct orl_run_state *state;
     struct orl_work work;
     struct orl_pace pace;
-    struct part *parts; /* sensors first when there are any, then views */
-    size_t n_parts;
-    struct orl_estimates *estimates;  /* one per part */
+    struct orl_findings findings;
     double error;                     /* of the whole, as it stands */
     double samples, effort;           /* of the round that runs */
     double bandwidths[ORL_MAP_KINDS]; /* of the round */
@@ -50,92 +40,21 @@ static double now_s(const struct rounds *r)
     return env->now_s(env->ctx);
 }
 
-/* ---- What has been found --------------------------------------------------------------------- */
-
-static int part_init(struct part *part, size_t count, double floor, struct orl_error *err)
-{
-    part->floor = floor;
-    part->errors = malloc((count + 1) * sizeof(double));
-    if (!part->errors)
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-    return orl_pool_init(&part->pool, count, err);
-}
-
 static int rounds_init(struct rounds *r, struct orl_run_state *state, struct orl_error *err)
 {
-    const size_t sensors = state->n_sensors > 0, views = state->job->n_views;
-    int code = 0;
-    *r = (struct rounds){.state = state, .n_parts = sensors + views, .error = NAN};
+    *r = (struct rounds){.state = state, .error = NAN};
     r->work = orl_work_of(state);
     if (state->job->goal.deadline_s > 0 && !r->work.of_views)
         r->work.least *= short_round;
+    r->samples = r->work.least;
     r->pace.before_s = now_s(r) - state->started_s;
-    r->parts = calloc(r->n_parts + 1, sizeof *r->parts);
-    r->estimates = calloc(r->n_parts + 1, sizeof *r->estimates);
-    state->result->views = calloc(views + 1, sizeof *state->result->views);
-    if (!r->parts || !r->estimates || !state->result->views)
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-    state->result->n_views = views;
-    if (sensors)
-        code = part_init(&r->parts[0], state->n_sensors, orl_floor_of_sensors, err);
-    for (size_t i = 0; i < views && code == 0; i++) {
-        const struct orl_view_request *v = &state->job->views[i];
-        struct part *part = &r->parts[sensors + i];
-        code = part_init(part, (size_t)v->width * v->height, orl_floor_of_pixels, err);
-        if (code == 0)
-            code = orl_film_init(&part->film, v->width, v->height, err);
-    }
-    return code;
+    return orl_findings_init(&r->findings, state, err);
 }
 
-static void rounds_done(struct rounds *r)
-{
-    for (size_t i = 0; r->parts && i < r->n_parts; i++) {
-        orl_pool_done(&r->parts[i].pool);
-        orl_film_done(&r->parts[i].film);
-        free(r->parts[i].errors);
-    }
-    free(r->parts);
-    free(r->estimates);
-}
-
-/* A round's picture: a luma, and perhaps its error, for every pixel; and the colours. */
 static int take_film(void *ctx, size_t index, const struct orl_film *film, struct orl_error *err)
 {
-    const struct rounds *r = ctx;
-    struct part *part = &r->parts[(r->state->n_sensors > 0) + index];
-    const size_t count = part->pool.count;
-    const double share = r->effort / (part->pool.effort + r->effort);
-    const bool knows = orl_film_knows_errors(film);
-    double *value = malloc((2 * count + 1) * sizeof(double)), *error = value + count;
-    if (!value)
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for a round's pixels");
-    for (size_t i = 0; i < count; i++) {
-        const float *p = film->pixels[i];
-        value[i] = orl_luma((struct orl_rgb){p[0], p[1], p[2]});
-        error[i] = knows ? film->errors[i] : 0;
-        for (int c = 0; c < 3; c++)
-            part->film.pixels[i][c] =
-                (float)(part->film.pixels[i][c] + share * (p[c] - part->film.pixels[i][c]));
-    }
-    const struct orl_found found = {.value = value,
-                                    .error = knows ? error : NULL,
-                                    .degrees = ORL_MAP_BATCHES - 1,
-                                    .effort = r->effort};
-    orl_pool_add(&part->pool, &found);
-    free(value);
-    return 0;
-}
-
-static void take_sensors(struct rounds *r, const struct orl_result *found_by)
-{
-    const struct orl_found found = {.value = found_by->illuminance_lx,
-                                    .error = found_by->standard_error_lx,
-                                    .bias = found_by->bias_estimate_lx,
-                                    .degrees = ORL_MAP_BATCHES - 1,
-                                    .effort = r->effort};
-    if (found_by->n_sensors > 0)
-        orl_pool_add(&r->parts[0].pool, &found);
+    struct rounds *r = ctx;
+    return orl_findings_add_film(&r->findings, index, film, r->effort, err);
 }
 
 /* ---- A round --------------------------------------------------------------------------------- */
@@ -239,7 +158,7 @@ static int run_round(struct rounds *r, struct orl_error *err)
         orl_run_enter(&round, ORL_STAGE_RENDER); /* books what is left of it */
     orl_run_release_maps(&round);
     if (code == 0) {
-        take_sensors(r, &result);
+        orl_findings_add_sensors(&r->findings, &result, r->effort);
         take_records(r, &result);
         take_times(r, &result, now_s(r) - started);
         r->count++;
@@ -250,73 +169,8 @@ static int run_round(struct rounds *r, struct orl_error *err)
     return code;
 }
 
-/* ---- What it amounts to ---------------------------------------------------------------------- */
-
-static void judge(struct rounds *r)
-{
-    for (size_t i = 0; i < r->n_parts; i++) {
-        struct part *part = &r->parts[i];
-        orl_pool_errors(&part->pool, part->floor, part->errors);
-        r->estimates[i] = (struct orl_estimates){
-            .value = part->pool.mean,
-            .error = part->errors,
-            .bias = part->pool.knows_bias && !part->film.pixels ? part->pool.bias : NULL,
-            .count = part->pool.count,
-            .floor = part->floor};
-    }
-}
-
-static double *copy(double **array, const double *values, size_t count)
-{
-    if (!*array)
-        *array = malloc((count + 1) * sizeof(double));
-    if (*array)
-        memcpy(*array, values, count * sizeof(double));
-    return *array;
-}
-
-static void book_interval(const struct part *part, size_t i, double ret_interval[2])
-{
-    const struct orl_estimate pooled = {.standard_error = part->errors[i],
-                                        .degrees = orl_pool_degrees(&part->pool),
-                                        .bias = part->pool.knows_bias ? part->pool.bias[i] : 0};
-    const double half = orl_estimate_half_width(&pooled);
-    ret_interval[0] = fmax(part->pool.mean[i] - half, 0);
-    ret_interval[1] = part->pool.mean[i] + half;
-}
-
-static int show_sensors(struct rounds *r, struct orl_error *err)
-{
-    struct orl_result *result = r->state->result;
-    const struct part *part = &r->parts[0];
-    const size_t n = part->pool.count;
-    bool held = copy(&result->illuminance_lx, part->pool.mean, n);
-    held = held && copy(&result->standard_error_lx, part->errors, n);
-    if (part->pool.knows_bias)
-        held = held && copy(&result->bias_estimate_lx, part->pool.bias, n);
-    if (!result->interval_95_lx)
-        result->interval_95_lx = calloc(n, sizeof *result->interval_95_lx);
-    held = held && result->interval_95_lx;
-    for (size_t i = 0; held && i < n; i++)
-        book_interval(part, i, result->interval_95_lx[i]);
-    result->n_sensors = held ? n : 0;
-    return held ? 0 : orl_error_set(err, ORL_ERR_NOMEM, "out of memory for %zu sensors", n);
-}
-
-/* The result as it stands, files included. */
-static int show(struct rounds *r, struct orl_error *err)
-{
-    struct orl_run_state *state = r->state;
-    const size_t sensors = state->n_sensors > 0;
-    int code = sensors ? show_sensors(r, err) : 0;
-    for (size_t i = 0; i < state->job->n_views && code == 0; i++) {
-        struct part *part = &r->parts[sensors + i];
-        for (size_t k = 0; k < part->pool.count; k++)
-            part->film.errors[k] = (float)part->errors[k];
-        code = orl_run_write_view(state, i, &part->film, err);
-    }
-    return code;
-}
+/* ---- What comes next ---------------------------------------------------------------------------
+ */
 
 static void end(struct rounds *r, bool met, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
@@ -388,15 +242,16 @@ static int settle(struct rounds *r, struct orl_error *err)
 {
     struct orl_run_state *state = r->state;
     struct orl_result *result = state->result;
-    const struct orl_parts parts = {r->estimates, r->n_parts, state->job->goal.at};
+    const struct orl_parts parts = {r->findings.estimates, r->findings.n_parts,
+                                    state->job->goal.at};
     const struct orl_work usual = orl_work_of(state);
     const double started = now_s(r);
-    judge(r);
+    orl_findings_judge(&r->findings);
     r->error = orl_parts_error(&parts);
     result->outcome.rounds = r->count;
     result->outcome.achieved = r->error;
     orl_run_predict(state, &r->pace, &usual, &parts);
-    const int code = show(r, err);
+    const int code = orl_findings_show(&r->findings, state, err);
     r->pace.beside_s += now_s(r) - started;
     if (state->job->goal.deadline_s > 0)
         go_on_for_time(r);
@@ -412,7 +267,7 @@ static void show_views_at_last(struct rounds *r)
 {
     const struct orl_run_env *env = r->state->env;
     for (size_t i = 0; i < r->state->job->n_views && env->view_ready; i++) {
-        const struct orl_film *film = &r->parts[(r->state->n_sensors > 0) + i].film;
+        const struct orl_film *film = &r->findings.parts[r->findings.first_view + i].film;
         env->view_ready(env->ctx, i, film->pixels,
                         orl_film_knows_errors(film) ? film->errors : NULL,
                         (size_t)film->width * film->height);
@@ -426,7 +281,6 @@ int orl_run_rounds(struct orl_run_state *state, struct orl_error *err)
     int code = rounds_init(&r, state, err);
     state->result->outcome =
         (struct orl_outcome){.asked = true, .goal = state->job->goal, .achieved = NAN};
-    r.samples = r.work.least;
     while (code == 0 && !r.ended) {
         orl_run_enter(state, ORL_STAGE_PHOTONS);
         code = run_round(&r, err);
@@ -435,6 +289,6 @@ int orl_run_rounds(struct orl_run_state *state, struct orl_error *err)
     }
     if (code == 0)
         show_views_at_last(&r);
-    rounds_done(&r);
+    orl_findings_done(&r.findings);
     return code;
 }
