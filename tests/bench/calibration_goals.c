@@ -46,24 +46,6 @@ static struct rung measure_rung(const struct calibration *c, const struct calibr
     return rung;
 }
 
-/* Up to the rung that is good to the least error asked for, or the last. */
-static void climb(const struct calibration *c, const struct calibration_scene *scene,
-                  struct ladder *ladder)
-{
-    double least = INFINITY;
-    for (int i = 0; i < c->knobs.errors.n; i++)
-        least = fmin(least, c->knobs.errors.values[i]);
-    for (ladder->n = 0; ladder->n < RUNGS;) {
-        const struct rung rung = measure_rung(c, scene, ladder, ladder->n);
-        ladder->rungs[ladder->n++] = rung;
-        fprintf(stderr, "  %s: %s, %u samples: p95 %.2f %% in %.2f s\n", scene->name,
-                orl_technique_name(ladder->technique),
-                ladder->first_samples << (2 * (ladder->n - 1)), 100 * rung.p95, rung.total_s);
-        if (rung.p95 <= least)
-            return;
-    }
-}
-
 /* Seconds at which a ladder comes to that error, between rungs as powers go; or infinite. */
 static double seconds_at(const struct ladder *ladder, double error)
 {
@@ -77,6 +59,28 @@ static double seconds_at(const struct ladder *ladder, double error)
         return before->total_s * pow(here->total_s / before->total_s, share);
     }
     return INFINITY;
+}
+
+/*
+ * Up to the rung that is good to the least error asked for, or the last, or to one that takes
+ * longer than another ladder does to that error: what comes after cannot be the best.
+ */
+static void climb(const struct calibration *c, const struct calibration_scene *scene,
+                  struct ladder *ladder, const struct ladder *other)
+{
+    double least = INFINITY;
+    for (int i = 0; i < c->knobs.errors.n; i++)
+        least = fmin(least, c->knobs.errors.values[i]);
+    const double longest_s = other ? seconds_at(other, least) : INFINITY;
+    for (ladder->n = 0; ladder->n < RUNGS;) {
+        const struct rung rung = measure_rung(c, scene, ladder, ladder->n);
+        ladder->rungs[ladder->n++] = rung;
+        fprintf(stderr, "  %s: %s, %u samples: p95 %.2f %% in %.2f s\n", scene->name,
+                orl_technique_name(ladder->technique),
+                ladder->first_samples << (2 * (ladder->n - 1)), 100 * rung.p95, rung.total_s);
+        if (rung.p95 <= least || rung.total_s > longest_s)
+            return;
+    }
 }
 
 /* ---- By accuracy ----------------------------------------------------------------------------- */
@@ -129,7 +133,7 @@ void calibration_goals(struct calibration *c)
         calibration_refer(c, scene);
         memcpy(fixed, ladders, sizeof fixed);
         for (int k = 0; k < LADDERS; k++)
-            climb(c, scene, &fixed[k]);
+            climb(c, scene, &fixed[k], k > 0 ? &fixed[k - 1] : NULL);
         for (int k = 0; k < c->knobs.errors.n; k++)
             print_goal(c, scene, c->knobs.errors.values[k], fixed);
     }
