@@ -206,8 +206,8 @@ static struct blend blend_discs(const struct ring rings[RINGS], uint32_t found, 
         add(&disc, &rings[--ring]);
     struct reading narrow = estimate_of(&disc, least_area);
     struct blend blend = {.value = narrow.value, .radius = exp2(-0.5 * ring)};
-    for (double use = 1, before = 1; ring > 0 && use > 0; before = use) {
-        const double area = disc.room.area;
+    for (double use = 1; ring > 0 && use > 0;) {
+        const double area = disc.room.area, before = use;
         use *= agreement(&disc, &rings[--ring]);
         add(&disc, &rings[ring]);
         const struct reading wider = estimate_of(&disc, least_area);

@@ -85,6 +85,7 @@ struct orl_gather_ray {
     const double *first;
     struct orl_tally *tally; /* NULL, or what the radiance's parts are added to */
     double share;            /* of the radiance in it */
+    double *ret_distance;    /* NULL, or takes how far the first thing met is, if any is */
 };
 
 /* Radiance along it: suns not seen straight; of lamps what its lobe leaves to it. */

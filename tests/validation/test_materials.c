@@ -451,7 +451,8 @@ static void test_illum_seen(void **state)
     }
 }
 
-/* Glow of a negative radius is seen and lights nothing. */
+/* Glow of a negative radius is seen and lights nothing. Of 32768 rays in four groups 950 meet it,
+ * with a scatter of less than 1 / sqrt 950 = 3 %, a third of it for being even. */
 static void test_glow_radius(void **state)
 {
     static const double radius[3] = {0, 1, -1};
@@ -466,6 +467,7 @@ static void test_glow_radius(void **state)
         run((struct scene_run){.scene = scene,
                                .sensors = under,
                                .n_sensors = 1,
+                               .samples = 32768,
                                .view = "-vtv -vp 2 2.5 1 -vd 0 0 1 -vu 0 1 0 -vh 5 -vv 5"},
             &o);
         const double expected = k < 2 ? 100 * ORL_PI * .25 / (2.9 * 2.9 + .25) : 0;

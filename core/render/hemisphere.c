@@ -1,0 +1,119 @@
+/* The gathered part at a place: a stratified hemisphere of rays. */
+#include <stdlib.h>
+
+#include "light/proxies.h"
+#include "render/gather.h"
+
+/* One ray of the hemisphere: what it saw and how far it went. */
+struct strand {
+    struct orl_rgb radiance;
+    double distance;
+};
+
+static double channel(struct orl_rgb c, uint32_t i)
+{
+    return i == 0 ? c.r : i == 1 ? c.g : c.b;
+}
+
+/* Adds one strand's share of the gradients: differences to its neighbours below and beside. */
+static void add_gradients(struct orl_hemisphere *h, const struct orl_frame *frame,
+                          const struct strand *strands, uint32_t rows, uint32_t columns,
+                          uint32_t row, uint32_t column, uint32_t channels)
+{
+    const struct strand *here = &strands[row * columns + column];
+    const struct strand *beside = &strands[row * columns + (column + columns - 1) % columns];
+    const struct strand *below = row > 0 ? here - columns : NULL;
+    const double phi = 2 * ORL_PI * (column + 0.5) / columns, edge = 2 * ORL_PI * column / columns;
+    const struct orl_vec3 out =
+        orl_add(orl_scale(frame->u, cos(phi)), orl_scale(frame->v, sin(phi)));
+    const struct orl_vec3 around =
+        orl_add(orl_scale(frame->u, -sin(edge)), orl_scale(frame->v, cos(edge)));
+    const struct orl_vec3 turn =
+        orl_add(orl_scale(frame->u, -sin(phi)), orl_scale(frame->v, cos(phi)));
+    const double sine_low = sqrt((double)row / rows), sine_high = sqrt((row + 1.0) / rows);
+    const double middle = sqrt((row + 0.5) / rows);
+    const double tangent = middle / sqrt(1 - middle * middle);
+    for (uint32_t c = 0; c < channels; c++) {
+        const double value = channel(here->radiance, c);
+        h->by_rotation[c] =
+            orl_madd(h->by_rotation[c], turn, -tangent * value * ORL_PI / ((double)rows * columns));
+        if (below)
+            h->by_translation[c] = orl_madd(
+                h->by_translation[c], out,
+                2 * ORL_PI / columns * sine_low * (1 - sine_low * sine_low) /
+                    fmin(here->distance, below->distance) * (value - channel(below->radiance, c)));
+        h->by_translation[c] =
+            orl_madd(h->by_translation[c], around,
+                     (sine_high - sine_low) / fmin(here->distance, beside->distance) *
+                         (value - channel(beside->radiance, c)));
+    }
+}
+
+/* Of the mean of the rays, one a stratum: half the squared difference of neighbours is a variance.
+ */
+static double variance_of_mean(const struct strand *strands, uint32_t rows, uint32_t columns)
+{
+    double square = 0;
+    for (uint32_t i = 0; i < rows * columns; i++) {
+        const uint32_t row = i / columns, beside = row * columns + (i + 1) % columns;
+        const double difference =
+            orl_luma(strands[i].radiance) - orl_luma(strands[beside].radiance);
+        square += difference * difference / 2;
+    }
+    return square / ((double)rows * columns * rows * columns);
+}
+
+struct orl_hemisphere orl_gather_hemisphere(const struct orl_gather *gather,
+                                            const struct orl_place *place, uint32_t rows,
+                                            uint32_t columns, struct orl_random *random,
+                                            struct orl_search *search)
+{
+    const struct orl_frame frame = orl_frame_about(place->normal);
+    const uint32_t channels = gather->world->omit.channels;
+    struct orl_hemisphere h = {.irradiance = {0, 0, 0}};
+    struct orl_tally tally = {{{{0}}}};
+    double nearness = 0;
+    h.least_distance = INFINITY;
+    struct strand *strands = malloc(sizeof *strands * rows * columns);
+    for (uint32_t i = 0; i < rows * columns; i++) {
+        const uint32_t row = i / columns, column = i % columns;
+        const double sine = sqrt((row + orl_random_uniform(random)) / rows);
+        const double phi = 2 * ORL_PI * (column + orl_random_uniform(random)) / columns;
+        const struct orl_vec3 direction = orl_to_world(
+            &frame, orl_v3(sine * cos(phi), sine * sin(phi), sqrt(fmax(0, 1 - sine * sine))));
+        double distance = INFINITY;
+        const struct orl_gather_ray ray = {.origin = place->point,
+                                           .direction = direction,
+                                           .outside = place->outside,
+                                           .tally = &tally,
+                                           .share = ORL_PI / ((double)rows * columns),
+                                           .ret_distance = &distance};
+        const struct orl_rgb radiance =
+            place->proxied
+                ? orl_health_keep(&search->health,
+                                  orl_exterior_radiance(orl_world_seen(gather->world), place->point,
+                                                        direction, orl_chance_found(), random,
+                                                        &search->health))
+                : orl_gather_radiance(gather, &ray, random, search);
+        h.irradiance = orl_rgb_add(h.irradiance, radiance);
+        distance = fmax(distance, 1e-9 * gather->world->geometry->radius);
+        nearness += 1 / distance;
+        h.least_distance = fmin(h.least_distance, distance);
+        if (strands)
+            strands[i] = (struct strand){radiance, distance};
+    }
+    h.irradiance = orl_rgb_scale(h.irradiance, ORL_PI / ((double)rows * columns));
+    h.mean_distance = nearness > 0 ? (double)rows * columns / nearness : INFINITY;
+    /* Without memory for the strands the estimate stands, with flat gradients. */
+    for (uint32_t i = 0; strands && i < rows * columns; i++)
+        add_gradients(&h, &frame, strands, rows, columns, i / columns, i % columns, channels);
+    for (uint32_t c = channels; c < 3; c++) {
+        h.by_rotation[c] = h.by_rotation[0];
+        h.by_translation[c] = h.by_translation[0];
+    }
+    h.standard_error =
+        sqrt(orl_tally_variance(&tally) +
+             (strands ? ORL_PI * ORL_PI * variance_of_mean(strands, rows, columns) : 0));
+    free(strands);
+    return h;
+}
