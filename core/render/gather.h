@@ -118,15 +118,14 @@ struct orl_density orl_gather_rest(const struct orl_gather *gather,
 /*
  * The gathered part at a place, by a stratified cosine-weighted hemisphere of rows x columns rays,
  * with its gradients, the harmonic mean of the rays' lengths (Ward and Heckbert 1992) and the
- * least. The standard error, of its luma, is the photons' and the rays' together: of these each is
- * compared with the next in its row, as if both were drawn from both strata (which errs on the high
- * side).
+ * least. Standard errors, of its luma, are the photons' and the rays': of these each is compared
+ * with the next in its row, as if both were drawn from both strata (which errs on the high side).
  */
 struct orl_hemisphere {
     struct orl_rgb irradiance;
     struct orl_vec3 by_rotation[3], by_translation[3]; /* per channel */
     double mean_distance, least_distance;
-    double standard_error;
+    double error_by_photons, error_by_rays;
 };
 struct orl_hemisphere orl_gather_hemisphere(const struct orl_gather *gather,
                                             const struct orl_place *place, uint32_t rows,

@@ -73,6 +73,7 @@ struct orl_hemisphere orl_gather_hemisphere(const struct orl_gather *gather,
     struct orl_hemisphere h = {.irradiance = {0, 0, 0}};
     struct orl_tally tally = {{{{0}}}};
     double nearness = 0;
+    const uint32_t sequence = (uint32_t)orl_random_bits(random);
     h.least_distance = INFINITY;
     struct strand *strands = malloc(sizeof *strands * rows * columns);
     for (uint32_t i = 0; i < rows * columns; i++) {
@@ -81,10 +82,12 @@ struct orl_hemisphere orl_gather_hemisphere(const struct orl_gather *gather,
         const double phi = 2 * ORL_PI * (column + orl_random_uniform(random)) / columns;
         const struct orl_vec3 direction = orl_to_world(
             &frame, orl_v3(sine * cos(phi), sine * sin(phi), sqrt(fmax(0, 1 - sine * sine))));
-        double distance = INFINITY;
+        double distance = INFINITY, first[3];
+        orl_sobol_point(&gather->sobol, i, sequence, 3, first);
         const struct orl_gather_ray ray = {.origin = place->point,
                                            .direction = direction,
                                            .outside = place->outside,
+                                           .first = first,
                                            .tally = &tally,
                                            .share = ORL_PI / ((double)rows * columns),
                                            .ret_distance = &distance};
@@ -111,9 +114,8 @@ struct orl_hemisphere orl_gather_hemisphere(const struct orl_gather *gather,
         h.by_rotation[c] = h.by_rotation[0];
         h.by_translation[c] = h.by_translation[0];
     }
-    h.standard_error =
-        sqrt(orl_tally_variance(&tally) +
-             (strands ? ORL_PI * ORL_PI * variance_of_mean(strands, rows, columns) : 0));
+    h.error_by_photons = sqrt(orl_tally_variance(&tally));
+    h.error_by_rays = strands ? ORL_PI * sqrt(variance_of_mean(strands, rows, columns)) : 0;
     free(strands);
     return h;
 }

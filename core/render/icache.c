@@ -41,10 +41,12 @@ int orl_icache_add(struct orl_icache *cache, const struct orl_record *records, s
     return 0;
 }
 
-/* How far a record serves at most; a cell of its level is at least twice as wide. */
+static const double read_below = ORL_ICACHE_ACCURACY * ORL_ICACHE_OVERLAP;
+
+/* How far a record is read at most; a cell of its level is at least twice as wide. */
 static double reach_of(const struct orl_record *record)
 {
-    return ORL_ICACHE_ACCURACY * record->radius;
+    return read_below * record->radius;
 }
 
 static int level_of(const struct orl_record *record)
@@ -134,23 +136,21 @@ static struct orl_rgb carried(const struct orl_record *record, const struct orl_
                             fmax(channel_at(record, 2, e.b, turn, shift), 0)};
 }
 
-/* The weight with which a record serves a place; 0 when it does not. */
-static double weight_of(const struct orl_record *record, const struct orl_place *place)
+/* The error of a record at a place, as far as it is below that bound; INFINITY otherwise. */
+static double error_of(const struct orl_record *record, const struct orl_place *place, double bound)
 {
     const struct orl_vec3 shift = orl_sub(place->point, record->place.point);
     const double distance = orl_length(shift);
     const double cosine = orl_dot(place->normal, record->place.normal);
     if (record->place.outside != place->outside || record->place.proxied != place->proxied ||
-        distance >= reach_of(record) || cosine < 0.8)
-        return 0;
+        distance >= bound * record->radius || cosine < 0.8)
+        return INFINITY;
     /* A place well behind or before the record's surface sees another scene. */
     const struct orl_vec3 both = orl_add(place->normal, record->place.normal);
-    if (fabs(orl_dot(shift, both)) > 0.1 * record->radius * ORL_ICACHE_ACCURACY)
-        return 0;
+    if (fabs(orl_dot(shift, both)) > 0.1 * record->radius * bound)
+        return INFINITY;
     const double error = distance / record->radius + sqrt(fmax(0, 1 - cosine));
-    return error < ORL_ICACHE_ACCURACY
-               ? 1 / fmax(error, 1e-3 * ORL_ICACHE_ACCURACY) - 1 / ORL_ICACHE_ACCURACY
-               : 0;
+    return error < bound ? error : INFINITY;
 }
 
 /* Visits the records whose cells hold a point: those that may serve it, and some that do not. */
@@ -204,7 +204,7 @@ int orl_icache_hold_back(struct orl_icache *cache)
         struct visit v = visit_begin(cache, &near->place);
         for (uint32_t k = visit_next(&v); k != nothing; k = visit_next(&v)) {
             const struct orl_record *far = &cache->records[k];
-            if (k != i && weight_of(far, &near->place) > 0) {
+            if (k != i && error_of(far, &near->place, ORL_ICACHE_ACCURACY) < INFINITY) {
                 const double apart = orl_length(orl_sub(far->place.point, near->place.point));
                 radii[k] = fmin(radii[k], near->radius + apart);
             }
@@ -216,23 +216,34 @@ int orl_icache_hold_back(struct orl_icache *cache)
     return orl_icache_index(cache);
 }
 
+bool orl_icache_serves(const struct orl_icache *cache, const struct orl_place *place)
+{
+    struct visit v = visit_begin(cache, place);
+    for (uint32_t i = visit_next(&v); i != nothing; i = visit_next(&v))
+        if (error_of(&cache->records[i], place, ORL_ICACHE_ACCURACY) < INFINITY)
+            return true;
+    return false;
+}
+
 bool orl_icache_lookup(const struct orl_icache *cache, const struct orl_place *place,
                        struct orl_cached *ret_cached)
 {
     struct orl_rgb sum = orl_gray(0);
-    double total = 0, errors = 0;
+    double total = 0, by_photons = 0, by_rays = 0;
     struct visit v = visit_begin(cache, place);
     for (uint32_t i = visit_next(&v); i != nothing; i = visit_next(&v)) {
         const struct orl_record *record = &cache->records[i];
-        const double weight = weight_of(record, place);
+        const double weight = fmax(0, 1 - error_of(record, place, read_below) / read_below);
         if (weight > 0) {
             sum = orl_rgb_add(sum, orl_rgb_scale(carried(record, place, cache->channels), weight));
-            errors += weight * record->standard_error;
+            by_photons += weight * record->error_by_photons;
+            by_rays += weight * weight * record->error_by_rays * record->error_by_rays;
             total += weight;
         }
     }
     if (!(total > 0))
         return false;
-    *ret_cached = (struct orl_cached){orl_rgb_scale(sum, 1 / total), errors / total};
+    *ret_cached = (struct orl_cached){orl_rgb_scale(sum, 1 / total),
+                                      sqrt(by_photons * by_photons + by_rays) / total};
     return true;
 }

@@ -6,10 +6,14 @@
  * A record holds the gathered irradiance at a place with its gradients and a radius: the harmonic
  * mean of the gather's ray lengths, or less near something close, on a steep gradient, and beside
  * such records (orl_icache_hold_back); held between bounds that follow the pixels. It serves a
- * place x with error e = |x - x_i| / R_i + sqrt(1 - n . n_i) below ORL_ICACHE_ACCURACY, weighted by
- * 1/e - 1/accuracy, which fades to nothing at the rim.
+ * place x with error e = |x - x_i| / R_i + sqrt(1 - n . n_i) below ORL_ICACHE_ACCURACY.
  *
- * References: Ward, Rubinstein, Clear 1988; Ward and Heckbert 1992; Krivanek and Gautron 2009.
+ * Places are served sparsely, but read from more: all records with e below ORL_ICACHE_OVERLAP times
+ * that, a, weighted by 1 - e/a. Each place is so a mean of several records, whose rays err by
+ * chances of their own; weights without a peak leave none of them alone with its noise.
+ *
+ * References: Ward, Rubinstein, Clear 1988; Ward and Heckbert 1992; Krivanek and Gautron 2009;
+ * overlap and weights after Tabellion and Lamorlette 2004.
  */
 #ifndef ORL_RENDER_ICACHE_H
 #define ORL_RENDER_ICACHE_H
@@ -17,13 +21,14 @@
 #include "render/gather.h"
 
 #define ORL_ICACHE_ACCURACY 0.25
+#define ORL_ICACHE_OVERLAP 1.5
 
 struct orl_record {
     struct orl_place place;
     struct orl_rgb irradiance;
     struct orl_vec3 by_rotation[3], by_translation[3];
-    double standard_error; /* of the irradiance's luma */
-    double radius, least;  /* radius is never made less than that */
+    double error_by_photons, error_by_rays; /* standard ones, of the irradiance's luma */
+    double radius, least;                   /* radius is never made less than that */
 };
 
 struct orl_icache {
@@ -52,6 +57,9 @@ int orl_icache_index(struct orl_icache *cache);
  */
 int orl_icache_hold_back(struct orl_icache *cache);
 
+/* Whether a place needs no record of its own. */
+bool orl_icache_serves(const struct orl_icache *cache, const struct orl_place *place);
+
 /* What records say of a place. */
 struct orl_cached {
     struct orl_rgb irradiance;
@@ -59,9 +67,9 @@ struct orl_cached {
 };
 
 /*
- * Interpolates; false when no record serves this place. Records' errors are averaged as their
- * values are, for these share photons; what their rays do to their gradients is not in them, nor
- * what interpolation does.
+ * Interpolates; false when no record reaches this place, even by overlap. Errors by photons are
+ * averaged as values are, for records share photons; errors by rays are each record's own. What
+ * rays do to gradients is not in them, nor what interpolation does.
  */
 bool orl_icache_lookup(const struct orl_icache *cache, const struct orl_place *place,
                        struct orl_cached *ret_cached);

@@ -15,8 +15,8 @@ enum { COARSEST_STEP = 16, RECORDS_A_ROUND = 256, HOLDS = 2 };
 /* How far records reach, in pixels: their radii are held between these over the accuracy. */
 static const double least_reach_pixels = 1.5, most_reach_pixels = 40;
 
-/* And no record reaches further than three quarters of the way to the nearest thing it has seen. */
-static const double nearest_reach = 0.75;
+/* And no record stands for more than half of the way to the nearest thing it has seen. */
+static const double nearest_reach = 0.5;
 
 /* Places of one lattice row that want a record. */
 struct row {
@@ -75,7 +75,8 @@ static void compute_record(void *arg, size_t index, uint32_t member)
         orl_gather_hemisphere(p->gather, &record->place, HEMISPHERE_ROWS, HEMISPHERE_COLUMNS,
                               &random, &p->painting->env->searches[member]);
     record->irradiance = h.irradiance;
-    record->standard_error = h.standard_error;
+    record->error_by_photons = h.error_by_photons;
+    record->error_by_rays = h.error_by_rays;
     const double radius = fmin(fmin(h.mean_distance, bend_radius(&h)),
                                nearest_reach / ORL_ICACHE_ACCURACY * h.least_distance);
     record->radius =
@@ -129,14 +130,13 @@ static void look_along_row(void *arg, size_t index, uint32_t member)
         struct orl_vec3 origin, direction;
         struct orl_sight sight;
         struct orl_random random = {0};
-        struct orl_cached ignored;
         if (!orl_paint_ray(p->painting, x + 0.5, y + 0.5, &origin, &direction))
             continue;
         orl_shade_look(&p->onlooker, origin, direction, p->outside, true, &random,
                        &p->painting->env->searches[member], &sight);
         for (uint32_t i = 0; i < sight.n_vertices; i++)
             if (is_gathered(p, &sight.vertices[i]) &&
-                !orl_icache_lookup(&p->cache, &sight.vertices[i].place, &ignored))
+                !orl_icache_serves(&p->cache, &sight.vertices[i].place))
                 want(&p->rows[index], &sight.vertices[i], pixel_size(p, &sight.vertices[i]));
     }
 }
@@ -279,7 +279,7 @@ static struct orl_cached rest_at(const struct painter *p, const struct orl_verte
         return cached;
     const struct orl_hemisphere h = orl_gather_hemisphere(p->gather, &v->place, HEMISPHERE_ROWS / 2,
                                                           HEMISPHERE_COLUMNS / 2, random, search);
-    return (struct orl_cached){h.irradiance, h.standard_error};
+    return (struct orl_cached){h.irradiance, hypot(h.error_by_photons, h.error_by_rays)};
 }
 
 static struct orl_shade vertex_shade(const struct painter *p, const struct orl_vertex *v,

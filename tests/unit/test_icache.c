@@ -27,7 +27,10 @@ static void fill(struct orl_icache *cache, const struct orl_record *records, siz
     assert_int_equal(orl_icache_index(cache), 0);
 }
 
-/* A record serves as far as a quarter of its radius; alone it says what it holds, and its slope. */
+/*
+ * A record serves as far as a quarter of its radius and is read half as far again; alone it says
+ * what it holds, and its slope.
+ */
 static void test_reach_and_gradient(void **state)
 {
     struct orl_record record = record_at(0, 0, 4, 10);
@@ -37,10 +40,15 @@ static void test_reach_and_gradient(void **state)
     for (int c = 0; c < 3; c++)
         record.by_translation[c] = orl_v3(2, 0, 0);
     fill(&cache, &record, 1);
-    const struct orl_place near = place_at(0.5, 0.5), far = place_at(1.01, 0);
+    const struct orl_place near = place_at(0.5, 0.5), beyond = place_at(1.01, 0);
+    const struct orl_place far = place_at(1.51, 0);
+    assert_true(orl_icache_serves(&cache, &near));
     assert_true(orl_icache_lookup(&cache, &near, &found));
     const struct orl_rgb e = found.irradiance;
     assert_true(fabs(e.r - 11) < 1e-12 && e.r == e.g && e.g == e.b);
+    assert_false(orl_icache_serves(&cache, &beyond));
+    assert_true(orl_icache_lookup(&cache, &beyond, &found));
+    assert_true(fabs(found.irradiance.r - 12.02) < 1e-12);
     assert_false(orl_icache_lookup(&cache, &far, &found));
     struct orl_place below = place_at(0, 0);
     below.normal = orl_v3(0, 0, -1);
@@ -48,20 +56,28 @@ static void test_reach_and_gradient(void **state)
     orl_icache_done(&cache);
 }
 
-/* Errors of records are averaged by the weights that values are. */
+/*
+ * Records share their photons, whose errors are averaged by the weights that values are; of rays
+ * each has its own, so that two that count alike err by 1/sqrt(2) of what one does.
+ */
 static void test_errors(void **state)
 {
     struct orl_record records[2] = {record_at(0, 0, 4, 10), record_at(0.6, 0, 4, 20)};
     struct orl_icache cache;
     struct orl_cached found;
     (void)state;
-    records[0].standard_error = 1;
-    records[1].standard_error = 3;
+    records[0].error_by_photons = 1;
+    records[1].error_by_photons = 3;
     fill(&cache, records, 2);
     const struct orl_place between = place_at(0.2, 0);
     assert_true(orl_icache_lookup(&cache, &between, &found));
     assert_true(found.irradiance.r > 10 && found.irradiance.r < 15);
     assert_true(fabs(found.standard_error - (1 + (found.irradiance.r - 10) / 5)) < 1e-12);
+    for (int i = 0; i < 2; i++)
+        cache.records[i].error_by_rays = 4;
+    const struct orl_place middle = place_at(0.3, 0);
+    assert_true(orl_icache_lookup(&cache, &middle, &found));
+    assert_true(fabs(found.standard_error - sqrt(4 + 8)) < 1e-12);
     orl_icache_done(&cache);
 }
 
@@ -85,6 +101,7 @@ static void test_hold_back(void **state)
     /* What it no longer reaches it no longer serves. */
     const struct orl_place was_served = place_at(0, 0.8);
     struct orl_cached found;
+    assert_false(orl_icache_serves(&cache, &was_served));
     assert_false(orl_icache_lookup(&cache, &was_served, &found));
     orl_icache_done(&cache);
 }
