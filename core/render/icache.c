@@ -41,12 +41,21 @@ int orl_icache_add(struct orl_icache *cache, const struct orl_record *records, s
     return 0;
 }
 
-static const double read_below = ORL_ICACHE_ACCURACY * ORL_ICACHE_OVERLAP;
+static double radius_served(const struct orl_record *record)
+{
+    return fmax(record->radius, record->least);
+}
+
+/* A record that serves further than it should, for pixels' sake, is not read further still. */
+static double radius_read(const struct orl_record *record)
+{
+    return fmax(ORL_ICACHE_OVERLAP * record->radius, record->least);
+}
 
 /* How far a record is read at most; a cell of its level is at least twice as wide. */
 static double reach_of(const struct orl_record *record)
 {
-    return read_below * record->radius;
+    return ORL_ICACHE_ACCURACY * radius_read(record);
 }
 
 static int level_of(const struct orl_record *record)
@@ -136,21 +145,35 @@ static struct orl_rgb carried(const struct orl_record *record, const struct orl_
                             fmax(channel_at(record, 2, e.b, turn, shift), 0)};
 }
 
-/* The error of a record at a place, as far as it is below that bound; INFINITY otherwise. */
-static double error_of(const struct orl_record *record, const struct orl_place *place, double bound)
+/* The error of a record at a place, at that radius, where it is below the accuracy; or INFINITY. */
+static double error_of(const struct orl_record *record, const struct orl_place *place,
+                       double radius, double overlap)
 {
     const struct orl_vec3 shift = orl_sub(place->point, record->place.point);
     const double distance = orl_length(shift);
     const double cosine = orl_dot(place->normal, record->place.normal);
+    const double reach = ORL_ICACHE_ACCURACY * radius;
     if (record->place.outside != place->outside || record->place.proxied != place->proxied ||
-        distance >= bound * record->radius || cosine < 0.8)
+        distance >= reach || cosine < 0.8)
         return INFINITY;
     /* A place well behind or before the record's surface sees another scene. */
     const struct orl_vec3 both = orl_add(place->normal, record->place.normal);
-    if (fabs(orl_dot(shift, both)) > 0.1 * record->radius * bound)
+    if (fabs(orl_dot(shift, both)) > 0.1 * reach)
         return INFINITY;
-    const double error = distance / record->radius + sqrt(fmax(0, 1 - cosine));
-    return error < bound ? error : INFINITY;
+    const double error = distance / radius + sqrt(fmax(0, 1 - cosine)) / overlap;
+    return error < ORL_ICACHE_ACCURACY ? error : INFINITY;
+}
+
+static bool serves(const struct orl_record *record, const struct orl_place *place)
+{
+    return error_of(record, place, radius_served(record), 1) < INFINITY;
+}
+
+/* The weight with which a record is read at a place; 0 when it is not. */
+static double weight_of(const struct orl_record *record, const struct orl_place *place)
+{
+    const double error = error_of(record, place, radius_read(record), ORL_ICACHE_OVERLAP);
+    return fmax(0, 1 - error / ORL_ICACHE_ACCURACY);
 }
 
 /* Visits the records whose cells hold a point: those that may serve it, and some that do not. */
@@ -204,14 +227,14 @@ int orl_icache_hold_back(struct orl_icache *cache)
         struct visit v = visit_begin(cache, &near->place);
         for (uint32_t k = visit_next(&v); k != nothing; k = visit_next(&v)) {
             const struct orl_record *far = &cache->records[k];
-            if (k != i && error_of(far, &near->place, ORL_ICACHE_ACCURACY) < INFINITY) {
+            if (k != i && serves(far, &near->place)) {
                 const double apart = orl_length(orl_sub(far->place.point, near->place.point));
-                radii[k] = fmin(radii[k], near->radius + apart);
+                radii[k] = fmin(radii[k], radius_served(near) + apart);
             }
         }
     }
     for (size_t i = 0; i < cache->count; i++)
-        cache->records[i].radius = fmax(radii[i], cache->records[i].least);
+        cache->records[i].radius = radii[i];
     free(radii);
     return orl_icache_index(cache);
 }
@@ -220,7 +243,7 @@ bool orl_icache_serves(const struct orl_icache *cache, const struct orl_place *p
 {
     struct visit v = visit_begin(cache, place);
     for (uint32_t i = visit_next(&v); i != nothing; i = visit_next(&v))
-        if (error_of(&cache->records[i], place, ORL_ICACHE_ACCURACY) < INFINITY)
+        if (serves(&cache->records[i], place))
             return true;
     return false;
 }
@@ -233,7 +256,7 @@ bool orl_icache_lookup(const struct orl_icache *cache, const struct orl_place *p
     struct visit v = visit_begin(cache, place);
     for (uint32_t i = visit_next(&v); i != nothing; i = visit_next(&v)) {
         const struct orl_record *record = &cache->records[i];
-        const double weight = fmax(0, 1 - error_of(record, place, read_below) / read_below);
+        const double weight = weight_of(record, place);
         if (weight > 0) {
             sum = orl_rgb_add(sum, orl_rgb_scale(carried(record, place, cache->channels), weight));
             by_photons += weight * record->error_by_photons;

@@ -5,12 +5,14 @@
  *
  * A record holds the gathered irradiance at a place with its gradients and a radius: the harmonic
  * mean of the gather's ray lengths, or less near something close, on a steep gradient, and beside
- * such records (orl_icache_hold_back); held between bounds that follow the pixels. It serves a
- * place x with error e = |x - x_i| / R_i + sqrt(1 - n . n_i) below ORL_ICACHE_ACCURACY.
+ * such records (orl_icache_hold_back); at most what a number of pixels measure. It serves a place x
+ * with error e = |x - x_i| / R + sqrt(1 - n . n_i) below a = ORL_ICACHE_ACCURACY, where R is the
+ * radius or the least that pixels allow.
  *
- * Places are served sparsely, but read from more: all records with e below ORL_ICACHE_OVERLAP times
- * that, a, weighted by 1 - e/a. Each place is so a mean of several records, whose rays err by
- * chances of their own; weights without a peak leave none of them alone with its noise.
+ * Places are served sparsely, but read from more: from all records whose e is below a when R is
+ * ORL_ICACHE_OVERLAP times the radius, or the least, and they turn by as much more. Weights are
+ * 1 - e/a. Each place is so a mean of several records, whose rays err by chances of their own;
+ * weights without a peak leave none of them alone with its noise.
  *
  * References: Ward, Rubinstein, Clear 1988; Ward and Heckbert 1992; Krivanek and Gautron 2009;
  * overlap and weights after Tabellion and Lamorlette 2004.
@@ -28,7 +30,7 @@ struct orl_record {
     struct orl_rgb irradiance;
     struct orl_vec3 by_rotation[3], by_translation[3];
     double error_by_photons, error_by_rays; /* standard ones, of the irradiance's luma */
-    double radius, least;                   /* radius is never made less than that */
+    double radius, least;                   /* it serves as if the radius were at least that */
 };
 
 struct orl_icache {

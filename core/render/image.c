@@ -79,11 +79,11 @@ static void compute_record(void *arg, size_t index, uint32_t member)
     record->error_by_rays = h.error_by_rays;
     const double radius = fmin(fmin(h.mean_distance, bend_radius(&h)),
                                nearest_reach / ORL_ICACHE_ACCURACY * h.least_distance);
-    record->radius =
-        fmin(fmax(radius, record->least), record->least * most_reach_pixels / least_reach_pixels);
+    record->radius = fmin(radius, record->least * most_reach_pixels / least_reach_pixels);
+    const double served = fmax(record->radius, record->least);
     for (int c = 0; c < 3; c++) {
         const double value = c == 0 ? h.irradiance.r : c == 1 ? h.irradiance.g : h.irradiance.b;
-        const double steepest = value / record->radius, slope = orl_length(h.by_translation[c]);
+        const double steepest = value / served, slope = orl_length(h.by_translation[c]);
         /* So near an edge that the value would be gone within the radius. */
         record->by_rotation[c] = h.by_rotation[c];
         record->by_translation[c] =

@@ -81,7 +81,8 @@ static void test_errors(void **state)
     orl_icache_done(&cache);
 }
 
-/* No radius is larger than a neighbour's within reach and the way to it; none below its least. */
+/* No radius is larger than a neighbour's within reach and the way to it; what serves by its least
+ * does so on. */
 static void test_hold_back(void **state)
 {
     const struct orl_record records[4] = {
@@ -97,7 +98,10 @@ static void test_hold_back(void **state)
     assert_true(fabs(cache.records[0].radius - 0.7) < 1e-12);
     assert_true(fabs(cache.records[1].radius - 0.2) < 1e-12);
     assert_true(fabs(cache.records[2].radius - 4) < 1e-12);
-    assert_true(fabs(cache.records[3].radius - 0.01) < 1e-12);
+    assert_true(fabs(cache.records[3].radius - 0.001) < 1e-12);
+    const struct orl_place close = place_at(0, 0.902), far = place_at(0, 0.903);
+    assert_true(orl_icache_serves(&cache, &close));
+    assert_false(orl_icache_serves(&cache, &far));
     /* What it no longer reaches it no longer serves. */
     const struct orl_place was_served = place_at(0, 0.8);
     struct orl_cached found;
