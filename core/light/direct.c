@@ -1,0 +1,303 @@
+#include "light/direct.h"
+
+enum { MOST_PANES = 64 };
+
+struct orl_rgb orl_transmittance(const struct orl_world *world, struct orl_vec3 origin,
+                                 struct orl_vec3 direction, double max_distance, bool through_ports)
+{
+    struct orl_rgb share = orl_gray(1);
+    for (int pane = 0; pane < MOST_PANES; pane++) {
+        struct orl_hit hit;
+        if (!orl_geometry_intersect(world->geometry, origin, direction, max_distance, &hit))
+            return share;
+        const struct orl_material *m = orl_world_material(world, &hit);
+        const struct orl_rgb through = orl_material_straight(m, &hit, orl_neg(direction));
+        if (!(orl_rgb_max(through) > 0) ||
+            (!through_ports && orl_world_crossing(world, &hit) == ORL_CROSSING_INWARDS))
+            return orl_gray(0);
+        share = orl_rgb_mul(share, through);
+        if (isinf(max_distance) && orl_world_leaves_clear(world, &hit))
+            return share;
+        origin = orl_hit_leave(world->geometry, &hit, direction);
+        max_distance -= hit.distance;
+    }
+    return orl_gray(0);
+}
+
+struct orl_rgb orl_mirrored_transmittance(const struct orl_world *world, struct orl_vec3 origin,
+                                          struct orl_vec3 sun, struct orl_vec3 mirror,
+                                          bool through_ports, struct orl_vec3 *ret_direction)
+{
+    const struct orl_vec3 direction = orl_madd(sun, mirror, -2 * orl_dot(sun, mirror));
+    struct orl_rgb sum = orl_gray(0), share = orl_gray(1);
+    bool outside = !through_ports;
+    *ret_direction = direction;
+    /* Every pane of that normal on the way mirrors some and lets the rest through to the next. */
+    for (int pane = 0; pane < MOST_PANES; pane++) {
+        struct orl_hit hit;
+        if (!orl_geometry_intersect(world->geometry, origin, direction, INFINITY, &hit))
+            return sum;
+        const struct orl_material *m = orl_world_material(world, &hit);
+        const enum orl_crossing crossing = orl_world_crossing(world, &hit);
+        if (fabs(orl_dot(hit.normal, mirror)) >= 1 - 1e-9 && !(outside && world->omit.exterior)) {
+            const struct orl_rgb back = orl_material_mirrored(m, &hit, orl_neg(direction));
+            if (orl_rgb_max(back) > 0)
+                sum = orl_rgb_add(
+                    sum,
+                    orl_rgb_mul(orl_rgb_mul(share, back),
+                                orl_transmittance(world, orl_hit_leave(world->geometry, &hit, sun),
+                                                  sun, INFINITY, through_ports)));
+        }
+        const struct orl_rgb through = orl_material_straight(m, &hit, orl_neg(direction));
+        if (!(orl_rgb_max(through) > 0) || orl_world_leaves_clear(world, &hit) ||
+            (!through_ports && crossing == ORL_CROSSING_INWARDS))
+            return sum;
+        if (crossing != ORL_CROSSING_NONE)
+            outside = crossing == ORL_CROSSING_OUTWARDS;
+        share = orl_rgb_mul(share, through);
+        origin = orl_hit_leave(world->geometry, &hit, direction);
+    }
+    return sum;
+}
+
+/* cos as irradiance, or lobes towards the eye as radiance. */
+static struct orl_rgb response(const struct orl_direct_query *query, struct orl_vec3 light)
+{
+    const double cosine = orl_dot(light, query->normal);
+    if (!(cosine > 0))
+        return orl_gray(0);
+    if (!query->lobes)
+        return orl_gray(cosine);
+    return orl_rgb_scale(orl_scatter_eval_lobes(query->lobes, query->hit, light, query->eye),
+                         cosine);
+}
+
+/* A point of an emitter as seen from the query, with the solid angle it stands for. */
+struct aim {
+    struct orl_vec3 light; /* unit, towards the point */
+    double distance, measure_sr;
+};
+
+/* A sphere from outside: uniform over the cone it fills. */
+static bool aim_at_sphere(const struct orl_facet *facet, struct orl_vec3 from, const double u[2],
+                          struct aim *ret_aim)
+{
+    const struct orl_vec3 way = orl_sub(facet->center[0], from);
+    const double d2 = orl_dot(way, way), r2 = facet->radius[0] * facet->radius[0];
+    if (d2 <= r2 * (1 + 1e-9))
+        return false;
+    const double sine2 = r2 / d2, least_cosine = sqrt(1 - sine2);
+    const double down = u[0] * sine2 / (1 + least_cosine), cosine = 1 - down;
+    const double sine = sqrt(fmax(0, down * (2 - down))), phi = 2 * ORL_PI * u[1], d = sqrt(d2);
+    const struct orl_frame frame = orl_frame_about(orl_scale(way, 1 / d));
+    ret_aim->light = orl_to_world(&frame, orl_v3(sine * cos(phi), sine * sin(phi), cosine));
+    /* As far as a sphere a little larger: a ray to the rim is a float, and must not meet it. */
+    const double room = 2 * facet->radius[0] * (d * 0x1p-20 + facet->offset);
+    ret_aim->distance = d * cosine - sqrt(fmax(0, r2 - d2 * sine * sine) + room);
+    ret_aim->measure_sr = 2 * ORL_PI * sine2 / (1 + least_cosine);
+    return true;
+}
+
+/* Any other surface: uniform by area. */
+static bool aim_by_area(const struct orl_world *world, const struct orl_emitter *emitter,
+                        struct orl_vec3 from, const double u[2], struct aim *ret_aim)
+{
+    const struct orl_facet *facet = &world->geometry->facets[emitter->facet];
+    struct orl_vec3 point, normal;
+    orl_facet_sample(world->geometry, emitter->facet, u, &point, &normal);
+    const struct orl_vec3 way = orl_sub(point, from);
+    const double d2 = orl_dot(way, way), d = sqrt(d2);
+    if (!(d > 0))
+        return false;
+    ret_aim->light = orl_scale(way, 1 / d);
+    ret_aim->distance = d;
+    ret_aim->measure_sr = -orl_dot(ret_aim->light, normal) * facet->area / d2;
+    return ret_aim->measure_sr > 0;
+}
+
+/* The density with which a shadow ray is drawn that way: per steradian. */
+static double aim_pdf(const struct aim *aim)
+{
+    return 1 / aim->measure_sr;
+}
+
+/* The same for a ray from there that happened on the emitter at that hit. */
+static double aim_pdf_of_hit(const struct orl_world *world, const struct orl_hit *hit,
+                             struct orl_vec3 from)
+{
+    const struct orl_facet *facet = &world->geometry->facets[hit->facet];
+    const struct orl_vec3 way = orl_sub(hit->point, from);
+    const double d2 = orl_dot(way, way);
+    if (facet->kind != ORL_SURFACE_SPHERE) {
+        const double cosine = fabs(orl_dot(way, hit->normal)) / sqrt(d2);
+        return d2 / (cosine * facet->area);
+    }
+    const struct orl_vec3 to_center = orl_sub(facet->center[0], from);
+    const double r2 = facet->radius[0] * facet->radius[0], c2 = orl_dot(to_center, to_center);
+    const double sine2 = r2 / c2;
+    return c2 > r2 ? (1 + sqrt(1 - sine2)) / (2 * ORL_PI * sine2) : 0;
+}
+
+/*
+ * What rays may be drawn by where suns and lamps are looked for by way of a material's lobes. Both
+ * shares are worked out from this, whatever a path then allows: they must add up to one.
+ */
+static double lobe_pdf(const struct orl_material *material, const struct orl_hit *hit,
+                       struct orl_vec3 eye, struct orl_vec3 towards)
+{
+    return orl_scatter_pdf(material, hit, eye, ORL_TRANSPORT_EYE,
+                           (enum orl_lobes)(ORL_LOBE_REFLECTED | ORL_LOBE_TRANSMITTED), towards);
+}
+
+/* A spotlight's focus is known to shadow rays alone. */
+static bool is_for_rays(const struct orl_material *lamp)
+{
+    return !(lamp->focus > 0);
+}
+
+double orl_chance_share(const struct orl_world *world, const struct orl_hit *lamp,
+                        const struct orl_chance *chance)
+{
+    if (!(chance->pdf > 0))
+        return 0;
+    if (!isfinite(chance->pdf))
+        return 1;
+    if (!is_for_rays(orl_world_material(world, lamp)))
+        return 0;
+    const double pdf = aim_pdf_of_hit(world, lamp, chance->from);
+    return isfinite(pdf) ? chance->pdf / (chance->pdf + pdf) : 0;
+}
+
+struct orl_rgb orl_shining(const struct orl_world *world, const struct orl_hit *hit,
+                           struct orl_vec3 eye, const struct orl_chance *chance)
+{
+    const struct orl_material *m = orl_world_material(world, hit);
+    if (orl_material_glows(m))
+        return orl_material_emission(m, hit, eye);
+    if (!orl_material_is_lamp(m) || !(chance->pdf > 0))
+        return orl_gray(0);
+    return orl_rgb_scale(orl_material_emission(m, hit, eye), orl_chance_share(world, hit, chance));
+}
+
+struct orl_chance orl_chance_after(const struct orl_world *world, const struct orl_hit *hit,
+                                   struct orl_vec3 eye, const struct orl_scatter *scatter,
+                                   struct orl_chance before)
+{
+    if (scatter->event == ORL_EVENT_STRAIGHT)
+        return before;
+    if (scatter->event == ORL_EVENT_DIFFUSE)
+        return orl_chance_found();
+    if (scatter->event != ORL_EVENT_GLOSSY)
+        return orl_chance_unsought();
+    if (world->n_emitters == 0)
+        return orl_chance_found();
+    return (struct orl_chance){
+        lobe_pdf(orl_world_material(world, hit), hit, eye, scatter->direction),
+        orl_hit_leave(world->geometry, hit, scatter->direction)};
+}
+
+static struct orl_rgb light_from_emitter(const struct orl_world *world,
+                                         const struct orl_emitter *emitter,
+                                         const struct orl_direct_query *query, const double u[2])
+{
+    const struct orl_facet *facet = &world->geometry->facets[emitter->facet];
+    struct aim aim;
+    const bool aimed = facet->kind == ORL_SURFACE_SPHERE
+                           ? aim_at_sphere(facet, query->point, u, &aim)
+                           : aim_by_area(world, emitter, query->point, u, &aim);
+    if (!aimed)
+        return orl_gray(0);
+    const struct orl_material *m = &world->description.materials[facet->material];
+    const struct orl_rgb seen = response(query, aim.light);
+    if (!(orl_rgb_max(seen) > 0) || !orl_material_beams(m, orl_neg(aim.light)))
+        return orl_gray(0);
+    double left = 1;
+    if (query->lobes && is_for_rays(m))
+        left = aim_pdf(&aim) /
+               (aim_pdf(&aim) + lobe_pdf(query->lobes, query->hit, query->eye, aim.light));
+    if (m->focus > 0)
+        aim.measure_sr *= orl_spot_spread(m->focus, aim.distance);
+    const double reach = aim.distance - 2 * facet->offset;
+    const struct orl_rgb share =
+        reach > 0 ? orl_transmittance(world, query->point, aim.light, reach, query->through_ports)
+                  : orl_gray(1);
+    return orl_rgb_scale(orl_rgb_mul(orl_rgb_mul(emitter->radiance, seen), share),
+                         aim.measure_sr * left);
+}
+
+/* The numbers for the n-th light: random, or the caller's even ones turned by the golden ratio. */
+static void numbers_for(const struct orl_direct_query *query, size_t n, struct orl_random *random,
+                        double ret_u[2])
+{
+    for (int i = 0; i < 2; i++) {
+        const double turn = (double)n * (i == 0 ? 0.6180339887498949 : 0.7548776662466927);
+        ret_u[i] = query->u ? query->u[i] + turn : orl_random_uniform(random);
+        ret_u[i] -= floor(ret_u[i]);
+    }
+}
+
+/* The sun's images in the scene's mirrors. */
+static struct orl_rgb mirrored_sun(const struct orl_world *world, const struct orl_sun *sun,
+                                   const struct orl_direct_query *query, struct orl_vec3 towards)
+{
+    struct orl_rgb sum = orl_gray(0);
+    for (size_t i = 0; i < world->n_mirrors; i++) {
+        struct orl_vec3 light;
+        const struct orl_vec3 mirror = world->mirrors[i];
+        const struct orl_vec3 image = orl_madd(towards, mirror, -2 * orl_dot(towards, mirror));
+        const struct orl_rgb seen = response(query, image);
+        if (!(orl_rgb_max(seen) > 0))
+            continue;
+        const struct orl_rgb share = orl_mirrored_transmittance(
+            world, query->point, towards, mirror, query->through_ports, &light);
+        sum = orl_rgb_add(sum, orl_rgb_mul(orl_rgb_mul(sun->irradiance, seen), share));
+    }
+    return sum;
+}
+
+struct orl_rgb orl_direct_light(const struct orl_world *world, const struct orl_direct_query *query,
+                                struct orl_random *random)
+{
+    struct orl_rgb sum = orl_gray(0);
+    double u[2];
+    for (size_t i = 0; i < world->n_suns; i++) {
+        const struct orl_sun *sun = &world->suns[i];
+        numbers_for(query, i, random, u);
+        const struct orl_vec3 light = orl_sun_sample(sun, u);
+        const struct orl_rgb seen = response(query, light);
+        if (query->mirrored)
+            sum = orl_rgb_add(sum, mirrored_sun(world, sun, query, light));
+        if (!(orl_rgb_max(seen) > 0))
+            continue;
+        const struct orl_rgb share =
+            orl_transmittance(world, query->point, light, INFINITY, query->through_ports);
+        sum = orl_rgb_add(sum, orl_rgb_mul(orl_rgb_mul(sun->irradiance, seen), share));
+    }
+    for (size_t i = 0; i < world->n_emitters; i++) {
+        if (!world->emitters[i].direct)
+            continue;
+        numbers_for(query, world->n_suns + i, random, u);
+        sum = orl_rgb_add(sum, light_from_emitter(world, &world->emitters[i], query, u));
+    }
+    return sum;
+}
+
+struct orl_rgb orl_direct_by_lobes(const struct orl_world *world, const struct orl_hit *hit,
+                                   const struct orl_material *material, struct orl_vec3 eye,
+                                   struct orl_random *random)
+{
+    const struct orl_vec3 seen = hit->front ? hit->normal : orl_neg(hit->normal);
+    struct orl_rgb sum = orl_gray(0);
+    for (int side = 0; side < (orl_material_transmits_lobes(material) ? 2 : 1); side++) {
+        const struct orl_vec3 normal = side == 0 ? seen : orl_neg(seen);
+        const struct orl_direct_query query = {.point = orl_hit_leave(world->geometry, hit, normal),
+                                               .normal = normal,
+                                               .through_ports = true,
+                                               .lobes = material,
+                                               .hit = hit,
+                                               .eye = eye,
+                                               .mirrored = true};
+        sum = orl_rgb_add(sum, orl_direct_light(world, &query, random));
+    }
+    return sum;
+}

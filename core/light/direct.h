@@ -1,0 +1,85 @@
+/*
+ * Light that comes straight from suns and lamps: shadow rays, through thin panes and by way of flat
+ * mirrors; and who counts a lamp that shadow rays and rays drawn by a lobe can both find.
+ */
+#ifndef ORL_LIGHT_DIRECT_H
+#define ORL_LIGHT_DIRECT_H
+
+#include "light/world.h"
+
+/*
+ * Share of light that comes straight from `direction`, from within max_distance, thin glass on the
+ * way included. With through_ports false a port met from outside blocks.
+ */
+struct orl_rgb orl_transmittance(const struct orl_world *world, struct orl_vec3 origin,
+                                 struct orl_vec3 direction, double max_distance,
+                                 bool through_ports);
+
+/*
+ * Share of the light of a sun, at `sun`, that comes to origin by one reflection in a flat mirror of
+ * that normal, panes on the way included; ret_direction is where it comes from.
+ */
+struct orl_rgb orl_mirrored_transmittance(const struct orl_world *world, struct orl_vec3 origin,
+                                          struct orl_vec3 sun, struct orl_vec3 mirror,
+                                          bool through_ports, struct orl_vec3 *ret_direction);
+
+/*
+ * Irradiance at a point with that (unit) normal from suns and lights sampled directly: one shadow
+ * ray each. With lobes not NULL, weighted by that hit's lobes towards eye instead of counted
+ * whole: the result is then radiance, of lamps the share that rays drawn by those lobes leave.
+ */
+struct orl_direct_query {
+    struct orl_vec3 point;  /* clear of the surface */
+    struct orl_vec3 normal; /* towards the side that is lit */
+    bool through_ports;
+    const struct orl_material *lobes;
+    const struct orl_hit *hit;
+    struct orl_vec3 eye;
+    bool mirrored;   /* with the suns' images in flat mirrors, one reflection deep */
+    const double *u; /* two numbers in [0,1) from an even sequence, or NULL for random ones */
+};
+struct orl_rgb orl_direct_light(const struct orl_world *world, const struct orl_direct_query *query,
+                                struct orl_random *random);
+
+/*
+ * Radiance of suns (images in flat mirrors included) and lights that the lobes of material at that
+ * hit send towards eye, from both sides where it transmits: one shadow ray each. The rest of the
+ * light of lamps is for rays drawn by the lobes (orl_chance_after).
+ */
+struct orl_rgb orl_direct_by_lobes(const struct orl_world *world, const struct orl_hit *hit,
+                                   const struct orl_material *material, struct orl_vec3 eye,
+                                   struct orl_random *random);
+
+/*
+ * How a ray came by its direction, for the lamps that it may happen on: shadow rays may have looked
+ * for them too. Of a lamp that both can find, each counts a share: to a narrow lobe rays find it
+ * better, to a wide one shadow rays do. (Veach 1997, chapter 9: the balance heuristic.)
+ */
+struct orl_chance {
+    double pdf; /* 1/sr; 0: shadow rays have found all lamps; infinite: nobody else looked */
+    struct orl_vec3 from; /* where the lobe is that the ray was drawn by; else of no meaning */
+};
+
+static inline struct orl_chance orl_chance_found(void)
+{
+    return (struct orl_chance){.pdf = 0};
+}
+static inline struct orl_chance orl_chance_unsought(void)
+{
+    return (struct orl_chance){.pdf = INFINITY};
+}
+
+/* Of the light of a lamp at that hit, the ray's share. */
+double orl_chance_share(const struct orl_world *world, const struct orl_hit *lamp,
+                        const struct orl_chance *chance);
+
+/* Radiance that the surface there shines towards eye: of a lamp, the ray's share. */
+struct orl_rgb orl_shining(const struct orl_world *world, const struct orl_hit *hit,
+                           struct orl_vec3 eye, const struct orl_chance *chance);
+
+/* What holds after the event at a surface; suns and lamps were looked for by way of its lobes. */
+struct orl_chance orl_chance_after(const struct orl_world *world, const struct orl_hit *hit,
+                                   struct orl_vec3 eye, const struct orl_scatter *scatter,
+                                   struct orl_chance before);
+
+#endif
