@@ -1,7 +1,7 @@
 #include "plan/lit.h"
 
 #include "base/sobol.h"
-#include "light/exterior.h"
+#include "light/direct.h"
 
 enum { MOST_RAYS = 1 << 18, MOST_SAMPLES = 256, LEAST_SAMPLES = 8, MOST_PANES = 64 };
 enum { WINDOW_SAMPLES = 1024, IMAGE_SAMPLES = 64 };

@@ -14,7 +14,7 @@
 #ifndef ORL_RENDER_VPL_H
 #define ORL_RENDER_VPL_H
 
-#include "light/exterior.h"
+#include "light/direct.h"
 #include "photon/shoot.h"
 
 struct orl_vpl {
