@@ -7,7 +7,7 @@
  * ports (photon/emit.h), carrying whatever radiance really arrives there; what never crosses is
  * emitted from the lights themselves, and only when the scene has openings ("open"). In a sealed
  * scene (not open) photons therefore land inside only, and surfaces outside are evaluated by paths
- * (direct.h) instead of by density.
+ * (exterior.h) instead of by density.
  */
 #ifndef ORL_LIGHT_WORLD_H
 #define ORL_LIGHT_WORLD_H
