@@ -17,6 +17,13 @@ enum { RINGS = 12, SMALLEST = 256, LEAST = 8 };
 /* In standard deviations of ring minus disc: full agreement up to the first, none from the last. */
 static const double agrees = 1.25, differs = 3.25;
 
+/*
+ * Of the smallest discs a picture holds thousands, so that some disagree by chance alone and would
+ * be left alone with their noise, as specks. The first comparisons ask for so many times that much.
+ */
+enum { DOUBTED = 2 };
+static const double doubt[DOUBTED] = {1.4, 1.2};
+
 /* Photons of a ring, or of a disc: as far as the surface goes. */
 struct ring {
     struct orl_rgb all, by_x, by_y; /* sums of fluxes, and of fluxes times either coordinate */
@@ -139,8 +146,11 @@ static struct orl_rgb move_on(struct orl_rgb value, struct orl_rgb to, double sh
     return orl_rgb_add(orl_rgb_scale(value, 1 - share), orl_rgb_scale(to, share));
 }
 
-/* How far ring and disc agree, from 1 to 0: as two draws of one density, by the scatter of both. */
-static double agreement(const struct ring *disc, const struct ring *ring)
+/*
+ * How far ring and disc agree, from 1 to 0: as two draws of one density, by the scatter of both.
+ * Step is how many comparisons came before.
+ */
+static double agreement(const struct ring *disc, const struct ring *ring, int step)
 {
     const double luma = orl_luma(disc->all) + orl_luma(ring->all);
     if (!(ring->room.area > 1e-6 * disc->room.area) || !(disc->room.area > 0) || !(luma > 0))
@@ -151,7 +161,8 @@ static double agreement(const struct ring *disc, const struct ring *ring)
     const double density = luma / (disc->room.area + ring->room.area);
     const double a_photon = (disc->squares + ring->squares) / luma;
     const double variance = density * a_photon * (1 / in.area + 1 / out.area);
-    const double off = fabs(luma_of(&out) - luma_of(&in)) / sqrt(variance);
+    const double enough = sqrt(variance) * (step < DOUBTED ? doubt[step] : 1);
+    const double off = fabs(luma_of(&out) - luma_of(&in)) / enough;
     const double x = fmin(fmax((differs - off) / (differs - agrees), 0), 1);
     return x * x * (3 - 2 * x);
 }
@@ -199,7 +210,7 @@ static double bias_of(const struct reading *disc, double area, const struct read
 static struct blend blend_discs(const struct ring rings[RINGS], uint32_t found, double least_area)
 {
     struct ring disc = {.found = 0};
-    int ring = RINGS, smallest = 0;
+    int ring = RINGS, smallest = 0, step = 0;
     for (uint32_t even = found; even >= 2 * SMALLEST && smallest < RINGS - 1; even /= 2)
         smallest++;
     while (ring > 0 && (ring > smallest || disc.found < LEAST))
@@ -208,7 +219,7 @@ static struct blend blend_discs(const struct ring rings[RINGS], uint32_t found, 
     struct blend blend = {.value = narrow.value, .radius = exp2(-0.5 * ring)};
     for (double use = 1; ring > 0 && use > 0;) {
         const double area = disc.room.area, before = use;
-        use *= agreement(&disc, &rings[--ring]);
+        use *= agreement(&disc, &rings[--ring], step++);
         add(&disc, &rings[ring]);
         const struct reading wider = estimate_of(&disc, least_area);
         blend.value = move_on(blend.value, wider.value, use);

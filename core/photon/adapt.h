@@ -6,10 +6,10 @@
  * One search finds the nearest photons, up to query->k. Discs about the point, each of half the
  * next one's area, give estimates from noisy to smooth. From a disc of about 256 photons on,
  * each ring is compared with the disc inside it: as long as the two agree within the scatter of so
- * many photons, the estimate moves on to the larger disc. Between clear agreement and clear
- * disagreement it moves part of the way, and no wider disc is used more than a narrower one: the
- * result is a continuous function of the photons' fluxes, and no pattern shows where one
- * bandwidth takes over from another. All areas are the footprint's (footprint.h).
+ * many photons, or at first somewhat more, the estimate moves on to the larger disc. Between clear
+ * agreement and clear disagreement it moves part of the way, and no wider disc is used more than a
+ * narrower one: the result is a continuous function of the photons' fluxes, and no pattern shows
+ * where one bandwidth takes over from another. All areas are the footprint's (footprint.h).
  *
  * Beside a wall or an edge a disc is cut, and what is left of it lies to one side of the point: the
  * mean over it is off wherever light falls off, as it does in corners. There a plane is fitted to
