@@ -63,6 +63,24 @@ static double variance_of_mean(const struct strand *strands, uint32_t rows, uint
     return square / ((double)rows * columns * rows * columns);
 }
 
+/* What a ray sees: on a surface that a BSDF stands for, as views do. */
+static struct strand follow(const struct orl_gather *gather, const struct orl_place *place,
+                            struct orl_gather_ray ray, struct orl_random *random,
+                            struct orl_search *search)
+{
+    struct strand strand = {.distance = INFINITY};
+    ray.ret_distance = &strand.distance;
+    strand.radiance =
+        place->proxied
+            ? orl_health_keep(&search->health,
+                              orl_exterior_radiance(orl_world_seen(gather->world), ray.origin,
+                                                    ray.direction, orl_chance_found(), random,
+                                                    &search->health))
+            : orl_gather_radiance(gather, &ray, random, search);
+    strand.distance = fmax(strand.distance, 1e-9 * gather->world->geometry->radius);
+    return strand;
+}
+
 struct orl_hemisphere orl_gather_hemisphere(const struct orl_gather *gather,
                                             const struct orl_place *place, uint32_t rows,
                                             uint32_t columns, struct orl_random *random,
@@ -82,28 +100,20 @@ struct orl_hemisphere orl_gather_hemisphere(const struct orl_gather *gather,
         const double phi = 2 * ORL_PI * (column + orl_random_uniform(random)) / columns;
         const struct orl_vec3 direction = orl_to_world(
             &frame, orl_v3(sine * cos(phi), sine * sin(phi), sqrt(fmax(0, 1 - sine * sine))));
-        double distance = INFINITY, first[3];
+        double first[3];
         orl_sobol_point(&gather->sobol, i, sequence, 3, first);
         const struct orl_gather_ray ray = {.origin = place->point,
                                            .direction = direction,
                                            .outside = place->outside,
                                            .first = first,
                                            .tally = &tally,
-                                           .share = ORL_PI / ((double)rows * columns),
-                                           .ret_distance = &distance};
-        const struct orl_rgb radiance =
-            place->proxied
-                ? orl_health_keep(&search->health,
-                                  orl_exterior_radiance(orl_world_seen(gather->world), place->point,
-                                                        direction, orl_chance_found(), random,
-                                                        &search->health))
-                : orl_gather_radiance(gather, &ray, random, search);
-        h.irradiance = orl_rgb_add(h.irradiance, radiance);
-        distance = fmax(distance, 1e-9 * gather->world->geometry->radius);
-        nearness += 1 / distance;
-        h.least_distance = fmin(h.least_distance, distance);
+                                           .share = ORL_PI / ((double)rows * columns)};
+        const struct strand strand = follow(gather, place, ray, random, search);
+        h.irradiance = orl_rgb_add(h.irradiance, strand.radiance);
+        nearness += 1 / strand.distance;
+        h.least_distance = fmin(h.least_distance, strand.distance);
         if (strands)
-            strands[i] = (struct strand){radiance, distance};
+            strands[i] = strand;
     }
     h.irradiance = orl_rgb_scale(h.irradiance, ORL_PI / ((double)rows * columns));
     h.mean_distance = nearness > 0 ? (double)rows * columns / nearness : INFINITY;
