@@ -17,6 +17,11 @@ enum { RINGS = 12, SMALLEST = 256, LEAST = 8 };
 /* In standard deviations of ring minus disc: full agreement up to the first, none from the last. */
 static const double agrees = 1.25, differs = 3.25;
 
+/* A curve is taken out in so far as it is beyond that many standard deviations of its own... */
+static const double surely = 2;
+/* ... and up to this share of what there is. */
+static const double most_taken = 1.0 / 3;
+
 /*
  * Of the smallest discs a picture holds thousands, so that some disagree by chance alone and would
  * be left alone with their noise, as specks. The first comparisons ask for so many times that much.
@@ -191,44 +196,87 @@ static struct reading estimate_of(const struct ring *disc, double least_area)
 struct blend {
     struct orl_rgb value;
     double bias;   /* of its luma */
+    double curve;  /* what of that is a curve of the light's, if it is */
     double radius; /* over that of the widest disc */
 };
 
+/* A disc: what is read of it, and how large it is. */
+struct disc {
+    struct reading reading;
+    double area;
+};
+
 /*
- * The bias of a disc is taken to be in proportion to its area: then what another one, wider or
- * narrower, has beyond it tells it.
+ * The bias of a disc is taken to be in proportion to its area: then what a pair of others, or it
+ * and another, differ by tells it.
  */
-static double bias_of(const struct reading *disc, double area, const struct reading *other,
-                      double other_area)
+static double bias_of(const struct disc *disc, const struct disc *one, const struct disc *other)
 {
-    const double more = other_area - area;
-    return fabs(more) > 0.3 * fmin(area, other_area)
-               ? (luma_of(other) - luma_of(disc)) * area / more
+    const double more = other->area - one->area;
+    return fabs(more) > 0.3 * fmin(one->area, other->area)
+               ? (luma_of(&other->reading) - luma_of(&one->reading)) * disc->area / more
                : 0;
 }
 
+/*
+ * The same where light is curved about the point: then two pairs of neighbours among three discs,
+ * this one the narrowest if there are two wider, tell it alike. Beside an edge, or where a disc is
+ * off by chance, one of the pairs sees little: the lesser is taken, and nothing where they
+ * contradict each other.
+ */
+static double curve_of(const struct disc discs[RINGS], int at, int narrowest)
+{
+    const int widest = at < 2 ? 0 : at - 2;
+    if (widest + 2 > narrowest)
+        return 0;
+    const double wide = bias_of(&discs[at], &discs[widest + 1], &discs[widest]);
+    const double narrow = bias_of(&discs[at], &discs[widest + 2], &discs[widest + 1]);
+    return wide * narrow > 0 ? copysign(fmin(fabs(wide), fabs(narrow)), wide) : 0;
+}
+
+/* Sums over discs, and what is read of them, from the narrowest that is not all but empty: which
+ * is returned. */
+static int fill_discs(const struct ring rings[RINGS], double least_area, struct ring sums[RINGS],
+                      struct disc discs[RINGS])
+{
+    struct ring sum = {.found = 0};
+    int narrowest = RINGS - 1;
+    for (int i = RINGS - 1; i >= 0; i--) {
+        add(&sum, &rings[i]);
+        if (sum.found < LEAST)
+            narrowest = i > 0 ? i - 1 : 0;
+        if (sum.found >= LEAST || i == 0)
+            discs[i] = (struct disc){estimate_of(&sum, least_area), sum.room.area};
+        sums[i] = sum;
+    }
+    return narrowest;
+}
+
+/* From the smallest disc that is trusted outwards, as far as rings agree. */
 static struct blend blend_discs(const struct ring rings[RINGS], uint32_t found, double least_area)
 {
-    struct ring disc = {.found = 0};
-    int ring = RINGS, smallest = 0, step = 0;
-    for (uint32_t even = found; even >= 2 * SMALLEST && smallest < RINGS - 1; even /= 2)
-        smallest++;
-    while (ring > 0 && (ring > smallest || disc.found < LEAST))
-        add(&disc, &rings[--ring]);
-    struct reading narrow = estimate_of(&disc, least_area);
-    struct blend blend = {.value = narrow.value, .radius = exp2(-0.5 * ring)};
-    for (double use = 1; ring > 0 && use > 0;) {
-        const double area = disc.room.area, before = use;
-        use *= agreement(&disc, &rings[--ring], step++);
-        add(&disc, &rings[ring]);
-        const struct reading wider = estimate_of(&disc, least_area);
-        blend.value = move_on(blend.value, wider.value, use);
-        blend.radius += use * (exp2(-0.5 * ring) - blend.radius);
-        blend.bias += before * bias_of(&narrow, area, &wider, disc.room.area);
+    struct ring sums[RINGS];
+    struct disc discs[RINGS];
+    const int narrowest = fill_discs(rings, least_area, sums, discs);
+    int ring = 0, step = 0;
+    for (uint32_t even = found; even >= 2 * SMALLEST && ring < narrowest; even /= 2)
+        ring++;
+    struct blend blend = {.value = discs[ring].reading.value,
+                          .curve = ring == 0 ? curve_of(discs, 0, narrowest) : 0,
+                          .radius = exp2(-0.5 * ring)};
+    for (double use = 1; ring > 0 && use > 0; ring--) {
+        const double before = use;
+        use *= agreement(&sums[ring], &rings[ring - 1], step++);
+        blend.value = move_on(blend.value, discs[ring - 1].reading.value, use);
+        blend.radius += use * (exp2(-0.5 * (ring - 1)) - blend.radius);
+        blend.bias += before * bias_of(&discs[ring], &discs[ring], &discs[ring - 1]);
+        blend.curve += before * curve_of(discs, ring, narrowest);
         blend.bias *= 1 - use;
-        if (ring == 0)
-            blend.bias += use * bias_of(&wider, disc.room.area, &narrow, area);
-        narrow = wider;
+        blend.curve *= 1 - use;
+        if (ring == 1) {
+            blend.bias += use * bias_of(&discs[0], &discs[0], &discs[1]);
+            blend.curve += use * curve_of(discs, 0, narrowest);
+        }
     }
     return blend;
 }
@@ -255,6 +303,23 @@ static void leave_out(const struct ring rings[RINGS], const struct batch_ring by
 }
 
 /*
+ * Takes out what chance can hardly have made of the curve; the rest of the bias is told. In a dark
+ * place amid bright ones, where even the smallest disc is wide, it is most of it.
+ */
+static void take_curve_out(struct orl_density *density, const struct blend *whole,
+                           struct orl_batches *value, const struct orl_batches *curve)
+{
+    const double luma = orl_luma(whole->value), square = whole->curve * whole->curve;
+    const double chance = surely * surely * orl_batches_variance(curve);
+    if (!(square > chance) || !(luma > 0))
+        return;
+    const double share = fmin(1 - chance / square, most_taken * luma / fabs(whole->curve));
+    density->irradiance = orl_rgb_scale(whole->value, 1 - share * whole->curve / luma);
+    density->bias -= share * whole->curve;
+    orl_batches_add(value, curve, -share);
+}
+
+/*
  * The batches' parts, such that what is left without one of them is what the others alone would
  * make of it, choice of discs and all (Tukey's pseudovalues), and their sum the whole.
  */
@@ -262,24 +327,28 @@ static void part_by_batch(const struct ring rings[RINGS], const struct batch_rin
                           const struct blend *whole, double least_area, struct orl_density *density)
 {
     static const double left = (ORL_MAP_BATCHES - 1.0) / ORL_MAP_BATCHES;
-    struct orl_batches value, bias;
-    double mean_value = 0, mean_bias = 0;
+    struct orl_batches value, bias, curve;
+    double mean_value = 0, mean_bias = 0, mean_curve = 0;
     for (uint32_t i = 0; i < ORL_MAP_BATCHES; i++) {
         struct ring others[RINGS];
         leave_out(rings, by_batch, i, others);
         const struct blend without = blend_discs(others, density->found, least_area);
         value.luma[i] = -left * orl_luma(without.value);
         bias.luma[i] = -left * without.bias;
+        curve.luma[i] = -left * without.curve;
         mean_value += value.luma[i] / ORL_MAP_BATCHES;
         mean_bias += bias.luma[i] / ORL_MAP_BATCHES;
+        mean_curve += curve.luma[i] / ORL_MAP_BATCHES;
     }
     for (uint32_t i = 0; i < ORL_MAP_BATCHES; i++) {
         value.luma[i] += orl_luma(whole->value) / ORL_MAP_BATCHES - mean_value;
         bias.luma[i] += whole->bias / ORL_MAP_BATCHES - mean_bias;
+        curve.luma[i] += whole->curve / ORL_MAP_BATCHES - mean_curve;
     }
+    density->bias = orl_batches_beyond_scatter(&bias);
+    take_curve_out(density, whole, &value, &curve);
     density->parts = value;
     density->standard_error = sqrt(orl_batches_variance(&value));
-    density->bias = orl_batches_beyond_scatter(&bias);
 }
 
 static int compare(const void *a, const void *b)

@@ -17,6 +17,10 @@
  * chance. It is several times as noisy as a mean (1.9 at a straight edge, 2.9 in a right corner)
  * and discs are compared by it, so that they grow wider there.
  *
+ * In a dark place amid bright ones even the smallest disc is too wide: light curves within it. What
+ * three discs, each of twice the area of the one before, agree about is taken out, in so far as it
+ * is beyond twice its own scatter, and up to a third of what there is.
+ *
  * References: Lepski 1991, Theory of Probability and its Applications 35 (bandwidths by comparison
  * of nested estimates); Belomestny and Spokoiny 2007, Annals of Statistics 35, 2287 (stagewise
  * aggregation); Schregle 2003, Computer Graphics Forum 22, 729 (bias compensation for photon maps);
@@ -39,7 +43,8 @@ double orl_adapt_reach(const struct orl_photon_map *map, double widest, struct o
 /*
  * As orl_density_estimate; radius is the mean of the discs used, by their weight in the result. The
  * standard error is by leaving batches out (Tukey's jackknife), so that it knows of the choice of
- * discs; the bias is what wider discs have beyond the ones used, past its scatter.
+ * discs; the bias is what wider discs have beyond the ones used, past its scatter and
+ * what of it was taken out.
  */
 struct orl_density orl_adapt_estimate(const struct orl_photon_map *map,
                                       const struct orl_density_query *query,
