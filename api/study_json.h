@@ -20,8 +20,8 @@
  * {"load", ..., "render", "total", "total_error"}, "rms", "rms_error", "bias", "bias_error",
  * "noise", "p95", "peak", "map_bytes", "reference_shows", "on_front"}], "fits": [{"technique",
  * "points", "terms": {"kernel": {"value", "error"}, ...}, "chi2", "residual"}], "given": [{"name",
- * "seconds", "rms", "rays_per_s", "here_s"}], "warnings": [...]} Numbers that are not known are null. What they mean is in
- * oriel/study.h; errors are fractions.
+ * "seconds", "rms", "rays_per_s", "here_s"}], "warnings": [...]} Numbers that are not known are
+ * null. What they mean is in oriel/study.h; errors are fractions.
  *
  * Rules, ownership, threads and errors as in job_json.h.
  */
