@@ -19,34 +19,14 @@
 /* Minutes, of many rounds; to be cancelled. */
 #define LONG SENSORS VIEW ",\"accuracy\":{\"deadline_s\":600}"
 
-struct fixture {
-    struct daemon daemon;
-    char scene[65];
-};
-
-static int setup(void **state)
-{
-    static struct fixture fixture;
-    daemon_start(&fixture.daemon, NULL);
-    daemon_upload_room(&fixture.daemon, fixture.scene);
-    *state = &fixture;
-    return 0;
-}
-
-static int teardown(void **state)
-{
-    daemon_remove(&((struct fixture *)*state)->daemon);
-    return 0;
-}
-
-static void post(struct fixture *f, const char *rest, struct reply *ret_reply)
+static void post(struct daemon_room *f, const char *rest, struct reply *ret_reply)
 {
     char text[2048];
     snprintf(text, sizeof text, "{\"scene\":\"%s\",%s}", f->scene, rest);
     daemon_post_json(&f->daemon, "/v1/jobs", text, ret_reply);
 }
 
-static void submit(struct fixture *f, const char *rest, char ret_path[80])
+static void submit(struct daemon_room *f, const char *rest, char ret_path[80])
 {
     struct reply reply;
     post(f, rest, &reply);
@@ -56,7 +36,8 @@ static void submit(struct fixture *f, const char *rest, char ret_path[80])
     reply_done(&reply);
 }
 
-static void get_below(struct fixture *f, const char *job, const char *what, struct reply *ret_reply)
+static void get_below(struct daemon_room *f, const char *job, const char *what,
+                      struct reply *ret_reply)
 {
     char path[160];
     snprintf(path, sizeof path, "%s/%s", job, what);
@@ -64,7 +45,7 @@ static void get_below(struct fixture *f, const char *job, const char *what, stru
 }
 
 /* Until a round is done, and its results are there. */
-static void wait_for_round(struct fixture *f, const char *job)
+static void wait_for_round(struct daemon_room *f, const char *job)
 {
     for (int polls = 0; polls < 3000; polls++) {
         struct reply reply;
@@ -86,7 +67,7 @@ static void wait_for_round(struct fixture *f, const char *job)
     fail_msg("no round in a minute");
 }
 
-static void cancel(struct fixture *f, const char *job)
+static void cancel(struct daemon_room *f, const char *job)
 {
     struct reply reply;
     daemon_request(&f->daemon, "DELETE", job, NULL, NULL, 0, NULL, &reply);
@@ -100,7 +81,7 @@ static void cancel(struct fixture *f, const char *job)
 /* What a running job has found so far, and that it is gone with the job. */
 static void test_results_before_the_end(void **state)
 {
-    struct fixture *f = *state;
+    struct daemon_room *f = *state;
     struct reply reply;
     char job[80];
     submit(f, LONG, job);
@@ -132,7 +113,7 @@ static void test_results_before_the_end(void **state)
 /* A killed daemon starts the job again from its first round. */
 static void test_killed_between_rounds(void **state)
 {
-    struct fixture *f = *state;
+    struct daemon_room *f = *state;
     char job[80];
     submit(f, LONG, job);
     wait_for_round(f, job);
@@ -144,7 +125,7 @@ static void test_killed_between_rounds(void **state)
 
 static void test_accuracy_is_met(void **state)
 {
-    struct fixture *f = *state;
+    struct daemon_room *f = *state;
     struct reply reply;
     char job[80];
     submit(f, SENSORS ",\"accuracy\":{\"relative_error\":0.1,\"at\":0.5}", job);
@@ -175,7 +156,7 @@ static void test_refusals(void **state)
         {"{\"relative_error\":0.1},\"gather_samples\":64", "gather_samples"},
         {"{\"relative_error\":0.1},\"photons\":{\"global\":1000}", "photons"},
     };
-    struct fixture *f = *state;
+    struct daemon_room *f = *state;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         struct reply reply;
         char rest[512];
@@ -191,10 +172,13 @@ static void test_refusals(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(test_results_before_the_end, setup, teardown),
-        cmocka_unit_test_setup_teardown(test_killed_between_rounds, setup, teardown),
-        cmocka_unit_test_setup_teardown(test_accuracy_is_met, setup, teardown),
-        cmocka_unit_test_setup_teardown(test_refusals, setup, teardown),
+        cmocka_unit_test_setup_teardown(test_results_before_the_end, daemon_room_set_up,
+                                        daemon_room_tear_down),
+        cmocka_unit_test_setup_teardown(test_killed_between_rounds, daemon_room_set_up,
+                                        daemon_room_tear_down),
+        cmocka_unit_test_setup_teardown(test_accuracy_is_met, daemon_room_set_up,
+                                        daemon_room_tear_down),
+        cmocka_unit_test_setup_teardown(test_refusals, daemon_room_set_up, daemon_room_tear_down),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -16,26 +16,6 @@
 
 enum { PHOTONS = 20000, MANY_PHOTONS = 100000000, SOME_PHOTONS = 2000000 };
 
-struct fixture {
-    struct daemon daemon;
-    char scene[65];
-};
-
-static int setup(void **state)
-{
-    static struct fixture fixture;
-    daemon_start(&fixture.daemon, NULL);
-    daemon_upload_room(&fixture.daemon, fixture.scene);
-    *state = &fixture;
-    return 0;
-}
-
-static int teardown(void **state)
-{
-    daemon_remove(&((struct fixture *)*state)->daemon);
-    return 0;
-}
-
 static void expect_state(struct daemon *daemon, const char *job, const char *state, int attempts)
 {
     struct reply reply;
@@ -59,7 +39,7 @@ static void expect_file(struct daemon *daemon, const char *job, const char *name
 
 static void test_killed_in_the_middle(void **state)
 {
-    struct fixture *f = *state;
+    struct daemon_room *f = *state;
     char done[80], running[80], waiting[80];
     struct reply reply;
     daemon_submit(&f->daemon, f->scene, PHOTONS, 1, "kept", done);
@@ -85,7 +65,7 @@ static void test_killed_in_the_middle(void **state)
 /* A job that (it seems) kills the daemon is not tried for ever; the queue goes on. */
 static void test_third_kill_fails_the_job(void **state)
 {
-    struct fixture *f = *state;
+    struct daemon_room *f = *state;
     char killer[80], next[80];
     struct reply reply;
     daemon_submit(&f->daemon, f->scene, MANY_PHOTONS, 3, NULL, killer);
@@ -106,7 +86,7 @@ static void test_third_kill_fails_the_job(void **state)
 /* SIGTERM: the job is queued again, and that does not count as an attempt. */
 static void test_orderly_stop_requeues(void **state)
 {
-    struct fixture *f = *state;
+    struct daemon_room *f = *state;
     char running[80];
     struct reply reply;
     daemon_submit(&f->daemon, f->scene, MANY_PHOTONS, 4, NULL, running);
@@ -127,7 +107,7 @@ static void test_orderly_stop_requeues(void **state)
 /* A cancellation that was answered for holds, even when the daemon is killed right after. */
 static void test_cancelled_stays_cancelled(void **state)
 {
-    struct fixture *f = *state;
+    struct daemon_room *f = *state;
     char running[80];
     struct reply reply;
     daemon_submit(&f->daemon, f->scene, MANY_PHOTONS, 6, NULL, running);
@@ -143,7 +123,7 @@ static void test_cancelled_stays_cancelled(void **state)
 /* What a crash may leave: half-written files, and a map without a row. */
 static void test_leftovers_go_at_start(void **state)
 {
-    struct fixture *f = *state;
+    struct daemon_room *f = *state;
     char path[160];
     static const char *const leftovers[] = {"tmp/abc", "maps/global-00ff.opm"};
     daemon_end(&f->daemon, SIGKILL);
@@ -164,7 +144,7 @@ static void test_leftovers_go_at_start(void **state)
 /* Its maps' bytes spoilt on the disk: the daemon notices, builds them again, and says so. */
 static void test_damaged_map_is_built_again(void **state)
 {
-    struct fixture *f = *state;
+    struct daemon_room *f = *state;
     char job[80], path[160], command[400];
     struct reply reply;
     daemon_submit(&f->daemon, f->scene, PHOTONS, 5, NULL, job);
@@ -186,7 +166,7 @@ static void test_damaged_map_is_built_again(void **state)
 /* A limit on the size of files ends the job that meets it, not the daemon. */
 static void test_file_size_limit(void **state)
 {
-    struct fixture *f = *state;
+    struct daemon_room *f = *state;
     struct rlimit before, tight;
     struct reply reply;
     char job[80];
@@ -218,5 +198,5 @@ int main(void)
         cmocka_unit_test(test_damaged_map_is_built_again),
         cmocka_unit_test(test_file_size_limit),
     };
-    return cmocka_run_group_tests(tests, setup, teardown);
+    return cmocka_run_group_tests(tests, daemon_room_set_up, daemon_room_tear_down);
 }

@@ -23,34 +23,14 @@
 #define REFERENCE "\"reference\":{\"samples\":8192,\"runs\":2}"
 #define SENSORS "\"sensors\":[[2,1,0.8,0,0,1],[2,4,0.8,0,0,1]],"
 
-struct fixture {
-    struct daemon daemon;
-    char scene[65];
-};
-
-static int setup(void **state)
-{
-    static struct fixture fixture;
-    daemon_start(&fixture.daemon, NULL);
-    daemon_upload_room(&fixture.daemon, fixture.scene);
-    *state = &fixture;
-    return 0;
-}
-
-static int teardown(void **state)
-{
-    daemon_remove(&((struct fixture *)*state)->daemon);
-    return 0;
-}
-
-static void post(struct fixture *f, const char *rest, struct reply *ret_reply)
+static void post(struct daemon_room *f, const char *rest, struct reply *ret_reply)
 {
     char text[2048];
     snprintf(text, sizeof text, "{\"kind\":\"study\",\"scene\":\"%s\",%s}", f->scene, rest);
     daemon_post_json(&f->daemon, "/v1/jobs", text, ret_reply);
 }
 
-static void submit(struct fixture *f, const char *rest, char ret_path[80])
+static void submit(struct daemon_room *f, const char *rest, char ret_path[80])
 {
     struct reply reply;
     post(f, rest, &reply);
@@ -61,7 +41,7 @@ static void submit(struct fixture *f, const char *rest, char ret_path[80])
     reply_done(&reply);
 }
 
-static void expect_state(struct fixture *f, const char *job, const char *state, int attempts)
+static void expect_state(struct daemon_room *f, const char *job, const char *state, int attempts)
 {
     struct reply reply;
     daemon_wait(&f->daemon, job, 120, &reply);
@@ -83,7 +63,7 @@ static const char endless[] = SENSORS "\"techniques\":[\"gather\"]," LONG REFERE
 
 /* ---- What comes of a study ------------------------------------------------------------------ */
 
-static void check_file(struct fixture *f, const char *job, const char *name, const char *type,
+static void check_file(struct daemon_room *f, const char *job, const char *name, const char *type,
                        const char *begins)
 {
     struct reply reply;
@@ -104,7 +84,7 @@ static void check_numbers(const struct reply *reply, const char *const *names, s
             fail_msg("%s is not there", names[i]);
 }
 
-static void check_result(struct fixture *f, const char *job)
+static void check_result(struct daemon_room *f, const char *job)
 {
     static const char *const names[] = {
         "threads",
@@ -154,7 +134,7 @@ static void check_result(struct fixture *f, const char *job)
 
 static void test_life_of_a_study(void **state)
 {
-    struct fixture *f = *state;
+    struct daemon_room *f = *state;
     struct reply reply;
     char job[80];
     submit(f, small, job);
@@ -179,7 +159,7 @@ static void test_life_of_a_study(void **state)
 
 static void test_views_have_a_peak(void **state)
 {
-    struct fixture *f = *state;
+    struct daemon_room *f = *state;
     struct reply reply;
     char job[80], path[128];
     submit(f,
@@ -196,7 +176,7 @@ static void test_views_have_a_peak(void **state)
 }
 
 /* Waits until the running study has that many points. */
-static void wait_for_points(struct fixture *f, const char *job, size_t points,
+static void wait_for_points(struct daemon_room *f, const char *job, size_t points,
                             struct reply *ret_reply)
 {
     for (int polls = 0; polls < 3000; polls++) {
@@ -212,7 +192,7 @@ static void wait_for_points(struct fixture *f, const char *job, size_t points,
     fail_msg("no points in a minute");
 }
 
-static void cancel(struct fixture *f, const char *job, long status)
+static void cancel(struct daemon_room *f, const char *job, long status)
 {
     struct reply reply;
     daemon_request(&f->daemon, "DELETE", job, NULL, NULL, 0, NULL, &reply);
@@ -221,7 +201,7 @@ static void cancel(struct fixture *f, const char *job, long status)
 }
 
 /* `oriel status` of a study that runs. */
-static void check_status(const struct fixture *f, const char *job)
+static void check_status(const struct daemon_room *f, const char *job)
 {
     static struct cli_result result;
     const char *const args[] = {"status", strrchr(job, '/') + 1, "--server", f->daemon.url, NULL};
@@ -234,7 +214,7 @@ static void check_status(const struct fixture *f, const char *job)
 
 static void test_progress_and_cancelling(void **state)
 {
-    struct fixture *f = *state;
+    struct daemon_room *f = *state;
     struct reply reply;
     char job[80], waiting[80], path[128];
     submit(f, seen, job);
@@ -268,7 +248,7 @@ static void test_progress_and_cancelling(void **state)
 
 /* ---- Restarts ------------------------------------------------------------------------------- */
 
-static void wait_until_under_way(struct fixture *f, const char *job)
+static void wait_until_under_way(struct daemon_room *f, const char *job)
 {
     struct reply reply;
     wait_for_points(f, job, 0, &reply);
@@ -277,7 +257,7 @@ static void wait_until_under_way(struct fixture *f, const char *job)
 
 static void test_killed_in_the_middle(void **state)
 {
-    struct fixture *f = *state;
+    struct daemon_room *f = *state;
     char kept[80], torn[80], waiting[80];
     submit(f, small, kept);
     expect_state(f, kept, "succeeded", 1);
@@ -335,7 +315,7 @@ static const struct {
 
 static void test_mistakes_are_named(void **state)
 {
-    struct fixture *f = *state;
+    struct daemon_room *f = *state;
     struct reply reply;
     for (size_t i = 0; i < sizeof refusals / sizeof *refusals; i++) {
         post(f, refusals[i].rest, &reply);
@@ -348,7 +328,7 @@ static void test_mistakes_are_named(void **state)
 
 static void test_other_kinds_and_scenes_are_refused(void **state)
 {
-    struct fixture *f = *state;
+    struct daemon_room *f = *state;
     struct reply reply;
     char text[1024];
     daemon_post_json(&f->daemon, "/v1/jobs", "{\"kind\":\"annual\"}", &reply);
@@ -377,7 +357,7 @@ static void test_other_kinds_and_scenes_are_refused(void **state)
 /* `oriel submit --wait` and `oriel fetch`: scene and sensors travel by themselves. */
 static void test_the_command_submits_studies(void **state)
 {
-    struct fixture *f = *state;
+    struct daemon_room *f = *state;
     static struct cli_result result;
     char folder[64], study[96], output[96], id[80];
     static const char *const files[] = {"result.json", "study.csv", "study.svg", "study.png"};
@@ -425,5 +405,5 @@ int main(void)
         cmocka_unit_test(test_other_kinds_and_scenes_are_refused),
         cmocka_unit_test(test_the_command_submits_studies),
     };
-    return cmocka_run_group_tests(tests, setup, teardown);
+    return cmocka_run_group_tests(tests, daemon_room_set_up, daemon_room_tear_down);
 }

@@ -78,4 +78,12 @@ void daemon_wait_running(struct daemon *daemon, const char *path, double percent
 
 extern const char room_scene[], room_sky[];
 
+/* A daemon that has the room as a scene. For cmocka's set-up and tear-down. */
+struct daemon_room {
+    struct daemon daemon;
+    char scene[65];
+};
+int daemon_room_set_up(void **state);
+int daemon_room_tear_down(void **state);
+
 #endif
