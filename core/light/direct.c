@@ -155,8 +155,9 @@ static bool is_for_rays(const struct orl_material *lamp)
     return !(lamp->focus > 0);
 }
 
-double orl_chance_share(const struct orl_world *world, const struct orl_hit *lamp,
-                        const struct orl_chance *chance)
+/* Of the light of a lamp at that hit, the ray's share. */
+static double share_of_lamp(const struct orl_world *world, const struct orl_hit *lamp,
+                            const struct orl_chance *chance)
 {
     if (!(chance->pdf > 0))
         return 0;
@@ -176,7 +177,7 @@ struct orl_rgb orl_shining(const struct orl_world *world, const struct orl_hit *
         return orl_material_emission(m, hit, eye);
     if (!orl_material_is_lamp(m) || !(chance->pdf > 0))
         return orl_gray(0);
-    return orl_rgb_scale(orl_material_emission(m, hit, eye), orl_chance_share(world, hit, chance));
+    return orl_rgb_scale(orl_material_emission(m, hit, eye), share_of_lamp(world, hit, chance));
 }
 
 struct orl_chance orl_chance_after(const struct orl_world *world, const struct orl_hit *hit,

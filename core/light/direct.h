@@ -69,10 +69,6 @@ static inline struct orl_chance orl_chance_unsought(void)
     return (struct orl_chance){.pdf = INFINITY};
 }
 
-/* Of the light of a lamp at that hit, the ray's share. */
-double orl_chance_share(const struct orl_world *world, const struct orl_hit *lamp,
-                        const struct orl_chance *chance);
-
 /* Radiance that the surface there shines towards eye: of a lamp, the ray's share. */
 struct orl_rgb orl_shining(const struct orl_world *world, const struct orl_hit *hit,
                            struct orl_vec3 eye, const struct orl_chance *chance);
