@@ -2,10 +2,27 @@
 
 enum { MANTISSA_BITS = 9, MANTISSA_MASK = 511, MOST_EXPONENT = 31 };
 
-static uint32_t mantissa(double value, int exponent, double dither)
+/* 2^exponent, of a normal number: exponents here are those of floats and a little more. */
+static double power_of_two(int exponent)
 {
-    const double m = ldexp(value, MANTISSA_BITS - exponent) + dither;
+    const uint64_t bits = (uint64_t)(exponent + 1023) << 52;
+    double power;
+    memcpy(&power, &bits, sizeof power);
+    return power;
+}
+
+static uint32_t mantissa(double value, double scale, double dither)
+{
+    const double m = value * scale + dither;
     return m < MANTISSA_MASK ? (uint32_t)m : MANTISSA_MASK;
+}
+
+static void mantissas(struct orl_rgb value, int exponent, double dither, uint32_t ret_m[3])
+{
+    const double scale = power_of_two(MANTISSA_BITS - exponent);
+    ret_m[0] = mantissa(value.r, scale, dither);
+    ret_m[1] = mantissa(value.g, scale, dither);
+    ret_m[2] = mantissa(value.b, scale, dither);
 }
 
 /* exponent: as it is stored, 0..31. */
@@ -18,9 +35,10 @@ static uint32_t code_of(const uint32_t m[3], int exponent)
 /* A touch more than the value, so that rounding up does not overflow the mantissa. */
 static int exponent_of(double most)
 {
-    int exponent;
-    frexp(most * (1 + 0x1p-9), &exponent);
-    return exponent;
+    const double value = most * (1 + 0x1p-9);
+    uint64_t bits;
+    memcpy(&bits, &value, sizeof bits);
+    return (int)(bits >> 52 & 0x7ffU) - 1022; /* as frexp has it; no float is subnormal here */
 }
 
 uint32_t orl_flux_pack(struct orl_rgb value, double dither)
@@ -30,8 +48,8 @@ uint32_t orl_flux_pack(struct orl_rgb value, double dither)
         return 0;
     int exponent = exponent_of(most);
     exponent = exponent < -15 ? -15 : exponent > 16 ? 16 : exponent;
-    const uint32_t m[3] = {mantissa(value.r, exponent, dither), mantissa(value.g, exponent, dither),
-                           mantissa(value.b, exponent, dither)};
+    uint32_t m[3];
+    mantissas(value, exponent, dither, m);
     return code_of(m, exponent + 15);
 }
 
@@ -54,8 +72,8 @@ uint32_t orl_flux_pack_from(struct orl_rgb value, int least, double dither)
     if (!(most > 0))
         return 0;
     const int exponent = exponent_of(most);
-    const uint32_t m[3] = {mantissa(value.r, exponent, dither), mantissa(value.g, exponent, dither),
-                           mantissa(value.b, exponent, dither)};
+    uint32_t m[3];
+    mantissas(value, exponent, dither, m);
     return shifted(m, exponent - least);
 }
 

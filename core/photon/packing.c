@@ -33,16 +33,31 @@ static void place_of(const struct orl_packing *p, size_t index, double ret_at[3]
         ret_at[k] = p->photons[index - p->n_earlier].position[k] / p->unit;
 }
 
+/* Places are finite. */
+static void include(struct bounds *b, const double at[3])
+{
+    for (int k = 0; k < 3; k++) {
+        b->low[k] = at[k] < b->low[k] ? at[k] : b->low[k];
+        b->high[k] = at[k] > b->high[k] ? at[k] : b->high[k];
+    }
+}
+
 static struct bounds bound(const struct orl_packing *p)
 {
     struct bounds b = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
-    for (size_t i = 0; i < p->count; i++) {
+    for (size_t i = 0; i < p->count - p->n_earlier; i++) {
+        const float *position = p->photons[i].position;
+        const double at[3] = {(double)position[0], (double)position[1], (double)position[2]};
+        include(&b, at);
+    }
+    for (int k = 0; k < 3; k++) { /* a quotient grows with what is divided */
+        b.low[k] /= p->unit;
+        b.high[k] /= p->unit;
+    }
+    for (size_t i = 0; i < p->n_earlier; i++) {
         double at[3];
-        place_of(p, i, at);
-        for (int k = 0; k < 3; k++) {
-            b.low[k] = fmin(b.low[k], at[k]);
-            b.high[k] = fmax(b.high[k], at[k]);
-        }
+        earlier_corner(p, i, at);
+        include(&b, at);
     }
     if (p->count == 0)
         b = (struct bounds){{0, 0, 0}, {0, 0, 0}};
@@ -77,8 +92,10 @@ static void choose_exponent(struct orl_packing *p)
 {
     double brightest = 0;
     for (size_t i = 0; i < p->count - p->n_earlier; i++) {
-        const float *flux = p->photons[i].flux;
-        brightest = fmax(brightest, fmaxf(flux[0], fmaxf(flux[1], flux[2])));
+        for (int k = 0; k < 3; k++) {
+            const double flux = (double)p->photons[i].flux[k];
+            brightest = flux > brightest ? flux : brightest;
+        }
     }
     p->flux_exponent = orl_flux_least(brightest);
     if (p->n_earlier > 0 && p->earlier->header->flux_exponent > p->flux_exponent)
@@ -98,12 +115,21 @@ void orl_packing_init(struct orl_packing *packing, const struct orl_photon_map *
     choose_exponent(packing);
 }
 
+/* floor, which is a call where there is no instruction for it. */
+static inline double floor_of(double x)
+{
+    if (!(fabs(x) < 0x1p62))
+        return floor(x);
+    const double whole = (double)(int64_t)x;
+    return whole > x ? whole - 1 : whole;
+}
+
 void orl_packing_cell(const struct orl_packing *packing, size_t index, uint32_t ret_cell[3])
 {
     double at[3];
     place_of(packing, index, at);
     for (int k = 0; k < 3; k++)
-        ret_cell[k] = (uint32_t)(floor(at[k] / packing->step) - packing->first[k]);
+        ret_cell[k] = (uint32_t)(floor_of(at[k] / packing->step) - packing->first[k]);
 }
 
 uint16_t orl_packing_normal(const struct orl_packing *packing, size_t index)

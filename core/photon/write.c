@@ -22,6 +22,7 @@ struct sort_item {
 struct writer {
     struct orl_packing packing;
     const struct orl_map_build *build;
+    struct orl_photon_words *words; /* in the order of emission */
     struct sort_item *items, *spare;
     struct orl_map_layout layout;
     uint64_t size; /* of the file */
@@ -29,7 +30,7 @@ struct writer {
     char *file; /* being filled, mapped */
 };
 
-enum { CHUNK = 1 << 15, MORTON_BITS = 57 };
+enum { CHUNK = 1 << 15, MORTON_BITS = 57, AHEAD = 24 };
 
 /* Spreads 20 bits to every third. */
 static uint64_t spread(uint64_t x)
@@ -47,14 +48,17 @@ static size_t chunk_end(const struct writer *w, size_t chunk)
     return end < count ? end : count;
 }
 
+/* Photons are packed in the order they lie in memory; it is packed that they are moved about. */
 static void make_codes(void *arg, size_t chunk, uint32_t member)
 {
     struct writer *w = arg;
     (void)member;
     for (size_t i = chunk * CHUNK; i < chunk_end(w, chunk); i++) {
+        const struct orl_photon_words p = orl_packing_words(&w->packing, i);
         uint32_t cell[3];
-        orl_packing_cell(&w->packing, i, cell);
-        const uint64_t bin = orl_facing_bin(orl_packing_normal(&w->packing, i));
+        w->words[i] = p;
+        orl_place_unpack(p.a, p.b, cell);
+        const uint64_t bin = orl_facing_bin(p.normal);
         /* 19 of the 20 bits an axis leave room for the bin above. */
         const uint64_t morton =
             spread(cell[0] >> 1) | spread(cell[1] >> 1) << 1 | spread(cell[2] >> 1) << 2;
@@ -105,7 +109,7 @@ static int by_hash(const void *a, const void *b)
 
 static struct tie tie_of(const struct writer *w, uint32_t index)
 {
-    const struct orl_photon_words p = orl_packing_words(&w->packing, index);
+    const struct orl_photon_words p = w->words[index];
     struct tie tie = {.words = {(uint64_t)p.a << 32 | p.b,
                                 (uint64_t)p.flux << 32 | (uint32_t)p.normal << 16 | p.tag},
                       .index = index};
@@ -157,8 +161,12 @@ static void pack_chunk(void *arg, size_t chunk, uint32_t member)
     char *notes = w->file + orl_map_notes_at(&w->layout);
     const uint32_t noted = w->build->note_bytes;
     (void)member;
-    for (size_t i = chunk * CHUNK; i < chunk_end(w, chunk); i++) {
-        const struct orl_photon_words p = orl_packing_words(&w->packing, w->items[i].index);
+    const size_t end = chunk_end(w, chunk);
+    for (size_t i = chunk * CHUNK; i < end; i++) {
+        const struct orl_photon_words p = w->words[w->items[i].index];
+        /* They lie all over the array: asked for some way ahead, they are there when wanted. */
+        if (i + AHEAD < end)
+            __builtin_prefetch(&w->words[w->items[i + AHEAD].index]);
         uint32_t *leaf = places + i / ORL_MAP_LEAF * ORL_LEAF_WORDS + i % ORL_MAP_LEAF;
         leaf[0] = p.a;
         leaf[ORL_MAP_LEAF] = p.b;
@@ -334,9 +342,10 @@ int orl_photon_map_write(const char *path, const struct orl_photon *photons, siz
     orl_packing_init(&w.packing, build->earlier, photons, count, build->seed, build->extent);
     w.layout = orl_map_layout_of(all);
     w.size = orl_map_size(&w.layout, all, build->note_bytes);
+    w.words = malloc((all + 1) * sizeof *w.words);
     w.items = malloc((all + 1) * sizeof *w.items);
     w.spare = malloc((all + 1) * sizeof *w.spare);
-    if (!w.items || !w.spare || sort_photons(&w, crew) < 0) {
+    if (!w.words || !w.items || !w.spare || sort_photons(&w, crew) < 0) {
         orl_error_set(err, code, "out of memory sorting %zu photons", all);
         goto done;
     }
@@ -350,6 +359,7 @@ done:
         close(fd);
     if (code < 0 && fd >= 0)
         unlink(path);
+    free(w.words);
     free(w.items);
     free(w.spare);
     return code;

@@ -102,9 +102,15 @@ static inline double orl_luma(struct orl_rgb a)
 {
     return ORL_LUMA_R * a.r + ORL_LUMA_G * a.g + ORL_LUMA_B * a.b;
 }
+/* fmax, in line: where one of them is no number, the other. */
+static inline double orl_larger(double a, double b)
+{
+    const double larger = a > b ? a : b;
+    return b == b ? larger : a;
+}
 static inline double orl_rgb_max(struct orl_rgb a)
 {
-    return fmax(a.r, fmax(a.g, a.b));
+    return orl_larger(a.r, orl_larger(a.g, a.b));
 }
 static inline int orl_rgb_is_finite(struct orl_rgb a)
 {
