@@ -66,14 +66,16 @@ double orl_view_omega(const struct orl_bsdf *bsdf, const struct orl_view *view, 
     const struct orl_component *c = view->component;
     const struct orl_basis *basis;
     struct orl_coords a, b;
+    unsigned level;
     int cell;
     if (!c)
         return 0;
     a = orl_coords_of(bsdf->document.structure, view->transposed ? out : in);
     b = orl_coords_of(bsdf->document.structure, view->transposed ? in : out);
-    if (bsdf->document.structure == ORL_STRUCTURE_TREE4)
-        return ORL_PI /
-               (double)((size_t)1 << 2 * orl_tree_leaf_level(&c->tree, a.square, b.square));
+    if (bsdf->document.structure == ORL_STRUCTURE_TREE4) {
+        orl_tree_look(&c->tree, a.square, b.square, &level);
+        return ORL_PI / (double)((size_t)1 << 2 * level);
+    }
     if (bsdf->document.structure == ORL_STRUCTURE_TREE3)
         return ORL_PI / (4.0 * c->iso.half * c->iso.half);
     basis = &c->matrix.basis[orl_view_axis(view, ORL_ROLE_OUT)];

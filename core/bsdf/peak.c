@@ -20,25 +20,32 @@ struct group {
     double cell_sr;
 };
 
-/* The largest of those not yet taken; count when there is none. */
-static unsigned next_brightest(const struct group *g, uint32_t taken)
+/* The cells there are by value, the brightest first, equal ones by number. Returns their count. */
+static unsigned sort_by_value(const struct group *g, unsigned char ret_order[NEIGHBOURS_MAX])
 {
-    unsigned best = g->count;
-    for (unsigned i = 0; i < g->count; i++)
-        if (!(taken >> i & 1) && g->value[i] >= 0 &&
-            (best == g->count || g->value[i] > g->value[best]))
-            best = i;
-    return best;
+    unsigned count = 0;
+    for (unsigned i = 0; i < g->count; i++) {
+        unsigned place = count;
+        if (!(g->value[i] >= 0))
+            continue;
+        for (; place > 0 && g->value[i] > g->value[ret_order[place - 1]]; place--)
+            ret_order[place] = ret_order[place - 1];
+        ret_order[place] = (unsigned char)i;
+        count++;
+    }
+    return count;
 }
 
 /* See the header. Returns the members, 0 when there is no peak. */
 static uint32_t find_members(const struct group *g, double *ret_surround, double *ret_share)
 {
-    uint32_t taken = 0, members = 0;
+    unsigned char order[NEIGHBOURS_MAX];
+    const unsigned count = sort_by_value(g, order);
+    uint32_t members = 0;
     double peak = 0, surround = 0;
-    unsigned n_peak = 0, n_surround = 0, i;
-    while ((i = next_brightest(g, taken)) < g->count) {
-        taken |= 1U << i;
+    unsigned n_peak = 0, n_surround = 0;
+    for (unsigned k = 0; k < count; k++) {
+        const unsigned i = order[k];
         if (g->fine[i] && peak <= contrast * g->value[i] * n_peak) {
             members |= 1U << i;
             peak += g->value[i];
@@ -46,6 +53,8 @@ static uint32_t find_members(const struct group *g, double *ret_surround, double
         } else {
             surround += g->value[i];
             n_surround++;
+            if (g->middle >> i & 1)
+                return 0;
         }
         if (n_peak == 0) /* the brightest is not of the finest size */
             return 0;
@@ -138,8 +147,9 @@ static void look_about(const struct orl_tree *tree, unsigned x, unsigned y, stru
         if (!neighbour(x, y, k, tree->depth, &nx, &ny))
             continue;
         const struct orl_square b = middle_of(nx, ny, tree->depth, 1);
-        g->value[k] = orl_tree_eval(tree, a, b);
-        g->fine[k] = orl_tree_leaf_level(tree, a, b) == tree->depth;
+        unsigned level;
+        g->value[k] = orl_tree_look(tree, a, b, &level);
+        g->fine[k] = level == tree->depth;
     }
 }
 
@@ -152,7 +162,9 @@ static void add_tree_cell(struct orl_component *c, struct sums *sums, unsigned x
     double surround, share;
     /* Most straight cells are large or dark: one look tells. */
     const struct orl_coords a = {.square = middle_of(x, y, depth, -1)};
-    if (orl_tree_leaf_level(&c->tree, a.square, middle_of(x, y, depth, 1)) < depth)
+    unsigned level;
+    if (!(orl_tree_look(&c->tree, a.square, middle_of(x, y, depth, 1), &level) > 0) ||
+        level < depth)
         return;
     look_about(&c->tree, x, y, &g);
     p->members[cell] = find_members(&g, &surround, &share);

@@ -96,11 +96,10 @@ double orl_tree_eval(const struct orl_tree *tree, struct orl_square a, struct or
     return (double)float_of(leaf_of(tree, a, b, &level).bits);
 }
 
-unsigned orl_tree_leaf_level(const struct orl_tree *tree, struct orl_square a, struct orl_square b)
+double orl_tree_look(const struct orl_tree *tree, struct orl_square a, struct orl_square b,
+                     unsigned *ret_level)
 {
-    unsigned level;
-    leaf_of(tree, a, b, &level);
-    return level;
+    return (double)float_of(leaf_of(tree, a, b, ret_level).bits);
 }
 
 double orl_tree_total(const struct orl_tree *tree, enum orl_axis given, struct orl_square place)

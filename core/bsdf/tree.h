@@ -121,8 +121,9 @@ double orl_tree_eval(const struct orl_tree *tree, struct orl_square a, struct or
 /* The cell that a direction lies in when the square has 2^depth a side: x << depth | y. */
 size_t orl_square_cell(enum orl_axis axis, struct orl_square place, unsigned depth);
 
-/* How many times each axis is halved down to the leaf that holds the pair. */
-unsigned orl_tree_leaf_level(const struct orl_tree *tree, struct orl_square a, struct orl_square b);
+/* orl_tree_eval, and how many times each axis is halved down to the leaf that holds the pair. */
+double orl_tree_look(const struct orl_tree *tree, struct orl_square a, struct orl_square b,
+                     unsigned *ret_level);
 
 /* The integral over the other hemisphere of value times cosine, for the given direction. */
 double orl_tree_total(const struct orl_tree *tree, enum orl_axis given, struct orl_square place);

@@ -27,24 +27,64 @@ struct orl_tree_ref orl_tree_leaf(float value)
     return (struct orl_tree_ref){float_bits(value)};
 }
 
+/* From here on lines have pages of their own. */
+static const size_t many_lines = 2 * HUGE_BYTES / LINE_BYTES;
+
+static size_t whole_pages(size_t lines)
+{
+    return (lines * LINE_BYTES + HUGE_BYTES - 1) / HUGE_BYTES * HUGE_BYTES;
+}
+
 /*
- * Moves the lines to an array of the given capacity. A large one asks for huge pages: a draw jumps
- * all over it, and would otherwise wait for the page tables as often as for the data.
+ * Pages of their own for that many lines, which ask to be huge: a draw jumps all over them, and
+ * would otherwise wait for the page tables as often as for the data. NULL: out of memory.
  */
+static struct orl_tree_line *map_pages(size_t lines)
+{
+    const size_t bytes = whole_pages(lines);
+    char *all = mmap(NULL, bytes + HUGE_BYTES, PROT_READ | PROT_WRITE,
+                     MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+    if (all == MAP_FAILED)
+        return NULL;
+    const size_t before = (HUGE_BYTES - (uintptr_t)all % HUGE_BYTES) % HUGE_BYTES;
+    if (before > 0)
+        munmap(all, before);
+    munmap(all + before + bytes, HUGE_BYTES - before);
+#ifdef MADV_HUGEPAGE
+    madvise(all + before, bytes, MADV_HUGEPAGE); /* a wish: nothing depends on it */
+#endif
+    return (void *)(all + before);
+}
+
+/* Gives back the lines from the first-th on. */
+static void free_lines(struct orl_tree *tree, size_t first)
+{
+    if (tree->capacity < many_lines && first == 0)
+        free(tree->lines);
+    else if (tree->capacity >= many_lines && whole_pages(first) < whole_pages(tree->capacity))
+        munmap((char *)tree->lines + whole_pages(first),
+               whole_pages(tree->capacity) - whole_pages(first));
+}
+
+/* Moves the lines to an array of a greater capacity. From pages to pages nothing is copied. */
 static int resize(struct orl_tree *tree, size_t capacity, struct orl_error *err)
 {
-    const size_t page = capacity >= 2 * HUGE_BYTES / LINE_BYTES ? HUGE_BYTES : LINE_BYTES;
-    const size_t bytes = (capacity * LINE_BYTES + page - 1) / page * page;
-    struct orl_tree_line *lines = aligned_alloc(page, bytes);
+    struct orl_tree_line *lines = capacity < many_lines
+                                      ? aligned_alloc(LINE_BYTES, capacity * LINE_BYTES)
+                                      : map_pages(capacity);
     if (!lines)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for the tensor tree");
-#ifdef MADV_HUGEPAGE
-    if (page == HUGE_BYTES)
-        madvise(lines, bytes, MADV_HUGEPAGE); /* a wish: nothing depends on it */
-#endif
-    if (tree->n_lines > 0)
-        memcpy(lines, tree->lines, tree->n_lines * sizeof *lines);
-    free(tree->lines);
+    if (tree->capacity >= many_lines) {
+        const size_t bytes = whole_pages(tree->capacity);
+        if (mremap(tree->lines, bytes, bytes, MREMAP_MAYMOVE | MREMAP_FIXED, lines) == MAP_FAILED) {
+            munmap(lines, whole_pages(capacity));
+            return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for the tensor tree");
+        }
+    } else {
+        if (tree->n_lines > 0)
+            memcpy(lines, tree->lines, tree->n_lines * sizeof *lines);
+        free(tree->lines);
+    }
     tree->lines = lines;
     tree->capacity = capacity;
     return 0;
@@ -64,28 +104,68 @@ static int reserve(struct orl_tree *tree, size_t count, struct orl_error *err)
     return resize(tree, capacity, err);
 }
 
-static bool all_equal(const struct orl_tree_ref child[ORL_TREE_FANOUT])
+/*
+ * How deep a branch over these children is: 0 when they are equal leaves, and so one leaf. A word's
+ * leading bits say first whether it is a branch, then how deep: the greatest is the deepest.
+ */
+static unsigned depth_over(const struct orl_tree_ref child[ORL_TREE_FANOUT])
 {
-    for (int i = 0; i < ORL_TREE_FANOUT; i++)
-        if (!orl_tree_is_leaf(child[i]) || child[i].bits != child[0].bits)
-            return false;
-    return true;
+    uint32_t least = child[0].bits, most = child[0].bits;
+    for (int i = 1; i < ORL_TREE_FANOUT; i++) {
+        least = child[i].bits < least ? child[i].bits : least;
+        most = child[i].bits > most ? child[i].bits : most;
+    }
+    const unsigned depth = orl_tree_depth((struct orl_tree_ref){most});
+    return depth == 0 && least == most ? 0 : depth + 1;
+}
+
+/* The means of a child, 2^depth a side, where 2^(depth + shift) a side are wanted. */
+struct means {
+    const uint32_t *words;
+    unsigned depth, shift;
+    uint32_t own[4]; /* of a leaf or a lowest branch, which has none */
+};
+
+static void find_means(const struct orl_tree *tree, struct orl_tree_ref child, enum orl_axis given,
+                       unsigned depth, struct means *ret)
+{
+    ret->depth = orl_tree_depth(child);
+    ret->shift = depth - ret->depth;
+    ret->words = ret->own;
+    if (ret->depth >= 2) {
+        ret->words = tree->lines[orl_tree_index(child)].words + ORL_TREE_FANOUT +
+                     ((size_t)given << 2 * ret->depth);
+        return;
+    }
+    for (unsigned i = 0; i < 1U << 2 * ret->depth; i++)
+        ret->own[i] = float_bits(
+            orl_tree_mean(tree, child, given, i >> ret->depth, i & ret->depth, ret->depth));
+}
+
+static inline double mean_at(const struct means *m, unsigned x, unsigned y)
+{
+    float value;
+    memcpy(&value, m->words + ((x >> m->shift) << m->depth | y >> m->shift), sizeof value);
+    return (double)value;
 }
 
 /* Fills the means for one given direction, 4^depth of them, from those of the children. */
 static void fill_means(const struct orl_tree *tree, const struct orl_tree_ref *child,
                        enum orl_axis given, unsigned depth, uint32_t *means)
 {
-    const unsigned side = 1U << depth, low = depth - 1;
-    for (unsigned x = 0; x < side; x++) {
-        for (unsigned y = 0; y < side; y++) {
-            const unsigned mine = x >> low | (y >> low) << 1;
-            double sum = 0;
-            for (unsigned other = 0; other < 4; other++) {
-                const unsigned i = given == ORL_AXIS_A ? mine | other << 2 : other | mine << 2;
-                sum += (double)orl_tree_mean(tree, child[i], given, x, y, low);
+    const unsigned low = depth - 1, half = 1U << low;
+    for (unsigned mine = 0; mine < 4; mine++) {
+        const unsigned x0 = (mine & 1) << low, y0 = (mine >> 1) << low;
+        struct means of[4];
+        for (unsigned other = 0; other < 4; other++)
+            find_means(tree, child[given == ORL_AXIS_A ? mine | other << 2 : other | mine << 2],
+                       given, low, &of[other]);
+        for (unsigned x = 0; x < half; x++) {
+            for (unsigned y = 0; y < half; y++) {
+                const double sum = mean_at(&of[0], x, y) + mean_at(&of[1], x, y) +
+                                   mean_at(&of[2], x, y) + mean_at(&of[3], x, y);
+                means[(x0 | x) << depth | y0 | y] = float_bits((float)(0.25 * sum));
             }
-            means[x << depth | y] = float_bits((float)(0.25 * sum));
         }
     }
 }
@@ -93,17 +173,14 @@ static void fill_means(const struct orl_tree *tree, const struct orl_tree_ref *c
 int orl_tree_branch(struct orl_tree *tree, const struct orl_tree_ref child[ORL_TREE_FANOUT],
                     struct orl_tree_ref *ret_ref, struct orl_error *err)
 {
-    unsigned depth = 1;
+    const unsigned depth = depth_over(child);
     size_t means = 0; /* words for one given direction */
     uint32_t *words;
     int code;
-    if (all_equal(child)) {
+    if (depth == 0) {
         *ret_ref = child[0];
         return 0;
     }
-    for (int i = 0; i < ORL_TREE_FANOUT; i++)
-        if (orl_tree_depth(child[i]) >= depth)
-            depth = orl_tree_depth(child[i]) + 1;
     if (depth > ORL_LIMIT_TREE_DEPTH)
         return orl_error_set(err, ORL_ERR_LIMIT, "the tensor tree is deeper than %u levels",
                              ORL_LIMIT_TREE_DEPTH);
@@ -134,6 +211,13 @@ static int build_cube(struct orl_tree *tree, const struct cube *cube, unsigned l
                       struct orl_tree_ref *ret_ref, struct orl_error *err)
 {
     struct orl_tree_ref child[ORL_TREE_FANOUT];
+    if (log2_side == 1 && cube->log2_grid == 1) {
+        /* Most of a file: the whole grid is the children, in another order. */
+        for (unsigned i = 0; i < ORL_TREE_FANOUT; i++)
+            child[i] = orl_tree_leaf(
+                cube->values[(i & 1) << 3 | (i & 2) << 1 | (i & 4) >> 1 | (i & 8) >> 3]);
+        return orl_tree_branch(tree, child, ret_ref, err);
+    }
     if (log2_side == 0) {
         size_t index = 0;
         for (int axis = 0; axis < 4; axis++)
@@ -160,19 +244,35 @@ int orl_tree_grid(struct orl_tree *tree, const float *values, unsigned log2_side
     return build_cube(tree, &whole, log2_side, ret_ref, err);
 }
 
+/* Of an array that is not of pages. A courtesy: where it fails, the larger one stays. */
+static void shrink(struct orl_tree *tree)
+{
+    struct orl_tree_line *lines = aligned_alloc(LINE_BYTES, tree->n_lines * LINE_BYTES);
+    if (!lines)
+        return;
+    memcpy(lines, tree->lines, tree->n_lines * LINE_BYTES);
+    free_lines(tree, 0);
+    tree->lines = lines;
+    tree->capacity = tree->n_lines;
+}
+
 void orl_tree_finish(struct orl_tree *tree, struct orl_tree_ref root)
 {
     tree->root = root;
     tree->depth = orl_tree_depth(root);
-    /* Giving back spare room is a courtesy: where it fails, the larger array stays. */
-    if (tree->n_lines > 0 && tree->n_lines < tree->capacity)
-        resize(tree, tree->n_lines, NULL);
+    if (tree->n_lines < many_lines) {
+        if (tree->n_lines > 0)
+            shrink(tree);
+    } else {
+        free_lines(tree, tree->n_lines);
+        tree->capacity = tree->n_lines;
+    }
 }
 
 void orl_tree_done(struct orl_tree *tree)
 {
     if (!tree)
         return;
-    free(tree->lines);
+    free_lines(tree, 0);
     memset(tree, 0, sizeof *tree);
 }

@@ -55,6 +55,9 @@ struct orl_xml_reader {
     enum orl_xml_element path[ORL_LIMIT_XML_DEPTH];
     unsigned depth;
     unsigned layers;
+    const char *fed_to;  /* end of the piece that expat is at */
+    bool plain;          /* that piece ends amid the data, in plain text that has been read */
+    size_t passed_lines; /* that expat does not get to see: see read_plain in xml.c */
     char text[ORL_XML_TEXT_MAX]; /* of the element at hand, when it is a short one */
     size_t text_length;
     double thickness_unit;
@@ -83,8 +86,10 @@ const char *orl_xml_element_name(enum orl_xml_element element);
 /* An element begins; attributes as expat gives them. */
 void orl_xml_begin(struct orl_xml_reader *reader, enum orl_xml_element element,
                    const char **attributes);
-/* A piece of ScatteringData that is wanted. */
-void orl_xml_feed(struct orl_xml_reader *reader, const char *text, size_t length);
+/* A piece of ScatteringData that is wanted. Returns 0, or an error with the place it was found at.
+ */
+int orl_xml_feed(struct orl_xml_reader *reader, const char *text, size_t length,
+                 const char **ret_place);
 /* An element ends; reader->text holds its text, trimmed, when it is a short one. */
 void orl_xml_end(struct orl_xml_reader *reader, enum orl_xml_element element);
 

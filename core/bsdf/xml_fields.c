@@ -27,7 +27,8 @@ void orl_xml_fail(struct orl_xml_reader *r, int code)
         return;
     r->code = code;
     name_place(r, place, sizeof place);
-    orl_error_at(r->err, r->file, (int)XML_GetCurrentLineNumber(r->parser), place);
+    orl_error_at(r->err, r->file, (int)(XML_GetCurrentLineNumber(r->parser) + r->passed_lines),
+                 place);
     XML_StopParser(r->parser, XML_FALSE);
 }
 
@@ -203,13 +204,13 @@ static void begin_data(struct orl_xml_reader *r)
         r->reading = *given_flag(component, r->channel) = true;
 }
 
-void orl_xml_feed(struct orl_xml_reader *r, const char *text, size_t length)
+int orl_xml_feed(struct orl_xml_reader *r, const char *text, size_t length, const char **ret_place)
 {
-    const int code = r->document->structure == ORL_STRUCTURE_MATRIX
-                         ? orl_matrix_text_feed(&r->matrix_text, text, length, r->err)
-                         : orl_tree_text_feed(&r->tree_text, text, length, r->err);
-    if (code < 0)
-        orl_xml_fail(r, code);
+    const bool matrix = r->document->structure == ORL_STRUCTURE_MATRIX;
+    const int code = matrix ? orl_matrix_text_feed(&r->matrix_text, text, length, r->err)
+                            : orl_tree_text_feed(&r->tree_text, text, length, r->err);
+    *ret_place = matrix ? r->matrix_text.scan.next : r->tree_text.scan.next;
+    return code;
 }
 
 static void end_data(struct orl_xml_reader *r)

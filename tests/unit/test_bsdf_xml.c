@@ -6,6 +6,7 @@
 
 #include <cmocka.h>
 
+#include "bsdf/scan.h"
 #include "fixtures/bsdf_ask.h"
 #include "fixtures/bsdf_make.h"
 
@@ -36,7 +37,64 @@ static void numbers_read_the_same_in_every_form(void **state)
     }
 }
 
-/* A file is read in slices of 1 MB; padding moves the border over every byte of the data. */
+/* Amid a block of data there is a quicker way to read them: it finds the same, or nothing. */
+static void numbers_are_the_same_to_the_scanner(void **state)
+{
+    static const char *const numbers[] = {
+        "0",          "7",          "12345678",    "123456789", "1234567890123456789",
+        "1.12345678", "1.25",       "1.123456789", ".5",        "5.",
+        "1.5E+03",    "1.5e-3",     "3.100e+01",   "0.000e+00", "99999999.99999999",
+        "00000001.5", "1e-05",      "1e-100",      "1e5",       "1e22",
+        "1e23",       "12345678e9", "1e99",        "1e31",      "1e30",
+        "1.5e",       ".",          "e5",          "1.5x",      "1..2",
+        "1.2.3",      "1e+",        "1e1e1",       "-1.5",      "+.5",
+        "nan",        "1.5e1.5",    "1:5",         "1/5",       "1,5"};
+    (void)state;
+    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) {
+        char text[64];
+        double quick = -7, slow = -7;
+        struct orl_scan scan;
+        const size_t length = strcspn(numbers[i], ",");
+        const int size = snprintf(text, sizeof text, "%-60s", numbers[i]);
+        orl_scan_init(&scan);
+        orl_scan_feed(&scan, text, (size_t)size);
+        const int code = orl_scan_next(&scan, &quick, NULL);
+        const int wanted = orl_number_parse(numbers[i], length, &slow, NULL);
+        assert_int_equal(code, wanted == 0 ? ORL_TOKEN_NUMBER : wanted);
+        assert_memory_equal(&quick, &slow, sizeof quick);
+        if (code >= 0)
+            assert_ptr_equal(scan.next, text + length);
+    }
+}
+
+enum { FAR = 100000 }; /* lines of data before what is looked for: beyond the first slice */
+
+/* Data so far in that most of them bypass expat mean the same, with whatever is amid them. */
+static void data_far_in_read_the_same(void **state)
+{
+    static const char *const forms[] = {
+        ".125}",        "1&#50;5e-3}", "1<!-- 5 -->25e-3}", "125e-3<!--}}-->}", "<![CDATA[.125}]]>",
+        "125e-3 &#125;"};
+    (void)state;
+    for (size_t i = 0; i < sizeof forms / sizeof *forms; i++) {
+        struct text data;
+        text_open(&data);
+        putc('{', data.stream);
+        for (int k = 0; k < FAR; k++)
+            putc('\n', data.stream);
+        fputs(forms[i], data.stream);
+        text_close(&data);
+        struct orl_bsdf *bsdf =
+            load_text(make_file("TensorTree4", "Reflection Front", NULL, data.data));
+        free(data.data);
+        assert_non_null(bsdf);
+        assert_close(eval(bsdf, direction(0, 0, -1), direction(0.1, 0, -1)), 0.125, 0);
+        orl_bsdf_unref(bsdf);
+    }
+}
+
+/* A file is read in slices of 64 KiB or more; padding moves the border over every byte of the data.
+ */
 static void a_number_may_lie_across_a_slice(void **state)
 {
     const char *data = "{1.25e-1 .2 .3 .4 .5 .1 .2 .3 .4 .1 .2 .3 .1 .1 .1 0.0625e1}";
@@ -49,7 +107,7 @@ static void a_number_may_lie_across_a_slice(void **state)
         const char *body = strstr(plain.data, "<WindowElement>");
         text_open(&padded);
         fwrite(plain.data, 1, (size_t)(body - plain.data), padded.stream);
-        for (size_t i = at; i < 1 << 20; i++)
+        for (size_t i = at; i < 1 << 16; i++)
             putc(' ', padded.stream);
         fputs(body, padded.stream);
         text_close(&padded);
@@ -174,6 +232,36 @@ static void a_bad_file_says_what_and_where(void **state)
     }
 }
 
+/* Expat does not see all lines, but errors count them: amid the data and behind them. */
+static void errors_far_in_have_their_line(void **state)
+{
+    static const struct {
+        const char *text;
+        int line;
+    } ends[] = {{"{0.5x}" END, 0},      {"{0.5 " END, 0},           {"{0.5\n\n0.5}" END, 2},
+                {"{0.5}\n</Wrong>", 1}, {"{0.5}\n</Scattering", 1}, {"{0.5\n&no;}" END, 1},
+                {"{0.5\n<b>", 1}};
+    const char *head = BLOCK;
+    int lines = 1;
+    (void)state;
+    for (const char *at = head; *at; at++)
+        lines += *at == '\n';
+    for (size_t i = 0; i < sizeof ends / sizeof *ends; i++) {
+        struct orl_bsdf *bsdf = NULL;
+        struct orl_error err = {0};
+        struct text t;
+        text_open(&t);
+        fputs(head, t.stream);
+        for (int k = 0; k < FAR; k++)
+            putc('\n', t.stream);
+        fputs(ends[i].text, t.stream);
+        text_close(&t);
+        assert_int_equal(orl_bsdf_load_xml("far.xml", t.data, t.size, &bsdf, &err), ORL_ERR_SYNTAX);
+        assert_int_equal(err.line, lines + FAR + ends[i].line);
+        free(t.data);
+    }
+}
+
 static void elements_may_not_nest_without_end(void **state)
 {
     struct text t;
@@ -261,8 +349,11 @@ int main(void)
 {
     static const struct CMUnitTest tests[] = {
         cmocka_unit_test(numbers_read_the_same_in_every_form),
+        cmocka_unit_test(numbers_are_the_same_to_the_scanner),
+        cmocka_unit_test(data_far_in_read_the_same),
         cmocka_unit_test(a_number_may_lie_across_a_slice),
         cmocka_unit_test(a_bad_file_says_what_and_where),
+        cmocka_unit_test(errors_far_in_have_their_line),
         cmocka_unit_test(elements_may_not_nest_without_end),
         cmocka_unit_test(a_cut_file_is_refused),
         cmocka_unit_test(a_spoilt_file_never_does_harm),
