@@ -11,6 +11,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "base/checksum.h"
 #include "photon/flux.h"
 #include "photon/pack.h"
 
@@ -49,11 +50,33 @@ uint64_t orl_map_size(const struct orl_map_layout *layout, uint64_t count, uint3
     return note_bytes > 0 ? orl_map_notes_at(layout) + count * note_bytes : layout->size;
 }
 
-static bool checksum_matches(const void *data, size_t size, const unsigned char *expected)
+static bool header_matches(const struct orl_map_header *h)
 {
     unsigned char sum[ORL_MAP_CHECKSUM];
-    crypto_generichash(sum, sizeof sum, data, size, NULL, 0);
-    return memcmp(sum, expected, sizeof sum) == 0;
+    crypto_generichash(sum, sizeof sum, (const unsigned char *)h,
+                       offsetof(struct orl_map_header, header_checksum), NULL, 0);
+    return memcmp(sum, h->header_checksum, sizeof sum) == 0;
+}
+
+enum { VERIFY_STEP = 16 << 20, KEPT_WHOLE = 256 << 20 };
+
+/* Pages of a large map are let go once they are read: what a search wants comes back by itself. */
+static bool body_matches(const struct orl_photon_map *map)
+{
+    unsigned char result[ORL_CHECKSUM_BYTES];
+    struct orl_checksum sum;
+    char *file = map->file;
+    size_t at = sizeof *map->header;
+    orl_checksum_init(&sum);
+    while (at < map->size) {
+        const size_t end = map->size - at < VERIFY_STEP ? map->size : at + VERIFY_STEP;
+        orl_checksum_add(&sum, file + at, end - at);
+        if (map->size > KEPT_WHOLE)
+            madvise(file, end / VERIFY_STEP * VERIFY_STEP, MADV_DONTNEED);
+        at = end;
+    }
+    orl_checksum_finish(&sum, result);
+    return memcmp(result, map->header->body_checksum, sizeof result) == 0;
 }
 
 static int check_header(const struct orl_map_header *h, size_t size, const char *path,
@@ -64,7 +87,7 @@ static int check_header(const struct orl_map_header *h, size_t size, const char 
     if (h->version != ORL_MAP_VERSION || h->byte_order != 0x01020304U)
         return orl_error_set(err, ORL_ERR_VERSION, "'%s' is a photon map of version %u, not %d",
                              path, h->version, ORL_MAP_VERSION);
-    if (!checksum_matches(h, offsetof(struct orl_map_header, header_checksum), h->header_checksum))
+    if (!header_matches(h))
         return orl_error_set(err, ORL_ERR_CORRUPT, "the header of photon map '%s' is damaged",
                              path);
     /* More photons than the writer takes could wrap the sizes below around to look right. */
@@ -158,9 +181,7 @@ int orl_photon_map_open(const char *path, bool verify, struct orl_photon_map **r
     int code = map_file(path, map, err);
     if (code == 0 && map->header)
         code = check_header(map->header, map->size, path, err);
-    if (code == 0 && verify && map->header &&
-        !checksum_matches((const char *)map->file + sizeof *map->header,
-                          map->size - sizeof *map->header, map->header->body_checksum))
+    if (code == 0 && verify && map->header && !body_matches(map))
         code = orl_error_set(err, ORL_ERR_CORRUPT, "photon map '%s' fails its checksum", path);
     if (code == 0 && map->header)
         code = check_values(map->header, path, err);

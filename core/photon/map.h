@@ -34,7 +34,7 @@
 #include <oriel/vec.h>
 
 enum {
-    ORL_MAP_VERSION = 4,
+    ORL_MAP_VERSION = 5,
     ORL_MAP_LEAF = 16,    /* photons a leaf */
     ORL_MAP_FANOUT = 8,   /* children a node */
     ORL_MAP_LEVELS = 12,  /* most levels: 16 * 8^11 photons */
@@ -82,7 +82,7 @@ struct orl_map_header {
     uint32_t reserved;     /* 0 */
     char kind[16];
     char family[ORL_MAP_FAMILY]; /* whose maps differ in the target alone (run.h); "": none */
-    unsigned char body_checksum[ORL_MAP_CHECKSUM];   /* BLAKE2b of all after the header */
+    unsigned char body_checksum[ORL_MAP_CHECKSUM];   /* base/checksum.h, of all after the header */
     unsigned char header_checksum[ORL_MAP_CHECKSUM]; /* BLAKE2b of all before this field */
 };
 
@@ -112,7 +112,9 @@ int orl_photon_map_write(const char *path, const struct orl_photon *photons, siz
 
 /*
  * Maps a file. Header and sizes are always checked, so that a damaged file can give wrong numbers
- * at worst; with verify the whole body is, too. ORL_ERR_IO, _CORRUPT, _VERSION, _NOMEM.
+ * at worst; with verify the whole body is, too, which takes the time of reading it once (6 ms for
+ * two million photons that are in memory) and keeps little of a large one there.
+ * ORL_ERR_IO, _CORRUPT, _VERSION, _NOMEM.
  */
 int orl_photon_map_open(const char *path, bool verify, struct orl_photon_map **ret_map,
                         struct orl_error *err);

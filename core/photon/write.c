@@ -9,6 +9,7 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include "base/checksum.h"
 #include "base/random.h"
 #include "base/sum.h"
 #include "photon/flux.h"
@@ -281,8 +282,7 @@ static void fill_header(struct writer *w)
     strncpy(h->kind, w->build->kind, sizeof h->kind - 1);
     if (w->build->family)
         strncpy(h->family, w->build->family, sizeof h->family - 1);
-    crypto_generichash(h->body_checksum, sizeof h->body_checksum,
-                       (unsigned char *)w->file + sizeof *h, w->size - sizeof *h, NULL, 0);
+    orl_checksum_of(w->file + sizeof *h, w->size - sizeof *h, h->body_checksum);
     crypto_generichash(h->header_checksum, sizeof h->header_checksum, (unsigned char *)h,
                        offsetof(struct orl_map_header, header_checksum), NULL, 0);
     memcpy(w->file, h, sizeof *h);
