@@ -8,13 +8,18 @@
 #include "photon/flux.h"
 #include "photon/sheet.h"
 #include "photon/site.h"
+#include "photon/zorder.h"
 
-enum { SHARE_WORDS = ORL_MAP_BATCHES / sizeof(uint64_t) };
+enum { SHARE_WORDS = ORL_MAP_BATCHES / sizeof(uint64_t), BESIDE = 10 };
 
-/* A leaf's estimate as it is kept. */
+/* What is kept of a leaf: a cache line. */
 struct kept {
     _Atomic uint64_t value; /* 0: not made yet; else the value, and above it the clear radius */
     _Atomic uint64_t shares[SHARE_WORDS]; /* of the batches; there before the value is */
+    /* The leaves whose sites are the nearest of its own sheet to its own site, plus 1, and zeros to
+     * end with; there before the first of them is, which is 0 while none are sought, and the leaf
+     * itself where it is alone. */
+    _Atomic uint32_t beside[BESIDE];
 };
 
 struct orl_leaves {
@@ -25,6 +30,7 @@ struct orl_leaves {
     double unit;  /* W/m2: of the values kept */
     float reach2; /* cells: how far a leaf may be */
     struct orl_spread *spread;
+    struct orl_zorder order;
     struct orl_site *sites;
     struct kept *kept;
 };
@@ -35,7 +41,7 @@ struct estimate {
     double clear; /* no wall is nearer to the site */
 };
 
-enum { MOST_TRIES = 4 };
+enum { MOST_TRIES = 4, MOST_HOPS = 4 };
 /*
  * A leaf serves points within its spread times this. An even disc ends at 1.41. Served no further,
  * the points left over are the gaps, and what the leaves read is low by half a percent, for they
@@ -73,7 +79,8 @@ struct orl_leaves *orl_leaves_new(const struct orl_photon_map *map, const struct
     leaves->sites = malloc((n + 1) * sizeof *leaves->sites);
     leaves->kept = calloc(n + 1, sizeof *leaves->kept);
     leaves->spread = orl_spread_new(map, k, max_radius);
-    if (!leaves->sites || !leaves->kept || !leaves->spread) {
+    if (!leaves->sites || !leaves->kept || !leaves->spread ||
+        orl_zorder_init(&leaves->order, map) < 0) {
         orl_leaves_free(leaves);
         return NULL;
     }
@@ -87,6 +94,7 @@ void orl_leaves_free(struct orl_leaves *leaves)
     if (!leaves)
         return;
     orl_spread_free(leaves->spread);
+    orl_zorder_done(&leaves->order);
     free(leaves->sites);
     free(leaves->kept);
     free(leaves);
@@ -170,6 +178,15 @@ static bool comes_before(struct candidate a, struct candidate b)
     return a.distance2 < b.distance2 || (a.distance2 == b.distance2 && a.leaf < b.leaf);
 }
 
+static float distance2_to(const struct orl_leaves *leaves, uint32_t leaf, const float at[3],
+                          float ret_chord[3])
+{
+    const float *site = leaves->sites[leaf].at;
+    for (int k = 0; k < 3; k++)
+        ret_chord[k] = site[k] - at[k];
+    return ret_chord[0] * ret_chord[0] + ret_chord[1] * ret_chord[1] + ret_chord[2] * ret_chord[2];
+}
+
 /*
  * The nearest leaf whose site is on the query's sheet, of those that come after `last`; false when
  * none is within reach.
@@ -196,12 +213,10 @@ static bool next_leaf(const struct orl_leaves *leaves, struct orl_vec3 point,
             depth = orl_box_push(map, visit, at, facing, best.distance2, stack, depth);
             continue;
         }
-        const struct orl_site *site = &leaves->sites[visit.node];
-        const float chord[3] = {site->at[0] - at[0], site->at[1] - at[1], site->at[2] - at[2]};
-        const struct candidate here = {
-            chord[0] * chord[0] + chord[1] * chord[1] + chord[2] * chord[2], visit.node};
+        float chord[3];
+        const struct candidate here = {distance2_to(leaves, visit.node, at, chord), visit.node};
         if (comes_before(here, best) && comes_before(last, here) &&
-            orl_same_sheet(normal, code, site->normal, chord)) {
+            orl_same_sheet(normal, code, leaves->sites[visit.node].normal, chord)) {
             best = here;
             found = true;
         }
@@ -234,21 +249,125 @@ static bool is_joined(const struct orl_leaves *leaves, struct candidate leaf,
     return distance < estimate->clear || orl_footing_joins(footing, site);
 }
 
+/* Whether the leaf serves the point: then what it has to say. */
+static bool reads(struct orl_leaves *leaves, struct candidate leaf,
+                  const struct orl_footing *footing, struct orl_search *search,
+                  struct orl_rgb *ret_irradiance, struct orl_batches *ret_parts)
+{
+    if (!covers(leaves, leaf))
+        return false;
+    const struct estimate estimate = estimate_of(leaves, leaf.leaf, search);
+    if (!is_joined(leaves, leaf, &estimate, footing))
+        return false;
+    *ret_irradiance = estimate.irradiance;
+    if (ret_parts)
+        *ret_parts = parts_of(&leaves->kept[leaf.leaf], orl_luma(estimate.irradiance));
+    return true;
+}
+
+/* The leaves beside a leaf, the nearest first; returns how many. */
+static uint32_t find_beside(const struct orl_leaves *leaves, uint32_t leaf,
+                            struct candidate ret_beside[BESIDE])
+{
+    const struct orl_photon_map *map = leaves->map;
+    const struct orl_site *own = &leaves->sites[leaf];
+    const struct orl_vec3 normal = orl_normal_decode(own->normal);
+    const uint32_t facing = orl_facing_mask(&map->facing, normal);
+    struct orl_box_visit stack[ORL_BOX_STACK];
+    uint32_t depth = 0, found = 0;
+    float within2 = leaves->reach2;
+    stack[depth++] = (struct orl_box_visit){0, map->header->levels, 0};
+    while (depth > 0) {
+        const struct orl_box_visit visit = stack[--depth];
+        if (!(visit.distance2 < within2))
+            continue;
+        if (visit.level > 0) {
+            depth = orl_box_push(map, visit, own->at, facing, within2, stack, depth);
+            continue;
+        }
+        float chord[3];
+        const struct candidate here = {distance2_to(leaves, visit.node, own->at, chord),
+                                       visit.node};
+        if (!(here.distance2 < within2) || visit.node == leaf ||
+            !orl_same_sheet(normal, own->normal, leaves->sites[visit.node].normal, chord))
+            continue;
+        uint32_t place = found < BESIDE ? found++ : BESIDE - 1;
+        for (; place > 0 && comes_before(here, ret_beside[place - 1]); place--)
+            ret_beside[place] = ret_beside[place - 1];
+        ret_beside[place] = here;
+        if (found == BESIDE)
+            within2 = ret_beside[BESIDE - 1].distance2;
+    }
+    return found;
+}
+
+/* Seeks the leaves beside a leaf if nobody has; two that do it at once find the same. */
+static void know_beside(const struct orl_leaves *leaves, uint32_t leaf)
+{
+    struct kept *kept = &leaves->kept[leaf];
+    struct candidate beside[BESIDE];
+    if (atomic_load_explicit(&kept->beside[0], memory_order_acquire) != 0)
+        return;
+    const uint32_t found = find_beside(leaves, leaf, beside);
+    for (uint32_t i = 1; i < found; i++)
+        atomic_store_explicit(&kept->beside[i], beside[i].leaf + 1, memory_order_relaxed);
+    atomic_store_explicit(&kept->beside[0], (found > 0 ? beside[0].leaf : leaf) + 1,
+                          memory_order_release);
+}
+
+/*
+ * The leaf whose site is nearest to the point, sought from where the point would stand in the order
+ * of the map: from leaf to leaf, always on to the nearest beside it, until none is nearer.
+ */
+static bool leaf_about(const struct orl_leaves *leaves, struct orl_vec3 point,
+                       struct orl_vec3 normal, struct candidate *ret_leaf)
+{
+    const uint16_t code = orl_normal_encode(normal);
+    struct candidate best = {leaves->reach2, 0};
+    uint32_t cell[3], leaf;
+    float at[3], chord[3];
+    bool found = false;
+    if (leaves->map->header->count == 0)
+        return false;
+    orl_box_locate(leaves->map, point, at);
+    for (int k = 0; k < 3; k++)
+        cell[k] = (uint32_t)fminf(fmaxf(at[k] + 0.5F, 0), ORL_PLACE_CELLS - 1);
+    leaf = (uint32_t)orl_zorder_find(&leaves->order, orl_zorder_code(cell, code));
+    for (int hop = 0; hop < MOST_HOPS; hop++) {
+        const uint32_t from = leaf;
+        know_beside(leaves, from);
+        for (uint32_t i = 0, next = from + 1; next > 0; i++) {
+            const struct candidate here = {distance2_to(leaves, next - 1, at, chord), next - 1};
+            if (comes_before(here, best) &&
+                orl_same_sheet(normal, code, leaves->sites[here.leaf].normal, chord)) {
+                best = here;
+                found = true;
+                leaf = here.leaf;
+            }
+            next = i < BESIDE
+                       ? atomic_load_explicit(&leaves->kept[from].beside[i], memory_order_relaxed)
+                       : 0;
+        }
+        if (leaf == from)
+            break;
+    }
+    *ret_leaf = best;
+    return found;
+}
+
 struct orl_rgb orl_leaves_irradiance(struct orl_leaves *leaves, struct orl_vec3 point,
                                      struct orl_vec3 normal, const struct orl_footing *footing,
                                      struct orl_search *search, struct orl_batches *ret_parts)
 {
-    struct candidate leaf = {-1, 0};
-    for (int i = 0; i < MOST_TRIES && next_leaf(leaves, point, normal, leaf, &leaf); i++) {
-        if (!covers(leaves, leaf))
-            continue;
-        const struct estimate estimate = estimate_of(leaves, leaf.leaf, search);
-        if (!is_joined(leaves, leaf, &estimate, footing))
-            continue;
-        if (ret_parts)
-            *ret_parts = parts_of(&leaves->kept[leaf.leaf], orl_luma(estimate.irradiance));
-        return estimate.irradiance;
-    }
+    struct candidate leaf;
+    struct orl_rgb irradiance;
+    if (leaf_about(leaves, point, normal, &leaf) &&
+        reads(leaves, leaf, footing, search, &irradiance, ret_parts))
+        return irradiance;
+    leaf = (struct candidate){-1, 0};
+    for (int i = 0; i < MOST_TRIES && next_leaf(leaves, point, normal, leaf, &leaf); i++)
+        if (reads(leaves, leaf, footing, search, &irradiance, ret_parts))
+            return irradiance;
     struct orl_density_query query = query_at(leaves, point, normal);
     query.footing = footing;
     const struct orl_density density = orl_spread_estimate(leaves->spread, &query, search);

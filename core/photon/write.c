@@ -14,9 +14,10 @@
 #include "base/sum.h"
 #include "photon/flux.h"
 #include "photon/packing.h"
+#include "photon/zorder.h"
 
 struct sort_item {
-    uint64_t code; /* bin of the normal, then Morton */
+    uint64_t code; /* zorder.h */
     uint32_t index;
 };
 
@@ -31,17 +32,7 @@ struct writer {
     char *file; /* being filled, mapped */
 };
 
-enum { CHUNK = 1 << 15, MORTON_BITS = 57, AHEAD = 24 };
-
-/* Spreads 20 bits to every third. */
-static uint64_t spread(uint64_t x)
-{
-    x = (x | x << 32) & 0x1f00000000ffffULL;
-    x = (x | x << 16) & 0x1f0000ff0000ffULL;
-    x = (x | x << 8) & 0x100f00f00f00f00fULL;
-    x = (x | x << 4) & 0x10c30c30c30c30c3ULL;
-    return (x | x << 2) & 0x1249249249249249ULL;
-}
+enum { CHUNK = 1 << 15, AHEAD = 24 };
 
 static size_t chunk_end(const struct writer *w, size_t chunk)
 {
@@ -59,11 +50,7 @@ static void make_codes(void *arg, size_t chunk, uint32_t member)
         uint32_t cell[3];
         w->words[i] = p;
         orl_place_unpack(p.a, p.b, cell);
-        const uint64_t bin = orl_facing_bin(p.normal);
-        /* 19 of the 20 bits an axis leave room for the bin above. */
-        const uint64_t morton =
-            spread(cell[0] >> 1) | spread(cell[1] >> 1) << 1 | spread(cell[2] >> 1) << 2;
-        w->items[i] = (struct sort_item){bin << MORTON_BITS | morton, (uint32_t)i};
+        w->items[i] = (struct sort_item){orl_zorder_code(cell, p.normal), (uint32_t)i};
     }
 }
 

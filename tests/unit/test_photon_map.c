@@ -18,6 +18,7 @@
 #include "base/random.h"
 #include "photon/facing.h"
 #include "photon/pack.h"
+#include "photon/zorder.h"
 #include "support/cli.h"
 #include "support/scene_text.h"
 
@@ -89,6 +90,38 @@ static struct orl_photon_map *open_map(const char *path)
     struct orl_error err;
     assert_int_equal(orl_photon_map_open(path, true, &map, &err), 0);
     return map;
+}
+
+/*
+ * A photon's code leads to its leaf, but for codes that more than one leaf begins with: then to the
+ * last of them. Codes before the first photon's lead to the first leaf, and after the last to the
+ * last. The numbers are not those of whole groups of leaves.
+ */
+static void test_places_lead_to_leaves(void **state)
+{
+    (void)state;
+    static const size_t counts[] = {1, 15, 16, 17, 129, 5000, 20011};
+    for (size_t c = 0; c < sizeof counts / sizeof *counts; c++) {
+        struct orl_photon *photons = make_photons(counts[c], 9);
+        struct orl_zorder order;
+        write_map(path_of("order"), photons, counts[c], 100, 9, 1);
+        struct orl_photon_map *map = open_map(path_of("order"));
+        assert_int_equal(orl_zorder_init(&order, map), 0);
+        for (size_t i = 0; i < counts[c]; i++) {
+            const uint32_t *words = map->places + i / ORL_MAP_LEAF * ORL_LEAF_WORDS;
+            uint32_t cell[3];
+            orl_place_unpack(words[i % ORL_MAP_LEAF], words[i % ORL_MAP_LEAF + ORL_MAP_LEAF], cell);
+            const uint64_t code = orl_zorder_code(cell, map->normals[i]);
+            const uint64_t leaf = orl_zorder_find(&order, code);
+            assert_true(leaf == i / ORL_MAP_LEAF ||
+                        (leaf > i / ORL_MAP_LEAF && order.codes[0][leaf] == code));
+        }
+        assert_int_equal(orl_zorder_find(&order, 0), 0);
+        assert_int_equal(orl_zorder_find(&order, UINT64_MAX - 1), (counts[c] - 1) / ORL_MAP_LEAF);
+        orl_zorder_done(&order);
+        orl_photon_map_free(map);
+        free(photons);
+    }
 }
 
 /* ---- Round trip -------------------------------------------------------------------------------
@@ -390,6 +423,7 @@ static void test_not_files(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_places_lead_to_leaves),
         cmocka_unit_test(test_round_trip),
         cmocka_unit_test(test_sums_are_kept),
         cmocka_unit_test(test_wild_fluxes_sum),
