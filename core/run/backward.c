@@ -21,11 +21,10 @@ static int prepare(struct work *work, struct orl_error *err)
 {
     struct orl_run_state *state = work->state;
     const uint64_t lamps = state->result->plan.photons_global;
-    struct orl_emission *emission = NULL;
     struct orl_shot shots[ORL_SHOT_KINDS] = {{0}, {0}};
-    int code = orl_emission_new(state->world, state->job->seed, state->env->crew, &emission, err);
+    int code = orl_run_need_emission(state, err);
     if (code == 0) {
-        const struct orl_shoot_env env = {.emission = emission,
+        const struct orl_shoot_env env = {.emission = state->emission,
                                           .seed = state->job->seed,
                                           .crew = state->env->crew,
                                           .cancel = state->env->cancel,
@@ -44,7 +43,6 @@ static int prepare(struct work *work, struct orl_error *err)
     }
     for (int kind = 0; kind < ORL_SHOT_KINDS; kind++)
         free(shots[kind].photons);
-    orl_emission_free(emission);
     return code;
 }
 
@@ -53,8 +51,7 @@ static void compute_sensor(void *ctx, size_t index, uint32_t member)
     const struct work *work = ctx;
     struct orl_run_state *state = work->state;
     const struct orl_sensor *sensor = &state->sensors[index];
-    const uint32_t samples =
-        state->job->gather_samples ? state->job->gather_samples : ORL_DEFAULT_GATHER_SAMPLES;
+    const uint32_t samples = orl_run_sensor_samples(state, index);
     const struct orl_estimate e = orl_backward_irradiance(
         &work->backward, orl_sub(sensor->position, state->world->geometry->center),
         orl_normalize(sensor->direction), samples, index, &state->searches[member].health);

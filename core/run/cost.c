@@ -5,23 +5,18 @@
 
 #include <oriel/limits.h>
 
+#include "run/share.h"
+
 enum { HALVINGS = 40 };
 
-/* Samples of a sensor that go with one of a pixel, and with the planner's photons. */
+/* Samples of a sensor that go with one of a pixel, and with the planner's photons or lamps. */
 static const double pixel_samples = 1.0 * ORL_DEFAULT_GATHER_SAMPLES / ORL_DEFAULT_PIXEL_SAMPLES,
                     map_samples = ORL_DEFAULT_GATHER_SAMPLES;
-/* Up to so many samples the planner's virtual lamps do; then they grow, to no more than that. */
-static const double lamps_samples = 2048;
-enum { LAMPS_MOST = 4000000, PHOTONS_A_ROUND = 8000000 };
-/*
- * Variance of a sensor by S samples and L of the lamps that they share: as 1 / S + 90 / L, in the
- * test office behind glass (105) and behind a laser cut panel (88), where the planner has 204 800.
- */
-static const double lamps_noise = 90.0 / 204800;
-/* A round has no fewer samples, the second one of sensors twice that: lamps cost as much. */
-static const double least_samples = 256;
-/* A round may make so many times all the effort before, for the first ones know errors badly; and
- * so much more than is thought to be needed. */
+enum { LAMPS_A_ROUND = 4000000, PHOTONS_A_ROUND = 8000000 };
+/* A round has no fewer samples: of sensors by backward, of anything else but views of maps. */
+static const double least_of_sensors = 64, least_samples = 256;
+/* A round may make so many times all samples before, for the first ones know errors badly; and so
+ * much more than is thought to be needed. */
 static const double growth = 8, margin = 1.1;
 
 struct orl_work orl_work_of(const struct orl_run_state *state)
@@ -32,28 +27,20 @@ struct orl_work orl_work_of(const struct orl_run_state *state)
                             .photons = {plan->photons_global, plan->photons_caustic},
                             .least = least_samples};
     const double photons = fmax((double)plan->photons_global, (double)plan->photons_caustic);
-    if (work.technique == ORL_TECHNIQUE_BACKWARD) {
-        work.most = lamps_samples * LAMPS_MOST / fmax(photons, 1);
-        work.most = fmin(work.most, 20 * lamps_samples);
-    } else {
-        work.least = work.of_views ? map_samples : least_samples;
-        work.most = fmin(map_samples * fmax(1, PHOTONS_A_ROUND / fmax(photons, 1)), 1 << 18);
-    }
+    const bool backward = work.technique == ORL_TECHNIQUE_BACKWARD;
+    work.shares = backward && !work.of_views;
+    const double most_photons = backward ? LAMPS_A_ROUND : PHOTONS_A_ROUND;
+    work.most = fmin(map_samples * fmax(1, most_photons / fmax(photons, 1)), 1 << 18);
+    if (work.of_views && !backward)
+        work.least = map_samples;
+    else if (work.shares)
+        work.least = least_of_sensors;
     return work;
-}
-
-/* How many times the planner's lamps; less than once only to fill the end of a deadline. */
-static double more_lamps(double samples)
-{
-    return samples < least_samples ? samples / least_samples : fmax(1, samples / lamps_samples);
 }
 
 uint64_t orl_work_photons(const struct orl_work *work, int kind, double samples)
 {
-    const double planned = (double)work->photons[kind];
-    if (work->technique == ORL_TECHNIQUE_BACKWARD)
-        return (uint64_t)(planned * more_lamps(samples));
-    return (uint64_t)ceil(planned * samples / map_samples);
+    return (uint64_t)ceil((double)work->photons[kind] * samples / map_samples);
 }
 
 uint32_t orl_work_pixel_samples(double samples)
@@ -61,33 +48,16 @@ uint32_t orl_work_pixel_samples(double samples)
     return (uint32_t)fmax(ceil(samples / pixel_samples), 1);
 }
 
-double orl_work_effort(const struct orl_work *work, double samples)
-{
-    if (work->technique != ORL_TECHNIQUE_BACKWARD || work->of_views)
-        return samples;
-    return 1 / (1 / samples + lamps_noise / more_lamps(samples));
-}
-
-/* The other way round, from the effort of a round of the least samples on. */
-static double samples_for(const struct orl_work *work, double effort)
-{
-    const double few = orl_work_effort(work, lamps_samples);
-    if (work->technique != ORL_TECHNIQUE_BACKWARD || work->of_views)
-        return effort;
-    return effort < few ? 1 / (1 / effort - lamps_noise)
-                        : effort * (1 + lamps_noise * lamps_samples);
-}
-
 /*
  * Hemispheres of rays average over so many kernels of global photons that these may hold few: 64,
  * or fewer as maps add up. Caustics are seen directly: what one kernel holds is to grow too, with
  * the power 2/3 of all photons, from what the planner's photons have in it.
  */
-void orl_work_bandwidths(double effort, double before, double ret_bandwidths[ORL_MAP_KINDS])
+void orl_work_bandwidths(double samples, double before, double ret_bandwidths[ORL_MAP_KINDS])
 {
-    const double all = before + effort;
-    ret_bandwidths[ORL_MAP_GLOBAL] = cbrt(effort / all);
-    ret_bandwidths[ORL_MAP_CAUSTIC] = effort / map_samples / cbrt(all / map_samples);
+    const double all = before + samples;
+    ret_bandwidths[ORL_MAP_GLOBAL] = cbrt(samples / all);
+    ret_bandwidths[ORL_MAP_CAUSTIC] = samples / map_samples / cbrt(all / map_samples);
     ret_bandwidths[ORL_MAP_PRECOMPUTED] = 1;
 }
 
@@ -103,7 +73,7 @@ double orl_work_next(const struct orl_work *work, double done, double wanted)
         fmin(fmin(margin * wanted - done, growth * done), orl_work_limit() - done);
     double samples = work->least;
     if (done > 0)
-        samples = fmax(samples_for(work, fmax(missing, 1)), work->of_views ? samples : 2 * samples);
+        samples = fmax(missing, samples);
     return unit * ceil(fmin(samples, work->most) / unit);
 }
 
@@ -151,7 +121,7 @@ double orl_pace_run_s(const struct orl_pace *pace, const struct orl_work *work, 
     for (double done = 0; done < wanted || done == 0;) {
         const double samples = orl_work_next(work, done, wanted);
         seconds += orl_pace_round_s(pace, work, samples);
-        done += orl_work_effort(work, samples);
+        done += samples;
     }
     return seconds;
 }
@@ -173,8 +143,14 @@ double orl_parts_error(const struct orl_parts *parts)
 double orl_parts_work(const struct orl_parts *parts, double target)
 {
     double most = 1;
-    for (size_t i = 0; i < parts->count; i++)
-        most = fmax(most, orl_percentile_work(&parts->parts[i], parts->at, target));
+    for (size_t i = 0; i < parts->count; i++) {
+        const struct orl_estimates *part = &parts->parts[i];
+        const double work = part->noise ? orl_share_work(part, parts->at, target)
+                                        : orl_percentile_work(part, parts->at, target);
+        most = isnan(work) || work > most ? work : most;
+        if (isnan(work))
+            break;
+    }
     return most;
 }
 
@@ -182,7 +158,7 @@ double orl_parts_work(const struct orl_parts *parts, double target)
 static double seconds_to(const struct orl_pace *pace, const struct orl_work *work,
                          const struct orl_parts *parts, double target)
 {
-    const double wanted = pace->effort * orl_parts_work(parts, target);
+    const double wanted = pace->samples * orl_parts_work(parts, target);
     return wanted <= orl_work_limit() ? orl_pace_run_s(pace, work, wanted) : NAN;
 }
 
@@ -199,7 +175,7 @@ void orl_run_predict(struct orl_run_state *state, const struct orl_pace *pace,
     if (isnan(cost->error))
         return;
     snprintf(cost->model, sizeof cost->model, "there is nothing left to gain");
-    if (!(cost->error > 0) || !(pace->effort > 0)) {
+    if (!(cost->error > 0) || !(pace->samples > 0)) {
         cost->one_percent_s = cost->error <= one_percent ? 0 : NAN;
         return;
     }
@@ -228,14 +204,6 @@ static double samples_of(const struct orl_run_state *state, const struct orl_wor
     if (state->n_sensors == 0)
         return map_samples;
     return job->gather_samples ? job->gather_samples : ORL_DEFAULT_GATHER_SAMPLES;
-}
-
-/* And the effort that they are, with the lamps that the plan has for them. */
-static double effort_of(const struct orl_work *work, double samples, double lamps)
-{
-    if (work->technique != ORL_TECHNIQUE_BACKWARD || work->of_views || !(lamps > 0))
-        return samples;
-    return 1 / (1 / samples + lamps_noise * (double)work->photons[ORL_MAP_GLOBAL] / lamps);
 }
 
 /* Seconds of photons and maps, those included that an earlier job spent on maps it left. */
@@ -275,7 +243,8 @@ void orl_run_forget_looks(struct orl_run_state *state)
 }
 
 /* Sensors and views that have been found; how many. */
-static size_t list_parts(const struct orl_run_state *state, struct orl_estimates *ret_parts)
+static size_t list_parts(const struct orl_run_state *state, const double *noise, double samples,
+                         struct orl_estimates *ret_parts)
 {
     const struct orl_result *result = state->result;
     size_t n = 0;
@@ -283,6 +252,8 @@ static size_t list_parts(const struct orl_run_state *state, struct orl_estimates
         ret_parts[n++] = (struct orl_estimates){.value = result->illuminance_lx,
                                                 .error = result->standard_error_lx,
                                                 .bias = result->bias_estimate_lx,
+                                                .noise = noise,
+                                                .samples = samples,
                                                 .count = result->n_sensors,
                                                 .floor = orl_floor_of_sensors};
     for (size_t i = 0; state->looks && i < state->job->n_views; i++)
@@ -291,14 +262,24 @@ static size_t list_parts(const struct orl_run_state *state, struct orl_estimates
     return n;
 }
 
+/* Variances of one sample, where rounds would share samples out; else NULL. */
+static double *noise_of(const struct orl_run_state *state, const struct orl_work *work,
+                        double samples)
+{
+    const struct orl_result *result = state->result;
+    double *noise = work->shares ? malloc((result->n_sensors + 1) * sizeof *noise) : NULL;
+    for (size_t i = 0; noise && i < result->n_sensors; i++)
+        noise[i] = samples * result->standard_error_lx[i] * result->standard_error_lx[i];
+    return noise;
+}
+
 void orl_run_cost(struct orl_run_state *state)
 {
     const struct orl_result *result = state->result;
     struct orl_work work = orl_work_of(state);
     const double samples = samples_of(state, &work);
     const double photons = (double)(work.photons[ORL_MAP_GLOBAL] + work.photons[ORL_MAP_CAUSTIC]);
-    /* This plan has lamps for its own samples; rounds start from those for the default of them. */
-    if (work.technique == ORL_TECHNIQUE_BACKWARD && samples > map_samples)
+    if (work.shares) /* this plan has lamps for its own samples, rounds for the default of them */
         work.photons[ORL_MAP_GLOBAL] = (uint64_t)(photons * map_samples / samples);
     const struct orl_pace pace = {.before_s = result->timings_s[ORL_STAGE_LOAD] +
                                               result->timings_s[ORL_STAGE_BVH] +
@@ -306,11 +287,13 @@ void orl_run_cost(struct orl_run_state *state)
                                   .photons = photons,
                                   .photon_s = seconds_of_photons(result),
                                   .samples = samples,
-                                  .effort = effort_of(&work, samples, photons),
                                   .render_s = result->timings_s[ORL_STAGE_RENDER],
                                   .rounds = 1};
     struct orl_estimates *estimates = calloc(state->job->n_views + 1, sizeof *estimates);
-    const struct orl_parts parts = {estimates, estimates ? list_parts(state, estimates) : 0, 0.95};
+    double *noise = noise_of(state, &work, samples);
+    const struct orl_parts parts = {
+        estimates, estimates ? list_parts(state, noise, samples, estimates) : 0, 0.95};
     orl_run_predict(state, &pace, &work, &parts);
+    free(noise);
     free(estimates);
 }

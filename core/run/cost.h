@@ -2,10 +2,10 @@
  * What work costs: samples, what they are by each technique, how long they take and what they
  * bring.
  *
- * The size of a round (rounds.h) is a number of samples of every sensor. By the backward technique
- * 64 of them go with a sample of every pixel, and virtual lamps with all; by photon maps 4096 go
- * with the photons that the planner thinks right. What a round brings is counted as effort, in
- * which variances fall as its inverse: samples, but for what too few lamps take away from them.
+ * The size of a round (rounds.h) is a number of samples of every sensor, or their mean where
+ * sensors get different ones (share.h). 4096 of them go with the photons, or virtual lamps, that
+ * the planner thinks right for as many, and 64 with a sample of every pixel. Variances fall as
+ * their inverse.
  *
  * The schedule of rounds is here, since it also says what another digit would cost: a small one to
  * learn from, then one that is to reach the goal, then what is left.
@@ -20,26 +20,25 @@
 struct orl_work {
     enum orl_technique technique;
     bool of_views;                    /* some, maybe beside sensors */
+    bool shares;                      /* sensors may get different samples: unbiased, no views */
     uint64_t photons[ORL_SHOT_KINDS]; /* the planner's */
     double least, most;               /* samples of a round */
 };
 
 struct orl_work orl_work_of(const struct orl_run_state *state);
 
-/* Photons of a kind, and samples of a pixel, that go with samples of a sensor; and their effort. */
+/* Photons of a kind, and samples of a pixel, that go with samples of a sensor. */
 uint64_t orl_work_photons(const struct orl_work *work, int kind, double samples);
 uint32_t orl_work_pixel_samples(double samples);
-double orl_work_effort(const struct orl_work *work, double samples);
 
-/* The samples of the round after rounds of `done` effort, when `wanted` in all would do: by counts
- * alone. */
+/* The samples of the round after `done` of them, when `wanted` in all would do: by counts alone. */
 double orl_work_next(const struct orl_work *work, double done, double wanted);
 
-/* Areas of kernels in a round of that effort after others, in terms of what the maps would choose:
- * see rounds.h. */
-void orl_work_bandwidths(double effort, double before, double ret_bandwidths[ORL_MAP_KINDS]);
+/* Areas of kernels in a round of so many samples after others, in terms of what the maps would
+ * choose: see rounds.h. */
+void orl_work_bandwidths(double samples, double before, double ret_bandwidths[ORL_MAP_KINDS]);
 
-/* Effort in all that a job with a goal may take. */
+/* Samples in all that a job with a goal may take. */
 double orl_work_limit(void);
 
 /* How long it took, so far. */
@@ -47,11 +46,10 @@ struct orl_pace {
     double before_s;          /* until the first photon */
     double photons, photon_s; /* traced and put into maps; virtual lamps count */
     double samples, render_s;
-    double effort;
     double rounds, beside_s; /* what is not of the above */
 };
 
-/* Seconds of a round, and of a whole run in rounds until so much effort is made. */
+/* Seconds of a round, and of a whole run in rounds until so many samples are taken. */
 double orl_pace_round_s(const struct orl_pace *pace, const struct orl_work *work, double samples);
 double orl_pace_run_s(const struct orl_pace *pace, const struct orl_work *work, double wanted);
 /* Samples of a round that is to last so long: from the least, to `most` or what rounds may have. */
@@ -64,8 +62,9 @@ struct orl_parts {
     size_t count;
     double at;
 };
-double orl_parts_error(const struct orl_parts *parts);               /* NaN when one is not known */
-double orl_parts_work(const struct orl_parts *parts, double target); /* orl_percentile_work */
+double orl_parts_error(const struct orl_parts *parts); /* NaN when one is not known */
+/* How many times the work so far it takes; NaN when it is not known. */
+double orl_parts_work(const struct orl_parts *parts, double target);
 
 /* Fills the predictions of the result's cost, and its counts, from what it took so far. */
 void orl_run_predict(struct orl_run_state *state, const struct orl_pace *pace,

@@ -13,7 +13,7 @@ static int part_init(struct orl_finding_part *part, size_t count, double floor,
     return orl_pool_init(&part->pool, count, err);
 }
 
-int orl_findings_init(struct orl_findings *findings, struct orl_run_state *state,
+int orl_findings_init(struct orl_findings *findings, struct orl_run_state *state, bool shared,
                       struct orl_error *err)
 {
     const size_t sensors = state->n_sensors > 0, views = state->job->n_views;
@@ -27,6 +27,11 @@ int orl_findings_init(struct orl_findings *findings, struct orl_run_state *state
     state->result->n_views = views;
     if (sensors)
         code = part_init(&findings->parts[0], state->n_sensors, orl_floor_of_sensors, err);
+    if (sensors && code == 0 && shared) {
+        findings->parts[0].noise = calloc(state->n_sensors, sizeof(double));
+        if (!findings->parts[0].noise)
+            code = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    }
     for (size_t i = 0; i < views && code == 0; i++) {
         const struct orl_view_request *v = &state->job->views[i];
         struct orl_finding_part *part = &findings->parts[sensors + i];
@@ -43,6 +48,7 @@ void orl_findings_done(struct orl_findings *findings)
         orl_pool_done(&findings->parts[i].pool);
         orl_film_done(&findings->parts[i].film);
         free(findings->parts[i].errors);
+        free(findings->parts[i].noise);
     }
     free(findings->parts);
     free(findings->estimates);
@@ -78,15 +84,21 @@ int orl_findings_add_film(struct orl_findings *findings, size_t view, const stru
 }
 
 void orl_findings_add_sensors(struct orl_findings *findings, const struct orl_result *round,
-                              double effort)
+                              double effort, const double *samples)
 {
+    struct orl_finding_part *part = &findings->parts[0];
     const struct orl_found found = {.value = round->illuminance_lx,
                                     .error = round->standard_error_lx,
                                     .bias = round->bias_estimate_lx,
                                     .degrees = ORL_MAP_BATCHES - 1,
                                     .effort = effort};
-    if (round->n_sensors > 0)
-        orl_pool_add(&findings->parts[0].pool, &found);
+    if (round->n_sensors == 0)
+        return;
+    orl_pool_add(&part->pool, &found);
+    for (size_t i = 0; samples && i < part->pool.count; i++) {
+        const double error = found.error[i], noise = samples[i] * error * error;
+        part->noise[i] += effort / part->pool.effort * (noise - part->noise[i]);
+    }
 }
 
 void orl_findings_judge(struct orl_findings *findings)
@@ -98,6 +110,8 @@ void orl_findings_judge(struct orl_findings *findings)
             .value = part->pool.mean,
             .error = part->errors,
             .bias = part->pool.knows_bias && !part->film.pixels ? part->pool.bias : NULL,
+            .noise = part->noise,
+            .samples = part->pool.effort,
             .count = part->pool.count,
             .floor = part->floor};
     }

@@ -15,6 +15,7 @@
 struct orl_finding_part {
     struct orl_pool pool;
     double *errors; /* of its means; owned */
+    double *noise;  /* share.h: of one sample of a sensor; owned; NULL: not known */
     double floor;
     struct orl_film film; /* of a view: the means, in colour */
 };
@@ -25,14 +26,15 @@ struct orl_findings {
     struct orl_estimates *estimates; /* of every part; filled by judge */
 };
 
-/* Makes room in the result too. */
-int orl_findings_init(struct orl_findings *findings, struct orl_run_state *state,
+/* Makes room in the result too. shared: samples are shared out among sensors. */
+int orl_findings_init(struct orl_findings *findings, struct orl_run_state *state, bool shared,
                       struct orl_error *err);
 void orl_findings_done(struct orl_findings *findings); /* also of one that init left half-filled */
 
-/* A round's sensors, and a round's picture of a view. */
+/* A round's sensors, with the samples of each where they were shared out, else NULL; and a round's
+ * picture. */
 void orl_findings_add_sensors(struct orl_findings *findings, const struct orl_result *round,
-                              double effort);
+                              double effort, const double *samples);
 int orl_findings_add_film(struct orl_findings *findings, size_t view, const struct orl_film *film,
                           double effort, struct orl_error *err);
 

@@ -13,8 +13,7 @@ static void compute_sensor(void *ctx, size_t index, uint32_t member)
     const struct work *work = ctx;
     struct orl_run_state *state = work->state;
     const struct orl_sensor *sensor = &state->sensors[index];
-    const uint32_t samples =
-        state->job->gather_samples ? state->job->gather_samples : ORL_DEFAULT_GATHER_SAMPLES;
+    const uint32_t samples = orl_run_sensor_samples(state, index);
     const struct orl_estimate e = orl_gather_sensor(
         &work->gather, orl_sub(sensor->position, state->world->geometry->center),
         orl_normalize(sensor->direction), samples, index, &state->searches[member]);

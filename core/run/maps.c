@@ -103,10 +103,9 @@ static void stage_progress(void *ctx, double fraction)
 static int shoot(struct orl_run_state *state, struct orl_shot shots[ORL_SHOT_KINDS],
                  struct orl_error *err)
 {
-    struct orl_emission *emission = NULL;
-    int code = orl_emission_new(state->world, state->job->seed, state->env->crew, &emission, err);
+    int code = orl_run_need_emission(state, err);
     if (code == 0) {
-        const struct orl_shoot_env env = {.emission = emission,
+        const struct orl_shoot_env env = {.emission = state->emission,
                                           .seed = state->job->seed,
                                           .crew = state->env->crew,
                                           .cancel = state->env->cancel,
@@ -114,14 +113,13 @@ static int shoot(struct orl_run_state *state, struct orl_shot shots[ORL_SHOT_KIN
                                           .ctx = state};
         code = orl_shoot(&env, shots, err);
     }
-    if (code == 0 && emission->n_strata == 0)
+    if (code == 0 && state->emission->n_strata == 0)
         orl_run_warn(state, "no light reaches the scene: everything is black");
     if (code == 0 && state->world->n_mirrors_left_out > 0)
         orl_run_warn(state,
                      "flat mirrors and panes face more than %d ways: the sun's reflections in %zu "
                      "of them are not simulated outside",
                      ORL_MOST_MIRRORS, state->world->n_mirrors_left_out);
-    orl_emission_free(emission);
     return code;
 }
 

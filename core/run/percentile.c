@@ -113,6 +113,14 @@ double orl_percentile_error(const struct orl_estimates *estimates, double at)
     return look.least > 0 ? find_bound(&look, at) : 0;
 }
 
+bool orl_percentile_is_kept(const struct orl_estimates *estimates, double at, double target)
+{
+    struct look look;
+    if (!look_at(estimates, &look))
+        return false;
+    return !(look.least > 0) || is_bound(&look, target, allowed_of(&look, at));
+}
+
 double orl_percentile_work(const struct orl_estimates *estimates, double at, double target)
 {
     const double now = orl_percentile_error(estimates, at);

@@ -19,11 +19,14 @@
 #ifndef ORL_RUN_PERCENTILE_H
 #define ORL_RUN_PERCENTILE_H
 
+#include <stdbool.h>
 #include <stddef.h>
 
 struct orl_estimates {
     const double *value, *error;
-    const double *bias; /* NULL: none is known */
+    const double *bias;  /* NULL: none is known */
+    const double *noise; /* variance of one sample, where they can be shared out; else NULL */
+    double samples;      /* so far, mean; of those of which the noise is known */
     size_t count;
     double floor; /* share of the mean value below which nothing is divided by */
 };
@@ -34,8 +37,12 @@ extern const double orl_floor_of_sensors, orl_floor_of_pixels;
 /* The bound; NaN when an error is not known. 0 when all is black. */
 double orl_percentile_error(const struct orl_estimates *estimates, double at);
 
+/* Whether it is at most that. */
+bool orl_percentile_is_kept(const struct orl_estimates *estimates, double at, double target);
+
 /*
- * How many times the work done so far it takes, in all, to bring the bound down to target.
+ * How many times the work done so far it takes, in all, to bring the bound down to target, when it
+ * is as much more for each.
  * Variances fall as the inverse of the work; biases as its power -1/3, which is what Knaus and
  * Zwicker (2011, "Progressive photon mapping: a probabilistic approach") have of shrinking
  * bandwidths.

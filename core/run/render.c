@@ -19,6 +19,14 @@ static void compute_sensor(void *arg, size_t index, uint32_t member)
         rendering->renderer->sensor(rendering->renderer->ctx, rendering->first + index, member);
 }
 
+uint32_t orl_run_sensor_samples(const struct orl_run_state *state, size_t index)
+{
+    const uint32_t all = state->job->gather_samples;
+    if (state->sensor_samples)
+        return state->sensor_samples[index];
+    return all ? all : ORL_DEFAULT_GATHER_SAMPLES;
+}
+
 void orl_run_book_sensor(const struct orl_run_state *state, size_t index,
                          const struct orl_estimate *estimate)
 {

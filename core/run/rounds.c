@@ -7,6 +7,7 @@
 #include "base/random.h"
 #include "run/cost.h"
 #include "run/findings.h"
+#include "run/share.h"
 
 /* A deadline's round fills that much of what is left, the last one that. */
 static const double fill = 0.7, last_fill = 0.93, deadline_growth = 8;
@@ -14,6 +15,8 @@ static const double fill = 0.7, last_fill = 0.93, deadline_growth = 8;
 static const double crumbs = 0.04, tolerance = 0.1;
 /* Its smallest rounds of sensors are so much smaller than others: they fill the end. */
 static const double short_round = 0.25;
+/* Samples of one sensor in a round. */
+static const double most_of_a_sensor = 1 << 20;
 /* Work is given up when this much more than what is allowed would be needed. */
 static const double hopeless = 2;
 
@@ -23,7 +26,9 @@ struct rounds {
     struct orl_pace pace;
     struct orl_findings findings;
     double error;                     /* of the whole, as it stands */
-    double samples, effort;           /* of the round that runs */
+    double samples;                   /* of the round that runs; the mean over sensors */
+    double *shares;                   /* and those of each sensor, the same in whole numbers; */
+    uint32_t *sensor_samples;         /* NULL: as many for all */
     double bandwidths[ORL_MAP_KINDS]; /* of the round */
     uint32_t count;
     bool ended;
@@ -48,13 +53,27 @@ static int rounds_init(struct rounds *r, struct orl_run_state *state, struct orl
         r->work.least *= short_round;
     r->samples = r->work.least;
     r->pace.before_s = now_s(r) - state->started_s;
-    return orl_findings_init(&r->findings, state, err);
+    if (r->work.shares) {
+        r->shares = malloc((state->n_sensors + 1) * sizeof *r->shares);
+        r->sensor_samples = malloc((state->n_sensors + 1) * sizeof *r->sensor_samples);
+        if (!r->shares || !r->sensor_samples)
+            return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for %zu sensors",
+                                 state->n_sensors);
+    }
+    return orl_findings_init(&r->findings, state, r->work.shares, err);
+}
+
+static void rounds_done(struct rounds *r)
+{
+    orl_findings_done(&r->findings);
+    free(r->shares);
+    free(r->sensor_samples);
 }
 
 static int take_film(void *ctx, size_t index, const struct orl_film *film, struct orl_error *err)
 {
     struct rounds *r = ctx;
-    return orl_findings_add_film(&r->findings, index, film, r->effort, err);
+    return orl_findings_add_film(&r->findings, index, film, r->samples, err);
 }
 
 /* ---- A round --------------------------------------------------------------------------------- */
@@ -96,10 +115,29 @@ static void take_times(struct rounds *r, const struct orl_result *found_by, doub
     for (size_t i = 0; i < found_by->n_maps; i++) /* what other rounds will have to take */
         r->pace.photon_s += found_by->maps[i].earlier_s;
     r->pace.samples += r->samples;
-    r->pace.effort += r->effort;
     r->pace.render_s += render_s;
     r->pace.beside_s += fmax(all_s - photon_s - render_s, 0);
     r->pace.rounds++;
+}
+
+/* Samples of every sensor, from what is known of their noise; all alike in the first round. */
+static void share_out(struct rounds *r)
+{
+    const double least = ORL_MAP_BATCHES; /* a sample of every group */
+    const size_t n = r->state->n_sensors;
+    double sum = 0;
+    if (!r->shares)
+        return;
+    if (r->count > 0)
+        orl_share_out(&r->findings.estimates[0], r->samples, r->shares);
+    for (size_t i = 0; i < n; i++) {
+        const double wanted = r->count > 0 ? r->shares[i] : r->samples;
+        const double samples = least * fmax(round(wanted / least), 1);
+        r->sensor_samples[i] = (uint32_t)fmin(samples, most_of_a_sensor);
+        r->shares[i] = r->sensor_samples[i];
+        sum += r->shares[i];
+    }
+    r->samples = sum / (double)n;
 }
 
 /* The run's state as a round sees it: the same world, but a job, a plan and a result of its own. */
@@ -107,7 +145,6 @@ static void make_round(struct rounds *r, struct orl_job *job, struct orl_run_env
                        struct orl_result *result, struct orl_run_state *ret_round)
 {
     const struct orl_run_state *state = r->state;
-    r->effort = orl_work_effort(&r->work, r->samples);
     *job = *state->job;
     if (r->count > 0)
         job->seed = orl_mix64(job->seed ^ orl_mix64(r->count));
@@ -122,8 +159,9 @@ static void make_round(struct rounds *r, struct orl_job *job, struct orl_run_env
     ret_round->job = job;
     ret_round->env = env;
     ret_round->result = result;
-    orl_work_bandwidths(r->effort, r->pace.effort, r->bandwidths);
+    orl_work_bandwidths(r->samples, r->pace.samples, r->bandwidths);
     ret_round->bandwidths = r->bandwidths;
+    ret_round->sensor_samples = r->sensor_samples;
     ret_round->take_film = take_film;
     ret_round->take_ctx = r;
     ret_round->stage_started = state->env->now_s(state->env->ctx);
@@ -150,6 +188,7 @@ static int run_round(struct rounds *r, struct orl_error *err)
     struct orl_result result;
     struct orl_job job;
     const double started = now_s(r);
+    share_out(r);
     make_round(r, &job, &env, &result, &round);
     if (r->count > 0)
         keep_maps_apart(&env, &folder, &store);
@@ -157,8 +196,9 @@ static int run_round(struct rounds *r, struct orl_error *err)
     if (code == 0)
         orl_run_enter(&round, ORL_STAGE_RENDER); /* books what is left of it */
     orl_run_release_maps(&round);
+    state->emission = round.emission;
     if (code == 0) {
-        orl_findings_add_sensors(&r->findings, &result, r->effort);
+        orl_findings_add_sensors(&r->findings, &result, r->samples, r->shares);
         take_records(r, &result);
         take_times(r, &result, now_s(r) - started);
         r->count++;
@@ -188,7 +228,7 @@ static void end(struct rounds *r, bool met, const char *format, ...)
 /* After a round of a job for an accuracy: how large is the next one, if any. */
 static void go_on_for_error(struct rounds *r, const struct orl_parts *parts)
 {
-    const double target = r->state->job->goal.relative_error, done = r->pace.effort;
+    const double target = r->state->job->goal.relative_error, done = r->pace.samples;
     const double limit = orl_work_limit();
     if (isnan(r->error)) {
         r->samples = r->work.least; /* two rounds have a spread */
@@ -289,6 +329,6 @@ int orl_run_rounds(struct orl_run_state *state, struct orl_error *err)
     }
     if (code == 0)
         show_views_at_last(&r);
-    orl_findings_done(&r.findings);
+    rounds_done(&r);
     return code;
 }

@@ -4,12 +4,13 @@
  * A round is the job as it would run by itself, with settings for some effort (cost.h) and a seed
  * of its own, made from the job's and the round's number; the first one's is the job's. Rounds are
  * independent, so that their findings are pooled (pool.h): a value is the mean over rounds,
- * weighted by effort. What comes before photons is done once.
+ * weighted by their mean samples. What comes before photons is done once.
  *
- * Unbiased techniques lose nothing by that. Those of photon maps have a bias that pooling leaves as
- * it is; as in probabilistic progressive photon mapping (Knaus and Zwicker 2011) their bandwidths
- * therefore shrink with all the photons so far: a kernel's area goes as their number to the power
- * -1/3, by which bias and noise fall together.
+ * Unbiased techniques lose nothing by that, and gain where sensors differ: each round after the
+ * first gives more samples to those of more noise (share.h). Those of photon maps have a bias that
+ * pooling leaves as it is; as in probabilistic progressive photon mapping (Knaus and Zwicker 2011)
+ * their bandwidths therefore shrink with all the photons so far: a kernel's area goes as their
+ * number to the power -1/3, by which bias and noise fall together.
  *
  * An accuracy: the error is what percentile.h takes it to be: the share of sensors, or of pixels,
  * that the goal names is within it with a probability of 0.95. The first round is small; its

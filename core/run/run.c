@@ -154,6 +154,13 @@ static int prepare(struct orl_run_state *state, struct orl_error *err)
     return orl_run_plan(state, err);
 }
 
+int orl_run_need_emission(struct orl_run_state *state, struct orl_error *err)
+{
+    return state->emission ? 0
+                           : orl_emission_new(state->world, state->job->seed, state->env->crew,
+                                              &state->emission, err);
+}
+
 int orl_run_technique(struct orl_run_state *state, struct orl_error *err)
 {
     return state->result->plan.technique == ORL_TECHNIQUE_BACKWARD ? orl_run_backward(state, err)
@@ -195,6 +202,7 @@ static int run(const struct orl_job *job, const struct orl_run_env *env,
     result.total_s = env->now_s(env->ctx) - started;
     orl_run_forget_looks(&state);
     orl_run_release_maps(&state);
+    orl_emission_free(state.emission);
     orl_world_free(state.world);
     if (state.sensors_owned)
         free(state.sensors);

@@ -6,6 +6,7 @@
 
 #include <oriel/run.h>
 
+#include "photon/emit.h"
 #include "render/gather.h"
 #include "render/paint.h"
 
@@ -18,6 +19,7 @@ struct orl_run_state {
     bool sensors_owned;
     unsigned char sky_digest[32]; /* of the job's sky; meaningless without one */
     struct orl_world *world;
+    struct orl_emission *emission; /* once photons are wanted: of all rounds */
     struct orl_photon_map *maps[ORL_MAP_KINDS];
     bool held[ORL_MAP_KINDS]; /* the store's pin is ours to release */
     char keys[ORL_MAP_KINDS][ORL_DIGEST_HEX + 1];
@@ -27,8 +29,9 @@ struct orl_run_state {
     double stage_started;
     double started_s; /* of the run */
     double ends_s;    /* of a job with a goal: when it is thought to end; 0: not known yet */
-    const double *bandwidths;    /* by kind of map, in rounds (gather.h); NULL: as usual */
-    struct orl_estimates *looks; /* by view, for the cost of a job in one piece; owned */
+    const double *bandwidths;       /* by kind of map, in rounds (gather.h); NULL: as usual */
+    const uint32_t *sensor_samples; /* by sensor, in rounds; NULL: as the job has it */
+    struct orl_estimates *looks;    /* by view, for the cost of a job in one piece; owned */
     /* In rounds: where a finished picture goes instead of into files. */
     int (*take_film)(void *ctx, size_t index, const struct orl_film *film, struct orl_error *err);
     void *take_ctx;
@@ -61,6 +64,9 @@ void orl_run_judge_view(struct orl_run_state *state, const char *name, const str
 /* At the end: warnings where the result's health calls for them. */
 void orl_run_judge_health(struct orl_run_state *state);
 
+/* Where photons start, into state->emission if it is not there yet. */
+int orl_run_need_emission(struct orl_run_state *state, struct orl_error *err);
+
 /* Photons and maps stages: every map the job needs is in state->maps, from the store or new. */
 int orl_run_maps(struct orl_run_state *state, struct orl_error *err);
 void orl_run_release_maps(struct orl_run_state *state);
@@ -72,6 +78,8 @@ struct orl_renderer {
     void (*sensor)(void *ctx, size_t index, uint32_t member);
     int (*view)(void *ctx, const struct orl_painting *painting, struct orl_error *err);
 };
+
+uint32_t orl_run_sensor_samples(const struct orl_run_state *state, size_t index);
 
 /* Into the result: the sensor's value and errors, in lux. */
 void orl_run_book_sensor(const struct orl_run_state *state, size_t index,

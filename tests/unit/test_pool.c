@@ -145,7 +145,8 @@ static void test_even_errors(void **state)
         value[i] = 50;
         error[i] = 1;
     }
-    const struct orl_estimates estimates = {value, error, NULL, SENSORS, 1e-3};
+    const struct orl_estimates estimates = {
+        .value = value, .error = error, .count = SENSORS, .floor = 1e-3};
     for (int i = 0; i < 60; i++) {
         const double middle = 0.5 * (low + high);
         *(at_most_two(middle) > 0.95 ? &low : &high) = middle;
@@ -172,7 +173,8 @@ static void test_uneven_errors_and_biases(void **state)
         error[i] = 1 + 0.1 * i;
         bias[i] = i % 3 - 1;
     }
-    const struct orl_estimates estimates = {value, error, bias, SENSORS, 1e-3};
+    const struct orl_estimates estimates = {
+        .value = value, .error = error, .bias = bias, .count = SENSORS, .floor = 1e-3};
     const double x = 100 * orl_percentile_error(&estimates, 0.95);
     for (int draw = 0; draw < 20000; draw++) {
         int beyond = 0;
@@ -188,7 +190,7 @@ static void test_uneven_errors_and_biases(void **state)
 static void test_what_is_not_known_and_dark(void **state)
 {
     double value[4] = {100, 100, 100, 0}, error[4] = {1, 1, 1, 0.2};
-    struct orl_estimates estimates = {value, error, NULL, 4, 1e-3};
+    struct orl_estimates estimates = {.value = value, .error = error, .count = 4, .floor = 1e-3};
     (void)state;
     /* The dark one is divided by 0.1 % of 75: it is off by more than its share. */
     assert_true(orl_percentile_error(&estimates, 1) > 1);
@@ -204,26 +206,17 @@ static void test_what_is_not_known_and_dark(void **state)
 
 static void test_schedule(void **state)
 {
-    const struct orl_work work = {ORL_TECHNIQUE_GATHER, false, {2000000, 0}, 256, 16384};
+    const struct orl_work work = {
+        .technique = ORL_TECHNIQUE_GATHER, .photons = {2000000, 0}, .least = 256, .most = 16384};
     (void)state;
     assert_true(orl_work_next(&work, 0, 0) == 256);
-    assert_true(orl_work_next(&work, 256, 300) == 512);   /* twice the least */
+    assert_true(orl_work_next(&work, 256, 300) == 256);   /* the least */
     assert_true(orl_work_next(&work, 256, 1000) == 848);  /* 1.1 x 1000 - 256, of 16 */
     assert_true(orl_work_next(&work, 256, 1e6) == 2048);  /* 8 x 256 */
     assert_true(orl_work_next(&work, 1e5, 1e9) == 16384); /* the most */
     assert_true(orl_work_photons(&work, ORL_MAP_GLOBAL, 4096) == 2000000);
+    assert_true(orl_work_photons(&work, ORL_MAP_GLOBAL, 8192) == 4000000);
     assert_true(orl_work_photons(&work, ORL_MAP_CAUSTIC, 4096) == 0);
-}
-
-/* Lamps as the planner has them up to 2048 samples, then in step; effort falls short by them. */
-static void test_lamps(void **state)
-{
-    const struct orl_work work = {ORL_TECHNIQUE_BACKWARD, false, {204800, 0}, 256, 40960};
-    (void)state;
-    assert_true(orl_work_photons(&work, ORL_MAP_GLOBAL, 256) == 204800);
-    assert_true(orl_work_photons(&work, ORL_MAP_GLOBAL, 8192) == 819200);
-    assert_near(orl_work_effort(&work, 256), 1 / (1 / 256.0 + 90 / 204800.0), 1e-12);
-    assert_near(orl_work_effort(&work, 8192), 1 / (1 / 8192.0 + 90 / 819200.0), 1e-12);
 }
 
 /* Kernels of rounds alike: by all photons to the power -1/3; of one large round, 2/3 of its own. */
@@ -244,13 +237,13 @@ static void test_bandwidths(void **state)
 /* Seconds of a schedule written out: rounds of 256, 2048 and what 1.1 x 4000 leaves, 2096. */
 static void test_seconds(void **state)
 {
-    const struct orl_work work = {ORL_TECHNIQUE_GATHER, false, {4096, 4096}, 256, 16384};
+    const struct orl_work work = {
+        .technique = ORL_TECHNIQUE_GATHER, .photons = {4096, 4096}, .least = 256, .most = 16384};
     const struct orl_pace pace = {.before_s = 2,
                                   .photons = 1000,
                                   .photon_s = 1, /* 1 ms each, two a sample */
                                   .samples = 500,
                                   .render_s = 1, /* 2 ms each */
-                                  .effort = 500,
                                   .rounds = 2,
                                   .beside_s = 1};
     (void)state;
@@ -270,7 +263,6 @@ int main(void)
         cmocka_unit_test(test_uneven_errors_and_biases),
         cmocka_unit_test(test_what_is_not_known_and_dark),
         cmocka_unit_test(test_schedule),
-        cmocka_unit_test(test_lamps),
         cmocka_unit_test(test_bandwidths),
         cmocka_unit_test(test_seconds),
     };
