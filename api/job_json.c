@@ -285,8 +285,8 @@ int orl_job_from_json(const json_t *doc, enum orl_job_origin origin, struct orl_
                       char **ret_scene_id, struct orl_error *err)
 {
     static const char *const allowed[] = {
-        "kind",          "scene", "technique", "effects", "seed",     "photons", "gather_samples",
-        "pixel_samples", "sky",   "sensors",   "views",   "accuracy", NULL};
+        "kind",          "scene", "technique", "effects", "seed",     "photons",  "gather_samples",
+        "pixel_samples", "sky",   "sensors",   "views",   "accuracy", "priority", NULL};
     struct orl_job job;
     char *id = NULL;
     orl_job_init(&job);

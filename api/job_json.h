@@ -8,6 +8,7 @@
  *      "gather_samples": 4096 (a sensor's rays), "pixel_samples": 64 (a pixel's paths, backward),
  *      "sky": {...} (sky_json.h), only with a scene that has none,
  *      "sensors": {"file": "sensors.txt"} or [[x, y, z, dx, dy, dz], ...],
+ *      "priority": 5 (read by task_json.h; means something to the daemon alone),
  *      "views": [{"name": "desk", "view": "-vtv -vp ...", "width": 400, "height": 300}]}
  *
  * Only scene, and sensors or views or both, are required. Members that are not listed above are

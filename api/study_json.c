@@ -228,9 +228,9 @@ static int decode(const json_t *doc, enum orl_job_origin origin, struct orl_stud
                   char **ret_scene_id, struct orl_error *err)
 {
     static const char *const allowed[] = {
-        "kind",          "title",   "note",      "scene",      "sky",     "effects",
-        "seed",          "sensors", "views",     "techniques", "photons", "gather_samples",
-        "pixel_samples", "repeats", "reference", "points",     NULL};
+        "kind",          "title",   "note",      "scene",      "sky",      "effects",
+        "seed",          "sensors", "views",     "techniques", "photons",  "gather_samples",
+        "pixel_samples", "repeats", "reference", "points",     "priority", NULL};
     int rc = json_is_object(doc) ? decode_kind(doc, err) : 0;
     if (rc == 0)
         rc = orl_json_object(doc, "", allowed, err);

@@ -49,12 +49,25 @@ static int read_kind(const json_t *doc, enum orl_task_kind *ret_kind, struct orl
                          "\"render\" (the default) or \"study\" is wanted here");
 }
 
+static int read_priority(const json_t *doc, int *ret_priority, struct orl_error *err)
+{
+    const json_t *value = json_object_get(doc, "priority");
+    uint64_t priority = ORL_PRIORITY_DEFAULT;
+    const int rc =
+        value ? orl_json_whole(value, "priority", 0, ORL_PRIORITY_MAX, &priority, err) : 0;
+    if (rc == 0)
+        *ret_priority = (int)priority;
+    return rc;
+}
+
 int orl_task_from_json(const json_t *doc, enum orl_job_origin origin, struct orl_task *ret_task,
                        char **ret_scene_id, struct orl_error *err)
 {
     struct orl_task task = {.kind = ORL_TASK_RENDER};
     char *scene_id = NULL;
     int rc = read_kind(doc, &task.kind, err);
+    if (rc == 0)
+        rc = read_priority(doc, &task.priority, err);
     if (rc)
         return rc;
     if (task.kind == ORL_TASK_STUDY)

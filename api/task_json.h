@@ -2,6 +2,8 @@
  * A document of any kind (JSON) -> what it asks for: a render job (job_json.h) or a study
  * (study_json.h), told apart by its "kind"; without one it is a render job.
  *
+ * Of either kind, "priority": 0 to 9, larger goes first in the daemon's queue; 5 when left out.
+ *
  * Rules, ownership, threads and errors as in job_json.h.
  */
 #ifndef ORL_API_TASK_JSON_H
@@ -18,8 +20,11 @@ const char *orl_task_kind_name(enum orl_task_kind kind); /* "render", "study" */
 /* ORL_TASK_KIND_COUNT when there is no such kind. */
 enum orl_task_kind orl_task_kind_from_name(const char *name);
 
+enum { ORL_PRIORITY_MAX = 9, ORL_PRIORITY_DEFAULT = 5 };
+
 struct orl_task {
     enum orl_task_kind kind;
+    int priority;
     union {
         struct orl_job render;
         struct orl_study_request study;

@@ -6,6 +6,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "client_name.h"
 #include "job_output.h"
 #include "job_status.h"
 #include "limits.h"
@@ -17,7 +18,7 @@
 struct job_post {
     struct orl_task task;
     char *scene;
-    char document[ORL_SHA_HEX];
+    char document[ORL_SHA_HEX], client[ORL_CLIENT_NAME];
     int rc;
     struct orl_error err;
 };
@@ -87,9 +88,13 @@ static void submit(struct orl_request *request)
     const struct orl_jobs_job *job = NULL;
     if (post->rc == 0 && refuse_when_full(request))
         return;
+    const struct orl_jobs_order order = {.kind = post->task.kind,
+                                         .priority = post->task.priority,
+                                         .scene = post->scene,
+                                         .document = post->document,
+                                         .client = post->client};
     if (post->rc == 0)
-        post->rc = orl_jobs_submit(request->server->jobs, post->task.kind, post->scene,
-                                   post->document, &job, &post->err);
+        post->rc = orl_jobs_submit(request->server->jobs, &order, &job, &post->err);
     if (post->rc)
         orl_reply_error(request, &post->err);
     else
@@ -152,6 +157,8 @@ void orl_handle_job_post(struct orl_request *request)
     }
     request->state = post;
     request->free_state = job_post_free;
+    if (!orl_client_name(request, post->client))
+        return;
     orl_request_work(request, read_document, look_up);
 }
 

@@ -1,9 +1,9 @@
 /*
  * A job's document, as GET /v1/jobs/{id} shows it, made from memory alone:
  *
- *     {"id", "kind", "state", "stage", "percent", "eta_s", "attempts", "scene", "created",
- * "started", "finished", "queue_position", "maps": [...], "timings_s": {...}, "error": {...},
- *      "links": {"self", "result", "cancel", "files": [...]}}
+ *     {"id", "kind", "state", "stage", "percent", "eta_s", "attempts", "scene", "priority",
+ * "client", "created", "started", "finished", "queue_position", "maps": [...], "timings_s": {...},
+ * "error": {...}, "links": {"self", "result", "cancel", "files": [...]}}
  *
  * stage, percent and eta_s while it runs, queue_position while it waits; what is not known is null
  * or absent. maps appear as they are settled, with "cached" for a hit. A study that runs has, in

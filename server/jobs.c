@@ -15,7 +15,7 @@ enum { BUCKETS = 4096 };
 struct orl_jobs {
     struct orl_jobs_env env;
     struct orl_jobs_job *newest, *oldest;
-    struct orl_jobs_job *next; /* the oldest that may be queued: none before it is */
+    struct orl_queue *queue;
     struct orl_jobs_job *buckets[BUCKETS];
     size_t counts[ORL_JOB_STATE_COUNT];
     bool stopping;
@@ -53,8 +53,6 @@ static void link_job(struct orl_jobs *jobs, struct orl_jobs_job *job)
     job->same_bucket = jobs->buckets[bucket];
     jobs->buckets[bucket] = job;
     jobs->counts[job->row.state]++;
-    if (!jobs->next)
-        jobs->next = job;
 }
 
 static struct orl_jobs_job *find_job(const struct orl_jobs *jobs, const char *id)
@@ -77,13 +75,7 @@ const struct orl_jobs_job *orl_jobs_newest(const struct orl_jobs *jobs)
 
 size_t orl_jobs_position(const struct orl_jobs *jobs, const struct orl_jobs_job *job)
 {
-    size_t position = 1;
-    if (job->row.state != ORL_JOB_QUEUED)
-        return 0;
-    for (const struct orl_jobs_job *before = jobs->next; before && before != job;
-         before = before->newer)
-        position += before->row.state == ORL_JOB_QUEUED;
-    return position;
+    return orl_queue_position(jobs->queue, &job->waiting);
 }
 
 size_t orl_jobs_count(const struct orl_jobs *jobs, enum orl_job_state state)
@@ -134,6 +126,24 @@ static void fail_job(struct orl_jobs_job *job, const struct orl_error *err)
                   text);
 }
 
+/* A job that is queued waits; one for which there is no memory fails. */
+static void enqueue(struct orl_jobs_job *job)
+{
+    struct orl_error err;
+    job->waiting.priority = job->row.priority;
+    job->waiting.order = job->row.seq;
+    if (orl_queue_add(job->jobs->queue, &job->waiting, job->row.client, &err))
+        fail_job(job, &err);
+}
+
+static struct orl_jobs_job *next_job(struct orl_jobs *jobs)
+{
+    struct orl_queue_entry *entry = orl_queue_take(jobs->queue);
+    if (!entry)
+        return NULL;
+    return (struct orl_jobs_job *)((char *)entry - offsetof(struct orl_jobs_job, waiting));
+}
+
 static void start_next(struct orl_jobs *jobs);
 
 static void job_done(void *ctx, const struct orl_worker_outcome *outcome)
@@ -151,6 +161,7 @@ static void job_done(void *ctx, const struct orl_worker_outcome *outcome)
         job->row.attempts--;
         job->row.started_ms = 0;
         set_state(job, ORL_JOB_QUEUED);
+        enqueue(job);
     } else {
         fail_job(job, &outcome->err);
     }
@@ -185,9 +196,7 @@ static int start_job(struct orl_jobs_job *job, struct orl_error *err)
 static void start_next(struct orl_jobs *jobs)
 {
     while (!jobs->stopping && jobs->counts[ORL_JOB_RUNNING] < jobs->env.at_once) {
-        while (jobs->next && jobs->next->row.state != ORL_JOB_QUEUED)
-            jobs->next = jobs->next->newer;
-        struct orl_jobs_job *job = jobs->next;
+        struct orl_jobs_job *job = next_job(jobs);
         struct orl_error err;
         if (!job)
             return;
@@ -196,9 +205,8 @@ static void start_next(struct orl_jobs *jobs)
     }
 }
 
-int orl_jobs_submit(struct orl_jobs *jobs, enum orl_task_kind kind, const char *scene,
-                    const char *document, const struct orl_jobs_job **ret_job,
-                    struct orl_error *err)
+int orl_jobs_submit(struct orl_jobs *jobs, const struct orl_jobs_order *order,
+                    const struct orl_jobs_job **ret_job, struct orl_error *err)
 {
     unsigned char bytes[(ORL_JOB_ID - 1) / 2];
     struct orl_jobs_job *job = calloc(1, sizeof *job);
@@ -206,9 +214,11 @@ int orl_jobs_submit(struct orl_jobs *jobs, enum orl_task_kind kind, const char *
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     randombytes_buf(bytes, sizeof bytes);
     sodium_bin2hex(job->row.id, sizeof job->row.id, bytes, sizeof bytes);
-    snprintf(job->row.scene, sizeof job->row.scene, "%s", scene);
-    snprintf(job->row.document, sizeof job->row.document, "%s", document);
-    job->row.kind = kind;
+    snprintf(job->row.scene, sizeof job->row.scene, "%s", order->scene);
+    snprintf(job->row.document, sizeof job->row.document, "%s", order->document);
+    snprintf(job->row.client, sizeof job->row.client, "%s", order->client);
+    job->row.kind = order->kind;
+    job->row.priority = order->priority;
     job->row.state = ORL_JOB_QUEUED;
     job->row.created_ms = orl_time_now_ms();
     const int rc = orl_job_row_insert(jobs->env.db, &job->row, &job->row.seq, err);
@@ -217,8 +227,9 @@ int orl_jobs_submit(struct orl_jobs *jobs, enum orl_task_kind kind, const char *
         return rc;
     }
     link_job(jobs, job);
-    orl_log_event(jobs->env.log, ORL_LOG_INFO, "job", "sss", "job", job->row.id, "state", "queued",
-                  "scene", scene);
+    orl_log_event(jobs->env.log, ORL_LOG_INFO, "job", "ssss", "job", job->row.id, "state", "queued",
+                  "scene", order->scene, "client", order->client);
+    enqueue(job);
     start_next(jobs);
     *ret_job = job;
     return 0;
@@ -248,6 +259,7 @@ int orl_jobs_cancel(struct orl_jobs *jobs, const char *id, struct orl_error *err
         return orl_error_set(err, ORL_ERR_NOT_FOUND, "there is no such job");
     switch (job->row.state) {
     case ORL_JOB_QUEUED:
+        orl_queue_remove(jobs->queue, &job->waiting);
         set_state(job, ORL_JOB_CANCELLED);
         return 0;
     case ORL_JOB_RUNNING:
@@ -288,15 +300,18 @@ static int load_row(void *ctx, const struct orl_job_row *row)
     return 0;
 }
 
-/* Jobs that were running when the last daemon ended without a word. */
+/* Queues those that wait, and those that were running when the last daemon ended without a word. */
 static void recover(struct orl_jobs *jobs)
 {
     for (struct orl_jobs_job *job = jobs->oldest; job; job = job->newer) {
+        if (job->row.state == ORL_JOB_QUEUED)
+            enqueue(job);
         if (job->row.state != ORL_JOB_RUNNING)
             continue;
         if (job->row.attempts < ORL_SERVER_ATTEMPTS) {
             job->row.started_ms = 0;
             set_state(job, ORL_JOB_QUEUED);
+            enqueue(job);
             continue;
         }
         struct orl_error err;
@@ -316,7 +331,9 @@ int orl_jobs_open(const struct orl_jobs_env *env, struct orl_jobs **ret_jobs, st
     if (!jobs)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     jobs->env = *env;
-    const int rc = orl_job_rows(env->db, load_row, jobs, err);
+    jobs->queue = orl_queue_new();
+    const int rc = jobs->queue ? orl_job_rows(env->db, load_row, jobs, err)
+                               : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     if (rc) {
         orl_jobs_close(jobs);
         return rc;
@@ -336,5 +353,6 @@ void orl_jobs_close(struct orl_jobs *jobs)
         jobs->newest = job->older;
         job_free(job);
     }
+    orl_queue_free(jobs->queue);
     free(jobs);
 }

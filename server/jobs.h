@@ -5,10 +5,10 @@
  *     queued -> cancelled
  *     running -> queued      when the daemon stops or was killed
  *
- * A row is written before a state is shown to anyone. Jobs run in order of arrival, at most as many
- * at once as configured. A job that was running when the daemon was killed is queued again; after
- * ORL_SERVER_ATTEMPTS starts it fails, for it is then likely what kills the daemon. An orderly
- * stop does not count as an attempt.
+ * A row is written before a state is shown to anyone. Jobs run in the order of queue.h, at most as
+ * many at once as configured. A job that was running when the daemon was killed is queued again;
+ * after ORL_SERVER_ATTEMPTS starts it fails, for it is then likely what kills the daemon. An
+ * orderly stop does not count as an attempt.
  *
  * Memory: one struct orl_jobs_job for every job ever made (under a kilobyte); nothing expires yet.
  * Threads: the loop thread only.
@@ -22,6 +22,7 @@
 
 #include "log.h"
 #include "map_cache.h"
+#include "queue.h"
 #include "store/jobs.h"
 #include "worker.h"
 
@@ -30,7 +31,8 @@ struct orl_jobs;
 /* What a job is made of; read-only outside jobs.c. */
 struct orl_jobs_job {
     struct orl_jobs *jobs;
-    struct orl_job_row row;    /* outcome and problem point to the two below */
+    struct orl_job_row row; /* outcome and problem point to the two below */
+    struct orl_queue_entry waiting;
     char *outcome, *problem;   /* JSON text, owned */
     struct orl_worker *worker; /* while running */
     double started_s;          /* steady clock, while running */
@@ -60,10 +62,16 @@ void orl_jobs_stop(struct orl_jobs *jobs);
 
 /* Is there room in the queue? */
 bool orl_jobs_full(const struct orl_jobs *jobs);
-/* Queues a job whose document is a blob. *ret_job belongs to jobs. */
-int orl_jobs_submit(struct orl_jobs *jobs, enum orl_task_kind kind, const char *scene,
-                    const char *document, const struct orl_jobs_job **ret_job,
-                    struct orl_error *err);
+/* What a new job is. Borrowed. */
+struct orl_jobs_order {
+    enum orl_task_kind kind;
+    int priority;
+    const char *scene, *document; /* the document is a blob */
+    const char *client;           /* client_name.h */
+};
+/* Queues a job. *ret_job belongs to jobs. */
+int orl_jobs_submit(struct orl_jobs *jobs, const struct orl_jobs_order *order,
+                    const struct orl_jobs_job **ret_job, struct orl_error *err);
 /* For good. Queued: cancelled at once. Running: soon. Finished: ORL_ERR_INVALID unless cancelled.
  */
 int orl_jobs_cancel(struct orl_jobs *jobs, const char *id, struct orl_error *err);

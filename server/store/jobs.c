@@ -23,10 +23,11 @@ int orl_job_row_insert(struct orl_db *db, const struct orl_job_row *row, int64_t
                        struct orl_error *err)
 {
     const int rc = orl_db_run(db, err, NULL,
-                              "INSERT INTO jobs (id, kind, scene, document, state, created_ms) "
-                              "VALUES (?, ?, ?, ?, ?, ?)",
-                              "sssssi", row->id, orl_task_kind_name(row->kind), row->scene,
-                              row->document, orl_job_state_name(row->state), row->created_ms);
+                              "INSERT INTO jobs (id, kind, scene, document, state, created_ms, "
+                              "priority, client) VALUES (?, ?, ?, ?, ?, ?, ?, ?)",
+                              "sssssiis", row->id, orl_task_kind_name(row->kind), row->scene,
+                              row->document, orl_job_state_name(row->state), row->created_ms,
+                              (int64_t)row->priority, row->client);
     if (rc == 0)
         *ret_seq = sqlite3_last_insert_rowid(db->handle);
     return rc;
@@ -53,10 +54,12 @@ static struct orl_job_row read_row(sqlite3_stmt *stmt)
         .outcome = (const char *)sqlite3_column_text(stmt, 9),
         .problem = (const char *)sqlite3_column_text(stmt, 10),
         .kind = orl_task_kind_from_name(orl_db_text(stmt, 11)),
+        .priority = sqlite3_column_int(stmt, 12),
     };
     snprintf(row.id, sizeof row.id, "%s", orl_db_text(stmt, 1));
     snprintf(row.scene, sizeof row.scene, "%s", orl_db_text(stmt, 2));
     snprintf(row.document, sizeof row.document, "%s", orl_db_text(stmt, 3));
+    snprintf(row.client, sizeof row.client, "%s", orl_db_text(stmt, 13));
     return row;
 }
 
@@ -66,7 +69,7 @@ int orl_job_rows(struct orl_db *db, int (*visit)(void *ctx, const struct orl_job
     sqlite3_stmt *stmt = orl_db_prepare(
         db, err,
         "SELECT seq, id, scene, document, state, attempts, created_ms, started_ms, finished_ms, "
-        "outcome, problem, kind FROM jobs ORDER BY seq",
+        "outcome, problem, kind, priority, client FROM jobs ORDER BY seq",
         "");
     if (!stmt)
         return ORL_ERR_IO;

@@ -10,7 +10,7 @@
 #include "store/folders.h"
 #include "task_json.h"
 
-enum { ORL_JOB_ID = 33 };
+enum { ORL_JOB_ID = 33, ORL_JOB_CLIENT = 80 };
 
 enum orl_job_state {
     ORL_JOB_QUEUED,
@@ -31,6 +31,8 @@ struct orl_job_row {
     char scene[ORL_SHA_HEX], document[ORL_SHA_HEX];
     enum orl_job_state state;
     int attempts;
+    int priority;
+    char client[ORL_JOB_CLIENT];                 /* client_name.h */
     int64_t created_ms, started_ms, finished_ms; /* 0: not yet */
     const char *outcome, *problem;               /* JSON text, borrowed; NULL: none */
 };

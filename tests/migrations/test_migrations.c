@@ -146,6 +146,11 @@ static void test_schema_refuses_nonsense(void **state)
         "INSERT INTO maps VALUES ('global', "
         "'0123456789abcdef0123456789abcdef0123456789abcdef0123456789abcdef', 1, 1, 1, 1.0, 0, 0.0, "
         "1, 1, 'short', 0)",
+        "INSERT INTO scenes VALUES "
+        "('0123456789abcdef0123456789abcdef0123456789abcdef0123456789abcdef', 1, 1, '{}'); INSERT "
+        "INTO jobs (id, scene, document, state, created_ms, priority) VALUES ('j', "
+        "'0123456789abcdef0123456789abcdef0123456789abcdef0123456789abcdef', "
+        "'0123456789abcdef0123456789abcdef0123456789abcdef0123456789abcdef', 'queued', 1, 10)",
     };
     assert_int_equal(orl_db_migrate_embedded(&f->db, &f->err), 0);
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
@@ -201,7 +206,12 @@ static int last_row(void *ctx, const struct orl_job_row *row)
 static void test_job_rows_round_trip(void **state)
 {
     struct fixture *f = *state;
-    struct orl_job_row row = {.id = "job-1", .state = ORL_JOB_QUEUED, .created_ms = 11}, last;
+    struct orl_job_row row = {.id = "job-1",
+                              .state = ORL_JOB_QUEUED,
+                              .created_ms = 11,
+                              .priority = 7,
+                              .client = "name:x"},
+                       last;
     memset(&last, 0, sizeof last);
     memset(row.scene, 'a', 64);
     memset(row.document, 'b', 64);
@@ -219,6 +229,8 @@ static void test_job_rows_round_trip(void **state)
     assert_string_equal(last.id, "job-1");
     assert_int_equal(last.state, ORL_JOB_FAILED);
     assert_int_equal(last.attempts, 2);
+    assert_int_equal(last.priority, 7);
+    assert_string_equal(last.client, "name:x");
     assert_int_equal(last.started_ms, 0);
     assert_int_equal(last.finished_ms, 13);
     assert_null(last.outcome);
