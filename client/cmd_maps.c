@@ -1,4 +1,4 @@
-/* oriel maps: the photon maps the daemon holds, as a table. */
+/* oriel maps: the photon maps and loaded BSDFs that the daemon holds, as a table. */
 #include "command.h"
 
 #include <stdio.h>
@@ -32,7 +32,7 @@ static void print_maps(const json_t *maps)
         saved_s += saved;
     }
     orl_format_duration(saved_s, span, sizeof span);
-    printf("%zu maps; found ready, they saved %s of photon tracing\n", json_array_size(maps), span);
+    printf("%zu maps; found ready, they saved %s\n", json_array_size(maps), span);
 }
 
 int orl_cmd_maps(const struct orl_command *self, int argc, char **argv)

@@ -7,10 +7,11 @@
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
+#include <sys/mman.h>
 
 #include "bsdf/front.h"
 
-static void set_views(struct orl_bsdf *bsdf)
+void orl_bsdf_set_views(struct orl_bsdf *bsdf)
 {
     const struct orl_component *parts = bsdf->document.parts;
     memset(bsdf->views, 0, sizeof bsdf->views);
@@ -79,7 +80,7 @@ static void drop_dummy(struct orl_bsdf *bsdf)
     }
     bsdf->info.dummy[dropped == back] = kind;
     orl_component_done(dropped);
-    set_views(bsdf);
+    orl_bsdf_set_views(bsdf);
 }
 
 /*
@@ -171,7 +172,7 @@ int orl_bsdf_load_xml(const char *name, const char *xml, size_t size, struct orl
     atomic_init(&bsdf->references, 1);
     code = orl_document_read(name, xml, size, &bsdf->document, err);
     if (code == 0) {
-        set_views(bsdf);
+        orl_bsdf_set_views(bsdf);
         drop_dummy(bsdf);
         code = finish_components(bsdf, name, err);
     }
@@ -194,7 +195,10 @@ void orl_bsdf_unref(struct orl_bsdf *bsdf)
 {
     if (!bsdf || atomic_fetch_sub_explicit(&bsdf->references, 1, memory_order_acq_rel) > 1)
         return;
-    orl_document_done(&bsdf->document);
+    if (bsdf->file)
+        munmap(bsdf->file, bsdf->file_size);
+    else
+        orl_document_done(&bsdf->document);
     free(bsdf);
 }
 

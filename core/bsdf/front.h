@@ -25,7 +25,12 @@ struct orl_bsdf {
     struct orl_view views[2][2]; /* [light comes from the front?][transmitted?] */
     double bound[2]; /* on R + T as filed, of light from the back, the front, in any channel */
     struct orl_bsdf_info info;
+    void *file; /* a compiled one, mapped (compiled.h), which holds all arrays; NULL: none */
+    size_t file_size;
 };
+
+/* Sets the views, by what parts are present. */
+void orl_bsdf_set_views(struct orl_bsdf *bsdf);
 
 enum orl_role { ORL_ROLE_IN, ORL_ROLE_OUT };
 

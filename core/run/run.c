@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "run/bsdfs.h"
 #include "run/cost.h"
 #include "run/rounds.h"
 #include "scene/parse.h"
@@ -113,6 +114,7 @@ static int load(struct orl_run_state *state, struct orl_description *ret_descrip
                 struct orl_error *err)
 {
     const struct orl_job *job = state->job;
+    const struct orl_bsdf_loader loader = orl_run_bsdf_loader(state);
     int code = orl_job_validate(job, err);
     if (code == 0 && (job->n_scene_files == 0 || sodium_init() < 0))
         code = orl_error_set(err, ORL_ERR_INVALID, "the job names no scene files");
@@ -120,8 +122,8 @@ static int load(struct orl_run_state *state, struct orl_description *ret_descrip
         code = load_sensors(state, err);
     guess_costs(state);
     if (code == 0)
-        code = orl_scene_parse((const char *const *)job->scene_files, job->n_scene_files,
-                               state->env->files, ret_description, err);
+        code = orl_scene_parse_with((const char *const *)job->scene_files, job->n_scene_files,
+                                    state->env->files, &loader, ret_description, err);
     for (size_t i = 0; code == 0 && i < ret_description->n_warnings; i++)
         orl_run_warn(state, "%s", ret_description->warnings[i]);
     if (code == 0)

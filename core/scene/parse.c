@@ -202,8 +202,9 @@ static int finish(struct orl_parser *parser, struct orl_error *err)
     return 0;
 }
 
-int orl_scene_parse(const char *const *names, size_t count, const struct orl_files *files,
-                    struct orl_description *ret_description, struct orl_error *err)
+int orl_scene_parse_with(const char *const *names, size_t count, const struct orl_files *files,
+                         const struct orl_bsdf_loader *loader,
+                         struct orl_description *ret_description, struct orl_error *err)
 {
     struct orl_error local = {0};
     struct orl_description out = {0};
@@ -216,7 +217,7 @@ int orl_scene_parse(const char *const *names, size_t count, const struct orl_fil
         code = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
         goto done;
     }
-    orl_sources_init(&parser.sources, files, out.storage);
+    orl_sources_init(&parser.sources, files, loader, out.storage);
     code = open_main(&parser, names, count, index, err);
     if (code < 0)
         goto done;
@@ -235,4 +236,10 @@ done:
     orl_description_done(&out);
     free(index);
     return code;
+}
+
+int orl_scene_parse(const char *const *names, size_t count, const struct orl_files *files,
+                    struct orl_description *ret_description, struct orl_error *err)
+{
+    return orl_scene_parse_with(names, count, files, NULL, ret_description, err);
 }

@@ -9,6 +9,7 @@
 #include <oriel/files.h>
 
 #include "scene/description.h"
+#include "scene/sources.h"
 
 /*
  * Parses the named main files in order (names ending in .xml are resources, not scene text), and
@@ -17,5 +18,9 @@
  */
 int orl_scene_parse(const char *const *names, size_t count, const struct orl_files *files,
                     struct orl_description *ret_description, struct orl_error *err);
+/* The same, with BSDFs by a loader; NULL: none. */
+int orl_scene_parse_with(const char *const *names, size_t count, const struct orl_files *files,
+                         const struct orl_bsdf_loader *loader,
+                         struct orl_description *ret_description, struct orl_error *err);
 
 #endif

@@ -6,11 +6,14 @@
 
 #include <oriel/limits.h>
 
+#include "base/sha256.h"
+
 void orl_sources_init(struct orl_sources *sources, const struct orl_files *files,
-                      struct orl_storage *storage)
+                      const struct orl_bsdf_loader *loader, struct orl_storage *storage)
 {
     memset(sources, 0, sizeof *sources);
     sources->files = files;
+    sources->loader = loader;
     sources->storage = storage;
     crypto_hash_sha256_init(&sources->digest);
 }
@@ -125,7 +128,7 @@ static int add_item(struct orl_sources *sources, const char *name, struct orl_er
     if (item->file.size > ORL_LIMIT_FILE_BYTES)
         return orl_error_set(err, ORL_ERR_LIMIT, "'%.200s' is larger than %lu MiB", name,
                              ORL_LIMIT_FILE_BYTES >> 20);
-    crypto_hash_sha256(item->content, (const unsigned char *)item->file.data, item->file.size);
+    orl_sha256(item->file.data, item->file.size, item->content);
     orl_sources_count_again(sources, sources->count - 1);
     return 0;
 }
@@ -162,6 +165,15 @@ int orl_sources_find(struct orl_sources *sources, const char *folder, const char
     return code;
 }
 
+static int load_bsdf(const struct orl_sources *sources, struct orl_source *item,
+                     struct orl_error *err)
+{
+    const struct orl_bsdf_loader *loader = sources->loader;
+    return loader
+               ? loader->load(loader->ctx, item->name, &item->file, item->content, &item->bsdf, err)
+               : orl_bsdf_load_xml(item->name, item->file.data, item->file.size, &item->bsdf, err);
+}
+
 int orl_sources_bsdf(struct orl_sources *sources, size_t index, struct orl_bsdf **ret_bsdf,
                      struct orl_error *err)
 {
@@ -172,8 +184,7 @@ int orl_sources_bsdf(struct orl_sources *sources, size_t index, struct orl_bsdf 
             item->bsdf = orl_bsdf_ref(other->bsdf);
     }
     if (!item->bsdf) {
-        const int code =
-            orl_bsdf_load_xml(item->name, item->file.data, item->file.size, &item->bsdf, err);
+        const int code = load_bsdf(sources, item, err);
         if (code < 0)
             return code;
     }

@@ -26,8 +26,17 @@ struct orl_source {
     struct orl_bsdf *bsdf; /* a reference, once it was loaded as one */
 };
 
+/* Who loads BSDFs, if not orl_bsdf_load_xml: the same, but perhaps from a store. */
+struct orl_bsdf_loader {
+    void *ctx;
+    int (*load)(void *ctx, const char *name, const struct orl_file *xml,
+                const unsigned char content[crypto_hash_sha256_BYTES], struct orl_bsdf **ret_bsdf,
+                struct orl_error *err);
+};
+
 struct orl_sources {
     const struct orl_files *files;
+    const struct orl_bsdf_loader *loader; /* NULL: none */
     struct orl_storage *storage;
     struct orl_source *items;
     size_t count, room;
@@ -35,7 +44,7 @@ struct orl_sources {
 };
 
 void orl_sources_init(struct orl_sources *sources, const struct orl_files *files,
-                      struct orl_storage *storage);
+                      const struct orl_bsdf_loader *loader, struct orl_storage *storage);
 void orl_sources_done(struct orl_sources *sources);
 
 /*

@@ -3,8 +3,9 @@
  * workers, for `oriel run`, and for whatever comes later.
  *
  * A run goes load -> bvh -> plan -> photons -> maps -> render. It owns nothing of the caller's:
- * files come from a provider, photon maps go to and come from a store, threads are lent by the
- * caller (a crew), time is read through a callback, images are written below an output folder.
+ * files come from a provider, photon maps and loaded BSDFs go to and come from a store, threads are
+ * lent by the caller (a crew), time is read through a callback, images are written below an output
+ * folder.
  * Given the same job, files and seed the results are the same bytes for any crew size.
  */
 #ifndef ORIEL_RUN_H
@@ -84,7 +85,9 @@ int orl_job_validate(const struct orl_job *job, struct orl_error *err);
 enum { ORL_DIGEST_HEX = 64 };
 
 struct orl_map_info {
-    char kind[16];                /* "global", "caustic" or "precomputed" */
+    /* "global", "caustic" or "precomputed"; in a store also "bsdf": no photon map, but a BSDF kept
+     * as it is after loading, in which stored counts values and nothing is emitted. */
+    char kind[16];
     char key[ORL_DIGEST_HEX + 1]; /* digest of all that determines the map, lower-case hex */
     /* Digest of all of that but the target: of two maps of one family the larger continues the
      * smaller. Empty: the map is made as a whole. */
@@ -97,7 +100,10 @@ struct orl_map_info {
     bool cached;      /* true when this job found it ready */
 };
 
-/* Where maps live between jobs. All calls come from the run's lead thread. */
+/*
+ * Where maps, and BSDFs that take time to load, live between jobs. All calls come from the run's
+ * lead thread.
+ */
 struct orl_map_store {
     void *ctx;
     /*
@@ -226,7 +232,8 @@ struct orl_run_env {
 
 /*
  * Makes the job's plan without rendering: loads the scene and runs the pilot. Returns 0 and fills
- * ret_result as orl_run does, but for maps, sensors and views. The store is not used.
+ * ret_result as orl_run does, but for maps, sensors and views. The store may be NULL; it is asked
+ * for BSDFs only.
  */
 int orl_plan_job(const struct orl_job *job, const struct orl_run_env *env,
                  struct orl_result *ret_result, struct orl_error *err);

@@ -1,0 +1,104 @@
+#include "run/bsdfs.h"
+
+#include <sodium.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "bsdf/compiled.h"
+
+enum { LEAST_BYTES = 1 << 20 };
+
+static const char kind[] = "bsdf";
+
+/* What is kept depends on the XML and on how it is kept. */
+static void make_key(const unsigned char content[ORL_COMPILED_DIGEST],
+                     char ret_key[ORL_DIGEST_HEX + 1])
+{
+    unsigned char digest[crypto_hash_sha256_BYTES];
+    char text[16 + ORL_COMPILED_DIGEST];
+    const int length = snprintf(text, 16, "oriel bsdf %d", ORL_COMPILED_VERSION);
+    memcpy(text + length, content, ORL_COMPILED_DIGEST);
+    crypto_hash_sha256(digest, (const unsigned char *)text,
+                       (unsigned long long)length + ORL_COMPILED_DIGEST);
+    sodium_bin2hex(ret_key, ORL_DIGEST_HEX + 1, digest, sizeof digest);
+}
+
+/* One BSDF that is asked for. */
+struct request {
+    struct orl_run_state *state;
+    const char *name;
+    const struct orl_file *xml;
+    const unsigned char *content;
+    char path[4096];
+    char key[ORL_DIGEST_HEX + 1];
+};
+
+/* From XML, into the path that the store gave. */
+static int load_and_keep(struct request *r, struct orl_bsdf **ret_bsdf, struct orl_error *err)
+{
+    const struct orl_run_env *env = r->state->env;
+    const struct orl_map_store *store = env->store;
+    const double started = env->now_s(env->ctx);
+    struct orl_map_info info = {.kind = "", .key = ""};
+    struct orl_bsdf_info about;
+    struct orl_error why = {0};
+    int code = orl_bsdf_load_xml(r->name, r->xml->data, r->xml->size, ret_bsdf, err);
+    if (code < 0) {
+        store->abandon(store->ctx, kind, r->key);
+        return code;
+    }
+    orl_bsdf_describe(*ret_bsdf, &about);
+    info.stored = about.values;
+    memcpy(info.kind, kind, sizeof kind);
+    memcpy(info.key, r->key, sizeof info.key);
+    code = orl_bsdf_write(*ret_bsdf, r->content, r->path, &info.bytes, &why);
+    info.seconds = env->now_s(env->ctx) - started;
+    if (code == 0)
+        code = store->commit(store->ctx, &info, &why);
+    if (code == 0) {
+        store->release(store->ctx, kind, r->key);
+    } else {
+        store->abandon(store->ctx, kind, r->key);
+        orl_run_warn(r->state, "the BSDF '%s' could not be kept for later jobs: %s", r->name,
+                     why.message);
+    }
+    return 0;
+}
+
+static int load(void *ctx, const char *name, const struct orl_file *xml,
+                const unsigned char content[crypto_hash_sha256_BYTES], struct orl_bsdf **ret_bsdf,
+                struct orl_error *err)
+{
+    struct request r = {.state = ctx, .name = name, .xml = xml, .content = content};
+    const struct orl_map_store *store = r.state->env->store;
+    struct orl_map_info info;
+    bool hit = true;
+    if (!store || xml->size < LEAST_BYTES)
+        return orl_bsdf_load_xml(name, xml->data, xml->size, ret_bsdf, err);
+    make_key(content, r.key);
+    for (int attempt = 0; attempt < 2 && hit; attempt++) {
+        int code =
+            store->acquire(store->ctx, kind, r.key, r.state->env->cancel, r.path, &hit, &info, err);
+        if (code == ORL_ERR_CANCELLED)
+            return code;
+        if (code < 0)
+            break;
+        if (!hit)
+            return load_and_keep(&r, ret_bsdf, err);
+        code = orl_bsdf_open(r.path, content, ret_bsdf, err);
+        if (code == 0) {
+            store->release(store->ctx, kind, r.key);
+            return 0;
+        }
+        orl_run_warn(r.state,
+                     "the BSDF '%s' was kept, but damaged or out of date: it is read again", name);
+        store->abandon(store->ctx, kind, r.key);
+    }
+    memset(err, 0, sizeof *err);
+    return orl_bsdf_load_xml(name, xml->data, xml->size, ret_bsdf, err);
+}
+
+struct orl_bsdf_loader orl_run_bsdf_loader(struct orl_run_state *state)
+{
+    return (struct orl_bsdf_loader){state, load};
+}
