@@ -52,8 +52,8 @@ static struct orl_rgb ray_radiance(const struct painter *p, const struct orl_onl
     struct orl_sight sight;
     if (!orl_paint_ray(p->painting, place[0], place[1], &origin, &direction))
         return orl_gray(0);
-    orl_shade_look(onlooker, origin, direction, p->outside, false, &tracer->random, search, &sight);
-    return orl_rgb_add(orl_health_keep(tracer->health, sight.rest),
+    orl_shade_look(onlooker, origin, direction, p->outside, true, &tracer->random, search, &sight);
+    return orl_rgb_add(orl_health_keep(tracer->health, orl_rgb_add(sight.rest, sight.lobes)),
                        lit_surfaces(&sight, sampling, tracer));
 }
 

@@ -341,9 +341,10 @@ static const struct orl_world *scene_of(const struct orl_gather *gather,
 }
 
 struct orl_rgb orl_gather_direct(const struct orl_gather *gather, const struct orl_place *place,
-                                 uint32_t sequence, uint32_t first, uint32_t rays)
+                                 uint32_t sequence, uint32_t first, uint32_t rays,
+                                 double *ret_variance)
 {
-    double u[2];
+    double u[2], squares = 0;
     /* Where there are no caustic photons the sun in mirrors is found by its images. */
     const struct orl_direct_query query = {
         .point = place->point,
@@ -355,7 +356,13 @@ struct orl_rgb orl_gather_direct(const struct orl_gather *gather, const struct o
     struct orl_rgb sum = orl_gray(0);
     for (uint32_t i = first; i < first + rays; i++) {
         orl_sobol_point(&gather->sobol, i, sequence, 2, u);
-        sum = orl_rgb_add(sum, orl_direct_light(scene_of(gather, place), &query, &unused));
+        const struct orl_rgb light = orl_direct_light(scene_of(gather, place), &query, &unused);
+        sum = orl_rgb_add(sum, light);
+        squares += orl_luma(light) * orl_luma(light);
     }
-    return orl_rgb_scale(sum, 1.0 / rays);
+    const struct orl_rgb mean = orl_rgb_scale(sum, 1.0 / rays);
+    const double luma = orl_luma(mean);
+    if (ret_variance)
+        *ret_variance = rays > 1 ? fmax(squares / rays - luma * luma, 0) / (rays - 1) : 0;
+    return mean;
 }

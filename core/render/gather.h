@@ -134,10 +134,12 @@ struct orl_hemisphere orl_gather_hemisphere(const struct orl_gather *gather,
 
 /*
  * Direct light at a place: mean of that many shadow rays per light, the points first, first + 1,
- * ... of the Sobol sequence of that name, so that a pixel's rays can share one.
+ * ... of the Sobol sequence of that name, so that a pixel's rays can share one. ret_variance is
+ * NULL, or takes the mean's, of its luma, as if points fell by chance; of one ray it is 0.
  */
 struct orl_rgb orl_gather_direct(const struct orl_gather *gather, const struct orl_place *place,
-                                 uint32_t sequence, uint32_t first, uint32_t rays);
+                                 uint32_t sequence, uint32_t first, uint32_t rays,
+                                 double *ret_variance);
 
 /*
  * Irradiance of a sensor: all three parts. A sensor on a surface reads caustics by

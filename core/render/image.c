@@ -2,9 +2,7 @@
 
 #include <stdlib.h>
 
-#include "render/icache.h"
-#include "render/pixel.h"
-#include "render/shade.h"
+#include "render/mosaic.h"
 
 enum { LAMP_RAYS = 4 };
 enum { PANE_SAMPLES = 32, GLOSS_SAMPLES = 4 };
@@ -31,8 +29,7 @@ struct painter {
     struct orl_onlooker onlooker;
     struct orl_icache cache;
     bool outside;
-    double pixel_angle;   /* of a pixel, radians: about */
-    uint32_t shadow_rays; /* a ray and light: lamps are larger than the sun */
+    double pixel_angle; /* of a pixel, radians: about */
     /* A round of records: places found row by row, then computed. */
     uint32_t step;
     struct row *rows;
@@ -115,12 +112,6 @@ static void want(struct row *row, const struct orl_vertex *v, double pixel)
         .place = v->place, .least = pixel * least_reach_pixels / ORL_ICACHE_ACCURACY};
 }
 
-/* Where photons land, other techniques read them; outside all gather. */
-static bool is_gathered(const struct painter *p, const struct orl_vertex *v)
-{
-    return p->gather->rest == ORL_REST_GATHERED || v->place.outside;
-}
-
 /* The places along one lattice row that no record serves yet. */
 static void look_along_row(void *arg, size_t index, uint32_t member)
 {
@@ -132,10 +123,10 @@ static void look_along_row(void *arg, size_t index, uint32_t member)
         struct orl_random random = {0};
         if (!orl_paint_ray(p->painting, x + 0.5, y + 0.5, &origin, &direction))
             continue;
-        orl_shade_look(&p->onlooker, origin, direction, p->outside, true, &random,
+        orl_shade_look(&p->onlooker, origin, direction, p->outside, false, &random,
                        &p->painting->env->searches[member], &sight);
         for (uint32_t i = 0; i < sight.n_vertices; i++)
-            if (is_gathered(p, &sight.vertices[i]) &&
+            if (orl_lighting_gathers(p->gather, &sight.vertices[i].place) &&
                 !orl_icache_serves(&p->cache, &sight.vertices[i].place))
                 want(&p->rows[index], &sight.vertices[i], pixel_size(p, &sight.vertices[i]));
     }
@@ -203,144 +194,7 @@ static int place_records(struct painter *p)
     return code;
 }
 
-/* ---- Pixels ---------------------------------------------------------------------------------- */
-
-/* An estimate, and where it was made. */
-struct estimate {
-    struct orl_vec3 point, normal;
-    struct orl_density density;
-};
-
-/* The last two estimates: rays on an edge go to and fro between two surfaces. */
-struct estimates {
-    struct estimate last, before;
-};
-
-/*
- * What the rays of one pixel share: a sequence for shadow rays, and estimates, for they mostly meet
- * within a fraction of the radius.
- */
-struct memo {
-    uint32_t sequence;
-    struct estimates caustic, rest;
-};
-
-static bool serves(const struct estimate *e, const struct orl_vertex *v)
-{
-    const double reach = fmin(0.25 * e->density.radius, e->density.clear);
-    const struct orl_vec3 way = orl_sub(v->on_surface, e->point);
-    return e->density.radius > 0 && orl_dot(way, way) < reach * reach &&
-           orl_dot(e->normal, v->place.normal) > 0.999;
-}
-
-/* Whether one of two estimates serves, which is then the last; else there is room for another. */
-static bool recalls(struct estimates *e, const struct orl_vertex *v)
-{
-    const struct estimate last = e->last;
-    if (serves(&e->last, v))
-        return true;
-    const bool found = serves(&e->before, v);
-    e->last = e->before;
-    e->before = last;
-    return found;
-}
-
-/* Caustics and, but for the final gather, the rest: what photons say at a vertex. */
-static void read_maps(const struct painter *p, const struct orl_vertex *v, struct memo *memo,
-                      struct orl_search *search)
-{
-    const bool caustic = !recalls(&memo->caustic, v);
-    const bool rest = p->gather->rest != ORL_REST_GATHERED && !recalls(&memo->rest, v);
-    const struct estimate none = {.point = v->on_surface, .normal = v->place.normal};
-    struct orl_footing footing;
-    if (!caustic && !rest)
-        return;
-    const bool found = orl_gather_footing(p->gather, v->on_surface, v->place.normal, &footing);
-    if (caustic)
-        memo->caustic.last = none;
-    if (rest)
-        memo->rest.last = none;
-    if (caustic && found)
-        memo->caustic.last.density = orl_gather_caustic(p->gather, &footing, search);
-    if (rest && found)
-        memo->rest.last.density = orl_gather_rest(p->gather, &footing, search);
-}
-
-/* The rest at a vertex, by whichever way serves. */
-static struct orl_cached rest_at(const struct painter *p, const struct orl_vertex *v,
-                                 const struct memo *memo, struct orl_random *random,
-                                 struct orl_search *search)
-{
-    struct orl_cached cached;
-    const struct orl_density *read = &memo->rest.last.density;
-    if (!is_gathered(p, v) && read->found > 0)
-        return (struct orl_cached){read->irradiance, read->standard_error};
-    if (orl_icache_lookup(&p->cache, &v->place, &cached))
-        return cached;
-    const struct orl_hemisphere h = orl_gather_hemisphere(p->gather, &v->place, HEMISPHERE_ROWS / 2,
-                                                          HEMISPHERE_COLUMNS / 2, random, search);
-    return (struct orl_cached){h.irradiance, hypot(h.error_by_photons, h.error_by_rays)};
-}
-
-static struct orl_shade vertex_shade(const struct painter *p, const struct orl_vertex *v,
-                                     struct memo *memo, uint32_t ray, struct orl_random *random,
-                                     struct orl_search *search)
-{
-    const double weight = orl_luma(v->weight);
-    struct orl_shade shade = {.radiance = {0, 0, 0}};
-    struct orl_rgb sum = orl_gather_direct(p->gather, &v->place, memo->sequence,
-                                           ray * p->shadow_rays, p->shadow_rays);
-    if (!v->place.outside) {
-        read_maps(p, v, memo, search);
-        sum = orl_rgb_add(sum, memo->caustic.last.density.irradiance);
-        shade.caustic_error = weight * memo->caustic.last.density.standard_error;
-    }
-    const struct orl_cached rest = rest_at(p, v, memo, random, search);
-    shade.rest_error = weight * rest.standard_error;
-    shade.radiance = orl_rgb_mul(v->weight, orl_rgb_add(sum, rest.irradiance));
-    return shade;
-}
-
-/* What a ray of a pixel sees: all its vertices, and what is not diffuse. */
-static struct orl_shade sight_shade(const struct painter *p, const struct orl_sight *sight,
-                                    struct memo *memo, uint32_t ray, struct orl_random *random,
-                                    struct orl_search *search)
-{
-    struct orl_shade sum = {.radiance = orl_health_keep(&search->health, sight->rest)};
-    for (uint32_t v = 0; v < sight->n_vertices; v++) {
-        const struct orl_shade s = vertex_shade(p, &sight->vertices[v], memo, ray, random, search);
-        sum.radiance = orl_rgb_add(sum.radiance, orl_health_keep(&search->health, s.radiance));
-        sum.rest_error += s.rest_error;
-        sum.caustic_error += s.caustic_error;
-    }
-    return sum;
-}
-
-static struct orl_pixel compute_pixel(void *ctx, uint32_t x, uint32_t y, struct orl_search *search)
-{
-    const struct painter *p = ctx;
-    const uint64_t pixel = (uint64_t)y * p->painting->film->width + x;
-    struct orl_pixel_rays tally = {.rays = 0};
-    struct memo memo = {
-        .sequence = (uint32_t)orl_mix64(p->gather->seed * 5 + p->painting->env->index * 7 + pixel)};
-    for (uint32_t i = 0;
-         i < ORL_PIXEL_FIRST_RAYS || (i < ORL_PIXEL_RAYS && orl_pixel_is_uneven(&tally)); i++) {
-        struct orl_random random =
-            orl_random_stream(seed_of(p), ORL_PURPOSE_PIXEL, pixel * ORL_PIXEL_RAYS + i);
-        struct orl_vec3 origin, direction;
-        struct orl_sight sight;
-        struct orl_shade shade = {.radiance = {0, 0, 0}};
-        double dx, dy;
-        orl_pixel_place(i, &dx, &dy);
-        if (orl_paint_ray(p->painting, x + dx, y + dy, &origin, &direction)) {
-            orl_shade_look(&p->onlooker, origin, direction, p->outside, false, &random, search,
-                           &sight);
-            shade = sight_shade(p, &sight, &memo, i, &random, search);
-        }
-        orl_pixel_add(&tally, &shade);
-    }
-    return orl_pixel_settle(&tally);
-}
+/* ---- The view -------------------------------------------------------------------------------- */
 
 static struct orl_rgb lobe_radiance(const void *ctx, struct orl_vec3 origin,
                                     struct orl_vec3 direction, bool outside,
@@ -350,6 +204,20 @@ static struct orl_rgb lobe_radiance(const void *ctx, struct orl_vec3 origin,
     const struct orl_gather_ray ray = {
         .origin = origin, .direction = direction, .outside = outside, .of_lobe = &chance};
     return orl_gather_radiance(ctx, &ray, random, search);
+}
+
+static int paint_pixels(const struct painter *p)
+{
+    const uint32_t lamps = (uint32_t)(p->gather->world->n_emitters > 0);
+    atomic_bool failed = false;
+    struct orl_mosaic mosaic = {.lighting = {p->gather, &p->cache, lamps ? LAMP_RAYS : 1},
+                                .onlooker = p->onlooker,
+                                .painting = p->painting,
+                                .seed = seed_of(p),
+                                .outside = p->outside,
+                                .failed = &failed};
+    const int code = orl_paint_tiles(p->painting, orl_mosaic_paint, &mosaic, 0.5);
+    return code == 0 && atomic_load(&failed) ? ORL_ERR_NOMEM : code;
 }
 
 int orl_image_render(const struct orl_gather *gather, const struct orl_painting *painting,
@@ -370,11 +238,10 @@ int orl_image_render(const struct orl_gather *gather, const struct orl_painting 
     const double side = fmax(painting->film->width, painting->film->height);
     painter.outside = orl_world_is_outside(gather->world, eye);
     painter.pixel_angle = fmax(degrees * ORL_DEG_TO_RAD, 0.05) / side;
-    painter.shadow_rays = gather->world->n_emitters > 0 ? LAMP_RAYS : 1;
     orl_icache_init(&painter.cache, gather->world->omit.channels);
     int code = place_records(&painter);
     if (code == 0)
-        code = orl_paint(painting, compute_pixel, &painter, 0.5);
+        code = paint_pixels(&painter);
     orl_icache_done(&painter.cache);
     free(painter.wanted);
     if (code == ORL_ERR_CANCELLED)

@@ -1,10 +1,11 @@
 /*
  * One view from photon maps: with a final gather, irradiance records in rounds from coarse to fine;
- * then pixels, each from a few rays on a regular grid.
+ * then tiles (mosaic.h).
  *
- * A pixel's standard error holds the photons' noise, by way of records or densities, and how far
- * its rays lie apart, which counts edges as if rays fell by chance. It does not hold what records
- * miss between them, nor the bias of densities, nor what branches left out would add.
+ * A pixel's standard error holds the photons' noise, by way of records or densities, that of the
+ * rays there are for lobes and lamps, and, where it has several, how far its own rays lie apart,
+ * which counts edges as if rays fell by chance. It does not hold what lies between records, or
+ * between pixels worked out, nor the bias of densities, nor what branches left out would add.
  */
 #ifndef ORL_RENDER_IMAGE_H
 #define ORL_RENDER_IMAGE_H

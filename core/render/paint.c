@@ -1,10 +1,10 @@
 #include "render/paint.h"
 
-enum { TILE = 16, TILES_A_ROUND = 64 };
+enum { TILES_A_ROUND = 64 };
 
 struct tiles {
     const struct orl_painting *painting;
-    orl_paint_pixel *pixel;
+    orl_paint_tile *paint;
     void *ctx;
     size_t first, across;
 };
@@ -20,31 +20,31 @@ bool orl_paint_ray(const struct orl_painting *painting, double x, double y,
     return true;
 }
 
+static uint32_t least(uint32_t a, uint32_t b)
+{
+    return a < b ? a : b;
+}
+
 static void paint_tile(void *arg, size_t index, uint32_t member)
 {
     const struct tiles *tiles = arg;
     const struct orl_painting *painting = tiles->painting;
-    const struct orl_film *film = painting->film;
-    struct orl_search *search = &painting->env->searches[member];
     const size_t tile = tiles->first + index;
-    const uint32_t x0 = (uint32_t)(tile % tiles->across) * TILE;
-    const uint32_t y0 = (uint32_t)(tile / tiles->across) * TILE;
-    for (uint32_t y = y0; y < y0 + TILE && y < film->height; y++) {
-        for (uint32_t x = x0; x < x0 + TILE && x < film->width; x++) {
-            if (orl_paint_cancelled(painting->env))
-                return;
-            const struct orl_pixel pixel = tiles->pixel(tiles->ctx, x, y, search);
-            orl_film_set(painting->film, x, y, &pixel, &search->health);
-        }
-    }
+    const uint32_t x = (uint32_t)(tile % tiles->across) * ORL_PAINT_TILE;
+    const uint32_t y = (uint32_t)(tile / tiles->across) * ORL_PAINT_TILE;
+    const struct orl_tile at = {x, y, least(x + ORL_PAINT_TILE, painting->film->width),
+                                least(y + ORL_PAINT_TILE, painting->film->height)};
+    if (!orl_paint_cancelled(painting->env))
+        tiles->paint(tiles->ctx, &at, &painting->env->searches[member]);
 }
 
-int orl_paint(const struct orl_painting *painting, orl_paint_pixel *pixel, void *ctx, double before)
+int orl_paint_tiles(const struct orl_painting *painting, orl_paint_tile *paint, void *ctx,
+                    double before)
 {
     const struct orl_film *film = painting->film;
-    struct tiles tiles = {.painting = painting, .pixel = pixel, .ctx = ctx};
-    tiles.across = (film->width + TILE - 1) / TILE;
-    const size_t all = tiles.across * ((film->height + TILE - 1) / TILE);
+    struct tiles tiles = {.painting = painting, .paint = paint, .ctx = ctx};
+    tiles.across = (film->width + ORL_PAINT_TILE - 1) / ORL_PAINT_TILE;
+    const size_t all = tiles.across * ((film->height + ORL_PAINT_TILE - 1) / ORL_PAINT_TILE);
     for (tiles.first = 0; tiles.first < all; tiles.first += TILES_A_ROUND) {
         const size_t left = all - tiles.first;
         orl_crew_for(painting->env->crew, left < TILES_A_ROUND ? left : TILES_A_ROUND, paint_tile,
@@ -55,4 +55,29 @@ int orl_paint(const struct orl_painting *painting, orl_paint_pixel *pixel, void 
                                 before + (1 - before) * (double)tiles.first / (double)all);
     }
     return 0;
+}
+
+struct pixels {
+    const struct orl_painting *painting;
+    orl_paint_pixel *pixel;
+    void *ctx;
+};
+
+static void paint_pixels(void *ctx, const struct orl_tile *tile, struct orl_search *search)
+{
+    const struct pixels *pixels = ctx;
+    for (uint32_t y = tile->y0; y < tile->y1; y++) {
+        for (uint32_t x = tile->x0; x < tile->x1; x++) {
+            if (orl_paint_cancelled(pixels->painting->env))
+                return;
+            const struct orl_pixel pixel = pixels->pixel(pixels->ctx, x, y, search);
+            orl_film_set(pixels->painting->film, x, y, &pixel, &search->health);
+        }
+    }
+}
+
+int orl_paint(const struct orl_painting *painting, orl_paint_pixel *pixel, void *ctx, double before)
+{
+    struct pixels pixels = {painting, pixel, ctx};
+    return orl_paint_tiles(painting, paint_pixels, &pixels, before);
 }

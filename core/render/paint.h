@@ -40,7 +40,18 @@ static inline bool orl_paint_cancelled(const struct orl_paint_env *env)
 bool orl_paint_ray(const struct orl_painting *painting, double x, double y,
                    struct orl_vec3 *ret_origin, struct orl_vec3 *ret_direction);
 
-/* Paints every pixel; progress goes from `before` to 1. Returns 0 or ORL_ERR_CANCELLED. */
+/* The pixels [x0, x1) x [y0, y1). */
+struct orl_tile {
+    uint32_t x0, y0, x1, y1;
+};
+enum { ORL_PAINT_TILE = 32 }; /* the most of a side */
+
+/* Paints every tile; progress goes from `before` to 1. Returns 0 or ORL_ERR_CANCELLED. */
+typedef void orl_paint_tile(void *ctx, const struct orl_tile *tile, struct orl_search *search);
+int orl_paint_tiles(const struct orl_painting *painting, orl_paint_tile *tile, void *ctx,
+                    double before);
+
+/* The same pixel by pixel. */
 typedef struct orl_pixel orl_paint_pixel(void *ctx, uint32_t x, uint32_t y,
                                          struct orl_search *search);
 int orl_paint(const struct orl_painting *painting, orl_paint_pixel *pixel, void *ctx,

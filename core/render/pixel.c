@@ -23,6 +23,7 @@ void orl_pixel_add(struct orl_pixel_rays *tally, const struct orl_shade *shade)
     tally->most = fmax(tally->most, luma);
     tally->rest_error += shade->rest_error;
     tally->caustic_error += shade->caustic_error;
+    tally->ray_error += shade->ray_error;
     tally->rays++;
 }
 
@@ -36,6 +37,7 @@ struct orl_pixel orl_pixel_settle(const struct orl_pixel_rays *tally)
     const double n = tally->rays, mean = orl_luma(tally->sum) / n;
     const double spread = tally->rays > 1 ? fmax(tally->squares / n - mean * mean, 0) / (n - 1) : 0;
     const double rest = tally->rest_error / n, caustic = tally->caustic_error / n;
+    const double rays = tally->ray_error / n;
     return (struct orl_pixel){orl_rgb_scale(tally->sum, 1 / n),
-                              sqrt(spread + rest * rest + caustic * caustic)};
+                              sqrt(spread + rest * rest + caustic * caustic + rays * rays)};
 }

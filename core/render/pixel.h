@@ -1,10 +1,10 @@
 /*
  * A pixel's rays: where they go, how many of them it takes, and what they come to.
  *
- * Rays go to a lattice of four by four places, in sets of four that have one ray in every row and
- * column. Where the first four agree they will do; where they do not, as on edges, all sixteen are
- * followed. Places are not jittered: beside a sky hundreds of times brighter, chance coverage frays
- * an edge.
+ * A pixel that its neighbours leave in doubt (mosaic.h) sends rays to a lattice of four by four
+ * places, in sets of four that have one ray in every row and column. Where the first four agree
+ * they will do; where they do not, as on edges, all sixteen are followed. Places are not jittered:
+ * beside a sky hundreds of times brighter, chance coverage frays an edge.
  *
  * Threads: plain values; everybody has their own.
  */
@@ -20,17 +20,18 @@ enum { ORL_PIXEL_RAYS = 16, ORL_PIXEL_FIRST_RAYS = 4 };
 /* Where a ray goes: in pixels, from the pixel's corner. */
 void orl_pixel_place(uint32_t ray, double *ret_x, double *ret_y);
 
-/* Of a ray: radiance, and the standard errors of its luma by the photons' two ways. */
+/* Of a ray: radiance, and the standard errors of its luma by the photons' two ways and by what
+ * rays there were for lobes and lamps. */
 struct orl_shade {
     struct orl_rgb radiance;
-    double rest_error, caustic_error;
+    double rest_error, caustic_error, ray_error;
 };
 
 /* What is known of a pixel when some of its rays are in. Zero at first. */
 struct orl_pixel_rays {
     struct orl_rgb sum;
-    double squares, rest_error, caustic_error; /* sums */
-    double least, most;                        /* luma of a ray */
+    double squares, rest_error, caustic_error, ray_error; /* sums */
+    double least, most;                                   /* luma of a ray */
     uint32_t rays;
 };
 

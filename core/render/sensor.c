@@ -160,7 +160,8 @@ static struct orl_estimate sample_lights(const struct orl_gather *gather,
     for (uint32_t group = 0; group < GROUPS; group++) {
         const uint64_t name = index * GROUPS + group;
         const uint32_t sequence = sequence_of(gather, OF_DIRECT, name);
-        means[group] = orl_health_keep(health, orl_gather_direct(gather, place, sequence, 0, rays));
+        means[group] =
+            orl_health_keep(health, orl_gather_direct(gather, place, sequence, 0, rays, NULL));
         if (by_panes)
             means[group] = orl_rgb_add(
                 means[group], orl_health_keep(health, caustics_in_air(gather, place, name)));

@@ -19,7 +19,7 @@ struct look {
     struct orl_random *random;
     struct orl_search *search;
     struct orl_sight *sight;
-    bool only_vertices;
+    bool lobes;
     struct branch stack[MOST_BRANCHES];
     uint32_t depth;
 };
@@ -101,18 +101,45 @@ static void add_vertex(struct look *look, const struct branch *at, const struct 
         .distance = at->distance + hit->distance};
 }
 
+/* Of samples: their sum, and that of the squares of their luma. */
+struct samples {
+    struct orl_rgb sum;
+    double squares;
+    uint32_t count;
+};
+
+static void add_sample(struct samples *samples, struct orl_rgb value)
+{
+    samples->sum = orl_rgb_add(samples->sum, value);
+    samples->squares += orl_luma(value) * orl_luma(value);
+    samples->count++;
+}
+
+/* Their mean, of that weight, into what the lobes show. */
+static void add_mean(struct look *look, struct orl_rgb weight, const struct samples *samples)
+{
+    const double n = samples->count;
+    const struct orl_rgb mean = orl_rgb_scale(samples->sum, 1 / n);
+    const double luma = orl_luma(mean), share = orl_luma(weight);
+    look->sight->lobes = orl_rgb_add(look->sight->lobes, orl_rgb_mul(weight, mean));
+    if (n > 1)
+        look->sight->lobes_variance +=
+            share * share * fmax(samples->squares / n - luma * luma, 0) / (n - 1);
+}
+
 /* Suns and lights in the lobes of a surface, averaged over a few shadow rays. */
-static struct orl_rgb direct_in_lobes(struct look *look, const struct orl_hit *hit,
-                                      const struct orl_material *m, struct orl_vec3 eye)
+static void add_direct_in_lobes(struct look *look, const struct branch *at,
+                                const struct orl_hit *hit, const struct orl_material *m,
+                                struct orl_vec3 eye)
 {
     enum { SAMPLES = 2 };
     const struct orl_world *world = scene_of(look);
-    struct orl_rgb sum = orl_gray(0);
+    struct samples direct = {.count = 0};
     if (!orl_world_hides(world, hit->facet))
         world = look->onlooker->world;
     for (int i = 0; i < SAMPLES; i++)
-        sum = orl_rgb_add(sum, orl_direct_by_lobes(world, hit, m, eye, look->random));
-    return orl_rgb_scale(sum, 1.0 / SAMPLES);
+        add_sample(&direct, orl_direct_by_lobes(world, hit, m, eye, look->random));
+    add_mean(look, at->weight, &direct);
 }
 
 static struct orl_scatter sample_lobes(const struct look *look, const struct orl_hit *hit,
@@ -153,19 +180,20 @@ static void add_lobes(struct look *look, const struct branch *at, const struct o
     const struct orl_world *world = scene_of(look);
     const struct orl_vec3 eye = orl_neg(at->direction);
     const enum orl_crossing crossing = orl_world_crossing(world, hit);
-    struct orl_rgb sum = orl_gray(0);
-    add(look, at->weight, direct_in_lobes(look, hit, m, eye));
+    struct samples scattered = {.count = 0};
+    add_direct_in_lobes(look, at, hit, m, eye);
     const uint32_t sequence = (uint32_t)orl_random_bits(look->random);
     for (uint32_t i = 0; i < samples; i++) {
         const struct orl_scatter s = sample_lobes(look, hit, m, eye, i, sequence);
+        struct orl_rgb seen = orl_gray(0);
         bool outside = at->outside;
-        if (s.event != ORL_EVENT_GLOSSY)
-            continue;
         if (s.transmitted && crossing != ORL_CROSSING_NONE)
             outside = !world->open && crossing == ORL_CROSSING_OUTWARDS;
-        sum = orl_rgb_add(sum, orl_rgb_mul(s.weight, seen_along(look, hit, eye, &s, outside)));
+        if (s.event == ORL_EVENT_GLOSSY)
+            seen = orl_rgb_mul(s.weight, seen_along(look, hit, eye, &s, outside));
+        add_sample(&scattered, seen);
     }
-    add(look, at->weight, orl_rgb_scale(sum, 1.0 / samples));
+    add_mean(look, at->weight, &scattered);
 }
 
 /* Both ways on of what is not scattered. */
@@ -195,10 +223,16 @@ static const struct orl_material *seen_at(const struct look *look, const struct 
     return m->seen_as >= 0 ? &world->description.materials[m->seen_as] : NULL;
 }
 
+static void note_way(struct orl_sight *sight, uint64_t met)
+{
+    sight->way = orl_mix64(sight->way + met + 1);
+}
+
 static void meet(struct look *look, const struct branch *met, const struct orl_hit *hit)
 {
     const struct orl_material *m = seen_at(look, hit);
     struct branch at = *met;
+    note_way(look->sight, 2 * (uint64_t)hit->facet + hit->front);
     if (!m) {
         const struct orl_scatter on = {
             .direction = at.direction, .weight = orl_gray(1), .transmitted = true};
@@ -209,7 +243,9 @@ static void meet(struct look *look, const struct branch *met, const struct orl_h
     if (orl_rgb_max(orl_material_diffuse(m)) > 0)
         add_vertex(look, &at, hit, m);
     split(look, &at, hit, m);
-    if (orl_material_has_lobes(m) && !look->only_vertices)
+    const bool has_lobes = orl_material_has_lobes(m);
+    look->sight->has_lobes = look->sight->has_lobes || has_lobes;
+    if (has_lobes && look->lobes)
         add_lobes(look, &at, hit, m,
                   orl_material_transmits_lobes(m) ? look->onlooker->pane_samples
                                                   : look->onlooker->gloss_samples);
@@ -225,9 +261,8 @@ static void pass_proxies(const struct orl_world *world, double distance, struct 
 }
 
 void orl_shade_look(const struct orl_onlooker *onlooker, struct orl_vec3 origin,
-                    struct orl_vec3 direction, bool outside, bool only_vertices,
-                    struct orl_random *random, struct orl_search *search,
-                    struct orl_sight *ret_sight)
+                    struct orl_vec3 direction, bool outside, bool lobes, struct orl_random *random,
+                    struct orl_search *search, struct orl_sight *ret_sight)
 {
     const struct orl_world *world = orl_world_seen(onlooker->world);
     struct look look; /* not its stack, which is large and empty */
@@ -235,10 +270,13 @@ void orl_shade_look(const struct orl_onlooker *onlooker, struct orl_vec3 origin,
     look.random = random;
     look.search = search;
     look.sight = ret_sight;
-    look.only_vertices = only_vertices;
+    look.lobes = lobes;
     look.depth = 0;
     ret_sight->n_vertices = 0;
-    ret_sight->rest = orl_gray(0);
+    ret_sight->way = 0;
+    ret_sight->rest = ret_sight->lobes = orl_gray(0);
+    ret_sight->lobes_variance = 0;
+    ret_sight->has_lobes = false;
     look.stack[look.depth++] = (struct branch){.origin = origin,
                                                .direction = direction,
                                                .weight = orl_gray(1),
@@ -255,6 +293,7 @@ void orl_shade_look(const struct orl_onlooker *onlooker, struct orl_vec3 origin,
             meet(&look, &at, &hit);
             continue;
         }
+        note_way(ret_sight, UINT32_MAX);
         search->health.rays_leaked += !world->open && !at.outside;
         add(&look, orl_rgb_mul(at.weight, orl_clarity_after(at.clarity, INFINITY)),
             orl_rgb_add(orl_world_dome_radiance(world, at.direction),

@@ -21,7 +21,11 @@ struct orl_vertex {
 struct orl_sight {
     struct orl_vertex vertices[ORL_SHADE_VERTICES];
     uint32_t n_vertices;
-    struct orl_rgb rest; /* radiance of all that is not diffuse */
+    uint64_t way;          /* names what was met, in order: what goes the same way sees alike */
+    struct orl_rgb rest;   /* radiance of all that is neither diffuse nor of a lobe */
+    struct orl_rgb lobes;  /* of these, by a few rays */
+    double lobes_variance; /* of their luma, as if rays were drawn by chance */
+    bool has_lobes;
 };
 
 /* A technique's radiance along a ray of a lobe: suns not seen straight, and of lamps the share of
@@ -42,13 +46,9 @@ struct orl_onlooker {
     const void *ctx;
 };
 
-/*
- * Follows one ray. With only_vertices no lobes are sampled and rest is not filled in: the cheap
- * look that places irradiance records.
- */
+/* Follows one ray; without lobes these are noticed but not sampled. */
 void orl_shade_look(const struct orl_onlooker *onlooker, struct orl_vec3 origin,
-                    struct orl_vec3 direction, bool outside, bool only_vertices,
-                    struct orl_random *random, struct orl_search *search,
-                    struct orl_sight *ret_sight);
+                    struct orl_vec3 direction, bool outside, bool lobes, struct orl_random *random,
+                    struct orl_search *search, struct orl_sight *ret_sight);
 
 #endif

@@ -1,0 +1,73 @@
+#include "render/lighting.h"
+
+/* Of the few hemispheres made for a place that no record reaches. */
+enum { ROWS = 9, COLUMNS = 28 };
+
+struct orl_shadowed orl_lighting_direct(const struct orl_lighting *lighting,
+                                        const struct orl_sight *sight, uint32_t sequence,
+                                        uint32_t first, struct orl_health *health)
+{
+    struct orl_shadowed sum = {.variance = 0};
+    for (uint32_t i = 0; i < sight->n_vertices; i++) {
+        const struct orl_vertex *v = &sight->vertices[i];
+        const double weight = orl_luma(v->weight);
+        double variance;
+        const struct orl_rgb light = orl_gather_direct(lighting->gather, &v->place, sequence, first,
+                                                       lighting->shadow_rays, &variance);
+        sum.radiance =
+            orl_rgb_add(sum.radiance, orl_health_keep(health, orl_rgb_mul(v->weight, light)));
+        sum.variance += weight * weight * variance;
+    }
+    return sum;
+}
+
+/* The rest at a vertex, by whichever way serves. read: by densities or records, where it is. */
+static struct orl_cached rest_at(const struct orl_lighting *lighting, const struct orl_vertex *v,
+                                 const struct orl_density *read, struct orl_random *random,
+                                 struct orl_search *search)
+{
+    struct orl_cached cached;
+    if (!orl_lighting_gathers(lighting->gather, &v->place) && read->found > 0)
+        return (struct orl_cached){read->irradiance, read->standard_error};
+    if (orl_icache_lookup(lighting->cache, &v->place, &cached))
+        return cached;
+    const struct orl_hemisphere h =
+        orl_gather_hemisphere(lighting->gather, &v->place, ROWS, COLUMNS, random, search);
+    return (struct orl_cached){h.irradiance, hypot(h.error_by_photons, h.error_by_rays)};
+}
+
+/* How far an estimate is much the same: its disc hardly moves. */
+static double reach_of(const struct orl_density *density)
+{
+    return density->radius > 0 ? fmin(0.25 * density->radius, density->clear) : INFINITY;
+}
+
+static void add_vertex(const struct orl_lighting *lighting, const struct orl_vertex *v,
+                       struct orl_random *random, struct orl_search *search, struct orl_smooth *sum)
+{
+    struct orl_density caustic = {.found = 0}, read = {.found = 0};
+    struct orl_footing footing;
+    if (!v->place.outside &&
+        orl_gather_footing(lighting->gather, v->on_surface, v->place.normal, &footing)) {
+        caustic = orl_gather_caustic(lighting->gather, &footing, search);
+        read = orl_gather_rest(lighting->gather, &footing, search);
+    }
+    const struct orl_cached rest = rest_at(lighting, v, &read, random, search);
+    const double weight = orl_luma(v->weight);
+    const struct orl_rgb radiance =
+        orl_rgb_mul(v->weight, orl_rgb_add(caustic.irradiance, rest.irradiance));
+    sum->radiance = orl_rgb_add(sum->radiance, orl_health_keep(&search->health, radiance));
+    sum->rest_error += weight * rest.standard_error;
+    sum->caustic_error += weight * caustic.standard_error;
+    sum->reach = fmin(sum->reach, fmin(reach_of(&caustic), reach_of(&read)));
+}
+
+struct orl_smooth orl_lighting_smooth(const struct orl_lighting *lighting,
+                                      const struct orl_sight *sight, struct orl_random *random,
+                                      struct orl_search *search)
+{
+    struct orl_smooth sum = {.reach = INFINITY};
+    for (uint32_t i = 0; i < sight->n_vertices; i++)
+        add_vertex(lighting, &sight->vertices[i], random, search, &sum);
+    return sum;
+}

@@ -1,0 +1,44 @@
+/*
+ * The light at the diffuse surfaces that a view's ray comes to, from photon maps and records, in
+ * two parts: what may change at once, along the edges of shadows, and is to be asked for at every
+ * ray; and what is smooth along a surface, which one place can say for those about it.
+ */
+#ifndef ORL_RENDER_LIGHTING_H
+#define ORL_RENDER_LIGHTING_H
+
+#include "render/icache.h"
+#include "render/shade.h"
+
+struct orl_lighting {
+    const struct orl_gather *gather; /* borrowed, as is the cache */
+    const struct orl_icache *cache;
+    uint32_t shadow_rays; /* a ray and light */
+};
+
+/* Whether the rest is gathered there: where photons land, some techniques read them. */
+static inline bool orl_lighting_gathers(const struct orl_gather *gather,
+                                        const struct orl_place *place)
+{
+    return gather->rest == ORL_REST_GATHERED || place->outside;
+}
+
+/* Direct light by way of all of a sight's surfaces: radiance. */
+struct orl_shadowed {
+    struct orl_rgb radiance;
+    double variance; /* of its luma: of the shadow rays, where there are several */
+};
+struct orl_shadowed orl_lighting_direct(const struct orl_lighting *lighting,
+                                        const struct orl_sight *sight, uint32_t sequence,
+                                        uint32_t first, struct orl_health *health);
+
+/* Caustics and the rest: radiance, and the standard errors of its luma by either. */
+struct orl_smooth {
+    struct orl_rgb radiance;
+    double rest_error, caustic_error;
+    double reach; /* about the first surface's point: so far it is sure to be much the same */
+};
+struct orl_smooth orl_lighting_smooth(const struct orl_lighting *lighting,
+                                      const struct orl_sight *sight, struct orl_random *random,
+                                      struct orl_search *search);
+
+#endif
