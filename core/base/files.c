@@ -32,7 +32,7 @@ static void memory_close(void *ctx, struct orl_file *file)
 
 struct orl_files orl_files_from_memory(struct orl_memory_files *memory)
 {
-    return (struct orl_files){memory, memory_open, memory_close};
+    return (struct orl_files){.ctx = memory, .open = memory_open, .close = memory_close};
 }
 
 static int folder_open(void *ctx, const char *name, struct orl_file *ret_file,
@@ -78,8 +78,21 @@ static void folder_close(void *ctx, struct orl_file *file)
     file->handle = NULL;
 }
 
+void orl_files_let_go(void *ctx, const struct orl_file *file, size_t begin, size_t end)
+{
+    const size_t page = 4096;
+    (void)ctx;
+    begin = begin / page * page;
+    end = end / page * page;
+    if (file->handle && begin < end && end <= file->size)
+        madvise((char *)file->handle + begin, end - begin, MADV_DONTNEED);
+}
+
 struct orl_files orl_files_from_folder(const char *folder)
 {
     /* The provider only reads through ctx; the cast drops const for the common struct. */
-    return (struct orl_files){(void *)(uintptr_t)folder, folder_open, folder_close};
+    return (struct orl_files){.ctx = (void *)(uintptr_t)folder,
+                              .open = folder_open,
+                              .close = folder_close,
+                              .passed = orl_files_let_go};
 }

@@ -1,19 +1,18 @@
 #include "base/sha256.h"
 
-#include <sodium/crypto_hash_sha256.h>
+#include <string.h>
+
+enum { BLOCK = 64 };
+
+static const uint32_t first_state[8] = {0x6a09e667, 0xbb67ae85, 0x3c6ef372, 0xa54ff53a,
+                                        0x510e527f, 0x9b05688c, 0x1f83d9ab, 0x5be0cd19};
 
 #if defined(__x86_64__)
 
 #include <cpuid.h>
 #include <immintrin.h>
-#include <stdbool.h>
-#include <stdint.h>
-#include <string.h>
 
-enum { BLOCK = 64, GROUPS = 16 /* of four rounds */ };
-
-static const uint32_t first_state[8] = {0x6a09e667, 0xbb67ae85, 0x3c6ef372, 0xa54ff53a,
-                                        0x510e527f, 0x9b05688c, 0x1f83d9ab, 0x5be0cd19};
+enum { GROUPS = 16 /* of four rounds */ };
 
 static const uint32_t constants[4 * GROUPS] = {
     0x428a2f98, 0x71374491, 0xb5c0fbcf, 0xe9b5dba5, 0x3956c25b, 0x59f111f1, 0x923f82a4, 0xab1c5ed5,
@@ -66,38 +65,71 @@ add_blocks(uint32_t state[8], const unsigned char *data, size_t blocks)
     _mm_storeu_si128((void *)(state + 4), _mm_alignr_epi8(dchg, feba, 8));
 }
 
-/* What is left after whole blocks, a set bit, zeros, and the length in bits. */
-static void add_rest(uint32_t state[8], const unsigned char *rest, size_t size)
+#else
+
+static bool has_instructions(void)
 {
-    const size_t left = size % BLOCK, blocks = left < BLOCK - 8 ? 1 : 2;
+    return false;
+}
+
+static void add_blocks(uint32_t state[8], const unsigned char *data, size_t blocks)
+{
+    (void)state, (void)data, (void)blocks;
+}
+
+#endif
+
+void orl_sha256_init(struct orl_sha256 *hash)
+{
+    hash->quick = has_instructions();
+    hash->size = 0;
+    memcpy(hash->state, first_state, sizeof hash->state);
+    if (!hash->quick)
+        crypto_hash_sha256_init(&hash->portable);
+}
+
+/* The end of the data, a set bit, zeros, and the length in bits. */
+static void add_last(struct orl_sha256 *hash, const unsigned char *rest, size_t left)
+{
+    const size_t blocks = left < BLOCK - 8 ? 1 : 2;
     unsigned char last[2 * BLOCK] = {0};
     if (left > 0)
         memcpy(last, rest, left);
     last[left] = 0x80;
     for (unsigned i = 0; i < 8; i++)
-        last[blocks * BLOCK - 1 - i] = (unsigned char)((uint64_t)size * 8 >> 8 * i);
-    add_blocks(state, last, blocks);
+        last[blocks * BLOCK - 1 - i] = (unsigned char)(hash->size * 8 >> 8 * i);
+    add_blocks(hash->state, last, blocks);
 }
 
-void orl_sha256(const void *data, size_t size, unsigned char ret_digest[ORL_SHA256_BYTES])
+void orl_sha256_add(struct orl_sha256 *hash, const void *data, size_t size)
 {
-    uint32_t state[8];
-    if (!has_instructions()) {
-        crypto_hash_sha256(ret_digest, data, size);
+    const size_t whole = size / BLOCK * BLOCK;
+    hash->size += size;
+    if (!hash->quick) {
+        crypto_hash_sha256_update(&hash->portable, data, size);
         return;
     }
-    memcpy(state, first_state, sizeof state);
-    add_blocks(state, data, size / BLOCK);
-    add_rest(state, (const unsigned char *)data + size / BLOCK * BLOCK, size);
-    for (unsigned i = 0; i < ORL_SHA256_BYTES; i++)
-        ret_digest[i] = (unsigned char)(state[i / 4] >> (24 - 8 * (i % 4)));
+    add_blocks(hash->state, data, size / BLOCK);
+    if (size > whole) /* the last piece */
+        add_last(hash, (const unsigned char *)data + whole, size - whole);
 }
 
-#else
+void orl_sha256_finish(struct orl_sha256 *hash, unsigned char ret_digest[ORL_SHA256_BYTES])
+{
+    if (!hash->quick) {
+        crypto_hash_sha256_final(&hash->portable, ret_digest);
+        return;
+    }
+    if (hash->size % BLOCK == 0)
+        add_last(hash, NULL, 0);
+    for (unsigned i = 0; i < ORL_SHA256_BYTES; i++)
+        ret_digest[i] = (unsigned char)(hash->state[i / 4] >> (24 - 8 * (i % 4)));
+}
 
 void orl_sha256(const void *data, size_t size, unsigned char ret_digest[ORL_SHA256_BYTES])
 {
-    crypto_hash_sha256(ret_digest, data, size);
+    struct orl_sha256 hash;
+    orl_sha256_init(&hash);
+    orl_sha256_add(&hash, data, size);
+    orl_sha256_finish(&hash, ret_digest);
 }
-
-#endif

@@ -159,22 +159,21 @@ static int finish_components(struct orl_bsdf *bsdf, const char *name, struct orl
     return code;
 }
 
-int orl_bsdf_load_xml(const char *name, const char *xml, size_t size, struct orl_bsdf **ret_bsdf,
-                      struct orl_error *err)
+int orl_bsdf_load(const struct orl_bsdf_xml *xml, struct orl_bsdf **ret_bsdf, struct orl_error *err)
 {
     struct orl_bsdf *bsdf = calloc(1, sizeof *bsdf);
     int code;
     if (!bsdf) {
         code = orl_error_set(err, ORL_ERR_NOMEM, "out of memory for the BSDF");
-        orl_error_at(err, name, 0, NULL);
+        orl_error_at(err, xml->name, 0, NULL);
         return code;
     }
     atomic_init(&bsdf->references, 1);
-    code = orl_document_read(name, xml, size, &bsdf->document, err);
+    code = orl_document_read(xml, &bsdf->document, err);
     if (code == 0) {
         orl_bsdf_set_views(bsdf);
         drop_dummy(bsdf);
-        code = finish_components(bsdf, name, err);
+        code = finish_components(bsdf, xml->name, err);
     }
     if (code < 0) {
         orl_bsdf_unref(bsdf);
@@ -183,6 +182,13 @@ int orl_bsdf_load_xml(const char *name, const char *xml, size_t size, struct orl
     describe(bsdf);
     *ret_bsdf = bsdf;
     return 0;
+}
+
+int orl_bsdf_load_xml(const char *name, const char *xml, size_t size, struct orl_bsdf **ret_bsdf,
+                      struct orl_error *err)
+{
+    const struct orl_bsdf_xml whole = {.name = name, .data = xml, .size = size};
+    return orl_bsdf_load(&whole, ret_bsdf, err);
 }
 
 struct orl_bsdf *orl_bsdf_ref(struct orl_bsdf *bsdf)

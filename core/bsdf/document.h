@@ -5,6 +5,8 @@
 #ifndef ORL_BSDF_DOCUMENT_H
 #define ORL_BSDF_DOCUMENT_H
 
+#include <oriel/bsdf.h>
+
 #include "bsdf/chroma.h"
 #include "bsdf/data.h"
 #include "bsdf/matrix.h"
@@ -54,8 +56,8 @@ struct orl_document {
 };
 
 /* Reads the XML into *ret_document, to be passed to orl_document_done. */
-int orl_document_read(const char *name, const char *xml, size_t size,
-                      struct orl_document *ret_document, struct orl_error *err);
+int orl_document_read(const struct orl_bsdf_xml *xml, struct orl_document *ret_document,
+                      struct orl_error *err);
 void orl_document_done(struct orl_document *document);
 
 #endif

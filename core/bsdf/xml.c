@@ -195,20 +195,31 @@ static void parse_slice(struct orl_xml_reader *r, const char *slice, size_t size
         refuse_xml(r, last);
 }
 
-/* The whole file. Slices grow, as expat reads a long token again with each. */
-static void parse(struct orl_xml_reader *r, const char *xml, size_t size)
+/* Tells the holder of the XML how far it has been read, a good deal at a time. */
+static void tell_passed(const struct orl_bsdf_xml *xml, size_t at, size_t *told)
 {
-    size_t at = 0, slice = SLICE_LEAST;
+    if (!xml->passed || (at - *told < SLICE_MOST && at < xml->size))
+        return;
+    xml->passed(xml->ctx, *told, at);
+    *told = at;
+}
+
+/* The whole file. Slices grow, as expat reads a long token again with each. */
+static void parse(struct orl_xml_reader *r, const struct orl_bsdf_xml *xml)
+{
+    size_t at = 0, slice = SLICE_LEAST, told = 0;
     bool last = false;
     while (r->code == 0 && !last) {
-        const size_t length = size - at < slice ? size - at : slice;
-        last = length == size - at;
-        parse_slice(r, xml + at, length, last);
+        const size_t length = xml->size - at < slice ? xml->size - at : slice;
+        last = length == xml->size - at;
+        parse_slice(r, xml->data + at, length, last);
         at += length;
+        tell_passed(xml, at, &told);
         if (slice < SLICE_MOST)
             slice *= 2;
         while (r->code == 0 && r->plain && !last) {
-            at += read_plain(r, xml + at, size - at);
+            at += read_plain(r, xml->data + at, xml->size - at);
+            tell_passed(xml, at, &told);
             slice = SLICE_LEAST;
         }
     }
@@ -229,8 +240,8 @@ static int check_complete(const struct orl_document *d, const char *file, struct
     return code;
 }
 
-int orl_document_read(const char *name, const char *xml, size_t size,
-                      struct orl_document *ret_document, struct orl_error *err)
+int orl_document_read(const struct orl_bsdf_xml *xml, struct orl_document *ret_document,
+                      struct orl_error *err)
 {
     struct orl_error ignored;
     struct orl_xml_reader *r = calloc(1, sizeof *r);
@@ -240,19 +251,19 @@ int orl_document_read(const char *name, const char *xml, size_t size,
         r->parser = XML_ParserCreate(NULL);
     if (!r || !document || !r->parser) {
         orl_error_set(err, code, "out of memory reading the BSDF");
-        orl_error_at(err, name, 0, NULL);
+        orl_error_at(err, xml->name, 0, NULL);
         goto done;
     }
     r->document = document;
     r->err = err ? err : &ignored;
-    r->file = name;
+    r->file = xml->name;
     r->part = r->channel = -1;
     XML_SetUserData(r->parser, r);
     XML_SetElementHandler(r->parser, on_start, on_end);
     XML_SetCharacterDataHandler(r->parser, on_text);
     XML_SetStartDoctypeDeclHandler(r->parser, on_doctype);
-    parse(r, xml, size);
-    code = r->code < 0 ? r->code : check_complete(document, name, err);
+    parse(r, xml);
+    code = r->code < 0 ? r->code : check_complete(document, xml->name, err);
     if (code == 0) {
         *ret_document = *document;
         memset(document, 0, sizeof *document);

@@ -26,8 +26,7 @@ static void make_key(const unsigned char content[ORL_COMPILED_DIGEST],
 /* One BSDF that is asked for. */
 struct request {
     struct orl_run_state *state;
-    const char *name;
-    const struct orl_file *xml;
+    const struct orl_bsdf_xml *xml;
     const unsigned char *content;
     char path[4096];
     char key[ORL_DIGEST_HEX + 1];
@@ -42,7 +41,7 @@ static int load_and_keep(struct request *r, struct orl_bsdf **ret_bsdf, struct o
     struct orl_map_info info = {.kind = "", .key = ""};
     struct orl_bsdf_info about;
     struct orl_error why = {0};
-    int code = orl_bsdf_load_xml(r->name, r->xml->data, r->xml->size, ret_bsdf, err);
+    int code = orl_bsdf_load(r->xml, ret_bsdf, err);
     if (code < 0) {
         store->abandon(store->ctx, kind, r->key);
         return code;
@@ -59,22 +58,22 @@ static int load_and_keep(struct request *r, struct orl_bsdf **ret_bsdf, struct o
         store->release(store->ctx, kind, r->key);
     } else {
         store->abandon(store->ctx, kind, r->key);
-        orl_run_warn(r->state, "the BSDF '%s' could not be kept for later jobs: %s", r->name,
+        orl_run_warn(r->state, "the BSDF '%s' could not be kept for later jobs: %s", r->xml->name,
                      why.message);
     }
     return 0;
 }
 
-static int load(void *ctx, const char *name, const struct orl_file *xml,
+static int load(void *ctx, const struct orl_bsdf_xml *xml,
                 const unsigned char content[crypto_hash_sha256_BYTES], struct orl_bsdf **ret_bsdf,
                 struct orl_error *err)
 {
-    struct request r = {.state = ctx, .name = name, .xml = xml, .content = content};
+    struct request r = {.state = ctx, .xml = xml, .content = content};
     const struct orl_map_store *store = r.state->env->store;
     struct orl_map_info info;
     bool hit = true;
     if (!store || xml->size < LEAST_BYTES)
-        return orl_bsdf_load_xml(name, xml->data, xml->size, ret_bsdf, err);
+        return orl_bsdf_load(xml, ret_bsdf, err);
     make_key(content, r.key);
     for (int attempt = 0; attempt < 2 && hit; attempt++) {
         int code =
@@ -91,11 +90,12 @@ static int load(void *ctx, const char *name, const struct orl_file *xml,
             return 0;
         }
         orl_run_warn(r.state,
-                     "the BSDF '%s' was kept, but damaged or out of date: it is read again", name);
+                     "the BSDF '%s' was kept, but damaged or out of date: it is read again",
+                     xml->name);
         store->abandon(store->ctx, kind, r.key);
     }
     memset(err, 0, sizeof *err);
-    return orl_bsdf_load_xml(name, xml->data, xml->size, ret_bsdf, err);
+    return orl_bsdf_load(xml, ret_bsdf, err);
 }
 
 struct orl_bsdf_loader orl_run_bsdf_loader(struct orl_run_state *state)

@@ -102,6 +102,22 @@ static int make_room(struct orl_sources *sources, struct orl_error *err)
     return 0;
 }
 
+static void find_digest(const struct orl_sources *sources, struct orl_source *item)
+{
+    const size_t step = 4 << 20, size = item->file.size;
+    const struct orl_files *files = sources->files;
+    struct orl_sha256 hash;
+    if (files->digest && files->digest(files->ctx, item->name, item->content))
+        return;
+    orl_sha256_init(&hash);
+    for (size_t at = 0; at < size; at += step) {
+        orl_sha256_add(&hash, item->file.data + at, size - at < step ? size - at : step);
+        if (files->passed && size - at > step)
+            files->passed(files->ctx, &item->file, at, at + step);
+    }
+    orl_sha256_finish(&hash, item->content);
+}
+
 /* Opens and hashes a file under its resolved name. */
 static int add_item(struct orl_sources *sources, const char *name, struct orl_error *err)
 {
@@ -128,7 +144,7 @@ static int add_item(struct orl_sources *sources, const char *name, struct orl_er
     if (item->file.size > ORL_LIMIT_FILE_BYTES)
         return orl_error_set(err, ORL_ERR_LIMIT, "'%.200s' is larger than %lu MiB", name,
                              ORL_LIMIT_FILE_BYTES >> 20);
-    orl_sha256(item->file.data, item->file.size, item->content);
+    find_digest(sources, item);
     orl_sources_count_again(sources, sources->count - 1);
     return 0;
 }
@@ -165,13 +181,30 @@ int orl_sources_find(struct orl_sources *sources, const char *folder, const char
     return code;
 }
 
+/* A file that is being read, and the files it is of. */
+struct reading {
+    const struct orl_files *files;
+    const struct orl_file *file;
+};
+
+static void tell_provider(void *ctx, size_t begin, size_t end)
+{
+    const struct reading *reading = ctx;
+    reading->files->passed(reading->files->ctx, reading->file, begin, end);
+}
+
 static int load_bsdf(const struct orl_sources *sources, struct orl_source *item,
                      struct orl_error *err)
 {
     const struct orl_bsdf_loader *loader = sources->loader;
-    return loader
-               ? loader->load(loader->ctx, item->name, &item->file, item->content, &item->bsdf, err)
-               : orl_bsdf_load_xml(item->name, item->file.data, item->file.size, &item->bsdf, err);
+    struct reading reading = {sources->files, &item->file};
+    const struct orl_bsdf_xml xml = {.name = item->name,
+                                     .data = item->file.data,
+                                     .size = item->file.size,
+                                     .passed = sources->files->passed ? tell_provider : NULL,
+                                     .ctx = &reading};
+    return loader ? loader->load(loader->ctx, &xml, item->content, &item->bsdf, err)
+                  : orl_bsdf_load(&xml, &item->bsdf, err);
 }
 
 int orl_sources_bsdf(struct orl_sources *sources, size_t index, struct orl_bsdf **ret_bsdf,

@@ -29,7 +29,7 @@ struct orl_source {
 /* Who loads BSDFs, if not orl_bsdf_load_xml: the same, but perhaps from a store. */
 struct orl_bsdf_loader {
     void *ctx;
-    int (*load)(void *ctx, const char *name, const struct orl_file *xml,
+    int (*load)(void *ctx, const struct orl_bsdf_xml *xml,
                 const unsigned char content[crypto_hash_sha256_BYTES], struct orl_bsdf **ret_bsdf,
                 struct orl_error *err);
 };

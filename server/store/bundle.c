@@ -235,6 +235,14 @@ static int provider_open(void *ctx, const char *name, struct orl_file *ret_file,
     return orl_map_file(file->path, ret_file, err);
 }
 
+/* The digest a blob is kept by. */
+static bool provider_digest(void *ctx, const char *name, unsigned char ret_digest[32])
+{
+    const struct orl_bundle_file *file = orl_bundle_find(ctx, name);
+    return file && orl_is_sha256(file->sha) &&
+           sodium_hex2bin(ret_digest, 32, file->sha, 64, NULL, NULL, NULL) == 0;
+}
+
 static void provider_close(void *ctx, struct orl_file *file)
 {
     (void)ctx;
@@ -243,5 +251,9 @@ static void provider_close(void *ctx, struct orl_file *file)
 
 struct orl_files orl_bundle_provider(struct orl_bundle *bundle)
 {
-    return (struct orl_files){bundle, provider_open, provider_close};
+    return (struct orl_files){.ctx = bundle,
+                              .open = provider_open,
+                              .close = provider_close,
+                              .digest = provider_digest,
+                              .passed = orl_files_let_go};
 }

@@ -40,7 +40,7 @@ static void make_panel(const struct office *office)
 void office_open(struct office *office)
 {
     bench_make_folder(office->folder);
-    office->files = (struct orl_files){office, open_file, close_file};
+    office->files = (struct orl_files){.ctx = office, .open = open_file, .close = close_file};
     office->of_source = orl_files_from_folder(office_source);
     office->of_folder = orl_files_from_folder(office->folder);
     make_panel(office);

@@ -23,6 +23,12 @@ static void every_length_agrees(void **state)
         orl_sha256(data + 1, size, ours); /* not aligned */
         crypto_hash_sha256(theirs, data + 1, size);
         assert_memory_equal(ours, theirs, sizeof ours);
+        struct orl_sha256 hash;
+        orl_sha256_init(&hash);
+        for (size_t at = 0; at < size; at += 128)
+            orl_sha256_add(&hash, data + 1 + at, size - at < 128 ? size - at : 128);
+        orl_sha256_finish(&hash, ours);
+        assert_memory_equal(ours, theirs, sizeof ours);
     }
 }
 

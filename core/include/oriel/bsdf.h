@@ -45,6 +45,18 @@ struct orl_bsdf;
  */
 int orl_bsdf_load_xml(const char *name, const char *xml, size_t size, struct orl_bsdf **ret_bsdf,
                       struct orl_error *err);
+
+/* The same, for XML whose holder wants to know, while it is being read, what is not needed again.
+ */
+struct orl_bsdf_xml {
+    const char *name, *data;
+    size_t size;
+    void (*passed)(void *ctx, size_t begin, size_t end); /* or NULL */
+    void *ctx;
+};
+int orl_bsdf_load(const struct orl_bsdf_xml *xml, struct orl_bsdf **ret_bsdf,
+                  struct orl_error *err);
+
 struct orl_bsdf *orl_bsdf_ref(struct orl_bsdf *bsdf);
 void orl_bsdf_unref(struct orl_bsdf *bsdf); /* NULL is allowed */
 

@@ -5,6 +5,7 @@
 #ifndef ORIEL_FILES_H
 #define ORIEL_FILES_H
 
+#include <stdbool.h>
 #include <stddef.h>
 
 #include <oriel/error.h>
@@ -22,6 +23,11 @@ struct orl_files {
     /* Fills ret_file, which stays valid until close, or returns ORL_ERR_NOT_FOUND / ORL_ERR_IO. */
     int (*open)(void *ctx, const char *name, struct orl_file *ret_file, struct orl_error *err);
     void (*close)(void *ctx, struct orl_file *file);
+    /* What follows is optional. The SHA-256 of a file that is open, where it is known without
+     * reading; false: it is not. */
+    bool (*digest)(void *ctx, const char *name, unsigned char ret_digest[32]);
+    /* These bytes are not wanted again for now: the provider may let go of the memory they take. */
+    void (*passed)(void *ctx, const struct orl_file *file, size_t begin, size_t end);
 };
 
 /* Files held in memory, the caller's: names[i] has contents[i]. Borrowed throughout. */
@@ -38,5 +44,8 @@ struct orl_files orl_files_from_memory(struct orl_memory_files *memory);
  * folder, which must outlive the result.
  */
 struct orl_files orl_files_from_folder(const char *folder);
+
+/* What passed is to providers of files that are mapped read-only at their handle. */
+void orl_files_let_go(void *ctx, const struct orl_file *file, size_t begin, size_t end);
 
 #endif
