@@ -20,10 +20,11 @@ COPY --from=build /out/orield /out/oriel /usr/local/bin/
 USER oriel
 ENV ORIEL_DATA=/var/lib/oriel
 VOLUME /var/lib/oriel
-# The daemon takes loopback connections only: run the container with --network host.
+# By default it takes loopback connections only: run it with --network host. To publish its port it
+# needs a token (docker run ... IMAGE token add NAME), and --listen 0.0.0.0:8423 --tls-cert ... .
 EXPOSE 8423
 STOPSIGNAL SIGTERM
 HEALTHCHECK --interval=30s --timeout=5s --start-period=10s \
-    CMD curl -fsS http://127.0.0.1:8423/healthz || exit 1
+    CMD curl -fs http://127.0.0.1:8423/healthz || curl -fsSk https://127.0.0.1:8423/healthz || exit 1
 ENTRYPOINT ["/usr/local/bin/orield"]
 CMD ["--listen", "127.0.0.1:8423"]

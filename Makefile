@@ -11,7 +11,7 @@ WERROR  ?= -Werror
 PACKAGES_BUILD := gcc libc6-dev make libembree-dev libmicrohttpd-dev libjansson-dev libuv1-dev \
 	libsqlite3-dev libexpat1-dev libpng-dev libsodium-dev libcurl4-openssl-dev libcairo2-dev \
 	fonts-dejavu-core
-PACKAGES_CHECK := $(PACKAGES_BUILD) libcmocka-dev
+PACKAGES_CHECK := $(PACKAGES_BUILD) libcmocka-dev libgnutls28-dev curl python3
 PACKAGES_LINT  := $(PACKAGES_CHECK) clang clang-tidy clang-format
 PACKAGES_DEMO  := $(PACKAGES_BUILD)
 PACKAGES_FUZZ  := $(PACKAGES_BUILD) clang llvm libclang-rt-14-dev
@@ -169,7 +169,7 @@ $(BUILD)/libtests.a: $(SUPPORT_OBJ) $(SERVER_LIB_OBJ)
 $(BUILD)/tests/%: $(BUILD)/obj/tests/%.o $(BUILD)/libtests.a $(BUILD)/liboriel.a
 	@mkdir -p $(@D)
 	$(call say,LD,$@)
-	$(Q)$(CC) $(ALL_LDFLAGS) -o $@ $^ -lcmocka $(SERVER_LIBS) $(CLIENT_LIBS) $(CORE_LIBS)
+	$(Q)$(CC) $(ALL_LDFLAGS) -o $@ $^ -lcmocka -lgnutls $(SERVER_LIBS) $(CLIENT_LIBS) $(CORE_LIBS)
 
 -include $(shell find $(BUILD)/obj -name '*.d' 2>/dev/null)
 

@@ -119,6 +119,20 @@ static bool is_loopback(const char *url)
     return false;
 }
 
+/* $ORIEL_TOKEN, but never where others could read it on its way; and whom to trust: $ORIEL_CA. */
+static void add_credentials(struct orl_http *http)
+{
+    const char *token = getenv("ORIEL_TOKEN"), *ca = getenv("ORIEL_CA");
+
+    if (token && *token &&
+        (strncmp(http->base_url, "https://", 8) == 0 || is_loopback(http->base_url))) {
+        curl_easy_setopt(http->curl, CURLOPT_HTTPAUTH, (long)CURLAUTH_BEARER);
+        curl_easy_setopt(http->curl, CURLOPT_XOAUTH2_BEARER, token);
+    }
+    if (ca && *ca)
+        curl_easy_setopt(http->curl, CURLOPT_CAINFO, ca);
+}
+
 /* What all requests have in common; the caller adds a body, if any, afterwards. */
 static int prepare(struct orl_http *http, const char *method, const char *path, struct sink *sink,
                    struct orl_error *err)
@@ -145,6 +159,7 @@ static int prepare(struct orl_http *http, const char *method, const char *path, 
     curl_easy_setopt(curl, CURLOPT_WRITEDATA, sink);
     if (is_loopback(http->base_url))
         curl_easy_setopt(curl, CURLOPT_NOPROXY, "*");
+    add_credentials(http);
     return 0;
 }
 

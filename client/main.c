@@ -67,8 +67,10 @@ static void print_overview(FILE *to)
                 "usage: oriel COMMAND ...\n\n");
     for (size_t i = 0; i < COMMAND_COUNT; i++)
         fprintf(to, "  %-8s %s\n", commands[i].name, commands[i].summary);
-    fprintf(to, "\n`oriel COMMAND --help` says more. Daemon: --server URL, or $ORIEL_URL, or\n"
-                "http://127.0.0.1:8423. Exit codes: 0 done, 1 failed, 2 wrong command line.\n");
+    fprintf(to,
+            "\n`oriel COMMAND --help` says more. Daemon: --server URL, or $ORIEL_URL, or\n"
+            "http://127.0.0.1:8423; its access token: $ORIEL_TOKEN; a CA of your own: $ORIEL_CA.\n"
+            "Exit codes: 0 done, 1 failed, 2 wrong command line.\n");
 }
 
 /* Spellings that people try: --help, -h, help [COMMAND], --version. Returns -1 when none is. */

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "reply.h"
+#include "server.h"
 
 static bool is_name(const char *text)
 {
@@ -35,6 +36,10 @@ static void name_by_address(const struct orl_request *request, char ret_name[ORL
 bool orl_client_name(struct orl_request *request, char ret_name[ORL_CLIENT_NAME])
 {
     const char *own = orl_request_header(request, "X-Oriel-Client");
+    if (request->server->config.needs_token) {
+        snprintf(ret_name, ORL_CLIENT_NAME, "token:%s", request->token);
+        return true;
+    }
     if (!own) {
         name_by_address(request, ret_name);
         return true;

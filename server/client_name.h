@@ -1,6 +1,6 @@
 /*
- * Whose request it is, as far as turns in the queue go. Proves nothing: a client may call itself
- * what it likes.
+ * Whose request it is, as far as turns in the queue go. Proves nothing
+ * where no tokens are needed: there a client may call itself what it likes.
  */
 #ifndef ORL_SERVER_CLIENT_NAME_H
 #define ORL_SERVER_CLIENT_NAME_H
@@ -10,8 +10,9 @@
 enum { ORL_CLIENT_NAME = 80, ORL_CLIENT_OWN_NAME = 64 };
 
 /*
- * "name:" and what the client calls itself in X-Oriel-Client, else "address:" and where it comes
- * from. False after a 400: a name is 1 to 64 printable characters of ASCII.
+ * "token:" and its token's name where tokens are needed; elsewhere "name:" and what the client
+ * calls itself in X-Oriel-Client, or "address:" and where it comes from. False after a 400: a name
+ * is 1 to 64 printable characters of ASCII.
  */
 bool orl_client_name(struct orl_request *request, char ret_name[ORL_CLIENT_NAME]);
 

@@ -15,19 +15,27 @@ void orl_config_help(FILE *stream)
 {
     fprintf(stream,
             "Usage: orield [OPTION]...\n"
+            "       orield token add|list|remove ...   access tokens (orield token --help)\n"
             "Serves daylight renderings over HTTP. See GET /openapi.yaml for the interface.\n\n"
-            "  --listen ADDRESS:PORT  where to listen (127.0.0.1:%d); loopback only\n"
+            "  --listen ADDRESS:PORT  where to listen (127.0.0.1:%d); other than loopback\n"
+            "                         takes TLS and at least one token (orield token --help)\n"
             "  --port PORT            the port alone; 0 takes a free one\n"
             "  --data DIR             where everything is kept ($ORIEL_DATA, else ./oriel-data)\n"
+            "  --tls-cert FILE        serve HTTPS: the certificate and its chain, PEM\n"
+            "  --tls-key FILE         its private key, PEM\n"
+            "  --tokens WHEN          when tokens are needed: public, on all but loopback\n"
+            "                         addresses; or always, as behind a proxy (public)\n"
             "  --threads N            threads that render (all processors)\n"
             "  --jobs N               jobs that render at once, sharing the threads (1)\n"
             "  --idle-timeout S       seconds of silence after which a connection is closed (%u)\n"
+            "  --address-connections N  open connections that one address may have (%u; on\n"
+            "                         loopback, where all share one, no fewer than in all)\n"
             "  --log-level LEVEL      debug, info, warn or error (info)\n"
             "  --help, --version\n\n"
             "Once it listens it prints \"listening on http://ADDRESS:PORT\" on standard output;\n"
             "the log goes to standard error. SIGTERM stops it: a job that is running is queued\n"
             "again and starts over with the next start.\n",
-            DEFAULT_PORT, ORL_SERVER_TIMEOUT_S);
+            DEFAULT_PORT, ORL_SERVER_TIMEOUT_S, ORL_SERVER_ADDRESS_CONNECTIONS);
 }
 
 static int parse_number(const char *option, const char *text, unsigned long min, unsigned long max,
@@ -81,19 +89,39 @@ static int parse_listen(const char *text, struct orl_config *config, struct orl_
         if (inet_pton(AF_INET, host, &config->address.v4.sin_addr) != 1)
             return orl_error_set(err, ORL_ERR_INVALID, "'%s' is no address", host);
     }
-    if (!is_loopback(config)) {
-        orl_error_set(err, ORL_ERR_INVALID,
-                      "%s is not a loopback address: without access tokens and TLS, which Oriel "
-                      "does not have yet, anyone who reaches it could use it",
-                      host);
-        orl_error_hint(err, "Listen on 127.0.0.1 and reach it through an SSH tunnel");
-        return ORL_ERR_INVALID;
-    }
     unsigned long port = 0;
     const int rc = parse_number("--listen's port", colon + 1, 0, 65535, &port, err);
     if (rc == 0)
         set_port(config, port);
     return rc;
+}
+
+/* Options that set a number. */
+static int apply_number(struct orl_config *config, const char *name, const char *value,
+                        struct orl_error *err)
+{
+    const struct {
+        const char *name;
+        unsigned long max;
+        uint32_t *field;
+    } numbers[] = {
+        {"--threads", ORL_SERVER_THREADS, &config->threads},
+        {"--jobs", ORL_SERVER_THREADS, &config->jobs},
+        {"--idle-timeout", 3600, &config->idle_timeout_s},
+        {"--address-connections", ORL_SERVER_CONNECTIONS, &config->address_connections},
+    };
+    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) {
+        unsigned long number = 0;
+        if (strcmp(name, numbers[i].name) != 0)
+            continue;
+        const int rc = parse_number(name, value, 1, numbers[i].max, &number, err);
+        if (rc == 0)
+            *numbers[i].field = (uint32_t)number;
+        return rc;
+    }
+    orl_error_set(err, ORL_ERR_INVALID, "there is no option '%s'", name);
+    orl_error_hint(err, "orield --help lists them");
+    return ORL_ERR_INVALID;
 }
 
 static int apply_option(struct orl_config *config, const char *name, const char *value,
@@ -103,27 +131,26 @@ static int apply_option(struct orl_config *config, const char *name, const char 
     int rc = 0;
     if (strcmp(name, "--listen") == 0)
         return parse_listen(value, config, err);
-    if (strcmp(name, "--data") == 0) {
+    if (strcmp(name, "--tokens") == 0) {
+        config->needs_token = strcmp(value, "always") == 0;
+        if (!config->needs_token && strcmp(value, "public") != 0)
+            rc = orl_error_set(err, ORL_ERR_INVALID, "--tokens takes public or always, not '%s'",
+                               value);
+    } else if (strcmp(name, "--tls-cert") == 0) {
+        config->tls_cert = value;
+    } else if (strcmp(name, "--tls-key") == 0) {
+        config->tls_key = value;
+    } else if (strcmp(name, "--data") == 0) {
         config->data = value;
     } else if (strcmp(name, "--port") == 0) {
         rc = parse_number(name, value, 0, 65535, &number, err);
         if (rc == 0)
             set_port(config, number);
-    } else if (strcmp(name, "--threads") == 0) {
-        rc = parse_number(name, value, 1, ORL_SERVER_THREADS, &number, err);
-        config->threads = (uint32_t)number;
-    } else if (strcmp(name, "--jobs") == 0) {
-        rc = parse_number(name, value, 1, ORL_SERVER_THREADS, &number, err);
-        config->jobs = (uint32_t)number;
-    } else if (strcmp(name, "--idle-timeout") == 0) {
-        rc = parse_number(name, value, 1, 3600, &number, err);
-        config->idle_timeout_s = (uint32_t)number;
     } else if (strcmp(name, "--log-level") == 0) {
         if (orl_log_level_from_name(value, &config->log_level))
             rc = orl_error_set(err, ORL_ERR_INVALID, "there is no log level '%s'", value);
     } else {
-        rc = orl_error_set(err, ORL_ERR_INVALID, "there is no option '%s'", name);
-        orl_error_hint(err, "orield --help lists them");
+        rc = apply_number(config, name, value, err);
     }
     return rc;
 }
@@ -135,7 +162,7 @@ static void set_defaults(struct orl_config *config)
     config->address.v4.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
     config->address.v4.sin_port = htons(DEFAULT_PORT);
     const char *data = getenv("ORIEL_DATA");
-    config->data = data && *data ? data : "oriel-data";
+    config->data = data && *data ? data : ORL_DEFAULT_DATA;
     const long processors = sysconf(_SC_NPROCESSORS_ONLN);
     config->threads = processors < 1                          ? 1
                       : processors > (long)ORL_SERVER_THREADS ? ORL_SERVER_THREADS
@@ -143,6 +170,29 @@ static void set_defaults(struct orl_config *config)
     config->jobs = 1;
     config->idle_timeout_s = ORL_SERVER_TIMEOUT_S;
     config->log_level = ORL_LOG_INFO;
+}
+
+/* What options mean together. */
+static int complete(struct orl_config *config, struct orl_error *err)
+{
+    if (config->jobs > config->threads)
+        config->threads = config->jobs; /* each needs one to lead it */
+    if (!config->tls_cert != !config->tls_key)
+        return orl_error_set(err, ORL_ERR_INVALID, "--tls-cert and --tls-key go together");
+    if (config->address_connections == 0)
+        config->address_connections =
+            is_loopback(config) ? ORL_SERVER_CONNECTIONS : ORL_SERVER_ADDRESS_CONNECTIONS;
+    if (is_loopback(config))
+        return 0;
+    config->needs_token = true;
+    if (config->tls_cert)
+        return 0;
+    orl_error_set(err, ORL_ERR_INVALID,
+                  "others can reach the address to listen on: over plain HTTP they could read "
+                  "tokens and results on their way");
+    orl_error_hint(err, "Give --tls-cert and --tls-key; or listen on 127.0.0.1, and reach that "
+                        "through an SSH tunnel or a proxy that has TLS");
+    return ORL_ERR_INVALID;
 }
 
 int orl_config_parse(int argc, char **argv, struct orl_config *ret_config,
@@ -173,8 +223,11 @@ int orl_config_parse(int argc, char **argv, struct orl_config *ret_config,
         if (rc)
             return rc;
     }
-    if (config.jobs > config.threads)
-        config.threads = config.jobs; /* each needs one to lead it */
+    if (action == ORL_CONFIG_SERVE) {
+        const int rc = complete(&config, err);
+        if (rc)
+            return rc;
+    }
     *ret_config = config;
     *ret_action = action;
     return 0;

@@ -5,6 +5,7 @@
 #define ORL_SERVER_CONFIG_H
 
 #include <netinet/in.h>
+#include <stdbool.h>
 #include <stdint.h>
 #include <stdio.h>
 
@@ -12,16 +13,21 @@
 
 #include "log.h"
 
+#define ORL_DEFAULT_DATA "oriel-data"
+
 struct orl_config {
     union {
         struct sockaddr any;
         struct sockaddr_in v4;
         struct sockaddr_in6 v6;
     } address;
-    const char *data;        /* borrowed from argv or the environment */
-    uint32_t threads;        /* that render, over all jobs */
-    uint32_t jobs;           /* that render at once */
-    uint32_t idle_timeout_s; /* of silence, before a connection is closed */
+    const char *data;               /* borrowed from argv or the environment */
+    const char *tls_cert, *tls_key; /* PEM files, borrowed; NULL: plain HTTP */
+    bool needs_token;               /* on every route that is not open */
+    uint32_t threads;               /* that render, over all jobs */
+    uint32_t jobs;                  /* that render at once */
+    uint32_t address_connections;   /* open from one address */
+    uint32_t idle_timeout_s;        /* of silence, before a connection is closed */
     enum orl_log_level log_level;
 };
 

@@ -77,6 +77,8 @@ void orl_handle_limits(struct orl_request *request)
         {"queued_jobs", ORL_SERVER_QUEUE},
         {"priority", ORL_PRIORITY_MAX},
         {"connections", ORL_SERVER_CONNECTIONS},
+        {"address_connections", ORL_SERVER_ADDRESS_CONNECTIONS},
+        {"body_bytes_per_s", (json_int_t)ORL_SERVER_BODY_RATE},
     };
     json_t *doc = json_object();
     for (size_t i = 0; i < sizeof limits / sizeof *limits; i++)

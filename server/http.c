@@ -7,18 +7,26 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
+#include "connections.h"
 #include "limits.h"
 #include "request.h"
 #include "server.h"
+#include "tls.h"
+
+enum { SWEEP_MS = 1000 };
 
 struct orl_http {
     struct orl_server *server;
     struct MHD_Daemon *daemon;
     uv_poll_t poll;
-    uv_timer_t timer;
+    uv_timer_t timer, sweep;
     int listen_fd;
+    char message[512]; /* the last one of libmicrohttpd, which says why it does not start */
+    struct orl_tls tls;
+    struct orl_connections connections;
     bool running; /* inside MHD_run */
     bool closed;
 };
@@ -26,6 +34,12 @@ struct orl_http {
 static void on_timer(uv_timer_t *timer)
 {
     orl_http_kick(timer->data);
+}
+
+static void on_sweep(uv_timer_t *timer)
+{
+    struct orl_http *http = timer->data;
+    orl_connections_sweep(&http->connections);
 }
 
 static void on_readable(uv_poll_t *poll, int status, int events)
@@ -58,11 +72,10 @@ static void on_message(void *ctx, const char *format, va_list args)
     __attribute__((format(printf, 2, 0)));
 static void on_message(void *ctx, const char *format, va_list args)
 {
-    const struct orl_http *http = ctx;
-    char text[512];
-    vsnprintf(text, sizeof text, format, args);
-    text[strcspn(text, "\r\n")] = '\0';
-    orl_log_event(&http->server->log, ORL_LOG_DEBUG, "http", "s", "message", text);
+    struct orl_http *http = ctx;
+    vsnprintf(http->message, sizeof http->message, format, args);
+    http->message[strcspn(http->message, "\r\n")] = '\0';
+    orl_log_event(&http->server->log, ORL_LOG_DEBUG, "http", "s", "message", http->message);
 }
 
 static int listen_on(const struct sockaddr *address, int *ret_fd, struct orl_error *err)
@@ -86,18 +99,37 @@ static int listen_on(const struct sockaddr *address, int *ret_fd, struct orl_err
     return ORL_ERR_IO;
 }
 
+/* Half of the descriptors that the process may have are for files. */
+static unsigned connection_limit(void)
+{
+    struct rlimit files;
+    if (getrlimit(RLIMIT_NOFILE, &files) != 0 || files.rlim_cur / 2 >= ORL_SERVER_CONNECTIONS)
+        return ORL_SERVER_CONNECTIONS;
+    return files.rlim_cur > 2 ? (unsigned)(files.rlim_cur / 2) : 1;
+}
+
 static int start_daemon(struct orl_http *http, struct orl_error *err)
 {
-    const unsigned flags = MHD_USE_EPOLL | MHD_ALLOW_SUSPEND_RESUME | MHD_USE_ERROR_LOG;
+    const struct orl_config *config = &http->server->config;
+    const unsigned flags = MHD_USE_EPOLL | MHD_ALLOW_SUSPEND_RESUME | MHD_USE_ERROR_LOG |
+                           (http->tls.cert ? MHD_USE_TLS : 0U);
+    const struct MHD_OptionItem tls[] = {
+        {MHD_OPTION_HTTPS_MEM_CERT, 0, http->tls.cert},
+        {MHD_OPTION_HTTPS_MEM_KEY, 0, http->tls.key},
+        {MHD_OPTION_HTTPS_PRIORITIES, 0, (void *)(uintptr_t)ORL_TLS_PRIORITIES},
+        {MHD_OPTION_END, 0, NULL}};
     http->daemon = MHD_start_daemon(
         flags, 0, NULL, NULL, orl_request_serve, http->server, MHD_OPTION_EXTERNAL_LOGGER,
         on_message, (void *)http, MHD_OPTION_LISTEN_SOCKET, http->listen_fd,
-        MHD_OPTION_CONNECTION_LIMIT, ORL_SERVER_CONNECTIONS, MHD_OPTION_CONNECTION_TIMEOUT,
-        http->server->config.idle_timeout_s, MHD_OPTION_CONNECTION_MEMORY_LIMIT,
-        (size_t)ORL_SERVER_CONNECTION_MEMORY, MHD_OPTION_NOTIFY_COMPLETED, orl_request_completed,
-        (void *)http->server, MHD_OPTION_END);
+        MHD_OPTION_CONNECTION_LIMIT, connection_limit(), MHD_OPTION_PER_IP_CONNECTION_LIMIT,
+        config->address_connections, MHD_OPTION_CONNECTION_TIMEOUT, config->idle_timeout_s,
+        MHD_OPTION_CONNECTION_MEMORY_LIMIT, (size_t)ORL_SERVER_CONNECTION_MEMORY,
+        MHD_OPTION_NOTIFY_CONNECTION, orl_connections_notify, (void *)&http->connections,
+        MHD_OPTION_NOTIFY_COMPLETED, orl_request_completed, (void *)http->server, MHD_OPTION_ARRAY,
+        http->tls.cert ? tls : tls + 3, MHD_OPTION_END);
     if (!http->daemon)
-        return orl_error_set(err, ORL_ERR_IO, "cannot start the HTTP server: %s", strerror(errno));
+        return orl_error_set(err, ORL_ERR_IO, "cannot start the HTTP server: %.300s",
+                             http->message[0] ? http->message : strerror(errno));
     return 0;
 }
 
@@ -108,7 +140,12 @@ int orl_http_start(struct orl_server *server, const struct sockaddr *address,
     if (!http)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     http->server = server;
-    int rc = listen_on(address, &http->listen_fd, err);
+    http->connections.idle_s = server->config.idle_timeout_s;
+    int rc = 0;
+    if (server->config.tls_cert)
+        rc = orl_tls_load(server->config.tls_cert, server->config.tls_key, &http->tls, err);
+    if (rc == 0)
+        rc = listen_on(address, &http->listen_fd, err);
     if (rc)
         goto failed;
     rc = start_daemon(http, err);
@@ -127,11 +164,20 @@ int orl_http_start(struct orl_server *server, const struct sockaddr *address,
     http->timer.data = http;
     uv_poll_start(&http->poll, UV_READABLE, on_readable);
     uv_timer_start(&http->timer, on_timer, 0, 0);
+    uv_timer_init(&server->loop, &http->sweep);
+    http->sweep.data = http;
+    uv_timer_start(&http->sweep, on_sweep, SWEEP_MS, SWEEP_MS);
     *ret_http = http;
     return 0;
 failed:
+    orl_tls_done(&http->tls);
     free(http);
     return rc;
+}
+
+const struct orl_connections *orl_http_connections(const struct orl_http *http)
+{
+    return &http->connections;
 }
 
 void orl_http_address(const struct orl_http *http, struct sockaddr_storage *ret_address)
@@ -157,10 +203,13 @@ void orl_http_stop(struct orl_http *http)
     uv_poll_stop(&http->poll);
     uv_close((uv_handle_t *)&http->poll, NULL);
     uv_close((uv_handle_t *)&http->timer, NULL);
+    uv_close((uv_handle_t *)&http->sweep, NULL);
     MHD_stop_daemon(http->daemon);
 }
 
 void orl_http_free(struct orl_http *http)
 {
+    if (http)
+        orl_tls_done(&http->tls);
     free(http);
 }

@@ -17,12 +17,16 @@
 
 #include <oriel/error.h>
 
+struct orl_connections;
 struct orl_http;
 struct orl_server;
 
-/* Listens on address (port 0: a free one). Borrows server, for the callbacks of request.h. */
+/* Listens on address (port 0: a free one). Borrows server, for the callbacks of
+ * request.h. Speaks TLS when its settings name a certificate. */
 int orl_http_start(struct orl_server *server, const struct sockaddr *address,
                    struct orl_http **ret_http, struct orl_error *err);
+/* Connections open now; those cut off for slowness, ever. */
+const struct orl_connections *orl_http_connections(const struct orl_http *http);
 /* Where it listens. */
 void orl_http_address(const struct orl_http *http, struct sockaddr_storage *ret_address);
 /* Lets MHD go on; not from within a handler. */

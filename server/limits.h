@@ -11,14 +11,17 @@
 #define ORL_SERVER_FIELD_BYTES (1UL << 20) /* a form field that is not a file */
 #define ORL_SERVER_BODY_BUFFER (1UL << 20) /* what one request holds in memory before it spills */
 #define ORL_SERVER_DROPPED_BODY (512UL << 20)    /* of a refused request, read to answer it */
-#define ORL_SERVER_CONNECTIONS 256U              /* open at once */
+#define ORL_SERVER_CONNECTIONS 2048U             /* open at once */
+#define ORL_SERVER_ADDRESS_CONNECTIONS 128U      /* ... from one address, unless on loopback */
 #define ORL_SERVER_CONNECTION_MEMORY (64U << 10) /* headers and read buffer of one */
-#define ORL_SERVER_TIMEOUT_S 60U   /* of silence, before a connection is closed (default) */
-#define ORL_SERVER_QUEUE 1024U     /* jobs waiting */
-#define ORL_SERVER_LIST 1000U      /* jobs in one listing */
-#define ORL_SERVER_STUDY_RUNS 500U /* runs of one study, the reference's included */
-#define ORL_SERVER_THREADS 512U    /* render threads */
-#define ORL_SERVER_IO_THREADS 4U   /* pool threads beside them, for uploads and files */
-#define ORL_SERVER_ATTEMPTS 3      /* starts of one job before it counts as a killer */
+#define ORL_SERVER_TIMEOUT_S 60U    /* of silence, before a connection is closed (default) */
+#define ORL_SERVER_HEADER_S 15.0    /* from a connection's start to the end of its first headers */
+#define ORL_SERVER_BODY_RATE 1024.0 /* bytes/s that a body has to come at */
+#define ORL_SERVER_QUEUE 1024U      /* jobs waiting */
+#define ORL_SERVER_LIST 1000U       /* jobs in one listing */
+#define ORL_SERVER_STUDY_RUNS 500U  /* runs of one study, the reference's included */
+#define ORL_SERVER_THREADS 512U     /* render threads */
+#define ORL_SERVER_IO_THREADS 4U    /* pool threads beside them, for uploads and files */
+#define ORL_SERVER_ATTEMPTS 3       /* starts of one job before it counts as a killer */
 
 #endif

@@ -5,17 +5,31 @@
 #include <sodium.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
 
 #include <oriel/version.h>
 
 #include "config.h"
 #include "limits.h"
 #include "server.h"
+#include "tokens.h"
 
 static void announce(const char *url)
 {
     printf("listening on %s\n", url);
     fflush(stdout);
+}
+
+/* As many descriptors as the system allows: every client holds one. */
+static void raise_file_limit(void)
+{
+    struct rlimit files;
+    if (getrlimit(RLIMIT_NOFILE, &files) == 0) {
+        files.rlim_cur = files.rlim_max;
+        setrlimit(RLIMIT_NOFILE, &files);
+    }
 }
 
 static int complain(const struct orl_error *err, int status)
@@ -32,6 +46,13 @@ int main(int argc, char **argv)
     struct orl_error err;
     enum orl_config_action action;
     char pool[16];
+    umask(077); /* what is kept is nobody else's to read */
+    if (sodium_init() < 0) {
+        fprintf(stderr, "orield: no source of random numbers\n");
+        return 1;
+    }
+    if (argc > 1 && strcmp(argv[1], "token") == 0)
+        return orl_token_command(argc - 1, argv + 1);
     if (orl_config_parse(argc, argv, &config, &action, &err))
         return complain(&err, 2);
     if (action == ORL_CONFIG_HELP) {
@@ -42,13 +63,10 @@ int main(int argc, char **argv)
         printf("orield %s\n", ORL_VERSION);
         return 0;
     }
-    if (sodium_init() < 0) {
-        fprintf(stderr, "orield: no source of random numbers\n");
-        return 1;
-    }
     /* libuv reads this before its first work and never again. */
     snprintf(pool, sizeof pool, "%u", config.threads + ORL_SERVER_IO_THREADS);
     setenv("UV_THREADPOOL_SIZE", pool, 1);
+    raise_file_limit();
     signal(SIGPIPE, SIG_IGN); /* a client that hangs up is an error of write, not of ours */
     signal(SIGXFSZ, SIG_IGN); /* so is a file that grows beyond ulimit -f */
     if (orl_server_run(&config, announce, &err))

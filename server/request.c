@@ -4,7 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "guard.h"
+#include "access.h"
+#include "connections.h"
 #include "limits.h"
 #include "reply.h"
 #include "router.h"
@@ -74,12 +75,8 @@ static void open_request(struct orl_request *request, const char *url)
 {
     char allow[64];
     const struct orl_route *route = NULL;
-    const char *refusal = orl_guard_check(orl_request_header(request, MHD_HTTP_HEADER_HOST),
-                                          orl_request_header(request, MHD_HTTP_HEADER_ORIGIN));
-    if (refusal) {
-        orl_reply_problem(request, 403, "forbidden", "The request is refused", "%s", refusal);
+    if (!orl_access_check_origin(request))
         return;
-    }
     const unsigned status = orl_router_find(request->method, url, &route, request->params, allow);
     if (status == 405) {
         orl_reply_problem(request, 405, "method-not-allowed", "The method does not apply here",
@@ -93,6 +90,8 @@ static void open_request(struct orl_request *request, const char *url)
     }
     request->route = route;
     orl_body_init(&request->body, route->max_body);
+    if (!orl_access_check_token(request))
+        return;
     if (request->server->stopping) {
         orl_reply_problem(request, 503, "stopping", "The daemon is stopping",
                           "try again when it has been started anew");
@@ -120,7 +119,9 @@ static struct orl_request *new_request(struct orl_server *server, struct MHD_Con
     request->started_s = orl_time_steady_s();
     snprintf(request->method, sizeof request->method, "%s", method);
     snprintf(request->path, sizeof request->path, "%s", url);
+    snprintf(request->token, sizeof request->token, "-");
     orl_body_init(&request->body, 0);
+    orl_connection_headers(connection);
     open_request(request, url);
     return request;
 }
@@ -147,15 +148,17 @@ static enum MHD_Result send_response(struct orl_request *request)
 
 /*
  * A request refused by its headers is answered at once when its client waits for leave to send the
- * body, or when that is endless or huge; the connection is then closed. Any other body is read and
- * dropped first: a client that is still sending would see the connection break, and no answer.
+ * body, or when that is endless or huge (of strangers: large); the connection is then closed. Any
+ * other body is read and dropped first: a client that is still sending would see the connection
+ * break, and no answer.
  */
 static bool answer_at_once(const struct orl_request *request)
 {
+    const bool unknown = request->status == 401 || request->status == 403;
     const char *length = orl_request_header(request, MHD_HTTP_HEADER_CONTENT_LENGTH);
     const unsigned long long bytes = length ? strtoull(length, NULL, 10) : 0;
     return orl_request_header(request, MHD_HTTP_HEADER_TRANSFER_ENCODING) ||
-           bytes > ORL_SERVER_DROPPED_BODY ||
+           bytes > (unknown ? ORL_SERVER_BODY_BUFFER : ORL_SERVER_DROPPED_BODY) ||
            (bytes > 0 && orl_request_header(request, MHD_HTTP_HEADER_EXPECT));
 }
 
@@ -166,6 +169,7 @@ static enum MHD_Result take_data(struct orl_request *request, const char *data, 
      * not taken comes again after it is resumed. */
     if (request->working)
         return MHD_YES;
+    orl_connection_received(request->connection, *data_size);
     if (request->response) {
         *data_size = 0; /* refused already */
         return MHD_YES;
@@ -185,6 +189,7 @@ static enum MHD_Result take_data(struct orl_request *request, const char *data, 
 static enum MHD_Result dispatch(struct orl_request *request)
 {
     request->dispatched = true;
+    orl_connection_body(request->connection);
     if (request->response)
         return send_response(request);
     if (request->body.over)
@@ -227,15 +232,16 @@ enum MHD_Result orl_request_serve(void *ctx, struct MHD_Connection *connection, 
 void orl_request_completed(void *ctx, struct MHD_Connection *connection, void **handle,
                            enum MHD_RequestTerminationCode why)
 {
-    (void)connection;
     struct orl_server *server = ctx;
     struct orl_request *request = *handle;
+    orl_connection_over(connection);
     if (!request)
         return;
-    orl_log_event(&server->log, ORL_LOG_INFO, "request", "issids", "id", (int64_t)request->id,
-                  "method", request->method, "path", request->path, "status",
-                  (int64_t)request->status, "ms", 1000 * (orl_time_steady_s() - request->started_s),
-                  "end", why == MHD_REQUEST_TERMINATED_COMPLETED_OK ? "ok" : "broken");
+    orl_log_event(&server->log, ORL_LOG_INFO, "request", "isssids", "id", (int64_t)request->id,
+                  "token", request->token, "method", request->method, "path", request->path,
+                  "status", (int64_t)request->status, "ms",
+                  1000 * (orl_time_steady_s() - request->started_s), "end",
+                  why == MHD_REQUEST_TERMINATED_COMPLETED_OK ? "ok" : "broken");
     if (request->response)
         MHD_destroy_response(request->response);
     let_go(request);

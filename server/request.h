@@ -17,6 +17,7 @@
 #include <uv.h>
 
 #include "body.h"
+#include "store/tokens.h"
 
 struct orl_server;
 struct orl_route;
@@ -33,6 +34,7 @@ struct orl_request {
     uint64_t id;
     double started_s;
     char method[16], path[ORL_LOGGED_PATH]; /* for the log; the path may be cut */
+    char token[ORL_TOKEN_NAME];             /* the name of its token; "-" for none */
     char params[ORL_ROUTE_PARAMS][ORL_PARAM_MAX];
     struct orl_body body;
     bool dispatched; /* the handler has been called */

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "store/migrate.h"
+#include "store/tokens.h"
 #include "times.h"
 
 /* ---- Stopping ------------------------------------------------------------------------------- */
@@ -81,6 +82,27 @@ static int open_storage(struct orl_server *server, struct orl_error *err)
     return rc;
 }
 
+static int note_token(void *ctx, const struct orl_token_row *row)
+{
+    (void)row;
+    *(bool *)ctx = true;
+    return 0;
+}
+
+/* A daemon that nobody may use is a mistake to be told at once. */
+static int check_tokens(struct orl_server *server, struct orl_error *err)
+{
+    bool any = false;
+    if (!server->config.needs_token)
+        return 0;
+    int rc = orl_token_rows(&server->db, note_token, &any, err);
+    if (rc == 0 && !any) {
+        rc = orl_error_set(err, ORL_ERR_INVALID, "there are no access tokens yet");
+        orl_error_hint(err, "orield token add NAME --data %.200s makes one", server->config.data);
+    }
+    return rc;
+}
+
 static void close_storage(struct orl_server *server)
 {
     orl_map_cache_close(server->maps);
@@ -120,7 +142,7 @@ static void announce_address(struct orl_server *server, void (*announce)(const c
     char text[80], url[96];
     orl_http_address(server->http, &address);
     orl_address_format((const struct sockaddr *)&address, text, sizeof text);
-    snprintf(url, sizeof url, "http://%s", text);
+    snprintf(url, sizeof url, "%s://%s", server->config.tls_cert ? "https" : "http", text);
     orl_log_event(&server->log, ORL_LOG_INFO, "started", "ssii", "url", url, "data",
                   server->config.data, "threads", (int64_t)server->config.threads, "jobs",
                   (int64_t)server->config.jobs);
@@ -143,6 +165,8 @@ int orl_server_run(const struct orl_config *config, void (*announce)(const char 
     /* HTTP before the jobs: nothing is served until the loop runs, and a port that is taken is
      * found before a job starts. */
     int rc = open_storage(&server, err);
+    if (rc == 0)
+        rc = check_tokens(&server, err);
     if (rc == 0)
         rc = orl_http_start(&server, &server.config.address.any, &server.http, err);
     if (rc == 0)

@@ -164,6 +164,8 @@ static void perform(struct daemon *daemon, const char *path, struct reply *ret_r
     snprintf(url, sizeof url, "%s%s", daemon->url, path);
     curl_easy_setopt(daemon->curl, CURLOPT_URL, url);
     curl_easy_setopt(daemon->curl, CURLOPT_TIMEOUT, 60L);
+    if (daemon->ca[0])
+        curl_easy_setopt(daemon->curl, CURLOPT_CAINFO, daemon->ca);
     curl_easy_setopt(daemon->curl, CURLOPT_WRITEFUNCTION, collect);
     curl_easy_setopt(daemon->curl, CURLOPT_WRITEDATA, &body);
     curl_easy_setopt(daemon->curl, CURLOPT_HEADERFUNCTION, collect);

@@ -17,6 +17,7 @@ struct daemon {
     pid_t pid;
     char url[64];  /* "http://127.0.0.1:40123" */
     char root[64]; /* the data folder */
+    char ca[80];   /* of an HTTPS daemon: whom to trust */
     void *curl;    /* one connection, kept alive */
 };
 

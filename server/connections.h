@@ -1,0 +1,43 @@
+/*
+ * Open connections, and patience with them.
+ *
+ * libmicrohttpd closes a connection that is silent for the idle time-out. A client that sends a
+ * byte now and then is never silent; so headers must be complete within ORL_SERVER_HEADER_S of the
+ * connection's start (of an earlier answer: within the idle time-out), and a body must come, on
+ * average and once the idle time-out is over, at ORL_SERVER_BODY_RATE at least. Who is slower is
+ * cut off, without an answer. Who waits for an answer, or takes one in, is bounded by silence and
+ * by the number of connections alone.
+ *
+ * Threads: the loop thread only.
+ */
+#ifndef ORL_SERVER_CONNECTIONS_H
+#define ORL_SERVER_CONNECTIONS_H
+
+#include <microhttpd.h>
+#include <stddef.h>
+#include <stdint.h>
+
+struct orl_connections {
+    struct orl_connection *first;
+    size_t open;
+    uint64_t cut; /* for slowness, ever */
+    double idle_s;
+};
+
+/* MHD's callback; the closure is the struct orl_connections. */
+void orl_connections_notify(void *connections, struct MHD_Connection *connection, void **context,
+                            enum MHD_ConnectionNotificationCode code);
+
+/* A request's headers are there: its body is awaited, if any. */
+void orl_connection_headers(struct MHD_Connection *connection);
+/* So much of its body has come. */
+void orl_connection_received(struct MHD_Connection *connection, size_t bytes);
+/* All of it is there: nothing is awaited. */
+void orl_connection_body(struct MHD_Connection *connection);
+/* The request is over; the connection may bring another. */
+void orl_connection_over(struct MHD_Connection *connection);
+
+/* Cuts off who is too slow. To be called every second or so. */
+void orl_connections_sweep(struct orl_connections *connections);
+
+#endif

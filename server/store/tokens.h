@@ -1,0 +1,45 @@
+/*
+ * Rows of access tokens. The daemon reads them; `orield token` writes them, also while a daemon
+ * runs on the same folder, which SQLite's own locks allow.
+ * Threads: those of the database.
+ */
+#ifndef ORL_STORE_TOKENS_H
+#define ORL_STORE_TOKENS_H
+
+#include <stdbool.h>
+
+#include "store/db.h"
+
+/* What a token lets do: each what those before it do, and more. */
+enum orl_scope {
+    ORL_SCOPE_OPEN,   /* no token is needed */
+    ORL_SCOPE_READ,   /* to look at everything */
+    ORL_SCOPE_SUBMIT, /* to upload, submit and cancel */
+    ORL_SCOPE_ADMIN,  /* to do what concerns others */
+    ORL_SCOPE_COUNT
+};
+const char *orl_scope_name(enum orl_scope scope);
+/* ORL_SCOPE_COUNT when a token can have no such scope. */
+enum orl_scope orl_scope_from_name(const char *name);
+
+enum { ORL_TOKEN_NAME = 65, ORL_TOKEN_ID = 17, ORL_TOKEN_HASH = 65 };
+
+struct orl_token_row {
+    char name[ORL_TOKEN_NAME];
+    char id[ORL_TOKEN_ID];     /* hexadecimal */
+    char hash[ORL_TOKEN_HASH]; /* of the secret, hexadecimal */
+    enum orl_scope scope;
+    int64_t created_ms;
+};
+
+/* ORL_ERR_INVALID when the name is taken. */
+int orl_token_row_insert(struct orl_db *db, const struct orl_token_row *row, struct orl_error *err);
+/* ORL_ERR_NOT_FOUND when there is none of that name. */
+int orl_token_row_remove(struct orl_db *db, const char *name, struct orl_error *err);
+int orl_token_row_find(struct orl_db *db, const char *id, struct orl_token_row *ret_row,
+                       bool *ret_found, struct orl_error *err);
+/* Every token, by name. Stops when visit returns non-zero, and returns it. */
+int orl_token_rows(struct orl_db *db, int (*visit)(void *ctx, const struct orl_token_row *row),
+                   void *ctx, struct orl_error *err);
+
+#endif

@@ -1,0 +1,198 @@
+/* Clients that hold connections: nobody else notices, and they are cut off in the end. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <arpa/inet.h>
+#include <cmocka.h>
+#include <errno.h>
+#include <poll.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "support/daemon.h"
+
+enum { SLOW = 200, POLLS = 200 };
+
+static int dial(const struct daemon *daemon)
+{
+    struct sockaddr_in address = {.sin_family = AF_INET};
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    address.sin_port = htons((uint16_t)strtoul(strrchr(daemon->url, ':') + 1, NULL, 10));
+    const int fd = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    assert_true(fd >= 0);
+    assert_int_equal(connect(fd, (struct sockaddr *)&address, sizeof address), 0);
+    return fd;
+}
+
+static void say(int fd, const char *text)
+{
+    (void)!send(fd, text, strlen(text), MSG_NOSIGNAL | MSG_DONTWAIT);
+}
+
+/* Has the other side hung up? What it says before is read and dropped. */
+static bool is_closed(int fd)
+{
+    char dropped[4096];
+    ssize_t n;
+    while ((n = recv(fd, dropped, sizeof dropped, MSG_DONTWAIT)) > 0)
+        continue;
+    return n == 0 || (errno != EAGAIN && errno != EWOULDBLOCK);
+}
+
+/* Silent, or in the middle of its headers, or of its body. */
+static const char *const beginnings[] = {
+    "", "GET /healthz HTTP/1.1\r\nHost: localhost\r\nX-Slow: ",
+    "POST /v1/bsdfs HTTP/1.1\r\nHost: localhost\r\nContent-Length: 100000\r\n\r\n<"};
+enum { KINDS = 3 };
+
+/* A byte from each of the slow that are not silent; how many are still let in. */
+static size_t trickle(const int fds[SLOW])
+{
+    size_t open = 0;
+    for (size_t i = 0; i < SLOW; i++) {
+        if (is_closed(fds[i]))
+            continue;
+        open++;
+        if (i % KINDS > 0)
+            say(fds[i], "x");
+    }
+    return open;
+}
+
+static int by_value(const void *a, const void *b)
+{
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+static void print_polls(struct daemon *daemon, const char *what)
+{
+    double ms[POLLS];
+    for (int i = 0; i < POLLS; i++) {
+        struct reply reply;
+        daemon_get(daemon, "/healthz", &reply);
+        assert_int_equal(reply.status, 200);
+        ms[i] = 1000 * reply.seconds;
+        reply_done(&reply);
+    }
+    qsort(ms, POLLS, sizeof *ms, by_value);
+    print_message("# %d polls %s: median %.2f ms, p99 %.2f ms\n", POLLS, what, ms[POLLS / 2],
+                  ms[POLLS * 99 / 100 - 1]);
+}
+
+/* The slow outlast the idle time-out by a byte now and then, but not the daemon's patience. */
+static void test_slow_clients(void **state)
+{
+    enum { ROUNDS = 80 };
+    const struct timespec moment = {0, 250000000};
+    struct daemon daemon;
+    const char *const extra[] = {"--idle-timeout", "2", NULL};
+    int fds[SLOW];
+    size_t open = SLOW;
+    (void)state;
+    daemon_start(&daemon, extra);
+    print_polls(&daemon, "before any slow client");
+    for (size_t i = 0; i < SLOW; i++) {
+        fds[i] = dial(&daemon);
+        say(fds[i], beginnings[i % KINDS]);
+    }
+    print_polls(&daemon, "beside 200 slow clients");
+    assert_true(trickle(fds) > 0);
+    for (int round = 0; round < ROUNDS && open > 0; round++) {
+        nanosleep(&moment, NULL);
+        open = trickle(fds);
+    }
+    assert_int_equal(open, 0);
+    for (size_t i = 0; i < SLOW; i++)
+        close(fds[i]);
+    print_polls(&daemon, "after them");
+    daemon_remove(&daemon);
+}
+
+/* A client that is slow within bounds gets its answer. */
+static void test_patience(void **state)
+{
+    const struct timespec moment = {0, 200000000};
+    static const char *const parts[] = {
+        "GET /health", "z HTTP/1.1\r\nHost: ", "localhost\r\nConnection: close\r\n", "\r\n"};
+    struct daemon daemon;
+    char text[1000];
+    (void)state;
+    daemon_start(&daemon, NULL);
+    const int fd = dial(&daemon);
+    for (size_t i = 0; i < sizeof parts / sizeof *parts; i++) {
+        say(fd, parts[i]);
+        nanosleep(&moment, NULL);
+    }
+    const ssize_t n = recv(fd, text, sizeof text - 1, 0);
+    assert_true(n > 0);
+    text[n] = '\0';
+    assert_non_null(strstr(text, "200 OK"));
+    close(fd);
+    daemon_remove(&daemon);
+}
+
+static void test_headers_are_bounded(void **state)
+{
+    enum { HEADER = 200000 };
+    struct daemon daemon;
+    struct reply reply;
+    char *header = malloc(HEADER);
+    (void)state;
+    assert_non_null(header);
+    memset(header, 'x', HEADER);
+    memcpy(header, "X-Long: ", 8);
+    header[HEADER - 1] = '\0';
+    daemon_start(&daemon, NULL);
+    daemon_request(&daemon, "GET", "/healthz", NULL, NULL, 0, header, &reply);
+    assert_int_equal(reply.status, 431);
+    reply_done(&reply);
+    free(header);
+    daemon_remove(&daemon);
+}
+
+static void test_one_address_has_its_share(void **state)
+{
+    enum { SHARE = 3 };
+    struct daemon daemon;
+    const char *const extra[] = {"--address-connections", "3", NULL};
+    int fds[SHARE];
+    struct reply reply;
+    (void)state;
+    daemon_start(&daemon, extra);
+    for (int i = 0; i < SHARE; i++)
+        fds[i] = dial(&daemon);
+    const int more = dial(&daemon);
+    struct pollfd wait = {.fd = more, .events = POLLIN};
+    assert_int_equal(poll(&wait, 1, 10000), 1);
+    assert_true(is_closed(more));
+    close(more);
+    for (int i = 0; i < SHARE; i++) {
+        assert_false(is_closed(fds[i]));
+        close(fds[i]);
+    }
+    /* Those closed make room; when, is the daemon's affair. */
+    const struct timespec moment = {0, 200000000};
+    nanosleep(&moment, NULL);
+    daemon_get(&daemon, "/healthz", &reply);
+    assert_int_equal(reply.status, 200);
+    reply_done(&reply);
+    daemon_remove(&daemon);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_slow_clients),
+        cmocka_unit_test(test_patience),
+        cmocka_unit_test(test_headers_are_bounded),
+        cmocka_unit_test(test_one_address_has_its_share),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
