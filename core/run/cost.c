@@ -15,9 +15,9 @@ static const double pixel_samples = 1.0 * ORL_DEFAULT_GATHER_SAMPLES / ORL_DEFAU
 enum { LAMPS_A_ROUND = 4000000, PHOTONS_A_ROUND = 8000000 };
 /* A round has no fewer samples: of sensors by backward, of anything else but views of maps. */
 static const double least_of_sensors = 64, least_samples = 256;
-/* A round may make so many times all samples before, for the first ones know errors badly; and so
- * much more than is thought to be needed. */
-static const double growth = 8, margin = 1.1;
+/* A round may make so many times all samples before, for the first ones know errors badly. What is
+ * wanted is come up to first, and then, when it is known better, passed by a little. */
+static const double growth = 8, approach = 0.6, far = 0.5, margin = 1.05;
 
 struct orl_work orl_work_of(const struct orl_run_state *state)
 {
@@ -69,8 +69,8 @@ double orl_work_limit(void)
 double orl_work_next(const struct orl_work *work, double done, double wanted)
 {
     const double unit = ORL_MAP_BATCHES; /* samples fall into so many groups */
-    const double missing =
-        fmin(fmin(margin * wanted - done, growth * done), orl_work_limit() - done);
+    const double aim = wanted * (done < far * wanted && work->shares ? approach : margin);
+    const double missing = fmin(fmin(aim - done, growth * done), orl_work_limit() - done);
     double samples = work->least;
     if (done > 0)
         samples = fmax(missing, samples);
@@ -230,8 +230,11 @@ void orl_run_look(struct orl_run_state *state, size_t index, const struct orl_fi
         values[i] = orl_luma((struct orl_rgb){p[0], p[1], p[2]});
         values[count + i] = film->errors[i * step];
     }
-    state->looks[index] = (struct orl_estimates){
-        .value = values, .error = values + count, .count = count, .floor = orl_floor_of_pixels};
+    state->looks[index] = (struct orl_estimates){.value = values,
+                                                 .error = values + count,
+                                                 .count = count,
+                                                 .floor = orl_floor_of_pixels,
+                                                 .degrees = ORL_MAP_BATCHES - 1};
 }
 
 void orl_run_forget_looks(struct orl_run_state *state)
@@ -255,7 +258,8 @@ static size_t list_parts(const struct orl_run_state *state, const double *noise,
                                                 .noise = noise,
                                                 .samples = samples,
                                                 .count = result->n_sensors,
-                                                .floor = orl_floor_of_sensors};
+                                                .floor = orl_floor_of_sensors,
+                                                .degrees = ORL_MAP_BATCHES - 1};
     for (size_t i = 0; state->looks && i < state->job->n_views; i++)
         if (state->looks[i].count > 0)
             ret_parts[n++] = state->looks[i];

@@ -113,7 +113,8 @@ void orl_findings_judge(struct orl_findings *findings)
             .noise = part->noise,
             .samples = part->pool.effort,
             .count = part->pool.count,
-            .floor = part->floor};
+            .floor = part->floor,
+            .degrees = orl_pool_degrees(&part->pool)};
     }
 }
 

@@ -9,12 +9,23 @@ static const double confident = 1.6448536269514722; /* the normal quantile of 0.
 
 const double orl_floor_of_sensors = 1e-3, orl_floor_of_pixels = 0.1;
 
+/* Probability that a normal value is above that many of its standard errors: see percentile.h. */
+static double above(double x, double degrees)
+{
+    if (degrees > 2) {
+        const double m = degrees - 1, part = x * x / degrees;
+        const double z = part < 1 ? (8 * m + 1) / (8 * m + 3) * sqrt(-m * log1p(-part)) : INFINITY;
+        x = copysign(z, x);
+    }
+    return 0.5 * erfc(x * M_SQRT1_2);
+}
+
 /* Probability that a normal error with that bias and deviation is beyond x, to either side. */
-static double beyond(double x, double bias, double error)
+static double beyond(double x, double bias, double error, double degrees)
 {
     if (!(error > 0))
         return fabs(bias) > x ? 1 : 0;
-    return 0.5 * (erfc((x - bias) / error * M_SQRT1_2) + erfc((x + bias) / error * M_SQRT1_2));
+    return above((x - bias) / error, degrees) + above((x + bias) / error, degrees);
 }
 
 /* Estimates as they are looked at: every so many, with the least that they are divided by. */
@@ -33,8 +44,8 @@ static int is_bound(const struct look *look, double x, size_t allowed)
     for (size_t k = 0; k < look->count; k++) {
         const size_t i = k * look->step;
         const double by = fmax(fabs(e->value[i]), look->least);
-        const double p =
-            beyond(x * by, e->bias ? look->bias_scale * e->bias[i] : 0, look->scale * e->error[i]);
+        const double p = beyond(x * by, e->bias ? look->bias_scale * e->bias[i] : 0,
+                                look->scale * e->error[i], e->degrees);
         mean += p;
         variance += p * (1 - p);
         third += p * (1 - p) * (1 - 2 * p);

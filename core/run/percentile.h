@@ -9,9 +9,13 @@
  * (Poisson's binomial), is at most the number that the share allows, with that probability. The
  * sum's quantile is Cornish and Fisher's, with skewness.
  *
- * Standard errors are estimates too, some too small and some too large. Student's t would allow for
- * that in one estimate; among many, their scatter already makes the mixture of all wider than the
- * errors themselves are, and no more is added.
+ * Standard errors are estimates too, some too small and some too large, and among many that scatter
+ * makes the mixture of all wider than their errors are. The probability of each to be beyond x is
+ * therefore the unbiased estimate of it by a standard error of so many degrees of freedom
+ * (Kolmogorov 1950; Lieberman and Resnikoff 1955, Journal of the American Statistical Association
+ * 50, 457): by the law of one of as many normal values over the root of their sum of squares, which
+ * is a transformed Student's t, here in Wallace's approximation (1959, Annals of Mathematical
+ * Statistics 30, 1121).
  *
  * Of more than a few thousand estimates, pixels as a rule, some thousand are looked at, evenly
  * spread. They count as independent, which pixels next to each other are not.
@@ -28,7 +32,8 @@ struct orl_estimates {
     const double *noise; /* variance of one sample, where they can be shared out; else NULL */
     double samples;      /* so far, mean; of those of which the noise is known */
     size_t count;
-    double floor; /* share of the mean value below which nothing is divided by */
+    double floor;   /* share of the mean value below which nothing is divided by */
+    double degrees; /* of freedom of the errors, more than 2; 0: they are exact */
 };
 
 /* study.h's floors. */

@@ -11,7 +11,7 @@
 struct rung {
     double total_s, p95;
 };
-enum { RUNGS = 6, RUNG_SEEDS = 3 };
+enum { RUNGS = 6, RUNG_SEEDS = 6 };
 
 /* From coarse to fine, each four times the rays of the one before and, of gather, the photons. */
 struct ladder {
