@@ -77,6 +77,7 @@ void orl_handle_limits(struct orl_request *request)
         {"queued_jobs", ORL_SERVER_QUEUE},
         {"priority", ORL_PRIORITY_MAX},
         {"connections", ORL_SERVER_CONNECTIONS},
+        {"event_streams", ORL_SERVER_STREAMS},
         {"address_connections", ORL_SERVER_ADDRESS_CONNECTIONS},
         {"body_bytes_per_s", (json_int_t)ORL_SERVER_BODY_RATE},
     };

@@ -28,6 +28,9 @@ void orl_handle_job_cancel(struct orl_request *request);
 void orl_handle_job_result(struct orl_request *request);
 void orl_handle_job_file(struct orl_request *request);
 
+/* handle_events.c: a job's state, as it changes */
+void orl_handle_job_events(struct orl_request *request);
+
 /* handle_maps.c */
 void orl_handle_map_list(struct orl_request *request);
 

@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "encode.h"
 #include "result_json.h"
 #include "study_json.h"
 #include "times.h"
@@ -17,13 +18,12 @@ static json_t *time_or_null(int64_t ms)
     return json_string(text);
 }
 
-/* Seconds left, from the share done so far; null while that says too little. */
-static json_t *eta(const struct orl_jobs_job *job, double fraction)
+double orl_job_eta_s(const struct orl_jobs_job *job, double fraction)
 {
     const double elapsed = orl_time_steady_s() - job->started_s;
     if (fraction < 0.01 || elapsed <= 0)
-        return json_null();
-    return json_real(round(10 * elapsed * (1 - fraction) / fraction) / 10);
+        return NAN;
+    return round(10 * elapsed * (1 - fraction) / fraction) / 10;
 }
 
 static int add_render(json_t *doc, const struct orl_progress *progress)
@@ -93,7 +93,8 @@ static int add_running(json_t *doc, json_t *links, const struct orl_jobs_job *jo
     else if (progress.step.runs > 0)
         rc |= add_study(doc, &progress);
     rc |= json_object_set_new(doc, "percent", json_real(100 * progress.job_fraction));
-    rc |= json_object_set_new(doc, "eta_s", eta(job, progress.job_fraction));
+    rc |= json_object_set_new(doc, "eta_s",
+                              orl_json_from_real(orl_job_eta_s(job, progress.job_fraction)));
     rc |= json_object_set_new(doc, "cancelling", json_boolean(job->cancelled));
     return rc;
 }
@@ -110,6 +111,17 @@ static int add_finished(json_t *doc, json_t *links, const struct orl_jobs_job *j
     rc |= json_object_set_new(doc, "percent", json_real(100));
     rc |= json_object_update_missing(doc, outcome);
     json_decref(outcome);
+    return rc;
+}
+
+/* What every status has, where nothing is known of it. */
+static int add_unknown(json_t *doc)
+{
+    static const char *const names[] = {"stage", "percent", "eta_s"};
+    int rc = 0;
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++)
+        if (!json_object_get(doc, names[i]))
+            rc |= json_object_set_new(doc, names[i], json_null());
     return rc;
 }
 
@@ -138,6 +150,7 @@ json_t *orl_job_status(const struct orl_jobs *jobs, const struct orl_jobs_job *j
         rc = add_finished(doc, links, job);
     if (row->state <= ORL_JOB_RUNNING)
         rc |= json_object_set_new(links, "cancel", json_string(cancel));
+    rc |= add_unknown(doc);
     if (rc) {
         json_decref(doc);
         return NULL;

@@ -5,9 +5,10 @@
  * "client", "created", "started", "finished", "queue_position", "maps": [...], "timings_s": {...},
  * "error": {...}, "links": {"self", "result", "cancel", "files": [...]}}
  *
- * stage, percent and eta_s while it runs, queue_position while it waits; what is not known is null
- * or absent. maps appear as they are settled, with "cached" for a hit. A study that runs has, in
- * place of stage and maps, "study": what is being run, and the points so far.
+ * stage, percent and eta_s are always there, null where nothing is known or meant; queue_position
+ * while it waits; anything else that is not known is absent. maps appear as they are settled, with
+ * "cached" for a hit. A study that runs has, in place of stage and maps, "study": what is being
+ * run, and the points so far.
  */
 #ifndef ORL_SERVER_JOB_STATUS_H
 #define ORL_SERVER_JOB_STATUS_H
@@ -18,5 +19,8 @@
 
 /* A new reference; NULL when out of memory. */
 json_t *orl_job_status(const struct orl_jobs *jobs, const struct orl_jobs_job *job);
+
+/* Seconds that a running job has left, going by the share that it has done; NaN: not known yet. */
+double orl_job_eta_s(const struct orl_jobs_job *job, double fraction);
 
 #endif

@@ -48,7 +48,8 @@ struct orl_jobs_env {
     const struct orl_log *log;
     uint32_t threads; /* over all jobs */
     uint32_t at_once;
-    void (*idle)(void *ctx); /* after orl_jobs_stop, when nothing runs any more */
+    void (*changed)(void *ctx); /* after every change of a state */
+    void (*idle)(void *ctx);    /* after orl_jobs_stop, when nothing runs any more */
     void *ctx;
 };
 

@@ -11,7 +11,8 @@
 #define ORL_SERVER_FIELD_BYTES (1UL << 20) /* a form field that is not a file */
 #define ORL_SERVER_BODY_BUFFER (1UL << 20) /* what one request holds in memory before it spills */
 #define ORL_SERVER_DROPPED_BODY (512UL << 20)    /* of a refused request, read to answer it */
-#define ORL_SERVER_CONNECTIONS 2048U             /* open at once */
+#define ORL_SERVER_CONNECTIONS 2048U             /* open at once, event streams among them */
+#define ORL_SERVER_STREAMS 1024U                 /* of events, open at once */
 #define ORL_SERVER_ADDRESS_CONNECTIONS 128U      /* ... from one address, unless on loopback */
 #define ORL_SERVER_CONNECTION_MEMORY (64U << 10) /* headers and read buffer of one */
 #define ORL_SERVER_TIMEOUT_S 60U    /* of silence, before a connection is closed (default) */

@@ -88,6 +88,17 @@ void orl_reply_file(struct orl_request *request, int fd, uint64_t size, const ch
     set_response(request, 200, MHD_create_response_from_fd64(size, fd), type);
 }
 
+void orl_reply_stream(struct orl_request *request, struct MHD_Response *response, const char *type)
+{
+    set_response(request, 200, response, type);
+}
+
+void orl_reply_no_content(struct orl_request *request)
+{
+    set_response(request, 204, MHD_create_response_from_buffer(0, NULL, MHD_RESPMEM_PERSISTENT),
+                 NULL);
+}
+
 void orl_reply_not_modified(struct orl_request *request)
 {
     set_response(request, 304, MHD_create_response_from_buffer(0, NULL, MHD_RESPMEM_PERSISTENT),

@@ -23,6 +23,10 @@ void orl_reply_not_found(struct orl_request *request, const char *what);
 void orl_reply_text(struct orl_request *request, const char *type, const char *text);
 /* A file, by descriptor, which it takes. */
 void orl_reply_file(struct orl_request *request, int fd, uint64_t size, const char *type);
+/* 204, without a body. */
+void orl_reply_no_content(struct orl_request *request);
+/* A response that makes its body by itself; NULL (out of memory) becomes a 500. */
+void orl_reply_stream(struct orl_request *request, struct MHD_Response *response, const char *type);
 /* 304, without a body. */
 void orl_reply_not_modified(struct orl_request *request);
 

@@ -26,6 +26,7 @@ static const struct orl_route routes[] = {
     {"GET", "/v1/jobs/{}", ORL_SCOPE_READ, orl_handle_job_get, 0, NULL},
     {"DELETE", "/v1/jobs/{}", ORL_SCOPE_SUBMIT, orl_handle_job_cancel, 0, NULL},
     {"POST", "/v1/jobs/{}/cancel", ORL_SCOPE_SUBMIT, orl_handle_job_cancel, 4096, NULL},
+    {"GET", "/v1/jobs/{}/events", ORL_SCOPE_READ, orl_handle_job_events, 0, NULL},
     {"GET", "/v1/jobs/{}/result", ORL_SCOPE_READ, orl_handle_job_result, 0, NULL},
     {"GET", "/v1/jobs/{}/files/{}", ORL_SCOPE_READ, orl_handle_job_file, 0, NULL},
     {"GET", "/v1/maps", ORL_SCOPE_READ, orl_handle_map_list, 0, NULL},

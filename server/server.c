@@ -17,6 +17,7 @@ static void stop_if_quiet(struct orl_server *server)
         return;
     if (uv_is_closing((uv_handle_t *)&server->maps_changed))
         return;
+    orl_events_stop(server->events);
     orl_http_stop(server->http);
     uv_close((uv_handle_t *)&server->maps_changed, NULL);
     for (int i = 0; i < 2; i++)
@@ -34,6 +35,12 @@ static void on_jobs_idle(void *ctx)
     struct orl_server *server = ctx;
     server->jobs_idle = true;
     stop_if_quiet(server);
+}
+
+static void on_job_changed(void *ctx)
+{
+    const struct orl_server *server = ctx;
+    orl_events_wake(server->events);
 }
 
 static void on_signal(uv_signal_t *handle, int signum)
@@ -130,6 +137,7 @@ static int open_jobs(struct orl_server *server, struct orl_error *err)
         .log = &server->log,
         .threads = server->config.threads,
         .at_once = server->config.jobs,
+        .changed = on_job_changed,
         .idle = on_jobs_idle,
         .ctx = server,
     };
@@ -168,6 +176,8 @@ int orl_server_run(const struct orl_config *config, void (*announce)(const char 
     if (rc == 0)
         rc = check_tokens(&server, err);
     if (rc == 0)
+        rc = orl_events_open(&server, &server.events, err);
+    if (rc == 0)
         rc = orl_http_start(&server, &server.config.address.any, &server.http, err);
     if (rc == 0)
         rc = open_jobs(&server, err);
@@ -175,11 +185,13 @@ int orl_server_run(const struct orl_config *config, void (*announce)(const char 
         watch_signals(&server);
         announce_address(&server, announce);
     } else {
+        orl_events_stop(server.events);
         orl_http_stop(server.http);
         uv_close((uv_handle_t *)&server.maps_changed, NULL);
     }
     uv_run(&server.loop, UV_RUN_DEFAULT);
     orl_http_free(server.http);
+    orl_events_free(server.events);
     if (server.maps)
         orl_map_cache_flush(server.maps, NULL);
     orl_jobs_close(server.jobs);

@@ -12,6 +12,7 @@
 #include <uv.h>
 
 #include "config.h"
+#include "events.h"
 #include "http.h"
 #include "jobs.h"
 #include "log.h"
@@ -30,6 +31,7 @@ struct orl_server {
     struct orl_map_cache *maps;
     struct orl_jobs *jobs;
     struct orl_http *http;
+    struct orl_events *events;
     uint64_t requests; /* served or under way; the last one's id */
     unsigned working;  /* requests whose work is on the pool */
     double started_s;

@@ -1,0 +1,74 @@
+#include "job_glance.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "encode.h"
+#include "job_status.h"
+
+/* In tenths of a percent, so that a long job is not told of a thousand times a second. */
+struct glance {
+    const char *stage; /* NULL: none */
+    int permille;      /* -1: not known */
+    double eta_s;
+    uint32_t rounds;
+    size_t points, position;
+};
+
+static struct glance take(const struct orl_jobs *jobs, const struct orl_jobs_job *job)
+{
+    struct glance glance = {.permille = -1, .eta_s = NAN};
+    struct orl_progress progress;
+    if (job->row.state == ORL_JOB_QUEUED)
+        glance.position = orl_jobs_position(jobs, job);
+    if (job->row.state == ORL_JOB_SUCCEEDED)
+        glance.permille = 1000;
+    if (job->row.state != ORL_JOB_RUNNING || !job->worker)
+        return glance;
+    orl_worker_progress(job->worker, &progress);
+    if (job->row.kind == ORL_TASK_RENDER)
+        glance.stage = orl_stage_name(progress.stage);
+    else if (progress.step.runs > 0)
+        glance.stage = orl_study_step_name(&progress.step);
+    glance.permille = (int)(1000 * progress.job_fraction);
+    glance.eta_s = orl_job_eta_s(job, progress.job_fraction);
+    glance.rounds = progress.outcome.asked ? progress.outcome.rounds : 0;
+    glance.points = progress.n_points;
+    return glance;
+}
+
+void orl_job_glance_id(const struct orl_jobs *jobs, const struct orl_jobs_job *job,
+                       char ret_id[ORL_GLANCE_ID])
+{
+    const struct glance glance = take(jobs, job);
+    snprintf(ret_id, ORL_GLANCE_ID, "%s%s-%d-%s-%d-%u-%zu-%zu", orl_job_state_name(job->row.state),
+             job->cancelled ? "-cancelling" : "", job->row.attempts,
+             glance.stage ? glance.stage : "", glance.permille, glance.rounds, glance.points,
+             glance.position);
+}
+
+json_t *orl_job_glance(const struct orl_jobs *jobs, const struct orl_jobs_job *job)
+{
+    const struct glance glance = take(jobs, job);
+    const bool runs = job->row.state == ORL_JOB_RUNNING;
+    json_t *doc =
+        json_pack("{s:s, s:s, s:s?, s:o, s:o}", "id", job->row.id, "state",
+                  orl_job_state_name(job->row.state), "stage", glance.stage, "percent",
+                  orl_json_from_real(glance.permille < 0 ? (double)NAN : glance.permille / 10.0),
+                  "eta_s", orl_json_from_real(glance.eta_s));
+    int rc = 0;
+    if (glance.position > 0)
+        rc |= json_object_set_new(doc, "queue_position", json_integer((json_int_t)glance.position));
+    if (glance.rounds > 0)
+        rc |= json_object_set_new(doc, "rounds", json_integer(glance.rounds));
+    if (runs && job->row.kind == ORL_TASK_STUDY)
+        rc |= json_object_set_new(doc, "points", json_integer((json_int_t)glance.points));
+    if (runs)
+        rc |= json_object_set_new(doc, "cancelling", json_boolean(job->cancelled));
+    if (rc) {
+        json_decref(doc);
+        return NULL;
+    }
+    return doc;
+}

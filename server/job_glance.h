@@ -1,0 +1,24 @@
+/*
+ * A job at a glance, for its events:
+ *
+ *     {"id", "state", "stage", "percent", "eta_s", "queue_position", "rounds", "points",
+ *      "cancelling"}
+ *
+ * stage, percent and eta_s as in job_status.h, of a study the run under way; queue_position while
+ * it waits; rounds of a job with a goal, points of a study while they run.
+ */
+#ifndef ORL_SERVER_JOB_GLANCE_H
+#define ORL_SERVER_JOB_GLANCE_H
+
+#include "jobs.h"
+
+enum { ORL_GLANCE_ID = 128 };
+
+/* What the glance shows, but for the ETA, in a word: equal when there is nothing new. Cheap. */
+void orl_job_glance_id(const struct orl_jobs *jobs, const struct orl_jobs_job *job,
+                       char ret_id[ORL_GLANCE_ID]);
+
+/* A new reference; NULL when out of memory. */
+json_t *orl_job_glance(const struct orl_jobs *jobs, const struct orl_jobs_job *job);
+
+#endif
