@@ -14,11 +14,14 @@
 #include "server.h"
 #include "store/scenes.h"
 
+enum { REQUEST_KEY_MAX = 255 };
+
 /* A job on its way in. */
 struct job_post {
     struct orl_task task;
     char *scene;
     char document[ORL_SHA_HEX], client[ORL_CLIENT_NAME];
+    char key[REQUEST_KEY_MAX + 1]; /* Idempotency-Key; "": none */
     int rc;
     struct orl_error err;
 };
@@ -82,17 +85,46 @@ static bool refuse_when_full(struct orl_request *request)
     return true;
 }
 
+/*
+ * Replies when the request has been answered before, by its key: the same document gets the job
+ * that it made, another one a 422 (draft-ietf-httpapi-idempotency-key-header).
+ */
+static bool answer_by_key(struct orl_request *request)
+{
+    struct job_post *post = request->state;
+    const struct orl_jobs_job *job = NULL;
+    struct orl_error err;
+    if (!*post->key)
+        return false;
+    if (orl_jobs_by_key(request->server->jobs, post->client, post->key, &job, &err)) {
+        orl_reply_error(request, &err);
+        return true;
+    }
+    if (!job)
+        return false;
+    if (strcmp(job->row.document, post->document) == 0)
+        reply_job(request, 202, job);
+    else
+        orl_reply_problem(request, 422, "idempotency-key", "The Idempotency-Key was used before",
+                          "another document came with it, and became the job %s", job->row.id);
+    return true;
+}
+
 static void submit(struct orl_request *request)
 {
     struct job_post *post = request->state;
     const struct orl_jobs_job *job = NULL;
+    /* Asked again, since the same request may have come twice at once. */
+    if (post->rc == 0 && answer_by_key(request))
+        return;
     if (post->rc == 0 && refuse_when_full(request))
         return;
     const struct orl_jobs_order order = {.kind = post->task.kind,
                                          .priority = post->task.priority,
                                          .scene = post->scene,
                                          .document = post->document,
-                                         .client = post->client};
+                                         .client = post->client,
+                                         .request_key = *post->key ? post->key : NULL};
     if (post->rc == 0)
         post->rc = orl_jobs_submit(request->server->jobs, &order, &job, &post->err);
     if (post->rc)
@@ -138,6 +170,10 @@ static int check_references(struct orl_server *server, struct job_post *post)
 static void look_up(struct orl_request *request)
 {
     struct job_post *post = request->state;
+    if (*post->document && answer_by_key(request))
+        return;
+    if (post->rc == 0 && refuse_when_full(request))
+        return;
     if (post->rc == 0)
         post->rc = check_references(request->server, post);
     if (post->rc)
@@ -146,9 +182,28 @@ static void look_up(struct orl_request *request)
         orl_request_work(request, keep_document, submit);
 }
 
+/* The key, in quotes (a structured string) or without. False after a 400. */
+static bool read_key(struct orl_request *request, const char *key,
+                     char ret_key[REQUEST_KEY_MAX + 1])
+{
+    const size_t length = key ? strlen(key) : 0;
+    const bool quoted = length >= 2 && key[0] == '"' && key[length - 1] == '"';
+    bool good = !key || (length > (quoted ? 2 : 0) && length - (quoted ? 2 : 0) <= REQUEST_KEY_MAX);
+    for (size_t i = 0; i < length && good; i++)
+        good = key[i] >= 0x20 && key[i] <= 0x7e;
+    if (!good)
+        orl_reply_problem(request, 400, "invalid", "A header is not understood",
+                          "an Idempotency-Key has 1 to %d printable characters", REQUEST_KEY_MAX);
+    else if (key)
+        snprintf(ret_key, REQUEST_KEY_MAX + 1, "%.*s", (int)(length - (quoted ? 2 : 0)),
+                 key + quoted);
+    return good;
+}
+
 void orl_handle_job_post(struct orl_request *request)
 {
-    if (refuse_when_full(request))
+    const char *key = orl_request_header(request, "Idempotency-Key");
+    if (!key && refuse_when_full(request))
         return;
     struct job_post *post = calloc(1, sizeof *post);
     if (!post) {
@@ -157,7 +212,7 @@ void orl_handle_job_post(struct orl_request *request)
     }
     request->state = post;
     request->free_state = job_post_free;
-    if (!orl_client_name(request, post->client))
+    if (!orl_client_name(request, post->client) || !read_key(request, key, post->key))
         return;
     orl_request_work(request, read_document, look_up);
 }

@@ -75,6 +75,7 @@ void orl_handle_limits(struct orl_request *request)
         {"deadline_s", ORL_LIMIT_DEADLINE_S},
         {"study_list", ORL_LIMIT_STUDY_LIST},
         {"queued_jobs", ORL_SERVER_QUEUE},
+        {"idempotency_key_s", ORL_SERVER_KEY_S},
         {"priority", ORL_PRIORITY_MAX},
         {"connections", ORL_SERVER_CONNECTIONS},
         {"event_streams", ORL_SERVER_STREAMS},

@@ -222,7 +222,8 @@ int orl_jobs_submit(struct orl_jobs *jobs, const struct orl_jobs_order *order,
     job->row.priority = order->priority;
     job->row.state = ORL_JOB_QUEUED;
     job->row.created_ms = orl_time_now_ms();
-    const int rc = orl_job_row_insert(jobs->env.db, &job->row, &job->row.seq, err);
+    const int rc =
+        orl_job_row_insert(jobs->env.db, &job->row, order->request_key, &job->row.seq, err);
     if (rc) {
         job_free(job);
         return rc;
@@ -234,6 +235,17 @@ int orl_jobs_submit(struct orl_jobs *jobs, const struct orl_jobs_order *order,
     start_next(jobs);
     *ret_job = job;
     return 0;
+}
+
+int orl_jobs_by_key(struct orl_jobs *jobs, const char *client, const char *request_key,
+                    const struct orl_jobs_job **ret_job, struct orl_error *err)
+{
+    char id[ORL_JOB_ID];
+    const int64_t since_ms = orl_time_now_ms() - 1000 * (int64_t)ORL_SERVER_KEY_S;
+    const int rc = orl_job_row_by_key(jobs->env.db, client, request_key, since_ms, id, err);
+    if (rc == 0)
+        *ret_job = find_job(jobs, id);
+    return rc;
 }
 
 /*

@@ -69,7 +69,11 @@ struct orl_jobs_order {
     int priority;
     const char *scene, *document; /* the document is a blob */
     const char *client;           /* client_name.h */
+    const char *request_key;      /* the client's Idempotency-Key, or NULL */
 };
+/* The job that the client's key made less than ORL_SERVER_KEY_S ago; NULL: none. */
+int orl_jobs_by_key(struct orl_jobs *jobs, const char *client, const char *request_key,
+                    const struct orl_jobs_job **ret_job, struct orl_error *err);
 /* Queues a job. *ret_job belongs to jobs. */
 int orl_jobs_submit(struct orl_jobs *jobs, const struct orl_jobs_order *order,
                     const struct orl_jobs_job **ret_job, struct orl_error *err);

@@ -19,6 +19,7 @@
 #define ORL_SERVER_HEADER_S 15.0    /* from a connection's start to the end of its first headers */
 #define ORL_SERVER_BODY_RATE 1024.0 /* bytes/s that a body has to come at */
 #define ORL_SERVER_QUEUE 1024U      /* jobs waiting */
+#define ORL_SERVER_KEY_S 86400U     /* that an Idempotency-Key is remembered */
 #define ORL_SERVER_LIST 1000U       /* jobs in one listing */
 #define ORL_SERVER_STUDY_RUNS 500U  /* runs of one study, the reference's included */
 #define ORL_SERVER_THREADS 512U     /* render threads */

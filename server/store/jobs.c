@@ -19,17 +19,38 @@ enum orl_job_state orl_job_state_from_name(const char *name)
     return (enum orl_job_state)state;
 }
 
-int orl_job_row_insert(struct orl_db *db, const struct orl_job_row *row, int64_t *ret_seq,
-                       struct orl_error *err)
+int orl_job_row_insert(struct orl_db *db, const struct orl_job_row *row, const char *request_key,
+                       int64_t *ret_seq, struct orl_error *err)
 {
     const int rc = orl_db_run(db, err, NULL,
                               "INSERT INTO jobs (id, kind, scene, document, state, created_ms, "
-                              "priority, client) VALUES (?, ?, ?, ?, ?, ?, ?, ?)",
-                              "sssssiis", row->id, orl_task_kind_name(row->kind), row->scene,
+                              "priority, client, request_key) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)",
+                              "sssssiiss", row->id, orl_task_kind_name(row->kind), row->scene,
                               row->document, orl_job_state_name(row->state), row->created_ms,
-                              (int64_t)row->priority, row->client);
+                              (int64_t)row->priority, row->client, request_key);
     if (rc == 0)
         *ret_seq = sqlite3_last_insert_rowid(db->handle);
+    return rc;
+}
+
+int orl_job_row_by_key(struct orl_db *db, const char *client, const char *request_key,
+                       int64_t since_ms, char ret_id[ORL_JOB_ID], struct orl_error *err)
+{
+    sqlite3_stmt *stmt = orl_db_prepare(db, err,
+                                        "SELECT id FROM jobs WHERE client = ? AND request_key = ? "
+                                        "AND created_ms > ? ORDER BY seq DESC LIMIT 1",
+                                        "ssi", client, request_key, since_ms);
+    if (!stmt)
+        return ORL_ERR_IO;
+    const int step = sqlite3_step(stmt);
+    int rc = 0;
+    if (step == SQLITE_ROW)
+        snprintf(ret_id, ORL_JOB_ID, "%s", orl_db_text(stmt, 0));
+    else if (step == SQLITE_DONE)
+        ret_id[0] = '\0';
+    else
+        rc = orl_db_error(db, "cannot look for a job", err);
+    sqlite3_finalize(stmt);
     return rc;
 }
 

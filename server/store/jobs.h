@@ -37,9 +37,15 @@ struct orl_job_row {
     const char *outcome, *problem;               /* JSON text, borrowed; NULL: none */
 };
 
-/* Inserts; *ret_seq is its place in the order of arrival. */
-int orl_job_row_insert(struct orl_db *db, const struct orl_job_row *row, int64_t *ret_seq,
-                       struct orl_error *err);
+/*
+ * Inserts; request_key is the Idempotency-Key it came with (NULL: none). *ret_seq is its place in
+ * the order of arrival.
+ */
+int orl_job_row_insert(struct orl_db *db, const struct orl_job_row *row, const char *request_key,
+                       int64_t *ret_seq, struct orl_error *err);
+/* The id of the client's newest job that came with the key since then; "" when there is none. */
+int orl_job_row_by_key(struct orl_db *db, const char *client, const char *request_key,
+                       int64_t since_ms, char ret_id[ORL_JOB_ID], struct orl_error *err);
 /* Writes state, attempts, times, outcome and problem. */
 int orl_job_row_update(struct orl_db *db, const struct orl_job_row *row, struct orl_error *err);
 /* Every job, oldest first. Stops when visit returns non-zero, and returns it. */

@@ -369,6 +369,10 @@ static void test_full_queue(void **state)
     daemon_get(&f->daemon, "/readyz", &reply);
     assert_int_equal(reply.status, 503);
     reply_done(&reply);
+    daemon_request(&f->daemon, "POST", "/v1/jobs", "application/json", "{\"a\":", 5,
+                   "Idempotency-Key: new", &reply);
+    assert_int_equal(reply.status, 400);
+    reply_done(&reply);
     daemon_post_json(&f->daemon, "/v1/jobs", "{}", &reply);
     assert_int_equal(reply.status, 429);
     assert_non_null(reply_header(&reply, "Retry-After"));

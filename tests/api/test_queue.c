@@ -229,6 +229,71 @@ static void test_order_survives(void **state)
     reply_done(&reply);
 }
 
+/* ---- Requests sent again -------------------------------------------------------------------- */
+
+static void expect_again(struct daemon_room *f, const char *header, const char *id)
+{
+    struct reply reply;
+    post(f, 20, "", header, &reply);
+    assert_int_equal(reply.status, 202);
+    assert_string_equal(reply_text(&reply, "id"), id);
+    reply_done(&reply);
+}
+
+static void test_idempotency_key(void **state)
+{
+    static const char first[] = "Idempotency-Key: \"7b6c\"", bare[] = "Idempotency-Key: 7b6c";
+    struct daemon_room *f = *state;
+    struct reply reply;
+    char id[64], job[80];
+    post(f, 20, "", first, &reply);
+    assert_int_equal(reply.status, 202);
+    snprintf(id, sizeof id, "%s", reply_text(&reply, "id"));
+    snprintf(job, sizeof job, "%s", reply_text(&reply, "links.self"));
+    reply_done(&reply);
+    expect_again(f, first, id);
+    expect_again(f, bare, id);
+    post(f, 21, "", first, &reply);
+    assert_int_equal(reply.status, 422);
+    assert_string_equal(reply_text(&reply, "type"), "urn:oriel:error:idempotency-key");
+    reply_done(&reply);
+    /* Without the key, with another, or from somebody else it is another job. */
+    static const char *const others[] = {NULL, "Idempotency-Key: 7b6d",
+                                         "X-Oriel-Client: x\r\nIdempotency-Key: 7b6c"};
+    for (int i = 0; i < 3; i++) {
+        post(f, 20, "", others[i], &reply);
+        assert_int_equal(reply.status, 202);
+        assert_string_not_equal(reply_text(&reply, "id"), id);
+        reply_done(&reply);
+    }
+    daemon_wait(&f->daemon, job, 60, &reply);
+    reply_done(&reply);
+    daemon_end(&f->daemon, SIGKILL);
+    daemon_restart(&f->daemon, NULL);
+    expect_again(f, first, id);
+}
+
+static void test_bad_keys(void **state)
+{
+    struct daemon_room *f = *state;
+    struct reply reply;
+    char header[320];
+    snprintf(header, sizeof header, "Idempotency-Key: %0256d", 1);
+    post(f, 20, "", header, &reply);
+    assert_int_equal(reply.status, 400);
+    reply_done(&reply);
+    post(f, 20, "", "Idempotency-Key: \"\"", &reply);
+    assert_int_equal(reply.status, 400);
+    reply_done(&reply);
+    /* A document that is refused does not use its key up. */
+    post(f, 20, ",\"x\":1", "Idempotency-Key: mended", &reply);
+    assert_int_equal(reply.status, 422);
+    reply_done(&reply);
+    post(f, 20, "", "Idempotency-Key: mended", &reply);
+    assert_int_equal(reply.status, 202);
+    reply_done(&reply);
+}
+
 static void test_refusals(void **state)
 {
     static const char *const bad[] = {",\"priority\":10", ",\"priority\":-1", ",\"priority\":1.5",
@@ -258,9 +323,9 @@ int main(void)
         cmocka_unit_test(test_many_clients),
     };
     const struct CMUnitTest served[] = {
-        cmocka_unit_test(test_order_of_jobs),
-        cmocka_unit_test(test_order_survives),
-        cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_order_of_jobs), cmocka_unit_test(test_order_survives),
+        cmocka_unit_test(test_refusals),      cmocka_unit_test(test_idempotency_key),
+        cmocka_unit_test(test_bad_keys),
     };
     const int failed = cmocka_run_group_tests(alone, NULL, NULL);
     return failed + cmocka_run_group_tests(served, daemon_room_set_up, daemon_room_tear_down);

@@ -219,7 +219,14 @@ static void test_job_rows_round_trip(void **state)
     char sql[256];
     snprintf(sql, sizeof sql, "INSERT INTO scenes VALUES ('%s', 1, 1, '{}')", row.scene);
     assert_int_equal(orl_db_exec(&f->db, sql, &f->err), 0);
-    assert_int_equal(orl_job_row_insert(&f->db, &row, &row.seq, &f->err), 0);
+    assert_int_equal(orl_job_row_insert(&f->db, &row, "key", &row.seq, &f->err), 0);
+    char id[ORL_JOB_ID];
+    assert_int_equal(orl_job_row_by_key(&f->db, "name:x", "key", 10, id, &f->err), 0);
+    assert_string_equal(id, "job-1");
+    assert_int_equal(orl_job_row_by_key(&f->db, "name:x", "key", 11, id, &f->err), 0);
+    assert_string_equal(id, "");
+    assert_int_equal(orl_job_row_by_key(&f->db, "name:y", "key", 10, id, &f->err), 0);
+    assert_string_equal(id, "");
     row.state = ORL_JOB_FAILED;
     row.attempts = 2;
     row.finished_ms = 13;
