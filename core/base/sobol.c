@@ -1,5 +1,7 @@
 #include "base/sobol.h"
 
+#include "base/vectors.h"
+
 /* Degree, coefficients and initial direction numbers per dimension; dimension 0 is bit reversal. */
 static const struct {
     uint32_t degree, coefficients, initial[5];
@@ -8,7 +10,7 @@ static const struct {
     {3, 1, {1, 3, 1}}, {3, 2, {1, 1, 1}}, {4, 1, {1, 1, 3, 3}},
 };
 
-static uint32_t reverse_bits(uint32_t x)
+static inline uint32_t reverse_bits(uint32_t x)
 {
     x = (x << 16) | (x >> 16);
     x = ((x & 0x00ff00ffU) << 8) | ((x & 0xff00ff00U) >> 8);
@@ -18,7 +20,7 @@ static uint32_t reverse_bits(uint32_t x)
 }
 
 /* An Owen scramble of the reversed bits: each bit is flipped by a hash of those above it. */
-static uint32_t scramble_reversed(uint32_t x, uint32_t seed)
+static inline uint32_t scramble_reversed(uint32_t x, uint32_t seed)
 {
     x ^= x * 0x3d20adeaU;
     x += seed;
@@ -28,7 +30,7 @@ static uint32_t scramble_reversed(uint32_t x, uint32_t seed)
     return x;
 }
 
-static uint32_t hash32(uint32_t x)
+static inline uint32_t hash32(uint32_t x)
 {
     x ^= x >> 16;
     x *= 0x21f0aaadU;
@@ -67,23 +69,55 @@ void orl_sobol_init(struct orl_sobol *sobol)
                 uint32_t sum = 0;
                 for (uint32_t bit = 0; bit < 8; bit++)
                     if (value >> bit & 1U)
-                        sum ^= v[8 * byte + bit];
-                sobol->by_byte[d][byte][value] = sum;
+                        sum ^= v[31 - (8 * byte + bit)];
+                sobol->by_byte[d][byte][value] = reverse_bits(sum);
             }
         }
     }
 }
 
+/* x * 2^-32 by way of a signed number, which any machine converts in one step. */
+static double unit_of(uint32_t x)
+{
+    return ((double)(int32_t)(x ^ 0x80000000U) + 0x1p31) * 0x1p-32;
+}
+
+static inline uint32_t point_of(const uint32_t table[4][256], uint32_t shuffled)
+{
+    return table[0][shuffled & 255] ^ table[1][shuffled >> 8 & 255] ^
+           table[2][shuffled >> 16 & 255] ^ table[3][shuffled >> 24];
+}
+
+static inline uint32_t seed_of(uint32_t seed, uint32_t dimension)
+{
+    return hash32(seed ^ (0x9e3779b9U * (dimension + 1)));
+}
+
+/* Both scrambles work on reversed bits, and so does what lies between them. */
 void orl_sobol_point(const struct orl_sobol *sobol, uint32_t index, uint32_t seed, uint32_t count,
                      double *ret_point)
 {
-    const uint32_t shuffled = reverse_bits(scramble_reversed(reverse_bits(index), hash32(seed)));
-    for (uint32_t d = 0; d < count; d++) {
-        const uint32_t(*const table)[256] = sobol->by_byte[d];
-        const uint32_t point = table[0][shuffled & 255] ^ table[1][shuffled >> 8 & 255] ^
-                               table[2][shuffled >> 16 & 255] ^ table[3][shuffled >> 24];
-        const uint32_t scrambled = reverse_bits(
-            scramble_reversed(reverse_bits(point), hash32(seed ^ (0x9e3779b9U * (d + 1)))));
-        ret_point[d] = scrambled * 0x1p-32;
+    const uint32_t shuffled = scramble_reversed(reverse_bits(index), hash32(seed));
+    for (uint32_t d = 0; d < count; d++)
+        ret_point[d] = unit_of(reverse_bits(
+            scramble_reversed(point_of(sobol->by_byte[d], shuffled), seed_of(seed, d))));
+}
+
+/* Integers alone, and conversions that are exact: the same from either form. */
+ORL_FOR_WIDE_VECTORS
+void orl_sobol_block(const struct orl_sobol *sobol, uint32_t index,
+                     const uint32_t seeds[ORL_SOBOL_BLOCK], struct orl_sobol_block *ret_block)
+{
+    const uint32_t reversed = reverse_bits(index);
+    uint32_t at[ORL_SOBOL_BLOCK], shuffled[ORL_SOBOL_BLOCK];
+    for (int i = 0; i < ORL_SOBOL_BLOCK; i++)
+        shuffled[i] = scramble_reversed(reversed, hash32(seeds[i]));
+    for (uint32_t d = 0; d < ORL_SOBOL_DIMENSIONS; d++) {
+        for (int i = 0; i < ORL_SOBOL_BLOCK; i++)
+            at[i] = point_of(sobol->by_byte[d], shuffled[i]);
+        for (int i = 0; i < ORL_SOBOL_BLOCK; i++)
+            at[i] = reverse_bits(scramble_reversed(at[i], seed_of(seeds[i], d)));
+        for (int i = 0; i < ORL_SOBOL_BLOCK; i++)
+            ret_block->at[d][i] = unit_of(at[i]);
     }
 }

@@ -11,11 +11,13 @@
 
 #include <stdint.h>
 
-enum { ORL_SOBOL_DIMENSIONS = 6 };
+enum { ORL_SOBOL_DIMENSIONS = 6, ORL_SOBOL_BLOCK = 16 };
 
 /* Constant once made, shared by all threads. */
 struct orl_sobol {
-    uint32_t by_byte[ORL_SOBOL_DIMENSIONS][4][256]; /* direction numbers, summed for every byte */
+    /* Direction numbers, summed for every byte of an index of reversed bits, their bits reversed.
+     */
+    uint32_t by_byte[ORL_SOBOL_DIMENSIONS][4][256];
 };
 
 void orl_sobol_init(struct orl_sobol *sobol);
@@ -23,5 +25,12 @@ void orl_sobol_init(struct orl_sobol *sobol);
 /* Fills ret_point with the first count coordinates, in [0, 1), of point index of sequence seed. */
 void orl_sobol_point(const struct orl_sobol *sobol, uint32_t index, uint32_t seed, uint32_t count,
                      double *ret_point);
+
+/* The same for one index of several sequences at once, all coordinates: at[dimension][sequence]. */
+struct orl_sobol_block {
+    double at[ORL_SOBOL_DIMENSIONS][ORL_SOBOL_BLOCK];
+};
+void orl_sobol_block(const struct orl_sobol *sobol, uint32_t index,
+                     const uint32_t seeds[ORL_SOBOL_BLOCK], struct orl_sobol_block *ret_block);
 
 #endif

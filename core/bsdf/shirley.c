@@ -16,13 +16,3 @@ struct orl_square orl_disk_to_square(double x, double y)
     const double b = copysign(r, y);
     return (struct orl_square){b * (4 / ORL_PI) * atan(x / y), b};
 }
-
-struct orl_vec3 orl_square_to_hemisphere(struct orl_square s)
-{
-    const int sideways = fabs(s.x) >= fabs(s.y);
-    const double r = sideways ? s.x : s.y, other = sideways ? s.y : s.x;
-    const double angle = r != 0 ? (ORL_PI / 4) * (other / r) : 0;
-    const double along = r * cos(angle), across = r * sin(angle);
-    const double z = sqrt(fmax(0, (1 - r) * (1 + r)));
-    return sideways ? orl_v3(along, across, z) : orl_v3(across, along, z);
-}

@@ -12,6 +12,8 @@
 
 #include <oriel/vec.h>
 
+#include "base/circle.h"
+
 struct orl_square {
     double x, y;
 };
@@ -19,6 +21,15 @@ struct orl_square {
 struct orl_square orl_disk_to_square(double x, double y);
 
 /* The unit vector with z >= 0 above the disk point. z is computed without cancellation. */
-struct orl_vec3 orl_square_to_hemisphere(struct orl_square s);
+static inline struct orl_vec3 orl_square_to_hemisphere(struct orl_square s)
+{
+    const int sideways = fabs(s.x) >= fabs(s.y);
+    const double r = sideways ? s.x : s.y, other = sideways ? s.y : s.x;
+    const double angle = r != 0 ? (ORL_PI / 4) * (other / r) : 0;
+    const struct orl_circle circle = orl_circle_near(angle);
+    const double along = r * circle.cosine, across = r * circle.sine;
+    const double z2 = (1 - r) * (1 + r), z = sqrt(z2 > 0 ? z2 : 0);
+    return sideways ? orl_v3(along, across, z) : orl_v3(across, along, z);
+}
 
 #endif

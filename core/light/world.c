@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/circle.h"
 #include "light/proxies.h"
 #include "light/sky.h"
 
@@ -161,8 +162,9 @@ struct orl_rgb orl_world_sun_radiance(const struct orl_world *world, struct orl_
 struct orl_vec3 orl_sun_sample(const struct orl_sun *sun, const double u[2])
 {
     const double down = u[0] * (1 - sun->cos_half_angle), cosine = 1 - down;
-    const double sine = sqrt(down * (2 - down)), phi = 2 * ORL_PI * u[1];
-    return orl_to_world(&sun->frame, orl_v3(sine * cos(phi), sine * sin(phi), cosine));
+    const double sine = sqrt(down * (2 - down));
+    const struct orl_circle circle = orl_circle_turn(u[1]);
+    return orl_to_world(&sun->frame, orl_v3(sine * circle.cosine, sine * circle.sine, cosine));
 }
 
 enum orl_crossing orl_world_crossing(const struct orl_world *world, const struct orl_hit *hit)

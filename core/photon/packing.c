@@ -80,6 +80,7 @@ static void choose_cells(struct orl_packing *p)
         p->step = fmax(p->step, p->earlier->header->cell / p->unit);
     while (!fits(&b, p->step) && isfinite(p->step))
         p->step *= 2;
+    p->steps = 1 / p->step;
     p->cell = p->step * p->unit;
     for (int k = 0; k < 3; k++) {
         /* Zero is added lest it be negative: whether it is tells of photons by their order. */
@@ -129,7 +130,7 @@ void orl_packing_cell(const struct orl_packing *packing, size_t index, uint32_t 
     double at[3];
     place_of(packing, index, at);
     for (int k = 0; k < 3; k++)
-        ret_cell[k] = (uint32_t)(floor_of(at[k] / packing->step) - packing->first[k]);
+        ret_cell[k] = (uint32_t)(floor_of(at[k] * packing->steps) - packing->first[k]);
 }
 
 uint16_t orl_packing_normal(const struct orl_packing *packing, size_t index)

@@ -23,6 +23,7 @@ struct orl_packing {
     size_t n_earlier, count;              /* count: of all */
     uint64_t seed;                        /* of the dither of fluxes, by order of emission */
     double unit;                          /* of places: the scene's radius */
+    double steps;                         /* in a unit: exact, as powers of two are */
     double step, first[3]; /* edge of a cell, in units, a power of two; edges from the origin to the
                               first cell */
     double low[3], cell;   /* of both: as in struct orl_map_header */

@@ -59,11 +59,12 @@ static int add_polygon(struct orl_geometry *g, const struct orl_surface *surface
     f->first_triangle = (uint32_t)g->n_triangles;
     f->n_triangles = (uint32_t)n;
     for (int i = 0; i < n; i++) {
-        const struct orl_triangle t = {orl_sub(surface->vertices[triples[i][0]], g->center),
-                                       orl_sub(surface->vertices[triples[i][1]], g->center),
-                                       orl_sub(surface->vertices[triples[i][2]], g->center), facet};
+        struct orl_triangle t = {orl_sub(surface->vertices[triples[i][0]], g->center),
+                                 orl_sub(surface->vertices[triples[i][1]], g->center),
+                                 orl_sub(surface->vertices[triples[i][2]], g->center), facet, 0};
+        t.area = 0.5 * orl_length(orl_cross(orl_sub(t.b, t.a), orl_sub(t.c, t.a)));
         g->triangles[g->n_triangles++] = t;
-        f->area += 0.5 * orl_length(orl_cross(orl_sub(t.b, t.a), orl_sub(t.c, t.a)));
+        f->area += t.area;
         reach = fmax(reach, fmax(largest(t.a), fmax(largest(t.b), largest(t.c))));
     }
     f->offset = reach * 0x1p-20;
@@ -238,23 +239,6 @@ bool orl_geometry_occluded(const struct orl_geometry *geometry, struct orl_vec3 
     return orl_embree_occluded(geometry, origin, direction, max_distance);
 }
 
-struct orl_vec3 orl_facet_leave(const struct orl_geometry *geometry, uint32_t facet,
-                                struct orl_vec3 point, struct orl_vec3 normal,
-                                struct orl_vec3 direction)
-{
-    const struct orl_facet *f = &geometry->facets[facet];
-    const double side = orl_dot(direction, normal) >= 0 ? 1 : -1;
-    /* To the side of what it stands for: beyond that. */
-    const double hidden = f->beyond * side < 0 ? fabs(f->beyond) : 0;
-    return orl_madd(point, normal, side * (f->offset + hidden));
-}
-
-struct orl_vec3 orl_hit_leave(const struct orl_geometry *geometry, const struct orl_hit *hit,
-                              struct orl_vec3 direction)
-{
-    return orl_facet_leave(geometry, hit->facet, hit->point, hit->normal, direction);
-}
-
 void orl_facet_sample(const struct orl_geometry *geometry, uint32_t facet, const double u[2],
                       struct orl_vec3 *ret_point, struct orl_vec3 *ret_normal)
 {
@@ -264,16 +248,16 @@ void orl_facet_sample(const struct orl_geometry *geometry, uint32_t facet, const
         return;
     }
     /* The first coordinate picks the triangle by area and is stretched to serve again. */
-    double left = u[0] * f->area, area = 0;
+    double left = u[0] * f->area;
     const struct orl_triangle *t = &geometry->triangles[f->first_triangle];
     for (uint32_t i = 0; i < f->n_triangles; i++) {
         t = &geometry->triangles[f->first_triangle + i];
-        area = 0.5 * orl_length(orl_cross(orl_sub(t->b, t->a), orl_sub(t->c, t->a)));
-        if (left < area || i + 1 == f->n_triangles)
+        if (left < t->area || i + 1 == f->n_triangles)
             break;
-        left -= area;
+        left -= t->area;
     }
-    const double s = sqrt(fmin(fmax(area > 0 ? left / area : 0, 0), 1));
+    const double share = t->area > 0 && left > 0 ? left / t->area : 0;
+    const double s = sqrt(share < 1 ? share : 1);
     *ret_point = orl_add(orl_add(orl_scale(t->a, 1 - s), orl_scale(t->b, s * (1 - u[1]))),
                          orl_scale(t->c, s * u[1]));
     *ret_normal = f->normal;

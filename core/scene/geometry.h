@@ -39,6 +39,7 @@ struct orl_facet {
 struct orl_triangle {
     struct orl_vec3 a, b, c;
     uint32_t facet;
+    double area;
 };
 
 struct orl_geometry {
@@ -82,13 +83,23 @@ int orl_geometry_subset(const struct orl_geometry *whole, const bool *keep,
                         struct orl_geometry **ret_geometry, struct orl_error *err);
 
 /* Where a ray that leaves a point of a facet, of that front normal, along direction is to start. */
-struct orl_vec3 orl_facet_leave(const struct orl_geometry *geometry, uint32_t facet,
-                                struct orl_vec3 point, struct orl_vec3 normal,
-                                struct orl_vec3 direction);
+static inline struct orl_vec3 orl_facet_leave(const struct orl_geometry *geometry, uint32_t facet,
+                                              struct orl_vec3 point, struct orl_vec3 normal,
+                                              struct orl_vec3 direction)
+{
+    const struct orl_facet *f = &geometry->facets[facet];
+    const double side = orl_dot(direction, normal) >= 0 ? 1 : -1;
+    /* To the side of what it stands for: beyond that. */
+    const double hidden = f->beyond * side < 0 ? fabs(f->beyond) : 0;
+    return orl_madd(point, normal, side * (f->offset + hidden));
+}
 
 /* Where a ray that leaves the hit point along direction is to start. */
-struct orl_vec3 orl_hit_leave(const struct orl_geometry *geometry, const struct orl_hit *hit,
-                              struct orl_vec3 direction);
+static inline struct orl_vec3 orl_hit_leave(const struct orl_geometry *geometry,
+                                            const struct orl_hit *hit, struct orl_vec3 direction)
+{
+    return orl_facet_leave(geometry, hit->facet, hit->point, hit->normal, direction);
+}
 
 /* A point uniform by area on a facet, with its front normal; u in [0,1)^2. */
 void orl_facet_sample(const struct orl_geometry *geometry, uint32_t facet, const double u[2],

@@ -11,6 +11,7 @@
 
 #include <oriel/vec.h>
 
+#include "base/circle.h"
 #include "base/random.h"
 #include "base/sobol.h"
 
@@ -209,6 +210,43 @@ static void test_sobol_seeds(void **state)
     }
 }
 
+/* Points of 16 sequences at once are those of each, to the bit, whatever vectors the machine has.
+ */
+static void test_blocks(void **state)
+{
+    struct orl_sobol sobol;
+    struct orl_random random = orl_random_stream(4, ORL_PURPOSE_BENCH, 0);
+    (void)state;
+    orl_sobol_init(&sobol);
+    for (int i = 0; i < 1000; i++) {
+        const uint32_t index = (uint32_t)orl_random_bits(&random);
+        uint32_t seeds[ORL_SOBOL_BLOCK];
+        struct orl_sobol_block block;
+        for (int k = 0; k < ORL_SOBOL_BLOCK; k++)
+            seeds[k] = (uint32_t)orl_random_bits(&random);
+        orl_sobol_block(&sobol, index, seeds, &block);
+        for (int k = 0; k < ORL_SOBOL_BLOCK; k++) {
+            double p[ORL_SOBOL_DIMENSIONS];
+            orl_sobol_point(&sobol, index, seeds[k], ORL_SOBOL_DIMENSIONS, p);
+            for (int d = 0; d < ORL_SOBOL_DIMENSIONS; d++)
+                assert_true(p[d] == block.at[d][k]);
+        }
+    }
+}
+
+/* Near is within an ulp of 1, and so is the whole turn. */
+static void test_circle(void **state)
+{
+    (void)state;
+    for (int i = 0; i <= 1000000; i++) {
+        const double turn = i / 1e6, angle = (i / 5e5 - 1) * ORL_PI / 4;
+        const struct orl_circle c = orl_circle_turn(turn), n = orl_circle_near(angle);
+        assert_true(fabs(c.cosine - cos(2 * ORL_PI * turn)) < 1e-15);
+        assert_true(fabs(c.sine - sin(2 * ORL_PI * turn)) < 1e-15);
+        assert_true(fabs(n.cosine - cos(angle)) < 3e-16 && fabs(n.sine - sin(angle)) < 3e-16);
+    }
+}
+
 /* A mean over the points beats chance by far: x y over 2^16 points, to 1e-5 rather than 1e-3. */
 static void test_integral(void **state)
 {
@@ -232,6 +270,7 @@ int main(void)
         cmocka_unit_test(test_uniform),          cmocka_unit_test(test_seeds_uncorrelated),
         cmocka_unit_test(test_elementary_boxes), cmocka_unit_test(test_projections),
         cmocka_unit_test(test_sobol_seeds),      cmocka_unit_test(test_integral),
+        cmocka_unit_test(test_blocks),           cmocka_unit_test(test_circle),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
