@@ -118,6 +118,17 @@ static double inside_cell(unsigned cell, double u, unsigned levels)
     return (cell + margin + u * (1 - 2 * margin)) * (2.0 / (1U << levels)) - 1;
 }
 
+struct orl_vec3 orl_square_cell_direction(enum orl_axis axis, unsigned x, unsigned y,
+                                          unsigned level, double u, double v)
+{
+    const double sign = axis == ORL_AXIS_A ? -1 : 1;
+    struct orl_vec3 direction = orl_square_to_hemisphere(
+        (struct orl_square){inside_cell(x, u, level), inside_cell(y, v, level)});
+    direction.x *= sign;
+    direction.y *= sign;
+    return direction;
+}
+
 /*
  * Chooses one of four with probability in proportion to its mean. *t is uniform below their sum
  * and comes out uniform below the chosen mean. The sum is only as good as floats are: t may reach
@@ -150,7 +161,6 @@ double orl_tree_draw(const struct orl_tree *tree, enum orl_axis given, struct or
     const unsigned own = given == ORL_AXIS_A ? 0 : 2, others = 2 - own;
     struct orl_tree_ref ref = tree->root;
     unsigned level = tree->depth, x = 0, y = 0, mine, i;
-    const double sign = given == ORL_AXIS_A ? 1 : -1; /* of the direction that is drawn */
     double t = u[0] * (double)mean_of(tree, ref, given, c, level);
     while (!orl_tree_is_leaf(ref)) {
         struct orl_tree_ref child[4];
@@ -168,9 +178,7 @@ double orl_tree_draw(const struct orl_tree *tree, enum orl_axis given, struct or
         ref = child[i];
     }
     t = fmin(t / (double)float_of(ref.bits), 0x1.fffffffffffffp-1);
-    *ret_direction = orl_square_to_hemisphere((struct orl_square){
-        inside_cell(x, t, tree->depth - level), inside_cell(y, u[1], tree->depth - level)});
-    ret_direction->x *= sign;
-    ret_direction->y *= sign;
+    *ret_direction = orl_square_cell_direction(given == ORL_AXIS_A ? ORL_AXIS_B : ORL_AXIS_A, x, y,
+                                               tree->depth - level, t, u[1]);
     return (double)float_of(ref.bits);
 }

@@ -125,6 +125,13 @@ size_t orl_square_cell(enum orl_axis axis, struct orl_square place, unsigned dep
 double orl_tree_look(const struct orl_tree *tree, struct orl_square a, struct orl_square b,
                      unsigned *ret_level);
 
+/*
+ * The direction of that axis, z > 0, at a place within cell (x, y) of the square halved level
+ * times; u, v in [0,1).
+ */
+struct orl_vec3 orl_square_cell_direction(enum orl_axis axis, unsigned x, unsigned y,
+                                          unsigned level, double u, double v);
+
 /* The integral over the other hemisphere of value times cosine, for the given direction. */
 double orl_tree_total(const struct orl_tree *tree, enum orl_axis given, struct orl_square place);
 

@@ -5,6 +5,8 @@
 #include "photon/table.h"
 #include "scene/hemisphere.h"
 
+_Static_assert((int)ORL_SOBOL_BLOCK == (int)ORL_MAP_BATCHES, "a block has one point of each batch");
+
 /* The port as a path meets it from outside. */
 static struct orl_hit port_hit(const struct orl_world *world, const struct orl_port *port,
                                struct orl_vec3 point)
@@ -15,17 +17,24 @@ static struct orl_hit port_hit(const struct orl_world *world, const struct orl_p
                             .front = port->outside_is_front};
 }
 
-/* Light of that radiance times measure arrives at the port from outwards; sends it through. */
+/*
+ * Light of that radiance times measure arrives at the port from outwards; sends it through. Of a
+ * passage, if there is one, for light from there.
+ */
 static bool pass_port(const struct orl_world *world, const struct orl_port *port,
-                      struct orl_vec3 point, struct orl_vec3 outwards, struct orl_rgb flux,
-                      struct orl_random *random, struct orl_flight *ret_flight)
+                      const struct orl_passage *passage, struct orl_vec3 point,
+                      struct orl_vec3 outwards, struct orl_rgb flux, struct orl_random *random,
+                      struct orl_flight *ret_flight)
 {
     const struct orl_hit hit = port_hit(world, port, point);
     if (!orl_port_owns(world, port, point))
         return false;
+    const double u0 = orl_random_uniform(random), u1 = orl_random_uniform(random);
+    const double u[3] = {u0, u1, orl_random_uniform(random)};
     const struct orl_scatter s =
-        orl_scatter_sample(orl_world_material(world, &hit), &hit, outwards, ORL_TRANSPORT_LIGHT,
-                           ORL_LOBE_TRANSMITTED, random);
+        passage ? orl_passage_sample(passage, outwards, u)
+                : orl_scatter_sample_at(orl_world_material(world, &hit), &hit, outwards,
+                                        ORL_TRANSPORT_LIGHT, ORL_LOBE_TRANSMITTED, u);
     if (s.event == ORL_EVENT_ABSORBED)
         return false;
     ret_flight->origin = orl_hit_leave(world->geometry, &hit, s.direction);
@@ -53,7 +62,8 @@ static bool emit_port_dome(const struct orl_emission *e, const struct orl_stratu
     const struct orl_rgb radiance = orl_port_radiance(world, port, start, out, random, health);
     /* The square is uniform in projected solid angle, pi in all. */
     const struct orl_rgb flux = orl_rgb_scale(radiance, ORL_PI * port->area / density);
-    return orl_rgb_max(flux) > 0 && pass_port(world, port, point, out, flux, random, ret_flight);
+    return orl_rgb_max(flux) > 0 &&
+           pass_port(world, port, NULL, point, out, flux, random, ret_flight);
 }
 
 static bool emit_port_sun(const struct orl_emission *e, const struct orl_stratum *stratum,
@@ -75,19 +85,17 @@ static bool emit_port_sun(const struct orl_emission *e, const struct orl_stratum
     const struct orl_rgb share =
         image ? orl_mirrored_transmittance(world, start, towards, world->mirrors[stratum->mirror],
                                            false, &out)
-        : port->clear ? orl_gray(1)
-                      : orl_transmittance(world, start, towards, INFINITY, false);
+        : stratum->unobstructed ? orl_gray(1)
+                                : orl_transmittance(world, start, towards, INFINITY, false);
     const double cosine = orl_dot(out, port->outward);
     if (!(cosine > 0) || !(orl_rgb_max(share) > 0))
         return false;
     ret_flight->from_light = true;
     ret_flight->way.mirror = image;
-    if (!pass_port(
-            world, port, point, out,
-            orl_rgb_scale(orl_rgb_mul(sun->irradiance, share), cosine * port->area / density),
-            random, ret_flight))
-        return false;
-    return true;
+    const struct orl_rgb flux =
+        orl_rgb_scale(orl_rgb_mul(sun->irradiance, share), cosine * port->area / density);
+    return pass_port(world, port, image ? NULL : stratum->passage, point, out, flux, random,
+                     ret_flight);
 }
 
 /* Uniform over a spotlight's cone; the flux of light of radiance 1 from a unit of area. */
@@ -215,17 +223,23 @@ static const struct orl_stratum *pick(const struct orl_emission *e, double u, bo
     return &e->strata[low];
 }
 
-bool orl_emission_sample(const struct orl_emission *emission, uint64_t seed, uint64_t index,
-                         bool caustic, struct orl_random *random, struct orl_health *health,
+void orl_emission_points(const struct orl_emission *emission, uint64_t seed, uint64_t index,
+                         bool caustic, struct orl_sobol_block *ret_points)
+{
+    const uint64_t within = index / ORL_MAP_BATCHES;
+    uint32_t sequences[ORL_MAP_BATCHES];
+    for (uint64_t batch = 0; batch < ORL_MAP_BATCHES; batch++)
+        sequences[batch] =
+            (uint32_t)orl_mix64(orl_mix64(seed * 2 + caustic) + batch) + (uint32_t)(within >> 32);
+    orl_sobol_block(&emission->sobol, (uint32_t)within, sequences, ret_points);
+}
+
+bool orl_emission_sample(const struct orl_emission *emission, const double *point, bool caustic,
+                         struct orl_random *random, struct orl_health *health,
                          struct orl_flight *ret_flight)
 {
-    double point[6];
-    const uint64_t batch = index % ORL_MAP_BATCHES, within = index / ORL_MAP_BATCHES;
-    const uint32_t sequence =
-        (uint32_t)orl_mix64(orl_mix64(seed * 2 + caustic) + batch) + (uint32_t)(within >> 32);
     if (emission->n_strata == 0)
         return false;
-    orl_sobol_point(&emission->sobol, (uint32_t)within, sequence, 6, point);
     const struct orl_stratum *stratum = pick(emission, point[0], caustic);
     const double share = caustic ? stratum->share_caustic : stratum->share;
     if (!(share > 0) ||

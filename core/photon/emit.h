@@ -27,6 +27,7 @@
 
 #include "base/sobol.h"
 #include "light/exterior.h"
+#include "scene/passage.h"
 
 enum orl_stratum_kind {
     ORL_STRATUM_PORT_DOME,
@@ -55,6 +56,9 @@ struct orl_stratum {
     double share_caustic;
     double below, below_caustic; /* running sums before it */
     struct orl_table place;      /* of a sun in a port: where caustic photons start; seek.h */
+    /* Of a sun in a port, by sunward.h: */
+    bool unobstructed;                 /* no shadow ray is needed */
+    const struct orl_passage *passage; /* borrowed; NULL: none */
 };
 
 struct orl_emission {
@@ -65,6 +69,8 @@ struct orl_emission {
     struct orl_table *port_tables; /* per port: over the outer hemisphere's Shirley-Chiu square */
     struct orl_table dome_table;   /* open scenes: over the sphere, equal-area cylinder */
     struct orl_table *sun_guides, *sun_caustic_guides, *dome_guides; /* open scenes: guide.h */
+    struct orl_passage **passages; /* owned: through ports, for suns */
+    size_t n_passages;
     bool has_caustics; /* a pilot found a way for them, or the planner something lit that may */
 };
 
@@ -98,12 +104,16 @@ int orl_emission_new(const struct orl_world *world, uint64_t seed, struct orl_cr
                      struct orl_emission **ret_emission, struct orl_error *err);
 void orl_emission_free(struct orl_emission *emission);
 
+/* The Sobol points of the emissions from index on, a multiple of ORL_MAP_BATCHES, one per batch. */
+void orl_emission_points(const struct orl_emission *emission, uint64_t seed, uint64_t index,
+                         bool caustic, struct orl_sobol_block *ret_points);
+
 /*
- * The index-th emission; false when nothing comes of it. random serves what Sobol does not. Paths
- * that look out of a port are counted into health.
+ * The emission of such a point; false when nothing comes of it. random serves what Sobol does not.
+ * Paths that look out of a port are counted into health.
  */
-bool orl_emission_sample(const struct orl_emission *emission, uint64_t seed, uint64_t index,
-                         bool caustic, struct orl_random *random, struct orl_health *health,
+bool orl_emission_sample(const struct orl_emission *emission, const double *point, bool caustic,
+                         struct orl_random *random, struct orl_health *health,
                          struct orl_flight *ret_flight);
 
 /*

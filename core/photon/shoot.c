@@ -5,18 +5,26 @@
 
 #include "photon/trace.h"
 
-enum { SMALL_BATCH = 64, DOUBLINGS = 7, BATCH = SMALL_BATCH << DOUBLINGS, MOST_A_ROUND = 512 };
+enum { SMALL_BATCH = 64, DOUBLINGS = 7, BATCH = SMALL_BATCH << DOUBLINGS };
+enum { BATCHES_A_MEMBER = 32 }; /* most, of each kind, in a round */
+_Static_assert((int)SMALL_BATCH % (int)ORL_MAP_BATCHES == 0, "whole blocks");
 enum { MOST_GROWTH = 15 }; /* a round emits at most this many times what was emitted before */
 /* This many emissions, or rays, without a photon: there is no light to catch. */
 enum { DRY_EMISSIONS = 64 * BATCH, DRY_RAYS = 1 << 24 };
 /* Nor is it worth more than this to catch the few there are. */
 static const double most_emitted_per_photon = 64, emitted_anyway = 1e7;
 
-/* Batches of one kind, as they come back. */
+/*
+ * Batches of one kind, as they come back. What a round's batches leave is moved to one array before
+ * the next round, whose batches then fill the same memory: it is touched once, and stays near.
+ */
 struct queue {
-    struct orl_deposits *batches; /* those of this shot */
-    size_t n_had;                 /* of the earlier one: not here */
-    size_t n_done, n_round;       /* kept so far, n_had among them; being traced */
+    struct orl_deposits *batches; /* of a round */
+    size_t room;                  /* for how many */
+    size_t n_done, n_round;       /* kept so far, an earlier shot's among them; being traced */
+    struct orl_photon *photons;   /* of this shot's batches that are kept, in order */
+    size_t count, capacity;
+    struct orl_health health;
     uint64_t stored, rays;
     bool finished;
 };
@@ -54,6 +62,25 @@ static bool find_batches(uint64_t emitted, size_t *ret_batches)
     return emitted_before(batches) == emitted;
 }
 
+/* One emission of each of the map's batches. */
+static void shoot_block(const struct orl_shoot_env *env, enum orl_map_kind kind, uint64_t first,
+                        struct orl_deposits *deposits)
+{
+    const bool caustic = kind == ORL_MAP_CAUSTIC;
+    struct orl_sobol_block points;
+    orl_emission_points(env->emission, env->seed, first, caustic, &points);
+    for (uint64_t i = 0; i < ORL_MAP_BATCHES; i++) {
+        struct orl_random random =
+            orl_random_stream(env->seed, ORL_PURPOSE_PHOTON, (first + i) * ORL_SHOT_KINDS + kind);
+        struct orl_flight flight;
+        double point[ORL_SOBOL_DIMENSIONS];
+        for (int d = 0; d < ORL_SOBOL_DIMENSIONS; d++)
+            point[d] = points.at[d][i];
+        if (orl_emission_sample(env->emission, point, caustic, &random, &deposits->health, &flight))
+            orl_trace_photon(env->emission->world, &flight, caustic, (uint8_t)i, &random, deposits);
+    }
+}
+
 static void shoot_batch(void *arg, size_t index, uint32_t member)
 {
     struct shooting *shooting = arg;
@@ -62,24 +89,18 @@ static void shoot_batch(void *arg, size_t index, uint32_t member)
     const enum orl_map_kind kind = index < n_global ? ORL_MAP_GLOBAL : ORL_MAP_CAUSTIC;
     struct queue *queue = &shooting->queues[kind];
     const size_t batch = queue->n_done + (kind == ORL_MAP_GLOBAL ? index : index - n_global);
-    struct orl_deposits *deposits = &queue->batches[batch - queue->n_had];
+    struct orl_deposits *deposits = &queue->batches[batch - queue->n_done];
     const uint64_t first = emitted_before(batch), end = emitted_before(batch + 1);
     (void)member;
-    for (uint64_t photon = first; photon < end; photon++) {
-        struct orl_random random =
-            orl_random_stream(env->seed, ORL_PURPOSE_PHOTON, photon * ORL_SHOT_KINDS + kind);
-        struct orl_flight flight;
-        if ((photon & 15) == 0 && atomic_load_explicit(env->cancel, memory_order_relaxed))
+    for (uint64_t photon = first; photon < end; photon += ORL_MAP_BATCHES) {
+        if (atomic_load_explicit(env->cancel, memory_order_relaxed))
             return;
-        if (orl_emission_sample(env->emission, env->seed, photon, kind == ORL_MAP_CAUSTIC, &random,
-                                &deposits->health, &flight))
-            orl_trace_photon(env->emission->world, &flight, kind == ORL_MAP_CAUSTIC,
-                             (uint8_t)(photon % ORL_MAP_BATCHES), &random, deposits);
+        shoot_block(env, kind, photon, deposits);
     }
 }
 
 /* How many batches the next round needs, from the yield so far. */
-static size_t plan_round(const struct queue *queue, uint64_t target)
+static size_t plan_round(const struct queue *queue, uint64_t target, size_t most)
 {
     size_t batches = 1;
     if (queue->finished)
@@ -95,20 +116,45 @@ static size_t plan_round(const struct queue *queue, uint64_t target)
     else
         need = fmin(fmin(need, DRY_EMISSIONS - emitted),
                     DRY_RAYS * emitted / fmax((double)queue->rays, 1) - emitted);
-    while (batches < MOST_A_ROUND &&
-           (double)emitted_before(queue->n_done + batches) < emitted + need)
+    while (batches < most && (double)emitted_before(queue->n_done + batches) < emitted + need)
         batches++;
     return batches;
 }
 
-static int grow(struct queue *queue)
+/* Room for the round's batches, emptied. */
+static int make_room(struct queue *queue)
 {
-    const size_t kept = queue->n_done - queue->n_had, count = kept + queue->n_round;
-    struct orl_deposits *grown = realloc(queue->batches, (count + 1) * sizeof *grown);
-    if (!grown)
-        return ORL_ERR_NOMEM;
-    queue->batches = grown;
-    memset(grown + kept, 0, queue->n_round * sizeof *grown);
+    if (queue->n_round > queue->room) {
+        struct orl_deposits *grown =
+            realloc(queue->batches, queue->n_round * sizeof *queue->batches);
+        if (!grown)
+            return ORL_ERR_NOMEM;
+        memset(grown + queue->room, 0, (queue->n_round - queue->room) * sizeof *grown);
+        queue->batches = grown;
+        queue->room = queue->n_round;
+    }
+    for (size_t i = 0; i < queue->n_round; i++) {
+        struct orl_deposits *batch = &queue->batches[i];
+        *batch = (struct orl_deposits){.photons = batch->photons, .capacity = batch->capacity};
+    }
+    return 0;
+}
+
+/* Adds a batch's photons to those that are kept. */
+static int append(struct queue *queue, const struct orl_deposits *batch)
+{
+    if (batch->count > queue->capacity - queue->count) {
+        const size_t least = queue->count + batch->count, capacity = least + least / 2;
+        struct orl_photon *grown = realloc(queue->photons, capacity * sizeof *grown);
+        if (!grown)
+            return ORL_ERR_NOMEM;
+        queue->photons = grown;
+        queue->capacity = capacity;
+    }
+    if (batch->count > 0)
+        memcpy(queue->photons + queue->count, batch->photons,
+               batch->count * sizeof *batch->photons);
+    queue->count += batch->count;
     return 0;
 }
 
@@ -124,47 +170,32 @@ static bool is_finished(const struct queue *queue, uint64_t target)
 /* Keeps the round's batches up to the one that finishes; drops the rest. */
 static int settle(struct queue *queue, uint64_t target)
 {
-    const size_t end = queue->n_done + queue->n_round;
     int code = 0;
-    for (size_t i = queue->n_done; i < end; i++) {
-        struct orl_deposits *batch = &queue->batches[i - queue->n_had];
-        if (batch->out_of_memory)
-            code = ORL_ERR_NOMEM;
-        if (queue->finished) {
-            free(batch->photons);
-            continue;
-        }
+    for (size_t i = 0; i < queue->n_round && !queue->finished && code == 0; i++) {
+        const struct orl_deposits *batch = &queue->batches[i];
+        const struct orl_health health = orl_deposits_health(batch);
+        code = batch->out_of_memory ? ORL_ERR_NOMEM : append(queue, batch);
+        orl_health_add(&queue->health, &health);
         queue->stored += batch->count;
         queue->rays += batch->health.rays;
-        queue->n_done = i + 1;
+        queue->n_done++;
         queue->finished = is_finished(queue, target);
     }
     queue->n_round = 0;
     return code;
 }
 
-/* One array of all, in order; the batches are freed as they are copied. */
-static int collect(struct queue *queue, struct orl_shot *shot)
+/* Hands over what there is. */
+static void collect(struct queue *queue, struct orl_shot *shot)
 {
-    const uint64_t emitted = emitted_before(queue->n_done) - shot->had_emitted;
-    shot->photons = malloc((queue->stored - shot->had + 1) * sizeof *shot->photons);
-    if (!shot->photons)
-        return ORL_ERR_NOMEM;
-    shot->count = 0;
+    const double emitted = (double)(emitted_before(queue->n_done) - shot->had_emitted);
+    shot->photons = queue->photons;
+    shot->count = queue->count;
+    queue->photons = NULL;
     shot->emitted = queue->n_done > 0 ? emitted_before(queue->n_done) : 1;
-    for (size_t i = 0; i < queue->n_done - queue->n_had; i++) {
-        struct orl_deposits *d = &queue->batches[i];
-        if (d->count > 0)
-            memcpy(shot->photons + shot->count, d->photons, d->count * sizeof *d->photons);
-        shot->count += d->count;
-        const struct orl_health health = orl_deposits_health(d);
-        orl_health_add(&shot->health, &health);
-        free(d->photons);
-        d->photons = NULL;
-    }
-    shot->health.flux_w /= fmax((double)emitted, 1);
-    shot->health.flux_capped_w /= fmax((double)emitted, 1);
-    return 0;
+    orl_health_add(&shot->health, &queue->health);
+    shot->health.flux_w /= fmax(emitted, 1);
+    shot->health.flux_capped_w /= fmax(emitted, 1);
 }
 
 static void report(const struct shooting *shooting, const struct orl_shot *shots)
@@ -182,13 +213,14 @@ static void report(const struct shooting *shooting, const struct orl_shot *shots
 /* All rounds, until every queue is finished. */
 static int shoot_rounds(struct shooting *shooting, const struct orl_shot *shots)
 {
+    const size_t most = BATCHES_A_MEMBER * (size_t)orl_crew_size(shooting->env->crew);
     for (;;) {
         size_t total = 0;
         for (int k = 0; k < ORL_SHOT_KINDS; k++) {
             struct queue *queue = &shooting->queues[k];
-            queue->n_round = plan_round(queue, shots[k].target);
+            queue->n_round = plan_round(queue, shots[k].target, most);
             total += queue->n_round;
-            if (grow(queue) < 0) {
+            if (make_room(queue) < 0) {
                 queue->n_round = 0;
                 return ORL_ERR_NOMEM;
             }
@@ -210,9 +242,8 @@ static int set_up_queues(struct shooting *shooting, const struct orl_shot *shots
 {
     for (int k = 0; k < ORL_SHOT_KINDS; k++) {
         struct queue *queue = &shooting->queues[k];
-        if (!find_batches(shots[k].had_emitted, &queue->n_had))
+        if (!find_batches(shots[k].had_emitted, &queue->n_done))
             return ORL_ERR_CORRUPT;
-        queue->n_done = queue->n_had;
         queue->stored = shots[k].had;
         queue->finished = shots[k].target == 0 || is_finished(queue, shots[k].target) ||
                           (k == ORL_MAP_CAUSTIC && !shooting->env->emission->has_caustics);
@@ -224,9 +255,10 @@ static void free_queues(struct shooting *shooting)
 {
     for (int k = 0; k < ORL_SHOT_KINDS; k++) {
         struct queue *queue = &shooting->queues[k];
-        for (size_t i = 0; queue->batches && i < queue->n_done + queue->n_round - queue->n_had; i++)
+        for (size_t i = 0; i < queue->room; i++)
             free(queue->batches[i].photons);
         free(queue->batches);
+        free(queue->photons);
     }
 }
 
@@ -238,12 +270,8 @@ int orl_shoot(const struct orl_shoot_env *env, struct orl_shot shots[ORL_SHOT_KI
     if (code == 0)
         code = shoot_rounds(&shooting, shots);
     for (int k = 0; k < ORL_SHOT_KINDS && code == 0; k++)
-        code = collect(&shooting.queues[k], &shots[k]);
+        collect(&shooting.queues[k], &shots[k]);
     free_queues(&shooting);
-    for (int k = 0; k < ORL_SHOT_KINDS && code < 0; k++) {
-        free(shots[k].photons);
-        shots[k].photons = NULL;
-    }
     if (code == ORL_ERR_CANCELLED)
         orl_error_set(err, code, "cancelled while tracing photons");
     else if (code == ORL_ERR_CORRUPT)

@@ -30,7 +30,7 @@ const char *orl_map_kind_name(enum orl_map_kind kind); /* "global", "caustic", "
 struct orl_shot {
     uint64_t target;            /* in: photons wanted, in all; 0 for none */
     uint64_t had, had_emitted;  /* in: of an earlier, smaller shot that found some; 0: none */
-    struct orl_photon *photons; /* out, owned by the caller: the others, in order of emission */
+    struct orl_photon *photons; /* out, the caller's: the others, in order of emission; or NULL */
     size_t count;               /* of these */
     uint64_t emitted;           /* in all */
     struct orl_health health;   /* of this shot; fluxes divided by what it emitted: watts */

@@ -3,6 +3,7 @@
 
 #include "photon/guide.h"
 #include "photon/seek.h"
+#include "photon/sunward.h"
 #include "photon/table.h"
 #include "photon/trace.h"
 #include "scene/hemisphere.h"
@@ -356,6 +357,8 @@ int orl_emission_new(const struct orl_world *world, uint64_t seed, struct orl_cr
         code = make_dome_table(e);
     if (code == 0)
         code = list_strata(e);
+    if (code == 0)
+        code = orl_sunward_prepare(e);
     if (code == 0 && world->open)
         code = orl_guide_make(e, seed, crew);
     if (code == 0) {
@@ -384,6 +387,7 @@ void orl_emission_free(struct orl_emission *emission)
     free(emission->port_tables);
     orl_table_done(&emission->dome_table);
     orl_guide_done(emission);
+    orl_sunward_done(emission);
     for (size_t i = 0; emission->strata && i < emission->n_strata; i++)
         orl_table_done(&emission->strata[i].place);
     free(emission->strata);

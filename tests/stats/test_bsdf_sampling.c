@@ -15,6 +15,7 @@
 #include <cmocka.h>
 
 #include "base/random.h"
+#include "bsdf/incident.h"
 #include "fixtures/bsdf_make.h"
 
 enum {
@@ -24,7 +25,8 @@ enum {
     DRAWS = 20000,
     GIVEN = 2, /* given directions per BSDF, side and way of drawing */
     BSDFS = 10,
-    COMPARISONS = BSDFS * 2 * 3 * GIVEN,
+    PREPARED = 3, /* BSDFs that tables are made of */
+    COMPARISONS = BSDFS * 2 * 3 * GIVEN + PREPARED * 2,
 };
 
 static const double significance = 1e-3 / COMPARISONS;
@@ -145,10 +147,11 @@ static double p_value(const double *expected, const double *counted)
     return cells > 1 ? chi_square_tail(x, cells - 1) : 1;
 }
 
-/* Which way a direction is drawn. */
+/* Which way a direction is drawn; of tables made beforehand, if there are any. */
 struct way {
     bool adjoint;
     enum orl_bsdf_side sides;
+    const struct orl_incident *incident;
 };
 
 static double pdf_of(const struct orl_bsdf *bsdf, const struct way *way, struct orl_vec3 given,
@@ -161,6 +164,10 @@ static double pdf_of(const struct orl_bsdf *bsdf, const struct way *way, struct 
 static bool draw(const struct orl_bsdf *bsdf, const struct way *way, struct orl_vec3 given,
                  const double u[3], struct orl_vec3 *other, struct orl_rgb *weight, double *pdf)
 {
+    if (way->incident) {
+        *pdf = 0; /* it tells none */
+        return orl_incident_sample(way->incident, given, u, other, weight);
+    }
     return way->adjoint ? orl_bsdf_sample_adjoint(bsdf, given, way->sides, u, other, weight, pdf)
                         : orl_bsdf_sample(bsdf, given, way->sides, u, other, weight, pdf);
 }
@@ -200,36 +207,33 @@ static double expect(const struct orl_bsdf *bsdf, const struct way *way, struct 
 /* ---- Tests -------------------------------------------------------------------------------------
  */
 
-static void check_draws(const struct orl_bsdf *bsdf, const struct way *way,
+static void check_draws(const struct orl_bsdf *bsdf, const struct way *way, struct orl_vec3 given,
                         struct orl_random *random, int label)
 {
     static double expected[CELLS], counted[CELLS];
-    for (int g = 0; g < GIVEN; g++) {
-        const struct orl_vec3 given = any_direction(random);
-        const double centre[3] = {0.5, 0.5, 0.5};
-        struct orl_vec3 some;
-        struct orl_rgb ignored;
-        double total, p;
-        if (!draw(bsdf, way, given, centre, &some, &ignored, &p))
-            continue; /* black on these sides */
-        total = expect(bsdf, way, given, random, expected);
-        assert_true(fabs(total - 1) < 1e-2); /* jitter; exactly so below */
-        memset(counted, 0, sizeof counted);
-        for (int i = 0; i < DRAWS; i++) {
-            const double u[3] = {uniform(random), uniform(random), uniform(random)};
-            struct orl_vec3 other;
-            struct orl_rgb weight;
-            double pdf;
-            assert_true(draw(bsdf, way, given, u, &other, &weight, &pdf));
-            counted[cell_of(other)]++;
-        }
-        for (int c = 0; c < CELLS; c++)
-            expected[c] *= DRAWS / total;
-        p = p_value(expected, counted);
-        if (p < significance)
-            fail_msg("BSDF %d, adjoint %d, sides %d, direction %d: p = %g", label, way->adjoint,
-                     way->sides, g, p);
+    const double centre[3] = {0.5, 0.5, 0.5};
+    struct orl_vec3 some;
+    struct orl_rgb ignored;
+    double total, p;
+    if (!draw(bsdf, way, given, centre, &some, &ignored, &p))
+        return; /* black on these sides */
+    total = expect(bsdf, way, given, random, expected);
+    assert_true(fabs(total - 1) < 1e-2); /* jitter; exactly so below */
+    memset(counted, 0, sizeof counted);
+    for (int i = 0; i < DRAWS; i++) {
+        const double u[3] = {uniform(random), uniform(random), uniform(random)};
+        struct orl_vec3 other;
+        struct orl_rgb weight;
+        double pdf;
+        assert_true(draw(bsdf, way, given, u, &other, &weight, &pdf));
+        counted[cell_of(other)]++;
     }
+    for (int c = 0; c < CELLS; c++)
+        expected[c] *= DRAWS / total;
+    p = p_value(expected, counted);
+    if (p < significance)
+        fail_msg("BSDF %d, adjoint %d, sides %d, tables %d: p = %g", label, way->adjoint,
+                 way->sides, way->incident != NULL, p);
 }
 
 static void draws_follow_the_pdf(void **state)
@@ -239,9 +243,63 @@ static void draws_follow_the_pdf(void **state)
     for (int b = 0; b < BSDFS; b++)
         for (int adjoint = 0; adjoint < 2; adjoint++)
             for (int sides = ORL_BSDF_REFLECT; sides <= ORL_BSDF_BOTH; sides++) {
-                const struct way way = {adjoint, (enum orl_bsdf_side)sides};
-                check_draws(fixture->bsdf[b], &way, &random, b);
+                const struct way way = {adjoint, (enum orl_bsdf_side)sides, NULL};
+                for (int g = 0; g < GIVEN; g++)
+                    check_draws(fixture->bsdf[b], &way, any_direction(&random), &random, b);
             }
+}
+
+/* What tables draw is what a descent draws, with the same weight; also beyond their cone. */
+static void tables_of_a_cone_follow_the_pdf(void **state)
+{
+    static const int trees[PREPARED] = {0, 2, 3};
+    const struct fixture *fixture = *state;
+    struct orl_random random = orl_random_stream(7, ORL_PURPOSE_BENCH, 1);
+    for (int i = 0; i < 2 * PREPARED; i++) {
+        const struct orl_bsdf *bsdf = fixture->bsdf[trees[i / 2]];
+        /* Light that comes from above the horizon and from above the surface, or from below both.
+         */
+        const double side = i % 2 ? 1 : -1;
+        const struct orl_vec3 middle =
+            orl_normalize(orl_v3(0.31 * side, -0.22 * side, trees[i / 2] == 3 ? 0.8 : 0.8 * side));
+        struct way way = {false, ORL_BSDF_TRANSMIT, NULL};
+        struct orl_incident *incident;
+        assert_int_equal(orl_incident_new(bsdf, middle, 0.0047, &incident), 0);
+        assert_non_null(incident);
+        way.incident = incident;
+        check_draws(bsdf, &way, middle, &random, trees[i / 2]);
+        for (int k = 0; k < 1000; k++) {
+            const double u[3] = {uniform(&random), uniform(&random), uniform(&random)};
+            const double spread = k % 2 ? 0.003 : 2;
+            const struct orl_vec3 in = orl_normalize(
+                orl_add(middle, orl_scale(orl_v3(u[0] - 0.5, u[1] - 0.5, u[2] - 0.5), spread)));
+            struct orl_vec3 out, other;
+            struct orl_rgb weight, expected;
+            double pdf;
+            const bool drawn = orl_incident_sample(incident, in, u, &out, &weight);
+            assert_int_equal(
+                drawn, orl_bsdf_sample(bsdf, in, ORL_BSDF_TRANSMIT, u, &other, &expected, &pdf));
+            if (!drawn)
+                continue;
+            assert_true((out.z > 0) != (in.z > 0) && fabs(orl_length(out) - 1) < 1e-12);
+            assert_true(orl_luma(orl_bsdf_eval(bsdf, in, out)) > 0);
+            assert_true(weight.r == expected.r && weight.b == expected.b);
+        }
+        orl_incident_free(incident);
+    }
+}
+
+/* Where tables would not do: matrices, trees of rank 3, colour. */
+static void other_data_have_no_tables(void **state)
+{
+    static const int others[] = {1, 4, 5, 9};
+    const struct fixture *fixture = *state;
+    for (size_t i = 0; i < sizeof others / sizeof *others; i++) {
+        struct orl_incident *incident;
+        assert_int_equal(
+            orl_incident_new(fixture->bsdf[others[i]], orl_v3(0.6, 0, -0.8), 0.0047, &incident), 0);
+        assert_null(incident);
+    }
 }
 
 /* The same cell for the draw, its value and its pdf; directions are unit and never level. */
@@ -253,7 +311,7 @@ static void draws_values_and_pdfs_agree(void **state)
     for (int i = 0; i < 200000; i++) {
         static const double edge[] = {0, 0x1p-53, 0.5, 1 - 0x1p-53, 0.25, 0x1p-60, 0.75};
         const struct orl_bsdf *bsdf = fixture->bsdf[i % BSDFS];
-        const struct way way = {i / BSDFS % 2, (enum orl_bsdf_side)(1 + i / (2 * BSDFS) % 3)};
+        const struct way way = {i / BSDFS % 2, (enum orl_bsdf_side)(1 + i / (2 * BSDFS) % 3), NULL};
         const struct orl_vec3 given = any_direction(&random);
         double u[3] = {uniform(&random), uniform(&random), uniform(&random)};
         struct orl_vec3 other;
@@ -396,6 +454,8 @@ int main(void)
 {
     static const struct CMUnitTest tests[] = {
         cmocka_unit_test(draws_follow_the_pdf),
+        cmocka_unit_test(tables_of_a_cone_follow_the_pdf),
+        cmocka_unit_test(other_data_have_no_tables),
         cmocka_unit_test(draws_values_and_pdfs_agree),
         cmocka_unit_test(albedo_is_the_integral_of_f),
         cmocka_unit_test(a_trees_integrals_are_sums_over_its_cells),

@@ -1,0 +1,227 @@
+#include "bsdf/incident.h"
+
+#include <stdlib.h>
+
+#include "base/circle.h"
+#include "bsdf/front.h"
+
+enum { MOST_CELLS = 16, RINGS = 4, SPOKES = 32 };
+
+/* A leaf, and the one that takes what is left of its slot: all slots are equally likely. */
+struct slot {
+    float own; /* the leaf's share of its slot */
+    uint32_t other;
+    uint16_t x, y; /* among the cells of the square halved level times */
+    uint32_t level;
+};
+
+struct cell {
+    size_t place; /* orl_square_cell of the light */
+    double weight;
+    struct slot *slots;
+    uint32_t count; /* 0: nothing gets through */
+};
+
+struct orl_incident {
+    const struct orl_bsdf *bsdf;
+    const struct orl_tree *tree;
+    enum orl_axis given;
+    bool front;
+    size_t n_cells;
+    struct cell cells[MOST_CELLS];
+};
+
+/* ---- Making ---------------------------------------------------------------------------------- */
+
+/* Leaves as they are found, and value times size of each. */
+struct list {
+    const struct orl_tree *tree;
+    enum orl_axis given;
+    unsigned x, y; /* of the light, in the finest cells */
+    struct slot *slots;
+    double *weights;
+    uint32_t count;
+};
+
+static void list_leaves(struct list *list, struct orl_tree_ref ref, unsigned level, unsigned x,
+                        unsigned y)
+{
+    const unsigned own = list->given == ORL_AXIS_A ? 0 : 2;
+    if (orl_tree_is_leaf(ref)) {
+        const double value = (double)orl_tree_leaf_value(ref);
+        if (value > 0) {
+            list->weights[list->count] = value / (double)((size_t)1 << 2 * level);
+            list->slots[list->count] =
+                (struct slot){1, list->count, (uint16_t)x, (uint16_t)y, level};
+            list->count++;
+        }
+        return;
+    }
+    const unsigned shift = list->tree->depth - level - 1;
+    const unsigned mine = ((list->x >> shift & 1) | (list->y >> shift & 1) << 1) << own;
+    for (unsigned k = 0; k < 4; k++)
+        list_leaves(list, orl_tree_child(list->tree, ref, mine | k << (2 - own)), level + 1,
+                    x << 1 | (k & 1), y << 1 | k >> 1);
+}
+
+/* Fills slots of leaves below the mean from those above it; order: room for as many numbers. */
+static void share_slots(struct list *list, uint32_t *order)
+{
+    double *weights = list->weights, sum = 0;
+    uint32_t small = 0, large = list->count; /* small ones end, large ones begin */
+    for (uint32_t i = 0; i < list->count; i++)
+        sum += weights[i];
+    for (uint32_t i = 0; i < list->count; i++) {
+        weights[i] *= list->count / sum;
+        order[weights[i] < 1 ? small++ : --large] = i;
+    }
+    for (uint32_t next = 0; next < small && large < list->count; next++) {
+        const uint32_t giver = order[large];
+        struct slot *slot = &list->slots[order[next]];
+        slot->own = (float)weights[order[next]];
+        slot->other = giver;
+        weights[giver] -= 1 - (double)slot->own;
+        if (weights[giver] < 1) {
+            order[small++] = giver;
+            large++;
+        }
+    }
+}
+
+static int make_cell(const struct orl_incident *incident, size_t place, struct cell *ret_cell)
+{
+    const struct orl_tree *tree = incident->tree;
+    const size_t most = (size_t)1 << 2 * tree->depth, side = (size_t)1 << tree->depth;
+    const double sign = incident->given == ORL_AXIS_A ? -1 : 1; /* as the light travels */
+    struct list list = {.tree = tree,
+                        .given = incident->given,
+                        .x = (unsigned)(place >> tree->depth),
+                        .y = (unsigned)(place & (side - 1)),
+                        .slots = malloc(most * sizeof *list.slots),
+                        .weights = malloc(most * sizeof *list.weights)};
+    uint32_t *order = malloc(most * sizeof *order);
+    int code = ORL_ERR_NOMEM;
+    if (list.slots && list.weights && order) {
+        struct orl_vec3 middle = orl_square_to_hemisphere(
+            (struct orl_square){sign * ((2 * list.x + 1) / (double)side - 1),
+                                sign * ((2 * list.y + 1) / (double)side - 1)});
+        middle.z = incident->front ? middle.z : -middle.z;
+        list_leaves(&list, tree->root, 0, 0, 0);
+        share_slots(&list, order);
+        *ret_cell =
+            (struct cell){place, orl_bsdf_albedo(incident->bsdf, middle, ORL_BSDF_TRANSMIT).g,
+                          list.slots, list.count};
+        list.slots = NULL;
+        code = 0;
+    }
+    free(list.slots);
+    free(list.weights);
+    free(order);
+    return code;
+}
+
+static bool has_cell(const struct orl_incident *incident, size_t place)
+{
+    for (size_t i = 0; i < incident->n_cells; i++)
+        if (incident->cells[i].place == place)
+            return true;
+    return false;
+}
+
+static size_t place_of(const struct orl_incident *incident, struct orl_vec3 in)
+{
+    return orl_square_cell(incident->given, orl_disk_to_square(in.x, in.y), incident->tree->depth);
+}
+
+/* Finds the cells by looking at directions all over the cone. */
+static int make_cells(struct orl_incident *incident, struct orl_vec3 in, double half_angle_rad)
+{
+    const struct orl_frame frame = orl_frame_about(in);
+    int code = 0;
+    for (int i = 0; i < RINGS * SPOKES && code == 0; i++) {
+        const struct orl_circle turn = orl_circle_turn((double)(i % SPOKES) / SPOKES);
+        const int ring = i / SPOKES;
+        const double radius = tan(half_angle_rad) * ring / (RINGS - 1);
+        const struct orl_vec3 at = orl_normalize(
+            orl_to_world(&frame, orl_v3(radius * turn.cosine, radius * turn.sine, 1)));
+        const size_t place = place_of(incident, at);
+        if ((at.z > 0) != incident->front || has_cell(incident, place) ||
+            incident->n_cells == MOST_CELLS)
+            continue;
+        code = make_cell(incident, place, &incident->cells[incident->n_cells]);
+        incident->n_cells += code == 0;
+    }
+    return code;
+}
+
+int orl_incident_new(const struct orl_bsdf *bsdf, struct orl_vec3 in, double half_angle_rad,
+                     struct orl_incident **ret_incident)
+{
+    const bool front = in.z > 0;
+    const struct orl_view *view = &bsdf->views[front][1], *other = &bsdf->views[front][0];
+    *ret_incident = NULL;
+    if (bsdf->document.structure != ORL_STRUCTURE_TREE4 || !view->component ||
+        view->component->chroma.present)
+        return 0;
+    /* The weight of a cell is one number: what is reflected must have no finer cells. */
+    if (other->component && (other->component->chroma.present ||
+                             other->component->tree.depth > view->component->tree.depth))
+        return 0;
+    struct orl_incident *incident = calloc(1, sizeof *incident);
+    if (!incident)
+        return ORL_ERR_NOMEM;
+    incident->bsdf = bsdf;
+    incident->tree = &view->component->tree;
+    incident->given = orl_view_axis(view, ORL_ROLE_IN);
+    incident->front = front;
+    if (make_cells(incident, in, half_angle_rad) < 0) {
+        orl_incident_free(incident);
+        return ORL_ERR_NOMEM;
+    }
+    *ret_incident = incident;
+    return 0;
+}
+
+void orl_incident_free(struct orl_incident *incident)
+{
+    for (size_t i = 0; incident && i < incident->n_cells; i++)
+        free(incident->cells[i].slots);
+    free(incident);
+}
+
+/* ---- Draws ----------------------------------------------------------------------------------- */
+
+static const struct slot *draw_slot(const struct cell *cell, double u, double *ret_rest)
+{
+    const double at = u * cell->count;
+    const uint32_t i = at < cell->count ? (uint32_t)at : cell->count - 1;
+    const struct slot *slot = &cell->slots[i];
+    const double own = (double)slot->own, within = at - i;
+    if (within < own) {
+        *ret_rest = within / own;
+        return slot;
+    }
+    *ret_rest = own < 1 ? (within - own) / (1 - own) : 0;
+    return &cell->slots[slot->other];
+}
+
+bool orl_incident_sample(const struct orl_incident *incident, struct orl_vec3 in, const double u[3],
+                         struct orl_vec3 *ret_out, struct orl_rgb *ret_weight)
+{
+    const size_t place = place_of(incident, in);
+    const struct cell *cell = incident->cells;
+    const struct cell *const end = cell + incident->n_cells;
+    double rest, pdf;
+    while (cell < end && cell->place != place)
+        cell++;
+    if (cell == end || (in.z > 0) != incident->front)
+        return orl_bsdf_sample(incident->bsdf, in, ORL_BSDF_TRANSMIT, u, ret_out, ret_weight, &pdf);
+    if (cell->count == 0)
+        return false;
+    const struct slot *slot = draw_slot(cell, u[0], &rest);
+    *ret_out = orl_square_cell_direction(incident->given == ORL_AXIS_A ? ORL_AXIS_B : ORL_AXIS_A,
+                                         slot->x, slot->y, slot->level, rest < 1 ? rest : 0, u[1]);
+    ret_out->z = incident->front ? -ret_out->z : ret_out->z;
+    *ret_weight = orl_gray(cell->weight);
+    return true;
+}
