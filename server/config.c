@@ -31,6 +31,7 @@ void orl_config_help(FILE *stream)
             "  --address-connections N  open connections that one address may have (%u; on\n"
             "                         loopback, where all share one, no fewer than in all)\n"
             "  --log-level LEVEL      debug, info, warn or error (info)\n"
+            "  --log-format FORMAT    text, key=value pairs; or json, an object a line (text)\n"
             "  --help, --version\n\n"
             "Once it listens it prints \"listening on http://ADDRESS:PORT\" on standard output;\n"
             "the log goes to standard error. SIGTERM stops it: a job that is running is queued\n"
@@ -149,6 +150,11 @@ static int apply_option(struct orl_config *config, const char *name, const char 
     } else if (strcmp(name, "--log-level") == 0) {
         if (orl_log_level_from_name(value, &config->log_level))
             rc = orl_error_set(err, ORL_ERR_INVALID, "there is no log level '%s'", value);
+    } else if (strcmp(name, "--log-format") == 0) {
+        config->log_json = strcmp(value, "json") == 0;
+        if (!config->log_json && strcmp(value, "text") != 0)
+            rc = orl_error_set(err, ORL_ERR_INVALID, "--log-format takes text or json, not '%s'",
+                               value);
     } else {
         rc = apply_number(config, name, value, err);
     }

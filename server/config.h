@@ -29,6 +29,7 @@ struct orl_config {
     uint32_t address_connections;   /* open from one address */
     uint32_t idle_timeout_s;        /* of silence, before a connection is closed */
     enum orl_log_level log_level;
+    bool log_json;
 };
 
 enum orl_config_action { ORL_CONFIG_SERVE, ORL_CONFIG_HELP, ORL_CONFIG_VERSION };

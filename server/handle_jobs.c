@@ -66,6 +66,7 @@ static void keep_document(struct orl_request *request)
 static void reply_job(struct orl_request *request, unsigned status, const struct orl_jobs_job *job)
 {
     char location[80];
+    snprintf(request->job, sizeof request->job, "%s", job->row.id);
     orl_reply_json(request, status, orl_job_status(request->server->jobs, job));
     orl_reply_header(request, "Cache-Control", "no-store");
     if (status == 202) {

@@ -11,6 +11,7 @@
 void orl_handle_index(struct orl_request *request);
 void orl_handle_health(struct orl_request *request);
 void orl_handle_ready(struct orl_request *request);
+void orl_handle_metrics(struct orl_request *request); /* handle_metrics.c */
 void orl_handle_openapi(struct orl_request *request);
 void orl_handle_limits(struct orl_request *request);
 

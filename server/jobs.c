@@ -166,6 +166,7 @@ static void job_done(void *ctx, const struct orl_worker_outcome *outcome)
     } else {
         fail_job(job, &outcome->err);
     }
+    orl_metrics_job(jobs->env.metrics, job->row.state, &outcome->tally);
     if (jobs->stopping && jobs->counts[ORL_JOB_RUNNING] == 0)
         jobs->env.idle(jobs->env.ctx);
     start_next(jobs);

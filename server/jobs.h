@@ -46,6 +46,7 @@ struct orl_jobs_env {
     const struct orl_folders *folders;
     struct orl_map_cache *maps;
     const struct orl_log *log;
+    struct orl_metrics *metrics;
     uint32_t threads; /* over all jobs */
     uint32_t at_once;
     void (*changed)(void *ctx); /* after every change of a state */

@@ -1,6 +1,9 @@
 #include "log.h"
 
+#include <jansson.h>
+#include <math.h>
 #include <stdarg.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "times.h"
@@ -45,22 +48,17 @@ static void put_value(struct line *line, const char *value)
         put(line, "\"");
 }
 
-void orl_log_event(const struct orl_log *log, enum orl_log_level level, const char *event,
-                   const char *fields, ...)
+static void write_pairs(const struct orl_log *log, const char *now, const char *level,
+                        const char *event, const char *fields, va_list args)
 {
     struct line line = {.used = 0};
-    char number[64], now[ORL_TIME_TEXT];
-    if (!log->stream || level < log->level)
-        return;
-    orl_time_format(orl_time_now_ms(), now);
+    char number[64];
     put(&line, "time=");
     put(&line, now);
     put(&line, " level=");
-    put(&line, level_names[level]);
+    put(&line, level);
     put(&line, " event=");
     put_value(&line, event);
-    va_list args;
-    va_start(args, fields);
     for (; *fields; fields++) {
         put(&line, " ");
         put(&line, va_arg(args, const char *));
@@ -76,8 +74,57 @@ void orl_log_event(const struct orl_log *log, enum orl_log_level level, const ch
             snprintf(number, sizeof number, "%.3f", va_arg(args, double));
         put(&line, number);
     }
-    va_end(args);
     line.text[line.used++] = '\n';
     fwrite(line.text, 1, line.used, log->stream);
+}
+
+/* Bytes that are no UTF-8 become question marks. */
+static json_t *text_to_json(const char *text)
+{
+    json_t *value = json_string(text ? text : "-");
+    if (value || !text)
+        return value;
+    char *clean = strdup(text);
+    for (char *c = clean; c && *c; c++)
+        if (*c & 0x80)
+            *c = '?';
+    value = clean ? json_string(clean) : NULL;
+    free(clean);
+    return value;
+}
+
+static void write_object(const struct orl_log *log, const char *now, const char *level,
+                         const char *event, const char *fields, va_list args)
+{
+    json_t *doc = json_pack("{s:s, s:s, s:s}", "time", now, "level", level, "event", event);
+    for (; *fields; fields++) {
+        const char *key = va_arg(args, const char *);
+        json_t *value = NULL;
+        if (*fields == 's')
+            value = text_to_json(va_arg(args, const char *));
+        else if (*fields == 'i')
+            value = json_integer((json_int_t)va_arg(args, int64_t));
+        else
+            value = json_real(round(1000 * va_arg(args, double)) / 1000);
+        json_object_set_new(doc, key, value);
+    }
+    char *text = doc ? json_dumps(doc, JSON_COMPACT | JSON_REAL_PRECISION(12)) : NULL;
+    if (text)
+        fprintf(log->stream, "%s\n", text);
+    free(text);
+    json_decref(doc);
+}
+
+void orl_log_event(const struct orl_log *log, enum orl_log_level level, const char *event,
+                   const char *fields, ...)
+{
+    char now[ORL_TIME_TEXT];
+    va_list args;
+    if (!log->stream || level < log->level)
+        return;
+    orl_time_format(orl_time_now_ms(), now);
+    va_start(args, fields);
+    (log->json ? write_object : write_pairs)(log, now, level_names[level], event, fields, args);
+    va_end(args);
     fflush(log->stream);
 }

@@ -3,13 +3,19 @@
  *
  *     time=2024-03-22T11:30:00.123Z level=info event=request id=12 method=GET status=200 ms=0.4
  *
+ * or, when json is set, an object with the same members:
+ *
+ *     {"time":"2024-03-22T11:30:00.123Z","level":"info","event":"request","id":12,...}
+ *
  * Values with spaces or quotes are quoted, control characters replaced, so that what a client
- * sends can never make a second line.
+ * sends can never make a second line. Events about a request have its id, and those about a job its
+ * id as job; the request that submits a job has both.
  * Threads: the loop thread only.
  */
 #ifndef ORL_SERVER_LOG_H
 #define ORL_SERVER_LOG_H
 
+#include <stdbool.h>
 #include <stdint.h>
 #include <stdio.h>
 
@@ -18,6 +24,7 @@ enum orl_log_level { ORL_LOG_DEBUG, ORL_LOG_INFO, ORL_LOG_WARN, ORL_LOG_ERROR };
 struct orl_log {
     FILE *stream; /* NULL: silent */
     enum orl_log_level level;
+    bool json;
 };
 
 /*

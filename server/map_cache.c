@@ -30,6 +30,7 @@ struct orl_map_cache {
     pthread_mutex_t mutex;
     pthread_cond_t changed; /* an entry left BUILDING */
     struct entry *entries;
+    uint64_t hits, misses;
 };
 
 static void final_path(const struct orl_map_cache *cache, const char *kind, const char *key,
@@ -78,8 +79,9 @@ static void wait_a_moment(struct orl_map_cache *cache)
     pthread_cond_timedwait(&cache->changed, &cache->mutex, &until);
 }
 
-static void note_hit(struct entry *entry)
+static void note_hit(struct orl_map_cache *cache, struct entry *entry)
 {
+    cache->hits++;
     entry->pins++;
     entry->map.hits++;
     entry->map.seconds_saved += entry->map.info.seconds;
@@ -114,12 +116,13 @@ static int cache_acquire(void *ctx, const char *kind, const char *key, atomic_bo
     }
     if (rc == 0 && is_ready(cache, entry)) {
         hit = true;
-        note_hit(entry);
+        note_hit(cache, entry);
         *ret_info = entry->map.info;
         ret_info->cached = true;
         final_path(cache, kind, key, ret_path);
     } else if (rc == 0) {
         entry->state = ENTRY_BUILDING;
+        cache->misses++;
         orl_folders_temporary(cache->folders, entry->building);
         memcpy(ret_path, entry->building, ORL_PATH_MAX);
     }
@@ -214,7 +217,7 @@ static int cache_find_smaller(void *ctx, const char *kind, const char *family, u
             best = entry;
     }
     if (best) {
-        note_hit(best);
+        note_hit(cache, best);
         *ret_info = best->map.info;
         final_path(cache, kind, ret_info->key, ret_path);
     }
@@ -260,6 +263,17 @@ int orl_map_cache_flush(struct orl_map_cache *cache, struct orl_error *err)
                               : orl_map_row_drop(cache->db, map.info.kind, map.info.key, err);
         rc = rc ? rc : one;
     }
+}
+
+void orl_map_cache_totals(struct orl_map_cache *cache, struct orl_map_cache_totals *ret_totals)
+{
+    pthread_mutex_lock(&cache->mutex);
+    *ret_totals = (struct orl_map_cache_totals){.hits = cache->hits, .misses = cache->misses};
+    for (const struct entry *entry = cache->entries; entry; entry = entry->next) {
+        ret_totals->entries += entry->state == ENTRY_READY;
+        ret_totals->bytes += entry->state == ENTRY_READY ? entry->map.info.bytes : 0;
+    }
+    pthread_mutex_unlock(&cache->mutex);
 }
 
 static int by_last_use(const void *a, const void *b)

@@ -39,6 +39,12 @@ struct orl_map_store orl_map_cache_store(struct orl_map_cache *cache);
 /* Writes what changed to the database. */
 int orl_map_cache_flush(struct orl_map_cache *cache, struct orl_error *err);
 
+struct orl_map_cache_totals {
+    uint64_t entries, bytes; /* that are ready */
+    uint64_t hits, misses;   /* since the cache was opened */
+};
+void orl_map_cache_totals(struct orl_map_cache *cache, struct orl_map_cache_totals *ret_totals);
+
 /* A copy of the ready maps, the latest used first; owned, free(). */
 int orl_map_cache_list(struct orl_map_cache *cache, struct orl_stored_map **ret_maps,
                        size_t *ret_count, struct orl_error *err);

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "problem.h"
+#include "server.h"
 
 static void set_response(struct orl_request *request, unsigned status,
                          struct MHD_Response *response, const char *type)
@@ -54,6 +55,12 @@ void orl_reply_error(struct orl_request *request, const struct orl_error *err)
 {
     int status = 500;
     json_t *problem = orl_problem_from_error(err, &status);
+    if (status >= 500) {
+        char text[3 * ORL_ERROR_TEXT_MAX];
+        orl_error_format(err, text, sizeof text);
+        orl_log_event(&request->server->log, ORL_LOG_ERROR, "request-failed", "is", "id",
+                      (int64_t)request->id, "why", text);
+    }
     reply_document(request, (unsigned)status, problem, "application/problem+json");
 }
 
@@ -81,6 +88,15 @@ void orl_reply_text(struct orl_request *request, const char *type, const char *t
                  MHD_create_response_from_buffer(strlen(text), (void *)(uintptr_t)text,
                                                  MHD_RESPMEM_PERSISTENT),
                  type);
+}
+
+void orl_reply_owned_text(struct orl_request *request, const char *type, char *text)
+{
+    struct MHD_Response *response =
+        text ? MHD_create_response_from_buffer(strlen(text), text, MHD_RESPMEM_MUST_FREE) : NULL;
+    if (!response)
+        free(text);
+    set_response(request, 200, response, type);
 }
 
 void orl_reply_file(struct orl_request *request, int fd, uint64_t size, const char *type)

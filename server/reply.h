@@ -11,7 +11,7 @@
 
 /* Takes json; NULL (out of memory) becomes a 500. */
 void orl_reply_json(struct orl_request *request, unsigned status, json_t *json);
-/* application/problem+json for an error of the core. */
+/* application/problem+json for an error of the core; those of ours (5xx) are logged. */
 void orl_reply_error(struct orl_request *request, const struct orl_error *err);
 /* ... and for one of HTTP itself; see orl_problem_new. */
 void orl_reply_problem(struct orl_request *request, unsigned status, const char *type,
@@ -21,6 +21,8 @@ void orl_reply_problem(struct orl_request *request, unsigned status, const char 
 void orl_reply_not_found(struct orl_request *request, const char *what);
 /* Constant text. */
 void orl_reply_text(struct orl_request *request, const char *type, const char *text);
+/* Text that it takes; NULL (out of memory) becomes a 500. */
+void orl_reply_owned_text(struct orl_request *request, const char *type, char *text);
 /* A file, by descriptor, which it takes. */
 void orl_reply_file(struct orl_request *request, int fd, uint64_t size, const char *type);
 /* 204, without a body. */

@@ -89,6 +89,8 @@ static void open_request(struct orl_request *request, const char *url)
         return;
     }
     request->route = route;
+    if (strncmp(route->path, "/v1/jobs/{}", 11) == 0)
+        snprintf(request->job, sizeof request->job, "%.*s", ORL_JOB_ID - 1, request->params[0]);
     orl_body_init(&request->body, route->max_body);
     if (!orl_access_check_token(request))
         return;
@@ -138,6 +140,9 @@ static void let_go(struct orl_request *request)
 
 static enum MHD_Result send_response(struct orl_request *request)
 {
+    char id[24];
+    snprintf(id, sizeof id, "%llu", (unsigned long long)request->id);
+    orl_reply_header(request, "X-Request-Id", id);
     let_go(request);
     struct MHD_Response *response = request->response;
     request->response = NULL;
@@ -237,10 +242,13 @@ void orl_request_completed(void *ctx, struct MHD_Connection *connection, void **
     orl_connection_over(connection);
     if (!request)
         return;
-    orl_log_event(&server->log, ORL_LOG_INFO, "request", "isssids", "id", (int64_t)request->id,
-                  "token", request->token, "method", request->method, "path", request->path,
-                  "status", (int64_t)request->status, "ms",
-                  1000 * (orl_time_steady_s() - request->started_s), "end",
+    const double seconds = orl_time_steady_s() - request->started_s;
+    orl_metrics_request(&server->metrics, orl_router_index(request->route), request->status,
+                        seconds);
+    orl_log_event(&server->log, ORL_LOG_INFO, "request", "issssids", "id", (int64_t)request->id,
+                  "job", request->job[0] ? request->job : "-", "token", request->token, "method",
+                  request->method, "path", request->path, "status", (int64_t)request->status, "ms",
+                  1000 * seconds, "end",
                   why == MHD_REQUEST_TERMINATED_COMPLETED_OK ? "ok" : "broken");
     if (request->response)
         MHD_destroy_response(request->response);

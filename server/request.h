@@ -17,6 +17,7 @@
 #include <uv.h>
 
 #include "body.h"
+#include "store/jobs.h"
 #include "store/tokens.h"
 
 struct orl_server;
@@ -34,6 +35,7 @@ struct orl_request {
     uint64_t id;
     double started_s;
     char method[16], path[ORL_LOGGED_PATH]; /* for the log; the path may be cut */
+    char job[ORL_JOB_ID];                   /* whom it is about, as far as known; "" for none */
     char token[ORL_TOKEN_NAME];             /* the name of its token; "-" for none */
     char params[ORL_ROUTE_PARAMS][ORL_PARAM_MAX];
     struct orl_body body;

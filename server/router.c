@@ -6,6 +6,7 @@
 
 #include "handlers.h"
 #include "limits.h"
+#include "metrics.h"
 
 static const char *const json_types[] = {"application/json", NULL};
 static const char *const scene_types[] = {"multipart/form-data", "application/json", NULL};
@@ -14,6 +15,7 @@ static const struct orl_route routes[] = {
     {"GET", "/", ORL_SCOPE_OPEN, orl_handle_index, 0, NULL},
     {"GET", "/healthz", ORL_SCOPE_OPEN, orl_handle_health, 0, NULL},
     {"GET", "/readyz", ORL_SCOPE_OPEN, orl_handle_ready, 0, NULL},
+    {"GET", "/metrics", ORL_SCOPE_READ, orl_handle_metrics, 0, NULL},
     {"GET", "/openapi.yaml", ORL_SCOPE_OPEN, orl_handle_openapi, 0, NULL},
     {"GET", "/v1/limits", ORL_SCOPE_READ, orl_handle_limits, 0, NULL},
     {"POST", "/v1/scenes", ORL_SCOPE_SUBMIT, orl_handle_scene_post, ORL_SERVER_SCENE_BYTES,
@@ -76,6 +78,18 @@ unsigned orl_router_find(const char *method, const char *url, const struct orl_r
         allow(routes[i].method, ret_allow);
     }
     return ret_allow[0] ? 405 : 404;
+}
+
+_Static_assert(sizeof routes / sizeof *routes < ORL_METRICS_ROUTES, "a histogram for each route");
+
+const struct orl_route *orl_router_at(size_t index)
+{
+    return index < sizeof routes / sizeof *routes ? &routes[index] : NULL;
+}
+
+size_t orl_router_index(const struct orl_route *route)
+{
+    return route ? (size_t)(route - routes) : sizeof routes / sizeof *routes;
 }
 
 size_t orl_router_count(void)

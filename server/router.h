@@ -25,6 +25,11 @@ struct orl_route {
 unsigned orl_router_find(const char *method, const char *url, const struct orl_route **ret_route,
                          char ret_params[ORL_ROUTE_PARAMS][ORL_PARAM_MAX], char ret_allow[64]);
 
+/* The route at that place of the table, or NULL behind the last; and the other way round, NULL
+ * being behind the last. */
+const struct orl_route *orl_router_at(size_t index);
+size_t orl_router_index(const struct orl_route *route);
+
 /* How many routes there are; the contract must have as many operations. */
 size_t orl_router_count(void);
 

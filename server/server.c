@@ -135,6 +135,7 @@ static int open_jobs(struct orl_server *server, struct orl_error *err)
         .folders = &server->folders,
         .maps = server->maps,
         .log = &server->log,
+        .metrics = &server->metrics,
         .threads = server->config.threads,
         .at_once = server->config.jobs,
         .changed = on_job_changed,
@@ -163,7 +164,7 @@ int orl_server_run(const struct orl_config *config, void (*announce)(const char 
     struct orl_server server;
     memset(&server, 0, sizeof server);
     server.config = *config;
-    server.log = (struct orl_log){stderr, config->log_level};
+    server.log = (struct orl_log){stderr, config->log_level, config->log_json};
     server.folders.lock_fd = -1;
     server.started_s = orl_time_steady_s();
     if (uv_loop_init(&server.loop) != 0)

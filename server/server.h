@@ -17,6 +17,7 @@
 #include "jobs.h"
 #include "log.h"
 #include "map_cache.h"
+#include "metrics.h"
 #include "store/db.h"
 #include "store/folders.h"
 
@@ -32,6 +33,7 @@ struct orl_server {
     struct orl_jobs *jobs;
     struct orl_http *http;
     struct orl_events *events;
+    struct orl_metrics metrics;
     uint64_t requests; /* served or under way; the last one's id */
     unsigned working;  /* requests whose work is on the pool */
     double started_s;

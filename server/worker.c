@@ -127,6 +127,14 @@ static int read_document(struct orl_worker *worker, struct orl_task *ret_task,
     return rc;
 }
 
+static void note_tally(const struct orl_result *result, struct orl_tally *tally)
+{
+    memcpy(tally->stages_s, result->timings_s, sizeof tally->stages_s);
+    tally->rays = result->cost.rays;
+    tally->photons = result->cost.photons;
+    tally->health = result->health;
+}
+
 static int run_render(struct orl_worker *worker, const struct orl_job *job,
                       const struct orl_files *files, const char *output, struct orl_error *err)
 {
@@ -147,6 +155,7 @@ static int run_render(struct orl_worker *worker, const struct orl_job *job,
     };
     int rc = orl_run(job, &env, &result, err);
     if (rc == 0) {
+        note_tally(&result, &worker->outcome.tally);
         rc = orl_job_output_write(&result, "succeeded", output, &worker->outcome.summary, err);
         orl_result_done(&result);
     }
