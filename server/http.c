@@ -53,7 +53,7 @@ void orl_http_kick(struct orl_http *http)
     enum { TURNS = 64 }; /* then the loop has a turn too */
     MHD_UNSIGNED_LONG_LONG timeout_ms = 0;
     bool more = true, timed = true;
-    if (http->running || http->closed)
+    if (!http || http->running || http->closed)
         return;
     http->running = true;
     for (int i = 0; i < TURNS && more; i++) {

@@ -29,7 +29,7 @@ int orl_http_start(struct orl_server *server, const struct sockaddr *address,
 const struct orl_connections *orl_http_connections(const struct orl_http *http);
 /* Where it listens. */
 void orl_http_address(const struct orl_http *http, struct sockaddr_storage *ret_address);
-/* Lets MHD go on; not from within a handler. */
+/* Lets MHD go on; not from within a handler. NULL (not started) is allowed. */
 void orl_http_kick(struct orl_http *http);
 /* Takes no more connections. */
 void orl_http_quiesce(struct orl_http *http);
