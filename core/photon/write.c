@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include "base/checksum.h"
+#include "base/memory.h"
 #include "base/random.h"
 #include "base/sum.h"
 #include "photon/flux.h"
@@ -40,6 +41,15 @@ static size_t chunk_end(const struct writer *w, size_t chunk)
     return end < count ? end : count;
 }
 
+/* Of the photons that are new. */
+static void let_go(const struct writer *w, size_t first, size_t end)
+{
+    const struct orl_packing *p = &w->packing;
+    if (end > p->n_earlier)
+        orl_memory_let_go(p->photons + (first > p->n_earlier ? first - p->n_earlier : 0),
+                          p->photons + (end - p->n_earlier));
+}
+
 /* Photons are packed in the order they lie in memory; it is packed that they are moved about. */
 static void make_codes(void *arg, size_t chunk, uint32_t member)
 {
@@ -52,6 +62,8 @@ static void make_codes(void *arg, size_t chunk, uint32_t member)
         orl_place_unpack(p.a, p.b, cell);
         w->items[i] = (struct sort_item){orl_zorder_code(cell, p.normal), (uint32_t)i};
     }
+    if (w->build->spend)
+        let_go(w, chunk * CHUNK, chunk_end(w, chunk));
 }
 
 /* Stable least-digit radix sort. */
@@ -299,22 +311,27 @@ static int create_file(struct writer *w, const char *path, int *ret_fd, struct o
 /* Into the order of the file. */
 static int sort_photons(struct writer *w, struct orl_crew *crew)
 {
-    orl_crew_for(crew, (w->packing.count + CHUNK - 1) / CHUNK, make_codes, w);
+    const size_t count = w->packing.count;
+    w->words = malloc((count + 1) * sizeof *w->words);
+    w->items = malloc((count + 1) * sizeof *w->items);
+    if (!w->words || !w->items)
+        return ORL_ERR_NOMEM;
+    orl_crew_for(crew, (count + CHUNK - 1) / CHUNK, make_codes, w);
+    w->spare = malloc((count + 1) * sizeof *w->spare);
+    if (!w->spare)
+        return ORL_ERR_NOMEM;
     sort_items(w);
+    free(w->spare);
+    w->spare = NULL;
     return settle_ties(w);
 }
 
-static int fill_file(struct writer *w, const char *path, int fd, struct orl_crew *crew,
-                     struct orl_error *err)
+static void fill_file(struct writer *w, struct orl_crew *crew)
 {
     const size_t count = w->packing.count;
     orl_crew_for(crew, (count + CHUNK - 1) / CHUNK, pack_chunk, w);
     build_boxes(&w->layout, count, w->file);
     fill_header(w);
-    if (msync(w->file, w->size, MS_SYNC) != 0 || fsync(fd) != 0)
-        return orl_error_set(err, ORL_ERR_IO, "cannot write photon map '%s': %s", path,
-                             strerror(errno));
-    return 0;
 }
 
 int orl_photon_map_write(const char *path, const struct orl_photon *photons, size_t count,
@@ -329,16 +346,13 @@ int orl_photon_map_write(const char *path, const struct orl_photon *photons, siz
     orl_packing_init(&w.packing, build->earlier, photons, count, build->seed, build->extent);
     w.layout = orl_map_layout_of(all);
     w.size = orl_map_size(&w.layout, all, build->note_bytes);
-    w.words = malloc((all + 1) * sizeof *w.words);
-    w.items = malloc((all + 1) * sizeof *w.items);
-    w.spare = malloc((all + 1) * sizeof *w.spare);
-    if (!w.words || !w.items || !w.spare || sort_photons(&w, crew) < 0) {
+    if (sort_photons(&w, crew) < 0) {
         orl_error_set(err, code, "out of memory sorting %zu photons", all);
         goto done;
     }
     code = create_file(&w, path, &fd, err);
     if (code == 0)
-        code = fill_file(&w, path, fd, crew, err);
+        fill_file(&w, crew);
 done:
     if (w.file)
         munmap(w.file, w.size);

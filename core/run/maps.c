@@ -125,7 +125,7 @@ static int shoot(struct orl_run_state *state, struct orl_shot shots[ORL_SHOT_KIN
 
 /* What there is to write: photons, or records, and what they took. */
 struct harvest {
-    const struct orl_photon *photons;
+    const struct orl_photon *photons; /* of no more use once they are written */
     size_t count;
     uint64_t emitted;
     double seconds;
@@ -146,7 +146,8 @@ static int keep(struct orl_run_state *state, enum orl_map_kind kind, struct map_
                                         .earlier = work->earlier,
                                         .notes = harvest->notes,
                                         .note_bytes =
-                                            harvest->notes ? (uint32_t)sizeof *harvest->notes : 0};
+                                            harvest->notes ? (uint32_t)sizeof *harvest->notes : 0,
+                                        .spend = true};
     const double started = env->now_s(env->ctx);
     int code =
         orl_photon_map_write(work->path, harvest->photons, harvest->count, &build, env->crew, err);

@@ -22,11 +22,11 @@
 #define ORL_LIMIT_VIEWS 1024U               /* views in one job */
 #define ORL_LIMIT_IMAGE_SIDE 16384U         /* pixels along one side */
 #define ORL_LIMIT_IMAGE_PIXELS (64UL << 20) /* pixels in one image */
-#define ORL_LIMIT_PHOTONS 100000000UL /* photons asked for in one map: about 10 GB while built */
-#define ORL_LIMIT_GOAL_SAMPLES (1UL << 20) /* samples a sensor, all rounds for an accuracy */
-#define ORL_LIMIT_DEADLINE_S 604800UL      /* longest deadline: a week */
-#define ORL_LIMIT_JOB_BYTES (64UL << 20)   /* one job document */
-#define ORL_LIMIT_STUDY_RUNS 2000U         /* runs of one study: settings times seeds */
-#define ORL_LIMIT_STUDY_LIST 64U           /* techniques, photons, samples or points of a study */
+#define ORL_LIMIT_PHOTONS 100000000UL       /* photons asked for in one map: 5 GB while built */
+#define ORL_LIMIT_GOAL_SAMPLES (1UL << 20)  /* samples a sensor, all rounds for an accuracy */
+#define ORL_LIMIT_DEADLINE_S 604800UL       /* longest deadline: a week */
+#define ORL_LIMIT_JOB_BYTES (64UL << 20)    /* one job document */
+#define ORL_LIMIT_STUDY_RUNS 2000U          /* runs of one study: settings times seeds */
+#define ORL_LIMIT_STUDY_LIST 64U            /* techniques, photons, samples or points of a study */
 
 #endif

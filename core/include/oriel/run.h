@@ -115,7 +115,7 @@ struct orl_map_store {
     int (*acquire)(void *ctx, const char *kind, const char *key, atomic_bool *cancel,
                    char ret_path[4096], bool *ret_hit, struct orl_map_info *ret_info,
                    struct orl_error *err);
-    /* After a miss: the file at that path is complete and synced. It becomes visible, and pinned.
+    /* After a miss: the file at that path is complete, not synced. It becomes visible, and pinned.
      */
     int (*commit)(void *ctx, const struct orl_map_info *info, struct orl_error *err);
     /* After a miss that failed, or a hit that proved corrupt: drops the file. */
