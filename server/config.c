@@ -28,15 +28,17 @@ void orl_config_help(FILE *stream)
             "  --threads N            threads that render (all processors)\n"
             "  --jobs N               jobs that render at once, sharing the threads (1)\n"
             "  --idle-timeout S       seconds of silence after which a connection is closed (%u)\n"
+            "  --drain-timeout S      seconds that running jobs have to finish at a stop (%u)\n"
             "  --address-connections N  open connections that one address may have (%u; on\n"
             "                         loopback, where all share one, no fewer than in all)\n"
             "  --log-level LEVEL      debug, info, warn or error (info)\n"
             "  --log-format FORMAT    text, key=value pairs; or json, an object a line (text)\n"
             "  --help, --version\n\n"
             "Once it listens it prints \"listening on http://ADDRESS:PORT\" on standard output;\n"
-            "the log goes to standard error. SIGTERM stops it: a job that is running is queued\n"
-            "again and starts over with the next start.\n",
-            DEFAULT_PORT, ORL_SERVER_TIMEOUT_S, ORL_SERVER_ADDRESS_CONNECTIONS);
+            "the log goes to standard error. SIGTERM stops it: no job is taken or started any\n"
+            "more, and one that still runs when --drain-timeout is over, or at a second SIGTERM,\n"
+            "is queued again: it starts over with the next start, with the maps it has made.\n",
+            DEFAULT_PORT, ORL_SERVER_TIMEOUT_S, ORL_SERVER_DRAIN_S, ORL_SERVER_ADDRESS_CONNECTIONS);
 }
 
 static int parse_number(const char *option, const char *text, unsigned long min, unsigned long max,
@@ -103,19 +105,20 @@ static int apply_number(struct orl_config *config, const char *name, const char 
 {
     const struct {
         const char *name;
-        unsigned long max;
+        unsigned long min, max;
         uint32_t *field;
     } numbers[] = {
-        {"--threads", ORL_SERVER_THREADS, &config->threads},
-        {"--jobs", ORL_SERVER_THREADS, &config->jobs},
-        {"--idle-timeout", 3600, &config->idle_timeout_s},
-        {"--address-connections", ORL_SERVER_CONNECTIONS, &config->address_connections},
+        {"--threads", 1, ORL_SERVER_THREADS, &config->threads},
+        {"--jobs", 1, ORL_SERVER_THREADS, &config->jobs},
+        {"--idle-timeout", 1, 3600, &config->idle_timeout_s},
+        {"--drain-timeout", 0, 86400, &config->drain_s},
+        {"--address-connections", 1, ORL_SERVER_CONNECTIONS, &config->address_connections},
     };
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) {
         unsigned long number = 0;
         if (strcmp(name, numbers[i].name) != 0)
             continue;
-        const int rc = parse_number(name, value, 1, numbers[i].max, &number, err);
+        const int rc = parse_number(name, value, numbers[i].min, numbers[i].max, &number, err);
         if (rc == 0)
             *numbers[i].field = (uint32_t)number;
         return rc;
@@ -175,6 +178,7 @@ static void set_defaults(struct orl_config *config)
                                                               : (uint32_t)processors;
     config->jobs = 1;
     config->idle_timeout_s = ORL_SERVER_TIMEOUT_S;
+    config->drain_s = ORL_SERVER_DRAIN_S;
     config->log_level = ORL_LOG_INFO;
 }
 

@@ -204,6 +204,10 @@ static bool read_key(struct orl_request *request, const char *key,
 void orl_handle_job_post(struct orl_request *request)
 {
     const char *key = orl_request_header(request, "Idempotency-Key");
+    if (request->server->draining) {
+        orl_reply_stopping(request);
+        return;
+    }
     if (!key && refuse_when_full(request))
         return;
     struct job_post *post = calloc(1, sizeof *post);

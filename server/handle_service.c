@@ -34,9 +34,10 @@ void orl_handle_health(struct orl_request *request)
 void orl_handle_ready(struct orl_request *request)
 {
     const struct orl_jobs *jobs = request->server->jobs;
-    const bool full = orl_jobs_full(jobs);
-    orl_reply_json(request, full ? 503 : 200,
-                   json_pack("{s:s, s:I, s:I}", "status", full ? "queue full" : "ready", "queued",
+    const bool draining = request->server->draining, full = orl_jobs_full(jobs);
+    const char *status = draining ? "stopping" : full ? "queue full" : "ready";
+    orl_reply_json(request, draining || full ? 503 : 200,
+                   json_pack("{s:s, s:I, s:I}", "status", status, "queued",
                              (json_int_t)orl_jobs_count(jobs, ORL_JOB_QUEUED), "running",
                              (json_int_t)orl_jobs_count(jobs, ORL_JOB_RUNNING)));
     orl_reply_header(request, "Cache-Control", "no-store");

@@ -286,6 +286,13 @@ int orl_jobs_cancel(struct orl_jobs *jobs, const char *id, struct orl_error *err
     }
 }
 
+void orl_jobs_drain(struct orl_jobs *jobs)
+{
+    jobs->stopping = true;
+    if (jobs->counts[ORL_JOB_RUNNING] == 0)
+        jobs->env.idle(jobs->env.ctx);
+}
+
 void orl_jobs_stop(struct orl_jobs *jobs)
 {
     jobs->stopping = true;

@@ -59,6 +59,8 @@ int orl_jobs_open(const struct orl_jobs_env *env, struct orl_jobs **ret_jobs,
                   struct orl_error *err);
 void orl_jobs_close(struct orl_jobs *jobs); /* nothing may run; NULL is allowed */
 
+/* Starts no more jobs; calls env.idle once none runs, maybe before it returns. */
+void orl_jobs_drain(struct orl_jobs *jobs);
 /* Starts no more jobs, stops those that run and queues them again; then calls env.idle. */
 void orl_jobs_stop(struct orl_jobs *jobs);
 

@@ -82,6 +82,13 @@ void orl_reply_not_found(struct orl_request *request, const char *what)
                       "there is no %s of that name here", what);
 }
 
+void orl_reply_stopping(struct orl_request *request)
+{
+    orl_reply_problem(request, 503, "stopping", "The daemon is stopping",
+                      "try again when it has been started anew");
+    orl_reply_header(request, "Retry-After", "10");
+}
+
 void orl_reply_text(struct orl_request *request, const char *type, const char *text)
 {
     set_response(request, 200,

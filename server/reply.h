@@ -19,6 +19,8 @@ void orl_reply_problem(struct orl_request *request, unsigned status, const char 
     __attribute__((format(printf, 5, 6)));
 /* 404: there is no such thing here. */
 void orl_reply_not_found(struct orl_request *request, const char *what);
+/* 503: the daemon stops. */
+void orl_reply_stopping(struct orl_request *request);
 /* Constant text. */
 void orl_reply_text(struct orl_request *request, const char *type, const char *text);
 /* Text that it takes; NULL (out of memory) becomes a 500. */

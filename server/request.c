@@ -95,8 +95,7 @@ static void open_request(struct orl_request *request, const char *url)
     if (!orl_access_check_token(request))
         return;
     if (request->server->stopping) {
-        orl_reply_problem(request, 503, "stopping", "The daemon is stopping",
-                          "try again when it has been started anew");
+        orl_reply_stopping(request);
         return;
     }
     const char *length = orl_request_header(request, MHD_HTTP_HEADER_CONTENT_LENGTH);

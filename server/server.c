@@ -20,6 +20,7 @@ static void stop_if_quiet(struct orl_server *server)
     orl_events_stop(server->events);
     orl_http_stop(server->http);
     uv_close((uv_handle_t *)&server->maps_changed, NULL);
+    uv_close((uv_handle_t *)&server->drain, NULL);
     for (int i = 0; i < 2; i++)
         if (!uv_is_closing((uv_handle_t *)&server->signals[i]))
             uv_close((uv_handle_t *)&server->signals[i], NULL);
@@ -30,11 +31,29 @@ void orl_server_work_done(struct orl_server *server)
     stop_if_quiet(server);
 }
 
+static void stop(struct orl_server *server)
+{
+    if (server->stopping)
+        return;
+    /* The next one has its default effect. */
+    for (int i = 0; i < 2; i++)
+        uv_signal_stop(&server->signals[i]);
+    server->stopping = true;
+    orl_http_quiesce(server->http);
+    orl_jobs_stop(server->jobs);
+}
+
 static void on_jobs_idle(void *ctx)
 {
     struct orl_server *server = ctx;
     server->jobs_idle = true;
+    stop(server);
     stop_if_quiet(server);
+}
+
+static void on_drain_over(uv_timer_t *timer)
+{
+    stop(timer->data);
 }
 
 static void on_job_changed(void *ctx)
@@ -47,12 +66,13 @@ static void on_signal(uv_signal_t *handle, int signum)
 {
     struct orl_server *server = handle->data;
     orl_log_event(&server->log, ORL_LOG_INFO, "stopping", "i", "signal", (int64_t)signum);
-    /* The next one has its default effect. */
-    for (int i = 0; i < 2; i++)
-        uv_signal_stop(&server->signals[i]);
-    server->stopping = true;
-    orl_http_quiesce(server->http);
-    orl_jobs_stop(server->jobs);
+    if (server->draining || server->config.drain_s == 0) {
+        stop(server);
+        return;
+    }
+    server->draining = true;
+    uv_timer_start(&server->drain, on_drain_over, 1000 * (uint64_t)server->config.drain_s, 0);
+    orl_jobs_drain(server->jobs);
 }
 
 /* ---- The map cache's news ------------------------------------------------------------------- */
@@ -119,6 +139,8 @@ static void close_storage(struct orl_server *server)
 
 static void watch_signals(struct orl_server *server)
 {
+    uv_timer_init(&server->loop, &server->drain);
+    server->drain.data = server;
     static const int numbers[2] = {SIGTERM, SIGINT};
     for (int i = 0; i < 2; i++) {
         uv_signal_init(&server->loop, &server->signals[i]);

@@ -1,9 +1,11 @@
 /*
  * The daemon: the loop, and everything that lives on it.
  *
- * Start: data folder -> database -> map cache -> jobs -> HTTP. Stop, on SIGTERM or SIGINT: no new
- * connections, running jobs asked to stop and queued again, the answers under way sent, then all is
- * closed in the opposite order. A second signal ends the process at once.
+ * Start: data folder -> database -> map cache -> jobs -> HTTP. Stop, on SIGTERM or SIGINT: it
+ * drains first, that is, takes and starts no jobs, but answers for those it has, until none runs,
+ * the time for that is over, or a second signal comes. Then: no new connections, jobs that still
+ * run asked to stop and queued again, the answers under way sent, and all is closed in the opposite
+ * order. A third signal ends the process at once.
  */
 #ifndef ORL_SERVER_SERVER_H
 #define ORL_SERVER_SERVER_H
@@ -27,6 +29,7 @@ struct orl_server {
     uv_loop_t loop;
     uv_async_t maps_changed;
     uv_signal_t signals[2];
+    uv_timer_t drain;
     struct orl_folders folders;
     struct orl_db db;
     struct orl_map_cache *maps;
@@ -37,7 +40,7 @@ struct orl_server {
     uint64_t requests; /* served or under way; the last one's id */
     unsigned working;  /* requests whose work is on the pool */
     double started_s;
-    bool stopping, jobs_idle;
+    bool draining, stopping, jobs_idle;
 };
 
 /*

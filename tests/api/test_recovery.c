@@ -104,6 +104,83 @@ static void test_orderly_stop_requeues(void **state)
     expect_state(&f->daemon, running, "cancelled", 1);
 }
 
+static void submit_for_seconds(struct daemon_room *f, int seconds, char ret_path[80])
+{
+    char text[512];
+    struct reply reply;
+    snprintf(text, sizeof text,
+             "{\"scene\":\"%s\",\"technique\":\"backward\",\"accuracy\":{\"deadline_s\":%d},"
+             "\"sensors\":[[2,1,0.8,0,0,1]]}",
+             f->scene, seconds);
+    daemon_post_json(&f->daemon, "/v1/jobs", text, &reply);
+    assert_int_equal(reply.status, 202);
+    snprintf(ret_path, 80, "%s", reply_text(&reply, "links.self"));
+    reply_done(&reply);
+}
+
+/* While it drains: jobs are answered for, and none is taken. */
+static void check_draining(struct daemon_room *f, const char *running)
+{
+    struct reply reply;
+    for (int polls = 0, status = 0; status != 503; polls++) {
+        assert_true(polls < 1000);
+        daemon_get(&f->daemon, "/readyz", &reply);
+        status = (int)reply.status;
+        reply_done(&reply);
+    }
+    daemon_get(&f->daemon, running, &reply);
+    assert_int_equal(reply.status, 200);
+    assert_string_equal(reply_text(&reply, "state"), "running");
+    reply_done(&reply);
+    daemon_post_json(&f->daemon, "/v1/jobs", "{}", &reply);
+    assert_int_equal(reply.status, 503);
+    assert_non_null(reply_header(&reply, "Retry-After"));
+    reply_done(&reply);
+}
+
+/* SIGTERM with time: what runs finishes, what waits is there at the next start. */
+static void test_drain(void **state)
+{
+    static const char *const patient[] = {"--drain-timeout", "60", NULL};
+    struct daemon_room *f = *state;
+    char running[80], waiting[80];
+    daemon_end(&f->daemon, SIGTERM);
+    daemon_restart(&f->daemon, patient);
+    submit_for_seconds(f, 3, running);
+    daemon_submit(&f->daemon, f->scene, PHOTONS, 8, NULL, waiting);
+    daemon_wait_running(&f->daemon, running, -1);
+    kill(f->daemon.pid, SIGTERM);
+    check_draining(f, running);
+    assert_int_equal(daemon_wait_end(&f->daemon), 0);
+    daemon_restart(&f->daemon, NULL);
+    expect_state(&f->daemon, running, "succeeded", 1);
+    expect_state(&f->daemon, waiting, "succeeded", 1);
+}
+
+/* The time is over, or a second signal comes: queued again. */
+static void test_drain_is_bounded(void **state)
+{
+    static const char *const extra[2][3] = {{"--drain-timeout", "1", NULL},
+                                            {"--drain-timeout", "600", NULL}};
+    struct daemon_room *f = *state;
+    char running[80];
+    struct reply reply;
+    daemon_submit(&f->daemon, f->scene, MANY_PHOTONS, 9, NULL, running);
+    for (int i = 0; i < 2; i++) {
+        daemon_end(&f->daemon, SIGTERM);
+        daemon_restart(&f->daemon, extra[i]);
+        daemon_wait_running(&f->daemon, running, -1);
+    }
+    kill(f->daemon.pid, SIGTERM);
+    check_draining(f, running);
+    assert_int_equal(daemon_end(&f->daemon, SIGTERM), 0);
+    daemon_restart(&f->daemon, NULL);
+    daemon_wait_running(&f->daemon, running, -1);
+    daemon_request(&f->daemon, "DELETE", running, NULL, NULL, 0, NULL, &reply);
+    reply_done(&reply);
+    expect_state(&f->daemon, running, "cancelled", 1);
+}
+
 /* A cancellation that was answered for holds, even when the daemon is killed right after. */
 static void test_cancelled_stays_cancelled(void **state)
 {
@@ -193,6 +270,8 @@ int main(void)
         cmocka_unit_test(test_killed_in_the_middle),
         cmocka_unit_test(test_third_kill_fails_the_job),
         cmocka_unit_test(test_orderly_stop_requeues),
+        cmocka_unit_test(test_drain),
+        cmocka_unit_test(test_drain_is_bounded),
         cmocka_unit_test(test_cancelled_stays_cancelled),
         cmocka_unit_test(test_leftovers_go_at_start),
         cmocka_unit_test(test_damaged_map_is_built_again),

@@ -41,10 +41,11 @@ static void run_child(const struct daemon *daemon, const char *const *extra, int
 {
     char program[512], log[96];
     const char *build = getenv("ORIEL_BUILD");
-    const char *args[MAX_ARGS] = {"orield", "--port", "0", "--data", daemon->root};
+    const char *args[MAX_ARGS] = {"orield",     "--port",          "0", "--data",
+                                  daemon->root, "--drain-timeout", "0"};
     snprintf(program, sizeof program, "%s/orield", build ? build : "build");
-    for (int i = 0; extra && extra[i] && i + 6 < MAX_ARGS; i++)
-        args[5 + i] = extra[i];
+    for (int i = 0; extra && extra[i] && i + 8 < MAX_ARGS; i++)
+        args[7 + i] = extra[i];
     snprintf(log, sizeof log, "%s.log", daemon->root);
     const int err = open(log, O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
     prctl(PR_SET_PDEATHSIG, SIGKILL);
@@ -97,10 +98,15 @@ void daemon_start(struct daemon *daemon, const char *const *extra)
 
 int daemon_end(struct daemon *daemon, int signum)
 {
+    kill(daemon->pid, signum);
+    return daemon_wait_end(daemon);
+}
+
+int daemon_wait_end(struct daemon *daemon)
+{
     int status = 0;
     curl_easy_cleanup(daemon->curl);
     daemon->curl = NULL;
-    kill(daemon->pid, signum);
     while (waitpid(daemon->pid, &status, 0) < 0 && errno == EINTR)
         continue;
     daemon->pid = 0;

@@ -1,6 +1,6 @@
 /*
  * A real daemon for a test: $ORIEL_BUILD/orield (default build/orield) as a child process, on a
- * free port, with a temporary data folder; and HTTP requests to it by libcurl.
+ * free port, with a temporary data folder and no patience when it stops; and HTTP requests to it by libcurl.
  *
  * Everything here fails the running test (cmocka) when it cannot do its part. Replies are owned:
  * reply_done. The child dies with the test program, whatever happens to that.
@@ -36,6 +36,8 @@ void daemon_start(struct daemon *daemon, const char *const *extra);
 void daemon_restart(struct daemon *daemon, const char *const *extra);
 /* Sends the signal and waits. Returns the exit status, or -1 when a signal ended it. */
 int daemon_end(struct daemon *daemon, int signum);
+/* The same of one that has been told to end. */
+int daemon_wait_end(struct daemon *daemon);
 /* Ends it by SIGTERM if it runs, expects status 0, and removes its folder. */
 void daemon_remove(struct daemon *daemon);
 /* How many files lie below a folder of the data folder ("blobs"). */
