@@ -3,13 +3,13 @@
  * is even, so that both what a wide disc blurs (bias) and what a narrow one scatters (noise) stay
  * small.
  *
- * One search finds the nearest photons, up to query->k. Discs about the point, each of half the
- * next one's area, give estimates from noisy to smooth. From a disc of about 256 photons on,
- * each ring is compared with the disc inside it: as long as the two agree within the scatter of so
- * many photons, or at first somewhat more, the estimate moves on to the larger disc. Between clear
- * agreement and clear disagreement it moves part of the way, and no wider disc is used more than a
- * narrower one: the result is a continuous function of the photons' fluxes, and no pattern shows
- * where one bandwidth takes over from another. All areas are the footprint's (footprint.h).
+ * Three discs about the point (rings.h), each of half the next one's area, give estimates from
+ * noisy to smooth. From one of about 512 photons on each ring is compared with the disc inside it:
+ * as long as the two agree within the scatter of so many photons, or at first somewhat more, the
+ * estimate moves on to the larger disc. Between clear agreement and clear disagreement it moves
+ * part of the way, and no wider disc is used more than a narrower one: the result is a continuous
+ * function of the photons' fluxes, and no pattern shows where one bandwidth takes over from
+ * another. All areas are the footprint's (footprint.h).
  *
  * Beside a wall or an edge a disc is cut, and what is left of it lies to one side of the point: the
  * mean over it is off wherever light falls off, as it does in corners. There a plane is fitted to
@@ -29,24 +29,34 @@
 #ifndef ORL_PHOTON_ADAPT_H
 #define ORL_PHOTON_ADAPT_H
 
-#include "photon/search.h"
+#include "photon/rings.h"
 
 enum { ORL_ADAPT_MOST = 2048 }; /* photons: 2 % of scatter where light is even */
 
-/*
- * A largest radius for such estimates: twice what that many photons take at most of the map's own,
- * so that an estimate in a dark corner is still one, but on a narrow bar does not search the whole
- * scene. No more than widest.
- */
-double orl_adapt_reach(const struct orl_photon_map *map, double widest, struct orl_search *search);
+/* What such estimates from one map need beside it. Immutable once made; borrows the map. */
+struct orl_adapt {
+    struct orl_sums sums;
+    struct orl_zorder order;
+    /*
+     * A largest radius for such estimates: twice what that many photons take at most of the map's
+     * own, so that an estimate in a dark corner is still one, but on a narrow bar does not search
+     * the whole scene. No more than widest.
+     */
+    double reach;
+};
+
+/* Returns 0 or ORL_ERR_NOMEM. */
+int orl_adapt_init(struct orl_adapt *adapt, const struct orl_photon_map *map, double widest,
+                   struct orl_search *search);
+void orl_adapt_done(struct orl_adapt *adapt); /* also of one that is all zero */
 
 /*
  * As orl_density_estimate; radius is the mean of the discs used, by their weight in the result. The
  * standard error is by leaving batches out (Tukey's jackknife), so that it knows of the choice of
- * discs; the bias is what wider discs have beyond the ones used, past its scatter and
- * what of it was taken out.
+ * discs; the bias is what wider discs have beyond the ones used, past its scatter and what of it
+ * was taken out.
  */
-struct orl_density orl_adapt_estimate(const struct orl_photon_map *map,
+struct orl_density orl_adapt_estimate(const struct orl_adapt *adapt,
                                       const struct orl_density_query *query,
                                       struct orl_search *search);
 

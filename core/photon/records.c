@@ -28,7 +28,7 @@ double orl_record_clear(const struct orl_world *world, uint32_t tag)
 
 struct maker {
     const struct orl_records_making *making;
-    double reach;
+    struct orl_adapt adapt;
     struct orl_records records;
     bool *made;
     size_t first;
@@ -50,17 +50,21 @@ static struct orl_record_note note_of(const struct orl_density *density)
     return note;
 }
 
+/* hint: from record to record of a chunk, query.hint. */
 static bool make_record(const struct maker *m, uint64_t leaf, struct orl_search *search,
-                        struct orl_photon *ret_record, struct orl_record_note *ret_note)
+                        double *hint, struct orl_photon *ret_record,
+                        struct orl_record_note *ret_note)
 {
     const struct orl_records_making *making = m->making;
     const struct orl_photon_map *map = making->global;
     struct orl_site site = orl_site_make(map, leaf);
-    struct orl_density_query query = {.k = ORL_ADAPT_MOST, .max_radius = m->reach};
+    struct orl_density_query query = {
+        .k = ORL_ADAPT_MOST, .max_radius = m->adapt.reach, .hint = *hint};
     struct orl_footing footing;
     if (!orl_site_ask(map, &site, leaf, making->world, &query, &footing))
         return false;
-    const struct orl_density density = orl_adapt_estimate(map, &query, search);
+    const struct orl_density density = orl_adapt_estimate(&m->adapt, &query, search);
+    *hint = density.disc;
     const double emitted = (double)map->header->emitted;
     const struct orl_rgb value = orl_rgb_scale(density.irradiance, emitted);
     const struct orl_vec3 p = footing.point;
@@ -77,10 +81,11 @@ static void make_chunk(void *arg, size_t chunk, uint32_t member)
 {
     struct maker *m = arg;
     const size_t first = m->first + chunk * CHUNK;
+    double hint = 0;
     if (atomic_load_explicit(m->making->cancel, memory_order_relaxed))
         return;
     for (size_t i = first; i < first + CHUNK && i < m->records.count; i++)
-        m->made[i] = make_record(m, LEAVES_A_RECORD * i, &m->making->searches[member],
+        m->made[i] = make_record(m, LEAVES_A_RECORD * i, &m->making->searches[member], &hint,
                                  &m->records.photons[i], &m->records.notes[i]);
 }
 
@@ -130,12 +135,12 @@ int orl_records_make(const struct orl_records_making *making, struct orl_records
     m.records.photons = calloc(count + 1, sizeof *m.records.photons);
     m.records.notes = calloc(count + 1, sizeof *m.records.notes);
     m.made = calloc(count + 1, sizeof *m.made);
-    if (!m.records.photons || !m.records.notes || !m.made) {
+    const double widest = 0.1 * making->world->geometry->radius;
+    if (!m.records.photons || !m.records.notes || !m.made ||
+        orl_adapt_init(&m.adapt, map, widest, &making->searches[0]) < 0) {
         orl_error_set(err, code, "out of memory for precomputed irradiance");
         goto done;
     }
-    const double widest = 0.1 * making->world->geometry->radius;
-    m.reach = orl_adapt_reach(map, widest, &making->searches[0]);
     code = make_all(&m);
     if (code < 0) {
         orl_error_set(err, code, "cancelled while precomputing irradiance");
@@ -145,6 +150,7 @@ int orl_records_make(const struct orl_records_making *making, struct orl_records
     *ret_records = m.records;
     m.records = (struct orl_records){0};
 done:
+    orl_adapt_done(&m.adapt);
     free(m.made);
     orl_records_done(&m.records);
     return code;

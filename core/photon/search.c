@@ -3,6 +3,7 @@
 #include "photon/boxes.h"
 #include "photon/flux.h"
 #include "photon/sheet.h"
+#include "photon/sides.h"
 
 struct walk {
     const struct orl_photon_map *map;
@@ -212,11 +213,7 @@ static struct orl_density find_within(struct walk *walk, double max_radius)
 /* A little beyond where the footprint has the area of a disc. */
 static float hint_of(const struct walk *walk, double disc)
 {
-    const double area = ORL_PI * disc * disc;
-    double radius = disc;
-    for (int i = 0; i < 3; i++)
-        radius *= sqrt(area / fmax(orl_footprint_area(walk->footprint, radius), 0.05 * area));
-    radius *= 1.1 / walk->map->header->cell;
+    const double radius = 1.1 * orl_footprint_even(walk->footprint, disc) / walk->map->header->cell;
     return (float)(radius * radius);
 }
 
@@ -314,20 +311,6 @@ double orl_density_bias(const struct orl_photon_map *map, const struct orl_densi
     orl_batches_add(&difference, &estimate->parts, -1);
     return orl_batches_beyond_scatter(&difference) * estimate->area /
            (second.area - estimate->area);
-}
-
-void orl_density_neighbourhood(const struct orl_photon_map *map,
-                               const struct orl_density_query *query, uint32_t least,
-                               struct orl_search *search,
-                               struct orl_neighbourhood *ret_neighbourhood)
-{
-    struct walk walk = walk_of(map, query, search);
-    walk.enough = least;
-    const struct orl_density density = find(&walk, &ret_neighbourhood->footprint, &search->health);
-    ret_neighbourhood->found = density.found;
-    ret_neighbourhood->radius = density.radius;
-    ret_neighbourhood->clear = density.clear;
-    ret_neighbourhood->cut = walk.footprint != NULL;
 }
 
 uint32_t orl_density_nearest(const struct orl_photon_map *map,

@@ -42,6 +42,7 @@ struct orl_density_query {
     struct orl_vec3 normal; /* unit, the lit side */
     uint32_t k;             /* 1 .. ORL_SEARCH_MOST */
     double max_radius;
+    double hint; /* of adaptive estimates: the disc that one close by searched; 0: not known */
     bool at_photon; /* the point is photon `skip`'s own, which is then left out: it would */
     uint32_t skip;  /* otherwise be counted wherever one asks about a photon's place */
     const struct orl_footing *footing; /* the point's surface; NULL: taken to be endless */
@@ -52,6 +53,7 @@ struct orl_density {
     double radius;             /* of the part of the footprint used */
     double area;               /* of that part */
     double clear;              /* no wall is nearer; no more than radius */
+    double disc;               /* of adaptive estimates: what was searched, for query.hint */
     uint32_t found;            /* photons in it */
     /* Of the irradiance's luma: */
     double standard_error; /* of the photons' scatter */
@@ -72,25 +74,9 @@ double orl_density_bias(const struct orl_photon_map *map, const struct orl_densi
                         const struct orl_density *estimate, struct orl_search *search);
 
 /*
- * The photons themselves, for estimates that weigh them by a rule of their own. They are the first
- * `found` of search->candidates, in no order: up to k - 1, within radius, which is the distance of
- * the next one; or all within max_radius. Where a footprint within twice the disc that holds k has
- * `least` of them it is not made larger: a narrow surface has no more.
- */
-struct orl_neighbourhood {
-    uint32_t found;
-    double radius, clear;           /* as in a density */
-    bool cut;                       /* not the whole disc: */
-    struct orl_footprint footprint; /* this part of it */
-};
-void orl_density_neighbourhood(const struct orl_photon_map *map,
-                               const struct orl_density_query *query, uint32_t least,
-                               struct orl_search *search,
-                               struct orl_neighbourhood *ret_neighbourhood);
-
-/*
- * The same for points that are no photons, records say: of the query's sheet, whatever stands in
- * between. Returns how many; ret_radius is as above.
+ * The nearest of the query's sheet, whatever stands in between: for points that are no photons,
+ * records say. They are the first of search->candidates, in no order: up to k - 1, within
+ * ret_radius, which is the distance of the next one; or all within max_radius. Returns how many.
  */
 uint32_t orl_density_nearest(const struct orl_photon_map *map,
                              const struct orl_density_query *query, struct orl_search *search,

@@ -3,7 +3,6 @@
 #include <stdlib.h>
 
 #include "light/proxies.h"
-#include "photon/adapt.h"
 #include "photon/facing.h"
 #include "photon/records.h"
 
@@ -88,8 +87,9 @@ int orl_gather_init(struct orl_gather *gather, const struct orl_world *world, en
                                         gather->max_radius[ORL_MAP_GLOBAL]);
         if (!gather->leaves)
             return ORL_ERR_NOMEM;
-        gather->reach_of_rest = orl_adapt_reach(maps[ORL_MAP_GLOBAL], widest, search);
     }
+    if (rest == ORL_REST_DENSITY && gather->maps[ORL_MAP_GLOBAL])
+        return orl_adapt_init(&gather->adapt, maps[ORL_MAP_GLOBAL], widest, search);
     return 0;
 }
 
@@ -97,6 +97,7 @@ void orl_gather_done(struct orl_gather *gather)
 {
     orl_leaves_free(gather->leaves);
     gather->leaves = NULL;
+    orl_adapt_done(&gather->adapt);
 }
 
 static struct orl_density_query caustic_query(const struct orl_gather *gather,
@@ -154,9 +155,9 @@ struct orl_density orl_gather_rest(const struct orl_gather *gather,
         const struct orl_density_query query = {.point = footing->point,
                                                 .normal = footing->normal,
                                                 .k = ORL_ADAPT_MOST,
-                                                .max_radius = gather->reach_of_rest,
+                                                .max_radius = gather->adapt.reach,
                                                 .footing = footing};
-        return orl_adapt_estimate(gather->maps[ORL_MAP_GLOBAL], &query, search);
+        return orl_adapt_estimate(&gather->adapt, &query, search);
     }
     if (gather->rest == ORL_REST_RECORDS && gather->maps[ORL_MAP_PRECOMPUTED])
         return orl_records_estimate(gather->maps[ORL_MAP_PRECOMPUTED], footing,

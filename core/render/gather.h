@@ -26,6 +26,7 @@
 
 #include "base/sobol.h"
 #include "light/exterior.h"
+#include "photon/adapt.h"
 #include "photon/leaves.h"
 #include "photon/shoot.h"
 #include "render/estimate.h"
@@ -41,7 +42,7 @@ struct orl_gather {
     double near;               /* hits closer than this are lit again */
     double reach;              /* a sensor so close to a surface lies on it */
     struct orl_leaves *leaves; /* of the global map, owned; NULL when there is none */
-    double reach_of_rest;      /* ORL_REST_DENSITY: of its estimates */
+    struct orl_adapt adapt;    /* ORL_REST_DENSITY: for its estimates */
     struct orl_sobol sobol;
     uint64_t seed;
 };

@@ -81,10 +81,17 @@ static struct orl_density_query query_at(double x, double y)
         .point = orl_v3(x, y, 0), .normal = up, .k = ORL_ADAPT_MOST, .max_radius = 0.5};
 }
 
-static double ask(const struct orl_photon_map *map, double x, double y, size_t count)
+static struct orl_adapt adapt_to(const struct orl_photon_map *map)
+{
+    struct orl_adapt adapt;
+    assert_int_equal(orl_adapt_init(&adapt, map, 0.5, search), 0);
+    return adapt;
+}
+
+static double ask(const struct orl_adapt *adapt, double x, double y, size_t count)
 {
     const struct orl_density_query query = query_at(x, y);
-    return orl_adapt_estimate(map, &query, search).irradiance.g / ((double)count / 4);
+    return orl_adapt_estimate(adapt, &query, search).irradiance.g / ((double)count / 4);
 }
 
 /* ---- Even light ------------------------------------------------------------------------------ */
@@ -110,13 +117,15 @@ static void test_even(void **state)
     (void)state;
     for (uint64_t seed = 1; seed <= MAPS; seed++) {
         struct orl_photon_map *map = rain(even, COUNT, seed, 1);
+        struct orl_adapt adapt = adapt_to(map);
         for (int i = 0; i < SIDE * SIDE; i++) {
-            const double off = ask(map, 1.7 * ((i % SIDE) / (SIDE - 1.0) - 0.5),
+            const double off = ask(&adapt, 1.7 * ((i % SIDE) / (SIDE - 1.0) - 0.5),
                                    1.7 * ((i / SIDE) / (SIDE - 1.0) - 0.5), COUNT) -
                                1;
             sum += off;
             squares += off * off;
         }
+        orl_adapt_done(&adapt);
         orl_photon_map_free(map);
     }
     const double n = SIDE * SIDE * MAPS, mean = sum / n, scatter = sqrt(squares / n);
@@ -144,14 +153,16 @@ static void test_edge(void **state)
     enum { COUNT = 400000 };
     const double bright = sqrt(128 / (ORL_PI * COUNT / 4)), dark = bright * sqrt(10);
     struct orl_photon_map *map = rain(edge, COUNT, 3, 1);
+    struct orl_adapt adapt = adapt_to(map);
     (void)state;
     for (int i = 0; i < 20; i++) {
         const double y = -0.8 + 0.08 * i;
-        const double left = ask(map, -1.1 * bright, y, COUNT),
-                     right = ask(map, 1.1 * dark, y, COUNT);
+        const double left = ask(&adapt, -1.1 * bright, y, COUNT),
+                     right = ask(&adapt, 1.1 * dark, y, COUNT);
         if (!(fabs(left - 1) < 5 * 0.088 && fabs(right - 0.1) < 5 * 0.088 * 0.1))
             fail_msg("beside the edge: %.3f and %.3f", left, right);
     }
+    orl_adapt_done(&adapt);
     orl_photon_map_free(map);
 }
 
@@ -176,11 +187,13 @@ static void test_dip(void **state)
     (void)state;
     for (uint64_t seed = 1; seed <= MAPS; seed++) {
         struct orl_photon_map *map = rain(dip, COUNT, seed, 1);
+        struct orl_adapt adapt = adapt_to(map);
         const struct orl_density_query query = query_at(0, 0);
-        adaptive += ask(map, 0, 0, COUNT) / 0.1 / MAPS - 1.0 / MAPS;
+        adaptive += ask(&adapt, 0, 0, COUNT) / 0.1 / MAPS - 1.0 / MAPS;
         fixed +=
             orl_density_estimate(map, &query, search).irradiance.g / (COUNT / 4.0) / 0.1 / MAPS -
             1.0 / MAPS;
+        orl_adapt_done(&adapt);
         orl_photon_map_free(map);
     }
     print_message("in a dip: off by %.3f, with all 2048 photons by %.3f\n", adaptive, fixed);
@@ -218,15 +231,17 @@ static void test_slope(void **state)
     assert_int_equal(orl_world_new(&description, &world, &err), 0);
     for (uint64_t seed = 1; seed <= MAPS; seed++) {
         struct orl_photon_map *map = rain(slope, COUNT, seed, 1);
+        struct orl_adapt adapt = adapt_to(map);
         for (int i = 0; i < 2; i++) {
             struct orl_footing footing;
             struct orl_density_query query = query_at(places[i].x, places[i].y);
             const double true_flux = slope(places[i].x, places[i].y) * COUNT / 4 * MAPS;
             assert_true(orl_footing_find(world, query.point, up, 1e-4, &footing));
             query.footing = &footing;
-            plane[i] += orl_adapt_estimate(map, &query, search).irradiance.g / true_flux;
+            plane[i] += orl_adapt_estimate(&adapt, &query, search).irradiance.g / true_flux;
             mean[i] += orl_density_estimate(map, &query, search).irradiance.g / true_flux;
         }
+        orl_adapt_done(&adapt);
         orl_photon_map_free(map);
     }
     for (int i = 0; i < 2; i++) {

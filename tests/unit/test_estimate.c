@@ -159,7 +159,10 @@ static void test_scatter(void **state)
         struct orl_density_query query = {.normal = up, .k = 300, .max_radius = 0.7};
         const struct orl_density fixed = orl_density_estimate(map, &query, search);
         query.k = ORL_ADAPT_MOST;
-        const struct orl_density adaptive = orl_adapt_estimate(map, &query, search);
+        struct orl_adapt adapt;
+        assert_int_equal(orl_adapt_init(&adapt, map, 0.7, search), 0);
+        const struct orl_density adaptive = orl_adapt_estimate(&adapt, &query, search);
+        orl_adapt_done(&adapt);
         const struct orl_density *both[2] = {&fixed, &adaptive};
         for (int i = 0; i < 2; i++) {
             told[i] += both[i]->standard_error * both[i]->standard_error / MAPS;

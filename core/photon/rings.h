@@ -1,0 +1,46 @@
+/*
+ * What the photons about a point hold, in three discs that each have half the area of the next: the
+ * nearest of the footprint, about query->k of them, or all within max_radius.
+ *
+ * Far more photons than a plain search (search.h) needs, and so few are looked at one by one: a
+ * leaf all of whose photons lie on the point's plane counts as a whole (sums.h), by what share of
+ * it is within a disc, as if its photons were spread evenly along the radius. In even light that
+ * share is right on average, and it scatters far less than sixteen photons that come and go at
+ * once. Leaves that are wide for the discs, not flat, or cut by the footprint's border are taken
+ * apart into photons.
+ *
+ * The radius is the one that holds k photons; it is found by counting, in steps of 1/512 of the
+ * area searched.
+ */
+#ifndef ORL_PHOTON_RINGS_H
+#define ORL_PHOTON_RINGS_H
+
+#include "photon/moments.h"
+#include "photon/search.h"
+#include "photon/sums.h"
+#include "photon/zorder.h"
+
+enum { ORL_RINGS = 3 };
+
+/* Sums of photons, in the map's unit of flux, and of those times x and y (moments.h), in metres. */
+struct orl_ring {
+    float flux[3], by_x[3], by_y[3], squares, found;
+    float batch[ORL_MAP_BATCHES], batch_by_x[ORL_MAP_BATCHES], batch_by_y[ORL_MAP_BATCHES];
+};
+
+struct orl_rings {
+    /* 0: between the whole radius and 1 / sqrt 2 of it; 1: from there to half; 2: all within. */
+    struct orl_ring rings[ORL_RINGS];
+    struct orl_moments discs[ORL_RINGS]; /* of the whole radius and so on */
+    double radius, clear;                /* as in a density */
+    double disc;                         /* that would hold as many were it not cut */
+    double found;                        /* photons within the radius */
+    bool cut;                            /* not the whole disc: by_x and by_y are filled in */
+};
+
+/* Where a footprint within twice the disc that holds k has `least`, it is not made larger. */
+void orl_rings_gather(const struct orl_sums *sums, const struct orl_zorder *order,
+                      const struct orl_density_query *query, double least,
+                      struct orl_search *search, struct orl_rings *ret_rings);
+
+#endif
