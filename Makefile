@@ -14,6 +14,7 @@ PACKAGES_BUILD := gcc libc6-dev make libembree-dev libmicrohttpd-dev libjansson-
 PACKAGES_CHECK := $(PACKAGES_BUILD) libcmocka-dev libgnutls28-dev curl python3
 PACKAGES_LINT  := $(PACKAGES_CHECK) clang clang-tidy clang-format
 PACKAGES_DEMO  := $(PACKAGES_BUILD)
+PACKAGES_PERF  := $(PACKAGES_CHECK) valgrind
 PACKAGES_FUZZ  := $(PACKAGES_BUILD) clang llvm libclang-rt-14-dev
 
 WARNINGS := -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wstrict-prototypes \
@@ -42,12 +43,10 @@ SERVER_SRC := $(sort $(wildcard server/*.c server/*/*.c))
 CLIENT_SRC := $(sort $(wildcard client/*.c))
 OFFICE_SRC := $(sort $(wildcard client/examples/office/*.c))
 FUZZ_TARGETS := $(patsubst tests/fuzz/%.c,%,$(sort $(wildcard tests/fuzz/fuzz_*.c)))
-# Of tests/bench, bench_*.c run by `make bench`; table2, gallery and calibration are targets of their
-# own; the rest is shared.
-BENCH_SRC  := $(sort $(wildcard tests/bench/bench_*.c))
-TABLE_SRC  := tests/bench/table2.c tests/bench/gallery.c tests/bench/calibration.c
+# Programs of tests/bench; the rest there is shared.
+BENCH_SRC  := $(patsubst %,tests/bench/%.c,speed scale instructions table2 gallery calibration)
 SUPPORT_SRC := $(sort $(wildcard tests/support/*.c) $(FUZZ_TARGETS:%=tests/fuzz/%.c) \
-	tests/fuzz/promise.c $(filter-out $(BENCH_SRC) $(TABLE_SRC),$(wildcard tests/bench/*.c)))
+	tests/fuzz/promise.c $(filter-out $(BENCH_SRC),$(wildcard tests/bench/*.c)))
 TEST_SUITES := unit stats validation stability api migrations
 TEST_SRC   := $(sort $(foreach s,$(TEST_SUITES),$(wildcard tests/$(s)/test_*.c)))
 
@@ -69,10 +68,9 @@ OFFICE_OBJ := $(call obj,$(OFFICE_SRC))
 SUPPORT_OBJ := $(call obj,$(SUPPORT_SRC))
 SERVER_LIB_OBJ := $(filter-out %/server/main.o,$(SERVER_OBJ))
 TEST_BIN   := $(patsubst tests/%.c,$(BUILD)/tests/%,$(TEST_SRC))
-BENCH_BIN  := $(patsubst tests/%.c,$(BUILD)/tests/%,$(BENCH_SRC))
 
-.PHONY: all help clean check demo lint format asan tsan bench table2 gallery calibration study tests deps-build \
-	deps-check deps-lint deps-demo deps-fuzz fuzz fuzzers stability cie171 oracles FORCE
+.PHONY: all help clean check demo lint format asan tsan bench bench-scale check-perf table2 gallery \
+	calibration study tests deps-build deps-check deps-lint deps-demo deps-perf deps-fuzz fuzz fuzzers stability cie171 oracles FORCE
 all: $(BUILD)/oriel $(BUILD)/orield $(BUILD)/oriel-lcp
 
 help:
@@ -89,7 +87,10 @@ help:
 ## make cie171     CIE 171:2006, cases 5.4 to 5.14, as a table of references and results
 ## make oracles    skies, the white furnace, the moved office: the same kind of table
 ## make fuzz       every reader of untrusted input under libFuzzer, SECONDS=60 each
-## make bench      speed against the raw ray rate, in one run
+## make bench      what the office costs in ray-times, beside its targets and Radiance's times if it
+##                 is there: a table, and build/bench.json
+## make bench-scale  how that grows with photons, threads and little memory
+## make check-perf   instructions of three small jobs against those on record (RECORD=1: records them)
 ## make table2     the techniques' times and errors on the office, beside Radiance's if it is there
 ## make study      what accuracy costs in time on the office: a table, and build/study/study.png
 ## make gallery    pictures by all techniques, side by side, in build/gallery
@@ -114,6 +115,7 @@ deps-build: ; $(call install_packages,$(PACKAGES_BUILD))
 deps-check: ; $(call install_packages,$(PACKAGES_CHECK))
 deps-lint:  ; $(call install_packages,$(PACKAGES_LINT))
 deps-demo:  ; $(call install_packages,$(PACKAGES_DEMO))
+deps-perf:  ; $(call install_packages,$(PACKAGES_PERF))
 deps-fuzz:  ; $(call install_packages,$(PACKAGES_FUZZ))
 
 # `make V=1` shows the commands.
@@ -251,8 +253,16 @@ format:
 	clang-format -i $(ALL_C)
 
 bench: deps-check
-	@$(MAKE) --no-print-directory -j$(JOBS) all $(BENCH_BIN)
-	@for b in $(BENCH_BIN); do ORIEL_BUILD=$(BUILD) $$b || exit 1; done
+	@$(MAKE) --no-print-directory -j$(JOBS) all $(BUILD)/tests/bench/speed
+	@ORIEL_BUILD=$(BUILD) $(BUILD)/tests/bench/speed
+bench-scale: deps-check
+	@$(MAKE) --no-print-directory -j$(JOBS) all $(BUILD)/tests/bench/scale
+	@ORIEL_BUILD=$(BUILD) $(BUILD)/tests/bench/scale
+RECORD ?=
+check-perf: deps-perf
+	@$(MAKE) --no-print-directory -j$(JOBS) $(BUILD)/tests/bench/instructions
+	@ORIEL_BUILD=$(BUILD) tests/bench/check_perf $(BUILD) $(BUILD)/tests/bench/instructions \
+		'$(CC)' '$(RECORD)'
 table2 gallery calibration: %: deps-check
 	@$(MAKE) --no-print-directory -j$(JOBS) all $(BUILD)/tests/bench/$*
 	@ORIEL_BUILD=$(BUILD) $(BUILD)/tests/bench/$*

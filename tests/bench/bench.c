@@ -3,7 +3,9 @@
 #include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
@@ -36,6 +38,17 @@ double bench_cpu_s(void *ctx)
     return read_clock(CLOCK_PROCESS_CPUTIME_ID);
 }
 
+double bench_own_s(void *ctx)
+{
+    unsigned long long ran, queued = 0;
+    FILE *in = fopen("/proc/thread-self/schedstat", "r");
+    if (in && fscanf(in, "%llu %llu", &ran, &queued) != 2)
+        queued = 0;
+    if (in)
+        fclose(in);
+    return bench_wall_s(ctx) - 1e-9 * (double)queued;
+}
+
 static int compare(const void *a, const void *b)
 {
     const double x = *(const double *)a, y = *(const double *)b;
@@ -54,10 +67,48 @@ uint64_t bench_number(const char *variable, uint64_t otherwise)
     return text && *text ? strtoull(text, NULL, 10) : otherwise;
 }
 
+bool bench_lists(const char *variable, const char *word)
+{
+    const char *text = getenv(variable);
+    const size_t length = strlen(word);
+    if (!text || !*text)
+        return true;
+    for (const char *at = strstr(text, word); at; at = strstr(at + 1, word))
+        if ((at == text || strchr(" ,", at[-1])) && (!at[length] || strchr(" ,", at[length])))
+            return true;
+    return false;
+}
+
+struct bench_list bench_numbers(const char *variable, const struct bench_list *otherwise)
+{
+    const char *text = getenv(variable);
+    struct bench_list list = {.n = 0};
+    char *end;
+    if (!text || !*text)
+        return *otherwise;
+    while (list.n < BENCH_MOST_NUMBERS) {
+        const double value = strtod(text, &end);
+        if (end == text)
+            break;
+        list.values[list.n++] = value;
+        text = *end ? end + 1 : end;
+    }
+    if (list.n == 0 || *text)
+        bench_fail("a list of numbers cannot be read, or is too long", NULL);
+    return list;
+}
+
 const char *bench_build(void)
 {
     const char *build = getenv("ORIEL_BUILD");
     return build ? build : "build";
+}
+
+void bench_kept(const char *name, char ret_path[BENCH_PATH])
+{
+    snprintf(ret_path, BENCH_PATH, "%s/bench", bench_build());
+    mkdir(ret_path, 0777);
+    snprintf(ret_path, BENCH_PATH, "%s/bench/%s", bench_build(), name);
 }
 
 void bench_make_folder(char ret_folder[BENCH_PATH])
@@ -83,7 +134,7 @@ static void redirect(const char *path, int flags, int stream)
 }
 
 int bench_spawn(const char *const *argv, const char *folder, const char *input, const char *output,
-                double *ret_cpu_s)
+                struct bench_use *ret_use)
 {
     int status = -1;
     struct rusage use;
@@ -100,9 +151,11 @@ int bench_spawn(const char *const *argv, const char *folder, const char *input, 
     }
     if (child < 0 || wait4(child, &status, 0, &use) < 0)
         bench_fail("cannot start a program", NULL);
-    if (ret_cpu_s)
-        *ret_cpu_s = (double)use.ru_utime.tv_sec + 1e-6 * (double)use.ru_utime.tv_usec +
-                     (double)use.ru_stime.tv_sec + 1e-6 * (double)use.ru_stime.tv_usec;
+    if (ret_use)
+        *ret_use = (struct bench_use){
+            .cpu_s = (double)use.ru_utime.tv_sec + 1e-6 * (double)use.ru_utime.tv_usec +
+                     (double)use.ru_stime.tv_sec + 1e-6 * (double)use.ru_stime.tv_usec,
+            .peak_bytes = 1024.0 * (double)use.ru_maxrss};
     return WIFEXITED(status) ? WEXITSTATUS(status) : 128;
 }
 

@@ -10,8 +10,6 @@
 #include "bench/calibration.h"
 
 #include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
 static const struct {
@@ -23,43 +21,9 @@ static const struct {
     {"next", calibration_next},
 };
 
-/* Whether a list of words, parted by spaces or commas, has the word; every list has all. */
-static bool lists(const char *variable, const char *word)
-{
-    const char *text = getenv(variable);
-    const size_t length = strlen(word);
-    if (!text || !*text)
-        return true;
-    for (const char *at = strstr(text, word); at; at = strstr(at + 1, word))
-        if ((at == text || strchr(" ,", at[-1])) && (!at[length] || strchr(" ,", at[length])))
-            return true;
-    return false;
-}
-
-static struct calibration_list numbers(const char *variable,
-                                       const struct calibration_list *otherwise)
-{
-    const char *text = getenv(variable);
-    struct calibration_list list = {.n = 0};
-    char *end;
-    if (!text || !*text)
-        return *otherwise;
-    while (list.n < CALIBRATION_MOST_NUMBERS) {
-        const double value = strtod(text, &end);
-        if (end == text)
-            break;
-        list.values[list.n++] = value;
-        text = *end ? end + 1 : end;
-    }
-    if (list.n == 0 || *text)
-        bench_fail("a list of numbers cannot be read, or is too long", NULL);
-    return list;
-}
-
 static void read_knobs(struct calibration_knobs *k)
 {
-    static const struct calibration_list errors = {{0.10, 0.05, 0.02}, 3},
-                                         deadlines_s = {{5, 15, 60}, 3};
+    static const struct bench_list errors = {{0.10, 0.05, 0.02}, 3}, deadlines_s = {{5, 15, 60}, 3};
     const long cores = sysconf(_SC_NPROCESSORS_ONLN);
     k->seeds = (uint32_t)bench_number("ORIEL_CALIBRATION_SEEDS", 30);
     k->goal_seeds = (uint32_t)bench_number("ORIEL_CALIBRATION_GOAL_SEEDS", 10);
@@ -73,8 +37,8 @@ static void read_knobs(struct calibration_knobs *k)
     k->width = (uint32_t)bench_number("ORIEL_CALIBRATION_WIDTH", 100);
     k->pixel_samples = (uint32_t)bench_number("ORIEL_CALIBRATION_PIXEL_SAMPLES", 32);
     k->pixel_runs = (uint32_t)bench_number("ORIEL_CALIBRATION_PIXEL_RUNS", 16);
-    k->errors = numbers("ORIEL_CALIBRATION_ERRORS", &errors);
-    k->deadlines_s = numbers("ORIEL_CALIBRATION_DEADLINES", &deadlines_s);
+    k->errors = bench_numbers("ORIEL_CALIBRATION_ERRORS", &errors);
+    k->deadlines_s = bench_numbers("ORIEL_CALIBRATION_DEADLINES", &deadlines_s);
     k->threads =
         (uint32_t)bench_number("ORIEL_CALIBRATION_THREADS", cores > 1 ? (uint64_t)cores : 1);
     k->by_cpu = bench_number("ORIEL_CALIBRATION_CPU", 0) != 0;
@@ -89,10 +53,10 @@ int main(void)
     read_knobs(&calibration.knobs);
     calibration_open(&calibration);
     for (size_t i = 0; i < CALIBRATION_SCENES; i++)
-        if (lists("ORIEL_CALIBRATION_SCENES", calibration.scenes[i].name))
+        if (bench_lists("ORIEL_CALIBRATION_SCENES", calibration.scenes[i].name))
             calibration.wanted |= UINT64_C(1) << i;
     for (size_t i = 0; i < sizeof tables / sizeof *tables; i++)
-        if (lists("ORIEL_CALIBRATION", tables[i].name))
+        if (bench_lists("ORIEL_CALIBRATION", tables[i].name))
             tables[i].print(&calibration);
     calibration_close(&calibration);
     return 0;

@@ -17,13 +17,7 @@
 #include "bench/bench.h"
 #include "bench/office.h"
 
-enum { CALIBRATION_SCENES = 4, CALIBRATION_MOST_NUMBERS = 8, CALIBRATION_MOST_SENSORS = 64 };
-
-/* A list of numbers from the environment. */
-struct calibration_list {
-    double values[CALIBRATION_MOST_NUMBERS];
-    int n;
-};
+enum { CALIBRATION_SCENES = 4, CALIBRATION_MOST_SENSORS = 64 };
 
 struct calibration_knobs {
     uint32_t seeds, goal_seeds, deadline_seeds, next_seeds;
@@ -31,7 +25,7 @@ struct calibration_knobs {
     uint32_t backward_samples, gather_samples; /* of a sensor */
     uint32_t reference_runs, reference_samples;
     uint32_t width, pixel_samples, pixel_runs; /* of the views; runs of their reference */
-    struct calibration_list errors, deadlines_s;
+    struct bench_list errors, deadlines_s;
     uint32_t threads;
     bool by_cpu; /* seconds are the processor's, but for deadlines */
 };

@@ -61,7 +61,7 @@ void calibration_open(struct calibration *c)
     struct orl_file klems;
     if (fixtures.open(fixtures.ctx, klems_file, &klems, &err) < 0)
         bench_fail("the BSDF; is this the top folder?", &err);
-    office_open(&c->office);
+    office_open(&c->office, NULL);
     open_text(c, 0, sphere_text, NULL, NULL);
     open_text(c, 1, klems_text, "pane.xml", &klems);
     const struct calibration_scene scenes[CALIBRATION_SCENES] = {

@@ -241,7 +241,7 @@ int main(void)
     setvbuf(stdout, NULL, _IOLBF, 0);
     snprintf(g.folder, sizeof g.folder, "%s/gallery", bench_build());
     mkdir(g.folder, 0777);
-    office_open(&g.office);
+    office_open(&g.office, NULL);
     begin_index(&g);
     for (int i = 0; i < SCENES; i++)
         if (!only || strcmp(only, scenes[i].name) == 0)

@@ -2,6 +2,7 @@
 
 #include <stdio.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "light/world.h"
 #include "scene/parse.h"
@@ -16,8 +17,9 @@ char office_sensors[] = "sensors.txt";
 static int open_file(void *ctx, const char *name, struct orl_file *ret_file, struct orl_error *err)
 {
     const struct office *office = ctx;
-    const struct orl_files *from = strstr(name, ".xml") ? &office->of_folder : &office->of_source;
-    return from->open(from->ctx, name, ret_file, err);
+    if (strstr(name, ".xml"))
+        return office->of_panel.open(office->of_panel.ctx, office->panel_name, ret_file, err);
+    return office->of_source.open(office->of_source.ctx, name, ret_file, err);
 }
 
 static void close_file(void *ctx, struct orl_file *file)
@@ -26,28 +28,44 @@ static void close_file(void *ctx, struct orl_file *file)
     office->of_source.close(office->of_source.ctx, file);
 }
 
-/* The panel's BSDF, 2^6, by the example's own generator. */
-static void make_panel(const struct office *office)
+void office_make_panel(int resolution, char ret_path[BENCH_PATH])
 {
-    char program[BENCH_PATH], path[BENCH_PATH + 16];
+    char program[BENCH_PATH], part[BENCH_PATH], name[32], power[8];
+    snprintf(name, sizeof name, "lcp-%d.xml", resolution);
+    bench_kept(name, ret_path);
+    if (access(ret_path, R_OK) == 0)
+        return;
+    fprintf(stderr, "  the BSDF of a panel of 2^%d is made, once\n", resolution);
+    snprintf(name, sizeof name, "lcp-%d.part", resolution);
+    bench_kept(name, part);
+    snprintf(power, sizeof power, "%d", resolution);
     snprintf(program, sizeof program, "%s/oriel-lcp", bench_build());
-    snprintf(path, sizeof path, "%s/lcp.xml", office->folder);
-    const char *const argv[] = {program, "--resolution", "6", "--seed", "1", "-o", path, NULL};
-    if (bench_spawn(argv, NULL, NULL, NULL, NULL) != 0)
+    const char *const argv[] = {program, "--resolution", power, "--seed", "1", "-o", part, NULL};
+    if (bench_spawn(argv, NULL, NULL, NULL, NULL) != 0 || rename(part, ret_path) != 0)
         bench_fail("oriel-lcp did not run; is it built?", NULL);
 }
 
-void office_open(struct office *office)
+void office_open(struct office *office, const char *of_panel)
 {
+    *office = (struct office){.files = {.ctx = office, .open = open_file, .close = close_file}};
     bench_make_folder(office->folder);
-    office->files = (struct orl_files){.ctx = office, .open = open_file, .close = close_file};
+    if (of_panel)
+        snprintf(office->panel, sizeof office->panel, "%s", of_panel);
+    else
+        office_make_panel(6, office->panel);
+    const char *slash = strrchr(office->panel, '/');
+    if (!slash)
+        bench_fail("the panel's BSDF is in no folder", NULL);
+    office->panel_name = slash + 1;
+    snprintf(office->panel_folder, sizeof office->panel_folder, "%.*s",
+             (int)(slash - office->panel), office->panel);
     office->of_source = orl_files_from_folder(office_source);
-    office->of_folder = orl_files_from_folder(office->folder);
-    make_panel(office);
+    office->of_panel = orl_files_from_folder(office->panel_folder);
 }
 
 void office_close(struct office *office)
 {
+    orl_world_free(office->world);
     bench_remove_folder(office->folder);
 }
 
@@ -59,16 +77,20 @@ void office_job(struct orl_job *ret_job)
     ret_job->n_scene_files = OFFICE_FILES;
 }
 
-double office_rate(const struct office *office, int runs, double (*now_s)(void *ctx))
+static void make_world(struct office *office)
 {
     struct orl_description description = {0};
-    struct orl_world *world;
     struct orl_error err = {0};
     if (orl_scene_parse((const char *const *)(uintptr_t)office_names, OFFICE_FILES, &office->files,
                         &description, &err) < 0 ||
-        orl_world_new(&description, &world, &err) < 0)
+        orl_world_new(&description, &office->world, &err) < 0)
         bench_fail("loading the office", &err);
-    const double rate = bench_embree_rate(world->geometry, runs, now_s);
-    orl_world_free(world);
-    return rate;
+}
+
+double office_rate(struct office *office, struct orl_crew *crew, int runs,
+                   double (*now_s)(void *ctx))
+{
+    if (!office->world)
+        make_world(office);
+    return bench_embree_rate(office->world->geometry, crew, runs, now_s);
 }

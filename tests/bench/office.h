@@ -1,6 +1,5 @@
 /*
- * The example's office as programs measure it: its files, with a panel made for the occasion in a
- * folder of its own.
+ * The example's office as programs measure it: its files, with a panel's BSDF from elsewhere.
  */
 #ifndef ORL_TESTS_BENCH_OFFICE_H
 #define ORL_TESTS_BENCH_OFFICE_H
@@ -17,19 +16,27 @@ extern char *const office_names[OFFICE_FILES];
 extern char office_sensors[];
 
 struct office {
-    char folder[BENCH_PATH]; /* ours, empty but for lcp.xml */
-    struct orl_files files;  /* the example's folder, the panel's XML from ours */
-    struct orl_files of_source, of_folder;
+    char folder[BENCH_PATH]; /* ours, empty at first */
+    char panel[BENCH_PATH];  /* the panel's XML */
+    struct orl_files files;  /* the example's folder; any XML is the panel's */
+    struct orl_files of_source, of_panel;
+    char panel_folder[BENCH_PATH];
+    const char *panel_name;
+    struct orl_world *world; /* for office_rate; made when it is first asked for */
 };
 
-/* In place: files refers to it. Runs build/oriel-lcp. */
-void office_open(struct office *office);
+/* The BSDF of a panel of 2^resolution directions an axis, by build/oriel-lcp: made once, kept. */
+void office_make_panel(int resolution, char ret_path[BENCH_PATH]);
+
+/* In place: files refers to it. With the panel of that path; NULL: of 2^6. */
+void office_open(struct office *office, const char *panel);
 void office_close(struct office *office); /* removes its folder */
 
 /* A job of the office by gather, nothing else asked; owns nothing: not for orl_job_done. */
 void office_job(struct orl_job *ret_job);
 
 /* bench_embree_rate in the office. */
-double office_rate(const struct office *office, int runs, double (*now_s)(void *ctx));
+double office_rate(struct office *office, struct orl_crew *crew, int runs,
+                   double (*now_s)(void *ctx));
 
 #endif

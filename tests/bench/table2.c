@@ -6,7 +6,6 @@
  */
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "bench/table2.h"
 
@@ -30,10 +29,10 @@ static char view_name[] = "view";
 
 /* Runs a job of sensors and the view; the luminances are the caller's. */
 static void run_job(const struct table *table, struct orl_job *job, struct orl_crew *crew,
-                    double (*now_s)(void *ctx), struct orl_result *ret_result,
-                    double **ret_luminances)
+                    struct orl_result *ret_result, double **ret_luminances)
 {
-    struct orl_view_request view = {view_name, view_text, table->width, table->height};
+    struct orl_view_request view = {view_name, view_text, table->reference.width,
+                                    table->reference.height};
     char maps[BENCH_PATH + 8], image[BENCH_PATH + 16];
     snprintf(maps, sizeof maps, "%s/maps", table->office.folder);
     snprintf(image, sizeof image, "%s/%s.hdr", table->office.folder, view_name);
@@ -41,47 +40,14 @@ static void run_job(const struct table *table, struct orl_job *job, struct orl_c
                                   .crew = crew,
                                   .maps = maps,
                                   .output = table->office.folder,
-                                  .now_s = now_s};
+                                  .now_s = bench_cpu_s};
     job->views = &view;
     job->n_views = 1;
     job->sensors_file = office_sensors;
     job->photons_global = job->photons_caustic = table->photons;
     bench_run(&env, job, ret_result);
-    *ret_luminances = bench_read_luminances(image, (int)table->width, (int)table->height);
+    *ret_luminances = bench_read_luminances(image, (int)view.width, (int)view.height);
     bench_remove_folder(maps);
-}
-
-/* One half of the reference, by all cores: nobody times it. */
-static void render_half(const struct table *table, uint64_t seed, double **ret_lx,
-                        double **ret_luminances)
-{
-    const long cores = sysconf(_SC_NPROCESSORS_ONLN);
-    struct orl_crew *crew = orl_crew_start(cores > 1 ? (uint32_t)cores : 1);
-    struct orl_result r;
-    struct orl_job job;
-    if (!crew)
-        bench_fail("out of memory", NULL);
-    office_job(&job);
-    job.technique = ORL_TECHNIQUE_BACKWARD;
-    job.seed = seed;
-    job.gather_samples = table->reference_sensor_samples;
-    job.pixel_samples = table->reference_pixel_samples;
-    run_job(table, &job, crew, bench_wall_s, &r, ret_luminances);
-    *ret_lx = r.illuminance_lx;
-    r.illuminance_lx = NULL;
-    orl_result_done(&r);
-    orl_crew_stop(crew);
-}
-
-static void make_reference(struct table *table)
-{
-    const double started = bench_wall_s(NULL);
-    table->sensors.n = OFFICE_SENSORS;
-    table->image.n = (size_t)table->width * table->height;
-    render_half(table, 1000001, &table->sensors.a, &table->image.a);
-    render_half(table, 1000002, &table->sensors.b, &table->image.b);
-    table->reference_wall_s = bench_wall_s(NULL) - started;
-    fprintf(stderr, "  reference made in %.0f s\n", table->reference_wall_s);
 }
 
 static void book_times(const struct orl_result *r, struct table_row *row)
@@ -130,7 +96,7 @@ static void measure(struct table *table, const struct technique *t, struct orl_c
         if (!t->caustics)
             job.wishes[ORL_EFFECT_CAUSTICS_MIRROR] = job.wishes[ORL_EFFECT_CAUSTICS_BSDF] =
                 ORL_WISH_SKIP;
-        run_job(table, &job, crew, bench_cpu_s, &r, &luminances);
+        run_job(table, &job, crew, &r, &luminances);
         book_times(&r, &of_run);
         table_judge(table, r.illuminance_lx, luminances, &of_run);
         table_merge(row, &of_run, run);
@@ -144,18 +110,18 @@ static void measure(struct table *table, const struct technique *t, struct orl_c
 static void read_knobs(struct table *table)
 {
     table->photons = bench_number("ORIEL_TABLE2_PHOTONS", ORL_DEFAULT_PHOTONS);
-    table->width = (uint32_t)bench_number("ORIEL_TABLE2_WIDTH", 400);
-    table->height = table->width * 3 / 4;
+    table->reference.width = (uint32_t)bench_number("ORIEL_TABLE2_WIDTH", 400);
+    table->reference.height = table->reference.width * 3 / 4;
     table->sensor_samples =
         (uint32_t)bench_number("ORIEL_TABLE2_SENSOR_SAMPLES", ORL_DEFAULT_GATHER_SAMPLES);
     table->pixel_samples = (uint32_t)bench_number("ORIEL_TABLE2_PIXEL_SAMPLES", 16);
-    table->reference_pixel_samples = (uint32_t)bench_number("ORIEL_TABLE2_REFERENCE", 64);
-    table->reference_sensor_samples =
+    table->reference.pixel_samples = (uint32_t)bench_number("ORIEL_TABLE2_REFERENCE", 64);
+    table->reference.sensor_samples =
         (uint32_t)bench_number("ORIEL_TABLE2_REFERENCE_SENSORS", 1 << 17);
     table->runs = (int)bench_number("ORIEL_TABLE2_RUNS", 1);
     table->radiance = bench_number("ORIEL_TABLE2_RADIANCE", 1) != 0;
     table->radiance_backward = bench_number("ORIEL_TABLE2_XXX", 0) != 0;
-    if (table->runs < 1 || table->width < 8 || table->height < 1)
+    if (table->runs < 1 || table->reference.width < 8)
         bench_fail("ORIEL_TABLE2_RUNS and _WIDTH are too small", NULL);
 }
 
@@ -168,17 +134,16 @@ int main(void)
         bench_fail("out of memory", NULL);
     setvbuf(stdout, NULL, _IOLBF, 0);
     read_knobs(&table);
-    office_open(&table.office);
-    table.rate = office_rate(&table.office, 3, bench_cpu_s);
-    make_reference(&table);
+    office_open(&table.office, NULL);
+    table.rate = office_rate(&table.office, crew, 3, bench_cpu_s);
+    office_reference_make(&table.office, &table.reference);
     for (int i = 0; i < TECHNIQUES; i++)
         measure(&table, &techniques[i], crew);
     table_add_radiance(&table);
     table_print(&table);
     snprintf(path, sizeof path, "%s/table2.json", bench_build());
     table_write_json(&table, path);
-    bench_reference_done(&table.sensors);
-    bench_reference_done(&table.image);
+    office_reference_done(&table.reference);
     office_close(&table.office);
     orl_crew_stop(crew);
     return 0;

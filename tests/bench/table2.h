@@ -9,9 +9,11 @@
 
 #include <stdio.h>
 
-#include "bench/compare.h"
 #include "bench/office.h"
+#include "bench/radiance.h"
+#include "bench/reference.h"
 
+/* In radiance_map's order. */
 enum table_kind { TABLE_GLOBAL, TABLE_CAUSTIC, TABLE_PRECOMPUTED, TABLE_KINDS };
 enum { TABLE_ROWS = 12 };
 
@@ -31,22 +33,16 @@ struct table_row {
 struct table {
     /* Knobs. */
     uint64_t photons;
-    uint32_t width, height;                                     /* of the image */
-    uint32_t sensor_samples, pixel_samples;                     /* of the techniques */
-    uint32_t reference_sensor_samples, reference_pixel_samples; /* of each half */
+    uint32_t sensor_samples, pixel_samples; /* of the techniques */
     int runs;
     bool radiance, radiance_backward;
 
     struct office office;
-    double rate; /* Embree's rays a second */
-    struct bench_reference sensors, image;
-    double reference_wall_s;
+    double rate;                       /* Embree's rays a second */
+    struct office_reference reference; /* its image is what all images are like */
     struct table_row rows[TABLE_ROWS]; /* the first is Oriel's backward */
     int n_rows;
 };
-
-/* Pixels darker than that share of the mean do not count: rgbe holds them, but nobody sees them. */
-#define TABLE_DARKEST 0.01
 
 /* Adds a run's row as the (run + 1)-th to the means. */
 void table_merge(struct table_row *row, const struct table_row *of_run, int run);

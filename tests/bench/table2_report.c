@@ -47,9 +47,9 @@ void table_merge(struct table_row *row, const struct table_row *of_run, int run)
 void table_judge(const struct table *table, const double *lx, const double *luminances,
                  struct table_row *row)
 {
-    row->sensors = bench_compare(&table->sensors, lx, 0);
-    row->image = bench_compare(&table->image, luminances, TABLE_DARKEST);
-    row->image_bias = bench_bias_of_mean(&table->image, luminances);
+    row->sensors = bench_compare(&table->reference.sensors, lx, 0);
+    row->image = bench_compare(&table->reference.image, luminances, OFFICE_DARKEST);
+    row->image_bias = bench_bias_of_mean(&table->reference.image, luminances);
 }
 
 static double fixed_s(const struct table_row *row)
@@ -140,21 +140,20 @@ static void print_errors(const struct table *table)
         printf(" | %8.2f %10.2f %8.2f\n", speed_up(table, row), speed_up_maps_ready(table, row),
                speed_up_99(table, row));
     }
-    printf(
-        "  Against backward in two independent halves, A and B, of %u samples a pixel and %u a\n"
-        "  sensor each (%.0f s, all cores). Its own standard error: %.2f %% of a pixel, %.3f %% of"
-        " a sensor.\n"
-        "  rms: root of the mean of (x - A)(x - B) / R^2, R = (A + B) / 2, which the "
-        "reference's noise drops out of;\n"
-        "  pixels below %.0f %% of the mean are left out. rms99: without the worst "
-        "hundredth of pixels.\n"
-        "  Bias of the image: of its mean.\n"
-        "  Speed-up: backward's image time times (its rms / the row's rms)^2, as noise falls "
-        "with 1/sqrt(n),\n"
-        "  plus its load and lamps, over the row's total; maps ready: image times alone.\n",
-        table->reference_pixel_samples, table->reference_sensor_samples, table->reference_wall_s,
-        100 * bench_reference_noise(&table->image, TABLE_DARKEST),
-        100 * bench_reference_noise(&table->sensors, 0), 100 * TABLE_DARKEST);
+    printf("  Against backward in two independent halves, A and B, of %u samples a pixel and %u a\n"
+           "  sensor each. Its own standard error: %.2f %% of a pixel, %.3f %% of"
+           " a sensor.\n"
+           "  rms: root of the mean of (x - A)(x - B) / R^2, R = (A + B) / 2, which the "
+           "reference's noise drops out of;\n"
+           "  pixels below %.0f %% of the mean are left out. rms99: without the worst "
+           "hundredth of pixels.\n"
+           "  Bias of the image: of its mean.\n"
+           "  Speed-up: backward's image time times (its rms / the row's rms)^2, as noise falls "
+           "with 1/sqrt(n),\n"
+           "  plus its load and lamps, over the row's total; maps ready: image times alone.\n",
+           table->reference.pixel_samples, table->reference.sensor_samples,
+           100 * bench_reference_noise(&table->reference.image, OFFICE_DARKEST),
+           100 * bench_reference_noise(&table->reference.sensors, 0), 100 * OFFICE_DARKEST);
 }
 
 void table_print(const struct table *table)
@@ -163,8 +162,8 @@ void table_print(const struct table *table)
            "backward %u samples a pixel,\n"
            "%u rays a sensor; one thread, processor seconds, mean of %d. R, Embree alone: %.2f M "
            "rays/s\n",
-           (double)table->photons / 1e6, table->width, table->height, table->pixel_samples,
-           table->sensor_samples, table->runs, table->rate / 1e6);
+           (double)table->photons / 1e6, table->reference.width, table->reference.height,
+           table->pixel_samples, table->sensor_samples, table->runs, table->rate / 1e6);
     print_times(table);
     print_errors(table);
 }
@@ -198,12 +197,13 @@ void table_write_json(const struct table *table, const char *path)
         json_array_append_new(rows, row_json(table, &table->rows[i]));
     json_t *root = json_pack(
         "{s:f, s:I, s:i, s:i, s:i, s:i, s:i, s:{s:i, s:i, s:f, s:f}, s:o}", "rays_per_s",
-        table->rate, "photons", (json_int_t)table->photons, "width", (int)table->width, "height",
-        (int)table->height, "pixel_samples", (int)table->pixel_samples, "sensor_samples",
-        (int)table->sensor_samples, "runs", table->runs, "reference", "pixel_samples",
-        (int)table->reference_pixel_samples, "sensor_samples", (int)table->reference_sensor_samples,
-        "image_error", bench_reference_noise(&table->image, TABLE_DARKEST), "sensor_error",
-        bench_reference_noise(&table->sensors, 0), "rows", rows);
+        table->rate, "photons", (json_int_t)table->photons, "width", (int)table->reference.width,
+        "height", (int)table->reference.height, "pixel_samples", (int)table->pixel_samples,
+        "sensor_samples", (int)table->sensor_samples, "runs", table->runs, "reference",
+        "pixel_samples", (int)table->reference.pixel_samples, "sensor_samples",
+        (int)table->reference.sensor_samples, "image_error",
+        bench_reference_noise(&table->reference.image, OFFICE_DARKEST), "sensor_error",
+        bench_reference_noise(&table->reference.sensors, 0), "rows", rows);
     if (!root || json_dump_file(root, path, JSON_INDENT(2) | JSON_REAL_PRECISION(6)) < 0)
         bench_fail("cannot write the table's JSON", NULL);
     json_decref(root);

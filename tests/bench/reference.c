@@ -1,0 +1,127 @@
+#include "bench/reference.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+static char view_text[] = OFFICE_VIEW;
+static char view_name[] = "reference";
+
+static size_t pixels(const struct office_reference *reference)
+{
+    return (size_t)reference->width * reference->height;
+}
+
+static void render_half(const struct office *office, const struct office_reference *reference,
+                        uint64_t seed, double *lx, double *luminances)
+{
+    struct orl_view_request view = {view_name, view_text, reference->width, reference->height};
+    const long cores = sysconf(_SC_NPROCESSORS_ONLN);
+    struct orl_crew *crew = orl_crew_start(cores > 1 ? (uint32_t)cores : 1);
+    char maps[BENCH_PATH + 16], image[BENCH_PATH + 32];
+    struct orl_result r;
+    struct orl_job job;
+    if (!crew)
+        bench_fail("out of memory", NULL);
+    snprintf(maps, sizeof maps, "%s/maps", office->folder);
+    snprintf(image, sizeof image, "%s/%s.hdr", office->folder, view_name);
+    const struct bench_env env = {.files = &office->files,
+                                  .crew = crew,
+                                  .maps = maps,
+                                  .output = office->folder,
+                                  .now_s = bench_wall_s};
+    office_job(&job);
+    job.technique = ORL_TECHNIQUE_BACKWARD;
+    job.seed = seed;
+    job.gather_samples = reference->sensor_samples;
+    job.pixel_samples = reference->pixel_samples;
+    job.sensors_file = office_sensors;
+    job.views = &view;
+    job.n_views = pixels(reference) > 0;
+    bench_run(&env, &job, &r);
+    memcpy(lx, r.illuminance_lx, OFFICE_SENSORS * sizeof *lx);
+    if (job.n_views > 0) {
+        double *read = bench_read_luminances(image, (int)view.width, (int)view.height);
+        memcpy(luminances, read, pixels(reference) * sizeof *luminances);
+        free(read);
+    }
+    orl_result_done(&r);
+    bench_remove_folder(maps);
+    orl_crew_stop(crew);
+}
+
+/* The digest of the scene tells the panel too. */
+static void name_file(const struct office *office, const struct office_reference *reference,
+                      char ret_path[BENCH_PATH])
+{
+    struct orl_scene_summary summary = {0};
+    struct orl_error err = {0};
+    char name[128];
+    if (orl_scene_check((const char *const *)(uintptr_t)office_names, OFFICE_FILES, &office->files,
+                        &summary, &err) < 0)
+        bench_fail("the office", &err);
+    snprintf(name, sizeof name, "reference-%.16s-%ux%u-%u-%u.bin", summary.digest, reference->width,
+             reference->height, reference->pixel_samples, reference->sensor_samples);
+    orl_scene_summary_done(&summary);
+    bench_kept(name, ret_path);
+}
+
+static bool read_file(const char *path, double *values, size_t n)
+{
+    FILE *in = fopen(path, "rb");
+    const bool whole = in && fread(values, sizeof *values, n, in) == n;
+    if (in)
+        fclose(in);
+    return whole;
+}
+
+static void write_file(const char *path, const double *values, size_t n)
+{
+    char part[BENCH_PATH + 8];
+    snprintf(part, sizeof part, "%s.part", path);
+    FILE *out = fopen(part, "wb");
+    const bool whole = out && fwrite(values, sizeof *values, n, out) == n;
+    if (!out || fclose(out) != 0 || !whole || rename(part, path) != 0)
+        bench_fail("cannot keep the reference", NULL);
+}
+
+static double *copy(const double *values, size_t n)
+{
+    double *copied = malloc(n * sizeof *copied);
+    if (!copied)
+        bench_fail("out of memory", NULL);
+    memcpy(copied, values, n * sizeof *copied);
+    return copied;
+}
+
+/* A file holds half A, sensors and then pixels, and half B. */
+void office_reference_make(const struct office *office, struct office_reference *reference)
+{
+    const size_t n_pixels = pixels(reference), n = OFFICE_SENSORS + n_pixels;
+    double *values = malloc(2 * n * sizeof *values);
+    const double started = bench_wall_s(NULL);
+    char path[BENCH_PATH];
+    if (!values)
+        bench_fail("out of memory", NULL);
+    name_file(office, reference, path);
+    if (!read_file(path, values, 2 * n)) {
+        for (uint64_t half = 0; half < 2; half++)
+            render_half(office, reference, 1000001 + half, values + half * n,
+                        values + half * n + OFFICE_SENSORS);
+        write_file(path, values, 2 * n);
+        fprintf(stderr, "  reference made in %.0f s, and kept\n", bench_wall_s(NULL) - started);
+    }
+    reference->sensors = (struct bench_reference){copy(values, OFFICE_SENSORS),
+                                                  copy(values + n, OFFICE_SENSORS), OFFICE_SENSORS};
+    reference->image =
+        (struct bench_reference){copy(values + OFFICE_SENSORS, n_pixels),
+                                 copy(values + n + OFFICE_SENSORS, n_pixels), n_pixels};
+    free(values);
+}
+
+void office_reference_done(struct office_reference *reference)
+{
+    bench_reference_done(&reference->sensors);
+    bench_reference_done(&reference->image);
+}

@@ -1,0 +1,26 @@
+/*
+ * What the office really looks like: its sensors and its view (OFFICE_VIEW) by backward, in two
+ * independent halves (compare.h), made by all cores once and kept in the build folder. Their file's
+ * name tells the scene, the size and the samples; removing it makes them anew.
+ */
+#ifndef ORL_TESTS_BENCH_REFERENCE_H
+#define ORL_TESTS_BENCH_REFERENCE_H
+
+#include "bench/compare.h"
+#include "bench/office.h"
+
+struct office_reference {
+    /* Given: */
+    uint32_t width, height;                 /* of the image; 0: none */
+    uint32_t sensor_samples, pixel_samples; /* of each half */
+    /* Made: */
+    struct bench_reference sensors, image;
+};
+
+/* Pixels darker than that share of the mean do not count: rgbe holds them, but nobody sees them. */
+#define OFFICE_DARKEST 0.01
+
+void office_reference_make(const struct office *office, struct office_reference *reference);
+void office_reference_done(struct office_reference *reference);
+
+#endif

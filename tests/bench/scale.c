@@ -1,0 +1,209 @@
+/*
+ * `make bench-scale`: the tables of scale.h, and the same as JSON. By environment, each after
+ * ORIEL_SCALE: _PHOTONS ("1 2 5 10 20 50", millions; "0.1 0.2 0.5" to try it out), _THREADS (1, 2,
+ * and 4 where there are as many cores), _LIMIT (of memory, in MB; three quarters of the largest
+ * map, and 300 at least).
+ */
+#include "bench/scale.h"
+
+#include <jansson.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+struct scale {
+    struct bench_list millions, threads;
+    double limit_bytes; /* 0: by the largest map */
+    struct office office;
+    char maps[BENCH_PATH + 16]; /* one map at a time */
+    struct scale_build by_photons[BENCH_MOST_NUMBERS], by_threads[BENCH_MOST_NUMBERS];
+    double search_s[BENCH_MOST_NUMBERS];
+    struct scale_view free_view, limited_view;
+    bool same;
+};
+
+/* The look-up's radius has no say: this is more than the office. */
+#define EXTENT_M 100.0
+
+static uint64_t photons_at(const struct scale *s, int at)
+{
+    return (uint64_t)(1e6 * s->millions.values[at] + 0.5);
+}
+
+/* ---- Photons --------------------------------------------------------------------------------- */
+
+static double ray_times(const struct scale_build *b)
+{
+    return b->seconds * b->rays_per_s / b->stored;
+}
+
+/* The last map stays. */
+static void grow(struct scale *s)
+{
+    printf("\n  %9s %8s %9s %9s %9s %8s %8s %9s %10s\n", "photons", "s", "M/s", "rays each",
+           "to first", "MB", "bytes", "peak MB", "look-up us");
+    for (int i = 0; i < s->millions.n; i++) {
+        struct scale_build *b = &s->by_photons[i];
+        bench_remove_folder(s->maps);
+        scale_build(&s->office, s->maps, photons_at(s, i), 1, b);
+        s->search_s[i] = scale_search(s->maps, EXTENT_M);
+        printf("  %7.2f M %8.2f %9.3f %9.3f %9.2f %8.1f %8.2f %9.1f %10.3f\n", b->stored / 1e6,
+               b->seconds, b->stored / b->seconds / 1e6, ray_times(b),
+               ray_times(b) / ray_times(&s->by_photons[0]), b->bytes / 1e6, b->bytes / b->stored,
+               b->peak_bytes / 1e6, 1e6 * s->search_s[i]);
+    }
+    printf(
+        "  Traced, sorted and written by one thread. Rays each: ray-times a photon, which a busy "
+        "machine distorts little;\n"
+        "  to first: over those of the first line, 0.80 to 1.25 wanted. Look-up: of the 50 "
+        "nearest to a photon drawn at random.\n");
+}
+
+/* Least squares of y = a + b x; returns b. */
+static double fit(const double *x, const double *y, int n, double *ret_a)
+{
+    double mx = 0, my = 0, xx = 0, xy = 0;
+    for (int i = 0; i < n; i++) {
+        mx += x[i] / n;
+        my += y[i] / n;
+    }
+    for (int i = 0; i < n; i++) {
+        xx += (x[i] - mx) * (x[i] - mx);
+        xy += (x[i] - mx) * (y[i] - my);
+    }
+    *ret_a = my - (xx > 0 ? xy / xx : 0) * mx;
+    return xx > 0 ? xy / xx : 0;
+}
+
+/* By log N: how far off a straight line is at worst; and, were it a power of N, which. */
+static void fit_searches(const struct scale *s)
+{
+    double x[BENCH_MOST_NUMBERS] = {0}, y[BENCH_MOST_NUMBERS] = {0}, logs[BENCH_MOST_NUMBERS] = {0};
+    double a, c, worst = 0;
+    for (int i = 0; i < s->millions.n; i++) {
+        x[i] = log2(s->by_photons[i].stored);
+        y[i] = 1e6 * s->search_s[i];
+        logs[i] = log2(y[i]);
+    }
+    const double b = fit(x, y, s->millions.n, &a), power = fit(x, logs, s->millions.n, &c);
+    for (int i = 0; i < s->millions.n; i++)
+        worst = fmax(worst, fabs(y[i] / (a + b * x[i]) - 1));
+    printf("  Look-up = %.3f us + %.4f us log2 N, within %.1f %%; as a power of N: N^%.3f\n", a, b,
+           100 * worst, power);
+}
+
+/* ---- Threads --------------------------------------------------------------------------------- */
+
+static void spread_out(struct scale *s)
+{
+    char maps[BENCH_PATH + 16];
+    const uint64_t photons = photons_at(s, s->millions.n > 1 ? 1 : 0);
+    snprintf(maps, sizeof maps, "%s/threads", s->office.folder);
+    printf("\n  %9s %8s %9s %9s %9s %9s\n", "threads", "s", "rays each", "speed-up", "on clock",
+           "Embree's");
+    for (int i = 0; i < s->threads.n; i++) {
+        struct scale_build *b = &s->by_threads[i];
+        const struct scale_build *one = &s->by_threads[0];
+        scale_build(&s->office, maps, photons, (uint32_t)s->threads.values[i], b);
+        bench_remove_folder(maps);
+        printf("  %9.0f %8.2f %9.3f %9.2f %9.2f %9.2f\n", s->threads.values[i], b->seconds,
+               ray_times(b),
+               s->threads.values[i] / s->threads.values[0] * ray_times(one) / ray_times(b),
+               one->seconds / b->seconds, b->rays_per_s / one->rays_per_s);
+    }
+    printf("  %.3g M photons. Speed-up: by ray-times; on clock: by seconds; Embree's: of its rays "
+           "alone. Wanted: 0.95 a thread.\n",
+           (double)photons / 1e6);
+}
+
+/* ---- Memory ---------------------------------------------------------------------------------- */
+
+static bool same_bytes(const char *one, const char *other)
+{
+    const char *const argv[] = {"cmp", "-s", one, other, NULL};
+    return bench_spawn(argv, NULL, NULL, NULL, NULL) == 0;
+}
+
+static void squeeze(struct scale *s)
+{
+    const uint64_t photons = photons_at(s, s->millions.n - 1);
+    const double map_bytes = s->by_photons[s->millions.n - 1].bytes;
+    const double limit = s->limit_bytes > 0 ? s->limit_bytes : fmax(0.75 * map_bytes, 300e6);
+    char one[BENCH_PATH + 16], other[BENCH_PATH + 16];
+    snprintf(one, sizeof one, "%s/free.hdr", s->office.folder);
+    snprintf(other, sizeof other, "%s/limited.hdr", s->office.folder);
+    scale_render(&s->office, s->maps, photons, 0, one, &s->free_view);
+    scale_render(&s->office, s->maps, photons, limit, other, &s->limited_view);
+    s->same = same_bytes(one, other);
+    printf("\n  A view of 200x150 by gather, from the map of %.0f MB\n"
+           "  %-46s %8.2f s %9.1f MB resident at most (2048 wanted)\n"
+           "  in %-6.0f MB%34s %8.2f s %9.1f MB resident at most\n"
+           "  The limit is %s than the map; the image's bytes are %s.\n",
+           map_bytes / 1e6, "without a limit", s->free_view.seconds, s->free_view.peak_bytes / 1e6,
+           limit / 1e6, "", s->limited_view.seconds, s->limited_view.paged_peak_bytes / 1e6,
+           limit < map_bytes ? "smaller" : "NOT smaller", s->same ? "the same" : "NOT THE SAME");
+}
+
+/* ---- All of it ------------------------------------------------------------------------------- */
+
+static json_t *build_json(const struct scale_build *b, double threads, double search_s)
+{
+    return json_pack("{s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f}", "stored", b->stored,
+                     "ray_times_each", ray_times(b), "bytes", b->bytes, "peak_bytes", b->peak_bytes,
+                     "threads", threads, "seconds", b->seconds, "rays_per_s", b->rays_per_s,
+                     "look_up_s", search_s);
+}
+
+static json_t *view_json(const struct scale_view *v)
+{
+    return json_pack("{s:f, s:f, s:f}", "seconds", v->seconds, "peak_bytes", v->peak_bytes,
+                     "paged_peak_bytes", v->paged_peak_bytes);
+}
+
+static void write_json(const struct scale *s)
+{
+    json_t *photons = json_array(), *threads = json_array();
+    char path[BENCH_PATH];
+    for (int i = 0; i < s->millions.n; i++)
+        json_array_append_new(photons, build_json(&s->by_photons[i], 1, s->search_s[i]));
+    for (int i = 0; i < s->threads.n; i++)
+        json_array_append_new(threads, build_json(&s->by_threads[i], s->threads.values[i], 0));
+    json_t *root = json_pack("{s:o, s:o, s:{s:o, s:o, s:b}}", "photons", photons, "threads",
+                             threads, "view", "free", view_json(&s->free_view), "limited",
+                             view_json(&s->limited_view), "same_bytes", s->same);
+    snprintf(path, sizeof path, "%s/bench-scale.json", bench_build());
+    if (!root || json_dump_file(root, path, JSON_INDENT(2) | JSON_REAL_PRECISION(6)) < 0)
+        bench_fail("cannot write the JSON", NULL);
+    json_decref(root);
+    printf("\n  The same as JSON: %s\n", path);
+}
+
+static void read_knobs(struct scale *s)
+{
+    static const struct bench_list millions = {{1, 2, 5, 10, 20, 50}, 6};
+    const struct bench_list threads = {{1, 2, 4}, sysconf(_SC_NPROCESSORS_ONLN) >= 4 ? 3 : 2};
+    s->millions = bench_numbers("ORIEL_SCALE_PHOTONS", &millions);
+    s->threads = bench_numbers("ORIEL_SCALE_THREADS", &threads);
+    s->limit_bytes = 1e6 * (double)bench_number("ORIEL_SCALE_LIMIT", 0);
+}
+
+int main(int argc, char **argv)
+{
+    static struct scale scale;
+    if (argc > 1)
+        return scale_child(argc - 1, argv + 1);
+    setvbuf(stdout, NULL, _IOLBF, 0);
+    read_knobs(&scale);
+    office_open(&scale.office, NULL);
+    snprintf(scale.maps, sizeof scale.maps, "%s/maps", scale.office.folder);
+    printf("Scaling: the office, its panel of 2^6\n");
+    grow(&scale);
+    fit_searches(&scale);
+    spread_out(&scale);
+    squeeze(&scale);
+    write_json(&scale);
+    office_close(&scale.office);
+    return 0;
+}

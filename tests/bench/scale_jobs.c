@@ -1,0 +1,144 @@
+/* Builds and views, each in a process of its own, and what they tell. */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+
+#include "bench/scale.h"
+
+/* ---- In a process of its own ----------------------------------------------------------------- */
+
+static char view_text[] = OFFICE_VIEW, view_name[] = "scale";
+
+struct child {
+    struct office office;
+    struct orl_crew *crew;
+    uint64_t photons;
+    const char *maps;
+};
+
+static void run(struct child *c, struct orl_job *job, struct orl_result *ret_result)
+{
+    const struct bench_env env = {.files = &c->office.files,
+                                  .crew = c->crew,
+                                  .maps = c->maps,
+                                  .output = c->office.folder,
+                                  .now_s =
+                                      orl_crew_size(c->crew) == 1 ? bench_own_s : bench_wall_s};
+    job->photons_global = c->photons;
+    job->wishes[ORL_EFFECT_CAUSTICS_MIRROR] = job->wishes[ORL_EFFECT_CAUSTICS_BSDF] = ORL_WISH_SKIP;
+    bench_run(&env, job, ret_result);
+}
+
+static void build(struct child *c)
+{
+    struct orl_sensor sensor = {{1, 3, 1}, {0, 0, 1}};
+    struct orl_result r;
+    struct orl_job job;
+    const double rate = office_rate(&c->office, c->crew, 3,
+                                    orl_crew_size(c->crew) == 1 ? bench_own_s : bench_wall_s);
+    office_job(&job);
+    job.sensors = &sensor;
+    job.n_sensors = 1;
+    job.gather_samples = 1;
+    run(c, &job, &r);
+    printf("%.9g %.9g %.9g %.9g\n", r.timings_s[ORL_STAGE_PHOTONS] + r.timings_s[ORL_STAGE_MAPS],
+           rate, (double)r.maps[0].stored, (double)r.maps[0].bytes);
+    orl_result_done(&r);
+}
+
+/* Half of the limit is for what the process owns, half for pages of files. */
+static void limit(double bytes)
+{
+    const struct rlimit own = {(rlim_t)(bytes / 2), (rlim_t)(bytes / 2)};
+    if (setrlimit(RLIMIT_DATA, &own) != 0)
+        bench_fail("cannot limit memory", NULL);
+    scale_start_pager(bytes / 2);
+}
+
+static void render(struct child *c, double limit_bytes, const char *image)
+{
+    struct orl_view_request view = {view_name, view_text, 200, 150};
+    char path[BENCH_PATH + 32];
+    struct orl_result r;
+    struct orl_job job;
+    if (limit_bytes > 0)
+        limit(limit_bytes);
+    office_job(&job);
+    job.views = &view;
+    job.n_views = 1;
+    run(c, &job, &r);
+    if (!r.maps[0].cached)
+        bench_fail("the map was made again", NULL);
+    snprintf(path, sizeof path, "%s/%s.hdr", c->office.folder, view_name);
+    const char *const argv[] = {"mv", path, image, NULL};
+    if (bench_spawn(argv, NULL, NULL, NULL, NULL) != 0)
+        bench_fail("the image is not there", NULL);
+    printf("%.9g %.9g\n", r.total_s, scale_pager_peak());
+    orl_result_done(&r);
+}
+
+/* build PANEL MAPS PHOTONS THREADS, or render PANEL MAPS PHOTONS LIMIT IMAGE */
+int scale_child(int argc, char **argv)
+{
+    static struct child c;
+    const bool renders = argc == 6 && strcmp(argv[0], "render") == 0;
+    if (!renders && !(argc == 5 && strcmp(argv[0], "build") == 0))
+        return 2;
+    office_open(&c.office, argv[1]);
+    c.maps = argv[2];
+    c.photons = strtoull(argv[3], NULL, 10);
+    c.crew = orl_crew_start(renders ? 1 : (uint32_t)strtoul(argv[4], NULL, 10));
+    if (!c.crew)
+        bench_fail("out of memory", NULL);
+    if (renders)
+        render(&c, strtod(argv[4], NULL), argv[5]);
+    else
+        build(&c);
+    orl_crew_stop(c.crew);
+    office_close(&c.office);
+    return 0;
+}
+
+/* ---- From outside ---------------------------------------------------------------------------- */
+
+/* Runs a child and reads the numbers that it writes. Returns its peak of memory. */
+static double ask(const struct office *office, const char *const *argv, double *ret_numbers, int n)
+{
+    char path[BENCH_PATH + 16];
+    struct bench_use use;
+    snprintf(path, sizeof path, "%s/child.txt", office->folder);
+    if (bench_spawn(argv, NULL, NULL, path, &use) != 0)
+        bench_fail("a process that builds or renders did not", NULL);
+    FILE *in = fopen(path, "r");
+    for (int i = 0; i < n; i++)
+        if (!in || fscanf(in, "%lf", &ret_numbers[i]) != 1)
+            bench_fail("a process told too little", NULL);
+    fclose(in);
+    return use.peak_bytes;
+}
+
+void scale_build(const struct office *office, const char *maps, uint64_t photons, uint32_t threads,
+                 struct scale_build *ret_build)
+{
+    char count[32], crew[16];
+    double numbers[4];
+    snprintf(count, sizeof count, "%llu", (unsigned long long)photons);
+    snprintf(crew, sizeof crew, "%u", threads);
+    const char *const argv[] = {"/proc/self/exe", "build", office->panel, maps, count, crew, NULL};
+    const double peak = ask(office, argv, numbers, 4);
+    *ret_build = (struct scale_build){numbers[0], numbers[1], numbers[2], numbers[3], peak};
+}
+
+void scale_render(const struct office *office, const char *maps, uint64_t photons,
+                  double limit_bytes, const char *image, struct scale_view *ret_view)
+{
+    char count[32], most[32];
+    double numbers[2];
+    snprintf(count, sizeof count, "%llu", (unsigned long long)photons);
+    snprintf(most, sizeof most, "%.0f", limit_bytes);
+    const char *const argv[] = {
+        "/proc/self/exe", "render", office->panel, maps, count, most, image, NULL};
+    const double peak = ask(office, argv, numbers, 2);
+    *ret_view = (struct scale_view){numbers[0], peak, numbers[1]};
+}

@@ -1,0 +1,74 @@
+/* A thread that keeps mapped photon maps from being resident. */
+#include <pthread.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "bench/scale.h"
+
+static double most;
+static _Atomic double peak;
+
+/* Resident pages of all kinds and of files, in bytes. */
+static void read_resident(double *ret_all, double *ret_files)
+{
+    const double page = (double)sysconf(_SC_PAGESIZE);
+    unsigned long long size, all = 0, files = 0;
+    FILE *in = fopen("/proc/self/statm", "r");
+    if (!in || fscanf(in, "%llu %llu %llu", &size, &all, &files) != 3)
+        bench_fail("/proc/self/statm cannot be read", NULL);
+    fclose(in);
+    *ret_all = page * (double)all;
+    *ret_files = page * (double)files;
+}
+
+/* Sends the pages of every photon map that is mapped back to where they came from. */
+static void page_out(void)
+{
+    FILE *in = fopen("/proc/self/maps", "r");
+    char line[4096];
+    while (in && fgets(line, sizeof line, in)) {
+        char *rest;
+        if (!strstr(line, ".opm"))
+            continue;
+        const uintptr_t low = strtoull(line, &rest, 16), high = strtoull(rest + 1, NULL, 16);
+        if (madvise((void *)low, high - low, MADV_PAGEOUT) != 0)
+            madvise((void *)low, high - low, MADV_DONTNEED);
+    }
+    if (in)
+        fclose(in);
+}
+
+static void *keep_watch(void *arg)
+{
+    const struct timespec pause = {0, 2000000};
+    (void)arg;
+    for (;;) {
+        double all, files;
+        read_resident(&all, &files);
+        if (all > peak)
+            peak = all;
+        if (files > most)
+            page_out();
+        nanosleep(&pause, NULL);
+    }
+    return NULL;
+}
+
+void scale_start_pager(double most_bytes)
+{
+    pthread_t thread;
+    most = most_bytes;
+    if (pthread_create(&thread, NULL, keep_watch, NULL) != 0)
+        bench_fail("cannot start a thread", NULL);
+    pthread_detach(thread);
+}
+
+double scale_pager_peak(void)
+{
+    return peak;
+}

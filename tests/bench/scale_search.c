@@ -1,0 +1,69 @@
+/* How long a look-up takes in a map that is mapped and warm. */
+#include <dirent.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/random.h"
+#include "bench/scale.h"
+#include "photon/facing.h"
+#include "photon/search.h"
+
+enum { NEIGHBOURS = 50, QUERIES = 200000, ROUNDS = 3 };
+
+static struct orl_photon_map *open_map(const char *folder)
+{
+    struct orl_photon_map *map = NULL;
+    struct orl_error err = {0};
+    DIR *entries = opendir(folder);
+    for (struct dirent *e = entries ? readdir(entries) : NULL; e && !map; e = readdir(entries)) {
+        char path[2 * BENCH_PATH];
+        if (!strstr(e->d_name, ".opm"))
+            continue;
+        snprintf(path, sizeof path, "%s/%s", folder, e->d_name);
+        if (orl_photon_map_open(path, false, &map, &err) < 0)
+            bench_fail("opening a map", &err);
+    }
+    if (entries)
+        closedir(entries);
+    if (!map)
+        bench_fail("there is no map", NULL);
+    return map;
+}
+
+static void look_up(const struct orl_photon_map *map, double extent, struct orl_search *search)
+{
+    struct orl_random random = orl_random_stream(1, ORL_PURPOSE_BENCH, 0);
+    const uint64_t count = orl_photon_map_header(map)->count;
+    uint64_t found = 0;
+    for (int i = 0; i < QUERIES; i++) {
+        const struct orl_photon p =
+            orl_photon_map_get(map, (size_t)(orl_random_bits(&random) % count));
+        const struct orl_density_query query = {
+            .point = orl_v3(p.position[0], p.position[1], p.position[2]),
+            .normal = orl_normal_decode(p.normal),
+            .k = NEIGHBOURS,
+            .max_radius = extent};
+        found += orl_density_estimate(map, &query, search).found;
+    }
+    if (found == 0)
+        bench_fail("no look-up found anything", NULL);
+}
+
+double scale_search(const char *maps, double extent)
+{
+    struct orl_search *search = calloc(1, sizeof *search);
+    struct orl_photon_map *map = open_map(maps);
+    double seconds[ROUNDS];
+    if (!search)
+        bench_fail("out of memory", NULL);
+    look_up(map, extent, search); /* pages come in */
+    for (int round = 0; round < ROUNDS; round++) {
+        const double started = bench_own_s(NULL);
+        look_up(map, extent, search);
+        seconds[round] = (bench_own_s(NULL) - started) / QUERIES;
+    }
+    orl_photon_map_free(map);
+    free(search);
+    return bench_median(seconds, ROUNDS);
+}

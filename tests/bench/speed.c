@@ -1,0 +1,157 @@
+/*
+ * `make bench`: the table of speed.h, and the same as JSON. By environment, each after ORIEL_BENCH:
+ * _ROWS ("global caustic precomputed image_precomputed image_gather sensors_5 sensors_1 maps bsdf",
+ * all by default), _RUNS (5, the table is of medians), _THREADS ("1 2", the first is what targets
+ * are about), _PHOTONS (2000000), _RADIANCE=0 to leave its works out, _REFERENCE and
+ * _REFERENCE_SENSORS (samples a pixel and a sensor of each half).
+ */
+#include "bench/speed.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const struct speed_row rows[SPEED_ROWS] = {
+    [SPEED_GLOBAL] = {.key = "global",
+                      .name = "global photons, distributed and indexed",
+                      .target = 8e6},
+    [SPEED_CAUSTIC] = {.key = "caustic",
+                       .name = "caustic photons, distributed and indexed",
+                       .target = 10e6},
+    [SPEED_PRECOMPUTED] = {.key = "precomputed",
+                           .name = "global photons and irradiance precomputed",
+                           .target = 16e6},
+    [SPEED_IMAGE_PRECOMPUTED] = {.key = "image_precomputed",
+                                 .name = "image 400x300, precomputed, maps ready",
+                                 .target = 6e6,
+                                 .wanted_error = 0.05,
+                                 .judge = SPEED_BY_IMAGE},
+    [SPEED_IMAGE_GATHER] = {.key = "image_gather",
+                            .name = "image 400x300, gather, maps ready",
+                            .target = 12e6,
+                            .wanted_error = 0.03,
+                            .judge = SPEED_BY_IMAGE},
+    [SPEED_SENSORS_5] = {.key = "sensors_5",
+                         .name = "57 sensors to 5 %, from nothing",
+                         .target = 6e6,
+                         .wanted_error = 0.05,
+                         .judge = SPEED_BY_SENSORS},
+    [SPEED_SENSORS_1] = {.key = "sensors_1",
+                         .name = "57 sensors to 1 %, from nothing",
+                         .target = 100e6,
+                         .wanted_error = 0.01,
+                         .judge = SPEED_BY_SENSORS},
+};
+
+bool speed_wants(const char *key)
+{
+    return bench_lists("ORIEL_BENCH_ROWS", key);
+}
+
+void speed_merge(struct bench_deviation *pool, const struct bench_deviation *error, int before)
+{
+    const double share = 1.0 / (before + 1);
+    pool->rms = sqrt(pool->rms * pool->rms * (1 - share) + error->rms * error->rms * share);
+    pool->bias += (error->bias - pool->bias) * share;
+}
+
+struct speed_fact *speed_add_fact(struct speed *speed, const char *key, const char *unit,
+                                  double value, double target, const char *name, ...)
+{
+    if (speed->n_facts >= SPEED_FACTS)
+        bench_fail("too many facts", NULL);
+    struct speed_fact *fact = &speed->facts[speed->n_facts++];
+    *fact = (struct speed_fact){.key = key, .unit = unit, .value = value, .target = target};
+    va_list args;
+    va_start(args, name);
+    vsnprintf(fact->name, sizeof fact->name, name, args);
+    va_end(args);
+    return fact;
+}
+
+static void measure(struct speed *speed, enum speed_row_id id, int at)
+{
+    double seconds[BENCH_MOST_RUNS], rates[BENCH_MOST_RUNS], ray_times[BENCH_MOST_RUNS];
+    struct speed_row *row = &speed->rows[id];
+    for (int run = 0; run < speed->runs; run++) {
+        rates[run] = office_rate(&speed->office, speed->crew, 1, speed->now_s);
+        seconds[run] = speed_work(speed, id, (uint64_t)run + 1, at == 0 ? run : -1);
+        ray_times[run] = seconds[run] * rates[run];
+    }
+    row->by_threads[at] =
+        (struct speed_figure){bench_median(seconds, speed->runs), bench_median(rates, speed->runs),
+                              bench_median(ray_times, speed->runs)};
+}
+
+/* All rows by one number of threads. */
+static void measure_all(struct speed *speed, int at)
+{
+    const uint32_t threads = (uint32_t)speed->threads.values[at];
+    speed->crew = orl_crew_start(threads);
+    if (!speed->crew)
+        bench_fail("out of memory", NULL);
+    speed->now_s = threads == 1 ? bench_own_s : bench_wall_s;
+    for (int id = 0; id < SPEED_ROWS; id++) {
+        if (!speed_wants(speed->rows[id].key))
+            continue;
+        fprintf(stderr, "  %s, %u thread%s\n", speed->rows[id].name, threads,
+                threads == 1 ? "" : "s");
+        if (at == 0)
+            speed_prepare(speed, (enum speed_row_id)id);
+        measure(speed, (enum speed_row_id)id, at);
+        if (at == 0 && speed->rows[id].judge == SPEED_BY_SENSORS)
+            speed_measure_goal(speed, &speed->rows[id]);
+    }
+    if (at == 0 && speed_wants("maps"))
+        speed_measure_maps(speed);
+    if (at == 0 && speed_wants("bsdf"))
+        speed_measure_bsdf(speed);
+    orl_crew_stop(speed->crew);
+    speed->crew = NULL;
+}
+
+static void read_knobs(struct speed *speed)
+{
+    static const struct bench_list threads = {{1, 2}, 2};
+    speed->photons = bench_number("ORIEL_BENCH_PHOTONS", 2000000);
+    speed->runs = (int)bench_number("ORIEL_BENCH_RUNS", 5);
+    speed->threads = bench_numbers("ORIEL_BENCH_THREADS", &threads);
+    speed->radiance = bench_number("ORIEL_BENCH_RADIANCE", 1) != 0;
+    speed->reference.width = 400;
+    speed->reference.height = 300;
+    speed->reference.pixel_samples = (uint32_t)bench_number("ORIEL_BENCH_REFERENCE", 64);
+    speed->reference.sensor_samples =
+        (uint32_t)bench_number("ORIEL_BENCH_REFERENCE_SENSORS", 1 << 17);
+    if (speed->runs < 1 || speed->runs > BENCH_MOST_RUNS)
+        bench_fail("ORIEL_BENCH_RUNS is from 1 to 9", NULL);
+    if (speed->threads.n > SPEED_MOST_THREADS)
+        bench_fail("ORIEL_BENCH_THREADS: three numbers at most", NULL);
+    for (int i = 0; i < speed->threads.n; i++)
+        if (!(speed->threads.values[i] >= 1 && speed->threads.values[i] <= BENCH_MOST_THREADS))
+            bench_fail("ORIEL_BENCH_THREADS: not so many", NULL);
+}
+
+int main(int argc, char **argv)
+{
+    static struct speed speed;
+    char path[BENCH_PATH];
+    if (argc == 4 && strcmp(argv[1], "load") == 0)
+        return speed_load_bsdf(argv[2], argv[3]);
+    setvbuf(stdout, NULL, _IOLBF, 0);
+    memcpy(speed.rows, rows, sizeof rows);
+    read_knobs(&speed);
+    office_open(&speed.office, NULL);
+    snprintf(speed.maps, sizeof speed.maps, "%s/maps", speed.office.folder);
+    office_reference_make(&speed.office, &speed.reference);
+    for (int i = 0; i < speed.threads.n; i++)
+        measure_all(&speed, i);
+    speed_add_radiance(&speed);
+    speed_print(&speed);
+    snprintf(path, sizeof path, "%s/bench.json", bench_build());
+    speed_write_json(&speed, path);
+    office_reference_done(&speed.reference);
+    office_close(&speed.office);
+    return 0;
+}
