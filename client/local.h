@@ -17,7 +17,7 @@ uint32_t orl_local_cores(void);
 /* From here on, Ctrl-C and SIGTERM cancel what those below do. */
 void orl_local_catch_interrupts(void);
 
-/* Renders, with progress on stderr; images go to output, maps to output/maps. */
+/* Renders, with progress on stderr; images go to output, maps and loaded BSDFs to output/maps. */
 int orl_local_run(const struct orl_job *job, const char *folder, const char *output,
                   uint32_t threads, struct orl_result *ret_result, struct orl_error *err);
 
