@@ -1,0 +1,506 @@
+"""Oriel from Python: daylight renderings by a daemon, for design tools.
+
+One file, Python 3.8 or later, nothing but the standard library: copy it beside your script, in
+Rhino, Blender, QGIS or elsewhere. A whole job in ten lines:
+
+    import oriel
+
+    client = oriel.Client("http://127.0.0.1:8423")            # or $ORIEL_URL; token="oriel_..."
+    scene = client.upload_scene(["materials.rad", "room.rad", "sky.rad"])
+    job = client.submit({"kind": "render", "scene": scene,
+                         "sensors": [[2, 1, 0.8, 0, 0, 1], [2, 4, 0.8, 0, 0, 1]]})
+    job.wait(progress=lambda status: print(status["stage"], status["percent"]))
+    result = job.result()
+    print([sensor["illuminance_lx"] for sensor in result["sensors"]])
+    job.fetch("out")                                           # images and result.json
+
+Client.render does all of that with a job document as the oriel command takes it. What a job may
+ask for is in the daemon's /openapi.yaml.
+
+Whatever goes wrong is an OrielError: a Problem when the daemon refuses (with its title, detail,
+hint, file and line), Unreachable when it does not answer, JobFailed and JobCancelled when a job
+ends so. Files that the daemon has already are not sent again, and a submission that is repeated
+after a broken connection makes no second job.
+
+A Client may be used by several threads at a time: it keeps no connection.
+"""
+
+import contextlib
+import hashlib
+import http.client
+import ipaddress
+import json
+import os
+import ssl
+import time
+import urllib.parse
+import uuid
+
+__all__ = ["Client", "Job", "OrielError", "Problem", "Unauthorized", "Forbidden", "NotFound",
+           "Busy", "Unreachable", "JobFailed", "JobCancelled"]
+
+_CHUNK = 1 << 16
+_ENDED = ("succeeded", "failed", "cancelled")
+
+
+# ---- Errors -------------------------------------------------------------------------------------
+
+class OrielError(Exception):
+    """Anything that goes wrong here."""
+
+
+class Unreachable(OrielError):
+    """No daemon answers at the URL, or the connection broke."""
+
+
+class Problem(OrielError):
+    """The daemon refuses, or a job failed: a problem document (RFC 9457).
+
+    status, type, title, detail, hint, file, line, primitive: as in it; None where it says nothing.
+    """
+
+    def __init__(self, document, status=None):
+        self.document = document
+        self.status = document.get("status", status)
+        for member in ("type", "title", "detail", "hint", "file", "line", "primitive"):
+            setattr(self, member, document.get(member))
+        super().__init__(self._sentence())
+
+    def _sentence(self):
+        place = ":".join(str(part) for part in (self.file, self.line) if part)
+        text = ": ".join(part for part in (place, self.primitive, self.detail or self.title) if part)
+        return "%s (%s)" % (text, self.hint) if self.hint else text
+
+
+class Unauthorized(Problem):
+    """401: the daemon asks for an access token, or does not know the one sent."""
+
+
+class Forbidden(Problem):
+    """403: the token's scope does not allow this."""
+
+
+class NotFound(Problem):
+    """404: there is no such scene, job or file."""
+
+
+class Busy(Problem):
+    """429 or 503: not now. retry_after is in seconds, or None."""
+
+    retry_after = None
+
+
+class JobFailed(Problem):
+    """The job has failed, and says why."""
+
+
+class JobCancelled(OrielError):
+    """The job was cancelled."""
+
+
+_PROBLEMS = {401: Unauthorized, 403: Forbidden, 404: NotFound, 429: Busy, 503: Busy}
+
+
+def _problem(status, headers, body):
+    try:
+        document = json.loads(body.decode("utf-8"))
+    except ValueError:
+        document = None
+    if not isinstance(document, dict):
+        document = {"title": "The daemon answered with status %d" % status}
+    error = _PROBLEMS.get(status, Problem)(document, status)
+    if isinstance(error, Busy):
+        after = headers.get("Retry-After", "")
+        error.retry_after = int(after) if after.isdigit() else None
+    return error
+
+
+# ---- Files --------------------------------------------------------------------------------------
+
+class _File:
+    """A file to send: its name in the scene, where it is, its length and SHA-256."""
+
+    def __init__(self, folder, name):
+        self.name = name.replace(os.sep, "/")
+        self.path = os.path.join(folder, name)
+        digest = hashlib.sha256()
+        self.size = 0
+        try:
+            with open(self.path, "rb") as stream:
+                for chunk in iter(lambda: stream.read(_CHUNK), b""):
+                    digest.update(chunk)
+                    self.size += len(chunk)
+        except OSError as error:
+            raise OrielError("cannot read %s: %s" % (self.path, error.strerror)) from error
+        self.sha = digest.hexdigest()
+
+    def chunks(self):
+        try:
+            with open(self.path, "rb") as stream:
+                yield from iter(lambda: stream.read(_CHUNK), b"")
+        except OSError as error:
+            raise OrielError("cannot read %s: %s" % (self.path, error.strerror)) from error
+
+
+def _is_xml(name):
+    return name.endswith(".xml")
+
+
+def _mentioned(folder, names):
+    """Files below folder that scene files name, by the words in them; theirs likewise."""
+    found, left = [], list(names)
+    while left:
+        name = left.pop()
+        if _is_xml(name):
+            continue
+        with open(os.path.join(folder, name), "r", errors="replace") as stream:
+            words = {word.strip("'\"") for line in stream for word in line.split("#")[0].split()}
+        for word in sorted(words - set(names) - set(found)):
+            if ("." in word and not os.path.isabs(word) and ".." not in word.split("/")
+                    and os.path.isfile(os.path.join(folder, word))):
+                found.append(word)
+                left.append(word)
+    return found
+
+
+def _scene_id(mains, resources):
+    """The id that the daemon gives such a scene (POST /v1/scenes)."""
+    text = "oriel-scene 1\n"
+    for file in mains:
+        text += "main %s %s\n" % (file.sha, file.name)
+    for file in sorted(resources, key=lambda one: one.name.encode()):
+        text += "resource %s %s\n" % (file.sha, file.name)
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+@contextlib.contextmanager
+def _writing(path):
+    """A function that writes to the file, whose errors are not taken for the network's."""
+    def write(chunk):
+        try:
+            stream.write(chunk)
+        except OSError as error:
+            raise OrielError("cannot write %s: %s" % (path, error.strerror)) from error
+
+    try:
+        stream = open(path, "wb")
+    except OSError as error:
+        raise OrielError("cannot write %s: %s" % (path, error.strerror)) from error
+    with stream:
+        yield write
+
+
+class _Form:
+    """multipart/form-data, streamed from disk."""
+
+    def __init__(self):
+        self.boundary = uuid.uuid4().hex
+        self.parts = []  # (head, file or bytes)
+
+    def add_file(self, field, file):
+        if any(c in '"\\' or ord(c) < 32 for c in file.name):
+            raise OrielError("a file named %r cannot be sent: rename it" % file.name)
+        self._add('name="%s"; filename="%s"' % (field, file.name), file)
+
+    def add_text(self, field, text):
+        self._add('name="%s"' % field, text.encode())
+
+    def _add(self, disposition, content):
+        head = "--%s\r\nContent-Disposition: form-data; %s\r\n\r\n" % (self.boundary, disposition)
+        self.parts.append((head.encode(), content))
+
+    def _end(self):
+        return ("--%s--\r\n" % self.boundary).encode()
+
+    def size(self):
+        sizes = (len(head) + 2 + (content.size if isinstance(content, _File) else len(content))
+                 for head, content in self.parts)
+        return sum(sizes) + len(self._end())
+
+    def chunks(self):
+        for head, content in self.parts:
+            yield head
+            if isinstance(content, _File):
+                yield from content.chunks()
+            else:
+                yield content
+            yield b"\r\n"
+        yield self._end()
+
+
+def _is_loopback(host):
+    try:
+        return host == "localhost" or ipaddress.ip_address(host).is_loopback
+    except ValueError:
+        return False
+
+
+# ---- The daemon ---------------------------------------------------------------------------------
+
+class Client:
+    """A daemon, by its URL.
+
+    url: else $ORIEL_URL, else http://127.0.0.1:8423. token: else $ORIEL_TOKEN; never sent over
+    plain HTTP but to this machine. ca_file: PEM, else $ORIEL_CA: whom to trust beside the system's
+    authorities. name: what the daemon calls you, and takes turns by, where it asks for no token.
+    timeout: seconds of silence after which a request is given up.
+    """
+
+    def __init__(self, url=None, token=None, ca_file=None, name=None, timeout=60.0):
+        self.url = (url or os.environ.get("ORIEL_URL") or "http://127.0.0.1:8423").rstrip("/")
+        parts = urllib.parse.urlsplit(self.url)
+        if parts.scheme not in ("http", "https") or not parts.hostname:
+            raise OrielError("%r is no http:// or https:// URL" % self.url)
+        self._https, self._host, self._port = parts.scheme == "https", parts.hostname, parts.port
+        self._base, self._timeout = parts.path, timeout
+        self._headers = {"User-Agent": "oriel-python"}
+        token = token or os.environ.get("ORIEL_TOKEN")
+        if token and not self._https and not _is_loopback(self._host):
+            raise OrielError("a token over plain HTTP could be read on its way: use https://")
+        if token:
+            self._headers["Authorization"] = "Bearer " + token
+        if name:
+            self._headers["X-Oriel-Client"] = name
+        ca_file = ca_file or os.environ.get("ORIEL_CA")
+        self._context = ssl.create_default_context() if self._https else None
+        if self._https and ca_file:
+            self._context.load_verify_locations(ca_file)
+
+    # -- Requests ---------------------------------------------------------------------------------
+
+    def _connect(self):
+        if self._https:
+            return http.client.HTTPSConnection(self._host, self._port, timeout=self._timeout,
+                                               context=self._context)
+        return http.client.HTTPConnection(self._host, self._port, timeout=self._timeout)
+
+    def _send(self, method, path, body=None, headers=None, sink=None):
+        """One request: (status, headers, body). sink(reply) reads a good answer's body instead."""
+        connection = self._connect()
+        try:
+            try:
+                connection.request(method, self._base + path, body=body,
+                                   headers=dict(self._headers, **(headers or {})))
+            except (BrokenPipeError, ConnectionResetError):
+                pass  # refused before all was sent: the answer, if any, says why
+            reply = connection.getresponse()
+            content = sink(reply) if sink and reply.status == 200 else reply.read()
+            return reply.status, reply.headers, content
+        except ssl.SSLCertVerificationError as error:
+            raise Unreachable("%s is not to be trusted: %s" % (self.url, error)) from error
+        except (OSError, http.client.HTTPException) as error:
+            raise Unreachable("no answer from %s: %s" % (self.url, error)) from error
+        finally:
+            connection.close()
+
+    def _json(self, method, path, body=None, headers=None):
+        status, reply_headers, content = self._send(method, path, body, headers)
+        if status // 100 != 2:
+            raise _problem(status, reply_headers, content)
+        return json.loads(content.decode("utf-8"))
+
+    def _has(self, path):
+        status, headers, body = self._send("HEAD", path)
+        if status in (200, 404):
+            return status == 200
+        if not body:  # the answer to a HEAD has none: ask for the reason
+            status, headers, body = self._send("GET", path)
+        raise _problem(status, headers, body)
+
+    # -- Uploads ----------------------------------------------------------------------------------
+
+    def upload_bsdf(self, path, name=None):
+        """Sends a BSDF (WINDOW XML) unless the daemon has it. Returns its id."""
+        file = _File("", path)
+        if not self._has("/v1/bsdfs/" + file.sha):
+            query = urllib.parse.urlencode({"name": name or os.path.basename(path)})
+            self._json("POST", "/v1/bsdfs?" + query, file.chunks(),
+                       {"Content-Type": "application/xml", "Content-Length": str(file.size)})
+        return file.sha
+
+    def upload_scene(self, files, resources=None, folder=None):
+        """Sends a scene unless the daemon has it. Returns its id.
+
+        files: Radiance files, in order; resources: what these name (BSDFs, files of !xform and
+        functions, weather), or None: every file below folder that a word in them names. Names are
+        relative to folder (else the current one), and are what the scene knows them by.
+        """
+        folder = folder or ""
+        if resources is None:
+            resources = _mentioned(folder, files)
+        extra = [name for name in files if _is_xml(name)] + list(resources)
+        mains = [_File(folder, name) for name in files if not _is_xml(name)]
+        others = [_File(folder, name) for name in dict.fromkeys(extra)]
+        scene = _scene_id(mains, others)
+        if not self._has("/v1/scenes/" + scene):
+            scene = self._post_scene(mains, others)
+        return scene
+
+    def _post_scene(self, mains, others):
+        form, known = _Form(), {}
+        for file in mains:
+            form.add_file("file", file)
+        for file in others:
+            if _is_xml(file.name) and self._has("/v1/bsdfs/" + file.sha):
+                known[file.name] = file.sha
+            else:
+                form.add_file("resource", file)
+        if known:
+            form.add_text("bsdfs", json.dumps(known))
+        headers = {"Content-Type": "multipart/form-data; boundary=" + form.boundary,
+                   "Content-Length": str(form.size())}
+        return self._json("POST", "/v1/scenes", form.chunks(), headers)["id"]
+
+    # -- Jobs -------------------------------------------------------------------------------------
+
+    def submit(self, document):
+        """Queues a job or study whose scene is an id. Returns a Job.
+
+        A connection that breaks is tried again: the daemon knows the submission by its key.
+        """
+        body = json.dumps(document).encode()
+        headers = {"Content-Type": "application/json", "Idempotency-Key": uuid.uuid4().hex}
+        for attempt in range(3):
+            try:
+                return Job(self, self._json("POST", "/v1/jobs", body, headers)["id"])
+            except Unreachable:
+                if attempt == 2:
+                    raise
+                time.sleep(0.5)
+
+    def job(self, id):
+        """A job submitted before."""
+        return Job(self, id)
+
+    def jobs(self, state=None, limit=100):
+        """The latest jobs' documents, newest first."""
+        query = dict({"limit": limit}, **({"state": state} if state else {}))
+        return self._json("GET", "/v1/jobs?" + urllib.parse.urlencode(query))["jobs"]
+
+    def maps(self):
+        """What the daemon keeps for later jobs: photon maps, BSDFs as loaded."""
+        return self._json("GET", "/v1/maps")["maps"]
+
+    def limits(self):
+        """Names and numbers of what the daemon accepts at most."""
+        return self._json("GET", "/v1/limits")
+
+    def health(self):
+        """The daemon's version and uptime_s; raises Unreachable when it is not there."""
+        return self._json("GET", "/healthz")
+
+    def render(self, document, output=None, folder=None, progress=None):
+        """A job document from start to end, as `oriel submit --wait` and `oriel fetch` take it.
+
+        document: a dict, or the path of a JSON file, in which "scene" has "files" and sensors may
+        be a file; names are relative to folder, else to the JSON file, else to the current folder.
+        Uploads, submits, waits (see Job.wait), and fetches everything into the folder output unless
+        that is None. Returns the result.
+        """
+        if not isinstance(document, dict):
+            folder = folder or os.path.dirname(document)
+            with open(document, "rb") as stream:
+                document = json.load(stream)
+        job = self.submit(self._prepared(document, folder or ""))
+        job.wait(progress)
+        if output is not None:
+            job.fetch(output)
+        return job.result()
+
+    def _prepared(self, document, folder):
+        """The document with its scene uploaded and its sensors read."""
+        document = dict(document)
+        scene, sensors = document.get("scene"), document.get("sensors")
+        if isinstance(scene, dict) and "files" in scene:
+            names = _mentioned(folder, scene["files"])
+            weather = ((document.get("sky") or {}).get("weather") or {}).get("file")
+            names += [weather] if weather and weather not in names else []
+            document["scene"] = self.upload_scene(scene["files"], names, folder)
+        if isinstance(sensors, dict) and "file" in sensors:
+            with open(os.path.join(folder, sensors["file"])) as stream:
+                rows = (line.split("#")[0].split() for line in stream)
+                document["sensors"] = [[float(number) for number in row] for row in rows if row]
+        return document
+
+
+class Job:
+    """A job of a daemon, by its id."""
+
+    def __init__(self, client, id):
+        self.client, self.id = client, id
+        self._path = "/v1/jobs/" + urllib.parse.quote(id, safe="")
+
+    def status(self):
+        """The job's document: state, stage, percent, eta_s, and what /openapi.yaml says."""
+        return self.client._json("GET", self._path)
+
+    def cancel(self):
+        """Stops the job, soon. One that has ended already stays as it is (a Problem, 409)."""
+        return self.client._json("DELETE", self._path)
+
+    def wait(self, progress=None, timeout=None, poll=0.5, patience=60.0):
+        """Until the job has succeeded; returns its last document.
+
+        progress(status) is called whenever the document changes; when it returns False the job is
+        cancelled. timeout: seconds until TimeoutError, while the job goes on. A daemon that is away
+        (started anew, say) is waited for for patience seconds: its jobs outlive it.
+        Raises JobFailed or JobCancelled.
+        """
+        until = None if timeout is None else time.monotonic() + timeout
+        last, answered = None, time.monotonic()
+        while True:
+            try:
+                status = self.status()
+                answered = time.monotonic()
+            except (Unreachable, Busy):
+                if time.monotonic() - answered > patience:
+                    raise
+                status = last
+            if status != last:
+                last = status
+                if progress and progress(status) is False and status["state"] not in _ENDED:
+                    self.cancel()
+            if status and status["state"] in _ENDED:
+                return self._ended(status)
+            if until is not None and time.monotonic() > until:
+                raise TimeoutError("job %s has not ended in %g s" % (self.id, timeout))
+            time.sleep(poll)
+
+    def _ended(self, status):
+        if status["state"] == "failed":
+            raise JobFailed(status.get("error") or {"title": "the job failed"})
+        if status["state"] == "cancelled":
+            raise JobCancelled("job %s was cancelled" % self.id)
+        return status
+
+    def result(self):
+        """result.json, as a dict; of a running job with a goal, as it stands."""
+        return self.client._json("GET", self._path + "/result")
+
+    def fetch(self, folder):
+        """Downloads all files of the results into folder, each whole or not at all. Their paths."""
+        os.makedirs(folder, exist_ok=True)
+        return [self._fetch_file(folder, file["name"]) for file in self.status().get("files", [])]
+
+    def _fetch_file(self, folder, name):
+        if os.path.basename(name) != name or name in ("", ".", ".."):
+            raise OrielError("the daemon names a file outside its folder: %r" % name)
+        path = os.path.join(folder, name)
+        part = path + ".part"
+
+        def keep(reply):
+            length, size = reply.headers.get("Content-Length"), 0
+            with _writing(part) as write:
+                for chunk in iter(lambda: reply.read(_CHUNK), b""):
+                    write(chunk)
+                    size += len(chunk)
+            if length is not None and size != int(length):
+                raise http.client.IncompleteRead(b"", int(length) - size)
+            return b""
+
+        status, headers, body = self.client._send(
+            "GET", self._path + "/files/" + urllib.parse.quote(name, safe=""), sink=keep)
+        if status != 200:
+            raise _problem(status, headers, body)
+        os.replace(part, path)
+        return path

@@ -1,0 +1,208 @@
+"""client/python/oriel.py against a live daemon: one case a run, named by the first argument.
+
+The others: the daemon's URL; a folder of its own; a certificate and a token to submit, or "" twice.
+What a case asserts and does not find ends it with a traceback and status 1.
+"""
+
+import hashlib
+import json
+import os
+import sys
+import threading
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../client/python"))
+import oriel
+
+ROOM = """void plastic grey\n0\n0\n5 0.5 0.5 0.5 0 0
+void glow sky_glow\n0\n0\n4 10 10 10 0
+sky_glow source sky\n0\n0\n4 0 0 1 180
+grey polygon floor\n0\n0\n12 0 0 0  3 0 0  3 4 0  0 4 0
+grey polygon top\n0\n0\n12 0 0 3  0 4 3  3 4 3  3 0 3
+grey polygon west\n0\n0\n12 0 0 0  0 4 0  0 4 3  0 0 3
+grey polygon east\n0\n0\n12 3 0 0  3 0 3  3 4 3  3 4 0
+grey polygon north\n0\n0\n12 0 4 0  3 4 0  3 4 3  0 4 3
+!xform -t 0 0 0 window.rad\n"""
+OPENING = "pane polygon window\n0\n0\n12 3 0 0  0 0 0  0 0 3  3 0 3\n"
+WINDOW = "void glass pane\n0\n0\n3 0.96 0.96 0.96\n" + OPENING
+JOB = {"kind": "render", "scene": {"files": ["room.rad"]}, "seed": 1, "technique": "gather",
+       "photons": {"global": 20000, "caustic": 1000}, "gather_samples": 64,
+       "sensors": {"file": "sensors.txt"},
+       "views": [{"name": "north", "view": "-vtv -vp 1.5 0.5 1.5 -vd 0 1 0", "width": 16,
+                  "height": 12}]}
+
+
+class Desk:
+    """A client that notes what it sends, and a folder with a scene and a job."""
+
+    def __init__(self, url, folder, ca_file, token):
+        self.url, self.folder, self.ca_file, self.token = url, folder, ca_file or None, token
+        self.client = self.connect(token)
+        for name, text in (("room.rad", ROOM), ("window.rad", WINDOW),
+                           ("sensors.txt", "1.5 1 0.8 0 0 1\n\n1.5 3 0.8 0 0 1 # back\n"),
+                           ("job.json", json.dumps(JOB))):
+            with open(os.path.join(folder, name), "w") as stream:
+                stream.write(text)
+
+    def connect(self, token):
+        client = oriel.Client(self.url, token=token, ca_file=self.ca_file, timeout=30)
+        self.sent, send = [], client._send
+
+        def noted(method, path, *rest, **named):
+            self.sent.append(method + " " + path)
+            return send(method, path, *rest, **named)
+
+        client._send = noted
+        return client
+
+    def long_job(self):
+        scene = self.client.upload_scene(["room.rad"], folder=self.folder)
+        return self.client.submit({"kind": "render", "scene": scene, "technique": "gather",
+                                   "photons": {"global": 100000000},
+                                   "sensors": [[1.5, 1, 0.8, 0, 0, 1]]})
+
+
+def raises(kind, call, *arguments, **named):
+    try:
+        call(*arguments, **named)
+    except kind as error:
+        return error
+    raise AssertionError("no %s" % kind.__name__)
+
+
+def whole_way(desk):
+    seen = []
+    out = os.path.join(desk.folder, "out")
+    result = desk.client.render(os.path.join(desk.folder, "job.json"), out, progress=seen.append)
+    assert result["state"] == "succeeded" and len(result["sensors"]) == 2
+    assert all(sensor["illuminance_lx"] > 0 for sensor in result["sensors"])
+    assert seen[-1]["state"] == "succeeded" and seen[-1]["percent"] == 100
+    names = {file["name"]: file["bytes"] for file in seen[-1]["files"]}
+    assert {"result.json", "north.hdr", "north.png"} <= set(names)
+    assert set(os.listdir(out)) == set(names)
+    for name, size in names.items():
+        assert os.path.getsize(os.path.join(out, name)) == size
+    with open(os.path.join(out, "result.json")) as stream:
+        assert json.load(stream) == result
+    assert desk.client.jobs(state="succeeded")[0]["id"] == seen[-1]["id"]
+    assert desk.client.job(seen[-1]["id"]).status()["state"] == "succeeded"
+    assert desk.client.limits()["views"] > 0 and desk.client.health()["status"] == "ok"
+    assert isinstance(desk.client.maps(), list)
+
+
+def upload_if_absent(desk):
+    first = desk.client.upload_scene(["room.rad"], folder=desk.folder)
+    assert desk.sent[-1] == "POST /v1/scenes" or len(desk.sent) == 1
+    desk.sent.clear()
+    assert desk.client.upload_scene(["room.rad"], folder=desk.folder) == first
+    assert desk.sent == ["HEAD /v1/scenes/" + first]
+    with open(os.path.join(desk.folder, "window.rad"), "a") as stream:
+        stream.write("# another\n")
+    desk.sent.clear()
+    other = desk.client.upload_scene(["room.rad"], folder=desk.folder)
+    assert other != first and desk.sent == ["HEAD /v1/scenes/" + other, "POST /v1/scenes"]
+    # The id that the daemon found is the one worked out here, with names beyond ASCII too.
+    with open(os.path.join(desk.folder, "b\u00fcro 1.rad"), "w") as stream:
+        stream.write(WINDOW)
+    desk.sent.clear()
+    name = desk.client.upload_scene(["window.rad", "b\u00fcro 1.rad"], [], desk.folder)
+    assert desk.sent == ["HEAD /v1/scenes/" + name, "POST /v1/scenes"]
+    assert desk.client.upload_scene(["window.rad", "b\u00fcro 1.rad"], [], desk.folder) == name
+    assert desk.sent[2:] == ["HEAD /v1/scenes/" + name]
+    with open(os.path.join(desk.folder, 'a"b.rad'), "w") as stream:
+        stream.write(WINDOW)
+    raises(oriel.OrielError, desk.client.upload_scene, ['a"b.rad'], [], desk.folder)
+
+
+def bsdfs(desk):
+    """Sent once, by themselves or with a scene; a scene then only names them."""
+    path = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../fixtures", "bsdf_klems41.xml")
+    with open(path, "rb") as stream:
+        data = stream.read()
+    with open(os.path.join(desk.folder, "pane.xml"), "wb") as stream:
+        stream.write(data)
+    with open(os.path.join(desk.folder, "bsdf.rad"), "w") as stream:
+        stream.write("void BSDF pane\n6 0 pane.xml 0 0 1 .\n0\n0\n" + OPENING)
+    sha = desk.client.upload_bsdf(os.path.join(desk.folder, "pane.xml"))
+    assert sha == hashlib.sha256(data).hexdigest()
+    desk.sent.clear()
+    assert desk.client.upload_bsdf(os.path.join(desk.folder, "pane.xml")) == sha
+    assert desk.sent == ["HEAD /v1/bsdfs/" + sha]
+    desk.sent.clear()
+    scene = desk.client.upload_scene(["bsdf.rad"], folder=desk.folder)
+    assert desk.sent == ["HEAD /v1/scenes/" + scene, "HEAD /v1/bsdfs/" + sha, "POST /v1/scenes"]
+    assert desk.client.upload_scene(["bsdf.rad"], folder=desk.folder) == scene
+
+
+def cancel(desk):
+    job = desk.long_job()
+    threading.Timer(0.3, job.cancel).start()
+    raises(oriel.JobCancelled, job.wait, poll=0.05)
+    assert job.status()["state"] == "cancelled"
+    other = desk.long_job()
+    raises(oriel.JobCancelled, other.wait, progress=lambda status: status["state"] != "running",
+           poll=0.05)
+    third = desk.long_job()
+    raises(TimeoutError, third.wait, timeout=0.2, poll=0.05)
+    assert third.status()["state"] in ("queued", "running")
+    third.cancel()
+
+
+def problems(desk):
+    error = raises(oriel.Problem, desk.client.submit, {"scene": "0" * 64, "sedd": 1})
+    assert error.status == 422 and "sedd" in str(error)
+    error = raises(oriel.NotFound, desk.client.job("0" * 32).status)
+    assert error.status == 404 and error.type == "urn:oriel:error:no-such-resource"
+    with open(os.path.join(desk.folder, "wrong.rad"), "w") as stream:
+        stream.write("void plastic grey\n0\n0\n5 0.5 0.5\n")
+    error = raises(oriel.Problem, desk.client.upload_scene, ["wrong.rad"], folder=desk.folder)
+    assert error.file == "wrong.rad" and error.line and error.detail and "wrong.rad:" in str(error)
+    error = raises(oriel.OrielError, desk.client.upload_scene, ["absent.rad"], [], desk.folder)
+    assert "absent.rad" in str(error)
+    away = oriel.Client("http://127.0.0.1:1", timeout=5)
+    assert "127.0.0.1:1" in str(raises(oriel.Unreachable, away.health))
+    assert isinstance(raises(oriel.OrielError, oriel.Client, "ftp://x"), oriel.OrielError)
+    raises(oriel.OrielError, oriel.Client, "http://example.org", token="oriel_x")
+    job = desk.long_job()
+    error = raises(oriel.Problem, job.result)
+    assert error.status == 409
+    job.cancel()
+
+
+def repeated_submission(desk):
+    """A connection that breaks after the job was taken makes no second one."""
+    scene = desk.client.upload_scene(["room.rad"], folder=desk.folder)
+    before, send, broken = len(desk.client.jobs()), desk.client._send, []
+
+    def breaking(method, path, *rest, **named):
+        answer = send(method, path, *rest, **named)
+        if method == "POST" and not broken:
+            broken.append(answer)
+            raise oriel.Unreachable("broken")
+        return answer
+
+    desk.client._send = breaking
+    job = desk.client.submit({"kind": "render", "scene": scene, "technique": "backward",
+                              "gather_samples": 16, "sensors": [[1.5, 1, 0.8, 0, 0, 1]]})
+    assert broken and job.id == json.loads(broken[0][2].decode())["id"]
+    assert len(desk.client.jobs()) == before + 1
+
+
+def tokens(desk):
+    """Over HTTPS, to a daemon that asks for tokens."""
+    assert desk.client.health()["status"] == "ok"
+    desk.client.jobs()
+    error = raises(oriel.Unauthorized, desk.connect("oriel_wrong").jobs)
+    assert error.status == 401
+    raises(oriel.Unauthorized, desk.connect("oriel_wrong").upload_scene, ["room.rad"],
+           folder=desk.folder)
+    raises(oriel.Unreachable, oriel.Client(desk.url, token=desk.token).health)  # who signed that?
+    reader = desk.connect(os.environ["READ_TOKEN"])
+    reader.jobs()
+    raises(oriel.Forbidden, reader.submit, {"scene": "0" * 64})
+    raises(oriel.Forbidden, reader.upload_bsdf, os.path.join(desk.folder, "sensors.txt"))
+
+
+if __name__ == "__main__":
+    for variable in ("ORIEL_URL", "ORIEL_TOKEN", "ORIEL_CA"):
+        os.environ.pop(variable, None)
+    globals()[sys.argv[1]](Desk(*sys.argv[2:6]))
