@@ -15,7 +15,7 @@ RUN apt-get update && apt-get install -y --no-install-recommends \
         libsodium23 libcurl4 libcairo2 fonts-dejavu-core ca-certificates curl \
     && rm -rf /var/lib/apt/lists/* \
     && useradd --system --uid 8423 --home-dir /var/lib/oriel --shell /usr/sbin/nologin oriel \
-    && install -d -o oriel -g oriel -m 0750 /var/lib/oriel
+    && install -d -o oriel -g oriel -m 0700 /var/lib/oriel
 COPY --from=build /out/orield /out/oriel /usr/local/bin/
 USER oriel
 ENV ORIEL_DATA=/var/lib/oriel

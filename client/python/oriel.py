@@ -117,6 +117,13 @@ def _problem(status, headers, body):
 
 # ---- Files --------------------------------------------------------------------------------------
 
+def _open(path, mode="rb", **how):
+    try:
+        return open(path, mode, **how)
+    except OSError as error:
+        raise OrielError("cannot open %s: %s" % (path, error.strerror)) from error
+
+
 class _File:
     """A file to send: its name in the scene, where it is, its length and SHA-256."""
 
@@ -125,13 +132,9 @@ class _File:
         self.path = os.path.join(folder, name)
         digest = hashlib.sha256()
         self.size = 0
-        try:
-            with open(self.path, "rb") as stream:
-                for chunk in iter(lambda: stream.read(_CHUNK), b""):
-                    digest.update(chunk)
-                    self.size += len(chunk)
-        except OSError as error:
-            raise OrielError("cannot read %s: %s" % (self.path, error.strerror)) from error
+        for chunk in self.chunks():
+            digest.update(chunk)
+            self.size += len(chunk)
         self.sha = digest.hexdigest()
 
     def chunks(self):
@@ -153,7 +156,7 @@ def _mentioned(folder, names):
         name = left.pop()
         if _is_xml(name):
             continue
-        with open(os.path.join(folder, name), "r", errors="replace") as stream:
+        with _open(os.path.join(folder, name), "r", errors="replace") as stream:
             words = {word.strip("'\"") for line in stream for word in line.split("#")[0].split()}
         for word in sorted(words - set(names) - set(found)):
             if ("." in word and not os.path.isabs(word) and ".." not in word.split("/")
@@ -182,11 +185,7 @@ def _writing(path):
         except OSError as error:
             raise OrielError("cannot write %s: %s" % (path, error.strerror)) from error
 
-    try:
-        stream = open(path, "wb")
-    except OSError as error:
-        raise OrielError("cannot write %s: %s" % (path, error.strerror)) from error
-    with stream:
+    with _open(path, "wb") as stream:
         yield write
 
 
@@ -399,7 +398,7 @@ class Client:
         """
         if not isinstance(document, dict):
             folder = folder or os.path.dirname(document)
-            with open(document, "rb") as stream:
+            with _open(document) as stream:
                 document = json.load(stream)
         job = self.submit(self._prepared(document, folder or ""))
         job.wait(progress)
@@ -417,7 +416,7 @@ class Client:
             names += [weather] if weather and weather not in names else []
             document["scene"] = self.upload_scene(scene["files"], names, folder)
         if isinstance(sensors, dict) and "file" in sensors:
-            with open(os.path.join(folder, sensors["file"])) as stream:
+            with _open(os.path.join(folder, sensors["file"]), "r") as stream:
                 rows = (line.split("#")[0].split() for line in stream)
                 document["sensors"] = [[float(number) for number in row] for row in rows if row]
         return document
@@ -479,7 +478,10 @@ class Job:
 
     def fetch(self, folder):
         """Downloads all files of the results into folder, each whole or not at all. Their paths."""
-        os.makedirs(folder, exist_ok=True)
+        try:
+            os.makedirs(folder, exist_ok=True)
+        except OSError as error:
+            raise OrielError("cannot make %s: %s" % (folder, error.strerror)) from error
         return [self._fetch_file(folder, file["name"]) for file in self.status().get("files", [])]
 
     def _fetch_file(self, folder, name):

@@ -158,6 +158,7 @@ def problems(desk):
     assert error.file == "wrong.rad" and error.line and error.detail and "wrong.rad:" in str(error)
     error = raises(oriel.OrielError, desk.client.upload_scene, ["absent.rad"], [], desk.folder)
     assert "absent.rad" in str(error)
+    raises(oriel.OrielError, desk.client.upload_scene, ["absent.rad"], folder=desk.folder)
     away = oriel.Client("http://127.0.0.1:1", timeout=5)
     assert "127.0.0.1:1" in str(raises(oriel.Unreachable, away.health))
     assert isinstance(raises(oriel.OrielError, oriel.Client, "ftp://x"), oriel.OrielError)

@@ -1,0 +1,112 @@
+/* What the Dockerfile and the systemd unit promise, as far as a test can see without either. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "support/certificate.h"
+#include "support/cli.h"
+#include "support/daemon.h"
+
+/* The health check's command with the daemon's port in place of the default one. */
+static int run_health_check(const char *url)
+{
+    char command[600] = "", *text = cli_read_file(".", "Dockerfile");
+    assert_non_null(text);
+    const char *at = strstr(text, "HEALTHCHECK");
+    at = at ? strstr(at, "CMD ") : NULL;
+    assert_non_null(at);
+    at += 4;
+    const char *end = at + strcspn(at, "\n");
+    while (at < end && strlen(command) + 16 < sizeof command) {
+        if (strncmp(at, "8423", 4) == 0) {
+            strcat(command, strrchr(url, ':') + 1);
+            at += 4;
+        } else {
+            strncat(command, at++, 1);
+        }
+    }
+    free(text);
+    return system(command);
+}
+
+static void test_health_check(void **state)
+{
+    struct daemon daemon;
+    char cert[80], key[80], url[64];
+    (void)state;
+    daemon_start(&daemon, NULL);
+    assert_int_equal(run_health_check(daemon.url), 0);
+    assert_int_equal(daemon_end(&daemon, SIGTERM), 0);
+    snprintf(url, sizeof url, "%s", daemon.url);
+    assert_int_not_equal(run_health_check(url), 0); /* nobody listens there any more */
+    snprintf(cert, sizeof cert, "%s/cert.pem", daemon.root);
+    snprintf(key, sizeof key, "%s/key.pem", daemon.root);
+    certificate_make(cert, key);
+    const char *const extra[] = {"--tls-cert", cert, "--tls-key", key, NULL};
+    daemon_restart(&daemon, extra);
+    assert_int_equal(run_health_check(daemon.url), 0);
+    daemon_remove(&daemon);
+}
+
+static void test_container_is_no_root(void **state)
+{
+    (void)state;
+    char *text = cli_read_file(".", "Dockerfile");
+    assert_non_null(text);
+    const char *user = strstr(text, "\nUSER oriel\n"), *entry = strstr(text, "\nENTRYPOINT");
+    assert_true(user && entry && user < entry);
+    assert_non_null(strstr(text, "-m 0700 /var/lib/oriel"));
+    free(text);
+}
+
+/* The unit keeps what it is there for; and systemd, where there is one, understands it. */
+static void test_unit(void **state)
+{
+    static const char *const lines[] = {
+        "\nUser=oriel\n",
+        "\nProtectSystem=strict\n",
+        "\nNoNewPrivileges=yes\n",
+        "\nPrivateTmp=yes\n",
+        "\nStateDirectory=oriel\n",
+        "\nStateDirectoryMode=0700\n",
+        "\nProtectHome=yes\n",
+        "\nCapabilityBoundingSet=\n",
+        "\nMemoryDenyWriteExecute=yes\n",
+        "\nSystemCallFilter=@system-service\n",
+    };
+    const char *build = getenv("ORIEL_BUILD");
+    char folder[64], command[600], *text = cli_read_file("server", "orield.service");
+    (void)state;
+    assert_non_null(text);
+    for (size_t i = 0; i < sizeof lines / sizeof *lines; i++)
+        if (!strstr(text, lines[i]))
+            fail_msg("the unit has lost %s", lines[i]);
+    free(text);
+    if (system("command -v systemd-analyze >/dev/null") != 0)
+        return;
+    cli_make_folder(folder);
+    snprintf(command, sizeof command,
+             "sed \"s#^ExecStart=.*#ExecStart=$(realpath %s/orield)#\" server/orield.service "
+             ">%s/orield.service && systemd-analyze verify --man=no %s/orield.service 2>&1 | "
+             "tee /dev/stderr | { ! grep -q orield.service; }",
+             build ? build : "build", folder, folder);
+    assert_int_equal(system(command), 0);
+    cli_remove_folder(folder);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_health_check),
+        cmocka_unit_test(test_container_is_no_root),
+        cmocka_unit_test(test_unit),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
