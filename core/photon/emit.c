@@ -2,6 +2,7 @@
 
 #include "photon/guide.h"
 #include "photon/map.h"
+#include "photon/sunward.h"
 #include "photon/table.h"
 #include "scene/hemisphere.h"
 
@@ -85,8 +86,9 @@ static bool emit_port_sun(const struct orl_emission *e, const struct orl_stratum
     const struct orl_rgb share =
         image ? orl_mirrored_transmittance(world, start, towards, world->mirrors[stratum->mirror],
                                            false, &out)
-        : stratum->unobstructed ? orl_gray(1)
-                                : orl_transmittance(world, start, towards, INFINITY, false);
+        : stratum->shades && !orl_may_be_shaded(stratum->shades, point)
+            ? orl_gray(1)
+            : orl_transmittance(world, start, towards, INFINITY, false);
     const double cosine = orl_dot(out, port->outward);
     if (!(cosine > 0) || !(orl_rgb_max(share) > 0))
         return false;

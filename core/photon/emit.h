@@ -57,7 +57,7 @@ struct orl_stratum {
     double below, below_caustic; /* running sums before it */
     struct orl_table place;      /* of a sun in a port: where caustic photons start; seek.h */
     /* Of a sun in a port, by sunward.h: */
-    bool unobstructed;                 /* no shadow ray is needed */
+    struct orl_shades *shades;         /* owned; NULL: anything may be in the way anywhere */
     const struct orl_passage *passage; /* borrowed; NULL: none */
 };
 

@@ -125,12 +125,18 @@ static inline double floor_of(double x)
     return whole > x ? whole - 1 : whole;
 }
 
+static inline void cell_at(const struct orl_packing *packing, const double at[3],
+                           uint32_t ret_cell[3])
+{
+    for (int k = 0; k < 3; k++)
+        ret_cell[k] = (uint32_t)(int64_t)(floor_of(at[k] * packing->steps) - packing->first[k]);
+}
+
 void orl_packing_cell(const struct orl_packing *packing, size_t index, uint32_t ret_cell[3])
 {
     double at[3];
     place_of(packing, index, at);
-    for (int k = 0; k < 3; k++)
-        ret_cell[k] = (uint32_t)(floor_of(at[k] * packing->steps) - packing->first[k]);
+    cell_at(packing, at, ret_cell);
 }
 
 uint16_t orl_packing_normal(const struct orl_packing *packing, size_t index)

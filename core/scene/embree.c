@@ -144,22 +144,25 @@ void orl_embree_free(struct orl_geometry *geometry)
     geometry->device = NULL;
 }
 
-static struct RTCRay make_ray(struct orl_vec3 origin, struct orl_vec3 direction,
-                              double max_distance)
+static inline void set_ray(struct RTCRay *ray, struct orl_vec3 origin, struct orl_vec3 direction,
+                           double max_distance)
 {
-    return (struct RTCRay){.org_x = (float)origin.x,
-                           .org_y = (float)origin.y,
-                           .org_z = (float)origin.z,
-                           .dir_x = (float)direction.x,
-                           .dir_y = (float)direction.y,
-                           .dir_z = (float)direction.z,
-                           .tnear = 0.0F,
-                           .tfar = (float)max_distance,
-                           .mask = 0xffffffffU};
+    ray->org_x = (float)origin.x;
+    ray->org_y = (float)origin.y;
+    ray->org_z = (float)origin.z;
+    ray->tnear = 0.0F;
+    ray->dir_x = (float)direction.x;
+    ray->dir_y = (float)direction.y;
+    ray->dir_z = (float)direction.z;
+    ray->time = 0.0F;
+    ray->tfar = (float)max_distance;
+    ray->mask = 0xffffffffU;
+    ray->id = 0;
+    ray->flags = 0;
 }
 
 /* Embree's own assertion ends the process on rays from beyond 1.8e18; nothing is hit from there. */
-static bool is_traceable(struct orl_vec3 origin, struct orl_vec3 direction)
+static inline bool is_traceable(struct orl_vec3 origin, struct orl_vec3 direction)
 {
     const double far = 1e18;
     return fabs(origin.x) < far && fabs(origin.y) < far && fabs(origin.z) < far &&
@@ -170,9 +173,10 @@ bool orl_embree_intersect(const struct orl_geometry *geometry, struct orl_vec3 o
                           struct orl_vec3 direction, double max_distance,
                           struct orl_embree_hit *ret_hit)
 {
-    struct RTCRayHit rayhit = {.ray = make_ray(origin, direction, max_distance)};
+    struct RTCRayHit rayhit; /* only what Embree reads is set: this is in the innermost loop */
     if (!is_traceable(origin, direction))
         return false;
+    set_ray(&rayhit.ray, origin, direction, max_distance);
     rayhit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
     rayhit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
 #if RTC_VERSION_MAJOR >= 4
@@ -194,9 +198,10 @@ bool orl_embree_intersect(const struct orl_geometry *geometry, struct orl_vec3 o
 bool orl_embree_occluded(const struct orl_geometry *geometry, struct orl_vec3 origin,
                          struct orl_vec3 direction, double max_distance)
 {
-    struct RTCRay ray = make_ray(origin, direction, max_distance);
+    struct RTCRay ray;
     if (!is_traceable(origin, direction))
         return false;
+    set_ray(&ray, origin, direction, max_distance);
 #if RTC_VERSION_MAJOR >= 4
     rtcOccluded1(geometry->scene, &ray, NULL);
 #else
