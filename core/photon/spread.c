@@ -14,10 +14,17 @@ struct orl_spread {
         reach2[ORL_MAP_LEVELS + 1]; /* cells: per leaf, then the most of a node's, level by level */
 };
 
-static int compare(const void *a, const void *b)
+/* Of a few values, which are put in order. */
+static float median_of(float *values, uint32_t n)
 {
-    const float x = *(const float *)a, y = *(const float *)b;
-    return (x > y) - (x < y);
+    for (uint32_t i = 1; i < n; i++) {
+        const float value = values[i];
+        uint32_t k = i;
+        for (; k > 0 && values[k - 1] > value; k--)
+            values[k] = values[k - 1];
+        values[k] = value;
+    }
+    return values[n / 2];
 }
 
 /* The median of squared distances from the middle: a few strays do not move it. */
@@ -38,8 +45,7 @@ static float median2(const struct orl_photon_map *map, uint64_t leaf)
         for (int k = 0; k < 3; k++)
             d2[i] += (at[i][k] - middle[k]) * (at[i][k] - middle[k]);
     }
-    qsort(d2, n, sizeof *d2, compare);
-    return d2[n / 2];
+    return median_of(d2, n);
 }
 
 /*
@@ -56,8 +62,7 @@ static void measure_leaves(struct orl_spread *spread, const float *medians, uint
         uint32_t n = 0;
         for (uint64_t j = i < BESIDE ? 0 : i - BESIDE; j <= i + BESIDE && j < leaves; j++)
             near[n++] = medians[j] / (float)orl_leaf_photons(spread->map, j);
-        qsort(near, n, sizeof *near, compare);
-        const float even = 2 * (float)k * near[n / 2];
+        const float even = 2 * (float)k * median_of(near, n);
         spread->reach2[0][i] = even < 1 ? 1 : even > most * most ? most * most : even;
     }
 }
