@@ -47,7 +47,9 @@ void office_make_panel(int resolution, char ret_path[BENCH_PATH])
 
 void office_open(struct office *office, const char *of_panel)
 {
-    *office = (struct office){.files = {.ctx = office, .open = open_file, .close = close_file}};
+    *office = (struct office){
+        .files = {
+            .ctx = office, .open = open_file, .close = close_file, .passed = orl_files_let_go}};
     bench_make_folder(office->folder);
     if (of_panel)
         snprintf(office->panel, sizeof office->panel, "%s", of_panel);

@@ -4,10 +4,11 @@
  * largest map, as it is and in less memory than the map takes.
  *
  * Every build and every view runs in a process of its own, whose peak of resident memory is its
- * own. The memory of a process cannot be limited as a whole without privileges: scale_render limits
- * what the process owns, by RLIMIT_DATA, and a thread beside it sends pages of the mapped file back
- * to the disk (MADV_PAGEOUT) as soon as more of them are resident than the limit leaves. What is
- * printed is the peak of both together, looked at every few milliseconds.
+ * own. The memory of a process cannot be limited without privileges (RLIMIT_DATA counts what is
+ * merely reserved and nothing that is mapped): instead a thread beside the view sends pages of the
+ * mapped file back to the disk (MADV_PAGEOUT) whenever more than nine tenths of the limit are
+ * resident. What is printed is the peak that it has seen, at a look every 2 ms, and whether that
+ * kept to the limit; reading pages back costs what the machine's page cache makes of it.
  */
 #ifndef ORL_TESTS_BENCH_SCALE_H
 #define ORL_TESTS_BENCH_SCALE_H
@@ -24,8 +25,8 @@ struct scale_build {
 /* What a view tells. */
 struct scale_view {
     double seconds;
-    double peak_bytes;       /* resident, of the process */
-    double paged_peak_bytes; /* own and mapped pages together, as they were seen; 0: no limit */
+    double peak_bytes;  /* resident, of the process */
+    double paged_bytes; /* sent back to the disk */
 };
 
 /* Runs this program again, to build a map of so many photons in a folder of maps, or to render a
@@ -38,10 +39,10 @@ void scale_render(const struct office *office, const char *maps, uint64_t photon
 /* The other side of these: argv from the word "build" or "render" on; returns the exit status. */
 int scale_child(int argc, char **argv);
 
-/* Keeps the resident pages of mapped photon maps below that many bytes until the process ends. */
+/* Keeps resident memory below that, as far as mapped photon maps let it, until the process ends. */
 void scale_start_pager(double most_bytes);
-/* The peak of resident memory that the pager has seen. */
-double scale_pager_peak(void);
+/* How many bytes the pager has sent back. */
+double scale_paged(void);
 
 /* Seconds of a look-up of 50 photons at places of photons drawn at random, in a folder's map. */
 double scale_search(const char *maps, double extent);

@@ -2,7 +2,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/resource.h>
 
 #include "bench/scale.h"
 
@@ -47,15 +46,6 @@ static void build(struct child *c)
     orl_result_done(&r);
 }
 
-/* Half of the limit is for what the process owns, half for pages of files. */
-static void limit(double bytes)
-{
-    const struct rlimit own = {(rlim_t)(bytes / 2), (rlim_t)(bytes / 2)};
-    if (setrlimit(RLIMIT_DATA, &own) != 0)
-        bench_fail("cannot limit memory", NULL);
-    scale_start_pager(bytes / 2);
-}
-
 static void render(struct child *c, double limit_bytes, const char *image)
 {
     struct orl_view_request view = {view_name, view_text, 200, 150};
@@ -63,7 +53,7 @@ static void render(struct child *c, double limit_bytes, const char *image)
     struct orl_result r;
     struct orl_job job;
     if (limit_bytes > 0)
-        limit(limit_bytes);
+        scale_start_pager(limit_bytes);
     office_job(&job);
     job.views = &view;
     job.n_views = 1;
@@ -74,7 +64,7 @@ static void render(struct child *c, double limit_bytes, const char *image)
     const char *const argv[] = {"mv", path, image, NULL};
     if (bench_spawn(argv, NULL, NULL, NULL, NULL) != 0)
         bench_fail("the image is not there", NULL);
-    printf("%.9g %.9g\n", r.total_s, scale_pager_peak());
+    printf("%.9g %.9g\n", r.total_s, scale_paged());
     orl_result_done(&r);
 }
 

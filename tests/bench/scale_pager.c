@@ -1,4 +1,5 @@
 /* A thread that keeps mapped photon maps from being resident. */
+#include <math.h>
 #include <pthread.h>
 #include <stdatomic.h>
 #include <stdio.h>
@@ -11,19 +12,16 @@
 #include "bench/scale.h"
 
 static double most;
-static _Atomic double peak;
+static _Atomic double paged;
 
-/* Resident pages of all kinds and of files, in bytes. */
-static void read_resident(double *ret_all, double *ret_files)
+static double resident(void)
 {
-    const double page = (double)sysconf(_SC_PAGESIZE);
-    unsigned long long size, all = 0, files = 0;
+    unsigned long long size, pages = 0;
     FILE *in = fopen("/proc/self/statm", "r");
-    if (!in || fscanf(in, "%llu %llu %llu", &size, &all, &files) != 3)
+    if (!in || fscanf(in, "%llu %llu", &size, &pages) != 2)
         bench_fail("/proc/self/statm cannot be read", NULL);
     fclose(in);
-    *ret_all = page * (double)all;
-    *ret_files = page * (double)files;
+    return (double)sysconf(_SC_PAGESIZE) * (double)pages;
 }
 
 /* Sends the pages of every photon map that is mapped back to where they came from. */
@@ -48,12 +46,11 @@ static void *keep_watch(void *arg)
     const struct timespec pause = {0, 2000000};
     (void)arg;
     for (;;) {
-        double all, files;
-        read_resident(&all, &files);
-        if (all > peak)
-            peak = all;
-        if (files > most)
+        const double before = resident();
+        if (before > 0.9 * most) {
             page_out();
+            paged = paged + fmax(before - resident(), 0);
+        }
         nanosleep(&pause, NULL);
     }
     return NULL;
@@ -68,7 +65,7 @@ void scale_start_pager(double most_bytes)
     pthread_detach(thread);
 }
 
-double scale_pager_peak(void)
+double scale_paged(void)
 {
-    return peak;
+    return paged;
 }
