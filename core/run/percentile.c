@@ -5,7 +5,7 @@
 #include "base/sum.h"
 
 enum { MOST_LOOKED_AT = 4096, HALVINGS = 48 };
-static const double confident = 1.6448536269514722; /* the normal quantile of 0.95 */
+static const double confident = 1.959963984540054; /* the normal quantile of 0.975 */
 
 const double orl_floor_of_sensors = 1e-3, orl_floor_of_pixels = 0.1;
 
