@@ -2,6 +2,7 @@
 
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -115,7 +116,7 @@ static void write_http(FILE *out, const struct orl_server *server)
     number(out, "oriel_http_slow_clients_total", "counter", "Connections cut off for slowness",
            (double)connections->cut);
     head(out, name, "histogram",
-         "From a request's headers to the end of its answer, by route and class of status");
+         "From headers to the end of the answer, by route and class of status (0xx: broken off)");
     for (size_t route = 0; route <= orl_router_count(); route++)
         for (size_t hundreds = 0; hundreds < ORL_METRICS_CLASSES; hundreds++) {
             const struct orl_histogram *one = &server->metrics.http[route][hundreds];
@@ -129,15 +130,21 @@ static void write_http(FILE *out, const struct orl_server *server)
         }
 }
 
+static double resident_bytes(void)
+{
+    char text[128] = "";
+    FILE *statm = fopen("/proc/self/statm", "re");
+    if (!statm)
+        return 0;
+    const char *line = fgets(text, sizeof text, statm);
+    fclose(statm);
+    const char *second = line ? strchr(line, ' ') : NULL; /* pages, behind those of all there is */
+    return second ? (double)strtol(second, NULL, 10) * (double)sysconf(_SC_PAGESIZE) : 0;
+}
+
 static void write_process(FILE *out, const struct orl_server *server)
 {
     struct rusage usage;
-    long pages = 0;
-    FILE *statm = fopen("/proc/self/statm", "re");
-    if (statm && fscanf(statm, "%*d %ld", &pages) != 1)
-        pages = 0;
-    if (statm)
-        fclose(statm);
     getrusage(RUSAGE_SELF, &usage);
     head(out, "oriel_build_info", "gauge", "1, with the version");
     fprintf(out, "oriel_build_info{version=\"%s\"} 1\n", ORL_VERSION);
@@ -146,8 +153,7 @@ static void write_process(FILE *out, const struct orl_server *server)
     number(out, "process_cpu_seconds_total", "counter", "Processor time, user and system",
            (double)(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) +
                1e-6 * (double)(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec));
-    number(out, "process_resident_memory_bytes", "gauge", "Memory in use",
-           (double)pages * (double)sysconf(_SC_PAGESIZE));
+    number(out, "process_resident_memory_bytes", "gauge", "Memory in use", resident_bytes());
 }
 
 void orl_handle_metrics(struct orl_request *request)

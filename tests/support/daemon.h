@@ -1,6 +1,7 @@
 /*
  * A real daemon for a test: $ORIEL_BUILD/orield (default build/orield) as a child process, on a
- * free port, with a temporary data folder and no patience when it stops; and HTTP requests to it by libcurl.
+ * free port, with a temporary data folder and no patience when it stops; and HTTP requests to it by
+ * libcurl.
  *
  * Everything here fails the running test (cmocka) when it cannot do its part. Replies are owned:
  * reply_done. The child dies with the test program, whatever happens to that.
