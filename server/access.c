@@ -73,7 +73,8 @@ bool orl_access_check_token(struct orl_request *request)
     const char *header = orl_request_header(request, MHD_HTTP_HEADER_AUTHORIZATION);
     if (!header || strncasecmp(header, scheme, sizeof scheme - 1) != 0)
         return refuse_unknown(request, false);
-    if (orl_token_recognise(&request->server->db, header + sizeof scheme - 1, &row, &known, &err)) {
+    if (orl_token_recognise(&request->server->db, request->server->token_finder,
+                            header + sizeof scheme - 1, &row, &known, &err)) {
         orl_reply_error(request, &err);
         return false;
     }

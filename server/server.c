@@ -116,13 +116,17 @@ static int note_token(void *ctx, const struct orl_token_row *row)
     return 0;
 }
 
-/* A daemon that nobody may use is a mistake to be told at once. */
-static int check_tokens(struct orl_server *server, struct orl_error *err)
+/* Prepares for tokens. A daemon that nobody may use is a mistake to be told at once. */
+static int open_tokens(struct orl_server *server, struct orl_error *err)
 {
     bool any = false;
     if (!server->config.needs_token)
         return 0;
     int rc = orl_token_rows(&server->db, note_token, &any, err);
+    if (rc == 0) {
+        server->token_finder = orl_token_finder(&server->db, err);
+        rc = server->token_finder ? 0 : ORL_ERR_IO;
+    }
     if (rc == 0 && !any) {
         rc = orl_error_set(err, ORL_ERR_INVALID, "there are no access tokens yet");
         orl_error_hint(err, "orield token add NAME --data %.200s makes one", server->config.data);
@@ -133,6 +137,7 @@ static int check_tokens(struct orl_server *server, struct orl_error *err)
 static void close_storage(struct orl_server *server)
 {
     orl_map_cache_close(server->maps);
+    sqlite3_finalize(server->token_finder);
     orl_db_close(&server->db);
     orl_folders_close(&server->folders);
 }
@@ -197,7 +202,7 @@ int orl_server_run(const struct orl_config *config, void (*announce)(const char 
      * found before a job starts. */
     int rc = open_storage(&server, err);
     if (rc == 0)
-        rc = check_tokens(&server, err);
+        rc = open_tokens(&server, err);
     if (rc == 0)
         rc = orl_events_open(&server, &server.events, err);
     if (rc == 0)

@@ -32,6 +32,7 @@ struct orl_server {
     uv_timer_t drain;
     struct orl_folders folders;
     struct orl_db db;
+    sqlite3_stmt *token_finder; /* where tokens are needed */
     struct orl_map_cache *maps;
     struct orl_jobs *jobs;
     struct orl_http *http;

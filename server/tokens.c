@@ -41,8 +41,8 @@ int orl_token_make(const char *name, enum orl_scope scope, struct orl_token_row 
     return 0;
 }
 
-int orl_token_recognise(struct orl_db *db, const char *text, struct orl_token_row *ret_row,
-                        bool *ret_known, struct orl_error *err)
+int orl_token_recognise(struct orl_db *db, sqlite3_stmt *finder, const char *text,
+                        struct orl_token_row *ret_row, bool *ret_known, struct orl_error *err)
 {
     const size_t head = sizeof prefix - 1, id = ORL_TOKEN_ID - 1;
     unsigned char given[HASH_BYTES], kept[HASH_BYTES] = {0};
@@ -54,7 +54,7 @@ int orl_token_recognise(struct orl_db *db, const char *text, struct orl_token_ro
         text[head + id] != '_')
         return 0;
     snprintf(name, sizeof name, "%.*s", (int)id, text + head);
-    const int rc = orl_token_row_find(db, name, &row, &found, err);
+    const int rc = orl_token_row_find(db, finder, name, &row, &found, err);
     if (rc || !found)
         return rc;
     hash_secret(text + head + id + 1, given);

@@ -18,9 +18,10 @@ enum { ORL_TOKEN_TEXT = 80 };
 int orl_token_make(const char *name, enum orl_scope scope, struct orl_token_row *ret_row,
                    char ret_text[ORL_TOKEN_TEXT], struct orl_error *err);
 
-/* Whose token is it? *ret_known is false for one that was never made or has been removed. */
-int orl_token_recognise(struct orl_db *db, const char *text, struct orl_token_row *ret_row,
-                        bool *ret_known, struct orl_error *err);
+/* Whose token is it? finder: orl_token_finder's. *ret_known is false for one that was never made or
+ * has been removed. */
+int orl_token_recognise(struct orl_db *db, sqlite3_stmt *finder, const char *text,
+                        struct orl_token_row *ret_row, bool *ret_known, struct orl_error *err);
 
 /* `orield token ...`: argv[0] is "token". Prints; returns the exit status. */
 int orl_token_command(int argc, char **argv);

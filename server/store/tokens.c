@@ -51,20 +51,23 @@ static struct orl_token_row read_row(sqlite3_stmt *stmt)
     return row;
 }
 
-int orl_token_row_find(struct orl_db *db, const char *id, struct orl_token_row *ret_row,
-                       bool *ret_found, struct orl_error *err)
+sqlite3_stmt *orl_token_finder(struct orl_db *db, struct orl_error *err)
 {
-    sqlite3_stmt *stmt = orl_db_prepare(
-        db, err, "SELECT name, id, hash, scope, created_ms FROM tokens WHERE id = ?", "s", id);
-    if (!stmt)
-        return ORL_ERR_IO;
-    int rc = 0;
-    const int step = sqlite3_step(stmt);
+    return orl_db_prepare(
+        db, err, "SELECT name, id, hash, scope, created_ms FROM tokens WHERE id = ?", "s", "");
+}
+
+int orl_token_row_find(struct orl_db *db, sqlite3_stmt *finder, const char *id,
+                       struct orl_token_row *ret_row, bool *ret_found, struct orl_error *err)
+{
+    int rc = 0, step = SQLITE_ERROR;
+    if (sqlite3_bind_text(finder, 1, id, -1, SQLITE_STATIC) == SQLITE_OK)
+        step = sqlite3_step(finder);
     if (step == SQLITE_ROW)
-        *ret_row = read_row(stmt);
+        *ret_row = read_row(finder);
     else if (step != SQLITE_DONE)
         rc = orl_db_error(db, "cannot read tokens", err);
-    sqlite3_finalize(stmt);
+    sqlite3_reset(finder); /* the next look sees what others have written since */
     if (rc == 0)
         *ret_found = step == SQLITE_ROW;
     return rc;

@@ -36,8 +36,13 @@ struct orl_token_row {
 int orl_token_row_insert(struct orl_db *db, const struct orl_token_row *row, struct orl_error *err);
 /* ORL_ERR_NOT_FOUND when there is none of that name. */
 int orl_token_row_remove(struct orl_db *db, const char *name, struct orl_error *err);
-int orl_token_row_find(struct orl_db *db, const char *id, struct orl_token_row *ret_row,
-                       bool *ret_found, struct orl_error *err);
+
+/* The statement that finds rows: prepared once, since every request may need it. The caller's, to
+ * be finalized before the database is closed; NULL on failure. */
+sqlite3_stmt *orl_token_finder(struct orl_db *db, struct orl_error *err);
+int orl_token_row_find(struct orl_db *db, sqlite3_stmt *finder, const char *id,
+                       struct orl_token_row *ret_row, bool *ret_found, struct orl_error *err);
+
 /* Every token, by name. Stops when visit returns non-zero, and returns it. */
 int orl_token_rows(struct orl_db *db, int (*visit)(void *ctx, const struct orl_token_row *row),
                    void *ctx, struct orl_error *err);
