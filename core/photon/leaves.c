@@ -10,16 +10,22 @@
 #include "photon/site.h"
 #include "photon/zorder.h"
 
-enum { SHARE_WORDS = ORL_MAP_BATCHES / sizeof(uint64_t), BESIDE = 10 };
+enum { SHARE_WORDS = ORL_MAP_BATCHES / sizeof(uint64_t), BESIDE = 8, LINE = 64 };
 
-/* What is kept of a leaf: a cache line. */
+/* A leaf's estimate as it is kept. */
 struct kept {
     _Atomic uint64_t value; /* 0: not made yet; else the value, and above it the clear radius */
     _Atomic uint64_t shares[SHARE_WORDS]; /* of the batches; there before the value is */
-    /* The leaves whose sites are the nearest of its own sheet to its own site, plus 1, and zeros to
-     * end with; there before the first of them is, which is 0 while none are sought, and the leaf
-     * itself where it is alone. */
-    _Atomic uint32_t beside[BESIDE];
+};
+
+/*
+ * The leaves of a leaf's sheet whose sites are nearest to its own, itself first: numbers plus 1,
+ * with zeros to end with, and sites. Two cache lines, so that a look-up waits for memory once. All
+ * is there before the first number is, which is 0 while none were sought.
+ */
+struct beside {
+    _Atomic uint32_t leaf[BESIDE];
+    _Atomic float at[3][BESIDE];
 };
 
 struct orl_leaves {
@@ -33,6 +39,8 @@ struct orl_leaves {
     struct orl_zorder order;
     struct orl_site *sites;
     struct kept *kept;
+    struct beside *beside; /* in the room below, from a cache line's beginning on */
+    void *room;
 };
 
 /* A leaf's estimate. */
@@ -41,7 +49,7 @@ struct estimate {
     double clear; /* no wall is nearer to the site */
 };
 
-enum { MOST_TRIES = 4, MOST_HOPS = 4 };
+enum { MOST_TRIES = 4 };
 /*
  * A leaf serves points within its spread times this. An even disc ends at 1.41. Served no further,
  * the points left over are the gaps, and what the leaves read is low by half a percent, for they
@@ -78,12 +86,14 @@ struct orl_leaves *orl_leaves_new(const struct orl_photon_map *map, const struct
     leaves->unit = fmax(h->flux_mean, h->flux_unit) * k / (ORL_PI * max_radius * max_radius);
     leaves->sites = malloc((n + 1) * sizeof *leaves->sites);
     leaves->kept = calloc(n + 1, sizeof *leaves->kept);
+    leaves->room = calloc(n + 1, sizeof *leaves->beside);
     leaves->spread = orl_spread_new(map, k, max_radius);
-    if (!leaves->sites || !leaves->kept || !leaves->spread ||
+    if (!leaves->sites || !leaves->kept || !leaves->room || !leaves->spread ||
         orl_zorder_init(&leaves->order, map) < 0) {
         orl_leaves_free(leaves);
         return NULL;
     }
+    leaves->beside = (void *)(((uintptr_t)leaves->room + LINE - 1) / LINE * LINE);
     for (uint64_t i = 0; i < n; i++)
         leaves->sites[i] = orl_site_make(map, i);
     return leaves;
@@ -97,6 +107,7 @@ void orl_leaves_free(struct orl_leaves *leaves)
     orl_zorder_done(&leaves->order);
     free(leaves->sites);
     free(leaves->kept);
+    free(leaves->room);
     free(leaves);
 }
 
@@ -265,7 +276,7 @@ static bool reads(struct orl_leaves *leaves, struct candidate leaf,
     return true;
 }
 
-/* The leaves beside a leaf, the nearest first; returns how many. */
+/* A leaf and those beside it, the nearest first; returns how many. */
 static uint32_t find_beside(const struct orl_leaves *leaves, uint32_t leaf,
                             struct candidate ret_beside[BESIDE])
 {
@@ -288,7 +299,7 @@ static uint32_t find_beside(const struct orl_leaves *leaves, uint32_t leaf,
         float chord[3];
         const struct candidate here = {distance2_to(leaves, visit.node, own->at, chord),
                                        visit.node};
-        if (!(here.distance2 < within2) || visit.node == leaf ||
+        if (!(here.distance2 < within2) ||
             !orl_same_sheet(normal, own->normal, leaves->sites[visit.node].normal, chord))
             continue;
         uint32_t place = found < BESIDE ? found++ : BESIDE - 1;
@@ -302,57 +313,55 @@ static uint32_t find_beside(const struct orl_leaves *leaves, uint32_t leaf,
 }
 
 /* Seeks the leaves beside a leaf if nobody has; two that do it at once find the same. */
-static void know_beside(const struct orl_leaves *leaves, uint32_t leaf)
+static struct beside *know_beside(const struct orl_leaves *leaves, uint32_t leaf)
 {
-    struct kept *kept = &leaves->kept[leaf];
-    struct candidate beside[BESIDE];
-    if (atomic_load_explicit(&kept->beside[0], memory_order_acquire) != 0)
-        return;
-    const uint32_t found = find_beside(leaves, leaf, beside);
-    for (uint32_t i = 1; i < found; i++)
-        atomic_store_explicit(&kept->beside[i], beside[i].leaf + 1, memory_order_relaxed);
-    atomic_store_explicit(&kept->beside[0], (found > 0 ? beside[0].leaf : leaf) + 1,
-                          memory_order_release);
+    struct beside *beside = &leaves->beside[leaf];
+    struct candidate found[BESIDE];
+    if (atomic_load_explicit(&beside->leaf[0], memory_order_acquire) != 0)
+        return beside;
+    uint32_t n = find_beside(leaves, leaf, found);
+    if (n == 0)
+        found[n++] = (struct candidate){0, leaf};
+    for (uint32_t i = n; i-- > 0;) {
+        for (int k = 0; k < 3; k++)
+            atomic_store_explicit(&beside->at[k][i], leaves->sites[found[i].leaf].at[k],
+                                  memory_order_relaxed);
+        atomic_store_explicit(&beside->leaf[i], found[i].leaf + 1, memory_order_release);
+    }
+    return beside;
 }
 
 /*
- * The leaf whose site is nearest to the point, sought from where the point would stand in the order
- * of the map: from leaf to leaf, always on to the nearest beside it, until none is nearer.
+ * The leaf whose site is nearest to the point, of those beside the one that it would stand in by
+ * the order of the map.
  */
 static bool leaf_about(const struct orl_leaves *leaves, struct orl_vec3 point,
                        struct orl_vec3 normal, struct candidate *ret_leaf)
 {
     const uint16_t code = orl_normal_encode(normal);
-    struct candidate best = {leaves->reach2, 0};
-    uint32_t cell[3], leaf;
+    struct candidate best = {INFINITY, 0};
+    uint32_t cell[3];
     float at[3], chord[3];
-    bool found = false;
     if (leaves->map->header->count == 0)
         return false;
     orl_box_locate(leaves->map, point, at);
     for (int k = 0; k < 3; k++)
         cell[k] = (uint32_t)fminf(fmaxf(at[k] + 0.5F, 0), ORL_PLACE_CELLS - 1);
-    leaf = (uint32_t)orl_zorder_find(&leaves->order, orl_zorder_code(cell, code));
-    for (int hop = 0; hop < MOST_HOPS; hop++) {
-        const uint32_t from = leaf;
-        know_beside(leaves, from);
-        for (uint32_t i = 0, next = from + 1; next > 0; i++) {
-            const struct candidate here = {distance2_to(leaves, next - 1, at, chord), next - 1};
-            if (comes_before(here, best) &&
-                orl_same_sheet(normal, code, leaves->sites[here.leaf].normal, chord)) {
-                best = here;
-                found = true;
-                leaf = here.leaf;
-            }
-            next = i < BESIDE
-                       ? atomic_load_explicit(&leaves->kept[from].beside[i], memory_order_relaxed)
-                       : 0;
+    const uint64_t home = orl_zorder_find(&leaves->order, orl_zorder_code(cell, code));
+    struct beside *beside = know_beside(leaves, (uint32_t)home);
+    for (int i = 0; i < BESIDE; i++) {
+        const uint32_t leaf = atomic_load_explicit(&beside->leaf[i], memory_order_relaxed);
+        struct candidate here = {0, leaf - 1};
+        for (int k = 0; k < 3; k++) {
+            const float off = atomic_load_explicit(&beside->at[k][i], memory_order_relaxed) - at[k];
+            here.distance2 += off * off;
         }
-        if (leaf == from)
-            break;
+        if (leaf != 0 && comes_before(here, best))
+            best = here;
     }
+    distance2_to(leaves, best.leaf, at, chord);
     *ret_leaf = best;
-    return found;
+    return orl_same_sheet(normal, code, leaves->sites[best.leaf].normal, chord);
 }
 
 struct orl_rgb orl_leaves_irradiance(struct orl_leaves *leaves, struct orl_vec3 point,

@@ -4,8 +4,8 @@
  * one estimate per leaf (16 photons) and a short look-up each.
  *
  * A look-up takes the nearest leaf on the same sheet of surface that covers the point: sought from
- * where the point would stand in the order of the map (zorder.h), by way of leaves that know the
- * ones beside them, and only where that fails through the hierarchy of boxes. Where the leaf's
+ * the leaf in which the point would stand in the order of the map (zorder.h), which knows the ones
+ * beside it, and only where that fails through the hierarchy of boxes. Where the leaf's
  * estimate met a wall, or did not reach as far as the point asked about, a ray tells whether
  * something stands between the two; then the next leaf is tried, and after some the estimate is
  * made at the point.

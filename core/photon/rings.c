@@ -108,24 +108,35 @@ static void take_leaf(struct hunt *hunt, uint32_t leaf)
         hunt->list[hunt->leaves++] = (struct orl_search_candidate){d2, leaf};
 }
 
+/* In the order of the map: whatever comes first, all of it is looked at. */
 static void find_all(struct hunt *hunt)
 {
     const struct orl_photon_map *map = hunt->sums->map;
-    struct orl_box_visit stack[ORL_BOX_STACK];
+    struct {
+        uint32_t level, node;
+    } stack[ORL_BOX_STACK];
     uint32_t depth = 0;
     hunt->leaves = hunt->photons = 0;
     hunt->radius = sqrtf(hunt->radius2);
     hunt->full = false;
-    if (map->header->levels > 0)
-        stack[depth++] = (struct orl_box_visit){0, map->header->levels, 0};
-    while (depth > 0 && !hunt->full) {
-        const struct orl_box_visit visit = stack[--depth];
-        if (visit.level > 0)
-            depth = orl_box_push(map, visit, hunt->at, hunt->facing, beyond2 * hunt->radius2, stack,
-                                 depth);
-        else
-            take_leaf(hunt, visit.node);
-        hunt->full = hunt->leaves + hunt->photons + ORL_MAP_LEAF > ROOM;
+    stack[depth].level = map->header->levels - 1;
+    stack[depth++].node = 0;
+    while (depth > 0) {
+        const uint32_t level = stack[--depth].level, node = stack[depth].node;
+        const struct orl_map_group *group = &map->levels[level][node];
+        float distance2[ORL_MAP_FANOUT];
+        orl_box_distances(group, hunt->at, distance2);
+        for (uint32_t c = 0; c < ORL_MAP_FANOUT && !hunt->full; c++) {
+            if (!(distance2[c] < beyond2 * hunt->radius2) || !(group->facing[c] & hunt->facing))
+                continue;
+            if (level > 0) {
+                stack[depth].level = level - 1;
+                stack[depth++].node = node * ORL_MAP_FANOUT + c;
+                continue;
+            }
+            take_leaf(hunt, node * ORL_MAP_FANOUT + c);
+            hunt->full = hunt->leaves + hunt->photons + ORL_MAP_LEAF > ROOM;
+        }
     }
 }
 
