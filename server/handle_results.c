@@ -97,7 +97,19 @@ static char *find_summary(struct orl_request *request, struct shown *shown)
     return job->row.state == ORL_JOB_SUCCEEDED && job->outcome ? strdup(job->outcome) : NULL;
 }
 
-/* False after a 404 or 409. A job has results when it has succeeded, or after its first round. */
+/* 409: nothing, or not that yet. */
+static void refuse_for_now(struct orl_request *request, const struct orl_jobs_job *job)
+{
+    const enum orl_job_state state = job->row.state;
+    orl_reply_problem(request, 409, "no-result", "The job has no results", "its state is '%s'%s",
+                      orl_job_state_name(state),
+                      state <= ORL_JOB_RUNNING ? "; ask again later" : "");
+    if (state <= ORL_JOB_RUNNING)
+        orl_reply_header(request, "Retry-After", "1");
+}
+
+/* False after a 404 or 409. A job has results when it has succeeded, or after its first
+ * round or view. */
 static bool find_results(struct orl_request *request, struct shown *ret_shown)
 {
     struct shown shown = {.job = orl_jobs_find(request->server->jobs, request->params[0])};
@@ -112,12 +124,7 @@ static bool find_results(struct orl_request *request, struct shown *ret_shown)
         *ret_shown = shown;
         return true;
     }
-    const enum orl_job_state state = shown.job->row.state;
-    orl_reply_problem(request, 409, "no-result", "The job has no results", "its state is '%s'%s",
-                      orl_job_state_name(state),
-                      state <= ORL_JOB_RUNNING ? "; ask again later" : "");
-    if (state <= ORL_JOB_RUNNING)
-        orl_reply_header(request, "Retry-After", "1");
+    refuse_for_now(request, shown.job);
     return false;
 }
 
@@ -128,6 +135,8 @@ static void send_results(struct orl_request *request, const char *name)
         return;
     if (is_listed(&shown, name))
         send_file(request, &shown, name);
+    else if (shown.running && strcmp(name, "result.json") == 0)
+        refuse_for_now(request, shown.job);
     else
         orl_reply_not_found(request, "result file");
     json_decref(shown.summary);

@@ -1,11 +1,12 @@
 /*
  * A job at a glance, for its events:
  *
- *     {"id", "state", "stage", "percent", "eta_s", "queue_position", "rounds", "points",
- *      "cancelling"}
+ *     {"id", "state", "stage", "percent", "eta_s", "queue_position", "rounds", "views",
+ *      "points", "cancelling"}
  *
  * stage, percent and eta_s as in job_status.h, of a study the run under way; queue_position while
- * it waits; rounds of a job with a goal, points of a study while they run.
+ * it waits; rounds of a job with a goal, views of any other that are there to fetch, points
+ * of a study while they run.
  */
 #ifndef ORL_SERVER_JOB_GLANCE_H
 #define ORL_SERVER_JOB_GLANCE_H

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "encode.h"
 #include "result_json.h"
@@ -50,14 +51,18 @@ static int add_links(json_t *links, const char *id, const json_t *summary)
     const json_t *entry;
     size_t i;
     char url[320];
+    bool has_result = false;
     int rc = 0;
     json_array_foreach(json_object_get(summary, "files"), i, entry)
     {
-        snprintf(url, sizeof url, "/v1/jobs/%s/files/%s", id,
-                 json_string_value(json_object_get(entry, "name")));
+        const char *name = json_string_value(json_object_get(entry, "name"));
+        has_result = has_result || strcmp(name, "result.json") == 0;
+        snprintf(url, sizeof url, "/v1/jobs/%s/files/%s", id, name);
         rc |= json_array_append_new(files, json_string(url));
     }
     rc |= json_object_set_new(links, "files", files);
+    if (!has_result)
+        return rc;
     snprintf(url, sizeof url, "/v1/jobs/%s/result", id);
     return rc | json_object_set_new(links, "result", json_string(url));
 }

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "kept_views.h"
 #include "limits.h"
 #include "problem.h"
 #include "store/scenes.h"
@@ -249,6 +250,14 @@ int orl_jobs_by_key(struct orl_jobs *jobs, const char *client, const char *reque
     return rc;
 }
 
+/* What an earlier start has left. */
+static void forget_partial(const struct orl_jobs_job *job)
+{
+    char path[ORL_PATH_MAX];
+    orl_kept_views_folder(job->jobs->env.folders, job->row.id, path);
+    orl_remove_tree(path, NULL);
+}
+
 /*
  * The row says cancelled at once, so that a crash does not bring the job back; in memory it runs on
  * until its threads have heard. Should it succeed first, its row is written once more.
@@ -275,6 +284,7 @@ int orl_jobs_cancel(struct orl_jobs *jobs, const char *id, struct orl_error *err
     case ORL_JOB_QUEUED:
         orl_queue_remove(jobs->queue, &job->waiting);
         set_state(job, ORL_JOB_CANCELLED);
+        forget_partial(job);
         return 0;
     case ORL_JOB_RUNNING:
         return cancel_running(job, err);
@@ -299,7 +309,7 @@ void orl_jobs_stop(struct orl_jobs *jobs)
     for (struct orl_jobs_job *job = jobs->newest; job; job = job->older)
         if (job->row.state == ORL_JOB_RUNNING) {
             job->requeue = true;
-            orl_worker_cancel(job->worker);
+            orl_worker_stop(job->worker);
         }
     if (jobs->counts[ORL_JOB_RUNNING] == 0)
         jobs->env.idle(jobs->env.ctx);
@@ -346,6 +356,12 @@ static void recover(struct orl_jobs *jobs)
     }
 }
 
+static bool is_waiting(void *ctx, const char *id)
+{
+    const struct orl_jobs_job *job = find_job(ctx, id);
+    return job && job->row.state == ORL_JOB_QUEUED;
+}
+
 int orl_jobs_open(const struct orl_jobs_env *env, struct orl_jobs **ret_jobs, struct orl_error *err)
 {
     struct orl_jobs *jobs = calloc(1, sizeof *jobs);
@@ -360,6 +376,7 @@ int orl_jobs_open(const struct orl_jobs_env *env, struct orl_jobs **ret_jobs, st
         return rc;
     }
     recover(jobs);
+    orl_kept_views_sweep(env->folders, is_waiting, jobs);
     *ret_jobs = jobs;
     start_next(jobs);
     return 0;

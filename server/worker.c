@@ -11,6 +11,7 @@
 #include <unistd.h>
 
 #include "job_output.h"
+#include "kept_views.h"
 #include "times.h"
 
 enum { RENDER_NICE = 10, FRACTION_ONE = 1000000 };
@@ -28,13 +29,17 @@ struct orl_worker {
     struct member *members;
     uint32_t queued;                   /* works that have not come back; loop thread */
     struct orl_worker_outcome outcome; /* the lead's, then the loop's once all are back */
-    atomic_bool cancel;
+    atomic_bool cancel, stopped;
+    bool keeps; /* its views, when stopped; the lead's */
     atomic_int stage, stage_ppm, job_ppm, technique;
     pthread_mutex_t news_mutex;
     struct orl_map_info maps[ORL_RESULT_MAPS];
     size_t n_maps;
     struct orl_outcome rounds; /* as the last round left it */
-    char *results;             /* their summary; owned */
+    char *results;             /* their summary, or that of the views done; owned */
+    size_t n_views;            /* done */
+    json_t *files;             /* theirs; the lead's */
+    const struct orl_job *job; /* the lead's, while it renders */
     char output[ORL_PATH_MAX]; /* where they are; set before there are any */
     struct orl_study_step step;
     struct orl_study_point *points; /* room for n_settings; those below n_points never change */
@@ -75,20 +80,58 @@ static void on_map_ready(void *ctx, const struct orl_map_info *info)
     pthread_mutex_unlock(&worker->news_mutex);
 }
 
-/* A result that cannot be written now will be missed by nobody but who asks now. */
-static void on_round_ready(void *ctx, const struct orl_result *result)
+/* Takes summary, NULL included: then what was there stays. */
+static void show_results(struct orl_worker *worker, char *summary)
 {
-    struct orl_worker *worker = ctx;
-    char *summary = NULL, *before;
-    orl_job_output_write(result, "running", worker->output, &summary, NULL);
     pthread_mutex_lock(&worker->news_mutex);
-    worker->rounds = result->outcome;
-    before = worker->results;
+    char *before = worker->results;
     if (summary)
         worker->results = summary;
     pthread_mutex_unlock(&worker->news_mutex);
     if (summary)
         free(before);
+}
+
+static void show_view(struct orl_worker *worker, const struct orl_view_result *view)
+{
+    orl_kept_views_list(worker->output, view, worker->files);
+    json_t *summary = json_pack("{s:O}", "files", worker->files);
+    char *text = summary ? json_dumps(summary, JSON_COMPACT) : NULL;
+    json_decref(summary);
+    show_results(worker, text);
+    pthread_mutex_lock(&worker->news_mutex);
+    worker->n_views++;
+    pthread_mutex_unlock(&worker->news_mutex);
+}
+
+/* A note that cannot be written costs time alone, after a restart. */
+static void on_view_written(void *ctx, size_t index, const struct orl_view_result *view)
+{
+    struct orl_worker *worker = ctx;
+    (void)index;
+    orl_kept_views_add(worker->output, view, NULL);
+    show_view(worker, view);
+}
+
+static bool on_view_kept(void *ctx, size_t index, struct orl_view_result *ret_view)
+{
+    struct orl_worker *worker = ctx;
+    if (!orl_kept_views_find(worker->output, worker->job->views[index].name, ret_view))
+        return false;
+    show_view(worker, ret_view);
+    return true;
+}
+
+/* A result that cannot be written now will be missed by nobody but who asks now. */
+static void on_round_ready(void *ctx, const struct orl_result *result)
+{
+    struct orl_worker *worker = ctx;
+    char *summary = NULL;
+    orl_job_output_write(result, "running", worker->output, &summary, NULL);
+    pthread_mutex_lock(&worker->news_mutex);
+    worker->rounds = result->outcome;
+    pthread_mutex_unlock(&worker->news_mutex);
+    show_results(worker, summary);
 }
 
 static void on_study_progress(void *ctx, const struct orl_study_step *step)
@@ -150,11 +193,17 @@ static int run_render(struct orl_worker *worker, const struct orl_job *job,
         .progress = on_progress,
         .plan_ready = on_plan_ready,
         .map_ready = on_map_ready,
+        .view_kept = on_view_kept,
+        .view_written = on_view_written,
         .round_ready = on_round_ready,
         .ctx = worker,
     };
+    worker->job = job;
+    worker->files = json_array();
     int rc = orl_run(job, &env, &result, err);
+    json_decref(worker->files);
     if (rc == 0) {
+        orl_kept_views_forget(output, job);
         note_tally(&result, &worker->outcome.tally);
         rc = orl_job_output_write(&result, "succeeded", output, &worker->outcome.summary, err);
         orl_result_done(&result);
@@ -192,12 +241,31 @@ static int run_study(struct orl_worker *worker, const struct orl_study_request *
     return rc;
 }
 
+/* Only views that are there once and for all are of use to a later start. */
+static int make_folder(struct orl_worker *worker, const struct orl_task *task, const char *output,
+                       struct orl_error *err)
+{
+    const struct orl_goal *goal = &task->of.render.goal;
+    worker->keeps =
+        task->kind == ORL_TASK_RENDER && goal->relative_error == 0 && goal->deadline_s == 0;
+    const int rc = worker->keeps ? 0 : orl_remove_tree(output, err);
+    if (rc == 0 && mkdir(output, 0777) != 0 && errno != EEXIST)
+        return orl_error_set(err, ORL_ERR_IO, "cannot make a folder for the results: %s",
+                             strerror(errno));
+    return rc;
+}
+
 static int run_document(struct orl_worker *worker, const char *output, struct orl_error *err)
 {
     struct orl_task task;
     int rc = read_document(worker, &task, err);
     if (rc)
         return rc;
+    rc = make_folder(worker, &task, output, err);
+    if (rc) {
+        orl_task_done(&task);
+        return rc;
+    }
     const struct orl_files files = orl_bundle_provider(&worker->spec.bundle);
     rc = task.kind == ORL_TASK_STUDY ? run_study(worker, &task.of.study, &files, output, err)
                                      : run_render(worker, &task.of.render, &files, output, err);
@@ -210,11 +278,8 @@ static int lead(struct orl_worker *worker, struct orl_error *err)
 {
     char final[ORL_PATH_MAX];
     const char *output = worker->output;
-    orl_folders_temporary(worker->spec.folders, worker->output);
+    orl_kept_views_folder(worker->spec.folders, worker->spec.job_id, worker->output);
     orl_folders_path(worker->spec.folders, final, "results/%s", worker->spec.job_id);
-    if (mkdir(output, 0777) != 0)
-        return orl_error_set(err, ORL_ERR_IO, "cannot make a folder for the results: %s",
-                             strerror(errno));
     int rc = run_document(worker, output, err);
     if (rc == 0)
         rc = orl_sync_path(output, err);
@@ -223,7 +288,7 @@ static int lead(struct orl_worker *worker, struct orl_error *err)
         rc = orl_remove_tree(final, err);
     if (rc == 0)
         rc = orl_rename_synced(output, final, err);
-    if (rc)
+    if (rc && !(rc == ORL_ERR_CANCELLED && worker->keeps && atomic_load(&worker->stopped)))
         orl_remove_tree(output, NULL);
     return rc;
 }
@@ -299,6 +364,12 @@ void orl_worker_cancel(struct orl_worker *worker)
     atomic_store(&worker->cancel, true);
 }
 
+void orl_worker_stop(struct orl_worker *worker)
+{
+    atomic_store(&worker->stopped, true);
+    orl_worker_cancel(worker);
+}
+
 void orl_worker_progress(struct orl_worker *worker, struct orl_progress *ret_progress)
 {
     ret_progress->stage = (enum orl_stage)atomic_load(&worker->stage);
@@ -309,6 +380,7 @@ void orl_worker_progress(struct orl_worker *worker, struct orl_progress *ret_pro
     ret_progress->n_maps = worker->n_maps;
     memcpy(ret_progress->maps, worker->maps, sizeof worker->maps);
     ret_progress->outcome = worker->rounds;
+    ret_progress->n_views = worker->n_views;
     ret_progress->step = worker->step;
     ret_progress->n_settings = worker->n_settings;
     ret_progress->points = worker->points;

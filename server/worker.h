@@ -7,10 +7,12 @@
  * news of maps and of studies through a mutex that is held for copies only, so that a status poll
  * never waits. Nothing here touches the database.
  *
- * A render job with a goal has results after each of its rounds, in the folder that it works in.
+ * A render job with a goal has results after each of its rounds, any other has each view as soon as
+ * it is rendered, in the folder that it works in; the latter's stay there when it is stopped rather
+ * than cancelled, and when the daemon is killed (kept_views.h).
  *
- * Results: written to tmp/, synced, then moved to results/<job> as a whole; only then done is
- * called with code 0.
+ * Results: written to partial/<job>, synced, then moved to results/<job> as a whole; only then done
+ * is called with code 0.
  *
  * Ownership: start takes the bundle; the worker frees itself after done returns.
  * Threads: every function here on the loop thread.
@@ -54,6 +56,7 @@ struct orl_progress {
     enum orl_technique technique; /* ORL_TECHNIQUE_AUTO until the plan is made */
     struct orl_map_info maps[ORL_RESULT_MAPS];
     size_t n_maps;
+    size_t n_views;             /* there to fetch, of a job without a goal */
     struct orl_outcome outcome; /* of a job with a goal, after its first round */
     /* Of a study, once its first run is under way; else runs are 0. */
     struct orl_study_step step;
@@ -67,6 +70,8 @@ int orl_worker_start(uv_loop_t *loop, struct orl_worker_spec *spec, struct orl_w
                      struct orl_error *err);
 /* Asks it to stop; done still comes, with ORL_ERR_CANCELLED unless it was faster. */
 void orl_worker_cancel(struct orl_worker *worker);
+/* The same, but the views done are kept for when it starts anew. */
+void orl_worker_stop(struct orl_worker *worker);
 void orl_worker_progress(struct orl_worker *worker, struct orl_progress *ret_progress);
 
 /*

@@ -211,6 +211,17 @@ static int render_view(struct rendering *rendering, size_t index, struct view_pr
     return code;
 }
 
+/* Has an earlier run left the view? */
+static bool is_kept(const struct orl_run_state *state, size_t index)
+{
+    const struct orl_run_env *env = state->env;
+    if (state->take_film || !env->view_kept ||
+        !env->view_kept(env->ctx, index, &state->result->views[index]))
+        return false;
+    state->result->n_views = index + 1;
+    return true;
+}
+
 static int render_views(struct rendering *rendering, double before, struct orl_error *err)
 {
     struct orl_run_state *state = rendering->state;
@@ -224,7 +235,11 @@ static int render_views(struct rendering *rendering, double before, struct orl_e
     for (size_t i = 0; i < n && code == 0; i++) {
         struct view_progress progress = {state, before + (1 - before) * (double)i / (double)n,
                                          (1 - before) / (double)n};
+        if (is_kept(state, i))
+            continue;
         code = render_view(rendering, i, &progress, err);
+        if (code == 0 && !state->take_film && state->env->view_written)
+            state->env->view_written(state->env->ctx, i, &state->result->views[i]);
     }
     return code;
 }

@@ -61,7 +61,7 @@ static int take_lock(struct orl_folders *folders, struct orl_error *err)
 
 int orl_folders_open(struct orl_folders *folders, const char *root, struct orl_error *err)
 {
-    static const char *const below[] = {"blobs", "maps", "results", "tmp"};
+    static const char *const below[] = {"blobs", "maps", "partial", "results", "tmp"};
     char path[ORL_PATH_MAX];
     folders->lock_fd = -1;
     if (strlen(root) >= sizeof folders->root)

@@ -223,6 +223,14 @@ struct orl_run_env {
     void (*view_ready)(void *ctx, size_t index, float (*const pixels)[3], const float *errors,
                        size_t count);
     /*
+     * Of a job without a goal. Called by the lead thread before a view is rendered: have its files
+     * been left in the output folder by an earlier run of the same job? True: *ret_view is filled,
+     * its strings by malloc for the run to free, and the view is not rendered again. May be NULL.
+     */
+    bool (*view_kept)(void *ctx, size_t index, struct orl_view_result *ret_view);
+    /* Likewise once the files of a view are written; the view is valid during the call. */
+    void (*view_written)(void *ctx, size_t index, const struct orl_view_result *view);
+    /*
      * Called by the lead thread after each round of a job with a goal: the result as it stands,
      * files included; valid during the call. May be NULL.
      */

@@ -1,0 +1,191 @@
+/* Jobs of several views: each is there as soon as it is done, and is not rendered again. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "support/daemon.h"
+
+#define VIEW(name, side)                                                                           \
+    "{\"name\":\"" name "\",\"view\":\"-vtv -vp 2 4.5 1.6 -vd 0 -1 0 -vu 0 0 1 -vh 70 -vv "        \
+    "55\",\"width\":" side ",\"height\":" side "}"
+/* The last takes minutes, or is as quick as the others. */
+#define VIEWS(last) "\"views\":[" VIEW("a", "24") "," VIEW("b", "48") "," VIEW("c", last) "]"
+
+static void submit(struct daemon_room *f, const char *technique, const char *views,
+                   char ret_path[80])
+{
+    char text[2048];
+    struct reply reply;
+    snprintf(text, sizeof text,
+             "{\"scene\":\"%s\",\"technique\":\"%s\",\"photons\":{\"global\":20000,\"caustic\":0},"
+             "\"gather_samples\":64,\"pixel_samples\":16,\"sensors\":[[2,1,0.8,0,0,1]],%s}",
+             f->scene, technique, views);
+    daemon_post_json(&f->daemon, "/v1/jobs", text, &reply);
+    if (reply.status != 202)
+        fail_msg("the job was refused: %s", reply.body);
+    snprintf(ret_path, 80, "%s", reply_text(&reply, "links.self"));
+    reply_done(&reply);
+}
+
+/* Until so many files are there to fetch. Does it run on? */
+static bool wait_for_files(struct daemon_room *f, const char *job, size_t count)
+{
+    for (int polls = 0; polls < 3000; polls++) {
+        struct reply reply;
+        daemon_get(&f->daemon, job, &reply);
+        const bool there = json_array_size(reply_at(&reply, "links.files")) >= count;
+        const bool runs = strcmp(reply_text(&reply, "state"), "running") == 0;
+        assert_true(!runs || !reply_at(&reply, "links.result"));
+        reply_done(&reply);
+        if (there)
+            return runs;
+        nanosleep(&(struct timespec){0, 20000000}, NULL);
+    }
+    fail_msg("no view in a minute");
+    return false;
+}
+
+static void get_below(struct daemon_room *f, const char *job, const char *what,
+                      struct reply *ret_reply)
+{
+    char path[160];
+    snprintf(path, sizeof path, "%s/%s", job, what);
+    daemon_get(&f->daemon, path, ret_reply);
+}
+
+static void expect_status(struct daemon_room *f, const char *job, const char *what, long status)
+{
+    struct reply reply;
+    get_below(f, job, what, &reply);
+    assert_int_equal(reply.status, status);
+    reply_done(&reply);
+}
+
+/* When a job's file was written, in nanoseconds. */
+static int64_t written(const struct daemon_room *f, const char *folder, const char *job,
+                       const char *file)
+{
+    char path[256];
+    struct stat st;
+    snprintf(path, sizeof path, "%s/%s/%s/%s", f->daemon.root, folder, strrchr(job, '/') + 1, file);
+    assert_int_equal(stat(path, &st), 0);
+    return (int64_t)st.st_mtim.tv_sec * 1000000000 + st.st_mtim.tv_nsec;
+}
+
+static void cancel(struct daemon_room *f, const char *job)
+{
+    struct reply reply;
+    daemon_request(&f->daemon, "DELETE", job, NULL, NULL, 0, NULL, &reply);
+    assert_int_equal(reply.status / 100, 2);
+    reply_done(&reply);
+    daemon_wait(&f->daemon, job, 60, &reply);
+    assert_string_equal(reply_text(&reply, "state"), "cancelled");
+    reply_done(&reply);
+}
+
+/* While the last view is rendered, over kills and stops; gone when the job is cancelled. */
+static void test_views_before_the_end(void **state)
+{
+    struct daemon_room *f = *state;
+    char job[80];
+    submit(f, "backward", VIEWS("4000"), job);
+    assert_true(wait_for_files(f, job, 8));
+    expect_status(f, job, "files/a.hdr", 200);
+    expect_status(f, job, "files/b.error.png", 200);
+    expect_status(f, job, "files/c.hdr", 404);
+    expect_status(f, job, "result", 409);
+    const int64_t first = written(f, "partial", job, "a.hdr");
+    for (int i = 0; i < 2; i++) {
+        daemon_end(&f->daemon, i ? SIGTERM : SIGKILL);
+        daemon_restart(&f->daemon, NULL);
+        assert_true(wait_for_files(f, job, 8));
+        expect_status(f, job, "files/b.hdr", 200);
+        assert_true(written(f, "partial", job, "a.hdr") == first);
+    }
+    cancel(f, job);
+    expect_status(f, job, "files/a.hdr", 409);
+    assert_int_equal(daemon_count_files(&f->daemon, "partial"), 0);
+}
+
+static void expect_same(struct daemon_room *f, const char *one, const char *other, const char *file)
+{
+    struct reply a, b;
+    get_below(f, one, file, &a);
+    get_below(f, other, file, &b);
+    assert_int_equal(a.status, 200);
+    assert_int_equal(a.size, b.size);
+    assert_memory_equal(a.body, b.body, a.size);
+    reply_done(&a);
+    reply_done(&b);
+}
+
+/* A job torn between views comes to the same bytes as one that is not, with the views it had. */
+static void test_torn_job_ends_the_same(void **state)
+{
+    /* With sizes of the last view that leave time to tear the job. */
+    static const struct {
+        const char *technique, *views;
+    } cases[] = {{"backward", VIEWS("64")}, {"gather", VIEWS("64")}, {"direct", VIEWS("200")}};
+    struct daemon_room *f = *state;
+    int n_torn = 0;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char torn[80], whole[80];
+        struct reply reply;
+        submit(f, cases[i].technique, cases[i].views, torn);
+        const bool in_time = wait_for_files(f, torn, 4);
+        daemon_end(&f->daemon, SIGKILL);
+        char path[256];
+        snprintf(path, sizeof path, "%s/partial/%s/a.hdr", f->daemon.root, strrchr(torn, '/') + 1);
+        const bool is_torn = in_time && access(path, F_OK) == 0;
+        const int64_t first = is_torn ? written(f, "partial", torn, "a.hdr") : 0;
+        n_torn += is_torn;
+        daemon_restart(&f->daemon, NULL);
+        daemon_wait(&f->daemon, torn, 120, &reply);
+        assert_string_equal(reply_text(&reply, "state"), "succeeded");
+        assert_true(json_array_size(reply_at(&reply, "links.files")) >= 7);
+        reply_done(&reply);
+        assert_true(!is_torn || written(f, "results", torn, "a.hdr") == first);
+        submit(f, cases[i].technique, cases[i].views, whole);
+        daemon_wait(&f->daemon, whole, 120, &reply);
+        assert_string_equal(reply_text(&reply, "state"), "succeeded");
+        reply_done(&reply);
+        expect_same(f, torn, whole, "files/a.hdr");
+        expect_same(f, torn, whole, "files/b.hdr");
+        expect_same(f, torn, whole, "files/c.hdr");
+        assert_int_equal(daemon_count_files(&f->daemon, "partial"), 0);
+    }
+    print_message("# %d of 3 jobs were torn in time\n", n_torn);
+    assert_true(n_torn > 0);
+}
+
+/* What a killed daemon left of jobs that nobody waits for goes at the start. */
+static void test_leftovers_go(void **state)
+{
+    struct daemon_room *f = *state;
+    char path[160];
+    daemon_end(&f->daemon, SIGTERM);
+    snprintf(path, sizeof path, "%s/partial/0123", f->daemon.root);
+    assert_int_equal(mkdir(path, 0777), 0);
+    daemon_restart(&f->daemon, NULL);
+    assert_true(access(path, F_OK) != 0);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_views_before_the_end),
+        cmocka_unit_test(test_torn_job_ends_the_same),
+        cmocka_unit_test(test_leftovers_go),
+    };
+    return cmocka_run_group_tests(tests, daemon_room_set_up, daemon_room_tear_down);
+}
