@@ -15,7 +15,7 @@ void orl_checksum_init(struct orl_checksum *sum)
 
 static inline void add_block(uint64_t lanes[ORL_CHECKSUM_LANES], const unsigned char *block)
 {
-    for (unsigned i = 0; i < ORL_CHECKSUM_LANES; i++) {
+    for (size_t i = 0; i < ORL_CHECKSUM_LANES; i++) {
         uint64_t word;
         memcpy(&word, block + 8 * i, sizeof word);
 #if __BYTE_ORDER__ != __ORDER_LITTLE_ENDIAN__

@@ -43,10 +43,10 @@ add_blocks(uint32_t state[8], const unsigned char *data, size_t blocks)
     for (; blocks > 0; blocks--, data += BLOCK) {
         const __m128i before[2] = {abef, cdgh};
         __m128i w[4];
-        for (int i = 0; i < 4; i++)
+        for (size_t i = 0; i < 4; i++)
             w[i] = _mm_shuffle_epi8(_mm_loadu_si128((const void *)(data + 16 * i)), swap);
 #pragma GCC unroll 16
-        for (int i = 0; i < GROUPS; i++) {
+        for (size_t i = 0; i < GROUPS; i++) {
             const __m128i last = w[(i + 3) & 3];
             const __m128i k =
                 _mm_add_epi32(w[i & 3], _mm_loadu_si128((const void *)(constants + 4 * i)));

@@ -301,9 +301,13 @@ int orl_bsdf_open(const char *path, const unsigned char content[ORL_COMPILED_DIG
     struct arrays *arrays = malloc(sizeof *arrays);
     char *file = MAP_FAILED;
     size_t size = 0;
-    int code = bsdf && arrays ? 0 : orl_error_set(err, ORL_ERR_NOMEM, "out of memory for a BSDF");
-    if (code == 0)
-        code = map_file(path, &file, &size, err);
+    int code;
+    if (!bsdf || !arrays) {
+        free(bsdf);
+        free(arrays);
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for a BSDF");
+    }
+    code = map_file(path, &file, &size, err);
     if (code == 0)
         code = check(file, size, content, path, err);
     if (code == 0) {

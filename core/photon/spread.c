@@ -31,7 +31,7 @@ static float median_of(float *values, uint32_t n)
 static float median2(const struct orl_photon_map *map, uint64_t leaf)
 {
     const uint32_t n = orl_leaf_photons(map, leaf), *words = map->places + leaf * ORL_LEAF_WORDS;
-    float at[ORL_MAP_LEAF][3], middle[3] = {0}, d2[ORL_MAP_LEAF];
+    float at[ORL_MAP_LEAF][3], middle[3] = {0}, d2[ORL_MAP_LEAF] = {0};
     for (uint32_t i = 0; i < n; i++) {
         uint32_t cell[3];
         orl_place_unpack(words[i], words[i + ORL_MAP_LEAF], cell);
@@ -58,7 +58,7 @@ static void measure_leaves(struct orl_spread *spread, const float *medians, uint
 {
     const float most = (float)(max_radius / spread->map->header->cell);
     for (uint64_t i = 0; i < leaves; i++) {
-        float near[NEIGHBOURS];
+        float near[NEIGHBOURS] = {0};
         uint32_t n = 0;
         for (uint64_t j = i < BESIDE ? 0 : i - BESIDE; j <= i + BESIDE && j < leaves; j++)
             near[n++] = medians[j] / (float)orl_leaf_photons(spread->map, j);
