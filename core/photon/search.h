@@ -42,7 +42,7 @@ struct orl_density_query {
     struct orl_vec3 normal; /* unit, the lit side */
     uint32_t k;             /* 1 .. ORL_SEARCH_MOST */
     double max_radius;
-    double hint; /* of adaptive estimates: the disc that one close by searched; 0: not known */
+    double hint;    /* of adaptive estimates: the disc that one close by searched; 0: not known */
     bool at_photon; /* the point is photon `skip`'s own, which is then left out: it would */
     uint32_t skip;  /* otherwise be counted wherever one asks about a photon's place */
     const struct orl_footing *footing; /* the point's surface; NULL: taken to be endless */

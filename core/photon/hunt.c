@@ -1,0 +1,220 @@
+#include "photon/hunt.h"
+
+#include <stdlib.h>
+
+#include "photon/boxes.h"
+#include "photon/sheet.h"
+#include "photon/sides.h"
+
+enum { ROOM = ORL_HUNT_ROOM, BINS = 512, MOST_TURNS = 32 };
+
+/*
+ * A leaf is taken apart where its ramp is wider than that share of the smallest disc's radius: with
+ * wider ones the shares within a disc would not add up to its area, or, of a cut one, its moments.
+ */
+static const float widest_ramp = 0.5F, widest_in_cut = 0.3F;
+/* Over the radius asked about: as far, squared, as leaves are looked for, lest their near ends be
+ * missed. */
+static const float beyond2 = 1.15F;
+
+static bool on_sheet(const struct orl_hunt *hunt, uint16_t normal, const float chord[3],
+                     float distance2)
+{
+    /* Nearly always: the same plane, within rounding (sheet.h). */
+    const float *own = hunt->direction;
+    if (normal == hunt->normal &&
+        fabsf(chord[0] * own[0] + chord[1] * own[1] + chord[2] * own[2]) < 3.9F)
+        return true;
+    const struct orl_vec3 c = orl_v3(chord[0], chord[1], chord[2]);
+    return orl_same_sheet(hunt->query->normal, hunt->normal, normal, chord) &&
+           (distance2 >= hunt->flat2 || fabs(orl_dot(c, hunt->query->normal)) <= 4);
+}
+
+static bool in_footprint(const struct orl_hunt *hunt, const float chord[3], float distance2)
+{
+    const double cell = hunt->cell;
+    return !hunt->footprint || distance2 < hunt->inner * hunt->inner ||
+           orl_footprint_holds(hunt->footprint,
+                               orl_v3(chord[0] * cell, chord[1] * cell, chord[2] * cell));
+}
+
+static void take_apart(struct orl_hunt *hunt, uint32_t leaf)
+{
+    const struct orl_photon_map *map = hunt->sums->map;
+    const uint32_t *a = map->places + (size_t)leaf * ORL_LEAF_WORDS, *b = a + ORL_MAP_LEAF;
+    const uint32_t n = orl_leaf_photons(map, leaf);
+    for (uint32_t i = 0; i < n; i++) {
+        const uint32_t index = leaf * ORL_MAP_LEAF + i;
+        uint32_t cell[3];
+        orl_place_unpack(a[i], b[i], cell);
+        const float chord[3] = {(float)cell[0] - hunt->at[0], (float)cell[1] - hunt->at[1],
+                                (float)cell[2] - hunt->at[2]};
+        const float d2 = chord[0] * chord[0] + chord[1] * chord[1] + chord[2] * chord[2];
+        if (!(d2 < hunt->radius2) || (hunt->query->at_photon && index == hunt->query->skip) ||
+            !on_sheet(hunt, map->normals[index], chord, d2) || !in_footprint(hunt, chord, d2))
+            continue;
+        hunt->list[ROOM - 1 - hunt->photons++] = (struct orl_search_candidate){d2, index};
+    }
+}
+
+static void take_leaf(struct orl_hunt *hunt, uint32_t leaf)
+{
+    const struct orl_leaf_sum *sum = &hunt->sums->leaves[leaf];
+    const float chord[3] = {sum->at[0] - hunt->at[0], sum->at[1] - hunt->at[1],
+                            sum->at[2] - hunt->at[2]};
+    const float d2 = chord[0] * chord[0] + chord[1] * chord[1] + chord[2] * chord[2];
+    const float widest = 0.5F * (hunt->footprint ? widest_in_cut : widest_ramp) * hunt->radius;
+    enum orl_side side = ORL_SIDE_WITHIN;
+    if (!(sum->reach < INFINITY) || sum->ramp > widest ||
+        (hunt->query->at_photon && hunt->query->skip / ORL_MAP_LEAF == leaf)) {
+        take_apart(hunt, leaf);
+        return;
+    }
+    if (d2 - 2 * hunt->radius * sum->ramp >= hunt->radius2 ||
+        !on_sheet(hunt, sum->normal, chord, d2))
+        return;
+    if (hunt->footprint && !(sqrtf(d2) + sum->reach < hunt->inner)) {
+        const double cell = hunt->cell;
+        side = orl_footprint_side(hunt->footprint,
+                                  orl_v3(chord[0] * cell, chord[1] * cell, chord[2] * cell),
+                                  sum->reach * cell);
+    }
+    if (side == ORL_SIDE_BOTH)
+        take_apart(hunt, leaf);
+    else if (side == ORL_SIDE_WITHIN)
+        hunt->list[hunt->leaves++] = (struct orl_search_candidate){d2, leaf};
+}
+
+/* In the order of the map: whatever comes first, all of it is looked at. */
+static void find_all(struct orl_hunt *hunt)
+{
+    const struct orl_photon_map *map = hunt->sums->map;
+    struct {
+        uint32_t level, node;
+    } stack[ORL_BOX_STACK];
+    uint32_t depth = 0;
+    hunt->leaves = hunt->photons = 0;
+    hunt->radius = sqrtf(hunt->radius2);
+    hunt->full = false;
+    stack[depth].level = map->header->levels - 1;
+    stack[depth++].node = 0;
+    while (depth > 0) {
+        const uint32_t level = stack[--depth].level, node = stack[depth].node;
+        const struct orl_map_group *group = &map->levels[level][node];
+        float distance2[ORL_MAP_FANOUT];
+        orl_box_distances(group, hunt->at, distance2);
+        for (uint32_t c = 0; c < ORL_MAP_FANOUT && !hunt->full; c++) {
+            if (!(distance2[c] < beyond2 * hunt->radius2) || !(group->facing[c] & hunt->facing))
+                continue;
+            if (level > 0) {
+                stack[depth].level = level - 1;
+                stack[depth++].node = node * ORL_MAP_FANOUT + c;
+                continue;
+            }
+            take_leaf(hunt, node * ORL_MAP_FANOUT + c);
+            hunt->full = hunt->leaves + hunt->photons + ORL_MAP_LEAF > ROOM;
+        }
+    }
+}
+
+uint32_t orl_hunt_count(const struct orl_hunt *hunt)
+{
+    uint32_t count = hunt->photons;
+    for (uint32_t i = 0; i < hunt->leaves; i++)
+        if (hunt->list[i].distance2 < hunt->radius2)
+            count += hunt->sums->leaves[hunt->list[i].index].count;
+    return count;
+}
+
+/* The squared radius that holds k of what was found, which is more. */
+static float radius2_of(const struct orl_hunt *hunt, uint32_t k)
+{
+    uint32_t bins[BINS + 1] = {0}, sum = 0, bin = 0;
+    const float scale = BINS / hunt->radius2;
+    for (uint32_t i = 0; i < hunt->leaves; i++) {
+        const float at = hunt->list[i].distance2 * scale;
+        bins[at < BINS ? (uint32_t)at : BINS] += hunt->sums->leaves[hunt->list[i].index].count;
+    }
+    for (uint32_t i = 0; i < hunt->photons; i++)
+        bins[(uint32_t)(hunt->list[ROOM - 1 - i].distance2 * scale)]++;
+    while (bin + 1 < BINS && sum + bins[bin] < k)
+        sum += bins[bin++];
+    const float part = bins[bin] > 0 ? (float)(k - sum) / (float)bins[bin] : 1;
+    return ((float)bin + (part < 1 ? part : 1)) / scale;
+}
+
+float orl_hunt_enough(struct orl_hunt *hunt, float radius2, float most2)
+{
+    const uint32_t k = hunt->query->k;
+    bool shrunk = false;
+    hunt->radius2 = fminf(radius2, most2);
+    for (int turn = 0; turn < MOST_TURNS; turn++) {
+        find_all(hunt);
+        if (hunt->full) {
+            shrunk = true;
+            hunt->radius2 *= 0.5F;
+            continue;
+        }
+        const uint32_t count = orl_hunt_count(hunt);
+        if (count < k) {
+            if (shrunk || !(hunt->radius2 < most2))
+                return hunt->radius2;
+            const float lack = 1.2F * (float)k / (float)(count + 1);
+            hunt->radius2 = fminf(hunt->radius2 * fminf(lack, 8), most2);
+            continue;
+        }
+        const float enough2 = radius2_of(hunt, k);
+        if (enough2 > 0.4F * hunt->radius2 || shrunk)
+            return enough2;
+        hunt->radius2 = 1.2F * enough2;
+    }
+    return hunt->radius2;
+}
+
+static int compare(const void *a, const void *b)
+{
+    const float x = *(const float *)a, y = *(const float *)b;
+    return (x > y) - (x < y);
+}
+
+/*
+ * Where to begin: as if about the point photons lay as they do in the leaf it falls in, by the
+ * median of that and its neighbours, on an even disc.
+ */
+float orl_hunt_first_radius2(const struct orl_hunt *hunt, const struct orl_zorder *order)
+{
+    enum { BESIDE = 2 };
+    uint32_t cell[3];
+    float near2[2 * BESIDE + 1];
+    size_t n = 0;
+    for (int k = 0; k < 3; k++)
+        cell[k] = (uint32_t)fminf(fmaxf(hunt->at[k] + 0.5F, 0), ORL_PLACE_CELLS - 1);
+    const uint64_t leaf = orl_zorder_find(order, orl_zorder_code(cell, hunt->normal));
+    for (uint64_t i = leaf < BESIDE ? 0 : leaf - BESIDE;
+         i <= leaf + BESIDE && i < hunt->sums->count; i++) {
+        const struct orl_leaf_sum *sum = &hunt->sums->leaves[i];
+        near2[n++] = sum->ramp * sum->ramp / (float)sum->count;
+    }
+    qsort(near2, n, sizeof *near2, compare);
+    return fmaxf((float)hunt->query->k * near2[n / 2], 4);
+}
+
+struct orl_hunt orl_hunt_of(const struct orl_sums *sums, const struct orl_density_query *query,
+                            struct orl_search *search)
+{
+    struct orl_hunt hunt = {.sums = sums,
+                            .query = query,
+                            .list = search->candidates,
+                            .cell = sums->map->header->cell,
+                            .normal = orl_normal_encode(query->normal),
+                            .facing = orl_facing_mask(&sums->map->facing, query->normal)};
+    orl_box_locate(sums->map, query->point, hunt.at);
+    hunt.direction[0] = (float)query->normal.x;
+    hunt.direction[1] = (float)query->normal.y;
+    hunt.direction[2] = (float)query->normal.z;
+    if (query->footing) {
+        const double flat = orl_footing_flat(query->footing) / hunt.cell;
+        hunt.flat2 = (float)fmin(flat * flat, 1e30);
+    }
+    return hunt;
+}
