@@ -32,6 +32,11 @@ void orl_handle_job_events(struct orl_request *request)
         orl_reply_no_content(request);
         return;
     }
+    /* A HEAD gets no stream: libmicrohttpd 0.9.75 would end its chunks, "0", all the same. */
+    if (strcmp(request->method, "HEAD") == 0) {
+        orl_reply_text(request, "text/event-stream", "");
+        return;
+    }
     if (orl_events_count(server->events) >= ORL_SERVER_STREAMS) {
         orl_reply_problem(request, 429, "too-many-streams", "Too many event streams are open",
                           "%u are; try again later, or poll the job", ORL_SERVER_STREAMS);

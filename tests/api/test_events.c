@@ -194,10 +194,13 @@ static void test_other_answers(void **state)
     reply_done(&reply);
     daemon_submit(&f->daemon, f->scene, MANY_PHOTONS, 2, NULL, job);
     snprintf(path, sizeof path, "%s/events", job);
-    daemon_request(&f->daemon, "HEAD", path, NULL, NULL, 0, NULL, &reply);
-    assert_int_equal(reply.status, 200);
-    assert_string_equal(reply_header(&reply, "Content-Type"), "text/event-stream");
-    reply_done(&reply);
+    /* On one connection, where a byte too many would spoil the answer that follows. */
+    for (int i = 0; i < 20; i++) {
+        daemon_request(&f->daemon, "HEAD", path, NULL, NULL, 0, NULL, &reply);
+        assert_int_equal(reply.status, 200);
+        assert_string_equal(reply_header(&reply, "Content-Type"), "text/event-stream");
+        reply_done(&reply);
+    }
     cancel(&f->daemon, job);
     daemon_wait(&f->daemon, job, 10, &reply);
     reply_done(&reply);
