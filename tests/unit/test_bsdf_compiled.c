@@ -42,7 +42,7 @@ static struct text make_colored_file(const char *structure, const char *basis)
 
 static void make_path(char path[64])
 {
-    strcpy(path, "/tmp/oriel-test-XXXXXX");
+    snprintf(path, 64, "/tmp/oriel-test-XXXXXX");
     const int fd = mkstemp(path);
     assert_true(fd >= 0);
     close(fd);

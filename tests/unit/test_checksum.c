@@ -35,7 +35,7 @@ static void every_bit_counts(void **state)
     fill(data);
     memcpy(copy, data, SIZE);
     assert_true(same(data, SIZE, copy, SIZE));
-    for (size_t bit = 0; bit < 8 * SIZE; bit++) {
+    for (size_t bit = 0; bit < (size_t)8 * SIZE; bit++) {
         copy[bit / 8] ^= (unsigned char)(1U << bit % 8);
         assert_false(same(data, SIZE, copy, SIZE));
         copy[bit / 8] = data[bit / 8];
