@@ -89,6 +89,23 @@ def whole_way(desk):
     assert isinstance(desk.client.maps(), list)
 
 
+def example(desk):
+    """The example of the documentation, which is the same in both its places."""
+    lines = [line for line in oriel.__doc__.split("\n") if line.startswith("    ")]
+    assert 0 < len(lines) <= 10, lines
+    with open(os.path.join(os.path.dirname(oriel.__file__), "README.md")) as stream:
+        readme = stream.read().split("\n")
+    assert lines == [line for line in readme if line.startswith("    ")]
+    for name, text in (("materials.rad", "# none\n"), ("sky.rad", "# in the room\n")):
+        with open(os.path.join(desk.folder, name), "w") as stream:
+            stream.write(text)
+    os.chdir(desk.folder)
+    code = "\n".join(line[4:] for line in lines).replace("http://127.0.0.1:8423", desk.url)
+    names = {"print": lambda *words: None}
+    exec(code, names)
+    assert names["result"]["state"] == "succeeded" and os.path.exists("out/result.json")
+
+
 def upload_if_absent(desk):
     first = desk.client.upload_scene(["room.rad"], folder=desk.folder)
     assert desk.sent[-1] == "POST /v1/scenes" or len(desk.sent) == 1

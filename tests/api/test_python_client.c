@@ -40,6 +40,7 @@ static void run_case(const struct fixture *f, const char *name)
         run_case(*state, #name);                                                                   \
     }
 CASE(whole_way)
+CASE(example)
 CASE(upload_if_absent)
 CASE(bsdfs)
 CASE(cancel)
@@ -92,9 +93,13 @@ static int teardown(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_whole_way), cmocka_unit_test(test_upload_if_absent),
-        cmocka_unit_test(test_bsdfs),     cmocka_unit_test(test_cancel),
-        cmocka_unit_test(test_problems),  cmocka_unit_test(test_repeated_submission),
+        cmocka_unit_test(test_whole_way),
+        cmocka_unit_test(test_example),
+        cmocka_unit_test(test_upload_if_absent),
+        cmocka_unit_test(test_bsdfs),
+        cmocka_unit_test(test_cancel),
+        cmocka_unit_test(test_problems),
+        cmocka_unit_test(test_repeated_submission),
         cmocka_unit_test(test_tokens),
     };
     return cmocka_run_group_tests(tests, setup, teardown);
