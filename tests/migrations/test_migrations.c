@@ -139,6 +139,9 @@ static void test_schema_refuses_nonsense(void **state)
     struct fixture *f = *state;
     static const char *const bad[] = {
         "INSERT INTO scenes VALUES ('short', 1, 1, '{}')",
+        "INSERT INTO tokens VALUES ('n', '0123456789abcdef', "
+        "'0123456789abcdef0123456789abcdef0123456789abcdef0123456789abcdef', 'all', 1)",
+        "INSERT INTO tokens VALUES ('n', '0123456789abcdef', 'the secret itself', 'read', 1)",
         "INSERT INTO jobs (id, scene, document, state, created_ms) VALUES ('j', "
         "'0123456789abcdef0123456789abcdef0123456789abcdef0123456789abcdef', "
         "'0123456789abcdef0123456789abcdef0123456789abcdef0123456789abcdef', 'queued', 1)",
