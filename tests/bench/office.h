@@ -22,7 +22,8 @@ struct office {
     struct orl_files of_source, of_panel;
     char panel_folder[BENCH_PATH];
     const char *panel_name;
-    struct orl_world *world; /* for office_rate; made when it is first asked for */
+    unsigned char digest[32]; /* of the panel's XML, once it is known */
+    struct orl_world *world;  /* for office_rate; made when it is first asked for */
 };
 
 /* The BSDF of a panel of 2^resolution directions an axis, by build/oriel-lcp: made once, kept. */
@@ -30,6 +31,8 @@ void office_make_panel(int resolution, char ret_path[BENCH_PATH]);
 
 /* In place: files refers to it. With the panel of that path; NULL: of 2^6. */
 void office_open(struct office *office, const char *panel);
+/* From then on its files know the panel's digest without reading it, as a daemon's do. */
+void office_learn_digest(struct office *office);
 void office_close(struct office *office); /* removes its folder */
 
 /* A job of the office by gather, nothing else asked; owns nothing: not for orl_job_done. */

@@ -137,8 +137,8 @@ int main(int argc, char **argv)
 {
     static struct speed speed;
     char path[BENCH_PATH];
-    if (argc == 4 && strcmp(argv[1], "load") == 0)
-        return speed_load_bsdf(argv[2], argv[3]);
+    if (argc == 5 && strcmp(argv[1], "load") == 0)
+        return speed_load_bsdf(argv[2], argv[3], strcmp(argv[4], "known") == 0);
     setvbuf(stdout, NULL, _IOLBF, 0);
     memcpy(speed.rows, rows, sizeof rows);
     read_knobs(&speed);

@@ -127,8 +127,8 @@ struct speed_fact *speed_add_fact(struct speed *speed, const char *key, const ch
 void speed_measure_maps(struct speed *speed);
 void speed_measure_bsdf(struct speed *speed);
 /* In a process of its own: plans a job of the office with that panel, with what a store keeps, and
- * writes the seconds of its load stage. */
-int speed_load_bsdf(const char *panel, const char *store_folder);
+ * writes the seconds of its load stage; with digests of files known or not. */
+int speed_load_bsdf(const char *panel, const char *store_folder, bool known);
 
 void speed_print(const struct speed *speed);
 void speed_write_json(const struct speed *speed, const char *path);
