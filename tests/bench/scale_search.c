@@ -9,7 +9,7 @@
 #include "photon/facing.h"
 #include "photon/search.h"
 
-enum { NEIGHBOURS = 50, QUERIES = 200000, ROUNDS = 3 };
+enum { NEIGHBOURS = 50, QUERIES = 40000, ROUNDS = 3 };
 
 static struct orl_photon_map *open_map(const char *folder)
 {
