@@ -8,6 +8,7 @@
 
 #include "client_name.h"
 #include "job_output.h"
+#include "job_share.h"
 #include "job_status.h"
 #include "limits.h"
 #include "reply.h"
@@ -20,7 +21,7 @@ enum { REQUEST_KEY_MAX = 255 };
 struct job_post {
     struct orl_task task;
     char *scene;
-    char document[ORL_SHA_HEX], client[ORL_CLIENT_NAME];
+    char document[ORL_SHA_HEX], identity[ORL_SHA_HEX], client[ORL_CLIENT_NAME];
     char key[REQUEST_KEY_MAX + 1]; /* Idempotency-Key; "": none */
     int rc;
     struct orl_error err;
@@ -44,8 +45,10 @@ static void read_document(struct orl_request *request)
     if (post->rc)
         return;
     post->rc = orl_job_read(body.data, body.size, &post->task, &post->scene, &post->err);
-    if (post->rc == 0)
-        orl_sha256_hex(body.data, body.size, post->document);
+    if (post->rc)
+        return;
+    orl_sha256_hex(body.data, body.size, post->document);
+    orl_share_identity(body.data, body.size, post->identity);
 }
 
 static void keep_document(struct orl_request *request)
@@ -124,6 +127,7 @@ static void submit(struct orl_request *request)
                                          .priority = post->task.priority,
                                          .scene = post->scene,
                                          .document = post->document,
+                                         .identity = post->identity,
                                          .client = post->client,
                                          .request_key = *post->key ? post->key : NULL};
     if (post->rc == 0)

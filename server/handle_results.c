@@ -92,7 +92,8 @@ static char *find_summary(struct orl_request *request, struct shown *shown)
     const struct orl_jobs_job *job = shown->job;
     shown->running = job->row.state == ORL_JOB_RUNNING;
     if (shown->running)
-        return job->worker ? orl_worker_results(job->worker, shown->folder) : NULL;
+        return orl_jobs_worker(job) ? orl_worker_results(orl_jobs_worker(job), shown->folder)
+                                    : NULL;
     orl_folders_path(&request->server->folders, shown->folder, "results/%s", job->row.id);
     return job->row.state == ORL_JOB_SUCCEEDED && job->outcome ? strdup(job->outcome) : NULL;
 }

@@ -25,9 +25,9 @@ static struct glance take(const struct orl_jobs *jobs, const struct orl_jobs_job
         glance.position = orl_jobs_position(jobs, job);
     if (job->row.state == ORL_JOB_SUCCEEDED)
         glance.permille = 1000;
-    if (job->row.state != ORL_JOB_RUNNING || !job->worker)
+    if (job->row.state != ORL_JOB_RUNNING || !orl_jobs_worker(job))
         return glance;
-    orl_worker_progress(job->worker, &progress);
+    orl_worker_progress(orl_jobs_worker(job), &progress);
     if (job->row.kind == ORL_TASK_RENDER)
         glance.stage = orl_stage_name(progress.stage);
     else if (progress.step.runs > 0)

@@ -87,12 +87,12 @@ static int add_study(json_t *doc, const struct orl_progress *progress)
 static int add_running(json_t *doc, json_t *links, const struct orl_jobs_job *job)
 {
     struct orl_progress progress;
-    char folder[ORL_PATH_MAX], *text = orl_worker_results(job->worker, folder);
+    char folder[ORL_PATH_MAX], *text = orl_worker_results(orl_jobs_worker(job), folder);
     json_t *summary = text ? json_loads(text, 0, NULL) : NULL;
     int rc = summary ? add_links(links, job->row.id, summary) : 0;
     free(text);
     json_decref(summary);
-    orl_worker_progress(job->worker, &progress);
+    orl_worker_progress(orl_jobs_worker(job), &progress);
     if (job->row.kind == ORL_TASK_RENDER)
         rc |= add_render(doc, &progress);
     else if (progress.step.runs > 0)
@@ -101,6 +101,7 @@ static int add_running(json_t *doc, json_t *links, const struct orl_jobs_job *jo
     rc |= json_object_set_new(doc, "eta_s",
                               orl_json_from_real(orl_job_eta_s(job, progress.job_fraction)));
     rc |= json_object_set_new(doc, "cancelling", json_boolean(job->cancelled));
+    rc |= json_object_set_new(doc, "shared", json_boolean(job->leader || job->followers));
     return rc;
 }
 
@@ -149,7 +150,7 @@ json_t *orl_job_status(const struct orl_jobs *jobs, const struct orl_jobs_job *j
     if (row->state == ORL_JOB_QUEUED)
         rc = json_object_set_new(doc, "queue_position",
                                  json_integer((json_int_t)orl_jobs_position(jobs, job)));
-    else if (row->state == ORL_JOB_RUNNING && job->worker)
+    else if (row->state == ORL_JOB_RUNNING && orl_jobs_worker(job))
         rc = add_running(doc, links, job);
     else
         rc = add_finished(doc, links, job);

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "job_share.h"
 #include "kept_views.h"
 #include "limits.h"
 #include "problem.h"
@@ -17,6 +18,8 @@ struct orl_jobs {
     struct orl_jobs_env env;
     struct orl_jobs_job *newest, *oldest;
     struct orl_queue *queue;
+    struct orl_jobs_job *leaders; /* that wait or run */
+    uint32_t n_workers;
     struct orl_jobs_job *buckets[BUCKETS];
     size_t counts[ORL_JOB_STATE_COUNT];
     bool stopping;
@@ -76,7 +79,13 @@ const struct orl_jobs_job *orl_jobs_newest(const struct orl_jobs *jobs)
 
 size_t orl_jobs_position(const struct orl_jobs *jobs, const struct orl_jobs_job *job)
 {
-    return orl_queue_position(jobs->queue, &job->waiting);
+    const struct orl_jobs_job *leader = job->leader ? job->leader : job;
+    return orl_queue_position(jobs->queue, &leader->waiting);
+}
+
+struct orl_worker *orl_jobs_worker(const struct orl_jobs_job *job)
+{
+    return job->leader ? job->leader->worker : job->worker;
 }
 
 size_t orl_jobs_count(const struct orl_jobs *jobs, enum orl_job_state state)
@@ -128,14 +137,82 @@ static void fail_job(struct orl_jobs_job *job, const struct orl_error *err)
                   text);
 }
 
-/* A job that is queued waits; one for which there is no memory fails. */
+/* ---- Leaders and followers ------------------------------------------------------------------- */
+
+static void start_next(struct orl_jobs *jobs);
+static void end_all(struct orl_jobs_job *leader, const struct orl_worker_outcome *outcome);
+
+static void lead(struct orl_jobs_job *job)
+{
+    job->next_leader = job->jobs->leaders;
+    job->jobs->leaders = job;
+}
+
+static void lead_no_more(struct orl_jobs_job *job)
+{
+    struct orl_jobs_job **at = &job->jobs->leaders;
+    while (*at != job)
+        at = &(*at)->next_leader;
+    *at = job->next_leader;
+}
+
+/* Is its computation being given up? */
+static bool is_ending(const struct orl_jobs_job *leader)
+{
+    const bool cancelled = leader->cancelled || leader->row.state == ORL_JOB_CANCELLED;
+    return leader->requeue || (cancelled && !leader->followers);
+}
+
+/* A job that waits or runs, and asks for the same. */
+static struct orl_jobs_job *find_leader(const struct orl_jobs *jobs, const char *identity)
+{
+    struct orl_jobs_job *leader = *identity ? jobs->leaders : NULL;
+    while (leader && (is_ending(leader) || strcmp(leader->row.identity, identity) != 0))
+        leader = leader->next_leader;
+    return leader;
+}
+
+static void mark_running(struct orl_jobs_job *job)
+{
+    /* Counted before it starts, so that a crash in the first moment counts too. */
+    job->row.attempts++;
+    job->row.started_ms = orl_time_now_ms();
+    job->started_s = orl_time_steady_s();
+    set_state(job, ORL_JOB_RUNNING);
+}
+
+/* The leader goes first when a follower of higher priority comes. */
+static void raise_priority(struct orl_jobs_job *leader, const struct orl_jobs_job *job)
+{
+    struct orl_queue *queue = job->jobs->queue;
+    struct orl_worker_outcome failed = {0};
+    if (leader->waiting.priority >= job->row.priority)
+        return;
+    orl_queue_remove(queue, &leader->waiting);
+    leader->waiting.priority = job->row.priority;
+    failed.code = orl_queue_add(queue, &leader->waiting, job->row.client, &failed.err);
+    if (failed.code)
+        end_all(leader, &failed);
+}
+
+/* A job that waits leads or follows; one for which there is no memory fails. */
 static void enqueue(struct orl_jobs_job *job)
 {
+    struct orl_jobs_job *leader = find_leader(job->jobs, job->row.identity);
     struct orl_error err;
     job->waiting.priority = job->row.priority;
     job->waiting.order = job->row.seq;
-    if (orl_queue_add(job->jobs->queue, &job->waiting, job->row.client, &err))
+    if (leader) {
+        orl_share_follow(leader, job);
+        if (leader->worker)
+            mark_running(job);
+        else
+            raise_priority(leader, job);
+    } else if (orl_queue_add(job->jobs->queue, &job->waiting, job->row.client, &err)) {
         fail_job(job, &err);
+    } else {
+        lead(job);
+    }
 }
 
 static struct orl_jobs_job *next_job(struct orl_jobs *jobs)
@@ -146,20 +223,17 @@ static struct orl_jobs_job *next_job(struct orl_jobs *jobs)
     return (struct orl_jobs_job *)((char *)entry - offsetof(struct orl_jobs_job, waiting));
 }
 
-static void start_next(struct orl_jobs *jobs);
-
-static void job_done(void *ctx, const struct orl_worker_outcome *outcome)
+/* What became of a computation, for one of its jobs. */
+static void end_job(struct orl_jobs_job *job, const struct orl_worker_outcome *outcome)
 {
-    struct orl_jobs_job *job = ctx;
-    struct orl_jobs *jobs = job->jobs;
-    job->worker = NULL;
-    free(job->outcome);
-    job->outcome = outcome->summary;
     if (outcome->code == 0) {
+        free(job->outcome);
+        job->outcome = outcome->summary ? strdup(outcome->summary) : NULL;
         set_state(job, ORL_JOB_SUCCEEDED);
     } else if (outcome->code == ORL_ERR_CANCELLED && job->cancelled) {
         set_state(job, ORL_JOB_CANCELLED);
     } else if (outcome->code == ORL_ERR_CANCELLED && job->requeue) {
+        job->requeue = false;
         job->row.attempts--;
         job->row.started_ms = 0;
         set_state(job, ORL_JOB_QUEUED);
@@ -167,8 +241,52 @@ static void job_done(void *ctx, const struct orl_worker_outcome *outcome)
     } else {
         fail_job(job, &outcome->err);
     }
-    orl_metrics_job(jobs->env.metrics, job->row.state, &outcome->tally);
-    if (jobs->stopping && jobs->counts[ORL_JOB_RUNNING] == 0)
+}
+
+static void end_follower(const struct orl_jobs_job *leader, struct orl_jobs_job *job,
+                         const struct orl_worker_outcome *outcome)
+{
+    struct orl_worker_outcome own = *outcome;
+    job->leader = NULL;
+    job->next_follower = NULL;
+    if (own.code == 0)
+        own.code = orl_share_results(job->jobs->env.folders, leader->row.id, job->row.id, &own.err);
+    end_job(job, &own);
+}
+
+/* Ends the leader, unless it was cancelled before, and all that follow it. */
+static void end_all(struct orl_jobs_job *leader, const struct orl_worker_outcome *outcome)
+{
+    const bool requeue = leader->requeue;
+    struct orl_jobs_job *followers = leader->followers;
+    char path[ORL_PATH_MAX];
+    lead_no_more(leader);
+    leader->followers = NULL;
+    if (leader->row.state < ORL_JOB_SUCCEEDED)
+        end_job(leader, outcome);
+    while (followers) {
+        struct orl_jobs_job *job = followers;
+        followers = job->next_follower;
+        job->requeue = requeue;
+        end_follower(leader, job, outcome);
+    }
+    if (leader->row.state == ORL_JOB_CANCELLED && outcome->code == 0) {
+        orl_folders_path(leader->jobs->env.folders, path, "results/%s", leader->row.id);
+        orl_remove_tree(path, NULL);
+    }
+}
+
+static void job_done(void *ctx, const struct orl_worker_outcome *outcome)
+{
+    struct orl_jobs_job *job = ctx;
+    struct orl_jobs *jobs = job->jobs;
+    job->worker = NULL;
+    jobs->n_workers--;
+    end_all(job, outcome);
+    orl_metrics_job(jobs->env.metrics, outcome->code ? job->row.state : ORL_JOB_SUCCEEDED,
+                    &outcome->tally);
+    free(outcome->summary);
+    if (jobs->stopping && jobs->n_workers == 0)
         jobs->env.idle(jobs->env.ctx);
     start_next(jobs);
 }
@@ -188,23 +306,24 @@ static int start_job(struct orl_jobs_job *job, struct orl_error *err)
     int rc = orl_scene_files(jobs->env.db, jobs->env.folders, job->row.scene, &spec.bundle, err);
     if (rc)
         return rc;
-    /* Counted before it starts, so that a crash in the first moment counts too. */
-    job->row.attempts++;
-    job->row.started_ms = orl_time_now_ms();
-    job->started_s = orl_time_steady_s();
-    set_state(job, ORL_JOB_RUNNING);
-    return orl_worker_start(jobs->env.loop, &spec, &job->worker, err);
+    mark_running(job);
+    for (struct orl_jobs_job *at = job->followers; at; at = at->next_follower)
+        mark_running(at);
+    rc = orl_worker_start(jobs->env.loop, &spec, &job->worker, err);
+    jobs->n_workers += rc == 0;
+    return rc;
 }
 
 static void start_next(struct orl_jobs *jobs)
 {
-    while (!jobs->stopping && jobs->counts[ORL_JOB_RUNNING] < jobs->env.at_once) {
+    while (!jobs->stopping && jobs->n_workers < jobs->env.at_once) {
         struct orl_jobs_job *job = next_job(jobs);
-        struct orl_error err;
+        struct orl_worker_outcome failed = {0};
         if (!job)
             return;
-        if (start_job(job, &err))
-            fail_job(job, &err);
+        failed.code = start_job(job, &failed.err);
+        if (failed.code)
+            end_all(job, &failed);
     }
 }
 
@@ -219,6 +338,7 @@ int orl_jobs_submit(struct orl_jobs *jobs, const struct orl_jobs_order *order,
     sodium_bin2hex(job->row.id, sizeof job->row.id, bytes, sizeof bytes);
     snprintf(job->row.scene, sizeof job->row.scene, "%s", order->scene);
     snprintf(job->row.document, sizeof job->row.document, "%s", order->document);
+    snprintf(job->row.identity, sizeof job->row.identity, "%s", order->identity);
     snprintf(job->row.client, sizeof job->row.client, "%s", order->client);
     job->row.kind = order->kind;
     job->row.priority = order->priority;
@@ -275,6 +395,39 @@ static int cancel_running(struct orl_jobs_job *job, struct orl_error *err)
     return 0;
 }
 
+/* One that waits: who follows it goes on, and the first of them leads. */
+static void cancel_queued(struct orl_jobs_job *job)
+{
+    struct orl_jobs_job *followers = job->followers;
+    if (job->leader) {
+        orl_share_leave(job);
+    } else {
+        orl_queue_remove(job->jobs->queue, &job->waiting);
+        lead_no_more(job);
+        job->followers = NULL;
+    }
+    set_state(job, ORL_JOB_CANCELLED);
+    forget_partial(job);
+    while (followers) {
+        struct orl_jobs_job *next = followers->next_follower;
+        followers->leader = NULL;
+        followers->next_follower = NULL;
+        enqueue(followers);
+        followers = next;
+    }
+}
+
+/* One that shares its computation, which goes on while anybody wants it. */
+static void cancel_sharing(struct orl_jobs_job *job)
+{
+    struct orl_jobs_job *leader = job->leader ? job->leader : job;
+    if (job->leader)
+        orl_share_leave(job);
+    set_state(job, ORL_JOB_CANCELLED);
+    if (!leader->followers && leader->row.state == ORL_JOB_CANCELLED)
+        orl_worker_cancel(leader->worker);
+}
+
 int orl_jobs_cancel(struct orl_jobs *jobs, const char *id, struct orl_error *err)
 {
     struct orl_jobs_job *job = find_job(jobs, id);
@@ -282,12 +435,13 @@ int orl_jobs_cancel(struct orl_jobs *jobs, const char *id, struct orl_error *err
         return orl_error_set(err, ORL_ERR_NOT_FOUND, "there is no such job");
     switch (job->row.state) {
     case ORL_JOB_QUEUED:
-        orl_queue_remove(jobs->queue, &job->waiting);
-        set_state(job, ORL_JOB_CANCELLED);
-        forget_partial(job);
+        cancel_queued(job);
         return 0;
     case ORL_JOB_RUNNING:
-        return cancel_running(job, err);
+        if (!job->leader && !job->followers)
+            return cancel_running(job, err);
+        cancel_sharing(job);
+        return 0;
     case ORL_JOB_CANCELLED:
         return 0;
     default:
@@ -299,19 +453,19 @@ int orl_jobs_cancel(struct orl_jobs *jobs, const char *id, struct orl_error *err
 void orl_jobs_drain(struct orl_jobs *jobs)
 {
     jobs->stopping = true;
-    if (jobs->counts[ORL_JOB_RUNNING] == 0)
+    if (jobs->n_workers == 0)
         jobs->env.idle(jobs->env.ctx);
 }
 
 void orl_jobs_stop(struct orl_jobs *jobs)
 {
     jobs->stopping = true;
-    for (struct orl_jobs_job *job = jobs->newest; job; job = job->older)
-        if (job->row.state == ORL_JOB_RUNNING) {
+    for (struct orl_jobs_job *job = jobs->leaders; job; job = job->next_leader)
+        if (job->worker) {
             job->requeue = true;
             orl_worker_stop(job->worker);
         }
-    if (jobs->counts[ORL_JOB_RUNNING] == 0)
+    if (jobs->n_workers == 0)
         jobs->env.idle(jobs->env.ctx);
 }
 

@@ -5,6 +5,8 @@
  *     queued -> cancelled
  *     running -> queued      when the daemon stops or was killed
  *
+ * Identical jobs share a computation (job_share.h).
+ *
  * A row is written before a state is shown to anyone. Jobs run in the order of queue.h, at most as
  * many at once as configured. A job that was running when the daemon was killed is queued again;
  * after ORL_SERVER_ATTEMPTS starts it fails, for it is then likely what kills the daemon. An
@@ -34,9 +36,11 @@ struct orl_jobs_job {
     struct orl_job_row row; /* outcome and problem point to the two below */
     struct orl_queue_entry waiting;
     char *outcome, *problem;   /* JSON text, owned */
-    struct orl_worker *worker; /* while running */
+    struct orl_worker *worker; /* while running; a leader's */
     double started_s;          /* steady clock, while running */
     bool cancelled, requeue;   /* what to make of ORL_ERR_CANCELLED */
+    /* job_share.h. A leader has leader NULL. */
+    struct orl_jobs_job *leader, *followers, *next_follower, *next_leader;
     struct orl_jobs_job *older, *newer, *same_bucket;
 };
 
@@ -71,6 +75,7 @@ struct orl_jobs_order {
     enum orl_task_kind kind;
     int priority;
     const char *scene, *document; /* the document is a blob */
+    const char *identity;         /* job_share.h */
     const char *client;           /* client_name.h */
     const char *request_key;      /* the client's Idempotency-Key, or NULL */
 };
@@ -87,6 +92,8 @@ int orl_jobs_cancel(struct orl_jobs *jobs, const char *id, struct orl_error *err
 const struct orl_jobs_job *orl_jobs_find(const struct orl_jobs *jobs, const char *id);
 /* The newest job; go on with ->older. */
 const struct orl_jobs_job *orl_jobs_newest(const struct orl_jobs *jobs);
+/* What computes the job, maybe for others too; NULL while nothing does. */
+struct orl_worker *orl_jobs_worker(const struct orl_jobs_job *job);
 /* 1 for the next to run; 0 when it does not wait. */
 size_t orl_jobs_position(const struct orl_jobs *jobs, const struct orl_jobs_job *job);
 size_t orl_jobs_count(const struct orl_jobs *jobs, enum orl_job_state state);

@@ -24,10 +24,11 @@ int orl_job_row_insert(struct orl_db *db, const struct orl_job_row *row, const c
 {
     const int rc = orl_db_run(db, err, NULL,
                               "INSERT INTO jobs (id, kind, scene, document, state, created_ms, "
-                              "priority, client, request_key) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)",
-                              "sssssiiss", row->id, orl_task_kind_name(row->kind), row->scene,
+                              "priority, client, request_key, identity) "
+                              "VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
+                              "sssssiisss", row->id, orl_task_kind_name(row->kind), row->scene,
                               row->document, orl_job_state_name(row->state), row->created_ms,
-                              (int64_t)row->priority, row->client, request_key);
+                              (int64_t)row->priority, row->client, request_key, row->identity);
     if (rc == 0)
         *ret_seq = sqlite3_last_insert_rowid(db->handle);
     return rc;
@@ -80,6 +81,7 @@ static struct orl_job_row read_row(sqlite3_stmt *stmt)
     snprintf(row.id, sizeof row.id, "%s", orl_db_text(stmt, 1));
     snprintf(row.scene, sizeof row.scene, "%s", orl_db_text(stmt, 2));
     snprintf(row.document, sizeof row.document, "%s", orl_db_text(stmt, 3));
+    snprintf(row.identity, sizeof row.identity, "%s", orl_db_text(stmt, 14));
     snprintf(row.client, sizeof row.client, "%s", orl_db_text(stmt, 13));
     return row;
 }
@@ -90,7 +92,7 @@ int orl_job_rows(struct orl_db *db, int (*visit)(void *ctx, const struct orl_job
     sqlite3_stmt *stmt = orl_db_prepare(
         db, err,
         "SELECT seq, id, scene, document, state, attempts, created_ms, started_ms, finished_ms, "
-        "outcome, problem, kind, priority, client FROM jobs ORDER BY seq",
+        "outcome, problem, kind, priority, client, identity FROM jobs ORDER BY seq",
         "");
     if (!stmt)
         return ORL_ERR_IO;

@@ -32,7 +32,8 @@ struct orl_job_row {
     enum orl_job_state state;
     int attempts;
     int priority;
-    char client[ORL_JOB_CLIENT];                 /* client_name.h */
+    char client[ORL_JOB_CLIENT]; /* client_name.h */
+    char identity[ORL_SHA_HEX];  /* job_share.h; "" of jobs of before there were any */
     int64_t created_ms, started_ms, finished_ms; /* 0: not yet */
     const char *outcome, *problem;               /* JSON text, borrowed; NULL: none */
 };

@@ -420,7 +420,7 @@ static void test_waiting_job_takes_over(void **state)
     char builder[80], waiter[80];
     daemon_submit(&f->daemon, f->scene, MANY_PHOTONS, 6, NULL, builder);
     daemon_wait_running(&f->daemon, builder, 0);
-    daemon_submit(&f->daemon, f->scene, MANY_PHOTONS, 6, NULL, waiter);
+    daemon_submit(&f->daemon, f->scene, MANY_PHOTONS, 6, "a", waiter);
     daemon_wait_running(&f->daemon, waiter, -1);
     daemon_request(&f->daemon, "DELETE", builder, NULL, NULL, 0, NULL, &reply);
     reply_done(&reply);

@@ -213,7 +213,8 @@ static void test_job_rows_round_trip(void **state)
                               .state = ORL_JOB_QUEUED,
                               .created_ms = 11,
                               .priority = 7,
-                              .client = "name:x"},
+                              .client = "name:x",
+                              .identity = "i"},
                        last;
     memset(&last, 0, sizeof last);
     memset(row.scene, 'a', 64);
@@ -241,6 +242,7 @@ static void test_job_rows_round_trip(void **state)
     assert_int_equal(last.attempts, 2);
     assert_int_equal(last.priority, 7);
     assert_string_equal(last.client, "name:x");
+    assert_string_equal(last.identity, "i");
     assert_int_equal(last.started_ms, 0);
     assert_int_equal(last.finished_ms, 13);
     assert_null(last.outcome);
