@@ -5,25 +5,12 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "job_runs.h"
 #include "job_share.h"
 #include "kept_views.h"
 #include "limits.h"
 #include "problem.h"
-#include "store/scenes.h"
 #include "times.h"
-
-enum { BUCKETS = 4096 };
-
-struct orl_jobs {
-    struct orl_jobs_env env;
-    struct orl_jobs_job *newest, *oldest;
-    struct orl_queue *queue;
-    struct orl_jobs_job *leaders; /* that wait or run */
-    uint32_t n_workers;
-    struct orl_jobs_job *buckets[BUCKETS];
-    size_t counts[ORL_JOB_STATE_COUNT];
-    bool stopping;
-};
 
 /* ---- The list ------------------------------------------------------------------------------- */
 
@@ -32,7 +19,7 @@ static size_t bucket_of(const char *id)
 {
     char head[5];
     snprintf(head, sizeof head, "%.4s", id);
-    return strtoul(head, NULL, 16) % BUCKETS;
+    return strtoul(head, NULL, 16) % ORL_JOBS_BUCKETS;
 }
 
 static void job_free(struct orl_jobs_job *job)
@@ -100,11 +87,7 @@ bool orl_jobs_full(const struct orl_jobs *jobs)
 
 /* ---- Transitions ---------------------------------------------------------------------------- */
 
-/*
- * Writes the row, then changes the state in memory. When the database refuses, the change in memory
- * is made all the same: the job has run or not, whatever the disk says; the log tells.
- */
-static void set_state(struct orl_jobs_job *job, enum orl_job_state state)
+void orl_jobs_set_state(struct orl_jobs_job *job, enum orl_job_state state)
 {
     struct orl_jobs *jobs = job->jobs;
     struct orl_error err;
@@ -124,208 +107,20 @@ static void set_state(struct orl_jobs_job *job, enum orl_job_state state)
     jobs->env.changed(jobs->env.ctx);
 }
 
-static void fail_job(struct orl_jobs_job *job, const struct orl_error *err)
+void orl_jobs_fail(struct orl_jobs_job *job, const struct orl_error *err)
 {
     json_t *problem = orl_problem_from_error(err, NULL);
     char text[2 * ORL_ERROR_TEXT_MAX];
     free(job->problem);
     job->problem = problem ? json_dumps(problem, JSON_COMPACT) : NULL;
     json_decref(problem);
-    set_state(job, ORL_JOB_FAILED);
+    orl_jobs_set_state(job, ORL_JOB_FAILED);
     orl_error_format(err, text, sizeof text);
     orl_log_event(job->jobs->env.log, ORL_LOG_WARN, "job-failed", "ss", "job", job->row.id, "why",
                   text);
 }
 
-/* ---- Leaders and followers ------------------------------------------------------------------- */
-
-static void start_next(struct orl_jobs *jobs);
-static void end_all(struct orl_jobs_job *leader, const struct orl_worker_outcome *outcome);
-
-static void lead(struct orl_jobs_job *job)
-{
-    job->next_leader = job->jobs->leaders;
-    job->jobs->leaders = job;
-}
-
-static void lead_no_more(struct orl_jobs_job *job)
-{
-    struct orl_jobs_job **at = &job->jobs->leaders;
-    while (*at != job)
-        at = &(*at)->next_leader;
-    *at = job->next_leader;
-}
-
-/* Is its computation being given up? */
-static bool is_ending(const struct orl_jobs_job *leader)
-{
-    const bool cancelled = leader->cancelled || leader->row.state == ORL_JOB_CANCELLED;
-    return leader->requeue || (cancelled && !leader->followers);
-}
-
-/* A job that waits or runs, and asks for the same. */
-static struct orl_jobs_job *find_leader(const struct orl_jobs *jobs, const char *identity)
-{
-    struct orl_jobs_job *leader = *identity ? jobs->leaders : NULL;
-    while (leader && (is_ending(leader) || strcmp(leader->row.identity, identity) != 0))
-        leader = leader->next_leader;
-    return leader;
-}
-
-static void mark_running(struct orl_jobs_job *job)
-{
-    /* Counted before it starts, so that a crash in the first moment counts too. */
-    job->row.attempts++;
-    job->row.started_ms = orl_time_now_ms();
-    job->started_s = orl_time_steady_s();
-    set_state(job, ORL_JOB_RUNNING);
-}
-
-/* The leader goes first when a follower of higher priority comes. */
-static void raise_priority(struct orl_jobs_job *leader, const struct orl_jobs_job *job)
-{
-    struct orl_queue *queue = job->jobs->queue;
-    struct orl_worker_outcome failed = {0};
-    if (leader->waiting.priority >= job->row.priority)
-        return;
-    orl_queue_remove(queue, &leader->waiting);
-    leader->waiting.priority = job->row.priority;
-    failed.code = orl_queue_add(queue, &leader->waiting, job->row.client, &failed.err);
-    if (failed.code)
-        end_all(leader, &failed);
-}
-
-/* A job that waits leads or follows; one for which there is no memory fails. */
-static void enqueue(struct orl_jobs_job *job)
-{
-    struct orl_jobs_job *leader = find_leader(job->jobs, job->row.identity);
-    struct orl_error err;
-    job->waiting.priority = job->row.priority;
-    job->waiting.order = job->row.seq;
-    if (leader) {
-        orl_share_follow(leader, job);
-        if (leader->worker)
-            mark_running(job);
-        else
-            raise_priority(leader, job);
-    } else if (orl_queue_add(job->jobs->queue, &job->waiting, job->row.client, &err)) {
-        fail_job(job, &err);
-    } else {
-        lead(job);
-    }
-}
-
-static struct orl_jobs_job *next_job(struct orl_jobs *jobs)
-{
-    struct orl_queue_entry *entry = orl_queue_take(jobs->queue);
-    if (!entry)
-        return NULL;
-    return (struct orl_jobs_job *)((char *)entry - offsetof(struct orl_jobs_job, waiting));
-}
-
-/* What became of a computation, for one of its jobs. */
-static void end_job(struct orl_jobs_job *job, const struct orl_worker_outcome *outcome)
-{
-    if (outcome->code == 0) {
-        free(job->outcome);
-        job->outcome = outcome->summary ? strdup(outcome->summary) : NULL;
-        set_state(job, ORL_JOB_SUCCEEDED);
-    } else if (outcome->code == ORL_ERR_CANCELLED && job->cancelled) {
-        set_state(job, ORL_JOB_CANCELLED);
-    } else if (outcome->code == ORL_ERR_CANCELLED && job->requeue) {
-        job->requeue = false;
-        job->row.attempts--;
-        job->row.started_ms = 0;
-        set_state(job, ORL_JOB_QUEUED);
-        enqueue(job);
-    } else {
-        fail_job(job, &outcome->err);
-    }
-}
-
-static void end_follower(const struct orl_jobs_job *leader, struct orl_jobs_job *job,
-                         const struct orl_worker_outcome *outcome)
-{
-    struct orl_worker_outcome own = *outcome;
-    job->leader = NULL;
-    job->next_follower = NULL;
-    if (own.code == 0)
-        own.code = orl_share_results(job->jobs->env.folders, leader->row.id, job->row.id, &own.err);
-    end_job(job, &own);
-}
-
-/* Ends the leader, unless it was cancelled before, and all that follow it. */
-static void end_all(struct orl_jobs_job *leader, const struct orl_worker_outcome *outcome)
-{
-    const bool requeue = leader->requeue;
-    struct orl_jobs_job *followers = leader->followers;
-    char path[ORL_PATH_MAX];
-    lead_no_more(leader);
-    leader->followers = NULL;
-    if (leader->row.state < ORL_JOB_SUCCEEDED)
-        end_job(leader, outcome);
-    while (followers) {
-        struct orl_jobs_job *job = followers;
-        followers = job->next_follower;
-        job->requeue = requeue;
-        end_follower(leader, job, outcome);
-    }
-    if (leader->row.state == ORL_JOB_CANCELLED && outcome->code == 0) {
-        orl_folders_path(leader->jobs->env.folders, path, "results/%s", leader->row.id);
-        orl_remove_tree(path, NULL);
-    }
-}
-
-static void job_done(void *ctx, const struct orl_worker_outcome *outcome)
-{
-    struct orl_jobs_job *job = ctx;
-    struct orl_jobs *jobs = job->jobs;
-    job->worker = NULL;
-    jobs->n_workers--;
-    end_all(job, outcome);
-    orl_metrics_job(jobs->env.metrics, outcome->code ? job->row.state : ORL_JOB_SUCCEEDED,
-                    &outcome->tally);
-    free(outcome->summary);
-    if (jobs->stopping && jobs->n_workers == 0)
-        jobs->env.idle(jobs->env.ctx);
-    start_next(jobs);
-}
-
-static int start_job(struct orl_jobs_job *job, struct orl_error *err)
-{
-    struct orl_jobs *jobs = job->jobs;
-    struct orl_worker_spec spec = {
-        .folders = jobs->env.folders,
-        .maps = orl_map_cache_store(jobs->env.maps),
-        .threads = jobs->env.threads / jobs->env.at_once,
-        .done = job_done,
-        .ctx = job,
-    };
-    snprintf(spec.job_id, sizeof spec.job_id, "%s", job->row.id);
-    orl_blob_path(jobs->env.folders, job->row.document, spec.document_path);
-    int rc = orl_scene_files(jobs->env.db, jobs->env.folders, job->row.scene, &spec.bundle, err);
-    if (rc)
-        return rc;
-    mark_running(job);
-    for (struct orl_jobs_job *at = job->followers; at; at = at->next_follower)
-        mark_running(at);
-    rc = orl_worker_start(jobs->env.loop, &spec, &job->worker, err);
-    jobs->n_workers += rc == 0;
-    return rc;
-}
-
-static void start_next(struct orl_jobs *jobs)
-{
-    while (!jobs->stopping && jobs->n_workers < jobs->env.at_once) {
-        struct orl_jobs_job *job = next_job(jobs);
-        struct orl_worker_outcome failed = {0};
-        if (!job)
-            return;
-        failed.code = start_job(job, &failed.err);
-        if (failed.code)
-            end_all(job, &failed);
-    }
-}
+/* ---- Submitting, cancelling, stopping ------------------------------------------------------- */
 
 int orl_jobs_submit(struct orl_jobs *jobs, const struct orl_jobs_order *order,
                     const struct orl_jobs_job **ret_job, struct orl_error *err)
@@ -353,8 +148,8 @@ int orl_jobs_submit(struct orl_jobs *jobs, const struct orl_jobs_order *order,
     link_job(jobs, job);
     orl_log_event(jobs->env.log, ORL_LOG_INFO, "job", "ssss", "job", job->row.id, "state", "queued",
                   "scene", order->scene, "client", order->client);
-    enqueue(job);
-    start_next(jobs);
+    orl_runs_enqueue(job);
+    orl_runs_start_next(jobs);
     *ret_job = job;
     return 0;
 }
@@ -403,16 +198,16 @@ static void cancel_queued(struct orl_jobs_job *job)
         orl_share_leave(job);
     } else {
         orl_queue_remove(job->jobs->queue, &job->waiting);
-        lead_no_more(job);
+        orl_runs_lead_no_more(job);
         job->followers = NULL;
     }
-    set_state(job, ORL_JOB_CANCELLED);
+    orl_jobs_set_state(job, ORL_JOB_CANCELLED);
     forget_partial(job);
     while (followers) {
         struct orl_jobs_job *next = followers->next_follower;
         followers->leader = NULL;
         followers->next_follower = NULL;
-        enqueue(followers);
+        orl_runs_enqueue(followers);
         followers = next;
     }
 }
@@ -423,7 +218,7 @@ static void cancel_sharing(struct orl_jobs_job *job)
     struct orl_jobs_job *leader = job->leader ? job->leader : job;
     if (job->leader)
         orl_share_leave(job);
-    set_state(job, ORL_JOB_CANCELLED);
+    orl_jobs_set_state(job, ORL_JOB_CANCELLED);
     if (!leader->followers && leader->row.state == ORL_JOB_CANCELLED)
         orl_worker_cancel(leader->worker);
 }
@@ -490,13 +285,13 @@ static void recover(struct orl_jobs *jobs)
 {
     for (struct orl_jobs_job *job = jobs->oldest; job; job = job->newer) {
         if (job->row.state == ORL_JOB_QUEUED)
-            enqueue(job);
+            orl_runs_enqueue(job);
         if (job->row.state != ORL_JOB_RUNNING)
             continue;
         if (job->row.attempts < ORL_SERVER_ATTEMPTS) {
             job->row.started_ms = 0;
-            set_state(job, ORL_JOB_QUEUED);
-            enqueue(job);
+            orl_jobs_set_state(job, ORL_JOB_QUEUED);
+            orl_runs_enqueue(job);
             continue;
         }
         struct orl_error err;
@@ -506,7 +301,7 @@ static void recover(struct orl_jobs *jobs)
             job->row.attempts);
         orl_error_hint(&err, "Too little memory is the usual cause: ask for fewer photons, "
                              "sensors or pixels");
-        fail_job(job, &err);
+        orl_jobs_fail(job, &err);
     }
 }
 
@@ -532,7 +327,7 @@ int orl_jobs_open(const struct orl_jobs_env *env, struct orl_jobs **ret_jobs, st
     recover(jobs);
     orl_kept_views_sweep(env->folders, is_waiting, jobs);
     *ret_jobs = jobs;
-    start_next(jobs);
+    orl_runs_start_next(jobs);
     return 0;
 }
 

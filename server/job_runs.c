@@ -1,0 +1,197 @@
+#include "job_runs.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "job_share.h"
+#include "store/scenes.h"
+#include "times.h"
+
+/* ---- Leaders and followers ------------------------------------------------------------------- */
+
+static void end_all(struct orl_jobs_job *leader, const struct orl_worker_outcome *outcome);
+
+static void lead(struct orl_jobs_job *job)
+{
+    job->next_leader = job->jobs->leaders;
+    job->jobs->leaders = job;
+}
+
+void orl_runs_lead_no_more(struct orl_jobs_job *job)
+{
+    struct orl_jobs_job **at = &job->jobs->leaders;
+    while (*at != job)
+        at = &(*at)->next_leader;
+    *at = job->next_leader;
+}
+
+/* Is its computation being given up? */
+static bool is_ending(const struct orl_jobs_job *leader)
+{
+    const bool cancelled = leader->cancelled || leader->row.state == ORL_JOB_CANCELLED;
+    return leader->requeue || (cancelled && !leader->followers);
+}
+
+/* A job that waits or runs, and asks for the same. */
+static struct orl_jobs_job *find_leader(const struct orl_jobs *jobs, const char *identity)
+{
+    struct orl_jobs_job *leader = *identity ? jobs->leaders : NULL;
+    while (leader && (is_ending(leader) || strcmp(leader->row.identity, identity) != 0))
+        leader = leader->next_leader;
+    return leader;
+}
+
+static void mark_running(struct orl_jobs_job *job)
+{
+    /* Counted before it starts, so that a crash in the first moment counts too. */
+    job->row.attempts++;
+    job->row.started_ms = orl_time_now_ms();
+    job->started_s = orl_time_steady_s();
+    orl_jobs_set_state(job, ORL_JOB_RUNNING);
+}
+
+/* The leader goes first when a follower of higher priority comes. */
+static void raise_priority(struct orl_jobs_job *leader, const struct orl_jobs_job *job)
+{
+    struct orl_queue *queue = job->jobs->queue;
+    struct orl_worker_outcome failed = {0};
+    if (leader->waiting.priority >= job->row.priority)
+        return;
+    orl_queue_remove(queue, &leader->waiting);
+    leader->waiting.priority = job->row.priority;
+    failed.code = orl_queue_add(queue, &leader->waiting, job->row.client, &failed.err);
+    if (failed.code)
+        end_all(leader, &failed);
+}
+
+void orl_runs_enqueue(struct orl_jobs_job *job)
+{
+    struct orl_jobs_job *leader = find_leader(job->jobs, job->row.identity);
+    struct orl_error err;
+    job->waiting.priority = job->row.priority;
+    job->waiting.order = job->row.seq;
+    if (leader) {
+        orl_share_follow(leader, job);
+        if (leader->worker)
+            mark_running(job);
+        else
+            raise_priority(leader, job);
+    } else if (orl_queue_add(job->jobs->queue, &job->waiting, job->row.client, &err)) {
+        orl_jobs_fail(job, &err);
+    } else {
+        lead(job);
+    }
+}
+
+static struct orl_jobs_job *next_job(struct orl_jobs *jobs)
+{
+    struct orl_queue_entry *entry = orl_queue_take(jobs->queue);
+    if (!entry)
+        return NULL;
+    return (struct orl_jobs_job *)((char *)entry - offsetof(struct orl_jobs_job, waiting));
+}
+
+/* What became of a computation, for one of its jobs. */
+static void end_job(struct orl_jobs_job *job, const struct orl_worker_outcome *outcome)
+{
+    if (outcome->code == 0) {
+        free(job->outcome);
+        job->outcome = outcome->summary ? strdup(outcome->summary) : NULL;
+        orl_jobs_set_state(job, ORL_JOB_SUCCEEDED);
+    } else if (outcome->code == ORL_ERR_CANCELLED && job->cancelled) {
+        orl_jobs_set_state(job, ORL_JOB_CANCELLED);
+    } else if (outcome->code == ORL_ERR_CANCELLED && job->requeue) {
+        job->requeue = false;
+        job->row.attempts--;
+        job->row.started_ms = 0;
+        orl_jobs_set_state(job, ORL_JOB_QUEUED);
+        orl_runs_enqueue(job);
+    } else {
+        orl_jobs_fail(job, &outcome->err);
+    }
+}
+
+static void end_follower(const struct orl_jobs_job *leader, struct orl_jobs_job *job,
+                         const struct orl_worker_outcome *outcome)
+{
+    struct orl_worker_outcome own = *outcome;
+    job->leader = NULL;
+    job->next_follower = NULL;
+    if (own.code == 0)
+        own.code = orl_share_results(job->jobs->env.folders, leader->row.id, job->row.id, &own.err);
+    end_job(job, &own);
+}
+
+/* Ends the leader, unless it was cancelled before, and all that follow it. */
+static void end_all(struct orl_jobs_job *leader, const struct orl_worker_outcome *outcome)
+{
+    const bool requeue = leader->requeue;
+    struct orl_jobs_job *followers = leader->followers;
+    char path[ORL_PATH_MAX];
+    orl_runs_lead_no_more(leader);
+    leader->followers = NULL;
+    if (leader->row.state < ORL_JOB_SUCCEEDED)
+        end_job(leader, outcome);
+    while (followers) {
+        struct orl_jobs_job *job = followers;
+        followers = job->next_follower;
+        job->requeue = requeue;
+        end_follower(leader, job, outcome);
+    }
+    if (leader->row.state == ORL_JOB_CANCELLED && outcome->code == 0) {
+        orl_folders_path(leader->jobs->env.folders, path, "results/%s", leader->row.id);
+        orl_remove_tree(path, NULL);
+    }
+}
+
+static void job_done(void *ctx, const struct orl_worker_outcome *outcome)
+{
+    struct orl_jobs_job *job = ctx;
+    struct orl_jobs *jobs = job->jobs;
+    job->worker = NULL;
+    jobs->n_workers--;
+    end_all(job, outcome);
+    orl_metrics_job(jobs->env.metrics, outcome->code ? job->row.state : ORL_JOB_SUCCEEDED,
+                    &outcome->tally);
+    free(outcome->summary);
+    if (jobs->stopping && jobs->n_workers == 0)
+        jobs->env.idle(jobs->env.ctx);
+    orl_runs_start_next(jobs);
+}
+
+static int start_job(struct orl_jobs_job *job, struct orl_error *err)
+{
+    struct orl_jobs *jobs = job->jobs;
+    struct orl_worker_spec spec = {
+        .folders = jobs->env.folders,
+        .maps = orl_map_cache_store(jobs->env.maps),
+        .threads = jobs->env.threads / jobs->env.at_once,
+        .done = job_done,
+        .ctx = job,
+    };
+    snprintf(spec.job_id, sizeof spec.job_id, "%s", job->row.id);
+    orl_blob_path(jobs->env.folders, job->row.document, spec.document_path);
+    int rc = orl_scene_files(jobs->env.db, jobs->env.folders, job->row.scene, &spec.bundle, err);
+    if (rc)
+        return rc;
+    mark_running(job);
+    for (struct orl_jobs_job *at = job->followers; at; at = at->next_follower)
+        mark_running(at);
+    rc = orl_worker_start(jobs->env.loop, &spec, &job->worker, err);
+    jobs->n_workers += rc == 0;
+    return rc;
+}
+
+void orl_runs_start_next(struct orl_jobs *jobs)
+{
+    while (!jobs->stopping && jobs->n_workers < jobs->env.at_once) {
+        struct orl_jobs_job *job = next_job(jobs);
+        struct orl_worker_outcome failed = {0};
+        if (!job)
+            return;
+        failed.code = start_job(job, &failed.err);
+        if (failed.code)
+            end_all(job, &failed);
+    }
+}

@@ -1,0 +1,41 @@
+/*
+ * Computations: which job leads one, who follows it, when it starts, and what becomes of all of
+ * them when it ends. Inside of jobs.h, whose rules hold; between jobs.c and job_runs.c alone.
+ */
+#ifndef ORL_SERVER_JOB_RUNS_H
+#define ORL_SERVER_JOB_RUNS_H
+
+#include "jobs.h"
+
+enum { ORL_JOBS_BUCKETS = 4096 };
+
+struct orl_jobs {
+    struct orl_jobs_env env;
+    struct orl_jobs_job *newest, *oldest;
+    struct orl_queue *queue;
+    struct orl_jobs_job *leaders; /* that wait or run */
+    uint32_t n_workers;
+    struct orl_jobs_job *buckets[ORL_JOBS_BUCKETS];
+    size_t counts[ORL_JOB_STATE_COUNT];
+    bool stopping;
+};
+
+/* ---- jobs.c --------------------------------------------------------------------------------- */
+
+/*
+ * Writes the row, then changes the state in memory. When the database refuses, the change in memory
+ * is made all the same: the job has run or not, whatever the disk says; the log tells.
+ */
+void orl_jobs_set_state(struct orl_jobs_job *job, enum orl_job_state state);
+void orl_jobs_fail(struct orl_jobs_job *job, const struct orl_error *err);
+
+/* ---- job_runs.c ----------------------------------------------------------------------------- */
+
+/* A queued job leads or follows; one for which there is no memory fails. */
+void orl_runs_enqueue(struct orl_jobs_job *job);
+/* Takes a leader off the list of those that wait or run. */
+void orl_runs_lead_no_more(struct orl_jobs_job *job);
+/* Starts as many as may run. */
+void orl_runs_start_next(struct orl_jobs *jobs);
+
+#endif
