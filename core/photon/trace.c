@@ -54,6 +54,17 @@ static bool survives(struct course *c, struct orl_rgb weight)
     return true;
 }
 
+/*
+ * What roulette says where only the albedo counts: it is known before a direction is drawn, and
+ * most photons end there.
+ */
+static bool ends_here(const struct course *c, const struct orl_material *m, struct orl_rgb albedo,
+                      bool caustic)
+{
+    return orl_material_is_matt(m) &&
+           (caustic || !(c->alive * fmin(orl_luma(albedo), 1) > c->fate));
+}
+
 /* What the way to a hit does: a medium dims; a spotlight's beam is wider than its lamp (lamp.c). */
 static bool arrives(struct course *c, const struct orl_material *m, const struct orl_hit *hit)
 {
@@ -145,7 +156,8 @@ void orl_trace_photon(const struct orl_world *world, const struct orl_flight *fl
             return;
         }
         const struct orl_material *m = orl_world_material(world, &hit);
-        const bool diffuse = orl_rgb_max(orl_material_diffuse(m)) > 0;
+        const struct orl_rgb albedo = orl_material_diffuse(m);
+        const bool diffuse = orl_rgb_max(albedo) > 0;
         if (!arrives(&c, m, &hit))
             return;
         unseen++;
@@ -154,6 +166,8 @@ void orl_trace_photon(const struct orl_world *world, const struct orl_flight *fl
                 deposit(deposits, &hit, c.flux, batch, class);
             unseen = 0;
         }
+        if (ends_here(&c, m, albedo, caustic))
+            return;
         const struct orl_scatter s =
             orl_scatter_sample(m, &hit, orl_neg(c.direction), ORL_TRANSPORT_LIGHT, lobes, random);
         if (s.event == ORL_EVENT_ABSORBED ||

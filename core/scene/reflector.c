@@ -117,20 +117,14 @@ static struct orl_vec3 facing(const struct orl_hit *hit, struct orl_vec3 from)
     return orl_dot(from, hit->normal) >= 0 ? hit->normal : orl_neg(hit->normal);
 }
 
-/* Most surfaces of a room: there is nothing to choose between. */
-static bool is_matt(const struct orl_draw *draw)
-{
-    const struct orl_material *m = draw->material;
-    return m->kind != ORL_MATERIAL_TRANS && m->specular == 0 && draw->lobes & ORL_LOBE_DIFFUSE &&
-           orl_luma(m->color) > 0;
-}
-
 struct orl_scatter orl_reflector_sample(const struct orl_draw *draw, const double u[3])
 {
     struct orl_scatter s = {.event = ORL_EVENT_ABSORBED};
     struct orl_rgb parts[PARTS];
     double luma[PARTS], chance;
-    if (is_matt(draw)) {
+    /* Most surfaces of a room: there is nothing to choose between. */
+    if (orl_material_is_matt(draw->material) && draw->lobes & ORL_LOBE_DIFFUSE &&
+        orl_luma(draw->material->color) > 0) {
         s.event = ORL_EVENT_DIFFUSE;
         s.direction = orl_hemisphere_about(facing(draw->hit, draw->from), u[0], u[1]);
         s.weight = orl_reflector_diffuse(draw->material);

@@ -89,6 +89,13 @@ struct orl_rgb orl_scatter_eval_lobes(const struct orl_material *material,
 /* Lambertian reflectance, the same on both sides; zero for what is not plastic, metal or trans. */
 struct orl_rgb orl_material_diffuse(const struct orl_material *material);
 
+/* Whether diffuse reflection is all that it does with light: its albedo then is what goes on. */
+static inline bool orl_material_is_matt(const struct orl_material *material)
+{
+    return (material->kind == ORL_MATERIAL_PLASTIC || material->kind == ORL_MATERIAL_METAL) &&
+           material->specular == 0;
+}
+
 /* Whether there are lobes for orl_scatter_eval_lobes to evaluate: at all, or on the far side. */
 bool orl_material_has_lobes(const struct orl_material *material);
 bool orl_material_transmits_lobes(const struct orl_material *material);
