@@ -27,6 +27,8 @@ struct orl_incident {
     const struct orl_tree *tree;
     enum orl_axis given;
     bool front;
+    struct orl_vec3 axis; /* of the cone */
+    double sole_cosine;   /* within this of the axis all is in the first cell; 2: not so */
     size_t n_cells;
     struct cell cells[MOST_CELLS];
 };
@@ -133,24 +135,33 @@ static size_t place_of(const struct orl_incident *incident, struct orl_vec3 in)
     return orl_square_cell(incident->given, orl_disk_to_square(in.x, in.y), incident->tree->depth);
 }
 
-/* Finds the cells by looking at directions all over the cone. */
+/*
+ * Finds the cells by looking at directions all over the cone, and around it: where its rim and a
+ * little more is in one cell, so is what lies within.
+ */
 static int make_cells(struct orl_incident *incident, struct orl_vec3 in, double half_angle_rad)
 {
     const struct orl_frame frame = orl_frame_about(in);
+    const double rim = tan(1.02 * half_angle_rad);
+    bool alone = true;
     int code = 0;
     for (int i = 0; i < RINGS * SPOKES && code == 0; i++) {
         const struct orl_circle turn = orl_circle_turn((double)(i % SPOKES) / SPOKES);
         const int ring = i / SPOKES;
-        const double radius = tan(half_angle_rad) * ring / (RINGS - 1);
+        const double radius = rim * ring / (RINGS - 1);
         const struct orl_vec3 at = orl_normalize(
             orl_to_world(&frame, orl_v3(radius * turn.cosine, radius * turn.sine, 1)));
         const size_t place = place_of(incident, at);
+        alone = alone && (at.z > 0) == incident->front;
         if ((at.z > 0) != incident->front || has_cell(incident, place) ||
             incident->n_cells == MOST_CELLS)
             continue;
         code = make_cell(incident, place, &incident->cells[incident->n_cells]);
         incident->n_cells += code == 0;
     }
+    incident->axis = in;
+    incident->sole_cosine =
+        alone && incident->n_cells == 1 && half_angle_rad < 0.1 ? cos(1.01 * half_angle_rad) : 2;
     return code;
 }
 
@@ -205,16 +216,23 @@ static const struct slot *draw_slot(const struct cell *cell, double u, double *r
     return &cell->slots[slot->other];
 }
 
+static const struct cell *cell_of(const struct orl_incident *incident, struct orl_vec3 in)
+{
+    if (orl_dot(in, incident->axis) >= incident->sole_cosine)
+        return &incident->cells[0];
+    const size_t place = place_of(incident, in);
+    for (size_t i = 0; i < incident->n_cells && (in.z > 0) == incident->front; i++)
+        if (incident->cells[i].place == place)
+            return &incident->cells[i];
+    return NULL;
+}
+
 bool orl_incident_sample(const struct orl_incident *incident, struct orl_vec3 in, const double u[3],
                          struct orl_vec3 *ret_out, struct orl_rgb *ret_weight)
 {
-    const size_t place = place_of(incident, in);
-    const struct cell *cell = incident->cells;
-    const struct cell *const end = cell + incident->n_cells;
+    const struct cell *cell = cell_of(incident, in);
     double rest, pdf;
-    while (cell < end && cell->place != place)
-        cell++;
-    if (cell == end || (in.z > 0) != incident->front)
+    if (!cell)
         return orl_bsdf_sample(incident->bsdf, in, ORL_BSDF_TRANSMIT, u, ret_out, ret_weight, &pdf);
     if (cell->count == 0)
         return false;
