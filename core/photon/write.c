@@ -35,6 +35,9 @@ struct writer {
 
 enum { CHUNK = 1 << 15, AHEAD = 24 };
 
+/* Of the codes, for which the radix sort has no digits: the rest of 62 bits is three of 13. */
+enum { LOW_BITS = 23 };
+
 static size_t chunk_end(const struct writer *w, size_t chunk)
 {
     const size_t end = (chunk + 1) * CHUNK, count = w->packing.count;
@@ -66,13 +69,49 @@ static void make_codes(void *arg, size_t chunk, uint32_t member)
         let_go(w, chunk * CHUNK, chunk_end(w, chunk));
 }
 
-/* Stable least-digit radix sort. */
+static int by_code(const void *a, const void *b)
+{
+    const struct sort_item *x = a, *y = b;
+    if (x->code != y->code)
+        return x->code < y->code ? -1 : 1;
+    return x->index < y->index ? -1 : 1;
+}
+
+/* Few items, and stable. */
+static void insert_items(struct sort_item *items, size_t n)
+{
+    for (size_t i = 1; i < n; i++) {
+        const struct sort_item item = items[i];
+        size_t at = i;
+        for (; at > 0 && items[at - 1].code > item.code; at--)
+            items[at] = items[at - 1];
+        items[at] = item;
+    }
+}
+
+/* Orders those that the upper bits of their codes leave equal: few, unless all is in one place. */
+static void sort_low_bits(struct sort_item *items, size_t count)
+{
+    enum { FEW = 24 };
+    size_t end;
+    for (size_t first = 0; first < count; first = end) {
+        for (end = first + 1; end < count; end++)
+            if (items[end].code >> LOW_BITS != items[first].code >> LOW_BITS)
+                break;
+        if (end - first > FEW)
+            qsort(items + first, end - first, sizeof *items, by_code);
+        else
+            insert_items(items + first, end - first);
+    }
+}
+
+/* Stable least-digit radix sort of the upper bits, then the rest. */
 static void sort_items(struct writer *w)
 {
-    enum { DIGIT = 13, BUCKETS = 1 << DIGIT, PASSES = 5 };
+    enum { DIGIT = 13, BUCKETS = 1 << DIGIT, PASSES = 3 };
     static const size_t mask = BUCKETS - 1;
     for (int pass = 0; pass < PASSES; pass++) {
-        const int shift = pass * DIGIT;
+        const int shift = LOW_BITS + pass * DIGIT;
         size_t start[BUCKETS] = {0}, sum = 0;
         for (size_t i = 0; i < w->packing.count; i++)
             start[w->items[i].code >> shift & mask]++;
@@ -87,6 +126,7 @@ static void sort_items(struct writer *w)
         w->items = w->spare;
         w->spare = swap;
     }
+    sort_low_bits(w->items, w->packing.count);
 }
 
 /* A photon among others of the same code. */
