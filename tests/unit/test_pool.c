@@ -245,7 +245,7 @@ static void test_schedule(void **state)
     (void)state;
     assert_true(orl_work_next(&work, 0, 0) == 256);
     assert_true(orl_work_next(&work, 256, 300) == 256);   /* the least */
-    assert_true(orl_work_next(&work, 256, 1000) == 800);  /* 1.05 x 1000 - 256, of 16 */
+    assert_true(orl_work_next(&work, 256, 1000) == 768);  /* 1.02 x 1000 - 256, of 16 */
     assert_true(orl_work_next(&work, 256, 1e6) == 2048);  /* 8 x 256 */
     assert_true(orl_work_next(&work, 1e5, 1e9) == 16384); /* the most */
     assert_true(orl_work_photons(&work, ORL_MAP_GLOBAL, 4096) == 2000000);
@@ -268,7 +268,7 @@ static void test_bandwidths(void **state)
     assert_near(large[ORL_MAP_CAUSTIC], 4, 1e-12);
 }
 
-/* Seconds of a schedule written out: rounds of 256, 2048 and what 1.05 x 4000 leaves, 1904. */
+/* Seconds of a schedule written out: rounds of 256, 2048 and what 1.02 x 4000 leaves, 1776. */
 static void test_seconds(void **state)
 {
     const struct orl_work work = {
@@ -282,7 +282,7 @@ static void test_seconds(void **state)
                                   .beside_s = 1};
     (void)state;
     assert_near(orl_pace_round_s(&pace, &work, 256), 0.5 + 0.004 * 256, 1e-12);
-    assert_near(orl_pace_run_s(&pace, &work, 4000), 2 + 3 * 0.5 + 0.004 * (256 + 2048 + 1904),
+    assert_near(orl_pace_run_s(&pace, &work, 4000), 2 + 3 * 0.5 + 0.004 * (256 + 2048 + 1776),
                 1e-12);
     assert_near(orl_pace_samples(&pace, &work, 4.5, 1e9), 1000, 0.016);
 }
