@@ -4,8 +4,8 @@
 
 #include "base/sum.h"
 
-enum { MOST_LOOKED_AT = 4096, HALVINGS = 48 };
-static const double confident = 1.959963984540054; /* the normal quantile of 0.975 */
+enum { MOST_LOOKED_AT = 4096, MOST_OF_FEW = 16, HALVINGS = 48 };
+static const double probability = 0.975, quantile = 1.959963984540054; /* the normal one */
 
 const double orl_floor_of_sensors = 1e-3, orl_floor_of_pixels = 0.1;
 
@@ -36,24 +36,51 @@ struct look {
     double scale, bias_scale; /* of errors and biases */
 };
 
-/* Whether so few are beyond x as the share allows, as surely as is wanted. */
-static int is_bound(const struct look *look, double x, size_t allowed)
+/* Probability that one of those looked at is beyond x. */
+static double beyond_at(const struct look *look, size_t k, double x)
 {
     const struct orl_estimates *e = look->estimates;
+    const size_t i = k * look->step;
+    const double by = fmax(fabs(e->value[i]), look->least);
+    return beyond(x * by, e->bias ? look->bias_scale * e->bias[i] : 0, look->scale * e->error[i],
+                  e->degrees);
+}
+
+/* Few are allowed: the law of how many are beyond x, one after the other. */
+static int is_bound_of_few(const struct look *look, double x, size_t allowed)
+{
+    double chance[MOST_OF_FEW + 1] = {1}, sum = 0;
+    for (size_t k = 0; k < look->count; k++) {
+        const double p = beyond_at(look, k, x);
+        for (size_t n = allowed; n > 0; n--)
+            chance[n] += p * (chance[n - 1] - chance[n]);
+        chance[0] -= p * chance[0];
+    }
+    for (size_t n = 0; n <= allowed; n++)
+        sum += chance[n];
+    return sum >= probability;
+}
+
+/* Many are: by mean, variance and skewness. */
+static int is_bound_of_many(const struct look *look, double x, size_t allowed)
+{
     double mean = 0, variance = 0, third = 0;
     for (size_t k = 0; k < look->count; k++) {
-        const size_t i = k * look->step;
-        const double by = fmax(fabs(e->value[i]), look->least);
-        const double p = beyond(x * by, e->bias ? look->bias_scale * e->bias[i] : 0,
-                                look->scale * e->error[i], e->degrees);
+        const double p = beyond_at(look, k, x);
         mean += p;
         variance += p * (1 - p);
         third += p * (1 - p) * (1 - 2 * p);
     }
     const double skew = variance > 0 ? third / variance : 0; /* times the deviation */
-    const double quantile =
-        mean + confident * sqrt(variance) + (confident * confident - 1) / 6 * skew;
-    return quantile <= (double)allowed + 0.5;
+    const double bound = mean + quantile * sqrt(variance) + (quantile * quantile - 1) / 6 * skew;
+    return bound <= (double)allowed + 0.5;
+}
+
+/* Whether so few are beyond x as the share allows, as surely as is wanted. */
+static int is_bound(const struct look *look, double x, size_t allowed)
+{
+    return allowed <= MOST_OF_FEW ? is_bound_of_few(look, x, allowed)
+                                  : is_bound_of_many(look, x, allowed);
 }
 
 static int has_bias(const struct orl_estimates *e)

@@ -7,8 +7,8 @@
  * What is returned is therefore not its mean but a bound that holds with a probability of
  * 0.975, for a job that stops at the first round that meets its goal looks more than once: the
  * least x at which the number of errors beyond x, a sum of independent trials (Poisson's binomial),
- * is at most the number that the share allows, with that probability. The sum's quantile is Cornish
- * and Fisher's, with skewness.
+ * is at most the number that the share allows, with that probability. Where few are allowed the
+ * sum's law is worked out; else its quantile is Cornish and Fisher's, with skewness.
  *
  * Standard errors are estimates too, some too small and some too large, and among many that scatter
  * makes the mixture of all wider than their errors are. The probability of each to be beyond x is

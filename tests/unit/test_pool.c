@@ -129,33 +129,48 @@ static void test_rounds_that_tell_too_little(void **state)
 
 enum { SENSORS = 57 };
 
-/* Probability that at most two of 57 trials come to pass. */
-static double at_most_two(double p)
+/* Probability that at most so many of n trials come to pass: the binomial distribution. */
+static double at_most(int n, int allowed, double p)
 {
-    const double n = SENSORS, q = 1 - p;
-    return pow(q, n) + n * p * pow(q, n - 1) + n * (n - 1) / 2 * p * p * pow(q, n - 2);
+    double sum = 0;
+    for (int k = 0; k <= allowed; k++)
+        sum += exp(lgamma(n + 1) - lgamma(k + 1) - lgamma(n - k + 1) + k * log(p) +
+                   (n - k) * log1p(-p));
+    return sum;
 }
 
-/* All alike: the binomial distribution tells exactly how many normal errors are beyond. */
-static void test_even_errors(void **state)
+enum { MANY = 400 };
+
+/* n normal errors all alike: how likely one is to be beyond the bound that the estimate gives, over
+ * how likely it may be by the binomial distribution. */
+static double likelihood_at_bound(int n, int allowed, double *ret_bound)
 {
-    double value[SENSORS], error[SENSORS], low = 0, high = 1;
-    (void)state;
-    for (int i = 0; i < SENSORS; i++) {
+    double value[MANY], error[MANY], low = 1e-9, high = 1 - 1e-9;
+    for (int i = 0; i < n; i++) {
         value[i] = 50;
         error[i] = 1;
     }
     const struct orl_estimates estimates = {
-        .value = value, .error = error, .count = SENSORS, .floor = 1e-3};
+        .value = value, .error = error, .count = (size_t)n, .floor = 1e-3};
     for (int i = 0; i < 60; i++) {
         const double middle = 0.5 * (low + high);
-        *(at_most_two(middle) > 0.975 ? &low : &high) = middle;
+        *(at_most(n, allowed, middle) > 0.975 ? &low : &high) = middle;
     }
-    const double x = orl_percentile_error(&estimates, 0.95);
-    /* 1 % of x is 5 % of p, which is what Cornish and Fisher leave at so few. */
-    assert_near(erfc(x * 50 / sqrt(2)), low, 0.06);
-    assert_near(orl_percentile_work(&estimates, 0.95, x / 2), 4, 1e-9);
-    assert_near(orl_percentile_work(&estimates, 0.95, 2 * x), 1, 1e-15);
+    *ret_bound = orl_percentile_error(&estimates, 0.95);
+    assert_near(orl_percentile_work(&estimates, 0.95, *ret_bound / 2), 4, 1e-9);
+    assert_near(orl_percentile_work(&estimates, 0.95, 2 * *ret_bound), 1, 1e-15);
+    return erfc(*ret_bound * 50 / sqrt(2)) / low;
+}
+
+/* Exactly where few may be beyond; of 400, 20, Cornish and Fisher leave 1 % of x, 5 % of p. */
+static void test_even_errors(void **state)
+{
+    double ten, all, many;
+    (void)state;
+    assert_near(likelihood_at_bound(10, 0, &ten), 1, 1e-4);
+    assert_near(likelihood_at_bound(SENSORS, 2, &all), 1, 1e-4);
+    assert_near(likelihood_at_bound(MANY, 20, &many), 1, 0.05);
+    assert_true(many < all && all < ten);
 }
 
 /*
