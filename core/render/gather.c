@@ -11,6 +11,10 @@ enum { NEIGHBOURS_CAUSTIC_RELIT = 32 }; /* seen by one ray of many: noise averag
 enum { NEIGHBOURS_GLOBAL = 64, NEIGHBOURS_CAUSTIC = 300, NEIGHBOURS_RECORDS = 4 };
 enum { RADIUS_PROBES = 256 };
 
+/* A texel's photons, of an estimate's neighbours; and what is nearer than so many of its widths is
+ * lit again. */
+static const double texel_share = 0.25, near_texels = 1.5;
+
 static int compare_doubles(const void *a, const void *b)
 {
     const double x = *(const double *)a, y = *(const double *)b;
@@ -70,7 +74,7 @@ static void choose_radii(struct orl_gather *gather, enum orl_map_kind kind, doub
 
 int orl_gather_init(struct orl_gather *gather, const struct orl_world *world, enum orl_rest rest,
                     const struct orl_photon_map *const maps[ORL_MAP_KINDS],
-                    const double bandwidths[ORL_MAP_KINDS], uint64_t seed,
+                    const double bandwidths[ORL_MAP_KINDS], uint64_t seed, struct orl_crew *crew,
                     struct orl_search *search)
 {
     const double widest = fmax(0.1 * world->geometry->radius, 1e-9);
@@ -88,6 +92,14 @@ int orl_gather_init(struct orl_gather *gather, const struct orl_world *world, en
         if (!gather->leaves)
             return ORL_ERR_NOMEM;
     }
+    if (gather->maps[ORL_MAP_GLOBAL] && rest == ORL_REST_GATHERED) {
+        gather->texels = orl_texels_new(maps[ORL_MAP_GLOBAL], world,
+                                        texel_share * gather->k[ORL_MAP_GLOBAL], crew);
+        if (!gather->texels) {
+            orl_gather_done(gather);
+            return ORL_ERR_NOMEM;
+        }
+    }
     if (rest == ORL_REST_DENSITY && gather->maps[ORL_MAP_GLOBAL])
         return orl_adapt_init(&gather->adapt, maps[ORL_MAP_GLOBAL], widest, search);
     return 0;
@@ -96,7 +108,9 @@ int orl_gather_init(struct orl_gather *gather, const struct orl_world *world, en
 void orl_gather_done(struct orl_gather *gather)
 {
     orl_leaves_free(gather->leaves);
+    orl_texels_free(gather->texels);
     gather->leaves = NULL;
+    gather->texels = NULL;
     orl_adapt_done(&gather->adapt);
 }
 
@@ -228,17 +242,37 @@ static struct orl_rgb send_back(const struct orl_gather *gather, const struct or
     return sent;
 }
 
+/* The same by a texel. */
+static struct orl_rgb send_back_texel(const struct orl_gather_ray *ray, struct orl_rgb weight,
+                                      const struct orl_texel *texel)
+{
+    const struct orl_rgb irradiance = {(double)texel->irradiance[0], (double)texel->irradiance[1],
+                                       (double)texel->irradiance[2]};
+    const struct orl_rgb sent = orl_rgb_mul(weight, irradiance);
+    const double luma = orl_luma(irradiance);
+    const double share = luma > 0 ? ray->share * orl_luma(sent) / luma : 0;
+    for (int b = 0; b < ORL_MAP_BATCHES && ray->tally; b++)
+        ray->tally->parts[ORL_MAP_GLOBAL].luma[b] += share * (double)texel->parts[b];
+    return sent;
+}
+
 /* The diffuse part of what a ray of that weight sees of a surface, but for the glossy one. */
 static struct orl_rgb diffuse_radiance(const struct orl_gather *gather,
                                        const struct orl_gather_ray *ray, const struct orl_hit *hit,
                                        struct orl_rgb weight, bool near, struct orl_random *random,
                                        struct orl_search *search)
 {
-    struct orl_tally met = {{{{0}}}};
     const struct orl_rgb diffuse = orl_material_diffuse(orl_world_material(gather->world, hit));
+    const struct orl_rgb reflected = orl_rgb_scale(orl_rgb_mul(weight, diffuse), 1 / ORL_PI);
+    if (gather->texels && !near && orl_texels_has(gather->texels, hit->facet)) {
+        const struct orl_texel *texel =
+            orl_texels_at(gather->texels, hit->facet, hit->front, hit->point);
+        if (!texel || !texel->cut)
+            return texel ? send_back_texel(ray, reflected, texel) : orl_gray(0);
+    }
+    struct orl_tally met = {{{{0}}}};
     const struct orl_rgb irradiance = met_irradiance(gather, hit, near, random, search, &met);
-    return send_back(gather, ray, orl_rgb_scale(orl_rgb_mul(weight, diffuse), 1 / ORL_PI),
-                     irradiance, &met);
+    return send_back(gather, ray, reflected, irradiance, &met);
 }
 
 /*
@@ -255,6 +289,14 @@ static struct orl_rgb shining_radiance(const struct orl_world *world, const stru
     if (caustics && orl_material_has_lobes(m))
         sum = orl_rgb_add(sum, orl_direct_by_lobes(world, hit, m, eye, random));
     return sum;
+}
+
+/* What is met closer than that is not read from the map. */
+static double near_of(const struct orl_gather *gather, const struct orl_hit *hit)
+{
+    return gather->texels && orl_texels_has(gather->texels, hit->facet)
+               ? near_texels * orl_texels_width(gather->texels, hit->facet, hit->front)
+               : gather->near;
 }
 
 static struct orl_rgb trace_gather(const struct orl_gather *gather,
@@ -286,7 +328,7 @@ static struct orl_rgb trace_gather(const struct orl_gather *gather,
         const struct orl_material *m = orl_world_material(world, &hit);
         const bool diffuse =
             orl_rgb_max(orl_material_diffuse(m)) > 0 && reflections < world->omit.most_reflections;
-        const bool near = hit.distance < gather->near;
+        const bool near = hit.distance < near_of(gather, &hit);
         weight = orl_rgb_mul(weight, orl_material_dimming(m, &hit, clarity));
         const struct orl_vec3 eye = orl_neg(direction);
         sum = orl_rgb_add(

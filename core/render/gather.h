@@ -14,10 +14,11 @@
  *
  * Where it is gathered, the global map holds photons of all light; else of the rest alone
  * (omit.counted_light). What such rays, and those of glossy lobes, meet is lit by the density of
- * global photons, or by all three parts once more. Rays pass on through glass and are sampled
- * through BSDFs and mirrors; where they leave a sealed building they go on as exterior paths.
- * Diffuse surfaces nearer than the density's own radius are not read from the map but lit again,
- * directly and by one more ray, so that corners are not dark.
+ * global photons (by texels where it is flat, elsewhere by leaves), or by all three parts once
+ * more. Rays pass on through glass and are sampled through BSDFs and mirrors; where they leave a
+ * sealed building they go on as exterior paths. Diffuse surfaces nearer than the density's own
+ * width are not read from the map but lit again, directly and by one more ray, so that corners are
+ * not dark.
  *
  * A scene point is inside or outside (light/world.h); callers carry that along with the point.
  */
@@ -29,6 +30,7 @@
 #include "photon/adapt.h"
 #include "photon/leaves.h"
 #include "photon/shoot.h"
+#include "photon/texels.h"
 #include "render/estimate.h"
 
 enum orl_rest { ORL_REST_GATHERED, ORL_REST_DENSITY, ORL_REST_RECORDS };
@@ -42,7 +44,9 @@ struct orl_gather {
     double near;               /* hits closer than this are lit again */
     double reach;              /* a sensor so close to a surface lies on it */
     struct orl_leaves *leaves; /* of the global map, owned; NULL when there is none */
-    struct orl_adapt adapt;    /* ORL_REST_DENSITY: for its estimates */
+    struct orl_texels
+        *texels;            /* of the same, for flat surfaces; NULL unless the rest is gathered */
+    struct orl_adapt adapt; /* ORL_REST_DENSITY: for its estimates */
     struct orl_sobol sobol;
     uint64_t seed;
 };
@@ -54,7 +58,7 @@ struct orl_gather {
  */
 int orl_gather_init(struct orl_gather *gather, const struct orl_world *world, enum orl_rest rest,
                     const struct orl_photon_map *const maps[ORL_MAP_KINDS],
-                    const double bandwidths[ORL_MAP_KINDS], uint64_t seed,
+                    const double bandwidths[ORL_MAP_KINDS], uint64_t seed, struct orl_crew *crew,
                     struct orl_search *search);
 void orl_gather_done(struct orl_gather *gather);
 

@@ -15,38 +15,59 @@ static double channel(struct orl_rgb c, uint32_t i)
     return i == 0 ? c.r : i == 1 ? c.g : c.b;
 }
 
-/* Adds one strand's share of the gradients: differences to its neighbours below and beside. */
-static void add_gradients(struct orl_hemisphere *h, const struct orl_frame *frame,
-                          const struct strand *strands, uint32_t rows, uint32_t columns,
-                          uint32_t row, uint32_t column, uint32_t channels)
+/* A column's directions in the plane: along its middle, across that, and across its first edge. */
+struct spoke {
+    struct orl_vec3 out, turn, around;
+};
+
+static struct spoke spoke_of(const struct orl_frame *frame, uint32_t column, uint32_t columns)
 {
-    const struct strand *here = &strands[row * columns + column];
-    const struct strand *beside = &strands[row * columns + (column + columns - 1) % columns];
-    const struct strand *below = row > 0 ? here - columns : NULL;
     const double phi = 2 * ORL_PI * (column + 0.5) / columns, edge = 2 * ORL_PI * column / columns;
-    const struct orl_vec3 out =
-        orl_add(orl_scale(frame->u, cos(phi)), orl_scale(frame->v, sin(phi)));
-    const struct orl_vec3 around =
-        orl_add(orl_scale(frame->u, -sin(edge)), orl_scale(frame->v, cos(edge)));
-    const struct orl_vec3 turn =
-        orl_add(orl_scale(frame->u, -sin(phi)), orl_scale(frame->v, cos(phi)));
+    return (struct spoke){
+        .out = orl_add(orl_scale(frame->u, cos(phi)), orl_scale(frame->v, sin(phi))),
+        .turn = orl_add(orl_scale(frame->u, -sin(phi)), orl_scale(frame->v, cos(phi))),
+        .around = orl_add(orl_scale(frame->u, -sin(edge)), orl_scale(frame->v, cos(edge)))};
+}
+
+/* Adds one row's share of the gradients: differences to strands' neighbours below and beside. */
+static void add_row(struct orl_hemisphere *h, const struct spoke *spokes,
+                    const struct strand *strands, uint32_t rows, uint32_t columns, uint32_t row,
+                    uint32_t channels)
+{
     const double sine_low = sqrt((double)row / rows), sine_high = sqrt((row + 1.0) / rows);
     const double middle = sqrt((row + 0.5) / rows);
-    const double tangent = middle / sqrt(1 - middle * middle);
-    for (uint32_t c = 0; c < channels; c++) {
-        const double value = channel(here->radiance, c);
-        h->by_rotation[c] =
-            orl_madd(h->by_rotation[c], turn, -tangent * value * ORL_PI / ((double)rows * columns));
-        if (below)
-            h->by_translation[c] = orl_madd(
-                h->by_translation[c], out,
-                2 * ORL_PI / columns * sine_low * (1 - sine_low * sine_low) /
-                    fmin(here->distance, below->distance) * (value - channel(below->radiance, c)));
-        h->by_translation[c] =
-            orl_madd(h->by_translation[c], around,
-                     (sine_high - sine_low) / fmin(here->distance, beside->distance) *
-                         (value - channel(beside->radiance, c)));
+    const double turning = -middle / sqrt(1 - middle * middle) * ORL_PI / ((double)rows * columns);
+    const double outwards = 2 * ORL_PI / columns * sine_low * (1 - sine_low * sine_low);
+    for (uint32_t column = 0; column < columns; column++) {
+        const struct strand *here = &strands[row * columns + column];
+        const struct strand *beside = &strands[row * columns + (column + columns - 1) % columns];
+        const struct strand *below = row > 0 ? here - columns : NULL;
+        const double by_below = below ? outwards / fmin(here->distance, below->distance) : 0;
+        const double by_beside = (sine_high - sine_low) / fmin(here->distance, beside->distance);
+        for (uint32_t c = 0; c < channels; c++) {
+            const double value = channel(here->radiance, c);
+            struct orl_vec3 *shift = &h->by_translation[c];
+            h->by_rotation[c] = orl_madd(h->by_rotation[c], spokes[column].turn, turning * value);
+            if (below)
+                *shift = orl_madd(*shift, spokes[column].out,
+                                  by_below * (value - channel(below->radiance, c)));
+            *shift = orl_madd(*shift, spokes[column].around,
+                              by_beside * (value - channel(beside->radiance, c)));
+        }
     }
+}
+
+/* Without memory for the spokes gradients stay flat. */
+static void add_gradients(struct orl_hemisphere *h, const struct orl_frame *frame,
+                          const struct strand *strands, uint32_t rows, uint32_t columns,
+                          uint32_t channels)
+{
+    struct spoke *spokes = malloc(columns * sizeof *spokes);
+    for (uint32_t column = 0; spokes && column < columns; column++)
+        spokes[column] = spoke_of(frame, column, columns);
+    for (uint32_t row = 0; spokes && row < rows; row++)
+        add_row(h, spokes, strands, rows, columns, row, channels);
+    free(spokes);
 }
 
 /* Of the mean of the rays, one a stratum: half the squared difference of neighbours is a variance.
@@ -118,8 +139,8 @@ struct orl_hemisphere orl_gather_hemisphere(const struct orl_gather *gather,
     h.irradiance = orl_rgb_scale(h.irradiance, ORL_PI / ((double)rows * columns));
     h.mean_distance = nearness > 0 ? (double)rows * columns / nearness : INFINITY;
     /* Without memory for the strands the estimate stands, with flat gradients. */
-    for (uint32_t i = 0; strands && i < rows * columns; i++)
-        add_gradients(&h, &frame, strands, rows, columns, i / columns, i % columns, channels);
+    if (strands)
+        add_gradients(&h, &frame, strands, rows, columns, channels);
     for (uint32_t c = channels; c < 3; c++) {
         h.by_rotation[c] = h.by_rotation[0];
         h.by_translation[c] = h.by_translation[0];

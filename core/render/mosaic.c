@@ -358,7 +358,8 @@ static const struct found *find(const struct mosaic *mosaic, int x, int y, const
 /* Whether the nearest may speak for a ray that sees the same. */
 static bool is_close(const struct kin *kin, const struct orl_sight *sight)
 {
-    if (!kin->nearest || kin->most - kin->least > sharp_difference * kin->most)
+    /* Lobes change within a pixel of what frames them. */
+    if (!kin->nearest || sight->has_lobes || kin->most - kin->least > sharp_difference * kin->most)
         return false;
     if (sight->n_vertices == 0)
         return true;

@@ -62,7 +62,7 @@ int orl_run_gather(struct orl_run_state *state, struct orl_error *err)
     for (int kind = 0; kind < ORL_MAP_KINDS; kind++)
         maps[kind] = state->maps[kind];
     if (orl_gather_init(&work.gather, state->world, rest, maps, state->bandwidths, state->job->seed,
-                        &state->searches[0]) < 0)
+                        state->env->crew, &state->searches[0]) < 0)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for the final gather");
     if (state->n_sensors > 0)
         warn_of_dielectrics(state);
