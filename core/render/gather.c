@@ -264,7 +264,7 @@ static struct orl_rgb diffuse_radiance(const struct orl_gather *gather,
 {
     const struct orl_rgb diffuse = orl_material_diffuse(orl_world_material(gather->world, hit));
     const struct orl_rgb reflected = orl_rgb_scale(orl_rgb_mul(weight, diffuse), 1 / ORL_PI);
-    if (gather->texels && !near && orl_texels_has(gather->texels, hit->facet)) {
+    if (ray->by_texels && gather->texels && !near && orl_texels_has(gather->texels, hit->facet)) {
         const struct orl_texel *texel =
             orl_texels_at(gather->texels, hit->facet, hit->front, hit->point);
         if (!texel || !texel->cut)
@@ -292,9 +292,9 @@ static struct orl_rgb shining_radiance(const struct orl_world *world, const stru
 }
 
 /* What is met closer than that is not read from the map. */
-static double near_of(const struct orl_gather *gather, const struct orl_hit *hit)
+static double near_of(const struct orl_gather *gather, bool by_texels, const struct orl_hit *hit)
 {
-    return gather->texels && orl_texels_has(gather->texels, hit->facet)
+    return by_texels && gather->texels && orl_texels_has(gather->texels, hit->facet)
                ? near_texels * orl_texels_width(gather->texels, hit->facet, hit->front)
                : gather->near;
 }
@@ -328,7 +328,7 @@ static struct orl_rgb trace_gather(const struct orl_gather *gather,
         const struct orl_material *m = orl_world_material(world, &hit);
         const bool diffuse =
             orl_rgb_max(orl_material_diffuse(m)) > 0 && reflections < world->omit.most_reflections;
-        const bool near = hit.distance < near_of(gather, &hit);
+        const bool near = hit.distance < near_of(gather, ray->by_texels, &hit);
         weight = orl_rgb_mul(weight, orl_material_dimming(m, &hit, clarity));
         const struct orl_vec3 eye = orl_neg(direction);
         sum = orl_rgb_add(

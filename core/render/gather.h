@@ -14,11 +14,11 @@
  *
  * Where it is gathered, the global map holds photons of all light; else of the rest alone
  * (omit.counted_light). What such rays, and those of glossy lobes, meet is lit by the density of
- * global photons (by texels where it is flat, elsewhere by leaves), or by all three parts once
- * more. Rays pass on through glass and are sampled through BSDFs and mirrors; where they leave a
- * sealed building they go on as exterior paths. Diffuse surfaces nearer than the density's own
- * width are not read from the map but lit again, directly and by one more ray, so that corners are
- * not dark.
+ * global photons (views' hemispheres: by texels where it is flat; else by leaves), or by all three
+ * parts once more. Rays pass on through glass and are sampled through BSDFs and mirrors; where they
+ * leave a sealed building they go on as exterior paths. Diffuse surfaces nearer than the density's
+ * own width are not read from the map but lit again, directly and by one more ray, so that corners
+ * are not dark.
  *
  * A scene point is inside or outside (light/world.h); callers carry that along with the point.
  */
@@ -88,6 +88,8 @@ struct orl_gather_ray {
      * of many rays through a pane even shares are mirrored and sent on; NULL for random ones.
      */
     const double *first;
+    /* Flat surfaces may be read by texels: for hemispheres, which themselves are averaged. */
+    bool by_texels;
     struct orl_tally *tally; /* NULL, or what the radiance's parts are added to */
     double share;            /* of the radiance in it */
     double *ret_distance;    /* NULL, or takes how far the first thing met is, if any is */

@@ -127,6 +127,7 @@ struct orl_hemisphere orl_gather_hemisphere(const struct orl_gather *gather,
                                            .direction = direction,
                                            .outside = place->outside,
                                            .first = first,
+                                           .by_texels = true,
                                            .tally = &tally,
                                            .share = ORL_PI / ((double)rows * columns)};
         const struct strand strand = follow(gather, place, ray, random, search);
