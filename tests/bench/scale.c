@@ -24,8 +24,8 @@ struct scale {
     bool same;
 };
 
-/* The look-up's radius has no say: this is more than the office. */
-#define EXTENT_M 100.0
+/* Where a sheet of surface has fewer photons than are looked for, a look-up goes that far. */
+#define EXTENT_M 1.0
 
 static uint64_t photons_at(const struct scale *s, int at)
 {

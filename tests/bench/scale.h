@@ -44,7 +44,8 @@ void scale_start_pager(double most_bytes);
 /* How many bytes the pager has sent back. */
 double scale_paged(void);
 
-/* Seconds of a look-up of 50 photons at places of photons drawn at random, in a folder's map. */
+/* Seconds of a look-up of 50 photons at places of photons drawn at random, in a folder's map; the
+ * median. */
 double scale_search(const char *maps, double extent);
 
 #endif

@@ -1,7 +1,9 @@
-/* How long a look-up takes in a map that is mapped and warm: of several rounds the fastest, since
- * all that others do to the machine makes it slower. */
+/*
+ * How long a look-up takes in a map that is mapped and warm. The median: some places have fewer
+ * photons on their sheet of surface than are looked for, and what these few take depends on how far
+ * they may look, not on how many photons there are.
+ */
 #include <dirent.h>
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -11,7 +13,7 @@
 #include "photon/facing.h"
 #include "photon/search.h"
 
-enum { NEIGHBOURS = 50, QUERIES = 40000, ROUNDS = 5 };
+enum { NEIGHBOURS = 50, QUERIES = 40000 };
 
 static struct orl_photon_map *open_map(const char *folder)
 {
@@ -33,7 +35,8 @@ static struct orl_photon_map *open_map(const char *folder)
     return map;
 }
 
-static void look_up(const struct orl_photon_map *map, double extent, struct orl_search *search)
+static void look_up(const struct orl_photon_map *map, double extent, struct orl_search *search,
+                    double seconds[QUERIES])
 {
     struct orl_random random = orl_random_stream(1, ORL_PURPOSE_BENCH, 0);
     const uint64_t count = orl_photon_map_header(map)->count;
@@ -46,7 +49,9 @@ static void look_up(const struct orl_photon_map *map, double extent, struct orl_
             .normal = orl_normal_decode(p.normal),
             .k = NEIGHBOURS,
             .max_radius = extent};
+        const double started = bench_wall_s(NULL);
         found += orl_density_estimate(map, &query, search).found;
+        seconds[i] = bench_wall_s(NULL) - started;
     }
     if (found == 0)
         bench_fail("no look-up found anything", NULL);
@@ -56,16 +61,14 @@ double scale_search(const char *maps, double extent)
 {
     struct orl_search *search = calloc(1, sizeof *search);
     struct orl_photon_map *map = open_map(maps);
-    double least_s = INFINITY;
-    if (!search)
+    double *seconds = malloc(QUERIES * sizeof *seconds);
+    if (!search || !seconds)
         bench_fail("out of memory", NULL);
-    look_up(map, extent, search); /* pages come in */
-    for (int round = 0; round < ROUNDS; round++) {
-        const double started = bench_own_s(NULL);
-        look_up(map, extent, search);
-        least_s = fmin(least_s, (bench_own_s(NULL) - started) / QUERIES);
-    }
+    look_up(map, extent, search, seconds); /* pages come in */
+    look_up(map, extent, search, seconds);
+    const double median = bench_median(seconds, QUERIES);
     orl_photon_map_free(map);
+    free(seconds);
     free(search);
-    return least_s;
+    return median;
 }
