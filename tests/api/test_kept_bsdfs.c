@@ -39,14 +39,15 @@ static void upload(struct daemon *daemon, char ret_id[65])
     free(xml);
 }
 
-static void submit(struct daemon *daemon, const char *id, char ret_path[80])
+/* Jobs differ by their second sensor, or they would share one computation. */
+static void submit(struct daemon *daemon, const char *id, int which, char ret_path[80])
 {
     char text[512];
     struct reply reply;
     snprintf(text, sizeof text,
              "{\"kind\":\"render\",\"scene\":\"%s\",\"technique\":\"backward\","
-             "\"gather_samples\":64,\"sensors\":[[2,1,0.8,0,0,1]]}",
-             id);
+             "\"gather_samples\":64,\"sensors\":[[2,1,0.8,0,0,1],[2,1,0.%d,0,0,1]]}",
+             id, which);
     daemon_post_json(daemon, "/v1/jobs", text, &reply);
     assert_int_equal(reply.status, 202);
     snprintf(ret_path, 80, "%s", reply_text(&reply, "links.self"));
@@ -93,7 +94,7 @@ static void test_kept(void **state)
     daemon_start(&daemon, two_at_once);
     upload(&daemon, id);
     for (int i = 0; i < JOBS; i++)
-        submit(&daemon, id, jobs[i]);
+        submit(&daemon, id, i, jobs[i]);
     for (int i = 0; i < JOBS; i++) {
         lux[i] = finish(&daemon, jobs[i]);
         assert_true(lux[i] == lux[0]);
@@ -101,7 +102,7 @@ static void test_kept(void **state)
     expect_kept(&daemon, JOBS - 1);
     assert_int_equal(daemon_end(&daemon, SIGTERM), 0);
     daemon_restart(&daemon, two_at_once);
-    submit(&daemon, id, jobs[0]);
+    submit(&daemon, id, JOBS, jobs[0]);
     assert_true(finish(&daemon, jobs[0]) == lux[0]);
     expect_kept(&daemon, JOBS);
     daemon_remove(&daemon);
