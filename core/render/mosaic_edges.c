@@ -1,0 +1,229 @@
+#include "render/mosaic_cells.h"
+
+/* Neighbours that differ by more than this share see an edge of a shadow; by less than the other
+ * they see none, whatever they see. */
+static const double sharp_difference = 0.15, no_difference = 0.02;
+
+/* Of a pixel's rays one stands for others that are no further: pixels. */
+static const double close_by = 0.3;
+
+static struct orl_shade shade_of(const struct orl_cell *cell)
+{
+    const struct orl_rgb sharp = orl_rgb_add(cell->rest, cell->direct);
+    return (struct orl_shade){
+        .radiance = orl_rgb_add(orl_rgb_add(sharp, cell->lobes), cell->smooth.radiance),
+        .rest_error = cell->smooth.rest_error,
+        .caustic_error = cell->smooth.caustic_error,
+        .ray_error = sqrt(cell->variance)};
+}
+
+/* Whether two neighbours make one look closer at the first. */
+static bool differ(const struct orl_cell *cell, const struct orl_cell *other, bool other_made)
+{
+    const double luma = orl_luma(shade_of(cell).radiance);
+    if (other_made && cell->way != other->way) {
+        const double beside = orl_luma(shade_of(other).radiance);
+        return fabs(beside - luma) > no_difference * fmax(luma, beside);
+    }
+    if (cell->way != other->way)
+        return true;
+    const double sharp = orl_luma(orl_rgb_add(cell->rest, cell->direct));
+    const double beside = orl_luma(orl_rgb_add(other->rest, other->direct));
+    return fabs(beside - sharp) > sharp_difference * luma;
+}
+
+static bool wants_more(const struct orl_tile_cells *mosaic, int x, int y)
+{
+    const struct orl_cell *cell = orl_cell_at(mosaic, x, y);
+    for (int dy = -1; dy <= 1; dy++) {
+        for (int dx = -1; dx <= 1; dx++) {
+            const struct orl_cell *other = orl_cell_at(mosaic, x + dx, y + dy);
+            const bool made = orl_cell_in_tile(mosaic, x + dx, y + dy) && other->made;
+            if (other != cell && other->there && differ(cell, other, made))
+                return true;
+        }
+    }
+    return false;
+}
+
+/* What the rays of one pixel have found that the pixels about cannot tell. */
+struct found {
+    uint64_t way;
+    double x, y; /* in the pixel */
+    struct orl_smooth smooth;
+    struct orl_rgb lobes;
+    double variance;
+};
+struct finds {
+    struct found list[ORL_PIXEL_RAYS];
+    uint32_t count;
+    bool is_new; /* one of them nobody about has seen */
+};
+
+/* The nearest of the pixels about a place of one that see the same, and how far their lumas reach.
+ */
+struct kin {
+    const struct orl_cell *nearest; /* NULL: there is none */
+    double least, most;
+};
+
+static struct kin kin_of(const struct orl_tile_cells *mosaic, int x, int y, const double place[2],
+                         uint64_t way)
+{
+    struct kin kin = {NULL, INFINITY, 0};
+    double least = INFINITY;
+    for (int dy = -1; dy <= 1; dy++) {
+        for (int dx = -1; dx <= 1; dx++) {
+            const struct orl_cell *cell = orl_cell_at(mosaic, x + dx, y + dy);
+            const double across = dx + 0.5 - place[0], down = dy + 0.5 - place[1];
+            const double distance2 = across * across + down * down;
+            if (!orl_cell_in_tile(mosaic, x + dx, y + dy) || cell->way != way)
+                continue;
+            const double luma = orl_luma(orl_rgb_add(cell->smooth.radiance, cell->lobes));
+            kin.least = fmin(kin.least, luma);
+            kin.most = fmax(kin.most, luma);
+            if (distance2 < least) {
+                least = distance2;
+                kin.nearest = cell;
+            }
+        }
+    }
+    return kin;
+}
+
+/* What is smooth and what lobes show, worked out for a ray, or for one close by. */
+static const struct found *find(const struct orl_tile_cells *mosaic, int x, int y,
+                                const double place[2], struct orl_sight *sight,
+                                struct orl_random *random, struct finds *finds)
+{
+    const uint64_t way = sight->way;
+    for (uint32_t i = 0; i < finds->count; i++) {
+        const struct found *known = &finds->list[i];
+        const double across = known->x - place[0], down = known->y - place[1];
+        if (known->way == way && across * across + down * down < close_by * close_by)
+            return known;
+    }
+    struct found *found = &finds->list[finds->count++];
+    if (sight->has_lobes)
+        orl_cell_look(mosaic, x, y, place, ORL_PIXEL_FIRST_RAYS, random, sight);
+    *found = (struct found){
+        .way = way,
+        .x = place[0],
+        .y = place[1],
+        .smooth = orl_lighting_smooth(&mosaic->m->lighting, sight, random, mosaic->search),
+        .lobes = sight->lobes,
+        .variance = sight->lobes_variance};
+    return found;
+}
+
+/* Whether the nearest may speak for a ray that sees the same. */
+static bool is_close(const struct kin *kin, const struct orl_sight *sight)
+{
+    /* Lobes change within a pixel of what frames them. */
+    if (!kin->nearest || sight->has_lobes || kin->most - kin->least > sharp_difference * kin->most)
+        return false;
+    if (sight->n_vertices == 0)
+        return true;
+    const struct orl_vec3 way =
+        orl_sub(sight->vertices[0].on_surface, kin->nearest->sight.vertices[0].on_surface);
+    return orl_dot(way, way) < kin->nearest->smooth.reach * kin->nearest->smooth.reach;
+}
+
+/* What one more ray sees. */
+static struct orl_shade shade_ray(const struct orl_tile_cells *mosaic, int x, int y, uint32_t ray,
+                                  struct finds *finds)
+{
+    struct orl_random random = orl_cell_numbers(mosaic, x, y, ray);
+    struct orl_sight sight;
+    struct orl_cell seen;
+    double place[2];
+    orl_pixel_place(ray, &place[0], &place[1]);
+    if (!orl_cell_look(mosaic, x, y, place, 0, &random, &sight))
+        return (struct orl_shade){.rest_error = 0};
+    const struct orl_shadowed direct =
+        orl_lighting_direct(&mosaic->m->lighting, &sight, orl_cell_sequence(mosaic, x, y),
+                            ray * mosaic->m->lighting.shadow_rays, &mosaic->search->health);
+    const struct kin kin = kin_of(mosaic, x, y, place, sight.way);
+    seen.rest = sight.rest;
+    seen.direct = direct.radiance;
+    if (is_close(&kin, &sight)) {
+        seen.smooth = kin.nearest->smooth;
+        seen.lobes = kin.nearest->lobes;
+        seen.variance = kin.nearest->sight.lobes_variance + direct.variance;
+    } else {
+        const struct found *found = find(mosaic, x, y, place, &sight, &random, finds);
+        finds->is_new = finds->is_new || !kin.nearest;
+        seen.smooth = found->smooth;
+        seen.lobes = found->lobes;
+        seen.variance = found->variance + direct.variance;
+    }
+    return shade_of(&seen);
+}
+
+/* A pixel by more rays; ret_new: these have seen something that no ray about has. */
+static struct orl_pixel refine(const struct orl_tile_cells *mosaic, int x, int y, bool *ret_new)
+{
+    struct orl_pixel_rays tally = {.rays = 0};
+    struct finds finds;
+    finds.count = 0;
+    finds.is_new = false;
+    for (uint32_t i = 0;
+         i < ORL_PIXEL_FIRST_RAYS || (i < ORL_PIXEL_RAYS && orl_pixel_is_uneven(&tally)); i++) {
+        const struct orl_shade shade = shade_ray(mosaic, x, y, i, &finds);
+        orl_pixel_add(&tally, &shade);
+    }
+    *ret_new = finds.is_new;
+    return orl_pixel_settle(&tally);
+}
+
+static struct orl_pixel settle_cell(const struct orl_cell *cell)
+{
+    struct orl_pixel_rays tally = {.rays = 0};
+    const struct orl_shade shade = shade_of(cell);
+    orl_pixel_add(&tally, &shade);
+    return orl_pixel_settle(&tally);
+}
+
+static void set(const struct orl_tile_cells *mosaic, int x, int y, const struct orl_pixel *pixel)
+{
+    orl_film_set(mosaic->m->painting->film, mosaic->tile->x0 + (uint32_t)x,
+                 mosaic->tile->y0 + (uint32_t)y, pixel, &mosaic->search->health);
+}
+
+/* Refines a pixel, and those about it for as long as something new comes up. */
+static void refine_about(const struct orl_tile_cells *mosaic, int x, int y)
+{
+    int stack[ORL_PAINT_TILE * ORL_PAINT_TILE][2];
+    int depth = 0;
+    stack[depth][0] = x;
+    stack[depth++][1] = y;
+    orl_cell_at(mosaic, x, y)->refined = true;
+    while (depth > 0) {
+        const int at_x = stack[--depth][0], at_y = stack[depth][1];
+        bool is_new;
+        const struct orl_pixel pixel = refine(mosaic, at_x, at_y, &is_new);
+        set(mosaic, at_x, at_y, &pixel);
+        for (int i = 0; i < 9 && is_new; i++) {
+            const int to_x = at_x + i % 3 - 1, to_y = at_y + i / 3 - 1;
+            if (!orl_cell_in_tile(mosaic, to_x, to_y) || orl_cell_at(mosaic, to_x, to_y)->refined)
+                continue;
+            orl_cell_at(mosaic, to_x, to_y)->refined = true;
+            stack[depth][0] = to_x;
+            stack[depth++][1] = to_y;
+        }
+    }
+}
+
+void orl_mosaic_settle(const struct orl_tile_cells *mosaic)
+{
+    for (int y = 0; y < mosaic->height; y++) {
+        for (int x = 0; x < mosaic->width; x++) {
+            const struct orl_pixel pixel = settle_cell(orl_cell_at(mosaic, x, y));
+            set(mosaic, x, y, &pixel);
+        }
+    }
+    for (int y = 0; y < mosaic->height; y++)
+        for (int x = 0; x < mosaic->width && !orl_paint_cancelled(mosaic->m->painting->env); x++)
+            if (!orl_cell_at(mosaic, x, y)->refined && wants_more(mosaic, x, y))
+                refine_about(mosaic, x, y);
+}
