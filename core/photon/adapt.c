@@ -87,8 +87,8 @@ static struct shapes shapes_of(const struct orl_rings *r, double least_area)
         if (inside < LEAST)
             shapes.narrowest = i > 0 ? i - 1 : 0;
     }
-    for (double even = r->found; even >= 2 * SMALLEST && shapes.first < shapes.narrowest; even /= 2)
-        shapes.first++;
+    while (shapes.first < shapes.narrowest && r->found >= ldexp(2 * SMALLEST, (int)shapes.first))
+        shapes.first++; /* each disc has half of the one before, where light is even */
     return shapes;
 }
 
