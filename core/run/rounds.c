@@ -52,6 +52,11 @@ static int rounds_init(struct rounds *r, struct orl_run_state *state, struct orl
     if (state->job->goal.deadline_s > 0 && !r->work.of_views)
         r->work.least *= short_round;
     r->samples = r->work.least;
+    if (r->work.technique == ORL_TECHNIQUE_BACKWARD) { /* once a job, not with every photon */
+        const int code = orl_run_need_emission(state, err);
+        if (code < 0)
+            return code;
+    }
     r->pace.before_s = now_s(r) - state->started_s;
     if (r->work.shares) {
         r->shares = malloc((state->n_sensors + 1) * sizeof *r->shares);
