@@ -74,7 +74,7 @@ static void choose_radii(struct orl_gather *gather, enum orl_map_kind kind, doub
 
 int orl_gather_init(struct orl_gather *gather, const struct orl_world *world, enum orl_rest rest,
                     const struct orl_photon_map *const maps[ORL_MAP_KINDS],
-                    const double bandwidths[ORL_MAP_KINDS], uint64_t seed, struct orl_crew *crew,
+                    const double bandwidths[ORL_MAP_KINDS], uint64_t seed,
                     struct orl_search *search)
 {
     const double widest = fmax(0.1 * world->geometry->radius, 1e-9);
@@ -92,17 +92,18 @@ int orl_gather_init(struct orl_gather *gather, const struct orl_world *world, en
         if (!gather->leaves)
             return ORL_ERR_NOMEM;
     }
-    if (gather->maps[ORL_MAP_GLOBAL] && rest == ORL_REST_GATHERED) {
-        gather->texels = orl_texels_new(maps[ORL_MAP_GLOBAL], world,
-                                        texel_share * gather->k[ORL_MAP_GLOBAL], crew);
-        if (!gather->texels) {
-            orl_gather_done(gather);
-            return ORL_ERR_NOMEM;
-        }
-    }
     if (rest == ORL_REST_DENSITY && gather->maps[ORL_MAP_GLOBAL])
         return orl_adapt_init(&gather->adapt, maps[ORL_MAP_GLOBAL], widest, search);
     return 0;
+}
+
+int orl_gather_for_views(struct orl_gather *gather, struct orl_crew *crew)
+{
+    if (!gather->maps[ORL_MAP_GLOBAL] || gather->rest != ORL_REST_GATHERED)
+        return 0;
+    gather->texels = orl_texels_new(gather->maps[ORL_MAP_GLOBAL], gather->world,
+                                    texel_share * gather->k[ORL_MAP_GLOBAL], crew);
+    return gather->texels ? 0 : ORL_ERR_NOMEM;
 }
 
 void orl_gather_done(struct orl_gather *gather)

@@ -44,9 +44,8 @@ struct orl_gather {
     double near;               /* hits closer than this are lit again */
     double reach;              /* a sensor so close to a surface lies on it */
     struct orl_leaves *leaves; /* of the global map, owned; NULL when there is none */
-    struct orl_texels
-        *texels;            /* of the same, for flat surfaces; NULL unless the rest is gathered */
-    struct orl_adapt adapt; /* ORL_REST_DENSITY: for its estimates */
+    struct orl_texels *texels; /* of the same, for flat surfaces; NULL until views want them */
+    struct orl_adapt adapt;    /* ORL_REST_DENSITY: for its estimates */
     struct orl_sobol sobol;
     uint64_t seed;
 };
@@ -58,8 +57,12 @@ struct orl_gather {
  */
 int orl_gather_init(struct orl_gather *gather, const struct orl_world *world, enum orl_rest rest,
                     const struct orl_photon_map *const maps[ORL_MAP_KINDS],
-                    const double bandwidths[ORL_MAP_KINDS], uint64_t seed, struct orl_crew *crew,
+                    const double bandwidths[ORL_MAP_KINDS], uint64_t seed,
                     struct orl_search *search);
+
+/* What only views read: texels, where the rest is gathered. Returns 0 or ORL_ERR_NOMEM. */
+int orl_gather_for_views(struct orl_gather *gather, struct orl_crew *crew);
+
 void orl_gather_done(struct orl_gather *gather);
 
 /* Where light is asked for. */

@@ -61,9 +61,14 @@ int orl_run_gather(struct orl_run_state *state, struct orl_error *err)
         return code;
     for (int kind = 0; kind < ORL_MAP_KINDS; kind++)
         maps[kind] = state->maps[kind];
-    if (orl_gather_init(&work.gather, state->world, rest, maps, state->bandwidths, state->job->seed,
-                        state->env->crew, &state->searches[0]) < 0)
+    code = orl_gather_init(&work.gather, state->world, rest, maps, state->bandwidths,
+                           state->job->seed, &state->searches[0]);
+    if (code == 0 && state->job->n_views > 0)
+        code = orl_gather_for_views(&work.gather, state->env->crew);
+    if (code < 0) {
+        orl_gather_done(&work.gather);
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for the final gather");
+    }
     if (state->n_sensors > 0)
         warn_of_dielectrics(state);
     code = orl_run_render(state, &renderer, err);
