@@ -1,7 +1,7 @@
 /*
  * Jobs that want an accuracy, or are given a time: rounds until the goal is met, or cannot be.
  *
- * A round is the job as it would run by itself, with settings for some effort (cost.h) and a seed
+ * A round is the job as it would run by itself, with settings by its size (cost.h) and a seed
  * of its own, made from the job's and the round's number; the first one's is the job's. Rounds are
  * independent, so that their findings are pooled (pool.h): a value is the mean over rounds,
  * weighted by their mean samples. What comes before photons is done once.
@@ -14,7 +14,7 @@
  *
  * An accuracy: the error is what percentile.h takes it to be: the share of sensors, or of pixels,
  * that the goal names is within it with a probability of 0.975. The first round is small; its
- * error and that variances fall as the inverse of effort say how much there is to do. Sizes depend
+ * error and that variances fall as the inverse of samples say how much there is to do. Sizes depend
  * on errors and counts alone, never on time: the same job and seed give the same bytes.
  *
  * A deadline: rounds are sized from the time that those before took, each to fill most of what is

@@ -203,13 +203,14 @@ static void test_uneven_errors_and_biases(void **state)
 }
 
 /*
- * Errors that are estimates of 15 degrees of freedom each: in 0.95 of draws of both the bound
- * holds. Of 1500 draws that scatters by 0.006, and the discrete sum allows for 0.01; taken for
- * exact, the estimates' bound would hold in more than 0.98.
+ * Errors that are estimates of 15 degrees of freedom each: in 0.975 of draws of both the bound
+ * holds. Of 6000 draws that scatters by 0.002, and three of that are allowed; below, 0.01 more, for
+ * what is unbiased is a probability, not the bound that solves for it. Taken for exact, such errors
+ * have a bound that holds in 0.987 of these draws, which is too much.
  */
 static void test_errors_that_scatter(void **state)
 {
-    enum { DRAWS = 1500, DEGREES = 15 };
+    enum { DRAWS = 6000, DEGREES = 15 };
     double value[SENSORS], error[SENSORS];
     const struct orl_estimates estimates = {
         .value = value, .error = error, .count = SENSORS, .floor = 1e-3, .degrees = DEGREES};
@@ -233,7 +234,7 @@ static void test_errors_that_scatter(void **state)
             beyond += fabs(normal(&random)) > x;
         within += beyond <= 2;
     }
-    assert_near((double)within / DRAWS, 0.975, 0.02);
+    assert_true(within > (0.975 - 0.006 - 0.01) * DRAWS && within < (0.975 + 0.006) * DRAWS);
 }
 
 static void test_what_is_not_known_and_dark(void **state)
