@@ -11,7 +11,7 @@ WERROR  ?= -Werror
 PACKAGES_BUILD := gcc libc6-dev make libembree-dev libmicrohttpd-dev libjansson-dev libuv1-dev \
 	libsqlite3-dev libexpat1-dev libpng-dev libsodium-dev libcurl4-openssl-dev libcairo2-dev \
 	fonts-dejavu-core
-PACKAGES_CHECK := $(PACKAGES_BUILD) libcmocka-dev libgnutls28-dev curl python3
+PACKAGES_CHECK := $(PACKAGES_BUILD) libcmocka-dev libgnutls28-dev curl python3 python3-yaml
 PACKAGES_LINT  := $(PACKAGES_CHECK) clang clang-tidy clang-format
 PACKAGES_DEMO  := $(PACKAGES_BUILD)
 PACKAGES_PERF  := $(PACKAGES_CHECK) valgrind

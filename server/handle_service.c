@@ -41,6 +41,8 @@ void orl_handle_ready(struct orl_request *request)
                              (json_int_t)orl_jobs_count(jobs, ORL_JOB_QUEUED), "running",
                              (json_int_t)orl_jobs_count(jobs, ORL_JOB_RUNNING)));
     orl_reply_header(request, "Cache-Control", "no-store");
+    if (draining || full)
+        orl_reply_header(request, "Retry-After", "10");
 }
 
 void orl_handle_openapi(struct orl_request *request)

@@ -1,0 +1,299 @@
+"""What each resource answers: one function a group of cases, in this order; each of DAEMONS has a
+daemon of its own.
+
+A new status or route: api/openapi.yaml first, then a few lines here that provoke it; what has not
+been provoked is listed at the end and fails the test.
+"""
+
+import os
+import socket
+import sqlite3
+import time
+
+from every import UNKNOWN
+
+ROOM = """void plastic grey 0 0 5 .5 .5 .5 0 0
+void glass pane 0 0 3 .9 .9 .9
+grey polygon floor 0 0 12 0 0 0 3 0 0 3 4 0 0 4 0
+grey polygon top 0 0 12 0 0 3 0 4 3 3 4 3 3 0 3
+grey polygon west 0 0 12 0 0 0 0 4 0 0 4 3 0 0 3
+grey polygon east 0 0 12 3 0 0 3 0 3 3 4 3 3 4 0
+grey polygon north 0 0 12 0 4 0 3 4 0 3 4 3 0 4 3
+pane polygon window 0 0 12 3 0 0 0 0 0 0 0 3 3 0 3
+"""
+SKY = "void glow sky_glow 0 0 4 10 10 10 0\nsky_glow source sky 0 0 4 0 0 1 180\n"
+SENSORS = [[1.5, 1, 0.8, 0, 0, 1], [1.5, 3, 0.8, 0, 0, 1]]
+VIEW = {"name": "north", "view": "-vtv -vp 1.5 .5 1.5 -vd 0 1 0", "width": 16, "height": 12}
+FIXTURES = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../fixtures")
+NEVER = 100000000  # photons: more than any test waits for
+
+
+def bsdf(name):
+    with open(os.path.join(FIXTURES, name), "rb") as stream:
+        return stream.read()
+
+
+def service(daemon):
+    for path in ("/", "/healthz", "/readyz", "/metrics", "/openapi.yaml", "/v1/limits"):
+        daemon.ask("GET", path, want=200)
+        daemon.ask("HEAD", path, want=200)
+
+
+def scenes(daemon):
+    first = daemon.ask("POST", "/v1/scenes", {"files": [{"name": "r.rad", "text": ROOM + SKY}]},
+                       want=201)
+    daemon.ask("POST", "/v1/scenes", {"files": [{"name": "r.rad", "text": ROOM + SKY}]}, want=200)
+    path = "/v1/scenes/" + first.id
+    assert first.headers["location"] == path
+    daemon.ask("GET", path, want=200)
+    daemon.ask("HEAD", path, want=200)
+    daemon.ask("GET", path, headers={"If-None-Match": first.headers["etag"]}, want=304)
+    boundary = "frontier"
+    form = "".join('--%s\r\nContent-Disposition: form-data; name="%s"; filename="%s"\r\n\r\n%s\r\n'
+                   % (boundary, *part) for part in (("file", "f.rad", ROOM + "# form\n"),
+                                                    ("resource", "t.txt", "1 1 1 0 0 1\n")))
+    kind = {"Content-Type": "multipart/form-data; boundary=" + boundary}
+    daemon.ask("POST", "/v1/scenes", form + "--%s--\r\n" % boundary, kind, want=201)
+    daemon.ask("POST", "/v1/scenes", form, kind, want=400)
+    for files in ([], [{"name": "../r.rad", "text": ROOM}], [{"name": "r.rad", "text": "void x"}],
+                  [{"name": "r.rad", "text": "a BSDF b 6 0 absent.xml 0 0 1 . 0 0\n"}],
+                  [{"name": "r.rad", "text": "void prism1 a 0 0 0\n"}]):
+        assert daemon.ask("POST", "/v1/scenes", {"files": files}).status in (400, 422)
+    daemon.ask("POST", "/v1/scenes", {"files": [], "other": 1}, want=422)
+
+
+def bsdfs(daemon):
+    data = bsdf("bsdf_klems41.xml")
+    first = daemon.ask("POST", "/v1/bsdfs?name=klems.xml", data, want=201)
+    daemon.ask("POST", "/v1/bsdfs", data, want=200)
+    path = "/v1/bsdfs/" + first.id
+    daemon.ask("GET", path, want=200)
+    daemon.ask("GET", path, headers={"If-None-Match": first.headers["etag"]}, want=304)
+    daemon.ask("POST", "/v1/bsdfs", bsdf("bsdf_lcp8.xml"), want=201)
+    daemon.ask("POST", "/v1/bsdfs", b"<WindowElement>", want=400)
+    daemon.ask("POST", "/v1/bsdfs?name=../x", data, want=422)
+    window = "void BSDF pane 6 0 k.xml 0 0 1 . 0 0\n" + ROOM.split("void glass")[0]
+    daemon.ask("POST", "/v1/scenes", {"files": [{"name": "r.rad", "text": window}],
+                                      "bsdfs": {"k.xml": first.id}}, want=201)
+    daemon.ask("POST", "/v1/scenes", {"files": [{"name": "r.rad", "text": window}],
+                                      "bsdfs": {"k.xml": UNKNOWN}}, want=422)
+
+
+def sensors_of(scene, **more):
+    return {"scene": scene, "technique": "gather", "photons": {"global": 5000, "caustic": 500},
+            "gather_samples": 16, "sensors": SENSORS, **more}
+
+
+def renders(daemon):
+    scene = daemon.upload(ROOM + SKY)
+    path = daemon.submit(sensors_of(scene, views=[VIEW], priority=7, kind="render"),
+                         X_Oriel_Client="contract")
+    job = daemon.wait(path)
+    assert job["state"] == "succeeded", job
+    results(daemon, path, job)
+    daemon.ask("DELETE", path, want=409)
+    daemon.ask("POST", path + "/cancel", want=409)
+    backward = daemon.submit({"scene": scene, "technique": "backward", "gather_samples": 32,
+                              "pixel_samples": 4, "sensors": SENSORS, "views": [VIEW]})
+    assert daemon.wait(backward)["state"] == "succeeded"
+    daemon.ask("GET", backward + "/result", want=200)
+    for technique in ("direct", "precomputed", "auto"):
+        again = daemon.submit({"scene": scene, "technique": technique, "sensors": SENSORS,
+                               "photons": {"global": 5000}})
+        daemon.wait(again)
+        daemon.ask("GET", again + "/result", want=200)
+    daemon.ask("GET", "/v1/maps", want=200)
+
+
+def results(daemon, path, job):
+    """All files of a job that has succeeded, and what else may be asked of them."""
+    for link in [job["links"]["result"], *job["links"]["files"]]:
+        answer = daemon.ask("GET", link, want=200)
+        tag = answer.headers["etag"]
+        daemon.ask("HEAD", link, want=200)
+        daemon.ask("GET", link, headers={"If-None-Match": tag}, want=304)
+    daemon.ask("GET", path + "/files/other.json", want=404)
+
+
+def skies(daemon):
+    weather = bsdf("weather.epw").decode("latin-1")
+    scene = daemon.upload(ROOM, resources={"w.epw": weather, "s.txt": "1 1 1 0 0 1\n"})
+    place = {"month": 3, "day": 22, "hour": 12, "latitude": 38, "longitude": 27, "time_zone": 2}
+    for sky in ({"perez": {**place, "direct_normal_w_m2": 800, "diffuse_horizontal_w_m2": 120}},
+                {"cie": {"type": "overcast", "diffuse_horizontal_lx": 10000}},
+                {"cie": {"type": "clear", **place}, "normalise": "gendaylit"},
+                {"weather": {"file": "w.epw", "month": 3, "day": 22, "hour": 11.5}}):
+        document = sensors_of(scene, sky=sky, sensors={"file": "s.txt"},
+                              effects={"caustics": "skip", "interreflection": "force"})
+        daemon.ask("POST", "/v1/jobs", document)
+        daemon.contract.judge_request(document)
+
+
+def accuracy(daemon):
+    """A job by rounds, whose results show while it runs."""
+    scene = daemon.upload(ROOM + SKY)
+    path = daemon.submit({"scene": scene, "accuracy": {"deadline_s": 3}, "views": [VIEW],
+                          "sensors": SENSORS})
+    job = daemon.wait(path, ("running",), lambda job: "result" in job["links"])
+    daemon.ask("GET", job["links"]["result"], want=200)
+    events(daemon, path, 2)
+    daemon.ask("DELETE", path, want=202)
+    daemon.wait(path)
+    path = daemon.submit({"scene": scene, "accuracy": {"relative_error": 0.2, "at": 0.9},
+                          "sensors": SENSORS})
+    assert daemon.wait(path)["state"] == "succeeded"
+    daemon.ask("GET", path + "/result", want=200)
+
+
+def studies(daemon):
+    scene = daemon.upload(ROOM + SKY)
+    study = {"kind": "study", "scene": scene, "title": "t", "note": "n", "seed": 3,
+             "techniques": ["backward", "gather", "direct"], "photons": [500, 1000, 2000],
+             "gather_samples": [8, 16], "repeats": 2, "sensors": SENSORS,
+             "reference": {"samples": 4096, "runs": 2},
+             "points": [{"name": "other", "seconds": 1, "rms": 0.1, "rays_per_s": 1e6}]}
+    path = daemon.submit(study)
+    daemon.wait(path, ("running", "succeeded"),
+                lambda job: job["state"] == "succeeded" or job.get("study", {}).get("points"))
+    events(daemon, path, 1)
+    job = daemon.wait(path)
+    assert job["state"] == "succeeded", job
+    results(daemon, path, job)
+
+
+def events(daemon, path, wanted):
+    """The first events of a job's stream."""
+    connection = daemon.connect()
+    connection.request("GET", path + "/events", headers=daemon.header)
+    reply = connection.getresponse()
+    found = 0
+    while found < wanted:
+        line = reply.readline()
+        if not line:
+            break
+        if line.startswith(b"data: "):
+            daemon.contract.judge_event(line[6:])
+            found += 1
+    connection.close()
+    assert found, "no event of %s" % path
+
+
+def ended_events(daemon):
+    scene = daemon.upload(ROOM + SKY)
+    path = daemon.submit(sensors_of(scene))
+    daemon.wait(path)
+    last = daemon.ask("GET", path + "/events", want=200).body.decode().split("\n")[0]
+    assert last.startswith("id: ")
+    daemon.ask("GET", path + "/events", headers={"Last-Event-ID": last[4:]}, want=204)
+
+
+def failures(daemon):
+    scene = daemon.upload(ROOM + SKY, resources={"s.txt": "1 1 1 0 0 1\n1 1 x 0 0 1\n"})
+    path = daemon.submit({"scene": scene, "sensors": {"file": "s.txt"}})
+    assert daemon.wait(path)["error"]["line"] == 2
+    daemon.ask("GET", path + "/result", want=409)
+    daemon.ask("GET", path + "/files/result.json", want=409)
+
+
+def refusals(daemon):
+    """Jobs that are none; each member of the wrong type."""
+    scene = daemon.upload(ROOM + SKY)
+    good = sensors_of(scene, views=[VIEW], seed=1, priority=5, effects={}, kind="render")
+    for name in good:
+        for wrong in (None, True, "x" * 70, 1.5e300, -1, {}, [[]], {"unknown": 1}):
+            document = dict(good, **{name: wrong})
+            answer = daemon.ask("POST", "/v1/jobs", document)
+            if answer.status == 202:
+                assert not daemon.contract.judge_request(document), document
+                daemon.ask("DELETE", answer.headers["location"])
+            else:
+                assert answer.status in (400, 413, 422), document
+    daemon.ask("POST", "/v1/jobs", dict(good, unknown=1), want=422)
+    daemon.ask("POST", "/v1/jobs", dict(good, scene=UNKNOWN), want=422)
+    daemon.ask("POST", "/v1/jobs", good, {"Idempotency-Key": "x" * 300}, want=400)
+    daemon.ask("POST", "/v1/jobs", good, {"Idempotency-Key": "once"}, want=202)
+    daemon.ask("POST", "/v1/jobs", dict(good, seed=2), {"Idempotency-Key": "once"}, want=422)
+    daemon.ask("GET", "/v1/jobs?state=lost", want=400)
+    daemon.ask("GET", "/v1/jobs?limit=0", want=400)
+    for state in ("queued", "running", "succeeded", "failed", "cancelled"):
+        jobs = daemon.ask("GET", "/v1/jobs?limit=1000&state=" + state, want=200).json["jobs"]
+        assert all(job["state"] == state for job in jobs)
+
+
+def waiting(daemon):
+    """A job that runs for good, and others behind it; more streams and jobs than there may be."""
+    scene = daemon.upload(ROOM + SKY)
+    blocker = daemon.submit(sensors_of(scene, photons={"global": NEVER}))
+    daemon.wait(blocker, ("running",), lambda job: job["stage"] == "photons")
+    same = daemon.submit(sensors_of(scene, photons={"global": NEVER}))
+    events(daemon, blocker, 1)
+    daemon.ask("GET", blocker + "/result", want=409)
+    daemon.ask("GET", blocker + "/files/north.png", want=409)
+    behind = daemon.submit(sensors_of(scene, seed=9))
+    assert daemon.wait(behind, ("queued",))["queue_position"] == 1
+    events(daemon, behind, 1)
+    too_many_streams(daemon, behind)
+    daemon.ask("POST", behind + "/cancel", want=200)
+    daemon.ask("DELETE", same, want=200)
+    full_queue(daemon, scene)
+    daemon.ask("POST", blocker + "/cancel", want=202)
+
+
+def too_many_streams(daemon, path):
+    """429: of streams."""
+    request = ("GET %s/events HTTP/1.1\r\nHost: localhost\r\n\r\n" % path).encode()
+    streams = []
+    for _ in range(daemon.ask("GET", "/v1/limits").json["event_streams"]):
+        streams.append(socket.create_connection(("127.0.0.1", daemon.port), timeout=60))
+        streams[-1].sendall(request)
+    for stream in streams:  # one whose client has gone may count until it is written to
+        assert stream.recv(12) in (b"HTTP/1.1 200", b"HTTP/1.1 429")
+    daemon.ask("GET", path + "/events", want=429)
+    for stream in streams:
+        stream.close()
+
+
+def full_queue(daemon, scene):
+    """429: of jobs. readyz says so too."""
+    while daemon.ask("POST", "/v1/jobs", sensors_of(scene, seed=10)).status == 202:
+        continue
+    daemon.ask("POST", "/v1/jobs", sensors_of(scene, seed=10), want=429)
+    daemon.ask("GET", "/readyz", want=503)
+
+
+def damage(daemon):
+    """500: what is stored is gone or cannot be written. The last thing that happens to a daemon."""
+    scene = daemon.upload(ROOM + SKY)
+    item = daemon.ask("POST", "/v1/bsdfs", bsdf("bsdf_klems41.xml")).id
+    path = daemon.submit(sensors_of(scene))
+    job = daemon.wait(path)
+    os.rename(os.path.join(daemon.folder, "results", job["id"]),
+              os.path.join(daemon.folder, "lost"))
+    daemon.ask("GET", path + "/result", want=500)
+    daemon.ask("GET", path + "/files/result.json", want=500)
+    with sqlite3.connect(os.path.join(daemon.folder, "oriel.db"), timeout=30) as database:
+        for table in ("scenes", "bsdfs", "jobs"):
+            database.execute("ALTER TABLE %s RENAME TO lost_%s" % (table, table))
+    database.close()
+    daemon.ask("GET", "/v1/scenes/" + scene, want=500)
+    daemon.ask("GET", "/v1/bsdfs/" + item, want=500)
+    daemon.ask("POST", "/v1/bsdfs", bsdf("bsdf_klems41.xml"), want=500)
+    daemon.ask("POST", "/v1/scenes", {"files": [{"name": "r.rad", "text": ROOM}]}, want=500)
+    daemon.ask("POST", "/v1/jobs", sensors_of(scene), want=500)
+
+
+def busy_upload(daemon):
+    """Keeps a pool thread busy for a while: the returned function waits for that."""
+    lines = "".join("grey polygon p%d 0 0 9 %d 0 0 %d 1 0 %d 1 1\n" % (i, i, i, i)
+                    for i in range(150000))
+    connection = daemon.connect()
+    connection.request("POST", "/v1/scenes",
+                       '{"files": [{"name": "big.rad", "text": "%s"}]}'
+                       % (ROOM + lines).replace("\n", "\\n"),
+                       {"Content-Type": "application/json"})
+    time.sleep(0.1)
+    return lambda: connection.getresponse().read()
+
+
+DAEMONS = ((service, scenes, bsdfs, renders, skies, accuracy, studies, ended_events, failures,
+            refusals, damage), (waiting,))

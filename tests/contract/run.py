@@ -1,0 +1,89 @@
+"""Every operation and every documented status of api/openapi.yaml against live daemons.
+
+Usage: python3 tests/contract/run.py [ROUTES]. $ORIEL_BUILD names the build folder. ROUTES is a file
+with the daemon's routes, one "METHOD /path/{}" a line: none may be missing in the contract. Prints
+what was covered; ends with status 1 when anything is undocumented, wrong or never seen.
+"""
+
+import os
+import re
+import resource
+import sys
+import time
+
+import cases
+import every
+from daemons import Daemon
+from recorder import Contract
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+
+
+def check_routes(contract, path):
+    with open(path) as stream:
+        routes = {line.strip() for line in stream}
+    known = {"%s %s" % (method, re.sub(r"{.*?}", "{}", template))
+             for method, template in contract.operations if method != "HEAD"}
+    assert routes == known, "routes and operations differ: %s" % sorted(routes ^ known)
+
+
+def check_document(contract):
+    """What the document says of itself must hold: references, ids, required members."""
+    ids = [operation["operationId"] for operation in contract.operations.values()]
+    assert len(set(ids)) == len(ids), "an operationId twice"
+    text = repr(contract.document)
+    for kind, parts in contract.document["components"].items():
+        for name in parts:
+            assert kind == "securitySchemes" or "#/components/%s/%s'" % (kind, name) in text, \
+                "%s/%s is used nowhere" % (kind, name)
+    for operation, one in contract.operations.items():
+        assert one.get("summary"), "%s %s says nothing" % operation
+        named = set(re.findall(r"{(\w+)}", operation[1]))
+        item = contract.document["paths"][operation[1]]
+        given = [contract.schemas.resolve(parameter)
+                 for parameter in item.get("parameters", []) + one.get("parameters", [])]
+        assert named == {one["name"] for one in given if one["in"] == "path"}, operation
+
+
+def run(contract):
+    with open(os.path.join(HERE, "../../api/openapi.yaml")) as stream:
+        text = stream.read()
+    whole = (every.things_unknown, every.strays, every.web_pages, every.bodies_refused)
+    for i, group in enumerate(cases.DAEMONS):
+        daemon = Daemon(contract, "--threads", "1")
+        assert daemon.ask("GET", "/openapi.yaml", want=200).body.decode() == text
+        for part in (whole if i == 0 else ()) + group:
+            began = time.monotonic()
+            part(daemon)
+            print("# %-16s %5.1f s" % (part.__name__, time.monotonic() - began), flush=True)
+        daemon.end()
+    guarded = Daemon(contract, "--tokens", "always")
+    every.tokens(guarded)
+    guarded.end()
+    every.stopping(Daemon(contract), cases.busy_upload)
+
+
+def main():
+    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    resource.setrlimit(resource.RLIMIT_NOFILE, (min(hard, max(soft, 8192)), hard))
+    with open(os.path.join(HERE, "../../api/openapi.yaml")) as stream:
+        contract = Contract(stream.read())
+    check_document(contract)
+    if len(sys.argv) > 1:
+        check_routes(contract, sys.argv[1])
+    run(contract)
+    missing, expected = contract.missing(), contract.expected()
+    for one in missing:
+        print("never seen: %s %s %s %s" % one)
+    unmet = contract.unmet_members()
+    for pointer, name in unmet:
+        print("# no answer had %s of %s" % (name, pointer))
+    statuses = {one[:3] for one in expected}
+    print("# contract: %d operations, %d of %d statuses, %d of %d with media types, %d answers"
+          % (len(contract.operations), len(statuses & {one[:3] for one in contract.seen}),
+             len(statuses), len(expected) - len(missing), len(expected), contract.answers))
+    return 1 if missing else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
