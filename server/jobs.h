@@ -49,6 +49,7 @@ struct orl_jobs_env {
     struct orl_db *db;
     const struct orl_folders *folders;
     struct orl_map_cache *maps;
+    struct orl_shelf *shelf; /* of all jobs; or NULL */
     const struct orl_log *log;
     struct orl_metrics *metrics;
     uint32_t threads; /* over all jobs */

@@ -34,6 +34,7 @@ struct orl_server {
     struct orl_db db;
     sqlite3_stmt *token_finder; /* where tokens are needed */
     struct orl_map_cache *maps;
+    struct orl_shelf *shelf;
     struct orl_jobs *jobs;
     struct orl_http *http;
     struct orl_events *events;

@@ -44,6 +44,7 @@ struct orl_worker_spec {
     struct orl_bundle bundle;
     const struct orl_folders *folders; /* borrowed */
     struct orl_map_store maps;
+    struct orl_shelf *shelf; /* borrowed; or NULL */
     uint32_t threads;
     /* On the loop thread, once, when no pool thread works for the job any more. */
     void (*done)(void *ctx, const struct orl_worker_outcome *outcome);

@@ -31,6 +31,7 @@ struct beside {
 struct orl_leaves {
     const struct orl_photon_map *map;
     const struct orl_world *world;
+    uint64_t count;
     uint32_t k;
     double max_radius;
     double unit;  /* W/m2: of the values kept */
@@ -79,6 +80,7 @@ struct orl_leaves *orl_leaves_new(const struct orl_photon_map *map, const struct
         return NULL;
     leaves->map = map;
     leaves->world = world;
+    leaves->count = n;
     leaves->k = k;
     leaves->max_radius = max_radius;
     leaves->reach2 = (float)(max_radius / h->cell * (max_radius / h->cell));
@@ -109,6 +111,22 @@ void orl_leaves_free(struct orl_leaves *leaves)
     free(leaves->kept);
     free(leaves->room);
     free(leaves);
+}
+
+void orl_leaves_rebind(struct orl_leaves *leaves, const struct orl_photon_map *map,
+                       const struct orl_world *world)
+{
+    leaves->map = map;
+    leaves->world = world;
+    orl_spread_rebind(leaves->spread, map);
+}
+
+uint64_t orl_leaves_bytes(const struct orl_leaves *leaves)
+{
+    /* Of a leaf, and beside it its radius and its code, with the eighths above them. */
+    const uint64_t each = sizeof *leaves->sites + sizeof *leaves->kept + sizeof *leaves->beside +
+                          2 * (sizeof(float) + sizeof(uint64_t));
+    return leaves->count * each + sizeof *leaves;
 }
 
 static struct orl_density make_estimate(const struct orl_leaves *leaves, uint32_t leaf,

@@ -33,6 +33,14 @@ struct orl_leaves *orl_leaves_new(const struct orl_photon_map *map, const struct
 void orl_leaves_free(struct orl_leaves *leaves);
 
 /*
+ * From now on they borrow another copy of the same map and of the same world, while nobody asks;
+ * estimates made stay.
+ */
+void orl_leaves_rebind(struct orl_leaves *leaves, const struct orl_photon_map *map,
+                       const struct orl_world *world);
+uint64_t orl_leaves_bytes(const struct orl_leaves *leaves); /* of memory */
+
+/*
  * Irradiance at a point; its footing (the point's own) may be NULL, then walls are not seen.
  * ret_parts is NULL, or takes the parts of its luma.
  */

@@ -121,6 +121,11 @@ void orl_spread_free(struct orl_spread *spread)
     free(spread);
 }
 
+void orl_spread_rebind(struct orl_spread *spread, const struct orl_photon_map *map)
+{
+    spread->map = map;
+}
+
 /* One question: what is summed up so far. */
 struct ask {
     const struct orl_spread *spread;

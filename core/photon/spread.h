@@ -24,6 +24,9 @@ struct orl_spread;
 struct orl_spread *orl_spread_new(const struct orl_photon_map *map, uint32_t k, double max_radius);
 void orl_spread_free(struct orl_spread *spread); /* NULL is allowed */
 
+/* From now on it borrows another copy of the map. */
+void orl_spread_rebind(struct orl_spread *spread, const struct orl_photon_map *map);
+
 /* Irradiance at query's point; its k and max_radius are not looked at. */
 struct orl_density orl_spread_estimate(const struct orl_spread *spread,
                                        const struct orl_density_query *query,

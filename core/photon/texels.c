@@ -249,6 +249,17 @@ void orl_texels_free(struct orl_texels *texels)
     free(texels);
 }
 
+void orl_texels_rebind(struct orl_texels *texels, const struct orl_world *world)
+{
+    texels->world = world;
+    texels->planes.geometry = world->geometry;
+}
+
+uint64_t orl_texels_bytes(const struct orl_texels *texels)
+{
+    return sizeof *texels + texels->count * sizeof *texels->texels;
+}
+
 bool orl_texels_has(const struct orl_texels *texels, uint32_t facet)
 {
     return texels->planes.has[facet];

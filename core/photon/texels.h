@@ -25,6 +25,10 @@ struct orl_texels *orl_texels_new(const struct orl_photon_map *map, const struct
                                   double photons, struct orl_crew *crew);
 void orl_texels_free(struct orl_texels *texels);
 
+/* From now on they borrow another copy of the same world. */
+void orl_texels_rebind(struct orl_texels *texels, const struct orl_world *world);
+uint64_t orl_texels_bytes(const struct orl_texels *texels); /* of memory, but for the facets' */
+
 /* What a texel holds. */
 struct orl_texel {
     float irradiance[3];          /* W/m2 */

@@ -99,7 +99,7 @@ int orl_gather_init(struct orl_gather *gather, const struct orl_world *world, en
 
 int orl_gather_for_views(struct orl_gather *gather, struct orl_crew *crew)
 {
-    if (!gather->maps[ORL_MAP_GLOBAL] || gather->rest != ORL_REST_GATHERED)
+    if (!gather->maps[ORL_MAP_GLOBAL] || gather->rest != ORL_REST_GATHERED || gather->texels)
         return 0;
     gather->texels = orl_texels_new(gather->maps[ORL_MAP_GLOBAL], gather->world,
                                     texel_share * gather->k[ORL_MAP_GLOBAL], crew);

@@ -60,10 +60,20 @@ int orl_gather_init(struct orl_gather *gather, const struct orl_world *world, en
                     const double bandwidths[ORL_MAP_KINDS], uint64_t seed,
                     struct orl_search *search);
 
-/* What only views read: texels, where the rest is gathered. Returns 0 or ORL_ERR_NOMEM. */
+/* What only views read, if it is not there: texels, where the rest is gathered. Returns 0 or
+ * ORL_ERR_NOMEM. */
 int orl_gather_for_views(struct orl_gather *gather, struct orl_crew *crew);
 
 void orl_gather_done(struct orl_gather *gather);
+
+/*
+ * Between jobs (gather_kept.c): of one that is paused only the world and the maps are forgotten,
+ * and what was worked out from them stays, for a job with the same scene, maps and bandwidths to
+ * resume with its own copies of them; or for orl_gather_done. Pausing returns the bytes it takes.
+ */
+uint64_t orl_gather_pause(struct orl_gather *gather);
+void orl_gather_resume(struct orl_gather *gather, const struct orl_world *world,
+                       const struct orl_photon_map *const maps[ORL_MAP_KINDS], uint64_t seed);
 
 /* Where light is asked for. */
 struct orl_place {

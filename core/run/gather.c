@@ -1,6 +1,10 @@
 /* A job by the techniques of photon maps: the maps, then sensors and views from them. */
 #include "run/stages.h"
 
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "base/shelf.h"
 #include "render/image.h"
 
 struct work {
@@ -49,22 +53,71 @@ static enum orl_rest rest_of(enum orl_technique technique)
                                                     : ORL_REST_GATHERED;
 }
 
+/*
+ * Keys of maps tell of all that what is kept depends on: the scene, and how it was simulated. Maps
+ * of rounds are read once, by bandwidths of their own: the shelf is not for them.
+ */
+static bool shelf_key(const struct orl_run_state *state, enum orl_rest rest,
+                      char ret_key[ORL_SHELF_KEY])
+{
+    const enum orl_map_kind first = rest == ORL_REST_RECORDS ? ORL_MAP_PRECOMPUTED : ORL_MAP_GLOBAL;
+    snprintf(ret_key, ORL_SHELF_KEY, "gather %d %s %s", (int)rest,
+             state->maps[first] ? state->keys[first] : "none",
+             state->maps[ORL_MAP_CAUSTIC] ? state->keys[ORL_MAP_CAUSTIC] : "none");
+    return state->env->shelf && !state->bandwidths && state->maps[first];
+}
+
+static void let_go(void *kept)
+{
+    orl_gather_done(kept);
+    free(kept);
+}
+
+/* What a job before this one has worked out, or all of it anew. */
+static int take_up(struct orl_run_state *state, enum orl_rest rest, struct orl_gather *ret_gather)
+{
+    const struct orl_photon_map *maps[ORL_MAP_KINDS];
+    char key[ORL_SHELF_KEY];
+    int code = 0;
+    for (int kind = 0; kind < ORL_MAP_KINDS; kind++)
+        maps[kind] = state->maps[kind];
+    struct orl_gather *kept =
+        shelf_key(state, rest, key) ? orl_shelf_take(state->env->shelf, key) : NULL;
+    if (kept) {
+        *ret_gather = *kept;
+        free(kept);
+        orl_gather_resume(ret_gather, state->world, maps, state->job->seed);
+    } else {
+        code = orl_gather_init(ret_gather, state->world, rest, maps, state->bandwidths,
+                               state->job->seed, &state->searches[0]);
+    }
+    if (code == 0 && state->job->n_views > 0)
+        code = orl_gather_for_views(ret_gather, state->env->crew);
+    return code;
+}
+
+static void lay_by(const struct orl_run_state *state, struct orl_gather *gather)
+{
+    char key[ORL_SHELF_KEY];
+    struct orl_gather *kept = shelf_key(state, gather->rest, key) ? malloc(sizeof *kept) : NULL;
+    if (!kept) {
+        orl_gather_done(gather);
+        return;
+    }
+    const uint64_t bytes = orl_gather_pause(gather);
+    *kept = *gather;
+    orl_shelf_put(state->env->shelf, key, kept, bytes, let_go);
+}
+
 int orl_run_gather(struct orl_run_state *state, struct orl_error *err)
 {
     struct work work = {.state = state};
     const struct orl_renderer renderer = {
         .ctx = &work, .sensor = compute_sensor, .view = render_view};
-    const struct orl_photon_map *maps[ORL_MAP_KINDS];
-    const enum orl_rest rest = rest_of(state->result->plan.technique);
     int code = orl_run_is_dark(state) ? 0 : orl_run_maps(state, err);
     if (code < 0)
         return code;
-    for (int kind = 0; kind < ORL_MAP_KINDS; kind++)
-        maps[kind] = state->maps[kind];
-    code = orl_gather_init(&work.gather, state->world, rest, maps, state->bandwidths,
-                           state->job->seed, &state->searches[0]);
-    if (code == 0 && state->job->n_views > 0)
-        code = orl_gather_for_views(&work.gather, state->env->crew);
+    code = take_up(state, rest_of(state->result->plan.technique), &work.gather);
     if (code < 0) {
         orl_gather_done(&work.gather);
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for the final gather");
@@ -72,6 +125,6 @@ int orl_run_gather(struct orl_run_state *state, struct orl_error *err)
     if (state->n_sensors > 0)
         warn_of_dielectrics(state);
     code = orl_run_render(state, &renderer, err);
-    orl_gather_done(&work.gather);
+    lay_by(state, &work.gather);
     return code;
 }

@@ -63,8 +63,9 @@ int bench_spawn(const char *const *argv, const char *folder, const char *input, 
 struct bench_env {
     const struct orl_files *files;
     struct orl_crew *crew;
-    const char *maps;   /* folder of photon maps, made when it is missing */
-    const char *output; /* folder of images */
+    const char *maps;        /* folder of photon maps, made when it is missing */
+    const char *output;      /* folder of images */
+    struct orl_shelf *shelf; /* between jobs; or NULL */
     double (*now_s)(void *ctx);
     /* As in orl_run_env; NULL: nobody looks. ctx is for both. */
     void (*view_ready)(void *ctx, size_t index, float (*const pixels)[3], const float *errors,

@@ -89,7 +89,8 @@ struct speed {
     int n_facts;
     struct speed_trial trials[SPEED_TRIALS];
     int n_trials;
-    struct orl_crew *crew; /* of the threads at hand */
+    struct orl_crew *crew;   /* of the threads at hand */
+    struct orl_shelf *shelf; /* between jobs; or NULL */
     double (*now_s)(void *ctx);
 };
 

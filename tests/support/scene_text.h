@@ -30,6 +30,7 @@ struct scene_run {
     uint32_t samples, threads;   /* 0: Oriel's default; 1 */
     uint32_t pixel_samples;      /* 0: Oriel's default */
     const char *folder;          /* where maps and images stay; NULL: nowhere */
+    struct orl_shelf *shelf;     /* between runs; NULL: nothing is kept */
     struct orl_goal goal;        /* set: instead of photons and samples */
     /* NULL: the machine's clock; no one is told. Both get ctx. */
     double (*now_s)(void *ctx);

@@ -21,6 +21,7 @@
 #include <oriel/files.h>
 #include <oriel/health.h>
 #include <oriel/plan.h>
+#include <oriel/shelf.h>
 #include <oriel/sky.h>
 #include <oriel/vec.h>
 
@@ -208,9 +209,10 @@ struct orl_run_env {
     struct orl_crew *crew;             /* borrowed; the calling thread leads it */
     const struct orl_files *files;     /* borrowed */
     const struct orl_map_store *store; /* borrowed */
-    const char *output_folder;         /* exists; images are written here */
-    atomic_bool *cancel;               /* borrowed; polled per batch and tile */
-    double (*now_s)(void *ctx);        /* a steady clock */
+    struct orl_shelf *shelf;    /* borrowed: what one job works out for the next; may be NULL */
+    const char *output_folder;  /* exists; images are written here */
+    atomic_bool *cancel;        /* borrowed; polled per batch and tile */
+    double (*now_s)(void *ctx); /* a steady clock */
     /* Called by the lead thread, now and then, with fraction 0..1 of the stage and of the job. */
     void (*progress)(void *ctx, enum orl_stage stage, double stage_fraction, double job_fraction);
     /* Called by the lead thread once the plan is made. May be NULL. */

@@ -1,0 +1,121 @@
+#include "base/shelf.h"
+
+#include <pthread.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct item {
+    struct item *next; /* put there earlier */
+    char key[ORL_SHELF_KEY];
+    void *thing;
+    uint64_t bytes;
+    void (*let_go)(void *thing);
+};
+
+struct orl_shelf {
+    pthread_mutex_t mutex;
+    struct item *latest;
+    uint64_t bytes, most;
+};
+
+struct orl_shelf *orl_shelf_new(uint64_t most_bytes)
+{
+    struct orl_shelf *shelf = calloc(1, sizeof *shelf);
+    if (!shelf)
+        return NULL;
+    pthread_mutex_init(&shelf->mutex, NULL);
+    shelf->most = most_bytes;
+    return shelf;
+}
+
+/* A list of items, and what they hold. */
+static void free_items(struct item *items)
+{
+    while (items) {
+        struct item *next = items->next;
+        items->let_go(items->thing);
+        free(items);
+        items = next;
+    }
+}
+
+void orl_shelf_free(struct orl_shelf *shelf)
+{
+    if (!shelf)
+        return;
+    free_items(shelf->latest);
+    pthread_mutex_destroy(&shelf->mutex);
+    free(shelf);
+}
+
+uint64_t orl_shelf_bytes(struct orl_shelf *shelf)
+{
+    pthread_mutex_lock(&shelf->mutex);
+    const uint64_t bytes = shelf->bytes;
+    pthread_mutex_unlock(&shelf->mutex);
+    return bytes;
+}
+
+/* Unhooks the item under that key; with the mutex held. */
+static struct item *unhook(struct orl_shelf *shelf, const char *key)
+{
+    for (struct item **at = &shelf->latest; *at; at = &(*at)->next) {
+        struct item *item = *at;
+        if (strcmp(item->key, key) != 0)
+            continue;
+        *at = item->next;
+        item->next = NULL;
+        shelf->bytes -= item->bytes;
+        return item;
+    }
+    return NULL;
+}
+
+/* Unhooks what is beyond the shelf's room; with the mutex held. */
+static struct item *unhook_oldest(struct orl_shelf *shelf)
+{
+    uint64_t bytes = 0;
+    struct item **at = &shelf->latest;
+    while (*at && bytes + (*at)->bytes <= shelf->most) {
+        bytes += (*at)->bytes;
+        at = &(*at)->next;
+    }
+    struct item *rest = *at;
+    *at = NULL;
+    shelf->bytes = bytes;
+    return rest;
+}
+
+void *orl_shelf_take(struct orl_shelf *shelf, const char *key)
+{
+    if (!shelf)
+        return NULL;
+    pthread_mutex_lock(&shelf->mutex);
+    struct item *item = unhook(shelf, key);
+    pthread_mutex_unlock(&shelf->mutex);
+    void *thing = item ? item->thing : NULL;
+    free(item);
+    return thing;
+}
+
+void orl_shelf_put(struct orl_shelf *shelf, const char *key, void *thing, uint64_t bytes,
+                   void (*let_go)(void *thing))
+{
+    struct item *item =
+        shelf && bytes <= shelf->most && strlen(key) < ORL_SHELF_KEY ? malloc(sizeof *item) : NULL;
+    if (!item) {
+        let_go(thing);
+        return;
+    }
+    *item = (struct item){.thing = thing, .bytes = bytes, .let_go = let_go};
+    memcpy(item->key, key, strlen(key) + 1);
+    pthread_mutex_lock(&shelf->mutex);
+    struct item *same = unhook(shelf, key);
+    item->next = shelf->latest;
+    shelf->latest = item;
+    shelf->bytes += bytes;
+    struct item *rest = unhook_oldest(shelf);
+    pthread_mutex_unlock(&shelf->mutex);
+    free_items(same);
+    free_items(rest);
+}

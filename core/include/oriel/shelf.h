@@ -1,0 +1,25 @@
+/*
+ * A shelf: what jobs have worked out from scenes and maps, kept in memory for jobs that come after
+ * them, up to a number of bytes; what was put there longest ago goes first. What lies on it can be
+ * made again at any time, and says the same then: results do not depend on a shelf.
+ *
+ * A thing is one job's at a time: who takes it from the shelf has it alone, and puts it back.
+ *
+ * Locks: one mutex inside; nothing is called with it held. Any thread may take and put.
+ */
+#ifndef ORIEL_SHELF_H
+#define ORIEL_SHELF_H
+
+#include <stdint.h>
+
+struct orl_shelf;
+
+/* NULL when out of memory. */
+struct orl_shelf *orl_shelf_new(uint64_t most_bytes);
+/* With all that lies on it. NULL is allowed. */
+void orl_shelf_free(struct orl_shelf *shelf);
+
+/* What lies there now. */
+uint64_t orl_shelf_bytes(struct orl_shelf *shelf);
+
+#endif

@@ -1,0 +1,116 @@
+/* The shelf between jobs: what it gives back, and what it lets go. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+
+#include <cmocka.h>
+#include <pthread.h>
+
+#include "base/shelf.h"
+
+/* Things are numbers that count how often they were let go. */
+static void count(void *thing)
+{
+    ++*(int *)thing;
+}
+
+static void test_given_back(void **state)
+{
+    struct orl_shelf *shelf = orl_shelf_new(100);
+    int gone[2] = {0};
+    (void)state;
+    assert_non_null(shelf);
+    assert_null(orl_shelf_take(shelf, "a"));
+    orl_shelf_put(shelf, "a", &gone[0], 40, count);
+    orl_shelf_put(shelf, "b", &gone[1], 40, count);
+    assert_int_equal(orl_shelf_bytes(shelf), 80);
+    assert_ptr_equal(orl_shelf_take(shelf, "a"), &gone[0]);
+    assert_null(orl_shelf_take(shelf, "a"));
+    assert_int_equal(orl_shelf_bytes(shelf), 40);
+    orl_shelf_free(shelf);
+    assert_int_equal(gone[0], 0);
+    assert_int_equal(gone[1], 1);
+}
+
+static void test_room(void **state)
+{
+    struct orl_shelf *shelf = orl_shelf_new(100);
+    int gone[5] = {0};
+    (void)state;
+    orl_shelf_put(shelf, "a", &gone[0], 60, count);
+    orl_shelf_put(shelf, "b", &gone[1], 40, count);
+    orl_shelf_put(shelf, "c", &gone[2], 10, count); /* in place of the earliest */
+    assert_int_equal(gone[0], 1);
+    assert_int_equal(gone[1], 0);
+    orl_shelf_put(shelf, "b", &gone[3], 20, count); /* in place of its namesake */
+    assert_int_equal(gone[1], 1);
+    orl_shelf_put(shelf, "d", &gone[4], 101, count); /* too large for any */
+    assert_int_equal(gone[4], 1);
+    assert_int_equal(orl_shelf_bytes(shelf), 30);
+    assert_null(orl_shelf_take(shelf, "d"));
+    orl_shelf_free(shelf);
+    assert_int_equal(gone[2], 1);
+    assert_int_equal(gone[3], 1);
+}
+
+static void test_none(void **state)
+{
+    int gone = 0;
+    (void)state;
+    assert_null(orl_shelf_take(NULL, "a"));
+    orl_shelf_put(NULL, "a", &gone, 1, count);
+    assert_int_equal(gone, 1);
+    orl_shelf_free(NULL);
+}
+
+enum { THREADS = 3, ROUNDS = 2000, KEYS = 4 };
+
+/* Takes things and adds to them, alone with each. */
+static void *work(void *arg)
+{
+    struct orl_shelf *shelf = arg;
+    for (int i = 0; i < ROUNDS; i++) {
+        char key[2] = {(char)('a' + i % KEYS), 0};
+        int *thing = orl_shelf_take(shelf, key);
+        if (thing) {
+            ++*thing;
+            orl_shelf_put(shelf, key, thing, sizeof *thing, count);
+        } else {
+            i--;
+        }
+    }
+    return NULL;
+}
+
+static void test_threads(void **state)
+{
+    struct orl_shelf *shelf = orl_shelf_new(1000);
+    pthread_t threads[THREADS];
+    int things[KEYS] = {0}, sum = 0;
+    (void)state;
+    for (int i = 0; i < KEYS; i++) {
+        const char key[2] = {(char)('a' + i), 0};
+        orl_shelf_put(shelf, key, &things[i], sizeof *things, count);
+    }
+    for (int i = 0; i < THREADS; i++)
+        assert_int_equal(pthread_create(&threads[i], NULL, work, shelf), 0);
+    for (int i = 0; i < THREADS; i++)
+        pthread_join(threads[i], NULL);
+    for (int i = 0; i < KEYS; i++)
+        sum += things[i];
+    assert_int_equal(sum, THREADS * ROUNDS);
+    orl_shelf_free(shelf);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_given_back),
+        cmocka_unit_test(test_room),
+        cmocka_unit_test(test_none),
+        cmocka_unit_test(test_threads),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

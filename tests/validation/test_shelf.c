@@ -1,0 +1,118 @@
+/*
+ * Jobs that find on the shelf what jobs before them worked out: by every technique of photon maps
+ * their results are the same, bit for bit, as those of jobs that found nothing.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "support/cli.h"
+#include "support/room.h"
+
+#define SCENE ROOM_SKY ROOM_SUN ROOM_GREY ROOM_CLEAR ROOM_SHELL ROOM_PANE
+#define SHELF_BYTES (64UL << 20)
+
+static const char near_wall[] = "-vtv -vp 1 1 1.2 -vd 1 0.6 -0.2 -vh 70 -vv 60";
+static const char near_pane[] = "-vtv -vp 3 2 1.5 -vd -1 -0.7 -0.3 -vh 70 -vv 60";
+
+/* A job's two kinds of results: of sensors, and the picture's file. */
+struct outcome {
+    double lx[ROOM_SENSORS], error[ROOM_SENSORS];
+    unsigned char *picture;
+    size_t size;
+};
+
+static struct outcome run(enum orl_technique technique, const char *view, uint32_t threads,
+                          const char *folder, struct orl_shelf *shelf)
+{
+    const struct scene_run job = {.scene = SCENE,
+                                  .sensors = room_sensors,
+                                  .n_sensors = ROOM_SENSORS,
+                                  .view = view,
+                                  .width = 24,
+                                  .height = 20,
+                                  .technique = technique,
+                                  .wishes = scene_wish_maps,
+                                  .global = 40000,
+                                  .caustic = 10000,
+                                  .samples = 64,
+                                  .threads = threads,
+                                  .folder = folder,
+                                  .shelf = shelf};
+    struct orl_result result = scene_run(&job);
+    struct outcome outcome;
+    char path[128];
+    memcpy(outcome.lx, result.illuminance_lx, sizeof outcome.lx);
+    memcpy(outcome.error, result.standard_error_lx, sizeof outcome.error);
+    orl_result_done(&result);
+    snprintf(path, sizeof path, "%s/view.hdr", folder);
+    outcome.picture = scene_read_bytes(path, &outcome.size);
+    return outcome;
+}
+
+static void assert_same(struct outcome *a, struct outcome *b)
+{
+    assert_memory_equal(a->lx, b->lx, sizeof a->lx);
+    assert_memory_equal(a->error, b->error, sizeof a->error);
+    assert_int_equal(a->size, b->size);
+    assert_memory_equal(a->picture, b->picture, a->size);
+    free(a->picture);
+    free(b->picture);
+}
+
+static void check(enum orl_technique technique)
+{
+    struct orl_shelf *shelf = orl_shelf_new(SHELF_BYTES);
+    char folder[64], other[64];
+    assert_non_null(shelf);
+    cli_make_folder(folder);
+    cli_make_folder(other);
+    struct outcome first = run(technique, near_wall, 2, folder, shelf);
+    struct outcome alone = run(technique, near_wall, 1, other, NULL);
+    assert_same(&first, &alone);
+    assert_true(orl_shelf_bytes(shelf) > 0);
+    /* Another view, then the first one: both from what is there. */
+    for (int i = 0; i < 2; i++) {
+        const char *view = i == 0 ? near_pane : near_wall;
+        struct outcome again = run(technique, view, 1 + (uint32_t)i, folder, shelf);
+        alone = run(technique, view, 1, other, NULL);
+        assert_same(&again, &alone);
+    }
+    orl_shelf_free(shelf);
+    cli_remove_folder(folder);
+    cli_remove_folder(other);
+}
+
+static void test_gather(void **state)
+{
+    (void)state;
+    check(ORL_TECHNIQUE_GATHER);
+}
+
+static void test_direct(void **state)
+{
+    (void)state;
+    check(ORL_TECHNIQUE_DIRECT);
+}
+
+static void test_precomputed(void **state)
+{
+    (void)state;
+    check(ORL_TECHNIQUE_PRECOMPUTED);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_gather),
+        cmocka_unit_test(test_direct),
+        cmocka_unit_test(test_precomputed),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
