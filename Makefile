@@ -10,7 +10,7 @@ WERROR  ?= -Werror
 # Debian packages: what the build needs, and what the checks need beyond that.
 PACKAGES_BUILD := gcc libc6-dev make libembree-dev libmicrohttpd-dev libjansson-dev libuv1-dev \
 	libsqlite3-dev libexpat1-dev libpng-dev libsodium-dev libcurl4-openssl-dev libcairo2-dev \
-	fonts-dejavu-core
+	libarchive-dev fonts-dejavu-core
 PACKAGES_CHECK := $(PACKAGES_BUILD) libcmocka-dev libgnutls28-dev curl python3 python3-yaml
 PACKAGES_LINT  := $(PACKAGES_CHECK) clang clang-tidy clang-format
 PACKAGES_DEMO  := $(PACKAGES_BUILD)
@@ -34,7 +34,7 @@ ALL_LDFLAGS = $(OPT_$(MODE)) $(LDFLAGS) -pthread
 EMBREE_LIB := $(if $(wildcard /usr/include/embree4/rtcore.h),-lembree4,-lembree3)
 CORE_LIBS   := $(EMBREE_LIB) -lexpat -lpng -lcairo -lsodium -lm
 API_LIBS    := -ljansson
-SERVER_LIBS := -lmicrohttpd -luv -lsqlite3 $(API_LIBS)
+SERVER_LIBS := -lmicrohttpd -luv -lsqlite3 -larchive $(API_LIBS)
 CLIENT_LIBS := -lcurl $(API_LIBS)
 
 CORE_SRC   := $(sort $(wildcard core/*/*.c))
@@ -224,6 +224,8 @@ fuzz: deps-fuzz
 	@$(MAKE) --no-print-directory -j$(JOBS) BUILD=$(BUILD)/fuzz MODE=fuzz CC=clang WERROR= \
 		CFLAGS='-include tests/fuzz/limits.h' fuzzers
 	@tests/fuzz/run $(BUILD)/fuzz $(SECONDS) $(JOBS) $(FUZZ_TARGETS)
+# What of the daemon reads hostile bytes by itself.
+FUZZ_SERVER_OBJ := $(patsubst %,$(BUILD)/obj/server/%.o,unzip incoming store/bundle store/folders)
 fuzzers: $(FUZZ_TARGETS:%=$(BUILD)/%)
 $(FUZZ_TARGETS:%=$(BUILD)/obj/tests/fuzz/driver_%.o): $(BUILD)/obj/tests/fuzz/driver_%.o: \
 		tests/fuzz/driver.c $(BUILD)/flags
@@ -231,9 +233,10 @@ $(FUZZ_TARGETS:%=$(BUILD)/obj/tests/fuzz/driver_%.o): $(BUILD)/obj/tests/fuzz/dr
 	$(call say,CC,$@)
 	$(Q)$(CC) $(ALL_CFLAGS) $(INC_tests) -DFUZZ_TARGET=$* -MMD -MP -c $< -o $@
 $(FUZZ_TARGETS:%=$(BUILD)/%): $(BUILD)/%: $(BUILD)/obj/tests/fuzz/driver_%.o \
-		$(BUILD)/obj/tests/fuzz/%.o $(BUILD)/obj/tests/fuzz/promise.o $(BUILD)/liboriel.a
+		$(BUILD)/obj/tests/fuzz/%.o $(BUILD)/obj/tests/fuzz/promise.o $(FUZZ_SERVER_OBJ) \
+		$(BUILD)/liboriel.a
 	$(call say,LD,$@)
-	$(Q)$(CC) $(ALL_LDFLAGS) -fsanitize=fuzzer -o $@ $^ $(API_LIBS) $(CORE_LIBS)
+	$(Q)$(CC) $(ALL_LDFLAGS) -fsanitize=fuzzer -o $@ $^ -larchive $(API_LIBS) $(CORE_LIBS)
 .PHONY: run-tests
 run-tests:
 	@tests/run $(BUILD) $(TEST_BIN)

@@ -1,9 +1,11 @@
 #include "bundle.h"
 
+#include <dirent.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 #include <sys/stat.h>
 
 #include <oriel/limits.h>
@@ -87,6 +89,74 @@ done:
     orl_scene_summary_done(&summary);
     orl_bundle_done(&bundle);
     return rc;
+}
+
+void orl_bundle_names_free(char **names, size_t count)
+{
+    for (size_t i = 0; i < count; i++)
+        free(names[i]);
+    free(names);
+}
+
+static int compare_names(const void *a, const void *b)
+{
+    return strcmp(*(char *const *)a, *(char *const *)b);
+}
+
+/* Files of a folder whose names end in .rad, sorted. */
+static int list_scene_files(const char *folder, char **names, size_t *count, struct orl_error *err)
+{
+    DIR *entries = opendir(folder);
+    int rc = 0;
+
+    if (!entries) {
+        rc = orl_error_set(err, ORL_ERR_NOT_FOUND, "cannot be read");
+        orl_error_at(err, folder, 0, NULL);
+        return rc;
+    }
+    for (const struct dirent *entry; rc == 0 && (entry = readdir(entries)) != NULL;) {
+        const size_t length = strlen(entry->d_name);
+
+        if (length <= 4 || entry->d_name[0] == '.' ||
+            strcasecmp(entry->d_name + length - 4, ".rad") != 0)
+            continue;
+        if (*count == ORL_LIMIT_SCENE_FILES)
+            rc = orl_error_set(err, ORL_ERR_LIMIT, "the folder has more than %u scene files",
+                               ORL_LIMIT_SCENE_FILES);
+        else if (!(names[*count] = strdup(entry->d_name)))
+            rc = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+        *count += rc == 0;
+    }
+    closedir(entries);
+    qsort(names, *count, sizeof *names, compare_names);
+    return rc;
+}
+
+int orl_bundle_main_files(const char *folder, char ***ret_names, size_t *ret_count,
+                          struct orl_error *err)
+{
+    const struct orl_files files = orl_files_from_folder(folder);
+    bool is_main[ORL_LIMIT_SCENE_FILES];
+    char **names = calloc(ORL_LIMIT_SCENE_FILES, sizeof *names);
+    size_t count = 0, kept = 0;
+    int rc = names ? list_scene_files(folder, names, &count, err)
+                   : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+
+    if (rc == 0)
+        rc = orl_scene_guess_main((const char *const *)names, count, &files, is_main, err);
+    if (rc) {
+        orl_bundle_names_free(names, count);
+        return rc;
+    }
+    for (size_t i = 0; i < count; i++) {
+        if (is_main[i])
+            names[kept++] = names[i];
+        else
+            free(names[i]);
+    }
+    *ret_names = names;
+    *ret_count = kept;
+    return 0;
 }
 
 int orl_bundle_add(struct orl_bundle *bundle, const char *folder, const char *name,

@@ -22,6 +22,12 @@ struct orl_bundle {
 int orl_bundle_collect(const char *folder, const char *const *main_files, size_t n_files,
                        struct orl_bundle *ret_bundle, struct orl_error *err);
 
+/* The names of a folder's main files (orl_scene_guess_main), sorted; *ret_names and what is in it
+ * are owned. */
+int orl_bundle_main_files(const char *folder, char ***ret_names, size_t *ret_count,
+                          struct orl_error *err);
+void orl_bundle_names_free(char **names, size_t count); /* NULL is fine */
+
 /* Adds a file that the scene does not mention but a job does: a weather file. */
 int orl_bundle_add(struct orl_bundle *bundle, const char *folder, const char *name,
                    struct orl_error *err);

@@ -1,9 +1,11 @@
-/* oriel upload scene FILE... | bsdf FILE */
+/* oriel upload scene FILE... | scene FOLDER | scene FILE.zip | bsdf FILE */
 #include "command.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
+#include <sys/stat.h>
 
 #include <oriel/limits.h>
 
@@ -12,12 +14,12 @@
 #include "json_get.h"
 #include "report.h"
 
-static int upload_scene(struct orl_http *http, char **names, int count, bool list_only,
-                        struct orl_error *err)
+static int upload_files(struct orl_http *http, const char *folder, char **names, size_t count,
+                        bool list_only, struct orl_error *err)
 {
     struct orl_bundle bundle = {0};
     char *id = NULL;
-    int rc = orl_bundle_collect(".", (const char *const *)names, (size_t)count, &bundle, err);
+    int rc = orl_bundle_collect(folder, (const char *const *)names, count, &bundle, err);
 
     if (rc == 0 && list_only)
         for (size_t i = 0; i < bundle.n_parts; i++)
@@ -32,21 +34,95 @@ static int upload_scene(struct orl_http *http, char **names, int count, bool lis
     return rc;
 }
 
-static int upload_bsdf(struct orl_http *http, const char *file, struct orl_error *err)
+/* A folder's main files are those named, or those that look like it. */
+static int upload_folder(struct orl_http *http, const char *folder, char **names, int count,
+                         bool list_only, struct orl_error *err)
 {
-    const char *slash = strrchr(file, '/');
-    char name[1024], path[1100];
-    json_t *reply = NULL;
-    int rc = orl_http_escape(slash ? slash + 1 : file, name, sizeof name, err);
+    char **found = NULL;
+    size_t n_found = 0;
+    int rc;
 
-    if (rc)
-        return rc;
-    snprintf(path, sizeof path, "/v1/bsdfs?name=%s", name);
-    rc = orl_http_post_file(http, path, file, &reply, err);
+    if (count > 0)
+        return upload_files(http, folder, names, (size_t)count, list_only, err);
+    rc = orl_bundle_main_files(folder, &found, &n_found, err);
+    if (rc == 0 && n_found == 0) {
+        rc = orl_error_set(err, ORL_ERR_NOT_FOUND, "holds no .rad file");
+        orl_error_at(err, folder, 0, NULL);
+    }
+    if (rc == 0)
+        rc = upload_files(http, folder, found, n_found, list_only, err);
+    orl_bundle_names_free(found, n_found);
+    return rc;
+}
+
+static int post_and_print(struct orl_http *http, const char *path, const char *file,
+                          const char *type, struct orl_error *err)
+{
+    json_t *reply = NULL;
+    const int rc = orl_http_post_file(http, path, file, type, &reply, err);
+
     if (rc == 0)
         printf("%s\n", orl_json_text(reply, "id"));
     json_decref(reply);
     return rc;
+}
+
+/* The daemon unpacks it; main files may be named. */
+static int upload_zip(struct orl_http *http, const char *file, char **names, int count,
+                      struct orl_error *err)
+{
+    enum { ROOM = 8192 };
+    char path[ROOM] = "/v1/scenes", name[1024];
+    size_t length = strlen(path);
+    int rc = 0;
+
+    for (int i = 0; i < count && rc == 0; i++) {
+        rc = orl_http_escape(names[i], name, sizeof name, err);
+        if (rc == 0)
+            length +=
+                (size_t)snprintf(path + length, ROOM - length, "%smain=%s", i ? "&" : "?", name);
+        if (rc == 0 && length >= ROOM)
+            rc = orl_error_set(err, ORL_ERR_LIMIT, "too many main files are named");
+    }
+    return rc ? rc : post_and_print(http, path, file, "application/zip", err);
+}
+
+static bool is_folder(const char *path)
+{
+    struct stat info;
+
+    return stat(path, &info) == 0 && S_ISDIR(info.st_mode);
+}
+
+static bool is_zip(const char *path)
+{
+    const size_t length = strlen(path);
+
+    return length > 4 && strcasecmp(path + length - 4, ".zip") == 0;
+}
+
+static int upload_scene(struct orl_http *http, char **names, int count, bool list_only,
+                        struct orl_error *err)
+{
+    if (is_folder(names[0]))
+        return upload_folder(http, names[0], names + 1, count - 1, list_only, err);
+    if (!is_zip(names[0]))
+        return upload_files(http, ".", names, (size_t)count, list_only, err);
+    if (list_only)
+        return orl_error_set(err, ORL_ERR_INVALID, "a zip is not listed: it travels as it is");
+    return upload_zip(http, names[0], names + 1, count - 1, err);
+}
+
+static int upload_bsdf(struct orl_http *http, const char *file, struct orl_error *err)
+{
+    const char *slash = strrchr(file, '/');
+    char name[1024], path[1100];
+    const int rc = orl_http_escape(slash ? slash + 1 : file, name, sizeof name, err);
+
+    if (rc)
+        return rc;
+    snprintf(path, sizeof path, "/v1/bsdfs?name=%s", name);
+    return post_and_print(http, path, file, "application/xml", err);
 }
 
 int orl_cmd_upload(const struct orl_command *self, int argc, char **argv)

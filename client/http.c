@@ -268,15 +268,18 @@ int orl_http_post_parts(struct orl_http *http, const char *path, const struct or
     return rc;
 }
 
-int orl_http_post_file(struct orl_http *http, const char *path, const char *file, json_t **ret_json,
-                       struct orl_error *err)
+int orl_http_post_file(struct orl_http *http, const char *path, const char *file, const char *type,
+                       json_t **ret_json, struct orl_error *err)
 {
+    char line[128];
     struct sink sink = {0};
-    struct curl_slist *headers = curl_slist_append(NULL, "Content-Type: application/xml");
+    struct curl_slist *headers;
     FILE *body = NULL;
     long long size = 0;
     int rc = orl_open_for_reading(file, &body, &size, err);
 
+    snprintf(line, sizeof line, "Content-Type: %s", type);
+    headers = curl_slist_append(NULL, line);
     if (rc)
         goto done;
     rc = prepare(http, "POST", path, &sink, err);

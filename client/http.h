@@ -47,9 +47,9 @@ int orl_http_post_json(struct orl_http *http, const char *path, const json_t *bo
 int orl_http_post_parts(struct orl_http *http, const char *path, const struct orl_part *parts,
                         size_t n_parts, json_t **ret_json, struct orl_error *err);
 
-/* POSTs one file as the body. */
-int orl_http_post_file(struct orl_http *http, const char *path, const char *file, json_t **ret_json,
-                       struct orl_error *err);
+/* POSTs one file as the body, of that media type. */
+int orl_http_post_file(struct orl_http *http, const char *path, const char *file, const char *type,
+                       json_t **ret_json, struct orl_error *err);
 
 /* GETs path into the file, whole or not at all (a temporary name beside it, then a rename). */
 int orl_http_download(struct orl_http *http, const char *path, const char *file,

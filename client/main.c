@@ -39,8 +39,13 @@ static const struct orl_command commands[] = {
     {"cancel", "ID [--server URL]", "Stop a job", NULL, orl_cmd_cancel},
     {"maps", "[--server URL]", "List photon maps and BSDFs a daemon keeps, and what they saved",
      NULL, orl_cmd_maps},
-    {"upload", "scene FILE... | bsdf FILE  [--server URL]", "Send a scene or a BSDF; prints its id",
-     "A scene's files are named relative to the working directory, as its texts refer to them.",
+    {"upload", "scene FILE... | scene FOLDER|ZIP [FILE...] | bsdf FILE  [--server URL]",
+     "Send a scene or a BSDF; prints its id",
+     "A scene's files are named relative to the working directory, or to the folder, as its texts\n"
+     "refer to them. A folder's scene is made of the files named behind it, else of the .rad "
+     "files\n"
+     "in it that no command of another names, in the order of their names; what these refer to\n"
+     "goes along. A zip of a folder is sent whole, and unpacked by the daemon.",
      orl_cmd_upload},
     {"bsdf", "check FILE [--json]", "Look a BSDF file over before it is used",
      "Prints type and resolution, reflectance and transmittance by direction, and what is wrong "

@@ -1,12 +1,14 @@
 #include "handlers.h"
 
 #include <stdlib.h>
+#include <string.h>
 #include <strings.h>
 
 #include "reply.h"
 #include "scene_upload.h"
 #include "server.h"
 #include "stored_item.h"
+#include "unzip.h"
 
 /* A request's scene, between the loop and the pool. */
 struct scene_post {
@@ -24,18 +26,33 @@ static void scene_post_free(void *state)
 
 /* ---- On the pool ---------------------------------------------------------------------------- */
 
+/* Every argument "main" of the query. */
+static enum MHD_Result add_main(void *ctx, enum MHD_ValueKind kind, const char *key,
+                                const char *value)
+{
+    struct scene_post *post = ctx;
+    (void)kind;
+    if (strcmp(key, "main") == 0 && value)
+        post->rc = orl_scene_upload_add_main(&post->upload, value, &post->err);
+    return post->rc ? MHD_NO : MHD_YES;
+}
+
 static void take_apart(struct orl_request *request)
 {
     struct scene_post *post = request->state;
     const struct orl_folders *folders = &request->server->folders;
     struct orl_file body;
     post->rc = orl_body_view(&request->body, folders, &body, &post->err);
+    if (post->rc == 0)
+        MHD_get_connection_values(request->connection, MHD_GET_ARGUMENT_KIND, add_main, post);
     if (post->rc)
         return;
     const char *type = orl_request_header(request, MHD_HTTP_HEADER_CONTENT_TYPE);
     if (type && strncasecmp(type, "multipart/", 10) == 0)
         post->rc = orl_scene_upload_multipart(&post->upload, request->connection, &body, folders,
                                               &post->err);
+    else if (orl_is_zip_type(type))
+        post->rc = orl_scene_upload_zip(&post->upload, &body, folders, &post->err);
     else
         post->rc = orl_scene_upload_json(&post->upload, &body, folders, &post->err);
 }

@@ -63,6 +63,8 @@ void orl_handle_limits(struct orl_request *request)
         {"file_bytes", ORL_LIMIT_FILE_BYTES},
         {"scene_bytes", ORL_SERVER_SCENE_BYTES},
         {"scene_files", ORL_LIMIT_SCENE_FILES},
+        {"zip_entries", ORL_SERVER_ZIP_ENTRIES},
+        {"zip_ratio", ORL_SERVER_ZIP_RATIO},
         {"surfaces", ORL_LIMIT_SURFACES},
         {"polygon_vertices", ORL_LIMIT_POLYGON_VERTICES},
         {"bsdf_values", ORL_LIMIT_BSDF_VALUES},

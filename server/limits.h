@@ -8,6 +8,9 @@
 #include <oriel/limits.h>
 
 #define ORL_SERVER_SCENE_BYTES (4UL << 30) /* the body of one scene upload */
+#define ORL_SERVER_ZIP_ENTRIES 4096U       /* of one zip, folders among them */
+#define ORL_SERVER_ZIP_RATIO 200UL         /* bytes unpacked to a byte of the zip, beyond ... */
+#define ORL_SERVER_ZIP_FREE (64UL << 20)   /* ... these */
 #define ORL_SERVER_FIELD_BYTES (1UL << 20) /* a form field that is not a file */
 #define ORL_SERVER_BODY_BUFFER (1UL << 20) /* what one request holds in memory before it spills */
 #define ORL_SERVER_DROPPED_BODY (512UL << 20)    /* of a refused request, read to answer it */

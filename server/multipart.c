@@ -1,24 +1,20 @@
 #include "multipart.h"
 
-#include <errno.h>
-#include <fcntl.h>
-#include <sodium.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
-#include <unistd.h>
 
+#include "incoming.h"
 #include "limits.h"
+#include "unzip.h"
 
 enum { PROCESSOR_BUFFER = 64 << 10, FEED_BYTES = 1 << 20 };
 
 struct splitter {
     const struct orl_folders *folders;
     struct orl_multipart parts;
-    int fd; /* of the file under way; -1 */
-    crypto_hash_sha256_state hash;
-    size_t field_bytes;
+    struct orl_incoming file; /* the one under way */
     int rc;
     struct orl_error *err;
 };
@@ -29,90 +25,72 @@ bool orl_is_xml_name(const char *name)
     return length > 4 && strcasecmp(name + length - 4, ".xml") == 0;
 }
 
-/* Closes the file under way and notes its digest. */
-static void finish_file(struct splitter *s)
+static bool is_zip(const char *name, const char *type)
 {
-    unsigned char digest[crypto_hash_sha256_BYTES];
-    if (s->fd < 0)
-        return;
-    close(s->fd);
-    s->fd = -1;
-    struct orl_bundle_file *file = &s->parts.files.files[s->parts.files.count - 1];
-    crypto_hash_sha256_final(&s->hash, digest);
-    sodium_bin2hex(file->sha, sizeof file->sha, digest, sizeof digest);
+    const size_t length = strlen(name);
+    return orl_is_zip_type(type) || (length > 4 && strcasecmp(name + length - 4, ".zip") == 0);
 }
 
-static int begin_file(struct splitter *s, const char *field, const char *name)
+/* A zip is kept apart until all parts are there. */
+static int begin_file(struct splitter *s, const char *field, const char *name, const char *type)
 {
-    char path[ORL_PATH_MAX];
-    orl_folders_temporary(s->folders, path);
     const bool resource = (field && strcmp(field, "resource") == 0) || orl_is_xml_name(name);
-    const int rc = orl_bundle_add(&s->parts.files, name, resource, path, 0, NULL, true, s->err);
-    if (rc)
-        return rc;
-    s->fd = open(path, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-    if (s->fd < 0)
-        return orl_error_set(s->err, ORL_ERR_IO, "cannot store a part: %s", strerror(errno));
-    crypto_hash_sha256_init(&s->hash);
-    return 0;
+    const bool zip = is_zip(name, type);
+    orl_incoming_init(&s->file, zip ? &s->parts.zips : &s->parts.files);
+    return orl_incoming_begin(&s->file, s->folders, name, resource, s->err);
 }
 
-static int append_to_file(struct splitter *s, const char *data, size_t size)
+/* Fields that are texts, and where they go. */
+static char **find_field(struct splitter *s, const char *field)
 {
-    struct orl_bundle_file *file = &s->parts.files.files[s->parts.files.count - 1];
-    file->bytes += size;
-    if (file->bytes > ORL_LIMIT_FILE_BYTES) {
-        orl_error_set(s->err, ORL_ERR_LIMIT, "the file is larger than %lu MiB",
-                      ORL_LIMIT_FILE_BYTES >> 20);
-        orl_error_at(s->err, file->name, 0, NULL);
-        return ORL_ERR_LIMIT;
-    }
-    crypto_hash_sha256_update(&s->hash, (const unsigned char *)data, size);
-    while (size > 0) {
-        const ssize_t n = write(s->fd, data, size);
-        if (n < 0 && errno != EINTR)
-            return orl_error_set(s->err, ORL_ERR_IO, "cannot store a part: %s", strerror(errno));
-        if (n > 0) {
-            data += n;
-            size -= (size_t)n;
-        }
-    }
-    return 0;
+    if (field && strcmp(field, "bsdfs") == 0)
+        return &s->parts.bsdfs;
+    return field && strcmp(field, "main") == 0 ? &s->parts.mains : NULL;
 }
 
 static int append_to_field(struct splitter *s, const char *field, const char *data, size_t size)
 {
-    if (!field || strcmp(field, "bsdfs") != 0) {
+    char **text = find_field(s, field);
+    if (!text) {
         orl_error_set(s->err, ORL_ERR_INVALID, "there is no form field '%.100s'",
                       field ? field : "");
-        orl_error_hint(s->err, "Send files as parts with a file name; 'bsdfs' is the only field");
+        orl_error_hint(
+            s->err, "Send files as parts with a file name; 'bsdfs' and 'main' are the only fields");
         return ORL_ERR_INVALID;
     }
-    if (size > ORL_SERVER_FIELD_BYTES - s->field_bytes)
-        return orl_error_set(s->err, ORL_ERR_LIMIT, "the form field 'bsdfs' is too long");
-    char *text = realloc(s->parts.bsdfs, s->field_bytes + size + 1);
-    if (!text)
+    const size_t before = *text ? strlen(*text) : 0;
+    if (before + size > ORL_SERVER_FIELD_BYTES)
+        return orl_error_set(s->err, ORL_ERR_LIMIT, "the form field '%s' is too long", field);
+    char *grown = realloc(*text, before + size + 1);
+    if (!grown)
         return orl_error_set(s->err, ORL_ERR_NOMEM, "out of memory");
-    memcpy(text + s->field_bytes, data, size);
-    s->field_bytes += size;
-    text[s->field_bytes] = '\0';
-    s->parts.bsdfs = text;
+    memcpy(grown + before, data, size);
+    grown[before + size] = '\0';
+    *text = grown;
     return 0;
+}
+
+/* Each field "main" is a line, or several. */
+static int begin_field(struct splitter *s, const char *field)
+{
+    return field && strcmp(field, "main") == 0 && s->parts.mains
+               ? append_to_field(s, field, "\n", 1)
+               : 0;
 }
 
 static enum MHD_Result on_data(void *ctx, enum MHD_ValueKind kind, const char *field,
                                const char *name, const char *type, const char *encoding,
                                const char *data, uint64_t offset, size_t size)
 {
-    (void)kind, (void)type, (void)encoding;
+    (void)kind, (void)encoding;
     struct splitter *s = ctx;
     if (offset == 0) {
-        finish_file(s);
-        if (name)
-            s->rc = begin_file(s, field, name);
+        orl_incoming_end(&s->file);
+        s->rc = name ? begin_file(s, field, name, type) : begin_field(s, field);
     }
     if (s->rc == 0)
-        s->rc = name ? append_to_file(s, data, size) : append_to_field(s, field, data, size);
+        s->rc = name ? orl_incoming_append(&s->file, data, size, s->err)
+                     : append_to_field(s, field, data, size);
     return s->rc == 0 ? MHD_YES : MHD_NO;
 }
 
@@ -134,7 +112,7 @@ int orl_multipart_split(struct MHD_Connection *connection, const struct orl_file
                         const struct orl_folders *folders, struct orl_multipart *ret_parts,
                         struct orl_error *err)
 {
-    struct splitter s = {.folders = folders, .fd = -1, .err = err};
+    struct splitter s = {.folders = folders, .file = {.fd = -1}, .err = err};
     struct MHD_PostProcessor *processor =
         MHD_create_post_processor(connection, PROCESSOR_BUFFER, on_data, &s);
     if (!processor)
@@ -144,7 +122,7 @@ int orl_multipart_split(struct MHD_Connection *connection, const struct orl_file
     feed(&s, processor, body);
     if (MHD_destroy_post_processor(processor) != MHD_YES && s.rc == 0)
         s.rc = orl_error_set(err, ORL_ERR_SYNTAX, "the multipart/form-data body ends too early");
-    finish_file(&s);
+    orl_incoming_end(&s.file);
     if (s.rc)
         orl_multipart_done(&s.parts);
     else
@@ -155,6 +133,8 @@ int orl_multipart_split(struct MHD_Connection *connection, const struct orl_file
 void orl_multipart_done(struct orl_multipart *parts)
 {
     orl_bundle_done(&parts->files);
+    orl_bundle_done(&parts->zips);
     free(parts->bsdfs);
-    parts->bsdfs = NULL;
+    free(parts->mains);
+    parts->bsdfs = parts->mains = NULL;
 }

@@ -12,12 +12,15 @@
 
 struct orl_multipart {
     struct orl_bundle files; /* in the order sent; temporary, so that done removes them */
+    struct orl_bundle zips;  /* likewise, those to be unpacked */
     char *bsdfs;             /* the field "bsdfs", NUL-terminated, or NULL */
+    char *mains;             /* the fields "main", a line each, or NULL */
 };
 
 /*
  * A part with a file name is a file: a resource when its field is "resource" or its name ends in
- * .xml, a main file otherwise. Fields other than "bsdfs" are refused.
+ * .xml, a main file otherwise; a zip when its type or name says so. Fields other than "bsdfs" and
+ * "main" are refused.
  */
 int orl_multipart_split(struct MHD_Connection *connection, const struct orl_file *body,
                         const struct orl_folders *folders, struct orl_multipart *ret_parts,

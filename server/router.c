@@ -9,7 +9,8 @@
 #include "metrics.h"
 
 static const char *const json_types[] = {"application/json", NULL};
-static const char *const scene_types[] = {"multipart/form-data", "application/json", NULL};
+static const char *const scene_types[] = {"multipart/form-data", "application/json",
+                                          "application/zip", "application/x-zip-compressed", NULL};
 
 static const struct orl_route routes[] = {
     {"GET", "/", ORL_SCOPE_OPEN, orl_handle_index, 0, NULL},

@@ -12,12 +12,28 @@
 #include "decode.h"
 #include "multipart.h"
 #include "scene_json.h"
+#include "unzip.h"
 
 void orl_scene_upload_done(struct orl_scene_upload *upload)
 {
     orl_bundle_done(&upload->bundle);
+    free(upload->mains);
     free(upload->summary);
-    upload->summary = NULL;
+    upload->mains = upload->summary = NULL;
+}
+
+int orl_scene_upload_add_main(struct orl_scene_upload *upload, const char *names,
+                              struct orl_error *err)
+{
+    const size_t before = upload->mains ? strlen(upload->mains) : 0, size = strlen(names);
+    char *grown = realloc(upload->mains, before + size + 2);
+    if (!grown)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    if (before > 0)
+        grown[before] = '\n';
+    memcpy(grown + before + (before > 0), names, size + 1);
+    upload->mains = grown;
+    return 0;
 }
 
 /* One entry of "bsdfs": a BSDF uploaded before, under the name the scene calls it by. */
@@ -57,12 +73,53 @@ static int add_bsdfs(struct orl_scene_upload *upload, json_t *bsdfs,
     return 0;
 }
 
-/* What both forms end with: at least one main file, none of them empty; the order and the id. */
+/* Makes the file of that name a main one, behind those that are. */
+static int make_main(struct orl_bundle *bundle, size_t place, const char *name,
+                     struct orl_error *err)
+{
+    size_t i = place;
+    while (i < bundle->count && strcmp(bundle->files[i].name, name) != 0)
+        i++;
+    if (i == bundle->count) {
+        orl_error_set(err, ORL_ERR_INVALID,
+                      "'%.200s' is to be a main file, but was not sent, or is "
+                      "named twice",
+                      name);
+        orl_error_at(err, NULL, 0, "main");
+        return ORL_ERR_INVALID;
+    }
+    const struct orl_bundle_file file = bundle->files[i];
+    memmove(&bundle->files[place + 1], &bundle->files[place], (i - place) * sizeof file);
+    bundle->files[place] = file;
+    bundle->files[place].resource = false;
+    return 0;
+}
+
+static int choose_mains(struct orl_scene_upload *upload, struct orl_error *err)
+{
+    size_t place = 0;
+    int rc = 0;
+    char *save = NULL;
+    if (!upload->mains)
+        return 0;
+    for (size_t i = 0; i < upload->bundle.count; i++)
+        upload->bundle.files[i].resource = true;
+    for (char *name = strtok_r(upload->mains, "\r\n", &save); name && rc == 0;
+         name = strtok_r(NULL, "\r\n", &save))
+        rc = make_main(&upload->bundle, place++, name, err);
+    return rc;
+}
+
+/* What all forms end with: at least one main file, none of them empty; the order and the id. */
 static int finish(struct orl_scene_upload *upload, struct orl_error *err)
 {
+    const int rc = choose_mains(upload, err);
+    if (rc)
+        return rc;
     if (orl_bundle_main_count(&upload->bundle) == 0) {
         orl_error_set(err, ORL_ERR_INVALID, "no scene file was sent");
-        orl_error_hint(err, "Send at least one part with a file name, other than an .xml");
+        orl_error_hint(err, "Send at least one part with a file name, other than an .xml; of a zip "
+                            "without a .rad at its top, say which by main");
         return ORL_ERR_INVALID;
     }
     for (size_t i = 0; i < upload->bundle.count; i++)
@@ -75,6 +132,21 @@ static int finish(struct orl_scene_upload *upload, struct orl_error *err)
     return orl_bundle_id(&upload->bundle, upload->id, err);
 }
 
+static int add_zips(struct orl_scene_upload *upload, const struct orl_bundle *zips,
+                    const struct orl_folders *folders, struct orl_error *err)
+{
+    int rc = 0;
+    for (size_t i = 0; i < zips->count && rc == 0; i++) {
+        struct orl_file archive;
+        rc = orl_map_file(zips->files[i].path, &archive, err);
+        if (rc)
+            return rc;
+        rc = orl_unzip(&archive, folders, !upload->mains, &upload->bundle, err);
+        orl_unmap_file(&archive);
+    }
+    return rc;
+}
+
 int orl_scene_upload_multipart(struct orl_scene_upload *upload, struct MHD_Connection *connection,
                                const struct orl_file *body, const struct orl_folders *folders,
                                struct orl_error *err)
@@ -85,7 +157,11 @@ int orl_scene_upload_multipart(struct orl_scene_upload *upload, struct MHD_Conne
         return rc;
     upload->bundle = parts.files;
     memset(&parts.files, 0, sizeof parts.files);
-    if (parts.bsdfs) {
+    if (parts.mains)
+        rc = orl_scene_upload_add_main(upload, parts.mains, err);
+    if (rc == 0)
+        rc = add_zips(upload, &parts.zips, folders, err);
+    if (rc == 0 && parts.bsdfs) {
         json_t *bsdfs = NULL;
         rc = orl_json_parse("bsdfs", parts.bsdfs, strlen(parts.bsdfs), &bsdfs, err);
         if (rc == 0)
@@ -93,6 +169,13 @@ int orl_scene_upload_multipart(struct orl_scene_upload *upload, struct MHD_Conne
         json_decref(bsdfs);
     }
     orl_multipart_done(&parts);
+    return rc ? rc : finish(upload, err);
+}
+
+int orl_scene_upload_zip(struct orl_scene_upload *upload, const struct orl_file *body,
+                         const struct orl_folders *folders, struct orl_error *err)
+{
+    const int rc = orl_unzip(body, folders, !upload->mains, &upload->bundle, err);
     return rc ? rc : finish(upload, err);
 }
 

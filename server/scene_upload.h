@@ -13,18 +13,27 @@
 struct orl_scene_upload {
     struct orl_bundle bundle; /* files still in tmp/ are removed by done */
     char id[ORL_SHA_HEX];
+    char *mains;   /* names of the main files, in order, a line each; NULL: as each form has it */
     char *summary; /* JSON text, once checked */
 };
 
 void orl_scene_upload_done(struct orl_scene_upload *upload);
 
-/* From multipart/form-data. */
+/* One more main file. The names given are the only ones then, of whatever form. */
+int orl_scene_upload_add_main(struct orl_scene_upload *upload, const char *names,
+                              struct orl_error *err);
+
+/* From multipart/form-data; zips among its parts are unpacked after all others. */
 int orl_scene_upload_multipart(struct orl_scene_upload *upload, struct MHD_Connection *connection,
                                const struct orl_file *body, const struct orl_folders *folders,
                                struct orl_error *err);
 /* From {"files": [{"name", "text" | "base64", "resource"}], "bsdfs": {"name": "id"}}. */
 int orl_scene_upload_json(struct orl_scene_upload *upload, const struct orl_file *body,
                           const struct orl_folders *folders, struct orl_error *err);
+
+/* From a zip of its folder (unzip.h). */
+int orl_scene_upload_zip(struct orl_scene_upload *upload, const struct orl_file *body,
+                         const struct orl_folders *folders, struct orl_error *err);
 
 /* Parses the whole scene as a job would; fills summary. */
 int orl_scene_upload_check(struct orl_scene_upload *upload, struct orl_error *err);

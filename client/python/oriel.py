@@ -335,6 +335,17 @@ class Client:
             scene = self._post_scene(mains, others)
         return scene
 
+    def upload_zip(self, path, files=None):
+        """Sends a zip of a scene's folder, which the daemon unpacks. Returns the scene's id.
+
+        files: the Radiance files that are the scene, in order, as they are named in the folder; or
+        None: those at its top that no command of another names, in the order of their names.
+        """
+        query = urllib.parse.urlencode([("main", name) for name in files or ()])
+        file = _File("", path)
+        return self._json("POST", "/v1/scenes" + ("?" + query if query else ""), file.chunks(),
+                          {"Content-Type": "application/zip", "Content-Length": str(file.size)})["id"]
+
     def _post_scene(self, mains, others):
         form, known = _Form(), {}
         for file in mains:

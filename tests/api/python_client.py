@@ -9,6 +9,7 @@ import json
 import os
 import sys
 import threading
+import zipfile
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../client/python"))
 import oriel
@@ -128,6 +129,19 @@ def upload_if_absent(desk):
     with open(os.path.join(desk.folder, 'a"b.rad'), "w") as stream:
         stream.write(WINDOW)
     raises(oriel.OrielError, desk.client.upload_scene, ['a"b.rad'], [], desk.folder)
+
+
+def zips(desk):
+    """A zip of a folder is the scene that its files are."""
+    path = os.path.join(desk.folder, "scene.zip")
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name in ("window.rad", "room.rad"):
+            archive.write(os.path.join(desk.folder, name), "folder/" + name)
+    scene = desk.client.upload_zip(path)
+    assert scene == desk.client.upload_scene(["room.rad"], ["window.rad"], desk.folder)
+    assert scene == desk.client.upload_zip(path, ["room.rad"])
+    error = raises(oriel.Problem, desk.client.upload_zip, path, ["absent.rad"])
+    assert error.status == 422 and error.primitive == "main"
 
 
 def bsdfs(desk):

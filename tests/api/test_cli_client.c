@@ -453,6 +453,46 @@ static void test_upload_bsdf_sends_the_bytes(void **state)
     assert_string_equal(find_request(f, "POST /v1/bsdfs")->body, "<WindowElement/>");
 }
 
+static void test_upload_folder_finds_its_scene(void **state)
+{
+    static const struct canned canned[] = {{"POST /v1/scenes", 201, "{\"id\": \"" SCENE_ID "\"}"},
+                                           {NULL, 0, NULL}};
+    struct fixture *f = *state;
+    const char *const args[] = {"upload", "scene", f->folder, "--server", f->url, NULL};
+    const char *const list[] = {"upload", "scene", f->folder, "--list", NULL};
+
+    cli_write_file(f->folder, "materials.rad", "void plastic p\n0\n0\n5 .5 .5 .5 0 0\n");
+    cli_write_file(f->folder, "room.rad",
+                   "!xform -t 1 1 1 \\\n ./chair.rad\np sphere t\n0\n0\n4 9 0 0 1\n");
+    cli_write_file(f->folder, "chair.rad", "p sphere s\n0\n0\n4 0 0 0 1\n");
+    cli_write_file(f->folder, "notes.txt", "not of the scene\n");
+    run_args(f, canned, list);
+    assert_int_equal(f->result.exit_code, 0);
+    assert_string_equal(f->result.out,
+                        "scene    materials.rad\nscene    room.rad\nresource chair.rad\n");
+    run_args(f, canned, args);
+    assert_int_equal(f->result.exit_code, 0);
+    assert_string_equal(f->result.out, SCENE_ID "\n");
+    assert_null(strstr(find_request(f, "POST /v1/scenes")->body, "notes.txt"));
+}
+
+static void test_upload_zip_sends_the_bytes(void **state)
+{
+    static const struct canned canned[] = {{"POST /v1/scenes", 201, "{\"id\": \"" SCENE_ID "\"}"},
+                                           {NULL, 0, NULL}};
+    struct fixture *f = *state;
+    char path[96];
+    const char *const args[] = {"upload", "scene",    path,   "b c.rad",
+                                "a.rad",  "--server", f->url, NULL};
+
+    cli_write_file(f->folder, "scene.zip", "PK");
+    snprintf(path, sizeof path, "%s/scene.zip", f->folder);
+    run_args(f, canned, args);
+    assert_int_equal(f->result.exit_code, 0);
+    assert_string_equal(f->result.out, SCENE_ID "\n");
+    assert_string_equal(find_request(f, canned[0].request)->body, "PK");
+}
+
 #define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
 
 int main(void)
@@ -469,6 +509,8 @@ int main(void)
         TEST(test_submit_sends_scene_references_and_sensors),
         TEST(test_submit_finds_mistakes_before_sending),
         TEST(test_upload_bsdf_sends_the_bytes),
+        TEST(test_upload_folder_finds_its_scene),
+        TEST(test_upload_zip_sends_the_bytes),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

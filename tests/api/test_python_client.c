@@ -42,6 +42,7 @@ static void run_case(const struct fixture *f, const char *name)
 CASE(whole_way)
 CASE(example)
 CASE(upload_if_absent)
+CASE(zips)
 CASE(bsdfs)
 CASE(cancel)
 CASE(problems)
@@ -96,6 +97,7 @@ int main(void)
         cmocka_unit_test(test_whole_way),
         cmocka_unit_test(test_example),
         cmocka_unit_test(test_upload_if_absent),
+        cmocka_unit_test(test_zips),
         cmocka_unit_test(test_bsdfs),
         cmocka_unit_test(test_cancel),
         cmocka_unit_test(test_problems),

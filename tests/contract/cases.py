@@ -5,10 +5,12 @@ A new status or route: api/openapi.yaml first, then a few lines here that provok
 been provoked is listed at the end and fails the test.
 """
 
+import io
 import os
 import socket
 import sqlite3
 import time
+import zipfile
 
 from every import UNKNOWN
 
@@ -31,6 +33,13 @@ NEVER = 100000000  # photons: more than any test waits for
 def bsdf(name):
     with open(os.path.join(FIXTURES, name), "rb") as stream:
         return stream.read()
+
+
+def zipped(name, text):
+    archive = io.BytesIO()
+    with zipfile.ZipFile(archive, "w", zipfile.ZIP_DEFLATED) as writer:
+        writer.writestr(name, text)
+    return archive.getvalue()
 
 
 def service(daemon):
@@ -60,6 +69,19 @@ def scenes(daemon):
                   [{"name": "r.rad", "text": "void prism1 a 0 0 0\n"}]):
         assert daemon.ask("POST", "/v1/scenes", {"files": files}).status in (400, 422)
     daemon.ask("POST", "/v1/scenes", {"files": [], "other": 1}, want=422)
+    zips(daemon, first)
+
+
+def zips(daemon, same):
+    """The scene once more, as a zip; one that climbs out; one that is cut short."""
+    kind = {"Content-Type": "application/zip"}
+    folder, climbing = zipped("folder/r.rad", ROOM + SKY), zipped("../r.rad", ROOM)
+    assert daemon.ask("POST", "/v1/scenes", folder, kind, want=200).id == same.id
+    assert daemon.ask("POST", "/v1/scenes?main=r.rad", folder, kind, want=200).id == same.id
+    daemon.ask("POST", "/v1/scenes?main=absent.rad", folder, kind, want=422)
+    daemon.ask("POST", "/v1/scenes", climbing, kind, want=422)
+    daemon.ask("POST", "/v1/scenes", folder[:-30], kind, want=400)
+    daemon.ask("POST", "/v1/scenes", zipped("r.rad", " " * (80 << 20)), kind, want=413)
 
 
 def bsdfs(daemon):

@@ -24,6 +24,7 @@ bool fuzz_job(const uint8_t *data, size_t size);
 bool fuzz_map(const uint8_t *data, size_t size);
 bool fuzz_sensors(const uint8_t *data, size_t size);
 bool fuzz_weather(const uint8_t *data, size_t size);
+bool fuzz_zip(const uint8_t *data, size_t size);
 
 /* ---- For the targets (promise.c) ---------------------------------------------------------------
  */

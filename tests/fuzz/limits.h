@@ -7,6 +7,8 @@
 
 #include <oriel/limits.h>
 
+#include "../../server/limits.h"
+
 #undef ORL_LIMIT_SCENE_TEXT
 #undef ORL_LIMIT_SURFACES
 #undef ORL_LIMIT_POLYGON_VERTICES
@@ -23,5 +25,12 @@
 #define ORL_LIMIT_XFORM_ARRAY 500U
 #define ORL_LIMIT_BSDF_VALUES (1UL << 14)
 #define ORL_LIMIT_SENSORS 200UL
+
+#undef ORL_SERVER_ZIP_ENTRIES
+#undef ORL_SERVER_ZIP_FREE
+#undef ORL_SERVER_ZIP_RATIO
+#define ORL_SERVER_ZIP_ENTRIES 16U
+#define ORL_SERVER_ZIP_FREE (64UL << 10)
+#define ORL_SERVER_ZIP_RATIO 20UL
 
 #endif

@@ -111,12 +111,20 @@ static void test_weather(void **state)
     repeat_trifles(fuzz_weather);
 }
 
+static void test_zip(void **state)
+{
+    (void)state;
+    repeat_all("tests/fuzz/corpus/zip", fuzz_zip);
+    repeat_trifles(fuzz_zip);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_scene),   cmocka_unit_test(test_bsdf),
         cmocka_unit_test(test_job),     cmocka_unit_test(test_map),
         cmocka_unit_test(test_sensors), cmocka_unit_test(test_weather),
+        cmocka_unit_test(test_zip),
     };
     if (sodium_init() < 0)
         return 1;

@@ -267,4 +267,13 @@ int orl_scene_check(const char *const *main_files, size_t n_files, const struct 
                     struct orl_scene_summary *ret_summary, struct orl_error *err);
 void orl_scene_summary_done(struct orl_scene_summary *summary);
 
+/*
+ * Which files of a folder are the scene, when nobody says so: the Radiance files (.rad) at its top
+ * that no command (a line with '!' in front, such as !xform) of another of its Radiance files
+ * names. Sets ret_main of each name. ORL_ERR_LIMIT: far too many commands; or what files->open
+ * says.
+ */
+int orl_scene_guess_main(const char *const *names, size_t count, const struct orl_files *files,
+                         bool *ret_main, struct orl_error *err);
+
 #endif

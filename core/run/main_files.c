@@ -1,0 +1,102 @@
+/* Which files of a folder are the scene, and which are only named by others. */
+#include <oriel/run.h>
+
+#include <string.h>
+#include <strings.h>
+
+/* Names looked up in one folder: a bound on time. */
+enum { MOST_NAMES = 100000 };
+
+/* The folder's files, and what is known of them. */
+struct reading {
+    const char *const *names;
+    size_t count;
+    bool *main;
+    size_t holder; /* of the command */
+    size_t n_names;
+};
+
+static bool is_radiance(const char *name, size_t length)
+{
+    return length > 4 && strncasecmp(name + length - 4, ".rad", 4) == 0;
+}
+
+/* What a command names is no main file, unless it is the one that holds the command. */
+static void read_word(struct reading *r, const char *word, size_t length)
+{
+    if (!is_radiance(word, length) || r->n_names++ >= MOST_NAMES)
+        return;
+    while (length > 2 && word[0] == '.' && word[1] == '/') {
+        word += 2;
+        length -= 2;
+    }
+    for (size_t i = 0; i < r->count; i++)
+        if (i != r->holder && strncmp(r->names[i], word, length) == 0 &&
+            r->names[i][length] == '\0')
+            r->main[i] = false;
+}
+
+/* The line's length; one that ends in a backslash goes on. */
+static size_t measure_line(const char *line, size_t size)
+{
+    for (size_t at = 0; at < size; at++) {
+        const char *end = memchr(line + at, '\n', size - at);
+        if (!end)
+            return size;
+        at = (size_t)(end - line);
+        const size_t last = at > 0 && line[at - 1] == '\r' ? at - 1 : at;
+        if (last == 0 || line[last - 1] != '\\')
+            return at;
+    }
+    return size;
+}
+
+static void read_command(struct reading *r, const char *line, size_t size)
+{
+    static const char space[] = " \t\r\n\\";
+    for (size_t at = 0; at < size;) {
+        size_t length = 0;
+        while (at + length < size && !memchr(space, line[at + length], sizeof space - 1))
+            length++;
+        if (length > 0)
+            read_word(r, line + at, length);
+        at += length + 1;
+    }
+}
+
+static void read_commands(struct reading *r, const struct orl_file *text)
+{
+    for (size_t at = 0; at < text->size;) {
+        const char *line = text->data + at;
+        const size_t length = measure_line(line, text->size - at);
+        if (line[0] == '!')
+            read_command(r, line + 1, length - 1);
+        at += length + 1;
+    }
+}
+
+int orl_scene_guess_main(const char *const *names, size_t count, const struct orl_files *files,
+                         bool *ret_main, struct orl_error *err)
+{
+    struct reading r = {.names = names, .count = count, .main = ret_main};
+    int code = 0;
+    for (size_t i = 0; i < count; i++)
+        ret_main[i] = is_radiance(names[i], strlen(names[i])) && !strchr(names[i], '/');
+    for (r.holder = 0; r.holder < count && code == 0; r.holder++) {
+        const char *name = names[r.holder];
+        struct orl_file text;
+        if (!is_radiance(name, strlen(name)))
+            continue;
+        code = files->open(files->ctx, name, &text, err);
+        if (code == 0) {
+            read_commands(&r, &text);
+            files->close(files->ctx, &text);
+        }
+    }
+    if (code == 0 && r.n_names > MOST_NAMES)
+        code = orl_error_set(err, ORL_ERR_LIMIT,
+                             "the folder's commands name more than %d files: say which files are "
+                             "the scene",
+                             MOST_NAMES);
+    return code;
+}
