@@ -13,32 +13,37 @@ enum { DEFAULT_PORT = 8423 };
 
 void orl_config_help(FILE *stream)
 {
-    fprintf(stream,
-            "Usage: orield [OPTION]...\n"
-            "       orield token add|list|remove ...   access tokens (orield token --help)\n"
-            "Serves daylight renderings over HTTP. See GET /openapi.yaml for the interface.\n\n"
-            "  --listen ADDRESS:PORT  where to listen (127.0.0.1:%d); other than loopback\n"
-            "                         takes TLS and at least one token (orield token --help)\n"
-            "  --port PORT            the port alone; 0 takes a free one\n"
-            "  --data DIR             where everything is kept ($ORIEL_DATA, else ./oriel-data)\n"
-            "  --tls-cert FILE        serve HTTPS: the certificate and its chain, PEM\n"
-            "  --tls-key FILE         its private key, PEM\n"
-            "  --tokens WHEN          when tokens are needed: public, on all but loopback\n"
-            "                         addresses; or always, as behind a proxy (public)\n"
-            "  --threads N            threads that render (all processors)\n"
-            "  --jobs N               jobs that render at once, sharing the threads (1)\n"
-            "  --idle-timeout S       seconds of silence after which a connection is closed (%u)\n"
-            "  --drain-timeout S      seconds that running jobs have to finish at a stop (%u)\n"
-            "  --address-connections N  open connections that one address may have (%u; on\n"
-            "                         loopback, where all share one, no fewer than in all)\n"
-            "  --log-level LEVEL      debug, info, warn or error (info)\n"
-            "  --log-format FORMAT    text, key=value pairs; or json, an object a line (text)\n"
-            "  --help, --version\n\n"
-            "Once it listens it prints \"listening on http://ADDRESS:PORT\" on standard output;\n"
-            "the log goes to standard error. SIGTERM stops it: no job is taken or started any\n"
-            "more, and one that still runs when --drain-timeout is over, or at a second SIGTERM,\n"
-            "is queued again: it starts over with the next start, with the maps it has made.\n",
-            DEFAULT_PORT, ORL_SERVER_TIMEOUT_S, ORL_SERVER_DRAIN_S, ORL_SERVER_ADDRESS_CONNECTIONS);
+    fprintf(
+        stream,
+        "Usage: orield [OPTION]...\n"
+        "       orield token add|list|remove ...   access tokens (orield token --help)\n"
+        "Serves daylight renderings over HTTP. See GET /openapi.yaml for the interface.\n\n"
+        "  --listen ADDRESS:PORT  where to listen (127.0.0.1:%d); other than loopback\n"
+        "                         takes TLS and at least one token (orield token --help)\n"
+        "  --port PORT            the port alone; 0 takes a free one\n"
+        "  --data DIR             where everything is kept ($ORIEL_DATA, else ./oriel-data)\n"
+        "  --storage-budget SIZE  bytes that maps, results and uploads may take, as 500M or 20G\n"
+        "                         (half of what the disk has free at the start, with those\n"
+        "                         that are kept already); beyond it maps and results go,\n"
+        "                         the longest unused first\n"
+        "  --tls-cert FILE        serve HTTPS: the certificate and its chain, PEM\n"
+        "  --tls-key FILE         its private key, PEM\n"
+        "  --tokens WHEN          when tokens are needed: public, on all but loopback\n"
+        "                         addresses; or always, as behind a proxy (public)\n"
+        "  --threads N            threads that render (all processors)\n"
+        "  --jobs N               jobs that render at once, sharing the threads (1)\n"
+        "  --idle-timeout S       seconds of silence after which a connection is closed (%u)\n"
+        "  --drain-timeout S      seconds that running jobs have to finish at a stop (%u)\n"
+        "  --address-connections N  open connections that one address may have (%u; on\n"
+        "                         loopback, where all share one, no fewer than in all)\n"
+        "  --log-level LEVEL      debug, info, warn or error (info)\n"
+        "  --log-format FORMAT    text, key=value pairs; or json, an object a line (text)\n"
+        "  --help, --version\n\n"
+        "Once it listens it prints \"listening on http://ADDRESS:PORT\" on standard output;\n"
+        "the log goes to standard error. SIGTERM stops it: no job is taken or started any\n"
+        "more, and one that still runs when --drain-timeout is over, or at a second SIGTERM,\n"
+        "is queued again: it starts over with the next start, with the maps it has made.\n",
+        DEFAULT_PORT, ORL_SERVER_TIMEOUT_S, ORL_SERVER_DRAIN_S, ORL_SERVER_ADDRESS_CONNECTIONS);
 }
 
 static int parse_number(const char *option, const char *text, unsigned long min, unsigned long max,
@@ -51,6 +56,24 @@ static int parse_number(const char *option, const char *text, unsigned long min,
         return orl_error_set(err, ORL_ERR_INVALID, "%s takes a number from %lu to %lu, not '%s'",
                              option, min, max, text);
     *ret_value = value;
+    return 0;
+}
+
+/* "500000", "64K", "500M", "20G", "1T": powers of 1024. */
+static int parse_size(const char *option, const char *text, uint64_t *ret_bytes,
+                      struct orl_error *err)
+{
+    static const char units[] = "KMGT";
+    char *end = NULL;
+    errno = 0;
+    const unsigned long long number = strtoull(text, &end, 10);
+    const char *unit = end != text && *end ? strchr(units, *end) : NULL;
+    const int shift = unit ? 10 * (int)(unit - units + 1) : 0;
+    if (errno || end == text || text[0] == '-' || number == 0 || (*end && (!unit || end[1])) ||
+        number > UINT64_MAX >> 1 >> shift)
+        return orl_error_set(err, ORL_ERR_INVALID, "%s takes a size as 500M or 20G, not '%s'",
+                             option, text);
+    *ret_bytes = (uint64_t)number << shift;
     return 0;
 }
 
@@ -150,6 +173,8 @@ static int apply_option(struct orl_config *config, const char *name, const char 
         rc = parse_number(name, value, 0, 65535, &number, err);
         if (rc == 0)
             set_port(config, number);
+    } else if (strcmp(name, "--storage-budget") == 0) {
+        rc = parse_size(name, value, &config->storage_bytes, err);
     } else if (strcmp(name, "--log-level") == 0) {
         if (orl_log_level_from_name(value, &config->log_level))
             rc = orl_error_set(err, ORL_ERR_INVALID, "there is no log level '%s'", value);

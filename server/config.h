@@ -28,6 +28,7 @@ struct orl_config {
     uint32_t jobs;                  /* that render at once */
     uint32_t address_connections;   /* open from one address */
     uint32_t idle_timeout_s;        /* of silence, before a connection is closed */
+    uint64_t storage_bytes;         /* that what is kept may take; 0: half of the disk's room */
     uint32_t drain_s;               /* that running jobs are given to finish at a stop */
     enum orl_log_level log_level;
     bool log_json;

@@ -20,7 +20,7 @@ struct text {
 
 /* A job that somebody watches. */
 struct feed {
-    const struct orl_jobs_job *job;
+    const struct orl_jobs_job *job; /* NULL: it has ended and been removed */
     char id[ORL_GLANCE_ID];
     struct text *latest;
     uint64_t serial; /* of latest */
@@ -91,6 +91,8 @@ static bool refresh(const struct orl_events *events, struct feed *feed)
 {
     const struct orl_jobs *jobs = events->server->jobs;
     char id[ORL_GLANCE_ID];
+    if (!feed->job)
+        return false;
     orl_job_glance_id(jobs, feed->job, id);
     if (feed->latest && strcmp(id, feed->id) == 0)
         return false;
@@ -149,7 +151,7 @@ static void look(uv_timer_t *timer)
         const bool fresh = refresh(events, feed);
         for (struct stream *stream = feed->streams; stream; stream = stream->next) {
             stream->beat = now_s - stream->active_s >= events->heartbeat_s;
-            if (fresh || stream->beat)
+            if (fresh || stream->beat || !feed->job)
                 resume(stream);
         }
     }
@@ -162,6 +164,19 @@ void orl_events_wake(struct orl_events *events)
 {
     if (events && events->feeds && !events->stopping)
         uv_timer_start(&events->timer, look, 0, LOOK_MS);
+}
+
+void orl_events_forget(struct orl_events *events, const struct orl_jobs_job *job)
+{
+    struct feed *feed = events->feeds;
+    while (feed && feed->job != job)
+        feed = feed->next;
+    if (!feed)
+        return;
+    refresh(events, feed);
+    feed->job = NULL;
+    feed->final = true;
+    orl_events_wake(events);
 }
 
 /* ---- Streams -------------------------------------------------------------------------------- */

@@ -33,6 +33,9 @@ void orl_events_free(struct orl_events *events);
 /* A job may have changed. From anywhere on the loop thread, handlers included. */
 void orl_events_wake(struct orl_events *events);
 
+/* A job that has ended is removed: who watches it is told how it ended, and no more. */
+void orl_events_forget(struct orl_events *events, const struct orl_jobs_job *job);
+
 /* How many streams are open. */
 size_t orl_events_count(const struct orl_events *events);
 

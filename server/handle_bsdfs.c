@@ -19,7 +19,8 @@ struct upload {
     char name[256]; /* for messages; as the sender calls it */
     char id[ORL_SHA_HEX];
     uint64_t bytes;
-    char *summary; /* JSON text */
+    char *summary;           /* JSON text */
+    struct orl_blobs *blobs; /* with a claim on it; NULL: none */
     int rc;
     struct orl_error err;
 };
@@ -27,6 +28,8 @@ struct upload {
 static void upload_free(void *state)
 {
     struct upload *upload = state;
+    if (upload->blobs)
+        orl_blobs_release(upload->blobs, upload->id);
     free(upload->summary);
     free(upload);
 }
@@ -92,6 +95,21 @@ static void insert_and_reply(struct orl_request *request)
         orl_reply_stored_item(request, &orl_item_bsdf, upload->id, created ? 201 : 200, &created);
 }
 
+static void admit(struct orl_request *request)
+{
+    struct upload *upload = request->state;
+    struct orl_blobs *blobs = request->server->blobs;
+    const bool here = orl_blob_exists(&request->server->folders, upload->id);
+    upload->rc = orl_blobs_claim(blobs, upload->id, &upload->err);
+    if (upload->rc) {
+        orl_reply_error(request, &upload->err);
+        return;
+    }
+    upload->blobs = blobs;
+    if (orl_storage_admit(request, here ? 0 : upload->bytes))
+        orl_request_work(request, check_and_keep, insert_and_reply);
+}
+
 static void look_up(struct orl_request *request)
 {
     struct upload *upload = request->state;
@@ -105,7 +123,7 @@ static void look_up(struct orl_request *request)
         free(item.summary);
         orl_reply_stored_item(request, &orl_item_bsdf, upload->id, 200, &created);
     } else {
-        orl_request_work(request, check_and_keep, insert_and_reply);
+        admit(request);
     }
 }
 
@@ -132,4 +150,30 @@ void orl_handle_bsdf_post(struct orl_request *request)
 void orl_handle_bsdf_get(struct orl_request *request)
 {
     orl_reply_stored_item(request, &orl_item_bsdf, request->params[0], 200, NULL);
+}
+
+void orl_handle_bsdf_delete(struct orl_request *request)
+{
+    struct orl_server *server = request->server;
+    const char *id = request->params[0];
+    struct orl_stored_item item = {.summary = NULL};
+    bool found = false, removed = false, needed = false;
+    struct orl_error err;
+    int rc = orl_bsdf_find(&server->db, id, &item, &found, &err);
+    free(item.summary);
+    if (rc == 0 && found)
+        rc = orl_blob_in_scene(&server->db, id, &needed, &err);
+    if (rc == 0 && needed) {
+        orl_reply_in_use(request, "scenes have the BSDF as a file");
+        return;
+    }
+    if (rc == 0 && found)
+        rc = orl_bsdf_drop(&server->db, id, &removed, &err);
+    if (rc) {
+        orl_reply_error(request, &err);
+        return;
+    }
+    if (removed)
+        orl_blobs_forget(server->blobs, id);
+    orl_reply_removed(request, removed, "BSDF");
 }

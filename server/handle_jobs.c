@@ -23,6 +23,7 @@ struct job_post {
     char *scene;
     char document[ORL_SHA_HEX], identity[ORL_SHA_HEX], client[ORL_CLIENT_NAME];
     char key[REQUEST_KEY_MAX + 1]; /* Idempotency-Key; "": none */
+    struct orl_blobs *blobs;       /* with a claim on the document; NULL: none */
     int rc;
     struct orl_error err;
 };
@@ -30,6 +31,8 @@ struct job_post {
 static void job_post_free(void *state)
 {
     struct job_post *post = state;
+    if (post->blobs)
+        orl_blobs_release(post->blobs, post->document);
     orl_task_done(&post->task);
     free(post->scene);
     free(post);
@@ -114,30 +117,6 @@ static bool answer_by_key(struct orl_request *request)
     return true;
 }
 
-static void submit(struct orl_request *request)
-{
-    struct job_post *post = request->state;
-    const struct orl_jobs_job *job = NULL;
-    /* Asked again, since the same request may have come twice at once. */
-    if (post->rc == 0 && answer_by_key(request))
-        return;
-    if (post->rc == 0 && refuse_when_full(request))
-        return;
-    const struct orl_jobs_order order = {.kind = post->task.kind,
-                                         .priority = post->task.priority,
-                                         .scene = post->scene,
-                                         .document = post->document,
-                                         .identity = post->identity,
-                                         .client = post->client,
-                                         .request_key = *post->key ? post->key : NULL};
-    if (post->rc == 0)
-        post->rc = orl_jobs_submit(request->server->jobs, &order, &job, &post->err);
-    if (post->rc)
-        orl_reply_error(request, &post->err);
-    else
-        reply_job(request, 202, job);
-}
-
 /* A file that the document names, at that path of it, must have come with the scene. */
 static int check_file(const struct orl_bundle *bundle, const char *name, const char *path,
                       const char *hint, struct orl_error *err)
@@ -172,6 +151,47 @@ static int check_references(struct orl_server *server, struct job_post *post)
     return rc;
 }
 
+static void submit(struct orl_request *request)
+{
+    struct job_post *post = request->state;
+    const struct orl_jobs_job *job = NULL;
+    /* Asked again, since the same request may have come twice at once. */
+    if (post->rc == 0 && answer_by_key(request))
+        return;
+    if (post->rc == 0 && refuse_when_full(request))
+        return;
+    if (post->rc == 0) /* again, for the scene may have been removed meanwhile */
+        post->rc = check_references(request->server, post);
+    const struct orl_jobs_order order = {.kind = post->task.kind,
+                                         .priority = post->task.priority,
+                                         .scene = post->scene,
+                                         .document = post->document,
+                                         .identity = post->identity,
+                                         .client = post->client,
+                                         .request_key = *post->key ? post->key : NULL};
+    if (post->rc == 0)
+        post->rc = orl_jobs_submit(request->server->jobs, &order, &job, &post->err);
+    if (post->rc)
+        orl_reply_error(request, &post->err);
+    else
+        reply_job(request, 202, job);
+}
+
+static void admit(struct orl_request *request)
+{
+    struct job_post *post = request->state;
+    struct orl_server *server = request->server;
+    const bool here = orl_blob_exists(&server->folders, post->document);
+    post->rc = orl_blobs_claim(server->blobs, post->document, &post->err);
+    if (post->rc) {
+        orl_reply_error(request, &post->err);
+        return;
+    }
+    post->blobs = server->blobs;
+    if (orl_storage_admit(request, here ? 0 : request->body.size))
+        orl_request_work(request, keep_document, submit);
+}
+
 static void look_up(struct orl_request *request)
 {
     struct job_post *post = request->state;
@@ -184,7 +204,7 @@ static void look_up(struct orl_request *request)
     if (post->rc)
         orl_reply_error(request, &post->err);
     else
-        orl_request_work(request, keep_document, submit);
+        admit(request);
 }
 
 /* The key, in quotes (a structured string) or without. False after a 400. */
@@ -252,6 +272,23 @@ void orl_handle_job_cancel(struct orl_request *request)
         reply_job(request, job->row.state == ORL_JOB_RUNNING ? 202 : 200, job);
     else if (err.code == ORL_ERR_INVALID)
         orl_reply_problem(request, 409, "finished", "The job is finished", "%s", err.message);
+    else
+        orl_reply_error(request, &err);
+}
+
+void orl_handle_job_delete(struct orl_request *request)
+{
+    struct orl_server *server = request->server;
+    const struct orl_jobs_job *job = find_job(request);
+    struct orl_error err;
+    if (!job)
+        return;
+    if (orl_jobs_ended(job))
+        orl_events_forget(server->events, job);
+    if (orl_jobs_remove(server->jobs, request->params[0], &err) == 0)
+        orl_reply_no_content(request);
+    else if (err.code == ORL_ERR_INVALID)
+        orl_reply_in_use(request, err.message);
     else
         orl_reply_error(request, &err);
 }

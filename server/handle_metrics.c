@@ -108,6 +108,22 @@ static void write_cache(FILE *out, struct orl_server *server)
            (double)totals.misses);
 }
 
+static void write_storage(FILE *out, const struct orl_server *server)
+{
+    uint64_t bytes[ORL_STORED_COUNT];
+    orl_storage_use(&server->storage, bytes);
+    number(out, "oriel_storage_budget_bytes", "gauge", "What everything kept may take",
+           (double)server->storage.budget);
+    head(out, "oriel_storage_bytes", "gauge", "What is kept takes, by kind");
+    for (int i = 0; i < ORL_STORED_COUNT; i++)
+        fprintf(out, "oriel_storage_bytes{kind=\"%s\"} %llu\n", orl_stored_names[i],
+                (unsigned long long)bytes[i]);
+    head(out, "oriel_evictions_total", "counter", "What went to make room, by kind");
+    for (int i = 0; i < ORL_STORED_UPLOADS; i++)
+        fprintf(out, "oriel_evictions_total{kind=\"%s\"} %llu\n", orl_stored_names[i],
+                (unsigned long long)server->storage.evicted[i]);
+}
+
 static void write_http(FILE *out, const struct orl_server *server)
 {
     static const char name[] = "oriel_http_request_seconds";
@@ -165,6 +181,7 @@ void orl_handle_metrics(struct orl_request *request)
         write_jobs(out, request->server);
         write_health(out, &request->server->metrics.health);
         write_cache(out, request->server);
+        write_storage(out, request->server);
         write_http(out, request->server);
         write_process(out, request->server);
         if (fclose(out) != 0) {

@@ -11,6 +11,7 @@
 
 #include "reply.h"
 #include "server.h"
+#include "times.h"
 
 static const char *type_of(const char *name)
 {
@@ -36,8 +37,8 @@ struct shown {
     char folder[ORL_PATH_MAX]; /* where they are */
 };
 
-/* Is name one of the files the job's summary lists? Nothing else is ever opened. */
-static bool is_listed(const struct shown *shown, const char *name)
+/* The summary's entry of that name; NULL: none. Nothing else is ever opened. */
+static const json_t *find_listed(const struct shown *shown, const char *name)
 {
     const json_t *entry;
     size_t i;
@@ -45,9 +46,9 @@ static bool is_listed(const struct shown *shown, const char *name)
     {
         const char *listed = json_string_value(json_object_get(entry, "name"));
         if (listed && strcmp(listed, name) == 0)
-            return true;
+            return entry;
     }
-    return false;
+    return NULL;
 }
 
 /* A job that ends at this moment has moved its results to where they stay. */
@@ -62,12 +63,27 @@ static int open_file(struct orl_request *request, const struct shown *shown, con
     return open(path, O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
 }
 
-/* Results never change once the job has succeeded, so it and the name make a strong tag. */
-static void send_file(struct orl_request *request, const struct shown *shown, const char *name)
+/* The digest of the bytes. Of jobs of before there were any, the job and the name: results never
+ * change once the job has succeeded. */
+static void make_tag(const struct shown *shown, const json_t *entry,
+                     char ret_tag[2 * ORL_PARAM_MAX])
 {
+    const char *sha = json_string_value(json_object_get(entry, "sha256"));
+    if (sha)
+        snprintf(ret_tag, 2 * ORL_PARAM_MAX, "%s", sha);
+    else
+        snprintf(ret_tag, 2 * ORL_PARAM_MAX, "%s/%s", shown->job->row.id,
+                 json_string_value(json_object_get(entry, "name")));
+}
+
+static void send_file(struct orl_request *request, const struct shown *shown, const json_t *entry)
+{
+    const char *name = json_string_value(json_object_get(entry, "name"));
     char tag[2 * ORL_PARAM_MAX];
     struct stat st;
-    snprintf(tag, sizeof tag, "%s/%s", shown->job->row.id, name);
+    make_tag(shown, entry, tag);
+    if (!shown->running)
+        orl_storage_fetched(&request->server->storage, shown->job->row.id);
     if (!shown->running && orl_reply_if_none_match(request, tag))
         return;
     const int fd = open_file(request, shown, name);
@@ -79,11 +95,23 @@ static void send_file(struct orl_request *request, const struct shown *shown, co
         orl_reply_error(request, &err);
         return;
     }
-    orl_reply_file(request, fd, (uint64_t)st.st_size, type_of(name));
-    if (shown->running)
+    if (shown->running) {
+        orl_reply_file(request, fd, (uint64_t)st.st_size, type_of(name));
         orl_reply_header(request, "Cache-Control", "no-store");
-    else
-        orl_reply_etag(request, tag);
+    } else {
+        orl_reply_part(request, fd, (uint64_t)st.st_size, type_of(name), tag);
+    }
+}
+
+/* 410: they were here, and are not any more. */
+static void tell_evicted(struct orl_request *request, const struct orl_jobs_job *job)
+{
+    char when[ORL_TIME_TEXT];
+    orl_time_format(job->row.evicted_ms, when);
+    orl_reply_problem(request, 410, "results-evicted", "The results are gone",
+                      "they were removed at %s to make room; the same document, submitted again, "
+                      "gives them anew",
+                      when);
 }
 
 /* The summary of what the job has to show, as text that is the caller's; NULL: nothing. */
@@ -134,8 +162,11 @@ static void send_results(struct orl_request *request, const char *name)
     struct shown shown;
     if (!find_results(request, &shown))
         return;
-    if (is_listed(&shown, name))
-        send_file(request, &shown, name);
+    const json_t *entry = find_listed(&shown, name);
+    if (entry && !shown.running && shown.job->row.evicted_ms > 0)
+        tell_evicted(request, shown.job);
+    else if (entry)
+        send_file(request, &shown, entry);
     else if (shown.running && strcmp(name, "result.json") == 0)
         refuse_for_now(request, shown.job);
     else

@@ -13,6 +13,8 @@
 /* A request's scene, between the loop and the pool. */
 struct scene_post {
     struct orl_scene_upload upload;
+    struct orl_blobs *blobs;
+    size_t claimed; /* of the upload's files, the first */
     int rc;
     struct orl_error err;
 };
@@ -20,6 +22,8 @@ struct scene_post {
 static void scene_post_free(void *state)
 {
     struct scene_post *post = state;
+    for (size_t i = 0; i < post->claimed; i++)
+        orl_blobs_release(post->blobs, post->upload.bundle.files[i].sha);
     orl_scene_upload_done(&post->upload);
     free(post);
 }
@@ -81,6 +85,47 @@ static void insert_and_reply(struct orl_request *request)
                               &created);
 }
 
+/* No file of it may go from now on. One that came before, a BSDF, may have gone until now. */
+static int claim_files(const struct orl_folders *folders, struct scene_post *post)
+{
+    const struct orl_bundle *bundle = &post->upload.bundle;
+    for (size_t i = 0; i < bundle->count; i++) {
+        const struct orl_bundle_file *file = &bundle->files[i];
+        const int rc = orl_blobs_claim(post->blobs, file->sha, &post->err);
+        if (rc)
+            return rc;
+        post->claimed++;
+        if (!file->temporary && !orl_blob_exists(folders, file->sha)) {
+            orl_error_set(&post->err, ORL_ERR_NOT_FOUND, "no BSDF of that id is stored");
+            orl_error_hint(&post->err, "Upload it with POST /v1/bsdfs first");
+            orl_error_at(&post->err, NULL, 0, file->name);
+            return ORL_ERR_NOT_FOUND;
+        }
+    }
+    return 0;
+}
+
+/* What keeping it would take, beside what is here. */
+static uint64_t count_new_bytes(const struct orl_folders *folders, const struct orl_bundle *bundle)
+{
+    uint64_t bytes = 0;
+    for (size_t i = 0; i < bundle->count; i++)
+        bytes += orl_blob_exists(folders, bundle->files[i].sha) ? 0 : bundle->files[i].bytes;
+    return bytes;
+}
+
+static void admit(struct orl_request *request)
+{
+    struct scene_post *post = request->state;
+    const struct orl_folders *folders = &request->server->folders;
+    post->blobs = request->server->blobs;
+    post->rc = claim_files(folders, post);
+    if (post->rc)
+        orl_reply_error(request, &post->err);
+    else if (orl_storage_admit(request, count_new_bytes(folders, &post->upload.bundle)))
+        orl_request_work(request, check_and_keep, insert_and_reply);
+}
+
 /* A scene that is here already is not checked again. */
 static void look_up(struct orl_request *request)
 {
@@ -95,7 +140,7 @@ static void look_up(struct orl_request *request)
         free(item.summary);
         orl_reply_stored_item(request, &orl_item_scene, post->upload.id, 200, &created);
     } else {
-        orl_request_work(request, check_and_keep, insert_and_reply);
+        admit(request);
     }
 }
 
@@ -114,4 +159,26 @@ void orl_handle_scene_post(struct orl_request *request)
 void orl_handle_scene_get(struct orl_request *request)
 {
     orl_reply_stored_item(request, &orl_item_scene, request->params[0], 200, NULL);
+}
+
+void orl_handle_scene_delete(struct orl_request *request)
+{
+    struct orl_server *server = request->server;
+    const char *id = request->params[0];
+    char(*blobs)[ORL_SHA_HEX] = NULL;
+    size_t count = 0;
+    bool removed = false;
+    struct orl_error err;
+    if (orl_jobs_need_scene(server->jobs, id)) {
+        orl_reply_in_use(request, "jobs that wait or run need the scene");
+        return;
+    }
+    if (orl_scene_drop(&server->db, id, &blobs, &count, &removed, &err)) {
+        orl_reply_error(request, &err);
+        return;
+    }
+    for (size_t i = 0; i < count; i++)
+        orl_blobs_forget(server->blobs, blobs[i]);
+    free(blobs);
+    orl_reply_removed(request, removed, "scene");
 }

@@ -81,14 +81,16 @@ void orl_handle_limits(struct orl_request *request)
         {"study_list", ORL_LIMIT_STUDY_LIST},
         {"queued_jobs", ORL_SERVER_QUEUE},
         {"idempotency_key_s", ORL_SERVER_KEY_S},
+        {"unfetched_results_s", ORL_SERVER_UNFETCHED_S},
         {"priority", ORL_PRIORITY_MAX},
         {"connections", ORL_SERVER_CONNECTIONS},
         {"event_streams", ORL_SERVER_STREAMS},
         {"address_connections", ORL_SERVER_ADDRESS_CONNECTIONS},
         {"body_bytes_per_s", (json_int_t)ORL_SERVER_BODY_RATE},
     };
-    json_t *doc = json_object();
-    for (size_t i = 0; i < sizeof limits / sizeof *limits; i++)
+    const json_int_t budget = (json_int_t)request->server->storage.budget;
+    json_t *doc = json_pack("{s:I}", "storage_bytes", budget);
+    for (size_t i = 0; doc && i < sizeof limits / sizeof *limits; i++)
         if (json_object_set_new(doc, limits[i].name, json_integer(limits[i].value))) {
             json_decref(doc);
             doc = NULL;

@@ -18,14 +18,17 @@ void orl_handle_limits(struct orl_request *request);
 /* handle_scenes.c, handle_bsdfs.c: uploads */
 void orl_handle_scene_post(struct orl_request *request);
 void orl_handle_scene_get(struct orl_request *request);
+void orl_handle_scene_delete(struct orl_request *request);
 void orl_handle_bsdf_post(struct orl_request *request);
 void orl_handle_bsdf_get(struct orl_request *request);
+void orl_handle_bsdf_delete(struct orl_request *request);
 
-/* handle_jobs.c: submitting, watching, cancelling; handle_results.c: what came of them */
+/* handle_jobs.c: submitting, watching, cancelling, removing; handle_results.c: what came of them */
 void orl_handle_job_post(struct orl_request *request);
 void orl_handle_job_list(struct orl_request *request);
 void orl_handle_job_get(struct orl_request *request);
 void orl_handle_job_cancel(struct orl_request *request);
+void orl_handle_job_delete(struct orl_request *request);
 void orl_handle_job_result(struct orl_request *request);
 void orl_handle_job_file(struct orl_request *request);
 
@@ -34,5 +37,6 @@ void orl_handle_job_events(struct orl_request *request);
 
 /* handle_maps.c */
 void orl_handle_map_list(struct orl_request *request);
+void orl_handle_map_delete(struct orl_request *request);
 
 #endif

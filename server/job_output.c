@@ -1,10 +1,8 @@
 #include "job_output.h"
 
-#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 #include "decode.h"
 #include "limits.h"
@@ -63,21 +61,25 @@ int orl_job_set_scene(struct orl_job *job, const struct orl_bundle *bundle, stru
     return job->scene_files ? 0 : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
 }
 
-/* Syncs one file of the results and appends {"name", "bytes"} to list. */
+/* Syncs one file of the results and appends {"name", "bytes", "sha256"} to list. */
 static int add_file(json_t *list, const char *folder, const char *name, struct orl_error *err)
 {
     char path[ORL_PATH_MAX];
-    struct stat st;
+    struct orl_file file;
+    char sha[ORL_SHA_HEX];
     if (!name)
         return 0;
     snprintf(path, sizeof path, "%s/%s", folder, name);
-    const int rc = orl_sync_path(path, err);
+    int rc = orl_sync_path(path, err);
+    if (rc == 0)
+        rc = orl_map_file(path, &file, err);
     if (rc)
         return rc;
-    if (stat(path, &st) != 0)
-        return orl_error_set(err, ORL_ERR_IO, "cannot read %s: %s", name, strerror(errno));
+    const json_int_t bytes = (json_int_t)file.size;
+    orl_sha256_hex(file.data, file.size, sha);
+    orl_unmap_file(&file);
     if (json_array_append_new(
-            list, json_pack("{s:s, s:I}", "name", name, "bytes", (json_int_t)st.st_size)))
+            list, json_pack("{s:s, s:I, s:s}", "name", name, "bytes", bytes, "sha256", sha)))
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     return 0;
 }

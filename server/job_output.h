@@ -23,7 +23,7 @@ int orl_job_set_scene(struct orl_job *job, const struct orl_bundle *bundle, stru
 /*
  * Writes result.json, with that state, into folder and syncs it and the images. *ret_summary is the
  * JSON text kept with the job's row: {"technique", "threads", "timings_s", "maps", "accuracy" of a
- * job with a goal, "files": [{"name", "bytes"}]}, owned.
+ * job with a goal, "files": [{"name", "bytes", "sha256"}]}, owned.
  */
 int orl_job_output_write(const struct orl_result *result, const char *state, const char *folder,
                          char **ret_summary, struct orl_error *err);

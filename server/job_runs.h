@@ -1,6 +1,7 @@
 /*
  * Computations: which job leads one, who follows it, when it starts, and what becomes of all of
- * them when it ends. Inside of jobs.h, whose rules hold; between jobs.c and job_runs.c alone.
+ * them when it ends. Inside of jobs.h, whose rules hold; between jobs.c, job_runs.c and
+ * job_results.c alone.
  */
 #ifndef ORL_SERVER_JOB_RUNS_H
 #define ORL_SERVER_JOB_RUNS_H
@@ -17,10 +18,14 @@ struct orl_jobs {
     uint32_t n_workers;
     struct orl_jobs_job *buckets[ORL_JOBS_BUCKETS];
     size_t counts[ORL_JOB_STATE_COUNT];
+    uint64_t result_bytes; /* of the results that are kept */
     bool stopping;
 };
 
 /* ---- jobs.c --------------------------------------------------------------------------------- */
+
+/* orl_jobs_find, for those who may change it. */
+struct orl_jobs_job *orl_jobs_lookup(const struct orl_jobs *jobs, const char *id);
 
 /*
  * Writes the row, then changes the state in memory. When the database refuses, the change in memory

@@ -113,7 +113,10 @@ static int add_finished(json_t *doc, json_t *links, const struct orl_jobs_job *j
     if (job->row.state != ORL_JOB_SUCCEEDED || !job->outcome)
         return rc;
     json_t *outcome = json_loads(job->outcome, 0, NULL);
-    rc = add_links(links, job->row.id, outcome);
+    if (job->row.evicted_ms > 0)
+        rc = json_object_set_new(doc, "evicted", time_or_null(job->row.evicted_ms));
+    else
+        rc = add_links(links, job->row.id, outcome);
     rc |= json_object_set_new(doc, "percent", json_real(100));
     rc |= json_object_update_missing(doc, outcome);
     json_decref(outcome);

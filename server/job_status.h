@@ -5,6 +5,8 @@
  * "client", "created", "started", "finished", "queue_position", "maps": [...], "timings_s": {...},
  * "error": {...}, "links": {"self", "result", "cancel", "files": [...]}}
  *
+ * "evicted" says when the results went to make room; there are no links to them then.
+ *
  * stage, percent and eta_s are always there, null where nothing is known or meant; queue_position
  * while it waits; anything else that is not known is absent. maps appear as they are settled, with
  * "cached" for a hit. A study that runs has, in place of stage and maps, "study": what is being

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "job_results.h"
 #include "job_runs.h"
 #include "job_share.h"
 #include "kept_views.h"
@@ -46,7 +47,24 @@ static void link_job(struct orl_jobs *jobs, struct orl_jobs_job *job)
     jobs->counts[job->row.state]++;
 }
 
-static struct orl_jobs_job *find_job(const struct orl_jobs *jobs, const char *id)
+static void unlink_job(struct orl_jobs *jobs, struct orl_jobs_job *job)
+{
+    struct orl_jobs_job **at = &jobs->buckets[bucket_of(job->row.id)];
+    while (*at != job)
+        at = &(*at)->same_bucket;
+    *at = job->same_bucket;
+    if (job->newer)
+        job->newer->older = job->older;
+    else
+        jobs->newest = job->older;
+    if (job->older)
+        job->older->newer = job->newer;
+    else
+        jobs->oldest = job->newer;
+    jobs->counts[job->row.state]--;
+}
+
+struct orl_jobs_job *orl_jobs_lookup(const struct orl_jobs *jobs, const char *id)
 {
     struct orl_jobs_job *job = jobs->buckets[bucket_of(id)];
     while (job && strcmp(job->row.id, id) != 0)
@@ -56,7 +74,7 @@ static struct orl_jobs_job *find_job(const struct orl_jobs *jobs, const char *id
 
 const struct orl_jobs_job *orl_jobs_find(const struct orl_jobs *jobs, const char *id)
 {
-    return find_job(jobs, id);
+    return orl_jobs_lookup(jobs, id);
 }
 
 const struct orl_jobs_job *orl_jobs_newest(const struct orl_jobs *jobs)
@@ -161,7 +179,7 @@ int orl_jobs_by_key(struct orl_jobs *jobs, const char *client, const char *reque
     const int64_t since_ms = orl_time_now_ms() - 1000 * (int64_t)ORL_SERVER_KEY_S;
     const int rc = orl_job_row_by_key(jobs->env.db, client, request_key, since_ms, id, err);
     if (rc == 0)
-        *ret_job = find_job(jobs, id);
+        *ret_job = orl_jobs_lookup(jobs, id);
     return rc;
 }
 
@@ -225,7 +243,7 @@ static void cancel_sharing(struct orl_jobs_job *job)
 
 int orl_jobs_cancel(struct orl_jobs *jobs, const char *id, struct orl_error *err)
 {
-    struct orl_jobs_job *job = find_job(jobs, id);
+    struct orl_jobs_job *job = orl_jobs_lookup(jobs, id);
     if (!job)
         return orl_error_set(err, ORL_ERR_NOT_FOUND, "there is no such job");
     switch (job->row.state) {
@@ -243,6 +261,40 @@ int orl_jobs_cancel(struct orl_jobs *jobs, const char *id, struct orl_error *err
         return orl_error_set(err, ORL_ERR_INVALID, "the job has %s already",
                              orl_job_state_name(job->row.state));
     }
+}
+
+bool orl_jobs_ended(const struct orl_jobs_job *job)
+{
+    return job->row.state > ORL_JOB_RUNNING && !job->worker && !job->leader && !job->followers;
+}
+
+bool orl_jobs_need_scene(const struct orl_jobs *jobs, const char *scene)
+{
+    const struct orl_jobs_job *job = jobs->newest;
+    while (job && (orl_jobs_ended(job) || strcmp(job->row.scene, scene) != 0))
+        job = job->older;
+    return job != NULL;
+}
+
+int orl_jobs_remove(struct orl_jobs *jobs, const char *id, struct orl_error *err)
+{
+    struct orl_jobs_job *job = orl_jobs_lookup(jobs, id);
+    if (!job)
+        return orl_error_set(err, ORL_ERR_NOT_FOUND, "there is no such job");
+    if (!orl_jobs_ended(job))
+        return orl_error_set(err, ORL_ERR_INVALID, "%s",
+                             job->row.state <= ORL_JOB_RUNNING
+                                 ? "the job has not ended; cancel it first"
+                                 : "other jobs share its computation, which has not ended");
+    const int rc = orl_job_row_drop(jobs->env.db, job->row.seq, err);
+    if (rc)
+        return rc;
+    orl_log_event(jobs->env.log, ORL_LOG_INFO, "job-removed", "s", "job", id);
+    orl_job_results_discard(job);
+    orl_blobs_forget(jobs->env.blobs, job->row.document);
+    unlink_job(jobs, job);
+    job_free(job);
+    return 0;
 }
 
 void orl_jobs_drain(struct orl_jobs *jobs)
@@ -307,7 +359,7 @@ static void recover(struct orl_jobs *jobs)
 
 static bool is_waiting(void *ctx, const char *id)
 {
-    const struct orl_jobs_job *job = find_job(ctx, id);
+    const struct orl_jobs_job *job = orl_jobs_lookup(ctx, id);
     return job && job->row.state == ORL_JOB_QUEUED;
 }
 
@@ -326,6 +378,7 @@ int orl_jobs_open(const struct orl_jobs_env *env, struct orl_jobs **ret_jobs, st
     }
     recover(jobs);
     orl_kept_views_sweep(env->folders, is_waiting, jobs);
+    orl_job_results_sweep(jobs);
     *ret_jobs = jobs;
     orl_runs_start_next(jobs);
     return 0;

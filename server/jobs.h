@@ -12,7 +12,7 @@
  * after ORL_SERVER_ATTEMPTS starts it fails, for it is then likely what kills the daemon. An
  * orderly stop does not count as an attempt.
  *
- * Memory: one struct orl_jobs_job for every job ever made (under a kilobyte); nothing expires yet.
+ * Memory: one struct orl_jobs_job for every job that has not been removed (under a kilobyte).
  * Threads: the loop thread only.
  */
 #ifndef ORL_SERVER_JOBS_H
@@ -22,6 +22,7 @@
 #include <stdbool.h>
 #include <uv.h>
 
+#include "blobs.h"
 #include "log.h"
 #include "map_cache.h"
 #include "queue.h"
@@ -39,6 +40,7 @@ struct orl_jobs_job {
     struct orl_worker *worker; /* while running; a leader's */
     double started_s;          /* steady clock, while running */
     bool cancelled, requeue;   /* what to make of ORL_ERR_CANCELLED */
+    bool fetched;              /* its row does not know yet when last */
     /* job_share.h. A leader has leader NULL. */
     struct orl_jobs_job *leader, *followers, *next_follower, *next_leader;
     struct orl_jobs_job *older, *newer, *same_bucket;
@@ -48,6 +50,7 @@ struct orl_jobs_env {
     uv_loop_t *loop;
     struct orl_db *db;
     const struct orl_folders *folders;
+    struct orl_blobs *blobs;
     struct orl_map_cache *maps;
     struct orl_shelf *shelf; /* of all jobs; or NULL */
     const struct orl_log *log;
@@ -89,6 +92,16 @@ int orl_jobs_submit(struct orl_jobs *jobs, const struct orl_jobs_order *order,
 /* For good. Queued: cancelled at once. Running: soon. Finished: ORL_ERR_INVALID unless cancelled.
  */
 int orl_jobs_cancel(struct orl_jobs *jobs, const char *id, struct orl_error *err);
+
+/*
+ * Removes a job that has ended, with its results. One that waits or runs, or computes for others,
+ * is in use: ORL_ERR_INVALID.
+ */
+int orl_jobs_remove(struct orl_jobs *jobs, const char *id, struct orl_error *err);
+/* Does it neither wait nor run, nor compute for others? */
+bool orl_jobs_ended(const struct orl_jobs_job *job);
+/* Does a job that waits or runs need the scene? */
+bool orl_jobs_need_scene(const struct orl_jobs *jobs, const char *scene);
 
 const struct orl_jobs_job *orl_jobs_find(const struct orl_jobs *jobs, const char *id);
 /* The newest job; go on with ->older. */

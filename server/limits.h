@@ -24,6 +24,7 @@
 #define ORL_SERVER_BODY_RATE 1024.0 /* bytes/s that a body has to come at */
 #define ORL_SERVER_QUEUE 1024U      /* jobs waiting */
 #define ORL_SERVER_KEY_S 86400U     /* that an Idempotency-Key is remembered */
+#define ORL_SERVER_UNFETCHED_S 600U /* that results stay for somebody to ask for them */
 #define ORL_SERVER_LIST 1000U       /* jobs in one listing */
 #define ORL_SERVER_STUDY_RUNS 500U  /* runs of one study, the reference's included */
 #define ORL_SERVER_THREADS 512U     /* render threads */

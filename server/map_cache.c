@@ -9,9 +9,10 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "discard.h"
 #include "times.h"
 
-enum entry_state { ENTRY_ABSENT, ENTRY_BUILDING, ENTRY_READY };
+enum entry_state { ENTRY_ABSENT, ENTRY_BUILDING, ENTRY_READY, ENTRY_LEAVING };
 
 struct entry {
     struct orl_stored_map map;
@@ -23,6 +24,7 @@ struct entry {
 };
 
 struct orl_map_cache {
+    uv_loop_t *loop;
     const struct orl_folders *folders;
     struct orl_db *db;
     orl_map_cache_wake wake;
@@ -61,6 +63,26 @@ static struct entry *find_or_add(struct orl_map_cache *cache, const char *kind, 
     entry->next = cache->entries;
     cache->entries = entry;
     return entry;
+}
+
+/* Is it of no more use? Nobody holds it, and the row is as it should be. */
+static bool is_spent(const struct entry *entry)
+{
+    return entry->state == ENTRY_ABSENT && entry->pins == 0 && !entry->dirty;
+}
+
+/* Those who wait look their entry up again, so that it may go. */
+static void drop_spent(struct orl_map_cache *cache)
+{
+    for (struct entry **at = &cache->entries; *at;) {
+        struct entry *entry = *at;
+        if (!is_spent(entry)) {
+            at = &entry->next;
+            continue;
+        }
+        *at = entry->next;
+        free(entry);
+    }
 }
 
 /* ---- The store, called by workers ----------------------------------------------------------- */
@@ -108,11 +130,15 @@ static int cache_acquire(void *ctx, const char *kind, const char *key, atomic_bo
     struct entry *entry = find_or_add(cache, kind, key);
     if (!entry)
         rc = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-    while (rc == 0 && entry->state == ENTRY_BUILDING) {
-        if (cancel && atomic_load(cancel))
+    while (rc == 0 && (entry->state == ENTRY_BUILDING || entry->state == ENTRY_LEAVING)) {
+        if (cancel && atomic_load(cancel)) {
             rc = orl_error_set(err, ORL_ERR_CANCELLED, "cancelled while another job built the map");
-        else
-            wait_a_moment(cache);
+            break;
+        }
+        wait_a_moment(cache);
+        entry = find_or_add(cache, kind, key);
+        if (!entry)
+            rc = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     }
     if (rc == 0 && is_ready(cache, entry)) {
         hit = true;
@@ -196,9 +222,13 @@ static void cache_release(void *ctx, const char *kind, const char *key)
     struct orl_map_cache *cache = ctx;
     pthread_mutex_lock(&cache->mutex);
     struct entry *entry = find_entry(cache, kind, key);
-    if (entry)
-        entry->pins -= entry->pins > 0;
+    if (entry && entry->pins > 0) {
+        entry->pins--;
+        entry->map.last_used_ms = orl_time_now_ms();
+        entry->dirty = true;
+    }
     pthread_mutex_unlock(&cache->mutex);
+    cache->wake(cache->wake_ctx); /* there may be somebody to whom it makes room */
 }
 
 static int cache_find_smaller(void *ctx, const char *kind, const char *family, uint64_t target,
@@ -255,6 +285,8 @@ int orl_map_cache_flush(struct orl_map_cache *cache, struct orl_error *err)
             map = entry->map;
             ready = entry->state == ENTRY_READY;
             entry->dirty = false;
+        } else {
+            drop_spent(cache);
         }
         pthread_mutex_unlock(&cache->mutex);
         if (!entry)
@@ -270,8 +302,12 @@ void orl_map_cache_totals(struct orl_map_cache *cache, struct orl_map_cache_tota
     pthread_mutex_lock(&cache->mutex);
     *ret_totals = (struct orl_map_cache_totals){.hits = cache->hits, .misses = cache->misses};
     for (const struct entry *entry = cache->entries; entry; entry = entry->next) {
-        ret_totals->entries += entry->state == ENTRY_READY;
-        ret_totals->bytes += entry->state == ENTRY_READY ? entry->map.info.bytes : 0;
+        if (entry->state != ENTRY_READY)
+            continue;
+        ret_totals->entries++;
+        ret_totals->bytes += entry->map.info.bytes;
+        if (strcmp(entry->map.info.kind, "bsdf") == 0)
+            ret_totals->bsdf_bytes += entry->map.info.bytes;
     }
     pthread_mutex_unlock(&cache->mutex);
 }
@@ -293,8 +329,10 @@ int orl_map_cache_list(struct orl_map_cache *cache, struct orl_stored_map **ret_
         count += entry->state == ENTRY_READY;
     struct orl_stored_map *maps = calloc(count ? count : 1, sizeof *maps);
     for (struct entry *entry = cache->entries; entry && maps; entry = entry->next)
-        if (entry->state == ENTRY_READY)
-            maps[filled++] = entry->map;
+        if (entry->state == ENTRY_READY) {
+            maps[filled] = entry->map;
+            maps[filled++].in_use = entry->pins > 0;
+        }
     pthread_mutex_unlock(&cache->mutex);
     if (!maps)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
@@ -302,6 +340,50 @@ int orl_map_cache_list(struct orl_map_cache *cache, struct orl_stored_map **ret_
     *ret_maps = maps;
     *ret_count = count;
     return 0;
+}
+
+/* Takes a ready entry that nobody uses out of reach, until its row is gone. */
+static enum orl_map_removal begin_removal(struct orl_map_cache *cache, const char *kind,
+                                          const char *key)
+{
+    enum orl_map_removal found = ORL_MAP_ABSENT;
+    pthread_mutex_lock(&cache->mutex);
+    struct entry *entry = find_entry(cache, kind, key);
+    if (entry && (entry->state == ENTRY_BUILDING || entry->pins > 0)) {
+        found = ORL_MAP_IN_USE;
+    } else if (entry && entry->state == ENTRY_READY) {
+        found = ORL_MAP_REMOVED;
+        entry->state = ENTRY_LEAVING;
+    }
+    pthread_mutex_unlock(&cache->mutex);
+    return found;
+}
+
+static void end_removal(struct orl_map_cache *cache, const char *kind, const char *key,
+                        enum entry_state state)
+{
+    pthread_mutex_lock(&cache->mutex);
+    struct entry *entry = find_entry(cache, kind, key);
+    entry->state = state;
+    entry->dirty = entry->dirty && state == ENTRY_READY;
+    drop_spent(cache);
+    pthread_cond_broadcast(&cache->changed);
+    pthread_mutex_unlock(&cache->mutex);
+}
+
+int orl_map_cache_remove(struct orl_map_cache *cache, const char *kind, const char *key,
+                         enum orl_map_removal *ret_removal, struct orl_error *err)
+{
+    char path[ORL_PATH_MAX];
+    *ret_removal = begin_removal(cache, kind, key);
+    if (*ret_removal != ORL_MAP_REMOVED)
+        return 0;
+    const int rc = orl_map_row_drop(cache->db, kind, key, err);
+    final_path(cache, kind, key, path);
+    if (rc == 0)
+        orl_discard(cache->loop, cache->folders, path);
+    end_removal(cache, kind, key, rc ? ENTRY_READY : ENTRY_ABSENT);
+    return rc;
 }
 
 /* A row at start: kept when its file is there at its length, dropped otherwise. */
@@ -344,15 +426,15 @@ static int remove_orphans(struct orl_map_cache *cache, struct orl_error *err)
     return 0;
 }
 
-int orl_map_cache_open(const struct orl_folders *folders, struct orl_db *db,
+int orl_map_cache_open(uv_loop_t *loop, const struct orl_folders *folders, struct orl_db *db,
                        orl_map_cache_wake wake, void *wake_ctx, struct orl_map_cache **ret_cache,
                        struct orl_error *err)
 {
     struct orl_map_cache *cache = calloc(1, sizeof *cache);
     if (!cache)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-    *cache =
-        (struct orl_map_cache){.folders = folders, .db = db, .wake = wake, .wake_ctx = wake_ctx};
+    *cache = (struct orl_map_cache){
+        .loop = loop, .folders = folders, .db = db, .wake = wake, .wake_ctx = wake_ctx};
     pthread_mutex_init(&cache->mutex, NULL);
     pthread_cond_init(&cache->changed, NULL);
     int rc = orl_map_rows(db, load_row, cache, err);

@@ -4,8 +4,10 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "problem.h"
+#include "range.h"
 #include "server.h"
 
 static void set_response(struct orl_request *request, unsigned status,
@@ -82,6 +84,19 @@ void orl_reply_not_found(struct orl_request *request, const char *what)
                       "there is no %s of that name here", what);
 }
 
+void orl_reply_removed(struct orl_request *request, bool removed, const char *what)
+{
+    if (removed)
+        orl_reply_no_content(request);
+    else
+        orl_reply_not_found(request, what);
+}
+
+void orl_reply_in_use(struct orl_request *request, const char *why)
+{
+    orl_reply_problem(request, 409, "in-use", "It is in use", "%s", why);
+}
+
 void orl_reply_stopping(struct orl_request *request)
 {
     orl_reply_problem(request, 503, "stopping", "The daemon is stopping",
@@ -109,6 +124,43 @@ void orl_reply_owned_text(struct orl_request *request, const char *type, char *t
 void orl_reply_file(struct orl_request *request, int fd, uint64_t size, const char *type)
 {
     set_response(request, 200, MHD_create_response_from_fd64(size, fd), type);
+}
+
+/* Does If-Range, if there is one, name this tag? A date never does: files have none here. */
+static bool range_holds(struct orl_request *request, const char *tag)
+{
+    char quoted[2 * ORL_PARAM_MAX + 8];
+    const char *condition = orl_request_header(request, "If-Range");
+    snprintf(quoted, sizeof quoted, "\"%s\"", tag);
+    return !condition || strcmp(condition, quoted) == 0;
+}
+
+void orl_reply_part(struct orl_request *request, int fd, uint64_t size, const char *type,
+                    const char *tag)
+{
+    struct orl_range range = {.first = 0, .count = size};
+    const char *header = orl_request_header(request, "Range");
+    enum orl_range_kind kind = ORL_RANGE_ALL;
+    char content[80];
+    if (header && strcmp(request->method, "GET") == 0 && range_holds(request, tag))
+        kind = orl_range_parse(header, size, &range);
+    if (kind == ORL_RANGE_NONE) {
+        close(fd);
+        orl_reply_problem(request, 416, "range", "There is no such part", "the file has %llu bytes",
+                          (unsigned long long)size);
+        snprintf(content, sizeof content, "bytes */%llu", (unsigned long long)size);
+        orl_reply_header(request, "Content-Range", content);
+        return;
+    }
+    set_response(request, kind == ORL_RANGE_PART ? 206 : 200,
+                 MHD_create_response_from_fd_at_offset64(range.count, fd, range.first), type);
+    if (kind == ORL_RANGE_PART) {
+        snprintf(content, sizeof content, "bytes %llu-%llu/%llu", (unsigned long long)range.first,
+                 (unsigned long long)(range.first + range.count - 1), (unsigned long long)size);
+        orl_reply_header(request, "Content-Range", content);
+    }
+    orl_reply_header(request, "Accept-Ranges", "bytes");
+    orl_reply_etag(request, tag);
 }
 
 void orl_reply_stream(struct orl_request *request, struct MHD_Response *response, const char *type)

@@ -17,6 +17,9 @@ void orl_reply_error(struct orl_request *request, const struct orl_error *err);
 void orl_reply_problem(struct orl_request *request, unsigned status, const char *type,
                        const char *title, const char *detail, ...)
     __attribute__((format(printf, 5, 6)));
+/* The answers to a DELETE: 204, or 404 when there was nothing; 409: it is in use. */
+void orl_reply_removed(struct orl_request *request, bool removed, const char *what);
+void orl_reply_in_use(struct orl_request *request, const char *why);
 /* 404: there is no such thing here. */
 void orl_reply_not_found(struct orl_request *request, const char *what);
 /* 503: the daemon stops. */
@@ -27,6 +30,13 @@ void orl_reply_text(struct orl_request *request, const char *type, const char *t
 void orl_reply_owned_text(struct orl_request *request, const char *type, char *text);
 /* A file, by descriptor, which it takes. */
 void orl_reply_file(struct orl_request *request, int fd, uint64_t size, const char *type);
+/*
+ * The same of a file that never changes, whose strong tag is known: the part of it that a Range
+ * asks for (one range of bytes, as long as If-Range does not speak against it; RFC 9110, 14), or
+ * all; 416 when there is no such part.
+ */
+void orl_reply_part(struct orl_request *request, int fd, uint64_t size, const char *type,
+                    const char *tag);
 /* 204, without a body. */
 void orl_reply_no_content(struct orl_request *request);
 /* A response that makes its body by itself; NULL (out of memory) becomes a 500. */

@@ -15,11 +15,12 @@ static void stop_if_quiet(struct orl_server *server)
 {
     if (!server->stopping || !server->jobs_idle || server->working > 0)
         return;
-    if (uv_is_closing((uv_handle_t *)&server->maps_changed))
+    if (uv_is_closing((uv_handle_t *)&server->kept_changed))
         return;
     orl_events_stop(server->events);
     orl_http_stop(server->http);
-    uv_close((uv_handle_t *)&server->maps_changed, NULL);
+    orl_storage_stop(&server->storage);
+    uv_close((uv_handle_t *)&server->kept_changed, NULL);
     uv_close((uv_handle_t *)&server->drain, NULL);
     for (int i = 0; i < 2; i++)
         if (!uv_is_closing((uv_handle_t *)&server->signals[i]))
@@ -58,8 +59,9 @@ static void on_drain_over(uv_timer_t *timer)
 
 static void on_job_changed(void *ctx)
 {
-    const struct orl_server *server = ctx;
+    struct orl_server *server = ctx;
     orl_events_wake(server->events);
+    uv_async_send(&server->kept_changed);
 }
 
 static void on_signal(uv_signal_t *handle, int signum)
@@ -75,14 +77,16 @@ static void on_signal(uv_signal_t *handle, int signum)
     orl_jobs_drain(server->jobs);
 }
 
-/* ---- The map cache's news ------------------------------------------------------------------- */
+/* ---- What is kept has changed --------------------------------------------------------------- */
 
-static void on_maps_changed(uv_async_t *handle)
+/* Maps came or were let go, a job ended; later, on the loop's next turn, when all is settled. */
+static void on_kept_changed(uv_async_t *handle)
 {
     struct orl_server *server = handle->data;
     struct orl_error err;
     if (orl_map_cache_flush(server->maps, &err))
         orl_log_event(&server->log, ORL_LOG_ERROR, "map-row-failed", "s", "why", err.message);
+    orl_storage_trim(&server->storage);
 }
 
 /* From a worker. */
@@ -104,8 +108,10 @@ static int open_storage(struct orl_server *server, struct orl_error *err)
     if (rc == 0)
         rc = orl_db_migrate_embedded(&server->db, err);
     if (rc == 0)
-        rc = orl_map_cache_open(&server->folders, &server->db, wake_for_maps, &server->maps_changed,
-                                &server->maps, err);
+        rc = orl_blobs_open(&server->loop, &server->folders, &server->db, &server->blobs, err);
+    if (rc == 0)
+        rc = orl_map_cache_open(&server->loop, &server->folders, &server->db, wake_for_maps,
+                                &server->kept_changed, &server->maps, err);
     server->shelf = orl_shelf_new(ORL_SERVER_SHELF_BYTES); /* without one, jobs are slower */
     return rc;
 }
@@ -139,6 +145,7 @@ static void close_storage(struct orl_server *server)
 {
     orl_map_cache_close(server->maps);
     orl_shelf_free(server->shelf);
+    orl_blobs_close(server->blobs);
     sqlite3_finalize(server->token_finder);
     orl_db_close(&server->db);
     orl_folders_close(&server->folders);
@@ -162,6 +169,7 @@ static int open_jobs(struct orl_server *server, struct orl_error *err)
         .loop = &server->loop,
         .db = &server->db,
         .folders = &server->folders,
+        .blobs = server->blobs,
         .maps = server->maps,
         .shelf = server->shelf,
         .log = &server->log,
@@ -173,6 +181,19 @@ static int open_jobs(struct orl_server *server, struct orl_error *err)
         .ctx = server,
     };
     return orl_jobs_open(&env, &server->jobs, err);
+}
+
+static void open_budget(struct orl_server *server)
+{
+    struct orl_storage *storage = &server->storage;
+    storage->maps = server->maps;
+    storage->jobs = server->jobs;
+    storage->blobs = server->blobs;
+    storage->log = &server->log;
+    storage->budget = server->config.storage_bytes;
+    if (storage->budget == 0)
+        storage->budget = orl_storage_default(server->config.data, orl_storage_total(storage));
+    orl_storage_trim(storage); /* it may be less than the last time */
 }
 
 static void announce_address(struct orl_server *server, void (*announce)(const char *url))
@@ -199,8 +220,10 @@ int orl_server_run(const struct orl_config *config, void (*announce)(const char 
     server.started_s = orl_time_steady_s();
     if (uv_loop_init(&server.loop) != 0)
         return orl_error_set(err, ORL_ERR_INTERNAL, "cannot start the event loop");
-    uv_async_init(&server.loop, &server.maps_changed, on_maps_changed);
-    server.maps_changed.data = &server;
+    uv_async_init(&server.loop, &server.kept_changed, on_kept_changed);
+    server.kept_changed.data = &server;
+    uv_timer_init(&server.loop, &server.storage.notes);
+    server.storage.notes.data = &server.storage;
     /* HTTP before the jobs: nothing is served until the loop runs, and a port that is taken is
      * found before a job starts. */
     int rc = open_storage(&server, err);
@@ -213,12 +236,14 @@ int orl_server_run(const struct orl_config *config, void (*announce)(const char 
     if (rc == 0)
         rc = open_jobs(&server, err);
     if (rc == 0) {
+        open_budget(&server);
         watch_signals(&server);
         announce_address(&server, announce);
     } else {
         orl_events_stop(server.events);
         orl_http_stop(server.http);
-        uv_close((uv_handle_t *)&server.maps_changed, NULL);
+        orl_storage_stop(&server.storage);
+        uv_close((uv_handle_t *)&server.kept_changed, NULL);
     }
     uv_run(&server.loop, UV_RUN_DEFAULT);
     orl_http_free(server.http);

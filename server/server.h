@@ -1,11 +1,11 @@
 /*
  * The daemon: the loop, and everything that lives on it.
  *
- * Start: data folder -> database -> map cache -> jobs -> HTTP. Stop, on SIGTERM or SIGINT: it
- * drains first, that is, takes and starts no jobs, but answers for those it has, until none runs,
- * the time for that is over, or a second signal comes. Then: no new connections, jobs that still
- * run asked to stop and queued again, the answers under way sent, and all is closed in the opposite
- * order. A third signal ends the process at once.
+ * Start: data folder -> database -> blobs, map cache -> jobs -> HTTP. Stop, on SIGTERM or SIGINT:
+ * it drains first, that is, takes and starts no jobs, but answers for those it has, until none
+ * runs, the time for that is over, or a second signal comes. Then: no new connections, jobs that
+ * still run asked to stop and queued again, the answers under way sent, and all is closed in the
+ * opposite order. A third signal ends the process at once.
  */
 #ifndef ORL_SERVER_SERVER_H
 #define ORL_SERVER_SERVER_H
@@ -20,6 +20,7 @@
 #include "log.h"
 #include "map_cache.h"
 #include "metrics.h"
+#include "storage.h"
 #include "store/db.h"
 #include "store/folders.h"
 
@@ -27,14 +28,16 @@ struct orl_server {
     struct orl_config config;
     struct orl_log log;
     uv_loop_t loop;
-    uv_async_t maps_changed;
+    uv_async_t kept_changed;
     uv_signal_t signals[2];
     uv_timer_t drain;
     struct orl_folders folders;
     struct orl_db db;
     sqlite3_stmt *token_finder; /* where tokens are needed */
+    struct orl_blobs *blobs;
     struct orl_map_cache *maps;
     struct orl_shelf *shelf;
+    struct orl_storage storage;
     struct orl_jobs *jobs;
     struct orl_http *http;
     struct orl_events *events;

@@ -446,7 +446,7 @@ class Job:
 
     def cancel(self):
         """Stops the job, soon. One that has ended already stays as it is (a Problem, 409)."""
-        return self.client._json("DELETE", self._path)
+        return self.client._json("POST", self._path + "/cancel", b"")
 
     def wait(self, progress=None, timeout=None, poll=0.5, patience=60.0):
         """Until the job has succeeded; returns its last document.

@@ -59,9 +59,16 @@ int orl_job_row_update(struct orl_db *db, const struct orl_job_row *row, struct 
 {
     return orl_db_run(db, err, NULL,
                       "UPDATE jobs SET state = ?, attempts = ?, started_ms = nullif(?, 0), "
-                      "finished_ms = nullif(?, 0), outcome = ?, problem = ? WHERE seq = ?",
-                      "siiissi", orl_job_state_name(row->state), (int64_t)row->attempts,
-                      row->started_ms, row->finished_ms, row->outcome, row->problem, row->seq);
+                      "finished_ms = nullif(?, 0), outcome = ?, problem = ?, result_bytes = ?, "
+                      "fetched_ms = nullif(?, 0), evicted_ms = nullif(?, 0) WHERE seq = ?",
+                      "siiissiiii", orl_job_state_name(row->state), (int64_t)row->attempts,
+                      row->started_ms, row->finished_ms, row->outcome, row->problem,
+                      (int64_t)row->result_bytes, row->fetched_ms, row->evicted_ms, row->seq);
+}
+
+int orl_job_row_drop(struct orl_db *db, int64_t seq, struct orl_error *err)
+{
+    return orl_db_run(db, err, NULL, "DELETE FROM jobs WHERE seq = ?", "i", seq);
 }
 
 static struct orl_job_row read_row(sqlite3_stmt *stmt)
@@ -77,6 +84,9 @@ static struct orl_job_row read_row(sqlite3_stmt *stmt)
         .problem = (const char *)sqlite3_column_text(stmt, 10),
         .kind = orl_task_kind_from_name(orl_db_text(stmt, 11)),
         .priority = sqlite3_column_int(stmt, 12),
+        .result_bytes = (uint64_t)sqlite3_column_int64(stmt, 15),
+        .fetched_ms = sqlite3_column_int64(stmt, 16),
+        .evicted_ms = sqlite3_column_int64(stmt, 17),
     };
     snprintf(row.id, sizeof row.id, "%s", orl_db_text(stmt, 1));
     snprintf(row.scene, sizeof row.scene, "%s", orl_db_text(stmt, 2));
@@ -92,7 +102,8 @@ int orl_job_rows(struct orl_db *db, int (*visit)(void *ctx, const struct orl_job
     sqlite3_stmt *stmt = orl_db_prepare(
         db, err,
         "SELECT seq, id, scene, document, state, attempts, created_ms, started_ms, finished_ms, "
-        "outcome, problem, kind, priority, client, identity FROM jobs ORDER BY seq",
+        "outcome, problem, kind, priority, client, identity, result_bytes, fetched_ms, evicted_ms "
+        "FROM jobs ORDER BY seq",
         "");
     if (!stmt)
         return ORL_ERR_IO;

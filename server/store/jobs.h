@@ -36,6 +36,8 @@ struct orl_job_row {
     char identity[ORL_SHA_HEX];  /* job_share.h; "" of jobs of before there were any */
     int64_t created_ms, started_ms, finished_ms; /* 0: not yet */
     const char *outcome, *problem;               /* JSON text, borrowed; NULL: none */
+    uint64_t result_bytes;                       /* of its results; 0: there never were any */
+    int64_t fetched_ms, evicted_ms;              /* of them: last asked for, gone; 0: never */
 };
 
 /*
@@ -47,8 +49,9 @@ int orl_job_row_insert(struct orl_db *db, const struct orl_job_row *row, const c
 /* The id of the client's newest job that came with the key since then; "" when there is none. */
 int orl_job_row_by_key(struct orl_db *db, const char *client, const char *request_key,
                        int64_t since_ms, char ret_id[ORL_JOB_ID], struct orl_error *err);
-/* Writes state, attempts, times, outcome and problem. */
+/* Writes all that changes: state, attempts, times, outcome, problem, and what is of results. */
 int orl_job_row_update(struct orl_db *db, const struct orl_job_row *row, struct orl_error *err);
+int orl_job_row_drop(struct orl_db *db, int64_t seq, struct orl_error *err);
 /* Every job, oldest first. Stops when visit returns non-zero, and returns it. */
 int orl_job_rows(struct orl_db *db, int (*visit)(void *ctx, const struct orl_job_row *row),
                  void *ctx, struct orl_error *err);

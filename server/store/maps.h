@@ -4,6 +4,8 @@
 #ifndef ORL_STORE_MAPS_H
 #define ORL_STORE_MAPS_H
 
+#include <stdbool.h>
+
 #include <oriel/run.h>
 
 #include "store/db.h"
@@ -13,6 +15,7 @@ struct orl_stored_map {
     uint64_t hits;
     double seconds_saved;
     int64_t created_ms, last_used_ms;
+    bool in_use; /* by a job, now; not stored */
 };
 
 int orl_map_row_put(struct orl_db *db, const struct orl_stored_map *map, struct orl_error *err);

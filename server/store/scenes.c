@@ -1,5 +1,6 @@
 #include "store/scenes.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -120,4 +121,95 @@ int orl_bsdf_find(struct orl_db *db, const char *id, struct orl_stored_item *ret
 {
     return find_item(db, "SELECT created_ms, bytes, summary FROM bsdfs WHERE id = ?", id, ret_bsdf,
                      ret_found, err);
+}
+
+/* ---- Removal -------------------------------------------------------------------------------- */
+
+static int read_blobs(struct orl_db *db, const char *id, char (**ret_blobs)[ORL_SHA_HEX],
+                      size_t *ret_count, struct orl_error *err)
+{
+    char(*blobs)[ORL_SHA_HEX] = NULL;
+    size_t count = 0;
+    int rc = 0, step;
+    sqlite3_stmt *stmt =
+        orl_db_prepare(db, err, "SELECT blob FROM scene_files WHERE scene = ?", "s", id);
+    if (!stmt)
+        return ORL_ERR_IO;
+    while (rc == 0 && (step = sqlite3_step(stmt)) == SQLITE_ROW) {
+        void *more = realloc(blobs, (count + 1) * sizeof *blobs);
+        if (!more) {
+            rc = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+            break;
+        }
+        blobs = more;
+        snprintf(blobs[count++], sizeof *blobs, "%s", orl_db_text(stmt, 0));
+    }
+    if (rc == 0 && step != SQLITE_DONE)
+        rc = orl_db_error(db, "cannot read the files of a scene", err);
+    sqlite3_finalize(stmt);
+    if (rc) {
+        free(blobs);
+        return rc;
+    }
+    *ret_blobs = blobs;
+    *ret_count = count;
+    return 0;
+}
+
+int orl_scene_drop(struct orl_db *db, const char *id, char (**ret_blobs)[ORL_SHA_HEX],
+                   size_t *ret_count, bool *ret_removed, struct orl_error *err)
+{
+    char(*blobs)[ORL_SHA_HEX] = NULL;
+    size_t count = 0;
+    int changes = 0, rc = read_blobs(db, id, &blobs, &count, err);
+    if (rc == 0) /* its files' rows go with it */
+        rc = orl_db_run(db, err, &changes, "DELETE FROM scenes WHERE id = ?", "s", id);
+    if (rc) {
+        free(blobs);
+        return rc;
+    }
+    *ret_blobs = blobs;
+    *ret_count = count;
+    *ret_removed = changes > 0;
+    return 0;
+}
+
+int orl_bsdf_drop(struct orl_db *db, const char *id, bool *ret_removed, struct orl_error *err)
+{
+    int changes = 0;
+    const int rc = orl_db_run(db, err, &changes, "DELETE FROM bsdfs WHERE id = ?", "s", id);
+    if (rc == 0)
+        *ret_removed = changes > 0;
+    return rc;
+}
+
+/* A statement that yields one number for a digest, as a truth. */
+static int ask(struct orl_db *db, const char *sql, const char *sha, bool *ret_true,
+               struct orl_error *err)
+{
+    sqlite3_stmt *stmt = orl_db_prepare(db, err, sql, "s", sha);
+    if (!stmt)
+        return ORL_ERR_IO;
+    int rc = 0;
+    if (sqlite3_step(stmt) == SQLITE_ROW)
+        *ret_true = sqlite3_column_int(stmt, 0) != 0;
+    else
+        rc = orl_db_error(db, "cannot look for a file", err);
+    sqlite3_finalize(stmt);
+    return rc;
+}
+
+int orl_blob_is_named(struct orl_db *db, const char *sha, bool *ret_named, struct orl_error *err)
+{
+    return ask(db,
+               "SELECT EXISTS (SELECT 1 FROM scene_files WHERE blob = ?1) OR "
+               "EXISTS (SELECT 1 FROM bsdfs WHERE id = ?1) OR "
+               "EXISTS (SELECT 1 FROM jobs WHERE document = ?1)",
+               sha, ret_named, err);
+}
+
+int orl_blob_in_scene(struct orl_db *db, const char *sha, bool *ret_named, struct orl_error *err)
+{
+    return ask(db, "SELECT EXISTS (SELECT 1 FROM scene_files WHERE blob = ?1)", sha, ret_named,
+               err);
 }

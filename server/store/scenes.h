@@ -27,9 +27,23 @@ int orl_scene_find(struct orl_db *db, const char *id, struct orl_stored_item *re
 int orl_scene_files(struct orl_db *db, const struct orl_folders *folders, const char *id,
                     struct orl_bundle *ret_bundle, struct orl_error *err);
 
+/*
+ * Removes the row and those of its files, whose digests come in ret_blobs (count of them; free()).
+ * *ret_removed is false when there is no such scene. A job that waits or runs needs its scene:
+ * ORL_ERR_IO.
+ */
+int orl_scene_drop(struct orl_db *db, const char *id, char (**ret_blobs)[ORL_SHA_HEX],
+                   size_t *ret_count, bool *ret_removed, struct orl_error *err);
+
 int orl_bsdf_insert(struct orl_db *db, const char *id, const char *name, uint64_t bytes,
                     const char *summary, bool *ret_created, struct orl_error *err);
 int orl_bsdf_find(struct orl_db *db, const char *id, struct orl_stored_item *ret_bsdf,
                   bool *ret_found, struct orl_error *err);
+/* Removes the row; one that scenes have as a file is not to be removed: ORL_ERR_IO. */
+int orl_bsdf_drop(struct orl_db *db, const char *id, bool *ret_removed, struct orl_error *err);
+
+/* Does a scene, a BSDF or a job name the blob? Is it a file of a scene? */
+int orl_blob_is_named(struct orl_db *db, const char *sha, bool *ret_named, struct orl_error *err);
+int orl_blob_in_scene(struct orl_db *db, const char *sha, bool *ret_named, struct orl_error *err);
 
 #endif

@@ -335,14 +335,14 @@ static void test_fetch_keeps_nothing_that_failed(void **state)
     assert_null(cli_read_file(f->folder, "evil.hdr"));
 }
 
-static void test_cancel_deletes(void **state)
+static void test_cancel(void **state)
 {
-    static const struct canned canned[] = {{"DELETE /v1/jobs/7", 202, ""}, {NULL, 0, NULL}};
+    static const struct canned canned[] = {{"POST /v1/jobs/7/cancel", 202, ""}, {NULL, 0, NULL}};
     struct fixture *f = *state;
 
     run(f, canned, "cancel", "7", NULL);
     assert_int_equal(f->result.exit_code, 0);
-    assert_int_equal(times_asked(f, "DELETE /v1/jobs/7"), 1);
+    assert_int_equal(times_asked(f, "POST /v1/jobs/7/cancel"), 1);
 }
 
 #define SCENE_ID "0123456789abcdef0123456789abcdef0123456789abcdef0123456789abcdef"
@@ -505,7 +505,7 @@ int main(void)
         TEST(test_maps_table_adds_up),
         TEST(test_fetch_keeps_images_and_result),
         TEST(test_fetch_keeps_nothing_that_failed),
-        TEST(test_cancel_deletes),
+        TEST(test_cancel),
         TEST(test_submit_sends_scene_references_and_sensors),
         TEST(test_submit_finds_mistakes_before_sending),
         TEST(test_upload_bsdf_sends_the_bytes),

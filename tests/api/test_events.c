@@ -84,7 +84,7 @@ static void last_id(const struct stream *stream, char ret_id[160])
 static void cancel(struct daemon *daemon, const char *job)
 {
     struct reply reply;
-    daemon_request(daemon, "DELETE", job, NULL, NULL, 0, NULL, &reply);
+    daemon_cancel(daemon, job, &reply);
     assert_int_equal(reply.status / 100, 2);
     reply_done(&reply);
 }

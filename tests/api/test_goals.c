@@ -70,7 +70,7 @@ static void wait_for_round(struct daemon_room *f, const char *job)
 static void cancel(struct daemon_room *f, const char *job)
 {
     struct reply reply;
-    daemon_request(&f->daemon, "DELETE", job, NULL, NULL, 0, NULL, &reply);
+    daemon_cancel(&f->daemon, job, &reply);
     assert_int_equal(reply.status, 202);
     reply_done(&reply);
     daemon_wait(&f->daemon, job, 60, &reply);

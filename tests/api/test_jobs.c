@@ -245,7 +245,7 @@ static void test_cancel(void **state)
     assert_non_null(reply_header(&reply, "Retry-After"));
     reply_done(&reply);
 
-    daemon_request(&f->daemon, "DELETE", waiting, NULL, NULL, 0, NULL, &reply);
+    daemon_cancel(&f->daemon, waiting, &reply);
     assert_int_equal(reply.status, 200);
     assert_string_equal(reply_text(&reply, "state"), "cancelled");
     reply_done(&reply);
@@ -257,7 +257,7 @@ static void test_cancel(void **state)
     assert_string_equal(reply_text(&reply, "state"), "cancelled");
     reply_done(&reply);
     /* Once more changes nothing, and is no error. */
-    daemon_request(&f->daemon, "DELETE", running, NULL, NULL, 0, NULL, &reply);
+    daemon_cancel(&f->daemon, running, &reply);
     assert_int_equal(reply.status, 200);
     reply_done(&reply);
     assert_int_equal(daemon_count_files(&f->daemon, "tmp"), 0);
@@ -271,7 +271,7 @@ static void test_finished_jobs_cannot_be_cancelled(void **state)
     daemon_submit(&f->daemon, f->scene, PHOTONS, 1, NULL, job);
     expect_success(&f->daemon, job, &reply);
     reply_done(&reply);
-    daemon_request(&f->daemon, "DELETE", job, NULL, NULL, 0, NULL, &reply);
+    daemon_cancel(&f->daemon, job, &reply);
     assert_int_equal(reply.status, 409);
     reply_done(&reply);
 }
@@ -377,7 +377,7 @@ static void test_full_queue(void **state)
     assert_int_equal(reply.status, 429);
     assert_non_null(reply_header(&reply, "Retry-After"));
     reply_done(&reply);
-    daemon_request(&f->daemon, "DELETE", job, NULL, NULL, 0, NULL, &reply);
+    daemon_cancel(&f->daemon, job, &reply);
     assert_int_equal(reply.status, 200);
     reply_done(&reply);
     daemon_get(&f->daemon, "/readyz", &reply);
@@ -422,13 +422,13 @@ static void test_waiting_job_takes_over(void **state)
     daemon_wait_running(&f->daemon, builder, 0);
     daemon_submit(&f->daemon, f->scene, MANY_PHOTONS, 6, "a", waiter);
     daemon_wait_running(&f->daemon, waiter, -1);
-    daemon_request(&f->daemon, "DELETE", builder, NULL, NULL, 0, NULL, &reply);
+    daemon_cancel(&f->daemon, builder, &reply);
     reply_done(&reply);
     daemon_wait(&f->daemon, builder, 10, &reply);
     assert_string_equal(reply_text(&reply, "state"), "cancelled");
     reply_done(&reply);
     daemon_wait_running(&f->daemon, waiter, 0);
-    daemon_request(&f->daemon, "DELETE", waiter, NULL, NULL, 0, NULL, &reply);
+    daemon_cancel(&f->daemon, waiter, &reply);
     reply_done(&reply);
     daemon_wait(&f->daemon, waiter, 10, &reply);
     assert_string_equal(reply_text(&reply, "state"), "cancelled");

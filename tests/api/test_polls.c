@@ -64,7 +64,7 @@ static void test_polls_answer_at_once(void **state)
     assert_int_equal(reply.status, 201);
     print_message("# an upload meanwhile: %.1f ms\n", 1000 * reply.seconds);
     reply_done(&reply);
-    daemon_request(*state, "DELETE", job, NULL, NULL, 0, NULL, &reply);
+    daemon_cancel(*state, job, &reply);
     reply_done(&reply);
     daemon_wait(*state, job, 10, &reply);
     assert_string_equal(reply_text(&reply, "state"), "cancelled");

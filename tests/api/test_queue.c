@@ -193,7 +193,7 @@ static void test_order_of_jobs(void **state)
     assert_true(reply_number(&reply, "priority") == 9);
     reply_done(&reply);
 
-    daemon_request(&f->daemon, "DELETE", blocker, NULL, NULL, 0, NULL, &reply);
+    daemon_cancel(&f->daemon, blocker, &reply);
     reply_done(&reply);
     for (int i = 0; i < 5; i++) {
         daemon_wait(&f->daemon, jobs[i], 60, &reply);
@@ -224,7 +224,7 @@ static void test_order_survives(void **state)
         assert_true(reply_number(&reply, "priority") == 6 + i);
         reply_done(&reply);
     }
-    daemon_request(&f->daemon, "DELETE", blocker, NULL, NULL, 0, NULL, &reply);
+    daemon_cancel(&f->daemon, blocker, &reply);
     assert_int_equal(reply.status / 100, 2);
     reply_done(&reply);
 }

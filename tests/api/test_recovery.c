@@ -99,7 +99,7 @@ static void test_orderly_stop_requeues(void **state)
     daemon_get(&f->daemon, running, &reply);
     assert_true(reply_number(&reply, "attempts") == 1);
     reply_done(&reply);
-    daemon_request(&f->daemon, "DELETE", running, NULL, NULL, 0, NULL, &reply);
+    daemon_cancel(&f->daemon, running, &reply);
     reply_done(&reply);
     expect_state(&f->daemon, running, "cancelled", 1);
 }
@@ -176,7 +176,7 @@ static void test_drain_is_bounded(void **state)
     assert_int_equal(daemon_end(&f->daemon, SIGTERM), 0);
     daemon_restart(&f->daemon, NULL);
     daemon_wait_running(&f->daemon, running, -1);
-    daemon_request(&f->daemon, "DELETE", running, NULL, NULL, 0, NULL, &reply);
+    daemon_cancel(&f->daemon, running, &reply);
     reply_done(&reply);
     expect_state(&f->daemon, running, "cancelled", 1);
 }
@@ -189,7 +189,7 @@ static void test_cancelled_stays_cancelled(void **state)
     struct reply reply;
     daemon_submit(&f->daemon, f->scene, MANY_PHOTONS, 6, NULL, running);
     daemon_wait_running(&f->daemon, running, -1);
-    daemon_request(&f->daemon, "DELETE", running, NULL, NULL, 0, NULL, &reply);
+    daemon_cancel(&f->daemon, running, &reply);
     assert_int_equal(reply.status, 202);
     reply_done(&reply);
     daemon_end(&f->daemon, SIGKILL);

@@ -28,7 +28,7 @@ static void expect_state(struct daemon_room *f, const char *job, const char *sta
 static void cancel(struct daemon_room *f, const char *job)
 {
     struct reply reply;
-    daemon_request(&f->daemon, "DELETE", job, NULL, NULL, 0, NULL, &reply);
+    daemon_cancel(&f->daemon, job, &reply);
     assert_int_equal(reply.status / 100, 2);
     reply_done(&reply);
 }

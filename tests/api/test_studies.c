@@ -195,7 +195,7 @@ static void wait_for_points(struct daemon_room *f, const char *job, size_t point
 static void cancel(struct daemon_room *f, const char *job, long status)
 {
     struct reply reply;
-    daemon_request(&f->daemon, "DELETE", job, NULL, NULL, 0, NULL, &reply);
+    daemon_cancel(&f->daemon, job, &reply);
     assert_int_equal(reply.status, status);
     reply_done(&reply);
 }

@@ -85,7 +85,7 @@ static int64_t written(const struct daemon_room *f, const char *folder, const ch
 static void cancel(struct daemon_room *f, const char *job)
 {
     struct reply reply;
-    daemon_request(&f->daemon, "DELETE", job, NULL, NULL, 0, NULL, &reply);
+    daemon_cancel(&f->daemon, job, &reply);
     assert_int_equal(reply.status / 100, 2);
     reply_done(&reply);
     daemon_wait(&f->daemon, job, 60, &reply);

@@ -54,6 +54,8 @@ def scenes(daemon):
     daemon.ask("POST", "/v1/scenes", {"files": [{"name": "r.rad", "text": ROOM + SKY}]}, want=200)
     path = "/v1/scenes/" + first.id
     assert first.headers["location"] == path
+    other = daemon.upload(ROOM + "# to be removed\n")
+    daemon.ask("DELETE", "/v1/scenes/" + other, want=204)
     daemon.ask("GET", path, want=200)
     daemon.ask("HEAD", path, want=200)
     daemon.ask("GET", path, headers={"If-None-Match": first.headers["etag"]}, want=304)
@@ -91,12 +93,14 @@ def bsdfs(daemon):
     path = "/v1/bsdfs/" + first.id
     daemon.ask("GET", path, want=200)
     daemon.ask("GET", path, headers={"If-None-Match": first.headers["etag"]}, want=304)
-    daemon.ask("POST", "/v1/bsdfs", bsdf("bsdf_lcp8.xml"), want=201)
+    other = daemon.ask("POST", "/v1/bsdfs", bsdf("bsdf_lcp8.xml"), want=201)
+    daemon.ask("DELETE", "/v1/bsdfs/" + other.id, want=204)
     daemon.ask("POST", "/v1/bsdfs", b"<WindowElement>", want=400)
     daemon.ask("POST", "/v1/bsdfs?name=../x", data, want=422)
     window = "void BSDF pane 6 0 k.xml 0 0 1 . 0 0\n" + ROOM.split("void glass")[0]
     daemon.ask("POST", "/v1/scenes", {"files": [{"name": "r.rad", "text": window}],
                                       "bsdfs": {"k.xml": first.id}}, want=201)
+    daemon.ask("DELETE", path, want=409)
     daemon.ask("POST", "/v1/scenes", {"files": [{"name": "r.rad", "text": window}],
                                       "bsdfs": {"k.xml": UNKNOWN}}, want=422)
 
@@ -113,8 +117,8 @@ def renders(daemon):
     job = daemon.wait(path)
     assert job["state"] == "succeeded", job
     results(daemon, path, job)
-    daemon.ask("DELETE", path, want=409)
     daemon.ask("POST", path + "/cancel", want=409)
+    daemon.ask("DELETE", path, want=204)
     backward = daemon.submit({"scene": scene, "technique": "backward", "gather_samples": 32,
                               "pixel_samples": 4, "sensors": SENSORS, "views": [VIEW]})
     assert daemon.wait(backward)["state"] == "succeeded"
@@ -124,7 +128,8 @@ def renders(daemon):
                                "photons": {"global": 5000}})
         daemon.wait(again)
         daemon.ask("GET", again + "/result", want=200)
-    daemon.ask("GET", "/v1/maps", want=200)
+    found = daemon.ask("GET", "/v1/maps", want=200).json["maps"][0]
+    daemon.ask("DELETE", "/v1/maps/%(kind)s/%(key)s" % found, want=204)
 
 
 def results(daemon, path, job):
@@ -134,6 +139,8 @@ def results(daemon, path, job):
         tag = answer.headers["etag"]
         daemon.ask("HEAD", link, want=200)
         daemon.ask("GET", link, headers={"If-None-Match": tag}, want=304)
+        daemon.ask("GET", link, headers={"Range": "bytes=0-", "If-Range": tag}, want=206)
+        daemon.ask("GET", link, headers={"Range": "bytes=99999999-"}, want=416)
     daemon.ask("GET", path + "/files/other.json", want=404)
 
 
@@ -159,7 +166,7 @@ def accuracy(daemon):
     job = daemon.wait(path, ("running",), lambda job: "result" in job["links"])
     daemon.ask("GET", job["links"]["result"], want=200)
     events(daemon, path, 2)
-    daemon.ask("DELETE", path, want=202)
+    daemon.ask("POST", path + "/cancel", want=202)
     daemon.wait(path)
     path = daemon.submit({"scene": scene, "accuracy": {"relative_error": 0.2, "at": 0.9},
                           "sensors": SENSORS})
@@ -227,7 +234,7 @@ def refusals(daemon):
             answer = daemon.ask("POST", "/v1/jobs", document)
             if answer.status == 202:
                 assert not daemon.contract.judge_request(document), document
-                daemon.ask("DELETE", answer.headers["location"])
+                daemon.ask("POST", answer.headers["location"] + "/cancel")
             else:
                 assert answer.status in (400, 413, 422), document
     daemon.ask("POST", "/v1/jobs", dict(good, unknown=1), want=422)
@@ -245,10 +252,15 @@ def refusals(daemon):
 def waiting(daemon):
     """A job that runs for good, and others behind it; more streams and jobs than there may be."""
     scene = daemon.upload(ROOM + SKY)
+    daemon.wait(daemon.submit(sensors_of(scene)))
     blocker = daemon.submit(sensors_of(scene, photons={"global": NEVER}))
     daemon.wait(blocker, ("running",), lambda job: job["stage"] == "photons")
     same = daemon.submit(sensors_of(scene, photons={"global": NEVER}))
     events(daemon, blocker, 1)
+    daemon.ask("DELETE", blocker, want=409)
+    topped = [one for one in daemon.ask("GET", "/v1/maps").json["maps"] if one["in_use"]]
+    daemon.ask("DELETE", "/v1/maps/%(kind)s/%(key)s" % topped[0], want=409)
+    daemon.ask("DELETE", "/v1/scenes/" + scene, want=409)
     daemon.ask("GET", blocker + "/result", want=409)
     daemon.ask("GET", blocker + "/files/north.png", want=409)
     behind = daemon.submit(sensors_of(scene, seed=9))
@@ -256,7 +268,7 @@ def waiting(daemon):
     events(daemon, behind, 1)
     too_many_streams(daemon, behind)
     daemon.ask("POST", behind + "/cancel", want=200)
-    daemon.ask("DELETE", same, want=200)
+    daemon.ask("POST", same + "/cancel", want=200)
     full_queue(daemon, scene)
     daemon.ask("POST", blocker + "/cancel", want=202)
 
@@ -289,12 +301,13 @@ def damage(daemon):
     item = daemon.ask("POST", "/v1/bsdfs", bsdf("bsdf_klems41.xml")).id
     path = daemon.submit(sensors_of(scene))
     job = daemon.wait(path)
+    found = daemon.ask("GET", "/v1/maps", want=200).json["maps"][0]
     os.rename(os.path.join(daemon.folder, "results", job["id"]),
               os.path.join(daemon.folder, "lost"))
     daemon.ask("GET", path + "/result", want=500)
     daemon.ask("GET", path + "/files/result.json", want=500)
     with sqlite3.connect(os.path.join(daemon.folder, "oriel.db"), timeout=30) as database:
-        for table in ("scenes", "bsdfs", "jobs"):
+        for table in ("scenes", "bsdfs", "jobs", "maps"):
             database.execute("ALTER TABLE %s RENAME TO lost_%s" % (table, table))
     database.close()
     daemon.ask("GET", "/v1/scenes/" + scene, want=500)
@@ -302,6 +315,34 @@ def damage(daemon):
     daemon.ask("POST", "/v1/bsdfs", bsdf("bsdf_klems41.xml"), want=500)
     daemon.ask("POST", "/v1/scenes", {"files": [{"name": "r.rad", "text": ROOM}]}, want=500)
     daemon.ask("POST", "/v1/jobs", sensors_of(scene), want=500)
+    for thing in ("/v1/scenes/" + scene, "/v1/bsdfs/" + item, path,
+                  "/v1/maps/%(kind)s/%(key)s" % found):
+        daemon.ask("DELETE", thing, want=500)
+
+
+def storage(daemon):
+    """410 and 507, of a daemon with little room."""
+    scene = daemon.upload(ROOM + SKY)
+    first, jobs, status = None, 0, 202
+    while not first or "evicted" not in daemon.ask("GET", first).json:
+        jobs += 1
+        path = daemon.submit(sensors_of(scene, seed=jobs, views=[VIEW]))
+        assert daemon.wait(path)["state"] == "succeeded" and jobs < 30
+        first = first or path
+        daemon.ask("GET", path + "/result")
+    daemon.ask("GET", first + "/result", want=410)
+    daemon.ask("GET", first + "/files/north.hdr", want=410)
+    while status == 202:  # nobody asks for these
+        jobs += 1
+        answer = daemon.ask("POST", "/v1/jobs", sensors_of(scene, seed=jobs, views=[VIEW]))
+        status = answer.status
+        if status == 202:
+            daemon.wait("/v1/jobs/" + answer.id)
+        assert jobs < 60
+    assert status == 507
+    daemon.ask("POST", "/v1/scenes", {"files": [{"name": "l.rad", "text": ROOM + "#" * 70000}]},
+               want=507)
+    daemon.ask("POST", "/v1/bsdfs", bsdf("bsdf_klems41.xml"), want=507)
 
 
 def busy_upload(daemon):
@@ -317,5 +358,8 @@ def busy_upload(daemon):
     return lambda: connection.getresponse().read()
 
 
-DAEMONS = ((service, scenes, bsdfs, renders, skies, accuracy, studies, ended_events, failures,
-            refusals, damage), (waiting,))
+# With options, what is asked of a daemon.
+DAEMONS = (((), (service, scenes, bsdfs, renders, skies, accuracy, studies, ended_events, failures,
+                 refusals, damage)),
+           ((), (waiting,)),
+           (("--storage-budget", "64K"), (storage,)))

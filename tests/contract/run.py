@@ -49,8 +49,8 @@ def run(contract):
     with open(os.path.join(HERE, "../../api/openapi.yaml")) as stream:
         text = stream.read()
     whole = (every.things_unknown, every.strays, every.web_pages, every.bodies_refused)
-    for i, group in enumerate(cases.DAEMONS):
-        daemon = Daemon(contract, "--threads", "1")
+    for i, (options, group) in enumerate(cases.DAEMONS):
+        daemon = Daemon(contract, "--threads", "1", *options)
         assert daemon.ask("GET", "/openapi.yaml", want=200).body.decode() == text
         for part in (whole if i == 0 else ()) + group:
             began = time.monotonic()

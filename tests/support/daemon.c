@@ -352,6 +352,13 @@ void daemon_submit(struct daemon *daemon, const char *scene, long photons, int s
     reply_done(&reply);
 }
 
+void daemon_cancel(struct daemon *daemon, const char *path, struct reply *ret_reply)
+{
+    char cancel[96];
+    snprintf(cancel, sizeof cancel, "%s/cancel", path);
+    daemon_request(daemon, "POST", cancel, NULL, "", 0, NULL, ret_reply);
+}
+
 void daemon_wait(struct daemon *daemon, const char *path, double seconds, struct reply *ret_reply)
 {
     const double until = now_s() + seconds;

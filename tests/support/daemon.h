@@ -75,6 +75,7 @@ void daemon_upload_room(struct daemon *daemon, char ret_id[65]);
 /* Submits a job of that scene: two sensors and, with a name, a 32x24 view. Fills its path. */
 void daemon_submit(struct daemon *daemon, const char *scene, long photons, int seed,
                    const char *view, char ret_path[80]);
+void daemon_cancel(struct daemon *daemon, const char *path, struct reply *ret_reply);
 /* Polls until the job's state is one of the last three, or for at most seconds. */
 void daemon_wait(struct daemon *daemon, const char *path, double seconds, struct reply *ret_reply);
 /* Polls until the job runs and has got beyond that percentage. */

@@ -1,0 +1,420 @@
+/*
+ * What the daemon keeps, through a real one: the byte budget and what goes for it, DELETE, parts
+ * and tags of results, and what is found at start that belongs to nobody.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <signal.h>
+#include <sqlite3.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "store/folders.h"
+#include "support/daemon.h"
+
+enum { PHOTONS = 20000 };
+
+/* ---- Helpers -------------------------------------------------------------------------------- */
+
+static void expect(struct daemon *daemon, const char *method, const char *path, long status,
+                   const char *type)
+{
+    struct reply reply;
+    char urn[64];
+    daemon_request(daemon, method, path, NULL, NULL, 0, NULL, &reply);
+    if (reply.status != status)
+        fail_msg("%s %s: %ld in place of %ld: %s", method, path, reply.status, status, reply.body);
+    if (type) {
+        snprintf(urn, sizeof urn, "urn:oriel:error:%s", type);
+        assert_string_equal(reply_text(&reply, "type"), urn);
+    }
+    reply_done(&reply);
+}
+
+static void run_job(struct daemon *daemon, const char *scene, int seed, const char *view,
+                    char ret_path[80])
+{
+    struct reply reply;
+    daemon_submit(daemon, scene, PHOTONS, seed, view, ret_path);
+    daemon_wait(daemon, ret_path, 60, &reply);
+    assert_string_equal(reply_text(&reply, "state"), "succeeded");
+    reply_done(&reply);
+}
+
+static void fetch(struct daemon *daemon, const char *job, long status)
+{
+    char path[300];
+    snprintf(path, sizeof path, "%s/result", job);
+    expect(daemon, "GET", path, status, status == 410 ? "results-evicted" : NULL);
+}
+
+static double metric(struct daemon *daemon, const char *name)
+{
+    struct reply reply;
+    char line[96];
+    snprintf(line, sizeof line, "\n%s ", name);
+    daemon_get(daemon, "/metrics", &reply);
+    const char *at = strstr(reply.body, line);
+    if (!at)
+        fail_msg("no %s in the metrics", name);
+    const double value = strtod(at + strlen(line), NULL);
+    reply_done(&reply);
+    return value;
+}
+
+static double bytes_of(struct daemon *daemon, const char *kind)
+{
+    char name[64];
+    snprintf(name, sizeof name, "oriel_storage_bytes{kind=\"%s\"}", kind);
+    return metric(daemon, name);
+}
+
+static double bytes_kept(struct daemon *daemon)
+{
+    return bytes_of(daemon, "maps") + bytes_of(daemon, "bsdfs") + bytes_of(daemon, "results") +
+           bytes_of(daemon, "uploads");
+}
+
+static size_t count_maps(struct daemon *daemon)
+{
+    struct reply reply;
+    daemon_get(daemon, "/v1/maps", &reply);
+    const size_t count = json_array_size(reply_at(&reply, "maps"));
+    reply_done(&reply);
+    return count;
+}
+
+static void restart_with_budget(struct daemon *daemon, double budget)
+{
+    char size[32];
+    const char *const extra[] = {"--storage-budget", size, NULL};
+    snprintf(size, sizeof size, "%.0f", budget);
+    assert_int_equal(daemon_end(daemon, SIGTERM), 0);
+    daemon_restart(daemon, extra);
+}
+
+/* A file below the data folder, as a crash might leave it. */
+static void leave_file(const struct daemon *daemon, const char *folder, const char *name)
+{
+    char path[600];
+    snprintf(path, sizeof path, "%s/%s", daemon->root, folder);
+    mkdir(path, 0700);
+    snprintf(path, sizeof path, "%s/%s/%s", daemon->root, folder, name);
+    FILE *file = fopen(path, "w");
+    assert_non_null(file);
+    fputs("left", file);
+    fclose(file);
+}
+
+/* ---- The budget ----------------------------------------------------------------------------- */
+
+/* Of three jobs that were fetched the budget leaves the one used last, its map included. */
+static void test_longest_unused_goes_first(void **state)
+{
+    struct daemon_room *f = *state;
+    char jobs[3][80], file[300];
+    struct reply reply;
+    for (int i = 0; i < 3; i++)
+        run_job(&f->daemon, f->scene, i + 1, "v", jobs[i]);
+    fetch(&f->daemon, jobs[1], 200);
+    fetch(&f->daemon, jobs[2], 200);
+    fetch(&f->daemon, jobs[0], 200);
+    const double uploads = bytes_of(&f->daemon, "uploads"), kept = bytes_kept(&f->daemon);
+    const size_t maps = count_maps(&f->daemon);
+    assert_true(maps >= 3);
+    /* Room for a third of maps and results. */
+    restart_with_budget(&f->daemon, uploads + (kept - uploads) / 3);
+    assert_true(bytes_kept(&f->daemon) <= uploads + (kept - uploads) / 3);
+    assert_true(bytes_of(&f->daemon, "uploads") == uploads);
+    fetch(&f->daemon, jobs[0], 200);
+    assert_int_equal(count_maps(&f->daemon) < maps, true);
+    daemon_get(&f->daemon, jobs[1], &reply);
+    assert_string_equal(reply_text(&reply, "state"), "succeeded");
+    const bool gone = *reply_text(&reply, "evicted");
+    assert_true(gone == !*reply_text(&reply, "links.result"));
+    reply_done(&reply);
+    fetch(&f->daemon, jobs[1], gone ? 410 : 200);
+    /* All that may go: the next start has room for uploads alone. */
+    restart_with_budget(&f->daemon, uploads);
+    for (int i = 0; i < 3; i++) {
+        fetch(&f->daemon, jobs[i], 410);
+        snprintf(file, sizeof file, "%s/files/v.hdr", jobs[i]);
+        expect(&f->daemon, "GET", file, 410, "results-evicted");
+        snprintf(file, sizeof file, "%s/files/w.hdr", jobs[i]);
+        expect(&f->daemon, "GET", file, 404, "no-such-resource");
+    }
+    assert_int_equal(count_maps(&f->daemon), 0);
+    assert_int_equal(daemon_count_files(&f->daemon, "maps"), 0);
+    assert_int_equal(daemon_count_files(&f->daemon, "results"), 0);
+}
+
+/* Results that nobody has asked for stay, and what is new is refused. */
+static void test_full(void **state)
+{
+    static const char bsdf[] = "<WindowElement/>";
+    static const char ball[] = "void plastic x 0 0 5 .5 .5 .5 0 0\nx sphere s 0 0 4 0 0 0 1\n";
+    struct daemon_room *f = *state;
+    struct reply reply;
+    char job[80], text[512];
+    run_job(&f->daemon, f->scene, 1, "v", job);
+    restart_with_budget(&f->daemon,
+                        bytes_of(&f->daemon, "uploads") + bytes_of(&f->daemon, "results"));
+    assert_int_equal(count_maps(&f->daemon), 0);
+    snprintf(text, sizeof text,
+             "{\"kind\":\"render\",\"scene\":\"%s\",\"technique\":\"backward\","
+             "\"gather_samples\":16,\"sensors\":[[2,1,0.8,0,0,1]]}",
+             f->scene);
+    daemon_post_json(&f->daemon, "/v1/jobs", text, &reply);
+    assert_int_equal(reply.status, 507);
+    assert_string_equal(reply_text(&reply, "type"), "urn:oriel:error:storage-full");
+    assert_non_null(reply_header(&reply, "Retry-After"));
+    reply_done(&reply);
+    daemon_request(&f->daemon, "POST", "/v1/bsdfs", "application/xml", bsdf, strlen(bsdf), NULL,
+                   &reply);
+    assert_int_equal(reply.status, 507);
+    reply_done(&reply);
+    const struct upload_file other = {"ball.rad", ball, strlen(ball), false};
+    daemon_upload(&f->daemon, &other, 1, NULL, &reply);
+    assert_int_equal(reply.status, 507);
+    reply_done(&reply);
+    assert_int_equal(daemon_count_files(&f->daemon, "tmp"), 0);
+    /* What was accepted before is here, and once it has been fetched makes room. */
+    fetch(&f->daemon, job, 200);
+    daemon_post_json(&f->daemon, "/v1/jobs", text, &reply);
+    assert_int_equal(reply.status, 202);
+    reply_done(&reply);
+    fetch(&f->daemon, job, 410);
+}
+
+static void test_limits_and_help(void **state)
+{
+    struct daemon_room *f = *state;
+    struct reply reply;
+    restart_with_budget(&f->daemon, 123456789);
+    daemon_get(&f->daemon, "/v1/limits", &reply);
+    assert_true(reply_number(&reply, "storage_bytes") == 123456789);
+    reply_done(&reply);
+    assert_true(metric(&f->daemon, "oriel_storage_budget_bytes") == 123456789);
+}
+
+/* ---- DELETE --------------------------------------------------------------------------------- */
+
+static void test_delete_job(void **state)
+{
+    struct daemon_room *f = *state;
+    struct reply reply;
+    char done[80], running[80], waiting[80], path[300];
+    run_job(&f->daemon, f->scene, 1, "v", done);
+    const size_t blobs = daemon_count_files(&f->daemon, "blobs");
+    expect(&f->daemon, "DELETE", done, 204, NULL);
+    expect(&f->daemon, "DELETE", done, 404, "no-such-resource");
+    expect(&f->daemon, "GET", done, 404, "no-such-resource");
+    snprintf(path, sizeof path, "%s/result", done);
+    expect(&f->daemon, "GET", path, 404, "no-such-resource");
+    assert_int_equal(daemon_count_files(&f->daemon, "results"), 0);
+    assert_int_equal(daemon_count_files(&f->daemon, "blobs"), blobs - 1);
+    assert_true(bytes_of(&f->daemon, "results") == 0);
+    daemon_submit(&f->daemon, f->scene, 50000000, 2, NULL, running);
+    daemon_wait_running(&f->daemon, running, 0);
+    daemon_submit(&f->daemon, f->scene, 50000000, 3, NULL, waiting);
+    expect(&f->daemon, "DELETE", running, 409, "in-use");
+    expect(&f->daemon, "DELETE", waiting, 409, "in-use");
+    daemon_cancel(&f->daemon, waiting, &reply);
+    reply_done(&reply);
+    daemon_cancel(&f->daemon, running, &reply);
+    reply_done(&reply);
+    daemon_wait(&f->daemon, running, 10, &reply);
+    reply_done(&reply);
+    expect(&f->daemon, "DELETE", waiting, 204, NULL);
+    expect(&f->daemon, "DELETE", running, 204, NULL);
+    daemon_get(&f->daemon, "/v1/jobs", &reply);
+    assert_int_equal(json_array_size(reply_at(&reply, "jobs")), 0);
+    reply_done(&reply);
+}
+
+static void test_delete_scene(void **state)
+{
+    struct daemon_room *f = *state;
+    struct reply reply;
+    char scene[96], running[80], done[80];
+    snprintf(scene, sizeof scene, "/v1/scenes/%s", f->scene);
+    run_job(&f->daemon, f->scene, 1, NULL, done);
+    daemon_submit(&f->daemon, f->scene, 50000000, 2, NULL, running);
+    expect(&f->daemon, "DELETE", scene, 409, "in-use");
+    daemon_cancel(&f->daemon, running, &reply);
+    reply_done(&reply);
+    daemon_wait(&f->daemon, running, 10, &reply);
+    reply_done(&reply);
+    expect(&f->daemon, "DELETE", scene, 204, NULL);
+    expect(&f->daemon, "DELETE", scene, 404, "no-such-resource");
+    expect(&f->daemon, "HEAD", scene, 404, NULL);
+    assert_int_equal(daemon_count_files(&f->daemon, "blobs"), 2); /* the jobs' documents */
+    /* The job that used it lives on, over a restart too; a new one is told what is missing. */
+    assert_int_equal(daemon_end(&f->daemon, SIGTERM), 0);
+    daemon_restart(&f->daemon, NULL);
+    fetch(&f->daemon, done, 200);
+    char again[65];
+    daemon_upload_room(&f->daemon, again);
+    assert_string_equal(again, f->scene);
+    run_job(&f->daemon, f->scene, 3, NULL, done);
+}
+
+static void test_delete_bsdf(void **state)
+{
+    struct daemon_room *f = *state;
+    expect(&f->daemon, "DELETE",
+           "/v1/bsdfs/0123456789abcdef0123456789abcdef0123456789abcdef0123456789abcdef", 404,
+           "no-such-resource");
+}
+
+static void test_delete_map(void **state)
+{
+    struct daemon_room *f = *state;
+    struct reply reply;
+    char job[80], path[128];
+    run_job(&f->daemon, f->scene, 1, NULL, job);
+    daemon_get(&f->daemon, "/v1/maps", &reply);
+    const size_t count = json_array_size(reply_at(&reply, "maps"));
+    snprintf(path, sizeof path, "/v1/maps/%s/%s", reply_text(&reply, "maps.0.kind"),
+             reply_text(&reply, "maps.0.key"));
+    assert_true(count > 0);
+    reply_done(&reply);
+    expect(&f->daemon, "DELETE", path, 204, NULL);
+    expect(&f->daemon, "DELETE", path, 404, "no-such-resource");
+    expect(&f->daemon, "DELETE", "/v1/maps/global/0123", 404, "no-such-resource");
+    assert_int_equal(count_maps(&f->daemon), count - 1);
+    assert_int_equal(daemon_count_files(&f->daemon, "maps"), count - 1);
+    /* It is made anew. */
+    char again[80];
+    daemon_submit(&f->daemon, f->scene, PHOTONS, 1, "v", again);
+    daemon_wait(&f->daemon, again, 60, &reply);
+    assert_string_equal(reply_text(&reply, "state"), "succeeded");
+    reply_done(&reply);
+    assert_int_equal(count_maps(&f->daemon), count);
+}
+
+/* ---- Tags and parts ------------------------------------------------------------------------- */
+
+static void get_with(struct daemon *daemon, const char *path, const char *header, long status,
+                     struct reply *ret_reply)
+{
+    daemon_request(daemon, "GET", path, NULL, NULL, 0, header, ret_reply);
+    if (ret_reply->status != status)
+        fail_msg("%s: %ld in place of %ld", header, ret_reply->status, status);
+}
+
+static void test_parts(void **state)
+{
+    static const struct {
+        const char *range;
+        long status;
+        size_t first, count; /* from the end when count goes with first 0 of -N */
+    } cases[] = {{"bytes=0-9", 206, 0, 10},    {"bytes=5-5", 206, 5, 1},
+                 {"bytes=2-3,5-6", 200, 0, 0}, {"lines=1-2", 200, 0, 0},
+                 {"bytes=9-2", 200, 0, 0},     {"bytes=99999999-", 416, 0, 0},
+                 {"bytes=-0", 416, 0, 0},      {"bytes=99999999999999999999-", 416, 0, 0},
+                 {"bytes=x", 200, 0, 0},       {"bytes=-", 200, 0, 0}};
+    struct daemon_room *f = *state;
+    struct reply whole, part;
+    char job[80], path[300], header[160], sha[ORL_SHA_HEX];
+    run_job(&f->daemon, f->scene, 1, "v", job);
+    snprintf(path, sizeof path, "%s/files/v.hdr", job);
+    daemon_get(&f->daemon, path, &whole);
+    assert_string_equal(reply_header(&whole, "Accept-Ranges"), "bytes");
+    /* The tag is the digest of the bytes. */
+    orl_sha256_hex(whole.body, whole.size, sha);
+    snprintf(header, sizeof header, "\"%s\"", sha);
+    assert_string_equal(reply_header(&whole, "ETag"), header);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        snprintf(header, sizeof header, "Range: %s", cases[i].range);
+        get_with(&f->daemon, path, header, cases[i].status, &part);
+        if (cases[i].status == 206) {
+            assert_int_equal(part.size, cases[i].count);
+            assert_memory_equal(part.body, whole.body + cases[i].first, part.size);
+            assert_non_null(reply_header(&part, "Content-Range"));
+        } else if (cases[i].status == 200) {
+            assert_int_equal(part.size, whole.size);
+        } else {
+            assert_non_null(strstr(reply_header(&part, "Content-Range"), "bytes */"));
+        }
+        reply_done(&part);
+    }
+    get_with(&f->daemon, path, "Range: bytes=-7", 206, &part);
+    assert_int_equal(part.size, 7);
+    assert_memory_equal(part.body, whole.body + whole.size - 7, 7);
+    reply_done(&part);
+    snprintf(header, sizeof header, "Range: bytes=10-\r\nIf-Range: \"%s\"", sha);
+    get_with(&f->daemon, path, header, 206, &part);
+    assert_int_equal(part.size, whole.size - 10);
+    reply_done(&part);
+    get_with(&f->daemon, path, "Range: bytes=10-\r\nIf-Range: \"other\"", 200, &part);
+    reply_done(&part);
+    snprintf(header, sizeof header, "If-None-Match: \"%s\"", sha);
+    get_with(&f->daemon, path, header, 304, &part);
+    reply_done(&part);
+    daemon_request(&f->daemon, "HEAD", path, NULL, NULL, 0, "Range: bytes=0-9", &part);
+    assert_int_equal(part.status, 200);
+    assert_int_equal(strtoul(reply_header(&part, "Content-Length"), NULL, 10), whole.size);
+    reply_done(&part);
+    reply_done(&whole);
+}
+
+/* ---- Orphans -------------------------------------------------------------------------------- */
+
+/* What a crash may leave goes at the next start, and nothing else does. */
+static void test_orphans(void **state)
+{
+    static const char sha[] = "abcdef0123456789abcdef0123456789abcdef0123456789abcdef0123456789";
+    struct daemon_room *f = *state;
+    struct reply reply;
+    char done[80], cancelled[80], folder[300], map[96];
+    run_job(&f->daemon, f->scene, 1, "v", done);
+    daemon_submit(&f->daemon, f->scene, 50000000, 2, NULL, cancelled);
+    daemon_cancel(&f->daemon, cancelled, &reply);
+    reply_done(&reply);
+    daemon_wait(&f->daemon, cancelled, 10, &reply);
+    reply_done(&reply);
+    const size_t blobs = daemon_count_files(&f->daemon, "blobs");
+    const size_t results = daemon_count_files(&f->daemon, "results");
+    const size_t maps = daemon_count_files(&f->daemon, "maps");
+    assert_int_equal(daemon_end(&f->daemon, SIGKILL), -1);
+    leave_file(&f->daemon, "blobs/ab", sha);
+    snprintf(map, sizeof map, "global-%s.opm", sha);
+    leave_file(&f->daemon, "maps", map);
+    leave_file(&f->daemon, "tmp", "body");
+    snprintf(folder, sizeof folder, "results%s", strrchr(cancelled, '/'));
+    leave_file(&f->daemon, folder, "result.json");
+    leave_file(&f->daemon, "results/0123456789abcdef", "result.json");
+    snprintf(folder, sizeof folder, "partial%s", strrchr(done, '/'));
+    leave_file(&f->daemon, folder, "v.hdr");
+    daemon_restart(&f->daemon, NULL);
+    assert_int_equal(daemon_count_files(&f->daemon, "blobs"), blobs);
+    assert_int_equal(daemon_count_files(&f->daemon, "results"), results);
+    assert_int_equal(daemon_count_files(&f->daemon, "maps"), maps);
+    assert_int_equal(daemon_count_files(&f->daemon, "partial"), 0);
+    assert_int_equal(daemon_count_files(&f->daemon, "tmp"), 0);
+    fetch(&f->daemon, done, 200);
+}
+
+#define EACH(test) cmocka_unit_test_setup_teardown(test, daemon_room_set_up, daemon_room_tear_down)
+int main(void)
+{
+    static const struct CMUnitTest tests[] = {
+        EACH(test_longest_unused_goes_first),
+        EACH(test_full),
+        EACH(test_limits_and_help),
+        EACH(test_delete_job),
+        EACH(test_delete_scene),
+        EACH(test_delete_bsdf),
+        EACH(test_delete_map),
+        EACH(test_parts),
+        EACH(test_orphans),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
