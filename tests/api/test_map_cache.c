@@ -23,7 +23,7 @@ struct fixture {
     struct orl_db db;
     struct orl_map_cache *cache;
     struct orl_map_store store;
-    atomic_int woken;
+    atomic_int woken, ended, faults;
     struct orl_error err;
 };
 
@@ -362,6 +362,96 @@ static void test_no_family(void **state)
     assert_int_equal(smaller_than(f, "global", FAMILY, UINT64_MAX), 0);
 }
 
+static enum orl_map_removal remove_map(struct fixture *f)
+{
+    enum orl_map_removal removal = ORL_MAP_IN_USE;
+    assert_int_equal(orl_map_cache_remove(f->cache, "global", KEY, &removal, &f->err), 0);
+    uv_run(uv_default_loop(), UV_RUN_DEFAULT);
+    return removal;
+}
+
+static size_t count_rows(struct fixture *f)
+{
+    struct orl_stored_map *maps = NULL;
+    size_t count = 0;
+    assert_int_equal(orl_map_cache_list(f->cache, &maps, &count, &f->err), 0);
+    free(maps);
+    return count;
+}
+
+/* Only a map that nobody builds or holds goes; and it goes over a restart too. */
+static void test_removal(void **state)
+{
+    struct fixture *f = *state;
+    char path[4096], kept[4096];
+    struct orl_map_info info;
+    assert_int_equal(remove_map(f), ORL_MAP_ABSENT);
+    assert_false(acquire(f, path, &info));
+    assert_int_equal(remove_map(f), ORL_MAP_IN_USE);
+    build(f, path);
+    assert_int_equal(remove_map(f), ORL_MAP_IN_USE);
+    f->store.release(f->store.ctx, "global", KEY);
+    assert_true(acquire(f, kept, &info));
+    assert_true(acquire(f, kept, &info));
+    f->store.release(f->store.ctx, "global", KEY);
+    assert_int_equal(remove_map(f), ORL_MAP_IN_USE);
+    assert_int_equal(access(kept, R_OK), 0);
+    f->store.release(f->store.ctx, "global", KEY);
+    assert_int_equal(orl_map_cache_flush(f->cache, &f->err), 0);
+    assert_int_equal(remove_map(f), ORL_MAP_REMOVED);
+    assert_int_not_equal(access(kept, F_OK), 0);
+    assert_int_equal(remove_map(f), ORL_MAP_ABSENT);
+    assert_int_equal(count_rows(f), 0);
+    close_all(f);
+    assert_int_equal(open_all(f), 0);
+    assert_int_equal(count_rows(f), 0);
+    assert_false(acquire(f, path, &info));
+    build(f, path);
+    assert_int_equal(count_rows(f), 1);
+}
+
+enum { USERS = 3, USES = 200 };
+
+/* Takes the map and lets it go, many times; builds it when it has been removed. A file that goes
+ * while it is held is a failure. */
+static void *use_many_times(void *arg)
+{
+    struct fixture *f = arg;
+    for (int i = 0; i < USES; i++) {
+        char path[4096];
+        struct orl_map_info info = info_of(1);
+        bool hit = false;
+        int rc = f->store.acquire(f->store.ctx, "global", KEY, NULL, path, &hit, &info, NULL);
+        if (rc == 0 && !hit) {
+            rc = orl_write_file(path, "map", 3, NULL);
+            rc = rc ? rc : f->store.commit(f->store.ctx, &info, NULL);
+            orl_folders_path(&f->folders, path, "maps/global-%s.opm", KEY);
+        }
+        if (rc || access(path, R_OK) != 0)
+            atomic_fetch_add(&f->faults, 1);
+        f->store.release(f->store.ctx, "global", KEY);
+    }
+    atomic_fetch_add(&f->ended, 1);
+    return NULL;
+}
+
+static void test_removal_under_use(void **state)
+{
+    struct fixture *f = *state;
+    pthread_t threads[USERS];
+    size_t removed = 0;
+    for (int i = 0; i < USERS; i++)
+        assert_int_equal(pthread_create(&threads[i], NULL, use_many_times, f), 0);
+    while (atomic_load(&f->ended) < USERS) {
+        removed += remove_map(f) == ORL_MAP_REMOVED;
+        assert_int_equal(orl_map_cache_flush(f->cache, &f->err), 0);
+    }
+    for (int i = 0; i < USERS; i++)
+        pthread_join(threads[i], NULL);
+    assert_int_equal(atomic_load(&f->faults), 0);
+    assert_true(removed > 0 || remove_map(f) == ORL_MAP_REMOVED);
+}
+
 #define EACH(test) cmocka_unit_test_setup_teardown(test, setup, teardown)
 int main(void)
 {
@@ -376,6 +466,8 @@ int main(void)
         EACH(test_removed_map_is_rebuilt),
         EACH(test_finds_the_largest_smaller),
         EACH(test_no_family),
+        EACH(test_removal),
+        EACH(test_removal_under_use),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

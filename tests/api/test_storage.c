@@ -402,6 +402,48 @@ static void test_orphans(void **state)
     fetch(&f->daemon, done, 200);
 }
 
+/* Runs SQL on the daemon's database, beside the daemon. */
+static void run_sql(const struct daemon *daemon, const char *sql)
+{
+    char path[96];
+    sqlite3 *db = NULL;
+    snprintf(path, sizeof path, "%s/oriel.db", daemon->root);
+    assert_int_equal(sqlite3_open(path, &db), SQLITE_OK);
+    sqlite3_busy_timeout(db, 5000);
+    assert_int_equal(sqlite3_exec(db, sql, NULL, NULL, NULL), SQLITE_OK);
+    sqlite3_close(db);
+}
+
+/* What fails at its last step, the row, leaves no file, not even until the next start. */
+static void test_uploads_that_fail_late(void **state)
+{
+    static const char ball[] = "void plastic x 0 0 5 .5 .5 .5 0 0\nx sphere s 0 0 4 0 0 0 1\n";
+    struct daemon_room *f = *state;
+    struct reply reply;
+    char text[512];
+    const size_t blobs = daemon_count_files(&f->daemon, "blobs");
+    run_sql(&f->daemon,
+            "CREATE TRIGGER a BEFORE INSERT ON scenes BEGIN SELECT RAISE(ABORT, 'no'); END;"
+            "CREATE TRIGGER b BEFORE INSERT ON jobs BEGIN SELECT RAISE(ABORT, 'no'); END;");
+    const struct upload_file file = {"ball.rad", ball, strlen(ball), false};
+    daemon_upload(&f->daemon, &file, 1, NULL, &reply);
+    assert_int_equal(reply.status, 500);
+    reply_done(&reply);
+    snprintf(text, sizeof text, "{\"scene\":\"%s\",\"sensors\":[[2,1,0.8,0,0,1]]}", f->scene);
+    daemon_post_json(&f->daemon, "/v1/jobs", text, &reply);
+    assert_int_equal(reply.status, 500);
+    reply_done(&reply);
+    assert_int_equal(daemon_count_files(&f->daemon, "blobs"), blobs);
+    run_sql(&f->daemon, "DROP TRIGGER a; DROP TRIGGER b;");
+    daemon_upload(&f->daemon, &file, 1, NULL, &reply);
+    assert_int_equal(reply.status, 201);
+    reply_done(&reply);
+    daemon_post_json(&f->daemon, "/v1/jobs", text, &reply);
+    assert_int_equal(reply.status, 202);
+    reply_done(&reply);
+    assert_int_equal(daemon_count_files(&f->daemon, "blobs"), blobs + 2);
+}
+
 #define EACH(test) cmocka_unit_test_setup_teardown(test, daemon_room_set_up, daemon_room_tear_down)
 int main(void)
 {
@@ -415,6 +457,7 @@ int main(void)
         EACH(test_delete_map),
         EACH(test_parts),
         EACH(test_orphans),
+        EACH(test_uploads_that_fail_late),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -198,6 +198,78 @@ static void test_families_come_to_old_maps(void **state)
     assert_true(again.info.target == 5000000000);
 }
 
+/* Applies the first so many migrations that the daemon carries. */
+static void migrate_up_to(struct fixture *f, size_t count)
+{
+    struct orl_migration list[16];
+    size_t n = 0;
+    for (size_t i = 0; i < orl_carried_count(); i++) {
+        const struct orl_carried_file file = orl_carried_at(i);
+        if (strncmp(file.name, "migrations/", 11) == 0 && n < count && n < 16)
+            list[n++] = (struct orl_migration){file.name + 11, file.text};
+    }
+    assert_int_equal(n, count);
+    assert_int_equal(orl_db_migrate(&f->db, list, n, &f->err), 0);
+}
+
+#define SCENE "aaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaa"
+
+/* Jobs of before there was a budget keep what they have, and learn how much it is. */
+static void test_old_jobs_are_measured(void **state)
+{
+    struct fixture *f = *state;
+    migrate_up_to(f, 7);
+    const char *sql =
+        "INSERT INTO scenes VALUES ('" SCENE "', 1, 1, '{}');"
+        "INSERT INTO jobs (seq, id, kind, scene, document, state, attempts, created_ms, started_ms,"
+        " finished_ms, outcome, problem, priority, client, request_key, identity) VALUES"
+        "(3, 'a', 'study', '" SCENE "', '" SCENE "', 'succeeded', 2, 11, 12, 13,"
+        " '{\"files\":[{\"name\":\"x\",\"bytes\":30},{\"name\":\"y\",\"bytes\":12}]}', NULL, 7,"
+        " 'name:c', 'k', 'i'),"
+        "(5, 'b', 'render', '" SCENE "', '" SCENE "', 'succeeded', 1, 11, 12, 13, 'no json', NULL,"
+        " 5, '', NULL, ''),"
+        "(8, 'c', 'render', '" SCENE "', '" SCENE "', 'queued', 0, 11, NULL, NULL, NULL, NULL, 5,"
+        " '', NULL, '')";
+    assert_int_equal(orl_db_exec(&f->db, sql, &f->err), 0);
+    assert_int_equal(orl_db_migrate_embedded(&f->db, &f->err), 0);
+    assert_int_equal(number(f, "SELECT result_bytes FROM jobs WHERE id = 'a'"), 42);
+    assert_int_equal(number(f, "SELECT sum(result_bytes) FROM jobs WHERE id > 'a'"), 0);
+    assert_int_equal(number(f, "SELECT count(*) FROM jobs WHERE seq = 3 AND kind = 'study' AND "
+                               "attempts = 2 AND created_ms = 11 AND started_ms = 12 AND "
+                               "finished_ms = 13 AND priority = 7 AND client = 'name:c' AND "
+                               "request_key = 'k' AND identity = 'i' AND evicted_ms IS NULL"),
+                     1);
+    /* The order of arrival goes on. */
+    assert_int_equal(orl_db_exec(&f->db,
+                                 "INSERT INTO jobs (id, scene, document, state, created_ms) VALUES "
+                                 "('d', '" SCENE "', '" SCENE "', 'queued', 1)",
+                                 &f->err),
+                     0);
+    assert_int_equal(number(f, "SELECT seq FROM jobs WHERE id = 'd'"), 9);
+}
+
+/* A scene outlives no job that waits, but those that have ended outlive it. */
+static void test_scenes_can_go(void **state)
+{
+    struct fixture *f = *state;
+    assert_int_equal(orl_db_migrate_embedded(&f->db, &f->err), 0);
+    assert_int_equal(orl_db_exec(&f->db,
+                                 "INSERT INTO scenes VALUES ('" SCENE "', 1, 1, '{}');"
+                                 "INSERT INTO scene_files VALUES ('" SCENE "', 0, 'n', 0, '" SCENE
+                                 "', 1);"
+                                 "INSERT INTO bsdfs VALUES ('" SCENE "', 1, 'n', 1, '{}');"
+                                 "INSERT INTO jobs (id, scene, document, state, created_ms) VALUES "
+                                 "('j', '" SCENE "', '" SCENE "', 'running', 1)",
+                                 &f->err),
+                     0);
+    assert_int_equal(orl_db_exec(&f->db, "DELETE FROM scenes", &f->err), ORL_ERR_IO);
+    assert_int_equal(orl_db_exec(&f->db, "DELETE FROM bsdfs", &f->err), ORL_ERR_IO);
+    assert_int_equal(orl_db_exec(&f->db, "UPDATE jobs SET state = 'failed'", &f->err), 0);
+    assert_int_equal(orl_db_exec(&f->db, "DELETE FROM scenes; DELETE FROM bsdfs", &f->err), 0);
+    assert_int_equal(number(f, "SELECT count(*) FROM scene_files"), 0);
+    assert_int_equal(number(f, "SELECT count(*) FROM jobs"), 1);
+}
+
 static int last_row(void *ctx, const struct orl_job_row *row)
 {
     struct orl_job_row *last = ctx;
@@ -235,6 +307,9 @@ static void test_job_rows_round_trip(void **state)
     row.attempts = 2;
     row.finished_ms = 13;
     row.problem = "{\"a\":1}";
+    row.result_bytes = 5000000000;
+    row.fetched_ms = 17;
+    row.evicted_ms = 19;
     assert_int_equal(orl_job_row_update(&f->db, &row, &f->err), 0);
     assert_int_equal(orl_job_rows(&f->db, last_row, &last, &f->err), 0);
     assert_string_equal(last.id, "job-1");
@@ -246,6 +321,11 @@ static void test_job_rows_round_trip(void **state)
     assert_int_equal(last.started_ms, 0);
     assert_int_equal(last.finished_ms, 13);
     assert_null(last.outcome);
+    assert_true(last.result_bytes == 5000000000);
+    assert_int_equal(last.fetched_ms, 17);
+    assert_int_equal(last.evicted_ms, 19);
+    assert_int_equal(orl_job_row_drop(&f->db, row.seq, &f->err), 0);
+    assert_int_equal(number(f, "SELECT count(*) FROM jobs"), 0);
 }
 
 #define EACH(test) cmocka_unit_test_setup_teardown(test, setup, teardown)
@@ -261,6 +341,8 @@ int main(void)
         EACH(test_gap_is_refused),
         EACH(test_schema_refuses_nonsense),
         EACH(test_families_come_to_old_maps),
+        EACH(test_old_jobs_are_measured),
+        EACH(test_scenes_can_go),
         EACH(test_job_rows_round_trip),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

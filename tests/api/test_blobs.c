@@ -1,0 +1,179 @@
+/* Which blobs stay: those that a row names or a request claims, whatever the order of events. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "blobs.h"
+#include "store/migrate.h"
+#include "store/scenes.h"
+
+struct fixture {
+    char root[64];
+    struct orl_folders folders;
+    struct orl_db db;
+    struct orl_blobs *blobs;
+    char sha[ORL_SHA_HEX]; /* of "ten bytes." */
+    struct orl_error err;
+};
+
+static int open_all(struct fixture *f)
+{
+    char path[ORL_PATH_MAX];
+    int rc = orl_folders_open(&f->folders, f->root, &f->err);
+    orl_folders_path(&f->folders, path, "oriel.db");
+    if (rc == 0)
+        rc = orl_db_open(&f->db, path, &f->err);
+    if (rc == 0)
+        rc = orl_db_migrate_embedded(&f->db, &f->err);
+    return rc ? rc : orl_blobs_open(uv_default_loop(), &f->folders, &f->db, &f->blobs, &f->err);
+}
+
+static void close_all(struct fixture *f)
+{
+    uv_run(uv_default_loop(), UV_RUN_DEFAULT);
+    orl_blobs_close(f->blobs);
+    f->blobs = NULL;
+    orl_db_close(&f->db);
+    orl_folders_close(&f->folders);
+}
+
+static int setup(void **state)
+{
+    struct fixture *f = calloc(1, sizeof *f);
+    snprintf(f->root, sizeof f->root, "/tmp/oriel-test-XXXXXX");
+    orl_sha256_hex("ten bytes.", 10, f->sha);
+    *state = f;
+    return mkdtemp(f->root) ? open_all(f) : -1;
+}
+
+static int teardown(void **state)
+{
+    struct fixture *f = *state;
+    close_all(f);
+    orl_remove_tree(f->root, NULL);
+    free(f);
+    return 0;
+}
+
+/* What an upload does on the pool. */
+static void keep(struct fixture *f)
+{
+    char path[ORL_PATH_MAX];
+    orl_folders_temporary(&f->folders, path);
+    assert_int_equal(orl_write_file(path, "ten bytes.", 10, &f->err), 0);
+    assert_int_equal(orl_blob_keep(&f->folders, path, f->sha, &f->err), 0);
+}
+
+static void name_it(struct fixture *f)
+{
+    bool created = false;
+    assert_int_equal(orl_bsdf_insert(&f->db, f->sha, "b", 10, "{}", &created, &f->err), 0);
+}
+
+static void unname(struct fixture *f)
+{
+    bool removed = false;
+    assert_int_equal(orl_bsdf_drop(&f->db, f->sha, &removed, &f->err), 0);
+    assert_true(removed);
+    orl_blobs_forget(f->blobs, f->sha);
+}
+
+static void claim(struct fixture *f)
+{
+    assert_int_equal(orl_blobs_claim(f->blobs, f->sha, &f->err), 0);
+}
+
+static void expect(const struct fixture *f, bool there, uint64_t bytes)
+{
+    assert_int_equal(orl_blob_exists(&f->folders, f->sha), there);
+    assert_int_equal(orl_blobs_bytes(f->blobs), bytes);
+}
+
+static void test_upload_and_removal(void **state)
+{
+    struct fixture *f = *state;
+    claim(f);
+    keep(f);
+    name_it(f);
+    orl_blobs_release(f->blobs, f->sha);
+    expect(f, true, 10);
+    close_all(f);
+    assert_int_equal(open_all(f), 0);
+    expect(f, true, 10);
+    unname(f);
+    expect(f, false, 0);
+}
+
+/* Its row could not be written. */
+static void test_failed_upload(void **state)
+{
+    struct fixture *f = *state;
+    claim(f);
+    keep(f);
+    orl_blobs_release(f->blobs, f->sha);
+    expect(f, false, 0);
+    claim(f); /* nor could its file */
+    orl_blobs_release(f->blobs, f->sha);
+    expect(f, false, 0);
+}
+
+/* Of two uploads of the same bytes one fails. */
+static void test_two_uploads(void **state)
+{
+    struct fixture *f = *state;
+    claim(f);
+    claim(f);
+    keep(f);
+    keep(f);
+    orl_blobs_release(f->blobs, f->sha);
+    expect(f, true, 0);
+    name_it(f);
+    orl_blobs_release(f->blobs, f->sha);
+    expect(f, true, 10);
+}
+
+/* An upload finds the bytes there just before the row that named them goes. */
+static void test_removal_during_upload(void **state)
+{
+    struct fixture *f = *state;
+    claim(f);
+    keep(f);
+    name_it(f);
+    orl_blobs_release(f->blobs, f->sha);
+    claim(f);
+    unname(f);
+    expect(f, true, 10);
+    name_it(f);
+    orl_blobs_release(f->blobs, f->sha);
+    expect(f, true, 10);
+    claim(f);
+    unname(f);
+    orl_blobs_release(f->blobs, f->sha); /* that failed too */
+    expect(f, false, 0);
+}
+
+static void test_orphans_go_at_start(void **state)
+{
+    struct fixture *f = *state;
+    keep(f);
+    close_all(f);
+    assert_int_equal(open_all(f), 0);
+    expect(f, false, 0);
+}
+
+#define EACH(test) cmocka_unit_test_setup_teardown(test, setup, teardown)
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        EACH(test_upload_and_removal),    EACH(test_failed_upload),       EACH(test_two_uploads),
+        EACH(test_removal_during_upload), EACH(test_orphans_go_at_start),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
