@@ -14,7 +14,7 @@ PACKAGES_BUILD := gcc libc6-dev make libembree-dev libmicrohttpd-dev libjansson-
 PACKAGES_CHECK := $(PACKAGES_BUILD) libcmocka-dev libgnutls28-dev curl python3 python3-yaml
 PACKAGES_LINT  := $(PACKAGES_CHECK) clang clang-tidy clang-format
 PACKAGES_DEMO  := $(PACKAGES_BUILD)
-PACKAGES_PERF  := $(PACKAGES_CHECK) valgrind
+PACKAGES_PERF  := $(PACKAGES_CHECK) valgrind wrk
 PACKAGES_FUZZ  := $(PACKAGES_BUILD) clang llvm libclang-rt-14-dev
 
 WARNINGS := -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wstrict-prototypes \
@@ -44,7 +44,7 @@ CLIENT_SRC := $(sort $(wildcard client/*.c))
 OFFICE_SRC := $(sort $(wildcard client/examples/office/*.c))
 FUZZ_TARGETS := $(patsubst tests/fuzz/%.c,%,$(sort $(wildcard tests/fuzz/fuzz_*.c)))
 # Programs of tests/bench; the rest there is shared.
-BENCH_SRC  := $(patsubst %,tests/bench/%.c,speed scale instructions table2 gallery calibration)
+BENCH_SRC  := $(patsubst %,tests/bench/%.c,speed scale instructions table2 gallery calibration hello)
 SUPPORT_SRC := $(sort $(wildcard tests/support/*.c) $(FUZZ_TARGETS:%=tests/fuzz/%.c) \
 	tests/fuzz/promise.c $(filter-out $(BENCH_SRC),$(wildcard tests/bench/*.c)))
 TEST_SUITES := unit stats validation stability api migrations
@@ -69,7 +69,7 @@ SUPPORT_OBJ := $(call obj,$(SUPPORT_SRC))
 SERVER_LIB_OBJ := $(filter-out %/server/main.o,$(SERVER_OBJ))
 TEST_BIN   := $(patsubst tests/%.c,$(BUILD)/tests/%,$(TEST_SRC))
 
-.PHONY: all help clean check demo lint format asan tsan bench bench-scale check-perf table2 gallery \
+.PHONY: all help clean check demo lint format asan tsan bench bench-scale load check-perf table2 gallery \
 	calibration study tests deps-build deps-check deps-lint deps-demo deps-perf deps-fuzz fuzz fuzzers stability cie171 oracles FORCE
 all: $(BUILD)/oriel $(BUILD)/orield $(BUILD)/oriel-lcp
 
@@ -90,6 +90,7 @@ help:
 ## make bench      what the office costs in ray-times, beside its targets and Radiance's times if it
 ##                 is there: a table, and build/bench.json
 ## make bench-scale  how that grows with photons, threads and little memory
+## make load       how the daemon bears many clients, idle and while all cores render: a table
 ## make check-perf   instructions of three small jobs against those on record (RECORD=1: records them)
 ## make table2     the techniques' times and errors on the office, beside Radiance's if it is there
 ## make study      what accuracy costs in time on the office: a table, and build/study/study.png
@@ -261,6 +262,9 @@ bench: deps-check
 bench-scale: deps-check
 	@$(MAKE) --no-print-directory -j$(JOBS) all $(BUILD)/tests/bench/scale
 	@ORIEL_BUILD=$(BUILD) $(BUILD)/tests/bench/scale
+load: deps-perf
+	@$(MAKE) --no-print-directory -j$(JOBS) $(BUILD)/orield $(BUILD)/tests/bench/hello
+	@PYTHONDONTWRITEBYTECODE=1 /usr/bin/python3 tests/bench/load.py $(BUILD)
 RECORD ?=
 check-perf: deps-perf
 	@$(MAKE) --no-print-directory -j$(JOBS) $(BUILD)/tests/bench/instructions

@@ -13,6 +13,7 @@
 #include "limits.h"
 #include "reply.h"
 #include "server.h"
+#include "status_cache.h"
 #include "store/scenes.h"
 
 enum { REQUEST_KEY_MAX = 255 };
@@ -69,11 +70,24 @@ static void keep_document(struct orl_request *request)
 
 /* ---- On the loop ---------------------------------------------------------------------------- */
 
+static void reply_document(struct orl_request *request, unsigned status,
+                           const struct orl_jobs_job *job)
+{
+    const struct orl_server *server = request->server;
+    size_t size = 0;
+    if (job->row.state < ORL_JOB_SUCCEEDED) {
+        orl_reply_json(request, status, orl_job_status(server->jobs, job));
+        return;
+    }
+    const char *text = orl_status_cache_text(server->statuses, server->jobs, job, &size);
+    orl_reply_json_text(request, status, text, size);
+}
+
 static void reply_job(struct orl_request *request, unsigned status, const struct orl_jobs_job *job)
 {
     char location[80];
     snprintf(request->job, sizeof request->job, "%s", job->row.id);
-    orl_reply_json(request, status, orl_job_status(request->server->jobs, job));
+    reply_document(request, status, job);
     orl_reply_header(request, "Cache-Control", "no-store");
     if (status == 202) {
         snprintf(location, sizeof location, "/v1/jobs/%s", job->row.id);

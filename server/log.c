@@ -126,5 +126,12 @@ void orl_log_event(const struct orl_log *log, enum orl_log_level level, const ch
     va_start(args, fields);
     (log->json ? write_object : write_pairs)(log, now, level_names[level], event, fields, args);
     va_end(args);
-    fflush(log->stream);
+    if (level >= ORL_LOG_WARN)
+        fflush(log->stream);
+}
+
+void orl_log_flush(const struct orl_log *log)
+{
+    if (log->stream)
+        fflush(log->stream);
 }

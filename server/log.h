@@ -35,6 +35,9 @@ struct orl_log {
 void orl_log_event(const struct orl_log *log, enum orl_log_level level, const char *event,
                    const char *fields, ...);
 
+/* Writes out what is gathered in the stream; an event from a warning on does so by itself. */
+void orl_log_flush(const struct orl_log *log);
+
 /* 0 and *ret_level for "debug", "info", "warn" or "error"; -1 otherwise. */
 int orl_log_level_from_name(const char *name, enum orl_log_level *ret_level);
 

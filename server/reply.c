@@ -34,12 +34,18 @@ void orl_reply_header(struct orl_request *request, const char *name, const char 
         MHD_add_response_header(request->response, name, value);
 }
 
+/* Ten digits: seconds and percents are for people; results are files, in full. */
+char *orl_reply_text_of(json_t *json)
+{
+    char *text = json ? json_dumps(json, JSON_COMPACT | JSON_REAL_PRECISION(10)) : NULL;
+    json_decref(json);
+    return text;
+}
+
 static void reply_document(struct orl_request *request, unsigned status, json_t *json,
                            const char *type)
 {
-    /* Ten digits: seconds and percents are for people; results are files, in full. */
-    char *text = json ? json_dumps(json, JSON_COMPACT | JSON_REAL_PRECISION(10)) : NULL;
-    json_decref(json);
+    char *text = orl_reply_text_of(json);
     struct MHD_Response *response = NULL;
     if (text)
         response = MHD_create_response_from_buffer(strlen(text), text, MHD_RESPMEM_MUST_FREE);
@@ -51,6 +57,16 @@ static void reply_document(struct orl_request *request, unsigned status, json_t 
 void orl_reply_json(struct orl_request *request, unsigned status, json_t *json)
 {
     reply_document(request, status, json, "application/json");
+}
+
+void orl_reply_json_text(struct orl_request *request, unsigned status, const char *text,
+                         size_t size)
+{
+    struct MHD_Response *response = NULL;
+    if (text)
+        response =
+            MHD_create_response_from_buffer(size, (void *)(uintptr_t)text, MHD_RESPMEM_MUST_COPY);
+    set_response(request, status, response, "application/json");
 }
 
 void orl_reply_error(struct orl_request *request, const struct orl_error *err)

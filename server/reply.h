@@ -11,6 +11,11 @@
 
 /* Takes json; NULL (out of memory) becomes a 500. */
 void orl_reply_json(struct orl_request *request, unsigned status, json_t *json);
+/* The text that such a reply has, owned; takes json. NULL when that is, or memory runs out. */
+char *orl_reply_text_of(json_t *json);
+/* Such text, made before; it is copied. NULL becomes a 500. */
+void orl_reply_json_text(struct orl_request *request, unsigned status, const char *text,
+                         size_t size);
 /* application/problem+json for an error of the core; those of ours (5xx) are logged. */
 void orl_reply_error(struct orl_request *request, const struct orl_error *err);
 /* ... and for one of HTTP itself; see orl_problem_new. */

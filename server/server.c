@@ -22,6 +22,7 @@ static void stop_if_quiet(struct orl_server *server)
     orl_storage_stop(&server->storage);
     uv_close((uv_handle_t *)&server->kept_changed, NULL);
     uv_close((uv_handle_t *)&server->drain, NULL);
+    uv_close((uv_handle_t *)&server->log_lines, NULL);
     for (int i = 0; i < 2; i++)
         if (!uv_is_closing((uv_handle_t *)&server->signals[i]))
             uv_close((uv_handle_t *)&server->signals[i], NULL);
@@ -95,6 +96,24 @@ static void wake_for_maps(void *ctx)
     uv_async_send(ctx);
 }
 
+/* ---- The log -------------------------------------------------------------------------------- */
+
+static void write_log(uv_prepare_t *handle)
+{
+    const struct orl_server *server = handle->data;
+    orl_log_flush(&server->log);
+}
+
+/* Lines of one turn of the loop go out together: a write for each would cost more than they do. */
+static void gather_log(struct orl_server *server)
+{
+    static char lines[1 << 16];
+    setvbuf(server->log.stream, lines, _IOFBF, sizeof lines);
+    uv_prepare_init(&server->loop, &server->log_lines);
+    server->log_lines.data = server;
+    uv_prepare_start(&server->log_lines, write_log);
+}
+
 /* ---- Starting ------------------------------------------------------------------------------- */
 
 static int open_storage(struct orl_server *server, struct orl_error *err)
@@ -165,6 +184,9 @@ static void watch_signals(struct orl_server *server)
 
 static int open_jobs(struct orl_server *server, struct orl_error *err)
 {
+    server->statuses = orl_status_cache_new();
+    if (!server->statuses)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     const struct orl_jobs_env env = {
         .loop = &server->loop,
         .db = &server->db,
@@ -224,6 +246,7 @@ int orl_server_run(const struct orl_config *config, void (*announce)(const char 
     server.kept_changed.data = &server;
     uv_timer_init(&server.loop, &server.storage.notes);
     server.storage.notes.data = &server.storage;
+    gather_log(&server);
     /* HTTP before the jobs: nothing is served until the loop runs, and a port that is taken is
      * found before a job starts. */
     int rc = open_storage(&server, err);
@@ -244,12 +267,14 @@ int orl_server_run(const struct orl_config *config, void (*announce)(const char 
         orl_http_stop(server.http);
         orl_storage_stop(&server.storage);
         uv_close((uv_handle_t *)&server.kept_changed, NULL);
+        uv_close((uv_handle_t *)&server.log_lines, NULL);
     }
     uv_run(&server.loop, UV_RUN_DEFAULT);
     orl_http_free(server.http);
     orl_events_free(server.events);
     if (server.maps)
         orl_map_cache_flush(server.maps, NULL);
+    orl_status_cache_free(server.statuses);
     orl_jobs_close(server.jobs);
     close_storage(&server);
     uv_loop_close(&server.loop);

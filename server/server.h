@@ -20,6 +20,7 @@
 #include "log.h"
 #include "map_cache.h"
 #include "metrics.h"
+#include "status_cache.h"
 #include "storage.h"
 #include "store/db.h"
 #include "store/folders.h"
@@ -31,6 +32,7 @@ struct orl_server {
     uv_async_t kept_changed;
     uv_signal_t signals[2];
     uv_timer_t drain;
+    uv_prepare_t log_lines; /* written out before the loop sleeps */
     struct orl_folders folders;
     struct orl_db db;
     sqlite3_stmt *token_finder; /* where tokens are needed */
@@ -39,6 +41,7 @@ struct orl_server {
     struct orl_shelf *shelf;
     struct orl_storage storage;
     struct orl_jobs *jobs;
+    struct orl_status_cache *statuses;
     struct orl_http *http;
     struct orl_events *events;
     struct orl_metrics metrics;
