@@ -48,7 +48,7 @@ void orl_crew_free(struct orl_crew *crew)
 
 uint32_t orl_crew_size(const struct orl_crew *crew)
 {
-    return crew->size;
+    return crew ? crew->size : 1;
 }
 
 static void claim_all(struct orl_crew *crew, size_t count, orl_crew_body body, void *arg,
@@ -92,6 +92,11 @@ void orl_crew_dismiss(struct orl_crew *crew)
 
 void orl_crew_for(struct orl_crew *crew, size_t count, orl_crew_body body, void *arg)
 {
+    if (!crew) {
+        for (size_t i = 0; i < count; i++)
+            body(arg, i, 0);
+        return;
+    }
     pthread_mutex_lock(&crew->lock);
     crew->count = count;
     crew->body = body;

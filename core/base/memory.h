@@ -1,9 +1,27 @@
-/* Memory that is done with before it can be freed. */
+/* Memory in large pieces, and memory that is done with before it can be freed. */
 #ifndef ORL_BASE_MEMORY_H
 #define ORL_BASE_MEMORY_H
 
 #include <stdint.h>
+#include <stdlib.h>
 #include <sys/mman.h>
+
+/*
+ * As malloc, to be freed likewise. A large array asks for huge pages: to have the kernel make small
+ * ones, one by one as they are first touched, takes longer than to fill them.
+ */
+static inline void *orl_memory_new(size_t bytes)
+{
+    const size_t huge = (size_t)2 << 20;
+    if (bytes < 2 * huge || bytes > SIZE_MAX - huge)
+        return malloc(bytes);
+    void *memory = aligned_alloc(huge, (bytes + huge - 1) / huge * huge);
+#ifdef MADV_HUGEPAGE
+    if (memory)
+        madvise(memory, bytes, MADV_HUGEPAGE); /* a wish: nothing depends on it */
+#endif
+    return memory;
+}
 
 /*
  * Gives back the pages that lie wholly between two places of memory from malloc. What was there is

@@ -384,10 +384,10 @@ static double reach_in(const struct orl_photon_map *map, double widest, struct o
 }
 
 int orl_adapt_init(struct orl_adapt *adapt, const struct orl_photon_map *map, double widest,
-                   struct orl_search *search)
+                   struct orl_crew *crew, struct orl_search *search)
 {
     *adapt = (struct orl_adapt){.reach = 0};
-    if (orl_sums_init(&adapt->sums, map) < 0 || orl_zorder_init(&adapt->order, map) < 0) {
+    if (orl_sums_init(&adapt->sums, map, crew) < 0 || orl_zorder_init(&adapt->order, map) < 0) {
         orl_adapt_done(adapt);
         return ORL_ERR_NOMEM;
     }

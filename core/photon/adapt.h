@@ -47,7 +47,7 @@ struct orl_adapt {
 
 /* Returns 0 or ORL_ERR_NOMEM. */
 int orl_adapt_init(struct orl_adapt *adapt, const struct orl_photon_map *map, double widest,
-                   struct orl_search *search);
+                   struct orl_crew *crew, struct orl_search *search);
 void orl_adapt_done(struct orl_adapt *adapt); /* also of one that is all zero */
 
 /*

@@ -10,7 +10,7 @@
 #include "photon/site.h"
 #include "photon/zorder.h"
 
-enum { SHARE_WORDS = ORL_MAP_BATCHES / sizeof(uint64_t), BESIDE = 8, LINE = 64 };
+enum { SHARE_WORDS = ORL_MAP_BATCHES / sizeof(uint64_t), BESIDE = 8, LINE = 64, CHUNK = 1 << 12 };
 
 /* A leaf's estimate as it is kept. */
 struct kept {
@@ -70,8 +70,16 @@ static struct orl_density_query query_at(const struct orl_leaves *leaves, struct
         .point = point, .normal = normal, .k = leaves->k, .max_radius = leaves->max_radius};
 }
 
+static void make_sites(void *arg, size_t chunk, uint32_t member)
+{
+    const struct orl_leaves *leaves = arg;
+    (void)member;
+    for (uint64_t i = chunk * CHUNK; i < (chunk + 1) * CHUNK && i < leaves->count; i++)
+        leaves->sites[i] = orl_site_make(leaves->map, i);
+}
+
 struct orl_leaves *orl_leaves_new(const struct orl_photon_map *map, const struct orl_world *world,
-                                  uint32_t k, double max_radius)
+                                  uint32_t k, double max_radius, struct orl_crew *crew)
 {
     const struct orl_map_header *h = map->header;
     const uint64_t n = (h->count + ORL_MAP_LEAF - 1) / ORL_MAP_LEAF;
@@ -89,15 +97,14 @@ struct orl_leaves *orl_leaves_new(const struct orl_photon_map *map, const struct
     leaves->sites = malloc((n + 1) * sizeof *leaves->sites);
     leaves->kept = calloc(n + 1, sizeof *leaves->kept);
     leaves->room = calloc(n + 1, sizeof *leaves->beside);
-    leaves->spread = orl_spread_new(map, k, max_radius);
+    leaves->spread = orl_spread_new(map, k, max_radius, crew);
     if (!leaves->sites || !leaves->kept || !leaves->room || !leaves->spread ||
         orl_zorder_init(&leaves->order, map) < 0) {
         orl_leaves_free(leaves);
         return NULL;
     }
     leaves->beside = (void *)(((uintptr_t)leaves->room + LINE - 1) / LINE * LINE);
-    for (uint64_t i = 0; i < n; i++)
-        leaves->sites[i] = orl_site_make(map, i);
+    orl_crew_for(crew, (n + CHUNK - 1) / CHUNK, make_sites, leaves);
     return leaves;
 }
 

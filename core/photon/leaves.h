@@ -29,7 +29,7 @@ struct orl_leaves;
  * surfaces are taken to be endless. NULL when out of memory.
  */
 struct orl_leaves *orl_leaves_new(const struct orl_photon_map *map, const struct orl_world *world,
-                                  uint32_t k, double max_radius);
+                                  uint32_t k, double max_radius, struct orl_crew *crew);
 void orl_leaves_free(struct orl_leaves *leaves);
 
 /*

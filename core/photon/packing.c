@@ -1,12 +1,26 @@
 #include "photon/packing.h"
 
+#include <stdlib.h>
+
 #include "base/random.h"
 #include "photon/flux.h"
 
-/* Corners of the box that holds all photons, in units. */
+/* Corners of the box that holds all photons, in units, and the brightest of the new ones. */
 struct bounds {
     double low[3], high[3];
+    double brightest; /* channel */
 };
+
+/* New photons, chunk by chunk. */
+struct survey {
+    const struct orl_packing *packing;
+    struct bounds *chunks;
+};
+
+enum { CHUNK = 1 << 15 };
+
+static const struct bounds nothing = {
+    {INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}, 0};
 
 /*
  * Where a photon of the earlier map is: its cell's corner, which lies in the same larger cells. All
@@ -42,14 +56,46 @@ static void include(struct bounds *b, const double at[3])
     }
 }
 
-static struct bounds bound(const struct orl_packing *p)
+static size_t new_photons(const struct orl_packing *p)
 {
-    struct bounds b = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
-    for (size_t i = 0; i < p->count - p->n_earlier; i++) {
-        const float *position = p->photons[i].position;
-        const double at[3] = {(double)position[0], (double)position[1], (double)position[2]};
+    return p->count - p->n_earlier;
+}
+
+static void bound_chunk(void *arg, size_t chunk, uint32_t member)
+{
+    const struct survey *survey = arg;
+    const struct orl_packing *p = survey->packing;
+    const size_t end = (chunk + 1) * CHUNK;
+    struct bounds b = nothing;
+    (void)member;
+    for (size_t i = chunk * CHUNK; i < end && i < new_photons(p); i++) {
+        const struct orl_photon *photon = &p->photons[i];
+        const double at[3] = {(double)photon->position[0], (double)photon->position[1],
+                              (double)photon->position[2]};
         include(&b, at);
+        for (int k = 0; k < 3; k++) {
+            const double flux = (double)photon->flux[k];
+            b.brightest = flux > b.brightest ? flux : b.brightest;
+        }
     }
+    survey->chunks[chunk] = b;
+}
+
+/* Returns 0 or ORL_ERR_NOMEM. */
+static int bound(const struct orl_packing *p, struct orl_crew *crew, struct bounds *ret_bounds)
+{
+    const size_t chunks = (new_photons(p) + CHUNK - 1) / CHUNK;
+    struct survey survey = {p, malloc((chunks + 1) * sizeof *survey.chunks)};
+    struct bounds b = nothing;
+    if (!survey.chunks)
+        return ORL_ERR_NOMEM;
+    orl_crew_for(crew, chunks, bound_chunk, &survey);
+    for (size_t i = 0; i < chunks; i++) {
+        include(&b, survey.chunks[i].low);
+        include(&b, survey.chunks[i].high);
+        b.brightest = fmax(b.brightest, survey.chunks[i].brightest);
+    }
+    free(survey.chunks);
     for (int k = 0; k < 3; k++) { /* a quotient grows with what is divided */
         b.low[k] /= p->unit;
         b.high[k] /= p->unit;
@@ -60,8 +106,9 @@ static struct bounds bound(const struct orl_packing *p)
         include(&b, at);
     }
     if (p->count == 0)
-        b = (struct bounds){{0, 0, 0}, {0, 0, 0}};
-    return b;
+        b = (struct bounds){{0, 0, 0}, {0, 0, 0}, 0};
+    *ret_bounds = b;
+    return 0;
 }
 
 static bool fits(const struct bounds *b, double step)
@@ -72,48 +119,45 @@ static bool fits(const struct bounds *b, double step)
     return fit;
 }
 
-static void choose_cells(struct orl_packing *p)
+static void choose_cells(struct orl_packing *p, const struct bounds *b)
 {
-    const struct bounds b = bound(p);
     p->step = 0x1p-32;
     if (p->n_earlier > 0)
         p->step = fmax(p->step, p->earlier->header->cell / p->unit);
-    while (!fits(&b, p->step) && isfinite(p->step))
+    while (!fits(b, p->step) && isfinite(p->step))
         p->step *= 2;
     p->steps = 1 / p->step;
     p->cell = p->step * p->unit;
     for (int k = 0; k < 3; k++) {
         /* Zero is added lest it be negative: whether it is tells of photons by their order. */
-        p->first[k] = floor(b.low[k] / p->step) + 0.0;
+        p->first[k] = floor(b->low[k] / p->step) + 0.0;
         p->low[k] = p->first[k] * p->cell;
     }
 }
 
-static void choose_exponent(struct orl_packing *p)
+static void choose_exponent(struct orl_packing *p, double brightest)
 {
-    double brightest = 0;
-    for (size_t i = 0; i < p->count - p->n_earlier; i++) {
-        for (int k = 0; k < 3; k++) {
-            const double flux = (double)p->photons[i].flux[k];
-            brightest = flux > brightest ? flux : brightest;
-        }
-    }
     p->flux_exponent = orl_flux_least(brightest);
     if (p->n_earlier > 0 && p->earlier->header->flux_exponent > p->flux_exponent)
         p->flux_exponent = p->earlier->header->flux_exponent;
 }
 
-void orl_packing_init(struct orl_packing *packing, const struct orl_photon_map *earlier,
-                      const struct orl_photon *photons, size_t n, uint64_t seed, double extent)
+int orl_packing_init(struct orl_packing *packing, const struct orl_photon_map *earlier,
+                     const struct orl_photon *photons, size_t n, uint64_t seed, double extent,
+                     struct orl_crew *crew)
 {
+    struct bounds bounds;
     *packing = (struct orl_packing){.earlier = earlier,
                                     .photons = photons,
                                     .n_earlier = earlier ? earlier->header->count : 0,
                                     .seed = seed,
                                     .unit = extent > 0 ? extent : 1};
     packing->count = packing->n_earlier + n;
-    choose_cells(packing);
-    choose_exponent(packing);
+    if (bound(packing, crew, &bounds) < 0)
+        return ORL_ERR_NOMEM;
+    choose_cells(packing, &bounds);
+    choose_exponent(packing, bounds.brightest);
+    return 0;
 }
 
 /* floor, which is a call where there is no instruction for it. */

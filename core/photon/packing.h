@@ -15,6 +15,8 @@
 #ifndef ORL_PHOTON_PACKING_H
 #define ORL_PHOTON_PACKING_H
 
+#include <oriel/crew.h>
+
 #include "photon/pack.h"
 
 struct orl_packing {
@@ -40,9 +42,11 @@ struct orl_photon_words {
 /*
  * Sets up the packing of earlier's photons and n more. extent: the scene's radius, or 0 for 1;
  * cells are powers of two of it, no smaller than 2^-32, so that they scale with the scene.
+ * Returns 0 or ORL_ERR_NOMEM.
  */
-void orl_packing_init(struct orl_packing *packing, const struct orl_photon_map *earlier,
-                      const struct orl_photon *photons, size_t n, uint64_t seed, double extent);
+int orl_packing_init(struct orl_packing *packing, const struct orl_photon_map *earlier,
+                     const struct orl_photon *photons, size_t n, uint64_t seed, double extent,
+                     struct orl_crew *crew);
 
 /* The earlier map's photons have the indices below n_earlier, in the order they have there. */
 void orl_packing_cell(const struct orl_packing *packing, size_t index, uint32_t ret_cell[3]);

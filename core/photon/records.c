@@ -137,7 +137,7 @@ int orl_records_make(const struct orl_records_making *making, struct orl_records
     m.made = calloc(count + 1, sizeof *m.made);
     const double widest = 0.1 * making->world->geometry->radius;
     if (!m.records.photons || !m.records.notes || !m.made ||
-        orl_adapt_init(&m.adapt, map, widest, &making->searches[0]) < 0) {
+        orl_adapt_init(&m.adapt, map, widest, making->crew, &making->searches[0]) < 0) {
         orl_error_set(err, code, "out of memory for precomputed irradiance");
         goto done;
     }

@@ -3,6 +3,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <oriel/limits.h>
+
+#include "base/memory.h"
 #include "photon/trace.h"
 
 enum { SMALL_BATCH = 64, DOUBLINGS = 7, BATCH = SMALL_BATCH << DOUBLINGS };
@@ -237,6 +240,19 @@ static int shoot_rounds(struct shooting *shooting, const struct orl_shot *shots)
     }
 }
 
+/*
+ * Room at once for all that is wanted and what the last batch may bring beyond it: nothing of it is
+ * taken before it is filled, and an array that grows is moved. Where this fails, it grows.
+ */
+static void reserve(struct queue *queue, const struct orl_shot *shot)
+{
+    const uint64_t wanted = shot->target - queue->stored;
+    if (queue->finished || wanted > ORL_LIMIT_PHOTONS)
+        return;
+    queue->photons = orl_memory_new((wanted + 2 * BATCH) * sizeof *queue->photons);
+    queue->capacity = queue->photons ? wanted + 2 * BATCH : 0;
+}
+
 /* Where each kind begins. */
 static int set_up_queues(struct shooting *shooting, const struct orl_shot *shots)
 {
@@ -247,6 +263,7 @@ static int set_up_queues(struct shooting *shooting, const struct orl_shot *shots
         queue->stored = shots[k].had;
         queue->finished = shots[k].target == 0 || is_finished(queue, shots[k].target) ||
                           (k == ORL_MAP_CAUSTIC && !shooting->env->emission->has_caustics);
+        reserve(queue, &shots[k]);
     }
     return 0;
 }

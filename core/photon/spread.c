@@ -2,6 +2,7 @@
 
 #include <stdlib.h>
 
+#include "base/vectors.h"
 #include "photon/boxes.h"
 #include "photon/flux.h"
 #include "photon/sheet.h"
@@ -12,6 +13,17 @@ struct orl_spread {
     const struct orl_photon_map *map;
     float *
         reach2[ORL_MAP_LEVELS + 1]; /* cells: per leaf, then the most of a node's, level by level */
+};
+
+enum { CHUNK = 1 << 12 };
+
+/* What there is only while leaves are measured. */
+struct measuring {
+    struct orl_spread *spread;
+    float *medians; /* per leaf, of squared distances */
+    uint64_t leaves;
+    uint32_t k;
+    double max_radius;
 };
 
 /* Of a few values, which are put in order. */
@@ -27,25 +39,51 @@ static float median_of(float *values, uint32_t n)
     return values[n / 2];
 }
 
-/* The median of squared distances from the middle: a few strays do not move it. */
-static float median2(const struct orl_photon_map *map, uint64_t leaf)
+/* The same of a full leaf's, without a branch: the one that half of them come before. */
+static float median_of_leaf(const float values[ORL_MAP_LEAF])
 {
-    const uint32_t n = orl_leaf_photons(map, leaf), *words = map->places + leaf * ORL_LEAF_WORDS;
-    float at[ORL_MAP_LEAF][3], middle[3] = {0}, d2[ORL_MAP_LEAF] = {0};
+    float median = values[0];
+    for (int i = 0; i < ORL_MAP_LEAF; i++) {
+        int before = 0;
+        for (int k = 0; k < ORL_MAP_LEAF; k++)
+            before += (values[k] < values[i]) | ((values[k] == values[i]) & (k < i));
+        median = before == ORL_MAP_LEAF / 2 ? values[i] : median;
+    }
+    return median;
+}
+
+/* The median of squared distances from the middle: a few strays do not move it. */
+static inline float median2(const struct orl_photon_map *map, uint64_t leaf, uint32_t n)
+{
+    const uint32_t *a = map->places + leaf * ORL_LEAF_WORDS, *b = a + ORL_MAP_LEAF;
+    float x[ORL_MAP_LEAF], y[ORL_MAP_LEAF], z[ORL_MAP_LEAF], d2[ORL_MAP_LEAF] = {0};
+    float middle[3] = {0};
     for (uint32_t i = 0; i < n; i++) {
-        uint32_t cell[3];
-        orl_place_unpack(words[i], words[i + ORL_MAP_LEAF], cell);
-        for (int k = 0; k < 3; k++) {
-            at[i][k] = (float)cell[k];
-            middle[k] += at[i][k] / (float)n;
-        }
+        x[i] = (float)(int32_t)(a[i] & 0xfffffU);
+        y[i] = (float)(int32_t)(b[i] & 0xfffffU);
+        z[i] = (float)(int32_t)((a[i] >> 24) << 12 | b[i] >> 20);
     }
     for (uint32_t i = 0; i < n; i++) {
-        d2[i] = 0;
-        for (int k = 0; k < 3; k++)
-            d2[i] += (at[i][k] - middle[k]) * (at[i][k] - middle[k]);
+        middle[0] += x[i] / (float)n;
+        middle[1] += y[i] / (float)n;
+        middle[2] += z[i] / (float)n;
     }
-    return median_of(d2, n);
+    for (uint32_t i = 0; i < n; i++) {
+        const float dx = x[i] - middle[0], dy = y[i] - middle[1], dz = z[i] - middle[2];
+        d2[i] = dx * dx + dy * dy + dz * dz;
+    }
+    return n == ORL_MAP_LEAF ? median_of_leaf(d2) : median_of(d2, n);
+}
+
+ORL_FOR_WIDE_VECTORS static void measure_medians(void *arg, size_t chunk, uint32_t member)
+{
+    const struct measuring *m = arg;
+    const struct orl_photon_map *map = m->spread->map;
+    (void)member;
+    for (uint64_t i = chunk * CHUNK; i < (chunk + 1) * CHUNK && i < m->leaves; i++) {
+        const uint32_t n = orl_leaf_photons(map, i);
+        m->medians[i] = n == ORL_MAP_LEAF ? median2(map, i, ORL_MAP_LEAF) : median2(map, i, n);
+    }
 }
 
 /*
@@ -53,17 +91,18 @@ static float median2(const struct orl_photon_map *map, uint64_t leaf)
  * its neighbours in Morton order is less so. Half of an even disc lies within the median of squared
  * distances, and a leaf takes its share of the k photons' area.
  */
-static void measure_leaves(struct orl_spread *spread, const float *medians, uint64_t leaves,
-                           uint32_t k, double max_radius)
+static void measure_leaves(void *arg, size_t chunk, uint32_t member)
 {
-    const float most = (float)(max_radius / spread->map->header->cell);
-    for (uint64_t i = 0; i < leaves; i++) {
+    const struct measuring *m = arg;
+    const float most = (float)(m->max_radius / m->spread->map->header->cell);
+    (void)member;
+    for (uint64_t i = chunk * CHUNK; i < (chunk + 1) * CHUNK && i < m->leaves; i++) {
         float near[NEIGHBOURS] = {0};
         uint32_t n = 0;
-        for (uint64_t j = i < BESIDE ? 0 : i - BESIDE; j <= i + BESIDE && j < leaves; j++)
-            near[n++] = medians[j] / (float)orl_leaf_photons(spread->map, j);
-        const float even = 2 * (float)k * median_of(near, n);
-        spread->reach2[0][i] = even < 1 ? 1 : even > most * most ? most * most : even;
+        for (uint64_t j = i < BESIDE ? 0 : i - BESIDE; j <= i + BESIDE && j < m->leaves; j++)
+            near[n++] = m->medians[j] / (float)orl_leaf_photons(m->spread->map, j);
+        const float even = 2 * (float)m->k * median_of(near, n);
+        m->spread->reach2[0][i] = even < 1 ? 1 : even > most * most ? most * most : even;
     }
 }
 
@@ -82,7 +121,8 @@ static void measure_nodes(struct orl_spread *spread, const struct orl_map_layout
     }
 }
 
-struct orl_spread *orl_spread_new(const struct orl_photon_map *map, uint32_t k, double max_radius)
+struct orl_spread *orl_spread_new(const struct orl_photon_map *map, uint32_t k, double max_radius,
+                                  struct orl_crew *crew)
 {
     const struct orl_map_layout layout = orl_map_layout_of(map->header->count);
     struct orl_spread *spread = calloc(1, sizeof *spread);
@@ -97,18 +137,17 @@ struct orl_spread *orl_spread_new(const struct orl_photon_map *map, uint32_t k, 
             return NULL;
         }
     }
-    float *medians = malloc((layout.leaves + 1) * sizeof *medians);
-    if (!medians) {
+    struct measuring m = {spread, malloc((layout.leaves + 1) * sizeof *m.medians), layout.leaves, k,
+                          max_radius};
+    if (!m.medians) {
         orl_spread_free(spread);
         return NULL;
     }
-    for (uint64_t i = 0; i < layout.leaves; i++)
-        medians[i] = median2(map, i);
-    if (layout.levels > 0) {
-        measure_leaves(spread, medians, layout.leaves, k, max_radius);
-        measure_nodes(spread, &layout);
-    }
-    free(medians);
+    const size_t chunks = (layout.leaves + CHUNK - 1) / CHUNK;
+    orl_crew_for(crew, chunks, measure_medians, &m);
+    orl_crew_for(crew, chunks, measure_leaves, &m);
+    measure_nodes(spread, &layout);
+    free(m.medians);
     return spread;
 }
 

@@ -21,7 +21,8 @@
 struct orl_spread;
 
 /* k: photons a disc. The map is borrowed. NULL when out of memory. */
-struct orl_spread *orl_spread_new(const struct orl_photon_map *map, uint32_t k, double max_radius);
+struct orl_spread *orl_spread_new(const struct orl_photon_map *map, uint32_t k, double max_radius,
+                                  struct orl_crew *crew);
 void orl_spread_free(struct orl_spread *spread); /* NULL is allowed */
 
 /* From now on it borrows another copy of the map. */

@@ -4,6 +4,8 @@
 
 #include "photon/flux.h"
 
+enum { CHUNK = 1 << 12 };
+
 /* Of rounding to cells, across a plane. */
 static const double flat_within = 3;
 
@@ -49,18 +51,25 @@ static void add_fluxes(const struct orl_photon_map *map, uint64_t leaf, struct o
     }
 }
 
-int orl_sums_init(struct orl_sums *sums, const struct orl_photon_map *map)
+static void sum_chunk(void *arg, size_t chunk, uint32_t member)
+{
+    const struct orl_sums *sums = arg;
+    (void)member;
+    for (uint64_t i = chunk * CHUNK; i < (chunk + 1) * CHUNK && i < sums->count; i++) {
+        sums->leaves[i].count = (uint16_t)orl_leaf_photons(sums->map, i);
+        place_photons(sums->map, i, &sums->leaves[i]);
+        add_fluxes(sums->map, i, &sums->leaves[i]);
+    }
+}
+
+int orl_sums_init(struct orl_sums *sums, const struct orl_photon_map *map, struct orl_crew *crew)
 {
     const uint64_t count = (map->header->count + ORL_MAP_LEAF - 1) / ORL_MAP_LEAF;
     *sums = (struct orl_sums){.map = map, .count = count};
     sums->leaves = calloc(count + 1, sizeof *sums->leaves);
     if (!sums->leaves)
         return ORL_ERR_NOMEM;
-    for (uint64_t i = 0; i < count; i++) {
-        sums->leaves[i].count = (uint16_t)orl_leaf_photons(map, i);
-        place_photons(map, i, &sums->leaves[i]);
-        add_fluxes(map, i, &sums->leaves[i]);
-    }
+    orl_crew_for(crew, (count + CHUNK - 1) / CHUNK, sum_chunk, sums);
     return 0;
 }
 

@@ -8,6 +8,8 @@
 #ifndef ORL_PHOTON_SUMS_H
 #define ORL_PHOTON_SUMS_H
 
+#include <oriel/crew.h>
+
 #include "photon/pack.h"
 
 struct orl_leaf_sum {
@@ -28,7 +30,7 @@ struct orl_sums {
 };
 
 /* Returns 0 or ORL_ERR_NOMEM. */
-int orl_sums_init(struct orl_sums *sums, const struct orl_photon_map *map);
+int orl_sums_init(struct orl_sums *sums, const struct orl_photon_map *map, struct orl_crew *crew);
 void orl_sums_done(struct orl_sums *sums); /* also of ones that are all zero */
 
 #endif

@@ -74,7 +74,7 @@ static void choose_radii(struct orl_gather *gather, enum orl_map_kind kind, doub
 
 int orl_gather_init(struct orl_gather *gather, const struct orl_world *world, enum orl_rest rest,
                     const struct orl_photon_map *const maps[ORL_MAP_KINDS],
-                    const double bandwidths[ORL_MAP_KINDS], uint64_t seed,
+                    const double bandwidths[ORL_MAP_KINDS], uint64_t seed, struct orl_crew *crew,
                     struct orl_search *search)
 {
     const double widest = fmax(0.1 * world->geometry->radius, 1e-9);
@@ -88,12 +88,12 @@ int orl_gather_init(struct orl_gather *gather, const struct orl_world *world, en
     }
     if (gather->maps[ORL_MAP_GLOBAL]) {
         gather->leaves = orl_leaves_new(maps[ORL_MAP_GLOBAL], world, gather->k[ORL_MAP_GLOBAL],
-                                        gather->max_radius[ORL_MAP_GLOBAL]);
+                                        gather->max_radius[ORL_MAP_GLOBAL], crew);
         if (!gather->leaves)
             return ORL_ERR_NOMEM;
     }
     if (rest == ORL_REST_DENSITY && gather->maps[ORL_MAP_GLOBAL])
-        return orl_adapt_init(&gather->adapt, maps[ORL_MAP_GLOBAL], widest, search);
+        return orl_adapt_init(&gather->adapt, maps[ORL_MAP_GLOBAL], widest, crew, search);
     return 0;
 }
 

@@ -57,7 +57,7 @@ struct orl_gather {
  */
 int orl_gather_init(struct orl_gather *gather, const struct orl_world *world, enum orl_rest rest,
                     const struct orl_photon_map *const maps[ORL_MAP_KINDS],
-                    const double bandwidths[ORL_MAP_KINDS], uint64_t seed,
+                    const double bandwidths[ORL_MAP_KINDS], uint64_t seed, struct orl_crew *crew,
                     struct orl_search *search);
 
 /* What only views read, if it is not there: texels, where the rest is gathered. Returns 0 or

@@ -89,7 +89,7 @@ static int take_up(struct orl_run_state *state, enum orl_rest rest, struct orl_g
         orl_gather_resume(ret_gather, state->world, maps, state->job->seed);
     } else {
         code = orl_gather_init(ret_gather, state->world, rest, maps, state->bandwidths,
-                               state->job->seed, &state->searches[0]);
+                               state->job->seed, state->env->crew, &state->searches[0]);
     }
     if (code == 0 && state->job->n_views > 0)
         code = orl_gather_for_views(ret_gather, state->env->crew);

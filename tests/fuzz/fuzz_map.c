@@ -80,7 +80,7 @@ static void search_map(const struct orl_photon_map *map)
     static const struct orl_vec3 normals[] = {{0, 0, 1}, {0.6, 0, -0.8}, {-1, 0, 0}};
     const struct orl_map_header *h = orl_photon_map_header(map);
     struct orl_search *search = calloc(1, sizeof *search);
-    struct orl_leaves *leaves = orl_leaves_new(map, NULL, 8, 0.5);
+    struct orl_leaves *leaves = orl_leaves_new(map, NULL, 8, 0.5, NULL);
     FUZZ_PROMISE(search != NULL && leaves != NULL);
     FUZZ_PROMISE(memchr(h->kind, '\0', sizeof h->kind) != NULL);
     for (size_t i = 0; i < 12; i++) {

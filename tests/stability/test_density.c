@@ -72,7 +72,7 @@ static void settle(struct bed *bed, double max_radius)
     snprintf(path, sizeof path, "%s/map", folder);
     assert_int_equal(orl_photon_map_write(path, bed->photons, bed->count, &build, crew, &err), 0);
     assert_int_equal(orl_photon_map_open(path, false, &bed->map, &err), 0);
-    bed->leaves = orl_leaves_new(bed->map, bed->world, 64, max_radius);
+    bed->leaves = orl_leaves_new(bed->map, bed->world, 64, max_radius, crew);
     assert_non_null(bed->leaves);
     orl_crew_stop(crew);
     cli_remove_folder(folder);

@@ -84,7 +84,7 @@ static struct orl_density_query query_at(double x, double y)
 static struct orl_adapt adapt_to(const struct orl_photon_map *map)
 {
     struct orl_adapt adapt;
-    assert_int_equal(orl_adapt_init(&adapt, map, 0.5, search), 0);
+    assert_int_equal(orl_adapt_init(&adapt, map, 0.5, NULL, search), 0);
     return adapt;
 }
 

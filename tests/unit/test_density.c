@@ -198,7 +198,7 @@ static void test_few_photons(void **state)
             assert_true(orl_rgb_is_finite(d.irradiance));
             assert_true(d.irradiance.r >= 0 && (n == 0) == (d.irradiance.r == 0));
         }
-        struct orl_leaves *leaves = orl_leaves_new(map, NULL, 64, reach);
+        struct orl_leaves *leaves = orl_leaves_new(map, NULL, 64, reach, NULL);
         assert_non_null(leaves);
         const struct orl_rgb e = orl_leaves_irradiance(leaves, zero, z_axis, NULL, search, NULL);
         assert_true(orl_rgb_is_finite(e) && e.r >= 0);
@@ -292,7 +292,7 @@ static void check_no_leak(struct orl_vec3 corner, struct orl_vec3 a, struct orl_
     const struct orl_density d = ask(map, point, normal, 64, 0.14);
     assert_int_equal(d.found, 0);
     assert_true(d.irradiance.r == 0);
-    struct orl_leaves *leaves = orl_leaves_new(map, NULL, 64, 0.14);
+    struct orl_leaves *leaves = orl_leaves_new(map, NULL, 64, 0.14, NULL);
     assert_non_null(leaves);
     assert_true(orl_leaves_irradiance(leaves, point, normal, NULL, search, NULL).r == 0);
     orl_leaves_free(leaves);
@@ -345,7 +345,7 @@ static void test_leaves_agree(void **state)
     rain(&s, COUNT, zero, x_axis, y_axis, z_axis);
     struct orl_random random = s.random;
     struct orl_photon_map *map = settle(&s);
-    struct orl_leaves *leaves = orl_leaves_new(map, NULL, 64, 0.1);
+    struct orl_leaves *leaves = orl_leaves_new(map, NULL, 64, 0.1, NULL);
     assert_non_null(leaves);
     for (int i = 0; i < QUERIES; i++) {
         const double u = 0.05 + 0.9 * orl_random_uniform(&random);
@@ -394,7 +394,7 @@ static void test_leaves_in_any_order(void **state)
     struct orl_photon_map *map = settle(&s);
     for (int w = 0; w < 3; w++) {
         struct orl_crew *crew = orl_crew_start(ways[w].threads);
-        struct looking l = {orl_leaves_new(map, NULL, 64, 0.1),
+        struct looking l = {orl_leaves_new(map, NULL, 64, 0.1, NULL),
                             calloc(ways[w].threads, sizeof *l.searches),
                             malloc(QUERIES * sizeof *l.values), QUERIES, ways[w].step};
         assert_true(l.leaves && l.searches && l.values && crew);

@@ -160,7 +160,7 @@ static void test_scatter(void **state)
         const struct orl_density fixed = orl_density_estimate(map, &query, search);
         query.k = ORL_ADAPT_MOST;
         struct orl_adapt adapt;
-        assert_int_equal(orl_adapt_init(&adapt, map, 0.7, search), 0);
+        assert_int_equal(orl_adapt_init(&adapt, map, 0.7, NULL, search), 0);
         const struct orl_density adaptive = orl_adapt_estimate(&adapt, &query, search);
         orl_adapt_done(&adapt);
         const struct orl_density *both[2] = {&fixed, &adaptive};

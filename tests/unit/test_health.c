@@ -156,7 +156,8 @@ static void test_gather(void **state)
     struct orl_gather gather;
     (void)state;
     assert_non_null(search);
-    assert_int_equal(orl_gather_init(&gather, world, ORL_REST_GATHERED, maps, NULL, 1, search), 0);
+    assert_int_equal(
+        orl_gather_init(&gather, world, ORL_REST_GATHERED, maps, NULL, 1, NULL, search), 0);
     gather.near = INFINITY; /* all that is seen is lit again, and its albedo used */
     const struct orl_vec3 place = orl_sub(orl_v3(2, 2, 0.5), world->geometry->center);
     const double whole =

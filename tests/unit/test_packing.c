@@ -23,6 +23,7 @@ enum { COUNT = 6000 };
 
 struct fixture {
     char folder[64];
+    struct orl_crew *crew;
     struct orl_photon photons[COUNT];
 };
 
@@ -31,6 +32,8 @@ static int setup(void **state)
     struct fixture *f = calloc(1, sizeof *f);
     assert_non_null(f);
     cli_make_folder(f->folder);
+    f->crew = orl_crew_start(2);
+    assert_non_null(f->crew);
     *state = f;
     return sodium_init() < 0 ? -1 : 0;
 }
@@ -39,6 +42,7 @@ static int teardown(void **state)
 {
     struct fixture *f = *state;
     cli_remove_folder(f->folder);
+    orl_crew_stop(f->crew);
     free(f);
     return 0;
 }
@@ -170,7 +174,7 @@ static void test_one_place(void **state)
 static void check_cells(const struct fixture *f, double size, double extent)
 {
     struct orl_packing p;
-    orl_packing_init(&p, NULL, f->photons, COUNT, 1, extent);
+    assert_int_equal(orl_packing_init(&p, NULL, f->photons, COUNT, 1, extent, f->crew), 0);
     const double least = (extent > 0 ? extent : 1) * 0x1p-32;
     assert_true(p.cell <= 2 * size / (ORL_PLACE_CELLS - 1) || p.cell == least);
     for (size_t i = 0; i < COUNT; i++) {
@@ -202,7 +206,7 @@ static void test_cells_scale(void **state)
     struct fixture *f = *state;
     struct orl_packing here, there;
     make_photons(f, 10, 1);
-    orl_packing_init(&here, NULL, f->photons, COUNT, 1, 8);
+    assert_int_equal(orl_packing_init(&here, NULL, f->photons, COUNT, 1, 8, f->crew), 0);
     for (int units = 0; units < 2; units++) {
         const float scale = units ? 2048 : 0.125F;
         struct orl_photon *scaled = malloc(sizeof f->photons);
@@ -211,7 +215,8 @@ static void test_cells_scale(void **state)
         for (size_t i = 0; i < COUNT; i++)
             for (int k = 0; k < 3; k++)
                 scaled[i].position[k] *= scale;
-        orl_packing_init(&there, NULL, scaled, COUNT, 1, 8 * (double)scale);
+        assert_int_equal(
+            orl_packing_init(&there, NULL, scaled, COUNT, 1, 8 * (double)scale, f->crew), 0);
         for (size_t i = 0; i < COUNT; i++) {
             uint32_t a[3], b[3];
             orl_packing_cell(&here, i, a);

@@ -21,7 +21,7 @@ struct orl_crew *orl_crew_new(uint32_t size);
 /* After dismiss, when every server has returned. NULL is allowed. */
 void orl_crew_free(struct orl_crew *crew);
 
-uint32_t orl_crew_size(const struct orl_crew *crew);
+uint32_t orl_crew_size(const struct orl_crew *crew); /* of NULL: 1 */
 
 /* Serves loops until orl_crew_dismiss; for member index 1..size-1, each on its own thread. */
 void orl_crew_serve(struct orl_crew *crew, uint32_t member);
@@ -31,7 +31,8 @@ void orl_crew_dismiss(struct orl_crew *crew);
 /* body(arg, index, member): member 0..size-1 names the thread's scratch. */
 typedef void (*orl_crew_body)(void *arg, size_t index, uint32_t member);
 
-/* Runs body for every index in [0, count); returns when all are done. Lead thread only. */
+/* Runs body for every index in [0, count); returns when all are done. Lead thread only. Without a
+ * crew (NULL) the caller does all. */
 void orl_crew_for(struct orl_crew *crew, size_t count, orl_crew_body body, void *arg);
 
 /* For programs without a thread pool: starts size-1 POSIX threads that serve the crew. */

@@ -1,0 +1,25 @@
+/*
+ * Photons into the order of the map file: by code, and among those of one code by a hash of their
+ * words. The order depends on which photons there are alone, not on the crew.
+ */
+#ifndef ORL_PHOTON_SORTING_H
+#define ORL_PHOTON_SORTING_H
+
+#include <oriel/crew.h>
+
+#include "photon/packing.h"
+
+struct orl_sort_item {
+    uint64_t code;  /* zorder.h */
+    uint32_t index; /* among the words */
+};
+
+/*
+ * Sorts items, which come by index; spare: room for as many. *ret_sorted is one of the two arrays.
+ * Returns 0 or ORL_ERR_NOMEM.
+ */
+int orl_sort_photons(struct orl_sort_item *items, struct orl_sort_item *spare, size_t count,
+                     const struct orl_photon_words *words, struct orl_crew *crew,
+                     struct orl_sort_item **ret_sorted);
+
+#endif
