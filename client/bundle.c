@@ -11,6 +11,7 @@
 #include <oriel/limits.h>
 #include <oriel/run.h>
 
+#include "digest.h"
 #include "files.h"
 #include "json_get.h"
 #include "progress.h"
@@ -192,22 +193,29 @@ int orl_bundle_upload(const struct orl_bundle *bundle, struct orl_http *http, ch
     double bytes = 0;
     char amount[32];
     json_t *reply = NULL;
-    int rc;
+    bool known = false;
+    char id[ORL_DIGEST_TEXT], path[ORL_DIGEST_TEXT + 32];
+    int rc = orl_digest_scene(bundle->parts, bundle->n_parts, id, err);
 
+    if (rc)
+        return rc;
     for (size_t i = 0; i < bundle->n_parts; i++) {
         struct stat info;
 
         if (stat(bundle->parts[i].path, &info) == 0)
             bytes += (double)info.st_size;
     }
-    rc = orl_http_post_parts(http, "/v1/scenes", bundle->parts, bundle->n_parts, &reply, err);
+    snprintf(path, sizeof path, "/v1/scenes/%s", id);
+    rc = orl_http_has(http, path, &known, err);
+    if (rc == 0 && !known)
+        rc = orl_http_post_parts(http, "/v1/scenes", bundle->parts, bundle->n_parts, &reply, err);
     if (rc)
         return rc;
     orl_format_amount(bytes, "B", amount, sizeof amount);
     fprintf(stderr, "scene: %zu files, %s, %s in %.1f s\n", bundle->n_parts, amount,
             http->status == 201 ? "uploaded" : "already known to the daemon",
             orl_clock_s(NULL) - start_s);
-    *ret_id = strdup(orl_json_text(reply, "id"));
+    *ret_id = strdup(known ? id : orl_json_text(reply, "id"));
     json_decref(reply);
     if (!*ret_id)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");

@@ -33,7 +33,7 @@ int orl_bundle_add(struct orl_bundle *bundle, const char *folder, const char *na
                    struct orl_error *err);
 void orl_bundle_done(struct orl_bundle *bundle); /* NULL and half-filled are fine */
 
-/* Uploads it; says on stderr what it sends. *ret_id is owned (free()). */
+/* Uploads it, unless the daemon has it; says on stderr which. *ret_id is owned (free()). */
 int orl_bundle_upload(const struct orl_bundle *bundle, struct orl_http *http, char **ret_id,
                       struct orl_error *err);
 

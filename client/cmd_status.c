@@ -39,6 +39,10 @@ static void print_job(const json_t *job)
 
     printf("id       %s\nkind     %s\nstate    %s\n", orl_json_text(job, "id"),
            orl_json_text(job, "kind"), orl_json_text(job, "state"));
+    if (*orl_json_text(job, "client"))
+        printf("client   %s\n", orl_json_text(job, "client"));
+    if (*orl_json_text(job, "evicted"))
+        printf("results  removed at %s to make room\n", orl_json_text(job, "evicted"));
     if (position > 0)
         printf("queue    %.0f\n", position);
     if (*orl_json_text(job, "stage"))

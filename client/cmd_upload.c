@@ -10,6 +10,7 @@
 #include <oriel/limits.h>
 
 #include "bundle.h"
+#include "digest.h"
 #include "http.h"
 #include "json_get.h"
 #include "report.h"
@@ -116,11 +117,22 @@ static int upload_scene(struct orl_http *http, char **names, int count, bool lis
 static int upload_bsdf(struct orl_http *http, const char *file, struct orl_error *err)
 {
     const char *slash = strrchr(file, '/');
-    char name[1024], path[1100];
-    const int rc = orl_http_escape(slash ? slash + 1 : file, name, sizeof name, err);
+    char name[1024], path[1100], id[ORL_DIGEST_TEXT] = "";
+    bool known = false;
+    int rc = orl_http_escape(slash ? slash + 1 : file, name, sizeof name, err);
 
     if (rc)
         return rc;
+    rc = orl_digest_file(file, id, err);
+    snprintf(path, sizeof path, "/v1/bsdfs/%s", id);
+    if (rc == 0)
+        rc = orl_http_has(http, path, &known, err);
+    if (rc)
+        return rc;
+    if (known) {
+        printf("%s\n", id);
+        return 0;
+    }
     snprintf(path, sizeof path, "/v1/bsdfs?name=%s", name);
     return post_and_print(http, path, file, "application/xml", err);
 }

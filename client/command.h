@@ -72,6 +72,7 @@ int orl_cmd_status(const struct orl_command *self, int argc, char **argv);
 int orl_cmd_wait(const struct orl_command *self, int argc, char **argv);
 int orl_cmd_fetch(const struct orl_command *self, int argc, char **argv);
 int orl_cmd_cancel(const struct orl_command *self, int argc, char **argv);
+int orl_cmd_remove(const struct orl_command *self, int argc, char **argv);
 int orl_cmd_maps(const struct orl_command *self, int argc, char **argv);
 int orl_cmd_upload(const struct orl_command *self, int argc, char **argv);
 int orl_cmd_bsdf(const struct orl_command *self, int argc, char **argv);

@@ -5,6 +5,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <pwd.h>
+#include <unistd.h>
+
 #include <oriel/limits.h>
 #include <oriel/version.h>
 
@@ -216,6 +219,43 @@ int orl_http_call(struct orl_http *http, const char *method, const char *path, j
     return rc ? rc : perform_json(http, &sink, ret_json, err);
 }
 
+int orl_http_has(struct orl_http *http, const char *path, bool *ret_found, struct orl_error *err)
+{
+    struct sink sink = {0};
+    int rc = prepare(http, "HEAD", path, &sink, err);
+
+    if (rc)
+        return rc;
+    curl_easy_setopt(http->curl, CURLOPT_NOBODY, 1L);
+    rc = perform(http, &sink, err);
+    free(sink.data);
+    if (rc && http->status == 0)
+        return rc;
+    *ret_found = rc == 0;
+    return 0;
+}
+
+/* Whose turn in the queue a job takes. A name that no header can have is left out. */
+static struct curl_slist *add_name(struct curl_slist *headers)
+{
+    enum { NAME_MAX_BYTES = 64 };
+    const char *name = getenv("ORIEL_CLIENT");
+    const struct passwd *user = name && *name ? NULL : getpwuid(getuid());
+    struct curl_slist *more;
+    char line[96];
+
+    if (user)
+        name = user->pw_name;
+    if (!name || !*name || strlen(name) > NAME_MAX_BYTES)
+        return headers;
+    for (const char *c = name; *c; c++)
+        if (*c < ' ' || *c > '~')
+            return headers;
+    snprintf(line, sizeof line, "X-Oriel-Client: %s", name);
+    more = curl_slist_append(headers, line);
+    return more ? more : headers;
+}
+
 int orl_http_post_json(struct orl_http *http, const char *path, const json_t *body,
                        json_t **ret_json, struct orl_error *err)
 {
@@ -231,6 +271,7 @@ int orl_http_post_json(struct orl_http *http, const char *path, const json_t *bo
     rc = prepare(http, "POST", path, &sink, err);
     if (rc)
         goto done;
+    headers = add_name(headers);
     curl_easy_setopt(http->curl, CURLOPT_HTTPHEADER, headers);
     curl_easy_setopt(http->curl, CURLOPT_POSTFIELDSIZE_LARGE, (curl_off_t)strlen(text));
     curl_easy_setopt(http->curl, CURLOPT_POSTFIELDS, text);

@@ -39,7 +39,10 @@ void orl_http_close(struct orl_http *http); /* NULL and half-open are fine */
 int orl_http_call(struct orl_http *http, const char *method, const char *path, json_t **ret_json,
                   struct orl_error *err);
 
-/* POSTs a JSON document. */
+/* Is there something at path? By a HEAD. Any answer but "here it is" means no. */
+int orl_http_has(struct orl_http *http, const char *path, bool *ret_found, struct orl_error *err);
+
+/* POSTs a JSON document, with the client's name: $ORIEL_CLIENT, else the user's. */
 int orl_http_post_json(struct orl_http *http, const char *path, const json_t *body,
                        json_t **ret_json, struct orl_error *err);
 

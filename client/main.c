@@ -37,8 +37,14 @@ static const struct orl_command commands[] = {
      "and study.png.",
      orl_cmd_fetch},
     {"cancel", "ID [--server URL]", "Stop a job", NULL, orl_cmd_cancel},
-    {"maps", "[--server URL]", "List photon maps and BSDFs a daemon keeps, and what they saved",
-     NULL, orl_cmd_maps},
+    {"remove", "job|scene|bsdf ID... [--server URL]", "Have a daemon forget what it keeps",
+     "A job that has ended goes with its results; a scene when no job waits for it or runs, and a\n"
+     "BSDF when no scene has it. Photon maps: oriel maps --remove.",
+     orl_cmd_remove},
+    {"maps", "[--remove KEY] [--server URL]",
+     "List photon maps and BSDFs a daemon keeps, and what they saved",
+     "With --remove it removes the one whose key begins so. A job that needs it makes it anew.",
+     orl_cmd_maps},
     {"upload", "scene FILE... | scene FOLDER|ZIP [FILE...] | bsdf FILE  [--server URL]",
      "Send a scene or a BSDF; prints its id",
      "A scene's files are named relative to the working directory, or to the folder, as its texts\n"
@@ -75,6 +81,7 @@ static void print_overview(FILE *to)
     fprintf(to,
             "\n`oriel COMMAND --help` says more. Daemon: --server URL, or $ORIEL_URL, or\n"
             "http://127.0.0.1:8423; its access token: $ORIEL_TOKEN; a CA of your own: $ORIEL_CA.\n"
+            "Clients take turns, by $ORIEL_CLIENT or the user's name where there are no tokens.\n"
             "Exit codes: 0 done, 1 failed, 2 wrong command line.\n");
 }
 

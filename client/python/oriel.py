@@ -37,7 +37,7 @@ import urllib.parse
 import uuid
 
 __all__ = ["Client", "Job", "OrielError", "Problem", "Unauthorized", "Forbidden", "NotFound",
-           "Busy", "Unreachable", "JobFailed", "JobCancelled"]
+           "InUse", "Gone", "Busy", "Full", "Unreachable", "JobFailed", "JobCancelled"]
 
 _CHUNK = 1 << 16
 _ENDED = ("succeeded", "failed", "cancelled")
@@ -84,6 +84,18 @@ class NotFound(Problem):
     """404: there is no such scene, job or file."""
 
 
+class InUse(Problem):
+    """409: not in this state; a thing that jobs use cannot be removed."""
+
+
+class Gone(Problem):
+    """410: the results have been removed to make room. Submitting the document gives them anew."""
+
+
+class Full(Problem):
+    """507: the daemon has no room left, and nothing that may go."""
+
+
 class Busy(Problem):
     """429 or 503: not now. retry_after is in seconds, or None."""
 
@@ -98,7 +110,8 @@ class JobCancelled(OrielError):
     """The job was cancelled."""
 
 
-_PROBLEMS = {401: Unauthorized, 403: Forbidden, 404: NotFound, 429: Busy, 503: Busy}
+_PROBLEMS = {401: Unauthorized, 403: Forbidden, 404: NotFound, 409: InUse, 410: Gone, 429: Busy,
+             503: Busy, 507: Full}
 
 
 def _problem(status, headers, body):
@@ -241,7 +254,8 @@ class Client:
 
     url: else $ORIEL_URL, else http://127.0.0.1:8423. token: else $ORIEL_TOKEN; never sent over
     plain HTTP but to this machine. ca_file: PEM, else $ORIEL_CA: whom to trust beside the system's
-    authorities. name: what the daemon calls you, and takes turns by, where it asks for no token.
+    authorities. name: what the daemon calls you, and takes turns by, where it asks for no token;
+    else $ORIEL_CLIENT.
     timeout: seconds of silence after which a request is given up.
     """
 
@@ -258,6 +272,7 @@ class Client:
             raise OrielError("a token over plain HTTP could be read on its way: use https://")
         if token:
             self._headers["Authorization"] = "Bearer " + token
+        name = name or os.environ.get("ORIEL_CLIENT")
         if name:
             self._headers["X-Oriel-Client"] = name
         ca_file = ca_file or os.environ.get("ORIEL_CA")
@@ -297,6 +312,12 @@ class Client:
         if status // 100 != 2:
             raise _problem(status, reply_headers, content)
         return json.loads(content.decode("utf-8"))
+
+    def _remove(self, *path):
+        where = "/v1/" + "/".join(urllib.parse.quote(part, safe="") for part in path)
+        status, headers, content = self._send("DELETE", where)
+        if status // 100 != 2:
+            raise _problem(status, headers, content)
 
     def _has(self, path):
         status, headers, body = self._send("HEAD", path)
@@ -391,6 +412,18 @@ class Client:
         """What the daemon keeps for later jobs: photon maps, BSDFs as loaded."""
         return self._json("GET", "/v1/maps")["maps"]
 
+    def remove_scene(self, id):
+        """Forgets a scene; InUse while a job that waits or runs needs it. Jobs that ended stay."""
+        self._remove("scenes", id)
+
+    def remove_bsdf(self, id):
+        """Forgets a BSDF; InUse while a scene has it as a file."""
+        self._remove("bsdfs", id)
+
+    def remove_map(self, kind, key):
+        """Forgets one of maps(); InUse while a job uses it. Whoever needs it makes it anew."""
+        self._remove("maps", kind, key)
+
     def limits(self):
         """Names and numbers of what the daemon accepts at most."""
         return self._json("GET", "/v1/limits")
@@ -447,6 +480,10 @@ class Job:
     def cancel(self):
         """Stops the job, soon. One that has ended already stays as it is (a Problem, 409)."""
         return self.client._json("POST", self._path + "/cancel", b"")
+
+    def remove(self):
+        """Forgets the job and its results, once it has ended (before, InUse)."""
+        self.client._remove("jobs", self.id)
 
     def wait(self, progress=None, timeout=None, poll=0.5, patience=60.0):
         """Until the job has succeeded; returns its last document.

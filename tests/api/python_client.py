@@ -219,6 +219,32 @@ def repeated_submission(desk):
     assert len(desk.client.jobs()) == before + 1
 
 
+def removal(desk):
+    """What the daemon keeps goes, once nothing needs it; asked once more, it is not there."""
+    client = desk.client
+    job = desk.long_job()
+    scene = job.status()["scene"]
+    raises(oriel.InUse, job.remove)
+    raises(oriel.InUse, client.remove_scene, scene)
+    job.cancel()
+    raises(oriel.JobCancelled, job.wait)
+    job.remove()
+    raises(oriel.NotFound, job.status)
+    raises(oriel.NotFound, job.remove)
+    small = client.submit({"kind": "render", "scene": scene, "technique": "gather",
+                           "photons": {"global": 2000}, "sensors": [[1.5, 1, 0.8, 0, 0, 1]]})
+    small.wait()
+    kept = len(client.maps())
+    first = client.maps()[0]
+    client.remove_map(first["kind"], first["key"])
+    assert len(client.maps()) == kept - 1
+    client.remove_scene(scene)
+    raises(oriel.NotFound, client.remove_scene, scene)
+    raises(oriel.NotFound, client.remove_bsdf, "0" * 64)
+    assert small.result()["state"] == "succeeded"
+    raises(oriel.Problem, client.submit, {"scene": scene, "sensors": [[1, 1, 1, 0, 0, 1]]})
+
+
 def tokens(desk):
     """Over HTTPS, to a daemon that asks for tokens."""
     assert desk.client.health()["status"] == "ok"
@@ -235,6 +261,6 @@ def tokens(desk):
 
 
 if __name__ == "__main__":
-    for variable in ("ORIEL_URL", "ORIEL_TOKEN", "ORIEL_CA"):
+    for variable in ("ORIEL_URL", "ORIEL_TOKEN", "ORIEL_CA", "ORIEL_CLIENT"):
         os.environ.pop(variable, None)
     globals()[sys.argv[1]](Desk(*sys.argv[2:6]))

@@ -268,7 +268,8 @@ static void test_maps_table_adds_up(void **state)
     static const struct canned canned[] = {
         {"GET /v1/maps", 200,
          "{\"maps\": [{\"kind\": \"global\", \"key\": \"0123456789abcdef\", \"emitted\": 31000000,"
-         " \"stored\": 2000000, \"bytes\": 48000000, \"seconds\": 10.5, \"hits\": 4}]}"},
+         " \"stored\": 2000000, \"bytes\": 48000000, \"seconds\": 10.5, \"hits\": 4, \"created\":"
+         " \"2020-01-02T03:04:05Z\", \"in_use\": true}]}"},
         {NULL, 0, NULL}};
     struct fixture *f = *state;
 
@@ -276,7 +277,8 @@ static void test_maps_table_adds_up(void **state)
     assert_int_equal(f->result.exit_code, 0);
     assert_says(f->result.out, "0123456789ab ");
     assert_says(f->result.out, "31.0 M");
-    assert_says(f->result.out, "1 maps; found ready, they saved 42 s");
+    assert_says(f->result.out, " d  in use\n");
+    assert_says(f->result.out, "1 maps, 48.0 MB; found ready, they saved 42 s");
 }
 
 static void test_fetch_keeps_images_and_result(void **state)
@@ -493,6 +495,70 @@ static void test_upload_zip_sends_the_bytes(void **state)
     assert_string_equal(find_request(f, canned[0].request)->body, "PK");
 }
 
+#define BSDF_ID "18e347bfe032de96295acd358db2bd332ea8daab610bb2aa87a9eb7d21f4215b"
+#define KNOWN_ID "5ba274fae42b925d7861240f35514e6583ede8c7090a3af09a298630fecceba3"
+
+/* The daemon is asked first, by the digest of what would be sent. */
+static void test_upload_skips_what_is_known(void **state)
+{
+    static const struct canned canned[] = {{"HEAD /v1/bsdfs/" BSDF_ID, 200, ""},
+                                           {"HEAD /v1/scenes/" KNOWN_ID, 200, ""},
+                                           {NULL, 0, NULL}};
+    struct fixture *f = *state;
+    char path[96];
+    const char *const bsdf[] = {"upload", "bsdf", path, "--server", f->url, NULL};
+    const char *const scene[] = {"upload", "scene", f->folder, "--server", f->url, NULL};
+
+    cli_write_file(f->folder, "shade.xml", "<WindowElement/>");
+    snprintf(path, sizeof path, "%s/shade.xml", f->folder);
+    run_args(f, canned, bsdf);
+    assert_int_equal(f->result.exit_code, 0);
+    assert_string_equal(f->result.out, BSDF_ID "\n");
+    cli_write_file(f->folder, "m.rad",
+                   "void plastic p\n0\n0\n5 .5 .5 .5 0 0\n!xform ./chair.rad\n");
+    cli_write_file(f->folder, "chair.rad", "p sphere s\n0\n0\n4 0 0 0 1\n");
+    run_args(f, canned, scene);
+    assert_int_equal(f->result.exit_code, 0);
+    assert_string_equal(f->result.out, KNOWN_ID "\n");
+    assert_says(f->result.err, "already known");
+    assert_int_equal(f->n_requests, 2);
+}
+
+static void test_removal(void **state)
+{
+    static const struct canned canned[] = {
+        {"DELETE /v1/jobs/7", 204, ""},
+        {"DELETE /v1/jobs/8", 409, "{\"title\": \"In use\", \"detail\": \"it runs\"}"},
+        {"DELETE /v1/scenes/a", 204, ""},
+        {"DELETE /v1/scenes/b", 204, ""},
+        {"GET /v1/maps", 200,
+         "{\"maps\": [{\"kind\": \"bsdf\", \"key\": \"01ab\"}, {\"kind\": \"global\", \"key\":"
+         " \"01cd\"}]}"},
+        {"DELETE /v1/maps/global/01cd", 204, ""},
+        {NULL, 0, NULL}};
+    struct fixture *f = *state;
+    const char *const scenes[] = {"remove", "scene", "a", "b", "--server", f->url, NULL};
+    const char *const jobs[] = {"remove", "job", "7", "8", "--server", f->url, NULL};
+    const char *const others[] = {"remove", "map", "x", NULL};
+    const char *const one[] = {"maps", "--remove", "01c", "--server", f->url, NULL};
+    const char *const two[] = {"maps", "--remove", "01", "--server", f->url, NULL};
+
+    run_args(f, canned, scenes);
+    assert_int_equal(f->result.exit_code, 0);
+    run_args(f, canned, jobs);
+    assert_int_equal(f->result.exit_code, 1);
+    assert_says(f->result.err, "job 7: removed");
+    assert_says(f->result.err, "8: it runs");
+    run_args(f, canned, others);
+    assert_int_equal(f->result.exit_code, 2);
+    run_args(f, canned, one);
+    assert_int_equal(f->result.exit_code, 0);
+    assert_int_equal(times_asked(f, "DELETE /v1/maps/global/01cd"), 1);
+    run_args(f, canned, two);
+    assert_int_equal(f->result.exit_code, 1);
+    assert_says(f->result.err, "more than one map");
+}
+
 #define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
 
 int main(void)
@@ -511,6 +577,8 @@ int main(void)
         TEST(test_upload_bsdf_sends_the_bytes),
         TEST(test_upload_folder_finds_its_scene),
         TEST(test_upload_zip_sends_the_bytes),
+        TEST(test_upload_skips_what_is_known),
+        TEST(test_removal),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -219,6 +219,19 @@ static void test_cancel_ends_a_long_job(void **state)
     assert_says(f->result.err, "cancelled");
 }
 
+/* Whose turn it is, goes by a name: the user's, or one of their own. */
+static void test_clients_have_names(void **state)
+{
+    struct fixture *f = *state;
+    char id[64];
+
+    assert_int_equal(setenv("ORIEL_CLIENT", "studio", 1), 0);
+    submit(f, "sensors.json", 0, id);
+    unsetenv("ORIEL_CLIENT");
+    run(f, 0, "status", id, NULL, NULL);
+    assert_says(f->result.out, "name:studio");
+}
+
 #define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
 
 int main(void)
@@ -227,6 +240,7 @@ int main(void)
         TEST(test_a_second_job_finds_the_maps),
         TEST(test_run_and_submit_agree),
         TEST(test_cancel_ends_a_long_job),
+        TEST(test_clients_have_names),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -45,6 +45,7 @@ CASE(upload_if_absent)
 CASE(zips)
 CASE(bsdfs)
 CASE(cancel)
+CASE(removal)
 CASE(problems)
 CASE(repeated_submission)
 
@@ -100,6 +101,7 @@ int main(void)
         cmocka_unit_test(test_zips),
         cmocka_unit_test(test_bsdfs),
         cmocka_unit_test(test_cancel),
+        cmocka_unit_test(test_removal),
         cmocka_unit_test(test_problems),
         cmocka_unit_test(test_repeated_submission),
         cmocka_unit_test(test_tokens),

@@ -1,0 +1,64 @@
+/* oriel remove job|scene|bsdf ID... */
+#include "command.h"
+
+#include <stdbool.h>
+#include <stdio.h>
+#include <string.h>
+
+#include <oriel/limits.h>
+
+#include "http.h"
+#include "report.h"
+
+/* "job" to "/v1/jobs"; NULL when there is no such thing. */
+static const char *folder_of(const char *what)
+{
+    static const struct {
+        const char *what, *folder;
+    } kinds[] = {{"job", "/v1/jobs"}, {"scene", "/v1/scenes"}, {"bsdf", "/v1/bsdfs"}};
+
+    for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; i++)
+        if (strcmp(kinds[i].what, what) == 0)
+            return kinds[i].folder;
+    return NULL;
+}
+
+static int remove_one(struct orl_http *http, const char *folder, const char *id,
+                      struct orl_error *err)
+{
+    char escaped[512], path[600];
+    int rc = orl_http_escape(id, escaped, sizeof escaped, err);
+
+    if (rc)
+        return rc;
+    snprintf(path, sizeof path, "%s/%s", folder, escaped);
+    rc = orl_http_call(http, "DELETE", path, NULL, err);
+    if (rc)
+        orl_error_at(err, NULL, 0, id);
+    return rc;
+}
+
+int orl_cmd_remove(const struct orl_command *self, int argc, char **argv)
+{
+    const char *server = NULL, *folder;
+    const struct orl_option options[] = {ORL_OPTION_SERVER(&server)};
+    struct orl_operands operands;
+    struct orl_http http = {0};
+    struct orl_error err = {0};
+    int rc;
+
+    if (!orl_options_parse(self, argc, argv, options, 1, 2, (int)ORL_LIMIT_SCENE_FILES, &operands,
+                           &rc))
+        return rc;
+    folder = folder_of(operands.items[0]);
+    if (!folder)
+        return orl_usage_error(self, "\"%s\" is neither job, scene nor bsdf", operands.items[0]);
+    rc = orl_http_open(&http, server, &err);
+    for (int i = 1; i < operands.count && rc == 0; i++) {
+        rc = remove_one(&http, folder, operands.items[i], &err);
+        if (rc == 0)
+            fprintf(stderr, "%s %s: removed\n", operands.items[0], operands.items[i]);
+    }
+    orl_http_close(&http);
+    return rc ? orl_report_error(&err) : ORL_EXIT_OK;
+}

@@ -1,0 +1,93 @@
+#include "digest.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <sodium.h>
+
+#include "files.h"
+
+static void finish(crypto_hash_sha256_state *hash, char ret_digest[ORL_DIGEST_TEXT])
+{
+    unsigned char digest[crypto_hash_sha256_BYTES];
+
+    crypto_hash_sha256_final(hash, digest);
+    sodium_bin2hex(ret_digest, ORL_DIGEST_TEXT, digest, sizeof digest);
+}
+
+int orl_digest_file(const char *path, char ret_digest[ORL_DIGEST_TEXT], struct orl_error *err)
+{
+    crypto_hash_sha256_state hash;
+    unsigned char buffer[1 << 16];
+    long long size = 0;
+    FILE *file = NULL;
+    size_t n;
+    int rc = orl_open_for_reading(path, &file, &size, err);
+
+    if (rc)
+        return rc;
+    crypto_hash_sha256_init(&hash);
+    while ((n = fread(buffer, 1, sizeof buffer, file)) > 0)
+        crypto_hash_sha256_update(&hash, buffer, n);
+    if (ferror(file)) {
+        rc = orl_error_set(err, ORL_ERR_IO, "cannot be read");
+        orl_error_at(err, path, 0, NULL);
+    }
+    fclose(file);
+    if (rc == 0)
+        finish(&hash, ret_digest);
+    return rc;
+}
+
+static int by_name(const void *a, const void *b)
+{
+    const struct orl_part *const *x = a, *const *y = b;
+
+    return strcmp((*x)->name, (*y)->name);
+}
+
+/* "main <digest> <name>\n" */
+static int add_line(crypto_hash_sha256_state *hash, const struct orl_part *part,
+                    struct orl_error *err)
+{
+    const char *role = part->resource ? "resource " : "main ";
+    char digest[ORL_DIGEST_TEXT];
+    const int rc = orl_digest_file(part->path, digest, err);
+
+    if (rc)
+        return rc;
+    crypto_hash_sha256_update(hash, (const unsigned char *)role, strlen(role));
+    crypto_hash_sha256_update(hash, (const unsigned char *)digest, strlen(digest));
+    crypto_hash_sha256_update(hash, (const unsigned char *)" ", 1);
+    crypto_hash_sha256_update(hash, (const unsigned char *)part->name, strlen(part->name));
+    crypto_hash_sha256_update(hash, (const unsigned char *)"\n", 1);
+    return 0;
+}
+
+int orl_digest_scene(const struct orl_part *parts, size_t n_parts, char ret_id[ORL_DIGEST_TEXT],
+                     struct orl_error *err)
+{
+    static const char first[] = "oriel-scene 1\n";
+    const struct orl_part **resources = calloc(n_parts + 1, sizeof *resources);
+    crypto_hash_sha256_state hash;
+    size_t n_resources = 0;
+    int rc = resources ? 0 : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+
+    crypto_hash_sha256_init(&hash);
+    crypto_hash_sha256_update(&hash, (const unsigned char *)first, strlen(first));
+    for (size_t i = 0; i < n_parts && rc == 0; i++) {
+        if (parts[i].resource)
+            resources[n_resources++] = &parts[i];
+        else
+            rc = add_line(&hash, &parts[i], err);
+    }
+    if (rc == 0)
+        qsort(resources, n_resources, sizeof *resources, by_name);
+    for (size_t i = 0; i < n_resources && rc == 0; i++)
+        rc = add_line(&hash, resources[i], err);
+    free(resources);
+    if (rc == 0)
+        finish(&hash, ret_id);
+    return rc;
+}
