@@ -82,7 +82,7 @@ static void send_file(struct orl_request *request, const struct shown *shown, co
     char tag[2 * ORL_PARAM_MAX];
     struct stat st;
     make_tag(shown, entry, tag);
-    if (!shown->running)
+    if (!shown->running && strcmp(request->method, "GET") == 0)
         orl_storage_fetched(&request->server->storage, shown->job->row.id);
     if (!shown->running && orl_reply_if_none_match(request, tag))
         return;

@@ -114,16 +114,25 @@ static bool evict(struct orl_storage *storage, const struct candidate *candidate
     return true;
 }
 
-/* Down to at most so many bytes, as far as that goes; returns what is left. */
-static uint64_t shrink(struct orl_storage *storage, uint64_t most)
+enum shrink_how { SHRINK_AS_FAR_AS_IT_GOES, SHRINK_OR_LEAVE };
+
+/*
+ * Down to at most so many bytes; returns what is left. SHRINK_OR_LEAVE takes nothing away when all
+ * that may go would not be enough.
+ */
+static uint64_t shrink(struct orl_storage *storage, uint64_t most, enum shrink_how how)
 {
-    uint64_t used = orl_storage_total(storage);
+    uint64_t used = orl_storage_total(storage), stays = used;
     struct orl_stored_map *maps = NULL;
     struct candidate *list = NULL;
     size_t n_maps = 0, count = 0;
     if (used <= most || orl_map_cache_list(storage->maps, &maps, &n_maps, NULL))
         return used;
     list = list_candidates(storage->jobs, maps, n_maps, &count);
+    for (size_t i = 0; list && i < count; i++)
+        stays -= list[i].bytes;
+    if (how == SHRINK_OR_LEAVE && stays > most)
+        count = 0;
     for (size_t i = 0; list && i < count && used > most; i++)
         if (evict(storage, &list[i]))
             used = orl_storage_total(storage);
@@ -134,21 +143,21 @@ static uint64_t shrink(struct orl_storage *storage, uint64_t most)
 
 void orl_storage_trim(struct orl_storage *storage)
 {
-    shrink(storage, storage->budget);
+    shrink(storage, storage->budget, SHRINK_AS_FAR_AS_IT_GOES);
 }
 
 bool orl_storage_admit(struct orl_request *request, uint64_t bytes)
 {
     struct orl_storage *storage = &request->server->storage;
-    const uint64_t budget = storage->budget;
-    const uint64_t used = shrink(storage, bytes < budget ? budget - bytes : 0);
-    if (bytes <= budget && used <= budget - bytes)
+    const uint64_t budget = storage->budget, room = bytes < budget ? budget - bytes : 0;
+    const uint64_t used = shrink(storage, room, SHRINK_OR_LEAVE);
+    if (bytes <= budget && used <= room)
         return true;
     orl_reply_problem(request, 507, "storage-full", "There is no room to keep this",
-                      "%llu of %llu bytes are taken by what has to stay, and this needs %llu more; "
-                      "fetch results, remove jobs, scenes or BSDFs, or raise --storage-budget",
-                      (unsigned long long)used, (unsigned long long)budget,
-                      (unsigned long long)bytes);
+                      "this needs %llu of the %llu bytes there are, and others that have to stay "
+                      "leave less; fetch results, remove jobs, scenes or BSDFs, or raise "
+                      "--storage-budget",
+                      (unsigned long long)bytes, (unsigned long long)budget);
     orl_reply_header(request, "Retry-After", "60");
     return false;
 }

@@ -48,7 +48,7 @@ uint64_t orl_storage_total(const struct orl_storage *storage);
 /* Evicts what it takes. */
 void orl_storage_trim(struct orl_storage *storage);
 
-/* Makes room for so many bytes more, or replies with a 507: false. */
+/* Makes room for so many bytes more; or, when that cannot be, replies with a 507: false. */
 bool orl_storage_admit(struct orl_request *request, uint64_t bytes);
 
 /* A job's results were asked for. */

@@ -192,6 +192,35 @@ static void test_full(void **state)
     fetch(&f->daemon, job, 410);
 }
 
+/* What could never be kept takes nothing else away. */
+static void test_too_large(void **state)
+{
+    struct daemon_room *f = *state;
+    struct reply reply;
+    char job[80];
+    enum { LARGE = 1 << 22 };
+    run_job(&f->daemon, f->scene, 1, NULL, job);
+    fetch(&f->daemon, job, 200);
+    restart_with_budget(&f->daemon, bytes_kept(&f->daemon) + 100);
+    const size_t maps = count_maps(&f->daemon);
+    char *text = malloc(LARGE);
+    assert_non_null(text);
+    memset(text, '\n', LARGE);
+    memcpy(text, room_scene, strlen(room_scene));
+    const struct upload_file file = {"large.rad", text, LARGE, false};
+    daemon_upload(&f->daemon, &file, 1, NULL, &reply);
+    assert_int_equal(reply.status, 507);
+    reply_done(&reply);
+    free(text);
+    assert_true(maps > 0 && count_maps(&f->daemon) == maps);
+    /* Asking about results is not asking for them. */
+    char other[80], path[96];
+    run_job(&f->daemon, f->scene, 2, NULL, other);
+    snprintf(path, sizeof path, "%.80s/result", other);
+    expect(&f->daemon, "HEAD", path, 200, NULL);
+    fetch(&f->daemon, other, 200);
+}
+
 static void test_limits_and_help(void **state)
 {
     struct daemon_room *f = *state;
@@ -450,6 +479,7 @@ int main(void)
     static const struct CMUnitTest tests[] = {
         EACH(test_longest_unused_goes_first),
         EACH(test_full),
+        EACH(test_too_large),
         EACH(test_limits_and_help),
         EACH(test_delete_job),
         EACH(test_delete_scene),
