@@ -1,9 +1,9 @@
 #include <oriel/crew.h>
 
 #include <pthread.h>
-#include <stdatomic.h>
-#include <stdbool.h>
 #include <stdlib.h>
+
+#include <oriel/error.h>
 
 struct orl_crew {
     uint32_t size;
@@ -16,7 +16,9 @@ struct orl_crew {
     orl_crew_body body;
     void *arg;
     atomic_size_t next;
-    pthread_t *threads; /* of orl_crew_start: n_threads of them; else NULL */
+    const atomic_bool *heeded; /* by orl_crew_try; or NULL */
+    const atomic_bool *cancel; /* of the current loop; or NULL */
+    pthread_t *threads;        /* of orl_crew_start: n_threads of them; else NULL */
     uint32_t n_threads;
 };
 
@@ -51,11 +53,17 @@ uint32_t orl_crew_size(const struct orl_crew *crew)
     return crew ? crew->size : 1;
 }
 
+static bool is_set(const atomic_bool *cancel)
+{
+    return cancel && atomic_load_explicit(cancel, memory_order_relaxed);
+}
+
 static void claim_all(struct orl_crew *crew, size_t count, orl_crew_body body, void *arg,
-                      uint32_t member)
+                      const atomic_bool *cancel, uint32_t member)
 {
     size_t i;
-    while ((i = atomic_fetch_add_explicit(&crew->next, 1, memory_order_relaxed)) < count)
+    while (!is_set(cancel) &&
+           (i = atomic_fetch_add_explicit(&crew->next, 1, memory_order_relaxed)) < count)
         body(arg, i, member);
 }
 
@@ -73,8 +81,9 @@ void orl_crew_serve(struct orl_crew *crew, uint32_t member)
         const size_t count = crew->count;
         const orl_crew_body body = crew->body;
         void *const arg = crew->arg;
+        const atomic_bool *const cancel = crew->cancel;
         pthread_mutex_unlock(&crew->lock);
-        claim_all(crew, count, body, arg, member);
+        claim_all(crew, count, body, arg, cancel, member);
         pthread_mutex_lock(&crew->lock);
         if (--crew->working == 0)
             pthread_cond_signal(&crew->idle);
@@ -90,7 +99,8 @@ void orl_crew_dismiss(struct orl_crew *crew)
     pthread_mutex_unlock(&crew->lock);
 }
 
-void orl_crew_for(struct orl_crew *crew, size_t count, orl_crew_body body, void *arg)
+static void run_loop(struct orl_crew *crew, size_t count, orl_crew_body body, void *arg,
+                     const atomic_bool *cancel)
 {
     if (!crew) {
         for (size_t i = 0; i < count; i++)
@@ -98,6 +108,7 @@ void orl_crew_for(struct orl_crew *crew, size_t count, orl_crew_body body, void 
         return;
     }
     pthread_mutex_lock(&crew->lock);
+    crew->cancel = cancel;
     crew->count = count;
     crew->body = body;
     crew->arg = arg;
@@ -106,7 +117,7 @@ void orl_crew_for(struct orl_crew *crew, size_t count, orl_crew_body body, void 
     pthread_cond_broadcast(&crew->work);
     pthread_mutex_unlock(&crew->lock);
 
-    claim_all(crew, count, body, arg, 0);
+    claim_all(crew, count, body, arg, cancel, 0);
 
     /* With body gone no server can join late; those inside are waited for. */
     pthread_mutex_lock(&crew->lock);
@@ -114,6 +125,27 @@ void orl_crew_for(struct orl_crew *crew, size_t count, orl_crew_body body, void 
     while (crew->working > 0)
         pthread_cond_wait(&crew->idle, &crew->lock);
     pthread_mutex_unlock(&crew->lock);
+}
+
+void orl_crew_for(struct orl_crew *crew, size_t count, orl_crew_body body, void *arg)
+{
+    run_loop(crew, count, body, arg, NULL);
+}
+
+void orl_crew_heed(struct orl_crew *crew, const atomic_bool *cancel)
+{
+    crew->heeded = cancel;
+}
+
+bool orl_crew_cancelled(const struct orl_crew *crew)
+{
+    return is_set(crew->heeded);
+}
+
+int orl_crew_try(struct orl_crew *crew, size_t count, orl_crew_body body, void *arg)
+{
+    run_loop(crew, count, body, arg, crew->heeded);
+    return orl_crew_cancelled(crew) ? ORL_ERR_CANCELLED : 0;
 }
 
 struct member_start {

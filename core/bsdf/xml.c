@@ -204,6 +204,12 @@ static void tell_passed(const struct orl_bsdf_xml *xml, size_t at, size_t *told)
     *told = at;
 }
 
+static void heed_cancel(struct orl_xml_reader *r, const struct orl_bsdf_xml *xml)
+{
+    if (xml->cancel && r->code == 0 && atomic_load_explicit(xml->cancel, memory_order_relaxed))
+        FAIL(r, ORL_ERR_CANCELLED, "cancelled while reading the BSDF");
+}
+
 /* The whole file. Slices grow, as expat reads a long token again with each. */
 static void parse(struct orl_xml_reader *r, const struct orl_bsdf_xml *xml)
 {
@@ -215,11 +221,13 @@ static void parse(struct orl_xml_reader *r, const struct orl_bsdf_xml *xml)
         parse_slice(r, xml->data + at, length, last);
         at += length;
         tell_passed(xml, at, &told);
+        heed_cancel(r, xml);
         if (slice < SLICE_MOST)
             slice *= 2;
         while (r->code == 0 && r->plain && !last) {
             at += read_plain(r, xml->data + at, xml->size - at);
             tell_passed(xml, at, &told);
+            heed_cancel(r, xml);
             slice = SLICE_LEAST;
         }
     }

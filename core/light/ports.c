@@ -163,7 +163,9 @@ int orl_world_find_ports(struct orl_world *world, struct orl_crew *crew, struct 
     search.rays = (uint32_t)(share > MOST_RAYS_A_FACE    ? MOST_RAYS_A_FACE
                              : share < LEAST_RAYS_A_FACE ? LEAST_RAYS_A_FACE
                                                          : share);
-    orl_crew_for(crew, n, look_both_ways, &search);
+    code = orl_crew_try(crew, n, look_both_ways, &search);
+    if (code < 0)
+        goto done;
     for (size_t i = 0; i < n_facets; i++)
         world->port_of_facet[i] = ORL_NO_PORT;
     for (size_t i = 0; i < n; i++) {
@@ -178,13 +180,15 @@ int orl_world_find_ports(struct orl_world *world, struct orl_crew *crew, struct 
     search.ports = world->ports;
     search.n_ports = world->n_ports;
     if (world->n_ports > 0)
-        orl_crew_for(crew, SEAL_PATHS, try_to_escape, &search);
+        code = orl_crew_try(crew, SEAL_PATHS, try_to_escape, &search);
+    if (code < 0)
+        goto done;
     world->open = world->n_ports == 0 || atomic_load(&search.escapes) >= SEAL_ESCAPES;
     orl_proxies_settle(world);
-    code = 0;
 done:
     if (code < 0)
-        orl_error_set(err, code, "out of memory while looking for photon ports");
+        orl_error_set(err, code, "%s while looking for photon ports",
+                      code == ORL_ERR_CANCELLED ? "cancelled" : "out of memory");
     free(found);
     free(candidates);
     return code;

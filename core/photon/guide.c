@@ -102,9 +102,9 @@ static int make_table(struct pilot *pilot, struct orl_crew *crew, struct orl_tab
     pilot->values = malloc((size_t)pilot->side * pilot->side * sizeof *pilot->values);
     if (!pilot->values)
         return ORL_ERR_NOMEM;
-    orl_crew_for(crew, pilot->side, probe_row, pilot);
-    const int code =
-        orl_table_init(ret_table, pilot->side, pilot->side, pilot->values, 1 - guided_share);
+    int code = orl_crew_try(crew, pilot->side, probe_row, pilot);
+    if (code == 0)
+        code = orl_table_init(ret_table, pilot->side, pilot->side, pilot->values, 1 - guided_share);
     free(pilot->values);
     return code;
 }

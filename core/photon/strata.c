@@ -83,7 +83,7 @@ static int make_port_tables(struct pilot *pilot, struct orl_crew *crew)
     e->port_tables = calloc(n_ports + 1, sizeof *e->port_tables);
     if (!pilot->values || !e->port_tables)
         return ORL_ERR_NOMEM;
-    orl_crew_for(crew, n_ports * cells, look_out, pilot);
+    code = orl_crew_try(crew, n_ports * cells, look_out, pilot);
     for (size_t i = 0; i < n_ports && code == 0; i++)
         code = orl_table_init(&e->port_tables[i], pilot->side, pilot->side,
                               pilot->values + i * cells, floor_share);
@@ -322,9 +322,11 @@ static int share_out_caustics(struct pilot *pilot, struct orl_crew *crew)
     pilot->flights = (uint32_t)(each > MOST_FLIGHTS_A_STRATUM    ? MOST_FLIGHTS_A_STRATUM
                                 : each < LEAST_FLIGHTS_A_STRATUM ? LEAST_FLIGHTS_A_STRATUM
                                                                  : each);
-    orl_crew_for(crew, e->n_strata, try_caustics, pilot);
-    if (seek(pilot) < 0)
-        return ORL_ERR_NOMEM;
+    int code = orl_crew_try(crew, e->n_strata, try_caustics, pilot);
+    if (code == 0)
+        code = seek(pilot);
+    if (code < 0)
+        return code;
     for (size_t i = 0; i < e->n_strata; i++) {
         sum += pilot->yield[i];
         flux += may_make_caustics(e, &e->strata[i]) ? e->strata[i].flux_w : 0;
@@ -372,7 +374,8 @@ int orl_emission_new(const struct orl_world *world, uint64_t seed, struct orl_cr
     free(pilot.yield);
     if (code < 0) {
         orl_emission_free(e);
-        return orl_error_set(err, code, "out of memory preparing photon emission");
+        return orl_error_set(err, code, "%s preparing photon emission",
+                             code == ORL_ERR_CANCELLED ? "cancelled" : "out of memory");
     }
     *ret_emission = e;
     return 0;

@@ -185,11 +185,13 @@ static int sort_photons(struct writer *w, struct orl_crew *crew)
     w->flux_sums = malloc((chunks_of(w) + 1) * sizeof *w->flux_sums);
     if (!w->words || !w->items || !w->flux_sums)
         return ORL_ERR_NOMEM;
-    orl_crew_for(crew, chunks_of(w), make_codes, w);
+    int code = orl_crew_try(crew, chunks_of(w), make_codes, w);
+    if (code < 0)
+        return code;
     w->spare = orl_memory_new((count + 1) * sizeof *w->spare);
     if (!w->spare)
         return ORL_ERR_NOMEM;
-    const int code = orl_sort_photons(w->items, w->spare, count, w->words, crew, &sorted);
+    code = orl_sort_photons(w->items, w->spare, count, w->words, crew, &sorted);
     if (sorted != w->items) {
         w->spare = w->items;
         w->items = sorted;
@@ -199,11 +201,14 @@ static int sort_photons(struct writer *w, struct orl_crew *crew)
     return code;
 }
 
-static void fill_file(struct writer *w, struct orl_crew *crew)
+static int fill_file(struct writer *w, struct orl_crew *crew, struct orl_error *err)
 {
-    orl_crew_for(crew, chunks_of(w), pack_chunk, w);
+    const int code = orl_crew_try(crew, chunks_of(w), pack_chunk, w);
+    if (code < 0)
+        return orl_error_set(err, code, "cancelled while writing a photon map");
     orl_box_nodes(&w->layout, w->file);
     fill_header(w);
+    return 0;
 }
 
 int orl_photon_map_write(const char *path, const struct orl_photon *photons, size_t count,
@@ -211,22 +216,23 @@ int orl_photon_map_write(const char *path, const struct orl_photon *photons, siz
                          struct orl_error *err)
 {
     struct writer w = {.build = build};
-    int fd = -1, code = ORL_ERR_NOMEM;
+    int fd = -1;
     const size_t all = count + (build->earlier ? build->earlier->header->count : 0);
     if (all > UINT32_MAX)
         return orl_error_set(err, ORL_ERR_LIMIT, "%zu photons do not fit one map", all);
     w.layout = orl_map_layout_of(all);
     w.size = orl_map_size(&w.layout, all, build->note_bytes);
-    if (orl_packing_init(&w.packing, build->earlier, photons, count, build->seed, build->extent,
-                         crew) < 0 ||
-        sort_photons(&w, crew) < 0) {
-        orl_error_set(err, code, "out of memory sorting %zu photons", all);
-        goto done;
-    }
-    code = create_file(&w, path, &fd, err);
+    int code = orl_packing_init(&w.packing, build->earlier, photons, count, build->seed,
+                                build->extent, crew);
     if (code == 0)
-        fill_file(&w, crew);
-done:
+        code = sort_photons(&w, crew);
+    if (code < 0)
+        orl_error_set(err, code, "%s sorting %zu photons",
+                      code == ORL_ERR_CANCELLED ? "cancelled" : "out of memory", all);
+    if (code == 0)
+        code = create_file(&w, path, &fd, err);
+    if (code == 0)
+        code = fill_file(&w, crew, err);
     if (w.file)
         munmap(w.file, w.size);
     if (fd >= 0)

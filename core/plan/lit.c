@@ -13,7 +13,8 @@ struct look {
     const struct orl_world *world;
     struct orl_lit *lit;
     struct orl_sobol sobol;
-    uint32_t samples; /* a side of a facet */
+    const struct orl_crew *crew; /* whose cancellation is heard */
+    uint32_t samples;            /* a side of a facet */
 };
 
 static bool is_kind(const struct orl_facet *facet, const struct orl_material *m,
@@ -84,7 +85,8 @@ static void look_at_facets(struct look *look, enum orl_lit_kind kind)
 {
     const struct orl_world *world = look->world;
     struct orl_lit_class *class = &look->lit->classes[kind];
-    for (uint32_t i = 0; i < world->geometry->n_facets && !class->lit; i++) {
+    for (uint32_t i = 0;
+         i < world->geometry->n_facets && !class->lit && !orl_crew_cancelled(look->crew); i++) {
         const struct orl_facet *f = &world->geometry->facets[i];
         const struct orl_material *m = &world->description.materials[f->material];
         if (!(f->area > 0) || !is_kind(f, m, kind))
@@ -195,7 +197,7 @@ static void look_from_windows(struct look *look)
     const size_t pairs = world->n_ports * world->n_suns + 1;
     const size_t share = MOST_RAYS / pairs;
     const uint32_t samples = (uint32_t)(share < WINDOW_SAMPLES ? share + 1 : WINDOW_SAMPLES);
-    for (size_t p = 0; p < world->n_ports; p++) {
+    for (size_t p = 0; p < world->n_ports && !orl_crew_cancelled(look->crew); p++) {
         for (size_t s = 0; s < world->n_suns; s++)
             for (uint32_t i = 0; i < samples; i++)
                 follow_sun_in(look, &world->ports[p], &world->suns[s], i);
@@ -213,7 +215,7 @@ static void take_as_lit(struct orl_lit *lit)
 void orl_lit_look(const struct orl_survey *survey, struct orl_lit *ret_lit)
 {
     const struct orl_world *world = survey->world;
-    struct look look = {.world = world, .lit = ret_lit};
+    struct look look = {.world = world, .lit = ret_lit, .crew = survey->request->crew};
     size_t facets = 1;
     *ret_lit = (struct orl_lit){.lights = world->n_suns};
     for (size_t i = 0; i < world->n_emitters; i++)

@@ -64,14 +64,17 @@ static int load_and_keep(struct request *r, struct orl_bsdf **ret_bsdf, struct o
     return 0;
 }
 
-static int load(void *ctx, const struct orl_bsdf_xml *xml,
+static int load(void *ctx, const struct orl_bsdf_xml *given,
                 const unsigned char content[crypto_hash_sha256_BYTES], struct orl_bsdf **ret_bsdf,
                 struct orl_error *err)
 {
-    struct request r = {.state = ctx, .xml = xml, .content = content};
+    struct request r = {.state = ctx, .content = content};
+    struct orl_bsdf_xml heeding = *given;
+    const struct orl_bsdf_xml *const xml = r.xml = &heeding;
     const struct orl_map_store *store = r.state->env->store;
     struct orl_map_info info;
     bool hit = true;
+    heeding.cancel = r.state->env->cancel;
     if (!store || xml->size < LEAST_BYTES)
         return orl_bsdf_load(xml, ret_bsdf, err);
     make_key(content, r.key);
@@ -100,5 +103,5 @@ static int load(void *ctx, const struct orl_bsdf_xml *xml,
 
 struct orl_bsdf_loader orl_run_bsdf_loader(struct orl_run_state *state)
 {
-    return (struct orl_bsdf_loader){state, load};
+    return (struct orl_bsdf_loader){state, load, state->env->cancel};
 }

@@ -131,6 +131,14 @@ static int load(struct orl_run_state *state, struct orl_description *ret_descrip
     return code < 0 ? code : orl_run_sky(state, ret_description, err);
 }
 
+/* Between steps that cannot be interrupted. */
+static int heed_cancel(const struct orl_run_state *state, struct orl_error *err)
+{
+    return orl_crew_cancelled(state->env->crew)
+               ? orl_error_set(err, ORL_ERR_CANCELLED, "cancelled while preparing the scene")
+               : 0;
+}
+
 /* What a job and its plan have in common: everything before photons. */
 static int prepare(struct orl_run_state *state, struct orl_error *err)
 {
@@ -138,12 +146,17 @@ static int prepare(struct orl_run_state *state, struct orl_error *err)
     int code;
     orl_run_progress(state, 0);
     code = load(state, &description, err);
+    if (code == 0)
+        code = heed_cancel(state, err);
+    description.cancel = state->env->cancel;
     if (code < 0) {
         orl_description_done(&description);
         return code;
     }
     orl_run_enter(state, ORL_STAGE_BVH);
     code = orl_world_new(&description, &state->world, err);
+    if (code == 0)
+        code = heed_cancel(state, err);
     if (code == 0)
         code = orl_world_find_ports(state->world, state->env->crew, err);
     if (code == 0 && state->world->proxies && state->world->n_hidden == 0)
@@ -153,7 +166,8 @@ static int prepare(struct orl_run_state *state, struct orl_error *err)
     if (code < 0)
         return code;
     orl_run_enter(state, ORL_STAGE_PLAN);
-    return orl_run_plan(state, err);
+    code = orl_run_plan(state, err);
+    return code < 0 ? code : heed_cancel(state, err);
 }
 
 int orl_run_need_emission(struct orl_run_state *state, struct orl_error *err)
@@ -195,11 +209,13 @@ static int run(const struct orl_job *job, const struct orl_run_env *env,
     state.stage_started = state.started_s = started;
     if (job->goal.deadline_s > 0)
         state.ends_s = started + job->goal.deadline_s;
+    orl_crew_heed(env->crew, env->cancel);
     state.searches = calloc(orl_crew_size(env->crew), sizeof *state.searches);
     if (state.searches)
         code = stages(&state, err);
     else
         code = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    orl_crew_heed(env->crew, NULL);
     leave(&state);
     result.total_s = env->now_s(env->ctx) - started;
     orl_run_forget_looks(&state);

@@ -12,6 +12,7 @@
 #ifndef ORL_SCENE_DESCRIPTION_H
 #define ORL_SCENE_DESCRIPTION_H
 
+#include <stdatomic.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -128,6 +129,7 @@ struct orl_description {
     char **warnings;
     size_t n_warnings;
     struct orl_storage *storage; /* holds the strings and vertices above */
+    const atomic_bool *cancel;   /* heard while geometry is built from this; NULL: nothing */
 };
 
 /* Frees what it owns; NULL and half-filled are fine. */

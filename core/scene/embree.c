@@ -103,7 +103,24 @@ static void build_curved(struct orl_geometry *geometry, RTCDevice device, RTCSce
     rtcReleaseGeometry(curved);
 }
 
-int orl_embree_build(struct orl_geometry *geometry, struct orl_error *err)
+/* Embree asks this many times while it builds. */
+static bool goes_on(void *ctx, double fraction)
+{
+    const atomic_bool *cancel = ctx;
+    (void)fraction;
+    return !atomic_load_explicit(cancel, memory_order_relaxed);
+}
+
+static int refuse_build(enum RTCError failure, struct orl_error *err)
+{
+    if (failure == RTC_ERROR_CANCELLED)
+        return orl_error_set(err, ORL_ERR_CANCELLED, "cancelled while building the scene");
+    return orl_error_set(err, failure == RTC_ERROR_OUT_OF_MEMORY ? ORL_ERR_NOMEM : ORL_ERR_INTERNAL,
+                         "Embree failed to build the scene (error %d)", (int)failure);
+}
+
+int orl_embree_build(struct orl_geometry *geometry, const atomic_bool *cancel,
+                     struct orl_error *err)
 {
     unsigned n_curved = 0;
     for (size_t i = 0; i < geometry->n_facets; i++)
@@ -125,13 +142,11 @@ int orl_embree_build(struct orl_geometry *geometry, struct orl_error *err)
                              geometry->n_triangles);
     if (n_curved > 0)
         build_curved(geometry, device, scene, n_curved);
+    if (cancel)
+        rtcSetSceneProgressMonitorFunction(scene, goes_on, (void *)(uintptr_t)cancel);
     rtcCommitScene(scene);
     const enum RTCError failure = rtcGetDeviceError(device);
-    if (failure != RTC_ERROR_NONE)
-        return orl_error_set(err,
-                             failure == RTC_ERROR_OUT_OF_MEMORY ? ORL_ERR_NOMEM : ORL_ERR_INTERNAL,
-                             "Embree failed to build the scene (error %d)", (int)failure);
-    return 0;
+    return failure == RTC_ERROR_NONE ? 0 : refuse_build(failure, err);
 }
 
 void orl_embree_free(struct orl_geometry *geometry)

@@ -5,10 +5,14 @@
 #ifndef ORL_SCENE_EMBREE_H
 #define ORL_SCENE_EMBREE_H
 
+#include <stdatomic.h>
+
 #include "scene/geometry.h"
 
-/* Builds device and scene from geometry's triangles (first) and curved facets. */
-int orl_embree_build(struct orl_geometry *geometry, struct orl_error *err);
+/* Builds device and scene from geometry's triangles (first) and curved facets. Heeds *cancel
+ * (ORL_ERR_CANCELLED) unless it is NULL. */
+int orl_embree_build(struct orl_geometry *geometry, const atomic_bool *cancel,
+                     struct orl_error *err);
 void orl_embree_free(struct orl_geometry *geometry);
 
 /* What a ray met: a triangle's index, or a facet's when curved. */

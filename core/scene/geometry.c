@@ -106,6 +106,8 @@ static int add_facets(struct orl_geometry *g, const struct orl_description *d)
             code = add_polygon(g, surface, facet, triples);
         else
             add_curved(g, surface, facet);
+        if (d->cancel && atomic_load_explicit(d->cancel, memory_order_relaxed))
+            code = ORL_ERR_CANCELLED;
     }
     free(triples);
     return code;
@@ -147,7 +149,7 @@ int orl_geometry_new(const struct orl_description *description, struct orl_geome
         goto done;
     code = add_facets(g, description);
     if (code == 0)
-        code = orl_embree_build(g, err);
+        code = orl_embree_build(g, description->cancel, err);
 done:
     if (code == 0)
         *ret_geometry = g;
@@ -155,6 +157,8 @@ done:
         orl_geometry_free(g);
     if (code == ORL_ERR_NOMEM)
         orl_error_set(err, code, "out of memory for the scene's geometry");
+    if (code == ORL_ERR_CANCELLED)
+        orl_error_set(err, code, "cancelled while building the scene's geometry");
     return code;
 }
 
@@ -183,7 +187,7 @@ int orl_geometry_subset(const struct orl_geometry *whole, const bool *keep,
                kept * sizeof *g->triangles);
         g->n_triangles += kept;
     }
-    code = orl_embree_build(g, err);
+    code = orl_embree_build(g, NULL, err);
 done:
     if (code == 0)
         *ret_geometry = g;

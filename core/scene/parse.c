@@ -114,6 +114,14 @@ static int count_text(struct orl_parser *parser, const struct orl_scope *scope, 
     return ORL_ERR_LIMIT;
 }
 
+static int heed_cancel(const struct orl_parser *parser, struct orl_error *err)
+{
+    const struct orl_bsdf_loader *loader = parser->sources.loader;
+    if (loader && loader->cancel && atomic_load_explicit(loader->cancel, memory_order_relaxed))
+        return orl_error_set(err, ORL_ERR_CANCELLED, "cancelled while reading the scene");
+    return 0;
+}
+
 int orl_parser_read(struct orl_parser *parser, const struct orl_scope *scope, const char *text,
                     size_t size, int line, struct orl_error *err)
 {
@@ -130,6 +138,8 @@ int orl_parser_read(struct orl_parser *parser, const struct orl_scope *scope, co
             code = read_command(parser, scope, &lexer, err);
         else
             code = read_primitive(parser, scope, &lexer, err);
+        if (code == 0)
+            code = heed_cancel(parser, err);
     }
     return code;
 }

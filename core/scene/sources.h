@@ -8,6 +8,7 @@
 #ifndef ORL_SCENE_SOURCES_H
 #define ORL_SCENE_SOURCES_H
 
+#include <stdatomic.h>
 #include <stdbool.h>
 #include <stddef.h>
 
@@ -26,12 +27,14 @@ struct orl_source {
     struct orl_bsdf *bsdf; /* a reference, once it was loaded as one */
 };
 
-/* Who loads BSDFs, if not orl_bsdf_load_xml: the same, but perhaps from a store. */
+/* Who loads BSDFs, if not orl_bsdf_load_xml: the same, but perhaps from a store; and who may stop
+ * it all. */
 struct orl_bsdf_loader {
     void *ctx;
     int (*load)(void *ctx, const struct orl_bsdf_xml *xml,
                 const unsigned char content[crypto_hash_sha256_BYTES], struct orl_bsdf **ret_bsdf,
                 struct orl_error *err);
+    const atomic_bool *cancel; /* heard while scene text is read; NULL: nothing */
 };
 
 struct orl_sources {

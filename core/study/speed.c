@@ -80,14 +80,28 @@ double orl_ray_rate(const struct orl_geometry *geometry, size_t n_rays, int runs
     return hits > 0 ? rates[runs / 2] : NAN;
 }
 
+/* The cancel flag is the context. */
+static int load_bsdf(void *ctx, const struct orl_bsdf_xml *xml,
+                     const unsigned char content[crypto_hash_sha256_BYTES],
+                     struct orl_bsdf **ret_bsdf, struct orl_error *err)
+{
+    struct orl_bsdf_xml heeding = *xml;
+    (void)content;
+    heeding.cancel = ctx;
+    return orl_bsdf_load(&heeding, ret_bsdf, err);
+}
+
 int orl_study_measure_speed(const struct orl_study_request *request,
                             const struct orl_study_env *env, double *ret_rays_per_s,
                             struct orl_error *err)
 {
+    const struct orl_bsdf_loader loader = {env->cancel, load_bsdf, env->cancel};
     struct orl_description description = {0};
     struct orl_geometry *geometry = NULL;
-    int code = orl_scene_parse((const char *const *)request->job.scene_files,
-                               request->job.n_scene_files, env->files, &description, err);
+    int code =
+        orl_scene_parse_with((const char *const *)request->job.scene_files,
+                             request->job.n_scene_files, env->files, &loader, &description, err);
+    description.cancel = env->cancel;
     if (code == 0)
         code = orl_geometry_new(&description, &geometry, err);
     if (code == 0)

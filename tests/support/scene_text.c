@@ -112,8 +112,9 @@ static int run_job(const struct scene_run *run, struct orl_result *ret_result,
                                     .store = &store,
                                     .shelf = run->shelf,
                                     .output_folder = output,
-                                    .cancel = &cancel,
+                                    .cancel = run->cancel ? run->cancel : &cancel,
                                     .now_s = run->now_s ? run->now_s : now_s,
+                                    .progress = run->progress,
                                     .round_ready = run->round_ready,
                                     .ctx = run->ctx};
     assert_non_null(env.crew);

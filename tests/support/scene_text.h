@@ -32,8 +32,10 @@ struct scene_run {
     const char *folder;          /* where maps and images stay; NULL: nowhere */
     struct orl_shelf *shelf;     /* between runs; NULL: nothing is kept */
     struct orl_goal goal;        /* set: instead of photons and samples */
-    /* NULL: the machine's clock; no one is told. Both get ctx. */
+    atomic_bool *cancel;         /* NULL: nobody cancels */
+    /* NULL: the machine's clock; no one is told. All get ctx. */
     double (*now_s)(void *ctx);
+    void (*progress)(void *ctx, enum orl_stage stage, double stage_fraction, double job_fraction);
     void (*round_ready)(void *ctx, const struct orl_result *result);
     void *ctx;
 };

@@ -14,6 +14,7 @@
 #include <pthread.h>
 
 #include <oriel/crew.h>
+#include <oriel/error.h>
 
 enum { MOST = 8 };
 
@@ -132,6 +133,42 @@ static void test_dismiss_idle(void **state)
     orl_crew_free(NULL);
 }
 
+struct ending {
+    atomic_bool cancel;
+    atomic_size_t done;
+};
+
+static void cancel_in_the_middle(void *arg, size_t index, uint32_t member)
+{
+    struct ending *ending = arg;
+    (void)index, (void)member;
+    if (atomic_fetch_add(&ending->done, 1) == 99)
+        atomic_store(&ending->cancel, true);
+}
+
+/* What is heeded ends loops that try, and no others; and it can be taken back. */
+static void test_cancelled_loops(void **state)
+{
+    struct orl_crew *crew = orl_crew_start(4);
+    struct ending ending;
+    (void)state;
+    atomic_init(&ending.cancel, false);
+    atomic_init(&ending.done, 0);
+    assert_int_equal(orl_crew_try(crew, 1000, cancel_in_the_middle, &ending), 0);
+    assert_int_equal(atomic_load(&ending.done), 1000);
+    atomic_store(&ending.cancel, false);
+    atomic_store(&ending.done, 0);
+    orl_crew_heed(crew, &ending.cancel);
+    assert_int_equal(orl_crew_try(crew, 1000, cancel_in_the_middle, &ending), ORL_ERR_CANCELLED);
+    assert_in_range(atomic_load(&ending.done), 100, 100 + MOST);
+    assert_true(orl_crew_cancelled(crew));
+    check_loop(crew, 500);
+    assert_int_equal(orl_crew_try(crew, 10, cancel_in_the_middle, &ending), ORL_ERR_CANCELLED);
+    orl_crew_heed(crew, NULL);
+    assert_int_equal(orl_crew_try(crew, 10, cancel_in_the_middle, &ending), 0);
+    orl_crew_stop(crew);
+}
+
 /* Sizes of 0 count as 1. */
 static void test_size_zero(void **state)
 {
@@ -148,6 +185,7 @@ int main(void)
         cmocka_unit_test(test_every_index_once), cmocka_unit_test(test_many_short_loops),
         cmocka_unit_test(test_absent_servers),   cmocka_unit_test(test_late_servers),
         cmocka_unit_test(test_dismiss_idle),     cmocka_unit_test(test_size_zero),
+        cmocka_unit_test(test_cancelled_loops),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -30,6 +30,7 @@
 #ifndef ORIEL_BSDF_H
 #define ORIEL_BSDF_H
 
+#include <stdatomic.h>
 #include <stdbool.h>
 #include <stddef.h>
 
@@ -53,6 +54,7 @@ struct orl_bsdf_xml {
     size_t size;
     void (*passed)(void *ctx, size_t begin, size_t end); /* or NULL */
     void *ctx;
+    const atomic_bool *cancel; /* or NULL; once set, it is read no further: ORL_ERR_CANCELLED */
 };
 int orl_bsdf_load(const struct orl_bsdf_xml *xml, struct orl_bsdf **ret_bsdf,
                   struct orl_error *err);

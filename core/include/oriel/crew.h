@@ -11,6 +11,8 @@
 #ifndef ORIEL_CREW_H
 #define ORIEL_CREW_H
 
+#include <stdatomic.h>
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -34,6 +36,15 @@ typedef void (*orl_crew_body)(void *arg, size_t index, uint32_t member);
 /* Runs body for every index in [0, count); returns when all are done. Lead thread only. Without a
  * crew (NULL) the caller does all. */
 void orl_crew_for(struct orl_crew *crew, size_t count, orl_crew_body body, void *arg);
+
+/* From now on orl_crew_try heeds *cancel, which any thread may set; NULL: nothing. Lead only. */
+void orl_crew_heed(struct orl_crew *crew, const atomic_bool *cancel);
+bool orl_crew_cancelled(const struct orl_crew *crew);
+/*
+ * The same as orl_crew_for until what the crew heeds is set: then iterations are left out, and it
+ * returns ORL_ERR_CANCELLED; else 0.
+ */
+int orl_crew_try(struct orl_crew *crew, size_t count, orl_crew_body body, void *arg);
 
 /* For programs without a thread pool: starts size-1 POSIX threads that serve the crew. */
 struct orl_crew *orl_crew_start(uint32_t size);

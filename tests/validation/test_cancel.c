@@ -1,0 +1,151 @@
+/* A job cancelled at any step of any technique says so, and leaves nothing half-made behind. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <dirent.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "support/cli.h"
+#include "support/room.h"
+
+/* The flag is set at the call of that number, of all that a run makes to clock and progress. */
+struct trap {
+    atomic_bool cancel;
+    int calls, at;
+};
+
+static void step(struct trap *trap)
+{
+    if (trap->calls++ == trap->at)
+        atomic_store(&trap->cancel, true);
+}
+
+static double now_s(void *ctx)
+{
+    step(ctx);
+    return 0;
+}
+
+static void on_progress(void *ctx, enum orl_stage stage, double stage_fraction, double job_fraction)
+{
+    (void)stage, (void)stage_fraction, (void)job_fraction;
+    step(ctx);
+}
+
+enum { POINTS = 9 };
+
+static size_t count_files(const char *folder)
+{
+    size_t count = 0;
+    DIR *dir = opendir(folder);
+    assert_non_null(dir);
+    for (const struct dirent *entry; (entry = readdir(dir));)
+        count += entry->d_name[0] != '.';
+    closedir(dir);
+    return count;
+}
+
+/* A run of the room with maps and a view; the store is the folder. */
+static int run(enum orl_technique technique, const char *folder, struct trap *trap)
+{
+    char xml[2048];
+    struct orl_error err = {0};
+    scene_uniform_bsdf(0.2, xml);
+    const int code = scene_run_try(
+        &(struct scene_run){.scene = ROOM_SKY ROOM_SUN ROOM_GREY ROOM_BSDF ROOM_SHELL ROOM_PANE,
+                            .resource_name = "pane.xml",
+                            .resource_text = xml,
+                            .sensors = room_sensors,
+                            .n_sensors = ROOM_SENSORS,
+                            .view = "-vtv -vp 2 4.5 1.5 -vd 0 -1 0 -vh 70 -vv 55",
+                            .width = 16,
+                            .height = 12,
+                            .technique = technique,
+                            .wishes = scene_wish_maps,
+                            .global = 4000,
+                            .caustic = 2000,
+                            .samples = 64,
+                            .pixel_samples = 4,
+                            .threads = 2,
+                            .folder = folder,
+                            .cancel = &trap->cancel,
+                            .now_s = now_s,
+                            .progress = on_progress,
+                            .ctx = trap},
+        &err);
+    assert_int_equal(code, code < 0 ? (int)err.code : 0);
+    return code;
+}
+
+/*
+ * At POINTS calls from the first on. The last few calls come when all is done:
+ * then it may succeed. Maps that were finished before stay, whole: the next run finds them.
+ */
+static void check(enum orl_technique technique)
+{
+    char folder[64];
+    struct trap trap = {.at = -1};
+    int cancelled = 0;
+    cli_make_folder(folder);
+    atomic_init(&trap.cancel, false);
+    assert_int_equal(run(technique, folder, &trap), 0);
+    const int calls = trap.calls;
+    const size_t whole = count_files(folder);
+    cli_remove_folder(folder);
+    for (int i = 0; i < POINTS; i++) {
+        cli_make_folder(folder);
+        trap = (struct trap){.at = i * calls / POINTS};
+        const int code = run(technique, folder, &trap);
+        assert_true(code == 0 || code == ORL_ERR_CANCELLED);
+        cancelled += code < 0;
+        assert_in_range(count_files(folder), code < 0 ? 0 : whole, whole);
+        if (i == POINTS / 2) {
+            trap = (struct trap){.at = -1};
+            assert_int_equal(run(technique, folder, &trap), 0);
+            assert_int_equal(count_files(folder), whole);
+        }
+        cli_remove_folder(folder);
+    }
+    if (cancelled < POINTS - 2)
+        fail_msg("only %d of %d were cancelled", cancelled, POINTS);
+}
+
+static void test_backward(void **state)
+{
+    (void)state;
+    check(ORL_TECHNIQUE_BACKWARD);
+}
+
+static void test_gather(void **state)
+{
+    (void)state;
+    check(ORL_TECHNIQUE_GATHER);
+}
+
+static void test_direct(void **state)
+{
+    (void)state;
+    check(ORL_TECHNIQUE_DIRECT);
+}
+
+static void test_precomputed(void **state)
+{
+    (void)state;
+    check(ORL_TECHNIQUE_PRECOMPUTED);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_backward),
+        cmocka_unit_test(test_gather),
+        cmocka_unit_test(test_direct),
+        cmocka_unit_test(test_precomputed),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
