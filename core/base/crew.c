@@ -53,16 +53,11 @@ uint32_t orl_crew_size(const struct orl_crew *crew)
     return crew ? crew->size : 1;
 }
 
-static bool is_set(const atomic_bool *cancel)
-{
-    return cancel && atomic_load_explicit(cancel, memory_order_relaxed);
-}
-
 static void claim_all(struct orl_crew *crew, size_t count, orl_crew_body body, void *arg,
                       const atomic_bool *cancel, uint32_t member)
 {
     size_t i;
-    while (!is_set(cancel) &&
+    while (!orl_is_cancelled(cancel) &&
            (i = atomic_fetch_add_explicit(&crew->next, 1, memory_order_relaxed)) < count)
         body(arg, i, member);
 }
@@ -139,7 +134,7 @@ void orl_crew_heed(struct orl_crew *crew, const atomic_bool *cancel)
 
 bool orl_crew_cancelled(const struct orl_crew *crew)
 {
-    return is_set(crew->heeded);
+    return orl_is_cancelled(crew->heeded);
 }
 
 int orl_crew_try(struct orl_crew *crew, size_t count, orl_crew_body body, void *arg)

@@ -8,6 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <oriel/crew.h>
+
 static const struct {
     enum orl_xml_element parent;
     const char *name;
@@ -206,7 +208,7 @@ static void tell_passed(const struct orl_bsdf_xml *xml, size_t at, size_t *told)
 
 static void heed_cancel(struct orl_xml_reader *r, const struct orl_bsdf_xml *xml)
 {
-    if (xml->cancel && r->code == 0 && atomic_load_explicit(xml->cancel, memory_order_relaxed))
+    if (r->code == 0 && orl_is_cancelled(xml->cancel))
         FAIL(r, ORL_ERR_CANCELLED, "cancelled while reading the BSDF");
 }
 

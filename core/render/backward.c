@@ -30,7 +30,7 @@ static struct orl_rgb sample_group(const struct orl_backward *b, const struct or
                                     .effort = orl_aim_effort(&b->aim, at_sensors),
                                     .lamps = LAMPS_A_SAMPLE};
     struct orl_rgb sum = orl_gray(0);
-    for (uint32_t i = 0; i < samples; i++) {
+    for (uint32_t i = 0; i < samples && !orl_is_cancelled(b->cancel); i++) {
         struct orl_tracer tracer = {
             .backward = b,
             .group = group,

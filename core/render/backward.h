@@ -37,6 +37,7 @@ struct orl_backward {
     struct orl_effort deep; /* rays at surfaces that a ray comes to */
     struct orl_sobol sobol;
     uint64_t seed;
+    const atomic_bool *cancel; /* ends a sensor's sampling, whose value is none then; or NULL */
 };
 
 /* Takes copies of what it needs of the photons. Returns 0 or ORL_ERR_NOMEM. */

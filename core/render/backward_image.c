@@ -94,7 +94,7 @@ static struct orl_pixel compute_pixel(void *ctx, uint32_t x, uint32_t y, struct 
     const uint32_t n_groups = p->samples < ORL_MAP_BATCHES ? p->samples : ORL_MAP_BATCHES;
     struct groups groups = {.sums = {0}};
     struct orl_rgb sum = orl_gray(0);
-    for (uint32_t i = 0; i < p->samples; i++) {
+    for (uint32_t i = 0; i < p->samples && !orl_paint_cancelled(p->painting->env); i++) {
         const uint32_t group = (uint32_t)((uint64_t)i * n_groups / p->samples);
         struct orl_tracer tracer = {
             .backward = b,

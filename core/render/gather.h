@@ -48,6 +48,7 @@ struct orl_gather {
     struct orl_adapt adapt;    /* ORL_REST_DENSITY: for its estimates */
     struct orl_sobol sobol;
     uint64_t seed;
+    const atomic_bool *cancel; /* ends a sensor's sampling, whose value is none then; or NULL */
 };
 
 /*

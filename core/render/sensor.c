@@ -101,7 +101,7 @@ static struct orl_rgb gather_group(const struct orl_gather *gather, const struct
 {
     const uint32_t sequence = sequence_of(gather, OF_HEMISPHERE, name);
     struct orl_rgb sum = orl_gray(0);
-    for (uint32_t i = 0; i < samples; i++) {
+    for (uint32_t i = 0; i < samples && !orl_is_cancelled(gather->cancel); i++) {
         struct orl_random random =
             orl_random_stream(gather->seed, ORL_PURPOSE_SENSOR, (name << 24) + i + 1);
         double u[5];

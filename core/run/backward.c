@@ -73,6 +73,7 @@ int orl_run_backward(struct orl_run_state *state, struct orl_error *err)
         .ctx = &work, .sensor = compute_sensor, .view = render_view};
     orl_run_enter(state, ORL_STAGE_PHOTONS);
     int code = prepare(&work, err);
+    work.backward.cancel = state->env->cancel;
     if (code == 0)
         code = orl_run_render(state, &renderer, err);
     orl_backward_done(&work.backward);

@@ -122,6 +122,7 @@ int orl_run_gather(struct orl_run_state *state, struct orl_error *err)
         orl_gather_done(&work.gather);
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for the final gather");
     }
+    work.gather.cancel = state->env->cancel;
     if (state->n_sensors > 0)
         warn_of_dielectrics(state);
     code = orl_run_render(state, &renderer, err);

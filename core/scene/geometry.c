@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <oriel/crew.h>
 #include <oriel/limits.h>
 
 #include "scene/embree.h"
@@ -106,7 +107,7 @@ static int add_facets(struct orl_geometry *g, const struct orl_description *d)
             code = add_polygon(g, surface, facet, triples);
         else
             add_curved(g, surface, facet);
-        if (d->cancel && atomic_load_explicit(d->cancel, memory_order_relaxed))
+        if (orl_is_cancelled(d->cancel))
             code = ORL_ERR_CANCELLED;
     }
     free(triples);

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <oriel/crew.h>
 #include <oriel/limits.h>
 
 #include "scene/parser.h"
@@ -117,7 +118,7 @@ static int count_text(struct orl_parser *parser, const struct orl_scope *scope, 
 static int heed_cancel(const struct orl_parser *parser, struct orl_error *err)
 {
     const struct orl_bsdf_loader *loader = parser->sources.loader;
-    if (loader && loader->cancel && atomic_load_explicit(loader->cancel, memory_order_relaxed))
+    if (loader && orl_is_cancelled(loader->cancel))
         return orl_error_set(err, ORL_ERR_CANCELLED, "cancelled while reading the scene");
     return 0;
 }

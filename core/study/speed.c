@@ -3,6 +3,8 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include <oriel/crew.h>
+
 #include "base/random.h"
 #include "scene/embree.h"
 #include "scene/hemisphere.h"
@@ -60,7 +62,7 @@ static int compare(const void *a, const void *b)
 }
 
 double orl_ray_rate(const struct orl_geometry *geometry, size_t n_rays, int runs,
-                    double (*now_s)(void *ctx), void *ctx)
+                    const atomic_bool *cancel, double (*now_s)(void *ctx), void *ctx)
 {
     struct ray *rays = malloc(n_rays * sizeof *rays);
     const size_t n = rays ? make_rays(geometry, rays, n_rays) : 0;
@@ -68,7 +70,7 @@ double orl_ray_rate(const struct orl_geometry *geometry, size_t n_rays, int runs
     size_t hits = 0;
     for (int run = 0; run < runs; run++) {
         const double started = now_s(ctx);
-        for (size_t i = 0; i < n; i++) {
+        for (size_t i = 0; i < n && !orl_is_cancelled(cancel); i++) {
             struct orl_embree_hit hit;
             hits +=
                 orl_embree_intersect(geometry, rays[i].origin, rays[i].direction, INFINITY, &hit);
@@ -105,7 +107,9 @@ int orl_study_measure_speed(const struct orl_study_request *request,
     if (code == 0)
         code = orl_geometry_new(&description, &geometry, err);
     if (code == 0)
-        *ret_rays_per_s = orl_ray_rate(geometry, 1 << 18, 3, env->now_s, env->ctx);
+        *ret_rays_per_s = orl_ray_rate(geometry, 1 << 18, 3, env->cancel, env->now_s, env->ctx);
+    if (code == 0 && orl_is_cancelled(env->cancel))
+        code = orl_error_set(err, ORL_ERR_CANCELLED, "cancelled while measuring the machine");
     orl_geometry_free(geometry);
     orl_description_done(&description);
     return code;

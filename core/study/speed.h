@@ -13,10 +13,11 @@
 
 #include "scene/geometry.h"
 
-/* The median of runs, each of that many rays; NaN where no ray meets anything, or out of memory. */
+/* The median of runs, each of that many rays; NaN where no ray meets anything, or out of memory.
+ * Ends early, with no meaning, once *cancel (which may be NULL) is set. */
 enum { ORL_SPEED_MOST_RUNS = 9 };
 double orl_ray_rate(const struct orl_geometry *geometry, size_t n_rays, int runs,
-                    double (*now_s)(void *ctx), void *ctx);
+                    const atomic_bool *cancel, double (*now_s)(void *ctx), void *ctx);
 
 /* The same of the request's scene, in a fraction of a second. Errors are those of loading it. */
 int orl_study_measure_speed(const struct orl_study_request *request,

@@ -14,7 +14,7 @@ static void measure(void *arg, size_t index, uint32_t member)
 {
     struct measurement *m = arg;
     (void)member;
-    m->rates[index] = orl_ray_rate(m->geometry, 1 << 19, m->runs, m->now_s, NULL);
+    m->rates[index] = orl_ray_rate(m->geometry, 1 << 19, m->runs, NULL, m->now_s, NULL);
 }
 
 double bench_embree_rate(const struct orl_geometry *geometry, struct orl_crew *crew, int runs,
