@@ -72,10 +72,11 @@ static void write_jobs(FILE *out, const struct orl_server *server)
         snprintf(label, sizeof label, "stage=\"%s\"", orl_stage_name((enum orl_stage)i));
         histogram(out, "oriel_stage_seconds", label, &metrics->stages[i], orl_metrics_stage_s);
     }
-    number(out, "oriel_photons_total", "counter", "Photons traced by render jobs that succeeded",
-           (double)metrics->photons);
-    number(out, "oriel_rays_total", "counter", "Rays traced by render jobs that succeeded",
-           (double)metrics->rays);
+    number(out, "oriel_photons_total", "counter", "Photons traced, whatever became of the job",
+           (double)metrics->health.photons);
+    number(out, "oriel_rays_total", "counter",
+           "Rays traced, as segments of photons and paths, whatever became of the job",
+           (double)metrics->health.rays);
 }
 
 static void write_health(FILE *out, const struct orl_health *health)
@@ -129,6 +130,8 @@ static void write_http(FILE *out, const struct orl_server *server)
     static const char name[] = "oriel_http_request_seconds";
     const struct orl_connections *connections = orl_http_connections(server->http);
     number(out, "oriel_http_connections", "gauge", "Connections open", (double)connections->open);
+    number(out, "oriel_event_streams", "gauge", "Event streams open",
+           (double)orl_events_count(server->events));
     number(out, "oriel_http_slow_clients_total", "counter", "Connections cut off for slowness",
            (double)connections->cut);
     head(out, name, "histogram",

@@ -29,7 +29,5 @@ void orl_metrics_job(struct orl_metrics *metrics, enum orl_job_state state,
     for (int i = 0; i < ORL_STAGE_COUNT; i++)
         if (tally->stages_s[i] > 0)
             observe(&metrics->stages[i], orl_metrics_stage_s, tally->stages_s[i]);
-    metrics->rays += tally->rays;
-    metrics->photons += tally->photons;
     orl_health_add(&metrics->health, &tally->health);
 }

@@ -23,10 +23,9 @@ struct orl_histogram {
     double sum;
 };
 
-/* What one run of a render job took and met with. */
+/* What the computation of a job, or of a study's many, took and met with, however it ended. */
 struct orl_tally {
-    double stages_s[ORL_STAGE_COUNT];
-    uint64_t rays, photons;
+    double stages_s[ORL_STAGE_COUNT]; /* of a render job that succeeded; else zeros */
     struct orl_health health;
 };
 
@@ -36,7 +35,6 @@ struct orl_metrics {
      * 0: the connection broke before there was an answer. */
     struct orl_histogram http[ORL_METRICS_ROUTES][ORL_METRICS_CLASSES];
     uint64_t ended[ORL_JOB_STATE_COUNT]; /* jobs that ran, by the state they ended in */
-    uint64_t rays, photons;
     struct orl_health health;
 };
 

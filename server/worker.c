@@ -170,12 +170,10 @@ static int read_document(struct orl_worker *worker, struct orl_task *ret_task,
     return rc;
 }
 
-static void note_tally(const struct orl_result *result, struct orl_tally *tally)
+static void on_spent(void *ctx, const struct orl_result *spent)
 {
-    memcpy(tally->stages_s, result->timings_s, sizeof tally->stages_s);
-    tally->rays = result->cost.rays;
-    tally->photons = result->cost.photons;
-    tally->health = result->health;
+    struct orl_worker *worker = ctx;
+    orl_health_add(&worker->outcome.tally.health, &spent->health);
 }
 
 static int run_render(struct orl_worker *worker, const struct orl_job *job,
@@ -197,6 +195,7 @@ static int run_render(struct orl_worker *worker, const struct orl_job *job,
         .view_kept = on_view_kept,
         .view_written = on_view_written,
         .round_ready = on_round_ready,
+        .spent = on_spent,
         .ctx = worker,
     };
     worker->job = job;
@@ -205,7 +204,7 @@ static int run_render(struct orl_worker *worker, const struct orl_job *job,
     json_decref(worker->files);
     if (rc == 0) {
         orl_kept_views_forget(output, job);
-        note_tally(&result, &worker->outcome.tally);
+        memcpy(worker->outcome.tally.stages_s, result.timings_s, sizeof result.timings_s);
         rc = orl_job_output_write(&result, "succeeded", output, &worker->outcome.summary, err);
         orl_result_done(&result);
     }
@@ -225,6 +224,7 @@ static int run_study(struct orl_worker *worker, const struct orl_study_request *
         .now_s = now_s,
         .progress = on_study_progress,
         .point_ready = on_study_point,
+        .spent = on_spent,
         .ctx = worker,
     };
     const size_t n_settings = orl_study_count_settings(request);

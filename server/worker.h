@@ -32,10 +32,10 @@
 struct orl_worker;
 
 struct orl_worker_outcome {
-    int code;               /* 0 or a negative orl_err */
-    struct orl_error err;   /* why, when code is not 0 */
-    struct orl_tally tally; /* of a render job that succeeded; else zeros */
-    char *summary;          /* JSON text, see job_output.h; owned by done, or NULL */
+    int code;             /* 0 or a negative orl_err */
+    struct orl_error err; /* why, when code is not 0 */
+    struct orl_tally tally;
+    char *summary; /* JSON text, see job_output.h; owned by done, or NULL */
 };
 
 struct orl_worker_spec {

@@ -188,14 +188,28 @@ static int settle(struct queue *queue, uint64_t target)
     return code;
 }
 
+/* Of a round that is cancelled the photons go; what it took is counted. */
+static void break_off(struct queue *queue)
+{
+    for (size_t i = 0; i < queue->n_round; i++) {
+        const struct orl_health health = orl_deposits_health(&queue->batches[i]);
+        orl_health_add(&queue->health, &health);
+    }
+}
+
 /* Hands over what there is. */
 static void collect(struct queue *queue, struct orl_shot *shot)
 {
-    const double emitted = (double)(emitted_before(queue->n_done) - shot->had_emitted);
     shot->photons = queue->photons;
     shot->count = queue->count;
     queue->photons = NULL;
     shot->emitted = queue->n_done > 0 ? emitted_before(queue->n_done) : 1;
+}
+
+/* ... and what that took, which counts whatever becomes of it. */
+static void collect_health(const struct queue *queue, struct orl_shot *shot)
+{
+    const double emitted = (double)(emitted_before(queue->n_done) - shot->had_emitted);
     orl_health_add(&shot->health, &queue->health);
     shot->health.flux_w /= fmax(emitted, 1);
     shot->health.flux_capped_w /= fmax(emitted, 1);
@@ -231,8 +245,11 @@ static int shoot_rounds(struct shooting *shooting, const struct orl_shot *shots)
         if (total == 0)
             return 0;
         orl_crew_for(shooting->env->crew, total, shoot_batch, shooting);
-        if (atomic_load(shooting->env->cancel))
+        if (atomic_load(shooting->env->cancel)) {
+            for (int k = 0; k < ORL_SHOT_KINDS; k++)
+                break_off(&shooting->queues[k]);
             return ORL_ERR_CANCELLED;
+        }
         for (int k = 0; k < ORL_SHOT_KINDS; k++)
             if (settle(&shooting->queues[k], shots[k].target) < 0)
                 return ORL_ERR_NOMEM;
@@ -286,8 +303,11 @@ int orl_shoot(const struct orl_shoot_env *env, struct orl_shot shots[ORL_SHOT_KI
     int code = set_up_queues(&shooting, shots);
     if (code == 0)
         code = shoot_rounds(&shooting, shots);
-    for (int k = 0; k < ORL_SHOT_KINDS && code == 0; k++)
-        collect(&shooting.queues[k], &shots[k]);
+    for (int k = 0; k < ORL_SHOT_KINDS; k++) {
+        if (code == 0)
+            collect(&shooting.queues[k], &shots[k]);
+        collect_health(&shooting.queues[k], &shots[k]);
+    }
     free_queues(&shooting);
     if (code == ORL_ERR_CANCELLED)
         orl_error_set(err, code, "cancelled while tracing photons");

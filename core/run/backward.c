@@ -33,9 +33,9 @@ static int prepare(struct work *work, struct orl_error *err)
         shots[ORL_MAP_GLOBAL].target = lamps;
         code = orl_shoot(&env, shots, err);
     }
+    orl_health_add(&state->result->health, &shots[ORL_MAP_GLOBAL].health);
     if (code == 0) {
         const struct orl_shot *shot = &shots[ORL_MAP_GLOBAL];
-        orl_health_add(&state->result->health, &shot->health);
         code = orl_backward_init(&work->backward, state->world, state->job->seed, shot->photons,
                                  shot->count, shot->emitted);
         if (code < 0)

@@ -180,7 +180,6 @@ static int keep_shot(struct orl_run_state *state, enum orl_map_kind kind, struct
         orl_run_warn(state,
                      "only %llu of the %llu %s photons asked for were found, of %llu emitted",
                      found, wanted, orl_map_kind_name(kind), (unsigned long long)shot->emitted);
-    orl_health_add(&state->result->health, &shot->health);
     return keep(state, kind, work, &harvest, err);
 }
 
@@ -250,6 +249,8 @@ static int build_missing(struct orl_run_state *state, struct map_work *work, str
     }
     if (missing && code == 0)
         code = shoot(state, shots, err);
+    for (int k = 0; k < ORL_SHOT_KINDS; k++)
+        orl_health_add(&state->result->health, &shots[k].health);
     if (!missing)
         state->cost_s[ORL_STAGE_PHOTONS] = 0;
     if (!missing && !is_missing(&work[ORL_MAP_PRECOMPUTED]))

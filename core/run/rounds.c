@@ -98,15 +98,21 @@ static void take_records(struct rounds *r, struct orl_result *found_by)
     for (size_t i = 0; i < found_by->n_warnings; i++)
         if (!is_known(result, found_by->warnings[i]))
             orl_run_warn(r->state, "%s", found_by->warnings[i]);
-    for (int i = 0; i < ORL_STAGE_COUNT; i++)
-        result->timings_s[i] += found_by->timings_s[i];
     for (size_t i = 0; i < found_by->n_views; i++)
         result->views[i].seconds += found_by->views[i].seconds;
     if (r->count == 0) {
         memcpy(result->maps, found_by->maps, sizeof result->maps);
         result->n_maps = found_by->n_maps;
     }
-    orl_health_add(&result->health, &found_by->health);
+}
+
+/* What a round took, whatever became of it. */
+static void take_spent(struct rounds *r, const struct orl_result *spent)
+{
+    struct orl_result *result = r->state->result;
+    for (int i = 0; i < ORL_STAGE_COUNT; i++)
+        result->timings_s[i] += spent->timings_s[i];
+    orl_health_add(&result->health, &spent->health);
 }
 
 static void take_times(struct rounds *r, const struct orl_result *found_by, double all_s)
@@ -202,6 +208,7 @@ static int run_round(struct rounds *r, struct orl_error *err)
         orl_run_enter(&round, ORL_STAGE_RENDER); /* books what is left of it */
     orl_run_release_maps(&round);
     state->emission = round.emission;
+    take_spent(r, &result);
     if (code == 0) {
         orl_findings_add_sensors(&r->findings, &result, r->samples, r->shares);
         take_records(r, &result);

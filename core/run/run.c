@@ -225,6 +225,8 @@ static int run(const struct orl_job *job, const struct orl_run_env *env,
     if (state.sensors_owned)
         free(state.sensors);
     free(state.searches);
+    if (env->spent)
+        env->spent(env->ctx, &result);
     if (code < 0) {
         orl_result_done(&result);
         return code;

@@ -40,6 +40,13 @@ static void progress(void *ctx, enum orl_stage stage, double stage_fraction, dou
         env->env->progress(env->env->ctx, &env->step);
 }
 
+static void spent(void *ctx, const struct orl_result *result)
+{
+    const struct orl_study_env *env = ((const struct run *)ctx)->env->env;
+    if (env->spent)
+        env->spent(env->ctx, result);
+}
+
 static bool reserve(struct run *run, size_t count)
 {
     if (run->count + count <= run->capacity)
@@ -138,6 +145,7 @@ static int run_once(struct orl_series_env *env, const struct orl_job *job, struc
                                         .now_s = now_s,
                                         .progress = progress,
                                         .view_ready = take_view,
+                                        .spent = spent,
                                         .ctx = run};
     int code = orl_run(job, &run_env, ret_result, err);
     if (code == 0) {

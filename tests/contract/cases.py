@@ -130,6 +130,20 @@ def renders(daemon):
         daemon.ask("GET", again + "/result", want=200)
     found = daemon.ask("GET", "/v1/maps", want=200).json["maps"][0]
     daemon.ask("DELETE", "/v1/maps/%(kind)s/%(key)s" % found, want=204)
+    views(daemon, scene)
+
+
+def views(daemon, scene):
+    """One view done, another under way."""
+    large = dict(VIEW, name="large", width=1024, height=1024)
+    path = daemon.submit({"scene": scene, "technique": "backward", "pixel_samples": 1024,
+                          "views": [VIEW, large]})
+    job = daemon.wait(path, ("running",), lambda job: job["links"].get("files"))
+    events(daemon, path, 1)
+    for link in job["links"]["files"]:
+        assert "etag" not in daemon.ask("GET", link, want=200).headers
+    daemon.ask("POST", path + "/cancel", want=202)
+    daemon.wait(path)
 
 
 def results(daemon, path, job):

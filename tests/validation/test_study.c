@@ -35,7 +35,8 @@ static double now_s(void *ctx)
 /* What a study said on its way. */
 struct witness {
     atomic_bool cancel;
-    size_t calls, points, cancel_after;
+    size_t calls, points, cancel_after, runs;
+    struct orl_health health; /* of all runs */
     double last;
     bool fell;
 };
@@ -61,6 +62,14 @@ static void on_point(void *ctx, const struct orl_study_point *point)
         atomic_store(&w->cancel, true);
 }
 
+static void on_spent(void *ctx, const struct orl_result *spent)
+{
+    struct witness *w = ctx;
+    assert_true(spent->total_s > 0);
+    orl_health_add(&w->health, &spent->health);
+    w->runs++;
+}
+
 static int run_study(const struct orl_study_request *request, uint32_t threads,
                      struct witness *witness, struct orl_study *ret_study, struct orl_error *err)
 {
@@ -77,6 +86,7 @@ static int run_study(const struct orl_study_request *request, uint32_t threads,
                                       .now_s = now_s,
                                       .progress = on_progress,
                                       .point_ready = on_point,
+                                      .spent = on_spent,
                                       .ctx = witness};
     const int code = orl_study_run(request, &env, ret_study, err);
     orl_crew_stop(env.crew);
@@ -228,6 +238,9 @@ static void test_cancelling(void **state)
     assert_int_equal(run_study(&request, 1, &w, &study, &err), ORL_ERR_CANCELLED);
     assert_int_equal(w.points, 2);
     assert_null(study.points);
+    /* The run that was broken off says what it took, like those before it. */
+    assert_int_equal(w.runs, request.reference_runs + 2 * request.repeats + 1);
+    assert_true(w.health.rays > 0 && w.health.photons > 0);
 }
 
 static void test_failures_are_the_runs_own(void **state)

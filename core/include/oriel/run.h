@@ -237,6 +237,12 @@ struct orl_run_env {
      * files included; valid during the call. May be NULL.
      */
     void (*round_ready)(void *ctx, const struct orl_result *result);
+    /*
+     * Called by the lead thread at the end of a run, however it ends: timings_s, total_s and health
+     * are of what was done, and nothing else of the result is to be looked at; valid during the
+     * call. May be NULL.
+     */
+    void (*spent)(void *ctx, const struct orl_result *spent);
     void *ctx;
 };
 

@@ -167,6 +167,8 @@ struct orl_study_env {
     void (*progress)(void *ctx, const struct orl_study_step *step);
     /* A point is settled, but for whether it is on the front. May be NULL. */
     void (*point_ready)(void *ctx, const struct orl_study_point *point);
+    /* At the end of every run, however it ends, as in orl_run_env. May be NULL. */
+    void (*spent)(void *ctx, const struct orl_result *spent);
     void *ctx;
 };
 
