@@ -161,6 +161,36 @@ static void test_scopes(void **state)
     expect(f, "GET", "/v1/jobs", NULL, f->submit, 200, NULL, NULL);
 }
 
+static size_t count_jobs(struct fixture *f)
+{
+    struct reply reply;
+    daemon_request(&f->daemon, "GET", "/v1/jobs?limit=1000", NULL, NULL, 0, f->read, &reply);
+    assert_int_equal(reply.status, 200);
+    const size_t count = json_array_size(reply_at(&reply, "jobs"));
+    reply_done(&reply);
+    return count;
+}
+
+/* Without a token, with one that may only read, and with a good one over plain HTTP there is no
+ * job; with that over TLS there is. */
+static void test_jobs_that_are_refused(void **state)
+{
+    struct fixture *f = *state;
+    char job[300], command[600];
+    const size_t before = count_jobs(f);
+    snprintf(job, sizeof job, "{\"scene\":\"%s\",\"sensors\":[[2,1,0.8,0,0,1]]}", f->scene);
+    expect(f, "POST", "/v1/jobs", job, NULL, 401, "unauthorized", "realm");
+    expect(f, "POST", "/v1/jobs", job, f->read, 403, "insufficient-scope", "scope=\"submit\"");
+    snprintf(
+        command, sizeof command,
+        "! curl -s -m 10 -H '%s' -H 'Content-Type: application/json' -d '%s' http://%s/v1/jobs",
+        f->submit, job, f->daemon.url + 8);
+    assert_int_equal(system(command), 0);
+    assert_int_equal(count_jobs(f), before);
+    expect(f, "POST", "/v1/jobs", job, f->submit, 202, NULL, NULL);
+    assert_int_equal(count_jobs(f), before + 1);
+}
+
 /* One operation of the contract: open, or asking for the scope that it says. */
 static void check_operation(struct fixture *f, const char *path, const char *verb,
                             const char *scope)
@@ -325,6 +355,11 @@ static void test_refused_at_start(void **state)
         if (status != cases[i].status || !strstr(said, cases[i].says))
             fail_msg("orield %s ended with %d: %s", line, status, said);
     }
+    /* TLS alone does not make a public address. */
+    snprintf(line, sizeof line, "--data %s --listen 0.0.0.0:0 --tls-cert %s --tls-key %s", data,
+             f->cert, f->key);
+    assert_int_equal(run(line, said, sizeof said), 1);
+    assert_non_null(strstr(said, "no access tokens yet"));
     chmod(f->key, 0644);
     snprintf(line, sizeof line, "--data %s --port 0 --tls-cert %s --tls-key %s", data, f->cert,
              f->key);
@@ -370,6 +405,7 @@ int main(void)
         cmocka_unit_test(test_without_a_token),
         cmocka_unit_test(test_wrong_tokens),
         cmocka_unit_test(test_scopes),
+        cmocka_unit_test(test_jobs_that_are_refused),
         cmocka_unit_test(test_contract_states_scopes),
         cmocka_unit_test(test_removed_at_once),
         cmocka_unit_test(test_token_command_line),

@@ -66,6 +66,26 @@ static void test_container_is_no_root(void **state)
     free(text);
 }
 
+/* The image has the packages of all libraries that the programs are linked with. */
+static void test_container_has_its_libraries(void **state)
+{
+    const char *build = getenv("ORIEL_BUILD");
+    char command[600];
+    (void)state;
+    if (system("command -v dpkg >/dev/null") != 0)
+        return;
+    snprintf(command, sizeof command,
+             "runtime=$(sed '1,/^FROM debian:12$/d' Dockerfile) && "
+             "for library in $(readelf -d %s/orield %s/oriel | "
+             "sed -n 's/.*(NEEDED).*\\[\\(.*\\)\\]/\\1/p' | grep -Ev '^lib(c|m|.*san)\\.so' | sort "
+             "-u); do "
+             "package=$(dpkg -S \"*/$library\" | head -n 1 | cut -d: -f1); "
+             "echo \"$runtime\" | grep -qw -e \"$package\" || "
+             "{ echo \"$library of $package is missing\" >&2; exit 1; }; done",
+             build ? build : "build", build ? build : "build");
+    assert_int_equal(system(command), 0);
+}
+
 /* The unit keeps what it is there for; and systemd, where there is one, understands it. */
 static void test_unit(void **state)
 {
@@ -74,6 +94,8 @@ static void test_unit(void **state)
         "\nProtectSystem=strict\n",
         "\nNoNewPrivileges=yes\n",
         "\nPrivateTmp=yes\n",
+        "\nPrivateMounts=yes\n",
+        "\nDevicePolicy=closed\n",
         "\nStateDirectory=oriel\n",
         "\nStateDirectoryMode=0700\n",
         "\nProtectHome=yes\n",
@@ -106,6 +128,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_health_check),
         cmocka_unit_test(test_container_is_no_root),
+        cmocka_unit_test(test_container_has_its_libraries),
         cmocka_unit_test(test_unit),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
