@@ -4,6 +4,7 @@ The others: the daemon's URL; a folder of its own; a certificate and a token to 
 What a case asserts and does not find ends it with a traceback and status 1.
 """
 
+import ast
 import hashlib
 import json
 import os
@@ -68,6 +69,20 @@ def raises(kind, call, *arguments, **named):
     except kind as error:
         return error
     raise AssertionError("no %s" % kind.__name__)
+
+
+def old_python(desk):
+    """Python 3.8 can read it, and it needs nothing beyond the standard library."""
+    with open(oriel.__file__) as stream:
+        tree = ast.parse(stream.read(), feature_version=(3, 8))
+    modules = set()
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            modules |= {alias.name.split(".")[0] for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            modules.add(node.module.split(".")[0])
+    own = getattr(sys, "stdlib_module_names", modules)  # since Python 3.10
+    assert modules and modules <= set(own), modules - set(own)
 
 
 def whole_way(desk):

@@ -17,14 +17,14 @@
 /* The health check's command with the daemon's port in place of the default one. */
 static int run_health_check(const char *url)
 {
-    char command[600] = "", *text = cli_read_file(".", "Dockerfile");
+    char command[600] = "{ ", *text = cli_read_file(".", "Dockerfile");
     assert_non_null(text);
     const char *at = strstr(text, "HEALTHCHECK");
     at = at ? strstr(at, "CMD ") : NULL;
     assert_non_null(at);
     at += 4;
     const char *end = at + strcspn(at, "\n");
-    while (at < end && strlen(command) + 16 < sizeof command) {
+    while (at < end && strlen(command) + 32 < sizeof command) {
         if (strncmp(at, "8423", 4) == 0) {
             strcat(command, strrchr(url, ':') + 1);
             at += 4;
@@ -33,6 +33,7 @@ static int run_health_check(const char *url)
         }
     }
     free(text);
+    strcat(command, " ; } >/dev/null");
     return system(command);
 }
 

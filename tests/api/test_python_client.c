@@ -39,6 +39,7 @@ static void run_case(const struct fixture *f, const char *name)
     {                                                                                              \
         run_case(*state, #name);                                                                   \
     }
+CASE(old_python)
 CASE(whole_way)
 CASE(example)
 CASE(upload_if_absent)
@@ -95,6 +96,7 @@ static int teardown(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_old_python),
         cmocka_unit_test(test_whole_way),
         cmocka_unit_test(test_example),
         cmocka_unit_test(test_upload_if_absent),
