@@ -181,6 +181,7 @@ static void submit(struct orl_request *request)
                                          .scene = post->scene,
                                          .document = post->document,
                                          .identity = post->identity,
+                                         .result_bytes = orl_job_output_expect(&post->task),
                                          .client = post->client,
                                          .request_key = *post->key ? post->key : NULL};
     if (post->rc == 0)
@@ -202,7 +203,8 @@ static void admit(struct orl_request *request)
         return;
     }
     post->blobs = server->blobs;
-    if (orl_storage_admit(request, here ? 0 : request->body.size))
+    const uint64_t bytes = orl_job_output_expect(&post->task) + (here ? 0 : request->body.size);
+    if (orl_storage_admit(request, bytes))
         orl_request_work(request, keep_document, submit);
 }
 

@@ -44,6 +44,19 @@ int orl_job_read(const char *text, size_t size, struct orl_task *ret_task, char 
     return 0;
 }
 
+uint64_t orl_job_output_expect(const struct orl_task *task)
+{
+    /* Of result.json, without sensors; of one of these; of a pixel, as HDR and PNG, with errors. */
+    enum { DOCUMENT = 8192, STUDY = 1 << 18, SENSOR = 200, PIXEL = 2 * (4 + 3) };
+    const struct orl_job *job = &task->of.render;
+    if (task->kind == ORL_TASK_STUDY)
+        return STUDY;
+    uint64_t bytes = DOCUMENT + SENSOR * (uint64_t)job->n_sensors;
+    for (size_t i = 0; i < job->n_views; i++)
+        bytes += PIXEL * (uint64_t)job->views[i].width * job->views[i].height;
+    return bytes;
+}
+
 int orl_job_set_scene(struct orl_job *job, const struct orl_bundle *bundle, struct orl_error *err)
 {
     const size_t count = orl_bundle_main_count(bundle);

@@ -17,6 +17,9 @@
 int orl_job_read(const char *text, size_t size, struct orl_task *ret_task, char **ret_scene_id,
                  struct orl_error *err);
 
+/* What its results may take at most, more or less; bytes. */
+uint64_t orl_job_output_expect(const struct orl_task *task);
+
 /* Gives the job the bundle's main files. */
 int orl_job_set_scene(struct orl_job *job, const struct orl_bundle *bundle, struct orl_error *err);
 

@@ -22,18 +22,33 @@ uint64_t orl_job_results_bytes(const struct orl_jobs *jobs)
     return jobs->result_bytes;
 }
 
-void orl_job_results_count(struct orl_jobs_job *job)
+uint64_t orl_job_results_expected(const struct orl_jobs *jobs)
 {
-    json_t *outcome = job->outcome ? json_loads(job->outcome, 0, NULL) : NULL;
+    return jobs->expected_bytes;
+}
+
+/* The files that an outcome lists, bytes. */
+static uint64_t count_bytes(const char *text)
+{
+    json_t *outcome = text ? json_loads(text, 0, NULL) : NULL;
     const json_t *entry;
+    uint64_t bytes = 0;
     size_t i;
-    job->row.result_bytes = 0;
     json_array_foreach(json_object_get(outcome, "files"), i, entry)
     {
-        job->row.result_bytes += (uint64_t)json_integer_value(json_object_get(entry, "bytes"));
+        bytes += (uint64_t)json_integer_value(json_object_get(entry, "bytes"));
     }
     json_decref(outcome);
-    job->jobs->result_bytes += job->row.result_bytes;
+    return bytes;
+}
+
+void orl_job_results_settle(struct orl_jobs_job *job, enum orl_job_state state)
+{
+    struct orl_jobs *jobs = job->jobs;
+    if (job->row.state <= ORL_JOB_RUNNING)
+        jobs->expected_bytes -= job->row.result_bytes;
+    job->row.result_bytes = state == ORL_JOB_SUCCEEDED ? count_bytes(job->outcome) : 0;
+    jobs->result_bytes += job->row.result_bytes;
 }
 
 /* ---- Use ------------------------------------------------------------------------------------ */

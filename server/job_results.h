@@ -16,8 +16,12 @@ bool orl_job_results_kept(const struct orl_jobs_job *job);
 /* Of all jobs, bytes. */
 uint64_t orl_job_results_bytes(const struct orl_jobs *jobs);
 
-/* Of a job that is about to succeed: takes the bytes of its outcome's files into account. */
-void orl_job_results_count(struct orl_jobs_job *job);
+/* Of jobs that wait or run, bytes: what they are expected to leave. */
+uint64_t orl_job_results_expected(const struct orl_jobs *jobs);
+
+/* Of a job that is about to end in that state: what it leaves takes the place of what was expected.
+ */
+void orl_job_results_settle(struct orl_jobs_job *job, enum orl_job_state state);
 
 /* Somebody asked for them. flush writes that down, for all jobs at once. */
 void orl_job_results_fetched(struct orl_jobs *jobs, const char *id);

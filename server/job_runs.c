@@ -4,7 +4,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "job_results.h"
 #include "job_share.h"
 #include "store/scenes.h"
 #include "times.h"
@@ -99,7 +98,6 @@ static void end_job(struct orl_jobs_job *job, const struct orl_worker_outcome *o
     if (outcome->code == 0) {
         free(job->outcome);
         job->outcome = outcome->summary ? strdup(outcome->summary) : NULL;
-        orl_job_results_count(job);
         orl_jobs_set_state(job, ORL_JOB_SUCCEEDED);
     } else if (outcome->code == ORL_ERR_CANCELLED && job->cancelled) {
         orl_jobs_set_state(job, ORL_JOB_CANCELLED);

@@ -18,7 +18,8 @@ struct orl_jobs {
     uint32_t n_workers;
     struct orl_jobs_job *buckets[ORL_JOBS_BUCKETS];
     size_t counts[ORL_JOB_STATE_COUNT];
-    uint64_t result_bytes; /* of the results that are kept */
+    uint64_t result_bytes;   /* of the results that are kept */
+    uint64_t expected_bytes; /* of the results of jobs that wait or run */
     bool stopping;
 };
 

@@ -45,6 +45,8 @@ static void link_job(struct orl_jobs *jobs, struct orl_jobs_job *job)
     job->same_bucket = jobs->buckets[bucket];
     jobs->buckets[bucket] = job;
     jobs->counts[job->row.state]++;
+    if (job->row.state <= ORL_JOB_RUNNING)
+        jobs->expected_bytes += job->row.result_bytes;
 }
 
 static void unlink_job(struct orl_jobs *jobs, struct orl_jobs_job *job)
@@ -111,6 +113,8 @@ void orl_jobs_set_state(struct orl_jobs_job *job, enum orl_job_state state)
     struct orl_error err;
     jobs->counts[job->row.state]--;
     jobs->counts[state]++;
+    if (state > ORL_JOB_RUNNING)
+        orl_job_results_settle(job, state);
     job->row.state = state;
     job->row.outcome = job->outcome;
     job->row.problem = job->problem;
@@ -155,6 +159,7 @@ int orl_jobs_submit(struct orl_jobs *jobs, const struct orl_jobs_order *order,
     snprintf(job->row.client, sizeof job->row.client, "%s", order->client);
     job->row.kind = order->kind;
     job->row.priority = order->priority;
+    job->row.result_bytes = order->result_bytes;
     job->row.state = ORL_JOB_QUEUED;
     job->row.created_ms = orl_time_now_ms();
     const int rc =

@@ -80,6 +80,7 @@ struct orl_jobs_order {
     int priority;
     const char *scene, *document; /* the document is a blob */
     const char *identity;         /* job_share.h */
+    uint64_t result_bytes;        /* to be expected */
     const char *client;           /* client_name.h */
     const char *request_key;      /* the client's Idempotency-Key, or NULL */
 };

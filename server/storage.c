@@ -149,9 +149,10 @@ void orl_storage_trim(struct orl_storage *storage)
 bool orl_storage_admit(struct orl_request *request, uint64_t bytes)
 {
     struct orl_storage *storage = &request->server->storage;
-    const uint64_t budget = storage->budget, room = bytes < budget ? budget - bytes : 0;
-    const uint64_t used = shrink(storage, room, SHRINK_OR_LEAVE);
-    if (bytes <= budget && used <= room)
+    const uint64_t budget = storage->budget;
+    const uint64_t promised = bytes + orl_job_results_expected(storage->jobs);
+    if (promised <= budget &&
+        shrink(storage, budget - promised, SHRINK_OR_LEAVE) <= budget - promised)
         return true;
     orl_reply_problem(request, 507, "storage-full", "There is no room to keep this",
                       "this needs %llu of the %llu bytes there are, and others that have to stay "

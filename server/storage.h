@@ -6,9 +6,11 @@
  * accepted. Never touched are maps that a running job has in use or builds; what belongs to jobs
  * that wait or run (their scenes, documents, views done); uploads, which only their owners remove;
  * and results that nobody has asked for yet, for ORL_SERVER_UNFETCHED_S after the job ended.
- * When that is not enough, new uploads and jobs are refused (507) and what was accepted goes on.
+ * When that is not enough, new uploads and jobs are refused (507) and what was accepted goes on. A
+ * job is accepted when there is room for the results that it is expected to leave, beside those of
+ * all that wait or run.
  *
- * Not counted: what is being written (bodies of requests, maps being built, results of running
+ * Not counted: what is being written (bodies of requests, maps being built, work folders of running
  * jobs), the database, and folders.
  * Threads: the loop thread.
  */

@@ -22,13 +22,14 @@ enum orl_job_state orl_job_state_from_name(const char *name)
 int orl_job_row_insert(struct orl_db *db, const struct orl_job_row *row, const char *request_key,
                        int64_t *ret_seq, struct orl_error *err)
 {
-    const int rc = orl_db_run(db, err, NULL,
-                              "INSERT INTO jobs (id, kind, scene, document, state, created_ms, "
-                              "priority, client, request_key, identity) "
-                              "VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
-                              "sssssiisss", row->id, orl_task_kind_name(row->kind), row->scene,
-                              row->document, orl_job_state_name(row->state), row->created_ms,
-                              (int64_t)row->priority, row->client, request_key, row->identity);
+    const int rc =
+        orl_db_run(db, err, NULL,
+                   "INSERT INTO jobs (id, kind, scene, document, state, created_ms, "
+                   "priority, client, request_key, identity, result_bytes) "
+                   "VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
+                   "sssssiisssi", row->id, orl_task_kind_name(row->kind), row->scene, row->document,
+                   orl_job_state_name(row->state), row->created_ms, (int64_t)row->priority,
+                   row->client, request_key, row->identity, (int64_t)row->result_bytes);
     if (rc == 0)
         *ret_seq = sqlite3_last_insert_rowid(db->handle);
     return rc;

@@ -36,8 +36,8 @@ struct orl_job_row {
     char identity[ORL_SHA_HEX];  /* job_share.h; "" of jobs of before there were any */
     int64_t created_ms, started_ms, finished_ms; /* 0: not yet */
     const char *outcome, *problem;               /* JSON text, borrowed; NULL: none */
-    uint64_t result_bytes;                       /* of its results; 0: there never were any */
-    int64_t fetched_ms, evicted_ms;              /* of them: last asked for, gone; 0: never */
+    uint64_t result_bytes; /* of its results; while it waits or runs, of those to be expected */
+    int64_t fetched_ms, evicted_ms; /* of them: last asked for, gone; 0: never */
 };
 
 /*

@@ -192,6 +192,45 @@ static void test_full(void **state)
     fetch(&f->daemon, job, 410);
 }
 
+/* Jobs are accepted as long as there is room for what all that wait are to leave. */
+static void test_queue_of_results(void **state)
+{
+    struct daemon_room *f = *state;
+    struct reply reply;
+    char text[640], blocker[80];
+    size_t accepted = 0;
+    restart_with_budget(&f->daemon, bytes_of(&f->daemon, "uploads") + 300000);
+    daemon_submit(&f->daemon, f->scene, 50000000, 1, NULL, blocker);
+    for (long status = 202; status == 202 && accepted < 20; accepted += status == 202) {
+        /* Each expects a view of 80x60 pixels: some 67 kB. */
+        snprintf(text, sizeof text,
+                 "{\"scene\":\"%s\",\"technique\":\"backward\",\"pixel_samples\":1,\"seed\":%zu,"
+                 "\"views\":[{\"name\":\"v\",\"view\":\"-vp 2 2 1\",\"width\":80,\"height\":60}]}",
+                 f->scene, accepted);
+        daemon_post_json(&f->daemon, "/v1/jobs", text, &reply);
+        status = reply.status;
+        assert_true(status == 202 || status == 507);
+        reply_done(&reply);
+    }
+    assert_int_equal(accepted, 3);
+    /* Over a restart they still count; cancelled, they do not. */
+    restart_with_budget(&f->daemon, bytes_of(&f->daemon, "uploads") + 300000);
+    daemon_post_json(&f->daemon, "/v1/jobs", text, &reply);
+    assert_int_equal(reply.status, 507);
+    reply_done(&reply);
+    char last[80];
+    daemon_get(&f->daemon, "/v1/jobs?state=queued", &reply);
+    snprintf(last, sizeof last, "%s", reply_text(&reply, "jobs.0.links.self"));
+    reply_done(&reply);
+    daemon_cancel(&f->daemon, last, &reply);
+    reply_done(&reply);
+    daemon_post_json(&f->daemon, "/v1/jobs", text, &reply);
+    assert_int_equal(reply.status, 202);
+    reply_done(&reply);
+    daemon_cancel(&f->daemon, blocker, &reply);
+    reply_done(&reply);
+}
+
 /* What could never be kept takes nothing else away. */
 static void test_too_large(void **state)
 {
@@ -479,6 +518,7 @@ int main(void)
     static const struct CMUnitTest tests[] = {
         EACH(test_longest_unused_goes_first),
         EACH(test_full),
+        EACH(test_queue_of_results),
         EACH(test_too_large),
         EACH(test_limits_and_help),
         EACH(test_delete_job),
