@@ -9,6 +9,7 @@
 
 #include "decode.h"
 #include "plan_json.h"
+#include "skies_json.h"
 #include "sky_json.h"
 
 enum { FILE_NAME_MAX_BYTES = 1024, VIEW_TEXT_MAX = 4096, VIEW_NAME_MAX = 128 };
@@ -285,8 +286,9 @@ int orl_job_from_json(const json_t *doc, enum orl_job_origin origin, struct orl_
                       char **ret_scene_id, struct orl_error *err)
 {
     static const char *const allowed[] = {
-        "kind",          "scene", "technique", "effects", "seed",     "photons",  "gather_samples",
-        "pixel_samples", "sky",   "sensors",   "views",   "accuracy", "priority", NULL};
+        "kind",    "scene",          "technique",     "effects",  "seed",
+        "photons", "gather_samples", "pixel_samples", "sky",      "skies",
+        "sensors", "views",          "accuracy",      "priority", NULL};
     struct orl_job job;
     char *id = NULL;
     orl_job_init(&job);
@@ -307,6 +309,8 @@ int orl_job_from_json(const json_t *doc, enum orl_job_origin origin, struct orl_
         rc = refuse_settings(doc, err);
     if (rc == 0)
         rc = orl_sky_from_json(json_object_get(doc, "sky"), &job.sky, err);
+    if (rc == 0)
+        rc = orl_skies_from_json(json_object_get(doc, "skies"), &job, err);
     if (rc == 0)
         rc = decode_sensors(json_object_get(doc, "sensors"), &job, err);
     if (rc == 0)

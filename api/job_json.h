@@ -7,6 +7,7 @@
  *      "photons": {"global": 2000000, "caustic": 2000000} (each by the plan when left out),
  *      "gather_samples": 4096 (a sensor's rays), "pixel_samples": 64 (a pixel's paths, backward),
  *      "sky": {...} (sky_json.h), only with a scene that has none,
+ *      "skies": [{...}, ...] instead, or a sequence of hours (skies_json.h),
  *      "sensors": {"file": "sensors.txt"} or [[x, y, z, dx, dy, dz], ...],
  *      "priority": 5 (read by task_json.h; means something to the daemon alone),
  *      "views": [{"name": "desk", "view": "-vtv -vp ...", "width": 400, "height": 300}]}

@@ -1,6 +1,6 @@
 /*
  * oriel plan JOB.json: what `oriel run` would simulate of a job, and why, without rendering. A
- * table, or with --json the result's "plan" and "warnings".
+ * table, or with --json the result's "plan" and "warnings"; of a job of several skies as many.
  */
 #include "command.h"
 
@@ -37,23 +37,55 @@ static void print_table(const struct orl_result *result)
     }
 }
 
+static int plan_one(const struct orl_job *job, const char *folder, uint32_t threads, bool as_json,
+                    struct orl_error *err)
+{
+    struct orl_result result = {0};
+    int rc = orl_local_plan(job, folder, threads, &result, err);
+
+    if (rc == 0 && as_json)
+        rc = print_json(&result, err);
+    else if (rc == 0)
+        print_table(&result);
+    orl_result_done(&result);
+    return rc;
+}
+
+/* The plans of a job under each of its skies, one after the other. */
+static int plan_skies(struct orl_job *job, const char *folder, uint32_t threads, bool as_json,
+                      struct orl_error *err)
+{
+    struct orl_named_sky *skies = job->skies;
+    const struct orl_sky_request none = job->sky;
+    const size_t n_skies = job->n_skies;
+    int rc = 0;
+
+    job->skies = NULL;
+    job->n_skies = 0;
+    for (size_t i = 0; i < n_skies && rc == 0; i++) {
+        job->sky = skies[i].request;
+        if (!as_json)
+            printf("%ssky %s\n\n", i ? "\n" : "", skies[i].name);
+        rc = plan_one(job, folder, threads, as_json, err);
+    }
+    job->sky = none;
+    job->skies = skies;
+    job->n_skies = n_skies;
+    return rc;
+}
+
 static int plan_document(const char *document, uint32_t threads, bool as_json)
 {
     struct orl_job_file file = {0};
     struct orl_job job = {0};
-    struct orl_result result = {0};
     struct orl_error err = {0};
     int rc = orl_job_file_read(document, &file, &err);
 
     if (rc == 0)
         rc = orl_job_file_decode(&file, &job, &err);
     if (rc == 0)
-        rc = orl_local_plan(&job, file.folder, threads, &result, &err);
-    if (rc == 0 && as_json)
-        rc = print_json(&result, &err);
-    else if (rc == 0)
-        print_table(&result);
-    orl_result_done(&result);
+        rc = job.n_skies > 0 ? plan_skies(&job, file.folder, threads, as_json, &err)
+                             : plan_one(&job, file.folder, threads, as_json, &err);
     orl_job_done(&job);
     orl_job_file_done(&file);
     return rc ? orl_report_error(&err) : ORL_EXIT_OK;

@@ -56,6 +56,36 @@ static void print_summary(const struct orl_result *result, const char *output)
     printf("%s/result.json\n", output);
 }
 
+static void print_skies(const json_t *results, const char *output)
+{
+    const json_t *warning, *timings = json_object_get(results, "timings_s");
+    size_t i;
+
+    json_array_foreach(json_object_get(results, "warnings"), i, warning)
+    {
+        fprintf(stderr, "warning: %s\n", json_string_value(warning));
+    }
+    fprintf(stderr, "seconds: total %.2f under %zu skies\n",
+            json_number_value(json_object_get(timings, "total")),
+            json_array_size(json_object_get(results, "skies")));
+    printf("%s/result.json\n", output);
+}
+
+/* Renders; *ret_json is what result.json will hold. */
+static int render(const struct orl_job *job, const char *folder, const char *output,
+                  uint32_t threads, struct orl_result *ret_result, json_t **ret_json,
+                  struct orl_error *err)
+{
+    int rc;
+
+    if (job->n_skies > 0)
+        return orl_local_run_skies(job, folder, output, threads, ret_json, err);
+    rc = orl_local_run(job, folder, output, threads, ret_result, err);
+    if (rc == 0)
+        *ret_json = orl_result_to_json(ret_result, "succeeded");
+    return rc;
+}
+
 /* The whole of it, once the command line is understood. */
 static int run_document(const char *document, const char *output, uint32_t threads)
 {
@@ -76,11 +106,14 @@ static int run_document(const char *document, const char *output, uint32_t threa
     if (rc == 0)
         rc = orl_job_file_decode(&file, &job, &err);
     if (rc == 0)
-        rc = orl_local_run(&job, file.folder, output, threads, &result, &err);
-    json = rc ? failure_to_json(&job, threads, &err) : orl_result_to_json(&result, "succeeded");
+        rc = render(&job, file.folder, output, threads, &result, &json, &err);
+    if (rc)
+        json = failure_to_json(&job, threads, &err);
     if (write_result(output, json, &second)) {
         orl_report_error(&second);
         rc = rc ? rc : second.code;
+    } else if (rc == 0 && job.n_skies > 0) {
+        print_skies(json, output);
     } else if (rc == 0) {
         print_summary(&result, output);
     }

@@ -14,6 +14,12 @@
 #include "report.h"
 #include "task_json.h"
 
+static int add_weather(struct orl_bundle *bundle, const char *folder,
+                       const struct orl_sky_request *sky, struct orl_error *err)
+{
+    return sky->weather_file ? orl_bundle_add(bundle, folder, sky->weather_file, err) : 0;
+}
+
 /* Uploads "scene": {"files": [...]} and puts the id in its place; an id stays as it is. */
 static int send_scene(struct orl_http *http, struct orl_job_file *file, struct orl_error *err)
 {
@@ -34,8 +40,10 @@ static int send_scene(struct orl_http *http, struct orl_job_file *file, struct o
     job = orl_task_job(&task);
     rc = orl_bundle_collect(file->folder, (const char *const *)job->scene_files, job->n_scene_files,
                             &bundle, err);
-    if (rc == 0 && job->sky.weather_file)
-        rc = orl_bundle_add(&bundle, file->folder, job->sky.weather_file, err);
+    if (rc == 0)
+        rc = add_weather(&bundle, file->folder, &job->sky, err);
+    for (size_t i = 0; i < job->n_skies && rc == 0; i++)
+        rc = add_weather(&bundle, file->folder, &job->skies[i].request, err);
     if (rc == 0)
         rc = orl_bundle_upload(&bundle, http, &id, err);
     if (rc == 0 && json_object_set_new(file->doc, "scene", json_string(id)) != 0)

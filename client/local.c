@@ -6,12 +6,14 @@
 #include <stdio.h>
 
 #include <oriel/files.h>
+#include <oriel/skies.h>
 
 #include "files.h"
 #include "follow.h"
 #include "plan_table.h"
 #include "progress.h"
 #include "result_json.h"
+#include "skies_result_json.h"
 #include "study_json.h"
 #include "study_table.h"
 
@@ -88,31 +90,111 @@ static int prepare(struct orl_run_env *env, uint32_t threads, struct orl_error *
                      : orl_error_set(err, ORL_ERR_NOMEM, "%u threads cannot be started", threads);
 }
 
+/* What a run needs of this process, with progress on stderr. */
+struct local {
+    struct orl_files files;
+    struct orl_folder_store maps;
+    struct orl_map_store store;
+    struct orl_progress progress;
+    struct orl_run_env env;
+};
+
+static int local_start(struct local *local, const char *folder, const char *output,
+                       uint32_t threads, struct orl_error *err)
+{
+    int rc;
+
+    local->files = orl_files_from_folder(folder);
+    local->store = orl_map_store_in_folder(&local->maps);
+    local->env = (struct orl_run_env){.files = &local->files,
+                                      .store = &local->store,
+                                      .output_folder = output,
+                                      .progress = on_progress,
+                                      .plan_ready = on_plan,
+                                      .map_ready = on_map,
+                                      .round_ready = on_round,
+                                      .ctx = &local->progress};
+    rc = orl_join_path(output, "maps", local->maps.folder, sizeof local->maps.folder, err);
+    if (rc == 0)
+        rc = prepare(&local->env, threads, err);
+    if (rc == 0)
+        orl_progress_start(&local->progress);
+    return rc;
+}
+
+static void local_stop(struct local *local)
+{
+    orl_progress_end(&local->progress);
+    orl_crew_stop(local->env.crew);
+}
+
 int orl_local_run(const struct orl_job *job, const char *folder, const char *output,
                   uint32_t threads, struct orl_result *ret_result, struct orl_error *err)
 {
-    const struct orl_files files = orl_files_from_folder(folder);
-    struct orl_folder_store maps;
-    const struct orl_map_store store = orl_map_store_in_folder(&maps);
-    struct orl_progress progress;
-    struct orl_run_env env = {.files = &files,
-                              .store = &store,
-                              .output_folder = output,
-                              .progress = on_progress,
-                              .plan_ready = on_plan,
-                              .map_ready = on_map,
-                              .round_ready = on_round,
-                              .ctx = &progress};
-    int rc = orl_join_path(output, "maps", maps.folder, sizeof maps.folder, err);
+    struct local local;
+    int rc = local_start(&local, folder, output, threads, err);
 
-    if (rc == 0)
-        rc = prepare(&env, threads, err);
     if (rc)
         return rc;
-    orl_progress_start(&progress);
-    rc = orl_run(job, &env, ret_result, err);
-    orl_progress_end(&progress);
-    orl_crew_stop(env.crew);
+    rc = orl_run(job, &local.env, ret_result, err);
+    local_stop(&local);
+    return rc;
+}
+
+/* A job on its way through its skies. */
+struct skies {
+    struct local local;
+    const struct orl_job *job;
+    json_t *results;
+};
+
+static void on_sky(void *ctx, size_t index, const struct orl_job *job, const char *file_prefix)
+{
+    struct skies *skies = ctx;
+
+    (void)job, (void)file_prefix;
+    orl_progress_note(&skies->local.progress, "sky %s (%zu of %zu)", skies->job->skies[index].name,
+                      index + 1, skies->job->n_skies);
+}
+
+static int on_sky_done(void *ctx, size_t index, const struct orl_result *result,
+                       struct orl_error *err)
+{
+    struct skies *skies = ctx;
+    const char *name = skies->job->skies[index].name;
+    json_t *json = orl_sky_result_to_json(result, name);
+    char file[128], path[4096];
+    int rc = json ? 0 : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+
+    snprintf(file, sizeof file, "%s.json", name);
+    if (rc == 0)
+        rc = orl_join_path(skies->local.env.output_folder, file, path, sizeof path, err);
+    if (rc == 0)
+        rc = orl_write_json(path, json, err);
+    if (rc == 0 && orl_skies_result_add(skies->results, json))
+        rc = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    json_decref(json);
+    return rc;
+}
+
+int orl_local_run_skies(const struct orl_job *job, const char *folder, const char *output,
+                        uint32_t threads, json_t **ret_results, struct orl_error *err)
+{
+    struct skies skies = {.job = job, .results = orl_skies_result_new(job->seed, threads)};
+    const struct orl_skies_env env = {.ctx = &skies, .begins = on_sky, .done = on_sky_done};
+    int rc = skies.results ? local_start(&skies.local, folder, output, threads, err)
+                           : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+
+    if (rc == 0) {
+        rc = orl_run_skies(job, &skies.local.env, &env, err);
+        local_stop(&skies.local);
+    }
+    if (rc == 0 && orl_skies_result_end(skies.results, "succeeded"))
+        rc = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    if (rc)
+        json_decref(skies.results);
+    else
+        *ret_results = skies.results;
     return rc;
 }
 

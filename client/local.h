@@ -5,6 +5,7 @@
 #ifndef ORL_CLIENT_LOCAL_H
 #define ORL_CLIENT_LOCAL_H
 
+#include <jansson.h>
 #include <stdint.h>
 
 #include <oriel/error.h>
@@ -20,6 +21,11 @@ void orl_local_catch_interrupts(void);
 /* Renders, with progress on stderr; images go to output, maps and loaded BSDFs to output/maps. */
 int orl_local_run(const struct orl_job *job, const char *folder, const char *output,
                   uint32_t threads, struct orl_result *ret_result, struct orl_error *err);
+
+/* The same of a job of several skies: <sky>.json, images and errors of each as soon as it is done.
+ * *ret_results (skies_result_json.h) is the caller's. */
+int orl_local_run_skies(const struct orl_job *job, const char *folder, const char *output,
+                        uint32_t threads, json_t **ret_results, struct orl_error *err);
 
 /* Makes the plan, and nothing else; quietly. */
 int orl_local_plan(const struct orl_job *job, const char *folder, uint32_t threads,

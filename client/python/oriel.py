@@ -179,6 +179,14 @@ def _mentioned(folder, names):
     return found
 
 
+def _weather_files(document):
+    """Those that the skies of a job document name."""
+    skies = document.get("skies") or []
+    skies = [document.get("sky") or {}] + (skies if isinstance(skies, list) else [skies])
+    files = ((sky.get("weather") or {}).get("file") for sky in skies)
+    return list(dict.fromkeys(name for name in files if name))
+
+
 def _scene_id(mains, resources):
     """The id that the daemon gives such a scene (POST /v1/scenes)."""
     text = "oriel-scene 1\n"
@@ -456,8 +464,7 @@ class Client:
         scene, sensors = document.get("scene"), document.get("sensors")
         if isinstance(scene, dict) and "files" in scene:
             names = _mentioned(folder, scene["files"])
-            weather = ((document.get("sky") or {}).get("weather") or {}).get("file")
-            names += [weather] if weather and weather not in names else []
+            names += [name for name in _weather_files(document) if name not in names]
             document["scene"] = self.upload_scene(scene["files"], names, folder)
         if isinstance(sensors, dict) and "file" in sensors:
             with _open(os.path.join(folder, sensors["file"]), "r") as stream:

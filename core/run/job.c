@@ -1,6 +1,7 @@
 #include <oriel/run.h>
 
 #include <ctype.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -9,6 +10,12 @@
 #include "light/daylight.h"
 #include "render/view.h"
 
+void orl_sky_request_init(struct orl_sky_request *request)
+{
+    *request = (struct orl_sky_request){
+        .ground_reflectance = 0.2, .turbidity = 2.45, .direct_normal_lx = -1};
+}
+
 void orl_job_init(struct orl_job *job)
 {
     memset(job, 0, sizeof *job);
@@ -16,9 +23,7 @@ void orl_job_init(struct orl_job *job)
     job->seed = 1;
     job->photons_global = ORL_PHOTONS_BY_PLAN;
     job->photons_caustic = ORL_PHOTONS_BY_PLAN;
-    job->sky.ground_reflectance = 0.2;
-    job->sky.turbidity = 2.45;
-    job->sky.direct_normal_lx = -1;
+    orl_sky_request_init(&job->sky);
     job->goal.at = 0.95;
 }
 
@@ -30,6 +35,11 @@ void orl_job_done(struct orl_job *job)
         free(job->scene_files[i]);
     free(job->scene_files);
     free(job->sky.weather_file);
+    for (size_t i = 0; i < job->n_skies; i++) {
+        free(job->skies[i].name);
+        free(job->skies[i].request.weather_file);
+    }
+    free(job->skies);
     free(job->sensors_file);
     free(job->sensors);
     for (size_t i = 0; i < job->n_views; i++) {
@@ -121,6 +131,61 @@ static int validate_goal(const struct orl_job *job, struct orl_error *err)
     return 0;
 }
 
+static int validate_sky_name(const struct orl_job *job, size_t index, struct orl_error *err)
+{
+    const char *name = job->skies[index].name;
+    const size_t length = name ? strlen(name) : 0;
+    if (length == 0 || length > 64)
+        return orl_error_set(err, ORL_ERR_INVALID, "a sky needs a name of 1 to 64 characters");
+    for (size_t i = 0; i < length; i++)
+        if (!isalnum((unsigned char)name[i]) && !strchr("-_", name[i]))
+            return orl_error_set(err, ORL_ERR_INVALID,
+                                 "sky name '%s' may hold letters, digits, '-' and '_' only", name);
+    if (strcmp(name, "result") == 0)
+        return orl_error_set(err, ORL_ERR_INVALID, "no sky may be named 'result'");
+    for (size_t i = 0; i < index; i++)
+        if (strcmp(job->skies[i].name, name) == 0) {
+            orl_error_set(err, ORL_ERR_INVALID, "two skies are named '%s'", name);
+            orl_error_hint(err, "Give each a \"name\" of its own");
+            return ORL_ERR_INVALID;
+        }
+    return 0;
+}
+
+static int validate_skies(const struct orl_job *job, struct orl_error *err)
+{
+    int code = 0;
+    if (job->n_skies == 0)
+        return orl_daylight_check(&job->sky, err);
+    if (job->sky.model != ORL_SKY_OF_SCENE)
+        code = orl_error_set(err, ORL_ERR_INVALID, "a job has one sky or several, not both");
+    else if (job->n_skies > ORL_LIMIT_SKIES)
+        code = orl_error_set(err, ORL_ERR_LIMIT, "%zu skies; at most %u are allowed", job->n_skies,
+                             ORL_LIMIT_SKIES);
+    else if (job->n_skies * job->n_views > ORL_LIMIT_PICTURES)
+        code = orl_error_set(err, ORL_ERR_LIMIT, "%zu views under %zu skies: at most %u pictures",
+                             job->n_views, job->n_skies, ORL_LIMIT_PICTURES);
+    else if (job->n_skies * job->n_sensors > ORL_LIMIT_SENSORS)
+        code = orl_error_set(err, ORL_ERR_LIMIT, "%zu sensors under %zu skies: at most %lu numbers",
+                             job->n_sensors, job->n_skies, ORL_LIMIT_SENSORS);
+    if (code < 0) {
+        orl_error_at(err, NULL, 0, "skies");
+        return code;
+    }
+    for (size_t i = 0; i < job->n_skies && code == 0; i++) {
+        char place[32];
+        code = validate_sky_name(job, i, err);
+        if (code == 0 && job->skies[i].request.model == ORL_SKY_OF_SCENE)
+            code = orl_error_set(err, ORL_ERR_INVALID, "no sky is given here");
+        if (code == 0)
+            code = orl_daylight_check(&job->skies[i].request, err);
+        snprintf(place, sizeof place, "skies[%zu]", i);
+        if (code < 0)
+            orl_error_at(err, NULL, 0, place);
+    }
+    return code;
+}
+
 int orl_job_validate(const struct orl_job *job, struct orl_error *err)
 {
     if (job->n_sensors == 0 && !job->sensors_file && job->n_views == 0)
@@ -151,7 +216,7 @@ int orl_job_validate(const struct orl_job *job, struct orl_error *err)
             return code;
     }
     const int code = validate_goal(job, err);
-    return code < 0 ? code : orl_daylight_check(&job->sky, err);
+    return code < 0 ? code : validate_skies(job, err);
 }
 
 void orl_result_done(struct orl_result *result)

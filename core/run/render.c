@@ -58,6 +58,11 @@ static int render_sensors(struct rendering *rendering, double share, struct orl_
         !result->interval_95_lx)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for %zu sensors", n);
     result->n_sensors = n;
+    if (!state->take_film && state->env->sensors_kept &&
+        state->env->sensors_kept(state->env->ctx, result)) {
+        orl_run_progress(state, share);
+        return 0;
+    }
     for (rendering->first = 0; rendering->first < n; rendering->first += ROUND) {
         const size_t left = n - rendering->first, count = left < ROUND ? left : ROUND;
         orl_crew_for(state->env->crew, count, compute_sensor, rendering);
@@ -65,6 +70,8 @@ static int render_sensors(struct rendering *rendering, double share, struct orl_
             return orl_error_set(err, ORL_ERR_CANCELLED, "cancelled while computing sensors");
         orl_run_progress(state, share * (double)(rendering->first + count) / (double)n);
     }
+    if (!state->take_film && state->env->sensors_done)
+        state->env->sensors_done(state->env->ctx, result);
     return 0;
 }
 
@@ -89,13 +96,14 @@ static int path_of(const struct orl_run_state *state, const char *file, char ret
     return 0;
 }
 
-/* name.ending, owned; NULL when out of memory. */
-static char *file_name(const char *name, const char *ending)
+/* name.ending with the run's prefix, owned; NULL when out of memory. */
+static char *file_name(const struct orl_run_state *state, const char *name, const char *ending)
 {
-    const size_t size = strlen(name) + strlen(ending) + 2;
+    const char *prefix = state->env->file_prefix ? state->env->file_prefix : "";
+    const size_t size = strlen(prefix) + strlen(name) + strlen(ending) + 2;
     char *file = malloc(size);
     if (file)
-        snprintf(file, size, "%s.%s", name, ending);
+        snprintf(file, size, "%s%s.%s", prefix, name, ending);
     return file;
 }
 
@@ -104,8 +112,8 @@ static int write_image(const struct orl_run_state *state, const struct orl_film 
                        struct orl_error *err)
 {
     char path[4096];
-    result->hdr = file_name(result->name, "hdr");
-    result->png = file_name(result->name, "png");
+    result->hdr = file_name(state, result->name, "hdr");
+    result->png = file_name(state, result->name, "png");
     if (!result->hdr || !result->png)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     int code = path_of(state, result->hdr, path, err);
@@ -123,8 +131,8 @@ static int write_errors(const struct orl_run_state *state, const struct orl_film
                         struct orl_error *err)
 {
     char path[4096];
-    result->error_hdr = file_name(result->name, "error.hdr");
-    result->error_png = file_name(result->name, "error.png");
+    result->error_hdr = file_name(state, result->name, "error.hdr");
+    result->error_png = file_name(state, result->name, "error.png");
     if (!result->error_hdr || !result->error_png)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     int code = path_of(state, result->error_hdr, path, err);

@@ -41,14 +41,21 @@ static double share_of_time(const struct orl_run_state *state)
                                             : 0;
 }
 
+/* job_fraction is of the run itself, which may be a part of something larger. */
+static void report(const struct orl_run_env *env, enum orl_stage stage, double fraction,
+                   double job_fraction)
+{
+    const double part = env->part > 0 ? env->part : 1;
+    if (env->progress)
+        env->progress(env->ctx, stage, fraction, env->part_from + part * job_fraction);
+}
+
 void orl_run_progress(const struct orl_run_state *state, double fraction)
 {
     double before = 0, all = 0;
-    if (!state->env->progress)
-        return;
     fraction = fmin(fmax(fraction, 0), 1);
     if (orl_goal_is_set(&state->job->goal)) {
-        state->env->progress(state->env->ctx, state->stage, fraction, share_of_time(state));
+        report(state->env, state->stage, fraction, share_of_time(state));
         return;
     }
     for (int i = 0; i < ORL_STAGE_COUNT; i++) {
@@ -56,7 +63,7 @@ void orl_run_progress(const struct orl_run_state *state, double fraction)
         all += state->cost_s[i];
     }
     before += fraction * state->cost_s[state->stage];
-    state->env->progress(state->env->ctx, state->stage, fraction, all > 0 ? before / all : 0);
+    report(state->env, state->stage, fraction, all > 0 ? before / all : 0);
 }
 
 /* Books the time since the stage began. */
@@ -116,6 +123,8 @@ static int load(struct orl_run_state *state, struct orl_description *ret_descrip
     const struct orl_job *job = state->job;
     const struct orl_bsdf_loader loader = orl_run_bsdf_loader(state);
     int code = orl_job_validate(job, err);
+    if (code == 0 && job->n_skies > 0)
+        code = orl_error_set(err, ORL_ERR_INVALID, "the job has several skies: run each by itself");
     if (code == 0 && (job->n_scene_files == 0 || sodium_init() < 0))
         code = orl_error_set(err, ORL_ERR_INVALID, "the job names no scene files");
     if (code == 0)
@@ -231,8 +240,7 @@ static int run(const struct orl_job *job, const struct orl_run_env *env,
         orl_result_done(&result);
         return code;
     }
-    if (env->progress)
-        env->progress(env->ctx, ORL_STAGE_RENDER, 1, 1);
+    report(env, ORL_STAGE_RENDER, 1, 1);
     *ret_result = result;
     return 0;
 }

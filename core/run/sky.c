@@ -3,27 +3,46 @@
 #include <string.h>
 
 #include "light/daylight.h"
+#include "run/sky.h"
 #include "run/stages.h"
 
-static int find_by_weather(const struct orl_run_state *state, struct orl_daylight *ret_daylight,
-                           struct orl_error *err)
+void orl_run_weather_done(struct orl_run_weather *weather)
 {
-    const struct orl_sky_request *request = &state->job->sky;
-    const struct orl_files *files = state->env->files;
-    struct orl_weather weather = {0};
+    orl_weather_done(&weather->rows);
+    *weather = (struct orl_run_weather){0};
+}
+
+/* Reads the file, unless it is the one read last. */
+static int need_weather(const struct orl_files *files, const char *name,
+                        struct orl_run_weather *weather, struct orl_error *err)
+{
     struct orl_file file;
-    int code = files->open(files->ctx, request->weather_file, &file, err);
+    if (weather->file && strcmp(weather->file, name) == 0)
+        return 0;
+    orl_run_weather_done(weather);
+    int code = files->open(files->ctx, name, &file, err);
     if (code < 0) {
         orl_error_at(err, NULL, 0, "sky");
         return code;
     }
-    code = orl_weather_parse(request->weather_file, file.data, file.size, &weather, err);
+    code = orl_weather_parse(name, file.data, file.size, &weather->rows, err);
     files->close(files->ctx, &file);
-    if (code == 0)
-        code = orl_daylight_find(request, &weather, ret_daylight, err);
+    weather->file = code == 0 ? name : NULL;
+    return code;
+}
+
+int orl_run_find_sky(const struct orl_files *files, const struct orl_sky_request *request,
+                     struct orl_run_weather *weather, struct orl_daylight *ret_daylight,
+                     struct orl_error *err)
+{
+    if (request->model != ORL_SKY_BY_WEATHER)
+        return orl_daylight_find(request, NULL, ret_daylight, err);
+    int code = need_weather(files, request->weather_file, weather, err);
+    if (code < 0)
+        return code;
+    code = orl_daylight_find(request, &weather->rows, ret_daylight, err);
     if (code < 0)
         orl_error_at(err, request->weather_file, err ? err->line : 0, NULL);
-    orl_weather_done(&weather);
     return code;
 }
 
@@ -48,16 +67,18 @@ int orl_run_sky(struct orl_run_state *state, struct orl_description *description
                 struct orl_error *err)
 {
     const struct orl_sky_request *request = &state->job->sky;
+    struct orl_run_weather weather = {0};
     struct orl_daylight daylight = {0};
-    int code;
     if (request->model == ORL_SKY_OF_SCENE)
         return 0;
-    code = request->model == ORL_SKY_BY_WEATHER ? find_by_weather(state, &daylight, err)
-                                                : orl_daylight_find(request, NULL, &daylight, err);
+    int code = orl_run_find_sky(state->env->files, request, &weather, &daylight, err);
+    orl_run_weather_done(&weather);
     if (code == 0)
         code = orl_daylight_add(&daylight, description, err);
     if (code < 0)
         return code;
+    state->result->sky_given = true;
+    state->result->sky_dark = daylight.black;
     hash_daylight(&daylight, state->sky_digest);
     if (daylight.warnings[0])
         orl_run_warn(state, "sky: %s", daylight.warnings);

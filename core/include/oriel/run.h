@@ -61,7 +61,9 @@ struct orl_job {
     uint32_t pixel_samples;                   /* of the backward technique; 0 = default */
     struct orl_goal goal;                     /* instead of the three above */
     struct orl_sky_request sky;               /* beside a scene without distant sources */
-    char *sensors_file;                       /* NULL, or a file of "x y z dx dy dz" lines */
+    struct orl_named_sky *skies;              /* instead, one after the other: oriel/skies.h */
+    size_t n_skies;
+    char *sensors_file; /* NULL, or a file of "x y z dx dy dz" lines */
     struct orl_sensor *sensors;
     size_t n_sensors;
     struct orl_view_request *views;
@@ -195,6 +197,8 @@ struct orl_result {
     size_t n_sensors;
     struct orl_view_result *views;
     size_t n_views;
+    bool sky_given; /* by the job */
+    bool sky_dark;  /* and it gives no light: night, or none was measured */
     struct orl_outcome outcome;
     struct orl_cost cost;
     struct orl_health health; /* of what this run did */
@@ -209,9 +213,11 @@ struct orl_run_env {
     struct orl_crew *crew;             /* borrowed; the calling thread leads it */
     const struct orl_files *files;     /* borrowed */
     const struct orl_map_store *store; /* borrowed */
-    struct orl_shelf *shelf;    /* borrowed: what one job works out for the next; may be NULL */
-    const char *output_folder;  /* exists; images are written here */
-    atomic_bool *cancel;        /* borrowed; polled per batch and tile */
+    struct orl_shelf *shelf;   /* borrowed: what one job works out for the next; may be NULL */
+    const char *output_folder; /* exists; images are written here */
+    const char *file_prefix;   /* in front of the names of files written there; NULL: none */
+    double part_from, part; /* the job's share in a larger one, for progress; 0: it is the whole */
+    atomic_bool *cancel;    /* borrowed; polled per batch and tile */
     double (*now_s)(void *ctx); /* a steady clock */
     /* Called by the lead thread, now and then, with fraction 0..1 of the stage and of the job. */
     void (*progress)(void *ctx, enum orl_stage stage, double stage_fraction, double job_fraction);
@@ -232,6 +238,12 @@ struct orl_run_env {
     bool (*view_kept)(void *ctx, size_t index, struct orl_view_result *ret_view);
     /* Likewise once the files of a view are written; the view is valid during the call. */
     void (*view_written)(void *ctx, size_t index, const struct orl_view_result *view);
+    /*
+     * The same of its sensors, all together: the result has room for their numbers, illuminance to
+     * interval, and for nothing else yet. May be NULL.
+     */
+    bool (*sensors_kept)(void *ctx, struct orl_result *result);
+    void (*sensors_done)(void *ctx, const struct orl_result *result);
     /*
      * Called by the lead thread after each round of a job with a goal: the result as it stands,
      * files included; valid during the call. May be NULL.
@@ -254,7 +266,8 @@ struct orl_run_env {
 int orl_plan_job(const struct orl_job *job, const struct orl_run_env *env,
                  struct orl_result *ret_result, struct orl_error *err);
 
-/* Runs the job. Returns 0 and fills ret_result (owned by the caller) or a negative orl_err. */
+/* Runs the job, which has no more than one sky. Returns 0 and fills ret_result (owned by the
+ * caller) or a negative orl_err. */
 int orl_run(const struct orl_job *job, const struct orl_run_env *env, struct orl_result *ret_result,
             struct orl_error *err);
 

@@ -64,4 +64,12 @@ struct orl_sky_request {
     char *weather_file;      /* a name for the job's file provider; owned by the job */
 };
 
+/* One of several skies of a job. Both are owned by the job. */
+struct orl_named_sky {
+    char *name; /* of its results: letters, digits, '-', '_'; unique in the job; not "result" */
+    struct orl_sky_request request;
+};
+
+void orl_sky_request_init(struct orl_sky_request *request); /* defaults; of no sky */
+
 #endif

@@ -1,0 +1,107 @@
+/* Several skies: the job under each of them, one after the other. */
+#include <oriel/skies.h>
+
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "run/sky.h"
+
+/* What a sky without light takes of the time of others, roughly: for progress alone. */
+static const double dark_share = 0.1;
+
+/* A job on its way through its skies. */
+struct passage {
+    const struct orl_job *job;
+    const struct orl_run_env *env;
+    const struct orl_skies_env *skies;
+    double *shares; /* of each sky in the whole; sums to 1 */
+    double before;  /* of those behind us */
+    double started_s;
+};
+
+static void name_place(struct orl_error *err, size_t index)
+{
+    char place[32];
+    snprintf(place, sizeof place, "skies[%zu]", index);
+    orl_error_at(err, NULL, 0, place);
+}
+
+/* Looks at every sky: is there one, and how much is there to do? */
+static int look_ahead(struct passage *p, struct orl_error *err)
+{
+    struct orl_run_weather weather = {0};
+    double sum = 0;
+    int code = 0;
+    for (size_t i = 0; i < p->job->n_skies && code == 0; i++) {
+        struct orl_daylight daylight = {0};
+        code = orl_run_find_sky(p->env->files, &p->job->skies[i].request, &weather, &daylight, err);
+        if (code < 0)
+            name_place(err, i);
+        p->shares[i] = daylight.black ? dark_share : 1;
+        sum += p->shares[i];
+    }
+    for (size_t i = 0; i < p->job->n_skies; i++)
+        p->shares[i] /= sum;
+    orl_run_weather_done(&weather);
+    return code;
+}
+
+/* The job under one sky alone. */
+static struct orl_job job_under(const struct passage *p, size_t index)
+{
+    struct orl_job job = *p->job;
+    job.sky = p->job->skies[index].request;
+    job.skies = NULL;
+    job.n_skies = 0;
+    if (job.goal.deadline_s > 0) {
+        const double now = p->env->now_s(p->env->ctx);
+        const double left = fmax(job.goal.deadline_s - (now - p->started_s), 1e-3);
+        job.goal.deadline_s = left * p->shares[index] / fmax(1 - p->before, p->shares[index]);
+    }
+    return job;
+}
+
+static int run_under(struct passage *p, size_t index, struct orl_error *err)
+{
+    const struct orl_job job = job_under(p, index);
+    struct orl_run_env env = *p->env;
+    struct orl_result result = {0};
+    char prefix[80];
+    snprintf(prefix, sizeof prefix, "%s.", p->job->skies[index].name);
+    env.file_prefix = prefix;
+    env.part_from = p->before;
+    env.part = p->shares[index];
+    if (p->skies->begins)
+        p->skies->begins(p->skies->ctx, index, &job, prefix);
+    int code = orl_run(&job, &env, &result, err);
+    if (code < 0) {
+        if (err && !err->primitive[0])
+            name_place(err, index);
+        return code;
+    }
+    code = p->skies->done(p->skies->ctx, index, &result, err);
+    orl_result_done(&result);
+    return code;
+}
+
+int orl_run_skies(const struct orl_job *job, const struct orl_run_env *env,
+                  const struct orl_skies_env *skies, struct orl_error *err)
+{
+    struct passage p = {.job = job, .env = env, .skies = skies, .started_s = env->now_s(env->ctx)};
+    int code = orl_job_validate(job, err);
+    if (code < 0)
+        return code;
+    if (job->n_skies == 0)
+        return orl_error_set(err, ORL_ERR_INVALID, "the job has no list of skies");
+    p.shares = calloc(job->n_skies, sizeof *p.shares);
+    if (!p.shares)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    code = look_ahead(&p, err);
+    for (size_t i = 0; i < job->n_skies && code == 0; i++) {
+        if (!skies->kept || !skies->kept(skies->ctx, i))
+            code = run_under(&p, i, err);
+        p.before += p.shares[i];
+    }
+    free(p.shares);
+    return code;
+}

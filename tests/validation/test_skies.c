@@ -1,0 +1,304 @@
+/* A job under several skies is that many jobs under one: the same bytes, maps and images included.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <oriel/skies.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+#include "support/cli.h"
+#include "support/room.h"
+
+enum { SKIES = 3, SENSORS = 2, DARK = 2 };
+
+static char scene_file[] = "room.rad", weather_file[] = "place.wea";
+static char *const scene_files[] = {scene_file};
+static char overcast[] = "overcast", sunny[] = "sunny_1", night[] = "night-1";
+static char view_name[] = "v", view_text[] = "-vtv -vp 2 4.5 1.6 -vd 0 -1 0 -vh 70 -vv 55";
+
+/* One run: what it is told, and what it tells. */
+struct fixture {
+    char folder[64];
+    struct orl_named_sky skies[SKIES];
+    struct orl_sensor sensors[SENSORS];
+    struct orl_view_request view;
+    struct orl_job job;
+    struct orl_crew *crew;
+    atomic_bool cancel;
+    double lx[SKIES][SENSORS];
+    bool dark[SKIES], done[SKIES], keep[SKIES];
+    double fraction;               /* of the whole, as last heard */
+    struct orl_result *sensors_of; /* kept ones; or NULL */
+    size_t n_sensors_done;
+};
+
+static double now_s(void *ctx)
+{
+    struct timespec t;
+    (void)ctx;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+static void on_progress(void *ctx, enum orl_stage stage, double stage_fraction, double fraction)
+{
+    struct fixture *f = ctx;
+    (void)stage, (void)stage_fraction;
+    assert_true(fraction >= f->fraction - 1e-9 && fraction < 1 + 1e-9);
+    f->fraction = fraction;
+}
+
+static bool on_sensors_kept(void *ctx, struct orl_result *result)
+{
+    const struct fixture *f = ctx;
+    const struct orl_result *kept = f->sensors_of;
+    if (!kept)
+        return false;
+    assert_int_equal(result->n_sensors, kept->n_sensors);
+    for (size_t i = 0; i < SENSORS; i++) {
+        result->illuminance_lx[i] = kept->illuminance_lx[i];
+        result->standard_error_lx[i] = kept->standard_error_lx[i];
+        result->bias_estimate_lx[i] = kept->bias_estimate_lx[i];
+        memcpy(result->interval_95_lx[i], kept->interval_95_lx[i], sizeof *kept->interval_95_lx);
+    }
+    return true;
+}
+
+static void on_sensors_done(void *ctx, const struct orl_result *result)
+{
+    struct fixture *f = ctx;
+    assert_int_equal(result->n_sensors, SENSORS);
+    f->n_sensors_done++;
+}
+
+static bool on_sky_kept(void *ctx, size_t index)
+{
+    return ((struct fixture *)ctx)->keep[index];
+}
+
+static int on_sky_done(void *ctx, size_t index, const struct orl_result *result,
+                       struct orl_error *err)
+{
+    struct fixture *f = ctx;
+    (void)err;
+    assert_int_equal(result->n_sensors, SENSORS);
+    assert_true(result->sky_given);
+    memcpy(f->lx[index], result->illuminance_lx, sizeof f->lx[index]);
+    f->dark[index] = result->sky_dark;
+    f->done[index] = true;
+    return 0;
+}
+
+static void fill_skies(struct orl_named_sky skies[SKIES])
+{
+    for (int i = 0; i < SKIES; i++)
+        orl_sky_request_init(&skies[i].request);
+    skies[0].name = overcast;
+    skies[0].request.model = ORL_SKY_BY_CIE;
+    skies[0].request.cie_type = ORL_SKY_OVERCAST;
+    skies[0].request.input = ORL_SKY_DIFFUSE_LX;
+    skies[0].request.first = 10000;
+    skies[1].name = sunny;
+    skies[1].request.model = ORL_SKY_BY_PEREZ;
+    skies[1].request.sun_given = true;
+    skies[1].request.sun_altitude_deg = 40;
+    skies[1].request.first = 700;
+    skies[1].request.second = 120;
+    skies[DARK] = skies[1];
+    skies[DARK].name = night;
+    skies[DARK].request.sun_altitude_deg = -10;
+}
+
+static int setup(void **state)
+{
+    struct fixture *f = calloc(1, sizeof *f);
+    cli_make_folder(f->folder);
+    f->crew = orl_crew_start(1);
+    fill_skies(f->skies);
+    f->sensors[0] = (struct orl_sensor){{2, 1, 0.8}, {0, 0, 1}};
+    f->sensors[1] = (struct orl_sensor){{2, 4, 0.8}, {0, 0, 1}};
+    f->view = (struct orl_view_request){view_name, view_text, 24, 18};
+    orl_job_init(&f->job);
+    f->job.scene_files = (char **)(uintptr_t)scene_files;
+    f->job.n_scene_files = 1;
+    f->job.technique = ORL_TECHNIQUE_GATHER;
+    f->job.photons_global = 20000;
+    f->job.photons_caustic = 0;
+    f->job.gather_samples = 64;
+    f->job.sensors = f->sensors;
+    f->job.n_sensors = SENSORS;
+    f->job.views = &f->view;
+    f->job.n_views = 1;
+    f->job.skies = f->skies;
+    f->job.n_skies = SKIES;
+    *state = f;
+    return 0;
+}
+
+static int teardown(void **state)
+{
+    struct fixture *f = *state;
+    orl_crew_stop(f->crew);
+    cli_remove_folder(f->folder);
+    free(f);
+    return 0;
+}
+
+/* All skies, or with result the job's one. */
+static int run(struct fixture *f, struct orl_result *ret_result, struct orl_error *err)
+{
+    static const char scene[] = ROOM_GREY ROOM_CLEAR ROOM_SHELL ROOM_PANE;
+    static const char weather[] = "place Test\nlatitude 38.42\nlongitude -27.14\ntime_zone -30\n"
+                                  "site_elevation 25\nweather_data_file_units 1\n"
+                                  "3 22 11.5 800 120\n";
+    static const char *const names[] = {scene_file, weather_file};
+    const struct orl_file contents[] = {{scene, sizeof scene - 1, NULL},
+                                        {weather, sizeof weather - 1, NULL}};
+    struct orl_memory_files memory = {names, contents, 2};
+    const struct orl_files files = orl_files_from_memory(&memory);
+    struct orl_folder_store maps;
+    const struct orl_map_store store = orl_map_store_in_folder(&maps);
+    const struct orl_skies_env skies = {.ctx = f, .kept = on_sky_kept, .done = on_sky_done};
+    const struct orl_run_env env = {.crew = f->crew,
+                                    .files = &files,
+                                    .store = &store,
+                                    .output_folder = f->folder,
+                                    .cancel = &f->cancel,
+                                    .now_s = now_s,
+                                    .progress = on_progress,
+                                    .sensors_kept = on_sensors_kept,
+                                    .sensors_done = on_sensors_done,
+                                    .ctx = f};
+    snprintf(maps.folder, sizeof maps.folder, "%s", f->folder);
+    f->fraction = 0;
+    return ret_result ? orl_run(&f->job, &env, ret_result, err)
+                      : orl_run_skies(&f->job, &env, &skies, err);
+}
+
+static unsigned char *read_image(const struct fixture *f, const char *name, size_t *ret_size)
+{
+    char path[160];
+    snprintf(path, sizeof path, "%s/%s", f->folder, name);
+    return scene_read_bytes(path, ret_size);
+}
+
+static void expect_same_image(const struct fixture *f, const char *sky, const char *ending)
+{
+    char under_sky[64], alone[32];
+    size_t a, b;
+    snprintf(under_sky, sizeof under_sky, "%s.v.%s", sky, ending);
+    snprintf(alone, sizeof alone, "v.%s", ending);
+    unsigned char *one = read_image(f, under_sky, &a), *other = read_image(f, alone, &b);
+    assert_int_equal(a, b);
+    assert_memory_equal(one, other, a);
+    free(one);
+    free(other);
+}
+
+static void test_same_as_one_by_one(void **state)
+{
+    struct fixture *f = *state;
+    struct orl_error err;
+    assert_int_equal(run(f, NULL, &err), 0);
+    assert_true(f->fraction > 0.999);
+    assert_true(f->lx[0][0] > 100 && f->lx[1][0] > f->lx[0][0]);
+    f->job.skies = NULL;
+    f->job.n_skies = 0;
+    for (int i = 0; i < SKIES; i++) {
+        struct orl_result result;
+        f->job.sky = f->skies[i].request;
+        assert_int_equal(run(f, &result, &err), 0);
+        assert_memory_equal(result.illuminance_lx, f->lx[i], sizeof f->lx[i]);
+        assert_int_equal(result.n_maps, i == DARK ? 0 : 1);
+        assert_true(i == DARK || result.maps[0].cached);
+        assert_true(f->dark[i] == (i == DARK) && result.sky_dark == f->dark[i]);
+        orl_result_done(&result);
+        expect_same_image(f, f->skies[i].name, "hdr");
+        expect_same_image(f, f->skies[i].name, "error.hdr");
+    }
+}
+
+static void test_kept_skies_are_not_run(void **state)
+{
+    struct fixture *f = *state;
+    f->keep[1] = true;
+    assert_int_equal(run(f, NULL, NULL), 0);
+    assert_true(f->done[0] && !f->done[1] && f->done[2]);
+    assert_true(f->fraction > 0.999);
+    assert_int_equal(f->n_sensors_done, 2);
+}
+
+/* Sensors that an earlier run has left are taken as they are, and the rest is the same. */
+static void test_kept_sensors(void **state)
+{
+    struct fixture *f = *state;
+    struct orl_result first, second;
+    f->job.skies = NULL;
+    f->job.n_skies = 0;
+    f->job.sky = f->skies[0].request;
+    assert_int_equal(run(f, &first, NULL), 0);
+    assert_int_equal(f->n_sensors_done, 1);
+    size_t a, b;
+    unsigned char *image = read_image(f, "v.hdr", &a);
+    f->sensors_of = &first;
+    assert_int_equal(run(f, &second, NULL), 0);
+    assert_int_equal(f->n_sensors_done, 1);
+    unsigned char *again = read_image(f, "v.hdr", &b);
+    assert_int_equal(a, b);
+    assert_memory_equal(image, again, a);
+    assert_memory_equal(first.illuminance_lx, second.illuminance_lx, SENSORS * sizeof(double));
+    free(image);
+    free(again);
+    orl_result_done(&first);
+    orl_result_done(&second);
+}
+
+static void expect_error(struct fixture *f, int code, const char *primitive)
+{
+    struct orl_error err = {0};
+    assert_int_equal(run(f, NULL, &err), code);
+    assert_string_equal(err.primitive, primitive);
+    assert_false(f->done[0]);
+}
+
+/* Found before anything is rendered. */
+static void test_mistakes(void **state)
+{
+    struct fixture *f = *state;
+    struct orl_sky_request *last = &f->skies[2].request;
+    struct orl_result result;
+    assert_int_equal(run(f, &result, NULL), ORL_ERR_INVALID);
+    last->model = ORL_SKY_BY_WEATHER;
+    last->weather_file = weather_file;
+    last->sun_given = false;
+    last->time_given = true;
+    last->month = 3;
+    last->day = 22;
+    last->hour = 15.5;
+    expect_error(f, ORL_ERR_NOT_FOUND, "skies[2]");
+    f->skies[2].name = overcast;
+    expect_error(f, ORL_ERR_INVALID, "skies[2]");
+    f->skies[1].request.first = 5000;
+    expect_error(f, ORL_ERR_RANGE, "skies[1]");
+    f->skies[0].name = view_text;
+    expect_error(f, ORL_ERR_INVALID, "skies[0]");
+    f->job.sky = f->skies[0].request;
+    expect_error(f, ORL_ERR_INVALID, "skies");
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(test_same_as_one_by_one, setup, teardown),
+        cmocka_unit_test_setup_teardown(test_kept_skies_are_not_run, setup, teardown),
+        cmocka_unit_test_setup_teardown(test_kept_sensors, setup, teardown),
+        cmocka_unit_test_setup_teardown(test_mistakes, setup, teardown),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
