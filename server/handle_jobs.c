@@ -144,6 +144,15 @@ static int check_file(const struct orl_bundle *bundle, const char *name, const c
     return ORL_ERR_NOT_FOUND;
 }
 
+static int check_sky(const struct orl_bundle *bundle, const struct orl_sky_request *sky,
+                     const char *place, struct orl_error *err)
+{
+    char path[64];
+    snprintf(path, sizeof path, "%s.weather.file", place);
+    return check_file(bundle, sky->weather_file, path, "Upload it with the scene as a resource",
+                      err);
+}
+
 /* What the document refers to must be here. */
 static int check_references(struct orl_server *server, struct job_post *post)
 {
@@ -159,8 +168,12 @@ static int check_references(struct orl_server *server, struct job_post *post)
         rc = check_file(&bundle, job->sensors_file, "sensors.file",
                         "Upload it as a resource, or give the sensors as an array", &post->err);
     if (rc == 0)
-        rc = check_file(&bundle, job->sky.weather_file, "sky.weather.file",
-                        "Upload it with the scene as a resource", &post->err);
+        rc = check_sky(&bundle, &job->sky, "sky", &post->err);
+    for (size_t i = 0; i < job->n_skies && rc == 0; i++) {
+        char place[32];
+        snprintf(place, sizeof place, "skies[%zu]", i);
+        rc = check_sky(&bundle, &job->skies[i].request, place, &post->err);
+    }
     orl_bundle_done(&bundle);
     return rc;
 }

@@ -71,6 +71,8 @@ void orl_handle_limits(struct orl_request *request)
         {"bsdf_tree_depth", ORL_LIMIT_TREE_DEPTH},
         {"sensors", ORL_LIMIT_SENSORS},
         {"views", ORL_LIMIT_VIEWS},
+        {"skies", ORL_LIMIT_SKIES},
+        {"pictures", ORL_LIMIT_PICTURES},
         {"image_side", ORL_LIMIT_IMAGE_SIDE},
         {"image_pixels", ORL_LIMIT_IMAGE_PIXELS},
         {"photons", ORL_LIMIT_PHOTONS},

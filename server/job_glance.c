@@ -13,7 +13,7 @@ struct glance {
     int permille;      /* -1: not known */
     double eta_s;
     uint32_t rounds;
-    size_t views;
+    size_t views, skies;
     size_t points, position;
 };
 
@@ -33,9 +33,10 @@ static struct glance take(const struct orl_jobs *jobs, const struct orl_jobs_job
     else if (progress.step.runs > 0)
         glance.stage = orl_study_step_name(&progress.step);
     glance.permille = (int)(1000 * progress.job_fraction);
-    glance.eta_s = orl_job_eta_s(job, progress.job_fraction);
+    glance.eta_s = orl_job_eta_s(job, &progress);
     glance.rounds = progress.outcome.asked ? progress.outcome.rounds : 0;
     glance.views = progress.n_views;
+    glance.skies = progress.skies_done;
     glance.points = progress.n_points;
     return glance;
 }
@@ -44,10 +45,10 @@ void orl_job_glance_id(const struct orl_jobs *jobs, const struct orl_jobs_job *j
                        char ret_id[ORL_GLANCE_ID])
 {
     const struct glance glance = take(jobs, job);
-    snprintf(ret_id, ORL_GLANCE_ID, "%s%s-%d-%s-%d-%u-%zu-%zu-%zu",
+    snprintf(ret_id, ORL_GLANCE_ID, "%s%s-%d-%s-%d-%u-%zu-%zu-%zu-%zu",
              orl_job_state_name(job->row.state), job->cancelled ? "-cancelling" : "",
              job->row.attempts, glance.stage ? glance.stage : "", glance.permille, glance.rounds,
-             glance.views, glance.points, glance.position);
+             glance.views, glance.skies, glance.points, glance.position);
 }
 
 json_t *orl_job_glance(const struct orl_jobs *jobs, const struct orl_jobs_job *job)
@@ -66,6 +67,8 @@ json_t *orl_job_glance(const struct orl_jobs *jobs, const struct orl_jobs_job *j
         rc |= json_object_set_new(doc, "rounds", json_integer(glance.rounds));
     if (glance.views > 0)
         rc |= json_object_set_new(doc, "views", json_integer((json_int_t)glance.views));
+    if (glance.skies > 0)
+        rc |= json_object_set_new(doc, "skies", json_integer((json_int_t)glance.skies));
     if (runs && job->row.kind == ORL_TASK_STUDY)
         rc |= json_object_set_new(doc, "points", json_integer((json_int_t)glance.points));
     if (runs)

@@ -7,6 +7,7 @@
 #include "decode.h"
 #include "limits.h"
 #include "result_json.h"
+#include "skies_result_json.h"
 #include "study_json.h"
 
 /* What the daemon takes of studies is less than what the command does. */
@@ -74,15 +75,17 @@ int orl_job_set_scene(struct orl_job *job, const struct orl_bundle *bundle, stru
     return job->scene_files ? 0 : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
 }
 
-/* Syncs one file of the results and appends {"name", "bytes", "sha256"} to list. */
-static int add_file(json_t *list, const char *folder, const char *name, struct orl_error *err)
+void orl_job_output_path(const char *folder, const char *name, char ret_path[ORL_PATH_MAX])
+{
+    snprintf(ret_path, ORL_PATH_MAX, "%.*s/%.400s", ORL_PATH_MAX - 512, folder, name);
+}
+
+int orl_job_output_list(const char *name, const char *folder, json_t *list, struct orl_error *err)
 {
     char path[ORL_PATH_MAX];
     struct orl_file file;
     char sha[ORL_SHA_HEX];
-    if (!name)
-        return 0;
-    snprintf(path, sizeof path, "%s/%s", folder, name);
+    orl_job_output_path(folder, name, path);
     int rc = orl_sync_path(path, err);
     if (rc == 0)
         rc = orl_map_file(path, &file, err);
@@ -97,17 +100,31 @@ static int add_file(json_t *list, const char *folder, const char *name, struct o
     return 0;
 }
 
-static int write_result(json_t *result, const char *folder, struct orl_error *err)
+int orl_job_output_list_view(const struct orl_view_result *view, const char *folder, json_t *list,
+                             struct orl_error *err)
 {
-    char path[ORL_PATH_MAX];
-    char *text = result ? json_dumps(result, JSON_INDENT(1)) : NULL;
-    if (!text)
-        return orl_error_set(err, ORL_ERR_INTERNAL, "the result cannot be written as JSON");
-    snprintf(path, sizeof path, "%s/result.json", folder);
-    const int rc = orl_write_file(path, text, strlen(text), err);
-    free(text);
+    const char *const names[] = {view->hdr, view->png, view->error_hdr, view->error_png};
+    int rc = 0;
+    for (size_t i = 0; i < sizeof names / sizeof *names && rc == 0; i++)
+        rc = names[i] ? orl_job_output_list(names[i], folder, list, err) : 0;
     return rc;
 }
+
+/* A document as a file, on the list. */
+static int write_document(const json_t *doc, const char *name, const char *folder, json_t *list,
+                          struct orl_error *err)
+{
+    char path[ORL_PATH_MAX];
+    char *text = doc ? json_dumps(doc, JSON_INDENT(1)) : NULL;
+    if (!text)
+        return orl_error_set(err, ORL_ERR_INTERNAL, "the result cannot be written as JSON");
+    orl_job_output_path(folder, name, path);
+    const int rc = orl_write_file(path, text, strlen(text), err);
+    free(text);
+    return rc ? rc : orl_job_output_list(name, folder, list, err);
+}
+
+static const char result_file[] = "result.json";
 
 /* The summary as text; takes it, NULL included, which is an error. */
 static int dump_summary(json_t *summary, char **ret_summary, struct orl_error *err)
@@ -125,18 +142,9 @@ int orl_job_output_write(const struct orl_result *result, const char *state, con
 {
     json_t *doc = orl_result_to_json(result, state);
     json_t *files = json_array();
-    int rc = write_result(doc, folder, err);
-    if (rc == 0)
-        rc = add_file(files, folder, "result.json", err);
-    for (size_t i = 0; i < result->n_views && rc == 0; i++) {
-        rc = add_file(files, folder, result->views[i].hdr, err);
-        if (rc == 0)
-            rc = add_file(files, folder, result->views[i].png, err);
-        if (rc == 0)
-            rc = add_file(files, folder, result->views[i].error_hdr, err);
-        if (rc == 0)
-            rc = add_file(files, folder, result->views[i].error_png, err);
-    }
+    int rc = write_document(doc, result_file, folder, files, err);
+    for (size_t i = 0; i < result->n_views && rc == 0; i++)
+        rc = orl_job_output_list_view(&result->views[i], folder, files, err);
     if (rc == 0)
         rc = dump_summary(json_pack("{s:s, s:O, s:O, s:O, s:O*, s:O}", "technique",
                                     orl_technique_name(result->plan.technique), "threads",
@@ -150,6 +158,30 @@ int orl_job_output_write(const struct orl_result *result, const char *state, con
     return rc;
 }
 
+int orl_sky_output_write(const json_t *result, const char *sky, const char *folder, json_t *files,
+                         struct orl_error *err)
+{
+    char name[96];
+    snprintf(name, sizeof name, "%.80s.json", sky);
+    return write_document(result, name, folder, files, err);
+}
+
+int orl_skies_output_write(json_t *results, const char *folder, json_t *files, char **ret_summary,
+                           struct orl_error *err)
+{
+    const json_int_t count = (json_int_t)json_array_size(json_object_get(results, "skies"));
+    int rc = orl_skies_result_end(results, "succeeded")
+                 ? orl_error_set(err, ORL_ERR_NOMEM, "out of memory")
+                 : write_document(results, result_file, folder, files, err);
+    if (rc == 0)
+        rc = dump_summary(json_pack("{s:O, s:O, s:{s:I, s:I}, s:O}", "threads",
+                                    json_object_get(results, "threads"), "timings_s",
+                                    json_object_get(results, "timings_s"), "skies", "count", count,
+                                    "done", count, "files", files),
+                          ret_summary, err);
+    return rc;
+}
+
 int orl_study_output_write(const struct orl_study *study, const struct orl_study_request *request,
                            const char *folder, char **ret_summary, struct orl_error *err)
 {
@@ -159,19 +191,17 @@ int orl_study_output_write(const struct orl_study *study, const struct orl_study
     char path[ORL_PATH_MAX];
     json_t *doc = orl_study_to_json(study, request);
     json_t *files = json_array();
-    int rc = write_result(doc, folder, err);
-    if (rc == 0)
-        rc = add_file(files, folder, "result.json", err);
+    int rc = write_document(doc, result_file, folder, files, err);
     snprintf(path, sizeof path, "%s/study.csv", folder);
     if (rc == 0)
         rc = orl_study_write_csv(study, path, err);
     if (rc == 0)
-        rc = add_file(files, folder, "study.csv", err);
+        rc = orl_job_output_list("study.csv", folder, files, err);
     for (size_t i = 0; i < 2 && rc == 0; i++) {
         snprintf(path, sizeof path, "%s/%s", folder, drawn[i]);
         rc = draw[i](study, request->title, path, err);
         if (rc == 0)
-            rc = add_file(files, folder, drawn[i], err);
+            rc = orl_job_output_list(drawn[i], folder, files, err);
     }
     if (rc == 0)
         rc = dump_summary(

@@ -23,6 +23,14 @@ uint64_t orl_job_output_expect(const struct orl_task *task);
 /* Gives the job the bundle's main files. */
 int orl_job_set_scene(struct orl_job *job, const struct orl_bundle *bundle, struct orl_error *err);
 
+/* Where a file of the results is. */
+void orl_job_output_path(const char *folder, const char *name, char ret_path[ORL_PATH_MAX]);
+/* Syncs a file of the results, or those of a view, and appends {"name", "bytes", "sha256"} of each
+ * to list. */
+int orl_job_output_list(const char *name, const char *folder, json_t *list, struct orl_error *err);
+int orl_job_output_list_view(const struct orl_view_result *view, const char *folder, json_t *list,
+                             struct orl_error *err);
+
 /*
  * Writes result.json, with that state, into folder and syncs it and the images. *ret_summary is the
  * JSON text kept with the job's row: {"technique", "threads", "timings_s", "maps", "accuracy" of a
@@ -30,6 +38,14 @@ int orl_job_set_scene(struct orl_job *job, const struct orl_bundle *bundle, stru
  */
 int orl_job_output_write(const struct orl_result *result, const char *state, const char *folder,
                          char **ret_summary, struct orl_error *err);
+
+/* The result of one sky as <sky>.json, on the list of files ... */
+int orl_sky_output_write(const json_t *result, const char *sky, const char *folder, json_t *files,
+                         struct orl_error *err);
+/* ... and those of all (skies_result_json.h), which is added to the list; the summary is
+ * {"threads", "timings_s", "skies": {"count", "done"}, "files"}. */
+int orl_skies_output_write(json_t *results, const char *folder, json_t *files, char **ret_summary,
+                           struct orl_error *err);
 
 /* The same of a study: result.json, study.csv, study.svg, study.png; {"threads", "files"}. */
 int orl_study_output_write(const struct orl_study *study, const struct orl_study_request *request,

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "job_share.h"
+#include "kept_parts.h"
 #include "store/scenes.h"
 #include "times.h"
 
@@ -172,6 +173,7 @@ static int start_job(struct orl_jobs_job *job, struct orl_error *err)
         .ctx = job,
     };
     snprintf(spec.job_id, sizeof spec.job_id, "%s", job->row.id);
+    orl_kept_key(jobs->env.program, job->row.document, job->row.scene, spec.key);
     orl_blob_path(jobs->env.folders, job->row.document, spec.document_path);
     int rc = orl_scene_files(jobs->env.db, jobs->env.folders, job->row.scene, &spec.bundle, err);
     if (rc)

@@ -19,12 +19,22 @@ static json_t *time_or_null(int64_t ms)
     return json_string(text);
 }
 
-double orl_job_eta_s(const struct orl_jobs_job *job, double fraction)
+double orl_job_eta_s(const struct orl_jobs_job *job, const struct orl_progress *progress)
 {
     const double elapsed = orl_time_steady_s() - job->started_s;
-    if (fraction < 0.01 || elapsed <= 0)
+    const double done = progress->job_fraction - fmax(progress->first_fraction, 0);
+    if (done < 0.01 || elapsed <= 0)
         return NAN;
-    return round(10 * elapsed * (1 - fraction) / fraction) / 10;
+    return round(10 * elapsed * (1 - progress->job_fraction) / done) / 10;
+}
+
+/* How many skies are done, and which is under way. */
+static int add_skies(json_t *doc, const struct orl_progress *progress)
+{
+    const char *sky = *progress->sky ? progress->sky : NULL;
+    return json_object_set_new(doc, "skies",
+                               json_pack("{s:I, s:I, s:s*}", "count", (json_int_t)progress->n_skies,
+                                         "done", (json_int_t)progress->skies_done, "running", sky));
 }
 
 static int add_render(json_t *doc, const struct orl_progress *progress)
@@ -39,6 +49,8 @@ static int add_render(json_t *doc, const struct orl_progress *progress)
         rc |= json_object_set_new(doc, "technique",
                                   json_string(orl_technique_name(progress->technique)));
     rc |= json_object_set_new(doc, "maps", maps);
+    if (progress->n_skies > 0)
+        rc |= add_skies(doc, progress);
     if (progress->outcome.asked)
         rc |= json_object_set_new(doc, "accuracy", orl_outcome_to_json(&progress->outcome));
     return rc;
@@ -98,8 +110,7 @@ static int add_running(json_t *doc, json_t *links, const struct orl_jobs_job *jo
     else if (progress.step.runs > 0)
         rc |= add_study(doc, &progress);
     rc |= json_object_set_new(doc, "percent", json_real(100 * progress.job_fraction));
-    rc |= json_object_set_new(doc, "eta_s",
-                              orl_json_from_real(orl_job_eta_s(job, progress.job_fraction)));
+    rc |= json_object_set_new(doc, "eta_s", orl_json_from_real(orl_job_eta_s(job, &progress)));
     rc |= json_object_set_new(doc, "cancelling", json_boolean(job->cancelled));
     rc |= json_object_set_new(doc, "shared", json_boolean(job->leader || job->followers));
     return rc;

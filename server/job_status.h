@@ -9,8 +9,9 @@
  *
  * stage, percent and eta_s are always there, null where nothing is known or meant; queue_position
  * while it waits; anything else that is not known is absent. maps appear as they are settled, with
- * "cached" for a hit. A study that runs has, in place of stage and maps, "study": what is being
- * run, and the points so far.
+ * "cached" for a hit. A job of several skies has, in "skies", how many there are and are done, and
+ * the one under way, which stage and maps are about. A study that runs has, in place of stage and
+ * maps, "study": what is being run, and the points so far.
  */
 #ifndef ORL_SERVER_JOB_STATUS_H
 #define ORL_SERVER_JOB_STATUS_H
@@ -23,6 +24,6 @@
 json_t *orl_job_status(const struct orl_jobs *jobs, const struct orl_jobs_job *job);
 
 /* Seconds that a running job has left, going by the share that it has done; NaN: not known yet. */
-double orl_job_eta_s(const struct orl_jobs_job *job, double fraction);
+double orl_job_eta_s(const struct orl_jobs_job *job, const struct orl_progress *progress);
 
 #endif

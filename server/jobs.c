@@ -8,7 +8,7 @@
 #include "job_results.h"
 #include "job_runs.h"
 #include "job_share.h"
-#include "kept_views.h"
+#include "kept_parts.h"
 #include "limits.h"
 #include "problem.h"
 #include "times.h"
@@ -192,7 +192,7 @@ int orl_jobs_by_key(struct orl_jobs *jobs, const char *client, const char *reque
 static void forget_partial(const struct orl_jobs_job *job)
 {
     char path[ORL_PATH_MAX];
-    orl_kept_views_folder(job->jobs->env.folders, job->row.id, path);
+    orl_kept_folder(job->jobs->env.folders, job->row.id, path);
     orl_remove_tree(path, NULL);
 }
 
@@ -382,7 +382,7 @@ int orl_jobs_open(const struct orl_jobs_env *env, struct orl_jobs **ret_jobs, st
         return rc;
     }
     recover(jobs);
-    orl_kept_views_sweep(env->folders, is_waiting, jobs);
+    orl_kept_sweep(env->folders, is_waiting, jobs);
     orl_job_results_sweep(jobs);
     *ret_jobs = jobs;
     orl_runs_start_next(jobs);

@@ -52,7 +52,8 @@ struct orl_jobs_env {
     const struct orl_folders *folders;
     struct orl_blobs *blobs;
     struct orl_map_cache *maps;
-    struct orl_shelf *shelf; /* of all jobs; or NULL */
+    struct orl_shelf *shelf;   /* of all jobs; or NULL */
+    char program[ORL_SHA_HEX]; /* kept_parts.h */
     const struct orl_log *log;
     struct orl_metrics *metrics;
     uint32_t threads; /* over all jobs */

@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "kept_parts.h"
 #include "store/migrate.h"
 #include "store/tokens.h"
 #include "times.h"
@@ -187,7 +188,7 @@ static int open_jobs(struct orl_server *server, struct orl_error *err)
     server->statuses = orl_status_cache_new();
     if (!server->statuses)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-    const struct orl_jobs_env env = {
+    struct orl_jobs_env env = {
         .loop = &server->loop,
         .db = &server->db,
         .folders = &server->folders,
@@ -202,6 +203,7 @@ static int open_jobs(struct orl_server *server, struct orl_error *err)
         .idle = on_jobs_idle,
         .ctx = server,
     };
+    orl_kept_program(env.program);
     return orl_jobs_open(&env, &server->jobs, err);
 }
 

@@ -8,8 +8,9 @@
  * never waits. Nothing here touches the database.
  *
  * A render job with a goal has results after each of its rounds, any other has each view as soon as
- * it is rendered, in the folder that it works in; the latter's stay there when it is stopped rather
- * than cancelled, and when the daemon is killed (kept_views.h).
+ * it is rendered, in the folder that it works in, and one of several skies the result of each; the
+ * latter two's stay there when it is stopped rather than cancelled, and when the daemon is killed
+ * (kept_parts.h).
  *
  * Results: written to partial/<job>, synced, then moved to results/<job> as a whole; only then done
  * is called with code 0.
@@ -31,6 +32,8 @@
 
 struct orl_worker;
 
+enum { ORL_WORKER_SKY = 80 };
+
 struct orl_worker_outcome {
     int code;             /* 0 or a negative orl_err */
     struct orl_error err; /* why, when code is not 0 */
@@ -41,6 +44,7 @@ struct orl_worker_outcome {
 struct orl_worker_spec {
     char job_id[ORL_JOB_ID];
     char document_path[ORL_PATH_MAX];
+    char key[ORL_SHA_HEX]; /* of what is kept: kept_parts.h */
     struct orl_bundle bundle;
     const struct orl_folders *folders; /* borrowed */
     struct orl_map_store maps;
@@ -54,11 +58,14 @@ struct orl_worker_spec {
 struct orl_progress {
     enum orl_stage stage;
     double stage_fraction, job_fraction;
+    double first_fraction;        /* what the job began with: parts kept from before */
     enum orl_technique technique; /* ORL_TECHNIQUE_AUTO until the plan is made */
     struct orl_map_info maps[ORL_RESULT_MAPS];
     size_t n_maps;
     size_t n_views;             /* there to fetch, of a job without a goal */
     struct orl_outcome outcome; /* of a job with a goal, after its first round */
+    size_t n_skies, skies_done; /* of a job with several; else 0 */
+    char sky[ORL_WORKER_SKY];   /* the one under way, or "" */
     /* Of a study, once its first run is under way; else runs are 0. */
     struct orl_study_step step;
     size_t n_settings;                    /* points it will have */
@@ -71,7 +78,7 @@ int orl_worker_start(uv_loop_t *loop, struct orl_worker_spec *spec, struct orl_w
                      struct orl_error *err);
 /* Asks it to stop; done still comes, with ORL_ERR_CANCELLED unless it was faster. */
 void orl_worker_cancel(struct orl_worker *worker);
-/* The same, but the views done are kept for when it starts anew. */
+/* The same, but what is done is kept for when it starts anew. */
 void orl_worker_stop(struct orl_worker *worker);
 void orl_worker_progress(struct orl_worker *worker, struct orl_progress *ret_progress);
 

@@ -161,7 +161,8 @@ def results(daemon, path, job):
 def skies(daemon):
     weather = bsdf("weather.epw").decode("latin-1")
     scene = daemon.upload(ROOM, resources={"w.epw": weather, "s.txt": "1 1 1 0 0 1\n"})
-    place = {"month": 3, "day": 22, "hour": 12, "latitude": 38, "longitude": 27, "time_zone": 2}
+    moment = {"month": 3, "day": 22}
+    place = {**moment, "hour": 12, "latitude": 38, "longitude": 27, "time_zone": 2}
     for sky in ({"perez": {**place, "direct_normal_w_m2": 800, "diffuse_horizontal_w_m2": 120}},
                 {"cie": {"type": "overcast", "diffuse_horizontal_lx": 10000}},
                 {"cie": {"type": "clear", **place}, "normalise": "gendaylit"},
@@ -170,6 +171,19 @@ def skies(daemon):
                               effects={"caustics": "skip", "interreflection": "force"})
         daemon.ask("POST", "/v1/jobs", document)
         daemon.contract.judge_request(document)
+    hours = {"weather": {"file": "w.epw"}, "from": {**moment, "hour": 11.5}, "to": {**moment, "hour": 12.5}}
+    cie = {"name": "grey", "cie": {"type": "overcast", "diffuse_horizontal_lx": 10000}}
+    for several in (hours, [cie, {**cie, "name": "gray"}]):
+        document = sensors_of(scene, skies=several, views=[{**VIEW, "width": 48, "height": 48}])
+        path = "/v1/jobs/" + daemon.ask("POST", "/v1/jobs", document, want=202).id
+        daemon.contract.judge_request(document)
+        daemon.wait(path, ("running", "succeeded"), lambda job: job.get("skies", {}).get("done", 0) > 0)
+        job = daemon.wait(path)
+        assert len(job["files"]) == 11 and job["skies"] == {"count": 2, "done": 2}
+        daemon.ask("GET", path + "/result", want=200)
+        for file in job["files"]:
+            daemon.ask("GET", path + "/files/" + file["name"], want=200)
+    daemon.ask("POST", "/v1/jobs", sensors_of(scene, skies=[]), want=422)
 
 
 def accuracy(daemon):

@@ -1,0 +1,351 @@
+/* Jobs of several skies: each result is there as soon as it is done, and is not made again. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <math.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "support/cli.h"
+#include "support/daemon.h"
+#include "support/scene_text.h"
+
+#define VIEW(side)                                                                                 \
+    ",\"views\":[{\"name\":\"v\",\"view\":\"-vtv -vp 2 4.5 1.6 -vd 0 -1 0 -vu 0 0 1 -vh 70 -vv "   \
+    "55\",\"width\":" side ",\"height\":" side "}]"
+/* From before sunrise until after sunset. */
+#define DAY                                                                                        \
+    "\"skies\":{\"weather\":{\"file\":\"place.wea\"},\"from\":{\"month\":3,\"day\":22,\"hour\":"   \
+    "5.5},\"to\":{\"month\":3,\"day\":22,\"hour\":19.5},\"step_h\":2}"
+#define HOUR(hour) "{\"weather\":{\"file\":\"place.wea\",\"month\":3,\"day\":22,\"hour\":" hour "}}"
+
+struct fixture {
+    struct daemon daemon;
+    char scene[65];
+};
+
+static int setup(void **state)
+{
+    static struct fixture f;
+    struct reply reply;
+    size_t size;
+    char *wea = (char *)scene_read_bytes("tests/fixtures/weather.wea", &size);
+    const struct upload_file files[2] = {{"room.rad", room_scene, strlen(room_scene), false},
+                                         {"place.wea", wea, size, true}};
+    daemon_start(&f.daemon, NULL);
+    daemon_upload(&f.daemon, files, 2, NULL, &reply);
+    assert_int_equal(reply.status, 201);
+    snprintf(f.scene, sizeof f.scene, "%s", reply_text(&reply, "id"));
+    reply_done(&reply);
+    free(wea);
+    *state = &f;
+    return 0;
+}
+
+static int teardown(void **state)
+{
+    struct fixture *f = *state;
+    daemon_remove(&f->daemon);
+    return 0;
+}
+
+static void post(struct fixture *f, const char *more, struct reply *ret_reply)
+{
+    char text[2048];
+    snprintf(
+        text, sizeof text,
+        "{\"scene\":\"%s\",\"technique\":\"gather\",\"photons\":{\"global\":5000,\"caustic\":0},"
+        "\"gather_samples\":256,\"sensors\":[[0,0,50,0,0,1],[2,2,0.8,0,0,1]],%s}",
+        f->scene, more);
+    daemon_post_json(&f->daemon, "/v1/jobs", text, ret_reply);
+}
+
+static void submit(struct fixture *f, const char *more, char ret_path[80])
+{
+    struct reply reply;
+    post(f, more, &reply);
+    if (reply.status != 202)
+        fail_msg("the job was refused: %s", reply.body);
+    snprintf(ret_path, 80, "%s", reply_text(&reply, "links.self"));
+    reply_done(&reply);
+}
+
+static void wait_for(struct fixture *f, const char *job, const char *state, struct reply *ret_reply)
+{
+    daemon_wait(&f->daemon, job, 120, ret_reply);
+    if (strcmp(reply_text(ret_reply, "state"), state) != 0)
+        fail_msg("%s", ret_reply->body);
+}
+
+static void run(struct fixture *f, const char *more, char ret_path[80])
+{
+    struct reply reply;
+    submit(f, more, ret_path);
+    wait_for(f, ret_path, "succeeded", &reply);
+    reply_done(&reply);
+}
+
+static void get_below(struct fixture *f, const char *job, const char *what, struct reply *ret_reply)
+{
+    char path[160];
+    snprintf(path, sizeof path, "%s/%s", job, what);
+    daemon_get(&f->daemon, path, ret_reply);
+    if (ret_reply->status != 200)
+        fail_msg("%s: %ld %s", path, ret_reply->status, ret_reply->body);
+}
+
+static void expect_same(struct fixture *f, const char *one, const char *file, const char *other,
+                        const char *other_file)
+{
+    struct reply a, b;
+    get_below(f, one, file, &a);
+    get_below(f, other, other_file, &b);
+    assert_int_equal(a.size, b.size);
+    assert_memory_equal(a.body, b.body, a.size);
+    reply_done(&a);
+    reply_done(&b);
+}
+
+/* Until so many skies are done. Does it run on? */
+static bool wait_for_skies(struct fixture *f, const char *job, double count)
+{
+    for (int polls = 0; polls < 3000; polls++) {
+        struct reply reply;
+        daemon_get(&f->daemon, job, &reply);
+        const bool there = reply_number(&reply, "skies.done") >= count;
+        const bool runs = strcmp(reply_text(&reply, "state"), "running") == 0;
+        assert_true(!runs || !reply_at(&reply, "links.result"));
+        reply_done(&reply);
+        if (there)
+            return runs;
+        nanosleep(&(struct timespec){0, 20000000}, NULL);
+    }
+    fail_msg("no sky in a minute");
+    return false;
+}
+
+/* When a job's file was written, in nanoseconds; 0: there is none. */
+static int64_t written(const struct fixture *f, const char *folder, const char *job,
+                       const char *file)
+{
+    char path[256];
+    struct stat st;
+    snprintf(path, sizeof path, "%s/%s/%s/%s", f->daemon.root, folder, strrchr(job, '/') + 1, file);
+    if (stat(path, &st) != 0)
+        return 0;
+    return (int64_t)st.st_mtim.tv_sec * 1000000000 + st.st_mtim.tv_nsec;
+}
+
+static void cancel(struct fixture *f, const char *job)
+{
+    struct reply reply;
+    char path[96];
+    snprintf(path, sizeof path, "%s/cancel", job);
+    daemon_request(&f->daemon, "POST", path, NULL, "", 0, NULL, &reply);
+    assert_int_equal(reply.status / 100, 2);
+    reply_done(&reply);
+    wait_for(f, job, "cancelled", &reply);
+    reply_done(&reply);
+}
+
+static void test_a_day(void **state)
+{
+    struct fixture *f = *state;
+    struct reply reply;
+    char day[80], noon[80];
+    run(f, DAY VIEW("16"), day);
+    daemon_get(&f->daemon, day, &reply);
+    assert_true(reply_number(&reply, "skies.count") == 8 &&
+                reply_number(&reply, "skies.done") == 8);
+    assert_int_equal(json_array_size(reply_at(&reply, "files")), 8 * 5 + 1);
+    reply_done(&reply);
+    get_below(f, day, "result", &reply);
+    assert_string_equal(reply_text(&reply, "skies.0.name"), "0322-0530");
+    assert_string_equal(reply_text(&reply, "skies.3.file"), "0322-1130.json");
+    for (int i = 0; i < 8; i++) {
+        char path[48];
+        const bool dark = i == 0 || i == 7;
+        snprintf(path, sizeof path, "skies.%d.dark", i);
+        assert_true(json_is_true(reply_at(&reply, path)) == dark);
+        snprintf(path, sizeof path, "skies.%d.illuminance_lx.0", i);
+        assert_true(dark ? reply_number(&reply, path) == 0 : reply_number(&reply, path) > 5000);
+    }
+    const double lx = reply_number(&reply, "skies.3.illuminance_lx.1");
+    reply_done(&reply);
+    run(f, "\"sky\":" HOUR("11.5") VIEW("16"), noon);
+    expect_same(f, day, "files/0322-1130.v.hdr", noon, "files/v.hdr");
+    get_below(f, noon, "result", &reply);
+    assert_true(reply_number(&reply, "sensors.1.illuminance_lx") == lx);
+    assert_true(json_is_true(reply_at(&reply, "maps.0.cached")));
+    assert_true(json_is_false(reply_at(&reply, "dark")));
+    reply_done(&reply);
+}
+
+/* Torn between skies it comes to the same, with what it had; unless that was spoilt. */
+static void test_torn_between_skies(void **state)
+{
+    static const char skies[] = "\"skies\":[" HOUR("9.5") "," HOUR("11.5") "," HOUR("15.5") "]";
+    struct fixture *f = *state;
+    struct reply reply;
+    char torn[80], whole[80], more[1024], path[256];
+    snprintf(more, sizeof more, "%s%s", skies, VIEW("100"));
+    submit(f, more, torn);
+    assert_true(wait_for_skies(f, torn, 1));
+    get_below(f, torn, "files/0322-0930.json", &reply);
+    assert_true(reply_number(&reply, "sensors.0.illuminance_lx") > 10000);
+    reply_done(&reply);
+    const int64_t first = written(f, "partial", torn, "0322-0930.json");
+    daemon_end(&f->daemon, SIGKILL);
+    daemon_restart(&f->daemon, NULL);
+    assert_true(wait_for_skies(f, torn, 1));
+    assert_true(written(f, "partial", torn, "0322-0930.json") == first);
+    /* A byte more in a file of a finished sky: it is not believed again, the program neither. */
+    daemon_end(&f->daemon, SIGKILL);
+    snprintf(path, sizeof path, "%s/partial/%s/0322-0930.v.hdr", f->daemon.root,
+             strrchr(torn, '/') + 1);
+    FILE *file = fopen(path, "ab");
+    assert_non_null(file);
+    fputc(0, file);
+    fclose(file);
+    daemon_restart(&f->daemon, NULL);
+    wait_for(f, torn, "succeeded", &reply);
+    assert_int_equal(json_array_size(reply_at(&reply, "files")), 3 * 5 + 1);
+    reply_done(&reply);
+    assert_true(written(f, "results", torn, "0322-0930.json") > first);
+    assert_true(written(f, "results", torn, "+key") == 0);
+    assert_int_equal(daemon_count_files(&f->daemon, "partial"), 0);
+    run(f, more, whole);
+    expect_same(f, torn, "files/0322-0930.v.hdr", whole, "files/0322-0930.v.hdr");
+    expect_same(f, torn, "files/0322-1530.v.error.hdr", whole, "files/0322-1530.v.error.hdr");
+}
+
+/* What another program has left is not taken. */
+static void test_other_programs_leave_nothing(void **state)
+{
+    struct fixture *f = *state;
+    char job[80], path[256];
+    submit(f, "\"skies\":[" HOUR("9.5") "," HOUR("11.5") "]" VIEW("400"), job);
+    for (int i = 0; i < 3000 && written(f, "partial", job, "+0322-0930.+sensors.done") == 0; i++)
+        nanosleep(&(struct timespec){0, 20000000}, NULL);
+    const int64_t sensors = written(f, "partial", job, "0322-0930.+sensors");
+    assert_true(sensors > 0);
+    for (int i = 0; i < 2; i++) {
+        daemon_end(&f->daemon, SIGKILL);
+        snprintf(path, sizeof path, "%s/partial/%s/+key", f->daemon.root, strrchr(job, '/') + 1);
+        if (i == 1)
+            assert_int_equal(unlink(path), 0);
+        daemon_restart(&f->daemon, NULL);
+        daemon_wait_running(&f->daemon, job, 1);
+        for (int k = 0; k < 3000 && written(f, "partial", job, "0322-0930.+sensors") == 0; k++)
+            nanosleep(&(struct timespec){0, 20000000}, NULL);
+        assert_true((written(f, "partial", job, "0322-0930.+sensors") == sensors) == (i == 0));
+    }
+    cancel(f, job);
+    assert_int_equal(daemon_count_files(&f->daemon, "partial"), 0);
+}
+
+static void test_mistakes_are_told_at_once(void **state)
+{
+    static const struct {
+        const char *more, *primitive;
+        long status;
+    } cases[] = {
+        {"\"skies\":[" HOUR("9.5") ",{\"weather\":{\"file\":\"no.epw\",\"month\":3,\"day\":22,"
+                                   "\"hour\":11.5}}]",
+         "skies[1].weather.file", 422},
+        {"\"skies\":[]", "skies", 422},
+        {"\"skies\":[" HOUR("9.5") "," HOUR("9.5") "]", "skies[1]", 422},
+        {"\"sky\":" HOUR("9.5") ",\"skies\":[" HOUR("9.5") "]", "skies", 422},
+        {"\"skies\":{\"weather\":{\"file\":\"place.wea\"},\"from\":{\"month\":1,\"day\":1,\"hour\":"
+         "0},\"to\":{\"month\":12,\"day\":31,\"hour\":23}}",
+         "skies", 413},
+    };
+    struct fixture *f = *state;
+    struct reply reply;
+    char job[80];
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        post(f, cases[i].more, &reply);
+        if (reply.status != cases[i].status ||
+            strcmp(reply_text(&reply, "primitive"), cases[i].primitive) != 0)
+            fail_msg("%s: %ld %s", cases[i].more, reply.status, reply.body);
+        reply_done(&reply);
+    }
+    /* An hour that the file does not have: before anything is rendered. */
+    submit(f,
+           "\"skies\":[" HOUR("9.5") ",{\"weather\":{\"file\":\"place.wea\",\"month\":7,"
+                                     "\"day\":22,\"hour\":11.5}}]",
+           job);
+    wait_for(f, job, "failed", &reply);
+    assert_string_equal(reply_text(&reply, "error.primitive"), "skies[1]");
+    assert_string_equal(reply_text(&reply, "error.file"), "place.wea");
+    reply_done(&reply);
+}
+
+/* The command does the same here and there. */
+static void test_same_by_the_command(void **state)
+{
+    struct fixture *f = *state;
+    static struct cli_result result;
+    char folder[64], job[96], here[96], there[96], id[65], path[160];
+    const char *const local[] = {"run", job, "-o", here, NULL};
+    const char *const remote[] = {"submit", "--server", f->daemon.url, job, "--wait", NULL};
+    const char *const fetch[] = {"fetch", "--server", f->daemon.url, id, "-o", there, NULL};
+    size_t size, sizes[2];
+    cli_make_folder(folder);
+    snprintf(job, sizeof job, "%s/job.json", folder);
+    snprintf(here, sizeof here, "%s/here", folder);
+    snprintf(there, sizeof there, "%s/there", folder);
+    char *wea = (char *)scene_read_bytes("tests/fixtures/weather.wea", &size);
+    wea[size] = '\0';
+    cli_write_file(folder, "place.wea", wea);
+    free(wea);
+    cli_write_file(folder, "room.rad", room_scene);
+    cli_write_file(
+        folder, "job.json",
+        "{\"scene\":{\"files\":[\"room.rad\"]},\"technique\":\"gather\",\"gather_samples\":"
+        "64,\"photons\":{\"global\":2000,\"caustic\":0},\"sensors\":[[2,2,1,0,0,1]],"
+        "\"skies\":[" HOUR("9.5") "," HOUR("21.5") "]" VIEW("16") "}");
+    cli_run(local, &result);
+    if (result.exit_code != 0)
+        fail_msg("%s", result.err);
+    cli_run(remote, &result);
+    if (result.exit_code != 0)
+        fail_msg("%s", result.err);
+    snprintf(id, sizeof id, "%.*s", (int)strcspn(result.out, "\n"), result.out);
+    cli_run(fetch, &result);
+    assert_int_equal(result.exit_code, 0);
+    unsigned char *bytes[2];
+    for (int i = 0; i < 2; i++) {
+        snprintf(path, sizeof path, "%s/0322-0930.v.hdr", i ? there : here);
+        bytes[i] = scene_read_bytes(path, &sizes[i]);
+    }
+    assert_int_equal(sizes[0], sizes[1]);
+    assert_memory_equal(bytes[0], bytes[1], sizes[0]);
+    free(bytes[0]);
+    free(bytes[1]);
+    snprintf(path, sizeof path, "%s/0322-2130.json", here);
+    json_t *night = json_load_file(path, 0, NULL);
+    assert_true(json_is_true(json_object_get(night, "dark")));
+    json_decref(night);
+    cli_remove_folder(folder);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_a_day),
+        cmocka_unit_test(test_torn_between_skies),
+        cmocka_unit_test(test_other_programs_leave_nothing),
+        cmocka_unit_test(test_mistakes_are_told_at_once),
+        cmocka_unit_test(test_same_by_the_command),
+    };
+    return cmocka_run_group_tests(tests, setup, teardown);
+}
