@@ -1,6 +1,7 @@
 #include "photon/texels.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 #include "photon/flux.h"
 #include "photon/landing.h"
@@ -21,9 +22,15 @@ struct orl_texels {
     double photons; /* a texel's, on average */
 };
 
+/* Of a texel in the making: flux, then irradiance. */
+struct sum {
+    float values[3], parts[ORL_MAP_BATCHES]; /* of channels, and of luma by batch */
+};
+
 /* What there is only while texels are made. */
 struct making {
     struct orl_texels *texels;
+    struct sum *sums; /* per texel */
     const struct orl_photon_map *map;
     uint32_t *places;      /* per photon: its side, then its texel */
     atomic_bool *doubtful; /* per facet: another coincides with it */
@@ -101,11 +108,11 @@ static void add_up(void *arg, size_t slice, uint32_t member)
             continue;
         const struct orl_rgb flux =
             orl_rgb_scale(orl_flux_unpack(map->fluxes[i]), map->header->flux_unit);
-        struct orl_texel *texel = &m->texels->texels[m->places[i]];
-        texel->irradiance[0] += (float)flux.r;
-        texel->irradiance[1] += (float)flux.g;
-        texel->irradiance[2] += (float)flux.b;
-        texel->parts[orl_photon_batch(map, (uint32_t)i)] += (float)orl_luma(flux);
+        struct sum *sum = &m->sums[m->places[i]];
+        sum->values[0] += (float)flux.r;
+        sum->values[1] += (float)flux.g;
+        sum->values[2] += (float)flux.b;
+        sum->parts[orl_photon_batch(map, (uint32_t)i)] += (float)orl_luma(flux);
     }
 }
 
@@ -119,20 +126,35 @@ static void add_areas(void *arg, size_t index, uint32_t member)
                     m->areas);
 }
 
-static void add_texel(struct orl_texel *sum, const struct orl_texel *more)
+static void add_sum(struct sum *sum, const struct sum *more)
 {
     for (int c = 0; c < 3; c++)
-        sum->irradiance[c] += more->irradiance[c];
+        sum->values[c] += more->values[c];
     for (int b = 0; b < ORL_MAP_BATCHES; b++)
         sum->parts[b] += more->parts[b];
 }
 
-static void divide(struct orl_texel *texel, float area)
+static void divide(struct sum *sum, float area)
 {
     for (int c = 0; c < 3; c++)
-        texel->irradiance[c] = area > 0 ? texel->irradiance[c] / area : 0;
+        sum->values[c] = area > 0 ? sum->values[c] / area : 0;
     for (int b = 0; b < ORL_MAP_BATCHES; b++)
-        texel->parts[b] = area > 0 ? texel->parts[b] / area : 0;
+        sum->parts[b] = area > 0 ? sum->parts[b] / area : 0;
+}
+
+/* Shares are rounded such that together they are the whole. */
+static void keep(const struct sum *sum, struct orl_texel *texel)
+{
+    float luma = 0, before = 0;
+    long rounded = 0;
+    memcpy(texel->irradiance, sum->values, sizeof texel->irradiance);
+    for (int b = 0; b < ORL_MAP_BATCHES; b++)
+        luma += sum->parts[b];
+    for (int b = 0; b < ORL_MAP_BATCHES && luma > 0; b++) {
+        before += sum->parts[b];
+        texel->parts[b] = (uint8_t)(lrintf(UINT8_MAX * (before / luma)) - rounded);
+        rounded += texel->parts[b];
+    }
 }
 
 /*
@@ -143,7 +165,7 @@ static void settle(void *arg, size_t index, uint32_t member)
 {
     const struct making *m = arg;
     const struct orl_squares *side = &m->texels->sides[index];
-    struct orl_texel *texels = m->texels->texels;
+    struct sum *sums = m->sums;
     const double enough = least_share * side->width * side->height;
     (void)member;
     for (int pass = 0; pass < 3; pass++)
@@ -153,15 +175,17 @@ static void settle(void *arg, size_t index, uint32_t member)
                 const bool small = (double)m->areas[here] < enough;
                 const uint32_t there = small ? orl_squares_fullest(side, m->areas, x, y) : here;
                 if (pass == 0 && there != here && (double)m->areas[there] >= enough) {
-                    add_texel(&texels[there], &texels[here]);
+                    add_sum(&sums[there], &sums[here]);
                     m->areas[there] += m->areas[here];
                 } else if (pass == 1 &&
                            (!small || there == here || !((double)m->areas[there] >= enough))) {
-                    divide(&texels[here], m->areas[here]);
+                    divide(&sums[here], m->areas[here]);
                 } else if (pass == 2 && there != here && (double)m->areas[there] >= enough) {
-                    texels[here] = texels[there];
+                    sums[here] = sums[there];
                 }
             }
+    for (uint32_t i = side->first; i < side->first + side->across * side->down; i++)
+        keep(&sums[i], &m->texels->texels[i]);
 }
 
 /* Looks for what stands on whole squares, along both diagonals: no long wall passes between them.
@@ -209,8 +233,9 @@ static bool make(struct making *m, struct orl_crew *crew)
     orl_landing_find(&landing, crew);
     share_out(m);
     texels->texels = calloc((size_t)texels->count + 1, sizeof *texels->texels);
+    m->sums = calloc((size_t)texels->count + 1, sizeof *m->sums);
     m->areas = calloc((size_t)texels->count + 1, sizeof *m->areas);
-    if (!texels->texels || !m->areas)
+    if (!texels->texels || !m->sums || !m->areas)
         return false;
     orl_crew_for(crew, chunks, find_texels, m);
     orl_crew_for(crew, SLICES, add_up, m);
@@ -232,6 +257,7 @@ struct orl_texels *orl_texels_new(const struct orl_photon_map *map, const struct
     const bool made = make(&m, crew);
     free(m.places);
     free(m.doubtful);
+    free(m.sums);
     free(m.areas);
     if (made)
         return texels;

@@ -29,11 +29,11 @@ void orl_texels_free(struct orl_texels *texels);
 void orl_texels_rebind(struct orl_texels *texels, const struct orl_world *world);
 uint64_t orl_texels_bytes(const struct orl_texels *texels); /* of memory, but for the facets' */
 
-/* What a texel holds. */
+/* What a texel holds: little, for look-ups wait for memory more than for anything else. */
 struct orl_texel {
-    float irradiance[3];          /* W/m2 */
-    float parts[ORL_MAP_BATCHES]; /* of its luma */
-    bool cut;                     /* something stands on it: what it says is of both sides */
+    float irradiance[3];            /* W/m2 */
+    uint8_t parts[ORL_MAP_BATCHES]; /* of its luma: shares, in 1/255 that add up to 1 */
+    bool cut;                       /* something stands on it: what it says is of both sides */
 };
 
 /* Of a side of a facet: whether it has texels, and how wide they are. */

@@ -13,7 +13,7 @@ enum { RADIUS_PROBES = 256 };
 
 /* A texel's photons, of an estimate's neighbours; and what is nearer than so many of its widths is
  * lit again. */
-static const double texel_share = 0.25, near_texels = 1.5;
+static const double texel_share = 0.25, near_texels = 0.5;
 
 static int compare_doubles(const void *a, const void *b)
 {
@@ -250,10 +250,9 @@ static struct orl_rgb send_back_texel(const struct orl_gather_ray *ray, struct o
     const struct orl_rgb irradiance = {(double)texel->irradiance[0], (double)texel->irradiance[1],
                                        (double)texel->irradiance[2]};
     const struct orl_rgb sent = orl_rgb_mul(weight, irradiance);
-    const double luma = orl_luma(irradiance);
-    const double share = luma > 0 ? ray->share * orl_luma(sent) / luma : 0;
+    const double share = ray->share * orl_luma(sent) / UINT8_MAX;
     for (int b = 0; b < ORL_MAP_BATCHES && ray->tally; b++)
-        ray->tally->parts[ORL_MAP_GLOBAL].luma[b] += share * (double)texel->parts[b];
+        ray->tally->parts[ORL_MAP_GLOBAL].luma[b] += share * texel->parts[b];
     return sent;
 }
 
