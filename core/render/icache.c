@@ -248,25 +248,49 @@ bool orl_icache_serves(const struct orl_icache *cache, const struct orl_place *p
     return false;
 }
 
+/* Records as they come together at a place. */
+struct joined {
+    struct orl_rgb sum;
+    double total, by_photons, by_rays;
+};
+
+static void join(struct joined *joined, const struct orl_record *record,
+                 const struct orl_place *place, uint32_t channels)
+{
+    const double weight = weight_of(record, place);
+    if (!(weight > 0))
+        return;
+    joined->sum = orl_rgb_add(joined->sum, orl_rgb_scale(carried(record, place, channels), weight));
+    joined->by_photons += weight * record->error_by_photons;
+    joined->by_rays += weight * weight * record->error_by_rays * record->error_by_rays;
+    joined->total += weight;
+}
+
+static bool settle(const struct joined *joined, struct orl_cached *ret_cached)
+{
+    const double total = joined->total, by_photons = joined->by_photons;
+    if (!(total > 0))
+        return false;
+    *ret_cached = (struct orl_cached){orl_rgb_scale(joined->sum, 1 / total),
+                                      sqrt(by_photons * by_photons + joined->by_rays) / total};
+    return true;
+}
+
 bool orl_icache_lookup(const struct orl_icache *cache, const struct orl_place *place,
                        struct orl_cached *ret_cached)
 {
-    struct orl_rgb sum = orl_gray(0);
-    double total = 0, by_photons = 0, by_rays = 0;
+    struct joined joined = {.total = 0};
     struct visit v = visit_begin(cache, place);
-    for (uint32_t i = visit_next(&v); i != nothing; i = visit_next(&v)) {
-        const struct orl_record *record = &cache->records[i];
-        const double weight = weight_of(record, place);
-        if (weight > 0) {
-            sum = orl_rgb_add(sum, orl_rgb_scale(carried(record, place, cache->channels), weight));
-            by_photons += weight * record->error_by_photons;
-            by_rays += weight * weight * record->error_by_rays * record->error_by_rays;
-            total += weight;
-        }
-    }
-    if (!(total > 0))
-        return false;
-    *ret_cached = (struct orl_cached){orl_rgb_scale(sum, 1 / total),
-                                      sqrt(by_photons * by_photons + by_rays) / total};
-    return true;
+    for (uint32_t i = visit_next(&v); i != nothing; i = visit_next(&v))
+        join(&joined, &cache->records[i], place, cache->channels);
+    return settle(&joined, ret_cached);
+}
+
+bool orl_records_lookup(const struct orl_record *records, size_t count, uint32_t channels,
+                        const struct orl_place *place, struct orl_cached *ret_cached)
+{
+    struct joined joined = {.total = 0};
+    for (size_t i = 0; i < count; i++)
+        join(&joined, &records[i], place, channels);
+    return settle(&joined, ret_cached);
 }

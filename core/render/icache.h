@@ -76,4 +76,8 @@ struct orl_cached {
 bool orl_icache_lookup(const struct orl_icache *cache, const struct orl_place *place,
                        struct orl_cached *ret_cached);
 
+/* The same from a few records that are in no cache. */
+bool orl_records_lookup(const struct orl_record *records, size_t count, uint32_t channels,
+                        const struct orl_place *place, struct orl_cached *ret_cached);
+
 #endif

@@ -7,14 +7,11 @@
 enum { LAMP_RAYS = 4 };
 enum { PANE_SAMPLES = 32, GLOSS_SAMPLES = 4 };
 static const double dimmest = 0.004; /* branches below this share of the pixel are not followed */
-enum { HEMISPHERE_ROWS = 18, HEMISPHERE_COLUMNS = 56 };
 enum { COARSEST_STEP = 16, RECORDS_A_ROUND = 256, HOLDS = 2 };
 
-/* How far records reach, in pixels: their radii are held between these over the accuracy. */
-static const double least_reach_pixels = 1.5, most_reach_pixels = 40;
-
-/* And no record stands for more than half of the way to the nearest thing it has seen. */
-static const double nearest_reach = 0.5;
+/* Rows of a record's hemisphere, by the step that asks for it: the later, the fewer pixels it
+ * serves, and the more company it has. */
+enum { MOST_ROWS = 18, ROWS_OF_STEP_4 = 14, LEAST_ROWS = 9 };
 
 /* Places of one lattice row that want a record. */
 struct row {
@@ -29,7 +26,7 @@ struct painter {
     struct orl_onlooker onlooker;
     struct orl_icache cache;
     bool outside;
-    double pixel_angle; /* of a pixel, radians: about */
+    struct orl_grain grain;
     /* A round of records: places found row by row, then computed. */
     uint32_t step;
     struct row *rows;
@@ -50,13 +47,9 @@ static uint64_t seed_of(const struct painter *p)
 
 /* ---- Records --------------------------------------------------------------------------------- */
 
-/* Where light would have changed by as much as there is: no record should reach that far. */
-static double bend_radius(const struct orl_hemisphere *h)
+static uint32_t rows_of_step(uint32_t step)
 {
-    const double slope = orl_length(h->by_translation[0]) + orl_length(h->by_translation[1]) +
-                         orl_length(h->by_translation[2]);
-    const double value = h->irradiance.r + h->irradiance.g + h->irradiance.b;
-    return slope > 0 ? value / slope : INFINITY;
+    return step > 4 ? MOST_ROWS : step > 2 ? ROWS_OF_STEP_4 : LEAST_ROWS;
 }
 
 /* Gathers at a place; the record's random numbers come from the pixel that asked for it. */
@@ -68,35 +61,11 @@ static void compute_record(void *arg, size_t index, uint32_t member)
         orl_random_stream(seed_of(p), ORL_PURPOSE_RECORD, p->cache.count + p->first_record + index);
     if (cancelled(p))
         return;
-    const struct orl_hemisphere h =
-        orl_gather_hemisphere(p->gather, &record->place, HEMISPHERE_ROWS, HEMISPHERE_COLUMNS,
+    *record = orl_record_make(p->gather, &record->place, record->least, rows_of_step(p->step),
                               &random, &p->painting->env->searches[member]);
-    record->irradiance = h.irradiance;
-    record->error_by_photons = h.error_by_photons;
-    record->error_by_rays = h.error_by_rays;
-    const double radius = fmin(fmin(h.mean_distance, bend_radius(&h)),
-                               nearest_reach / ORL_ICACHE_ACCURACY * h.least_distance);
-    record->radius = fmin(radius, record->least * most_reach_pixels / least_reach_pixels);
-    const double served = fmax(record->radius, record->least);
-    for (int c = 0; c < 3; c++) {
-        const double value = c == 0 ? h.irradiance.r : c == 1 ? h.irradiance.g : h.irradiance.b;
-        const double steepest = value / served, slope = orl_length(h.by_translation[c]);
-        /* So near an edge that the value would be gone within the radius. */
-        record->by_rotation[c] = h.by_rotation[c];
-        record->by_translation[c] =
-            orl_scale(h.by_translation[c], slope > steepest ? steepest / slope : 1);
-    }
 }
 
-/* What a pixel measures there; views in parallel see all in one size. */
-static double pixel_size(const struct painter *p, const struct orl_vertex *v)
-{
-    const struct orl_view *view = p->painting->view;
-    return view->type == 'l' ? view->horizontal / p->painting->film->width
-                             : v->distance * p->pixel_angle;
-}
-
-static void want(struct row *row, const struct orl_vertex *v, double pixel)
+static void want(struct row *row, const struct orl_vertex *v, const struct orl_grain *grain)
 {
     if (row->count == row->capacity) {
         const size_t capacity = row->capacity ? 2 * row->capacity : 16;
@@ -108,8 +77,16 @@ static void want(struct row *row, const struct orl_vertex *v, double pixel)
         row->places = grown;
         row->capacity = capacity;
     }
-    row->places[row->count++] = (struct orl_record){
-        .place = v->place, .least = pixel * least_reach_pixels / ORL_ICACHE_ACCURACY};
+    row->places[row->count++] =
+        (struct orl_record){.place = v->place, .least = orl_record_least(grain, v->distance)};
+}
+
+/* Whether a place needs no record; in the last round it will do that there is one to be read. */
+static bool is_served(const struct painter *p, const struct orl_place *place)
+{
+    struct orl_cached unused;
+    return p->step > 1 ? orl_icache_serves(&p->cache, place)
+                       : orl_icache_lookup(&p->cache, place, &unused);
 }
 
 /* The places along one lattice row that no record serves yet. */
@@ -127,8 +104,8 @@ static void look_along_row(void *arg, size_t index, uint32_t member)
                        &p->painting->env->searches[member], &sight);
         for (uint32_t i = 0; i < sight.n_vertices; i++)
             if (orl_lighting_gathers(p->gather, &sight.vertices[i].place) &&
-                !orl_icache_serves(&p->cache, &sight.vertices[i].place))
-                want(&p->rows[index], &sight.vertices[i], pixel_size(p, &sight.vertices[i]));
+                !is_served(p, &sight.vertices[i].place))
+                want(&p->rows[index], &sight.vertices[i], &p->grain);
     }
 }
 
@@ -210,7 +187,7 @@ static int paint_pixels(const struct painter *p)
 {
     const uint32_t lamps = (uint32_t)(p->gather->world->n_emitters > 0);
     atomic_bool failed = false;
-    struct orl_mosaic mosaic = {.lighting = {p->gather, &p->cache, lamps ? LAMP_RAYS : 1},
+    struct orl_mosaic mosaic = {.lighting = {p->gather, &p->cache, p->grain, lamps ? LAMP_RAYS : 1},
                                 .onlooker = p->onlooker,
                                 .painting = p->painting,
                                 .seed = seed_of(p),
@@ -234,10 +211,12 @@ int orl_image_render(const struct orl_gather *gather, const struct orl_painting 
                                            .ctx = gather}};
     const struct orl_view *view = painting->view;
     const struct orl_vec3 eye = orl_sub(view->point, gather->world->geometry->center);
-    const double degrees = view->type == 'l' ? 0 : fmax(view->horizontal, view->vertical);
+    const double degrees = fmax(view->horizontal, view->vertical);
     const double side = fmax(painting->film->width, painting->film->height);
     painter.outside = orl_world_is_outside(gather->world, eye);
-    painter.pixel_angle = fmax(degrees * ORL_DEG_TO_RAD, 0.05) / side;
+    painter.grain = view->type == 'l'
+                        ? (struct orl_grain){.width = view->horizontal / painting->film->width}
+                        : (struct orl_grain){.angle = fmax(degrees * ORL_DEG_TO_RAD, 0.05) / side};
     orl_icache_init(&painter.cache, gather->world->omit.channels);
     int code = place_records(&painter);
     if (code == 0)

@@ -1,7 +1,7 @@
 #include "render/lighting.h"
 
-/* Of the few hemispheres made for a place that no record reaches. */
-enum { ROWS = 9, COLUMNS = 28 };
+/* Of the few records made for a place that no other reaches. */
+enum { ROWS = 9 };
 
 struct orl_shadowed orl_lighting_direct(const struct orl_lighting *lighting,
                                         const struct orl_sight *sight, uint32_t sequence,
@@ -21,19 +21,35 @@ struct orl_shadowed orl_lighting_direct(const struct orl_lighting *lighting,
     return sum;
 }
 
+/* From the strays, or one more of them. */
+static struct orl_cached stray_at(const struct orl_lighting *lighting, const struct orl_vertex *v,
+                                  struct orl_strays *strays, struct orl_random *random,
+                                  struct orl_search *search)
+{
+    const uint32_t channels = lighting->cache->channels;
+    const uint32_t count = strays->made < ORL_STRAYS ? strays->made : ORL_STRAYS;
+    struct orl_cached cached = {.standard_error = 0};
+    if (orl_records_lookup(strays->records, count, channels, &v->place, &cached))
+        return cached;
+    struct orl_record *record = &strays->records[strays->made++ % ORL_STRAYS];
+    *record =
+        orl_record_make(lighting->gather, &v->place,
+                        orl_record_least(&lighting->grain, v->distance), ROWS, random, search);
+    return (struct orl_cached){record->irradiance,
+                               hypot(record->error_by_photons, record->error_by_rays)};
+}
+
 /* The rest at a vertex, by whichever way serves. read: by densities or records, where it is. */
 static struct orl_cached rest_at(const struct orl_lighting *lighting, const struct orl_vertex *v,
-                                 const struct orl_density *read, struct orl_random *random,
-                                 struct orl_search *search)
+                                 const struct orl_density *read, struct orl_strays *strays,
+                                 struct orl_random *random, struct orl_search *search)
 {
     struct orl_cached cached;
     if (!orl_lighting_gathers(lighting->gather, &v->place) && read->found > 0)
         return (struct orl_cached){read->irradiance, read->standard_error};
     if (orl_icache_lookup(lighting->cache, &v->place, &cached))
         return cached;
-    const struct orl_hemisphere h =
-        orl_gather_hemisphere(lighting->gather, &v->place, ROWS, COLUMNS, random, search);
-    return (struct orl_cached){h.irradiance, hypot(h.error_by_photons, h.error_by_rays)};
+    return stray_at(lighting, v, strays, random, search);
 }
 
 /* How far an estimate is much the same: its disc hardly moves. */
@@ -43,7 +59,8 @@ static double reach_of(const struct orl_density *density)
 }
 
 static void add_vertex(const struct orl_lighting *lighting, const struct orl_vertex *v,
-                       struct orl_random *random, struct orl_search *search, struct orl_smooth *sum)
+                       struct orl_strays *strays, struct orl_random *random,
+                       struct orl_search *search, struct orl_smooth *sum)
 {
     struct orl_density caustic = {.found = 0}, read = {.found = 0};
     struct orl_footing footing;
@@ -52,7 +69,7 @@ static void add_vertex(const struct orl_lighting *lighting, const struct orl_ver
         caustic = orl_gather_caustic(lighting->gather, &footing, search);
         read = orl_gather_rest(lighting->gather, &footing, search);
     }
-    const struct orl_cached rest = rest_at(lighting, v, &read, random, search);
+    const struct orl_cached rest = rest_at(lighting, v, &read, strays, random, search);
     const double weight = orl_luma(v->weight);
     const struct orl_rgb radiance =
         orl_rgb_mul(v->weight, orl_rgb_add(caustic.irradiance, rest.irradiance));
@@ -63,11 +80,11 @@ static void add_vertex(const struct orl_lighting *lighting, const struct orl_ver
 }
 
 struct orl_smooth orl_lighting_smooth(const struct orl_lighting *lighting,
-                                      const struct orl_sight *sight, struct orl_random *random,
-                                      struct orl_search *search)
+                                      const struct orl_sight *sight, struct orl_strays *strays,
+                                      struct orl_random *random, struct orl_search *search)
 {
     struct orl_smooth sum = {.reach = INFINITY};
     for (uint32_t i = 0; i < sight->n_vertices; i++)
-        add_vertex(lighting, &sight->vertices[i], random, search, &sum);
+        add_vertex(lighting, &sight->vertices[i], strays, random, search, &sum);
     return sum;
 }

@@ -6,13 +6,24 @@
 #ifndef ORL_RENDER_LIGHTING_H
 #define ORL_RENDER_LIGHTING_H
 
-#include "render/icache.h"
+#include "render/record.h"
 #include "render/shade.h"
 
 struct orl_lighting {
     const struct orl_gather *gather; /* borrowed, as is the cache */
     const struct orl_icache *cache;
+    struct orl_grain grain;
     uint32_t shadow_rays; /* a ray and light */
+};
+
+/*
+ * Records of places that none of the cache's reach, things that no pixel's middle shows: those made
+ * last. A tile has its own. Empty at first.
+ */
+enum { ORL_STRAYS = 64 };
+struct orl_strays {
+    struct orl_record records[ORL_STRAYS];
+    uint32_t made;
 };
 
 /* Whether the rest is gathered there: where photons land, some techniques read them. */
@@ -38,7 +49,7 @@ struct orl_smooth {
     double reach; /* about the first surface's point: so far it is sure to be much the same */
 };
 struct orl_smooth orl_lighting_smooth(const struct orl_lighting *lighting,
-                                      const struct orl_sight *sight, struct orl_random *random,
-                                      struct orl_search *search);
+                                      const struct orl_sight *sight, struct orl_strays *strays,
+                                      struct orl_random *random, struct orl_search *search);
 
 #endif

@@ -52,6 +52,18 @@ static void look_through(const struct orl_tile_cells *mosaic, int x, int y)
     cell->variance = direct.variance + cell->sight.lobes_variance;
 }
 
+static void paint(const struct orl_tile_cells *mosaic)
+{
+    const struct orl_paint_env *env = mosaic->m->painting->env;
+    for (int y = -1; y <= mosaic->height && !orl_paint_cancelled(env); y++)
+        for (int x = -1; x <= mosaic->width; x++)
+            look_through(mosaic, x, y);
+    if (orl_paint_cancelled(env))
+        return;
+    orl_mosaic_fill(mosaic);
+    orl_mosaic_settle(mosaic);
+}
+
 void orl_mosaic_paint(void *ctx, const struct orl_tile *tile, struct orl_search *search)
 {
     const struct orl_mosaic *m = ctx;
@@ -59,18 +71,13 @@ void orl_mosaic_paint(void *ctx, const struct orl_tile *tile, struct orl_search 
                                     .tile = tile,
                                     .search = search,
                                     .cells = malloc(ORL_CELLS_SIDE * sizeof *mosaic.cells),
+                                    .strays = calloc(1, sizeof *mosaic.strays),
                                     .width = (int)(tile->x1 - tile->x0),
                                     .height = (int)(tile->y1 - tile->y0)};
-    if (!mosaic.cells) {
+    if (mosaic.cells && mosaic.strays)
+        paint(&mosaic);
+    else
         atomic_store(m->failed, true);
-        return;
-    }
-    for (int y = -1; y <= mosaic.height && !orl_paint_cancelled(m->painting->env); y++)
-        for (int x = -1; x <= mosaic.width; x++)
-            look_through(&mosaic, x, y);
-    if (!orl_paint_cancelled(m->painting->env)) {
-        orl_mosaic_fill(&mosaic);
-        orl_mosaic_settle(&mosaic);
-    }
     free(mosaic.cells);
+    free(mosaic.strays);
 }

@@ -32,7 +32,8 @@ struct orl_tile_cells {
     const struct orl_tile *tile;
     struct orl_search *search;
     struct orl_cell (*cells)[ORL_CELLS_SIDE]; /* row by row, from the margin */
-    int width, height;                        /* of the tile */
+    struct orl_strays *strays;
+    int width, height; /* of the tile */
 };
 
 static inline struct orl_cell *orl_cell_at(const struct orl_tile_cells *mosaic, int x, int y)

@@ -106,13 +106,13 @@ static const struct found *find(const struct orl_tile_cells *mosaic, int x, int 
     struct found *found = &finds->list[finds->count++];
     if (sight->has_lobes)
         orl_cell_look(mosaic, x, y, place, ORL_PIXEL_FIRST_RAYS, random, sight);
-    *found = (struct found){
-        .way = way,
-        .x = place[0],
-        .y = place[1],
-        .smooth = orl_lighting_smooth(&mosaic->m->lighting, sight, random, mosaic->search),
-        .lobes = sight->lobes,
-        .variance = sight->lobes_variance};
+    *found = (struct found){.way = way,
+                            .x = place[0],
+                            .y = place[1],
+                            .smooth = orl_lighting_smooth(&mosaic->m->lighting, sight,
+                                                          mosaic->strays, random, mosaic->search),
+                            .lobes = sight->lobes,
+                            .variance = sight->lobes_variance};
     return found;
 }
 
