@@ -165,6 +165,22 @@ void orl_spread_rebind(struct orl_spread *spread, const struct orl_photon_map *m
     spread->map = map;
 }
 
+uint64_t orl_spread_bytes(const struct orl_spread *spread)
+{
+    const struct orl_map_layout layout = orl_map_layout_of(spread->map->header->count);
+    uint64_t nodes = layout.leaves;
+    for (uint32_t level = 0; level < layout.levels; level++)
+        nodes += layout.groups[level];
+    return nodes * sizeof(float);
+}
+
+double orl_spread_radius(const struct orl_spread *spread, uint32_t photon)
+{
+    const struct orl_map_header *h = spread->map->header;
+    return h->levels > 0 ? sqrt((double)spread->reach2[0][photon / ORL_MAP_LEAF]) * h->cell
+                         : INFINITY;
+}
+
 /* One question: what is summed up so far. */
 struct ask {
     const struct orl_spread *spread;

@@ -27,6 +27,10 @@ void orl_spread_free(struct orl_spread *spread); /* NULL is allowed */
 
 /* From now on it borrows another copy of the map. */
 void orl_spread_rebind(struct orl_spread *spread, const struct orl_photon_map *map);
+uint64_t orl_spread_bytes(const struct orl_spread *spread); /* of memory */
+
+/* A photon's radius, m: what is normal where it landed. */
+double orl_spread_radius(const struct orl_spread *spread, uint32_t photon);
 
 /* Irradiance at query's point; its k and max_radius are not looked at. */
 struct orl_density orl_spread_estimate(const struct orl_spread *spread,

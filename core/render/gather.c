@@ -99,6 +99,13 @@ int orl_gather_init(struct orl_gather *gather, const struct orl_world *world, en
 
 int orl_gather_for_views(struct orl_gather *gather, struct orl_crew *crew)
 {
+    if (gather->maps[ORL_MAP_CAUSTIC] && !gather->caustic_widths) {
+        gather->caustic_widths =
+            orl_spread_new(gather->maps[ORL_MAP_CAUSTIC], gather->k[ORL_MAP_CAUSTIC],
+                           gather->max_radius[ORL_MAP_CAUSTIC], crew);
+        if (!gather->caustic_widths)
+            return ORL_ERR_NOMEM;
+    }
     if (!gather->maps[ORL_MAP_GLOBAL] || gather->rest != ORL_REST_GATHERED || gather->texels)
         return 0;
     gather->texels = orl_texels_new(gather->maps[ORL_MAP_GLOBAL], gather->world,
@@ -110,29 +117,11 @@ void orl_gather_done(struct orl_gather *gather)
 {
     orl_leaves_free(gather->leaves);
     orl_texels_free(gather->texels);
+    orl_spread_free(gather->caustic_widths);
     gather->leaves = NULL;
     gather->texels = NULL;
+    gather->caustic_widths = NULL;
     orl_adapt_done(&gather->adapt);
-}
-
-static struct orl_density_query caustic_query(const struct orl_gather *gather,
-                                              const struct orl_footing *footing, uint32_t k)
-{
-    return (struct orl_density_query){.point = footing->point,
-                                      .normal = footing->normal,
-                                      .k = k,
-                                      .max_radius = gather->max_radius[ORL_MAP_CAUSTIC],
-                                      .footing = footing};
-}
-
-static struct orl_density caustic_density(const struct orl_gather *gather,
-                                          const struct orl_footing *footing, uint32_t k,
-                                          struct orl_search *search)
-{
-    const struct orl_density_query query = caustic_query(gather, footing, k);
-    return gather->maps[ORL_MAP_CAUSTIC]
-               ? orl_density_estimate(gather->maps[ORL_MAP_CAUSTIC], &query, search)
-               : (struct orl_density){.found = 0};
 }
 
 bool orl_gather_footing(const struct orl_gather *gather, struct orl_vec3 point,
@@ -140,24 +129,6 @@ bool orl_gather_footing(const struct orl_gather *gather, struct orl_vec3 point,
 {
     const double rounding = gather->world->geometry->radius * 0x1p-18;
     return orl_footing_find(gather->world, point, normal, rounding, ret_footing);
-}
-
-struct orl_density orl_gather_caustic(const struct orl_gather *gather,
-                                      const struct orl_footing *footing, struct orl_search *search)
-{
-    return caustic_density(gather, footing, gather->k[ORL_MAP_CAUSTIC], search);
-}
-
-struct orl_density orl_gather_caustic_with_bias(const struct orl_gather *gather,
-                                                const struct orl_footing *footing,
-                                                struct orl_search *search)
-{
-    const struct orl_density_query query =
-        caustic_query(gather, footing, gather->k[ORL_MAP_CAUSTIC]);
-    struct orl_density density = orl_gather_caustic(gather, footing, search);
-    if (density.found > 0)
-        density.bias = orl_density_bias(gather->maps[ORL_MAP_CAUSTIC], &query, &density, search);
-    return density;
 }
 
 /* The number found and the radius are the photons' of an adaptive estimate; of records they say no
@@ -199,7 +170,7 @@ static struct orl_rgb lit_again(const struct orl_gather *gather, const struct or
                                            .normal = lit,
                                            .through_ports = true};
     const struct orl_density caustic =
-        caustic_density(gather, footing, NEIGHBOURS_CAUSTIC_RELIT, search);
+        orl_gather_caustic_by(gather, footing, NEIGHBOURS_CAUSTIC_RELIT, search);
     tally->parts[ORL_MAP_CAUSTIC] = caustic.parts;
     return orl_rgb_add(orl_direct_light(gather->world, &query, random), caustic.irradiance);
 }

@@ -30,6 +30,7 @@
 #include "photon/adapt.h"
 #include "photon/leaves.h"
 #include "photon/shoot.h"
+#include "photon/spread.h"
 #include "photon/texels.h"
 #include "render/estimate.h"
 
@@ -44,8 +45,9 @@ struct orl_gather {
     double near;               /* hits closer than this are lit again */
     double reach;              /* a sensor so close to a surface lies on it */
     struct orl_leaves *leaves; /* of the global map, owned; NULL when there is none */
-    struct orl_texels *texels; /* of the same, for flat surfaces; NULL until views want them */
-    struct orl_adapt adapt;    /* ORL_REST_DENSITY: for its estimates */
+    struct orl_texels *texels; /* of the same, for flat surfaces; NULL until views want them, as */
+    struct orl_spread *caustic_widths; /* are the radii that are normal among caustic photons */
+    struct orl_adapt adapt;            /* ORL_REST_DENSITY: for its estimates */
     struct orl_sobol sobol;
     uint64_t seed;
     const atomic_bool *cancel; /* ends a sensor's sampling, whose value is none then; or NULL */
@@ -61,8 +63,10 @@ int orl_gather_init(struct orl_gather *gather, const struct orl_world *world, en
                     const double bandwidths[ORL_MAP_KINDS], uint64_t seed, struct orl_crew *crew,
                     struct orl_search *search);
 
-/* What only views read, if it is not there: texels, where the rest is gathered. Returns 0 or
- * ORL_ERR_NOMEM. */
+/*
+ * What only views read, if it is not there: texels, where the rest is gathered, and how wide
+ * kernels of caustics are to be at the most. Returns 0 or ORL_ERR_NOMEM.
+ */
 int orl_gather_for_views(struct orl_gather *gather, struct orl_crew *crew);
 
 void orl_gather_done(struct orl_gather *gather);
@@ -120,11 +124,24 @@ struct orl_rgb orl_gather_radiance(const struct orl_gather *gather,
 bool orl_gather_footing(const struct orl_gather *gather, struct orl_vec3 point,
                         struct orl_vec3 normal, struct orl_footing *ret_footing);
 
-/* The caustic part, by density, for a point of a surface. */
+/* The caustic part, by density, for a point of a surface: by k photons, and by as many as are
+ * usual. */
+struct orl_density orl_gather_caustic_by(const struct orl_gather *gather,
+                                         const struct orl_footing *footing, uint32_t k,
+                                         struct orl_search *search);
 struct orl_density orl_gather_caustic(const struct orl_gather *gather,
                                       const struct orl_footing *footing, struct orl_search *search);
 
-/* The same with its bias, for twice the time. */
+/*
+ * The same for views, by a disc no wider than is normal among the photons it has found: in a dark
+ * place beside a bright one the nearest are far, and the disc that holds so many would carry the
+ * bright one's light over the edge between them.
+ */
+struct orl_density orl_gather_caustic_seen(const struct orl_gather *gather,
+                                           const struct orl_footing *footing,
+                                           struct orl_search *search);
+
+/* The first with its bias, for twice the time. */
 struct orl_density orl_gather_caustic_with_bias(const struct orl_gather *gather,
                                                 const struct orl_footing *footing,
                                                 struct orl_search *search);

@@ -11,6 +11,10 @@ uint64_t orl_gather_pause(struct orl_gather *gather)
         orl_leaves_rebind(gather->leaves, NULL, NULL);
         bytes += orl_leaves_bytes(gather->leaves);
     }
+    if (gather->caustic_widths) {
+        bytes += orl_spread_bytes(gather->caustic_widths);
+        orl_spread_rebind(gather->caustic_widths, NULL);
+    }
     if (gather->texels)
         bytes += orl_texels_bytes(gather->texels);
     gather->adapt.sums.map = NULL;
@@ -28,6 +32,8 @@ void orl_gather_resume(struct orl_gather *gather, const struct orl_world *world,
         gather->maps[kind] = kind == unread ? NULL : maps[kind];
     if (gather->leaves)
         orl_leaves_rebind(gather->leaves, gather->maps[ORL_MAP_GLOBAL], world);
+    if (gather->caustic_widths)
+        orl_spread_rebind(gather->caustic_widths, gather->maps[ORL_MAP_CAUSTIC]);
     if (gather->texels)
         orl_texels_rebind(gather->texels, world);
     gather->adapt.sums.map = gather->maps[ORL_MAP_GLOBAL];

@@ -66,7 +66,7 @@ static void add_vertex(const struct orl_lighting *lighting, const struct orl_ver
     struct orl_footing footing;
     if (!v->place.outside &&
         orl_gather_footing(lighting->gather, v->on_surface, v->place.normal, &footing)) {
-        caustic = orl_gather_caustic(lighting->gather, &footing, search);
+        caustic = orl_gather_caustic_seen(lighting->gather, &footing, search);
         read = orl_gather_rest(lighting->gather, &footing, search);
     }
     const struct orl_cached rest = rest_at(lighting, v, &read, strays, random, search);
