@@ -75,7 +75,7 @@ static uint64_t cell_key(int level, int64_t x, int64_t y, int64_t z)
 
 static void insert(struct orl_icache *cache, uint64_t key, uint32_t record)
 {
-    uint32_t *head = &cache->heads[key % cache->n_heads];
+    uint32_t *head = &cache->heads[key & (cache->n_heads - 1)];
     cache->entries[cache->n_entries] = (struct orl_icache_entry){key, record, *head};
     *head = (uint32_t)cache->n_entries++;
 }
@@ -109,7 +109,9 @@ int orl_icache_index(struct orl_icache *cache)
     if (!entries)
         return ORL_ERR_NOMEM;
     cache->entries = entries;
-    cache->n_heads = 4 * cache->count + 1;
+    cache->n_heads = 1;
+    while (cache->n_heads < 4 * cache->count)
+        cache->n_heads *= 2;
     uint32_t *heads = realloc(cache->heads, cache->n_heads * sizeof *heads);
     if (!heads)
         return ORL_ERR_NOMEM;
@@ -210,7 +212,7 @@ static uint32_t visit_next(struct visit *v)
         const struct orl_vec3 p = v->place->point;
         v->key = cell_key(v->level, (int64_t)floor(p.x / cell), (int64_t)floor(p.y / cell),
                           (int64_t)floor(p.z / cell));
-        v->entry = cache->heads[v->key % cache->n_heads];
+        v->entry = cache->heads[v->key & (cache->n_heads - 1)];
     }
 }
 
@@ -244,6 +246,15 @@ bool orl_icache_serves(const struct orl_icache *cache, const struct orl_place *p
     struct visit v = visit_begin(cache, place);
     for (uint32_t i = visit_next(&v); i != nothing; i = visit_next(&v))
         if (serves(&cache->records[i], place))
+            return true;
+    return false;
+}
+
+bool orl_icache_reaches(const struct orl_icache *cache, const struct orl_place *place)
+{
+    struct visit v = visit_begin(cache, place);
+    for (uint32_t i = visit_next(&v); i != nothing; i = visit_next(&v))
+        if (weight_of(&cache->records[i], place) > 0)
             return true;
     return false;
 }

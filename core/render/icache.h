@@ -41,7 +41,7 @@ struct orl_icache {
     struct orl_icache_entry *entries;
     size_t n_entries;
     uint32_t *heads; /* hash table: first entry of a bucket */
-    size_t n_heads;
+    size_t n_heads;  /* a power of two */
     int lowest_level, highest_level;
 };
 
@@ -61,6 +61,9 @@ int orl_icache_hold_back(struct orl_icache *cache);
 
 /* Whether a place needs no record of its own. */
 bool orl_icache_serves(const struct orl_icache *cache, const struct orl_place *place);
+
+/* Whether a look-up finds anything there. */
+bool orl_icache_reaches(const struct orl_icache *cache, const struct orl_place *place);
 
 /* What records say of a place. */
 struct orl_cached {

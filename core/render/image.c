@@ -84,9 +84,7 @@ static void want(struct row *row, const struct orl_vertex *v, const struct orl_g
 /* Whether a place needs no record; in the last round it will do that there is one to be read. */
 static bool is_served(const struct painter *p, const struct orl_place *place)
 {
-    struct orl_cached unused;
-    return p->step > 1 ? orl_icache_serves(&p->cache, place)
-                       : orl_icache_lookup(&p->cache, place, &unused);
+    return p->step > 1 ? orl_icache_serves(&p->cache, place) : orl_icache_reaches(&p->cache, place);
 }
 
 /* The places along one lattice row that no record serves yet. */
