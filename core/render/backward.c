@@ -22,19 +22,23 @@ void orl_backward_done(struct orl_backward *backward)
 
 /* The mean of one group's samples. */
 static struct orl_rgb sample_group(const struct orl_backward *b, const struct orl_place *place,
-                                   uint32_t group, uint32_t samples, uint64_t index,
+                                   const struct orl_span *span, uint32_t group,
                                    struct orl_health *health)
 {
-    const uint64_t name = index * ORL_MAP_BATCHES + group;
-    struct orl_sampling sampling = {.sequence = (uint32_t)orl_mix64(b->seed ^ orl_mix64(name + 1)),
+    const uint32_t first = span->first / ORL_MAP_BATCHES;
+    const uint32_t samples =
+        span->samples / ORL_MAP_BATCHES > 0 ? span->samples / ORL_MAP_BATCHES : 1;
+    const uint64_t name = span->index * ORL_MAP_BATCHES + group;
+    struct orl_sampling sampling = {.sequence =
+                                        (uint32_t)orl_mix64(span->seed ^ orl_mix64(name + 1)),
                                     .effort = orl_aim_effort(&b->aim, at_sensors),
                                     .lamps = LAMPS_A_SAMPLE};
     struct orl_rgb sum = orl_gray(0);
-    for (uint32_t i = 0; i < samples && !orl_is_cancelled(b->cancel); i++) {
+    for (uint32_t i = first; i < first + samples && !orl_is_cancelled(b->cancel); i++) {
         struct orl_tracer tracer = {
             .backward = b,
             .group = group,
-            .random = orl_random_stream(b->seed, ORL_PURPOSE_SENSOR, (name << 24) + i),
+            .random = orl_random_stream(span->seed, ORL_PURPOSE_SENSOR, (name << 24) + i),
             .health = health};
         sampling.index = i;
         sum = orl_rgb_add(sum,
@@ -45,17 +49,15 @@ static struct orl_rgb sample_group(const struct orl_backward *b, const struct or
 
 struct orl_estimate orl_backward_irradiance(const struct orl_backward *backward,
                                             struct orl_vec3 position, struct orl_vec3 normal,
-                                            uint32_t samples, uint64_t index,
-                                            struct orl_health *health)
+                                            const struct orl_span *span, struct orl_health *health,
+                                            struct orl_rgb ret_groups[ORL_MAP_BATCHES])
 {
     const struct orl_world *world = backward->world;
     /* A sensor written down as lying on a surface is to look away from it, not at it. */
     struct orl_place place = {
         .point = orl_madd(position, normal, world->geometry->radius * 0x1p-18), .normal = normal};
-    const uint32_t each = samples / ORL_MAP_BATCHES > 0 ? samples / ORL_MAP_BATCHES : 1;
-    struct orl_rgb means[ORL_MAP_BATCHES];
     place.outside = orl_world_is_outside(world, place.point);
     for (uint32_t group = 0; group < ORL_MAP_BATCHES; group++)
-        means[group] = sample_group(backward, &place, group, each, index, health);
-    return orl_estimate_of_mean(means, ORL_MAP_BATCHES);
+        ret_groups[group] = sample_group(backward, &place, span, group, health);
+    return orl_estimate_of_mean(ret_groups, ORL_MAP_BATCHES);
 }

@@ -36,7 +36,7 @@ struct orl_backward {
     struct orl_aim aim;
     struct orl_effort deep; /* rays at surfaces that a ray comes to */
     struct orl_sobol sobol;
-    uint64_t seed;
+    uint64_t seed;             /* of views */
     const atomic_bool *cancel; /* ends a sensor's sampling, whose value is none then; or NULL */
 };
 
@@ -45,14 +45,21 @@ int orl_backward_init(struct orl_backward *backward, const struct orl_world *wor
                       const struct orl_photon *photons, size_t count, uint64_t emitted);
 void orl_backward_done(struct orl_backward *backward); /* also of one that is all zero */
 
+/* Samples of a sensor: so many of its sequences, which seed and index name, from one of them on. */
+struct orl_span {
+    uint64_t seed, index;
+    uint32_t first, samples; /* multiples of ORL_MAP_BATCHES, or fewer */
+};
+
 /*
- * Irradiance on a plane at a position, with unit normal, both in moved coordinates. index names the
- * random numbers. Counts into health.
+ * Irradiance on a plane at a position, with unit normal, both in moved coordinates; and what each
+ * group found. Spans that follow one another, of virtual lamps that may be others, are together as
+ * even as one. Counts into health.
  */
 struct orl_estimate orl_backward_irradiance(const struct orl_backward *backward,
                                             struct orl_vec3 position, struct orl_vec3 normal,
-                                            uint32_t samples, uint64_t index,
-                                            struct orl_health *health);
+                                            const struct orl_span *span, struct orl_health *health,
+                                            struct orl_rgb ret_groups[ORL_MAP_BATCHES]);
 
 /* A view, of that many rays a pixel. Returns 0 or ORL_ERR_CANCELLED. */
 int orl_backward_render(const struct orl_backward *backward, const struct orl_painting *painting,

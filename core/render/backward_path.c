@@ -4,8 +4,11 @@
 #include "scene/hemisphere.h"
 
 enum { MOST_BOUNCES = 64, SURE_BOUNCES = 3 };
-/* Surfaces that a ray comes to are lit for certain from this weight on, and else by lot. */
+/* Paths go on for certain from this weight on, and else by lot; those that were aimed from less. */
 static const double certain_weight = 0.25, dimmest_aimed = 0.002;
+/* Surfaces that they come to are lit from this on: a patch of sun on one is a thousand times as
+ * bright as others are, and one that is seen in a pane by a lot of few would be an outlier. */
+static const double dimmest_lit = 0.02;
 
 /* A path on its way, from the last place where light was asked for in all its parts. */
 struct walk {
@@ -56,7 +59,7 @@ static void add_diffuse(struct walk *w, const struct orl_hit *hit, struct orl_rg
     if (!(left > 0) || w->reflections >= world->omit.most_reflections)
         return;
     const double matters = w->importance * left * orl_rgb_max(orl_rgb_mul(w->weight, albedo));
-    const double chance = fmin(matters / certain_weight, 1);
+    const double chance = fmin(matters / dimmest_lit, 1);
     if (chance < 1 && !(orl_random_uniform(&w->tracer->random) < chance))
         return;
     const struct stop stop = {

@@ -7,7 +7,7 @@
 
 /* The cap, as the inverse square of a length: this share of what lamps are typically apart. */
 static const double near_share = 0.12;
-enum { PAIRS = 1024, CUT_A_LAMP = 4 };
+enum { PAIRS = 1024, CUT_A_LAMP = 4, LEAST_CUT = 16 };
 
 static struct orl_vec3 from_floats(const float v[3])
 {
@@ -110,9 +110,10 @@ static struct orl_rgb light_of(const struct orl_vpls *vpls, const struct orl_vpl
 struct orl_rgb orl_vpl_light(const struct orl_vpls *vpls, uint32_t group, double u, uint32_t lamps,
                              struct orl_vec3 point, struct orl_vec3 normal)
 {
+    const uint32_t size = CUT_A_LAMP * lamps;
     struct orl_vpl_cut cut;
     struct orl_rgb sum = orl_gray(0);
-    orl_vpl_cut_init(&cut, vpls, group, CUT_A_LAMP * lamps, point, normal);
+    orl_vpl_cut_init(&cut, vpls, group, size > LEAST_CUT ? size : LEAST_CUT, point, normal);
     for (uint32_t k = 0; k < lamps; k++) {
         uint32_t lamp;
         double probability;

@@ -51,11 +51,19 @@ static void compute_sensor(void *ctx, size_t index, uint32_t member)
     const struct work *work = ctx;
     struct orl_run_state *state = work->state;
     const struct orl_sensor *sensor = &state->sensors[index];
-    const uint32_t samples = orl_run_sensor_samples(state, index);
+    const struct orl_sensor_round *round = state->sensor_round;
+    const struct orl_span span = {.seed = round ? round->seed : state->job->seed,
+                                  .index = index,
+                                  .first = round ? round->before[index] : 0,
+                                  .samples = orl_run_sensor_samples(state, index)};
+    struct orl_rgb groups[ORL_MAP_BATCHES];
     const struct orl_estimate e = orl_backward_irradiance(
         &work->backward, orl_sub(sensor->position, state->world->geometry->center),
-        orl_normalize(sensor->direction), samples, index, &state->searches[member].health);
+        orl_normalize(sensor->direction), &span, &state->searches[member].health, groups);
     orl_run_book_sensor(state, index, &e);
+    for (uint32_t group = 0; round && group < ORL_MAP_BATCHES; group++)
+        round->groups[index * ORL_MAP_BATCHES + group] =
+            ORL_EFFICACY_LM_PER_W * orl_luma(groups[group]);
 }
 
 static int render_view(void *ctx, const struct orl_painting *painting, struct orl_error *err)

@@ -17,7 +17,7 @@ enum { LAMPS_A_ROUND = 4000000, PHOTONS_A_ROUND = 8000000 };
 static const double least_of_sensors = 64, least_samples = 256;
 /* A round may make so many times all samples before, for the first ones know errors badly. What is
  * wanted is come up to first, and then, when it is known better, passed by a little. */
-static const double growth = 8, approach = 0.6, far = 0.5, margin = 1.02;
+static const double growth = 8, approach = 0.6, far = 0.35, margin = 1.02;
 
 struct orl_work orl_work_of(const struct orl_run_state *state)
 {

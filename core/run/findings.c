@@ -3,14 +3,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-static int part_init(struct orl_finding_part *part, size_t count, double floor,
+static int part_init(struct orl_finding_part *part, size_t count, uint32_t groups, double floor,
                      struct orl_error *err)
 {
     part->floor = floor;
     part->errors = malloc((count + 1) * sizeof(double));
     if (!part->errors)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-    return orl_pool_init(&part->pool, count, err);
+    return orl_pool_init(&part->pool, count, groups, err);
 }
 
 int orl_findings_init(struct orl_findings *findings, struct orl_run_state *state, bool shared,
@@ -26,7 +26,8 @@ int orl_findings_init(struct orl_findings *findings, struct orl_run_state *state
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     state->result->n_views = views;
     if (sensors)
-        code = part_init(&findings->parts[0], state->n_sensors, orl_floor_of_sensors, err);
+        code = part_init(&findings->parts[0], state->n_sensors, shared ? ORL_MAP_BATCHES : 0,
+                         orl_floor_of_sensors, err);
     if (sensors && code == 0 && shared) {
         findings->parts[0].noise = calloc(state->n_sensors, sizeof(double));
         if (!findings->parts[0].noise)
@@ -35,7 +36,7 @@ int orl_findings_init(struct orl_findings *findings, struct orl_run_state *state
     for (size_t i = 0; i < views && code == 0; i++) {
         const struct orl_view_request *v = &state->job->views[i];
         struct orl_finding_part *part = &findings->parts[sensors + i];
-        code = part_init(part, (size_t)v->width * v->height, orl_floor_of_pixels, err);
+        code = part_init(part, (size_t)v->width * v->height, 0, orl_floor_of_pixels, err);
         if (code == 0)
             code = orl_film_init(&part->film, v->width, v->height, err);
     }
@@ -84,12 +85,13 @@ int orl_findings_add_film(struct orl_findings *findings, size_t view, const stru
 }
 
 void orl_findings_add_sensors(struct orl_findings *findings, const struct orl_result *round,
-                              double effort, const double *samples)
+                              double effort, const double *samples, const double *groups)
 {
     struct orl_finding_part *part = &findings->parts[0];
     const struct orl_found found = {.value = round->illuminance_lx,
                                     .error = round->standard_error_lx,
                                     .bias = round->bias_estimate_lx,
+                                    .groups = groups,
                                     .degrees = ORL_MAP_BATCHES - 1,
                                     .effort = effort};
     if (round->n_sensors == 0)

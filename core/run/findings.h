@@ -31,10 +31,10 @@ int orl_findings_init(struct orl_findings *findings, struct orl_run_state *state
                       struct orl_error *err);
 void orl_findings_done(struct orl_findings *findings); /* also of one that init left half-filled */
 
-/* A round's sensors, with the samples of each where they were shared out, else NULL; and a round's
- * picture. */
+/* A round's sensors, with the samples of each and what its groups found where they were shared out,
+ * else NULL; and a round's picture. */
 void orl_findings_add_sensors(struct orl_findings *findings, const struct orl_result *round,
-                              double effort, const double *samples);
+                              double effort, const double *samples, const double *groups);
 int orl_findings_add_film(struct orl_findings *findings, size_t view, const struct orl_film *film,
                           double effort, struct orl_error *err);
 

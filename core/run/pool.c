@@ -12,13 +12,14 @@ static const double most_of_one = 25;
 /* So far above 1 the dispersion is chance. */
 static const double tolerated_dispersion = 1.3;
 
-int orl_pool_init(struct orl_pool *pool, size_t count, struct orl_error *err)
+int orl_pool_init(struct orl_pool *pool, size_t count, uint32_t groups, struct orl_error *err)
 {
-    *pool = (struct orl_pool){.count = count, .knows_errors = true, .knows_bias = true};
-    double **const arrays[] = {&pool->mean, &pool->bias, &pool->spread, &pool->within,
-                               &pool->expected};
+    *pool = (struct orl_pool){
+        .count = count, .n_groups = groups, .knows_errors = true, .knows_bias = true};
+    double **const arrays[] = {&pool->groups, &pool->mean,   &pool->bias,
+                               &pool->spread, &pool->within, &pool->expected};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++) {
-        *arrays[i] = calloc(count + 1, sizeof(double));
+        *arrays[i] = calloc((i == 0 ? groups : 1) * count + 1, sizeof(double));
         if (!*arrays[i]) {
             orl_pool_done(pool);
             return orl_error_set(err, ORL_ERR_NOMEM, "out of memory to pool %zu values", count);
@@ -34,6 +35,7 @@ void orl_pool_done(struct orl_pool *pool)
     free(pool->spread);
     free(pool->within);
     free(pool->expected);
+    free(pool->groups);
     *pool = (struct orl_pool){0};
 }
 
@@ -54,6 +56,8 @@ void orl_pool_add(struct orl_pool *pool, const struct orl_found *found)
         if (found->bias)
             pool->bias[i] += share * (found->bias[i] - pool->bias[i]);
     }
+    for (size_t i = 0; i < pool->count * pool->n_groups; i++)
+        pool->groups[i] += share * (found->groups[i] - pool->groups[i]);
     pool->knows_errors = pool->knows_errors && found->error;
     pool->knows_bias = pool->knows_bias && found->bias;
     pool->effort += effort;
@@ -87,6 +91,19 @@ static void errors_within(const struct orl_pool *pool, double *ret_errors)
         ret_errors[i] = factor * sqrt(pool->within[i]) / pool->effort;
 }
 
+/* From the spread of groups, each over all rounds. */
+static void errors_of_groups(const struct orl_pool *pool, double *ret_errors)
+{
+    const double n = pool->n_groups;
+    for (size_t i = 0; i < pool->count; i++) {
+        const double *groups = &pool->groups[i * pool->n_groups];
+        double squares = 0;
+        for (uint32_t k = 0; k < pool->n_groups; k++)
+            squares += (groups[k] - pool->mean[i]) * (groups[k] - pool->mean[i]);
+        ret_errors[i] = sqrt(squares / n / (n - 1));
+    }
+}
+
 /* From the spread between rounds: spread / ((rounds - 1) effort) is a mean's variance. */
 static void errors_between(const struct orl_pool *pool, double floor, double *ret_errors)
 {
@@ -111,6 +128,10 @@ static void errors_between(const struct orl_pool *pool, double floor, double *re
 
 bool orl_pool_errors(const struct orl_pool *pool, double floor, double *ret_errors)
 {
+    if (pool->rounds > 0 && pool->n_groups > 0) {
+        errors_of_groups(pool, ret_errors);
+        return true;
+    }
     if (pool->rounds > 0 && pool->knows_errors) {
         errors_within(pool, ret_errors);
         return true;
@@ -126,6 +147,8 @@ bool orl_pool_errors(const struct orl_pool *pool, double floor, double *ret_erro
 
 double orl_pool_degrees(const struct orl_pool *pool)
 {
+    if (pool->n_groups > 0)
+        return pool->n_groups - 1.0;
     if (!pool->knows_errors)
         return shared_degrees + pool->rounds - 1.0;
     /* Welch (1947), with variances that go as the inverse of effort. */

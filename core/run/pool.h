@@ -8,6 +8,10 @@
  * value's is drawn towards what all values' are relative to themselves (Smyth 2004, moderated
  * variances): with two rounds a spread by itself says next to nothing.
  *
+ * Rounds whose samples go on where the last one's ended are not independent, and better together
+ * than as many that are. But their groups of samples are, each over all rounds, and standard errors
+ * come from the spread of these.
+ *
  * Ownership: init makes, done frees. Not for several threads.
  */
 #ifndef ORL_RUN_POOL_H
@@ -24,21 +28,24 @@ struct orl_found {
     const double *value;
     const double *error, *bias; /* NULL: not known */
     double degrees;             /* of freedom of its errors */
-    double effort; /* samples or photons; variances are thought to fall as its inverse */
+    double effort;        /* samples or photons; variances are thought to fall as its inverse */
+    const double *groups; /* [value][group], whose mean the value is; of a pool of groups */
 };
 
 struct orl_pool {
     size_t count;
-    uint32_t rounds;
+    uint32_t n_groups, rounds;
     double effort, effort_squares; /* sums; the second of effort^2 / degrees */
     bool knows_errors, knows_bias; /* every round did */
     double *mean, *bias;
     double *spread;   /* sum of effort (x - mean)^2 */
     double *within;   /* sum of effort^2 s^2 */
     double *expected; /* sum of effort s^2 */
+    double *groups;   /* [value][group]: means */
 };
 
-int orl_pool_init(struct orl_pool *pool, size_t count, struct orl_error *err);
+/* groups: 0 of rounds that are independent. */
+int orl_pool_init(struct orl_pool *pool, size_t count, uint32_t groups, struct orl_error *err);
 void orl_pool_done(struct orl_pool *pool); /* also of one that is all zero */
 
 void orl_pool_add(struct orl_pool *pool, const struct orl_found *found);

@@ -22,8 +22,8 @@ static void compute_sensor(void *arg, size_t index, uint32_t member)
 uint32_t orl_run_sensor_samples(const struct orl_run_state *state, size_t index)
 {
     const uint32_t all = state->job->gather_samples;
-    if (state->sensor_samples)
-        return state->sensor_samples[index];
+    if (state->sensor_round)
+        return state->sensor_round->samples[index];
     return all ? all : ORL_DEFAULT_GATHER_SAMPLES;
 }
 

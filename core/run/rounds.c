@@ -25,10 +25,11 @@ struct rounds {
     struct orl_work work;
     struct orl_pace pace;
     struct orl_findings findings;
-    double error;                     /* of the whole, as it stands */
-    double samples;                   /* of the round that runs; the mean over sensors */
-    double *shares;                   /* and those of each sensor, the same in whole numbers; */
-    uint32_t *sensor_samples;         /* NULL: as many for all */
+    double error;    /* of the whole, as it stands */
+    double samples;  /* of the round that runs; the mean over sensors */
+    double *shares;  /* and those of each sensor; NULL: as many for all */
+    uint32_t *spans; /* the same in whole numbers, then those of rounds before */
+    struct orl_sensor_round sensor_round;
     double bandwidths[ORL_MAP_KINDS]; /* of the round */
     uint32_t count;
     bool ended;
@@ -59,11 +60,14 @@ static int rounds_init(struct rounds *r, struct orl_run_state *state, struct orl
     }
     r->pace.before_s = now_s(r) - state->started_s;
     if (r->work.shares) {
-        r->shares = malloc((state->n_sensors + 1) * sizeof *r->shares);
-        r->sensor_samples = malloc((state->n_sensors + 1) * sizeof *r->sensor_samples);
-        if (!r->shares || !r->sensor_samples)
-            return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for %zu sensors",
-                                 state->n_sensors);
+        const size_t n = state->n_sensors;
+        double *groups = calloc(n * ORL_MAP_BATCHES + 1, sizeof *groups);
+        r->shares = malloc((n + 1) * sizeof *r->shares);
+        r->spans = calloc(2 * n + 1, sizeof *r->spans);
+        r->sensor_round =
+            (struct orl_sensor_round){state->job->seed, r->spans, r->spans + n, groups};
+        if (!r->shares || !r->spans || !groups)
+            return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for %zu sensors", n);
     }
     return orl_findings_init(&r->findings, state, r->work.shares, err);
 }
@@ -72,7 +76,8 @@ static void rounds_done(struct rounds *r)
 {
     orl_findings_done(&r->findings);
     free(r->shares);
-    free(r->sensor_samples);
+    free(r->spans);
+    free(r->sensor_round.groups);
 }
 
 static int take_film(void *ctx, size_t index, const struct orl_film *film, struct orl_error *err)
@@ -144,8 +149,9 @@ static void share_out(struct rounds *r)
     for (size_t i = 0; i < n; i++) {
         const double wanted = r->count > 0 ? r->shares[i] : r->samples;
         const double samples = least * fmax(round(wanted / least), 1);
-        r->sensor_samples[i] = (uint32_t)fmin(samples, most_of_a_sensor);
-        r->shares[i] = r->sensor_samples[i];
+        r->spans[n + i] += r->count > 0 ? r->spans[i] : 0;
+        r->spans[i] = (uint32_t)fmin(samples, most_of_a_sensor);
+        r->shares[i] = r->spans[i];
         sum += r->shares[i];
     }
     r->samples = sum / (double)n;
@@ -172,7 +178,7 @@ static void make_round(struct rounds *r, struct orl_job *job, struct orl_run_env
     ret_round->result = result;
     orl_work_bandwidths(r->samples, r->pace.samples, r->bandwidths);
     ret_round->bandwidths = r->bandwidths;
-    ret_round->sensor_samples = r->sensor_samples;
+    ret_round->sensor_round = r->shares ? &r->sensor_round : NULL;
     ret_round->take_film = take_film;
     ret_round->take_ctx = r;
     ret_round->stage_started = state->env->now_s(state->env->ctx);
@@ -210,7 +216,8 @@ static int run_round(struct rounds *r, struct orl_error *err)
     state->emission = round.emission;
     take_spent(r, &result);
     if (code == 0) {
-        orl_findings_add_sensors(&r->findings, &result, r->samples, r->shares);
+        orl_findings_add_sensors(&r->findings, &result, r->samples, r->shares,
+                                 r->sensor_round.groups);
         take_records(r, &result);
         take_times(r, &result, now_s(r) - started);
         r->count++;

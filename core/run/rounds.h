@@ -6,14 +6,16 @@
  * independent, so that their findings are pooled (pool.h): a value is the mean over rounds,
  * weighted by their mean samples. What comes before photons is done once.
  *
- * Unbiased techniques lose nothing by that, and gain where sensors differ: each round after the
- * first gives more samples to those of more noise (share.h). Those of photon maps have a bias that
+ * Sensors by backward, which is unbiased, do better: a sensor's samples go on in each round where
+ * the last one's ended, so that all of them are as even as those of a job in one piece; only
+ * virtual lamps are the round's own. And each round after the first gives more samples to sensors
+ * of more noise (share.h). Photon maps have a bias that
  * pooling leaves as it is; as in probabilistic progressive photon mapping (Knaus and Zwicker 2011)
  * their bandwidths therefore shrink with all the photons so far: a kernel's area goes as their
  * number to the power -1/3, by which bias and noise fall together.
  *
  * An accuracy: the error is what percentile.h takes it to be: the share of sensors, or of pixels,
- * that the goal names is within it with a probability of 0.975. The first round is small; its
+ * that the goal names is within it with a probability of 0.95. The first round is small; its
  * error and that variances fall as the inverse of samples say how much there is to do. Sizes depend
  * on errors and counts alone, never on time: the same job and seed give the same bytes.
  *

@@ -10,6 +10,13 @@
 #include "render/gather.h"
 #include "render/paint.h"
 
+/* A round of sensors by backward: their samples go on where those of earlier rounds ended. */
+struct orl_sensor_round {
+    uint64_t seed;                    /* of the samples of all rounds */
+    const uint32_t *samples, *before; /* of each, in this round and in all earlier ones */
+    double *groups; /* out, [sensor][ORL_MAP_BATCHES]: what each group found, lux */
+};
+
 struct orl_run_state {
     const struct orl_job *job;
     const struct orl_run_env *env;
@@ -29,9 +36,9 @@ struct orl_run_state {
     double stage_started;
     double started_s; /* of the run */
     double ends_s;    /* of a job with a goal: when it is thought to end; 0: not known yet */
-    const double *bandwidths;       /* by kind of map, in rounds (gather.h); NULL: as usual */
-    const uint32_t *sensor_samples; /* by sensor, in rounds; NULL: as the job has it */
-    struct orl_estimates *looks;    /* by view, for the cost of a job in one piece; owned */
+    const double *bandwidths; /* by kind of map, in rounds (gather.h); NULL: as usual */
+    const struct orl_sensor_round *sensor_round; /* NULL: as the job has it */
+    struct orl_estimates *looks; /* by view, for the cost of a job in one piece; owned */
     /* In rounds: where a finished picture goes instead of into files. */
     int (*take_film)(void *ctx, size_t index, const struct orl_film *film, struct orl_error *err);
     void *take_ctx;

@@ -1,0 +1,59 @@
+/* Samples of sensors that go on where others ended: together they are those of one span. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+
+#include <cmocka.h>
+
+#include "render/backward.h"
+#include "support/room.h"
+
+#define SCENE ROOM_SKY ROOM_SUN ROOM_GREY ROOM_SHELL ROOM_CLEAR ROOM_PANE
+
+/* What a sensor on the floor finds: groups' means, in luma. */
+static void sample(const struct orl_backward *backward, uint32_t first, uint32_t samples,
+                   double ret_groups[ORL_MAP_BATCHES])
+{
+    const struct orl_span span = {.seed = 7, .index = 3, .first = first, .samples = samples};
+    const struct orl_vec3 place = orl_sub(orl_v3(2, 2, 0), backward->world->geometry->center);
+    struct orl_rgb groups[ORL_MAP_BATCHES];
+    struct orl_health health = {0};
+    orl_backward_irradiance(backward, place, orl_v3(0, 0, 1), &span, &health, groups);
+    for (int k = 0; k < ORL_MAP_BATCHES; k++)
+        ret_groups[k] = orl_luma(groups[k]);
+}
+
+/* Without virtual lamps, which are each round's own: 4 and 9 samples of a group, and 13. */
+static void test_spans_that_follow(void **state)
+{
+    double whole[ORL_MAP_BATCHES], first[ORL_MAP_BATCHES], second[ORL_MAP_BATCHES], sum = 0;
+    struct orl_description description = scene_parse_text(SCENE, NULL, NULL);
+    struct orl_crew *crew = orl_crew_start(1);
+    struct orl_world *world = NULL;
+    struct orl_backward backward;
+    (void)state;
+    assert_int_equal(orl_world_new(&description, &world, NULL), 0);
+    assert_int_equal(orl_world_find_ports(world, crew, NULL), 0);
+    assert_int_equal(orl_backward_init(&backward, world, 1, NULL, 0, 1), 0);
+    sample(&backward, 0, 13 * ORL_MAP_BATCHES, whole);
+    sample(&backward, 0, 4 * ORL_MAP_BATCHES, first);
+    sample(&backward, 4 * ORL_MAP_BATCHES, 9 * ORL_MAP_BATCHES, second);
+    for (int k = 0; k < ORL_MAP_BATCHES; k++) {
+        const double together = (4 * first[k] + 9 * second[k]) / 13;
+        assert_true(fabs(together - whole[k]) <= 1e-12 * whole[k]);
+        assert_true(first[k] != second[k]);
+        sum += whole[k];
+    }
+    assert_true(sum > 0);
+    orl_backward_done(&backward);
+    orl_world_free(world);
+    orl_crew_stop(crew);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_spans_that_follow)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
