@@ -42,9 +42,9 @@ int orl_digest_file(const char *path, char ret_digest[ORL_DIGEST_TEXT], struct o
 
 static int by_name(const void *a, const void *b)
 {
-    const struct orl_part *const *x = a, *const *y = b;
+    const struct orl_part *x = a, *y = b;
 
-    return strcmp((*x)->name, (*y)->name);
+    return strcmp(x->name, y->name);
 }
 
 /* "main <digest> <name>\n" */
@@ -69,23 +69,24 @@ int orl_digest_scene(const struct orl_part *parts, size_t n_parts, char ret_id[O
                      struct orl_error *err)
 {
     static const char first[] = "oriel-scene 1\n";
-    const struct orl_part **resources = calloc(n_parts + 1, sizeof *resources);
+    struct orl_part *resources = calloc(n_parts + 1, sizeof *resources); /* borrow strings */
     crypto_hash_sha256_state hash;
     size_t n_resources = 0;
-    int rc = resources ? 0 : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    int rc = 0;
 
+    if (!resources)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     crypto_hash_sha256_init(&hash);
     crypto_hash_sha256_update(&hash, (const unsigned char *)first, strlen(first));
     for (size_t i = 0; i < n_parts && rc == 0; i++) {
         if (parts[i].resource)
-            resources[n_resources++] = &parts[i];
+            resources[n_resources++] = parts[i];
         else
             rc = add_line(&hash, &parts[i], err);
     }
-    if (rc == 0)
-        qsort(resources, n_resources, sizeof *resources, by_name);
+    qsort(resources, n_resources, sizeof *resources, by_name);
     for (size_t i = 0; i < n_resources && rc == 0; i++)
-        rc = add_line(&hash, resources[i], err);
+        rc = add_line(&hash, &resources[i], err);
     free(resources);
     if (rc == 0)
         finish(&hash, ret_id);

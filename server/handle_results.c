@@ -29,6 +29,8 @@ static const char *type_of(const char *name)
     return "application/octet-stream";
 }
 
+enum { TAG_MAX = 2 * ORL_PARAM_MAX };
+
 /* What a request for results may be given. */
 struct shown {
     const struct orl_jobs_job *job;
@@ -65,21 +67,20 @@ static int open_file(struct orl_request *request, const struct shown *shown, con
 
 /* The digest of the bytes. Of jobs of before there were any, the job and the name: results never
  * change once the job has succeeded. */
-static void make_tag(const struct shown *shown, const json_t *entry,
-                     char ret_tag[2 * ORL_PARAM_MAX])
+static void make_tag(const struct shown *shown, const json_t *entry, char ret_tag[TAG_MAX])
 {
     const char *sha = json_string_value(json_object_get(entry, "sha256"));
     if (sha)
-        snprintf(ret_tag, 2 * ORL_PARAM_MAX, "%s", sha);
+        snprintf(ret_tag, TAG_MAX, "%s", sha);
     else
-        snprintf(ret_tag, 2 * ORL_PARAM_MAX, "%s/%s", shown->job->row.id,
+        snprintf(ret_tag, TAG_MAX, "%s/%s", shown->job->row.id,
                  json_string_value(json_object_get(entry, "name")));
 }
 
 static void send_file(struct orl_request *request, const struct shown *shown, const json_t *entry)
 {
     const char *name = json_string_value(json_object_get(entry, "name"));
-    char tag[2 * ORL_PARAM_MAX];
+    char tag[TAG_MAX];
     struct stat st;
     make_tag(shown, entry, tag);
     if (!shown->running && strcmp(request->method, "GET") == 0)

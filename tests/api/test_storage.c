@@ -15,6 +15,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
+#include "config.h"
 #include "store/folders.h"
 #include "support/daemon.h"
 
@@ -260,7 +261,41 @@ static void test_too_large(void **state)
     fetch(&f->daemon, other, 200);
 }
 
-static void test_limits_and_help(void **state)
+static void test_sizes(void **state)
+{
+    static const struct {
+        char text[32];
+        uint64_t bytes; /* 0: refused */
+    } cases[] = {{"1", 1},
+                 {"500000", 500000},
+                 {"64K", 64 << 10},
+                 {"500M", 500 << 20},
+                 {"20G", 20ULL << 30},
+                 {"3T", 3ULL << 40},
+                 {"0", 0},
+                 {"-1", 0},
+                 {"", 0},
+                 {"G", 0},
+                 {"5X", 0},
+                 {"5GB", 0},
+                 {"9000000T", 0},
+                 {"99999999999999999999", 0}};
+    (void)state;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char program[] = "orield", name[] = "--storage-budget", text[32];
+        char *argv[] = {program, name, text, NULL};
+        struct orl_config config;
+        struct orl_error err;
+        enum orl_config_action action;
+        memcpy(text, cases[i].text, sizeof text);
+        const int rc = orl_config_parse(3, argv, &config, &action, &err);
+        assert_int_equal(rc, cases[i].bytes ? 0 : ORL_ERR_INVALID);
+        if (rc == 0)
+            assert_true(config.storage_bytes == cases[i].bytes);
+    }
+}
+
+static void test_budget_is_told(void **state)
 {
     struct daemon_room *f = *state;
     struct reply reply;
@@ -520,7 +555,8 @@ int main(void)
         EACH(test_full),
         EACH(test_queue_of_results),
         EACH(test_too_large),
-        EACH(test_limits_and_help),
+        cmocka_unit_test(test_sizes),
+        EACH(test_budget_is_told),
         EACH(test_delete_job),
         EACH(test_delete_scene),
         EACH(test_delete_bsdf),
