@@ -49,6 +49,28 @@ void orl_format_map(const json_t *map, char *ret_text, size_t size)
                  orl_json_text(map, "kind"), seconds, stored, bytes);
 }
 
+/* What has been said so far. */
+struct noted {
+    char sky[80];
+    bool technique;
+    size_t maps, points;
+    double rounds;
+};
+
+/* Says which sky is under way, of several; all that follows is about that one. */
+static void note_sky(struct orl_progress *progress, const json_t *job, struct noted *noted)
+{
+    const json_t *skies = json_object_get(job, "skies");
+    const char *sky = orl_json_text(skies, "running");
+
+    if (!*sky || strcmp(noted->sky, sky) == 0)
+        return;
+    *noted = (struct noted){.technique = true};
+    snprintf(noted->sky, sizeof noted->sky, "%s", sky);
+    orl_progress_note(progress, "sky %s (%.0f of %.0f done)", sky,
+                      orl_json_number(skies, "done", 0), orl_json_number(skies, "count", 0));
+}
+
 /* Says once which technique the plan chose. */
 static void note_technique(struct orl_progress *progress, const json_t *job, bool *noted)
 {
@@ -165,9 +187,8 @@ int orl_follow_job(struct orl_http *http, const char *id)
     struct orl_progress progress;
     struct orl_error err = {0};
     char path[1024];
-    bool technique_noted = false;
-    size_t noted = 0, points_noted = 0;
-    double silent_since_s = -1, wait_s = 0.1, rounds_noted = 0;
+    struct noted noted = {0};
+    double silent_since_s = -1, wait_s = 0.1;
     int rc = orl_job_path(id, "", path, sizeof path, &err);
 
     orl_progress_start(&progress);
@@ -178,10 +199,11 @@ int orl_follow_job(struct orl_http *http, const char *id)
         rc = orl_http_call(http, "GET", path, &job, &err);
         if (rc == 0) {
             silent_since_s = -1;
-            note_technique(&progress, job, &technique_noted);
-            note_maps(&progress, job, &noted);
-            note_points(&progress, job, &points_noted);
-            note_round(&progress, job, &rounds_noted);
+            note_sky(&progress, job, &noted);
+            note_technique(&progress, job, &noted.technique);
+            note_maps(&progress, job, &noted.maps);
+            note_points(&progress, job, &noted.points);
+            note_round(&progress, job, &noted.rounds);
             if (has_ended(job)) {
                 orl_progress_end(&progress);
                 code = conclude(job, id);

@@ -55,7 +55,8 @@ uint64_t orl_job_output_expect(const struct orl_task *task)
     uint64_t bytes = DOCUMENT + SENSOR * (uint64_t)job->n_sensors;
     for (size_t i = 0; i < job->n_views; i++)
         bytes += PIXEL * (uint64_t)job->views[i].width * job->views[i].height;
-    return bytes;
+    /* Of each sky as much, and of all together less than of one more. */
+    return job->n_skies > 0 ? (job->n_skies + 1) * bytes : bytes;
 }
 
 int orl_job_set_scene(struct orl_job *job, const struct orl_bundle *bundle, struct orl_error *err)

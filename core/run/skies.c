@@ -3,6 +3,7 @@
 
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "run/sky.h"
 
@@ -75,7 +76,7 @@ static int run_under(struct passage *p, size_t index, struct orl_error *err)
         p->skies->begins(p->skies->ctx, index, &job, prefix);
     int code = orl_run(&job, &env, &result, err);
     if (code < 0) {
-        if (err && !err->primitive[0])
+        if (err && (!err->primitive[0] || strcmp(err->primitive, "sky") == 0))
             name_place(err, index);
         return code;
     }

@@ -8,6 +8,7 @@ import ast
 import hashlib
 import json
 import os
+import shutil
 import sys
 import threading
 import zipfile
@@ -157,6 +158,28 @@ def zips(desk):
     assert scene == desk.client.upload_zip(path, ["room.rad"])
     error = raises(oriel.Problem, desk.client.upload_zip, path, ["absent.rad"])
     assert error.status == 422 and error.primitive == "main"
+
+
+def skies(desk):
+    """Weather files that skies name go along; each sky's files are fetched like any others."""
+    weather = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../fixtures/weather.epw")
+    shutil.copy(weather, os.path.join(desk.folder, "place.epw"))
+    hour = {"month": 3, "day": 22}
+    with open(os.path.join(desk.folder, "skyless.rad"), "w") as stream:
+        stream.write(ROOM.replace("void glow sky_glow\n0\n0\n4 10 10 10 0\n", "")
+                     .replace("sky_glow source sky\n0\n0\n4 0 0 1 180\n", ""))
+    document = dict(JOB, gather_samples=16, scene={"files": ["skyless.rad"]}, skies={
+        "weather": {"file": "place.epw"}, "from": dict(hour, hour=10.5), "to": dict(hour, hour=11.5)})
+    output = os.path.join(desk.folder, "hours")
+    result = desk.client.render(document, output, desk.folder)
+    assert [sky["name"] for sky in result["skies"]] == ["0322-1030", "0322-1130"]
+    assert all(len(sky["illuminance_lx"]) == 2 and not sky["dark"] for sky in result["skies"])
+    assert os.path.exists(os.path.join(output, "0322-1130.north.hdr"))
+    del document["skies"]["weather"]
+    document["skies"]["cie"] = {"type": "overcast", "diffuse_horizontal_lx": 10000}
+    assert oriel._weather_files(document) == []
+    document["skies"] = [{"weather": {"file": "a"}}, {"weather": {"file": "b"}}, {"weather": {"file": "a"}}]
+    assert oriel._weather_files(document) == ["a", "b"]
 
 
 def bsdfs(desk):

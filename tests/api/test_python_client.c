@@ -44,6 +44,7 @@ CASE(whole_way)
 CASE(example)
 CASE(upload_if_absent)
 CASE(zips)
+CASE(skies)
 CASE(bsdfs)
 CASE(cancel)
 CASE(removal)
@@ -101,6 +102,7 @@ int main(void)
         cmocka_unit_test(test_example),
         cmocka_unit_test(test_upload_if_absent),
         cmocka_unit_test(test_zips),
+        cmocka_unit_test(test_skies),
         cmocka_unit_test(test_bsdfs),
         cmocka_unit_test(test_cancel),
         cmocka_unit_test(test_removal),
