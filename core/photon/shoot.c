@@ -23,6 +23,7 @@ static const double most_emitted_per_photon = 64, emitted_anyway = 1e7;
  */
 struct queue {
     struct orl_deposits *batches; /* of a round */
+    size_t *places;               /* theirs among the photons below */
     size_t room;                  /* for how many */
     size_t n_done, n_round;       /* kept so far, an earlier shot's among them; being traced */
     struct orl_photon *photons;   /* of this shot's batches that are kept, in order */
@@ -134,6 +135,10 @@ static int make_room(struct queue *queue)
             return ORL_ERR_NOMEM;
         memset(grown + queue->room, 0, (queue->n_round - queue->room) * sizeof *grown);
         queue->batches = grown;
+        size_t *places = realloc(queue->places, queue->n_round * sizeof *places);
+        if (!places)
+            return ORL_ERR_NOMEM;
+        queue->places = places;
         queue->room = queue->n_round;
     }
     for (size_t i = 0; i < queue->n_round; i++) {
@@ -143,22 +148,29 @@ static int make_room(struct queue *queue)
     return 0;
 }
 
-/* Adds a batch's photons to those that are kept. */
-static int append(struct queue *queue, const struct orl_deposits *batch)
+/* Room for a batch's photons among those that are kept. */
+static int make_room_for(struct queue *queue, size_t count)
 {
-    if (batch->count > queue->capacity - queue->count) {
-        const size_t least = queue->count + batch->count, capacity = least + least / 2;
-        struct orl_photon *grown = realloc(queue->photons, capacity * sizeof *grown);
-        if (!grown)
-            return ORL_ERR_NOMEM;
-        queue->photons = grown;
-        queue->capacity = capacity;
-    }
-    if (batch->count > 0)
-        memcpy(queue->photons + queue->count, batch->photons,
-               batch->count * sizeof *batch->photons);
-    queue->count += batch->count;
+    if (count <= queue->capacity - queue->count)
+        return 0;
+    const size_t least = queue->count + count, capacity = least + least / 2;
+    struct orl_photon *grown = realloc(queue->photons, capacity * sizeof *grown);
+    if (!grown)
+        return ORL_ERR_NOMEM;
+    queue->photons = grown;
+    queue->capacity = capacity;
     return 0;
+}
+
+/* Moves a batch's photons to their place among those that are kept. */
+static void move_batch(void *arg, size_t index, uint32_t member)
+{
+    const struct queue *queue = arg;
+    const struct orl_deposits *batch = &queue->batches[index];
+    (void)member;
+    if (batch->count > 0)
+        memcpy(queue->photons + queue->places[index], batch->photons,
+               batch->count * sizeof *batch->photons);
 }
 
 /* Whether the batches kept are all there are to be. Batch by batch: rounds are not to matter. */
@@ -171,19 +183,24 @@ static bool is_finished(const struct queue *queue, uint64_t target)
 }
 
 /* Keeps the round's batches up to the one that finishes; drops the rest. */
-static int settle(struct queue *queue, uint64_t target)
+static int settle(struct queue *queue, uint64_t target, struct orl_crew *crew)
 {
+    size_t kept = 0;
     int code = 0;
-    for (size_t i = 0; i < queue->n_round && !queue->finished && code == 0; i++) {
-        const struct orl_deposits *batch = &queue->batches[i];
+    while (kept < queue->n_round && !queue->finished && code == 0) {
+        const struct orl_deposits *batch = &queue->batches[kept];
         const struct orl_health health = orl_deposits_health(batch);
-        code = batch->out_of_memory ? ORL_ERR_NOMEM : append(queue, batch);
+        code = batch->out_of_memory ? ORL_ERR_NOMEM : make_room_for(queue, batch->count);
+        queue->places[kept++] = queue->count;
+        queue->count += batch->count;
         orl_health_add(&queue->health, &health);
         queue->stored += batch->count;
         queue->rays += batch->health.rays;
         queue->n_done++;
         queue->finished = is_finished(queue, target);
     }
+    if (code == 0)
+        orl_crew_for(crew, kept, move_batch, queue);
     queue->n_round = 0;
     return code;
 }
@@ -251,7 +268,7 @@ static int shoot_rounds(struct shooting *shooting, const struct orl_shot *shots)
             return ORL_ERR_CANCELLED;
         }
         for (int k = 0; k < ORL_SHOT_KINDS; k++)
-            if (settle(&shooting->queues[k], shots[k].target) < 0)
+            if (settle(&shooting->queues[k], shots[k].target, shooting->env->crew) < 0)
                 return ORL_ERR_NOMEM;
         report(shooting, shots);
     }
@@ -292,6 +309,7 @@ static void free_queues(struct shooting *shooting)
         for (size_t i = 0; i < queue->room; i++)
             free(queue->batches[i].photons);
         free(queue->batches);
+        free(queue->places);
         free(queue->photons);
     }
 }
