@@ -1,5 +1,6 @@
 #include "bench/bench.h"
 
+#include <dirent.h>
 #include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -38,15 +39,44 @@ double bench_cpu_s(void *ctx)
     return read_clock(CLOCK_PROCESS_CPUTIME_ID);
 }
 
-double bench_own_s(void *ctx)
+/* Seconds that a thread has stood ready, by its file in /proc. */
+static double queued_s(const char *path)
 {
     unsigned long long ran, queued = 0;
-    FILE *in = fopen("/proc/thread-self/schedstat", "r");
+    FILE *in = fopen(path, "r");
     if (in && fscanf(in, "%llu %llu", &ran, &queued) != 2)
         queued = 0;
     if (in)
         fclose(in);
-    return bench_wall_s(ctx) - 1e-9 * (double)queued;
+    return 1e-9 * (double)queued;
+}
+
+double bench_own_s(void *ctx)
+{
+    return bench_wall_s(ctx) - queued_s("/proc/thread-self/schedstat");
+}
+
+static uint32_t crew_members = 1;
+
+void bench_set_crew(uint32_t members)
+{
+    crew_members = members;
+}
+
+double bench_crew_s(void *ctx)
+{
+    DIR *threads = opendir("/proc/self/task");
+    double queued = 0;
+    char path[320];
+    if (!threads)
+        bench_fail("/proc/self/task cannot be read", NULL);
+    for (const struct dirent *thread; (thread = readdir(threads)) != NULL;) {
+        snprintf(path, sizeof path, "/proc/self/task/%s/schedstat", thread->d_name);
+        if (thread->d_name[0] != '.')
+            queued += queued_s(path);
+    }
+    closedir(threads);
+    return bench_wall_s(ctx) - queued / crew_members;
 }
 
 static int compare(const void *a, const void *b)

@@ -21,6 +21,10 @@ double bench_cpu_s(void *ctx);
 /* Wall time less what the calling thread has stood ready while others ran: for work of one thread,
  * the time that it takes on an idle machine, waiting for a disk included. */
 double bench_own_s(void *ctx);
+/* The same for work of a crew, whose members take over from one that stands ready: wall time less
+ * each member's part of what all have stood ready. Of how many, bench_set_crew says. */
+double bench_crew_s(void *ctx);
+void bench_set_crew(uint32_t members);
 
 /* Reorders values. */
 double bench_median(double *values, int n);
@@ -77,8 +81,7 @@ void bench_run(const struct bench_env *env, const struct orl_job *job,
                struct orl_result *ret_result);
 
 /* Single incoherent rays a second that Embree alone answers, as light takes them, on all members of
- * the crew at once; median of runs. */
-double bench_embree_rate(const struct orl_geometry *geometry, struct orl_crew *crew, int runs,
-                         double (*now_s)(void *ctx));
+ * the crew at once; of each the median of runs, by bench_own_s. */
+double bench_embree_rate(const struct orl_geometry *geometry, struct orl_crew *crew, int runs);
 
 #endif

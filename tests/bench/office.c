@@ -110,10 +110,9 @@ static void make_world(struct office *office)
         bench_fail("loading the office", &err);
 }
 
-double office_rate(struct office *office, struct orl_crew *crew, int runs,
-                   double (*now_s)(void *ctx))
+double office_rate(struct office *office, struct orl_crew *crew, int runs)
 {
     if (!office->world)
         make_world(office);
-    return bench_embree_rate(office->world->geometry, crew, runs, now_s);
+    return bench_embree_rate(office->world->geometry, crew, runs);
 }

@@ -39,7 +39,6 @@ void office_close(struct office *office); /* removes its folder */
 void office_job(struct orl_job *ret_job);
 
 /* bench_embree_rate in the office. */
-double office_rate(struct office *office, struct orl_crew *crew, int runs,
-                   double (*now_s)(void *ctx));
+double office_rate(struct office *office, struct orl_crew *crew, int runs);
 
 #endif

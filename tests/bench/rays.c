@@ -1,4 +1,6 @@
 #include <math.h>
+#include <stdatomic.h>
+#include <time.h>
 
 #include "bench/bench.h"
 #include "study/speed.h"
@@ -6,21 +8,26 @@
 struct measurement {
     const struct orl_geometry *geometry;
     int runs;
-    double (*now_s)(void *ctx);
+    uint32_t members;
+    atomic_uint there;
     double rates[BENCH_MOST_THREADS];
 };
 
+/* A member each, all at once: who is there first waits for the others. */
 static void measure(void *arg, size_t index, uint32_t member)
 {
+    const struct timespec pause = {0, 20000};
     struct measurement *m = arg;
     (void)member;
-    m->rates[index] = orl_ray_rate(m->geometry, 1 << 19, m->runs, NULL, m->now_s, NULL);
+    atomic_fetch_add(&m->there, 1);
+    while (atomic_load(&m->there) < m->members)
+        nanosleep(&pause, NULL);
+    m->rates[index] = orl_ray_rate(m->geometry, 1 << 19, m->runs, NULL, bench_own_s, NULL);
 }
 
-double bench_embree_rate(const struct orl_geometry *geometry, struct orl_crew *crew, int runs,
-                         double (*now_s)(void *ctx))
+double bench_embree_rate(const struct orl_geometry *geometry, struct orl_crew *crew, int runs)
 {
-    struct measurement m = {.geometry = geometry, .runs = runs, .now_s = now_s};
+    struct measurement m = {.geometry = geometry, .runs = runs, .members = orl_crew_size(crew)};
     const uint32_t members = orl_crew_size(crew);
     double rate = 0;
     if (members > BENCH_MOST_THREADS)

@@ -140,13 +140,16 @@ static void squeeze(struct scale *s)
     printf("\n  A view of 200x150 by gather, from the map of %.0f MB\n", map_bytes / 1e6);
     printf("  %-20s %8.2f s %9.1f MB resident at most (2048 wanted)\n", "without a limit",
            s->free_view.seconds, s->free_view.peak_bytes / 1e6);
-    printf("  in %4.0f MB %9s %8.2f s %9.1f MB resident at most, %.0f MB sent back to the disk\n",
-           limit / 1e6, "", s->limited_view.seconds, s->limited_view.peak_bytes / 1e6,
-           s->limited_view.paged_bytes / 1e6);
-    printf("  The limit is %s than the map, and was %s; the image's bytes are %s.\n",
+    printf("  in %4.0f MB %9s %8.2f s %9.1f MB, %s\n", limit / 1e6, "", s->limited_view.seconds,
+           s->limited_view.peak_bytes / 1e6,
+           s->limited_view.by_kernel ? "pages of files included: the kernel's limit (cgroup)"
+                                     : "resident at most; a thread sends pages back to the disk, "
+                                       "for groups of limited memory are not allowed here");
+    printf("  Memory limit %s than the map: finishes, %s, %.1f times slower; the limit was %s.\n",
            limit < map_bytes ? "smaller" : "NOT smaller",
-           s->limited_view.peak_bytes <= limit ? "kept to" : "NOT kept to",
-           s->same ? "the same" : "NOT THE SAME");
+           s->same ? "same bytes" : "NOT THE SAME BYTES",
+           s->limited_view.seconds / s->free_view.seconds,
+           s->limited_view.peak_bytes <= limit ? "kept to" : "NOT kept to");
 }
 
 /* ---- All of it ------------------------------------------------------------------------------- */
@@ -161,8 +164,8 @@ static json_t *build_json(const struct scale_build *b, double threads, double se
 
 static json_t *view_json(const struct scale_view *v)
 {
-    return json_pack("{s:f, s:f, s:f}", "seconds", v->seconds, "peak_bytes", v->peak_bytes,
-                     "paged_bytes", v->paged_bytes);
+    return json_pack("{s:f, s:f, s:f, s:b}", "seconds", v->seconds, "peak_bytes", v->peak_bytes,
+                     "paged_bytes", v->paged_bytes, "by_kernel", v->by_kernel);
 }
 
 static void write_json(const struct scale *s)

@@ -4,11 +4,14 @@
  * largest map, as it is and in less memory than the map takes.
  *
  * Every build and every view runs in a process of its own, whose peak of resident memory is its
- * own. The memory of a process cannot be limited without privileges (RLIMIT_DATA counts what is
- * merely reserved and nothing that is mapped): instead a thread beside the view sends pages of the
- * mapped file back to the disk (MADV_PAGEOUT) whenever more than nine tenths of the limit are
- * resident. What is printed is the peak that it has seen, at a look every 2 ms, and whether that
- * kept to the limit; reading pages back costs what the machine's page cache makes of it.
+ * own. The process of the limited view is in a group of processes (cgroup) whose memory, pages of
+ * files included, the kernel limits; of both views the map's pages are dropped beforehand, so that
+ * they read it from the disk, and what is read counts as theirs.
+ *
+ * Where making a group is not allowed, a thread beside the view instead sends pages of the mapped
+ * file back to the disk (MADV_PAGEOUT) whenever more than nine tenths of the limit are resident,
+ * looking every 2 ms; the peak may then be above the limit, which is printed, as is which of the
+ * two ways it was. (RLIMIT_DATA would count what is merely reserved, and nothing that is mapped.)
  */
 #ifndef ORL_TESTS_BENCH_SCALE_H
 #define ORL_TESTS_BENCH_SCALE_H
@@ -26,7 +29,8 @@ struct scale_build {
 struct scale_view {
     double seconds;
     double peak_bytes;  /* resident, of the process */
-    double paged_bytes; /* sent back to the disk */
+    double paged_bytes; /* sent back to the disk, where the kernel does not do it */
+    bool by_kernel;     /* who limits; then peak_bytes is of the group */
 };
 
 /* Runs this program again, to build a map of so many photons in a folder of maps, or to render a
@@ -43,6 +47,15 @@ int scale_child(int argc, char **argv);
 void scale_start_pager(double most_bytes);
 /* How many bytes the pager has sent back. */
 double scale_paged(void);
+
+/* A group of so much memory, without members; false when that is not allowed. Joining is the
+ * calling process's own. */
+bool scale_group_make(double limit_bytes, char ret_group[BENCH_PATH]);
+bool scale_group_join(const char *group);
+double scale_group_peak(const char *group);
+void scale_group_remove(const char *group);
+/* Writes a folder's maps to the disk, and drops what is in memory of them. */
+void scale_forget_maps(const char *maps);
 
 /* Seconds of a look-up of 50 photons at places of photons drawn at random, in a folder's map; the
  * median. */

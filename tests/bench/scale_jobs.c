@@ -22,8 +22,7 @@ static void run(struct child *c, struct orl_job *job, struct orl_result *ret_res
                                   .crew = c->crew,
                                   .maps = c->maps,
                                   .output = c->office.folder,
-                                  .now_s =
-                                      orl_crew_size(c->crew) == 1 ? bench_own_s : bench_wall_s};
+                                  .now_s = bench_crew_s};
     job->photons_global = c->photons;
     job->wishes[ORL_EFFECT_CAUSTICS_MIRROR] = job->wishes[ORL_EFFECT_CAUSTICS_BSDF] = ORL_WISH_SKIP;
     bench_run(&env, job, ret_result);
@@ -34,8 +33,7 @@ static void build(struct child *c)
     struct orl_sensor sensor = {{1, 3, 1}, {0, 0, 1}};
     struct orl_result r;
     struct orl_job job;
-    const double rate = office_rate(&c->office, c->crew, 3,
-                                    orl_crew_size(c->crew) == 1 ? bench_own_s : bench_wall_s);
+    const double rate = office_rate(&c->office, c->crew, 3);
     office_job(&job);
     job.sensors = &sensor;
     job.n_sensors = 1;
@@ -46,13 +44,15 @@ static void build(struct child *c)
     orl_result_done(&r);
 }
 
-static void render(struct child *c, double limit_bytes, const char *image)
+static void render(struct child *c, double limit_bytes, const char *group, const char *image)
 {
     struct orl_view_request view = {view_name, view_text, 200, 150};
     char path[BENCH_PATH + 32];
     struct orl_result r;
     struct orl_job job;
-    if (limit_bytes > 0)
+    if (*group && !scale_group_join(group))
+        bench_fail("the group of limited memory cannot be joined", NULL);
+    if (limit_bytes > 0 && !*group)
         scale_start_pager(limit_bytes);
     office_job(&job);
     job.views = &view;
@@ -68,11 +68,11 @@ static void render(struct child *c, double limit_bytes, const char *image)
     orl_result_done(&r);
 }
 
-/* build PANEL MAPS PHOTONS THREADS, or render PANEL MAPS PHOTONS LIMIT IMAGE */
+/* build PANEL MAPS PHOTONS THREADS, or render PANEL MAPS PHOTONS LIMIT GROUP IMAGE */
 int scale_child(int argc, char **argv)
 {
     static struct child c;
-    const bool renders = argc == 6 && strcmp(argv[0], "render") == 0;
+    const bool renders = argc == 7 && strcmp(argv[0], "render") == 0;
     if (!renders && !(argc == 5 && strcmp(argv[0], "build") == 0))
         return 2;
     office_open(&c.office, argv[1]);
@@ -81,8 +81,9 @@ int scale_child(int argc, char **argv)
     c.crew = orl_crew_start(renders ? 1 : (uint32_t)strtoul(argv[4], NULL, 10));
     if (!c.crew)
         bench_fail("out of memory", NULL);
+    bench_set_crew(orl_crew_size(c.crew));
     if (renders)
-        render(&c, strtod(argv[4], NULL), argv[5]);
+        render(&c, strtod(argv[4], NULL), argv[5], argv[6]);
     else
         build(&c);
     orl_crew_stop(c.crew);
@@ -123,12 +124,20 @@ void scale_build(const struct office *office, const char *maps, uint64_t photons
 void scale_render(const struct office *office, const char *maps, uint64_t photons,
                   double limit_bytes, const char *image, struct scale_view *ret_view)
 {
-    char count[32], most[32];
+    char count[32], most[32], group[BENCH_PATH] = "";
     double numbers[2];
     snprintf(count, sizeof count, "%llu", (unsigned long long)photons);
     snprintf(most, sizeof most, "%.0f", limit_bytes);
+    const bool by_kernel = limit_bytes > 0 && scale_group_make(limit_bytes, group);
+    if (!by_kernel)
+        group[0] = '\0';
+    scale_forget_maps(maps);
     const char *const argv[] = {
-        "/proc/self/exe", "render", office->panel, maps, count, most, image, NULL};
-    const double peak = ask(office, argv, numbers, 2);
-    *ret_view = (struct scale_view){numbers[0], peak, numbers[1]};
+        "/proc/self/exe", "render", office->panel, maps, count, most, group, image, NULL};
+    double peak = ask(office, argv, numbers, 2);
+    if (by_kernel) {
+        peak = scale_group_peak(group);
+        scale_group_remove(group);
+    }
+    *ret_view = (struct scale_view){numbers[0], peak, numbers[1], by_kernel};
 }

@@ -71,44 +71,85 @@ struct speed_fact *speed_add_fact(struct speed *speed, const char *key, const ch
     return fact;
 }
 
-static void measure(struct speed *speed, enum speed_row_id id, int at)
-{
-    double seconds[BENCH_MOST_RUNS], rates[BENCH_MOST_RUNS], ray_times[BENCH_MOST_RUNS];
-    struct speed_row *row = &speed->rows[id];
-    for (int run = 0; run < speed->runs; run++) {
-        rates[run] = office_rate(&speed->office, speed->crew, 1, speed->now_s);
-        seconds[run] = speed_work(speed, id, (uint64_t)run + 1, at == 0 ? run : -1);
-        ray_times[run] = seconds[run] * rates[run];
-    }
-    row->by_threads[at] =
-        (struct speed_figure){bench_median(seconds, speed->runs), bench_median(rates, speed->runs),
-                              bench_median(ray_times, speed->runs)};
-}
-
-/* All rows by one number of threads. */
-static void measure_all(struct speed *speed, int at)
+/* From here on, works are done by that number of threads. */
+static void set_threads(struct speed *speed, int at)
 {
     const uint32_t threads = (uint32_t)speed->threads.values[at];
-    speed->crew = orl_crew_start(threads);
-    if (!speed->crew)
-        bench_fail("out of memory", NULL);
-    speed->now_s = threads == 1 ? bench_own_s : bench_wall_s;
+    speed->crew = speed->crews[at];
+    speed->now_s = threads == 1 ? bench_own_s : bench_crew_s;
+    bench_set_crew(threads);
+}
+
+/* One run of a row's work, the rate of rays measured before it and after it. */
+static struct speed_figure run_once(struct speed *speed, enum speed_row_id id, int run, int at)
+{
+    set_threads(speed, at);
+    const double before = office_rate(&speed->office, speed->crew, 1);
+    const double seconds = speed_work(speed, id, (uint64_t)run + 1, at == 0 ? run : -1);
+    const double rate = 0.5 * (before + office_rate(&speed->office, speed->crew, 1));
+    return (struct speed_figure){seconds, rate, seconds * rate};
+}
+
+/*
+ * A row by every number of threads, in turns, so that what else the machine does comes upon all of
+ * them alike. Gains are medians of those of single turns; their standard errors by the scatter of
+ * the turns' (the median's of normal numbers is 1.25 times the mean's).
+ */
+static void measure(struct speed *speed, enum speed_row_id id)
+{
+    struct speed_row *row = &speed->rows[id];
+    struct speed_figure figures[SPEED_MOST_THREADS][BENCH_MOST_RUNS];
+    double values[BENCH_MOST_RUNS];
+    const int n = speed->runs;
+    for (int run = 0; run < n; run++)
+        for (int at = 0; at < speed->threads.n; at++)
+            figures[at][run] = run_once(speed, id, run, at);
+    for (int at = 0; at < speed->threads.n; at++) {
+        for (int run = 0; run < n; run++)
+            values[run] = figures[at][run].seconds;
+        row->by_threads[at].seconds = bench_median(values, n);
+        for (int run = 0; run < n; run++)
+            values[run] = figures[at][run].rays_per_s;
+        row->by_threads[at].rays_per_s = bench_median(values, n);
+        for (int run = 0; run < n; run++)
+            values[run] = figures[at][run].ray_times;
+        row->by_threads[at].ray_times = bench_median(values, n);
+        for (int run = 0; run < n; run++)
+            values[run] = speed->threads.values[at] / speed->threads.values[0] *
+                          figures[0][run].ray_times / figures[at][run].ray_times;
+        const double gain = row->gains[at] = bench_median(values, n);
+        for (int run = 0; run < n; run++)
+            values[run] = fabs(values[run] - gain);
+        row->gain_errors[at] = 1.25 * 1.4826 * bench_median(values, n) / sqrt(n);
+    }
+}
+
+/* All rows; what is no row by the first number of threads. */
+static void measure_all(struct speed *speed)
+{
+    for (int at = 0; at < speed->threads.n; at++) {
+        speed->crews[at] = orl_crew_start((uint32_t)speed->threads.values[at]);
+        if (!speed->crews[at])
+            bench_fail("out of memory", NULL);
+    }
     for (int id = 0; id < SPEED_ROWS; id++) {
         if (!speed_wants(speed->rows[id].key))
             continue;
-        fprintf(stderr, "  %s, %u thread%s\n", speed->rows[id].name, threads,
-                threads == 1 ? "" : "s");
-        if (at == 0)
-            speed_prepare(speed, (enum speed_row_id)id);
-        measure(speed, (enum speed_row_id)id, at);
-        if (at == 0 && speed->rows[id].judge == SPEED_BY_SENSORS)
+        fprintf(stderr, "  %s\n", speed->rows[id].name);
+        set_threads(speed, 0);
+        speed_prepare(speed, (enum speed_row_id)id);
+        measure(speed, (enum speed_row_id)id);
+        set_threads(speed, 0);
+        if (speed->rows[id].judge == SPEED_BY_SENSORS)
             speed_measure_goal(speed, &speed->rows[id]);
     }
-    if (at == 0 && speed_wants("maps"))
+    set_threads(speed, 0);
+    if (speed_wants("maps"))
         speed_measure_maps(speed);
-    if (at == 0 && speed_wants("bsdf"))
+    if (speed_wants("bsdf"))
         speed_measure_bsdf(speed);
-    orl_crew_stop(speed->crew);
+    for (int at = 0; at < speed->threads.n; at++)
+        orl_crew_stop(speed->crews[at]);
     speed->crew = NULL;
 }
 
@@ -145,8 +186,7 @@ int main(int argc, char **argv)
     office_open(&speed.office, NULL);
     snprintf(speed.maps, sizeof speed.maps, "%s/maps", speed.office.folder);
     office_reference_make(&speed.office, &speed.reference);
-    for (int i = 0; i < speed.threads.n; i++)
-        measure_all(&speed, i);
+    measure_all(&speed);
     speed_add_radiance(&speed);
     speed_print(&speed);
     snprintf(path, sizeof path, "%s/bench.json", bench_build());

@@ -4,8 +4,8 @@
  * every run, so that a busy or a throttled machine distorts both alike, and figures hold on any.
  * Each is a median of several runs.
  *
- * Time is wall time; of one thread, less what it has stood ready while other programs ran
- * (bench_own_s). Radiance's is processor time, and each of its works is done once.
+ * Time is wall time less what threads have stood ready while other programs ran (bench_own_s,
+ * bench_crew_s). Radiance's is processor time, and each of its works is done once.
  */
 #ifndef ORL_TESTS_BENCH_SPEED_H
 #define ORL_TESTS_BENCH_SPEED_H
@@ -59,6 +59,9 @@ struct speed_row {
     double wanted_error; /* rms; 0: no matter */
     enum speed_judge judge;
     struct speed_figure by_threads[SPEED_MOST_THREADS];
+    /* How many times the rays of the first number of threads, with every thread's rays counted in
+     * full: 2 where two threads do twice as much; and its standard error. */
+    double gains[SPEED_MOST_THREADS], gain_errors[SPEED_MOST_THREADS];
     struct bench_deviation error; /* of the runs of the first number of threads, pooled */
     char note[SPEED_NOTE];        /* what was chosen, or is to be known */
     struct speed_setting setting; /* of sensors */
@@ -89,8 +92,8 @@ struct speed {
     int n_facts;
     struct speed_trial trials[SPEED_TRIALS];
     int n_trials;
-    struct orl_crew *crew;   /* of the threads at hand */
-    struct orl_shelf *shelf; /* between jobs; or NULL */
+    struct orl_crew *crews[SPEED_MOST_THREADS], *crew; /* crew: of the threads at hand */
+    struct orl_shelf *shelf;                           /* between jobs; or NULL */
     double (*now_s)(void *ctx);
 };
 

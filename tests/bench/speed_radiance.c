@@ -43,7 +43,7 @@ static void book(struct speed *s, enum speed_row_id row, double rate, double sec
 static double rate_now(struct speed *s, enum speed_row_id row)
 {
     fprintf(stderr, "  Radiance: %s\n", s->rows[row].name);
-    return office_rate(&s->office, s->crew, 1, bench_own_s);
+    return office_rate(&s->office, s->crew, 1);
 }
 
 static void make_maps(struct speed *s, const struct radiance *radiance)

@@ -5,14 +5,6 @@
 
 #include "bench/speed.h"
 
-/* How many times as fast by that many threads, for each thread that Embree's own rays profit of
- * fully: 2 where two threads do twice the rays and the work takes as many ray-times as on one. */
-static double speed_up(const struct speed *s, const struct speed_row *row, int at)
-{
-    const struct speed_figure *one = &row->by_threads[0], *many = &row->by_threads[at];
-    return s->threads.values[at] / s->threads.values[0] * one->ray_times / many->ray_times;
-}
-
 static double wall_speed_up(const struct speed_row *row, int at)
 {
     return row->by_threads[0].seconds / row->by_threads[at].seconds;
@@ -91,23 +83,30 @@ static void print_rows(const struct speed *s)
            100 * bench_reference_noise(&s->reference.sensors, 0));
 }
 
+/* 0.95 a thread. */
+static double gain_wanted(const struct speed *s, int at)
+{
+    return 0.95 * s->threads.values[at] / s->threads.values[0];
+}
+
 static void print_threads(const struct speed *s)
 {
     for (int at = 1; at < s->threads.n; at++) {
-        printf("\n  %-46s %8s %8s %8s %8s %8s\n", "", "s", "M rays", "speed-up", "on clock",
-               "Embree's");
+        printf("\n  %-46s %8s %8s %14s %-4s %8s %8s\n", "", "s", "M rays", "speed-up", "met",
+               "on clock", "Embree's");
         for (int id = 0; id < SPEED_ROWS; id++) {
             const struct speed_row *row = &s->rows[id];
             const struct speed_figure *f = &row->by_threads[at];
             if (f->ray_times > 0)
-                printf("  %-46s %8.3f %8.1f %8.2f %8.2f %8.2f\n", row->name, f->seconds,
-                       f->ray_times / 1e6, speed_up(s, row, at), wall_speed_up(row, at),
+                printf("  %-46s %8.3f %8.1f %6.2f +- %.2f  %-4s %8.2f %8.2f\n", row->name,
+                       f->seconds, f->ray_times / 1e6, row->gains[at], row->gain_errors[at],
+                       row->gains[at] >= gain_wanted(s, at) ? "yes" : "NO", wall_speed_up(row, at),
                        ray_speed_up(row, at));
         }
-        printf("  %.0f threads against %.0f. Speed-up: by ray-times, which a machine that had "
-               "other things to do distorts little;\n"
-               "  on clock: by seconds; Embree's: by how much its own rays gain in the same "
-               "seconds. Wanted: 0.95 a thread.\n",
+        printf("  %.0f threads against %.0f. Speed-up: by ray-times, in turns, with its standard "
+               "error; on clock: by\n"
+               "  seconds; Embree's: by how much its own rays gain in the same seconds. Wanted: "
+               "0.95 a thread.\n",
                s->threads.values[at], s->threads.values[0]);
     }
 }
@@ -165,7 +164,7 @@ static json_t *ratios_json(const struct speed *s)
             char key[32];
             snprintf(key, sizeof key, "speed_up_%.0f", s->threads.values[at]);
             if (row->by_threads[at].ray_times > 0)
-                json_object_set_new(of_row, key, json_real(speed_up(s, row, at)));
+                json_object_set_new(of_row, key, json_real(row->gains[at]));
         }
         json_object_set_new(ratios, row->key, of_row);
     }

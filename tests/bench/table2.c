@@ -135,7 +135,7 @@ int main(void)
     setvbuf(stdout, NULL, _IOLBF, 0);
     read_knobs(&table);
     office_open(&table.office, NULL);
-    table.rate = office_rate(&table.office, crew, 3, bench_cpu_s);
+    table.rate = office_rate(&table.office, crew, 3);
     office_reference_make(&table.office, &table.reference);
     for (int i = 0; i < TECHNIQUES; i++)
         measure(&table, &techniques[i], crew);
