@@ -85,9 +85,10 @@ void orl_runs_enqueue(struct orl_jobs_job *job)
     }
 }
 
-static struct orl_jobs_job *next_job(struct orl_jobs *jobs)
+/* The next that waits; it stays in the queue. */
+static struct orl_jobs_job *next_job(const struct orl_jobs *jobs)
 {
-    struct orl_queue_entry *entry = orl_queue_take(jobs->queue);
+    struct orl_queue_entry *entry = orl_queue_first(jobs->queue);
     if (!entry)
         return NULL;
     return (struct orl_jobs_job *)((char *)entry - offsetof(struct orl_jobs_job, waiting));
@@ -152,6 +153,7 @@ static void job_done(void *ctx, const struct orl_worker_outcome *outcome)
     struct orl_jobs *jobs = job->jobs;
     job->worker = NULL;
     jobs->n_workers--;
+    jobs->alone = false;
     end_all(job, outcome);
     orl_metrics_job(jobs->env.metrics, outcome->code ? job->row.state : ORL_JOB_SUCCEEDED,
                     &outcome->tally);
@@ -174,6 +176,7 @@ static int start_job(struct orl_jobs_job *job, struct orl_error *err)
     };
     snprintf(spec.job_id, sizeof spec.job_id, "%s", job->row.id);
     orl_kept_key(jobs->env.program, job->row.document, job->row.scene, spec.key);
+    snprintf(spec.document, sizeof spec.document, "%s", job->row.document);
     orl_blob_path(jobs->env.folders, job->row.document, spec.document_path);
     int rc = orl_scene_files(jobs->env.db, jobs->env.folders, job->row.scene, &spec.bundle, err);
     if (rc)
@@ -186,15 +189,33 @@ static int start_job(struct orl_jobs_job *job, struct orl_error *err)
     return rc;
 }
 
+/* It ran when the daemon ended abruptly, and may be why: orderly stops do not count. */
+static bool is_suspect(const struct orl_jobs_job *job)
+{
+    bool suspect = job->row.attempts > 0;
+    for (const struct orl_jobs_job *at = job->followers; at && !suspect; at = at->next_follower)
+        suspect = at->row.attempts > 0;
+    return suspect;
+}
+
+/*
+ * A suspect runs alone, so that of jobs that ran at once when the daemon ended the one that was the
+ * reason fails by itself, and the others go on. It keeps its place: nobody passes it while the jobs
+ * before it end.
+ */
 void orl_runs_start_next(struct orl_jobs *jobs)
 {
-    while (!jobs->stopping && jobs->n_workers < jobs->env.at_once) {
+    while (!jobs->stopping && jobs->n_workers < jobs->env.at_once && !jobs->alone) {
         struct orl_jobs_job *job = next_job(jobs);
         struct orl_worker_outcome failed = {0};
-        if (!job)
+        const bool suspect = job && is_suspect(job);
+        if (!job || (suspect && jobs->n_workers > 0))
             return;
+        orl_queue_take(jobs->queue);
         failed.code = start_job(job, &failed.err);
         if (failed.code)
             end_all(job, &failed);
+        else
+            jobs->alone = suspect;
     }
 }

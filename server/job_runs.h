@@ -16,10 +16,12 @@ struct orl_jobs {
     struct orl_queue *queue;
     struct orl_jobs_job *leaders; /* that wait or run */
     uint32_t n_workers;
+    bool alone; /* what runs is to have nothing beside it */
     struct orl_jobs_job *buckets[ORL_JOBS_BUCKETS];
     size_t counts[ORL_JOB_STATE_COUNT];
     uint64_t result_bytes;   /* of the results that are kept */
     uint64_t expected_bytes; /* of the results of jobs that wait or run */
+    size_t n_unsaved;        /* jobs whose rows could not be written */
     bool stopping;
 };
 
@@ -30,7 +32,8 @@ struct orl_jobs_job *orl_jobs_lookup(const struct orl_jobs *jobs, const char *id
 
 /*
  * Writes the row, then changes the state in memory. When the database refuses, the change in memory
- * is made all the same: the job has run or not, whatever the disk says; the log tells.
+ * is made all the same: the job has run or not, whatever the disk says; the log tells, and the row
+ * is tried again by orl_jobs_save.
  */
 void orl_jobs_set_state(struct orl_jobs_job *job, enum orl_job_state state);
 void orl_jobs_fail(struct orl_jobs_job *job, const struct orl_error *err);

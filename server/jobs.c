@@ -107,6 +107,26 @@ bool orl_jobs_full(const struct orl_jobs *jobs)
 
 /* ---- Transitions ---------------------------------------------------------------------------- */
 
+static void note_saved(struct orl_jobs_job *job, bool saved)
+{
+    job->jobs->n_unsaved += (size_t)!saved - (size_t)job->unsaved;
+    job->unsaved = !saved;
+}
+
+void orl_jobs_save(struct orl_jobs *jobs)
+{
+    for (struct orl_jobs_job *job = jobs->newest; job && jobs->n_unsaved > 0; job = job->older) {
+        struct orl_job_row row = job->row;
+        if (!job->unsaved)
+            continue;
+        if (job->cancelled && row.state == ORL_JOB_RUNNING)
+            row.state = ORL_JOB_CANCELLED;
+        if (orl_job_row_update(jobs->env.db, &row, NULL))
+            return; /* it is no better yet */
+        note_saved(job, true);
+    }
+}
+
 void orl_jobs_set_state(struct orl_jobs_job *job, enum orl_job_state state)
 {
     struct orl_jobs *jobs = job->jobs;
@@ -121,6 +141,7 @@ void orl_jobs_set_state(struct orl_jobs_job *job, enum orl_job_state state)
     if (state >= ORL_JOB_SUCCEEDED)
         job->row.finished_ms = orl_time_now_ms();
     const int rc = orl_job_row_update(jobs->env.db, &job->row, &err);
+    note_saved(job, rc == 0);
     if (rc)
         orl_log_event(jobs->env.log, ORL_LOG_ERROR, "job-row-failed", "ss", "job", job->row.id,
                       "why", err.message);
@@ -196,21 +217,21 @@ static void forget_partial(const struct orl_jobs_job *job)
     orl_remove_tree(path, NULL);
 }
 
-/*
- * The row says cancelled at once, so that a crash does not bring the job back; in memory it runs on
- * until its threads have heard. Should it succeed first, its row is written once more.
- */
-static int cancel_running(struct orl_jobs_job *job, struct orl_error *err)
+/* The row says cancelled before anything else does, so that a crash does not bring the job back. */
+static int write_cancelled(const struct orl_jobs_job *job, struct orl_error *err)
 {
     struct orl_job_row row = job->row;
     row.state = ORL_JOB_CANCELLED;
     row.finished_ms = orl_time_now_ms();
-    const int rc = orl_job_row_update(job->jobs->env.db, &row, err);
-    if (rc)
-        return rc;
+    return orl_job_row_update(job->jobs->env.db, &row, err);
+}
+
+/* In memory it runs on until its threads have heard. Should it succeed first, its row is written
+ * once more. */
+static void cancel_running(struct orl_jobs_job *job)
+{
     job->cancelled = true;
     orl_worker_cancel(job->worker);
-    return 0;
 }
 
 /* One that waits: who follows it goes on, and the first of them leads. */
@@ -251,21 +272,21 @@ int orl_jobs_cancel(struct orl_jobs *jobs, const char *id, struct orl_error *err
     struct orl_jobs_job *job = orl_jobs_lookup(jobs, id);
     if (!job)
         return orl_error_set(err, ORL_ERR_NOT_FOUND, "there is no such job");
-    switch (job->row.state) {
-    case ORL_JOB_QUEUED:
-        cancel_queued(job);
+    if (job->row.state == ORL_JOB_CANCELLED)
         return 0;
-    case ORL_JOB_RUNNING:
-        if (!job->leader && !job->followers)
-            return cancel_running(job, err);
-        cancel_sharing(job);
-        return 0;
-    case ORL_JOB_CANCELLED:
-        return 0;
-    default:
+    if (job->row.state > ORL_JOB_RUNNING)
         return orl_error_set(err, ORL_ERR_INVALID, "the job has %s already",
                              orl_job_state_name(job->row.state));
-    }
+    const int rc = write_cancelled(job, err);
+    if (rc)
+        return rc;
+    if (job->row.state == ORL_JOB_QUEUED)
+        cancel_queued(job);
+    else if (!job->leader && !job->followers)
+        cancel_running(job);
+    else
+        cancel_sharing(job);
+    return 0;
 }
 
 bool orl_jobs_ended(const struct orl_jobs_job *job)
@@ -295,6 +316,7 @@ int orl_jobs_remove(struct orl_jobs *jobs, const char *id, struct orl_error *err
     if (rc)
         return rc;
     orl_log_event(jobs->env.log, ORL_LOG_INFO, "job-removed", "s", "job", id);
+    note_saved(job, true);
     orl_job_results_discard(job);
     orl_blobs_forget(jobs->env.blobs, job->row.document);
     unlink_job(jobs, job);
@@ -393,6 +415,7 @@ void orl_jobs_close(struct orl_jobs *jobs)
 {
     if (!jobs)
         return;
+    orl_jobs_save(jobs);
     while (jobs->newest) {
         struct orl_jobs_job *job = jobs->newest;
         jobs->newest = job->older;

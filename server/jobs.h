@@ -40,6 +40,7 @@ struct orl_jobs_job {
     struct orl_worker *worker; /* while running; a leader's */
     double started_s;          /* steady clock, while running */
     bool cancelled, requeue;   /* what to make of ORL_ERR_CANCELLED */
+    bool unsaved;              /* the row in the database is an older one */
     bool fetched;              /* its row does not know yet when last */
     /* job_share.h. A leader has leader NULL. */
     struct orl_jobs_job *leader, *followers, *next_follower, *next_leader;
@@ -72,6 +73,10 @@ void orl_jobs_close(struct orl_jobs *jobs); /* nothing may run; NULL is allowed 
 void orl_jobs_drain(struct orl_jobs *jobs);
 /* Starts no more jobs, stops those that run and queues them again; then calls env.idle. */
 void orl_jobs_stop(struct orl_jobs *jobs);
+
+/* Writes those rows that could not be written when they changed, as with a full disk. To be called
+ * now and then. */
+void orl_jobs_save(struct orl_jobs *jobs);
 
 /* Is there room in the queue? */
 bool orl_jobs_full(const struct orl_jobs *jobs);

@@ -118,15 +118,21 @@ static bool goes_first(const struct orl_queue_entry *a, const struct orl_queue_e
                                               : a->order < b->order;
 }
 
-struct orl_queue_entry *orl_queue_take(struct orl_queue *queue)
+struct orl_queue_entry *orl_queue_first(const struct orl_queue *queue)
 {
     struct orl_queue_entry *best = NULL;
-    for (struct orl_queue_client *client = queue->clients; client; client = client->next) {
+    for (const struct orl_queue_client *client = queue->clients; client; client = client->next) {
         struct orl_queue_entry *first = client->first;
         if (first && (!best || first->priority > best->priority ||
                       (first->priority == best->priority && goes_first(first, best))))
             best = first;
     }
+    return best;
+}
+
+struct orl_queue_entry *orl_queue_take(struct orl_queue *queue)
+{
+    struct orl_queue_entry *best = orl_queue_first(queue);
     if (!best)
         return NULL;
     best->client->turn = ++queue->turns;

@@ -37,6 +37,8 @@ int orl_queue_add(struct orl_queue *queue, struct orl_queue_entry *entry, const 
                   struct orl_error *err);
 /* Does nothing to an entry that is not queued. */
 void orl_queue_remove(struct orl_queue *queue, struct orl_queue_entry *entry);
+/* The next. NULL: nobody waits. */
+struct orl_queue_entry *orl_queue_first(const struct orl_queue *queue);
 /* Takes the next out, and counts it as its client's turn. NULL: nobody waits. */
 struct orl_queue_entry *orl_queue_take(struct orl_queue *queue);
 

@@ -9,6 +9,8 @@
 #include "store/tokens.h"
 #include "times.h"
 
+enum { SAVING_MS = 1000 };
+
 /* ---- Stopping ------------------------------------------------------------------------------- */
 
 /* Once neither jobs nor requests are on the pool, everything can be closed. */
@@ -23,6 +25,7 @@ static void stop_if_quiet(struct orl_server *server)
     orl_storage_stop(&server->storage);
     uv_close((uv_handle_t *)&server->kept_changed, NULL);
     uv_close((uv_handle_t *)&server->drain, NULL);
+    uv_close((uv_handle_t *)&server->saving, NULL);
     uv_close((uv_handle_t *)&server->log_lines, NULL);
     for (int i = 0; i < 2; i++)
         if (!uv_is_closing((uv_handle_t *)&server->signals[i]))
@@ -52,6 +55,12 @@ static void on_jobs_idle(void *ctx)
     server->jobs_idle = true;
     stop(server);
     stop_if_quiet(server);
+}
+
+static void on_saving(uv_timer_t *timer)
+{
+    const struct orl_server *server = timer->data;
+    orl_jobs_save(server->jobs);
 }
 
 static void on_drain_over(uv_timer_t *timer)
@@ -128,6 +137,8 @@ static int open_storage(struct orl_server *server, struct orl_error *err)
     if (rc == 0)
         rc = orl_db_migrate_embedded(&server->db, err);
     if (rc == 0)
+        rc = orl_db_serve(&server->db, err);
+    if (rc == 0)
         rc = orl_blobs_open(&server->loop, &server->folders, &server->db, &server->blobs, err);
     if (rc == 0)
         rc = orl_map_cache_open(&server->loop, &server->folders, &server->db, wake_for_maps,
@@ -175,6 +186,9 @@ static void watch_signals(struct orl_server *server)
 {
     uv_timer_init(&server->loop, &server->drain);
     server->drain.data = server;
+    uv_timer_init(&server->loop, &server->saving);
+    server->saving.data = server;
+    uv_timer_start(&server->saving, on_saving, SAVING_MS, SAVING_MS);
     static const int numbers[2] = {SIGTERM, SIGINT};
     for (int i = 0; i < 2; i++) {
         uv_signal_init(&server->loop, &server->signals[i]);

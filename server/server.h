@@ -31,7 +31,7 @@ struct orl_server {
     uv_loop_t loop;
     uv_async_t kept_changed;
     uv_signal_t signals[2];
-    uv_timer_t drain;
+    uv_timer_t drain, saving;
     uv_prepare_t log_lines; /* written out before the loop sleeps */
     struct orl_folders folders;
     struct orl_db db;

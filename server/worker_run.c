@@ -35,10 +35,15 @@ static int read_document(struct orl_worker *worker, struct orl_task *ret_task,
                          struct orl_error *err)
 {
     struct orl_file file;
+    char sha[ORL_SHA_HEX];
     int rc = orl_map_file(worker->spec.document_path, &file, err);
     if (rc)
         return rc;
-    rc = orl_job_read(file.data, file.size, ret_task, NULL, err);
+    orl_sha256_hex(file.data, file.size, sha);
+    if (strcmp(sha, worker->spec.document) == 0)
+        rc = orl_job_read(file.data, file.size, ret_task, NULL, err);
+    else
+        rc = orl_error_set(err, ORL_ERR_CORRUPT, "the job's document is damaged in the store");
     orl_unmap_file(&file);
     if (rc == 0) {
         rc = orl_job_set_scene(orl_task_job(ret_task), &worker->spec.bundle, err);

@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "base/sha256.h"
 #include "bsdf/compiled.h"
 
 enum { LEAST_BYTES = 1 << 20 };
@@ -32,6 +33,21 @@ struct request {
     char key[ORL_DIGEST_HEX + 1];
 };
 
+/* Where the digest was told and not worked out, the XML may be another by now. */
+static int check_content(const struct request *r, struct orl_error *err)
+{
+    struct orl_sha256 hash;
+    unsigned char content[ORL_COMPILED_DIGEST];
+    if (!r->state->env->files->digest)
+        return 0;
+    orl_sha256_init(&hash);
+    orl_sha256_add(&hash, r->xml->data, r->xml->size);
+    orl_sha256_finish(&hash, content);
+    if (memcmp(content, r->content, sizeof content) == 0)
+        return 0;
+    return orl_error_set(err, ORL_ERR_CORRUPT, "the file is damaged in the store");
+}
+
 /* From XML, into the path that the store gave. */
 static int load_and_keep(struct request *r, struct orl_bsdf **ret_bsdf, struct orl_error *err)
 {
@@ -41,7 +57,9 @@ static int load_and_keep(struct request *r, struct orl_bsdf **ret_bsdf, struct o
     struct orl_map_info info = {.kind = "", .key = ""};
     struct orl_bsdf_info about;
     struct orl_error why = {0};
-    int code = orl_bsdf_load(r->xml, ret_bsdf, err);
+    int code = check_content(r, err);
+    if (code == 0)
+        code = orl_bsdf_load(r->xml, ret_bsdf, err);
     if (code < 0) {
         store->abandon(store->ctx, kind, r->key);
         return code;

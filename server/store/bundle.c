@@ -223,6 +223,24 @@ void orl_unmap_file(struct orl_file *file)
     *file = (struct orl_file){0};
 }
 
+/*
+ * Is it still what was uploaded? Large BSDFs are not looked at here: loaded before, they are not
+ * read again (core/run/bsdfs.c, which looks when they are).
+ */
+static bool is_whole(const struct orl_bundle_file *file, const struct orl_file *data)
+{
+    enum { SMALL = 1 << 20 };
+    const size_t length = strlen(file->name);
+    const bool xml = length > 4 && strcasecmp(file->name + length - 4, ".xml") == 0;
+    char sha[ORL_SHA_HEX];
+    if (data->size != file->bytes)
+        return false;
+    if (!orl_is_sha256(file->sha) || (xml && data->size > SMALL))
+        return true;
+    orl_sha256_hex(data->data, data->size, sha);
+    return strcmp(sha, file->sha) == 0;
+}
+
 static int provider_open(void *ctx, const char *name, struct orl_file *ret_file,
                          struct orl_error *err)
 {
@@ -232,7 +250,14 @@ static int provider_open(void *ctx, const char *name, struct orl_file *ret_file,
         orl_error_hint(err, "Upload it with the scene, under the name by which it is referred to");
         return ORL_ERR_NOT_FOUND;
     }
-    return orl_map_file(file->path, ret_file, err);
+    int rc = orl_map_file(file->path, ret_file, err);
+    if (rc == 0 && !is_whole(file, ret_file)) {
+        orl_unmap_file(ret_file);
+        rc = orl_error_set(err, ORL_ERR_CORRUPT, "the file '%.200s' is damaged in the store",
+                           file->name);
+        orl_error_hint(err, "Upload it again");
+    }
+    return rc;
 }
 
 /* The digest a blob is kept by. */

@@ -3,7 +3,7 @@
 #include <stdarg.h>
 #include <string.h>
 
-enum { BUSY_TIMEOUT_MS = 5000 };
+enum { BUSY_TIMEOUT_MS = 5000, SERVING_TIMEOUT_MS = 250 };
 
 int orl_db_error(struct orl_db *db, const char *what, struct orl_error *err)
 {
@@ -34,6 +34,24 @@ int orl_db_open(struct orl_db *db, const char *path, struct orl_error *err)
                          err);
     if (rc)
         orl_db_close(db);
+    return rc;
+}
+
+int orl_db_serve(struct orl_db *db, struct orl_error *err)
+{
+    sqlite3_stmt *stmt = orl_db_prepare(db, err, "PRAGMA quick_check(1)", "");
+    if (!stmt)
+        return ORL_ERR_IO;
+    int rc = 0;
+    if (sqlite3_step(stmt) != SQLITE_ROW) {
+        rc = orl_db_error(db, "cannot be checked", err);
+    } else if (strcmp(orl_db_text(stmt, 0), "ok") != 0) {
+        rc = orl_error_set(err, ORL_ERR_CORRUPT, "the database is damaged: %.200s",
+                           orl_db_text(stmt, 0));
+        orl_error_hint(err, "Put back a copy of the data folder, or give another one");
+    }
+    sqlite3_finalize(stmt);
+    sqlite3_busy_timeout(db->handle, SERVING_TIMEOUT_MS);
     return rc;
 }
 

@@ -20,6 +20,11 @@ struct orl_db {
 
 /* Opens or creates path. Does not migrate. */
 int orl_db_open(struct orl_db *db, const char *path, struct orl_error *err);
+/*
+ * For a daemon that is about to serve: refuses a damaged database (ORL_ERR_CORRUPT), and from then
+ * on waits but a moment for another program's lock, since everybody waits meanwhile.
+ */
+int orl_db_serve(struct orl_db *db, struct orl_error *err);
 void orl_db_close(struct orl_db *db); /* a zeroed struct is fine */
 
 /* Fills err with what SQLite says; returns ORL_ERR_IO. */

@@ -138,6 +138,33 @@ static void check_draining(struct daemon_room *f, const char *running)
     reply_done(&reply);
 }
 
+/*
+ * Two jobs run at once, and whenever the one runs the daemon is gone: it fails in the end, and the
+ * other succeeds, since from the second start on each runs alone.
+ */
+static void test_bystanders_go_on(void **state)
+{
+    static const char *const two[] = {"--jobs", "2", "--threads", "2", NULL};
+    struct daemon_room *f = *state;
+    char killer[80], bystander[80];
+    struct reply reply;
+    daemon_end(&f->daemon, SIGTERM);
+    daemon_restart(&f->daemon, two);
+    daemon_submit(&f->daemon, f->scene, MANY_PHOTONS, 7, NULL, killer);
+    submit_for_seconds(f, 1, bystander);
+    daemon_wait_running(&f->daemon, bystander, -1);
+    for (int i = 0; i < 3; i++) {
+        daemon_wait_running(&f->daemon, killer, -1);
+        daemon_get(&f->daemon, bystander, &reply);
+        assert_string_equal(reply_text(&reply, "state"), i == 0 ? "running" : "queued");
+        reply_done(&reply);
+        daemon_end(&f->daemon, SIGKILL);
+        daemon_restart(&f->daemon, two);
+    }
+    expect_state(&f->daemon, killer, "failed", 3);
+    expect_state(&f->daemon, bystander, "succeeded", 2);
+}
+
 /* SIGTERM with time: what runs finishes, what waits is there at the next start. */
 static void test_drain(void **state)
 {
@@ -270,6 +297,7 @@ int main(void)
         cmocka_unit_test(test_killed_in_the_middle),
         cmocka_unit_test(test_third_kill_fails_the_job),
         cmocka_unit_test(test_orderly_stop_requeues),
+        cmocka_unit_test(test_bystanders_go_on),
         cmocka_unit_test(test_drain),
         cmocka_unit_test(test_drain_is_bounded),
         cmocka_unit_test(test_cancelled_stays_cancelled),
