@@ -265,7 +265,7 @@ void orl_handle_job_post(struct orl_request *request)
         return;
     struct job_post *post = calloc(1, sizeof *post);
     if (!post) {
-        orl_reply_json(request, 500, NULL);
+        orl_reply_json(request, 503, NULL);
         return;
     }
     request->state = post;

@@ -148,7 +148,7 @@ void orl_handle_scene_post(struct orl_request *request)
 {
     struct scene_post *post = calloc(1, sizeof *post);
     if (!post) {
-        orl_reply_json(request, 500, NULL);
+        orl_reply_json(request, 503, NULL);
         return;
     }
     request->state = post;

@@ -14,11 +14,13 @@ static void set_response(struct orl_request *request, unsigned status,
                          struct MHD_Response *response, const char *type)
 {
     if (!response) {
-        static const char text[] = "{\"type\":\"urn:oriel:error:nomem\",\"status\":500}";
+        static const char text[] =
+            "{\"type\":\"urn:oriel:error:no-memory\",\"title\":\"The server is "
+            "out of memory\",\"status\":503}";
         response = MHD_create_response_from_buffer(sizeof text - 1, (void *)(uintptr_t)text,
                                                    MHD_RESPMEM_PERSISTENT);
         type = "application/problem+json";
-        status = 500;
+        status = 503;
     }
     if (request->response)
         MHD_destroy_response(request->response);

@@ -1,6 +1,6 @@
 /*
  * Replies. Each makes the response of a request, once; sending it is request.c's. When memory runs
- * out a plain 500 goes out instead.
+ * out a plain 503 goes out instead.
  */
 #ifndef ORL_SERVER_REPLY_H
 #define ORL_SERVER_REPLY_H
@@ -9,11 +9,11 @@
 
 #include "request.h"
 
-/* Takes json; NULL (out of memory) becomes a 500. */
+/* Takes json; NULL (out of memory) becomes a 503. */
 void orl_reply_json(struct orl_request *request, unsigned status, json_t *json);
 /* The text that such a reply has, owned; takes json. NULL when that is, or memory runs out. */
 char *orl_reply_text_of(json_t *json);
-/* Such text, made before; it is copied. NULL becomes a 500. */
+/* Such text, made before; it is copied. NULL becomes a 503. */
 void orl_reply_json_text(struct orl_request *request, unsigned status, const char *text,
                          size_t size);
 /* application/problem+json for an error of the core; those of ours (5xx) are logged. */
@@ -31,7 +31,7 @@ void orl_reply_not_found(struct orl_request *request, const char *what);
 void orl_reply_stopping(struct orl_request *request);
 /* Constant text. */
 void orl_reply_text(struct orl_request *request, const char *type, const char *text);
-/* Text that it takes; NULL (out of memory) becomes a 500. */
+/* Text that it takes; NULL (out of memory) becomes a 503. */
 void orl_reply_owned_text(struct orl_request *request, const char *type, char *text);
 /* A file, by descriptor, which it takes. */
 void orl_reply_file(struct orl_request *request, int fd, uint64_t size, const char *type);
@@ -44,7 +44,7 @@ void orl_reply_part(struct orl_request *request, int fd, uint64_t size, const ch
                     const char *tag);
 /* 204, without a body. */
 void orl_reply_no_content(struct orl_request *request);
-/* A response that makes its body by itself; NULL (out of memory) becomes a 500. */
+/* A response that makes its body by itself; NULL (out of memory) becomes a 503. */
 void orl_reply_stream(struct orl_request *request, struct MHD_Response *response, const char *type);
 /* 304, without a body. */
 void orl_reply_not_modified(struct orl_request *request);

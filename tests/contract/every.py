@@ -51,7 +51,7 @@ def bodies_refused(daemon):
     """413 by the length stated, 415 by the type, 400 for what is no JSON."""
     for operation in daemon.contract.documented(413):
         kinds = bodies(daemon.contract, operation)
-        kind = "application/xml" if kinds[0] == "*/*" else kinds[0]
+        kind = "application/xml" if not kinds or kinds[0] == "*/*" else kinds[0]
         daemon.announce(operation[0], url_of(operation[1]),
                         {"Content-Type": kind, "Content-Length": BEYOND,
                          "Expect": "100-continue"}, want=413)
