@@ -28,7 +28,8 @@ static inline bool orl_may_be_shaded(const struct orl_shades *shades, struct orl
     const double x = orl_dot(point, shades->axis[0]), y = orl_dot(point, shades->axis[1]);
     for (size_t i = 0; i < shades->count; i++) {
         const struct orl_shade *b = &shades->box[i];
-        if (x >= b->low[0] && x <= b->high[0] && y >= b->low[1] && y <= b->high[1])
+        /* Each by itself is chance, all together mostly not: one branch for them. */
+        if ((x >= b->low[0]) & (x <= b->high[0]) & (y >= b->low[1]) & (y <= b->high[1]))
             return true;
     }
     return false;

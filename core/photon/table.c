@@ -43,17 +43,15 @@ void orl_table_done(struct orl_table *table)
     memset(table, 0, sizeof *table);
 }
 
-/* The last i < n with below[i] <= at, and the position within step i. */
+/*
+ * The last i < n with below[i] <= at, and the position within step i. Halved without branches:
+ * which half it is, is chance.
+ */
 static uint32_t find_step(const double *below, uint32_t n, double at, double *ret_within)
 {
-    uint32_t low = 0, high = n;
-    while (high - low > 1) {
-        const uint32_t middle = low + (high - low) / 2;
-        if (below[middle] <= at)
-            low = middle;
-        else
-            high = middle;
-    }
+    uint32_t low = 0;
+    for (uint32_t left = n; left > 1; left -= left / 2)
+        low += (below[low + left / 2] <= at) * (left / 2);
     const double width = below[low + 1] - below[low];
     *ret_within = width > 0 ? fmin((at - below[low]) / width, 1 - 0x1p-53) : 0.5;
     return low;
