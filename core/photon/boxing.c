@@ -1,5 +1,6 @@
 #include "photon/boxing.h"
 
+#include "base/vectors.h"
 #include "photon/facing.h"
 
 static void clear_group(struct orl_map_group *group)
@@ -25,21 +26,48 @@ static inline void include_box(struct orl_map_group *group, uint64_t child, cons
     }
 }
 
-void orl_box_leaves(const struct orl_map_layout *layout, char *file, uint64_t first, uint64_t end)
+/* A leaf's box, which is that of its photons' cells: whole numbers, sixteen in a row. */
+static inline void box_leaf(const uint32_t *words, const uint16_t *normals, uint32_t n,
+                            struct orl_map_group *group, uint64_t child)
+{
+    int32_t low[3] = {INT32_MAX, INT32_MAX, INT32_MAX}, high[3] = {-1, -1, -1};
+    uint32_t facing = 0;
+    for (uint32_t i = 0; i < n; i++) {
+        const uint32_t a = words[i], b = words[i + ORL_MAP_LEAF];
+        const int32_t x = (int32_t)(a & 0xfffffU), y = (int32_t)(b & 0xfffffU);
+        const int32_t z = (int32_t)((a >> 24) << 12 | b >> 20);
+        low[0] = x < low[0] ? x : low[0];
+        low[1] = y < low[1] ? y : low[1];
+        low[2] = z < low[2] ? z : low[2];
+        high[0] = x > high[0] ? x : high[0];
+        high[1] = y > high[1] ? y : high[1];
+        high[2] = z > high[2] ? z : high[2];
+    }
+    for (uint32_t i = 0; i < n; i++)
+        facing |= 1U << orl_facing_bin(normals[i]);
+    for (int k = 0; k < 3; k++) {
+        group->low[k][child] = (float)low[k];
+        group->high[k][child] = (float)high[k];
+    }
+    group->facing[child] = facing;
+}
+
+ORL_FOR_WIDE_VECTORS void orl_box_leaves(const struct orl_map_layout *layout, char *file,
+                                         uint64_t first, uint64_t end)
 {
     struct orl_map_group *groups = (void *)(file + layout->boxes);
     const uint32_t *places = (const void *)(file + layout->places);
     const uint16_t *normals = (const void *)(file + layout->normals);
-    for (uint64_t i = first; i < end; i++) {
-        const uint64_t leaf = i / ORL_MAP_LEAF;
-        const uint32_t *words = places + leaf * ORL_LEAF_WORDS + i % ORL_MAP_LEAF;
-        uint32_t cell[3];
-        if (i % ORL_BOXED_AT_ONCE == 0)
-            clear_group(&groups[leaf / ORL_MAP_FANOUT]);
-        orl_place_unpack(words[0], words[ORL_MAP_LEAF], cell);
-        const float at[3] = {(float)cell[0], (float)cell[1], (float)cell[2]};
-        include_box(&groups[leaf / ORL_MAP_FANOUT], leaf % ORL_MAP_FANOUT, at, at,
-                    1U << orl_facing_bin(normals[i]));
+    for (uint64_t i = first; i < end; i += ORL_MAP_LEAF) {
+        const uint64_t leaf = i / ORL_MAP_LEAF, child = leaf % ORL_MAP_FANOUT;
+        struct orl_map_group *group = &groups[leaf / ORL_MAP_FANOUT];
+        const uint32_t *words = places + leaf * ORL_LEAF_WORDS;
+        if (child == 0)
+            clear_group(group);
+        if (end - i >= ORL_MAP_LEAF)
+            box_leaf(words, normals + i, ORL_MAP_LEAF, group, child);
+        else
+            box_leaf(words, normals + i, (uint32_t)(end - i), group, child);
     }
 }
 
