@@ -169,15 +169,15 @@ def skies(daemon):
                 {"weather": {"file": "w.epw", "month": 3, "day": 22, "hour": 11.5}}):
         document = sensors_of(scene, sky=sky, sensors={"file": "s.txt"},
                               effects={"caustics": "skip", "interreflection": "force"})
-        daemon.ask("POST", "/v1/jobs", document)
-        daemon.contract.judge_request(document)
-    hours = {"weather": {"file": "w.epw"}, "from": {**moment, "hour": 11.5}, "to": {**moment, "hour": 12.5}}
+        daemon.submit(document)
+    hours = {"weather": {"file": "w.epw"}, "from": {**moment, "hour": 11.5},
+             "to": {**moment, "hour": 12.5}}
     cie = {"name": "grey", "cie": {"type": "overcast", "diffuse_horizontal_lx": 10000}}
     for several in (hours, [cie, {**cie, "name": "gray"}]):
         document = sensors_of(scene, skies=several, views=[{**VIEW, "width": 48, "height": 48}])
-        path = "/v1/jobs/" + daemon.ask("POST", "/v1/jobs", document, want=202).id
-        daemon.contract.judge_request(document)
-        daemon.wait(path, ("running", "succeeded"), lambda job: job.get("skies", {}).get("done", 0) > 0)
+        path = daemon.submit(document)
+        daemon.wait(path, ("running", "succeeded"),
+                    lambda job: job.get("skies", {}).get("done", 0) > 0)
         job = daemon.wait(path)
         assert len(job["files"]) == 11 and job["skies"] == {"count": 2, "done": 2}
         daemon.ask("GET", path + "/result", want=200)

@@ -165,12 +165,13 @@ class Contract:
         return sorted(self.expected() - self.seen, key=str)
 
     def unmet_members(self):
-        """Members of answers' schemas that no answer had, as pointers."""
-        reached, left = set(), []
-        for operation in self.operations.values():
-            left += list(operation["responses"].values())
-        left.append(self.document["components"]["schemas"]["JobEvent"])
-        found = set()
+        """Members of answers' schemas that no answer had, as (pointer, name)."""
+        responses = [one["responses"] for one in self.operations.values()]
+        return sorted(self.members(responses) - self.schemas.seen)
+
+    def members(self, part):
+        """Those of all objects that a part of the document describes, as (pointer, name)."""
+        reached, left, found = set(), [part], set()
         while left:
             node = left.pop()
             if isinstance(node, list):
@@ -184,4 +185,4 @@ class Contract:
                 pointer = self.schemas.pointers[id(node)]
                 found |= {(pointer, name) for name in node["properties"]}
             left += [child for child in node.values() if isinstance(child, (dict, list))]
-        return sorted(found - self.schemas.seen)
+        return found

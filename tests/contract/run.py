@@ -11,12 +11,14 @@ import resource
 import sys
 import time
 
+import breaks
 import cases
 import every
 import observed
 from daemons import Daemon
 from recorder import Contract
 
+MORE = (((), (observed.metrics,)), ((), (breaks.breaks,)))
 HERE = os.path.dirname(os.path.abspath(__file__))
 
 
@@ -50,7 +52,7 @@ def run(contract):
     with open(os.path.join(HERE, "../../api/openapi.yaml")) as stream:
         text = stream.read()
     whole = (every.things_unknown, every.strays, every.web_pages, every.bodies_refused)
-    for i, (options, group) in enumerate(cases.DAEMONS + (((), (observed.metrics,)),)):
+    for i, (options, group) in enumerate(cases.DAEMONS + MORE):
         daemon = Daemon(contract, "--threads", "1", *options)
         assert daemon.ask("GET", "/openapi.yaml", want=200).body.decode() == text
         for part in (whole if i == 0 else ()) + group:

@@ -1,0 +1,124 @@
+"""Jobs against their schemas, member by member: what the contract forbids the daemon must refuse.
+
+From jobs that are taken come hundreds that break the schema in one place each: another type, beyond
+a bound, not of the list, a member too many or too few.
+"""
+
+import copy
+import json
+
+from cases import ROOM, SENSORS, SKY, VIEW, bsdf
+
+ODD = (None, True, "", "x" * 70000, "/", 1.5, -1, 1e300, 10**30, [], {}, [[1]], {"x": 1})
+PLACE = {"latitude": 38, "longitude": 27, "time_zone": 2}
+DAY = {"month": 3, "day": 22}
+EFFECTS = ("caustics", "sun", "sky", "exterior", "caustics_mirror", "caustics_bsdf",
+           "caustics_glass", "interreflection", "glossy", "color", "media", "refraction", "lamps",
+           "glare", "bins", "final_gather", "ports", "suns")
+
+
+def jobs(lit, dark):
+    """Jobs that are taken; together they have every member that a request may have."""
+    sky = [{"perez": {**DAY, "hour": 12, **PLACE, **light, "ground_reflectance": 0.3}}
+           for light in ({"direct_normal_w_m2": 800, "diffuse_horizontal_w_m2": 120},
+                         {"direct_normal_lx": 80000, "diffuse_horizontal_lx": 12000},
+                         {"direct_horizontal_w_m2": 500, "diffuse_horizontal_w_m2": 120},
+                         {"global_horizontal_w_m2": 600}, {"clearness": 4, "brightness": 0.2})]
+    sun = {"sun_altitude": 40, "sun_azimuth": 10}
+    sky += [{"perez": {**sun, "global_horizontal_w_m2": 600}, "normalise": "gendaylit"},
+            {"cie": {"type": "clear", **DAY, "hour": 12, **PLACE, "zenith_cd_m2": 8000,
+                     "direct_normal_lx": 80000, "ground_reflectance": 0.2}},
+            {"cie": {"type": "intermediate", **sun, "turbidity": 3}},
+            {"cie": {"type": "overcast", "diffuse_horizontal_lx": 10000}},
+            {"weather": {"file": "w.epw", **DAY, "hour": 11.5, "ground_reflectance": 0.2}}]
+    several = [[{"name": "one", **sky[8]}, sky[9], {**sky[5], "name": "five"}],
+               {"weather": {"file": "w.epw", "ground_reflectance": 0.2}, "normalise": "flux",
+                "from": {**DAY, "hour": 11.5}, "to": {**DAY, "hour": 12.5}, "step_h": 1},
+               {"perez": {**PLACE, "global_horizontal_w_m2": 600},
+                "from": {**DAY, "hour": 11.5}, "to": {**DAY, "hour": 12.5}},
+               {"cie": {"type": "clear", **PLACE},
+                "from": {**DAY, "hour": 11.5}, "to": {**DAY, "hour": 12.5}}]
+    yield {"kind": "render", "scene": lit, "technique": "gather", "seed": 1, "gather_samples": 16,
+           "photons": {"global": 500, "caustic": 500}, "sensors": SENSORS, "views": [VIEW],
+           "priority": 5, "effects": {name: "auto" for name in EFFECTS}}
+    yield {"scene": lit, "technique": "backward", "pixel_samples": 4, "views": [VIEW]}
+    yield {"scene": lit, "accuracy": {"relative_error": 0.5, "at": 0.9}, "sensors": SENSORS}
+    yield {"scene": lit, "accuracy": {"deadline_s": 0.01}, "sensors": SENSORS}
+    for one in sky:
+        yield {"scene": dark, "sky": one, "sensors": {"file": "s.txt"}}
+    for one in several:
+        yield {"scene": dark, "skies": one, "sensors": {"file": "s.txt"}}
+    study = {"kind": "study", "priority": 5, "title": "t", "note": "n", "scene": lit,
+             "effects": {"sun": "skip"}, "seed": 3, "techniques": ["backward", "gather"],
+             "photons": [500, 1000], "repeats": 2, "reference": {"samples": 64, "runs": 2},
+             "points": [{"name": "other", "seconds": 1, "rms": 0.1, "rays_per_s": 1e6}]}
+    yield {**study, "gather_samples": [8, 16], "sensors": SENSORS}
+    yield {**study, "scene": dark, "sky": sky[8], "pixel_samples": [1, 2], "views": [VIEW]}
+
+
+def places(value, path=()):
+    """Every place in a document, from the outside in."""
+    yield path
+    items = (value.items() if isinstance(value, dict)
+             else list(enumerate(value))[:1] if isinstance(value, list) else ())
+    for key, child in items:
+        yield from places(child, path + (key,))
+
+
+def changed(document, path, change):
+    """A copy in which change(container, key) was called for the place."""
+    whole = {"": copy.deepcopy(document)}
+    container, key = whole, ""
+    for step in path:
+        container, key = container[key], step
+    change(container, key)
+    return whole[""]
+
+
+def variants(document, done):
+    """The document, changed in one place each that no document before it had. done: such places."""
+    for path in places(document):
+        place = (document.get("kind"), *(step for step in path if isinstance(step, str)), len(path))
+        if place in done:
+            continue
+        done.add(place)
+        for odd in ODD:
+            yield changed(document, path, lambda at, key, odd=odd: at.__setitem__(key, odd))
+        yield changed(document, path, lambda at, key: isinstance(at[key], dict)
+                      and at[key].__setitem__("surplus", 1))
+        if path and isinstance(path[-1], str):
+            yield changed(document, path, lambda at, key: at.pop(key))
+        yield changed(document, path, lambda at, key: isinstance(at[key], list) and at[key]
+                      and at[key].extend(at[key][:1] * 70))
+
+
+def breaks(daemon):
+    """All of them; and no member of a request that no job here has."""
+    lit = daemon.upload(ROOM + SKY)
+    weather = bsdf("weather.epw").decode("latin-1")
+    dark = daemon.upload(ROOM, resources={"w.epw": weather, "s.txt": "1 1 1 0 0 1\n"})
+    taken, refused, done = list(jobs(lit, dark)), 0, set()
+    check_members(daemon.contract, taken)
+    for document in taken:
+        daemon.ask("POST", daemon.submit(document) + "/cancel")
+    for document in taken:
+        for variant in variants(document, done):
+            if not daemon.contract.judge_request(variant):
+                continue
+            answer = daemon.ask("POST", "/v1/jobs", json.dumps(variant),
+                                {"Content-Type": "application/json"})
+            assert answer.status in (400, 413, 422), \
+                "%d for %.600r: %s" % (answer.status, variant,
+                                       daemon.contract.judge_request(variant))
+            refused += 1
+    print("# %d jobs taken, %d refused that break the schema in one place" % (len(taken), refused))
+
+
+def check_members(contract, documents):
+    before, contract.schemas.seen = contract.schemas.seen, set()
+    for document in documents:
+        assert not contract.judge_request(document), document
+    unmet = contract.members(contract.operations["POST", "/v1/jobs"]["requestBody"])
+    unmet -= contract.schemas.seen
+    contract.schemas.seen = before
+    assert not unmet, "in no job: %s" % sorted(unmet)
