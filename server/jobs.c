@@ -319,6 +319,7 @@ int orl_jobs_remove(struct orl_jobs *jobs, const char *id, struct orl_error *err
     note_saved(job, true);
     orl_job_results_discard(job);
     orl_blobs_forget(jobs->env.blobs, job->row.document);
+    note_saved(job, true); /* there is nothing left to save */
     unlink_job(jobs, job);
     job_free(job);
     return 0;
