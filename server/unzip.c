@@ -142,7 +142,7 @@ static int unpack_file(struct unpacking *u, const char *name, struct orl_error *
 
 static int unpack_entry(struct unpacking *u, struct archive_entry *entry, struct orl_error *err)
 {
-    char name[ORL_PATH_MAX];
+    char name[ORL_PATH_MAX] = "";
     int rc = read_name(entry, name, err);
     if (rc || is_litter(name) || name[0] == '\0')
         return rc;

@@ -17,6 +17,8 @@ struct writer {
 
 static void put(struct writer *w, const void *data, size_t size)
 {
+    if (size == 0)
+        return;
     if (w->size + size > w->room) {
         w->room = 2 * (w->size + size);
         w->bytes = realloc(w->bytes, w->room);
@@ -26,7 +28,7 @@ static void put(struct writer *w, const void *data, size_t size)
     w->size += size;
 }
 
-static void put_number(struct writer *w, uint32_t value, int bytes)
+static void put_number(struct writer *w, uint64_t value, int bytes)
 {
     for (int i = 0; i < bytes; i++) {
         const unsigned char byte = (unsigned char)(value >> (8 * i));
@@ -83,7 +85,7 @@ char *zip_make(const struct zip_entry *entries, size_t count, size_t *ret_size)
         put(&w, entries[i].data, entries[i].size);
     }
     const size_t start = w.size;
-    put(&w, directory.bytes ? directory.bytes : (unsigned char *)"", directory.size);
+    put(&w, directory.bytes, directory.size);
     put(&w, "PK\5\6", 4);
     put_number(&w, 0, 4);
     put_number(&w, (uint32_t)count, 2);
