@@ -69,7 +69,7 @@ SUPPORT_OBJ := $(call obj,$(SUPPORT_SRC))
 SERVER_LIB_OBJ := $(filter-out %/server/main.o,$(SERVER_OBJ))
 TEST_BIN   := $(patsubst tests/%.c,$(BUILD)/tests/%,$(TEST_SRC))
 
-.PHONY: all help clean check demo lint format asan tsan bench bench-scale load check-perf table2 gallery \
+.PHONY: all help clean check demo torture lint format asan tsan bench bench-scale load check-perf table2 gallery \
 	calibration study tests deps-build deps-check deps-lint deps-demo deps-perf deps-fuzz fuzz fuzzers stability cie171 oracles FORCE
 all: $(BUILD)/oriel $(BUILD)/orield $(BUILD)/oriel-lcp
 
@@ -97,6 +97,8 @@ help:
 ## make gallery    pictures by all techniques, side by side, in build/gallery
 ## make calibration  whether errors stated are errors made: intervals, error maps, jobs by accuracy
 ##                 or deadline, predictions; long (tests/README.md has its parts)
+## make torture    a daemon killed 500 times under load (TORTURE_KILLS), faults of disk, files,
+##                 database and memory, malformed requests, cancels: what it answered for is kept
 ## make format     clang-format in place
 
 # ---- Packages ------------------------------------------------------------------------------------
@@ -177,7 +179,13 @@ $(BUILD)/tests/%: $(BUILD)/obj/tests/%.o $(BUILD)/libtests.a $(BUILD)/liboriel.a
 -include $(shell find $(BUILD)/obj -name '*.d' 2>/dev/null)
 
 # ---- Checks --------------------------------------------------------------------------------------
-tests: all $(TEST_BIN)
+tests: all $(TEST_BIN) $(BUILD)/tests/faulty.so
+
+# Loaded into a daemon, whichever way that was built, to make its disk fail.
+$(BUILD)/tests/faulty.so: tests/torture/faulty.c
+	@mkdir -p $(@D)
+	$(call say,LD,$@)
+	$(Q)$(CC) $(STD) $(WARNINGS) $(WERROR) -O1 -shared -fPIC -o $@ $<
 
 # The figure for coverage comes from a second build with counters, and from the suites that look at
 # the core: what users run is what the tests themselves are about.
@@ -204,6 +212,16 @@ tsan: deps-check
 		$(MAKE) --no-print-directory BUILD=$(BUILD)/tsan MODE=tsan run-tests
 
 HARD_CASES := 48
+# Parts may fail by themselves; all are run.
+TORTURE_KILLS ?= 500
+torture: deps-check
+	@$(MAKE) --no-print-directory -j$(JOBS) all $(BUILD)/tests/faulty.so
+	@export PYTHONDONTWRITEBYTECODE=1; failed=0; \
+		python3 tests/torture/torture.py $(BUILD) --kills $(TORTURE_KILLS) || failed=1; \
+		python3 tests/torture/faults.py $(BUILD) || failed=1; \
+		python3 tests/torture/malformed.py $(BUILD) --count 10000 || failed=1; \
+		python3 tests/torture/cancel.py $(BUILD) || failed=1; exit $$failed
+
 STABILITY_BIN := $(filter $(BUILD)/tests/stability/%,$(TEST_BIN))
 stability: deps-check
 	@$(MAKE) --no-print-directory -j$(JOBS) all $(STABILITY_BIN)

@@ -1,0 +1,65 @@
+/* The quick parts of tests/torture: faults of the disk and the database, and malformed requests. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+static void run(const char *script, const char *arguments)
+{
+    const char *build = getenv("ORIEL_BUILD");
+    char command[512];
+    snprintf(command, sizeof command,
+             "PYTHONDONTWRITEBYTECODE=1 timeout 250 python3 tests/torture/%s %s %s >&2", script,
+             build ? build : "build", arguments);
+    assert_int_equal(system(command), 0);
+}
+
+static void test_full_disk(void **state)
+{
+    (void)state;
+    run("faults.py", "disk_full");
+}
+
+static void test_damaged_upload(void **state)
+{
+    (void)state;
+    run("faults.py", "flipped_blob");
+}
+
+static void test_locked_database(void **state)
+{
+    (void)state;
+    run("faults.py", "locked_database");
+}
+
+static void test_damaged_database(void **state)
+{
+    (void)state;
+    run("faults.py", "damaged_database");
+}
+
+static void test_no_descriptors(void **state)
+{
+    (void)state;
+    run("faults.py", "no_descriptors");
+}
+
+static void test_malformed_requests(void **state)
+{
+    (void)state;
+    run("malformed.py", "--count 1000");
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_full_disk),       cmocka_unit_test(test_damaged_upload),
+        cmocka_unit_test(test_locked_database), cmocka_unit_test(test_damaged_database),
+        cmocka_unit_test(test_no_descriptors),  cmocka_unit_test(test_malformed_requests),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
