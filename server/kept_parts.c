@@ -105,13 +105,20 @@ int orl_kept_open(const char *folder, const char *key, struct orl_error *err)
     return orl_write_file(path, key, strlen(key), err);
 }
 
+/* Notes and what is for them; photon maps and files half written that a round was killed over. */
+static bool is_for_users(const char *name)
+{
+    const char *ending = strrchr(name, '.');
+    const bool half = ending && (strcmp(ending, ".opm") == 0 || strcmp(ending, ".part") == 0);
+    return !half && !strchr(name, '+');
+}
+
 void orl_kept_forget(const char *folder)
 {
     char path[ORL_PATH_MAX];
     DIR *entries = opendir(folder);
     for (const struct dirent *entry; entries && (entry = readdir(entries));) {
-        const char *ending = strrchr(entry->d_name, '.');
-        if (!strchr(entry->d_name, '+') && !(ending && strcmp(ending, ".opm") == 0))
+        if (is_for_users(entry->d_name) || entry->d_name[0] == '.')
             continue;
         path_below(folder, "", entry->d_name, "", path);
         unlink(path);

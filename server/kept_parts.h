@@ -35,7 +35,7 @@ void orl_kept_folder(const struct orl_folders *folders, const char *job_id,
                      char ret_path[ORL_PATH_MAX]);
 /* Makes the folder; what is in it stays if it was made with that key. */
 int orl_kept_open(const char *folder, const char *key, struct orl_error *err);
-/* Removes what is not for users; so are photon maps that rounds were killed over. */
+/* Removes what is not for users, photon maps of rounds and files half written included. */
 void orl_kept_forget(const char *folder);
 /* Removes the work folders of all jobs but those that are wanted. */
 void orl_kept_sweep(const struct orl_folders *folders,

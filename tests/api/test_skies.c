@@ -207,7 +207,7 @@ static void test_torn_between_skies(void **state)
     daemon_restart(&f->daemon, NULL);
     assert_true(wait_for_skies(f, torn, 1));
     assert_true(written(f, "partial", torn, "0322-0930.json") == first);
-    /* A byte more in a file of a finished sky: it is not believed again, the program neither. */
+    /* A byte more in a file of a finished sky: it is not believed again. */
     daemon_end(&f->daemon, SIGKILL);
     snprintf(path, sizeof path, "%s/partial/%s/0322-0930.v.hdr", f->daemon.root,
              strrchr(torn, '/') + 1);
@@ -215,12 +215,19 @@ static void test_torn_between_skies(void **state)
     assert_non_null(file);
     fputc(0, file);
     fclose(file);
+    /* And a map that a round was killed over. */
+    snprintf(path, sizeof path, "%s/partial/%s/global-0.opm.part", f->daemon.root,
+             strrchr(torn, '/') + 1);
+    file = fopen(path, "wb");
+    assert_non_null(file);
+    fclose(file);
     daemon_restart(&f->daemon, NULL);
     wait_for(f, torn, "succeeded", &reply);
     assert_int_equal(json_array_size(reply_at(&reply, "files")), 3 * 5 + 1);
     reply_done(&reply);
     assert_true(written(f, "results", torn, "0322-0930.json") > first);
     assert_true(written(f, "results", torn, "+key") == 0);
+    assert_true(written(f, "results", torn, "global-0.opm.part") == 0);
     assert_int_equal(daemon_count_files(&f->daemon, "partial"), 0);
     run(f, more, whole);
     expect_same(f, torn, "files/0322-0930.v.hdr", whole, "files/0322-0930.v.hdr");
