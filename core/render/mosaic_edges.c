@@ -4,7 +4,7 @@
  * they see none, whatever they see. */
 static const double sharp_difference = 0.15, no_difference = 0.02;
 
-/* Of a pixel's rays one stands for others that are no further: pixels. */
+/* Of a pixel's rays that see lobes one stands for others that are no further: pixels. */
 static const double close_by = 0.3;
 
 static struct orl_shade shade_of(const struct orl_cell *cell)
@@ -50,6 +50,7 @@ static bool wants_more(const struct orl_tile_cells *mosaic, int x, int y)
 struct found {
     uint64_t way;
     double x, y; /* in the pixel */
+    struct orl_vec3 on_surface;
     struct orl_smooth smooth;
     struct orl_rgb lobes;
     double variance;
@@ -91,22 +92,40 @@ static struct kin kin_of(const struct orl_tile_cells *mosaic, int x, int y, cons
     return kin;
 }
 
+/* The first surface of a sight that has any. */
+static struct orl_vec3 surface_of(const struct orl_sight *sight)
+{
+    return sight->n_vertices > 0 ? sight->vertices[0].on_surface : orl_v3(0, 0, 0);
+}
+
+static bool is_within(struct orl_vec3 a, struct orl_vec3 b, double reach)
+{
+    const struct orl_vec3 way = orl_sub(a, b);
+    return orl_dot(way, way) < reach * reach;
+}
+
+/* Whether what one ray has found will do for another of the pixel. */
+static bool will_do(const struct found *known, const double place[2], const struct orl_sight *sight)
+{
+    const double across = known->x - place[0], down = known->y - place[1];
+    if (known->way != sight->way)
+        return false;
+    return sight->has_lobes ? across * across + down * down < close_by * close_by
+                            : is_within(surface_of(sight), known->on_surface, known->smooth.reach);
+}
+
 /* What is smooth and what lobes show, worked out for a ray, or for one close by. */
 static const struct found *find(const struct orl_tile_cells *mosaic, int x, int y,
                                 const double place[2], struct orl_sight *sight,
                                 struct orl_random *random, struct finds *finds)
 {
-    const uint64_t way = sight->way;
-    for (uint32_t i = 0; i < finds->count; i++) {
-        const struct found *known = &finds->list[i];
-        const double across = known->x - place[0], down = known->y - place[1];
-        if (known->way == way && across * across + down * down < close_by * close_by)
-            return known;
-    }
+    for (uint32_t i = 0; i < finds->count; i++)
+        if (will_do(&finds->list[i], place, sight))
+            return &finds->list[i];
     struct found *found = &finds->list[finds->count++];
     if (sight->has_lobes)
         orl_cell_look(mosaic, x, y, place, ORL_PIXEL_FIRST_RAYS, random, sight);
-    *found = (struct found){.way = way,
+    *found = (struct found){.way = sight->way,
                             .x = place[0],
                             .y = place[1],
                             .smooth = orl_lighting_smooth(&mosaic->m->lighting, sight,
@@ -124,9 +143,8 @@ static bool is_close(const struct kin *kin, const struct orl_sight *sight)
         return false;
     if (sight->n_vertices == 0)
         return true;
-    const struct orl_vec3 way =
-        orl_sub(sight->vertices[0].on_surface, kin->nearest->sight.vertices[0].on_surface);
-    return orl_dot(way, way) < kin->nearest->smooth.reach * kin->nearest->smooth.reach;
+    return is_within(surface_of(sight), surface_of(&kin->nearest->sight),
+                     kin->nearest->smooth.reach);
 }
 
 /* What one more ray sees. */

@@ -9,9 +9,10 @@ void orl_pixel_place(uint32_t ray, double *ret_x, double *ret_y)
 {
     static const uint8_t order[ORL_PIXEL_RAYS] = {1, 7, 8, 14, 2, 4, 11, 13,
                                                   0, 6, 9, 15, 3, 5, 10, 12};
+    static const uint8_t across[SIDE] = {1, 3, 0, 2}, down[SIDE] = {2, 0, 3, 1};
     const uint32_t column = order[ray] % SIDE, row = order[ray] / SIDE;
-    *ret_x = (column + 0.5) / SIDE;
-    *ret_y = (row + 0.5) / SIDE;
+    *ret_x = (column + (across[row] + 0.5) / SIDE) / SIDE;
+    *ret_y = (row + (down[column] + 0.5) / SIDE) / SIDE;
 }
 
 void orl_pixel_add(struct orl_pixel_rays *tally, const struct orl_shade *shade)

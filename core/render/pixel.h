@@ -1,10 +1,12 @@
 /*
  * A pixel's rays: where they go, how many of them it takes, and what they come to.
  *
- * A pixel that its neighbours leave in doubt (mosaic.h) sends rays to a lattice of four by four
- * places, in sets of four that have one ray in every row and column. Where the first four agree
- * they will do; where they do not, as on edges, all sixteen are followed. Places are not jittered:
- * beside a sky hundreds of times brighter, chance coverage frays an edge.
+ * A pixel that its neighbours leave in doubt (mosaic.h) sends rays to four by four places, in sets
+ * of four that have one ray in every row and column. All sixteen differ in height and in breadth,
+ * so that each tells of a level or an upright edge (as in Chiu, Shirley and Wang 1994, shuffled
+ * such that slanting edges are told as well). Where the first four agree they will do; where they
+ * do not, as on edges, all sixteen are followed. Places are not jittered: beside a sky hundreds of
+ * times brighter, chance coverage frays an edge.
  *
  * Threads: plain values; everybody has their own.
  */
