@@ -274,6 +274,9 @@ lint: deps-lint $(BUILD)/generated/embedded.h
 format:
 	clang-format -i $(ALL_C)
 
+# Programs that tell what a crew does together from what its lead does alone (tests/bench/crew_clock.c).
+$(BUILD)/tests/bench/speed $(BUILD)/tests/bench/scale: \
+	ALL_LDFLAGS += -Wl,--wrap=orl_crew_for -Wl,--wrap=orl_crew_try
 bench: deps-check
 	@$(MAKE) --no-print-directory -j$(JOBS) all $(BUILD)/tests/bench/speed
 	@ORIEL_BUILD=$(BUILD) $(BUILD)/tests/bench/speed

@@ -1,6 +1,5 @@
 #include "bench/bench.h"
 
-#include <dirent.h>
 #include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -39,44 +38,15 @@ double bench_cpu_s(void *ctx)
     return read_clock(CLOCK_PROCESS_CPUTIME_ID);
 }
 
-/* Seconds that a thread has stood ready, by its file in /proc. */
-static double queued_s(const char *path)
+double bench_own_s(void *ctx)
 {
     unsigned long long ran, queued = 0;
-    FILE *in = fopen(path, "r");
+    FILE *in = fopen("/proc/thread-self/schedstat", "r");
     if (in && fscanf(in, "%llu %llu", &ran, &queued) != 2)
         queued = 0;
     if (in)
         fclose(in);
-    return 1e-9 * (double)queued;
-}
-
-double bench_own_s(void *ctx)
-{
-    return bench_wall_s(ctx) - queued_s("/proc/thread-self/schedstat");
-}
-
-static uint32_t crew_members = 1;
-
-void bench_set_crew(uint32_t members)
-{
-    crew_members = members;
-}
-
-double bench_crew_s(void *ctx)
-{
-    DIR *threads = opendir("/proc/self/task");
-    double queued = 0;
-    char path[320];
-    if (!threads)
-        bench_fail("/proc/self/task cannot be read", NULL);
-    for (const struct dirent *thread; (thread = readdir(threads)) != NULL;) {
-        snprintf(path, sizeof path, "/proc/self/task/%s/schedstat", thread->d_name);
-        if (thread->d_name[0] != '.')
-            queued += queued_s(path);
-    }
-    closedir(threads);
-    return bench_wall_s(ctx) - queued / crew_members;
+    return bench_wall_s(ctx) - 1e-9 * (double)queued;
 }
 
 static int compare(const void *a, const void *b)

@@ -21,8 +21,12 @@ double bench_cpu_s(void *ctx);
 /* Wall time less what the calling thread has stood ready while others ran: for work of one thread,
  * the time that it takes on an idle machine, waiting for a disk included. */
 double bench_own_s(void *ctx);
-/* The same for work of a crew, whose members take over from one that stands ready: wall time less
- * each member's part of what all have stood ready. Of how many, bench_set_crew says. */
+/*
+ * The time that a crew's work takes on an idle machine, by processor time: what the lead, who asks,
+ * does alone, and of what is done in the crew's loops, by whomever, each member's even share. That
+ * one waits for another at the end of a loop is not in it, nor is waiting for a disk. For programs
+ * that are linked with orl_crew_for and orl_crew_try wrapped (crew_clock.c).
+ */
 double bench_crew_s(void *ctx);
 void bench_set_crew(uint32_t members);
 

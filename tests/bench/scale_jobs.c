@@ -94,13 +94,19 @@ int scale_child(int argc, char **argv)
 /* ---- From outside ---------------------------------------------------------------------------- */
 
 /* Runs a child and reads the numbers that it writes. Returns its peak of memory. */
-static double ask(const struct office *office, const char *const *argv, double *ret_numbers, int n)
+static double ask(const struct office *office, const char *const *argv, double *ret_numbers, int n,
+                  const char *group)
 {
     char path[BENCH_PATH + 16];
     struct bench_use use;
     snprintf(path, sizeof path, "%s/child.txt", office->folder);
-    if (bench_spawn(argv, NULL, NULL, path, &use) != 0)
-        bench_fail("a process that builds or renders did not", NULL);
+    if (bench_spawn(argv, NULL, NULL, path, &use) != 0) {
+        if (*group)
+            scale_group_remove(group);
+        bench_fail(*group ? "the view did not finish in so little memory (ORIEL_SCALE_LIMIT)"
+                          : "a process that builds or renders did not",
+                   NULL);
+    }
     FILE *in = fopen(path, "r");
     for (int i = 0; i < n; i++)
         if (!in || fscanf(in, "%lf", &ret_numbers[i]) != 1)
@@ -117,7 +123,7 @@ void scale_build(const struct office *office, const char *maps, uint64_t photons
     snprintf(count, sizeof count, "%llu", (unsigned long long)photons);
     snprintf(crew, sizeof crew, "%u", threads);
     const char *const argv[] = {"/proc/self/exe", "build", office->panel, maps, count, crew, NULL};
-    const double peak = ask(office, argv, numbers, 4);
+    const double peak = ask(office, argv, numbers, 4, "");
     *ret_build = (struct scale_build){numbers[0], numbers[1], numbers[2], numbers[3], peak};
 }
 
@@ -134,7 +140,7 @@ void scale_render(const struct office *office, const char *maps, uint64_t photon
     scale_forget_maps(maps);
     const char *const argv[] = {
         "/proc/self/exe", "render", office->panel, maps, count, most, group, image, NULL};
-    double peak = ask(office, argv, numbers, 2);
+    double peak = ask(office, argv, numbers, 2, group);
     if (by_kernel) {
         peak = scale_group_peak(group);
         scale_group_remove(group);

@@ -76,7 +76,7 @@ static void set_threads(struct speed *speed, int at)
 {
     const uint32_t threads = (uint32_t)speed->threads.values[at];
     speed->crew = speed->crews[at];
-    speed->now_s = threads == 1 ? bench_own_s : bench_crew_s;
+    speed->now_s = bench_crew_s;
     bench_set_crew(threads);
 }
 
@@ -84,9 +84,9 @@ static void set_threads(struct speed *speed, int at)
 static struct speed_figure run_once(struct speed *speed, enum speed_row_id id, int run, int at)
 {
     set_threads(speed, at);
-    const double before = office_rate(&speed->office, speed->crew, 1);
+    const double before = office_rate(&speed->office, speed->crew, 3);
     const double seconds = speed_work(speed, id, (uint64_t)run + 1, at == 0 ? run : -1);
-    const double rate = 0.5 * (before + office_rate(&speed->office, speed->crew, 1));
+    const double rate = 0.5 * (before + office_rate(&speed->office, speed->crew, 3));
     return (struct speed_figure){seconds, rate, seconds * rate};
 }
 

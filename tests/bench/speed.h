@@ -4,8 +4,8 @@
  * every run, so that a busy or a throttled machine distorts both alike, and figures hold on any.
  * Each is a median of several runs.
  *
- * Time is wall time less what threads have stood ready while other programs ran (bench_own_s,
- * bench_crew_s). Radiance's is processor time, and each of its works is done once.
+ * Time is what the work takes on an idle machine, by processor time (bench_crew_s). Radiance's is
+ * processor time, and each of its works is done once.
  */
 #ifndef ORL_TESTS_BENCH_SPEED_H
 #define ORL_TESTS_BENCH_SPEED_H
