@@ -2,8 +2,8 @@
 
 A Ledger is written to by the clients' threads; what it remembers was answered by the daemon before
 it was killed. check() compares that with the database and the folders of a daemon that has just
-started, whose files of before are listed in `before`; check_at_rest() with those of one that ran out
-of work and was stopped.
+started, whose files of before are listed in `before`; check_at_rest() with those of one that ran
+out of work and was stopped.
 """
 
 import collections
@@ -189,9 +189,11 @@ class _Database:
             "SELECT id, state, json_extract(problem, '$.detail') FROM jobs")}
         self.results = {row[0] for row in self.db.execute(
             "SELECT id FROM jobs WHERE state = 'succeeded' AND evicted_ms IS NULL")}
-        self.maps = {"maps/%s-%s.opm" % row for row in self.db.execute("SELECT kind, key FROM maps")}
+        self.maps = {"maps/%s-%s.opm" % row
+                     for row in self.db.execute("SELECT kind, key FROM maps")}
         self.blobs = {"blobs/%s/%s" % (sha[:2], sha) for sha in self._column(
-            "SELECT blob FROM scene_files UNION SELECT id FROM bsdfs UNION SELECT document FROM jobs")}
+            "SELECT blob FROM scene_files UNION SELECT id FROM bsdfs "
+            "UNION SELECT document FROM jobs")}
 
     def check_files_exist(self):
         for path in self.blobs:

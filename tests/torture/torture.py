@@ -4,8 +4,8 @@
 
 Each round starts orield on the same data folder, checks what it found there (ledger.py), lets some
 clients loose (load.py), and ends it by SIGKILL after a random moment, which may lie before it
-listens. At the end it is left to work until nothing waits, every result is fetched and compared, and
-the folder must hold exactly what the database speaks of.
+listens. At the end it is left to work until nothing waits, every result is fetched and compared,
+and the folder must hold exactly what the database speaks of.
 """
 
 import argparse
@@ -17,7 +17,7 @@ import sys
 import tempfile
 import time
 
-from daemon import Client, Daemon, Failure, Gone
+from daemon import Daemon, Failure, Gone
 from ledger import ENDED, Ledger, list_files
 from load import Loader, fetch_results
 
@@ -118,8 +118,8 @@ class Torture:
         ends = collections.Counter(job.state for job in self.ledger.jobs.values())
         counts = self.ledger.counts
         return ("torture: %d kills (%d while starting) in %.0f s: %d scenes, %d BSDFs, %d jobs "
-                "(%s), %d removed, %d results fetched, %d evicted, %d images compared; slowest start "
-                "%.2f s; nothing lost, no orphan" % (
+                "(%s), %d removed, %d results fetched, %d evicted, %d images compared; slowest "
+                "start %.2f s; nothing lost, no orphan" % (
                     self.counts["kills"], self.counts["kills while starting"], seconds,
                     len(self.ledger.scenes), len(self.ledger.bsdfs), len(self.ledger.jobs),
                     ", ".join("%d %s" % (ends[state], state) for state in ENDED),
