@@ -26,12 +26,17 @@ static struct orl_status_entry *entry_of(struct orl_status_cache *cache, const c
     return &cache->entries[strtoul(tail, NULL, 16) % ORL_STATUS_CACHE];
 }
 
+/* Bytes between members may differ where nothing else does: then it is made once more. */
+static bool is_same(const void *row, const void *other)
+{
+    return memcmp(row, other, sizeof(struct orl_job_row)) == 0;
+}
+
 const char *orl_status_cache_text(struct orl_status_cache *cache, const struct orl_jobs *jobs,
                                   const struct orl_jobs_job *job, size_t *ret_size)
 {
     struct orl_status_entry *entry = entry_of(cache, job->row.id);
-    /* Bytes between members may differ where nothing else does: then it is made once more. */
-    if (!entry->text || memcmp(&entry->row, &job->row, sizeof job->row) != 0) {
+    if (!entry->text || !is_same(&entry->row, &job->row)) {
         free(entry->text);
         entry->text = orl_reply_text_of(orl_job_status(jobs, job));
         entry->size = entry->text ? strlen(entry->text) : 0;
