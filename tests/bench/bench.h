@@ -33,6 +33,9 @@ void bench_set_crew(uint32_t members);
 /* Reorders values. */
 double bench_median(double *values, int n);
 
+/* The same, with its standard error by the values' scatter, were they normal. */
+double bench_median_error(double *values, int n, double *ret_error);
+
 /* A number from the environment, or otherwise. */
 uint64_t bench_number(const char *variable, uint64_t otherwise);
 /* Whether a list of words in the environment, parted by spaces or commas, has the word; a list that

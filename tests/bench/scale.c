@@ -28,6 +28,8 @@ struct scale {
  */
 static const double limit_share = 0.8;
 
+enum { TURNS = 5 }; /* of numbers of threads */
+
 /* Where a sheet of surface has fewer photons than are looked for, a look-up goes that far. */
 #define EXTENT_M 1.0
 
@@ -100,26 +102,46 @@ static void fit_searches(const struct scale *s)
 
 /* ---- Threads --------------------------------------------------------------------------------- */
 
+/* The median of one number of threads' turns, and its gain over the first, turn by turn. */
+static void print_gain(struct scale *s, int at, struct scale_build (*turns)[TURNS])
+{
+    double seconds[TURNS], rates[TURNS], each[TURNS], gains[TURNS], error;
+    struct scale_build *b = &s->by_threads[at];
+    for (int t = 0; t < TURNS; t++) {
+        seconds[t] = turns[at][t].seconds;
+        rates[t] = turns[at][t].rays_per_s;
+        each[t] = ray_times(&turns[at][t]);
+        gains[t] = s->threads.values[at] / s->threads.values[0] * ray_times(&turns[0][t]) / each[t];
+    }
+    *b = turns[at][0];
+    b->seconds = bench_median(seconds, TURNS);
+    b->rays_per_s = bench_median(rates, TURNS);
+    const double gain = bench_median_error(gains, TURNS, &error);
+    printf("  %9.0f %8.2f %9.3f %7.2f +- %.2f %9.2f %9.2f\n", s->threads.values[at], b->seconds,
+           bench_median(each, TURNS), gain, error, s->by_threads[0].seconds / b->seconds,
+           b->rays_per_s / s->by_threads[0].rays_per_s);
+}
+
 static void spread_out(struct scale *s)
 {
+    struct scale_build turns[BENCH_MOST_NUMBERS][TURNS];
     char maps[BENCH_PATH + 16];
     const uint64_t photons = photons_at(s, s->millions.n > 1 ? 1 : 0);
     snprintf(maps, sizeof maps, "%s/threads", s->office.folder);
-    printf("\n  %9s %8s %9s %9s %9s %9s\n", "threads", "s", "rays each", "speed-up", "on clock",
-           "Embree's");
-    for (int i = 0; i < s->threads.n; i++) {
-        struct scale_build *b = &s->by_threads[i];
-        const struct scale_build *one = &s->by_threads[0];
-        scale_build(&s->office, maps, photons, (uint32_t)s->threads.values[i], b);
-        bench_remove_folder(maps);
-        printf("  %9.0f %8.2f %9.3f %9.2f %9.2f %9.2f\n", s->threads.values[i], b->seconds,
-               ray_times(b),
-               s->threads.values[i] / s->threads.values[0] * ray_times(one) / ray_times(b),
-               one->seconds / b->seconds, b->rays_per_s / one->rays_per_s);
+    for (int t = 0; t < TURNS; t++) {
+        for (int i = 0; i < s->threads.n; i++) {
+            scale_build(&s->office, maps, photons, (uint32_t)s->threads.values[i], &turns[i][t]);
+            bench_remove_folder(maps);
+        }
     }
-    printf("  %.3g M photons. Speed-up: by ray-times; on clock: by seconds; Embree's: of its rays "
-           "alone. Wanted: 0.95 a thread.\n",
-           (double)photons / 1e6);
+    printf("\n  %9s %8s %9s %15s %9s %9s\n", "threads", "s", "rays each", "speed-up", "on clock",
+           "Embree's");
+    for (int i = 0; i < s->threads.n; i++)
+        print_gain(s, i, turns);
+    printf(
+        "  %.3g M photons, medians of %d turns. Speed-up: by ray-times, with its standard error; "
+        "on clock: by seconds;\n  Embree's: of its rays alone. Wanted: 0.95 a thread.\n",
+        (double)photons / 1e6, TURNS);
 }
 
 /* ---- Memory ---------------------------------------------------------------------------------- */

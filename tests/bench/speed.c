@@ -92,8 +92,7 @@ static struct speed_figure run_once(struct speed *speed, enum speed_row_id id, i
 
 /*
  * A row by every number of threads, in turns, so that what else the machine does comes upon all of
- * them alike. Gains are medians of those of single turns; their standard errors by the scatter of
- * the turns' (the median's of normal numbers is 1.25 times the mean's).
+ * them alike. Gains are medians of those of single turns.
  */
 static void measure(struct speed *speed, enum speed_row_id id)
 {
@@ -117,10 +116,7 @@ static void measure(struct speed *speed, enum speed_row_id id)
         for (int run = 0; run < n; run++)
             values[run] = speed->threads.values[at] / speed->threads.values[0] *
                           figures[0][run].ray_times / figures[at][run].ray_times;
-        const double gain = row->gains[at] = bench_median(values, n);
-        for (int run = 0; run < n; run++)
-            values[run] = fabs(values[run] - gain);
-        row->gain_errors[at] = 1.25 * 1.4826 * bench_median(values, n) / sqrt(n);
+        row->gains[at] = bench_median_error(values, n, &row->gain_errors[at]);
     }
 }
 
