@@ -280,11 +280,11 @@ static int shoot_rounds(struct shooting *shooting, const struct orl_shot *shots)
  */
 static void reserve(struct queue *queue, const struct orl_shot *shot)
 {
-    const uint64_t wanted = shot->target - queue->stored;
+    const uint64_t wanted = shot->target - queue->stored, spare = UINT64_C(2) * BATCH;
     if (queue->finished || wanted > ORL_LIMIT_PHOTONS)
         return;
-    queue->photons = orl_memory_new((wanted + 2 * BATCH) * sizeof *queue->photons);
-    queue->capacity = queue->photons ? wanted + 2 * BATCH : 0;
+    queue->photons = orl_memory_new((wanted + spare) * sizeof *queue->photons);
+    queue->capacity = queue->photons ? wanted + spare : 0;
 }
 
 /* Where each kind begins. */
