@@ -45,11 +45,12 @@ static void shuffle(struct ray *rays, size_t n, struct orl_random *random)
     }
 }
 
-static size_t make_rays(const struct orl_geometry *g, struct ray *rays, size_t most)
+static size_t make_rays(const struct orl_geometry *g, struct ray *rays, size_t most,
+                        const atomic_bool *cancel)
 {
     struct orl_random random = orl_random_stream(1, ORL_PURPOSE_BENCH, 0);
     size_t n = 0;
-    for (size_t path = 0; path < most && n < most; path++)
+    for (size_t path = 0; path < most && n < most && !orl_is_cancelled(cancel); path++)
         n = add_path(g, &random, rays, n, most);
     shuffle(rays, n, &random);
     return n;
@@ -65,7 +66,7 @@ double orl_ray_rate(const struct orl_geometry *geometry, size_t n_rays, int runs
                     const atomic_bool *cancel, double (*now_s)(void *ctx), void *ctx)
 {
     struct ray *rays = malloc(n_rays * sizeof *rays);
-    const size_t n = rays ? make_rays(geometry, rays, n_rays) : 0;
+    const size_t n = rays ? make_rays(geometry, rays, n_rays, cancel) : 0;
     double rates[ORL_SPEED_MOST_RUNS];
     size_t hits = 0;
     for (int run = 0; run < runs; run++) {
