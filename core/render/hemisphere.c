@@ -114,7 +114,7 @@ struct orl_hemisphere orl_gather_hemisphere(const struct orl_gather *gather,
     double nearness = 0;
     const uint32_t sequence = (uint32_t)orl_random_bits(random);
     h.least_distance = INFINITY;
-    struct strand *strands = malloc(sizeof *strands * rows * columns);
+    struct strand *strands = calloc((size_t)rows * columns, sizeof *strands);
     for (uint32_t i = 0; i < rows * columns; i++) {
         const uint32_t row = i / columns, column = i % columns;
         const double sine = sqrt((row + orl_random_uniform(random)) / rows);
