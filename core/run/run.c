@@ -53,6 +53,8 @@ static void report(const struct orl_run_env *env, enum orl_stage stage, double f
 void orl_run_progress(const struct orl_run_state *state, double fraction)
 {
     double before = 0, all = 0;
+    if (!state->env->progress)
+        return; /* and the clock is not looked at */
     fraction = fmin(fmax(fraction, 0), 1);
     if (orl_goal_is_set(&state->job->goal)) {
         report(state->env, state->stage, fraction, share_of_time(state));
