@@ -15,6 +15,9 @@ static const double pixel_samples = 1.0 * ORL_DEFAULT_GATHER_SAMPLES / ORL_DEFAU
 enum { LAMPS_A_ROUND = 4000000, PHOTONS_A_ROUND = 8000000 };
 /* A round has no fewer samples: of sensors by backward, of anything else but views of maps. */
 static const double least_of_sensors = 64, least_samples = 256;
+/* Variances of samples that go on evenly fall as that power of the work, or a higher one: on rooms
+ * with panes and panels four rounds have 0.74 to 0.84 of the variance of independent ones. */
+static const double evenness = 1.15;
 /* A round may make so many times all samples before, for the first ones know errors badly. What is
  * wanted is come up to first, and then, when it is known better, passed by a little. */
 static const double growth = 8, approach = 0.6, far = 0.35, margin = 1.02;
@@ -145,7 +148,7 @@ double orl_parts_work(const struct orl_parts *parts, double target)
     double most = 1;
     for (size_t i = 0; i < parts->count; i++) {
         const struct orl_estimates *part = &parts->parts[i];
-        const double work = part->noise ? orl_share_work(part, parts->at, target)
+        const double work = part->noise ? pow(orl_share_work(part, parts->at, target), 1 / evenness)
                                         : orl_percentile_work(part, parts->at, target);
         most = isnan(work) || work > most ? work : most;
         if (isnan(work))
@@ -184,12 +187,13 @@ void orl_run_predict(struct orl_run_state *state, const struct orl_pace *pace,
         cost->error <= one_percent ? 0 : seconds_to(pace, work, parts, one_percent);
     snprintf(cost->model, sizeof cost->model,
              "a run in rounds by %s: %.3g s, %.3g s a million photons, %.3g s %s; error^2 falls as "
-             "1 / work",
+             "1 / work%s",
              orl_technique_name(work->technique), pace->before_s,
              pace->photons > 0 ? 1e6 * pace->photon_s / pace->photons : 0,
              renders_alike(work) ? pace->render_s / fmax(pace->rounds, 1)
                                  : 1e3 * pace->render_s / pace->samples,
-             renders_alike(work) ? "a round of its views" : "a thousand samples");
+             renders_alike(work) ? "a round of its views" : "a thousand samples",
+             work->shares ? "^1.15" : "");
 }
 
 /* ---- Jobs in one piece ----------------------------------------------------------------------- */
