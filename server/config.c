@@ -26,6 +26,8 @@ void orl_config_help(FILE *stream)
         "                         (half of what the disk has free at the start, with those\n"
         "                         that are kept already); beyond it maps and results go,\n"
         "                         the longest unused first\n"
+        "  --shelf SIZE           bytes of memory for what jobs have worked out of their maps\n"
+        "                         and leave to later jobs of the same maps; 0: none (%luM)\n"
         "  --tls-cert FILE        serve HTTPS: the certificate and its chain, PEM\n"
         "  --tls-key FILE         its private key, PEM\n"
         "  --tokens WHEN          when tokens are needed: public, on all but loopback\n"
@@ -43,7 +45,8 @@ void orl_config_help(FILE *stream)
         "the log goes to standard error. SIGTERM stops it: no job is taken or started any\n"
         "more, and one that still runs when --drain-timeout is over, or at a second SIGTERM,\n"
         "is queued again: it starts over with the next start, with the maps it has made.\n",
-        DEFAULT_PORT, ORL_SERVER_TIMEOUT_S, ORL_SERVER_DRAIN_S, ORL_SERVER_ADDRESS_CONNECTIONS);
+        DEFAULT_PORT, ORL_SERVER_SHELF_BYTES >> 20, ORL_SERVER_TIMEOUT_S, ORL_SERVER_DRAIN_S,
+        ORL_SERVER_ADDRESS_CONNECTIONS);
 }
 
 static int parse_number(const char *option, const char *text, unsigned long min, unsigned long max,
@@ -60,7 +63,7 @@ static int parse_number(const char *option, const char *text, unsigned long min,
 }
 
 /* "500000", "64K", "500M", "20G", "1T": powers of 1024. */
-static int parse_size(const char *option, const char *text, uint64_t *ret_bytes,
+static int parse_size(const char *option, const char *text, uint64_t least, uint64_t *ret_bytes,
                       struct orl_error *err)
 {
     static const char units[] = "KMGT";
@@ -69,7 +72,7 @@ static int parse_size(const char *option, const char *text, uint64_t *ret_bytes,
     const unsigned long long number = strtoull(text, &end, 10);
     const char *unit = end != text && *end ? strchr(units, *end) : NULL;
     const int shift = unit ? 10 * (int)(unit - units + 1) : 0;
-    if (errno || end == text || text[0] == '-' || number == 0 || (*end && (!unit || end[1])) ||
+    if (errno || end == text || text[0] == '-' || number < least || (*end && (!unit || end[1])) ||
         number > UINT64_MAX >> 1 >> shift)
         return orl_error_set(err, ORL_ERR_INVALID, "%s takes a size as 500M or 20G, not '%s'",
                              option, text);
@@ -174,7 +177,9 @@ static int apply_option(struct orl_config *config, const char *name, const char 
         if (rc == 0)
             set_port(config, number);
     } else if (strcmp(name, "--storage-budget") == 0) {
-        rc = parse_size(name, value, &config->storage_bytes, err);
+        rc = parse_size(name, value, 1, &config->storage_bytes, err);
+    } else if (strcmp(name, "--shelf") == 0) {
+        rc = parse_size(name, value, 0, &config->shelf_bytes, err);
     } else if (strcmp(name, "--log-level") == 0) {
         if (orl_log_level_from_name(value, &config->log_level))
             rc = orl_error_set(err, ORL_ERR_INVALID, "there is no log level '%s'", value);
@@ -203,6 +208,7 @@ static void set_defaults(struct orl_config *config)
                                                               : (uint32_t)processors;
     config->jobs = 1;
     config->idle_timeout_s = ORL_SERVER_TIMEOUT_S;
+    config->shelf_bytes = ORL_SERVER_SHELF_BYTES;
     config->drain_s = ORL_SERVER_DRAIN_S;
     config->log_level = ORL_LOG_INFO;
 }

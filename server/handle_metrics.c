@@ -109,6 +109,16 @@ static void write_cache(FILE *out, struct orl_server *server)
            (double)totals.misses);
 }
 
+static void write_shelf(FILE *out, struct orl_server *server)
+{
+    const struct orl_shelf_totals totals = orl_shelf_totals(server->shelf);
+    number(out, "oriel_shelf_bytes", "gauge", "Memory held by what jobs left to those after them",
+           (double)totals.bytes);
+    number(out, "oriel_shelf_items", "gauge", "Things left there", (double)totals.things);
+    number(out, "oriel_shelf_hits_total", "counter", "Times that a job found one",
+           (double)totals.hits);
+}
+
 static void write_storage(FILE *out, const struct orl_server *server)
 {
     uint64_t bytes[ORL_STORED_COUNT];
@@ -184,6 +194,7 @@ void orl_handle_metrics(struct orl_request *request)
         write_jobs(out, request->server);
         write_health(out, &request->server->metrics.health);
         write_cache(out, request->server);
+        write_shelf(out, request->server);
         write_storage(out, request->server);
         write_http(out, request->server);
         write_process(out, request->server);

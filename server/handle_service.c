@@ -91,7 +91,8 @@ void orl_handle_limits(struct orl_request *request)
         {"body_bytes_per_s", (json_int_t)ORL_SERVER_BODY_RATE},
     };
     const json_int_t budget = (json_int_t)request->server->storage.budget;
-    json_t *doc = json_pack("{s:I}", "storage_bytes", budget);
+    const json_int_t shelf = (json_int_t)request->server->config.shelf_bytes;
+    json_t *doc = json_pack("{s:I, s:I}", "storage_bytes", budget, "shelf_bytes", shelf);
     for (size_t i = 0; doc && i < sizeof limits / sizeof *limits; i++)
         if (json_object_set_new(doc, limits[i].name, json_integer(limits[i].value))) {
             json_decref(doc);

@@ -29,7 +29,7 @@
 #define ORL_SERVER_STUDY_RUNS 500U  /* runs of one study, the reference's included */
 #define ORL_SERVER_THREADS 512U     /* render threads */
 #define ORL_SERVER_IO_THREADS 4U    /* pool threads beside them, for uploads and files */
-#define ORL_SERVER_SHELF_BYTES (256UL << 20) /* what jobs leave in memory for those after them */
+#define ORL_SERVER_SHELF_BYTES (256UL << 20) /* that jobs leave in memory (default) */
 #define ORL_SERVER_ATTEMPTS 3                /* starts of one job before it counts as a killer */
 
 #endif

@@ -143,7 +143,7 @@ static int open_storage(struct orl_server *server, struct orl_error *err)
     if (rc == 0)
         rc = orl_map_cache_open(&server->loop, &server->folders, &server->db, wake_for_maps,
                                 &server->kept_changed, &server->maps, err);
-    server->shelf = orl_shelf_new(ORL_SERVER_SHELF_BYTES); /* without one, jobs are slower */
+    server->shelf = orl_shelf_new(server->config.shelf_bytes); /* without one, jobs are slower */
     return rc;
 }
 

@@ -15,7 +15,8 @@ struct item {
 struct orl_shelf {
     pthread_mutex_t mutex;
     struct item *latest;
-    uint64_t bytes, most;
+    struct orl_shelf_totals totals;
+    uint64_t most; /* bytes */
 };
 
 struct orl_shelf *orl_shelf_new(uint64_t most_bytes)
@@ -48,12 +49,15 @@ void orl_shelf_free(struct orl_shelf *shelf)
     free(shelf);
 }
 
-uint64_t orl_shelf_bytes(struct orl_shelf *shelf)
+struct orl_shelf_totals orl_shelf_totals(struct orl_shelf *shelf)
 {
+    struct orl_shelf_totals totals = {0};
+    if (!shelf)
+        return totals;
     pthread_mutex_lock(&shelf->mutex);
-    const uint64_t bytes = shelf->bytes;
+    totals = shelf->totals;
     pthread_mutex_unlock(&shelf->mutex);
-    return bytes;
+    return totals;
 }
 
 /* Unhooks the item under that key; with the mutex held. */
@@ -65,7 +69,8 @@ static struct item *unhook(struct orl_shelf *shelf, const char *key)
             continue;
         *at = item->next;
         item->next = NULL;
-        shelf->bytes -= item->bytes;
+        shelf->totals.bytes -= item->bytes;
+        shelf->totals.things--;
         return item;
     }
     return NULL;
@@ -74,15 +79,17 @@ static struct item *unhook(struct orl_shelf *shelf, const char *key)
 /* Unhooks what is beyond the shelf's room; with the mutex held. */
 static struct item *unhook_oldest(struct orl_shelf *shelf)
 {
-    uint64_t bytes = 0;
+    uint64_t bytes = 0, things = 0;
     struct item **at = &shelf->latest;
     while (*at && bytes + (*at)->bytes <= shelf->most) {
         bytes += (*at)->bytes;
+        things++;
         at = &(*at)->next;
     }
     struct item *rest = *at;
     *at = NULL;
-    shelf->bytes = bytes;
+    shelf->totals.bytes = bytes;
+    shelf->totals.things = things;
     return rest;
 }
 
@@ -92,6 +99,7 @@ void *orl_shelf_take(struct orl_shelf *shelf, const char *key)
         return NULL;
     pthread_mutex_lock(&shelf->mutex);
     struct item *item = unhook(shelf, key);
+    shelf->totals.hits += item != NULL;
     pthread_mutex_unlock(&shelf->mutex);
     void *thing = item ? item->thing : NULL;
     free(item);
@@ -113,7 +121,6 @@ void orl_shelf_put(struct orl_shelf *shelf, const char *key, void *thing, uint64
     struct item *same = unhook(shelf, key);
     item->next = shelf->latest;
     shelf->latest = item;
-    shelf->bytes += bytes;
     struct item *rest = unhook_oldest(shelf);
     pthread_mutex_unlock(&shelf->mutex);
     free_items(same);

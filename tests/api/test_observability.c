@@ -97,11 +97,11 @@ static void test_format(void **state)
     free(text);
 }
 
-static void run_job(struct daemon_room *room)
+static void run_job(struct daemon_room *room, int seed, const char *view)
 {
     char job[80];
     struct reply reply;
-    daemon_submit(&room->daemon, room->scene, 20000, 1, NULL, job);
+    daemon_submit(&room->daemon, room->scene, 20000, seed, view, job);
     daemon_wait(&room->daemon, job, 60, &reply);
     assert_string_equal(reply_text(&reply, "state"), "succeeded");
     reply_done(&reply);
@@ -110,7 +110,7 @@ static void run_job(struct daemon_room *room)
 static void test_jobs_are_counted(void **state)
 {
     struct daemon_room *room = *state;
-    run_job(room);
+    run_job(room, 1, NULL);
     char *text = fetch(&room->daemon);
     assert_true(sample(text, "oriel_job_runs_total{state=\"succeeded\"}") == 1);
     assert_true(sample(text, "oriel_jobs{state=\"succeeded\"}") == 1);
@@ -125,11 +125,47 @@ static void test_jobs_are_counted(void **state)
     assert_true(sample(text, "oriel_stage_seconds_sum{stage=\"photons\"}") > 0);
     assert_true(sample(text, "oriel_health_total{what=\"non_finite\"}") == 0);
     free(text);
-    run_job(room);
+    run_job(room, 1, NULL);
     text = fetch(&room->daemon);
     assert_true(sample(text, "oriel_job_runs_total{state=\"succeeded\"}") == 2);
     assert_true(sample(text, "oriel_cache_hits_total") >= 1);
     free(text);
+}
+
+static double metric(struct daemon *daemon, const char *name)
+{
+    char *text = fetch(daemon);
+    const double value = sample(text, name);
+    free(text);
+    return value;
+}
+
+/* What jobs leave in memory to later ones is told, and is not there where nobody wants it. */
+static void test_shelf_is_told(void **state)
+{
+    static const char *const none[] = {"--shelf", "0", NULL};
+    struct daemon_room *room = *state;
+    struct reply reply;
+    assert_int_equal(daemon_end(&room->daemon, SIGTERM), 0);
+    daemon_restart(&room->daemon, NULL);
+    assert_true(metric(&room->daemon, "oriel_shelf_bytes") == 0);
+    assert_true(metric(&room->daemon, "oriel_shelf_items") == 0);
+    run_job(room, 2, "first");
+    assert_true(metric(&room->daemon, "oriel_shelf_bytes") > 0);
+    assert_true(metric(&room->daemon, "oriel_shelf_items") >= 1);
+    assert_true(metric(&room->daemon, "oriel_shelf_hits_total") == 0);
+    run_job(room, 2, "second");
+    assert_true(metric(&room->daemon, "oriel_shelf_hits_total") >= 1);
+    assert_int_equal(daemon_end(&room->daemon, SIGTERM), 0);
+    daemon_restart(&room->daemon, none);
+    run_job(room, 2, "third");
+    assert_true(metric(&room->daemon, "oriel_shelf_bytes") == 0);
+    assert_true(metric(&room->daemon, "oriel_shelf_items") == 0);
+    daemon_get(&room->daemon, "/v1/limits", &reply);
+    assert_true(reply_number(&reply, "shelf_bytes") == 0);
+    reply_done(&reply);
+    assert_int_equal(daemon_end(&room->daemon, SIGTERM), 0);
+    daemon_restart(&room->daemon, NULL);
 }
 
 /* Buckets only grow towards the larger bounds, and the last is the count. */
@@ -250,6 +286,7 @@ int main(void)
         cmocka_unit_test(test_requests_are_counted),
         cmocka_unit_test(test_log_of_pairs),
         cmocka_unit_test(test_log_of_objects),
+        cmocka_unit_test(test_shelf_is_told),
         cmocka_unit_test(test_format),
     };
     return cmocka_run_group_tests(tests, daemon_room_set_up, daemon_room_tear_down);

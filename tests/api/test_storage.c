@@ -295,6 +295,27 @@ static void test_sizes(void **state)
     }
 }
 
+static void test_shelf_sizes(void **state)
+{
+    static const struct {
+        char text[32];
+        int rc;
+        uint64_t bytes;
+    } cases[] = {
+        {"0", 0, 0}, {"64M", 0, 64 << 20}, {"", ORL_ERR_INVALID, 0}, {"-1", ORL_ERR_INVALID, 0}};
+    (void)state;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char program[] = "orield", name[] = "--shelf", text[32];
+        char *argv[] = {program, name, text, NULL};
+        struct orl_config config = {.shelf_bytes = 0};
+        struct orl_error err;
+        enum orl_config_action action;
+        memcpy(text, cases[i].text, sizeof text);
+        assert_int_equal(orl_config_parse(3, argv, &config, &action, &err), cases[i].rc);
+        assert_true(config.shelf_bytes == cases[i].bytes);
+    }
+}
+
 static void test_budget_is_told(void **state)
 {
     struct daemon_room *f = *state;
@@ -556,6 +577,7 @@ int main(void)
         EACH(test_queue_of_results),
         EACH(test_too_large),
         cmocka_unit_test(test_sizes),
+        cmocka_unit_test(test_shelf_sizes),
         EACH(test_budget_is_told),
         EACH(test_delete_job),
         EACH(test_delete_scene),

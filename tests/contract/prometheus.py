@@ -13,6 +13,8 @@ WANTED = {"oriel_queue_depth": "gauge", "oriel_jobs": "gauge", "oriel_job_runs_t
           "oriel_rays_total": "counter", "oriel_health_total": "counter",
           "oriel_cache_entries": "gauge", "oriel_cache_bytes": "gauge",
           "oriel_cache_hits_total": "counter", "oriel_cache_misses_total": "counter",
+          "oriel_shelf_bytes": "gauge", "oriel_shelf_items": "gauge",
+          "oriel_shelf_hits_total": "counter",
           "oriel_storage_bytes": "gauge", "oriel_storage_budget_bytes": "gauge",
           "oriel_evictions_total": "counter", "oriel_http_connections": "gauge",
           "oriel_event_streams": "gauge", "oriel_http_slow_clients_total": "counter",

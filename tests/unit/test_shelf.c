@@ -25,10 +25,12 @@ static void test_given_back(void **state)
     assert_null(orl_shelf_take(shelf, "a"));
     orl_shelf_put(shelf, "a", &gone[0], 40, count);
     orl_shelf_put(shelf, "b", &gone[1], 40, count);
-    assert_int_equal(orl_shelf_bytes(shelf), 80);
+    assert_int_equal(orl_shelf_totals(shelf).bytes, 80);
     assert_ptr_equal(orl_shelf_take(shelf, "a"), &gone[0]);
     assert_null(orl_shelf_take(shelf, "a"));
-    assert_int_equal(orl_shelf_bytes(shelf), 40);
+    assert_int_equal(orl_shelf_totals(shelf).bytes, 40);
+    assert_int_equal(orl_shelf_totals(shelf).things, 1);
+    assert_int_equal(orl_shelf_totals(shelf).hits, 1);
     orl_shelf_free(shelf);
     assert_int_equal(gone[0], 0);
     assert_int_equal(gone[1], 1);
@@ -48,7 +50,8 @@ static void test_room(void **state)
     assert_int_equal(gone[1], 1);
     orl_shelf_put(shelf, "d", &gone[4], 101, count); /* too large for any */
     assert_int_equal(gone[4], 1);
-    assert_int_equal(orl_shelf_bytes(shelf), 30);
+    assert_int_equal(orl_shelf_totals(shelf).bytes, 30);
+    assert_int_equal(orl_shelf_totals(shelf).things, 2);
     assert_null(orl_shelf_take(shelf, "d"));
     orl_shelf_free(shelf);
     assert_int_equal(gone[2], 1);
@@ -57,12 +60,18 @@ static void test_room(void **state)
 
 static void test_none(void **state)
 {
-    int gone = 0;
+    struct orl_shelf *shelves[] = {NULL, orl_shelf_new(0)};
     (void)state;
-    assert_null(orl_shelf_take(NULL, "a"));
-    orl_shelf_put(NULL, "a", &gone, 1, count);
-    assert_int_equal(gone, 1);
-    orl_shelf_free(NULL);
+    assert_non_null(shelves[1]);
+    for (size_t i = 0; i < 2; i++) {
+        int gone = 0;
+        assert_null(orl_shelf_take(shelves[i], "a"));
+        orl_shelf_put(shelves[i], "a", &gone, 1, count);
+        assert_int_equal(gone, 1);
+        assert_int_equal(orl_shelf_totals(shelves[i]).bytes, 0);
+        assert_int_equal(orl_shelf_totals(shelves[i]).things, 0);
+        orl_shelf_free(shelves[i]);
+    }
 }
 
 enum { THREADS = 3, ROUNDS = 2000, KEYS = 4 };

@@ -76,7 +76,7 @@ static void check(enum orl_technique technique)
     struct outcome first = run(technique, near_wall, 2, folder, shelf);
     struct outcome alone = run(technique, near_wall, 1, other, NULL);
     assert_same(&first, &alone);
-    assert_true(orl_shelf_bytes(shelf) > 0);
+    assert_true(orl_shelf_totals(shelf).bytes > 0);
     /* Another view, then the first one: both from what is there. */
     for (int i = 0; i < 2; i++) {
         const char *view = i == 0 ? near_pane : near_wall;

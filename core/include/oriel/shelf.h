@@ -14,12 +14,17 @@
 
 struct orl_shelf;
 
-/* NULL when out of memory. */
+/* On one of 0 bytes nothing ever lies. NULL when out of memory. */
 struct orl_shelf *orl_shelf_new(uint64_t most_bytes);
 /* With all that lies on it. NULL is allowed. */
 void orl_shelf_free(struct orl_shelf *shelf);
 
-/* What lies there now. */
-uint64_t orl_shelf_bytes(struct orl_shelf *shelf);
+struct orl_shelf_totals {
+    uint64_t bytes, things; /* that lie there now */
+    uint64_t hits;          /* times that a job found something there, since the shelf was made */
+};
+
+/* Of no shelf, zeros. */
+struct orl_shelf_totals orl_shelf_totals(struct orl_shelf *shelf);
 
 #endif
