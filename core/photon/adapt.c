@@ -339,8 +339,10 @@ struct orl_density orl_adapt_estimate(const struct orl_adapt *adapt,
     const struct orl_map_header *h = adapt->sums.map->header;
     struct orl_rings rings;
     orl_rings_gather(&adapt->sums, &adapt->order, query, SMALLEST, search, &rings);
-    struct orl_density density = {
-        .radius = rings.radius, .clear = rings.clear, .found = (uint32_t)lrint(rings.found)};
+    struct orl_density density = {.radius = rings.radius,
+                                  .clear = rings.clear,
+                                  .disc = rings.disc,
+                                  .found = (uint32_t)lrint(rings.found)};
     if (density.found == 0)
         return density;
     count_health(&adapt->sums, query, density.found, &search->health);
@@ -351,6 +353,7 @@ struct orl_density orl_adapt_estimate(const struct orl_adapt *adapt,
                                           channel_of(&rings, &shapes, &blend, 1),
                                           channel_of(&rings, &shapes, &blend, 2)};
     density.radius = rings.radius * blend.radius;
+    density.evenness = blend.radius;
     density.clear = fmin(rings.clear, density.radius);
     part_by_batch(&sums, &rings, &shapes, &blend, &density);
     scale_by(&density, h->flux_unit);

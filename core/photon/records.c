@@ -6,11 +6,17 @@
 #include "photon/adapt.h"
 #include "photon/flux.h"
 #include "photon/pack.h"
+#include "photon/sheet.h"
 #include "photon/site.h"
 
 enum { LEAVES_A_RECORD = 2, PHOTONS_A_RECORD = LEAVES_A_RECORD * ORL_MAP_LEAF };
+enum { GROUP = 4, LONE = 2, LEAVES_A_GROUP = GROUP * LEAVES_A_RECORD };
 enum { NEAREST = 12, LEAST_JOINED = 4, MOST_SEARCHED = 256 };
 enum { ROUND = 1024, CHUNK = 16 };
+_Static_assert((int)CHUNK % (int)GROUP == 0 && (int)ROUND % (int)CHUNK == 0, "whole groups");
+
+/* Of a density's evenness: the widest disc was taken, or nearly so. */
+static const double even = 0.9, quite_even = 0.995;
 
 /* ---- Making ---------------------------------------------------------------------------------- */
 
@@ -51,30 +57,81 @@ static struct orl_record_note note_of(const struct orl_density *density)
 }
 
 /* hint: from record to record of a chunk, query.hint. */
-static bool make_record(const struct maker *m, uint64_t leaf, struct orl_search *search,
-                        double *hint, struct orl_photon *ret_record,
-                        struct orl_record_note *ret_note)
+static bool make_record(struct maker *m, size_t index, struct orl_search *search, double *hint,
+                        struct orl_footing *ret_footing, struct orl_density *ret_density)
 {
     const struct orl_records_making *making = m->making;
     const struct orl_photon_map *map = making->global;
+    const uint64_t leaf = LEAVES_A_RECORD * (uint64_t)index;
     struct orl_site site = orl_site_make(map, leaf);
     struct orl_density_query query = {
         .k = ORL_ADAPT_MOST, .max_radius = m->adapt.reach, .hint = *hint};
-    struct orl_footing footing;
-    if (!orl_site_ask(map, &site, leaf, making->world, &query, &footing))
+    if (!orl_site_ask(map, &site, leaf, making->world, &query, ret_footing))
         return false;
     const struct orl_density density = orl_adapt_estimate(&m->adapt, &query, search);
     *hint = density.disc;
     const double emitted = (double)map->header->emitted;
     const struct orl_rgb value = orl_rgb_scale(density.irradiance, emitted);
-    const struct orl_vec3 p = footing.point;
-    *ret_record = (struct orl_photon){.position = {(float)p.x, (float)p.y, (float)p.z},
-                                      .flux = {(float)value.r, (float)value.g, (float)value.b},
-                                      .normal = orl_normal_encode(footing.normal),
-                                      .tag = tag_of(making->world, density.clear),
-                                      .facet = footing.facet};
-    *ret_note = note_of(&density);
+    const struct orl_vec3 p = ret_footing->point;
+    m->records.photons[index] =
+        (struct orl_photon){.position = {(float)p.x, (float)p.y, (float)p.z},
+                            .flux = {(float)value.r, (float)value.g, (float)value.b},
+                            .normal = orl_normal_encode(ret_footing->normal),
+                            .tag = tag_of(making->world, density.clear),
+                            .facet = ret_footing->facet};
+    m->records.notes[index] = note_of(&density);
+    *ret_density = density;
     return orl_rgb_is_finite(value);
+}
+
+/*
+ * Whether a record amid the leaf `own` speaks for that one, too: it lies on the same plane within
+ * the disc that was found to be even, and nothing stands between. Beside walls light has to be
+ * quite even for that.
+ */
+static bool speaks_for(const struct maker *m, const struct orl_leaf_sum *own,
+                       const struct orl_leaf_sum *leaf, const struct orl_footing *footing,
+                       const struct orl_density *density)
+{
+    const double cell = m->adapt.sums.map->header->cell;
+    const struct orl_vec3 chord =
+        orl_v3(leaf->at[0] - own->at[0], leaf->at[1] - own->at[1], leaf->at[2] - own->at[2]);
+    const double far = (orl_length(chord) + (double)leaf->reach) * cell;
+    if (leaf->normal != own->normal || !(far < density->radius) ||
+        !orl_chord_fits(orl_normal_decode(own->normal), chord, 0))
+        return false;
+    return far < density->clear ||
+           (density->evenness >= quite_even &&
+            orl_footing_joins(footing, orl_madd(footing->point, chord, cell)));
+}
+
+static bool speaks_for_group(const struct maker *m, uint64_t first, uint64_t own,
+                             const struct orl_footing *footing, const struct orl_density *density)
+{
+    const struct orl_sums *sums = &m->adapt.sums;
+    if (!(density->evenness >= even) || first + LEAVES_A_GROUP > sums->count)
+        return false;
+    for (uint64_t i = first; i < first + LEAVES_A_GROUP; i++)
+        if (!speaks_for(m, &sums->leaves[own], &sums->leaves[i], footing, density))
+            return false;
+    return true;
+}
+
+/* Where light is even one record does for the whole group; else each of them is made. */
+static void make_group(struct maker *m, size_t group, struct orl_search *search, double *hint)
+{
+    const size_t first = GROUP * group, lone = first + LONE;
+    struct orl_density density = {.found = 0};
+    struct orl_footing footing;
+    if (lone < m->records.count) {
+        m->made[lone] = make_record(m, lone, search, hint, &footing, &density);
+        if (m->made[lone] && speaks_for_group(m, LEAVES_A_RECORD * (uint64_t)first,
+                                              LEAVES_A_RECORD * (uint64_t)lone, &footing, &density))
+            return;
+    }
+    for (size_t i = first; i < first + GROUP && i < m->records.count; i++)
+        if (i != lone)
+            m->made[i] = make_record(m, i, search, hint, &footing, &density);
 }
 
 static void make_chunk(void *arg, size_t chunk, uint32_t member)
@@ -84,9 +141,8 @@ static void make_chunk(void *arg, size_t chunk, uint32_t member)
     double hint = 0;
     if (atomic_load_explicit(m->making->cancel, memory_order_relaxed))
         return;
-    for (size_t i = first; i < first + CHUNK && i < m->records.count; i++)
-        m->made[i] = make_record(m, LEAVES_A_RECORD * i, &m->making->searches[member], &hint,
-                                 &m->records.photons[i], &m->records.notes[i]);
+    for (size_t i = first; i < first + CHUNK && i < m->records.count; i += GROUP)
+        make_group(m, i / GROUP, &m->making->searches[member], &hint);
 }
 
 static int make_all(struct maker *m)

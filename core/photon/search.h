@@ -54,6 +54,7 @@ struct orl_density {
     double area;               /* of that part */
     double clear;              /* no wall is nearer; no more than radius */
     double disc;               /* of adaptive estimates: what was searched, for query.hint */
+    double evenness;           /* of adaptive estimates: radius over the widest that was tried */
     uint32_t found;            /* photons in it */
     /* Of the irradiance's luma: */
     double standard_error; /* of the photons' scatter */

@@ -45,7 +45,7 @@ static double typical_radius(const struct orl_photon_map *map, uint32_t k, doubl
 /*
  * Dark corners may reach further than most for global photons, but not across the room. Caustics
  * end: where there are few photons a wider search would find another one's. Records are few, and
- * stand for 32 photons each.
+ * stand for 32 photons or more each.
  */
 static void choose_radii(struct orl_gather *gather, enum orl_map_kind kind, double bandwidth,
                          double widest, struct orl_search *search)
