@@ -7,6 +7,10 @@ static const double sharp_difference = 0.15, no_difference = 0.02;
 /* Of a pixel's rays that see lobes one stands for others that are no further: pixels. */
 static const double close_by = 0.3;
 
+/* What is smooth is shared beyond its reach so many times: among the rays of a pixel, whose mean
+ * is what counts; and by a pixel whose neighbours bear it out. */
+static const double shared_within = 2, shared_about = 4;
+
 static struct orl_shade shade_of(const struct orl_cell *cell)
 {
     const struct orl_rgb sharp = orl_rgb_add(cell->rest, cell->direct);
@@ -111,7 +115,8 @@ static bool will_do(const struct found *known, const double place[2], const stru
     if (known->way != sight->way)
         return false;
     return sight->has_lobes ? across * across + down * down < close_by * close_by
-                            : is_within(surface_of(sight), known->on_surface, known->smooth.reach);
+                            : is_within(surface_of(sight), known->on_surface,
+                                        shared_within * known->smooth.reach);
 }
 
 /* What is smooth and what lobes show, worked out for a ray, or for one close by. */
@@ -128,6 +133,7 @@ static const struct found *find(const struct orl_tile_cells *mosaic, int x, int 
     *found = (struct found){.way = sight->way,
                             .x = place[0],
                             .y = place[1],
+                            .on_surface = surface_of(sight),
                             .smooth = orl_lighting_smooth(&mosaic->m->lighting, sight,
                                                           mosaic->strays, random, mosaic->search),
                             .lobes = sight->lobes,
@@ -144,7 +150,7 @@ static bool is_close(const struct kin *kin, const struct orl_sight *sight)
     if (sight->n_vertices == 0)
         return true;
     return is_within(surface_of(sight), surface_of(&kin->nearest->sight),
-                     kin->nearest->smooth.reach);
+                     shared_about * kin->nearest->smooth.reach);
 }
 
 /* What one more ray sees. */
