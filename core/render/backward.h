@@ -40,9 +40,11 @@ struct orl_backward {
     const atomic_bool *cancel; /* ends a sensor's sampling, whose value is none then; or NULL */
 };
 
-/* Takes copies of what it needs of the photons. Returns 0 or ORL_ERR_NOMEM. */
-int orl_backward_init(struct orl_backward *backward, const struct orl_world *world, uint64_t seed,
-                      const struct orl_photon *photons, size_t count, uint64_t emitted);
+/* Takes copies of what it needs of the photons. Returns 0, ORL_ERR_NOMEM or what orl_crew_try does.
+ */
+int orl_backward_init(struct orl_backward *backward, const struct orl_world *world,
+                      struct orl_crew *crew, uint64_t seed, const struct orl_photon *photons,
+                      size_t count, uint64_t emitted);
 void orl_backward_done(struct orl_backward *backward); /* also of one that is all zero */
 
 /* Samples of a sensor: so many of its sequences, which seed and index name, from one of them on. */

@@ -7,7 +7,7 @@
 
 /* The cap, as the inverse square of a length: this share of what lamps are typically apart. */
 static const double near_share = 0.12;
-enum { PAIRS = 1024, CUT_A_LAMP = 4, LEAST_CUT = 16 };
+enum { PAIRS = 1024, CUT_A_LAMP = 4, LEAST_CUT = 16, STRIP = 1024 };
 
 static struct orl_vec3 from_floats(const float v[3])
 {
@@ -61,25 +61,56 @@ static double typical_distance(const struct orl_vpls *vpls, size_t count)
     return apart[PAIRS / 2];
 }
 
-int orl_vpls_init(struct orl_vpls *vpls, const struct orl_world *world,
-                  const struct orl_photon *photons, size_t count, uint64_t emitted)
+/* Photons on their way to become lamps, and which they become. */
+struct making {
+    struct orl_vpls *vpls;
+    const struct orl_photon *photons;
+    size_t count;
+    uint32_t *places;
+};
+
+static void make_strip(void *arg, size_t strip, uint32_t member)
 {
-    size_t next[ORL_MAP_BATCHES] = {0};
-    *vpls = (struct orl_vpls){.world = world, .emitted = (double)emitted / ORL_MAP_BATCHES};
-    vpls->lamps = malloc((count + 1) * sizeof *vpls->lamps);
-    if (!vpls->lamps)
-        return ORL_ERR_NOMEM;
-    for (size_t i = 0; i < count; i++)
-        vpls->first[photons[i].batch + 1]++;
+    const struct making *m = arg;
+    const size_t end = m->count - strip * STRIP < STRIP ? m->count : (strip + 1) * STRIP;
+    (void)member;
+    for (size_t i = strip * STRIP; i < end; i++)
+        make_lamp(m->vpls->world, &m->photons[i], &m->vpls->lamps[m->places[i]]);
+}
+
+/* Group by group, and within one in the order of photons. */
+static void find_places(const struct making *making)
+{
+    struct orl_vpls *vpls = making->vpls;
+    size_t next[ORL_MAP_BATCHES];
+    for (size_t i = 0; i < making->count; i++)
+        vpls->first[making->photons[i].batch + 1]++;
     for (size_t b = 0; b < ORL_MAP_BATCHES; b++) {
         vpls->first[b + 1] += vpls->first[b];
         next[b] = vpls->first[b];
     }
-    for (size_t i = 0; i < count; i++)
-        make_lamp(world, &photons[i], &vpls->lamps[next[photons[i].batch]++]);
+    for (size_t i = 0; i < making->count; i++)
+        making->places[i] = (uint32_t)next[making->photons[i].batch]++;
+}
+
+int orl_vpls_init(struct orl_vpls *vpls, const struct orl_world *world, struct orl_crew *crew,
+                  const struct orl_photon *photons, size_t count, uint64_t emitted)
+{
+    struct making making = {.vpls = vpls, .photons = photons, .count = count};
+    *vpls = (struct orl_vpls){.world = world, .emitted = (double)emitted / ORL_MAP_BATCHES};
+    vpls->lamps = malloc((count + 1) * sizeof *vpls->lamps);
+    making.places = malloc((count + 1) * sizeof *making.places);
+    int code = vpls->lamps && making.places ? 0 : ORL_ERR_NOMEM;
+    if (code == 0) {
+        find_places(&making);
+        code = orl_crew_try(crew, (count + STRIP - 1) / STRIP, make_strip, &making);
+    }
+    free(making.places);
+    if (code)
+        return code;
     const double near = count > 0 ? near_share * typical_distance(vpls, count) : 1;
     vpls->most_sr_m2 = near > 0 ? 1 / (near * near) : INFINITY;
-    return orl_vpl_plant(vpls);
+    return orl_vpl_plant(vpls, crew);
 }
 
 void orl_vpls_done(struct orl_vpls *vpls)

@@ -14,6 +14,8 @@
 #ifndef ORL_RENDER_VPL_H
 #define ORL_RENDER_VPL_H
 
+#include <oriel/crew.h>
+
 #include "light/direct.h"
 #include "photon/shoot.h"
 
@@ -41,8 +43,9 @@ struct orl_vpls {
     double most_sr_m2;               /* the cap of cos cos / distance^2 */
 };
 
-/* From photons in order of emission, which are left alone. Returns 0 or ORL_ERR_NOMEM. */
-int orl_vpls_init(struct orl_vpls *vpls, const struct orl_world *world,
+/* From photons in order of emission, which are left alone. Returns 0, ORL_ERR_NOMEM or what
+ * orl_crew_try does. */
+int orl_vpls_init(struct orl_vpls *vpls, const struct orl_world *world, struct orl_crew *crew,
                   const struct orl_photon *photons, size_t count, uint64_t emitted);
 void orl_vpls_done(struct orl_vpls *vpls);
 
@@ -70,8 +73,8 @@ bool orl_vpl_draw(const struct orl_vpls *vpls, const struct orl_vpl_cut *cut, do
                   struct orl_vec3 point, struct orl_vec3 normal, uint32_t *ret_lamp,
                   double *ret_probability);
 
-/* Makes the trees, and puts the lamps in their order. Returns 0 or ORL_ERR_NOMEM. */
-int orl_vpl_plant(struct orl_vpls *vpls);
+/* Makes the trees, and puts the lamps in their order. Returns as orl_vpls_init. */
+int orl_vpl_plant(struct orl_vpls *vpls, struct orl_crew *crew);
 
 /* The share of a surface's light that a ray of that length between those cosines is to take. */
 static inline double orl_vpl_left(const struct orl_vpls *vpls, double cos_here, double cos_there,

@@ -8,9 +8,10 @@ enum { LAMPS_A_LEAF = 4 };
 static const double alike = 0.2;
 static const double least_cosine = 1e-3; /* of what is seen at all */
 
+/* Of one tree. */
 struct gardener {
     struct orl_vpls *vpls;
-    uint32_t n_nodes;
+    uint32_t n_nodes; /* up to its last one so far */
     float normals_as; /* a length: how far apart opposite normals count */
 };
 
@@ -101,18 +102,26 @@ static uint32_t grow(struct gardener *g, uint32_t first, uint32_t count)
     return index;
 }
 
-int orl_vpl_plant(struct orl_vpls *vpls)
+/* Of n lamps there are fewer than 2 n nodes: each tree has room of its own. */
+static void grow_tree(void *arg, size_t group, uint32_t member)
 {
-    struct gardener g = {.vpls = vpls, .normals_as = (float)vpls->world->geometry->radius};
+    struct orl_vpls *vpls = arg;
+    const uint32_t first = (uint32_t)vpls->first[group];
+    const uint32_t count = (uint32_t)vpls->first[group + 1] - first;
+    struct gardener g = {
+        .vpls = vpls, .n_nodes = 2 * first, .normals_as = (float)vpls->world->geometry->radius};
+    (void)member;
+    if (count > 0)
+        vpls->roots[group] = grow(&g, first, count);
+}
+
+int orl_vpl_plant(struct orl_vpls *vpls, struct orl_crew *crew)
+{
     const size_t count = vpls->first[ORL_MAP_BATCHES];
     vpls->nodes = malloc((2 * count + 1) * sizeof *vpls->nodes);
     if (!vpls->nodes)
         return ORL_ERR_NOMEM;
-    for (size_t b = 0; b < ORL_MAP_BATCHES; b++)
-        if (vpls->first[b + 1] > vpls->first[b])
-            vpls->roots[b] =
-                grow(&g, (uint32_t)vpls->first[b], (uint32_t)(vpls->first[b + 1] - vpls->first[b]));
-    return 0;
+    return orl_crew_try(crew, ORL_MAP_BATCHES, grow_tree, vpls);
 }
 
 /*

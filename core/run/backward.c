@@ -36,10 +36,12 @@ static int prepare(struct work *work, struct orl_error *err)
     orl_health_add(&state->result->health, &shots[ORL_MAP_GLOBAL].health);
     if (code == 0) {
         const struct orl_shot *shot = &shots[ORL_MAP_GLOBAL];
-        code = orl_backward_init(&work->backward, state->world, state->job->seed, shot->photons,
-                                 shot->count, shot->emitted);
+        code = orl_backward_init(&work->backward, state->world, state->env->crew, state->job->seed,
+                                 shot->photons, shot->count, shot->emitted);
         if (code < 0)
-            orl_error_set(err, code, "out of memory for virtual lamps");
+            orl_error_set(err, code,
+                          code == ORL_ERR_CANCELLED ? "cancelled"
+                                                    : "out of memory for virtual lamps");
     }
     for (int kind = 0; kind < ORL_SHOT_KINDS; kind++)
         free(shots[kind].photons);
