@@ -101,11 +101,27 @@ void orl_connection_over(struct MHD_Connection *connection)
     one->until_s = orl_time_steady_s() + one->idle_s;
 }
 
+/*
+ * Has the client stopped sending? libmicrohttpd does not hear of it when the end comes together
+ * with the last bytes before it (it waits for another edge of epoll), and would keep the connection
+ * until it is slow. A second end, for our side of reading alone, is such an edge; an answer that is
+ * under way still goes out.
+ */
+static void note_end(const struct orl_connection *one)
+{
+    char next;
+    if (recv(one->fd, &next, 1, MSG_PEEK | MSG_DONTWAIT) == 0)
+        shutdown(one->fd, SHUT_RD);
+}
+
 void orl_connections_sweep(struct orl_connections *all)
 {
     const double now_s = orl_time_steady_s();
     for (struct orl_connection *one = all->first; one; one = one->next) {
-        if (one->awaited == AWAITS_NOTHING || now_s < one->until_s)
+        if (one->awaited == AWAITS_NOTHING)
+            continue;
+        note_end(one);
+        if (now_s < one->until_s)
             continue;
         if (one->awaited == AWAITS_BODY &&
             (double)one->received >= ORL_SERVER_BODY_RATE * (now_s - one->since_s))

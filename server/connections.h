@@ -37,7 +37,7 @@ void orl_connection_body(struct MHD_Connection *connection);
 /* The request is over; the connection may bring another. */
 void orl_connection_over(struct MHD_Connection *connection);
 
-/* Cuts off who is too slow. To be called every second or so. */
+/* Cuts off who is too slow, or has hung up. To be called every second or so. */
 void orl_connections_sweep(struct orl_connections *connections);
 
 #endif

@@ -6,6 +6,7 @@
 
 #include "access.h"
 #include "connections.h"
+#include "framing.h"
 #include "limits.h"
 #include "reply.h"
 #include "router.h"
@@ -71,10 +72,16 @@ static void refuse_too_large(struct orl_request *request)
 }
 
 /* Finds the route and refuses at once what can be refused by the headers. */
-static void open_request(struct orl_request *request, const char *url)
+static void open_request(struct orl_request *request, const char *url, const char *version)
 {
     char allow[64];
     const struct orl_route *route = NULL;
+    const char *fault = orl_framing_check(request->connection, version);
+    if (fault) {
+        orl_reply_problem(request, 400, "syntax", "The request is not valid HTTP", "%s", fault);
+        request->unframed = true;
+        return;
+    }
     if (!orl_access_check_origin(request))
         return;
     const unsigned status = orl_router_find(request->method, url, &route, request->params, allow);
@@ -109,7 +116,7 @@ static void open_request(struct orl_request *request, const char *url)
 }
 
 static struct orl_request *new_request(struct orl_server *server, struct MHD_Connection *connection,
-                                       const char *url, const char *method)
+                                       const char *url, const char *method, const char *version)
 {
     struct orl_request *request = calloc(1, sizeof *request);
     if (!request)
@@ -123,7 +130,7 @@ static struct orl_request *new_request(struct orl_server *server, struct MHD_Con
     snprintf(request->token, sizeof request->token, "-");
     orl_body_init(&request->body, 0);
     orl_connection_headers(connection);
-    open_request(request, url);
+    open_request(request, url, version);
     return request;
 }
 
@@ -142,6 +149,8 @@ static enum MHD_Result send_response(struct orl_request *request)
     char id[24];
     snprintf(id, sizeof id, "%llu", (unsigned long long)request->id);
     orl_reply_header(request, "X-Request-Id", id);
+    if (request->unframed)
+        orl_reply_header(request, MHD_HTTP_HEADER_CONNECTION, "close");
     let_go(request);
     struct MHD_Response *response = request->response;
     request->response = NULL;
@@ -152,16 +161,16 @@ static enum MHD_Result send_response(struct orl_request *request)
 
 /*
  * A request refused by its headers is answered at once when its client waits for leave to send the
- * body, or when that is endless or huge (of strangers: large); the connection is then closed. Any
- * other body is read and dropped first: a client that is still sending would see the connection
- * break, and no answer.
+ * body, or when that is endless or huge (of strangers: large), or ends nobody knows where; the
+ * connection is then closed. Any other body is read and dropped first: a client that is still
+ * sending would see the connection break, and no answer.
  */
 static bool answer_at_once(const struct orl_request *request)
 {
     const bool unknown = request->status == 401 || request->status == 403;
     const char *length = orl_request_header(request, MHD_HTTP_HEADER_CONTENT_LENGTH);
     const unsigned long long bytes = length ? strtoull(length, NULL, 10) : 0;
-    return orl_request_header(request, MHD_HTTP_HEADER_TRANSFER_ENCODING) ||
+    return request->unframed || orl_request_header(request, MHD_HTTP_HEADER_TRANSFER_ENCODING) ||
            bytes > (unknown ? ORL_SERVER_BODY_BUFFER : ORL_SERVER_DROPPED_BODY) ||
            (bytes > 0 && orl_request_header(request, MHD_HTTP_HEADER_EXPECT));
 }
@@ -214,10 +223,9 @@ enum MHD_Result orl_request_serve(void *ctx, struct MHD_Connection *connection, 
                                   const char *method, const char *version, const char *data,
                                   size_t *data_size, void **handle)
 {
-    (void)version;
     struct orl_request *request = *handle;
     if (!request) {
-        request = new_request(ctx, connection, url, method);
+        request = new_request(ctx, connection, url, method, version);
         *handle = request;
         if (!request)
             return MHD_NO;

@@ -40,6 +40,7 @@ struct orl_request {
     char params[ORL_ROUTE_PARAMS][ORL_PARAM_MAX];
     struct orl_body body;
     bool dispatched; /* the handler has been called */
+    bool unframed;   /* refused, and nobody knows where it ends */
 
     struct MHD_Response *response; /* made, not yet queued */
     unsigned status;               /* of the response made or queued; 0 before */

@@ -4,7 +4,6 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include <arpa/inet.h>
 #include <cmocka.h>
 #include <errno.h>
 #include <poll.h>
@@ -18,17 +17,6 @@
 #include "support/daemon.h"
 
 enum { SLOW = 200, POLLS = 200 };
-
-static int dial(const struct daemon *daemon)
-{
-    struct sockaddr_in address = {.sin_family = AF_INET};
-    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    address.sin_port = htons((uint16_t)strtoul(strrchr(daemon->url, ':') + 1, NULL, 10));
-    const int fd = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
-    assert_true(fd >= 0);
-    assert_int_equal(connect(fd, (struct sockaddr *)&address, sizeof address), 0);
-    return fd;
-}
 
 static void say(int fd, const char *text)
 {
@@ -99,7 +87,7 @@ static void test_slow_clients(void **state)
     daemon_start(&daemon, extra);
     print_polls(&daemon, "before any slow client");
     for (size_t i = 0; i < SLOW; i++) {
-        fds[i] = dial(&daemon);
+        fds[i] = daemon_dial(&daemon);
         say(fds[i], beginnings[i % KINDS]);
     }
     print_polls(&daemon, "beside 200 slow clients");
@@ -125,7 +113,7 @@ static void test_patience(void **state)
     char text[1000];
     (void)state;
     daemon_start(&daemon, NULL);
-    const int fd = dial(&daemon);
+    const int fd = daemon_dial(&daemon);
     for (size_t i = 0; i < sizeof parts / sizeof *parts; i++) {
         say(fd, parts[i]);
         nanosleep(&moment, NULL);
@@ -167,8 +155,8 @@ static void test_one_address_has_its_share(void **state)
     (void)state;
     daemon_start(&daemon, extra);
     for (int i = 0; i < SHARE; i++)
-        fds[i] = dial(&daemon);
-    const int more = dial(&daemon);
+        fds[i] = daemon_dial(&daemon);
+    const int more = daemon_dial(&daemon);
     struct pollfd wait = {.fd = more, .events = POLLIN};
     assert_int_equal(poll(&wait, 1, 10000), 1);
     assert_true(is_closed(more));

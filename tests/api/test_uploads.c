@@ -388,10 +388,7 @@ static void test_broken_off_upload(void **state)
     enum { SENT = 3 << 20 };
     static char zeros[SENT];
     struct daemon *daemon = *state;
-    struct sockaddr_in address = {.sin_family = AF_INET, .sin_addr = {htonl(INADDR_LOOPBACK)}};
-    address.sin_port = htons((uint16_t)strtoul(strrchr(daemon->url, ':') + 1, NULL, 10));
-    const int fd = socket(AF_INET, SOCK_STREAM, 0);
-    assert_int_equal(connect(fd, (struct sockaddr *)&address, sizeof address), 0);
+    const int fd = daemon_dial(daemon);
     const char head[] = "POST /v1/bsdfs HTTP/1.1\r\nHost: localhost\r\n"
                         "Content-Length: 100000000\r\n\r\n";
     assert_int_equal(send(fd, head, sizeof head - 1, MSG_NOSIGNAL), sizeof head - 1);

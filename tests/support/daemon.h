@@ -47,6 +47,8 @@ size_t daemon_count_files(const struct daemon *daemon, const char *folder);
 /* method "GET", "POST", ...; body may be NULL; type may be NULL. header may be NULL or one line. */
 void daemon_request(struct daemon *daemon, const char *method, const char *path, const char *type,
                     const void *body, size_t size, const char *header, struct reply *ret_reply);
+/* A plain connection to it, to write bytes to; the caller closes it. */
+int daemon_dial(const struct daemon *daemon);
 void daemon_get(struct daemon *daemon, const char *path, struct reply *ret_reply);
 void daemon_post_json(struct daemon *daemon, const char *path, const char *json,
                       struct reply *ret_reply);
