@@ -13,6 +13,7 @@ static const struct {
 } problems[] = {
     {ORL_ERR_NOMEM, 503, "The server is out of memory"},
     {ORL_ERR_IO, 500, "The server could not read or write a file"},
+    {ORL_ERR_FULL, 507, "The disk is full"},
     {ORL_ERR_SYNTAX, 400, "The text does not parse"},
     {ORL_ERR_UNSUPPORTED, 422, "Oriel does not simulate this"},
     {ORL_ERR_RANGE, 422, "A value is out of range"},

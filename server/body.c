@@ -70,7 +70,8 @@ void orl_body_flush(struct orl_body *body, const struct orl_folders *folders)
     }
     if (body->fd < 0 || write_all(body->fd, body->buffer, body->used) != 0) {
         body->failed = true;
-        orl_error_set(&body->err, ORL_ERR_IO, "cannot store a request's body: %s", strerror(errno));
+        orl_error_set(&body->err, orl_err_of_errno(errno), "cannot store a request's body: %s",
+                      strerror(errno));
     }
     body->used = 0;
 }

@@ -27,7 +27,7 @@ int orl_incoming_begin(struct orl_incoming *incoming, const struct orl_folders *
         return rc;
     incoming->fd = open(path, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     if (incoming->fd < 0)
-        return orl_error_set(err, ORL_ERR_IO, "cannot store a file of the upload: %s",
+        return orl_error_set(err, orl_err_of_errno(errno), "cannot store a file of the upload: %s",
                              strerror(errno));
     crypto_hash_sha256_init(&incoming->hash);
     return 0;
@@ -48,8 +48,8 @@ int orl_incoming_append(struct orl_incoming *incoming, const char *data, size_t 
     while (size > 0) {
         const ssize_t n = write(incoming->fd, data, size);
         if (n < 0 && errno != EINTR)
-            return orl_error_set(err, ORL_ERR_IO, "cannot store a file of the upload: %s",
-                                 strerror(errno));
+            return orl_error_set(err, orl_err_of_errno(errno),
+                                 "cannot store a file of the upload: %s", strerror(errno));
         if (n > 0) {
             data += n;
             size -= (size_t)n;

@@ -57,7 +57,8 @@ static int link_files(const char *from, const char *to, struct orl_error *err)
         rc = link(source, target);
     }
     if (rc)
-        rc = orl_error_set(err, ORL_ERR_IO, "cannot share the results: %s", strerror(errno));
+        rc = orl_error_set(err, orl_err_of_errno(errno), "cannot share the results: %s",
+                           strerror(errno));
     if (folder)
         closedir(folder);
     return rc;
@@ -71,8 +72,8 @@ int orl_share_results(const struct orl_folders *folders, const char *from, const
     orl_folders_path(folders, target, "results/%s", to);
     orl_folders_temporary(folders, temporary);
     if (mkdir(temporary, 0777) != 0)
-        return orl_error_set(err, ORL_ERR_IO, "cannot make a folder for the results: %s",
-                             strerror(errno));
+        return orl_error_set(err, orl_err_of_errno(errno),
+                             "cannot make a folder for the results: %s", strerror(errno));
     int rc = link_files(source, temporary, err);
     if (rc == 0)
         rc = orl_sync_path(temporary, err);

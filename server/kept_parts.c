@@ -100,8 +100,8 @@ int orl_kept_open(const char *folder, const char *key, struct orl_error *err)
     if (rc)
         return rc;
     if (mkdir(folder, 0777) != 0)
-        return orl_error_set(err, ORL_ERR_IO, "cannot make a folder for the results: %s",
-                             strerror(errno));
+        return orl_error_set(err, orl_err_of_errno(errno),
+                             "cannot make a folder for the results: %s", strerror(errno));
     return orl_write_file(path, key, strlen(key), err);
 }
 

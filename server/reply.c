@@ -82,6 +82,8 @@ void orl_reply_error(struct orl_request *request, const struct orl_error *err)
                       (int64_t)request->id, "why", text);
     }
     reply_document(request, (unsigned)status, problem, "application/problem+json");
+    if (status == 507)
+        orl_reply_header(request, "Retry-After", "60");
 }
 
 void orl_reply_problem(struct orl_request *request, unsigned status, const char *type,

@@ -1,5 +1,6 @@
 #include <oriel/error.h>
 
+#include <errno.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -38,11 +39,16 @@ void orl_error_hint(struct orl_error *err, const char *format, ...)
     va_end(args);
 }
 
+int orl_err_of_errno(int why)
+{
+    return why == ENOSPC || why == EDQUOT ? ORL_ERR_FULL : ORL_ERR_IO;
+}
+
 const char *orl_err_name(int code)
 {
     static const char *const names[] = {
         "ok",    "no-memory", "io",      "syntax",    "unsupported", "out-of-range", "not-found",
-        "limit", "corrupt",   "version", "cancelled", "invalid",     "internal",
+        "limit", "corrupt",   "version", "cancelled", "invalid",     "internal",     "disk-full",
     };
     const int index = -code;
     return index >= 0 && index < (int)(sizeof names / sizeof *names) ? names[index] : "unknown";

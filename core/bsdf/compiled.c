@@ -206,8 +206,8 @@ int orl_bsdf_write(const struct orl_bsdf *bsdf, const unsigned char content[ORL_
     find_arrays(image, arrays);
     fd = open(path, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
     if (fd < 0 || write_file(fd, image, arrays, content, ret_bytes) < 0)
-        code =
-            orl_error_set(err, ORL_ERR_IO, "cannot write the BSDF '%s': %s", path, strerror(errno));
+        code = orl_error_set(err, orl_err_of_errno(errno), "cannot write the BSDF '%s': %s", path,
+                             strerror(errno));
 done:
     if (fd >= 0)
         close(fd);

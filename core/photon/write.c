@@ -159,14 +159,16 @@ static int create_file(struct writer *w, const char *path, int *ret_fd, struct o
 {
     const int fd = open(path, O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
     if (fd < 0)
-        return orl_error_set(err, ORL_ERR_IO, "cannot create photon map '%s': %s", path,
-                             strerror(errno));
+        return orl_error_set(err, orl_err_of_errno(errno), "cannot create photon map '%s': %s",
+                             path, strerror(errno));
     const int why = posix_fallocate(fd, 0, (off_t)w->size);
     void *file =
         why == 0 ? mmap(NULL, w->size, PROT_READ | PROT_WRITE, MAP_SHARED, fd, 0) : MAP_FAILED;
     if (file == MAP_FAILED) {
-        const int code = orl_error_set(err, ORL_ERR_IO, "no room for a photon map of %zu bytes: %s",
-                                       (size_t)w->size, strerror(why ? why : errno));
+        const int cause = why ? why : errno;
+        const int code =
+            orl_error_set(err, orl_err_of_errno(cause), "no room for a photon map of %zu bytes: %s",
+                          (size_t)w->size, strerror(cause));
         close(fd);
         return code;
     }

@@ -1,6 +1,7 @@
 #include "render/error_map.h"
 
 #include <cairo.h>
+#include <errno.h>
 #include <stdlib.h>
 
 #include "render/file.h"
@@ -258,10 +259,11 @@ int orl_film_write_error_png(const struct orl_film *film, const char *path, stru
         return code;
     code = orl_out_open(&file, path, err);
     if (code == 0) {
+        errno = 0;
         const cairo_status_t status =
             cairo_surface_write_to_png_stream(surface, write_bytes, file.stream);
         if (status != CAIRO_STATUS_SUCCESS)
-            code = orl_error_set(err, ORL_ERR_IO, "cannot write '%s': %s", path,
+            code = orl_error_set(err, orl_err_of_errno(errno), "cannot write '%s': %s", path,
                                  cairo_status_to_string(status));
         code = orl_out_close(&file, code, err);
     }

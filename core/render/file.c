@@ -12,7 +12,7 @@ int orl_out_open(struct orl_out_file *file, const char *path, struct orl_error *
     snprintf(file->part, sizeof file->part, "%s.part", file->path);
     file->stream = fopen(file->part, "wbe");
     if (!file->stream)
-        return orl_error_set(err, ORL_ERR_IO, "cannot create '%s': %s", file->part,
+        return orl_error_set(err, orl_err_of_errno(errno), "cannot create '%s': %s", file->part,
                              strerror(errno));
     return 0;
 }
@@ -28,7 +28,8 @@ int orl_out_close(struct orl_out_file *file, int code, struct orl_error *err)
     if (code == 0 && why == 0 && rename(file->part, file->path) != 0)
         why = errno;
     if (code == 0 && why != 0)
-        code = orl_error_set(err, ORL_ERR_IO, "cannot write '%s': %s", file->path, strerror(why));
+        code = orl_error_set(err, orl_err_of_errno(why), "cannot write '%s': %s", file->path,
+                             strerror(why));
     if (code < 0)
         unlink(file->part);
     return code;

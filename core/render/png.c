@@ -1,3 +1,4 @@
+#include <errno.h>
 #include <png.h>
 #include <stdlib.h>
 
@@ -45,11 +46,12 @@ static void tone_map(const float rgb[3], double average, unsigned char ret_pixel
 /* libpng reports failure by jumping back here. */
 static int encode(const struct orl_film *film, FILE *stream, unsigned char *row, double average)
 {
+    errno = 0;
     png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, NULL, NULL, NULL);
     png_infop info = png ? png_create_info_struct(png) : NULL;
     if (!info || setjmp(png_jmpbuf(png))) {
         png_destroy_write_struct(&png, &info);
-        return ORL_ERR_IO;
+        return orl_err_of_errno(errno);
     }
     png_init_io(png, stream);
     png_set_IHDR(png, info, film->width, film->height, 8, PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE,

@@ -27,8 +27,8 @@ static int folder_acquire(void *ctx, const char *kind, const char *key, atomic_b
     int code = 0;
     (void)cancel; /* nobody else builds here, so there is nothing to wait for */
     if (mkdir(state->folder, 0777) != 0 && errno != EEXIST)
-        return orl_error_set(err, ORL_ERR_IO, "cannot make the map folder '%s': %s", state->folder,
-                             strerror(errno));
+        return orl_error_set(err, orl_err_of_errno(errno), "cannot make the map folder '%s': %s",
+                             state->folder, strerror(errno));
     code = map_path(state, kind, key, "", ret_path, err);
     if (code < 0)
         return code;
@@ -53,7 +53,8 @@ static int folder_commit(void *ctx, const struct orl_map_info *info, struct orl_
     if (code == 0)
         code = map_path(state, info->kind, info->key, "", to, err);
     if (code == 0 && rename(from, to) != 0)
-        code = orl_error_set(err, ORL_ERR_IO, "cannot keep the map '%s': %s", to, strerror(errno));
+        code = orl_error_set(err, orl_err_of_errno(errno), "cannot keep the map '%s': %s", to,
+                             strerror(errno));
     return code;
 }
 

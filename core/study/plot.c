@@ -2,6 +2,7 @@
 #include "study/plot.h"
 
 #include <cairo/cairo-svg.h>
+#include <errno.h>
 
 #include "render/file.h"
 
@@ -17,7 +18,8 @@ static int check(cairo_status_t status, const char *path, struct orl_error *err)
 {
     if (status == CAIRO_STATUS_SUCCESS)
         return 0;
-    return orl_error_set(err, status == CAIRO_STATUS_NO_MEMORY ? ORL_ERR_NOMEM : ORL_ERR_IO,
+    return orl_error_set(err,
+                         status == CAIRO_STATUS_NO_MEMORY ? ORL_ERR_NOMEM : orl_err_of_errno(errno),
                          "cannot draw '%s': %s", path, cairo_status_to_string(status));
 }
 
@@ -71,6 +73,7 @@ int orl_study_write_png(const struct orl_study *study, const char *title, const 
     if (code == 0)
         code = orl_out_open(&file, path, err);
     if (code == 0) {
+        errno = 0;
         code =
             check(cairo_surface_write_to_png_stream(surface, take_bytes, file.stream), path, err);
         code = orl_out_close(&file, code, err);

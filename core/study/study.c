@@ -161,7 +161,7 @@ static int prepare(struct work *work, struct orl_error *err)
         return orl_error_set(err, ORL_ERR_LIMIT, "the path of the work folder is too long");
     if (!mkdtemp(series->folder)) {
         series->folder[0] = '\0';
-        return orl_error_set(err, ORL_ERR_IO, "cannot make a folder in '%s': %s",
+        return orl_error_set(err, orl_err_of_errno(errno), "cannot make a folder in '%s': %s",
                              work->env->work_folder, strerror(errno));
     }
     return 0;

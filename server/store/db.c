@@ -5,9 +5,18 @@
 
 enum { BUSY_TIMEOUT_MS = 5000, SERVING_TIMEOUT_MS = 250 };
 
+/* Some calls that find the disk full are I/O errors to SQLite, which knows what the system said. */
+static int code_of(const struct orl_db *db)
+{
+    const int code = db->handle ? sqlite3_errcode(db->handle) & 0xff : SQLITE_NOMEM;
+    if (code == SQLITE_FULL)
+        return ORL_ERR_FULL;
+    return code == SQLITE_IOERR ? orl_err_of_errno(sqlite3_system_errno(db->handle)) : ORL_ERR_IO;
+}
+
 int orl_db_error(struct orl_db *db, const char *what, struct orl_error *err)
 {
-    return orl_error_set(err, ORL_ERR_IO, "database: %s: %s", what,
+    return orl_error_set(err, code_of(db), "database: %s: %s", what,
                          db->handle ? sqlite3_errmsg(db->handle) : "out of memory");
 }
 

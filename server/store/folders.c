@@ -14,7 +14,8 @@
 
 static int io_error(struct orl_error *err, const char *what, const char *path)
 {
-    return orl_error_set(err, ORL_ERR_IO, "cannot %s %s: %s", what, path, strerror(errno));
+    return orl_error_set(err, orl_err_of_errno(errno), "cannot %s %s: %s", what, path,
+                         strerror(errno));
 }
 
 static int make_folder(const char *path, struct orl_error *err)

@@ -373,6 +373,30 @@ def storage(daemon):
     daemon.ask("POST", "/v1/bsdfs", bsdf("bsdf_klems41.xml"), want=507)
 
 
+def full_disk(daemon, fill):
+    """507, of a disk that is full from fill(True) to fill(False)."""
+    scene = daemon.upload(ROOM + SKY)
+    other = daemon.upload(ROOM + SKY + "# other\n")
+    item = daemon.ask("POST", "/v1/bsdfs", bsdf("bsdf_klems41.xml")).id
+    path = daemon.submit(sensors_of(scene))
+    daemon.wait(path)
+    found = daemon.ask("GET", "/v1/maps", want=200).json["maps"][0]
+    things = (path, "/v1/scenes/" + other, "/v1/bsdfs/" + item,
+              "/v1/maps/%(kind)s/%(key)s" % found)
+    fill(True)
+    for method, where, body in (
+            ("POST", "/v1/scenes", {"files": [{"name": "l.rad", "text": ROOM + "# full"}]}),
+            ("POST", "/v1/bsdfs", bsdf("bsdf_klems41.xml") + b"<!-- full -->"),
+            ("POST", "/v1/jobs", sensors_of(scene, seed=2)),
+            *(("DELETE", thing, None) for thing in things)):
+        answer = daemon.ask(method, where, body, want=507)
+        assert answer.json["type"] == "urn:oriel:error:disk-full", answer.body
+    fill(False)
+    assert daemon.wait(daemon.submit(sensors_of(scene, seed=2)))["state"] == "succeeded"
+    for thing in things:
+        daemon.ask("DELETE", thing, want=204)
+
+
 def busy_upload(daemon):
     """Keeps a pool thread busy for a while: the returned function waits for that."""
     lines = "".join("grey polygon p%d 0 0 9 %d 0 0 %d 1 0 %d 1 1\n" % (i, i, i, i)

@@ -33,8 +33,9 @@ class Answer:
 class Daemon:
     """$ORIEL_BUILD/orield, whose every answer the contract judges."""
 
-    def __init__(self, contract, *options):
+    def __init__(self, contract, *options, environment=None):
         self.contract, self.options = contract, options
+        self.environment = dict(os.environ, **(environment or {}))
         self.folder = tempfile.mkdtemp(prefix="oriel-test-")
         self.program = os.path.join(os.environ.get("ORIEL_BUILD", "build"), "orield")
         self.header = {}
@@ -52,7 +53,8 @@ class Daemon:
         with open(self.folder + ".log", "ab") as log:
             self.process = subprocess.Popen(
                 ["setpriv", "--pdeathsig", "KILL", self.program, "--data", self.folder, "--port",
-                 "0", *self.options], stdout=subprocess.PIPE, stderr=log, text=True)
+                 "0", *self.options], stdout=subprocess.PIPE, stderr=log, text=True,
+                env=self.environment)
         line = self.process.stdout.readline()
         assert line.startswith("listening on "), "no daemon: %s.log" % self.folder
         self.port = urllib.parse.urlsplit(line.split()[-1]).port

@@ -5,10 +5,13 @@ with the daemon's routes, one "METHOD /path/{}" a line: none may be missing in t
 what was covered; ends with status 1 when anything is undocumented, wrong or never seen.
 """
 
+import errno
 import os
 import re
 import resource
+import struct
 import sys
+import tempfile
 import time
 
 import breaks
@@ -20,6 +23,7 @@ from recorder import Contract
 
 MORE = (((), (observed.metrics,)), ((), (breaks.breaks,)))
 HERE = os.path.dirname(os.path.abspath(__file__))
+BUILD = os.environ.get("ORIEL_BUILD", "build")
 
 
 def check_routes(contract, path):
@@ -48,6 +52,28 @@ def check_document(contract):
         assert named == {one["name"] for one in given if one["in"] == "path"}, operation
 
 
+def is_sanitized():
+    """Then nothing may be loaded before its library."""
+    with open(os.path.join(BUILD, "orield"), "rb") as stream:
+        program = stream.read()
+    return b"__asan_init" in program or b"__tsan_init" in program
+
+
+def with_full_disk(contract):
+    """tests/torture/faulty.c tells what stands in the file."""
+    with tempfile.NamedTemporaryFile() as control:
+        def fill(full):
+            control.seek(0)
+            control.write(struct.pack("ii", errno.ENOSPC if full else 0, 3))
+            control.flush()
+        fill(False)
+        daemon = Daemon(contract, "--threads", "1", environment={
+            "LD_PRELOAD": os.path.abspath(os.path.join(BUILD, "tests", "faulty.so")),
+            "FAULTY": control.name})
+        cases.full_disk(daemon, fill)
+        daemon.end()
+
+
 def run(contract):
     with open(os.path.join(HERE, "../../api/openapi.yaml")) as stream:
         text = stream.read()
@@ -60,6 +86,8 @@ def run(contract):
             part(daemon)
             print("# %-16s %5.1f s" % (part.__name__, time.monotonic() - began), flush=True)
         daemon.end()
+    if not is_sanitized():
+        with_full_disk(contract)
     guarded = Daemon(contract, "--tokens", "always")
     every.tokens(guarded)
     guarded.end()
@@ -75,7 +103,8 @@ def main():
     if len(sys.argv) > 1:
         check_routes(contract, sys.argv[1])
     run(contract)
-    missing, expected = contract.missing(), contract.expected()
+    expected = contract.expected()
+    missing = [one for one in contract.missing() if not is_sanitized() or one[2] != "507"]
     for one in missing:
         print("never seen: %s %s %s %s" % one)
     unmet = contract.unmet_members()

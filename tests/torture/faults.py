@@ -165,7 +165,7 @@ def change_byte(path, at=None):
 
 # ---- Disks ---------------------------------------------------------------------------------------
 
-def bad_disk(case, number, what, words):
+def bad_disk(case, number, what, status_wanted, words):
     running = case.submit(seed=2, photons={"global": 400000, "caustic": 1000})
     case.wait(running, ("running",))
     case.fail(number, what)
@@ -173,8 +173,9 @@ def bad_disk(case, number, what, words):
     expect("the job that ran", status["state"], "failed")
     if not any(word in status["error"]["detail"] for word in words):
         raise Failure("it says: %s" % status["error"])
-    expect_problem(upload_scene(case.client, FIRST_SCENE + b"# other\n"), (500, 507), *words)
-    expect_problem(case.try_to_submit(seed=3), (500, 507), *words)
+    expect("its status", status["error"]["status"], status_wanted)
+    expect_problem(upload_scene(case.client, FIRST_SCENE + b"# other\n"), (status_wanted,), *words)
+    expect_problem(case.try_to_submit(seed=3), (status_wanted,), *words)
     expect("the first job", case.status(case.first)["state"], "succeeded")
     expect("its files", case.fetch(case.first) == case.files, True)
     expect("health", case.client.request("GET", "/healthz").status, 200)
@@ -186,15 +187,19 @@ def bad_disk(case, number, what, words):
 
 
 def disk_full(case):
-    bad_disk(case, errno.ENOSPC, WRITES | SYNCS, ("No space left", "disk is full"))
+    bad_disk(case, errno.ENOSPC, WRITES | SYNCS, 507, ("No space left", "disk is full"))
+
+
+def quota_full(case):
+    bad_disk(case, errno.EDQUOT, WRITES | SYNCS, 507, ("Disk quota exceeded", "disk I/O"))
 
 
 def disk_fails(case):
-    bad_disk(case, errno.EIO, WRITES | SYNCS, ("Input/output", "disk I/O"))
+    bad_disk(case, errno.EIO, WRITES | SYNCS, 500, ("Input/output", "disk I/O"))
 
 
 def syncs_fail(case):
-    bad_disk(case, errno.EIO, SYNCS, ("Input/output", "disk I/O"))
+    bad_disk(case, errno.EIO, SYNCS, 500, ("Input/output", "disk I/O"))
 
 
 # ---- Files ---------------------------------------------------------------------------------------
@@ -360,7 +365,7 @@ def no_memory(case):
     expect("how often it was tried", status["attempts"], 1)
 
 
-CASES = (disk_full, disk_fails, syncs_fail, truncated_map, flipped_map, flipped_blob,
+CASES = (disk_full, quota_full, disk_fails, syncs_fail, truncated_map, flipped_map, flipped_blob,
          truncated_blob, damaged_document, locked_database, later_database, damaged_database,
          no_database, no_descriptors, no_memory)
 

@@ -5,6 +5,7 @@
 #include <stdint.h>
 
 #include <cmocka.h>
+#include <errno.h>
 #include <jansson.h>
 #include <string.h>
 
@@ -51,7 +52,7 @@ static void test_absent_members_are_absent(void **state)
 static void test_every_code_has_a_status(void **state)
 {
     (void)state;
-    for (int code = ORL_ERR_NOMEM; code >= ORL_ERR_INTERNAL; code--) {
+    for (int code = ORL_ERR_NOMEM; code >= ORL_ERR_FULL; code--) {
         const int status = orl_problem_status(code);
         assert_in_range(status, 400, 599);
         struct orl_error err, back;
@@ -70,11 +71,21 @@ static void test_blame(void **state)
     (void)state;
     static const int theirs[] = {ORL_ERR_SYNTAX,    ORL_ERR_UNSUPPORTED, ORL_ERR_RANGE,
                                  ORL_ERR_NOT_FOUND, ORL_ERR_LIMIT,       ORL_ERR_INVALID};
-    static const int ours[] = {ORL_ERR_NOMEM, ORL_ERR_IO, ORL_ERR_CORRUPT, ORL_ERR_INTERNAL};
+    static const int ours[] = {ORL_ERR_NOMEM, ORL_ERR_IO, ORL_ERR_FULL, ORL_ERR_CORRUPT,
+                               ORL_ERR_INTERNAL};
     for (size_t i = 0; i < sizeof theirs / sizeof *theirs; i++)
         assert_in_range(orl_problem_status(theirs[i]), 400, 499);
     for (size_t i = 0; i < sizeof ours / sizeof *ours; i++)
         assert_in_range(orl_problem_status(ours[i]), 500, 599);
+}
+
+static void test_full_disk(void **state)
+{
+    (void)state;
+    assert_int_equal(orl_err_of_errno(ENOSPC), ORL_ERR_FULL);
+    assert_int_equal(orl_err_of_errno(EDQUOT), ORL_ERR_FULL);
+    assert_int_equal(orl_err_of_errno(EACCES), ORL_ERR_IO);
+    assert_int_equal(orl_problem_status(ORL_ERR_FULL), 507);
 }
 
 static void test_text_that_is_not_utf8(void **state)
@@ -109,6 +120,7 @@ int main(void)
         cmocka_unit_test(test_absent_members_are_absent),
         cmocka_unit_test(test_every_code_has_a_status),
         cmocka_unit_test(test_blame),
+        cmocka_unit_test(test_full_disk),
         cmocka_unit_test(test_text_that_is_not_utf8),
         cmocka_unit_test(test_other_documents_leave_fields_empty),
     };

@@ -24,6 +24,7 @@ enum orl_err {
     ORL_ERR_CANCELLED = -10,  /* the caller raised the cancel flag */
     ORL_ERR_INVALID = -11,    /* a job or call that contradicts itself */
     ORL_ERR_INTERNAL = -12,   /* a broken invariant of ours: a bug, reported, not hidden */
+    ORL_ERR_FULL = -13,       /* the disk has no room for a file, or a quota is used up */
 };
 
 enum { ORL_ERROR_NAME_MAX = 256, ORL_ERROR_TEXT_MAX = 512 };
@@ -49,6 +50,9 @@ void orl_error_at(struct orl_error *err, const char *file, int line, const char 
 /* Adds what would fix it. */
 void orl_error_hint(struct orl_error *err, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
+
+/* The code for an errno of the file system: ORL_ERR_FULL for ENOSPC and EDQUOT, else ORL_ERR_IO. */
+int orl_err_of_errno(int why);
 
 /* A stable, lower-case name for a code: "syntax", "not-found", ... Never NULL. */
 const char *orl_err_name(int code);
