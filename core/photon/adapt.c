@@ -342,6 +342,7 @@ struct orl_density orl_adapt_estimate(const struct orl_adapt *adapt,
     struct orl_density density = {.radius = rings.radius,
                                   .clear = rings.clear,
                                   .disc = rings.disc,
+                                  .cut = rings.cut,
                                   .found = (uint32_t)lrint(rings.found)};
     if (density.found == 0)
         return density;

@@ -13,6 +13,39 @@ static const double rise = 0.25;
 /* In units of the facet's offset: a hair above the surface; past an edge; and down from there. */
 static const double hair = 8;
 
+const double orl_footprint_azimuths[SECTORS][2] = {{1, 0},
+                                                   {0.9807852804032304, 0.19509032201612825},
+                                                   {0.9238795325112867, 0.3826834323650898},
+                                                   {0.8314696123025452, 0.5555702330196022},
+                                                   {0.7071067811865476, 0.7071067811865476},
+                                                   {0.5555702330196022, 0.8314696123025452},
+                                                   {0.3826834323650898, 0.9238795325112867},
+                                                   {0.19509032201612825, 0.9807852804032304},
+                                                   {0, 1},
+                                                   {-0.19509032201612825, 0.9807852804032304},
+                                                   {-0.3826834323650898, 0.9238795325112867},
+                                                   {-0.5555702330196022, 0.8314696123025452},
+                                                   {-0.7071067811865476, 0.7071067811865476},
+                                                   {-0.8314696123025452, 0.5555702330196022},
+                                                   {-0.9238795325112867, 0.3826834323650898},
+                                                   {-0.9807852804032304, 0.19509032201612825},
+                                                   {-1, 0},
+                                                   {-0.9807852804032304, -0.19509032201612825},
+                                                   {-0.9238795325112867, -0.3826834323650898},
+                                                   {-0.8314696123025452, -0.5555702330196022},
+                                                   {-0.7071067811865476, -0.7071067811865476},
+                                                   {-0.5555702330196022, -0.8314696123025452},
+                                                   {-0.3826834323650898, -0.9238795325112867},
+                                                   {-0.19509032201612825, -0.9807852804032304},
+                                                   {0, -1},
+                                                   {0.19509032201612825, -0.9807852804032304},
+                                                   {0.3826834323650898, -0.9238795325112867},
+                                                   {0.5555702330196022, -0.8314696123025452},
+                                                   {0.7071067811865476, -0.7071067811865476},
+                                                   {0.8314696123025452, -0.5555702330196022},
+                                                   {0.9238795325112867, -0.3826834323650898},
+                                                   {0.9807852804032304, -0.19509032201612825}};
+
 /* Where one ray of the star ends. */
 struct spoke {
     double length;
@@ -127,8 +160,7 @@ bool orl_footing_is_free(const struct orl_footing *footing, double radius)
         return false;
     heights_of(footing, radius, heights);
     for (int i = 0; i < FREE_RAYS; i++) {
-        const double phi = 2 * ORL_PI * (i + 0.5) / FREE_RAYS;
-        const double direction[2] = {cos(phi), sin(phi)};
+        const double *direction = orl_footprint_azimuths[(2 * i + 1) * SECTORS / (2 * FREE_RAYS)];
         struct orl_hit hit;
         for (int k = 0; k < 2; k++)
             if (meets_wall(footing, heights[k], in_plane(&frame, direction), length, &hit))
@@ -255,7 +287,7 @@ static void spread(const struct orl_footing *footing, const struct orl_frame *fr
     heights_of(footing, radius, heights);
     *ret_clear = radius;
     for (int i = 0; i < SECTORS; i++) {
-        const double phi = 2 * ORL_PI * i / SECTORS, direction[2] = {cos(phi), sin(phi)};
+        const double *direction = orl_footprint_azimuths[i];
         /* Longer than the radius, so that a line which only just cuts the disc between two rays is
          * met by them. */
         spokes[i] = (struct spoke){.length = radius / cos(ORL_PI / SECTORS)};
@@ -269,8 +301,8 @@ static void spread(const struct orl_footing *footing, const struct orl_frame *fr
 /* Whether a spoke ends on the line, or where it is beyond the radius. */
 static bool keeps_to(const struct spoke *spoke, const struct orl_line *line, double radius, int at)
 {
-    const double phi = 2 * ORL_PI * at / SECTORS;
-    const double slope = line->normal[0] * cos(phi) + line->normal[1] * sin(phi);
+    const double *direction = orl_footprint_azimuths[at % SECTORS];
+    const double slope = line->normal[0] * direction[0] + line->normal[1] * direction[1];
     const double there = slope > 0 ? line->offset / slope : INFINITY;
     if (!spoke->ended)
         return there >= radius;
@@ -325,12 +357,13 @@ static int sector_of(double x, double y)
 bool orl_footprint_holds(const struct orl_footprint *footprint, struct orl_vec3 chord)
 {
     const double x = orl_dot(chord, footprint->frame.u), y = orl_dot(chord, footprint->frame.v);
-    const double flat = sqrt(x * x + y * y), length = orl_length(chord);
-    if (!(flat > 0))
+    const double flat2 = x * x + y * y, length2 = orl_dot(chord, chord);
+    if (!(flat2 > 0))
         return true;
     const struct orl_wedge *wedge = &footprint->wedges[sector_of(x, y)];
     const double beyond = wedge->border.normal[0] * x + wedge->border.normal[1] * y;
-    return length <= wedge->radius && beyond * length <= wedge->border.offset * flat;
+    return length2 <= wedge->radius * wedge->radius &&
+           (!(beyond > 0) || beyond * sqrt(length2) <= wedge->border.offset * sqrt(flat2));
 }
 
 /* Twice the area before a straight line between two azimuths, counted from its normal. */

@@ -23,6 +23,9 @@
 
 enum { ORL_FOOTPRINT_SECTORS = 32 };
 
+/* Cosine and sine of the azimuths at which sectors begin. */
+extern const double orl_footprint_azimuths[ORL_FOOTPRINT_SECTORS][2];
+
 /* A point of a surface. */
 struct orl_footing {
     const struct orl_world *world;

@@ -2,6 +2,7 @@
 
 #include <stdlib.h>
 
+#include "base/vectors.h"
 #include "photon/boxes.h"
 #include "photon/sheet.h"
 #include "photon/sides.h"
@@ -43,50 +44,64 @@ static void take_apart(struct orl_hunt *hunt, uint32_t leaf)
     const struct orl_photon_map *map = hunt->sums->map;
     const uint32_t *a = map->places + (size_t)leaf * ORL_LEAF_WORDS, *b = a + ORL_MAP_LEAF;
     const uint32_t n = orl_leaf_photons(map, leaf);
+    float x[ORL_MAP_LEAF], y[ORL_MAP_LEAF], z[ORL_MAP_LEAF], d2[ORL_MAP_LEAF];
+    for (int i = 0; i < ORL_MAP_LEAF; i++) {
+        x[i] = (float)(int32_t)(a[i] & 0xfffffU) - hunt->at[0];
+        y[i] = (float)(int32_t)(b[i] & 0xfffffU) - hunt->at[1];
+        z[i] = (float)(int32_t)((a[i] >> 24) << 12 | b[i] >> 20) - hunt->at[2];
+        d2[i] = x[i] * x[i] + y[i] * y[i] + z[i] * z[i];
+    }
     for (uint32_t i = 0; i < n; i++) {
         const uint32_t index = leaf * ORL_MAP_LEAF + i;
-        uint32_t cell[3];
-        orl_place_unpack(a[i], b[i], cell);
-        const float chord[3] = {(float)cell[0] - hunt->at[0], (float)cell[1] - hunt->at[1],
-                                (float)cell[2] - hunt->at[2]};
-        const float d2 = chord[0] * chord[0] + chord[1] * chord[1] + chord[2] * chord[2];
-        if (!(d2 < hunt->radius2) || (hunt->query->at_photon && index == hunt->query->skip) ||
-            !on_sheet(hunt, map->normals[index], chord, d2) || !in_footprint(hunt, chord, d2))
+        const float chord[3] = {x[i], y[i], z[i]};
+        if (!(d2[i] < hunt->radius2) || (hunt->query->at_photon && index == hunt->query->skip) ||
+            !on_sheet(hunt, map->normals[index], chord, d2[i]) || !in_footprint(hunt, chord, d2[i]))
             continue;
-        hunt->list[ROOM - 1 - hunt->photons++] = (struct orl_search_candidate){d2, index};
+        hunt->list[ROOM - 1 - hunt->photons++] = (struct orl_search_candidate){d2[i], index};
     }
 }
 
-static void take_leaf(struct orl_hunt *hunt, uint32_t leaf)
+/* Whether all of a leaf is too far away. */
+static bool is_beyond(const struct orl_hunt *hunt, const struct orl_leaf_sum *sum)
 {
-    const struct orl_leaf_sum *sum = &hunt->sums->leaves[leaf];
+    const float x = sum->at[0] - hunt->at[0], y = sum->at[1] - hunt->at[1],
+                z = sum->at[2] - hunt->at[2], far = hunt->radius + sum->reach;
+    return x * x + y * y + z * z > far * far;
+}
+
+/* Takes a leaf as a whole, or leaves it out; false: it has to be taken apart. */
+static bool take_whole(struct orl_hunt *hunt, const struct orl_leaf_sum *sum, uint32_t leaf)
+{
     const float chord[3] = {sum->at[0] - hunt->at[0], sum->at[1] - hunt->at[1],
                             sum->at[2] - hunt->at[2]};
     const float d2 = chord[0] * chord[0] + chord[1] * chord[1] + chord[2] * chord[2];
-    const float widest = 0.5F * (hunt->footprint ? widest_in_cut : widest_ramp) * hunt->radius;
     enum orl_side side = ORL_SIDE_WITHIN;
-    if (!(sum->reach < INFINITY) || sum->ramp > widest ||
-        (hunt->query->at_photon && hunt->query->skip / ORL_MAP_LEAF == leaf)) {
-        take_apart(hunt, leaf);
-        return;
-    }
     if (d2 - 2 * hunt->radius * sum->ramp >= hunt->radius2 ||
         !on_sheet(hunt, sum->normal, chord, d2))
-        return;
+        return true;
     if (hunt->footprint && !(sqrtf(d2) + sum->reach < hunt->inner)) {
         const double cell = hunt->cell;
         side = orl_footprint_side(hunt->footprint,
                                   orl_v3(chord[0] * cell, chord[1] * cell, chord[2] * cell),
                                   sum->reach * cell);
     }
-    if (side == ORL_SIDE_BOTH)
-        take_apart(hunt, leaf);
-    else if (side == ORL_SIDE_WITHIN)
+    if (side == ORL_SIDE_WITHIN)
         hunt->list[hunt->leaves++] = (struct orl_search_candidate){d2, leaf};
+    return side != ORL_SIDE_BOTH;
+}
+
+static void take_leaf(struct orl_hunt *hunt, uint32_t leaf)
+{
+    const struct orl_leaf_sum *sum = &hunt->sums->leaves[leaf];
+    const float widest = 0.5F * (hunt->footprint ? widest_in_cut : widest_ramp) * hunt->radius;
+    const bool narrow = sum->reach < INFINITY && !(sum->ramp > widest) &&
+                        !(hunt->query->at_photon && hunt->query->skip / ORL_MAP_LEAF == leaf);
+    if (narrow ? !take_whole(hunt, sum, leaf) : !is_beyond(hunt, sum))
+        take_apart(hunt, leaf);
 }
 
 /* In the order of the map: whatever comes first, all of it is looked at. */
-static void find_all(struct orl_hunt *hunt)
+ORL_FOR_WIDE_VECTORS static void find_all(struct orl_hunt *hunt)
 {
     const struct orl_photon_map *map = hunt->sums->map;
     struct {

@@ -56,20 +56,27 @@ static struct orl_record_note note_of(const struct orl_density *density)
     return note;
 }
 
-/* hint: from record to record of a chunk, query.hint. */
-static bool make_record(struct maker *m, size_t index, struct orl_search *search, double *hint,
+/* From record to record of a chunk (search.h). */
+struct hint {
+    double disc;
+    bool cut;
+};
+
+static bool make_record(struct maker *m, size_t index, struct orl_search *search, struct hint *hint,
                         struct orl_footing *ret_footing, struct orl_density *ret_density)
 {
     const struct orl_records_making *making = m->making;
     const struct orl_photon_map *map = making->global;
     const uint64_t leaf = LEAVES_A_RECORD * (uint64_t)index;
     struct orl_site site = orl_site_make(map, leaf);
-    struct orl_density_query query = {
-        .k = ORL_ADAPT_MOST, .max_radius = m->adapt.reach, .hint = *hint};
+    struct orl_density_query query = {.k = ORL_ADAPT_MOST,
+                                      .max_radius = m->adapt.reach,
+                                      .hint = hint->disc,
+                                      .hint_cut = hint->cut};
     if (!orl_site_ask(map, &site, leaf, making->world, &query, ret_footing))
         return false;
     const struct orl_density density = orl_adapt_estimate(&m->adapt, &query, search);
-    *hint = density.disc;
+    *hint = (struct hint){density.disc, density.cut};
     const double emitted = (double)map->header->emitted;
     const struct orl_rgb value = orl_rgb_scale(density.irradiance, emitted);
     const struct orl_vec3 p = ret_footing->point;
@@ -118,7 +125,7 @@ static bool speaks_for_group(const struct maker *m, uint64_t first, uint64_t own
 }
 
 /* Where light is even one record does for the whole group; else each of them is made. */
-static void make_group(struct maker *m, size_t group, struct orl_search *search, double *hint)
+static void make_group(struct maker *m, size_t group, struct orl_search *search, struct hint *hint)
 {
     const size_t first = GROUP * group, lone = first + LONE;
     struct orl_density density = {.found = 0};
@@ -138,7 +145,7 @@ static void make_chunk(void *arg, size_t chunk, uint32_t member)
 {
     struct maker *m = arg;
     const size_t first = m->first + chunk * CHUNK;
-    double hint = 0;
+    struct hint hint = {0};
     if (atomic_load_explicit(m->making->cancel, memory_order_relaxed))
         return;
     for (size_t i = first; i < first + CHUNK && i < m->records.count; i += GROUP)

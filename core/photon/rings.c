@@ -88,7 +88,8 @@ static void add_leaves(const struct orl_hunt *hunt, const struct orl_frame *fram
             disc *= narrower;
             if (i + 1 < ORL_RINGS)
                 inside = share_within(disc, distance2, sum->ramp, frame != NULL);
-            add_mass(&rings[i], &mass, share.area - inside.area, share.moment - inside.moment);
+            if (share.area > inside.area || share.moment > inside.moment)
+                add_mass(&rings[i], &mass, share.area - inside.area, share.moment - inside.moment);
             share = inside;
         }
     }
@@ -168,27 +169,42 @@ static float find_in_footprint(struct orl_hunt *hunt, double disc, double least,
     }
 }
 
+/* The disc that holds k, leaving aside what cuts it. */
+static float find_in_disc(struct orl_hunt *hunt, const struct orl_zorder *order)
+{
+    const double reach = hunt->query->max_radius / hunt->cell;
+    const float hint = (float)(hunt->query->hint / hunt->cell);
+    return orl_hunt_enough(
+        hunt, hint > 0 ? first_beyond * hint * hint : orl_hunt_first_radius2(hunt, order),
+        (float)(reach * reach));
+}
+
 void orl_rings_gather(const struct orl_sums *sums, const struct orl_zorder *order,
                       const struct orl_density_query *query, double least,
                       struct orl_search *search, struct orl_rings *ret_rings)
 {
     struct orl_hunt hunt = orl_hunt_of(sums, query, search);
     struct orl_footprint footprint;
-    const double reach = query->max_radius / hunt.cell;
+    /* Where the neighbour's was cut and so is this one, its size will do. */
+    bool cut = query->hint > 0 && query->hint_cut && query->footing &&
+               !orl_footing_is_free(query->footing, query->hint);
+    double disc = query->hint;
+    float radius2 = 0;
     *ret_rings = (struct orl_rings){.radius = query->max_radius};
     if (sums->count == 0)
         return;
-    const float hint = (float)(query->hint / hunt.cell);
-    float radius2 = orl_hunt_enough(
-        &hunt, hint > 0 ? first_beyond * hint * hint : orl_hunt_first_radius2(&hunt, order),
-        (float)(reach * reach));
-    const double disc = fmax(sqrt((double)radius2), 1) * hunt.cell;
-    ret_rings->clear = ret_rings->disc = disc;
-    if (query->footing && hunt.leaves + hunt.photons > 0 &&
-        !orl_footing_is_free(query->footing, disc)) {
+    if (!cut) {
+        radius2 = find_in_disc(&hunt, order);
+        disc = fmax(sqrt((double)radius2), 1) * hunt.cell;
+        cut = query->footing && hunt.leaves + hunt.photons > 0 &&
+              !orl_footing_is_free(query->footing, disc);
+    }
+    ret_rings->clear = disc;
+    if (cut) {
         radius2 = find_in_footprint(&hunt, disc, least, &footprint);
         ret_rings->clear = footprint.clear;
     }
     add_up(&hunt, radius2, ret_rings);
     ret_rings->clear = fmin(ret_rings->clear, ret_rings->radius);
+    ret_rings->disc = sqrt(ret_rings->discs[0].area / ORL_PI);
 }

@@ -43,6 +43,7 @@ struct orl_density_query {
     uint32_t k;             /* 1 .. ORL_SEARCH_MOST */
     double max_radius;
     double hint;    /* of adaptive estimates: the disc that one close by searched; 0: not known */
+    bool hint_cut;  /* and that one was cut */
     bool at_photon; /* the point is photon `skip`'s own, which is then left out: it would */
     uint32_t skip;  /* otherwise be counted wherever one asks about a photon's place */
     const struct orl_footing *footing; /* the point's surface; NULL: taken to be endless */
@@ -54,6 +55,7 @@ struct orl_density {
     double area;               /* of that part */
     double clear;              /* no wall is nearer; no more than radius */
     double disc;               /* of adaptive estimates: what was searched, for query.hint */
+    bool cut;                  /* the same: the footprint is not the whole disc */
     double evenness;           /* of adaptive estimates: radius over the widest that was tried */
     uint32_t found;            /* photons in it */
     /* Of the irradiance's luma: */
