@@ -77,6 +77,81 @@ static void make_tag(const struct shown *shown, const json_t *entry, char ret_ta
                  json_string_value(json_object_get(entry, "name")));
 }
 
+/* ---- A file that is final ------------------------------------------------------------------- */
+
+/* On its way out; the descriptor is closed with it, unless the answer has taken it. */
+struct final_file {
+    int fd;
+    struct stat st;
+    char sha[ORL_SHA_HEX], tag[TAG_MAX];
+    const char *type;
+    int rc;
+    struct orl_error err;
+};
+
+static void final_file_free(void *state)
+{
+    struct final_file *file = state;
+    if (file->fd >= 0)
+        close(file->fd);
+    free(file);
+}
+
+static void send_final(struct orl_request *request, struct final_file *file)
+{
+    const int fd = file->fd;
+    file->fd = -1;
+    orl_reply_part(request, fd, (uint64_t)file->st.st_size, file->type, file->tag);
+}
+
+/* On the pool. */
+static void verify(struct orl_request *request)
+{
+    struct final_file *file = request->state;
+    file->rc = orl_verify_file(file->fd, file->sha, &file->err);
+}
+
+static void verified(struct orl_request *request)
+{
+    struct final_file *file = request->state;
+    if (file->rc) {
+        orl_error_at(&file->err, request->params[1][0] ? request->params[1] : "result.json", 0,
+                     NULL);
+        orl_reply_error(request, &file->err);
+        return;
+    }
+    orl_verified_add(&request->server->verified, &file->st);
+    send_final(request, file);
+}
+
+/* Takes the descriptor. Files of before there were digests go out as they are. */
+static void give_final(struct orl_request *request, int fd, const struct stat *st,
+                       const json_t *entry, const char *tag)
+{
+    const char *sha = json_string_value(json_object_get(entry, "sha256"));
+    struct final_file *file = calloc(1, sizeof *file);
+    if (!file) {
+        close(fd);
+        orl_reply_json(request, 503, NULL);
+        return;
+    }
+    *file = (struct final_file){
+        .fd = fd,
+        .st = *st,
+        .type = type_of(json_string_value(json_object_get(entry, "name"))),
+    };
+    snprintf(file->sha, sizeof file->sha, "%s", sha ? sha : "");
+    snprintf(file->tag, sizeof file->tag, "%s", tag);
+    request->state = file;
+    request->free_state = final_file_free;
+    if (!sha || orl_verified_has(&request->server->verified, st))
+        send_final(request, file);
+    else
+        orl_request_work(request, verify, verified);
+}
+
+/* ---- Whatever is asked for ------------------------------------------------------------------ */
+
 static void send_file(struct orl_request *request, const struct shown *shown, const json_t *entry)
 {
     const char *name = json_string_value(json_object_get(entry, "name"));
@@ -100,7 +175,7 @@ static void send_file(struct orl_request *request, const struct shown *shown, co
         orl_reply_file(request, fd, (uint64_t)st.st_size, type_of(name));
         orl_reply_header(request, "Cache-Control", "no-store");
     } else {
-        orl_reply_part(request, fd, (uint64_t)st.st_size, type_of(name), tag);
+        give_final(request, fd, &st, entry, tag);
     }
 }
 

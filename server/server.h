@@ -24,6 +24,7 @@
 #include "storage.h"
 #include "store/db.h"
 #include "store/folders.h"
+#include "verified.h"
 
 struct orl_server {
     struct orl_config config;
@@ -40,6 +41,7 @@ struct orl_server {
     struct orl_map_cache *maps;
     struct orl_shelf *shelf;
     struct orl_storage storage;
+    struct orl_verified verified;
     struct orl_jobs *jobs;
     struct orl_status_cache *statuses;
     struct orl_http *http;

@@ -30,6 +30,12 @@ static void test_damaged_upload(void **state)
     run("faults.py", "flipped_blob");
 }
 
+static void test_damaged_result(void **state)
+{
+    (void)state;
+    run("faults.py", "flipped_result");
+}
+
 static void test_locked_database(void **state)
 {
     (void)state;
@@ -57,9 +63,10 @@ static void test_malformed_requests(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_full_disk),       cmocka_unit_test(test_damaged_upload),
-        cmocka_unit_test(test_locked_database), cmocka_unit_test(test_damaged_database),
-        cmocka_unit_test(test_no_descriptors),  cmocka_unit_test(test_malformed_requests),
+        cmocka_unit_test(test_full_disk),          cmocka_unit_test(test_damaged_upload),
+        cmocka_unit_test(test_damaged_result),     cmocka_unit_test(test_locked_database),
+        cmocka_unit_test(test_damaged_database),   cmocka_unit_test(test_no_descriptors),
+        cmocka_unit_test(test_malformed_requests),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

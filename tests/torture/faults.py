@@ -279,6 +279,33 @@ def damaged_document(case):
     case.wait(blocker)
 
 
+def damaged_result(case, damage):
+    """Seen while the daemon runs and after a start; the other files are as good as before, and so is
+    this one once it is put back, or computed anew."""
+    path = os.path.join(case.root, "results", case.first, "view.hdr")
+    where = "/v1/jobs/%s/files/view.hdr" % case.first
+    for act in (lambda: damage(path), lambda: restarted(case, lambda: None)):
+        act()
+        for headers in ({}, {"Range": "bytes=0-9"}):
+            expect_problem(case.client.request("GET", where, None, headers), (500,), "damaged")
+    expect("the other picture",
+           case.client.request("GET", "/v1/jobs/%s/files/view.png" % case.first).body,
+           case.files["view.png"])
+    again = case.submit()
+    expect("the job again", case.wait(again)["state"], "succeeded")
+    expect("the picture", case.fetch(again)["view.hdr"] == case.files["view.hdr"], True)
+    with open(path, "wb") as stream:
+        stream.write(case.files["view.hdr"])
+
+
+def flipped_result(case):
+    damaged_result(case, change_byte)
+
+
+def truncated_result(case):
+    damaged_result(case, lambda path: os.truncate(path, os.path.getsize(path) // 2))
+
+
 # ---- The database --------------------------------------------------------------------------------
 
 def locked_database(case):
@@ -366,8 +393,8 @@ def no_memory(case):
 
 
 CASES = (disk_full, quota_full, disk_fails, syncs_fail, truncated_map, flipped_map, flipped_blob,
-         truncated_blob, damaged_document, locked_database, later_database, damaged_database,
-         no_database, no_descriptors, no_memory)
+         truncated_blob, flipped_result, truncated_result, damaged_document, locked_database,
+         later_database, damaged_database, no_database, no_descriptors, no_memory)
 
 
 def has_sanitizer(build):
