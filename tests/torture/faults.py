@@ -254,6 +254,33 @@ def damaged_blob(case, damage):
         stream.write(FIRST_SCENE)
 
 
+def map_cut_under_way(case):
+    """Cut short beneath a job that reads it: that ends the daemon (SIGBUS), and is survived."""
+    members = {"technique": "direct", "photons": {"global": 100000, "caustic": 10000},
+               "views": [{"name": "view", "view": VIEW, "width": 500, "height": 350}]}
+    whole = case.submit(**members)
+    expect("the job with a whole map", case.wait(whole)["state"], "succeeded")
+    restarted(case, lambda: None)
+    running = case.submit(**members)
+    while case.wait(running, ("running",))["stage"] != "render":
+        time.sleep(0.005)
+    for path, _ in list_files(case.root):
+        if path.startswith("maps" + os.sep):
+            os.truncate(os.path.join(case.root, path), 4096)
+    case.client.close()
+    expect("how the daemon ends", case.daemon.process.wait(60), -signal.SIGBUS)
+    case.daemon.wait()
+    case.start()
+    status = case.wait(running)
+    expect("the job", status["state"], "succeeded")
+    expect("how often it was tried", status["attempts"], 2)
+    expect("its picture", case.fetch(running)["view.hdr"] == case.fetch(whole)["view.hdr"], True)
+    result = case.client.request("GET", "/v1/jobs/%s/result" % running).json()
+    expect("a cached map", any(one["cached"] for one in result["maps"]), False)
+    if not any("damaged" in warning for warning in result["warnings"]):
+        raise Failure("no warning: %s" % result["warnings"])
+
+
 def flipped_blob(case):
     damaged_blob(case, change_byte)
 
@@ -392,8 +419,8 @@ def no_memory(case):
     expect("how often it was tried", status["attempts"], 1)
 
 
-CASES = (disk_full, quota_full, disk_fails, syncs_fail, truncated_map, flipped_map, flipped_blob,
-         truncated_blob, flipped_result, truncated_result, damaged_document, locked_database,
+CASES = (disk_full, quota_full, disk_fails, syncs_fail, truncated_map, flipped_map, map_cut_under_way,
+         flipped_blob, truncated_blob, flipped_result, truncated_result, damaged_document, locked_database,
          later_database, damaged_database, no_database, no_descriptors, no_memory)
 
 
