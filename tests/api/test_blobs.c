@@ -11,28 +11,19 @@
 #include <unistd.h>
 
 #include "blobs.h"
-#include "store/migrate.h"
 #include "store/scenes.h"
+#include "support/data_folder.h"
 
 struct fixture {
-    char root[64];
-    struct orl_folders folders;
-    struct orl_db db;
+    struct data_folder data;
     struct orl_blobs *blobs;
     char sha[ORL_SHA_HEX]; /* of "ten bytes." */
     struct orl_error err;
 };
 
-static int open_all(struct fixture *f)
+static int open_blobs(struct fixture *f)
 {
-    char path[ORL_PATH_MAX];
-    int rc = orl_folders_open(&f->folders, f->root, &f->err);
-    orl_folders_path(&f->folders, path, "oriel.db");
-    if (rc == 0)
-        rc = orl_db_open(&f->db, path, &f->err);
-    if (rc == 0)
-        rc = orl_db_migrate_embedded(&f->db, &f->err);
-    return rc ? rc : orl_blobs_open(uv_default_loop(), &f->folders, &f->db, &f->blobs, &f->err);
+    return orl_blobs_open(uv_default_loop(), &f->data.folders, &f->data.db, &f->blobs, &f->err);
 }
 
 static void close_all(struct fixture *f)
@@ -40,24 +31,28 @@ static void close_all(struct fixture *f)
     uv_run(uv_default_loop(), UV_RUN_DEFAULT);
     orl_blobs_close(f->blobs);
     f->blobs = NULL;
-    orl_db_close(&f->db);
-    orl_folders_close(&f->folders);
+    data_folder_close(&f->data);
+}
+
+static int open_all(struct fixture *f)
+{
+    const int rc = data_folder_open(&f->data, &f->err);
+    return rc ? rc : open_blobs(f);
 }
 
 static int setup(void **state)
 {
     struct fixture *f = calloc(1, sizeof *f);
-    snprintf(f->root, sizeof f->root, "/tmp/oriel-test-XXXXXX");
     orl_sha256_hex("ten bytes.", 10, f->sha);
     *state = f;
-    return mkdtemp(f->root) ? open_all(f) : -1;
+    return data_folder_make(&f->data, &f->err) || open_blobs(f) ? -1 : 0;
 }
 
 static int teardown(void **state)
 {
     struct fixture *f = *state;
     close_all(f);
-    orl_remove_tree(f->root, NULL);
+    data_folder_remove(&f->data);
     free(f);
     return 0;
 }
@@ -66,21 +61,21 @@ static int teardown(void **state)
 static void keep(struct fixture *f)
 {
     char path[ORL_PATH_MAX];
-    orl_folders_temporary(&f->folders, path);
+    orl_folders_temporary(&f->data.folders, path);
     assert_int_equal(orl_write_file(path, "ten bytes.", 10, &f->err), 0);
-    assert_int_equal(orl_blob_keep(&f->folders, path, f->sha, &f->err), 0);
+    assert_int_equal(orl_blob_keep(&f->data.folders, path, f->sha, &f->err), 0);
 }
 
 static void name_it(struct fixture *f)
 {
     bool created = false;
-    assert_int_equal(orl_bsdf_insert(&f->db, f->sha, "b", 10, "{}", &created, &f->err), 0);
+    assert_int_equal(orl_bsdf_insert(&f->data.db, f->sha, "b", 10, "{}", &created, &f->err), 0);
 }
 
 static void unname(struct fixture *f)
 {
     bool removed = false;
-    assert_int_equal(orl_bsdf_drop(&f->db, f->sha, &removed, &f->err), 0);
+    assert_int_equal(orl_bsdf_drop(&f->data.db, f->sha, &removed, &f->err), 0);
     assert_true(removed);
     orl_blobs_forget(f->blobs, f->sha);
 }
@@ -92,7 +87,7 @@ static void claim(struct fixture *f)
 
 static void expect(const struct fixture *f, bool there, uint64_t bytes)
 {
-    assert_int_equal(orl_blob_exists(&f->folders, f->sha), there);
+    assert_int_equal(orl_blob_exists(&f->data.folders, f->sha), there);
     assert_int_equal(orl_blobs_bytes(f->blobs), bytes);
 }
 

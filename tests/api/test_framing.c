@@ -125,12 +125,6 @@ static int setup(void **state)
     return 0;
 }
 
-static int teardown(void **state)
-{
-    daemon_remove(*state);
-    return 0;
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -139,5 +133,5 @@ int main(void)
         cmocka_unit_test(test_no_request),
         cmocka_unit_test(test_broken_off),
     };
-    return cmocka_run_group_tests(tests, setup, teardown);
+    return cmocka_run_group_tests(tests, setup, daemon_tear_down);
 }

@@ -16,20 +16,6 @@
 #include "router.h"
 #include "support/daemon.h"
 
-static int setup(void **state)
-{
-    static struct daemon daemon;
-    daemon_start(&daemon, NULL);
-    *state = &daemon;
-    return 0;
-}
-
-static int teardown(void **state)
-{
-    daemon_remove(*state);
-    return 0;
-}
-
 static void test_service_routes(void **state)
 {
     static const struct {
@@ -312,5 +298,5 @@ int main(void)
         cmocka_unit_test(test_command_line),
         cmocka_unit_test(test_stops_cleanly),
     };
-    return cmocka_run_group_tests(tests, setup, teardown);
+    return cmocka_run_group_tests(tests, daemon_set_up, daemon_tear_down);
 }

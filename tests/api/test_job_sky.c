@@ -17,37 +17,7 @@
 /* On the roof, and in the room. */
 #define SENSORS "\"sensors\":[[0,0,50,0,0,1],[2,2,0.8,0,0,1]]"
 
-struct fixture {
-    struct daemon daemon;
-    char scene[65];
-};
-
-static int setup(void **state)
-{
-    static struct fixture f;
-    struct reply reply;
-    size_t size;
-    char *wea = (char *)scene_read_bytes("tests/fixtures/weather.wea", &size);
-    const struct upload_file files[2] = {{"room.rad", room_scene, strlen(room_scene), false},
-                                         {"place.wea", wea, size, true}};
-    daemon_start(&f.daemon, NULL);
-    daemon_upload(&f.daemon, files, 2, NULL, &reply);
-    assert_int_equal(reply.status, 201);
-    snprintf(f.scene, sizeof f.scene, "%s", reply_text(&reply, "id"));
-    reply_done(&reply);
-    free(wea);
-    *state = &f;
-    return 0;
-}
-
-static int teardown(void **state)
-{
-    struct fixture *f = *state;
-    daemon_remove(&f->daemon);
-    return 0;
-}
-
-static void post(struct fixture *f, const char *sky, struct reply *reply)
+static void post(struct daemon_room *f, const char *sky, struct reply *reply)
 {
     char text[1024];
     snprintf(text, sizeof text,
@@ -59,7 +29,7 @@ static void post(struct fixture *f, const char *sky, struct reply *reply)
 }
 
 /* Runs a job to its end: ret_lx of the sensor on the roof, and whether its map was in the cache. */
-static bool run(struct fixture *f, const char *sky, double *ret_lx)
+static bool run(struct daemon_room *f, const char *sky, double *ret_lx)
 {
     struct reply reply;
     char path[80], result[96];
@@ -121,7 +91,7 @@ static void test_mistakes_are_told_at_once(void **state)
 /* The command sends the weather file along, and says when there is none. */
 static void test_submit_carries_the_weather_file(void **state)
 {
-    struct fixture *f = *state;
+    struct daemon_room *f = *state;
     static struct cli_result result;
     char folder[64], path[96];
     const char *const args[] = {"submit", "--server", f->daemon.url, path, "--wait", NULL};
@@ -155,5 +125,5 @@ int main(void)
         cmocka_unit_test(test_mistakes_are_told_at_once),
         cmocka_unit_test(test_submit_carries_the_weather_file),
     };
-    return cmocka_run_group_tests(tests, setup, teardown);
+    return cmocka_run_group_tests(tests, daemon_weather_set_up, daemon_room_tear_down);
 }

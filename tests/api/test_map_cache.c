@@ -13,14 +13,12 @@
 #include <unistd.h>
 
 #include "map_cache.h"
-#include "store/migrate.h"
+#include "support/data_folder.h"
 
 #define KEY "00000000000000000000000000000000000000000000000000000000000000aa"
 
 struct fixture {
-    char root[64];
-    struct orl_folders folders;
-    struct orl_db db;
+    struct data_folder data;
     struct orl_map_cache *cache;
     struct orl_map_store store;
     atomic_int woken, ended, faults;
@@ -32,44 +30,40 @@ static void wake(void *ctx)
     atomic_fetch_add(&((struct fixture *)ctx)->woken, 1);
 }
 
-static int open_all(struct fixture *f)
+static int open_cache(struct fixture *f)
 {
-    char path[ORL_PATH_MAX];
-    int rc = orl_folders_open(&f->folders, f->root, &f->err);
-    orl_folders_path(&f->folders, path, "oriel.db");
-    if (rc == 0)
-        rc = orl_db_open(&f->db, path, &f->err);
-    if (rc == 0)
-        rc = orl_db_migrate_embedded(&f->db, &f->err);
-    if (rc == 0)
-        rc =
-            orl_map_cache_open(uv_default_loop(), &f->folders, &f->db, wake, f, &f->cache, &f->err);
+    const int rc = orl_map_cache_open(uv_default_loop(), &f->data.folders, &f->data.db, wake, f,
+                                      &f->cache, &f->err);
     if (rc == 0)
         f->store = orl_map_cache_store(f->cache);
     return rc;
+}
+
+static int open_all(struct fixture *f)
+{
+    const int rc = data_folder_open(&f->data, &f->err);
+    return rc ? rc : open_cache(f);
 }
 
 static void close_all(struct fixture *f)
 {
     orl_map_cache_close(f->cache);
     f->cache = NULL;
-    orl_db_close(&f->db);
-    orl_folders_close(&f->folders);
+    data_folder_close(&f->data);
 }
 
 static int setup(void **state)
 {
     struct fixture *f = calloc(1, sizeof *f);
-    snprintf(f->root, sizeof f->root, "/tmp/oriel-test-XXXXXX");
     *state = f;
-    return mkdtemp(f->root) ? open_all(f) : -1;
+    return data_folder_make(&f->data, &f->err) || open_cache(f) ? -1 : 0;
 }
 
 static int teardown(void **state)
 {
     struct fixture *f = *state;
     close_all(f);
-    orl_remove_tree(f->root, NULL);
+    data_folder_remove(&f->data);
     free(f);
     return 0;
 }
@@ -219,7 +213,7 @@ static void test_orphans_go_at_start(void **state)
     struct fixture *f = *state;
     char path[4096], final[ORL_PATH_MAX];
     struct orl_map_info info;
-    orl_folders_path(&f->folders, final, "maps/global-%s.opm", KEY);
+    orl_folders_path(&f->data.folders, final, "maps/global-%s.opm", KEY);
     assert_false(acquire(f, path, &info));
     build(f, path);
     close_all(f);
@@ -346,7 +340,7 @@ static void test_finds_the_largest_smaller(void **state)
         assert_int_equal(open_all(f), 0);
     }
     key_of(1000, key);
-    orl_folders_path(&f->folders, path, "maps/global-%s.opm", key);
+    orl_folders_path(&f->data.folders, path, "maps/global-%s.opm", key);
     assert_int_equal(unlink(path), 0);
     assert_int_equal(smaller_than(f, "global", FAMILY, 2000), 500);
 }
@@ -425,7 +419,7 @@ static void *use_many_times(void *arg)
         if (rc == 0 && !hit) {
             rc = orl_write_file(path, "map", 3, NULL);
             rc = rc ? rc : f->store.commit(f->store.ctx, &info, NULL);
-            orl_folders_path(&f->folders, path, "maps/global-%s.opm", KEY);
+            orl_folders_path(&f->data.folders, path, "maps/global-%s.opm", KEY);
         }
         if (rc || access(path, R_OK) != 0)
             atomic_fetch_add(&f->faults, 1);

@@ -14,20 +14,6 @@
 
 enum { POLLS = 1000, PAUSE_US = 4000, MANY_PHOTONS = 100000000 };
 
-static int setup(void **state)
-{
-    static struct daemon daemon;
-    daemon_start(&daemon, NULL);
-    *state = &daemon;
-    return 0;
-}
-
-static int teardown(void **state)
-{
-    daemon_remove(*state);
-    return 0;
-}
-
 static int by_value(const void *a, const void *b)
 {
     const double x = *(const double *)a, y = *(const double *)b;
@@ -74,5 +60,5 @@ static void test_polls_answer_at_once(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_polls_answer_at_once)};
-    return cmocka_run_group_tests(tests, setup, teardown);
+    return cmocka_run_group_tests(tests, daemon_set_up, daemon_tear_down);
 }

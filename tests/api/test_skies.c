@@ -27,37 +27,7 @@
     "5.5},\"to\":{\"month\":3,\"day\":22,\"hour\":19.5},\"step_h\":2}"
 #define HOUR(hour) "{\"weather\":{\"file\":\"place.wea\",\"month\":3,\"day\":22,\"hour\":" hour "}}"
 
-struct fixture {
-    struct daemon daemon;
-    char scene[65];
-};
-
-static int setup(void **state)
-{
-    static struct fixture f;
-    struct reply reply;
-    size_t size;
-    char *wea = (char *)scene_read_bytes("tests/fixtures/weather.wea", &size);
-    const struct upload_file files[2] = {{"room.rad", room_scene, strlen(room_scene), false},
-                                         {"place.wea", wea, size, true}};
-    daemon_start(&f.daemon, NULL);
-    daemon_upload(&f.daemon, files, 2, NULL, &reply);
-    assert_int_equal(reply.status, 201);
-    snprintf(f.scene, sizeof f.scene, "%s", reply_text(&reply, "id"));
-    reply_done(&reply);
-    free(wea);
-    *state = &f;
-    return 0;
-}
-
-static int teardown(void **state)
-{
-    struct fixture *f = *state;
-    daemon_remove(&f->daemon);
-    return 0;
-}
-
-static void post(struct fixture *f, const char *more, struct reply *ret_reply)
+static void post(struct daemon_room *f, const char *more, struct reply *ret_reply)
 {
     char text[2048];
     snprintf(
@@ -68,7 +38,7 @@ static void post(struct fixture *f, const char *more, struct reply *ret_reply)
     daemon_post_json(&f->daemon, "/v1/jobs", text, ret_reply);
 }
 
-static void submit(struct fixture *f, const char *more, char ret_path[80])
+static void submit(struct daemon_room *f, const char *more, char ret_path[80])
 {
     struct reply reply;
     post(f, more, &reply);
@@ -78,14 +48,15 @@ static void submit(struct fixture *f, const char *more, char ret_path[80])
     reply_done(&reply);
 }
 
-static void wait_for(struct fixture *f, const char *job, const char *state, struct reply *ret_reply)
+static void wait_for(struct daemon_room *f, const char *job, const char *state,
+                     struct reply *ret_reply)
 {
     daemon_wait(&f->daemon, job, 120, ret_reply);
     if (strcmp(reply_text(ret_reply, "state"), state) != 0)
         fail_msg("%s", ret_reply->body);
 }
 
-static void run(struct fixture *f, const char *more, char ret_path[80])
+static void run(struct daemon_room *f, const char *more, char ret_path[80])
 {
     struct reply reply;
     submit(f, more, ret_path);
@@ -93,7 +64,8 @@ static void run(struct fixture *f, const char *more, char ret_path[80])
     reply_done(&reply);
 }
 
-static void get_below(struct fixture *f, const char *job, const char *what, struct reply *ret_reply)
+static void get_below(struct daemon_room *f, const char *job, const char *what,
+                      struct reply *ret_reply)
 {
     char path[160];
     snprintf(path, sizeof path, "%s/%s", job, what);
@@ -102,7 +74,7 @@ static void get_below(struct fixture *f, const char *job, const char *what, stru
         fail_msg("%s: %ld %s", path, ret_reply->status, ret_reply->body);
 }
 
-static void expect_same(struct fixture *f, const char *one, const char *file, const char *other,
+static void expect_same(struct daemon_room *f, const char *one, const char *file, const char *other,
                         const char *other_file)
 {
     struct reply a, b;
@@ -115,7 +87,7 @@ static void expect_same(struct fixture *f, const char *one, const char *file, co
 }
 
 /* Until so many skies are done. Does it run on? */
-static bool wait_for_skies(struct fixture *f, const char *job, double count)
+static bool wait_for_skies(struct daemon_room *f, const char *job, double count)
 {
     for (int polls = 0; polls < 3000; polls++) {
         struct reply reply;
@@ -133,7 +105,7 @@ static bool wait_for_skies(struct fixture *f, const char *job, double count)
 }
 
 /* When a job's file was written, in nanoseconds; 0: there is none. */
-static int64_t written(const struct fixture *f, const char *folder, const char *job,
+static int64_t written(const struct daemon_room *f, const char *folder, const char *job,
                        const char *file)
 {
     char path[256];
@@ -144,7 +116,7 @@ static int64_t written(const struct fixture *f, const char *folder, const char *
     return (int64_t)st.st_mtim.tv_sec * 1000000000 + st.st_mtim.tv_nsec;
 }
 
-static void cancel(struct fixture *f, const char *job)
+static void cancel(struct daemon_room *f, const char *job)
 {
     struct reply reply;
     char path[96];
@@ -158,7 +130,7 @@ static void cancel(struct fixture *f, const char *job)
 
 static void test_a_day(void **state)
 {
-    struct fixture *f = *state;
+    struct daemon_room *f = *state;
     struct reply reply;
     char day[80], noon[80];
     run(f, DAY VIEW("16"), day);
@@ -193,7 +165,7 @@ static void test_a_day(void **state)
 static void test_torn_between_skies(void **state)
 {
     static const char skies[] = "\"skies\":[" HOUR("9.5") "," HOUR("11.5") "," HOUR("15.5") "]";
-    struct fixture *f = *state;
+    struct daemon_room *f = *state;
     struct reply reply;
     char torn[80], whole[80], more[1024], path[256];
     snprintf(more, sizeof more, "%s%s", skies, VIEW("100"));
@@ -246,7 +218,7 @@ static void overwrite(const char *path)
 /* What another program has left is not taken. */
 static void test_other_programs_leave_nothing(void **state)
 {
-    struct fixture *f = *state;
+    struct daemon_room *f = *state;
     char job[80], path[256];
     submit(f, "\"skies\":[" HOUR("9.5") "," HOUR("11.5") "]" VIEW("400"), job);
     for (int i = 0; i < 3000 && written(f, "partial", job, "+0322-0930.+sensors.done") == 0; i++)
@@ -284,7 +256,7 @@ static void test_mistakes_are_told_at_once(void **state)
          "0},\"to\":{\"month\":12,\"day\":31,\"hour\":23}}",
          "skies", 413},
     };
-    struct fixture *f = *state;
+    struct daemon_room *f = *state;
     struct reply reply;
     char job[80];
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
@@ -308,7 +280,7 @@ static void test_mistakes_are_told_at_once(void **state)
 /* The command does the same here and there. */
 static void test_same_by_the_command(void **state)
 {
-    struct fixture *f = *state;
+    struct daemon_room *f = *state;
     static struct cli_result result;
     char folder[64], job[96], here[96], there[96], id[65], path[160];
     const char *const local[] = {"run", job, "-o", here, NULL};
@@ -363,5 +335,5 @@ int main(void)
         cmocka_unit_test(test_mistakes_are_told_at_once),
         cmocka_unit_test(test_same_by_the_command),
     };
-    return cmocka_run_group_tests(tests, setup, teardown);
+    return cmocka_run_group_tests(tests, daemon_weather_set_up, daemon_room_tear_down);
 }

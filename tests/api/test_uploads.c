@@ -25,12 +25,6 @@ static int setup(void **state)
     return 0;
 }
 
-static int teardown(void **state)
-{
-    daemon_remove(*state);
-    return 0;
-}
-
 /* ---- BSDFs ---------------------------------------------------------------------------------- */
 
 /* A Klems matrix on a basis of two patches, which the file itself defines: enough to be valid. */
@@ -451,5 +445,5 @@ int main(void)
         cmocka_unit_test(test_broken_off_upload),
         cmocka_unit_test(test_large_upload),
     };
-    return cmocka_run_group_tests(tests, setup, teardown);
+    return cmocka_run_group_tests(tests, setup, daemon_tear_down);
 }

@@ -18,20 +18,6 @@ static const char chair[] = "white sphere seat\n0\n0\n4 0 0 0 0.2\n";
 static const char chairs[] =
     "!xform -t 1 1 1 objects/chair.rad\n!xform -t 2 1 1 \\\n ./spare.rad\n";
 
-static int setup(void **state)
-{
-    static struct daemon daemon;
-    daemon_start(&daemon, NULL);
-    *state = &daemon;
-    return 0;
-}
-
-static int teardown(void **state)
-{
-    daemon_remove(*state);
-    return 0;
-}
-
 static void post_zip(struct daemon *daemon, const char *query, const struct zip_entry *entries,
                      size_t count, struct reply *ret_reply)
 {
@@ -234,5 +220,5 @@ int main(void)
         cmocka_unit_test(test_entries_refused),        cmocka_unit_test(test_archives_refused),
         cmocka_unit_test(test_bombs_refused),
     };
-    return cmocka_run_group_tests(tests, setup, teardown);
+    return cmocka_run_group_tests(tests, daemon_set_up, daemon_tear_down);
 }

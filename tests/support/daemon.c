@@ -402,18 +402,3 @@ void daemon_wait_running(struct daemon *daemon, const char *path, double percent
         nap(0.02);
     }
 }
-
-int daemon_room_set_up(void **state)
-{
-    static struct daemon_room room;
-    daemon_start(&room.daemon, NULL);
-    daemon_upload_room(&room.daemon, room.scene);
-    *state = &room;
-    return 0;
-}
-
-int daemon_room_tear_down(void **state)
-{
-    daemon_remove(&((struct daemon_room *)*state)->daemon);
-    return 0;
-}

@@ -85,12 +85,20 @@ void daemon_wait_running(struct daemon *daemon, const char *path, double percent
 
 extern const char room_scene[], room_sky[];
 
-/* A daemon that has the room as a scene. For cmocka's set-up and tear-down. */
+/* ---- For cmocka's set-up and tear-down (set_ups.c) ------------------------------------------- */
+
+/* A daemon with nothing in it: struct daemon. */
+int daemon_set_up(void **state);
+int daemon_tear_down(void **state);
+
+/* A daemon that has the room as a scene. */
 struct daemon_room {
     struct daemon daemon;
     char scene[65];
 };
 int daemon_room_set_up(void **state);
-int daemon_room_tear_down(void **state);
+/* The room without its sky, but with a weather file, place.wea. */
+int daemon_weather_set_up(void **state);
+int daemon_room_tear_down(void **state); /* of both */
 
 #endif

@@ -12,6 +12,7 @@
 
 #include "support/cli.h"
 #include "support/room.h"
+#include "support/techniques.h"
 
 /* The flag is set at the call of that number, of all that a run makes to clock and progress. */
 struct trap {
@@ -86,8 +87,9 @@ static int run(enum orl_technique technique, const char *folder, struct trap *tr
  * At POINTS calls from the first on. The last few calls come when all is done:
  * then it may succeed. Maps that were finished before stay, whole: the next run finds them.
  */
-static void check(enum orl_technique technique)
+static void check(void **state)
 {
+    const enum orl_technique technique = of_technique(state);
     char folder[64];
     struct trap trap = {.at = -1};
     int cancelled = 0;
@@ -115,37 +117,13 @@ static void check(enum orl_technique technique)
         fail_msg("only %d of %d were cancelled", cancelled, POINTS);
 }
 
-static void test_backward(void **state)
-{
-    (void)state;
-    check(ORL_TECHNIQUE_BACKWARD);
-}
-
-static void test_gather(void **state)
-{
-    (void)state;
-    check(ORL_TECHNIQUE_GATHER);
-}
-
-static void test_direct(void **state)
-{
-    (void)state;
-    check(ORL_TECHNIQUE_DIRECT);
-}
-
-static void test_precomputed(void **state)
-{
-    (void)state;
-    check(ORL_TECHNIQUE_PRECOMPUTED);
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_backward),
-        cmocka_unit_test(test_gather),
-        cmocka_unit_test(test_direct),
-        cmocka_unit_test(test_precomputed),
+        OF_TECHNIQUE(check, BACKWARD),
+        OF_TECHNIQUE(check, GATHER),
+        OF_TECHNIQUE(check, DIRECT),
+        OF_TECHNIQUE(check, PRECOMPUTED),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

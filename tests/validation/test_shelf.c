@@ -14,6 +14,7 @@
 
 #include "support/cli.h"
 #include "support/room.h"
+#include "support/techniques.h"
 
 #define SCENE ROOM_SKY ROOM_SUN ROOM_GREY ROOM_CLEAR ROOM_SHELL ROOM_PANE
 #define SHELF_BYTES (64UL << 20)
@@ -66,8 +67,9 @@ static void assert_same(struct outcome *a, struct outcome *b)
     free(b->picture);
 }
 
-static void check(enum orl_technique technique)
+static void check(void **state)
 {
+    const enum orl_technique technique = of_technique(state);
     struct orl_shelf *shelf = orl_shelf_new(SHELF_BYTES);
     char folder[64], other[64];
     assert_non_null(shelf);
@@ -89,30 +91,12 @@ static void check(enum orl_technique technique)
     cli_remove_folder(other);
 }
 
-static void test_gather(void **state)
-{
-    (void)state;
-    check(ORL_TECHNIQUE_GATHER);
-}
-
-static void test_direct(void **state)
-{
-    (void)state;
-    check(ORL_TECHNIQUE_DIRECT);
-}
-
-static void test_precomputed(void **state)
-{
-    (void)state;
-    check(ORL_TECHNIQUE_PRECOMPUTED);
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_gather),
-        cmocka_unit_test(test_direct),
-        cmocka_unit_test(test_precomputed),
+        OF_TECHNIQUE(check, GATHER),
+        OF_TECHNIQUE(check, DIRECT),
+        OF_TECHNIQUE(check, PRECOMPUTED),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,24 @@
+/*
+ * A data folder with its database, as the daemon opens them, for tests of what lives on these two.
+ * It can be closed and opened again, as by a restart.
+ */
+#ifndef ORL_TESTS_SUPPORT_DATA_FOLDER_H
+#define ORL_TESTS_SUPPORT_DATA_FOLDER_H
+
+#include "store/db.h"
+#include "store/folders.h"
+
+struct data_folder {
+    char root[64];
+    struct orl_folders folders;
+    struct orl_db db;
+};
+
+/* Makes an empty folder and opens it; each returns 0 or a negative orl_err. */
+int data_folder_make(struct data_folder *data, struct orl_error *err);
+int data_folder_open(struct data_folder *data, struct orl_error *err);
+void data_folder_close(struct data_folder *data);
+/* With all that is in it; it must be closed. */
+void data_folder_remove(struct data_folder *data);
+
+#endif
