@@ -7,7 +7,7 @@
 #include "photon/landing.h"
 #include "photon/squares.h"
 
-enum { MOST_ACROSS = 4096, LEAVES_A_CHUNK = 1024, SLICES = 16 };
+enum { MOST_ACROSS = 4096, LEAVES_A_CHUNK = 1024, SLICES = 16, LINE = 64 };
 
 /* A square of which less than this share is surface is taken together with its fullest neighbour.
  */
@@ -18,6 +18,7 @@ struct orl_texels {
     struct orl_planes planes;  /* of the world's facets */
     struct orl_squares *sides; /* per facet: back, front; a square is a texel */
     struct orl_texel *texels;
+    bool *cut; /* per texel: something stands on it */
     uint32_t count;
     double photons; /* a texel's, on average */
 };
@@ -200,19 +201,19 @@ static void find_cuts(void *arg, size_t index, uint32_t member)
     const double whole = 0.999 * side->width * side->height;
     (void)member;
     for (uint32_t i = 0; i < side->across * side->down; i++) {
-        struct orl_texel *texel = &m->texels->texels[side->first + i];
+        bool *cut = &m->texels->cut[side->first + i];
         const uint32_t column = i % side->across, row = i / side->across;
         const struct orl_vec3 corner =
             orl_madd(orl_madd(plane->origin, plane->frame.u, column * side->width), plane->frame.v,
                      row * side->height);
-        for (int k = 0; k < 2 && (double)m->areas[side->first + i] >= whole && !texel->cut; k++) {
+        for (int k = 0; k < 2 && (double)m->areas[side->first + i] >= whole && !*cut; k++) {
             const double x = corners[k][0] * side->width, y = corners[k][1] * side->height;
             const struct orl_footing footing = {
                 m->texels->world, orl_madd(orl_madd(corner, plane->frame.u, x), plane->frame.v, y),
                 normal, (uint32_t)(index / 2)};
-            texel->cut = !orl_footing_joins(
-                &footing, orl_madd(orl_madd(corner, plane->frame.u, side->width - x),
-                                   plane->frame.v, side->height - y));
+            *cut = !orl_footing_joins(&footing,
+                                      orl_madd(orl_madd(corner, plane->frame.u, side->width - x),
+                                               plane->frame.v, side->height - y));
         }
     }
 }
@@ -232,11 +233,14 @@ static bool make(struct making *m, struct orl_crew *crew)
     struct orl_landing landing = {m->map, &texels->planes, m->places, m->doubtful};
     orl_landing_find(&landing, crew);
     share_out(m);
-    texels->texels = calloc((size_t)texels->count + 1, sizeof *texels->texels);
+    const size_t bytes = ((size_t)texels->count + 2) / 2 * LINE;
+    texels->texels = aligned_alloc(LINE, bytes);
+    texels->cut = calloc((size_t)texels->count + 1, sizeof *texels->cut);
     m->sums = calloc((size_t)texels->count + 1, sizeof *m->sums);
     m->areas = calloc((size_t)texels->count + 1, sizeof *m->areas);
-    if (!texels->texels || !m->sums || !m->areas)
+    if (!texels->texels || !texels->cut || !m->sums || !m->areas)
         return false;
+    memset(texels->texels, 0, bytes);
     orl_crew_for(crew, chunks, find_texels, m);
     orl_crew_for(crew, SLICES, add_up, m);
     orl_crew_for(crew, 2 * g->n_facets, add_areas, m);
@@ -272,6 +276,7 @@ void orl_texels_free(struct orl_texels *texels)
     orl_planes_done(&texels->planes);
     free(texels->sides);
     free(texels->texels);
+    free(texels->cut);
     free(texels);
 }
 
@@ -283,7 +288,7 @@ void orl_texels_rebind(struct orl_texels *texels, const struct orl_world *world)
 
 uint64_t orl_texels_bytes(const struct orl_texels *texels)
 {
-    return sizeof *texels + texels->count * sizeof *texels->texels;
+    return sizeof *texels + texels->count * (sizeof *texels->texels + sizeof *texels->cut);
 }
 
 bool orl_texels_has(const struct orl_texels *texels, uint32_t facet)
@@ -298,8 +303,13 @@ double orl_texels_width(const struct orl_texels *texels, uint32_t facet, bool fr
 }
 
 const struct orl_texel *orl_texels_at(const struct orl_texels *texels, uint32_t facet, bool front,
-                                      struct orl_vec3 point)
+                                      struct orl_vec3 point, bool *ret_cut)
 {
     const uint32_t side = 2 * facet + front;
-    return texels->sides[side].across > 0 ? &texels->texels[index_in(texels, side, point)] : NULL;
+    *ret_cut = false;
+    if (texels->sides[side].across == 0)
+        return NULL;
+    const uint32_t index = index_in(texels, side, point);
+    *ret_cut = texels->cut[index];
+    return &texels->texels[index];
 }

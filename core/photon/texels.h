@@ -15,6 +15,8 @@
 #ifndef ORL_PHOTON_TEXELS_H
 #define ORL_PHOTON_TEXELS_H
 
+#include <stdalign.h>
+
 #include "photon/batches.h"
 #include "photon/footprint.h"
 
@@ -29,19 +31,25 @@ void orl_texels_free(struct orl_texels *texels);
 void orl_texels_rebind(struct orl_texels *texels, const struct orl_world *world);
 uint64_t orl_texels_bytes(const struct orl_texels *texels); /* of memory, but for the facets' */
 
-/* What a texel holds: little, for look-ups wait for memory more than for anything else. */
+/*
+ * What a texel holds: little, and never across two cache lines, for look-ups wait for memory more
+ * than for anything else.
+ */
 struct orl_texel {
-    float irradiance[3];            /* W/m2 */
-    uint8_t parts[ORL_MAP_BATCHES]; /* of its luma: shares, in 1/255 that add up to 1 */
-    bool cut;                       /* something stands on it: what it says is of both sides */
+    alignas(32) float irradiance[3]; /* W/m2 */
+    uint8_t parts[ORL_MAP_BATCHES];  /* of its luma: shares, in 1/255 that add up to 1 */
 };
 
 /* Of a side of a facet: whether it has texels, and how wide they are. */
 bool orl_texels_has(const struct orl_texels *texels, uint32_t facet);
 double orl_texels_width(const struct orl_texels *texels, uint32_t facet, bool front);
 
-/* At a point of a facet that has texels; NULL where no photon landed. */
+/*
+ * At a point of a facet that has texels; NULL where no photon landed. The texel itself is not
+ * touched yet: who has others to ask for may fetch it meanwhile. ret_cut: whether something stands
+ * on it, so that what it says is of both sides.
+ */
 const struct orl_texel *orl_texels_at(const struct orl_texels *texels, uint32_t facet, bool front,
-                                      struct orl_vec3 point);
+                                      struct orl_vec3 point, bool *ret_cut);
 
 #endif

@@ -214,17 +214,28 @@ static struct orl_rgb send_back(const struct orl_gather *gather, const struct or
     return sent;
 }
 
-/* The same by a texel. */
-static struct orl_rgb send_back_texel(const struct orl_gather_ray *ray, struct orl_rgb weight,
-                                      const struct orl_texel *texel)
+struct orl_rgb orl_gather_read(const struct orl_gather_ray *ray, const struct orl_glimpse *glimpse)
 {
+    const struct orl_texel *texel = glimpse->texel;
     const struct orl_rgb irradiance = {(double)texel->irradiance[0], (double)texel->irradiance[1],
                                        (double)texel->irradiance[2]};
-    const struct orl_rgb sent = orl_rgb_mul(weight, irradiance);
+    const struct orl_rgb sent = orl_rgb_mul(glimpse->weight, irradiance);
     const double share = ray->share * orl_luma(sent) / UINT8_MAX;
     for (int b = 0; b < ORL_MAP_BATCHES && ray->tally; b++)
         ray->tally->parts[ORL_MAP_GLOBAL].luma[b] += share * texel->parts[b];
     return sent;
+}
+
+/* By a texel: at once, or as a glimpse. */
+static struct orl_rgb send_back_texel(const struct orl_gather_ray *ray, struct orl_rgb weight,
+                                      const struct orl_texel *texel)
+{
+    const struct orl_glimpse glimpse = {texel, weight};
+    if (!ray->ret_glimpse || ray->ret_glimpse->texel)
+        return orl_gather_read(ray, &glimpse);
+    *ray->ret_glimpse = glimpse;
+    __builtin_prefetch(texel);
+    return orl_gray(0);
 }
 
 /* The diffuse part of what a ray of that weight sees of a surface, but for the glossy one. */
@@ -236,9 +247,10 @@ static struct orl_rgb diffuse_radiance(const struct orl_gather *gather,
     const struct orl_rgb diffuse = orl_material_diffuse(orl_world_material(gather->world, hit));
     const struct orl_rgb reflected = orl_rgb_scale(orl_rgb_mul(weight, diffuse), 1 / ORL_PI);
     if (ray->by_texels && gather->texels && !near && orl_texels_has(gather->texels, hit->facet)) {
+        bool cut;
         const struct orl_texel *texel =
-            orl_texels_at(gather->texels, hit->facet, hit->front, hit->point);
-        if (!texel || !texel->cut)
+            orl_texels_at(gather->texels, hit->facet, hit->front, hit->point, &cut);
+        if (!cut)
             return texel ? send_back_texel(ray, reflected, texel) : orl_gray(0);
     }
     struct orl_tally met = {{{{0}}}};
@@ -268,6 +280,16 @@ static double near_of(const struct orl_gather *gather, bool by_texels, const str
     return by_texels && gather->texels && orl_texels_has(gather->texels, hit->facet)
                ? near_texels * orl_texels_width(gather->texels, hit->facet, hit->front)
                : gather->near;
+}
+
+static struct orl_scatter scatter_evenly(const struct orl_gather *gather,
+                                         const struct orl_even *even, const struct orl_material *m,
+                                         const struct orl_hit *hit, struct orl_vec3 eye,
+                                         enum orl_lobes lobes)
+{
+    double u[ORL_SOBOL_DIMENSIONS];
+    orl_sobol_point(&gather->sobol, even->index, even->sequence, even->skip + 3, u);
+    return orl_scatter_sample_at(m, hit, eye, ORL_TRANSPORT_EYE, lobes, u + even->skip);
 }
 
 static struct orl_rgb trace_gather(const struct orl_gather *gather,
@@ -307,10 +329,12 @@ static struct orl_rgb trace_gather(const struct orl_gather *gather,
         if (diffuse)
             sum =
                 orl_rgb_add(sum, diffuse_radiance(gather, ray, &hit, weight, near, random, search));
+        if (diffuse && !near && orl_material_is_matt(m))
+            return sum;
         const enum orl_lobes lobes = diffuse && near ? ORL_LOBE_ALL : but_diffuse;
         const struct orl_scatter s =
             bounce == 0 && ray->first
-                ? orl_scatter_sample_at(m, &hit, eye, ORL_TRANSPORT_EYE, lobes, ray->first)
+                ? scatter_evenly(gather, ray->first, m, &hit, eye, lobes)
                 : orl_scatter_sample(m, &hit, eye, ORL_TRANSPORT_EYE, lobes, random);
         if (s.event == ORL_EVENT_ABSORBED)
             return sum;

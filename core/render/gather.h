@@ -95,28 +95,42 @@ struct orl_tally {
 };
 double orl_tally_variance(const struct orl_tally *tally);
 
+/* A texel that a ray is yet to read, on its way from memory; NULL: none. */
+struct orl_glimpse {
+    const struct orl_texel *texel;
+    struct orl_rgb weight; /* of its irradiance in the ray's radiance */
+};
+
+/* Three numbers in [0,1), those after the first `skip` of a point of a Sobol sequence, so that of
+ * many rays through a pane even shares are mirrored and sent on. Most rays come to need none. */
+struct orl_even {
+    uint32_t index, sequence, skip;
+};
+
 /* A ray that gathers. */
 struct orl_gather_ray {
     struct orl_vec3 origin, direction;
     bool outside;
     /* Of a view's lobe, where no density counts caustics: the ray is to find them. Or NULL. */
     const struct orl_chance *of_lobe;
-    /*
-     * Three numbers in [0,1) from an even sequence for what happens at the first surface, so that
-     * of many rays through a pane even shares are mirrored and sent on; NULL for random ones.
-     */
-    const double *first;
+    const struct orl_even *first; /* for what happens at the first surface; NULL: by chance */
     /* Flat surfaces may be read by texels: for hemispheres, which themselves are averaged. */
     bool by_texels;
     struct orl_tally *tally; /* NULL, or what the radiance's parts are added to */
     double share;            /* of the radiance in it */
     double *ret_distance;    /* NULL, or takes how far the first thing met is, if any is */
+    /* NULL, or empty at first: takes the first texel met, whose light is then not in the radiance
+     * (orl_gather_read). Who follows many rays has memory answer all of them meanwhile. */
+    struct orl_glimpse *ret_glimpse;
 };
 
 /* Radiance along it: suns not seen straight; of lamps what its lobe leaves to it. */
 struct orl_rgb orl_gather_radiance(const struct orl_gather *gather,
                                    const struct orl_gather_ray *ray, struct orl_random *random,
                                    struct orl_search *search);
+
+/* What such a texel adds to the radiance of the ray, whose tally takes its parts. */
+struct orl_rgb orl_gather_read(const struct orl_gather_ray *ray, const struct orl_glimpse *glimpse);
 
 /*
  * The surface at a place that came without its facet; false when there is none within rounding.
@@ -155,10 +169,13 @@ struct orl_density orl_gather_rest(const struct orl_gather *gather,
 
 /*
  * The gathered part at a place, by a stratified cosine-weighted hemisphere of rows x columns rays,
- * with its gradients, the harmonic mean of the rays' lengths (Ward and Heckbert 1992) and the
- * least. Standard errors, of its luma, are the photons' and the rays': of these each is compared
- * with the next in its row, as if both were drawn from both strata (which errs on the high side).
+ * and more through those strata whose neighbours differ (their own ray has no say, so that the mean
+ * stays what it is), with its gradients, the harmonic mean of the rays' lengths (Ward and Heckbert
+ * 1992) and the least. Standard errors, of its luma, are the photons' and the rays': of these each
+ * is compared with the next in its row, as if both were drawn from both strata (which errs on the
+ * high side).
  */
+enum { ORL_HEMISPHERE_ROWS = 18, ORL_HEMISPHERE_COLUMNS = 54 }; /* at most */
 struct orl_hemisphere {
     struct orl_rgb irradiance;
     struct orl_vec3 by_rotation[3], by_translation[3]; /* per channel */

@@ -1,13 +1,22 @@
-/* The gathered part at a place: a stratified hemisphere of rays. */
-#include <stdlib.h>
-
+/*
+ * The gathered part at a place: a stratified hemisphere of rays, one a stratum, and three more
+ * where the strata about it differ.
+ */
 #include "light/proxies.h"
 #include "render/gather.h"
 
-/* One ray of the hemisphere: what it saw and how far it went. */
+enum { AHEAD = 16, QUARTERS = 4 };
+
+/* Strata whose neighbours differ by more than this share of the mean of all take more rays. */
+static const double contrast = 3;
+
+/* A stratum: what its rays have seen, and how far they went. */
 struct strand {
     struct orl_rgb radiance;
-    double distance;
+    double distance;  /* harmonic mean */
+    double variance;  /* of its luma, of several rays; less than 0: there was one */
+    uint32_t quarter; /* of the stratum, that the first ray went through */
+    bool closer;      /* more rays are to be sent */
 };
 
 static double channel(struct orl_rgb c, uint32_t i)
@@ -57,49 +66,170 @@ static void add_row(struct orl_hemisphere *h, const struct spoke *spokes,
     }
 }
 
-/* Without memory for the spokes gradients stay flat. */
 static void add_gradients(struct orl_hemisphere *h, const struct orl_frame *frame,
                           const struct strand *strands, uint32_t rows, uint32_t columns,
                           uint32_t channels)
 {
-    struct spoke *spokes = malloc(columns * sizeof *spokes);
-    for (uint32_t column = 0; spokes && column < columns; column++)
+    struct spoke spokes[ORL_HEMISPHERE_COLUMNS];
+    for (uint32_t column = 0; column < columns; column++)
         spokes[column] = spoke_of(frame, column, columns);
-    for (uint32_t row = 0; spokes && row < rows; row++)
+    for (uint32_t row = 0; row < rows; row++)
         add_row(h, spokes, strands, rows, columns, row, channels);
-    free(spokes);
+    for (uint32_t c = channels; c < 3; c++) {
+        h->by_rotation[c] = h->by_rotation[0];
+        h->by_translation[c] = h->by_translation[0];
+    }
 }
 
-/* Of the mean of the rays, one a stratum: half the squared difference of neighbours is a variance.
- */
+/* Of the mean: where a stratum had one ray half the squared difference to its neighbour's is a
+ * variance. */
 static double variance_of_mean(const struct strand *strands, uint32_t rows, uint32_t columns)
 {
-    double square = 0;
+    double sum = 0;
     for (uint32_t i = 0; i < rows * columns; i++) {
         const uint32_t row = i / columns, beside = row * columns + (i + 1) % columns;
         const double difference =
             orl_luma(strands[i].radiance) - orl_luma(strands[beside].radiance);
-        square += difference * difference / 2;
+        sum += strands[i].variance < 0 ? difference * difference / 2 : strands[i].variance;
     }
-    return square / ((double)rows * columns * rows * columns);
+    return sum / ((double)rows * columns * rows * columns);
 }
 
-/* What a ray sees: on a surface that a BSDF stands for, as views do. */
-static struct strand follow(const struct orl_gather *gather, const struct orl_place *place,
-                            struct orl_gather_ray ray, struct orl_random *random,
-                            struct orl_search *search)
+/* A hemisphere in the making. */
+struct making {
+    const struct orl_gather *gather;
+    const struct orl_place *place;
+    struct orl_frame frame;
+    uint32_t rows, columns;
+    struct orl_random *random;
+    struct orl_search *search;
+    uint32_t sequence, rays; /* so far */
+    struct strand strands[ORL_HEMISPHERE_ROWS * ORL_HEMISPHERE_COLUMNS];
+    struct orl_tally tally;
+    double least_distance;
+};
+
+/* A ray under way: it may be to read a texel yet. */
+struct under_way {
+    struct orl_gather_ray ray;
+    struct orl_even first;
+    struct orl_glimpse glimpse;
+    struct orl_rgb radiance;
+    double distance;
+    uint32_t stratum;
+};
+
+/* Sends a ray through a place of a stratum. On a surface that a BSDF stands for it sees as views
+ * do. */
+static void send(struct making *m, uint32_t stratum, double down, double across,
+                 struct orl_tally *tally, struct under_way *w)
 {
-    struct strand strand = {.distance = INFINITY};
-    ray.ret_distance = &strand.distance;
-    strand.radiance =
-        place->proxied
-            ? orl_health_keep(&search->health,
-                              orl_exterior_radiance(orl_world_seen(gather->world), ray.origin,
-                                                    ray.direction, orl_chance_found(), random,
-                                                    &search->health))
-            : orl_gather_radiance(gather, &ray, random, search);
-    strand.distance = fmax(strand.distance, 1e-9 * gather->world->geometry->radius);
-    return strand;
+    const uint32_t row = stratum / m->columns, column = stratum % m->columns;
+    const double sine = sqrt((row + down) / m->rows),
+                 phi = 2 * ORL_PI * (column + across) / m->columns;
+    *w = (struct under_way){.stratum = stratum,
+                            .first = {.index = m->rays++, .sequence = m->sequence},
+                            .distance = INFINITY};
+    w->ray = (struct orl_gather_ray){
+        .origin = m->place->point,
+        .direction = orl_to_world(
+            &m->frame, orl_v3(sine * cos(phi), sine * sin(phi), sqrt(fmax(0, 1 - sine * sine)))),
+        .outside = m->place->outside,
+        .first = &w->first,
+        .by_texels = true,
+        .tally = tally,
+        .share = ORL_PI / ((double)m->rows * m->columns),
+        .ret_distance = &w->distance,
+        .ret_glimpse = &w->glimpse};
+    w->radiance =
+        m->place->proxied
+            ? orl_health_keep(&m->search->health,
+                              orl_exterior_radiance(orl_world_seen(m->gather->world), w->ray.origin,
+                                                    w->ray.direction, orl_chance_found(), m->random,
+                                                    &m->search->health))
+            : orl_gather_radiance(m->gather, &w->ray, m->random, m->search);
+    w->distance = fmax(w->distance, 1e-9 * m->gather->world->geometry->radius);
+    m->least_distance = fmin(m->least_distance, w->distance);
+}
+
+/* What a ray has seen when its texel, if any, has come. */
+static struct orl_rgb arrived(const struct under_way *w)
+{
+    return w->glimpse.texel ? orl_rgb_add(w->radiance, orl_gather_read(&w->ray, &w->glimpse))
+                            : w->radiance;
+}
+
+/* One ray a stratum. Texels are read when memory has had the time of some more rays to answer. */
+static void send_first(struct making *m)
+{
+    struct under_way under_way[AHEAD];
+    const uint32_t strata = m->rows * m->columns;
+    for (uint32_t i = 0; i < strata + AHEAD; i++) {
+        struct under_way *w = &under_way[i % AHEAD];
+        if (i >= AHEAD && i - AHEAD < strata) {
+            struct strand *strand = &m->strands[w->stratum];
+            strand->radiance = arrived(w);
+            strand->distance = w->distance;
+        }
+        if (i >= strata)
+            continue;
+        const double down = orl_random_uniform(m->random), across = orl_random_uniform(m->random);
+        m->strands[i] = (struct strand){
+            .variance = -1, .quarter = 2 * (uint32_t)(2 * down) + (uint32_t)(2 * across)};
+        send(m, i, down, across, &m->tally, w);
+    }
+}
+
+/*
+ * Which strata have more to show than one ray tells: where things as bright as a window begin and
+ * end. Their own ray has no say in it, for what it has seen by chance would then count by what it
+ * has seen.
+ */
+static void choose(struct making *m)
+{
+    double lumas[ORL_HEMISPHERE_ROWS * ORL_HEMISPHERE_COLUMNS], sum = 0;
+    const uint32_t rows = m->rows, columns = m->columns, strata = rows * columns;
+    for (uint32_t i = 0; i < strata; i++) {
+        lumas[i] = orl_luma(m->strands[i].radiance);
+        sum += lumas[i];
+    }
+    for (uint32_t i = 0; i < strata; i++) {
+        const uint32_t row = i / columns, column = i % columns, first = row * columns;
+        const double left = lumas[first + (column + columns - 1) % columns];
+        const double right = lumas[first + (column + 1) % columns];
+        const double below = row > 0 ? lumas[i - columns] : left;
+        const double above = row + 1 < rows ? lumas[i + columns] : left;
+        const double most = fmax(fmax(left, right), fmax(below, above));
+        const double least = fmin(fmin(left, right), fmin(below, above));
+        m->strands[i].closer = most - least > contrast * (sum - lumas[i]) / (strata - 1);
+    }
+}
+
+/* Three more rays through a stratum, one through every quarter. Of the photons its first tells. */
+static void look_closer(struct making *m, uint32_t stratum)
+{
+    struct strand *strand = &m->strands[stratum];
+    struct under_way w[QUARTERS - 1];
+    uint32_t n = 0;
+    for (uint32_t q = 0; q < QUARTERS; q++) {
+        if (q == strand->quarter)
+            continue;
+        const double down = (q / 2 + orl_random_uniform(m->random)) / 2;
+        send(m, stratum, down, (q % 2 + orl_random_uniform(m->random)) / 2, NULL, &w[n++]);
+    }
+    double luma = orl_luma(strand->radiance), squares = luma * luma,
+           nearness = 1 / strand->distance;
+    struct orl_rgb sum = strand->radiance;
+    for (uint32_t i = 0; i < n; i++) {
+        const struct orl_rgb seen = arrived(&w[i]);
+        sum = orl_rgb_add(sum, seen);
+        squares += orl_luma(seen) * orl_luma(seen);
+        nearness += 1 / w[i].distance;
+    }
+    strand->radiance = orl_rgb_scale(sum, 1.0 / QUARTERS);
+    strand->distance = QUARTERS / nearness;
+    luma = orl_luma(strand->radiance);
+    strand->variance = fmax(squares / QUARTERS - luma * luma, 0) / (QUARTERS - 1);
 }
 
 struct orl_hemisphere orl_gather_hemisphere(const struct orl_gather *gather,
@@ -107,47 +237,33 @@ struct orl_hemisphere orl_gather_hemisphere(const struct orl_gather *gather,
                                             uint32_t columns, struct orl_random *random,
                                             struct orl_search *search)
 {
-    const struct orl_frame frame = orl_frame_about(place->normal);
-    const uint32_t channels = gather->world->omit.channels;
     struct orl_hemisphere h = {.irradiance = {0, 0, 0}};
-    struct orl_tally tally = {{{{0}}}};
+    struct making m; /* not its strands, which are many */
+    m.gather = gather;
+    m.place = place;
+    m.frame = orl_frame_about(place->normal);
+    m.rows = rows;
+    m.columns = columns;
+    m.random = random;
+    m.search = search;
+    m.sequence = (uint32_t)orl_random_bits(random);
+    m.rays = 0;
+    m.tally = (struct orl_tally){{{{0}}}};
+    m.least_distance = INFINITY;
+    send_first(&m);
+    choose(&m);
     double nearness = 0;
-    const uint32_t sequence = (uint32_t)orl_random_bits(random);
-    h.least_distance = INFINITY;
-    struct strand *strands = calloc((size_t)rows * columns, sizeof *strands);
     for (uint32_t i = 0; i < rows * columns; i++) {
-        const uint32_t row = i / columns, column = i % columns;
-        const double sine = sqrt((row + orl_random_uniform(random)) / rows);
-        const double phi = 2 * ORL_PI * (column + orl_random_uniform(random)) / columns;
-        const struct orl_vec3 direction = orl_to_world(
-            &frame, orl_v3(sine * cos(phi), sine * sin(phi), sqrt(fmax(0, 1 - sine * sine))));
-        double first[3];
-        orl_sobol_point(&gather->sobol, i, sequence, 3, first);
-        const struct orl_gather_ray ray = {.origin = place->point,
-                                           .direction = direction,
-                                           .outside = place->outside,
-                                           .first = first,
-                                           .by_texels = true,
-                                           .tally = &tally,
-                                           .share = ORL_PI / ((double)rows * columns)};
-        const struct strand strand = follow(gather, place, ray, random, search);
-        h.irradiance = orl_rgb_add(h.irradiance, strand.radiance);
-        nearness += 1 / strand.distance;
-        h.least_distance = fmin(h.least_distance, strand.distance);
-        if (strands)
-            strands[i] = strand;
+        if (m.strands[i].closer)
+            look_closer(&m, i);
+        h.irradiance = orl_rgb_add(h.irradiance, m.strands[i].radiance);
+        nearness += 1 / m.strands[i].distance;
     }
     h.irradiance = orl_rgb_scale(h.irradiance, ORL_PI / ((double)rows * columns));
     h.mean_distance = nearness > 0 ? (double)rows * columns / nearness : INFINITY;
-    /* Without memory for the strands the estimate stands, with flat gradients. */
-    if (strands)
-        add_gradients(&h, &frame, strands, rows, columns, channels);
-    for (uint32_t c = channels; c < 3; c++) {
-        h.by_rotation[c] = h.by_rotation[0];
-        h.by_translation[c] = h.by_translation[0];
-    }
-    h.error_by_photons = sqrt(orl_tally_variance(&tally));
-    h.error_by_rays = strands ? ORL_PI * sqrt(variance_of_mean(strands, rows, columns)) : 0;
-    free(strands);
+    h.least_distance = m.least_distance;
+    add_gradients(&h, &m.frame, m.strands, rows, columns, gather->world->omit.channels);
+    h.error_by_photons = sqrt(orl_tally_variance(&m.tally));
+    h.error_by_rays = ORL_PI * sqrt(variance_of_mean(m.strands, rows, columns));
     return h;
 }

@@ -11,7 +11,11 @@ enum { COARSEST_STEP = 16, RECORDS_A_ROUND = 256, HOLDS = 2 };
 
 /* Rows of a record's hemisphere, by the step that asks for it: the later, the fewer pixels it
  * serves, and the more company it has. */
-enum { MOST_ROWS = 18, ROWS_OF_STEP_4 = 14, LEAST_ROWS = 9 };
+enum { ROWS = 12, ROWS_OF_STEP_4 = 9, LEAST_ROWS = 6 };
+
+/* So they are in pictures of that many pixels or more. Smaller ones have fewer records, every one
+ * of them in a larger part of the picture: more rows, up to so many times as many. */
+static const double large_picture = 1 << 17, most_finer = 1.5;
 
 /* Places of one lattice row that want a record. */
 struct row {
@@ -47,9 +51,12 @@ static uint64_t seed_of(const struct painter *p)
 
 /* ---- Records --------------------------------------------------------------------------------- */
 
-static uint32_t rows_of_step(uint32_t step)
+static uint32_t rows_of_step(const struct painter *p)
 {
-    return step > 4 ? MOST_ROWS : step > 2 ? ROWS_OF_STEP_4 : LEAST_ROWS;
+    const struct orl_film *film = p->painting->film;
+    const double finer = cbrt(sqrt(large_picture / ((double)film->width * film->height)));
+    const uint32_t rows = p->step > 4 ? ROWS : p->step > 2 ? ROWS_OF_STEP_4 : LEAST_ROWS;
+    return (uint32_t)lrint(rows * fmin(fmax(finer, 1), most_finer));
 }
 
 /* Gathers at a place; the record's random numbers come from the pixel that asked for it. */
@@ -61,8 +68,8 @@ static void compute_record(void *arg, size_t index, uint32_t member)
         orl_random_stream(seed_of(p), ORL_PURPOSE_RECORD, p->cache.count + p->first_record + index);
     if (cancelled(p))
         return;
-    *record = orl_record_make(p->gather, &record->place, record->least, rows_of_step(p->step),
-                              &random, &p->painting->env->searches[member]);
+    *record = orl_record_make(p->gather, &record->place, record->least, rows_of_step(p), &random,
+                              &p->painting->env->searches[member]);
 }
 
 static void want(struct row *row, const struct orl_vertex *v, const struct orl_grain *grain)

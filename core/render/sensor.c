@@ -104,13 +104,14 @@ static struct orl_rgb gather_group(const struct orl_gather *gather, const struct
     for (uint32_t i = 0; i < samples && !orl_is_cancelled(gather->cancel); i++) {
         struct orl_random random =
             orl_random_stream(gather->seed, ORL_PURPOSE_SENSOR, (name << 24) + i + 1);
-        double u[5];
-        orl_sobol_point(&gather->sobol, i, sequence, 5, u);
+        const struct orl_even first = {.index = i, .sequence = sequence, .skip = 2};
+        double u[2];
+        orl_sobol_point(&gather->sobol, i, sequence, 2, u);
         const struct orl_gather_ray ray = {.origin = place->point,
                                            .direction =
                                                orl_hemisphere_about(place->normal, u[0], u[1]),
                                            .outside = place->outside,
-                                           .first = u + 2,
+                                           .first = &first,
                                            .tally = tally,
                                            .share = ORL_PI / samples / HEMISPHERES};
         sum = orl_rgb_add(sum, orl_gather_radiance(gather, &ray, &random, search));
