@@ -103,19 +103,13 @@ void orl_run_warn(struct orl_run_state *state, const char *format, ...)
 static int load_sensors(struct orl_run_state *state, struct orl_error *err)
 {
     const struct orl_job *job = state->job;
-    const struct orl_files *files = state->env->files;
-    struct orl_file file;
     state->sensors = job->sensors;
     state->n_sensors = job->n_sensors;
     if (!job->sensors_file)
         return 0;
-    int code = files->open(files->ctx, job->sensors_file, &file, err);
-    if (code < 0)
-        return code;
-    code = orl_sensors_parse(job->sensors_file, file.data, file.size, &state->sensors,
-                             &state->n_sensors, err);
+    const int code = orl_sensors_load(state->env->files, job->sensors_file, &state->sensors,
+                                      &state->n_sensors, err);
     state->sensors_owned = code == 0;
-    files->close(files->ctx, &file);
     return code;
 }
 

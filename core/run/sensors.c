@@ -83,3 +83,15 @@ int orl_sensors_parse(const char *name, const char *text, size_t size,
     *ret_count = count;
     return 0;
 }
+
+int orl_sensors_load(const struct orl_files *files, const char *name,
+                     struct orl_sensor **ret_sensors, size_t *ret_count, struct orl_error *err)
+{
+    struct orl_file file;
+    int code = files->open(files->ctx, name, &file, err);
+    if (code < 0)
+        return code;
+    code = orl_sensors_parse(name, file.data, file.size, ret_sensors, ret_count, err);
+    files->close(files->ctx, &file);
+    return code;
+}

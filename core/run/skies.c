@@ -6,13 +6,14 @@
 #include <string.h>
 
 #include "run/sky.h"
+#include "run/stages.h"
 
 /* What a sky without light takes of the time of others, roughly: for progress alone. */
 static const double dark_share = 0.1;
 
 /* A job on its way through its skies. */
 struct passage {
-    const struct orl_job *job;
+    struct orl_job job; /* the caller's, with the sensors of its file in place of that */
     const struct orl_run_env *env;
     const struct orl_skies_env *skies;
     double *shares; /* of each sky in the whole; sums to 1 */
@@ -33,25 +34,39 @@ static int look_ahead(struct passage *p, struct orl_error *err)
     struct orl_run_weather weather = {0};
     double sum = 0;
     int code = 0;
-    for (size_t i = 0; i < p->job->n_skies && code == 0; i++) {
+    for (size_t i = 0; i < p->job.n_skies && code == 0; i++) {
         struct orl_daylight daylight = {0};
-        code = orl_run_find_sky(p->env->files, &p->job->skies[i].request, &weather, &daylight, err);
+        code = orl_run_find_sky(p->env->files, &p->job.skies[i].request, &weather, &daylight, err);
         if (code < 0)
             name_place(err, i);
         p->shares[i] = daylight.black ? dark_share : 1;
         sum += p->shares[i];
     }
-    for (size_t i = 0; i < p->job->n_skies; i++)
+    for (size_t i = 0; i < p->job.n_skies; i++)
         p->shares[i] /= sum;
     orl_run_weather_done(&weather);
     return code;
 }
 
+/* Sensors of a file are read once, and only now known to be too many for so many skies, or not. */
+static int read_sensors(struct passage *p, struct orl_error *err)
+{
+    struct orl_job *job = &p->job;
+    if (!job->sensors_file)
+        return 0;
+    const int code =
+        orl_sensors_load(p->env->files, job->sensors_file, &job->sensors, &job->n_sensors, err);
+    if (code < 0)
+        return code;
+    job->sensors_file = NULL;
+    return orl_job_validate(job, err);
+}
+
 /* The job under one sky alone. */
 static struct orl_job job_under(const struct passage *p, size_t index)
 {
-    struct orl_job job = *p->job;
-    job.sky = p->job->skies[index].request;
+    struct orl_job job = p->job;
+    job.sky = p->job.skies[index].request;
     job.skies = NULL;
     job.n_skies = 0;
     if (job.goal.deadline_s > 0) {
@@ -68,7 +83,7 @@ static int run_under(struct passage *p, size_t index, struct orl_error *err)
     struct orl_run_env env = *p->env;
     struct orl_result result = {0};
     char prefix[80];
-    snprintf(prefix, sizeof prefix, "%s.", p->job->skies[index].name);
+    snprintf(prefix, sizeof prefix, "%s.", p->job.skies[index].name);
     env.file_prefix = prefix;
     env.part_from = p->before;
     env.part = p->shares[index];
@@ -88,7 +103,7 @@ static int run_under(struct passage *p, size_t index, struct orl_error *err)
 int orl_run_skies(const struct orl_job *job, const struct orl_run_env *env,
                   const struct orl_skies_env *skies, struct orl_error *err)
 {
-    struct passage p = {.job = job, .env = env, .skies = skies, .started_s = env->now_s(env->ctx)};
+    struct passage p = {.job = *job, .env = env, .skies = skies, .started_s = env->now_s(env->ctx)};
     int code = orl_job_validate(job, err);
     if (code < 0)
         return code;
@@ -97,12 +112,16 @@ int orl_run_skies(const struct orl_job *job, const struct orl_run_env *env,
     p.shares = calloc(job->n_skies, sizeof *p.shares);
     if (!p.shares)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-    code = look_ahead(&p, err);
+    code = read_sensors(&p, err);
+    if (code == 0)
+        code = look_ahead(&p, err);
     for (size_t i = 0; i < job->n_skies && code == 0; i++) {
         if (!skies->kept || !skies->kept(skies->ctx, i))
             code = run_under(&p, i, err);
         p.before += p.shares[i];
     }
+    if (p.job.sensors != job->sensors)
+        free(p.job.sensors);
     free(p.shares);
     return code;
 }

@@ -53,6 +53,9 @@ void orl_run_warn(struct orl_run_state *state, const char *format, ...)
 /* Parses "x y z dx dy dz" lines; '#' starts a comment. Fills an array the caller frees. */
 int orl_sensors_parse(const char *name, const char *text, size_t size,
                       struct orl_sensor **ret_sensors, size_t *ret_count, struct orl_error *err);
+/* The same of a file. */
+int orl_sensors_load(const struct orl_files *files, const char *name,
+                     struct orl_sensor **ret_sensors, size_t *ret_count, struct orl_error *err);
 
 /* Load stage: the sky that the job asks for, if any, into the description. */
 int orl_run_sky(struct orl_run_state *state, struct orl_description *description,

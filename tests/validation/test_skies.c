@@ -17,7 +17,7 @@
 
 enum { SKIES = 3, SENSORS = 2, DARK = 2 };
 
-static char scene_file[] = "room.rad", weather_file[] = "place.wea";
+static char scene_file[] = "room.rad", weather_file[] = "place.wea", sensor_file[] = "s.txt";
 static char *const scene_files[] = {scene_file};
 static char overcast[] = "overcast", sunny[] = "sunny_1", night[] = "night-1";
 static char view_name[] = "v", view_text[] = "-vtv -vp 2 4.5 1.6 -vd 0 -1 0 -vh 70 -vv 55";
@@ -33,6 +33,7 @@ struct fixture {
     atomic_bool cancel;
     double lx[SKIES][SENSORS];
     bool dark[SKIES], done[SKIES], keep[SKIES];
+    const char *sensor_text;       /* of the file of sensors; or NULL */
     double fraction;               /* of the whole, as last heard */
     struct orl_result *sensors_of; /* kept ones; or NULL */
     size_t n_sensors_done;
@@ -157,10 +158,12 @@ static int run(struct fixture *f, struct orl_result *ret_result, struct orl_erro
     static const char weather[] = "place Test\nlatitude 38.42\nlongitude -27.14\ntime_zone -30\n"
                                   "site_elevation 25\nweather_data_file_units 1\n"
                                   "3 22 11.5 800 120\n";
-    static const char *const names[] = {scene_file, weather_file};
+    static const char *const names[] = {scene_file, weather_file, sensor_file};
+    const char *sensors = f->sensor_text ? f->sensor_text : "";
     const struct orl_file contents[] = {{scene, sizeof scene - 1, NULL},
-                                        {weather, sizeof weather - 1, NULL}};
-    struct orl_memory_files memory = {names, contents, 2};
+                                        {weather, sizeof weather - 1, NULL},
+                                        {sensors, strlen(sensors), NULL}};
+    struct orl_memory_files memory = {names, contents, 3};
     const struct orl_files files = orl_files_from_memory(&memory);
     struct orl_folder_store maps;
     const struct orl_map_store store = orl_map_store_in_folder(&maps);
@@ -267,6 +270,45 @@ static void expect_error(struct fixture *f, int code, const char *primitive)
     assert_false(f->done[0]);
 }
 
+static void use_sensor_file(struct fixture *f, const char *text)
+{
+    f->sensor_text = text;
+    f->job.sensors_file = sensor_file;
+    f->job.sensors = NULL;
+    f->job.n_sensors = 0;
+}
+
+static void test_file_of_sensors(void **state)
+{
+    struct fixture *f = *state;
+    double lx[SKIES][SENSORS];
+    assert_int_equal(run(f, NULL, NULL), 0);
+    memcpy(lx, f->lx, sizeof lx);
+    use_sensor_file(f, "2 1 0.8 0 0 1\n2 4 0.8 0 0 1\n");
+    memset(f->lx, 0, sizeof f->lx);
+    assert_int_equal(run(f, NULL, NULL), 0);
+    assert_memory_equal(lx, f->lx, sizeof lx);
+    assert_ptr_equal(f->job.sensors_file, sensor_file);
+}
+
+/* Few enough for one sky, but not for all: nothing is rendered. */
+static void test_too_many_sensors(void **state)
+{
+    enum { COUNT = 4000000 / SKIES + 1 };
+    static const char line[] = "1 1 1 0 0 1\n";
+    struct fixture *f = *state;
+    struct orl_error err = {0};
+    char *text = malloc(COUNT * (sizeof line - 1) + 1);
+    assert_non_null(text);
+    for (size_t i = 0; i < COUNT; i++)
+        memcpy(text + i * (sizeof line - 1), line, sizeof line);
+    use_sensor_file(f, text);
+    assert_int_equal(run(f, NULL, &err), ORL_ERR_LIMIT);
+    assert_string_equal(err.primitive, "skies");
+    assert_false(f->done[0]);
+    free(text);
+}
+
 /* Found before anything is rendered. */
 static void test_mistakes(void **state)
 {
@@ -298,6 +340,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_same_as_one_by_one, setup, teardown),
         cmocka_unit_test_setup_teardown(test_kept_skies_are_not_run, setup, teardown),
         cmocka_unit_test_setup_teardown(test_kept_sensors, setup, teardown),
+        cmocka_unit_test_setup_teardown(test_file_of_sensors, setup, teardown),
+        cmocka_unit_test_setup_teardown(test_too_many_sensors, setup, teardown),
         cmocka_unit_test_setup_teardown(test_mistakes, setup, teardown),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
