@@ -23,6 +23,7 @@ enum orl_purpose {
     ORL_PURPOSE_GUIDE,
     ORL_PURPOSE_BENCH,
     ORL_PURPOSE_REFIT,
+    ORL_PURPOSE_FIRST,
 };
 
 static inline uint64_t orl_mix64(uint64_t z)

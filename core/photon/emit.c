@@ -195,7 +195,7 @@ bool orl_emission_from(const struct orl_emission *emission, const struct orl_str
                        bool caustic, const double *point, struct orl_random *random,
                        struct orl_health *health, struct orl_flight *ret_flight)
 {
-    *ret_flight = (struct orl_flight){.fate = orl_random_uniform(random)};
+    *ret_flight = (struct orl_flight){.fate = orl_random_uniform(random), .reflected = 1};
     switch (stratum->kind) {
     case ORL_STRATUM_PORT_DOME:
         return emit_port_dome(emission, stratum, point, random, health, ret_flight);
@@ -249,5 +249,6 @@ bool orl_emission_sample(const struct orl_emission *emission, const double *poin
         return false;
     ret_flight->flux = orl_rgb_scale(ret_flight->flux, 1 / share);
     ret_flight->fate = point[5];
+    ret_flight->reflected = caustic ? 1 : stratum->reflected;
     return true;
 }

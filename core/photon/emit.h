@@ -51,8 +51,9 @@ struct orl_stratum {
     enum orl_stratum_kind kind;
     uint32_t port; /* or emitter */
     uint32_t sun, mirror;
-    double flux_w; /* luma, estimated */
-    double share;  /* probability for global photons */
+    double flux_w;    /* luma, estimated */
+    double reflected; /* albedo that its light meets first, where that leaves nothing: first.h */
+    double share;     /* probability for global photons */
     double share_caustic;
     double below, below_caustic; /* running sums before it */
     struct orl_table place;      /* of a sun in a port: where caustic photons start; seek.h */
@@ -73,6 +74,14 @@ struct orl_emission {
     size_t n_passages;
     bool has_caustics; /* a pilot found a way for them, or the planner something lit that may */
 };
+
+/* Of a light that the renderer samples directly: its photons may be counted elsewhere. */
+static inline bool orl_stratum_is_counted(const struct orl_emission *e, const struct orl_stratum *s)
+{
+    return s->kind == ORL_STRATUM_PORT_SUN || s->kind == ORL_STRATUM_PORT_IMAGE ||
+           s->kind == ORL_STRATUM_OPEN_SUN ||
+           (s->kind == ORL_STRATUM_EMITTER && e->world->emitters[s->port].direct);
+}
 
 /* What has deflected a photon, other than diffuse surfaces. */
 struct orl_deflection {
@@ -98,6 +107,7 @@ struct orl_flight {
     struct orl_rgb clarity; /* from a port: of what lies behind it (scatter.h) */
     double focus;           /* from a spotlight: see lamp.c of the scene; else 0 */
     double fate;            /* in [0,1): at what chance of being alive it dies (trace.h) */
+    double reflected;       /* of its stratum; until first reflected it has that much more flux */
 };
 
 int orl_emission_new(const struct orl_world *world, uint64_t seed, struct orl_crew *crew,

@@ -1,6 +1,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "photon/first.h"
 #include "photon/guide.h"
 #include "photon/seek.h"
 #include "photon/sunward.h"
@@ -221,17 +222,23 @@ static bool starts_at_sky(const struct orl_stratum *s)
     return s->kind == ORL_STRATUM_OPEN_DOME || s->kind == ORL_STRATUM_OPEN_SUN;
 }
 
+static double flux_to_keep(const struct orl_stratum *s)
+{
+    return s->flux_w * s->reflected;
+}
+
 /* Global photons go by flux; but the sky, which lights the whole neighbourhood, never takes it all.
  */
 static void share_out(struct orl_emission *e)
 {
     double sky = 0, rest = 0, below = 0;
     for (size_t i = 0; i < e->n_strata; i++)
-        *(starts_at_sky(&e->strata[i]) ? &sky : &rest) += e->strata[i].flux_w;
+        *(starts_at_sky(&e->strata[i]) ? &sky : &rest) += flux_to_keep(&e->strata[i]);
     const double of_sky = sky > 0 ? (rest > 0 ? fmin(open_share, sky / (sky + rest)) : 1) : 0;
     for (size_t i = 0; i < e->n_strata; i++) {
         struct orl_stratum *s = &e->strata[i];
-        s->share = starts_at_sky(s) ? of_sky * s->flux_w / sky : (1 - of_sky) * s->flux_w / rest;
+        s->share = starts_at_sky(s) ? of_sky * flux_to_keep(s) / sky
+                                    : (1 - of_sky) * flux_to_keep(s) / rest;
         s->below = below;
         below += s->share;
     }
@@ -301,13 +308,6 @@ static int seek(struct pilot *pilot)
     return code;
 }
 
-static bool may_make_caustics(const struct orl_emission *e, const struct orl_stratum *s)
-{
-    return s->kind == ORL_STRATUM_PORT_SUN || s->kind == ORL_STRATUM_PORT_IMAGE ||
-           s->kind == ORL_STRATUM_OPEN_SUN ||
-           (s->kind == ORL_STRATUM_EMITTER && e->world->emitters[s->port].direct);
-}
-
 /* Caustic photons go by what the pilot's brought down, and a little everywhere. */
 static int share_out_caustics(struct pilot *pilot, struct orl_crew *crew)
 {
@@ -329,14 +329,14 @@ static int share_out_caustics(struct pilot *pilot, struct orl_crew *crew)
         return code;
     for (size_t i = 0; i < e->n_strata; i++) {
         sum += pilot->yield[i];
-        flux += may_make_caustics(e, &e->strata[i]) ? e->strata[i].flux_w : 0;
+        flux += orl_stratum_is_counted(e, &e->strata[i]) ? e->strata[i].flux_w : 0;
     }
     const double spread = sum > 0 ? caustic_floor : 1;
     e->has_caustics = sum > 0 || (e->world->caustics_lit && flux > 0);
     for (size_t i = 0; i < e->n_strata && e->has_caustics; i++) {
         struct orl_stratum *s = &e->strata[i];
         s->share_caustic = sum > 0 ? (1 - caustic_floor) * pilot->yield[i] / sum : 0;
-        if (may_make_caustics(e, s))
+        if (orl_stratum_is_counted(e, s))
             s->share_caustic += spread * s->flux_w / flux;
         s->below_caustic = below;
         below += s->share_caustic;
@@ -363,6 +363,8 @@ int orl_emission_new(const struct orl_world *world, uint64_t seed, struct orl_cr
         code = orl_sunward_prepare(e);
     if (code == 0 && world->open)
         code = orl_guide_make(e, seed, crew);
+    if (code == 0)
+        code = orl_first_prepare(e, seed, crew);
     if (code == 0) {
         share_out(e);
         code = share_out_caustics(&pilot, crew);

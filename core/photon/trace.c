@@ -43,10 +43,13 @@ struct course {
     double focus, flown, spread; /* off a spotlight: until it is scattered */
 };
 
-/* Roulette: false when the chance of being alive has fallen to the photon's fate. */
-static bool survives(struct course *c, struct orl_rgb weight)
+/*
+ * Roulette: false when the chance of being alive has fallen to the photon's fate. spared: as much
+ * flux as it is to lose besides (first.h); or 1.
+ */
+static bool survives(struct course *c, struct orl_rgb weight, double spared)
 {
-    const double chance = fmin(orl_luma(weight), 1);
+    const double chance = fmin(orl_luma(weight) / spared, 1);
     c->alive *= chance;
     if (!(c->alive > c->fate))
         return false;
@@ -59,10 +62,10 @@ static bool survives(struct course *c, struct orl_rgb weight)
  * most photons end there.
  */
 static bool ends_here(const struct course *c, const struct orl_material *m, struct orl_rgb albedo,
-                      bool caustic)
+                      double spared, bool caustic)
 {
     return orl_material_is_matt(m) &&
-           (caustic || !(c->alive * fmin(orl_luma(albedo), 1) > c->fate));
+           (caustic || !(c->alive * fmin(orl_luma(albedo) / spared, 1) > c->fate));
 }
 
 /* What the way to a hit does: a medium dims; a spotlight's beam is wider than its lamp (lamp.c). */
@@ -75,7 +78,7 @@ static bool arrives(struct course *c, const struct orl_material *m, const struct
         c->flux = orl_rgb_scale(c->flux, c->spread / before);
     }
     const struct orl_rgb left = orl_material_dimming(m, hit, c->clarity);
-    return orl_is_clear(left) || survives(c, left);
+    return orl_is_clear(left) || survives(c, left, 1);
 }
 
 /* A ray that met nothing: from within a sealed building that is a leak. */
@@ -166,12 +169,14 @@ void orl_trace_photon(const struct orl_world *world, const struct orl_flight *fl
                 deposit(deposits, &hit, c.flux, batch, class);
             unseen = 0;
         }
-        if (ends_here(&c, m, albedo, caustic))
+        const double spared = class == ORL_PHOTON_REST ? 1 : flight->reflected;
+        if (ends_here(&c, m, albedo, spared, caustic))
             return;
         const struct orl_scatter s =
             orl_scatter_sample(m, &hit, orl_neg(c.direction), ORL_TRANSPORT_LIGHT, lobes, random);
         if (s.event == ORL_EVENT_ABSORBED ||
-            !survives(&c, orl_health_keep(&deposits->health, s.weight)))
+            !survives(&c, orl_health_keep(&deposits->health, s.weight),
+                      s.event == ORL_EVENT_DIFFUSE ? spared : 1))
             return;
         if (s.transmitted) {
             const enum orl_crossing crossing = orl_world_crossing(world, &hit);
