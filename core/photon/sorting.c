@@ -6,79 +6,21 @@
 
 #include "base/random.h"
 
-/* Of the codes, for which the radix sort has no digits: the rest of 62 bits is three of 13. */
-enum { LOW_BITS = 23, DIGIT = 13, BUCKETS = 1 << DIGIT, PASSES = 3 };
-enum { MOST_PARTS = 16, STRETCH = 1 << 15 };
+enum { DIGIT = 8, BUCKETS = 1 << DIGIT, FEW = 32, STRETCH = 1 << 15 };
 
 struct sorting {
-    struct orl_sort_item *from, *to;
+    struct orl_sort_item *items;
     size_t count;
     const struct orl_photon_words *words;
-    size_t parts; /* of the radix sort: stable, so that their number does not matter */
-    size_t (*starts)[BUCKETS];
-    int shift;
-    size_t *ends; /* of stretches that share no upper bits */
+    size_t starts[BUCKETS + 1]; /* of items that agree in the digit that is looked at first */
+    int shift;                  /* where that is */
+    size_t *ends;               /* of stretches that share no codes */
     atomic_bool out_of_memory;
 };
 
-/* ---- By upper bits --------------------------------------------------------------------------- */
+/* ---- By code --------------------------------------------------------------------------------- */
 
-static inline size_t digit_of(const struct sorting *s, const struct orl_sort_item *item)
-{
-    return item->code >> s->shift & (BUCKETS - 1);
-}
-
-static void count_part(void *arg, size_t part, uint32_t member)
-{
-    const struct sorting *s = arg;
-    size_t *start = s->starts[part];
-    (void)member;
-    memset(start, 0, sizeof *s->starts);
-    for (size_t i = s->count * part / s->parts; i < s->count * (part + 1) / s->parts; i++)
-        start[digit_of(s, &s->from[i])]++;
-}
-
-static void move_part(void *arg, size_t part, uint32_t member)
-{
-    const struct sorting *s = arg;
-    size_t *start = s->starts[part];
-    (void)member;
-    for (size_t i = s->count * part / s->parts; i < s->count * (part + 1) / s->parts; i++)
-        s->to[start[digit_of(s, &s->from[i])]++] = s->from[i];
-}
-
-/* Stable least-digit radix sort, each part of the items by itself. */
-static void sort_upper_bits(struct sorting *s, struct orl_crew *crew)
-{
-    for (int pass = 0; pass < PASSES; pass++) {
-        size_t sum = 0;
-        s->shift = LOW_BITS + pass * DIGIT;
-        orl_crew_for(crew, s->parts, count_part, s);
-        for (size_t bucket = 0; bucket < BUCKETS; bucket++) {
-            for (size_t part = 0; part < s->parts; part++) {
-                const size_t n = s->starts[part][bucket];
-                s->starts[part][bucket] = sum;
-                sum += n;
-            }
-        }
-        orl_crew_for(crew, s->parts, move_part, s);
-        struct orl_sort_item *swap = s->from;
-        s->from = s->to;
-        s->to = swap;
-    }
-}
-
-/* ---- What these leave equal ------------------------------------------------------------------ */
-
-static int by_code(const void *a, const void *b)
-{
-    const struct orl_sort_item *x = a, *y = b;
-    if (x->code != y->code)
-        return x->code < y->code ? -1 : 1;
-    return x->index < y->index ? -1 : 1;
-}
-
-/* Few items, and stable. */
+/* Few items. */
 static void insert_items(struct orl_sort_item *items, size_t n)
 {
     for (size_t i = 1; i < n; i++) {
@@ -90,21 +32,76 @@ static void insert_items(struct orl_sort_item *items, size_t n)
     }
 }
 
-/* Orders those that the upper bits of their codes leave equal: few, unless all is in one place. */
-static void sort_low_bits(struct orl_sort_item *items, size_t count)
+/* The digit that begins with the highest bit in which codes differ; -1: they are all the same. */
+static int first_digit(const struct orl_sort_item *items, size_t n)
 {
-    enum { FEW = 24 };
-    size_t end;
-    for (size_t first = 0; first < count; first = end) {
-        for (end = first + 1; end < count; end++)
-            if (items[end].code >> LOW_BITS != items[first].code >> LOW_BITS)
-                break;
-        if (end - first > FEW)
-            qsort(items + first, end - first, sizeof *items, by_code);
-        else
-            insert_items(items + first, end - first);
+    uint64_t differ = 0;
+    for (size_t i = 1; i < n; i++)
+        differ |= items[i].code ^ items[0].code;
+    if (differ == 0)
+        return -1;
+    const int shift = 64 - DIGIT - __builtin_clzll(differ);
+    return shift > 0 ? shift : 0;
+}
+
+static inline size_t digit_of(const struct orl_sort_item *item, int shift)
+{
+    return item->code >> shift & (BUCKETS - 1);
+}
+
+/*
+ * Brings items into the order of one digit, in place (McIlroy, Bostic and McIlroy 1993, Computing
+ * Systems 6: American flag sort): whatever lies where a bucket is to be filled goes to its own.
+ */
+static void split(struct orl_sort_item *items, size_t n, int shift, size_t ret_starts[BUCKETS + 1])
+{
+    size_t next[BUCKETS] = {0}, sum = 0;
+    for (size_t i = 0; i < n; i++)
+        next[digit_of(&items[i], shift)]++;
+    for (size_t b = 0; b < BUCKETS; b++) {
+        const size_t count = next[b];
+        ret_starts[b] = next[b] = sum;
+        sum += count;
+    }
+    ret_starts[BUCKETS] = sum;
+    for (size_t b = 0; b < BUCKETS; b++) {
+        while (next[b] < ret_starts[b + 1]) {
+            struct orl_sort_item item = items[next[b]];
+            for (size_t own = digit_of(&item, shift); own != b; own = digit_of(&item, shift)) {
+                struct orl_sort_item *place = &items[next[own]++];
+                const struct orl_sort_item there = *place;
+                *place = item;
+                item = there;
+            }
+            items[next[b]++] = item;
+        }
     }
 }
+
+/* From digit to digit; no deeper than a code has digits. */
+static void sort_items(struct orl_sort_item *items, size_t n) // NOLINT(misc-no-recursion)
+{
+    size_t starts[BUCKETS + 1];
+    if (n <= FEW) {
+        insert_items(items, n);
+        return;
+    }
+    const int shift = first_digit(items, n);
+    if (shift < 0)
+        return;
+    split(items, n, shift, starts);
+    for (size_t b = 0; b < BUCKETS && shift > 0; b++)
+        sort_items(items + starts[b], starts[b + 1] - starts[b]);
+}
+
+static void sort_bucket(void *arg, size_t bucket, uint32_t member)
+{
+    const struct sorting *s = arg;
+    (void)member;
+    sort_items(s->items + s->starts[bucket], s->starts[bucket + 1] - s->starts[bucket]);
+}
+
+/* ---- Photons of one code --------------------------------------------------------------------- */
 
 /* A photon among others of the same code. */
 struct tie {
@@ -174,8 +171,7 @@ static void finish_stretch(void *arg, size_t stretch, uint32_t member)
     struct sorting *s = arg;
     const size_t first = stretch > 0 ? s->ends[stretch - 1] : 0, end = s->ends[stretch];
     (void)member;
-    sort_low_bits(s->from + first, end - first);
-    if (!settle_ties(s, s->from + first, end - first))
+    if (!settle_ties(s, s->items + first, end - first))
         atomic_store(&s->out_of_memory, true);
 }
 
@@ -184,7 +180,7 @@ static size_t find_stretches(const struct sorting *s)
     size_t n = 0;
     for (size_t end = 0; end < s->count;) {
         end = end + STRETCH < s->count ? end + STRETCH : s->count;
-        while (end < s->count && s->from[end].code >> LOW_BITS == s->from[end - 1].code >> LOW_BITS)
+        while (end < s->count && s->items[end].code == s->items[end - 1].code)
             end++;
         s->ends[n++] = end;
     }
@@ -193,27 +189,20 @@ static size_t find_stretches(const struct sorting *s)
 
 /* ---- All of it ------------------------------------------------------------------------------- */
 
-int orl_sort_photons(struct orl_sort_item *items, struct orl_sort_item *spare, size_t count,
-                     const struct orl_photon_words *words, struct orl_crew *crew,
-                     struct orl_sort_item **ret_sorted)
+int orl_sort_photons(struct orl_sort_item *items, size_t count,
+                     const struct orl_photon_words *words, struct orl_crew *crew)
 {
-    const uint32_t members = orl_crew_size(crew);
-    struct sorting s = {.from = items,
-                        .to = spare,
-                        .count = count,
-                        .words = words,
-                        .parts = members < MOST_PARTS ? members : MOST_PARTS};
-    int code = ORL_ERR_NOMEM;
+    struct sorting s = {.items = items, .count = count, .words = words};
     atomic_init(&s.out_of_memory, false);
-    s.starts = malloc(s.parts * sizeof *s.starts);
     s.ends = malloc((count / STRETCH + 1) * sizeof *s.ends);
-    if (s.starts && s.ends) {
-        sort_upper_bits(&s, crew);
-        orl_crew_for(crew, find_stretches(&s), finish_stretch, &s);
-        code = atomic_load(&s.out_of_memory) ? ORL_ERR_NOMEM : 0;
+    if (!s.ends)
+        return ORL_ERR_NOMEM;
+    s.shift = count > 0 ? first_digit(items, count) : -1;
+    if (s.shift >= 0) {
+        split(items, count, s.shift, s.starts);
+        orl_crew_for(crew, BUCKETS, sort_bucket, &s);
     }
-    *ret_sorted = s.from;
-    free(s.starts);
+    orl_crew_for(crew, find_stretches(&s), finish_stretch, &s);
     free(s.ends);
-    return code;
+    return atomic_load(&s.out_of_memory) ? ORL_ERR_NOMEM : 0;
 }

@@ -14,12 +14,8 @@ struct orl_sort_item {
     uint32_t index; /* among the words */
 };
 
-/*
- * Sorts items, which come by index; spare: room for as many. *ret_sorted is one of the two arrays.
- * Returns 0 or ORL_ERR_NOMEM.
- */
-int orl_sort_photons(struct orl_sort_item *items, struct orl_sort_item *spare, size_t count,
-                     const struct orl_photon_words *words, struct orl_crew *crew,
-                     struct orl_sort_item **ret_sorted);
+/* Sorts items, in place. Returns 0 or ORL_ERR_NOMEM. */
+int orl_sort_photons(struct orl_sort_item *items, size_t count,
+                     const struct orl_photon_words *words, struct orl_crew *crew);
 
 #endif

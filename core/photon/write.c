@@ -23,7 +23,7 @@ struct writer {
     struct orl_packing packing;
     const struct orl_map_build *build;
     struct orl_photon_words *words; /* in the order of emission */
-    struct orl_sort_item *items, *spare;
+    struct orl_sort_item *items;
     struct orl_map_layout layout;
     uint64_t size; /* of the file */
     struct orl_map_header header;
@@ -181,26 +181,15 @@ static int create_file(struct writer *w, const char *path, int *ret_fd, struct o
 static int sort_photons(struct writer *w, struct orl_crew *crew)
 {
     const size_t count = w->packing.count;
-    struct orl_sort_item *sorted;
     w->words = orl_memory_new((count + 1) * sizeof *w->words);
     w->items = orl_memory_new((count + 1) * sizeof *w->items);
     w->flux_sums = malloc((chunks_of(w) + 1) * sizeof *w->flux_sums);
     if (!w->words || !w->items || !w->flux_sums)
         return ORL_ERR_NOMEM;
-    int code = orl_crew_try(crew, chunks_of(w), make_codes, w);
+    const int code = orl_crew_try(crew, chunks_of(w), make_codes, w);
     if (code < 0)
         return code;
-    w->spare = orl_memory_new((count + 1) * sizeof *w->spare);
-    if (!w->spare)
-        return ORL_ERR_NOMEM;
-    code = orl_sort_photons(w->items, w->spare, count, w->words, crew, &sorted);
-    if (sorted != w->items) {
-        w->spare = w->items;
-        w->items = sorted;
-    }
-    free(w->spare);
-    w->spare = NULL;
-    return code;
+    return orl_sort_photons(w->items, count, w->words, crew);
 }
 
 static int fill_file(struct writer *w, struct orl_crew *crew, struct orl_error *err)
@@ -243,7 +232,6 @@ int orl_photon_map_write(const char *path, const struct orl_photon *photons, siz
         unlink(path);
     free(w.words);
     free(w.items);
-    free(w.spare);
     free(w.flux_sums);
     return code;
 }
