@@ -4,9 +4,11 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Half a cache line: most visits end here, without a look at the record. */
 struct orl_icache_entry {
     uint64_t key;
-    uint32_t record, next;
+    float at[3], reach2; /* the record's place, and how far it is read at most: a little more */
+    uint32_t record;
 };
 
 static const uint32_t nothing = UINT32_MAX;
@@ -73,35 +75,56 @@ static uint64_t cell_key(int level, int64_t x, int64_t y, int64_t z)
     return orl_mix64(key ^ (uint64_t)z);
 }
 
-static void insert(struct orl_icache *cache, uint64_t key, uint32_t record)
-{
-    uint32_t *head = &cache->heads[key & (cache->n_heads - 1)];
-    cache->entries[cache->n_entries] = (struct orl_icache_entry){key, record, *head};
-    *head = (uint32_t)cache->n_entries++;
-}
-
-/* A record goes into each of the (at most eight) cells that its reach touches. */
-static void insert_record(struct orl_icache *cache, uint32_t index)
-{
-    const struct orl_record *record = &cache->records[index];
-    const int level = level_of(record);
-    const double cell = ldexp(1, level), reach = reach_of(record);
-    const double at[3] = {record->place.point.x, record->place.point.y, record->place.point.z};
+/* The cells that a record's reach touches (at most eight), of its level. */
+struct cells {
+    int level;
     int64_t low[3], high[3];
+};
+
+static struct cells cells_of(const struct orl_record *record)
+{
+    struct cells cells = {.level = level_of(record)};
+    const double cell = ldexp(1, cells.level), reach = reach_of(record);
+    const double at[3] = {record->place.point.x, record->place.point.y, record->place.point.z};
     for (int k = 0; k < 3; k++) {
-        low[k] = (int64_t)floor((at[k] - reach) / cell);
-        high[k] = (int64_t)floor((at[k] + reach) / cell);
+        cells.low[k] = (int64_t)floor((at[k] - reach) / cell);
+        cells.high[k] = (int64_t)floor((at[k] + reach) / cell);
     }
-    if (level < cache->lowest_level)
-        cache->lowest_level = level;
-    if (level > cache->highest_level)
-        cache->highest_level = level;
-    for (int64_t z = low[2]; z <= high[2]; z++)
-        for (int64_t y = low[1]; y <= high[1]; y++)
-            for (int64_t x = low[0]; x <= high[0]; x++)
-                insert(cache, cell_key(level, x, y, z), index);
+    return cells;
 }
 
+static struct orl_icache_entry entry_of(const struct orl_record *record, uint32_t index)
+{
+    const struct orl_vec3 p = record->place.point;
+    /* Places are doubles: what rounding them may do is on the safe side. */
+    const double reach = 1.001 * reach_of(record) + 1e-6 * (fabs(p.x) + fabs(p.y) + fabs(p.z));
+    return (struct orl_icache_entry){.at = {(float)p.x, (float)p.y, (float)p.z},
+                                     .reach2 = (float)(reach * reach),
+                                     .record = index};
+}
+
+/* A record into each of its cells; or, with entries not there yet, counts them by bucket. */
+static void insert(struct orl_icache *cache, uint32_t index, bool count)
+{
+    const struct cells cells = cells_of(&cache->records[index]);
+    struct orl_icache_entry entry = entry_of(&cache->records[index], index);
+    for (int64_t z = cells.low[2]; z <= cells.high[2]; z++)
+        for (int64_t y = cells.low[1]; y <= cells.high[1]; y++)
+            for (int64_t x = cells.low[0]; x <= cells.high[0]; x++) {
+                entry.key = cell_key(cells.level, x, y, z);
+                uint32_t *head = &cache->heads[entry.key & (cache->n_heads - 1)];
+                if (count)
+                    ++*head;
+                else
+                    cache->entries[--*head] = entry;
+            }
+    if (cells.level < cache->lowest_level)
+        cache->lowest_level = cells.level;
+    if (cells.level > cache->highest_level)
+        cache->highest_level = cells.level;
+}
+
+/* By bucket: each one's entries stand together, from its head to the next one's. */
 int orl_icache_index(struct orl_icache *cache)
 {
     struct orl_icache_entry *entries =
@@ -112,17 +135,21 @@ int orl_icache_index(struct orl_icache *cache)
     cache->n_heads = 1;
     while (cache->n_heads < 4 * cache->count)
         cache->n_heads *= 2;
-    uint32_t *heads = realloc(cache->heads, cache->n_heads * sizeof *heads);
+    uint32_t *heads = realloc(cache->heads, (cache->n_heads + 1) * sizeof *heads);
     if (!heads)
         return ORL_ERR_NOMEM;
     cache->heads = heads;
-    for (size_t i = 0; i < cache->n_heads; i++)
-        heads[i] = nothing;
-    cache->n_entries = 0;
+    memset(heads, 0, (cache->n_heads + 1) * sizeof *heads);
     cache->lowest_level = 10000;
     cache->highest_level = -10000;
     for (size_t i = 0; i < cache->count; i++)
-        insert_record(cache, (uint32_t)i);
+        insert(cache, (uint32_t)i, true);
+    for (size_t i = 0, end = 0; i <= cache->n_heads; i++) {
+        end += heads[i];
+        heads[i] = (uint32_t)end;
+    }
+    for (size_t i = 0; i < cache->count; i++)
+        insert(cache, (uint32_t)i, false);
     return 0;
 }
 
@@ -182,17 +209,25 @@ static double weight_of(const struct orl_record *record, const struct orl_place 
 struct visit {
     const struct orl_icache *cache;
     const struct orl_place *place;
+    float at[3];
     int level;
     uint64_t key;
-    uint32_t entry;
+    uint32_t entry, end; /* of the bucket, what is left */
 };
 
 static struct visit visit_begin(const struct orl_icache *cache, const struct orl_place *place)
 {
-    return (struct visit){.cache = cache,
-                          .place = place,
-                          .level = cache->count > 0 ? cache->lowest_level - 1 : INT_MAX - 1,
-                          .entry = nothing};
+    return (struct visit){
+        .cache = cache,
+        .place = place,
+        .at = {(float)place->point.x, (float)place->point.y, (float)place->point.z},
+        .level = cache->count > 0 ? cache->lowest_level - 1 : INT_MAX - 1};
+}
+
+static bool is_near(const struct orl_icache_entry *entry, const float at[3])
+{
+    const float x = entry->at[0] - at[0], y = entry->at[1] - at[1], z = entry->at[2] - at[2];
+    return x * x + y * y + z * z <= entry->reach2;
 }
 
 /* The next one's index, or `nothing`. */
@@ -200,10 +235,9 @@ static uint32_t visit_next(struct visit *v)
 {
     const struct orl_icache *cache = v->cache;
     for (;;) {
-        while (v->entry != nothing) {
-            const struct orl_icache_entry *e = &cache->entries[v->entry];
-            v->entry = e->next;
-            if (e->key == v->key)
+        while (v->entry < v->end) {
+            const struct orl_icache_entry *e = &cache->entries[v->entry++];
+            if (e->key == v->key && is_near(e, v->at))
                 return e->record;
         }
         if (++v->level > cache->highest_level)
@@ -212,7 +246,9 @@ static uint32_t visit_next(struct visit *v)
         const struct orl_vec3 p = v->place->point;
         v->key = cell_key(v->level, (int64_t)floor(p.x / cell), (int64_t)floor(p.y / cell),
                           (int64_t)floor(p.z / cell));
-        v->entry = cache->heads[v->key & (cache->n_heads - 1)];
+        const uint32_t *head = &cache->heads[v->key & (cache->n_heads - 1)];
+        v->entry = head[0];
+        v->end = head[1];
     }
 }
 

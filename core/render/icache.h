@@ -39,8 +39,7 @@ struct orl_icache {
     size_t count, capacity;
     /* An index by level (power of two of the record's reach) and cell; rebuilt between rounds. */
     struct orl_icache_entry *entries;
-    size_t n_entries;
-    uint32_t *heads; /* hash table: first entry of a bucket */
+    uint32_t *heads; /* hash table: first entry of a bucket, and an end */
     size_t n_heads;  /* a power of two */
     int lowest_level, highest_level;
 };

@@ -1,7 +1,7 @@
 #include "render/lighting.h"
 
 /* Of the few records made for a place that no other reaches. */
-enum { ROWS = 6 };
+enum { ROWS = 5 };
 
 struct orl_shadowed orl_lighting_direct(const struct orl_lighting *lighting,
                                         const struct orl_sight *sight, uint32_t sequence,
