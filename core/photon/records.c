@@ -11,7 +11,7 @@
 
 enum { LEAVES_A_RECORD = 2, PHOTONS_A_RECORD = LEAVES_A_RECORD * ORL_MAP_LEAF };
 enum { GROUP = 4, LONE = 2, LEAVES_A_GROUP = GROUP * LEAVES_A_RECORD };
-enum { NEAREST = 12, LEAST_JOINED = 4, MOST_SEARCHED = 256 };
+enum { NEAREST = 8, LEAST_JOINED = 4, MOST_SEARCHED = 256 };
 enum { ROUND = 1024, CHUNK = 16 };
 _Static_assert((int)CHUNK % (int)GROUP == 0 && (int)ROUND % (int)CHUNK == 0, "whole groups");
 
