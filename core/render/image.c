@@ -5,7 +5,8 @@
 #include "render/mosaic.h"
 
 enum { LAMP_RAYS = 4 };
-enum { PANE_SAMPLES = 32, GLOSS_SAMPLES = 4 };
+/* Rays into a pane's lobes; fewer where pictures err by more elsewhere. */
+enum { PANE_SAMPLES = 32, FEWER_PANE_SAMPLES = 20, GLOSS_SAMPLES = 4 };
 static const double dimmest = 0.004; /* branches below this share of the pixel are not followed */
 enum { COARSEST_STEP = 16, RECORDS_A_ROUND = 256, HOLDS = 2 };
 
@@ -51,6 +52,12 @@ static uint64_t seed_of(const struct painter *p)
 
 /* ---- Records --------------------------------------------------------------------------------- */
 
+/* Where only what is seen outside is gathered a last round finds next to nothing. */
+static uint32_t finest_step(const struct painter *p)
+{
+    return p->gather->rest == ORL_REST_GATHERED || p->outside ? 1 : 2;
+}
+
 static uint32_t rows_of_step(const struct painter *p)
 {
     const struct orl_film *film = p->painting->film;
@@ -91,7 +98,8 @@ static void want(struct row *row, const struct orl_vertex *v, const struct orl_g
 /* Whether a place needs no record; in the last round it will do that there is one to be read. */
 static bool is_served(const struct painter *p, const struct orl_place *place)
 {
-    return p->step > 1 ? orl_icache_serves(&p->cache, place) : orl_icache_reaches(&p->cache, place);
+    return p->step > finest_step(p) ? orl_icache_serves(&p->cache, place)
+                                    : orl_icache_reaches(&p->cache, place);
 }
 
 /* The places along one lattice row that no record serves yet. */
@@ -150,7 +158,7 @@ static int compute_wanted(struct painter *p)
     if (code == 0)
         code = orl_icache_index(&p->cache);
     /* After the last round there is nobody left to serve what is no longer reached. */
-    for (int i = 0; i < HOLDS && code == 0 && p->step > 1; i++)
+    for (int i = 0; i < HOLDS && code == 0 && p->step > finest_step(p); i++)
         code = orl_icache_hold_back(&p->cache);
     return code;
 }
@@ -160,7 +168,7 @@ static int place_records(struct painter *p)
 {
     int code = 0;
     double done = 0;
-    for (p->step = COARSEST_STEP; p->step >= 1 && code == 0; p->step /= 2) {
+    for (p->step = COARSEST_STEP; p->step >= finest_step(p) && code == 0; p->step /= 2) {
         const size_t rows = (p->painting->film->height + p->step - 1) / p->step;
         p->rows = calloc(rows, sizeof *p->rows);
         if (!p->rows)
@@ -209,7 +217,9 @@ int orl_image_render(const struct orl_gather *gather, const struct orl_painting 
                               .painting = painting,
                               .onlooker = {.world = gather->world,
                                            .sobol = &gather->sobol,
-                                           .pane_samples = PANE_SAMPLES,
+                                           .pane_samples = gather->rest == ORL_REST_GATHERED
+                                                               ? PANE_SAMPLES
+                                                               : FEWER_PANE_SAMPLES,
                                            .gloss_samples = GLOSS_SAMPLES,
                                            .dimmest = dimmest,
                                            .radiance = lobe_radiance,
