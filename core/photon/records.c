@@ -10,7 +10,7 @@
 #include "photon/site.h"
 
 enum { LEAVES_A_RECORD = 2, PHOTONS_A_RECORD = LEAVES_A_RECORD * ORL_MAP_LEAF };
-enum { GROUP = 4, LONE = 2, LEAVES_A_GROUP = GROUP * LEAVES_A_RECORD };
+enum { GROUP = 4 };
 enum { NEAREST = 8, LEAST_JOINED = 4, MOST_SEARCHED = 256 };
 enum { ROUND = 1024, CHUNK = 16 };
 _Static_assert((int)CHUNK % (int)GROUP == 0 && (int)ROUND % (int)CHUNK == 0, "whole groups");
@@ -112,33 +112,49 @@ static bool speaks_for(const struct maker *m, const struct orl_leaf_sum *own,
             orl_footing_joins(footing, orl_madd(footing->point, chord, cell)));
 }
 
-static bool speaks_for_group(const struct maker *m, uint64_t first, uint64_t own,
-                             const struct orl_footing *footing, const struct orl_density *density)
+/* A record just made, to be asked whether others about it are needed. */
+struct voice {
+    size_t index;
+    bool made;
+    struct orl_footing footing;
+    struct orl_density density;
+};
+
+static struct voice make_voice(struct maker *m, size_t index, struct orl_search *search,
+                               struct hint *hint)
+{
+    struct voice voice = {.index = index};
+    if (index < m->records.count)
+        voice.made = m->made[index] =
+            make_record(m, index, search, hint, &voice.footing, &voice.density);
+    return voice;
+}
+
+/* For the leaves of all these records. */
+static bool speaks_for_all(const struct maker *m, const struct voice *voice, size_t first, size_t n)
 {
     const struct orl_sums *sums = &m->adapt.sums;
-    if (!(density->evenness >= even) || first + LEAVES_A_GROUP > sums->count)
+    const uint64_t leaf = LEAVES_A_RECORD * (uint64_t)first, end = leaf + LEAVES_A_RECORD * n;
+    const struct orl_leaf_sum *own = &sums->leaves[LEAVES_A_RECORD * (uint64_t)voice->index];
+    if (!voice->made || !(voice->density.evenness >= even) || end > sums->count)
         return false;
-    for (uint64_t i = first; i < first + LEAVES_A_GROUP; i++)
-        if (!speaks_for(m, &sums->leaves[own], &sums->leaves[i], footing, density))
+    for (uint64_t i = leaf; i < end; i++)
+        if (!speaks_for(m, own, &sums->leaves[i], &voice->footing, &voice->density))
             return false;
     return true;
 }
 
-/* Where light is even one record does for the whole group; else each of them is made. */
-static void make_group(struct maker *m, size_t group, struct orl_search *search, struct hint *hint)
+/* Where light is even one record does for all four, or for two; else each of them is made. */
+static void make_group(struct maker *m, size_t first, struct orl_search *search, struct hint *hint)
 {
-    const size_t first = GROUP * group, lone = first + LONE;
-    struct orl_density density = {.found = 0};
-    struct orl_footing footing;
-    if (lone < m->records.count) {
-        m->made[lone] = make_record(m, lone, search, hint, &footing, &density);
-        if (m->made[lone] && speaks_for_group(m, LEAVES_A_RECORD * (uint64_t)first,
-                                              LEAVES_A_RECORD * (uint64_t)lone, &footing, &density))
-            return;
-    }
-    for (size_t i = first; i < first + GROUP && i < m->records.count; i++)
-        if (i != lone)
-            m->made[i] = make_record(m, i, search, hint, &footing, &density);
+    struct voice voice = make_voice(m, first + 2, search, hint);
+    if (speaks_for_all(m, &voice, first, GROUP))
+        return;
+    if (!speaks_for_all(m, &voice, first + 2, 2))
+        make_voice(m, first + 3, search, hint);
+    voice = make_voice(m, first + 1, search, hint);
+    if (!speaks_for_all(m, &voice, first, 2))
+        make_voice(m, first, search, hint);
 }
 
 static void make_chunk(void *arg, size_t chunk, uint32_t member)
@@ -149,7 +165,7 @@ static void make_chunk(void *arg, size_t chunk, uint32_t member)
     if (atomic_load_explicit(m->making->cancel, memory_order_relaxed))
         return;
     for (size_t i = first; i < first + CHUNK && i < m->records.count; i += GROUP)
-        make_group(m, i / GROUP, &m->making->searches[member], &hint);
+        make_group(m, i, &m->making->searches[member], &hint);
 }
 
 static int make_all(struct maker *m)

@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "base/vectors.h"
 #include "photon/flux.h"
 #include "photon/hunt.h"
 #include "photon/sides.h"
@@ -71,8 +72,9 @@ static void place(const struct orl_hunt *hunt, const struct orl_frame *frame, co
     mass->y = (float)(orl_dot(chord, frame->v) * hunt->cell);
 }
 
-static void add_leaves(const struct orl_hunt *hunt, const struct orl_frame *frame, float radius,
-                       struct orl_ring rings[ORL_RINGS])
+ORL_FOR_WIDE_VECTORS static void add_leaves(const struct orl_hunt *hunt,
+                                            const struct orl_frame *frame, float radius,
+                                            struct orl_ring rings[ORL_RINGS])
 {
     static const float narrower = 0.70710678F;
     for (uint32_t n = 0; n < hunt->leaves; n++) {
