@@ -4,15 +4,21 @@ enum { LAMPS_A_SAMPLE = 8 };
 /* Rays of a sensor's sample, and where one of them comes to a surface. */
 static const struct orl_effort at_sensors = {{1, 1, 1}}, deeper = {{1, 1, 0.5}};
 
-int orl_backward_init(struct orl_backward *backward, const struct orl_world *world,
-                      struct orl_crew *crew, uint64_t seed, const struct orl_photon *photons,
-                      size_t count, uint64_t emitted)
+int orl_backward_init(struct orl_backward *backward, const struct orl_world *world)
 {
-    *backward = (struct orl_backward){.world = world, .seed = seed};
+    *backward = (struct orl_backward){.world = world};
     orl_sobol_init(&backward->sobol);
     const int code = orl_aim_init(&backward->aim, world, &backward->sobol);
     backward->deep = orl_aim_effort(&backward->aim, deeper);
-    return code < 0 ? code : orl_vpls_init(&backward->vpls, world, crew, photons, count, emitted);
+    return code;
+}
+
+int orl_backward_put_lamps(struct orl_backward *backward, struct orl_crew *crew, uint64_t seed,
+                           const struct orl_photon *photons, size_t count, uint64_t emitted)
+{
+    orl_vpls_done(&backward->vpls);
+    backward->seed = seed;
+    return orl_vpls_init(&backward->vpls, backward->world, crew, photons, count, emitted);
 }
 
 void orl_backward_done(struct orl_backward *backward)

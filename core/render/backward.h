@@ -40,12 +40,15 @@ struct orl_backward {
     const atomic_bool *cancel; /* ends a sensor's sampling, whose value is none then; or NULL */
 };
 
-/* Takes copies of what it needs of the photons. Returns 0, ORL_ERR_NOMEM or what orl_crew_try does.
- */
-int orl_backward_init(struct orl_backward *backward, const struct orl_world *world,
-                      struct orl_crew *crew, uint64_t seed, const struct orl_photon *photons,
-                      size_t count, uint64_t emitted);
+/* What depends on the world alone, without virtual lamps yet. Returns 0 or ORL_ERR_NOMEM;
+ * orl_backward_done in either case. */
+int orl_backward_init(struct orl_backward *backward, const struct orl_world *world);
 void orl_backward_done(struct orl_backward *backward); /* also of one that is all zero */
+
+/* Virtual lamps from photons, of which it takes copies, in place of those it had; and the seed of
+ * views by them. Returns 0, ORL_ERR_NOMEM or what orl_crew_try does. */
+int orl_backward_put_lamps(struct orl_backward *backward, struct orl_crew *crew, uint64_t seed,
+                           const struct orl_photon *photons, size_t count, uint64_t emitted);
 
 /* Samples of a sensor: so many of its sequences, which seed and index name, from one of them on. */
 struct orl_span {

@@ -7,22 +7,36 @@
 #include "render/backward.h"
 #include "run/stages.h"
 
-struct work {
-    struct orl_run_state *state;
-    struct orl_backward backward;
-};
-
 static void photon_progress(void *ctx, double fraction)
 {
     orl_run_progress(ctx, fraction);
 }
 
-static int prepare(struct work *work, struct orl_error *err)
+int orl_run_need_backward(struct orl_run_state *state, struct orl_error *err)
 {
-    struct orl_run_state *state = work->state;
+    if (state->backward)
+        return 0;
+    state->backward = calloc(1, sizeof *state->backward);
+    if (!state->backward || orl_backward_init(state->backward, state->world) < 0)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for aims at the light");
+    return 0;
+}
+
+void orl_run_forget_backward(struct orl_run_state *state)
+{
+    if (state->backward)
+        orl_backward_done(state->backward);
+    free(state->backward);
+    state->backward = NULL;
+}
+
+static int put_lamps(struct orl_run_state *state, struct orl_error *err)
+{
     const uint64_t lamps = state->result->plan.photons_global;
     struct orl_shot shots[ORL_SHOT_KINDS] = {{0}, {0}};
     int code = orl_run_need_emission(state, err);
+    if (code == 0)
+        code = orl_run_need_backward(state, err);
     if (code == 0) {
         const struct orl_shoot_env env = {.emission = state->emission,
                                           .seed = state->job->seed,
@@ -36,8 +50,8 @@ static int prepare(struct work *work, struct orl_error *err)
     orl_health_add(&state->result->health, &shots[ORL_MAP_GLOBAL].health);
     if (code == 0) {
         const struct orl_shot *shot = &shots[ORL_MAP_GLOBAL];
-        code = orl_backward_init(&work->backward, state->world, state->env->crew, state->job->seed,
-                                 shot->photons, shot->count, shot->emitted);
+        code = orl_backward_put_lamps(state->backward, state->env->crew, state->job->seed,
+                                      shot->photons, shot->count, shot->emitted);
         if (code < 0)
             orl_error_set(err, code,
                           code == ORL_ERR_CANCELLED ? "cancelled"
@@ -50,8 +64,7 @@ static int prepare(struct work *work, struct orl_error *err)
 
 static void compute_sensor(void *ctx, size_t index, uint32_t member)
 {
-    const struct work *work = ctx;
-    struct orl_run_state *state = work->state;
+    struct orl_run_state *state = ctx;
     const struct orl_sensor *sensor = &state->sensors[index];
     const struct orl_sensor_round *round = state->sensor_round;
     const struct orl_span span = {.seed = round ? round->seed : state->job->seed,
@@ -60,7 +73,7 @@ static void compute_sensor(void *ctx, size_t index, uint32_t member)
                                   .samples = orl_run_sensor_samples(state, index)};
     struct orl_rgb groups[ORL_MAP_BATCHES];
     const struct orl_estimate e = orl_backward_irradiance(
-        &work->backward, orl_sub(sensor->position, state->world->geometry->center),
+        state->backward, orl_sub(sensor->position, state->world->geometry->center),
         orl_normalize(sensor->direction), &span, &state->searches[member].health, groups);
     orl_run_book_sensor(state, index, &e);
     for (uint32_t group = 0; round && group < ORL_MAP_BATCHES; group++)
@@ -70,22 +83,21 @@ static void compute_sensor(void *ctx, size_t index, uint32_t member)
 
 static int render_view(void *ctx, const struct orl_painting *painting, struct orl_error *err)
 {
-    const struct work *work = ctx;
-    const struct orl_job *job = work->state->job;
+    const struct orl_run_state *state = ctx;
+    const struct orl_job *job = state->job;
     const uint32_t samples = job->pixel_samples ? job->pixel_samples : ORL_DEFAULT_PIXEL_SAMPLES;
-    return orl_backward_render(&work->backward, painting, samples, err);
+    return orl_backward_render(state->backward, painting, samples, err);
 }
 
 int orl_run_backward(struct orl_run_state *state, struct orl_error *err)
 {
-    struct work work = {.state = state};
     const struct orl_renderer renderer = {
-        .ctx = &work, .sensor = compute_sensor, .view = render_view};
+        .ctx = state, .sensor = compute_sensor, .view = render_view};
     orl_run_enter(state, ORL_STAGE_PHOTONS);
-    int code = prepare(&work, err);
-    work.backward.cancel = state->env->cancel;
-    if (code == 0)
+    int code = put_lamps(state, err);
+    if (code == 0) {
+        state->backward->cancel = state->env->cancel;
         code = orl_run_render(state, &renderer, err);
-    orl_backward_done(&work.backward);
+    }
     return code;
 }

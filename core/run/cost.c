@@ -15,6 +15,11 @@ static const double pixel_samples = 1.0 * ORL_DEFAULT_GATHER_SAMPLES / ORL_DEFAU
 enum { LAMPS_A_ROUND = 4000000, PHOTONS_A_ROUND = 8000000 };
 /* A round has no fewer samples: of sensors by backward, of anything else but views of maps. */
 static const double least_of_sensors = 64, least_samples = 256;
+/* Lamps are made once for all sensors, which pay for them together: so many sensors are worth all
+ * those of the planner, fewer are worth less of them, but this share. Then lamps and samples take
+ * about the same time, and no more than twice what the best division of it would, whichever of the
+ * two the noise is of. */
+static const double sensors_of_lamps = 57, least_lamps = 0.25;
 /* Variances of samples that go on evenly fall as that power of the work, or a higher one: on rooms
  * with panes and panels four rounds have 0.74 to 0.84 of the variance of independent ones. */
 static const double evenness = 1.15;
@@ -32,6 +37,11 @@ struct orl_work orl_work_of(const struct orl_run_state *state)
     const double photons = fmax((double)plan->photons_global, (double)plan->photons_caustic);
     const bool backward = work.technique == ORL_TECHNIQUE_BACKWARD;
     work.shares = backward && !work.of_views;
+    if (work.shares) {
+        const double worth = fmax((double)state->n_sensors / sensors_of_lamps, least_lamps);
+        work.photons[ORL_MAP_GLOBAL] =
+            (uint64_t)ceil((double)plan->photons_global * fmin(worth, 1));
+    }
     const double most_photons = backward ? LAMPS_A_ROUND : PHOTONS_A_ROUND;
     work.most = fmin(map_samples * fmax(1, most_photons / fmax(photons, 1)), 1 << 18);
     if (work.of_views && !backward)

@@ -5,7 +5,7 @@
 #include "base/sum.h"
 
 enum { MOST_LOOKED_AT = 4096, MOST_OF_FEW = 16, HALVINGS = 48 };
-static const double probability = 0.95, quantile = 1.6448536269514722; /* the normal one */
+static const double probability = 0.975, quantile = 1.9599639845400545; /* the normal one */
 
 const double orl_floor_of_sensors = 1e-3, orl_floor_of_pixels = 0.1;
 

@@ -5,7 +5,7 @@
  *
  * The percentile itself is by chance: which of 57 sensors come out badly differs from seed to seed.
  * What is returned is therefore not its mean but a bound that holds with a probability of
- * 0.95, for a job is to keep its goal as a rule and looks at it more than once: the
+ * 0.975, for a job is to keep its goal as a rule and looks at it more than once: the
  * least x at which the number of errors beyond x, a sum of independent trials (Poisson's binomial),
  * is at most the number that the share allows, with that probability. Where few are allowed the
  * sum's law is worked out; else its quantile is Cornish and Fisher's, with skewness.

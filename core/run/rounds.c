@@ -54,7 +54,9 @@ static int rounds_init(struct rounds *r, struct orl_run_state *state, struct orl
         r->work.least *= short_round;
     r->samples = r->work.least;
     if (r->work.technique == ORL_TECHNIQUE_BACKWARD) { /* once a job, not with every photon */
-        const int code = orl_run_need_emission(state, err);
+        int code = orl_run_need_emission(state, err);
+        if (code == 0)
+            code = orl_run_need_backward(state, err);
         if (code < 0)
             return code;
     }

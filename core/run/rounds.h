@@ -15,7 +15,7 @@
  * number to the power -1/3, by which bias and noise fall together.
  *
  * An accuracy: the error is what percentile.h takes it to be: the share of sensors, or of pixels,
- * that the goal names is within it with a probability of 0.95. The first round is small; its
+ * that the goal names is within it with a probability of 0.975. The first round is small; its
  * error and that variances fall as the inverse of samples say how much there is to do. Sizes depend
  * on errors and counts alone, never on time: the same job and seed give the same bytes.
  *

@@ -225,6 +225,7 @@ static int run(const struct orl_job *job, const struct orl_run_env *env,
     result.total_s = env->now_s(env->ctx) - started;
     orl_run_forget_looks(&state);
     orl_run_release_maps(&state);
+    orl_run_forget_backward(&state);
     orl_emission_free(state.emission);
     orl_world_free(state.world);
     if (state.sensors_owned)

@@ -27,6 +27,7 @@ struct orl_run_state {
     unsigned char sky_digest[32]; /* of the job's sky; meaningless without one */
     struct orl_world *world;
     struct orl_emission *emission; /* once photons are wanted: of all rounds */
+    struct orl_backward *backward; /* likewise, by that technique; its lamps are each round's */
     struct orl_photon_map *maps[ORL_MAP_KINDS];
     bool held[ORL_MAP_KINDS]; /* the store's pin is ours to release */
     char keys[ORL_MAP_KINDS][ORL_DIGEST_HEX + 1];
@@ -76,6 +77,9 @@ void orl_run_judge_health(struct orl_run_state *state);
 
 /* Where photons start, into state->emission if it is not there yet. */
 int orl_run_need_emission(struct orl_run_state *state, struct orl_error *err);
+/* What the backward technique knows of the world, into state->backward, likewise. */
+int orl_run_need_backward(struct orl_run_state *state, struct orl_error *err);
+void orl_run_forget_backward(struct orl_run_state *state);
 
 /* Photons and maps stages: every map the job needs is in state->maps, from the store or new. */
 int orl_run_maps(struct orl_run_state *state, struct orl_error *err);
