@@ -3,6 +3,7 @@
 #include <stdlib.h>
 
 #include "photon/facing.h"
+#include "photon/hunt.h"
 
 /*
  * The smallest disc is one that would hold twice 256 photons or so, were light even. It is not
@@ -367,10 +368,12 @@ static int compare(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-static double reach_in(const struct orl_photon_map *map, double widest, struct orl_search *search)
+static double reach_in(const struct orl_adapt *adapt, double widest, struct orl_search *search)
 {
     enum { PROBES = 128 };
+    const struct orl_photon_map *map = adapt->sums.map;
     const uint64_t count = map->header->count;
+    const double cell = map->header->cell, most = widest / cell;
     double radii[PROBES];
     if (count == 0)
         return widest;
@@ -381,7 +384,9 @@ static double reach_in(const struct orl_photon_map *map, double widest, struct o
             .normal = orl_normal_decode(p.normal),
             .k = ORL_ADAPT_MOST,
             .max_radius = widest};
-        orl_density_nearest(map, &query, search, &radii[i]);
+        struct orl_hunt hunt = orl_hunt_of(&adapt->sums, &query, search);
+        const float first2 = orl_hunt_first_radius2(&hunt, &adapt->order);
+        radii[i] = sqrt((double)orl_hunt_enough(&hunt, first2, (float)(most * most))) * cell;
     }
     qsort(radii, PROBES, sizeof *radii, compare);
     return fmin(2 * radii[3 * PROBES / 4], widest);
@@ -395,7 +400,7 @@ int orl_adapt_init(struct orl_adapt *adapt, const struct orl_photon_map *map, do
         orl_adapt_done(adapt);
         return ORL_ERR_NOMEM;
     }
-    adapt->reach = reach_in(map, widest, search);
+    adapt->reach = reach_in(adapt, widest, search);
     return 0;
 }
 

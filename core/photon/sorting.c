@@ -5,7 +5,9 @@
 #include <string.h>
 
 #include "base/random.h"
+#include "photon/zorder.h"
 
+enum { CODE_BITS = ORL_ZORDER_PLACE_BITS + 5 }; /* bins are fewer than 32 */
 enum { DIGIT = 8, BUCKETS = 1 << DIGIT, FEW = 32, STRETCH = 1 << 15 };
 
 struct sorting {
@@ -35,8 +37,9 @@ static void insert_items(struct orl_sort_item *items, size_t n)
 /* The digit that begins with the highest bit in which codes differ; -1: they are all the same. */
 static int first_digit(const struct orl_sort_item *items, size_t n)
 {
+    const uint64_t highest = UINT64_C(1) << (CODE_BITS - 1);
     uint64_t differ = 0;
-    for (size_t i = 1; i < n; i++)
+    for (size_t i = 1; i < n && differ < highest; i++)
         differ |= items[i].code ^ items[0].code;
     if (differ == 0)
         return -1;
