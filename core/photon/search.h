@@ -35,6 +35,7 @@ struct orl_search_candidate {
 struct orl_search {
     struct orl_search_candidate candidates[2 * ORL_SEARCH_MOST];
     struct orl_health health; /* what the thread counted */
+    unsigned char apart[64];  /* lest a line of the cache be two threads' in an array of these */
 };
 
 struct orl_density_query {
