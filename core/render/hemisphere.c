@@ -214,8 +214,9 @@ static void look_closer(struct making *m, uint32_t stratum)
     for (uint32_t q = 0; q < QUARTERS; q++) {
         if (q == strand->quarter)
             continue;
-        const double down = (q / 2 + orl_random_uniform(m->random)) / 2;
-        send(m, stratum, down, (q % 2 + orl_random_uniform(m->random)) / 2, NULL, &w[n++]);
+        const uint32_t row = q / 2, column = q % 2;
+        const double down = (row + orl_random_uniform(m->random)) / 2;
+        send(m, stratum, down, (column + orl_random_uniform(m->random)) / 2, NULL, &w[n++]);
     }
     double luma = orl_luma(strand->radiance), squares = luma * luma,
            nearness = 1 / strand->distance;
