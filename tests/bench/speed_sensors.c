@@ -5,7 +5,8 @@
 #include "bench/speed.h"
 
 enum { SEEDS = 3, RUNGS = 9 };
-/* A setting chosen by a few seeds is judged by others: it is to be so much better than is wanted. */
+/* A setting chosen by a few seeds is judged by others: it is to be so much better than is wanted.
+ */
 static const double chosen_below = 0.85;
 
 /* From coarse to fine: both numbers grow by their factor from one rung to the next. */
