@@ -3,6 +3,7 @@
  * reciprocity, drops a dummy one, makes colour and peaks, and says what there is.
  */
 #include <oriel/bsdf.h>
+#include <oriel/crew.h>
 
 #include <stdlib.h>
 #include <string.h>
@@ -87,13 +88,15 @@ static void drop_dummy(struct orl_bsdf *bsdf)
  * The largest R + T as filed, over all directions that the data tell apart. Where the largest R
  * and the largest T do not add up to more than 1, nothing can, and nobody need look again.
  */
-static void find_gain(struct orl_bsdf *bsdf, bool front)
+static void find_gain(void *arg, size_t front, uint32_t member)
 {
+    struct orl_bsdf *bsdf = arg;
     double largest = 0, parts[2] = {0, 0}, omega;
+    (void)member;
     for (int t = 0; t < 2; t++) {
         const struct orl_view *view = &bsdf->views[front][t];
         for (size_t i = 0; i < orl_view_cells(bsdf, view); i++) {
-            const struct orl_vec3 in = orl_view_incident(bsdf, view, i, front, &omega);
+            const struct orl_vec3 in = orl_view_incident(bsdf, view, i, front > 0, &omega);
             double total[2];
             orl_bsdf_filed_totals(bsdf, in, total);
             largest = fmax(largest, total[0] + total[1]);
@@ -128,7 +131,7 @@ static void describe_component(struct orl_bsdf_info *info, enum orl_structure st
         (!component->chroma.present && (component->chroma.given[0] || component->chroma.given[1]));
 }
 
-static void describe(struct orl_bsdf *bsdf)
+static void describe(struct orl_bsdf *bsdf, struct orl_crew *crew)
 {
     struct orl_bsdf_info *info = &bsdf->info;
     memcpy(info->name, bsdf->document.name, sizeof info->name);
@@ -137,8 +140,7 @@ static void describe(struct orl_bsdf *bsdf)
     for (int i = 0; i < ORL_PART_COUNT; i++)
         if (bsdf->document.parts[i].present)
             describe_component(info, bsdf->document.structure, &bsdf->document.parts[i]);
-    for (int front = 0; front < 2; front++)
-        find_gain(bsdf, front);
+    orl_crew_for(crew, 2, find_gain, bsdf);
 }
 
 /* Colour of all components, and the peaks of those that transmit. */
@@ -179,7 +181,7 @@ int orl_bsdf_load(const struct orl_bsdf_xml *xml, struct orl_bsdf **ret_bsdf, st
         orl_bsdf_unref(bsdf);
         return code;
     }
-    describe(bsdf);
+    describe(bsdf, xml->crew);
     *ret_bsdf = bsdf;
     return 0;
 }

@@ -1,6 +1,9 @@
 /* One component, whichever kind of data it has. */
 #include "bsdf/document.h"
 
+const char *const orl_part_names[ORL_PART_COUNT] = {"Transmission Front", "Transmission Back",
+                                                    "Reflection Front", "Reflection Back"};
+
 double orl_component_eval(enum orl_structure structure, const struct orl_component *c,
                           const struct orl_coords *a, const struct orl_coords *b)
 {

@@ -22,6 +22,8 @@ enum orl_part {
     ORL_PART_COUNT
 };
 
+extern const char *const orl_part_names[ORL_PART_COUNT];
+
 struct orl_component {
     bool present;
     struct orl_tree tree;     /* for TREE4 */

@@ -95,6 +95,8 @@ static void on_text(void *ctx, const XML_Char *text, int length)
         return;
     if (r->reading && r->path[r->depth - 1] == EL_DATA) {
         const char *place;
+        if (r->putting_off && orl_xml_catch_up(r) < 0)
+            return;
         const int code = orl_xml_feed(r, text, count, &place);
         if (code < 0)
             orl_xml_fail(r, code);
@@ -145,33 +147,37 @@ static void on_doctype(void *ctx, const XML_Char *name, const XML_Char *system,
 
 /* ---- The whole ------------------------------------------------------------------------------- */
 
-static size_t count_lines(const char *text, const char *end)
+/* Where plain text from text on, of at most that length, comes to markup. */
+static size_t plain_length(const char *text, size_t length)
 {
-    size_t lines = 0;
-    for (; text < end; text++)
-        lines += *text == '\n';
-    return lines;
+    const char *markup = memchr(text, '<', length);
+    if (markup)
+        length = (size_t)(markup - text);
+    markup = memchr(text, '&', length);
+    return markup ? (size_t)(markup - text) : length;
 }
 
 /*
  * Data are nearly all of a file, and plain text: when expat has come to the end of a piece amid
- * them, what follows up to the next markup is read past it, which halves the time. Returns how much
- * that is; expat goes on behind it, and counts no lines there.
+ * them, what follows up to the next markup is read past it, which halves the time; or, where it
+ * can, put off. Returns how much that is; expat goes on behind it, and counts no lines there.
  */
-static size_t read_plain(struct orl_xml_reader *r, const char *text, size_t size)
+static size_t read_plain(struct orl_xml_reader *r, size_t at)
 {
-    size_t length = size < SLICE_LEAST ? size : SLICE_LEAST;
-    const char *markup = memchr(text, '<', length), *end = text;
-    if (markup)
-        length = (size_t)(markup - text);
-    markup = memchr(text, '&', length);
-    if (markup)
-        length = (size_t)(markup - text);
+    const bool put_off = orl_xml_may_put_off(r);
+    const char *const text = r->blocks.xml->data + at, *end = text;
+    const size_t left = r->blocks.xml->size - at;
+    const size_t most = put_off || left < SLICE_LEAST ? left : SLICE_LEAST;
+    const size_t length = plain_length(text, most);
+    r->plain = !put_off && length == SLICE_LEAST;
+    if (put_off) {
+        orl_xml_put_off(r, at, at + length);
+        return length;
+    }
     const int code = orl_xml_feed(r, text, length, &end);
-    r->passed_lines += count_lines(text, end);
+    r->passed_lines += orl_count_lines(text, end);
     if (code < 0)
         orl_xml_fail(r, code);
-    r->plain = length == SLICE_LEAST;
     return length;
 }
 
@@ -227,7 +233,9 @@ static void parse(struct orl_xml_reader *r, const struct orl_bsdf_xml *xml)
         if (slice < SLICE_MOST)
             slice *= 2;
         while (r->code == 0 && r->plain && !last) {
-            at += read_plain(r, xml->data + at, xml->size - at);
+            at += read_plain(r, at);
+            if (r->putting_off) /* whoever reads it tells */
+                told = at;
             tell_passed(xml, at, &told);
             heed_cancel(r, xml);
             slice = SLICE_LEAST;
@@ -272,8 +280,14 @@ int orl_document_read(const struct orl_bsdf_xml *xml, struct orl_document *ret_d
     XML_SetElementHandler(r->parser, on_start, on_end);
     XML_SetCharacterDataHandler(r->parser, on_text);
     XML_SetStartDoctypeDeclHandler(r->parser, on_doctype);
+    r->blocks.xml = xml;
     parse(r, xml);
-    code = r->code < 0 ? r->code : check_complete(document, xml->name, err);
+    /* What was put off comes before whatever parsing has failed at. */
+    code = r->code == ORL_ERR_CANCELLED ? r->code : orl_blocks_read(&r->blocks, err);
+    if (code == 0)
+        code = r->code;
+    if (code == 0)
+        code = check_complete(document, xml->name, err);
     if (code == 0) {
         *ret_document = *document;
         memset(document, 0, sizeof *document);
@@ -281,6 +295,7 @@ int orl_document_read(const struct orl_bsdf_xml *xml, struct orl_document *ret_d
 done:
     if (r) {
         orl_tree_text_done(&r->tree_text);
+        orl_blocks_done(&r->blocks);
         if (r->parser)
             XML_ParserFree(r->parser);
     }

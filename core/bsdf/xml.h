@@ -11,6 +11,7 @@
 #include <expat.h>
 #include <oriel/limits.h>
 
+#include "bsdf/blocks.h"
 #include "bsdf/document.h"
 #include "bsdf/text.h"
 
@@ -57,7 +58,8 @@ struct orl_xml_reader {
     unsigned layers;
     const char *fed_to;  /* end of the piece that expat is at */
     bool plain;          /* that piece ends amid the data, in plain text that has been read */
-    size_t passed_lines; /* that expat does not get to see: see read_plain in xml.c */
+    size_t passed_lines; /* that expat does not get to see: see read_plain in xml.c; nor are those
+                            of blocks */
     char text[ORL_XML_TEXT_MAX]; /* of the element at hand, when it is a short one */
     size_t text_length;
     double thickness_unit;
@@ -70,7 +72,9 @@ struct orl_xml_reader {
     bool tree_basis;
     struct orl_basis basis[2];
     bool have_basis[2];
-    bool reading; /* inside ScatteringData that is wanted */
+    bool reading;     /* inside ScatteringData that is wanted */
+    bool putting_off; /* what is left of it: the last of the blocks */
+    struct orl_blocks blocks;
     struct orl_tree_text tree_text;
     struct orl_matrix_text matrix_text;
 };
@@ -90,6 +94,12 @@ void orl_xml_begin(struct orl_xml_reader *reader, enum orl_xml_element element,
  */
 int orl_xml_feed(struct orl_xml_reader *reader, const char *text, size_t length,
                  const char **ret_place);
+/* Puts off what stands there of the data at hand, plain text, where that may be. */
+bool orl_xml_may_put_off(const struct orl_xml_reader *reader);
+void orl_xml_put_off(struct orl_xml_reader *reader, size_t begin, size_t end);
+/* There is more of data put off, and it is no plain text: reads them now. Returns 0, or the code
+ * of an error that has been noted. */
+int orl_xml_catch_up(struct orl_xml_reader *reader);
 /* An element ends; reader->text holds its text, trimmed, when it is a short one. */
 void orl_xml_end(struct orl_xml_reader *reader, enum orl_xml_element element);
 

@@ -5,9 +5,6 @@
 #include <string.h>
 #include <strings.h>
 
-static const char *const part_names[ORL_PART_COUNT] = {"Transmission Front", "Transmission Back",
-                                                       "Reflection Front", "Reflection Back"};
-
 #define FAIL(r, code, ...) orl_xml_fail(r, orl_error_set((r)->err, code, __VA_ARGS__))
 
 /* Where the reader is, for a message: the block with its direction, or the element. */
@@ -15,9 +12,15 @@ static void name_place(const struct orl_xml_reader *r, char *ret_name, size_t si
 {
     const enum orl_xml_element here = r->depth > 0 ? r->path[r->depth - 1] : EL_DOCUMENT;
     if (here >= EL_BLOCK && r->part >= 0)
-        snprintf(ret_name, size, "WavelengthDataBlock %s", part_names[r->part]);
+        orl_block_name(r->part, ret_name, size);
     else
         snprintf(ret_name, size, "%s", orl_xml_element_name(here));
+}
+
+/* The line that the reader is at, but for those in blocks. */
+static size_t line_of(const struct orl_xml_reader *r)
+{
+    return XML_GetCurrentLineNumber(r->parser) + r->passed_lines;
 }
 
 void orl_xml_fail(struct orl_xml_reader *r, int code)
@@ -27,7 +30,7 @@ void orl_xml_fail(struct orl_xml_reader *r, int code)
         return;
     r->code = code;
     name_place(r, place, sizeof place);
-    orl_error_at(r->err, r->file, (int)(XML_GetCurrentLineNumber(r->parser) + r->passed_lines),
+    orl_error_at(r->err, r->file, (int)(line_of(r) + orl_blocks_lines(&r->blocks, r->blocks.count)),
                  place);
     XML_StopParser(r->parser, XML_FALSE);
 }
@@ -100,7 +103,7 @@ static bool is_given(struct orl_xml_reader *r)
 {
     if (r->channel < 0 || !*given_flag(&r->document->parts[r->part], r->channel))
         return false;
-    FAIL(r, ORL_ERR_SYNTAX, "%s is given twice for %s", part_names[r->part],
+    FAIL(r, ORL_ERR_SYNTAX, "%s is given twice for %s", orl_part_names[r->part],
          r->channel == 0 ? "Visible" : "the same channel of colour");
     return true;
 }
@@ -108,7 +111,7 @@ static bool is_given(struct orl_xml_reader *r)
 static void read_part(struct orl_xml_reader *r)
 {
     for (int i = 0; i < ORL_PART_COUNT; i++)
-        if (!strcasecmp(r->text, part_names[i]))
+        if (!strcasecmp(r->text, orl_part_names[i]))
             r->part = i;
     if (r->part < 0)
         FAIL(r, ORL_ERR_SYNTAX, "unknown WavelengthDataDirection '%s'", r->text);
@@ -204,6 +207,37 @@ static void begin_data(struct orl_xml_reader *r)
         r->reading = *given_flag(component, r->channel) = true;
 }
 
+bool orl_xml_may_put_off(const struct orl_xml_reader *r)
+{
+    return r->document->structure != ORL_STRUCTURE_MATRIX && r->blocks.count < ORL_BLOCKS_MAX;
+}
+
+void orl_xml_put_off(struct orl_xml_reader *r, size_t begin, size_t end)
+{
+    r->blocks.blocks[r->blocks.count++] = (struct orl_block){
+        .text = r->tree_text, .begin = begin, .end = end, .line = line_of(r), .part = r->part};
+    r->tree_text.grid = NULL; /* the block's now */
+    r->putting_off = true;
+}
+
+int orl_xml_catch_up(struct orl_xml_reader *r)
+{
+    const size_t last = r->blocks.count - 1;
+    struct orl_block *block = &r->blocks.blocks[last];
+    const char *const data = r->blocks.xml->data;
+    const int code = orl_block_read(&r->blocks, last, r->err);
+    if (code < 0) {
+        r->code = code;
+        XML_StopParser(r->parser, XML_FALSE);
+        return code;
+    }
+    r->tree_text = block->text;
+    r->passed_lines += orl_count_lines(data + block->begin, data + block->end);
+    r->putting_off = false;
+    r->blocks.count = last;
+    return 0;
+}
+
 int orl_xml_feed(struct orl_xml_reader *r, const char *text, size_t length, const char **ret_place)
 {
     const bool matrix = r->document->structure == ORL_STRUCTURE_MATRIX;
@@ -218,10 +252,15 @@ static void end_data(struct orl_xml_reader *r)
     int code;
     if (!r->reading)
         return;
+    r->reading = false;
+    if (r->putting_off) {
+        r->blocks.blocks[r->blocks.count - 1].ended = true;
+        r->putting_off = false;
+        return;
+    }
     code = r->document->structure == ORL_STRUCTURE_MATRIX
                ? orl_matrix_text_finish(&r->matrix_text, r->err)
                : orl_tree_text_finish(&r->tree_text, r->err);
-    r->reading = false;
     orl_tree_text_done(&r->tree_text);
     if (code < 0)
         orl_xml_fail(r, code);

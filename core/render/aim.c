@@ -4,48 +4,60 @@
 
 #include "scene/hemisphere.h"
 
-/* The beam of a sun in a kind of pane, new where there is none yet; or none. */
-static bool find_beam(struct orl_aim *aim, const struct orl_sobol *sobol, uint32_t facet,
-                      struct orl_vec3 sun, uint32_t *ret_index)
+/* What aims are made with. */
+struct maker {
+    struct orl_aim *aim;
+    const struct orl_sobol *sobol;
+    struct orl_crew *crew;
+};
+
+/* The beam of a sun in a kind of pane, new where there is none yet. Returns its index, or
+ * ORL_MOST_BEAMS where there are so many, or ORL_ERR_NOMEM. */
+static int find_beam(const struct maker *maker, uint32_t facet, struct orl_vec3 sun)
 {
+    struct orl_aim *aim = maker->aim;
     const struct orl_facet *f = &aim->world->geometry->facets[facet];
     const struct orl_material *m = &aim->world->description.materials[f->material];
-    uint32_t i = 0;
-    for (; i < aim->n_beams; i++) {
+    for (uint32_t i = 0; i < aim->n_beams; i++) {
         const struct orl_beam *beam = &aim->beams[i];
         if (beam->material == m && orl_dot(beam->normal, f->normal) > 1 - 1e-9 &&
             orl_dot(beam->sun, sun) > 1 - 1e-12)
-            break;
+            return (int)i;
     }
-    *ret_index = i;
-    if (i == ORL_MOST_BEAMS)
-        return false;
-    if (i == aim->n_beams) {
-        aim->beams[i] = (struct orl_beam){.material = m, .normal = f->normal, .sun = sun};
-        orl_beam_init(&aim->beams[i], sobol, facet);
-        aim->n_beams++;
-    }
-    return true;
+    if (aim->n_beams == ORL_MOST_BEAMS)
+        return ORL_MOST_BEAMS;
+    struct orl_beam *beam = &aim->beams[aim->n_beams];
+    *beam = (struct orl_beam){.material = m, .normal = f->normal, .sun = sun};
+    const int code = orl_beam_init(beam, maker->sobol, facet, maker->crew);
+    return code < 0 ? code : (int)aim->n_beams++;
 }
 
-static void add_shafts(struct orl_aim *aim, const struct orl_sobol *sobol,
-                       const struct orl_port *port)
+static int add_shafts(const struct maker *maker, const struct orl_port *port)
 {
+    struct orl_aim *aim = maker->aim;
     const struct orl_world *world = aim->world;
     const struct orl_facet *facet = &world->geometry->facets[port->facet];
     const bool flat = facet->kind == ORL_SURFACE_POLYGON || facet->kind == ORL_SURFACE_RING;
-    uint32_t beam;
     if (!flat || !orl_material_transmits_lobes(&world->description.materials[facet->material]))
-        return;
-    for (size_t s = 0; s < world->n_suns; s++)
-        if (orl_dot(world->suns[s].frame.n, port->outward) > 0 &&
-            find_beam(aim, sobol, port->facet, world->suns[s].frame.n, &beam))
+        return 0;
+    for (size_t s = 0; s < world->n_suns; s++) {
+        if (!(orl_dot(world->suns[s].frame.n, port->outward) > 0))
+            continue;
+        const int beam = find_beam(maker, port->facet, world->suns[s].frame.n);
+        if (beam < 0)
+            return beam;
+        if (beam < ORL_MOST_BEAMS)
             aim->shafts[aim->n_shafts++] =
-                orl_shaft_of(world->geometry, &aim->beams[beam], beam, port->facet);
+                orl_shaft_of(world->geometry, &aim->beams[beam], (uint32_t)beam, port->facet);
+    }
+    return 0;
 }
 
-int orl_aim_init(struct orl_aim *aim, const struct orl_world *world, const struct orl_sobol *sobol)
+int orl_aim_init(struct orl_aim *aim, const struct orl_world *world, const struct orl_sobol *sobol,
+                 struct orl_crew *crew)
 {
+    const struct maker maker = {aim, sobol, crew};
+    int code = 0;
     *aim = (struct orl_aim){.world = world};
     aim->first_shaft = calloc(world->n_ports + 1, sizeof *aim->first_shaft);
     if (!aim->first_shaft)
@@ -63,11 +75,11 @@ int orl_aim_init(struct orl_aim *aim, const struct orl_world *world, const struc
     if (!aim->cells || !aim->beams || !aim->shafts)
         return ORL_ERR_NOMEM;
     orl_beam_cells_init(aim->cells);
-    for (size_t i = 0; i < world->n_ports; i++) {
-        add_shafts(aim, sobol, &world->ports[i]);
+    for (size_t i = 0; i < world->n_ports && code == 0; i++) {
+        code = add_shafts(&maker, &world->ports[i]);
         aim->first_shaft[i + 1] = aim->n_shafts;
     }
-    return 0;
+    return code;
 }
 
 void orl_aim_done(struct orl_aim *aim)

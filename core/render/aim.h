@@ -25,7 +25,8 @@ struct orl_aim {
 };
 
 /* Returns 0 or ORL_ERR_NOMEM; orl_aim_done in either case. */
-int orl_aim_init(struct orl_aim *aim, const struct orl_world *world, const struct orl_sobol *sobol);
+int orl_aim_init(struct orl_aim *aim, const struct orl_world *world, const struct orl_sobol *sobol,
+                 struct orl_crew *crew);
 void orl_aim_done(struct orl_aim *aim); /* also of one that is all zero */
 
 enum orl_way { ORL_WAY_COSINE, ORL_WAY_PORT, ORL_WAY_BEAM, ORL_WAYS };

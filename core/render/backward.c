@@ -4,11 +4,12 @@ enum { LAMPS_A_SAMPLE = 8 };
 /* Rays of a sensor's sample, and where one of them comes to a surface. */
 static const struct orl_effort at_sensors = {{1, 1, 1}}, deeper = {{1, 1, 0.5}};
 
-int orl_backward_init(struct orl_backward *backward, const struct orl_world *world)
+int orl_backward_init(struct orl_backward *backward, const struct orl_world *world,
+                      struct orl_crew *crew)
 {
     *backward = (struct orl_backward){.world = world};
     orl_sobol_init(&backward->sobol);
-    const int code = orl_aim_init(&backward->aim, world, &backward->sobol);
+    const int code = orl_aim_init(&backward->aim, world, &backward->sobol, crew);
     backward->deep = orl_aim_effort(&backward->aim, deeper);
     return code;
 }

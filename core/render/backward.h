@@ -42,7 +42,8 @@ struct orl_backward {
 
 /* What depends on the world alone, without virtual lamps yet. Returns 0 or ORL_ERR_NOMEM;
  * orl_backward_done in either case. */
-int orl_backward_init(struct orl_backward *backward, const struct orl_world *world);
+int orl_backward_init(struct orl_backward *backward, const struct orl_world *world,
+                      struct orl_crew *crew);
 void orl_backward_done(struct orl_backward *backward); /* also of one that is all zero */
 
 /* Virtual lamps from photons, of which it takes copies, in place of those it had; and the seed of

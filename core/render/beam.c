@@ -1,10 +1,11 @@
 #include "render/beam.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 #include "bsdf/shirley.h"
 
-enum { DRAWS = 1 << 15 };
+enum { DRAWS = 1 << 15, DRAWS_A_ROW = DRAWS / ORL_BEAM_SIDE };
 static const double drawn_share = 0.8; /* of the table; the rest is evaluated */
 
 /* Index of the first cell of a level. */
@@ -58,49 +59,79 @@ static uint32_t cell_of(struct orl_vec3 d)
     return interleave((uint32_t)fmin(fmax(x, 0), most), (uint32_t)fmin(fmax(y, 0), most));
 }
 
-/* Draws show lobes however narrow; values show what is too dim for draws. */
-static void fill(struct orl_beam *beam, const struct orl_sobol *sobol, uint32_t facet,
-                 double *finest)
+/* What a table is made from: rows of it are worked out by a crew, and added up in order. */
+struct samples {
+    const struct orl_beam *beam;
+    const struct orl_sobol *sobol;
+    struct orl_hit hit;
+    struct {
+        double light;
+        uint32_t cell;
+    } drawn[DRAWS];
+    double value[ORL_BEAM_SIDE][ORL_BEAM_SIDE]; /* [y][x] */
+};
+
+static void sample_row(void *arg, size_t row, uint32_t member)
 {
-    const struct orl_hit hit = {.facet = facet, .normal = beam->normal};
-    double drawn = 0, valued = 0;
-    static const uint32_t cells = ORL_BEAM_SIDE * ORL_BEAM_SIDE;
-    for (uint32_t i = 0; i < DRAWS; i++) {
+    struct samples *s = arg;
+    const struct orl_beam *beam = s->beam;
+    (void)member;
+    for (uint32_t i = (uint32_t)row * DRAWS_A_ROW; i < (row + 1) * DRAWS_A_ROW; i++) {
         double u[3];
-        orl_sobol_point(sobol, i, 1, 3, u);
-        const struct orl_scatter s = orl_scatter_sample_at(
-            beam->material, &hit, beam->sun, ORL_TRANSPORT_LIGHT, ORL_LOBE_TRANSMITTED, u);
-        if (s.event != ORL_EVENT_GLOSSY)
+        orl_sobol_point(s->sobol, i, 1, 3, u);
+        const struct orl_scatter drawn = orl_scatter_sample_at(
+            beam->material, &s->hit, beam->sun, ORL_TRANSPORT_LIGHT, ORL_LOBE_TRANSMITTED, u);
+        if (drawn.event != ORL_EVENT_GLOSSY)
             continue;
-        finest[cell_of(orl_to_local(&beam->frame, s.direction))] += orl_luma(s.weight);
-        drawn += orl_luma(s.weight);
+        s->drawn[i].light = orl_luma(drawn.weight);
+        s->drawn[i].cell = cell_of(orl_to_local(&beam->frame, drawn.direction));
     }
-    for (uint32_t i = 0; i < cells; i++)
+    for (uint32_t x = 0; x < ORL_BEAM_SIDE; x++) {
+        const struct orl_vec3 d = direction_at(x + 0.5, (double)row + 0.5, ORL_BEAM_SIDE);
+        s->value[row][x] = orl_luma(orl_scatter_eval_lobes(beam->material, &s->hit, beam->sun,
+                                                           orl_to_world(&beam->frame, d)));
+    }
+}
+
+/* Draws show lobes however narrow; values show what is too dim for draws. */
+static void fill(const struct samples *s, double *finest)
+{
+    double drawn = 0, valued = 0;
+    for (uint32_t i = 0; i < DRAWS; i++) {
+        finest[s->drawn[i].cell] += s->drawn[i].light;
+        drawn += s->drawn[i].light;
+    }
+    for (uint32_t i = 0; i < ORL_BEAM_SIDE * ORL_BEAM_SIDE; i++)
         finest[i] *= drawn > 0 ? drawn_share / drawn : 0;
     for (int pass = 0; pass < 2; pass++)
         for (uint32_t y = 0; y < ORL_BEAM_SIDE; y++)
-            for (uint32_t x = 0; x < ORL_BEAM_SIDE; x++) {
-                const struct orl_vec3 d = direction_at(x + 0.5, y + 0.5, ORL_BEAM_SIDE);
-                const double value = orl_luma(orl_scatter_eval_lobes(
-                    beam->material, &hit, beam->sun, orl_to_world(&beam->frame, d)));
+            for (uint32_t x = 0; x < ORL_BEAM_SIDE; x++)
                 if (pass == 0)
-                    valued += value;
+                    valued += s->value[y][x];
                 else if (valued > 0)
-                    finest[interleave(x, y)] += (1 - drawn_share) * value / valued;
-            }
+                    finest[interleave(x, y)] += (1 - drawn_share) * s->value[y][x] / valued;
 }
 
-void orl_beam_init(struct orl_beam *beam, const struct orl_sobol *sobol, uint32_t facet)
+int orl_beam_init(struct orl_beam *beam, const struct orl_sobol *sobol, uint32_t facet,
+                  struct orl_crew *crew)
 {
     static const uint32_t last = ORL_BEAM_LEVELS - 1;
     double finest[ORL_BEAM_SIDE * ORL_BEAM_SIDE] = {0};
     const bool from_front = orl_dot(beam->sun, beam->normal) > 0;
+    struct samples *samples = calloc(1, sizeof *samples);
+    if (!samples)
+        return ORL_ERR_NOMEM;
     beam->frame = beam->material->kind == ORL_MATERIAL_BSDF
                       ? orl_bsdf_frame(beam->material, beam->normal)
                       : orl_frame_about(beam->normal);
     if (from_front)
         beam->frame.n = orl_neg(beam->frame.n);
-    fill(beam, sobol, facet, finest);
+    samples->beam = beam;
+    samples->sobol = sobol;
+    samples->hit = (struct orl_hit){.facet = facet, .normal = beam->normal};
+    orl_crew_for(crew, ORL_BEAM_SIDE, sample_row, samples);
+    fill(samples, finest);
+    free(samples);
     memset(beam->light, 0, sizeof beam->light);
     for (uint32_t i = 0; i < ORL_BEAM_SIDE * ORL_BEAM_SIDE; i++)
         beam->light[first_of(last) + i] = (float)finest[i];
@@ -108,6 +139,7 @@ void orl_beam_init(struct orl_beam *beam, const struct orl_sobol *sobol, uint32_
         for (uint32_t i = 0; i < 1U << 2 * level; i++)
             for (uint32_t k = 0; k < 4; k++)
                 beam->light[first_of(level) + i] += beam->light[first_of(level + 1) + 4 * i + k];
+    return 0;
 }
 
 struct orl_shaft orl_shaft_of(const struct orl_geometry *geometry, const struct orl_beam *beam,

@@ -17,7 +17,7 @@ int orl_run_need_backward(struct orl_run_state *state, struct orl_error *err)
     if (state->backward)
         return 0;
     state->backward = calloc(1, sizeof *state->backward);
-    if (!state->backward || orl_backward_init(state->backward, state->world) < 0)
+    if (!state->backward || orl_backward_init(state->backward, state->world, state->env->crew) < 0)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for aims at the light");
     return 0;
 }

@@ -93,6 +93,7 @@ static int load(void *ctx, const struct orl_bsdf_xml *given,
     struct orl_map_info info;
     bool hit = true;
     heeding.cancel = r.state->env->cancel;
+    heeding.crew = r.state->env->crew;
     if (!store || xml->size < LEAST_BYTES)
         return orl_bsdf_load(xml, ret_bsdf, err);
     make_key(content, r.key);

@@ -36,7 +36,7 @@ static void test_spans_that_follow(void **state)
     (void)state;
     assert_int_equal(orl_world_new(&description, &world, NULL), 0);
     assert_int_equal(orl_world_find_ports(world, crew, NULL), 0);
-    assert_int_equal(orl_backward_init(&backward, world), 0);
+    assert_int_equal(orl_backward_init(&backward, world, NULL), 0);
     assert_int_equal(orl_backward_put_lamps(&backward, crew, 1, NULL, 0, 1), 0);
     sample(&backward, 0, 13 * ORL_MAP_BATCHES, whole);
     sample(&backward, 0, 4 * ORL_MAP_BATCHES, first);

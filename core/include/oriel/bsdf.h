@@ -38,6 +38,7 @@
 #include <oriel/vec.h>
 
 struct orl_bsdf;
+struct orl_crew;
 
 /*
  * Parses XML held in memory, streaming; entities and DTDs are refused. name is for messages.
@@ -55,6 +56,7 @@ struct orl_bsdf_xml {
     void (*passed)(void *ctx, size_t begin, size_t end); /* or NULL */
     void *ctx;
     const atomic_bool *cancel; /* or NULL; once set, it is read no further: ORL_ERR_CANCELLED */
+    struct orl_crew *crew; /* or NULL; reads blocks side by side, each member tells of its own */
 };
 int orl_bsdf_load(const struct orl_bsdf_xml *xml, struct orl_bsdf **ret_bsdf,
                   struct orl_error *err);
