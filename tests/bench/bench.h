@@ -70,6 +70,10 @@ struct bench_use {
 int bench_spawn(const char *const *argv, const char *folder, const char *input, const char *output,
                 struct bench_use *ret_use);
 
+/* The peak of this process's own resident memory. A spawned one's bench_use counts, besides, what
+ * its parent held when it was forked. */
+double bench_peak_bytes(void);
+
 /* Where and how jobs run. */
 struct bench_env {
     const struct orl_files *files;

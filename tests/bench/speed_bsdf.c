@@ -32,7 +32,7 @@ int speed_load_bsdf(const char *panel, const char *store_folder, bool known)
     job.sensors_file = office_sensors;
     if (!crew || orl_plan_job(&job, &env, &r, &err) < 0)
         bench_fail("planning a job", &err);
-    printf("%.6f\n", r.timings_s[ORL_STAGE_LOAD]);
+    printf("%.6f %.0f\n", r.timings_s[ORL_STAGE_LOAD], bench_peak_bytes());
     orl_result_done(&r);
     office_close(&office);
     orl_crew_stop(crew);
@@ -46,16 +46,15 @@ static double load(const struct speed *s, const char *panel, const char *store, 
     const char *const argv[] = {
         "/proc/self/exe", "load", panel, store, known ? "known" : "unknown", NULL};
     char path[BENCH_PATH + 16];
-    struct bench_use use;
-    double seconds;
+    double seconds, peak_bytes;
     snprintf(path, sizeof path, "%s/load.txt", s->office.folder);
-    if (bench_spawn(argv, NULL, NULL, path, &use) != 0)
+    if (bench_spawn(argv, NULL, NULL, path, NULL) != 0)
         bench_fail("a process that loads a BSDF did not", NULL);
     FILE *in = fopen(path, "r");
-    if (!in || fscanf(in, "%lf", &seconds) != 1)
+    if (!in || fscanf(in, "%lf %lf", &seconds, &peak_bytes) != 2)
         bench_fail("a process that loads a BSDF told no time", NULL);
     fclose(in);
-    *ret_peak_bytes = fmax(*ret_peak_bytes, use.peak_bytes);
+    *ret_peak_bytes = fmax(*ret_peak_bytes, peak_bytes);
     return seconds;
 }
 

@@ -82,13 +82,14 @@ static void image_job(const struct speed *s, enum speed_row_id id, struct orl_vi
 }
 
 /* The maps of its seed are ready; where they were not, that is another stage's time. */
-static double render_image(struct speed *s, enum speed_row_id id, int merged)
+static double render_image(struct speed *s, enum speed_row_id id, uint64_t seed, int merged)
 {
     char path[BENCH_PATH + 16];
     struct orl_view_request view;
     struct orl_result r;
     struct orl_job job;
     image_job(s, id, &view, &job);
+    job.seed = seed;
     speed_run(s, s->maps, &job, &r);
     const double seconds = r.views[0].seconds;
     snprintf(path, sizeof path, "%s/bench.hdr", s->office.folder);
@@ -112,8 +113,8 @@ void speed_prepare(struct speed *s, enum speed_row_id id)
     struct speed_row *row = &s->rows[id];
     if (row->judge == SPEED_BY_SENSORS)
         speed_choose(s, row);
-    if (row->judge == SPEED_BY_IMAGE)
-        render_image(s, id, -1);
+    for (int run = 0; row->judge == SPEED_BY_IMAGE && run < s->runs; run++)
+        render_image(s, id, (uint64_t)run + 1, -1);
 }
 
 double speed_work(struct speed *s, enum speed_row_id id, uint64_t seed, int merged)
@@ -123,7 +124,7 @@ double speed_work(struct speed *s, enum speed_row_id id, uint64_t seed, int merg
     if (row->judge == SPEED_NO_ERROR)
         return make_maps(s, id, seed);
     if (row->judge == SPEED_BY_IMAGE)
-        return render_image(s, id, merged);
+        return render_image(s, id, seed, merged);
     const double seconds = speed_sensors(s, &row->setting, seed, &error);
     if (merged >= 0)
         speed_merge(&row->error, &error, merged);
