@@ -137,20 +137,19 @@ static bool neighbour(unsigned x, unsigned y, unsigned k, unsigned depth, unsign
 
 static void look_about(const struct orl_tree *tree, unsigned x, unsigned y, struct group *g)
 {
-    const struct orl_square a = middle_of(x, y, tree->depth, -1);
     *g = (struct group){.count = SPAN * SPAN,
                         .middle = 1U << (REACH * SPAN + REACH),
                         .cell_sr = ORL_PI / (double)((size_t)1 << 2 * tree->depth)};
-    for (unsigned k = 0; k < g->count; k++) {
-        unsigned nx, ny;
+    const struct orl_tree_window window = {.a_x = x,
+                                           .a_y = y,
+                                           .low_x = (int)x - REACH,
+                                           .low_y = (int)y - REACH,
+                                           .side = SPAN,
+                                           .values = g->value,
+                                           .finest = g->fine};
+    for (unsigned k = 0; k < g->count; k++)
         g->value[k] = -1;
-        if (!neighbour(x, y, k, tree->depth, &nx, &ny))
-            continue;
-        const struct orl_square b = middle_of(nx, ny, tree->depth, 1);
-        unsigned level;
-        g->value[k] = orl_tree_look(tree, a, b, &level);
-        g->fine[k] = level == tree->depth;
-    }
+    orl_tree_look_about(tree, &window);
 }
 
 static void add_tree_cell(struct orl_component *c, struct sums *sums, unsigned x, unsigned y)

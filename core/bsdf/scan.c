@@ -265,12 +265,3 @@ int orl_scan_next(struct orl_scan *scan, double *ret_value, struct orl_error *er
     code = orl_number_parse(start, (size_t)(scan->next - start), ret_value, err);
     return code < 0 ? code : ORL_TOKEN_NUMBER;
 }
-
-float orl_bsdf_value(double value, size_t *clamped)
-{
-    if (value < 0) {
-        ++*clamped;
-        return 0;
-    }
-    return value < ORL_BSDF_VALUE_MIN ? 0 : (float)value;
-}

@@ -47,6 +47,13 @@ int orl_number_parse(const char *text, size_t length, double *ret_value, struct 
 #define ORL_BSDF_VALUE_MIN 1e-30
 
 /* A value as it is stored: negative becomes 0 and is counted, tiny becomes 0. */
-float orl_bsdf_value(double value, size_t *clamped);
+static inline float orl_bsdf_value(double value, size_t *clamped)
+{
+    if (value < 0) {
+        ++*clamped;
+        return 0;
+    }
+    return value < ORL_BSDF_VALUE_MIN ? 0 : (float)value;
+}
 
 #endif

@@ -42,12 +42,8 @@ static inline float mean_of(const struct orl_tree *tree, struct orl_tree_ref ref
     if (depth == 0)
         return float_of(ref.bits);
     words = tree->lines[orl_tree_index(ref)].words;
-    if (depth == 1) {
-        const size_t mine = x | y << 1, step = given == ORL_AXIS_A ? 4 : 1;
-        const uint32_t *leaf = words + (given == ORL_AXIS_A ? mine : 4 * mine);
-        return 0.25F * ((float_of(leaf[0]) + float_of(leaf[step])) +
-                        (float_of(leaf[2 * step]) + float_of(leaf[3 * step])));
-    }
+    if (depth == 1)
+        return orl_tree_mean_of_leaves(words, given, x | y << 1);
     __builtin_prefetch(words); /* a descent that comes this way wants the children next */
     return float_of(words[ORL_TREE_FANOUT + ((size_t)given << 2 * depth) + (x << depth | y)]);
 }
@@ -100,6 +96,53 @@ double orl_tree_look(const struct orl_tree *tree, struct orl_square a, struct or
                      unsigned *ret_level)
 {
     return (double)float_of(leaf_of(tree, a, b, ret_level).bits);
+}
+
+/* A node of the other direction's cell (x, y), 2^level finest ones a side. */
+struct node {
+    struct orl_tree_ref ref;
+    int level, x, y;
+};
+
+/* What of the window lies in a node's cell, along one axis. */
+static bool meets(int low, int side, const struct node *node, int cell, int *ret_begin,
+                  int *ret_end)
+{
+    const int begin = cell << node->level, end = begin + (1 << node->level);
+    *ret_begin = begin > low ? begin : low;
+    *ret_end = end < low + side ? end : low + side;
+    return *ret_begin < *ret_end;
+}
+
+/* As deep as the tree is. */
+static void look_about(const struct orl_tree *tree, const struct orl_tree_window *w,
+                       const struct node *node)
+{
+    int left, right, low, high;
+    if (!meets(w->low_x, w->side, node, node->x, &left, &right) ||
+        !meets(w->low_y, w->side, node, node->y, &low, &high))
+        return;
+    if (orl_tree_is_leaf(node->ref)) {
+        for (int y = low; y < high; y++)
+            for (int x = left; x < right; x++) {
+                const int i = (y - w->low_y) * w->side + x - w->low_x;
+                w->values[i] = (double)float_of(node->ref.bits);
+                w->finest[i] = node->level == 0;
+            }
+        return;
+    }
+    const int level = node->level - 1;
+    const unsigned mine = (w->a_x >> level & 1) | (w->a_y >> level & 1) << 1;
+    for (int k = 0; k < 4; k++) {
+        const struct node part = {orl_tree_child(tree, node->ref, mine | (unsigned)k << 2), level,
+                                  2 * node->x + (k & 1), 2 * node->y + (k >> 1)};
+        look_about(tree, w, &part);
+    }
+}
+
+void orl_tree_look_about(const struct orl_tree *tree, const struct orl_tree_window *window)
+{
+    look_about(tree, window, &(struct node){tree->root, (int)tree->depth, 0, 0});
 }
 
 double orl_tree_total(const struct orl_tree *tree, enum orl_axis given, struct orl_square place)

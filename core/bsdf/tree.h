@@ -104,6 +104,21 @@ static inline float orl_tree_leaf_value(struct orl_tree_ref leaf)
 }
 
 /*
+ * The mean over the other direction of a lowest branch's leaves, where the given one lies in
+ * quarter x | y << 1.
+ */
+static inline float orl_tree_mean_of_leaves(const uint32_t words[ORL_TREE_FANOUT],
+                                            enum orl_axis given, unsigned quarter)
+{
+    const unsigned step = given == ORL_AXIS_A ? 4 : 1;
+    float leaf[4];
+    for (unsigned k = 0; k < 4; k++)
+        memcpy(leaf + k, words + (given == ORL_AXIS_A ? quarter : 4 * quarter) + k * step,
+               sizeof *leaf);
+    return 0.25F * ((leaf[0] + leaf[1]) + (leaf[2] + leaf[3]));
+}
+
+/*
  * The mean over the other direction, within ref's subtree, where the given direction lies in cell
  * (x, y); coordinates in units of the finest cell, of which ref's side has 2^level.
  */
@@ -124,6 +139,19 @@ size_t orl_square_cell(enum orl_axis axis, struct orl_square place, unsigned dep
 /* orl_tree_eval, and how many times each axis is halved down to the leaf that holds the pair. */
 double orl_tree_look(const struct orl_tree *tree, struct orl_square a, struct orl_square b,
                      unsigned *ret_level);
+
+/*
+ * The values for a finest cell of A over a window of finest cells of B, side * side of them from
+ * cell (low_x, low_y), x fastest; whether each is a leaf of the finest size. Cells beyond the
+ * square are left as they are.
+ */
+struct orl_tree_window {
+    unsigned a_x, a_y;
+    int low_x, low_y, side;
+    double *values;
+    bool *finest;
+};
+void orl_tree_look_about(const struct orl_tree *tree, const struct orl_tree_window *window);
 
 /*
  * The direction of that axis, z > 0, at a place within cell (x, y) of the square halved level

@@ -132,14 +132,17 @@ static void find_means(const struct orl_tree *tree, struct orl_tree_ref child, e
     ret->depth = orl_tree_depth(child);
     ret->shift = depth - ret->depth;
     ret->words = ret->own;
-    if (ret->depth >= 2) {
-        ret->words = tree->lines[orl_tree_index(child)].words + ORL_TREE_FANOUT +
-                     ((size_t)given << 2 * ret->depth);
+    if (ret->depth == 0) {
+        ret->own[0] = child.bits;
         return;
     }
-    for (unsigned i = 0; i < 1U << 2 * ret->depth; i++)
-        ret->own[i] = float_bits(
-            orl_tree_mean(tree, child, given, i >> ret->depth, i & ret->depth, ret->depth));
+    const uint32_t *words = tree->lines[orl_tree_index(child)].words;
+    if (ret->depth >= 2) {
+        ret->words = words + ORL_TREE_FANOUT + ((size_t)given << 2 * ret->depth);
+        return;
+    }
+    for (unsigned i = 0; i < 4; i++) /* x << 1 | y */
+        ret->own[i] = float_bits(orl_tree_mean_of_leaves(words, given, i >> 1 | (i & 1) << 1));
 }
 
 static inline double mean_at(const struct means *m, unsigned x, unsigned y)
