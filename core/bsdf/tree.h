@@ -110,11 +110,11 @@ static inline float orl_tree_leaf_value(struct orl_tree_ref leaf)
 static inline float orl_tree_mean_of_leaves(const uint32_t words[ORL_TREE_FANOUT],
                                             enum orl_axis given, unsigned quarter)
 {
-    const unsigned step = given == ORL_AXIS_A ? 4 : 1;
+    const size_t first = given == ORL_AXIS_A ? quarter : 4 * (size_t)quarter;
+    const size_t step = given == ORL_AXIS_A ? 4 : 1;
     float leaf[4];
-    for (unsigned k = 0; k < 4; k++)
-        memcpy(leaf + k, words + (given == ORL_AXIS_A ? quarter : 4 * quarter) + k * step,
-               sizeof *leaf);
+    for (size_t k = 0; k < 4; k++)
+        memcpy(leaf + k, words + first + k * step, sizeof *leaf);
     return 0.25F * ((leaf[0] + leaf[1]) + (leaf[2] + leaf[3]));
 }
 
