@@ -1,10 +1,10 @@
 #include "render/error_map.h"
 
 #include <cairo.h>
-#include <errno.h>
+#include <stdio.h>
 #include <stdlib.h>
 
-#include "render/file.h"
+#include "render/png.h"
 
 /* The scale: what its ends show. */
 static const double least = 1e-3, most = 1;
@@ -140,10 +140,30 @@ static void draw_pixels(const struct orl_film *film, cairo_surface_t *surface)
     cairo_surface_mark_dirty(surface);
 }
 
-static int compare(const void *a, const void *b)
+/* The k-th of n values from below; they are put in another order (Hoare 1961). */
+static double find_kth(double *values, size_t n, size_t k)
 {
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
+    size_t first = 0, last = n - 1;
+    while (first < last) {
+        const double pivot = values[first + (last - first) / 2];
+        size_t low = first, high = last;
+        for (;; low++, high--) {
+            while (values[low] < pivot)
+                low++;
+            while (values[high] > pivot)
+                high--;
+            if (low >= high)
+                break;
+            const double swap = values[low];
+            values[low] = values[high];
+            values[high] = swap;
+        }
+        if (k <= high)
+            last = high;
+        else
+            first = high + 1;
+    }
+    return values[k];
 }
 
 /* "median 1.4 %, 95 % of pixels below 6.1 %". Returns 0 or ORL_ERR_NOMEM. */
@@ -156,9 +176,8 @@ static int say_how_large(const struct orl_film *film, char *ret_text, size_t siz
         return ORL_ERR_NOMEM;
     for (size_t i = 0; i < n; i++)
         errors[i] = 100 * orl_film_relative_error(film, i, mean);
-    qsort(errors, n, sizeof *errors, compare);
-    snprintf(ret_text, size, "median %.2g %%, 95 %% of pixels below %.2g %%", errors[n / 2],
-             errors[(n - 1) * 19 / 20]);
+    const double median = find_kth(errors, n, n / 2), high = find_kth(errors, n, (n - 1) * 19 / 20);
+    snprintf(ret_text, size, "median %.2g %%, 95 %% of pixels below %.2g %%", median, high);
     free(errors);
     return 0;
 }
@@ -221,11 +240,6 @@ static int draw_legend(const struct orl_film *film, const struct layout *layout,
     return code;
 }
 
-static cairo_status_t write_bytes(void *file, const unsigned char *bytes, unsigned size)
-{
-    return fwrite(bytes, 1, size, file) == size ? CAIRO_STATUS_SUCCESS : CAIRO_STATUS_WRITE_ERROR;
-}
-
 static int draw(const struct orl_film *film, cairo_surface_t **ret_surface, struct orl_error *err)
 {
     const struct layout layout = layout_of(film);
@@ -250,23 +264,35 @@ static int draw(const struct orl_film *film, cairo_surface_t **ret_surface, stru
     return 0;
 }
 
+/* Cairo's 32-bit pixels as three bytes each; owned, NULL when out of memory. */
+static unsigned char *rgb_of(cairo_surface_t *surface, uint32_t width, uint32_t height)
+{
+    unsigned char *rgb = malloc(3 * (size_t)width * height);
+    cairo_surface_flush(surface);
+    const unsigned char *bytes = cairo_image_surface_get_data(surface);
+    const size_t stride = (size_t)cairo_image_surface_get_stride(surface);
+    for (uint32_t y = 0; rgb && y < height; y++) {
+        const uint32_t *row = (const uint32_t *)(const void *)(bytes + y * stride);
+        unsigned char *out = rgb + 3 * (size_t)y * width;
+        for (uint32_t x = 0; x < width; x++)
+            for (int c = 0; c < 3; c++)
+                *out++ = (unsigned char)(row[x] >> (16 - 8 * c));
+    }
+    return rgb;
+}
+
 int orl_film_write_error_png(const struct orl_film *film, const char *path, struct orl_error *err)
 {
-    struct orl_out_file file;
     cairo_surface_t *surface = NULL;
     int code = draw(film, &surface, err);
     if (code < 0)
         return code;
-    code = orl_out_open(&file, path, err);
-    if (code == 0) {
-        errno = 0;
-        const cairo_status_t status =
-            cairo_surface_write_to_png_stream(surface, write_bytes, file.stream);
-        if (status != CAIRO_STATUS_SUCCESS)
-            code = orl_error_set(err, orl_err_of_errno(errno), "cannot write '%s': %s", path,
-                                 cairo_status_to_string(status));
-        code = orl_out_close(&file, code, err);
-    }
+    const uint32_t width = (uint32_t)cairo_image_surface_get_width(surface);
+    const uint32_t height = (uint32_t)cairo_image_surface_get_height(surface);
+    unsigned char *rgb = rgb_of(surface, width, height);
     cairo_surface_destroy(surface);
+    code = rgb ? orl_png_write(path, width, height, rgb, err)
+               : orl_error_set(err, ORL_ERR_NOMEM, "out of memory drawing an error map");
+    free(rgb);
     return code;
 }

@@ -16,7 +16,7 @@ enum {
 void orl_rgbe_encode(const float rgb[3], unsigned char ret_rgbe[4])
 {
     float clean[3], most = 0;
-    int exponent;
+    uint32_t bits;
     for (int i = 0; i < 3; i++) {
         clean[i] = isfinite(rgb[i]) && rgb[i] > 0 ? rgb[i] : 0;
         most = fmaxf(most, clean[i]);
@@ -24,7 +24,10 @@ void orl_rgbe_encode(const float rgb[3], unsigned char ret_rgbe[4])
     memset(ret_rgbe, 0, 4);
     if (most < 1e-32F)
         return;
-    const double scale = frexp((double)most, &exponent) * 256.0 / most;
+    /* most is below 2^exponent, and at least half of that; it is no denormal. */
+    memcpy(&bits, &most, sizeof bits);
+    const int exponent = (int)(bits >> 23) - 126;
+    const double scale = ldexp(256, -exponent);
     for (int i = 0; i < 3; i++)
         ret_rgbe[i] = (unsigned char)fmin(clean[i] * scale, 255);
     ret_rgbe[3] = (unsigned char)(exponent + 128);
@@ -39,14 +42,15 @@ static uint32_t run_length(const unsigned char *bytes, uint32_t count)
     return n;
 }
 
-/* One component of a scanline, as runs (128 + length, byte) and dumps (length, bytes). */
-static void write_component(FILE *stream, const unsigned char *bytes, uint32_t count)
+/* One component of a scanline, as runs (128 + length, byte) and dumps (length, bytes). Returns the
+ * end of what it wrote: at most half as much again, and two. */
+static unsigned char *put_component(unsigned char *out, const unsigned char *bytes, uint32_t count)
 {
     for (uint32_t at = 0; at < count;) {
         uint32_t run = run_length(bytes + at, count - at), dump = 0;
         if (run >= LEAST_RUN) {
-            putc((int)(128 + run), stream);
-            putc(bytes[at], stream);
+            *out++ = (unsigned char)(128 + run);
+            *out++ = bytes[at];
             at += run;
             continue;
         }
@@ -57,33 +61,43 @@ static void write_component(FILE *stream, const unsigned char *bytes, uint32_t c
             dump += run;
         }
         dump = dump < LONGEST_DUMP ? dump : LONGEST_DUMP;
-        putc((int)dump, stream);
-        fwrite(bytes + at, 1, dump, stream);
+        *out++ = (unsigned char)dump;
+        memcpy(out, bytes + at, dump);
+        out += dump;
         at += dump;
     }
+    return out;
+}
+
+/* parts: a row of each component. Returns how much of out it is. */
+static size_t put_scanline(unsigned char *out, const unsigned char *parts, uint32_t width)
+{
+    unsigned char *end = out;
+    if (width < SHORTEST_RLE || width > LONGEST_RLE) {
+        for (uint32_t x = 0; x < width; x++)
+            for (uint32_t c = 0; c < 4; c++)
+                *end++ = parts[c * width + x];
+        return (size_t)(end - out);
+    }
+    *end++ = 2;
+    *end++ = 2;
+    *end++ = (unsigned char)(width >> 8);
+    *end++ = (unsigned char)(width & 255);
+    for (uint32_t c = 0; c < 4; c++)
+        end = put_component(end, parts + (size_t)c * width, width);
+    return (size_t)(end - out);
 }
 
 static void write_scanline(FILE *stream, float (*const row)[3], uint32_t width,
                            unsigned char *scratch)
 {
-    unsigned char pixel[4];
+    unsigned char pixel[4], *const out = scratch + 4 * (size_t)width;
     for (uint32_t x = 0; x < width; x++) {
         orl_rgbe_encode(row[x], pixel);
         for (uint32_t c = 0; c < 4; c++)
             scratch[c * width + x] = pixel[c];
     }
-    if (width < SHORTEST_RLE || width > LONGEST_RLE) {
-        for (uint32_t x = 0; x < width; x++)
-            for (uint32_t c = 0; c < 4; c++)
-                putc(scratch[c * width + x], stream);
-        return;
-    }
-    putc(2, stream);
-    putc(2, stream);
-    putc((int)(width >> 8), stream);
-    putc((int)(width & 255), stream);
-    for (uint32_t c = 0; c < 4; c++)
-        write_component(stream, scratch + (size_t)c * width, width);
+    fwrite(out, 1, put_scanline(out, scratch, width), stream);
 }
 
 int orl_film_write_hdr(const struct orl_film *film, const struct orl_view *view, const char *path,
@@ -91,7 +105,7 @@ int orl_film_write_hdr(const struct orl_film *film, const struct orl_view *view,
 {
     struct orl_out_file file = {.stream = NULL};
     char text[1024];
-    unsigned char *scratch = malloc((size_t)film->width * 4);
+    unsigned char *scratch = malloc((size_t)film->width * 4 * 3 + 16); /* see put_component */
     int code = scratch ? orl_out_open(&file, path, err)
                        : orl_error_set(err, ORL_ERR_NOMEM, "out of memory writing an image");
     if (code == 0 && file.stream) {
