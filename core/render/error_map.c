@@ -171,7 +171,7 @@ static int say_how_large(const struct orl_film *film, char *ret_text, size_t siz
 {
     const size_t n = (size_t)film->width * film->height;
     const double mean = orl_film_mean(film);
-    double *errors = malloc((n + 1) * sizeof *errors);
+    double *errors = calloc(n + 1, sizeof *errors);
     if (!errors)
         return ORL_ERR_NOMEM;
     for (size_t i = 0; i < n; i++)

@@ -123,11 +123,12 @@ int orl_run_write_view(struct orl_run_state *state, size_t index, const struct o
     struct writing *writing = calloc(1, sizeof *writing);
     forget_files(result);
     result->name = strdup(request->name);
-    int code = result->name && writing ? 0 : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-    if (code == 0) {
-        writing->film = film;
-        code = orl_view_parse(request->view, &writing->view, err);
+    if (!result->name || !writing) {
+        free(writing);
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     }
+    writing->film = film;
+    int code = orl_view_parse(request->view, &writing->view, err);
     if (code == 0)
         code = name_files(state, result, writing, count, err);
     if (code == 0)
