@@ -84,7 +84,7 @@ static struct shapes shapes_of(const struct orl_rings *r, double least_area)
             ring = orl_moments_add(&ring, &r->discs[i + 1], -1);
         shapes.discs[i] = shape_of(&r->discs[i], least_area);
         shapes.rings[i] = shape_of(&ring, least_area);
-        inside += r->rings[i].found;
+        inside += r->rings[i].mass[ORL_MASS_COUNT];
         if (inside < LEAST)
             shapes.narrowest = i > 0 ? i - 1 : 0;
     }
@@ -218,11 +218,11 @@ static struct sums luma_of(const struct orl_rings *rings)
     for (int i = 0; i < RINGS; i++) {
         const struct orl_ring *ring = &rings->rings[i];
         for (int b = 0; b < ORL_MAP_BATCHES; b++) {
-            sums.rings[i].all += (double)ring->batch[b];
-            sums.rings[i].x += (double)ring->batch_by_x[b];
-            sums.rings[i].y += (double)ring->batch_by_y[b];
+            sums.rings[i].all += (double)ring->mass[b];
+            sums.rings[i].x += (double)ring->by_x[b];
+            sums.rings[i].y += (double)ring->by_y[b];
         }
-        sums.rings[i].squares = (double)ring->squares;
+        sums.rings[i].squares = (double)ring->mass[ORL_MASS_SQUARES];
     }
     fill_discs(&sums);
     return sums;
@@ -237,9 +237,9 @@ static struct sums leave_out(const struct sums *all, const struct orl_rings *rin
         const struct sum *ring = &all->rings[i];
         const struct orl_ring *r = &rings->rings[i];
         sums.rings[i] =
-            (struct sum){factor * fmax(ring->all - (double)r->batch[batch], 0),
-                         factor * (ring->x - (double)r->batch_by_x[batch]),
-                         factor * (ring->y - (double)r->batch_by_y[batch]), factor * ring->squares};
+            (struct sum){factor * fmax(ring->all - (double)r->mass[batch], 0),
+                         factor * (ring->x - (double)r->by_x[batch]),
+                         factor * (ring->y - (double)r->by_y[batch]), factor * ring->squares};
     }
     fill_discs(&sums);
     return sums;
@@ -256,9 +256,9 @@ static double channel_of(const struct orl_rings *rings, const struct shapes *sha
     for (int i = RINGS - 1; i >= 0; i--) {
         const struct orl_ring *ring = &rings->rings[i];
         const struct shape *shape = &shapes->discs[i];
-        disc.all += (double)ring->flux[channel];
-        disc.x += (double)ring->by_x[channel];
-        disc.y += (double)ring->by_y[channel];
+        disc.all += (double)ring->mass[ORL_MASS_FLUX + channel];
+        disc.x += (double)ring->by_x[ORL_MASS_FLUX + channel];
+        disc.y += (double)ring->by_y[ORL_MASS_FLUX + channel];
         const double level = disc.all / shape->level;
         const double plane = blend->planes[i] > 0 ? plane_of(&disc, shape) - level : 0;
         value += blend->weights[i] * fmax(level + blend->planes[i] * plane, 0);

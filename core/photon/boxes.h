@@ -15,20 +15,21 @@ struct orl_box_visit {
 enum { ORL_BOX_STACK = ORL_MAP_LEVELS * ORL_MAP_FANOUT };
 
 /* Squared distance, in cells, from a point to each child's box; infinite for absent children. */
-static inline void orl_box_distances(const struct orl_map_group *group, const float at[3],
-                                     float ret_distance2[ORL_MAP_FANOUT])
+static inline void orl_box_distances(const struct orl_map_group *restrict group, const float at[3],
+                                     float ret_distance2[restrict ORL_MAP_FANOUT])
 {
-    /* Children in the inner loop: eight at once, where the machine can. */
-    for (int c = 0; c < ORL_MAP_FANOUT; c++)
-        ret_distance2[c] = 0;
-    for (int k = 0; k < 3; k++) {
-        const float *low = group->low[k], *high = group->high[k];
-        for (int c = 0; c < ORL_MAP_FANOUT; c++) {
-            const float below = low[c] - at[k], above = at[k] - high[c];
-            float out = below > above ? below : above;
-            out = out > 0 ? out : 0;
-            ret_distance2[c] += out * out;
-        }
+    const float x = at[0], y = at[1], z = at[2];
+    /* All axes of eight children at once, where the machine can. */
+    for (int c = 0; c < ORL_MAP_FANOUT; c++) {
+        const float left = group->low[0][c] - x, right = x - group->high[0][c];
+        const float front = group->low[1][c] - y, back = y - group->high[1][c];
+        const float below = group->low[2][c] - z, above = z - group->high[2][c];
+        float u = left > right ? left : right, v = front > back ? front : back,
+              w = below > above ? below : above;
+        u = u > 0 ? u : 0;
+        v = v > 0 ? v : 0;
+        w = w > 0 ? w : 0;
+        ret_distance2[c] = u * u + v * v + w * w;
     }
 }
 

@@ -17,6 +17,8 @@ static const float widest_ramp = 0.5F, widest_in_cut = 0.3F;
 /* Over the radius asked about: as far, squared, as leaves are looked for, lest their near ends be
  * missed. */
 static const float beyond2 = 1.15F;
+/* Of cells, across a plane: less than sheet.h allows. */
+static const float rounding = 3.9F;
 
 static bool on_sheet(const struct orl_hunt *hunt, uint16_t normal, const float chord[3],
                      float distance2)
@@ -24,7 +26,7 @@ static bool on_sheet(const struct orl_hunt *hunt, uint16_t normal, const float c
     /* Nearly always: the same plane, within rounding (sheet.h). */
     const float *own = hunt->direction;
     if (normal == hunt->normal &&
-        fabsf(chord[0] * own[0] + chord[1] * own[1] + chord[2] * own[2]) < 3.9F)
+        fabsf(chord[0] * own[0] + chord[1] * own[1] + chord[2] * own[2]) < rounding)
         return true;
     const struct orl_vec3 c = orl_v3(chord[0], chord[1], chord[2]);
     return orl_same_sheet(hunt->query->normal, hunt->normal, normal, chord) &&
@@ -61,43 +63,99 @@ static void take_apart(struct orl_hunt *hunt, uint32_t leaf)
     }
 }
 
-/* Whether all of a leaf is too far away. */
-static bool is_beyond(const struct orl_hunt *hunt, const struct orl_leaf_sum *sum)
+/* What a leaf is, at first sight. */
+enum sight { NOTHING, WHOLE, DOUBTFUL, APART };
+
+struct sights {
+    float distance2[ORL_MAP_FANOUT];
+    uint32_t what[ORL_MAP_FANOUT];
+};
+
+/*
+ * Leaves are wholes that are narrow, and of the point's sheet: nearly always of the same plane,
+ * within rounding. Those are told from others by eight at once.
+ */
+static inline void look_at(const struct orl_hunt *hunt, const struct orl_leaf_group *group,
+                           const struct orl_map_group *boxes, struct sights *ret_sights)
 {
-    const float x = sum->at[0] - hunt->at[0], y = sum->at[1] - hunt->at[1],
-                z = sum->at[2] - hunt->at[2], far = hunt->radius + sum->reach;
-    return x * x + y * y + z * z > far * far;
+    const float radius = hunt->radius, radius2 = hunt->radius2, inner = hunt->inner;
+    const float widest = hunt->widest, near_by = beyond2 * radius2;
+    const uint32_t normal = hunt->normal, facing = hunt->facing;
+    float box2[ORL_MAP_FANOUT];
+    orl_box_distances(boxes, hunt->at, box2);
+    for (int i = 0; i < ORL_MAP_FANOUT; i++) {
+        const float x = group->at[0][i] - hunt->at[0], y = group->at[1][i] - hunt->at[1],
+                    z = group->at[2][i] - hunt->at[2];
+        const float d2 = x * x + y * y + z * z, reach = group->reach[i], ramp = group->ramp[i];
+        const float off =
+            fabsf(x * hunt->direction[0] + y * hunt->direction[1] + z * hunt->direction[2]);
+        const float far = radius + reach, within = inner - reach;
+        const uint32_t near = (box2[i] < near_by) & ((boxes->facing[i] & facing) != 0);
+        const uint32_t parallel = group->normal[i] == normal;
+        /* Further off than the slopes of a sheet reach (sheet.h). */
+        const uint32_t other = parallel & (off > 0.05F * far + 2 * rounding);
+        const uint32_t level = parallel & (off < rounding);
+        const uint32_t whole = level & (within > 0) & (d2 < within * within);
+        const uint32_t narrow = (ramp <= widest) & (group->normal[i] < ORL_NO_PLANE);
+        const uint32_t touches = d2 - 2 * radius * ramp < radius2;
+        const uint32_t as_one = touches ? (whole ? WHOLE : DOUBTFUL) : NOTHING;
+        const uint32_t in_parts = d2 <= far * far ? APART : NOTHING;
+        ret_sights->distance2[i] = d2;
+        ret_sights->what[i] = near & (other ^ 1) ? (narrow ? as_one : in_parts) : NOTHING;
+    }
 }
 
-/* Takes a leaf as a whole, or leaves it out; false: it has to be taken apart. */
-static bool take_whole(struct orl_hunt *hunt, const struct orl_leaf_sum *sum, uint32_t leaf)
+static struct orl_vec3 from_point(const struct orl_hunt *hunt, float x, float y, float z)
 {
-    const float chord[3] = {sum->at[0] - hunt->at[0], sum->at[1] - hunt->at[1],
-                            sum->at[2] - hunt->at[2]};
-    const float d2 = chord[0] * chord[0] + chord[1] * chord[1] + chord[2] * chord[2];
+    return orl_v3((x - hunt->at[0]) * hunt->cell, (y - hunt->at[1]) * hunt->cell,
+                  (z - hunt->at[2]) * hunt->cell);
+}
+
+static enum orl_side side_of(const struct orl_hunt *hunt, const struct orl_leaf_group *group,
+                             uint32_t lane, uint32_t leaf)
+{
+    const struct orl_map_group *box = &hunt->sums->map->levels[0][leaf / ORL_MAP_FANOUT];
+    const struct orl_patch patch = {
+        .middle = from_point(hunt, group->at[0][lane], group->at[1][lane], group->at[2][lane]),
+        .low = from_point(hunt, box->low[0][lane], box->low[1][lane], box->low[2][lane]),
+        .high = from_point(hunt, box->high[0][lane], box->high[1][lane], box->high[2][lane]),
+        .reach = group->reach[lane] * hunt->cell,
+        .rounding = hunt->cell};
+    return orl_footprint_side(hunt->footprint, &patch);
+}
+
+/* A narrow leaf: takes it as a whole, or leaves it out; false: it has to be taken apart. */
+static bool take_whole(struct orl_hunt *hunt, const struct orl_leaf_group *group, uint32_t lane,
+                       float d2, uint32_t leaf)
+{
+    const float chord[3] = {group->at[0][lane] - hunt->at[0], group->at[1][lane] - hunt->at[1],
+                            group->at[2][lane] - hunt->at[2]};
     enum orl_side side = ORL_SIDE_WITHIN;
-    if (d2 - 2 * hunt->radius * sum->ramp >= hunt->radius2 ||
-        !on_sheet(hunt, sum->normal, chord, d2))
+    if (!on_sheet(hunt, (uint16_t)group->normal[lane], chord, d2))
         return true;
-    if (hunt->footprint && !(sqrtf(d2) + sum->reach < hunt->inner)) {
-        const double cell = hunt->cell;
-        side = orl_footprint_side(hunt->footprint,
-                                  orl_v3(chord[0] * cell, chord[1] * cell, chord[2] * cell),
-                                  sum->reach * cell);
-    }
+    if (hunt->footprint && !(sqrtf(d2) + group->reach[lane] < hunt->inner))
+        side = side_of(hunt, group, lane, leaf);
     if (side == ORL_SIDE_WITHIN)
         hunt->list[hunt->leaves++] = (struct orl_search_candidate){d2, leaf};
     return side != ORL_SIDE_BOTH;
 }
 
-static void take_leaf(struct orl_hunt *hunt, uint32_t leaf)
+static void take_group(struct orl_hunt *hunt, uint32_t node, const struct sights *sights)
 {
-    const struct orl_leaf_sum *sum = &hunt->sums->leaves[leaf];
-    const float widest = 0.5F * (hunt->footprint ? widest_in_cut : widest_ramp) * hunt->radius;
-    const bool narrow = sum->reach < INFINITY && !(sum->ramp > widest) &&
-                        !(hunt->query->at_photon && hunt->query->skip / ORL_MAP_LEAF == leaf);
-    if (narrow ? !take_whole(hunt, sum, leaf) : !is_beyond(hunt, sum))
-        take_apart(hunt, leaf);
+    const struct orl_leaf_group *group = &hunt->sums->groups[node];
+    for (uint32_t i = 0; i < ORL_MAP_FANOUT && !hunt->full; i++) {
+        const uint32_t leaf = node * ORL_MAP_FANOUT + i;
+        const bool own = hunt->query->at_photon && hunt->query->skip / ORL_MAP_LEAF == leaf;
+        if (sights->what[i] == NOTHING)
+            continue;
+        if (own || sights->what[i] == APART)
+            take_apart(hunt, leaf);
+        else if (sights->what[i] == WHOLE)
+            hunt->list[hunt->leaves++] = (struct orl_search_candidate){sights->distance2[i], leaf};
+        else if (!take_whole(hunt, group, i, sights->distance2[i], leaf))
+            take_apart(hunt, leaf);
+        hunt->full = hunt->leaves + hunt->photons + ORL_MAP_LEAF > ROOM;
+    }
 }
 
 /* In the order of the map: whatever comes first, all of it is looked at. */
@@ -110,26 +168,33 @@ ORL_FOR_WIDE_VECTORS static void find_all(struct orl_hunt *hunt)
     uint32_t depth = 0;
     hunt->leaves = hunt->photons = 0;
     hunt->radius = sqrtf(hunt->radius2);
+    hunt->widest = 0.5F * (hunt->footprint ? widest_in_cut : widest_ramp) * hunt->radius;
     hunt->full = false;
     stack[depth].level = map->header->levels - 1;
     stack[depth++].node = 0;
-    while (depth > 0) {
+    while (depth > 0 && !hunt->full) {
         const uint32_t level = stack[--depth].level, node = stack[depth].node;
         const struct orl_map_group *group = &map->levels[level][node];
         float distance2[ORL_MAP_FANOUT];
+        struct sights sights;
+        if (level == 0) {
+            look_at(hunt, &hunt->sums->groups[node], group, &sights);
+            take_group(hunt, node, &sights);
+            continue;
+        }
         orl_box_distances(group, hunt->at, distance2);
-        for (uint32_t c = 0; c < ORL_MAP_FANOUT && !hunt->full; c++) {
+        for (uint32_t c = ORL_MAP_FANOUT; c-- > 0;) {
             if (!(distance2[c] < beyond2 * hunt->radius2) || !(group->facing[c] & hunt->facing))
                 continue;
-            if (level > 0) {
-                stack[depth].level = level - 1;
-                stack[depth++].node = node * ORL_MAP_FANOUT + c;
-                continue;
-            }
-            take_leaf(hunt, node * ORL_MAP_FANOUT + c);
-            hunt->full = hunt->leaves + hunt->photons + ORL_MAP_LEAF > ROOM;
+            stack[depth].level = level - 1;
+            stack[depth++].node = node * ORL_MAP_FANOUT + c;
         }
     }
+}
+
+static uint32_t photons_of(const struct orl_hunt *hunt, uint32_t leaf)
+{
+    return orl_leaf_photons(hunt->sums->map, leaf);
 }
 
 uint32_t orl_hunt_count(const struct orl_hunt *hunt)
@@ -137,7 +202,7 @@ uint32_t orl_hunt_count(const struct orl_hunt *hunt)
     uint32_t count = hunt->photons;
     for (uint32_t i = 0; i < hunt->leaves; i++)
         if (hunt->list[i].distance2 < hunt->radius2)
-            count += hunt->sums->leaves[hunt->list[i].index].count;
+            count += photons_of(hunt, hunt->list[i].index);
     return count;
 }
 
@@ -148,7 +213,7 @@ static float radius2_of(const struct orl_hunt *hunt, uint32_t k)
     const float scale = BINS / hunt->radius2;
     for (uint32_t i = 0; i < hunt->leaves; i++) {
         const float at = hunt->list[i].distance2 * scale;
-        bins[at < BINS ? (uint32_t)at : BINS] += hunt->sums->leaves[hunt->list[i].index].count;
+        bins[at < BINS ? (uint32_t)at : BINS] += photons_of(hunt, hunt->list[i].index);
     }
     for (uint32_t i = 0; i < hunt->photons; i++)
         bins[(uint32_t)(hunt->list[ROOM - 1 - i].distance2 * scale)]++;
@@ -207,8 +272,8 @@ float orl_hunt_first_radius2(const struct orl_hunt *hunt, const struct orl_zorde
     const uint64_t leaf = orl_zorder_find(order, orl_zorder_code(cell, hunt->normal));
     for (uint64_t i = leaf < BESIDE ? 0 : leaf - BESIDE;
          i <= leaf + BESIDE && i < hunt->sums->count; i++) {
-        const struct orl_leaf_sum *sum = &hunt->sums->leaves[i];
-        near2[n++] = sum->ramp * sum->ramp / (float)sum->count;
+        const float ramp = hunt->sums->groups[i / ORL_MAP_FANOUT].ramp[i % ORL_MAP_FANOUT];
+        near2[n++] = ramp * ramp / (float)photons_of(hunt, (uint32_t)i);
     }
     qsort(near2, n, sizeof *near2, compare);
     return fmaxf((float)hunt->query->k * near2[n / 2], 4);
@@ -220,6 +285,7 @@ struct orl_hunt orl_hunt_of(const struct orl_sums *sums, const struct orl_densit
     struct orl_hunt hunt = {.sums = sums,
                             .query = query,
                             .list = search->candidates,
+                            .inner = INFINITY,
                             .cell = sums->map->header->cell,
                             .normal = orl_normal_encode(query->normal),
                             .facing = orl_facing_mask(&sums->map->facing, query->normal)};

@@ -23,6 +23,7 @@ struct orl_hunt {
     float radius2, radius; /* cells */
     float flat2;           /* nearer than this photons lie in the footing's plane */
     float inner;           /* cells: within this the footprint is whole */
+    float widest;          /* cells: leaves with wider ramps are taken apart */
     uint32_t leaves, photons, facing;
     uint16_t normal;
     bool full;

@@ -96,16 +96,19 @@ static bool make_record(struct maker *m, size_t index, struct orl_search *search
  * the disc that was found to be even, and nothing stands between. Beside walls light has to be
  * quite even for that.
  */
-static bool speaks_for(const struct maker *m, const struct orl_leaf_sum *own,
-                       const struct orl_leaf_sum *leaf, const struct orl_footing *footing,
-                       const struct orl_density *density)
+static bool speaks_for(const struct maker *m, uint64_t own, uint64_t leaf,
+                       const struct orl_footing *footing, const struct orl_density *density)
 {
-    const double cell = m->adapt.sums.map->header->cell;
+    const struct orl_sums *sums = &m->adapt.sums;
+    const double cell = sums->map->header->cell;
+    const struct orl_leaf_group *a = &sums->groups[own / ORL_MAP_FANOUT];
+    const struct orl_leaf_group *b = &sums->groups[leaf / ORL_MAP_FANOUT];
+    const uint32_t i = own % ORL_MAP_FANOUT, k = leaf % ORL_MAP_FANOUT;
     const struct orl_vec3 chord =
-        orl_v3(leaf->at[0] - own->at[0], leaf->at[1] - own->at[1], leaf->at[2] - own->at[2]);
-    const double far = (orl_length(chord) + (double)leaf->reach) * cell;
-    if (leaf->normal != own->normal || !(far < density->radius) ||
-        !orl_chord_fits(orl_normal_decode(own->normal), chord, 0))
+        orl_v3(b->at[0][k] - a->at[0][i], b->at[1][k] - a->at[1][i], b->at[2][k] - a->at[2][i]);
+    const double far = (orl_length(chord) + (double)b->reach[k]) * cell;
+    if (b->normal[k] == ORL_NO_PLANE || b->normal[k] != a->normal[i] || !(far < density->radius) ||
+        !orl_chord_fits(orl_normal_decode((uint16_t)a->normal[i]), chord, 0))
         return false;
     return far < density->clear ||
            (density->evenness >= quite_even &&
@@ -135,26 +138,33 @@ static bool speaks_for_all(const struct maker *m, const struct voice *voice, siz
 {
     const struct orl_sums *sums = &m->adapt.sums;
     const uint64_t leaf = LEAVES_A_RECORD * (uint64_t)first, end = leaf + LEAVES_A_RECORD * n;
-    const struct orl_leaf_sum *own = &sums->leaves[LEAVES_A_RECORD * (uint64_t)voice->index];
+    const uint64_t own = LEAVES_A_RECORD * (uint64_t)voice->index;
     if (!voice->made || !(voice->density.evenness >= even) || end > sums->count)
         return false;
     for (uint64_t i = leaf; i < end; i++)
-        if (!speaks_for(m, own, &sums->leaves[i], &voice->footing, &voice->density))
+        if (!speaks_for(m, own, i, &voice->footing, &voice->density))
             return false;
     return true;
 }
 
-/* Where light is even one record does for all four, or for two; else each of them is made. */
-static void make_group(struct maker *m, size_t first, struct orl_search *search, struct hint *hint)
+/*
+ * Makes records for so many places: where light is even one amid them does for all, else each half
+ * is seen to. `voice` is one of them that is there already, or NULL.
+ */
+static void make_group(struct maker *m, size_t first, size_t n, const struct voice *voice,
+                       struct orl_search *search, struct hint *hint)
 {
-    struct voice voice = make_voice(m, first + 2, search, hint);
-    if (speaks_for_all(m, &voice, first, GROUP))
+    const size_t half = n / 2;
+    struct voice own;
+    if (!voice) {
+        own = make_voice(m, first + half, search, hint);
+        voice = &own;
+    }
+    if (n == 1 || speaks_for_all(m, voice, first, n))
         return;
-    if (!speaks_for_all(m, &voice, first + 2, 2))
-        make_voice(m, first + 3, search, hint);
-    voice = make_voice(m, first + 1, search, hint);
-    if (!speaks_for_all(m, &voice, first, 2))
-        make_voice(m, first, search, hint);
+    const bool above = voice->index >= first + half;
+    make_group(m, first + half, n - half, above ? voice : NULL, search, hint);
+    make_group(m, first, half, above ? NULL : voice, search, hint);
 }
 
 static void make_chunk(void *arg, size_t chunk, uint32_t member)
@@ -165,7 +175,7 @@ static void make_chunk(void *arg, size_t chunk, uint32_t member)
     if (atomic_load_explicit(m->making->cancel, memory_order_relaxed))
         return;
     for (size_t i = first; i < first + CHUNK && i < m->records.count; i += GROUP)
-        make_group(m, i, &m->making->searches[member], &hint);
+        make_group(m, i, GROUP, NULL, &m->making->searches[member], &hint);
 }
 
 static int make_all(struct maker *m)

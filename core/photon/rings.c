@@ -14,33 +14,6 @@ static const float first_beyond = 1.15F;
 
 /* ---- Adding up ------------------------------------------------------------------------------- */
 
-/* Fluxes and all, at a place of the tangent plane. */
-struct mass {
-    const float *flux, *luma;
-    float squares, count, x, y;
-};
-
-static void add_mass(struct orl_ring *ring, const struct mass *m, float share, float by_moment)
-{
-    ring->squares += share * m->squares;
-    ring->found += share * m->count;
-    for (int c = 0; c < 3; c++)
-        ring->flux[c] += share * m->flux[c];
-    for (int i = 0; i < ORL_MAP_BATCHES; i++)
-        ring->batch[i] += share * m->luma[i];
-    if (!(by_moment > 0))
-        return;
-    const float x = by_moment * m->x, y = by_moment * m->y;
-    for (int c = 0; c < 3; c++) {
-        ring->by_x[c] += x * m->flux[c];
-        ring->by_y[c] += y * m->flux[c];
-    }
-    for (int i = 0; i < ORL_MAP_BATCHES; i++) {
-        ring->batch_by_x[i] += x * m->luma[i];
-        ring->batch_by_y[i] += y * m->luma[i];
-    }
-}
-
 /*
  * What share of a leaf lies within a radius, linear in the area; and for first moments, linear in
  * the third power: then sums over even light are those of the disc.
@@ -63,13 +36,19 @@ static struct share share_within(float radius, float distance2, float ramp, bool
     return share;
 }
 
+static void add_row(float *restrict sum, const float *restrict mass, float share)
+{
+    for (int i = 0; i < ORL_MASS; i++)
+        sum[i] += share * mass[i];
+}
+
 static void place(const struct orl_hunt *hunt, const struct orl_frame *frame, const float at[3],
-                  struct mass *mass)
+                  float *ret_x, float *ret_y)
 {
     const struct orl_vec3 chord =
         orl_v3(at[0] - hunt->at[0], at[1] - hunt->at[1], at[2] - hunt->at[2]);
-    mass->x = (float)(orl_dot(chord, frame->u) * hunt->cell);
-    mass->y = (float)(orl_dot(chord, frame->v) * hunt->cell);
+    *ret_x = (float)(orl_dot(chord, frame->u) * hunt->cell);
+    *ret_y = (float)(orl_dot(chord, frame->v) * hunt->cell);
 }
 
 ORL_FOR_WIDE_VECTORS static void add_leaves(const struct orl_hunt *hunt,
@@ -79,22 +58,42 @@ ORL_FOR_WIDE_VECTORS static void add_leaves(const struct orl_hunt *hunt,
     static const float narrower = 0.70710678F;
     for (uint32_t n = 0; n < hunt->leaves; n++) {
         const float distance2 = hunt->list[n].distance2;
-        const struct orl_leaf_sum *sum = &hunt->sums->leaves[hunt->list[n].index];
-        struct mass mass = {sum->flux, sum->luma, sum->squares, sum->count, 0, 0};
-        float disc = radius;
-        struct share share = share_within(disc, distance2, sum->ramp, frame != NULL);
+        const uint32_t leaf = hunt->list[n].index, lane = leaf % ORL_MAP_FANOUT;
+        const struct orl_leaf_group *group = &hunt->sums->groups[leaf / ORL_MAP_FANOUT];
+        const float *mass = hunt->sums->masses[leaf], ramp = group->ramp[lane];
+        float disc = radius, x = 0, y = 0;
+        struct share share = share_within(disc, distance2, ramp, frame != NULL);
         if (frame && share.area > 0)
-            place(hunt, frame, sum->at, &mass);
+            place(hunt, frame,
+                  (const float[3]){group->at[0][lane], group->at[1][lane], group->at[2][lane]}, &x,
+                  &y);
         for (int i = 0; i < ORL_RINGS && share.area > 0; i++) {
             struct share inside = {0, 0};
             disc *= narrower;
             if (i + 1 < ORL_RINGS)
-                inside = share_within(disc, distance2, sum->ramp, frame != NULL);
-            if (share.area > inside.area || share.moment > inside.moment)
-                add_mass(&rings[i], &mass, share.area - inside.area, share.moment - inside.moment);
+                inside = share_within(disc, distance2, ramp, frame != NULL);
+            if (share.area > inside.area)
+                add_row(rings[i].mass, mass, share.area - inside.area);
+            if (share.moment > inside.moment) {
+                add_row(rings[i].by_x, mass, (share.moment - inside.moment) * x);
+                add_row(rings[i].by_y, mass, (share.moment - inside.moment) * y);
+            }
             share = inside;
         }
     }
+}
+
+/* A photon's fluxes and all in sums, times a factor. */
+static void add_photon(float sum[ORL_MASS], const struct orl_rgb *flux, uint32_t batch,
+                       float factor)
+{
+    const float luma = (float)orl_luma(*flux);
+    sum[batch] += factor * luma;
+    sum[ORL_MASS_FLUX] += factor * (float)flux->r;
+    sum[ORL_MASS_FLUX + 1] += factor * (float)flux->g;
+    sum[ORL_MASS_FLUX + 2] += factor * (float)flux->b;
+    sum[ORL_MASS_SQUARES] += factor * luma * luma;
+    sum[ORL_MASS_COUNT] += factor;
 }
 
 static void add_photons(const struct orl_hunt *hunt, const struct orl_frame *frame, float radius2,
@@ -105,32 +104,23 @@ static void add_photons(const struct orl_hunt *hunt, const struct orl_frame *fra
         const struct orl_search_candidate c = hunt->list[ROOM - 1 - n];
         if (!(c.distance2 < radius2))
             continue;
-        const struct orl_rgb rgb = orl_flux_unpack(map->fluxes[c.index]);
-        const float flux[3] = {(float)rgb.r, (float)rgb.g, (float)rgb.b};
-        const float luma = (float)orl_luma(rgb);
+        const struct orl_rgb flux = orl_flux_unpack(map->fluxes[c.index]);
         const uint32_t batch = orl_photon_batch(map, c.index);
         struct orl_ring *ring = &rings[c.distance2 >= radius2 / 2   ? 0
                                        : c.distance2 >= radius2 / 4 ? 1
                                                                     : 2];
-        ring->squares += luma * luma;
-        ring->found += 1;
-        ring->batch[batch] += luma;
-        for (int i = 0; i < 3; i++)
-            ring->flux[i] += flux[i];
+        add_photon(ring->mass, &flux, batch, 1);
         if (!frame)
             continue;
         const uint32_t *leaf = map->places + (size_t)(c.index / ORL_MAP_LEAF) * ORL_LEAF_WORDS +
                                c.index % ORL_MAP_LEAF;
         uint32_t cell[3];
-        struct mass mass;
+        float x, y;
         orl_place_unpack(leaf[0], leaf[ORL_MAP_LEAF], cell);
-        place(hunt, frame, (const float[3]){(float)cell[0], (float)cell[1], (float)cell[2]}, &mass);
-        ring->batch_by_x[batch] += luma * mass.x;
-        ring->batch_by_y[batch] += luma * mass.y;
-        for (int i = 0; i < 3; i++) {
-            ring->by_x[i] += flux[i] * mass.x;
-            ring->by_y[i] += flux[i] * mass.y;
-        }
+        place(hunt, frame, (const float[3]){(float)cell[0], (float)cell[1], (float)cell[2]}, &x,
+              &y);
+        add_photon(ring->by_x, &flux, batch, x);
+        add_photon(ring->by_y, &flux, batch, y);
     }
 }
 
@@ -146,7 +136,7 @@ static void add_up(const struct orl_hunt *hunt, float radius2, struct orl_rings 
         const double radius = rings->radius * exp2(-0.5 * i);
         rings->discs[i] = hunt->footprint ? orl_footprint_moments(hunt->footprint, radius)
                                           : orl_disc_moments(radius);
-        rings->found += (double)rings->rings[i].found;
+        rings->found += (double)rings->rings[i].mass[ORL_MASS_COUNT];
     }
 }
 

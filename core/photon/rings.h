@@ -22,10 +22,9 @@
 
 enum { ORL_RINGS = 3 };
 
-/* Sums of photons, in the map's unit of flux, and of those times x and y (moments.h), in metres. */
+/* Sums of photons (sums.h), and of those times x and y (moments.h), in metres. */
 struct orl_ring {
-    float flux[3], by_x[3], by_y[3], squares, found;
-    float batch[ORL_MAP_BATCHES], batch_by_x[ORL_MAP_BATCHES], batch_by_y[ORL_MAP_BATCHES];
+    float mass[ORL_MASS], by_x[ORL_MASS], by_y[ORL_MASS];
 };
 
 struct orl_rings {

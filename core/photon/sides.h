@@ -1,5 +1,5 @@
 /*
- * Footprints as wholes: on which side of their border small discs lie, how far they are whole
+ * Footprints as wholes: on which side of their border small patches lie, how far they are whole
  * discs, and where they are as large as one.
  */
 #ifndef ORL_PHOTON_SIDES_H
@@ -9,12 +9,15 @@
 
 enum orl_side { ORL_SIDE_WITHIN, ORL_SIDE_BEYOND, ORL_SIDE_BOTH };
 
-/*
- * Where all that is no further than reach from the end of a chord lies, on the same plane. BOTH
- * also where that is not known.
- */
-enum orl_side orl_footprint_side(const struct orl_footprint *footprint, struct orl_vec3 chord,
-                                 double reach);
+/* Photons of one plane: all no further than reach from a middle, and in a box; from the point. */
+struct orl_patch {
+    struct orl_vec3 middle, low, high;
+    double reach, rounding; /* of the photons' places */
+};
+
+/* Where all of a patch of the footprint's plane lies. BOTH also where that is not known. */
+enum orl_side orl_footprint_side(const struct orl_footprint *footprint,
+                                 const struct orl_patch *patch);
 
 /* The radius within which no sector ends. */
 double orl_footprint_inner(const struct orl_footprint *footprint);

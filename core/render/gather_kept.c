@@ -19,7 +19,7 @@ uint64_t orl_gather_pause(struct orl_gather *gather)
     if (gather->texels)
         bytes += orl_texels_bytes(gather->texels);
     gather->adapt.sums.map = NULL;
-    bytes += gather->adapt.sums.count * (sizeof *gather->adapt.sums.leaves + 2 * sizeof(uint64_t));
+    bytes += orl_sums_bytes(&gather->adapt.sums) + gather->adapt.sums.count * 2 * sizeof(uint64_t);
     return bytes;
 }
 
