@@ -5,6 +5,9 @@
 #include "photon/sheet.h"
 #include "photon/sides.h"
 
+/* Neighbours that are searched at once, and not from a small radius up. */
+enum { FEW = 16 };
+
 struct walk {
     const struct orl_photon_map *map;
     const struct orl_density_query *query;
@@ -131,7 +134,8 @@ static float diagonal2_of(const struct orl_map_group *group, uint32_t child)
  * A first radius, from the leaves about the point: as if the photons of one lay on a square that
  * just fits its box, k of them take k/16 of its area. The leaf nearest to the point may be two
  * patches far apart, and then says nothing; so the smallest beside it is asked, too. To begin with
- * too small a radius costs little, too large a one very much: three quarters of k will do.
+ * too small a radius costs little, too large a one very much: three quarters of k will do. Of a few
+ * chance is too large a part for that: there twice k are looked for, and most left out again.
  */
 static float first_radius2(const struct walk *walk)
 {
@@ -154,7 +158,8 @@ static float first_radius2(const struct walk *walk)
         node = node * ORL_MAP_FANOUT + nearest;
     }
     const float diagonal2 = group ? fminf(diagonal2_of(group, nearest), 3 * smallest2) : 1;
-    return diagonal2 * (float)(0.75 / (2 * ORL_PI) / ORL_MAP_LEAF) * (float)walk->k;
+    const float share = walk->k > FEW ? 0.75F : 2.0F;
+    return diagonal2 * share * (float)(1 / (2 * ORL_PI) / ORL_MAP_LEAF) * (float)walk->k;
 }
 
 /* Searches ever wider until there are k, or all within the largest radius. */
@@ -248,7 +253,9 @@ static struct walk walk_of(const struct orl_photon_map *map, const struct orl_de
     orl_box_locate(map, query->point, walk.at);
     if (walk.k < 2)
         walk.k = 2;
-    walk.room = 4 * walk.k < 2 * ORL_SEARCH_MOST ? 4 * walk.k : 2 * ORL_SEARCH_MOST;
+    walk.room = walk.k > FEW ? 4 * walk.k : 2 * walk.k;
+    if (walk.room > 2 * ORL_SEARCH_MOST)
+        walk.room = 2 * ORL_SEARCH_MOST;
     if (query->footing) {
         const double flat = orl_footing_flat(query->footing) / map->header->cell;
         walk.flat2 = (float)fmin(flat * flat, 1e30);
