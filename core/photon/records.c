@@ -11,7 +11,7 @@
 
 enum { LEAVES_A_RECORD = 2, PHOTONS_A_RECORD = LEAVES_A_RECORD * ORL_MAP_LEAF };
 enum { GROUP = 4 };
-enum { NEAREST = 8, LEAST_JOINED = 4, MOST_SEARCHED = 256 };
+enum { NEAREST = 8, LEAST_JOINED = 4, MOST_SEARCHED = 256, GLANCED_AT = 3 };
 enum { ROUND = 1024, CHUNK = 16 };
 _Static_assert((int)CHUNK % (int)GROUP == 0 && (int)ROUND % (int)CHUNK == 0, "whole groups");
 
@@ -259,6 +259,7 @@ struct fit {
     double weight, x, y, xx, xy, yy;
     struct orl_rgb value, by_x, by_y;
     struct noted noted, noted_by_x, noted_by_y;
+    double squares; /* of the value's luma */
     uint32_t joined;
 };
 
@@ -293,6 +294,7 @@ static void add_to_fit(struct fit *fit, double weight, double x, double y, struc
     add_noted(&fit->noted, noted, weight);
     add_noted(&fit->noted_by_x, noted, weight * x);
     add_noted(&fit->noted_by_y, noted, weight * y);
+    fit->squares += weight * orl_luma(value) * orl_luma(value);
     fit->joined++;
 }
 
@@ -385,5 +387,30 @@ struct orl_density orl_records_estimate(const struct orl_photon_map *records,
     density.parts = noted.parts;
     density.bias = noted.bias;
     density.standard_error = sqrt(orl_batches_variance(&density.parts));
+    const double mean = orl_luma(fit.value) / fit.weight;
+    density.spread = sqrt(fmax(fit.squares / fit.weight - mean * mean, 0));
+    return density;
+}
+
+struct orl_density orl_records_glance(const struct orl_photon_map *records,
+                                      const struct orl_footing *footing, double max_radius,
+                                      struct orl_search *search)
+{
+    const struct orl_density_query query = {.point = footing->point,
+                                            .normal = footing->normal,
+                                            .k = GLANCED_AT + 1,
+                                            .max_radius = max_radius,
+                                            .footing = footing};
+    struct orl_density density = {.found = 0};
+    const uint32_t found = orl_density_nearest(records, &query, search, &density.radius);
+    for (uint32_t i = 0; i < found; i++) {
+        const uint32_t index = search->candidates[i].index;
+        const struct orl_rgb value =
+            orl_rgb_scale(orl_flux_unpack(records->fluxes[index]), records->header->flux_unit);
+        const struct noted noted = noted_of(records, index, orl_luma(value));
+        density.irradiance = orl_rgb_add(density.irradiance, orl_rgb_scale(value, 1.0 / found));
+        orl_batches_add(&density.parts, &noted.parts, 1.0 / found);
+    }
+    density.found = found > 0;
     return density;
 }

@@ -73,4 +73,12 @@ struct orl_density orl_records_estimate(const struct orl_photon_map *records,
                                         const struct orl_footing *footing, double max_radius,
                                         struct orl_search *search);
 
+/*
+ * The same by the few that are nearest, whatever stands in between: for rays of a hemisphere, which
+ * themselves are averaged.
+ */
+struct orl_density orl_records_glance(const struct orl_photon_map *records,
+                                      const struct orl_footing *footing, double max_radius,
+                                      struct orl_search *search);
+
 #endif

@@ -62,6 +62,7 @@ struct orl_density {
     /* Of the irradiance's luma: */
     double standard_error; /* of the photons' scatter */
     double bias;           /* what it is thought to be too high, for its width */
+    double spread; /* of records: how far they lie apart, as a standard deviation */
     struct orl_batches parts;
 };
 

@@ -180,7 +180,7 @@ static struct orl_rgb lit_again(const struct orl_gather *gather, const struct or
  * near. The tally takes its parts.
  */
 static struct orl_rgb met_irradiance(const struct orl_gather *gather, const struct orl_hit *hit,
-                                     bool near, struct orl_random *random,
+                                     bool near, bool roughly, struct orl_random *random,
                                      struct orl_search *search, struct orl_tally *tally)
 {
     const struct orl_vec3 lit = hit->front ? hit->normal : orl_neg(hit->normal);
@@ -189,7 +189,11 @@ static struct orl_rgb met_irradiance(const struct orl_gather *gather, const stru
     if (near || gather->rest != ORL_REST_GATHERED)
         irradiance = lit_again(gather, hit, &footing, random, search, tally);
     if (gather->rest == ORL_REST_RECORDS) {
-        const struct orl_density rest = orl_gather_rest(gather, &footing, search);
+        const struct orl_density rest =
+            roughly && gather->maps[ORL_MAP_PRECOMPUTED]
+                ? orl_records_glance(gather->maps[ORL_MAP_PRECOMPUTED], &footing,
+                                     gather->max_radius[ORL_MAP_PRECOMPUTED], search)
+                : orl_gather_rest(gather, &footing, search);
         tally->parts[ORL_MAP_PRECOMPUTED] = rest.parts;
         irradiance = orl_rgb_add(irradiance, rest.irradiance);
     } else if (gather->leaves && !near) {
@@ -254,7 +258,8 @@ static struct orl_rgb diffuse_radiance(const struct orl_gather *gather,
             return texel ? send_back_texel(ray, reflected, texel) : orl_gray(0);
     }
     struct orl_tally met = {{{{0}}}};
-    const struct orl_rgb irradiance = met_irradiance(gather, hit, near, random, search, &met);
+    const struct orl_rgb irradiance =
+        met_irradiance(gather, hit, near, ray->by_texels, random, search, &met);
     return send_back(gather, ray, reflected, irradiance, &met);
 }
 

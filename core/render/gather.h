@@ -8,7 +8,8 @@
  *     density    (direct) by the density right there of global photons, bias held down by the
  *                choice of bandwidth (photon/adapt.h);
  *     records    (precomputed, xCP) from irradiance precomputed at a fraction of the photons
- *                (photon/records.h): the global map itself is not needed.
+ *                (photon/records.h): the global map itself is not needed. Where those about a place
+ *                differ much views gather (lighting.h).
  * Every path of light is in exactly one of the three. Where no photons land (in mid-air, outside) a
  * hemisphere of rays serves every technique, and so it does where there happen to be none.
  *

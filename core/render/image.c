@@ -6,13 +6,16 @@
 
 enum { LAMP_RAYS = 4 };
 /* Rays into a pane's lobes; fewer where pictures err by more elsewhere. */
-enum { PANE_SAMPLES = 32, FEWER_PANE_SAMPLES = 20, GLOSS_SAMPLES = 4 };
+enum { PANE_SAMPLES = 32, FEWER_PANE_SAMPLES = 12, GLOSS_SAMPLES = 4 };
 static const double dimmest = 0.004; /* branches below this share of the pixel are not followed */
 enum { COARSEST_STEP = 16, RECORDS_A_ROUND = 256, HOLDS = 2 };
 
 /* Rows of a record's hemisphere, by the step that asks for it: the later, the fewer pixels it
  * serves, and the more company it has. */
 enum { ROWS = 12, ROWS_OF_STEP_4 = 9, LEAST_ROWS = 6 };
+
+/* Where the rest is read, down to that step all places are looked at. */
+enum { ALL_OF_STEP = 8 };
 
 /* So they are in pictures of that many pixels or more. Smaller ones have fewer records, every one
  * of them in a larger part of the picture: more rows, up to so many times as many. */
@@ -34,6 +37,7 @@ struct painter {
     struct orl_grain grain;
     /* A round of records: places found row by row, then computed. */
     uint32_t step;
+    uint64_t *seen; /* of every second pixel, by lattices' points; NULL: all places are gathered */
     struct row *rows;
     struct orl_record *wanted;
     size_t n_wanted, first_record;
@@ -58,11 +62,13 @@ static uint32_t finest_step(const struct painter *p)
     return p->gather->rest == ORL_REST_GATHERED || p->outside ? 1 : 2;
 }
 
-static uint32_t rows_of_step(const struct painter *p)
+/* Inside, where the rest is read, few rays are better than what they replace. */
+static uint32_t rows_of(const struct painter *p, const struct orl_place *place)
 {
+    const bool coarse = p->step > 2 && orl_lighting_gathers(p->gather, place);
     const struct orl_film *film = p->painting->film;
     const double finer = cbrt(sqrt(large_picture / ((double)film->width * film->height)));
-    const uint32_t rows = p->step > 4 ? ROWS : p->step > 2 ? ROWS_OF_STEP_4 : LEAST_ROWS;
+    const uint32_t rows = !coarse ? LEAST_ROWS : p->step > 4 ? ROWS : ROWS_OF_STEP_4;
     return (uint32_t)lrint(rows * fmin(fmax(finer, 1), most_finer));
 }
 
@@ -75,8 +81,8 @@ static void compute_record(void *arg, size_t index, uint32_t member)
         orl_random_stream(seed_of(p), ORL_PURPOSE_RECORD, p->cache.count + p->first_record + index);
     if (cancelled(p))
         return;
-    *record = orl_record_make(p->gather, &record->place, record->least, rows_of_step(p), &random,
-                              &p->painting->env->searches[member]);
+    *record = orl_record_make(p->gather, &record->place, record->least, rows_of(p, &record->place),
+                              &random, &p->painting->env->searches[member]);
 }
 
 static void want(struct row *row, const struct orl_vertex *v, const struct orl_grain *grain)
@@ -102,23 +108,94 @@ static bool is_served(const struct painter *p, const struct orl_place *place)
                                     : orl_icache_reaches(&p->cache, place);
 }
 
-/* The places along one lattice row that no record serves yet. */
+/* Whether what is read at a place leaves it in doubt. */
+static bool is_doubted(const struct painter *p, const struct orl_vertex *v,
+                       struct orl_search *search)
+{
+    struct orl_footing footing;
+    if (p->gather->rest != ORL_REST_RECORDS ||
+        !orl_gather_footing(p->gather, v->on_surface, v->place.normal, &footing))
+        return false;
+    const struct orl_density read = orl_gather_rest(p->gather, &footing, search);
+    return orl_lighting_doubt(&read) > 0;
+}
+
+/*
+ * What a lattice's point has seen: the way of its ray, or that something there is gathered. Where
+ * the rest is read few places want a record, and the finer rounds look only about those that do,
+ * and where what is seen changes.
+ */
+enum { SEEN_GATHERED };
+
+static uint64_t *seen_at(const struct painter *p, uint32_t x, uint32_t y)
+{
+    return &p->seen[(size_t)(y / 2) * ((p->painting->film->width + 1) / 2) + x / 2];
+}
+
+/* What the lattice before tells of a point of this one. */
+struct told {
+    bool all;      /* its points about this one have seen the same, and nothing gathered: */
+    bool gathered; /* one of them has */
+    uint64_t seen;
+};
+
+static struct told tell(const struct painter *p, uint32_t x, uint32_t y)
+{
+    const uint32_t coarse = 2 * p->step, x0 = x - x % coarse, y0 = y - y % coarse;
+    const uint32_t x1 = x == x0 ? x : x0 + coarse, y1 = y == y0 ? y : y0 + coarse;
+    const bool beyond_x = x1 >= p->painting->film->width;
+    const bool beyond_y = y1 >= p->painting->film->height;
+    const uint64_t seen[4] = {*seen_at(p, x0, y0), *seen_at(p, beyond_x ? x0 : x1, y0),
+                              *seen_at(p, x0, beyond_y ? y0 : y1),
+                              *seen_at(p, beyond_x ? x0 : x1, beyond_y ? y0 : y1)};
+    struct told told = {.all = !beyond_x && !beyond_y, .seen = seen[0]};
+    for (int i = 0; i < 4; i++) {
+        told.gathered = told.gathered || seen[i] == SEEN_GATHERED;
+        told.all = told.all && seen[i] == seen[0];
+    }
+    told.all = told.all && !told.gathered;
+    return told;
+}
+
+/* Looks through the middle of a pixel for places that no record serves yet; with doubt, also for
+ * those where what is read is in doubt. Returns what it has seen. */
+static uint64_t look_for_places(const struct painter *p, uint32_t x, uint32_t y, bool doubt,
+                                struct row *row, struct orl_search *search)
+{
+    struct orl_vec3 origin, direction;
+    struct orl_sight sight;
+    struct orl_random random = {0};
+    bool gathered = false;
+    if (!orl_paint_ray(p->painting, x + 0.5, y + 0.5, &origin, &direction))
+        return SEEN_GATHERED + 1;
+    orl_shade_look(&p->onlooker, origin, direction, p->outside, false, &random, search, &sight);
+    for (uint32_t i = 0; i < sight.n_vertices; i++) {
+        const struct orl_vertex *v = &sight.vertices[i];
+        const bool is_read = !orl_lighting_gathers(p->gather, &v->place);
+        const bool served = (!is_read || doubt) && is_served(p, &v->place);
+        const bool wants = !served && (!is_read || (doubt && is_doubted(p, v, search)));
+        if (wants)
+            want(row, v, &p->grain);
+        gathered = gathered || served || wants;
+    }
+    return gathered ? SEEN_GATHERED : sight.way | 1;
+}
+
+/* The places along one lattice row. */
 static void look_along_row(void *arg, size_t index, uint32_t member)
 {
     const struct painter *p = arg;
-    const uint32_t y = (uint32_t)index * p->step;
-    for (uint32_t x = 0; x < p->painting->film->width && !cancelled(p); x += p->step) {
-        struct orl_vec3 origin, direction;
-        struct orl_sight sight;
-        struct orl_random random = {0};
-        if (!orl_paint_ray(p->painting, x + 0.5, y + 0.5, &origin, &direction))
-            continue;
-        orl_shade_look(&p->onlooker, origin, direction, p->outside, false, &random,
-                       &p->painting->env->searches[member], &sight);
-        for (uint32_t i = 0; i < sight.n_vertices; i++)
-            if (orl_lighting_gathers(p->gather, &sight.vertices[i].place) &&
-                !is_served(p, &sight.vertices[i].place))
-                want(&p->rows[index], &sight.vertices[i], &p->grain);
+    struct orl_search *search = &p->painting->env->searches[member];
+    const uint32_t step = p->step, y = (uint32_t)index * step;
+    const bool all = !p->seen || step >= ALL_OF_STEP;
+    for (uint32_t x = 0; x < p->painting->film->width && !cancelled(p); x += step) {
+        if (!all && x % (2 * step) == 0 && y % (2 * step) == 0)
+            continue; /* the lattice before has been there */
+        const struct told told = all ? (struct told){.gathered = true} : tell(p, x, y);
+        const uint64_t seen =
+            told.all ? told.seen : look_for_places(p, x, y, told.gathered, &p->rows[index], search);
+        if (p->seen)
+            *seen_at(p, x, y) = seen;
     }
 }
 
@@ -166,10 +243,17 @@ static int compute_wanted(struct painter *p)
 /* Rounds from a coarse lattice to every pixel: the first half of the view's progress. */
 static int place_records(struct painter *p)
 {
+    const struct orl_film *film = p->painting->film;
     int code = 0;
     double done = 0;
+    if (finest_step(p) > 1) {
+        const size_t across = (film->width + 1) / 2, down = (film->height + 1) / 2;
+        p->seen = calloc(across * down, sizeof *p->seen);
+        if (!p->seen)
+            return ORL_ERR_NOMEM;
+    }
     for (p->step = COARSEST_STEP; p->step >= finest_step(p) && code == 0; p->step /= 2) {
-        const size_t rows = (p->painting->film->height + p->step - 1) / p->step;
+        const size_t rows = (film->height + p->step - 1) / p->step;
         p->rows = calloc(rows, sizeof *p->rows);
         if (!p->rows)
             return ORL_ERR_NOMEM;
@@ -238,6 +322,7 @@ int orl_image_render(const struct orl_gather *gather, const struct orl_painting 
         code = paint_pixels(&painter);
     orl_icache_done(&painter.cache);
     free(painter.wanted);
+    free(painter.seen);
     if (code == ORL_ERR_CANCELLED)
         return orl_error_set(err, code, "cancelled while rendering a view");
     if (code < 0)

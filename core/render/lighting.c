@@ -3,6 +3,16 @@
 /* Of the few records made for a place that no other reaches. */
 enum { ROWS = 5 };
 
+/* What is read is doubted, and then not believed at all, where records lie apart by such shares of
+ * it. */
+static const double doubted = 0.16, disbelieved = 0.2;
+
+double orl_lighting_doubt(const struct orl_density *read)
+{
+    const double luma = orl_luma(read->irradiance), beyond = read->spread - doubted * luma;
+    return beyond > 0 ? fmin(beyond / ((disbelieved - doubted) * luma), 1) : 0;
+}
+
 struct orl_shadowed orl_lighting_direct(const struct orl_lighting *lighting,
                                         const struct orl_sight *sight, uint32_t sequence,
                                         uint32_t first, struct orl_health *health)
@@ -39,6 +49,19 @@ static struct orl_cached stray_at(const struct orl_lighting *lighting, const str
                                hypot(record->error_by_photons, record->error_by_rays)};
 }
 
+/* What is read, and as much of what records of the cache say as it is in doubt. */
+static struct orl_cached believed(const struct orl_lighting *lighting, const struct orl_vertex *v,
+                                  const struct orl_density *read)
+{
+    const double doubt = orl_lighting_doubt(read), rest = 1 - doubt;
+    struct orl_cached cached = {read->irradiance, read->standard_error};
+    if (!(doubt > 0) || !orl_icache_lookup(lighting->cache, &v->place, &cached))
+        return cached;
+    return (struct orl_cached){
+        orl_rgb_add(orl_rgb_scale(cached.irradiance, doubt), orl_rgb_scale(read->irradiance, rest)),
+        doubt * cached.standard_error + rest * read->standard_error};
+}
+
 /* The rest at a vertex, by whichever way serves. read: by densities or records, where it is. */
 static struct orl_cached rest_at(const struct orl_lighting *lighting, const struct orl_vertex *v,
                                  const struct orl_density *read, struct orl_strays *strays,
@@ -46,7 +69,7 @@ static struct orl_cached rest_at(const struct orl_lighting *lighting, const stru
 {
     struct orl_cached cached;
     if (!orl_lighting_gathers(lighting->gather, &v->place) && read->found > 0)
-        return (struct orl_cached){read->irradiance, read->standard_error};
+        return believed(lighting, v, read);
     if (orl_icache_lookup(lighting->cache, &v->place, &cached))
         return cached;
     return stray_at(lighting, v, strays, random, search);

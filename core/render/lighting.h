@@ -33,6 +33,10 @@ static inline bool orl_lighting_gathers(const struct orl_gather *gather,
     return gather->rest == ORL_REST_GATHERED || place->outside;
 }
 
+/* How much of the rest at a place is gathered even so, of 0 to 1, where the records that are read
+ * differ: in dark places beside lit ones, which they are too wide to tell apart. */
+double orl_lighting_doubt(const struct orl_density *read);
+
 /* Direct light by way of all of a sight's surfaces: radiance. */
 struct orl_shadowed {
     struct orl_rgb radiance;
