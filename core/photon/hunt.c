@@ -5,7 +5,6 @@
 #include "base/vectors.h"
 #include "photon/boxes.h"
 #include "photon/sheet.h"
-#include "photon/sides.h"
 
 enum { ROOM = ORL_HUNT_ROOM, BINS = 512, MOST_TURNS = 32 };
 
@@ -19,6 +18,12 @@ static const float widest_ramp = 0.5F, widest_in_cut = 0.3F;
 static const float beyond2 = 1.15F;
 /* Of cells, across a plane: less than sheet.h allows. */
 static const float rounding = 3.9F;
+
+static uint32_t photons_of(const struct orl_hunt *hunt, uint32_t patch)
+{
+    uint32_t lane;
+    return orl_patch_find(hunt->sums, patch, &lane)->count[lane];
+}
 
 static bool on_sheet(const struct orl_hunt *hunt, uint16_t normal, const float chord[3],
                      float distance2)
@@ -36,16 +41,23 @@ static bool on_sheet(const struct orl_hunt *hunt, uint16_t normal, const float c
 static bool in_footprint(const struct orl_hunt *hunt, const float chord[3], float distance2)
 {
     const double cell = hunt->cell;
-    return !hunt->footprint || distance2 < hunt->inner * hunt->inner ||
+    bool within = distance2 < hunt->bound * hunt->bound;
+    for (uint32_t k = 0; within && k < hunt->n_lines; k++)
+        within = chord[0] * hunt->lines[k][0] + chord[1] * hunt->lines[k][1] +
+                     chord[2] * hunt->lines[k][2] <
+                 hunt->offsets[k];
+    return within || !hunt->footprint ||
            orl_footprint_holds(hunt->footprint,
                                orl_v3(chord[0] * cell, chord[1] * cell, chord[2] * cell));
 }
 
-static void take_apart(struct orl_hunt *hunt, uint32_t leaf)
+static void take_apart(struct orl_hunt *hunt, uint32_t patch)
 {
     const struct orl_photon_map *map = hunt->sums->map;
+    const uint32_t leaf = patch / ORL_PATCHES;
     const uint32_t *a = map->places + (size_t)leaf * ORL_LEAF_WORDS, *b = a + ORL_MAP_LEAF;
-    const uint32_t n = orl_leaf_photons(map, leaf);
+    const uint32_t from = patch % ORL_PATCHES * photons_of(hunt, patch & ~1U);
+    const uint32_t to = from + photons_of(hunt, patch);
     float x[ORL_MAP_LEAF], y[ORL_MAP_LEAF], z[ORL_MAP_LEAF], d2[ORL_MAP_LEAF];
     for (int i = 0; i < ORL_MAP_LEAF; i++) {
         x[i] = (float)(int32_t)(a[i] & 0xfffffU) - hunt->at[0];
@@ -53,13 +65,13 @@ static void take_apart(struct orl_hunt *hunt, uint32_t leaf)
         z[i] = (float)(int32_t)((a[i] >> 24) << 12 | b[i] >> 20) - hunt->at[2];
         d2[i] = x[i] * x[i] + y[i] * y[i] + z[i] * z[i];
     }
-    for (uint32_t i = 0; i < n; i++) {
+    for (uint32_t i = from; i < to; i++) {
         const uint32_t index = leaf * ORL_MAP_LEAF + i;
         const float chord[3] = {x[i], y[i], z[i]};
         if (!(d2[i] < hunt->radius2) || (hunt->query->at_photon && index == hunt->query->skip) ||
             !on_sheet(hunt, map->normals[index], chord, d2[i]) || !in_footprint(hunt, chord, d2[i]))
             continue;
-        hunt->list[ROOM - 1 - hunt->photons++] = (struct orl_search_candidate){d2[i], index};
+        hunt->single[hunt->photons++] = (struct orl_search_candidate){d2[i], index};
     }
 }
 
@@ -67,30 +79,35 @@ static void take_apart(struct orl_hunt *hunt, uint32_t leaf)
 enum sight { NOTHING, WHOLE, DOUBTFUL, APART };
 
 struct sights {
-    float distance2[ORL_MAP_FANOUT];
-    uint32_t what[ORL_MAP_FANOUT];
+    float distance2[ORL_LANES];
+    uint32_t what[ORL_LANES];
 };
 
 /*
  * Leaves are wholes that are narrow, and of the point's sheet: nearly always of the same plane,
  * within rounding. Those are told from others by eight at once.
  */
-static inline void look_at(const struct orl_hunt *hunt, const struct orl_leaf_group *group,
+static inline void look_at(const struct orl_hunt *hunt, const struct orl_patch_group *group,
                            const struct orl_map_group *boxes, struct sights *ret_sights)
 {
-    const float radius = hunt->radius, radius2 = hunt->radius2, inner = hunt->inner;
+    const float radius = hunt->radius, radius2 = hunt->radius2, bound = hunt->bound;
     const float widest = hunt->widest, near_by = beyond2 * radius2;
     const uint32_t normal = hunt->normal, facing = hunt->facing;
-    float box2[ORL_MAP_FANOUT];
+    float box2[ORL_LANES];
+    uint32_t faces[ORL_LANES];
     orl_box_distances(boxes, hunt->at, box2);
     for (int i = 0; i < ORL_MAP_FANOUT; i++) {
+        box2[i + ORL_MAP_FANOUT] = box2[i];
+        faces[i] = faces[i + ORL_MAP_FANOUT] = boxes->facing[i] & facing;
+    }
+    for (int i = 0; i < ORL_LANES; i++) {
         const float x = group->at[0][i] - hunt->at[0], y = group->at[1][i] - hunt->at[1],
                     z = group->at[2][i] - hunt->at[2];
         const float d2 = x * x + y * y + z * z, reach = group->reach[i], ramp = group->ramp[i];
         const float off =
             fabsf(x * hunt->direction[0] + y * hunt->direction[1] + z * hunt->direction[2]);
-        const float far = radius + reach, within = inner - reach;
-        const uint32_t near = (box2[i] < near_by) & ((boxes->facing[i] & facing) != 0);
+        const float far = radius + reach, within = bound - reach;
+        const uint32_t near = (box2[i] < near_by) & (faces[i] != 0);
         const uint32_t parallel = group->normal[i] == normal;
         /* Further off than the slopes of a sheet reach (sheet.h). */
         const uint32_t other = parallel & (off > 0.05F * far + 2 * rounding);
@@ -105,56 +122,92 @@ static inline void look_at(const struct orl_hunt *hunt, const struct orl_leaf_gr
     }
 }
 
+/* Wholes that reach over a line of the footprint's are so no longer. */
+static inline void keep_within(const struct orl_hunt *hunt, const struct orl_patch_group *group,
+                               struct sights *sights)
+{
+    for (uint32_t k = 0; k < hunt->n_lines; k++) {
+        const float nx = hunt->lines[k][0], ny = hunt->lines[k][1], nz = hunt->lines[k][2];
+        const float offset = hunt->offsets[k];
+        for (int i = 0; i < ORL_LANES; i++) {
+            const float over = (group->at[0][i] - hunt->at[0]) * nx +
+                               (group->at[1][i] - hunt->at[1]) * ny +
+                               (group->at[2][i] - hunt->at[2]) * nz + group->reach[i];
+            const uint32_t crosses = (over > offset) & (sights->what[i] == WHOLE);
+            sights->what[i] = crosses ? DOUBTFUL : sights->what[i];
+        }
+    }
+}
+
 static struct orl_vec3 from_point(const struct orl_hunt *hunt, float x, float y, float z)
 {
     return orl_v3((x - hunt->at[0]) * hunt->cell, (y - hunt->at[1]) * hunt->cell,
                   (z - hunt->at[2]) * hunt->cell);
 }
 
-static enum orl_side side_of(const struct orl_hunt *hunt, const struct orl_leaf_group *group,
-                             uint32_t lane, uint32_t leaf)
+static enum orl_side side_of(const struct orl_hunt *hunt, const struct orl_patch_group *group,
+                             uint32_t lane, uint32_t patch)
 {
-    const struct orl_map_group *box = &hunt->sums->map->levels[0][leaf / ORL_MAP_FANOUT];
-    const struct orl_patch patch = {
+    const struct orl_map_group *box = &hunt->sums->map->levels[0][patch / ORL_LANES];
+    const uint32_t child = lane % ORL_MAP_FANOUT;
+    const struct orl_spot spot = {
         .middle = from_point(hunt, group->at[0][lane], group->at[1][lane], group->at[2][lane]),
-        .low = from_point(hunt, box->low[0][lane], box->low[1][lane], box->low[2][lane]),
-        .high = from_point(hunt, box->high[0][lane], box->high[1][lane], box->high[2][lane]),
+        .low = from_point(hunt, box->low[0][child], box->low[1][child], box->low[2][child]),
+        .high = from_point(hunt, box->high[0][child], box->high[1][child], box->high[2][child]),
         .reach = group->reach[lane] * hunt->cell,
         .rounding = hunt->cell};
-    return orl_footprint_side(hunt->footprint, &patch);
+    return orl_footprint_side(hunt->footprint, &spot);
+}
+
+static inline void add_whole(struct orl_hunt *hunt, const struct orl_patch_group *group,
+                             uint32_t lane, float d2, uint32_t patch)
+{
+    struct orl_search_wholes *wholes = hunt->wholes;
+    const uint32_t at = hunt->patches++;
+    wholes->distance2[at] = d2;
+    wholes->ramp[at] = group->ramp[lane];
+    wholes->count[at] = group->count[lane];
+    wholes->patch[at] = patch;
 }
 
 /* A narrow leaf: takes it as a whole, or leaves it out; false: it has to be taken apart. */
-static bool take_whole(struct orl_hunt *hunt, const struct orl_leaf_group *group, uint32_t lane,
-                       float d2, uint32_t leaf)
+static bool take_whole(struct orl_hunt *hunt, const struct orl_patch_group *group, uint32_t lane,
+                       float d2, uint32_t patch)
 {
     const float chord[3] = {group->at[0][lane] - hunt->at[0], group->at[1][lane] - hunt->at[1],
                             group->at[2][lane] - hunt->at[2]};
     enum orl_side side = ORL_SIDE_WITHIN;
     if (!on_sheet(hunt, (uint16_t)group->normal[lane], chord, d2))
         return true;
-    if (hunt->footprint && !(sqrtf(d2) + group->reach[lane] < hunt->inner))
-        side = side_of(hunt, group, lane, leaf);
+    if (hunt->footprint)
+        side = side_of(hunt, group, lane, patch);
     if (side == ORL_SIDE_WITHIN)
-        hunt->list[hunt->leaves++] = (struct orl_search_candidate){d2, leaf};
+        add_whole(hunt, group, lane, d2, patch);
     return side != ORL_SIDE_BOTH;
 }
 
-static void take_group(struct orl_hunt *hunt, uint32_t node, const struct sights *sights)
+static void take_patch(struct orl_hunt *hunt, const struct orl_patch_group *group, uint32_t lane,
+                       enum sight sight, float d2, uint32_t patch)
 {
-    const struct orl_leaf_group *group = &hunt->sums->groups[node];
-    for (uint32_t i = 0; i < ORL_MAP_FANOUT && !hunt->full; i++) {
-        const uint32_t leaf = node * ORL_MAP_FANOUT + i;
-        const bool own = hunt->query->at_photon && hunt->query->skip / ORL_MAP_LEAF == leaf;
-        if (sights->what[i] == NOTHING)
-            continue;
-        if (own || sights->what[i] == APART)
-            take_apart(hunt, leaf);
-        else if (sights->what[i] == WHOLE)
-            hunt->list[hunt->leaves++] = (struct orl_search_candidate){sights->distance2[i], leaf};
-        else if (!take_whole(hunt, group, i, sights->distance2[i], leaf))
-            take_apart(hunt, leaf);
-        hunt->full = hunt->leaves + hunt->photons + ORL_MAP_LEAF > ROOM;
+    const bool own =
+        hunt->query->at_photon && hunt->query->skip / ORL_MAP_LEAF == patch / ORL_PATCHES;
+    if (sight == WHOLE && !own)
+        add_whole(hunt, group, lane, d2, patch);
+    else if (own || sight == APART || !take_whole(hunt, group, lane, d2, patch))
+        take_apart(hunt, patch);
+    hunt->full = hunt->patches + hunt->photons + ORL_MAP_LEAF > ROOM;
+}
+
+static inline void take_group(struct orl_hunt *hunt, uint32_t node, const struct sights *sights)
+{
+    const struct orl_patch_group *group = &hunt->sums->groups[node];
+    uint32_t some = 0;
+    for (uint32_t i = 0; i < ORL_LANES; i++)
+        some |= (uint32_t)(sights->what[i] != NOTHING) << i;
+    for (; some != 0 && !hunt->full; some &= some - 1) {
+        const uint32_t lane = (uint32_t)__builtin_ctz(some);
+        const uint32_t patch = orl_patch_number(node, lane);
+        take_patch(hunt, group, lane, sights->what[lane], sights->distance2[lane], patch);
     }
 }
 
@@ -166,7 +219,7 @@ ORL_FOR_WIDE_VECTORS static void find_all(struct orl_hunt *hunt)
         uint32_t level, node;
     } stack[ORL_BOX_STACK];
     uint32_t depth = 0;
-    hunt->leaves = hunt->photons = 0;
+    hunt->patches = hunt->photons = 0;
     hunt->radius = sqrtf(hunt->radius2);
     hunt->widest = 0.5F * (hunt->footprint ? widest_in_cut : widest_ramp) * hunt->radius;
     hunt->full = false;
@@ -179,6 +232,7 @@ ORL_FOR_WIDE_VECTORS static void find_all(struct orl_hunt *hunt)
         struct sights sights;
         if (level == 0) {
             look_at(hunt, &hunt->sums->groups[node], group, &sights);
+            keep_within(hunt, &hunt->sums->groups[node], &sights);
             take_group(hunt, node, &sights);
             continue;
         }
@@ -192,17 +246,12 @@ ORL_FOR_WIDE_VECTORS static void find_all(struct orl_hunt *hunt)
     }
 }
 
-static uint32_t photons_of(const struct orl_hunt *hunt, uint32_t leaf)
-{
-    return orl_leaf_photons(hunt->sums->map, leaf);
-}
-
 uint32_t orl_hunt_count(const struct orl_hunt *hunt)
 {
     uint32_t count = hunt->photons;
-    for (uint32_t i = 0; i < hunt->leaves; i++)
-        if (hunt->list[i].distance2 < hunt->radius2)
-            count += photons_of(hunt, hunt->list[i].index);
+    for (uint32_t i = 0; i < hunt->patches; i++)
+        if (hunt->wholes->distance2[i] < hunt->radius2)
+            count += hunt->wholes->count[i];
     return count;
 }
 
@@ -211,12 +260,12 @@ static float radius2_of(const struct orl_hunt *hunt, uint32_t k)
 {
     uint32_t bins[BINS + 1] = {0}, sum = 0, bin = 0;
     const float scale = BINS / hunt->radius2;
-    for (uint32_t i = 0; i < hunt->leaves; i++) {
-        const float at = hunt->list[i].distance2 * scale;
-        bins[at < BINS ? (uint32_t)at : BINS] += photons_of(hunt, hunt->list[i].index);
+    for (uint32_t i = 0; i < hunt->patches; i++) {
+        const float at = hunt->wholes->distance2[i] * scale;
+        bins[at < BINS ? (uint32_t)at : BINS] += hunt->wholes->count[i];
     }
     for (uint32_t i = 0; i < hunt->photons; i++)
-        bins[(uint32_t)(hunt->list[ROOM - 1 - i].distance2 * scale)]++;
+        bins[(uint32_t)(hunt->single[i].distance2 * scale)]++;
     while (bin + 1 < BINS && sum + bins[bin] < k)
         sum += bins[bin++];
     const float part = bins[bin] > 0 ? (float)(k - sum) / (float)bins[bin] : 1;
@@ -272,11 +321,26 @@ float orl_hunt_first_radius2(const struct orl_hunt *hunt, const struct orl_zorde
     const uint64_t leaf = orl_zorder_find(order, orl_zorder_code(cell, hunt->normal));
     for (uint64_t i = leaf < BESIDE ? 0 : leaf - BESIDE;
          i <= leaf + BESIDE && i < hunt->sums->count; i++) {
-        const float ramp = hunt->sums->groups[i / ORL_MAP_FANOUT].ramp[i % ORL_MAP_FANOUT];
-        near2[n++] = ramp * ramp / (float)photons_of(hunt, (uint32_t)i);
+        uint32_t lane;
+        const struct orl_patch_group *group = orl_patch_find(hunt->sums, ORL_PATCHES * i, &lane);
+        near2[n++] = group->ramp[lane] * group->ramp[lane] / (float)group->count[lane];
     }
     qsort(near2, n, sizeof *near2, compare);
     return fmaxf((float)hunt->query->k * near2[n / 2], 4);
+}
+
+void orl_hunt_keep_to(struct orl_hunt *hunt, const struct orl_footprint *footprint)
+{
+    const struct orl_bound bound = orl_footprint_bound(footprint);
+    hunt->footprint = footprint;
+    hunt->bound = (float)(bound.radius / hunt->cell);
+    hunt->n_lines = bound.n_lines;
+    for (uint32_t i = 0; i < bound.n_lines; i++) {
+        hunt->lines[i][0] = (float)bound.normals[i].x;
+        hunt->lines[i][1] = (float)bound.normals[i].y;
+        hunt->lines[i][2] = (float)bound.normals[i].z;
+        hunt->offsets[i] = (float)(bound.offsets[i] / hunt->cell);
+    }
 }
 
 struct orl_hunt orl_hunt_of(const struct orl_sums *sums, const struct orl_density_query *query,
@@ -284,8 +348,9 @@ struct orl_hunt orl_hunt_of(const struct orl_sums *sums, const struct orl_densit
 {
     struct orl_hunt hunt = {.sums = sums,
                             .query = query,
-                            .list = search->candidates,
-                            .inner = INFINITY,
+                            .wholes = &search->wholes,
+                            .single = search->candidates,
+                            .bound = INFINITY,
                             .cell = sums->map->header->cell,
                             .normal = orl_normal_encode(query->normal),
                             .facing = orl_facing_mask(&sums->map->facing, query->normal)};

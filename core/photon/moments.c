@@ -14,23 +14,13 @@ static void add_part(struct orl_moments *m, double radius, double width, const d
     m->xy += r2 * r2 / 8 * (s1 * s1 - s0 * s0);
 }
 
-/* Its width may be negative. */
-static void add_sector(struct orl_moments *m, double radius, double from, double to)
-{
-    if (to < from || to > from)
-        add_part(m, radius, to - from, (const double[2]){cos(from), sin(from)},
-                 (const double[2]){cos(to), sin(to)});
-}
-
 /* The triangle of the point and a piece of a line, between two azimuths. */
-static void add_triangle(struct orl_moments *m, const struct orl_line *line, double from, double to)
+static void add_triangle(struct orl_moments *m, const struct orl_line *line, const double from[2],
+                         const double to[2])
 {
-    if (!(to > from))
-        return;
-    const double c0 = cos(from), s0 = sin(from), c1 = cos(to), s1 = sin(to);
-    const double a = line->offset / (line->normal[0] * c0 + line->normal[1] * s0);
-    const double b = line->offset / (line->normal[0] * c1 + line->normal[1] * s1);
-    const double ax = a * c0, ay = a * s0, bx = b * c1, by = b * s1;
+    const double a = line->offset / (line->normal[0] * from[0] + line->normal[1] * from[1]);
+    const double b = line->offset / (line->normal[0] * to[0] + line->normal[1] * to[1]);
+    const double ax = a * from[0], ay = a * from[1], bx = b * to[0], by = b * to[1];
     const double area = 0.5 * (ax * by - ay * bx);
     m->area += area;
     m->x += area / 3 * (ax + bx);
@@ -40,25 +30,45 @@ static void add_triangle(struct orl_moments *m, const struct orl_line *line, dou
     m->xy += area / 12 * (2 * ax * ay + ax * by + ay * bx + 2 * bx * by);
 }
 
+/* Where a line meets the circle, to either side of its normal: the azimuth, and back. */
+static void meet_circle(const struct orl_line *line, double radius, int side, double ret_azimuth[2])
+{
+    const double c = line->offset / radius, s = side * sqrt(fmax(1 - c * c, 0));
+    ret_azimuth[0] = line->normal[0] * c - line->normal[1] * s;
+    ret_azimuth[1] = line->normal[1] * c + line->normal[0] * s;
+}
+
+/* Azimuths are cosines and sines; only what a part is wide needs an angle. */
 static void add_wedge(struct orl_moments *m, const struct orl_wedge *wedge, double radius, int at)
 {
     const struct orl_line *line = &wedge->border;
     const double width = 2 * ORL_PI / ORL_FOOTPRINT_SECTORS, r = fmin(radius, wedge->radius);
-    const double start = at * width;
+    const double *begin = orl_footprint_azimuths[at];
+    const double *end = orl_footprint_azimuths[(at + 1) % ORL_FOOTPRINT_SECTORS];
     if ((line->normal[0] == 0 && line->normal[1] == 0) || line->offset >= r) {
-        add_part(m, r, width, orl_footprint_azimuths[at],
-                 orl_footprint_azimuths[(at + 1) % ORL_FOOTPRINT_SECTORS]);
+        add_part(m, r, width, begin, end);
         return;
     }
     /* Within `half` of its normal the line is nearer than the circle. */
     const double half = acos(line->offset / r);
     const double normal = atan2(line->normal[1], line->normal[0]);
-    const double turned = remainder(start - normal, 2 * ORL_PI);
+    const double turned = remainder(at * width - normal, 2 * ORL_PI);
     const double from = fmin(fmax(turned, -half), half);
     const double to = fmin(fmax(turned + width, -half), half);
-    add_sector(m, r, start, start + from - turned);
-    add_triangle(m, line, start + from - turned, start + to - turned);
-    add_sector(m, r, start + to - turned, start + width);
+    double first[2] = {begin[0], begin[1]}, last[2] = {end[0], end[1]};
+    if (!(to > from)) {
+        add_part(m, r, width, begin, end);
+        return;
+    }
+    if (from > turned) {
+        meet_circle(line, r, -1, first);
+        add_part(m, r, from - turned, begin, first);
+    }
+    if (to < turned + width) {
+        meet_circle(line, r, 1, last);
+        add_part(m, r, turned + width - to, last, end);
+    }
+    add_triangle(m, line, first, last);
 }
 
 struct orl_moments orl_footprint_moments(const struct orl_footprint *footprint, double radius)

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "photon/adapt.h"
+#include "photon/boxes.h"
 #include "photon/flux.h"
 #include "photon/pack.h"
 #include "photon/sheet.h"
@@ -92,23 +93,26 @@ static bool make_record(struct maker *m, size_t index, struct orl_search *search
 }
 
 /*
- * Whether a record amid the leaf `own` speaks for that one, too: it lies on the same plane within
+ * Whether a record speaks for that patch of photons, too: it lies on the same plane within
  * the disc that was found to be even, and nothing stands between. Beside walls light has to be
  * quite even for that.
  */
-static bool speaks_for(const struct maker *m, uint64_t own, uint64_t leaf,
-                       const struct orl_footing *footing, const struct orl_density *density)
+static bool speaks_for(const struct maker *m, uint64_t patch, const struct orl_footing *footing,
+                       const struct orl_density *density)
 {
     const struct orl_sums *sums = &m->adapt.sums;
     const double cell = sums->map->header->cell;
-    const struct orl_leaf_group *a = &sums->groups[own / ORL_MAP_FANOUT];
-    const struct orl_leaf_group *b = &sums->groups[leaf / ORL_MAP_FANOUT];
-    const uint32_t i = own % ORL_MAP_FANOUT, k = leaf % ORL_MAP_FANOUT;
+    uint32_t lane;
+    const struct orl_patch_group *group = orl_patch_find(sums, patch, &lane);
+    float at[3];
+    orl_box_locate(sums->map, footing->point, at);
     const struct orl_vec3 chord =
-        orl_v3(b->at[0][k] - a->at[0][i], b->at[1][k] - a->at[1][i], b->at[2][k] - a->at[2][i]);
-    const double far = (orl_length(chord) + (double)b->reach[k]) * cell;
-    if (b->normal[k] == ORL_NO_PLANE || b->normal[k] != a->normal[i] || !(far < density->radius) ||
-        !orl_chord_fits(orl_normal_decode((uint16_t)a->normal[i]), chord, 0))
+        orl_v3(group->at[0][lane] - at[0], group->at[1][lane] - at[1], group->at[2][lane] - at[2]);
+    const double far = (orl_length(chord) + (double)group->reach[lane]) * cell;
+    if (group->count[lane] == 0)
+        return true;
+    if (group->normal[lane] != orl_normal_encode(footing->normal) || !(far < density->radius) ||
+        !orl_chord_fits(footing->normal, chord, 0))
         return false;
     return far < density->clear ||
            (density->evenness >= quite_even &&
@@ -138,11 +142,10 @@ static bool speaks_for_all(const struct maker *m, const struct voice *voice, siz
 {
     const struct orl_sums *sums = &m->adapt.sums;
     const uint64_t leaf = LEAVES_A_RECORD * (uint64_t)first, end = leaf + LEAVES_A_RECORD * n;
-    const uint64_t own = LEAVES_A_RECORD * (uint64_t)voice->index;
     if (!voice->made || !(voice->density.evenness >= even) || end > sums->count)
         return false;
-    for (uint64_t i = leaf; i < end; i++)
-        if (!speaks_for(m, own, i, &voice->footing, &voice->density))
+    for (uint64_t i = ORL_PATCHES * leaf; i < ORL_PATCHES * end; i++)
+        if (!speaks_for(m, i, &voice->footing, &voice->density))
             return false;
     return true;
 }

@@ -7,15 +7,13 @@
 #include "photon/hunt.h"
 #include "photon/sides.h"
 
-enum { ROOM = ORL_HUNT_ROOM };
-
 /* Over the area that another estimate close by took. */
 static const float first_beyond = 1.15F;
 
 /* ---- Adding up ------------------------------------------------------------------------------- */
 
 /*
- * What share of a leaf lies within a radius, linear in the area; and for first moments, linear in
+ * What share of a patch lies within a radius, linear in the area; and for first moments, linear in
  * the third power: then sums over even light are those of the disc.
  */
 struct share {
@@ -51,22 +49,28 @@ static void place(const struct orl_hunt *hunt, const struct orl_frame *frame, co
     *ret_y = (float)(orl_dot(chord, frame->v) * hunt->cell);
 }
 
-ORL_FOR_WIDE_VECTORS static void add_leaves(const struct orl_hunt *hunt,
+static void place_patch(const struct orl_hunt *hunt, const struct orl_frame *frame, uint32_t patch,
+                        float *ret_x, float *ret_y)
+{
+    uint32_t lane;
+    const struct orl_patch_group *group = orl_patch_find(hunt->sums, patch, &lane);
+    const float at[3] = {group->at[0][lane], group->at[1][lane], group->at[2][lane]};
+    place(hunt, frame, at, ret_x, ret_y);
+}
+
+ORL_FOR_WIDE_VECTORS static void add_wholes(const struct orl_hunt *hunt,
                                             const struct orl_frame *frame, float radius,
                                             struct orl_ring rings[ORL_RINGS])
 {
     static const float narrower = 0.70710678F;
-    for (uint32_t n = 0; n < hunt->leaves; n++) {
-        const float distance2 = hunt->list[n].distance2;
-        const uint32_t leaf = hunt->list[n].index, lane = leaf % ORL_MAP_FANOUT;
-        const struct orl_leaf_group *group = &hunt->sums->groups[leaf / ORL_MAP_FANOUT];
-        const float *mass = hunt->sums->masses[leaf], ramp = group->ramp[lane];
+    const struct orl_search_wholes *wholes = hunt->wholes;
+    for (uint32_t n = 0; n < hunt->patches; n++) {
+        const float distance2 = wholes->distance2[n], ramp = wholes->ramp[n];
+        const float *mass = hunt->sums->masses[wholes->patch[n]];
         float disc = radius, x = 0, y = 0;
         struct share share = share_within(disc, distance2, ramp, frame != NULL);
         if (frame && share.area > 0)
-            place(hunt, frame,
-                  (const float[3]){group->at[0][lane], group->at[1][lane], group->at[2][lane]}, &x,
-                  &y);
+            place_patch(hunt, frame, wholes->patch[n], &x, &y);
         for (int i = 0; i < ORL_RINGS && share.area > 0; i++) {
             struct share inside = {0, 0};
             disc *= narrower;
@@ -101,7 +105,7 @@ static void add_photons(const struct orl_hunt *hunt, const struct orl_frame *fra
 {
     const struct orl_photon_map *map = hunt->sums->map;
     for (uint32_t n = 0; n < hunt->photons; n++) {
-        const struct orl_search_candidate c = hunt->list[ROOM - 1 - n];
+        const struct orl_search_candidate c = hunt->single[n];
         if (!(c.distance2 < radius2))
             continue;
         const struct orl_rgb flux = orl_flux_unpack(map->fluxes[c.index]);
@@ -130,7 +134,7 @@ static void add_up(const struct orl_hunt *hunt, float radius2, struct orl_rings 
     rings->radius = fmax(sqrt((double)radius2), 1) * hunt->cell;
     rings->cut = hunt->footprint != NULL;
     memset(rings->rings, 0, sizeof rings->rings);
-    add_leaves(hunt, frame, sqrtf(radius2), rings->rings);
+    add_wholes(hunt, frame, sqrtf(radius2), rings->rings);
     add_photons(hunt, frame, radius2, rings->rings);
     for (int i = 0; i < ORL_RINGS; i++) {
         const double radius = rings->radius * exp2(-0.5 * i);
@@ -148,10 +152,9 @@ static float find_in_footprint(struct orl_hunt *hunt, double disc, double least,
 {
     const double most = hunt->query->max_radius;
     double reach = fmin(2 * disc, most);
-    hunt->footprint = footprint;
     for (;;) {
         orl_footprint_make(hunt->query->footing, reach, footprint);
-        hunt->inner = (float)(orl_footprint_inner(footprint) / hunt->cell);
+        orl_hunt_keep_to(hunt, footprint);
         const float hint = (float)(1.05 * orl_footprint_even(footprint, disc) / hunt->cell);
         const float most2 = (float)(reach / hunt->cell * (reach / hunt->cell));
         const float radius2 = orl_hunt_enough(hunt, hint * hint, most2);
@@ -188,7 +191,7 @@ void orl_rings_gather(const struct orl_sums *sums, const struct orl_zorder *orde
     if (!cut) {
         radius2 = find_in_disc(&hunt, order);
         disc = fmax(sqrt((double)radius2), 1) * hunt.cell;
-        cut = query->footing && hunt.leaves + hunt.photons > 0 &&
+        cut = query->footing && hunt.patches + hunt.photons > 0 &&
               !orl_footing_is_free(query->footing, disc);
     }
     ret_rings->clear = disc;

@@ -3,7 +3,7 @@
  * nearest of the footprint, about query->k of them, or all within max_radius.
  *
  * Far more photons than a plain search (search.h) needs, and so few are looked at one by one: a
- * leaf all of whose photons lie on the point's plane counts as a whole (sums.h), by what share of
+ * patch of a leaf's photons on the point's plane counts as a whole (sums.h), by what share of
  * it is within a disc, as if its photons were spread evenly along the radius. In even light that
  * share is right on average, and it scatters far less than sixteen photons that come and go at
  * once. Leaves that are wide for the discs, not flat, or cut by the footprint's border are taken

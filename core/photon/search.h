@@ -31,9 +31,16 @@ struct orl_search_candidate {
     uint32_t index;
 };
 
+/* What an adaptive estimate takes as wholes (hunt.h), in columns: squared distances and so on. */
+struct orl_search_wholes {
+    float distance2[2 * ORL_SEARCH_MOST], ramp[2 * ORL_SEARCH_MOST];
+    uint32_t count[2 * ORL_SEARCH_MOST], patch[2 * ORL_SEARCH_MOST];
+};
+
 /* Scratch, one per thread, zero at first; big enough for k = ORL_SEARCH_MOST. */
 struct orl_search {
     struct orl_search_candidate candidates[2 * ORL_SEARCH_MOST];
+    struct orl_search_wholes wholes;
     struct orl_health health; /* what the thread counted */
     unsigned char apart[64];  /* lest a line of the cache be two threads' in an array of these */
 };
@@ -62,7 +69,7 @@ struct orl_density {
     /* Of the irradiance's luma: */
     double standard_error; /* of the photons' scatter */
     double bias;           /* what it is thought to be too high, for its width */
-    double spread; /* of records: how far they lie apart, as a standard deviation */
+    double spread;         /* of records: how far they lie apart, as a standard deviation */
     struct orl_batches parts;
 };
 

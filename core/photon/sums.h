@@ -1,6 +1,8 @@
 /*
- * Leaves of a map taken as wholes: where their photons' middle is, and what they hold together, in
- * all and by batch. For estimates wide enough that sixteen photons may stand as one.
+ * Leaves of a map taken as wholes, or as halves: where their photons' middle is, and what they hold
+ * together, in all and by batch. For estimates wide enough that sixteen photons may stand as one.
+ * In Morton order some sixteen in a row lie in two places far apart, or on two planes: such a leaf
+ * is two patches, any other is one.
  *
  * Units: cells, and fluxes in the map's unit (header.flux_unit). Immutable once made; borrows the
  * map.
@@ -21,22 +23,41 @@ enum {
 };
 
 enum { ORL_NO_PLANE = 1 << 16 }; /* no code of a normal (facing.h) */
+enum { ORL_PATCHES = 2, ORL_LANES = ORL_PATCHES * ORL_MAP_FANOUT };
 
-/* Eight leaves in columns, which lie together in a map's hierarchy. */
-struct orl_leaf_group {
-    float at[3][ORL_MAP_FANOUT];
-    float reach[ORL_MAP_FANOUT]; /* of the farthest photon from there */
-    float ramp[ORL_MAP_FANOUT];  /* spread as evenly to either side, photons have the same standard
-                                    deviation */
-    uint32_t normal[ORL_MAP_FANOUT]; /* or ORL_NO_PLANE: not to be taken as a whole */
+/*
+ * Eight leaves in columns, which lie together in a map's hierarchy: their first patches, and then
+ * their second ones. What is not there is farther away than anything.
+ */
+struct orl_patch_group {
+    float at[3][ORL_LANES];
+    float reach[ORL_LANES];     /* of the farthest photon from there */
+    float ramp[ORL_LANES];      /* spread as evenly to either side, photons have the same standard
+                                   deviation */
+    uint32_t normal[ORL_LANES]; /* or ORL_NO_PLANE: not to be taken as a whole */
+    uint32_t count[ORL_LANES];  /* photons: the leaf's first, or its last */
 };
 
 struct orl_sums {
     const struct orl_photon_map *map;
-    struct orl_leaf_group *groups;
-    float (*masses)[ORL_MASS]; /* by leaf */
+    struct orl_patch_group *groups;
+    float (*masses)[ORL_MASS]; /* by patch */
     uint64_t count;            /* leaves */
 };
+
+/* A patch by its number: twice the leaf's, and one for the second. */
+static inline const struct orl_patch_group *orl_patch_find(const struct orl_sums *sums,
+                                                           uint64_t patch, uint32_t *ret_lane)
+{
+    *ret_lane =
+        (uint32_t)(patch % ORL_PATCHES * ORL_MAP_FANOUT + patch / ORL_PATCHES % ORL_MAP_FANOUT);
+    return &sums->groups[patch / ORL_LANES];
+}
+
+static inline uint32_t orl_patch_number(uint32_t group, uint32_t lane)
+{
+    return group * ORL_LANES + lane % ORL_MAP_FANOUT * ORL_PATCHES + lane / ORL_MAP_FANOUT;
+}
 
 /* Returns 0 or ORL_ERR_NOMEM. */
 int orl_sums_init(struct orl_sums *sums, const struct orl_photon_map *map, struct orl_crew *crew);
