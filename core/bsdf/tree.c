@@ -3,6 +3,8 @@
 
 #include <string.h>
 
+enum { ABREAST = 16 }; /* draws */
+
 /* A place on the square in units of the finest cell, 2^depth a side. */
 struct cell {
     unsigned x, y;
@@ -31,21 +33,30 @@ static float float_of(uint32_t bits)
     return value;
 }
 
+/* A branch's word that is its mean over the other direction; of a lowest one its line. */
+static inline const uint32_t *mean_at(const struct orl_tree *tree, struct orl_tree_ref ref,
+                                      enum orl_axis given, struct cell c, unsigned level)
+{
+    const unsigned depth = orl_tree_depth(ref);
+    const unsigned shift = level - depth, mask = (1U << depth) - 1;
+    const unsigned x = c.x >> shift & mask, y = c.y >> shift & mask;
+    const uint32_t *words = tree->lines[orl_tree_index(ref)].words;
+    return depth == 1 ? words
+                      : words + ORL_TREE_FANOUT + ((size_t)given << 2 * depth) + (x << depth | y);
+}
+
 /* See orl_tree_mean. The four leaves of a lowest branch are summed on the spot. */
 static inline float mean_of(const struct orl_tree *tree, struct orl_tree_ref ref,
                             enum orl_axis given, struct cell c, unsigned level)
 {
     const unsigned depth = orl_tree_depth(ref);
-    const unsigned shift = level - depth, mask = (1U << depth) - 1;
-    const unsigned x = c.x >> shift & mask, y = c.y >> shift & mask;
-    const uint32_t *words;
     if (depth == 0)
         return float_of(ref.bits);
-    words = tree->lines[orl_tree_index(ref)].words;
-    if (depth == 1)
-        return orl_tree_mean_of_leaves(words, given, x | y << 1);
-    __builtin_prefetch(words); /* a descent that comes this way wants the children next */
-    return float_of(words[ORL_TREE_FANOUT + ((size_t)given << 2 * depth) + (x << depth | y)]);
+    const uint32_t *at = mean_at(tree, ref, given, c, level);
+    if (depth > 1)
+        return float_of(*at);
+    return orl_tree_mean_of_leaves(at, given,
+                                   (c.x >> (level - 1) & 1) | (c.y >> (level - 1) & 1) << 1);
 }
 
 float orl_tree_mean(const struct orl_tree *tree, struct orl_tree_ref ref, enum orl_axis given,
@@ -197,31 +208,122 @@ static inline unsigned choose_quarter(const float mean[4], double *t)
  * over it. The first uniform picks the leaf, as a place along a curve through the square, and its
  * remainder with the second one the place within the leaf.
  */
+struct descent {
+    const struct orl_tree *tree;
+    enum orl_axis given;
+    struct cell c;
+    struct orl_tree_ref ref, child[4]; /* where it is; where it may go */
+    unsigned level, x, y;
+    double t;
+};
+
+static inline struct descent descent_of(const struct orl_tree_draw *draw)
+{
+    const struct orl_tree *tree = draw->tree;
+    struct descent d = {.tree = tree,
+                        .given = draw->given,
+                        .c = cell_of(draw->place, draw->given, tree->depth),
+                        .ref = tree->root,
+                        .level = tree->depth};
+    d.t = draw->u[0] * (double)mean_of(tree, d.ref, d.given, d.c, d.level);
+    return d;
+}
+
+/* Reads the branch: the quarters to choose from. */
+static inline void look_down(struct descent *d)
+{
+    const unsigned own = d->given == ORL_AXIS_A ? 0 : 2, others = 2 - own;
+    d->level--;
+    const unsigned mine = ((d->c.x >> d->level & 1) | (d->c.y >> d->level & 1) << 1) << own;
+    for (unsigned k = 0; k < 4; k++)
+        d->child[k] = orl_tree_child(d->tree, d->ref, mine | k << others);
+}
+
+/* Asks for a branch's own line: one that is gone down to is read next. */
+static inline void ask_for(const struct descent *d, struct orl_tree_ref ref)
+{
+    if (!orl_tree_is_leaf(ref))
+        __builtin_prefetch(d->tree->lines[orl_tree_index(ref)].words);
+}
+
+static inline void ask_for_means(const struct descent *d)
+{
+    for (unsigned k = 0; k < 4; k++)
+        if (!orl_tree_is_leaf(d->child[k]))
+            __builtin_prefetch(mean_at(d->tree, d->child[k], d->given, d->c, d->level));
+}
+
+static inline void go_down(struct descent *d)
+{
+    float mean[4];
+    for (unsigned k = 0; k < 4; k++)
+        mean[k] = mean_of(d->tree, d->child[k], d->given, d->c, d->level);
+    d->t *= 4; /* the mean over the square is a quarter of the sum over its quarters */
+    const unsigned i = choose_quarter(mean, &d->t);
+    d->x = d->x << 1 | (i & 1);
+    d->y = d->y << 1 | i >> 1;
+    d->ref = d->child[i];
+}
+
+static inline void arrive(const struct descent *d, struct orl_tree_draw *draw)
+{
+    const double value = (double)float_of(d->ref.bits);
+    const double t = fmin(d->t / value, 0x1.fffffffffffffp-1);
+    draw->direction =
+        orl_square_cell_direction(d->given == ORL_AXIS_A ? ORL_AXIS_B : ORL_AXIS_A, d->x, d->y,
+                                  d->tree->depth - d->level, t, draw->u[1]);
+    draw->value = value;
+}
+
 double orl_tree_draw(const struct orl_tree *tree, enum orl_axis given, struct orl_square place,
                      const double u[2], struct orl_vec3 *ret_direction)
 {
-    const struct cell c = cell_of(place, given, tree->depth);
-    const unsigned own = given == ORL_AXIS_A ? 0 : 2, others = 2 - own;
-    struct orl_tree_ref ref = tree->root;
-    unsigned level = tree->depth, x = 0, y = 0, mine, i;
-    double t = u[0] * (double)mean_of(tree, ref, given, c, level);
-    while (!orl_tree_is_leaf(ref)) {
-        struct orl_tree_ref child[4];
-        float mean[4];
-        level--;
-        mine = ((c.x >> level & 1) | (c.y >> level & 1) << 1) << own;
+    struct orl_tree_draw draw = {.tree = tree, .given = given, .place = place, .u = {u[0], u[1]}};
+    struct descent d = descent_of(&draw);
+    while (!orl_tree_is_leaf(d.ref)) {
+        look_down(&d);
         for (unsigned k = 0; k < 4; k++)
-            child[k] = orl_tree_child(tree, ref, mine | k << others);
-        for (unsigned k = 0; k < 4; k++)
-            mean[k] = mean_of(tree, child[k], given, c, level);
-        t *= 4; /* the mean over the square is a quarter of the sum over its quarters */
-        i = choose_quarter(mean, &t);
-        x = x << 1 | (i & 1);
-        y = y << 1 | i >> 1;
-        ref = child[i];
+            ask_for(&d, d.child[k]);
+        go_down(&d);
     }
-    t = fmin(t / (double)float_of(ref.bits), 0x1.fffffffffffffp-1);
-    *ret_direction = orl_square_cell_direction(given == ORL_AXIS_A ? ORL_AXIS_B : ORL_AXIS_A, x, y,
-                                               tree->depth - level, t, u[1]);
-    return (double)float_of(ref.bits);
+    arrive(&d, &draw);
+    *ret_direction = draw.direction;
+    return draw.value;
+}
+
+/* What one descent waits for, from memory far away, is fetched while the others go on. */
+static void draw_abreast(struct orl_tree_draw *draws, size_t n)
+{
+    struct descent descents[ABREAST];
+    unsigned under_way[ABREAST], left = 0;
+    for (unsigned i = 0; i < n; i++) {
+        descents[i] = descent_of(&draws[i]);
+        ask_for(&descents[i], descents[i].ref);
+        under_way[left++] = i;
+    }
+    while (left > 0) {
+        unsigned kept = 0;
+        for (unsigned i = 0; i < left; i++) {
+            struct descent *d = &descents[under_way[i]];
+            if (orl_tree_is_leaf(d->ref)) {
+                arrive(d, &draws[under_way[i]]);
+                continue;
+            }
+            look_down(d);
+            ask_for_means(d);
+            under_way[kept++] = under_way[i];
+        }
+        left = kept;
+        for (unsigned i = 0; i < left; i++) {
+            struct descent *d = &descents[under_way[i]];
+            go_down(d);
+            ask_for(d, d->ref);
+        }
+    }
+}
+
+void orl_tree_draw_many(struct orl_tree_draw *draws, size_t n)
+{
+    for (size_t i = 0; i < n; i += ABREAST)
+        draw_abreast(draws + i, n - i < ABREAST ? n - i : ABREAST);
 }

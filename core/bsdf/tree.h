@@ -170,4 +170,17 @@ double orl_tree_total(const struct orl_tree *tree, enum orl_axis given, struct o
 double orl_tree_draw(const struct orl_tree *tree, enum orl_axis given, struct orl_square place,
                      const double u[2], struct orl_vec3 *ret_direction);
 
+/* Its arguments, and what comes of it. */
+struct orl_tree_draw {
+    const struct orl_tree *tree;
+    enum orl_axis given;
+    struct orl_square place;
+    double u[2];
+    struct orl_vec3 direction;
+    double value;
+};
+
+/* Each as orl_tree_draw makes it, all in the time of a few: they wait for memory together. */
+void orl_tree_draw_many(struct orl_tree_draw *draws, size_t n);
+
 #endif

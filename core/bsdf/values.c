@@ -12,6 +12,8 @@
 
 #include "bsdf/front.h"
 
+enum { ABREAST = 16 }; /* draws */
+
 /* ---- One pair of directions ------------------------------------------------------------------ */
 
 struct pair {
@@ -206,44 +208,115 @@ static void straighten(const struct orl_bsdf *bsdf, enum orl_role role, struct o
     }
 }
 
+/* A draw under way: of the direction in the other role, given that in one. */
+struct drawing {
+    enum orl_role role;
+    struct orl_coords coords;
+    const struct orl_view *view;
+    double total[2], sum;
+    bool front, transmitted;
+};
+
+/* Chooses the side; false: no light goes to any. */
+static inline bool begin_draw(const struct orl_bsdf *bsdf, enum orl_role role,
+                              struct orl_vec3 given, enum orl_bsdf_side sides, double u,
+                              struct drawing *d)
+{
+    d->role = role;
+    d->coords = orl_coords_of(bsdf->document.structure, given);
+    d->front = given.z > 0;
+    totals(bsdf, role, d->front, &d->coords, sides, d->total);
+    d->sum = d->total[0] + d->total[1];
+    d->transmitted = d->total[1] > 0 && u * d->sum >= d->total[0];
+    d->view = view_for(bsdf, role, d->front, d->transmitted);
+    return d->sum > 0;
+}
+
+/* What was drawn is of that value, as filed, and in the half z > 0 as yet. */
+static inline void end_draw(const struct orl_bsdf *bsdf, const struct drawing *d,
+                            struct orl_vec3 given, double value, struct orl_vec3 direction,
+                            struct orl_bsdf_draw *ret)
+{
+    ret->direction = direction;
+    ret->pdf = value * direction.z / d->sum;
+    ret->straight = false;
+    if (d->front == d->transmitted)
+        ret->direction.z = -ret->direction.z;
+    ret->weight = orl_gray(d->sum / gain_of(bsdf, d->role == ORL_ROLE_IN ? given : ret->direction));
+}
+
 /* Given a direction in its role, draws the one in the other role; with peaks, those go straight. */
 static bool draw_other(const struct orl_bsdf *bsdf, enum orl_role role, struct orl_vec3 given,
                        enum orl_bsdf_side sides, const double u[3], bool peaks,
                        struct orl_bsdf_draw *ret)
 {
     const enum orl_structure structure = bsdf->document.structure;
-    const struct orl_coords coords = orl_coords_of(structure, given);
-    const bool front = given.z > 0;
-    const struct orl_view *view;
     struct pair p = {.component = NULL};
-    double total[2], sum;
-    bool transmitted;
-    totals(bsdf, role, front, &coords, sides, total);
-    sum = total[0] + total[1];
-    if (!(sum > 0))
+    struct orl_vec3 direction;
+    struct drawing d;
+    if (!begin_draw(bsdf, role, given, sides, u[2], &d))
         return false;
-    transmitted = total[1] > 0 && u[2] * sum >= total[0];
-    view = view_for(bsdf, role, front, transmitted);
-    p.value = orl_component_draw(structure, view->component, orl_view_axis(view, role), &coords, u,
-                                 &ret->direction);
-    ret->pdf = p.value * ret->direction.z / sum;
-    ret->straight = false;
-    if (front == transmitted)
-        ret->direction.z = -ret->direction.z;
-    ret->weight = orl_gray(sum / gain_of(bsdf, role == ORL_ROLE_IN ? given : ret->direction));
-    if (view->component->chroma.present || (peaks && view->component->peak.cells > 0)) {
-        const bool is_a = orl_view_axis(view, role) == ORL_AXIS_A;
+    const struct orl_component *component = d.view->component;
+    p.value = orl_component_draw(structure, component, orl_view_axis(d.view, role), &d.coords, u,
+                                 &direction);
+    end_draw(bsdf, &d, given, p.value, direction, ret);
+    if (component->chroma.present || (peaks && component->peak.cells > 0)) {
+        const bool is_a = orl_view_axis(d.view, role) == ORL_AXIS_A;
         const struct orl_coords other = orl_coords_of(structure, ret->direction);
-        p.component = view->component;
-        p.a = is_a ? coords : other;
-        p.b = is_a ? other : coords;
+        p.component = component;
+        p.a = is_a ? d.coords : other;
+        p.b = is_a ? other : d.coords;
         ret->weight = color_of(bsdf, &p, ret->weight.g);
     }
     /* What is left of the number that chose the side chooses again. */
-    if (peaks && transmitted && p.component &&
-        (u[2] * sum - total[0]) / total[1] < straight_share(bsdf, &p))
-        straighten(bsdf, role, given, sum, ret);
+    if (peaks && d.transmitted && p.component &&
+        (u[2] * d.sum - d.total[0]) / d.total[1] < straight_share(bsdf, &p))
+        straighten(bsdf, role, given, d.sum, ret);
     return true;
+}
+
+/* Asked for together, from grey trees of rank 4: their descents are what takes long. */
+static void draw_from_trees(const struct orl_bsdf_ask *asks, const struct drawing *drawings,
+                            const size_t *which, size_t n, struct orl_bsdf_draw *ret)
+{
+    struct orl_tree_draw draws[ABREAST];
+    for (size_t i = 0; i < n; i++) {
+        const struct orl_bsdf_ask *ask = &asks[which[i]];
+        const struct drawing *d = &drawings[i];
+        draws[i].tree = &d->view->component->tree;
+        draws[i].given = orl_view_axis(d->view, d->role);
+        draws[i].place = d->coords.square;
+        draws[i].u[0] = ask->u[0];
+        draws[i].u[1] = ask->u[1];
+    }
+    orl_tree_draw_many(draws, n);
+    for (size_t i = 0; i < n; i++) {
+        const struct orl_bsdf_ask *ask = &asks[which[i]];
+        end_draw(ask->bsdf, &drawings[i], ask->given, draws[i].value, draws[i].direction,
+                 &ret[which[i]]);
+    }
+}
+
+/* Up to ABREAST of them. */
+static void draw_abreast(const struct orl_bsdf_ask *asks, size_t n, struct orl_bsdf_draw *ret,
+                         bool *ret_found)
+{
+    struct drawing drawings[ABREAST];
+    size_t which[ABREAST], trees = 0;
+    for (size_t i = 0; i < n; i++) {
+        const struct orl_bsdf_ask *ask = &asks[i];
+        const enum orl_role role = ask->adjoint ? ORL_ROLE_OUT : ORL_ROLE_IN;
+        struct drawing *d = &drawings[trees];
+        ret_found[i] = begin_draw(ask->bsdf, role, ask->given, ask->sides, ask->u[2], d);
+        if (!ret_found[i])
+            continue;
+        if (ask->bsdf->document.structure == ORL_STRUCTURE_TREE4 &&
+            !d->view->component->chroma.present)
+            which[trees++] = i;
+        else
+            draw_other(ask->bsdf, role, ask->given, ask->sides, ask->u, false, &ret[i]);
+    }
+    draw_from_trees(asks, drawings, which, trees, ret);
 }
 
 static double pdf(const struct orl_bsdf *bsdf, enum orl_role role, struct orl_vec3 given,
@@ -286,6 +359,13 @@ bool orl_bsdf_sample_adjoint(const struct orl_bsdf *bsdf, struct orl_vec3 out,
                              struct orl_rgb *ret_weight, double *ret_pdf)
 {
     return draw_plain(bsdf, ORL_ROLE_OUT, out, sides, u, ret_in, ret_weight, ret_pdf);
+}
+
+void orl_bsdf_sample_many(const struct orl_bsdf_ask *asks, size_t n,
+                          struct orl_bsdf_draw *ret_draws, bool *ret_found)
+{
+    for (size_t i = 0; i < n; i += ABREAST)
+        draw_abreast(asks + i, n - i < ABREAST ? n - i : ABREAST, ret_draws + i, ret_found + i);
 }
 
 bool orl_bsdf_sample_split(const struct orl_bsdf *bsdf, struct orl_vec3 given, bool adjoint,

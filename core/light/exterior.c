@@ -93,6 +93,11 @@ static struct orl_rgb unreflected_radiance(const struct orl_world *world, struct
     return sum;
 }
 
+bool orl_port_looks(const struct orl_world *world, const struct orl_port *port)
+{
+    return !port->clear && !world->omit.exterior;
+}
+
 struct orl_rgb orl_port_radiance(const struct orl_world *world, const struct orl_port *port,
                                  struct orl_vec3 origin, struct orl_vec3 direction,
                                  struct orl_random *random, struct orl_health *health)
@@ -108,20 +113,33 @@ struct orl_rgb orl_exterior_radiance(const struct orl_world *world, struct orl_v
                                      struct orl_vec3 direction, struct orl_chance chance,
                                      struct orl_random *random, struct orl_health *health)
 {
+    struct orl_hit hit;
+    if (world->omit.exterior) {
+        health->paths++;
+        return unreflected_radiance(world, origin, direction, chance, health);
+    }
+    const bool met = orl_geometry_intersect(world->geometry, origin, direction, INFINITY, &hit);
+    return orl_exterior_radiance_from(world, direction, met ? &hit : NULL, chance, random, health);
+}
+
+struct orl_rgb orl_exterior_radiance_from(const struct orl_world *world, struct orl_vec3 direction,
+                                          const struct orl_hit *first, struct orl_chance chance,
+                                          struct orl_random *random, struct orl_health *health)
+{
     struct orl_rgb sum = orl_gray(0), weight = orl_gray(1), clarity = orl_gray(1);
     const enum orl_lobes back = (enum orl_lobes)(ORL_LOBE_REFLECTED | ORL_LOBE_DIFFUSE);
+    const struct orl_hit *met = first;
     bool diffused = false;
+    struct orl_hit hit;
     health->paths++;
-    if (world->omit.exterior)
-        return unreflected_radiance(world, origin, direction, chance, health);
     for (int bounce = 0; bounce < MOST_BOUNCES; bounce++) {
-        struct orl_hit hit;
         health->rays++;
-        if (!orl_geometry_intersect(world->geometry, origin, direction, INFINITY, &hit)) {
+        if (!met) {
             const struct orl_rgb sky = orl_world_dome_radiance(world, direction);
             weight = orl_rgb_mul(weight, orl_clarity_after(clarity, INFINITY));
             return orl_rgb_add(sum, orl_rgb_mul(weight, sky));
         }
+        hit = *met;
         const struct orl_material *m = orl_world_material(world, &hit);
         const struct orl_vec3 eye = orl_neg(direction);
         weight = orl_rgb_mul(weight, orl_material_dimming(m, &hit, clarity));
@@ -145,8 +163,10 @@ struct orl_rgb orl_exterior_radiance(const struct orl_world *world, struct orl_v
             weight = orl_rgb_scale(weight, 1 / survive);
         }
         clarity = orl_scatter_clarity(m, &s, clarity);
-        origin = orl_hit_leave(world->geometry, &hit, s.direction);
         direction = s.direction;
+        const struct orl_vec3 origin = orl_hit_leave(world->geometry, &hit, direction);
+        met = orl_geometry_intersect(world->geometry, origin, direction, INFINITY, &hit) ? &hit
+                                                                                         : NULL;
     }
     health->paths_capped++;
     return sum;

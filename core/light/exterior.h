@@ -25,6 +25,11 @@ struct orl_rgb orl_exterior_radiance(const struct orl_world *world, struct orl_v
                                      struct orl_vec3 direction, struct orl_chance chance,
                                      struct orl_random *random, struct orl_health *health);
 
+/* The same, where it is known what is met first (NULL: nothing), and nothing is left out. */
+struct orl_rgb orl_exterior_radiance_from(const struct orl_world *world, struct orl_vec3 direction,
+                                          const struct orl_hit *first, struct orl_chance chance,
+                                          struct orl_random *random, struct orl_health *health);
+
 /*
  * The same for one that leaves a port outwards, lamps unsought; beyond a clear port no ray is
  * needed.
@@ -32,5 +37,8 @@ struct orl_rgb orl_exterior_radiance(const struct orl_world *world, struct orl_v
 struct orl_rgb orl_port_radiance(const struct orl_world *world, const struct orl_port *port,
                                  struct orl_vec3 origin, struct orl_vec3 direction,
                                  struct orl_random *random, struct orl_health *health);
+
+/* Whether that is orl_exterior_radiance_from of what a ray meets first, lamps unsought. */
+bool orl_port_looks(const struct orl_world *world, const struct orl_port *port);
 
 #endif

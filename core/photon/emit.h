@@ -104,6 +104,7 @@ struct orl_flight {
                       */
     struct orl_deflection way; /* already deflected: by the port's BSDF, or a mirror outside */
     bool from_port;
+    bool beam; /* straight from the first sun: of about one direction with others of its kind */
     struct orl_rgb clarity; /* from a port: of what lies behind it (scatter.h) */
     double focus;           /* from a spotlight: see lamp.c of the scene; else 0 */
     double fate;            /* in [0,1): at what chance of being alive it dies (trace.h) */
@@ -118,13 +119,18 @@ void orl_emission_free(struct orl_emission *emission);
 void orl_emission_points(const struct orl_emission *emission, uint64_t seed, uint64_t index,
                          bool caustic, struct orl_sobol_block *ret_points);
 
+enum { ORL_EMISSIONS_AT_ONCE = 128 };
+
 /*
- * The emission of such a point; false when nothing comes of it. random serves what Sobol does not.
- * Paths that look out of a port are counted into health.
+ * The emissions of such points, at most that many, and which of them come to something. randoms:
+ * of each, for what Sobol does not serve. Paths that look out of ports are counted into health.
+ * All take each step together: those of one kind follow one another, rays and draws go side by
+ * side. What becomes of one does not depend on the others.
  */
-bool orl_emission_sample(const struct orl_emission *emission, const double *point, bool caustic,
-                         struct orl_random *random, struct orl_health *health,
-                         struct orl_flight *ret_flight);
+void orl_emission_sample_many(const struct orl_emission *emission,
+                              const double (*points)[ORL_SOBOL_DIMENSIONS], size_t n, bool caustic,
+                              struct orl_random *randoms, struct orl_health *health,
+                              struct orl_flight *ret_flights, bool *ret_flies);
 
 /*
  * The scene's box as seen from far away: a point on the faces that look towards the light, uniform
@@ -133,7 +139,8 @@ bool orl_emission_sample(const struct orl_emission *emission, const double *poin
 double orl_emission_box_point(const struct orl_geometry *geometry, struct orl_vec3 towards,
                               const double u[2], struct orl_vec3 *ret_point);
 
-/* Emission from one stratum, with probability one and a random fate; point: five numbers in [0,1).
+/* One emission, from one stratum, with probability one and a random fate; point: five numbers in
+ * [0,1).
  */
 bool orl_emission_from(const struct orl_emission *emission, const struct orl_stratum *stratum,
                        bool caustic, const double *point, struct orl_random *random,

@@ -66,23 +66,30 @@ static bool find_batches(uint64_t emitted, size_t *ret_batches)
     return emitted_before(batches) == emitted;
 }
 
-/* One emission of each of the map's batches. */
-static void shoot_block(const struct orl_shoot_env *env, enum orl_map_kind kind, uint64_t first,
-                        struct orl_deposits *deposits)
+/* As many emissions as go together, n at most; returns how many. */
+static size_t shoot_some(const struct orl_shoot_env *env, enum orl_map_kind kind, uint64_t first,
+                         uint64_t n, struct orl_deposits *deposits)
 {
     const bool caustic = kind == ORL_MAP_CAUSTIC;
-    struct orl_sobol_block points;
-    orl_emission_points(env->emission, env->seed, first, caustic, &points);
-    for (uint64_t i = 0; i < ORL_MAP_BATCHES; i++) {
-        struct orl_random random =
-            orl_random_stream(env->seed, ORL_PURPOSE_PHOTON, (first + i) * ORL_SHOT_KINDS + kind);
-        struct orl_flight flight;
-        double point[ORL_SOBOL_DIMENSIONS];
-        for (int d = 0; d < ORL_SOBOL_DIMENSIONS; d++)
-            point[d] = points.at[d][i];
-        if (orl_emission_sample(env->emission, point, caustic, &random, &deposits->health, &flight))
-            orl_trace_photon(env->emission->world, &flight, caustic, (uint8_t)i, &random, deposits);
+    const size_t count = n < ORL_EMISSIONS_AT_ONCE ? n : ORL_EMISSIONS_AT_ONCE;
+    double points[ORL_EMISSIONS_AT_ONCE][ORL_SOBOL_DIMENSIONS];
+    struct orl_random randoms[ORL_EMISSIONS_AT_ONCE];
+    struct orl_flight flights[ORL_EMISSIONS_AT_ONCE];
+    bool flies[ORL_EMISSIONS_AT_ONCE];
+    for (size_t at = 0; at < count; at += ORL_MAP_BATCHES) {
+        struct orl_sobol_block block;
+        orl_emission_points(env->emission, env->seed, first + at, caustic, &block);
+        for (size_t i = 0; i < ORL_MAP_BATCHES; i++) {
+            for (int d = 0; d < ORL_SOBOL_DIMENSIONS; d++)
+                points[at + i][d] = block.at[d][i];
+            randoms[at + i] = orl_random_stream(env->seed, ORL_PURPOSE_PHOTON,
+                                                (first + at + i) * ORL_SHOT_KINDS + kind);
+        }
     }
+    orl_emission_sample_many(env->emission, (const double(*)[ORL_SOBOL_DIMENSIONS])points, count,
+                             caustic, randoms, &deposits->health, flights, flies);
+    orl_trace_many(env->emission->world, flights, flies, count, caustic, randoms, deposits);
+    return count;
 }
 
 static void shoot_batch(void *arg, size_t index, uint32_t member)
@@ -96,10 +103,10 @@ static void shoot_batch(void *arg, size_t index, uint32_t member)
     struct orl_deposits *deposits = &queue->batches[batch - queue->n_done];
     const uint64_t first = emitted_before(batch), end = emitted_before(batch + 1);
     (void)member;
-    for (uint64_t photon = first; photon < end; photon += ORL_MAP_BATCHES) {
+    for (uint64_t photon = first; photon < end;) {
         if (atomic_load_explicit(env->cancel, memory_order_relaxed))
             return;
-        shoot_block(env, kind, photon, deposits);
+        photon += shoot_some(env, kind, photon, end - photon, deposits);
     }
 }
 

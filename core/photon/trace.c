@@ -1,8 +1,27 @@
 #include "photon/trace.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 #include "photon/facing.h"
+
+/* Room for more photons. */
+static bool make_room(struct orl_deposits *deposits, size_t more)
+{
+    if (more <= deposits->capacity - deposits->count)
+        return true;
+    size_t capacity = deposits->capacity ? 2 * deposits->capacity : 4096;
+    while (capacity - deposits->count < more)
+        capacity *= 2;
+    struct orl_photon *grown = realloc(deposits->photons, capacity * sizeof *deposits->photons);
+    if (!grown) {
+        deposits->out_of_memory = true;
+        return false;
+    }
+    deposits->photons = grown;
+    deposits->capacity = capacity;
+    return true;
+}
 
 /* Leaves a photon; one that is no finite number, also as floats, is dropped and counted. */
 static void deposit(struct orl_deposits *deposits, const struct orl_hit *hit, struct orl_rgb flux,
@@ -14,16 +33,8 @@ static void deposit(struct orl_deposits *deposits, const struct orl_hit *hit, st
         deposits->health.non_finite++;
         return;
     }
-    if (deposits->count == deposits->capacity) {
-        const size_t capacity = deposits->capacity ? 2 * deposits->capacity : 4096;
-        struct orl_photon *grown = realloc(deposits->photons, capacity * sizeof *deposits->photons);
-        if (!grown) {
-            deposits->out_of_memory = true;
-            return;
-        }
-        deposits->photons = grown;
-        deposits->capacity = capacity;
-    }
+    if (!make_room(deposits, 1))
+        return;
     const struct orl_vec3 lit = hit->front ? hit->normal : orl_neg(hit->normal);
     deposits->photons[deposits->count++] =
         (struct orl_photon){.position = {(float)p.x, (float)p.y, (float)p.z},
@@ -34,13 +45,28 @@ static void deposit(struct orl_deposits *deposits, const struct orl_hit *hit, st
                             .facet = hit->facet};
 }
 
+/* What photons fly through, and which of them are wanted. */
+struct tracing {
+    const struct orl_world *world;
+    bool caustic;
+    enum orl_lobes lobes;
+    uint32_t most_reflections;
+};
+
 /* A photon under way. */
 struct course {
     struct orl_vec3 origin, direction;
     struct orl_rgb flux;
     double fate, alive;
+    double reflected;            /* of its flight */
     struct orl_rgb clarity;      /* of what it flies through */
     double focus, flown, spread; /* off a spotlight: until it is scattered */
+    struct orl_deflection way;
+    bool crossed, outside;
+    uint8_t batch;
+    enum orl_photon_class class;
+    uint32_t reflections;
+    int bounces, unseen;
 };
 
 /*
@@ -123,79 +149,234 @@ static bool is_left_out(const struct orl_world *world, struct orl_deflection way
     return (way.mirror && world->omit.mirror_caustics) || (way.lobe && world->omit.lobe_caustics);
 }
 
+static struct tracing tracing_of(const struct orl_world *world, bool caustic)
+{
+    const uint32_t most = world->omit.most_reflections;
+    return (struct tracing){
+        .world = world,
+        .caustic = caustic,
+        .lobes =
+            caustic ? (enum orl_lobes)(ORL_LOBE_REFLECTED | ORL_LOBE_TRANSMITTED) : ORL_LOBE_ALL,
+        .most_reflections = most < ORL_ALL_REFLECTIONS ? most : UINT32_MAX};
+}
+
+/* False: there is no use for it. */
+static bool set_out(const struct tracing *t, const struct orl_flight *flight, uint8_t batch,
+                    struct course *c, struct orl_deposits *deposits)
+{
+    const struct orl_deflection way = flight->way;
+    *c = (struct course){.origin = flight->origin,
+                         .direction = flight->direction,
+                         .flux = orl_health_keep(&deposits->health, flight->flux),
+                         .fate = flight->fate,
+                         .alive = 1,
+                         .reflected = flight->reflected,
+                         .clarity = flight->from_port ? flight->clarity : orl_gray(1),
+                         .focus = flight->focus,
+                         .spread = 1,
+                         .way = way,
+                         .crossed = flight->from_port,
+                         .batch = batch,
+                         .class = !flight->from_light        ? ORL_PHOTON_REST
+                                  : (way.mirror || way.lobe) ? ORL_PHOTON_CAUSTIC
+                                                             : ORL_PHOTON_LIGHT};
+    if (t->caustic && is_left_out(t->world, way))
+        return false;
+    deposits->health.photons++;
+    orl_sum_add(&deposits->flux, orl_luma(c->flux));
+    return true;
+}
+
+/* Its ray has met that (NULL: nothing). Leaves a photon where one is to be; false: it ends here. */
+static bool land(const struct tracing *t, struct course *c, const struct orl_hit *hit,
+                 struct orl_deposits *deposits)
+{
+    const struct orl_world *world = t->world;
+    const struct orl_deflection way = c->way;
+    deposits->health.rays++;
+    if (!hit) {
+        escape(world, c->origin, c->direction, c->crossed && !c->outside, &deposits->health);
+        return false;
+    }
+    const struct orl_material *m = orl_world_material(world, hit);
+    const struct orl_rgb albedo = orl_material_diffuse(m);
+    const bool diffuse = orl_rgb_max(albedo) > 0;
+    if (!arrives(c, m, hit))
+        return false;
+    c->unseen++;
+    if (diffuse && !c->outside &&
+        (t->caustic ? way.mirror || way.lobe : c->reflections < t->most_reflections)) {
+        if (t->caustic || !world->omit.counted_light || c->class == ORL_PHOTON_REST)
+            deposit(deposits, hit, c->flux, c->batch, c->class);
+        c->unseen = 0;
+    }
+    return !ends_here(c, m, albedo, c->class == ORL_PHOTON_REST ? 1 : c->reflected, t->caustic);
+}
+
+/* Scattered so, does it go on? */
+static bool goes_on(const struct tracing *t, struct course *c, const struct orl_hit *hit,
+                    const struct orl_scatter *s, struct orl_deposits *deposits)
+{
+    const double spared = c->class == ORL_PHOTON_REST ? 1 : c->reflected;
+    if (s->event == ORL_EVENT_ABSORBED ||
+        !survives(c, orl_health_keep(&deposits->health, s->weight),
+                  s->event == ORL_EVENT_DIFFUSE ? spared : 1))
+        return false;
+    if (s->transmitted) {
+        const enum orl_crossing crossing = orl_world_crossing(t->world, hit);
+        /* What crosses a port inwards for the first time is the port's own to emit. */
+        if (crossing == ORL_CROSSING_INWARDS && !c->crossed)
+            return false;
+        if (crossing != ORL_CROSSING_NONE) {
+            c->crossed = true;
+            c->outside = !t->world->open && crossing == ORL_CROSSING_OUTWARDS;
+        }
+    }
+    c->way = orl_deflected(c->way, s->event);
+    c->reflections += s->event == ORL_EVENT_DIFFUSE;
+    if (t->caustic ? is_left_out(t->world, c->way) : c->reflections >= t->most_reflections)
+        return false;
+    c->class = class_after(c->class, s->event);
+    depart(c, t->world, orl_world_material(t->world, hit), hit, s);
+    if (++c->bounces < ORL_TRACE_MOST_BOUNCES && c->unseen < ORL_TRACE_MOST_UNSEEN)
+        return true;
+    give_up(deposits, c->flux);
+    return false;
+}
+
 void orl_trace_photon(const struct orl_world *world, const struct orl_flight *flight, bool caustic,
                       uint8_t batch, struct orl_random *random, struct orl_deposits *deposits)
 {
-    const enum orl_lobes lobes =
-        caustic ? (enum orl_lobes)(ORL_LOBE_REFLECTED | ORL_LOBE_TRANSMITTED) : ORL_LOBE_ALL;
-    struct course c = {.origin = flight->origin,
-                       .direction = flight->direction,
-                       .flux = orl_health_keep(&deposits->health, flight->flux),
-                       .fate = flight->fate,
-                       .alive = 1,
-                       .clarity = flight->from_port ? flight->clarity : orl_gray(1),
-                       .focus = flight->focus,
-                       .spread = 1};
-    struct orl_deflection way = flight->way;
-    bool crossed = flight->from_port, outside = false;
-    enum orl_photon_class class = !flight->from_light        ? ORL_PHOTON_REST
-                                  : (way.mirror || way.lobe) ? ORL_PHOTON_CAUSTIC
-                                                             : ORL_PHOTON_LIGHT;
-    const uint32_t most = world->omit.most_reflections < ORL_ALL_REFLECTIONS
-                              ? world->omit.most_reflections
-                              : UINT32_MAX;
-    uint32_t reflections = 0;
-    int unseen = 0;
-    if (caustic && is_left_out(world, way))
+    const struct tracing t = tracing_of(world, caustic);
+    struct orl_scatter s;
+    struct orl_hit hit;
+    struct course c;
+    if (!set_out(&t, flight, batch, &c, deposits))
         return;
-    deposits->health.photons++;
-    orl_sum_add(&deposits->flux, orl_luma(c.flux));
-    for (int bounce = 0; bounce < ORL_TRACE_MOST_BOUNCES && unseen < ORL_TRACE_MOST_UNSEEN;
-         bounce++) {
-        struct orl_hit hit;
-        deposits->health.rays++;
-        if (!orl_geometry_intersect(world->geometry, c.origin, c.direction, INFINITY, &hit)) {
-            escape(world, c.origin, c.direction, crossed && !outside, &deposits->health);
+    do {
+        const bool met =
+            orl_geometry_intersect(world->geometry, c.origin, c.direction, INFINITY, &hit);
+        if (!land(&t, &c, met ? &hit : NULL, deposits))
             return;
-        }
-        const struct orl_material *m = orl_world_material(world, &hit);
-        const struct orl_rgb albedo = orl_material_diffuse(m);
-        const bool diffuse = orl_rgb_max(albedo) > 0;
-        if (!arrives(&c, m, &hit))
-            return;
-        unseen++;
-        if (diffuse && !outside && (caustic ? way.mirror || way.lobe : reflections < most)) {
-            if (caustic || !world->omit.counted_light || class == ORL_PHOTON_REST)
-                deposit(deposits, &hit, c.flux, batch, class);
-            unseen = 0;
-        }
-        const double spared = class == ORL_PHOTON_REST ? 1 : flight->reflected;
-        if (ends_here(&c, m, albedo, spared, caustic))
-            return;
-        const struct orl_scatter s =
-            orl_scatter_sample(m, &hit, orl_neg(c.direction), ORL_TRANSPORT_LIGHT, lobes, random);
-        if (s.event == ORL_EVENT_ABSORBED ||
-            !survives(&c, orl_health_keep(&deposits->health, s.weight),
-                      s.event == ORL_EVENT_DIFFUSE ? spared : 1))
-            return;
-        if (s.transmitted) {
-            const enum orl_crossing crossing = orl_world_crossing(world, &hit);
-            /* What crosses a port inwards for the first time is the port's own to emit. */
-            if (crossing == ORL_CROSSING_INWARDS && !crossed)
-                return;
-            if (crossing != ORL_CROSSING_NONE) {
-                crossed = true;
-                outside = !world->open && crossing == ORL_CROSSING_OUTWARDS;
-            }
-        }
-        way = orl_deflected(way, s.event);
-        reflections += s.event == ORL_EVENT_DIFFUSE;
-        if (caustic ? is_left_out(world, way) : reflections >= most)
-            return;
-        class = class_after(class, s.event);
-        depart(&c, world, m, &hit, &s);
+        s = orl_scatter_sample(orl_world_material(world, &hit), &hit, orl_neg(c.direction),
+                               ORL_TRANSPORT_LIGHT, t.lobes, random);
+    } while (goes_on(&t, &c, &hit, &s, deposits));
+}
+
+/* ---- Many at once ---------------------------------------------------------------------------- */
+
+enum { AT_ONCE = ORL_EMISSIONS_AT_ONCE };
+_Static_assert((int)AT_ONCE <= UINT8_MAX + 1, "a photon has its number where its batch will stand");
+
+/* Photons that take each step together. */
+struct wave {
+    struct tracing tracing;
+    struct orl_deposits *deposits;
+    struct orl_random *randoms;
+    struct course courses[AT_ONCE];
+    uint16_t under_way[AT_ONCE];
+    size_t n, n_beam; /* under way; of them first those of a beam */
+    struct orl_ray rays[AT_ONCE];
+    struct orl_hit hits[AT_ONCE]; /* of those under way, in their order */
+    bool found[AT_ONCE];
+    struct orl_draw draws[AT_ONCE];
+    double u[AT_ONCE][3];
+    uint16_t scattered[AT_ONCE]; /* of those under way, by their order */
+    struct orl_scatter scatters[AT_ONCE];
+};
+
+static void trace_rays(struct wave *w)
+{
+    const struct orl_geometry *g = w->tracing.world->geometry;
+    for (size_t i = 0; i < w->n; i++) {
+        const struct course *c = &w->courses[w->under_way[i]];
+        w->rays[i] = (struct orl_ray){c->origin, c->direction};
     }
-    give_up(deposits, c.flux);
+    orl_geometry_intersect_many(g, w->rays, w->n_beam, true, w->hits, w->found);
+    orl_geometry_intersect_many(g, w->rays + w->n_beam, w->n - w->n_beam, false,
+                                w->hits + w->n_beam, w->found + w->n_beam);
+    w->n_beam = 0;
+}
+
+/* Lands all, and scatters those that do not end. */
+static size_t scatter_all(struct wave *w)
+{
+    size_t n = 0;
+    for (size_t i = 0; i < w->n; i++) {
+        const struct orl_hit *hit = &w->hits[i];
+        struct course *c = &w->courses[w->under_way[i]];
+        struct orl_random *random = &w->randoms[w->under_way[i]];
+        if (!land(&w->tracing, c, w->found[i] ? hit : NULL, w->deposits))
+            continue;
+        for (int k = 0; k < 3; k++)
+            w->u[n][k] = orl_random_uniform(random);
+        w->draws[n] =
+            (struct orl_draw){orl_world_material(w->tracing.world, hit), hit, orl_neg(c->direction),
+                              ORL_TRANSPORT_LIGHT, w->tracing.lobes};
+        w->scattered[n++] = (uint16_t)i;
+    }
+    orl_scatter_sample_many(w->draws, (const double(*)[3])w->u, n, w->scatters);
+    return n;
+}
+
+static void take_step(struct wave *w)
+{
+    size_t left = 0;
+    trace_rays(w);
+    const size_t n = scatter_all(w);
+    for (size_t k = 0; k < n; k++) {
+        const uint16_t i = w->scattered[k], photon = w->under_way[i];
+        if (goes_on(&w->tracing, &w->courses[photon], &w->hits[i], &w->scatters[k], w->deposits))
+            w->under_way[left++] = photon;
+    }
+    w->n = left;
+}
+
+/* What a wave has left, by photon, as if each had flown by itself; and of what batch each is. */
+static void put_in_order(struct orl_deposits *deposits, size_t first)
+{
+    const size_t n = deposits->count - first;
+    size_t next[AT_ONCE + 1] = {0};
+    if (!make_room(deposits, n))
+        return;
+    struct orl_photon *left = deposits->photons + first, *sorted = left + n;
+    for (size_t i = 0; i < n; i++)
+        next[left[i].batch + 1]++;
+    for (size_t k = 0; k < AT_ONCE; k++)
+        next[k + 1] += next[k];
+    for (size_t i = 0; i < n; i++) {
+        struct orl_photon *p = &sorted[next[left[i].batch]++];
+        *p = left[i];
+        p->batch %= ORL_MAP_BATCHES;
+    }
+    memcpy(left, sorted, n * sizeof *left);
+}
+
+void orl_trace_many(const struct orl_world *world, const struct orl_flight *flights,
+                    const bool *flies, size_t n, bool caustic, struct orl_random *randoms,
+                    struct orl_deposits *deposits)
+{
+    const size_t first = deposits->count;
+    struct wave w;
+    w.tracing = tracing_of(world, caustic);
+    w.deposits = deposits;
+    w.randoms = randoms;
+    w.n = w.n_beam = 0;
+    uint16_t others[AT_ONCE];
+    size_t n_others = 0;
+    for (size_t i = 0; i < n; i++) {
+        if (!flies[i] || !set_out(&w.tracing, &flights[i], (uint8_t)i, &w.courses[i], deposits))
+            continue;
+        if (flights[i].beam)
+            w.under_way[w.n_beam++] = (uint16_t)i;
+        else
+            others[n_others++] = (uint16_t)i;
+    }
+    memcpy(w.under_way + w.n_beam, others, n_others * sizeof *others);
+    w.n = w.n_beam + n_others;
+    while (w.n > 0)
+        take_step(&w);
+    put_in_order(deposits, first);
 }
 
 struct orl_health orl_deposits_health(const struct orl_deposits *deposits)

@@ -41,4 +41,13 @@ struct orl_health orl_deposits_health(const struct orl_deposits *deposits);
 void orl_trace_photon(const struct orl_world *world, const struct orl_flight *flight, bool caustic,
                       uint8_t batch, struct orl_random *random, struct orl_deposits *deposits);
 
+/*
+ * Many, at most ORL_EMISSIONS_AT_ONCE, of those flights that fly; each photon's batch is its number
+ * modulo ORL_MAP_BATCHES. They take each step together, so that rays go side by side and draws wait
+ * for memory together, and leave what they would have left one after the other, in that order.
+ */
+void orl_trace_many(const struct orl_world *world, const struct orl_flight *flights,
+                    const bool *flies, size_t n, bool caustic, struct orl_random *randoms,
+                    struct orl_deposits *deposits);
+
 #endif

@@ -135,6 +135,7 @@ int orl_embree_build(struct orl_geometry *geometry, const atomic_bool *cancel,
     }
     geometry->device = device;
     geometry->scene = scene;
+    geometry->curved = n_curved > 0;
     rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
     rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_HIGH);
     if (geometry->n_triangles > 0 && build_triangles(geometry, device, scene) < 0)
@@ -208,6 +209,72 @@ bool orl_embree_intersect(const struct orl_geometry *geometry, struct orl_vec3 o
     ret_hit->index = ret_hit->curved ? (uint32_t)(geometry->n_facets - 1 - rayhit.hit.primID)
                                      : rayhit.hit.primID;
     return true;
+}
+
+/* Embree's packets, side by side. */
+enum { ABREAST = 8 };
+struct packet {
+    struct RTCRayHit8 rays;
+    _Alignas(32) int valid[ABREAST];
+};
+
+static void fill_packet(const struct orl_ray *rays, size_t n, struct packet *packet)
+{
+    struct RTCRay8 *r = &packet->rays.ray;
+    for (size_t i = 0; i < ABREAST; i++) {
+        const struct orl_ray *ray = &rays[i < n ? i : 0];
+        packet->valid[i] = i < n && is_traceable(ray->origin, ray->direction) ? -1 : 0;
+        r->org_x[i] = (float)ray->origin.x;
+        r->org_y[i] = (float)ray->origin.y;
+        r->org_z[i] = (float)ray->origin.z;
+        r->tnear[i] = 0.0F;
+        r->dir_x[i] = (float)ray->direction.x;
+        r->dir_y[i] = (float)ray->direction.y;
+        r->dir_z[i] = (float)ray->direction.z;
+        r->time[i] = 0.0F;
+        r->tfar[i] = INFINITY;
+        r->mask[i] = 0xffffffffU;
+        r->id[i] = 0;
+        r->flags[i] = 0;
+        packet->rays.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
+        packet->rays.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
+    }
+}
+
+static void trace_packet(const struct orl_geometry *geometry, bool alike, struct packet *packet)
+{
+#if RTC_VERSION_MAJOR >= 4
+    struct RTCIntersectArguments arguments;
+    rtcInitIntersectArguments(&arguments);
+    arguments.flags = alike ? RTC_RAY_QUERY_FLAG_COHERENT : RTC_RAY_QUERY_FLAG_INCOHERENT;
+    rtcIntersect8(packet->valid, geometry->scene, &packet->rays, &arguments);
+#else
+    struct RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    context.flags =
+        alike ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+    rtcIntersect8(packet->valid, geometry->scene, &context, &packet->rays);
+#endif
+}
+
+void orl_embree_intersect_many(const struct orl_geometry *geometry, const struct orl_ray *rays,
+                               size_t n, bool alike, struct orl_embree_hit *ret_hits,
+                               bool *ret_found)
+{
+    struct packet packet;
+    /* What is curved answers one ray at a time. */
+    for (size_t i = 0; i < n && geometry->curved; i++)
+        ret_found[i] = orl_embree_intersect(geometry, rays[i].origin, rays[i].direction, INFINITY,
+                                            &ret_hits[i]);
+    for (size_t first = 0; first < n && !geometry->curved; first += ABREAST) {
+        fill_packet(rays + first, n - first, &packet);
+        trace_packet(geometry, alike, &packet);
+        for (size_t i = 0; i < ABREAST && first + i < n; i++) {
+            ret_found[first + i] = packet.rays.hit.geomID[i] != RTC_INVALID_GEOMETRY_ID;
+            ret_hits[first + i] = (struct orl_embree_hit){(double)packet.rays.ray.tfar[i],
+                                                          packet.rays.hit.primID[i], false};
+        }
+    }
 }
 
 bool orl_embree_occluded(const struct orl_geometry *geometry, struct orl_vec3 origin,

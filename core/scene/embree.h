@@ -25,6 +25,10 @@ struct orl_embree_hit {
 bool orl_embree_intersect(const struct orl_geometry *geometry, struct orl_vec3 origin,
                           struct orl_vec3 direction, double max_distance,
                           struct orl_embree_hit *ret_hit);
+/* Many at once, to any distance, as orl_geometry_intersect_many has them. */
+void orl_embree_intersect_many(const struct orl_geometry *geometry, const struct orl_ray *rays,
+                               size_t n, bool alike, struct orl_embree_hit *ret_hits,
+                               bool *ret_found);
 bool orl_embree_occluded(const struct orl_geometry *geometry, struct orl_vec3 origin,
                          struct orl_vec3 direction, double max_distance);
 

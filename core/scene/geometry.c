@@ -10,6 +10,8 @@
 #include "scene/quadric.h"
 #include "scene/triangulate.h"
 
+enum { AT_ONCE = 64 }; /* rays */
+
 static void include(struct orl_vec3 p, struct orl_vec3 *low, struct orl_vec3 *high)
 {
     *low = orl_v3(fmin(low->x, p.x), fmin(low->y, p.y), fmin(low->z, p.z));
@@ -209,23 +211,22 @@ void orl_geometry_free(struct orl_geometry *geometry)
     free(geometry);
 }
 
-bool orl_geometry_intersect(const struct orl_geometry *geometry, struct orl_vec3 origin,
-                            struct orl_vec3 direction, double max_distance, struct orl_hit *ret_hit)
+/* The hit on the true surface, in double. */
+static inline void settle_hit(const struct orl_geometry *geometry, struct orl_vec3 origin,
+                              struct orl_vec3 direction, const struct orl_embree_hit *e,
+                              struct orl_hit *ret_hit)
 {
-    struct orl_embree_hit e;
-    if (!orl_embree_intersect(geometry, origin, direction, max_distance, &e))
-        return false;
-    const uint32_t index = e.curved ? e.index : geometry->triangles[e.index].facet;
+    const uint32_t index = e->curved ? e->index : geometry->triangles[e->index].facet;
     const struct orl_facet *facet = &geometry->facets[index];
-    double t = e.distance;
+    double t = e->distance;
     struct orl_vec3 normal = facet->normal;
-    if (e.curved) {
+    if (e->curved) {
         /* The same root again, in double. At a graze there may be none: then Embree's must do. */
         if (!orl_quadric_intersect(facet, origin, direction, 0.5 * t, 2 * t, &t, &normal))
             normal = orl_quadric_normal(facet, orl_madd(origin, direction, t));
     } else {
         const double slope = orl_dot(direction, normal);
-        const struct orl_vec3 to_plane = orl_sub(geometry->triangles[e.index].a, origin);
+        const struct orl_vec3 to_plane = orl_sub(geometry->triangles[e->index].a, origin);
         const double exact = orl_dot(to_plane, normal) / slope;
         if (fabs(exact - t) <= 1e-3 * t + facet->offset)
             t = exact;
@@ -235,7 +236,30 @@ bool orl_geometry_intersect(const struct orl_geometry *geometry, struct orl_vec3
     ret_hit->normal = normal;
     ret_hit->facet = index;
     ret_hit->front = orl_dot(direction, normal) < 0;
+}
+
+bool orl_geometry_intersect(const struct orl_geometry *geometry, struct orl_vec3 origin,
+                            struct orl_vec3 direction, double max_distance, struct orl_hit *ret_hit)
+{
+    struct orl_embree_hit e;
+    if (!orl_embree_intersect(geometry, origin, direction, max_distance, &e))
+        return false;
+    settle_hit(geometry, origin, direction, &e, ret_hit);
     return true;
+}
+
+void orl_geometry_intersect_many(const struct orl_geometry *geometry, const struct orl_ray *rays,
+                                 size_t n, bool alike, struct orl_hit *ret_hits, bool *ret_found)
+{
+    struct orl_embree_hit met[AT_ONCE];
+    for (size_t first = 0; first < n; first += AT_ONCE) {
+        const size_t count = n - first < AT_ONCE ? n - first : AT_ONCE;
+        orl_embree_intersect_many(geometry, rays + first, count, alike, met, ret_found + first);
+        for (size_t i = 0; i < count; i++)
+            if (ret_found[first + i])
+                settle_hit(geometry, rays[first + i].origin, rays[first + i].direction, &met[i],
+                           &ret_hits[first + i]);
+    }
 }
 
 bool orl_geometry_occluded(const struct orl_geometry *geometry, struct orl_vec3 origin,

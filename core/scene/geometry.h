@@ -50,6 +50,7 @@ struct orl_geometry {
     size_t n_facets;
     struct orl_triangle *triangles;
     size_t n_triangles;
+    bool curved;          /* it has facets that are not polygons */
     void *device, *scene; /* Embree's */
 };
 
@@ -70,6 +71,18 @@ void orl_geometry_free(struct orl_geometry *geometry);
 bool orl_geometry_intersect(const struct orl_geometry *geometry, struct orl_vec3 origin,
                             struct orl_vec3 direction, double max_distance,
                             struct orl_hit *ret_hit);
+
+struct orl_ray {
+    struct orl_vec3 origin, direction; /* unit */
+};
+
+/*
+ * What each of many rays meets first, as orl_geometry_intersect says with no limit on the distance;
+ * but for rays that pass through an edge, where it may be either side. They are done side by side;
+ * alike: all of about one direction, which is several times as quick (and slower when untrue).
+ */
+void orl_geometry_intersect_many(const struct orl_geometry *geometry, const struct orl_ray *rays,
+                                 size_t n, bool alike, struct orl_hit *ret_hits, bool *ret_found);
 
 /* Whether anything at all, glass included, lies within max_distance. */
 bool orl_geometry_occluded(const struct orl_geometry *geometry, struct orl_vec3 origin,

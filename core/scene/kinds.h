@@ -7,15 +7,6 @@
 
 #include "scene/scatter.h"
 
-/* One draw's circumstances. */
-struct orl_draw {
-    const struct orl_material *material;
-    const struct orl_hit *hit;
-    struct orl_vec3 from;
-    enum orl_transport transport;
-    enum orl_lobes lobes;
-};
-
 static inline struct orl_vec3 orl_mirrored(struct orl_vec3 from, struct orl_vec3 normal)
 {
     return orl_sub(orl_scale(normal, 2 * orl_dot(from, normal)), from);
@@ -58,6 +49,12 @@ struct orl_rgb orl_panel_albedo(const struct orl_material *material, const struc
 struct orl_rgb orl_panel_straight(const struct orl_material *material, const struct orl_hit *hit,
                                   struct orl_vec3 eye);
 struct orl_scatter orl_panel_sample(const struct orl_draw *draw, const double u[3]);
+/* Whether it is one with nothing added to the data and nothing taken out. */
+bool orl_panel_is_data_alone(const struct orl_material *material);
+/* Draws of such, those of the list, n at most ORL_PANELS_ABREAST; by orl_bsdf_sample_many. */
+enum { ORL_PANELS_ABREAST = 16 };
+void orl_panel_sample_many(const struct orl_draw *draws, const double (*u)[3], const size_t *which,
+                           size_t n, struct orl_scatter *ret);
 double orl_panel_pdf(const struct orl_draw *draw, struct orl_vec3 towards);
 
 #endif

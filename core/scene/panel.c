@@ -164,6 +164,13 @@ static struct orl_vec3 draw_added(const struct local *l, double choice, const do
     return orl_v3(sine * cos(phi), sine * sin(phi), front ? cosine : -cosine);
 }
 
+/* Of a draw from the data alone, or one that goes straight. */
+static void settle_weight(const struct local *l, struct orl_bsdf_draw *draw)
+{
+    const struct orl_vec3 in = l->adjoint ? draw->direction : l->from;
+    draw->weight = orl_rgb_scale(draw->weight, l->sum / l->data / excess(l->material, in));
+}
+
 /* From the data or from what is added; false: nothing there. */
 static bool draw_local(const struct local *l, const double u[3], struct orl_bsdf_draw *ret)
 {
@@ -182,28 +189,71 @@ static bool draw_local(const struct local *l, const double u[3], struct orl_bsdf
                                               &ret->direction, &ret->weight, &ret->pdf))) {
         return false;
     }
-    const struct orl_vec3 in = l->adjoint ? ret->direction : l->from;
     if (ret->straight || !mixed) {
-        ret->weight = orl_rgb_scale(ret->weight, l->sum / l->data / excess(l->material, in));
+        settle_weight(l, ret);
         return true;
     }
+    const struct orl_vec3 in = l->adjoint ? ret->direction : l->from;
     const struct orl_vec3 out = l->adjoint ? l->from : ret->direction;
     ret->weight = orl_rgb_scale(lobes_between(l->material, in, out),
                                 fabs(ret->direction.z) / local_pdf(l, ret->direction));
     return true;
 }
 
+static struct orl_scatter scatter_of(const struct orl_draw *draw, const struct orl_frame *frame,
+                                     const struct local *l, const struct orl_bsdf_draw *next)
+{
+    struct orl_scatter s = {.event = next->straight ? ORL_EVENT_STRAIGHT : ORL_EVENT_GLOSSY};
+    s.transmitted = next->straight || next->direction.z * l->from.z < 0;
+    s.direction = next->straight ? orl_neg(draw->from) : orl_to_world(frame, next->direction);
+    s.weight = next->weight;
+    return s;
+}
+
 struct orl_scatter orl_panel_sample(const struct orl_draw *draw, const double u[3])
 {
     const struct orl_frame frame = orl_bsdf_frame(draw->material, draw->hit->normal);
     const struct local l = local_of(draw, &frame);
-    struct orl_scatter s = {.event = ORL_EVENT_ABSORBED};
     struct orl_bsdf_draw next;
     if (!(l.sum > 0) || !draw_local(&l, u, &next))
-        return s;
-    s.event = next.straight ? ORL_EVENT_STRAIGHT : ORL_EVENT_GLOSSY;
-    s.transmitted = next.straight || next.direction.z * l.from.z < 0;
-    s.direction = next.straight ? orl_neg(draw->from) : orl_to_world(&frame, next.direction);
-    s.weight = next.weight;
-    return s;
+        return (struct orl_scatter){.event = ORL_EVENT_ABSORBED};
+    return scatter_of(draw, &frame, &l, &next);
+}
+
+bool orl_panel_is_data_alone(const struct orl_material *m)
+{
+    return m->kind == ORL_MATERIAL_BSDF && !m->peak && !(orl_rgb_max(m->front) > 0) &&
+           !(orl_rgb_max(m->back) > 0) && !(orl_rgb_max(m->through) > 0);
+}
+
+void orl_panel_sample_many(const struct orl_draw *draws, const double (*u)[3], const size_t *which,
+                           size_t n, struct orl_scatter *ret)
+{
+    struct orl_frame frames[ORL_PANELS_ABREAST];
+    struct local locals[ORL_PANELS_ABREAST];
+    struct orl_bsdf_ask asks[ORL_PANELS_ABREAST];
+    struct orl_bsdf_draw next[ORL_PANELS_ABREAST];
+    bool found[ORL_PANELS_ABREAST];
+    if (n == 0)
+        return;
+    for (size_t i = 0; i < n; i++) {
+        const struct orl_draw *draw = &draws[which[i]];
+        const double *numbers = u[which[i]];
+        frames[i] = orl_bsdf_frame(draw->material, draw->hit->normal);
+        locals[i] = local_of(draw, &frames[i]);
+        asks[i] = (struct orl_bsdf_ask){draw->material->bsdf,
+                                        locals[i].from,
+                                        locals[i].adjoint,
+                                        locals[i].sides,
+                                        {numbers[0], numbers[1], numbers[2]}};
+    }
+    orl_bsdf_sample_many(asks, n, next, found);
+    for (size_t i = 0; i < n; i++) {
+        struct orl_scatter *s = &ret[which[i]];
+        *s = (struct orl_scatter){.event = ORL_EVENT_ABSORBED};
+        if (!found[i])
+            continue;
+        settle_weight(&locals[i], &next[i]);
+        *s = scatter_of(&draws[which[i]], &frames[i], &locals[i], &next[i]);
+    }
 }

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 
 #include "bsdf/incident.h"
+#include "scene/kinds.h"
 
 struct orl_passage {
     const struct orl_material *material;
@@ -11,19 +12,12 @@ struct orl_passage {
     struct orl_incident *incident;
 };
 
-/* Nothing added to the data, nothing taken out of them. */
-static bool is_data_alone(const struct orl_material *m)
-{
-    return m->kind == ORL_MATERIAL_BSDF && !m->peak && !(orl_rgb_max(m->front) > 0) &&
-           !(orl_rgb_max(m->back) > 0) && !(orl_rgb_max(m->through) > 0);
-}
-
 int orl_passage_new(const struct orl_material *material, struct orl_vec3 normal,
                     struct orl_vec3 towards, double half_angle_rad,
                     struct orl_passage **ret_passage)
 {
     *ret_passage = NULL;
-    if (!is_data_alone(material))
+    if (!orl_panel_is_data_alone(material))
         return 0;
     struct orl_passage *passage = calloc(1, sizeof *passage);
     if (!passage)

@@ -103,25 +103,21 @@ struct orl_rgb orl_material_albedo(const struct orl_material *material, const st
     return sum;
 }
 
-struct orl_scatter orl_scatter_sample_at(const struct orl_material *material,
-                                         const struct orl_hit *hit, struct orl_vec3 from,
-                                         enum orl_transport transport, enum orl_lobes lobes,
-                                         const double u[3])
+static struct orl_scatter sample(const struct orl_draw *draw, const double u[3])
 {
-    const struct orl_draw draw = {material, hit, from, transport, lobes};
-    switch (material->kind) {
+    switch (draw->material->kind) {
     case ORL_MATERIAL_PLASTIC:
     case ORL_MATERIAL_METAL:
     case ORL_MATERIAL_TRANS:
-        return orl_reflector_sample(&draw, u);
+        return orl_reflector_sample(draw, u);
     case ORL_MATERIAL_GLASS:
-        return orl_glass_sample(&draw, u);
+        return orl_glass_sample(draw, u);
     case ORL_MATERIAL_BSDF:
-        return orl_panel_sample(&draw, u);
+        return orl_panel_sample(draw, u);
     case ORL_MATERIAL_DIELECTRIC:
-        return orl_dielectric_sample(&draw, u);
+        return orl_dielectric_sample(draw, u);
     case ORL_MATERIAL_MIRROR:
-        return orl_mirror_sample(&draw);
+        return orl_mirror_sample(draw);
     case ORL_MATERIAL_VOID:
     case ORL_MATERIAL_LIGHT:
     case ORL_MATERIAL_GLOW:
@@ -130,6 +126,33 @@ struct orl_scatter orl_scatter_sample_at(const struct orl_material *material,
         break;
     }
     return (struct orl_scatter){.event = ORL_EVENT_ABSORBED};
+}
+
+struct orl_scatter orl_scatter_sample_at(const struct orl_material *material,
+                                         const struct orl_hit *hit, struct orl_vec3 from,
+                                         enum orl_transport transport, enum orl_lobes lobes,
+                                         const double u[3])
+{
+    const struct orl_draw draw = {material, hit, from, transport, lobes};
+    return sample(&draw, u);
+}
+
+void orl_scatter_sample_many(const struct orl_draw *draws, const double (*u)[3], size_t n,
+                             struct orl_scatter *ret_scatters)
+{
+    size_t panels[ORL_PANELS_ABREAST], waiting = 0;
+    for (size_t i = 0; i < n; i++) {
+        if (!orl_panel_is_data_alone(draws[i].material)) {
+            ret_scatters[i] = sample(&draws[i], u[i]);
+            continue;
+        }
+        panels[waiting++] = i;
+        if (waiting == ORL_PANELS_ABREAST) {
+            orl_panel_sample_many(draws, u, panels, waiting, ret_scatters);
+            waiting = 0;
+        }
+    }
+    orl_panel_sample_many(draws, u, panels, waiting, ret_scatters);
 }
 
 struct orl_scatter orl_scatter_sample(const struct orl_material *material,

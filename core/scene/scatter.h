@@ -70,6 +70,19 @@ struct orl_scatter orl_scatter_sample_at(const struct orl_material *material,
                                          enum orl_transport transport, enum orl_lobes lobes,
                                          const double u[3]);
 
+/* One draw's circumstances. */
+struct orl_draw {
+    const struct orl_material *material;
+    const struct orl_hit *hit;
+    struct orl_vec3 from;
+    enum orl_transport transport;
+    enum orl_lobes lobes;
+};
+
+/* Many, each as orl_scatter_sample_at has it. Those of BSDFs are the sooner done (oriel/bsdf.h). */
+void orl_scatter_sample_many(const struct orl_draw *draws, const double (*u)[3], size_t n,
+                             struct orl_scatter *ret_scatters);
+
 /*
  * The density, per steradian, with which orl_scatter_sample draws a direction by way of anything of
  * finite width, diffuse reflection included; what is specular does not count.

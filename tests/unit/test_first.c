@@ -42,15 +42,20 @@ static struct harvest harvest_of(const struct orl_world *world, struct orl_crew 
     struct orl_batches parts = {{0}};
     struct harvest harvest = {0};
     assert_int_equal(orl_emission_new(world, 1, crew, &emission, NULL), 0);
-    for (uint64_t i = 0; i < EMISSIONS; i++) {
-        const uint8_t batch = (uint8_t)(i % ORL_MAP_BATCHES);
-        struct orl_random random = orl_random_stream(7, ORL_PURPOSE_BENCH, i);
-        struct orl_flight flight;
-        double point[ORL_SOBOL_DIMENSIONS];
-        for (int d = 0; d < ORL_SOBOL_DIMENSIONS; d++)
-            point[d] = orl_random_uniform(&random);
-        if (orl_emission_sample(emission, point, false, &random, &deposits.health, &flight))
-            orl_trace_photon(world, &flight, false, batch, &random, &deposits);
+    for (uint64_t first = 0; first < EMISSIONS; first += ORL_EMISSIONS_AT_ONCE) {
+        double points[ORL_EMISSIONS_AT_ONCE][ORL_SOBOL_DIMENSIONS];
+        struct orl_random randoms[ORL_EMISSIONS_AT_ONCE];
+        struct orl_flight flights[ORL_EMISSIONS_AT_ONCE];
+        bool flies[ORL_EMISSIONS_AT_ONCE];
+        for (size_t i = 0; i < ORL_EMISSIONS_AT_ONCE; i++) {
+            randoms[i] = orl_random_stream(7, ORL_PURPOSE_BENCH, first + i);
+            for (int d = 0; d < ORL_SOBOL_DIMENSIONS; d++)
+                points[i][d] = orl_random_uniform(&randoms[i]);
+        }
+        orl_emission_sample_many(emission, (const double(*)[ORL_SOBOL_DIMENSIONS])points,
+                                 ORL_EMISSIONS_AT_ONCE, false, randoms, &deposits.health, flights,
+                                 flies);
+        orl_trace_many(world, flights, flies, ORL_EMISSIONS_AT_ONCE, false, randoms, &deposits);
     }
     for (size_t i = 0; i < deposits.count; i++) {
         const struct orl_photon *p = &deposits.photons[i];

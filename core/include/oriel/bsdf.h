@@ -139,6 +139,21 @@ bool orl_bsdf_sample_split(const struct orl_bsdf *bsdf, struct orl_vec3 given, b
                            enum orl_bsdf_side sides, const double u[3],
                            struct orl_bsdf_draw *ret_draw);
 
+/*
+ * Many draws, each as orl_bsdf_sample (or, adjoint, orl_bsdf_sample_adjoint) makes it from the same
+ * numbers, never straight; ret_found: whether there is any light to go on. Trees of rank 4 are
+ * larger than caches: draws asked for together wait for memory together.
+ */
+struct orl_bsdf_ask {
+    const struct orl_bsdf *bsdf;
+    struct orl_vec3 given;
+    bool adjoint;
+    enum orl_bsdf_side sides;
+    double u[3];
+};
+void orl_bsdf_sample_many(const struct orl_bsdf_ask *asks, size_t n,
+                          struct orl_bsdf_draw *ret_draws, bool *ret_found);
+
 /* The integral whose inverse the pdf has: of the luminance as filed, R + T above 1 included. */
 double orl_bsdf_total(const struct orl_bsdf *bsdf, struct orl_vec3 given, bool adjoint,
                       enum orl_bsdf_side sides);
