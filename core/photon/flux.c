@@ -1,6 +1,6 @@
 #include "photon/flux.h"
 
-enum { MANTISSA_BITS = 9, MANTISSA_MASK = 511, MOST_EXPONENT = 31 };
+enum { MANTISSA_BITS = ORL_FLUX_MANTISSA_BITS, MANTISSA_MASK = 511, MOST_EXPONENT = 31 };
 
 /* 2^exponent, of a normal number: exponents here are those of floats and a little more. */
 static double power_of_two(int exponent)

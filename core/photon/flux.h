@@ -13,6 +13,7 @@
 #include <oriel/vec.h>
 
 #define ORL_FLUX_MOST 65408.0
+enum { ORL_FLUX_MANTISSA_BITS = 9 };
 
 /* dither in [0,1): 0.5 rounds to nearest; uniform random numbers keep sums exact on average. */
 uint32_t orl_flux_pack(struct orl_rgb value, double dither);

@@ -53,4 +53,13 @@ void orl_packing_cell(const struct orl_packing *packing, size_t index, uint32_t 
 uint16_t orl_packing_normal(const struct orl_packing *packing, size_t index);
 struct orl_photon_words orl_packing_words(const struct orl_packing *packing, size_t index);
 
+/*
+ * The same of so many new photons that follow one another; where cells are not too far from the
+ * origin for it (orl_packing_is_near).
+ */
+enum { ORL_PACKED_AT_ONCE = 64 };
+bool orl_packing_is_near(const struct orl_packing *packing);
+void orl_packing_words_many(const struct orl_packing *packing, size_t first,
+                            struct orl_photon_words ret_words[ORL_PACKED_AT_ONCE]);
+
 #endif

@@ -13,6 +13,7 @@
 #include "base/memory.h"
 #include "base/random.h"
 #include "base/sum.h"
+#include "base/vectors.h"
 #include "photon/boxing.h"
 #include "photon/flux.h"
 #include "photon/packing.h"
@@ -54,20 +55,40 @@ static void let_go(const struct writer *w, size_t first, size_t end)
                           p->photons + (end - p->n_earlier));
 }
 
+/* Codes of photons in the words. */
+ORL_FOR_WIDE_VECTORS
+static void make_items(const struct orl_photon_words *words, size_t first, size_t n,
+                       struct orl_sort_item *ret_items)
+{
+    for (size_t i = 0; i < n; i++) {
+        uint32_t cell[3];
+        orl_place_unpack(words[i].a, words[i].b, cell);
+        ret_items[i] =
+            (struct orl_sort_item){orl_zorder_code(cell, words[i].normal), (uint32_t)(first + i)};
+    }
+}
+
 /* Photons are packed in the order they lie in memory; it is packed that they are moved about. */
 static void make_codes(void *arg, size_t chunk, uint32_t member)
 {
     struct writer *w = arg;
+    const size_t first = chunk * CHUNK, end = chunk_end(w, chunk);
+    const bool near = orl_packing_is_near(&w->packing);
+    size_t i = first;
     (void)member;
-    for (size_t i = chunk * CHUNK; i < chunk_end(w, chunk); i++) {
-        const struct orl_photon_words p = orl_packing_words(&w->packing, i);
-        uint32_t cell[3];
-        w->words[i] = p;
-        orl_place_unpack(p.a, p.b, cell);
-        w->items[i] = (struct orl_sort_item){orl_zorder_code(cell, p.normal), (uint32_t)i};
+    while (i < end) {
+        const size_t begun = i;
+        if (near && i >= w->packing.n_earlier && end - i >= ORL_PACKED_AT_ONCE) {
+            orl_packing_words_many(&w->packing, i, w->words + i);
+            i += ORL_PACKED_AT_ONCE;
+        } else {
+            w->words[i] = orl_packing_words(&w->packing, i);
+            i++;
+        }
+        make_items(w->words + begun, begun, i - begun, w->items + begun);
     }
     if (w->build->spend)
-        let_go(w, chunk * CHUNK, chunk_end(w, chunk));
+        let_go(w, first, end);
 }
 
 static void pack_chunk(void *arg, size_t chunk, uint32_t member)

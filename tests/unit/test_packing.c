@@ -255,6 +255,31 @@ static void test_flux_codes(void **state)
     assert_int_equal(orl_flux_least(0), ORL_FLUX_LEAST);
 }
 
+/* Side by side or one by one, whatever the light: none, five decades of it, or a hair of it. */
+static void test_many(void **state)
+{
+    static const double sizes[] = {4, 1e-3, 3e4}, lights[] = {1e3, 1e-30, 0};
+    struct fixture *f = *state;
+    for (size_t k = 0; k < 3; k++) {
+        struct orl_packing packing;
+        make_photons(f, sizes[k], lights[k]);
+        for (size_t i = 3; i < COUNT; i += 7)
+            memset(f->photons[i].flux, 0, sizeof f->photons[i].flux);
+        f->photons[1].flux[2] = 1e-44F;
+        assert_int_equal(
+            orl_packing_init(&packing, NULL, f->photons, COUNT, 5, k == 2 ? 0 : 3, f->crew), 0);
+        assert_true(orl_packing_is_near(&packing));
+        for (size_t i = 0; i + ORL_PACKED_AT_ONCE <= COUNT; i += ORL_PACKED_AT_ONCE) {
+            struct orl_photon_words many[ORL_PACKED_AT_ONCE];
+            orl_packing_words_many(&packing, i, many);
+            for (size_t j = 0; j < ORL_PACKED_AT_ONCE; j++) {
+                const struct orl_photon_words one = orl_packing_words(&packing, i + j);
+                assert_memory_equal(&one, &many[j], sizeof one);
+            }
+        }
+    }
+}
+
 #define EACH(test) cmocka_unit_test_setup_teardown(test, setup, teardown)
 int main(void)
 {
@@ -266,6 +291,7 @@ int main(void)
         EACH(test_cells_are_tight),
         EACH(test_cells_scale),
         cmocka_unit_test(test_flux_codes),
+        EACH(test_many),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
