@@ -6,16 +6,16 @@
 
 enum { LAMP_RAYS = 4 };
 /* Rays into a pane's lobes; fewer where pictures err by more elsewhere. */
-enum { PANE_SAMPLES = 32, FEWER_PANE_SAMPLES = 12, GLOSS_SAMPLES = 4 };
+enum { PANE_SAMPLES = 28, FEWER_PANE_SAMPLES = 12, GLOSS_SAMPLES = 4 };
 static const double dimmest = 0.004; /* branches below this share of the pixel are not followed */
 enum { COARSEST_STEP = 16, RECORDS_A_ROUND = 256, HOLDS = 2 };
 
 /* Rows of a record's hemisphere, by the step that asks for it: the later, the fewer pixels it
  * serves, and the more company it has. */
-enum { ROWS = 12, ROWS_OF_STEP_4 = 9, LEAST_ROWS = 6 };
+enum { ROWS = 12, ROWS_OF_STEP_4 = 8, LEAST_ROWS = 6 };
 
-/* Where the rest is read, down to that step all places are looked at. */
-enum { ALL_OF_STEP = 8 };
+/* Down to that step all places are looked at; and where all of the rest is gathered, to this. */
+enum { ALL_READ_OF_STEP = 8, ALL_OF_STEP = 2 };
 
 /* So they are in pictures of that many pixels or more. Smaller ones have fewer records, every one
  * of them in a larger part of the picture: more rows, up to so many times as many. */
@@ -37,7 +37,7 @@ struct painter {
     struct orl_grain grain;
     /* A round of records: places found row by row, then computed. */
     uint32_t step;
-    uint64_t *seen; /* of every second pixel, by lattices' points; NULL: all places are gathered */
+    uint64_t *seen; /* of every second pixel, by lattices' points */
     struct row *rows;
     struct orl_record *wanted;
     size_t n_wanted, first_record;
@@ -121,9 +121,10 @@ static bool is_doubted(const struct painter *p, const struct orl_vertex *v,
 }
 
 /*
- * What a lattice's point has seen: the way of its ray, or that something there is gathered. Where
- * the rest is read few places want a record, and the finer rounds look only about those that do,
- * and where what is seen changes.
+ * What a lattice's point has seen: the way of its ray, or, where the rest is read, that something
+ * there is gathered even so. There few places want a record, and the finer rounds look only about
+ * those that do, and where what is seen changes. So does the last round of others: between places
+ * that see the same all are served.
  */
 enum { SEEN_GATHERED };
 
@@ -178,7 +179,7 @@ static uint64_t look_for_places(const struct painter *p, uint32_t x, uint32_t y,
             want(row, v, &p->grain);
         gathered = gathered || served || wants;
     }
-    return gathered ? SEEN_GATHERED : sight.way | 1;
+    return gathered && p->gather->rest != ORL_REST_GATHERED ? SEEN_GATHERED : sight.way | 1;
 }
 
 /* The places along one lattice row. */
@@ -187,14 +188,15 @@ static void look_along_row(void *arg, size_t index, uint32_t member)
     const struct painter *p = arg;
     struct orl_search *search = &p->painting->env->searches[member];
     const uint32_t step = p->step, y = (uint32_t)index * step;
-    const bool all = !p->seen || step >= ALL_OF_STEP;
+    const bool all =
+        step >= (uint32_t)(p->gather->rest == ORL_REST_GATHERED ? ALL_OF_STEP : ALL_READ_OF_STEP);
     for (uint32_t x = 0; x < p->painting->film->width && !cancelled(p); x += step) {
         if (!all && x % (2 * step) == 0 && y % (2 * step) == 0)
             continue; /* the lattice before has been there */
         const struct told told = all ? (struct told){.gathered = true} : tell(p, x, y);
         const uint64_t seen =
             told.all ? told.seen : look_for_places(p, x, y, told.gathered, &p->rows[index], search);
-        if (p->seen)
+        if (step > 1)
             *seen_at(p, x, y) = seen;
     }
 }
@@ -246,12 +248,10 @@ static int place_records(struct painter *p)
     const struct orl_film *film = p->painting->film;
     int code = 0;
     double done = 0;
-    if (finest_step(p) > 1) {
-        const size_t across = (film->width + 1) / 2, down = (film->height + 1) / 2;
-        p->seen = calloc(across * down, sizeof *p->seen);
-        if (!p->seen)
-            return ORL_ERR_NOMEM;
-    }
+    const size_t across = (film->width + 1) / 2, down = (film->height + 1) / 2;
+    p->seen = calloc(across * down, sizeof *p->seen);
+    if (!p->seen)
+        return ORL_ERR_NOMEM;
     for (p->step = COARSEST_STEP; p->step >= finest_step(p) && code == 0; p->step /= 2) {
         const size_t rows = (film->height + p->step - 1) / p->step;
         p->rows = calloc(rows, sizeof *p->rows);
