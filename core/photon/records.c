@@ -13,7 +13,7 @@
 enum { LEAVES_A_RECORD = 2, PHOTONS_A_RECORD = LEAVES_A_RECORD * ORL_MAP_LEAF };
 enum { GROUP = 4 };
 enum { NEAREST = 8, LEAST_JOINED = 4, MOST_SEARCHED = 256, GLANCED_AT = 3 };
-enum { ROUND = 1024, CHUNK = 16 };
+enum { ROUND = 4096, CHUNK = 16 };
 _Static_assert((int)CHUNK % (int)GROUP == 0 && (int)ROUND % (int)CHUNK == 0, "whole groups");
 
 /* Of a density's evenness: the widest disc was taken, or nearly so. */
