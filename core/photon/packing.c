@@ -66,17 +66,23 @@ static void bound_chunk(void *arg, size_t chunk, uint32_t member)
     const struct survey *survey = arg;
     const struct orl_packing *p = survey->packing;
     const size_t end = (chunk + 1) * CHUNK;
-    struct bounds b = nothing;
+    float low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
+    float brightest[3] = {0, 0, 0};
     (void)member;
     for (size_t i = chunk * CHUNK; i < end && i < new_photons(p); i++) {
         const struct orl_photon *photon = &p->photons[i];
-        const double at[3] = {(double)photon->position[0], (double)photon->position[1],
-                              (double)photon->position[2]};
-        include(&b, at);
         for (int k = 0; k < 3; k++) {
-            const double flux = (double)photon->flux[k];
-            b.brightest = flux > b.brightest ? flux : b.brightest;
+            const float at = photon->position[k], flux = photon->flux[k];
+            low[k] = at < low[k] ? at : low[k];
+            high[k] = at > high[k] ? at : high[k];
+            brightest[k] = flux > brightest[k] ? flux : brightest[k];
         }
+    }
+    struct bounds b = nothing;
+    for (int k = 0; k < 3; k++) {
+        b.low[k] = (double)low[k];
+        b.high[k] = (double)high[k];
+        b.brightest = fmax(b.brightest, (double)brightest[k]);
     }
     survey->chunks[chunk] = b;
 }
