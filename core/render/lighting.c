@@ -4,8 +4,8 @@
 enum { ROWS = 5 };
 
 /* What is read is doubted, and then not believed at all, where records lie apart by such shares of
- * it. */
-static const double doubted = 0.16, disbelieved = 0.2;
+ * it. Far enough apart that the eye sees no border between what is read and what is gathered. */
+static const double doubted = 0.13, disbelieved = 0.27;
 
 double orl_lighting_doubt(const struct orl_density *read)
 {
