@@ -176,6 +176,8 @@ int main(int argc, char **argv)
     char path[BENCH_PATH];
     if (argc == 5 && strcmp(argv[1], "load") == 0)
         return speed_load_bsdf(argv[2], argv[3], strcmp(argv[4], "known") == 0);
+    if (argc > 5 && strcmp(argv[1], "peak") == 0)
+        return speed_measure_peak(argv[2], argv[3], argv[4], (const char *const *)argv + 5);
     setvbuf(stdout, NULL, _IOLBF, 0);
     memcpy(speed.rows, rows, sizeof rows);
     read_knobs(&speed);

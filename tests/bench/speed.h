@@ -133,6 +133,8 @@ void speed_measure_bsdf(struct speed *speed);
 /* In a process of its own: plans a job of the office with that panel, with what a store keeps, and
  * writes the seconds of its load stage; with digests of files known or not. */
 int speed_load_bsdf(const char *panel, const char *store_folder, bool known);
+int speed_measure_peak(const char *result, const char *input, const char *output,
+                       const char *const *argv);
 
 void speed_print(const struct speed *speed);
 void speed_write_json(const struct speed *speed, const char *path);
