@@ -1,7 +1,7 @@
 /*
  * PNG: 8 bits a channel, sRGB. Rows are filtered by Paeth's predictor and coded in runs (zlib's
- * Z_RLE): pictures of rooms come out a tenth to a fourth larger than with all of zlib's search, in
- * a sixth of the time.
+ * Z_RLE): a picture of a room comes out a fourth larger than with all of zlib's search, an error
+ * map a fifteenth, in a fourth and a sixth of the time.
  */
 #ifndef ORL_RENDER_PNG_H
 #define ORL_RENDER_PNG_H

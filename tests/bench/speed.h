@@ -133,6 +133,7 @@ void speed_measure_bsdf(struct speed *speed);
 /* In a process of its own: plans a job of the office with that panel, with what a store keeps, and
  * writes the seconds of its load stage; with digests of files known or not. */
 int speed_load_bsdf(const char *panel, const char *store_folder, bool known);
+/* Likewise: runs a program, and writes its peak of memory, in bytes, to a file. */
 int speed_measure_peak(const char *result, const char *input, const char *output,
                        const char *const *argv);
 

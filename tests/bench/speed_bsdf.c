@@ -58,10 +58,7 @@ static double load(const struct speed *s, const char *panel, const char *store, 
     return seconds;
 }
 
-/*
- * The peak of memory of a program, into a file. A process of its own: what a program is started
- * from counts as its own peak (bench.h), and this one is small.
- */
+/* What a program is started from counts as its own peak (bench.h): this process is a small one. */
 int speed_measure_peak(const char *result, const char *input, const char *output,
                        const char *const *argv)
 {
