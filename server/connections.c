@@ -1,6 +1,11 @@
 #include "connections.h"
 
+#include <linux/sockios.h>
+#include <linux/tcp.h>
+#include <netinet/in.h>
+#include <stdbool.h>
 #include <stdlib.h>
+#include <sys/ioctl.h>
 #include <sys/socket.h>
 
 #include "limits.h"
@@ -14,6 +19,10 @@ struct orl_connection {
     double until_s; /* headers: when they must be there; body: when its rate begins to count */
     double since_s; /* body */
     uint64_t received;
+    double held_s; /* since when it waits for us; 0: it does not */
+    /* What the last sweep found: of the body received, and of the connection read. */
+    uint64_t swept, swept_taken;
+    bool stuck; /* ... and that there was no getting on */
     double idle_s;
     struct orl_connection *next, *before;
 };
@@ -73,7 +82,9 @@ void orl_connection_headers(struct MHD_Connection *connection)
     if (!one)
         return;
     one->awaited = AWAITS_BODY;
-    one->received = 0;
+    one->received = one->swept = 0;
+    one->swept_taken = UINT64_MAX;
+    one->stuck = false;
     one->since_s = orl_time_steady_s();
     one->until_s = one->since_s + one->idle_s;
 }
@@ -83,6 +94,22 @@ void orl_connection_received(struct MHD_Connection *connection, size_t bytes)
     struct orl_connection *one = of(connection);
     if (one)
         one->received += bytes;
+}
+
+void orl_connection_hold(struct MHD_Connection *connection)
+{
+    struct orl_connection *one = of(connection);
+    if (one)
+        one->held_s = orl_time_steady_s();
+}
+
+void orl_connection_go_on(struct MHD_Connection *connection)
+{
+    struct orl_connection *one = of(connection);
+    if (!one || one->held_s == 0)
+        return;
+    one->since_s += orl_time_steady_s() - one->held_s;
+    one->held_s = 0;
 }
 
 void orl_connection_body(struct MHD_Connection *connection)
@@ -98,6 +125,7 @@ void orl_connection_over(struct MHD_Connection *connection)
     if (!one)
         return;
     one->awaited = AWAITS_HEADERS;
+    one->held_s = 0;
     one->until_s = orl_time_steady_s() + one->idle_s;
 }
 
@@ -114,21 +142,54 @@ static void note_end(const struct orl_connection *one)
         shutdown(one->fd, SHUT_RD);
 }
 
+/*
+ * Does the client send and send, and none of it is body? Between two sweeps that found the same
+ * amount of body, bytes lie unread although nothing keeps them, or more were read than any chunk's
+ * first line has. Twice in a row, lest a sweep came just before the reading.
+ */
+static bool is_stuck(struct orl_connection *one)
+{
+    enum { LINE = 256 };
+    struct tcp_info info = {0};
+    socklen_t size = sizeof info;
+    int unread = 0;
+    if (getsockopt(one->fd, IPPROTO_TCP, TCP_INFO, &info, &size) != 0 ||
+        ioctl(one->fd, SIOCINQ, &unread) != 0)
+        return false;
+    const uint64_t taken = (uint64_t)info.tcpi_bytes_received - (uint64_t)unread;
+    const bool got_on = one->received != one->swept || one->swept_taken == UINT64_MAX;
+    if (got_on)
+        one->swept_taken = taken;
+    one->swept = one->received;
+    const bool again = one->stuck;
+    one->stuck = !got_on && (unread > 0 || taken > one->swept_taken + LINE);
+    return again && one->stuck;
+}
+
+static void cut(struct orl_connections *all, struct orl_connection *one)
+{
+    /* The descriptor stays libmicrohttpd's, which finds the connection ended and closes it. */
+    shutdown(one->fd, SHUT_RDWR);
+    one->awaited = AWAITS_NOTHING;
+    all->cut++;
+}
+
 void orl_connections_sweep(struct orl_connections *all)
 {
     const double now_s = orl_time_steady_s();
     for (struct orl_connection *one = all->first; one; one = one->next) {
-        if (one->awaited == AWAITS_NOTHING)
+        if (one->awaited == AWAITS_NOTHING || one->held_s > 0)
             continue;
         note_end(one);
+        if (one->awaited == AWAITS_BODY && is_stuck(one)) {
+            cut(all, one);
+            continue;
+        }
         if (now_s < one->until_s)
             continue;
         if (one->awaited == AWAITS_BODY &&
             (double)one->received >= ORL_SERVER_BODY_RATE * (now_s - one->since_s))
             continue;
-        /* The descriptor stays libmicrohttpd's, which finds the connection ended and closes it. */
-        shutdown(one->fd, SHUT_RDWR);
-        one->awaited = AWAITS_NOTHING;
-        all->cut++;
+        cut(all, one);
     }
 }

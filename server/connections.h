@@ -5,8 +5,10 @@
  * byte now and then is never silent; so headers must be complete within ORL_SERVER_HEADER_S of the
  * connection's start (of an earlier answer: within the idle time-out), and a body must come, on
  * average and once the idle time-out is over, at ORL_SERVER_BODY_RATE at least. Who is slower is
- * cut off, without an answer. Who waits for an answer, or takes one in, is bounded by silence and
- * by the number of connections alone.
+ * cut off, without an answer. So is who sends, in place of a body, what is none: a chunk's first
+ * line that is longer than libmicrohttpd has room for, which would look at it again and again. Who
+ * waits for an answer, or takes one in, is bounded by silence and by the number of connections
+ * alone; the time that a body waits for us is not held against its client.
  *
  * Threads: the loop thread only.
  */
@@ -32,6 +34,9 @@ void orl_connections_notify(void *connections, struct MHD_Connection *connection
 void orl_connection_headers(struct MHD_Connection *connection);
 /* So much of its body has come. */
 void orl_connection_received(struct MHD_Connection *connection, size_t bytes);
+/* It waits for us from here on, suspended; and comes on. */
+void orl_connection_hold(struct MHD_Connection *connection);
+void orl_connection_go_on(struct MHD_Connection *connection);
 /* All of it is there: nothing is awaited. */
 void orl_connection_body(struct MHD_Connection *connection);
 /* The request is over; the connection may bring another. */

@@ -62,8 +62,10 @@ void orl_http_kick(struct orl_http *http)
         more = timed && timeout_ms == 0;
     }
     http->running = false;
+    /* Never 0: libuv runs timers that are due until there are none, and this one would be due again
+     * from within its own callback. Nothing else on the loop would have its turn. */
     if (timed)
-        uv_timer_start(&http->timer, on_timer, timeout_ms, 0);
+        uv_timer_start(&http->timer, on_timer, timeout_ms > 0 ? timeout_ms : 1, 0);
     else
         uv_timer_stop(&http->timer);
 }

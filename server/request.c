@@ -42,6 +42,7 @@ static void work_back(uv_work_t *work, int status)
         request->then(request);
     if (request->working)
         return; /* then sent it back to the pool */
+    orl_connection_go_on(request->connection);
     MHD_resume_connection(request->connection);
     orl_http_kick(server->http);
     orl_server_work_done(server);
@@ -194,6 +195,7 @@ static enum MHD_Result take_data(struct orl_request *request, const char *data, 
         return MHD_NO;
     if (full) {
         MHD_suspend_connection(request->connection);
+        orl_connection_hold(request->connection);
         orl_request_work(request, flush_body, NULL);
     }
     return MHD_YES;

@@ -49,6 +49,8 @@ int orl_block_read(struct orl_blocks *blocks, size_t index, struct orl_error *er
     struct orl_block *block = &blocks->blocks[index];
     const char *failed_at = xml->data + block->end;
     int code = feed(xml, block, err);
+    if (code == ORL_ERR_CANCELLED)
+        return code; /* no fault of the file's, and maybe nothing of the block was looked at */
     if (code < 0)
         failed_at = block->text.scan.next;
     else if (block->ended)

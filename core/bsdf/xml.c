@@ -215,7 +215,7 @@ static void tell_passed(const struct orl_bsdf_xml *xml, size_t at, size_t *told)
 static void heed_cancel(struct orl_xml_reader *r, const struct orl_bsdf_xml *xml)
 {
     if (r->code == 0 && orl_is_cancelled(xml->cancel))
-        FAIL(r, ORL_ERR_CANCELLED, "cancelled while reading the BSDF");
+        r->code = orl_error_set(r->err, ORL_ERR_CANCELLED, "cancelled while reading the BSDF");
 }
 
 /* The whole file. Slices grow, as expat reads a long token again with each. */

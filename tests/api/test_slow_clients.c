@@ -7,10 +7,12 @@
 #include <cmocka.h>
 #include <errno.h>
 #include <poll.h>
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/socket.h>
+#include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -126,6 +128,98 @@ static void test_patience(void **state)
     daemon_remove(&daemon);
 }
 
+/* Requests whose answers take the pool, and with them the loop's turn for what the pool has done;
+ * the longest, in seconds. */
+static double longest_post(struct daemon *daemon)
+{
+    enum { POSTS = 20 };
+    double longest_s = 0;
+    for (int i = 0; i < POSTS; i++) {
+        struct reply reply;
+        daemon_request(daemon, "POST", "/v1/bsdfs", "application/xml", "<x/>", 4, NULL, &reply);
+        assert_int_equal(reply.status, 400);
+        longest_s = reply.seconds > longest_s ? reply.seconds : longest_s;
+        reply_done(&reply);
+    }
+    return longest_s;
+}
+
+/* A chunk's first line that is longer than the daemon has room for, with more to come or not: the
+ * loop turns on, and the connections are cut off although they are not silent. */
+static void test_endless_chunk_lines(void **state)
+{
+    enum { LINES = 4, PATIENCE_S = 20 };
+    static const size_t lengths[LINES] = {32600, 33000, 100000, 100000};
+    static const char head[] = "GET /healthz HTTP/1.1\r\nHost: localhost\r\n"
+                               "Transfer-Encoding: chunked\r\n\r\n1;";
+    const struct timespec moment = {0, 100000000};
+    const char *const patient[] = {"--idle-timeout", "3600", NULL};
+    static char line[100000];
+    struct daemon daemon;
+    int fds[LINES], open = LINES;
+    (void)state;
+    memset(line, 'x', sizeof line);
+    daemon_start(&daemon, patient);
+    for (int i = 0; i < LINES; i++) {
+        fds[i] = daemon_dial(&daemon);
+        say(fds[i], head);
+        (void)!send(fds[i], line, lengths[i], MSG_NOSIGNAL | MSG_DONTWAIT);
+    }
+    const double longest_s = longest_post(&daemon);
+    if (longest_s > 2)
+        fail_msg("a POST took %.1f s", longest_s);
+    for (int round = 0; round < PATIENCE_S * 10 && open > 0; round++) {
+        nanosleep(&moment, NULL);
+        open = 0;
+        for (int i = 0; i < LINES; i++)
+            open += !is_closed(fds[i]);
+    }
+    assert_int_equal(open, 0);
+    for (int i = 0; i < LINES; i++)
+        close(fds[i]);
+    daemon_remove(&daemon);
+}
+
+/* Until it is killed: requests on so many connections, as fast as they are answered. */
+static void flood(const struct daemon *daemon)
+{
+    enum { CONNECTIONS = 16, AT_ONCE = 64 };
+    static const char get[] = "GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n";
+    static char gets[AT_ONCE * sizeof get];
+    struct pollfd fds[CONNECTIONS];
+    size_t length = 0;
+    for (int i = 0; i < AT_ONCE; i++)
+        length += (size_t)sprintf(gets + length, "%s", get);
+    for (int i = 0; i < CONNECTIONS; i++)
+        fds[i] = (struct pollfd){.fd = daemon_dial(daemon), .events = POLLIN | POLLOUT};
+    while (poll(fds, CONNECTIONS, -1) > 0)
+        for (int i = 0; i < CONNECTIONS; i++) {
+            (void)is_closed(fds[i].fd); /* reads what there is */
+            (void)!send(fds[i].fd, gets, length, MSG_NOSIGNAL | MSG_DONTWAIT);
+        }
+}
+
+static void test_floods_leave_turns_to_others(void **state)
+{
+    const struct timespec moment = {0, 300000000};
+    struct daemon daemon;
+    (void)state;
+    daemon_start(&daemon, NULL);
+    const pid_t pid = fork();
+    assert_true(pid >= 0);
+    if (pid == 0) {
+        flood(&daemon);
+        _exit(0);
+    }
+    nanosleep(&moment, NULL);
+    const double longest_s = longest_post(&daemon);
+    kill(pid, SIGKILL);
+    waitpid(pid, NULL, 0);
+    if (longest_s > 2)
+        fail_msg("a POST took %.1f s", longest_s);
+    daemon_remove(&daemon);
+}
+
 static void test_headers_are_bounded(void **state)
 {
     enum { HEADER = 200000 };
@@ -179,6 +273,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_slow_clients),
         cmocka_unit_test(test_patience),
+        cmocka_unit_test(test_endless_chunk_lines),
+        cmocka_unit_test(test_floods_leave_turns_to_others),
         cmocka_unit_test(test_headers_are_bounded),
         cmocka_unit_test(test_one_address_has_its_share),
     };
