@@ -1,5 +1,6 @@
 #include "scene/geometry.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -49,22 +50,67 @@ static void bounds_of(const struct orl_surface *surface, struct orl_vec3 *low,
     }
 }
 
-/* Cuts a polygon into triangles, moved, and measures it. */
-static int add_polygon(struct orl_geometry *g, const struct orl_surface *surface, uint32_t facet,
-                       uint32_t (*triples)[3])
+/* What building needs besides: room for triangles, and scratch. */
+struct builder {
+    struct orl_geometry *g;
+    const struct orl_description *description;
+    struct orl_triangulation triangulation;
+    size_t triangles_room;
+    struct orl_error *err;
+};
+
+static bool make_room(struct builder *b, size_t more)
 {
+    const size_t wanted = b->g->n_triangles + more;
+    if (wanted < b->triangles_room)
+        return true;
+    const size_t room = wanted + wanted / 2 + 1;
+    struct orl_triangle *grown = realloc(b->g->triangles, room * sizeof *grown);
+    if (!grown)
+        return false;
+    b->g->triangles = grown;
+    b->triangles_room = room;
+    return true;
+}
+
+static int refuse_outline(const struct builder *b, const struct orl_surface *surface, int code)
+{
+    char name[ORL_ERROR_NAME_MAX];
+    if (code == ORL_ERR_NOMEM)
+        return code;
+    snprintf(name, sizeof name, "polygon %.200s", surface->name);
+    if (code == ORL_ERR_LIMIT)
+        orl_error_set(
+            b->err, code,
+            "its outline crosses itself more than %u times, or in too many places at once",
+            ORL_LIMIT_POLYGON_CROSSINGS);
+    else
+        orl_error_set(b->err, code, "its outline could not be cut into triangles");
+    orl_error_at(b->err, surface->file, surface->line, name);
+    return code;
+}
+
+/* Cuts a polygon into triangles, moved, and measures it. */
+static int add_polygon(struct builder *b, const struct orl_surface *surface, uint32_t facet)
+{
+    struct orl_geometry *g = b->g;
     struct orl_facet *f = &g->facets[facet];
+    const struct orl_triangulation *cut = &b->triangulation;
     double reach = 0;
-    const int n = orl_triangulate(surface->vertices, surface->n_vertices, surface->normal, triples);
-    if (n < 0)
-        return n;
+    const int code =
+        orl_triangulate(&b->triangulation, surface->vertices, surface->n_vertices, surface->normal);
+    if (code < 0)
+        return refuse_outline(b, surface, code);
+    if (!make_room(b, cut->n_triples))
+        return ORL_ERR_NOMEM;
     f->normal = surface->normal;
     f->first_triangle = (uint32_t)g->n_triangles;
-    f->n_triangles = (uint32_t)n;
-    for (int i = 0; i < n; i++) {
-        struct orl_triangle t = {orl_sub(surface->vertices[triples[i][0]], g->center),
-                                 orl_sub(surface->vertices[triples[i][1]], g->center),
-                                 orl_sub(surface->vertices[triples[i][2]], g->center), facet, 0};
+    f->n_triangles = (uint32_t)cut->n_triples;
+    for (size_t i = 0; i < cut->n_triples; i++) {
+        const uint32_t *triple = cut->triples[i];
+        struct orl_triangle t = {orl_sub(cut->corners[triple[0]], g->center),
+                                 orl_sub(cut->corners[triple[1]], g->center),
+                                 orl_sub(cut->corners[triple[2]], g->center), facet, 0};
         t.area = 0.5 * orl_length(orl_cross(orl_sub(t.b, t.a), orl_sub(t.c, t.a)));
         g->triangles[g->n_triangles++] = t;
         f->area += t.area;
@@ -87,16 +133,12 @@ static void add_curved(struct orl_geometry *g, const struct orl_surface *surface
 }
 
 /* Polygons come first and curved facets last, so that Embree's numbers map by arithmetic alone. */
-static int add_facets(struct orl_geometry *g, const struct orl_description *d)
+static int add_facets(struct builder *b)
 {
-    size_t most = 3, polygon = 0, curved = d->n_surfaces;
+    struct orl_geometry *g = b->g;
+    const struct orl_description *d = b->description;
+    size_t polygon = 0, curved = d->n_surfaces;
     int code = 0;
-    for (size_t i = 0; i < d->n_surfaces; i++)
-        if (d->surfaces[i].n_vertices > most)
-            most = d->surfaces[i].n_vertices;
-    uint32_t(*triples)[3] = malloc(most * sizeof *triples);
-    if (!triples)
-        return ORL_ERR_NOMEM;
     for (size_t i = 0; i < d->n_surfaces && code == 0; i++) {
         const struct orl_surface *surface = &d->surfaces[i];
         const bool flat = surface->kind == ORL_SURFACE_POLYGON;
@@ -106,13 +148,12 @@ static int add_facets(struct orl_geometry *g, const struct orl_description *d)
         g->facets[facet].surface = (uint32_t)i;
         g->facets[facet].beyond = d->materials[surface->material].thickness;
         if (flat)
-            code = add_polygon(g, surface, facet, triples);
+            code = add_polygon(b, surface, facet);
         else
             add_curved(g, surface, facet);
         if (orl_is_cancelled(d->cancel))
             code = ORL_ERR_CANCELLED;
     }
-    free(triples);
     return code;
 }
 
@@ -132,9 +173,9 @@ static void measure(struct orl_geometry *g, const struct orl_description *d)
 int orl_geometry_new(const struct orl_description *description, struct orl_geometry **ret_geometry,
                      struct orl_error *err)
 {
-    size_t corners = 0;
     int code = ORL_ERR_NOMEM;
     struct orl_geometry *g = calloc(1, sizeof *g);
+    struct builder builder = {.g = g, .description = description, .err = err};
     if (!g)
         goto done;
     if (description->n_surfaces > ORL_LIMIT_SURFACES) {
@@ -142,18 +183,16 @@ int orl_geometry_new(const struct orl_description *description, struct orl_geome
                              description->n_surfaces, ORL_LIMIT_SURFACES);
         goto done;
     }
-    for (size_t i = 0; i < description->n_surfaces; i++)
-        corners += description->surfaces[i].n_vertices;
     measure(g, description);
     g->n_facets = description->n_surfaces;
     g->facets = calloc(g->n_facets + 1, sizeof *g->facets);
-    g->triangles = malloc((corners + 1) * sizeof *g->triangles);
-    if (!g->facets || !g->triangles)
+    if (!g->facets || !make_room(&builder, description->n_surfaces))
         goto done;
-    code = add_facets(g, description);
+    code = add_facets(&builder);
     if (code == 0)
         code = orl_embree_build(g, description->cancel, err);
 done:
+    orl_triangulation_done(&builder.triangulation);
     if (code == 0)
         *ret_geometry = g;
     else

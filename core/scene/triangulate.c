@@ -6,8 +6,7 @@
 /* A ring of the corners not yet cut off, projected into the polygon's plane. */
 struct corner {
     double x, y;
-    uint32_t index, previous, next;
-    bool reflex;
+    uint32_t previous, next;
 };
 
 /* Twice the signed area of (a, b, c). */
@@ -16,66 +15,7 @@ static double area2(const struct corner *a, const struct corner *b, const struct
     return (b->x - a->x) * (c->y - a->y) - (b->y - a->y) * (c->x - a->x);
 }
 
-static bool same_point(const struct corner *a, const struct corner *b)
-{
-    return a->x == b->x && a->y == b->y;
-}
-
-/* Inside or on the border of the counter-clockwise triangle (a, b, c). */
-static bool covers(const struct corner *a, const struct corner *b, const struct corner *c,
-                   const struct corner *p)
-{
-    return area2(a, b, p) >= 0 && area2(b, c, p) >= 0 && area2(c, a, p) >= 0;
-}
-
-/*
- * A corner that coincides with one of the triangle's stands on a seam: it only matters when the
- * outline enters the triangle there, that is when a neighbour of it lies strictly inside the angle.
- */
-static bool seam_enters(const struct corner *ring, const struct corner *a, const struct corner *b,
-                        const struct corner *c, const struct corner *p)
-{
-    const struct corner *next = &ring[p->next], *previous = &ring[p->previous];
-    const bool next_inside =
-        area2(a, b, next) > 0 && area2(b, c, next) > 0 && area2(c, a, next) > 0;
-    const bool previous_inside =
-        area2(a, b, previous) > 0 && area2(b, c, previous) > 0 && area2(c, a, previous) > 0;
-    return next_inside || previous_inside;
-}
-
-static bool is_ear(const struct corner *ring, uint32_t at, double tolerance)
-{
-    const struct corner *b = &ring[at], *a = &ring[b->previous], *c = &ring[b->next];
-    if (area2(a, b, c) <= tolerance)
-        return false;
-    for (uint32_t i = c->next; i != b->previous; i = ring[i].next) {
-        const struct corner *p = &ring[i];
-        if (!p->reflex)
-            continue;
-        if (same_point(p, a) || same_point(p, b) || same_point(p, c)) {
-            if (seam_enters(ring, a, b, c, p))
-                return false;
-        } else if (covers(a, b, c, p)) {
-            return false;
-        }
-    }
-    return true;
-}
-
-static void mark(struct corner *ring, uint32_t at)
-{
-    ring[at].reflex = area2(&ring[ring[at].previous], &ring[at], &ring[ring[at].next]) <= 0;
-}
-
-static void cut(struct corner *ring, uint32_t at)
-{
-    const uint32_t a = ring[at].previous, c = ring[at].next;
-    ring[a].next = c;
-    ring[c].previous = a;
-    mark(ring, a);
-    mark(ring, c);
-}
-
+/* Returns the area, twice, that counts as none. */
 static double project(struct corner *ring, const struct orl_vec3 *vertices, uint32_t n,
                       struct orl_vec3 normal)
 {
@@ -85,46 +25,110 @@ static double project(struct corner *ring, const struct orl_vec3 *vertices, uint
         const struct orl_vec3 d = orl_sub(vertices[i], vertices[0]);
         ring[i] = (struct corner){.x = orl_dot(d, frame.u),
                                   .y = orl_dot(d, frame.v),
-                                  .index = i,
                                   .previous = i ? i - 1 : n - 1,
                                   .next = i + 1 < n ? i + 1 : 0};
         extent = fmax(extent, fmax(fabs(ring[i].x), fabs(ring[i].y)));
     }
-    for (uint32_t i = 0; i < n; i++)
-        mark(ring, i);
     return extent * extent * 1e-14;
 }
 
-int orl_triangulate(const struct orl_vec3 *vertices, uint32_t n, struct orl_vec3 normal,
-                    uint32_t (*ret_triangles)[3])
+/* Whether it turns left at every corner or goes straight on, and once around in all. */
+static bool is_convex(const struct corner *ring, uint32_t n, double tolerance)
 {
-    struct corner *ring = malloc(n * sizeof *ring);
-    uint32_t left = n, at = 0, tried = 0;
-    int count = 0;
-    if (!ring)
-        return ORL_ERR_NOMEM;
-    const double tolerance = project(ring, vertices, n, normal);
-    while (left > 2) {
-        const uint32_t a = ring[at].previous, c = ring[at].next;
-        const bool flat = fabs(area2(&ring[a], &ring[at], &ring[c])) <= tolerance;
-        /* After a full turn without an ear the outline crosses itself: any corner must go. */
-        const bool stuck = tried > left;
-        if (flat || is_ear(ring, at, tolerance) || stuck) {
-            if (!flat && area2(&ring[a], &ring[at], &ring[c]) > tolerance) {
-                ret_triangles[count][0] = ring[a].index;
-                ret_triangles[count][1] = ring[at].index;
-                ret_triangles[count][2] = ring[c].index;
-                count++;
-            }
-            cut(ring, at);
-            left--;
-            tried = 0;
-            at = ring[c].next; /* skipping one keeps the triangles from fanning into slivers */
-        } else {
-            at = c;
-            tried++;
-        }
+    uint32_t lowest = 0;
+    bool sure = true;
+    for (uint32_t i = 0; i < n && sure; i++) {
+        const struct corner *a = &ring[ring[i].previous], *b = &ring[i], *c = &ring[b->next];
+        const double turn = area2(a, b, c);
+        const double on = (b->x - a->x) * (c->x - b->x) + (b->y - a->y) * (c->y - b->y);
+        sure = turn > tolerance || (turn >= -tolerance && on > 0);
+        lowest += b->y - a->y < 0 && c->y - b->y >= 0;
     }
-    free(ring);
+    return sure && lowest == 1;
+}
+
+/* Cuts off one corner after the other, flat ones without a triangle. */
+static size_t cut_corners(struct corner *ring, uint32_t n, double tolerance,
+                          uint32_t (*ret_triples)[3])
+{
+    size_t count = 0;
+    uint32_t at = 0;
+    for (uint32_t left = n; left > 2; left--) {
+        const uint32_t a = ring[at].previous, c = ring[at].next;
+        if (area2(&ring[a], &ring[at], &ring[c]) > tolerance) {
+            ret_triples[count][0] = a;
+            ret_triples[count][1] = at;
+            ret_triples[count][2] = c;
+            count++;
+        }
+        ring[a].next = c;
+        ring[c].previous = a;
+        at = ring[c].next; /* skipping one keeps the triangles from fanning into slivers */
+    }
     return count;
+}
+
+static bool reserve(void *array, size_t *room, size_t wanted, size_t item)
+{
+    void **pointer = array;
+    if (wanted <= *room)
+        return true;
+    void *grown = realloc(*pointer, wanted * item);
+    if (!grown)
+        return false;
+    *pointer = grown;
+    *room = wanted;
+    return true;
+}
+
+static int sweep(struct orl_triangulation *t, const struct orl_vec3 *vertices, uint32_t n,
+                 struct orl_vec3 normal)
+{
+    struct orl_arrangement *a = &t->arrangement;
+    struct orl_vec3 low = vertices[0], high = vertices[0];
+    for (uint32_t i = 1; i < n; i++) {
+        const struct orl_vec3 p = vertices[i];
+        low = orl_v3(fmin(low.x, p.x), fmin(low.y, p.y), fmin(low.z, p.z));
+        high = orl_v3(fmax(high.x, p.x), fmax(high.y, p.y), fmax(high.z, p.z));
+    }
+    orl_arrangement_begin(a, normal, orl_scale(orl_add(low, high), 0.5),
+                          0.5 * orl_length(orl_sub(high, low)));
+    int code = orl_arrangement_add(a, vertices, n, 1);
+    if (code == 0)
+        code = orl_arrangement_split(a);
+    if (code == 0)
+        code = orl_sweep_triangulate(&t->sweep, a);
+    if (code < 0)
+        return code;
+    if (!reserve(&t->places, &t->places_room, a->n_nodes, sizeof *t->places))
+        return ORL_ERR_NOMEM;
+    for (size_t i = 0; i < a->n_nodes; i++)
+        t->places[i] = a->nodes[i].place;
+    t->corners = t->places;
+    t->triples = t->sweep.triples;
+    t->n_triples = t->sweep.n_triples;
+    return 0;
+}
+
+int orl_triangulate(struct orl_triangulation *t, const struct orl_vec3 *vertices, uint32_t n,
+                    struct orl_vec3 normal)
+{
+    if (!reserve(&t->ring, &t->ring_room, n, sizeof(struct corner)) ||
+        !reserve(&t->sweep.triples, &t->sweep.triples_room, n, sizeof *t->sweep.triples))
+        return ORL_ERR_NOMEM;
+    const double tolerance = project(t->ring, vertices, n, normal);
+    if (!is_convex(t->ring, n, tolerance))
+        return sweep(t, vertices, n, normal);
+    t->corners = vertices;
+    t->triples = t->sweep.triples;
+    t->n_triples = cut_corners(t->ring, n, tolerance, t->sweep.triples);
+    return 0;
+}
+
+void orl_triangulation_done(struct orl_triangulation *t)
+{
+    orl_arrangement_done(&t->arrangement);
+    orl_sweep_done(&t->sweep);
+    free(t->ring);
+    free(t->places);
 }

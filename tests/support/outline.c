@@ -79,21 +79,21 @@ static struct orl_vec3 lift(const struct orl_frame *frame, double x, double y)
 double outline_area_error(const struct outline *o)
 {
     const struct orl_frame frame = tilted();
+    struct orl_triangulation cut = {0};
     struct orl_vec3 vertices[MOST];
-    uint32_t triples[MOST][3];
     double sum = 0;
     for (uint32_t i = 0; i < o->n; i++)
         vertices[i] = lift(&frame, o->xy[i][0], o->xy[i][1]);
-    const int n = orl_triangulate(vertices, o->n, frame.n, triples);
-    assert_true(n >= 1 && (uint32_t)n <= o->n - 2);
-    for (int i = 0; i < n; i++) {
-        const struct orl_vec3 a = vertices[triples[i][0]];
-        const double twice = orl_dot(
-            orl_cross(orl_sub(vertices[triples[i][1]], a), orl_sub(vertices[triples[i][2]], a)),
-            frame.n);
+    assert_int_equal(orl_triangulate(&cut, vertices, o->n, frame.n), 0);
+    for (size_t i = 0; i < cut.n_triples; i++) {
+        const struct orl_vec3 a = cut.corners[cut.triples[i][0]];
+        const double twice = orl_dot(orl_cross(orl_sub(cut.corners[cut.triples[i][1]], a),
+                                               orl_sub(cut.corners[cut.triples[i][2]], a)),
+                                     frame.n);
         assert_true(twice > 0);
         sum += 0.5 * twice;
     }
+    orl_triangulation_done(&cut);
     return fabs(sum - outline_area(o)) / fabs(outline_area(o));
 }
 

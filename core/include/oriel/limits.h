@@ -9,7 +9,8 @@
 #define ORL_LIMIT_INCLUDE_DEPTH 16U         /* nesting of !xform files */
 #define ORL_LIMIT_SCENE_TEXT (4UL << 30)    /* scene text read, repeats of xform -a included */
 #define ORL_LIMIT_SURFACES 5000000UL        /* surfaces after all !xform -a repeats */
-#define ORL_LIMIT_POLYGON_VERTICES 20000U   /* corners of one polygon: triangulation is quadratic */
+#define ORL_LIMIT_POLYGON_VERTICES 20000U   /* corners of one polygon */
+#define ORL_LIMIT_POLYGON_CROSSINGS 50000U  /* of one polygon's outline with itself */
 #define ORL_LIMIT_ARGUMENTS 400000U         /* arguments of one primitive */
 #define ORL_LIMIT_WORD_BYTES 4096U          /* one word of a scene file */
 #define ORL_LIMIT_XFORM_ARRAY 100000U       /* copies made by one !xform -a chain */
