@@ -78,16 +78,59 @@ static int check_index(struct orl_parser *parser, const struct orl_scope *scope,
 
 /* ---- Materials ------------------------------------------------------------------------------- */
 
+/* What rounding and white paint may exceed 1 by; beyond, it is a mistake. */
+static const double slack = 0.01;
+/* All that a surface may return: a thousand reflections, and light ends. */
+static const double most_returned = 0.999;
+
+static bool bound(double *share, double from, double most)
+{
+    const bool over = *share >= from && *share <= 1 + slack;
+    *share = over ? fmin(*share, most) : *share;
+    return over;
+}
+
+static bool bound_rgb(struct orl_rgb *c, double from, double most)
+{
+    const bool r = bound(&c->r, from, most), g = bound(&c->g, from, most);
+    return bound(&c->b, from, most) || r || g;
+}
+
+/* Light that is all passed on, straight, comes out somewhere; what is all returned may never end.
+ * Of metal and trans what is mirrored has the colour, or leaves a rest. */
+static void bound_reflector(struct orl_parser *parser, const struct orl_scope *scope,
+                            struct orl_material *m)
+{
+    const double above = nextafter(1, 2);
+    const bool clear = m->transmitted >= 1 && m->transmitted_specular >= 1;
+    bool white = bound_rgb(&m->color, clear ? above : 1, clear ? 1 : most_returned);
+    if (m->kind == ORL_MATERIAL_PLASTIC)
+        white |= bound(&m->specular, 1, most_returned);
+    else
+        white |= bound(&m->specular, above, 1);
+    white |= bound(&m->transmitted, above, 1);
+    white |= bound(&m->transmitted_specular, above, 1);
+    if (white)
+        orl_parser_count(parser, scope, &parser->white);
+}
+
+/* Transmissivity, or a mirror's reflectance: 1 is all of it. */
+static void bound_clear(struct orl_parser *parser, const struct orl_scope *scope,
+                        struct orl_rgb *share)
+{
+    if (bound_rgb(share, nextafter(1, 2), 1))
+        orl_parser_count(parser, scope, &parser->white);
+}
+
 /* Specularity 1 is a mirror to metal; plastic and trans, whose highlight is white, keep the rest.
  */
 static int check_reflector(struct orl_parser *parser, const struct orl_scope *scope,
-                           const struct orl_material *m, struct orl_error *err)
+                           struct orl_material *m, struct orl_error *err)
 {
-    const bool trans = m->kind == ORL_MATERIAL_TRANS, metal = m->kind == ORL_MATERIAL_METAL;
-    int code = orl_material_share(parser, scope, m->color, trans, "reflectance", err);
+    bound_reflector(parser, scope, m);
+    int code = orl_material_share(parser, scope, m->color, true, "reflectance", err);
     if (code == 0)
-        code = orl_material_share(parser, scope, orl_gray(m->specular), metal || trans,
-                                  "specularity", err);
+        code = orl_material_share(parser, scope, orl_gray(m->specular), true, "specularity", err);
     if (code == 0)
         code =
             orl_material_share(parser, scope, orl_gray(m->transmitted), true, "transmission", err);
@@ -183,6 +226,7 @@ int orl_material_read_glass(struct orl_parser *parser, const struct orl_scope *s
         return code;
     material->transmissivity = orl_material_rgb(parser, 0);
     material->ior = has_index ? parser->primitive.reals[3] : 1.52;
+    bound_clear(parser, scope, &material->transmissivity);
     code = orl_material_share(parser, scope, material->transmissivity, true, "transmissivity", err);
     if (code == ORL_ERR_RANGE)
         orl_error_hint(err, "transmissivity excludes reflection: clear glass that transmits 0.88 "
@@ -246,6 +290,7 @@ int orl_material_read_mirror(struct orl_parser *parser, const struct orl_scope *
                         "not '%.100s'",
                         parser->primitive.id, scope->file, parser->primitive.line,
                         orl_primitive_string(&parser->primitive, 0));
+    bound_clear(parser, scope, &material->color);
     return orl_material_share(parser, scope, material->color, true, "reflectance", err);
 }
 

@@ -94,6 +94,9 @@ void orl_parser_report(struct orl_parser *parser)
     report(parser, &parser->bent, "its corners do not lie in one plane");
     report(parser, &parser->unmodified,
            "has no material (its modifier is void): it is taken as black");
+    report(parser, &parser->white,
+           "returns all light that it gets, or more: 0.999 of it are taken, so that light ends "
+           "(of what only mirrors or lets pass, all)");
 }
 
 int orl_parser_string_xform(struct orl_parser *parser, const struct orl_scope *scope, size_t first,

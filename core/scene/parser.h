@@ -28,7 +28,7 @@ struct orl_parser {
     size_t text_bytes;     /* read so far, repeats included */
     uint64_t vertices;     /* kept so far */
     int32_t void_material; /* index, or -1 */
-    struct orl_tally degenerate, bent, unmodified;
+    struct orl_tally degenerate, bent, unmodified, white;
 };
 
 /* Where text stands: what is applied to its surfaces, and where file names are looked up. */

@@ -65,10 +65,10 @@ static const struct bad bad_scenes[] = {
     {SKY RED "sky alias m red", ORL_ERR_UNSUPPORTED, 3, "alias m", "light and glow"},
     {SKY "sky sphere s 0 0 4 0 0 0 1", ORL_ERR_UNSUPPORTED, 2, "sphere s", "pattern"},
     /* materials out of range */
-    {"void plastic m 0 0 5 1 .5 .5 0 0", ORL_ERR_RANGE, 1, "plastic m", "reflectance"},
+    {"void plastic m 0 0 5 1.02 .5 .5 0 0", ORL_ERR_RANGE, 1, "plastic m", "reflectance"},
     {"void plastic m 0 0 5 -.1 .5 .5 0 0", ORL_ERR_RANGE, 1, "plastic m", "reflectance"},
     {"void metal m 0 0 5 .5 1.5 .5 1 0", ORL_ERR_RANGE, 1, "metal m", "reflectance"},
-    {"void plastic m 0 0 5 .5 .5 .5 1 0", ORL_ERR_RANGE, 1, "plastic m", "specularity"},
+    {"void plastic m 0 0 5 .5 .5 .5 1.02 0", ORL_ERR_RANGE, 1, "plastic m", "specularity"},
     {"void plastic m 0 0 5 .5 .5 .5 0 -1", ORL_ERR_RANGE, 1, "plastic m", "roughness"},
     {"void glass g 0 0 3 1.1 1 1", ORL_ERR_RANGE, 1, "glass g", "transmissivity"},
     {"void glass g 0 0 4 1 1 1 0", ORL_ERR_RANGE, 1, "glass g", "refraction"},

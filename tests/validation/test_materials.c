@@ -504,6 +504,37 @@ static void test_lamp_outside(void **state)
     }
 }
 
+/*
+ * A closed sphere of an exporter's white: 0.999 of its light is returned, E = E0 / (1 - 0.999), and
+ * the job ends. The lamp takes 1e-6 a reflection. Each of some 2000 flights leaves a thousand
+ * photons, the number of which is geometric: 2.2 %. Of 8192 paths, 1.1 %.
+ */
+static void test_white_sphere(void **state)
+{
+    static const enum orl_technique techniques[] = {ORL_TECHNIQUE_GATHER, ORL_TECHNIQUE_BACKWARD};
+    static const struct orl_sensor sensor = {{.6, -.8, 0}, {-.6, .8, 0}};
+    const double expected = ORL_EFFICACY_LM_PER_W * ORL_PI * 1e5 * 1e-6 / (1 - 0.999 + 1e-6);
+    (void)state;
+    for (int t = 0; t < 2; t++) {
+        bool told = false;
+        struct orl_result result =
+            scene_run(&(struct scene_run){.scene = "void plastic paint 0 0 5 1 1 1 0 0\n"
+                                                   "paint bubble sphere 0 0 4 0 0 0 1\n"
+                                                   "void light lamp 0 0 3 1e5 1e5 1e5\n"
+                                                   "lamp sphere bulb 0 0 4 0 0 0 1e-3\n",
+                                          .technique = techniques[t],
+                                          .sensors = &sensor,
+                                          .n_sensors = 1,
+                                          .global = 2000000});
+        assert_within("white sphere", result.illuminance_lx[0], expected, 0.08 * expected);
+        for (size_t i = 0; i < result.n_warnings; i++)
+            told |= strstr(result.warnings[i], "plastic paint at ") &&
+                    strstr(result.warnings[i], "returns all light");
+        assert_true(told);
+        orl_result_done(&result);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -514,6 +545,7 @@ int main(void)
         cmocka_unit_test(test_spotlight),        cmocka_unit_test(test_spotlight_seen),
         cmocka_unit_test(test_illum_is_light),   cmocka_unit_test(test_illum_seen),
         cmocka_unit_test(test_glow_radius),      cmocka_unit_test(test_lamp_outside),
+        cmocka_unit_test(test_white_sphere),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
