@@ -24,42 +24,6 @@ struct orl_rgb orl_transmittance(const struct orl_world *world, struct orl_vec3 
     return orl_gray(0);
 }
 
-struct orl_rgb orl_mirrored_transmittance(const struct orl_world *world, struct orl_vec3 origin,
-                                          struct orl_vec3 sun, struct orl_vec3 mirror,
-                                          bool through_ports, struct orl_vec3 *ret_direction)
-{
-    const struct orl_vec3 direction = orl_madd(sun, mirror, -2 * orl_dot(sun, mirror));
-    struct orl_rgb sum = orl_gray(0), share = orl_gray(1);
-    bool outside = !through_ports;
-    *ret_direction = direction;
-    /* Every pane of that normal on the way mirrors some and lets the rest through to the next. */
-    for (int pane = 0; pane < MOST_PANES; pane++) {
-        struct orl_hit hit;
-        if (!orl_geometry_intersect(world->geometry, origin, direction, INFINITY, &hit))
-            return sum;
-        const struct orl_material *m = orl_world_material(world, &hit);
-        const enum orl_crossing crossing = orl_world_crossing(world, &hit);
-        if (fabs(orl_dot(hit.normal, mirror)) >= 1 - 1e-9 && !(outside && world->omit.exterior)) {
-            const struct orl_rgb back = orl_material_mirrored(m, &hit, orl_neg(direction));
-            if (orl_rgb_max(back) > 0)
-                sum = orl_rgb_add(
-                    sum,
-                    orl_rgb_mul(orl_rgb_mul(share, back),
-                                orl_transmittance(world, orl_hit_leave(world->geometry, &hit, sun),
-                                                  sun, INFINITY, through_ports)));
-        }
-        const struct orl_rgb through = orl_material_straight(m, &hit, orl_neg(direction));
-        if (!(orl_rgb_max(through) > 0) || orl_world_leaves_clear(world, &hit) ||
-            (!through_ports && crossing == ORL_CROSSING_INWARDS))
-            return sum;
-        if (crossing != ORL_CROSSING_NONE)
-            outside = crossing == ORL_CROSSING_OUTWARDS;
-        share = orl_rgb_mul(share, through);
-        origin = orl_hit_leave(world->geometry, &hit, direction);
-    }
-    return sum;
-}
-
 /* cos as irradiance, or lobes towards the eye as radiance. */
 static struct orl_rgb response(const struct orl_direct_query *query, struct orl_vec3 light)
 {
@@ -237,21 +201,22 @@ static void numbers_for(const struct orl_direct_query *query, size_t n, struct o
     }
 }
 
-/* The sun's images in the scene's mirrors. */
-static struct orl_rgb mirrored_sun(const struct orl_world *world, const struct orl_sun *sun,
-                                   const struct orl_direct_query *query, struct orl_vec3 towards)
+/* The suns' images in the scene's mirrors; u is of the disc. */
+static struct orl_rgb mirrored_sun(const struct orl_world *world, size_t sun,
+                                   const struct orl_direct_query *query, const double u[2])
 {
     struct orl_rgb sum = orl_gray(0);
-    for (size_t i = 0; i < world->n_mirrors; i++) {
-        struct orl_vec3 light;
-        const struct orl_vec3 mirror = world->mirrors[i];
-        const struct orl_vec3 image = orl_madd(towards, mirror, -2 * orl_dot(towards, mirror));
-        const struct orl_rgb seen = response(query, image);
+    for (size_t i = 0; i < world->images.n_nodes; i++) {
+        const struct orl_image *image = &world->images.nodes[i];
+        if (!image->shown || image->sun != sun)
+            continue;
+        const struct orl_vec3 light = orl_image_sample(world, image, u);
+        const struct orl_rgb seen = response(query, light);
         if (!(orl_rgb_max(seen) > 0))
             continue;
-        const struct orl_rgb share = orl_mirrored_transmittance(
-            world, query->point, towards, mirror, query->through_ports, &light);
-        sum = orl_rgb_add(sum, orl_rgb_mul(orl_rgb_mul(sun->irradiance, seen), share));
+        const struct orl_rgb share =
+            orl_image_transmittance(world, query->point, light, image, query->through_ports);
+        sum = orl_rgb_add(sum, orl_rgb_mul(orl_rgb_mul(world->suns[sun].irradiance, seen), share));
     }
     return sum;
 }
@@ -267,7 +232,7 @@ struct orl_rgb orl_direct_light(const struct orl_world *world, const struct orl_
         const struct orl_vec3 light = orl_sun_sample(sun, u);
         const struct orl_rgb seen = response(query, light);
         if (query->mirrored)
-            sum = orl_rgb_add(sum, mirrored_sun(world, sun, query, light));
+            sum = orl_rgb_add(sum, mirrored_sun(world, i, query, u));
         if (!(orl_rgb_max(seen) > 0))
             continue;
         const struct orl_rgb share =

@@ -16,14 +16,6 @@ struct orl_rgb orl_transmittance(const struct orl_world *world, struct orl_vec3 
                                  bool through_ports);
 
 /*
- * Share of the light of a sun, at `sun`, that comes to origin by one reflection in a flat mirror of
- * that normal, panes on the way included; ret_direction is where it comes from.
- */
-struct orl_rgb orl_mirrored_transmittance(const struct orl_world *world, struct orl_vec3 origin,
-                                          struct orl_vec3 sun, struct orl_vec3 mirror,
-                                          bool through_ports, struct orl_vec3 *ret_direction);
-
-/*
  * Irradiance at a point with that (unit) normal from suns and lights sampled directly: one shadow
  * ray each. With lobes not NULL, weighted by that hit's lobes towards eye instead of counted
  * whole: the result is then radiance, of lamps the share that rays drawn by those lobes leave.
@@ -35,7 +27,7 @@ struct orl_direct_query {
     const struct orl_material *lobes;
     const struct orl_hit *hit;
     struct orl_vec3 eye;
-    bool mirrored;   /* with the suns' images in flat mirrors, one reflection deep */
+    bool mirrored;   /* with the suns' images in flat mirrors */
     const double *u; /* two numbers in [0,1) from an even sequence, or NULL for random ones */
 };
 struct orl_rgb orl_direct_light(const struct orl_world *world, const struct orl_direct_query *query,

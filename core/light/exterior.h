@@ -1,12 +1,14 @@
 /*
  * Radiance found by paths alone: no photon map, explicit shadow rays to suns and lights, one
  * bounce after another until the path leaves, is absorbed or dies by roulette. Suns in flat mirrors
- * and panes are found by their images, one reflection deep; suns reflected twice over, by curved
- * mirrors, or refracted, are left out, and what BSDF ports send back outdoors after a diffuse
- * bounce keeps its flux but not its shape.
+ * and panes are found by their images (images.h); suns reflected by curved mirrors, or refracted,
+ * are left out, and what BSDF ports send outdoors after a diffuse bounce keeps its flux but not its
+ * shape.
  *
  * It is what photon ports see when they look out (so that every photon carries the radiance that
- * arrives, the ground's and the neighbours' included), and what views see of surfaces outside.
+ * arrives, the ground's and the neighbours' included), and what views, sensors and rays from inside
+ * see of surfaces outside. To these the rooms behind the neighbours' panes shine too: a path that
+ * comes to one is handed back where it enters.
  */
 #ifndef ORL_LIGHT_EXTERIOR_H
 #define ORL_LIGHT_EXTERIOR_H
@@ -16,16 +18,33 @@
 #include "light/direct.h"
 
 /*
+ * Where a path has passed a port inwards, and goes on: what it sees from there, times the weight,
+ * is to be added by whoever asked, who knows how the inside is lit.
+ */
+struct orl_entry {
+    bool entered;
+    struct orl_vec3 origin, direction;
+    struct orl_rgb weight, clarity;
+    struct orl_chance chance;
+};
+
+/*
  * One estimate of the radiance arriving at origin from direction, suns seen straight excluded.
- * Paths do not pass ports inwards: light from inside a building is left out. Of lamps seen straight
- * or through panes it is the share of that chance. Counts into health. With omit.exterior surfaces
- * reflect nothing: what is left is what comes straight.
+ * ret_entry: where the path ends in a building, if it does; NULL: paths do not pass ports inwards,
+ * and light that comes from inside or has passed there is left out (what ports send in is first
+ * light: light/world.h). Of lamps seen straight or through panes it is the share of that chance.
+ * Counts into health. With omit.exterior surfaces reflect nothing: what is left is what comes
+ * straight.
  */
 struct orl_rgb orl_exterior_radiance(const struct orl_world *world, struct orl_vec3 origin,
                                      struct orl_vec3 direction, struct orl_chance chance,
-                                     struct orl_random *random, struct orl_health *health);
+                                     struct orl_random *random, struct orl_health *health,
+                                     struct orl_entry *ret_entry);
 
-/* The same, where it is known what is met first (NULL: nothing), and nothing is left out. */
+/*
+ * The same without entry, where it is known what is met first (NULL: nothing), and nothing is left
+ * out.
+ */
 struct orl_rgb orl_exterior_radiance_from(const struct orl_world *world, struct orl_vec3 direction,
                                           const struct orl_hit *first, struct orl_chance chance,
                                           struct orl_random *random, struct orl_health *health);

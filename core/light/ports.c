@@ -184,6 +184,7 @@ int orl_world_find_ports(struct orl_world *world, struct orl_crew *crew, struct 
     if (code < 0)
         goto done;
     world->open = world->n_ports == 0 || atomic_load(&search.escapes) >= SEAL_ESCAPES;
+    code = orl_images_build(&world->images, world);
     orl_proxies_settle(world);
 done:
     if (code < 0)

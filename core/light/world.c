@@ -46,32 +46,6 @@ static void add_emitters(struct orl_world *world)
     }
 }
 
-/* In a street of glass the directions are few: panes that face alike share one. */
-static int add_mirrors(struct orl_world *world)
-{
-    const struct orl_geometry *g = world->geometry;
-    world->mirrors = calloc(ORL_MOST_MIRRORS, sizeof *world->mirrors);
-    if (!world->mirrors)
-        return ORL_ERR_NOMEM;
-    for (size_t i = 0; i < g->n_facets; i++) {
-        const struct orl_facet *f = &g->facets[i];
-        const struct orl_material *m = &world->description.materials[f->material];
-        size_t k = 0;
-        const bool flat = f->kind == ORL_SURFACE_POLYGON || f->kind == ORL_SURFACE_RING;
-        if (!flat || !(f->area > 0) || !orl_material_is_mirror(m))
-            continue;
-        while (k < world->n_mirrors && fabs(orl_dot(f->normal, world->mirrors[k])) < 1 - 1e-9)
-            k++;
-        if (k < world->n_mirrors)
-            continue;
-        if (k < ORL_MOST_MIRRORS)
-            world->mirrors[world->n_mirrors++] = f->normal;
-        else
-            world->n_mirrors_left_out++;
-    }
-    return 0;
-}
-
 static size_t count_emitters(const struct orl_world *world)
 {
     size_t n = 0;
@@ -110,7 +84,6 @@ int orl_world_new(struct orl_description *description, struct orl_world **ret_wo
     for (size_t i = 0; i < world->description.n_distants; i++)
         add_distant(world, &world->description.distants[i]);
     add_emitters(world);
-    code = add_mirrors(world);
 done:
     if (code == ORL_ERR_NOMEM)
         orl_error_set(err, code, "out of memory for the scene");
@@ -131,10 +104,20 @@ void orl_world_free(struct orl_world *world)
     free(world->suns);
     free(world->domes);
     free(world->emitters);
-    free(world->mirrors);
+    orl_images_done(&world->images);
     free(world->ports);
     free(world->port_of_facet);
     free(world);
+}
+
+void orl_world_keep_suns(struct orl_world *world, const bool *keep)
+{
+    size_t kept = 0;
+    orl_images_keep_suns(&world->images, keep);
+    for (size_t i = 0; i < world->n_suns; i++)
+        if (keep && keep[i])
+            world->suns[kept++] = world->suns[i];
+    world->n_suns = kept;
 }
 
 struct orl_rgb orl_world_dome_radiance(const struct orl_world *world, struct orl_vec3 direction)

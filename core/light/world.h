@@ -15,10 +15,11 @@
 #include <oriel/crew.h>
 #include <oriel/plan.h>
 
+#include "light/images.h"
 #include "scene/geometry.h"
 #include "scene/scatter.h"
 
-enum { ORL_NO_PORT = -1, ORL_MOST_MIRRORS = 32 };
+enum { ORL_NO_PORT = -1 };
 
 /* A small distant light, to be sampled directly: the sun, as gendaylit writes it. */
 struct orl_sun {
@@ -80,9 +81,7 @@ struct orl_world {
     size_t n_domes;
     struct orl_emitter *emitters;
     size_t n_emitters;
-    struct orl_vec3 *mirrors; /* distinct normals (up to sign) of flat mirror-like surfaces */
-    size_t n_mirrors;
-    size_t n_mirrors_left_out; /* beyond ORL_MOST_MIRRORS: suns are not reflected by those */
+    struct orl_images images; /* of the suns, in flat mirrors; made with the ports */
     struct orl_port *ports;
     size_t n_ports;
     int32_t *port_of_facet; /* index into ports or ORL_NO_PORT */
@@ -100,7 +99,11 @@ int orl_world_new(struct orl_description *description, struct orl_world **ret_wo
                   struct orl_error *err);
 void orl_world_free(struct orl_world *world);
 
-/* Finds the ports and whether the scene is open; to be called once, before rays are asked. */
+/* Of its suns only those; NULL: none. */
+void orl_world_keep_suns(struct orl_world *world, const bool *keep);
+
+/* Finds the ports, whether the scene is open, and the suns' images; to be called once, before rays
+ * are asked. */
 int orl_world_find_ports(struct orl_world *world, struct orl_crew *crew, struct orl_error *err);
 
 static inline const struct orl_material *orl_world_material(const struct orl_world *world,

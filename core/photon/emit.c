@@ -96,9 +96,11 @@ static enum stage aim_port_sun(const struct orl_emission *e, const struct orl_st
     const struct orl_world *world = e->world;
     const struct orl_port *port = &world->ports[stratum->port];
     const struct orl_sun *sun = &world->suns[stratum->sun];
-    const struct orl_vec3 towards = orl_sun_sample(sun, u + 3);
-    const bool image = stratum->kind == ORL_STRATUM_PORT_IMAGE;
-    struct orl_vec3 normal, out = towards;
+    const struct orl_image *image =
+        stratum->kind == ORL_STRATUM_PORT_IMAGE ? &world->images.nodes[stratum->image] : NULL;
+    const struct orl_vec3 out =
+        image ? orl_image_sample(world, image, u + 3) : orl_sun_sample(sun, u + 3);
+    struct orl_vec3 normal;
     double place[2] = {u[1], u[2]}, density = 1;
     if (caustic && stratum->place.weight)
         density = orl_table_sample(&stratum->place, u + 1, place);
@@ -106,16 +108,15 @@ static enum stage aim_port_sun(const struct orl_emission *e, const struct orl_st
     const struct orl_vec3 start =
         orl_facet_leave(world->geometry, port->facet, ret->point, normal, port->outward);
     const struct orl_rgb share =
-        image ? orl_mirrored_transmittance(world, start, towards, world->mirrors[stratum->mirror],
-                                           false, &out)
+        image ? orl_image_transmittance(world, start, out, image, false)
         : stratum->shades && !orl_may_be_shaded(stratum->shades, ret->point)
             ? orl_gray(1)
-            : orl_transmittance(world, start, towards, INFINITY, false);
+            : orl_transmittance(world, start, out, INFINITY, false);
     const double cosine = orl_dot(out, port->outward);
     if (!(cosine > 0) || !(orl_rgb_max(share) > 0))
         return LOST;
     ret_flight->from_light = true;
-    ret_flight->way.mirror = image;
+    ret_flight->way.mirror = image != NULL;
     ret_flight->beam = !image && stratum->sun == 0 && sun->cos_half_angle > narrow;
     ret->port = port;
     ret->passage = image ? NULL : stratum->passage;

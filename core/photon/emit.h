@@ -32,7 +32,7 @@
 enum orl_stratum_kind {
     ORL_STRATUM_PORT_DOME,
     ORL_STRATUM_PORT_SUN,
-    ORL_STRATUM_PORT_IMAGE, /* a sun's image in an outside mirror */
+    ORL_STRATUM_PORT_IMAGE, /* a sun's image in mirrors outside */
     ORL_STRATUM_EMITTER,
     ORL_STRATUM_OPEN_DOME,
     ORL_STRATUM_OPEN_SUN,
@@ -50,7 +50,7 @@ struct orl_table {
 struct orl_stratum {
     enum orl_stratum_kind kind;
     uint32_t port; /* or emitter */
-    uint32_t sun, mirror;
+    uint32_t sun, image; /* of world.images */
     double flux_w;    /* luma, estimated */
     double reflected; /* albedo that its light meets first, where that leaves nothing: first.h */
     double share;     /* probability for global photons */

@@ -116,12 +116,16 @@ static int make_dome_table(struct orl_emission *e)
     return code;
 }
 
-static void add_stratum(struct orl_emission *e, enum orl_stratum_kind kind, size_t port, size_t sun,
-                        double flux_w)
+static void add_stratum(struct orl_emission *e, struct orl_stratum stratum, double flux_w)
 {
+    stratum.flux_w = flux_w;
     if (flux_w > 0)
-        e->strata[e->n_strata++] = (struct orl_stratum){
-            .kind = kind, .port = (uint32_t)port, .sun = (uint32_t)sun, .flux_w = flux_w};
+        e->strata[e->n_strata++] = stratum;
+}
+
+static struct orl_stratum stratum_of(enum orl_stratum_kind kind, size_t port, size_t sun)
+{
+    return (struct orl_stratum){.kind = kind, .port = (uint32_t)port, .sun = (uint32_t)sun};
 }
 
 /* Share of a port's sun that is not in shadow is left to the flights; here it counts whole. */
@@ -149,7 +153,7 @@ static double port_image_flux(const struct orl_emission *e, const struct orl_str
         double point[5];
         struct orl_flight flight;
         struct orl_random random = orl_random_stream(stratum->port, ORL_PURPOSE_PILOT, i);
-        orl_sobol_point(&e->sobol, i, stratum->mirror, 5, point);
+        orl_sobol_point(&e->sobol, i, stratum->image, 5, point);
         if (orl_emission_from(e, stratum, false, point, &random, &ignored, &flight))
             sum += orl_luma(flight.flux) / IMAGE_FLIGHTS;
     }
@@ -157,24 +161,20 @@ static double port_image_flux(const struct orl_emission *e, const struct orl_str
 }
 
 /* The suns' images in mirrors outside; only those that some flight of a pilot found. */
-static void list_images(struct orl_emission *e, size_t most)
+static void list_images(struct orl_emission *e)
 {
     const struct orl_world *world = e->world;
     for (size_t p = 0; p < world->n_ports; p++) {
-        for (size_t s = 0; s < world->n_suns; s++) {
-            const size_t mirrors =
-                world->ports[p].clear || world->ports[p].silent || world->omit.exterior
-                    ? 0
-                    : world->n_mirrors;
-            for (size_t m = 0; m < mirrors && e->n_strata < most; m++) {
-                const struct orl_stratum image = {.kind = ORL_STRATUM_PORT_IMAGE,
-                                                  .port = (uint32_t)p,
-                                                  .sun = (uint32_t)s,
-                                                  .mirror = (uint32_t)m};
-                e->strata[e->n_strata] = image;
-                e->strata[e->n_strata].flux_w = port_image_flux(e, &image);
-                e->n_strata += e->strata[e->n_strata].flux_w > 0;
-            }
+        if (world->ports[p].clear || world->ports[p].silent || world->omit.exterior)
+            continue;
+        for (size_t i = 0; i < world->images.n_nodes; i++) {
+            const struct orl_image *image = &world->images.nodes[i];
+            const struct orl_stratum stratum = {.kind = ORL_STRATUM_PORT_IMAGE,
+                                                .port = (uint32_t)p,
+                                                .sun = image->sun,
+                                                .image = (uint32_t)i};
+            if (image->shown)
+                add_stratum(e, stratum, port_image_flux(e, &stratum));
         }
     }
 }
@@ -191,27 +191,29 @@ static double emitter_flux(const struct orl_world *world, const struct orl_emitt
 static int list_strata(struct orl_emission *e)
 {
     const struct orl_world *world = e->world;
-    const size_t most = world->n_ports * (1 + world->n_suns * (1 + world->n_mirrors)) +
+    const size_t most = world->n_ports * (1 + world->n_suns + world->images.n_nodes) +
                         world->n_emitters + world->n_suns + 1;
     e->strata = calloc(most, sizeof *e->strata);
     if (!e->strata)
         return ORL_ERR_NOMEM;
     for (size_t p = 0; p < world->n_ports; p++) {
         const struct orl_port *port = &world->ports[p];
-        add_stratum(e, ORL_STRATUM_PORT_DOME, p, 0, ORL_PI * port->area * e->port_tables[p].mean);
+        add_stratum(e, stratum_of(ORL_STRATUM_PORT_DOME, p, 0),
+                    ORL_PI * port->area * e->port_tables[p].mean);
         for (size_t s = 0; s < world->n_suns && !port->silent; s++)
-            add_stratum(e, ORL_STRATUM_PORT_SUN, p, s, port_sun_flux(world, port, &world->suns[s]));
+            add_stratum(e, stratum_of(ORL_STRATUM_PORT_SUN, p, s),
+                        port_sun_flux(world, port, &world->suns[s]));
     }
     for (size_t i = 0; i < world->n_emitters; i++) {
         const struct orl_emitter *emitter = &world->emitters[i];
-        add_stratum(e, ORL_STRATUM_EMITTER, i, 0, emitter_flux(world, emitter));
+        add_stratum(e, stratum_of(ORL_STRATUM_EMITTER, i, 0), emitter_flux(world, emitter));
     }
-    list_images(e, most);
+    list_images(e);
     if (!world->open)
         return 0;
-    add_stratum(e, ORL_STRATUM_OPEN_DOME, 0, 0, 4 * ORL_PI * e->dome_table.mean);
+    add_stratum(e, stratum_of(ORL_STRATUM_OPEN_DOME, 0, 0), 4 * ORL_PI * e->dome_table.mean);
     for (size_t s = 0; s < world->n_suns; s++)
-        add_stratum(e, ORL_STRATUM_OPEN_SUN, 0, s,
+        add_stratum(e, stratum_of(ORL_STRATUM_OPEN_SUN, 0, s),
                     orl_luma(world->suns[s].irradiance) *
                         box_area(world->geometry, world->suns[s].frame.n));
     return 0;

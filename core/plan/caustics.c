@@ -32,7 +32,7 @@ static double mirror_bound(const struct orl_survey *survey, const struct orl_lit
 static bool may_light_outside(const struct orl_survey *survey)
 {
     const struct orl_world *world = survey->world;
-    return world->n_mirrors > 0 && world->n_suns > 0 && survey->n_clear < world->n_ports &&
+    return world->images.n_mirrors > 0 && world->n_suns > 0 && survey->n_clear < world->n_ports &&
            !world->omit.exterior;
 }
 
@@ -152,7 +152,7 @@ void orl_decide_caustics(struct orl_survey *survey, const struct orl_lit *lit,
     world->omit.mirror_caustics = !mirrors;
     world->omit.lobe_caustics = !lobes;
     if (plan->effects[ORL_EFFECT_CAUSTICS_MIRROR].wish == ORL_WISH_SKIP)
-        world->n_mirrors = 0;
+        orl_images_keep_suns(&world->images, NULL);
     world->caustics_lit = (mirrors || lobes) && any_lit(lit);
     plan->photons_caustic = asked == ORL_PHOTONS_BY_PLAN ? (uint64_t)ORL_DEFAULT_PHOTONS : asked;
     if (plan->technique == ORL_TECHNIQUE_BACKWARD) {

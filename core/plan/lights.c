@@ -30,7 +30,7 @@ static void decide_sun(struct orl_survey *survey, struct orl_plan *plan)
                         ? "there are %zu suns"
                         : "suns: %zu; a plane that faces them gets %.4g lx where nothing focuses",
                     world->n_suns, survey->sun_lx))
-        world->n_suns = 0;
+        orl_world_keep_suns(world, NULL);
 }
 
 static void decide_sky(struct orl_survey *survey, struct orl_plan *plan)

@@ -163,32 +163,33 @@ static void follow_sun_in(struct look *look, const struct orl_port *port, const 
     }
 }
 
-/* A sun's image in a flat mirror outside, seen from a window. */
+/* A sun's image in flat mirrors outside, seen from a window. */
 static bool image_reaches(const struct look *look, const struct orl_port *port,
-                          const struct orl_sun *sun, struct orl_vec3 mirror, uint32_t sample)
+                          const struct orl_image *image, uint32_t sample)
 {
     const struct orl_geometry *g = look->world->geometry;
-    struct orl_vec3 point, normal, from;
+    struct orl_vec3 point, normal;
     double u[4];
     orl_sobol_point(&look->sobol, sample, port->facet + 1, 4, u);
     orl_facet_sample(g, port->facet, u, &point, &normal);
     point = orl_facet_leave(g, port->facet, point, normal, port->outward);
-    const struct orl_rgb share = orl_mirrored_transmittance(
-        look->world, point, orl_sun_sample(sun, u + 2), mirror, false, &from);
-    return orl_rgb_max(share) > 0 && orl_dot(from, port->outward) > 0;
+    const struct orl_vec3 from = orl_image_sample(look->world, image, u + 2);
+    return orl_dot(from, port->outward) > 0 &&
+           orl_rgb_max(orl_image_transmittance(look->world, point, from, image, false)) > 0;
 }
 
 static void look_for_images(struct look *look, const struct orl_port *port)
 {
-    const struct orl_world *world = look->world;
+    const struct orl_images *images = &look->world->images;
     struct orl_lit_class *class = &look->lit->classes[ORL_LIT_FLAT];
-    for (size_t s = 0; s < world->n_suns && !port->clear && !world->omit.exterior; s++)
-        for (size_t m = 0; m < world->n_mirrors; m++)
-            for (uint32_t i = 0; i < IMAGE_SAMPLES && !class->lit; i++)
-                if (image_reaches(look, port, &world->suns[s], world->mirrors[m], i)) {
-                    class->lit = true;
-                    class->facet = port->facet;
-                }
+    if (port->clear || look->world->omit.exterior)
+        return;
+    for (size_t k = 0; k < images->n_nodes; k++)
+        for (uint32_t i = 0; images->nodes[k].shown && i < IMAGE_SAMPLES && !class->lit; i++)
+            if (image_reaches(look, port, &images->nodes[k], i)) {
+                class->lit = true;
+                class->facet = port->facet;
+            }
 }
 
 static void look_from_windows(struct look *look)

@@ -8,20 +8,16 @@ enum { PHOTONS_A_WINDOW = 40000, LEAST_WINDOWS = 3 };
 /* Virtual lamps: for a sample of a sensor, in all and by window; of views. */
 enum { LAMPS_A_SAMPLE = 200, LAMPS_A_WINDOW = 8, LEAST_SAMPLES = 64 };
 enum { LAMPS_OF_VIEWS = 200000, LAMPS_OF_A_SAMPLE = 50, LAMPS_A_WINDOW_OF_VIEWS = 10000 };
-/* Two mirrors of less than this, clear panes above all, send on less than a twentieth of a sun. */
-static const double strong_mirror = 0.2;
 
 /* ---- Technique ------------------------------------------------------------------------------- */
 
 /*
  * Paths from a sensor find suns by shadow rays, also in flat mirrors and behind BSDFs; but a sun by
- * way of something curved, of a lens or of two mirrors only by chance.
+ * way of something curved or of a lens only by chance.
  */
-static bool is_noise_to_paths(const struct orl_world *world, const struct orl_lit *lit)
+static bool is_noise_to_paths(const struct orl_lit *lit)
 {
-    const struct orl_lit_class *flat = &lit->classes[ORL_LIT_FLAT];
-    return lit->classes[ORL_LIT_CURVED].lit ||
-           (flat->lit && flat->share > strong_mirror && world->n_mirrors > 1);
+    return lit->classes[ORL_LIT_CURVED].lit;
 }
 
 static enum orl_technique by_itself(const struct orl_survey *survey, const struct orl_lit *lit,
@@ -34,7 +30,7 @@ static enum orl_technique by_itself(const struct orl_survey *survey, const struc
                  job->n_views);
         return ORL_TECHNIQUE_GATHER;
     }
-    if (is_noise_to_paths(survey->world, lit)) {
+    if (is_noise_to_paths(lit)) {
         snprintf(ret_why, ORL_WHY_MAX,
                  "%zu mirrors or lenses that paths from the %zu sensors would find by chance "
                  "only: photons find them",
@@ -87,8 +83,8 @@ static void decide_gather(const struct orl_survey *survey, struct orl_plan *plan
 static uint32_t depth(const struct orl_survey *survey, const struct orl_lit *lit)
 {
     const double rho = survey->rho_diffuse;
-    double left =
-        survey->sun_lx * (1 + (double)survey->world->n_mirrors) + survey->sky_lx + survey->lamp_lx;
+    double left = survey->sun_lx * (1 + (double)survey->world->images.n_mirrors) + survey->sky_lx +
+                  survey->lamp_lx;
     if (lit->classes[ORL_LIT_CURVED].lit || lit->classes[ORL_LIT_LOBE].lit || rho >= 1)
         return ORL_ALL_REFLECTIONS;
     left *= rho / (1 - rho);

@@ -38,9 +38,10 @@ static double share_reflected(const struct orl_survey *survey)
         point = orl_facet_leave(world->geometry, port->facet, point, normal, port->outward);
         same = random;
         all += port->area * orl_luma(orl_exterior_radiance(world, point, out, orl_chance_unsought(),
-                                                           &random, &ignored));
-        direct += port->area * orl_luma(orl_exterior_radiance(
-                                   &straight, point, out, orl_chance_unsought(), &same, &ignored));
+                                                           &random, &ignored, NULL));
+        direct += port->area *
+                  orl_luma(orl_exterior_radiance(&straight, point, out, orl_chance_unsought(),
+                                                 &same, &ignored, NULL));
     }
     return all > 0 ? fmax(0, 1 - direct / all) : 0;
 }
@@ -172,16 +173,20 @@ static void decide_suns(struct orl_survey *survey, struct orl_plan *plan)
     struct orl_decision *sun = &plan->effects[ORL_EFFECT_SUN];
     const bool forced = decision->wish == ORL_WISH_FORCE || sun->wish == ORL_WISH_FORCE;
     const size_t all = world->n_suns;
-    size_t kept = 0;
-    for (size_t i = 0; i < all; i++)
-        if (forced || (decision->wish == ORL_WISH_AUTO && can_reach(survey, &world->suns[i])))
-            world->suns[kept++] = world->suns[i];
+    bool *keep = calloc(all + 1, sizeof *keep);
+    size_t kept = all;
+    for (size_t i = 0; keep && i < all; i++) {
+        keep[i] = forced || (decision->wish == ORL_WISH_AUTO && can_reach(survey, &world->suns[i]));
+        kept -= !keep[i];
+    }
     const struct orl_finding finding = {
         .needed = kept > 0,
         .unit = ORL_BOUND_LX,
         .bound = decision->wish == ORL_WISH_SKIP || kept == all ? survey->sun_lx : 0,
         .saved_s = (double)(all - kept) * survey->sensor_rays * survey->ray_s / 3};
-    world->n_suns = kept;
+    if (keep)
+        orl_world_keep_suns(world, keep);
+    free(keep);
     orl_settle(decision, &finding,
                "%zu of %zu suns are in front of a window, or may be seen from where light is "
                "asked for",

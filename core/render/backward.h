@@ -16,8 +16,9 @@
  * groups' samples are spread evenly together, which no group has of itself. Of one sample a pixel
  * it is not known.
  *
- * Suns by way of a curved mirror, of two mirrors or of a dielectric have no shadow rays: only a ray
- * that happens on the disc finds them. That is noise, not bias. Exterior paths are exterior.h's.
+ * Suns by way of a curved mirror or of a dielectric have no shadow rays: only a ray that happens on
+ * the disc finds them. That is noise, not bias. Exterior paths are exterior.h's, until they enter a
+ * building.
  * BSDFs with a thickness are met as light meets them, but by views' own rays, which see what they
  * stand for.
  */

@@ -16,13 +16,13 @@ struct walk {
     struct orl_vec3 origin, direction;
     struct orl_rgb weight, clarity;
     struct orl_rgb sum;
-    double importance;           /* of the walk's start in the sample, at most 1 or about that */
-    uint32_t reflections;        /* diffuse ones before that */
-    double cos_start, travelled; /* since that place */
-    bool straight;               /* nothing but panes since then */
-    struct orl_chance chance;    /* of lamps met now, what is left to count */
-    uint32_t mirrors;            /* since then */
-    bool outside;
+    double importance;            /* of the walk's start in the sample, at most 1 or about that */
+    uint32_t reflections;         /* diffuse ones before that */
+    double cos_start, travelled;  /* since that place */
+    bool straight;                /* nothing but panes since then */
+    struct orl_chance chance;     /* of lamps met now, what is left to count */
+    struct orl_image_trail trail; /* since the last lobe or diffuse surface */
+    bool outside, been_outside;
     bool clear; /* outside, with nothing but the sky before it */
     bool met;   /* a surface, at hit */
     struct orl_hit hit;
@@ -83,8 +83,12 @@ static void escape(struct walk *w)
     const struct orl_world *world = w->tracer->backward->world;
     w->weight = orl_rgb_mul(w->weight, orl_clarity_after(w->clarity, INFINITY));
     collect(w, orl_world_dome_radiance(world, w->direction));
-    if (w->mirrors > 1 && !isfinite(w->chance.pdf))
-        collect(w, orl_world_sun_radiance(world, w->direction));
+    const bool deflected = w->trail.reflections > 0 || w->trail.strange;
+    if (!deflected || w->been_outside || isfinite(w->chance.pdf))
+        return;
+    const struct orl_rgb sun = orl_world_sun_radiance(world, w->direction);
+    if (orl_rgb_max(sun) > 0 && !orl_images_cover(world, &w->trail))
+        collect(w, sun);
 }
 
 /* Dim paths and long ones end by lot. Those that were aimed are not dim for being some of many. */
@@ -99,15 +103,17 @@ static bool survives(struct walk *w, int bounce)
     return true;
 }
 
-static void note_event(struct walk *w, enum orl_event event)
+static void note_event(struct walk *w, const struct orl_scatter *s)
 {
-    if (event == ORL_EVENT_STRAIGHT)
+    if (s->event == ORL_EVENT_STRAIGHT)
         return;
     w->straight = false;
-    /* Refracted suns have no images either. */
-    w->mirrors += event == ORL_EVENT_MIRROR ? 1 : event == ORL_EVENT_REFRACTED ? 2 : 0;
-    if (event == ORL_EVENT_GLOSSY)
-        w->mirrors = 0;
+    if (s->event == ORL_EVENT_GLOSSY)
+        w->trail = orl_image_trail_from(s->direction);
+    else if (s->event == ORL_EVENT_MIRROR)
+        orl_image_trail_add(&w->trail, &w->tracer->backward->world->images, w->hit.facet);
+    else
+        w->trail.strange = true;
 }
 
 /* On by mirrors, panes and lobes, to the next hit; false when the path ends. */
@@ -122,7 +128,7 @@ static bool scatter(struct walk *w, const struct orl_material *m)
     w->weight = orl_rgb_mul(w->weight, s.weight);
     w->clarity = orl_scatter_clarity(m, &s, w->clarity);
     w->chance = orl_chance_after(world, &w->hit, orl_neg(w->direction), &s, w->chance);
-    note_event(w, s.event);
+    note_event(w, &s);
     if (s.transmitted && !world->open && orl_world_crossing(world, &w->hit) != ORL_CROSSING_NONE)
         w->outside = orl_world_crossing(world, &w->hit) == ORL_CROSSING_OUTWARDS;
     w->clear = w->outside && s.transmitted && orl_world_leaves_clear(world, &w->hit);
@@ -131,6 +137,30 @@ static bool scatter(struct walk *w, const struct orl_material *m)
     if (!w->outside)
         w->met =
             orl_geometry_intersect(world->geometry, w->origin, w->direction, INFINITY, &w->hit);
+    return true;
+}
+
+/*
+ * Outdoors; true when the path enters a building again. No virtual lamps have been looked for there
+ * (vpl.c), but all of the suns that shadow rays to images do.
+ */
+static bool comes_back(struct walk *w)
+{
+    const struct orl_world *world = w->tracer->backward->world;
+    struct orl_entry entry;
+    collect(w, orl_exterior_radiance(world, w->origin, w->direction, w->chance, &w->tracer->random,
+                                     w->tracer->health, &entry));
+    if (!entry.entered)
+        return false;
+    w->outside = false;
+    w->straight = false;
+    w->been_outside = true;
+    w->weight = orl_rgb_mul(w->weight, entry.weight);
+    w->clarity = entry.clarity;
+    w->chance = entry.chance;
+    w->origin = entry.origin;
+    w->direction = entry.direction;
+    w->met = orl_geometry_intersect(world->geometry, w->origin, w->direction, INFINITY, &w->hit);
     return true;
 }
 
@@ -143,11 +173,8 @@ static struct orl_rgb follow(struct walk *w)
             collect(w, orl_world_dome_radiance(world, w->direction));
             return w->sum;
         }
-        if (w->outside) {
-            collect(w, orl_exterior_radiance(world, w->origin, w->direction, w->chance,
-                                             &w->tracer->random, w->tracer->health));
+        if (w->outside && !comes_back(w))
             return w->sum;
-        }
         if (!w->met) {
             escape(w);
             return w->sum;
@@ -179,6 +206,7 @@ struct orl_rgb orl_backward_radiance(struct orl_tracer *tracer, struct orl_vec3 
                      .clarity = {1, 1, 1},
                      .importance = 1,
                      .chance = chance,
+                     .trail = orl_image_trail_from(direction),
                      .outside = outside};
     tracer->health->paths++;
     w.met = !outside && orl_geometry_intersect(tracer->backward->world->geometry, origin, direction,
@@ -245,6 +273,7 @@ static struct orl_rgb look(struct orl_tracer *tracer, const struct stop *stop,
                      .reflections = stop->reflections,
                      .cos_start = orl_dot(aimed.direction, stop->place.normal),
                      .straight = true,
+                     .trail = orl_image_trail_from(aimed.direction),
                      .met = aimed.met,
                      .hit = aimed.hit};
     return orl_rgb_scale(follow(&w), ORL_PI);
@@ -274,11 +303,22 @@ static struct orl_rgb light_outside(struct orl_tracer *tracer, const struct stop
     const struct orl_world *world = tracer->backward->world;
     double u[3];
     numbers(tracer, stop, SLOT_WAYS, 1, 0, 3, u);
-    return orl_rgb_scale(orl_exterior_radiance(stop->place.proxied ? orl_world_seen(world) : world,
-                                               stop->place.point,
-                                               orl_hemisphere_about(stop->place.normal, u[0], u[1]),
-                                               orl_chance_found(), &tracer->random, tracer->health),
-                         ORL_PI);
+    const struct orl_vec3 direction = orl_hemisphere_about(stop->place.normal, u[0], u[1]);
+    if (stop->place.proxied)
+        return orl_rgb_scale(orl_exterior_radiance(orl_world_seen(world), stop->place.point,
+                                                   direction, orl_chance_found(), &tracer->random,
+                                                   tracer->health, NULL),
+                             ORL_PI);
+    struct walk w = {.tracer = tracer,
+                     .origin = stop->place.point,
+                     .direction = direction,
+                     .weight = {1, 1, 1},
+                     .clarity = {1, 1, 1},
+                     .importance = stop->importance,
+                     .reflections = stop->reflections,
+                     .trail = orl_image_trail_from(direction),
+                     .outside = true};
+    return orl_rgb_scale(follow(&w), ORL_PI);
 }
 
 static struct orl_rgb light_at(struct orl_tracer *tracer, const struct stop *stop)

@@ -311,10 +311,20 @@ static struct orl_rgb trace_gather(const struct orl_gather *gather,
     search->health.paths++;
     for (int bounce = 0; bounce < MOST_BOUNCES; bounce++) {
         struct orl_hit hit;
-        if (outside)
-            return orl_rgb_add(
+        if (outside) {
+            struct orl_entry entry;
+            sum = orl_rgb_add(
                 sum, orl_rgb_mul(weight, orl_exterior_radiance(world, origin, direction, chance,
-                                                               random, &search->health)));
+                                                               random, &search->health, &entry)));
+            if (!entry.entered)
+                return sum;
+            weight = orl_rgb_mul(weight, entry.weight);
+            clarity = entry.clarity;
+            chance = entry.chance;
+            origin = entry.origin;
+            direction = entry.direction;
+            outside = false;
+        }
         search->health.rays++;
         if (!orl_geometry_intersect(world->geometry, origin, direction, INFINITY, &hit)) {
             search->health.rays_leaked += !world->open;

@@ -146,7 +146,7 @@ static void send(struct making *m, uint32_t stratum, double down, double across,
             ? orl_health_keep(&m->search->health,
                               orl_exterior_radiance(orl_world_seen(m->gather->world), w->ray.origin,
                                                     w->ray.direction, orl_chance_found(), m->random,
-                                                    &m->search->health))
+                                                    &m->search->health, NULL))
             : orl_gather_radiance(m->gather, &w->ray, m->random, m->search);
     w->distance = fmax(w->distance, 1e-9 * m->gather->world->geometry->radius);
     m->least_distance = fmin(m->least_distance, w->distance);

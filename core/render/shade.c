@@ -167,7 +167,7 @@ static struct orl_rgb seen_along(struct look *look, const struct orl_hit *hit, s
     const struct orl_chance chance = orl_chance_after(world, hit, eye, s, orl_chance_found());
     if (orl_world_hides(world, hit->facet))
         return orl_exterior_radiance(world, start, s->direction, chance, look->random,
-                                     &look->search->health);
+                                     &look->search->health, NULL);
     return look->onlooker->radiance(look->onlooker->ctx, start, s->direction, outside, chance,
                                     look->random, look->search);
 }

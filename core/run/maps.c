@@ -115,11 +115,11 @@ static int shoot(struct orl_run_state *state, struct orl_shot shots[ORL_SHOT_KIN
     }
     if (code == 0 && state->emission->n_strata == 0)
         orl_run_warn(state, "no light reaches the scene: everything is black");
-    if (code == 0 && state->world->n_mirrors_left_out > 0)
+    if (code == 0 && state->world->images.n_left_out > 0)
         orl_run_warn(state,
                      "flat mirrors and panes face more than %d ways: the sun's reflections in %zu "
                      "of them are not simulated outside",
-                     ORL_MOST_MIRRORS, state->world->n_mirrors_left_out);
+                     ORL_MOST_MIRRORS, state->world->images.n_left_out);
     return code;
 }
 

@@ -1,0 +1,451 @@
+#include "light/images.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "light/direct.h"
+
+enum { MOST_CLASSES = 256, MOST_BRANCHES = 16, MOST_STEPS = 256 };
+enum { PILOT_RAYS = 1 << 14, MOST_CANDIDATES = 256, MOST_SHOWN_DEEP = 32 };
+
+static const double alike = 1 - 5e-7;      /* cosine between normals of a class: a milliradian */
+static const double same_place = 1 - 2e-6; /* between directions of a node */
+static const double least_share = 1e-3;    /* of the light on mirrors, for an image by several */
+static const double dimmest = 1e-5;        /* what is left of a chain that is followed */
+
+static struct orl_vec3 turned(struct orl_vec3 v, struct orl_vec3 mirror)
+{
+    return orl_madd(v, mirror, -2 * orl_dot(v, mirror));
+}
+
+/* ---- Classes of mirrors ---------------------------------------------------------------------- */
+
+struct class
+{
+    struct orl_vec3 normal;
+    double weight; /* area times what is mirrored at 60 degrees */
+    size_t facets;
+    int16_t index; /* among those kept, or -1 */
+};
+
+static const struct orl_material *material_of(const struct orl_world *world, size_t facet)
+{
+    return &world->description.materials[world->geometry->facets[facet].material];
+}
+
+static bool is_flat_mirror(const struct orl_world *world, size_t facet)
+{
+    const struct orl_facet *f = &world->geometry->facets[facet];
+    const bool flat = f->kind == ORL_SURFACE_POLYGON || f->kind == ORL_SURFACE_RING;
+    return flat && f->area > 0 && orl_material_is_mirror(material_of(world, facet));
+}
+
+static double mirrors_about(const struct orl_material *m)
+{
+    const struct orl_hit hit = {.normal = {0, 0, 1}, .front = true};
+    return orl_rgb_max(orl_material_mirrored(m, &hit, orl_v3(0, 0.8660254037844386, 0.5)));
+}
+
+static size_t find_class(struct class *classes, size_t n, struct orl_vec3 normal)
+{
+    size_t k = 0;
+    while (k < n && fabs(orl_dot(normal, classes[k].normal)) < alike)
+        k++;
+    return k;
+}
+
+/* The heaviest stay, in the order in which they came. */
+static void keep_heaviest(struct orl_images *images, struct class *classes, size_t n)
+{
+    for (size_t kept = 0; kept < ORL_MOST_MIRRORS && kept < n; kept++) {
+        size_t best = n;
+        for (size_t i = 0; i < n; i++)
+            if (classes[i].index < 0 && (best == n || classes[i].weight > classes[best].weight))
+                best = i;
+        classes[best].index = 0;
+    }
+    for (size_t i = 0; i < n; i++) {
+        if (classes[i].index < 0) {
+            images->n_left_out += classes[i].facets;
+            continue;
+        }
+        classes[i].index = (int16_t)images->n_mirrors;
+        images->mirrors[images->n_mirrors++] = classes[i].normal;
+    }
+}
+
+static int find_mirrors(struct orl_images *images, const struct orl_world *world)
+{
+    const size_t n_facets = world->geometry->n_facets;
+    struct class *classes = calloc(MOST_CLASSES, sizeof *classes);
+    size_t n = 0;
+    images->mirrors = calloc(ORL_MOST_MIRRORS, sizeof *images->mirrors);
+    images->class_of = malloc((n_facets + 1) * sizeof *images->class_of);
+    if (!classes || !images->mirrors || !images->class_of) {
+        free(classes);
+        return ORL_ERR_NOMEM;
+    }
+    for (size_t i = 0; i < n_facets; i++) {
+        const struct orl_facet *f = &world->geometry->facets[i];
+        images->class_of[i] = -1;
+        if (!is_flat_mirror(world, i))
+            continue;
+        const size_t k = find_class(classes, n, f->normal);
+        if (k == MOST_CLASSES) {
+            images->n_left_out++;
+            continue;
+        }
+        if (k == n)
+            classes[n++] = (struct class){.normal = f->normal, .index = -1};
+        classes[k].weight += f->area * mirrors_about(material_of(world, i));
+        classes[k].facets++;
+        images->class_of[i] = (int16_t)k;
+    }
+    keep_heaviest(images, classes, n);
+    for (size_t i = 0; i < n_facets; i++)
+        if (images->class_of[i] >= 0)
+            images->class_of[i] = classes[images->class_of[i]].index;
+    free(classes);
+    return 0;
+}
+
+/* ---- Nodes ----------------------------------------------------------------------------------- */
+
+/* The node of a sun in that direction, or -1. */
+static int find_node(const struct orl_images *images, uint32_t sun, struct orl_vec3 direction)
+{
+    for (size_t i = 0; i < images->n_nodes; i++)
+        if (images->nodes[i].sun == sun &&
+            orl_dot(images->nodes[i].frame.n, direction) > same_place)
+            return (int)i;
+    return -1;
+}
+
+static struct orl_frame turned_frame(struct orl_frame f, struct orl_vec3 mirror)
+{
+    return (struct orl_frame){turned(f.u, mirror), turned(f.v, mirror), turned(f.n, mirror)};
+}
+
+static int add_node(struct orl_images *images, struct orl_frame frame, uint32_t sun)
+{
+    const int there = find_node(images, sun, frame.n);
+    if (there >= 0 || images->n_nodes == ORL_MOST_IMAGES)
+        return there;
+    images->nodes[images->n_nodes] = (struct orl_image){.frame = frame, .sun = sun};
+    return (int)images->n_nodes++;
+}
+
+/* What a mirror of that class makes of a node; or -1. */
+static int next_of(const struct orl_images *images, int node, int class)
+{
+    return images->next[(size_t)node * images->n_mirrors + (size_t) class];
+}
+
+/* ---- The pilot: what comes by several reflections -------------------------------------------- */
+
+/* Directions that light comes from after several, by flux. */
+struct pilot {
+    const struct orl_world *world;
+    const struct orl_images *images;
+    uint32_t sun;
+    size_t n;
+    struct orl_frame frames[MOST_CANDIDATES];
+    double flux[MOST_CANDIDATES];
+    double fallen; /* on mirrors, of all suns */
+};
+
+static void note(struct pilot *pilot, const struct orl_frame *frame, double flux)
+{
+    size_t i = 0;
+    while (i < pilot->n && orl_dot(pilot->frames[i].n, frame->n) <= same_place)
+        i++;
+    if (i == MOST_CANDIDATES)
+        return;
+    if (i == pilot->n) {
+        pilot->frames[i] = *frame;
+        pilot->flux[i] = 0;
+        pilot->n++;
+    }
+    pilot->flux[i] += flux;
+}
+
+/* Light under way between mirrors, against the frame it comes from: one way at each pane, by lot.
+ */
+static void follow_light(struct pilot *pilot, struct orl_vec3 origin, struct orl_frame frame,
+                         double flux, struct orl_random *random)
+{
+    const struct orl_world *world = pilot->world;
+    int reflections = 1;
+    for (int step = 0; step < 4 * ORL_IMAGE_REFLECTIONS; step++) {
+        const struct orl_vec3 direction = orl_neg(frame.n);
+        struct orl_hit hit;
+        if (reflections > 1)
+            note(pilot, &frame, flux);
+        if (!orl_geometry_intersect(world->geometry, origin, direction, INFINITY, &hit))
+            return;
+        const struct orl_material *m = orl_world_material(world, &hit);
+        const int16_t class = pilot->images->class_of[hit.facet];
+        const double back =
+            class < 0 ? 0 : orl_luma(orl_material_mirrored(m, &hit, orl_neg(direction)));
+        const double on = orl_luma(orl_material_straight(m, &hit, orl_neg(direction)));
+        if (!(back + on > 0) || flux * (back + on) < dimmest * pilot->fallen)
+            return;
+        flux *= back + on;
+        const bool mirrored = orl_random_uniform(random) * (back + on) < back;
+        if (mirrored && ++reflections > ORL_IMAGE_REFLECTIONS)
+            return;
+        if (mirrored)
+            frame = turned_frame(frame, pilot->images->mirrors[class]);
+        origin = orl_hit_leave(world->geometry, &hit, orl_neg(frame.n));
+    }
+}
+
+/* Light of the pilot's sun on one mirror: so many rays of flux. */
+static void light_mirror(struct pilot *pilot, uint32_t facet, uint32_t rays)
+{
+    const struct orl_world *world = pilot->world;
+    const struct orl_geometry *g = world->geometry;
+    const struct orl_facet *f = &g->facets[facet];
+    const struct orl_sun *sun = &world->suns[pilot->sun];
+    const double cosine = orl_dot(sun->frame.n, f->normal);
+    const struct orl_vec3 lit = cosine > 0 ? f->normal : orl_neg(f->normal);
+    const struct orl_vec3 mirror = pilot->images->mirrors[pilot->images->class_of[facet]];
+    const double each = f->area * fabs(cosine) * orl_luma(sun->irradiance) / rays;
+    for (uint32_t i = 0; i < rays; i++) {
+        struct orl_random random =
+            orl_random_stream(facet, ORL_PURPOSE_PILOT, ((uint64_t)pilot->sun << 32) + i);
+        const double u[2] = {orl_random_uniform(&random), orl_random_uniform(&random)};
+        struct orl_hit hit = {.facet = facet, .front = cosine > 0};
+        orl_facet_sample(g, facet, u, &hit.point, &hit.normal);
+        const struct orl_vec3 start = orl_hit_leave(g, &hit, lit);
+        const double share =
+            orl_luma(orl_transmittance(world, start, sun->frame.n, INFINITY, true));
+        pilot->fallen += each * share;
+        const double flux =
+            each * share *
+            orl_luma(orl_material_mirrored(orl_world_material(world, &hit), &hit, sun->frame.n));
+        if (flux > 0)
+            follow_light(pilot, start, turned_frame(sun->frame, mirror), flux, &random);
+    }
+}
+
+static void light_mirrors(struct pilot *pilot)
+{
+    const struct orl_geometry *g = pilot->world->geometry;
+    size_t mirrors = 0;
+    for (size_t i = 0; i < g->n_facets; i++)
+        mirrors += pilot->images->class_of[i] >= 0;
+    const size_t each = mirrors > 0 ? PILOT_RAYS / mirrors : 0;
+    const uint32_t rays = (uint32_t)(each > 1024 ? 1024 : each < 4 ? 4 : each);
+    for (size_t i = 0; i < g->n_facets; i++)
+        if (pilot->images->class_of[i] >= 0)
+            light_mirror(pilot, (uint32_t)i, rays);
+}
+
+/* The brightest candidates become nodes that are shown. */
+static void take_brightest(struct orl_images *images, struct pilot *pilot)
+{
+    for (int taken = 0; taken < MOST_SHOWN_DEEP; taken++) {
+        size_t best = 0;
+        for (size_t i = 1; i < pilot->n; i++)
+            if (pilot->flux[i] > pilot->flux[best])
+                best = i;
+        if (pilot->n == 0 || !(pilot->flux[best] > least_share * pilot->fallen))
+            return;
+        const int node = add_node(images, pilot->frames[best], pilot->sun);
+        if (node >= 0)
+            images->nodes[node].shown = true;
+        pilot->flux[best] = 0;
+    }
+}
+
+/* ---- All of it ------------------------------------------------------------------------------- */
+
+static int connect(struct orl_images *images)
+{
+    images->next = malloc((images->n_nodes * images->n_mirrors + 1) * sizeof *images->next);
+    if (!images->next)
+        return ORL_ERR_NOMEM;
+    for (size_t i = 0; i < images->n_nodes; i++)
+        for (size_t m = 0; m < images->n_mirrors; m++)
+            images->next[i * images->n_mirrors + m] = (int16_t)find_node(
+                images, images->nodes[i].sun, turned(images->nodes[i].frame.n, images->mirrors[m]));
+    return 0;
+}
+
+int orl_images_build(struct orl_images *images, const struct orl_world *world)
+{
+    struct pilot *pilot = calloc(1, sizeof *pilot);
+    *images = (struct orl_images){.nodes = calloc(ORL_MOST_IMAGES, sizeof *images->nodes)};
+    int code = pilot && images->nodes ? find_mirrors(images, world) : ORL_ERR_NOMEM;
+    for (size_t s = 0; s < world->n_suns && s < ORL_MOST_IMAGES && code == 0; s++)
+        images->nodes[add_node(images, world->suns[s].frame, (uint32_t)s)].is_sun = true;
+    for (size_t s = 0; s < world->n_suns && images->n_mirrors > 0 && code == 0; s++) {
+        for (size_t m = 0; m < images->n_mirrors; m++) {
+            const int node = add_node(
+                images, turned_frame(world->suns[s].frame, images->mirrors[m]), (uint32_t)s);
+            if (node >= 0)
+                images->nodes[node].shown = true;
+        }
+        *pilot = (struct pilot){.world = world, .images = images, .sun = (uint32_t)s};
+        light_mirrors(pilot);
+        take_brightest(images, pilot);
+    }
+    free(pilot);
+    return code == 0 ? connect(images) : code;
+}
+
+void orl_images_done(struct orl_images *images)
+{
+    free(images->mirrors);
+    free(images->class_of);
+    free(images->nodes);
+    free(images->next);
+    *images = (struct orl_images){.mirrors = NULL};
+}
+
+void orl_images_keep_suns(struct orl_images *images, const bool *keep)
+{
+    for (size_t i = 0; i < images->n_nodes; i++) {
+        struct orl_image *node = &images->nodes[i];
+        uint32_t before = 0;
+        const bool kept = keep && keep[node->sun];
+        for (uint32_t s = 0; keep && s < node->sun; s++)
+            before += keep[s];
+        node->sun = before;
+        node->shown = node->shown && kept;
+        node->is_sun = node->is_sun && kept;
+    }
+}
+
+/* ---- Shadow rays ----------------------------------------------------------------------------- */
+
+/* A ray on its way to an image, or what a mirror has made of it. */
+struct chain {
+    struct orl_vec3 origin, direction;
+    struct orl_rgb share;
+    int16_t node;
+    uint8_t reflections;
+    bool outside;
+};
+
+struct chains {
+    const struct orl_world *world;
+    bool through_ports;
+    int steps;
+    uint32_t depth;
+    struct chain stack[MOST_BRANCHES];
+};
+
+static void turn(struct chains *chains, const struct chain *c, const struct orl_hit *hit,
+                 const struct orl_material *m)
+{
+    const struct orl_world *world = chains->world;
+    const struct orl_images *images = &world->images;
+    const int16_t class = images->class_of[hit->facet];
+    const int next = class < 0 ? -1 : next_of(images, c->node, class);
+    if (next < 0 || c->reflections == ORL_IMAGE_REFLECTIONS || chains->depth == MOST_BRANCHES ||
+        (c->outside && world->omit.exterior))
+        return;
+    struct chain on = *c;
+    on.share = orl_rgb_mul(c->share, orl_material_mirrored(m, hit, orl_neg(c->direction)));
+    if (!(orl_rgb_max(on.share) > dimmest))
+        return;
+    on.direction = turned(c->direction, images->mirrors[class]);
+    on.origin = orl_hit_leave(world->geometry, hit, on.direction);
+    on.node = (int16_t)next;
+    on.reflections++;
+    chains->stack[chains->depth++] = on;
+}
+
+/* To the end of one way; the others are put on the stack. Returns what comes along it. */
+static struct orl_rgb follow_chain(struct chains *chains, struct chain c)
+{
+    const struct orl_world *world = chains->world;
+    const struct orl_rgb none = orl_gray(0);
+    while (chains->steps++ < MOST_STEPS) {
+        const bool arrives = c.reflections > 0 && world->images.nodes[c.node].is_sun;
+        struct orl_hit hit;
+        if (!orl_geometry_intersect(world->geometry, c.origin, c.direction, INFINITY, &hit))
+            return arrives ? c.share : none;
+        const struct orl_material *m = orl_world_material(world, &hit);
+        const enum orl_crossing crossing = orl_world_crossing(world, &hit);
+        turn(chains, &c, &hit, m);
+        const struct orl_rgb through = orl_material_straight(m, &hit, orl_neg(c.direction));
+        c.share = orl_rgb_mul(c.share, through);
+        if (!(orl_rgb_max(c.share) > 0) ||
+            (!chains->through_ports && crossing == ORL_CROSSING_INWARDS))
+            return none;
+        if (orl_world_leaves_clear(world, &hit))
+            return arrives ? c.share : none;
+        if (crossing != ORL_CROSSING_NONE)
+            c.outside = crossing == ORL_CROSSING_OUTWARDS;
+        c.origin = orl_hit_leave(world->geometry, &hit, c.direction);
+    }
+    return none;
+}
+
+struct orl_vec3 orl_image_sample(const struct orl_world *world, const struct orl_image *image,
+                                 const double u[2])
+{
+    struct orl_sun disc = world->suns[image->sun];
+    disc.frame = image->frame;
+    return orl_sun_sample(&disc, u);
+}
+
+struct orl_rgb orl_image_transmittance(const struct orl_world *world, struct orl_vec3 origin,
+                                       struct orl_vec3 direction, const struct orl_image *image,
+                                       bool through_ports)
+{
+    struct chains chains = {.world = world, .through_ports = through_ports};
+    struct orl_rgb sum = orl_gray(0);
+    chains.stack[chains.depth++] = (struct chain){.origin = origin,
+                                                  .direction = direction,
+                                                  .share = {1, 1, 1},
+                                                  .node = (int16_t)(image - world->images.nodes),
+                                                  .outside = !through_ports};
+    while (chains.depth > 0) {
+        const struct chain c = chains.stack[--chains.depth];
+        sum = orl_rgb_add(sum, follow_chain(&chains, c));
+    }
+    return sum;
+}
+
+/* ---- Suns that rays have happened on --------------------------------------------------------- */
+
+void orl_image_trail_add(struct orl_image_trail *trail, const struct orl_images *images,
+                         uint32_t facet)
+{
+    const int16_t class = images->class_of[facet];
+    if (trail->reflections == ORL_IMAGE_REFLECTIONS || class < 0) {
+        trail->strange = true;
+        return;
+    }
+    trail->classes[trail->reflections++] = class;
+}
+
+/* Whether the mirrors of a trail turn the node's light into the sun's. */
+static bool leads_to_sun(const struct orl_images *images, size_t node,
+                         const struct orl_image_trail *trail)
+{
+    int at = (int)node;
+    for (uint8_t i = 0; i < trail->reflections && at >= 0; i++)
+        at = next_of(images, at, trail->classes[i]);
+    return at >= 0 && images->nodes[at].is_sun;
+}
+
+bool orl_images_cover(const struct orl_world *world, const struct orl_image_trail *trail)
+{
+    const struct orl_images *images = &world->images;
+    if (trail->strange)
+        return false;
+    for (size_t i = 0; i < images->n_nodes; i++) {
+        const struct orl_image *image = &images->nodes[i];
+        /* The disc, and what classes take as one besides. */
+        const double nearest = world->suns[image->sun].cos_half_angle - 1e-5;
+        if (image->shown && orl_dot(image->frame.n, trail->start) > nearest &&
+            leads_to_sun(images, i, trail))
+            return true;
+    }
+    return false;
+}

@@ -1,0 +1,152 @@
+/*
+ * The sun by way of several flat mirrors, against closed forms: what shadow rays to its images find
+ * (light/images.h), and what photons bring to a surface.
+ *
+ * A shaft of 0.6 x 0.6 x 2 m, four mirrors of 0.95, over a dark room; a sun whose light falls (0,
+ * .6, -.8) comes down it after two reflections or three: those that enter in the half nearer the
+ * sun fly on northwards, the others to the south. The shaft is open above, or has a pane.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+
+#include <cmocka.h>
+
+#include "scene/kinds.h"
+#include "support/scene_text.h"
+
+#define SUN "void light l 0 0 3 1e6 1e6 1e6\nl source sun 0 0 4 0 -.6 .8 .533\n"
+#define SHAFT                                                                                      \
+    "void mirror m 0 0 3 .95 .95 .95\n"                                                            \
+    "m polygon south 0 0 12 -.3 -.3 2 .3 -.3 2 .3 -.3 0 -.3 -.3 0\n"                               \
+    "m polygon north 0 0 12 -.3 .3 0 .3 .3 0 .3 .3 2 -.3 .3 2\n"                                   \
+    "m polygon west 0 0 12 -.3 -.3 0 -.3 .3 0 -.3 .3 2 -.3 -.3 2\n"                                \
+    "m polygon east 0 0 12 .3 -.3 2 .3 .3 2 .3 .3 0 .3 -.3 0\n"
+#define ROOM                                                                                       \
+    "void plastic w 0 0 5 .001 .001 .001 0 0\n"                                                    \
+    "w polygon floor 0 0 12 -2 -2 -3 2 -2 -3 2 2 -3 -2 2 -3\n"                                     \
+    "w polygon s 0 0 12 -2 -2 -3 2 -2 -3 2 -2 0 -2 -2 0\n"                                         \
+    "w polygon n 0 0 12 -2 2 -3 2 2 -3 2 2 0 -2 2 0\n"                                             \
+    "w polygon w 0 0 12 -2 -2 -3 -2 2 -3 -2 2 0 -2 -2 0\n"                                         \
+    "w polygon e 0 0 12 2 -2 -3 2 2 -3 2 2 0 2 -2 0\n"                                             \
+    "w polygon c1 0 0 12 -2 -2 0 2 -2 0 2 -.3 0 -2 -.3 0\n"                                        \
+    "w polygon c2 0 0 12 -2 2 0 2 2 0 2 .3 0 -2 .3 0\n"                                            \
+    "w polygon c3 0 0 12 -2 -.3 0 -2 .3 0 -.3 .3 0 -.3 -.3 0\n"                                    \
+    "w polygon c4 0 0 12 2 -.3 0 2 .3 0 .3 .3 0 .3 -.3 0\n"
+#define PANE                                                                                       \
+    "void glass g 0 0 3 .96 .96 .96\n"                                                             \
+    "g polygon top 0 0 12 -.3 -.3 2 .3 -.3 2 .3 .3 2 -.3 .3 2\n"
+
+/* In the middle of a beam, in mid-air and on the northern wall, and where none comes to. */
+enum { SENSORS = 4, IN_AIR = 3 };
+static const struct orl_sensor sensors[SENSORS] = {
+    {{0, 1.15, -1.33}, {0, 0, 1}},
+    {{0, -0.85, -1.33}, {0, 0, 1}},
+    {{1, 1.15, -1.33}, {0, 0, 1}},
+    {{0, 2, -2.47}, {0, -1, 0}},
+};
+static const double reflections[SENSORS] = {2, 3, 0, 2}, cosines[SENSORS] = {0.8, 0.8, 0, 0.6};
+
+static double expected_lx(int sensor, double pane)
+{
+    const double half = 0.5 * 0.533 * ORL_DEG_TO_RAD;
+    const double sun = 1e6 * 4 * ORL_PI * sin(0.5 * half) * sin(0.5 * half);
+    return ORL_EFFICACY_LM_PER_W * sun * cosines[sensor] * pow(0.95, reflections[sensor]) * pane;
+}
+
+static double transmittance_of_pane(void)
+{
+    struct orl_description d = scene_parse_text(SUN PANE, NULL, NULL);
+    for (size_t i = 0; i < d.n_materials; i++)
+        if (d.materials[i].kind == ORL_MATERIAL_GLASS) {
+            const double t = orl_glass_transmittance(&d.materials[i], 0.8).g;
+            orl_description_done(&d);
+            return t;
+        }
+    fail_msg("no glass");
+    return 0;
+}
+
+static void check(const char *scene, double pane, enum orl_technique technique, int n)
+{
+    struct orl_result r = scene_run(&(struct scene_run){.scene = scene,
+                                                        .sensors = sensors,
+                                                        .n_sensors = (size_t)n,
+                                                        .technique = technique,
+                                                        .samples = 256,
+                                                        .caustic = 50000});
+    for (int i = 0; i < n; i++) {
+        const double expected = expected_lx(i, pane), lx = r.illuminance_lx[i];
+        /* What the dark walls send back, at most; and four of its own standard errors. */
+        if (!(fabs(lx - expected) <= 4 * r.standard_error_lx[i] + 1e-3 * expected_lx(0, pane)))
+            fail_msg("technique %d, sensor %d: %g +- %g lx, not %g", (int)technique, i, lx,
+                     r.standard_error_lx[i], expected);
+    }
+    orl_result_done(&r);
+}
+
+static void down_an_open_shaft(void **state)
+{
+    (void)state;
+    check(SUN SHAFT ROOM, 1, ORL_TECHNIQUE_BACKWARD, SENSORS);
+    check(SUN SHAFT ROOM, 1, ORL_TECHNIQUE_GATHER, IN_AIR);
+}
+
+static void down_a_glazed_shaft(void **state)
+{
+    const double pane = transmittance_of_pane();
+    (void)state;
+    check(SUN SHAFT ROOM PANE, pane, ORL_TECHNIQUE_BACKWARD, SENSORS);
+    check(SUN SHAFT ROOM PANE, pane, ORL_TECHNIQUE_GATHER, IN_AIR);
+}
+
+/*
+ * Two panes a little askew, as files round them: one class of mirrors, and a sensor that both show
+ * the sun to is lit by it twice and not four times. A pane of 0.92 and n 1.52 behind another at 60
+ * degrees; both stand free, over nothing.
+ */
+static void panes_a_little_askew(void **state)
+{
+    static const char *const texts[2] = {
+        "g polygon near 0 0 12 -9 2 -9 9 2 -9 9 2 9 -9 2 9\n"
+        "g polygon far 0 0 12 -9 2.1 -9 9 2.1 -9 9 2.1 9 -9 2.1 9\n",
+        "g polygon near 0 0 12 -9 2 -9 9 2 -9 9 2.002 9 -9 2.002 9\n"
+        "g polygon far 0 0 12 -9 2.1 -9 9 2.1 -9 9 2.102 9 -9 2.102 9\n",
+    };
+    static const struct orl_sensor sensor = {{0, 0, 0}, {0, 1, 0}};
+    double lx[2];
+    (void)state;
+    for (int i = 0; i < 2; i++) {
+        char scene[1024];
+        snprintf(scene, sizeof scene, SUN "void glass g 0 0 3 .92 .92 .92\n%s", texts[i]);
+        scene_run_lx(&(struct scene_run){.scene = scene,
+                                         .sensors = &sensor,
+                                         .n_sensors = 1,
+                                         .technique = ORL_TECHNIQUE_BACKWARD,
+                                         .samples = 64},
+                     &lx[i]);
+    }
+    /* r + t^2 r / (1 - r^2): by the near pane, by the far one, and to and fro between them. */
+    struct orl_description d = scene_parse_text(SUN "void glass g 0 0 3 .92 .92 .92\n"
+                                                    "g polygon p 0 0 9 0 0 0 1 0 0 0 1 0\n",
+                                                NULL, NULL);
+    const double r = orl_glass_reflectance(&d.materials[d.surfaces[0].material], 0.6).g;
+    const double t = orl_glass_transmittance(&d.materials[d.surfaces[0].material], 0.6).g;
+    orl_description_done(&d);
+    const double shown = expected_lx(3, 1) / (0.95 * 0.95) * (r + t * t * r / (1 - r * r));
+    for (int i = 0; i < 2; i++)
+        if (!(fabs(lx[i] - shown) < 2e-3 * shown))
+            fail_msg("askew %d: %g lx, not %g", i, lx[i], shown);
+}
+
+int main(void)
+{
+    static const struct CMUnitTest tests[] = {
+        cmocka_unit_test(down_an_open_shaft),
+        cmocka_unit_test(down_a_glazed_shaft),
+        cmocka_unit_test(panes_a_little_askew),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,122 @@
+/*
+ * Light from behind other people's windows, in sealed scenes, where paths go out by one window and
+ * in by another; against a closed form, and against the same scene with a slit in it, which is
+ * open and so is computed another way.
+ *
+ * A facade of glass stands two millimetres before a wall of a half, and the sky is even all round.
+ * Between the two light goes to and fro: the wall's radiosity is rho T E / (1 - rho R), T and R the
+ * pane's for diffuse light, E the sky's.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+
+#include <cmocka.h>
+
+#include "scene/kinds.h"
+#include "support/scene_text.h"
+
+#define SKY "void glow d 0 0 4 10 10 10 0\nd source sky 0 0 4 0 0 1 360\n"
+#define FACADE                                                                                     \
+    "void glass g 0 0 3 .763 .763 .763\nvoid plastic w 0 0 5 .5 .5 .5 0 0\n"                       \
+    "w polygon back 0 0 12 -3 6.002 0 3 6.002 0 3 6.002 5 -3 6.002 5\n"                            \
+    "g polygon front 0 0 12 -3 6 0 3 6 0 3 6 5 -3 6 5\n"                                           \
+    "w polygon west 0 0 12 -3 6 0 -3 6.002 0 -3 6.002 5 -3 6 5\n"                                  \
+    "w polygon east 0 0 12 3 6 0 3 6.002 0 3 6.002 5 3 6 5\n"                                      \
+    "w polygon below 0 0 12 -3 6 0 3 6 0 3 6.002 0 -3 6.002 0\n"
+#define ABOVE "w polygon above 0 0 12 -3 6 5 3 6 5 3 6.002 5 -3 6.002 5\n"
+#define ROOM                                                                                       \
+    "g polygon window 0 0 12 -2 0 0 2 0 0 2 0 3 -2 0 3\n"                                          \
+    "w polygon floor 0 0 12 -2 0 0 -2 -4 0 2 -4 0 2 0 0\n"                                         \
+    "w polygon ceiling 0 0 12 -2 0 3 2 0 3 2 -4 3 -2 -4 3\n"                                       \
+    "w polygon w 0 0 12 -2 0 0 -2 0 3 -2 -4 3 -2 -4 0\n"                                           \
+    "w polygon e 0 0 12 2 0 0 2 -4 0 2 -4 3 2 0 3\n"                                               \
+    "w polygon s 0 0 12 -2 -4 0 -2 -4 3 2 -4 3 2 -4 0\n"
+
+/* Of all that falls on a pane evenly from one side. */
+static double diffuse(const struct orl_material *glass,
+                      struct orl_rgb (*share)(const struct orl_material *, double))
+{
+    enum { STEPS = 1000 };
+    double sum = 0;
+    for (int i = 0; i < STEPS; i++)
+        sum += share(glass, sqrt((i + 0.5) / STEPS)).g / STEPS;
+    return sum;
+}
+
+/* A sensor at (0, 3, 1) that faces the facade: the sky, but for what the facade shows instead. */
+static double before_the_facade(void)
+{
+    enum { SIDE = 600 };
+    struct orl_description d = scene_parse_text(SKY FACADE, NULL, NULL);
+    const struct orl_material *glass = &d.materials[d.surfaces[1].material];
+    const double t = diffuse(glass, orl_glass_transmittance);
+    const double r = diffuse(glass, orl_glass_reflectance);
+    const double wall = 10 * 0.5 * t / (1 - 0.5 * r);
+    double sum = 10 * ORL_PI;
+    for (int i = 0; i < SIDE * SIDE; i++) {
+        const double x = -3 + 6 * (i % SIDE + 0.5) / SIDE, z = -1 + 5 * (i / SIDE + 0.5) / SIDE;
+        const double d2 = x * x + 9 + z * z, cosine = 3 / sqrt(d2);
+        const double seen = orl_glass_reflectance(glass, cosine).g * 10 +
+                            orl_glass_transmittance(glass, cosine).g * wall;
+        sum += (seen - 10) * cosine * cosine / d2 * 30 / (SIDE * SIDE);
+    }
+    orl_description_done(&d);
+    return ORL_EFFICACY_LM_PER_W * sum;
+}
+
+static struct orl_result run(const char *scene, const struct orl_sensor *sensor,
+                             enum orl_technique technique)
+{
+    return scene_run(&(struct scene_run){.scene = scene,
+                                         .sensors = sensor,
+                                         .n_sensors = 1,
+                                         .technique = technique,
+                                         .samples = 4096,
+                                         .global = 100000});
+}
+
+/* Four of its own standard errors; and what the slit's edges lose, a thousandth. */
+static void sees_the_wall_behind(void **state)
+{
+    static const struct orl_sensor sensor = {{0, 3, 1}, {0, 1, 0}};
+    static const enum orl_technique techniques[2] = {ORL_TECHNIQUE_BACKWARD, ORL_TECHNIQUE_GATHER};
+    const double expected = before_the_facade();
+    (void)state;
+    for (int i = 0; i < 2; i++) {
+        struct orl_result r = run(SKY FACADE ABOVE, &sensor, techniques[i]);
+        const double lx = r.illuminance_lx[0], error = r.standard_error_lx[0];
+        if (!(error < 0.01 * expected) || !(fabs(lx - expected) < 4 * error + 1e-3 * expected))
+            fail_msg("technique %d: %g +- %g lx, not %g", i, lx, error, expected);
+        orl_result_done(&r);
+    }
+}
+
+/* From within a room, by window and facade: sealed or open, it is the same light. */
+static void a_slit_changes_nothing(void **state)
+{
+    static const struct orl_sensor sensor = {{0, -1, 1.2}, {0, 1, 0}};
+    static const enum orl_technique techniques[2] = {ORL_TECHNIQUE_BACKWARD, ORL_TECHNIQUE_GATHER};
+    (void)state;
+    for (int i = 0; i < 2; i++) {
+        struct orl_result sealed = run(SKY FACADE ABOVE ROOM, &sensor, techniques[i]);
+        struct orl_result open = run(SKY FACADE ROOM, &sensor, techniques[i]);
+        const double a = sealed.illuminance_lx[0], b = open.illuminance_lx[0];
+        const double error = hypot(sealed.standard_error_lx[0], open.standard_error_lx[0]);
+        if (!(error < 0.01 * a) || !(fabs(a - b) < 4 * error + 1e-3 * a))
+            fail_msg("technique %d: sealed %g, open %g, +- %g", i, a, b, error);
+        orl_result_done(&sealed);
+        orl_result_done(&open);
+    }
+}
+
+int main(void)
+{
+    static const struct CMUnitTest tests[] = {
+        cmocka_unit_test(sees_the_wall_behind),
+        cmocka_unit_test(a_slit_changes_nothing),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
