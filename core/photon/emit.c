@@ -155,7 +155,7 @@ static bool emit_emitter(const struct orl_emission *e, const struct orl_stratum 
     if (!orl_material_beams(m, ret_flight->direction))
         return false;
     ret_flight->flux = orl_rgb_scale(emitter->radiance, measure * facet->area);
-    ret_flight->from_light = emitter->direct;
+    ret_flight->from_light = ret_flight->lamp = emitter->direct;
     ret_flight->focus = m->focus;
     return measure > 0;
 }

@@ -104,6 +104,7 @@ struct orl_flight {
                       */
     struct orl_deflection way; /* already deflected: by the port's BSDF, or a mirror outside */
     bool from_port;
+    bool lamp; /* from_light, and no sun */
     bool beam; /* straight from the first sun: of about one direction with others of its kind */
     struct orl_rgb clarity; /* from a port: of what lies behind it (scatter.h) */
     double focus;           /* from a spotlight: see lamp.c of the scene; else 0 */

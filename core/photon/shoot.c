@@ -6,7 +6,6 @@
 #include <oriel/limits.h>
 
 #include "base/memory.h"
-#include "photon/trace.h"
 
 enum { SMALL_BATCH = 64, DOUBLINGS = 7, BATCH = SMALL_BATCH << DOUBLINGS };
 enum { BATCHES_A_MEMBER = 32 }; /* most, of each kind, in a round */
@@ -66,9 +65,8 @@ static bool find_batches(uint64_t emitted, size_t *ret_batches)
     return emitted_before(batches) == emitted;
 }
 
-/* As many emissions as go together, n at most; returns how many. */
-static size_t shoot_some(const struct orl_shoot_env *env, enum orl_map_kind kind, uint64_t first,
-                         uint64_t n, struct orl_deposits *deposits)
+size_t orl_shoot_some(const struct orl_shoot_env *env, enum orl_map_kind kind, uint64_t first,
+                      uint64_t n, struct orl_deposits *deposits)
 {
     const bool caustic = kind == ORL_MAP_CAUSTIC;
     const size_t count = n < ORL_EMISSIONS_AT_ONCE ? n : ORL_EMISSIONS_AT_ONCE;
@@ -106,7 +104,7 @@ static void shoot_batch(void *arg, size_t index, uint32_t member)
     for (uint64_t photon = first; photon < end;) {
         if (atomic_load_explicit(env->cancel, memory_order_relaxed))
             return;
-        photon += shoot_some(env, kind, photon, end - photon, deposits);
+        photon += orl_shoot_some(env, kind, photon, end - photon, deposits);
     }
 }
 

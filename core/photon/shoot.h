@@ -15,8 +15,8 @@
 
 #include <oriel/health.h>
 
-#include "photon/emit.h"
 #include "photon/map.h"
+#include "photon/trace.h"
 
 enum orl_map_kind {
     ORL_MAP_GLOBAL,
@@ -44,6 +44,13 @@ struct orl_shoot_env {
     void (*progress)(void *ctx, double fraction);
     void *ctx;
 };
+
+/*
+ * The emissions of that kind from the first on, a multiple of ORL_MAP_BATCHES: n, or as many as go
+ * together; returns how many. For shots, and for who counts photons otherwise.
+ */
+size_t orl_shoot_some(const struct orl_shoot_env *env, enum orl_map_kind kind, uint64_t first,
+                      uint64_t n, struct orl_deposits *deposits);
 
 /*
  * Fills shots[kind]; returns 0, ORL_ERR_CANCELLED, ORL_ERR_NOMEM, or ORL_ERR_CORRUPT when no shot

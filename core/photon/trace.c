@@ -48,9 +48,18 @@ static void deposit(struct orl_deposits *deposits, const struct orl_hit *hit, st
 /* What photons fly through, and which of them are wanted. */
 struct tracing {
     const struct orl_world *world;
+    const struct orl_discs *discs; /* what they are counted through; or NULL: they are left */
     bool caustic;
     enum orl_lobes lobes;
     uint32_t most_reflections;
+};
+
+/* Of light through discs: who else finds it. */
+enum found_by {
+    FOUND_BY_SHADOW_RAYS, /* so far straight */
+    FOUND_BY_IMAGES,      /* a sun, by one flat mirror, and straight besides */
+    FOUND_BY_PANES,       /* a sun, by the lobes of one pane, likewise */
+    FOUND_BY_NOBODY,
 };
 
 /* A photon under way. */
@@ -65,6 +74,8 @@ struct course {
     bool crossed, outside;
     uint8_t batch;
     enum orl_photon_class class;
+    enum found_by found_by;
+    bool lamp;
     uint32_t reflections;
     int bounces, unseen;
 };
@@ -149,6 +160,49 @@ static bool is_left_out(const struct orl_world *world, struct orl_deflection way
     return (way.mirror && world->omit.mirror_caustics) || (way.lobe && world->omit.lobe_caustics);
 }
 
+/* Whether suns' images in it are looked for. */
+static bool shows_images(const struct orl_world *world, const struct orl_hit *hit)
+{
+    const struct orl_facet *facet = &world->geometry->facets[hit->facet];
+    size_t k = 0;
+    if (facet->kind != ORL_SURFACE_POLYGON && facet->kind != ORL_SURFACE_RING)
+        return false;
+    while (k < world->n_mirrors && fabs(orl_dot(facet->normal, world->mirrors[k])) < 1 - 1e-9)
+        k++;
+    return k < world->n_mirrors;
+}
+
+static enum found_by found_after(const struct tracing *t, const struct course *c,
+                                 const struct orl_hit *hit, enum orl_event event)
+{
+    if (event == ORL_EVENT_STRAIGHT)
+        return c->found_by;
+    if (c->found_by != FOUND_BY_SHADOW_RAYS || c->lamp)
+        return FOUND_BY_NOBODY;
+    if (event == ORL_EVENT_MIRROR && shows_images(t->world, hit))
+        return FOUND_BY_IMAGES;
+    if (event == ORL_EVENT_GLOSSY &&
+        orl_material_transmits_lobes(orl_world_material(t->world, hit)))
+        return FOUND_BY_PANES;
+    return FOUND_BY_NOBODY;
+}
+
+/* Counts it through the discs on the way to what it meets (NULL: nothing). */
+static void fly_by(const struct tracing *t, const struct course *c, const struct orl_hit *hit,
+                   struct orl_deposits *deposits)
+{
+    const struct orl_stretch stretch = {.origin = c->origin,
+                                        .direction = c->direction,
+                                        .distance = hit ? hit->distance : INFINITY,
+                                        .flux = c->flux,
+                                        .focus = c->focus,
+                                        .flown = c->flown,
+                                        .spread = c->spread,
+                                        .batch = c->batch % ORL_MAP_BATCHES};
+    if (c->found_by == FOUND_BY_NOBODY && !c->outside)
+        orl_discs_note(t->discs, &stretch, &deposits->passes);
+}
+
 static struct tracing tracing_of(const struct orl_world *world, bool caustic)
 {
     const uint32_t most = world->omit.most_reflections;
@@ -179,7 +233,12 @@ static bool set_out(const struct tracing *t, const struct orl_flight *flight, ui
                          .batch = batch,
                          .class = !flight->from_light        ? ORL_PHOTON_REST
                                   : (way.mirror || way.lobe) ? ORL_PHOTON_CAUSTIC
-                                                             : ORL_PHOTON_LIGHT};
+                                                             : ORL_PHOTON_LIGHT,
+                         .found_by = way.mirror && way.lobe ? FOUND_BY_NOBODY
+                                     : way.mirror           ? FOUND_BY_IMAGES
+                                     : way.lobe             ? FOUND_BY_PANES
+                                                            : FOUND_BY_SHADOW_RAYS,
+                         .lamp = flight->lamp};
     if (t->caustic && is_left_out(t->world, way))
         return false;
     deposits->health.photons++;
@@ -204,7 +263,7 @@ static bool land(const struct tracing *t, struct course *c, const struct orl_hit
     if (!arrives(c, m, hit))
         return false;
     c->unseen++;
-    if (diffuse && !c->outside &&
+    if (diffuse && !c->outside && !t->discs &&
         (t->caustic ? way.mirror || way.lobe : c->reflections < t->most_reflections)) {
         if (t->caustic || !world->omit.counted_light || c->class == ORL_PHOTON_REST)
             deposit(deposits, hit, c->flux, c->batch, c->class);
@@ -237,6 +296,8 @@ static bool goes_on(const struct tracing *t, struct course *c, const struct orl_
     if (t->caustic ? is_left_out(t->world, c->way) : c->reflections >= t->most_reflections)
         return false;
     c->class = class_after(c->class, s->event);
+    if (t->discs)
+        c->found_by = found_after(t, c, hit, s->event);
     depart(c, t->world, orl_world_material(t->world, hit), hit, s);
     if (++c->bounces < ORL_TRACE_MOST_BOUNCES && c->unseen < ORL_TRACE_MOST_UNSEEN)
         return true;
@@ -306,6 +367,8 @@ static size_t scatter_all(struct wave *w)
         const struct orl_hit *hit = &w->hits[i];
         struct course *c = &w->courses[w->under_way[i]];
         struct orl_random *random = &w->randoms[w->under_way[i]];
+        if (w->tracing.discs)
+            fly_by(&w->tracing, c, w->found[i] ? hit : NULL, w->deposits);
         if (!land(&w->tracing, c, w->found[i] ? hit : NULL, w->deposits))
             continue;
         for (int k = 0; k < 3; k++)
@@ -359,6 +422,7 @@ void orl_trace_many(const struct orl_world *world, const struct orl_flight *flig
     const size_t first = deposits->count;
     struct wave w;
     w.tracing = tracing_of(world, caustic);
+    w.tracing.discs = deposits->discs;
     w.deposits = deposits;
     w.randoms = randoms;
     w.n = w.n_beam = 0;

@@ -22,6 +22,7 @@
 #include <oriel/health.h>
 
 #include "base/sum.h"
+#include "photon/discs.h"
 #include "photon/emit.h"
 #include "photon/map.h"
 
@@ -33,6 +34,11 @@ struct orl_deposits {
     bool out_of_memory;
     struct orl_health health;         /* but for the fluxes: */
     struct orl_sum flux, flux_capped; /* luma, of photons traced and given up */
+    /* Of caustic flights in many: discs that they are counted through, instead of being left at
+     * surfaces; NULL: none. Passes of light that is found otherwise are not noted: of suns by one
+     * flat mirror (their images) or by the lobes of one pane. */
+    const struct orl_discs *discs;
+    struct orl_passes passes;
 };
 
 /* The counts, fluxes included. */

@@ -403,7 +403,8 @@ struct orl_rgb orl_gather_direct(const struct orl_gather *gather, const struct o
         .point = place->point,
         .normal = place->normal,
         .through_ports = true,
-        .mirrored = place->outside || (place->in_air && !gather->world->omit.mirror_caustics),
+        .mirrored = place->outside ||
+                    (orl_gather_catches(gather, place) && !gather->world->omit.mirror_caustics),
         .u = u};
     struct orl_random unused = {0}; /* the query has its numbers */
     struct orl_rgb sum = orl_gray(0);

@@ -198,15 +198,25 @@ struct orl_rgb orl_gather_direct(const struct orl_gather *gather, const struct o
                                  double *ret_variance);
 
 /*
- * Irradiance of a sensor: all three parts. A sensor on a surface reads caustics by
- * density. In mid-air, where no photon lands, it takes the sun by points on the BSDF panes and by
- * the sun's images in flat mirrors; caustics of lamps, of curved mirrors and of dielectrics are
- * left out there. The standard error is that of the photons, by their batches, and of the rays, by
- * a few groups of them; what single rays see of the photons' scatter is in both, so that it is
- * on the high side where rays are fewer than leaves.
+ * Where a sensor is. One that lies on a surface has it as its footing, else it is in mid-air.
  */
-struct orl_estimate orl_gather_sensor(const struct orl_gather *gather, struct orl_vec3 position,
-                                      struct orl_vec3 direction, uint32_t samples, uint64_t index,
-                                      struct orl_search *search);
+struct orl_place orl_gather_place(const struct orl_gather *gather, struct orl_vec3 position,
+                                  struct orl_vec3 direction, struct orl_footing *ret_footing);
+
+/* Whether caustics are to come to it otherwise than by density: inside, in mid-air, if any are. */
+bool orl_gather_catches(const struct orl_gather *gather, const struct orl_place *place);
+
+/*
+ * Irradiance of a sensor: all three parts. A sensor on a surface reads caustics by density. In
+ * mid-air, where no photon lands, it takes the sun by points on panes with lobes and by the sun's
+ * images in flat mirrors; all other caustics are to be added by air.h. The standard error is that
+ * of the photons, by their batches, and of the rays, by a few groups of them; what single rays see
+ * of the photons' scatter is in both, so that it is on the high side where rays are fewer than
+ * leaves.
+ */
+struct orl_estimate orl_gather_sensor(const struct orl_gather *gather,
+                                      const struct orl_place *place,
+                                      const struct orl_footing *footing, uint32_t samples,
+                                      uint64_t index, struct orl_search *search);
 
 #endif

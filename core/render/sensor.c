@@ -150,12 +150,19 @@ static uint32_t sun_rays(const struct orl_gather *gather, struct orl_vec3 normal
     return SUN_RAYS;
 }
 
+/* Without a caustic map caustics were not asked for: then there are none anywhere. Outside rays
+ * find them. */
+bool orl_gather_catches(const struct orl_gather *gather, const struct orl_place *place)
+{
+    return place->in_air && !place->outside && gather->maps[ORL_MAP_CAUSTIC];
+}
+
 /* Light of suns and lamps, straight and, in mid-air, by panes: the mean of the groups. */
 static struct orl_estimate sample_lights(const struct orl_gather *gather,
                                          const struct orl_place *place, uint64_t index,
                                          struct orl_health *health)
 {
-    const bool by_panes = place->in_air && !gather->world->omit.lobe_caustics;
+    const bool by_panes = orl_gather_catches(gather, place) && !gather->world->omit.lobe_caustics;
     const uint32_t rays = sun_rays(gather, place->normal);
     struct orl_rgb means[GROUPS];
     for (uint32_t group = 0; group < GROUPS; group++) {
@@ -183,31 +190,34 @@ static struct orl_estimate estimate_by_map(const struct orl_density *density,
                                  .bias = density->bias};
 }
 
-struct orl_estimate orl_gather_sensor(const struct orl_gather *gather, struct orl_vec3 position,
-                                      struct orl_vec3 direction, uint32_t samples, uint64_t index,
-                                      struct orl_search *search)
+struct orl_place orl_gather_place(const struct orl_gather *gather, struct orl_vec3 position,
+                                  struct orl_vec3 direction, struct orl_footing *ret_footing)
 {
     /* A sensor written down as lying on a surface is to look away from it, not at it. */
     const double clear = gather->world->geometry->radius * 0x1p-18;
     struct orl_place place = {.point = orl_madd(position, direction, clear), .normal = direction};
-    struct orl_footing footing;
+    place.outside = orl_world_is_outside(gather->world, place.point);
+    place.in_air = !lies_on_surface(gather, &place, ret_footing);
+    return place;
+}
+
+struct orl_estimate orl_gather_sensor(const struct orl_gather *gather,
+                                      const struct orl_place *place,
+                                      const struct orl_footing *footing, uint32_t samples,
+                                      uint64_t index, struct orl_search *search)
+{
     const struct orl_density none = {.found = 0};
     struct orl_density rest = none, caustic = none;
     const int kind_of_rest =
         gather->rest == ORL_REST_RECORDS ? ORL_MAP_PRECOMPUTED : ORL_MAP_GLOBAL;
     struct orl_tally tally = {{{{0}}}};
-    place.outside = orl_world_is_outside(gather->world, place.point);
-    const bool on_surface = lies_on_surface(gather, &place, &footing);
-    /* Without a caustic map caustics were not asked for: then there are none anywhere. */
-    const bool caustics = gather->maps[ORL_MAP_CAUSTIC] != NULL;
-    place.in_air = caustics && !on_surface;
-    if (on_surface)
-        caustic = orl_gather_caustic_with_bias(gather, &footing, search);
-    if (on_surface && !place.outside)
-        rest = orl_gather_rest(gather, &footing, search);
-    struct orl_estimate sum = sample_lights(gather, &place, index, &search->health);
+    if (!place->in_air)
+        caustic = orl_gather_caustic_with_bias(gather, footing, search);
+    if (!place->in_air && !place->outside)
+        rest = orl_gather_rest(gather, footing, search);
+    struct orl_estimate sum = sample_lights(gather, place, index, &search->health);
     if (rest.found == 0)
-        sum = orl_estimate_add(sum, gather_evenly(gather, &place, samples, index, search, &tally));
+        sum = orl_estimate_add(sum, gather_evenly(gather, place, samples, index, search, &tally));
     for (int kind = 0; kind < ORL_MAP_KINDS; kind++) {
         const struct orl_density *there = kind == ORL_MAP_CAUSTIC ? &caustic
                                           : kind == kind_of_rest  ? &rest

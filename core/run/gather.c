@@ -4,12 +4,18 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "base/random.h"
 #include "base/shelf.h"
+#include "render/air.h"
 #include "render/image.h"
+
+/* Tells their numbers from those of maps. */
+static const uint64_t photons_in_air = 0x616972;
 
 struct work {
     struct orl_run_state *state;
     struct orl_gather gather;
+    struct orl_air *air; /* NULL: nothing sends light on into mid-air */
 };
 
 static void compute_sensor(void *ctx, size_t index, uint32_t member)
@@ -18,32 +24,49 @@ static void compute_sensor(void *ctx, size_t index, uint32_t member)
     struct orl_run_state *state = work->state;
     const struct orl_sensor *sensor = &state->sensors[index];
     const uint32_t samples = orl_run_sensor_samples(state, index);
-    const struct orl_estimate e = orl_gather_sensor(
-        &work->gather, orl_sub(sensor->position, state->world->geometry->center),
-        orl_normalize(sensor->direction), samples, index, &state->searches[member]);
+    struct orl_footing footing;
+    const struct orl_place place =
+        orl_gather_place(&work->gather, orl_sub(sensor->position, state->world->geometry->center),
+                         orl_normalize(sensor->direction), &footing);
+    const struct orl_estimate e = orl_gather_sensor(&work->gather, &place, &footing, samples, index,
+                                                    &state->searches[member]);
+    if (work->air)
+        orl_air_put(work->air, index, &place, &e);
     orl_run_book_sensor(state, index, &e);
+}
+
+/* Caustics to sensors in mid-air: by photons of their own, as many as the caustic map was to have.
+ */
+static int catch_in_air(void *ctx, struct orl_error *err)
+{
+    const struct work *work = ctx;
+    struct orl_run_state *state = work->state;
+    if (!orl_air_is_needed(work->air))
+        return 0;
+    int code = orl_run_need_emission(state, err);
+    if (code < 0)
+        return code;
+    const struct orl_shoot_env env = {.emission = state->emission,
+                                      .seed = orl_mix64(state->job->seed ^ photons_in_air),
+                                      .crew = state->env->crew,
+                                      .cancel = state->env->cancel};
+    code =
+        orl_air_catch(work->air, &env, state->result->plan.photons_caustic, &state->result->health);
+    if (code < 0)
+        return orl_error_set(err, code, "%s",
+                             code == ORL_ERR_CANCELLED ? "cancelled while computing sensors"
+                                                       : "out of memory for sensors in mid-air");
+    for (size_t i = 0; i < state->n_sensors; i++) {
+        const struct orl_estimate e = orl_air_estimate(work->air, i);
+        orl_run_book_sensor(state, i, &e);
+    }
+    return 0;
 }
 
 static int render_view(void *ctx, const struct orl_painting *painting, struct orl_error *err)
 {
     const struct work *work = ctx;
     return orl_image_render(&work->gather, painting, err);
-}
-
-/* The sun behind a dielectric comes as caustic photons, which only surfaces catch. */
-static void warn_of_dielectrics(struct orl_run_state *state)
-{
-    const struct orl_world *world = state->world;
-    for (size_t i = 0; world->n_suns > 0 && i < world->geometry->n_facets; i++) {
-        const uint32_t material = world->geometry->facets[i].material;
-        if (world->description.materials[material].kind != ORL_MATERIAL_DIELECTRIC)
-            continue;
-        orl_run_warn(state,
-                     "the sun through dielectrics (material '%s') reaches sensors that lie on "
-                     "surfaces, but not those in mid-air",
-                     world->description.materials[material].name);
-        return;
-    }
 }
 
 static enum orl_rest rest_of(enum orl_technique technique)
@@ -113,19 +136,20 @@ int orl_run_gather(struct orl_run_state *state, struct orl_error *err)
 {
     struct work work = {.state = state};
     const struct orl_renderer renderer = {
-        .ctx = &work, .sensor = compute_sensor, .view = render_view};
+        .ctx = &work, .sensor = compute_sensor, .sensors = catch_in_air, .view = render_view};
     int code = orl_run_is_dark(state) ? 0 : orl_run_maps(state, err);
     if (code < 0)
         return code;
     code = take_up(state, rest_of(state->result->plan.technique), &work.gather);
+    if (code == 0)
+        code = orl_air_new(&work.gather, state->n_sensors, &work.air);
     if (code < 0) {
         orl_gather_done(&work.gather);
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for the final gather");
     }
     work.gather.cancel = state->env->cancel;
-    if (state->n_sensors > 0)
-        warn_of_dielectrics(state);
     code = orl_run_render(state, &renderer, err);
+    orl_air_free(work.air);
     lay_by(state, &work.gather);
     return code;
 }

@@ -70,9 +70,11 @@ static int render_sensors(struct rendering *rendering, double share, struct orl_
             return orl_error_set(err, ORL_ERR_CANCELLED, "cancelled while computing sensors");
         orl_run_progress(state, share * (double)(rendering->first + count) / (double)n);
     }
-    if (!state->take_film && state->env->sensors_done)
+    const struct orl_renderer *renderer = rendering->renderer;
+    const int code = renderer->sensors ? renderer->sensors(renderer->ctx, err) : 0;
+    if (code == 0 && !state->take_film && state->env->sensors_done)
         state->env->sensors_done(state->env->ctx, result);
-    return 0;
+    return code;
 }
 
 /* Where one view stands among all that is rendered. */

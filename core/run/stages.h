@@ -90,6 +90,8 @@ struct orl_renderer {
     void *ctx;
     /* Computes a sensor and books it; called by any member of the crew. */
     void (*sensor)(void *ctx, size_t index, uint32_t member);
+    /* After all sensors: what is done for all of them together; or NULL. */
+    int (*sensors)(void *ctx, struct orl_error *err);
     int (*view)(void *ctx, const struct orl_painting *painting, struct orl_error *err);
 };
 

@@ -154,20 +154,22 @@ static void test_gather(void **state)
     const struct orl_photon_map *const maps[ORL_MAP_KINDS] = {NULL};
     struct orl_search *search = calloc(1, sizeof *search);
     struct orl_gather gather;
+    struct orl_footing footing;
     (void)state;
     assert_non_null(search);
     assert_int_equal(
         orl_gather_init(&gather, world, ORL_REST_GATHERED, maps, NULL, 1, NULL, search), 0);
     gather.near = INFINITY; /* all that is seen is lit again, and its albedo used */
-    const struct orl_vec3 place = orl_sub(orl_v3(2, 2, 0.5), world->geometry->center);
+    const struct orl_place place = orl_gather_place(
+        &gather, orl_sub(orl_v3(2, 2, 0.5), world->geometry->center), orl_v3(0, 0, 1), &footing);
     const double whole =
-        orl_luma(orl_gather_sensor(&gather, place, orl_v3(0, 0, 1), 1024, 0, search).value);
+        orl_luma(orl_gather_sensor(&gather, &place, &footing, 1024, 0, search).value);
     assert_int_equal(search->health.non_finite, 0);
     for (size_t i = 0; i < world->description.n_materials; i++)
         if (strcmp(world->description.materials[i].name, "x") == 0)
             world->description.materials[i].color.b = NAN;
     const double broken =
-        orl_luma(orl_gather_sensor(&gather, place, orl_v3(0, 0, 1), 1024, 0, search).value);
+        orl_luma(orl_gather_sensor(&gather, &place, &footing, 1024, 0, search).value);
     assert_true(search->health.non_finite > 20);
     assert_true(isfinite(broken) && broken > 0.5 * whole && broken <= whole);
     orl_gather_done(&gather);

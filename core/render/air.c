@@ -1,0 +1,388 @@
+#include "render/air.h"
+
+#include <stdlib.h>
+
+enum { WIDTHS = 8, TASK = 8192, FIRST_ROUND = 1 << 16, TASKS_A_ROUND = 64 };
+
+/* The widest disc: so many times a search among caustic photons, but no more than of the scene. */
+static const double wider = 4, widest_of_scene = 0.1;
+
+/* Enough have flown by when almost all sensors have an error that is small beside that of the rest,
+ * or beside all of their light. */
+static const double beside_rest = 0.5, beside_light = 0.01, almost_all = 0.95;
+
+/* What differs by so many standard errors is no scatter. */
+static const double certain = 3.5;
+
+/* What came through a ring of a disc: from the next narrower width to its own. */
+struct ring {
+    struct orl_rgb flux;
+    float luma[ORL_MAP_BATCHES];
+};
+
+struct sensor {
+    struct orl_estimate rest;
+    uint32_t disc; /* or NONE */
+};
+
+enum { NONE = UINT32_MAX };
+
+struct orl_air {
+    const struct orl_gather *gather;
+    size_t n_sensors;
+    struct sensor *sensors;
+    struct orl_disc *discs; /* per sensor; once gathered in, the first n_discs */
+    size_t n_discs;
+    struct ring (*rings)[WIDTHS];
+    uint64_t emitted;
+    double flux, photons; /* that set out: luma, and how many */
+};
+
+/* ---- Whether there is any ------------------------------------------------------------------- */
+
+static bool has_lamps(const struct orl_world *world)
+{
+    for (size_t i = 0; i < world->n_emitters; i++)
+        if (world->emitters[i].direct)
+            return true;
+    return false;
+}
+
+static bool is_flat(const struct orl_facet *f)
+{
+    return f->kind == ORL_SURFACE_POLYGON || f->kind == ORL_SURFACE_RING;
+}
+
+/* Of flat ones. */
+static bool lie_in_one_plane(const struct orl_geometry *g, const struct orl_facet *a,
+                             const struct orl_facet *b)
+{
+    const struct orl_vec3 at =
+        a->n_triangles > 0 ? g->triangles[a->first_triangle].a : a->center[0];
+    const struct orl_vec3 to =
+        b->n_triangles > 0 ? g->triangles[b->first_triangle].a : b->center[0];
+    return fabs(orl_dot(a->normal, b->normal)) > 1 - 1e-9 &&
+           fabs(orl_dot(orl_sub(to, at), a->normal)) <= a->offset;
+}
+
+/*
+ * Of surfaces in one plane, panes with lobes and flat mirrors, light is sent on once, and that is
+ * found otherwise when it is a sun's.
+ */
+static bool may_send_on(const struct orl_world *world)
+{
+    const struct orl_geometry *g = world->geometry;
+    const bool lamps = has_lamps(world);
+    const struct orl_facet *plane = NULL;
+    if (world->n_suns == 0 && !lamps)
+        return false;
+    for (size_t i = 0; i < g->n_facets; i++) {
+        const struct orl_facet *f = &g->facets[i];
+        const struct orl_material *m = &world->description.materials[f->material];
+        const bool mirrors = orl_material_is_mirror(m), lobes = orl_material_has_lobes(m);
+        if (!(f->area > 0) || (!mirrors && !lobes && m->kind != ORL_MATERIAL_DIELECTRIC))
+            continue;
+        if (lamps || !is_flat(f) || m->kind == ORL_MATERIAL_DIELECTRIC ||
+            (lobes && !orl_material_transmits_lobes(m)))
+            return true;
+        plane = plane ? plane : f;
+        if (!lie_in_one_plane(g, plane, f))
+            return true;
+    }
+    return world->n_mirrors_left_out > 0;
+}
+
+/* ---- Discs ----------------------------------------------------------------------------------- */
+
+int orl_air_new(const struct orl_gather *gather, size_t sensors, struct orl_air **ret_air)
+{
+    const struct orl_omissions *omit = &gather->world->omit;
+    *ret_air = NULL;
+    if (sensors == 0 || !gather->maps[ORL_MAP_CAUSTIC] ||
+        (omit->mirror_caustics && omit->lobe_caustics) || !may_send_on(gather->world))
+        return 0;
+    struct orl_air *air = calloc(1, sizeof *air);
+    if (!air)
+        return ORL_ERR_NOMEM;
+    air->gather = gather;
+    air->n_sensors = sensors;
+    air->sensors = calloc(sensors, sizeof *air->sensors);
+    air->discs = calloc(sensors, sizeof *air->discs);
+    if (!air->sensors || !air->discs) {
+        orl_air_free(air);
+        return ORL_ERR_NOMEM;
+    }
+    *ret_air = air;
+    return 0;
+}
+
+void orl_air_free(struct orl_air *air)
+{
+    if (!air)
+        return;
+    free(air->sensors);
+    free(air->discs);
+    free(air->rings);
+    free(air);
+}
+
+/* Less of it where something stands on its plane. */
+static void make_disc(const struct orl_gather *gather, const struct orl_place *place,
+                      struct orl_disc *ret_disc)
+{
+    const double radius = fmin(wider * gather->max_radius[ORL_MAP_CAUSTIC],
+                               widest_of_scene * gather->world->geometry->radius);
+    *ret_disc = (struct orl_disc){
+        .center = place->point, .frame = orl_frame_about(place->normal), .radius = radius};
+    for (int i = 0; i < ORL_DISC_SECTORS; i++) {
+        const double phi = 2 * ORL_PI * (i + 0.5) / ORL_DISC_SECTORS;
+        const struct orl_vec3 out =
+            orl_add(orl_scale(ret_disc->frame.u, cos(phi)), orl_scale(ret_disc->frame.v, sin(phi)));
+        struct orl_hit hit;
+        const bool ends =
+            orl_geometry_intersect(gather->world->geometry, place->point, out, radius, &hit);
+        const double reach = ends ? fmin(hit.distance, radius) : radius;
+        ret_disc->reach2[i] = (float)(reach * reach);
+    }
+}
+
+void orl_air_put(struct orl_air *air, size_t sensor, const struct orl_place *place,
+                 const struct orl_estimate *rest)
+{
+    air->sensors[sensor] = (struct sensor){.rest = *rest, .disc = NONE};
+    if (!orl_gather_catches(air->gather, place))
+        return;
+    air->sensors[sensor].disc = (uint32_t)sensor;
+    make_disc(air->gather, place, &air->discs[sensor]);
+}
+
+bool orl_air_is_needed(const struct orl_air *air)
+{
+    for (size_t i = 0; air && i < air->n_sensors; i++)
+        if (air->sensors[i].disc != NONE)
+            return true;
+    return false;
+}
+
+/* Those that there are, side by side. */
+static int gather_in(struct orl_air *air)
+{
+    air->n_discs = 0;
+    for (size_t i = 0; i < air->n_sensors; i++) {
+        if (air->sensors[i].disc == NONE)
+            continue;
+        air->discs[air->n_discs] = air->discs[i];
+        air->sensors[i].disc = (uint32_t)air->n_discs++;
+    }
+    air->rings = calloc(air->n_discs + 1, sizeof *air->rings);
+    return air->rings ? 0 : ORL_ERR_NOMEM;
+}
+
+/* ---- Photons --------------------------------------------------------------------------------- */
+
+struct round {
+    const struct orl_shoot_env *env;
+    uint64_t first, end;
+    struct orl_deposits deposits[TASKS_A_ROUND];
+};
+
+static void fly(void *arg, size_t index, uint32_t member)
+{
+    struct round *round = arg;
+    const uint64_t first = round->first + index * TASK;
+    const uint64_t end = first + TASK < round->end ? first + TASK : round->end;
+    (void)member;
+    for (uint64_t photon = first; photon < end && !orl_is_cancelled(round->env->cancel);)
+        photon += orl_shoot_some(round->env, ORL_MAP_CAUSTIC, photon, end - photon,
+                                 &round->deposits[index]);
+}
+
+/* Squared, as a share of the disc's: each holds twice the area of the one before. */
+static double width2(int width)
+{
+    return 1.0 / (1 << (WIDTHS - 1 - width));
+}
+
+static void count(struct orl_air *air, const struct orl_pass *pass)
+{
+    const double radius = air->discs[pass->disc].radius;
+    const struct orl_rgb flux = {(double)pass->flux[0], (double)pass->flux[1],
+                                 (double)pass->flux[2]};
+    int width = 0;
+    while (width < WIDTHS - 1 && (double)pass->distance2 >= width2(width) * radius * radius)
+        width++;
+    struct ring *ring = &air->rings[pass->disc][width];
+    ring->flux = orl_rgb_add(ring->flux, flux);
+    ring->luma[pass->batch] += (float)orl_luma(flux);
+}
+
+/* Task by task, in their order: sums are the same for any crew. */
+static int fly_round(struct orl_air *air, struct round *round, const struct orl_discs *discs,
+                     struct orl_health *health)
+{
+    const size_t tasks = (round->end - round->first + TASK - 1) / TASK;
+    int code = 0;
+    for (size_t i = 0; i < tasks; i++)
+        round->deposits[i] = (struct orl_deposits){.discs = discs};
+    orl_crew_for(round->env->crew, tasks, fly, round);
+    if (orl_is_cancelled(round->env->cancel))
+        code = ORL_ERR_CANCELLED;
+    for (size_t i = 0; i < tasks; i++) {
+        struct orl_deposits *deposits = &round->deposits[i];
+        const struct orl_health counted = deposits->health;
+        health->photons += counted.photons;
+        health->rays += counted.rays;
+        health->paths += counted.paths;
+        air->flux += orl_sum_value(&deposits->flux);
+        air->photons += (double)counted.photons;
+        if (deposits->passes.out_of_memory)
+            code = ORL_ERR_NOMEM;
+        for (size_t k = 0; k < deposits->passes.count && code == 0; k++)
+            count(air, &deposits->passes.passes[k]);
+        free(deposits->passes.passes);
+        free(deposits->photons);
+    }
+    air->emitted = code == 0 ? round->end : air->emitted;
+    return code;
+}
+
+/* ---- Estimates ------------------------------------------------------------------------------- */
+
+/* What came through a width, whole. */
+struct reading {
+    struct orl_rgb irradiance;
+    struct orl_batches parts;
+    double area, variance, bias;
+};
+
+static double area_of(const struct orl_disc *disc, int width)
+{
+    const double most = width2(width) * disc->radius * disc->radius;
+    double sum = 0;
+    for (int i = 0; i < ORL_DISC_SECTORS; i++)
+        sum += fmin((double)disc->reach2[i], most) * ORL_PI / ORL_DISC_SECTORS;
+    return sum;
+}
+
+static void read_widths(const struct orl_air *air, uint32_t disc, struct reading ret[WIDTHS])
+{
+    struct orl_rgb flux = orl_gray(0);
+    double luma[ORL_MAP_BATCHES] = {0};
+    const double one_more = air->photons > 0 ? air->flux / air->photons : 0;
+    for (int w = 0; w < WIDTHS; w++) {
+        const struct ring *ring = &air->rings[disc][w];
+        const double area = area_of(&air->discs[disc], w), per = 1 / (area * (double)air->emitted);
+        flux = orl_rgb_add(flux, ring->flux);
+        ret[w] = (struct reading){.irradiance = orl_rgb_scale(flux, per), .area = area};
+        for (int b = 0; b < ORL_MAP_BATCHES; b++) {
+            luma[b] += (double)ring->luma[b];
+            ret[w].parts.luma[b] = luma[b] * per;
+        }
+        ret[w].variance = orl_batches_variance(&ret[w].parts) + one_more * per * one_more * per;
+    }
+}
+
+static struct orl_batches difference(const struct reading *a, const struct reading *b)
+{
+    struct orl_batches parts = a->parts;
+    orl_batches_add(&parts, &b->parts, -1);
+    return parts;
+}
+
+static double luma_of(const struct orl_batches *parts)
+{
+    double sum = 0;
+    for (int b = 0; b < ORL_MAP_BATCHES; b++)
+        sum += parts->luma[b];
+    return sum;
+}
+
+/*
+ * Beyond its scatter, what an area more has brought, in proportion to the area; and no less than
+ * what any narrower width says, where that is no scatter: of a focus the widest see nothing.
+ */
+static void find_biases(struct reading readings[WIDTHS])
+{
+    for (int w = 0; w < WIDTHS; w++) {
+        struct reading *here = &readings[w];
+        const struct reading *narrow = w < WIDTHS - 1 ? here : here - 1, *wide = narrow + 1;
+        const struct orl_batches more = difference(wide, narrow);
+        if (wide->area > narrow->area * (1 + 1e-6))
+            here->bias =
+                orl_batches_beyond_scatter(&more) * here->area / (wide->area - narrow->area);
+        for (int k = 0; k < w; k++) {
+            const struct orl_batches off = difference(here, &readings[k]);
+            const double luma = luma_of(&off);
+            if (luma * luma > certain * certain * orl_batches_variance(&off) &&
+                fabs(luma) > fabs(here->bias))
+                here->bias = luma;
+        }
+    }
+}
+
+static struct orl_estimate caught(const struct orl_air *air, uint32_t disc)
+{
+    struct reading readings[WIDTHS];
+    int best = WIDTHS - 1;
+    read_widths(air, disc, readings);
+    find_biases(readings);
+    for (int w = WIDTHS - 1; w >= 0; w--)
+        if (readings[w].variance + readings[w].bias * readings[w].bias <
+            readings[best].variance + readings[best].bias * readings[best].bias)
+            best = w;
+    return (struct orl_estimate){.value = readings[best].irradiance,
+                                 .standard_error = sqrt(readings[best].variance),
+                                 .degrees = ORL_MAP_BATCHES - 1,
+                                 .bias = readings[best].bias};
+}
+
+struct orl_estimate orl_air_estimate(const struct orl_air *air, size_t sensor)
+{
+    const struct sensor *s = &air->sensors[sensor];
+    if (s->disc == NONE || air->emitted == 0)
+        return s->rest;
+    const struct orl_estimate more = caught(air, s->disc);
+    return orl_estimate_add(s->rest, more);
+}
+
+static bool is_enough(const struct orl_air *air)
+{
+    size_t content = 0;
+    for (size_t i = 0; i < air->n_sensors; i++) {
+        const struct sensor *s = &air->sensors[i];
+        if (s->disc == NONE)
+            continue;
+        const struct orl_estimate more = caught(air, s->disc);
+        const double light = orl_luma(s->rest.value) + orl_luma(more.value);
+        content +=
+            more.standard_error <= fmax(beside_rest * s->rest.standard_error, beside_light * light);
+    }
+    return (double)content >= almost_all * (double)air->n_discs;
+}
+
+int orl_air_catch(struct orl_air *air, const struct orl_shoot_env *env, uint64_t most,
+                  struct orl_health *health)
+{
+    struct orl_discs *discs = NULL;
+    struct round *round = malloc(sizeof *round);
+    int code = round ? gather_in(air) : ORL_ERR_NOMEM;
+    if (code == 0)
+        code = orl_discs_new(air->discs, air->n_discs, &discs);
+    most -= most % ORL_MAP_BATCHES;
+    uint64_t wanted = FIRST_ROUND < most ? FIRST_ROUND : most;
+    while (code == 0 && air->emitted < most && env->emission->has_caustics) {
+        const uint64_t largest = air->emitted + (uint64_t)TASK * TASKS_A_ROUND;
+        round->env = env;
+        round->first = air->emitted;
+        round->end = wanted < largest ? wanted : largest;
+        code = fly_round(air, round, discs, health);
+        if (code == 0 && air->emitted == wanted) {
+            if (is_enough(air))
+                break;
+            wanted = 2 * wanted < most ? 2 * wanted : most;
+        }
+    }
+    orl_discs_free(discs);
+    free(round);
+    return code;
+}

@@ -1,0 +1,44 @@
+/*
+ * Caustics in mid-air: light of suns and lamps that mirrors, lobes and dielectrics have sent on, at
+ * sensors where no photon lands. Suns by one flat mirror or the lobes of one pane are sampled
+ * (sensor.c); all else - off rough metal, through two panes, down a light pipe, out of a lens, of
+ * lamps - comes as photons that fly through a disc about the sensor (photon/discs.h).
+ *
+ * They are flights of their own, in rounds, and end where more of them would not change the
+ * sensors' errors by much, or at a number. Each disc is read at several widths at once; of these
+ * the one counts whose scatter and bias together are least, a bias being in proportion to the area
+ * and so told by the next width. The standard error is that of batches, and no less than if one
+ * photon more had come: where none came there may be light that is rare.
+ *
+ * A sensor's disc may be made by any member of the crew, each sensor once; all else by the lead.
+ */
+#ifndef ORL_RENDER_AIR_H
+#define ORL_RENDER_AIR_H
+
+#include "render/gather.h"
+
+struct orl_air;
+
+/* For so many sensors. *ret_air is NULL where nothing can send such light on. Returns 0 or
+ * ORL_ERR_NOMEM. */
+int orl_air_new(const struct orl_gather *gather, size_t sensors, struct orl_air **ret_air);
+void orl_air_free(struct orl_air *air); /* NULL is allowed */
+
+/* A sensor's place, and what it gets besides. */
+void orl_air_put(struct orl_air *air, size_t sensor, const struct orl_place *place,
+                 const struct orl_estimate *rest);
+
+/* Whether there is any sensor in mid-air. */
+bool orl_air_is_needed(const struct orl_air *air);
+
+/*
+ * Flies photons by, `most` emissions at the most. Counts into health. Returns 0, ORL_ERR_CANCELLED
+ * or ORL_ERR_NOMEM.
+ */
+int orl_air_catch(struct orl_air *air, const struct orl_shoot_env *env, uint64_t most,
+                  struct orl_health *health);
+
+/* The sensor's estimate with what was caught. */
+struct orl_estimate orl_air_estimate(const struct orl_air *air, size_t sensor);
+
+#endif
