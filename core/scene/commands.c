@@ -77,11 +77,8 @@ static int include(struct run *run, const struct orl_scope *inner, const char *n
         return code;
     scope.depth++;
     file = parser->sources.items[index].file;
-    if (file.size == 0) {
-        orl_error_set(err, ORL_ERR_SYNTAX, "the file is empty");
-        orl_error_at(err, scope.file, 0, NULL);
-        return ORL_ERR_SYNTAX;
-    }
+    if (file.size == 0)
+        orl_parser_warn(parser, "%.200s: the file is empty", scope.file);
     return orl_parser_read(parser, &scope, file.data, file.size, 0, err);
 }
 

@@ -154,7 +154,7 @@ static int find_sky(struct orl_parser *parser, const struct orl_scope *scope, in
 {
     const char *name = parser->primitive.modifier;
     const struct orl_symbol *symbol = orl_symbols_find(&parser->symbols, name);
-    if (strcmp(name, "void") == 0) {
+    if (strcmp(name, "void") == 0 || (symbol && symbol->kind == ORL_SYMBOL_REFUSED)) {
         *ret_sky = -1;
         return 0;
     }
@@ -231,7 +231,7 @@ int orl_parser_alias(struct orl_parser *parser, const struct orl_scope *scope,
     if (!symbol)
         return orl_parser_fail(parser, scope, err, ORL_ERR_NOT_FOUND,
                                "'%.200s', which it stands for, is not defined", target);
-    if (symbol->kind == ORL_SYMBOL_SKY) {
+    if (symbol->kind != ORL_SYMBOL_MATERIAL) {
         const char *id = parser->primitive.id;
         const struct orl_symbol copy = {orl_storage_text(parser->out->storage, id, strlen(id)),
                                         symbol->kind, symbol->index};

@@ -123,6 +123,36 @@ static int heed_cancel(const struct orl_parser *parser, struct orl_error *err)
     return 0;
 }
 
+/* What is defined in vain is known by name, so that its uses are not errors too. */
+static int define_refused(struct orl_parser *parser, struct orl_error *err)
+{
+    const struct orl_primitive *primitive = &parser->primitive;
+    const size_t length = strlen(primitive->id);
+    const struct orl_symbol symbol = {orl_storage_text(parser->out->storage, primitive->id, length),
+                                      ORL_SYMBOL_REFUSED, 0};
+    if (!symbol.name || orl_symbols_set(&parser->symbols, symbol) < 0)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    return 0;
+}
+
+/* Counts what is not simulated, and reads on behind it where that can be. */
+static int note_refusal(struct orl_parser *parser, struct orl_lexer *lexer, bool command,
+                        struct orl_error *err)
+{
+    struct orl_error ignored;
+    const char *type = parser->primitive.type;
+    orl_refusals_add(&parser->refusals, err);
+    if (command || orl_parser_is_surface(type))
+        return 0;
+    /* The arguments of types that are known have been read. */
+    if (!orl_parser_is_modifier(type) && strcmp(type, "alias") != 0 &&
+        orl_primitive_read_arguments(&parser->primitive, lexer, &ignored) < 0) {
+        parser->cut_short = true;
+        return ORL_ERR_UNSUPPORTED;
+    }
+    return define_refused(parser, err);
+}
+
 int orl_parser_read(struct orl_parser *parser, const struct orl_scope *scope, const char *text,
                     size_t size, int line, struct orl_error *err)
 {
@@ -135,10 +165,11 @@ int orl_parser_read(struct orl_parser *parser, const struct orl_scope *scope, co
         lexer.frozen = true;
     }
     while (code == 0 && (next = orl_lexer_next(&lexer)) != ORL_NEXT_END) {
-        if (next == ORL_NEXT_COMMAND)
-            code = read_command(parser, scope, &lexer, err);
-        else
-            code = read_primitive(parser, scope, &lexer, err);
+        const bool command = next == ORL_NEXT_COMMAND;
+        code = command ? read_command(parser, scope, &lexer, err)
+                       : read_primitive(parser, scope, &lexer, err);
+        if (code == ORL_ERR_UNSUPPORTED && !parser->cut_short)
+            code = note_refusal(parser, &lexer, command, err);
         if (code == 0)
             code = heed_cancel(parser, err);
     }
@@ -157,6 +188,8 @@ static int open_main(struct orl_parser *parser, const char *const *names, size_t
                      size_t *ret_index, struct orl_error *err)
 {
     struct orl_sources *sources = &parser->sources;
+    struct orl_error empty = {0};
+    bool filled = false;
     for (size_t i = 0; i < count; i++) {
         const size_t before = sources->count;
         int code;
@@ -170,12 +203,17 @@ static int open_main(struct orl_parser *parser, const char *const *names, size_t
         if (sources->count == before)
             orl_sources_count_again(sources, ret_index[i]);
         if (sources->items[ret_index[i]].file.size == 0) {
-            orl_error_set(err, ORL_ERR_SYNTAX, "the file is empty");
-            orl_error_at(err, names[i], 0, NULL);
-            return ORL_ERR_SYNTAX;
+            orl_error_set(&empty, ORL_ERR_SYNTAX, "the file is empty");
+            orl_error_at(&empty, names[i], 0, NULL);
+            orl_parser_warn(parser, "%.200s: the file is empty", names[i]);
+        } else {
+            filled = true;
         }
     }
-    return 0;
+    if (filled || empty.code == 0)
+        return 0;
+    *err = empty;
+    return empty.code;
 }
 
 static int read_main(struct orl_parser *parser, const char *const *names, size_t count,
@@ -234,6 +272,10 @@ int orl_scene_parse_with(const char *const *names, size_t count, const struct or
         goto done;
     out.n_main = parser.sources.count;
     code = read_main(&parser, names, count, index, err);
+    /* Later mistakes may come of what was left out: first things first. */
+    if (parser.refusals.n > 0 && code != ORL_ERR_NOMEM && code != ORL_ERR_CANCELLED &&
+        code != ORL_ERR_LIMIT)
+        code = orl_refusals_tell(&parser.refusals, err);
     if (code == 0)
         code = finish(&parser, err);
     if (code < 0)

@@ -9,6 +9,7 @@
 
 #include "scene/description.h"
 #include "scene/primitive.h"
+#include "scene/refusals.h"
 #include "scene/sources.h"
 #include "scene/symbols.h"
 #include "scene/xform.h"
@@ -28,6 +29,8 @@ struct orl_parser {
     size_t text_bytes;     /* read so far, repeats included */
     uint64_t vertices;     /* kept so far */
     int32_t void_material; /* index, or -1 */
+    struct orl_refusals refusals;
+    bool cut_short; /* what was refused could not be read past */
     struct orl_tally degenerate, bent, unmodified, white;
 };
 

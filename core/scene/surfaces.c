@@ -54,9 +54,9 @@ static int find_material(struct orl_parser *parser, const struct orl_scope *scop
 {
     const char *name = scope->modifier ? scope->modifier : parser->primitive.modifier;
     const struct orl_symbol *symbol;
-    if (strcmp(name, "void") == 0)
-        return orl_parser_void(parser, ret_index) < 0 ? out_of_memory(parser, scope, err) : 0;
     symbol = orl_symbols_find(&parser->symbols, name);
+    if (strcmp(name, "void") == 0 || (symbol && symbol->kind == ORL_SYMBOL_REFUSED))
+        return orl_parser_void(parser, ret_index) < 0 ? out_of_memory(parser, scope, err) : 0;
     if (!symbol) {
         orl_parser_fail(parser, scope, err, ORL_ERR_NOT_FOUND,
                         "its modifier '%.200s' is not defined", name);
@@ -351,6 +351,8 @@ static int read_source(struct orl_parser *parser, const struct orl_scope *scope,
     if (code < 0)
         return code;
     r = parser->primitive.reals;
+    if (parser->refusals.n > 0 && out->materials[distant.material].kind == ORL_MATERIAL_VOID)
+        return 0;
     if (out->materials[distant.material].kind != ORL_MATERIAL_LIGHT &&
         out->materials[distant.material].kind != ORL_MATERIAL_GLOW)
         return fail_source(parser, scope, out->materials[distant.material].kind, err);

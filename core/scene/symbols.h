@@ -7,7 +7,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-enum orl_symbol_kind { ORL_SYMBOL_MATERIAL, ORL_SYMBOL_SKY };
+/* Refused: of something that is not simulated; what it modifies need not be told as well. */
+enum orl_symbol_kind { ORL_SYMBOL_MATERIAL, ORL_SYMBOL_SKY, ORL_SYMBOL_REFUSED };
 
 struct orl_symbol {
     const char *name;

@@ -256,6 +256,77 @@ static void test_missing_main_file(void **state)
     assert_string_equal(err.file, "a.rad");
 }
 
+/* All that is not simulated is told at once: what, how many, where first; and what hangs on it is
+ * not told as an error of its own. */
+static void test_refusals_together(void **state)
+{
+    static const char text[] = "void texfunc bumps\n4 dx dy dz bumps.cal\n0\n1 .5\n"
+                               "bumps plastic rough 0 0 5 .5 .5 .5 0 0\n"
+                               "void colorpict cloth 7 r g b c.hdr . u v 0 0\n"
+                               "cloth metal dressed 0 0 5 .5 .5 .5 .9 0\n"
+                               "void colorpict paper 7 r g b p.hdr . u v 0 0\n"
+                               "rough polygon p 0 0 9 0 0 0 1 0 0 0 1 0\n"
+                               "void prism1 film 5 a b c d e 0 0\n"
+                               "film polygon q 0 0 9 0 0 0 1 0 0 0 1 0\n"
+                               "void alias other film\nother sphere s 0 0 4 0 0 0 1\n"
+                               "!genworm rough w 0 0 0 1 9\n"
+                               "dressed mesh chair 1 chair.rtm 0 0\n";
+    struct orl_error err = {0};
+    (void)state;
+    assert_int_equal(parse_bytes(text, sizeof text - 1, &err), ORL_ERR_UNSUPPORTED);
+    assert_string_equal(err.file, "a.rad");
+    assert_int_equal(err.line, 1);
+    assert_string_equal(err.primitive, "texfunc bumps");
+    assert_string_equal(err.message,
+                        "not simulated: 1 x texfunc (first at a.rad:1), 2 x colorpict (first at "
+                        "a.rad:6), 1 x prism1 (first at a.rad:10), 1 x !genworm (first at "
+                        "a.rad:14), 1 x mesh (first at a.rad:15)");
+    assert_non_null(strstr(err.hint, "texfunc: leave it out"));
+    assert_non_null(strstr(err.hint, "mesh: include the polygons"));
+}
+
+/* Of one kind: as one alone is told, and how many. */
+static void test_refusals_alike(void **state)
+{
+    static const char text[] = "void mist a 0 0 0\nvoid mist b 0 0 0\n"
+                               "nothing polygon p 0 0 9 0 0 0 1 0 0 0 1 0\n";
+    struct orl_error err = {0};
+    (void)state;
+    assert_int_equal(parse_bytes(text, sizeof text - 1, &err), ORL_ERR_UNSUPPORTED);
+    assert_string_equal(err.message,
+                        "primitives of type mist are not simulated; there are 2 of them");
+    assert_string_equal(err.primitive, "mist a");
+}
+
+/* More kinds than fit are cut, not lost without a word. */
+static void test_refusals_without_end(void **state)
+{
+    char text[4096] = "";
+    struct orl_error err = {0};
+    (void)state;
+    for (int i = 0; i < 60; i++)
+        snprintf(text + strlen(text), 40, "!command%d x\n", i);
+    assert_int_equal(parse_bytes(text, strlen(text), &err), ORL_ERR_UNSUPPORTED);
+    assert_non_null(strstr(err.message, "1 x !command7 (first at a.rad:8)"));
+    assert_string_equal(err.message + strlen(err.message) - 3, "...");
+}
+
+/* A file without text is said, and no error unless all are. */
+static void test_empty_file_beside(void **state)
+{
+    static const char *const names[] = {"a.rad", "b.rad"};
+    const struct orl_file file[] = {{"", 0, NULL}, {RED, sizeof RED - 1, NULL}};
+    struct orl_memory_files memory = {names, file, 2};
+    const struct orl_files files = orl_files_from_memory(&memory);
+    struct orl_description d = {0};
+    struct orl_error err = {0};
+    (void)state;
+    assert_int_equal(orl_scene_parse(names, 2, &files, &d, &err), 0);
+    assert_int_equal(d.n_warnings, 1);
+    assert_string_equal(d.warnings[0], "a.rad: the file is empty");
+    orl_description_done(&d);
+}
+
 /* Every prefix of a good scene either parses or is refused with a place; none crashes. */
 static void test_every_cut(void **state)
 {
@@ -384,6 +455,10 @@ int main(void)
         cmocka_unit_test(test_bad_scenes),
         cmocka_unit_test(test_empty_and_binary_files),
         cmocka_unit_test(test_missing_main_file),
+        cmocka_unit_test(test_refusals_together),
+        cmocka_unit_test(test_refusals_alike),
+        cmocka_unit_test(test_refusals_without_end),
+        cmocka_unit_test(test_empty_file_beside),
         cmocka_unit_test(test_every_cut),
         cmocka_unit_test(test_long_words),
         cmocka_unit_test(test_errors_in_included_files),
