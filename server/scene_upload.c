@@ -119,7 +119,7 @@ static int finish(struct orl_scene_upload *upload, struct orl_error *err)
     if (orl_bundle_main_count(&upload->bundle) == 0) {
         orl_error_set(err, ORL_ERR_INVALID, "no scene file was sent");
         orl_error_hint(err, "Send at least one part with a file name, other than an .xml; of a zip "
-                            "without a .rad at its top, say which by main");
+                            "whose .rad files lie in several folders, say which by main");
         return ORL_ERR_INVALID;
     }
     for (size_t i = 0; i < upload->bundle.count; i++)

@@ -1,6 +1,7 @@
 /* Which files of a folder are the scene, and which are only named by others. */
 #include <oriel/run.h>
 
+#include <stdint.h>
 #include <string.h>
 #include <strings.h>
 
@@ -22,18 +23,43 @@ static bool is_radiance(const char *name, size_t length)
 }
 
 /* What a command names is no main file, unless it is the one that holds the command. */
+static void strike(struct reading *r, const char *folder, size_t folder_length, const char *word,
+                   size_t length)
+{
+    for (size_t i = 0; i < r->count; i++) {
+        const char *name = r->names[i];
+        if (i != r->holder && strncmp(name, folder, folder_length) == 0 &&
+            strncmp(name + folder_length, word, length) == 0 &&
+            name[folder_length + length] == '\0')
+            r->main[i] = false;
+    }
+}
+
+static size_t folder_length(const char *name)
+{
+    const char *slash = strrchr(name, '/');
+    return slash ? (size_t)(slash - name) + 1 : 0;
+}
+
+/* Names are looked for beside the file that says them, and else from the top. */
 static void read_word(struct reading *r, const char *word, size_t length)
 {
+    const char *holder = r->names[r->holder];
+    size_t folder = folder_length(holder);
     if (!is_radiance(word, length) || r->n_names++ >= MOST_NAMES)
         return;
-    while (length > 2 && word[0] == '.' && word[1] == '/') {
+    while (length > 2 && strncmp(word, "./", 2) == 0) {
         word += 2;
         length -= 2;
     }
-    for (size_t i = 0; i < r->count; i++)
-        if (i != r->holder && strncmp(r->names[i], word, length) == 0 &&
-            r->names[i][length] == '\0')
-            r->main[i] = false;
+    strike(r, holder, 0, word, length);
+    while (folder > 0 && length > 3 && strncmp(word, "../", 3) == 0) {
+        for (folder--; folder > 0 && holder[folder - 1] != '/'; folder--)
+            ;
+        word += 3;
+        length -= 3;
+    }
+    strike(r, holder, folder, word, length);
 }
 
 /* The line's length; one that ends in a backslash goes on. */
@@ -75,13 +101,36 @@ static void read_commands(struct reading *r, const struct orl_file *text)
     }
 }
 
+/* The top: the folder of Radiance files that lies in the fewest others. Of several such, none is.
+ */
+static void mark_top(const char *const *names, size_t count, bool *ret_main)
+{
+    size_t fewest = SIZE_MAX, top = count;
+    bool several = false;
+    for (size_t i = 0; i < count; i++) {
+        size_t depth = 0;
+        for (const char *c = names[i]; *c; c++)
+            depth += *c == '/';
+        if (!is_radiance(names[i], strlen(names[i])) || depth > fewest)
+            continue;
+        const size_t length = folder_length(names[i]);
+        several = depth == fewest && (several || folder_length(names[top]) != length ||
+                                      strncmp(names[i], names[top], length) != 0);
+        fewest = depth;
+        top = i;
+    }
+    for (size_t i = 0; i < count; i++)
+        ret_main[i] = top < count && !several && is_radiance(names[i], strlen(names[i])) &&
+                      folder_length(names[i]) == folder_length(names[top]) &&
+                      strncmp(names[i], names[top], folder_length(names[top])) == 0;
+}
+
 int orl_scene_guess_main(const char *const *names, size_t count, const struct orl_files *files,
                          bool *ret_main, struct orl_error *err)
 {
     struct reading r = {.names = names, .count = count, .main = ret_main};
     int code = 0;
-    for (size_t i = 0; i < count; i++)
-        ret_main[i] = is_radiance(names[i], strlen(names[i])) && !strchr(names[i], '/');
+    mark_top(names, count, ret_main);
     for (r.holder = 0; r.holder < count && code == 0; r.holder++) {
         const char *name = names[r.holder];
         struct orl_file text;

@@ -6,12 +6,14 @@
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include <cmocka.h>
 
 #include <oriel/files.h>
+#include <oriel/run.h>
 
 #include "scene/parse.h"
 
@@ -402,6 +404,53 @@ static void test_xml_among_main_files_is_no_scene(void **state)
     orl_description_done(&d);
 }
 
+/* ---- Which files are the scene --------------------------------------------------------------- */
+
+/* The main ones of those files, in a row. */
+static void guess(const char *const (*pairs)[2], size_t count, char ret_main[256])
+{
+    const char *names[8];
+    struct orl_file files[8];
+    bool main_file[8];
+    struct orl_error err = {0};
+    assert_true(count <= 8);
+    for (size_t i = 0; i < count; i++) {
+        names[i] = pairs[i][0];
+        files[i] = (struct orl_file){pairs[i][1], strlen(pairs[i][1]), NULL};
+    }
+    struct orl_memory_files memory = {names, files, count};
+    const struct orl_files provider = orl_files_from_memory(&memory);
+    assert_int_equal(orl_scene_guess_main(names, count, &provider, main_file, &err), 0);
+    ret_main[0] = '\0';
+    for (size_t i = 0; i < count; i++)
+        if (main_file[i])
+            snprintf(ret_main + strlen(ret_main), 256 - strlen(ret_main), "%s ", names[i]);
+}
+
+/* Zipped with the folder around them, files are found all the same. */
+static void test_main_files(void **state)
+{
+    static const char *const top[][2] = {{"a.rad", "!xform -t 1 0 0 ./b.rad\n"},
+                                         {"b.rad", "# chair\n"},
+                                         {"c.RAD", "!xform o/d.rad\n"},
+                                         {"o/d.rad", "# table\n"}};
+    static const char *const within[][2] = {{"house/a.rad", "!xform parts/b.rad\n"},
+                                            {"house/c.rad", "!xform house/d.rad\n"},
+                                            {"house/d.rad", "# by its name from the top\n"},
+                                            {"house/e.rad", "# by its name from below\n"},
+                                            {"house/parts/b.rad", "!xform ../e.rad\n"},
+                                            {"notes.txt", "!xform house/a.rad\n"}};
+    static const char *const several[][2] = {{"a/x.rad", "#\n"}, {"b/y.rad", "#\n"}};
+    char main_files[256];
+    (void)state;
+    guess(top, 4, main_files);
+    assert_string_equal(main_files, "a.rad c.RAD ");
+    guess(within, 6, main_files);
+    assert_string_equal(main_files, "house/a.rad house/c.rad ");
+    guess(several, 2, main_files);
+    assert_string_equal(main_files, "");
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -421,6 +470,7 @@ int main(void)
         cmocka_unit_test(test_bsdf_is_shared),
         cmocka_unit_test(test_digest_follows_content),
         cmocka_unit_test(test_xml_among_main_files_is_no_scene),
+        cmocka_unit_test(test_main_files),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -289,7 +289,8 @@ void orl_scene_summary_done(struct orl_scene_summary *summary);
 /*
  * Which files of a folder are the scene, when nobody says so: the Radiance files (.rad) at its top
  * that no command (a line with '!' in front, such as !xform) of another of its Radiance files
- * names. Sets ret_main of each name. ORL_ERR_LIMIT: far too many commands; or what files->open
+ * names. The top is the one folder that holds Radiance files and lies in the fewest others; when
+ * several lie equally deep, no file is. Sets ret_main of each name. ORL_ERR_LIMIT: far too many commands; or what files->open
  * says.
  */
 int orl_scene_guess_main(const char *const *names, size_t count, const struct orl_files *files,
