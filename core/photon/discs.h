@@ -4,8 +4,8 @@
  * disc's area, is the irradiance there, by whatever way it came.
  *
  * A disc ends where something stands on its plane: its reach is known by sectors, and what passes
- * beyond it is not counted, nor is that area. Photons that others count are not (found_otherwise of
- * trace.c): the sun by one flat mirror or by one pane's lobes.
+ * beyond it is not counted, nor is that area. Photons that others count are not (is_sought of
+ * trace.c): suns by their images in flat mirrors, or by one pane's lobes.
  *
  * The hierarchy is immutable once made and may be asked by any thread. It borrows the discs.
  */

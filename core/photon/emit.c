@@ -117,6 +117,8 @@ static enum stage aim_port_sun(const struct orl_emission *e, const struct orl_st
         return LOST;
     ret_flight->from_light = true;
     ret_flight->way.mirror = image != NULL;
+    ret_flight->sun = stratum->sun;
+    ret_flight->image = image ? (int16_t)stratum->image : -1;
     ret_flight->beam = !image && stratum->sun == 0 && sun->cos_half_angle > narrow;
     ret->port = port;
     ret->passage = image ? NULL : stratum->passage;
@@ -197,6 +199,7 @@ static bool emit_open(const struct orl_emission *e, const struct orl_stratum *st
         radiance = world->suns[stratum->sun].radiance;
         measure = world->suns[stratum->sun].solid_angle_sr;
         ret_flight->from_light = true;
+        ret_flight->sun = stratum->sun;
     } else {
         double at[2];
         const double density = orl_table_sample(&e->dome_table, u + 3, at);
@@ -220,7 +223,8 @@ static enum stage aim(const struct orl_emission *e, const struct orl_stratum *st
                       const double *point, struct orl_random *random, struct arrival *ret_arrival,
                       struct orl_flight *ret_flight)
 {
-    *ret_flight = (struct orl_flight){.fate = orl_random_uniform(random), .reflected = 1};
+    *ret_flight =
+        (struct orl_flight){.fate = orl_random_uniform(random), .reflected = 1, .image = -1};
     switch (stratum->kind) {
     case ORL_STRATUM_PORT_DOME:
         return aim_port_dome(e, stratum, point, ret_arrival);

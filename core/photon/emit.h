@@ -49,11 +49,11 @@ struct orl_table {
 
 struct orl_stratum {
     enum orl_stratum_kind kind;
-    uint32_t port; /* or emitter */
+    uint32_t port;       /* or emitter */
     uint32_t sun, image; /* of world.images */
-    double flux_w;    /* luma, estimated */
-    double reflected; /* albedo that its light meets first, where that leaves nothing: first.h */
-    double share;     /* probability for global photons */
+    double flux_w;       /* luma, estimated */
+    double reflected;    /* albedo that its light meets first, where that leaves nothing: first.h */
+    double share;        /* probability for global photons */
     double share_caustic;
     double below, below_caustic; /* running sums before it */
     struct orl_table place;      /* of a sun in a port: where caustic photons start; seek.h */
@@ -104,8 +104,10 @@ struct orl_flight {
                       */
     struct orl_deflection way; /* already deflected: by the port's BSDF, or a mirror outside */
     bool from_port;
-    bool lamp; /* from_light, and no sun */
-    bool beam; /* straight from the first sun: of about one direction with others of its kind */
+    bool lamp;     /* from_light, and no sun; else */
+    uint32_t sun;  /* the sun; */
+    int16_t image; /* and its image in mirrors outside, or -1 */
+    bool beam;     /* straight from the first sun: of about one direction with others of its kind */
     struct orl_rgb clarity; /* from a port: of what lies behind it (scatter.h) */
     double focus;           /* from a spotlight: see lamp.c of the scene; else 0 */
     double fate;            /* in [0,1): at what chance of being alive it dies (trace.h) */

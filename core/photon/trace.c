@@ -57,8 +57,8 @@ struct tracing {
 /* Of light through discs: who else finds it. */
 enum found_by {
     FOUND_BY_SHADOW_RAYS, /* so far straight */
-    FOUND_BY_IMAGES,      /* a sun, by one flat mirror, and straight besides */
-    FOUND_BY_PANES,       /* a sun, by the lobes of one pane, likewise */
+    FOUND_BY_IMAGES,      /* a sun, by mirrors of its images' classes; where the image is shown */
+    FOUND_BY_PANES,       /* a sun, by the lobes of one pane */
     FOUND_BY_NOBODY,
 };
 
@@ -75,7 +75,7 @@ struct course {
     uint8_t batch;
     enum orl_photon_class class;
     enum found_by found_by;
-    bool lamp;
+    int16_t image; /* of the sun, that it comes from; less than 0: none */
     uint32_t reflections;
     int bounces, unseen;
 };
@@ -160,31 +160,50 @@ static bool is_left_out(const struct orl_world *world, struct orl_deflection way
     return (way.mirror && world->omit.mirror_caustics) || (way.lobe && world->omit.lobe_caustics);
 }
 
-/* Whether suns' images in it are looked for. */
-static bool shows_images(const struct orl_world *world, const struct orl_hit *hit)
+/* The image that a photon sets out from: a sun is one of itself. */
+static int16_t image_of(const struct orl_world *world, const struct orl_flight *flight)
 {
-    const struct orl_facet *facet = &world->geometry->facets[hit->facet];
-    size_t k = 0;
-    if (facet->kind != ORL_SURFACE_POLYGON && facet->kind != ORL_SURFACE_RING)
-        return false;
-    while (k < world->n_mirrors && fabs(orl_dot(facet->normal, world->mirrors[k])) < 1 - 1e-9)
-        k++;
-    return k < world->n_mirrors;
+    const struct orl_images *images = &world->images;
+    if (flight->lamp || flight->image >= 0)
+        return flight->lamp ? -1 : flight->image;
+    for (size_t i = 0; i < images->n_nodes; i++)
+        if (images->nodes[i].is_sun && images->nodes[i].sun == flight->sun)
+            return (int16_t)i;
+    return -1;
 }
 
-static enum found_by found_after(const struct tracing *t, const struct course *c,
+static enum found_by found_at_first(struct orl_deflection way)
+{
+    if (way.mirror && way.lobe)
+        return FOUND_BY_NOBODY;
+    return way.mirror ? FOUND_BY_IMAGES : way.lobe ? FOUND_BY_PANES : FOUND_BY_SHADOW_RAYS;
+}
+
+/* After something other than going straight; keeps track of the image. */
+static enum found_by found_after(const struct tracing *t, struct course *c,
                                  const struct orl_hit *hit, enum orl_event event)
 {
-    if (event == ORL_EVENT_STRAIGHT)
-        return c->found_by;
-    if (c->found_by != FOUND_BY_SHADOW_RAYS || c->lamp)
-        return FOUND_BY_NOBODY;
-    if (event == ORL_EVENT_MIRROR && shows_images(t->world, hit))
-        return FOUND_BY_IMAGES;
-    if (event == ORL_EVENT_GLOSSY &&
+    const struct orl_images *images = &t->world->images;
+    const bool straight = c->found_by == FOUND_BY_SHADOW_RAYS && c->image >= 0;
+    if (event == ORL_EVENT_MIRROR && (straight || c->found_by == FOUND_BY_IMAGES)) {
+        const int16_t class = images->class_of[hit->facet];
+        c->image = class < 0 || c->image < 0
+                       ? -1
+                       : images->next[(size_t)c->image * images->n_mirrors + (size_t) class];
+        return c->image < 0 ? FOUND_BY_NOBODY : FOUND_BY_IMAGES;
+    }
+    if (event == ORL_EVENT_GLOSSY && straight &&
         orl_material_transmits_lobes(orl_world_material(t->world, hit)))
         return FOUND_BY_PANES;
     return FOUND_BY_NOBODY;
+}
+
+/* Whether nobody else finds it as it flies now. */
+static bool is_sought(const struct tracing *t, const struct course *c)
+{
+    return !c->outside && (c->found_by == FOUND_BY_NOBODY ||
+                           (c->found_by == FOUND_BY_IMAGES &&
+                            !(c->image >= 0 && t->world->images.nodes[c->image].shown)));
 }
 
 /* Counts it through the discs on the way to what it meets (NULL: nothing). */
@@ -199,7 +218,7 @@ static void fly_by(const struct tracing *t, const struct course *c, const struct
                                         .flown = c->flown,
                                         .spread = c->spread,
                                         .batch = c->batch % ORL_MAP_BATCHES};
-    if (c->found_by == FOUND_BY_NOBODY && !c->outside)
+    if (is_sought(t, c))
         orl_discs_note(t->discs, &stretch, &deposits->passes);
 }
 
@@ -234,11 +253,8 @@ static bool set_out(const struct tracing *t, const struct orl_flight *flight, ui
                          .class = !flight->from_light        ? ORL_PHOTON_REST
                                   : (way.mirror || way.lobe) ? ORL_PHOTON_CAUSTIC
                                                              : ORL_PHOTON_LIGHT,
-                         .found_by = way.mirror && way.lobe ? FOUND_BY_NOBODY
-                                     : way.mirror           ? FOUND_BY_IMAGES
-                                     : way.lobe             ? FOUND_BY_PANES
-                                                            : FOUND_BY_SHADOW_RAYS,
-                         .lamp = flight->lamp};
+                         .found_by = found_at_first(way),
+                         .image = t->discs ? image_of(t->world, flight) : -1};
     if (t->caustic && is_left_out(t->world, way))
         return false;
     deposits->health.photons++;
@@ -296,7 +312,7 @@ static bool goes_on(const struct tracing *t, struct course *c, const struct orl_
     if (t->caustic ? is_left_out(t->world, c->way) : c->reflections >= t->most_reflections)
         return false;
     c->class = class_after(c->class, s->event);
-    if (t->discs)
+    if (t->discs && s->event != ORL_EVENT_STRAIGHT)
         c->found_by = found_after(t, c, hit, s->event);
     depart(c, t->world, orl_world_material(t->world, hit), hit, s);
     if (++c->bounces < ORL_TRACE_MOST_BOUNCES && c->unseen < ORL_TRACE_MOST_UNSEEN)

@@ -35,8 +35,8 @@ struct orl_deposits {
     struct orl_health health;         /* but for the fluxes: */
     struct orl_sum flux, flux_capped; /* luma, of photons traced and given up */
     /* Of caustic flights in many: discs that they are counted through, instead of being left at
-     * surfaces; NULL: none. Passes of light that is found otherwise are not noted: of suns by one
-     * flat mirror (their images) or by the lobes of one pane. */
+     * surfaces; NULL: none. Passes of light that is found otherwise are not noted: of suns by
+     * images in flat mirrors or by the lobes of one pane. */
     const struct orl_discs *discs;
     struct orl_passes passes;
 };

@@ -89,7 +89,7 @@ static bool may_send_on(const struct orl_world *world)
         if (!lie_in_one_plane(g, plane, f))
             return true;
     }
-    return world->n_mirrors_left_out > 0;
+    return world->images.n_left_out > 0;
 }
 
 /* ---- Discs ----------------------------------------------------------------------------------- */

@@ -1,8 +1,8 @@
 /*
  * Caustics in mid-air: light of suns and lamps that mirrors, lobes and dielectrics have sent on, at
- * sensors where no photon lands. Suns by one flat mirror or the lobes of one pane are sampled
- * (sensor.c); all else - off rough metal, through two panes, down a light pipe, out of a lens, of
- * lamps - comes as photons that fly through a disc about the sensor (photon/discs.h).
+ * sensors where no photon lands. Suns by their images in flat mirrors or one pane's lobes are
+ * sampled (sensor.c); all else - off rough metal, through two panes, down a light pipe, out of a
+ * lens, of lamps - comes as photons that fly through a disc about the sensor (photon/discs.h).
  *
  * They are flights of their own, in rounds, and end where more of them would not change the
  * sensors' errors by much, or at a number. Each disc is read at several widths at once; of these
