@@ -7,6 +7,7 @@
 
 enum { POINTS = 32, FIRST_POINTS = 6, LOOKS = 5, MOST_WAYS = 256, MOST_PANES = 64 };
 static const double hidden_share = 0.75;
+static const double near_pair = 1.5; /* so many times what two reach: maybe they were to be one */
 static const double aside_of_thickness = 0.01; /* how far aside one looks */
 
 /* The ways across proxies: distinct directions from what they stand for towards them. */
@@ -43,6 +44,16 @@ static bool add_way(struct ways *ways, const struct orl_facet *f)
     return true;
 }
 
+/* How far from one that a proxy reaches: what lies at `self`, or a proxy that looks the other way
+ * and reaches for the same things from there. */
+static double reach_to(const struct orl_world *world, const struct orl_facet *proxy, uint32_t self)
+{
+    const struct orl_facet *f = &world->geometry->facets[self];
+    const bool faces =
+        is_proxy(world, self) && orl_dot(way_across(proxy), way_across(f)) < -1 + 1e-3;
+    return fabs(proxy->beyond) + (faces ? fabs(f->beyond) : 0);
+}
+
 /* Looks from a point along a way: is a proxy there that stands for what is at the point? */
 static bool is_covered(const struct orl_world *world, const struct orl_geometry *proxies,
                        struct orl_vec3 point, struct orl_vec3 way, double reach, uint32_t self)
@@ -55,8 +66,8 @@ static bool is_covered(const struct orl_world *world, const struct orl_geometry 
         const struct orl_facet *f = &proxies->facets[hit.facet];
         at += hit.distance;
         /* Of proxies that stand for each other only the first is one. */
-        if (orl_dot(way_across(f), way) > 1 - 1e-3 && at <= fabs(f->beyond) + 4 * f->offset &&
-            hit.facet != self &&
+        if (orl_dot(way_across(f), way) > 1 - 1e-3 &&
+            at <= reach_to(world, f, self) + 4 * f->offset && hit.facet != self &&
             (!is_proxy(world, self) || (hit.facet < self && !world->hidden[hit.facet])))
             return true;
         at += f->offset;
@@ -77,7 +88,7 @@ static bool is_well_covered(const struct orl_world *world, const struct orl_geom
         const double y = i == 3 ? aside : i == 4 ? -aside : 0;
         const struct orl_vec3 from =
             orl_madd(orl_madd(orl_madd(point, frame.u, x), frame.v, y), way, -back);
-        if (!is_covered(world, proxies, from, way, ways->reach + back, self))
+        if (!is_covered(world, proxies, from, way, 2 * ways->reach + back, self))
             return false;
     }
     return true;
@@ -100,6 +111,49 @@ static bool is_hidden(const struct orl_world *world, const struct orl_geometry *
             return false;
     }
     return covered >= hidden_share * POINTS;
+}
+
+/* The nearest proxy on that side of a point which looks that way; UINT32_MAX: none. */
+static uint32_t find_partner(const struct orl_geometry *proxies, struct orl_vec3 point,
+                             struct orl_vec3 way, double reach, double *ret_apart)
+{
+    double at = 0;
+    for (int i = 0; i < MOST_PANES; i++) {
+        struct orl_hit hit;
+        if (!orl_geometry_intersect(proxies, orl_madd(point, way, at), way, reach - at, &hit))
+            return UINT32_MAX;
+        at += hit.distance;
+        *ret_apart = at;
+        if (orl_dot(way_across(&proxies->facets[hit.facet]), way) > 1 - 1e-3)
+            return hit.facet;
+        at += proxies->facets[hit.facet].offset;
+    }
+    return UINT32_MAX;
+}
+
+/* Notes of a proxy that it and another are one though neither reaches the other, or nearly so. */
+static void judge_pair(struct orl_world *world, const struct ways *ways, uint32_t self)
+{
+    const struct orl_facet *f = &world->geometry->facets[self];
+    const struct orl_vec3 way = orl_neg(way_across(f));
+    struct orl_random random = orl_random_stream(3, ORL_PURPOSE_PILOT, self);
+    uint32_t partner = UINT32_MAX;
+    double apart = 0;
+    for (int i = 0; i < FIRST_POINTS && partner == UINT32_MAX; i++) {
+        const double u[2] = {orl_random_uniform(&random), orl_random_uniform(&random)};
+        struct orl_vec3 point, normal;
+        orl_facet_sample(world->geometry, self, u, &point, &normal);
+        point = orl_madd(point, way, f->offset);
+        partner = find_partner(world->proxies, point, way, 2 * near_pair * ways->reach, &apart);
+    }
+    if (partner == UINT32_MAX || partner > self)
+        return;
+    const double mine = fabs(f->beyond), its = fabs(world->geometry->facets[partner].beyond);
+    const bool one = world->hidden[self] || world->hidden[partner];
+    struct orl_pairing *pairing = one ? &world->paired : &world->not_paired;
+    if (one ? apart > fmax(mine, its) + 4 * f->offset : apart <= near_pair * (mine + its))
+        if (pairing->count++ == 0)
+            *pairing = (struct orl_pairing){1, {partner, self}, apart, fmax(mine, its)};
 }
 
 int orl_proxies_part(struct orl_world *world, struct orl_error *err)
@@ -132,6 +186,9 @@ int orl_proxies_part(struct orl_world *world, struct orl_error *err)
         world->hidden[i] = whole->facets[i].area > 0 && is_hidden(world, world->proxies, &ways, i);
         world->n_hidden += world->hidden[i];
     }
+    for (uint32_t i = 0; i < n && code == 0; i++)
+        if (is_proxy(world, i))
+            judge_pair(world, &ways, i);
     for (uint32_t i = 0; i < n && code == 0; i++)
         keep[i] = !world->hidden[i];
     if (code == 0)

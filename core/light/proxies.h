@@ -6,7 +6,10 @@
  * So there are two scenes. In that of light (orl_world.geometry) a surface that a proxy stands for
  * is not there, and the proxy scatters as any BSDF does, on both sides; rays that leave it to the
  * side of the geometry start beyond it, where surfaces it only partly covers may still be. Of two
- * proxies that stand for the same geometry, one to each side, the first serves both. In the scene
+ * proxies that stand for the same geometry, one to each side, the first serves both: such are they
+ * when they look opposite ways and what the two reach, together, spans what is between them. (In
+ * Radiance each scatters only what comes from its outer side, however far apart they are; that is
+ * the same. Files have pairs a little further apart than either is thick.) In the scene
  * of views (orl_world.seen) there are no proxies, and what stands behind them is lit by paths in
  * that very scene: once more, but only for the eye. Nothing is counted twice: photons, gather rays
  * and shadow rays know one scene, views of hidden surfaces the other.

@@ -55,6 +55,14 @@ struct orl_port {
     bool silent; /* no light comes to it from outside: it sends no photons */
 };
 
+/* Proxies (proxies.h) of which it is not plain that they are a pair, or none. */
+struct orl_pairing {
+    size_t count;
+    /* Of the first: */
+    uint32_t facets[2];
+    double apart, thick; /* the thicker one */
+};
+
 /* What a run leaves out (plan/plan.h decides). */
 struct orl_omissions {
     bool exterior; /* surfaces outside reflect nothing: they only stand in the way */
@@ -75,6 +83,8 @@ struct orl_world {
     struct orl_geometry *proxies;       /* owned: of those BSDFs, or NULL */
     bool *hidden;                       /* per facet: there for views alone; or NULL. proxies.h */
     size_t n_hidden;
+    struct orl_pairing paired, not_paired; /* taken as one though neither reaches the other; as two
+                                              though little is missing */
     struct orl_sun *suns;
     size_t n_suns;
     struct orl_dome *domes;

@@ -144,6 +144,35 @@ static int heed_cancel(const struct orl_run_state *state, struct orl_error *err)
                : 0;
 }
 
+/* What of BSDFs with a thickness may not be what is meant. */
+static void warn_of_proxies(struct orl_run_state *state)
+{
+    const struct orl_world *world = state->world;
+    const struct orl_pairing *pairings[] = {&world->paired, &world->not_paired};
+    if (world->proxies && world->n_hidden == 0)
+        orl_run_warn(state,
+                     "there are BSDFs with a thickness, but no surface lies within it behind "
+                     "them: views see nothing in their place");
+    for (int i = 0; i < 2; i++) {
+        const struct orl_pairing *p = pairings[i];
+        if (p->count == 0)
+            continue;
+        const char *names[2];
+        for (int k = 0; k < 2; k++)
+            names[k] =
+                world->description.surfaces[world->geometry->facets[p->facets[k]].surface].name;
+        orl_run_warn(state,
+                     "the BSDFs '%s' and '%s' face away from each other %.4g apart, and are up to "
+                     "%.4g thick: %s%s",
+                     names[0], names[1], p->apart, p->thick,
+                     i == 0
+                         ? "they are taken to stand for the same geometry, and scatter light once"
+                         : "they are taken as two, which scatter light one after the other; if "
+                           "they stand for the same geometry, make them thicker",
+                     p->count > 1 ? " (and others)" : "");
+    }
+}
+
 /* What a job and its plan have in common: everything before photons. */
 static int prepare(struct orl_run_state *state, struct orl_error *err)
 {
@@ -164,12 +193,9 @@ static int prepare(struct orl_run_state *state, struct orl_error *err)
         code = heed_cancel(state, err);
     if (code == 0)
         code = orl_world_find_ports(state->world, state->env->crew, err);
-    if (code == 0 && state->world->proxies && state->world->n_hidden == 0)
-        orl_run_warn(state,
-                     "there are BSDFs with a thickness, but no surface lies within it behind "
-                     "them: views see nothing in their place");
     if (code < 0)
         return code;
+    warn_of_proxies(state);
     orl_run_enter(state, ORL_STAGE_PLAN);
     code = orl_run_plan(state, err);
     return code < 0 ? code : heed_cancel(state, err);

@@ -91,6 +91,46 @@ static void a_pair_dims_once(void **state)
         LIGHT_AND_ROOM THICK PARTNER GLASS "void plastic s 0 0 5 .8 .1 .1 0 0\n" SLATS("s"), 0.01);
 }
 
+/*
+ * Such pairs lie a little further apart than either is thick, as files have them: to the light they
+ * are one still, whichever way the second is written down, and a word says so. Far apart they are
+ * two, and dim twice; if not by much, that is said.
+ */
+static void a_pair_further_apart_than_thick_dims_once(void **state)
+{
+#define APART(thick, y)                                                                            \
+    "void BSDF q 6 " thick " pane.xml 0 0 1 . 0 0\n"                                               \
+    "q polygon partner 0 0 12 1 " y " 1 1 " y " 2.5 3 " y " 2.5 3 " y " 1\n"
+    static const struct {
+        const char *partner, *warned;
+    } cases[] = {{APART("-.2", "-.205"), "scatter light once"},
+                 {APART("-.2", "-.15"), NULL},
+                 {APART("-.2", "-.45"), "one after the other"}};
+    (void)state;
+    assert_lit_alike(
+        LIGHT_AND_ROOM THICK APART("-.2", "-.21") "void plastic s 0 0 5 .8 .1 .1 0 0\n" SLATS("s"),
+        0.06);
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        char xml[2048], scene[8192];
+        bool warned = false;
+        scene_uniform_bsdf(0.2, xml);
+        snprintf(scene, sizeof scene, "%s%svoid plastic s 0 0 5 .8 .1 .1 0 0\n%s",
+                 LIGHT_AND_ROOM THICK, cases[i].partner, SLATS("s"));
+        struct orl_result result = scene_run(&(struct scene_run){.scene = scene,
+                                                                 .resource_name = "pane.xml",
+                                                                 .resource_text = xml,
+                                                                 .sensors = room_sensors,
+                                                                 .n_sensors = 1,
+                                                                 .global = 100,
+                                                                 .samples = 16});
+        for (size_t k = 0; k < result.n_warnings; k++)
+            warned = warned || strstr(result.warnings[k],
+                                      cases[i].warned ? cases[i].warned : "away from each other");
+        assert_true(warned == (cases[i].warned != NULL));
+        orl_result_done(&result);
+    }
+}
+
 /* In a room that is open at the top of its north wall photons come from the sky: they meet the
  * proxy as well. Different ones, at that: each room's illuminances scatter by 2 %. */
 static void open_scenes_are_no_different(void **state)
@@ -191,6 +231,7 @@ int main(void)
         cmocka_unit_test(what_a_proxy_stands_for_lights_nothing),
         cmocka_unit_test(either_side_may_be_the_hidden_one),
         cmocka_unit_test(a_pair_dims_once),
+        cmocka_unit_test(a_pair_further_apart_than_thick_dims_once),
         cmocka_unit_test(open_scenes_are_no_different),
         cmocka_unit_test(views_see_what_is_there),
         cmocka_unit_test(hidden_surfaces_are_lit_as_they_are_seen),
