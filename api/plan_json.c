@@ -84,6 +84,17 @@ static json_t *decisions_to_json(const struct orl_plan *plan)
     return effects;
 }
 
+/* What a pilot of photons says they will take. */
+static json_t *foresight_to_json(const struct orl_foresight *f)
+{
+    return json_pack(
+        "{s:s, s:b, s:{s:o, s:o}, s:{s:o, s:o}, s:o, s:I}", "why", f->why, "known", (int)f->known,
+        "emitted", "global", orl_json_from_real(f->emitted[0]), "caustic",
+        orl_json_from_real(f->emitted[1]), "seconds", "global", orl_json_from_real(f->seconds[0]),
+        "caustic", orl_json_from_real(f->seconds[1]), "photons_s", orl_json_from_real(f->photons_s),
+        "enough_caustic", (json_int_t)f->enough_caustic);
+}
+
 json_t *orl_plan_to_json(const struct orl_plan *plan)
 {
     if (plan->technique == ORL_TECHNIQUE_AUTO)
@@ -91,9 +102,11 @@ json_t *orl_plan_to_json(const struct orl_plan *plan)
     json_t *reflections = plan->most_reflections == ORL_ALL_REFLECTIONS
                               ? json_null()
                               : json_integer((json_int_t)plan->most_reflections);
-    return json_pack(
-        "{s:s, s:o, s:o, s:I, s:{s:I, s:I}, s:o}", "technique", orl_technique_name(plan->technique),
-        "why", orl_json_from_text(plan->technique_why), "most_reflections", reflections, "channels",
-        (json_int_t)plan->channels, "photons", "global", (json_int_t)plan->photons_global,
-        "caustic", (json_int_t)plan->photons_caustic, "effects", decisions_to_json(plan));
+    json_t *foresight = plan->foresight.made ? foresight_to_json(&plan->foresight) : NULL;
+    return json_pack("{s:s, s:o, s:o, s:I, s:{s:I, s:I}, s:o, s:o*}", "technique",
+                     orl_technique_name(plan->technique), "why",
+                     orl_json_from_text(plan->technique_why), "most_reflections", reflections,
+                     "channels", (json_int_t)plan->channels, "photons", "global",
+                     (json_int_t)plan->photons_global, "caustic", (json_int_t)plan->photons_caustic,
+                     "effects", decisions_to_json(plan), "foresight", foresight);
 }

@@ -95,6 +95,21 @@ static void print_photons(FILE *to, const struct orl_plan *plan)
     fputs(*before ? "\n" : "none\n", to);
 }
 
+/* What they will take, where a pilot was asked. */
+static void print_foresight(FILE *to, const struct orl_plan *plan)
+{
+    const struct orl_foresight *f = &plan->foresight;
+    char seconds[32], text[ORL_WHY_MAX + 96];
+
+    if (!f->made)
+        return;
+    orl_format_duration(f->photons_s, seconds, sizeof seconds);
+    snprintf(text, sizeof text, "%s%s; %s", f->known ? "about " : "not known",
+             f->known ? seconds : "", f->why);
+    fprintf(to, "%-*s", HEAD_WIDTH, "photons take");
+    orl_print_wrapped(to, HEAD_WIDTH, HEAD_WIDTH, text);
+}
+
 static void print_head(FILE *to, const struct orl_plan *plan)
 {
     char text[ORL_WHY_MAX + 64];
@@ -104,6 +119,7 @@ static void print_head(FILE *to, const struct orl_plan *plan)
     fprintf(to, "%-*s", HEAD_WIDTH, "technique");
     orl_print_wrapped(to, HEAD_WIDTH, HEAD_WIDTH, text);
     print_photons(to, plan);
+    print_foresight(to, plan);
     fprintf(to, "%-*s%s\n", HEAD_WIDTH, "channels", plan->channels == 1 ? "1 (grey)" : "3");
     if (plan->most_reflections == ORL_ALL_REFLECTIONS)
         fprintf(to, "%-*sall diffuse ones\n", HEAD_WIDTH, "reflections");

@@ -14,7 +14,7 @@ enum { MOST_GROWTH = 15 }; /* a round emits at most this many times what was emi
 /* This many emissions, or rays, without a photon: there is no light to catch. */
 enum { DRY_EMISSIONS = 64 * BATCH, DRY_RAYS = 1 << 24 };
 /* Nor is it worth more than this to catch the few there are. */
-static const double most_emitted_per_photon = 64, emitted_anyway = 1e7;
+static const double most_emitted_per_photon = 64, emitted_anyway = 2e6;
 
 /*
  * Batches of one kind, as they come back. What a round's batches leave is moved to one array before

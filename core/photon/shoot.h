@@ -59,4 +59,10 @@ size_t orl_shoot_some(const struct orl_shoot_env *env, enum orl_map_kind kind, u
 int orl_shoot(const struct orl_shoot_env *env, struct orl_shot shots[ORL_SHOT_KINDS],
               struct orl_error *err);
 
+/* As many emissions as go together, n at most, from one on that is a multiple of ORL_MAP_BATCHES;
+ * returns how many. */
+struct orl_deposits;
+size_t orl_shoot_some(const struct orl_shoot_env *env, enum orl_map_kind kind, uint64_t first,
+                      uint64_t n, struct orl_deposits *deposits);
+
 #endif

@@ -5,6 +5,9 @@
 #include "photon/records.h"
 #include "run/map_keys.h"
 
+/* One photon of so many emissions, and so many of these, are worth a word. */
+enum { FEW_PHOTONS = 16, MANY_EMISSIONS = 10000000 };
+
 struct map_work {
     uint64_t target;
     bool hit;
@@ -175,11 +178,22 @@ static int keep_shot(struct orl_run_state *state, enum orl_map_kind kind, struct
                      const struct orl_shot *shot, double seconds, struct orl_error *err)
 {
     const struct harvest harvest = {shot->photons, shot->count, shot->emitted, seconds, NULL};
-    const unsigned long long found = shot->had + shot->count, wanted = shot->target;
+    const unsigned long long found = shot->had + shot->count, wanted = shot->target,
+                             emitted = shot->emitted;
+    const bool by_plan =
+        (kind == ORL_MAP_CAUSTIC ? state->job->photons_caustic : state->job->photons_global) ==
+        ORL_PHOTONS_BY_PLAN;
     if (found > 0 && found < wanted)
+        orl_run_warn(state, "only %llu of the %llu %s photons %s were found, of %llu emitted",
+                     found, wanted, orl_map_kind_name(kind), by_plan ? "planned" : "asked for",
+                     emitted);
+    else if (kind == ORL_MAP_CAUSTIC && !by_plan && emitted > MANY_EMISSIONS &&
+             emitted / FEW_PHOTONS > found)
         orl_run_warn(state,
-                     "only %llu of the %llu %s photons asked for were found, of %llu emitted",
-                     found, wanted, orl_map_kind_name(kind), (unsigned long long)shot->emitted);
+                     "%llu caustic photons took %llu emissions: so few come of them here that "
+                     "fewer may do; the plan says how many are worth their time when photons."
+                     "caustic is left to it",
+                     found, emitted);
     return keep(state, kind, work, &harvest, err);
 }
 

@@ -1,6 +1,7 @@
 /* The plan stage: what the planner finds, into the result, and warnings of what was asked against
  * its advice. */
 #include "plan/plan.h"
+#include "plan/budget.h"
 
 #include "run/stages.h"
 
@@ -29,6 +30,48 @@ static void judge_light(struct orl_run_state *state)
                      tolerable_lx);
 }
 
+/* An absurd yield is worth a word before hours are spent on it. */
+static void judge_budget(struct orl_run_state *state, const struct orl_plan *plan)
+{
+    const double many_times = 4;
+    const struct orl_foresight *f = &plan->foresight;
+    if (!f->known || !((double)plan->photons_caustic > many_times * (double)f->enough_caustic) ||
+        !(f->emitted[1] > many_times * f->emitted[0]))
+        return;
+    orl_run_warn(state,
+                 "%llu caustic photons take about %.2g million emissions; %llu of them are worth "
+                 "their time: leave photons.caustic to the plan",
+                 (unsigned long long)plan->photons_caustic, 1e-6 * f->emitted[1],
+                 (unsigned long long)f->enough_caustic);
+}
+
+/*
+ * A pilot of photons, where it decides anything: a run that asks for a number of photons, or has no
+ * use for caustic ones, goes without.
+ */
+static int look_ahead(struct orl_run_state *state, struct orl_plan *plan, struct orl_error *err)
+{
+    const struct orl_run_env *env = state->env;
+    const bool decides =
+        plan->photons_caustic > 0 && state->job->photons_caustic == ORL_PHOTONS_BY_PLAN;
+    struct orl_worth worth;
+    if (!decides && !state->only_plan)
+        return 0;
+    int code = orl_run_need_emission(state, err);
+    if (code == 0) {
+        const struct orl_shoot_env shooting = {.emission = state->emission,
+                                               .seed = state->job->seed,
+                                               .crew = env->crew,
+                                               .cancel = env->cancel};
+        code = orl_worth_measure(&shooting, env->now_s, env->ctx, &worth, err);
+    }
+    if (code < 0)
+        return code;
+    orl_plan_budget(state->job, &worth, plan);
+    judge_budget(state, plan);
+    return 0;
+}
+
 int orl_run_plan(struct orl_run_state *state, struct orl_error *err)
 {
     const struct orl_plan_request request = {.job = state->job,
@@ -38,7 +81,9 @@ int orl_run_plan(struct orl_run_state *state, struct orl_error *err)
                                              .now_s = state->env->now_s,
                                              .ctx = state->env->ctx};
     struct orl_plan *plan = &state->result->plan;
-    const int code = orl_plan_make(&request, state->world, plan, err);
+    int code = orl_plan_make(&request, state->world, plan, err);
+    if (code == 0)
+        code = look_ahead(state, plan, err);
     for (int i = 0; i < ORL_EFFECT_COUNT && code == 0; i++)
         if (plan->effects[i].wish == ORL_WISH_SKIP)
             judge_skip(state, orl_effect_name((enum orl_effect)i), &plan->effects[i]);

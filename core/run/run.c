@@ -234,7 +234,8 @@ static int run(const struct orl_job *job, const struct orl_run_env *env,
                struct orl_result *ret_result, struct orl_error *err)
 {
     struct orl_result result = {.threads = orl_crew_size(env->crew), .seed = job->seed};
-    struct orl_run_state state = {.job = job, .env = env, .result = &result};
+    struct orl_run_state state = {
+        .job = job, .env = env, .result = &result, .only_plan = stages == prepare};
     const double started = env->now_s(env->ctx);
     int code;
     state.stage_started = state.started_s = started;

@@ -24,6 +24,7 @@ struct orl_run_state {
     struct orl_sensor *sensors; /* of the job, or of its file; owned when sensors_owned */
     size_t n_sensors;
     bool sensors_owned;
+    bool only_plan;               /* nothing is to be rendered: what it would take is asked for */
     unsigned char sky_digest[32]; /* of the job's sky; meaningless without one */
     struct orl_world *world;
     struct orl_emission *emission; /* once photons are wanted: of all rounds */

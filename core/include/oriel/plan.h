@@ -62,6 +62,17 @@ struct orl_decision {
     double saved_s; /* estimated, of one thread; 0 when simulated */
 };
 
+/* What the photons of a plan will take, from a pilot of them. */
+struct orl_foresight {
+    bool made;               /* false: nobody asked */
+    bool known;              /* false: too few photons came of the pilot to tell */
+    double emitted[2];       /* global, caustic; NaN: not known */
+    double seconds[2];       /* of the crew that made the plan; NaN likewise. Estimates */
+    double photons_s;        /* of both */
+    uint64_t enough_caustic; /* photons that are worth their time, whatever the job asks for */
+    char why[ORL_WHY_MAX];
+};
+
 struct orl_plan {
     enum orl_technique technique; /* never AUTO in a plan that was made */
     char technique_why[ORL_WHY_MAX];
@@ -69,6 +80,7 @@ struct orl_plan {
     uint32_t most_reflections; /* diffuse ones that light is followed through; or ORL_ALL_... */
     uint32_t channels;         /* 3, or 1 where all is gray */
     uint64_t photons_global, photons_caustic; /* targets; 0: no such map */
+    struct orl_foresight foresight;
 };
 
 #endif

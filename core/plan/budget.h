@@ -1,0 +1,23 @@
+/*
+ * How many caustic photons a job is to have when it does not say, from what a pilot says of them
+ * (photon/worth.h); and what the photons of a plan will take.
+ *
+ * Their worth is their share of the light times their contrast where they land. From a twentieth on
+ * they are as many as the global ones; below that fewer, in proportion, since noise and blur of
+ * what is faint are faint; but never so few that a kernel holds none. And their rays are bounded by
+ * those of the global photons: by half of these where caustics are worth nothing, thirty times as
+ * many where they are worth all, and between by the square of their worth. What a job asks for by
+ * number it gets.
+ */
+#ifndef ORL_PLAN_BUDGET_H
+#define ORL_PLAN_BUDGET_H
+
+#include <oriel/run.h>
+
+#include "photon/worth.h"
+
+/* Fills the plan's foresight; and, where the job leaves it open, its caustic photons. */
+void orl_plan_budget(const struct orl_job *job, const struct orl_worth *worth,
+                     struct orl_plan *plan);
+
+#endif

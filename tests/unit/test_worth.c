@@ -1,0 +1,88 @@
+/* The contrast of caustics: how much of the light where they land is theirs, by known fluxes. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+
+#include <cmocka.h>
+
+#include "base/random.h"
+#include "photon/facing.h"
+#include "photon/worth.h"
+
+enum { REST = 30000, CAUSTIC = 4000 };
+
+/* Photons evenly over a square of the floor, of so much flux in all. */
+static struct orl_photon *lay(size_t count, double side, double flux, uint8_t class, uint64_t name)
+{
+    struct orl_photon *photons = calloc(count, sizeof *photons);
+    struct orl_random random = orl_random_stream(name, ORL_PURPOSE_BENCH, 0);
+    const float each = (float)(flux / (double)count);
+    assert_non_null(photons);
+    for (size_t i = 0; i < count; i++)
+        photons[i] = (struct orl_photon){
+            .position = {(float)(side * (orl_random_uniform(&random) - 0.5)),
+                         (float)(side * (orl_random_uniform(&random) - 0.5)), 0},
+            .flux = {each, each, each},
+            .normal = orl_normal_encode(orl_v3(0, 0, 1)),
+            .tag = class};
+    return photons;
+}
+
+static double contrast(double side, double flux, uint8_t class_of_rest)
+{
+    const struct orl_geometry box = {.radius = 1};
+    struct orl_photon *caustic = lay(CAUSTIC, side, flux, ORL_PHOTON_CAUSTIC, 1),
+                      *rest = lay(REST, 1, 1, class_of_rest, 2);
+    double found = -1;
+    assert_int_equal(orl_worth_contrast(caustic, CAUSTIC, 1, rest, REST, 1, &box, &found), 0);
+    free(caustic);
+    free(rest);
+    return found;
+}
+
+/*
+ * A cube with n of some photons knows their density to 1 / sqrt n, and n is 8 at the least: for
+ * shares that are small or nearly all, so much of the smaller part; on average over 4000 of
+ * them far less, but for what choosing small cubes favours, which are the full ones.
+ */
+static void expect_near(double found, double wanted)
+{
+    print_message("contrast %.4f, by closed form %.4f\n", found, wanted);
+    assert_true(found > 0.7 * wanted && found < 1.5 * wanted);
+    assert_true(1 - found > 0.6 * (1 - wanted) && 1 - found < 1.5 * (1 - wanted));
+}
+
+/* A per cent of the light all over the floor is a per cent of it anywhere. */
+static void test_a_gleam(void **state)
+{
+    (void)state;
+    expect_near(contrast(1, 0.01, ORL_PHOTON_REST), 0.01 / 1.01);
+    expect_near(contrast(1, 1, ORL_PHOTON_REST), 0.5);
+}
+
+/* On a thousandth and less of the floor it outshines the rest ten times and more. */
+static void test_a_spot(void **state)
+{
+    (void)state;
+    for (double side = 1.0 / 32; side > 1e-3; side /= 4) {
+        const double there = 0.01 / (side * side);
+        expect_near(contrast(side, 0.01, ORL_PHOTON_REST), there / (1 + there));
+    }
+}
+
+/* What the global photons hold of caustics is not light beside them. */
+static void test_caustics_among_the_rest(void **state)
+{
+    (void)state;
+    assert_true(contrast(1, 0.01, ORL_PHOTON_CAUSTIC) > 0.999);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_a_gleam),
+                                       cmocka_unit_test(test_a_spot),
+                                       cmocka_unit_test(test_caustics_among_the_rest)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
