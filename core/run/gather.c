@@ -35,8 +35,17 @@ static void compute_sensor(void *ctx, size_t index, uint32_t member)
     orl_run_book_sensor(state, index, &e);
 }
 
-/* Caustics to sensors in mid-air: by photons of their own, as many as the caustic map was to have.
- */
+/* At most so many emissions: as for a caustic map that is asked for; a plan stores fewer photons
+ * where a map shows little of them, which says nothing of one sensor. */
+static uint64_t most_in_air(const struct orl_run_state *state)
+{
+    const struct orl_plan *plan = &state->result->plan;
+    const bool by_plan = state->job->photons_caustic == ORL_PHOTONS_BY_PLAN;
+    return by_plan && plan->photons_global > plan->photons_caustic ? plan->photons_global
+                                                                   : plan->photons_caustic;
+}
+
+/* Caustics to sensors in mid-air: by photons of their own. */
 static int catch_in_air(void *ctx, struct orl_error *err)
 {
     const struct work *work = ctx;
@@ -50,8 +59,7 @@ static int catch_in_air(void *ctx, struct orl_error *err)
                                       .seed = orl_mix64(state->job->seed ^ photons_in_air),
                                       .crew = state->env->crew,
                                       .cancel = state->env->cancel};
-    code =
-        orl_air_catch(work->air, &env, state->result->plan.photons_caustic, &state->result->health);
+    code = orl_air_catch(work->air, &env, most_in_air(state), &state->result->health);
     if (code < 0)
         return orl_error_set(err, code, "%s",
                              code == ORL_ERR_CANCELLED ? "cancelled while computing sensors"
