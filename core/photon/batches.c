@@ -2,6 +2,17 @@
 
 #include <math.h>
 
+double orl_batches_third(const struct orl_batches *batches)
+{
+    static const double n = ORL_MAP_BATCHES;
+    double mean = 0, cube = 0;
+    for (int i = 0; i < ORL_MAP_BATCHES; i++)
+        mean += batches->luma[i] / n;
+    for (int i = 0; i < ORL_MAP_BATCHES; i++)
+        cube += pow(batches->luma[i] - mean, 3);
+    return cube * n * n / ((n - 1) * (n - 2));
+}
+
 double orl_batches_beyond_scatter(const struct orl_batches *difference)
 {
     const double scatter2 = orl_batches_variance(difference);

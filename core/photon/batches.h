@@ -27,6 +27,9 @@ static inline double orl_batches_variance(const struct orl_batches *batches)
     return square * n / (n - 1);
 }
 
+/* The third cumulant of that sum. */
+double orl_batches_third(const struct orl_batches *batches);
+
 static inline void orl_batches_add(struct orl_batches *sum, const struct orl_batches *more,
                                    double factor)
 {

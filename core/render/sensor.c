@@ -187,7 +187,8 @@ static struct orl_estimate estimate_by_map(const struct orl_density *density,
     return (struct orl_estimate){.value = orl_health_keep(health, density->irradiance),
                                  .standard_error = sqrt(orl_batches_variance(&parts)),
                                  .degrees = ORL_MAP_BATCHES - 1,
-                                 .bias = density->bias};
+                                 .bias = density->bias,
+                                 .third = orl_batches_third(&parts)};
 }
 
 struct orl_place orl_gather_place(const struct orl_gather *gather, struct orl_vec3 position,

@@ -133,10 +133,11 @@ static void book_interval(const struct orl_finding_part *part, size_t i, double 
 {
     const struct orl_estimate pooled = {.standard_error = part->errors[i],
                                         .degrees = orl_pool_degrees(&part->pool),
-                                        .bias = part->pool.knows_bias ? part->pool.bias[i] : 0};
-    const double half = orl_estimate_half_width(&pooled);
-    ret_interval[0] = fmax(part->pool.mean[i] - half, 0);
-    ret_interval[1] = part->pool.mean[i] + half;
+                                        .bias = part->pool.knows_bias ? part->pool.bias[i] : 0,
+                                        .third = orl_pool_third(&part->pool, i)};
+    const struct orl_margins margins = orl_estimate_margins(&pooled);
+    ret_interval[0] = fmax(part->pool.mean[i] - margins.below, 0);
+    ret_interval[1] = part->pool.mean[i] + margins.above;
 }
 
 static int show_sensors(const struct orl_finding_part *part, struct orl_result *result,

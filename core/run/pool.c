@@ -104,6 +104,17 @@ static void errors_of_groups(const struct orl_pool *pool, double *ret_errors)
     }
 }
 
+double orl_pool_third(const struct orl_pool *pool, size_t index)
+{
+    const double n = pool->n_groups;
+    double cubes = 0;
+    for (uint32_t k = 0; k < pool->n_groups; k++) {
+        const double off = pool->groups[index * pool->n_groups + k] - pool->mean[index];
+        cubes += off * off * off;
+    }
+    return n > 2 ? cubes / (n * (n - 1) * (n - 2)) : 0;
+}
+
 /* From the spread between rounds: spread / ((rounds - 1) effort) is a mean's variance. */
 static void errors_between(const struct orl_pool *pool, double floor, double *ret_errors)
 {

@@ -54,6 +54,9 @@ void orl_pool_add(struct orl_pool *pool, const struct orl_found *found);
  */
 bool orl_pool_errors(const struct orl_pool *pool, double floor, double *ret_errors);
 
+/* The third cumulant of a mean, by its groups; without groups it is not known: 0. */
+double orl_pool_third(const struct orl_pool *pool, size_t index);
+
 /* Of these errors. */
 double orl_pool_degrees(const struct orl_pool *pool);
 

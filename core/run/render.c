@@ -33,12 +33,12 @@ void orl_run_book_sensor(const struct orl_run_state *state, size_t index,
     static const double lux = ORL_EFFICACY_LM_PER_W;
     struct orl_result *result = state->result;
     const double value = lux * orl_luma(estimate->value);
-    const double half = lux * orl_estimate_half_width(estimate);
+    const struct orl_margins margins = orl_estimate_margins(estimate);
     result->illuminance_lx[index] = value;
     result->standard_error_lx[index] = lux * estimate->standard_error;
     result->bias_estimate_lx[index] = lux * estimate->bias;
-    result->interval_95_lx[index][0] = fmax(value - half, 0);
-    result->interval_95_lx[index][1] = value + half;
+    result->interval_95_lx[index][0] = fmax(value - lux * margins.below, 0);
+    result->interval_95_lx[index][1] = value + lux * margins.above;
 }
 
 /* Rounds of some sensors, so that progress and cancelling are heard in between. */
