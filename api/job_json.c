@@ -213,6 +213,18 @@ static int decode_technique(const json_t *value, struct orl_job *job, struct orl
                          "wanted here");
 }
 
+/* "expected": results without any light are what is wanted. */
+static int decode_dark(const json_t *value, bool *ret_expected, struct orl_error *err)
+{
+    static const char expected[] = "expected", wrong[] = "error";
+    const char *word = json_string_value(value);
+    if (value && (!word || (strcmp(word, expected) != 0 && strcmp(word, wrong) != 0)))
+        return orl_json_fail(err, ORL_ERR_INVALID, "dark", "it is \"%s\" or \"%s\"", expected,
+                             wrong);
+    *ret_expected = word && strcmp(word, expected) == 0;
+    return 0;
+}
+
 static int decode_settings(const json_t *doc, struct orl_job *job, struct orl_error *err)
 {
     const json_t *seed = json_object_get(doc, "seed");
@@ -228,6 +240,8 @@ static int decode_settings(const json_t *doc, struct orl_job *job, struct orl_er
         rc = orl_json_whole(pixel_samples, "pixel_samples", 0, 1U << 20, &pixel_count, err);
     job->gather_samples = (uint32_t)count;
     job->pixel_samples = (uint32_t)pixel_count;
+    if (rc == 0)
+        rc = decode_dark(json_object_get(doc, "dark"), &job->dark_expected, err);
     if (rc == 0)
         rc = orl_wishes_from_json(json_object_get(doc, "effects"), job->wishes, err);
     return rc ? rc : decode_photons(json_object_get(doc, "photons"), job, err);
@@ -285,10 +299,10 @@ static int refuse_settings(const json_t *doc, struct orl_error *err)
 int orl_job_from_json(const json_t *doc, enum orl_job_origin origin, struct orl_job *ret_job,
                       char **ret_scene_id, struct orl_error *err)
 {
-    static const char *const allowed[] = {
-        "kind",    "scene",          "technique",     "effects",  "seed",
-        "photons", "gather_samples", "pixel_samples", "sky",      "skies",
-        "sensors", "views",          "accuracy",      "priority", NULL};
+    static const char *const allowed[] = {"kind",     "scene",    "technique",      "effects",
+                                          "seed",     "photons",  "gather_samples", "pixel_samples",
+                                          "sky",      "skies",    "sensors",        "views",
+                                          "accuracy", "priority", "dark",           NULL};
     struct orl_job job;
     char *id = NULL;
     orl_job_init(&job);

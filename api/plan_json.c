@@ -65,10 +65,11 @@ static json_t *decision_to_json(enum orl_effect effect, const struct orl_decisio
     json_t *bound =
         unit ? json_pack("{s:o, s:s}", "value", orl_json_from_real(decision->bound), "unit", unit)
              : json_null();
-    return json_pack("{s:s, s:b, s:s, s:o, s:o, s:o}", "effect", orl_effect_name(effect),
+    return json_pack("{s:s, s:b, s:s, s:o, s:o, s:o, s:o}", "effect", orl_effect_name(effect),
                      "simulated", (int)decision->simulated, "wish", orl_wish_name(decision->wish),
                      "why", orl_json_from_text(decision->why), "bound", bound, "saved_s",
-                     orl_json_from_real(decision->saved_s));
+                     orl_json_from_real(decision->saved_s), "cost_s",
+                     orl_json_from_real(decision->cost_s));
 }
 
 static json_t *decisions_to_json(const struct orl_plan *plan)

@@ -23,6 +23,7 @@ static const struct {
     {ORL_ERR_VERSION, 500, "A stored file has another format version"},
     {ORL_ERR_CANCELLED, 409, "The job was cancelled"},
     {ORL_ERR_INVALID, 422, "The request contradicts itself or the format"},
+    {ORL_ERR_UNLIT, 422, "No light reaches what the job asks for"},
     {ORL_ERR_INTERNAL, 500, "An internal error"},
 };
 

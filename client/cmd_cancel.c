@@ -1,10 +1,11 @@
-/* oriel cancel ID */
+/* oriel cancel ID: returns when the job has stopped. */
 #include "command.h"
 
 #include <stdio.h>
 
 #include "follow.h"
 #include "http.h"
+#include "json_get.h"
 #include "report.h"
 
 int orl_cmd_cancel(const struct orl_command *self, int argc, char **argv)
@@ -14,7 +15,7 @@ int orl_cmd_cancel(const struct orl_command *self, int argc, char **argv)
     struct orl_operands operands;
     struct orl_http http = {0};
     struct orl_error err = {0};
-    json_t *nothing = json_object();
+    json_t *nothing = json_object(), *job = NULL;
     char path[1024];
     int rc;
 
@@ -24,9 +25,16 @@ int orl_cmd_cancel(const struct orl_command *self, int argc, char **argv)
     if (rc == 0)
         rc = orl_job_path(operands.items[0], "/cancel", path, sizeof path, &err);
     if (rc == 0)
-        rc = orl_http_post_json(&http, path, nothing, NULL, &err);
+        rc = orl_http_post_json(&http, path, nothing, &job, &err);
+    if (rc == 0 && !(job && orl_job_has_ended(job))) {
+        fprintf(stderr, "job %s: cancelling\n", operands.items[0]);
+        json_decref(job);
+        job = NULL;
+        rc = orl_await_job(&http, operands.items[0], &job, &err);
+    }
     if (rc == 0)
-        fprintf(stderr, "job %s: cancelled\n", operands.items[0]);
+        fprintf(stderr, "job %s: %s\n", operands.items[0], orl_json_text(job, "state"));
+    json_decref(job);
     json_decref(nothing);
     orl_http_close(&http);
     return rc ? orl_report_error(&err) : ORL_EXIT_OK;

@@ -31,7 +31,7 @@ static void print_study(const json_t *study)
 
 static void print_job(const json_t *job)
 {
-    const json_t *maps = json_object_get(job, "maps"), *map;
+    const json_t *maps = json_object_get(job, "maps"), *map, *warning;
     const double eta_s = orl_json_number(job, "eta_s", -1);
     const double position = orl_json_number(job, "queue_position", -1);
     char text[256];
@@ -56,6 +56,10 @@ static void print_job(const json_t *job)
     {
         orl_format_map(map, text, sizeof text);
         printf("%s\n", text);
+    }
+    json_array_foreach(json_object_get(job, "warnings"), i, warning)
+    {
+        printf("warning  %s\n", json_string_value(warning));
     }
     print_study(json_object_get(job, "study"));
     fflush(stdout);

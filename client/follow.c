@@ -57,6 +57,25 @@ struct noted {
     double rounds;
 };
 
+/* Says each warning of the job once; *told is made where it is NULL. */
+static void note_warnings(struct orl_progress *progress, const json_t *job, json_t **told)
+{
+    const json_t *warnings = json_object_get(job, "warnings"), *warning;
+    size_t i;
+
+    if (!*told)
+        *told = json_object();
+    json_array_foreach(warnings, i, warning)
+    {
+        const char *text = json_string_value(warning);
+
+        if (!text || json_object_get(*told, text))
+            continue;
+        json_object_set_new(*told, text, json_true());
+        orl_progress_note(progress, "warning: %s", text);
+    }
+}
+
 /* Says which sky is under way, of several; all that follows is about that one. */
 static void note_sky(struct orl_progress *progress, const json_t *job, struct noted *noted)
 {
@@ -175,11 +194,31 @@ static void show(struct orl_progress *progress, const json_t *job)
                       orl_json_number(job, "eta_s", -1));
 }
 
-static bool has_ended(const json_t *job)
+bool orl_job_has_ended(const json_t *job)
 {
     const char *state = orl_json_text(job, "state");
 
     return strcmp(state, "queued") != 0 && strcmp(state, "running") != 0;
+}
+
+int orl_await_job(struct orl_http *http, const char *id, json_t **ret_job, struct orl_error *err)
+{
+    char path[1024];
+    json_t *job = NULL;
+    int rc = orl_job_path(id, "", path, sizeof path, err);
+
+    while (rc == 0) {
+        rc = orl_http_call(http, "GET", path, &job, err);
+        if (rc == 0 && orl_job_has_ended(job)) {
+            *ret_job = job;
+            return 0;
+        }
+        json_decref(job);
+        job = NULL;
+        if (rc == 0)
+            pause_s(0.1);
+    }
+    return rc;
 }
 
 int orl_follow_job(struct orl_http *http, const char *id)
@@ -188,6 +227,7 @@ int orl_follow_job(struct orl_http *http, const char *id)
     struct orl_error err = {0};
     char path[1024];
     struct noted noted = {0};
+    json_t *told = NULL;
     double silent_since_s = -1, wait_s = 0.1;
     int rc = orl_job_path(id, "", path, sizeof path, &err);
 
@@ -204,15 +244,18 @@ int orl_follow_job(struct orl_http *http, const char *id)
             note_maps(&progress, job, &noted.maps);
             note_points(&progress, job, &noted.points);
             note_round(&progress, job, &noted.rounds);
-            if (has_ended(job)) {
+            note_warnings(&progress, job, &told);
+            if (orl_job_has_ended(job)) {
                 orl_progress_end(&progress);
                 code = conclude(job, id);
             } else {
                 show(&progress, job);
             }
             json_decref(job);
-            if (code >= 0)
+            if (code >= 0) {
+                json_decref(told);
                 return code;
+            }
         } else if (rc == ORL_ERR_IO && http->status == 0) {
             if (silent_since_s < 0) {
                 silent_since_s = orl_clock_s(NULL);
@@ -226,5 +269,6 @@ int orl_follow_job(struct orl_http *http, const char *id)
                               : wait_s; /* quick jobs end quickly, long ones poll little */
     }
     orl_progress_end(&progress);
+    json_decref(told);
     return orl_report_error(&err);
 }

@@ -36,7 +36,8 @@ static const struct orl_command commands[] = {
      "result.json and the files that belong to it: a job's images; a study's study.csv, study.svg\n"
      "and study.png.",
      orl_cmd_fetch},
-    {"cancel", "ID [--server URL]", "Stop a job", NULL, orl_cmd_cancel},
+    {"cancel", "ID [--server URL]", "Stop a job, and wait until it has stopped", NULL,
+     orl_cmd_cancel},
     {"remove", "job|scene|bsdf ID... [--server URL]", "Have a daemon forget what it keeps",
      "A job that has ended goes with its results; a scene when no job waits for it or runs, and a\n"
      "BSDF when no scene has it. Photon maps: oriel maps --remove.",

@@ -7,8 +7,8 @@
 #include "wrap.h"
 
 /* Columns of the table: the widest effect has 15 letters; the reason takes what is left. */
-enum { EFFECT_WIDTH = 15, SIMULATED_WIDTH = 11, BOUND_WIDTH = 9, SAVED_WIDTH = 8, GAP = 2 };
-enum { WHY_COLUMN = EFFECT_WIDTH + SIMULATED_WIDTH + BOUND_WIDTH + SAVED_WIDTH + 4 * GAP };
+enum { EFFECT_WIDTH = 15, SIMULATED_WIDTH = 11, BOUND_WIDTH = 9, TIME_WIDTH = 7, GAP = 2 };
+enum { WHY_COLUMN = EFFECT_WIDTH + SIMULATED_WIDTH + BOUND_WIDTH + 2 * TIME_WIDTH + 5 * GAP };
 enum { HEAD_WIDTH = 13 };
 
 static int left_out(const struct orl_plan *plan)
@@ -48,29 +48,30 @@ static void format_bound(const struct orl_decision *decision, char *ret_text, si
                  value, unit);
 }
 
-static void format_saved(const struct orl_decision *decision, char *ret_text, size_t size)
+static void format_time(double seconds, char *ret_text, size_t size)
 {
-    if (!(decision->saved_s > 0) || !isfinite(decision->saved_s))
+    if (!(seconds > 0) || !isfinite(seconds))
         snprintf(ret_text, size, "-");
-    else if (decision->saved_s < 0.05)
+    else if (seconds < 0.05)
         snprintf(ret_text, size, "<0.1 s");
-    else if (decision->saved_s < 100)
-        snprintf(ret_text, size, "%.1f s", decision->saved_s);
+    else if (seconds < 100)
+        snprintf(ret_text, size, "%.1f s", seconds);
     else
-        orl_format_duration(decision->saved_s, ret_text, size);
+        orl_format_duration(seconds, ret_text, size);
 }
 
 static void print_row(FILE *to, enum orl_effect effect, const struct orl_decision *decision)
 {
-    char simulated[32], bound[32], saved[32];
+    char simulated[32], bound[32], cost[32], saved[32];
 
     snprintf(simulated, sizeof simulated, "%s%s%s%s", decision->simulated ? "yes" : "no",
              decision->wish ? " (" : "", decision->wish ? orl_wish_name(decision->wish) : "",
              decision->wish ? ")" : "");
     format_bound(decision, bound, sizeof bound);
-    format_saved(decision, saved, sizeof saved);
-    fprintf(to, "%-*s  %-*s  %*s  %*s  ", EFFECT_WIDTH, orl_effect_name(effect), SIMULATED_WIDTH,
-            simulated, BOUND_WIDTH, bound, SAVED_WIDTH, saved);
+    format_time(decision->cost_s, cost, sizeof cost);
+    format_time(decision->saved_s, saved, sizeof saved);
+    fprintf(to, "%-*s  %-*s  %*s  %*s  %*s  ", EFFECT_WIDTH, orl_effect_name(effect),
+            SIMULATED_WIDTH, simulated, BOUND_WIDTH, bound, TIME_WIDTH, cost, TIME_WIDTH, saved);
     orl_print_wrapped(to, WHY_COLUMN, WHY_COLUMN, decision->why);
 }
 
@@ -92,7 +93,10 @@ static void print_photons(FILE *to, const struct orl_plan *plan)
         fprintf(to, "%s%s %s", before, amount, maps[i].name);
         before = ", ";
     }
-    fputs(*before ? "\n" : "none\n", to);
+    if (plan->technique == ORL_TECHNIQUE_BACKWARD && *before)
+        fputs(" (virtual lamps for the paths; no map)\n", to);
+    else
+        fputs(*before ? "\n" : "none\n", to);
 }
 
 /* What they will take, where a pilot was asked. */
@@ -134,8 +138,8 @@ void orl_plan_print(FILE *to, const struct orl_plan *plan)
     double saved_s = 0;
 
     print_head(to, plan);
-    fprintf(to, "\n%-*s  %-*s  %*s  %*s  %s\n", EFFECT_WIDTH, "effect", SIMULATED_WIDTH,
-            "simulated", BOUND_WIDTH, "bound", SAVED_WIDTH, "saved", "why");
+    fprintf(to, "\n%-*s  %-*s  %*s  %*s  %*s  %s\n", EFFECT_WIDTH, "effect", SIMULATED_WIDTH,
+            "simulated", BOUND_WIDTH, "bound", TIME_WIDTH, "costs", TIME_WIDTH, "saved", "why");
     for (int i = 0; i < ORL_EFFECT_COUNT; i++) {
         print_row(to, (enum orl_effect)i, &plan->effects[i]);
         if (isfinite(plan->effects[i].saved_s))

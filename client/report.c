@@ -25,12 +25,8 @@ int orl_report_reply_to_error(const char *body, size_t size, long status, struct
 int orl_report_error(const struct orl_error *err)
 {
     char text[2 * ORL_ERROR_TEXT_MAX + 2 * ORL_ERROR_NAME_MAX + 64];
-    struct orl_error shown = *err;
 
-    /* Mistakes in a job document carry their JSON path in the sentence as well: once is enough. */
-    if (strncmp(shown.message, shown.primitive, strlen(shown.primitive)) == 0)
-        shown.primitive[0] = '\0';
-    orl_error_format(&shown, text, sizeof text);
+    orl_error_format(err, text, sizeof text);
     /* With a file, the line starts with it, as compilers write; without, with our name. */
     fprintf(stderr, "%s%s\n", err->file[0] ? "" : "oriel: ", text);
     return ORL_EXIT_FAILED;

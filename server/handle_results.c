@@ -199,7 +199,7 @@ static char *find_summary(struct orl_request *request, struct shown *shown)
         return orl_jobs_worker(job) ? orl_worker_results(orl_jobs_worker(job), shown->folder)
                                     : NULL;
     orl_folders_path(&request->server->folders, shown->folder, "results/%s", job->row.id);
-    return job->row.state == ORL_JOB_SUCCEEDED && job->outcome ? strdup(job->outcome) : NULL;
+    return job->row.state != ORL_JOB_FAILED && job->outcome ? strdup(job->outcome) : NULL;
 }
 
 /* 409: nothing, or not that yet. */
@@ -213,8 +213,8 @@ static void refuse_for_now(struct orl_request *request, const struct orl_jobs_jo
         orl_reply_header(request, "Retry-After", "1");
 }
 
-/* False after a 404 or 409. A job has results when it has succeeded, or after its first
- * round or view. */
+/* False after a 404 or 409. A job has results when it has succeeded, after its first round or view,
+ * and cancelled when some of its skies were done. */
 static bool find_results(struct orl_request *request, struct shown *ret_shown)
 {
     struct shown shown = {.job = orl_jobs_find(request->server->jobs, request->params[0])};

@@ -15,7 +15,17 @@ struct glance {
     uint32_t rounds;
     size_t views, skies;
     size_t points, position;
+    size_t n_warnings; /* so far, of one that runs */
 };
+
+/* Those of one that has ended are in its outcome. */
+static json_t *final_warnings(const struct orl_jobs_job *job)
+{
+    json_t *outcome = job->outcome ? json_loads(job->outcome, 0, NULL) : NULL;
+    json_t *warnings = json_incref(json_object_get(outcome, "warnings"));
+    json_decref(outcome);
+    return warnings;
+}
 
 static struct glance take(const struct orl_jobs *jobs, const struct orl_jobs_job *job)
 {
@@ -38,6 +48,7 @@ static struct glance take(const struct orl_jobs *jobs, const struct orl_jobs_job
     glance.views = progress.n_views;
     glance.skies = progress.skies_done;
     glance.points = progress.n_points;
+    glance.n_warnings = progress.n_warnings;
     return glance;
 }
 
@@ -45,10 +56,20 @@ void orl_job_glance_id(const struct orl_jobs *jobs, const struct orl_jobs_job *j
                        char ret_id[ORL_GLANCE_ID])
 {
     const struct glance glance = take(jobs, job);
-    snprintf(ret_id, ORL_GLANCE_ID, "%s%s-%d-%s-%d-%u-%zu-%zu-%zu-%zu",
+    snprintf(ret_id, ORL_GLANCE_ID, "%s%s-%d-%s-%d-%u-%zu-%zu-%zu-%zu-%zu",
              orl_job_state_name(job->row.state), job->cancelled ? "-cancelling" : "",
              job->row.attempts, glance.stage ? glance.stage : "", glance.permille, glance.rounds,
-             glance.views, glance.skies, glance.points, glance.position);
+             glance.views, glance.skies, glance.points, glance.n_warnings, glance.position);
+}
+
+/* The warnings so far, or those that it has ended with. A new reference. */
+static json_t *list_warnings(const struct orl_jobs_job *job)
+{
+    struct orl_progress progress;
+    if (job->row.state != ORL_JOB_RUNNING || !orl_jobs_worker(job))
+        return final_warnings(job);
+    orl_worker_progress(orl_jobs_worker(job), &progress);
+    return orl_job_warnings(&progress);
 }
 
 json_t *orl_job_glance(const struct orl_jobs *jobs, const struct orl_jobs_job *job)
@@ -60,7 +81,11 @@ json_t *orl_job_glance(const struct orl_jobs *jobs, const struct orl_jobs_job *j
                   orl_job_state_name(job->row.state), "stage", glance.stage, "percent",
                   orl_json_from_real(glance.permille < 0 ? (double)NAN : glance.permille / 10.0),
                   "eta_s", orl_json_from_real(glance.eta_s));
+    json_t *warnings = list_warnings(job);
     int rc = 0;
+    if (json_array_size(warnings) > 0)
+        rc |= json_object_set(doc, "warnings", warnings);
+    json_decref(warnings);
     if (glance.position > 0)
         rc |= json_object_set_new(doc, "queue_position", json_integer((json_int_t)glance.position));
     if (glance.rounds > 0)

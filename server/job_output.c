@@ -1,8 +1,10 @@
 #include "job_output.h"
 
+#include <dirent.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "decode.h"
 #include "limits.h"
@@ -111,6 +113,33 @@ int orl_job_output_list_view(const struct orl_view_result *view, const char *fol
     return rc;
 }
 
+static bool is_listed(const json_t *list, const char *name)
+{
+    const json_t *entry;
+    size_t i;
+    json_array_foreach(list, i, entry)
+    {
+        const char *listed = json_string_value(json_object_get(entry, "name"));
+        if (listed && strcmp(listed, name) == 0)
+            return true;
+    }
+    return false;
+}
+
+void orl_job_output_prune(const json_t *list, const char *folder)
+{
+    char path[ORL_PATH_MAX];
+    DIR *entries = opendir(folder);
+    for (const struct dirent *entry; entries && (entry = readdir(entries));) {
+        if (entry->d_name[0] == '.' || is_listed(list, entry->d_name))
+            continue;
+        orl_job_output_path(folder, entry->d_name, path);
+        unlink(path);
+    }
+    if (entries)
+        closedir(entries);
+}
+
 /* A document as a file, on the list. */
 static int write_document(const json_t *doc, const char *name, const char *folder, json_t *list,
                           struct orl_error *err)
@@ -138,6 +167,20 @@ static int dump_summary(json_t *summary, char **ret_summary, struct orl_error *e
     return 0;
 }
 
+/* The first of a document's warnings, as many as are told while a job runs. */
+static json_t *first_warnings(const json_t *doc)
+{
+    const json_t *warnings = json_object_get(doc, "warnings");
+    const size_t count = json_array_size(warnings);
+    json_t *first = json_array();
+    for (size_t i = 0; i < count && i < ORL_JOB_WARNINGS; i++)
+        json_array_append(first, json_array_get(warnings, i));
+    if (count > ORL_JOB_WARNINGS)
+        json_array_append_new(first, json_sprintf("and %zu more, which %s has",
+                                                  count - (size_t)ORL_JOB_WARNINGS, result_file));
+    return first;
+}
+
 int orl_job_output_write(const struct orl_result *result, const char *state, const char *folder,
                          char **ret_summary, struct orl_error *err)
 {
@@ -147,12 +190,12 @@ int orl_job_output_write(const struct orl_result *result, const char *state, con
     for (size_t i = 0; i < result->n_views && rc == 0; i++)
         rc = orl_job_output_list_view(&result->views[i], folder, files, err);
     if (rc == 0)
-        rc = dump_summary(json_pack("{s:s, s:O, s:O, s:O, s:O*, s:O}", "technique",
+        rc = dump_summary(json_pack("{s:s, s:O, s:O, s:O, s:o, s:O*, s:O}", "technique",
                                     orl_technique_name(result->plan.technique), "threads",
                                     json_object_get(doc, "threads"), "timings_s",
                                     json_object_get(doc, "timings_s"), "maps",
-                                    json_object_get(doc, "maps"), "accuracy",
-                                    json_object_get(doc, "accuracy"), "files", files),
+                                    json_object_get(doc, "maps"), "warnings", first_warnings(doc),
+                                    "accuracy", json_object_get(doc, "accuracy"), "files", files),
                           ret_summary, err);
     json_decref(files);
     json_decref(doc);
@@ -167,18 +210,19 @@ int orl_sky_output_write(const json_t *result, const char *sky, const char *fold
     return write_document(result, name, folder, files, err);
 }
 
-int orl_skies_output_write(json_t *results, const char *folder, json_t *files, char **ret_summary,
-                           struct orl_error *err)
+int orl_skies_output_write(json_t *results, const char *state, size_t count, const char *folder,
+                           json_t *files, char **ret_summary, struct orl_error *err)
 {
-    const json_int_t count = (json_int_t)json_array_size(json_object_get(results, "skies"));
-    int rc = orl_skies_result_end(results, "succeeded")
+    const json_int_t done = (json_int_t)json_array_size(json_object_get(results, "skies"));
+    int rc = orl_skies_result_end(results, state)
                  ? orl_error_set(err, ORL_ERR_NOMEM, "out of memory")
                  : write_document(results, result_file, folder, files, err);
     if (rc == 0)
-        rc = dump_summary(json_pack("{s:O, s:O, s:{s:I, s:I}, s:O}", "threads",
+        rc = dump_summary(json_pack("{s:O, s:O, s:{s:I, s:I}, s:o, s:O}", "threads",
                                     json_object_get(results, "threads"), "timings_s",
-                                    json_object_get(results, "timings_s"), "skies", "count", count,
-                                    "done", count, "files", files),
+                                    json_object_get(results, "timings_s"), "skies", "count",
+                                    (json_int_t)count, "done", done, "warnings",
+                                    first_warnings(results), "files", files),
                           ret_summary, err);
     return rc;
 }
@@ -205,9 +249,9 @@ int orl_study_output_write(const struct orl_study *study, const struct orl_study
             rc = orl_job_output_list(drawn[i], folder, files, err);
     }
     if (rc == 0)
-        rc = dump_summary(
-            json_pack("{s:O, s:O}", "threads", json_object_get(doc, "threads"), "files", files),
-            ret_summary, err);
+        rc = dump_summary(json_pack("{s:O, s:o, s:O}", "threads", json_object_get(doc, "threads"),
+                                    "warnings", first_warnings(doc), "files", files),
+                          ret_summary, err);
     json_decref(files);
     json_decref(doc);
     return rc;

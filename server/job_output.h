@@ -31,23 +31,30 @@ int orl_job_output_list(const char *name, const char *folder, json_t *list, stru
 int orl_job_output_list_view(const struct orl_view_result *view, const char *folder, json_t *list,
                              struct orl_error *err);
 
+/* Removes whatever else is in the folder. */
+void orl_job_output_prune(const json_t *list, const char *folder);
+
 /*
  * Writes result.json, with that state, into folder and syncs it and the images. *ret_summary is the
- * JSON text kept with the job's row: {"technique", "threads", "timings_s", "maps", "accuracy" of a
- * job with a goal, "files": [{"name", "bytes", "sha256"}]}, owned.
+ * JSON text kept with the job's row: {"technique", "threads", "timings_s", "maps", "warnings",
+ * "accuracy" of a job with a goal, "files": [{"name", "bytes", "sha256"}]}, owned; of warnings the
+ * first ORL_JOB_WARNINGS.
  */
+enum { ORL_JOB_WARNINGS = 32 };
 int orl_job_output_write(const struct orl_result *result, const char *state, const char *folder,
                          char **ret_summary, struct orl_error *err);
 
 /* The result of one sky as <sky>.json, on the list of files ... */
 int orl_sky_output_write(const json_t *result, const char *sky, const char *folder, json_t *files,
                          struct orl_error *err);
-/* ... and those of all (skies_result_json.h), which is added to the list; the summary is
- * {"threads", "timings_s", "skies": {"count", "done"}, "files"}. */
-int orl_skies_output_write(json_t *results, const char *folder, json_t *files, char **ret_summary,
-                           struct orl_error *err);
+/* ... and those that are done, of count (skies_result_json.h), with that state, which is added to
+ * the list; the summary is {"threads", "timings_s", "skies": {"count", "done"}, "warnings",
+ * "files"}. */
+int orl_skies_output_write(json_t *results, const char *state, size_t count, const char *folder,
+                           json_t *files, char **ret_summary, struct orl_error *err);
 
-/* The same of a study: result.json, study.csv, study.svg, study.png; {"threads", "files"}. */
+/* The same of a study: result.json, study.csv, study.svg, study.png; {"threads", "warnings",
+ * "files"}. */
 int orl_study_output_write(const struct orl_study *study, const struct orl_study_request *request,
                            const char *folder, char **ret_summary, struct orl_error *err);
 

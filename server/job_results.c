@@ -14,7 +14,9 @@ static void results_path(const struct orl_jobs *jobs, const char *id, char ret_p
 
 bool orl_job_results_kept(const struct orl_jobs_job *job)
 {
-    return job->row.state == ORL_JOB_SUCCEEDED && job->row.evicted_ms == 0;
+    const bool has_some = job->row.state == ORL_JOB_SUCCEEDED ||
+                          (job->row.state == ORL_JOB_CANCELLED && job->outcome);
+    return has_some && job->row.evicted_ms == 0;
 }
 
 uint64_t orl_job_results_bytes(const struct orl_jobs *jobs)
@@ -47,7 +49,8 @@ void orl_job_results_settle(struct orl_jobs_job *job, enum orl_job_state state)
     struct orl_jobs *jobs = job->jobs;
     if (job->row.state <= ORL_JOB_RUNNING)
         jobs->expected_bytes -= job->row.result_bytes;
-    job->row.result_bytes = state == ORL_JOB_SUCCEEDED ? count_bytes(job->outcome) : 0;
+    const bool has_some = state == ORL_JOB_SUCCEEDED || state == ORL_JOB_CANCELLED;
+    job->row.result_bytes = has_some ? count_bytes(job->outcome) : 0;
     jobs->result_bytes += job->row.result_bytes;
 }
 

@@ -97,11 +97,14 @@ static struct orl_jobs_job *next_job(const struct orl_jobs *jobs)
 /* What became of a computation, for one of its jobs. */
 static void end_job(struct orl_jobs_job *job, const struct orl_worker_outcome *outcome)
 {
-    if (outcome->code == 0) {
+    const bool cancelled = outcome->code == ORL_ERR_CANCELLED && job->cancelled;
+    if (outcome->code == 0 || cancelled) {
         free(job->outcome);
         job->outcome = outcome->summary ? strdup(outcome->summary) : NULL;
+    }
+    if (outcome->code == 0) {
         orl_jobs_set_state(job, ORL_JOB_SUCCEEDED);
-    } else if (outcome->code == ORL_ERR_CANCELLED && job->cancelled) {
+    } else if (cancelled) {
         orl_jobs_set_state(job, ORL_JOB_CANCELLED);
     } else if (outcome->code == ORL_ERR_CANCELLED && job->requeue) {
         job->requeue = false;
@@ -128,12 +131,12 @@ static void end_follower(const struct orl_jobs_job *leader, struct orl_jobs_job 
 /* Ends the leader, unless it was cancelled before, and all that follow it. */
 static void end_all(struct orl_jobs_job *leader, const struct orl_worker_outcome *outcome)
 {
-    const bool requeue = leader->requeue;
+    const bool requeue = leader->requeue, ended = leader->row.state >= ORL_JOB_SUCCEEDED;
     struct orl_jobs_job *followers = leader->followers;
     char path[ORL_PATH_MAX];
     orl_runs_lead_no_more(leader);
     leader->followers = NULL;
-    if (leader->row.state < ORL_JOB_SUCCEEDED)
+    if (!ended)
         end_job(leader, outcome);
     while (followers) {
         struct orl_jobs_job *job = followers;
@@ -141,7 +144,7 @@ static void end_all(struct orl_jobs_job *leader, const struct orl_worker_outcome
         job->requeue = requeue;
         end_follower(leader, job, outcome);
     }
-    if (leader->row.state == ORL_JOB_CANCELLED && outcome->code == 0) {
+    if (ended && (outcome->code == 0 || outcome->summary)) {
         orl_folders_path(leader->jobs->env.folders, path, "results/%s", leader->row.id);
         orl_remove_tree(path, NULL);
     }

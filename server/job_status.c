@@ -28,6 +28,14 @@ double orl_job_eta_s(const struct orl_jobs_job *job, const struct orl_progress *
     return round(10 * elapsed * (1 - progress->job_fraction) / done) / 10;
 }
 
+json_t *orl_job_warnings(const struct orl_progress *progress)
+{
+    json_t *warnings = json_array();
+    for (size_t i = 0; i < progress->n_warnings; i++)
+        json_array_append_new(warnings, orl_json_from_text(progress->warnings[i]));
+    return warnings;
+}
+
 /* How many skies are done, and which is under way. */
 static int add_skies(json_t *doc, const struct orl_progress *progress)
 {
@@ -51,6 +59,7 @@ static int add_render(json_t *doc, const struct orl_progress *progress)
     rc |= json_object_set_new(doc, "maps", maps);
     if (progress->n_skies > 0)
         rc |= add_skies(doc, progress);
+    rc |= json_object_set_new(doc, "warnings", orl_job_warnings(progress));
     if (progress->outcome.asked)
         rc |= json_object_set_new(doc, "accuracy", orl_outcome_to_json(&progress->outcome));
     return rc;
@@ -121,14 +130,15 @@ static int add_finished(json_t *doc, json_t *links, const struct orl_jobs_job *j
     int rc = 0;
     if (job->row.state == ORL_JOB_FAILED && job->problem)
         rc = json_object_set_new(doc, "error", json_loads(job->problem, 0, NULL));
-    if (job->row.state != ORL_JOB_SUCCEEDED || !job->outcome)
+    if (job->row.state == ORL_JOB_FAILED || !job->outcome)
         return rc;
     json_t *outcome = json_loads(job->outcome, 0, NULL);
     if (job->row.evicted_ms > 0)
         rc = json_object_set_new(doc, "evicted", time_or_null(job->row.evicted_ms));
     else
         rc = add_links(links, job->row.id, outcome);
-    rc |= json_object_set_new(doc, "percent", json_real(100));
+    if (job->row.state == ORL_JOB_SUCCEEDED)
+        rc |= json_object_set_new(doc, "percent", json_real(100));
     rc |= json_object_update_missing(doc, outcome);
     json_decref(outcome);
     return rc;

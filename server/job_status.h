@@ -5,6 +5,9 @@
  * "client", "created", "started", "finished", "queue_position", "maps": [...], "timings_s": {...},
  * "error": {...}, "links": {"self", "result", "cancel", "files": [...]}}
  *
+ * "warnings" are there while it runs, as they come, and when it has ended with results: those of a
+ * job that has succeeded, and of a cancelled one the skies that were done.
+ *
  * "evicted" says when the results went to make room; there are no links to them then.
  *
  * stage, percent and eta_s are always there, null where nothing is known or meant; queue_position
@@ -22,6 +25,9 @@
 
 /* A new reference; NULL when out of memory. */
 json_t *orl_job_status(const struct orl_jobs *jobs, const struct orl_jobs_job *job);
+
+/* The warnings so far of one that runs. A new reference. */
+json_t *orl_job_warnings(const struct orl_progress *progress);
 
 /* Seconds that a running job has left, going by the share that it has done; NaN: not known yet. */
 double orl_job_eta_s(const struct orl_jobs_job *job, const struct orl_progress *progress);

@@ -203,9 +203,9 @@ bool orl_kept_find(const char *folder, const char *part, json_t **ret_files, jso
 
 json_t *orl_kept_view_to_json(const struct orl_view_result *view)
 {
-    return json_pack("{s:s, s:o, s:s, s:s, s:s*, s:s*}", "name", view->name, "seconds",
-                     orl_json_from_real(view->seconds), "hdr", view->hdr, "png", view->png,
-                     "error_hdr", view->error_hdr, "error_png", view->error_png);
+    return json_pack("{s:s, s:o, s:b, s:s, s:s, s:s*, s:s*}", "name", view->name, "seconds",
+                     orl_json_from_real(view->seconds), "black", (int)view->black, "hdr", view->hdr,
+                     "png", view->png, "error_hdr", view->error_hdr, "error_png", view->error_png);
 }
 
 /* A copy, or NULL: there is none, or no memory for it. */
@@ -223,6 +223,7 @@ bool orl_kept_view_from_json(const json_t *json, struct orl_view_result *ret_vie
                                    .error_hdr = copy_text(json, "error_hdr"),
                                    .error_png = copy_text(json, "error_png")};
     view.seconds = json_number_value(json_object_get(json, "seconds"));
+    view.black = json_is_true(json_object_get(json, "black"));
     if (view.name && view.hdr && view.png && !view.error_hdr == !view.error_png) {
         *ret_view = view;
         return true;

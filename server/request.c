@@ -75,7 +75,7 @@ static void refuse_too_large(struct orl_request *request)
 /* Finds the route and refuses at once what can be refused by the headers. */
 static void open_request(struct orl_request *request, const char *url, const char *version)
 {
-    char allow[64];
+    char allow[64], types[160];
     const struct orl_route *route = NULL;
     const char *fault = orl_framing_check(request->connection, version);
     if (fault) {
@@ -111,9 +111,8 @@ static void open_request(struct orl_request *request, const char *url, const cha
         refuse_too_large(request);
     else if (!orl_router_accepts(route, orl_request_header(request, MHD_HTTP_HEADER_CONTENT_TYPE)))
         orl_reply_problem(request, 415, "unsupported-media-type",
-                          "The body has a type that is not understood", "%s takes %s%s%s", url,
-                          route->types[0], route->types[1] ? " or " : "",
-                          route->types[1] ? route->types[1] : "");
+                          "The body has a type that is not understood", "%s takes %s", url,
+                          orl_router_types(route, types));
 }
 
 static struct orl_request *new_request(struct orl_server *server, struct MHD_Connection *connection,

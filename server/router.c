@@ -113,3 +113,16 @@ bool orl_router_accepts(const struct orl_route *route, const char *content_type)
             return true;
     return false;
 }
+
+const char *orl_router_types(const struct orl_route *route, char ret_types[160])
+{
+    int used = 0;
+    ret_types[0] = '\0';
+    for (size_t i = 0; route->types && route->types[i] && used < 160; i++)
+        used += snprintf(ret_types + used, 160 - (size_t)used, "%s%s",
+                         i == 0                ? ""
+                         : route->types[i + 1] ? ", "
+                                               : " or ",
+                         route->types[i]);
+    return ret_types;
+}

@@ -33,6 +33,9 @@ size_t orl_router_index(const struct orl_route *route);
 /* How many routes there are; the contract must have as many operations. */
 size_t orl_router_count(void);
 
+/* The types that it takes, as "a, b or c". Returns ret_types. */
+const char *orl_router_types(const struct orl_route *route, char ret_types[160]);
+
 /* Does the media type of a Content-Type header (NULL: none) suit the route? */
 bool orl_router_accepts(const struct orl_route *route, const char *content_type);
 

@@ -68,8 +68,9 @@ static struct candidate *list_candidates(const struct orl_jobs *jobs,
                                          const struct orl_stored_map *maps, size_t n_maps,
                                          size_t *ret_count)
 {
-    struct candidate *list =
-        calloc(n_maps + orl_jobs_count(jobs, ORL_JOB_SUCCEEDED) + 1, sizeof *list);
+    const size_t n_jobs =
+        orl_jobs_count(jobs, ORL_JOB_SUCCEEDED) + orl_jobs_count(jobs, ORL_JOB_CANCELLED);
+    struct candidate *list = calloc(n_maps + n_jobs + 1, sizeof *list);
     const int64_t now_ms = orl_time_now_ms();
     size_t count = 0;
     if (!list)

@@ -40,6 +40,8 @@ static void worker_free(struct orl_worker *worker)
     orl_crew_free(worker->crew);
     pthread_mutex_destroy(&worker->news_mutex);
     free(worker->members);
+    for (size_t i = 0; i < worker->n_warnings; i++)
+        free(worker->warnings[i]);
     free(worker->points);
     free(worker->results);
     free(worker);
@@ -109,6 +111,8 @@ void orl_worker_progress(struct orl_worker *worker, struct orl_progress *ret_pro
     ret_progress->n_skies = worker->n_skies;
     ret_progress->skies_done = worker->skies_done;
     memcpy(ret_progress->sky, worker->sky, sizeof worker->sky);
+    ret_progress->warnings = (const char *const *)worker->warnings;
+    ret_progress->n_warnings = worker->n_warnings;
     ret_progress->n_views = worker->n_views;
     ret_progress->step = worker->step;
     ret_progress->n_settings = worker->n_settings;

@@ -10,7 +10,7 @@
  * A render job with a goal has results after each of its rounds, any other has each view as soon as
  * it is rendered, in the folder that it works in, and one of several skies the result of each; the
  * latter two's stay there when it is stopped rather than cancelled, and when the daemon is killed
- * (kept_parts.h).
+ * (kept_parts.h). Skies that are done stay for good when the job is cancelled.
  *
  * Results: written to partial/<job>, synced, then moved to results/<job> as a whole; only then done
  * is called with code 0.
@@ -32,13 +32,15 @@
 
 struct orl_worker;
 
-enum { ORL_WORKER_SKY = 80 };
+enum { ORL_WORKER_SKY = 80, ORL_WORKER_WARNINGS = 32 }; /* as in job_output.h */
 
 struct orl_worker_outcome {
     int code;             /* 0 or a negative orl_err */
     struct orl_error err; /* why, when code is not 0 */
     struct orl_tally tally;
-    char *summary; /* JSON text, see job_output.h; owned by done, or NULL */
+    /* JSON text, see job_output.h; owned by done, or NULL. A cancelled job of several skies has one
+     * when some of them were done: their results are where they stay. */
+    char *summary;
 };
 
 struct orl_worker_spec {
@@ -66,6 +68,9 @@ struct orl_progress {
     struct orl_outcome outcome; /* of a job with a goal, after its first round */
     size_t n_skies, skies_done; /* of a job with several; else 0 */
     char sky[ORL_WORKER_SKY];   /* the one under way, or "" */
+    /* The first few so far, each once; valid until the loop's next turn. */
+    const char *const *warnings;
+    size_t n_warnings;
     /* Of a study, once its first run is under way; else runs are 0. */
     struct orl_study_step step;
     size_t n_settings;                    /* points it will have */

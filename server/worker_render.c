@@ -34,6 +34,19 @@ static void on_plan_ready(void *ctx, const struct orl_plan *plan)
     atomic_store(&worker->technique, (int)plan->technique);
 }
 
+static void on_warned(void *ctx, const char *warning)
+{
+    struct orl_worker *worker = ctx;
+    bool known = worker->n_warnings == ORL_WORKER_WARNINGS; /* the result has them all */
+    for (size_t i = 0; i < worker->n_warnings; i++)
+        known = known || strcmp(worker->warnings[i], warning) == 0;
+    char *text = known ? NULL : strdup(warning);
+    pthread_mutex_lock(&worker->news_mutex);
+    if (text)
+        worker->warnings[worker->n_warnings++] = text;
+    pthread_mutex_unlock(&worker->news_mutex);
+}
+
 static void on_map_ready(void *ctx, const struct orl_map_info *info)
 {
     struct orl_worker *worker = ctx;
@@ -175,6 +188,7 @@ struct orl_run_env orl_worker_env(struct orl_worker *worker, const struct orl_fi
         .now_s = now_s,
         .progress = on_progress,
         .plan_ready = on_plan_ready,
+        .warned = on_warned,
         .map_ready = on_map_ready,
         .view_kept = on_view_kept,
         .view_written = on_view_written,

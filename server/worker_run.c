@@ -116,22 +116,37 @@ static int run_document(struct orl_worker *worker, struct orl_error *err)
     return rc;
 }
 
-int orl_worker_lead(struct orl_worker *worker, struct orl_error *err)
+/* What is in the work folder goes to where results stay. */
+static int publish(const struct orl_worker *worker, struct orl_error *err)
 {
     char final[ORL_PATH_MAX];
-    const char *output = worker->output;
-    orl_kept_folder(worker->spec.folders, worker->spec.job_id, worker->output);
     orl_folders_path(worker->spec.folders, final, "results/%s", worker->spec.job_id);
-    int rc = run_document(worker, err);
-    if (rc == 0)
-        orl_kept_forget(output);
-    if (rc == 0)
-        rc = orl_sync_path(output, err);
+    orl_kept_forget(worker->output);
+    int rc = orl_sync_path(worker->output, err);
     /* A crash between the rename and the row leaves results of an earlier attempt. */
     if (rc == 0)
         rc = orl_remove_tree(final, err);
+    return rc ? rc : orl_rename_synced(worker->output, final, err);
+}
+
+/* What a cancelled job has to show; without that it is cancelled all the same. */
+static void publish_done(struct orl_worker *worker)
+{
+    if (!worker->outcome.summary || publish(worker, NULL) == 0)
+        return;
+    free(worker->outcome.summary);
+    worker->outcome.summary = NULL;
+}
+
+int orl_worker_lead(struct orl_worker *worker, struct orl_error *err)
+{
+    const char *output = worker->output;
+    orl_kept_folder(worker->spec.folders, worker->spec.job_id, worker->output);
+    int rc = run_document(worker, err);
     if (rc == 0)
-        rc = orl_rename_synced(output, final, err);
+        rc = publish(worker, err);
+    else if (rc == ORL_ERR_CANCELLED)
+        publish_done(worker);
     if (rc && !(rc == ORL_ERR_CANCELLED && worker->keeps && atomic_load(&worker->stopped)))
         orl_remove_tree(output, NULL);
     return rc;

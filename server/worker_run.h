@@ -40,7 +40,9 @@ struct orl_worker {
     size_t n_views;            /* done */
     json_t *files;             /* theirs; the lead's */
     size_t n_skies, skies_done;
-    char sky[ORL_WORKER_SKY];    /* that is under way, of several */
+    char sky[ORL_WORKER_SKY];            /* that is under way, of several */
+    char *warnings[ORL_WORKER_WARNINGS]; /* owned; those below n_warnings never change */
+    size_t n_warnings;
     struct orl_worker_part part; /* the lead's, while it renders */
     char output[ORL_PATH_MAX];   /* where they are; set before there are any */
     struct orl_study_step step;

@@ -120,9 +120,15 @@ int orl_worker_render_skies(struct orl_worker *worker, const struct orl_job *job
     worker->files = json_array();
     int rc = p.results ? orl_run_skies(job, &env, &skies, err)
                        : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-    if (rc == 0)
-        rc = orl_skies_output_write(p.results, worker->output, worker->files,
-                                    &worker->outcome.summary, err);
+    const bool cancelled = rc == ORL_ERR_CANCELLED && !atomic_load(&worker->stopped);
+    if (rc == 0 || (cancelled && worker->skies_done > 0)) {
+        const int written = orl_skies_output_write(p.results, rc == 0 ? "succeeded" : "cancelled",
+                                                   job->n_skies, worker->output, worker->files,
+                                                   &worker->outcome.summary, rc == 0 ? err : NULL);
+        rc = rc == 0 ? written : rc;
+    }
+    if (cancelled && worker->outcome.summary)
+        orl_job_output_prune(worker->files, worker->output);
     json_decref(worker->part.files);
     json_decref(worker->files);
     json_decref(p.results);

@@ -68,7 +68,10 @@ class Problem(OrielError):
 
     def _sentence(self):
         place = ":".join(str(part) for part in (self.file, self.line) if part)
-        text = ": ".join(part for part in (place, self.primitive, self.detail or self.title) if part)
+        what = self.detail or self.title
+        # Mistakes in a document have their place in the sentence as well: once is enough.
+        where = None if what and what.startswith("%s:" % self.primitive) else self.primitive
+        text = ": ".join(part for part in (place, where, what) if part)
         return "%s (%s)" % (text, self.hint) if self.hint else text
 
 

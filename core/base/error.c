@@ -1,6 +1,7 @@
 #include <oriel/error.h>
 
 #include <errno.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -47,8 +48,9 @@ int orl_err_of_errno(int why)
 const char *orl_err_name(int code)
 {
     static const char *const names[] = {
-        "ok",    "no-memory", "io",      "syntax",    "unsupported", "out-of-range", "not-found",
-        "limit", "corrupt",   "version", "cancelled", "invalid",     "internal",     "disk-full",
+        "ok",           "no-memory", "io",       "syntax",    "unsupported",
+        "out-of-range", "not-found", "limit",    "corrupt",   "version",
+        "cancelled",    "invalid",   "internal", "disk-full", "unlit",
     };
     const int index = -code;
     return index >= 0 && index < (int)(sizeof names / sizeof *names) ? names[index] : "unknown";
@@ -63,6 +65,13 @@ static void append(char *text, unsigned long size, unsigned long *used, const ch
     memcpy(text + *used, part, taken);
     *used += taken;
     text[*used] = '\0';
+}
+
+/* Mistakes in JSON documents have their path in the sentence as well: once is enough. */
+static bool begins_with_place(const struct orl_error *err)
+{
+    const unsigned long length = strlen(err->primitive);
+    return strncmp(err->message, err->primitive, length) == 0 && err->message[length] == ':';
 }
 
 void orl_error_format(const struct orl_error *err, char *ret_text, unsigned long size)
@@ -80,7 +89,7 @@ void orl_error_format(const struct orl_error *err, char *ret_text, unsigned long
         }
         append(ret_text, size, &used, ": ");
     }
-    if (err->primitive[0]) {
+    if (err->primitive[0] && !begins_with_place(err)) {
         append(ret_text, size, &used, err->primitive);
         append(ret_text, size, &used, ": ");
     }

@@ -24,6 +24,19 @@ static int check_ranges(const struct range *ranges, size_t count, struct orl_err
     return 0;
 }
 
+/* An hour before midnight: 24 is the next day's 0, and said so. */
+static int check_hour(double hour, struct orl_error *err)
+{
+    if (hour >= 0 && hour < 24)
+        return 0;
+    orl_error_set(err, ORL_ERR_RANGE, "the sky's hour is %g, and must be at least 0 and below 24",
+                  hour);
+    orl_error_at(err, NULL, 0, "sky");
+    if (hour == 24)
+        orl_error_hint(err, "Midnight is hour 0 of the next day");
+    return ORL_ERR_RANGE;
+}
+
 static int fail(struct orl_error *err, const char *what)
 {
     orl_error_set(err, ORL_ERR_INVALID, "%s", what);
@@ -36,11 +49,12 @@ static int check_time(const struct orl_sky_request *r, struct orl_error *err)
     static const signed char days[12] = {31, 29, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31};
     const struct range ranges[] = {{"month", r->month, 1, 12},
                                    {"day", r->day, 1, 31},
-                                   {"hour", r->hour, 0, nextafter(24, 0)},
                                    {"latitude", r->latitude_deg, -90, 90},
                                    {"longitude", r->longitude_deg, -180, 180},
                                    {"time_zone", r->time_zone_h, -14, 14}};
-    const int code = check_ranges(ranges, sizeof ranges / sizeof *ranges, err);
+    int code = check_ranges(ranges, sizeof ranges / sizeof *ranges, err);
+    if (code == 0)
+        code = check_hour(r->hour, err);
     if (code == 0 && r->day > days[r->month - 1])
         return fail(err, "the sky's month has no such day");
     return code;

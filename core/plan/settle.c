@@ -13,6 +13,7 @@ bool orl_settle(struct orl_decision *decision, const struct orl_finding *finding
     decision->unit = finding->unit;
     decision->bound = finding->bound;
     decision->saved_s = decision->simulated ? 0 : finding->saved_s;
+    decision->cost_s = decision->simulated ? finding->saved_s : 0;
     if (decision->wish != ORL_WISH_AUTO)
         at = snprintf(decision->why, sizeof decision->why, "as asked; ");
     va_start(args, format);

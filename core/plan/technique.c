@@ -38,9 +38,11 @@ static enum orl_technique by_itself(const struct orl_survey *survey, const struc
                  survey->request->n_sensors);
         return ORL_TECHNIQUE_GATHER;
     }
-    snprintf(ret_why, ORL_WHY_MAX,
-             "%zu sensors and no view: paths are exact on average, and need no map",
-             survey->request->n_sensors);
+    snprintf(
+        ret_why, ORL_WHY_MAX,
+        "%zu sensors and no view: paths are exact on average; photons become virtual lamps for "
+        "them, and no map is kept",
+        survey->request->n_sensors);
     return ORL_TECHNIQUE_BACKWARD;
 }
 

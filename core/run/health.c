@@ -1,4 +1,5 @@
 /* What the run counted of its numbers, put into words where it matters. */
+#include <stdio.h>
 #include <stdlib.h>
 
 #include "light/reach.h"
@@ -7,8 +8,8 @@
 enum { OUTLOOK_PATHS = 16384, VIEW_PATHS = 2048, VIEW_PROBES = 64 };
 
 /* Shares from which on a warning is due. */
-static const double many_leaks = 1e-6, much_flux = 1e-4, many_paths = 1e-3, many_values = 1e-3,
-                    many_sparse = 0.1;
+static const double many_leaks = 1e-6, grave_leaks = 1e-3, much_flux = 1e-4, many_paths = 1e-3,
+                    many_values = 1e-3, many_sparse = 0.1;
 
 /* BSDFs that would have made light out of nothing are each said once; the rest is counted. */
 void orl_run_count_scene(struct orl_run_state *state, const struct orl_description *d)
@@ -128,16 +129,39 @@ static void judge_leaks(struct orl_run_state *state, const struct orl_health *h)
 {
     const struct orl_vec3 p = h->leak_from, d = h->leak_towards;
     const unsigned long long leaked = h->rays_leaked, rays = h->rays;
-    if (!(share(h->rays_leaked, h->rays) > many_leaks))
+    const double lost = share(h->rays_leaked, h->rays);
+    char place[160] = "", verdict[160];
+    if (!(lost > many_leaks))
         return;
     if (orl_dot(d, d) > 0)
-        orl_run_warn(state,
-                     "%llu of %llu rays left the building by no window: it is not closed; "
-                     "one got out from (%.6g %.6g %.6g) towards (%.4f %.4f %.4f)",
-                     leaked, rays, p.x, p.y, p.z, d.x, d.y, d.z);
+        snprintf(place, sizeof place,
+                 "; one got out from (%.6g %.6g %.6g) towards (%.4f %.4f %.4f)", p.x, p.y, p.z, d.x,
+                 d.y, d.z);
+    if (lost < grave_leaks)
+        snprintf(verdict, sizeof verdict,
+                 "the results are good: what is lost is about %.2g %% of the light", 100 * lost);
     else
-        orl_run_warn(state, "%llu of %llu rays left the building by no window: it is not closed",
-                     leaked, rays);
+        snprintf(verdict, sizeof verdict,
+                 "the results are not good near the gap: %.2g %% of the rays are lost, and what "
+                 "comes in there is not simulated",
+                 100 * lost);
+    orl_run_warn(state, "%llu of %llu rays left the building by no window: it is not closed%s; %s",
+                 leaked, rays, place, verdict);
+}
+
+/* Fewer than 8 photons scatter by more than 1 / sqrt(8). What that does depends on who looks. */
+static void judge_sparse(struct orl_run_state *state, const struct orl_health *h)
+{
+    const bool shown = state->result->plan.technique == ORL_TECHNIQUE_DIRECT;
+    const double sparse = share(h->sparse, h->estimates);
+    if (!(sparse > many_sparse))
+        return;
+    orl_run_warn(
+        state, "%.0f %% of the density estimates rest on fewer than 8 photons: %s", 100 * sparse,
+        shown ? "the results are not good there, they err by a third or more; more photons "
+                "would mend that"
+              : "each value averages over many, and is as good as its stated error says; "
+                "more photons would make it better");
 }
 
 void orl_run_judge_health(struct orl_run_state *state)
@@ -165,9 +189,5 @@ void orl_run_judge_health(struct orl_run_state *state)
     if (share(h->bsdf_clamped, h->bsdf_values) > many_values)
         orl_run_warn(state, "%llu of %llu values of the BSDFs are negative and were read as zero",
                      (unsigned long long)h->bsdf_clamped, (unsigned long long)h->bsdf_values);
-    if (share(h->sparse, h->estimates) > many_sparse)
-        orl_run_warn(state,
-                     "%.0f %% of the density estimates rest on fewer than 8 photons: more "
-                     "photons would make the results less rough",
-                     100 * share(h->sparse, h->estimates));
+    judge_sparse(state, h);
 }

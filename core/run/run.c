@@ -91,6 +91,8 @@ void orl_run_warn(struct orl_run_state *state, const char *format, ...)
     va_start(args, format);
     vsnprintf(text, sizeof text, format, args);
     va_end(args);
+    if (state->env->warned)
+        state->env->warned(state->env->ctx, text);
     char **grown = realloc(r->warnings, (r->n_warnings + 1) * sizeof *grown);
     if (!grown)
         return;
@@ -220,6 +222,8 @@ static int run_stages(struct orl_run_state *state, struct orl_error *err)
     int code = prepare(state, err);
     if (code == 0)
         code = in_rounds ? orl_run_rounds(state, err) : orl_run_technique(state, err);
+    if (code == 0)
+        code = orl_run_judge_darkness(state, err);
     if (code == 0) {
         leave(state);
         orl_run_judge_health(state);

@@ -73,6 +73,10 @@ bool orl_run_is_dark(struct orl_run_state *state);
 /* Warns of an eye inside a solid, in a wall or on a surface. */
 void orl_run_judge_view(struct orl_run_state *state, const char *name, const struct orl_view *view);
 
+/* At the end: warns of sensors and views without light among others; without any it is an error,
+ * ORL_ERR_UNLIT, unless the job expects that, or it is night. */
+int orl_run_judge_darkness(struct orl_run_state *state, struct orl_error *err);
+
 /* At the end: warnings where the result's health calls for them. */
 void orl_run_judge_health(struct orl_run_state *state);
 

@@ -114,6 +114,15 @@ static int write_files(const struct orl_run_state *state, struct writing *writin
     return 0;
 }
 
+static bool is_black(const struct orl_film *film)
+{
+    const size_t count = (size_t)film->width * film->height;
+    for (size_t i = 0; i < count; i++)
+        if (film->pixels[i][0] != 0 || film->pixels[i][1] != 0 || film->pixels[i][2] != 0)
+            return false;
+    return true;
+}
+
 int orl_run_write_view(struct orl_run_state *state, size_t index, const struct orl_film *film,
                        struct orl_error *err)
 {
@@ -128,6 +137,7 @@ int orl_run_write_view(struct orl_run_state *state, size_t index, const struct o
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     }
     writing->film = film;
+    result->black = is_black(film);
     int code = orl_view_parse(request->view, &writing->view, err);
     if (code == 0)
         code = name_files(state, result, writing, count, err);

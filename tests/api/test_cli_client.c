@@ -339,11 +339,18 @@ static void test_fetch_keeps_nothing_that_failed(void **state)
 
 static void test_cancel(void **state)
 {
-    static const struct canned canned[] = {{"POST /v1/jobs/7/cancel", 202, ""}, {NULL, 0, NULL}};
+    static const struct canned canned[] = {
+        {"POST /v1/jobs/7/cancel", 202, "{\"state\": \"running\", \"cancelling\": true}"},
+        {"GET /v1/jobs/7", 200, "{\"state\": \"running\", \"cancelling\": true}"},
+        {"GET /v1/jobs/7", 200, "{\"state\": \"cancelled\"}"},
+        {NULL, 0, NULL}};
     struct fixture *f = *state;
 
     run(f, canned, "cancel", "7", NULL);
     assert_int_equal(f->result.exit_code, 0);
+    assert_int_equal(times_asked(f, "GET /v1/jobs/7"), 2);
+    assert_says(f->result.err, "job 7: cancelling");
+    assert_says(f->result.err, "job 7: cancelled");
     assert_int_equal(times_asked(f, "POST /v1/jobs/7/cancel"), 1);
 }
 

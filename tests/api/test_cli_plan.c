@@ -68,6 +68,7 @@ static json_t *without_seconds(json_t *plan)
     json_array_foreach(effects, i, effect)
     {
         assert_int_equal(json_object_del(effect, "saved_s"), 0);
+        assert_int_equal(json_object_del(effect, "cost_s"), 0);
     }
     if (foresight) {
         assert_int_equal(json_object_del(foresight, "seconds"), 0);

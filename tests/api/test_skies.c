@@ -240,6 +240,46 @@ static void test_other_programs_leave_nothing(void **state)
     assert_int_equal(daemon_count_files(&f->daemon, "partial"), 0);
 }
 
+/* What is done when a job is cancelled stays, as of one that has succeeded; over a restart too. */
+static void test_cancelled_between_skies(void **state)
+{
+    static const char skies[] =
+        "\"skies\":[" HOUR("9.5") "," HOUR("11.5") "," HOUR("13.5") "," HOUR("15.5") "]";
+    struct daemon_room *f = *state;
+    struct reply reply;
+    char job[80], more[1024];
+    snprintf(more, sizeof more, "%s%s", skies, VIEW("200"));
+    submit(f, more, job);
+    assert_true(wait_for_skies(f, job, 1));
+    cancel(f, job);
+    for (int restarted = 0; restarted < 2; restarted++) {
+        daemon_get(&f->daemon, job, &reply);
+        assert_string_equal(reply_text(&reply, "state"), "cancelled");
+        assert_true(reply_number(&reply, "skies.count") == 4);
+        const int done = (int)reply_number(&reply, "skies.done");
+        assert_in_range(done, 1, 3);
+        assert_int_equal(json_array_size(reply_at(&reply, "files")), done * 5 + 1);
+        assert_int_equal(json_array_size(reply_at(&reply, "links.files")), done * 5 + 1);
+        reply_done(&reply);
+        get_below(f, job, "result", &reply);
+        assert_string_equal(reply_text(&reply, "state"), "cancelled");
+        assert_int_equal(json_array_size(reply_at(&reply, "skies")), done);
+        reply_done(&reply);
+        get_below(f, job, "files/0322-0930.json", &reply);
+        assert_true(reply_number(&reply, "sensors.0.illuminance_lx") > 10000);
+        reply_done(&reply);
+        char below[64];
+        snprintf(below, sizeof below, "results/%s", strrchr(job, '/') + 1);
+        assert_int_equal(daemon_count_files(&f->daemon, below), done * 5 + 1);
+        assert_int_equal(daemon_count_files(&f->daemon, "partial"), 0);
+        daemon_end(&f->daemon, restarted ? SIGTERM : SIGKILL);
+        daemon_restart(&f->daemon, NULL);
+    }
+    daemon_request(&f->daemon, "DELETE", job, NULL, NULL, 0, NULL, &reply);
+    assert_int_equal(reply.status, 204);
+    reply_done(&reply);
+}
+
 static void test_mistakes_are_told_at_once(void **state)
 {
     static const struct {
@@ -332,6 +372,7 @@ int main(void)
         cmocka_unit_test(test_a_day),
         cmocka_unit_test(test_torn_between_skies),
         cmocka_unit_test(test_other_programs_leave_nothing),
+        cmocka_unit_test(test_cancelled_between_skies),
         cmocka_unit_test(test_mistakes_are_told_at_once),
         cmocka_unit_test(test_same_by_the_command),
     };

@@ -83,6 +83,30 @@ static void test_same_scene_as_by_parts(void **state)
     assert_string_equal(within, by_zip);
 }
 
+/* Without one at the top it is those of the one folder that has some, as with a zip of a folder
+ * within a folder; of several the answer asks which. */
+static void test_scene_in_a_folder(void **state)
+{
+    static const char hut[] = "void plastic grey\n0\n0\n5 0.4 0.4 0.4 0 0\n"
+                              "grey sphere hut\n0\n0\n4 1 1 1 0.4\n!xform -t 1 0 0 ./part.rad\n";
+    static const char part[] = "grey sphere part\n0\n0\n4 1 1 1 0.1\n";
+    const struct zip_entry one[] = {
+        ZIP_TEXT("readme.txt", "a hut"), ZIP_TEXT("model/scene/hut.rad", hut),
+        ZIP_TEXT("model/scene/part.rad", part), ZIP_TEXT("model/scene/old/hut.rad", part)};
+    const struct zip_entry two[] = {ZIP_TEXT("readme.txt", "two huts"), ZIP_TEXT("a/hut.rad", hut),
+                                    ZIP_TEXT("b/hut.rad", hut)};
+    struct reply reply;
+    post_zip(*state, "", one, 4, &reply);
+    if (reply.status != 201)
+        fail_msg("%s", reply.body);
+    assert_true(reply_number(&reply, "summary.surfaces") == 2);
+    reply_done(&reply);
+    post_zip(*state, "", two, 3, &reply);
+    assert_int_equal(reply.status, 422);
+    assert_non_null(strstr(reply_text(&reply, "hint"), "say which by main"));
+    reply_done(&reply);
+}
+
 /* Who needs another order than that of names says so. */
 static void test_main_files(void **state)
 {
@@ -217,8 +241,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_same_scene_as_by_parts), cmocka_unit_test(test_main_files),
-        cmocka_unit_test(test_entries_refused),        cmocka_unit_test(test_archives_refused),
-        cmocka_unit_test(test_bombs_refused),
+        cmocka_unit_test(test_scene_in_a_folder),      cmocka_unit_test(test_entries_refused),
+        cmocka_unit_test(test_archives_refused),       cmocka_unit_test(test_bombs_refused),
     };
     return cmocka_run_group_tests(tests, daemon_set_up, daemon_tear_down);
 }

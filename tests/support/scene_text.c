@@ -70,6 +70,7 @@ static void fill_job(const struct scene_run *run, char **names, struct orl_view_
     job->photons_caustic = run->caustic;
     job->gather_samples = run->samples;
     job->pixel_samples = run->pixel_samples;
+    job->dark_expected = !run->dark_is_error;
     if (run->goal.relative_error > 0 || run->goal.deadline_s > 0) {
         job->goal = run->goal;
         job->photons_global = job->photons_caustic = ORL_PHOTONS_BY_PLAN;

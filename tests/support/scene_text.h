@@ -32,6 +32,7 @@ struct scene_run {
     const char *folder;          /* where maps and images stay; NULL: nowhere */
     struct orl_shelf *shelf;     /* between runs; NULL: nothing is kept */
     struct orl_goal goal;        /* set: instead of photons and samples */
+    bool dark_is_error;          /* as for users; tests judge numbers by themselves */
     atomic_bool *cancel;         /* NULL: nobody cancels */
     /* NULL: the machine's clock; no one is told. All get ctx. */
     double (*now_s)(void *ctx);

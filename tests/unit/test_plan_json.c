@@ -140,6 +140,7 @@ static struct orl_plan example(void)
         d->unit = (enum orl_bound_unit)(i % 3);
         d->bound = 0.5 + i;
         d->saved_s = 0.25 * i;
+        d->cost_s = 0.5 * i;
         snprintf(d->why, sizeof d->why, "because of %d", i);
     }
     return plan;
@@ -164,7 +165,7 @@ static void check_decision(const json_t *told, enum orl_effect effect,
 {
     static const char *const units[] = {NULL, "lx", "relative"};
     const json_t *bound = json_object_get(told, "bound");
-    assert_int_equal(json_object_size(told), 6);
+    assert_int_equal(json_object_size(told), 7);
     assert_string_equal(json_string_value(json_object_get(told, "effect")),
                         orl_effect_name(effect));
     assert_int_equal(json_is_true(json_object_get(told, "simulated")), decision->simulated);
@@ -172,6 +173,7 @@ static void check_decision(const json_t *told, enum orl_effect effect,
                         orl_wish_name(decision->wish));
     assert_string_equal(json_string_value(json_object_get(told, "why")), decision->why);
     assert_true(json_number_value(json_object_get(told, "saved_s")) == decision->saved_s);
+    assert_true(json_number_value(json_object_get(told, "cost_s")) == decision->cost_s);
     assert_int_equal(json_is_null(bound), decision->unit == ORL_BOUND_NONE);
     if (decision->unit == ORL_BOUND_NONE)
         return;

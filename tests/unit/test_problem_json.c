@@ -52,7 +52,7 @@ static void test_absent_members_are_absent(void **state)
 static void test_every_code_has_a_status(void **state)
 {
     (void)state;
-    for (int code = ORL_ERR_NOMEM; code >= ORL_ERR_FULL; code--) {
+    for (int code = ORL_ERR_NOMEM; code >= ORL_ERR_UNLIT; code--) {
         const int status = orl_problem_status(code);
         assert_in_range(status, 400, 599);
         struct orl_error err, back;

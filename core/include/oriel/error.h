@@ -25,6 +25,7 @@ enum orl_err {
     ORL_ERR_INVALID = -11,    /* a job or call that contradicts itself */
     ORL_ERR_INTERNAL = -12,   /* a broken invariant of ours: a bug, reported, not hidden */
     ORL_ERR_FULL = -13,       /* the disk has no room for a file, or a quota is used up */
+    ORL_ERR_UNLIT = -14,      /* no light came to any sensor or view, and nobody expected that */
 };
 
 enum { ORL_ERROR_NAME_MAX = 256, ORL_ERROR_TEXT_MAX = 512 };

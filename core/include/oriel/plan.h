@@ -60,6 +60,7 @@ struct orl_decision {
     enum orl_bound_unit unit;
     double bound;   /* what skipping costs any sensor or pixel at most; 0: nothing at all */
     double saved_s; /* estimated, of one thread; 0 when simulated */
+    double cost_s;  /* likewise, of what is simulated; 0 when left out */
 };
 
 /* What the photons of a plan will take, from a pilot of them. */

@@ -60,6 +60,7 @@ struct orl_job {
     uint32_t gather_samples;                  /* per sensor; 0 = default */
     uint32_t pixel_samples;                   /* of the backward technique; 0 = default */
     struct orl_goal goal;                     /* instead of the three above */
+    bool dark_expected;                       /* results without any light are no error */
     struct orl_sky_request sky;               /* beside a scene without distant sources */
     struct orl_named_sky *skies;              /* instead, one after the other: oriel/skies.h */
     size_t n_skies;
@@ -159,6 +160,7 @@ struct orl_view_result {
     char *error_hdr, *error_png; /* beside them: standard errors, W/sr/m2 of luma; relative ones in
                                     false colours. NULL: not known */
     double seconds;
+    bool black; /* no pixel has any light */
 };
 
 /* How a job with a goal ended. */
@@ -223,6 +225,9 @@ struct orl_run_env {
     void (*progress)(void *ctx, enum orl_stage stage, double stage_fraction, double job_fraction);
     /* Called by the lead thread once the plan is made. May be NULL. */
     void (*plan_ready)(void *ctx, const struct orl_plan *plan);
+    /* Called by the lead thread when there is a warning, maybe more than once with the same; the
+     * text is valid during the call. May be NULL. */
+    void (*warned)(void *ctx, const char *warning);
     /* Called by the lead thread when a map is settled (hit or built). May be NULL. */
     void (*map_ready)(void *ctx, const struct orl_map_info *info);
     /* Called by the lead thread when a view of the job is rendered: its pixels in W/sr/m2, from the
@@ -266,8 +271,11 @@ struct orl_run_env {
 int orl_plan_job(const struct orl_job *job, const struct orl_run_env *env,
                  struct orl_result *ret_result, struct orl_error *err);
 
-/* Runs the job, which has no more than one sky. Returns 0 and fills ret_result (owned by the
- * caller) or a negative orl_err. */
+/*
+ * Runs the job, which has no more than one sky. Returns 0 and fills ret_result (owned by the
+ * caller) or a negative orl_err; ORL_ERR_UNLIT when all that was asked for came out black, unless
+ * the job expects that, or its sky gives no light.
+ */
 int orl_run(const struct orl_job *job, const struct orl_run_env *env, struct orl_result *ret_result,
             struct orl_error *err);
 
@@ -290,8 +298,8 @@ void orl_scene_summary_done(struct orl_scene_summary *summary);
  * Which files of a folder are the scene, when nobody says so: the Radiance files (.rad) at its top
  * that no command (a line with '!' in front, such as !xform) of another of its Radiance files
  * names. The top is the one folder that holds Radiance files and lies in the fewest others; when
- * several lie equally deep, no file is. Sets ret_main of each name. ORL_ERR_LIMIT: far too many commands; or what files->open
- * says.
+ * several lie equally deep, no file is. Sets ret_main of each name. ORL_ERR_LIMIT: far too many
+ * commands; or what files->open says.
  */
 int orl_scene_guess_main(const char *const *names, size_t count, const struct orl_files *files,
                          bool *ret_main, struct orl_error *err);
