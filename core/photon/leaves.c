@@ -14,7 +14,8 @@ enum { SHARE_WORDS = ORL_MAP_BATCHES / sizeof(uint64_t), BESIDE = 8, LINE = 64, 
 
 /* A leaf's estimate as it is kept. */
 struct kept {
-    _Atomic uint64_t value; /* 0: not made yet; else the value, and above it the clear radius */
+    _Atomic uint64_t value; /* 0: not made yet; else the value, and above it the clear radius,
+                               which is less than 0 of a patch */
     _Atomic uint64_t shares[SHARE_WORDS]; /* of the batches; there before the value is */
 };
 
@@ -48,6 +49,7 @@ struct orl_leaves {
 struct estimate {
     struct orl_rgb irradiance;
     double clear; /* no wall is nearer to the site */
+    bool patch;   /* it is a small patch's as a whole, and speaks for no other */
 };
 
 enum { MOST_TRIES = 4 };
@@ -74,8 +76,10 @@ static void make_sites(void *arg, size_t chunk, uint32_t member)
 {
     const struct orl_leaves *leaves = arg;
     (void)member;
-    for (uint64_t i = chunk * CHUNK; i < (chunk + 1) * CHUNK && i < leaves->count; i++)
+    for (uint64_t i = chunk * CHUNK; i < (chunk + 1) * CHUNK && i < leaves->count; i++) {
         leaves->sites[i] = orl_site_make(leaves->map, i);
+        orl_site_settle(leaves->map, &leaves->sites[i], i, leaves->world);
+    }
 }
 
 struct orl_leaves *orl_leaves_new(const struct orl_photon_map *map, const struct orl_world *world,
@@ -147,7 +151,7 @@ static struct orl_density make_estimate(const struct orl_leaves *leaves, uint32_
 
 static uint64_t pack_estimate(const struct orl_leaves *leaves, const struct orl_density *density)
 {
-    const float clear = (float)density->clear;
+    const float clear = density->patch ? -(float)density->clear : (float)density->clear;
     uint32_t low = orl_flux_pack(orl_rgb_scale(density->irradiance, 1 / leaves->unit), 0.5), high;
     if (low == 0)
         low = value_zero;
@@ -160,7 +164,8 @@ static struct estimate unpack_estimate(const struct orl_leaves *leaves, uint64_t
     const uint32_t high = (uint32_t)(word >> 32);
     float clear;
     memcpy(&clear, &high, sizeof clear);
-    return (struct estimate){orl_rgb_scale(orl_flux_unpack((uint32_t)word), leaves->unit), clear};
+    return (struct estimate){orl_rgb_scale(orl_flux_unpack((uint32_t)word), leaves->unit),
+                             fabs((double)clear), signbit(clear) != 0};
 }
 
 static void keep_shares(struct kept *kept, const struct orl_batches *parts)
@@ -270,7 +275,11 @@ static bool covers(const struct orl_leaves *leaves, struct candidate leaf)
     return leaf.distance2 <= reach_of_leaf * reach_of_leaf * (leaves->sites[leaf.leaf].spread2 + 1);
 }
 
-/* Whether the leaf's site is on the footing's surface, and nothing stands between. */
+/*
+ * Whether the leaf's site is on the footing's surface, and nothing stands between. Of a patch that
+ * was taken in as a whole the estimate holds its own photons, that there are any being why one
+ * asked there: patches beside it are to have theirs.
+ */
 static bool is_joined(const struct orl_leaves *leaves, struct candidate leaf,
                       const struct estimate *estimate, const struct orl_footing *footing)
 {
@@ -278,6 +287,8 @@ static bool is_joined(const struct orl_leaves *leaves, struct candidate leaf,
     const struct orl_vec3 site = orl_site_point(leaves->map, &leaves->sites[leaf.leaf]);
     if (!footing)
         return true;
+    if (estimate->patch)
+        return footing->facet == leaves->sites[leaf.leaf].facet;
     /* On another, parallel surface close by. */
     if (fabs(orl_dot(orl_sub(site, footing->point), footing->normal)) > 4 * cell &&
         distance < orl_footing_flat(footing))

@@ -63,7 +63,8 @@ struct orl_density {
     double area;               /* of that part */
     double clear;              /* no wall is nearer; no more than radius */
     double disc;               /* of adaptive estimates: what was searched, for query.hint */
-    bool cut;                  /* the same: the footprint is not the whole disc */
+    bool patch;                /* of spread ones: it took in a small patch as a whole */
+    bool cut;                  /* of adaptive ones: the footprint is not the whole disc */
     double evenness;           /* of adaptive estimates: radius over the widest that was tried */
     uint32_t found;            /* photons in it */
     /* Of the irradiance's luma: */

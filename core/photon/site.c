@@ -29,7 +29,7 @@ struct orl_site orl_site_make(const struct orl_photon_map *map, uint64_t leaf)
     const uint32_t *words = map->places + leaf * ORL_LEAF_WORDS;
     const uint16_t normal = map->normals[leaf * ORL_MAP_LEAF + middle];
     float photons[ORL_MAP_LEAF][3] = {{0}}, mean, least;
-    struct orl_site site = {{0, 0, 0}, 0, normal, false};
+    struct orl_site site = {{0, 0, 0}, 0, normal, false, UINT32_MAX};
     for (uint32_t i = 0; i < n; i++) {
         uint32_t cell[3];
         orl_place_unpack(words[i], words[i + ORL_MAP_LEAF], cell);
@@ -65,6 +65,33 @@ static double tolerance_at(const struct orl_photon_map *map, uint64_t leaf, stru
     const struct orl_photon p = orl_photon_map_get(map, middle_photon(map, leaf));
     const struct orl_vec3 way = orl_sub(orl_v3(p.position[0], p.position[1], p.position[2]), point);
     return 0.2 * orl_length(way) + 16 * map->header->cell;
+}
+
+static bool find_facet(const struct orl_photon_map *map, struct orl_site *site, uint64_t leaf,
+                       const struct orl_world *world)
+{
+    const struct orl_vec3 point = orl_site_point(map, site);
+    struct orl_footing footing;
+    if (!orl_footing_find(world, point, orl_normal_decode(site->normal),
+                          tolerance_at(map, leaf, point), &footing))
+        return false;
+    site->facet = footing.facet;
+    return true;
+}
+
+void orl_site_settle(const struct orl_photon_map *map, struct orl_site *site, uint64_t leaf,
+                     const struct orl_world *world)
+{
+    const uint32_t middle = middle_photon(map, leaf) % ORL_MAP_LEAF;
+    const uint32_t *words = map->places + leaf * ORL_LEAF_WORDS;
+    uint32_t cell[3];
+    if (!world || find_facet(map, site, leaf, world) || site->at_photon)
+        return;
+    orl_place_unpack(words[middle], words[middle + ORL_MAP_LEAF], cell);
+    for (int k = 0; k < 3; k++)
+        site->at[k] = (float)cell[k];
+    site->at_photon = true;
+    find_facet(map, site, leaf, world);
 }
 
 bool orl_site_ask(const struct orl_photon_map *map, const struct orl_site *site, uint64_t leaf,

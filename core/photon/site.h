@@ -14,9 +14,15 @@ struct orl_site {
     float spread2; /* cells: mean squared distance of the leaf's photons from their middle */
     uint16_t normal;
     bool at_photon;
+    uint32_t facet; /* it lies on, once settled; UINT32_MAX: on none */
 };
 
 struct orl_site orl_site_make(const struct orl_photon_map *map, uint64_t leaf);
+/* Finds its facet; moves it to the photon when there is no surface where it is: of photons of
+ * several small ones the middle may lie in a gap between, and an estimate there would spread their
+ * light over the gaps. */
+void orl_site_settle(const struct orl_photon_map *map, struct orl_site *site, uint64_t leaf,
+                     const struct orl_world *world);
 struct orl_vec3 orl_site_point(const struct orl_photon_map *map, const struct orl_site *site);
 
 /*

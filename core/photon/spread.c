@@ -11,11 +11,20 @@ enum { BESIDE = 2, NEIGHBOURS = 2 * BESIDE + 1 };
 
 struct orl_spread {
     const struct orl_photon_map *map;
+    uint32_t k;
     float *
         reach2[ORL_MAP_LEVELS + 1]; /* cells: per leaf, then the most of a node's, level by level */
 };
 
 enum { CHUNK = 1 << 12 };
+
+/*
+ * Where walls and edges leave less than this share of the k photons, the estimate takes in a small
+ * patch as a whole, and is the same wherever on it one asks. Then a photon that one asks at counts
+ * too: it would be missing from its patch, and those on which nobody asks at a photon have none to
+ * spare. So small facets, of few photons each, would be darker by one photon in a leaf of sixteen.
+ */
+static const double whole_patch = 0.5;
 
 /* What there is only while leaves are measured. */
 struct measuring {
@@ -129,6 +138,7 @@ struct orl_spread *orl_spread_new(const struct orl_photon_map *map, uint32_t k, 
     if (!spread)
         return NULL;
     spread->map = map;
+    spread->k = k;
     for (uint32_t level = 0; level <= layout.levels && layout.levels > 0; level++) {
         const uint64_t nodes = level == 0 ? layout.leaves : layout.groups[level - 1];
         spread->reach2[level] = calloc(nodes + 1, sizeof(float));
@@ -277,11 +287,13 @@ struct orl_density orl_spread_estimate(const struct orl_spread *spread,
                       .facing = orl_facing_mask(&spread->map->facing, query->normal)};
     struct orl_footprint footprint;
     double clear = INFINITY;
+    bool patch = false;
     orl_box_locate(spread->map, query->point, ask.at);
     if (query->footing) {
         const double flat = orl_footing_flat(query->footing) / h->cell;
         ask.flat2 = (float)fmin(flat * flat, 1e30);
     }
+    struct orl_density_query all;
     struct ask whole = ask;
     add_all(&whole);
     const double widest = sqrt((double)whole.widest2) * h->cell;
@@ -291,6 +303,14 @@ struct orl_density orl_spread_estimate(const struct orl_spread *spread,
         clear = footprint.clear;
         whole = ask;
         add_all(&whole);
+        patch = whole.found < whole_patch * spread->k;
+        if (query->at_photon && patch) {
+            all = *query;
+            all.at_photon = false;
+            whole = ask;
+            whole.query = &all;
+            add_all(&whole);
+        }
     }
     search->health.estimates += whole.found > 0;
     if (whole.found > 0 && whole.found < ORL_SEARCH_SPARSE && whole.found < h->count)
@@ -299,6 +319,7 @@ struct orl_density orl_spread_estimate(const struct orl_spread *spread,
                                 .radius = widest,
                                 .clear = fmin(clear, widest),
                                 .found = whole.found,
+                                .patch = patch,
                                 .standard_error = sqrt(orl_batches_variance(&whole.parts)),
                                 .parts = whole.parts};
 }

@@ -16,10 +16,13 @@
 #include <sodium.h>
 
 #include "base/random.h"
+#include "fixtures/bsdf_make.h"
+#include "light/world.h"
 #include "photon/facing.h"
 #include "photon/leaves.h"
 #include "photon/sheet.h"
 #include "support/cli.h"
+#include "support/scene_text.h"
 
 static char folder[64];
 static struct orl_search *search;
@@ -369,6 +372,60 @@ struct looking {
     size_t count, step;
 };
 
+/*
+ * Small facets apart from each other, in one plane, of a few photons each: a leaf of sixteen lies
+ * on several. What leaves say of them all, asked at as many points of each, is the photons' flux
+ * over their area: each estimate takes in a facet as a whole, so that nothing is left to chance but
+ * which leaves serve a point at their rims.
+ */
+static void test_leaves_on_small_facets(void **state)
+{
+    enum { SIDE = 40, FACETS = SIDE * SIDE, EACH = 4, POINTS = 4 };
+    const double size = 0.05, area = FACETS * size * size;
+    struct shower s = shower_new(FACETS * EACH, 11);
+    struct orl_world *world = NULL;
+    struct orl_error err;
+    struct text scene;
+    double mean = 0;
+    (void)state;
+    text_open(&scene);
+    fputs("void plastic w 0 0 5 .5 .5 .5 0 0\n", scene.stream);
+    for (int i = 0; i < FACETS; i++) {
+        const double x = 0.1 * (i % SIDE), y = 0.1 * (i / SIDE);
+        fprintf(scene.stream, "w polygon f%d 0 0 12 %g %g 0 %g %g 0 %g %g 0 %g %g 0\n", i, x, y,
+                x + size, y, x + size, y + size, x, y + size);
+    }
+    text_close(&scene);
+    struct orl_description d = scene_parse_text(scene.data, NULL, NULL);
+    free(scene.data);
+    assert_int_equal(orl_world_new(&d, &world, &err), 0);
+    const struct orl_geometry *g = world->geometry;
+    for (int n = 0; n < FACETS * EACH; n++) {
+        const uint32_t facet = (uint32_t)(FACETS * orl_random_uniform(&s.random));
+        const double u[2] = {orl_random_uniform(&s.random), orl_random_uniform(&s.random)};
+        struct orl_vec3 point, normal;
+        orl_facet_sample(g, facet, u, &point, &normal);
+        land(&s, point, normal, 1);
+    }
+    struct orl_random random = s.random;
+    struct orl_photon_map *map = settle(&s);
+    struct orl_leaves *leaves = orl_leaves_new(map, world, 64, 1, NULL);
+    assert_non_null(leaves);
+    for (uint32_t i = 0; i < FACETS * POINTS; i++) {
+        const double u[2] = {orl_random_uniform(&random), orl_random_uniform(&random)};
+        struct orl_footing footing = {.world = world, .facet = i / POINTS};
+        orl_facet_sample(g, footing.facet, u, &footing.point, &footing.normal);
+        mean +=
+            orl_leaves_irradiance(leaves, footing.point, footing.normal, &footing, search, NULL).r /
+            (FACETS * POINTS);
+    }
+    if (!(fabs(mean * area / (FACETS * EACH) - 1) < 0.01))
+        fail_msg("%g of the light", mean * area / (FACETS * EACH));
+    orl_leaves_free(leaves);
+    orl_photon_map_free(map);
+    orl_world_free(world);
+}
+
 static void look(void *arg, size_t index, uint32_t member)
 {
     struct looking *l = arg;
@@ -425,6 +482,7 @@ int main(void)
         cmocka_unit_test(test_parallel_sheets),
         cmocka_unit_test(test_around_a_corner),
         cmocka_unit_test(test_leaves_agree),
+        cmocka_unit_test(test_leaves_on_small_facets),
         cmocka_unit_test(test_leaves_in_any_order),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
