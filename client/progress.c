@@ -1,5 +1,7 @@
 #include "progress.h"
 
+#include <oriel/eta.h>
+
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -102,9 +104,8 @@ void orl_progress_show(struct orl_progress *progress, const char *stage, double 
 
     fraction = fraction > 0 ? fmin(fraction, 1) : 0; /* a NaN counts as nothing done */
     tenth = (int)(10 * fraction);
-    /* The first hundredth says little about the rest. */
-    if (eta_s < 0 && fraction >= 0.01)
-        eta_s = elapsed_s * (1 - fraction) / fraction;
+    if (eta_s < 0)
+        eta_s = orl_eta_s(fraction, 0, elapsed_s, 0);
     orl_format_duration(eta_s, eta, sizeof eta);
     if (progress->terminal) {
         if (!new_stage && now_s - progress->drawn_s < 0.1)

@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <oriel/eta.h>
+
 #include "encode.h"
 #include "result_json.h"
 #include "study_json.h"
@@ -21,11 +23,11 @@ static json_t *time_or_null(int64_t ms)
 
 double orl_job_eta_s(const struct orl_jobs_job *job, const struct orl_progress *progress)
 {
-    const double elapsed = orl_time_steady_s() - job->started_s;
-    const double done = progress->job_fraction - fmax(progress->first_fraction, 0);
-    if (done < 0.01 || elapsed <= 0)
-        return NAN;
-    return round(10 * elapsed * (1 - progress->job_fraction) / done) / 10;
+    const double now = orl_time_steady_s();
+    const double told = progress->told_s > 0 ? progress->told_s : now;
+    const double left = orl_eta_s(progress->job_fraction, progress->first_fraction,
+                                  told - job->started_s, now - told);
+    return round(10 * left) / 10;
 }
 
 json_t *orl_job_warnings(const struct orl_progress *progress)

@@ -102,6 +102,7 @@ void orl_worker_progress(struct orl_worker *worker, struct orl_progress *ret_pro
     ret_progress->stage = (enum orl_stage)atomic_load(&worker->stage);
     ret_progress->stage_fraction = atomic_load(&worker->stage_ppm) / (double)ORL_WORKER_WHOLE;
     ret_progress->job_fraction = atomic_load(&worker->job_ppm) / (double)ORL_WORKER_WHOLE;
+    ret_progress->told_s = atomic_load(&worker->told_s);
     ret_progress->first_fraction = atomic_load(&worker->first_ppm) / (double)ORL_WORKER_WHOLE;
     ret_progress->technique = (enum orl_technique)atomic_load(&worker->technique);
     pthread_mutex_lock(&worker->news_mutex);

@@ -25,6 +25,7 @@ static void on_progress(void *ctx, enum orl_stage stage, double stage_fraction, 
     atomic_store(&worker->stage, (int)stage);
     atomic_store(&worker->stage_ppm, to_ppm(stage_fraction));
     atomic_store(&worker->job_ppm, to_ppm(job_fraction));
+    atomic_store(&worker->told_s, orl_time_steady_s());
     atomic_compare_exchange_strong(&worker->first_ppm, &unknown, to_ppm(job_fraction));
 }
 

@@ -31,7 +31,8 @@ struct orl_worker {
     atomic_bool cancel, stopped;
     bool keeps; /* parts that are done, when stopped; the lead's */
     atomic_int stage, stage_ppm, job_ppm, technique;
-    atomic_int first_ppm; /* job_ppm as it was first, or -1 */
+    atomic_int first_ppm;  /* job_ppm as it was first, or -1 */
+    _Atomic double told_s; /* when job_ppm was told, by the steady clock */
     pthread_mutex_t news_mutex;
     struct orl_map_info maps[ORL_RESULT_MAPS];
     size_t n_maps;

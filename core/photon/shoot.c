@@ -237,16 +237,30 @@ static void collect_health(const struct queue *queue, struct orl_shot *shot)
     shot->health.flux_capped_w /= fmax(emitted, 1);
 }
 
+/* Rays of a kind's photons in all, by what came of those so far; of dry ones until that is sure. */
+static double rays_to_come(const struct queue *queue, const struct orl_shot *shot)
+{
+    const double emitted = (double)emitted_before(queue->n_done);
+    const double new_emitted = emitted - (double)shot->had_emitted, rays = (double)queue->rays;
+    const double most = most_emitted_per_photon * (double)shot->target + emitted_anyway;
+    const double needed = queue->stored > 0
+                              ? fmin(emitted * (double)shot->target / (double)queue->stored, most)
+                              : DRY_EMISSIONS;
+    if (queue->finished || !(new_emitted > 0))
+        return 0;
+    return rays * fmax(needed - emitted, 0) / new_emitted;
+}
+
+/* Rays take the time: photons that are stored do not say how many emissions the rest takes. */
 static void report(const struct shooting *shooting, const struct orl_shot *shots)
 {
-    double have = 0, want = 0;
+    double done = 0, left = 0;
     for (int k = 0; k < ORL_SHOT_KINDS; k++) {
-        const struct queue *queue = &shooting->queues[k];
-        have += queue->finished ? (double)shots[k].target : (double)queue->stored;
-        want += (double)shots[k].target;
+        done += (double)shooting->queues[k].rays;
+        left += rays_to_come(&shooting->queues[k], &shots[k]);
     }
     if (shooting->env->progress)
-        shooting->env->progress(shooting->env->ctx, want > 0 ? have / want : 1);
+        shooting->env->progress(shooting->env->ctx, done + left > 0 ? done / (done + left) : 1);
 }
 
 /* All rounds, until every queue is finished. */

@@ -94,6 +94,7 @@ static int load(void *ctx, const struct orl_bsdf_xml *given,
     bool hit = true;
     heeding.cancel = r.state->env->cancel;
     heeding.crew = r.state->env->crew;
+    orl_run_progress(r.state, 0);
     if (!store || xml->size < LEAST_BYTES)
         return orl_bsdf_load(xml, ret_bsdf, err);
     make_key(content, r.key);

@@ -6,13 +6,10 @@
 
 #include "base/random.h"
 #include "run/cost.h"
+#include "run/deadline.h"
 #include "run/findings.h"
 #include "run/share.h"
 
-/* A deadline's round fills that much of what is left, the last one that. */
-static const double fill = 0.7, last_fill = 0.93, deadline_growth = 8;
-/* Less than this share of the deadline is not worth a round; so much over it is still kept. */
-static const double crumbs = 0.04, tolerance = 0.1;
 /* Its smallest rounds of sensors are so much smaller than others: they fill the end. */
 static const double short_round = 0.25;
 /* Samples of one sensor in a round. */
@@ -276,26 +273,34 @@ static void go_on_for_error(struct rounds *r, const struct orl_parts *parts)
         r->state->ends_s = r->state->started_s + orl_pace_run_s(&r->pace, &r->work, wanted);
 }
 
-/* After a round, or before the first, of a job for a deadline. */
+/* After a round of a job for a deadline. */
 static void go_on_for_time(struct rounds *r)
 {
     const double deadline = r->state->job->goal.deadline_s;
     const double left = r->state->started_s + deadline - now_s(r);
-    const double least = orl_pace_round_s(&r->pace, &r->work, r->work.least);
-    if (left < fmax(least, crumbs * deadline)) {
-        const bool met = left >= -tolerance * deadline;
-        end(r, met,
-            met ? "the time is used up after %u rounds: %.2g s are left"
-                : "the smallest round takes too long: %u done, %.2g s too late; fewer pixels or "
-                  "sensors are quicker",
+    const struct orl_deadline_next next = orl_deadline_next(&r->pace, &r->work, deadline, left);
+    const char *plural = r->count == 1 ? "" : "s";
+    switch (next.step) {
+    case ORL_DEADLINE_ROUND:
+        r->samples = next.samples;
+        break;
+    case ORL_DEADLINE_USED_UP:
+        end(r, true, "the time is used up after %u round%s: %.2g s %s", r->count, plural,
+            fabs(left), left < 0 ? "too late" : "are left");
+        break;
+    case ORL_DEADLINE_NO_ROOM:
+        end(r, true,
+            "%.2g s are left after %u round%s, and another one takes some %.2g s at the least: a "
+            "deadline longer by that much, fewer pixels or sensors bring the error down",
+            left, r->count, plural, next.least_s);
+        break;
+    case ORL_DEADLINE_TOO_LATE:
+        end(r, false,
+            "the smallest round takes too long: %u done, %.2g s too late; fewer pixels or sensors "
+            "are quicker",
             r->count, fabs(left));
-        return;
+        break;
     }
-    double seconds = fill * left;
-    if (left - seconds < fmax(least, crumbs * deadline))
-        seconds = last_fill * left;
-    r->samples = orl_pace_samples(&r->pace, &r->work, fmax(seconds, least),
-                                  deadline_growth * r->pace.samples);
 }
 
 /* The outcome so far, and what comes next. */

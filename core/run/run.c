@@ -6,39 +6,59 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "run/ahead.h"
 #include "run/bsdfs.h"
 #include "run/cost.h"
 #include "run/rounds.h"
 #include "scene/parse.h"
 
 /* Rough costs, microseconds on one core: a photon traced, one indexed, a gather ray, a pixel. */
-static const double photon_us = 0.7, index_us = 0.3, gather_us = 2.5, pixel_us = 40;
+static const double photon_us = 1.5, index_us = 0.5, gather_us = 2.5, pixel_us = 40;
 
-/* What the job is going to cost, roughly, once its sensors are known. */
+/* What the job is going to cost, roughly, once its sensors are known; and again when its photons
+ * are. */
 static void guess_costs(struct orl_run_state *state)
 {
     const struct orl_job *job = state->job;
-    const double photons = 2.0 * ORL_DEFAULT_PHOTONS;
+    const struct orl_plan *plan = &state->result->plan;
+    const bool planned = plan->technique != ORL_TECHNIQUE_AUTO;
+    const double photons = planned ? (double)(plan->photons_global + plan->photons_caustic)
+                                   : 2.0 * ORL_DEFAULT_PHOTONS;
     const double samples = job->gather_samples ? job->gather_samples : ORL_DEFAULT_GATHER_SAMPLES;
+    const double crew = orl_crew_size(state->env->crew), us = 1e-6 / crew;
     double pixels = 0;
     for (size_t i = 0; i < job->n_views; i++)
         pixels += (double)job->views[i].width * job->views[i].height;
     state->cost_s[ORL_STAGE_LOAD] = 0.2;
     state->cost_s[ORL_STAGE_BVH] = 0.05;
     state->cost_s[ORL_STAGE_PLAN] = 0.1;
-    state->cost_s[ORL_STAGE_PHOTONS] = 1e-6 * photons * photon_us;
-    state->cost_s[ORL_STAGE_MAPS] = 1e-6 * photons * index_us;
+    state->cost_s[ORL_STAGE_PHOTONS] = us * photons * photon_us;
+    if (plan->foresight.known)
+        state->cost_s[ORL_STAGE_PHOTONS] = plan->foresight.photons_s;
+    state->cost_s[ORL_STAGE_MAPS] =
+        plan->technique == ORL_TECHNIQUE_BACKWARD ? 0 : us * photons * index_us;
     state->cost_s[ORL_STAGE_RENDER] =
-        1e-6 * ((double)state->n_sensors * samples * gather_us + pixels * pixel_us);
+        us * ((double)state->n_sensors * samples * gather_us + pixels * pixel_us);
 }
 
-/* Of a job with a goal, what is done of the time that it is thought to take. */
-static double share_of_time(const struct orl_run_state *state)
+static double left_s(const struct orl_run_state *state, double fraction, double now)
 {
-    const double most = 0.999;
-    const double now = state->env->now_s(state->env->ctx) - state->started_s;
-    return state->ends_s > state->started_s ? fmin(now / (state->ends_s - state->started_s), most)
-                                            : 0;
+    struct orl_ahead ahead = {
+        .stage = state->stage, .fraction = fraction, .in_stage_s = now - state->stage_started};
+    for (int i = 0; i < ORL_STAGE_COUNT; i++) {
+        ahead.foreseen_s[i] = state->cost_s[i];
+        ahead.spent_s[i] = state->result->timings_s[i];
+    }
+    return orl_ahead_left_s(&ahead);
+}
+
+/* Of a job with a goal: of the time that it has, or is thought to take once a round has told. */
+static double share_by_goal(const struct orl_run_state *state, double left, double now)
+{
+    const double elapsed = now - state->started_s;
+    if (state->ends_s > state->started_s)
+        return orl_ahead_share_of(elapsed, state->ends_s - state->started_s);
+    return orl_ahead_share(elapsed, left + orl_ahead_rounds * (elapsed + left));
 }
 
 /* job_fraction is of the run itself, which may be a part of something larger. */
@@ -52,20 +72,16 @@ static void report(const struct orl_run_env *env, enum orl_stage stage, double f
 
 void orl_run_progress(const struct orl_run_state *state, double fraction)
 {
-    double before = 0, all = 0;
     if (!state->env->progress)
         return; /* and the clock is not looked at */
     fraction = fmin(fmax(fraction, 0), 1);
-    if (orl_goal_is_set(&state->job->goal)) {
-        report(state->env, state->stage, fraction, share_of_time(state));
-        return;
-    }
-    for (int i = 0; i < ORL_STAGE_COUNT; i++) {
-        before += i < (int)state->stage ? state->cost_s[i] : 0;
-        all += state->cost_s[i];
-    }
-    before += fraction * state->cost_s[state->stage];
-    report(state->env, state->stage, fraction, all > 0 ? before / all : 0);
+    const double now = state->env->now_s(state->env->ctx);
+    const double left = left_s(state, fraction, now);
+    const double share = orl_goal_is_set(&state->job->goal)
+                             ? share_by_goal(state, left, now)
+                             : orl_ahead_share(now - state->started_s, left);
+    *state->told = fmax(*state->told, share);
+    report(state->env, state->stage, fraction, *state->told);
 }
 
 /* Books the time since the stage began. */
@@ -200,6 +216,7 @@ static int prepare(struct orl_run_state *state, struct orl_error *err)
     warn_of_proxies(state);
     orl_run_enter(state, ORL_STAGE_PLAN);
     code = orl_run_plan(state, err);
+    guess_costs(state);
     return code < 0 ? code : heed_cancel(state, err);
 }
 
@@ -241,7 +258,11 @@ static int run(const struct orl_job *job, const struct orl_run_env *env,
     struct orl_run_state state = {
         .job = job, .env = env, .result = &result, .only_plan = stages == prepare};
     const double started = env->now_s(env->ctx);
+    double told = 0;
     int code;
+    state.told = &told;
+    state.n_sensors = job->n_sensors;
+    guess_costs(&state);
     state.stage_started = state.started_s = started;
     if (job->goal.deadline_s > 0)
         state.ends_s = started + job->goal.deadline_s;

@@ -33,7 +33,8 @@ struct orl_run_state {
     bool held[ORL_MAP_KINDS]; /* the store's pin is ours to release */
     char keys[ORL_MAP_KINDS][ORL_DIGEST_HEX + 1];
     struct orl_search *searches;    /* one per crew member */
-    double cost_s[ORL_STAGE_COUNT]; /* guessed, for the job's percentage: only ratios matter */
+    double cost_s[ORL_STAGE_COUNT]; /* guessed, for the job's percentage (ahead.h) */
+    double *told;                   /* of the whole run, so far: it never falls */
     enum orl_stage stage;
     double stage_started;
     double started_s; /* of the run */

@@ -221,7 +221,8 @@ struct orl_run_env {
     double part_from, part; /* the job's share in a larger one, for progress; 0: it is the whole */
     atomic_bool *cancel;    /* borrowed; polled per batch and tile */
     double (*now_s)(void *ctx); /* a steady clock */
-    /* Called by the lead thread, now and then, with fraction 0..1 of the stage and of the job. */
+    /* Called by the lead thread, now and then, with fraction 0..1 of the stage and of the job: that
+     * is of its time, as it is thought to be, and never falls (oriel/eta.h). */
     void (*progress)(void *ctx, enum orl_stage stage, double stage_fraction, double job_fraction);
     /* Called by the lead thread once the plan is made. May be NULL. */
     void (*plan_ready)(void *ctx, const struct orl_plan *plan);

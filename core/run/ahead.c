@@ -1,0 +1,55 @@
+#include "run/ahead.h"
+
+#include <math.h>
+
+const double orl_ahead_rounds = 2;
+
+/* From this part of a stage on its own progress is all that counts. */
+static const double known_from = 0.2;
+/* At the least so much of what a stage has taken is thought to be left of it, when it overruns. */
+static const double overrun = 0.1;
+/* What is trusted beside what was measured; bounds of the ratio. */
+static const double trust_s = 0.2, least_pace = 0.25, most_pace = 8;
+/* Up to here a run that was thought to take so long is told as it is. */
+static const double straight_to = 0.9;
+
+/* How many times longer than foreseen the work so far took; stages before photons say nothing of
+ * it. */
+static double pace_of(const struct orl_ahead *a, double fraction)
+{
+    double foreseen = trust_s, spent = trust_s;
+    for (int i = ORL_STAGE_PHOTONS; i < (int)a->stage; i++) {
+        foreseen += a->foreseen_s[i];
+        spent += a->spent_s[i];
+    }
+    if (a->stage >= ORL_STAGE_PHOTONS && fraction > 0) {
+        foreseen += fraction * a->foreseen_s[a->stage];
+        spent += a->in_stage_s;
+    }
+    return fmin(fmax(spent / foreseen, least_pace), most_pace);
+}
+
+double orl_ahead_left_s(const struct orl_ahead *a)
+{
+    const double fraction = fmin(fmax(a->fraction, 0), 1), pace = pace_of(a, fraction);
+    const double foreseen = pace * a->foreseen_s[a->stage];
+    const double weight = fmin(fraction / known_from, 1);
+    double left = fmax(foreseen - a->in_stage_s, overrun * a->in_stage_s);
+    if (fraction > 0)
+        left = (1 - weight) * left + weight * a->in_stage_s * (1 - fraction) / fraction;
+    for (int i = (int)a->stage + 1; i < ORL_STAGE_COUNT; i++)
+        left += pace * a->foreseen_s[i];
+    return left;
+}
+
+double orl_ahead_share(double elapsed_s, double left_s)
+{
+    const double all = elapsed_s + left_s;
+    return all > 0 ? fmin(fmax(elapsed_s / all, 0), 1) : 0;
+}
+
+double orl_ahead_share_of(double elapsed_s, double all_s)
+{
+    const double share = all_s > 0 ? fmax(elapsed_s / all_s, 0) : 0, rest = 1 - straight_to;
+    return share <= straight_to ? share : 1 - rest * exp(-(share - straight_to) / rest);
+}

@@ -1,0 +1,31 @@
+/*
+ * What a job for a deadline does next: another round, of what size, or no more. By the seconds that
+ * rounds have taken (cost.h); it looks at no clock.
+ *
+ * Rounds each fill most of what is left, so that an estimate that is off spoils little; the last
+ * one fills nearly all. The smallest round there is has a length, too: by photon maps a view is
+ * rendered as a whole each time. Where even that does not fit the job ends with time to spare, and
+ * says so.
+ */
+#ifndef ORL_RUN_DEADLINE_H
+#define ORL_RUN_DEADLINE_H
+
+#include "run/cost.h"
+
+enum orl_deadline_step {
+    ORL_DEADLINE_ROUND,    /* another one, of `samples` */
+    ORL_DEADLINE_USED_UP,  /* hardly anything is left */
+    ORL_DEADLINE_NO_ROOM,  /* some is left, but less than the smallest round takes */
+    ORL_DEADLINE_TOO_LATE, /* it has passed */
+};
+
+struct orl_deadline_next {
+    enum orl_deadline_step step;
+    double samples; /* of the round */
+    double least_s; /* what the smallest round is thought to take */
+};
+
+struct orl_deadline_next orl_deadline_next(const struct orl_pace *pace, const struct orl_work *work,
+                                           double deadline_s, double left_s);
+
+#endif
