@@ -7,7 +7,8 @@
  *   where neighbours see other things, or shadows end, more rays through the pixel (pixel.h), which
  *     take what is smooth from the pixel about them that sees the same.
  * A pixel that finds there what none of its neighbours has seen makes these look again, too: things
- * narrower than a pixel are followed along.
+ * narrower than a pixel are followed along. So does one that finds a shadow's edge, and there all
+ * of a pixel's rays are sent: penumbras are looked at from end to end.
  *
  * A tile is a function of the view and its place alone; threads share nothing but what is constant.
  */

@@ -21,33 +21,43 @@ static struct orl_shade shade_of(const struct orl_cell *cell)
         .ray_error = sqrt(cell->variance)};
 }
 
-/* Whether two neighbours make one look closer at the first. */
-static bool differ(const struct orl_cell *cell, const struct orl_cell *other, bool other_made)
+/*
+ * Why a pixel is looked at more closely, the stronger reason last: its neighbours see other things,
+ * or the edge of a shadow is near. There rays agree by chance, on one side of it or the other: four
+ * that do are no reason to stop.
+ */
+enum cause { CAUSE_NONE, CAUSE_THINGS, CAUSE_SHADOW };
+
+/* Whether, and why, two neighbours make one look closer at the first. */
+static enum cause differ(const struct orl_cell *cell, const struct orl_cell *other, bool other_made)
 {
     const double luma = orl_luma(shade_of(cell).radiance);
     if (other_made && cell->way != other->way) {
         const double beside = orl_luma(shade_of(other).radiance);
-        return fabs(beside - luma) > no_difference * fmax(luma, beside);
+        return fabs(beside - luma) > no_difference * fmax(luma, beside) ? CAUSE_THINGS : CAUSE_NONE;
     }
     if (cell->way != other->way)
-        return true;
+        return CAUSE_THINGS;
     const double sharp = orl_luma(orl_rgb_add(cell->rest, cell->direct));
     const double beside = orl_luma(orl_rgb_add(other->rest, other->direct));
-    return fabs(beside - sharp) > sharp_difference * luma;
+    return fabs(beside - sharp) > sharp_difference * luma ? CAUSE_SHADOW : CAUSE_NONE;
 }
 
-static bool wants_more(const struct orl_tile_cells *mosaic, int x, int y)
+static enum cause wants_more(const struct orl_tile_cells *mosaic, int x, int y)
 {
     const struct orl_cell *cell = orl_cell_at(mosaic, x, y);
+    enum cause cause = CAUSE_NONE;
     for (int dy = -1; dy <= 1; dy++) {
         for (int dx = -1; dx <= 1; dx++) {
             const struct orl_cell *other = orl_cell_at(mosaic, x + dx, y + dy);
             const bool made = orl_cell_in_tile(mosaic, x + dx, y + dy) && other->made;
-            if (other != cell && other->there && differ(cell, other, made))
-                return true;
+            if (other == cell || !other->there)
+                continue;
+            const enum cause found = differ(cell, other, made);
+            cause = found > cause ? found : cause;
         }
     }
-    return false;
+    return cause;
 }
 
 /* What the rays of one pixel have found that the pixels about cannot tell. */
@@ -63,6 +73,8 @@ struct finds {
     struct found list[ORL_PIXEL_RAYS];
     uint32_t count;
     bool is_new; /* one of them nobody about has seen */
+    /* Luma of the direct light of rays that go the pixel's own way. */
+    double least_direct, most_direct;
 };
 
 /* The nearest of the pixels about a place of one that see the same, and how far their lumas reach.
@@ -168,6 +180,10 @@ static struct orl_shade shade_ray(const struct orl_tile_cells *mosaic, int x, in
         orl_lighting_direct(&mosaic->m->lighting, &sight, orl_cell_sequence(mosaic, x, y),
                             ray * mosaic->m->lighting.shadow_rays, &mosaic->search->health);
     const struct kin kin = kin_of(mosaic, x, y, place, sight.way);
+    if (sight.way == orl_cell_at(mosaic, x, y)->way) {
+        finds->least_direct = fmin(finds->least_direct, orl_luma(direct.radiance));
+        finds->most_direct = fmax(finds->most_direct, orl_luma(direct.radiance));
+    }
     seen.rest = sight.rest;
     seen.direct = direct.radiance;
     if (is_close(&kin, &sight)) {
@@ -184,19 +200,25 @@ static struct orl_shade shade_ray(const struct orl_tile_cells *mosaic, int x, in
     return shade_of(&seen);
 }
 
-/* A pixel by more rays; ret_new: these have seen something that no ray about has. */
-static struct orl_pixel refine(const struct orl_tile_cells *mosaic, int x, int y, bool *ret_new)
+/* A pixel by more rays, at least so many. ret_cause: why those about it are to be looked at as
+ * well, for these have seen something that no ray about has, or a shadow's edge. */
+static struct orl_pixel refine(const struct orl_tile_cells *mosaic, int x, int y, uint32_t rays,
+                               enum cause *ret_cause)
 {
+    const double own = orl_luma(orl_cell_at(mosaic, x, y)->direct);
     struct orl_pixel_rays tally = {.rays = 0};
     struct finds finds;
     finds.count = 0;
     finds.is_new = false;
-    for (uint32_t i = 0;
-         i < ORL_PIXEL_FIRST_RAYS || (i < ORL_PIXEL_RAYS && orl_pixel_is_uneven(&tally)); i++) {
+    finds.least_direct = finds.most_direct = own;
+    for (uint32_t i = 0; i < rays || (i < ORL_PIXEL_RAYS && orl_pixel_is_uneven(&tally)); i++) {
         const struct orl_shade shade = shade_ray(mosaic, x, y, i, &finds);
         orl_pixel_add(&tally, &shade);
     }
-    *ret_new = finds.is_new;
+    *ret_cause = finds.is_new ? CAUSE_THINGS : CAUSE_NONE;
+    if (finds.most_direct - finds.least_direct >
+        sharp_difference * orl_luma(tally.sum) / tally.rays)
+        *ret_cause = CAUSE_SHADOW;
     return orl_pixel_settle(&tally);
 }
 
@@ -214,27 +236,44 @@ static void set(const struct orl_tile_cells *mosaic, int x, int y, const struct 
                  mosaic->tile->y0 + (uint32_t)y, pixel, &mosaic->search->health);
 }
 
-/* Refines a pixel, and those about it for as long as something new comes up. */
-static void refine_about(const struct orl_tile_cells *mosaic, int x, int y)
+/* Pixels to be refined. */
+struct refining {
+    struct {
+        int x, y;
+        enum cause cause;
+    } stack[ORL_PAINT_TILE * ORL_PAINT_TILE];
+    int depth;
+};
+
+static void put(const struct orl_tile_cells *mosaic, int x, int y, enum cause cause,
+                struct refining *refining)
 {
-    int stack[ORL_PAINT_TILE * ORL_PAINT_TILE][2];
-    int depth = 0;
-    stack[depth][0] = x;
-    stack[depth++][1] = y;
+    if (!orl_cell_in_tile(mosaic, x, y) || orl_cell_at(mosaic, x, y)->refined)
+        return;
     orl_cell_at(mosaic, x, y)->refined = true;
-    while (depth > 0) {
-        const int at_x = stack[--depth][0], at_y = stack[depth][1];
-        bool is_new;
-        const struct orl_pixel pixel = refine(mosaic, at_x, at_y, &is_new);
+    refining->stack[refining->depth].x = x;
+    refining->stack[refining->depth].y = y;
+    refining->stack[refining->depth++].cause = cause;
+}
+
+/* Refines a pixel, and those about it for as long as something new comes up, or a shadow ends. */
+static void refine_about(const struct orl_tile_cells *mosaic, int x, int y, enum cause cause)
+{
+    struct refining refining; /* not its stack, which is large */
+    refining.depth = 0;
+    put(mosaic, x, y, cause, &refining);
+    while (refining.depth > 0) {
+        refining.depth--;
+        const int at_x = refining.stack[refining.depth].x, at_y = refining.stack[refining.depth].y;
+        enum cause found;
+        const struct orl_pixel pixel =
+            refine(mosaic, at_x, at_y,
+                   refining.stack[refining.depth].cause == CAUSE_SHADOW ? ORL_PIXEL_RAYS
+                                                                        : ORL_PIXEL_FIRST_RAYS,
+                   &found);
         set(mosaic, at_x, at_y, &pixel);
-        for (int i = 0; i < 9 && is_new; i++) {
-            const int to_x = at_x + i % 3 - 1, to_y = at_y + i / 3 - 1;
-            if (!orl_cell_in_tile(mosaic, to_x, to_y) || orl_cell_at(mosaic, to_x, to_y)->refined)
-                continue;
-            orl_cell_at(mosaic, to_x, to_y)->refined = true;
-            stack[depth][0] = to_x;
-            stack[depth++][1] = to_y;
-        }
+        for (int i = 0; i < 9 && found != CAUSE_NONE; i++)
+            put(mosaic, at_x + i % 3 - 1, at_y + i / 3 - 1, found, &refining);
     }
 }
 
@@ -248,6 +287,9 @@ void orl_mosaic_settle(const struct orl_tile_cells *mosaic)
     }
     for (int y = 0; y < mosaic->height; y++)
         for (int x = 0; x < mosaic->width && !orl_paint_cancelled(mosaic->m->painting->env); x++)
-            if (!orl_cell_at(mosaic, x, y)->refined && wants_more(mosaic, x, y))
-                refine_about(mosaic, x, y);
+            if (!orl_cell_at(mosaic, x, y)->refined) {
+                const enum cause cause = wants_more(mosaic, x, y);
+                if (cause != CAUSE_NONE)
+                    refine_about(mosaic, x, y, cause);
+            }
 }

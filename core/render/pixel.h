@@ -5,8 +5,8 @@
  * of four that have one ray in every row and column. All sixteen differ in height and in breadth,
  * so that each tells of a level or an upright edge (as in Chiu, Shirley and Wang 1994, shuffled
  * such that slanting edges are told as well). Where the first four agree they will do; where they
- * do not, as on edges, all sixteen are followed. Places are not jittered: beside a sky hundreds of
- * times brighter, chance coverage frays an edge.
+ * do not, as on edges, or where a shadow ends, all sixteen are followed. Places are not jittered:
+ * beside a sky hundreds of times brighter, chance coverage frays an edge.
  *
  * Threads: plain values; everybody has their own.
  */
