@@ -5,6 +5,7 @@
 #include "light/proxies.h"
 #include "photon/facing.h"
 #include "photon/records.h"
+#include "render/icache.h"
 
 enum { MOST_BOUNCES = 64, SURE_BOUNCES = 4 };
 enum { NEIGHBOURS_CAUSTIC_RELIT = 32 }; /* seen by one ray of many: noise averages out */
@@ -156,7 +157,7 @@ double orl_tally_variance(const struct orl_tally *tally)
     double variance = 0;
     for (int kind = 0; kind < ORL_MAP_KINDS; kind++)
         variance += orl_batches_variance(&tally->parts[kind]);
-    return variance;
+    return variance + tally->known * tally->known;
 }
 
 /* A diffuse surface that a ray met, lit by shadow rays and caustic photons. */
@@ -242,6 +243,33 @@ static struct orl_rgb send_back_texel(const struct orl_gather_ray *ray, struct o
     return orl_gray(0);
 }
 
+/*
+ * The same of a surface that is met near, where records know the rest that it is lit by; false
+ * where they do not. They may know of one reflection more than the plan counts: next to nothing.
+ */
+static bool known_radiance(const struct orl_gather *gather, const struct orl_gather_ray *ray,
+                           const struct orl_hit *hit, struct orl_rgb weight,
+                           struct orl_random *random, struct orl_search *search,
+                           struct orl_rgb *ret_radiance)
+{
+    const struct orl_vec3 lit = hit->front ? hit->normal : orl_neg(hit->normal);
+    const struct orl_place place = {.point = orl_hit_leave(gather->world->geometry, hit, lit),
+                                    .normal = lit};
+    struct orl_cached rest;
+    if (!ray->known || !orl_icache_lookup(ray->known, &place, &rest))
+        return false;
+    const struct orl_footing footing = {gather->world, hit->point, lit, hit->facet};
+    const struct orl_rgb diffuse = orl_material_diffuse(orl_world_material(gather->world, hit));
+    const struct orl_rgb reflected = orl_rgb_scale(orl_rgb_mul(weight, diffuse), 1 / ORL_PI);
+    struct orl_tally met = {.known = 0};
+    const struct orl_rgb direct = lit_again(gather, hit, &footing, random, search, &met);
+    if (ray->tally)
+        ray->tally->known += ray->share * orl_luma(reflected) * rest.standard_error;
+    *ret_radiance = orl_rgb_add(send_back(gather, ray, reflected, direct, &met),
+                                orl_rgb_mul(reflected, rest.irradiance));
+    return true;
+}
+
 /* The diffuse part of what a ray of that weight sees of a surface, but for the glossy one. */
 static struct orl_rgb diffuse_radiance(const struct orl_gather *gather,
                                        const struct orl_gather_ray *ray, const struct orl_hit *hit,
@@ -257,7 +285,7 @@ static struct orl_rgb diffuse_radiance(const struct orl_gather *gather,
         if (!cut)
             return texel ? send_back_texel(ray, reflected, texel) : orl_gray(0);
     }
-    struct orl_tally met = {{{{0}}}};
+    struct orl_tally met = {.known = 0};
     const struct orl_rgb irradiance =
         met_irradiance(gather, hit, near, ray->by_texels, random, search, &met);
     return send_back(gather, ray, reflected, irradiance, &met);
@@ -341,12 +369,15 @@ static struct orl_rgb trace_gather(const struct orl_gather *gather,
         const struct orl_vec3 eye = orl_neg(direction);
         sum = orl_rgb_add(
             sum, orl_rgb_mul(weight, shining_radiance(world, &hit, eye, caustics, chance, random)));
-        if (diffuse)
-            sum =
-                orl_rgb_add(sum, diffuse_radiance(gather, ray, &hit, weight, near, random, search));
-        if (diffuse && !near && orl_material_is_matt(m))
+        struct orl_rgb sent = orl_gray(0);
+        const bool relit =
+            diffuse && near && !known_radiance(gather, ray, &hit, weight, random, search, &sent);
+        if (diffuse && (relit || !near))
+            sent = diffuse_radiance(gather, ray, &hit, weight, near, random, search);
+        sum = orl_rgb_add(sum, sent);
+        if (diffuse && !relit && orl_material_is_matt(m))
             return sum;
-        const enum orl_lobes lobes = diffuse && near ? ORL_LOBE_ALL : but_diffuse;
+        const enum orl_lobes lobes = relit ? ORL_LOBE_ALL : but_diffuse;
         const struct orl_scatter s =
             bounce == 0 && ray->first
                 ? scatter_evenly(gather, ray->first, m, &hit, eye, lobes)

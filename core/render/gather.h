@@ -19,7 +19,8 @@
  * parts once more. Rays pass on through glass and are sampled through BSDFs and mirrors; where they
  * leave a sealed building they go on as exterior paths. Diffuse surfaces nearer than the density's
  * own width are not read from the map but lit again, directly and by one more ray, so that corners
- * are not dark.
+ * are not dark; or by irradiance records, where there are some by then: half of what is seen from
+ * the line where walls meet is near, and one ray's noise is much.
  *
  * A scene point is inside or outside (light/world.h); callers carry that along with the point.
  */
@@ -36,6 +37,8 @@
 #include "render/estimate.h"
 
 enum orl_rest { ORL_REST_GATHERED, ORL_REST_DENSITY, ORL_REST_RECORDS };
+
+struct orl_icache;
 
 struct orl_gather {
     const struct orl_world *world;
@@ -93,6 +96,7 @@ struct orl_place {
 /* What the batches of emission hold of a sum, map by map: maps are independent of each other. */
 struct orl_tally {
     struct orl_batches parts[ORL_MAP_KINDS];
+    double known; /* standard errors of what records have told (icache.h), which share theirs */
 };
 double orl_tally_variance(const struct orl_tally *tally);
 
@@ -117,6 +121,8 @@ struct orl_gather_ray {
     const struct orl_even *first; /* for what happens at the first surface; NULL: by chance */
     /* Flat surfaces may be read by texels: for hemispheres, which themselves are averaged. */
     bool by_texels;
+    /* NULL, or records that tell the rest where they reach what is met near. */
+    const struct orl_icache *known;
     struct orl_tally *tally; /* NULL, or what the radiance's parts are added to */
     double share;            /* of the radiance in it */
     double *ret_distance;    /* NULL, or takes how far the first thing met is, if any is */
@@ -174,7 +180,7 @@ struct orl_density orl_gather_rest(const struct orl_gather *gather,
  * stays what it is), with its gradients, the harmonic mean of the rays' lengths (Ward and Heckbert
  * 1992) and the least. Standard errors, of its luma, are the photons' and the rays': of these each
  * is compared with the next in its row, as if both were drawn from both strata (which errs on the
- * high side).
+ * high side). known: records made before, or NULL.
  */
 enum { ORL_HEMISPHERE_ROWS = 18, ORL_HEMISPHERE_COLUMNS = 54 }; /* at most */
 struct orl_hemisphere {
@@ -185,8 +191,8 @@ struct orl_hemisphere {
 };
 struct orl_hemisphere orl_gather_hemisphere(const struct orl_gather *gather,
                                             const struct orl_place *place, uint32_t rows,
-                                            uint32_t columns, struct orl_random *random,
-                                            struct orl_search *search);
+                                            uint32_t columns, const struct orl_icache *known,
+                                            struct orl_random *random, struct orl_search *search);
 
 /*
  * Direct light at a place: mean of that many shadow rays per light, the points first, first + 1,

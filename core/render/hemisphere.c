@@ -99,6 +99,7 @@ static double variance_of_mean(const struct strand *strands, uint32_t rows, uint
 struct making {
     const struct orl_gather *gather;
     const struct orl_place *place;
+    const struct orl_icache *known;
     struct orl_frame frame;
     uint32_t rows, columns;
     struct orl_random *random;
@@ -137,6 +138,7 @@ static void send(struct making *m, uint32_t stratum, double down, double across,
         .outside = m->place->outside,
         .first = &w->first,
         .by_texels = true,
+        .known = m->known,
         .tally = tally,
         .share = ORL_PI / ((double)m->rows * m->columns),
         .ret_distance = &w->distance,
@@ -235,13 +237,14 @@ static void look_closer(struct making *m, uint32_t stratum)
 
 struct orl_hemisphere orl_gather_hemisphere(const struct orl_gather *gather,
                                             const struct orl_place *place, uint32_t rows,
-                                            uint32_t columns, struct orl_random *random,
-                                            struct orl_search *search)
+                                            uint32_t columns, const struct orl_icache *known,
+                                            struct orl_random *random, struct orl_search *search)
 {
     struct orl_hemisphere h = {.irradiance = {0, 0, 0}};
     struct making m; /* not its strands, which are many */
     m.gather = gather;
     m.place = place;
+    m.known = known;
     m.frame = orl_frame_about(place->normal);
     m.rows = rows;
     m.columns = columns;
@@ -249,7 +252,7 @@ struct orl_hemisphere orl_gather_hemisphere(const struct orl_gather *gather,
     m.search = search;
     m.sequence = (uint32_t)orl_random_bits(random);
     m.rays = 0;
-    m.tally = (struct orl_tally){{{{0}}}};
+    m.tally = (struct orl_tally){.known = 0};
     m.least_distance = INFINITY;
     send_first(&m);
     choose(&m);

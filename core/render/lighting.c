@@ -42,9 +42,9 @@ static struct orl_cached stray_at(const struct orl_lighting *lighting, const str
     if (orl_records_lookup(strays->records, count, channels, &v->place, &cached))
         return cached;
     struct orl_record *record = &strays->records[strays->made++ % ORL_STRAYS];
-    *record =
-        orl_record_make(lighting->gather, &v->place,
-                        orl_record_least(&lighting->grain, v->distance), ROWS, random, search);
+    *record = orl_record_make(lighting->gather, &v->place,
+                              orl_record_least(&lighting->grain, v->distance), ROWS,
+                              lighting->cache, random, search);
     return (struct orl_cached){record->irradiance,
                                hypot(record->error_by_photons, record->error_by_rays)};
 }

@@ -23,11 +23,11 @@ static double bend_radius(const struct orl_hemisphere *h)
 }
 
 struct orl_record orl_record_make(const struct orl_gather *gather, const struct orl_place *place,
-                                  double least, uint32_t rows, struct orl_random *random,
-                                  struct orl_search *search)
+                                  double least, uint32_t rows, const struct orl_icache *known,
+                                  struct orl_random *random, struct orl_search *search)
 {
     const struct orl_hemisphere h =
-        orl_gather_hemisphere(gather, place, rows, COLUMNS_A_ROW * rows, random, search);
+        orl_gather_hemisphere(gather, place, rows, COLUMNS_A_ROW * rows, known, random, search);
     const double radius = fmin(fmin(h.mean_distance, bend_radius(&h)),
                                nearest_reach / ORL_ICACHE_ACCURACY * h.least_distance);
     struct orl_record record = {.place = *place,

@@ -211,7 +211,7 @@ struct orl_estimate orl_gather_sensor(const struct orl_gather *gather,
     struct orl_density rest = none, caustic = none;
     const int kind_of_rest =
         gather->rest == ORL_REST_RECORDS ? ORL_MAP_PRECOMPUTED : ORL_MAP_GLOBAL;
-    struct orl_tally tally = {{{{0}}}};
+    struct orl_tally tally = {.known = 0};
     if (!place->in_air)
         caustic = orl_gather_caustic_with_bias(gather, footing, search);
     if (!place->in_air && !place->outside)
