@@ -6,6 +6,7 @@
 #include "base/circle.h"
 #include "light/proxies.h"
 #include "light/sky.h"
+#include "scene/coincident.h"
 
 /* Distant lights up to this full angle are sampled as discs; wider ones are domes. */
 static const double widest_sun_deg = 10.0;
@@ -68,7 +69,9 @@ int orl_world_new(struct orl_description *description, struct orl_world **ret_wo
     world->omit = (struct orl_omissions){.most_reflections = ORL_ALL_REFLECTIONS, .channels = 3};
     world->description = *description;
     memset(description, 0, sizeof *description);
-    code = orl_geometry_new(&world->description, &world->geometry, err);
+    code = orl_coincident_settle(&world->description, err);
+    if (code == 0)
+        code = orl_geometry_new(&world->description, &world->geometry, err);
     if (code == 0)
         code = orl_proxies_part(world, err);
     if (code < 0)

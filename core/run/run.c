@@ -206,7 +206,10 @@ static int prepare(struct orl_run_state *state, struct orl_error *err)
         return code;
     }
     orl_run_enter(state, ORL_STAGE_BVH);
+    const size_t told = description.n_warnings;
     code = orl_world_new(&description, &state->world, err);
+    for (size_t i = told; code == 0 && i < state->world->description.n_warnings; i++)
+        orl_run_warn(state, "%s", state->world->description.warnings[i]);
     if (code == 0)
         code = heed_cancel(state, err);
     if (code == 0)

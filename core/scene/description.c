@@ -5,6 +5,17 @@
 
 #include "scene/storage.h"
 
+void orl_description_warn(struct orl_description *description, const char *text)
+{
+    char *copy = orl_storage_text(description->storage, text, strlen(text));
+    char **grown = realloc(description->warnings,
+                           (description->n_warnings + 1) * sizeof *description->warnings);
+    if (grown)
+        description->warnings = grown;
+    if (grown && copy)
+        grown[description->n_warnings++] = copy;
+}
+
 void orl_description_done(struct orl_description *description)
 {
     if (!description)
@@ -13,6 +24,7 @@ void orl_description_done(struct orl_description *description)
         orl_bsdf_unref(description->materials[i].bsdf);
     free(description->materials);
     free(description->surfaces);
+    free(description->opposed);
     free(description->distants);
     free(description->skies);
     free(description->files);

@@ -83,6 +83,7 @@ enum orl_surface_kind {
 struct orl_surface {
     enum orl_surface_kind kind;
     uint32_t material;
+    uint32_t modifier_order; /* of its modifier's definition among all: later ones are larger */
     char *name;
     const char *file; /* points into orl_description.files */
     int line;
@@ -112,11 +113,18 @@ struct orl_sky {
     int n_args;
 };
 
+/* Two polygons in one place that face opposite ways: each is met from its front. */
+struct orl_opposed {
+    uint32_t surfaces[2];
+};
+
 struct orl_description {
     struct orl_material *materials;
     size_t n_materials;
     struct orl_surface *surfaces;
     size_t n_surfaces;
+    struct orl_opposed *opposed; /* coincident.h */
+    size_t n_opposed;
     struct orl_distant *distants;
     size_t n_distants;
     struct orl_sky *skies;
@@ -131,6 +139,9 @@ struct orl_description {
     struct orl_storage *storage; /* holds the strings and vertices above */
     const atomic_bool *cancel;   /* heard while geometry is built from this; NULL: nothing */
 };
+
+/* Adds a copy of the text to the warnings; without memory for it nothing happens. */
+void orl_description_warn(struct orl_description *description, const char *text);
 
 /* Frees what it owns; NULL and half-filled are fine. */
 void orl_description_done(struct orl_description *description);

@@ -157,6 +157,35 @@ static int add_facets(struct builder *b)
     return code;
 }
 
+/* The lists of rivals, by facet. */
+static int add_rivals(struct orl_geometry *g, const struct orl_description *d)
+{
+    uint32_t *facets = NULL;
+    if (d->n_opposed == 0)
+        return 0;
+    facets = malloc(d->n_surfaces * sizeof *facets);
+    g->rivals = malloc(2 * d->n_opposed * sizeof *g->rivals);
+    if (!facets || !g->rivals) {
+        free(facets);
+        return ORL_ERR_NOMEM;
+    }
+    for (size_t i = 0; i < g->n_facets; i++)
+        facets[g->facets[i].surface] = (uint32_t)i;
+    for (size_t i = 0; i < 2 * d->n_opposed; i++)
+        g->facets[facets[d->opposed[i / 2].surfaces[i % 2]]].n_rivals++;
+    for (size_t i = 0; i < g->n_facets; i++) {
+        g->facets[i].first_rival = (uint32_t)g->n_rivals;
+        g->n_rivals += g->facets[i].n_rivals;
+        g->facets[i].n_rivals = 0;
+    }
+    for (size_t i = 0; i < 2 * d->n_opposed; i++) {
+        struct orl_facet *f = &g->facets[facets[d->opposed[i / 2].surfaces[i % 2]]];
+        g->rivals[f->first_rival + f->n_rivals++] = facets[d->opposed[i / 2].surfaces[1 - i % 2]];
+    }
+    free(facets);
+    return 0;
+}
+
 static void measure(struct orl_geometry *g, const struct orl_description *d)
 {
     struct orl_vec3 low = orl_v3(INFINITY, INFINITY, INFINITY), high = orl_neg(low);
@@ -190,6 +219,8 @@ int orl_geometry_new(const struct orl_description *description, struct orl_geome
         goto done;
     code = add_facets(&builder);
     if (code == 0)
+        code = add_rivals(g, description);
+    if (code == 0)
         code = orl_embree_build(g, description->cancel, err);
 done:
     orl_triangulation_done(&builder.triangulation);
@@ -214,10 +245,13 @@ int orl_geometry_subset(const struct orl_geometry *whole, const bool *keep,
     *g = *whole;
     g->device = g->scene = NULL;
     g->n_triangles = 0;
+    g->rivals = malloc((g->n_rivals + 1) * sizeof *g->rivals);
     g->facets = malloc((g->n_facets + 1) * sizeof *g->facets);
     g->triangles = malloc((whole->n_triangles + 1) * sizeof *g->triangles);
-    if (!g->facets || !g->triangles)
+    if (!g->facets || !g->triangles || !g->rivals)
         goto done;
+    if (g->n_rivals > 0)
+        memcpy(g->rivals, whole->rivals, g->n_rivals * sizeof *g->rivals);
     for (size_t i = 0; i < g->n_facets; i++) {
         struct orl_facet *f = &g->facets[i];
         const size_t kept = keep[i] ? whole->facets[i].n_triangles : 0;
@@ -247,7 +281,43 @@ void orl_geometry_free(struct orl_geometry *geometry)
     orl_embree_free(geometry);
     free(geometry->facets);
     free(geometry->triangles);
+    free(geometry->rivals);
     free(geometry);
+}
+
+/* Whether a point of its plane lies on the facet, its rim included. */
+static bool holds(const struct orl_geometry *geometry, const struct orl_facet *facet,
+                  struct orl_vec3 point)
+{
+    const double slack = -facet->offset;
+    for (uint32_t i = 0; i < facet->n_triangles; i++) {
+        const struct orl_triangle *t = &geometry->triangles[facet->first_triangle + i];
+        const struct orl_vec3 corners[4] = {t->a, t->b, t->c, t->a};
+        bool inside = true;
+        for (int k = 0; k < 3 && inside; k++) {
+            const struct orl_vec3 side = orl_sub(corners[k + 1], corners[k]);
+            const struct orl_vec3 across = orl_cross(facet->normal, side);
+            inside = orl_dot(orl_sub(point, corners[k]), across) >= slack * orl_length(side);
+        }
+        if (inside)
+            return true;
+    }
+    return false;
+}
+
+/* A hit on a back is on the front of a rival that lies there. */
+static void choose_front(const struct orl_geometry *geometry, struct orl_hit *hit)
+{
+    const struct orl_facet *facet = &geometry->facets[hit->facet];
+    for (uint32_t i = 0; i < facet->n_rivals; i++) {
+        const uint32_t rival = geometry->rivals[facet->first_rival + i];
+        if (!holds(geometry, &geometry->facets[rival], hit->point))
+            continue;
+        hit->facet = rival;
+        hit->normal = geometry->facets[rival].normal;
+        hit->front = true;
+        return;
+    }
 }
 
 /* The hit on the true surface, in double. */
@@ -275,6 +345,8 @@ static inline void settle_hit(const struct orl_geometry *geometry, struct orl_ve
     ret_hit->normal = normal;
     ret_hit->facet = index;
     ret_hit->front = orl_dot(direction, normal) < 0;
+    if (!ret_hit->front && facet->n_rivals > 0)
+        choose_front(geometry, ret_hit);
 }
 
 bool orl_geometry_intersect(const struct orl_geometry *geometry, struct orl_vec3 origin,

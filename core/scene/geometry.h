@@ -9,6 +9,9 @@
  * grow with distance. Rays that start on a surface are to start at orl_hit_leave(hit, direction):
  * clear of the surface, and of what a BSDF with a thickness stands for.
  *
+ * Where two polygons of opposite fronts lie in one place, a hit is on the one whose front the ray
+ * meets; in all other cases of two in one place, one has been cut away (coincident.h).
+ *
  * Determinism: the hierarchy is built by one thread, so that ties are broken the same way each
  * time. Threads: immutable once built; intersect and occluded may be called from any thread.
  */
@@ -34,6 +37,8 @@ struct orl_facet {
     double beyond; /* BSDF: what it stands for lies this far behind it (negative: in front) */
     double area;
     uint32_t first_triangle, n_triangles; /* polygons: into orl_geometry.triangles */
+    uint32_t first_rival, n_rivals;       /* into orl_geometry.rivals: facets in the same place that
+                                             face the other way */
 };
 
 struct orl_triangle {
@@ -50,6 +55,8 @@ struct orl_geometry {
     size_t n_facets;
     struct orl_triangle *triangles;
     size_t n_triangles;
+    uint32_t *rivals;
+    size_t n_rivals;
     bool curved;          /* it has facets that are not polygons */
     void *device, *scene; /* Embree's */
 };

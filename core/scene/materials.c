@@ -136,6 +136,8 @@ static int define(struct orl_parser *parser, const struct orl_scope *scope, cons
     if (old && old->kind == ORL_SYMBOL_MATERIAL &&
         same_material(parser->out->materials + old->index, material)) {
         orl_bsdf_unref(material->bsdf);
+        if (orl_symbols_set(&parser->symbols, *old) < 0) /* defined again, and so later */
+            return orl_parser_fail(parser, scope, err, ORL_ERR_NOMEM, "out of memory");
         return 0;
     }
     if (add_material(parser, name, material, &symbol.index) < 0)
@@ -234,7 +236,7 @@ int orl_parser_alias(struct orl_parser *parser, const struct orl_scope *scope,
     if (symbol->kind != ORL_SYMBOL_MATERIAL) {
         const char *id = parser->primitive.id;
         const struct orl_symbol copy = {orl_storage_text(parser->out->storage, id, strlen(id)),
-                                        symbol->kind, symbol->index};
+                                        symbol->kind, symbol->index, 0};
         if (!copy.name || orl_symbols_set(&parser->symbols, copy) < 0)
             return orl_parser_fail(parser, scope, err, ORL_ERR_NOMEM, "out of memory");
         return 0;

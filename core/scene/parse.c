@@ -129,7 +129,7 @@ static int define_refused(struct orl_parser *parser, struct orl_error *err)
     const struct orl_primitive *primitive = &parser->primitive;
     const size_t length = strlen(primitive->id);
     const struct orl_symbol symbol = {orl_storage_text(parser->out->storage, primitive->id, length),
-                                      ORL_SYMBOL_REFUSED, 0};
+                                      ORL_SYMBOL_REFUSED, 0, 0};
     if (!symbol.name || orl_symbols_set(&parser->symbols, symbol) < 0)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     return 0;

@@ -48,9 +48,10 @@ static int out_of_memory(struct orl_parser *parser, const struct orl_scope *scop
     return ORL_ERR_NOMEM;
 }
 
-/* The material of the primitive at hand, with the scope's override. */
+/* The material of the primitive at hand, with the scope's override; ret_order: when its modifier
+ * was defined, untouched for void. */
 static int find_material(struct orl_parser *parser, const struct orl_scope *scope,
-                         uint32_t *ret_index, struct orl_error *err)
+                         uint32_t *ret_index, uint32_t *ret_order, struct orl_error *err)
 {
     const char *name = scope->modifier ? scope->modifier : parser->primitive.modifier;
     const struct orl_symbol *symbol;
@@ -68,6 +69,7 @@ static int find_material(struct orl_parser *parser, const struct orl_scope *scop
         return orl_parser_fail(parser, scope, err, ORL_ERR_UNSUPPORTED,
                                "its modifier '%.200s' is a pattern, not a material", name);
     *ret_index = symbol->index;
+    *ret_order = symbol->order;
     return 0;
 }
 
@@ -344,10 +346,11 @@ static int read_source(struct orl_parser *parser, const struct orl_scope *scope,
 {
     struct orl_description *out = parser->out;
     struct orl_distant distant = {0};
+    uint32_t order = 0;
     const double *r;
     int code = orl_parser_expect(parser, scope, 0, 4, err);
     if (code == 0)
-        code = find_material(parser, scope, &distant.material, err);
+        code = find_material(parser, scope, &distant.material, &order, err);
     if (code < 0)
         return code;
     r = parser->primitive.reals;
@@ -381,7 +384,7 @@ int orl_parser_surface(struct orl_parser *parser, const struct orl_scope *scope,
     int code;
     if (!type)
         return read_source(parser, scope, err);
-    code = find_material(parser, scope, &surface.material, err);
+    code = find_material(parser, scope, &surface.material, &surface.modifier_order, err);
     if (code < 0)
         return code;
     surface.kind = scope->xform.inverted ? type->inverse : type->kind;

@@ -55,6 +55,7 @@ int orl_symbols_set(struct orl_symbols *symbols, struct orl_symbol symbol)
     slot = slot_of(symbols->slots, symbols->n_slots, symbol.name);
     symbols->n_used += slot->name ? 0 : 1;
     *slot = symbol;
+    slot->order = ++symbols->n_set;
     return 0;
 }
 

@@ -14,11 +14,13 @@ struct orl_symbol {
     const char *name;
     enum orl_symbol_kind kind;
     uint32_t index; /* into the description's materials or skies */
+    uint32_t order; /* of this definition among all, from 1; set here */
 };
 
 struct orl_symbols {
     struct orl_symbol *slots;
     size_t n_slots, n_used;
+    uint32_t n_set;
 };
 
 /* NULL when there is none. Good until the next orl_symbols_set. */

@@ -1,0 +1,282 @@
+/*
+ * Polygons in one place: what a ray meets is what Radiance's rule says, point by point and from
+ * either side, for thousands of random heaps of them; and what is said about it.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+#include <cmocka.h>
+
+#include "base/random.h"
+#include "light/world.h"
+#include "support/scene_text.h"
+
+/* In order of definition. */
+#define MATERIALS                                                                                  \
+    "void glass pane 0 0 3 .9 .9 .9\nvoid plastic early 0 0 5 .5 .5 .5 0 0\n"                      \
+    "void trans sheet 0 0 7 .5 .5 .5 0 0 .5 0\nvoid plastic late 0 0 5 .3 .3 .3 0 0\n"             \
+    "void light lamp 0 0 3 1 1 1\n"
+
+enum { KINDS = 6, HEAPS = 2000, MOST = 4, CORNERS = 12, POINTS = 24 };
+
+static const struct {
+    const char *name;
+    int class, order;
+} kinds[KINDS] = {{"void", 0, 0},  {"pane", 1, 1}, {"early", 2, 2},
+                  {"sheet", 1, 3}, {"late", 2, 4}, {"lamp", 2, 5}};
+
+struct shape {
+    double xy[CORNERS][2];
+    int n, kind;
+    bool up;
+};
+
+static double uniform(struct orl_random *random)
+{
+    return orl_random_uniform(random);
+}
+
+static struct orl_world *load(const char *text)
+{
+    struct orl_description description = scene_parse_text(text, NULL, NULL);
+    struct orl_world *world = NULL;
+    struct orl_error err = {0};
+    if (orl_world_new(&description, &world, &err) < 0)
+        fail_msg("%s", err.message);
+    return world;
+}
+
+/* ---- Random heaps ---------------------------------------------------------------------------- */
+
+static double area_of(const struct shape *s)
+{
+    double sum = 0;
+    for (int i = 0; i < s->n; i++) {
+        const double *a = s->xy[i], *b = s->xy[(i + 1) % s->n];
+        sum += 0.5 * (a[0] * b[1] - a[1] * b[0]);
+    }
+    return sum;
+}
+
+/* Stars; rectangles of whole numbers, which share edges and corners; and the one before again. */
+static struct shape random_shape(struct orl_random *random, const struct shape *before)
+{
+    struct shape s = {.n = 4};
+    const double which = uniform(random);
+    if (which < 0.4) {
+        const double x = floor(4 * uniform(random)), y = floor(4 * uniform(random));
+        const double w = 1 + floor(3 * uniform(random)), h = 1 + floor(3 * uniform(random));
+        const double corners[4][2] = {{x, y}, {x + w, y}, {x + w, y + h}, {x, y + h}};
+        memcpy(s.xy, corners, sizeof corners);
+    } else if (which < 0.5 && before) {
+        s = *before;
+    } else {
+        const double x = 4 * uniform(random), y = 4 * uniform(random);
+        s.n = 3 + (int)(uniform(random) * (CORNERS - 3));
+        for (int i = 0; i < s.n; i++) {
+            const double r = 0.5 + 2 * uniform(random), phi = 2 * ORL_PI * i / s.n;
+            s.xy[i][0] = x + r * cos(phi);
+            s.xy[i][1] = y + r * sin(phi);
+        }
+    }
+    s.kind = (int)(uniform(random) * KINDS);
+    s.up = uniform(random) < 0.5;
+    return s;
+}
+
+static struct orl_frame tilt(void)
+{
+    return orl_frame_about(orl_normalize(orl_v3(0.3, 0.2, 0.9)));
+}
+
+static void write_heap(const struct shape *shapes, int n, char *text)
+{
+    const struct orl_frame frame = tilt();
+    size_t at = (size_t)sprintf(text, "%s", MATERIALS);
+    for (int i = 0; i < n; i++) {
+        const struct shape *s = &shapes[i];
+        at += (size_t)sprintf(text + at, "%s polygon p%d 0 0 %d", kinds[s->kind].name, i, 3 * s->n);
+        for (int k = 0; k < s->n; k++) {
+            const double *xy = s->xy[s->up == (area_of(s) > 0) ? k : s->n - 1 - k];
+            const struct orl_vec3 v = orl_to_world(&frame, orl_v3(xy[0], xy[1], 3));
+            at += (size_t)sprintf(text + at, " %.17g %.17g %.17g", v.x, v.y, v.z);
+        }
+        at += (size_t)sprintf(text + at, "\n");
+    }
+}
+
+/* Whether the point is inside; *near when it is too close to the outline to tell. */
+static bool is_in(const struct shape *s, const double p[2], bool *near)
+{
+    bool in = false;
+    for (int i = 0; i < s->n; i++) {
+        const double *a = s->xy[i], *b = s->xy[(i + 1) % s->n];
+        const double dx = b[0] - a[0], dy = b[1] - a[1], l2 = dx * dx + dy * dy;
+        const double t = fmin(fmax(((p[0] - a[0]) * dx + (p[1] - a[1]) * dy) / l2, 0), 1);
+        *near |= hypot(p[0] - a[0] - t * dx, p[1] - a[1] - t * dy) < 1e-4;
+        if ((a[1] > p[1]) != (b[1] > p[1]) && p[0] < a[0] + (p[1] - a[1]) / dy * dx)
+            in = !in;
+    }
+    return in;
+}
+
+/* Whom a ray from above or below meets there; -1: nobody. */
+static int expected(const struct shape *shapes, int n, const double p[2], bool from_above,
+                    bool *near)
+{
+    int best = -1;
+    for (int i = 0; i < n; i++) {
+        if (!is_in(&shapes[i], p, near))
+            continue;
+        const int mine[3] = {kinds[shapes[i].kind].class, shapes[i].up == from_above,
+                             kinds[shapes[i].kind].order};
+        int better = best < 0;
+        for (int k = 0; k < 3 && !better && best >= 0; k++) {
+            const int theirs[3] = {kinds[shapes[best].kind].class, shapes[best].up == from_above,
+                                   kinds[shapes[best].kind].order};
+            if (mine[k] < theirs[k])
+                break;
+            better = mine[k] > theirs[k] || k == 2; /* all alike: the later surface */
+        }
+        if (better)
+            best = i;
+    }
+    return best;
+}
+
+static void check_point(const struct orl_world *world, const struct shape *shapes, int n,
+                        const double p[2], bool from_above, struct orl_random *random)
+{
+    const struct orl_frame frame = tilt();
+    const struct orl_geometry *g = world->geometry;
+    const double down = from_above ? -1 : 1;
+    const struct orl_vec3 way = orl_normalize(orl_to_world(
+        &frame, orl_v3(uniform(random) - 0.5, uniform(random) - 0.5, down * uniform(random))));
+    const struct orl_vec3 place = orl_sub(orl_to_world(&frame, orl_v3(p[0], p[1], 3)), g->center);
+    bool near = false;
+    const int who = expected(shapes, n, p, from_above, &near);
+    struct orl_hit hit;
+    if (near || fabs(orl_dot(way, frame.n)) < 0.05)
+        return;
+    const bool met = orl_geometry_intersect(g, orl_madd(place, way, -3), way, 5, &hit);
+    assert_int_equal(met, who >= 0);
+    if (!met)
+        return;
+    const char *name = world->description.surfaces[g->facets[hit.facet].surface].name;
+    if (atoi(name + 1) != who)
+        fail_msg("a ray meets %s, not p%d", name, who);
+    assert_int_equal(hit.front, shapes[who].up == from_above);
+}
+
+static void test_heaps(void **state)
+{
+    static char text[8192];
+    (void)state;
+    for (uint64_t seed = 0; seed < HEAPS; seed++) {
+        struct orl_random random = orl_random_stream(seed, ORL_PURPOSE_BENCH, 5);
+        struct shape shapes[MOST];
+        const int n = 2 + (int)(uniform(&random) * (MOST - 1));
+        for (int i = 0; i < n; i++)
+            shapes[i] = random_shape(&random, i > 0 ? &shapes[i - 1] : NULL);
+        write_heap(shapes, n, text);
+        struct orl_world *world = load(text);
+        for (int i = 0; i < POINTS; i++) {
+            const double p[2] = {8 * uniform(&random) - 1, 8 * uniform(&random) - 1};
+            check_point(world, shapes, n, p, i % 2 == 0, &random);
+        }
+        orl_world_free(world);
+    }
+}
+
+/* ---- What is said ---------------------------------------------------------------------------- */
+
+/* How many of the warnings have that in them. */
+static int said(const struct orl_world *world, const char *words)
+{
+    int n = 0;
+    for (size_t i = 0; i < world->description.n_warnings; i++)
+        n += strstr(world->description.warnings[i], words) != NULL;
+    return n;
+}
+
+static void test_words(void **state)
+{
+    struct orl_world *world =
+        load(MATERIALS "early polygon ground 0 0 12 -9 -9 0 9 -9 0 9 9 0 -9 9 0\n"
+                       "pane polygon window 0 0 12 1 1 0 2 1 0 2 2 0 1 2 0\n"
+                       "late polygon floor 0 0 12 0 0 0 4 0 0 4 4 0 0 4 0\n"
+                       "late polygon high 0 0 12 0 0 .001 4 0 .001 4 4 .001 0 4 .001\n"
+                       "late polygon beside 0 0 12 9 0 0 12 0 0 12 4 0 9 4 0\n"
+                       "early polygon below 0 0 12 0 0 0 0 4 0 4 4 0 4 0 0\n");
+    (void)state;
+    assert_int_equal(said(world, "lie in one place"), 0);
+    assert_int_equal(said(world, "in one place with"), 4);
+    assert_int_equal(said(world, "polygon ground at scene.rad:6 lies in one place with polygon "
+                                 "floor at scene.rad:8: there light meets floor"),
+                     1);
+    assert_int_equal(said(world, "polygon window at scene.rad:7 lies wholly in one place"), 3);
+    /* The ground around the floor; no window; what faces the other way stays. */
+    assert_int_equal(world->description.n_surfaces, 5);
+    assert_true(fabs(world->geometry->facets[0].area - (324 - 16)) < 1e-6);
+    assert_int_equal(world->description.n_opposed, 2);
+    orl_world_free(world);
+}
+
+/* Walls back to back, tiles side by side, a box on a floor: not a word. */
+static void test_nothing_to_say(void **state)
+{
+    static char text[1 << 16];
+    size_t at = (size_t)sprintf(text, "%s!genbox early box 1 1 1\n", MATERIALS);
+    (void)state;
+    for (int i = 0; i < 400; i++) {
+        const int x = i % 20, y = i / 20;
+        at += (size_t)sprintf(text + at, "%s polygon t%d 0 0 12 %d %d 0 %d %d 0 %d %d 0 %d %d 0\n",
+                              i % 2 ? "late" : "early", i, x, y, x + 1, y, x + 1, y + 1, x, y + 1);
+    }
+    struct orl_world *world = load(text);
+    assert_int_equal(world->description.n_warnings, 0);
+    assert_int_equal(world->description.n_surfaces, 406);
+    orl_world_free(world);
+}
+
+/* A ground below a floor of many tiles: few words, and little time. */
+static void test_many(void **state)
+{
+    enum { SIDE = 70 };
+    char *text = malloc(SIDE * SIDE * 2 * 100 + 1000);
+    (void)state;
+    assert_non_null(text);
+    size_t at = (size_t)sprintf(
+        text, "%searly polygon ground 0 0 12 -9 -9 0 99 -9 0 99 99 0 -9 99 0\n", MATERIALS);
+    for (int i = 0; i < 2 * SIDE * SIDE; i++) {
+        const int x = i / 2 % SIDE, y = i / 2 / SIDE, half = i % 2;
+        at += (size_t)sprintf(text + at, "late polygon t%d 0 0 9 %d %d 0 %d %d 0 %d %d 0\n", i, x,
+                              y, x + 1, y + half, half ? x : x + 1, y + 1);
+    }
+    const clock_t start = clock();
+    struct orl_world *world = load(text);
+    print_message("%d tiles on a ground: %.2f s\n", 2 * SIDE * SIDE,
+                  (double)(clock() - start) / CLOCKS_PER_SEC);
+    assert_int_equal(said(world, "ground"), 8);
+    assert_int_equal(said(world, "9792 more pairs"), 1);
+    assert_true(fabs(world->geometry->facets[0].area - (108.0 * 108 - SIDE * SIDE)) < 1e-3);
+    orl_world_free(world);
+    free(text);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_heaps),
+        cmocka_unit_test(test_words),
+        cmocka_unit_test(test_nothing_to_say),
+        cmocka_unit_test(test_many),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
