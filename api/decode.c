@@ -20,12 +20,42 @@ int orl_json_fail(struct orl_error *err, int code, const char *path, const char 
     return code;
 }
 
+uint64_t orl_json_weight(const char *text, size_t size)
+{
+    /* Bytes in jansson 2.14 on 64 bits, with malloc's own: of an object and an array without
+     * members, a member's key, and any value. */
+    enum { OBJECT = 256, ARRAY = 144, KEY = 80, VALUE = 40 };
+    uint64_t weight = size;
+    bool quoted = false;
+    for (size_t i = 0; i < size; i++) {
+        const char c = text[i];
+        if (quoted) {
+            i += c == '\\';
+            quoted = c != '"';
+            continue;
+        }
+        quoted = c == '"';
+        weight += c == '{'   ? OBJECT + VALUE
+                  : c == '[' ? ARRAY + VALUE
+                  : c == ':' ? KEY
+                  : c == ',' ? VALUE
+                             : 0;
+    }
+    return weight;
+}
+
 int orl_json_parse(const char *name, const char *text, size_t size, json_t **ret_doc,
                    struct orl_error *err)
 {
     if (size > ORL_LIMIT_JOB_BYTES)
         return orl_error_set(err, ORL_ERR_LIMIT, "the document has %zu bytes; the limit is %lu",
                              size, ORL_LIMIT_JOB_BYTES);
+    const uint64_t weight = orl_json_weight(text, size);
+    if (weight > ORL_LIMIT_JSON_MEMORY)
+        return orl_error_set(
+            err, ORL_ERR_LIMIT,
+            "the document's values would take %llu MiB of memory; the limit is %lu",
+            (unsigned long long)weight >> 20, ORL_LIMIT_JSON_MEMORY >> 20);
     json_error_t where;
     json_t *doc = json_loadb(text, size, JSON_REJECT_DUPLICATES, &where);
     if (doc) {

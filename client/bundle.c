@@ -77,7 +77,7 @@ int orl_bundle_collect(const char *folder, const char *const *main_files, size_t
         rc = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
         goto done;
     }
-    rc = orl_scene_check(main_files, n_files, &files, &summary, err);
+    rc = orl_scene_check(main_files, n_files, &files, NULL, &summary, err);
     for (size_t i = 0; i < n_files && rc == 0; i++)
         rc = add_part(&bundle, folder, main_files[i], false, err);
     for (size_t i = 0; i < summary.n_referenced && rc == 0; i++)

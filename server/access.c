@@ -11,13 +11,29 @@
 #include "server.h"
 #include "tokens.h"
 
+static bool is_forwarded(const struct orl_request *request)
+{
+    static const char *const names[] = {"Forwarded",         "Via",
+                                        "X-Forwarded-For",   "X-Forwarded-Host",
+                                        "X-Forwarded-Proto", "X-Real-IP"};
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++)
+        if (orl_request_header(request, names[i]))
+            return true;
+    return false;
+}
+
 bool orl_access_check_origin(struct orl_request *request)
 {
     /* A page in a browser has no token to send, and browsers send none by themselves. */
     if (request->server->config.needs_token)
         return true;
-    const char *refusal = orl_guard_check(orl_request_header(request, MHD_HTTP_HEADER_HOST),
-                                          orl_request_header(request, MHD_HTTP_HEADER_ORIGIN));
+    const struct orl_guarded guarded = {
+        .host = orl_request_header(request, MHD_HTTP_HEADER_HOST),
+        .origin = orl_request_header(request, MHD_HTTP_HEADER_ORIGIN),
+        .fetch_site = orl_request_header(request, "Sec-Fetch-Site"),
+        .forwarded = is_forwarded(request),
+    };
+    const char *refusal = orl_guard_check(&guarded);
     if (refusal)
         orl_reply_problem(request, 403, "forbidden", "The request is refused", "%s", refusal);
     return !refusal;

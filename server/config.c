@@ -35,6 +35,7 @@ void orl_config_help(FILE *stream)
         "  --threads N            threads that render (all processors)\n"
         "  --jobs N               jobs that render at once, sharing the threads (1)\n"
         "  --idle-timeout S       seconds of silence after which a connection is closed (%u)\n"
+        "  --check-timeout S      seconds that the check of one upload may take (%u)\n"
         "  --drain-timeout S      seconds that running jobs have to finish at a stop (%u)\n"
         "  --address-connections N  open connections that one address may have (%u; on\n"
         "                         loopback, where all share one, no fewer than in all)\n"
@@ -45,8 +46,8 @@ void orl_config_help(FILE *stream)
         "the log goes to standard error. SIGTERM stops it: no job is taken or started any\n"
         "more, and one that still runs when --drain-timeout is over, or at a second SIGTERM,\n"
         "is queued again: it starts over with the next start, with the maps it has made.\n",
-        DEFAULT_PORT, ORL_SERVER_SHELF_BYTES >> 20, ORL_SERVER_TIMEOUT_S, ORL_SERVER_DRAIN_S,
-        ORL_SERVER_ADDRESS_CONNECTIONS);
+        DEFAULT_PORT, ORL_SERVER_SHELF_BYTES >> 20, ORL_SERVER_TIMEOUT_S, ORL_SERVER_CHECK_S,
+        ORL_SERVER_DRAIN_S, ORL_SERVER_ADDRESS_CONNECTIONS);
 }
 
 static int parse_number(const char *option, const char *text, unsigned long min, unsigned long max,
@@ -137,6 +138,7 @@ static int apply_number(struct orl_config *config, const char *name, const char 
         {"--threads", 1, ORL_SERVER_THREADS, &config->threads},
         {"--jobs", 1, ORL_SERVER_THREADS, &config->jobs},
         {"--idle-timeout", 1, 3600, &config->idle_timeout_s},
+        {"--check-timeout", 1, 86400, &config->check_timeout_s},
         {"--drain-timeout", 0, 86400, &config->drain_s},
         {"--address-connections", 1, ORL_SERVER_CONNECTIONS, &config->address_connections},
     };
@@ -208,6 +210,7 @@ static void set_defaults(struct orl_config *config)
                                                               : (uint32_t)processors;
     config->jobs = 1;
     config->idle_timeout_s = ORL_SERVER_TIMEOUT_S;
+    config->check_timeout_s = ORL_SERVER_CHECK_S;
     config->shelf_bytes = ORL_SERVER_SHELF_BYTES;
     config->drain_s = ORL_SERVER_DRAIN_S;
     config->log_level = ORL_LOG_INFO;

@@ -30,13 +30,24 @@ bool orl_guard_is_local(const char *host)
     return inet_pton(AF_INET, name, &v4) == 1 && ntohl(v4.s_addr) >> 24 == 127;
 }
 
-const char *orl_guard_check(const char *host, const char *origin)
+/* The browser's own word: a request of a page of ours, or one that the user typed. */
+static bool is_ours(const char *fetch_site)
 {
-    static const char http[] = "http://";
+    return strcasecmp(fetch_site, "same-origin") == 0 || strcasecmp(fetch_site, "none") == 0;
+}
+
+const char *orl_guard_check(const struct orl_guarded *request)
+{
+    static const char http[] = "http://", other_site[] = "it comes from a web page of another site";
+    const char *host = request->host, *origin = request->origin;
     if (host && !orl_guard_is_local(host))
         return "the Host header is not a name of this machine";
-    if (origin && (strncasecmp(origin, http, sizeof http - 1) != 0 ||
-                   !orl_guard_is_local(origin + sizeof http - 1)))
-        return "it comes from a web page of another site";
+    if (request->forwarded)
+        return "it was forwarded by a proxy, behind which orield takes --tokens always";
+    if (origin && (strncasecmp(origin, http, sizeof http - 1) != 0 || !host ||
+                   strcasecmp(origin + sizeof http - 1, host) != 0))
+        return other_site;
+    if (request->fetch_site && !is_ours(request->fetch_site))
+        return other_site;
     return NULL;
 }

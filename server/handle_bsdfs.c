@@ -9,6 +9,7 @@
 #include <oriel/bsdf.h>
 
 #include "bsdf_json.h"
+#include "checks.h"
 #include "reply.h"
 #include "server.h"
 #include "store/scenes.h"
@@ -21,6 +22,7 @@ struct upload {
     uint64_t bytes;
     char *summary;           /* JSON text */
     struct orl_blobs *blobs; /* with a claim on it; NULL: none */
+    struct orl_check check;
     int rc;
     struct orl_error err;
 };
@@ -50,7 +52,11 @@ static int summarise(struct upload *upload, const struct orl_file *file)
 {
     struct orl_bsdf *bsdf = NULL;
     struct orl_bsdf_check check;
-    const int rc = orl_bsdf_load_xml(upload->name, file->data, file->size, &bsdf, &upload->err);
+    const struct orl_bsdf_xml xml = {.name = upload->name,
+                                     .data = file->data,
+                                     .size = file->size,
+                                     .cancel = &upload->check.cancel};
+    const int rc = orl_bsdf_load(&xml, &bsdf, &upload->err);
     if (rc)
         return rc;
     orl_bsdf_examine(bsdf, &check);
@@ -86,6 +92,11 @@ static void insert_and_reply(struct orl_request *request)
 {
     struct upload *upload = request->state;
     bool created = false;
+    upload->rc = orl_check_ended(&upload->check, upload->rc, &upload->err);
+    if (upload->rc == ORL_ERR_CANCELLED && request->server->stopping) {
+        orl_reply_stopping(request);
+        return;
+    }
     if (upload->rc == 0)
         upload->rc = orl_bsdf_insert(&request->server->db, upload->id, upload->name, upload->bytes,
                                      upload->summary, &created, &upload->err);
@@ -107,21 +118,47 @@ static void admit(struct orl_request *request)
     }
     upload->blobs = blobs;
     if (orl_storage_admit(request, here ? 0 : upload->bytes))
-        orl_request_work(request, check_and_keep, insert_and_reply);
+        orl_check_begin(&upload->check, request, check_and_keep, insert_and_reply);
+}
+
+/* What is known already mends what is damaged in the store, no more. */
+static void keep_again(struct orl_request *request)
+{
+    struct upload *upload = request->state;
+    const struct orl_folders *folders = &request->server->folders;
+    char path[ORL_PATH_MAX];
+    upload->rc = orl_body_take_file(&request->body, folders, path, &upload->err);
+    if (upload->rc == 0)
+        upload->rc = orl_blob_keep(folders, path, upload->id, &upload->err);
+}
+
+static void reply_known(struct orl_request *request)
+{
+    struct upload *upload = request->state;
+    bool created = false;
+    if (upload->rc)
+        orl_reply_error(request, &upload->err);
+    else
+        orl_reply_stored_item(request, &orl_item_bsdf, upload->id, 200, &created);
 }
 
 static void look_up(struct orl_request *request)
 {
     struct upload *upload = request->state;
     struct orl_stored_item item;
-    bool found = false, created = false;
+    bool found = false;
     if (upload->rc == 0)
         upload->rc = orl_bsdf_find(&request->server->db, upload->id, &item, &found, &upload->err);
     if (upload->rc) {
         orl_reply_error(request, &upload->err);
     } else if (found) {
         free(item.summary);
-        orl_reply_stored_item(request, &orl_item_bsdf, upload->id, 200, &created);
+        upload->rc = orl_blobs_claim(request->server->blobs, upload->id, &upload->err);
+        upload->blobs = upload->rc ? NULL : request->server->blobs;
+        if (upload->rc)
+            orl_reply_error(request, &upload->err);
+        else
+            orl_request_work(request, keep_again, reply_known);
     } else {
         admit(request);
     }

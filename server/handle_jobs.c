@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include "client_name.h"
+#include "heavy.h"
 #include "job_output.h"
 #include "job_share.h"
 #include "job_status.h"
@@ -48,11 +49,13 @@ static void read_document(struct orl_request *request)
     post->rc = orl_body_view(&request->body, &request->server->folders, &body, &post->err);
     if (post->rc)
         return;
+    const bool heavy = orl_heavy_begin(request->server, &body);
     post->rc = orl_job_read(body.data, body.size, &post->task, &post->scene, &post->err);
-    if (post->rc)
-        return;
-    orl_sha256_hex(body.data, body.size, post->document);
-    orl_share_identity(body.data, body.size, post->identity);
+    if (post->rc == 0) {
+        orl_sha256_hex(body.data, body.size, post->document);
+        orl_share_identity(body.data, body.size, post->identity);
+    }
+    orl_heavy_end(request->server, heavy);
 }
 
 static void keep_document(struct orl_request *request)
@@ -348,6 +351,29 @@ static bool read_filter(struct orl_request *request, enum orl_job_state *ret_sta
     return true;
 }
 
+/* One more job's document behind those in text; false: it does not fit, or there is no memory. */
+static bool add_to_list(struct orl_server *server, const struct orl_jobs_job *job, FILE *text)
+{
+    size_t size = 0;
+    char *made = NULL;
+    const char *shown;
+    if (job->row.state < ORL_JOB_SUCCEEDED) {
+        json_t *doc = orl_job_status(server->jobs, job);
+        made = doc ? json_dumps(doc, JSON_COMPACT) : NULL;
+        size = made ? strlen(made) : 0;
+        json_decref(doc);
+        shown = made;
+    } else {
+        shown = orl_status_cache_text(server->statuses, server->jobs, job, &size);
+    }
+    const long used = ftell(text);
+    const bool fits = shown && (used < 16 || (size_t)used + size < ORL_SERVER_LIST_BYTES);
+    if (fits)
+        fprintf(text, "%s%.*s", used < 16 ? "" : ",", (int)size, shown);
+    free(made);
+    return fits;
+}
+
 void orl_handle_job_list(struct orl_request *request)
 {
     const struct orl_jobs *jobs = request->server->jobs;
@@ -355,18 +381,26 @@ void orl_handle_job_list(struct orl_request *request)
     unsigned long limit = 100;
     if (!read_filter(request, &state, &limit))
         return;
-    json_t *list = json_array();
-    for (const struct orl_jobs_job *job = orl_jobs_newest(jobs); job && list; job = job->older) {
+    char *text = NULL;
+    size_t size = 0, count = 0;
+    bool more = false;
+    FILE *list = open_memstream(&text, &size);
+    if (list)
+        fputs("{\"jobs\":[", list);
+    for (const struct orl_jobs_job *job = orl_jobs_newest(jobs); job && list && !more;
+         job = job->older) {
         if (state != ORL_JOB_STATE_COUNT && job->row.state != state)
             continue;
-        if (json_array_size(list) == limit)
-            break;
-        json_t *doc = orl_job_status(jobs, job);
-        if (!doc || json_array_append_new(list, doc)) {
-            json_decref(list);
-            list = NULL;
-        }
+        more = count == limit || !add_to_list(request->server, job, list);
+        count++;
     }
-    orl_reply_json(request, 200, json_pack("{s:o}", "jobs", list));
+    if (list)
+        fprintf(list, "],\"more\":%s}", more ? "true" : "false");
+    if (list && fclose(list) != 0) {
+        free(text);
+        text = NULL;
+    }
+    orl_reply_json_text(request, 200, text, size);
+    free(text);
     orl_reply_header(request, "Cache-Control", "no-store");
 }

@@ -4,6 +4,8 @@
 #include <string.h>
 #include <strings.h>
 
+#include "checks.h"
+#include "heavy.h"
 #include "reply.h"
 #include "scene_upload.h"
 #include "server.h"
@@ -14,6 +16,7 @@
 struct scene_post {
     struct orl_scene_upload upload;
     struct orl_blobs *blobs;
+    struct orl_check check;
     size_t claimed; /* of the upload's files, the first */
     int rc;
     struct orl_error err;
@@ -41,6 +44,14 @@ static enum MHD_Result add_main(void *ctx, enum MHD_ValueKind kind, const char *
     return post->rc ? MHD_NO : MHD_YES;
 }
 
+static void take_json(struct orl_request *request, const struct orl_file *body)
+{
+    struct scene_post *post = request->state;
+    const bool heavy = orl_heavy_begin(request->server, body);
+    post->rc = orl_scene_upload_json(&post->upload, body, &request->server->folders, &post->err);
+    orl_heavy_end(request->server, heavy);
+}
+
 static void take_apart(struct orl_request *request)
 {
     struct scene_post *post = request->state;
@@ -58,13 +69,13 @@ static void take_apart(struct orl_request *request)
     else if (orl_is_zip_type(type))
         post->rc = orl_scene_upload_zip(&post->upload, &body, folders, &post->err);
     else
-        post->rc = orl_scene_upload_json(&post->upload, &body, folders, &post->err);
+        take_json(request, &body);
 }
 
 static void check_and_keep(struct orl_request *request)
 {
     struct scene_post *post = request->state;
-    post->rc = orl_scene_upload_check(&post->upload, &post->err);
+    post->rc = orl_scene_upload_check(&post->upload, &post->check.cancel, &post->err);
     if (post->rc == 0)
         post->rc = orl_scene_upload_keep(&post->upload, &request->server->folders, &post->err);
 }
@@ -75,6 +86,11 @@ static void insert_and_reply(struct orl_request *request)
 {
     struct scene_post *post = request->state;
     bool created = false;
+    post->rc = orl_check_ended(&post->check, post->rc, &post->err);
+    if (post->rc == ORL_ERR_CANCELLED && request->server->stopping) {
+        orl_reply_stopping(request);
+        return;
+    }
     if (post->rc == 0)
         post->rc = orl_scene_insert(&request->server->db, post->upload.id, &post->upload.bundle,
                                     post->upload.summary, &created, &post->err);
@@ -123,7 +139,24 @@ static void admit(struct orl_request *request)
     if (post->rc)
         orl_reply_error(request, &post->err);
     else if (orl_storage_admit(request, count_new_bytes(folders, &post->upload.bundle)))
-        orl_request_work(request, check_and_keep, insert_and_reply);
+        orl_check_begin(&post->check, request, check_and_keep, insert_and_reply);
+}
+
+/* Files of a scene that is known: they mend those that are damaged in the store, no more. */
+static void keep_again(struct orl_request *request)
+{
+    struct scene_post *post = request->state;
+    post->rc = orl_scene_upload_keep(&post->upload, &request->server->folders, &post->err);
+}
+
+static void reply_known(struct orl_request *request)
+{
+    struct scene_post *post = request->state;
+    bool created = false;
+    if (post->rc)
+        orl_reply_error(request, &post->err);
+    else
+        orl_reply_stored_item(request, &orl_item_scene, post->upload.id, 200, &created);
 }
 
 /* A scene that is here already is not checked again. */
@@ -131,14 +164,19 @@ static void look_up(struct orl_request *request)
 {
     struct scene_post *post = request->state;
     struct orl_stored_item item;
-    bool found = false, created = false;
+    bool found = false;
     if (post->rc == 0)
         post->rc = orl_scene_find(&request->server->db, post->upload.id, &item, &found, &post->err);
     if (post->rc) {
         orl_reply_error(request, &post->err);
     } else if (found) {
         free(item.summary);
-        orl_reply_stored_item(request, &orl_item_scene, post->upload.id, 200, &created);
+        post->blobs = request->server->blobs;
+        post->rc = claim_files(&request->server->folders, post);
+        if (post->rc)
+            orl_reply_error(request, &post->err);
+        else
+            orl_request_work(request, keep_again, reply_known);
     } else {
         admit(request);
     }

@@ -10,6 +10,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include "checks.h"
 #include "connections.h"
 #include "limits.h"
 #include "request.h"
@@ -40,6 +41,7 @@ static void on_sweep(uv_timer_t *timer)
 {
     struct orl_http *http = timer->data;
     orl_connections_sweep(&http->connections);
+    orl_checks_sweep(http->server);
 }
 
 static void on_readable(uv_poll_t *poll, int status, int events)

@@ -85,5 +85,8 @@ size_t orl_jobs_count(const struct orl_jobs *jobs, enum orl_job_state state)
 
 bool orl_jobs_full(const struct orl_jobs *jobs)
 {
-    return jobs->counts[ORL_JOB_QUEUED] >= ORL_SERVER_QUEUE;
+    /* Those that share a computation that runs wait for it, too. */
+    const size_t running = jobs->counts[ORL_JOB_RUNNING];
+    const size_t sharing = running > jobs->n_workers ? running - jobs->n_workers : 0;
+    return jobs->counts[ORL_JOB_QUEUED] + sharing >= ORL_SERVER_QUEUE;
 }

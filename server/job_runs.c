@@ -6,6 +6,7 @@
 
 #include "job_share.h"
 #include "kept_parts.h"
+#include "limits.h"
 #include "store/scenes.h"
 #include "times.h"
 
@@ -34,11 +35,21 @@ static bool is_ending(const struct orl_jobs_job *leader)
     return leader->requeue || (cancelled && !leader->followers);
 }
 
+/* Results for each are made in one turn of the loop. */
+static bool has_many(const struct orl_jobs_job *leader)
+{
+    size_t count = 0;
+    for (const struct orl_jobs_job *job = leader->followers; job; job = job->next_follower)
+        count++;
+    return count >= ORL_SERVER_SHARING;
+}
+
 /* A job that waits or runs, and asks for the same. */
 static struct orl_jobs_job *find_leader(const struct orl_jobs *jobs, const char *identity)
 {
     struct orl_jobs_job *leader = *identity ? jobs->leaders : NULL;
-    while (leader && (is_ending(leader) || strcmp(leader->row.identity, identity) != 0))
+    while (leader &&
+           (is_ending(leader) || strcmp(leader->row.identity, identity) != 0 || has_many(leader)))
         leader = leader->next_leader;
     return leader;
 }

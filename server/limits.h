@@ -23,12 +23,17 @@
 #define ORL_SERVER_HEADER_S 15.0    /* from a connection's start to the end of its first headers */
 #define ORL_SERVER_BODY_RATE 1024.0 /* bytes/s that a body has to come at */
 #define ORL_SERVER_QUEUE 1024U      /* jobs waiting */
+#define ORL_SERVER_SHARING 64U      /* jobs that follow one computation; the next begins another */
 #define ORL_SERVER_KEY_S 86400U     /* that an Idempotency-Key is remembered */
 #define ORL_SERVER_UNFETCHED_S 600U /* that results stay for somebody to ask for them */
-#define ORL_SERVER_LIST 1000U       /* jobs in one listing */
-#define ORL_SERVER_STUDY_RUNS 500U  /* runs of one study, the reference's included */
-#define ORL_SERVER_THREADS 512U     /* render threads */
-#define ORL_SERVER_IO_THREADS 4U    /* pool threads beside them, for uploads and files */
+#define ORL_SERVER_LIST 1000U       /* jobs in one listing ... */
+#define ORL_SERVER_LIST_BYTES (4UL << 20) /* ... and what it may take; that many jobs, or one */
+#define ORL_SERVER_STUDY_RUNS 500U        /* runs of one study, the reference's included */
+#define ORL_SERVER_THREADS 512U           /* render threads */
+#define ORL_SERVER_IO_THREADS 4U          /* pool threads beside them, for uploads and files */
+#define ORL_SERVER_CHECKS 3U    /* of uploads at once: one of the threads above is for the others */
+#define ORL_SERVER_CHECK_S 120U /* that the check of one upload may take (default) */
+#define ORL_SERVER_HEAVY_BYTES (32UL << 20)  /* a document that takes more memory is read alone */
 #define ORL_SERVER_SHELF_BYTES (256UL << 20) /* that jobs leave in memory (default) */
 #define ORL_SERVER_ATTEMPTS 3                /* starts of one job before it counts as a killer */
 

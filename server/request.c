@@ -48,14 +48,24 @@ static void work_back(uv_work_t *work, int status)
     orl_server_work_done(server);
 }
 
-void orl_request_work(struct orl_request *request, orl_request_step run, orl_request_step then)
+void orl_request_wait(struct orl_request *request, orl_request_step run, orl_request_step then)
 {
     request->run = run;
     request->then = then;
     request->working = true;
     request->work.data = request;
     request->server->working++;
+}
+
+void orl_request_queue(struct orl_request *request)
+{
     uv_queue_work(&request->server->loop, &request->work, work_run, work_back);
+}
+
+void orl_request_work(struct orl_request *request, orl_request_step run, orl_request_step then)
+{
+    orl_request_wait(request, run, then);
+    orl_request_queue(request);
 }
 
 static void flush_body(struct orl_request *request)

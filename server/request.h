@@ -47,6 +47,7 @@ struct orl_request {
 
     uv_work_t work;
     orl_request_step run, then;
+    struct orl_check *check; /* of what it has sent, under way; or NULL: checks.h */
     bool working;
 
     void *state;
@@ -55,6 +56,10 @@ struct orl_request {
 
 /* Has run called on the pool and then on the loop. The handler must return without replying. */
 void orl_request_work(struct orl_request *request, orl_request_step run, orl_request_step then);
+
+/* The same in two steps: it waits, and is queued later. */
+void orl_request_wait(struct orl_request *request, orl_request_step run, orl_request_step then);
+void orl_request_queue(struct orl_request *request);
 
 /* A query argument or header, or NULL. */
 const char *orl_request_query(const struct orl_request *request, const char *name);

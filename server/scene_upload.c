@@ -272,7 +272,8 @@ int orl_scene_upload_json(struct orl_scene_upload *upload, const struct orl_file
 
 /* ---- Checking and keeping ------------------------------------------------------------------- */
 
-int orl_scene_upload_check(struct orl_scene_upload *upload, struct orl_error *err)
+int orl_scene_upload_check(struct orl_scene_upload *upload, const atomic_bool *cancel,
+                           struct orl_error *err)
 {
     const char *names[ORL_LIMIT_SCENE_FILES];
     struct orl_scene_summary summary;
@@ -280,7 +281,7 @@ int orl_scene_upload_check(struct orl_scene_upload *upload, struct orl_error *er
     for (size_t i = 0; i < count; i++)
         names[i] = upload->bundle.files[i].name;
     const struct orl_files files = orl_bundle_provider(&upload->bundle);
-    const int rc = orl_scene_check(names, count, &files, &summary, err);
+    const int rc = orl_scene_check(names, count, &files, cancel, &summary, err);
     if (rc)
         return rc;
     json_t *json = orl_scene_summary_to_json(&summary);

@@ -7,6 +7,7 @@
 
 #include <jansson.h>
 #include <microhttpd.h>
+#include <stdatomic.h>
 
 #include "store/bundle.h"
 
@@ -35,8 +36,9 @@ int orl_scene_upload_json(struct orl_scene_upload *upload, const struct orl_file
 int orl_scene_upload_zip(struct orl_scene_upload *upload, const struct orl_file *body,
                          const struct orl_folders *folders, struct orl_error *err);
 
-/* Parses the whole scene as a job would; fills summary. */
-int orl_scene_upload_check(struct orl_scene_upload *upload, struct orl_error *err);
+/* Parses the whole scene as a job would; fills summary. ORL_ERR_CANCELLED when *cancel. */
+int orl_scene_upload_check(struct orl_scene_upload *upload, const atomic_bool *cancel,
+                           struct orl_error *err);
 /* Moves the files to their places among the blobs. */
 int orl_scene_upload_keep(struct orl_scene_upload *upload, const struct orl_folders *folders,
                           struct orl_error *err);

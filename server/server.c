@@ -45,6 +45,7 @@ static void stop(struct orl_server *server)
     for (int i = 0; i < 2; i++)
         uv_signal_stop(&server->signals[i]);
     server->stopping = true;
+    orl_checks_sweep(server);
     orl_http_quiesce(server->http);
     orl_jobs_stop(server->jobs);
 }
@@ -256,6 +257,7 @@ int orl_server_run(const struct orl_config *config, void (*announce)(const char 
     server.log = (struct orl_log){stderr, config->log_level, config->log_json};
     server.folders.lock_fd = -1;
     server.started_s = orl_time_steady_s();
+    pthread_mutex_init(&server.heavy, NULL);
     if (uv_loop_init(&server.loop) != 0)
         return orl_error_set(err, ORL_ERR_INTERNAL, "cannot start the event loop");
     uv_async_init(&server.loop, &server.kept_changed, on_kept_changed);
@@ -294,6 +296,7 @@ int orl_server_run(const struct orl_config *config, void (*announce)(const char 
     orl_jobs_close(server.jobs);
     close_storage(&server);
     uv_loop_close(&server.loop);
+    pthread_mutex_destroy(&server.heavy);
     if (rc == 0)
         orl_log_event(&server.log, ORL_LOG_INFO, "stopped", "");
     return rc;

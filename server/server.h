@@ -10,9 +10,11 @@
 #ifndef ORL_SERVER_SERVER_H
 #define ORL_SERVER_SERVER_H
 
+#include <pthread.h>
 #include <stdbool.h>
 #include <uv.h>
 
+#include "checks.h"
 #include "config.h"
 #include "events.h"
 #include "http.h"
@@ -48,7 +50,9 @@ struct orl_server {
     struct orl_events *events;
     struct orl_metrics metrics;
     uint64_t requests; /* served or under way; the last one's id */
-    unsigned working;  /* requests whose work is on the pool */
+    struct orl_checks checks;
+    pthread_mutex_t heavy; /* held while a document is read that takes much memory */
+    unsigned working;      /* requests whose work is on the pool */
     double started_s;
     bool draining, stopping, jobs_idle;
 };

@@ -41,7 +41,7 @@ static const struct {
     {EL_BLOCK, "ScatteringData", EL_DATA},
 };
 
-enum { SLICE_LEAST = 1 << 16, SLICE_MOST = 1 << 20 };
+enum { SLICE_LEAST = 1 << 16, SLICE_MOST = 1 << 20, SLICE_OF_TOKEN = 1 << 28 };
 
 #define FAIL(r, code, ...) orl_xml_fail(r, orl_error_set((r)->err, code, __VA_ARGS__))
 
@@ -218,10 +218,14 @@ static void heed_cancel(struct orl_xml_reader *r, const struct orl_bsdf_xml *xml
         r->code = orl_error_set(r->err, ORL_ERR_CANCELLED, "cancelled while reading the BSDF");
 }
 
-/* The whole file. Slices grow, as expat reads a long token again with each. */
+/*
+ * The whole file. Slices grow, as expat reads a token that is not over again with each: without end
+ * where it came no further by the last one, as within a comment of many megabytes.
+ */
 static void parse(struct orl_xml_reader *r, const struct orl_bsdf_xml *xml)
 {
     size_t at = 0, slice = SLICE_LEAST, told = 0;
+    XML_Index reached = -1;
     bool last = false;
     while (r->code == 0 && !last) {
         const size_t length = xml->size - at < slice ? xml->size - at : slice;
@@ -230,8 +234,12 @@ static void parse(struct orl_xml_reader *r, const struct orl_bsdf_xml *xml)
         at += length;
         tell_passed(xml, at, &told);
         heed_cancel(r, xml);
-        if (slice < SLICE_MOST)
+        const XML_Index before = reached;
+        reached = XML_GetCurrentByteIndex(r->parser);
+        if (slice < SLICE_MOST || (reached == before && slice < SLICE_OF_TOKEN))
             slice *= 2;
+        else if (reached != before)
+            slice = SLICE_MOST;
         while (r->code == 0 && r->plain && !last) {
             at += read_plain(r, at);
             if (r->putting_off) /* whoever reads it tells */

@@ -43,13 +43,28 @@ static void summarise(const struct orl_world *world, struct orl_scene_summary *s
     sodium_bin2hex(summary->digest, sizeof summary->digest, d->digest, sizeof d->digest);
 }
 
-int orl_scene_check(const char *const *main_files, size_t n_files, const struct orl_files *files,
-                    struct orl_scene_summary *ret_summary, struct orl_error *err)
+static int load_bsdf(void *ctx, const struct orl_bsdf_xml *xml,
+                     const unsigned char content[crypto_hash_sha256_BYTES],
+                     struct orl_bsdf **ret_bsdf, struct orl_error *err)
 {
+    struct orl_bsdf_xml heeding = *xml;
+    const struct orl_bsdf_loader *loader = ctx;
+    (void)content;
+    heeding.cancel = loader->cancel;
+    return orl_bsdf_load(&heeding, ret_bsdf, err);
+}
+
+int orl_scene_check(const char *const *main_files, size_t n_files, const struct orl_files *files,
+                    const atomic_bool *cancel, struct orl_scene_summary *ret_summary,
+                    struct orl_error *err)
+{
+    struct orl_bsdf_loader loader = {.load = load_bsdf, .cancel = cancel};
+    loader.ctx = &loader;
     struct orl_description description = {0};
     struct orl_scene_summary summary = {0};
     struct orl_world *world = NULL;
-    int code = orl_scene_parse(main_files, n_files, files, &description, err);
+    int code = orl_scene_parse_with(main_files, n_files, files, &loader, &description, err);
+    description.cancel = cancel;
     if (code == 0)
         code = orl_world_new(&description, &world, err);
     if (code == 0) {

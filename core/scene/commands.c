@@ -101,6 +101,9 @@ static struct orl_scope enter(const struct orl_scope *outer, const struct orl_xf
     return inner;
 }
 
+/* A copy costs what its command's words cost to read again: as much text, for the bound on that. */
+enum { WORD_COST = 64 };
+
 static int apply_use(void *ctx, const struct orl_xform_use *use, struct orl_error *err)
 {
     struct run *run = ctx;
@@ -115,6 +118,7 @@ static int apply_use(void *ctx, const struct orl_xform_use *use, struct orl_erro
     if (use->prefix && outer->prefix &&
         strlen(use->prefix) + strlen(outer->prefix) + 2 > ORL_PREFIX_BYTES)
         return orl_error_set(err, ORL_ERR_LIMIT, "the prefixes of -n are too long together");
+    run->parser->text_bytes += WORD_COST * use->n_words;
     inner = enter(outer, use, prefix);
     if (run->stage > 0) {
         run->scope = &inner;

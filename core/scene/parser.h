@@ -27,6 +27,7 @@ struct orl_parser {
     struct orl_primitive primitive;
     size_t surfaces_room, materials_room, distants_room, skies_room, warnings_room;
     size_t text_bytes;     /* read so far, repeats included */
+    size_t name_bytes;     /* of surfaces, kept so far */
     uint64_t vertices;     /* kept so far */
     int32_t void_material; /* index, or -1 */
     struct orl_refusals refusals;

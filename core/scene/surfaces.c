@@ -73,20 +73,33 @@ static int find_material(struct orl_parser *parser, const struct orl_scope *scop
     return 0;
 }
 
-/* The name with the scope's prefix, in storage. */
-static char *make_name(struct orl_parser *parser, const struct orl_scope *scope)
+/* The name with the scope's prefix, in storage. A prefix is written once and read with every copy:
+ * the sum is bounded. */
+static int make_name(struct orl_parser *parser, const struct orl_scope *scope, char **ret_name,
+                     struct orl_error *err)
 {
     const char *id = parser->primitive.id;
     const size_t length = strlen(id), front = scope->prefix ? strlen(scope->prefix) + 1 : 0;
+    parser->name_bytes += front + length + 1;
+    if (parser->name_bytes > ORL_LIMIT_NAME_BYTES) {
+        orl_parser_fail(
+            parser, scope, err, ORL_ERR_LIMIT,
+            "the names of the scene's surfaces, prefixes by xform -n included, take more "
+            "than %lu MiB",
+            ORL_LIMIT_NAME_BYTES >> 20);
+        orl_error_hint(err, "Shorter names do, or fewer copies by xform -a");
+        return ORL_ERR_LIMIT;
+    }
     char *name = orl_storage_take(parser->out->storage, front + length + 1);
     if (!name)
-        return NULL;
+        return out_of_memory(parser, scope, err);
     if (front > 0) {
         memcpy(name, scope->prefix, front - 1);
         name[front - 1] = '.';
     }
     memcpy(name + front, id, length + 1);
-    return name;
+    *ret_name = name;
+    return 0;
 }
 
 static struct orl_vec3 real3(const struct orl_parser *parser, size_t i)
@@ -314,15 +327,17 @@ static int keep_surface(struct orl_parser *parser, const struct orl_scope *scope
                         struct orl_surface *surface, struct orl_error *err)
 {
     struct orl_description *out = parser->out;
-    const int code = check_up(parser, scope, surface, err);
+    int code = check_up(parser, scope, surface, err);
     if (code < 0)
         return code;
     if (out->n_surfaces >= ORL_LIMIT_SURFACES)
         return orl_parser_fail(parser, scope, err, ORL_ERR_LIMIT,
                                "the scene has more than %lu surfaces", ORL_LIMIT_SURFACES);
-    surface->name = make_name(parser, scope);
-    if (!surface->name || !orl_parser_grow(&out->surfaces, &parser->surfaces_room, out->n_surfaces,
-                                           sizeof *out->surfaces))
+    code = make_name(parser, scope, &surface->name, err);
+    if (code < 0)
+        return code;
+    if (!orl_parser_grow(&out->surfaces, &parser->surfaces_room, out->n_surfaces,
+                         sizeof *out->surfaces))
         return out_of_memory(parser, scope, err);
     out->surfaces[out->n_surfaces++] = *surface;
     if (out->materials[surface->material].kind == ORL_MATERIAL_VOID)
@@ -367,9 +382,11 @@ static int read_source(struct orl_parser *parser, const struct orl_scope *scope,
     if (!(r[3] > 0 && r[3] <= 360))
         return orl_parser_fail(parser, scope, err, ORL_ERR_RANGE,
                                "its angle %g is not between 0 and 360 degrees", r[3]);
-    distant.name = make_name(parser, scope);
-    if (!distant.name || !orl_parser_grow(&out->distants, &parser->distants_room, out->n_distants,
-                                          sizeof *out->distants))
+    code = make_name(parser, scope, &distant.name, err);
+    if (code < 0)
+        return code;
+    if (!orl_parser_grow(&out->distants, &parser->distants_room, out->n_distants,
+                         sizeof *out->distants))
         return out_of_memory(parser, scope, err);
     out->distants[out->n_distants++] = distant;
     return 0;

@@ -1,23 +1,27 @@
 #include "scene/symbols.h"
 
+#include <sodium.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include <oriel/error.h>
 
-/* FNV-1a. */
-static uint64_t hash(const char *name)
+/* SipHash under a key of the table's own: nobody can send names that meet in one slot. Where a name
+ * lies changes nothing that anyone sees. */
+static uint64_t hash(const struct orl_symbols *symbols, const char *name)
 {
-    uint64_t h = UINT64_C(14695981039346656037);
-    for (; *name; name++)
-        h = (h ^ (unsigned char)*name) * UINT64_C(1099511628211);
+    uint64_t h;
+    unsigned char bytes[crypto_shorthash_BYTES];
+    crypto_shorthash(bytes, (const unsigned char *)name, strlen(name), symbols->key);
+    memcpy(&h, bytes, sizeof h);
     return h;
 }
 
 /* The slot that holds name, or the free one where it belongs. n_slots is a power of two. */
-static struct orl_symbol *slot_of(struct orl_symbol *slots, size_t n_slots, const char *name)
+static struct orl_symbol *slot_of(const struct orl_symbols *symbols, struct orl_symbol *slots,
+                                  size_t n_slots, const char *name)
 {
-    size_t i = (size_t)hash(name) & (n_slots - 1);
+    size_t i = (size_t)hash(symbols, name) & (n_slots - 1);
     while (slots[i].name && strcmp(slots[i].name, name) != 0)
         i = (i + 1) & (n_slots - 1);
     return slots + i;
@@ -28,7 +32,7 @@ const struct orl_symbol *orl_symbols_find(const struct orl_symbols *symbols, con
     const struct orl_symbol *slot;
     if (symbols->n_slots == 0)
         return NULL;
-    slot = slot_of(symbols->slots, symbols->n_slots, name);
+    slot = slot_of(symbols, symbols->slots, symbols->n_slots, name);
     return slot->name ? slot : NULL;
 }
 
@@ -38,9 +42,11 @@ static int grow(struct orl_symbols *symbols)
     struct orl_symbol *slots = calloc(n_slots, sizeof *slots);
     if (!slots)
         return ORL_ERR_NOMEM;
+    if (symbols->n_slots == 0)
+        randombytes_buf(symbols->key, sizeof symbols->key);
     for (size_t i = 0; i < symbols->n_slots; i++)
         if (symbols->slots[i].name)
-            *slot_of(slots, n_slots, symbols->slots[i].name) = symbols->slots[i];
+            *slot_of(symbols, slots, n_slots, symbols->slots[i].name) = symbols->slots[i];
     free(symbols->slots);
     symbols->slots = slots;
     symbols->n_slots = n_slots;
@@ -52,7 +58,7 @@ int orl_symbols_set(struct orl_symbols *symbols, struct orl_symbol symbol)
     struct orl_symbol *slot;
     if (2 * symbols->n_used >= symbols->n_slots && grow(symbols) < 0)
         return ORL_ERR_NOMEM;
-    slot = slot_of(symbols->slots, symbols->n_slots, symbol.name);
+    slot = slot_of(symbols, symbols->slots, symbols->n_slots, symbol.name);
     symbols->n_used += slot->name ? 0 : 1;
     *slot = symbol;
     slot->order = ++symbols->n_set;

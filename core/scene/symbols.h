@@ -4,6 +4,7 @@
 #ifndef ORL_SCENE_SYMBOLS_H
 #define ORL_SCENE_SYMBOLS_H
 
+#include <sodium.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -21,6 +22,7 @@ struct orl_symbols {
     struct orl_symbol *slots;
     size_t n_slots, n_used;
     uint32_t n_set;
+    unsigned char key[crypto_shorthash_KEYBYTES]; /* random, of this table alone */
 };
 
 /* NULL when there is none. Good until the next orl_symbols_set. */

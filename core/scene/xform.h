@@ -54,6 +54,7 @@ struct orl_xform_use {
     const char *prefix;       /* -n, or NULL */
     const char *const *files; /* the words after the transforms */
     size_t n_files;
+    size_t n_words; /* that were read for it */
 };
 
 /* Called for each use in order; borrowed arguments. A negative result ends the expansion. */

@@ -85,6 +85,7 @@ static int use_once(struct expansion *e, const char *const *words, size_t count,
         return orl_error_set(err, ORL_ERR_LIMIT, "xform: the prefix of -n is too long");
     use.files = words + options + used;
     use.n_files = count - options - used;
+    use.n_words = count;
     use.xform.inverted = use.xform.inverted != inverted;
     if (use.n_files > 0 && use.files[0][0] == '-') {
         orl_error_set(err, ORL_ERR_SYNTAX, "xform: option '%.40s' is not known here", use.files[0]);

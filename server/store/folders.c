@@ -12,6 +12,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "store/bundle.h"
+
 static int io_error(struct orl_error *err, const char *what, const char *path)
 {
     return orl_error_set(err, orl_err_of_errno(errno), "cannot %s %s: %s", what, path,
@@ -162,11 +164,24 @@ bool orl_blob_exists(const struct orl_folders *folders, const char *sha)
     return access(path, R_OK) == 0;
 }
 
+/* Is it there, and what its name says? */
+static bool is_whole(const struct orl_folders *folders, const char *sha)
+{
+    char path[ORL_PATH_MAX], found[ORL_SHA_HEX];
+    struct orl_file file;
+    orl_blob_path(folders, sha, path);
+    if (!orl_blob_exists(folders, sha) || orl_map_file(path, &file, NULL))
+        return false;
+    orl_sha256_hex(file.data, file.size, found);
+    orl_unmap_file(&file);
+    return strcmp(found, sha) == 0;
+}
+
 int orl_blob_keep(const struct orl_folders *folders, const char *temporary, const char *sha,
                   struct orl_error *err)
 {
     char path[ORL_PATH_MAX], folder[ORL_PATH_MAX];
-    if (orl_blob_exists(folders, sha)) {
+    if (is_whole(folders, sha)) {
         unlink(temporary);
         return 0;
     }

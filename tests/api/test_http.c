@@ -103,7 +103,10 @@ static void test_refusals(void **state)
 /* Web pages are kept out, programs let in. */
 static void test_guard(void **state)
 {
-    static const struct {
+    const struct daemon *daemon = *state;
+    char own_origin[96];
+    snprintf(own_origin, sizeof own_origin, "Origin: %s", daemon->url);
+    const struct {
         const char *header;
         long status;
     } cases[] = {
@@ -121,7 +124,16 @@ static void test_guard(void **state)
         {"Origin: http://evil.example", 403},
         {"Origin: null", 403},
         {"Origin: https://localhost", 403},
-        {"Origin: http://localhost:3", 200},
+        {"Origin: http://localhost:3", 403},
+        {"Origin: http://127.0.0.1", 403},
+        {own_origin, 200},
+        {"Sec-Fetch-Site: same-origin", 200},
+        {"Sec-Fetch-Site: none", 200},
+        {"Sec-Fetch-Site: same-site", 403},
+        {"Sec-Fetch-Site: cross-site", 403},
+        {"Forwarded: for=192.0.2.60", 403},
+        {"X-Forwarded-For: 192.0.2.60", 403},
+        {"Via: 1.1 proxy", 403},
         {"Origin: http://127.0.0.1@evil.example", 403},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {

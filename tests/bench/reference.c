@@ -59,7 +59,7 @@ static void name_file(const struct office *office, const struct office_reference
     struct orl_error err = {0};
     char name[128];
     if (orl_scene_check((const char *const *)(uintptr_t)office_names, OFFICE_FILES, &office->files,
-                        &summary, &err) < 0)
+                        NULL, &summary, &err) < 0)
         bench_fail("the office", &err);
     snprintf(name, sizeof name, "reference-%.16s-%ux%u-%u-%u.bin", summary.digest, reference->width,
              reference->height, reference->pixel_samples, reference->sensor_samples);

@@ -4,11 +4,13 @@
 #ifndef ORIEL_LIMITS_H
 #define ORIEL_LIMITS_H
 
-#define ORL_LIMIT_FILE_BYTES (512UL << 20)  /* one uploaded file */
-#define ORL_LIMIT_SCENE_FILES 512U          /* files in one scene */
-#define ORL_LIMIT_INCLUDE_DEPTH 16U         /* nesting of !xform files */
-#define ORL_LIMIT_SCENE_TEXT (4UL << 30)    /* scene text read, repeats of xform -a included */
-#define ORL_LIMIT_SURFACES 5000000UL        /* surfaces after all !xform -a repeats */
+#define ORL_LIMIT_FILE_BYTES (512UL << 20) /* one uploaded file */
+#define ORL_LIMIT_SCENE_FILES 512U         /* files in one scene */
+#define ORL_LIMIT_INCLUDE_DEPTH 16U        /* nesting of !xform files */
+#define ORL_LIMIT_SCENE_TEXT (4UL << 30)   /* scene text read, repeats of xform -a included */
+#define ORL_LIMIT_SURFACES 5000000UL       /* surfaces after all !xform -a repeats */
+#define ORL_LIMIT_NAME_BYTES                                                                       \
+    (256UL << 20) /* of all surfaces' names, prefixes by xform -n included */
 #define ORL_LIMIT_POLYGON_VERTICES 20000U   /* corners of one polygon */
 #define ORL_LIMIT_POLYGON_CROSSINGS 50000U  /* of one polygon's outline with itself */
 #define ORL_LIMIT_ARGUMENTS 400000U         /* arguments of one primitive */
@@ -29,6 +31,7 @@
 #define ORL_LIMIT_GOAL_SAMPLES (1UL << 20)  /* samples a sensor, all rounds for an accuracy */
 #define ORL_LIMIT_DEADLINE_S 604800UL       /* longest deadline: a week */
 #define ORL_LIMIT_JOB_BYTES (64UL << 20)    /* one job document */
+#define ORL_LIMIT_JSON_MEMORY (1UL << 30)   /* that reading one JSON document may take, estimated */
 #define ORL_LIMIT_STUDY_RUNS 2000U          /* runs of one study: settings times seeds */
 #define ORL_LIMIT_STUDY_LIST 64U            /* techniques, photons, samples or points of a study */
 

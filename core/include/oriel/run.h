@@ -290,9 +290,11 @@ struct orl_scene_summary {
     size_t n_referenced;
 };
 
-/* Parses the scene and everything it refers to, as a job would, and says what is in it. */
+/* Parses the scene and everything it refers to, as a job would, and says what is in it. Gives up
+ * with ORL_ERR_CANCELLED when *cancel; NULL: never. */
 int orl_scene_check(const char *const *main_files, size_t n_files, const struct orl_files *files,
-                    struct orl_scene_summary *ret_summary, struct orl_error *err);
+                    const atomic_bool *cancel, struct orl_scene_summary *ret_summary,
+                    struct orl_error *err);
 void orl_scene_summary_done(struct orl_scene_summary *summary);
 
 /*

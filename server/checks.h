@@ -1,0 +1,46 @@
+/*
+ * Checks of uploads on the pool: of what strangers send before it is accepted. They may take long,
+ * so they are at most ORL_SERVER_CHECKS at once, which leaves a pool thread for everybody else; the
+ * others wait for their turn. A check that takes longer than --check-timeout is given up (its
+ * upload is refused, 413), and so are all of them when the daemon stops.
+ *
+ * Threads: the loop thread, but for what is said to be the pool's.
+ */
+#ifndef ORL_SERVER_CHECKS_H
+#define ORL_SERVER_CHECKS_H
+
+#include <stdatomic.h>
+#include <stdbool.h>
+
+#include "request.h"
+
+/* One check; lies in the request's state, all zero at first. */
+struct orl_check {
+    struct orl_request *request;
+    orl_request_step run, then;
+    atomic_bool cancel;      /* for the pool to poll */
+    atomic_llong started_ms; /* on the steady clock; 0: it waits */
+    bool late;               /* that is why it was cancelled */
+    struct orl_check *next;
+};
+
+struct orl_checks {
+    struct orl_check *running, *waiting; /* waiting: the first come first */
+    unsigned count;                      /* that run */
+};
+
+/*
+ * As orl_request_work, when it is its turn: run on the pool is to hand &check->cancel to whatever
+ * it calls, then calls orl_check_ended before anything else.
+ */
+void orl_check_begin(struct orl_check *check, struct orl_request *request, orl_request_step run,
+                     orl_request_step then);
+
+/* Lets the next one begin. Where rc says that the check was cancelled, fills err with the reason
+ * and returns that; otherwise rc. */
+int orl_check_ended(struct orl_check *check, int rc, struct orl_error *err);
+
+/* To be called every second or so, and when the daemon stops. */
+void orl_checks_sweep(struct orl_server *server);
+
+#endif

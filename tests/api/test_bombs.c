@@ -1,0 +1,243 @@
+/* Small uploads that would take much memory or time: refused within bounds, and nothing stays. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <curl/curl.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "limits.h"
+#include "store/folders.h"
+#include "support/daemon.h"
+#include "support/scene_text.h"
+
+/* A line of /proc/<pid>/status, in MiB: "VmHWM", the peak so far; "VmRSS", what it has now. */
+static double memory_mb(const struct daemon *daemon, const char *name)
+{
+    char path[64], line[256];
+    double kb = -1;
+    snprintf(path, sizeof path, "/proc/%d/status", (int)daemon->pid);
+    FILE *status = fopen(path, "r");
+    assert_non_null(status);
+    while (kb < 0 && fgets(line, sizeof line, status))
+        if (strncmp(line, name, strlen(name)) == 0)
+            kb = strtod(line + strlen(name) + 1, NULL);
+    fclose(status);
+    assert_true(kb >= 0);
+    return kb / 1024;
+}
+
+/* "[{},{},...]" of so many. */
+static char *many_objects(size_t count, size_t *ret_size)
+{
+    char *text = malloc(3 * count + 2);
+    assert_non_null(text);
+    for (size_t i = 0; i < count; i++)
+        memcpy(text + 3 * i, i == 0 ? "[{}" : ",{}", 3);
+    text[3 * count] = ']';
+    *ret_size = 3 * count + 1;
+    return text;
+}
+
+/* 33 MB that would take 2.5 GB are refused unread. What may be read, as 9 MB that take 0.7 GB, is
+ * given back. */
+static void test_objects(void **state)
+{
+    static const struct {
+        size_t count;
+        long status;
+        double most_mb;
+    } cases[] = {{11000000, 413, 200}, {3000000, 422, 1000}};
+    struct daemon *daemon = *state;
+    const double before_mb = memory_mb(daemon, "VmRSS");
+    for (size_t i = 0; i < 2; i++) {
+        struct reply reply;
+        size_t size;
+        char *text = many_objects(cases[i].count, &size);
+        daemon_request(daemon, "POST", "/v1/jobs", "application/json", text, size, NULL, &reply);
+        assert_int_equal(reply.status, cases[i].status);
+        reply_done(&reply);
+        free(text);
+        const double peak_mb = memory_mb(daemon, "VmHWM") - before_mb;
+        const double kept_mb = memory_mb(daemon, "VmRSS") - before_mb;
+        print_message("# %zu objects: a peak of %.0f MB, %.0f MB stay\n", cases[i].count, peak_mb,
+                      kept_mb);
+        assert_true(peak_mb < cases[i].most_mb);
+        assert_true(kept_mb < 100);
+    }
+}
+
+/* 5 M surfaces by copies of 50, their names behind a prefix of 450 bytes: 2 GB of names. */
+static void test_names(void **state)
+{
+    enum { PREFIX = 450, COPIED = 50 };
+    struct daemon *daemon = *state;
+    char prefix[PREFIX + 1], scene[PREFIX + 200], part[COPIED * 80];
+    struct reply reply;
+    size_t used = 0;
+    memset(prefix, 'p', PREFIX);
+    prefix[PREFIX] = '\0';
+    snprintf(scene, sizeof scene,
+             "void plastic grey 0 0 5 .5 .5 .5 0 0\n!xform -n %s -a 100000 -t 0 0 1 part.rad\n",
+             prefix);
+    for (int i = 0; i < COPIED; i++)
+        used += (size_t)sprintf(part + used, "grey polygon s%d 0 0 9 0 0 %d 1 0 %d 0 1 %d\n", i, i,
+                                i, i);
+    const struct upload_file files[] = {{"scene.rad", scene, strlen(scene), false},
+                                        {"part.rad", part, used, true}};
+    daemon_upload(daemon, files, 2, NULL, &reply);
+    assert_int_equal(reply.status, 413);
+    assert_non_null(strstr(reply_text(&reply, "detail"), "names"));
+    assert_string_equal(reply_text(&reply, "file"), "part.rad");
+    reply_done(&reply);
+    const double peak_mb = memory_mb(daemon, "VmHWM");
+    print_message("# names: a peak of %.0f MB\n", peak_mb);
+    assert_true(peak_mb < 1200);
+}
+
+/* Longer than --check-timeout allows, whatever the machine: refused soon after that. */
+#define SLOW                                                                                       \
+    "void plastic grey 0 0 5 .5 .5 .5 0 0\n!xform -a 50000 -t 0 0 1 part.rad\n"                    \
+    "!xform -a 50000 -t 1 0 1 part.rad\n"
+
+static const char thing[] = "grey sphere s 0 0 4 0 0 0 .1\n";
+
+static void make_slow_part(char ret_part[40 * sizeof thing])
+{
+    ret_part[0] = '\0';
+    for (int i = 0; i < 40; i++)
+        strcat(ret_part, thing);
+}
+
+static void test_time(void **state)
+{
+    static const char *const hasty[] = {"--check-timeout", "1", NULL};
+    char part[40 * sizeof thing];
+    struct daemon daemon;
+    struct reply reply;
+    (void)state;
+    make_slow_part(part);
+    const struct upload_file files[] = {{"scene.rad", SLOW, strlen(SLOW), false},
+                                        {"part.rad", part, strlen(part), true}};
+    daemon_start(&daemon, hasty);
+    daemon_upload(&daemon, files, 2, NULL, &reply);
+    assert_int_equal(reply.status, 413);
+    assert_non_null(strstr(reply_text(&reply, "detail"), "longer than 1 seconds"));
+    print_message("# given up after %.1f s\n", reply.seconds);
+    reply_done(&reply);
+    daemon_remove(&daemon);
+}
+
+/* More slow checks than may run: jobs and other requests go on beside them; SIGTERM ends all. */
+static void test_many_at_once(void **state)
+{
+    enum { BOMBS = 6 };
+    char part[40 * sizeof thing];
+    struct daemon daemon;
+    pid_t pids[BOMBS];
+    struct reply reply;
+    (void)state;
+    make_slow_part(part);
+    daemon_start(&daemon, NULL);
+    for (int i = 0; i < BOMBS; i++) {
+        pids[i] = fork();
+        assert_true(pids[i] >= 0);
+        if (pids[i] == 0) {
+            char scene[sizeof SLOW + 40];
+            snprintf(scene, sizeof scene, "# %d\n%s", i, SLOW);
+            const struct upload_file files[] = {{"scene.rad", scene, strlen(scene), false},
+                                                {"part.rad", part, strlen(part), true}};
+            daemon.curl = curl_easy_init(); /* a connection of its own */
+            daemon_upload(&daemon, files, 2, NULL, &reply);
+            _exit(0);
+        }
+    }
+    nanosleep(&(struct timespec){1, 0}, NULL);
+    for (int i = 0; i < BOMBS; i++)
+        assert_int_equal(waitpid(pids[i], NULL, WNOHANG), 0);
+    double longest_s = 0;
+    for (int i = 0; i < 10; i++) {
+        daemon_post_json(&daemon, "/v1/jobs", "{}", &reply);
+        assert_int_equal(reply.status, 422);
+        longest_s = reply.seconds > longest_s ? reply.seconds : longest_s;
+        reply_done(&reply);
+    }
+    print_message("# the longest POST of a job: %.2f s\n", longest_s);
+    assert_true(longest_s < 2);
+    struct timespec from, to;
+    clock_gettime(CLOCK_MONOTONIC, &from);
+    assert_int_equal(daemon_end(&daemon, SIGTERM), 0);
+    clock_gettime(CLOCK_MONOTONIC, &to);
+    print_message("# stopped in %ld s\n", (long)(to.tv_sec - from.tv_sec));
+    assert_true(to.tv_sec - from.tv_sec < 8);
+    for (int i = 0; i < BOMBS; i++)
+        kill(pids[i], SIGKILL);
+    daemon_remove(&daemon);
+}
+
+/* ---- Damage, and jobs that are the same ------------------------------------------------------ */
+
+/* A byte of a stored file changes; the same upload says 200, and mends it. */
+static void test_uploads_mend(void **state)
+{
+    struct daemon_room *f = *state;
+    char sha[ORL_SHA_HEX], path[256], again[65], *kept = NULL;
+    size_t size = 0;
+    orl_sha256_hex(room_scene, strlen(room_scene), sha);
+    snprintf(path, sizeof path, "%s/blobs/%.2s/%s", f->daemon.root, sha, sha);
+    FILE *file = fopen(path, "r+b");
+    assert_non_null(file);
+    fputc('#', file);
+    fclose(file);
+    daemon_upload_room(&f->daemon, again);
+    assert_string_equal(again, f->scene);
+    kept = (char *)scene_read_bytes(path, &size);
+    assert_int_equal(size, strlen(room_scene));
+    assert_memory_equal(kept, room_scene, size);
+    free(kept);
+}
+
+/* So many share a computation; the next waits for one of its own. */
+static void test_sharing_is_bounded(void **state)
+{
+    struct daemon_room *f = *state;
+    struct reply reply;
+    char path[80], first[80];
+    daemon_submit(&f->daemon, f->scene, 100000000, 1, NULL, first);
+    for (unsigned i = 0; i < ORL_SERVER_SHARING + 1; i++)
+        daemon_submit(&f->daemon, f->scene, 100000000, 1, NULL, path);
+    daemon_get(&f->daemon, path, &reply);
+    assert_string_equal(reply_text(&reply, "state"), "queued");
+    reply_done(&reply);
+    daemon_get(&f->daemon, "/v1/jobs?limit=3", &reply);
+    assert_int_equal(json_array_size(reply_at(&reply, "jobs")), 3);
+    assert_true(json_is_true(reply_at(&reply, "more")));
+    reply_done(&reply);
+    daemon_get(&f->daemon, "/v1/jobs?limit=1000", &reply);
+    assert_int_equal(json_array_size(reply_at(&reply, "jobs")), ORL_SERVER_SHARING + 2);
+    assert_true(json_is_false(reply_at(&reply, "more")));
+    reply_done(&reply);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(test_objects, daemon_set_up, daemon_tear_down),
+        cmocka_unit_test_setup_teardown(test_names, daemon_set_up, daemon_tear_down),
+        cmocka_unit_test_setup_teardown(test_uploads_mend, daemon_room_set_up,
+                                        daemon_room_tear_down),
+        cmocka_unit_test_setup_teardown(test_sharing_is_bounded, daemon_room_set_up,
+                                        daemon_room_tear_down),
+        cmocka_unit_test(test_time),
+        cmocka_unit_test(test_many_at_once),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
