@@ -13,7 +13,7 @@ struct orl_rgb orl_transmittance(const struct orl_world *world, struct orl_vec3 
         const struct orl_material *m = orl_world_material(world, &hit);
         const struct orl_rgb through = orl_material_straight(m, &hit, orl_neg(direction));
         if (!(orl_rgb_max(through) > 0) ||
-            (!through_ports && orl_world_crossing(world, &hit) == ORL_CROSSING_INWARDS))
+            (!through_ports && orl_world_crossing(world, &hit) != ORL_CROSSING_NONE))
             return orl_gray(0);
         share = orl_rgb_mul(share, through);
         if (isinf(max_distance) && orl_world_leaves_clear(world, &hit))

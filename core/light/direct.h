@@ -9,7 +9,7 @@
 
 /*
  * Share of light that comes straight from `direction`, from within max_distance, thin glass on the
- * way included. With through_ports false a port met from outside blocks.
+ * way included. With through_ports false ports block.
  */
 struct orl_rgb orl_transmittance(const struct orl_world *world, struct orl_vec3 origin,
                                  struct orl_vec3 direction, double max_distance,

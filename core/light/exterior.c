@@ -5,7 +5,7 @@ enum { MOST_BOUNCES = 64, SURE_BOUNCES = 3, MOST_PANES = 64 };
 /* A path outdoors. */
 struct outing {
     const struct orl_world *world;
-    bool enters; /* it may pass ports inwards, as light may that it meets */
+    bool enters; /* it may pass ports, as light may that it meets; else it looks for first light */
     bool diffused;
     struct orl_random *random;
 };
@@ -36,10 +36,13 @@ static struct orl_rgb diffuse_direct(const struct outing *o, const struct orl_hi
                        orl_direct_light(o->world, &query, o->random));
 }
 
-/* Whether light from behind the surface is this path's to find. */
+/*
+ * Whether light from behind the surface is this path's to find. First light has passed no port: not
+ * that of a pane in front of another one either, which sends it in itself.
+ */
 static bool looks_behind(const struct outing *o, const struct orl_hit *hit)
 {
-    return o->enters || orl_world_crossing(o->world, hit) != ORL_CROSSING_INWARDS;
+    return o->enters || orl_world_crossing(o->world, hit) == ORL_CROSSING_NONE;
 }
 
 /* What suns and lights send towards the eye by way of this surface. */
@@ -91,10 +94,11 @@ static struct orl_rgb folded_direct(const struct outing *o, const struct orl_hit
  * The domes where nothing stands before them, and what shines there: surfaces outside let light
  * through or stop it, and send none back.
  */
-static struct orl_rgb unreflected_radiance(const struct orl_world *world, struct orl_vec3 origin,
+static struct orl_rgb unreflected_radiance(const struct outing *o, struct orl_vec3 origin,
                                            struct orl_vec3 direction, struct orl_chance chance,
                                            struct orl_health *health)
 {
+    const struct orl_world *world = o->world;
     struct orl_rgb sum = orl_gray(0), weight = orl_gray(1);
     for (int pane = 0; pane < MOST_PANES; pane++) {
         struct orl_hit hit;
@@ -105,7 +109,8 @@ static struct orl_rgb unreflected_radiance(const struct orl_world *world, struct
         const struct orl_vec3 eye = orl_neg(direction);
         sum = orl_rgb_add(sum, orl_rgb_mul(weight, orl_shining(world, &hit, eye, &chance)));
         weight = orl_rgb_mul(weight, orl_material_straight(m, &hit, eye));
-        if (!(orl_rgb_max(weight) > 0) || orl_world_crossing(world, &hit) == ORL_CROSSING_INWARDS)
+        if (!(orl_rgb_max(weight) > 0) || !looks_behind(o, &hit) ||
+            orl_world_crossing(world, &hit) == ORL_CROSSING_INWARDS)
             return sum;
         origin = orl_hit_leave(world->geometry, &hit, direction);
     }
@@ -174,7 +179,7 @@ static struct orl_rgb follow(struct outing *o, struct orl_vec3 direction,
         sum = orl_rgb_add(sum, orl_rgb_mul(weight, direct));
         const struct orl_scatter s =
             orl_scatter_sample(m, &hit, eye, ORL_TRANSPORT_EYE,
-                               inwards && !o->enters ? back : ORL_LOBE_ALL, o->random);
+                               looks_behind(o, &hit) ? ORL_LOBE_ALL : back, o->random);
         if (!goes_on(o->random, &s, bounce, &weight))
             return sum;
         chance = folded ? orl_chance_found() : orl_chance_after(world, &hit, eye, &s, chance);
@@ -212,7 +217,7 @@ struct orl_rgb orl_exterior_radiance(const struct orl_world *world, struct orl_v
         ret_entry->entered = false;
     if (world->omit.exterior) {
         health->paths++;
-        return unreflected_radiance(world, origin, direction, chance, health);
+        return unreflected_radiance(&outing, origin, direction, chance, health);
     }
     const bool met = orl_geometry_intersect(world->geometry, origin, direction, INFINITY, &hit);
     return follow(&outing, direction, met ? &hit : NULL, chance, health, ret_entry);

@@ -374,7 +374,7 @@ static struct orl_rgb follow_chain(struct chains *chains, struct chain c)
         const struct orl_rgb through = orl_material_straight(m, &hit, orl_neg(c.direction));
         c.share = orl_rgb_mul(c.share, through);
         if (!(orl_rgb_max(c.share) > 0) ||
-            (!chains->through_ports && crossing == ORL_CROSSING_INWARDS))
+            (!chains->through_ports && crossing != ORL_CROSSING_NONE))
             return none;
         if (orl_world_leaves_clear(world, &hit))
             return arrives ? c.share : none;

@@ -65,7 +65,7 @@ struct orl_vec3 orl_image_sample(const struct orl_world *world, const struct orl
 
 /*
  * Share of the sun's light that comes to origin from its image, from that direction of its disc.
- * With through_ports false the ray starts outside, and a port met from there blocks.
+ * With through_ports false the ray starts outside, and ports block.
  */
 struct orl_rgb orl_image_transmittance(const struct orl_world *world, struct orl_vec3 origin,
                                        struct orl_vec3 direction, const struct orl_image *image,

@@ -37,22 +37,27 @@ static void locate(const struct orl_geometry *g, const struct orl_facet *f, stru
     }
 }
 
-/* The port that a ray from inside leaves by, going straight through panes; -1: none. */
+/*
+ * The port that a ray from inside leaves the scene by, going straight through panes: of several the
+ * last, where its light came in first; -1: none.
+ */
 static int32_t leaves_by(const struct orl_world *world, struct orl_vec3 point,
                          struct orl_vec3 direction, struct orl_hit *ret_hit, double *ret_share)
 {
+    int32_t port = ORL_NO_PORT;
     *ret_share = 1;
     for (int pane = 0; pane < MOST_PANES; pane++) {
-        if (!orl_geometry_intersect(world->geometry, point, direction, INFINITY, ret_hit))
-            return ORL_NO_PORT;
-        const struct orl_material *m = orl_world_material(world, ret_hit);
-        *ret_share *= orl_luma(orl_material_straight(m, ret_hit, orl_neg(direction)));
+        struct orl_hit hit;
+        if (!orl_geometry_intersect(world->geometry, point, direction, INFINITY, &hit))
+            return port;
+        const struct orl_material *m = orl_world_material(world, &hit);
+        *ret_share *= orl_luma(orl_material_straight(m, &hit, orl_neg(direction)));
         if (!(*ret_share > 0))
             return ORL_NO_PORT;
-        point = orl_hit_leave(world->geometry, ret_hit, direction);
-        if (orl_world_crossing(world, ret_hit) == ORL_CROSSING_OUTWARDS) {
-            *ret_share *= orl_luma(orl_transmittance(world, point, direction, INFINITY, false));
-            return world->port_of_facet[ret_hit->facet];
+        point = orl_hit_leave(world->geometry, &hit, direction);
+        if (orl_world_crossing(world, &hit) == ORL_CROSSING_OUTWARDS) {
+            *ret_hit = hit;
+            port = world->port_of_facet[hit.facet];
         }
     }
     return ORL_NO_PORT;
@@ -77,7 +82,7 @@ static int look_from(const struct orl_emission *e, uint32_t facet, uint32_t sun,
     int code = 0;
     for (uint32_t i = 0; i < samples && code == 0; i++) {
         struct orl_vec3 point, normal;
-        struct orl_hit hit;
+        struct orl_hit hit = {.facet = 0};
         double u[4], at[2], share;
         orl_sobol_point(&e->sobol, i, facet, 4, u);
         orl_facet_sample(g, facet, u, &point, &normal);
