@@ -67,13 +67,14 @@ static bool lie_in_one_plane(const struct orl_geometry *g, const struct orl_face
 
 /*
  * Of surfaces in one plane, panes with lobes and flat mirrors, light is sent on once, and that is
- * found otherwise when it is a sun's.
+ * found otherwise when it is a sun's; as it is by flat mirrors alone, however many.
  */
 static bool may_send_on(const struct orl_world *world)
 {
     const struct orl_geometry *g = world->geometry;
     const bool lamps = has_lamps(world);
     const struct orl_facet *plane = NULL;
+    bool any_lobes = false, apart = false;
     if (world->n_suns == 0 && !lamps)
         return false;
     for (size_t i = 0; i < g->n_facets; i++) {
@@ -86,10 +87,10 @@ static bool may_send_on(const struct orl_world *world)
             (lobes && !orl_material_transmits_lobes(m)))
             return true;
         plane = plane ? plane : f;
-        if (!lie_in_one_plane(g, plane, f))
-            return true;
+        any_lobes = any_lobes || lobes;
+        apart = apart || !lie_in_one_plane(g, plane, f);
     }
-    return world->images.n_left_out > 0;
+    return (any_lobes && apart) || world->images.n_left_out > 0;
 }
 
 /* ---- Discs ----------------------------------------------------------------------------------- */
