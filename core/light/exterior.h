@@ -30,10 +30,10 @@ struct orl_entry {
 
 /*
  * One estimate of the radiance arriving at origin from direction, suns seen straight excluded.
- * ret_entry: where the path ends in a building, if it does; NULL: paths do not pass ports, and light
- * that has passed one is left out (what ports send in is first light: light/world.h). Of lamps seen straight or through panes it is the share of that chance.
- * Counts into health. With omit.exterior surfaces reflect nothing: what is left is what comes
- * straight.
+ * ret_entry: where the path ends in a building, if it does; NULL: paths do not pass ports, and
+ * light that has passed one is left out (what ports send in is first light: light/world.h). Of
+ * lamps seen straight or through panes it is the share of that chance. Counts into health. With
+ * omit.exterior surfaces reflect nothing: what is left is what comes straight.
  */
 struct orl_rgb orl_exterior_radiance(const struct orl_world *world, struct orl_vec3 origin,
                                      struct orl_vec3 direction, struct orl_chance chance,

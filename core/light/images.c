@@ -5,18 +5,12 @@
 
 #include "light/direct.h"
 
-enum { MOST_CLASSES = 256, MOST_BRANCHES = 16, MOST_STEPS = 256 };
+enum { MOST_CLASSES = 256 };
 enum { PILOT_RAYS = 1 << 14, MOST_CANDIDATES = 256, MOST_SHOWN_DEEP = 32 };
 
 static const double alike = 1 - 5e-7;      /* cosine between normals of a class: a milliradian */
 static const double same_place = 1 - 2e-6; /* between directions of a node */
 static const double least_share = 1e-3;    /* of the light on mirrors, for an image by several */
-static const double dimmest = 1e-5;        /* what is left of a chain that is followed */
-
-static struct orl_vec3 turned(struct orl_vec3 v, struct orl_vec3 mirror)
-{
-    return orl_madd(v, mirror, -2 * orl_dot(v, mirror));
-}
 
 /* ---- Classes of mirrors ---------------------------------------------------------------------- */
 
@@ -123,7 +117,8 @@ static int find_node(const struct orl_images *images, uint32_t sun, struct orl_v
 
 static struct orl_frame turned_frame(struct orl_frame f, struct orl_vec3 mirror)
 {
-    return (struct orl_frame){turned(f.u, mirror), turned(f.v, mirror), turned(f.n, mirror)};
+    return (struct orl_frame){orl_image_turned(f.u, mirror), orl_image_turned(f.v, mirror),
+                              orl_image_turned(f.n, mirror)};
 }
 
 static int add_node(struct orl_images *images, struct orl_frame frame, uint32_t sun)
@@ -133,12 +128,6 @@ static int add_node(struct orl_images *images, struct orl_frame frame, uint32_t 
         return there;
     images->nodes[images->n_nodes] = (struct orl_image){.frame = frame, .sun = sun};
     return (int)images->n_nodes++;
-}
-
-/* What a mirror of that class makes of a node; or -1. */
-static int next_of(const struct orl_images *images, int node, int class)
-{
-    return images->next[(size_t)node * images->n_mirrors + (size_t) class];
 }
 
 /* ---- The pilot: what comes by several reflections -------------------------------------------- */
@@ -188,7 +177,7 @@ static void follow_light(struct pilot *pilot, struct orl_vec3 origin, struct orl
         const double back =
             class < 0 ? 0 : orl_luma(orl_material_mirrored(m, &hit, orl_neg(direction)));
         const double on = orl_luma(orl_material_straight(m, &hit, orl_neg(direction)));
-        if (!(back + on > 0) || flux * (back + on) < dimmest * pilot->fallen)
+        if (!(back + on > 0) || flux * (back + on) < ORL_IMAGE_DIMMEST * pilot->fallen)
             return;
         flux *= back + on;
         const bool mirrored = orl_random_uniform(random) * (back + on) < back;
@@ -268,8 +257,9 @@ static int connect(struct orl_images *images)
         return ORL_ERR_NOMEM;
     for (size_t i = 0; i < images->n_nodes; i++)
         for (size_t m = 0; m < images->n_mirrors; m++)
-            images->next[i * images->n_mirrors + m] = (int16_t)find_node(
-                images, images->nodes[i].sun, turned(images->nodes[i].frame.n, images->mirrors[m]));
+            images->next[i * images->n_mirrors + m] =
+                (int16_t)find_node(images, images->nodes[i].sun,
+                                   orl_image_turned(images->nodes[i].frame.n, images->mirrors[m]));
     return 0;
 }
 
@@ -316,136 +306,4 @@ void orl_images_keep_suns(struct orl_images *images, const bool *keep)
         node->shown = node->shown && kept;
         node->is_sun = node->is_sun && kept;
     }
-}
-
-/* ---- Shadow rays ----------------------------------------------------------------------------- */
-
-/* A ray on its way to an image, or what a mirror has made of it. */
-struct chain {
-    struct orl_vec3 origin, direction;
-    struct orl_rgb share;
-    int16_t node;
-    uint8_t reflections;
-    bool outside;
-};
-
-struct chains {
-    const struct orl_world *world;
-    bool through_ports;
-    int steps;
-    uint32_t depth;
-    struct chain stack[MOST_BRANCHES];
-};
-
-static void turn(struct chains *chains, const struct chain *c, const struct orl_hit *hit,
-                 const struct orl_material *m)
-{
-    const struct orl_world *world = chains->world;
-    const struct orl_images *images = &world->images;
-    const int16_t class = images->class_of[hit->facet];
-    const int next = class < 0 ? -1 : next_of(images, c->node, class);
-    if (next < 0 || c->reflections == ORL_IMAGE_REFLECTIONS || chains->depth == MOST_BRANCHES ||
-        (c->outside && world->omit.exterior))
-        return;
-    struct chain on = *c;
-    on.share = orl_rgb_mul(c->share, orl_material_mirrored(m, hit, orl_neg(c->direction)));
-    if (!(orl_rgb_max(on.share) > dimmest))
-        return;
-    on.direction = turned(c->direction, images->mirrors[class]);
-    on.origin = orl_hit_leave(world->geometry, hit, on.direction);
-    on.node = (int16_t)next;
-    on.reflections++;
-    chains->stack[chains->depth++] = on;
-}
-
-/* To the end of one way; the others are put on the stack. Returns what comes along it. */
-static struct orl_rgb follow_chain(struct chains *chains, struct chain c)
-{
-    const struct orl_world *world = chains->world;
-    const struct orl_rgb none = orl_gray(0);
-    while (chains->steps++ < MOST_STEPS) {
-        const bool arrives = c.reflections > 0 && world->images.nodes[c.node].is_sun;
-        struct orl_hit hit;
-        if (!orl_geometry_intersect(world->geometry, c.origin, c.direction, INFINITY, &hit))
-            return arrives ? c.share : none;
-        const struct orl_material *m = orl_world_material(world, &hit);
-        const enum orl_crossing crossing = orl_world_crossing(world, &hit);
-        turn(chains, &c, &hit, m);
-        const struct orl_rgb through = orl_material_straight(m, &hit, orl_neg(c.direction));
-        c.share = orl_rgb_mul(c.share, through);
-        if (!(orl_rgb_max(c.share) > 0) ||
-            (!chains->through_ports && crossing != ORL_CROSSING_NONE))
-            return none;
-        if (orl_world_leaves_clear(world, &hit))
-            return arrives ? c.share : none;
-        if (crossing != ORL_CROSSING_NONE)
-            c.outside = crossing == ORL_CROSSING_OUTWARDS;
-        c.origin = orl_hit_leave(world->geometry, &hit, c.direction);
-    }
-    return none;
-}
-
-struct orl_vec3 orl_image_sample(const struct orl_world *world, const struct orl_image *image,
-                                 const double u[2])
-{
-    struct orl_sun disc = world->suns[image->sun];
-    disc.frame = image->frame;
-    return orl_sun_sample(&disc, u);
-}
-
-struct orl_rgb orl_image_transmittance(const struct orl_world *world, struct orl_vec3 origin,
-                                       struct orl_vec3 direction, const struct orl_image *image,
-                                       bool through_ports)
-{
-    struct chains chains = {.world = world, .through_ports = through_ports};
-    struct orl_rgb sum = orl_gray(0);
-    chains.stack[chains.depth++] = (struct chain){.origin = origin,
-                                                  .direction = direction,
-                                                  .share = {1, 1, 1},
-                                                  .node = (int16_t)(image - world->images.nodes),
-                                                  .outside = !through_ports};
-    while (chains.depth > 0) {
-        const struct chain c = chains.stack[--chains.depth];
-        sum = orl_rgb_add(sum, follow_chain(&chains, c));
-    }
-    return sum;
-}
-
-/* ---- Suns that rays have happened on --------------------------------------------------------- */
-
-void orl_image_trail_add(struct orl_image_trail *trail, const struct orl_images *images,
-                         uint32_t facet)
-{
-    const int16_t class = images->class_of[facet];
-    if (trail->reflections == ORL_IMAGE_REFLECTIONS || class < 0) {
-        trail->strange = true;
-        return;
-    }
-    trail->classes[trail->reflections++] = class;
-}
-
-/* Whether the mirrors of a trail turn the node's light into the sun's. */
-static bool leads_to_sun(const struct orl_images *images, size_t node,
-                         const struct orl_image_trail *trail)
-{
-    int at = (int)node;
-    for (uint8_t i = 0; i < trail->reflections && at >= 0; i++)
-        at = next_of(images, at, trail->classes[i]);
-    return at >= 0 && images->nodes[at].is_sun;
-}
-
-bool orl_images_cover(const struct orl_world *world, const struct orl_image_trail *trail)
-{
-    const struct orl_images *images = &world->images;
-    if (trail->strange)
-        return false;
-    for (size_t i = 0; i < images->n_nodes; i++) {
-        const struct orl_image *image = &images->nodes[i];
-        /* The disc, and what classes take as one besides. */
-        const double nearest = world->suns[image->sun].cos_half_angle - 1e-5;
-        if (image->shown && orl_dot(image->frame.n, trail->start) > nearest &&
-            leads_to_sun(images, i, trail))
-            return true;
-    }
-    return false;
 }

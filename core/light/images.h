@@ -34,6 +34,9 @@ struct orl_world;
 
 enum { ORL_MOST_MIRRORS = 32, ORL_MOST_IMAGES = 512, ORL_IMAGE_REFLECTIONS = 16 };
 
+/* A chain of reflections that has less of the light left is not followed. */
+#define ORL_IMAGE_DIMMEST 1e-5
+
 struct orl_image {
     struct orl_frame frame; /* n: where it is; mirrored like the image */
     uint32_t sun;
@@ -50,6 +53,17 @@ struct orl_images {
     size_t n_nodes;
     int16_t *next; /* of node i by class m, at i * n_mirrors + m; or -1 */
 };
+
+static inline struct orl_vec3 orl_image_turned(struct orl_vec3 v, struct orl_vec3 mirror)
+{
+    return orl_madd(v, mirror, -2 * orl_dot(v, mirror));
+}
+
+/* What a mirror of that class makes of a node; or -1. */
+static inline int orl_images_next(const struct orl_images *images, int node, int mirror)
+{
+    return images->next[(size_t)node * images->n_mirrors + (size_t)mirror];
+}
 
 /* Of a world with its suns and ports. Returns 0 or ORL_ERR_NOMEM; orl_images_done in either case.
  */

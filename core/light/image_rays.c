@@ -1,0 +1,138 @@
+/* Shadow rays to the suns' images, and suns that other rays have happened on. */
+#include "light/images.h"
+
+#include "light/direct.h"
+
+enum { MOST_BRANCHES = 16, MOST_STEPS = 256 };
+
+/* ---- Shadow rays ----------------------------------------------------------------------------- */
+
+/* A ray on its way to an image, or what a mirror has made of it. */
+struct chain {
+    struct orl_vec3 origin, direction;
+    struct orl_rgb share;
+    int16_t node;
+    uint8_t reflections;
+    bool outside;
+};
+
+struct chains {
+    const struct orl_world *world;
+    bool through_ports;
+    int steps;
+    uint32_t depth;
+    struct chain stack[MOST_BRANCHES];
+};
+
+static void turn(struct chains *chains, const struct chain *c, const struct orl_hit *hit,
+                 const struct orl_material *m)
+{
+    const struct orl_world *world = chains->world;
+    const struct orl_images *images = &world->images;
+    const int16_t class = images->class_of[hit->facet];
+    const int next = class < 0 ? -1 : orl_images_next(images, c->node, class);
+    if (next < 0 || c->reflections == ORL_IMAGE_REFLECTIONS || chains->depth == MOST_BRANCHES ||
+        (c->outside && world->omit.exterior))
+        return;
+    struct chain on = *c;
+    on.share = orl_rgb_mul(c->share, orl_material_mirrored(m, hit, orl_neg(c->direction)));
+    if (!(orl_rgb_max(on.share) > ORL_IMAGE_DIMMEST))
+        return;
+    on.direction = orl_image_turned(c->direction, images->mirrors[class]);
+    on.origin = orl_hit_leave(world->geometry, hit, on.direction);
+    on.node = (int16_t)next;
+    on.reflections++;
+    chains->stack[chains->depth++] = on;
+}
+
+/* To the end of one way; the others are put on the stack. Returns what comes along it. */
+static struct orl_rgb follow_chain(struct chains *chains, struct chain c)
+{
+    const struct orl_world *world = chains->world;
+    const struct orl_rgb none = orl_gray(0);
+    while (chains->steps++ < MOST_STEPS) {
+        const bool arrives = c.reflections > 0 && world->images.nodes[c.node].is_sun;
+        struct orl_hit hit;
+        if (!orl_geometry_intersect(world->geometry, c.origin, c.direction, INFINITY, &hit))
+            return arrives ? c.share : none;
+        const struct orl_material *m = orl_world_material(world, &hit);
+        const enum orl_crossing crossing = orl_world_crossing(world, &hit);
+        turn(chains, &c, &hit, m);
+        const struct orl_rgb through = orl_material_straight(m, &hit, orl_neg(c.direction));
+        c.share = orl_rgb_mul(c.share, through);
+        if (!(orl_rgb_max(c.share) > 0) ||
+            (!chains->through_ports && crossing != ORL_CROSSING_NONE))
+            return none;
+        if (orl_world_leaves_clear(world, &hit))
+            return arrives ? c.share : none;
+        if (crossing != ORL_CROSSING_NONE)
+            c.outside = crossing == ORL_CROSSING_OUTWARDS;
+        c.origin = orl_hit_leave(world->geometry, &hit, c.direction);
+    }
+    return none;
+}
+
+struct orl_vec3 orl_image_sample(const struct orl_world *world, const struct orl_image *image,
+                                 const double u[2])
+{
+    struct orl_sun disc = world->suns[image->sun];
+    disc.frame = image->frame;
+    return orl_sun_sample(&disc, u);
+}
+
+struct orl_rgb orl_image_transmittance(const struct orl_world *world, struct orl_vec3 origin,
+                                       struct orl_vec3 direction, const struct orl_image *image,
+                                       bool through_ports)
+{
+    struct chains chains = {.world = world, .through_ports = through_ports};
+    struct orl_rgb sum = orl_gray(0);
+    chains.stack[chains.depth++] = (struct chain){.origin = origin,
+                                                  .direction = direction,
+                                                  .share = {1, 1, 1},
+                                                  .node = (int16_t)(image - world->images.nodes),
+                                                  .outside = !through_ports};
+    while (chains.depth > 0) {
+        const struct chain c = chains.stack[--chains.depth];
+        sum = orl_rgb_add(sum, follow_chain(&chains, c));
+    }
+    return sum;
+}
+
+/* ---- Suns that rays have happened on --------------------------------------------------------- */
+
+void orl_image_trail_add(struct orl_image_trail *trail, const struct orl_images *images,
+                         uint32_t facet)
+{
+    const int16_t class = images->class_of[facet];
+    if (trail->reflections == ORL_IMAGE_REFLECTIONS || class < 0) {
+        trail->strange = true;
+        return;
+    }
+    trail->classes[trail->reflections++] = class;
+}
+
+/* Whether the mirrors of a trail turn the node's light into the sun's. */
+static bool leads_to_sun(const struct orl_images *images, size_t node,
+                         const struct orl_image_trail *trail)
+{
+    int at = (int)node;
+    for (uint8_t i = 0; i < trail->reflections && at >= 0; i++)
+        at = orl_images_next(images, at, trail->classes[i]);
+    return at >= 0 && images->nodes[at].is_sun;
+}
+
+bool orl_images_cover(const struct orl_world *world, const struct orl_image_trail *trail)
+{
+    const struct orl_images *images = &world->images;
+    if (trail->strange)
+        return false;
+    for (size_t i = 0; i < images->n_nodes; i++) {
+        const struct orl_image *image = &images->nodes[i];
+        /* The disc, and what classes take as one besides. */
+        const double nearest = world->suns[image->sun].cos_half_angle - 1e-5;
+        if (image->shown && orl_dot(image->frame.n, trail->start) > nearest &&
+            leads_to_sun(images, i, trail))
+            return true;
+    }
+    return false;
+}
