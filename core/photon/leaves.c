@@ -287,8 +287,8 @@ static bool is_joined(const struct orl_leaves *leaves, struct candidate leaf,
     const struct orl_vec3 site = orl_site_point(leaves->map, &leaves->sites[leaf.leaf]);
     if (!footing)
         return true;
-    if (estimate->patch)
-        return footing->facet == leaves->sites[leaf.leaf].facet;
+    if (estimate->patch && footing->facet != leaves->sites[leaf.leaf].facet)
+        return false;
     /* On another, parallel surface close by. */
     if (fabs(orl_dot(orl_sub(site, footing->point), footing->normal)) > 4 * cell &&
         distance < orl_footing_flat(footing))
