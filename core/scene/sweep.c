@@ -217,7 +217,7 @@ static bool visit(struct state *s, uint32_t node)
 
 /* ---- Room ------------------------------------------------------------------------------------ */
 
-static bool reserve(void *array, size_t *room, size_t wanted, size_t item)
+bool orl_sweep_reserve(void *array, size_t *room, size_t wanted, size_t item)
 {
     void **pointer = array;
     if (wanted <= *room)
@@ -237,8 +237,9 @@ static int lay_out(struct state *s)
     const size_t bytes = (e + 1) * (sizeof *s->cuts + sizeof *s->regions) +
                          beads * sizeof *s->beads + orl_sweep_order_words(s->a) * sizeof(uint32_t);
     struct orl_sweep *out = s->out;
-    if (!reserve(&out->scratch, &out->scratch_room, bytes, 1) ||
-        !reserve(&out->triples, &out->triples_room, 2 * (n + e) + 1, sizeof *out->triples))
+    if (!orl_sweep_reserve(&out->scratch, &out->scratch_room, bytes, 1) ||
+        !orl_sweep_reserve(&out->triples, &out->triples_room, 2 * (n + e) + 1,
+                           sizeof *out->triples))
         return ORL_ERR_NOMEM;
     s->cuts = out->scratch;
     s->regions = (struct region *)(s->cuts + e + 1);

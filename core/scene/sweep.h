@@ -10,6 +10,8 @@
 #ifndef ORL_SCENE_SWEEP_H
 #define ORL_SCENE_SWEEP_H
 
+#include <stdbool.h>
+
 #include "scene/arrangement.h"
 
 struct orl_sweep {
@@ -23,5 +25,8 @@ struct orl_sweep {
  * Returns 0, ORL_ERR_NOMEM, or ORL_ERR_INTERNAL when they do not. */
 int orl_sweep_triangulate(struct orl_sweep *sweep, const struct orl_arrangement *arrangement);
 void orl_sweep_done(struct orl_sweep *sweep); /* zeroed is fine */
+
+/* Room for so many items in a growing array (array: a pointer to it); false when out of memory. */
+bool orl_sweep_reserve(void *array, size_t *room, size_t wanted, size_t item);
 
 #endif

@@ -68,19 +68,6 @@ static size_t cut_corners(struct corner *ring, uint32_t n, double tolerance,
     return count;
 }
 
-static bool reserve(void *array, size_t *room, size_t wanted, size_t item)
-{
-    void **pointer = array;
-    if (wanted <= *room)
-        return true;
-    void *grown = realloc(*pointer, wanted * item);
-    if (!grown)
-        return false;
-    *pointer = grown;
-    *room = wanted;
-    return true;
-}
-
 static int sweep(struct orl_triangulation *t, const struct orl_vec3 *vertices, uint32_t n,
                  struct orl_vec3 normal)
 {
@@ -100,7 +87,7 @@ static int sweep(struct orl_triangulation *t, const struct orl_vec3 *vertices, u
         code = orl_sweep_triangulate(&t->sweep, a);
     if (code < 0)
         return code;
-    if (!reserve(&t->places, &t->places_room, a->n_nodes, sizeof *t->places))
+    if (!orl_sweep_reserve(&t->places, &t->places_room, a->n_nodes, sizeof *t->places))
         return ORL_ERR_NOMEM;
     for (size_t i = 0; i < a->n_nodes; i++)
         t->places[i] = a->nodes[i].place;
@@ -113,8 +100,8 @@ static int sweep(struct orl_triangulation *t, const struct orl_vec3 *vertices, u
 int orl_triangulate(struct orl_triangulation *t, const struct orl_vec3 *vertices, uint32_t n,
                     struct orl_vec3 normal)
 {
-    if (!reserve(&t->ring, &t->ring_room, n, sizeof(struct corner)) ||
-        !reserve(&t->sweep.triples, &t->sweep.triples_room, n, sizeof *t->sweep.triples))
+    if (!orl_sweep_reserve(&t->ring, &t->ring_room, n, sizeof(struct corner)) ||
+        !orl_sweep_reserve(&t->sweep.triples, &t->sweep.triples_room, n, sizeof *t->sweep.triples))
         return ORL_ERR_NOMEM;
     const double tolerance = project(t->ring, vertices, n, normal);
     if (!is_convex(t->ring, n, tolerance))
