@@ -46,7 +46,7 @@ static void wait_a_moment(struct orl_map_cache *cache)
 {
     enum { MOMENT_NS = 50 * 1000 * 1000 };
     struct timespec until;
-    clock_gettime(CLOCK_REALTIME, &until);
+    clock_gettime(CLOCK_MONOTONIC, &until);
     until.tv_nsec += MOMENT_NS;
     if (until.tv_nsec >= 1000000000) {
         until.tv_nsec -= 1000000000;

@@ -196,7 +196,12 @@ int orl_map_cache_open(uv_loop_t *loop, const struct orl_folders *folders, struc
     *cache = (struct orl_map_cache){
         .loop = loop, .folders = folders, .db = db, .wake = wake, .wake_ctx = wake_ctx};
     pthread_mutex_init(&cache->mutex, NULL);
-    pthread_cond_init(&cache->changed, NULL);
+    /* Whoever waits must not wait longer because the clock on the wall is put back. */
+    pthread_condattr_t steady;
+    pthread_condattr_init(&steady);
+    pthread_condattr_setclock(&steady, CLOCK_MONOTONIC);
+    pthread_cond_init(&cache->changed, &steady);
+    pthread_condattr_destroy(&steady);
     int rc = orl_map_rows(db, load_row, cache, err);
     if (rc == 0)
         rc = remove_orphans(cache, err);

@@ -10,6 +10,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/syscall.h>
+#include <time.h>
 #include <unistd.h>
 
 #include "map_cache.h"
@@ -24,6 +26,16 @@ struct fixture {
     atomic_int woken, ended, faults;
     struct orl_error err;
 };
+
+/* In place of the C library's: the clock on the wall may be ahead. */
+static atomic_int wall_ahead_s;
+int clock_gettime(clockid_t clock, struct timespec *ret_time)
+{
+    const int rc = (int)syscall(SYS_clock_gettime, clock, ret_time);
+    if (rc == 0 && clock == CLOCK_REALTIME)
+        ret_time->tv_sec += atomic_load(&wall_ahead_s);
+    return rc;
+}
 
 static void wake(void *ctx)
 {
@@ -191,6 +203,47 @@ static void test_waiting_can_be_cancelled(void **state)
         f->store.acquire(f->store.ctx, "global", KEY, &cancel, path, &hit, &info, &f->err),
         ORL_ERR_CANCELLED);
     f->store.abandon(f->store.ctx, "global", KEY);
+}
+
+struct waiter {
+    struct fixture *f;
+    atomic_bool cancel, ended;
+};
+
+static void *wait_for_build(void *arg)
+{
+    struct waiter *waiter = arg;
+    struct fixture *f = waiter->f;
+    char path[4096];
+    struct orl_map_info info;
+    struct orl_error err;
+    bool hit = true;
+    f->store.acquire(f->store.ctx, "global", KEY, &waiter->cancel, path, &hit, &info, &err);
+    atomic_store(&waiter->ended, true);
+    return NULL;
+}
+
+/* The clock on the wall is put back by an hour while a job waits: it looks for its cancel flag as
+ * often as before. */
+static void test_clock_put_back(void **state)
+{
+    enum { MOMENT_US = 20000, MOMENTS = 250 };
+    static struct waiter waiter; /* outlives the test, should it fail */
+    char path[4096];
+    struct orl_map_info info;
+    pthread_t thread;
+    waiter.f = *state;
+    assert_false(acquire(waiter.f, path, &info));
+    atomic_store(&wall_ahead_s, 3600);
+    assert_int_equal(pthread_create(&thread, NULL, wait_for_build, &waiter), 0);
+    usleep(MOMENT_US);
+    atomic_store(&wall_ahead_s, 0);
+    atomic_store(&waiter.cancel, true);
+    for (int i = 0; i < MOMENTS && !atomic_load(&waiter.ended); i++)
+        usleep(MOMENT_US);
+    assert_true(atomic_load(&waiter.ended));
+    pthread_join(thread, NULL);
+    waiter.f->store.abandon(waiter.f->store.ctx, "global", KEY);
 }
 
 static void test_survives_restart(void **state)
@@ -454,6 +507,7 @@ int main(void)
         EACH(test_eight_jobs_one_build),
         EACH(test_another_takes_over),
         EACH(test_waiting_can_be_cancelled),
+        EACH(test_clock_put_back),
         EACH(test_survives_restart),
         EACH(test_orphans_go_at_start),
         EACH(test_damaged_map_is_rebuilt),
