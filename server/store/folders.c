@@ -181,12 +181,16 @@ int orl_blob_keep(const struct orl_folders *folders, const char *temporary, cons
                   struct orl_error *err)
 {
     char path[ORL_PATH_MAX], folder[ORL_PATH_MAX];
+    int rc = 0;
+    orl_folders_path(folders, folder, "blobs/%.2s", sha);
     if (is_whole(folders, sha)) {
         unlink(temporary);
-        return 0;
+        /* Another upload may have put it there a moment ago, and not have synced its folder yet. */
+        rc = orl_sync_path(folder, err);
+        orl_folders_path(folders, folder, "blobs");
+        return rc ? rc : orl_sync_path(folder, err);
     }
-    orl_folders_path(folders, folder, "blobs/%.2s", sha);
-    int rc = make_folder(folder, err);
+    rc = make_folder(folder, err);
     if (rc == 0)
         rc = orl_sync_path(temporary, err);
     orl_blob_path(folders, sha, path);

@@ -47,7 +47,8 @@ int orl_write_file(const char *path, const void *data, size_t size, struct orl_e
 
 void orl_blob_path(const struct orl_folders *folders, const char *sha, char ret_path[ORL_PATH_MAX]);
 bool orl_blob_exists(const struct orl_folders *folders, const char *sha);
-/* Syncs the temporary file and moves it to its place; removes it when the blob is there already. */
+/* Syncs the temporary file and moves it to its place; removes it when the blob is there already,
+ * whose folders are synced all the same: whoever puts it there may not have come to that yet. */
 int orl_blob_keep(const struct orl_folders *folders, const char *temporary, const char *sha,
                   struct orl_error *err);
 void orl_sha256_hex(const void *data, size_t size, char ret_hex[ORL_SHA_HEX]);
