@@ -3,6 +3,7 @@
 #include <jansson.h>
 #include <math.h>
 #include <stdarg.h>
+#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -19,6 +20,56 @@ int orl_log_level_from_name(const char *name, enum orl_log_level *ret_level)
         }
     return -1;
 }
+
+/* ---- What others have written ---------------------------------------------------------------- */
+
+/* Takes the next character of UTF-8 text; 0 for a byte that begins none, which is taken alone. */
+static uint32_t take_character(const char **at)
+{
+    static const uint32_t least[] = {0, 0, 0x80, 0x800, 0x10000};
+    const unsigned char *bytes = (const unsigned char *)*at;
+    const size_t length = bytes[0] < 0x80   ? 1
+                          : bytes[0] < 0xc0 ? 0
+                          : bytes[0] < 0xe0 ? 2
+                          : bytes[0] < 0xf0 ? 3
+                          : bytes[0] < 0xf8 ? 4
+                                            : 0;
+    uint32_t code = length > 1 ? bytes[0] & (0x7fU >> length) : bytes[0];
+    size_t i = 1;
+    for (; i < length && (bytes[i] & 0xc0) == 0x80; i++)
+        code = code << 6 | (bytes[i] & 0x3f);
+    const bool good = length > 0 && i == length && code >= least[length] && code <= 0x10ffff &&
+                      !(code >= 0xd800 && code <= 0xdfff);
+    *at += good ? length : 1;
+    return good ? code : 0;
+}
+
+/* Does it move a terminal's cursor, or the text around it? Controls of both sets (C0, C1), ends of
+ * lines and paragraphs, and what turns the direction of writing. */
+static bool is_control(uint32_t code)
+{
+    return code < 0x20 || (code >= 0x7f && code < 0xa0) || (code >= 0x200e && code <= 0x200f) ||
+           (code >= 0x2028 && code <= 0x202e) || (code >= 0x2066 && code <= 0x2069);
+}
+
+/* Writes a '?' over each such character, and each byte that is no UTF-8; text gets no longer. */
+static void clean(char *text)
+{
+    const char *from = text;
+    char *to = text;
+    while (*from) {
+        const char *start = from;
+        if (is_control(take_character(&from))) {
+            *to++ = '?';
+            continue;
+        }
+        while (start < from)
+            *to++ = *start++;
+    }
+    *to = '\0';
+}
+
+/* ---- Lines ---------------------------------------------------------------------------------- */
 
 /* Appends to a line under way; what does not fit is dropped. */
 struct line {
@@ -42,7 +93,7 @@ static void put_value(struct line *line, const char *value)
         const char c[3] = {*value, '\0', '\0'};
         if (*value == '"' || *value == '\\')
             put(line, "\\");
-        put(line, (unsigned char)*value < 32 || *value == 127 ? "?" : c);
+        put(line, c);
     }
     if (quoted)
         put(line, "\"");
@@ -65,7 +116,11 @@ static void write_pairs(const struct orl_log *log, const char *now, const char *
         put(&line, "=");
         if (*fields == 's') {
             const char *text = va_arg(args, const char *);
-            put_value(&line, text ? text : "-");
+            char *own = text ? strdup(text) : NULL;
+            if (own)
+                clean(own);
+            put_value(&line, own ? own : "-");
+            free(own);
             continue;
         }
         if (*fields == 'i')
@@ -78,18 +133,13 @@ static void write_pairs(const struct orl_log *log, const char *now, const char *
     fwrite(line.text, 1, line.used, log->stream);
 }
 
-/* Bytes that are no UTF-8 become question marks. */
 static json_t *text_to_json(const char *text)
 {
-    json_t *value = json_string(text ? text : "-");
-    if (value || !text)
-        return value;
-    char *clean = strdup(text);
-    for (char *c = clean; c && *c; c++)
-        if (*c & 0x80)
-            *c = '?';
-    value = clean ? json_string(clean) : NULL;
-    free(clean);
+    char *own = text ? strdup(text) : NULL;
+    if (own)
+        clean(own);
+    json_t *value = json_string(own ? own : "-");
+    free(own);
     return value;
 }
 

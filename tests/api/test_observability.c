@@ -218,6 +218,19 @@ static FILE *open_log(const struct daemon *daemon)
     return log;
 }
 
+/* No line moves a terminal's cursor: it has neither controls (of C1 either, as a byte or in UTF-8)
+ * nor what turns the direction of text. */
+static void check_text(const char *line)
+{
+    for (const unsigned char *at = (const unsigned char *)line; *at; at++) {
+        if (*at < 0x20 && *at != '\n')
+            fail_msg("a control character: %s", line);
+        if (*at == 0x7f || (*at >= 0x80 && *at < 0xa0 && at[-1] < 0xc3) || *at == 0xed ||
+            *at == 0xc0 || (*at == 0xe2 && at[1] == 0x80 && at[2] == 0xae))
+            fail_msg("a control character, or no UTF-8: %s", line);
+    }
+}
+
 /* Every event is a line of pairs; whoever submits has job and request in one. */
 static void test_log_of_pairs(void **state)
 {
@@ -225,14 +238,24 @@ static void test_log_of_pairs(void **state)
     struct reply reply;
     char line[4096], method[16], job[64];
     bool submitted = false, forged = false;
-    daemon_get(&room->daemon, "/v1/scenes/%0Atime=x%20level=error", &reply);
-    reply_done(&reply);
+    static const char *const paths[] = {
+        "/v1/jobs/b%C3%BCro",    "/v1/scenes/%0Atime=x%20level=error",
+        "/v1/scenes/%9b31m",     "/v1/scenes/%c2%9b31m",
+        "/v1/scenes/%1b[31m%7f", "/v1/x%e2%80%ae",
+        "/v1/scenes/%ed%a0%80",  "/healthz"};
+    bool legible = false;
+    for (size_t i = 0; i < sizeof paths / sizeof *paths; i++) {
+        daemon_get(&room->daemon, paths[i], &reply);
+        reply_done(&reply);
+    }
     FILE *log = open_log(&room->daemon);
     while (fgets(line, sizeof line, log)) {
         assert_int_equal(strncmp(line, "time=20", 7), 0);
         assert_non_null(strstr(line, " level="));
         assert_non_null(strstr(line, " event="));
         forged |= strncmp(line, "time=x", 6) == 0;
+        check_text(line);
+        legible |= strstr(line, "/v1/jobs/b\xc3\xbcro") != NULL;
         const char *request = strstr(line, " event=request ");
         if (request &&
             sscanf(request, " event=request id=%*d job=%63s token=- method=%15s", job, method) == 2)
@@ -240,6 +263,7 @@ static void test_log_of_pairs(void **state)
     }
     fclose(log);
     assert_true(submitted);
+    assert_true(legible);
     assert_false(forged);
 }
 
@@ -252,7 +276,7 @@ static void test_log_of_objects(void **state)
     size_t requests = 0;
     assert_int_equal(daemon_end(&room->daemon, SIGTERM), 0);
     daemon_restart(&room->daemon, extra);
-    daemon_get(&room->daemon, "/v1/scenes/%ff%fe%22%5c%0a", &reply);
+    daemon_get(&room->daemon, "/v1/scenes/%ff%fe%22%5c%0a%9b%c2%9b", &reply);
     reply_done(&reply);
     daemon_get(&room->daemon, "/v1/jobs/b%C3%BCro", &reply);
     reply_done(&reply);
@@ -264,6 +288,7 @@ static void test_log_of_objects(void **state)
         json_t *doc = json_loads(line, 0, NULL);
         if (!doc)
             fail_msg("no JSON: %s", line);
+        check_text(line);
         assert_true(json_is_string(json_object_get(doc, "time")));
         assert_true(json_is_string(json_object_get(doc, "level")));
         if (strcmp(json_string_value(json_object_get(doc, "event")), "request") == 0) {
