@@ -7,8 +7,17 @@
 #define ORL_SERVER_FRAMING_H
 
 #include <microhttpd.h>
+#include <stdbool.h>
 
-/* NULL, or the sentence to refuse it with. */
-const char *orl_framing_check(struct MHD_Connection *connection, const char *version);
+/* NULL, or the sentence to refuse it with. Method and version as MHD gives them. */
+const char *orl_framing_check(struct MHD_Connection *connection, const char *method,
+                              const char *version);
+
+/*
+ * Of MHD's callback for a request's target, before its arguments are taken apart: is it longer than
+ * ORL_SERVER_URI_BYTES, with what each argument takes? Then the query is cut off: libmicrohttpd 0.9
+ * gives a request no answer when there is no room for its arguments.
+ */
+bool orl_framing_cut_query(const char *uri);
 
 #endif

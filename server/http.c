@@ -122,15 +122,25 @@ static int start_daemon(struct orl_http *http, struct orl_error *err)
         {MHD_OPTION_HTTPS_MEM_KEY, 0, http->tls.key},
         {MHD_OPTION_HTTPS_PRIORITIES, 0, (void *)(uintptr_t)ORL_TLS_PRIORITIES},
         {MHD_OPTION_END, 0, NULL}};
+#if MHD_VERSION >= 0x01000000
+    const struct MHD_OptionItem strict = {MHD_OPTION_CLIENT_DISCIPLINE_LVL, 1, NULL};
+#else
+    const struct MHD_OptionItem strict = {MHD_OPTION_STRICT_FOR_CLIENT, 0, NULL}; /* framing.c is */
+#endif
+    const struct MHD_OptionItem options[] = {
+        strict,
+        {http->tls.cert ? MHD_OPTION_ARRAY : MHD_OPTION_END, 0, (void *)(uintptr_t)tls},
+        {MHD_OPTION_END, 0, NULL}};
     http->daemon = MHD_start_daemon(
         flags, 0, NULL, NULL, orl_request_serve, http->server, MHD_OPTION_EXTERNAL_LOGGER,
         on_message, (void *)http, MHD_OPTION_LISTEN_SOCKET, http->listen_fd,
         MHD_OPTION_CONNECTION_LIMIT, connection_limit(), MHD_OPTION_PER_IP_CONNECTION_LIMIT,
         config->address_connections, MHD_OPTION_CONNECTION_TIMEOUT, config->idle_timeout_s,
+        MHD_OPTION_URI_LOG_CALLBACK, orl_request_begin, (void *)http->server,
         MHD_OPTION_CONNECTION_MEMORY_LIMIT, (size_t)ORL_SERVER_CONNECTION_MEMORY,
         MHD_OPTION_NOTIFY_CONNECTION, orl_connections_notify, (void *)&http->connections,
         MHD_OPTION_NOTIFY_COMPLETED, orl_request_completed, (void *)http->server, MHD_OPTION_ARRAY,
-        http->tls.cert ? tls : tls + 3, MHD_OPTION_END);
+        options, MHD_OPTION_END);
     if (!http->daemon)
         return orl_error_set(err, ORL_ERR_IO, "cannot start the HTTP server: %.300s",
                              http->message[0] ? http->message : strerror(errno));

@@ -18,6 +18,7 @@
 #define ORL_SERVER_STREAMS 1024U                 /* of events, open at once */
 #define ORL_SERVER_ADDRESS_CONNECTIONS 128U      /* ... from one address, unless on loopback */
 #define ORL_SERVER_CONNECTION_MEMORY (32U << 10) /* headers and read buffer of one */
+#define ORL_SERVER_URI_BYTES (8U << 10)          /* target of a request, and 64 an argument */
 #define ORL_SERVER_TIMEOUT_S 60U    /* of silence, before a connection is closed (default) */
 #define ORL_SERVER_DRAIN_S 5U       /* that running jobs have to finish at a stop (default) */
 #define ORL_SERVER_HEADER_S 15.0    /* from a connection's start to the end of its first headers */

@@ -83,14 +83,24 @@ static void refuse_too_large(struct orl_request *request)
 }
 
 /* Finds the route and refuses at once what can be refused by the headers. */
-static void open_request(struct orl_request *request, const char *url, const char *version)
+static void open_request(struct orl_request *request, const char *url, const char *method,
+                         const char *version)
 {
     char allow[64], types[160];
     const struct orl_route *route = NULL;
-    const char *fault = orl_framing_check(request->connection, version);
+    const char *fault = orl_framing_check(request->connection, method, version);
+    if (!fault && MHD_VERSION < 0x01000000 && version != request->version_at)
+        fault = "its target has a NUL";
     if (fault) {
         orl_reply_problem(request, 400, "syntax", "The request is not valid HTTP", "%s", fault);
         request->unframed = true;
+        return;
+    }
+    if (request->too_long) {
+        orl_reply_problem(request, 414, "limit", "The request is too large",
+                          "its target may have %u bytes, of which each argument takes 64 more than "
+                          "it has",
+                          ORL_SERVER_URI_BYTES);
         return;
     }
     if (!orl_access_check_origin(request))
@@ -125,9 +135,9 @@ static void open_request(struct orl_request *request, const char *url, const cha
                           orl_router_types(route, types));
 }
 
-static struct orl_request *new_request(struct orl_server *server, struct MHD_Connection *connection,
-                                       const char *url, const char *method, const char *version)
+void *orl_request_begin(void *ctx, const char *uri, struct MHD_Connection *connection)
 {
+    struct orl_server *server = ctx;
     struct orl_request *request = calloc(1, sizeof *request);
     if (!request)
         return NULL;
@@ -135,13 +145,26 @@ static struct orl_request *new_request(struct orl_server *server, struct MHD_Con
     request->connection = connection;
     request->id = ++server->requests;
     request->started_s = orl_time_steady_s();
-    snprintf(request->method, sizeof request->method, "%s", method);
-    snprintf(request->path, sizeof request->path, "%s", url);
+    snprintf(request->method, sizeof request->method, "-");
+    snprintf(request->path, sizeof request->path, "%.*s", (int)strcspn(uri ? uri : "", "?"),
+             uri ? uri : "");
     snprintf(request->token, sizeof request->token, "-");
     orl_body_init(&request->body, 0);
-    orl_connection_headers(connection);
-    open_request(request, url, version);
+    request->version_at = uri ? uri + strlen(uri) + 1 : NULL;
+    request->too_long = uri && orl_framing_cut_query(uri);
     return request;
+}
+
+/* All of its headers are there. */
+static void note_headers(struct orl_request *request, const char *url, const char *method,
+                         const char *version)
+{
+    request->opened = true;
+    request->started_s = orl_time_steady_s();
+    snprintf(request->method, sizeof request->method, "%s", method);
+    snprintf(request->path, sizeof request->path, "%s", url);
+    orl_connection_headers(request->connection);
+    open_request(request, url, method, version);
 }
 
 /* Files it kept go before its answer: who has that finds no trace of a refused upload. */
@@ -235,11 +258,11 @@ enum MHD_Result orl_request_serve(void *ctx, struct MHD_Connection *connection, 
                                   size_t *data_size, void **handle)
 {
     struct orl_request *request = *handle;
-    if (!request) {
-        request = new_request(ctx, connection, url, method, version);
-        *handle = request;
-        if (!request)
-            return MHD_NO;
+    (void)ctx, (void)connection;
+    if (!request)
+        return MHD_NO; /* there was no memory for it */
+    if (!request->opened) {
+        note_headers(request, url, method, version);
         /* Without a body it can wait for the next call, which lets the connection live on. */
         return request->response && answer_at_once(request) ? send_response(request) : MHD_YES;
     }

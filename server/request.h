@@ -39,8 +39,11 @@ struct orl_request {
     char token[ORL_TOKEN_NAME];             /* the name of its token; "-" for none */
     char params[ORL_ROUTE_PARAMS][ORL_PARAM_MAX];
     struct orl_body body;
-    bool dispatched; /* the handler has been called */
-    bool unframed;   /* refused, and nobody knows where it ends */
+    const char *version_at; /* where MHD must have the version, if the target has no NUL */
+    bool opened;            /* its headers are there */
+    bool too_long;          /* its target is */
+    bool dispatched;        /* the handler has been called */
+    bool unframed;          /* refused, and nobody knows where it ends */
 
     struct MHD_Response *response; /* made, not yet queued */
     unsigned status;               /* of the response made or queued; 0 before */
@@ -65,7 +68,8 @@ void orl_request_queue(struct orl_request *request);
 const char *orl_request_query(const struct orl_request *request, const char *name);
 const char *orl_request_header(const struct orl_request *request, const char *name);
 
-/* MHD's callbacks; the closure is the struct orl_server. */
+/* MHD's callbacks; the closure is the struct orl_server. A request begins with its first line. */
+void *orl_request_begin(void *server, const char *uri, struct MHD_Connection *connection);
 enum MHD_Result orl_request_serve(void *server, struct MHD_Connection *connection, const char *url,
                                   const char *method, const char *version, const char *data,
                                   size_t *data_size, void **request);

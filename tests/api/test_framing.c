@@ -17,13 +17,13 @@
 enum { CLOSED = 0 };
 
 /* Sends it, all at once with the end if so wished; returns the status, or CLOSED. */
-static int ask(const struct daemon *daemon, const char *text, bool ends, char *ret_answer,
-               size_t room)
+static int ask_bytes(const struct daemon *daemon, const char *bytes, size_t size, bool ends,
+                     char *ret_answer, size_t room)
 {
     const int fd = daemon_dial(daemon);
     size_t used = 0;
     int status = CLOSED;
-    assert_true(send(fd, text, strlen(text), MSG_NOSIGNAL) == (ssize_t)strlen(text));
+    assert_true(send(fd, bytes, size, MSG_NOSIGNAL) == (ssize_t)size);
     if (ends)
         shutdown(fd, SHUT_WR);
     for (ssize_t n; used < room - 1 && (n = recv(fd, ret_answer + used, room - 1 - used, 0)) > 0;)
@@ -32,6 +32,12 @@ static int ask(const struct daemon *daemon, const char *text, bool ends, char *r
     close(fd);
     sscanf(ret_answer, "HTTP/1.1 %d", &status);
     return status;
+}
+
+static int ask(const struct daemon *daemon, const char *text, bool ends, char *ret_answer,
+               size_t room)
+{
+    return ask_bytes(daemon, text, strlen(text), ends, ret_answer, room);
 }
 
 #define POST "POST /v1/jobs HTTP/1.1\r\nContent-Type: application/json\r\n"
@@ -63,6 +69,73 @@ static void test_framing(void **state)
     }
 }
 
+#define GET "GET /healthz HTTP/1.1\r\n" HOST
+
+/* Headers that are none, with what could be read as a body or as another request behind them. */
+static void test_headers(void **state)
+{
+    static const char none[] = "a name that is none",
+                      hidden[] = "has no name, has a NUL, or goes on",
+                      controls[] = "control characters";
+    static const struct {
+        const char *request;
+        size_t size;
+        const char *why;
+    } cases[] = {
+#define BYTES(text) text, sizeof(text) - 1
+        {BYTES(POST HOST "Content-Length : 2\r\n\r\n{}"), none},
+        {BYTES(POST HOST "Content-Length\t: 2\r\n\r\n{}"), none},
+        {BYTES(POST " Content-Length: 2\r\n" HOST "\r\n{}"), none},
+        {BYTES(GET ": empty\r\n\r\n"), hidden},
+        {BYTES(GET " : blank\r\n\r\n"), none},
+        {BYTES(GET "X(Y): z\r\n\r\n"), none},
+        {BYTES(GET "X\xc3\xa4: z\r\n\r\n"), none},
+        {BYTES(GET "X: a\0b\r\n\r\n"), hidden},
+        {BYTES(GET "X: a\0\r\n\r\n"), hidden},
+        {BYTES(GET "X: a\0\0\0b\r\nY: c\r\n\r\n"), hidden},
+        {BYTES(GET "\0X: a\r\n\r\n"), hidden},
+        {BYTES(GET "\0\r\n"), hidden},
+        {BYTES("GET /healthz HTTP/1.1\r\n\0" HOST "\r\n"), hidden},
+        {BYTES(POST HOST "Content-: 2\r\n Length\r\n\r\n{}"), hidden},
+        {BYTES(POST "Ho: localhost\r\n st\r\n" LENGTH "\r\n{}"), hidden},
+        {BYTES(GET "X: a\rY: b\r\n\r\n"), controls},
+        {BYTES(GET "X: a\033[2J\r\n\r\n"), controls},
+        {BYTES(GET "X: a\177\r\n\r\n"), controls},
+        {BYTES("GET /healthz\0/x HTTP/1.1\r\n" HOST "\r\n"), "its target has a NUL"},
+        {BYTES("POST /v1/jobs HTTP/1.0\r\n" HOST CHUNKED "\r\n0\r\n\r\n"), "none of HTTP/1.0"},
+#undef BYTES
+    };
+    char answer[4096];
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        const int status =
+            ask_bytes(*state, cases[i].request, cases[i].size, true, answer, sizeof answer);
+        if (status != 400 || !strstr(answer, cases[i].why))
+            fail_msg("%zu, %s: %d %s", i, cases[i].request, status, answer);
+    }
+}
+
+/* More arguments, or a longer target, than there is room for: an answer, and the next request. */
+static void test_targets(void **state)
+{
+    static const char tail[] = " HTTP/1.1\r\n" HOST "Connection: close\r\n\r\n";
+    static const struct {
+        const char *part;
+        int times, status;
+    } cases[] = {{"a&", 4000, 414},     {"&", 4000, 414},       {"main=a&", 4000, 414},
+                 {"x", 10000, 414},     {"%61=%62&", 400, 414}, {"x", 8000, 200},
+                 {"limit=9&", 90, 200}, {"a=b&", 200, 414}};
+    static char request[40000], answer[4096];
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        size_t used = (size_t)sprintf(request, "GET /healthz?");
+        for (int k = 0; k < cases[i].times; k++)
+            used += (size_t)sprintf(request + used, "%s", cases[i].part);
+        sprintf(request + used, "%s", tail);
+        const int status = ask(*state, request, false, answer, sizeof answer);
+        if (status != cases[i].status)
+            fail_msg("%d times '%s': %d %s", cases[i].times, cases[i].part, status, answer);
+    }
+}
+
 /* Those beside them are as good as ever. */
 static void test_good(void **state)
 {
@@ -72,6 +145,10 @@ static void test_good(void **state)
     } cases[] = {
         {"GET /healthz HTTP/1.1\r\n" HOST "Connection: close\r\n\r\n", 200},
         {"GET /healthz HTTP/1.0\r\n\r\n", 200},
+        {"GET /healthz HTTP/1.0\n\n", 200},
+        {GET "X:\r\nY:  \tz \t\r\nZ: \xc3\xa4\r\nConnection: close\r\n\r\n", 200},
+        {"GET /healthz?a=%41&b HTTP/1.1\nHost: localhost\nCookie: a=b; c\nConnection: close\n\n",
+         200},
         {POST HOST "Connection: close\r\n" CHUNKED "\r\n2\r\n{}\r\n0\r\n\r\n", 422},
         {POST HOST "Connection: close\r\nTransfer-Encoding: Chunked\r\n\r\n2\r\n{}\r\n0\r\n\r\n",
          422},
@@ -128,10 +205,9 @@ static int setup(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_framing),
-        cmocka_unit_test(test_good),
-        cmocka_unit_test(test_no_request),
-        cmocka_unit_test(test_broken_off),
+        cmocka_unit_test(test_framing),    cmocka_unit_test(test_headers),
+        cmocka_unit_test(test_targets),    cmocka_unit_test(test_good),
+        cmocka_unit_test(test_no_request), cmocka_unit_test(test_broken_off),
     };
     return cmocka_run_group_tests(tests, setup, daemon_tear_down);
 }

@@ -149,7 +149,8 @@ class Generator:
         return get(path, method)
 
     def bad_query(self):
-        query = self.chance.choice(("limit=0", "limit=-1", "limit=99999999999999999999", "limit=x",
+        query = self.chance.choice(("a&" * 4000, "&" * 9000, "limit=0", "limit=-1",
+                                    "limit=99999999999999999999", "limit=x",
                                     "limit=", "state=done", "state=%00", "limit=1e3"))
         return get("/v1/jobs?" + query)
 
@@ -239,6 +240,12 @@ class Generator:
             b"Host: 127.0.0.1\r\nContent-Length: 2\r\nContent-Length: 2\r\n",
             b"Host: 127.0.0.1\r\nContent-Length: 2\r\nTransfer-Encoding: chunked\r\n",
             b"Host: 127.0.0.1\r\nTransfer-Encoding: gzip\r\n",
+            b"Host: 127.0.0.1\r\nContent-Length : 2\r\n",
+            b"Host: 127.0.0.1\r\nContent-: 2\r\n Length\r\n",
+            b"Host: 127.0.0.1\r\nX: a\x00b\r\nContent-Length: 2\r\n",
+            b"Host: 127.0.0.1\r\n\x00Content-Length: 2\r\n",
+            b"Host: 127.0.0.1\r\n: 2\r\nContent-Length: 2\r\n",
+            b"Host: 127.0.0.1\r\nX: a\rContent-Length: 9\r\nContent-Length: 2\r\n",
             b"Host: 127.0.0.1\r\nTransfer-Encoding: gzip, chunked\r\n",
             b"Host: 127.0.0.1\r\nTransfer-Encoding: chunked\r\nTransfer-Encoding: gzip\r\n"))
         return (b"POST /v1/jobs HTTP/1.1\r\nContent-Type: application/json\r\n" + headers +
