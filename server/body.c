@@ -9,10 +9,11 @@
 #include "limits.h"
 #include "store/bundle.h"
 
-void orl_body_init(struct orl_body *body, uint64_t limit)
+void orl_body_init(struct orl_body *body, uint64_t limit, struct orl_hold *hold)
 {
     memset(body, 0, sizeof *body);
     body->limit = limit;
+    body->hold = hold;
     body->fd = -1;
 }
 
@@ -25,7 +26,7 @@ void orl_body_done(struct orl_body *body)
     if (body->path[0])
         unlink(body->path);
     free(body->buffer);
-    orl_body_init(body, 0);
+    orl_body_init(body, 0, NULL);
 }
 
 bool orl_body_append(struct orl_body *body, const char *data, size_t size)
@@ -64,6 +65,15 @@ void orl_body_flush(struct orl_body *body, const struct orl_folders *folders)
 {
     if (body->failed || body->over)
         return;
+    body->written += body->used;
+    if (body->written > body->held) {
+        if (orl_hold_take(body->hold, body->written - body->held, &body->err)) {
+            body->failed = true;
+            body->used = 0;
+            return;
+        }
+        body->held = body->written;
+    }
     if (body->fd < 0) {
         orl_folders_temporary(folders, body->path);
         body->fd = open(body->path, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);

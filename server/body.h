@@ -14,6 +14,7 @@
 
 #include <oriel/files.h>
 
+#include "hold.h"
 #include "store/folders.h"
 
 struct orl_body {
@@ -25,10 +26,12 @@ struct orl_body {
     size_t used;
     int fd; /* of path; -1 while all is in the buffer */
     char path[ORL_PATH_MAX];
+    struct orl_hold *hold;  /* of what goes to the disk: borrowed; NULL: no bound */
+    uint64_t written, held; /* so much; and so much of it is held already */
     struct orl_file view;
 };
 
-void orl_body_init(struct orl_body *body, uint64_t limit);
+void orl_body_init(struct orl_body *body, uint64_t limit, struct orl_hold *hold);
 void orl_body_done(struct orl_body *body); /* removes the file, unless orl_body_take_file did */
 
 /* Returns true when the buffer wants flushing before more comes. size is at most half of it. */

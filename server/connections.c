@@ -5,16 +5,25 @@
 #include <netinet/in.h>
 #include <stdbool.h>
 #include <stdlib.h>
+#include <string.h>
 #include <sys/ioctl.h>
 #include <sys/socket.h>
 
+#include "clients.h"
 #include "limits.h"
 #include "times.h"
 
 enum awaited { AWAITS_HEADERS, AWAITS_BODY, AWAITS_NOTHING };
 
+struct orl_address {
+    char key[ORL_ADDRESS_KEY];
+    unsigned open;
+    struct orl_address *next;
+};
+
 struct orl_connection {
     int fd;
+    struct orl_address *address; /* counted there; NULL: out of memory */
     enum awaited awaited;
     double until_s; /* headers: when they must be there; body: when its rate begins to count */
     double since_s; /* body */
@@ -34,6 +43,55 @@ static struct orl_connection *of(struct MHD_Connection *connection)
     return info ? info->socket_context : NULL;
 }
 
+/* Where the address's entry is, or would be. */
+static struct orl_address **find_address(struct orl_connections *all, const char *key)
+{
+    unsigned hash = 0;
+    for (const char *c = key; *c; c++)
+        hash = 31 * hash + (unsigned char)*c;
+    struct orl_address **at = &all->addresses[hash % ORL_ADDRESS_BUCKETS];
+    while (*at && strcmp((*at)->key, key) != 0)
+        at = &(*at)->next;
+    return at;
+}
+
+enum MHD_Result orl_connections_allow(void *connections, const struct sockaddr *address,
+                                      socklen_t size)
+{
+    struct orl_connections *all = connections;
+    char key[ORL_ADDRESS_KEY];
+    (void)size;
+    orl_address_key(address, key);
+    const struct orl_address *known = *find_address(all, key);
+    return known && known->open >= all->most ? MHD_NO : MHD_YES;
+}
+
+static struct orl_address *count_address(struct orl_connections *all,
+                                         struct MHD_Connection *connection)
+{
+    const union MHD_ConnectionInfo *info =
+        MHD_get_connection_info(connection, MHD_CONNECTION_INFO_CLIENT_ADDRESS);
+    char key[ORL_ADDRESS_KEY];
+    orl_address_key(info ? info->client_addr : NULL, key);
+    struct orl_address **at = find_address(all, key);
+    if (!*at) {
+        *at = calloc(1, sizeof **at);
+        if (!*at)
+            return NULL;
+        memcpy((*at)->key, key, sizeof key);
+    }
+    (*at)->open++;
+    return *at;
+}
+
+static void uncount_address(struct orl_connections *all, struct orl_address *address)
+{
+    if (!address || --address->open > 0)
+        return;
+    *find_address(all, address->key) = address->next;
+    free(address);
+}
+
 static void open_connection(struct orl_connections *all, struct MHD_Connection *connection,
                             void **context)
 {
@@ -43,6 +101,7 @@ static void open_connection(struct orl_connections *all, struct MHD_Connection *
     if (!one)
         return; /* it goes unwatched but for silence */
     one->fd = info->connect_fd;
+    one->address = count_address(all, connection);
     one->idle_s = all->idle_s;
     one->until_s = orl_time_steady_s() +
                    (all->idle_s < ORL_SERVER_HEADER_S ? all->idle_s : ORL_SERVER_HEADER_S);
@@ -72,6 +131,7 @@ void orl_connections_notify(void *connections, struct MHD_Connection *connection
         all->first = one->next;
     if (one->next)
         one->next->before = one->before;
+    uncount_address(all, one->address);
     free(one);
     *context = NULL;
 }

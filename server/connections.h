@@ -18,9 +18,14 @@
 #include <microhttpd.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <sys/socket.h>
+
+enum { ORL_ADDRESS_BUCKETS = 256 };
 
 struct orl_connections {
     struct orl_connection *first;
+    struct orl_address *addresses[ORL_ADDRESS_BUCKETS]; /* that have any open */
+    unsigned most;                                      /* of one address */
     size_t open;
     uint64_t cut; /* for slowness, ever */
     double idle_s;
@@ -29,6 +34,10 @@ struct orl_connections {
 /* MHD's callback; the closure is the struct orl_connections. */
 void orl_connections_notify(void *connections, struct MHD_Connection *connection, void **context,
                             enum MHD_ConnectionNotificationCode code);
+
+/* MHD's other: may that address have another one? IPv6 addresses count by their network, /64. */
+enum MHD_Result orl_connections_allow(void *connections, const struct sockaddr *address,
+                                      socklen_t size);
 
 /* A request's headers are there: its body is awaited, if any. */
 void orl_connection_headers(struct MHD_Connection *connection);

@@ -33,6 +33,7 @@ struct stream {
     struct orl_events *events;
     struct feed *feed;
     struct MHD_Connection *connection;
+    struct orl_client *client; /* counted there; or NULL */
     struct text *sending;
     size_t sent;     /* of it */
     uint64_t serial; /* of the last event begun */
@@ -229,13 +230,16 @@ static void free_stream(void *ctx)
     if (stream->next)
         stream->next->link = stream->link;
     stream->events->count--;
+    if (stream->client)
+        stream->client->streams--;
+    orl_client_unref(&stream->events->server->clients, stream->client);
     text_unref(stream->sending);
     if (!feed->streams)
         drop_feed(stream->events, feed);
     free(stream);
 }
 
-static struct stream *new_stream(struct orl_events *events, const struct orl_request *request,
+static struct stream *new_stream(struct orl_events *events, struct orl_request *request,
                                  const struct orl_jobs_job *job)
 {
     struct stream *stream = calloc(1, sizeof *stream);
@@ -247,6 +251,7 @@ static struct stream *new_stream(struct orl_events *events, const struct orl_req
     *stream = (struct stream){.events = events,
                               .feed = feed,
                               .connection = request->connection,
+                              .client = orl_client_ref(request),
                               .active_s = orl_time_steady_s(),
                               .next = feed->streams,
                               .link = &feed->streams};
@@ -254,6 +259,8 @@ static struct stream *new_stream(struct orl_events *events, const struct orl_req
         feed->streams->link = &stream->next;
     feed->streams = stream;
     events->count++;
+    if (stream->client)
+        stream->client->streams++;
     return stream;
 }
 

@@ -37,6 +37,8 @@ void orl_handle_job_events(struct orl_request *request)
         orl_reply_text(request, "text/event-stream", "");
         return;
     }
+    if (!orl_client_may_stream(request))
+        return;
     if (orl_events_count(server->events) >= ORL_SERVER_STREAMS) {
         orl_reply_problem(request, 429, "too-many-streams", "Too many event streams are open",
                           "%u are; try again later, or poll the job", ORL_SERVER_STREAMS);

@@ -102,7 +102,7 @@ static void reply_job(struct orl_request *request, unsigned status, const struct
 static bool refuse_when_full(struct orl_request *request)
 {
     if (!orl_jobs_full(request->server->jobs))
-        return false;
+        return !orl_client_may_queue(request);
     orl_reply_problem(request, 429, "queue-full", "Too many jobs wait already",
                       "%u jobs are queued; try again when some have run", ORL_SERVER_QUEUE);
     orl_reply_header(request, "Retry-After", "30");

@@ -47,15 +47,16 @@ static enum MHD_Result add_main(void *ctx, enum MHD_ValueKind kind, const char *
 static void take_json(struct orl_request *request, const struct orl_file *body)
 {
     struct scene_post *post = request->state;
+    const struct orl_folders folders = orl_request_folders(request);
     const bool heavy = orl_heavy_begin(request->server, body);
-    post->rc = orl_scene_upload_json(&post->upload, body, &request->server->folders, &post->err);
+    post->rc = orl_scene_upload_json(&post->upload, body, &folders, &post->err);
     orl_heavy_end(request->server, heavy);
 }
 
 static void take_apart(struct orl_request *request)
 {
     struct scene_post *post = request->state;
-    const struct orl_folders *folders = &request->server->folders;
+    const struct orl_folders held = orl_request_folders(request), *folders = &held;
     struct orl_file body;
     post->rc = orl_body_view(&request->body, folders, &body, &post->err);
     if (post->rc == 0)

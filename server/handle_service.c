@@ -82,6 +82,8 @@ void orl_handle_limits(struct orl_request *request)
         {"deadline_s", ORL_LIMIT_DEADLINE_S},
         {"study_list", ORL_LIMIT_STUDY_LIST},
         {"queued_jobs", ORL_SERVER_QUEUE},
+        {"client_jobs", ORL_SERVER_CLIENT_JOBS},
+        {"client_streams", ORL_SERVER_CLIENT_STREAMS},
         {"idempotency_key_s", ORL_SERVER_KEY_S},
         {"unfetched_results_s", ORL_SERVER_UNFETCHED_S},
         {"priority", ORL_PRIORITY_MAX},

@@ -132,15 +132,14 @@ static int start_daemon(struct orl_http *http, struct orl_error *err)
         {http->tls.cert ? MHD_OPTION_ARRAY : MHD_OPTION_END, 0, (void *)(uintptr_t)tls},
         {MHD_OPTION_END, 0, NULL}};
     http->daemon = MHD_start_daemon(
-        flags, 0, NULL, NULL, orl_request_serve, http->server, MHD_OPTION_EXTERNAL_LOGGER,
-        on_message, (void *)http, MHD_OPTION_LISTEN_SOCKET, http->listen_fd,
-        MHD_OPTION_CONNECTION_LIMIT, connection_limit(), MHD_OPTION_PER_IP_CONNECTION_LIMIT,
-        config->address_connections, MHD_OPTION_CONNECTION_TIMEOUT, config->idle_timeout_s,
-        MHD_OPTION_URI_LOG_CALLBACK, orl_request_begin, (void *)http->server,
-        MHD_OPTION_CONNECTION_MEMORY_LIMIT, (size_t)ORL_SERVER_CONNECTION_MEMORY,
-        MHD_OPTION_NOTIFY_CONNECTION, orl_connections_notify, (void *)&http->connections,
-        MHD_OPTION_NOTIFY_COMPLETED, orl_request_completed, (void *)http->server, MHD_OPTION_ARRAY,
-        options, MHD_OPTION_END);
+        flags, 0, orl_connections_allow, &http->connections, orl_request_serve, http->server,
+        MHD_OPTION_EXTERNAL_LOGGER, on_message, (void *)http, MHD_OPTION_LISTEN_SOCKET,
+        http->listen_fd, MHD_OPTION_CONNECTION_LIMIT, connection_limit(),
+        MHD_OPTION_CONNECTION_TIMEOUT, config->idle_timeout_s, MHD_OPTION_URI_LOG_CALLBACK,
+        orl_request_begin, (void *)http->server, MHD_OPTION_CONNECTION_MEMORY_LIMIT,
+        (size_t)ORL_SERVER_CONNECTION_MEMORY, MHD_OPTION_NOTIFY_CONNECTION, orl_connections_notify,
+        (void *)&http->connections, MHD_OPTION_NOTIFY_COMPLETED, orl_request_completed,
+        (void *)http->server, MHD_OPTION_ARRAY, options, MHD_OPTION_END);
     if (!http->daemon)
         return orl_error_set(err, ORL_ERR_IO, "cannot start the HTTP server: %.300s",
                              http->message[0] ? http->message : strerror(errno));
@@ -155,6 +154,7 @@ int orl_http_start(struct orl_server *server, const struct sockaddr *address,
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     http->server = server;
     http->connections.idle_s = server->config.idle_timeout_s;
+    http->connections.most = server->config.address_connections;
     int rc = 0;
     if (server->config.tls_cert)
         rc = orl_tls_load(server->config.tls_cert, server->config.tls_key, &http->tls, err);

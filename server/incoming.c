@@ -29,6 +29,7 @@ int orl_incoming_begin(struct orl_incoming *incoming, const struct orl_folders *
     if (incoming->fd < 0)
         return orl_error_set(err, orl_err_of_errno(errno), "cannot store a file of the upload: %s",
                              strerror(errno));
+    incoming->hold = folders->hold;
     crypto_hash_sha256_init(&incoming->hash);
     return 0;
 }
@@ -44,6 +45,9 @@ int orl_incoming_append(struct orl_incoming *incoming, const char *data, size_t 
         orl_error_at(err, file->name, 0, NULL);
         return ORL_ERR_LIMIT;
     }
+    const int rc = orl_hold_take(incoming->hold, size, err);
+    if (rc)
+        return rc;
     crypto_hash_sha256_update(&incoming->hash, (const unsigned char *)data, size);
     while (size > 0) {
         const ssize_t n = write(incoming->fd, data, size);

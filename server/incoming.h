@@ -8,10 +8,12 @@
 
 #include <sodium.h>
 
+#include "hold.h"
 #include "store/bundle.h"
 
 struct orl_incoming {
     struct orl_bundle *bundle; /* borrowed; its last file is the one under way */
+    struct orl_hold *hold;     /* borrowed: of what is written; NULL: no bound */
     int fd;                    /* -1: none is */
     crypto_hash_sha256_state hash;
 };

@@ -78,6 +78,17 @@ struct orl_worker *orl_jobs_worker(const struct orl_jobs_job *job)
     return job->leader ? job->leader->worker : job->worker;
 }
 
+size_t orl_jobs_of_client(const struct orl_jobs *jobs, const char *client)
+{
+    size_t count = 0;
+    for (const struct orl_jobs_job *leader = jobs->leaders; leader; leader = leader->next_leader) {
+        count += leader->row.state <= ORL_JOB_RUNNING && strcmp(leader->row.client, client) == 0;
+        for (const struct orl_jobs_job *job = leader->followers; job; job = job->next_follower)
+            count += strcmp(job->row.client, client) == 0;
+    }
+    return count;
+}
+
 size_t orl_jobs_count(const struct orl_jobs *jobs, enum orl_job_state state)
 {
     return jobs->counts[state];

@@ -117,6 +117,8 @@ const struct orl_jobs_job *orl_jobs_newest(const struct orl_jobs *jobs);
 struct orl_worker *orl_jobs_worker(const struct orl_jobs_job *job);
 /* 1 for the next to run; 0 when it does not wait. */
 size_t orl_jobs_position(const struct orl_jobs *jobs, const struct orl_jobs_job *job);
+/* How many of that client wait or run. Time goes with the number of all that do. */
+size_t orl_jobs_of_client(const struct orl_jobs *jobs, const char *client);
 size_t orl_jobs_count(const struct orl_jobs *jobs, enum orl_job_state state);
 
 #endif

@@ -7,16 +7,17 @@
 
 #include <oriel/limits.h>
 
-#define ORL_SERVER_SCENE_BYTES (4UL << 30) /* the body of one scene upload */
-#define ORL_SERVER_ZIP_ENTRIES 4096U       /* of one zip, folders among them */
-#define ORL_SERVER_ZIP_RATIO 200UL         /* bytes unpacked to a byte of the zip, beyond ... */
-#define ORL_SERVER_ZIP_FREE (64UL << 20)   /* ... these */
-#define ORL_SERVER_FIELD_BYTES (1UL << 20) /* a form field that is not a file */
-#define ORL_SERVER_BODY_BUFFER (1UL << 20) /* what one request holds in memory before it spills */
-#define ORL_SERVER_DROPPED_BODY (512UL << 20)    /* of a refused request, read to answer it */
-#define ORL_SERVER_CONNECTIONS 2048U             /* open at once, event streams among them */
-#define ORL_SERVER_STREAMS 1024U                 /* of events, open at once */
-#define ORL_SERVER_ADDRESS_CONNECTIONS 128U      /* ... from one address, unless on loopback */
+#define ORL_SERVER_SCENE_BYTES (4UL << 30)    /* the body of one scene upload */
+#define ORL_SERVER_ZIP_ENTRIES 4096U          /* of one zip, folders among them */
+#define ORL_SERVER_ZIP_RATIO 200UL            /* bytes unpacked to a byte of the zip, beyond ... */
+#define ORL_SERVER_ZIP_FREE (64UL << 20)      /* ... these */
+#define ORL_SERVER_FIELD_BYTES (1UL << 20)    /* a form field that is not a file */
+#define ORL_SERVER_BODY_BUFFER (128UL << 10)  /* of memory for a body, which spills at half of it  \
+                                               */
+#define ORL_SERVER_DROPPED_BODY (512UL << 20) /* of a refused request, read to answer it */
+#define ORL_SERVER_CONNECTIONS 2048U          /* open at once, event streams among them */
+#define ORL_SERVER_STREAMS 1024U              /* of events, open at once */
+#define ORL_SERVER_ADDRESS_CONNECTIONS 128U   /* ... from one address, unless on loopback */
 #define ORL_SERVER_CONNECTION_MEMORY (32U << 10) /* headers and read buffer of one */
 #define ORL_SERVER_URI_BYTES (8U << 10)          /* target of a request, and 64 an argument */
 #define ORL_SERVER_TIMEOUT_S 60U    /* of silence, before a connection is closed (default) */
@@ -24,6 +25,8 @@
 #define ORL_SERVER_HEADER_S 15.0    /* from a connection's start to the end of its first headers */
 #define ORL_SERVER_BODY_RATE 1024.0 /* bytes/s that a body has to come at */
 #define ORL_SERVER_QUEUE 1024U      /* jobs waiting */
+#define ORL_SERVER_CLIENT_JOBS 256U /* waiting or running, of one client among several ... */
+#define ORL_SERVER_CLIENT_STREAMS 256U /* ... and streams of events open */
 #define ORL_SERVER_SHARING 64U      /* jobs that follow one computation; the next begins another */
 #define ORL_SERVER_KEY_S 86400U     /* that an Idempotency-Key is remembered */
 #define ORL_SERVER_UNFETCHED_S 600U /* that results stay for somebody to ask for them */

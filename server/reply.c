@@ -73,6 +73,10 @@ void orl_reply_json_text(struct orl_request *request, unsigned status, const cha
 
 void orl_reply_error(struct orl_request *request, const struct orl_error *err)
 {
+    if (err->code == ORL_ERR_FULL && request->hold.refused != ORL_HOLD_FITS) {
+        orl_storage_refuse(request, request->hold.bytes);
+        return;
+    }
     int status = 500;
     json_t *problem = orl_problem_from_error(err, &status);
     if (status >= 500) {

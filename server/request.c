@@ -68,6 +68,13 @@ void orl_request_work(struct orl_request *request, orl_request_step run, orl_req
     orl_request_queue(request);
 }
 
+struct orl_folders orl_request_folders(struct orl_request *request)
+{
+    struct orl_folders folders = request->server->folders;
+    folders.hold = &request->hold;
+    return folders;
+}
+
 static void flush_body(struct orl_request *request)
 {
     orl_body_flush(&request->body, &request->server->folders);
@@ -80,6 +87,16 @@ static void refuse_too_large(struct orl_request *request)
     orl_reply_problem(request, 413, "limit", "The request is too large",
                       "the body may have at most %llu bytes",
                       (unsigned long long)request->route->max_body);
+}
+
+/* A body that will lie on the disk has its room before it comes. */
+static void receive(struct orl_request *request, uint64_t bytes)
+{
+    request->client = orl_client_ref(request);
+    request->hold = (struct orl_hold){.all = &request->server->storage.room,
+                                      .own = request->client ? &request->client->bytes : NULL};
+    if (bytes > ORL_SERVER_BODY_BUFFER / 2 && orl_storage_receive(request, bytes))
+        request->body.held = bytes;
 }
 
 /* Finds the route and refuses at once what can be refused by the headers. */
@@ -119,7 +136,7 @@ static void open_request(struct orl_request *request, const char *url, const cha
     request->route = route;
     if (strncmp(route->path, "/v1/jobs/{}", 11) == 0)
         snprintf(request->job, sizeof request->job, "%.*s", ORL_JOB_ID - 1, request->params[0]);
-    orl_body_init(&request->body, route->max_body);
+    orl_body_init(&request->body, route->max_body, &request->hold);
     if (!orl_access_check_token(request))
         return;
     if (request->server->stopping) {
@@ -127,12 +144,15 @@ static void open_request(struct orl_request *request, const char *url, const cha
         return;
     }
     const char *length = orl_request_header(request, MHD_HTTP_HEADER_CONTENT_LENGTH);
-    if (length && strtoull(length, NULL, 10) > route->max_body)
+    const unsigned long long bytes = length ? strtoull(length, NULL, 10) : 0;
+    if (bytes > route->max_body)
         refuse_too_large(request);
     else if (!orl_router_accepts(route, orl_request_header(request, MHD_HTTP_HEADER_CONTENT_TYPE)))
         orl_reply_problem(request, 415, "unsupported-media-type",
                           "The body has a type that is not understood", "%s takes %s", url,
                           orl_router_types(route, types));
+    else
+        receive(request, bytes);
 }
 
 void *orl_request_begin(void *ctx, const char *uri, struct MHD_Connection *connection)
@@ -149,7 +169,7 @@ void *orl_request_begin(void *ctx, const char *uri, struct MHD_Connection *conne
     snprintf(request->path, sizeof request->path, "%.*s", (int)strcspn(uri ? uri : "", "?"),
              uri ? uri : "");
     snprintf(request->token, sizeof request->token, "-");
-    orl_body_init(&request->body, 0);
+    orl_body_init(&request->body, 0, NULL);
     request->version_at = uri ? uri + strlen(uri) + 1 : NULL;
     request->too_long = uri && orl_framing_cut_query(uri);
     return request;
@@ -173,8 +193,10 @@ static void let_go(struct orl_request *request)
     if (request->state && request->free_state)
         request->free_state(request->state);
     request->state = NULL;
-    if (request->dispatched)
+    if (request->dispatched) {
         orl_body_done(&request->body);
+        orl_hold_give_back(&request->hold);
+    }
 }
 
 static enum MHD_Result send_response(struct orl_request *request)
@@ -295,6 +317,8 @@ void orl_request_completed(void *ctx, struct MHD_Connection *connection, void **
         MHD_destroy_response(request->response);
     let_go(request);
     orl_body_done(&request->body);
+    orl_hold_give_back(&request->hold);
+    orl_client_unref(&server->clients, request->client);
     free(request);
     *handle = NULL;
 }

@@ -17,6 +17,7 @@
 #include <uv.h>
 
 #include "body.h"
+#include "clients.h"
 #include "store/jobs.h"
 #include "store/tokens.h"
 
@@ -38,6 +39,8 @@ struct orl_request {
     char job[ORL_JOB_ID];                   /* whom it is about, as far as known; "" for none */
     char token[ORL_TOKEN_NAME];             /* the name of its token; "-" for none */
     char params[ORL_ROUTE_PARAMS][ORL_PARAM_MAX];
+    struct orl_client *client; /* clients.h; NULL: refused before */
+    struct orl_hold hold;      /* what of it lies on the disk, under way */
     struct orl_body body;
     const char *version_at; /* where MHD must have the version, if the target has no NUL */
     bool opened;            /* its headers are there */
@@ -63,6 +66,9 @@ void orl_request_work(struct orl_request *request, orl_request_step run, orl_req
 /* The same in two steps: it waits, and is queued later. */
 void orl_request_wait(struct orl_request *request, orl_request_step run, orl_request_step then);
 void orl_request_queue(struct orl_request *request);
+
+/* The server's folders, as long as the request lives; what is written to tmp/ is held for it. */
+struct orl_folders orl_request_folders(struct orl_request *request);
 
 /* A query argument or header, or NULL. */
 const char *orl_request_query(const struct orl_request *request, const char *name);

@@ -60,8 +60,9 @@ static void on_jobs_idle(void *ctx)
 
 static void on_saving(uv_timer_t *timer)
 {
-    const struct orl_server *server = timer->data;
+    struct orl_server *server = timer->data;
     orl_jobs_save(server->jobs);
+    orl_storage_look(&server->storage);
 }
 
 static void on_drain_over(uv_timer_t *timer)

@@ -15,6 +15,7 @@
 #include <uv.h>
 
 #include "checks.h"
+#include "clients.h"
 #include "config.h"
 #include "events.h"
 #include "http.h"
@@ -51,6 +52,7 @@ struct orl_server {
     struct orl_metrics metrics;
     uint64_t requests; /* served or under way; the last one's id */
     struct orl_checks checks;
+    struct orl_clients clients;
     pthread_mutex_t heavy; /* held while a document is read that takes much memory */
     unsigned working;      /* requests whose work is on the pool */
     double started_s;

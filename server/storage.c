@@ -142,25 +142,93 @@ static uint64_t shrink(struct orl_storage *storage, uint64_t most, enum shrink_h
     return used;
 }
 
+/* Of what is kept, how much has to stay. */
+static uint64_t count_staying(struct orl_storage *storage)
+{
+    uint64_t bytes = orl_storage_total(storage);
+    struct orl_stored_map *maps = NULL;
+    size_t n_maps = 0, count = 0;
+    if (orl_map_cache_list(storage->maps, &maps, &n_maps, NULL))
+        return bytes;
+    struct candidate *list = list_candidates(storage->jobs, maps, n_maps, &count);
+    for (size_t i = 0; list && i < count; i++)
+        bytes -= list[i].bytes;
+    free(list);
+    free(maps);
+    return bytes;
+}
+
+/* Says how much may be on its way in. What may go is looked at only where that makes a difference:
+ * while half of the budget is free anyway, it does not. */
+static void set_room(struct orl_storage *storage)
+{
+    const uint64_t promised = orl_job_results_expected(storage->jobs);
+    uint64_t taken = orl_storage_total(storage) + promised;
+    if (taken > storage->budget / 2)
+        taken = count_staying(storage) + promised;
+    atomic_store(&storage->room.most, taken < storage->budget ? storage->budget - taken : 0);
+}
+
 void orl_storage_trim(struct orl_storage *storage)
 {
-    shrink(storage, storage->budget, SHRINK_AS_FAR_AS_IT_GOES);
+    const uint64_t held = atomic_load(&storage->room.held);
+    shrink(storage, storage->budget > held ? storage->budget - held : 0, SHRINK_AS_FAR_AS_IT_GOES);
+    set_room(storage);
+}
+
+void orl_storage_look(struct orl_storage *storage)
+{
+    if (atomic_load(&storage->room.held) > 0)
+        orl_storage_trim(storage);
+}
+
+static void refuse_full(struct orl_request *request, uint64_t bytes)
+{
+    orl_reply_problem(request, 507, "storage-full", "There is no room to keep this",
+                      "this needs %llu of the %llu bytes there are, and others that have to stay "
+                      "leave less; fetch results, remove jobs, scenes or BSDFs, or raise "
+                      "--storage-budget",
+                      (unsigned long long)bytes,
+                      (unsigned long long)request->server->storage.budget);
+    orl_reply_header(request, "Retry-After", "60");
+}
+
+void orl_storage_refuse(struct orl_request *request, uint64_t bytes)
+{
+    const uint64_t own = request->hold.own ? atomic_load(&request->hold.own->most) : 0;
+    if (request->hold.refused == ORL_HOLD_NO_ROOM || bytes > own) { /* to wait would not help */
+        refuse_full(request, bytes);
+        return;
+    }
+    orl_reply_problem(request, 429, "too-many-bytes", "Too much of this client is on its way",
+                      "its uploads under way may take %llu bytes together, unpacked files among "
+                      "them; try again when others have ended",
+                      (unsigned long long)own);
+    orl_reply_header(request, "Retry-After", "10");
+}
+
+bool orl_storage_receive(struct orl_request *request, uint64_t bytes)
+{
+    struct orl_storage *storage = &request->server->storage;
+    set_room(storage);
+    if (orl_hold_take(&request->hold, bytes, NULL) == 0)
+        return true;
+    orl_storage_refuse(request, bytes);
+    return false;
 }
 
 bool orl_storage_admit(struct orl_request *request, uint64_t bytes)
 {
     struct orl_storage *storage = &request->server->storage;
-    const uint64_t budget = storage->budget;
-    const uint64_t promised = bytes + orl_job_results_expected(storage->jobs);
+    const uint64_t budget = storage->budget, own = request->hold.bytes;
+    const uint64_t promised = (bytes > own ? bytes - own : 0) + atomic_load(&storage->room.held) +
+                              orl_job_results_expected(storage->jobs);
     if (promised <= budget &&
-        shrink(storage, budget - promised, SHRINK_OR_LEAVE) <= budget - promised)
+        shrink(storage, budget - promised, SHRINK_OR_LEAVE) <= budget - promised) {
+        set_room(storage);
         return true;
-    orl_reply_problem(request, 507, "storage-full", "There is no room to keep this",
-                      "this needs %llu of the %llu bytes there are, and others that have to stay "
-                      "leave less; fetch results, remove jobs, scenes or BSDFs, or raise "
-                      "--storage-budget",
-                      (unsigned long long)bytes, (unsigned long long)budget);
-    orl_reply_header(request, "Retry-After", "60");
+    }
+    refuse_full(request, bytes);
     return false;
 }
 

@@ -10,9 +10,11 @@
  * job is accepted when there is room for the results that it is expected to leave, beside those of
  * all that wait or run.
  *
- * Not counted: what is being written (bodies of requests, maps being built, work folders of running
- * jobs), the database, and folders.
- * Threads: the loop thread.
+ * What is on its way in counts too: bodies on the disk, and files unpacked from them (hold.h). What
+ * does not fit is refused by its Content-Length, or once it has met the bound.
+ *
+ * Not counted: maps being built, work folders of running jobs, the database, and folders.
+ * Threads: the loop thread; the room is taken from any.
  */
 #ifndef ORL_SERVER_STORAGE_H
 #define ORL_SERVER_STORAGE_H
@@ -22,6 +24,7 @@
 #include <uv.h>
 
 #include "blobs.h"
+#include "hold.h"
 #include "jobs.h"
 #include "log.h"
 #include "map_cache.h"
@@ -34,6 +37,7 @@ extern const char *const orl_stored_names[ORL_STORED_COUNT]; /* "maps", "bsdfs",
 
 struct orl_storage {
     uint64_t budget;
+    struct orl_room room; /* for what is on its way in, beside what has to stay */
     struct orl_map_cache *maps;
     struct orl_jobs *jobs;
     struct orl_blobs *blobs;
@@ -52,6 +56,13 @@ void orl_storage_trim(struct orl_storage *storage);
 
 /* Makes room for so many bytes more; or, when that cannot be, replies with a 507: false. */
 bool orl_storage_admit(struct orl_request *request, uint64_t bytes);
+
+/* Room for a body of so many bytes, before it comes; or a 507 or 429: false. */
+bool orl_storage_receive(struct orl_request *request, uint64_t bytes);
+/* The refusal of what request->hold has met, which wanted so many bytes. */
+void orl_storage_refuse(struct orl_request *request, uint64_t bytes);
+/* To be called every second or so: what is on its way in has made others go. */
+void orl_storage_look(struct orl_storage *storage);
 
 /* A job's results were asked for. */
 void orl_storage_fetched(struct orl_storage *storage, const char *job_id);

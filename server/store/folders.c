@@ -67,6 +67,7 @@ int orl_folders_open(struct orl_folders *folders, const char *root, struct orl_e
     static const char *const below[] = {"blobs", "maps", "partial", "results", "tmp"};
     char path[ORL_PATH_MAX];
     folders->lock_fd = -1;
+    folders->hold = NULL;
     if (strlen(root) >= sizeof folders->root)
         return orl_error_set(err, ORL_ERR_LIMIT, "the data folder's path is too long");
     snprintf(folders->root, sizeof folders->root, "%s", root);

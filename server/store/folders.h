@@ -20,9 +20,12 @@
 
 enum { ORL_PATH_MAX = 4096, ORL_ROOT_MAX = 2048, ORL_SHA_HEX = 65 };
 
+struct orl_hold;
+
 struct orl_folders {
     char root[ORL_ROOT_MAX];
     int lock_fd;
+    struct orl_hold *hold; /* of what is written to tmp/ on behalf of a request (hold.h), or NULL */
 };
 
 int orl_folders_open(struct orl_folders *folders, const char *root, struct orl_error *err);

@@ -373,6 +373,19 @@ def storage(daemon):
     daemon.ask("POST", "/v1/bsdfs", bsdf("bsdf_klems41.xml"), want=507)
 
 
+def too_much_under_way(daemon):
+    """429, of one client's uploads among several clients."""
+    daemon.header = {"Authorization": "Bearer " + daemon.token["submit"]}
+    with socket.create_connection(("127.0.0.1", daemon.port)) as first:
+        first.sendall(("POST /v1/bsdfs HTTP/1.1\r\nHost: a\r\nAuthorization: %s\r\n"
+                       "Content-Length: %d\r\n\r\n" % (daemon.header["Authorization"],
+                                                       7 << 20)).encode())
+        time.sleep(0.1)
+        for path, kind in (("/v1/scenes", "application/zip"), ("/v1/bsdfs", "application/xml")):
+            daemon.announce("POST", path, {"Content-Type": kind, "Content-Length": str(2 << 20),
+                                           "Expect": "100-continue"}, want=429)
+
+
 def full_disk(daemon, fill):
     """507, of a disk that is full from fill(True) to fill(False)."""
     scene = daemon.upload(ROOM + SKY)

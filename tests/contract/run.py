@@ -88,8 +88,9 @@ def run(contract):
         daemon.end()
     if not is_sanitized():
         with_full_disk(contract)
-    guarded = Daemon(contract, "--tokens", "always")
+    guarded = Daemon(contract, "--tokens", "always", "--storage-budget", "16M")
     every.tokens(guarded)
+    cases.too_much_under_way(guarded)
     guarded.end()
     every.stopping(Daemon(contract), cases.busy_upload)
 
