@@ -113,13 +113,24 @@ int orl_body_view(struct orl_body *body, const struct orl_folders *folders,
     return 0;
 }
 
-int orl_body_take_file(struct orl_body *body, const struct orl_folders *folders,
-                       char ret_path[ORL_PATH_MAX], struct orl_error *err)
+int orl_body_file(struct orl_body *body, const struct orl_folders *folders, const char **ret_path,
+                  struct orl_error *err)
 {
     if (body->fd < 0 || body->used > 0)
         orl_body_flush(body, folders);
     if (body->failed)
         return copy_error(body, err);
+    *ret_path = body->path;
+    return 0;
+}
+
+int orl_body_take_file(struct orl_body *body, const struct orl_folders *folders,
+                       char ret_path[ORL_PATH_MAX], struct orl_error *err)
+{
+    const char *path;
+    const int rc = orl_body_file(body, folders, &path, err);
+    if (rc)
+        return rc;
     memcpy(ret_path, body->path, ORL_PATH_MAX);
     body->path[0] = '\0';
     return 0;

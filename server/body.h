@@ -41,6 +41,9 @@ void orl_body_flush(struct orl_body *body, const struct orl_folders *folders);
 /* Pool: all of it, valid until done. */
 int orl_body_view(struct orl_body *body, const struct orl_folders *folders,
                   struct orl_file *ret_view, struct orl_error *err);
+/* Pool: all of it as a file, the body's until done; *ret_path is valid until then. */
+int orl_body_file(struct orl_body *body, const struct orl_folders *folders, const char **ret_path,
+                  struct orl_error *err);
 /* Pool: puts all of it into a file of the caller's, who may move it away or must remove it. */
 int orl_body_take_file(struct orl_body *body, const struct orl_folders *folders,
                        char ret_path[ORL_PATH_MAX], struct orl_error *err);

@@ -1,6 +1,7 @@
 #include "checks.h"
 
 #include "limits.h"
+#include "reply.h"
 #include "server.h"
 #include "times.h"
 
@@ -25,12 +26,26 @@ static void start(struct orl_checks *checks, struct orl_check *check)
     orl_request_queue(check->request);
 }
 
+static void prepare(struct orl_check *check)
+{
+    const struct orl_request *request = check->request;
+    const union MHD_ConnectionInfo *info =
+        MHD_get_connection_info(request->connection, MHD_CONNECTION_INFO_CONNECTION_FD);
+    atomic_init(&check->cancel, request->server->stopping);
+    check->asking = (struct orl_asking){.lanes = request->server->lanes,
+                                        .memory = request->server->config.check_memory,
+                                        .cpu_s = request->server->config.check_timeout_s,
+                                        .cancel = &check->cancel,
+                                        .client_fd = info ? info->connect_fd : -1};
+}
+
 void orl_check_begin(struct orl_check *check, struct orl_request *request, orl_request_step run,
                      orl_request_step then)
 {
     struct orl_checks *checks = &request->server->checks;
     struct orl_check **last = &checks->waiting;
-    check->request = request;
+    *check = (struct orl_check){.request = request};
+    prepare(check);
     check->run = run;
     request->check = check;
     orl_request_wait(request, run_check, then);
@@ -53,24 +68,38 @@ static void unlink_check(struct orl_checks *checks, struct orl_check *check)
     checks->count--;
 }
 
-int orl_check_ended(struct orl_check *check, int rc, struct orl_error *err)
+static void refuse_late(const struct orl_server *server, struct orl_error *err)
 {
-    const struct orl_server *server = check->request->server;
-    struct orl_checks *checks = &check->request->server->checks;
+    orl_error_set(err, ORL_ERR_LIMIT, "checking the upload took longer than %u seconds",
+                  server->config.check_timeout_s);
+    orl_error_hint(err,
+                   "Fewer surfaces, copies or values take less; --check-timeout sets the bound");
+}
+
+bool orl_check_ended(struct orl_check *check, int *rc, struct orl_error *err)
+{
+    struct orl_request *request = check->request;
+    struct orl_checks *checks = &request->server->checks;
     unlink_check(checks, check);
-    check->request->check = NULL;
+    request->check = NULL;
     struct orl_check *next = checks->waiting;
     if (next) {
         checks->waiting = next->next;
         start(checks, next);
     }
-    if (rc != ORL_ERR_CANCELLED || !check->late)
-        return rc;
-    orl_error_set(err, ORL_ERR_LIMIT, "checking the upload took longer than %u seconds",
-                  server->config.check_timeout_s);
-    orl_error_hint(err,
-                   "Fewer surfaces, copies or values take less; --check-timeout sets the bound");
-    return ORL_ERR_LIMIT;
+    if (*rc != ORL_ERR_CANCELLED)
+        return true;
+    if (check->late) {
+        refuse_late(request->server, err);
+        *rc = ORL_ERR_LIMIT;
+        return true;
+    }
+    if (request->server->stopping)
+        orl_reply_stopping(request);
+    else /* nobody is there to read it */
+        orl_reply_problem(request, 400, "hung-up", "The client has hung up",
+                          "the connection was closed before its request was answered");
+    return false;
 }
 
 void orl_checks_sweep(struct orl_server *server)

@@ -12,13 +12,15 @@
 #include <stdatomic.h>
 #include <stdbool.h>
 
+#include "child/lanes.h"
 #include "request.h"
 
 /* One check; lies in the request's state, all zero at first. */
 struct orl_check {
     struct orl_request *request;
     orl_request_step run, then;
-    atomic_bool cancel;      /* for the pool to poll */
+    struct orl_asking asking; /* of children, on the pool */
+    atomic_bool cancel;
     atomic_llong started_ms; /* on the steady clock; 0: it waits */
     bool late;               /* that is why it was cancelled */
     struct orl_check *next;
@@ -30,15 +32,18 @@ struct orl_checks {
 };
 
 /*
- * As orl_request_work, when it is its turn: run on the pool is to hand &check->cancel to whatever
- * it calls, then calls orl_check_ended before anything else.
+ * As orl_request_work, when it is its turn: run on the pool is to ask children by check->asking
+ * (child/ask.h), then calls orl_check_ended before anything else.
  */
 void orl_check_begin(struct orl_check *check, struct orl_request *request, orl_request_step run,
                      orl_request_step then);
 
-/* Lets the next one begin. Where rc says that the check was cancelled, fills err with the reason
- * and returns that; otherwise rc. */
-int orl_check_ended(struct orl_check *check, int rc, struct orl_error *err);
+/*
+ * Lets the next one begin. False: there is nothing more to do; what was asked has been answered
+ * for, since the daemon stops or the client is gone. Where the check took too long *rc and err say
+ * so.
+ */
+bool orl_check_ended(struct orl_check *check, int *rc, struct orl_error *err);
 
 /* To be called every second or so, and when the daemon stops. */
 void orl_checks_sweep(struct orl_server *server);

@@ -36,6 +36,7 @@ void orl_config_help(FILE *stream)
         "  --jobs N               jobs that render at once, sharing the threads (1)\n"
         "  --idle-timeout S       seconds of silence after which a connection is closed (%u)\n"
         "  --check-timeout S      seconds that the check of one upload may take (%u)\n"
+        "  --check-memory SIZE    bytes of memory that it may take (%luM)\n"
         "  --drain-timeout S      seconds that running jobs have to finish at a stop (%u)\n"
         "  --address-connections N  open connections that one address may have (%u; on\n"
         "                         loopback, where all share one, no fewer than in all)\n"
@@ -47,7 +48,7 @@ void orl_config_help(FILE *stream)
         "more, and one that still runs when --drain-timeout is over, or at a second SIGTERM,\n"
         "is queued again: it starts over with the next start, with the maps it has made.\n",
         DEFAULT_PORT, ORL_SERVER_SHELF_BYTES >> 20, ORL_SERVER_TIMEOUT_S, ORL_SERVER_CHECK_S,
-        ORL_SERVER_DRAIN_S, ORL_SERVER_ADDRESS_CONNECTIONS);
+        ORL_SERVER_CHECK_BYTES >> 20, ORL_SERVER_DRAIN_S, ORL_SERVER_ADDRESS_CONNECTIONS);
 }
 
 static int parse_number(const char *option, const char *text, unsigned long min, unsigned long max,
@@ -180,6 +181,11 @@ static int apply_option(struct orl_config *config, const char *name, const char 
             set_port(config, number);
     } else if (strcmp(name, "--storage-budget") == 0) {
         rc = parse_size(name, value, 1, &config->storage_bytes, err);
+    } else if (strcmp(name, "--check-memory") == 0) {
+        rc = parse_size(name, value, 1, &config->check_memory, err);
+        if (rc == 0 && config->check_memory < ORL_SERVER_CHECK_LEAST)
+            rc = orl_error_set(err, ORL_ERR_INVALID, "--check-memory takes %luM at least",
+                               ORL_SERVER_CHECK_LEAST >> 20);
     } else if (strcmp(name, "--shelf") == 0) {
         rc = parse_size(name, value, 0, &config->shelf_bytes, err);
     } else if (strcmp(name, "--log-level") == 0) {
@@ -211,6 +217,7 @@ static void set_defaults(struct orl_config *config)
     config->jobs = 1;
     config->idle_timeout_s = ORL_SERVER_TIMEOUT_S;
     config->check_timeout_s = ORL_SERVER_CHECK_S;
+    config->check_memory = ORL_SERVER_CHECK_BYTES;
     config->shelf_bytes = ORL_SERVER_SHELF_BYTES;
     config->drain_s = ORL_SERVER_DRAIN_S;
     config->log_level = ORL_LOG_INFO;

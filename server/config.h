@@ -29,6 +29,7 @@ struct orl_config {
     uint32_t address_connections;   /* open from one address */
     uint32_t idle_timeout_s;        /* of silence, before a connection is closed */
     uint32_t check_timeout_s;       /* that the check of an upload may take */
+    uint64_t check_memory;          /* bytes that it may take */
     uint64_t storage_bytes;         /* that what is kept may take; 0: half of the disk's room */
     uint64_t shelf_bytes;           /* of memory, for what jobs leave to those after them */
     uint32_t drain_s;               /* that running jobs are given to finish at a stop */

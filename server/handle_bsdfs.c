@@ -1,15 +1,12 @@
 #include "handlers.h"
 
-#include <jansson.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
-#include <oriel/bsdf.h>
-
-#include "bsdf_json.h"
 #include "checks.h"
+#include "child/ask.h"
 #include "reply.h"
 #include "server.h"
 #include "store/scenes.h"
@@ -48,37 +45,18 @@ static void hash_upload(struct orl_request *request)
     upload->bytes = upload->rc == 0 ? file.size : 0;
 }
 
-static int summarise(struct upload *upload, const struct orl_file *file)
-{
-    struct orl_bsdf *bsdf = NULL;
-    struct orl_bsdf_check check;
-    const struct orl_bsdf_xml xml = {.name = upload->name,
-                                     .data = file->data,
-                                     .size = file->size,
-                                     .cancel = &upload->check.cancel};
-    const int rc = orl_bsdf_load(&xml, &bsdf, &upload->err);
-    if (rc)
-        return rc;
-    orl_bsdf_examine(bsdf, &check);
-    orl_bsdf_unref(bsdf);
-    json_t *json = orl_bsdf_check_to_json(&check);
-    upload->summary = json ? json_dumps(json, JSON_COMPACT) : NULL;
-    json_decref(json);
-    return upload->summary ? 0 : orl_error_set(&upload->err, ORL_ERR_NOMEM, "out of memory");
-}
-
 static void check_and_keep(struct orl_request *request)
 {
     struct upload *upload = request->state;
     const struct orl_folders *folders = &request->server->folders;
-    struct orl_file file;
     char path[ORL_PATH_MAX];
-    upload->rc = orl_body_view(&request->body, folders, &file, &upload->err);
+    const char *file = NULL;
+    upload->rc = orl_body_file(&request->body, folders, &file, &upload->err);
     if (upload->rc == 0)
-        upload->rc = summarise(upload, &file);
-    if (upload->rc)
-        return;
-    upload->rc = orl_body_take_file(&request->body, folders, path, &upload->err);
+        upload->rc =
+            orl_ask_bsdf(&upload->check.asking, file, upload->name, &upload->summary, &upload->err);
+    if (upload->rc == 0)
+        upload->rc = orl_body_take_file(&request->body, folders, path, &upload->err);
     if (upload->rc)
         return;
     upload->rc = orl_blob_keep(folders, path, upload->id, &upload->err);
@@ -92,11 +70,8 @@ static void insert_and_reply(struct orl_request *request)
 {
     struct upload *upload = request->state;
     bool created = false;
-    upload->rc = orl_check_ended(&upload->check, upload->rc, &upload->err);
-    if (upload->rc == ORL_ERR_CANCELLED && request->server->stopping) {
-        orl_reply_stopping(request);
+    if (!orl_check_ended(&upload->check, &upload->rc, &upload->err))
         return;
-    }
     if (upload->rc == 0)
         upload->rc = orl_bsdf_insert(&request->server->db, upload->id, upload->name, upload->bytes,
                                      upload->summary, &created, &upload->err);

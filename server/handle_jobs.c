@@ -6,10 +6,9 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "checks.h"
+#include "child/ask.h"
 #include "client_name.h"
-#include "heavy.h"
-#include "job_output.h"
-#include "job_share.h"
 #include "job_status.h"
 #include "limits.h"
 #include "reply.h"
@@ -21,9 +20,9 @@ enum { REQUEST_KEY_MAX = 255 };
 
 /* A job on its way in. */
 struct job_post {
-    struct orl_task task;
-    char *scene;
-    char document[ORL_SHA_HEX], identity[ORL_SHA_HEX], client[ORL_CLIENT_NAME];
+    struct orl_job_brief brief;
+    struct orl_check check;
+    char document[ORL_SHA_HEX], client[ORL_CLIENT_NAME];
     char key[REQUEST_KEY_MAX + 1]; /* Idempotency-Key; "": none */
     struct orl_blobs *blobs;       /* with a claim on the document; NULL: none */
     int rc;
@@ -35,8 +34,7 @@ static void job_post_free(void *state)
     struct job_post *post = state;
     if (post->blobs)
         orl_blobs_release(post->blobs, post->document);
-    orl_task_done(&post->task);
-    free(post->scene);
+    orl_job_brief_done(&post->brief);
     free(post);
 }
 
@@ -47,15 +45,26 @@ static void read_document(struct orl_request *request)
     struct job_post *post = request->state;
     struct orl_file body;
     post->rc = orl_body_view(&request->body, &request->server->folders, &body, &post->err);
+    if (post->rc == 0)
+        orl_sha256_hex(body.data, body.size, post->document);
+    if (post->rc == 0)
+        post->rc = orl_job_brief_read(&body, &post->brief, &post->err);
+}
+
+/* A large one, in a child. */
+static void check_document(struct orl_request *request)
+{
+    struct job_post *post = request->state;
+    const struct orl_folders *folders = &request->server->folders;
+    const char *path = NULL;
+    struct orl_file body;
+    post->rc = orl_body_view(&request->body, folders, &body, &post->err);
+    if (post->rc == 0)
+        post->rc = orl_body_file(&request->body, folders, &path, &post->err);
     if (post->rc)
         return;
-    const bool heavy = orl_heavy_begin(request->server, &body);
-    post->rc = orl_job_read(body.data, body.size, &post->task, &post->scene, &post->err);
-    if (post->rc == 0) {
-        orl_sha256_hex(body.data, body.size, post->document);
-        orl_share_identity(body.data, body.size, post->identity);
-    }
-    orl_heavy_end(request->server, heavy);
+    orl_sha256_hex(body.data, body.size, post->document);
+    post->rc = orl_ask_job(&post->check.asking, path, &post->brief, &post->err);
 }
 
 static void keep_document(struct orl_request *request)
@@ -134,49 +143,34 @@ static bool answer_by_key(struct orl_request *request)
     return true;
 }
 
-/* A file that the document names, at that path of it, must have come with the scene. */
-static int check_file(const struct orl_bundle *bundle, const char *name, const char *path,
-                      const char *hint, struct orl_error *err)
+/* A file that the document names must have come with the scene. */
+static int check_file(const struct orl_bundle *bundle, const struct orl_job_file *file,
+                      struct orl_error *err)
 {
-    if (!name || orl_bundle_find(bundle, name))
+    const bool sensors = strcmp(file->place, "sensors.file") == 0;
+    if (orl_bundle_find(bundle, file->name))
         return 0;
     orl_error_set(err, ORL_ERR_NOT_FOUND, "the scene was uploaded without a file named '%.200s'",
-                  name);
-    orl_error_at(err, NULL, 0, path);
-    orl_error_hint(err, "%s", hint);
+                  file->name);
+    orl_error_at(err, NULL, 0, file->place);
+    orl_error_hint(err, sensors ? "Upload it as a resource, or give the sensors as an array"
+                                : "Upload it with the scene as a resource");
     return ORL_ERR_NOT_FOUND;
-}
-
-static int check_sky(const struct orl_bundle *bundle, const struct orl_sky_request *sky,
-                     const char *place, struct orl_error *err)
-{
-    char path[64];
-    snprintf(path, sizeof path, "%s.weather.file", place);
-    return check_file(bundle, sky->weather_file, path, "Upload it with the scene as a resource",
-                      err);
 }
 
 /* What the document refers to must be here. */
 static int check_references(struct orl_server *server, struct job_post *post)
 {
-    const struct orl_job *job = orl_task_job(&post->task);
+    const struct orl_job_brief *brief = &post->brief;
     struct orl_bundle bundle = {0};
-    int rc = orl_scene_files(&server->db, &server->folders, post->scene, &bundle, &post->err);
+    int rc = orl_scene_files(&server->db, &server->folders, brief->scene, &bundle, &post->err);
     if (rc == 0 && bundle.count == 0) {
         rc = orl_error_set(&post->err, ORL_ERR_NOT_FOUND, "no scene of that id is stored");
         orl_error_at(&post->err, NULL, 0, "scene");
         orl_error_hint(&post->err, "Upload it with POST /v1/scenes first");
     }
-    if (rc == 0)
-        rc = check_file(&bundle, job->sensors_file, "sensors.file",
-                        "Upload it as a resource, or give the sensors as an array", &post->err);
-    if (rc == 0)
-        rc = check_sky(&bundle, &job->sky, "sky", &post->err);
-    for (size_t i = 0; i < job->n_skies && rc == 0; i++) {
-        char place[32];
-        snprintf(place, sizeof place, "skies[%zu]", i);
-        rc = check_sky(&bundle, &job->skies[i].request, place, &post->err);
-    }
+    for (size_t i = 0; i < brief->n_files && rc == 0; i++)
+        rc = check_file(&bundle, &brief->files[i], &post->err);
     orl_bundle_done(&bundle);
     return rc;
 }
@@ -192,12 +186,12 @@ static void submit(struct orl_request *request)
         return;
     if (post->rc == 0) /* again, for the scene may have been removed meanwhile */
         post->rc = check_references(request->server, post);
-    const struct orl_jobs_order order = {.kind = post->task.kind,
-                                         .priority = post->task.priority,
-                                         .scene = post->scene,
+    const struct orl_jobs_order order = {.kind = post->brief.kind,
+                                         .priority = post->brief.priority,
+                                         .scene = post->brief.scene,
                                          .document = post->document,
-                                         .identity = post->identity,
-                                         .result_bytes = orl_job_output_expect(&post->task),
+                                         .identity = post->brief.identity,
+                                         .result_bytes = post->brief.result_bytes,
                                          .client = post->client,
                                          .request_key = *post->key ? post->key : NULL};
     if (post->rc == 0)
@@ -219,7 +213,7 @@ static void admit(struct orl_request *request)
         return;
     }
     post->blobs = server->blobs;
-    const uint64_t bytes = orl_job_output_expect(&post->task) + (here ? 0 : request->body.size);
+    const uint64_t bytes = post->brief.result_bytes + (here ? 0 : request->body.size);
     if (orl_storage_admit(request, bytes))
         orl_request_work(request, keep_document, submit);
 }
@@ -257,6 +251,13 @@ static bool read_key(struct orl_request *request, const char *key,
     return good;
 }
 
+static void look_up_checked(struct orl_request *request)
+{
+    struct job_post *post = request->state;
+    if (orl_check_ended(&post->check, &post->rc, &post->err))
+        look_up(request);
+}
+
 void orl_handle_job_post(struct orl_request *request)
 {
     const char *key = orl_request_header(request, "Idempotency-Key");
@@ -275,7 +276,10 @@ void orl_handle_job_post(struct orl_request *request)
     request->free_state = job_post_free;
     if (!orl_client_name(request, post->client) || !read_key(request, key, post->key))
         return;
-    orl_request_work(request, read_document, look_up);
+    if (request->body.size <= ORL_SERVER_SMALL_JSON)
+        orl_request_work(request, read_document, look_up);
+    else
+        orl_check_begin(&post->check, request, check_document, look_up_checked);
 }
 
 /* The job of the path, or NULL after a 404. */

@@ -5,7 +5,6 @@
 #include <strings.h>
 
 #include "checks.h"
-#include "heavy.h"
 #include "reply.h"
 #include "scene_upload.h"
 #include "server.h"
@@ -44,39 +43,34 @@ static enum MHD_Result add_main(void *ctx, enum MHD_ValueKind kind, const char *
     return post->rc ? MHD_NO : MHD_YES;
 }
 
-static void take_json(struct orl_request *request, const struct orl_file *body)
-{
-    struct scene_post *post = request->state;
-    const struct orl_folders folders = orl_request_folders(request);
-    const bool heavy = orl_heavy_begin(request->server, body);
-    post->rc = orl_scene_upload_json(&post->upload, body, &folders, &post->err);
-    orl_heavy_end(request->server, heavy);
-}
-
 static void take_apart(struct orl_request *request)
 {
     struct scene_post *post = request->state;
     const struct orl_folders held = orl_request_folders(request), *folders = &held;
+    const char *type = orl_request_header(request, MHD_HTTP_HEADER_CONTENT_TYPE);
+    struct orl_asking *asking = &post->check.asking;
     struct orl_file body;
-    post->rc = orl_body_view(&request->body, folders, &body, &post->err);
+    const char *path = NULL;
+    const bool parts = type && strncasecmp(type, "multipart/", 10) == 0;
+    post->rc = parts ? orl_body_view(&request->body, folders, &body, &post->err)
+                     : orl_body_file(&request->body, folders, &path, &post->err);
     if (post->rc == 0)
         MHD_get_connection_values(request->connection, MHD_GET_ARGUMENT_KIND, add_main, post);
     if (post->rc)
         return;
-    const char *type = orl_request_header(request, MHD_HTTP_HEADER_CONTENT_TYPE);
-    if (type && strncasecmp(type, "multipart/", 10) == 0)
+    if (parts)
         post->rc = orl_scene_upload_multipart(&post->upload, request->connection, &body, folders,
-                                              &post->err);
+                                              asking, &post->err);
     else if (orl_is_zip_type(type))
-        post->rc = orl_scene_upload_zip(&post->upload, &body, folders, &post->err);
+        post->rc = orl_scene_upload_zip(&post->upload, path, folders, asking, &post->err);
     else
-        take_json(request, &body);
+        post->rc = orl_scene_upload_json(&post->upload, path, folders, asking, &post->err);
 }
 
 static void check_and_keep(struct orl_request *request)
 {
     struct scene_post *post = request->state;
-    post->rc = orl_scene_upload_check(&post->upload, &post->check.cancel, &post->err);
+    post->rc = orl_scene_upload_check(&post->upload, &post->check.asking, &post->err);
     if (post->rc == 0)
         post->rc = orl_scene_upload_keep(&post->upload, &request->server->folders, &post->err);
 }
@@ -87,11 +81,8 @@ static void insert_and_reply(struct orl_request *request)
 {
     struct scene_post *post = request->state;
     bool created = false;
-    post->rc = orl_check_ended(&post->check, post->rc, &post->err);
-    if (post->rc == ORL_ERR_CANCELLED && request->server->stopping) {
-        orl_reply_stopping(request);
+    if (!orl_check_ended(&post->check, &post->rc, &post->err))
         return;
-    }
     if (post->rc == 0)
         post->rc = orl_scene_insert(&request->server->db, post->upload.id, &post->upload.bundle,
                                     post->upload.summary, &created, &post->err);
@@ -166,6 +157,8 @@ static void look_up(struct orl_request *request)
     struct scene_post *post = request->state;
     struct orl_stored_item item;
     bool found = false;
+    if (!orl_check_ended(&post->check, &post->rc, &post->err))
+        return;
     if (post->rc == 0)
         post->rc = orl_scene_find(&request->server->db, post->upload.id, &item, &found, &post->err);
     if (post->rc) {
@@ -192,7 +185,7 @@ void orl_handle_scene_post(struct orl_request *request)
     }
     request->state = post;
     request->free_state = scene_post_free;
-    orl_request_work(request, take_apart, look_up);
+    orl_check_begin(&post->check, request, take_apart, look_up);
 }
 
 void orl_handle_scene_get(struct orl_request *request)

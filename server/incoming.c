@@ -20,11 +20,15 @@ static struct orl_bundle_file *under_way(const struct orl_incoming *incoming)
 int orl_incoming_begin(struct orl_incoming *incoming, const struct orl_folders *folders,
                        const char *name, bool resource, struct orl_error *err)
 {
-    char path[ORL_PATH_MAX];
-    orl_folders_temporary(folders, path);
-    const int rc = orl_bundle_add(incoming->bundle, name, resource, path, 0, NULL, true, err);
+    char path[ORL_PATH_MAX] = "";
+    if (!incoming->sink)
+        orl_folders_temporary(folders, path);
+    const int rc =
+        orl_bundle_add(incoming->bundle, name, resource, path, 0, NULL, !incoming->sink, err);
     if (rc)
         return rc;
+    if (incoming->sink)
+        return incoming->sink->file(incoming->sink->ctx, name, err);
     incoming->fd = open(path, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     if (incoming->fd < 0)
         return orl_error_set(err, orl_err_of_errno(errno), "cannot store a file of the upload: %s",
@@ -45,6 +49,8 @@ int orl_incoming_append(struct orl_incoming *incoming, const char *data, size_t 
         orl_error_at(err, file->name, 0, NULL);
         return ORL_ERR_LIMIT;
     }
+    if (incoming->sink)
+        return incoming->sink->data(incoming->sink->ctx, data, size, err);
     const int rc = orl_hold_take(incoming->hold, size, err);
     if (rc)
         return rc;

@@ -7,12 +7,13 @@
 
 #include <oriel/limits.h>
 
-#define ORL_SERVER_SCENE_BYTES (4UL << 30)    /* the body of one scene upload */
-#define ORL_SERVER_ZIP_ENTRIES 4096U          /* of one zip, folders among them */
-#define ORL_SERVER_ZIP_RATIO 200UL            /* bytes unpacked to a byte of the zip, beyond ... */
-#define ORL_SERVER_ZIP_FREE (64UL << 20)      /* ... these */
-#define ORL_SERVER_FIELD_BYTES (1UL << 20)    /* a form field that is not a file */
-#define ORL_SERVER_BODY_BUFFER (128UL << 10)  /* of memory for a body, which spills at half of it  \
+#define ORL_SERVER_SCENE_BYTES (4UL << 30) /* the body of one scene upload */
+#define ORL_SERVER_ZIP_ENTRIES 4096U       /* of one zip, folders among them */
+#define ORL_SERVER_ZIP_RATIO 200UL         /* bytes unpacked to a byte of the zip, beyond ... */
+#define ORL_SERVER_ZIP_FREE (64UL << 20)   /* ... these */
+#define ORL_SERVER_FIELD_BYTES (1UL << 20) /* a form field that is not a file */
+#define ORL_SERVER_BODY_BUFFER                                                                     \
+    (128UL << 10)                             /* of memory for a body, which spills at half of it  \
                                                */
 #define ORL_SERVER_DROPPED_BODY (512UL << 20) /* of a refused request, read to answer it */
 #define ORL_SERVER_CONNECTIONS 2048U          /* open at once, event streams among them */
@@ -37,7 +38,9 @@
 #define ORL_SERVER_IO_THREADS 4U          /* pool threads beside them, for uploads and files */
 #define ORL_SERVER_CHECKS 3U    /* of uploads at once: one of the threads above is for the others */
 #define ORL_SERVER_CHECK_S 120U /* that the check of one upload may take (default) */
-#define ORL_SERVER_HEAVY_BYTES (32UL << 20)  /* a document that takes more memory is read alone */
+#define ORL_SERVER_SMALL_JSON (64UL << 10)   /* a job's document that needs no child to be read */
+#define ORL_SERVER_CHECK_BYTES (2UL << 30)   /* of memory that one check may take (default) ... */
+#define ORL_SERVER_CHECK_LEAST (64UL << 20)  /* ... and has at least */
 #define ORL_SERVER_SHELF_BYTES (256UL << 20) /* that jobs leave in memory (default) */
 #define ORL_SERVER_ATTEMPTS 3                /* starts of one job before it counts as a killer */
 

@@ -12,6 +12,7 @@
 
 #include <oriel/version.h>
 
+#include "child/keeper.h"
 #include "config.h"
 #include "limits.h"
 #include "server.h"
@@ -63,6 +64,8 @@ int main(int argc, char **argv)
         fprintf(stderr, "orield: no source of random numbers\n");
         return 1;
     }
+    if (argc == 3 && strcmp(argv[1], ORL_KEEPER_MODE) == 0)
+        return orl_keeper_main(argv[2]);
     if (argc > 1 && strcmp(argv[1], "token") == 0)
         return orl_token_command(argc - 1, argv + 1);
     if (orl_config_parse(argc, argv, &config, &action, &err))

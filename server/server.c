@@ -145,6 +145,10 @@ static int open_storage(struct orl_server *server, struct orl_error *err)
     if (rc == 0)
         rc = orl_map_cache_open(&server->loop, &server->folders, &server->db, wake_for_maps,
                                 &server->kept_changed, &server->maps, err);
+    if (rc == 0) {
+        server->lanes = orl_lanes_new();
+        rc = server->lanes ? 0 : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    }
     server->shelf = orl_shelf_new(server->config.shelf_bytes); /* without one, jobs are slower */
     return rc;
 }
@@ -176,6 +180,7 @@ static int open_tokens(struct orl_server *server, struct orl_error *err)
 
 static void close_storage(struct orl_server *server)
 {
+    orl_lanes_free(server->lanes);
     orl_map_cache_close(server->maps);
     orl_shelf_free(server->shelf);
     orl_blobs_close(server->blobs);
@@ -258,7 +263,6 @@ int orl_server_run(const struct orl_config *config, void (*announce)(const char 
     server.log = (struct orl_log){stderr, config->log_level, config->log_json};
     server.folders.lock_fd = -1;
     server.started_s = orl_time_steady_s();
-    pthread_mutex_init(&server.heavy, NULL);
     if (uv_loop_init(&server.loop) != 0)
         return orl_error_set(err, ORL_ERR_INTERNAL, "cannot start the event loop");
     uv_async_init(&server.loop, &server.kept_changed, on_kept_changed);
@@ -297,7 +301,6 @@ int orl_server_run(const struct orl_config *config, void (*announce)(const char 
     orl_jobs_close(server.jobs);
     close_storage(&server);
     uv_loop_close(&server.loop);
-    pthread_mutex_destroy(&server.heavy);
     if (rc == 0)
         orl_log_event(&server.log, ORL_LOG_INFO, "stopped", "");
     return rc;

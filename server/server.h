@@ -10,7 +10,6 @@
 #ifndef ORL_SERVER_SERVER_H
 #define ORL_SERVER_SERVER_H
 
-#include <pthread.h>
 #include <stdbool.h>
 #include <uv.h>
 
@@ -53,8 +52,8 @@ struct orl_server {
     uint64_t requests; /* served or under way; the last one's id */
     struct orl_checks checks;
     struct orl_clients clients;
-    pthread_mutex_t heavy; /* held while a document is read that takes much memory */
-    unsigned working;      /* requests whose work is on the pool */
+    struct orl_lanes *lanes; /* to children that check */
+    unsigned working;        /* requests whose work is on the pool */
     double started_s;
     bool draining, stopping, jobs_idle;
 };

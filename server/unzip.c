@@ -194,65 +194,79 @@ static void leave_out_folder(struct orl_bundle *files)
     }
 }
 
-/* Sorts the files by name and gives them their roles. */
-static int guess_roles_of(struct orl_bundle *files, struct orl_error *err)
+static void make_all_resources(struct orl_bundle *files)
+{
+    for (size_t i = 0; i < files->count; i++)
+        files->files[i].resource = true;
+}
+
+int orl_unzip_guess(void *ctx, struct orl_bundle *files, bool *ret_is_main, struct orl_error *err)
 {
     const char *names[ORL_LIMIT_SCENE_FILES];
-    bool is_main[ORL_LIMIT_SCENE_FILES];
     const struct orl_files provider = orl_bundle_provider(files);
-    orl_bundle_sort(files); /* all are resources */
+    (void)ctx;
     for (size_t i = 0; i < files->count; i++)
         names[i] = files->files[i].name;
-    const int rc = orl_scene_guess_main(names, files->count, &provider, is_main, err);
-    for (size_t i = 0; i < files->count && rc == 0; i++)
-        files->files[i].resource = !is_main[i];
-    return rc;
+    return orl_scene_guess_main(names, files->count, &provider, ret_is_main, err);
 }
 
-/* From one bundle to the other. */
-static int hand_over(struct orl_bundle *from, struct orl_bundle *bundle, struct orl_error *err)
+int orl_unzip_settle(struct orl_bundle *files, orl_unzip_guesser guess, void *ctx,
+                     struct orl_bundle *bundle, struct orl_error *err)
 {
+    bool is_main[ORL_LIMIT_SCENE_FILES];
     int rc = 0;
-    for (size_t i = 0; i < from->count && rc == 0; i++) {
-        struct orl_bundle_file *file = &from->files[i];
-        rc = orl_bundle_add(bundle, file->name, file->resource, file->path, file->bytes, file->sha,
-                            true, err);
-        if (rc == 0)
-            file->temporary = false;
+    leave_out_folder(files);
+    make_all_resources(files);
+    if (guess) {
+        orl_bundle_sort(files);
+        rc = guess(ctx, files, is_main, err);
     }
-    return rc;
+    for (size_t i = 0; i < files->count && guess && rc == 0; i++)
+        files->files[i].resource = !is_main[i];
+    return rc ? rc : orl_bundle_move(files, bundle, err);
 }
 
-int orl_unzip(const struct orl_file *archive, const struct orl_folders *folders, bool guess_roles,
-              struct orl_bundle *bundle, struct orl_error *err)
+int orl_unzip_entries(const struct orl_file *archive, const struct orl_folders *folders,
+                      const struct orl_incoming_sink *sink, uint64_t before,
+                      struct orl_bundle *ret_files, struct orl_error *err)
 {
     struct unpacking u = {.folders = folders,
-                          .before = orl_bundle_bytes(bundle),
+                          .before = before,
                           .most_bytes = ORL_SERVER_ZIP_FREE + ORL_SERVER_ZIP_RATIO * archive->size};
     int rc = count_entries(archive, err);
     if (rc)
         return rc;
     /* The library gives names in the thread's own encoding. */
     const locale_t utf8 = newlocale(LC_CTYPE_MASK, "C.UTF-8", (locale_t)0);
-    const locale_t before = utf8 ? uselocale(utf8) : (locale_t)0;
+    const locale_t own = utf8 ? uselocale(utf8) : (locale_t)0;
     u.archive = archive_read_new();
     u.buffer = malloc(CHUNK);
     orl_incoming_init(&u.incoming, &u.files);
+    u.incoming.sink = sink;
     if (u.archive && u.buffer)
         rc = unpack_all(&u, archive, err);
     else
         rc = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     archive_read_free(u.archive);
     if (utf8) {
-        uselocale(before);
+        uselocale(own);
         freelocale(utf8);
     }
-    leave_out_folder(&u.files);
-    if (rc == 0 && guess_roles)
-        rc = guess_roles_of(&u.files, err);
-    if (rc == 0)
-        rc = hand_over(&u.files, bundle, err);
-    orl_bundle_done(&u.files);
     free(u.buffer);
+    if (rc)
+        orl_bundle_done(&u.files);
+    else
+        *ret_files = u.files;
+    return rc;
+}
+
+int orl_unzip(const struct orl_file *archive, const struct orl_folders *folders, bool guess_roles,
+              struct orl_bundle *bundle, struct orl_error *err)
+{
+    struct orl_bundle files = {0};
+    int rc = orl_unzip_entries(archive, folders, NULL, orl_bundle_bytes(bundle), &files, err);
+    if (rc == 0)
+        rc = orl_unzip_settle(&files, guess_roles ? orl_unzip_guess : NULL, NULL, bundle, err);
+    orl_bundle_done(&files);
     return rc;
 }

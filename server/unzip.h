@@ -16,12 +16,29 @@
 #ifndef ORL_SERVER_UNZIP_H
 #define ORL_SERVER_UNZIP_H
 
-#include "store/bundle.h"
+#include "incoming.h"
 
 /* Appends the archive's files to the bundle, as temporary files; as resources, unless roles are to
- * be guessed. */
+ * be guessed. All of it, in one process. */
 int orl_unzip(const struct orl_file *archive, const struct orl_folders *folders, bool guess_roles,
               struct orl_bundle *bundle, struct orl_error *err);
+
+/* ---- In two steps: the first reads what a stranger has sent -----------------------------------
+ */
+
+/* The entries, in the archive's order, by its own names: to tmp/, or to the sink. before: bytes of
+ * the upload's other files. */
+int orl_unzip_entries(const struct orl_file *archive, const struct orl_folders *folders,
+                      const struct orl_incoming_sink *sink, uint64_t before,
+                      struct orl_bundle *ret_files, struct orl_error *err);
+
+/* Which of the files, sorted by name, are main ones. */
+typedef int (*orl_unzip_guesser)(void *ctx, struct orl_bundle *files, bool *ret_is_main,
+                                 struct orl_error *err);
+int orl_unzip_guess(void *ctx, struct orl_bundle *files, bool *ret_is_main, struct orl_error *err);
+/* Names and roles; then the files are the bundle's. Without a guesser all are resources. */
+int orl_unzip_settle(struct orl_bundle *files, orl_unzip_guesser guess, void *ctx,
+                     struct orl_bundle *bundle, struct orl_error *err);
 
 /* A media type that zips go by, parameters ignored; NULL is none. */
 bool orl_is_zip_type(const char *type);

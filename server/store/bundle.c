@@ -127,6 +127,19 @@ int orl_bundle_add(struct orl_bundle *bundle, const char *name, bool resource, c
     return 0;
 }
 
+int orl_bundle_move(struct orl_bundle *from, struct orl_bundle *bundle, struct orl_error *err)
+{
+    int rc = 0;
+    for (size_t i = 0; i < from->count && rc == 0; i++) {
+        struct orl_bundle_file *file = &from->files[i];
+        rc = orl_bundle_add(bundle, file->name, file->resource, file->path, file->bytes, file->sha,
+                            true, err);
+        if (rc == 0)
+            file->temporary = false;
+    }
+    return rc;
+}
+
 static bool comes_after(const struct orl_bundle_file *a, const struct orl_bundle_file *b)
 {
     if (a->resource != b->resource)
@@ -241,22 +254,35 @@ static bool is_whole(const struct orl_bundle_file *file, const struct orl_file *
     return strcmp(sha, file->sha) == 0;
 }
 
+int orl_bundle_check_whole(const struct orl_bundle_file *file, const struct orl_file *data,
+                           struct orl_error *err)
+{
+    if (is_whole(file, data))
+        return 0;
+    orl_error_set(err, ORL_ERR_CORRUPT, "the file '%.200s' is damaged in the store", file->name);
+    orl_error_hint(err, "Upload it again");
+    return ORL_ERR_CORRUPT;
+}
+
+int orl_bundle_refuse_missing(const char *name, struct orl_error *err)
+{
+    orl_error_set(err, ORL_ERR_NOT_FOUND, "no file named '%.200s' was uploaded", name);
+    orl_error_hint(err, "Upload it with the scene, under the name by which it is referred to");
+    return ORL_ERR_NOT_FOUND;
+}
+
 static int provider_open(void *ctx, const char *name, struct orl_file *ret_file,
                          struct orl_error *err)
 {
     const struct orl_bundle_file *file = orl_bundle_find(ctx, name);
-    if (!file) {
-        orl_error_set(err, ORL_ERR_NOT_FOUND, "no file named '%.200s' was uploaded", name);
-        orl_error_hint(err, "Upload it with the scene, under the name by which it is referred to");
-        return ORL_ERR_NOT_FOUND;
-    }
+    if (!file)
+        return orl_bundle_refuse_missing(name, err);
     int rc = orl_map_file(file->path, ret_file, err);
-    if (rc == 0 && !is_whole(file, ret_file)) {
+    if (rc)
+        return rc;
+    rc = orl_bundle_check_whole(file, ret_file, err);
+    if (rc)
         orl_unmap_file(ret_file);
-        rc = orl_error_set(err, ORL_ERR_CORRUPT, "the file '%.200s' is damaged in the store",
-                           file->name);
-        orl_error_hint(err, "Upload it again");
-    }
     return rc;
 }
 

@@ -50,6 +50,9 @@ int orl_bundle_check_name(const char *name, struct orl_error *err);
 int orl_bundle_add(struct orl_bundle *bundle, const char *name, bool resource, const char *path,
                    uint64_t bytes, const char *sha, bool temporary, struct orl_error *err);
 
+/* Appends the temporary files of one to the other, whose they are then. */
+int orl_bundle_move(struct orl_bundle *from, struct orl_bundle *bundle, struct orl_error *err);
+
 /* Main files first, resources sorted; then the id. Every sha must be known. */
 void orl_bundle_sort(struct orl_bundle *bundle);
 int orl_bundle_id(const struct orl_bundle *bundle, char ret_id[ORL_SHA_HEX], struct orl_error *err);
@@ -61,6 +64,12 @@ const struct orl_bundle_file *orl_bundle_find(const struct orl_bundle *bundle, c
 
 /* A provider that maps the files read-only; borrows bundle. */
 struct orl_files orl_bundle_provider(struct orl_bundle *bundle);
+
+/* Is what was mapped still what was uploaded? ORL_ERR_CORRUPT when not. */
+int orl_bundle_check_whole(const struct orl_bundle_file *file, const struct orl_file *data,
+                           struct orl_error *err);
+/* What providers say of a name that is not there: ORL_ERR_NOT_FOUND. */
+int orl_bundle_refuse_missing(const char *name, struct orl_error *err);
 
 /* Maps a whole file read-only; an empty one gives "". Undo with orl_unmap_file. */
 int orl_map_file(const char *path, struct orl_file *ret_file, struct orl_error *err);

@@ -411,14 +411,13 @@ def full_disk(daemon, fill):
 
 
 def busy_upload(daemon):
-    """Keeps a pool thread busy for a while: the returned function waits for that."""
-    lines = "".join("grey polygon p%d 0 0 9 %d 0 0 %d 1 0 %d 1 1\n" % (i, i, i, i)
-                    for i in range(150000))
+    """Keeps a pool thread busy for a while, taking parts apart: the returned function waits for
+    that. (Checks would not do: they end when the daemon stops.)"""
     connection = daemon.connect()
-    connection.request("POST", "/v1/scenes",
-                       '{"files": [{"name": "big.rad", "text": "%s"}]}'
-                       % (ROOM + lines).replace("\n", "\\n"),
-                       {"Content-Type": "application/json"})
+    body = (b'--bb\r\nContent-Disposition: form-data; name="f"; filename="big.rad"\r\n\r\n' +
+            b"#" * (256 << 20) + b"\r\n--bb--\r\n")
+    connection.request("POST", "/v1/scenes", body,
+                       {"Content-Type": "multipart/form-data; boundary=bb"})
     time.sleep(0.1)
     return lambda: connection.getresponse().read()
 

@@ -1,0 +1,266 @@
+/* What strangers send is read in children: what these die of, and that the daemon does not. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <curl/curl.h>
+#include <dirent.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "child/confine.h"
+#include "support/daemon.h"
+
+/* ---- Processes ------------------------------------------------------------------------------- */
+
+static double memory_mb(const struct daemon *daemon, const char *name)
+{
+    char path[64], line[256];
+    double kb = -1;
+    snprintf(path, sizeof path, "/proc/%d/status", (int)daemon->pid);
+    FILE *status = fopen(path, "r");
+    assert_non_null(status);
+    while (kb < 0 && fgets(line, sizeof line, status))
+        if (strncmp(line, name, strlen(name)) == 0)
+            kb = strtod(line + strlen(name) + 1, NULL);
+    fclose(status);
+    assert_true(kb >= 0);
+    return kb / 1024;
+}
+
+static pid_t parent_of(pid_t pid)
+{
+    char path[64], text[512] = "";
+    int parent = 0;
+    snprintf(path, sizeof path, "/proc/%d/stat", (int)pid);
+    FILE *stat = fopen(path, "r");
+    if (!stat)
+        return 0;
+    const size_t n = fread(text, 1, sizeof text - 1, stat);
+    fclose(stat);
+    const char *behind = n > 0 ? strrchr(text, ')') : NULL;
+    return behind && sscanf(behind + 1, " %*c %d", &parent) == 1 ? parent : 0;
+}
+
+/* A child that checks is the child of a keeper, which is the daemon's. 0: there is none. */
+static pid_t find_check(const struct daemon *daemon)
+{
+    DIR *processes = opendir("/proc");
+    pid_t found = 0;
+    assert_non_null(processes);
+    for (const struct dirent *entry; !found && (entry = readdir(processes));) {
+        const pid_t pid = (pid_t)strtol(entry->d_name, NULL, 10);
+        const pid_t parent = pid > 0 ? parent_of(pid) : 0;
+        if (parent > 1 && parent_of(parent) == daemon->pid)
+            found = pid;
+    }
+    closedir(processes);
+    return found;
+}
+
+/* Waits until there is one, or none any more. */
+static pid_t await_check(const struct daemon *daemon, bool there, double seconds)
+{
+    pid_t found = find_check(daemon);
+    for (int i = 0; (found != 0) != there && i < (int)(seconds * 50); i++) {
+        nanosleep(&(struct timespec){0, 20000000}, NULL);
+        found = find_check(daemon);
+    }
+    assert_int_equal(found != 0, there);
+    return found;
+}
+
+/* ---- Uploads --------------------------------------------------------------------------------- */
+
+/* So many spheres, 40 copies of each line. */
+struct bomb {
+    char scene[300], part[40 * 40];
+    struct upload_file files[2];
+};
+
+static void make_bomb(struct bomb *bomb, int lines, int copies)
+{
+    int used = snprintf(bomb->scene, sizeof bomb->scene, "void plastic grey 0 0 5 .5 .5 .5 0 0\n");
+    for (int i = 0; i < lines; i++)
+        used += snprintf(bomb->scene + used, sizeof bomb->scene - (size_t)used,
+                         "!xform -a %d -t %d 0 1 part.rad\n", copies, i);
+    used = 0;
+    for (int i = 0; i < 40; i++)
+        used += snprintf(bomb->part + used, sizeof bomb->part - (size_t)used,
+                         "grey sphere s%d 0 0 4 %d 0 0 .1\n", i, i);
+    bomb->files[0] = (struct upload_file){"scene.rad", bomb->scene, strlen(bomb->scene), false};
+    bomb->files[1] = (struct upload_file){"part.rad", bomb->part, strlen(bomb->part), true};
+}
+
+static pid_t upload_beside(const struct daemon *daemon, const struct bomb *bomb, long status)
+{
+    const pid_t pid = fork();
+    assert_true(pid >= 0);
+    if (pid > 0)
+        return pid;
+    struct daemon own = *daemon;
+    struct reply reply;
+    own.curl = curl_easy_init(); /* a connection of its own */
+    daemon_upload(&own, bomb->files, 2, NULL, &reply);
+    _exit(reply.status == status && strstr(reply_text(&reply, "detail"), "fault") ? 0 : 1);
+}
+
+/* 400 000 surfaces are checked, and the daemon itself has grown by little. */
+static void test_memory_is_a_childs(void **state)
+{
+    struct daemon *daemon = *state;
+    struct bomb bomb;
+    struct reply reply;
+    const double before_mb = memory_mb(daemon, "VmRSS");
+    make_bomb(&bomb, 1, 10000);
+    daemon_upload(daemon, bomb.files, 2, NULL, &reply);
+    assert_int_equal(reply.status, 201);
+    reply_done(&reply);
+    const double peak_mb = memory_mb(daemon, "VmHWM") - before_mb;
+    print_message("# a peak of %.0f MB\n", peak_mb);
+    assert_true(peak_mb < (ORL_CHILD_SANITIZED ? 150 : 50));
+}
+
+/* The bound on memory, said with what it is; the next upload finds all as before. */
+static void test_memory_is_bounded(void **state)
+{
+    static const char *const little[] = {"--check-memory", "96M", NULL};
+    struct daemon daemon;
+    struct bomb bomb;
+    struct reply reply;
+    char id[65];
+    (void)state;
+    if (ORL_CHILD_SANITIZED)
+        skip();
+    daemon_start(&daemon, little);
+    make_bomb(&bomb, 1, 50000);
+    daemon_upload(&daemon, bomb.files, 2, NULL, &reply);
+    assert_int_equal(reply.status, 413);
+    assert_non_null(strstr(reply_text(&reply, "detail"), "more than 96 MiB of memory"));
+    assert_non_null(strstr(reply_text(&reply, "hint"), "--check-memory"));
+    reply_done(&reply);
+    daemon_upload_room(&daemon, id);
+    daemon_remove(&daemon);
+}
+
+/* A fault of ours takes the child alone; nothing of the upload stays. */
+static void test_a_child_dies(void **state)
+{
+    struct daemon *daemon = *state;
+    struct bomb bomb;
+    char id[65];
+    int status;
+    make_bomb(&bomb, 2, 50000);
+    const pid_t client = upload_beside(daemon, &bomb, 422);
+    kill(await_check(daemon, true, 20), SIGSEGV);
+    assert_int_equal(waitpid(client, &status, 0), client);
+    assert_true(WIFEXITED(status) && WEXITSTATUS(status) == 0);
+    assert_int_equal(daemon_count_files(daemon, "tmp"), 0);
+    assert_int_equal(daemon_count_files(daemon, "blobs"), 0);
+    daemon_upload_room(daemon, id);
+}
+
+/* Who hangs up has no check go on for it. */
+static void test_hanging_up_ends_the_check(void **state)
+{
+    struct daemon *daemon = *state;
+    struct bomb bomb;
+    char text[8192], head[256];
+    make_bomb(&bomb, 2, 50000);
+    const int size = snprintf(text, sizeof text,
+                              "--bb\r\nContent-Disposition: form-data; name=\"f\"; "
+                              "filename=\"scene.rad\"\r\n\r\n%s\r\n--bb\r\nContent-Disposition: "
+                              "form-data; name=\"resource\"; filename=\"part.rad\"\r\n\r\n%s\r\n"
+                              "--bb--\r\n",
+                              bomb.scene, bomb.part);
+    const int n = snprintf(head, sizeof head,
+                           "POST /v1/scenes HTTP/1.1\r\nHost: localhost\r\nContent-Type: "
+                           "multipart/form-data; boundary=bb\r\nContent-Length: %d\r\n\r\n",
+                           size);
+    const int fd = daemon_dial(daemon);
+    assert_int_equal(send(fd, head, (size_t)n, 0), n);
+    assert_int_equal(send(fd, text, (size_t)size, 0), size);
+    await_check(daemon, true, 20);
+    close(fd);
+    await_check(daemon, false, 3);
+    assert_int_equal(daemon_count_files(daemon, "tmp"), 0);
+}
+
+/* A stop waits for none. */
+static void test_children_end_with_the_daemon(void **state)
+{
+    struct daemon daemon;
+    struct bomb bomb;
+    (void)state;
+    daemon_start(&daemon, NULL);
+    make_bomb(&bomb, 2, 50000);
+    const pid_t client = upload_beside(&daemon, &bomb, 422);
+    const pid_t check = await_check(&daemon, true, 20);
+    kill(client, SIGSTOP);
+    daemon_end(&daemon, SIGKILL);
+    for (int i = 0; kill(check, 0) == 0 && i < 100; i++)
+        nanosleep(&(struct timespec){0, 20000000}, NULL);
+    assert_int_equal(kill(check, 0), -1);
+    kill(client, SIGKILL);
+    waitpid(client, NULL, 0);
+    daemon_restart(&daemon, NULL);
+    daemon_remove(&daemon);
+}
+
+/* ---- Confinement ----------------------------------------------------------------------------- */
+
+static int try_everything(void)
+{
+    const struct orl_bounds bounds = {64 << 20, 10};
+    char *const arguments[] = {(char[]){"/bin/true"}, NULL};
+    int failed = 0;
+    if (orl_confine(&bounds, NULL))
+        return 100;
+    failed += socket(AF_INET, SOCK_STREAM, 0) < 0;
+    failed += fopen("/etc/passwd", "r") == NULL;
+    failed += fork() < 0;
+    failed += kill(getppid(), 0) != 0;
+    failed += execv("/bin/true", arguments) != 0;
+    void *much = malloc(256 << 20), *little = malloc(1 << 20);
+    failed += much == NULL;
+    failed += little != NULL;
+    free(much);
+    free(little);
+    return failed;
+}
+
+static void test_confinement(void **state)
+{
+    int status;
+    (void)state;
+    if (ORL_CHILD_SANITIZED)
+        skip();
+    const pid_t pid = fork();
+    if (pid == 0)
+        _exit(try_everything());
+    assert_int_equal(waitpid(pid, &status, 0), pid);
+    assert_true(WIFEXITED(status));
+    assert_int_equal(WEXITSTATUS(status), 7);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_confinement),
+        cmocka_unit_test_setup_teardown(test_memory_is_a_childs, daemon_set_up, daemon_tear_down),
+        cmocka_unit_test(test_memory_is_bounded),
+        cmocka_unit_test_setup_teardown(test_a_child_dies, daemon_set_up, daemon_tear_down),
+        cmocka_unit_test_setup_teardown(test_hanging_up_ends_the_check, daemon_set_up,
+                                        daemon_tear_down),
+        cmocka_unit_test(test_children_end_with_the_daemon),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
