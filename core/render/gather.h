@@ -16,11 +16,12 @@
  * Where it is gathered, the global map holds photons of all light; else of the rest alone
  * (omit.counted_light). What such rays, and those of glossy lobes, meet is lit by the density of
  * global photons (views' hemispheres: by texels where it is flat; else by leaves), or by all three
- * parts once more. Rays pass on through glass and are sampled through BSDFs and mirrors; where they
- * leave a sealed building they go on as exterior paths. Diffuse surfaces nearer than the density's
- * own width are not read from the map but lit again, directly and by one more ray, so that corners
- * are not dark; or by irradiance records, where there are some by then: half of what is seen from
- * the line where walls meet is near, and one ray's noise is much.
+ * parts once more. Rays pass on through glass and are sampled through BSDFs and mirrors; where the
+ * first thing met is a dim pane they go both ways, for the day behind it may be most of the light;
+ * where they leave a sealed building they go on as exterior paths. Diffuse surfaces nearer than the
+ * density's own width are not read from the map but lit again, directly and by one more ray, so
+ * that corners are not dark; or by irradiance records, where there are some by then: half of what
+ * is seen from the line where walls meet is near, and one ray's noise is much.
  *
  * A scene point is inside or outside (light/world.h); callers carry that along with the point.
  */
