@@ -3,6 +3,7 @@
 #include <jansson.h>
 #include <stdlib.h>
 
+#include "limits.h"
 #include "reply.h"
 #include "server.h"
 #include "times.h"
@@ -30,7 +31,7 @@ void orl_handle_map_list(struct orl_request *request)
         return;
     }
     json_t *list = json_array();
-    for (size_t i = 0; i < count && list; i++) {
+    for (size_t i = 0; i < count && i < ORL_SERVER_LIST && list; i++) {
         json_t *map = map_to_json(&maps[i]);
         if (!map || json_array_append_new(list, map)) {
             json_decref(list);
@@ -38,7 +39,8 @@ void orl_handle_map_list(struct orl_request *request)
         }
     }
     free(maps);
-    orl_reply_json(request, 200, json_pack("{s:o}", "maps", list));
+    orl_reply_json(request, 200,
+                   json_pack("{s:o, s:b}", "maps", list, "more", count > ORL_SERVER_LIST));
     orl_reply_header(request, "Cache-Control", "no-store");
 }
 

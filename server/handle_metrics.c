@@ -159,6 +159,21 @@ static void write_http(FILE *out, const struct orl_server *server)
         }
 }
 
+static void write_pulse(FILE *out, const struct orl_server *server)
+{
+    static const char name[] = "oriel_loop_turn_seconds";
+    const struct orl_pulse *pulse = &server->pulse;
+    head(out, name, "histogram", "Turns of the loop: everybody waits while one goes on");
+    histogram(out, name, "thread=\"loop\"", &pulse->turns, orl_metrics_http_s);
+    number(out, "oriel_loop_longest_turn_seconds", "gauge", "The longest of them so far",
+           pulse->longest_s);
+    number(out, "oriel_pool_requests", "gauge",
+           "Requests whose work is on the pool, or waits for it", (double)server->working);
+    number(out, "oriel_pool_wait_seconds", "gauge",
+           "That the pool takes to begin a work: the last one asked of it every second",
+           orl_pulse_pool_s(pulse));
+}
+
 static double resident_bytes(void)
 {
     char text[128] = "";
@@ -197,6 +212,7 @@ void orl_handle_metrics(struct orl_request *request)
         write_shelf(out, request->server);
         write_storage(out, request->server);
         write_http(out, request->server);
+        write_pulse(out, request->server);
         write_process(out, request->server);
         if (fclose(out) != 0) {
             free(text);

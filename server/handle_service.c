@@ -30,18 +30,20 @@ void orl_handle_health(struct orl_request *request)
     orl_reply_header(request, "Cache-Control", "no-store");
 }
 
-/* Ready: it takes jobs. A stopping daemon is answered for before any handler (request.c). */
+/* Ready: it takes jobs, and the pool, without which there is none, answers. A stopping daemon is
+ * answered for before any handler (request.c). */
 void orl_handle_ready(struct orl_request *request)
 {
     const struct orl_jobs *jobs = request->server->jobs;
     const bool draining = request->server->draining, full = orl_jobs_full(jobs);
-    const char *status = draining ? "stopping" : full ? "queue full" : "ready";
-    orl_reply_json(request, draining || full ? 503 : 200,
+    const bool busy = orl_pulse_pool_s(&request->server->pulse) > ORL_SERVER_POOL_S;
+    const char *status = draining ? "stopping" : full ? "queue full" : busy ? "busy" : "ready";
+    orl_reply_json(request, draining || full || busy ? 503 : 200,
                    json_pack("{s:s, s:I, s:I}", "status", status, "queued",
                              (json_int_t)orl_jobs_count(jobs, ORL_JOB_QUEUED), "running",
                              (json_int_t)orl_jobs_count(jobs, ORL_JOB_RUNNING)));
     orl_reply_header(request, "Cache-Control", "no-store");
-    if (draining || full)
+    if (draining || full || busy)
         orl_reply_header(request, "Retry-After", "10");
 }
 

@@ -52,13 +52,14 @@ static void on_readable(uv_poll_t *poll, int status, int events)
 
 void orl_http_kick(struct orl_http *http)
 {
-    enum { TURNS = 64 }; /* then the loop has a turn too */
+    enum { TURN_NS = 5000000 }; /* then the loop has a turn too */
+    const uint64_t until = uv_hrtime() + TURN_NS;
     MHD_UNSIGNED_LONG_LONG timeout_ms = 0;
     bool more = true, timed = true;
     if (!http || http->running || http->closed)
         return;
     http->running = true;
-    for (int i = 0; i < TURNS && more; i++) {
+    while (more && uv_hrtime() < until) {
         MHD_run(http->daemon);
         timed = MHD_get_timeout(http->daemon, &timeout_ms) == MHD_YES;
         more = timed && timeout_ms == 0;

@@ -4,6 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "discard.h"
+#include "job_list.h"
 #include "job_share.h"
 #include "kept_parts.h"
 #include "limits.h"
@@ -12,7 +14,9 @@
 
 /* ---- Leaders and followers ------------------------------------------------------------------- */
 
-static void end_all(struct orl_jobs_job *leader, const struct orl_worker_outcome *outcome);
+struct sharing;
+static void end_all(struct orl_jobs_job *leader, const struct orl_worker_outcome *outcome,
+                    const struct sharing *sharing);
 
 static void lead(struct orl_jobs_job *job)
 {
@@ -32,7 +36,7 @@ void orl_runs_lead_no_more(struct orl_jobs_job *job)
 static bool is_ending(const struct orl_jobs_job *leader)
 {
     const bool cancelled = leader->cancelled || leader->row.state == ORL_JOB_CANCELLED;
-    return leader->requeue || (cancelled && !leader->followers);
+    return leader->requeue || leader->settling || (cancelled && !leader->followers);
 }
 
 /* Results for each are made in one turn of the loop. */
@@ -74,7 +78,7 @@ static void raise_priority(struct orl_jobs_job *leader, const struct orl_jobs_jo
     leader->waiting.priority = job->row.priority;
     failed.code = orl_queue_add(queue, &leader->waiting, job->row.client, &failed.err);
     if (failed.code)
-        end_all(leader, &failed);
+        end_all(leader, &failed, NULL);
 }
 
 void orl_runs_enqueue(struct orl_jobs_job *job)
@@ -128,23 +132,107 @@ static void end_job(struct orl_jobs_job *job, const struct orl_worker_outcome *o
     }
 }
 
+static void discard_results(const struct orl_jobs *jobs, const char *id)
+{
+    char path[ORL_PATH_MAX];
+    orl_folders_path(jobs->env.folders, path, "results/%s", id);
+    orl_discard(jobs->env.loop, jobs->env.folders, path);
+}
+
+/* ---- Results for those who follow, made on the pool: they may be thousands of files ---------- */
+
+struct share {
+    char id[ORL_JOB_ID];
+    int code;
+    struct orl_error err;
+};
+
+struct sharing {
+    uv_work_t work;
+    struct orl_jobs_job *leader;
+    struct orl_worker_outcome outcome;
+    size_t count;
+    struct share each[];
+};
+
+static void give_results(uv_work_t *work)
+{
+    struct sharing *sharing = work->data;
+    const struct orl_folders *folders = sharing->leader->jobs->env.folders;
+    for (size_t i = 0; i < sharing->count; i++) {
+        struct share *share = &sharing->each[i];
+        share->code = orl_share_results(folders, sharing->leader->row.id, share->id, &share->err);
+    }
+}
+
+static void finish(struct orl_jobs_job *job, const struct orl_worker_outcome *outcome,
+                   const struct sharing *sharing);
+
+static void results_given(uv_work_t *work, int status)
+{
+    struct sharing *sharing = work->data;
+    const struct orl_jobs *jobs = sharing->leader->jobs;
+    (void)status;
+    sharing->leader->settling = false;
+    for (size_t i = 0; i < sharing->count; i++) {
+        const struct orl_jobs_job *job = orl_jobs_lookup(jobs, sharing->each[i].id);
+        if (!job || job->leader != sharing->leader) /* cancelled meanwhile */
+            discard_results(jobs, sharing->each[i].id);
+    }
+    finish(sharing->leader, &sharing->outcome, sharing);
+    free(sharing);
+}
+
+/* False: nobody follows; or there is no memory, and each gets them when it ends. */
+static bool share_on_pool(struct orl_jobs_job *leader, const struct orl_worker_outcome *outcome)
+{
+    size_t count = 0;
+    for (const struct orl_jobs_job *job = leader->followers; job; job = job->next_follower)
+        count++;
+    struct sharing *sharing =
+        count > 0 ? calloc(1, sizeof *sharing + count * sizeof *sharing->each) : NULL;
+    if (!sharing)
+        return false;
+    sharing->work.data = sharing;
+    sharing->leader = leader;
+    sharing->outcome = *outcome;
+    for (const struct orl_jobs_job *job = leader->followers; job; job = job->next_follower)
+        memcpy(sharing->each[sharing->count++].id, job->row.id, sizeof job->row.id);
+    leader->settling = true;
+    uv_queue_work(leader->jobs->env.loop, &sharing->work, give_results, results_given);
+    return true;
+}
+
+/* ---- The end of a computation ---------------------------------------------------------------- */
+
+static int share_of(const struct orl_jobs_job *leader, const struct orl_jobs_job *job,
+                    const struct sharing *sharing, struct orl_error *ret_err)
+{
+    for (size_t i = 0; sharing && i < sharing->count; i++)
+        if (strcmp(sharing->each[i].id, job->row.id) == 0) {
+            *ret_err = sharing->each[i].err;
+            return sharing->each[i].code;
+        }
+    return orl_share_results(job->jobs->env.folders, leader->row.id, job->row.id, ret_err);
+}
+
 static void end_follower(const struct orl_jobs_job *leader, struct orl_jobs_job *job,
-                         const struct orl_worker_outcome *outcome)
+                         const struct orl_worker_outcome *outcome, const struct sharing *sharing)
 {
     struct orl_worker_outcome own = *outcome;
     job->leader = NULL;
     job->next_follower = NULL;
     if (own.code == 0)
-        own.code = orl_share_results(job->jobs->env.folders, leader->row.id, job->row.id, &own.err);
+        own.code = share_of(leader, job, sharing, &own.err);
     end_job(job, &own);
 }
 
 /* Ends the leader, unless it was cancelled before, and all that follow it. */
-static void end_all(struct orl_jobs_job *leader, const struct orl_worker_outcome *outcome)
+static void end_all(struct orl_jobs_job *leader, const struct orl_worker_outcome *outcome,
+                    const struct sharing *sharing)
 {
     const bool requeue = leader->requeue, ended = leader->row.state >= ORL_JOB_SUCCEEDED;
     struct orl_jobs_job *followers = leader->followers;
-    char path[ORL_PATH_MAX];
     orl_runs_lead_no_more(leader);
     leader->followers = NULL;
     if (!ended)
@@ -153,22 +241,31 @@ static void end_all(struct orl_jobs_job *leader, const struct orl_worker_outcome
         struct orl_jobs_job *job = followers;
         followers = job->next_follower;
         job->requeue = requeue;
-        end_follower(leader, job, outcome);
+        end_follower(leader, job, outcome, sharing);
     }
-    if (ended && (outcome->code == 0 || outcome->summary)) {
-        orl_folders_path(leader->jobs->env.folders, path, "results/%s", leader->row.id);
-        orl_remove_tree(path, NULL);
-    }
+    if (ended && (outcome->code == 0 || outcome->summary))
+        discard_results(leader->jobs, leader->row.id);
 }
 
 static void job_done(void *ctx, const struct orl_worker_outcome *outcome)
 {
     struct orl_jobs_job *job = ctx;
-    struct orl_jobs *jobs = job->jobs;
     job->worker = NULL;
+    if (outcome->code != 0 || !share_on_pool(job, outcome))
+        finish(job, outcome, NULL);
+}
+
+static void finish(struct orl_jobs_job *job, const struct orl_worker_outcome *outcome,
+                   const struct sharing *sharing)
+{
+    struct orl_jobs *jobs = job->jobs;
     jobs->n_workers--;
     jobs->alone = false;
-    end_all(job, outcome);
+    if (job->followers)
+        orl_jobs_batch_begin(jobs);
+    end_all(job, outcome, sharing);
+    if (jobs->batch)
+        orl_jobs_batch_end(jobs);
     orl_metrics_job(jobs->env.metrics, outcome->code ? job->row.state : ORL_JOB_SUCCEEDED,
                     &outcome->tally);
     free(outcome->summary);
@@ -195,9 +292,13 @@ static int start_job(struct orl_jobs_job *job, struct orl_error *err)
     int rc = orl_scene_files(jobs->env.db, jobs->env.folders, job->row.scene, &spec.bundle, err);
     if (rc)
         return rc;
+    if (job->followers)
+        orl_jobs_batch_begin(jobs);
     mark_running(job);
     for (struct orl_jobs_job *at = job->followers; at; at = at->next_follower)
         mark_running(at);
+    if (jobs->batch)
+        orl_jobs_batch_end(jobs);
     rc = orl_worker_start(jobs->env.loop, &spec, &job->worker, err);
     jobs->n_workers += rc == 0;
     return rc;
@@ -228,7 +329,7 @@ void orl_runs_start_next(struct orl_jobs *jobs)
         orl_queue_take(jobs->queue);
         failed.code = start_job(job, &failed.err);
         if (failed.code)
-            end_all(job, &failed);
+            end_all(job, &failed, NULL);
         else
             jobs->alone = suspect;
     }

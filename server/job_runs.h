@@ -21,7 +21,8 @@ struct orl_jobs {
     size_t counts[ORL_JOB_STATE_COUNT];
     uint64_t result_bytes;   /* of the results that are kept */
     uint64_t expected_bytes; /* of the results of jobs that wait or run */
-    size_t n_unsaved;        /* jobs whose rows could not be written */
+    size_t n_unsaved;        /* jobs whose rows could not be written, or are about to be */
+    bool batch;              /* rows wait for the end of what goes on */
     bool stopping;
 };
 
@@ -37,6 +38,9 @@ struct orl_jobs_job *orl_jobs_lookup(const struct orl_jobs *jobs, const char *id
  */
 void orl_jobs_set_state(struct orl_jobs_job *job, enum orl_job_state state);
 void orl_jobs_fail(struct orl_jobs_job *job, const struct orl_error *err);
+/* Between the two, in one turn of the loop, rows are gathered, and written in one transaction. */
+void orl_jobs_batch_begin(struct orl_jobs *jobs);
+void orl_jobs_batch_end(struct orl_jobs *jobs);
 
 /* ---- job_runs.c ----------------------------------------------------------------------------- */
 

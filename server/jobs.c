@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "discard.h"
 #include "job_list.h"
 #include "job_results.h"
 #include "job_runs.h"
@@ -31,18 +32,55 @@ static void note_saved(struct orl_jobs_job *job, bool saved)
     job->unsaved = !saved;
 }
 
+/* Writes the row as it is to be after a crash. */
+static int write_row(const struct orl_jobs_job *job, struct orl_error *err)
+{
+    struct orl_job_row row = job->row;
+    if (job->cancelled && row.state == ORL_JOB_RUNNING)
+        row.state = ORL_JOB_CANCELLED;
+    return orl_job_row_update(job->jobs->env.db, &row, err);
+}
+
+/* In one transaction, which is one sync of the disk. */
+static int save(struct orl_jobs *jobs, struct orl_error *err)
+{
+    size_t left = jobs->n_unsaved;
+    int rc = left > 0 ? orl_db_exec(jobs->env.db, "BEGIN IMMEDIATE", err) : 0;
+    if (rc || left == 0)
+        return rc;
+    for (struct orl_jobs_job *job = jobs->newest; job && left > 0 && rc == 0; job = job->older)
+        if (job->unsaved) {
+            rc = write_row(job, err);
+            left--;
+        }
+    if (rc == 0)
+        rc = orl_db_exec(jobs->env.db, "COMMIT", err);
+    if (rc) {
+        orl_db_exec(jobs->env.db, "ROLLBACK", NULL);
+        return rc;
+    }
+    for (struct orl_jobs_job *job = jobs->newest; job && jobs->n_unsaved > 0; job = job->older)
+        if (job->unsaved)
+            note_saved(job, true);
+    return 0;
+}
+
 void orl_jobs_save(struct orl_jobs *jobs)
 {
-    for (struct orl_jobs_job *job = jobs->newest; job && jobs->n_unsaved > 0; job = job->older) {
-        struct orl_job_row row = job->row;
-        if (!job->unsaved)
-            continue;
-        if (job->cancelled && row.state == ORL_JOB_RUNNING)
-            row.state = ORL_JOB_CANCELLED;
-        if (orl_job_row_update(jobs->env.db, &row, NULL))
-            return; /* it is no better yet */
-        note_saved(job, true);
-    }
+    save(jobs, NULL); /* the next time, if it is no better yet */
+}
+
+void orl_jobs_batch_begin(struct orl_jobs *jobs)
+{
+    jobs->batch = true;
+}
+
+void orl_jobs_batch_end(struct orl_jobs *jobs)
+{
+    struct orl_error err;
+    jobs->batch = false;
+    if (save(jobs, &err))
+        orl_log_event(jobs->env.log, ORL_LOG_ERROR, "job-row-failed", "s", "why", err.message);
 }
 
 void orl_jobs_set_state(struct orl_jobs_job *job, enum orl_job_state state)
@@ -58,8 +96,8 @@ void orl_jobs_set_state(struct orl_jobs_job *job, enum orl_job_state state)
     job->row.problem = job->problem;
     if (state >= ORL_JOB_SUCCEEDED)
         job->row.finished_ms = orl_time_now_ms();
-    const int rc = orl_job_row_update(jobs->env.db, &job->row, &err);
-    note_saved(job, rc == 0);
+    const int rc = jobs->batch ? 0 : orl_job_row_update(jobs->env.db, &job->row, &err);
+    note_saved(job, rc == 0 && !jobs->batch);
     if (rc)
         orl_log_event(jobs->env.log, ORL_LOG_ERROR, "job-row-failed", "ss", "job", job->row.id,
                       "why", err.message);
@@ -132,7 +170,7 @@ static void forget_partial(const struct orl_jobs_job *job)
 {
     char path[ORL_PATH_MAX];
     orl_kept_folder(job->jobs->env.folders, job->row.id, path);
-    orl_remove_tree(path, NULL);
+    orl_discard(job->jobs->env.loop, job->jobs->env.folders, path);
 }
 
 /* The row says cancelled before anything else does, so that a crash does not bring the job back. */
@@ -149,7 +187,8 @@ static int write_cancelled(const struct orl_jobs_job *job, struct orl_error *err
 static void cancel_running(struct orl_jobs_job *job)
 {
     job->cancelled = true;
-    orl_worker_cancel(job->worker);
+    if (job->worker) /* else it has come to its end, and is about to say so */
+        orl_worker_cancel(job->worker);
 }
 
 /* One that waits: who follows it goes on, and the first of them leads. */
@@ -181,7 +220,7 @@ static void cancel_sharing(struct orl_jobs_job *job)
     if (job->leader)
         orl_share_leave(job);
     orl_jobs_set_state(job, ORL_JOB_CANCELLED);
-    if (!leader->followers && leader->row.state == ORL_JOB_CANCELLED)
+    if (!leader->followers && leader->row.state == ORL_JOB_CANCELLED && leader->worker)
         orl_worker_cancel(leader->worker);
 }
 

@@ -40,6 +40,7 @@ struct orl_jobs_job {
     struct orl_worker *worker; /* while running; a leader's */
     double started_s;          /* steady clock, while running */
     bool cancelled, requeue;   /* what to make of ORL_ERR_CANCELLED */
+    bool settling;             /* a leader whose results are being given to those who follow */
     bool unsaved;              /* the row in the database is an older one */
     bool fetched;              /* its row does not know yet when last */
     /* job_share.h. A leader has leader NULL. */

@@ -15,6 +15,11 @@ static void observe(struct orl_histogram *histogram, const double bounds[ORL_MET
     histogram->sum += seconds;
 }
 
+void orl_metrics_observe(struct orl_histogram *histogram, double seconds)
+{
+    observe(histogram, orl_metrics_http_s, seconds);
+}
+
 void orl_metrics_request(struct orl_metrics *metrics, size_t route, unsigned status, double seconds)
 {
     const size_t hundreds = status / 100;

@@ -42,6 +42,8 @@ struct orl_metrics {
 extern const double orl_metrics_http_s[ORL_METRICS_BUCKETS];
 extern const double orl_metrics_stage_s[ORL_METRICS_BUCKETS];
 
+/* Into the buckets of requests. */
+void orl_metrics_observe(struct orl_histogram *histogram, double seconds);
 void orl_metrics_request(struct orl_metrics *metrics, size_t route, unsigned status,
                          double seconds);
 /* A run came back, and the job is in that state now. A tally of zeros adds nothing. */

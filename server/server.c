@@ -63,6 +63,7 @@ static void on_saving(uv_timer_t *timer)
     struct orl_server *server = timer->data;
     orl_jobs_save(server->jobs);
     orl_storage_look(&server->storage);
+    orl_pulse_ask(&server->pulse);
 }
 
 static void on_drain_over(uv_timer_t *timer)
@@ -112,8 +113,9 @@ static void wake_for_maps(void *ctx)
 
 static void write_log(uv_prepare_t *handle)
 {
-    const struct orl_server *server = handle->data;
+    struct orl_server *server = handle->data;
     orl_log_flush(&server->log);
+    orl_pulse_turn(&server->pulse);
 }
 
 /* Lines of one turn of the loop go out together: a write for each would cost more than they do. */
@@ -265,6 +267,7 @@ int orl_server_run(const struct orl_config *config, void (*announce)(const char 
     server.started_s = orl_time_steady_s();
     if (uv_loop_init(&server.loop) != 0)
         return orl_error_set(err, ORL_ERR_INTERNAL, "cannot start the event loop");
+    orl_pulse_open(&server.pulse, &server.loop);
     uv_async_init(&server.loop, &server.kept_changed, on_kept_changed);
     server.kept_changed.data = &server;
     uv_timer_init(&server.loop, &server.storage.notes);

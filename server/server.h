@@ -22,6 +22,7 @@
 #include "log.h"
 #include "map_cache.h"
 #include "metrics.h"
+#include "pulse.h"
 #include "status_cache.h"
 #include "storage.h"
 #include "store/db.h"
@@ -49,6 +50,7 @@ struct orl_server {
     struct orl_http *http;
     struct orl_events *events;
     struct orl_metrics metrics;
+    struct orl_pulse pulse;
     uint64_t requests; /* served or under way; the last one's id */
     struct orl_checks checks;
     struct orl_clients clients;

@@ -1,0 +1,100 @@
+/* What the daemon says of itself when its pool or its loop does not keep up. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <semaphore.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+#include "pulse.h"
+
+static sem_t gate;
+
+static void wait_at_gate(uv_work_t *work)
+{
+    (void)work;
+    sem_wait(&gate);
+}
+
+static void passed(uv_work_t *work, int status)
+{
+    (void)work, (void)status;
+}
+
+/* A pool of one thread that is busy: the question waits, and is asked once. */
+static void test_busy_pool(void **state)
+{
+    struct orl_pulse pulse = {0};
+    uv_loop_t loop;
+    uv_work_t busy;
+    (void)state;
+    sem_init(&gate, 0, 0);
+    assert_int_equal(uv_loop_init(&loop), 0);
+    orl_pulse_open(&pulse, &loop);
+    assert_true(orl_pulse_pool_s(&pulse) == 0);
+    uv_queue_work(&loop, &busy, wait_at_gate, passed);
+    orl_pulse_ask(&pulse);
+    usleep(50000);
+    orl_pulse_ask(&pulse);
+    uv_run(&loop, UV_RUN_NOWAIT);
+    assert_true(pulse.asked);
+    assert_true(orl_pulse_pool_s(&pulse) >= 0.05);
+    sem_post(&gate);
+    uv_run(&loop, UV_RUN_DEFAULT);
+    assert_false(pulse.asked);
+    assert_true(orl_pulse_pool_s(&pulse) >= 0.05); /* that is what it took */
+    const double slow_s = pulse.last_s;
+    orl_pulse_ask(&pulse);
+    uv_run(&loop, UV_RUN_DEFAULT);
+    assert_true(orl_pulse_pool_s(&pulse) < slow_s);
+    uv_loop_close(&loop);
+    sem_destroy(&gate);
+}
+
+static void on_timer(uv_timer_t *timer)
+{
+    usleep(30000);
+    uv_close((uv_handle_t *)timer, NULL);
+}
+
+static void on_prepare(uv_prepare_t *prepare)
+{
+    struct orl_pulse *pulse = prepare->data;
+    orl_pulse_turn(pulse);
+    if (pulse->longest_s >= 0.03)
+        uv_close((uv_handle_t *)prepare, NULL);
+}
+
+/* What a turn takes counts, not what it waits. */
+static void test_turns(void **state)
+{
+    struct orl_pulse pulse = {0};
+    uv_loop_t loop;
+    uv_timer_t timer;
+    uv_prepare_t prepare;
+    (void)state;
+    assert_int_equal(uv_loop_init(&loop), 0);
+    orl_pulse_open(&pulse, &loop);
+    uv_timer_init(&loop, &timer);
+    uv_timer_start(&timer, on_timer, 300, 0);
+    uv_prepare_init(&loop, &prepare);
+    prepare.data = &pulse;
+    uv_prepare_start(&prepare, on_prepare);
+    uv_run(&loop, UV_RUN_DEFAULT);
+    assert_true(pulse.longest_s >= 0.03);
+    assert_true(pulse.turns.sum < 0.25);
+    uv_loop_close(&loop);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_busy_pool),
+        cmocka_unit_test(test_turns),
+    };
+    setenv("UV_THREADPOOL_SIZE", "1", 1);
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
