@@ -76,7 +76,7 @@ static int decode_remote_scene(const json_t *scene, char **ret_id, struct orl_er
 
 static int decode_photons(const json_t *photons, struct orl_job *job, struct orl_error *err)
 {
-    static const char *const allowed[] = {"global", "caustic", NULL};
+    static const char *const allowed[] = {"global", "caustic", "exact", NULL};
     if (!photons)
         return 0;
     int rc = orl_json_object(photons, "photons", allowed, err);
@@ -85,6 +85,9 @@ static int decode_photons(const json_t *photons, struct orl_job *job, struct orl
     if (rc == 0 && global)
         rc = orl_json_whole(global, "photons.global", 1, ORL_LIMIT_PHOTONS, &job->photons_global,
                             err);
+    if (rc == 0 && json_object_get(photons, "exact"))
+        rc = orl_json_bool(json_object_get(photons, "exact"), "photons.exact", &job->photons_exact,
+                           err);
     if (rc == 0 && caustic)
         rc = orl_json_whole(caustic, "photons.caustic", 0, ORL_LIMIT_PHOTONS, &job->photons_caustic,
                             err);

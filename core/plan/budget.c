@@ -12,10 +12,19 @@ static const double rays_of_none = 0.5, rays_of_all = 30;
 /* So many are not felt: where photons come cheap there are more of them. */
 static const double rays_not_felt = 0.1;
 
+/* Global photons that the bound of what a job asks for goes by, at the least: a second or so. */
+static const double least_base = 200000;
+
 /* Photons that the global map has, or would have. */
 static double global_photons(const struct orl_plan *plan)
 {
     return plan->photons_global > 0 ? (double)plan->photons_global : (double)ORL_DEFAULT_PHOTONS;
+}
+
+bool orl_plan_bounds_caustics(const struct orl_job *job)
+{
+    return job->photons_caustic != ORL_PHOTONS_BY_PLAN && job->photons_caustic > ORL_FEW_PHOTONS &&
+           !job->photons_exact;
 }
 
 /* To two digits, so that a pilot of another seed says the same. */
@@ -25,16 +34,44 @@ static uint64_t to_two_digits(double count)
     return (uint64_t)fmax(round(count / unit) * unit, 1);
 }
 
+static double weight_of(const struct orl_worth *worth)
+{
+    return fmin(worth->share * worth->contrast / full_worth, 1);
+}
+
+/* Photons whose rays are as many as caustics are worth beside so many global ones; infinite where a
+ * pilot cannot tell. */
+static double bound_by_rays(const struct orl_worth *worth, double base, double weight)
+{
+    if (!(worth->yield[ORL_MAP_CAUSTIC] > 0 && worth->yield[ORL_MAP_GLOBAL] > 0))
+        return INFINITY;
+    const double rays = base * worth->rays[ORL_MAP_GLOBAL] / worth->yield[ORL_MAP_GLOBAL];
+    const double each = worth->rays[ORL_MAP_CAUSTIC] / worth->yield[ORL_MAP_CAUSTIC];
+    return (rays_of_none + rays_of_all * weight * weight) * rays / each;
+}
+
+/* Of what a job asks for: who asks for more may want a small spot sharp, but hardly a gleam. */
+static uint64_t bound(const struct orl_job *job, const struct orl_worth *worth,
+                      const struct orl_plan *plan, uint64_t enough)
+{
+    const double asked = (double)job->photons_caustic;
+    const double weight = fmax(weight_of(worth), worth->contrast * worth->contrast);
+    const double most = bound_by_rays(worth, fmax(global_photons(plan), least_base), weight);
+    if (!orl_plan_bounds_caustics(job) || asked <= fmax(most, (double)enough))
+        return job->photons_caustic;
+    return to_two_digits(fmax(fmax(most, (double)enough), fewest_photons));
+}
+
 static uint64_t caustic_photons(const struct orl_worth *worth, const struct orl_plan *plan)
 {
     const double base = global_photons(plan);
-    const double weight = fmin(worth->share * worth->contrast / full_worth, 1);
+    const double weight = weight_of(worth);
     double photons = fmax(weight * base, fmin(least_photons, base));
     if (worth->yield[ORL_MAP_CAUSTIC] > 0 && worth->yield[ORL_MAP_GLOBAL] > 0) {
         const double rays = base * worth->rays[ORL_MAP_GLOBAL] / worth->yield[ORL_MAP_GLOBAL];
         const double each = worth->rays[ORL_MAP_CAUSTIC] / worth->yield[ORL_MAP_CAUSTIC];
         photons = fmax(photons, fmin(rays_not_felt * rays / each, base));
-        photons = fmin(photons, (rays_of_none + rays_of_all * weight * weight) * rays / each);
+        photons = fmin(photons, bound_by_rays(worth, base, weight));
         photons = fmax(photons, fmin(fewest_photons, base));
     }
     return to_two_digits(photons);
@@ -54,7 +91,7 @@ static void foresee(const struct orl_worth *worth, const uint64_t photons[ORL_SH
     }
 }
 
-static void say_why(const struct orl_worth *worth, const struct orl_plan *plan, bool asked,
+static void say_why(const struct orl_worth *worth, const struct orl_plan *plan, uint64_t asked,
                     struct orl_foresight *f)
 {
     if (plan->photons_caustic == 0)
@@ -71,7 +108,8 @@ static void say_why(const struct orl_worth *worth, const struct orl_plan *plan, 
                  "photons %s, one of %.3g emissions",
                  100 * worth->share, 100 * worth->contrast,
                  (unsigned long long)plan->photons_caustic,
-                 asked ? "as asked" : "are worth their time", 1 / worth->yield[ORL_MAP_CAUSTIC]);
+                 asked == plan->photons_caustic ? "as asked" : "are worth their time",
+                 1 / worth->yield[ORL_MAP_CAUSTIC]);
 }
 
 void orl_plan_budget(const struct orl_job *job, const struct orl_worth *worth,
@@ -79,13 +117,13 @@ void orl_plan_budget(const struct orl_job *job, const struct orl_worth *worth,
 {
     struct orl_foresight *f = &plan->foresight;
     const bool asked = job->photons_caustic != ORL_PHOTONS_BY_PLAN;
-    *f = (struct orl_foresight){.made = true};
+    *f = (struct orl_foresight){.made = true, .caustic_share = worth->share};
     if (plan->photons_caustic > 0) {
         const uint64_t enough = caustic_photons(worth, plan);
         f->enough_caustic = enough;
-        plan->photons_caustic = asked ? plan->photons_caustic : enough;
+        plan->photons_caustic = asked ? bound(job, worth, plan, enough) : enough;
     }
     const uint64_t photons[ORL_SHOT_KINDS] = {plan->photons_global, plan->photons_caustic};
     foresee(worth, photons, f);
-    say_why(worth, plan, asked, f);
+    say_why(worth, plan, job->photons_caustic, f);
 }

@@ -6,8 +6,9 @@
  * they are as many as the global ones; below that fewer, in proportion, since noise and blur of
  * what is faint are faint; but never so few that a kernel holds none. And their rays are bounded by
  * those of the global photons: by half of these where caustics are worth nothing, thirty times as
- * many where they are worth all, and between by the square of their worth. What a job asks for by
- * number it gets.
+ * many where they are worth all, and between by the square of their worth. By such rays, or
+ * more where caustics outshine what else is there, what a job asks for is bounded too, unless it
+ * wants exactly that, whatever it takes.
  */
 #ifndef ORL_PLAN_BUDGET_H
 #define ORL_PLAN_BUDGET_H
@@ -16,7 +17,14 @@
 
 #include "photon/worth.h"
 
-/* Fills the plan's foresight; and, where the job leaves it open, its caustic photons. */
+/* So few are not worth a pilot. */
+enum { ORL_FEW_PHOTONS = 5000 };
+
+/* Whether the job asks for a number of caustic photons that a pilot may bound. */
+bool orl_plan_bounds_caustics(const struct orl_job *job);
+
+/* Fills the plan's foresight; and its caustic photons, where the job leaves them open, or asks for
+ * more than are worth their time. */
 void orl_plan_budget(const struct orl_job *job, const struct orl_worth *worth,
                      struct orl_plan *plan);
 

@@ -35,12 +35,12 @@ static void compute_sensor(void *ctx, size_t index, uint32_t member)
     orl_run_book_sensor(state, index, &e);
 }
 
-/* At most so many emissions: as for a caustic map that is asked for; a plan stores fewer photons
- * where a map shows little of them, which says nothing of one sensor. */
+/* At most so many emissions: as for a caustic map that is asked for, and had; a plan stores fewer
+ * photons where a map shows little of them, which says nothing of one sensor. */
 static uint64_t most_in_air(const struct orl_run_state *state)
 {
     const struct orl_plan *plan = &state->result->plan;
-    const bool by_plan = state->job->photons_caustic == ORL_PHOTONS_BY_PLAN;
+    const bool by_plan = state->job->photons_caustic != plan->photons_caustic;
     return by_plan && plan->photons_global > plan->photons_caustic ? plan->photons_global
                                                                    : plan->photons_caustic;
 }

@@ -180,9 +180,8 @@ static int keep_shot(struct orl_run_state *state, enum orl_map_kind kind, struct
     const struct harvest harvest = {shot->photons, shot->count, shot->emitted, seconds, NULL};
     const unsigned long long found = shot->had + shot->count, wanted = shot->target,
                              emitted = shot->emitted;
-    const bool by_plan =
-        (kind == ORL_MAP_CAUSTIC ? state->job->photons_caustic : state->job->photons_global) ==
-        ORL_PHOTONS_BY_PLAN;
+    const bool by_plan = (kind == ORL_MAP_CAUSTIC ? state->job->photons_caustic
+                                                  : state->job->photons_global) != shot->target;
     if (found > 0 && found < wanted)
         orl_run_warn(state, "only %llu of the %llu %s photons %s were found, of %llu emitted",
                      found, wanted, orl_map_kind_name(kind), by_plan ? "planned" : "asked for",

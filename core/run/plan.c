@@ -30,11 +30,19 @@ static void judge_light(struct orl_run_state *state)
                      tolerable_lx);
 }
 
-/* An absurd yield is worth a word before hours are spent on it. */
+/* An absurd yield is worth a word before hours are spent on it, or when they are not. */
 static void judge_budget(struct orl_run_state *state, const struct orl_plan *plan)
 {
     const double many_times = 4;
     const struct orl_foresight *f = &plan->foresight;
+    const uint64_t asked = state->job->photons_caustic;
+    if (asked != ORL_PHOTONS_BY_PLAN && asked > plan->photons_caustic && plan->photons_caustic > 0)
+        orl_run_warn(state,
+                     "of %llu caustic photons asked for %llu are traced: all would take %.2g times "
+                     "as long, and caustics are %.2g %% of the light; \"exact\": "
+                     "true beside photons.caustic traces all, whatever they take",
+                     (unsigned long long)asked, (unsigned long long)plan->photons_caustic,
+                     (double)asked / (double)plan->photons_caustic, 100 * f->caustic_share);
     if (!f->known || !((double)plan->photons_caustic > many_times * (double)f->enough_caustic) ||
         !(f->emitted[1] > many_times * f->emitted[0]))
         return;
@@ -46,14 +54,15 @@ static void judge_budget(struct orl_run_state *state, const struct orl_plan *pla
 }
 
 /*
- * A pilot of photons, where it decides anything: a run that asks for a number of photons, or has no
- * use for caustic ones, goes without.
+ * A pilot of photons, where it decides anything: a run that asks for few caustic photons, or for
+ * exactly so many, or has no use for any, goes without.
  */
 static int look_ahead(struct orl_run_state *state, struct orl_plan *plan, struct orl_error *err)
 {
     const struct orl_run_env *env = state->env;
     const bool decides =
-        plan->photons_caustic > 0 && state->job->photons_caustic == ORL_PHOTONS_BY_PLAN;
+        plan->photons_caustic > 0 && (state->job->photons_caustic == ORL_PHOTONS_BY_PLAN ||
+                                      orl_plan_bounds_caustics(state->job));
     struct orl_worth worth;
     if (!decides && !state->only_plan)
         return 0;

@@ -116,6 +116,7 @@ bool calibration_wants(const struct calibration *c, size_t scene)
 void calibration_job(const struct calibration_scene *scene, struct orl_job *ret_job)
 {
     orl_job_init(ret_job);
+    ret_job->photons_exact = true;
     ret_job->scene_files = (char **)(uintptr_t)scene->names;
     ret_job->n_scene_files = scene->n_names;
     ret_job->sensors_file = scene->sensors_file;

@@ -95,6 +95,7 @@ void office_close(struct office *office)
 void office_job(struct orl_job *ret_job)
 {
     orl_job_init(ret_job);
+    ret_job->photons_exact = true;
     ret_job->technique = ORL_TECHNIQUE_GATHER;
     ret_job->scene_files = (char **)(uintptr_t)office_names;
     ret_job->n_scene_files = OFFICE_FILES;

@@ -68,6 +68,7 @@ static void fill_job(const struct scene_run *run, char **names, struct orl_view_
     job->technique = run->technique || run->by_plan ? run->technique : ORL_TECHNIQUE_GATHER;
     job->photons_global = run->global ? run->global : 20000;
     job->photons_caustic = run->caustic;
+    job->photons_exact = !run->bounded;
     job->gather_samples = run->samples;
     job->pixel_samples = run->pixel_samples;
     job->dark_expected = !run->dark_is_error;

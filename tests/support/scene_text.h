@@ -27,6 +27,7 @@ struct scene_run {
     bool by_plan;
     const enum orl_wish *wishes; /* ORL_EFFECT_COUNT of them, or NULL: all auto */
     uint64_t global, caustic;    /* 0: 20000 and none */
+    bool bounded;                /* these: caustics by what they are worth */
     uint32_t samples, threads;   /* 0: Oriel's default; 1 */
     uint32_t pixel_samples;      /* 0: Oriel's default */
     const char *folder;          /* where maps and images stay; NULL: nowhere */

@@ -246,7 +246,7 @@ static void test_unknown_member_lists_the_known(void **state)
     struct orl_error err;
     char *id = NULL;
     decode("{\"scene\":\"" ID "\",\"photons\":{\"globl\":1}}", ORL_JOB_REMOTE, &job, &id, &err);
-    assert_string_equal(err.hint, "Known here: global, caustic");
+    assert_string_equal(err.hint, "Known here: global, caustic, exact");
 }
 
 /* What is not JSON at all, or not JSON as we want it. */

@@ -25,8 +25,8 @@ enum { GLOBAL = 200000 };
 #define LENS "void dielectric d 0 0 5 1 1 1 1.5 0\nd sphere lens 0 0 4 2 1.6 .06 .05\n"
 #define ROOM ROOM_SKY ROOM_SUN ROOM_GREY ROOM_CLEAR ROOM_SHELL ROOM_PANE
 
-static struct orl_result run(const char *scene, const char *bsdf, uint64_t caustic,
-                             uint32_t threads)
+static struct orl_result run_as(const char *scene, const char *bsdf, uint64_t caustic,
+                                uint32_t threads, bool bounded)
 {
     /* Behind the ball along the sun's way, in the sun beside it, and at the ceiling. */
     static const struct orl_sensor sensors[] = {{{2, 1.66, .0001}, {0, 0, 1}},
@@ -41,7 +41,14 @@ static struct orl_result run(const char *scene, const char *bsdf, uint64_t caust
                                          .samples = 1024,
                                          .global = GLOBAL,
                                          .caustic = caustic,
+                                         .bounded = bounded,
                                          .threads = threads});
+}
+
+static struct orl_result run(const char *scene, const char *bsdf, uint64_t caustic,
+                             uint32_t threads)
+{
+    return run_as(scene, bsdf, caustic, threads, false);
 }
 
 static const struct orl_map_info *map_of(const struct orl_result *r, const char *kind)
@@ -119,7 +126,43 @@ static void test_scattering_panes_get_all(void **state)
     orl_result_done(&r);
 }
 
-/* Whoever asks for a number gets it; and no number depends on the crew. */
+static bool says(const struct orl_result *r, const char *words)
+{
+    for (size_t i = 0; i < r->n_warnings; i++)
+        if (strstr(r->warnings[i], words))
+            return true;
+    return false;
+}
+
+/* A million photons of a gleam are bounded by their worth, in time and with a word; those of a lens
+ * are not, nor is what would take no longer than a pilot. */
+static void test_askers_are_bounded(void **state)
+{
+    (void)state;
+    struct orl_result gleam = run_as(ROOM GLOSS, NULL, 1000000, 2, true);
+    struct orl_result spot = run_as(ROOM LENS, NULL, GLOBAL / 2, 2, true);
+    struct orl_result few = run_as(ROOM GLOSS, NULL, 5000, 2, true);
+    struct orl_result more = run(ROOM GLOSS, NULL, 100000, 2);
+    const struct orl_map_info *global = map_of(&gleam, "global"),
+                              *caustic = map_of(&gleam, "caustic");
+    print_message("%llu of 1000000, %llu of %d photons\n",
+                  (unsigned long long)gleam.plan.photons_caustic,
+                  (unsigned long long)spot.plan.photons_caustic, GLOBAL / 2);
+    assert_true(gleam.plan.photons_caustic < 200000);
+    assert_true(caustic->stored >= gleam.plan.photons_caustic);
+    assert_true(caustic->emitted < 4 * global->emitted);
+    assert_true(says(&gleam, "of 1000000 caustic photons asked for"));
+    expect_same_light(&gleam, &more, 2);
+    assert_int_equal(spot.plan.photons_caustic, GLOBAL / 2);
+    assert_false(says(&spot, "asked for"));
+    assert_int_equal(few.plan.photons_caustic, 5000);
+    orl_result_done(&gleam);
+    orl_result_done(&spot);
+    orl_result_done(&few);
+    orl_result_done(&more);
+}
+
+/* Whoever asks for exactly a number gets it; and no number depends on the crew. */
 static void test_numbers(void **state)
 {
     (void)state;
@@ -142,6 +185,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_a_gleam_gets_few), cmocka_unit_test(test_a_spot_is_kept),
-        cmocka_unit_test(test_scattering_panes_get_all), cmocka_unit_test(test_numbers)};
+        cmocka_unit_test(test_scattering_panes_get_all), cmocka_unit_test(test_askers_are_bounded),
+        cmocka_unit_test(test_numbers)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

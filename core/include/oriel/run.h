@@ -57,12 +57,13 @@ struct orl_job {
     uint64_t seed;
     uint64_t photons_global, photons_caustic; /* targets, or ORL_PHOTONS_BY_PLAN; of a map that the
                                                  plan does without there is none */
-    uint32_t gather_samples;                  /* per sensor; 0 = default */
-    uint32_t pixel_samples;                   /* of the backward technique; 0 = default */
-    struct orl_goal goal;                     /* instead of the three above */
-    bool dark_expected;                       /* results without any light are no error */
-    struct orl_sky_request sky;               /* beside a scene without distant sources */
-    struct orl_named_sky *skies;              /* instead, one after the other: oriel/skies.h */
+    bool photons_exact; /* caustic ones are not bounded by what they are worth (plan/budget.h) */
+    uint32_t gather_samples;     /* per sensor; 0 = default */
+    uint32_t pixel_samples;      /* of the backward technique; 0 = default */
+    struct orl_goal goal;        /* instead of the three above */
+    bool dark_expected;          /* results without any light are no error */
+    struct orl_sky_request sky;  /* beside a scene without distant sources */
+    struct orl_named_sky *skies; /* instead, one after the other: oriel/skies.h */
     size_t n_skies;
     char *sensors_file; /* NULL, or a file of "x y z dx dy dz" lines */
     struct orl_sensor *sensors;
