@@ -160,12 +160,18 @@ static int find_sky(struct orl_parser *parser, const struct orl_scope *scope, in
         *ret_sky = -1;
         return 0;
     }
-    if (!symbol)
-        return orl_parser_fail(parser, scope, err, ORL_ERR_NOT_FOUND,
-                               "its modifier '%.200s' is not defined", name);
-    if (symbol->kind != ORL_SYMBOL_SKY)
-        return orl_parser_fail(parser, scope, err, ORL_ERR_UNSUPPORTED,
-                               "a material cannot modify another: '%.200s' is one", name);
+    if (!symbol) {
+        orl_parser_fail(parser, scope, err, ORL_ERR_NOT_FOUND,
+                        "its modifier '%.200s' is not defined", name);
+        orl_error_hint(err, "a pattern must be defined before what it modifies; void is none");
+        return ORL_ERR_NOT_FOUND;
+    }
+    if (symbol->kind != ORL_SYMBOL_SKY) {
+        orl_parser_fail(parser, scope, err, ORL_ERR_UNSUPPORTED,
+                        "a material cannot modify another: '%.200s' is one", name);
+        orl_error_hint(err, "write void in its place, or alias for another name of the same");
+        return ORL_ERR_UNSUPPORTED;
+    }
     *ret_sky = (int32_t)symbol->index;
     return 0;
 }
@@ -177,8 +183,10 @@ static int check_lit(struct orl_parser *parser, const struct orl_scope *scope,
     if (material->sky < 0 || material->kind == ORL_MATERIAL_LIGHT ||
         material->kind == ORL_MATERIAL_GLOW)
         return 0;
-    return orl_parser_fail(parser, scope, err, ORL_ERR_UNSUPPORTED,
-                           "a sky can modify light and glow only");
+    orl_parser_fail(parser, scope, err, ORL_ERR_UNSUPPORTED,
+                    "a sky can modify light and glow only");
+    orl_error_hint(err, "write void in its place: what a surface reflects is not patterned by it");
+    return ORL_ERR_UNSUPPORTED;
 }
 
 static int check_name(struct orl_parser *parser, const struct orl_scope *scope,

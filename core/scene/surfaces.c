@@ -65,9 +65,12 @@ static int find_material(struct orl_parser *parser, const struct orl_scope *scop
                             "materials file missing, or listed too late?");
         return ORL_ERR_NOT_FOUND;
     }
-    if (symbol->kind != ORL_SYMBOL_MATERIAL)
-        return orl_parser_fail(parser, scope, err, ORL_ERR_UNSUPPORTED,
-                               "its modifier '%.200s' is a pattern, not a material", name);
+    if (symbol->kind != ORL_SYMBOL_MATERIAL) {
+        orl_parser_fail(parser, scope, err, ORL_ERR_UNSUPPORTED,
+                        "its modifier '%.200s' is a pattern, not a material", name);
+        orl_error_hint(err, "give the pattern to a glow or light, and that to the surface");
+        return ORL_ERR_UNSUPPORTED;
+    }
     *ret_index = symbol->index;
     *ret_order = symbol->order;
     return 0;
@@ -252,9 +255,11 @@ static int read_cone(struct orl_parser *parser, const struct orl_scope *scope,
     const double *r = parser->primitive.reals;
     const bool straight = parser->primitive.n_reals == 7;
     const struct orl_vec3 axis = orl_sub(real3(parser, 3), real3(parser, 0));
-    if (!(orl_length(axis) > 0))
-        return orl_parser_fail(parser, scope, err, ORL_ERR_RANGE,
-                               "its two ends are the same point");
+    if (!(orl_length(axis) > 0)) {
+        orl_parser_fail(parser, scope, err, ORL_ERR_RANGE, "its two ends are the same point");
+        orl_error_hint(err, "it has no surface: leave it out, or use a ring for a flat disc");
+        return ORL_ERR_RANGE;
+    }
     if (!straight && (r[6] < 0 || r[7] < 0))
         return check_radius(parser, scope, fmin(r[6], r[7]), err);
     for (size_t i = 0; i < 2; i++) {
@@ -350,10 +355,32 @@ static int fail_source(struct orl_parser *parser, const struct orl_scope *scope,
 {
     orl_parser_fail(parser, scope, err, ORL_ERR_UNSUPPORTED,
                     "a source needs a light or glow as its modifier");
+    orl_error_hint(err, "a sun is 'void light solar 0 0 3 R G B' and 'solar source sun 0 0 4 X Y Z "
+                        "0.533'; a sky is a glow over 180 degrees");
     if (kind == ORL_MATERIAL_SPOTLIGHT)
         orl_error_hint(err, "a spotlight is to be a surface; a sun that shines on one spot only is "
                             "not simulated");
     return ORL_ERR_UNSUPPORTED;
+}
+
+/* "skyfunc source sky" for "skyglow source sky", a slip that Radiance takes for a dark source. */
+static bool is_patterned_alone(const struct orl_parser *parser, const struct orl_scope *scope)
+{
+    const char *name = scope->modifier ? scope->modifier : parser->primitive.modifier;
+    const struct orl_symbol *symbol = orl_symbols_find(&parser->symbols, name);
+    return strcmp(name, "void") != 0 && symbol && symbol->kind == ORL_SYMBOL_SKY;
+}
+
+static void leave_dark(struct orl_parser *parser, const struct orl_scope *scope)
+{
+    const char *name = scope->modifier ? scope->modifier : parser->primitive.modifier;
+    orl_parser_warn(
+        parser,
+        "%.200s:%d: source %.100s gives no light, as in Radiance: its modifier '%.100s' "
+        "is a pattern; let a glow have that pattern, such as \"%.100s glow %.100s_glow 0 "
+        "0 4 1 1 1 0\", and the source that glow",
+        scope->file, parser->primitive.line, parser->primitive.id, name, name,
+        parser->primitive.id);
 }
 
 static int read_source(struct orl_parser *parser, const struct orl_scope *scope,
@@ -364,6 +391,10 @@ static int read_source(struct orl_parser *parser, const struct orl_scope *scope,
     uint32_t order = 0;
     const double *r;
     int code = orl_parser_expect(parser, scope, 0, 4, err);
+    if (code == 0 && is_patterned_alone(parser, scope)) {
+        leave_dark(parser, scope);
+        return 0;
+    }
     if (code == 0)
         code = find_material(parser, scope, &distant.material, &order, err);
     if (code < 0)

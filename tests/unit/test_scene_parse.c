@@ -165,6 +165,22 @@ static void test_latest_definition_counts(void **state)
     orl_description_done(&d);
 }
 
+/* A slip that Radiance takes for a source without light: so it is here, and it is said. */
+static void test_a_pattern_alone_is_dark(void **state)
+{
+    struct orl_description d =
+        parse("!gensky -ang 40 10 -s\nskyfunc source sky 0 0 4 0 0 1 180\n"
+              "skyfunc glow ground 0 0 4 1 1 1 0\nground source earth 0 0 4 0 0 -1 180\n");
+    (void)state;
+    assert_int_equal(d.n_distants, 1);
+    assert_string_equal(d.distants[0].name, "earth");
+    assert_int_equal(d.n_warnings, 1);
+    assert_non_null(strstr(d.warnings[0], ":2: source sky gives no light, as in Radiance: its "
+                                          "modifier 'skyfunc' is a pattern"));
+    assert_non_null(strstr(d.warnings[0], "skyfunc glow sky_glow 0 0 4 1 1 1 0"));
+    orl_description_done(&d);
+}
+
 static void test_aliases(void **state)
 {
     struct orl_description d = parse("!gensky -ang 40 10 -s\n" GLOW "skyfunc alias lit g\n"
@@ -467,6 +483,7 @@ int main(void)
         cmocka_unit_test(test_xform_mirror),
         cmocka_unit_test(test_xform_overrides),
         cmocka_unit_test(test_sky_turns_with_its_scene),
+        cmocka_unit_test(test_a_pattern_alone_is_dark),
         cmocka_unit_test(test_bsdf_is_shared),
         cmocka_unit_test(test_digest_follows_content),
         cmocka_unit_test(test_xml_among_main_files_is_no_scene),
