@@ -416,7 +416,7 @@ static void put_in_order(struct orl_deposits *deposits, size_t first)
 {
     const size_t n = deposits->count - first;
     size_t next[AT_ONCE + 1] = {0};
-    if (!make_room(deposits, n))
+    if (n == 0 || !make_room(deposits, n))
         return;
     struct orl_photon *left = deposits->photons + first, *sorted = left + n;
     for (size_t i = 0; i < n; i++)
