@@ -15,12 +15,13 @@ int orl_cmd_cancel(const struct orl_command *self, int argc, char **argv)
     struct orl_operands operands;
     struct orl_http http = {0};
     struct orl_error err = {0};
-    json_t *nothing = json_object(), *job = NULL;
+    json_t *nothing, *job = NULL;
     char path[1024];
     int rc;
 
     if (!orl_options_parse(self, argc, argv, options, 1, 1, 1, &operands, &rc))
         return rc;
+    nothing = json_object();
     rc = orl_http_open(&http, server, &err);
     if (rc == 0)
         rc = orl_job_path(operands.items[0], "/cancel", path, sizeof path, &err);
