@@ -20,7 +20,7 @@ int orl_error_set(struct orl_error *err, int code, const char *format, ...)
 
 void orl_error_at(struct orl_error *err, const char *file, int line, const char *primitive)
 {
-    if (!err)
+    if (!err || err->code == ORL_ERR_CANCELLED) /* wherever it was seen, it is no fault of that */
         return;
     if (file)
         snprintf(err->file, sizeof err->file, "%s", file);

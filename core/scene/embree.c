@@ -2,6 +2,8 @@
 
 #include <string.h>
 
+#include <oriel/crew.h>
+
 #if __has_include(<embree4/rtcore.h>)
 #include <embree4/rtcore.h>
 #else
@@ -108,7 +110,7 @@ static bool goes_on(void *ctx, double fraction)
 {
     const atomic_bool *cancel = ctx;
     (void)fraction;
-    return !atomic_load_explicit(cancel, memory_order_relaxed);
+    return !orl_is_cancelled(cancel);
 }
 
 static int refuse_build(enum RTCError failure, struct orl_error *err)

@@ -38,10 +38,7 @@ typedef void (*orl_crew_body)(void *arg, size_t index, uint32_t member);
 void orl_crew_for(struct orl_crew *crew, size_t count, orl_crew_body body, void *arg);
 
 /* Has *cancel been set? NULL: never. */
-static inline bool orl_is_cancelled(const atomic_bool *cancel)
-{
-    return cancel && atomic_load_explicit(cancel, memory_order_relaxed);
-}
+bool orl_is_cancelled(const atomic_bool *cancel);
 
 /* From now on orl_crew_try heeds *cancel, which any thread may set; NULL: nothing. Lead only. */
 void orl_crew_heed(struct orl_crew *crew, const atomic_bool *cancel);

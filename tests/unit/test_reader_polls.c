@@ -1,0 +1,269 @@
+/*
+ * A cancel that comes at the k-th poll, for every k, of everything that reads a scene and its
+ * files: the reader says that it was cancelled, blames no line and leaves nothing behind (which
+ * AddressSanitizer watches).
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <dirent.h>
+#include <stdatomic.h>
+
+#include <oriel/crew.h>
+#include <oriel/run.h>
+
+#include "fixtures/bsdf_make.h"
+#include "support/cli.h"
+#include "support/scene_text.h"
+
+/* ---- Every poll ------------------------------------------------------------------------------ */
+
+static atomic_int polls;     /* since the count began */
+static atomic_int cancel_at; /* the poll from which on the answer is yes; negative: never */
+
+/* The core's polls come here: this stands in the place of core/base/cancel.c. */
+bool orl_is_cancelled(const atomic_bool *cancel)
+{
+    if (!cancel)
+        return false;
+    const int poll = atomic_fetch_add(&polls, 1), at = atomic_load(&cancel_at);
+    return atomic_load(cancel) || (at >= 0 && poll >= at);
+}
+
+/* Reads something once; returns 0 or an error, which stands in err. */
+typedef int (*reading)(const void *what, const atomic_bool *cancel, struct orl_error *err);
+
+static int read_with(reading read, const void *what, int at, struct orl_error *err)
+{
+    static const atomic_bool never;
+    memset(err, 0, sizeof *err);
+    atomic_store(&polls, 0);
+    atomic_store(&cancel_at, at);
+    const int code = read(what, &never, err);
+    atomic_store(&cancel_at, -1);
+    return code;
+}
+
+/* Whether it was accepted. Refused files are cancelled all the same, or refused before. */
+static bool drive(const char *name, reading read, const void *what)
+{
+    struct orl_error whole, err;
+    const int code = read_with(read, what, -1, &whole), most = atomic_load(&polls);
+    for (int at = 0; at < most; at++) {
+        const int cut = read_with(read, what, at, &err);
+        if (cut != ORL_ERR_CANCELLED || (int)err.code != cut || err.line != 0 ||
+            !strstr(err.message, "cancelled"))
+            fail_msg("%s, cancelled at poll %d of %d: %d, %s:%d: %s", name, at, most, cut, err.file,
+                     err.line, err.message);
+    }
+    assert_int_equal(read_with(read, what, -1, &err), code);
+    assert_int_equal(err.line, whole.line);
+    assert_string_equal(err.message, whole.message);
+    print_message("# %s: %d polls%s\n", name, most, code < 0 ? ", refused" : "");
+    return code == 0;
+}
+
+/* ---- Scenes ---------------------------------------------------------------------------------- */
+
+struct folder {
+    const char *names[5];
+    struct orl_file contents[5];
+    size_t count;
+};
+
+static int read_scene(const void *what, const atomic_bool *cancel, struct orl_error *err)
+{
+    const struct folder *folder = what;
+    struct orl_memory_files memory = {folder->names, folder->contents, folder->count};
+    const struct orl_files files = orl_files_from_memory(&memory);
+    struct orl_scene_summary summary = {0};
+    const int code = orl_scene_check(folder->names, 1, &files, cancel, &summary, err);
+    assert_true(code == 0 || (!summary.referenced && summary.surfaces == 0));
+    orl_scene_summary_done(&summary);
+    return code;
+}
+
+/* Every kind of surface, of material and of command; outlines that cross, and two in one place. */
+static const char everything[] =
+    "void plastic w 0 0 5 .5 .5 .5 0 0\nvoid metal m 0 0 5 .5 .5 .5 .9 .1\n"
+    "void plastic2 w2 4 1 0 0 . 0 6 .5 .5 .5 .1 .1 .2\nvoid trans t 0 0 7 .5 .5 .5 0 0 .5 .5\n"
+    "void glass g 0 0 3 .9 .9 .9\nvoid dielectric d 0 0 5 .9 .9 .9 1.5 0\n"
+    "void interface i 0 0 8 .9 .9 .9 1.5 .9 .9 .9 1.3\nvoid mirror r 1 void 0 3 .9 .9 .9\n"
+    "void light l 0 0 3 9 9 9\nvoid glow o 0 0 4 1 1 1 0\nvoid spotlight s 0 0 7 9 9 9 60 0 0 -1\n"
+    "void illum u 1 void 0 3 1 1 1\nvoid BSDF b 6 0 tree.xml 0 0 1 . 0 0\n"
+    "void aBSDF c 5 klems.xml 0 0 1 . 0 0\nvoid alias a w\nvoid alias a2 m\n"
+    "l source sun 0 0 4 0 -1 1 .533\no source dome 0 0 4 0 0 1 360\n"
+    "w polygon cross 0 0 15 0 0 0 4 0 0 1 3 0 2 -1 0 3 3 0\n"
+    "m polygon on 0 0 12 1 .2 0 2 .2 0 2 .6 0 1 .6 0\nw2 sphere s1 0 0 4 9 9 9 1\n"
+    "t bubble s2 0 0 4 9 9 9 2\nd cylinder c1 0 0 7 0 9 0 0 9 1 .3\ni tube c2 0 0 7 1 9 0 1 9 1 "
+    ".3\n"
+    "r cone k1 0 0 8 3 9 0 3 9 1 .3 .1\ns cup k2 0 0 8 5 9 0 5 9 1 .3 .1\n"
+    "u ring r1 0 0 8 7 9 0 0 0 1 0 .5\nb polygon p1 0 0 12 20 0 0 21 0 0 21 0 1 20 0 1\n"
+    "c polygon p2 0 0 12 30 0 0 31 0 0 31 0 1 30 0 1\n"
+    "!genbox w box 1 2 3 -i\n!genbox w box 1 2 3 | xform -a 2 -t 40 0 0\n"
+    "!gensky 3 22 12 +s -a 42 -o 71 -m 75\n!gendaylit 3 22 12 -a 42 -o 71 -m 75 -W 800 100\n"
+    "!xform -n x -a 3 -t 0 20 0 -a 2 -rz 5 -i 2 -s 2 part.rad\n!xform -f copies.txt part.rad\n";
+
+static const char part[] = "w polygon q 0 0 9 50 0 0 51 0 0 50 1 0\n";
+static const char copies[] = "# two\n-t 0 0 1\nxform -t 0 0 2\n";
+
+static void test_everything(void **state)
+{
+    struct text tree = make_tree_file(2);
+    size_t size;
+    char *klems = (char *)scene_read_bytes("tests/fixtures/bsdf_klems41.xml", &size);
+    const struct folder folder = {{"main.rad", "part.rad", "tree.xml", "klems.xml", "copies.txt"},
+                                  {{everything, sizeof everything - 1, NULL},
+                                   {part, sizeof part - 1, NULL},
+                                   {tree.data, tree.size, NULL},
+                                   {klems, size, NULL},
+                                   {copies, sizeof copies - 1, NULL}},
+                                  5};
+    (void)state;
+    assert_true(drive("every primitive", read_scene, &folder));
+    free(tree.data);
+    free(klems);
+}
+
+/* ---- BSDFs ----------------------------------------------------------------------------------- */
+
+struct bsdf {
+    const char *data;
+    size_t size;
+    struct orl_crew *crew;
+};
+
+static int read_bsdf(const void *what, const atomic_bool *cancel, struct orl_error *err)
+{
+    const struct bsdf *file = what;
+    struct orl_bsdf *bsdf = NULL;
+    const struct orl_bsdf_xml xml = {.name = "file.xml",
+                                     .data = file->data,
+                                     .size = file->size,
+                                     .cancel = cancel,
+                                     .crew = file->crew};
+    const int code = orl_bsdf_load(&xml, &bsdf, err);
+    assert_int_equal(bsdf != NULL, code == 0);
+    orl_bsdf_unref(bsdf);
+    return code;
+}
+
+/* Blanks amid the data and a long comment, so that it is read in many slices. */
+static struct text spread(struct text t)
+{
+    enum { BLANKS = 3 << 20 };
+    struct text long_one;
+    const char *data = strstr(t.data, "<ScatteringData>") + strlen("<ScatteringData>");
+    text_open(&long_one);
+    fwrite(t.data, 1, (size_t)(data - t.data), long_one.stream);
+    fprintf(long_one.stream, "\n%*s<!--%*s-->%*s\n", (int)BLANKS, "", (int)BLANKS, "", (int)BLANKS,
+            "");
+    fwrite(data, 1, t.size - (size_t)(data - t.data), long_one.stream);
+    text_close(&long_one);
+    free(t.data);
+    return long_one;
+}
+
+static void drive_bsdf(const char *name, const char *data, size_t size)
+{
+    const struct bsdf file = {data, size, NULL};
+    assert_true(drive(name, read_bsdf, &file));
+}
+
+static void test_bsdfs(void **state)
+{
+    static const char *const fixtures[] = {"tests/fixtures/bsdf_klems41.xml",
+                                           "tests/fixtures/bsdf_lcp8.xml"};
+    struct text made[] = {spread(make_tree_file(3)), spread(make_iso_file(3)),
+                          spread(make_clear_file(2, .5, .1))};
+    (void)state;
+    for (int i = 0; i < 2; i++) {
+        size_t size;
+        unsigned char *xml = scene_read_bytes(fixtures[i], &size);
+        drive_bsdf(fixtures[i], (char *)xml, size);
+        free(xml);
+    }
+    for (int i = 0; i < 3; i++) {
+        drive_bsdf("a tree in slices", made[i].data, made[i].size);
+        free(made[i].data);
+    }
+}
+
+/* With others that read blocks beside the lead: when a poll comes is not fixed, so until none is
+ * left. */
+static void test_blocks_side_by_side(void **state)
+{
+    struct text tree = spread(make_tree_file(3));
+    struct orl_error err;
+    struct bsdf file = {tree.data, tree.size, orl_crew_start(3)};
+    int code = ORL_ERR_CANCELLED, at = 0;
+    (void)state;
+    assert_non_null(file.crew);
+    for (; code != 0; at++) {
+        code = read_with(read_bsdf, &file, at, &err);
+        assert_true(code == 0 || (code == ORL_ERR_CANCELLED && err.line == 0));
+    }
+    assert_in_range(at, 5, 1000);
+    orl_crew_stop(file.crew);
+    free(tree.data);
+}
+
+/* ---- The fuzzers' corpus --------------------------------------------------------------------- */
+
+static void drive_corpus(const char *folder, void (*drive_one)(const char *, char *, size_t))
+{
+    char path[512];
+    DIR *entries = opendir(folder);
+    assert_non_null(entries);
+    for (const struct dirent *entry; (entry = readdir(entries));) {
+        size_t size;
+        if (entry->d_name[0] == '.')
+            continue;
+        snprintf(path, sizeof path, "%s/%s", folder, entry->d_name);
+        char *data = (char *)scene_read_bytes(path, &size);
+        drive_one(path, data, size);
+        free(data);
+    }
+    closedir(entries);
+}
+
+/* As fuzz_scene.c reads it: behind a byte of 0x1c begins the included file. */
+static void drive_scene(const char *name, char *data, size_t size)
+{
+    char xml[2048];
+    char *cut = size > 0 ? memchr(data, 0x1c, size) : NULL;
+    const size_t head = cut ? (size_t)(cut - data) : size;
+    scene_uniform_bsdf(0.1, xml);
+    const struct folder folder = {{"main.rad", "part.rad", "panel.xml"},
+                                  {{data, head, NULL},
+                                   {cut ? cut + 1 : data, cut ? size - head - 1 : 0, NULL},
+                                   {xml, strlen(xml), NULL}},
+                                  3};
+    drive(name, read_scene, &folder);
+}
+
+static void drive_xml(const char *name, char *data, size_t size)
+{
+    drive(name, read_bsdf, &(struct bsdf){data, size, NULL});
+}
+
+static void test_corpus(void **state)
+{
+    (void)state;
+    drive_corpus("tests/fuzz/corpus/scene", drive_scene);
+    drive_corpus("tests/fuzz/corpus/bsdf", drive_xml);
+}
+
+int main(void)
+{
+    static const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_everything),
+        cmocka_unit_test(test_bsdfs),
+        cmocka_unit_test(test_blocks_side_by_side),
+        cmocka_unit_test(test_corpus),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
