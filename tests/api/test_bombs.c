@@ -35,6 +35,17 @@ static double memory_mb(const struct daemon *daemon, const char *name)
     return kb / 1024;
 }
 
+/* AddressSanitizer keeps for a while what has been given back: then figures are printed alone. */
+static bool is_within(double mb, double most_mb)
+{
+#ifdef __SANITIZE_ADDRESS__
+    (void)mb, (void)most_mb;
+    return true;
+#else
+    return mb < most_mb;
+#endif
+}
+
 /* "[{},{},...]" of so many. */
 static char *many_objects(size_t count, size_t *ret_size)
 {
@@ -70,8 +81,8 @@ static void test_objects(void **state)
         const double kept_mb = memory_mb(daemon, "VmRSS") - before_mb;
         print_message("# %zu objects: a peak of %.0f MB, %.0f MB stay\n", cases[i].count, peak_mb,
                       kept_mb);
-        assert_true(peak_mb < cases[i].most_mb);
-        assert_true(kept_mb < 100);
+        assert_true(is_within(peak_mb, cases[i].most_mb));
+        assert_true(is_within(kept_mb, 100));
     }
 }
 
@@ -100,7 +111,7 @@ static void test_names(void **state)
     reply_done(&reply);
     const double peak_mb = memory_mb(daemon, "VmHWM");
     print_message("# names: a peak of %.0f MB\n", peak_mb);
-    assert_true(peak_mb < 1200);
+    assert_true(is_within(peak_mb, 1200));
 }
 
 /* Longer than --check-timeout allows, whatever the machine: refused soon after that. */
