@@ -11,9 +11,16 @@
 
 enum { PROCESSOR_BUFFER = 64 << 10, FEED_BYTES = 1 << 20 };
 
+/* A field that is a text, and its length. */
+struct field {
+    char **text;
+    size_t length, room;
+};
+
 struct splitter {
     const struct orl_folders *folders;
     struct orl_multipart parts;
+    struct field bsdfs, mains;
     struct orl_incoming file; /* the one under way */
     int rc;
     struct orl_error *err;
@@ -40,33 +47,46 @@ static int begin_file(struct splitter *s, const char *field, const char *name, c
     return orl_incoming_begin(&s->file, s->folders, name, resource, s->err);
 }
 
-/* Fields that are texts, and where they go. */
-static char **find_field(struct splitter *s, const char *field)
+static struct field *find_field(struct splitter *s, const char *name)
 {
-    if (field && strcmp(field, "bsdfs") == 0)
-        return &s->parts.bsdfs;
-    return field && strcmp(field, "main") == 0 ? &s->parts.mains : NULL;
+    if (name && strcmp(name, "bsdfs") == 0)
+        return &s->bsdfs;
+    return name && strcmp(name, "main") == 0 ? &s->mains : NULL;
 }
 
-static int append_to_field(struct splitter *s, const char *field, const char *data, size_t size)
+/* Room for so much more, and a NUL. */
+static bool reserve(struct field *field, size_t more)
 {
-    char **text = find_field(s, field);
-    if (!text) {
-        orl_error_set(s->err, ORL_ERR_INVALID, "there is no form field '%.100s'",
-                      field ? field : "");
+    size_t room = field->room ? field->room : 256;
+    while (room < field->length + more + 1)
+        room *= 2;
+    if (room == field->room)
+        return true;
+    char *grown = realloc(*field->text, room);
+    if (!grown)
+        return false;
+    *field->text = grown;
+    field->room = room;
+    return true;
+}
+
+static int append_to_field(struct splitter *s, const char *name, const char *data, size_t size)
+{
+    struct field *field = find_field(s, name);
+    if (!field) {
+        orl_error_set(s->err, ORL_ERR_INVALID, "there is no form field '%.100s'", name ? name : "");
         orl_error_hint(
             s->err, "Send files as parts with a file name; 'bsdfs' and 'main' are the only fields");
         return ORL_ERR_INVALID;
     }
-    const size_t before = *text ? strlen(*text) : 0;
-    if (before + size > ORL_SERVER_FIELD_BYTES)
-        return orl_error_set(s->err, ORL_ERR_LIMIT, "the form field '%s' is too long", field);
-    char *grown = realloc(*text, before + size + 1);
-    if (!grown)
+    if (field->length + size > ORL_SERVER_FIELD_BYTES)
+        return orl_error_set(s->err, ORL_ERR_LIMIT, "the form field '%s' is too long", name);
+    if (!reserve(field, size))
         return orl_error_set(s->err, ORL_ERR_NOMEM, "out of memory");
-    memcpy(grown + before, data, size);
-    grown[before + size] = '\0';
-    *text = grown;
+    if (size > 0)
+        memcpy(*field->text + field->length, data, size);
+    field->length += size;
+    (*field->text)[field->length] = '\0';
     return 0;
 }
 
@@ -113,6 +133,8 @@ int orl_multipart_split(struct MHD_Connection *connection, const struct orl_file
                         struct orl_error *err)
 {
     struct splitter s = {.folders = folders, .file = {.fd = -1}, .err = err};
+    s.bsdfs.text = &s.parts.bsdfs;
+    s.mains.text = &s.parts.mains;
     struct MHD_PostProcessor *processor =
         MHD_create_post_processor(connection, PROCESSOR_BUFFER, on_data, &s);
     if (!processor)
