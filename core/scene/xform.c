@@ -116,20 +116,19 @@ static int read_one(const char *const *words, size_t count, struct orl_xform *re
     return 0;
 }
 
-static int read_repeats(const char *const *words, size_t count, int *ret_repeats,
-                        struct orl_error *err)
+int orl_xform_repeats(const char *word, int *ret_repeats, struct orl_error *err)
 {
     int repeats = 0;
-    if (count < 2 || orl_number_read_int(words[1], strlen(words[1]), &repeats) != ORL_NUMBER_OK)
-        return bad(err, ORL_ERR_SYNTAX, words[0], "needs a whole number after it");
+    if (!word || orl_number_read_int(word, strlen(word), &repeats) != ORL_NUMBER_OK)
+        return bad(err, ORL_ERR_SYNTAX, "-i", "needs a whole number after it");
     if (repeats > (int)ORL_LIMIT_XFORM_ARRAY)
-        return bad(err, ORL_ERR_LIMIT, words[0], "asks for too many repeats");
+        return bad(err, ORL_ERR_LIMIT, "-i", "asks for too many repeats");
     *ret_repeats = repeats;
     return 0;
 }
 
 /* By squaring: an array of n copies repeats its block n^2 / 2 times in all. */
-static void repeat(struct orl_xform *total, const struct orl_xform *block, int times)
+void orl_xform_repeat(struct orl_xform *total, const struct orl_xform *block, int times)
 {
     struct orl_xform power = *block;
     for (; times > 0; times >>= 1) {
@@ -140,11 +139,13 @@ static void repeat(struct orl_xform *total, const struct orl_xform *block, int t
     }
 }
 
-static bool is_finite(const struct orl_xform *t)
+int orl_xform_check(const struct orl_xform *t, struct orl_error *err)
 {
     const double sum = orl_dot(t->row[0], t->row[0]) + orl_dot(t->row[1], t->row[1]) +
                        orl_dot(t->row[2], t->row[2]) + orl_dot(t->offset, t->offset);
-    return isfinite(sum) && t->scale > 1e-30 && t->scale < 1e30;
+    if (isfinite(sum) && t->scale > 1e-30 && t->scale < 1e30)
+        return 0;
+    return orl_error_set(err, ORL_ERR_RANGE, "xform: the transform is out of range");
 }
 
 int orl_xform_read(const char *const *words, size_t count, struct orl_xform *ret_xform,
@@ -156,8 +157,8 @@ int orl_xform_read(const char *const *words, size_t count, struct orl_xform *ret
     size_t i = 0;
     while (i < count) {
         if (strcmp(words[i], "-i") == 0) {
-            repeat(&total, &block, times);
-            const int code = read_repeats(words + i, count - i, &times, err);
+            orl_xform_repeat(&total, &block, times);
+            const int code = orl_xform_repeats(i + 1 < count ? words[i + 1] : NULL, &times, err);
             if (code < 0)
                 return code;
             block = orl_xform_identity;
@@ -172,9 +173,10 @@ int orl_xform_read(const char *const *words, size_t count, struct orl_xform *ret
         block = orl_xform_compose(&one, &block);
         i += (size_t)used;
     }
-    repeat(&total, &block, times);
-    if (!is_finite(&total))
-        return orl_error_set(err, ORL_ERR_RANGE, "xform: the transform is out of range");
+    orl_xform_repeat(&total, &block, times);
+    const int code = orl_xform_check(&total, err);
+    if (code < 0)
+        return code;
     *ret_xform = total;
     *ret_used = i;
     return 0;

@@ -44,6 +44,12 @@ struct orl_xform orl_xform_compose(const struct orl_xform *outer, const struct o
 int orl_xform_read(const char *const *words, size_t count, struct orl_xform *ret_xform,
                    size_t *ret_used, struct orl_error *err);
 
+/* What it is made of: the number behind -i (NULL: there is none), the block repeated behind what is
+ * there, and ORL_ERR_RANGE unless it is within range. */
+int orl_xform_repeats(const char *word, int *ret_repeats, struct orl_error *err);
+void orl_xform_repeat(struct orl_xform *total, const struct orl_xform *block, int times);
+int orl_xform_check(const struct orl_xform *t, struct orl_error *err);
+
 /* Room for the prefix that -n puts before names. */
 enum { ORL_PREFIX_BYTES = 512 };
 
@@ -54,7 +60,7 @@ struct orl_xform_use {
     const char *prefix;       /* -n, or NULL */
     const char *const *files; /* the words after the transforms */
     size_t n_files;
-    size_t n_words; /* that were read for it */
+    size_t n_words; /* that were read for it, those of many transforms as one */
 };
 
 /* Called for each use in order; borrowed arguments. A negative result ends the expansion. */

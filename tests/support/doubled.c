@@ -1,0 +1,161 @@
+#include "support/doubled.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include <oriel/bsdf.h>
+#include <oriel/files.h>
+#include <oriel/run.h>
+#include <oriel/study.h>
+
+#include "bsdf_json.h"
+#include "decode.h"
+#include "job_json.h"
+#include "light/weather.h"
+#include "run/stages.h"
+#include "scene/parse.h"
+#include "study_json.h"
+#include "support/scene_text.h"
+#include "support/zip.h"
+#include "unzip.h"
+
+/* ---- Readers --------------------------------------------------------------------------------- */
+
+static int read_scene(const struct doubled_input *input, struct orl_error *err)
+{
+    char panel[2048];
+    static const char *const names[] = {"main.rad", "part.rad", "args.txt", "panel.xml"};
+    scene_uniform_bsdf(0.1, panel);
+    const struct orl_file contents[] = {
+        {input->data, input->size, NULL},
+        {"m sphere p 0 0 4 0 0 0 1\n", 25, NULL},
+        {input->copies, input->copies_size, NULL},
+        {panel, strlen(panel), NULL},
+    };
+    struct orl_memory_files memory = {names, contents, 4};
+    const struct orl_files files = orl_files_from_memory(&memory);
+    if (input->of->kind == DOUBLED_WORLD) {
+        struct orl_scene_summary summary = {0};
+        const int code = orl_scene_check(names, 1, &files, NULL, &summary, err);
+        orl_scene_summary_done(&summary);
+        return code;
+    }
+    struct orl_description description = {0};
+    const int code = orl_scene_parse(names, 1, &files, &description, err);
+    orl_description_done(&description);
+    return code;
+}
+
+static int read_bsdf(const struct doubled_input *input, struct orl_error *err)
+{
+    struct orl_bsdf *bsdf = NULL;
+    const int code = orl_bsdf_load_xml("file.xml", input->data, input->size, &bsdf, err);
+    orl_bsdf_unref(bsdf);
+    return code;
+}
+
+static int read_sensors(const struct doubled_input *input, struct orl_error *err)
+{
+    struct orl_sensor *sensors = NULL;
+    size_t count = 0;
+    const int code =
+        orl_sensors_parse("sensors.pts", input->data, input->size, &sensors, &count, err);
+    free(sensors);
+    return code;
+}
+
+static int read_weather(const struct doubled_input *input, struct orl_error *err)
+{
+    struct orl_weather weather = {0};
+    const int code = orl_weather_parse("place.wea", input->data, input->size, &weather, err);
+    orl_weather_done(&weather);
+    return code;
+}
+
+static int read_job(const struct doubled_input *input, struct orl_error *err)
+{
+    struct orl_job job;
+    json_t *doc = NULL;
+    int code = orl_json_parse("job.json", input->data, input->size, &doc, err);
+    if (code < 0)
+        return code;
+    code = orl_job_from_json(doc, ORL_JOB_LOCAL, &job, NULL, err);
+    json_decref(doc);
+    if (code < 0)
+        return code;
+    code = orl_job_validate(&job, err);
+    orl_job_done(&job);
+    return code;
+}
+
+static int read_study(const struct doubled_input *input, struct orl_error *err)
+{
+    struct orl_study_request request;
+    json_t *doc = NULL;
+    int code = orl_json_parse("study.json", input->data, input->size, &doc, err);
+    if (code < 0)
+        return code;
+    code = orl_study_from_json(doc, ORL_JOB_LOCAL, &request, NULL, err);
+    json_decref(doc);
+    if (code < 0)
+        return code;
+    code = orl_study_request_validate(&request, err);
+    orl_study_request_done(&request);
+    return code;
+}
+
+/* Into files of a folder, which go at once. */
+static int read_zip(const struct doubled_input *input, struct orl_error *err)
+{
+    const struct orl_file archive = {input->data, input->size, NULL};
+    static struct orl_folders folders;
+    struct orl_bundle bundle = {0};
+    char tmp[ORL_PATH_MAX];
+    snprintf(folders.root, sizeof folders.root, "/tmp/oriel-test-XXXXXX");
+    if (!mkdtemp(folders.root))
+        return orl_error_set(err, ORL_ERR_IO, "there is no temporary folder");
+    orl_folders_path(&folders, tmp, "tmp");
+    mkdir(tmp, 0700);
+    const int code = orl_unzip(&archive, &folders, true, &bundle, err);
+    orl_bundle_done(&bundle);
+    orl_remove_tree(folders.root, NULL);
+    return code;
+}
+
+/* ---- Inputs ---------------------------------------------------------------------------------- */
+
+struct doubled_input doubled_make(const struct doubled *of, size_t n)
+{
+    struct doubled_input input = {.of = of};
+    FILE *file = open_memstream(&input.data, &input.size);
+    FILE *copies = open_memstream(&input.copies, &input.copies_size);
+    if (!file || !copies)
+        abort();
+    of->write(file, n);
+    for (size_t i = 0; i < n; i++)
+        fprintf(copies, "-t 0 0 %zu\n", i);
+    fclose(file);
+    fclose(copies);
+    return input;
+}
+
+void doubled_done(struct doubled_input *input)
+{
+    free(input->data);
+    free(input->copies);
+}
+
+int doubled_read(const struct doubled_input *input, char text[256])
+{
+    static int (*const readers[])(const struct doubled_input *, struct orl_error *) = {
+        [DOUBLED_SCENE] = read_scene,     [DOUBLED_WORLD] = read_scene,
+        [DOUBLED_BSDF] = read_bsdf,       [DOUBLED_SENSORS] = read_sensors,
+        [DOUBLED_WEATHER] = read_weather, [DOUBLED_JOB] = read_job,
+        [DOUBLED_STUDY] = read_study,     [DOUBLED_ZIP] = read_zip,
+    };
+    struct orl_error err = {0};
+    const int code = readers[input->of->kind](input, &err);
+    snprintf(text, 256, "%.200s", err.message);
+    return code;
+}

@@ -1,0 +1,259 @@
+/* The rows that are files of other kinds. */
+#include "fixtures/bsdf_make.h"
+#include "support/doubled.h"
+#include "support/zip.h"
+
+/* ---- BSDFs ----------------------------------------------------------------------------------- */
+
+static void write_bsdf(FILE *f, const char *structure, const char *basis, size_t n,
+                       const char *value, const char *open, const char *end)
+{
+    make_head(f, structure);
+    make_block_head(f, "Visible", "Transmission Front", basis);
+    fputs(open, f);
+    for (size_t i = 0; i < n; i++)
+        fputs(value, f);
+    fputs(end, f);
+    make_block_tail(f);
+    make_tail(f);
+}
+/* A tree of three levels, n of its 256 cells of the second split once more. */
+static void write_leaves(FILE *f, size_t n)
+{
+    make_head(f, "TensorTree4");
+    make_block_head(f, "Visible", "Transmission Front", NULL);
+    fputs("{", f);
+    for (size_t i = 0; i < 16; i++) {
+        fputs("{", f);
+        for (size_t k = 0; k < 16; k++) {
+            if (i * 16 + k >= n) {
+                fputs("{.1}", f);
+                continue;
+            }
+            fputs("{", f);
+            for (size_t j = 0; j < 16; j++)
+                fprintf(f, "{.%zu}", i + k + j + 1);
+            fputs("}", f);
+        }
+        fputs("}", f);
+    }
+    fputs("}", f);
+    make_block_tail(f);
+    make_tail(f);
+}
+static void write_data_blanks(FILE *f, size_t n)
+{
+    write_bsdf(f, "TensorTree4", NULL, n, "              \n", "{.1", "}");
+}
+static void write_data_comments(FILE *f, size_t n)
+{
+    write_bsdf(f, "TensorTree4", NULL, n, "<!-- x -->", "{.1", "}");
+}
+static void write_xml_comment(FILE *f, size_t n)
+{
+    write_bsdf(f, "TensorTree4", NULL, n, "comment ", "{.1}<!--", "-->");
+}
+static void write_xml_references(FILE *f, size_t n)
+{
+    write_bsdf(f, "TensorTree4", NULL, n, "&#32;", "{.1", "}");
+}
+static void write_klems(FILE *f, size_t n)
+{
+    make_head(f, "Columns");
+    for (size_t i = 0; i < n; i++) { /* the last counts; others are of another wavelength */
+        make_block_head(f, i + 1 < n ? "NIR" : "Visible", "Transmission Front",
+                        "LBNL/Klems Quarter");
+        for (int k = 0; k < 41 * 41; k++)
+            fputs(".01, ", f);
+        make_block_tail(f);
+    }
+    make_tail(f);
+}
+static void write_unknown_elements(FILE *f, size_t n)
+{
+    fputs("<WindowElement><Optical><Layer><DataDefinition><IncidentDataStructure>TensorTree4"
+          "</IncidentDataStructure></DataDefinition>",
+          f);
+    for (size_t i = 0; i < n; i++)
+        fprintf(f, "<e%zu>%zu</e%zu><!-- %zu -->", i, i, i, i);
+    make_block_head(f, "Visible", "Transmission Front", NULL);
+    fputs("{.1}", f);
+    make_block_tail(f);
+    make_tail(f);
+}
+static void write_attributes(FILE *f, size_t n)
+{
+    fputs("<WindowElement", f);
+    for (size_t i = 0; i < n; i++)
+        fprintf(f, " a%zu='%zu'", i, i);
+    fputs("><Optical><Layer><DataDefinition><IncidentDataStructure>TensorTree4"
+          "</IncidentDataStructure></DataDefinition>",
+          f);
+    make_block_head(f, "Visible", "Transmission Front", NULL);
+    fputs("{.1}", f);
+    make_block_tail(f);
+    make_tail(f);
+}
+static void write_name(FILE *f, size_t n)
+{
+    fputs("<WindowElement><Optical><Layer><Material><Name>", f);
+    for (size_t i = 0; i < n; i++)
+        fputs("a name &amp; ", f);
+    fputs("</Name></Material><DataDefinition><IncidentDataStructure>TensorTree4"
+          "</IncidentDataStructure></DataDefinition>",
+          f);
+    make_block_head(f, "Visible", "Transmission Front", NULL);
+    fputs("{.1}", f);
+    make_block_tail(f);
+    make_tail(f);
+}
+
+/* ---- Sensors, weather, documents ------------------------------------------------------------- */
+
+static void write_sensors(FILE *f, size_t n)
+{
+    for (size_t i = 0; i < n; i++)
+        fprintf(f, "%zu 1 .8 0 0 1\n", i);
+}
+static void write_sensor_blanks(FILE *f, size_t n)
+{
+    fputs("0 1 .8 0 0 1\n", f);
+    for (size_t i = 0; i < n; i++)
+        fputs("    \n", f);
+}
+static void write_wea(FILE *f, size_t n)
+{
+    fputs("place x\nlatitude 38\nlongitude -27\ntime_zone -30\nsite_elevation 25\n"
+          "weather_data_file_units 1\n",
+          f);
+    for (size_t i = 0; i < n; i++)
+        fprintf(f, "%zu %zu %zu.5 %zu 100\n", i / 672 % 12 + 1, i / 24 % 28 + 1, i % 24, i % 900);
+}
+static void write_epw(FILE *f, size_t n)
+{
+    fputs("LOCATION,Oriel Test,-,TST,made up,000000,38.42,27.14,2.0,25.0\nDESIGN CONDITIONS,0\n"
+          "TYPICAL/EXTREME PERIODS,0\nGROUND TEMPERATURES,0\n"
+          "HOLIDAYS/DAYLIGHT SAVINGS,No,0,0,0\nCOMMENTS 1,made up\nCOMMENTS 2,\n"
+          "DATA PERIODS,1,1,Data,Sunday,1/1,12/31\n",
+          f);
+    for (size_t i = 0; i < n; i++)
+        fprintf(f,
+                "2020,%zu,%zu,%zu,0,none,15.0,7.0,60,101300,9999,9999,300,9999,%zu,90,999999,"
+                "999999,999999,9999,0,0.0,5,5,9999,99999,9,999999999,0,0.0000,0,88,0.000,0,0\n",
+                i / 672 % 12 + 1, i / 24 % 28 + 1, i % 24 + 1, i % 900);
+}
+
+#define JOB_HEAD "{\"kind\": \"render\", \"scene\": {\"files\": [\"a.rad\"]}"
+#define LIST(name, member, format, end)                                                            \
+    static void name(FILE *f, size_t n)                                                            \
+    {                                                                                              \
+        fputs(JOB_HEAD ", \"" member "\": [", f);                                                  \
+        for (size_t i = 0; i < n; i++) {                                                           \
+            fputs(i > 0 ? ",\n" : "", f);                                                          \
+            fprintf(f, format, i);                                                                 \
+        }                                                                                          \
+        fputs("]" end, f);                                                                         \
+    }
+#define SENSOR ", \"sensors\": [[0, 0, 1, 0, 0, 1]]}"
+LIST(write_job_sensors, "sensors", "[%zu, 1, 0.8, 0, 0, 1]", "}")
+LIST(write_job_views, "views",
+     "{\"name\": \"v%zu\", \"view\": \"-vtv -vp 1 2 1 -vd 0 1 0\", \"width\": 8, \"height\": 8}",
+     "}")
+LIST(write_job_skies, "skies",
+     "{\"name\": \"s%zu\", \"cie\": {\"type\": \"overcast\", \"diffuse_horizontal_lx\": 1000}}",
+     SENSOR)
+static void write_job_files(FILE *f, size_t n)
+{
+    fputs("{\"kind\": \"render\", \"scene\": {\"files\": [", f);
+    for (size_t i = 0; i < n; i++)
+        fprintf(f, "%s\"a%zu.rad\"", i > 0 ? ", " : "", i);
+    fputs("]}" SENSOR, f);
+}
+static void write_job_blanks(FILE *f, size_t n)
+{
+    fprintf(f, JOB_HEAD "%*s" SENSOR, (int)n, "");
+}
+static void write_job_hours(FILE *f, size_t n)
+{
+    fprintf(f,
+            JOB_HEAD ", \"skies\": {\"weather\": {\"file\": \"a.epw\"}, \"from\": {\"month\": 3, "
+                     "\"day\": 1, \"hour\": 0.5}, \"to\": {\"month\": 3, \"day\": %zu, \"hour\": "
+                     "23.5}, \"step_h\": 1}" SENSOR,
+            n);
+}
+/* Refused, but not before it is read. */
+static void write_members(FILE *f, size_t n)
+{
+    fputs(JOB_HEAD, f);
+    for (size_t i = 0; i < n; i++)
+        fprintf(f, ", \"m%zu\": %zu", i, i);
+    fputs(SENSOR, f);
+}
+static void write_study(FILE *f, size_t n)
+{
+    fputs("{\"kind\": \"study\", \"scene\": {\"files\": [\"a.rad\"]}, \"sensors\": "
+          "[[0,0,1,0,0,1]], \"techniques\": [\"backward\"], \"pixel_samples\": [1, 2], "
+          "\"repeats\": 2, \"reference\": {\"samples\": 1024}, \"points\": [",
+          f);
+    for (size_t i = 0; i < n; i++)
+        fprintf(f, "%s{\"name\": \"x%zu\", \"seconds\": 1, \"rms\": 1}", i > 0 ? ", " : "", i);
+    fputs("]}", f);
+}
+
+/* ---- Zips ------------------------------------------------------------------------------------ */
+
+static void write_zip(FILE *f, size_t n)
+{
+    struct zip_entry *entries = calloc(n, sizeof *entries);
+    char(*names)[32] = calloc(n, sizeof *names), *archive;
+    size_t size;
+    for (size_t i = 0; entries && names && i < n; i++) {
+        snprintf(names[i], sizeof names[i], "part%zu.rad", i);
+        entries[i] = (struct zip_entry){.name = names[i], .data = "# x\n", .size = 4};
+    }
+    archive = zip_make(entries, n, &size);
+    fwrite(archive, 1, size, f);
+    free(archive);
+    free(names);
+    free(entries);
+}
+static void write_zip_of_one(FILE *f, size_t n)
+{
+    size_t size;
+    char *archive = zip_make_bomb("a.rad", n, &size);
+    fwrite(archive, 1, size, f);
+    free(archive);
+}
+
+/* ---- The table ------------------------------------------------------------------------------- */
+
+#define KIND(name, kind, n)                                                                        \
+    {                                                                                              \
+#name, DOUBLED_##kind, n, write_##name, 0                                                  \
+    }
+const struct doubled doubled_files[] = {
+    KIND(leaves, BSDF, 120),
+    KIND(data_blanks, BSDF, 30000),
+    KIND(data_comments, BSDF, 5000),
+    KIND(xml_comment, BSDF, 20000),
+    KIND(xml_references, BSDF, 5000),
+    KIND(klems, BSDF, 3),
+    KIND(unknown_elements, BSDF, 2000),
+    KIND(attributes, BSDF, 1000),
+    KIND(name, BSDF, 3000),
+    KIND(sensors, SENSORS, 2000),
+    KIND(sensor_blanks, SENSORS, 20000),
+    KIND(wea, WEATHER, 1000),
+    KIND(epw, WEATHER, 500),
+    KIND(job_sensors, JOB, 300),
+    KIND(job_views, JOB, 100),
+    KIND(job_skies, JOB, 100),
+    KIND(job_files, JOB, 200),
+    KIND(job_blanks, JOB, 20000),
+    KIND(job_hours, JOB, 14),
+    KIND(members, JOB, 500),
+    KIND(study, STUDY, 30),
+    KIND(zip, ZIP, 50),
+    KIND(zip_of_one, ZIP, 100000),
+};
+const size_t doubled_n_files = sizeof doubled_files / sizeof *doubled_files;

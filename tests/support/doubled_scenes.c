@@ -1,0 +1,344 @@
+/* The rows: what is written so many times. Numbers differ from one to the next where equal ones
+ * would lie on each other. */
+#include <stdlib.h>
+#include <string.h>
+
+#include <oriel/vec.h>
+
+#include "support/doubled.h"
+
+#define GREY "void plastic m 0 0 5 .5 .5 .5 0 0\n"
+
+/* ---- Scenes: a line again and again, with its number ----------------------------------------- */
+
+#define LINES(name, head, format)                                                                  \
+    static void name(FILE *f, size_t n)                                                            \
+    {                                                                                              \
+        fputs(head, f);                                                                            \
+        for (size_t i = 0; i < n; i++)                                                             \
+            fprintf(f, format, i, i, i);                                                           \
+        fputs(GREY, f);                                                                            \
+    }
+/* The numbers that are not wanted are behind a comment. */
+LINES(write_comments, "", "# %zu a comment %zu %zu\n")
+LINES(write_materials, "", "void plastic m%zu 0 0 5 .5 .5 .5 0 0\n# %zu%zu\n")
+LINES(write_plastic2, "", "void plastic2 m%zu 4 1 0 0 . 0 6 .5 .5 .5 .1 .1 .2\n# %zu%zu\n")
+LINES(write_trans, "", "void trans m%zu 0 0 7 .5 .5 .5 0 0 .5 .5\n# %zu%zu\n")
+LINES(write_glass, "", "void glass m%zu 0 0 3 .9 .9 .9\n# %zu%zu\n")
+LINES(write_dielectric, "", "void dielectric m%zu 0 0 5 .9 .9 .9 1.5 0\n# %zu%zu\n")
+LINES(write_interface, "", "void interface m%zu 0 0 8 .9 .9 .9 1.5 .9 .9 .9 1.3\n# %zu%zu\n")
+LINES(write_mirror, GREY, "void mirror r%zu 1 m 0 3 .9 .9 .9\n# %zu%zu\n")
+LINES(write_light, "", "void light m%zu 0 0 3 9 9 9\n# %zu%zu\n")
+LINES(write_glow, "", "void glow m%zu 0 0 4 9 9 9 0\n# %zu%zu\n")
+LINES(write_spotlight, "", "void spotlight m%zu 0 0 7 9 9 9 60 0 0 -1\n# %zu%zu\n")
+LINES(write_illum, GREY, "void illum i%zu 1 m 0 3 1 1 1\n# %zu%zu\n")
+LINES(write_bsdfs, "", "void BSDF b%zu 6 0 panel.xml 0 0 1 . 0 0\n# %zu%zu\n")
+LINES(write_skies, "",
+      "void brightfunc s%zu 2 skybright skybright.cal 0 7 1 1 1 .5 0 0 1\ns%zu glow g%zu 0 0 4 1 1 "
+      "1 0\n")
+LINES(write_same_name, "", "void plastic m 0 0 5 .5 .5 .5 0 0\n# %zu%zu%zu\n")
+LINES(write_aliases, GREY "void alias a m\n", "void alias b%zu a\nvoid alias a b%zu\n# %zu\n")
+LINES(write_polygons, GREY, "m polygon p%zu 0 0 9 %zu 0 0 %zu 0 1 0 1 0\n")
+LINES(write_spheres, GREY, "m sphere s%zu 0 0 4 %zu %zu 0 .1\n")
+LINES(write_bubbles, GREY, "m bubble s%zu 0 0 4 %zu %zu 0 .1\n")
+LINES(write_cylinders, GREY, "m cylinder s%zu 0 0 7 %zu 0 0 %zu 0 1 .1\n")
+LINES(write_tubes, GREY, "m tube s%zu 0 0 7 %zu 0 0 %zu 0 1 .1\n")
+LINES(write_cones, GREY, "m cone s%zu 0 0 8 %zu 0 0 %zu 0 1 .1 .2\n")
+LINES(write_cups, GREY, "m cup s%zu 0 0 8 %zu 0 0 %zu 0 1 .1 .2\n")
+LINES(write_rings, GREY, "m ring s%zu 0 0 8 %zu %zu 0 0 0 1 0 .1\n")
+LINES(write_sources, "void light l 0 0 3 9 9 9\n", "l source s%zu 0 0 4 1 %zu %zu .5\n")
+LINES(write_degenerate, GREY, "m polygon p%zu 0 0 9 %zu 0 0 %zu 0 0 1 0 0\n")
+LINES(write_no_modifier, GREY, "void sphere s%zu 0 0 4 %zu %zu 0 .1\n")
+LINES(write_quotes, GREY, "'m' \"sphere\" 's 'o%zu 0 0 4 '%zu' \"%zu\" 0 .1\n")
+LINES(write_unsupported, GREY, "void texfunc t%zu 0 0 0\nt%zu metal m%zu 0 0 5 .5 .5 .5 0 0\n")
+LINES(write_includes, GREY, "!xform -t %zu %zu %zu part.rad\n")
+LINES(write_pipes, GREY, "!genbox m b%zu 1 2 3 | xform -t %zu %zu 0 | xform -s 2\n")
+
+static void write_daylit(FILE *f, size_t n)
+{
+    for (size_t i = 0; i < n; i++)
+        fprintf(f, "!gendaylit 3 22 12 -a %zu.5 -o 71 -m 75 -W 800 100\n", i % 60);
+    fputs(GREY, f);
+}
+static void write_skies_made(FILE *f, size_t n)
+{
+    for (size_t i = 0; i < n; i++)
+        fprintf(f, "!gensky 3 22 12 -a %zu.5 -o 71 -m 75\n", i % 60);
+    fputs(GREY, f);
+}
+static void write_boxes(FILE *f, size_t n)
+{
+    fputs(GREY, f);
+    for (size_t i = 0; i < n; i++)
+        fprintf(f, "!genbox m b%zu 1 2 %zu\n", i, i + 1);
+}
+
+/* ---- Scenes: one thing of a size ------------------------------------------------------------- */
+
+static void write_long_comment(FILE *f, size_t n)
+{
+    fprintf(f, "# %*s\n" GREY, (int)n, "");
+}
+static void write_blanks(FILE *f, size_t n)
+{
+    fprintf(f, "void plastic m%*s 0 0 5 .5 .5 .5 0 0\n", (int)n, "");
+}
+static void write_strings(FILE *f, size_t n)
+{
+    fprintf(f, GREY "void brightfunc s %zu", n);
+    for (size_t i = 0; i < n; i++)
+        fprintf(f, " word%zu", i);
+    fputs(" 0 0\n", f);
+}
+static void write_long_numbers(FILE *f, size_t n)
+{
+    for (size_t i = 0; i < n; i++)
+        fprintf(f, "void glass m%zu 0 0 3 .%0400d1 .9 .9e-%0300d\n", i, 0, 0);
+}
+static void write_command_words(FILE *f, size_t n)
+{
+    fputs(GREY "!genbox m b 1 2 3 |xform", f);
+    for (size_t i = 0; i < n; i++)
+        fputs(" -rz 1", f);
+    fputc('\n', f);
+}
+static void write_command_lines(FILE *f, size_t n)
+{
+    fputs(GREY "!genbox m b 1 2 3 |xform", f);
+    for (size_t i = 0; i < n; i++)
+        fputs(" -rz\\\n 1", f);
+    fputc('\n', f);
+}
+static void write_array(FILE *f, size_t n)
+{
+    fprintf(f, GREY "!xform -n x -a %zu -t 0 0 1 part.rad\n", n);
+}
+static void write_arrays_nested(FILE *f, size_t n)
+{
+    fprintf(f, GREY "!xform -n x -a 4 -t 0 0 1 -a %zu -rz 1 -a 5 -t 1 0 0 part.rad\n", n);
+}
+/* Twice as long a command for the same copies. */
+static void write_array_transforms(FILE *f, size_t n)
+{
+    fputs(GREY "!xform -n x -a 300", f);
+    for (size_t i = 0; i < n; i++)
+        fputs(" -t 0 0 1", f);
+    fputs(" part.rad\n", f);
+}
+/* Twice as long a command for twice as many copies: no more than the sum. */
+static void write_array_both(FILE *f, size_t n)
+{
+    fprintf(f, GREY "!xform -n x -a %zu", n);
+    for (size_t i = 0; i < n; i++)
+        fputs(" -t 0 0 1", f);
+    fputs(" part.rad\n", f);
+}
+static void write_array_flags(FILE *f, size_t n)
+{
+    fprintf(f, GREY "!xform -n x -a %zu", n);
+    for (size_t i = 0; i < n; i++)
+        fputs(" -i 2 -rx 1 -mx", f);
+    fputs(" part.rad\n", f);
+}
+static void write_array_options(FILE *f, size_t n)
+{
+    fputs(GREY "!xform -n x", f);
+    for (size_t i = 0; i < n; i++)
+        fputs(" -I -c -m m -e", f);
+    fprintf(f, " -a %zu -t 0 0 1 part.rad\n", n);
+}
+static void write_array_files(FILE *f, size_t n)
+{
+    fputs(GREY "!xform -n x -a 20 -t 0 0 1", f);
+    for (size_t i = 0; i < n; i++)
+        fputs(" part.rad", f);
+    fputc('\n', f);
+}
+/* args.txt has n lines. */
+static void write_argument_file(FILE *f, size_t n)
+{
+    (void)n;
+    fputs(GREY "!xform -n x -f args.txt part.rad\n", f);
+}
+static void write_argument_file_and_words(FILE *f, size_t n)
+{
+    fputs(GREY "!xform -n x -f args.txt", f);
+    for (size_t i = 0; i < n; i++)
+        fputs(" -t 0 0 1", f);
+    fputs(" part.rad\n", f);
+}
+static void write_piped_arrays(FILE *f, size_t n)
+{
+    fprintf(f, GREY "!genbox m b 1 2 3 | xform -n x -a %zu -t 0 0 4\n", n);
+}
+
+/* ---- Polygons -------------------------------------------------------------------------------- */
+
+/* Corners by a formula. */
+static void write_outline(FILE *f, size_t n, double (*radius)(size_t i, size_t n))
+{
+    fprintf(f, GREY "m polygon p 0 0 %zu\n", 3 * n);
+    for (size_t i = 0; i < n; i++) {
+        const double angle = 2 * ORL_PI * (double)i / (double)n, r = radius(i, n);
+        fprintf(f, "%.9g %.9g 0\n", r * cos(angle), r * sin(angle));
+    }
+}
+static double round_radius(size_t i, size_t n)
+{
+    (void)i, (void)n;
+    return 10;
+}
+static double star_radius(size_t i, size_t n)
+{
+    (void)n;
+    return i % 2 ? 10 : 5;
+}
+static void write_disc(FILE *f, size_t n)
+{
+    write_outline(f, n, round_radius);
+}
+static void write_star(FILE *f, size_t n)
+{
+    write_outline(f, n, star_radius);
+}
+static void write_comb(FILE *f, size_t n)
+{
+    fprintf(f, GREY "m polygon p 0 0 %zu\n", 3 * (2 * n + 2));
+    for (size_t i = 0; i < n; i++)
+        fprintf(f, "%zu 1 0 %zu.5 9 0\n", i, i);
+    fprintf(f, "%zu 0 0 0 0 0\n", n);
+}
+static void write_spiral(FILE *f, size_t n)
+{
+    fprintf(f, GREY "m polygon p 0 0 %zu\n", 6 * n);
+    for (size_t k = 0; k < 2 * n; k++) {
+        const size_t i = k < n ? k : 2 * n - 1 - k;
+        const double angle = (double)i * 0.3, r = 1 + (double)i * 0.05 + (k < n ? 0 : 0.2);
+        fprintf(f, "%.9g %.9g 0\n", r * cos(angle), r * sin(angle));
+    }
+}
+/* Crosses itself once a tooth. */
+static void write_zigzag(FILE *f, size_t n)
+{
+    fprintf(f, GREY "m polygon p 0 0 %zu\n", 3 * (n + 2));
+    for (size_t i = 0; i < n; i++)
+        fprintf(f, "%zu %d 0\n", i, i % 2 ? 1 : -1);
+    fprintf(f, "%zu 0.01 0 -1 0.02 0\n", n);
+}
+/* Holes joined by seams. */
+static void write_holes(FILE *f, size_t n)
+{
+    fprintf(f, GREY "m polygon p 0 0 %zu\n0 0 0 0 9 0 %zu 9 0 %zu 0 0\n", 3 * (4 + 5 * n),
+            4 * n + 4, 4 * n + 4);
+    for (size_t k = n; k-- > 0;)
+        fprintf(f, "%zu 0 0 %zu 2 0 %zu 2 0 %zu 4 0 %zu 0 0\n", 4 * k + 2, 4 * k + 2, 4 * k + 4,
+                4 * k + 2, 4 * k + 2);
+}
+/* Floor tiles side by side in one plane; the same with each on half of its neighbour. */
+static void write_tiles_wide(FILE *f, size_t n, double wide)
+{
+    fputs(GREY, f);
+    for (size_t i = 0; i < n; i++) {
+        const double x = (double)(i % 40), y = (double)(i / 40);
+        fprintf(f, "m polygon t%zu 0 0 12 %g %g 0 %g %g 0 %g %g 0 %g %g 0\n", i, x, y, x + wide, y,
+                x + wide, y + 1, x, y + 1);
+    }
+}
+static void write_tiles(FILE *f, size_t n)
+{
+    write_tiles_wide(f, n, 1);
+}
+static void write_tiles_lapping(FILE *f, size_t n)
+{
+    write_tiles_wide(f, n, 1.5);
+}
+static void write_walls(FILE *f, size_t n)
+{
+    fputs(GREY, f);
+    for (size_t i = 0; i < n; i++)
+        fprintf(f, "m polygon w%zu 0 0 12 %zu 0 0 %zu 0 1 %zu 1 1 %zu 1 0\n", i, i, i, i, i);
+}
+/* n in one place. */
+static void write_stack(FILE *f, size_t n)
+{
+    fputs(GREY, f);
+    for (size_t i = 0; i < n; i++)
+        fprintf(f, "m polygon w%zu 0 0 12 0 0 0 1 0 0 1 1 0 0 1 0\n", i);
+}
+
+/* ---- The table ------------------------------------------------------------------------------- */
+
+#define SCENE(name, n)                                                                             \
+    {                                                                                              \
+#name, DOUBLED_SCENE, n, write_##name, 0                                                   \
+    }
+#define WORLD(name, n)                                                                             \
+    {                                                                                              \
+#name ", checked", DOUBLED_WORLD, n, write_##name, 0                                       \
+    }
+const struct doubled doubled_scenes[] = {
+    SCENE(comments, 2000),
+    SCENE(long_comment, 50000),
+    SCENE(blanks, 20000),
+    SCENE(materials, 500),
+    SCENE(plastic2, 500),
+    SCENE(trans, 500),
+    SCENE(glass, 500),
+    SCENE(dielectric, 500),
+    SCENE(interface, 500),
+    SCENE(mirror, 500),
+    SCENE(light, 500),
+    SCENE(glow, 500),
+    SCENE(spotlight, 500),
+    SCENE(illum, 500),
+    SCENE(bsdfs, 500),
+    SCENE(skies, 500),
+    SCENE(same_name, 500),
+    SCENE(aliases, 500),
+    SCENE(polygons, 500),
+    SCENE(spheres, 500),
+    SCENE(bubbles, 500),
+    SCENE(cylinders, 500),
+    SCENE(tubes, 500),
+    SCENE(cones, 500),
+    SCENE(cups, 500),
+    SCENE(rings, 500),
+    SCENE(sources, 500),
+    SCENE(degenerate, 500),
+    SCENE(no_modifier, 500),
+    SCENE(quotes, 500),
+    SCENE(unsupported, 300),
+    SCENE(boxes, 25),
+    SCENE(skies_made, 40),
+    SCENE(daylit, 40),
+    SCENE(includes, 500),
+    SCENE(pipes, 30),
+    SCENE(strings, 3000),
+    SCENE(long_numbers, 60),
+    SCENE(command_words, 500),
+    SCENE(command_lines, 500),
+    SCENE(array, 500),
+    SCENE(arrays_nested, 30),
+    SCENE(array_transforms, 100),
+    SCENE(array_both, 200),
+    SCENE(array_flags, 150),
+    SCENE(array_options, 100),
+    SCENE(array_files, 80),
+    SCENE(argument_file, 500),
+    SCENE(argument_file_and_words, 200),
+    SCENE(piped_arrays, 100),
+    WORLD(polygons, 200),
+    WORLD(spheres, 200),
+    WORLD(disc, 500),
+    WORLD(star, 200),
+    WORLD(comb, 100),
+    WORLD(spiral, 100),
+    WORLD(zigzag, 100),
+    WORLD(holes, 40),
+    WORLD(tiles, 200),
+    WORLD(tiles_lapping, 100),
+    WORLD(walls, 200),
+    /* As many pairs as there are, up to the bound on work of scene/coincident.c. */
+    {"stack, checked", DOUBLED_WORLD, 25, write_stack, 4.2},
+};
+const size_t doubled_n_scenes = sizeof doubled_scenes / sizeof *doubled_scenes;
