@@ -126,7 +126,7 @@ struct orl_gather_ray {
     const struct orl_icache *known;
     struct orl_tally *tally; /* NULL, or what the radiance's parts are added to */
     double share;            /* of the radiance in it */
-    double *ret_distance;    /* NULL, or takes how far the first thing met is, if any is */
+    double *ret_distance;    /* NULL, or takes how far the first thing met inside is, if any is */
     /* NULL, or empty at first: takes the first texel met, whose light is then not in the radiance
      * (orl_gather_read). Who follows many rays has memory answer all of them meanwhile. */
     struct orl_glimpse *ret_glimpse;
@@ -183,7 +183,7 @@ struct orl_density orl_gather_rest(const struct orl_gather *gather,
  * is compared with the next in its row, as if both were drawn from both strata (which errs on the
  * high side). known: records made before, or NULL.
  */
-enum { ORL_HEMISPHERE_ROWS = 18, ORL_HEMISPHERE_COLUMNS = 54 }; /* at most */
+enum { ORL_HEMISPHERE_ROWS = 18, ORL_HEMISPHERE_COLUMNS = 56 }; /* at most */
 struct orl_hemisphere {
     struct orl_rgb irradiance;
     struct orl_vec3 by_rotation[3], by_translation[3]; /* per channel */

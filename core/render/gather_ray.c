@@ -320,7 +320,7 @@ static struct orl_rgb follow(const struct orl_gather *gather, const struct orl_g
             return orl_rgb_add(
                 sum, orl_rgb_mul(leg.weight, orl_world_dome_radiance(world, leg.direction)));
         }
-        if (leg.bounce == 0 && ray->ret_distance)
+        if (leg.bounce == 0 && !ray->outside && ray->ret_distance)
             *ray->ret_distance = hit.distance;
         const struct orl_material *m = orl_world_material(world, &hit);
         const struct orl_vec3 eye = orl_neg(leg.direction);
