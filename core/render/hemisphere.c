@@ -1,22 +1,28 @@
 /*
- * The gathered part at a place: a stratified hemisphere of rays, one a stratum, and three more
- * where the strata about it differ.
+ * The gathered part at a place: a stratified hemisphere of rays, one a stratum, and three or
+ * fifteen more where the strata about it differ.
  */
 #include "light/proxies.h"
 #include "render/gather.h"
 
-enum { AHEAD = 16, QUARTERS = 4 };
+enum { AHEAD = 16 };
 
-/* Strata whose neighbours differ by more than this share of the mean of all take more rays. */
-static const double contrast = 3;
+/*
+ * Strata whose neighbours differ by more than such shares of the mean of all take so many rays
+ * across and down. What the one ray of a stratum says by chance is up to half of what its
+ * neighbours differ by: of some hundred strata ten that differ by 20 tell the mean to a third, and
+ * by sixteen rays each, which leave but the edge of a window to chance, to some hundredths.
+ */
+enum { CLOSER = 2, CLOSEST = 4 };
+static const double contrast = 5, much_contrast = 20;
 
 /* A stratum: what its rays have seen, and how far they went. */
 struct strand {
     struct orl_rgb radiance;
-    double distance;  /* harmonic mean */
-    double variance;  /* of its luma, of several rays; less than 0: there was one */
-    uint32_t quarter; /* of the stratum, that the first ray went through */
-    bool closer;      /* more rays are to be sent */
+    double distance;     /* harmonic mean */
+    double variance;     /* of its luma, of several rays; less than 0: there was one */
+    double down, across; /* where in the stratum the first ray went */
+    uint32_t side;       /* so many rays are to be sent across, and down */
 };
 
 static double channel(struct orl_rgb c, uint32_t i)
@@ -176,10 +182,27 @@ static void send_first(struct making *m)
         if (i >= strata)
             continue;
         const double down = orl_random_uniform(m->random), across = orl_random_uniform(m->random);
-        m->strands[i] = (struct strand){
-            .variance = -1, .quarter = 2 * (uint32_t)(2 * down) + (uint32_t)(2 * across)};
+        m->strands[i] = (struct strand){.variance = -1, .down = down, .across = across};
         send(m, i, down, across, &m->tally, w);
     }
+}
+
+/* By how much the strata about one differ, of up to eight: the ends are dear, but what is bright
+ * and no wider than a stratum has its edges in those at its corners as well. */
+static double range_about(const double *lumas, uint32_t rows, uint32_t columns, uint32_t stratum)
+{
+    const uint32_t row = stratum / columns, column = stratum % columns;
+    const uint32_t beside[3] = {(column + columns - 1) % columns, (column + 1) % columns, column};
+    const uint32_t last = row + 1 < rows ? row + 1 : row;
+    double least = INFINITY, most = 0;
+    for (uint32_t y = row > 0 ? row - 1 : 0; y <= last; y++) {
+        for (int i = 0; i < (y == row ? 2 : 3); i++) {
+            const double luma = lumas[y * columns + beside[i]];
+            least = fmin(least, luma);
+            most = fmax(most, luma);
+        }
+    }
+    return most - least;
 }
 
 /*
@@ -190,35 +213,34 @@ static void send_first(struct making *m)
 static void choose(struct making *m)
 {
     double lumas[ORL_HEMISPHERE_ROWS * ORL_HEMISPHERE_COLUMNS], sum = 0;
-    const uint32_t rows = m->rows, columns = m->columns, strata = rows * columns;
+    const uint32_t strata = m->rows * m->columns;
     for (uint32_t i = 0; i < strata; i++) {
         lumas[i] = orl_luma(m->strands[i].radiance);
         sum += lumas[i];
     }
     for (uint32_t i = 0; i < strata; i++) {
-        const uint32_t row = i / columns, column = i % columns, first = row * columns;
-        const double left = lumas[first + (column + columns - 1) % columns];
-        const double right = lumas[first + (column + 1) % columns];
-        const double below = row > 0 ? lumas[i - columns] : left;
-        const double above = row + 1 < rows ? lumas[i + columns] : left;
-        const double most = fmax(fmax(left, right), fmax(below, above));
-        const double least = fmin(fmin(left, right), fmin(below, above));
-        m->strands[i].closer = most - least > contrast * (sum - lumas[i]) / (strata - 1);
+        const double mean = (sum - lumas[i]) / (strata - 1);
+        const double range = range_about(lumas, m->rows, m->columns, i);
+        m->strands[i].side = range > much_contrast * mean ? CLOSEST
+                             : range > contrast * mean    ? CLOSER
+                                                          : 1;
     }
 }
 
-/* Three more rays through a stratum, one through every quarter. Of the photons its first tells. */
+/* The other rays of a stratum, one through every part of it. Of the photons its first tells. */
 static void look_closer(struct making *m, uint32_t stratum)
 {
     struct strand *strand = &m->strands[stratum];
-    struct under_way w[QUARTERS - 1];
+    struct under_way w[CLOSEST * CLOSEST - 1];
+    const uint32_t side = strand->side, parts = side * side;
+    const uint32_t first =
+        side * (uint32_t)(side * strand->down) + (uint32_t)(side * strand->across);
     uint32_t n = 0;
-    for (uint32_t q = 0; q < QUARTERS; q++) {
-        if (q == strand->quarter)
+    for (uint32_t part = 0; part < parts; part++) {
+        if (part == first)
             continue;
-        const uint32_t row = q / 2, column = q % 2;
-        const double down = (row + orl_random_uniform(m->random)) / 2;
-        send(m, stratum, down, (column + orl_random_uniform(m->random)) / 2, NULL, &w[n++]);
+        const double down = (part / side + orl_random_uniform(m->random)) / side;
+        send(m, stratum, down, (part % side + orl_random_uniform(m->random)) / side, NULL, &w[n++]);
     }
     double luma = orl_luma(strand->radiance), squares = luma * luma,
            nearness = 1 / strand->distance;
@@ -229,10 +251,10 @@ static void look_closer(struct making *m, uint32_t stratum)
         squares += orl_luma(seen) * orl_luma(seen);
         nearness += 1 / w[i].distance;
     }
-    strand->radiance = orl_rgb_scale(sum, 1.0 / QUARTERS);
-    strand->distance = QUARTERS / nearness;
+    strand->radiance = orl_rgb_scale(sum, 1.0 / parts);
+    strand->distance = parts / nearness;
     luma = orl_luma(strand->radiance);
-    strand->variance = fmax(squares / QUARTERS - luma * luma, 0) / (QUARTERS - 1);
+    strand->variance = fmax(squares / parts - luma * luma, 0) / (parts - 1);
 }
 
 struct orl_hemisphere orl_gather_hemisphere(const struct orl_gather *gather,
@@ -258,7 +280,7 @@ struct orl_hemisphere orl_gather_hemisphere(const struct orl_gather *gather,
     choose(&m);
     double nearness = 0;
     for (uint32_t i = 0; i < rows * columns; i++) {
-        if (m.strands[i].closer)
+        if (m.strands[i].side > 1)
             look_closer(&m, i);
         h.irradiance = orl_rgb_add(h.irradiance, m.strands[i].radiance);
         nearness += 1 / m.strands[i].distance;

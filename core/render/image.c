@@ -10,9 +10,9 @@ enum { PANE_SAMPLES = 28, FEWER_PANE_SAMPLES = 12, GLOSS_SAMPLES = 4 };
 static const double dimmest = 0.004; /* branches below this share of the pixel are not followed */
 enum { COARSEST_STEP = 16, RECORDS_A_ROUND = 256, HOLDS = 2 };
 
-/* Rows of a record's hemisphere, by the step that asks for it. The later ones serve fewer pixels,
- * but along the lines where surfaces meet they have little company, and their noise is seen as
- * stitches. */
+/* Rows of a record's hemisphere, by the step that asks for it: the later, the fewer pixels it
+ * serves. Along the lines where surfaces meet late ones have little company, and their noise is
+ * seen as stitches; but what makes it, windows that few rays find, takes more rays in itself. */
 enum { ROWS = 12, ROWS_OF_STEP_4 = 8, LEAST_ROWS = 6 };
 
 /* Down to that step all places are looked at; and where all of the rest is gathered, to this. */
@@ -68,9 +68,8 @@ static uint32_t rows_of(const struct painter *p, const struct orl_place *place)
 {
     const struct orl_film *film = p->painting->film;
     const double finer = cbrt(sqrt(large_picture / ((double)film->width * film->height)));
-    const uint32_t rows = !orl_lighting_gathers(p->gather, place) ? LEAST_ROWS
-                          : p->step > 4                           ? ROWS
-                                                                  : ROWS_OF_STEP_4;
+    const bool coarse = p->step > 2 && orl_lighting_gathers(p->gather, place);
+    const uint32_t rows = !coarse ? LEAST_ROWS : p->step > 4 ? ROWS : ROWS_OF_STEP_4;
     return (uint32_t)lrint(rows * fmin(fmax(finer, 1), most_finer));
 }
 

@@ -1,6 +1,11 @@
 #include "render/record.h"
 
-enum { COLUMNS_A_ROW = 3 };
+/* Columns of a hemisphere: some three for each row. A multiple of four, so that a wall at right
+ * angles with the place's own ends where columns do, in rooms that lie along the axes. */
+static uint32_t columns_of(uint32_t rows)
+{
+    return (3 * rows + 2) / 4 * 4;
+}
 
 /* How far records reach, in pixels: their radii are held between these over the accuracy. */
 static const double least_reach_pixels = 1.5, most_reach_pixels = 40;
@@ -27,7 +32,7 @@ struct orl_record orl_record_make(const struct orl_gather *gather, const struct 
                                   struct orl_random *random, struct orl_search *search)
 {
     const struct orl_hemisphere h =
-        orl_gather_hemisphere(gather, place, rows, COLUMNS_A_ROW * rows, known, random, search);
+        orl_gather_hemisphere(gather, place, rows, columns_of(rows), known, random, search);
     const double radius = fmin(fmin(h.mean_distance, bend_radius(&h)),
                                nearest_reach / ORL_ICACHE_ACCURACY * h.least_distance);
     struct orl_record record = {.place = *place,

@@ -15,7 +15,8 @@ struct orl_grain {
 /* The least radius that pixels allow at that distance from the eye. */
 double orl_record_least(const struct orl_grain *grain, double distance);
 
-/* Rays of a hemisphere: so many rows, and three columns for each. known: records made before. */
+/* Rays of a hemisphere: so many rows, and about three columns for each. known: records made
+ * before. */
 struct orl_record orl_record_make(const struct orl_gather *gather, const struct orl_place *place,
                                   double least, uint32_t rows, const struct orl_icache *known,
                                   struct orl_random *random, struct orl_search *search);

@@ -58,9 +58,10 @@ static double off_smooth(double (*rgb)[3], int column)
 
 /*
  * Along the line places are read from few records, whose rays find the window, a thirtieth of what
- * they see, or do not. It is 6.2 %, and known to a twentieth of that: some 450 of the pixels are
- * apart by more than records reach. Where the last records had a third of the rays, and single ones
- * were followed from what is near, it was 8.6 %.
+ * they see, or do not. It is 4.9 %, and known to a twentieth of that: some 450 of the pixels are
+ * apart by more than records reach. The bound is two and a half of these above. Where strata took
+ * three more rays and no more, if those above, below or beside differed, 300 strata left 6.2 %; now
+ * they are 192.
  */
 static void test_walls_meet(void **state)
 {
@@ -80,7 +81,7 @@ static void test_walls_meet(void **state)
     }
     print_message("off smooth: %.2f %% along the line, %.2f %% elsewhere\n", 100 * sqrt(along),
                   100 * sqrt(elsewhere));
-    assert_true(sqrt(along) < 0.07);
+    assert_true(sqrt(along) < 0.0555);
     assert_true(sqrt(elsewhere) < 0.005);
 }
 
