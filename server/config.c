@@ -37,6 +37,10 @@ void orl_config_help(FILE *stream)
         "  --idle-timeout S       seconds of silence after which a connection is closed (%u)\n"
         "  --check-timeout S      seconds that the check of one upload may take (%u)\n"
         "  --check-memory SIZE    bytes of memory that it may take (%luM)\n"
+        "  --job-timeout S        seconds that one job may run, after which it fails (%u)\n"
+        "  --keep-jobs N          jobs that have ended and are remembered, with their results;\n"
+        "                         beyond them the oldest go (%u)\n"
+        "  --keep-days N          days after which jobs that have ended go; 0: never (0)\n"
         "  --drain-timeout S      seconds that running jobs have to finish at a stop (%u)\n"
         "  --address-connections N  open connections that one address may have (%u; on\n"
         "                         loopback, where all share one, no fewer than in all)\n"
@@ -46,9 +50,11 @@ void orl_config_help(FILE *stream)
         "Once it listens it prints \"listening on http://ADDRESS:PORT\" on standard output;\n"
         "the log goes to standard error. SIGTERM stops it: no job is taken or started any\n"
         "more, and one that still runs when --drain-timeout is over, or at a second SIGTERM,\n"
-        "is queued again: it starts over with the next start, with the maps it has made.\n",
+        "is queued again: it starts over with the next start, with the maps it has made.\n"
+        "SIGHUP has certificate and key read anew.\n",
         DEFAULT_PORT, ORL_SERVER_SHELF_BYTES >> 20, ORL_SERVER_TIMEOUT_S, ORL_SERVER_CHECK_S,
-        ORL_SERVER_CHECK_BYTES >> 20, ORL_SERVER_DRAIN_S, ORL_SERVER_ADDRESS_CONNECTIONS);
+        ORL_SERVER_CHECK_BYTES >> 20, ORL_SERVER_JOB_S, ORL_SERVER_KEPT_JOBS, ORL_SERVER_DRAIN_S,
+        ORL_SERVER_ADDRESS_CONNECTIONS);
 }
 
 static int parse_number(const char *option, const char *text, unsigned long min, unsigned long max,
@@ -140,6 +146,9 @@ static int apply_number(struct orl_config *config, const char *name, const char 
         {"--jobs", 1, ORL_SERVER_THREADS, &config->jobs},
         {"--idle-timeout", 1, 3600, &config->idle_timeout_s},
         {"--check-timeout", 1, 86400, &config->check_timeout_s},
+        {"--job-timeout", 1, 31536000, &config->job_timeout_s},
+        {"--keep-jobs", 1, 10000000, &config->keep_jobs},
+        {"--keep-days", 0, 36500, &config->keep_days},
         {"--drain-timeout", 0, 86400, &config->drain_s},
         {"--address-connections", 1, ORL_SERVER_CONNECTIONS, &config->address_connections},
     };
@@ -219,6 +228,8 @@ static void set_defaults(struct orl_config *config)
     config->check_timeout_s = ORL_SERVER_CHECK_S;
     config->check_memory = ORL_SERVER_CHECK_BYTES;
     config->shelf_bytes = ORL_SERVER_SHELF_BYTES;
+    config->job_timeout_s = ORL_SERVER_JOB_S;
+    config->keep_jobs = ORL_SERVER_KEPT_JOBS;
     config->drain_s = ORL_SERVER_DRAIN_S;
     config->log_level = ORL_LOG_INFO;
 }

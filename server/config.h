@@ -32,6 +32,8 @@ struct orl_config {
     uint64_t check_memory;          /* bytes that it may take */
     uint64_t storage_bytes;         /* that what is kept may take; 0: half of the disk's room */
     uint64_t shelf_bytes;           /* of memory, for what jobs leave to those after them */
+    uint32_t job_timeout_s;         /* that a job may run */
+    uint32_t keep_jobs, keep_days;  /* of those that have ended; no days: for ever */
     uint32_t drain_s;               /* that running jobs are given to finish at a stop */
     enum orl_log_level log_level;
     bool log_json;

@@ -319,8 +319,6 @@ void orl_handle_job_delete(struct orl_request *request)
     struct orl_error err;
     if (!job)
         return;
-    if (orl_jobs_ended(job))
-        orl_events_forget(server->events, job);
     if (orl_jobs_remove(server->jobs, request->params[0], &err) == 0)
         orl_reply_no_content(request);
     else if (err.code == ORL_ERR_INVALID)

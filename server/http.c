@@ -117,10 +117,9 @@ static int start_daemon(struct orl_http *http, struct orl_error *err)
 {
     const struct orl_config *config = &http->server->config;
     const unsigned flags = MHD_USE_EPOLL | MHD_ALLOW_SUSPEND_RESUME | MHD_USE_ERROR_LOG |
-                           (http->tls.cert ? MHD_USE_TLS : 0U);
+                           (http->tls.current ? MHD_USE_TLS : 0U);
     const struct MHD_OptionItem tls[] = {
-        {MHD_OPTION_HTTPS_MEM_CERT, 0, http->tls.cert},
-        {MHD_OPTION_HTTPS_MEM_KEY, 0, http->tls.key},
+        {MHD_OPTION_HTTPS_CERT_CALLBACK, 0, (void *)orl_tls_callback()},
         {MHD_OPTION_HTTPS_PRIORITIES, 0, (void *)(uintptr_t)ORL_TLS_PRIORITIES},
         {MHD_OPTION_END, 0, NULL}};
 #if MHD_VERSION >= 0x01000000
@@ -130,7 +129,7 @@ static int start_daemon(struct orl_http *http, struct orl_error *err)
 #endif
     const struct MHD_OptionItem options[] = {
         strict,
-        {http->tls.cert ? MHD_OPTION_ARRAY : MHD_OPTION_END, 0, (void *)(uintptr_t)tls},
+        {http->tls.current ? MHD_OPTION_ARRAY : MHD_OPTION_END, 0, (void *)(uintptr_t)tls},
         {MHD_OPTION_END, 0, NULL}};
     http->daemon = MHD_start_daemon(
         flags, 0, orl_connections_allow, &http->connections, orl_request_serve, http->server,
@@ -158,7 +157,7 @@ int orl_http_start(struct orl_server *server, const struct sockaddr *address,
     http->connections.most = server->config.address_connections;
     int rc = 0;
     if (server->config.tls_cert)
-        rc = orl_tls_load(server->config.tls_cert, server->config.tls_key, &http->tls, err);
+        rc = orl_tls_load(&http->tls, server->config.tls_cert, server->config.tls_key, err);
     if (rc == 0)
         rc = listen_on(address, &http->listen_fd, err);
     if (rc)
@@ -200,6 +199,12 @@ void orl_http_address(const struct orl_http *http, struct sockaddr_storage *ret_
     socklen_t size = sizeof *ret_address;
     memset(ret_address, 0, sizeof *ret_address);
     getsockname(http->listen_fd, (struct sockaddr *)ret_address, &size);
+}
+
+int orl_http_reload(struct orl_http *http, struct orl_error *err)
+{
+    const struct orl_config *config = &http->server->config;
+    return config->tls_cert ? orl_tls_load(&http->tls, config->tls_cert, config->tls_key, err) : 0;
 }
 
 void orl_http_quiesce(struct orl_http *http)

@@ -31,6 +31,8 @@ const struct orl_connections *orl_http_connections(const struct orl_http *http);
 void orl_http_address(const struct orl_http *http, struct sockaddr_storage *ret_address);
 /* Lets MHD go on; not from within a handler. NULL (not started) is allowed. */
 void orl_http_kick(struct orl_http *http);
+/* Reads certificate and key anew, for connections from now on; a bad one changes nothing. */
+int orl_http_reload(struct orl_http *http, struct orl_error *err);
 /* Takes no more connections. */
 void orl_http_quiesce(struct orl_http *http);
 /* Closes everything; no connection may be suspended. The handles close with the loop's next turns.

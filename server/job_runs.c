@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "discard.h"
+#include "job_bounds.h"
 #include "job_list.h"
 #include "job_share.h"
 #include "kept_parts.h"
@@ -259,11 +260,13 @@ static void finish(struct orl_jobs_job *job, const struct orl_worker_outcome *ou
                    const struct sharing *sharing)
 {
     struct orl_jobs *jobs = job->jobs;
+    const struct orl_worker_outcome own = orl_jobs_bounded(job, outcome);
+    job->late = false;
     jobs->n_workers--;
     jobs->alone = false;
     if (job->followers)
         orl_jobs_batch_begin(jobs);
-    end_all(job, outcome, sharing);
+    end_all(job, &own, sharing);
     if (jobs->batch)
         orl_jobs_batch_end(jobs);
     orl_metrics_job(jobs->env.metrics, outcome->code ? job->row.state : ORL_JOB_SUCCEEDED,

@@ -259,6 +259,19 @@ bool orl_jobs_need_scene(const struct orl_jobs *jobs, const char *scene)
     return job != NULL;
 }
 
+/* Its row is gone. */
+static void forget(struct orl_jobs_job *job)
+{
+    struct orl_jobs *jobs = job->jobs;
+    orl_log_event(jobs->env.log, ORL_LOG_INFO, "job-removed", "s", "job", job->row.id);
+    jobs->env.leaving(jobs->env.ctx, job);
+    note_saved(job, true); /* there is nothing left to save */
+    orl_job_results_discard(job);
+    orl_blobs_forget(jobs->env.blobs, job->row.document);
+    orl_job_list_remove(jobs, job);
+    job_free(job);
+}
+
 int orl_jobs_remove(struct orl_jobs *jobs, const char *id, struct orl_error *err)
 {
     struct orl_jobs_job *job = orl_jobs_lookup(jobs, id);
@@ -270,16 +283,26 @@ int orl_jobs_remove(struct orl_jobs *jobs, const char *id, struct orl_error *err
                                  ? "the job has not ended; cancel it first"
                                  : "other jobs share its computation, which has not ended");
     const int rc = orl_job_row_drop(jobs->env.db, job->row.seq, err);
+    if (rc == 0)
+        forget(job);
+    return rc;
+}
+
+void orl_jobs_remove_ended(struct orl_jobs *jobs, struct orl_jobs_job *const *ended, size_t count)
+{
+    struct orl_error err;
+    int rc = orl_db_exec(jobs->env.db, "BEGIN IMMEDIATE", &err);
+    const bool begun = rc == 0;
+    for (size_t i = 0; i < count && rc == 0; i++)
+        rc = orl_job_row_drop(jobs->env.db, ended[i]->row.seq, &err);
+    if (rc == 0)
+        rc = orl_db_exec(jobs->env.db, "COMMIT", &err);
+    if (begun && rc)
+        orl_db_exec(jobs->env.db, "ROLLBACK", NULL);
     if (rc)
-        return rc;
-    orl_log_event(jobs->env.log, ORL_LOG_INFO, "job-removed", "s", "job", id);
-    note_saved(job, true);
-    orl_job_results_discard(job);
-    orl_blobs_forget(jobs->env.blobs, job->row.document);
-    note_saved(job, true); /* there is nothing left to save */
-    orl_job_list_remove(jobs, job);
-    job_free(job);
-    return 0;
+        orl_log_event(jobs->env.log, ORL_LOG_WARN, "job-row-failed", "s", "why", err.message);
+    for (size_t i = 0; i < count && rc == 0; i++)
+        forget(ended[i]);
 }
 
 void orl_jobs_drain(struct orl_jobs *jobs)

@@ -40,6 +40,7 @@ struct orl_jobs_job {
     struct orl_worker *worker; /* while running; a leader's */
     double started_s;          /* steady clock, while running */
     bool cancelled, requeue;   /* what to make of ORL_ERR_CANCELLED */
+    bool late;                 /* it was stopped since it ran for too long */
     bool settling;             /* a leader whose results are being given to those who follow */
     bool unsaved;              /* the row in the database is an older one */
     bool fetched;              /* its row does not know yet when last */
@@ -60,8 +61,11 @@ struct orl_jobs_env {
     struct orl_metrics *metrics;
     uint32_t threads; /* over all jobs */
     uint32_t at_once;
-    void (*changed)(void *ctx); /* after every change of a state */
-    void (*idle)(void *ctx);    /* after orl_jobs_stop, when nothing runs any more */
+    uint32_t job_timeout_s;        /* that one may run */
+    uint32_t keep_jobs, keep_days; /* of those that have ended; no days: for ever */
+    void (*changed)(void *ctx);    /* after every change of a state */
+    void (*leaving)(void *ctx, const struct orl_jobs_job *job); /* it is about to be removed */
+    void (*idle)(void *ctx); /* after orl_jobs_stop, when nothing runs any more */
     void *ctx;
 };
 

@@ -22,6 +22,8 @@
 #define ORL_SERVER_CONNECTION_MEMORY (32U << 10) /* headers and read buffer of one */
 #define ORL_SERVER_URI_BYTES (8U << 10)          /* target of a request, and 64 an argument */
 #define ORL_SERVER_TIMEOUT_S 60U    /* of silence, before a connection is closed (default) */
+#define ORL_SERVER_JOB_S 86400U     /* that a job may run (default) */
+#define ORL_SERVER_KEPT_JOBS 10000U /* that have ended (default) */
 #define ORL_SERVER_DRAIN_S 5U       /* that running jobs have to finish at a stop (default) */
 #define ORL_SERVER_HEADER_S 15.0    /* from a connection's start to the end of its first headers */
 #define ORL_SERVER_BODY_RATE 1024.0 /* bytes/s that a body has to come at */

@@ -9,9 +9,9 @@
  *
  * Values with spaces or quotes are quoted; control characters, those of C1 and those that turn the
  * direction of text among them, and bytes that are no UTF-8 become question marks: what a client
- * sends can make no second line, and move no terminal's cursor. Events about a request have its id, and those about a job its
- * id as job; the request that submits a job has both.
- * Threads: the loop thread only.
+ * sends can make no second line, and move no terminal's cursor. Events about a request have its id,
+ * and those about a job its id as job; the request that submits a job has both. Threads: the loop
+ * thread only.
  */
 #ifndef ORL_SERVER_LOG_H
 #define ORL_SERVER_LOG_H

@@ -4,7 +4,9 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "job_bounds.h"
 #include "kept_parts.h"
+#include "notify.h"
 #include "store/migrate.h"
 #include "store/tokens.h"
 #include "times.h"
@@ -27,6 +29,7 @@ static void stop_if_quiet(struct orl_server *server)
     uv_close((uv_handle_t *)&server->drain, NULL);
     uv_close((uv_handle_t *)&server->saving, NULL);
     uv_close((uv_handle_t *)&server->log_lines, NULL);
+    uv_close((uv_handle_t *)&server->reload, NULL);
     for (int i = 0; i < 2; i++)
         if (!uv_is_closing((uv_handle_t *)&server->signals[i]))
             uv_close((uv_handle_t *)&server->signals[i], NULL);
@@ -62,6 +65,8 @@ static void on_saving(uv_timer_t *timer)
 {
     struct orl_server *server = timer->data;
     orl_jobs_save(server->jobs);
+    orl_jobs_bound(server->jobs);
+    orl_notify_alive();
     orl_storage_look(&server->storage);
     orl_pulse_ask(&server->pulse);
 }
@@ -78,10 +83,17 @@ static void on_job_changed(void *ctx)
     uv_async_send(&server->kept_changed);
 }
 
+static void on_job_leaving(void *ctx, const struct orl_jobs_job *job)
+{
+    struct orl_server *server = ctx;
+    orl_events_forget(server->events, job);
+}
+
 static void on_signal(uv_signal_t *handle, int signum)
 {
     struct orl_server *server = handle->data;
     orl_log_event(&server->log, ORL_LOG_INFO, "stopping", "i", "signal", (int64_t)signum);
+    orl_notify("STOPPING=1");
     if (server->draining || server->config.drain_s == 0) {
         stop(server);
         return;
@@ -89,6 +101,18 @@ static void on_signal(uv_signal_t *handle, int signum)
     server->draining = true;
     uv_timer_start(&server->drain, on_drain_over, 1000 * (uint64_t)server->config.drain_s, 0);
     orl_jobs_drain(server->jobs);
+}
+
+/* SIGHUP. Tokens are looked up with every request: there is nothing to read anew. */
+static void on_reload(uv_signal_t *handle, int signum)
+{
+    struct orl_server *server = handle->data;
+    struct orl_error err;
+    (void)signum;
+    if (orl_http_reload(server->http, &err))
+        orl_log_event(&server->log, ORL_LOG_ERROR, "reload-failed", "s", "why", err.message);
+    else
+        orl_log_event(&server->log, ORL_LOG_INFO, "reloaded", "");
 }
 
 /* ---- What is kept has changed --------------------------------------------------------------- */
@@ -198,6 +222,9 @@ static void watch_signals(struct orl_server *server)
     uv_timer_init(&server->loop, &server->saving);
     server->saving.data = server;
     uv_timer_start(&server->saving, on_saving, SAVING_MS, SAVING_MS);
+    uv_signal_init(&server->loop, &server->reload);
+    server->reload.data = server;
+    uv_signal_start(&server->reload, on_reload, SIGHUP);
     static const int numbers[2] = {SIGTERM, SIGINT};
     for (int i = 0; i < 2; i++) {
         uv_signal_init(&server->loop, &server->signals[i]);
@@ -222,7 +249,11 @@ static int open_jobs(struct orl_server *server, struct orl_error *err)
         .metrics = &server->metrics,
         .threads = server->config.threads,
         .at_once = server->config.jobs,
+        .job_timeout_s = server->config.job_timeout_s,
+        .keep_jobs = server->config.keep_jobs,
+        .keep_days = server->config.keep_days,
         .changed = on_job_changed,
+        .leaving = on_job_leaving,
         .idle = on_jobs_idle,
         .ctx = server,
     };
@@ -254,6 +285,7 @@ static void announce_address(struct orl_server *server, void (*announce)(const c
                   server->config.data, "threads", (int64_t)server->config.threads, "jobs",
                   (int64_t)server->config.jobs);
     announce(url);
+    orl_notify("READY=1");
 }
 
 int orl_server_run(const struct orl_config *config, void (*announce)(const char *url),

@@ -103,6 +103,10 @@ static void test_unit(void **state)
         "\nCapabilityBoundingSet=\n",
         "\nMemoryDenyWriteExecute=yes\n",
         "\nSystemCallFilter=@system-service\n",
+        "\nType=notify\n",
+        "\nWatchdogSec=",
+        "\nMemoryMax=",
+        "\nExecReload=",
     };
     const char *build = getenv("ORIEL_BUILD");
     char folder[64], command[600], *text = cli_read_file("server", "orield.service");

@@ -1,0 +1,238 @@
+/* The daemon as a service: what systemd hears of it, certificates that change, jobs that run too
+ * long, and those that have ended and are too many. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <gnutls/gnutls.h>
+#include <poll.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "support/certificate.h"
+#include "support/daemon.h"
+
+/* ---- What systemd hears --------------------------------------------------------------------- */
+
+static void expect_said(int fd, const char *text)
+{
+    struct pollfd wait = {.fd = fd, .events = POLLIN};
+    char said[64] = "";
+    while (strcmp(said, text) != 0) {
+        if (poll(&wait, 1, 10000) != 1)
+            fail_msg("%s has not been said", text);
+        const ssize_t n = recv(fd, said, sizeof said - 1, 0);
+        assert_true(n > 0);
+        said[n] = '\0';
+    }
+}
+
+static void test_notify(void **state)
+{
+    struct daemon daemon;
+    struct sockaddr_un address = {.sun_family = AF_UNIX};
+    (void)state;
+    snprintf(address.sun_path, sizeof address.sun_path, "/tmp/oriel-test-notify-%d", (int)getpid());
+    const int fd = socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+    assert_true(fd >= 0);
+    assert_int_equal(bind(fd, (const struct sockaddr *)&address, sizeof address), 0);
+    setenv("NOTIFY_SOCKET", address.sun_path, 1);
+    setenv("WATCHDOG_USEC", "3000000", 1);
+    daemon_start(&daemon, NULL);
+    unsetenv("NOTIFY_SOCKET");
+    unsetenv("WATCHDOG_USEC");
+    expect_said(fd, "READY=1");
+    expect_said(fd, "WATCHDOG=1");
+    daemon_remove(&daemon);
+    expect_said(fd, "STOPPING=1");
+    close(fd);
+    unlink(address.sun_path);
+}
+
+/* ---- Certificates --------------------------------------------------------------------------- */
+
+/* The certificate that the daemon shows to a new connection; its bytes' sum. */
+static unsigned long shown_certificate(const struct daemon *daemon)
+{
+    gnutls_session_t session = NULL;
+    gnutls_certificate_credentials_t credentials = NULL;
+    unsigned count = 0;
+    unsigned long sum = 0;
+    const int fd = daemon_dial(daemon);
+    assert_int_equal(gnutls_certificate_allocate_credentials(&credentials), 0);
+    assert_int_equal(gnutls_init(&session, GNUTLS_CLIENT), 0);
+    gnutls_set_default_priority(session);
+    gnutls_credentials_set(session, GNUTLS_CRD_CERTIFICATE, credentials);
+    gnutls_transport_set_int(session, fd);
+    gnutls_handshake_set_timeout(session, 10000);
+    int rc;
+    do
+        rc = gnutls_handshake(session);
+    while (rc < 0 && !gnutls_error_is_fatal(rc));
+    assert_int_equal(rc, 0);
+    const gnutls_datum_t *chain = gnutls_certificate_get_peers(session, &count);
+    assert_true(chain && count == 1);
+    for (unsigned i = 0; i < chain->size; i++)
+        sum = sum * 31 + chain->data[i];
+    gnutls_deinit(session);
+    gnutls_certificate_free_credentials(credentials);
+    close(fd);
+    return sum;
+}
+
+static bool is_logged(const struct daemon *daemon, const char *text)
+{
+    char command[200];
+    snprintf(command, sizeof command, "grep -q '%s' %s.log", text, daemon->root);
+    return system(command) == 0;
+}
+
+static void reload(const struct daemon *daemon, const char *until)
+{
+    const struct timespec moment = {0, 20000000};
+    assert_int_equal(kill(daemon->pid, SIGHUP), 0);
+    for (int i = 0; i < 500 && !is_logged(daemon, until); i++)
+        nanosleep(&moment, NULL);
+    assert_true(is_logged(daemon, until));
+}
+
+/* Of new connections alone; one that is no good, or of another key, changes nothing. */
+static void test_reload(void **state)
+{
+    struct daemon daemon;
+    struct reply reply;
+    char cert[80], key[80], other_cert[80], other_key[80];
+    (void)state;
+    daemon_start(&daemon, NULL);
+    assert_int_equal(daemon_end(&daemon, SIGTERM), 0);
+    snprintf(cert, sizeof cert, "%s/cert.pem", daemon.root);
+    snprintf(key, sizeof key, "%s/key.pem", daemon.root);
+    snprintf(other_cert, sizeof other_cert, "%s/other-cert.pem", daemon.root);
+    snprintf(other_key, sizeof other_key, "%s/other-key.pem", daemon.root);
+    certificate_make(cert, key);
+    certificate_make(other_cert, other_key);
+    const char *const extra[] = {"--tls-cert", cert, "--tls-key", key, NULL};
+    daemon_restart(&daemon, extra);
+    snprintf(daemon.ca, sizeof daemon.ca, "%s", cert);
+    const unsigned long first = shown_certificate(&daemon);
+    daemon_get(&daemon, "/healthz", &reply); /* by a connection that lives on */
+    assert_int_equal(reply.status, 200);
+    reply_done(&reply);
+    assert_int_equal(rename(other_cert, cert), 0);
+    reload(&daemon, "reload-failed"); /* the key is still the former one's */
+    assert_true(shown_certificate(&daemon) == first);
+    assert_int_equal(rename(other_key, key), 0);
+    reload(&daemon, "event=reloaded");
+    assert_true(shown_certificate(&daemon) != first);
+    daemon_get(&daemon, "/healthz", &reply);
+    assert_int_equal(reply.status, 200);
+    reply_done(&reply);
+    daemon_remove(&daemon);
+}
+
+/* ---- Jobs ----------------------------------------------------------------------------------- */
+
+/* It fails and says why; so does one that follows it, and the next has its turn. */
+static void test_job_timeout(void **state)
+{
+    static const char endless[] = "{\"scene\":\"%s\",\"technique\":\"backward\","
+                                  "\"gather_samples\":1000000,\"sensors\":[%s[2,1,0.8,0,0,1]]}";
+    static char sensors[6000], text[7000];
+    const char *const extra[] = {"--job-timeout", "1", NULL};
+    struct daemon daemon;
+    struct reply reply;
+    char scene[65], paths[2][80], quick[80];
+    (void)state;
+    for (int i = 0; i < 300; i++)
+        strcat(sensors, "[2,1,0.8,0,0,1],");
+    daemon_start(&daemon, extra);
+    daemon_upload_room(&daemon, scene);
+    snprintf(text, sizeof text, endless, scene, sensors);
+    for (int i = 0; i < 2; i++) {
+        daemon_post_json(&daemon, "/v1/jobs", text, &reply);
+        assert_int_equal(reply.status, 202);
+        snprintf(paths[i], sizeof paths[i], "%s", reply_text(&reply, "links.self"));
+        reply_done(&reply);
+    }
+    daemon_submit(&daemon, scene, 1000, 1, NULL, quick);
+    for (int i = 0; i < 2; i++) {
+        daemon_wait(&daemon, paths[i], 30, &reply);
+        assert_string_equal(reply_text(&reply, "state"), "failed");
+        assert_string_equal(reply_text(&reply, "error.type"), "urn:oriel:error:limit");
+        assert_non_null(strstr(reply_text(&reply, "error.detail"), "1 s"));
+        reply_done(&reply);
+    }
+    daemon_wait(&daemon, quick, 30, &reply);
+    assert_string_equal(reply_text(&reply, "state"), "succeeded");
+    reply_done(&reply);
+    daemon_remove(&daemon);
+}
+
+static size_t count_jobs(struct daemon *daemon)
+{
+    struct reply reply;
+    daemon_get(daemon, "/v1/jobs", &reply);
+    const size_t count = json_array_size(reply_at(&reply, "jobs"));
+    reply_done(&reply);
+    return count;
+}
+
+/* The oldest go, with their results; not those that nobody has fetched. */
+static void test_retention(void **state)
+{
+    enum { JOBS = 5, KEPT = 2 };
+    const struct timespec moment = {0, 50000000};
+    const char *const extra[] = {"--keep-jobs", "2", NULL};
+    struct daemon daemon;
+    struct reply reply;
+    char scene[65], paths[JOBS][80], result[100];
+    (void)state;
+    daemon_start(&daemon, extra);
+    daemon_upload_room(&daemon, scene);
+    for (int i = 0; i < JOBS; i++) {
+        daemon_submit(&daemon, scene, 1000, i, NULL, paths[i]);
+        daemon_wait(&daemon, paths[i], 30, &reply);
+        reply_done(&reply);
+        if (i == 1)
+            continue; /* this one nobody has fetched */
+        snprintf(result, sizeof result, "%.80s/result", paths[i]);
+        daemon_get(&daemon, result, &reply);
+        assert_int_equal(reply.status, 200);
+        reply_done(&reply);
+    }
+    for (int i = 0; i < 200 && count_jobs(&daemon) > KEPT; i++)
+        nanosleep(&moment, NULL);
+    assert_int_equal(count_jobs(&daemon), KEPT);
+    daemon_get(&daemon, paths[1], &reply);
+    assert_int_equal(reply.status, 200);
+    reply_done(&reply);
+    daemon_get(&daemon, paths[0], &reply);
+    assert_int_equal(reply.status, 404);
+    reply_done(&reply);
+    daemon_get(&daemon, paths[JOBS - 1], &reply);
+    assert_int_equal(reply.status, 200);
+    reply_done(&reply);
+    assert_int_equal(daemon_end(&daemon, SIGTERM), 0);
+    daemon_restart(&daemon, NULL);
+    assert_int_equal(count_jobs(&daemon), KEPT);
+    daemon_remove(&daemon);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_notify),
+        cmocka_unit_test(test_reload),
+        cmocka_unit_test(test_job_timeout),
+        cmocka_unit_test(test_retention),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
