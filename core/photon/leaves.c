@@ -12,10 +12,14 @@
 
 enum { SHARE_WORDS = ORL_MAP_BATCHES / sizeof(uint64_t), BESIDE = 8, LINE = 64, CHUNK = 1 << 12 };
 
+/* Of the unit that very bright leaves are kept in: where a sunbeam's photons crowd on a few
+ * centimetres there is more than a word holds of the usual one. */
+static const double coarser = 0x1p20;
+
 /* A leaf's estimate as it is kept. */
 struct kept {
-    _Atomic uint64_t value; /* 0: not made yet; else the value, and above it the clear radius,
-                               which is less than 0 of a patch */
+    _Atomic uint64_t value; /* 0: not made yet; else the value, and above it the clear radius, which
+                               is less than 0 of a patch; its last bit tells the value's unit */
     _Atomic uint64_t shares[SHARE_WORDS]; /* of the batches; there before the value is */
 };
 
@@ -152,19 +156,23 @@ static struct orl_density make_estimate(const struct orl_leaves *leaves, uint32_
 static uint64_t pack_estimate(const struct orl_leaves *leaves, const struct orl_density *density)
 {
     const float clear = density->patch ? -(float)density->clear : (float)density->clear;
-    uint32_t low = orl_flux_pack(orl_rgb_scale(density->irradiance, 1 / leaves->unit), 0.5), high;
+    const bool coarse = orl_rgb_max(density->irradiance) > ORL_FLUX_MOST * leaves->unit;
+    const double unit = leaves->unit * (coarse ? coarser : 1);
+    uint32_t low = orl_flux_pack(orl_rgb_scale(density->irradiance, 1 / unit), 0.5), high;
     if (low == 0)
         low = value_zero;
     memcpy(&high, &clear, sizeof high);
+    high = (high & ~1U) | coarse;
     return (uint64_t)high << 32 | low;
 }
 
 static struct estimate unpack_estimate(const struct orl_leaves *leaves, uint64_t word)
 {
     const uint32_t high = (uint32_t)(word >> 32);
+    const double unit = leaves->unit * (high & 1U ? coarser : 1);
     float clear;
     memcpy(&clear, &high, sizeof clear);
-    return (struct estimate){orl_rgb_scale(orl_flux_unpack((uint32_t)word), leaves->unit),
+    return (struct estimate){orl_rgb_scale(orl_flux_unpack((uint32_t)word), unit),
                              fabs((double)clear), signbit(clear) != 0};
 }
 

@@ -11,9 +11,9 @@
  * made at the point.
  *
  * What a leaf holds depends on map and scene alone, so that it does not matter who computes it
- * first, or twice: results are the same for any number of threads. Value (shared-exponent RGB) and
- * clear radius are kept as one 64-bit word, written atomically, after two words of what the batches
- * of emission hold of it, in 255ths of the largest of them.
+ * first, or twice: results are the same for any number of threads. Value (shared-exponent RGB, in
+ * one of two units) and clear radius are kept as one 64-bit word, written atomically, after two
+ * words of what the batches of emission hold of it, in 255ths of the largest of them.
  *
  * Reference: Christensen 1999 (precomputed irradiance), here lazily.
  */
