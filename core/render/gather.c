@@ -88,6 +88,9 @@ int orl_gather_init(struct orl_gather *gather, const struct orl_world *world, en
         if (!gather->leaves)
             return ORL_ERR_NOMEM;
     }
+    if (rest == ORL_REST_GATHERED && gather->maps[ORL_MAP_GLOBAL] &&
+        orl_bright_init(&gather->bright, maps[ORL_MAP_GLOBAL]) < 0)
+        return ORL_ERR_NOMEM;
     if (rest == ORL_REST_DENSITY && gather->maps[ORL_MAP_GLOBAL])
         return orl_adapt_init(&gather->adapt, maps[ORL_MAP_GLOBAL], widest, crew, search);
     return 0;
@@ -114,6 +117,7 @@ void orl_gather_done(struct orl_gather *gather)
     orl_leaves_free(gather->leaves);
     orl_texels_free(gather->texels);
     orl_spread_free(gather->caustic_widths);
+    orl_bright_done(&gather->bright);
     gather->leaves = NULL;
     gather->texels = NULL;
     gather->caustic_widths = NULL;

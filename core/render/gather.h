@@ -35,6 +35,7 @@
 #include "photon/shoot.h"
 #include "photon/spread.h"
 #include "photon/texels.h"
+#include "render/bright.h"
 #include "render/estimate.h"
 
 enum orl_rest { ORL_REST_GATHERED, ORL_REST_DENSITY, ORL_REST_RECORDS };
@@ -52,6 +53,7 @@ struct orl_gather {
     struct orl_leaves *leaves; /* of the global map, owned; NULL when there is none */
     struct orl_texels *texels; /* of the same, for flat surfaces; NULL until views want them, as */
     struct orl_spread *caustic_widths; /* are the radii that are normal among caustic photons */
+    struct orl_bright bright;          /* of the global map: where sensors' rays are drawn to */
     struct orl_adapt adapt;            /* ORL_REST_DENSITY: for its estimates */
     struct orl_sobol sobol;
     uint64_t seed;
@@ -216,9 +218,10 @@ bool orl_gather_catches(const struct orl_gather *gather, const struct orl_place 
 /*
  * Irradiance of a sensor: all three parts. A sensor on a surface reads caustics by density. In
  * mid-air, where no photon lands, it takes the sun by points on panes with lobes and by the sun's
- * images in flat mirrors; all other caustics are to be added by air.h. The standard error is that
- * of the photons, by their batches, and of the rays, by a few groups of them; what single rays see
- * of the photons' scatter is in both, so that it is on the high side where rays are fewer than
+ * images in flat mirrors; all other caustics are to be added by air.h. Where the global map shows
+ * small patches of much light some more rays are aimed at them (bright.h). The standard error is
+ * that of the photons, by their batches, and of the rays, by a few groups of them; what single rays
+ * see of the photons' scatter is in both, so that it is on the high side where rays are fewer than
  * leaves.
  */
 struct orl_estimate orl_gather_sensor(const struct orl_gather *gather,

@@ -3,7 +3,7 @@
 
 uint64_t orl_gather_pause(struct orl_gather *gather)
 {
-    uint64_t bytes = sizeof *gather;
+    uint64_t bytes = sizeof *gather + gather->bright.count * sizeof *gather->bright.spots;
     gather->world = NULL;
     gather->cancel = NULL;
     for (int kind = 0; kind < ORL_MAP_KINDS; kind++)

@@ -3,11 +3,11 @@
 
 /* Rays fall into groups, each with sequences of its own: their spread tells the error. */
 enum { GROUPS = 16, PANE_POINTS = 64, SUN_RAYS = 16, GRAZING_SUN_RAYS = 128 }; /* of each */
-enum { HEMISPHERES = 4 };
-static const double grazing_discs = 2; /* a sun within so many radii of the sensor's plane */
+enum { HEMISPHERES = 4, SHARE_AIMED = 16 }; /* of rays: one such part is aimed */
+static const double grazing_discs = 2;      /* a sun within so many radii of the sensor's plane */
 
 /* Names of sequences: no two of any seeds are alike. */
-enum { OF_DIRECT, OF_HEMISPHERE, OF_PANES };
+enum { OF_DIRECT, OF_HEMISPHERE, OF_PANES, OF_AIMED = 1 << 30 };
 
 static uint32_t sequence_of(const struct orl_gather *gather, uint64_t what, uint64_t name)
 {
@@ -91,32 +91,50 @@ static bool lies_on_surface(const struct orl_gather *gather, const struct orl_pl
     return true;
 }
 
+/* The rays of a group: even ones, and after them some to where it is bright, if that is worth it.
+ */
+struct volley {
+    const struct orl_bright_view *bright;
+    uint32_t even, aimed;
+};
+
 /*
  * A group's share of the hemisphere by scrambled Sobol points, up to what a ray's first surface
  * does with it: a sensor needs no gradients. The tally takes what the rays saw of photons.
  */
 static struct orl_rgb gather_group(const struct orl_gather *gather, const struct orl_place *place,
-                                   uint32_t samples, uint64_t name, struct orl_search *search,
-                                   struct orl_tally *tally)
+                                   const struct volley *volley, uint64_t name,
+                                   struct orl_search *search, struct orl_tally *tally)
 {
-    const uint32_t sequence = sequence_of(gather, OF_HEMISPHERE, name);
     struct orl_rgb sum = orl_gray(0);
-    for (uint32_t i = 0; i < samples && !orl_is_cancelled(gather->cancel); i++) {
+    const uint32_t rays = volley->even + volley->aimed;
+    const uint32_t evenly = sequence_of(gather, OF_HEMISPHERE, name);
+    const uint32_t to_bright = sequence_of(gather, OF_AIMED, name);
+    for (uint32_t i = 0; i < rays && !orl_is_cancelled(gather->cancel); i++) {
         struct orl_random random =
             orl_random_stream(gather->seed, ORL_PURPOSE_SENSOR, (name << 24) + i + 1);
-        const struct orl_even first = {.index = i, .sequence = sequence, .skip = 2};
+        const bool aimed = i >= volley->even;
+        const struct orl_even first = {.index = aimed ? i - volley->even : i,
+                                       .sequence = aimed ? to_bright : evenly,
+                                       .skip = 2};
         double u[2];
-        orl_sobol_point(&gather->sobol, i, sequence, 2, u);
+        orl_sobol_point(&gather->sobol, first.index, first.sequence, 2, u);
+        if (aimed)
+            orl_bright_draw(volley->bright, u);
+        const double drawn =
+            volley->aimed > 0 ? volley->even + volley->aimed * orl_bright_density(volley->bright, u)
+                              : volley->even;
         const struct orl_gather_ray ray = {.origin = place->point,
                                            .direction =
                                                orl_hemisphere_about(place->normal, u[0], u[1]),
                                            .outside = place->outside,
                                            .first = &first,
                                            .tally = tally,
-                                           .share = ORL_PI / samples / HEMISPHERES};
-        sum = orl_rgb_add(sum, orl_gather_radiance(gather, &ray, &random, search));
+                                           .share = ORL_PI / drawn / HEMISPHERES};
+        sum = orl_rgb_add(sum, orl_rgb_scale(orl_gather_radiance(gather, &ray, &random, search),
+                                             volley->even / drawn));
     }
-    return orl_rgb_scale(sum, ORL_PI / samples);
+    return orl_rgb_scale(sum, ORL_PI / volley->even);
 }
 
 /*
@@ -130,10 +148,14 @@ static struct orl_estimate gather_evenly(const struct orl_gather *gather,
                                          struct orl_tally *tally)
 {
     const uint32_t each = samples / HEMISPHERES > 0 ? samples / HEMISPHERES : 1;
+    struct orl_bright_view bright;
     struct orl_rgb means[HEMISPHERES];
+    orl_bright_look(&gather->bright, place->point, place->normal, samples, &bright);
+    const struct volley volley = {&bright, each,
+                                  bright.worth ? (each + SHARE_AIMED - 1) / SHARE_AIMED : 0};
     for (uint32_t group = 0; group < HEMISPHERES; group++)
         means[group] =
-            gather_group(gather, place, each, index * HEMISPHERES + group, search, tally);
+            gather_group(gather, place, &volley, index * HEMISPHERES + group, search, tally);
     return orl_estimate_of_mean(means, HEMISPHERES);
 }
 
