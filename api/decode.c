@@ -62,7 +62,8 @@ int orl_json_parse(const char *name, const char *text, size_t size, json_t **ret
         *ret_doc = doc;
         return 0;
     }
-    if (json_error_code(&where) == json_error_out_of_memory)
+    /* Where the library has nothing to say, it had no memory to go on with. */
+    if (json_error_code(&where) == json_error_out_of_memory || !where.text[0])
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory reading JSON");
     orl_error_set(err, ORL_ERR_SYNTAX, "not valid JSON, column %d: %s", where.column, where.text);
     orl_error_at(err, name, where.line > 0 ? where.line : 1, NULL);

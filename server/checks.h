@@ -1,8 +1,10 @@
 /*
- * Checks of uploads on the pool: of what strangers send before it is accepted. They may take long,
- * so they are at most ORL_SERVER_CHECKS at once, which leaves a pool thread for everybody else; the
- * others wait for their turn. A check that takes longer than --check-timeout is given up (its
- * upload is refused, 413), and so are all of them when the daemon stops.
+ * Checks of uploads: of what strangers send before it is accepted, in children (child/), for each
+ * of which a pool thread waits. At most ORL_SERVER_CHECKS are under way at once, which leaves a
+ * pool thread for everybody else, and no more than there is memory for (memory.h); the others wait
+ * for their turn, as long as --check-timeout, then they are told to come again (503). A check that
+ * takes longer than that is given up (its upload is refused, 413), and so are all of them when the
+ * daemon stops.
  *
  * Threads: the loop thread, but for what is said to be the pool's.
  */
@@ -22,7 +24,8 @@ struct orl_check {
     struct orl_asking asking; /* of children, on the pool */
     atomic_bool cancel;
     atomic_llong started_ms; /* on the steady clock; 0: it waits */
-    bool late;               /* that is why it was cancelled */
+    bool late, starved;      /* that is why it was cancelled: too long at it, or waiting */
+    long long waits_since_ms;
     struct orl_check *next;
 };
 
@@ -33,14 +36,16 @@ struct orl_checks {
 
 /*
  * As orl_request_work, when it is its turn: run on the pool is to ask children by check->asking
- * (child/ask.h), then calls orl_check_ended before anything else.
+ * (child/ask.h), then calls orl_check_ended before anything else. It may run twice, the second
+ * time with more memory.
  */
 void orl_check_begin(struct orl_check *check, struct orl_request *request, orl_request_step run,
                      orl_request_step then);
 
 /*
- * Lets the next one begin. False: there is nothing more to do; what was asked has been answered
- * for, since the daemon stops or the client is gone. Where the check took too long *rc and err say
+ * Lets the next one begin. False: there is nothing more to do for now: it is done again, or what
+ * was asked has been answered for, since the daemon stops, is short of memory, or the client is
+ * gone. Where the check took too long *rc and err say
  * so.
  */
 bool orl_check_ended(struct orl_check *check, int *rc, struct orl_error *err);

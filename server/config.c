@@ -26,6 +26,9 @@ void orl_config_help(FILE *stream)
         "                         (half of what the disk has free at the start, with those\n"
         "                         that are kept already); beyond it maps and results go,\n"
         "                         the longest unused first\n"
+        "  --memory SIZE          bytes of memory that jobs and checks of uploads are to keep to:\n"
+        "                         those that do not fit wait, or are refused (what the control\n"
+        "                         group allows less a tenth, or the machine has free at start)\n"
         "  --shelf SIZE           bytes of memory for what jobs have worked out of their maps\n"
         "                         and leave to later jobs of the same maps; 0: none (%luM)\n"
         "  --tls-cert FILE        serve HTTPS: the certificate and its chain, PEM\n"
@@ -190,6 +193,8 @@ static int apply_option(struct orl_config *config, const char *name, const char 
             set_port(config, number);
     } else if (strcmp(name, "--storage-budget") == 0) {
         rc = parse_size(name, value, 1, &config->storage_bytes, err);
+    } else if (strcmp(name, "--memory") == 0) {
+        rc = parse_size(name, value, 1, &config->memory_bytes, err);
     } else if (strcmp(name, "--check-memory") == 0) {
         rc = parse_size(name, value, 1, &config->check_memory, err);
         if (rc == 0 && config->check_memory < ORL_SERVER_CHECK_LEAST)

@@ -30,6 +30,7 @@ struct orl_config {
     uint32_t idle_timeout_s;        /* of silence, before a connection is closed */
     uint32_t check_timeout_s;       /* that the check of an upload may take */
     uint64_t check_memory;          /* bytes that it may take */
+    uint64_t memory_bytes;          /* that daemon and checks may take; 0: what there is */
     uint64_t storage_bytes;         /* that what is kept may take; 0: half of the disk's room */
     uint64_t shelf_bytes;           /* of memory, for what jobs leave to those after them */
     uint32_t job_timeout_s;         /* that a job may run */

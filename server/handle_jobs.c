@@ -9,8 +9,10 @@
 #include "checks.h"
 #include "child/ask.h"
 #include "client_name.h"
+#include "job_memory.h"
 #include "job_status.h"
 #include "limits.h"
+#include "multipart.h"
 #include "reply.h"
 #include "server.h"
 #include "status_cache.h"
@@ -21,6 +23,8 @@ enum { REQUEST_KEY_MAX = 255 };
 /* A job on its way in. */
 struct job_post {
     struct orl_job_brief brief;
+    struct orl_job_memory memory;
+    char sensors[ORL_PATH_MAX]; /* the file of them; "": there is none */
     struct orl_check check;
     char document[ORL_SHA_HEX], client[ORL_CLIENT_NAME];
     char key[REQUEST_KEY_MAX + 1]; /* Idempotency-Key; "": none */
@@ -67,9 +71,25 @@ static void check_document(struct orl_request *request)
     post->rc = orl_ask_job(&post->check.asking, path, &post->brief, &post->err);
 }
 
+/* Each has a line of its own. */
+static void count_sensors(struct job_post *post)
+{
+    struct orl_file file;
+    if (!post->sensors[0] || orl_map_file(post->sensors, &file, NULL))
+        return;
+    for (const char *at = file.data, *end = file.data + file.size; at < end; at++) {
+        post->memory.file_sensors++;
+        at = memchr(at, '\n', (size_t)(end - at));
+        if (!at)
+            break;
+    }
+    orl_unmap_file(&file);
+}
+
 static void keep_document(struct orl_request *request)
 {
     struct job_post *post = request->state;
+    count_sensors(post);
     const struct orl_folders *folders = &request->server->folders;
     char path[ORL_PATH_MAX];
     post->rc = orl_body_take_file(&request->body, folders, path, &post->err);
@@ -158,6 +178,44 @@ static int check_file(const struct orl_bundle *bundle, const struct orl_job_file
     return ORL_ERR_NOT_FOUND;
 }
 
+/* What of the scene says how much memory the job takes. */
+static int note_needs(struct orl_server *server, struct job_post *post,
+                      const struct orl_bundle *bundle)
+{
+    struct orl_stored_item scene = {.summary = NULL};
+    bool found = false;
+    const int rc = orl_scene_find(&server->db, post->brief.scene, &scene, &found, &post->err);
+    if (rc)
+        return rc;
+    json_t *summary = found ? json_loads(scene.summary, 0, NULL) : NULL;
+    free(scene.summary);
+    post->memory = (struct orl_job_memory){
+        .surfaces = (uint64_t)json_integer_value(json_object_get(summary, "surfaces")),
+        .triangles = (uint64_t)json_integer_value(json_object_get(summary, "triangles")),
+        .photons = post->brief.photons,
+        .sensors = post->brief.sensors,
+        .pixels = post->brief.pixels,
+        .file_sensors = post->memory.file_sensors};
+    json_decref(summary);
+    for (size_t i = 0; i < bundle->count; i++)
+        if (orl_is_xml_name(bundle->files[i].name))
+            post->memory.bsdf_bytes += bundle->files[i].bytes;
+    for (size_t i = 0; i < post->brief.n_files; i++)
+        if (strcmp(post->brief.files[i].place, "sensors.file") == 0)
+            snprintf(post->sensors, sizeof post->sensors, "%s",
+                     orl_bundle_find(bundle, post->brief.files[i].name)->path);
+    return 0;
+}
+
+/* What can never fit is refused; before its sensors' file is read, and after. */
+static int check_memory(const struct orl_server *server, struct job_post *post)
+{
+    const uint64_t most = orl_memory_most(&server->memory);
+    return orl_job_memory_estimate(&post->memory) <= most
+               ? 0
+               : orl_job_memory_refuse(&post->memory, most, &post->err);
+}
+
 /* What the document refers to must be here. */
 static int check_references(struct orl_server *server, struct job_post *post)
 {
@@ -171,8 +229,10 @@ static int check_references(struct orl_server *server, struct job_post *post)
     }
     for (size_t i = 0; i < brief->n_files && rc == 0; i++)
         rc = check_file(&bundle, &brief->files[i], &post->err);
+    if (rc == 0)
+        rc = note_needs(server, post, &bundle);
     orl_bundle_done(&bundle);
-    return rc;
+    return rc ? rc : check_memory(server, post);
 }
 
 static void submit(struct orl_request *request)
@@ -192,6 +252,7 @@ static void submit(struct orl_request *request)
                                          .document = post->document,
                                          .identity = post->brief.identity,
                                          .result_bytes = post->brief.result_bytes,
+                                         .memory_bytes = orl_job_memory_estimate(&post->memory),
                                          .client = post->client,
                                          .request_key = *post->key ? post->key : NULL};
     if (post->rc == 0)

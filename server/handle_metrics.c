@@ -135,6 +135,18 @@ static void write_storage(FILE *out, const struct orl_server *server)
                 (unsigned long long)server->storage.evicted[i]);
 }
 
+static void write_memory(FILE *out, const struct orl_memory *memory)
+{
+    number(out, "oriel_memory_capacity_bytes", "gauge", "What jobs and checks are to keep to",
+           (double)memory->capacity);
+    number(out, "oriel_memory_free_bytes", "gauge", "Of that, neither in use nor promised",
+           (double)orl_memory_free(memory));
+    number(out, "oriel_memory_jobs_bytes", "gauge", "Estimated of jobs that run",
+           (double)memory->jobs);
+    number(out, "oriel_memory_checks_bytes", "gauge", "Granted to checks of uploads",
+           (double)memory->checks);
+}
+
 static void write_http(FILE *out, const struct orl_server *server)
 {
     static const char name[] = "oriel_http_request_seconds";
@@ -211,6 +223,7 @@ void orl_handle_metrics(struct orl_request *request)
         write_cache(out, request->server);
         write_shelf(out, request->server);
         write_storage(out, request->server);
+        write_memory(out, &request->server->memory);
         write_http(out, request->server);
         write_pulse(out, request->server);
         write_process(out, request->server);

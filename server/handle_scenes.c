@@ -51,6 +51,7 @@ static void take_apart(struct orl_request *request)
     struct orl_asking *asking = &post->check.asking;
     struct orl_file body;
     const char *path = NULL;
+    orl_scene_upload_done(&post->upload); /* of an attempt before */
     const bool parts = type && strncasecmp(type, "multipart/", 10) == 0;
     post->rc = parts ? orl_body_view(&request->body, folders, &body, &post->err)
                      : orl_body_file(&request->body, folders, &path, &post->err);

@@ -98,9 +98,11 @@ void orl_handle_limits(struct orl_request *request)
     const json_int_t shelf = (json_int_t)request->server->config.shelf_bytes;
     const struct orl_config *config = &request->server->config;
     json_t *doc =
-        json_pack("{s:I, s:I, s:I, s:I, s:I}", "storage_bytes", budget, "shelf_bytes", shelf,
-                  "job_s", (json_int_t)config->job_timeout_s, "kept_jobs",
-                  (json_int_t)config->keep_jobs, "kept_days", (json_int_t)config->keep_days);
+        json_pack("{s:I, s:I, s:I, s:I, s:I, s:I, s:I}", "storage_bytes", budget, "shelf_bytes",
+                  shelf, "job_s", (json_int_t)config->job_timeout_s, "kept_jobs",
+                  (json_int_t)config->keep_jobs, "kept_days", (json_int_t)config->keep_days,
+                  "memory_bytes", (json_int_t)request->server->memory.capacity,
+                  "check_memory_bytes", (json_int_t)config->check_memory);
     for (size_t i = 0; doc && i < sizeof limits / sizeof *limits; i++)
         if (json_object_set_new(doc, limits[i].name, json_integer(limits[i].value))) {
             json_decref(doc);

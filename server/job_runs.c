@@ -263,6 +263,7 @@ static void finish(struct orl_jobs_job *job, const struct orl_worker_outcome *ou
     const struct orl_worker_outcome own = orl_jobs_bounded(job, outcome);
     job->late = false;
     jobs->n_workers--;
+    orl_memory_take_back(jobs->env.memory, job->row.memory_bytes);
     jobs->alone = false;
     if (job->followers)
         orl_jobs_batch_begin(jobs);
@@ -303,7 +304,10 @@ static int start_job(struct orl_jobs_job *job, struct orl_error *err)
     if (jobs->batch)
         orl_jobs_batch_end(jobs);
     rc = orl_worker_start(jobs->env.loop, &spec, &job->worker, err);
-    jobs->n_workers += rc == 0;
+    if (rc == 0) {
+        jobs->n_workers++;
+        orl_memory_promise(jobs->env.memory, job->row.memory_bytes);
+    }
     return rc;
 }
 
@@ -317,6 +321,30 @@ static bool is_suspect(const struct orl_jobs_job *job)
 }
 
 /*
+ * Is there memory for it? One that is next and waits keeps large checks of uploads waiting too; it
+ * never waits when nothing else is there that would end.
+ */
+static bool has_memory(struct orl_jobs *jobs, const struct orl_jobs_job *job)
+{
+    struct orl_memory *memory = jobs->env.memory;
+    const bool fits = orl_memory_free(memory) >= job->row.memory_bytes ||
+                      (jobs->n_workers == 0 && memory->checks == 0);
+    memory->wanted = fits ? 0 : job->row.memory_bytes;
+    if (!fits && jobs->short_of_memory != job)
+        orl_log_event(jobs->env.log, ORL_LOG_INFO, "job-waits-for-memory", "sii", "job",
+                      job->row.id, "wants_bytes", (int64_t)job->row.memory_bytes, "free_bytes",
+                      (int64_t)orl_memory_free(memory));
+    jobs->short_of_memory = fits ? NULL : job;
+    return fits;
+}
+
+void orl_jobs_memory_freed(struct orl_jobs *jobs)
+{
+    if (jobs && jobs->short_of_memory)
+        orl_runs_start_next(jobs);
+}
+
+/*
  * A suspect runs alone, so that of jobs that ran at once when the daemon ended the one that was the
  * reason fails by itself, and the others go on. It keeps its place: nobody passes it while the jobs
  * before it end.
@@ -327,7 +355,9 @@ void orl_runs_start_next(struct orl_jobs *jobs)
         struct orl_jobs_job *job = next_job(jobs);
         struct orl_worker_outcome failed = {0};
         const bool suspect = job && is_suspect(job);
-        if (!job || (suspect && jobs->n_workers > 0))
+        if (!job)
+            jobs->env.memory->wanted = 0;
+        if (!job || (suspect && jobs->n_workers > 0) || !has_memory(jobs, job))
             return;
         orl_queue_take(jobs->queue);
         failed.code = start_job(job, &failed.err);

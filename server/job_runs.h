@@ -16,7 +16,8 @@ struct orl_jobs {
     struct orl_queue *queue;
     struct orl_jobs_job *leaders; /* that wait or run */
     uint32_t n_workers;
-    bool alone; /* what runs is to have nothing beside it */
+    bool alone;                                 /* what runs is to have nothing beside it */
+    const struct orl_jobs_job *short_of_memory; /* the next, when that is what it waits for */
     struct orl_jobs_job *buckets[ORL_JOBS_BUCKETS];
     size_t counts[ORL_JOB_STATE_COUNT];
     uint64_t result_bytes;   /* of the results that are kept */

@@ -137,6 +137,7 @@ int orl_jobs_submit(struct orl_jobs *jobs, const struct orl_jobs_order *order,
     job->row.kind = order->kind;
     job->row.priority = order->priority;
     job->row.result_bytes = order->result_bytes;
+    job->row.memory_bytes = order->memory_bytes;
     job->row.state = ORL_JOB_QUEUED;
     job->row.created_ms = orl_time_now_ms();
     const int rc =

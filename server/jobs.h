@@ -25,6 +25,7 @@
 #include "blobs.h"
 #include "log.h"
 #include "map_cache.h"
+#include "memory.h"
 #include "queue.h"
 #include "store/jobs.h"
 #include "worker.h"
@@ -56,6 +57,7 @@ struct orl_jobs_env {
     struct orl_blobs *blobs;
     struct orl_map_cache *maps;
     struct orl_shelf *shelf;   /* of all jobs; or NULL */
+    struct orl_memory *memory; /* whoever starts is held against it */
     char program[ORL_SHA_HEX]; /* kept_parts.h */
     const struct orl_log *log;
     struct orl_metrics *metrics;
@@ -83,6 +85,9 @@ void orl_jobs_stop(struct orl_jobs *jobs);
  * now and then. */
 void orl_jobs_save(struct orl_jobs *jobs);
 
+/* There is more memory than there was: starts what waited for it. */
+void orl_jobs_memory_freed(struct orl_jobs *jobs);
+
 /* Is there room in the queue? */
 bool orl_jobs_full(const struct orl_jobs *jobs);
 /* What a new job is. Borrowed. */
@@ -92,6 +97,7 @@ struct orl_jobs_order {
     const char *scene, *document; /* the document is a blob */
     const char *identity;         /* job_share.h */
     uint64_t result_bytes;        /* to be expected */
+    uint64_t memory_bytes;        /* job_memory.h */
     const char *client;           /* client_name.h */
     const char *request_key;      /* the client's Idempotency-Key, or NULL */
 };

@@ -175,6 +175,7 @@ static int open_storage(struct orl_server *server, struct orl_error *err)
         server->lanes = orl_lanes_new();
         rc = server->lanes ? 0 : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     }
+    orl_memory_open(&server->memory, server->config.memory_bytes);
     server->shelf = orl_shelf_new(server->config.shelf_bytes); /* without one, jobs are slower */
     return rc;
 }
@@ -245,6 +246,7 @@ static int open_jobs(struct orl_server *server, struct orl_error *err)
         .blobs = server->blobs,
         .maps = server->maps,
         .shelf = server->shelf,
+        .memory = &server->memory,
         .log = &server->log,
         .metrics = &server->metrics,
         .threads = server->config.threads,

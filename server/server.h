@@ -21,6 +21,7 @@
 #include "jobs.h"
 #include "log.h"
 #include "map_cache.h"
+#include "memory.h"
 #include "metrics.h"
 #include "pulse.h"
 #include "status_cache.h"
@@ -53,6 +54,7 @@ struct orl_server {
     struct orl_pulse pulse;
     uint64_t requests; /* served or under way; the last one's id */
     struct orl_checks checks;
+    struct orl_memory memory;
     struct orl_clients clients;
     struct orl_lanes *lanes; /* to children that check */
     unsigned working;        /* requests whose work is on the pool */

@@ -274,14 +274,19 @@ static int blame(struct talk *t, int signum)
 static int judge_death(struct talk *t)
 {
     const int status = t->end.status;
+    if (t->end.pid <= 0)
+        return orl_error_set(t->err, ORL_ERR_NOMEM, "no process for a check");
     if (WIFEXITED(status) && WEXITSTATUS(status) == ORL_CHILD_NO_MEMORY)
         return meet(t, ORL_CHILD_MEMORY);
     if (!WIFSIGNALED(status))
         return blame(t, 0);
     if (WTERMSIG(status) == SIGXCPU)
         return meet(t, ORL_CHILD_CPU);
-    /* Nobody here sends that: the kernel had no memory left. */
-    return WTERMSIG(status) == SIGKILL ? meet(t, ORL_CHILD_MEMORY) : blame(t, WTERMSIG(status));
+    if (WTERMSIG(status) != SIGKILL)
+        return blame(t, WTERMSIG(status));
+    /* Nobody here sends that. */
+    t->asking->met = ORL_CHILD_KILLED;
+    return orl_error_set(t->err, ORL_ERR_NOMEM, "the system ended the check for want of memory");
 }
 
 static int read_verdict(struct talk *t, json_t **ret_result)

@@ -22,7 +22,13 @@ struct orl_lanes *orl_lanes_new(void);
 void orl_lanes_free(struct orl_lanes *lanes);
 
 /* Which bound a child met. */
-enum orl_child_bound { ORL_CHILD_NONE, ORL_CHILD_MEMORY, ORL_CHILD_CPU, ORL_CHILD_FAULT };
+enum orl_child_bound {
+    ORL_CHILD_NONE,
+    ORL_CHILD_MEMORY,
+    ORL_CHILD_CPU,
+    ORL_CHILD_FAULT,
+    ORL_CHILD_KILLED /* none: the system had no memory left */
+};
 
 struct orl_asking {
     struct orl_lanes *lanes;
@@ -42,7 +48,8 @@ struct orl_asking {
 /*
  * Asks, and waits for the verdict: 0 and *ret_result (the caller's), or what the child found wrong.
  * ORL_ERR_CANCELLED when *cancel or the client has hung up. Where the child died, asking->met says
- * of what, and the error names the bound: ORL_ERR_LIMIT, or ORL_ERR_UNSUPPORTED of a fault.
+ * of what, and the error names the bound: ORL_ERR_LIMIT, or ORL_ERR_UNSUPPORTED of a fault;
+ * ORL_ERR_NOMEM where it was none of its own.
  */
 int orl_lanes_run(struct orl_asking *asking, const json_t *request, json_t **ret_result,
                   struct orl_error *err);

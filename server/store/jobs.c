@@ -22,14 +22,14 @@ enum orl_job_state orl_job_state_from_name(const char *name)
 int orl_job_row_insert(struct orl_db *db, const struct orl_job_row *row, const char *request_key,
                        int64_t *ret_seq, struct orl_error *err)
 {
-    const int rc =
-        orl_db_run(db, err, NULL,
-                   "INSERT INTO jobs (id, kind, scene, document, state, created_ms, "
-                   "priority, client, request_key, identity, result_bytes) "
-                   "VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
-                   "sssssiisssi", row->id, orl_task_kind_name(row->kind), row->scene, row->document,
-                   orl_job_state_name(row->state), row->created_ms, (int64_t)row->priority,
-                   row->client, request_key, row->identity, (int64_t)row->result_bytes);
+    const int rc = orl_db_run(
+        db, err, NULL,
+        "INSERT INTO jobs (id, kind, scene, document, state, created_ms, "
+        "priority, client, request_key, identity, result_bytes, memory_bytes) "
+        "VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
+        "sssssiisssii", row->id, orl_task_kind_name(row->kind), row->scene, row->document,
+        orl_job_state_name(row->state), row->created_ms, (int64_t)row->priority, row->client,
+        request_key, row->identity, (int64_t)row->result_bytes, (int64_t)row->memory_bytes);
     if (rc == 0)
         *ret_seq = sqlite3_last_insert_rowid(db->handle);
     return rc;
@@ -61,10 +61,12 @@ int orl_job_row_update(struct orl_db *db, const struct orl_job_row *row, struct 
     return orl_db_run(db, err, NULL,
                       "UPDATE jobs SET state = ?, attempts = ?, started_ms = nullif(?, 0), "
                       "finished_ms = nullif(?, 0), outcome = ?, problem = ?, result_bytes = ?, "
-                      "fetched_ms = nullif(?, 0), evicted_ms = nullif(?, 0) WHERE seq = ?",
-                      "siiissiiii", orl_job_state_name(row->state), (int64_t)row->attempts,
+                      "fetched_ms = nullif(?, 0), evicted_ms = nullif(?, 0), strikes = ? "
+                      "WHERE seq = ?",
+                      "siiissiiiii", orl_job_state_name(row->state), (int64_t)row->attempts,
                       row->started_ms, row->finished_ms, row->outcome, row->problem,
-                      (int64_t)row->result_bytes, row->fetched_ms, row->evicted_ms, row->seq);
+                      (int64_t)row->result_bytes, row->fetched_ms, row->evicted_ms,
+                      (int64_t)row->strikes, row->seq);
 }
 
 int orl_job_row_drop(struct orl_db *db, int64_t seq, struct orl_error *err)
@@ -88,6 +90,8 @@ static struct orl_job_row read_row(sqlite3_stmt *stmt)
         .result_bytes = (uint64_t)sqlite3_column_int64(stmt, 15),
         .fetched_ms = sqlite3_column_int64(stmt, 16),
         .evicted_ms = sqlite3_column_int64(stmt, 17),
+        .memory_bytes = (uint64_t)sqlite3_column_int64(stmt, 18),
+        .strikes = sqlite3_column_int(stmt, 19),
     };
     snprintf(row.id, sizeof row.id, "%s", orl_db_text(stmt, 1));
     snprintf(row.scene, sizeof row.scene, "%s", orl_db_text(stmt, 2));
@@ -103,7 +107,8 @@ int orl_job_rows(struct orl_db *db, int (*visit)(void *ctx, const struct orl_job
     sqlite3_stmt *stmt = orl_db_prepare(
         db, err,
         "SELECT seq, id, scene, document, state, attempts, created_ms, started_ms, finished_ms, "
-        "outcome, problem, kind, priority, client, identity, result_bytes, fetched_ms, evicted_ms "
+        "outcome, problem, kind, priority, client, identity, result_bytes, fetched_ms, evicted_ms, "
+        "memory_bytes, strikes "
         "FROM jobs ORDER BY seq",
         "");
     if (!stmt)

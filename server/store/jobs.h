@@ -37,6 +37,8 @@ struct orl_job_row {
     int64_t created_ms, started_ms, finished_ms; /* 0: not yet */
     const char *outcome, *problem;               /* JSON text, borrowed; NULL: none */
     uint64_t result_bytes; /* of its results; while it waits or runs, of those to be expected */
+    uint64_t memory_bytes; /* that it is estimated to take: job_memory.h */
+    int strikes;           /* times that the daemon ended through it: blame.h */
     int64_t fetched_ms, evicted_ms; /* of them: last asked for, gone; 0: never */
 };
 
