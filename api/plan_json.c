@@ -89,11 +89,11 @@ static json_t *decisions_to_json(const struct orl_plan *plan)
 static json_t *foresight_to_json(const struct orl_foresight *f)
 {
     return json_pack(
-        "{s:s, s:b, s:{s:o, s:o}, s:{s:o, s:o}, s:o, s:I}", "why", f->why, "known", (int)f->known,
-        "emitted", "global", orl_json_from_real(f->emitted[0]), "caustic",
+        "{s:s, s:b, s:{s:o, s:o}, s:{s:o, s:o}, s:o, s:o, s:I}", "why", f->why, "known",
+        (int)f->known, "emitted", "global", orl_json_from_real(f->emitted[0]), "caustic",
         orl_json_from_real(f->emitted[1]), "seconds", "global", orl_json_from_real(f->seconds[0]),
         "caustic", orl_json_from_real(f->seconds[1]), "photons_s", orl_json_from_real(f->photons_s),
-        "enough_caustic", (json_int_t)f->enough_caustic);
+        "job_s", orl_json_from_real(f->job_s), "enough_caustic", (json_int_t)f->enough_caustic);
 }
 
 json_t *orl_plan_to_json(const struct orl_plan *plan)

@@ -99,17 +99,26 @@ static void print_photons(FILE *to, const struct orl_plan *plan)
         fputs(*before ? "\n" : "none\n", to);
 }
 
+static void format_foreseen(double seconds, char *ret_text, size_t size)
+{
+    char amount[32] = "";
+
+    if (isfinite(seconds))
+        orl_format_duration(seconds, amount, sizeof amount);
+    snprintf(ret_text, size, "%s%s", *amount ? "about " : "not known", amount);
+}
+
 /* What they will take, where a pilot was asked. */
 static void print_foresight(FILE *to, const struct orl_plan *plan)
 {
     const struct orl_foresight *f = &plan->foresight;
-    char seconds[32], text[ORL_WHY_MAX + 96];
+    char seconds[48], job[48], text[ORL_WHY_MAX + 160];
 
     if (!f->made)
         return;
-    orl_format_duration(f->photons_s, seconds, sizeof seconds);
-    snprintf(text, sizeof text, "%s%s; %s", f->known ? "about " : "not known",
-             f->known ? seconds : "", f->why);
+    format_foreseen(f->known ? f->photons_s : NAN, seconds, sizeof seconds);
+    format_foreseen(f->job_s, job, sizeof job);
+    snprintf(text, sizeof text, "%s, the whole job: %s; %s", seconds, job, f->why);
     fprintf(to, "%-*s", HEAD_WIDTH, "photons take");
     orl_print_wrapped(to, HEAD_WIDTH, HEAD_WIDTH, text);
 }

@@ -98,6 +98,9 @@ int orl_run_plan(struct orl_run_state *state, struct orl_error *err)
             judge_skip(state, orl_effect_name((enum orl_effect)i), &plan->effects[i]);
     if (code == 0)
         judge_light(state);
+    orl_run_guess_costs(state);
+    if (code == 0 && plan->foresight.made)
+        orl_run_foresee(state);
     if (code == 0 && state->env->plan_ready)
         state->env->plan_ready(state->env->ctx, plan);
     return code;

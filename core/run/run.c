@@ -12,12 +12,11 @@
 #include "run/rounds.h"
 #include "scene/parse.h"
 
-/* Rough costs, microseconds on one core: a photon traced, one indexed, a gather ray, a pixel. */
-static const double photon_us = 1.5, index_us = 0.5, gather_us = 2.5, pixel_us = 40;
+/* Rough costs, microseconds on one core: a photon traced, one indexed, one read by gather rays for
+ * the first time, a gather ray, a pixel. */
+static const double photon_us = 1.5, index_us = 0.5, leaf_us = 0.5, gather_us = 2.5, pixel_us = 40;
 
-/* What the job is going to cost, roughly, once its sensors are known; and again when its photons
- * are. */
-static void guess_costs(struct orl_run_state *state)
+void orl_run_guess_costs(struct orl_run_state *state)
 {
     const struct orl_job *job = state->job;
     const struct orl_plan *plan = &state->result->plan;
@@ -39,6 +38,20 @@ static void guess_costs(struct orl_run_state *state)
         plan->technique == ORL_TECHNIQUE_BACKWARD ? 0 : us * photons * index_us;
     state->cost_s[ORL_STAGE_RENDER] =
         us * ((double)state->n_sensors * samples * gather_us + pixels * pixel_us);
+    if (plan->technique == ORL_TECHNIQUE_GATHER)
+        state->cost_s[ORL_STAGE_RENDER] += us * (double)plan->photons_global * leaf_us;
+}
+
+/* Nobody knows yet what pixels take, or paths; nor photons of which a pilot found too few. */
+void orl_run_foresee(struct orl_run_state *state)
+{
+    struct orl_plan *plan = &state->result->plan;
+    struct orl_foresight *f = &plan->foresight;
+    const bool known = f->known && plan->technique == ORL_TECHNIQUE_GATHER &&
+                       state->job->n_views == 0 && !orl_goal_is_set(&state->job->goal);
+    f->job_s = known ? state->env->now_s(state->env->ctx) - state->started_s : NAN;
+    for (int i = ORL_STAGE_PHOTONS; i < ORL_STAGE_COUNT; i++)
+        f->job_s += state->cost_s[i];
 }
 
 static double left_s(const struct orl_run_state *state, double fraction, double now)
@@ -143,7 +156,7 @@ static int load(struct orl_run_state *state, struct orl_description *ret_descrip
         code = orl_error_set(err, ORL_ERR_INVALID, "the job names no scene files");
     if (code == 0)
         code = load_sensors(state, err);
-    guess_costs(state);
+    orl_run_guess_costs(state);
     if (code == 0)
         code = orl_scene_parse_with((const char *const *)job->scene_files, job->n_scene_files,
                                     state->env->files, &loader, ret_description, err);
@@ -219,7 +232,6 @@ static int prepare(struct orl_run_state *state, struct orl_error *err)
     warn_of_proxies(state);
     orl_run_enter(state, ORL_STAGE_PLAN);
     code = orl_run_plan(state, err);
-    guess_costs(state);
     return code < 0 ? code : heed_cancel(state, err);
 }
 
@@ -265,7 +277,7 @@ static int run(const struct orl_job *job, const struct orl_run_env *env,
     int code;
     state.told = &told;
     state.n_sensors = job->n_sensors;
-    guess_costs(&state);
+    orl_run_guess_costs(&state);
     state.stage_started = state.started_s = started;
     if (job->goal.deadline_s > 0)
         state.ends_s = started + job->goal.deadline_s;

@@ -119,6 +119,12 @@ int orl_run_render(struct orl_run_state *state, const struct orl_renderer *rende
  * leaves out. */
 int orl_run_plan(struct orl_run_state *state, struct orl_error *err);
 
+/* What the job is going to cost, roughly, once its sensors are known; and again when its photons
+ * are: into state->cost_s. */
+void orl_run_guess_costs(struct orl_run_state *state);
+/* And so what the whole of it will take, into the foresight of its plan. */
+void orl_run_foresee(struct orl_run_state *state);
+
 /* Photons, maps and render stages, by the technique of the plan. */
 int orl_run_backward(struct orl_run_state *state, struct orl_error *err);
 int orl_run_gather(struct orl_run_state *state, struct orl_error *err);

@@ -73,6 +73,7 @@ static json_t *without_seconds(json_t *plan)
     if (foresight) {
         assert_int_equal(json_object_del(foresight, "seconds"), 0);
         assert_int_equal(json_object_del(foresight, "photons_s"), 0);
+        assert_int_equal(json_object_del(foresight, "job_s"), 0);
     }
     return plan;
 }

@@ -77,6 +77,7 @@ static void expect_foreseen(const struct orl_result *r)
 {
     const struct orl_foresight *f = &r->plan.foresight;
     assert_true(f->made && f->known);
+    assert_true(f->job_s > f->photons_s && isfinite(f->job_s));
     const char *const kinds[] = {"global", "caustic"};
     for (int k = 0; k < 2; k++) {
         const double emitted = (double)map_of(r, kinds[k])->emitted;
