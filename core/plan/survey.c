@@ -5,6 +5,7 @@
 #include "base/random.h"
 #include "light/sky.h"
 #include "render/view.h"
+#include "scene/stand.h"
 
 enum { SKY_ROWS = 64, SKY_COLUMNS = 128, TIMED_RAYS = 2048, MOST_SENSORS_LOOKED_AT = 4096 };
 static const double most_tolerance_lx = 0.01, tolerance_of_all = 1e-6;
@@ -156,13 +157,13 @@ bool orl_survey_asks_outside(const struct orl_survey *survey)
     const struct orl_plan_request *request = survey->request;
     const struct orl_world *world = survey->world;
     const struct orl_job *job = request->job;
-    const double clear = world->geometry->radius * 0x1p-18; /* as sensors are read */
     if (world->open || request->n_sensors > MOST_SENSORS_LOOKED_AT)
         return true;
     for (size_t i = 0; i < request->n_sensors; i++) {
         const struct orl_sensor *s = &request->sensors[i];
         const struct orl_vec3 at = orl_sub(s->position, world->geometry->center);
-        if (orl_world_is_outside(world, orl_madd(at, orl_normalize(s->direction), clear)))
+        const struct orl_vec3 normal = orl_normalize(s->direction);
+        if (orl_world_is_outside(world, orl_stand(world->geometry, at, normal)))
             return true;
     }
     for (size_t i = 0; i < job->n_views; i++) {

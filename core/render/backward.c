@@ -1,4 +1,5 @@
 #include "render/backward.h"
+#include "scene/stand.h"
 
 enum { LAMPS_A_SAMPLE = 8 };
 /* Rays of a sensor's sample, and where one of them comes to a surface. */
@@ -61,9 +62,8 @@ struct orl_estimate orl_backward_irradiance(const struct orl_backward *backward,
                                             struct orl_rgb ret_groups[ORL_MAP_BATCHES])
 {
     const struct orl_world *world = backward->world;
-    /* A sensor written down as lying on a surface is to look away from it, not at it. */
-    struct orl_place place = {
-        .point = orl_madd(position, normal, world->geometry->radius * 0x1p-18), .normal = normal};
+    struct orl_place place = {.point = orl_stand(world->geometry, position, normal),
+                              .normal = normal};
     place.outside = orl_world_is_outside(world, place.point);
     for (uint32_t group = 0; group < ORL_MAP_BATCHES; group++)
         ret_groups[group] = sample_group(backward, &place, span, group, health);

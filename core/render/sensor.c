@@ -1,5 +1,6 @@
 #include "render/gather.h"
 #include "scene/hemisphere.h"
+#include "scene/stand.h"
 
 /* Rays fall into groups, each with sequences of its own: their spread tells the error. */
 enum { GROUPS = 16, PANE_POINTS = 64, SUN_RAYS = 16, GRAZING_SUN_RAYS = 128 }; /* of each */
@@ -216,9 +217,8 @@ static struct orl_estimate estimate_by_map(const struct orl_density *density,
 struct orl_place orl_gather_place(const struct orl_gather *gather, struct orl_vec3 position,
                                   struct orl_vec3 direction, struct orl_footing *ret_footing)
 {
-    /* A sensor written down as lying on a surface is to look away from it, not at it. */
-    const double clear = gather->world->geometry->radius * 0x1p-18;
-    struct orl_place place = {.point = orl_madd(position, direction, clear), .normal = direction};
+    struct orl_place place = {.point = orl_stand(gather->world->geometry, position, direction),
+                              .normal = direction};
     place.outside = orl_world_is_outside(gather->world, place.point);
     place.in_air = !lies_on_surface(gather, &place, ret_footing);
     return place;

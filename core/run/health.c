@@ -4,6 +4,7 @@
 
 #include "light/reach.h"
 #include "run/stages.h"
+#include "scene/stand.h"
 
 enum { OUTLOOK_PATHS = 16384, VIEW_PATHS = 2048, VIEW_PROBES = 64 };
 
@@ -49,14 +50,13 @@ static struct orl_vec3 moved(const struct orl_run_state *state, struct orl_vec3 
 /* Every sensor and every eye of the job; NULL when out of memory or when there are none. */
 static struct orl_outlook *list_outlooks(const struct orl_run_state *state, size_t *ret_count)
 {
-    const double clear = state->world->geometry->radius * 0x1p-18; /* as sensors are read */
     const struct orl_job *job = state->job;
     struct orl_outlook *list = malloc((state->n_sensors + job->n_views + 1) * sizeof *list);
     size_t n = 0;
     for (size_t i = 0; list && i < state->n_sensors; i++) {
         const struct orl_vec3 normal = orl_normalize(state->sensors[i].direction);
         const struct orl_vec3 point = moved(state, state->sensors[i].position);
-        list[n++] = (struct orl_outlook){orl_madd(point, normal, clear), normal};
+        list[n++] = (struct orl_outlook){orl_stand(state->world->geometry, point, normal), normal};
     }
     for (size_t i = 0; list && i < job->n_views; i++) {
         struct orl_view view;

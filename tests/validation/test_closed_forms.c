@@ -137,6 +137,42 @@ static void test_sun_patch(void **state)
     assert_within(lx[3], sun_normal_lx() * 0.902528, 1e-4);
 }
 
+/*
+ * A blade a metre above a sensor halves the sun's disc, 9 mm wide there, over a slope as wide as a
+ * town: what is clear of that slope must not lift other sensors, out of the shadow's edge (to 0.39
+ * of the sun) or through a shelf half a millimetre above; those on the slope see all of the sun.
+ */
+static void test_edge_of_a_shadow_in_a_wide_scene(void **state)
+{
+    static const char scene[] =
+        "void light l 0 0 3 1e6 1e6 1e6\nl source sun 0 0 4 0 0 1 .533\n" BLACK
+        "w polygon blade 0 0 12 0 -1 1 2 -1 1 2 1 1 0 1 1\n"
+        "w polygon slope 0 0 12 -200 -200 -61 200 -200 -21 "
+        "200 200 59 -200 200 19\n";
+    static const struct orl_sensor sensors[5] = {{{0, 0, 0}, {0.8, 0, 0.6}},
+                                                 {{1, 0, 0.9995}, {0, 0, 1}},
+                                                 {{7.3, -4.1, -1.09}, {0, 0, 1}},
+                                                 {{-150, 30, -10}, {0, 0, 1}},
+                                                 {{180, -33.7, 10.26}, {-0.1, -0.2, 1}}};
+    (void)state;
+    for (int backward = 0; backward < 2; backward++) {
+        double lx[5];
+        scene_run_lx(&(struct scene_run){.scene = scene,
+                                         .sensors = sensors,
+                                         .n_sensors = 5,
+                                         .technique = backward ? ORL_TECHNIQUE_BACKWARD
+                                                               : ORL_TECHNIQUE_GATHER,
+                                         .samples = 4096},
+                     lx);
+        /* 256 even rays or more to an edge: 256^-.75. */
+        assert_within(lx[0], 0.5 * 0.6 * sun_normal_lx(), 0.016);
+        assert_true(lx[1] == 0);
+        assert_within(lx[2], sun_normal_lx(), 1e-4);
+        assert_within(lx[3], sun_normal_lx(), 1e-4);
+        assert_within(lx[4], sun_normal_lx() / sqrt(1.05), 1e-4);
+    }
+}
+
 /* A sensor on the roof, one in front of the window, and one inside, of a sealed room. */
 static void test_inside_and_outside(void **state)
 {
@@ -297,6 +333,7 @@ int main(void)
         cmocka_unit_test(test_overcast_sky),
         cmocka_unit_test(test_sky_component),
         cmocka_unit_test(test_sun_patch),
+        cmocka_unit_test(test_edge_of_a_shadow_in_a_wide_scene),
         cmocka_unit_test(test_inside_and_outside),
         cmocka_unit_test(test_room_without_window),
         cmocka_unit_test(test_integrating_sphere),
