@@ -96,7 +96,7 @@ static int add_polygon(struct builder *b, const struct orl_surface *surface, uin
     struct orl_geometry *g = b->g;
     struct orl_facet *f = &g->facets[facet];
     const struct orl_triangulation *cut = &b->triangulation;
-    double reach = 0;
+    double reach = 0, bend = 0;
     const int code =
         orl_triangulate(&b->triangulation, surface->vertices, surface->n_vertices, surface->normal);
     if (code < 0)
@@ -115,8 +115,11 @@ static int add_polygon(struct builder *b, const struct orl_surface *surface, uin
         g->triangles[g->n_triangles++] = t;
         f->area += t.area;
         reach = fmax(reach, fmax(largest(t.a), fmax(largest(t.b), largest(t.c))));
+        bend = fmax(bend, fmax(fabs(orl_dot(orl_sub(t.b, t.a), f->normal)),
+                               fabs(orl_dot(orl_sub(t.c, t.a), f->normal))));
     }
     f->offset = reach * 0x1p-20;
+    f->bent = bend > reach * 0x1p-23;
     return 0;
 }
 
@@ -320,6 +323,13 @@ static void choose_front(const struct orl_geometry *geometry, struct orl_hit *hi
     }
 }
 
+/* The plane that a hit lies in: not a bent polygon's mean one, which may be on the far side of the
+ * triangle that Embree met. Not a unit normal. */
+static struct orl_vec3 plane_of(const struct orl_facet *facet, const struct orl_triangle *t)
+{
+    return facet->bent ? orl_cross(orl_sub(t->b, t->a), orl_sub(t->c, t->a)) : facet->normal;
+}
+
 /* The hit on the true surface, in double. */
 static inline void settle_hit(const struct orl_geometry *geometry, struct orl_vec3 origin,
                               struct orl_vec3 direction, const struct orl_embree_hit *e,
@@ -334,9 +344,10 @@ static inline void settle_hit(const struct orl_geometry *geometry, struct orl_ve
         if (!orl_quadric_intersect(facet, origin, direction, 0.5 * t, 2 * t, &t, &normal))
             normal = orl_quadric_normal(facet, orl_madd(origin, direction, t));
     } else {
-        const double slope = orl_dot(direction, normal);
-        const struct orl_vec3 to_plane = orl_sub(geometry->triangles[e->index].a, origin);
-        const double exact = orl_dot(to_plane, normal) / slope;
+        const struct orl_triangle *triangle = &geometry->triangles[e->index];
+        const struct orl_vec3 plane = plane_of(facet, triangle);
+        const double slope = orl_dot(direction, plane);
+        const double exact = orl_dot(orl_sub(triangle->a, origin), plane) / slope;
         if (fabs(exact - t) <= 1e-3 * t + facet->offset)
             t = exact;
     }

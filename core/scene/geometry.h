@@ -36,6 +36,7 @@ struct orl_facet {
     double offset; /* how far from the surface a ray must start to be clear of it */
     double beyond; /* BSDF: what it stands for lies this far behind it (negative: in front) */
     double area;
+    bool bent; /* a polygon whose triangles do not lie in one plane, as rounded numbers make them */
     uint32_t first_triangle, n_triangles; /* polygons: into orl_geometry.triangles */
     uint32_t first_rival, n_rivals;       /* into orl_geometry.rivals: facets in the same place that
                                              face the other way */

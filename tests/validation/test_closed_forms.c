@@ -224,6 +224,33 @@ static void test_room_without_window(void **state)
 /* ---- Interreflection --------------------------------------------------------------------------
  */
 
+/* Exporters round: a wall whose corners differ by 0.03 mm, and so lie in no plane, is as tight. */
+static void test_room_of_rounded_numbers(void **state)
+{
+    static const char scene[] =
+        SKY SUN "void plastic w 0 0 5 .7 .7 .7 0 0\n"
+                "w polygon floor 0 0 12 0 0 0 8 0 0 8 4.0731 0 0 4.073073 0\n"
+                "w polygon roof 0 0 12 0 0 3 0 4.0731 3 8 4.073073 3 8 0 3\n"
+                "w polygon west 0 0 12 0 0 0 0 4.073073 0 0 4.0731 3 0 0 3\n"
+                "w polygon east 0 0 12 8 0 0 8 0 3 8 4.073073 3 8 4.0731 0\n"
+                "w polygon south 0 0 12 0 0 0 0 0 3 8 0 3 8 0 0\n"
+                "w polygon north 0 0 12 8 4.0731 0 8 4.073073 3 0 4.0731 3 0 4.073073 0\n";
+    static const struct orl_sensor sensors[2] = {{{4, 3, 1.5}, {0, 1, 0}},
+                                                 {{2, 1, 0.8}, {0, 0, 1}}};
+    (void)state;
+    for (int backward = 0; backward < 2; backward++) {
+        double lx[2];
+        scene_run_lx(&(struct scene_run){.scene = scene,
+                                         .sensors = sensors,
+                                         .n_sensors = 2,
+                                         .technique = backward ? ORL_TECHNIQUE_BACKWARD
+                                                               : ORL_TECHNIQUE_GATHER,
+                                         .samples = 4096},
+                     lx);
+        assert_true(lx[0] == 0 && lx[1] == 0);
+    }
+}
+
 /*
  * A lamp of radius a in a sphere of radius 1: E_direct = pi L a^2, and of what the wall sends back
  * a share a^2 falls on the lamp and is lost: E = E_direct / (1 - rho (1 - a^2)). A path of n lands
@@ -336,6 +363,7 @@ int main(void)
         cmocka_unit_test(test_edge_of_a_shadow_in_a_wide_scene),
         cmocka_unit_test(test_inside_and_outside),
         cmocka_unit_test(test_room_without_window),
+        cmocka_unit_test(test_room_of_rounded_numbers),
         cmocka_unit_test(test_integrating_sphere),
         cmocka_unit_test(test_glass_furnace),
         cmocka_unit_test(test_hole_and_invisible_pane),
