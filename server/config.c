@@ -17,6 +17,7 @@ void orl_config_help(FILE *stream)
         stream,
         "Usage: orield [OPTION]...\n"
         "       orield token add|list|remove ...   access tokens (orield token --help)\n"
+        "       orield scrub | backup TO           looks through, copies what is kept (--help)\n"
         "Serves daylight renderings over HTTP. See GET /openapi.yaml for the interface.\n\n"
         "  --listen ADDRESS:PORT  where to listen (127.0.0.1:%d); other than loopback\n"
         "                         takes TLS and at least one token (orield token --help)\n"
@@ -31,6 +32,8 @@ void orl_config_help(FILE *stream)
         "                         group allows less a tenth, or the machine has free at start)\n"
         "  --shelf SIZE           bytes of memory for what jobs have worked out of their maps\n"
         "                         and leave to later jobs of the same maps; 0: none (%luM)\n"
+        "  --scrub-rate SIZE      bytes a second at which what is kept is read, once a day, and\n"
+        "                         held against its digests; 0: never (%luM)\n"
         "  --tls-cert FILE        serve HTTPS: the certificate and its chain, PEM\n"
         "  --tls-key FILE         its private key, PEM\n"
         "  --tokens WHEN          when tokens are needed: public, on all but loopback\n"
@@ -55,9 +58,9 @@ void orl_config_help(FILE *stream)
         "more, and one that still runs when --drain-timeout is over, or at a second SIGTERM,\n"
         "is queued again: it starts over with the next start, with the maps it has made.\n"
         "SIGHUP has certificate and key read anew.\n",
-        DEFAULT_PORT, ORL_SERVER_SHELF_BYTES >> 20, ORL_SERVER_TIMEOUT_S, ORL_SERVER_CHECK_S,
-        ORL_SERVER_CHECK_BYTES >> 20, ORL_SERVER_JOB_S, ORL_SERVER_KEPT_JOBS, ORL_SERVER_DRAIN_S,
-        ORL_SERVER_ADDRESS_CONNECTIONS);
+        DEFAULT_PORT, ORL_SERVER_SHELF_BYTES >> 20, ORL_SERVER_SCRUB_RATE >> 20,
+        ORL_SERVER_TIMEOUT_S, ORL_SERVER_CHECK_S, ORL_SERVER_CHECK_BYTES >> 20, ORL_SERVER_JOB_S,
+        ORL_SERVER_KEPT_JOBS, ORL_SERVER_DRAIN_S, ORL_SERVER_ADDRESS_CONNECTIONS);
 }
 
 static int parse_number(const char *option, const char *text, unsigned long min, unsigned long max,
@@ -200,6 +203,8 @@ static int apply_option(struct orl_config *config, const char *name, const char 
         if (rc == 0 && config->check_memory < ORL_SERVER_CHECK_LEAST)
             rc = orl_error_set(err, ORL_ERR_INVALID, "--check-memory takes %luM at least",
                                ORL_SERVER_CHECK_LEAST >> 20);
+    } else if (strcmp(name, "--scrub-rate") == 0) {
+        rc = parse_size(name, value, 0, &config->scrub_bytes_per_s, err);
     } else if (strcmp(name, "--shelf") == 0) {
         rc = parse_size(name, value, 0, &config->shelf_bytes, err);
     } else if (strcmp(name, "--log-level") == 0) {
@@ -233,6 +238,7 @@ static void set_defaults(struct orl_config *config)
     config->check_timeout_s = ORL_SERVER_CHECK_S;
     config->check_memory = ORL_SERVER_CHECK_BYTES;
     config->shelf_bytes = ORL_SERVER_SHELF_BYTES;
+    config->scrub_bytes_per_s = ORL_SERVER_SCRUB_RATE;
     config->job_timeout_s = ORL_SERVER_JOB_S;
     config->keep_jobs = ORL_SERVER_KEPT_JOBS;
     config->drain_s = ORL_SERVER_DRAIN_S;

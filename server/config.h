@@ -32,6 +32,7 @@ struct orl_config {
     uint64_t check_memory;          /* bytes that it may take */
     uint64_t memory_bytes;          /* that daemon and checks may take; 0: what there is */
     uint64_t storage_bytes;         /* that what is kept may take; 0: half of the disk's room */
+    uint64_t scrub_bytes_per_s;     /* 0: what is kept is not looked through */
     uint64_t shelf_bytes;           /* of memory, for what jobs leave to those after them */
     uint32_t job_timeout_s;         /* that a job may run */
     uint32_t keep_jobs, keep_days;  /* of those that have ended; no days: for ever */

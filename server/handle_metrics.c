@@ -11,6 +11,7 @@
 #include "connections.h"
 #include "reply.h"
 #include "router.h"
+#include "scrub.h"
 #include "server.h"
 #include "times.h"
 
@@ -147,6 +148,16 @@ static void write_memory(FILE *out, const struct orl_memory *memory)
            (double)memory->checks);
 }
 
+static void write_scrub(FILE *out, const struct orl_server *server)
+{
+    const struct orl_scrub_totals totals = orl_scrubbing_totals(server->scrubbing);
+    number(out, "oriel_scrub_files_total", "counter", "Files held against their digests",
+           (double)totals.files);
+    number(out, "oriel_scrub_bytes_total", "counter", "Bytes of those", (double)totals.bytes);
+    number(out, "oriel_scrub_damaged_total", "counter", "Of those, found damaged or missing",
+           (double)totals.damaged);
+}
+
 static void write_http(FILE *out, const struct orl_server *server)
 {
     static const char name[] = "oriel_http_request_seconds";
@@ -224,6 +235,7 @@ void orl_handle_metrics(struct orl_request *request)
         write_shelf(out, request->server);
         write_storage(out, request->server);
         write_memory(out, &request->server->memory);
+        write_scrub(out, request->server);
         write_http(out, request->server);
         write_pulse(out, request->server);
         write_process(out, request->server);

@@ -45,6 +45,7 @@
 #define ORL_SERVER_CHECK_BYTES (2UL << 30)   /* of memory that one check may take (default) ... */
 #define ORL_SERVER_CHECK_FIRST (256UL << 20) /* ... that it is granted at first */
 #define ORL_SERVER_CHECK_LEAST (64UL << 20)  /* ... and has at least */
+#define ORL_SERVER_SCRUB_RATE (4UL << 20)    /* bytes a second that are looked through (default) */
 #define ORL_SERVER_SHELF_BYTES (256UL << 20) /* that jobs leave in memory (default) */
 #define ORL_SERVER_ATTEMPTS 3                /* starts of one job before it counts as a killer */
 

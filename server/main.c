@@ -16,6 +16,7 @@
 #include "config.h"
 #include "limits.h"
 #include "server.h"
+#include "store_command.h"
 #include "tokens.h"
 
 static void announce(const char *url)
@@ -66,6 +67,8 @@ int main(int argc, char **argv)
     }
     if (argc == 3 && strcmp(argv[1], ORL_KEEPER_MODE) == 0)
         return orl_keeper_main(argv[2]);
+    if (argc > 1 && (strcmp(argv[1], "scrub") == 0 || strcmp(argv[1], "backup") == 0))
+        return orl_store_command(argc - 1, argv + 1);
     if (argc > 1 && strcmp(argv[1], "token") == 0)
         return orl_token_command(argc - 1, argv + 1);
     if (orl_config_parse(argc, argv, &config, &action, &err))

@@ -7,6 +7,7 @@
 #include "job_bounds.h"
 #include "kept_parts.h"
 #include "notify.h"
+#include "scrub.h"
 #include "store/migrate.h"
 #include "store/tokens.h"
 #include "times.h"
@@ -67,6 +68,7 @@ static void on_saving(uv_timer_t *timer)
     orl_jobs_save(server->jobs);
     orl_jobs_bound(server->jobs);
     orl_notify_alive();
+    orl_scrubbing_look(server->scrubbing);
     orl_storage_look(&server->storage);
     orl_pulse_ask(&server->pulse);
 }
@@ -320,6 +322,7 @@ int orl_server_run(const struct orl_config *config, void (*announce)(const char 
         rc = open_jobs(&server, err);
     if (rc == 0) {
         open_budget(&server);
+        server.scrubbing = orl_scrubbing_start(&server, config->scrub_bytes_per_s);
         watch_signals(&server);
         announce_address(&server, announce);
     } else {
@@ -330,6 +333,7 @@ int orl_server_run(const struct orl_config *config, void (*announce)(const char 
         uv_close((uv_handle_t *)&server.log_lines, NULL);
     }
     uv_run(&server.loop, UV_RUN_DEFAULT);
+    orl_scrubbing_stop(server.scrubbing);
     orl_http_free(server.http);
     orl_events_free(server.events);
     if (server.maps)

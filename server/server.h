@@ -46,6 +46,7 @@ struct orl_server {
     struct orl_shelf *shelf;
     struct orl_storage storage;
     struct orl_verified verified;
+    struct orl_scrubbing *scrubbing; /* scrub.h; or NULL */
     struct orl_jobs *jobs;
     struct orl_status_cache *statuses;
     struct orl_http *http;

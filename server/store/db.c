@@ -27,9 +27,9 @@ int orl_db_exec(struct orl_db *db, const char *sql, struct orl_error *err)
     return 0;
 }
 
-int orl_db_open(struct orl_db *db, const char *path, struct orl_error *err)
+static int open_with(struct orl_db *db, const char *path, int more, struct orl_error *err)
 {
-    const int flags = SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_NOMUTEX;
+    const int flags = SQLITE_OPEN_READWRITE | SQLITE_OPEN_NOMUTEX | more;
     db->handle = NULL;
     int rc = 0;
     if (sqlite3_open_v2(path, &db->handle, flags, NULL) != SQLITE_OK)
@@ -46,9 +46,19 @@ int orl_db_open(struct orl_db *db, const char *path, struct orl_error *err)
     return rc;
 }
 
-int orl_db_serve(struct orl_db *db, struct orl_error *err)
+int orl_db_open(struct orl_db *db, const char *path, struct orl_error *err)
 {
-    sqlite3_stmt *stmt = orl_db_prepare(db, err, "PRAGMA quick_check(1)", "");
+    return open_with(db, path, SQLITE_OPEN_CREATE, err);
+}
+
+int orl_db_open_existing(struct orl_db *db, const char *path, struct orl_error *err)
+{
+    return open_with(db, path, 0, err);
+}
+
+static int check(struct orl_db *db, const char *pragma, struct orl_error *err)
+{
+    sqlite3_stmt *stmt = orl_db_prepare(db, err, pragma, "");
     if (!stmt)
         return ORL_ERR_IO;
     int rc = 0;
@@ -60,6 +70,17 @@ int orl_db_serve(struct orl_db *db, struct orl_error *err)
         orl_error_hint(err, "Put back a copy of the data folder, or give another one");
     }
     sqlite3_finalize(stmt);
+    return rc;
+}
+
+int orl_db_check(struct orl_db *db, struct orl_error *err)
+{
+    return check(db, "PRAGMA integrity_check(1)", err);
+}
+
+int orl_db_serve(struct orl_db *db, struct orl_error *err)
+{
+    const int rc = check(db, "PRAGMA quick_check(1)", err);
     sqlite3_busy_timeout(db->handle, SERVING_TIMEOUT_MS);
     return rc;
 }

@@ -20,6 +20,10 @@ struct orl_db {
 
 /* Opens or creates path. Does not migrate. */
 int orl_db_open(struct orl_db *db, const char *path, struct orl_error *err);
+/* Opens one that is there. */
+int orl_db_open_existing(struct orl_db *db, const char *path, struct orl_error *err);
+/* Reads all of it: ORL_ERR_CORRUPT when it is damaged. */
+int orl_db_check(struct orl_db *db, struct orl_error *err);
 /*
  * For a daemon that is about to serve: refuses a damaged database (ORL_ERR_CORRUPT), and from then
  * on waits but a moment for another program's lock, since everybody waits meanwhile.

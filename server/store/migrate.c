@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "carried.h"
 #include "times.h"
@@ -85,6 +86,18 @@ static int apply(struct orl_db *db, const struct orl_migration *migration, size_
     return rc;
 }
 
+/* Of a database that holds something: what a migration did can be undone. */
+static int keep_copy(struct orl_db *db, size_t applied, struct orl_error *err)
+{
+    const char *path = sqlite3_db_filename(db->handle, "main");
+    char copy[4096];
+    if (!path || !*path)
+        return 0; /* in memory */
+    snprintf(copy, sizeof copy, "%s.before-%04zu", path, applied + 1);
+    unlink(copy); /* of an earlier attempt */
+    return orl_db_run(db, err, NULL, "VACUUM INTO ?", "s", copy);
+}
+
 int orl_db_migrate(struct orl_db *db, const struct orl_migration *list, size_t count,
                    struct orl_error *err)
 {
@@ -98,6 +111,8 @@ int orl_db_migrate(struct orl_db *db, const struct orl_migration *list, size_t c
                          err);
     if (rc == 0)
         rc = check_applied(db, list, count, &applied, err);
+    if (rc == 0 && applied > 0 && applied < count)
+        rc = keep_copy(db, applied, err);
     for (size_t i = applied; i < count && rc == 0; i++)
         rc = apply(db, &list[i], i + 1, err);
     return rc;

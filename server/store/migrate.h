@@ -5,6 +5,9 @@
  * with the row that records its number and digest. A database with a later number than we know is
  * refused (ORL_ERR_VERSION), as is one whose recorded digest differs from ours (ORL_ERR_CORRUPT):
  * a migration that has been applied somewhere may never be edited.
+ *
+ * Before the first one that is new to a database, a copy of that is left beside it, as
+ * <path>.before-<number>: to go back to an earlier Oriel, put it in its place.
  */
 #ifndef ORL_STORE_MIGRATE_H
 #define ORL_STORE_MIGRATE_H

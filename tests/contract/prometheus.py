@@ -21,6 +21,8 @@ WANTED = {"oriel_queue_depth": "gauge", "oriel_jobs": "gauge", "oriel_job_runs_t
           "oriel_evictions_total": "counter", "oriel_http_connections": "gauge",
           "oriel_event_streams": "gauge", "oriel_http_slow_clients_total": "counter",
           "oriel_loop_turn_seconds": "histogram", "oriel_loop_longest_turn_seconds": "gauge",
+          "oriel_scrub_files_total": "counter", "oriel_scrub_bytes_total": "counter",
+          "oriel_scrub_damaged_total": "counter",
           "oriel_pool_requests": "gauge", "oriel_pool_wait_seconds": "gauge",
           "oriel_http_request_seconds": "histogram", "oriel_build_info": "gauge",
           "process_start_time_seconds": "gauge", "process_cpu_seconds_total": "counter",

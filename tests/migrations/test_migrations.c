@@ -49,6 +49,8 @@ static int teardown(void **state)
     unlink(path);
     snprintf(path, sizeof path, "%s-shm", f->path);
     unlink(path);
+    snprintf(path, sizeof path, "%s.before-0002", f->path);
+    unlink(path);
     free(f);
     return 0;
 }
@@ -96,6 +98,42 @@ static void test_stepwise_keeps_data(void **state)
 }
 
 /* A migration that fails halfway leaves nothing, and can be applied once it is mended. */
+static int64_t columns_of_copy(const char *path, struct orl_error *err)
+{
+    struct orl_db db = {NULL};
+    assert_int_equal(orl_db_open_existing(&db, path, err), 0);
+    sqlite3_stmt *stmt =
+        orl_db_prepare(&db, err, "SELECT count(*) FROM pragma_table_info('a')", "");
+    assert_non_null(stmt);
+    assert_int_equal(sqlite3_step(stmt), SQLITE_ROW);
+    const int64_t count = sqlite3_column_int64(stmt, 0);
+    sqlite3_finalize(stmt);
+    orl_db_close(&db);
+    return count;
+}
+
+/* A database that holds something is copied before it changes, once more after a failed attempt;
+ * an empty one is not. */
+static void test_copy_before(void **state)
+{
+    struct fixture *f = *state;
+    char copy[100];
+    snprintf(copy, sizeof copy, "%s.before-0002", f->path);
+    assert_int_equal(orl_db_migrate(&f->db, two, 1, &f->err), 0);
+    assert_int_not_equal(access(copy, F_OK), 0);
+    for (int i = 0; i < 2; i++) {
+        const struct orl_migration broken[] = {two[0], {"0002_broken.sql", "no sql"}};
+        assert_int_not_equal(orl_db_migrate(&f->db, broken, 2, &f->err), 0);
+    }
+    assert_int_equal(orl_db_migrate(&f->db, two, 2, &f->err), 0);
+    assert_int_equal(number(f, "SELECT count(*) FROM pragma_table_info('a')"), 2);
+    assert_int_equal(columns_of_copy(copy, &f->err), 1);
+    assert_int_equal(orl_db_migrate(&f->db, two, 2, &f->err), 0);
+    assert_int_equal(unlink(copy), 0);
+    assert_int_equal(orl_db_migrate(&f->db, two, 2, &f->err), 0);
+    assert_int_not_equal(access(copy, F_OK), 0);
+}
+
 static void test_failure_is_atomic(void **state)
 {
     struct fixture *f = *state;
@@ -335,6 +373,7 @@ int main(void)
         EACH(test_pragmas),
         EACH(test_fresh_and_again),
         EACH(test_stepwise_keeps_data),
+        EACH(test_copy_before),
         EACH(test_failure_is_atomic),
         EACH(test_later_version_is_refused),
         EACH(test_edited_migration_is_refused),

@@ -143,6 +143,10 @@ struct orl_folder_store {
 };
 struct orl_map_store orl_map_store_in_folder(struct orl_folder_store *state);
 
+/* Is a photon map, at that path, as it was written? All of it is read. ORL_ERR_IO, _CORRUPT,
+ * _VERSION. Of the kind "bsdf" nothing is said: a job that opens one looks at all of it. */
+int orl_map_verify(const char *kind, const char *path, struct orl_error *err);
+
 /* ---- Results --------------------------------------------------------------------------------- */
 
 enum orl_stage {
