@@ -39,7 +39,7 @@ def jobs(lit, dark):
                {"cie": {"type": "clear", **PLACE},
                 "from": {**DAY, "hour": 11.5}, "to": {**DAY, "hour": 12.5}}]
     yield {"kind": "render", "scene": lit, "technique": "gather", "seed": 1, "gather_samples": 16,
-           "photons": {"global": 500, "caustic": 500}, "sensors": SENSORS, "views": [VIEW],
+           "photons": {"global": 500, "caustic": 500, "exact": True}, "sensors": SENSORS, "views": [VIEW],
            "priority": 5, "dark": "expected", "effects": {name: "auto" for name in EFFECTS}}
     yield {"scene": lit, "technique": "backward", "pixel_samples": 4, "views": [VIEW]}
     yield {"scene": lit, "accuracy": {"relative_error": 0.5, "at": 0.9}, "sensors": SENSORS}

@@ -68,7 +68,7 @@ def scenes(daemon):
     daemon.ask("POST", "/v1/scenes", form, kind, want=400)
     for files in ([], [{"name": "../r.rad", "text": ROOM}], [{"name": "r.rad", "text": "void x"}],
                   [{"name": "r.rad", "text": "a BSDF b 6 0 absent.xml 0 0 1 . 0 0\n"}],
-                  [{"name": "r.rad", "text": "void prism1 a 0 0 0\n"}]):
+                  [{"name": "r.rad", "text": "void prism1 a 0 0 0\na sphere s 0 0 4 0 0 0 1\n"}]):
         assert daemon.ask("POST", "/v1/scenes", {"files": files}).status in (400, 422)
     daemon.ask("POST", "/v1/scenes", {"files": [], "other": 1}, want=422)
     zips(daemon, first)
