@@ -54,8 +54,6 @@ static int find_alternate(struct orl_parser *parser, const struct orl_scope *sco
 {
     const char *name = orl_primitive_string(&parser->primitive, 0);
     const struct orl_symbol *symbol = orl_symbols_find(&parser->symbols, name);
-    if (symbol && symbol->refused > 0)
-        parser->hangs_on = symbol->refused;
     if (strcmp(name, "void") == 0 || (symbol && symbol->kind == ORL_SYMBOL_REFUSED)) {
         *ret_seen_as = ORL_SEEN_AS_NOTHING;
         return 0;

@@ -132,13 +132,11 @@ static int define(struct orl_parser *parser, const struct orl_scope *scope, cons
                   struct orl_material *material, struct orl_error *err)
 {
     const struct orl_symbol *old = orl_symbols_find(&parser->symbols, name);
-    struct orl_symbol symbol = {.kind = ORL_SYMBOL_MATERIAL, .refused = parser->hangs_on};
+    struct orl_symbol symbol = {.kind = ORL_SYMBOL_MATERIAL};
     if (old && old->kind == ORL_SYMBOL_MATERIAL &&
         same_material(parser->out->materials + old->index, material)) {
         orl_bsdf_unref(material->bsdf);
-        symbol.name = old->name;
-        symbol.index = old->index;
-        if (orl_symbols_set(&parser->symbols, symbol) < 0) /* defined again, and so later */
+        if (orl_symbols_set(&parser->symbols, *old) < 0) /* defined again, and so later */
             return orl_parser_fail(parser, scope, err, ORL_ERR_NOMEM, "out of memory");
         return 0;
     }
@@ -158,8 +156,6 @@ static int find_sky(struct orl_parser *parser, const struct orl_scope *scope, in
 {
     const char *name = parser->primitive.modifier;
     const struct orl_symbol *symbol = orl_symbols_find(&parser->symbols, name);
-    if (symbol && symbol->refused > 0)
-        parser->hangs_on = symbol->refused;
     if (strcmp(name, "void") == 0 || (symbol && symbol->kind == ORL_SYMBOL_REFUSED)) {
         *ret_sky = -1;
         return 0;
@@ -208,7 +204,6 @@ int orl_parser_modifier(struct orl_parser *parser, const struct orl_scope *scope
     const struct material_type *type = find_type(parser->primitive.type);
     struct orl_material material = {.seen_as = ORL_SEEN_AS_ITSELF, .sky = -1};
     int code = check_name(parser, scope, err);
-    parser->hangs_on = 0;
     if (code == 0)
         code = find_sky(parser, scope, &material.sky, err);
     if (code < 0)
@@ -239,7 +234,6 @@ int orl_parser_alias(struct orl_parser *parser, const struct orl_scope *scope,
     struct orl_material material;
     int32_t sky = -1;
     int code = check_name(parser, scope, err);
-    parser->hangs_on = symbol ? symbol->refused : 0;
     if (code == 0 && !inherit)
         code = find_sky(parser, scope, &sky, err);
     if (code < 0)
@@ -250,7 +244,7 @@ int orl_parser_alias(struct orl_parser *parser, const struct orl_scope *scope,
     if (symbol->kind != ORL_SYMBOL_MATERIAL) {
         const char *id = parser->primitive.id;
         const struct orl_symbol copy = {orl_storage_text(parser->out->storage, id, strlen(id)),
-                                        symbol->kind, symbol->index, 0, symbol->refused};
+                                        symbol->kind, symbol->index, 0};
         if (!copy.name || orl_symbols_set(&parser->symbols, copy) < 0)
             return orl_parser_fail(parser, scope, err, ORL_ERR_NOMEM, "out of memory");
         return 0;

@@ -124,47 +124,33 @@ static int heed_cancel(const struct orl_parser *parser, struct orl_error *err)
 }
 
 /* What is defined in vain is known by name, so that its uses are not errors too. */
-static int define_refused(struct orl_parser *parser, uint32_t number, struct orl_error *err)
+static int define_refused(struct orl_parser *parser, struct orl_error *err)
 {
     const struct orl_primitive *primitive = &parser->primitive;
     const size_t length = strlen(primitive->id);
     const struct orl_symbol symbol = {orl_storage_text(parser->out->storage, primitive->id, length),
-                                      ORL_SYMBOL_REFUSED, 0, 0, number};
+                                      ORL_SYMBOL_REFUSED, 0, 0};
     if (!symbol.name || orl_symbols_set(&parser->symbols, symbol) < 0)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     return 0;
 }
 
-static void need_modifier(struct orl_parser *parser)
-{
-    const struct orl_symbol *symbol =
-        orl_symbols_find(&parser->symbols, parser->primitive.modifier);
-    if (symbol)
-        orl_refusals_need(&parser->refusals, symbol->refused);
-}
-
-/* Notes what is not simulated, and reads on behind it where that can be. */
+/* Counts what is not simulated, and reads on behind it where that can be. */
 static int note_refusal(struct orl_parser *parser, struct orl_lexer *lexer, bool command,
                         struct orl_error *err)
 {
     struct orl_error ignored;
     const char *type = parser->primitive.type;
-    const bool shape = !command && (strcmp(type, "mesh") == 0 || strcmp(type, "instance") == 0);
-    const uint32_t number = orl_refusals_note(&parser->refusals, err);
-    if (command || shape || orl_parser_is_surface(type))
-        orl_refusals_need(&parser->refusals, number);
+    orl_refusals_add(&parser->refusals, err);
     if (command || orl_parser_is_surface(type))
         return 0;
-    if (shape)
-        need_modifier(parser);
     /* The arguments of types that are known have been read. */
     if (!orl_parser_is_modifier(type) && strcmp(type, "alias") != 0 &&
         orl_primitive_read_arguments(&parser->primitive, lexer, &ignored) < 0) {
-        orl_refusals_need(&parser->refusals, number);
         parser->cut_short = true;
         return ORL_ERR_UNSUPPORTED;
     }
-    return define_refused(parser, number, err);
+    return define_refused(parser, err);
 }
 
 int orl_parser_read(struct orl_parser *parser, const struct orl_scope *scope, const char *text,
@@ -286,7 +272,6 @@ int orl_scene_parse_with(const char *const *names, size_t count, const struct or
         goto done;
     out.n_main = parser.sources.count;
     code = read_main(&parser, names, count, index, err);
-    orl_refusals_settle(&parser.refusals);
     /* Later mistakes may come of what was left out: first things first. */
     if (parser.refusals.n > 0 && code != ORL_ERR_NOMEM && code != ORL_ERR_CANCELLED &&
         code != ORL_ERR_LIMIT)
@@ -298,7 +283,6 @@ int orl_scene_parse_with(const char *const *names, size_t count, const struct or
     *ret_description = out;
     memset(&out, 0, sizeof out);
 done:
-    orl_refusals_done(&parser.refusals);
     orl_sources_done(&parser.sources);
     orl_symbols_done(&parser.symbols);
     orl_primitive_done(&parser.primitive);

@@ -31,8 +31,7 @@ struct orl_parser {
     uint64_t vertices;     /* kept so far */
     int32_t void_material; /* index, or -1 */
     struct orl_refusals refusals;
-    uint32_t hangs_on; /* the refusal that the modifier at hand hangs on, or 0 */
-    bool cut_short;    /* what was refused could not be read past */
+    bool cut_short; /* what was refused could not be read past */
     struct orl_tally degenerate, bent, unmodified, white;
 };
 

@@ -1,19 +1,12 @@
 #include "scene/refusals.h"
 
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
-struct orl_awaiting {
-    struct orl_error err;
-    uint64_t count; /* text is read again and again in arrays */
-    bool needed;
-};
-
 /* Of one kind are those of one type, or one command, that are refused for one reason. */
-static void count(struct orl_refusals *refusals, const struct orl_error *err, uint64_t times)
+void orl_refusals_add(struct orl_refusals *refusals, const struct orl_error *err)
 {
-    struct orl_refusal refusal = {.count = times, .first = *err};
+    struct orl_refusal refusal = {.count = 1, .first = *err};
     const size_t length = strcspn(err->primitive, " ");
     snprintf(refusal.kind, sizeof refusal.kind, "%.*s", (int)(length < 40 ? length : 40),
              err->primitive);
@@ -21,68 +14,14 @@ static void count(struct orl_refusals *refusals, const struct orl_error *err, ui
         struct orl_refusal *known = &refusals->kinds[i];
         if (strcmp(known->kind, refusal.kind) == 0 &&
             strcmp(known->first.message, err->message) == 0) {
-            known->count += times;
+            known->count++;
             return;
         }
     }
     if (refusals->n < ORL_MOST_REFUSALS)
         refusals->kinds[refusals->n++] = refusal;
     else
-        refusals->others += times;
-}
-
-static bool make_room(struct orl_refusals *refusals)
-{
-    const size_t room = refusals->room ? 2 * refusals->room : 16;
-    struct orl_awaiting *grown;
-    if (refusals->n_awaiting < refusals->room)
-        return true;
-    if (refusals->n_awaiting >= ORL_MOST_AWAITING)
-        return false;
-    grown = realloc(refusals->awaiting, room * sizeof *grown);
-    if (!grown)
-        return false;
-    refusals->awaiting = grown;
-    refusals->room = room;
-    return true;
-}
-
-uint32_t orl_refusals_note(struct orl_refusals *refusals, const struct orl_error *err)
-{
-    for (size_t i = refusals->n_awaiting; i-- > 0;) {
-        struct orl_awaiting *known = &refusals->awaiting[i];
-        if (known->err.line != err->line || strcmp(known->err.primitive, err->primitive) != 0 ||
-            strcmp(known->err.file, err->file) != 0)
-            continue;
-        known->count++;
-        return (uint32_t)i + 1;
-    }
-    if (!make_room(refusals)) {
-        count(refusals, err, 1);
-        return 0;
-    }
-    refusals->awaiting[refusals->n_awaiting++] = (struct orl_awaiting){.err = *err, .count = 1};
-    return (uint32_t)refusals->n_awaiting;
-}
-
-void orl_refusals_need(struct orl_refusals *refusals, uint32_t number)
-{
-    if (number > 0)
-        refusals->awaiting[number - 1].needed = true;
-}
-
-void orl_refusals_settle(struct orl_refusals *refusals)
-{
-    for (size_t i = 0; i < refusals->n_awaiting; i++)
-        if (refusals->awaiting[i].needed)
-            count(refusals, &refusals->awaiting[i].err, refusals->awaiting[i].count);
-    refusals->n_awaiting = 0;
-}
-
-void orl_refusals_done(struct orl_refusals *refusals)
-{
-    free(refusals->awaiting);
-    refusals->awaiting = NULL;
+        refusals->others++;
 }
 
 /* A text that is filled up to its room, and ends in dots when that was too little. */

@@ -126,7 +126,7 @@ int orl_parser_sky(struct orl_parser *parser, const struct orl_scope *scope, con
 {
     struct orl_description *out = parser->out;
     struct orl_sky sky = {0};
-    struct orl_symbol symbol = {.kind = ORL_SYMBOL_SKY, .refused = parser->hangs_on};
+    struct orl_symbol symbol = {.kind = ORL_SYMBOL_SKY};
     const struct orl_symbol *old = orl_symbols_find(&parser->symbols, name);
     int code = read_pattern(parser, scope, &sky, err);
     if (code == 0)

@@ -48,20 +48,14 @@ static int out_of_memory(struct orl_parser *parser, const struct orl_scope *scop
     return ORL_ERR_NOMEM;
 }
 
-static const char *modifier_of(const struct orl_parser *parser, const struct orl_scope *scope)
-{
-    return scope->modifier ? scope->modifier : parser->primitive.modifier;
-}
-
 /* The material of the primitive at hand, with the scope's override; ret_order: when its modifier
  * was defined, untouched for void. */
 static int find_material(struct orl_parser *parser, const struct orl_scope *scope,
                          uint32_t *ret_index, uint32_t *ret_order, struct orl_error *err)
 {
-    const char *name = modifier_of(parser, scope);
-    const struct orl_symbol *symbol = orl_symbols_find(&parser->symbols, name);
-    if (symbol)
-        orl_refusals_need(&parser->refusals, symbol->refused);
+    const char *name = scope->modifier ? scope->modifier : parser->primitive.modifier;
+    const struct orl_symbol *symbol;
+    symbol = orl_symbols_find(&parser->symbols, name);
     if (strcmp(name, "void") == 0 || (symbol && symbol->kind == ORL_SYMBOL_REFUSED))
         return orl_parser_void(parser, ret_index) < 0 ? out_of_memory(parser, scope, err) : 0;
     if (!symbol) {
@@ -393,7 +387,6 @@ static int read_source(struct orl_parser *parser, const struct orl_scope *scope,
                        struct orl_error *err)
 {
     struct orl_description *out = parser->out;
-    const struct orl_symbol *symbol;
     struct orl_distant distant = {0};
     uint32_t order = 0;
     const double *r;
@@ -407,8 +400,7 @@ static int read_source(struct orl_parser *parser, const struct orl_scope *scope,
     if (code < 0)
         return code;
     r = parser->primitive.reals;
-    symbol = orl_symbols_find(&parser->symbols, modifier_of(parser, scope));
-    if (symbol && symbol->kind == ORL_SYMBOL_REFUSED)
+    if (parser->refusals.n > 0 && out->materials[distant.material].kind == ORL_MATERIAL_VOID)
         return 0;
     if (out->materials[distant.material].kind != ORL_MATERIAL_LIGHT &&
         out->materials[distant.material].kind != ORL_MATERIAL_GLOW)

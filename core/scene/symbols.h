@@ -14,9 +14,8 @@ enum orl_symbol_kind { ORL_SYMBOL_MATERIAL, ORL_SYMBOL_SKY, ORL_SYMBOL_REFUSED }
 struct orl_symbol {
     const char *name;
     enum orl_symbol_kind kind;
-    uint32_t index;   /* into the description's materials or skies */
-    uint32_t order;   /* of this definition among all, from 1; set here */
-    uint32_t refused; /* the refusal that its users hang on, by number; 0: none */
+    uint32_t index; /* into the description's materials or skies */
+    uint32_t order; /* of this definition among all, from 1; set here */
 };
 
 struct orl_symbols {

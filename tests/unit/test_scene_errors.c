@@ -220,13 +220,7 @@ static void test_bad_scenes(void **state)
     for (size_t i = 0; i < sizeof bad_scenes / sizeof *bad_scenes; i++) {
         const struct bad *bad = bad_scenes + i;
         struct orl_error err = {0};
-        char text[4096];
-        /* What is not simulated is no mistake before it is used. */
-        const char *id = strrchr(bad->primitive, ' ');
-        const bool used = bad->code == ORL_ERR_UNSUPPORTED && id;
-        snprintf(text, sizeof text, "%s%s%s%s", bad->text, used ? "\n" : "", used ? id + 1 : "",
-                 used ? " sphere user 0 0 4 0 0 0 1\n" : "");
-        const int code = parse_bytes(text, strlen(text), &err);
+        const int code = parse_bytes(bad->text, strlen(bad->text), &err);
         if (code == bad->code && err.code == bad->code && err.line == bad->line &&
             strcmp(err.file, "a.rad") == 0 && strcmp(err.primitive, bad->primitive) == 0 &&
             strstr(err.message, bad->message))
@@ -284,7 +278,7 @@ static void test_refusals_together(void **state)
     assert_int_equal(err.line, 1);
     assert_string_equal(err.primitive, "texfunc bumps");
     assert_string_equal(err.message,
-                        "not simulated: 1 x texfunc (first at a.rad:1), 1 x colorpict (first at "
+                        "not simulated: 1 x texfunc (first at a.rad:1), 2 x colorpict (first at "
                         "a.rad:6), 1 x prism1 (first at a.rad:10), 1 x !genworm (first at "
                         "a.rad:14), 1 x mesh (first at a.rad:15)");
     assert_non_null(strstr(err.hint, "texfunc: leave it out"));
@@ -295,7 +289,6 @@ static void test_refusals_together(void **state)
 static void test_refusals_alike(void **state)
 {
     static const char text[] = "void mist a 0 0 0\nvoid mist b 0 0 0\n"
-                               "a sphere s 0 0 4 0 0 0 1\nb sphere t 0 0 4 0 0 0 1\n"
                                "nothing polygon p 0 0 9 0 0 0 1 0 0 0 1 0\n";
     struct orl_error err = {0};
     (void)state;
@@ -303,31 +296,6 @@ static void test_refusals_alike(void **state)
     assert_string_equal(err.message,
                         "primitives of type mist are not simulated; there are 2 of them");
     assert_string_equal(err.primitive, "mist a");
-}
-
-/* Libraries of materials hold what nothing uses, patterns on materials and aliases among it. */
-static void test_refusals_unused(void **state)
-{
-    static const char library[] =
-        "void texfunc bumps\n4 dx dy dz bumps.cal\n0\n1 .5\n"
-        "bumps plastic rough 0 0 5 .5 .5 .5 0 0\n"
-        "void alias coarse rough\n"
-        "void BRTDfunc pane 10 0 0 0 0 0 0 0 0 0 . 0 9 0 0 0 0 0 0 0 0 0\n"
-        "void brightfunc dirt 2 dirt dirt.cal 0 0\n"
-        "dirt glow lamp 0 0 4 1 1 1 0\n"
-        "void illum window 1 pane 0 3 1 1 1\n" RED;
-    static const char *const users[] = {"coarse sphere", "pane sphere", "lamp sphere",
-                                        "window sphere"};
-    struct orl_error err = {0};
-    (void)state;
-    assert_int_equal(parse_bytes(library, sizeof library - 1, &err), 0);
-    for (size_t i = 0; i < sizeof users / sizeof *users; i++) {
-        char text[2048];
-        static const int lines[] = {1, 7, 8, 7};
-        snprintf(text, sizeof text, "%s%s s 0 0 4 0 0 0 1\n", library, users[i]);
-        assert_int_equal(parse_bytes(text, strlen(text), &err), ORL_ERR_UNSUPPORTED);
-        assert_int_equal(err.line, lines[i]);
-    }
 }
 
 /* More kinds than fit are cut, not lost without a word. */
@@ -489,7 +457,6 @@ int main(void)
         cmocka_unit_test(test_missing_main_file),
         cmocka_unit_test(test_refusals_together),
         cmocka_unit_test(test_refusals_alike),
-        cmocka_unit_test(test_refusals_unused),
         cmocka_unit_test(test_refusals_without_end),
         cmocka_unit_test(test_empty_file_beside),
         cmocka_unit_test(test_every_cut),
