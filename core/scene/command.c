@@ -18,6 +18,13 @@ static bool is_blank(char c)
     return c == ' ' || (c >= '\t' && c <= '\r');
 }
 
+/* Nobody escapes these: a backslash before one of them is of a path written on Windows. */
+static bool is_of_name(char c)
+{
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' ||
+           c == '.';
+}
+
 static int refuse(struct orl_error *err, char c)
 {
     orl_error_set(err, ORL_ERR_UNSUPPORTED, "the command needs a shell ('%c'), and none is started",
@@ -40,7 +47,7 @@ static int copy_word(const char **line, char **to, struct orl_error *err)
             return refuse(err, *at);
         if (!quote && (strchr(";&<>*?[]{}()", *at) || (*to == start && strchr("~#", *at))))
             return refuse(err, *at);
-        if (*at == '\\' && quote != '\'' && at[1])
+        if (*at == '\\' && quote != '\'' && at[1] && !is_of_name(at[1]))
             at++;
         *(*to)++ = *at;
     }

@@ -21,9 +21,12 @@ int orl_material_share(struct orl_parser *parser, const struct orl_scope *scope,
 {
     if (rgb_min(c) >= 0 && (orl_rgb_max(c) < 1 || (closed && orl_rgb_max(c) <= 1)))
         return 0;
-    orl_parser_fail(parser, scope, err, ORL_ERR_RANGE, "its %s (%g %g %g) is not from 0 to %s 1",
-                    what, c.r, c.g, c.b, closed ? "" : "below");
-    orl_error_hint(err, "a surface that returns all light, or more, has no answer");
+    orl_parser_fail(parser, scope, err, ORL_ERR_RANGE, "its %s (%g %g %g) is not from 0 to %s1",
+                    what, c.r, c.g, c.b, closed ? "" : "below ");
+    if (rgb_min(c) < 0)
+        orl_error_hint(err, "shares of light are not negative: is 0 meant?");
+    else
+        orl_error_hint(err, "a surface that returns all light, or more, has no answer");
     return ORL_ERR_RANGE;
 }
 
@@ -54,7 +57,7 @@ static int find_alternate(struct orl_parser *parser, const struct orl_scope *sco
 {
     const char *name = orl_primitive_string(&parser->primitive, 0);
     const struct orl_symbol *symbol = orl_symbols_find(&parser->symbols, name);
-    if (strcmp(name, "void") == 0 || (symbol && symbol->kind == ORL_SYMBOL_REFUSED)) {
+    if (strcmp(name, "void") == 0) {
         *ret_seen_as = ORL_SEEN_AS_NOTHING;
         return 0;
     }

@@ -150,13 +150,55 @@ static int define(struct orl_parser *parser, const struct orl_scope *scope, cons
 
 /* ---- Entry points ---------------------------------------------------------------------------- */
 
+int orl_parser_define_refused(struct orl_parser *parser, const char *name,
+                              const struct orl_error *refused, struct orl_error *err)
+{
+    struct orl_storage *storage = parser->out->storage;
+    struct orl_symbol symbol = {.name = orl_storage_text(storage, name, strlen(name)),
+                                .kind = ORL_SYMBOL_REFUSED};
+    if (!symbol.name || orl_deferred_add(&parser->deferred, refused, storage, &symbol.index) < 0 ||
+        orl_symbols_set(&parser->symbols, symbol) < 0)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    return 0;
+}
+
+/* The primitive at hand goes by what it stands for, or is modified by. */
+static int define_like(struct orl_parser *parser, const struct orl_scope *scope,
+                       const struct orl_symbol *other, struct orl_error *err)
+{
+    const char *id = parser->primitive.id;
+    const struct orl_symbol copy = {orl_storage_text(parser->out->storage, id, strlen(id)),
+                                    other->kind, other->index, 0};
+    if (!copy.name || orl_symbols_set(&parser->symbols, copy) < 0)
+        return orl_parser_fail(parser, scope, err, ORL_ERR_NOMEM, "out of memory");
+    return 0;
+}
+
+static const struct orl_symbol *find_refused(const struct orl_parser *parser, const char *name)
+{
+    const struct orl_symbol *symbol = orl_symbols_find(&parser->symbols, name);
+    return symbol && symbol->kind == ORL_SYMBOL_REFUSED ? symbol : NULL;
+}
+
+/* What is refused and modifies the primitive at hand, or is seen in its place; or NULL. */
+static const struct orl_symbol *refused_with(const struct orl_parser *parser)
+{
+    const struct orl_primitive *primitive = &parser->primitive;
+    const struct orl_symbol *refused = find_refused(parser, primitive->modifier);
+    const bool seen_as =
+        strcmp(primitive->type, "illum") == 0 || strcmp(primitive->type, "mirror") == 0;
+    if (!refused && seen_as && primitive->n_strings > 0)
+        refused = find_refused(parser, orl_primitive_string(primitive, 0));
+    return refused;
+}
+
 /* A modifier's own modifier: void (-1) or a sky. */
 static int find_sky(struct orl_parser *parser, const struct orl_scope *scope, int32_t *ret_sky,
                     struct orl_error *err)
 {
     const char *name = parser->primitive.modifier;
     const struct orl_symbol *symbol = orl_symbols_find(&parser->symbols, name);
-    if (strcmp(name, "void") == 0 || (symbol && symbol->kind == ORL_SYMBOL_REFUSED)) {
+    if (strcmp(name, "void") == 0) {
         *ret_sky = -1;
         return 0;
     }
@@ -203,7 +245,10 @@ int orl_parser_modifier(struct orl_parser *parser, const struct orl_scope *scope
 {
     const struct material_type *type = find_type(parser->primitive.type);
     struct orl_material material = {.seen_as = ORL_SEEN_AS_ITSELF, .sky = -1};
+    const struct orl_symbol *refused = refused_with(parser);
     int code = check_name(parser, scope, err);
+    if (code == 0 && refused)
+        return define_like(parser, scope, refused, err);
     if (code == 0)
         code = find_sky(parser, scope, &material.sky, err);
     if (code < 0)
@@ -218,11 +263,13 @@ int orl_parser_modifier(struct orl_parser *parser, const struct orl_scope *scope
     code = type->read(parser, scope, &material, err);
     if (code == 0)
         code = check_lit(parser, scope, &material, err);
-    if (code < 0) {
+    if (code < 0)
         orl_bsdf_unref(material.bsdf);
-        return code;
+    if (orl_is_deferrable(code)) {
+        const struct orl_error told = *err;
+        return orl_parser_define_refused(parser, parser->primitive.id, &told, err);
     }
-    return define(parser, scope, parser->primitive.id, &material, err);
+    return code < 0 ? code : define(parser, scope, parser->primitive.id, &material, err);
 }
 
 int orl_parser_alias(struct orl_parser *parser, const struct orl_scope *scope,
@@ -232,8 +279,12 @@ int orl_parser_alias(struct orl_parser *parser, const struct orl_scope *scope,
     const bool inherit = strcmp(parser->primitive.modifier, "inherit") == 0;
     const struct orl_symbol *symbol = orl_symbols_find(&parser->symbols, target);
     struct orl_material material;
+    const struct orl_symbol *refused =
+        inherit ? NULL : find_refused(parser, parser->primitive.modifier);
     int32_t sky = -1;
     int code = check_name(parser, scope, err);
+    if (code == 0 && refused)
+        return define_like(parser, scope, refused, err);
     if (code == 0 && !inherit)
         code = find_sky(parser, scope, &sky, err);
     if (code < 0)
@@ -241,14 +292,8 @@ int orl_parser_alias(struct orl_parser *parser, const struct orl_scope *scope,
     if (!symbol)
         return orl_parser_fail(parser, scope, err, ORL_ERR_NOT_FOUND,
                                "'%.200s', which it stands for, is not defined", target);
-    if (symbol->kind != ORL_SYMBOL_MATERIAL) {
-        const char *id = parser->primitive.id;
-        const struct orl_symbol copy = {orl_storage_text(parser->out->storage, id, strlen(id)),
-                                        symbol->kind, symbol->index, 0};
-        if (!copy.name || orl_symbols_set(&parser->symbols, copy) < 0)
-            return orl_parser_fail(parser, scope, err, ORL_ERR_NOMEM, "out of memory");
-        return 0;
-    }
+    if (symbol->kind != ORL_SYMBOL_MATERIAL)
+        return define_like(parser, scope, symbol, err);
     material = parser->out->materials[symbol->index];
     material.sky = inherit ? material.sky : sky;
     code = check_lit(parser, scope, &material, err);

@@ -123,34 +123,33 @@ static int heed_cancel(const struct orl_parser *parser, struct orl_error *err)
     return 0;
 }
 
-/* What is defined in vain is known by name, so that its uses are not errors too. */
-static int define_refused(struct orl_parser *parser, struct orl_error *err)
+/* Of the types that are not simulated these are no modifiers. */
+static bool is_surface(const char *type)
 {
-    const struct orl_primitive *primitive = &parser->primitive;
-    const size_t length = strlen(primitive->id);
-    const struct orl_symbol symbol = {orl_storage_text(parser->out->storage, primitive->id, length),
-                                      ORL_SYMBOL_REFUSED, 0, 0};
-    if (!symbol.name || orl_symbols_set(&parser->symbols, symbol) < 0)
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-    return 0;
+    return orl_parser_is_surface(type) || strcmp(type, "instance") == 0 ||
+           strcmp(type, "mesh") == 0;
 }
 
-/* Counts what is not simulated, and reads on behind it where that can be. */
+/* Counts what is not simulated, and reads on behind it where that can be; modifiers wait until they
+ * are used. */
 static int note_refusal(struct orl_parser *parser, struct orl_lexer *lexer, bool command,
                         struct orl_error *err)
 {
     struct orl_error ignored;
+    const struct orl_error refused = *err;
     const char *type = parser->primitive.type;
-    orl_refusals_add(&parser->refusals, err);
-    if (command || orl_parser_is_surface(type))
-        return 0;
     /* The arguments of types that are known have been read. */
-    if (!orl_parser_is_modifier(type) && strcmp(type, "alias") != 0 &&
-        orl_primitive_read_arguments(&parser->primitive, lexer, &ignored) < 0) {
+    const bool read = command || orl_parser_is_surface(type) || orl_parser_is_modifier(type) ||
+                      strcmp(type, "alias") == 0;
+    if (!read && orl_primitive_read_arguments(&parser->primitive, lexer, &ignored) < 0) {
+        orl_refusals_add(&parser->refusals, &refused);
         parser->cut_short = true;
         return ORL_ERR_UNSUPPORTED;
     }
-    return define_refused(parser, err);
+    if (!command && !is_surface(type))
+        return orl_parser_define_refused(parser, parser->primitive.id, &refused, err);
+    orl_refusals_add(&parser->refusals, &refused);
+    return 0;
 }
 
 int orl_parser_read(struct orl_parser *parser, const struct orl_scope *scope, const char *text,
@@ -285,6 +284,7 @@ int orl_scene_parse_with(const char *const *names, size_t count, const struct or
 done:
     orl_sources_done(&parser.sources);
     orl_symbols_done(&parser.symbols);
+    orl_deferred_done(&parser.deferred);
     orl_primitive_done(&parser.primitive);
     orl_description_done(&out);
     free(index);

@@ -88,8 +88,22 @@ static void report(struct orl_parser *parser, const struct orl_tally *tally, con
                         (unsigned long long)tally->count - 1, what);
 }
 
+static void report_unused(struct orl_parser *parser)
+{
+    size_t count;
+    const struct orl_deferred_item *first = orl_deferred_unused(&parser->deferred, &count);
+    char others[48] = "";
+    if (!first)
+        return;
+    if (count > 1)
+        snprintf(others, sizeof others, ", and %zu others like it", count - 1);
+    orl_parser_warn(parser, "%.120s at %.100s:%d is passed over, for nothing uses it%s: %.200s",
+                    first->primitive, first->file, first->line, others, first->message);
+}
+
 void orl_parser_report(struct orl_parser *parser)
 {
+    report_unused(parser);
     report(parser, &parser->degenerate, "has no area and was dropped");
     report(parser, &parser->bent, "its corners do not lie in one plane");
     report(parser, &parser->unmodified,

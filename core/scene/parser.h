@@ -7,6 +7,7 @@
 #ifndef ORL_SCENE_PARSER_H
 #define ORL_SCENE_PARSER_H
 
+#include "scene/deferred.h"
 #include "scene/description.h"
 #include "scene/primitive.h"
 #include "scene/refusals.h"
@@ -31,6 +32,7 @@ struct orl_parser {
     uint64_t vertices;     /* kept so far */
     int32_t void_material; /* index, or -1 */
     struct orl_refusals refusals;
+    struct orl_deferred deferred;
     bool cut_short; /* what was refused could not be read past */
     struct orl_tally degenerate, bent, unmodified, white;
 };
@@ -69,6 +71,11 @@ bool orl_parser_is_modifier(const char *type);
 /* skies.c: a brightfunc. */
 int orl_parser_sky(struct orl_parser *parser, const struct orl_scope *scope, const char *name,
                    struct orl_error *err);
+
+/* Defines a name as of something refused, of which err tells and which can wait until it is used.
+ */
+int orl_parser_define_refused(struct orl_parser *parser, const char *name,
+                              const struct orl_error *refused, struct orl_error *err);
 
 /* materials.c: the index of the material that stands for "void". */
 int orl_parser_void(struct orl_parser *parser, uint32_t *ret_index);

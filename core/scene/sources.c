@@ -165,7 +165,7 @@ static int find_as(struct orl_sources *sources, const char *name, size_t *ret_in
     return code;
 }
 
-int orl_sources_find(struct orl_sources *sources, const char *folder, const char *name,
+static int find_from(struct orl_sources *sources, const char *folder, const char *name,
                      size_t *ret_index, struct orl_error *err)
 {
     char path[PATH_BYTES], plain[PATH_BYTES];
@@ -179,6 +179,25 @@ int orl_sources_find(struct orl_sources *sources, const char *folder, const char
             orl_error_set(err, code, "no file named '%.200s', nor '%.200s'", path, plain);
     }
     return code;
+}
+
+/* Files written on Windows have '\\' between folders: what is not there by that name is looked for
+ * with '/'. */
+int orl_sources_find(struct orl_sources *sources, const char *folder, const char *name,
+                     size_t *ret_index, struct orl_error *err)
+{
+    char turned[PATH_BYTES];
+    struct orl_error ignored;
+    const int code = find_from(sources, folder, name, ret_index, err);
+    const size_t length = strlen(name);
+    if (code != ORL_ERR_NOT_FOUND || !strchr(name, '\\') || length >= sizeof turned)
+        return code;
+    for (size_t i = 0; i <= length; i++)
+        turned[i] = (char)(name[i] == '\\' ? '/' : name[i]);
+    const int again = find_from(sources, folder, turned, ret_index, &ignored);
+    if (again < 0 && again != ORL_ERR_NOT_FOUND && err)
+        *err = ignored;
+    return again == ORL_ERR_NOT_FOUND ? code : again;
 }
 
 /* A file that is being read, and the files it is of. */

@@ -56,6 +56,11 @@ static int find_material(struct orl_parser *parser, const struct orl_scope *scop
     const char *name = scope->modifier ? scope->modifier : parser->primitive.modifier;
     const struct orl_symbol *symbol;
     symbol = orl_symbols_find(&parser->symbols, name);
+    if (symbol && symbol->kind == ORL_SYMBOL_REFUSED) {
+        const int code = orl_deferred_use(&parser->deferred, symbol->index, &parser->refusals, err);
+        if (code < 0)
+            return code;
+    }
     if (strcmp(name, "void") == 0 || (symbol && symbol->kind == ORL_SYMBOL_REFUSED))
         return orl_parser_void(parser, ret_index) < 0 ? out_of_memory(parser, scope, err) : 0;
     if (!symbol) {

@@ -8,13 +8,14 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* Refused: of something that is not simulated; what it modifies need not be told as well. */
+/* Refused: its definition was; index is into the parser's deferred (deferred.h), and what is
+ * modified by it is refused like it. */
 enum orl_symbol_kind { ORL_SYMBOL_MATERIAL, ORL_SYMBOL_SKY, ORL_SYMBOL_REFUSED };
 
 struct orl_symbol {
     const char *name;
     enum orl_symbol_kind kind;
-    uint32_t index; /* into the description's materials or skies */
+    uint32_t index; /* into the description's materials or skies, or of what is refused */
     uint32_t order; /* of this definition among all, from 1; set here */
 };
 

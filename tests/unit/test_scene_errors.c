@@ -14,6 +14,7 @@
 #include <oriel/files.h>
 
 #include "scene/parse.h"
+#include "support/scene_text.h"
 
 #define RED "void plastic red 0 0 5 .5 .2 .1 0 0\n"
 #define SKY "void brightfunc sky 2 skybright perezlum.cal 0 10 1 1 1 -1 1 -1 1 0 0 1\n"
@@ -213,6 +214,17 @@ static int parse_bytes(const char *text, size_t size, struct orl_error *err)
     return code;
 }
 
+/* The same with a surface of what the bad primitive defines: modifiers are refused when used. */
+static int parse_used(const struct bad *bad, struct orl_error *err)
+{
+    char text[2048];
+    const char *name = strchr(bad->primitive, ' ');
+    const int n = snprintf(text, sizeof text, "%s\n%s sphere user 0 0 4 0 0 0 1\n", bad->text,
+                           name ? name + 1 : "");
+    assert_in_range(n, 1, sizeof text - 1);
+    return parse_bytes(text, (size_t)n, err);
+}
+
 static void test_bad_scenes(void **state)
 {
     int wrong = 0;
@@ -220,7 +232,9 @@ static void test_bad_scenes(void **state)
     for (size_t i = 0; i < sizeof bad_scenes / sizeof *bad_scenes; i++) {
         const struct bad *bad = bad_scenes + i;
         struct orl_error err = {0};
-        const int code = parse_bytes(bad->text, strlen(bad->text), &err);
+        int code = parse_bytes(bad->text, strlen(bad->text), &err);
+        if (code == 0)
+            code = parse_used(bad, &err);
         if (code == bad->code && err.code == bad->code && err.line == bad->line &&
             strcmp(err.file, "a.rad") == 0 && strcmp(err.primitive, bad->primitive) == 0 &&
             strstr(err.message, bad->message))
@@ -270,6 +284,7 @@ static void test_refusals_together(void **state)
                                "film polygon q 0 0 9 0 0 0 1 0 0 0 1 0\n"
                                "void alias other film\nother sphere s 0 0 4 0 0 0 1\n"
                                "!genworm rough w 0 0 0 1 9\n"
+                               "dressed ring r 0 0 8 0 0 0 0 0 1 0 1\n"
                                "dressed mesh chair 1 chair.rtm 0 0\n";
     struct orl_error err = {0};
     (void)state;
@@ -278,9 +293,9 @@ static void test_refusals_together(void **state)
     assert_int_equal(err.line, 1);
     assert_string_equal(err.primitive, "texfunc bumps");
     assert_string_equal(err.message,
-                        "not simulated: 1 x texfunc (first at a.rad:1), 2 x colorpict (first at "
-                        "a.rad:6), 1 x prism1 (first at a.rad:10), 1 x !genworm (first at "
-                        "a.rad:14), 1 x mesh (first at a.rad:15)");
+                        "not simulated: 1 x texfunc (first at a.rad:1), 1 x prism1 (first at "
+                        "a.rad:10), 1 x !genworm (first at a.rad:14), 1 x colorpict (first at "
+                        "a.rad:6), 1 x mesh (first at a.rad:16)");
     assert_non_null(strstr(err.hint, "texfunc: leave it out"));
     assert_non_null(strstr(err.hint, "mesh: include the polygons"));
 }
@@ -289,6 +304,8 @@ static void test_refusals_together(void **state)
 static void test_refusals_alike(void **state)
 {
     static const char text[] = "void mist a 0 0 0\nvoid mist b 0 0 0\n"
+                               "a sphere s 0 0 4 0 0 0 1\nb sphere t 0 0 4 3 0 0 1\n"
+                               "b sphere u 0 0 4 6 0 0 1\n"
                                "nothing polygon p 0 0 9 0 0 0 1 0 0 0 1 0\n";
     struct orl_error err = {0};
     (void)state;
@@ -296,6 +313,74 @@ static void test_refusals_alike(void **state)
     assert_string_equal(err.message,
                         "primitives of type mist are not simulated; there are 2 of them");
     assert_string_equal(err.primitive, "mist a");
+}
+
+/* What no surface is of spoils nothing, and is told in one line. */
+static void test_unused(void **state)
+{
+    static const char text[] =
+        "void plastic bad 0 0 5 -.0013 .1 .1 0 0\n"
+        "void BRTDfunc paint 10 0 0 0 0 0 0 r r r . 0 9 0 0 0 0 0 0 0 0 0\n"
+        "paint alias other paint\n"
+        "void texfunc bumps 4 dx dy dz bumps.cal 0 0\n"
+        "bumps plastic rough 0 0 5 .5 .5 .5 0 0\n"
+        "void BSDF blind 6 0 gone.xml 0 0 1 . 0 0\n"
+        "void plastic good 0 0 5 .5 .5 .5 0 0\ngood sphere s 0 0 4 0 0 0 1\n";
+    struct orl_description d = scene_parse_text(text, NULL, NULL);
+    (void)state;
+    assert_int_equal(d.n_surfaces, 1);
+    assert_int_equal(d.n_warnings, 1);
+    assert_string_equal(d.warnings[0],
+                        "plastic bad at scene.rad:1 is passed over, for nothing uses it, and 3 "
+                        "others like it: its reflectance (-0.0013 0.1 0.1) is not from 0 to 1");
+    orl_description_done(&d);
+}
+
+/* By '\\', of commands and of BSDFs: as files say it that were written on Windows. */
+static void test_windows_paths(void **state)
+{
+    static const char *const names[] = {"a.rad", "parts/box.rad", "bsdf/one pane.xml"};
+    static const char text[] = "!xform -t 1 0 0 parts\\box.rad\n!xform \"parts\\box.rad\"\n"
+                               "void BSDF pane 6 0 \"bsdf\\one pane.xml\" 0 0 1 . 0 0\n"
+                               "pane ring r 0 0 8 5 5 5 0 1 0 0 1\n"
+                               "!xform -t 1 1 0 parts/no\\ such.rad\n";
+    char bsdf[2048];
+    (void)state;
+    scene_uniform_bsdf(0.1, bsdf);
+    const struct orl_file file[] = {
+        {text, sizeof text - 1, NULL}, {RED, sizeof RED - 1, NULL}, {bsdf, strlen(bsdf), NULL}};
+    struct orl_memory_files memory = {names, file, 3};
+    const struct orl_files files = orl_files_from_memory(&memory);
+    struct orl_description d = {0};
+    struct orl_error err = {0};
+    assert_int_equal(orl_scene_parse(names, 1, &files, &d, &err), ORL_ERR_NOT_FOUND);
+    assert_int_equal(err.line, 5);
+    assert_non_null(strstr(err.message, "parts/no such.rad"));
+}
+
+/* Libraries of materials hold what nothing uses, patterns on materials and aliases among it. */
+static void test_refusals_unused(void **state)
+{
+    static const char library[] =
+        "void texfunc bumps\n4 dx dy dz bumps.cal\n0\n1 .5\n"
+        "bumps plastic rough 0 0 5 .5 .5 .5 0 0\n"
+        "void alias coarse rough\n"
+        "void BRTDfunc pane 10 0 0 0 0 0 0 0 0 0 . 0 9 0 0 0 0 0 0 0 0 0\n"
+        "void brightfunc dirt 2 dirt dirt.cal 0 0\n"
+        "dirt glow lamp 0 0 4 1 1 1 0\n"
+        "void illum window 1 pane 0 3 1 1 1\n" RED;
+    static const char *const users[] = {"coarse sphere", "pane sphere", "lamp sphere",
+                                        "window sphere"};
+    struct orl_error err = {0};
+    (void)state;
+    assert_int_equal(parse_bytes(library, sizeof library - 1, &err), 0);
+    for (size_t i = 0; i < sizeof users / sizeof *users; i++) {
+        char text[2048];
+        static const int lines[] = {1, 7, 8, 7};
+        snprintf(text, sizeof text, "%s%s s 0 0 4 0 0 0 1\n", library, users[i]);
+        assert_int_equal(parse_bytes(text, strlen(text), &err), ORL_ERR_UNSUPPORTED);
+        assert_int_equal(err.line, lines[i]);
+    }
 }
 
 /* More kinds than fit are cut, not lost without a word. */
@@ -458,6 +543,9 @@ int main(void)
         cmocka_unit_test(test_refusals_together),
         cmocka_unit_test(test_refusals_alike),
         cmocka_unit_test(test_refusals_without_end),
+        cmocka_unit_test(test_unused),
+        cmocka_unit_test(test_refusals_unused),
+        cmocka_unit_test(test_windows_paths),
         cmocka_unit_test(test_empty_file_beside),
         cmocka_unit_test(test_every_cut),
         cmocka_unit_test(test_long_words),
