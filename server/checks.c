@@ -31,6 +31,15 @@ static uint64_t most_of_one(const struct orl_server *server)
     return granted > ORL_SERVER_CHECK_LEAST ? granted : ORL_SERVER_CHECK_LEAST;
 }
 
+/* Among several clients none has all checks that go on at once. */
+static bool has_its_share(const struct orl_server *server, const struct orl_client *client)
+{
+    unsigned count = 0;
+    for (const struct orl_check *check = server->checks.running; check; check = check->next)
+        count += check->request->client == client;
+    return server->config.needs_token && count + 1 >= ORL_SERVER_CHECKS;
+}
+
 /*
  * Most checks take little: at first none is granted more than that, and one that meets the bound is
  * done again with all that it may have. Whoever waits for memory does not keep small ones from
@@ -38,6 +47,8 @@ static uint64_t most_of_one(const struct orl_server *server)
  */
 static bool may_start(const struct orl_server *server, const struct orl_check *check)
 {
+    if (has_its_share(server, check->request->client))
+        return false;
     const struct orl_checks *checks = &server->checks;
     const bool small = check->asking.memory <= ORL_SERVER_CHECK_FIRST;
     const uint64_t others = small ? 0 : server->memory.wanted;

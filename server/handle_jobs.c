@@ -246,12 +246,17 @@ static void submit(struct orl_request *request)
         return;
     if (post->rc == 0) /* again, for the scene may have been removed meanwhile */
         post->rc = check_references(request->server, post);
+    /* Sensors of a file are counted by now. */
+    const uint64_t result_bytes =
+        post->brief.result_bytes + post->brief.sensor_bytes * post->memory.file_sensors;
+    if (post->rc == 0 && post->memory.file_sensors > 0 && !orl_storage_admit(request, result_bytes))
+        return;
     const struct orl_jobs_order order = {.kind = post->brief.kind,
                                          .priority = post->brief.priority,
                                          .scene = post->brief.scene,
                                          .document = post->document,
                                          .identity = post->brief.identity,
-                                         .result_bytes = post->brief.result_bytes,
+                                         .result_bytes = result_bytes,
                                          .memory_bytes = orl_job_memory_estimate(&post->memory),
                                          .client = post->client,
                                          .request_key = *post->key ? post->key : NULL};

@@ -47,10 +47,19 @@ int orl_job_read(const char *text, size_t size, struct orl_task *ret_task, char 
     return 0;
 }
 
+/* Of result.json, without sensors; of one of these; of a pixel, as HDR and PNG, with errors. */
+enum { DOCUMENT = 8192, STUDY = 1 << 18, SENSOR = 200, PIXEL = 2 * (4 + 3) };
+
+uint64_t orl_job_output_expect_sensor(const struct orl_task *task)
+{
+    const size_t skies = task->of.render.n_skies;
+    if (task->kind == ORL_TASK_STUDY)
+        return 0;
+    return skies > 0 ? (skies + 1) * SENSOR : SENSOR;
+}
+
 uint64_t orl_job_output_expect(const struct orl_task *task)
 {
-    /* Of result.json, without sensors; of one of these; of a pixel, as HDR and PNG, with errors. */
-    enum { DOCUMENT = 8192, STUDY = 1 << 18, SENSOR = 200, PIXEL = 2 * (4 + 3) };
     const struct orl_job *job = &task->of.render;
     if (task->kind == ORL_TASK_STUDY)
         return STUDY;

@@ -20,6 +20,9 @@ int orl_job_read(const char *text, size_t size, struct orl_task *ret_task, char 
 /* What its results may take at most, more or less; bytes. */
 uint64_t orl_job_output_expect(const struct orl_task *task);
 
+/* The same for each sensor of a file, which the document does not tell the number of. */
+uint64_t orl_job_output_expect_sensor(const struct orl_task *task);
+
 /* Gives the job the bundle's main files. */
 int orl_job_set_scene(struct orl_job *job, const struct orl_bundle *bundle, struct orl_error *err);
 

@@ -80,6 +80,7 @@ int orl_job_brief_read(const struct orl_file *document, struct orl_job_brief *re
     brief.kind = task.kind;
     brief.priority = task.priority;
     brief.result_bytes = orl_job_output_expect(&task);
+    brief.sensor_bytes = orl_job_output_expect_sensor(&task);
     snprintf(brief.scene, sizeof brief.scene, "%s", scene);
     count_needs(&brief, &task, job);
     rc = add_files(&brief, job, err);
@@ -105,9 +106,10 @@ json_t *orl_job_brief_to_json(const struct orl_job_brief *brief)
             json_decref(files);
             return NULL;
         }
-    return json_pack("{s:i, s:i, s:s, s:s, s:I, s:I, s:I, s:I, s:o}", "kind", (int)brief->kind,
+    return json_pack("{s:i, s:i, s:s, s:s, s:I, s:I, s:I, s:I, s:I, s:o}", "kind", (int)brief->kind,
                      "priority", brief->priority, "scene", brief->scene, "identity",
-                     brief->identity, "result_bytes", (json_int_t)brief->result_bytes, "sensors",
+                     brief->identity, "result_bytes", (json_int_t)brief->result_bytes,
+                     "sensor_bytes", (json_int_t)brief->sensor_bytes, "sensors",
                      (json_int_t)brief->sensors, "photons", (json_int_t)brief->photons, "pixels",
                      (json_int_t)brief->pixels, "files", files);
 }
@@ -135,20 +137,22 @@ int orl_job_brief_from_json(const json_t *json, struct orl_job_brief *ret_brief,
     const char *scene = NULL, *identity = NULL;
     const json_t *files = NULL;
     int kind = 0;
-    json_int_t result_bytes = 0, sensors = 0, photons = 0, pixels = 0;
-    int rc = json_unpack((json_t *)(uintptr_t)json, "{s:i, s:i, s:s, s:s, s:I, s:I, s:I, s:I, s:o}",
-                         "kind", &kind, "priority", &brief.priority, "scene", &scene, "identity",
-                         &identity, "result_bytes", &result_bytes, "sensors", &sensors, "photons",
-                         &photons, "pixels", &pixels, "files", &files);
+    json_int_t result_bytes = 0, sensor_bytes = 0, sensors = 0, photons = 0, pixels = 0;
+    int rc =
+        json_unpack((json_t *)(uintptr_t)json, "{s:i, s:i, s:s, s:s, s:I, s:I, s:I, s:I, s:I, s:o}",
+                    "kind", &kind, "priority", &brief.priority, "scene", &scene, "identity",
+                    &identity, "result_bytes", &result_bytes, "sensor_bytes", &sensor_bytes,
+                    "sensors", &sensors, "photons", &photons, "pixels", &pixels, "files", &files);
     if (rc || kind < 0 || kind >= ORL_TASK_KIND_COUNT || !orl_is_sha256(scene) ||
         (*identity && !orl_is_sha256(identity)) || brief.priority < 0 ||
-        brief.priority > ORL_PRIORITY_MAX || result_bytes < 0 || sensors < 0 || photons < 0 ||
-        pixels < 0 || json_array_size(files) > ORL_LIMIT_SKIES + 2)
+        brief.priority > ORL_PRIORITY_MAX || result_bytes < 0 || sensor_bytes < 0 || sensors < 0 ||
+        photons < 0 || pixels < 0 || json_array_size(files) > ORL_LIMIT_SKIES + 2)
         return orl_error_set(err, ORL_ERR_INTERNAL, "a check answered what makes no sense");
     brief.kind = (enum orl_task_kind)kind;
     snprintf(brief.scene, sizeof brief.scene, "%s", scene);
     snprintf(brief.identity, sizeof brief.identity, "%s", identity);
     brief.result_bytes = (uint64_t)result_bytes;
+    brief.sensor_bytes = (uint64_t)sensor_bytes;
     brief.sensors = (uint64_t)sensors;
     brief.photons = (uint64_t)photons;
     brief.pixels = (uint64_t)pixels;

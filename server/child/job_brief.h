@@ -21,7 +21,8 @@ struct orl_job_brief {
     enum orl_task_kind kind;
     int priority;
     char scene[ORL_SHA_HEX], identity[ORL_SHA_HEX]; /* identity: job_share.h */
-    uint64_t result_bytes;                          /* to be expected */
+    uint64_t result_bytes;                          /* to be expected ... */
+    uint64_t sensor_bytes;                          /* ... and as much for each of a file */
     uint64_t sensors, photons;                      /* asked for; photons of all maps together */
     uint64_t pixels;                                /* of the largest view */
     struct orl_job_file *files;                     /* owned */

@@ -192,6 +192,41 @@ static void test_unpacked(void **state)
     daemon_remove(&daemon);
 }
 
+/* So do the results that sensors of a file will have: the document does not say how many. */
+static void test_sensors_of_a_file(void **state)
+{
+    enum { SENSORS = 20000, LINE = 20 };
+    const char *const extra[] = {"--storage-budget", "3M", NULL};
+    static char lines[SENSORS * LINE];
+    struct daemon daemon;
+    struct reply reply;
+    char text[300], scene[65];
+    size_t used = 0;
+    (void)state;
+    for (int i = 0; i < SENSORS; i++)
+        used += (size_t)sprintf(lines + used, "2 1 0.8 0 0 1\n");
+    const struct upload_file files[] = {{"room.rad", room_scene, strlen(room_scene), false},
+                                        {"sky.rad", room_sky, strlen(room_sky), false},
+                                        {"many.pts", lines, used, true},
+                                        {"few.pts", lines, 14, true}};
+    daemon_start(&daemon, extra);
+    daemon_upload(&daemon, files, 4, NULL, &reply);
+    assert_int_equal(reply.status, 201);
+    snprintf(scene, sizeof scene, "%s", reply_text(&reply, "id"));
+    reply_done(&reply);
+    for (int few = 0; few < 2; few++) {
+        snprintf(text, sizeof text,
+                 "{\"scene\":\"%s\",\"technique\":\"backward\",\"gather_samples\":16,"
+                 "\"sensors\":{\"file\":\"%s.pts\"}}",
+                 scene, few ? "few" : "many");
+        daemon_post_json(&daemon, "/v1/jobs", text, &reply);
+        if (reply.status != (few ? 202 : 507))
+            fail_msg("%ld %s", reply.status, reply.body);
+        reply_done(&reply);
+    }
+    daemon_remove(&daemon);
+}
+
 /* ---- Clients among others ------------------------------------------------------------------- */
 
 struct pair {
@@ -316,10 +351,9 @@ static int pair_tear_down(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_addresses),
-        cmocka_unit_test(test_announced),
-        cmocka_unit_test(test_chunked),
-        cmocka_unit_test(test_unpacked),
+        cmocka_unit_test(test_addresses),         cmocka_unit_test(test_announced),
+        cmocka_unit_test(test_chunked),           cmocka_unit_test(test_unpacked),
+        cmocka_unit_test(test_sensors_of_a_file),
     };
     const struct CMUnitTest pairs[] = {
         cmocka_unit_test(test_share_of_bytes),
