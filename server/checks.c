@@ -65,6 +65,7 @@ static void start(struct orl_server *server, struct orl_check *check)
     checks->running = check;
     checks->count++;
     server->memory.checks += check->asking.memory;
+    orl_blame_note(&server->memory, checks->count);
     orl_request_queue(check->request);
 }
 
@@ -90,6 +91,7 @@ static void unlink_check(struct orl_server *server, struct orl_check *check)
     *at = check->next;
     server->checks.count--;
     server->memory.checks -= check->asking.memory;
+    orl_blame_note(&server->memory, server->checks.count);
 }
 
 static void wait_for_turn(struct orl_server *server, struct orl_check *check)

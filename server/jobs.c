@@ -341,28 +341,63 @@ static int load_row(void *ctx, const struct orl_job_row *row)
     return 0;
 }
 
+/* Did they share a computation? */
+static bool is_same(const struct orl_jobs_job *a, const struct orl_jobs_job *b)
+{
+    return a == b || (*a->row.identity && strcmp(a->row.identity, b->row.identity) == 0);
+}
+
+/* No other computation ran. */
+static bool ran_alone(const struct orl_jobs_job *job)
+{
+    for (const struct orl_jobs_job *at = job->jobs->oldest; at; at = at->newer)
+        if (at->row.state == ORL_JOB_RUNNING && !is_same(at, job))
+            return false;
+    return true;
+}
+
+/* Those that ran when the last daemon ended without a word, and are to blame for it. */
+static void blame(struct orl_jobs *jobs)
+{
+    const struct orl_past *past = jobs->env.past;
+    const struct orl_jobs_job *named = orl_jobs_lookup(jobs, past->job);
+    for (struct orl_jobs_job *job = jobs->oldest; job; job = job->newer) {
+        if (job->row.state != ORL_JOB_RUNNING)
+            continue;
+        const bool guilty = orl_blame_is(past, named && is_same(job, named), ran_alone(job));
+        job->row.strikes += guilty;
+        orl_log_event(jobs->env.log, ORL_LOG_WARN, "job-was-running", "ssi", "job", job->row.id,
+                      "blamed", guilty ? "yes" : "no", "strikes", (int64_t)job->row.strikes);
+    }
+}
+
+static void fail_for_strikes(struct orl_jobs_job *job)
+{
+    struct orl_error err;
+    orl_error_set(&err, ORL_ERR_INTERNAL,
+                  "the daemon ended abruptly %d times through this job; it is not tried again",
+                  job->row.strikes);
+    orl_error_hint(&err, "Too little memory is the usual cause: ask for fewer photons, "
+                         "sensors or pixels");
+    orl_jobs_fail(job, &err);
+}
+
 /* Queues those that wait, and those that were running when the last daemon ended without a word. */
 static void recover(struct orl_jobs *jobs)
 {
+    blame(jobs);
     for (struct orl_jobs_job *job = jobs->oldest; job; job = job->newer) {
         if (job->row.state == ORL_JOB_QUEUED)
             orl_runs_enqueue(job);
         if (job->row.state != ORL_JOB_RUNNING)
             continue;
-        if (job->row.attempts < ORL_SERVER_ATTEMPTS) {
-            job->row.started_ms = 0;
-            orl_jobs_set_state(job, ORL_JOB_QUEUED);
-            orl_runs_enqueue(job);
+        if (job->row.strikes >= ORL_SERVER_ATTEMPTS) {
+            fail_for_strikes(job);
             continue;
         }
-        struct orl_error err;
-        orl_error_set(
-            &err, ORL_ERR_INTERNAL,
-            "the daemon ended abruptly %d times while this job ran; it is not tried again",
-            job->row.attempts);
-        orl_error_hint(&err, "Too little memory is the usual cause: ask for fewer photons, "
-                             "sensors or pixels");
-        orl_jobs_fail(job, &err);
+        job->row.started_ms = 0;
+        orl_jobs_set_state(job, ORL_JOB_QUEUED);
+        orl_runs_enqueue(job);
     }
 }
 

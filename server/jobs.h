@@ -8,9 +8,9 @@
  * Identical jobs share a computation (job_share.h).
  *
  * A row is written before a state is shown to anyone. Jobs run in the order of queue.h, at most as
- * many at once as configured. A job that was running when the daemon was killed is queued again;
- * after ORL_SERVER_ATTEMPTS starts it fails, for it is then likely what kills the daemon. An
- * orderly stop does not count as an attempt.
+ * many at once as configured. A job that was running when the daemon was killed is queued again,
+ * and from then on runs alone; when the daemon has ended through it (blame.h) ORL_SERVER_ATTEMPTS
+ * times it fails. An orderly stop does not count as an attempt.
  *
  * Memory: one struct orl_jobs_job for every job that has not been removed (under a kilobyte).
  * Threads: the loop thread only.
@@ -22,6 +22,7 @@
 #include <stdbool.h>
 #include <uv.h>
 
+#include "blame.h"
 #include "blobs.h"
 #include "log.h"
 #include "map_cache.h"
@@ -56,9 +57,10 @@ struct orl_jobs_env {
     const struct orl_folders *folders;
     struct orl_blobs *blobs;
     struct orl_map_cache *maps;
-    struct orl_shelf *shelf;   /* of all jobs; or NULL */
-    struct orl_memory *memory; /* whoever starts is held against it */
-    char program[ORL_SHA_HEX]; /* kept_parts.h */
+    struct orl_shelf *shelf;     /* of all jobs; or NULL */
+    const struct orl_past *past; /* how the daemon before ended; while jobs are opened */
+    struct orl_memory *memory;   /* whoever starts is held against it */
+    char program[ORL_SHA_HEX];   /* kept_parts.h */
     const struct orl_log *log;
     struct orl_metrics *metrics;
     uint32_t threads; /* over all jobs */

@@ -66,6 +66,7 @@ static void on_saving(uv_timer_t *timer)
 {
     struct orl_server *server = timer->data;
     orl_jobs_save(server->jobs);
+    orl_blame_note(&server->memory, server->checks.count);
     orl_jobs_bound(server->jobs);
     orl_notify_alive();
     orl_scrubbing_look(server->scrubbing);
@@ -162,6 +163,7 @@ static int open_storage(struct orl_server *server, struct orl_error *err)
     int rc = orl_folders_open(&server->folders, server->config.data, err);
     if (rc)
         return rc;
+    orl_blame_open(server->config.data, server->config.log_json, &server->past);
     orl_folders_path(&server->folders, path, "oriel.db");
     rc = orl_db_open(&server->db, path, err);
     if (rc == 0)
@@ -215,6 +217,7 @@ static void close_storage(struct orl_server *server)
     orl_blobs_close(server->blobs);
     sqlite3_finalize(server->token_finder);
     orl_db_close(&server->db);
+    orl_blame_close();
     orl_folders_close(&server->folders);
 }
 
@@ -249,6 +252,7 @@ static int open_jobs(struct orl_server *server, struct orl_error *err)
         .maps = server->maps,
         .shelf = server->shelf,
         .memory = &server->memory,
+        .past = &server->past,
         .log = &server->log,
         .metrics = &server->metrics,
         .threads = server->config.threads,

@@ -13,6 +13,7 @@
 #include <stdbool.h>
 #include <uv.h>
 
+#include "blame.h"
 #include "checks.h"
 #include "clients.h"
 #include "config.h"
@@ -56,6 +57,7 @@ struct orl_server {
     uint64_t requests; /* served or under way; the last one's id */
     struct orl_checks checks;
     struct orl_memory memory;
+    struct orl_past past;
     struct orl_clients clients;
     struct orl_lanes *lanes; /* to children that check */
     unsigned working;        /* requests whose work is on the pool */

@@ -6,6 +6,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include "blame.h"
 #include "worker_run.h"
 
 enum { RENDER_NICE = 10 };
@@ -24,12 +25,14 @@ static void member_work(uv_work_t *work)
     /* Lowers this thread alone (Linux). It cannot be raised again without privileges, which is
      * well: pool threads do nothing that should come before the loop. */
     setpriority(PRIO_PROCESS, (id_t)gettid(), RENDER_NICE);
+    orl_blame_begin(worker->spec.job_id);
     if (member->index > 0) {
         orl_crew_serve(worker->crew, member->index);
-        return;
+    } else {
+        worker->outcome.code = orl_worker_lead(worker, &worker->outcome.err);
+        orl_crew_dismiss(worker->crew);
     }
-    worker->outcome.code = orl_worker_lead(worker, &worker->outcome.err);
-    orl_crew_dismiss(worker->crew);
+    orl_blame_end();
 }
 
 static void worker_free(struct orl_worker *worker)

@@ -1,6 +1,5 @@
 #include "child/child_checks.h"
 
-#include <dlfcn.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -11,6 +10,7 @@
 #include <oriel/limits.h>
 #include <oriel/run.h>
 
+#include "blame.h"
 #include "bsdf_json.h"
 #include "child/confine.h"
 #include "child/frames.h"
@@ -204,15 +204,6 @@ static void on_terminate(void)
     _exit(ORL_CHILD_NO_MEMORY);
 }
 
-static void heed_terminate(void)
-{
-    void (*(*set)(void (*)(void)))(void);
-    void *symbol = dlsym(RTLD_DEFAULT, "_ZSt13set_terminatePFvvE");
-    memcpy(&set, &symbol, sizeof set);
-    if (symbol)
-        set(on_terminate);
-}
-
 static uint64_t get_number(const json_t *request, const char *name)
 {
     const json_int_t value = json_integer_value(json_object_get(request, name));
@@ -228,7 +219,7 @@ void orl_child_check(int fd)
         return;
     const struct orl_bounds bounds = {get_number(request, "memory"),
                                       (uint32_t)get_number(request, "cpu_s")};
-    heed_terminate();
+    orl_heed_terminate(on_terminate);
     int rc = orl_opened_open(request, &check.files, &err);
     if (rc == 0)
         rc = orl_confine(&bounds, &err);

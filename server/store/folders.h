@@ -2,7 +2,7 @@
  * The data folder on disk:
  *
  *     oriel.db  oriel.lock  blobs/ab/<sha256>  maps/<kind>-<key>.opm  results/<job>/...
- *     partial/<job>/...  tmp/
+ *     partial/<job>/...  oriel.running (blame.h)  tmp/
  *
  * Files appear in their place by rename, after fsync, so that what is there is complete. tmp/
  * holds what is being written; it is emptied when the folder is opened. One daemon at a time: a

@@ -5,12 +5,16 @@
  * The file's name is in FAULTY, and in it are two numbers, as written by struct.pack("ii"): an
  * errno, 0 for a good disk, and which calls fail. Standard input and outputs are spared, and so is
  * what is no regular file.
+ *
+ * A thread that moves a file to a name with FAULTY_CRASH in it makes a fault that ends the process.
  */
 #include <dlfcn.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <stdint.h>
+#include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -90,4 +94,13 @@ int fsync(int fd)
 int fdatasync(int fd)
 {
     return is_faulty(fd, FAULTY_SYNCS) ? -1 : REAL(int (*)(int), "fdatasync")(fd);
+}
+
+int rename(const char *from, const char *to)
+{
+    const char *name = getenv("FAULTY_CRASH");
+    volatile int *nowhere = NULL;
+    if (name && strstr(to, name))
+        *nowhere = 1;
+    return REAL(int (*)(const char *, const char *), "rename")(from, to);
 }

@@ -1,0 +1,134 @@
+/* Who is to blame when the daemon ends: the job whose thread it was, not those beside it. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <curl/curl.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "blame.h"
+#include "child/confine.h"
+#include "support/daemon.h"
+#include "support/scene_text.h"
+
+static void expect_state(struct daemon *daemon, const char *job, const char *state, int attempts)
+{
+    struct reply reply;
+    daemon_wait(daemon, job, 120, &reply);
+    if (strcmp(reply_text(&reply, "state"), state) != 0 ||
+        reply_number(&reply, "attempts") != attempts)
+        fail_msg("%s: %s", job, reply.body);
+    reply_done(&reply);
+}
+
+static bool log_has(const struct daemon *daemon, const char *text)
+{
+    char path[96];
+    snprintf(path, sizeof path, "%s.log", daemon->root);
+    size_t size = 0;
+    unsigned char *log = scene_read_bytes(path, &size);
+    const bool found = memmem(log, size, text, strlen(text)) != NULL;
+    free(log);
+    return found;
+}
+
+static void test_rules(void **state)
+{
+    const struct orl_past marked = {.signum = SIGSEGV, .job = "0123"};
+    const struct orl_past silent = {.resident = 10, .capacity = 100};
+    const struct orl_past checking = {.resident = 10, .capacity = 100, .checks = 1};
+    const struct orl_past grown = {.resident = 90, .capacity = 100, .checks = 1};
+    (void)state;
+    assert_true(orl_blame_is(&marked, true, false));
+    assert_false(orl_blame_is(&marked, false, true));
+    assert_true(orl_blame_is(&silent, false, true));
+    assert_false(orl_blame_is(&silent, false, false));
+    assert_false(orl_blame_is(&checking, false, true));
+    assert_true(orl_blame_is(&grown, false, true));
+}
+
+/* A fault in a job's thread: that job is named, by the log too, and it fails at the third. The job
+ * that ran beside it at the first goes on. */
+static void test_faults_are_named(void **state)
+{
+    static const char *const two[] = {"--jobs", "2", "--threads", "2", NULL};
+    struct daemon_room *f = *state;
+    char killer[80], bystander[80], line[120], shim[256];
+    const char *build = getenv("ORIEL_BUILD");
+    if (ORL_CHILD_SANITIZED)
+        skip();
+    snprintf(shim, sizeof shim, "%s/tests/faulty.so", build ? build : "build");
+    daemon_end(&f->daemon, SIGTERM);
+    setenv("LD_PRELOAD", shim, 1);
+    setenv("FAULTY_CRASH", "killer.hdr", 1);
+    daemon_restart(&f->daemon, two);
+    daemon_submit(&f->daemon, f->scene, 2000000, 5, NULL, bystander);
+    daemon_wait_running(&f->daemon, bystander, -1);
+    daemon_submit(&f->daemon, f->scene, 1000, 6, "killer", killer);
+    for (int i = 0; i < 3; i++) {
+        assert_int_equal(daemon_wait_end(&f->daemon), -1);
+        daemon_restart(&f->daemon, two);
+    }
+    unsetenv("LD_PRELOAD");
+    unsetenv("FAULTY_CRASH");
+    expect_state(&f->daemon, killer, "failed", 3);
+    expect_state(&f->daemon, bystander, "succeeded", 2);
+    snprintf(line, sizeof line, "event=crashed signal=11 job=%s", strrchr(killer, '/') + 1);
+    assert_true(log_has(&f->daemon, line));
+}
+
+/* Uploads are being checked whenever the daemon is gone, and the only job has not grown: it is not
+ * laid to that. */
+static void test_uploads_are_no_jobs_fault(void **state)
+{
+    struct daemon_room *f = *state;
+    char job[80], part[40 * 40] = "";
+    struct reply reply;
+    for (int i = 0; i < 40; i++)
+        sprintf(part + strlen(part), "grey sphere s%d 0 0 4 %d 0 0 .1\n", i, i);
+    daemon_submit(&f->daemon, f->scene, 100000000, 3, NULL, job);
+    for (int i = 0; i < 4; i++) {
+        daemon_wait_running(&f->daemon, job, -1);
+        const pid_t client = fork();
+        if (client == 0) {
+            static const char scene[] = "void plastic grey 0 0 5 .5 .5 .5 0 0\n"
+                                        "!xform -a 50000 -t 0 0 1 part.rad\n";
+            const struct upload_file files[] = {{"scene.rad", scene, sizeof scene - 1, false},
+                                                {"part.rad", part, strlen(part), true}};
+            struct daemon own = f->daemon;
+            own.curl = curl_easy_init();
+            daemon_upload(&own, files, 2, NULL, &reply);
+            _exit(0);
+        }
+        nanosleep(&(struct timespec){1, 0}, NULL);
+        kill(client, SIGSTOP);
+        daemon_end(&f->daemon, SIGKILL);
+        kill(client, SIGKILL);
+        waitpid(client, NULL, 0);
+        daemon_restart(&f->daemon, NULL);
+    }
+    daemon_wait_running(&f->daemon, job, -1);
+    daemon_cancel(&f->daemon, job, &reply);
+    reply_done(&reply);
+    expect_state(&f->daemon, job, "cancelled", 5);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_rules),
+        cmocka_unit_test_setup_teardown(test_faults_are_named, daemon_room_set_up,
+                                        daemon_room_tear_down),
+        cmocka_unit_test_setup_teardown(test_uploads_are_no_jobs_fault, daemon_room_set_up,
+                                        daemon_room_tear_down),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
