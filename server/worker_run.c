@@ -1,9 +1,11 @@
 #include "worker_run.h"
 
+#include <malloc.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "kept_parts.h"
+#include "limits.h"
 #include "times.h"
 
 static double now_s(void *ctx)
@@ -45,6 +47,9 @@ static int read_document(struct orl_worker *worker, struct orl_task *ret_task,
         rc = orl_job_read(file.data, file.size, ret_task, NULL, err);
     else
         rc = orl_error_set(err, ORL_ERR_CORRUPT, "the job's document is damaged in the store");
+    /* Reading takes many times what is kept of it, in small pieces between others. */
+    if (file.size > ORL_SERVER_SMALL_JSON)
+        malloc_trim(0);
     orl_unmap_file(&file);
     if (rc == 0) {
         rc = orl_job_set_scene(orl_task_job(ret_task), &worker->spec.bundle, err);
@@ -150,5 +155,6 @@ int orl_worker_lead(struct orl_worker *worker, struct orl_error *err)
         publish_done(worker);
     if (rc && !(rc == ORL_ERR_CANCELLED && worker->keeps && atomic_load(&worker->stopped)))
         orl_remove_tree(output, NULL);
+    malloc_trim(0);
     return rc;
 }

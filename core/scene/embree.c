@@ -1,5 +1,6 @@
 #include "scene/embree.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 #include <oriel/crew.h>
@@ -121,14 +122,39 @@ static int refuse_build(enum RTCError failure, struct orl_error *err)
                          "Embree failed to build the scene (error %d)", (int)failure);
 }
 
+/*
+ * Embree keeps an error for each thread and device, and makes room for it when it has the first to
+ * keep: with no memory left, where it cannot throw, which ends the process. So that room is made
+ * before anything can fail. NULL: no memory.
+ */
+static RTCDevice new_device(void)
+{
+    enum { ROOM = 64 << 10 };
+    void *room = malloc(ROOM);
+    if (!room)
+        return NULL;
+    free(room);
+    rtcGetDeviceError(NULL);
+    /* One build thread: the hierarchy, and with it the order of ties, is the same every time. */
+    RTCDevice device = rtcNewDevice("threads=1");
+    room = device ? malloc(ROOM) : NULL;
+    if (device && !room) {
+        rtcReleaseDevice(device);
+        return NULL;
+    }
+    free(room);
+    if (device)
+        rtcGetDeviceError(device);
+    return device;
+}
+
 int orl_embree_build(struct orl_geometry *geometry, const atomic_bool *cancel,
                      struct orl_error *err)
 {
     unsigned n_curved = 0;
     for (size_t i = 0; i < geometry->n_facets; i++)
         n_curved += geometry->facets[i].kind != ORL_SURFACE_POLYGON;
-    /* One build thread: the hierarchy, and with it the order of ties, is the same every time. */
-    RTCDevice device = rtcNewDevice("threads=1");
+    RTCDevice device = new_device();
     RTCScene scene = device ? rtcNewScene(device) : NULL;
     if (!scene) {
         if (device)

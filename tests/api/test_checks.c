@@ -21,21 +21,6 @@
 
 /* ---- Processes ------------------------------------------------------------------------------- */
 
-static double memory_mb(const struct daemon *daemon, const char *name)
-{
-    char path[64], line[256];
-    double kb = -1;
-    snprintf(path, sizeof path, "/proc/%d/status", (int)daemon->pid);
-    FILE *status = fopen(path, "r");
-    assert_non_null(status);
-    while (kb < 0 && fgets(line, sizeof line, status))
-        if (strncmp(line, name, strlen(name)) == 0)
-            kb = strtod(line + strlen(name) + 1, NULL);
-    fclose(status);
-    assert_true(kb >= 0);
-    return kb / 1024;
-}
-
 static pid_t parent_of(pid_t pid)
 {
     char path[64], text[512] = "";
@@ -119,12 +104,12 @@ static void test_memory_is_a_childs(void **state)
     struct daemon *daemon = *state;
     struct bomb bomb;
     struct reply reply;
-    const double before_mb = memory_mb(daemon, "VmRSS");
+    const double before_mb = daemon_memory_mb(daemon, "VmRSS");
     make_bomb(&bomb, 1, 10000);
     daemon_upload(daemon, bomb.files, 2, NULL, &reply);
     assert_int_equal(reply.status, 201);
     reply_done(&reply);
-    const double peak_mb = memory_mb(daemon, "VmHWM") - before_mb;
+    const double peak_mb = daemon_memory_mb(daemon, "VmHWM") - before_mb;
     print_message("# a peak of %.0f MB\n", peak_mb);
     assert_true(peak_mb < (ORL_CHILD_SANITIZED ? 150 : 50));
 }

@@ -130,6 +130,40 @@ static void test_not_now(void **state)
     reply_done(&reply);
 }
 
+/* What a job has taken goes back when it has ended: its document, its sensors, its results. */
+static void test_jobs_give_back(void **state)
+{
+    enum { SENSORS = 60000 };
+    struct daemon_room *f = *state;
+    char *text = malloc(SENSORS * 40 + 300), path[80];
+    const double before_mb = daemon_memory_mb(&f->daemon, "VmRSS");
+    struct reply reply;
+    if (ORL_CHILD_SANITIZED)
+        skip();
+    assert_non_null(text);
+    size_t used = (size_t)sprintf(text,
+                                  "{\"scene\":\"%s\",\"technique\":\"direct\",\"photons\":{"
+                                  "\"global\":1000,\"caustic\":1},\"gather_samples\":1,"
+                                  "\"sensors\":[",
+                                  f->scene);
+    for (int i = 0; i < SENSORS; i++)
+        used += (size_t)sprintf(text + used, "%s[%.3f,%.3f,0.8,0,0,1]", i ? "," : "",
+                                0.1 + 0.01 * (i % 300), 0.1 + 0.01 * (i / 300));
+    strcpy(text + used, "]}");
+    daemon_post_json(&f->daemon, "/v1/jobs", text, &reply);
+    assert_int_equal(reply.status, 202);
+    snprintf(path, sizeof path, "%s", reply_text(&reply, "links.self"));
+    reply_done(&reply);
+    free(text);
+    daemon_wait(&f->daemon, path, 120, &reply);
+    assert_string_equal(reply_text(&reply, "state"), "succeeded");
+    reply_done(&reply);
+    const double kept_mb = daemon_memory_mb(&f->daemon, "VmRSS") - before_mb;
+    print_message("# a peak of %.0f MB, %.0f MB stay\n",
+                  daemon_memory_mb(&f->daemon, "VmHWM") - before_mb, kept_mb);
+    assert_true(kept_mb < 25);
+}
+
 /* ---- Checks ---------------------------------------------------------------------------------- */
 
 /* A document of 9 MB takes 0.7 GB to read: more than a check is granted at first, and it gets that
@@ -165,6 +199,8 @@ int main(void)
         cmocka_unit_test(test_groups),
         cmocka_unit_test_setup_teardown(test_never, daemon_room_set_up, daemon_room_tear_down),
         cmocka_unit_test_setup_teardown(test_not_now, daemon_room_set_up, daemon_room_tear_down),
+        cmocka_unit_test_setup_teardown(test_jobs_give_back, daemon_room_set_up,
+                                        daemon_room_tear_down),
         cmocka_unit_test_setup_teardown(test_larger_checks, daemon_room_set_up,
                                         daemon_room_tear_down),
     };

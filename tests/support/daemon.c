@@ -133,6 +133,21 @@ void daemon_remove(struct daemon *daemon)
     unlink(log);
 }
 
+double daemon_memory_mb(const struct daemon *daemon, const char *name)
+{
+    char path[64], line[256];
+    double kb = -1;
+    snprintf(path, sizeof path, "/proc/%d/status", (int)daemon->pid);
+    FILE *status = fopen(path, "r");
+    assert_non_null(status);
+    while (kb < 0 && fgets(line, sizeof line, status))
+        if (strncmp(line, name, strlen(name)) == 0)
+            kb = strtod(line + strlen(name) + 1, NULL);
+    fclose(status);
+    assert_true(kb >= 0);
+    return kb / 1024;
+}
+
 size_t daemon_count_files(const struct daemon *daemon, const char *folder)
 {
     char command[160];

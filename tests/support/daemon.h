@@ -41,6 +41,8 @@ int daemon_end(struct daemon *daemon, int signum);
 int daemon_wait_end(struct daemon *daemon);
 /* Ends it by SIGTERM if it runs, expects status 0, and removes its folder. */
 void daemon_remove(struct daemon *daemon);
+/* A line of /proc/<pid>/status, in MiB: "VmHWM", the peak so far; "VmRSS", what it has now. */
+double daemon_memory_mb(const struct daemon *daemon, const char *name);
 /* How many files lie below a folder of the data folder ("blobs"). */
 size_t daemon_count_files(const struct daemon *daemon, const char *folder);
 
