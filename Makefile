@@ -98,7 +98,8 @@ help:
 ## make calibration  whether errors stated are errors made: intervals, error maps, jobs by accuracy
 ##                 or deadline, predictions; long (tests/README.md has its parts)
 ## make torture    a daemon killed 500 times under load (TORTURE_KILLS), faults of disk, files,
-##                 database and memory, malformed requests, cancels: what it answered for is kept
+##                 database and memory, each call that can fail, 200 power cuts, malformed requests,
+##                 cancels: what it answered for is kept
 ## make format     clang-format in place
 
 # ---- Packages ------------------------------------------------------------------------------------
@@ -179,10 +180,11 @@ $(BUILD)/tests/%: $(BUILD)/obj/tests/%.o $(BUILD)/libtests.a $(BUILD)/liboriel.a
 -include $(shell find $(BUILD)/obj -name '*.d' 2>/dev/null)
 
 # ---- Checks --------------------------------------------------------------------------------------
-tests: all $(TEST_BIN) $(BUILD)/tests/faulty.so
+SHIMS := $(patsubst %,$(BUILD)/tests/%.so,faulty scarce recorder)
+tests: all $(TEST_BIN) $(SHIMS)
 
-# Loaded into a daemon, whichever way that was built, to make its disk fail.
-$(BUILD)/tests/faulty.so: tests/torture/faulty.c
+# Loaded into a daemon, to make its disk or memory fail, and to record what it writes.
+$(BUILD)/tests/%.so: tests/torture/%.c
 	@mkdir -p $(@D)
 	$(call say,LD,$@)
 	$(Q)$(CC) $(STD) $(WARNINGS) $(WERROR) -O1 -shared -fPIC -o $@ $<
@@ -215,10 +217,12 @@ HARD_CASES := 48
 # Parts may fail by themselves; all are run.
 TORTURE_KILLS ?= 500
 torture: deps-check
-	@$(MAKE) --no-print-directory -j$(JOBS) all $(BUILD)/tests/faulty.so
+	@$(MAKE) --no-print-directory -j$(JOBS) all $(SHIMS)
 	@export PYTHONDONTWRITEBYTECODE=1; failed=0; \
 		python3 tests/torture/torture.py $(BUILD) --kills $(TORTURE_KILLS) || failed=1; \
 		python3 tests/torture/faults.py $(BUILD) || failed=1; \
+		python3 tests/torture/every.py $(BUILD) || failed=1; \
+		python3 tests/torture/powercuts.py $(BUILD) --cuts 200 || failed=1; \
 		python3 tests/torture/malformed.py $(BUILD) --count 10000 || failed=1; \
 		python3 tests/torture/cancel.py $(BUILD) || failed=1; exit $$failed
 

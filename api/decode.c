@@ -1,5 +1,6 @@
 #include "decode.h"
 
+#include <errno.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -57,13 +58,15 @@ int orl_json_parse(const char *name, const char *text, size_t size, json_t **ret
             "the document's values would take %llu MiB of memory; the limit is %lu",
             (unsigned long long)weight >> 20, ORL_LIMIT_JSON_MEMORY >> 20);
     json_error_t where;
+    errno = 0;
     json_t *doc = json_loadb(text, size, JSON_REJECT_DUPLICATES, &where);
     if (doc) {
         *ret_doc = doc;
         return 0;
     }
-    /* Where the library has nothing to say, it had no memory to go on with. */
-    if (json_error_code(&where) == json_error_out_of_memory || !where.text[0])
+    /* Where the library has nothing to say, it had no memory to go on with; amid a token it takes
+     * that for a mistake of the token's. */
+    if (json_error_code(&where) == json_error_out_of_memory || !where.text[0] || errno == ENOMEM)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory reading JSON");
     orl_error_set(err, ORL_ERR_SYNTAX, "not valid JSON, column %d: %s", where.column, where.text);
     orl_error_at(err, name, where.line > 0 ? where.line : 1, NULL);

@@ -1,5 +1,6 @@
 #include "multipart.h"
 
+#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -73,6 +74,8 @@ static bool reserve(struct field *field, size_t more)
 static int append_to_field(struct splitter *s, const char *name, const char *data, size_t size)
 {
     struct field *field = find_field(s, name);
+    if (!field && errno == ENOMEM) /* for the name of a file, say */
+        return orl_error_set(s->err, ORL_ERR_NOMEM, "out of memory");
     if (!field) {
         orl_error_set(s->err, ORL_ERR_INVALID, "there is no form field '%.100s'", name ? name : "");
         orl_error_hint(
@@ -120,6 +123,7 @@ static int feed(struct splitter *s, struct MHD_PostProcessor *processor,
     size_t at = 0;
     while (at < body->size && s->rc == 0) {
         const size_t n = body->size - at < FEED_BYTES ? body->size - at : FEED_BYTES;
+        errno = 0; /* libmicrohttpd goes on without what it had no memory for */
         if (MHD_post_process(processor, body->data + at, n) != MHD_YES && s->rc == 0)
             s->rc = orl_error_set(s->err, ORL_ERR_SYNTAX,
                                   "the multipart/form-data body is malformed near byte %zu", at);

@@ -118,8 +118,11 @@ static int refuse_build(enum RTCError failure, struct orl_error *err)
 {
     if (failure == RTC_ERROR_CANCELLED)
         return orl_error_set(err, ORL_ERR_CANCELLED, "cancelled while building the scene");
-    return orl_error_set(err, failure == RTC_ERROR_OUT_OF_MEMORY ? ORL_ERR_NOMEM : ORL_ERR_INTERNAL,
-                         "Embree failed to build the scene (error %d)", (int)failure);
+    /* Unknown are exceptions that Embree does not expect: where memory ended within another. */
+    if (failure == RTC_ERROR_OUT_OF_MEMORY || failure == RTC_ERROR_UNKNOWN)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory building the scene");
+    return orl_error_set(err, ORL_ERR_INTERNAL, "Embree failed to build the scene (error %d)",
+                         (int)failure);
 }
 
 /*

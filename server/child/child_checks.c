@@ -215,8 +215,8 @@ void orl_child_check(int fd)
     struct orl_error err = {0};
     json_t *request = receive_request(fd), *result = NULL;
     struct check check = {.fd = fd, .request = request};
-    if (!request)
-        return;
+    if (!request) /* the daemon's own words are well-formed: there was no room for them */
+        _exit(ORL_CHILD_NO_MEMORY);
     const struct orl_bounds bounds = {get_number(request, "memory"),
                                       (uint32_t)get_number(request, "cpu_s")};
     orl_heed_terminate(on_terminate);

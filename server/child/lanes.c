@@ -209,8 +209,10 @@ static int take_packet(struct talk *t, char kind, char *data, size_t size)
         return asking->data ? asking->data(asking->ctx, data, size, t->err) : refuse_answer(t);
     case ORL_FRAME_VERDICT:
     case ORL_FRAME_VERDICT_END:
-        if (t->complete || !orl_frame_text_add(&t->verdict, data, size, VERDICT_BYTES))
+        if (t->complete || size > VERDICT_BYTES - t->verdict.size)
             return refuse_answer(t);
+        if (!orl_frame_text_add(&t->verdict, data, size, VERDICT_BYTES))
+            return orl_error_set(t->err, ORL_ERR_NOMEM, "out of memory");
         t->complete = kind == ORL_FRAME_VERDICT_END;
         return 0;
     case ORL_FRAME_END:
@@ -291,6 +293,7 @@ static int judge_death(struct talk *t)
 
 static int read_verdict(struct talk *t, json_t **ret_result)
 {
+    errno = 0;
     json_t *doc = json_loadb(t->verdict.text, t->verdict.size, JSON_REJECT_DUPLICATES, NULL);
     const json_t *error = json_object_get(doc, "error");
     json_t *result = json_object_get(doc, "result");
@@ -303,6 +306,8 @@ static int read_verdict(struct talk *t, json_t **ret_result)
             *t->err = found;
     } else if (result) {
         *ret_result = json_incref(result);
+    } else if (!doc && errno == ENOMEM) {
+        rc = orl_error_set(t->err, ORL_ERR_NOMEM, "out of memory");
     } else {
         rc = refuse_answer(t);
     }

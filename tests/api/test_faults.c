@@ -54,6 +54,18 @@ static void test_no_descriptors(void **state)
     run("faults.py", "no_descriptors");
 }
 
+static void test_each_call_of_an_upload(void **state)
+{
+    (void)state;
+    run("every.py", "write_of_an_upload sync_of_an_upload name_of_an_upload");
+}
+
+static void test_power_cuts(void **state)
+{
+    (void)state;
+    run("powercuts.py", "--cuts 6");
+}
+
 static void test_malformed_requests(void **state)
 {
     (void)state;
@@ -63,9 +75,14 @@ static void test_malformed_requests(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_full_disk),          cmocka_unit_test(test_damaged_upload),
-        cmocka_unit_test(test_damaged_result),     cmocka_unit_test(test_locked_database),
-        cmocka_unit_test(test_damaged_database),   cmocka_unit_test(test_no_descriptors),
+        cmocka_unit_test(test_full_disk),
+        cmocka_unit_test(test_damaged_upload),
+        cmocka_unit_test(test_damaged_result),
+        cmocka_unit_test(test_locked_database),
+        cmocka_unit_test(test_damaged_database),
+        cmocka_unit_test(test_no_descriptors),
+        cmocka_unit_test(test_each_call_of_an_upload),
+        cmocka_unit_test(test_power_cuts),
         cmocka_unit_test(test_malformed_requests),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -23,7 +23,7 @@ from daemon import Client, Daemon, Failure
 from ledger import ENDED, list_files
 from load import FIRST_SCENE, upload_scene
 
-WRITES, SYNCS = 1, 2
+WRITES, SYNCS, NAMES, MEMORY = 1, 2, 4, 8
 SENSORS = [[2, 1, 0.8, 0, 0, 1], [2, 4, 0.8, 0, 0, 1]]
 VIEW = "-vtv -vp 2 4.5 1.6 -vd 0 -1 0 -vu 0 0 1 -vh 70 -vv 55"
 
@@ -45,6 +45,8 @@ def expect_problem(answer, statuses, *words):
 class Case:
     """A daemon with a scene and a finished job, on a disk that can be made to fail."""
 
+    shims = ("faulty.so",)
+
     def __init__(self, build):
         self.build = build
         self.folder = tempfile.mkdtemp(prefix="oriel-faults-")
@@ -59,13 +61,22 @@ class Case:
         expect("the first job", self.wait(self.first)["state"], "succeeded")
         self.files = self.fetch(self.first)
 
-    def fail(self, number, what):
+    def fail(self, number, what, nth=0):
+        """All such calls from now on, or the nth alone."""
         mode = "r+b" if os.path.exists(self.control) else "wb"
         with open(self.control, mode) as stream:
+            stream.write(struct.pack("iiii", 0, 0, nth, 0))
+            stream.flush()
+            stream.seek(0)
             stream.write(struct.pack("ii", number, what))
 
+    def calls(self):
+        """How many of them there were."""
+        with open(self.control, "rb") as stream:
+            return struct.unpack("iiii", stream.read(16))[3]
+
     def start(self):
-        shim = os.path.join(self.build, "tests", "faulty.so")
+        shim = " ".join(os.path.join(self.build, "tests", name) for name in self.shims)
         self.daemon = Daemon(self.build, self.root, ["--threads", "2"],
                              {"LD_PRELOAD": shim, "FAULTY": self.control})
         if not self.daemon.wait_listening():

@@ -1,16 +1,18 @@
 /*
- * Makes the disk fail: loaded before the C library (LD_PRELOAD) into a program under test, it lets
- * calls that need the disk fail while a file says so.
+ * Makes the disk fail, or memory (scarce.c): loaded before the C library (LD_PRELOAD) into a
+ * program under test, it lets calls fail while a file says so.
  *
- * The file's name is in FAULTY, and in it are two numbers, as written by struct.pack("ii"): an
- * errno, 0 for a good disk, and which calls fail. Standard input and outputs are spared, and so is
- * what is no regular file.
+ * The file's name is in FAULTY, and in it are four numbers, as written by struct.pack("iiii"): an
+ * errno, 0 for a sound machine; which calls fail; which of these alone, counted from 1, or 0 for
+ * all; and how many there were, counted here. Children of the program count with it. Standard input
+ * and outputs are spared, and so is what is no regular file or folder.
  *
  * A thread that moves a file to a name with FAULTY_CRASH in it makes a fault that ends the process.
  */
 #include <dlfcn.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <stdatomic.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -19,30 +21,46 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-enum { FAULTY_WRITES = 1, FAULTY_SYNCS = 2 };
+enum { FAULTY_WRITES = 1, FAULTY_SYNCS = 2, FAULTY_NAMES = 4 };
 
-static const volatile int *control; /* errno, which */
+struct control {
+    atomic_int why, which, nth, count;
+};
+static struct control *control;
 
 __attribute__((constructor)) static void open_control(void)
 {
     const char *path = getenv("FAULTY");
-    const int fd = path ? open(path, O_RDONLY | O_CLOEXEC) : -1;
-    void *file = fd < 0 ? MAP_FAILED : mmap(NULL, 2 * sizeof(int), PROT_READ, MAP_SHARED, fd, 0);
+    const int fd = path ? open(path, O_RDWR | O_CLOEXEC) : -1;
+    void *file = fd < 0 ? MAP_FAILED
+                        : mmap(NULL, sizeof *control, PROT_READ | PROT_WRITE, MAP_SHARED, fd, 0);
     if (file != MAP_FAILED)
         control = file;
     if (fd >= 0)
         close(fd);
 }
 
+/* Is it the turn of a call of this kind? Also asked by scarce.c. */
+int faulty_is_due(int what);
+int faulty_is_due(int what)
+{
+    if (!control || control->why == 0 || (control->which & what) == 0)
+        return 0;
+    const int call = 1 + atomic_fetch_add(&control->count, 1), nth = control->nth;
+    if (nth != 0 && call != nth)
+        return 0;
+    errno = control->why;
+    return 1;
+}
+
 static int is_faulty(int fd, int what)
 {
     struct stat st;
-    if (!control || control[0] == 0 || (control[1] & what) == 0 || (fd >= 0 && fd <= 2))
+    if (!control || control->why == 0 || (control->which & what) == 0 || (fd >= 0 && fd <= 2))
         return 0;
-    if (fd > 2 && (fstat(fd, &st) != 0 || !S_ISREG(st.st_mode)))
+    if (fd > 2 && (fstat(fd, &st) != 0 || !(S_ISREG(st.st_mode) || S_ISDIR(st.st_mode))))
         return 0;
-    errno = control[0];
-    return 1;
+    return faulty_is_due(what);
 }
 
 #define REAL(type, name) ((type)(uintptr_t)dlsym(RTLD_NEXT, name))
@@ -102,5 +120,7 @@ int rename(const char *from, const char *to)
     volatile int *nowhere = NULL;
     if (name && strstr(to, name))
         *nowhere = 1;
-    return REAL(int (*)(const char *, const char *), "rename")(from, to);
+    return faulty_is_due(FAULTY_NAMES)
+               ? -1
+               : REAL(int (*)(const char *, const char *), "rename")(from, to);
 }
