@@ -118,6 +118,10 @@ static void write_shelf(FILE *out, struct orl_server *server)
     number(out, "oriel_shelf_items", "gauge", "Things left there", (double)totals.things);
     number(out, "oriel_shelf_hits_total", "counter", "Times that a job found one",
            (double)totals.hits);
+    number(out, "oriel_shelf_scenes", "gauge", "Of these things: scenes, which jobs share",
+           (double)totals.shared);
+    number(out, "oriel_shelf_scene_hits_total", "counter", "Times that a job found its scene",
+           (double)totals.shared_hits);
 }
 
 static void write_storage(FILE *out, const struct orl_server *server)

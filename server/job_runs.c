@@ -292,6 +292,7 @@ static int start_job(struct orl_jobs_job *job, struct orl_error *err)
     snprintf(spec.job_id, sizeof spec.job_id, "%s", job->row.id);
     orl_kept_key(jobs->env.program, job->row.document, job->row.scene, spec.key);
     snprintf(spec.document, sizeof spec.document, "%s", job->row.document);
+    snprintf(spec.scene, sizeof spec.scene, "%s", job->row.scene);
     orl_blob_path(jobs->env.folders, job->row.document, spec.document_path);
     int rc = orl_scene_files(jobs->env.db, jobs->env.folders, job->row.scene, &spec.bundle, err);
     if (rc)

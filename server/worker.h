@@ -46,6 +46,7 @@ struct orl_worker_outcome {
 struct orl_worker_spec {
     char job_id[ORL_JOB_ID];
     char document_path[ORL_PATH_MAX], document[ORL_SHA_HEX]; /* and its digest */
+    char scene[ORL_SHA_HEX];                                 /* what the bundle is: bundle.h */
     char key[ORL_SHA_HEX];                                   /* of what is kept: kept_parts.h */
     struct orl_bundle bundle;
     const struct orl_folders *folders; /* borrowed */

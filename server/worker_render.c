@@ -184,6 +184,7 @@ struct orl_run_env orl_worker_env(struct orl_worker *worker, const struct orl_fi
         .files = files,
         .store = &worker->spec.maps,
         .shelf = worker->spec.shelf,
+        .files_id = worker->spec.scene,
         .output_folder = worker->output,
         .cancel = &worker->cancel,
         .now_s = now_s,

@@ -1,6 +1,7 @@
 #include "base/shelf.h"
 
 #include <pthread.h>
+#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -9,6 +10,7 @@ struct item {
     char key[ORL_SHELF_KEY];
     void *thing;
     uint64_t bytes;
+    bool shared;
     void (*let_go)(void *thing);
 };
 
@@ -71,6 +73,7 @@ static struct item *unhook(struct orl_shelf *shelf, const char *key)
         item->next = NULL;
         shelf->totals.bytes -= item->bytes;
         shelf->totals.things--;
+        shelf->totals.shared -= item->shared;
         return item;
     }
     return NULL;
@@ -79,17 +82,19 @@ static struct item *unhook(struct orl_shelf *shelf, const char *key)
 /* Unhooks what is beyond the shelf's room; with the mutex held. */
 static struct item *unhook_oldest(struct orl_shelf *shelf)
 {
-    uint64_t bytes = 0, things = 0;
+    uint64_t bytes = 0, things = 0, shared = 0;
     struct item **at = &shelf->latest;
     while (*at && bytes + (*at)->bytes <= shelf->most) {
         bytes += (*at)->bytes;
         things++;
+        shared += (*at)->shared;
         at = &(*at)->next;
     }
     struct item *rest = *at;
     *at = NULL;
     shelf->totals.bytes = bytes;
     shelf->totals.things = things;
+    shelf->totals.shared = shared;
     return rest;
 }
 
@@ -106,23 +111,88 @@ void *orl_shelf_take(struct orl_shelf *shelf, const char *key)
     return thing;
 }
 
-void orl_shelf_put(struct orl_shelf *shelf, const char *key, void *thing, uint64_t bytes,
-                   void (*let_go)(void *thing))
+/* NULL: it is too large, or there is no shelf or no memory. */
+static struct item *item_for(const struct orl_shelf *shelf, const char *key, void *thing,
+                             uint64_t bytes, void (*let_go)(void *thing))
 {
     struct item *item =
         shelf && bytes <= shelf->most && strlen(key) < ORL_SHELF_KEY ? malloc(sizeof *item) : NULL;
+    if (!item)
+        return NULL;
+    *item = (struct item){.thing = thing, .bytes = bytes, .let_go = let_go};
+    memcpy(item->key, key, strlen(key) + 1);
+    return item;
+}
+
+static void hook(struct orl_shelf *shelf, struct item *item)
+{
+    item->next = shelf->latest;
+    shelf->latest = item;
+}
+
+void orl_shelf_put(struct orl_shelf *shelf, const char *key, void *thing, uint64_t bytes,
+                   void (*let_go)(void *thing))
+{
+    struct item *item = item_for(shelf, key, thing, bytes, let_go);
     if (!item) {
         let_go(thing);
         return;
     }
-    *item = (struct item){.thing = thing, .bytes = bytes, .let_go = let_go};
-    memcpy(item->key, key, strlen(key) + 1);
     pthread_mutex_lock(&shelf->mutex);
     struct item *same = unhook(shelf, key);
-    item->next = shelf->latest;
-    shelf->latest = item;
+    hook(shelf, item);
     struct item *rest = unhook_oldest(shelf);
     pthread_mutex_unlock(&shelf->mutex);
     free_items(same);
     free_items(rest);
+}
+
+/* Held for the caller, and put in front; with the mutex held. */
+static void *share(struct orl_shelf *shelf, const char *key,
+                   const struct orl_shelf_sharing *sharing)
+{
+    struct item *item = unhook(shelf, key);
+    if (!item)
+        return NULL;
+    hook(shelf, item);
+    shelf->totals.bytes += item->bytes;
+    shelf->totals.things++;
+    shelf->totals.shared++;
+    return sharing->hold(item->thing);
+}
+
+void *orl_shelf_share(struct orl_shelf *shelf, const char *key,
+                      const struct orl_shelf_sharing *sharing)
+{
+    if (!shelf)
+        return NULL;
+    pthread_mutex_lock(&shelf->mutex);
+    void *thing = share(shelf, key, sharing);
+    shelf->totals.hits += thing != NULL;
+    shelf->totals.shared_hits += thing != NULL;
+    pthread_mutex_unlock(&shelf->mutex);
+    return thing;
+}
+
+void *orl_shelf_put_shared(struct orl_shelf *shelf, const char *key, void *thing, uint64_t bytes,
+                           const struct orl_shelf_sharing *sharing)
+{
+    struct item *item = item_for(shelf, key, thing, bytes, sharing->let_go), *rest = NULL;
+    if (!item)
+        return thing;
+    item->shared = true;
+    pthread_mutex_lock(&shelf->mutex);
+    void *same = share(shelf, key, sharing);
+    if (!same) {
+        sharing->hold(thing);
+        hook(shelf, item);
+        rest = unhook_oldest(shelf);
+    }
+    pthread_mutex_unlock(&shelf->mutex);
+    free_items(rest);
+    if (!same)
+        return thing;
+    free(item);
+    sharing->let_go(thing);
+    return same;
 }

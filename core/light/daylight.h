@@ -33,8 +33,4 @@ int orl_daylight_check(const struct orl_sky_request *request, struct orl_error *
 int orl_daylight_find(const struct orl_sky_request *request, const struct orl_weather *weather,
                       struct orl_daylight *ret_daylight, struct orl_error *err);
 
-/* Adds sun, sky and ground; ORL_ERR_INVALID when the description holds a distant source already. */
-int orl_daylight_add(const struct orl_daylight *daylight, struct orl_description *description,
-                     struct orl_error *err);
-
 #endif

@@ -172,7 +172,7 @@ static struct orl_rgb light_from_emitter(const struct orl_world *world,
                            : aim_by_area(world, emitter, query->point, u, &aim);
     if (!aimed)
         return orl_gray(0);
-    const struct orl_material *m = &world->description.materials[facet->material];
+    const struct orl_material *m = &world->materials[facet->material];
     const struct orl_rgb seen = response(query, aim.light);
     if (!(orl_rgb_max(seen) > 0) || !orl_material_beams(m, orl_neg(aim.light)))
         return orl_gray(0);

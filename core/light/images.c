@@ -24,7 +24,7 @@ struct class
 
 static const struct orl_material *material_of(const struct orl_world *world, size_t facet)
 {
-    return &world->description.materials[world->geometry->facets[facet].material];
+    return &world->materials[world->geometry->facets[facet].material];
 }
 
 static bool is_flat_mirror(const struct orl_world *world, size_t facet)

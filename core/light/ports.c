@@ -1,10 +1,9 @@
-#include "light/world.h"
+#include "light/scene.h"
 
 #include <stdatomic.h>
 #include <stdlib.h>
 
 #include "base/random.h"
-#include "light/proxies.h"
 #include "scene/hemisphere.h"
 
 /*
@@ -21,7 +20,7 @@ static const double least_contrast = 4; /* and how many times the other face's i
 enum { SEAL_PATHS = 16384, SEAL_BOUNCES = 8, SEAL_ESCAPES = 2 };
 
 struct search {
-    const struct orl_world *world;
+    const struct orl_scene *scene;
     const uint32_t *candidates;
     struct orl_port *found; /* one per candidate; area 0: not a port */
     uint32_t rays;
@@ -40,7 +39,7 @@ static struct orl_vec3 cosine_direction(struct orl_vec3 normal, struct orl_rando
 static double share_escaping(const struct search *search, uint32_t facet, bool front,
                              struct orl_random *random)
 {
-    const struct orl_geometry *g = search->world->geometry;
+    const struct orl_geometry *g = search->scene->geometry;
     uint32_t escaped = 0;
     for (uint32_t i = 0; i < search->rays; i++) {
         const double u[2] = {orl_random_uniform(random), orl_random_uniform(random)};
@@ -54,10 +53,8 @@ static double share_escaping(const struct search *search, uint32_t facet, bool f
     return (double)escaped / search->rays;
 }
 
-bool orl_port_owns(const struct orl_world *world, const struct orl_port *port,
-                   struct orl_vec3 point)
+bool orl_port_owns(const struct orl_geometry *g, const struct orl_port *port, struct orl_vec3 point)
 {
-    const struct orl_geometry *g = world->geometry;
     const double offset = g->facets[port->facet].offset;
     struct orl_hit hit;
     /* A ray that slips past the rim has met nobody else's surface either. */
@@ -67,15 +64,14 @@ bool orl_port_owns(const struct orl_world *world, const struct orl_port *port,
            hit.facet == port->facet;
 }
 
-static bool is_shared(const struct orl_world *world, struct orl_port port,
-                      struct orl_random *random)
+static bool is_shared(const struct orl_geometry *g, struct orl_port port, struct orl_random *random)
 {
     port.shared = true;
     for (int i = 0; i < OWNER_PROBES; i++) {
         const double u[2] = {orl_random_uniform(random), orl_random_uniform(random)};
         struct orl_vec3 point, normal;
-        orl_facet_sample(world->geometry, port.facet, u, &point, &normal);
-        if (!orl_port_owns(world, &port, point))
+        orl_facet_sample(g, port.facet, u, &point, &normal);
+        if (!orl_port_owns(g, &port, point))
             return true;
     }
     return false;
@@ -85,7 +81,7 @@ static void look_both_ways(void *arg, size_t index, uint32_t member)
 {
     struct search *search = arg;
     const uint32_t facet = search->candidates[index];
-    const struct orl_facet *f = &search->world->geometry->facets[facet];
+    const struct orl_facet *f = &search->scene->geometry->facets[facet];
     struct orl_random random = orl_random_stream(0, ORL_PURPOSE_PILOT, facet);
     (void)member;
     const double front = share_escaping(search, facet, true, &random);
@@ -96,7 +92,7 @@ static void look_both_ways(void *arg, size_t index, uint32_t member)
     const struct orl_vec3 outward = front > back ? f->normal : orl_neg(f->normal);
     struct orl_port port = {
         .facet = facet, .outside_is_front = front > back, .outward = outward, .area = f->area};
-    port.shared = is_shared(search->world, port, &random);
+    port.shared = is_shared(search->scene->geometry, port, &random);
     search->found[index] = port;
 }
 
@@ -107,7 +103,7 @@ static void look_both_ways(void *arg, size_t index, uint32_t member)
 static void try_to_escape(void *arg, size_t index, uint32_t member)
 {
     struct search *search = arg;
-    const struct orl_geometry *g = search->world->geometry;
+    const struct orl_geometry *g = search->scene->geometry;
     const struct orl_port *port = &search->ports[index % search->n_ports];
     struct orl_random random = orl_random_stream(1, ORL_PURPOSE_PILOT, index);
     const double u[2] = {orl_random_uniform(&random), orl_random_uniform(&random)};
@@ -123,39 +119,39 @@ static void try_to_escape(void *arg, size_t index, uint32_t member)
             atomic_fetch_add_explicit(&search->escapes, 1, memory_order_relaxed);
             return;
         }
-        const bool through = orl_material_is_window(orl_world_material(search->world, &hit)) &&
-                             orl_world_crossing(search->world, &hit) == ORL_CROSSING_NONE;
+        const bool through = orl_material_is_window(orl_scene_material(search->scene, hit.facet)) &&
+                             orl_scene_crossing(search->scene, &hit) == ORL_CROSSING_NONE;
         if (!through)
             direction = cosine_direction(hit.front ? hit.normal : orl_neg(hit.normal), &random);
         point = orl_hit_leave(g, &hit, direction);
     }
 }
 
-static size_t list_candidates(const struct orl_world *world, uint32_t *ret_candidates)
+static size_t list_candidates(const struct orl_scene *scene, uint32_t *ret_candidates)
 {
     size_t n = 0;
-    for (size_t i = 0; i < world->geometry->n_facets; i++) {
-        const struct orl_facet *f = &world->geometry->facets[i];
+    for (size_t i = 0; i < scene->geometry->n_facets; i++) {
+        const struct orl_facet *f = &scene->geometry->facets[i];
         if (f->kind == ORL_SURFACE_POLYGON && f->area > 0 &&
-            orl_material_is_window(&world->description.materials[f->material]))
+            orl_material_is_window(orl_scene_material(scene, i)))
             ret_candidates[n++] = (uint32_t)i;
     }
     return n;
 }
 
-int orl_world_find_ports(struct orl_world *world, struct orl_crew *crew, struct orl_error *err)
+int orl_scene_find_ports(struct orl_scene *scene, struct orl_crew *crew, struct orl_error *err)
 {
-    const size_t n_facets = world->geometry->n_facets;
-    struct search search = {.world = world};
+    const size_t n_facets = scene->geometry->n_facets;
+    struct search search = {.scene = scene};
     uint32_t *candidates = malloc((n_facets + 1) * sizeof *candidates);
     struct orl_port *found = NULL;
     int code = ORL_ERR_NOMEM;
     if (!candidates)
         goto done;
-    const size_t n = list_candidates(world, candidates);
+    const size_t n = list_candidates(scene, candidates);
     found = calloc(n + 1, sizeof *found);
-    world->port_of_facet = malloc((n_facets + 1) * sizeof *world->port_of_facet);
-    if (!found || !world->port_of_facet)
+    scene->port_of_facet = malloc((n_facets + 1) * sizeof *scene->port_of_facet);
+    if (!found || !scene->port_of_facet)
         goto done;
     search.candidates = candidates;
     search.found = found;
@@ -167,25 +163,23 @@ int orl_world_find_ports(struct orl_world *world, struct orl_crew *crew, struct 
     if (code < 0)
         goto done;
     for (size_t i = 0; i < n_facets; i++)
-        world->port_of_facet[i] = ORL_NO_PORT;
+        scene->port_of_facet[i] = ORL_NO_PORT;
     for (size_t i = 0; i < n; i++) {
         if (found[i].area > 0) {
-            world->port_of_facet[found[i].facet] = (int32_t)world->n_ports;
-            found[world->n_ports++] = found[i];
+            scene->port_of_facet[found[i].facet] = (int32_t)scene->n_ports;
+            found[scene->n_ports++] = found[i];
         }
     }
-    world->ports = found;
+    scene->ports = found;
     found = NULL;
     atomic_init(&search.escapes, 0);
-    search.ports = world->ports;
-    search.n_ports = world->n_ports;
-    if (world->n_ports > 0)
+    search.ports = scene->ports;
+    search.n_ports = scene->n_ports;
+    if (scene->n_ports > 0)
         code = orl_crew_try(crew, SEAL_PATHS, try_to_escape, &search);
     if (code < 0)
         goto done;
-    world->open = world->n_ports == 0 || atomic_load(&search.escapes) >= SEAL_ESCAPES;
-    code = orl_images_build(&world->images, world);
-    orl_proxies_settle(world);
+    scene->open = scene->n_ports == 0 || atomic_load(&search.escapes) >= SEAL_ESCAPES;
 done:
     if (code < 0)
         orl_error_set(err, code, "%s while looking for photon ports",
@@ -195,18 +189,11 @@ done:
     return code;
 }
 
-bool orl_world_is_outside(const struct orl_world *world, struct orl_vec3 point)
+enum orl_crossing orl_scene_crossing(const struct orl_scene *scene, const struct orl_hit *hit)
 {
-    enum { RAYS = 32 };
-    if (world->open)
-        return false;
-    /* In a sealed scene nothing inside sees past the walls, and most of what is outside does. */
-    for (int i = 0; i < RAYS; i++) {
-        const double z = 1 - (2 * i + 1.0) / RAYS, s = sqrt(1 - z * z);
-        const double phi = 2.399963229728653 * i;
-        if (!orl_geometry_occluded(world->geometry, point, orl_v3(s * cos(phi), s * sin(phi), z),
-                                   INFINITY))
-            return true;
-    }
-    return false;
+    const int32_t port = scene->port_of_facet ? scene->port_of_facet[hit->facet] : ORL_NO_PORT;
+    if (port == ORL_NO_PORT)
+        return ORL_CROSSING_NONE;
+    return hit->front == scene->ports[port].outside_is_front ? ORL_CROSSING_INWARDS
+                                                             : ORL_CROSSING_OUTWARDS;
 }

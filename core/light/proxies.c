@@ -17,9 +17,9 @@ struct ways {
     double reach; /* the largest thickness */
 };
 
-static bool is_proxy(const struct orl_world *world, uint32_t facet)
+static bool is_proxy(const struct orl_scene *scene, uint32_t facet)
 {
-    const struct orl_facet *f = &world->geometry->facets[facet];
+    const struct orl_facet *f = &scene->geometry->facets[facet];
     return f->beyond != 0 && f->area > 0 &&
            (f->kind == ORL_SURFACE_POLYGON || f->kind == ORL_SURFACE_RING);
 }
@@ -46,16 +46,16 @@ static bool add_way(struct ways *ways, const struct orl_facet *f)
 
 /* How far from one that a proxy reaches: what lies at `self`, or a proxy that looks the other way
  * and reaches for the same things from there. */
-static double reach_to(const struct orl_world *world, const struct orl_facet *proxy, uint32_t self)
+static double reach_to(const struct orl_scene *scene, const struct orl_facet *proxy, uint32_t self)
 {
-    const struct orl_facet *f = &world->geometry->facets[self];
+    const struct orl_facet *f = &scene->geometry->facets[self];
     const bool faces =
-        is_proxy(world, self) && orl_dot(way_across(proxy), way_across(f)) < -1 + 1e-3;
+        is_proxy(scene, self) && orl_dot(way_across(proxy), way_across(f)) < -1 + 1e-3;
     return fabs(proxy->beyond) + (faces ? fabs(f->beyond) : 0);
 }
 
 /* Looks from a point along a way: is a proxy there that stands for what is at the point? */
-static bool is_covered(const struct orl_world *world, const struct orl_geometry *proxies,
+static bool is_covered(const struct orl_scene *scene, const struct orl_geometry *proxies,
                        struct orl_vec3 point, struct orl_vec3 way, double reach, uint32_t self)
 {
     double at = 0;
@@ -67,8 +67,8 @@ static bool is_covered(const struct orl_world *world, const struct orl_geometry 
         at += hit.distance;
         /* Of proxies that stand for each other only the first is one. */
         if (orl_dot(way_across(f), way) > 1 - 1e-3 &&
-            at <= reach_to(world, f, self) + 4 * f->offset && hit.facet != self &&
-            (!is_proxy(world, self) || (hit.facet < self && !world->hidden[hit.facet])))
+            at <= reach_to(scene, f, self) + 4 * f->offset && hit.facet != self &&
+            (!is_proxy(scene, self) || (hit.facet < self && !scene->hidden[hit.facet])))
             return true;
         at += f->offset;
     }
@@ -76,25 +76,25 @@ static bool is_covered(const struct orl_world *world, const struct orl_geometry 
 }
 
 /* The same a little to all sides, from just behind the point: it may lie in the proxy's plane. */
-static bool is_well_covered(const struct orl_world *world, const struct orl_geometry *proxies,
+static bool is_well_covered(const struct orl_scene *scene, const struct orl_geometry *proxies,
                             const struct ways *ways, struct orl_vec3 way, struct orl_vec3 point,
                             uint32_t self)
 {
     const struct orl_frame frame = orl_frame_about(way);
-    const double back = 2 * world->geometry->facets[self].offset;
+    const double back = 2 * scene->geometry->facets[self].offset;
     const double aside = fmax(8 * back, aside_of_thickness * ways->reach);
     for (int i = 0; i < LOOKS; i++) {
         const double x = i == 1 ? aside : i == 2 ? -aside : 0;
         const double y = i == 3 ? aside : i == 4 ? -aside : 0;
         const struct orl_vec3 from =
             orl_madd(orl_madd(orl_madd(point, frame.u, x), frame.v, y), way, -back);
-        if (!is_covered(world, proxies, from, way, 2 * ways->reach + back, self))
+        if (!is_covered(scene, proxies, from, way, 2 * ways->reach + back, self))
             return false;
     }
     return true;
 }
 
-static bool is_hidden(const struct orl_world *world, const struct orl_geometry *proxies,
+static bool is_hidden(const struct orl_scene *scene, const struct orl_geometry *proxies,
                       const struct ways *ways, uint32_t facet)
 {
     struct orl_random random = orl_random_stream(2, ORL_PURPOSE_PILOT, facet);
@@ -103,9 +103,9 @@ static bool is_hidden(const struct orl_world *world, const struct orl_geometry *
         const double u[2] = {orl_random_uniform(&random), orl_random_uniform(&random)};
         struct orl_vec3 point, normal;
         bool found = false;
-        orl_facet_sample(world->geometry, facet, u, &point, &normal);
+        orl_facet_sample(scene->geometry, facet, u, &point, &normal);
         for (size_t w = 0; w < ways->count && !found; w++)
-            found = is_well_covered(world, proxies, ways, ways->way[w], point, facet);
+            found = is_well_covered(scene, proxies, ways, ways->way[w], point, facet);
         covered += found;
         if (i + 1 == FIRST_POINTS && covered == 0)
             return false;
@@ -132,9 +132,9 @@ static uint32_t find_partner(const struct orl_geometry *proxies, struct orl_vec3
 }
 
 /* Notes of a proxy that it and another are one though neither reaches the other, or nearly so. */
-static void judge_pair(struct orl_world *world, const struct ways *ways, uint32_t self)
+static void judge_pair(struct orl_scene *scene, const struct ways *ways, uint32_t self)
 {
-    const struct orl_facet *f = &world->geometry->facets[self];
+    const struct orl_facet *f = &scene->geometry->facets[self];
     const struct orl_vec3 way = orl_neg(way_across(f));
     struct orl_random random = orl_random_stream(3, ORL_PURPOSE_PILOT, self);
     uint32_t partner = UINT32_MAX;
@@ -142,29 +142,29 @@ static void judge_pair(struct orl_world *world, const struct ways *ways, uint32_
     for (int i = 0; i < FIRST_POINTS && partner == UINT32_MAX; i++) {
         const double u[2] = {orl_random_uniform(&random), orl_random_uniform(&random)};
         struct orl_vec3 point, normal;
-        orl_facet_sample(world->geometry, self, u, &point, &normal);
+        orl_facet_sample(scene->geometry, self, u, &point, &normal);
         point = orl_madd(point, way, f->offset);
-        partner = find_partner(world->proxies, point, way, 2 * near_pair * ways->reach, &apart);
+        partner = find_partner(scene->proxies, point, way, 2 * near_pair * ways->reach, &apart);
     }
     if (partner == UINT32_MAX || partner > self)
         return;
-    const double mine = fabs(f->beyond), its = fabs(world->geometry->facets[partner].beyond);
-    const bool one = world->hidden[self] || world->hidden[partner];
-    struct orl_pairing *pairing = one ? &world->paired : &world->not_paired;
+    const double mine = fabs(f->beyond), its = fabs(scene->geometry->facets[partner].beyond);
+    const bool one = scene->hidden[self] || scene->hidden[partner];
+    struct orl_pairing *pairing = one ? &scene->paired : &scene->not_paired;
     if (one ? apart > fmax(mine, its) + 4 * f->offset : apart <= near_pair * (mine + its))
         if (pairing->count++ == 0)
             *pairing = (struct orl_pairing){1, {partner, self}, apart, fmax(mine, its)};
 }
 
-int orl_proxies_part(struct orl_world *world, struct orl_error *err)
+int orl_proxies_part(struct orl_scene *scene, struct orl_error *err)
 {
-    struct orl_geometry *whole = world->geometry, *light = NULL, *seen = NULL;
+    struct orl_geometry *whole = scene->geometry, *light = NULL;
     const size_t n = whole->n_facets;
     struct ways ways = {.count = 0};
     bool *keep = NULL;
     int code = 0;
     for (uint32_t i = 0; i < n; i++)
-        if (is_proxy(world, i) && !add_way(&ways, &whole->facets[i])) {
+        if (is_proxy(scene, i) && !add_way(&ways, &whole->facets[i])) {
             orl_error_set(err, ORL_ERR_LIMIT,
                           "BSDFs with a thickness face more than %d different ways", MOST_WAYS);
             orl_error_hint(err, "give curved ones thickness 0 and leave out what they stand for");
@@ -173,34 +173,32 @@ int orl_proxies_part(struct orl_world *world, struct orl_error *err)
     if (ways.count == 0)
         return 0;
     keep = calloc(n, sizeof *keep);
-    world->hidden = calloc(n, sizeof *world->hidden);
-    world->seen = calloc(1, sizeof *world->seen);
-    if (!keep || !world->hidden || !world->seen) {
+    scene->hidden = calloc(n, sizeof *scene->hidden);
+    if (!keep || !scene->hidden) {
         code = ORL_ERR_NOMEM;
         goto done;
     }
     for (uint32_t i = 0; i < n; i++)
-        keep[i] = is_proxy(world, i);
-    code = orl_geometry_subset(whole, keep, &world->proxies, err);
+        keep[i] = is_proxy(scene, i);
+    code = orl_geometry_subset(whole, keep, &scene->proxies, err);
     for (uint32_t i = 0; i < n && code == 0; i++) {
-        world->hidden[i] = whole->facets[i].area > 0 && is_hidden(world, world->proxies, &ways, i);
-        world->n_hidden += world->hidden[i];
+        scene->hidden[i] = whole->facets[i].area > 0 && is_hidden(scene, scene->proxies, &ways, i);
+        scene->n_hidden += scene->hidden[i];
     }
     for (uint32_t i = 0; i < n && code == 0; i++)
-        if (is_proxy(world, i))
-            judge_pair(world, &ways, i);
+        if (is_proxy(scene, i))
+            judge_pair(scene, &ways, i);
     for (uint32_t i = 0; i < n && code == 0; i++)
-        keep[i] = !world->hidden[i];
+        keep[i] = !scene->hidden[i];
     if (code == 0)
         code = orl_geometry_subset(whole, keep, &light, err);
     for (uint32_t i = 0; i < n && code == 0; i++) /* views see no proxy, hidden or not */
-        keep[i] = !is_proxy(world, i);
+        keep[i] = !is_proxy(scene, i);
     if (code == 0)
-        code = orl_geometry_subset(whole, keep, &seen, err);
+        code = orl_geometry_subset(whole, keep, &scene->seen, err);
     if (code < 0)
         goto done;
-    world->geometry = light;
-    world->seen->geometry = seen;
+    scene->geometry = light;
     light = NULL;
     orl_geometry_free(whole);
 done:
@@ -209,35 +207,16 @@ done:
     return code;
 }
 
-void orl_proxies_settle(struct orl_world *world)
-{
-    struct orl_geometry *const geometry = world->seen ? world->seen->geometry : NULL;
-    if (!world->seen)
-        return;
-    *world->seen = *world;
-    world->seen->geometry = geometry;
-    world->seen->seen = NULL;
-}
-
-void orl_proxies_done(struct orl_world *world)
-{
-    if (world->seen)
-        orl_geometry_free(world->seen->geometry);
-    orl_geometry_free(world->proxies);
-    free(world->seen);
-    free(world->hidden);
-}
-
-enum orl_crossing orl_proxies_passed(const struct orl_world *world, struct orl_vec3 origin,
+enum orl_crossing orl_proxies_passed(const struct orl_scene *scene, struct orl_vec3 origin,
                                      struct orl_vec3 direction, double distance)
 {
     enum orl_crossing last = ORL_CROSSING_NONE;
-    for (int i = 0; i < MOST_PANES && world->proxies; i++) {
+    for (int i = 0; i < MOST_PANES && scene->proxies; i++) {
         struct orl_hit hit;
-        if (!orl_geometry_intersect(world->proxies, origin, direction, distance, &hit))
+        if (!orl_geometry_intersect(scene->proxies, origin, direction, distance, &hit))
             break;
-        const enum orl_crossing crossing = orl_world_crossing(world, &hit);
-        const double step = hit.distance + world->proxies->facets[hit.facet].offset;
+        const enum orl_crossing crossing = orl_scene_crossing(scene, &hit);
+        const double step = hit.distance + scene->proxies->facets[hit.facet].offset;
         last = crossing == ORL_CROSSING_NONE ? last : crossing;
         origin = orl_madd(origin, direction, step);
         distance -= step;

@@ -3,114 +3,89 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/circle.h"
-#include "light/proxies.h"
 #include "light/sky.h"
-#include "scene/coincident.h"
 
-/* Distant lights up to this full angle are sampled as discs; wider ones are domes. */
-static const double widest_sun_deg = 10.0;
-
-static void add_distant(struct orl_world *world, const struct orl_distant *distant)
+static void *copy_of(const void *from, size_t count, size_t size)
 {
-    const struct orl_material *material = &world->description.materials[distant->material];
-    const double half = 0.5 * distant->angle_deg * ORL_DEG_TO_RAD;
-    const struct orl_sky *sky =
-        material->sky >= 0 ? &world->description.skies[material->sky] : NULL;
-    if (material->kind == ORL_MATERIAL_LIGHT && distant->angle_deg <= widest_sun_deg) {
-        struct orl_sun *sun = &world->suns[world->n_suns++];
-        /* 1 - cos without cancellation: the disc is half a degree across. */
-        const double solid = 4 * ORL_PI * sin(0.5 * half) * sin(0.5 * half);
-        const double pattern = sky ? orl_sky_brightness(sky, distant->direction) : 1.0;
-        *sun = (struct orl_sun){.frame = orl_frame_about(distant->direction),
-                                .cos_half_angle = cos(half),
-                                .solid_angle_sr = solid,
-                                .radiance = orl_rgb_scale(material->color, pattern)};
-        sun->irradiance = orl_rgb_scale(sun->radiance, solid);
-        if (!(orl_luma(sun->radiance) > 0))
-            world->n_suns--;
-        return;
-    }
-    world->domes[world->n_domes++] =
-        (struct orl_dome){distant->direction, cos(half), material->color, sky};
+    void *copy = malloc((count + 1) * size);
+    if (copy && count > 0)
+        memcpy(copy, from, count * size);
+    return copy;
 }
 
-static void add_emitters(struct orl_world *world)
+/* Returns false when out of memory. */
+static bool copy_parts(struct orl_world *world)
 {
-    const struct orl_geometry *g = world->geometry;
-    for (size_t i = 0; i < g->n_facets; i++) {
-        const struct orl_material *m = &world->description.materials[g->facets[i].material];
-        const bool shines = orl_material_is_lamp(m) || orl_material_glows(m);
-        if (shines && g->facets[i].area > 0 && orl_luma(m->color) > 0)
-            world->emitters[world->n_emitters++] =
-                (struct orl_emitter){(uint32_t)i, m->color, orl_material_is_lamp(m)};
-    }
+    const struct orl_scene *scene = world->scene;
+    const struct orl_lights *lights = world->lights;
+    const struct orl_description *d = &scene->description;
+    world->materials = copy_of(d->materials, d->n_materials, sizeof *world->materials);
+    world->suns = copy_of(lights->suns, lights->n_suns, sizeof *world->suns);
+    world->domes = copy_of(lights->domes, lights->n_domes, sizeof *world->domes);
+    world->emitters = copy_of(lights->emitters, lights->n_emitters, sizeof *world->emitters);
+    world->ports = copy_of(scene->ports, scene->n_ports, sizeof *world->ports);
+    world->n_materials = d->n_materials;
+    world->n_suns = lights->n_suns;
+    world->n_domes = lights->n_domes;
+    world->n_emitters = lights->n_emitters;
+    world->n_ports = scene->n_ports;
+    if (scene->seen)
+        world->seen = calloc(1, sizeof *world->seen);
+    return world->materials && world->suns && world->domes && world->emitters && world->ports &&
+           (world->seen || !scene->seen);
 }
 
-static size_t count_emitters(const struct orl_world *world)
-{
-    size_t n = 0;
-    for (size_t i = 0; i < world->geometry->n_facets; i++) {
-        const uint32_t material = world->geometry->facets[i].material;
-        n += orl_material_shines(&world->description.materials[material]);
-    }
-    return n;
-}
-
-int orl_world_new(struct orl_description *description, struct orl_world **ret_world,
-                  struct orl_error *err)
+int orl_world_new(struct orl_lights *lights, struct orl_world **ret_world, struct orl_error *err)
 {
     struct orl_world *world = calloc(1, sizeof *world);
     int code = ORL_ERR_NOMEM;
-    if (!world) {
-        orl_description_done(description);
+    if (!world)
         goto done;
-    }
+    world->lights = orl_lights_hold(lights);
+    world->scene = orl_scene_hold(lights->scene);
+    world->geometry = world->scene->geometry;
+    world->proxies = world->scene->proxies;
+    world->hidden = world->scene->hidden;
+    world->port_of_facet = world->scene->port_of_facet;
+    world->open = world->scene->open;
     world->omit = (struct orl_omissions){.most_reflections = ORL_ALL_REFLECTIONS, .channels = 3};
-    world->description = *description;
-    memset(description, 0, sizeof *description);
-    code = orl_coincident_settle(&world->description, err);
-    if (code == 0)
-        code = orl_geometry_new(&world->description, &world->geometry, err);
-    if (code == 0)
-        code = orl_proxies_part(world, err);
-    if (code < 0)
+    if (!copy_parts(world))
         goto done;
-    const size_t distants = world->description.n_distants + 1;
-    world->suns = calloc(distants, sizeof *world->suns);
-    world->domes = calloc(distants, sizeof *world->domes);
-    world->emitters = calloc(count_emitters(world) + 1, sizeof *world->emitters);
-    if (!world->suns || !world->domes || !world->emitters) {
-        code = ORL_ERR_NOMEM;
-        goto done;
-    }
-    for (size_t i = 0; i < world->description.n_distants; i++)
-        add_distant(world, &world->description.distants[i]);
-    add_emitters(world);
+    code = world->port_of_facet ? orl_images_build(&world->images, world) : 0;
+    orl_world_settle(world);
 done:
-    if (code == ORL_ERR_NOMEM)
-        orl_error_set(err, code, "out of memory for the scene");
-    if (code == 0)
-        *ret_world = world;
-    else
+    if (code < 0) {
         orl_world_free(world);
-    return code;
+        return orl_error_set(err, code, "out of memory for the scene");
+    }
+    *ret_world = world;
+    return 0;
 }
 
 void orl_world_free(struct orl_world *world)
 {
     if (!world)
         return;
-    orl_proxies_done(world);
-    orl_geometry_free(world->geometry);
-    orl_description_done(&world->description);
+    orl_images_done(&world->images);
+    orl_lights_release(world->lights);
+    orl_scene_release(world->scene);
+    free(world->materials);
     free(world->suns);
     free(world->domes);
     free(world->emitters);
-    orl_images_done(&world->images);
     free(world->ports);
-    free(world->port_of_facet);
+    free(world->seen);
     free(world);
+}
+
+void orl_world_settle(struct orl_world *world)
+{
+    struct orl_world *const seen = world->seen;
+    if (!seen)
+        return;
+    *seen = *world;
+    seen->geometry = world->scene->seen;
+    seen->seen = NULL;
 }
 
 void orl_world_keep_suns(struct orl_world *world, const bool *keep)
@@ -145,14 +120,6 @@ struct orl_rgb orl_world_sun_radiance(const struct orl_world *world, struct orl_
     return sum;
 }
 
-struct orl_vec3 orl_sun_sample(const struct orl_sun *sun, const double u[2])
-{
-    const double down = u[0] * (1 - sun->cos_half_angle), cosine = 1 - down;
-    const double sine = sqrt(down * (2 - down));
-    const struct orl_circle circle = orl_circle_turn(u[1]);
-    return orl_to_world(&sun->frame, orl_v3(sine * circle.cosine, sine * circle.sine, cosine));
-}
-
 enum orl_crossing orl_world_crossing(const struct orl_world *world, const struct orl_hit *hit)
 {
     const int32_t port = world->port_of_facet ? world->port_of_facet[hit->facet] : ORL_NO_PORT;
@@ -167,4 +134,20 @@ bool orl_world_leaves_clear(const struct orl_world *world, const struct orl_hit 
     const int32_t port = world->port_of_facet ? world->port_of_facet[hit->facet] : ORL_NO_PORT;
     return port != ORL_NO_PORT && world->ports[port].clear &&
            hit->front != world->ports[port].outside_is_front;
+}
+
+bool orl_world_is_outside(const struct orl_world *world, struct orl_vec3 point)
+{
+    enum { RAYS = 32 };
+    if (world->open)
+        return false;
+    /* In a sealed scene nothing inside sees past the walls, and most of what is outside does. */
+    for (int i = 0; i < RAYS; i++) {
+        const double z = 1 - (2 * i + 1.0) / RAYS, s = sqrt(1 - z * z);
+        const double phi = 2.399963229728653 * i;
+        if (!orl_geometry_occluded(world->geometry, point, orl_v3(s * cos(phi), s * sin(phi), z),
+                                   INFINITY))
+            return true;
+    }
+    return false;
 }

@@ -144,7 +144,7 @@ static bool emit_emitter(const struct orl_emission *e, const struct orl_stratum 
     const struct orl_world *world = e->world;
     const struct orl_emitter *emitter = &world->emitters[stratum->port];
     const struct orl_facet *facet = &world->geometry->facets[emitter->facet];
-    const struct orl_material *m = &world->description.materials[facet->material];
+    const struct orl_material *m = &world->materials[facet->material];
     struct orl_vec3 point, normal;
     double measure = ORL_PI;
     orl_facet_sample(world->geometry, emitter->facet, u + 1, &point, &normal);
@@ -253,7 +253,7 @@ bool orl_emission_from(const struct orl_emission *emission, const struct orl_str
         stage = look(&a, orl_port_radiance(world, a.port, a.start, a.outwards, random, health));
     if (stage != ARRIVES)
         return stage == FLIES;
-    if (!orl_port_owns(world, a.port, a.point))
+    if (!orl_port_owns(world->geometry, a.port, a.point))
         return false;
     const struct orl_scatter s = set_draw(world, &a, random, u, &draw)
                                      ? orl_scatter_sample_at(draw.material, &a.hit, a.outwards,
@@ -364,7 +364,7 @@ static void pass_ports(struct wave *w)
         if (w->stages[i] != ARRIVES)
             continue;
         w->stages[i] = LOST;
-        if (!orl_port_owns(world, a->port, a->point))
+        if (!orl_port_owns(world->geometry, a->port, a->point))
             continue;
         if (set_draw(world, a, &w->randoms[i], u[n], &draws[n])) {
             whose[n++] = i;

@@ -15,7 +15,7 @@ static struct orl_vec3 corner(const struct orl_world *world, const struct orl_su
 
 static const struct orl_surface *surface_of(const struct orl_world *world, uint32_t facet)
 {
-    return &world->description.surfaces[world->geometry->facets[facet].surface];
+    return &world->scene->description.surfaces[world->geometry->facets[facet].surface];
 }
 
 /* The line through a and b of the tangent plane, its normal away from the origin. */

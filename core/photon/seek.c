@@ -107,8 +107,7 @@ int orl_seek_look(const struct orl_emission *emission, double **found)
     size_t facets = 1;
     int code = of_port ? 0 : ORL_ERR_NOMEM;
     for (size_t i = 0; i < g->n_facets; i++)
-        facets +=
-            g->facets[i].area > 0 && sends_on(&world->description.materials[g->facets[i].material]);
+        facets += g->facets[i].area > 0 && sends_on(&world->materials[g->facets[i].material]);
     const size_t share = MOST_RAYS / (facets * (world->n_suns + 1));
     const uint32_t samples = (uint32_t)(share > MOST_A_FACET    ? MOST_A_FACET
                                         : share < LEAST_A_FACET ? LEAST_A_FACET
@@ -120,8 +119,7 @@ int orl_seek_look(const struct orl_emission *emission, double **found)
             if (emission->strata[s].kind == ORL_STRATUM_PORT_SUN && emission->strata[s].sun == sun)
                 of_port[emission->strata[s].port] = s;
         for (uint32_t i = 0; i < g->n_facets && code == 0; i++)
-            if (g->facets[i].area > 0 &&
-                sends_on(&world->description.materials[g->facets[i].material]))
+            if (g->facets[i].area > 0 && sends_on(&world->materials[g->facets[i].material]))
                 code = look_from(emission, i, sun, samples, of_port, found);
     }
     free(of_port);

@@ -37,7 +37,7 @@ static double transmitted_luma(const struct orl_world *world, const struct orl_p
                                struct orl_vec3 outwards)
 {
     const struct orl_facet *facet = &world->geometry->facets[port->facet];
-    const struct orl_material *m = &world->description.materials[facet->material];
+    const struct orl_material *m = &world->materials[facet->material];
     const struct orl_hit hit = {.normal = facet->normal};
     return orl_luma(orl_material_albedo(m, &hit, outwards, ORL_LOBE_TRANSMITTED));
 }
@@ -183,7 +183,7 @@ static void list_images(struct orl_emission *e)
 static double emitter_flux(const struct orl_world *world, const struct orl_emitter *emitter)
 {
     const struct orl_facet *facet = &world->geometry->facets[emitter->facet];
-    const struct orl_material *m = &world->description.materials[facet->material];
+    const struct orl_material *m = &world->materials[facet->material];
     const double cone = m->kind == ORL_MATERIAL_SPOTLIGHT ? 2 * ORL_PI * (1 - m->cos_cone) : ORL_PI;
     return fmin(cone, ORL_PI) * facet->area * orl_luma(emitter->radiance);
 }
@@ -281,7 +281,7 @@ static bool sends_on_itself(const struct orl_emission *e, const struct orl_strat
 {
     const uint32_t facet = e->world->ports[s->port].facet;
     const uint32_t material = e->world->geometry->facets[facet].material;
-    return orl_material_transmits_lobes(&e->world->description.materials[material]);
+    return orl_material_transmits_lobes(&e->world->materials[material]);
 }
 
 /*

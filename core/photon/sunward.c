@@ -217,8 +217,8 @@ int orl_sunward_prepare(struct orl_emission *emission)
         if (look || world->ports[s->port].clear)
             code = find_shades(emission, s);
         if (code == 0)
-            code = find_passage(emission, &world->description.materials[facet->material],
-                                facet->normal, &world->suns[s->sun], &s->passage);
+            code = find_passage(emission, &world->materials[facet->material], facet->normal,
+                                &world->suns[s->sun], &s->passage);
     }
     return code;
 }

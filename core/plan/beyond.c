@@ -127,7 +127,7 @@ double orl_beyond_reflectance(const struct orl_world *world)
             return 1;
         for (size_t i = 0; i < g->n_facets; i++)
             if (reaches_beyond(g, i, port->outward, plane))
-                most = fmax(most, sent_back(&world->description.materials[g->facets[i].material]));
+                most = fmax(most, sent_back(&world->materials[g->facets[i].material]));
     }
     return most;
 }

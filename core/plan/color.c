@@ -47,8 +47,8 @@ static double most_vivid(const struct orl_survey *survey)
 {
     const struct orl_world *world = survey->world;
     double most = 1;
-    for (size_t i = 0; i < world->description.n_materials; i++) {
-        const struct orl_material *m = &world->description.materials[i];
+    for (size_t i = 0; i < world->n_materials; i++) {
+        const struct orl_material *m = &world->materials[i];
         const struct orl_rgb colors[] = {m->color, m->transmissivity, m->front, m->back,
                                          m->through};
         for (size_t k = 0; survey->surfaces[i] > 0 && k < sizeof colors / sizeof *colors; k++)
@@ -69,8 +69,8 @@ static struct orl_rgb gray_of(struct orl_rgb c)
 /* Everything becomes as bright as it was, and gray. */
 static void bleach(struct orl_world *world)
 {
-    for (size_t i = 0; i < world->description.n_materials; i++) {
-        struct orl_material *m = &world->description.materials[i];
+    for (size_t i = 0; i < world->n_materials; i++) {
+        struct orl_material *m = &world->materials[i];
         m->color = gray_of(m->color);
         m->transmissivity = gray_of(m->transmissivity);
         m->front = gray_of(m->front);

@@ -1,7 +1,7 @@
 /*
- * The planner's decisions, by kind. Each looks at the survey, decides for its effects, and puts
- * that into effect at once, so that those after it see the scene as it is going to be: a lamp left
- * out lights no mirror.
+ * The planner's decisions, by kind. Each looks at the survey, decides for its effects, and takes
+ * what is left out from the world being made, so that those after it see it as it is going to be: a
+ * lamp left out lights no mirror.
  *
  * Every decision is orl_settle's: it joins what the scene calls for with what the job wishes.
  */

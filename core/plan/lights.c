@@ -52,7 +52,7 @@ static void put_out_lamps(struct orl_world *world)
 {
     for (size_t i = 0; i < world->n_emitters; i++) {
         const uint32_t material = world->geometry->facets[world->emitters[i].facet].material;
-        world->description.materials[material].color = orl_gray(0);
+        world->materials[material].color = orl_gray(0);
     }
     world->n_emitters = 0;
 }

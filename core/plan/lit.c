@@ -58,8 +58,7 @@ static bool counts(const struct look *look, uint32_t facet, bool front, struct o
     if (front != world->ports[port].outside_is_front)
         return true;
     return kind == ORL_LIT_LOBE &&
-           orl_material_transmits_lobes(
-               &world->description.materials[world->geometry->facets[facet].material]);
+           orl_material_transmits_lobes(&world->materials[world->geometry->facets[facet].material]);
 }
 
 static bool is_lit(const struct look *look, uint32_t facet, bool front, enum orl_lit_kind kind)
@@ -88,7 +87,7 @@ static void look_at_facets(struct look *look, enum orl_lit_kind kind)
     for (uint32_t i = 0;
          i < world->geometry->n_facets && !class->lit && !orl_crew_cancelled(look->crew); i++) {
         const struct orl_facet *f = &world->geometry->facets[i];
-        const struct orl_material *m = &world->description.materials[f->material];
+        const struct orl_material *m = &world->materials[f->material];
         if (!(f->area > 0) || !is_kind(f, m, kind))
             continue;
         for (int side = 0; side < 2 && !class->lit; side++)
@@ -104,7 +103,7 @@ static void count_facets(struct look *look)
     const struct orl_world *world = look->world;
     for (uint32_t i = 0; i < world->geometry->n_facets; i++) {
         const struct orl_facet *f = &world->geometry->facets[i];
-        const struct orl_material *m = &world->description.materials[f->material];
+        const struct orl_material *m = &world->materials[f->material];
         for (int kind = 0; kind < ORL_LIT_KINDS && f->area > 0; kind++) {
             struct orl_lit_class *class = &look->lit->classes[kind];
             if (!is_kind(f, m, (enum orl_lit_kind)kind))
@@ -119,7 +118,7 @@ static void count_facets(struct look *look)
 static void note(struct look *look, uint32_t facet)
 {
     const struct orl_facet *f = &look->world->geometry->facets[facet];
-    const struct orl_material *m = &look->world->description.materials[f->material];
+    const struct orl_material *m = &look->world->materials[f->material];
     for (int kind = 0; kind < ORL_LIT_KINDS; kind++) {
         struct orl_lit_class *class = &look->lit->classes[kind];
         if (!class->lit && is_kind(f, m, (enum orl_lit_kind)kind)) {

@@ -30,9 +30,9 @@ static void decide_glossy(struct orl_survey *survey, struct orl_plan *plan)
     const size_t count = orl_survey_count(survey, is_glossy);
     const double direct = survey->sun_lx + survey->sky_lx + survey->lamp_lx;
     double most = 0;
-    for (size_t i = 0; i < world->description.n_materials; i++)
-        if (survey->surfaces[i] > 0 && is_glossy(&world->description.materials[i]))
-            most = fmax(most, gloss(&world->description.materials[i]));
+    for (size_t i = 0; i < world->n_materials; i++)
+        if (survey->surfaces[i] > 0 && is_glossy(&world->materials[i]))
+            most = fmax(most, gloss(&world->materials[i]));
     const double bound = most * (direct + orl_survey_reflected_lx(survey, direct));
     const struct orl_finding finding = {
         .needed = count > 0 && (survey->request->job->n_views > 0 || bound > survey->tolerance_lx),
@@ -43,9 +43,9 @@ static void decide_glossy(struct orl_survey *survey, struct orl_plan *plan)
                    "surfaces with a rough gloss: %zu; they mirror %.3g %% at most", count,
                    100 * most))
         return;
-    for (size_t i = 0; i < world->description.n_materials; i++)
-        if (is_glossy(&world->description.materials[i]))
-            fold(&world->description.materials[i]);
+    for (size_t i = 0; i < world->n_materials; i++)
+        if (is_glossy(&world->materials[i]))
+            fold(&world->materials[i]);
     world->omit.glossy = count > 0;
 }
 
@@ -76,9 +76,9 @@ static void decide_media(struct orl_survey *survey, struct orl_plan *plan)
     struct orl_world *world = survey->world;
     const size_t count = orl_survey_count(survey, absorbs);
     double least = 1;
-    for (size_t i = 0; i < world->description.n_materials; i++)
-        if (survey->surfaces[i] > 0 && absorbs(&world->description.materials[i]))
-            least = fmin(least, least_clear(&world->description.materials[i]));
+    for (size_t i = 0; i < world->n_materials; i++)
+        if (survey->surfaces[i] > 0 && absorbs(&world->materials[i]))
+            least = fmin(least, least_clear(&world->materials[i]));
     const double lost = count > 0 ? 1 - pow(least, 2 * world->geometry->radius) : 0;
     const struct orl_finding finding = {
         .needed = count > 0, .unit = ORL_BOUND_RELATIVE, .bound = lost};
@@ -87,8 +87,8 @@ static void decide_media(struct orl_survey *survey, struct orl_plan *plan)
                    "%.3g %% of the light",
                    count, 100 * lost))
         return;
-    for (size_t i = 0; i < world->description.n_materials; i++) {
-        struct orl_material *m = &world->description.materials[i];
+    for (size_t i = 0; i < world->n_materials; i++) {
+        struct orl_material *m = &world->materials[i];
         if (is_dielectric(m))
             m->media[0].transmissivity = m->media[1].transmissivity = orl_gray(1);
     }
@@ -108,8 +108,8 @@ static void decide_refraction(struct orl_survey *survey, struct orl_plan *plan)
     if (orl_settle(&plan->effects[ORL_EFFECT_REFRACTION], &finding,
                    "surfaces of solid dielectrics: %zu", count))
         return;
-    for (size_t i = 0; i < world->description.n_materials; i++) {
-        struct orl_material *m = &world->description.materials[i];
+    for (size_t i = 0; i < world->n_materials; i++) {
+        struct orl_material *m = &world->materials[i];
         if (is_dielectric(m))
             m->media[0].ior = m->media[1].ior = 1;
     }

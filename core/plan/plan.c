@@ -2,18 +2,21 @@
 
 #include <string.h>
 
-#include "light/proxies.h"
 #include "plan/decide.h"
 
-int orl_plan_make(const struct orl_plan_request *request, struct orl_world *world,
-                  struct orl_plan *ret_plan, struct orl_error *err)
+int orl_plan_make(const struct orl_plan_request *request, struct orl_lights *lights,
+                  struct orl_plan *ret_plan, struct orl_world **ret_world, struct orl_error *err)
 {
+    struct orl_world *world;
     struct orl_survey survey;
     struct orl_lit lit;
+    int code = orl_world_new(lights, &world, err);
+    if (code < 0)
+        return code;
     memset(ret_plan, 0, sizeof *ret_plan);
     for (int i = 0; i < ORL_EFFECT_COUNT; i++)
         ret_plan->effects[i].wish = request->job->wishes[i];
-    const int code = orl_survey_init(&survey, request, world);
+    code = orl_survey_init(&survey, request, world);
     if (code < 0) {
         orl_error_set(err, code, "out of memory for the plan");
         goto done;
@@ -26,8 +29,12 @@ int orl_plan_make(const struct orl_plan_request *request, struct orl_world *worl
     orl_decide_technique(&survey, &lit, ret_plan);
     orl_decide_caustics(&survey, &lit, ret_plan);
     orl_decide_requests(&survey, ret_plan);
-    orl_proxies_settle(world);
+    orl_world_settle(world);
 done:
     orl_survey_done(&survey);
+    if (code == 0)
+        *ret_world = world;
+    else
+        orl_world_free(world);
     return code;
 }

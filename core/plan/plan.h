@@ -3,8 +3,9 @@
  *
  * The plan is a function of the job and the scene; only its seconds are estimates. It is made from
  * what the scene holds, from rays aimed at what could matter and is easily missed, and from a pilot
- * of about 1 % of the photons. It is put into effect by taking from the world what it leaves out
- * (suns, domes, emitters, ports) and by the world's omissions; everything above reads those.
+ * of about 1 % of the photons. What it leaves out (suns, domes, emitters, ports) is not in the
+ * world that it makes of scene and lights, or is among that world's omissions; everything above
+ * reads those.
  */
 #ifndef ORL_PLAN_PLAN_H
 #define ORL_PLAN_PLAN_H
@@ -22,8 +23,11 @@ struct orl_plan_request {
     void *ctx;
 };
 
-/* Makes the plan and puts it into effect. Returns 0 or ORL_ERR_NOMEM. */
-int orl_plan_make(const struct orl_plan_request *request, struct orl_world *world,
-                  struct orl_plan *ret_plan, struct orl_error *err);
+/*
+ * Makes the plan, and the world as it is to be simulated: scene and lights stay as they are.
+ * Returns 0, and a world that the caller owns, or ORL_ERR_NOMEM.
+ */
+int orl_plan_make(const struct orl_plan_request *request, struct orl_lights *lights,
+                  struct orl_plan *ret_plan, struct orl_world **ret_world, struct orl_error *err);
 
 #endif

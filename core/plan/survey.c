@@ -67,8 +67,8 @@ void orl_survey_measure(struct orl_survey *survey)
     survey->sky_measured = true;
     survey->lamp_lx = ORL_EFFICACY_LM_PER_W * lamp;
     survey->rho = survey->rho_diffuse = 0;
-    for (size_t i = 0; i < world->description.n_materials; i++) {
-        const struct orl_material *m = &world->description.materials[i];
+    for (size_t i = 0; i < world->n_materials; i++) {
+        const struct orl_material *m = &world->materials[i];
         if (survey->surfaces[i] == 0)
             continue;
         survey->rho = fmax(survey->rho, reflectance(m));
@@ -87,8 +87,8 @@ static void count_surfaces(struct orl_survey *survey)
         if (light->area > 0 || view->area > 0)
             survey->surfaces[light->material]++;
     }
-    for (size_t i = 0; i < world->description.n_materials; i++) {
-        const int32_t behind = world->description.materials[i].seen_as;
+    for (size_t i = 0; i < world->n_materials; i++) {
+        const int32_t behind = world->materials[i].seen_as;
         if (survey->surfaces[i] > 0 && behind >= 0 && survey->surfaces[behind] == 0)
             survey->surfaces[behind] = survey->surfaces[i];
     }
@@ -119,7 +119,7 @@ int orl_survey_init(struct orl_survey *survey, const struct orl_plan_request *re
                     struct orl_world *world)
 {
     const struct orl_job *job = request->job;
-    const size_t n = world->description.n_materials + 1;
+    const size_t n = world->n_materials + 1;
     const uint32_t samples =
         job->gather_samples ? job->gather_samples : (uint32_t)ORL_DEFAULT_GATHER_SAMPLES;
     *survey = (struct orl_survey){.request = request, .world = world};
@@ -146,8 +146,8 @@ size_t orl_survey_count(const struct orl_survey *survey,
                         bool (*is)(const struct orl_material *material))
 {
     size_t n = 0;
-    for (size_t i = 0; i < survey->world->description.n_materials; i++)
-        if (survey->surfaces[i] > 0 && is(&survey->world->description.materials[i]))
+    for (size_t i = 0; i < survey->world->n_materials; i++)
+        if (survey->surfaces[i] > 0 && is(&survey->world->materials[i]))
             n += survey->surfaces[i];
     return n;
 }

@@ -17,7 +17,7 @@ static int find_beam(const struct maker *maker, uint32_t facet, struct orl_vec3 
 {
     struct orl_aim *aim = maker->aim;
     const struct orl_facet *f = &aim->world->geometry->facets[facet];
-    const struct orl_material *m = &aim->world->description.materials[f->material];
+    const struct orl_material *m = &aim->world->materials[f->material];
     for (uint32_t i = 0; i < aim->n_beams; i++) {
         const struct orl_beam *beam = &aim->beams[i];
         if (beam->material == m && orl_dot(beam->normal, f->normal) > 1 - 1e-9 &&
@@ -38,7 +38,7 @@ static int add_shafts(const struct maker *maker, const struct orl_port *port)
     const struct orl_world *world = aim->world;
     const struct orl_facet *facet = &world->geometry->facets[port->facet];
     const bool flat = facet->kind == ORL_SURFACE_POLYGON || facet->kind == ORL_SURFACE_RING;
-    if (!flat || !orl_material_transmits_lobes(&world->description.materials[facet->material]))
+    if (!flat || !orl_material_transmits_lobes(&world->materials[facet->material]))
         return 0;
     for (size_t s = 0; s < world->n_suns; s++) {
         if (!(orl_dot(world->suns[s].frame.n, port->outward) > 0))
@@ -65,7 +65,7 @@ int orl_aim_init(struct orl_aim *aim, const struct orl_world *world, const struc
     bool lobes = false;
     for (size_t i = 0; i < world->n_ports; i++) {
         const uint32_t m = world->geometry->facets[world->ports[i].facet].material;
-        lobes = lobes || orl_material_transmits_lobes(&world->description.materials[m]);
+        lobes = lobes || orl_material_transmits_lobes(&world->materials[m]);
     }
     if (!lobes || world->n_suns == 0)
         return 0;

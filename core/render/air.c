@@ -79,7 +79,7 @@ static bool may_send_on(const struct orl_world *world)
         return false;
     for (size_t i = 0; i < g->n_facets; i++) {
         const struct orl_facet *f = &g->facets[i];
-        const struct orl_material *m = &world->description.materials[f->material];
+        const struct orl_material *m = &world->materials[f->material];
         const bool mirrors = orl_material_is_mirror(m), lobes = orl_material_has_lobes(m);
         if (!(f->area > 0) || (!mirrors && !lobes && m->kind != ORL_MATERIAL_DIELECTRIC))
             continue;

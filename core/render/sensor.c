@@ -32,7 +32,7 @@ static struct orl_rgb light_by_pane(const struct orl_gather *gather, uint32_t fa
         double u[4];
         orl_sobol_point(&gather->sobol, i, sequence, 4, u);
         orl_facet_sample(g, facet, u, &hit.point, &hit.normal);
-        if (port && !orl_port_owns(gather->world, port, hit.point))
+        if (port && !orl_port_owns(gather->world->geometry, port, hit.point))
             continue;
         const struct orl_vec3 light = orl_sun_sample(sun, u + 2);
         const struct orl_vec3 way = orl_sub(place->point, hit.point);
@@ -64,8 +64,7 @@ static struct orl_rgb caustics_in_air(const struct orl_gather *gather,
     struct orl_rgb sum = orl_gray(0);
     for (size_t f = 0; f < world->geometry->n_facets; f++) {
         const struct orl_facet *facet = &world->geometry->facets[f];
-        if (!orl_material_transmits_lobes(&world->description.materials[facet->material]) ||
-            !(facet->area > 0))
+        if (!orl_material_transmits_lobes(&world->materials[facet->material]) || !(facet->area > 0))
             continue;
         for (size_t s = 0; s < world->n_suns; s++)
             sum = orl_rgb_add(sum, light_by_pane(gather, (uint32_t)f, &world->suns[s], place,

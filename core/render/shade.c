@@ -220,7 +220,7 @@ static const struct orl_material *seen_at(const struct look *look, const struct 
     const struct orl_material *m = orl_world_material(world, hit);
     if (m->kind != ORL_MATERIAL_ILLUM)
         return m;
-    return m->seen_as >= 0 ? &world->description.materials[m->seen_as] : NULL;
+    return m->seen_as >= 0 ? &world->materials[m->seen_as] : NULL;
 }
 
 static void note_way(struct orl_sight *sight, uint64_t met)
@@ -255,7 +255,8 @@ static void meet(struct look *look, const struct branch *met, const struct orl_h
 /* Views pass the BSDFs that stand for what they see, but notice which side they are on. */
 static void pass_proxies(const struct orl_world *world, double distance, struct branch *at)
 {
-    const enum orl_crossing passed = orl_proxies_passed(world, at->origin, at->direction, distance);
+    const enum orl_crossing passed =
+        orl_proxies_passed(world->scene, at->origin, at->direction, distance);
     if (passed != ORL_CROSSING_NONE && !world->open)
         at->outside = passed == ORL_CROSSING_OUTWARDS;
 }

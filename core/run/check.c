@@ -4,12 +4,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "light/world.h"
+#include "light/scene.h"
 #include "scene/parse.h"
 
-static int copy_references(const struct orl_world *world, struct orl_scene_summary *summary)
+static int copy_references(const struct orl_scene *scene, struct orl_scene_summary *summary)
 {
-    const struct orl_description *d = &world->description;
+    const struct orl_description *d = &scene->description;
     const size_t n = d->n_files - d->n_main;
     summary->referenced = calloc(n + 1, sizeof *summary->referenced);
     if (!summary->referenced)
@@ -23,10 +23,10 @@ static int copy_references(const struct orl_world *world, struct orl_scene_summa
     return 0;
 }
 
-static void summarise(const struct orl_world *world, struct orl_scene_summary *summary)
+static void summarise(const struct orl_scene *scene, struct orl_scene_summary *summary)
 {
-    const struct orl_description *d = &world->description;
-    const struct orl_geometry *g = world->geometry;
+    const struct orl_description *d = &scene->description;
+    const struct orl_geometry *g = scene->geometry;
     const struct orl_vec3 low = orl_add(g->low, g->center), high = orl_add(g->high, g->center);
     summary->surfaces = d->n_surfaces;
     summary->materials = d->n_materials;
@@ -62,18 +62,18 @@ int orl_scene_check(const char *const *main_files, size_t n_files, const struct 
     loader.ctx = &loader;
     struct orl_description description = {0};
     struct orl_scene_summary summary = {0};
-    struct orl_world *world = NULL;
+    struct orl_scene *scene = NULL;
     int code = orl_scene_parse_with(main_files, n_files, files, &loader, &description, err);
     description.cancel = cancel;
     if (code == 0)
-        code = orl_world_new(&description, &world, err);
+        code = orl_scene_new(&description, &scene, err);
     if (code == 0) {
-        summarise(world, &summary);
-        code = copy_references(world, &summary);
+        summarise(scene, &summary);
+        code = copy_references(scene, &summary);
         if (code < 0)
             orl_error_set(err, code, "out of memory");
     }
-    orl_world_free(world);
+    orl_scene_release(scene);
     if (code < 0)
         orl_scene_summary_done(&summary);
     else

@@ -13,12 +13,13 @@ static const double many_leaks = 1e-6, grave_leaks = 1e-3, much_flux = 1e-4, man
                     many_values = 1e-3, many_sparse = 0.1;
 
 /* BSDFs that would have made light out of nothing are each said once; the rest is counted. */
-void orl_run_count_scene(struct orl_run_state *state, const struct orl_description *d)
+void orl_run_count_scene(struct orl_run_state *state, const struct orl_scene *scene)
 {
+    const struct orl_description *d = &scene->description;
     const double tolerance = 1e-3; /* the check of BSDFs passes that over, too */
     struct orl_health *h = &state->result->health;
     h->degenerate = d->n_degenerate;
-    h->surfaces = d->n_surfaces + d->n_degenerate;
+    h->surfaces = scene->n_read;
     for (size_t i = 0; i < d->n_materials; i++) {
         const struct orl_material *m = &d->materials[i];
         struct orl_bsdf_info info;

@@ -66,8 +66,8 @@ static void make_family(const struct orl_run_state *state, enum orl_map_kind kin
     crypto_hash_sha256_state hash;
     crypto_hash_sha256_init(&hash);
     crypto_hash_sha256_update(&hash, (const unsigned char *)recipe, sizeof recipe);
-    crypto_hash_sha256_update(&hash, state->world->description.digest,
-                              sizeof state->world->description.digest);
+    crypto_hash_sha256_update(&hash, state->scene->description.digest,
+                              sizeof state->scene->description.digest);
     crypto_hash_sha256_update(&hash, (const unsigned char *)numbers, sizeof numbers);
     if (state->job->sky.model != ORL_SKY_OF_SCENE)
         crypto_hash_sha256_update(&hash, state->sky_digest, sizeof state->sky_digest);

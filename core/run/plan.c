@@ -90,7 +90,7 @@ int orl_run_plan(struct orl_run_state *state, struct orl_error *err)
                                              .now_s = state->env->now_s,
                                              .ctx = state->env->ctx};
     struct orl_plan *plan = &state->result->plan;
-    int code = orl_plan_make(&request, state->world, plan, err);
+    int code = orl_plan_make(&request, state->lights, plan, &state->world, err);
     if (code == 0)
         code = look_ahead(state, plan, err);
     for (int i = 0; i < ORL_EFFECT_COUNT && code == 0; i++)

@@ -7,10 +7,9 @@
 #include <string.h>
 
 #include "run/ahead.h"
-#include "run/bsdfs.h"
 #include "run/cost.h"
 #include "run/rounds.h"
-#include "scene/parse.h"
+#include "run/scene.h"
 
 /* Rough costs, microseconds on one core: a photon traced, one indexed, one read by gather rays for
  * the first time, a gather ray, a pixel. */
@@ -144,11 +143,11 @@ static int load_sensors(struct orl_run_state *state, struct orl_error *err)
     return code;
 }
 
-static int load(struct orl_run_state *state, struct orl_description *ret_description,
-                struct orl_error *err)
+/* What a job and its plan have in common: everything before photons. */
+static int prepare(struct orl_run_state *state, struct orl_error *err)
 {
     const struct orl_job *job = state->job;
-    const struct orl_bsdf_loader loader = orl_run_bsdf_loader(state);
+    orl_run_progress(state, 0);
     int code = orl_job_validate(job, err);
     if (code == 0 && job->n_skies > 0)
         code = orl_error_set(err, ORL_ERR_INVALID, "the job has several skies: run each by itself");
@@ -158,81 +157,14 @@ static int load(struct orl_run_state *state, struct orl_description *ret_descrip
         code = load_sensors(state, err);
     orl_run_guess_costs(state);
     if (code == 0)
-        code = orl_scene_parse_with((const char *const *)job->scene_files, job->n_scene_files,
-                                    state->env->files, &loader, ret_description, err);
-    for (size_t i = 0; code == 0 && i < ret_description->n_warnings; i++)
-        orl_run_warn(state, "%s", ret_description->warnings[i]);
-    if (code == 0)
-        orl_run_count_scene(state, ret_description);
-    return code < 0 ? code : orl_run_sky(state, ret_description, err);
-}
-
-/* Between steps that cannot be interrupted. */
-static int heed_cancel(const struct orl_run_state *state, struct orl_error *err)
-{
-    return orl_crew_cancelled(state->env->crew)
-               ? orl_error_set(err, ORL_ERR_CANCELLED, "cancelled while preparing the scene")
-               : 0;
-}
-
-/* What of BSDFs with a thickness may not be what is meant. */
-static void warn_of_proxies(struct orl_run_state *state)
-{
-    const struct orl_world *world = state->world;
-    const struct orl_pairing *pairings[] = {&world->paired, &world->not_paired};
-    if (world->proxies && world->n_hidden == 0)
-        orl_run_warn(state,
-                     "there are BSDFs with a thickness, but no surface lies within it behind "
-                     "them: views see nothing in their place");
-    for (int i = 0; i < 2; i++) {
-        const struct orl_pairing *p = pairings[i];
-        if (p->count == 0)
-            continue;
-        const char *names[2];
-        for (int k = 0; k < 2; k++)
-            names[k] =
-                world->description.surfaces[world->geometry->facets[p->facets[k]].surface].name;
-        orl_run_warn(state,
-                     "the BSDFs '%s' and '%s' face away from each other %.4g apart, and are up to "
-                     "%.4g thick: %s%s",
-                     names[0], names[1], p->apart, p->thick,
-                     i == 0
-                         ? "they are taken to stand for the same geometry, and scatter light once"
-                         : "they are taken as two, which scatter light one after the other; if "
-                           "they stand for the same geometry, make them thicker",
-                     p->count > 1 ? " (and others)" : "");
-    }
-}
-
-/* What a job and its plan have in common: everything before photons. */
-static int prepare(struct orl_run_state *state, struct orl_error *err)
-{
-    struct orl_description description = {0};
-    int code;
-    orl_run_progress(state, 0);
-    code = load(state, &description, err);
-    if (code == 0)
-        code = heed_cancel(state, err);
-    description.cancel = state->env->cancel;
-    if (code < 0) {
-        orl_description_done(&description);
-        return code;
-    }
-    orl_run_enter(state, ORL_STAGE_BVH);
-    const size_t told = description.n_warnings;
-    code = orl_world_new(&description, &state->world, err);
-    for (size_t i = told; code == 0 && i < state->world->description.n_warnings; i++)
-        orl_run_warn(state, "%s", state->world->description.warnings[i]);
-    if (code == 0)
-        code = heed_cancel(state, err);
-    if (code == 0)
-        code = orl_world_find_ports(state->world, state->env->crew, err);
+        code = orl_run_load(state, err);
     if (code < 0)
         return code;
-    warn_of_proxies(state);
     orl_run_enter(state, ORL_STAGE_PLAN);
     code = orl_run_plan(state, err);
-    return code < 0 ? code : heed_cancel(state, err);
+    return code == 0 && orl_crew_cancelled(state->env->crew)
+               ? orl_error_set(err, ORL_ERR_CANCELLED, "cancelled while planning")
+               : code;
 }
 
 int orl_run_need_emission(struct orl_run_state *state, struct orl_error *err)
@@ -265,7 +197,8 @@ static int run_stages(struct orl_run_state *state, struct orl_error *err)
     return code;
 }
 
-static int run(const struct orl_job *job, const struct orl_run_env *env,
+/* *scene: the job's, or NULL, and then what is read. */
+static int run(const struct orl_job *job, const struct orl_run_env *env, struct orl_scene **scene,
                int (*stages)(struct orl_run_state *state, struct orl_error *err),
                struct orl_result *ret_result, struct orl_error *err)
 {
@@ -275,6 +208,8 @@ static int run(const struct orl_job *job, const struct orl_run_env *env,
     const double started = env->now_s(env->ctx);
     double told = 0;
     int code;
+    if (*scene)
+        state.scene = orl_scene_hold(*scene);
     state.told = &told;
     state.n_sensors = job->n_sensors;
     orl_run_guess_costs(&state);
@@ -295,6 +230,11 @@ static int run(const struct orl_job *job, const struct orl_run_env *env,
     orl_run_forget_backward(&state);
     orl_emission_free(state.emission);
     orl_world_free(state.world);
+    orl_lights_release(state.lights);
+    if (*scene)
+        orl_scene_release(state.scene);
+    else
+        *scene = state.scene;
     if (state.sensors_owned)
         free(state.sensors);
     free(state.searches);
@@ -309,14 +249,26 @@ static int run(const struct orl_job *job, const struct orl_run_env *env,
     return 0;
 }
 
+int orl_run_of_scene(const struct orl_job *job, const struct orl_run_env *env,
+                     struct orl_scene **scene, struct orl_result *ret_result, struct orl_error *err)
+{
+    return run(job, env, scene, run_stages, ret_result, err);
+}
+
 int orl_run(const struct orl_job *job, const struct orl_run_env *env, struct orl_result *ret_result,
             struct orl_error *err)
 {
-    return run(job, env, run_stages, ret_result, err);
+    struct orl_scene *scene = NULL;
+    const int code = run(job, env, &scene, run_stages, ret_result, err);
+    orl_scene_release(scene);
+    return code;
 }
 
 int orl_plan_job(const struct orl_job *job, const struct orl_run_env *env,
                  struct orl_result *ret_result, struct orl_error *err)
 {
-    return run(job, env, prepare, ret_result, err);
+    struct orl_scene *scene = NULL;
+    const int code = run(job, env, &scene, prepare, ret_result, err);
+    orl_scene_release(scene);
+    return code;
 }

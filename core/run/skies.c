@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "run/scene.h"
 #include "run/sky.h"
 #include "run/stages.h"
 
@@ -16,8 +17,9 @@ struct passage {
     struct orl_job job; /* the caller's, with the sensors of its file in place of that */
     const struct orl_run_env *env;
     const struct orl_skies_env *skies;
-    double *shares; /* of each sky in the whole; sums to 1 */
-    double before;  /* of those behind us */
+    struct orl_scene *scene; /* of all of them, once the first has read it */
+    double *shares;          /* of each sky in the whole; sums to 1 */
+    double before;           /* of those behind us */
     double started_s;
 };
 
@@ -89,7 +91,7 @@ static int run_under(struct passage *p, size_t index, struct orl_error *err)
     env.part = p->shares[index];
     if (p->skies->begins)
         p->skies->begins(p->skies->ctx, index, &job, prefix);
-    int code = orl_run(&job, &env, &result, err);
+    int code = orl_run_of_scene(&job, &env, &p->scene, &result, err);
     if (code < 0) {
         if (err && (!err->primitive[0] || strcmp(err->primitive, "sky") == 0))
             name_place(err, index);
@@ -123,5 +125,6 @@ int orl_run_skies(const struct orl_job *job, const struct orl_run_env *env,
     if (p.job.sensors != job->sensors)
         free(p.job.sensors);
     free(p.shares);
+    orl_scene_release(p.scene);
     return code;
 }

@@ -63,24 +63,23 @@ static void hash_daylight(const struct orl_daylight *daylight, unsigned char ret
     crypto_hash_sha256(ret_digest, (const unsigned char *)numbers, sizeof numbers);
 }
 
-int orl_run_sky(struct orl_run_state *state, struct orl_description *description,
-                struct orl_error *err)
+int orl_run_sky(struct orl_run_state *state, const struct orl_description *description,
+                struct orl_daylight *ret_daylight, struct orl_error *err)
 {
     const struct orl_sky_request *request = &state->job->sky;
     struct orl_run_weather weather = {0};
-    struct orl_daylight daylight = {0};
     if (request->model == ORL_SKY_OF_SCENE)
         return 0;
-    int code = orl_run_find_sky(state->env->files, request, &weather, &daylight, err);
+    int code = orl_run_find_sky(state->env->files, request, &weather, ret_daylight, err);
     orl_run_weather_done(&weather);
     if (code == 0)
-        code = orl_daylight_add(&daylight, description, err);
+        code = orl_lights_admit(description, err);
     if (code < 0)
         return code;
     state->result->sky_given = true;
-    state->result->sky_dark = daylight.black;
-    hash_daylight(&daylight, state->sky_digest);
-    if (daylight.warnings[0])
-        orl_run_warn(state, "sky: %s", daylight.warnings);
+    state->result->sky_dark = ret_daylight->black;
+    hash_daylight(ret_daylight, state->sky_digest);
+    if (ret_daylight->warnings[0])
+        orl_run_warn(state, "sky: %s", ret_daylight->warnings);
     return 0;
 }

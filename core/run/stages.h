@@ -26,7 +26,9 @@ struct orl_run_state {
     bool sensors_owned;
     bool only_plan;               /* nothing is to be rendered: what it would take is asked for */
     unsigned char sky_digest[32]; /* of the job's sky; meaningless without one */
-    struct orl_world *world;
+    struct orl_scene *scene;      /* held, as the next two are */
+    struct orl_lights *lights;
+    struct orl_world *world;       /* of both, by the plan; owned */
     struct orl_emission *emission; /* once photons are wanted: of all rounds */
     struct orl_backward *backward; /* likewise, by that technique; its lamps are each round's */
     struct orl_photon_map *maps[ORL_MAP_KINDS];
@@ -60,12 +62,13 @@ int orl_sensors_parse(const char *name, const char *text, size_t size,
 int orl_sensors_load(const struct orl_files *files, const char *name,
                      struct orl_sensor **ret_sensors, size_t *ret_count, struct orl_error *err);
 
-/* Load stage: the sky that the job asks for, if any, into the description. */
-int orl_run_sky(struct orl_run_state *state, struct orl_description *description,
-                struct orl_error *err);
+/* Load stage: the sky that the job asks for, if any; result->sky_given says whether. The scene has
+ * no distant sources of its own then, or it is ORL_ERR_INVALID. */
+int orl_run_sky(struct orl_run_state *state, const struct orl_description *description,
+                struct orl_daylight *ret_daylight, struct orl_error *err);
 
 /* What the scene's files had wrong, into the result's health. */
-void orl_run_count_scene(struct orl_run_state *state, const struct orl_description *description);
+void orl_run_count_scene(struct orl_run_state *state, const struct orl_scene *scene);
 
 /* Whether no light comes to any sensor or view of the job: then photons are not worth tracing. Says
  * so in a warning. */
@@ -115,7 +118,7 @@ int orl_run_write_view(struct orl_run_state *state, size_t index, const struct o
 int orl_run_render(struct orl_run_state *state, const struct orl_renderer *renderer,
                    struct orl_error *err);
 
-/* Plan stage: technique and effects into the result's plan; the world is left without what the plan
+/* Plan stage: technique and effects into the result's plan, and state->world without what the plan
  * leaves out. */
 int orl_run_plan(struct orl_run_state *state, struct orl_error *err);
 

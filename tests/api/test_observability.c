@@ -154,8 +154,11 @@ static void test_shelf_is_told(void **state)
     assert_true(metric(&room->daemon, "oriel_shelf_bytes") > 0);
     assert_true(metric(&room->daemon, "oriel_shelf_items") >= 1);
     assert_true(metric(&room->daemon, "oriel_shelf_hits_total") == 0);
+    assert_true(metric(&room->daemon, "oriel_shelf_scenes") == 1);
     run_job(room, 2, "second");
     assert_true(metric(&room->daemon, "oriel_shelf_hits_total") >= 1);
+    assert_true(metric(&room->daemon, "oriel_shelf_scenes") == 1);
+    assert_true(metric(&room->daemon, "oriel_shelf_scene_hits_total") == 1);
     assert_int_equal(daemon_end(&room->daemon, SIGTERM), 0);
     daemon_restart(&room->daemon, none);
     run_job(room, 2, "third");

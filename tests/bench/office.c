@@ -5,7 +5,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "light/world.h"
+#include "light/scene.h"
 #include "scene/parse.h"
 
 static char materials[] = "materials.rad", room[] = "room.rad", ground[] = "ground.rad",
@@ -88,7 +88,7 @@ void office_learn_digest(struct office *office)
 
 void office_close(struct office *office)
 {
-    orl_world_free(office->world);
+    orl_scene_release(office->scene);
     bench_remove_folder(office->folder);
 }
 
@@ -101,19 +101,19 @@ void office_job(struct orl_job *ret_job)
     ret_job->n_scene_files = OFFICE_FILES;
 }
 
-static void make_world(struct office *office)
+static void load_scene(struct office *office)
 {
     struct orl_description description = {0};
     struct orl_error err = {0};
     if (orl_scene_parse((const char *const *)(uintptr_t)office_names, OFFICE_FILES, &office->files,
                         &description, &err) < 0 ||
-        orl_world_new(&description, &office->world, &err) < 0)
+        orl_scene_new(&description, &office->scene, &err) < 0)
         bench_fail("loading the office", &err);
 }
 
 double office_rate(struct office *office, struct orl_crew *crew, int runs)
 {
-    if (!office->world)
-        make_world(office);
-    return bench_embree_rate(office->world->geometry, crew, runs);
+    if (!office->scene)
+        load_scene(office);
+    return bench_embree_rate(office->scene->geometry, crew, runs);
 }

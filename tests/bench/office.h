@@ -23,7 +23,7 @@ struct office {
     char panel_folder[BENCH_PATH];
     const char *panel_name;
     unsigned char digest[32]; /* of the panel's XML, once it is known */
-    struct orl_world *world;  /* for office_rate; made when it is first asked for */
+    struct orl_scene *scene;  /* for office_rate; made when it is first asked for */
 };
 
 /* The BSDF of a panel of 2^resolution directions an axis, by build/oriel-lcp: made once, kept. */

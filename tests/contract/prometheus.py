@@ -17,6 +17,7 @@ WANTED = {"oriel_queue_depth": "gauge", "oriel_jobs": "gauge", "oriel_job_runs_t
           "oriel_shelf_hits_total": "counter",
           "oriel_memory_capacity_bytes": "gauge", "oriel_memory_free_bytes": "gauge",
           "oriel_memory_jobs_bytes": "gauge", "oriel_memory_checks_bytes": "gauge",
+          "oriel_shelf_scenes": "gauge", "oriel_shelf_scene_hits_total": "counter",
           "oriel_storage_bytes": "gauge", "oriel_storage_budget_bytes": "gauge",
           "oriel_evictions_total": "counter", "oriel_http_connections": "gauge",
           "oriel_event_streams": "gauge", "oriel_http_slow_clients_total": "counter",

@@ -159,15 +159,23 @@ static bool check_world(struct orl_description *d)
 {
     static const struct orl_vec3 directions[] = {
         {0, 0, 1}, {0, 0, -1}, {1, 0, 0}, {0, -0.96, 0.28}, {-0.6, 0.64, 0.48}};
+    struct orl_scene *scene = NULL;
+    struct orl_lights *lights = NULL;
     struct orl_world *world = NULL;
     struct orl_error err = {0};
-    const size_t n_surfaces = d->n_surfaces;
-    const int code = orl_world_new(d, &world, &err);
+    int code = orl_scene_new(d, &scene, &err);
+    if (code == 0)
+        code = orl_lights_new(scene, NULL, &lights, &err);
+    if (code == 0)
+        code = orl_world_new(lights, &world, &err);
+    orl_lights_release(lights);
     if (code < 0) {
+        orl_scene_release(scene);
         fuzz_check_error(code, &err);
         return false;
     }
-    FUZZ_PROMISE(world->geometry->n_facets == n_surfaces);
+    FUZZ_PROMISE(world->geometry->n_facets == scene->description.n_surfaces);
+    orl_scene_release(scene);
     check_geometry(world->geometry);
     for (size_t i = 0; i < sizeof directions / sizeof *directions; i++) {
         const struct orl_rgb dome = orl_world_dome_radiance(world, directions[i]);

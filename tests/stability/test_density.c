@@ -40,10 +40,8 @@ static struct bed bed_new(const char *scene, size_t most, uint64_t seed)
     struct bed bed = {.photons = malloc((most + 1) * sizeof *bed.photons),
                       .random = orl_random_stream(seed, ORL_PURPOSE_BENCH, 0),
                       .search = calloc(1, sizeof *bed.search)};
-    struct orl_description description = scene_parse_text(scene, NULL, NULL);
-    struct orl_error err;
     assert_true(bed.photons && bed.search);
-    assert_int_equal(orl_world_new(&description, &bed.world, &err), 0);
+    bed.world = scene_world(scene, NULL, NULL, NULL);
     return bed;
 }
 

@@ -179,6 +179,28 @@ struct orl_description scene_parse_text(const char *text, const char *resource_n
     return description;
 }
 
+struct orl_world *scene_world(const char *text, const char *resource_name,
+                              const char *resource_text, struct orl_crew *crew)
+{
+    struct orl_description description = scene_parse_text(text, resource_name, resource_text);
+    struct orl_scene *scene = NULL;
+    struct orl_lights *lights = NULL;
+    struct orl_world *world = NULL;
+    struct orl_error err = {0};
+    int code = orl_scene_new(&description, &scene, &err);
+    if (code == 0 && crew)
+        code = orl_scene_find_ports(scene, crew, &err);
+    if (code == 0)
+        code = orl_lights_new(scene, NULL, &lights, &err);
+    if (code == 0)
+        code = orl_world_new(lights, &world, &err);
+    if (code < 0)
+        fail_with(&err);
+    orl_lights_release(lights);
+    orl_scene_release(scene);
+    return world;
+}
+
 struct orl_geometry *scene_geometry(const char *text)
 {
     struct orl_description description = scene_parse_text(text, NULL, NULL);

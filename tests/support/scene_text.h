@@ -7,7 +7,7 @@
 
 #include <oriel/run.h>
 
-#include "scene/geometry.h"
+#include "light/world.h"
 
 /* One job: a scene of one text, and at most one file that it mentions. Zero means a default. */
 struct scene_run {
@@ -61,6 +61,11 @@ int scene_run_fails(const struct scene_run *run, struct orl_error *ret_err);
 /* Parses text, with the one resource or NULL; for orl_description_done. */
 struct orl_description scene_parse_text(const char *text, const char *resource_name,
                                         const char *resource_text);
+
+/* Text to a world of all it has, for orl_world_free. Ports are found by the crew; NULL: none are.
+ */
+struct orl_world *scene_world(const char *text, const char *resource_name,
+                              const char *resource_text, struct orl_crew *crew);
 
 /* Text to geometry; for orl_geometry_free. Facets are in the text's order when all are polygons. */
 struct orl_geometry *scene_geometry(const char *text);

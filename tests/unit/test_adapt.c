@@ -219,16 +219,13 @@ static double slope(double x, double y)
 static void test_slope(void **state)
 {
     enum { COUNT = 400000, MAPS = 24 };
-    struct orl_description description = scene_parse_text(
+    struct orl_world *world = scene_world(
         "void plastic w 0 0 5 .5 .5 .5 0 0\nw polygon f 0 0 12 -1 -1 0 1 -1 0 1 1 0 -1 1 0\n", NULL,
-        NULL);
+        NULL, NULL);
     const struct orl_vec3 places[2] = {{-1, -0.5, 0}, {-1, -1, 0}};
     const double times[2] = {1.9, 2.9};
-    struct orl_world *world = NULL;
-    struct orl_error err;
     double plane[2] = {0}, mean[2] = {0};
     (void)state;
-    assert_int_equal(orl_world_new(&description, &world, &err), 0);
     for (uint64_t seed = 1; seed <= MAPS; seed++) {
         struct orl_photon_map *map = rain(slope, COUNT, seed, 1);
         struct orl_adapt adapt = adapt_to(map);

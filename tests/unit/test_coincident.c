@@ -44,12 +44,7 @@ static double uniform(struct orl_random *random)
 
 static struct orl_world *load(const char *text)
 {
-    struct orl_description description = scene_parse_text(text, NULL, NULL);
-    struct orl_world *world = NULL;
-    struct orl_error err = {0};
-    if (orl_world_new(&description, &world, &err) < 0)
-        fail_msg("%s", err.message);
-    return world;
+    return scene_world(text, NULL, NULL, NULL);
 }
 
 /* ---- Random heaps ---------------------------------------------------------------------------- */
@@ -168,7 +163,7 @@ static void check_point(const struct orl_world *world, const struct shape *shape
     assert_int_equal(met, who >= 0);
     if (!met)
         return;
-    const char *name = world->description.surfaces[g->facets[hit.facet].surface].name;
+    const char *name = world->scene->description.surfaces[g->facets[hit.facet].surface].name;
     if (atoi(name + 1) != who)
         fail_msg("a ray meets %s, not p%d", name, who);
     assert_int_equal(hit.front, shapes[who].up == from_above);
@@ -200,8 +195,8 @@ static void test_heaps(void **state)
 static int said(const struct orl_world *world, const char *words)
 {
     int n = 0;
-    for (size_t i = 0; i < world->description.n_warnings; i++)
-        n += strstr(world->description.warnings[i], words) != NULL;
+    for (size_t i = 0; i < world->scene->description.n_warnings; i++)
+        n += strstr(world->scene->description.warnings[i], words) != NULL;
     return n;
 }
 
@@ -226,9 +221,9 @@ static void test_words(void **state)
                      1);
     assert_int_equal(said(world, "polygon window at scene.rad:7 lies wholly in one place"), 2);
     /* The ground around the floor; no window; what faces the other way stays. */
-    assert_int_equal(world->description.n_surfaces, 5);
+    assert_int_equal(world->scene->description.n_surfaces, 5);
     assert_true(fabs(world->geometry->facets[0].area - (324 - 16)) < 1e-6);
-    assert_int_equal(world->description.n_opposed, 2);
+    assert_int_equal(world->scene->description.n_opposed, 2);
     orl_world_free(world);
 }
 
@@ -244,8 +239,8 @@ static void test_nothing_to_say(void **state)
                               i % 2 ? "late" : "early", i, x, y, x + 1, y, x + 1, y + 1, x, y + 1);
     }
     struct orl_world *world = load(text);
-    assert_int_equal(world->description.n_warnings, 0);
-    assert_int_equal(world->description.n_surfaces, 406);
+    assert_int_equal(world->scene->description.n_warnings, 0);
+    assert_int_equal(world->scene->description.n_surfaces, 406);
     orl_world_free(world);
 }
 

@@ -312,18 +312,20 @@ static void test_scene_with_a_sky_is_refused(void **state)
     request.first = 500;
     request.second = 100;
     const struct orl_daylight d = find(&request);
-    struct orl_description taken = scene_parse_text(
-        "void glow g 0 0 4 1 1 1 0\ng source heaven 0 0 4 0 0 1 180\n", NULL, NULL);
-    assert_int_equal(orl_daylight_add(&d, &taken, &err), ORL_ERR_INVALID);
+    struct orl_world *taken = scene_world(
+        "void glow g 0 0 4 1 1 1 0\ng source heaven 0 0 4 0 0 1 180\n", NULL, NULL, NULL);
+    struct orl_world *free_one = scene_world("# nothing\n", NULL, NULL, NULL);
+    struct orl_lights *lights = NULL;
+    assert_int_equal(orl_lights_new(taken->scene, &d, &lights, &err), ORL_ERR_INVALID);
     assert_non_null(strstr(err.message, "heaven"));
-    assert_int_equal(taken.n_distants, 1);
-    orl_description_done(&taken);
-    struct orl_description free_one = scene_parse_text("# nothing\n", NULL, NULL);
-    assert_int_equal(orl_daylight_add(&d, &free_one, &err), 0);
-    assert_int_equal(free_one.n_distants, 3);
-    assert_int_equal(free_one.n_skies, 1);
-    assert_true(free_one.distants[0].angle_deg == 0.533);
-    orl_description_done(&free_one);
+    assert_null(lights);
+    assert_int_equal(orl_lights_new(free_one->scene, &d, &lights, &err), 0);
+    assert_int_equal(lights->n_suns, 1);
+    assert_int_equal(lights->n_domes, 2);
+    assert_true(fabs(lights->suns[0].cos_half_angle - cos(0.5 * 0.533 * ORL_DEG_TO_RAD)) < 1e-12);
+    orl_lights_release(lights);
+    orl_world_free(taken);
+    orl_world_free(free_one);
 }
 
 static void test_bad_requests(void **state)

@@ -383,8 +383,6 @@ static void test_leaves_on_small_facets(void **state)
     enum { SIDE = 40, FACETS = SIDE * SIDE, EACH = 4, POINTS = 4 };
     const double size = 0.05, area = FACETS * size * size;
     struct shower s = shower_new(FACETS * EACH, 11);
-    struct orl_world *world = NULL;
-    struct orl_error err;
     struct text scene;
     double mean = 0;
     (void)state;
@@ -396,9 +394,8 @@ static void test_leaves_on_small_facets(void **state)
                 x + size, y, x + size, y + size, x, y + size);
     }
     text_close(&scene);
-    struct orl_description d = scene_parse_text(scene.data, NULL, NULL);
+    struct orl_world *world = scene_world(scene.data, NULL, NULL, NULL);
     free(scene.data);
-    assert_int_equal(orl_world_new(&d, &world, &err), 0);
     const struct orl_geometry *g = world->geometry;
     for (int n = 0; n < FACETS * EACH; n++) {
         const uint32_t facet = (uint32_t)(FACETS * orl_random_uniform(&s.random));

@@ -78,12 +78,9 @@ static struct harvest harvest_of(const struct orl_world *world, struct orl_crew 
 static void test_same_light(void **state)
 {
     struct orl_crew *crew = orl_crew_start(1);
-    struct orl_description description =
-        scene_parse_text(LIGHTS ROOM_GREY ROOM_CLEAR ROOM_SHELL ROOM_PANE INSIDE, NULL, NULL);
-    struct orl_world *world = NULL;
+    struct orl_world *world =
+        scene_world(LIGHTS ROOM_GREY ROOM_CLEAR ROOM_SHELL ROOM_PANE INSIDE, NULL, NULL, crew);
     (void)state;
-    assert_int_equal(orl_world_new(&description, &world, NULL), 0);
-    assert_int_equal(orl_world_find_ports(world, crew, NULL), 0);
     const struct harvest all = harvest_of(world, crew);
     world->omit.counted_light = true;
     const struct harvest rest = harvest_of(world, crew);

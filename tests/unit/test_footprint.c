@@ -16,11 +16,7 @@
 
 static struct orl_world *world_of(const char *scene)
 {
-    struct orl_description description = scene_parse_text(scene, NULL, NULL);
-    struct orl_world *world = NULL;
-    struct orl_error err;
-    assert_int_equal(orl_world_new(&description, &world, &err), 0);
-    return world;
+    return scene_world(scene, NULL, NULL, NULL);
 }
 
 /* The share of the disc that the footprint at a place of the scene covers. */

@@ -65,11 +65,8 @@ static void test_film(void **state)
 
 static struct orl_world *make_world(const char *text)
 {
-    struct orl_description description = scene_parse_text(text, NULL, NULL);
     struct orl_crew *crew = orl_crew_start(1);
-    struct orl_world *world = NULL;
-    assert_int_equal(orl_world_new(&description, &world, NULL), 0);
-    assert_int_equal(orl_world_find_ports(world, crew, NULL), 0);
+    struct orl_world *world = scene_world(text, NULL, NULL, crew);
     orl_crew_stop(crew);
     return world;
 }
@@ -109,8 +106,8 @@ static void test_photons(void **state)
         free(deposits.photons);
     }
     /* A sound photon on a material that is not: it lands, and goes no further. */
-    for (size_t i = 0; i < world->description.n_materials; i++)
-        world->description.materials[i].color.g = INFINITY;
+    for (size_t i = 0; i < world->n_materials; i++)
+        world->materials[i].color.g = INFINITY;
     struct orl_deposits deposits = {0};
     trace_down(world, orl_gray(1), &deposits);
     assert_int_equal(deposits.health.non_finite, 1);
@@ -165,9 +162,9 @@ static void test_gather(void **state)
     const double whole =
         orl_luma(orl_gather_sensor(&gather, &place, &footing, 1024, 0, search).value);
     assert_int_equal(search->health.non_finite, 0);
-    for (size_t i = 0; i < world->description.n_materials; i++)
-        if (strcmp(world->description.materials[i].name, "x") == 0)
-            world->description.materials[i].color.b = NAN;
+    for (size_t i = 0; i < world->n_materials; i++)
+        if (strcmp(world->materials[i].name, "x") == 0)
+            world->materials[i].color.b = NAN;
     const double broken =
         orl_luma(orl_gather_sensor(&gather, &place, &footing, 1024, 0, search).value);
     assert_true(search->health.non_finite > 20);

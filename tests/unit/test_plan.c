@@ -55,9 +55,8 @@ static struct orl_plan plan_of(const struct query *q, struct left *ret_left)
     static char name[] = "v", view[] = "-vtv -vp 2 4 1.5 -vd 0 -1 0";
     struct orl_view_request views[1] = {{name, view, 64, 48}};
     static const struct orl_sensor inside = {{2, 2.5, .8}, {0, 0, 1}};
-    struct orl_description d =
-        scene_parse_text(q->text, q->bsdf ? "pane.xml" : NULL, q->bsdf ? q->bsdf : NULL);
     struct orl_crew *crew = orl_crew_start(q->threads ? q->threads : 1);
+    struct orl_world *all = scene_world(q->text, q->bsdf ? "pane.xml" : NULL, q->bsdf, crew);
     struct orl_world *world = NULL;
     struct orl_plan plan;
     struct orl_job job;
@@ -67,13 +66,11 @@ static struct orl_plan plan_of(const struct query *q, struct left *ret_left)
     job.photons_caustic = q->caustic ? q->caustic : ORL_PHOTONS_BY_PLAN;
     job.views = q->view ? views : NULL;
     job.n_views = q->view;
-    assert_int_equal(orl_world_new(&d, &world, NULL), 0);
-    assert_int_equal(orl_world_find_ports(world, crew, NULL), 0);
     const struct orl_plan_request request = {.job = &job,
                                              .sensors = q->sensor ? q->sensor : &inside,
                                              .n_sensors = q->view ? 0 : 1,
                                              .crew = crew};
-    assert_int_equal(orl_plan_make(&request, world, &plan, NULL), 0);
+    assert_int_equal(orl_plan_make(&request, all->lights, &plan, &world, NULL), 0);
     for (int i = 0; i < ORL_EFFECT_COUNT; i++)
         if (!holds_number(plan.effects[i].why) || plan.effects[i].bound < 0)
             fail_msg("%s: '%s', bound %g", orl_effect_name((enum orl_effect)i), plan.effects[i].why,
@@ -87,6 +84,7 @@ static struct orl_plan plan_of(const struct query *q, struct left *ret_left)
                                   .clear = world->n_ports > 0 && world->ports[0].clear,
                                   .silent = world->n_ports > 0 && world->ports[0].silent};
     orl_world_free(world);
+    orl_world_free(all);
     orl_crew_stop(crew);
     return plan;
 }

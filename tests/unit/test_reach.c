@@ -20,11 +20,8 @@
 /* From one place of the files' coordinates, all round. */
 static bool reaches(const char *text, struct orl_vec3 from, uint32_t threads)
 {
-    struct orl_description description = scene_parse_text(text, NULL, NULL);
     struct orl_crew *crew = orl_crew_start(threads);
-    struct orl_world *world = NULL;
-    assert_int_equal(orl_world_new(&description, &world, NULL), 0);
-    assert_int_equal(orl_world_find_ports(world, crew, NULL), 0);
+    struct orl_world *world = scene_world(text, NULL, NULL, crew);
     const struct orl_outlook outlook = {orl_sub(from, world->geometry->center), {0, 0, 0}};
     const bool found = orl_light_reaches(world, &outlook, 1, 16384, crew);
     orl_world_free(world);

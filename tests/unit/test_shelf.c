@@ -113,12 +113,50 @@ static void test_threads(void **state)
     orl_shelf_free(shelf);
 }
 
+/* A shared thing counts its holders; of two put under one key the first stays. */
+static void *hold_one(void *thing)
+{
+    ++*(int *)thing;
+    return thing;
+}
+
+static void let_one_go(void *thing)
+{
+    --*(int *)thing;
+}
+
+static void test_shared(void **state)
+{
+    static const struct orl_shelf_sharing sharing = {hold_one, let_one_go};
+    struct orl_shelf *shelf = orl_shelf_new(100);
+    int holders[3] = {1, 1, 1}, gone = 0; /* each is held by who made it */
+    (void)state;
+    assert_null(orl_shelf_share(shelf, "a", &sharing));
+    assert_ptr_equal(orl_shelf_put_shared(shelf, "a", &holders[0], 60, &sharing), &holders[0]);
+    assert_int_equal(holders[0], 2);
+    assert_ptr_equal(orl_shelf_share(shelf, "a", &sharing), &holders[0]);
+    assert_ptr_equal(orl_shelf_put_shared(shelf, "a", &holders[1], 60, &sharing), &holders[0]);
+    assert_int_equal(holders[0], 4);
+    assert_int_equal(holders[1], 0);
+    assert_int_equal(orl_shelf_totals(shelf).shared, 1);
+    assert_int_equal(orl_shelf_totals(shelf).shared_hits, 1);
+    assert_int_equal(orl_shelf_totals(shelf).bytes, 60);
+    orl_shelf_put(shelf, "b", &gone, 50, count); /* too much for both: the shelf lets go of one */
+    assert_int_equal(holders[0], 3);
+    assert_int_equal(orl_shelf_totals(shelf).shared, 0);
+    assert_int_equal(orl_shelf_totals(shelf).things, 1);
+    /* Too large for the shelf: its maker alone has it. */
+    assert_ptr_equal(orl_shelf_put_shared(shelf, "c", &holders[2], 101, &sharing), &holders[2]);
+    assert_int_equal(holders[2], 1);
+    orl_shelf_free(shelf);
+    assert_int_equal(gone, 1);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_given_back),
-        cmocka_unit_test(test_room),
-        cmocka_unit_test(test_none),
+        cmocka_unit_test(test_given_back), cmocka_unit_test(test_room),
+        cmocka_unit_test(test_none),       cmocka_unit_test(test_shared),
         cmocka_unit_test(test_threads),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -29,13 +29,10 @@ static void sample(const struct orl_backward *backward, uint32_t first, uint32_t
 static void test_spans_that_follow(void **state)
 {
     double whole[ORL_MAP_BATCHES], first[ORL_MAP_BATCHES], second[ORL_MAP_BATCHES], sum = 0;
-    struct orl_description description = scene_parse_text(SCENE, NULL, NULL);
     struct orl_crew *crew = orl_crew_start(1);
-    struct orl_world *world = NULL;
+    struct orl_world *world = scene_world(SCENE, NULL, NULL, crew);
     struct orl_backward backward;
     (void)state;
-    assert_int_equal(orl_world_new(&description, &world, NULL), 0);
-    assert_int_equal(orl_world_find_ports(world, crew, NULL), 0);
     assert_int_equal(orl_backward_init(&backward, world, NULL), 0);
     assert_int_equal(orl_backward_put_lamps(&backward, crew, 1, NULL, 0, 1), 0);
     sample(&backward, 0, 13 * ORL_MAP_BATCHES, whole);

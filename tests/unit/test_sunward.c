@@ -29,10 +29,7 @@
 
 static struct orl_world *open_world(const char *text, struct orl_crew *crew)
 {
-    struct orl_description description = scene_parse_text(text, NULL, NULL);
-    struct orl_world *world = NULL;
-    assert_int_equal(orl_world_new(&description, &world, NULL), 0);
-    assert_int_equal(orl_world_find_ports(world, crew, NULL), 0);
+    struct orl_world *world = scene_world(text, NULL, NULL, crew);
     assert_true(world->n_ports > 0);
     return world;
 }

@@ -135,10 +135,7 @@ static void expect_light_in_front(const struct orl_geometry *geometry,
 
 static void test_texels(void **state)
 {
-    struct orl_description description = scene_parse_text(scene, NULL, NULL);
-    struct orl_world *world;
-    struct orl_error err;
-    assert_int_equal(orl_world_new(&description, &world, &err), 0);
+    struct orl_world *world = scene_world(scene, NULL, NULL, NULL);
     const struct orl_geometry *geometry = world->geometry;
     struct orl_crew *crew = orl_crew_start(1), *three = orl_crew_start(3);
     struct orl_photon_map *map = shower(geometry, crew);

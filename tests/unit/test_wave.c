@@ -27,16 +27,13 @@ enum { WAVES = 40, RAYS = 1000, DRAWS = 1000 };
 static void check_waves(const char *text, const char *bsdf, bool caustic)
 {
     struct orl_crew *crew = orl_crew_start(1);
-    struct orl_description description = scene_parse_text(text, bsdf ? "pane.xml" : NULL, bsdf);
     struct orl_emission *emission = NULL;
-    struct orl_world *world = NULL;
+    struct orl_world *world = scene_world(text, bsdf ? "pane.xml" : NULL, bsdf, crew);
     struct orl_deposits alone = {0}, together = {0};
     double points[ORL_EMISSIONS_AT_ONCE][ORL_SOBOL_DIMENSIONS];
     struct orl_random randoms[ORL_EMISSIONS_AT_ONCE];
     struct orl_flight flights[ORL_EMISSIONS_AT_ONCE];
     bool flies[ORL_EMISSIONS_AT_ONCE];
-    assert_int_equal(orl_world_new(&description, &world, NULL), 0);
-    assert_int_equal(orl_world_find_ports(world, crew, NULL), 0);
     assert_int_equal(orl_emission_new(world, 1, crew, &emission, NULL), 0);
     for (size_t wave = 0; wave < WAVES; wave++) {
         const size_t n = ORL_EMISSIONS_AT_ONCE - wave % 3;

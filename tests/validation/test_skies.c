@@ -37,6 +37,9 @@ struct fixture {
     double fraction;               /* of the whole, as last heard */
     struct orl_result *sensors_of; /* kept ones; or NULL */
     size_t n_sensors_done;
+    struct orl_shelf *shelf;
+    const char *files_id;
+    int scene_reads; /* times that the scene's file was opened */
 };
 
 static double now_s(void *ctx)
@@ -151,6 +154,25 @@ static int teardown(void **state)
     return 0;
 }
 
+/* A provider that counts how often the scene is read. */
+struct counting {
+    struct orl_files inner;
+    struct fixture *f;
+};
+
+static int count_open(void *ctx, const char *name, struct orl_file *ret_file, struct orl_error *err)
+{
+    struct counting *c = ctx;
+    c->f->scene_reads += strcmp(name, scene_file) == 0;
+    return c->inner.open(c->inner.ctx, name, ret_file, err);
+}
+
+static void count_close(void *ctx, struct orl_file *file)
+{
+    struct counting *c = ctx;
+    c->inner.close(c->inner.ctx, file);
+}
+
 /* All skies, or with result the job's one. */
 static int run(struct fixture *f, struct orl_result *ret_result, struct orl_error *err)
 {
@@ -164,13 +186,16 @@ static int run(struct fixture *f, struct orl_result *ret_result, struct orl_erro
                                         {weather, sizeof weather - 1, NULL},
                                         {sensors, strlen(sensors), NULL}};
     struct orl_memory_files memory = {names, contents, 3};
-    const struct orl_files files = orl_files_from_memory(&memory);
+    struct counting counting = {orl_files_from_memory(&memory), f};
+    const struct orl_files files = {.ctx = &counting, .open = count_open, .close = count_close};
     struct orl_folder_store maps;
     const struct orl_map_store store = orl_map_store_in_folder(&maps);
     const struct orl_skies_env skies = {.ctx = f, .kept = on_sky_kept, .done = on_sky_done};
     const struct orl_run_env env = {.crew = f->crew,
                                     .files = &files,
                                     .store = &store,
+                                    .shelf = f->shelf,
+                                    .files_id = f->files_id,
                                     .output_folder = f->folder,
                                     .cancel = &f->cancel,
                                     .now_s = now_s,
@@ -225,6 +250,31 @@ static void test_same_as_one_by_one(void **state)
         expect_same_image(f, f->skies[i].name, "hdr");
         expect_same_image(f, f->skies[i].name, "error.hdr");
     }
+}
+
+/* A scene is read once for all skies of a job; and once for all jobs of a shelf that say whose
+ * files it is of. What comes of it is the same. */
+static void test_one_scene_for_all(void **state)
+{
+    struct fixture *f = *state;
+    double first[SKIES][SENSORS];
+    f->job.n_views = 0;
+    assert_int_equal(run(f, NULL, NULL), 0);
+    assert_int_equal(f->scene_reads, 1);
+    memcpy(first, f->lx, sizeof first);
+    f->shelf = orl_shelf_new(1 << 20);
+    for (int i = 0; i < 3; i++) {
+        memset(f->lx, 0, sizeof f->lx);
+        f->files_id = i < 2 ? "these" : "others";
+        assert_int_equal(run(f, NULL, NULL), 0);
+        assert_int_equal(f->scene_reads, i < 2 ? 2 : 3);
+        assert_memory_equal(f->lx, first, sizeof first);
+        assert_int_equal(orl_shelf_totals(f->shelf).shared, i < 2 ? 1 : 2);
+    }
+    f->files_id = NULL;
+    assert_int_equal(run(f, NULL, NULL), 0);
+    assert_int_equal(f->scene_reads, 4);
+    orl_shelf_free(f->shelf);
 }
 
 static void test_kept_skies_are_not_run(void **state)
@@ -338,6 +388,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(test_same_as_one_by_one, setup, teardown),
+        cmocka_unit_test_setup_teardown(test_one_scene_for_all, setup, teardown),
         cmocka_unit_test_setup_teardown(test_kept_skies_are_not_run, setup, teardown),
         cmocka_unit_test_setup_teardown(test_kept_sensors, setup, teardown),
         cmocka_unit_test_setup_teardown(test_file_of_sensors, setup, teardown),

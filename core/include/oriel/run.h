@@ -221,6 +221,8 @@ struct orl_run_env {
     const struct orl_files *files;     /* borrowed */
     const struct orl_map_store *store; /* borrowed */
     struct orl_shelf *shelf;   /* borrowed: what one job works out for the next; may be NULL */
+    const char *files_id;      /* of a job on a shelf: what its files are, whatever their names: by
+                                  equal ones jobs share scenes. NULL: they do not */
     const char *output_folder; /* exists; images are written here */
     const char *file_prefix;   /* in front of the names of files written there; NULL: none */
     double part_from, part; /* the job's share in a larger one, for progress; 0: it is the whole */

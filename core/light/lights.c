@@ -1,0 +1,149 @@
+#include "light/lights.h"
+
+#include <stdlib.h>
+
+#include "base/circle.h"
+#include "light/sky.h"
+
+/* Distant lights up to this full angle are sampled as discs; wider ones are domes. */
+static const double widest_sun_deg = 10.0;
+
+enum { OF_A_SKY = 2 }; /* domes: the sky and the ground */
+
+/* A distant light, wherever it comes from. */
+struct distant {
+    enum orl_material_kind kind; /* LIGHT or GLOW */
+    struct orl_rgb radiance;
+    const struct orl_sky *sky; /* multiplies radiance; NULL for none */
+    struct orl_vec3 direction;
+    double angle_deg;
+};
+
+static void add(struct orl_lights *lights, const struct distant *d)
+{
+    const double half = 0.5 * d->angle_deg * ORL_DEG_TO_RAD;
+    if (d->kind != ORL_MATERIAL_LIGHT || d->angle_deg > widest_sun_deg) {
+        lights->domes[lights->n_domes++] =
+            (struct orl_dome){d->direction, cos(half), d->radiance, d->sky};
+        return;
+    }
+    /* 1 - cos without cancellation: the disc is half a degree across. */
+    const double solid = 4 * ORL_PI * sin(0.5 * half) * sin(0.5 * half);
+    const double pattern = d->sky ? orl_sky_brightness(d->sky, d->direction) : 1.0;
+    struct orl_sun sun = {.frame = orl_frame_about(d->direction),
+                          .cos_half_angle = cos(half),
+                          .solid_angle_sr = solid,
+                          .radiance = orl_rgb_scale(d->radiance, pattern)};
+    sun.irradiance = orl_rgb_scale(sun.radiance, solid);
+    if (orl_luma(sun.radiance) > 0)
+        lights->suns[lights->n_suns++] = sun;
+}
+
+static void add_of_scene(struct orl_lights *lights)
+{
+    const struct orl_description *d = &lights->scene->description;
+    for (size_t i = 0; i < d->n_distants; i++) {
+        const struct orl_material *m = &d->materials[d->distants[i].material];
+        add(lights, &(struct distant){.kind = m->kind,
+                                      .radiance = m->color,
+                                      .sky = m->sky >= 0 ? &d->skies[m->sky] : NULL,
+                                      .direction = d->distants[i].direction,
+                                      .angle_deg = d->distants[i].angle_deg});
+    }
+}
+
+static void add_of_sky(struct orl_lights *lights, const struct orl_daylight *sky)
+{
+    const struct orl_vec3 up = {0, 0, 1};
+    struct distant d = {.kind = ORL_MATERIAL_GLOW,
+                        .radiance = orl_gray(1),
+                        .sky = &lights->pattern,
+                        .direction = up,
+                        .angle_deg = 180};
+    if (sky->black)
+        return;
+    lights->pattern = sky->pattern;
+    if (sky->sun_radiance > 0)
+        add(lights, &(struct distant){.kind = ORL_MATERIAL_LIGHT,
+                                      .radiance = orl_gray(sky->sun_radiance),
+                                      .direction = orl_normalize(sky->sun),
+                                      .angle_deg = sky->sun_angle_deg});
+    add(lights, &d);
+    d.direction = orl_neg(up);
+    add(lights, &d);
+}
+
+static void add_emitters(struct orl_lights *lights)
+{
+    const struct orl_scene *scene = lights->scene;
+    for (size_t i = 0; i < scene->n_shining; i++) {
+        const struct orl_material *m = orl_scene_material(scene, scene->shining[i]);
+        lights->emitters[lights->n_emitters++] =
+            (struct orl_emitter){scene->shining[i], m->color, orl_material_is_lamp(m)};
+    }
+}
+
+int orl_lights_admit(const struct orl_description *description, struct orl_error *err)
+{
+    if (description->n_distants == 0)
+        return 0;
+    orl_error_set(err, ORL_ERR_INVALID,
+                  "the job gives a sky, but the scene has the distant source '%.100s' already",
+                  description->distants[0].name);
+    orl_error_at(err, NULL, 0, "sky");
+    orl_error_hint(err, "leave the sky out of the job, or out of the scene");
+    return ORL_ERR_INVALID;
+}
+
+int orl_lights_new(struct orl_scene *scene, const struct orl_daylight *sky,
+                   struct orl_lights **ret_lights, struct orl_error *err)
+{
+    const size_t distants = scene->description.n_distants;
+    const int code = sky ? orl_lights_admit(&scene->description, err) : 0;
+    struct orl_lights *lights = code == 0 ? calloc(1, sizeof *lights) : NULL;
+    if (code < 0)
+        return code;
+    if (!lights)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for lights");
+    atomic_init(&lights->holders, 1);
+    lights->scene = orl_scene_hold(scene);
+    lights->suns = calloc(distants + 1, sizeof *lights->suns);
+    lights->domes = calloc(distants + OF_A_SKY, sizeof *lights->domes);
+    lights->emitters = calloc(scene->n_shining + 1, sizeof *lights->emitters);
+    if (!lights->suns || !lights->domes || !lights->emitters) {
+        orl_lights_release(lights);
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for lights");
+    }
+    if (sky)
+        add_of_sky(lights, sky);
+    else
+        add_of_scene(lights);
+    add_emitters(lights);
+    *ret_lights = lights;
+    return 0;
+}
+
+struct orl_lights *orl_lights_hold(struct orl_lights *lights)
+{
+    atomic_fetch_add_explicit(&lights->holders, 1, memory_order_relaxed);
+    return lights;
+}
+
+void orl_lights_release(struct orl_lights *lights)
+{
+    if (!lights || atomic_fetch_sub_explicit(&lights->holders, 1, memory_order_acq_rel) > 1)
+        return;
+    orl_scene_release(lights->scene);
+    free(lights->suns);
+    free(lights->domes);
+    free(lights->emitters);
+    free(lights);
+}
+
+struct orl_vec3 orl_sun_sample(const struct orl_sun *sun, const double u[2])
+{
+    const double down = u[0] * (1 - sun->cos_half_angle), cosine = 1 - down;
+    const double sine = sqrt(down * (2 - down));
+    const struct orl_circle circle = orl_circle_turn(u[1]);
+    return orl_to_world(&sun->frame, orl_v3(sine * circle.cosine, sine * circle.sine, cosine));
+}

@@ -1,0 +1,153 @@
+#include "run/scene.h"
+
+#include <sodium.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "base/shelf.h"
+#include "run/bsdfs.h"
+#include "scene/parse.h"
+
+/* ---- The shelf ------------------------------------------------------------------------------- */
+
+static void *hold(void *scene)
+{
+    return orl_scene_hold(scene);
+}
+
+static void release(void *scene)
+{
+    orl_scene_release(scene);
+}
+
+static const struct orl_shelf_sharing sharing = {hold, release};
+
+/* By what the caller says that the files are, and which of them are the main ones. */
+static bool shelf_key(const struct orl_run_state *state, char ret_key[ORL_SHELF_KEY])
+{
+    unsigned char digest[crypto_hash_sha256_BYTES];
+    char hex[ORL_DIGEST_HEX + 1];
+    crypto_hash_sha256_state hash;
+    const struct orl_job *job = state->job;
+    if (!state->env->shelf || !state->env->files_id)
+        return false;
+    crypto_hash_sha256_init(&hash);
+    crypto_hash_sha256_update(&hash, (const unsigned char *)state->env->files_id,
+                              strlen(state->env->files_id) + 1);
+    for (size_t i = 0; i < job->n_scene_files; i++)
+        crypto_hash_sha256_update(&hash, (const unsigned char *)job->scene_files[i],
+                                  strlen(job->scene_files[i]) + 1);
+    crypto_hash_sha256_final(&hash, digest);
+    sodium_bin2hex(hex, sizeof hex, digest, sizeof digest);
+    snprintf(ret_key, ORL_SHELF_KEY, "scene-%s", hex);
+    return true;
+}
+
+/* ---- What is wrong with it --------------------------------------------------------------------
+ */
+
+/* What of BSDFs with a thickness may not be what is meant. */
+static void warn_of_proxies(struct orl_run_state *state)
+{
+    const struct orl_scene *scene = state->scene;
+    const struct orl_pairing *pairings[] = {&scene->paired, &scene->not_paired};
+    if (scene->proxies && scene->n_hidden == 0)
+        orl_run_warn(state,
+                     "there are BSDFs with a thickness, but no surface lies within it behind "
+                     "them: views see nothing in their place");
+    for (int i = 0; i < 2; i++) {
+        const struct orl_pairing *p = pairings[i];
+        if (p->count == 0)
+            continue;
+        orl_run_warn(state,
+                     "the BSDFs '%s' and '%s' face away from each other %.4g apart, and are up to "
+                     "%.4g thick: %s%s",
+                     orl_scene_name_of(scene, p->facets[0]), orl_scene_name_of(scene, p->facets[1]),
+                     p->apart, p->thick,
+                     i == 0
+                         ? "they are taken to stand for the same geometry, and scatter light once"
+                         : "they are taken as two, which scatter light one after the other; if "
+                           "they stand for the same geometry, make them thicker",
+                     p->count > 1 ? " (and others)" : "");
+    }
+}
+
+static void tell_faults(struct orl_run_state *state)
+{
+    const struct orl_description *d = &state->scene->description;
+    for (size_t i = 0; i < d->n_warnings; i++)
+        orl_run_warn(state, "%s", d->warnings[i]);
+    orl_run_count_scene(state, state->scene);
+    warn_of_proxies(state);
+}
+
+/* ---- Reading it ------------------------------------------------------------------------------ */
+
+/* Between steps that cannot be interrupted. */
+static int heed_cancel(const struct orl_run_state *state, struct orl_error *err)
+{
+    return orl_crew_cancelled(state->env->crew)
+               ? orl_error_set(err, ORL_ERR_CANCELLED, "cancelled while preparing the scene")
+               : 0;
+}
+
+static int parse(struct orl_run_state *state, struct orl_description *ret_description,
+                 struct orl_error *err)
+{
+    const struct orl_job *job = state->job;
+    const struct orl_bsdf_loader loader = orl_run_bsdf_loader(state);
+    int code = orl_scene_parse_with((const char *const *)job->scene_files, job->n_scene_files,
+                                    state->env->files, &loader, ret_description, err);
+    ret_description->cancel = state->env->cancel;
+    return code < 0 ? code : heed_cancel(state, err);
+}
+
+static int build(struct orl_run_state *state, struct orl_description *description,
+                 struct orl_error *err)
+{
+    int code = orl_scene_new(description, &state->scene, err);
+    if (code == 0)
+        code = heed_cancel(state, err);
+    if (code == 0)
+        code = orl_scene_find_ports(state->scene, state->env->crew, err);
+    if (code < 0) {
+        orl_scene_release(state->scene);
+        state->scene = NULL;
+    }
+    return code;
+}
+
+int orl_run_load(struct orl_run_state *state, struct orl_error *err)
+{
+    struct orl_shelf *shelf = state->env->shelf;
+    struct orl_description description = {0};
+    struct orl_daylight daylight = {0};
+    char key[ORL_SHELF_KEY];
+    const bool shelved = shelf_key(state, key);
+    int code = 0;
+    if (!state->scene && shelved)
+        state->scene = orl_shelf_share(shelf, key, &sharing);
+    const bool found = state->scene != NULL;
+    if (!found)
+        code = parse(state, &description, err);
+    if (code == 0)
+        code =
+            orl_run_sky(state, found ? &state->scene->description : &description, &daylight, err);
+    if (code < 0) {
+        orl_description_done(&description);
+        return code;
+    }
+    orl_run_enter(state, ORL_STAGE_BVH);
+    if (!found)
+        code = build(state, &description, err);
+    if (code < 0)
+        return code;
+    if (!found && shelved)
+        state->scene =
+            orl_shelf_put_shared(shelf, key, state->scene, orl_scene_bytes(state->scene), &sharing);
+    tell_faults(state);
+    if (code == 0)
+        code = orl_lights_new(state->scene, state->result->sky_given ? &daylight : NULL,
+                              &state->lights, err);
+    return code < 0 ? code : heed_cancel(state, err);
+}
