@@ -264,7 +264,7 @@ static void test_many(void **state)
                   (double)(clock() - start) / CLOCKS_PER_SEC);
     assert_int_equal(said(world, "polygon ground"), 3);
     assert_int_equal(said(world, "9797 more pairs"), 1);
-    assert_int_equal(world->description.n_warnings, 4);
+    assert_int_equal(world->scene->description.n_warnings, 4);
     assert_true(fabs(world->geometry->facets[0].area - (108.0 * 108 - SIDE * SIDE)) < 1e-3);
     orl_world_free(world);
     free(text);
@@ -285,7 +285,7 @@ static void test_one_paint(void **state)
         at += (size_t)sprintf(text + at, "%s polygon p%d 0 0 12 %d 0 0 %d 0 0 %d 9 0 %d 9 0\n",
                               i % 2 ? "late" : "again", i, 5 * i, 5 * i + 1, 5 * i + 1, 5 * i);
     struct orl_world *world = load(text);
-    assert_int_equal(world->description.n_warnings, 1);
+    assert_int_equal(world->scene->description.n_warnings, 1);
     assert_int_equal(said(world, "makes no difference which light meets: 12 pairs"), 1);
     orl_world_free(world);
 }
@@ -344,9 +344,9 @@ static void test_open(void **state)
         struct orl_world *world = load(text);
         if (said(world, "light may meet either") != cases[i].open ||
             said(world, "makes no difference") != cases[i].alike ||
-            (int)world->description.n_warnings != cases[i].open + cases[i].alike)
-            fail_msg("of %s %zu warnings: %s", cases[i].pair, world->description.n_warnings,
-                     world->description.n_warnings ? world->description.warnings[0] : "none");
+            (int)world->scene->description.n_warnings != cases[i].open + cases[i].alike)
+            fail_msg("of %s %zu warnings: %s", cases[i].pair, world->scene->description.n_warnings,
+                     world->scene->description.n_warnings ? world->scene->description.warnings[0] : "none");
         orl_world_free(world);
     }
 }
@@ -367,15 +367,12 @@ static void test_proxies(void **state)
     scene_uniform_bsdf(0.1, xml);
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         char text[2048];
-        struct orl_error err = {0};
-        struct orl_world *world = NULL;
         snprintf(text, sizeof text,
                  MATERIALS "void BSDF proxy 6 .1 x.xml 0 1 0 . 0 0\n"
                            "void BSDF other 6 .2 x.xml 0 1 0 . 0 0\n%s polygon a %s%s polygon b "
                            "%s",
                  cases[i].kinds[0], square, cases[i].kinds[1], cases[i].corners);
-        struct orl_description description = scene_parse_text(text, "x.xml", xml);
-        assert_int_equal(orl_world_new(&description, &world, &err), 0);
+        struct orl_world *world = scene_world(text, "x.xml", xml, NULL);
         assert_int_equal(said(world, "light may meet either"), cases[i].told);
         orl_world_free(world);
     }

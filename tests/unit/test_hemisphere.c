@@ -16,12 +16,8 @@
 
 static struct orl_world *make_world(const char *text)
 {
-    struct orl_description description = scene_parse_text(text, NULL, NULL);
     struct orl_crew *crew = orl_crew_start(1);
-    struct orl_world *world = NULL;
-    assert_non_null(crew);
-    assert_int_equal(orl_world_new(&description, &world, NULL), 0);
-    assert_int_equal(orl_world_find_ports(world, crew, NULL), 0);
+    struct orl_world *world = scene_world(text, NULL, NULL, crew);
     orl_crew_stop(crew);
     return world;
 }

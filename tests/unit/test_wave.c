@@ -85,15 +85,13 @@ static void test_waves(void **state)
 /* None flies: nothing is left, and nothing was to be copied from nowhere. */
 static void test_none_flies(void **state)
 {
-    struct orl_description description =
-        scene_parse_text(ROOM_SUN ROOM_GREY ROOM_CLEAR ROOM_SHELL ROOM_PANE, NULL, NULL);
-    struct orl_world *world = NULL;
+    struct orl_world *world =
+        scene_world(ROOM_SUN ROOM_GREY ROOM_CLEAR ROOM_SHELL ROOM_PANE, NULL, NULL, NULL);
     struct orl_deposits deposits = {0};
     static const struct orl_flight flights[ORL_EMISSIONS_AT_ONCE];
     static const bool flies[ORL_EMISSIONS_AT_ONCE];
     static struct orl_random randoms[ORL_EMISSIONS_AT_ONCE];
     (void)state;
-    assert_int_equal(orl_world_new(&description, &world, NULL), 0);
     orl_trace_many(world, flights, flies, ORL_EMISSIONS_AT_ONCE, false, randoms, &deposits);
     assert_int_equal(deposits.count, 0);
     assert_null(deposits.photons);
