@@ -100,6 +100,9 @@ help:
 ## make torture    a daemon killed 500 times under load (TORTURE_KILLS), faults of disk, files,
 ##                 database and memory, each call that can fail, 200 power cuts, malformed requests,
 ##                 cancels: what it answered for is kept
+## make siege      a daemon under attack, SIEGE_SECONDS (600): all at once and each alone, beside a
+##                 polite client whose waiting is bounded
+## make image      the Dockerfile built by buildah on a base by debootstrap, as root; the demo in it
 ## make format     clang-format in place
 
 # ---- Packages ------------------------------------------------------------------------------------
@@ -225,6 +228,18 @@ torture: deps-check
 		python3 tests/torture/powercuts.py $(BUILD) --cuts 200 || failed=1; \
 		python3 tests/torture/malformed.py $(BUILD) --count 10000 || failed=1; \
 		python3 tests/torture/cancel.py $(BUILD) || failed=1; exit $$failed
+
+SIEGE_SECONDS ?= 600
+.PHONY: siege image
+siege: deps-check
+	@$(MAKE) --no-print-directory -j$(JOBS) all
+	@PYTHONDONTWRITEBYTECODE=1 python3 tests/torture/siege.py $(BUILD) --seconds $(SIEGE_SECONDS)
+
+# Not part of the checks: it takes root, and Debian's archive.
+PACKAGES_IMAGE := buildah debootstrap crun
+deps-image: ; $(call install_packages,$(PACKAGES_IMAGE))
+image: deps-image
+	@tests/image $(BUILD)/image
 
 STABILITY_BIN := $(filter $(BUILD)/tests/stability/%,$(TEST_BIN))
 stability: deps-check

@@ -30,10 +30,11 @@
 #define ORL_SERVER_QUEUE 1024U      /* jobs waiting */
 #define ORL_SERVER_CLIENT_JOBS 256U /* waiting or running, of one client among several ... */
 #define ORL_SERVER_CLIENT_STREAMS 256U /* ... and streams of events open */
-#define ORL_SERVER_SHARING 64U      /* jobs that follow one computation; the next begins another */
-#define ORL_SERVER_KEY_S 86400U     /* that an Idempotency-Key is remembered */
-#define ORL_SERVER_UNFETCHED_S 600U /* that results stay for somebody to ask for them */
-#define ORL_SERVER_LIST 1000U       /* jobs in one listing ... */
+#define ORL_SERVER_SHARING 64U       /* jobs that follow one computation; the next begins another */
+#define ORL_SERVER_KEY_S 86400U      /* that an Idempotency-Key is remembered */
+#define ORL_SERVER_UNFETCHED_S 600U  /* that results stay for somebody to ask for them */
+#define ORL_SERVER_LIST 1000U        /* jobs that a listing may be asked for; */
+#define ORL_SERVER_LIST_AT_ONCE 200U /* of these in one answer, which everybody waits for ... */
 #define ORL_SERVER_LIST_BYTES (4UL << 20) /* ... and what it may take; that many jobs, or one */
 #define ORL_SERVER_STUDY_RUNS 500U        /* runs of one study, the reference's included */
 #define ORL_SERVER_THREADS 512U           /* render threads */

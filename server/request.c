@@ -238,6 +238,9 @@ static enum MHD_Result take_data(struct orl_request *request, const char *data, 
     if (request->working)
         return MHD_YES;
     orl_connection_received(request->connection, *data_size);
+    /* Else the daemon would have to write for as long as somebody sends. */
+    if (!request->response && request->server->stopping)
+        orl_reply_stopping(request);
     if (request->response) {
         *data_size = 0; /* refused already */
         return MHD_YES;
@@ -259,6 +262,8 @@ static enum MHD_Result dispatch(struct orl_request *request)
 {
     request->dispatched = true;
     orl_connection_body(request->connection);
+    if (!request->response && request->server->stopping)
+        orl_reply_stopping(request);
     if (request->response)
         return send_response(request);
     if (request->body.over)

@@ -73,6 +73,7 @@ static const struct {
     {"GET", "/v1/jobs?limit=0", NULL, NULL, 400, "invalid", NULL},
     {"GET", "/v1/jobs?limit=x", NULL, NULL, 400, "invalid", NULL},
     {"GET", "/v1/jobs?state=lost", NULL, NULL, 400, "invalid", NULL},
+    {"GET", "/v1/jobs?before=0123", NULL, NULL, 400, "invalid", NULL},
 };
 
 static void test_refusals(void **state)

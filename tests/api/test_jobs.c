@@ -356,6 +356,30 @@ static void test_failure_is_told(void **state)
     reply_done(&reply);
 }
 
+/* Goes through all jobs, each once, as many at once as come. */
+static size_t count_by_pages(struct daemon *daemon)
+{
+    char path[120] = "/v1/jobs?limit=1000", last[40] = "";
+    size_t count = 0;
+    for (bool more = true; more;) {
+        struct reply reply;
+        daemon_get(daemon, path, &reply);
+        assert_int_equal(reply.status, 200);
+        const json_t *jobs = reply_at(&reply, "jobs");
+        const size_t here = json_array_size(jobs);
+        assert_in_range(here, 1, 200);
+        count += here;
+        more = json_is_true(reply_at(&reply, "more"));
+        const char *id = json_string_value(json_object_get(json_array_get(jobs, here - 1), "id"));
+        assert_non_null(id);
+        assert_string_not_equal(id, last);
+        snprintf(last, sizeof last, "%s", id ? id : "");
+        snprintf(path, sizeof path, "/v1/jobs?limit=1000&before=%s", last);
+        reply_done(&reply);
+    }
+    return count;
+}
+
 /* The queue has an end; what it refuses it refuses before it stores. */
 static void test_full_queue(void **state)
 {
@@ -383,10 +407,7 @@ static void test_full_queue(void **state)
     daemon_get(&f->daemon, "/readyz", &reply);
     assert_int_equal(reply.status, 200);
     reply_done(&reply);
-    daemon_get(&f->daemon, "/v1/jobs?limit=1000", &reply);
-    assert_int_equal(json_array_size(reply_at(&reply, "jobs")), 1000);
-    print_message("# a listing of 1000 jobs: %.1f ms\n", 1000 * reply.seconds);
-    reply_done(&reply);
+    assert_true(count_by_pages(&f->daemon) > ORL_SERVER_QUEUE);
 }
 
 /* ---- Two jobs at once ----------------------------------------------------------------------- */

@@ -3,6 +3,7 @@ api/openapi.yaml has it."""
 
 import re
 import signal
+import socket
 import time
 
 from recorder import METHODS
@@ -92,9 +93,16 @@ def stopping(daemon, busy):
     asks = [(operation, daemon.connect()) for operation in daemon.contract.operations]
     for _, connection in asks:
         daemon.ask("GET", "/healthz", connection=connection)
+    begun = [socket.create_connection(("127.0.0.1", daemon.port), timeout=60) for _ in range(2)]
+    for one in begun:
+        one.sendall(b"POST /v1/bsdfs HTTP/1.1\r\nHost: localhost\r\nContent-Length: 4\r\n\r\n<x")
     work = busy(daemon)
     daemon.process.send_signal(signal.SIGTERM)
     time.sleep(0.05)
+    for one in begun:  # what comes on now is not taken
+        one.sendall(b"/>")
+        assert one.recv(12) == b"HTTP/1.1 503"
+        one.close()
     for (method, template), connection in asks:
         daemon.ask(method, url_of(template), connection=connection, want=503)
     work()
