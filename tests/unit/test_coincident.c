@@ -346,7 +346,8 @@ static void test_open(void **state)
             said(world, "makes no difference") != cases[i].alike ||
             (int)world->scene->description.n_warnings != cases[i].open + cases[i].alike)
             fail_msg("of %s %zu warnings: %s", cases[i].pair, world->scene->description.n_warnings,
-                     world->scene->description.n_warnings ? world->scene->description.warnings[0] : "none");
+                     world->scene->description.n_warnings ? world->scene->description.warnings[0]
+                                                          : "none");
         orl_world_free(world);
     }
 }
