@@ -160,7 +160,7 @@ static void reply_given_up(struct orl_request *request, const struct orl_check *
                           (unsigned long long)(check->asking.memory >> 20));
         orl_reply_header(request, "Retry-After", "60");
     } else { /* nobody is there to read it */
-        orl_reply_problem(request, 400, "hung-up", "The client has hung up",
+        orl_reply_problem(request, 400, "invalid", "The client has hung up",
                           "the connection was closed before its request was answered");
     }
 }
