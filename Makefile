@@ -263,7 +263,7 @@ fuzz: deps-fuzz
 		CFLAGS='-include tests/fuzz/limits.h' fuzzers
 	@tests/fuzz/run $(BUILD)/fuzz $(SECONDS) $(JOBS) $(FUZZ_TARGETS)
 # What of the daemon reads hostile bytes by itself.
-FUZZ_SERVER_OBJ := $(patsubst %,$(BUILD)/obj/server/%.o,unzip incoming store/bundle store/folders)
+FUZZ_SERVER_OBJ := $(patsubst %,$(BUILD)/obj/server/%.o,unzip incoming hold multipart framing range store/bundle store/folders)
 fuzzers: $(FUZZ_TARGETS:%=$(BUILD)/%)
 $(FUZZ_TARGETS:%=$(BUILD)/obj/tests/fuzz/driver_%.o): $(BUILD)/obj/tests/fuzz/driver_%.o: \
 		tests/fuzz/driver.c $(BUILD)/flags
@@ -271,10 +271,10 @@ $(FUZZ_TARGETS:%=$(BUILD)/obj/tests/fuzz/driver_%.o): $(BUILD)/obj/tests/fuzz/dr
 	$(call say,CC,$@)
 	$(Q)$(CC) $(ALL_CFLAGS) $(INC_tests) -DFUZZ_TARGET=$* -MMD -MP -c $< -o $@
 $(FUZZ_TARGETS:%=$(BUILD)/%): $(BUILD)/%: $(BUILD)/obj/tests/fuzz/driver_%.o \
-		$(BUILD)/obj/tests/fuzz/%.o $(BUILD)/obj/tests/fuzz/promise.o $(FUZZ_SERVER_OBJ) \
+		$(BUILD)/obj/tests/fuzz/%.o $(BUILD)/obj/tests/fuzz/promise.o $(BUILD)/obj/tests/support/wire.o $(FUZZ_SERVER_OBJ) \
 		$(BUILD)/liboriel.a
 	$(call say,LD,$@)
-	$(Q)$(CC) $(ALL_LDFLAGS) -fsanitize=fuzzer -o $@ $^ -larchive $(API_LIBS) $(CORE_LIBS)
+	$(Q)$(CC) $(ALL_LDFLAGS) -fsanitize=fuzzer -o $@ $^ -larchive -lmicrohttpd $(API_LIBS) $(CORE_LIBS)
 .PHONY: run-tests
 run-tests:
 	@tests/run $(BUILD) $(TEST_BIN)

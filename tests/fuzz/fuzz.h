@@ -25,6 +25,10 @@ bool fuzz_map(const uint8_t *data, size_t size);
 bool fuzz_sensors(const uint8_t *data, size_t size);
 bool fuzz_weather(const uint8_t *data, size_t size);
 bool fuzz_zip(const uint8_t *data, size_t size);
+bool fuzz_compiled(const uint8_t *data, size_t size);
+bool fuzz_framing(const uint8_t *data, size_t size);
+bool fuzz_multipart(const uint8_t *data, size_t size);
+bool fuzz_range(const uint8_t *data, size_t size);
 
 /* ---- For the targets (promise.c) ---------------------------------------------------------------
  */

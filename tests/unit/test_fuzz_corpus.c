@@ -118,13 +118,43 @@ static void test_zip(void **state)
     repeat_trifles(fuzz_zip);
 }
 
+static void test_compiled(void **state)
+{
+    (void)state;
+    repeat_all("tests/fuzz/corpus/compiled", fuzz_compiled);
+    repeat_trifles(fuzz_compiled);
+}
+
+static void test_framing(void **state)
+{
+    (void)state;
+    repeat_all("tests/fuzz/corpus/framing", fuzz_framing);
+    repeat_trifles(fuzz_framing);
+}
+
+static void test_multipart(void **state)
+{
+    (void)state;
+    repeat_all("tests/fuzz/corpus/multipart", fuzz_multipart);
+    repeat_trifles(fuzz_multipart);
+}
+
+static void test_range(void **state)
+{
+    (void)state;
+    repeat_all("tests/fuzz/corpus/range", fuzz_range);
+    repeat_trifles(fuzz_range);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_scene),   cmocka_unit_test(test_bsdf),
         cmocka_unit_test(test_job),     cmocka_unit_test(test_map),
         cmocka_unit_test(test_sensors), cmocka_unit_test(test_weather),
-        cmocka_unit_test(test_zip),
+        cmocka_unit_test(test_zip),     cmocka_unit_test(test_compiled),
+        cmocka_unit_test(test_framing), cmocka_unit_test(test_multipart),
+        cmocka_unit_test(test_range),
     };
     if (sodium_init() < 0)
         return 1;

@@ -1,0 +1,57 @@
+/* What comes down a connection: whatever is taken for a request has one owner and one end. */
+#include <string.h>
+
+#include "framing.h"
+#include "fuzz/fuzz.h"
+#include "support/wire.h"
+
+struct seen {
+    size_t requests, sound;
+    bool taken; /* the request under way */
+};
+
+struct count {
+    size_t hosts, lengths, codings;
+};
+
+static enum MHD_Result count_header(void *ctx, enum MHD_ValueKind kind, const char *name,
+                                    const char *value)
+{
+    struct count *count = ctx;
+    (void)kind;
+    count->hosts += strcasecmp(name, "Host") == 0;
+    count->lengths += strcasecmp(name, "Content-Length") == 0;
+    count->codings += strcasecmp(name, "Transfer-Encoding") == 0;
+    for (const char *c = name; *c; c++)
+        FUZZ_PROMISE((unsigned char)*c > ' ' && *c != 127 && *c != ':');
+    for (const char *c = value ? value : ""; *c; c++)
+        FUZZ_PROMISE((unsigned char)*c >= ' ' || *c == '\t');
+    return MHD_YES;
+}
+
+static void see(void *ctx, struct MHD_Connection *connection, const char *method,
+                const char *version, int last)
+{
+    struct seen *seen = ctx;
+    struct count count = {0, 0, 0};
+    if (last) {
+        seen->sound += seen->taken;
+        return;
+    }
+    seen->requests++;
+    const char *fault = orl_framing_check(connection, method, version);
+    FUZZ_PROMISE(!fault || *fault);
+    seen->taken = !fault;
+    if (fault)
+        return;
+    MHD_get_connection_values(connection, MHD_HEADER_KIND, count_header, &count);
+    FUZZ_PROMISE(count.hosts <= 1 && count.lengths + count.codings <= 1);
+}
+
+bool fuzz_framing(const uint8_t *data, size_t size)
+{
+    struct seen seen = {0, 0, false};
+    wire_send(data, size, see, &seen);
+    FUZZ_PROMISE(seen.sound <= seen.requests);
+    return seen.sound > 0;
+}
