@@ -3,6 +3,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 struct discard {
     uv_work_t work;
@@ -11,8 +12,11 @@ struct discard {
 
 static void remove_it(uv_work_t *work)
 {
+    enum { ATTEMPTS = 3 };
     const struct discard *discard = work->data;
-    orl_remove_tree(discard->path, NULL); /* else the next start does */
+    /* For want of memory, say, that is there a moment later; else the next start does. */
+    for (int i = 0; i < ATTEMPTS && orl_remove_tree(discard->path, NULL) != 0; i++)
+        nanosleep(&(struct timespec){.tv_nsec = 10000000}, NULL);
 }
 
 static void removed(uv_work_t *work, int status)

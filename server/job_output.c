@@ -156,7 +156,7 @@ static int write_document(const json_t *doc, const char *name, const char *folde
     char path[ORL_PATH_MAX];
     char *text = doc ? json_dumps(doc, JSON_INDENT(1)) : NULL;
     if (!text)
-        return orl_error_set(err, ORL_ERR_INTERNAL, "the result cannot be written as JSON");
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for the result");
     orl_job_output_path(folder, name, path);
     const int rc = orl_write_file(path, text, strlen(text), err);
     free(text);

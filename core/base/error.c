@@ -42,6 +42,8 @@ void orl_error_hint(struct orl_error *err, const char *format, ...)
 
 int orl_err_of_errno(int why)
 {
+    if (why == ENOMEM)
+        return ORL_ERR_NOMEM;
     return why == ENOSPC || why == EDQUOT ? ORL_ERR_FULL : ORL_ERR_IO;
 }
 

@@ -45,6 +45,7 @@ int orl_png_write(const char *path, uint32_t width, uint32_t height, const unsig
         return code;
     code = encode(&picture, file.stream);
     if (code < 0)
-        orl_error_set(err, code, "libpng failed writing '%s'", path);
+        orl_error_set(err, code, "libpng failed writing '%s'%s", path,
+                      code == ORL_ERR_NOMEM ? ": out of memory" : "");
     return orl_out_close(&file, code, err);
 }

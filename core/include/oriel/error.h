@@ -52,7 +52,8 @@ void orl_error_at(struct orl_error *err, const char *file, int line, const char 
 void orl_error_hint(struct orl_error *err, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 
-/* The code for an errno of the file system: ORL_ERR_FULL for ENOSPC and EDQUOT, else ORL_ERR_IO. */
+/* The code for an errno of the file system: ORL_ERR_FULL for ENOSPC and EDQUOT, ORL_ERR_NOMEM for
+ * ENOMEM, else ORL_ERR_IO. */
 int orl_err_of_errno(int why);
 
 /* A stable, lower-case name for a code: "syntax", "not-found", ... Never NULL. */
