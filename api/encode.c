@@ -1,7 +1,10 @@
 #include "encode.h"
 
 #include <math.h>
+#include <stdbool.h>
 #include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
 
 #include <oriel/error.h>
 
@@ -21,4 +24,40 @@ json_t *orl_json_from_text(const char *text)
 json_t *orl_json_from_real(double value)
 {
     return isfinite(value) ? json_real(value) : json_null();
+}
+
+/* Once there was no memory, nothing more is taken: what is left out cannot be seen later. */
+struct text {
+    char *bytes;
+    size_t length, room;
+    bool failed;
+};
+
+static int append(const char *bytes, size_t size, void *ctx)
+{
+    enum { FIRST = 256 };
+    struct text *text = ctx;
+    const size_t needed = text->length + size + 1;
+    if (!text->failed && needed > text->room) {
+        const size_t room = needed < FIRST ? FIRST : 2 * needed;
+        char *grown = realloc(text->bytes, room);
+        text->failed = !grown;
+        text->bytes = grown ? grown : text->bytes;
+        text->room = grown ? room : text->room;
+    }
+    if (text->failed)
+        return -1;
+    memcpy(text->bytes + text->length, bytes, size);
+    text->length += size;
+    text->bytes[text->length] = '\0';
+    return 0;
+}
+
+char *orl_json_text(const json_t *value, size_t flags)
+{
+    struct text text = {NULL, 0, 0, false};
+    if (value && json_dump_callback(value, append, &text, flags) == 0 && !text.failed)
+        return text.bytes;
+    free(text.bytes);
+    return NULL;
 }

@@ -16,4 +16,11 @@ json_t *orl_json_from_text(const char *text);
 /* A number; null in place of an infinity or a NaN. */
 json_t *orl_json_from_real(double value);
 
+/*
+ * The value as text (free()), with jansson's flags; NULL when out of memory, or value is NULL. Use
+ * it instead of json_dumps, which goes on behind a key that it had no memory for: such text is no
+ * JSON.
+ */
+char *orl_json_text(const json_t *value, size_t flags);
+
 #endif

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "encode.h"
 #include "http.h"
 #include "job_glance.h"
 #include "server.h"
@@ -74,7 +75,7 @@ static void text_unref(struct text *text)
 /* "id: ...\nevent: status\ndata: {...}\n\n"; NULL when out of memory. */
 static struct text *event_text(const char *id, json_t *glance)
 {
-    char *json = glance ? json_dumps(glance, JSON_COMPACT | JSON_REAL_PRECISION(6)) : NULL;
+    char *json = glance ? orl_json_text(glance, JSON_COMPACT | JSON_REAL_PRECISION(6)) : NULL;
     struct text *text = NULL;
     char *line = NULL;
     const int size = json ? asprintf(&line, "id: %s\nevent: status\ndata: %s\n\n", id, json) : -1;

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "encode.h"
 #include "job_status.h"
 #include "limits.h"
 #include "reply.h"
@@ -54,7 +55,7 @@ static bool add_to_list(struct orl_server *server, const struct orl_jobs_job *jo
     const char *shown;
     if (job->row.state < ORL_JOB_SUCCEEDED) {
         json_t *doc = orl_job_status(server->jobs, job);
-        made = doc ? json_dumps(doc, JSON_COMPACT) : NULL;
+        made = doc ? orl_json_text(doc, JSON_COMPACT) : NULL;
         size = made ? strlen(made) : 0;
         json_decref(doc);
         shown = made;

@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include "decode.h"
+#include "encode.h"
 #include "limits.h"
 #include "result_json.h"
 #include "skies_result_json.h"
@@ -154,7 +155,7 @@ static int write_document(const json_t *doc, const char *name, const char *folde
                           struct orl_error *err)
 {
     char path[ORL_PATH_MAX];
-    char *text = doc ? json_dumps(doc, JSON_INDENT(1)) : NULL;
+    char *text = doc ? orl_json_text(doc, JSON_INDENT(1)) : NULL;
     if (!text)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for the result");
     orl_job_output_path(folder, name, path);
@@ -168,7 +169,7 @@ static const char result_file[] = "result.json";
 /* The summary as text; takes it, NULL included, which is an error. */
 static int dump_summary(json_t *summary, char **ret_summary, struct orl_error *err)
 {
-    char *text = summary ? json_dumps(summary, JSON_COMPACT) : NULL;
+    char *text = summary ? orl_json_text(summary, JSON_COMPACT) : NULL;
     json_decref(summary);
     if (!text)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");

@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include "decode.h"
+#include "encode.h"
 
 void orl_share_identity(const char *text, size_t size, char ret_identity[ORL_SHA_HEX])
 {
@@ -17,7 +18,7 @@ void orl_share_identity(const char *text, size_t size, char ret_identity[ORL_SHA
     if (orl_json_parse(NULL, text, size, &doc, NULL))
         return;
     json_object_del(doc, "priority");
-    char *plain = json_dumps(doc, JSON_COMPACT | JSON_SORT_KEYS);
+    char *plain = orl_json_text(doc, JSON_COMPACT | JSON_SORT_KEYS);
     if (plain)
         orl_sha256_hex(plain, strlen(plain), ret_identity);
     free(plain);

@@ -150,7 +150,7 @@ int orl_kept_add(const char *folder, const char *part, json_t *files, json_t *ab
 {
     char path[ORL_PATH_MAX], note[ORL_PATH_MAX];
     json_t *doc = json_pack("{s:O, s:o}", "files", files, "about", about);
-    char *text = doc ? json_dumps(doc, JSON_COMPACT) : NULL;
+    char *text = doc ? orl_json_text(doc, JSON_COMPACT) : NULL;
     json_decref(doc);
     if (!text)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");

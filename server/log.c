@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "encode.h"
 #include "times.h"
 
 static const char *const level_names[] = {"debug", "info", "warn", "error"};
@@ -158,7 +159,7 @@ static void write_object(const struct orl_log *log, const char *now, const char 
             value = json_real(round(1000 * va_arg(args, double)) / 1000);
         json_object_set_new(doc, key, value);
     }
-    char *text = doc ? json_dumps(doc, JSON_COMPACT | JSON_REAL_PRECISION(12)) : NULL;
+    char *text = doc ? orl_json_text(doc, JSON_COMPACT | JSON_REAL_PRECISION(12)) : NULL;
     if (text)
         fprintf(log->stream, "%s\n", text);
     free(text);

@@ -6,6 +6,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "encode.h"
 #include "problem.h"
 #include "range.h"
 #include "server.h"
@@ -39,7 +40,7 @@ void orl_reply_header(struct orl_request *request, const char *name, const char 
 /* Ten digits: seconds and percents are for people; results are files, in full. */
 char *orl_reply_text_of(json_t *json)
 {
-    char *text = json ? json_dumps(json, JSON_COMPACT | JSON_REAL_PRECISION(10)) : NULL;
+    char *text = json ? orl_json_text(json, JSON_COMPACT | JSON_REAL_PRECISION(10)) : NULL;
     json_decref(json);
     return text;
 }

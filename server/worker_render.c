@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "encode.h"
 #include "kept_parts.h"
 #include "times.h"
 #include "worker_run.h"
@@ -72,7 +73,7 @@ static void show_results(struct orl_worker *worker, char *summary)
 void orl_worker_show_files(struct orl_worker *worker)
 {
     json_t *summary = json_pack("{s:O}", "files", worker->files);
-    char *text = summary ? json_dumps(summary, JSON_COMPACT) : NULL;
+    char *text = summary ? orl_json_text(summary, JSON_COMPACT) : NULL;
     json_decref(summary);
     show_results(worker, text);
 }

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 
 #include "child/opened.h"
+#include "encode.h"
 #include "limits.h"
 #include "unzip.h"
 
@@ -31,7 +32,7 @@ static int ask_for_text(struct orl_asking *asking, json_t *request, char **ret_t
     const int rc = ask(asking, request, &result, err);
     if (rc)
         return rc;
-    *ret_text = json_dumps(result, JSON_COMPACT);
+    *ret_text = orl_json_text(result, JSON_COMPACT);
     json_decref(result);
     return *ret_text ? 0 : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
 }

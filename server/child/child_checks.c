@@ -229,7 +229,7 @@ void orl_child_check(int fd)
         rc = orl_error_set(&err, ORL_ERR_NOMEM, "out of memory");
     json_t *verdict = rc ? json_pack("{s:o}", "error", orl_child_error_to_json(&err))
                          : json_pack("{s:o}", "result", result);
-    char *text = verdict ? json_dumps(verdict, JSON_COMPACT) : NULL;
+    char *text = verdict ? orl_json_text(verdict, JSON_COMPACT) : NULL;
     if (!text)
         _exit(ORL_CHILD_NO_MEMORY);
     orl_frame_send_text(fd, ORL_FRAME_VERDICT, ORL_FRAME_VERDICT_END, text, strlen(text));

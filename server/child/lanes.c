@@ -18,6 +18,7 @@
 #include "child/confine.h"
 #include "child/frames.h"
 #include "child/keeper.h"
+#include "encode.h"
 
 enum { POLL_MS = 100, VERDICT_BYTES = 1 << 20 };
 
@@ -321,7 +322,7 @@ int orl_lanes_run(struct orl_asking *asking, const json_t *request, json_t **ret
     struct talk t = {.asking = asking, .err = err};
     asking->met = ORL_CHILD_NONE;
     asking->peak_bytes = 0;
-    char *text = request ? json_dumps(request, JSON_COMPACT) : NULL;
+    char *text = request ? orl_json_text(request, JSON_COMPACT) : NULL;
     if (!text)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     t.lane = take(asking->lanes);

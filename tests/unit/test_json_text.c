@@ -1,0 +1,77 @@
+/* Text of JSON values: all of it, or none where memory ends anywhere on the way. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "encode.h"
+
+static int allocations, fails_at; /* which of jansson's is refused; -1: none */
+
+static void *allocate(size_t size)
+{
+    return allocations++ == fails_at ? NULL : malloc(size);
+}
+
+static json_t *make_document(void)
+{
+    json_t *doc = json_object();
+    for (int i = 0; i < 40; i++) {
+        char key[200];
+        snprintf(key, sizeof key, "%*s%d", 3 * i, "a key", i);
+        json_object_set_new(doc, key, json_pack("{s:[i,f], s:s}", "numbers", i, 0.5, "text", key));
+    }
+    return doc;
+}
+
+static void test_text(void **state)
+{
+    json_t *doc = make_document(), *again;
+    (void)state;
+    char *text = orl_json_text(doc, JSON_COMPACT | JSON_SORT_KEYS);
+    char *wanted = json_dumps(doc, JSON_COMPACT | JSON_SORT_KEYS);
+    assert_string_equal(text, wanted);
+    again = json_loads(text, 0, NULL);
+    assert_true(json_equal(doc, again));
+    assert_null(orl_json_text(NULL, 0));
+    json_decref(again);
+    json_decref(doc);
+    free(text);
+    free(wanted);
+}
+
+/* A single allocation fails, whichever: there is no text, or the whole. */
+static void test_memory(void **state)
+{
+    json_t *doc = make_document();
+    char *whole = orl_json_text(doc, JSON_COMPACT | JSON_SORT_KEYS);
+    (void)state;
+    assert_non_null(whole);
+    json_set_alloc_funcs(allocate, free);
+    allocations = 0, fails_at = -1;
+    free(orl_json_text(doc, JSON_COMPACT | JSON_SORT_KEYS));
+    const int most = allocations;
+    for (fails_at = 0; fails_at < most; fails_at++) {
+        allocations = 0;
+        char *text = orl_json_text(doc, JSON_COMPACT | JSON_SORT_KEYS);
+        if (text)
+            assert_string_equal(text, whole);
+        free(text);
+    }
+    fails_at = -1;
+    json_set_alloc_funcs(malloc, free);
+    json_decref(doc);
+    free(whole);
+    assert_true(most > 0);
+}
+
+int main(void)
+{
+    static const struct CMUnitTest tests[] = {cmocka_unit_test(test_text),
+                                              cmocka_unit_test(test_memory)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
