@@ -4,6 +4,8 @@
 #include <signal.h>
 #include <stdatomic.h>
 #include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
 
 #include <oriel/files.h>
 #include <oriel/skies.h>
@@ -44,10 +46,33 @@ uint32_t orl_local_cores(void)
     return 1;
 }
 
+/* What a run needs of this process, with progress on stderr. */
+struct local {
+    struct orl_files files;
+    struct orl_folder_store maps;
+    struct orl_map_store store;
+    struct orl_progress progress;
+    struct orl_run_env env;
+    char *warnings; /* lines for who runs a job that fails; a result has its own */
+};
+
+/* Each once; the last ones are lost when memory is short. */
+static void on_warned(void *ctx, const char *warning)
+{
+    struct local *local = ctx;
+    const char *told = local->warnings ? local->warnings : "";
+    char *grown = NULL;
+
+    if (!strstr(told, warning) && asprintf(&grown, "%swarning: %s\n", told, warning) >= 0) {
+        free(local->warnings);
+        local->warnings = grown;
+    }
+}
+
 static void on_progress(void *ctx, enum orl_stage stage, double stage_fraction, double job_fraction)
 {
     (void)stage_fraction;
-    orl_progress_show(ctx, orl_stage_name(stage), job_fraction, -1);
+    orl_progress_show(&((struct local *)ctx)->progress, orl_stage_name(stage), job_fraction, -1);
 }
 
 static void on_plan(void *ctx, const struct orl_plan *plan)
@@ -55,7 +80,7 @@ static void on_plan(void *ctx, const struct orl_plan *plan)
     char text[128];
 
     orl_format_plan(plan, text, sizeof text);
-    orl_progress_note(ctx, "plan: %s", text);
+    orl_progress_note(&((struct local *)ctx)->progress, "plan: %s", text);
 }
 
 static void on_map(void *ctx, const struct orl_map_info *info)
@@ -65,7 +90,7 @@ static void on_map(void *ctx, const struct orl_map_info *info)
 
     if (map) {
         orl_format_map(map, text, sizeof text);
-        orl_progress_note(ctx, "%s", text);
+        orl_progress_note(&((struct local *)ctx)->progress, "%s", text);
     }
     json_decref(map);
 }
@@ -77,7 +102,8 @@ static void on_round(void *ctx, const struct orl_result *result)
 
     if (outcome->achieved >= 0)
         snprintf(error, sizeof error, "%.3g %%", 100 * outcome->achieved);
-    orl_progress_note(ctx, "round %u: error %s, %.1f s", outcome->rounds, error, result->total_s);
+    orl_progress_note(&((struct local *)ctx)->progress, "round %u: error %s, %.1f s",
+                      outcome->rounds, error, result->total_s);
 }
 
 /* Gives env what both commands need. */
@@ -89,15 +115,6 @@ static int prepare(struct orl_run_env *env, uint32_t threads, struct orl_error *
     return env->crew ? 0
                      : orl_error_set(err, ORL_ERR_NOMEM, "%u threads cannot be started", threads);
 }
-
-/* What a run needs of this process, with progress on stderr. */
-struct local {
-    struct orl_files files;
-    struct orl_folder_store maps;
-    struct orl_map_store store;
-    struct orl_progress progress;
-    struct orl_run_env env;
-};
 
 static int local_start(struct local *local, const char *folder, const char *output,
                        uint32_t threads, struct orl_error *err)
@@ -112,8 +129,10 @@ static int local_start(struct local *local, const char *folder, const char *outp
                                       .progress = on_progress,
                                       .plan_ready = on_plan,
                                       .map_ready = on_map,
+                                      .warned = on_warned,
                                       .round_ready = on_round,
-                                      .ctx = &local->progress};
+                                      .ctx = local};
+    local->warnings = NULL;
     rc = orl_join_path(output, "maps", local->maps.folder, sizeof local->maps.folder, err);
     if (rc == 0)
         rc = prepare(&local->env, threads, err);
@@ -122,10 +141,14 @@ static int local_start(struct local *local, const char *folder, const char *outp
     return rc;
 }
 
-static void local_stop(struct local *local)
+/* With the run's verdict. */
+static void local_stop(struct local *local, int code)
 {
     orl_progress_end(&local->progress);
     orl_crew_stop(local->env.crew);
+    if (code < 0 && local->warnings)
+        fputs(local->warnings, stderr);
+    free(local->warnings);
 }
 
 int orl_local_run(const struct orl_job *job, const char *folder, const char *output,
@@ -137,7 +160,7 @@ int orl_local_run(const struct orl_job *job, const char *folder, const char *out
     if (rc)
         return rc;
     rc = orl_run(job, &local.env, ret_result, err);
-    local_stop(&local);
+    local_stop(&local, rc);
     return rc;
 }
 
@@ -187,7 +210,7 @@ int orl_local_run_skies(const struct orl_job *job, const char *folder, const cha
 
     if (rc == 0) {
         rc = orl_run_skies(job, &skies.local.env, &env, err);
-        local_stop(&skies.local);
+        local_stop(&skies.local, rc);
     }
     if (rc == 0 && orl_skies_result_end(skies.results, "succeeded"))
         rc = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");

@@ -83,10 +83,12 @@ static void expect_kept(struct daemon *daemon, double hits)
     assert_int_equal(daemon_count_files(daemon, "maps"), 1);
 }
 
-/* Jobs at once, of which one reads the file; then one more after a restart. */
+/* Jobs at once, of which one reads the file; then one more after a restart. Without a shelf, where
+ * they would find the scene with its BSDFs loaded. */
 static void test_kept(void **state)
 {
-    static const char *const two_at_once[] = {"--threads", "2", "--jobs", "2", NULL};
+    static const char *const two_at_once[] = {"--threads", "2", "--jobs", "2",
+                                              "--shelf",   "0", NULL};
     struct daemon daemon;
     char id[65], jobs[JOBS][80];
     double lux[JOBS];
