@@ -2,7 +2,7 @@
 
 #include <stdlib.h>
 
-enum { WIDTHS = 8, TASK = 8192, FIRST_ROUND = 1 << 16, TASKS_A_ROUND = 64 };
+enum { WIDTHS = 8, TASK = 8192, FIRST_ROUND = ORL_AIR_FEWEST, TASKS_A_ROUND = 64 };
 
 /* The widest disc: so many times a search among caustic photons, but no more than of the scene. */
 static const double wider = 4, widest_of_scene = 0.1;
@@ -13,6 +13,10 @@ static const double beside_rest = 0.5, beside_light = 0.01, almost_all = 0.95;
 
 /* What differs by so many standard errors is no scatter. */
 static const double certain = 3.5;
+
+/* Light is felt at a sensor when it is so many of the standard errors that the sensor has with it.
+ */
+static const double felt = 2;
 
 /* What came through a ring of a disc: from the next narrower width to its own. */
 struct ring {
@@ -34,7 +38,7 @@ struct orl_air {
     struct orl_disc *discs; /* per sensor; once gathered in, the first n_discs */
     size_t n_discs;
     struct ring (*rings)[WIDTHS];
-    uint64_t emitted;
+    uint64_t emitted, rays;
     double flux, photons; /* that set out: luma, and how many */
 };
 
@@ -95,12 +99,15 @@ static bool may_send_on(const struct orl_world *world)
 
 /* ---- Discs ----------------------------------------------------------------------------------- */
 
+bool orl_air_may_be_lit(const struct orl_world *world)
+{
+    return !(world->omit.mirror_caustics && world->omit.lobe_caustics) && may_send_on(world);
+}
+
 int orl_air_new(const struct orl_gather *gather, size_t sensors, struct orl_air **ret_air)
 {
-    const struct orl_omissions *omit = &gather->world->omit;
     *ret_air = NULL;
-    if (sensors == 0 || !gather->maps[ORL_MAP_CAUSTIC] ||
-        (omit->mirror_caustics && omit->lobe_caustics) || !may_send_on(gather->world))
+    if (sensors == 0 || !gather->maps[ORL_MAP_CAUSTIC] || !orl_air_may_be_lit(gather->world))
         return 0;
     struct orl_air *air = calloc(1, sizeof *air);
     if (!air)
@@ -234,6 +241,7 @@ static int fly_round(struct orl_air *air, struct round *round, const struct orl_
         health->photons += counted.photons;
         health->rays += counted.rays;
         health->paths += counted.paths;
+        air->rays += counted.rays;
         air->flux += orl_sum_value(&deposits->flux);
         air->photons += (double)counted.photons;
         if (deposits->passes.out_of_memory)
@@ -346,30 +354,42 @@ struct orl_estimate orl_air_estimate(const struct orl_air *air, size_t sensor)
     return orl_estimate_add(s->rest, more);
 }
 
-static bool is_enough(const struct orl_air *air)
+/* Whether what comes through its disc is known well enough; and whether it is felt. */
+static bool is_content(const struct sensor *s, const struct orl_estimate *more, bool *ret_felt)
 {
-    size_t content = 0;
+    const double light = orl_luma(s->rest.value) + orl_luma(more->value);
+    *ret_felt = orl_luma(more->value) > felt * hypot(s->rest.standard_error, more->standard_error);
+    return more->standard_error <= fmax(beside_rest * s->rest.standard_error, beside_light * light);
+}
+
+/* Twice as many are not flown for what almost all sensors know; nor, beyond the rays that are no
+ * loss, for what no sensor feels that does not know it. */
+static bool is_enough(const struct orl_air *air, double rays_not_felt)
+{
+    size_t content = 0, feeling = 0;
     for (size_t i = 0; i < air->n_sensors; i++) {
         const struct sensor *s = &air->sensors[i];
+        bool feels;
         if (s->disc == NONE)
             continue;
         const struct orl_estimate more = caught(air, s->disc);
-        const double light = orl_luma(s->rest.value) + orl_luma(more.value);
-        content +=
-            more.standard_error <= fmax(beside_rest * s->rest.standard_error, beside_light * light);
+        const bool is = is_content(s, &more, &feels);
+        content += is;
+        feeling += feels && !is;
     }
-    return (double)content >= almost_all * (double)air->n_discs;
+    return (double)content >= almost_all * (double)air->n_discs ||
+           (feeling == 0 && 2 * (double)air->rays > rays_not_felt);
 }
 
-int orl_air_catch(struct orl_air *air, const struct orl_shoot_env *env, uint64_t most,
-                  struct orl_health *health)
+int orl_air_catch(struct orl_air *air, const struct orl_shoot_env *env,
+                  const struct orl_air_bounds *bounds, struct orl_health *health)
 {
     struct orl_discs *discs = NULL;
     struct round *round = malloc(sizeof *round);
     int code = round ? gather_in(air) : ORL_ERR_NOMEM;
     if (code == 0)
         code = orl_discs_new(air->discs, air->n_discs, &discs);
-    most -= most % ORL_MAP_BATCHES;
+    const uint64_t most = bounds->emissions - bounds->emissions % ORL_MAP_BATCHES;
     uint64_t wanted = FIRST_ROUND < most ? FIRST_ROUND : most;
     while (code == 0 && air->emitted < most && env->emission->has_caustics) {
         const uint64_t largest = air->emitted + (uint64_t)TASK * TASKS_A_ROUND;
@@ -378,7 +398,7 @@ int orl_air_catch(struct orl_air *air, const struct orl_shoot_env *env, uint64_t
         round->end = wanted < largest ? wanted : largest;
         code = fly_round(air, round, discs, health);
         if (code == 0 && air->emitted == wanted) {
-            if (is_enough(air))
+            if (is_enough(air, bounds->rays_not_felt))
                 break;
             wanted = 2 * wanted < most ? 2 * wanted : most;
         }

@@ -5,10 +5,11 @@
  * lens, of lamps - comes as photons that fly through a disc about the sensor (photon/discs.h).
  *
  * They are flights of their own, in rounds, and end where more of them would not change the
- * sensors' errors by much, or at a number. Each disc is read at several widths at once; of these
- * the one counts whose scatter and bias together are least, a bias being in proportion to the area
- * and so told by the next width. The standard error is that of batches, and no less than if one
- * photon more had come: where none came there may be light that is rare.
+ * sensors' errors by much, where what they have found is not felt at any sensor beside its error,
+ * or at a number. Each disc is read at several widths at once; of these the one counts whose
+ * scatter and bias together are least, a bias being in proportion to the area and so told by the
+ * next width. The standard error is that of batches, and no less than if one photon more had come:
+ * where none came there may be light that is rare.
  *
  * A sensor's disc may be made by any member of the crew, each sensor once; all else by the lead.
  */
@@ -18,6 +19,9 @@
 #include "render/gather.h"
 
 struct orl_air;
+
+/* Whether anything sends such light on in that world, as it is simulated. */
+bool orl_air_may_be_lit(const struct orl_world *world);
 
 /* For so many sensors. *ret_air is NULL where nothing can send such light on. Returns 0 or
  * ORL_ERR_NOMEM. */
@@ -31,12 +35,18 @@ void orl_air_put(struct orl_air *air, size_t sensor, const struct orl_place *pla
 /* Whether there is any sensor in mid-air. */
 bool orl_air_is_needed(const struct orl_air *air);
 
-/*
- * Flies photons by, `most` emissions at the most. Counts into health. Returns 0, ORL_ERR_CANCELLED
- * or ORL_ERR_NOMEM.
- */
-int orl_air_catch(struct orl_air *air, const struct orl_shoot_env *env, uint64_t most,
-                  struct orl_health *health);
+/* The first round has so many emissions, or all there are. */
+enum { ORL_AIR_FEWEST = 1 << 16 };
+
+struct orl_air_bounds {
+    uint64_t emissions;   /* at the most */
+    double rays_not_felt; /* rays are no more than these, but for the first round, while no sensor
+                             feels what they bring; INFINITY: however many */
+};
+
+/* Flies photons by. Counts into health. Returns 0, ORL_ERR_CANCELLED or ORL_ERR_NOMEM. */
+int orl_air_catch(struct orl_air *air, const struct orl_shoot_env *env,
+                  const struct orl_air_bounds *bounds, struct orl_health *health);
 
 /* The sensor's estimate with what was caught. */
 struct orl_estimate orl_air_estimate(const struct orl_air *air, size_t sensor);

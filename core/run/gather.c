@@ -1,6 +1,7 @@
 /* A job by the techniques of photon maps: the maps, then sensors and views from them. */
 #include "run/stages.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -35,14 +36,24 @@ static void compute_sensor(void *ctx, size_t index, uint32_t member)
     orl_run_book_sensor(state, index, &e);
 }
 
-/* At most so many emissions: as for a caustic map that is asked for, and had; a plan stores fewer
- * photons where a map shows little of them, which says nothing of one sensor. */
-static uint64_t most_in_air(const struct orl_run_state *state)
+/* As for a caustic map that is asked for, and had; a plan stores fewer photons where a map shows
+ * little of them, which says nothing of one sensor. */
+uint64_t orl_run_most_in_air(const struct orl_run_state *state)
 {
     const struct orl_plan *plan = &state->result->plan;
     const bool by_plan = state->job->photons_caustic != plan->photons_caustic;
     return by_plan && plan->photons_global > plan->photons_caustic ? plan->photons_global
                                                                    : plan->photons_caustic;
+}
+
+/* Rays of flights that nobody feels, for what they rule out: they take no longer than the global
+ * map and what it is read for, where each photon has a ray of its own and is indexed and read. */
+static double rays_not_felt(const struct orl_run_state *state)
+{
+    const struct orl_plan *plan = &state->result->plan;
+    const double of_a_photon = 2;
+    const uint64_t photons = plan->photons_global > 0 ? plan->photons_global : ORL_DEFAULT_PHOTONS;
+    return state->job->photons_exact ? INFINITY : of_a_photon * (double)photons;
 }
 
 /* Caustics to sensors in mid-air: by photons of their own. */
@@ -59,7 +70,10 @@ static int catch_in_air(void *ctx, struct orl_error *err)
                                       .seed = orl_mix64(state->job->seed ^ photons_in_air),
                                       .crew = state->env->crew,
                                       .cancel = state->env->cancel};
-    code = orl_air_catch(work->air, &env, most_in_air(state), &state->result->health);
+    const struct orl_air_bounds bounds = {orl_run_most_in_air(state), rays_not_felt(state)};
+    const double started = state->env->now_s(state->env->ctx);
+    code = orl_air_catch(work->air, &env, &bounds, &state->result->health);
+    orl_run_book(state, ORL_STAGE_PHOTONS, state->env->now_s(state->env->ctx) - started);
     if (code < 0)
         return orl_error_set(err, code, "%s",
                              code == ORL_ERR_CANCELLED ? "cancelled while computing sensors"

@@ -1,11 +1,13 @@
 #include <oriel/run.h>
 
+#include <math.h>
 #include <sodium.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "render/air.h"
 #include "run/ahead.h"
 #include "run/cost.h"
 #include "run/rounds.h"
@@ -41,16 +43,32 @@ void orl_run_guess_costs(struct orl_run_state *state)
         state->cost_s[ORL_STAGE_RENDER] += us * (double)plan->photons_global * leaf_us;
 }
 
-/* Nobody knows yet what pixels take, or paths; nor photons of which a pilot found too few. */
+/* What photons that fly to sensors in mid-air take, at the most: who flies finds out how many. */
+static double most_in_air_s(const struct orl_run_state *state)
+{
+    const struct orl_plan *plan = &state->result->plan;
+    const struct orl_foresight *f = &plan->foresight;
+    if (state->n_sensors == 0 || !(f->emitted[1] > 0) || !orl_air_may_be_lit(state->world))
+        return 0;
+    return (double)orl_run_most_in_air(state) * f->seconds[1] / f->emitted[1];
+}
+
+/* Nobody knows yet what pixels take, or paths; nor photons of which a pilot found too few, nor
+ * whether flights to sensors end early, where that makes more of a difference than a guess may. */
 void orl_run_foresee(struct orl_run_state *state)
 {
+    const double most_apart = 3.5;
     struct orl_plan *plan = &state->result->plan;
     struct orl_foresight *f = &plan->foresight;
     const bool known = f->known && plan->technique == ORL_TECHNIQUE_GATHER &&
                        state->job->n_views == 0 && !orl_goal_is_set(&state->job->goal);
-    f->job_s = known ? state->env->now_s(state->env->ctx) - state->started_s : NAN;
+    double least = known ? state->env->now_s(state->env->ctx) - state->started_s : NAN;
     for (int i = ORL_STAGE_PHOTONS; i < ORL_STAGE_COUNT; i++)
-        f->job_s += state->cost_s[i];
+        least += state->cost_s[i];
+    const double most = least + most_in_air_s(state);
+    f->job_s = most <= most_apart * least ? sqrt(least * most) : NAN;
+    if (isfinite(f->job_s))
+        state->cost_s[ORL_STAGE_RENDER] += f->job_s - least;
 }
 
 static double left_s(const struct orl_run_state *state, double fraction, double now)
@@ -102,6 +120,12 @@ static void leave(struct orl_run_state *state)
     const double now = state->env->now_s(state->env->ctx);
     state->result->timings_s[state->stage] += now - state->stage_started;
     state->stage_started = now;
+}
+
+void orl_run_book(struct orl_run_state *state, enum orl_stage stage, double seconds)
+{
+    state->result->timings_s[stage] += seconds;
+    state->stage_started += seconds;
 }
 
 void orl_run_enter(struct orl_run_state *state, enum orl_stage stage)

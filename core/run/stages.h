@@ -51,6 +51,8 @@ struct orl_run_state {
 
 /* Begins a stage: books the time of the one before, and reports. */
 void orl_run_enter(struct orl_run_state *state, enum orl_stage stage);
+/* Books seconds of the stage under way, just spent, to that one instead. */
+void orl_run_book(struct orl_run_state *state, enum orl_stage stage, double seconds);
 void orl_run_progress(const struct orl_run_state *state, double fraction);
 void orl_run_warn(struct orl_run_state *state, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
@@ -127,6 +129,9 @@ int orl_run_plan(struct orl_run_state *state, struct orl_error *err);
 void orl_run_guess_costs(struct orl_run_state *state);
 /* And so what the whole of it will take, into the foresight of its plan. */
 void orl_run_foresee(struct orl_run_state *state);
+
+/* Emissions of photons that fly to sensors in mid-air, at the most. */
+uint64_t orl_run_most_in_air(const struct orl_run_state *state);
 
 /* Photons, maps and render stages, by the technique of the plan. */
 int orl_run_backward(struct orl_run_state *state, struct orl_error *err);

@@ -11,7 +11,7 @@
 
 #include <cmocka.h>
 
-#include "support/scene_text.h"
+#include "support/room.h"
 
 #define DARK "void plastic w 0 0 5 .001 .001 .001 0 0\n"
 #define LIGHT "void light l 0 0 3 1e6 1e6 1e6\n"
@@ -285,6 +285,36 @@ static void a_canopy_outside_counts_once(void **state)
     orl_result_done(&result);
 }
 
+/* ---- How long ------------------------------------------------------------------------------- */
+
+/* A ball of glass in the sun: just behind it all of that is felt, up in a corner nothing. */
+static double rays_of(const struct orl_sensor *sensor, bool bounded)
+{
+    static const char scene[] = ROOM_SKY ROOM_SUN ROOM_GREY ROOM_CLEAR ROOM_SHELL ROOM_PANE
+        "void dielectric d 0 0 5 1 1 1 1.5 0\nd sphere ball 0 0 4 2 .6 1.2 .5\n";
+    struct orl_result result = scene_run(&(struct scene_run){.scene = scene,
+                                                             .sensors = sensor,
+                                                             .n_sensors = 1,
+                                                             .global = 100000,
+                                                             .caustic = ORL_PHOTONS_BY_PLAN,
+                                                             .bounded = bounded,
+                                                             .samples = 4096});
+    const double rays = (double)result.health.rays;
+    print_message("%.0f rays, %g +- %g lx\n", rays, result.illuminance_lx[0],
+                  result.standard_error_lx[0]);
+    orl_result_done(&result);
+    return rays;
+}
+
+static void flights_that_nobody_feels_are_few(void **state)
+{
+    const struct orl_sensor behind = {{2, 1.236, .564}, {0, -1, 1}},
+                            corner = {{1, 4, 2.5}, {0, 0, -1}};
+    (void)state;
+    assert_true(rays_of(&behind, true) == rays_of(&behind, false));
+    assert_true(rays_of(&corner, true) < rays_of(&corner, false));
+}
+
 int main(void)
 {
     static const struct CMUnitTest tests[] = {
@@ -293,6 +323,7 @@ int main(void)
         cmocka_unit_test(a_lamp_is_seen_in_a_mirror),
         cmocka_unit_test(the_sun_glances_off_rough_metal),
         cmocka_unit_test(a_canopy_outside_counts_once),
+        cmocka_unit_test(flights_that_nobody_feels_are_few),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
