@@ -104,7 +104,7 @@ static int filter_calls(void)
 #endif
 
 /* Never more than it is now. */
-static int bound(int resource, uint64_t most)
+static int bound(__rlimit_resource_t resource, uint64_t most)
 {
     struct rlimit limit;
     if (getrlimit(resource, &limit) != 0)

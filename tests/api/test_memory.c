@@ -133,13 +133,13 @@ static void test_not_now(void **state)
 /* What a job has taken goes back when it has ended: its document, its sensors, its results. */
 static void test_jobs_give_back(void **state)
 {
+    if (ORL_CHILD_SANITIZED)
+        skip();
     enum { SENSORS = 60000 };
     struct daemon_room *f = *state;
     char *text = malloc(SENSORS * 40 + 300), path[80];
     const double before_mb = daemon_memory_mb(&f->daemon, "VmRSS");
     struct reply reply;
-    if (ORL_CHILD_SANITIZED)
-        skip();
     assert_non_null(text);
     size_t used = (size_t)sprintf(text,
                                   "{\"scene\":\"%s\",\"technique\":\"direct\",\"photons\":{"
@@ -170,6 +170,8 @@ static void test_jobs_give_back(void **state)
  * where there is as much. */
 static void test_larger_checks(void **state)
 {
+    if (ORL_CHILD_SANITIZED)
+        skip();
     enum { OBJECTS = 3000000 };
     static const char *const little[] = {"--memory", "300M", NULL};
     static const long statuses[2] = {422, 413};
@@ -177,8 +179,6 @@ static void test_larger_checks(void **state)
     struct reply reply;
     char *text = malloc(3 * OBJECTS + 2);
     assert_non_null(text);
-    if (ORL_CHILD_SANITIZED)
-        skip();
     for (size_t i = 0; i < OBJECTS; i++)
         memcpy(text + 3 * i, i == 0 ? "[{}" : ",{}", 3);
     text[3 * OBJECTS] = ']';

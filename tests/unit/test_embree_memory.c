@@ -28,6 +28,7 @@
 
 static long calls, failing_from, failing_to;
 
+#if FAILING
 static bool fails(void)
 {
     const long call = __atomic_fetch_add(&calls, 1, __ATOMIC_RELAXED);
@@ -37,7 +38,6 @@ static bool fails(void)
     return true;
 }
 
-#if FAILING
 extern void *__libc_malloc(size_t size);
 extern void *__libc_calloc(size_t count, size_t size);
 extern void *__libc_realloc(void *before, size_t size);
