@@ -238,8 +238,9 @@ siege: deps-check
 # Not part of the checks: it takes root, and Debian's archive.
 PACKAGES_IMAGE := buildah debootstrap crun
 deps-image: ; $(call install_packages,$(PACKAGES_IMAGE))
-image: deps-image
-	@tests/image $(BUILD)/image
+image: deps-image deps-build
+	@$(MAKE) --no-print-directory -j$(JOBS) $(BUILD)/oriel-lcp
+	@tests/image $(BUILD) $(BUILD)/image
 
 STABILITY_BIN := $(filter $(BUILD)/tests/stability/%,$(TEST_BIN))
 stability: deps-check

@@ -9,6 +9,7 @@
 #include <string.h>
 #include <sys/resource.h>
 #include <sys/syscall.h>
+#include <time.h>
 #include <unistd.h>
 
 #include <oriel/run.h>
@@ -84,7 +85,8 @@ struct finding {
 };
 
 struct orl_scrubbing {
-    struct orl_server *server;
+    struct orl_server *server;  /* the loop's */
+    struct orl_folders folders; /* the thread's own */
     uint64_t bytes_per_s;
     pthread_t thread;
     atomic_bool stop;
@@ -137,7 +139,7 @@ static void lower_priority(void)
 static void *scrub_for_ever(void *arg)
 {
     struct orl_scrubbing *scrubbing = arg;
-    const struct orl_folders *folders = &scrubbing->server->folders;
+    const struct orl_folders *folders = &scrubbing->folders;
     const struct orl_scrubber scrubber = {note_finding, slowly, scrubbing};
     char path[ORL_PATH_MAX];
     orl_folders_path(folders, path, "oriel.db");
@@ -161,6 +163,7 @@ struct orl_scrubbing *orl_scrubbing_start(struct orl_server *server, uint64_t by
     if (!scrubbing)
         return NULL;
     scrubbing->server = server;
+    scrubbing->folders = server->folders;
     scrubbing->bytes_per_s = bytes_per_s;
     pthread_mutex_init(&scrubbing->mutex, NULL);
     if (pthread_create(&scrubbing->thread, NULL, scrub_for_ever, scrubbing) != 0) {
@@ -175,8 +178,15 @@ void orl_scrubbing_stop(struct orl_scrubbing *scrubbing)
 {
     if (!scrubbing)
         return;
+    struct timespec until;
     atomic_store(&scrubbing->stop, true);
-    pthread_join(scrubbing->thread, NULL);
+    clock_gettime(CLOCK_MONOTONIC, &until);
+    until.tv_sec += 1;
+    /* It may be in the midst of a large file on a slow disk: the process ends without it. */
+    if (pthread_clockjoin_np(scrubbing->thread, NULL, CLOCK_MONOTONIC, &until) != 0) {
+        pthread_detach(scrubbing->thread);
+        return;
+    }
     pthread_mutex_destroy(&scrubbing->mutex);
     free(scrubbing);
 }
