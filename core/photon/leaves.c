@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "photon/boxes.h"
+#include "photon/crowd.h"
 #include "photon/flux.h"
 #include "photon/sheet.h"
 #include "photon/site.h"
@@ -19,7 +20,8 @@ static const double coarser = 0x1p20;
 /* A leaf's estimate as it is kept. */
 struct kept {
     _Atomic uint64_t value; /* 0: not made yet; else the value, and above it the clear radius, which
-                               is less than 0 of a patch; its last bit tells the value's unit */
+                               is less than 0 of a patch; its last bits tell the value's unit,
+                               and whether the place is crowded */
     _Atomic uint64_t shares[SHARE_WORDS]; /* of the batches; there before the value is */
 };
 
@@ -54,9 +56,10 @@ struct estimate {
     struct orl_rgb irradiance;
     double clear; /* no wall is nearer to the site */
     bool patch;   /* it is a small patch's as a whole, and speaks for no other */
+    bool crowded; /* it is not what one sees */
 };
 
-enum { MOST_TRIES = 4 };
+enum { MOST_TRIES = 4, COARSE = 1, CROWDED = 2 };
 /*
  * A leaf serves points within its spread times this. An even disc ends at 1.41. Served no further,
  * the points left over are the gaps, and what the leaves read is low by half a percent, for they
@@ -150,7 +153,9 @@ static struct orl_density make_estimate(const struct orl_leaves *leaves, uint32_
     struct orl_density_query query = query_at(leaves, orl_v3(0, 0, 0), orl_v3(0, 0, 1));
     struct orl_footing footing;
     orl_site_ask(leaves->map, &leaves->sites[leaf], leaf, leaves->world, &query, &footing);
-    return orl_spread_estimate(leaves->spread, &query, search);
+    struct orl_density density = orl_spread_estimate(leaves->spread, &query, search);
+    density.crowded = query.footing && orl_is_crowded(&footing, density.radius);
+    return density;
 }
 
 static uint64_t pack_estimate(const struct orl_leaves *leaves, const struct orl_density *density)
@@ -162,18 +167,19 @@ static uint64_t pack_estimate(const struct orl_leaves *leaves, const struct orl_
     if (low == 0)
         low = value_zero;
     memcpy(&high, &clear, sizeof high);
-    high = (high & ~1U) | coarse;
+    high &= ~(uint32_t)(COARSE | CROWDED);
+    high |= (coarse ? COARSE : 0U) | (density->crowded ? CROWDED : 0U);
     return (uint64_t)high << 32 | low;
 }
 
 static struct estimate unpack_estimate(const struct orl_leaves *leaves, uint64_t word)
 {
     const uint32_t high = (uint32_t)(word >> 32);
-    const double unit = leaves->unit * (high & 1U ? coarser : 1);
+    const double unit = leaves->unit * (high & COARSE ? coarser : 1);
     float clear;
     memcpy(&clear, &high, sizeof clear);
     return (struct estimate){orl_rgb_scale(orl_flux_unpack((uint32_t)word), unit),
-                             fabs((double)clear), signbit(clear) != 0};
+                             fabs((double)clear), signbit(clear) != 0, (high & CROWDED) != 0};
 }
 
 static void keep_shares(struct kept *kept, const struct orl_batches *parts)
@@ -307,13 +313,18 @@ static bool is_joined(const struct orl_leaves *leaves, struct candidate leaf,
 /* Whether the leaf serves the point: then what it has to say. */
 static bool reads(struct orl_leaves *leaves, struct candidate leaf,
                   const struct orl_footing *footing, struct orl_search *search,
-                  struct orl_rgb *ret_irradiance, struct orl_batches *ret_parts)
+                  struct orl_rgb *ret_irradiance, struct orl_batches *ret_parts, bool *ret_crowded)
 {
     if (!covers(leaves, leaf))
         return false;
     const struct estimate estimate = estimate_of(leaves, leaf.leaf, search);
     if (!is_joined(leaves, leaf, &estimate, footing))
         return false;
+    if (ret_crowded && estimate.crowded) {
+        *ret_crowded = true;
+        *ret_irradiance = orl_gray(0);
+        return true;
+    }
     *ret_irradiance = estimate.irradiance;
     if (ret_parts)
         *ret_parts = parts_of(&leaves->kept[leaf.leaf], orl_luma(estimate.irradiance));
@@ -410,20 +421,27 @@ static bool leaf_about(const struct orl_leaves *leaves, struct orl_vec3 point,
 
 struct orl_rgb orl_leaves_irradiance(struct orl_leaves *leaves, struct orl_vec3 point,
                                      struct orl_vec3 normal, const struct orl_footing *footing,
-                                     struct orl_search *search, struct orl_batches *ret_parts)
+                                     struct orl_search *search, struct orl_batches *ret_parts,
+                                     bool *ret_crowded)
 {
     struct candidate leaf;
     struct orl_rgb irradiance;
+    if (ret_crowded)
+        *ret_crowded = false;
     if (leaf_about(leaves, point, normal, &leaf) &&
-        reads(leaves, leaf, footing, search, &irradiance, ret_parts))
+        reads(leaves, leaf, footing, search, &irradiance, ret_parts, ret_crowded))
         return irradiance;
     leaf = (struct candidate){-1, 0};
     for (int i = 0; i < MOST_TRIES && next_leaf(leaves, point, normal, leaf, &leaf); i++)
-        if (reads(leaves, leaf, footing, search, &irradiance, ret_parts))
+        if (reads(leaves, leaf, footing, search, &irradiance, ret_parts, ret_crowded))
             return irradiance;
     struct orl_density_query query = query_at(leaves, point, normal);
     query.footing = footing;
     const struct orl_density density = orl_spread_estimate(leaves->spread, &query, search);
+    if (ret_crowded && footing && orl_is_crowded(footing, density.radius)) {
+        *ret_crowded = true;
+        return orl_gray(0);
+    }
     if (ret_parts)
         *ret_parts = density.parts;
     return density.irradiance;

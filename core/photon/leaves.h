@@ -42,10 +42,12 @@ uint64_t orl_leaves_bytes(const struct orl_leaves *leaves); /* of memory */
 
 /*
  * Irradiance at a point; its footing (the point's own) may be NULL, then walls are not seen.
- * ret_parts is NULL, or takes the parts of its luma.
+ * ret_parts is NULL, or takes the parts of its luma; ret_crowded the same, whether the place is
+ * crowded (crowd.h): then the irradiance is none and has no parts, for it is to be found otherwise.
  */
 struct orl_rgb orl_leaves_irradiance(struct orl_leaves *leaves, struct orl_vec3 point,
                                      struct orl_vec3 normal, const struct orl_footing *footing,
-                                     struct orl_search *search, struct orl_batches *ret_parts);
+                                     struct orl_search *search, struct orl_batches *ret_parts,
+                                     bool *ret_crowded);
 
 #endif

@@ -21,7 +21,9 @@
  * where they leave a sealed building they go on as exterior paths. Diffuse surfaces nearer than the
  * density's own width are not read from the map but lit again, directly and by one more ray, so
  * that corners are not dark; or by irradiance records, where there are some by then: half of what
- * is seen from the line where walls meet is near, and one ray's noise is much.
+ * is seen from the line where walls meet is near, and one ray's noise is much. So are crowded
+ * places (photon/crowd.h), however far: between slats a density's width is as wide as what hides
+ * them from each other, and from who looks. Texels do not know of those.
  *
  * A scene point is inside or outside (light/world.h); callers carry that along with the point.
  */

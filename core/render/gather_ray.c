@@ -32,17 +32,15 @@ static struct orl_rgb lit_again(const struct orl_gather *gather, const struct or
 
 /*
  * The irradiance that a ray finds where it meets a diffuse surface: from a map, or lit again when
- * near. The tally takes its parts.
+ * near or, which *relit then says, crowded. The tally takes its parts.
  */
 static struct orl_rgb met_irradiance(const struct orl_gather *gather, const struct orl_hit *hit,
-                                     bool near, bool roughly, struct orl_random *random,
+                                     bool *relit, bool roughly, struct orl_random *random,
                                      struct orl_search *search, struct orl_tally *tally)
 {
     const struct orl_vec3 lit = hit->front ? hit->normal : orl_neg(hit->normal);
     const struct orl_footing footing = {gather->world, hit->point, lit, hit->facet};
     struct orl_rgb irradiance = orl_gray(0);
-    if (near || gather->rest != ORL_REST_GATHERED)
-        irradiance = lit_again(gather, hit, &footing, random, search, tally);
     if (gather->rest == ORL_REST_RECORDS) {
         const struct orl_density rest =
             roughly && gather->maps[ORL_MAP_PRECOMPUTED]
@@ -50,12 +48,14 @@ static struct orl_rgb met_irradiance(const struct orl_gather *gather, const stru
                                      gather->max_radius[ORL_MAP_PRECOMPUTED], search)
                 : orl_gather_rest(gather, &footing, search);
         tally->parts[ORL_MAP_PRECOMPUTED] = rest.parts;
-        irradiance = orl_rgb_add(irradiance, rest.irradiance);
-    } else if (gather->leaves && !near) {
-        irradiance =
-            orl_rgb_add(irradiance, orl_leaves_irradiance(gather->leaves, hit->point, lit, &footing,
-                                                          search, &tally->parts[ORL_MAP_GLOBAL]));
+        irradiance = rest.irradiance;
+    } else if (gather->leaves && !*relit) {
+        irradiance = orl_leaves_irradiance(gather->leaves, hit->point, lit, &footing, search,
+                                           &tally->parts[ORL_MAP_GLOBAL], relit);
     }
+    if (*relit || gather->rest != ORL_REST_GATHERED)
+        irradiance =
+            orl_rgb_add(lit_again(gather, hit, &footing, random, search, tally), irradiance);
     return irradiance;
 }
 
@@ -124,15 +124,18 @@ static bool known_radiance(const struct orl_gather *gather, const struct orl_gat
     return true;
 }
 
-/* The diffuse part of what a ray of that weight sees of a surface, but for the glossy one. */
+/*
+ * The diffuse part of what a ray of that weight sees of a surface, but for the glossy one; *relit:
+ * lit again, as what is near is to be, and as it then turns out to have been.
+ */
 static struct orl_rgb diffuse_radiance(const struct orl_gather *gather,
                                        const struct orl_gather_ray *ray, const struct orl_hit *hit,
-                                       struct orl_rgb weight, bool near, struct orl_random *random,
-                                       struct orl_search *search)
+                                       struct orl_rgb weight, bool *relit,
+                                       struct orl_random *random, struct orl_search *search)
 {
     const struct orl_rgb diffuse = orl_material_diffuse(orl_world_material(gather->world, hit));
     const struct orl_rgb reflected = orl_rgb_scale(orl_rgb_mul(weight, diffuse), 1 / ORL_PI);
-    if (ray->by_texels && gather->texels && !near && orl_texels_has(gather->texels, hit->facet)) {
+    if (ray->by_texels && gather->texels && !*relit && orl_texels_has(gather->texels, hit->facet)) {
         bool cut;
         const struct orl_texel *texel =
             orl_texels_at(gather->texels, hit->facet, hit->front, hit->point, &cut);
@@ -141,7 +144,7 @@ static struct orl_rgb diffuse_radiance(const struct orl_gather *gather,
     }
     struct orl_tally met = {.known = 0};
     const struct orl_rgb irradiance =
-        met_irradiance(gather, hit, near, ray->by_texels, random, search, &met);
+        met_irradiance(gather, hit, relit, ray->by_texels, random, search, &met);
     return send_back(gather, ray, reflected, irradiance, &met);
 }
 
@@ -272,7 +275,7 @@ static struct orl_rgb met_diffuse(const struct orl_gather *gather, const struct 
     const bool near = hit->distance < near_of(gather, ray->by_texels, hit);
     *ret_relit = near && !known_radiance(gather, ray, hit, leg->weight, random, search, &sent);
     return *ret_relit || !near
-               ? diffuse_radiance(gather, ray, hit, leg->weight, near, random, search)
+               ? diffuse_radiance(gather, ray, hit, leg->weight, ret_relit, random, search)
                : sent;
 }
 

@@ -98,7 +98,7 @@ static void search_map(const struct orl_photon_map *map)
             .skip = (uint32_t)i};
         const struct orl_density density = orl_density_estimate(map, &query, search);
         FUZZ_PROMISE(density.found <= h->count && density.found <= 2 * ORL_SEARCH_MOST);
-        orl_leaves_irradiance(leaves, query.point, query.normal, NULL, search, NULL);
+        orl_leaves_irradiance(leaves, query.point, query.normal, NULL, search, NULL, NULL);
     }
     orl_leaves_free(leaves);
     free(search);

@@ -93,7 +93,8 @@ static double ask(struct bed *bed, struct orl_vec3 place, struct orl_vec3 normal
     const struct orl_vec3 point = orl_sub(place, bed->world->geometry->center);
     assert_true(orl_footing_find(bed->world, point, normal, 1e-5, &footing));
     if (k == 0)
-        return orl_leaves_irradiance(bed->leaves, point, normal, &footing, bed->search, NULL).g;
+        return orl_leaves_irradiance(bed->leaves, point, normal, &footing, bed->search, NULL, NULL)
+            .g;
     const struct orl_density_query query = {
         .point = point, .normal = normal, .k = k, .max_radius = max_radius, .footing = &footing};
     return orl_density_estimate(bed->map, &query, bed->search).irradiance.g;

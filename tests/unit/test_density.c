@@ -203,7 +203,8 @@ static void test_few_photons(void **state)
         }
         struct orl_leaves *leaves = orl_leaves_new(map, NULL, 64, reach, NULL);
         assert_non_null(leaves);
-        const struct orl_rgb e = orl_leaves_irradiance(leaves, zero, z_axis, NULL, search, NULL);
+        const struct orl_rgb e =
+            orl_leaves_irradiance(leaves, zero, z_axis, NULL, search, NULL, NULL);
         assert_true(orl_rgb_is_finite(e) && e.r >= 0);
         orl_leaves_free(leaves);
         orl_photon_map_free(map);
@@ -297,7 +298,7 @@ static void check_no_leak(struct orl_vec3 corner, struct orl_vec3 a, struct orl_
     assert_true(d.irradiance.r == 0);
     struct orl_leaves *leaves = orl_leaves_new(map, NULL, 64, 0.14, NULL);
     assert_non_null(leaves);
-    assert_true(orl_leaves_irradiance(leaves, point, normal, NULL, search, NULL).r == 0);
+    assert_true(orl_leaves_irradiance(leaves, point, normal, NULL, search, NULL, NULL).r == 0);
     orl_leaves_free(leaves);
     orl_photon_map_free(map);
 }
@@ -353,14 +354,15 @@ static void test_leaves_agree(void **state)
     for (int i = 0; i < QUERIES; i++) {
         const double u = 0.05 + 0.9 * orl_random_uniform(&random);
         const struct orl_vec3 at = orl_v3(u, 0.05 + 0.9 * orl_random_uniform(&random), 0);
-        sum += orl_leaves_irradiance(leaves, at, z_axis, NULL, search, NULL).r / COUNT / QUERIES;
+        sum +=
+            orl_leaves_irradiance(leaves, at, z_axis, NULL, search, NULL, NULL).r / COUNT / QUERIES;
         plain += ask(map, at, z_axis, 64, 0.1).irradiance.r / COUNT / QUERIES;
     }
     print_message("leaves %.4f, plain estimates %.4f\n", sum, plain);
     assert_true(fabs(plain - 1) < 0.0068);
     assert_true(fabs(sum - 1) < 0.0068 + 0.005);
-    assert_true(orl_leaves_irradiance(leaves, orl_v3(0.5, 0.5, 0), down, NULL, search, NULL).r ==
-                0);
+    assert_true(
+        orl_leaves_irradiance(leaves, orl_v3(0.5, 0.5, 0), down, NULL, search, NULL, NULL).r == 0);
     orl_leaves_free(leaves);
     orl_photon_map_free(map);
 }
@@ -412,9 +414,10 @@ static void test_leaves_on_small_facets(void **state)
         const double u[2] = {orl_random_uniform(&random), orl_random_uniform(&random)};
         struct orl_footing footing = {.world = world, .facet = i / POINTS};
         orl_facet_sample(g, footing.facet, u, &footing.point, &footing.normal);
-        mean +=
-            orl_leaves_irradiance(leaves, footing.point, footing.normal, &footing, search, NULL).r /
-            (FACETS * POINTS);
+        mean += orl_leaves_irradiance(leaves, footing.point, footing.normal, &footing, search, NULL,
+                                      NULL)
+                    .r /
+                (FACETS * POINTS);
     }
     if (!(fabs(mean * area / (FACETS * EACH) - 1) < 0.01))
         fail_msg("%g of the light", mean * area / (FACETS * EACH));
@@ -429,8 +432,8 @@ static void look(void *arg, size_t index, uint32_t member)
     const size_t i = index * l->step % l->count;
     struct orl_random random = orl_random_stream(8, ORL_PURPOSE_BENCH, i);
     const double u = orl_random_uniform(&random), v = orl_random_uniform(&random);
-    l->values[i] =
-        orl_leaves_irradiance(l->leaves, orl_v3(u, v, 0), z_axis, NULL, &l->searches[member], NULL);
+    l->values[i] = orl_leaves_irradiance(l->leaves, orl_v3(u, v, 0), z_axis, NULL,
+                                         &l->searches[member], NULL, NULL);
 }
 
 /* Asked in another order, and by several threads at once, every answer is the same bits. */
