@@ -13,9 +13,10 @@
 #include "run/rounds.h"
 #include "run/scene.h"
 
-/* Rough costs, microseconds on one core: a photon traced, one indexed, one read by gather rays for
- * the first time, a gather ray, a pixel. */
-static const double photon_us = 1.5, index_us = 0.5, leaf_us = 0.5, gather_us = 2.5, pixel_us = 40;
+/* Rough costs, microseconds on one core: a photon traced, one indexed, a gather ray, what one reads
+ * of the map for the first time, all of it at the most by photons, a pixel. */
+static const double photon_us = 1.5, index_us = 0.25, gather_us = 2.5, first_us = 10, leaf_us = 0.5,
+                    pixel_us = 40;
 
 void orl_run_guess_costs(struct orl_run_state *state)
 {
@@ -39,8 +40,10 @@ void orl_run_guess_costs(struct orl_run_state *state)
         plan->technique == ORL_TECHNIQUE_BACKWARD ? 0 : us * photons * index_us;
     state->cost_s[ORL_STAGE_RENDER] =
         us * ((double)state->n_sensors * samples * gather_us + pixels * pixel_us);
+    const double first_rays = (double)state->n_sensors * samples + pixels;
     if (plan->technique == ORL_TECHNIQUE_GATHER)
-        state->cost_s[ORL_STAGE_RENDER] += us * (double)plan->photons_global * leaf_us;
+        state->cost_s[ORL_STAGE_RENDER] +=
+            us * fmin((double)plan->photons_global * leaf_us, first_rays * first_us);
 }
 
 /* What photons that fly to sensors in mid-air take, at the most: who flies finds out how many. */
