@@ -2,6 +2,10 @@
 
 enum { RAYS = 16, CROWD = 3 };
 
+/* Most places are open: when none of the first meets anything, the rest is not asked. By that step
+ * the first are as spread as all. */
+enum { FIRST = 6, STEP = 5 };
+
 /* Sectors from one ray's azimuth to the next one's: about the golden section of them all. */
 enum { TURN = 13 };
 
@@ -21,7 +25,8 @@ static bool meets(const struct orl_footing *footing, const struct orl_frame *fra
     const struct orl_vec3 start = orl_facet_leave(world->geometry, footing->facet, footing->point,
                                                   footing->normal, direction);
     struct orl_hit hit;
-    return orl_geometry_intersect(world->geometry, start, direction, length, &hit) &&
+    return orl_geometry_occluded(world->geometry, start, direction, length) &&
+           orl_geometry_intersect(world->geometry, start, direction, length, &hit) &&
            !orl_material_is_window(orl_world_material(world, &hit));
 }
 
@@ -29,7 +34,7 @@ bool orl_is_crowded(const struct orl_footing *footing, double radius)
 {
     const struct orl_frame frame = orl_frame_about(footing->normal);
     int met = 0;
-    for (int ray = 0; ray < RAYS && met < CROWD; ray++)
-        met += meets(footing, &frame, ray, reach * radius);
+    for (int i = 0; i < RAYS && met < CROWD && (i < FIRST || met > 0); i++)
+        met += meets(footing, &frame, i * STEP % RAYS, reach * radius);
     return met == CROWD;
 }
