@@ -161,7 +161,7 @@ static double worst_t(double differences[MOST_PAIRS][MOST_SEEDS], int pairs, int
 
 static int count_seeds(void)
 {
-    return stability_full() ? MOST_SEEDS : 12;
+    return stability_full() ? MOST_SEEDS : 24;
 }
 
 static void test_normals(void **state)
