@@ -1,9 +1,10 @@
 /*
  * What a job is likely to take in memory: by what its document asks for and what its scene has.
  *
- * The figures are measured peaks of jobs by one number at a time, rounded up (README.md): of a
- * surface with its place in the hierarchy, a photon while its map is built, a sensor as it stands
- * in the document, a sensor of a file, a pixel with its error, a byte of a BSDF's file.
+ * The figures are peaks of jobs by one number at a time, measured on one room and rounded up
+ * (README.md has them): of a surface with its place in the hierarchy, a photon while its map is
+ * built, a sensor as it stands in the document, a sensor of a file, a pixel with its error. That of
+ * a byte of a BSDF's file is a bound for files of numbers of one digit, well above ordinary ones.
  * Threads: any.
  */
 #ifndef ORL_SERVER_JOB_MEMORY_H

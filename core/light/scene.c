@@ -6,7 +6,12 @@
 #include "light/proxies.h"
 #include "scene/coincident.h"
 
-/* Of a triangle and a facet, with their share of the hierarchy: as measured on large scenes. */
+/*
+ * Of a triangle and a facet, with their share of the hierarchy. With the surfaces themselves this
+ * is 1.13 to 1.15 of what 300 000 loose quadrangles, triangles or spheres hold, 1.02 of 20 000
+ * polygons of forty corners, 0.85 of 10 000 quadrangles (resident memory after orl_scene_new less
+ * that before, malloc_trim at both).
+ */
 enum { BYTES_A_TRIANGLE = 240, BYTES_A_FACET = 320 };
 
 static int list_shining(struct orl_scene *scene)
@@ -76,6 +81,34 @@ void orl_scene_release(struct orl_scene *scene)
     free(scene);
 }
 
+static int by_address(const void *a, const void *b)
+{
+    const uintptr_t x = (uintptr_t) * (struct orl_bsdf *const *)a;
+    const uintptr_t y = (uintptr_t) * (struct orl_bsdf *const *)b;
+    return (x > y) - (x < y);
+}
+
+/* Materials may share a BSDF: each counts once. */
+static uint64_t bsdf_bytes(const struct orl_description *d)
+{
+    struct orl_bsdf **found = malloc((d->n_materials + 1) * sizeof(struct orl_bsdf *));
+    struct orl_bsdf_info info;
+    size_t count = 0;
+    uint64_t bytes = 0;
+    for (size_t i = 0; found && i < d->n_materials; i++)
+        if (d->materials[i].bsdf)
+            found[count++] = d->materials[i].bsdf;
+    if (count > 0)
+        qsort(found, count, sizeof *found, by_address);
+    for (size_t i = 0; i < count; i++)
+        if (i == 0 || found[i] != found[i - 1]) {
+            orl_bsdf_describe(found[i], &info);
+            bytes += info.bytes;
+        }
+    free(found);
+    return bytes;
+}
+
 uint64_t orl_scene_bytes(const struct orl_scene *scene)
 {
     const struct orl_geometry *const parts[] = {scene->geometry, scene->seen, scene->proxies};
@@ -84,7 +117,8 @@ uint64_t orl_scene_bytes(const struct orl_scene *scene)
         if (parts[i])
             bytes += parts[i]->n_triangles * (uint64_t)BYTES_A_TRIANGLE +
                      parts[i]->n_facets * (uint64_t)BYTES_A_FACET;
-    return bytes + scene->description.n_surfaces * sizeof(struct orl_surface);
+    return bytes + scene->description.n_surfaces * sizeof(struct orl_surface) +
+           bsdf_bytes(&scene->description);
 }
 
 const char *orl_scene_name_of(const struct orl_scene *scene, uint32_t facet)

@@ -71,7 +71,7 @@ struct orl_scene *orl_scene_hold(struct orl_scene *scene);
 /* NULL is allowed. */
 void orl_scene_release(struct orl_scene *scene);
 
-/* What it takes in memory, roughly: surfaces, geometry and its hierarchy, BSDFs left out. */
+/* What it holds in memory, roughly: surfaces, geometry with its hierarchy, each BSDF once. */
 uint64_t orl_scene_bytes(const struct orl_scene *scene);
 
 static inline const struct orl_material *orl_scene_material(const struct orl_scene *scene,

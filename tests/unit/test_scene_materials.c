@@ -13,6 +13,7 @@
 
 #include <oriel/files.h>
 
+#include "fixtures/bsdf_make.h"
 #include "scene/parse.h"
 #include "scene/scatter.h"
 #include "support/scene_text.h"
@@ -171,12 +172,43 @@ static void test_every_type_has_an_answer(void **state)
     }
 }
 
+/* A shelf is told of a scene's BSDFs too: one material more by the same file adds but itself. */
+static void test_bytes_of_bsdfs(void **state)
+{
+    static const char *const bsdfs[3] = {"", "void BSDF a 6 0 a.xml 0 1 0 . 0 0\n",
+                                         "void BSDF a 6 0 a.xml 0 1 0 . 0 0\n"
+                                         "void BSDF b 6 0 a.xml 1 0 0 . 0 0\n"};
+    struct text file = make_file("TensorTree4", "Transmission Back", NULL,
+                                 "{0 .25 .125 .375 .0625 .3125 .1875 .4375 .03125 .28125 .15625 "
+                                 ".40625 .09375 .34375 .21875 .46875}");
+    uint64_t bytes[3];
+    struct orl_bsdf_info info = {0};
+    (void)state;
+    for (int i = 0; i < 3; i++) {
+        char text[256];
+        snprintf(text, sizeof text,
+                 "void plastic grey 0 0 5 .5 .5 .5 0 0\n%s"
+                 "grey polygon p 0 0 9 0 0 0 1 0 0 0 1 0\n",
+                 bsdfs[i]);
+        struct orl_world *world = scene_world(text, i > 0 ? "a.xml" : NULL, file.data, NULL);
+        bytes[i] = orl_scene_bytes(world->scene);
+        if (i == 1)
+            orl_bsdf_describe(world->scene->description.materials[1].bsdf, &info);
+        orl_world_free(world);
+    }
+    assert_true(info.bytes > 64);
+    assert_int_equal(bytes[1] - bytes[0], sizeof(struct orl_material) + info.bytes);
+    assert_int_equal(bytes[2] - bytes[1], sizeof(struct orl_material));
+    free(file.data);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_reflectors), cmocka_unit_test(test_clear_materials),
-        cmocka_unit_test(test_lights),     cmocka_unit_test(test_warnings),
-        cmocka_unit_test(test_transforms), cmocka_unit_test(test_every_type_has_an_answer),
+        cmocka_unit_test(test_reflectors),     cmocka_unit_test(test_clear_materials),
+        cmocka_unit_test(test_lights),         cmocka_unit_test(test_warnings),
+        cmocka_unit_test(test_transforms),     cmocka_unit_test(test_every_type_has_an_answer),
+        cmocka_unit_test(test_bytes_of_bsdfs),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
