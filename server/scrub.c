@@ -3,7 +3,6 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <pthread.h>
-#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -89,8 +88,9 @@ struct orl_scrubbing {
     struct orl_folders folders; /* the thread's own */
     uint64_t bytes_per_s;
     pthread_t thread;
-    atomic_bool stop;
-    pthread_mutex_t mutex; /* of the rest */
+    pthread_mutex_t mutex;  /* of the rest */
+    pthread_cond_t changed; /* stop or ended */
+    bool stop, ended;
     struct orl_scrub_totals totals;
     struct finding findings[FINDINGS]; /* not told yet; beyond these the next pass tells */
     size_t count;
@@ -106,17 +106,23 @@ static void note_finding(void *ctx, const struct orl_kept_file *file, const stru
     pthread_mutex_unlock(&scrubbing->mutex);
 }
 
-/* In naps, so that a stop is heard. */
+static struct timespec to_timespec(double steady_s)
+{
+    const time_t whole_s = (time_t)steady_s;
+    return (struct timespec){whole_s, (long)(1e9 * (steady_s - (double)whole_s))};
+}
+
+/* A stop is heard at once. */
 static bool rest(struct orl_scrubbing *scrubbing, double seconds)
 {
-    enum { NAP_US = 100000 };
-    const double until_s = orl_time_steady_s() + seconds;
-    while (!atomic_load(&scrubbing->stop) && orl_time_steady_s() < until_s) {
-        const double left_us = 1e6 * (until_s - orl_time_steady_s());
-        if (left_us > 0)
-            usleep(left_us < NAP_US ? (unsigned)left_us : NAP_US);
-    }
-    return !atomic_load(&scrubbing->stop);
+    const struct timespec until = to_timespec(orl_time_steady_s() + seconds);
+    int rc = 0;
+    pthread_mutex_lock(&scrubbing->mutex);
+    while (!scrubbing->stop && rc == 0)
+        rc = pthread_cond_timedwait(&scrubbing->changed, &scrubbing->mutex, &until);
+    const bool go_on = !scrubbing->stop;
+    pthread_mutex_unlock(&scrubbing->mutex);
+    return go_on;
 }
 
 static bool slowly(void *ctx, uint64_t bytes)
@@ -136,14 +142,13 @@ static void lower_priority(void)
     syscall(SYS_ioprio_set, WHO_PROCESS, 0, CLASS_IDLE << CLASS_SHIFT);
 }
 
-static void *scrub_for_ever(void *arg)
+/* Once a day, until it is to stop. */
+static void scrub_daily(struct orl_scrubbing *scrubbing)
 {
-    struct orl_scrubbing *scrubbing = arg;
     const struct orl_folders *folders = &scrubbing->folders;
     const struct orl_scrubber scrubber = {note_finding, slowly, scrubbing};
     char path[ORL_PATH_MAX];
     orl_folders_path(folders, path, "oriel.db");
-    lower_priority();
     while (rest(scrubbing, 1)) {
         const double until_s = orl_time_steady_s() + PASS_S;
         struct orl_scrub_totals totals = {0};
@@ -154,21 +159,43 @@ static void *scrub_for_ever(void *arg)
         if (!rest(scrubbing, until_s - orl_time_steady_s()))
             break;
     }
+}
+
+static void *thread_main(void *arg)
+{
+    struct orl_scrubbing *scrubbing = arg;
+    lower_priority();
+    scrub_daily(scrubbing);
+    pthread_mutex_lock(&scrubbing->mutex);
+    scrubbing->ended = true;
+    pthread_cond_signal(&scrubbing->changed);
+    pthread_mutex_unlock(&scrubbing->mutex);
     return NULL;
+}
+
+static void scrubbing_free(struct orl_scrubbing *scrubbing)
+{
+    pthread_cond_destroy(&scrubbing->changed);
+    pthread_mutex_destroy(&scrubbing->mutex);
+    free(scrubbing);
 }
 
 struct orl_scrubbing *orl_scrubbing_start(struct orl_server *server, uint64_t bytes_per_s)
 {
     struct orl_scrubbing *scrubbing = bytes_per_s > 0 ? calloc(1, sizeof *scrubbing) : NULL;
+    pthread_condattr_t steady;
     if (!scrubbing)
         return NULL;
     scrubbing->server = server;
     scrubbing->folders = server->folders;
     scrubbing->bytes_per_s = bytes_per_s;
     pthread_mutex_init(&scrubbing->mutex, NULL);
-    if (pthread_create(&scrubbing->thread, NULL, scrub_for_ever, scrubbing) != 0) {
-        pthread_mutex_destroy(&scrubbing->mutex);
-        free(scrubbing);
+    pthread_condattr_init(&steady);
+    pthread_condattr_setclock(&steady, CLOCK_MONOTONIC);
+    pthread_cond_init(&scrubbing->changed, &steady);
+    pthread_condattr_destroy(&steady);
+    if (pthread_create(&scrubbing->thread, NULL, thread_main, scrubbing) != 0) {
+        scrubbing_free(scrubbing);
         return NULL;
     }
     return scrubbing;
@@ -178,17 +205,22 @@ void orl_scrubbing_stop(struct orl_scrubbing *scrubbing)
 {
     if (!scrubbing)
         return;
-    struct timespec until;
-    atomic_store(&scrubbing->stop, true);
-    clock_gettime(CLOCK_MONOTONIC, &until);
-    until.tv_sec += 1;
+    const struct timespec until = to_timespec(orl_time_steady_s() + 1);
+    int rc = 0;
+    pthread_mutex_lock(&scrubbing->mutex);
+    scrubbing->stop = true;
+    pthread_cond_signal(&scrubbing->changed);
+    while (!scrubbing->ended && rc == 0)
+        rc = pthread_cond_timedwait(&scrubbing->changed, &scrubbing->mutex, &until);
+    const bool ended = scrubbing->ended;
+    pthread_mutex_unlock(&scrubbing->mutex);
     /* It may be in the midst of a large file on a slow disk: the process ends without it. */
-    if (pthread_clockjoin_np(scrubbing->thread, NULL, CLOCK_MONOTONIC, &until) != 0) {
+    if (!ended) {
         pthread_detach(scrubbing->thread);
         return;
     }
-    pthread_mutex_destroy(&scrubbing->mutex);
-    free(scrubbing);
+    pthread_join(scrubbing->thread, NULL);
+    scrubbing_free(scrubbing);
 }
 
 static void tell(struct orl_server *server, const struct finding *finding)
