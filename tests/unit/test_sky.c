@@ -76,7 +76,52 @@ static void test_closed_forms(void **state)
     const struct orl_sky overcast = {ORL_SKY_CIE, {2, 30, 10}, 3};
     (void)state;
     assert_true(fabs(horizontal(&uniform) / (ORL_PI * 12) - 1.0) < 1e-12);
+    assert_true(fabs(orl_sky_horizontal(&uniform) / (ORL_PI * 12) - 1.0) < 1e-12);
     assert_true(fabs(horizontal(&overcast) / (7.0 * ORL_PI * 30 / 9.0) - 1.0) < 1e-3);
+}
+
+/* The same by angles about a sun: dense where the pattern has its peak, whatever its height. */
+static double horizontal_about(const struct orl_sky *sky, struct orl_vec3 sun)
+{
+    enum { ROWS = 3000, COLUMNS = 300 };
+    const struct orl_frame f = orl_frame_about(sun);
+    double sum = 0;
+    for (int i = 0; i < ROWS; i++) {
+        const double t = (i + 0.5) / ROWS, gamma = ORL_PI * t * t;
+        double row = 0;
+        for (int k = 0; k < COLUMNS; k++) {
+            const double psi = 2 * ORL_PI * (k + 0.5) / COLUMNS;
+            const struct orl_vec3 d =
+                orl_to_world(&f, orl_v3(sin(gamma) * cos(psi), sin(gamma) * sin(psi), cos(gamma)));
+            row += d.z > 0 ? orl_sky_brightness(sky, d) * d.z : 0;
+        }
+        sum += row * sin(gamma) * 2 * ORL_PI * t;
+    }
+    return 2 * ORL_PI * sum / ((double)ROWS * COLUMNS);
+}
+
+/* Sharp suns at every height; midpoints in height and azimuth were off by 7e-3 next to the zenith.
+ */
+static void test_horizontal_irradiance(void **state)
+{
+    static const double altitudes[] = {-2, 0.3, 2, 20, 45, 70, 89.5, 90};
+    (void)state;
+    for (size_t i = 0; i < sizeof altitudes / sizeof *altitudes; i++) {
+        const double up = altitudes[i] * ORL_DEG_TO_RAD;
+        const struct orl_vec3 sun = {0.6 * cos(up), -0.8 * cos(up), sin(up)};
+        const struct orl_sky skies[] = {
+            {ORL_SKY_PEREZ, {1, 0, -0.9, -0.2, 24, -25, 0.3, sun.x, sun.y, sun.z}, 10},
+            {ORL_SKY_PEREZ, {1, 0, -1, -0.32, 10, -3, 0.45, sun.x, sun.y, sun.z}, 10},
+            {ORL_SKY_PEREZ, {30, 20, 1.35, -0.77, 0.1, -1, 0.1, sun.x, sun.y, sun.z}, 10},
+            {ORL_SKY_CIE, {1, 27.75, 29.71, 1.514, sun.x, sun.y, sun.z}, 7},
+            {ORL_SKY_CIE, {4, 17.35, 6.699, 0.9927, sun.x, sun.y, sun.z}, 7}};
+        for (size_t k = 0; k < sizeof skies / sizeof *skies; k++) {
+            const double got = orl_sky_horizontal(&skies[k]);
+            const double wanted = horizontal_about(&skies[k], sun);
+            if (!(fabs(got / wanted - 1) < 5e-6))
+                fail_msg("sun at %g, sky %zu: off by %.2g", altitudes[i], k, got / wanted - 1);
+        }
+    }
 }
 
 /* Skies with a sun know no other direction than up. */
@@ -124,6 +169,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_values),
         cmocka_unit_test(test_closed_forms),
+        cmocka_unit_test(test_horizontal_irradiance),
         cmocka_unit_test(test_turning_sun_and_direction_together),
         cmocka_unit_test(test_everywhere_finite),
         cmocka_unit_test(test_black_sky),
