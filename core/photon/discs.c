@@ -164,7 +164,8 @@ static void note_disc(const struct orl_disc *disc, uint32_t index, const struct 
     add_pass(passes, (struct orl_pass){.disc = index,
                                        .distance2 = (float)distance2,
                                        .flux = {(float)flux.r, (float)flux.g, (float)flux.b},
-                                       .batch = s->batch});
+                                       .batch = s->batch,
+                                       .lamp = s->lamp});
 }
 
 static bool meets(const struct node *node, const struct orl_stretch *s)

@@ -33,6 +33,7 @@ struct orl_pass {
     float distance2; /* from its center */
     float flux[3];
     uint8_t batch;
+    bool lamp; /* of one, and of no sun */
 };
 
 struct orl_passes {
@@ -53,6 +54,7 @@ struct orl_stretch {
     double distance;             /* INFINITY: it meets nothing */
     struct orl_rgb flux;         /* at its origin */
     double focus, flown, spread; /* of a spotlight's beam (orl_spot_spread): there; focus 0: none */
+    bool lamp;
     uint8_t batch;
 };
 

@@ -41,6 +41,7 @@ struct orl_shoot_env {
     uint64_t seed;
     struct orl_crew *crew;
     atomic_bool *cancel;
+    bool by_chance; /* of a pilot alone (worth.h): see orl_deposits */
     void (*progress)(void *ctx, double fraction);
     void *ctx;
 };

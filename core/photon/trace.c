@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "photon/facing.h"
+#include "photon/found.h"
 
 /* Room for more photons. */
 static bool make_room(struct orl_deposits *deposits, size_t more)
@@ -49,17 +50,9 @@ static void deposit(struct orl_deposits *deposits, const struct orl_hit *hit, st
 struct tracing {
     const struct orl_world *world;
     const struct orl_discs *discs; /* what they are counted through; or NULL: they are left */
-    bool caustic;
+    bool caustic, by_chance;
     enum orl_lobes lobes;
     uint32_t most_reflections;
-};
-
-/* Of light through discs: who else finds it. */
-enum found_by {
-    FOUND_BY_SHADOW_RAYS, /* so far straight */
-    FOUND_BY_IMAGES,      /* a sun, by mirrors of its images' classes; where the image is shown */
-    FOUND_BY_PANES,       /* a sun, by the lobes of one pane */
-    FOUND_BY_NOBODY,
 };
 
 /* A photon under way. */
@@ -71,11 +64,10 @@ struct course {
     struct orl_rgb clarity;      /* of what it flies through */
     double focus, flown, spread; /* off a spotlight: until it is scattered */
     struct orl_deflection way;
-    bool crossed, outside;
+    bool crossed, outside, lamp;
     uint8_t batch;
     enum orl_photon_class class;
-    enum found_by found_by;
-    int16_t image; /* of the sun, that it comes from; less than 0: none */
+    struct orl_found found; /* where that counts */
     uint32_t reflections;
     int bounces, unseen;
 };
@@ -160,50 +152,10 @@ static bool is_left_out(const struct orl_world *world, struct orl_deflection way
     return (way.mirror && world->omit.mirror_caustics) || (way.lobe && world->omit.lobe_caustics);
 }
 
-/* The image that a photon sets out from: a sun is one of itself. */
-static int16_t image_of(const struct orl_world *world, const struct orl_flight *flight)
-{
-    const struct orl_images *images = &world->images;
-    if (flight->lamp || flight->image >= 0)
-        return flight->lamp ? -1 : flight->image;
-    for (size_t i = 0; i < images->n_nodes; i++)
-        if (images->nodes[i].is_sun && images->nodes[i].sun == flight->sun)
-            return (int16_t)i;
-    return -1;
-}
-
-static enum found_by found_at_first(struct orl_deflection way)
-{
-    if (way.mirror && way.lobe)
-        return FOUND_BY_NOBODY;
-    return way.mirror ? FOUND_BY_IMAGES : way.lobe ? FOUND_BY_PANES : FOUND_BY_SHADOW_RAYS;
-}
-
-/* After something other than going straight; keeps track of the image. */
-static enum found_by found_after(const struct tracing *t, struct course *c,
-                                 const struct orl_hit *hit, enum orl_event event)
-{
-    const struct orl_images *images = &t->world->images;
-    const bool straight = c->found_by == FOUND_BY_SHADOW_RAYS && c->image >= 0;
-    if (event == ORL_EVENT_MIRROR && (straight || c->found_by == FOUND_BY_IMAGES)) {
-        const int16_t class = images->class_of[hit->facet];
-        c->image = class < 0 || c->image < 0
-                       ? -1
-                       : images->next[(size_t)c->image * images->n_mirrors + (size_t) class];
-        return c->image < 0 ? FOUND_BY_NOBODY : FOUND_BY_IMAGES;
-    }
-    if (event == ORL_EVENT_GLOSSY && straight &&
-        orl_material_transmits_lobes(orl_world_material(t->world, hit)))
-        return FOUND_BY_PANES;
-    return FOUND_BY_NOBODY;
-}
-
 /* Whether nobody else finds it as it flies now. */
 static bool is_sought(const struct tracing *t, const struct course *c)
 {
-    return !c->outside && (c->found_by == FOUND_BY_NOBODY ||
-                           (c->found_by == FOUND_BY_IMAGES &&
-                            !(c->image >= 0 && t->world->images.nodes[c->image].shown)));
+    return !c->outside && orl_found_by_nobody(&c->found, t->world);
 }
 
 /* Counts it through the discs on the way to what it meets (NULL: nothing). */
@@ -217,6 +169,7 @@ static void fly_by(const struct tracing *t, const struct course *c, const struct
                                         .focus = c->focus,
                                         .flown = c->flown,
                                         .spread = c->spread,
+                                        .lamp = c->lamp,
                                         .batch = c->batch % ORL_MAP_BATCHES};
     if (is_sought(t, c))
         orl_discs_note(t->discs, &stretch, &deposits->passes);
@@ -249,12 +202,13 @@ static bool set_out(const struct tracing *t, const struct orl_flight *flight, ui
                          .spread = 1,
                          .way = way,
                          .crossed = flight->from_port,
+                         .lamp = flight->lamp,
                          .batch = batch,
                          .class = !flight->from_light        ? ORL_PHOTON_REST
                                   : (way.mirror || way.lobe) ? ORL_PHOTON_CAUSTIC
-                                                             : ORL_PHOTON_LIGHT,
-                         .found_by = found_at_first(way),
-                         .image = t->discs ? image_of(t->world, flight) : -1};
+                                                             : ORL_PHOTON_LIGHT};
+    if (t->discs || t->by_chance)
+        c->found = orl_found_at_first(t->world, flight, t->by_chance);
     if (t->caustic && is_left_out(t->world, way))
         return false;
     deposits->health.photons++;
@@ -280,7 +234,8 @@ static bool land(const struct tracing *t, struct course *c, const struct orl_hit
         return false;
     c->unseen++;
     if (diffuse && !c->outside && !t->discs &&
-        (t->caustic ? way.mirror || way.lobe : c->reflections < t->most_reflections)) {
+        (t->caustic ? (way.mirror || way.lobe) && (!t->by_chance || is_sought(t, c))
+                    : c->reflections < t->most_reflections)) {
         if (t->caustic || !world->omit.counted_light || c->class == ORL_PHOTON_REST)
             deposit(deposits, hit, c->flux, c->batch, c->class);
         c->unseen = 0;
@@ -312,8 +267,8 @@ static bool goes_on(const struct tracing *t, struct course *c, const struct orl_
     if (t->caustic ? is_left_out(t->world, c->way) : c->reflections >= t->most_reflections)
         return false;
     c->class = class_after(c->class, s->event);
-    if (t->discs && s->event != ORL_EVENT_STRAIGHT)
-        c->found_by = found_after(t, c, hit, s->event);
+    if ((t->discs || t->by_chance) && s->event != ORL_EVENT_STRAIGHT)
+        orl_found_next(&c->found, t->world, hit, s->event);
     depart(c, t->world, orl_world_material(t->world, hit), hit, s);
     if (++c->bounces < ORL_TRACE_MOST_BOUNCES && c->unseen < ORL_TRACE_MOST_UNSEEN)
         return true;
@@ -439,6 +394,7 @@ void orl_trace_many(const struct orl_world *world, const struct orl_flight *flig
     struct wave w;
     w.tracing = tracing_of(world, caustic);
     w.tracing.discs = deposits->discs;
+    w.tracing.by_chance = deposits->by_chance;
     w.deposits = deposits;
     w.randoms = randoms;
     w.n = w.n_beam = 0;

@@ -39,6 +39,9 @@ struct orl_deposits {
      * images in flat mirrors or by the lobes of one pane. */
     const struct orl_discs *discs;
     struct orl_passes passes;
+    /* Of caustic flights: what paths against the light find on purpose (render/backward.h) is
+     * neither noted nor left, only what they would have to happen on. */
+    bool by_chance;
 };
 
 /* The counts, fluxes included. */

@@ -79,6 +79,8 @@ static int sortie(const struct orl_shoot_env *env, enum orl_map_kind kind, size_
 {
     struct sortie s = {.env = *env, .kind = kind, .first = first};
     s.env.seed = orl_mix64(env->seed ^ another_seed);
+    for (size_t i = 0; i < chunks; i++)
+        s.deposits[i].by_chance = env->by_chance;
     orl_crew_for(env->crew, chunks, shoot_chunk, &s);
     int code = atomic_load(env->cancel) ? ORL_ERR_CANCELLED : take(find, &s, chunks);
     for (size_t i = 0; i < chunks; i++)

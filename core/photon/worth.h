@@ -30,8 +30,8 @@ struct orl_worth {
 };
 
 /*
- * env: its progress is not told. now_s: NULL, or a clock. Returns 0, ORL_ERR_NOMEM or
- * ORL_ERR_CANCELLED.
+ * env: its progress is not told; by_chance: of caustic photons it takes those alone (trace.h).
+ * now_s: NULL, or a clock. Returns 0, ORL_ERR_NOMEM or ORL_ERR_CANCELLED.
  */
 int orl_worth_measure(const struct orl_shoot_env *env, double (*now_s)(void *ctx), void *ctx,
                       struct orl_worth *ret_worth, struct orl_error *err);

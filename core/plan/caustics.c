@@ -162,4 +162,6 @@ void orl_decide_caustics(struct orl_survey *survey, const struct orl_lit *lit,
     }
     if (!may_land(lit, plan, mirrors || lobes))
         plan->photons_caustic = 0;
+    plan->by_chance = plan->technique == ORL_TECHNIQUE_BACKWARD && mirrors &&
+                      orl_lit_by_chance(lit, &world->images);
 }

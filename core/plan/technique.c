@@ -11,15 +11,6 @@ enum { LAMPS_OF_VIEWS = 200000, LAMPS_OF_A_SAMPLE = 50, LAMPS_A_WINDOW_OF_VIEWS 
 
 /* ---- Technique ------------------------------------------------------------------------------- */
 
-/*
- * Paths from a sensor find suns by shadow rays, also in flat mirrors and behind BSDFs; but a sun by
- * way of something curved or of a lens only by chance.
- */
-static bool is_noise_to_paths(const struct orl_lit *lit)
-{
-    return lit->classes[ORL_LIT_CURVED].lit;
-}
-
 static enum orl_technique by_itself(const struct orl_survey *survey, const struct orl_lit *lit,
                                     char ret_why[ORL_WHY_MAX])
 {
@@ -30,7 +21,7 @@ static enum orl_technique by_itself(const struct orl_survey *survey, const struc
                  job->n_views);
         return ORL_TECHNIQUE_GATHER;
     }
-    if (is_noise_to_paths(lit)) {
+    if (orl_lit_by_chance(lit, &survey->world->images)) {
         snprintf(ret_why, ORL_WHY_MAX,
                  "%zu mirrors or lenses that paths from the %zu sensors would find by chance "
                  "only: photons find them",

@@ -2,10 +2,16 @@
 
 #include <stdlib.h>
 
+#include "scene/hemisphere.h"
+
 enum { WIDTHS = 8, TASK = 8192, FIRST_ROUND = ORL_AIR_FEWEST, TASKS_A_ROUND = 64 };
 
 /* The widest disc: so many times a search among caustic photons, but no more than of the scene. */
 static const double wider = 4, widest_of_scene = 0.1;
+/* Where there is no search to go by: of the distance of what is about; and how far above a surface
+ * that the sensor may lie on, of that. */
+static const double widest_of_distance = 0.2, above = 1e-3;
+enum { LOOKS = 64 };
 
 /* Enough have flown by when almost all sensors have an error that is small beside that of the rest,
  * or beside all of their light. */
@@ -21,7 +27,7 @@ static const double felt = 2;
 /* What came through a ring of a disc: from the next narrower width to its own. */
 struct ring {
     struct orl_rgb flux;
-    float luma[ORL_MAP_BATCHES];
+    float luma[ORL_MAP_BATCHES], lamps; /* what of it is of lamps */
 };
 
 struct sensor {
@@ -32,7 +38,8 @@ struct sensor {
 enum { NONE = UINT32_MAX };
 
 struct orl_air {
-    const struct orl_gather *gather;
+    const struct orl_world *world;
+    const struct orl_gather *gather; /* or NULL: what paths would have to happen on */
     size_t n_sensors;
     struct sensor *sensors;
     struct orl_disc *discs; /* per sensor; once gathered in, the first n_discs */
@@ -42,77 +49,26 @@ struct orl_air {
     double flux, photons; /* that set out: luma, and how many */
 };
 
-/* ---- Whether there is any ------------------------------------------------------------------- */
-
-static bool has_lamps(const struct orl_world *world)
-{
-    for (size_t i = 0; i < world->n_emitters; i++)
-        if (world->emitters[i].direct)
-            return true;
-    return false;
-}
-
-static bool is_flat(const struct orl_facet *f)
-{
-    return f->kind == ORL_SURFACE_POLYGON || f->kind == ORL_SURFACE_RING;
-}
-
-/* Of flat ones. */
-static bool lie_in_one_plane(const struct orl_geometry *g, const struct orl_facet *a,
-                             const struct orl_facet *b)
-{
-    const struct orl_vec3 at =
-        a->n_triangles > 0 ? g->triangles[a->first_triangle].a : a->center[0];
-    const struct orl_vec3 to =
-        b->n_triangles > 0 ? g->triangles[b->first_triangle].a : b->center[0];
-    return fabs(orl_dot(a->normal, b->normal)) > 1 - 1e-9 &&
-           fabs(orl_dot(orl_sub(to, at), a->normal)) <= a->offset;
-}
-
-/*
- * Of surfaces in one plane, panes with lobes and flat mirrors, light is sent on once, and that is
- * found otherwise when it is a sun's; as it is by flat mirrors alone, however many.
- */
-static bool may_send_on(const struct orl_world *world)
-{
-    const struct orl_geometry *g = world->geometry;
-    const bool lamps = has_lamps(world);
-    const struct orl_facet *plane = NULL;
-    bool any_lobes = false, apart = false;
-    if (world->n_suns == 0 && !lamps)
-        return false;
-    for (size_t i = 0; i < g->n_facets; i++) {
-        const struct orl_facet *f = &g->facets[i];
-        const struct orl_material *m = &world->materials[f->material];
-        const bool mirrors = orl_material_is_mirror(m), lobes = orl_material_has_lobes(m);
-        if (!(f->area > 0) || (!mirrors && !lobes && m->kind != ORL_MATERIAL_DIELECTRIC))
-            continue;
-        if (lamps || !is_flat(f) || m->kind == ORL_MATERIAL_DIELECTRIC ||
-            (lobes && !orl_material_transmits_lobes(m)))
-            return true;
-        plane = plane ? plane : f;
-        any_lobes = any_lobes || lobes;
-        apart = apart || !lie_in_one_plane(g, plane, f);
-    }
-    return (any_lobes && apart) || world->images.n_left_out > 0;
-}
-
 /* ---- Discs ----------------------------------------------------------------------------------- */
-
-bool orl_air_may_be_lit(const struct orl_world *world)
-{
-    return !(world->omit.mirror_caustics && world->omit.lobe_caustics) && may_send_on(world);
-}
 
 int orl_air_new(const struct orl_gather *gather, size_t sensors, struct orl_air **ret_air)
 {
     *ret_air = NULL;
     if (sensors == 0 || !gather->maps[ORL_MAP_CAUSTIC] || !orl_air_may_be_lit(gather->world))
         return 0;
+    const int code = orl_air_by_chance(gather->world, sensors, ret_air);
+    if (code == 0)
+        (*ret_air)->gather = gather;
+    return code;
+}
+
+int orl_air_by_chance(const struct orl_world *world, size_t sensors, struct orl_air **ret_air)
+{
     struct orl_air *air = calloc(1, sizeof *air);
+    *ret_air = NULL;
     if (!air)
         return ORL_ERR_NOMEM;
-    air->gather = gather;
+    air->world = world;
     air->n_sensors = sensors;
     air->sensors = calloc(sensors, sizeof *air->sensors);
     air->discs = calloc(sensors, sizeof *air->discs);
@@ -134,21 +90,44 @@ void orl_air_free(struct orl_air *air)
     free(air);
 }
 
+/* How far away things are on the lit side: the median of what is met. */
+static double distance_about(const struct orl_geometry *g, const struct orl_place *place)
+{
+    double met[LOOKS];
+    int n = 0;
+    for (int i = 0; i < LOOKS; i++) {
+        const double u = (i + 0.5) / LOOKS, v = i * 0.6180339887498949;
+        const struct orl_vec3 out = orl_hemisphere_about(place->normal, u, v - floor(v));
+        struct orl_hit hit;
+        int at = n;
+        if (!orl_geometry_intersect(g, place->point, out, INFINITY, &hit))
+            continue;
+        for (; at > 0 && met[at - 1] > hit.distance; at--)
+            met[at] = met[at - 1];
+        met[at] = hit.distance;
+        n++;
+    }
+    return n > 0 ? met[n / 2] : INFINITY;
+}
+
 /* Less of it where something stands on its plane. */
-static void make_disc(const struct orl_gather *gather, const struct orl_place *place,
+static void make_disc(const struct orl_air *air, const struct orl_place *place,
                       struct orl_disc *ret_disc)
 {
-    const double radius = fmin(wider * gather->max_radius[ORL_MAP_CAUSTIC],
-                               widest_of_scene * gather->world->geometry->radius);
+    const struct orl_geometry *g = air->world->geometry;
+    const double by_itself = air->gather ? wider * air->gather->max_radius[ORL_MAP_CAUSTIC]
+                                         : widest_of_distance * distance_about(g, place);
+    const double radius = fmin(by_itself, widest_of_scene * g->radius);
     *ret_disc = (struct orl_disc){
-        .center = place->point, .frame = orl_frame_about(place->normal), .radius = radius};
+        .center = orl_madd(place->point, place->normal, air->gather ? 0 : above * radius),
+        .frame = orl_frame_about(place->normal),
+        .radius = radius};
     for (int i = 0; i < ORL_DISC_SECTORS; i++) {
         const double phi = 2 * ORL_PI * (i + 0.5) / ORL_DISC_SECTORS;
         const struct orl_vec3 out =
             orl_add(orl_scale(ret_disc->frame.u, cos(phi)), orl_scale(ret_disc->frame.v, sin(phi)));
         struct orl_hit hit;
-        const bool ends =
-            orl_geometry_intersect(gather->world->geometry, place->point, out, radius, &hit);
+        const bool ends = orl_geometry_intersect(g, ret_disc->center, out, radius, &hit);
         const double reach = ends ? fmin(hit.distance, radius) : radius;
         ret_disc->reach2[i] = (float)(reach * reach);
     }
@@ -158,10 +137,10 @@ void orl_air_put(struct orl_air *air, size_t sensor, const struct orl_place *pla
                  const struct orl_estimate *rest)
 {
     air->sensors[sensor] = (struct sensor){.rest = *rest, .disc = NONE};
-    if (!orl_gather_catches(air->gather, place))
+    if (air->gather && !orl_gather_catches(air->gather, place))
         return;
     air->sensors[sensor].disc = (uint32_t)sensor;
-    make_disc(air->gather, place, &air->discs[sensor]);
+    make_disc(air, place, &air->discs[sensor]);
 }
 
 bool orl_air_is_needed(const struct orl_air *air)
@@ -222,6 +201,7 @@ static void count(struct orl_air *air, const struct orl_pass *pass)
     struct ring *ring = &air->rings[pass->disc][width];
     ring->flux = orl_rgb_add(ring->flux, flux);
     ring->luma[pass->batch] += (float)orl_luma(flux);
+    ring->lamps += pass->lamp ? (float)orl_luma(flux) : 0;
 }
 
 /* Task by task, in their order: sums are the same for any crew. */
@@ -231,7 +211,7 @@ static int fly_round(struct orl_air *air, struct round *round, const struct orl_
     const size_t tasks = (round->end - round->first + TASK - 1) / TASK;
     int code = 0;
     for (size_t i = 0; i < tasks; i++)
-        round->deposits[i] = (struct orl_deposits){.discs = discs};
+        round->deposits[i] = (struct orl_deposits){.discs = discs, .by_chance = !air->gather};
     orl_crew_for(round->env->crew, tasks, fly, round);
     if (orl_is_cancelled(round->env->cancel))
         code = ORL_ERR_CANCELLED;
@@ -262,6 +242,7 @@ struct reading {
     struct orl_rgb irradiance;
     struct orl_batches parts;
     double area, variance, bias;
+    double lamps; /* luma of what is of lamps */
 };
 
 static double area_of(const struct orl_disc *disc, int width)
@@ -276,13 +257,15 @@ static double area_of(const struct orl_disc *disc, int width)
 static void read_widths(const struct orl_air *air, uint32_t disc, struct reading ret[WIDTHS])
 {
     struct orl_rgb flux = orl_gray(0);
-    double luma[ORL_MAP_BATCHES] = {0};
+    double luma[ORL_MAP_BATCHES] = {0}, lamps = 0;
     const double one_more = air->photons > 0 ? air->flux / air->photons : 0;
     for (int w = 0; w < WIDTHS; w++) {
         const struct ring *ring = &air->rings[disc][w];
         const double area = area_of(&air->discs[disc], w), per = 1 / (area * (double)air->emitted);
         flux = orl_rgb_add(flux, ring->flux);
-        ret[w] = (struct reading){.irradiance = orl_rgb_scale(flux, per), .area = area};
+        lamps += (double)ring->lamps;
+        ret[w] = (struct reading){
+            .irradiance = orl_rgb_scale(flux, per), .area = area, .lamps = lamps * per};
         for (int b = 0; b < ORL_MAP_BATCHES; b++) {
             luma[b] += (double)ring->luma[b];
             ret[w].parts.luma[b] = luma[b] * per;
@@ -329,7 +312,7 @@ static void find_biases(struct reading readings[WIDTHS])
     }
 }
 
-static struct orl_estimate caught(const struct orl_air *air, uint32_t disc)
+static struct orl_estimate caught(const struct orl_air *air, uint32_t disc, double *ret_lamps)
 {
     struct reading readings[WIDTHS];
     int best = WIDTHS - 1;
@@ -339,6 +322,7 @@ static struct orl_estimate caught(const struct orl_air *air, uint32_t disc)
         if (readings[w].variance + readings[w].bias * readings[w].bias <
             readings[best].variance + readings[best].bias * readings[best].bias)
             best = w;
+    *ret_lamps = readings[best].lamps;
     return (struct orl_estimate){.value = readings[best].irradiance,
                                  .standard_error = sqrt(readings[best].variance),
                                  .degrees = ORL_MAP_BATCHES - 1,
@@ -350,8 +334,14 @@ struct orl_estimate orl_air_estimate(const struct orl_air *air, size_t sensor)
     const struct sensor *s = &air->sensors[sensor];
     if (s->disc == NONE || air->emitted == 0)
         return s->rest;
-    const struct orl_estimate more = caught(air, s->disc);
+    double lamps;
+    const struct orl_estimate more = caught(air, s->disc, &lamps);
     return orl_estimate_add(s->rest, more);
+}
+
+struct orl_estimate orl_air_caught(const struct orl_air *air, size_t sensor, double *ret_lamps)
+{
+    return caught(air, air->sensors[sensor].disc, ret_lamps);
 }
 
 /* Whether what comes through its disc is known well enough; and whether it is felt. */
@@ -370,9 +360,10 @@ static bool is_enough(const struct orl_air *air, double rays_not_felt)
     for (size_t i = 0; i < air->n_sensors; i++) {
         const struct sensor *s = &air->sensors[i];
         bool feels;
+        double lamps;
         if (s->disc == NONE)
             continue;
-        const struct orl_estimate more = caught(air, s->disc);
+        const struct orl_estimate more = caught(air, s->disc, &lamps);
         const bool is = is_content(s, &more, &feels);
         content += is;
         feeling += feels && !is;

@@ -26,6 +26,13 @@ bool orl_air_may_be_lit(const struct orl_world *world);
 /* For so many sensors. *ret_air is NULL where nothing can send such light on. Returns 0 or
  * ORL_ERR_NOMEM. */
 int orl_air_new(const struct orl_gather *gather, size_t sensors, struct orl_air **ret_air);
+
+/*
+ * Of another kind: for the backward technique, of light that its paths would have to happen on
+ * (photon/found.h), at all of so many sensors, wherever they are. It is not added to anything but
+ * told: orl_air_caught.
+ */
+int orl_air_by_chance(const struct orl_world *world, size_t sensors, struct orl_air **ret_air);
 void orl_air_free(struct orl_air *air); /* NULL is allowed */
 
 /* A sensor's place, and what it gets besides. */
@@ -50,5 +57,8 @@ int orl_air_catch(struct orl_air *air, const struct orl_shoot_env *env,
 
 /* The sensor's estimate with what was caught. */
 struct orl_estimate orl_air_estimate(const struct orl_air *air, size_t sensor);
+
+/* What was caught alone, at a sensor that has a disc; and the luma of what of it is of lamps. */
+struct orl_estimate orl_air_caught(const struct orl_air *air, size_t sensor, double *ret_lamps);
 
 #endif

@@ -17,10 +17,10 @@
  * it is not known.
  *
  * Suns by way of a curved mirror or of a dielectric have no shadow rays: only a ray that happens on
- * the disc finds them. That is noise, not bias. Exterior paths are exterior.h's, until they enter a
- * building.
- * BSDFs with a thickness are met as light meets them, but by views' own rays, which see what they
- * stand for.
+ * the disc finds them. That is noise, not bias, but hardly any job has the samples to notice: of
+ * what such jobs lack a warning tells (run/chance.c). Exterior paths are exterior.h's, until they
+ * enter a building. BSDFs with a thickness are met as light meets them, but by views' own rays,
+ * which see what they stand for.
  */
 #ifndef ORL_RENDER_BACKWARD_H
 #define ORL_RENDER_BACKWARD_H

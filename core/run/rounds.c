@@ -130,6 +130,7 @@ static void take_times(struct rounds *r, const struct orl_result *found_by, doub
     for (size_t i = 0; i < found_by->n_maps; i++) /* what other rounds will have to take */
         r->pace.photon_s += found_by->maps[i].earlier_s;
     r->pace.samples += r->samples;
+    r->state->samples = r->pace.samples;
     r->pace.render_s += render_s;
     r->pace.beside_s += fmax(all_s - photon_s - render_s, 0);
     r->pace.rounds++;

@@ -215,6 +215,8 @@ static int run_stages(struct orl_run_state *state, struct orl_error *err)
         code = in_rounds ? orl_run_rounds(state, err) : orl_run_technique(state, err);
     if (code == 0)
         code = orl_run_judge_darkness(state, err);
+    if (code == 0)
+        code = orl_run_judge_chance(state, err);
     if (code == 0) {
         leave(state);
         orl_run_judge_health(state);

@@ -43,6 +43,7 @@ struct orl_run_state {
     double ends_s;    /* of a job with a goal: when it is thought to end; 0: not known yet */
     const double *bandwidths; /* by kind of map, in rounds (gather.h); NULL: as usual */
     const struct orl_sensor_round *sensor_round; /* NULL: as the job has it */
+    double samples; /* of a sensor on average, in all rounds so far; 0: as the job has it */
     struct orl_estimates *looks; /* by view, for the cost of a job in one piece; owned */
     /* In rounds: where a finished picture goes instead of into files. */
     int (*take_film)(void *ctx, size_t index, const struct orl_film *film, struct orl_error *err);
@@ -82,6 +83,10 @@ void orl_run_judge_view(struct orl_run_state *state, const char *name, const str
 /* At the end: warns of sensors and views without light among others; without any it is an error,
  * ORL_ERR_UNLIT, unless the job expects that, or it is night. */
 int orl_run_judge_darkness(struct orl_run_state *state, struct orl_error *err);
+
+/* At the end: warns of light that the backward technique has missed, because its paths would have
+ * had to happen on it. */
+int orl_run_judge_chance(struct orl_run_state *state, struct orl_error *err);
 
 /* At the end: warnings where the result's health calls for them. */
 void orl_run_judge_health(struct orl_run_state *state);

@@ -1,0 +1,157 @@
+/*
+ * What the backward technique has missed. It is unbiased, but a sun by way of a curved mirror, of a
+ * lens or of mirrors that face very many ways is met by one path of a hundred thousand: with fewer
+ * samples the value lacks that light, and its error, which is of what was found, does not know.
+ * Photons find it easily. So where the plan says that there are such ways, photons fly by the
+ * sensors (render/air.h), and those that lack more than their intervals allow for are told of; for
+ * views, how much of the light it is.
+ */
+#include <math.h>
+
+#include "base/random.h"
+#include "photon/worth.h"
+#include "render/air.h"
+#include "run/stages.h"
+
+/* Tells their numbers from those of maps. */
+static const uint64_t photons_by_chance = 0x6368616e6365;
+
+/* Flights, and rays while no sensor feels what they bring. */
+enum { MOST_FLIGHTS = 1 << 18, MOST_RAYS = 1 << 19 };
+
+/* What is met so often is in the value, and its scatter in the error. */
+static const double often = 16;
+/* Light counts as missed when it is so many of its standard errors, beyond the sensor's interval.
+ */
+static const double certain = 3;
+/* ... and such a share of the sensor's light; of a view's, weighted by what it is where it lands.
+ */
+static const double tolerable = 2e-3, tolerable_of_view = 1e-3;
+
+struct missed {
+    size_t sensors, worst;
+    double lx, share; /* of the worst */
+};
+
+static double brightest_sun(const struct orl_world *world)
+{
+    double most = 0;
+    for (size_t i = 0; i < world->n_suns; i++)
+        most = fmax(most, orl_luma(world->suns[i].radiance));
+    return most;
+}
+
+static double brightest_lamp(const struct orl_world *world)
+{
+    double most = 0;
+    for (size_t i = 0; i < world->n_emitters; i++)
+        if (world->emitters[i].direct)
+            most = fmax(most, orl_luma(world->emitters[i].radiance));
+    return most;
+}
+
+/*
+ * How many of a sensor's paths, drawn by the cosine, have met that light: of a radiance L, dimmed
+ * or not, it takes a solid angle of E / L at least, of pi.
+ */
+static double times_met(const struct orl_world *world, double of_suns, double of_lamps,
+                        double samples)
+{
+    const double sun = brightest_sun(world), lamp = brightest_lamp(world);
+    const double share = (sun > 0 ? of_suns / sun : 0) + (lamp > 0 ? of_lamps / lamp : 0);
+    return samples * share / ORL_PI;
+}
+
+static void look_at_sensor(const struct orl_run_state *state, const struct orl_air *air, size_t i,
+                           struct missed *missed)
+{
+    const struct orl_result *r = state->result;
+    const double samples = state->samples > 0 ? state->samples : orl_run_sensor_samples(state, i);
+    double lamps;
+    const struct orl_estimate e = orl_air_caught(air, i, &lamps);
+    const double all = orl_luma(e.value), found = r->illuminance_lx[i];
+    const double lx = ORL_EFFICACY_LM_PER_W * (all - fabs(e.bias));
+    if (!(lx > certain * ORL_EFFICACY_LM_PER_W * e.standard_error) ||
+        !(found + lx > r->interval_95_lx[i][1]) || !(lx > tolerable * found) ||
+        times_met(state->world, all - lamps, lamps, samples) > often)
+        return;
+    const double share = lx / (lx + found);
+    missed->sensors++;
+    if (share > missed->share)
+        *missed = (struct missed){missed->sensors, i, ORL_EFFICACY_LM_PER_W * all, share};
+}
+
+static void put_sensors(const struct orl_run_state *state, struct orl_air *air)
+{
+    const struct orl_result *r = state->result;
+    for (size_t i = 0; i < state->n_sensors; i++) {
+        const struct orl_sensor *sensor = &state->sensors[i];
+        const struct orl_place place = {
+            .point = orl_sub(sensor->position, state->world->geometry->center),
+            .normal = orl_normalize(sensor->direction)};
+        const struct orl_estimate rest = {
+            .value = orl_gray(r->illuminance_lx[i] / ORL_EFFICACY_LM_PER_W),
+            .standard_error = r->standard_error_lx[i] / ORL_EFFICACY_LM_PER_W};
+        orl_air_put(air, i, &place, &rest);
+    }
+}
+
+static int judge_sensors(struct orl_run_state *state, const struct orl_shoot_env *env)
+{
+    const struct orl_air_bounds bounds = {MOST_FLIGHTS, MOST_RAYS};
+    struct missed missed = {0};
+    struct orl_air *air = NULL;
+    int code = orl_air_by_chance(state->world, state->n_sensors, &air);
+    if (code == 0) {
+        put_sensors(state, air);
+        code = orl_air_catch(air, env, &bounds, &state->result->health);
+    }
+    for (size_t i = 0; i < state->n_sensors && code == 0; i++)
+        look_at_sensor(state, air, i, &missed);
+    orl_air_free(air);
+    if (code == 0 && missed.sensors > 0)
+        orl_run_warn(
+            state,
+            "%zu of %zu sensors lack light: the backward technique hardly ever meets a "
+            "sun or lamp by way of curved or very many mirrors, or of lenses; sensors[%zu] "
+            "lacks about %.3g lx, %.2g %% of its light, and its interval does not know. "
+            "Photons find it: use technique gather, or leave the technique to the plan",
+            missed.sensors, state->n_sensors, missed.worst, missed.lx, 100 * missed.share);
+    return code;
+}
+
+static int judge_views(struct orl_run_state *state, const struct orl_shoot_env *env,
+                       struct orl_error *err)
+{
+    struct orl_worth worth;
+    const int code = orl_worth_measure(env, NULL, NULL, &worth, err);
+    if (code == 0 && worth.share * worth.contrast > tolerable_of_view)
+        orl_run_warn(state,
+                     "views lack light: the backward technique hardly ever meets a sun or lamp by "
+                     "way of curved or very many mirrors, or of lenses; that is %.2g %% of all "
+                     "light, and %.2g %% of it where it lands. Photons find it: use technique "
+                     "gather, or leave the technique to the plan",
+                     100 * worth.share, 100 * worth.contrast);
+    return code;
+}
+
+int orl_run_judge_chance(struct orl_run_state *state, struct orl_error *err)
+{
+    if (!state->result->plan.by_chance)
+        return 0;
+    int code = orl_run_need_emission(state, err);
+    if (code < 0)
+        return code;
+    orl_run_enter(state, ORL_STAGE_PHOTONS);
+    const struct orl_shoot_env env = {.emission = state->emission,
+                                      .seed = orl_mix64(state->job->seed ^ photons_by_chance),
+                                      .crew = state->env->crew,
+                                      .cancel = state->env->cancel,
+                                      .by_chance = true};
+    if (state->n_sensors > 0)
+        code = judge_sensors(state, &env);
+    if (code < 0)
+        return orl_error_set(err, code, "%s looking for light that paths miss",
+                             code == ORL_ERR_CANCELLED ? "cancelled" : "out of memory");
+    return state->job->n_views > 0 ? judge_views(state, &env, err) : 0;
+}
