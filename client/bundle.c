@@ -36,11 +36,11 @@ static bool is_xml(const char *name)
 }
 
 /* Adds a file unless it is there already: one file may be referred to many times. */
-static int add_part(struct orl_bundle *bundle, const char *folder, const char *name, bool resource,
+static int add_part(struct orl_upload *bundle, const char *folder, const char *name, bool resource,
                     struct orl_error *err)
 {
     char path[4096];
-    struct orl_part *part;
+    struct orl_upload_part *part;
     int rc;
 
     for (size_t i = 0; i < bundle->n_parts; i++)
@@ -58,17 +58,17 @@ static int add_part(struct orl_bundle *bundle, const char *folder, const char *n
         return orl_error_set(err, ORL_ERR_LIMIT, "the scene has more than %u files",
                              ORL_LIMIT_SCENE_FILES);
     part = &bundle->parts[bundle->n_parts++];
-    *part = (struct orl_part){strdup(path), strdup(name), resource || is_xml(name)};
+    *part = (struct orl_upload_part){strdup(path), strdup(name), resource || is_xml(name)};
     if (!part->path || !part->name)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     return 0;
 }
 
 int orl_bundle_collect(const char *folder, const char *const *main_files, size_t n_files,
-                       struct orl_bundle *ret_bundle, struct orl_error *err)
+                       struct orl_upload *ret_bundle, struct orl_error *err)
 {
     const struct orl_files files = orl_files_from_folder(folder);
-    struct orl_bundle bundle = {.room = ORL_LIMIT_SCENE_FILES};
+    struct orl_upload bundle = {.room = ORL_LIMIT_SCENE_FILES};
     struct orl_scene_summary summary = {0};
     int rc;
 
@@ -84,7 +84,7 @@ int orl_bundle_collect(const char *folder, const char *const *main_files, size_t
         rc = add_part(&bundle, folder, summary.referenced[i], true, err);
     if (rc == 0) {
         *ret_bundle = bundle;
-        bundle = (struct orl_bundle){0};
+        bundle = (struct orl_upload){0};
     }
 done:
     orl_scene_summary_done(&summary);
@@ -160,7 +160,7 @@ int orl_bundle_main_files(const char *folder, char ***ret_names, size_t *ret_cou
     return 0;
 }
 
-int orl_bundle_add(struct orl_bundle *bundle, const char *folder, const char *name,
+int orl_bundle_add(struct orl_upload *bundle, const char *folder, const char *name,
                    struct orl_error *err)
 {
     const struct orl_files files = orl_files_from_folder(folder);
@@ -174,7 +174,7 @@ int orl_bundle_add(struct orl_bundle *bundle, const char *folder, const char *na
     return add_part(bundle, folder, name, true, err);
 }
 
-void orl_bundle_done(struct orl_bundle *bundle)
+void orl_bundle_done(struct orl_upload *bundle)
 {
     if (!bundle)
         return;
@@ -183,10 +183,10 @@ void orl_bundle_done(struct orl_bundle *bundle)
         free(bundle->parts[i].name);
     }
     free(bundle->parts);
-    *bundle = (struct orl_bundle){0};
+    *bundle = (struct orl_upload){0};
 }
 
-int orl_bundle_upload(const struct orl_bundle *bundle, struct orl_http *http, char **ret_id,
+int orl_bundle_upload(const struct orl_upload *bundle, struct orl_http *http, char **ret_id,
                       struct orl_error *err)
 {
     const double start_s = orl_clock_s(NULL);

@@ -13,14 +13,14 @@
 
 #include "http.h"
 
-struct orl_bundle {
-    struct orl_part *parts; /* owned, with their strings; main files first */
+struct orl_upload {
+    struct orl_upload_part *parts; /* owned, with their strings; main files first */
     size_t n_parts, room;
 };
 
 /* Collects the files below folder. */
 int orl_bundle_collect(const char *folder, const char *const *main_files, size_t n_files,
-                       struct orl_bundle *ret_bundle, struct orl_error *err);
+                       struct orl_upload *ret_bundle, struct orl_error *err);
 
 /* The names of a folder's main files (orl_scene_guess_main), sorted; *ret_names and what is in it
  * are owned. */
@@ -29,12 +29,12 @@ int orl_bundle_main_files(const char *folder, char ***ret_names, size_t *ret_cou
 void orl_bundle_names_free(char **names, size_t count); /* NULL is fine */
 
 /* Adds a file that the scene does not mention but a job does: a weather file. */
-int orl_bundle_add(struct orl_bundle *bundle, const char *folder, const char *name,
+int orl_bundle_add(struct orl_upload *bundle, const char *folder, const char *name,
                    struct orl_error *err);
-void orl_bundle_done(struct orl_bundle *bundle); /* NULL and half-filled are fine */
+void orl_bundle_done(struct orl_upload *bundle); /* NULL and half-filled are fine */
 
 /* Uploads it, unless the daemon has it; says on stderr which. *ret_id is owned (free()). */
-int orl_bundle_upload(const struct orl_bundle *bundle, struct orl_http *http, char **ret_id,
+int orl_bundle_upload(const struct orl_upload *bundle, struct orl_http *http, char **ret_id,
                       struct orl_error *err);
 
 #endif

@@ -72,7 +72,7 @@ static int examine_file(const char *path, struct orl_bsdf_check *ret_check, stru
     return rc;
 }
 
-int orl_cmd_bsdf(const struct orl_command *self, int argc, char **argv)
+int orl_cmd_bsdf(const struct orl_subcommand *self, int argc, char **argv)
 {
     bool as_json = false;
     const struct orl_option options[] = {

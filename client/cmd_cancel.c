@@ -8,7 +8,7 @@
 #include "json_get.h"
 #include "report.h"
 
-int orl_cmd_cancel(const struct orl_command *self, int argc, char **argv)
+int orl_cmd_cancel(const struct orl_subcommand *self, int argc, char **argv)
 {
     const char *server = NULL;
     const struct orl_option options[] = {ORL_OPTION_SERVER(&server)};

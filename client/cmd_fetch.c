@@ -87,7 +87,7 @@ static int fetch_all(struct orl_http *http, const char *id, const char *folder,
     return rc;
 }
 
-int orl_cmd_fetch(const struct orl_command *self, int argc, char **argv)
+int orl_cmd_fetch(const struct orl_subcommand *self, int argc, char **argv)
 {
     const char *server = NULL, *folder = NULL;
     const struct orl_option options[] = {

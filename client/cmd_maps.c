@@ -103,7 +103,7 @@ static int remove_map(struct orl_http *http, const json_t *maps, const char *sta
     return rc;
 }
 
-int orl_cmd_maps(const struct orl_command *self, int argc, char **argv)
+int orl_cmd_maps(const struct orl_subcommand *self, int argc, char **argv)
 {
     const char *server = NULL, *start = NULL;
     const struct orl_option options[] = {

@@ -91,7 +91,7 @@ static int plan_document(const char *document, uint32_t threads, bool as_json)
     return rc ? orl_report_error(&err) : ORL_EXIT_OK;
 }
 
-int orl_cmd_plan(const struct orl_command *self, int argc, char **argv)
+int orl_cmd_plan(const struct orl_subcommand *self, int argc, char **argv)
 {
     const char *threads_text = NULL;
     bool as_json = false;

@@ -38,7 +38,7 @@ static int remove_one(struct orl_http *http, const char *folder, const char *id,
     return rc;
 }
 
-int orl_cmd_remove(const struct orl_command *self, int argc, char **argv)
+int orl_cmd_remove(const struct orl_subcommand *self, int argc, char **argv)
 {
     const char *server = NULL, *folder;
     const struct orl_option options[] = {ORL_OPTION_SERVER(&server)};

@@ -126,7 +126,7 @@ static int run_document(const char *document, const char *output, uint32_t threa
     return rc ? ORL_EXIT_FAILED : ORL_EXIT_OK;
 }
 
-int orl_cmd_run(const struct orl_command *self, int argc, char **argv)
+int orl_cmd_run(const struct orl_subcommand *self, int argc, char **argv)
 {
     const char *output = NULL, *threads_text = NULL;
     const struct orl_option options[] = {

@@ -80,7 +80,7 @@ static void print_jobs(const json_t *jobs)
     }
 }
 
-int orl_cmd_status(const struct orl_command *self, int argc, char **argv)
+int orl_cmd_status(const struct orl_subcommand *self, int argc, char **argv)
 {
     const char *server = NULL;
     const struct orl_option options[] = {ORL_OPTION_SERVER(&server)};

@@ -14,7 +14,7 @@
 #include "report.h"
 #include "task_json.h"
 
-static int add_weather(struct orl_bundle *bundle, const char *folder,
+static int add_weather(struct orl_upload *bundle, const char *folder,
                        const struct orl_sky_request *sky, struct orl_error *err)
 {
     return sky->weather_file ? orl_bundle_add(bundle, folder, sky->weather_file, err) : 0;
@@ -23,7 +23,7 @@ static int add_weather(struct orl_bundle *bundle, const char *folder,
 /* Uploads "scene": {"files": [...]} and puts the id in its place; an id stays as it is. */
 static int send_scene(struct orl_http *http, struct orl_job_file *file, struct orl_error *err)
 {
-    struct orl_bundle bundle = {0};
+    struct orl_upload bundle = {0};
     struct orl_task task = {0};
     const struct orl_job *job;
     char *id = NULL;
@@ -71,7 +71,7 @@ static int submit(struct orl_http *http, const char *path, json_t **ret_reply,
     return rc;
 }
 
-int orl_cmd_submit(const struct orl_command *self, int argc, char **argv)
+int orl_cmd_submit(const struct orl_subcommand *self, int argc, char **argv)
 {
     const char *server = NULL;
     bool wait = false;

@@ -18,7 +18,7 @@
 static int upload_files(struct orl_http *http, const char *folder, char **names, size_t count,
                         bool list_only, struct orl_error *err)
 {
-    struct orl_bundle bundle = {0};
+    struct orl_upload bundle = {0};
     char *id = NULL;
     int rc = orl_bundle_collect(folder, (const char *const *)names, count, &bundle, err);
 
@@ -137,7 +137,7 @@ static int upload_bsdf(struct orl_http *http, const char *file, struct orl_error
     return post_and_print(http, path, file, "application/xml", err);
 }
 
-int orl_cmd_upload(const struct orl_command *self, int argc, char **argv)
+int orl_cmd_upload(const struct orl_subcommand *self, int argc, char **argv)
 {
     const char *server = NULL;
     bool list_only = false;

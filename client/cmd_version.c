@@ -5,7 +5,7 @@
 
 #include <oriel/version.h>
 
-int orl_cmd_version(const struct orl_command *self, int argc, char **argv)
+int orl_cmd_version(const struct orl_subcommand *self, int argc, char **argv)
 {
     struct orl_operands operands;
     int code;

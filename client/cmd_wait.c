@@ -5,7 +5,7 @@
 #include "http.h"
 #include "report.h"
 
-int orl_cmd_wait(const struct orl_command *self, int argc, char **argv)
+int orl_cmd_wait(const struct orl_subcommand *self, int argc, char **argv)
 {
     const char *server = NULL;
     const struct orl_option options[] = {ORL_OPTION_SERVER(&server)};

@@ -15,12 +15,12 @@
 
 enum orl_exit { ORL_EXIT_OK = 0, ORL_EXIT_FAILED = 1, ORL_EXIT_USAGE = 2 };
 
-struct orl_command {
+struct orl_subcommand {
     const char *name;
     const char *synopsis; /* what follows "oriel NAME" */
     const char *summary;  /* one line, for the list of commands */
     const char *details;  /* a paragraph for --help, or NULL */
-    int (*run)(const struct orl_command *self, int argc, char **argv); /* argv[0] is the name */
+    int (*run)(const struct orl_subcommand *self, int argc, char **argv); /* argv[0] is the name */
 };
 
 /* One option: a flag when metavar is NULL, else it takes a value. Exactly one target is set. */
@@ -43,16 +43,16 @@ struct orl_operands {
  * Parses argv against the options; "--" ends them. Returns true when the command should go on;
  * false when help was asked for or the line is wrong (said on stderr), with the exit code set.
  */
-bool orl_options_parse(const struct orl_command *self, int argc, char **argv,
+bool orl_options_parse(const struct orl_subcommand *self, int argc, char **argv,
                        const struct orl_option *options, size_t n_options, int min_operands,
                        int max_operands, struct orl_operands *ret_operands, int *ret_exit);
 
 /* Says what is wrong with the command line, and where help is; returns ORL_EXIT_USAGE. */
-int orl_usage_error(const struct orl_command *self, const char *format, ...)
+int orl_usage_error(const struct orl_subcommand *self, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 
 /* Reads what --threads was given, if anything: ORL_EXIT_OK, or says what is wrong with it. */
-int orl_options_threads(const struct orl_command *self, const char *text, uint64_t *threads);
+int orl_options_threads(const struct orl_subcommand *self, const char *text, uint64_t *threads);
 
 /* Reads a whole number in [min, max]; false when text is anything else. */
 bool orl_parse_count(const char *text, uint64_t min, uint64_t max, uint64_t *ret_value);
@@ -64,18 +64,18 @@ bool orl_parse_count(const char *text, uint64_t min, uint64_t max, uint64_t *ret
         .help = "the daemon (default: $ORIEL_URL, or http://127.0.0.1:8423)", .value = (target)    \
     }
 
-int orl_cmd_run(const struct orl_command *self, int argc, char **argv);
-int orl_cmd_plan(const struct orl_command *self, int argc, char **argv);
-int orl_cmd_study(const struct orl_command *self, int argc, char **argv);
-int orl_cmd_submit(const struct orl_command *self, int argc, char **argv);
-int orl_cmd_status(const struct orl_command *self, int argc, char **argv);
-int orl_cmd_wait(const struct orl_command *self, int argc, char **argv);
-int orl_cmd_fetch(const struct orl_command *self, int argc, char **argv);
-int orl_cmd_cancel(const struct orl_command *self, int argc, char **argv);
-int orl_cmd_remove(const struct orl_command *self, int argc, char **argv);
-int orl_cmd_maps(const struct orl_command *self, int argc, char **argv);
-int orl_cmd_upload(const struct orl_command *self, int argc, char **argv);
-int orl_cmd_bsdf(const struct orl_command *self, int argc, char **argv);
-int orl_cmd_version(const struct orl_command *self, int argc, char **argv);
+int orl_cmd_run(const struct orl_subcommand *self, int argc, char **argv);
+int orl_cmd_plan(const struct orl_subcommand *self, int argc, char **argv);
+int orl_cmd_study(const struct orl_subcommand *self, int argc, char **argv);
+int orl_cmd_submit(const struct orl_subcommand *self, int argc, char **argv);
+int orl_cmd_status(const struct orl_subcommand *self, int argc, char **argv);
+int orl_cmd_wait(const struct orl_subcommand *self, int argc, char **argv);
+int orl_cmd_fetch(const struct orl_subcommand *self, int argc, char **argv);
+int orl_cmd_cancel(const struct orl_subcommand *self, int argc, char **argv);
+int orl_cmd_remove(const struct orl_subcommand *self, int argc, char **argv);
+int orl_cmd_maps(const struct orl_subcommand *self, int argc, char **argv);
+int orl_cmd_upload(const struct orl_subcommand *self, int argc, char **argv);
+int orl_cmd_bsdf(const struct orl_subcommand *self, int argc, char **argv);
+int orl_cmd_version(const struct orl_subcommand *self, int argc, char **argv);
 
 #endif

@@ -42,13 +42,13 @@ int orl_digest_file(const char *path, char ret_digest[ORL_DIGEST_TEXT], struct o
 
 static int by_name(const void *a, const void *b)
 {
-    const struct orl_part *x = a, *y = b;
+    const struct orl_upload_part *x = a, *y = b;
 
     return strcmp(x->name, y->name);
 }
 
 /* "main <digest> <name>\n" */
-static int add_line(crypto_hash_sha256_state *hash, const struct orl_part *part,
+static int add_line(crypto_hash_sha256_state *hash, const struct orl_upload_part *part,
                     struct orl_error *err)
 {
     const char *role = part->resource ? "resource " : "main ";
@@ -65,11 +65,11 @@ static int add_line(crypto_hash_sha256_state *hash, const struct orl_part *part,
     return 0;
 }
 
-int orl_digest_scene(const struct orl_part *parts, size_t n_parts, char ret_id[ORL_DIGEST_TEXT],
-                     struct orl_error *err)
+int orl_digest_scene(const struct orl_upload_part *parts, size_t n_parts,
+                     char ret_id[ORL_DIGEST_TEXT], struct orl_error *err)
 {
     static const char first[] = "oriel-scene 1\n";
-    struct orl_part *resources = calloc(n_parts + 1, sizeof *resources); /* borrow strings */
+    struct orl_upload_part *resources = calloc(n_parts + 1, sizeof *resources); /* borrow strings */
     crypto_hash_sha256_state hash;
     size_t n_resources = 0;
     int rc = 0;

@@ -58,7 +58,7 @@ struct noted {
 };
 
 /* Says each warning of the job once; *told is made where it is NULL. */
-static void note_warnings(struct orl_progress *progress, const json_t *job, json_t **told)
+static void note_warnings(struct orl_progress_line *progress, const json_t *job, json_t **told)
 {
     const json_t *warnings = json_object_get(job, "warnings"), *warning;
     size_t i;
@@ -77,7 +77,7 @@ static void note_warnings(struct orl_progress *progress, const json_t *job, json
 }
 
 /* Says which sky is under way, of several; all that follows is about that one. */
-static void note_sky(struct orl_progress *progress, const json_t *job, struct noted *noted)
+static void note_sky(struct orl_progress_line *progress, const json_t *job, struct noted *noted)
 {
     const json_t *skies = json_object_get(job, "skies");
     const char *sky = orl_json_text(skies, "running");
@@ -91,7 +91,7 @@ static void note_sky(struct orl_progress *progress, const json_t *job, struct no
 }
 
 /* Says once which technique the plan chose. */
-static void note_technique(struct orl_progress *progress, const json_t *job, bool *noted)
+static void note_technique(struct orl_progress_line *progress, const json_t *job, bool *noted)
 {
     const char *technique = orl_json_text(job, "technique");
 
@@ -101,7 +101,7 @@ static void note_technique(struct orl_progress *progress, const json_t *job, boo
 }
 
 /* Says once, for each map of the job, how it was come by. */
-static void note_maps(struct orl_progress *progress, const json_t *job, size_t *noted)
+static void note_maps(struct orl_progress_line *progress, const json_t *job, size_t *noted)
 {
     const json_t *maps = json_object_get(job, "maps");
 
@@ -114,7 +114,7 @@ static void note_maps(struct orl_progress *progress, const json_t *job, size_t *
 }
 
 /* Says once what each point of a study came to. */
-static void note_points(struct orl_progress *progress, const json_t *job, size_t *noted)
+static void note_points(struct orl_progress_line *progress, const json_t *job, size_t *noted)
 {
     const json_t *points = json_object_get(json_object_get(job, "study"), "points");
 
@@ -127,7 +127,7 @@ static void note_points(struct orl_progress *progress, const json_t *job, size_t
 }
 
 /* Says once what each round of a job with a goal came to, but for those between two polls. */
-static void note_round(struct orl_progress *progress, const json_t *job, double *noted)
+static void note_round(struct orl_progress_line *progress, const json_t *job, double *noted)
 {
     const json_t *accuracy = json_object_get(job, "accuracy");
     const double rounds = orl_json_number(accuracy, "rounds", 0);
@@ -182,7 +182,7 @@ static void pause_s(double seconds)
     nanosleep(&span, NULL);
 }
 
-static void show(struct orl_progress *progress, const json_t *job)
+static void show(struct orl_progress_line *progress, const json_t *job)
 {
     const char *state = orl_json_text(job, "state"), *stage = orl_json_text(job, "stage");
 
@@ -223,7 +223,7 @@ int orl_await_job(struct orl_http *http, const char *id, json_t **ret_job, struc
 
 int orl_follow_job(struct orl_http *http, const char *id)
 {
-    struct orl_progress progress;
+    struct orl_progress_line progress;
     struct orl_error err = {0};
     char path[1024];
     struct noted noted = {0};

@@ -282,8 +282,9 @@ done:
     return rc;
 }
 
-int orl_http_post_parts(struct orl_http *http, const char *path, const struct orl_part *parts,
-                        size_t n_parts, json_t **ret_json, struct orl_error *err)
+int orl_http_post_parts(struct orl_http *http, const char *path,
+                        const struct orl_upload_part *parts, size_t n_parts, json_t **ret_json,
+                        struct orl_error *err)
 {
     struct sink sink = {0};
     curl_mime *form = curl_mime_init(http->curl);

@@ -25,7 +25,7 @@ struct orl_http {
 };
 
 /* One part of an upload: the file at path travels as name; resources are not scene text. */
-struct orl_part {
+struct orl_upload_part {
     char *path;
     char *name;
     bool resource;
@@ -47,8 +47,9 @@ int orl_http_post_json(struct orl_http *http, const char *path, const json_t *bo
                        json_t **ret_json, struct orl_error *err);
 
 /* POSTs files as multipart/form-data, streamed from disk. */
-int orl_http_post_parts(struct orl_http *http, const char *path, const struct orl_part *parts,
-                        size_t n_parts, json_t **ret_json, struct orl_error *err);
+int orl_http_post_parts(struct orl_http *http, const char *path,
+                        const struct orl_upload_part *parts, size_t n_parts, json_t **ret_json,
+                        struct orl_error *err);
 
 /* POSTs one file as the body, of that media type. */
 int orl_http_post_file(struct orl_http *http, const char *path, const char *file, const char *type,

@@ -51,7 +51,7 @@ struct local {
     struct orl_files files;
     struct orl_folder_store maps;
     struct orl_map_store store;
-    struct orl_progress progress;
+    struct orl_progress_line progress;
     struct orl_run_env env;
     char *warnings; /* lines for who runs a job that fails; a result has its own */
 };
@@ -256,7 +256,7 @@ int orl_local_study(const struct orl_study_request *request, const char *folder,
                     uint32_t threads, struct orl_study *ret_study, struct orl_error *err)
 {
     const struct orl_files files = orl_files_from_folder(folder);
-    struct orl_progress progress;
+    struct orl_progress_line progress;
     const struct orl_study_env env = {.crew = orl_crew_start(threads),
                                       .files = &files,
                                       .work_folder = output,

@@ -6,7 +6,7 @@
 
 #include <curl/curl.h>
 
-static const struct orl_command commands[] = {
+static const struct orl_subcommand commands[] = {
     {"run", "JOB.json -o DIR [--threads N]", "Render a job here, without a daemon",
      "JOB.json names its scene as {\"files\": [...]}, relative to the document. Images and\n"
      "result.json go to DIR, photon maps to DIR/maps, where the next run finds them again.",
@@ -65,7 +65,7 @@ static const struct orl_command commands[] = {
 
 enum { COMMAND_COUNT = sizeof commands / sizeof commands[0] };
 
-static const struct orl_command *find_command(const char *name)
+static const struct orl_subcommand *find_command(const char *name)
 {
     for (size_t i = 0; i < COMMAND_COUNT; i++)
         if (strcmp(commands[i].name, name) == 0)
@@ -105,7 +105,7 @@ static int run_synonym(int argc, char **argv)
 
 int main(int argc, char **argv)
 {
-    const struct orl_command *command;
+    const struct orl_subcommand *command;
     int code;
 
     if (argc < 2) {

@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-int orl_usage_error(const struct orl_command *self, const char *format, ...)
+int orl_usage_error(const struct orl_subcommand *self, const char *format, ...)
 {
     va_list args;
 
@@ -19,7 +19,8 @@ int orl_usage_error(const struct orl_command *self, const char *format, ...)
     return ORL_EXIT_USAGE;
 }
 
-static void print_help(const struct orl_command *self, const struct orl_option *options, size_t n)
+static void print_help(const struct orl_subcommand *self, const struct orl_option *options,
+                       size_t n)
 {
     printf("usage: oriel %s %s\n\n%s.\n", self->name, self->synopsis, self->summary);
     if (self->details)
@@ -60,7 +61,7 @@ static const struct orl_option *find_option(const char *arg, const struct orl_op
 }
 
 /* Takes one option at argv[*at], and its value; returns 0 or an exit code. */
-static int take_option(const struct orl_command *self, int argc, char **argv, int *at,
+static int take_option(const struct orl_subcommand *self, int argc, char **argv, int *at,
                        const struct orl_option *options, size_t n)
 {
     const char *value = NULL;
@@ -82,7 +83,7 @@ static int take_option(const struct orl_command *self, int argc, char **argv, in
     return 0;
 }
 
-bool orl_options_parse(const struct orl_command *self, int argc, char **argv,
+bool orl_options_parse(const struct orl_subcommand *self, int argc, char **argv,
                        const struct orl_option *options, size_t n_options, int min_operands,
                        int max_operands, struct orl_operands *ret_operands, int *ret_exit)
 {
@@ -129,7 +130,7 @@ bool orl_parse_count(const char *text, uint64_t min, uint64_t max, uint64_t *ret
     return true;
 }
 
-int orl_options_threads(const struct orl_command *self, const char *text, uint64_t *threads)
+int orl_options_threads(const struct orl_subcommand *self, const char *text, uint64_t *threads)
 {
     if (text && !orl_parse_count(text, 1, 1024, threads))
         return orl_usage_error(self, "--threads takes a number from 1 to 1024, not \"%s\"", text);

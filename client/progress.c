@@ -47,22 +47,22 @@ void orl_format_amount(double amount, const char *unit, char *ret_text, size_t s
              prefix[step], unit);
 }
 
-void orl_progress_start(struct orl_progress *progress)
+void orl_progress_start(struct orl_progress_line *progress)
 {
-    *progress = (struct orl_progress){.terminal = isatty(STDERR_FILENO) != 0,
-                                      .started_s = orl_clock_s(NULL),
-                                      .drawn_s = -1,
-                                      .tenth = -1};
+    *progress = (struct orl_progress_line){.terminal = isatty(STDERR_FILENO) != 0,
+                                           .started_s = orl_clock_s(NULL),
+                                           .drawn_s = -1,
+                                           .tenth = -1};
 }
 
-void orl_progress_end(struct orl_progress *progress)
+void orl_progress_end(struct orl_progress_line *progress)
 {
     if (progress->line_open)
         fputs("\r\033[K", stderr);
     progress->line_open = false;
 }
 
-void orl_progress_note(struct orl_progress *progress, const char *format, ...)
+void orl_progress_note(struct orl_progress_line *progress, const char *format, ...)
 {
     va_list args;
 
@@ -73,7 +73,7 @@ void orl_progress_note(struct orl_progress *progress, const char *format, ...)
     fputc('\n', stderr);
 }
 
-static void draw_bar(struct orl_progress *progress, const char *stage, double fraction,
+static void draw_bar(struct orl_progress_line *progress, const char *stage, double fraction,
                      const char *eta)
 {
     struct winsize window;
@@ -94,7 +94,7 @@ static void draw_bar(struct orl_progress *progress, const char *stage, double fr
     progress->line_open = true;
 }
 
-void orl_progress_show(struct orl_progress *progress, const char *stage, double fraction,
+void orl_progress_show(struct orl_progress_line *progress, const char *stage, double fraction,
                        double eta_s)
 {
     const double now_s = orl_clock_s(NULL), elapsed_s = now_s - progress->started_s;

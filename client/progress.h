@@ -9,7 +9,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-struct orl_progress {
+struct orl_progress_line {
     bool terminal;
     double started_s, drawn_s;
     char stage[32]; /* last one shown */
@@ -19,18 +19,18 @@ struct orl_progress {
 
 double orl_clock_s(void *unused); /* a steady clock */
 
-void orl_progress_start(struct orl_progress *progress);
+void orl_progress_start(struct orl_progress_line *progress);
 
 /* fraction of the whole job, 0..1; eta_s negative: work it out from the time gone by. */
-void orl_progress_show(struct orl_progress *progress, const char *stage, double fraction,
+void orl_progress_show(struct orl_progress_line *progress, const char *stage, double fraction,
                        double eta_s);
 
 /* A line of its own (a map found, a warning), above the bar. */
-void orl_progress_note(struct orl_progress *progress, const char *format, ...)
+void orl_progress_note(struct orl_progress_line *progress, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 
 /* Takes the bar away. */
-void orl_progress_end(struct orl_progress *progress);
+void orl_progress_end(struct orl_progress_line *progress);
 
 /* "8 s", "2:05", "1:02:05"; "?" when it cannot be said. */
 void orl_format_duration(double seconds, char *ret_text, size_t size);

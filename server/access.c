@@ -64,7 +64,7 @@ static bool refuse_unknown(struct orl_request *request, bool has_token)
     return false;
 }
 
-static bool refuse_scope(struct orl_request *request, enum orl_scope has)
+static bool refuse_scope(struct orl_request *request, enum orl_token_scope has)
 {
     const char *needs = orl_scope_name(request->route->scope);
     char challenge[96];

@@ -164,7 +164,7 @@ static bool answer_by_key(struct orl_request *request)
 }
 
 /* A file that the document names must have come with the scene. */
-static int check_file(const struct orl_bundle *bundle, const struct orl_job_file *file,
+static int check_file(const struct orl_bundle *bundle, const struct orl_named_file *file,
                       struct orl_error *err)
 {
     const bool sensors = strcmp(file->place, "sensors.file") == 0;

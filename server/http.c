@@ -19,7 +19,7 @@
 
 enum { SWEEP_MS = 1000 };
 
-struct orl_http {
+struct orl_http_server {
     struct orl_server *server;
     struct MHD_Daemon *daemon;
     uv_poll_t poll;
@@ -39,7 +39,7 @@ static void on_timer(uv_timer_t *timer)
 
 static void on_sweep(uv_timer_t *timer)
 {
-    struct orl_http *http = timer->data;
+    struct orl_http_server *http = timer->data;
     orl_connections_sweep(&http->connections);
     orl_checks_sweep(http->server);
 }
@@ -50,7 +50,7 @@ static void on_readable(uv_poll_t *poll, int status, int events)
     orl_http_kick(poll->data);
 }
 
-void orl_http_kick(struct orl_http *http)
+void orl_http_kick(struct orl_http_server *http)
 {
     enum { TURN_NS = 5000000 }; /* then the loop has a turn too */
     const uint64_t until = uv_hrtime() + TURN_NS;
@@ -77,7 +77,7 @@ static void on_message(void *ctx, const char *format, va_list args)
     __attribute__((format(printf, 2, 0)));
 static void on_message(void *ctx, const char *format, va_list args)
 {
-    struct orl_http *http = ctx;
+    struct orl_http_server *http = ctx;
     vsnprintf(http->message, sizeof http->message, format, args);
     http->message[strcspn(http->message, "\r\n")] = '\0';
     orl_log_event(&http->server->log, ORL_LOG_DEBUG, "http", "s", "message", http->message);
@@ -113,7 +113,7 @@ static unsigned connection_limit(void)
     return files.rlim_cur > 2 ? (unsigned)(files.rlim_cur / 2) : 1;
 }
 
-static int start_daemon(struct orl_http *http, struct orl_error *err)
+static int start_daemon(struct orl_http_server *http, struct orl_error *err)
 {
     const struct orl_config *config = &http->server->config;
     const unsigned flags = MHD_USE_EPOLL | MHD_ALLOW_SUSPEND_RESUME | MHD_USE_ERROR_LOG |
@@ -147,9 +147,9 @@ static int start_daemon(struct orl_http *http, struct orl_error *err)
 }
 
 int orl_http_start(struct orl_server *server, const struct sockaddr *address,
-                   struct orl_http **ret_http, struct orl_error *err)
+                   struct orl_http_server **ret_http, struct orl_error *err)
 {
-    struct orl_http *http = calloc(1, sizeof *http);
+    struct orl_http_server *http = calloc(1, sizeof *http);
     if (!http)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     http->server = server;
@@ -189,25 +189,25 @@ failed:
     return rc;
 }
 
-const struct orl_connections *orl_http_connections(const struct orl_http *http)
+const struct orl_connections *orl_http_connections(const struct orl_http_server *http)
 {
     return &http->connections;
 }
 
-void orl_http_address(const struct orl_http *http, struct sockaddr_storage *ret_address)
+void orl_http_address(const struct orl_http_server *http, struct sockaddr_storage *ret_address)
 {
     socklen_t size = sizeof *ret_address;
     memset(ret_address, 0, sizeof *ret_address);
     getsockname(http->listen_fd, (struct sockaddr *)ret_address, &size);
 }
 
-int orl_http_reload(struct orl_http *http, struct orl_error *err)
+int orl_http_reload(struct orl_http_server *http, struct orl_error *err)
 {
     const struct orl_config *config = &http->server->config;
     return config->tls_cert ? orl_tls_load(&http->tls, config->tls_cert, config->tls_key, err) : 0;
 }
 
-void orl_http_quiesce(struct orl_http *http)
+void orl_http_quiesce(struct orl_http_server *http)
 {
     /* From here the listening socket is ours to close. */
     const MHD_socket fd = MHD_quiesce_daemon(http->daemon);
@@ -215,7 +215,7 @@ void orl_http_quiesce(struct orl_http *http)
         close(fd);
 }
 
-void orl_http_stop(struct orl_http *http)
+void orl_http_stop(struct orl_http_server *http)
 {
     if (!http || http->closed)
         return;
@@ -227,7 +227,7 @@ void orl_http_stop(struct orl_http *http)
     MHD_stop_daemon(http->daemon);
 }
 
-void orl_http_free(struct orl_http *http)
+void orl_http_free(struct orl_http_server *http)
 {
     if (http)
         orl_tls_done(&http->tls);

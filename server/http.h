@@ -18,27 +18,27 @@
 #include <oriel/error.h>
 
 struct orl_connections;
-struct orl_http;
+struct orl_http_server;
 struct orl_server;
 
 /* Listens on address (port 0: a free one). Borrows server, for the callbacks of
  * request.h. Speaks TLS when its settings name a certificate. */
 int orl_http_start(struct orl_server *server, const struct sockaddr *address,
-                   struct orl_http **ret_http, struct orl_error *err);
+                   struct orl_http_server **ret_http, struct orl_error *err);
 /* Connections open now; those cut off for slowness, ever. */
-const struct orl_connections *orl_http_connections(const struct orl_http *http);
+const struct orl_connections *orl_http_connections(const struct orl_http_server *http);
 /* Where it listens. */
-void orl_http_address(const struct orl_http *http, struct sockaddr_storage *ret_address);
+void orl_http_address(const struct orl_http_server *http, struct sockaddr_storage *ret_address);
 /* Lets MHD go on; not from within a handler. NULL (not started) is allowed. */
-void orl_http_kick(struct orl_http *http);
+void orl_http_kick(struct orl_http_server *http);
 /* Reads certificate and key anew, for connections from now on; a bad one changes nothing. */
-int orl_http_reload(struct orl_http *http, struct orl_error *err);
+int orl_http_reload(struct orl_http_server *http, struct orl_error *err);
 /* Takes no more connections. */
-void orl_http_quiesce(struct orl_http *http);
+void orl_http_quiesce(struct orl_http_server *http);
 /* Closes everything; no connection may be suspended. The handles close with the loop's next turns.
  */
-void orl_http_stop(struct orl_http *http); /* NULL is allowed */
+void orl_http_stop(struct orl_http_server *http); /* NULL is allowed */
 /* Frees it once the loop has run dry. */
-void orl_http_free(struct orl_http *http);
+void orl_http_free(struct orl_http_server *http);
 
 #endif

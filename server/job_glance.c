@@ -30,7 +30,7 @@ static json_t *final_warnings(const struct orl_jobs_job *job)
 static struct glance take(const struct orl_jobs *jobs, const struct orl_jobs_job *job)
 {
     struct glance glance = {.permille = -1, .eta_s = NAN};
-    struct orl_progress progress;
+    struct orl_job_progress progress;
     if (job->row.state == ORL_JOB_QUEUED)
         glance.position = orl_jobs_position(jobs, job);
     if (job->row.state == ORL_JOB_SUCCEEDED)
@@ -65,7 +65,7 @@ void orl_job_glance_id(const struct orl_jobs *jobs, const struct orl_jobs_job *j
 /* The warnings so far, or those that it has ended with. A new reference. */
 static json_t *list_warnings(const struct orl_jobs_job *job)
 {
-    struct orl_progress progress;
+    struct orl_job_progress progress;
     if (job->row.state != ORL_JOB_RUNNING || !orl_jobs_worker(job))
         return final_warnings(job);
     orl_worker_progress(orl_jobs_worker(job), &progress);

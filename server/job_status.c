@@ -21,7 +21,7 @@ static json_t *time_or_null(int64_t ms)
     return json_string(text);
 }
 
-double orl_job_eta_s(const struct orl_jobs_job *job, const struct orl_progress *progress)
+double orl_job_eta_s(const struct orl_jobs_job *job, const struct orl_job_progress *progress)
 {
     const double now = orl_time_steady_s();
     const double told = progress->told_s > 0 ? progress->told_s : now;
@@ -30,7 +30,7 @@ double orl_job_eta_s(const struct orl_jobs_job *job, const struct orl_progress *
     return round(10 * left) / 10;
 }
 
-json_t *orl_job_warnings(const struct orl_progress *progress)
+json_t *orl_job_warnings(const struct orl_job_progress *progress)
 {
     json_t *warnings = json_array();
     for (size_t i = 0; i < progress->n_warnings; i++)
@@ -39,7 +39,7 @@ json_t *orl_job_warnings(const struct orl_progress *progress)
 }
 
 /* How many skies are done, and which is under way. */
-static int add_skies(json_t *doc, const struct orl_progress *progress)
+static int add_skies(json_t *doc, const struct orl_job_progress *progress)
 {
     const char *sky = *progress->sky ? progress->sky : NULL;
     return json_object_set_new(doc, "skies",
@@ -47,7 +47,7 @@ static int add_skies(json_t *doc, const struct orl_progress *progress)
                                          "done", (json_int_t)progress->skies_done, "running", sky));
 }
 
-static int add_render(json_t *doc, const struct orl_progress *progress)
+static int add_render(json_t *doc, const struct orl_job_progress *progress)
 {
     json_t *maps = json_array();
     int rc = maps ? 0 : -1;
@@ -91,7 +91,7 @@ static int add_links(json_t *links, const char *id, const json_t *summary)
 }
 
 /* What is being run, and the points so far. */
-static int add_study(json_t *doc, const struct orl_progress *progress)
+static int add_study(json_t *doc, const struct orl_job_progress *progress)
 {
     const struct orl_study_step *step = &progress->step;
     json_t *study = orl_study_setting_to_json(&step->setting), *points = json_array();
@@ -109,7 +109,7 @@ static int add_study(json_t *doc, const struct orl_progress *progress)
 
 static int add_running(json_t *doc, json_t *links, const struct orl_jobs_job *job)
 {
-    struct orl_progress progress;
+    struct orl_job_progress progress;
     char folder[ORL_PATH_MAX], *text = orl_worker_results(orl_jobs_worker(job), folder);
     json_t *summary = text ? json_loads(text, 0, NULL) : NULL;
     int rc = summary ? add_links(links, job->row.id, summary) : 0;

@@ -28,7 +28,7 @@ void orl_metrics_request(struct orl_metrics *metrics, size_t route, unsigned sta
 }
 
 void orl_metrics_job(struct orl_metrics *metrics, enum orl_job_state state,
-                     const struct orl_tally *tally)
+                     const struct orl_job_tally *tally)
 {
     metrics->ended[state]++;
     for (int i = 0; i < ORL_STAGE_COUNT; i++)

@@ -24,7 +24,7 @@ struct orl_histogram {
 };
 
 /* What the computation of a job, or of a study's many, took and met with, however it ended. */
-struct orl_tally {
+struct orl_job_tally {
     double stages_s[ORL_STAGE_COUNT]; /* of a render job that succeeded; else zeros */
     struct orl_health health;
 };
@@ -48,6 +48,6 @@ void orl_metrics_request(struct orl_metrics *metrics, size_t route, unsigned sta
                          double seconds);
 /* A run came back, and the job is in that state now. A tally of zeros adds nothing. */
 void orl_metrics_job(struct orl_metrics *metrics, enum orl_job_state state,
-                     const struct orl_tally *tally);
+                     const struct orl_job_tally *tally);
 
 #endif

@@ -10,9 +10,9 @@
 #include "store/tokens.h"
 
 struct orl_route {
-    const char *method;   /* GET serves HEAD too */
-    const char *path;     /* "/v1/jobs/{}/files/{}": each {} is a parameter */
-    enum orl_scope scope; /* a token must have, where tokens are needed */
+    const char *method;         /* GET serves HEAD too */
+    const char *path;           /* "/v1/jobs/{}/files/{}": each {} is a parameter */
+    enum orl_token_scope scope; /* a token must have, where tokens are needed */
     orl_request_step handler;
     uint64_t max_body;        /* 0: no body is read */
     const char *const *types; /* media types accepted for the body, ends with NULL; NULL: any */

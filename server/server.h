@@ -50,7 +50,7 @@ struct orl_server {
     struct orl_scrubbing *scrubbing; /* scrub.h; or NULL */
     struct orl_jobs *jobs;
     struct orl_status_cache *statuses;
-    struct orl_http *http;
+    struct orl_http_server *http;
     struct orl_events *events;
     struct orl_metrics metrics;
     struct orl_pulse pulse;

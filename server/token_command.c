@@ -52,7 +52,8 @@ static void close_storage(struct storage *storage)
     orl_folders_close(&storage->folders);
 }
 
-static int add(struct orl_db *db, const char *name, enum orl_scope scope, struct orl_error *err)
+static int add(struct orl_db *db, const char *name, enum orl_token_scope scope,
+               struct orl_error *err)
 {
     char text[ORL_TOKEN_TEXT];
     struct orl_token_row row;
@@ -93,7 +94,7 @@ static int parse(int argc, char **argv, const char **ret_name, const char **ret_
     return 0;
 }
 
-static int run(const char *verb, const char *name, enum orl_scope scope, const char *data)
+static int run(const char *verb, const char *name, enum orl_token_scope scope, const char *data)
 {
     struct storage storage;
     struct orl_error err;
@@ -127,7 +128,8 @@ int orl_token_command(int argc, char **argv)
         fputs(usage, stderr);
         return STATUS_USAGE;
     }
-    const enum orl_scope scope = scope_name ? orl_scope_from_name(scope_name) : ORL_SCOPE_SUBMIT;
+    const enum orl_token_scope scope =
+        scope_name ? orl_scope_from_name(scope_name) : ORL_SCOPE_SUBMIT;
     if (scope == ORL_SCOPE_COUNT) {
         fprintf(stderr, "orield token: there is no scope '%s'\n", scope_name);
         return STATUS_USAGE;

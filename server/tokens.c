@@ -16,7 +16,7 @@ static void hash_secret(const char *secret, unsigned char ret_hash[HASH_BYTES])
                        0);
 }
 
-int orl_token_make(const char *name, enum orl_scope scope, struct orl_token_row *ret_row,
+int orl_token_make(const char *name, enum orl_token_scope scope, struct orl_token_row *ret_row,
                    char ret_text[ORL_TOKEN_TEXT], struct orl_error *err)
 {
     static const char allowed[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789"

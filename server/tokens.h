@@ -15,7 +15,7 @@
 enum { ORL_TOKEN_TEXT = 80 };
 
 /* name: up to 64 letters, digits, '-', '_', '.'. Fills the row, but writes it nowhere. */
-int orl_token_make(const char *name, enum orl_scope scope, struct orl_token_row *ret_row,
+int orl_token_make(const char *name, enum orl_token_scope scope, struct orl_token_row *ret_row,
                    char ret_text[ORL_TOKEN_TEXT], struct orl_error *err);
 
 /* Whose token is it? finder: orl_token_finder's. *ret_known is false for one that was never made or

@@ -100,7 +100,7 @@ void orl_worker_stop(struct orl_worker *worker)
     orl_worker_cancel(worker);
 }
 
-void orl_worker_progress(struct orl_worker *worker, struct orl_progress *ret_progress)
+void orl_worker_progress(struct orl_worker *worker, struct orl_job_progress *ret_progress)
 {
     ret_progress->stage = (enum orl_stage)atomic_load(&worker->stage);
     ret_progress->stage_fraction = atomic_load(&worker->stage_ppm) / (double)ORL_WORKER_WHOLE;

@@ -37,7 +37,7 @@ enum { ORL_WORKER_SKY = 80, ORL_WORKER_WARNINGS = 32 }; /* as in job_output.h */
 struct orl_worker_outcome {
     int code;             /* 0 or a negative orl_err */
     struct orl_error err; /* why, when code is not 0 */
-    struct orl_tally tally;
+    struct orl_job_tally tally;
     /* JSON text, see job_output.h; owned by done, or NULL. A cancelled job of several skies has one
      * when some of them were done: their results are where they stay. */
     char *summary;
@@ -58,7 +58,7 @@ struct orl_worker_spec {
     void *ctx;
 };
 
-struct orl_progress {
+struct orl_job_progress {
     enum orl_stage stage;
     double stage_fraction, job_fraction;
     double first_fraction;        /* what the job began with: parts kept from before */
@@ -87,7 +87,7 @@ int orl_worker_start(uv_loop_t *loop, struct orl_worker_spec *spec, struct orl_w
 void orl_worker_cancel(struct orl_worker *worker);
 /* The same, but what is done is kept for when it starts anew. */
 void orl_worker_stop(struct orl_worker *worker);
-void orl_worker_progress(struct orl_worker *worker, struct orl_progress *ret_progress);
+void orl_worker_progress(struct orl_worker *worker, struct orl_job_progress *ret_progress);
 
 /*
  * What a job has to show before it ends: the summary of its results as they stand (job_output.h)

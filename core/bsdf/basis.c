@@ -47,7 +47,7 @@ static double cos2_deg(double angle)
 int orl_basis_add_ring(struct orl_basis *basis, double lower_deg, double upper_deg, double cells,
                        struct orl_error *err)
 {
-    struct orl_ring *ring = &basis->rings[basis->n_rings];
+    struct orl_theta_ring *ring = &basis->rings[basis->n_rings];
     if (basis->n_rings == ORL_BASIS_RINGS_MAX)
         return orl_error_set(err, ORL_ERR_LIMIT, "angle basis '%s' has more than %d rings",
                              basis->name, ORL_BASIS_RINGS_MAX);
@@ -82,7 +82,7 @@ int orl_basis_cell(const struct orl_basis *basis, struct orl_polar place, int tu
 {
     const double turn = turned ? place.turn + 0.5 : place.turn;
     for (int r = 0; r < basis->n_rings; r++) {
-        const struct orl_ring *ring = &basis->rings[r];
+        const struct orl_theta_ring *ring = &basis->rings[r];
         if (place.cos2 >= ring->cos2_high) {
             const int cell = (int)(turn * ring->cells + 0.5 + ring->cells);
             return ring->first + cell % ring->cells;
@@ -91,7 +91,7 @@ int orl_basis_cell(const struct orl_basis *basis, struct orl_polar place, int tu
     return -1;
 }
 
-const struct orl_ring *orl_basis_ring(const struct orl_basis *basis, int cell)
+const struct orl_theta_ring *orl_basis_ring(const struct orl_basis *basis, int cell)
 {
     int r = 0;
     while (cell >= basis->rings[r].first + basis->rings[r].cells)
@@ -102,7 +102,7 @@ const struct orl_ring *orl_basis_ring(const struct orl_basis *basis, int cell)
 struct orl_vec3 orl_basis_direction(const struct orl_basis *basis, int cell, double u0, double u1)
 {
     const double margin = 0x1p-30;
-    const struct orl_ring *ring = orl_basis_ring(basis, cell);
+    const struct orl_theta_ring *ring = orl_basis_ring(basis, cell);
     const double t0 = margin + u0 * (1 - 2 * margin), t1 = margin + u1 * (1 - 2 * margin);
     const double cos2 = ring->cos2_low + t0 * (ring->cos2_high - ring->cos2_low);
     const double azimuth = 2 * ORL_PI * (cell - ring->first + t1 - 0.5) / ring->cells;

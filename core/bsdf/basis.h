@@ -15,7 +15,7 @@
 
 enum { ORL_BASIS_RINGS_MAX = 64, ORL_BASIS_CELLS_MAX = 2048, ORL_BASIS_NAME_MAX = 64 };
 
-struct orl_ring {
+struct orl_theta_ring {
     double cos2_low, cos2_high; /* squared cosine at the inner and the outer edge: low > high */
     int cells, first;           /* in azimuth; index of the ring's first cell */
     double omega_sr;            /* projected solid angle of one cell */
@@ -23,7 +23,7 @@ struct orl_ring {
 
 struct orl_basis {
     char name[ORL_BASIS_NAME_MAX];
-    struct orl_ring rings[ORL_BASIS_RINGS_MAX];
+    struct orl_theta_ring rings[ORL_BASIS_RINGS_MAX];
     int n_rings, n_cells;
     double outer_deg; /* where the next ring must begin */
 };
@@ -47,7 +47,7 @@ struct orl_polar orl_polar_of(struct orl_vec3 direction);
 int orl_basis_cell(const struct orl_basis *basis, struct orl_polar place, int turned);
 
 /* The ring of a cell. */
-const struct orl_ring *orl_basis_ring(const struct orl_basis *basis, int cell);
+const struct orl_theta_ring *orl_basis_ring(const struct orl_basis *basis, int cell);
 
 /* A direction with z > 0 in a cell, uniform in projected solid angle for uniform u, clear of the
  * border by 1e-9 of the cell. */

@@ -17,7 +17,7 @@ struct orl_block {
     struct orl_tree_text text; /* as far as it was read before */
     size_t begin, end;         /* of what is put off, in the XML */
     size_t line;               /* of the begin, lines in blocks before it not counted */
-    int part;                  /* an enum orl_part, for messages */
+    int part;                  /* an enum orl_bsdf_part, for messages */
     bool ended;                /* by its end tag: the tree must be whole */
     int code;
     struct orl_error err;

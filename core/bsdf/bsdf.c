@@ -31,7 +31,7 @@ void orl_bsdf_set_views(struct orl_bsdf *bsdf)
         if (own->present)
             bsdf->views[front][1].component = own;
         else if (other->present && bsdf->document.structure != ORL_STRUCTURE_TREE3)
-            bsdf->views[front][1] = (struct orl_view){other, true};
+            bsdf->views[front][1] = (struct orl_component_view){other, true};
     }
 }
 
@@ -94,7 +94,7 @@ static void find_gain(void *arg, size_t front, uint32_t member)
     double largest = 0, parts[2] = {0, 0}, omega;
     (void)member;
     for (int t = 0; t < 2; t++) {
-        const struct orl_view *view = &bsdf->views[front][t];
+        const struct orl_component_view *view = &bsdf->views[front][t];
         for (size_t i = 0; i < orl_view_cells(bsdf, view); i++) {
             const struct orl_vec3 in = orl_view_incident(bsdf, view, i, front > 0, &omega);
             double total[2];

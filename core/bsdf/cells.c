@@ -13,7 +13,7 @@ static unsigned rings_of(const struct orl_component *c)
     return c->iso.half > c->chroma.rings ? c->iso.half : c->chroma.rings;
 }
 
-size_t orl_view_cells(const struct orl_bsdf *bsdf, const struct orl_view *view)
+size_t orl_view_cells(const struct orl_bsdf *bsdf, const struct orl_component_view *view)
 {
     if (!view->component)
         return 0;
@@ -42,10 +42,11 @@ static struct orl_vec3 iso_incident(unsigned rings, size_t ring, double *ret_ome
     return orl_v3(sine, 0, sqrt(1 - sine * sine));
 }
 
-struct orl_vec3 orl_view_incident(const struct orl_bsdf *bsdf, const struct orl_view *view,
-                                  size_t cell, bool front, double *ret_omega_sr)
+struct orl_vec3 orl_view_incident(const struct orl_bsdf *bsdf,
+                                  const struct orl_component_view *view, size_t cell, bool front,
+                                  double *ret_omega_sr)
 {
-    const enum orl_axis axis = orl_view_axis(view, ORL_ROLE_IN);
+    const enum orl_tree_axis axis = orl_view_axis(view, ORL_ROLE_IN);
     const double sign = axis == ORL_AXIS_A ? -1 : 1;
     const struct orl_basis *basis = &view->component->matrix.basis[axis];
     struct orl_vec3 in;
@@ -60,8 +61,8 @@ struct orl_vec3 orl_view_incident(const struct orl_bsdf *bsdf, const struct orl_
     return orl_v3(sign * in.x, sign * in.y, front ? in.z : -in.z);
 }
 
-double orl_view_omega(const struct orl_bsdf *bsdf, const struct orl_view *view, struct orl_vec3 in,
-                      struct orl_vec3 out)
+double orl_view_omega(const struct orl_bsdf *bsdf, const struct orl_component_view *view,
+                      struct orl_vec3 in, struct orl_vec3 out)
 {
     const struct orl_component *c = view->component;
     const struct orl_basis *basis;

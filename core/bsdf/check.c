@@ -107,7 +107,7 @@ static double largest_mean(const struct patches *patches)
 static void fill_extremes_of(const struct orl_bsdf *bsdf, struct orl_bsdf_check *c, bool front,
                              bool transmitted)
 {
-    const struct orl_view *view = &bsdf->views[front][transmitted];
+    const struct orl_component_view *view = &bsdf->views[front][transmitted];
     const size_t cells = orl_view_cells(bsdf, view);
     struct orl_bsdf_extremes *x = &c->extremes[front][transmitted];
     struct patches patches = {{0}, {0}};

@@ -22,7 +22,7 @@ static void add_to(struct orl_rgb *sum, struct orl_tint tint, double luminance)
 
 /* ---- Matrices -------------------------------------------------------------------------------- */
 
-static int sum_up_matrix(struct orl_chroma *c, const struct orl_matrix *m, enum orl_axis given,
+static int sum_up_matrix(struct orl_chroma *c, const struct orl_matrix *m, enum orl_tree_axis given,
                          struct orl_error *err)
 {
     const struct orl_basis *own = &m->basis[given], *other = &m->basis[1 - given];
@@ -60,7 +60,7 @@ static int finish_matrix(struct orl_chroma *c, const struct orl_matrix *m, size_
                                              (double)c->matrix[1].values[i], outside)
                            : orl_tint_gray;
     for (int given = 0; given < 2 && code == 0; given++)
-        code = sum_up_matrix(c, m, (enum orl_axis)given, err);
+        code = sum_up_matrix(c, m, (enum orl_tree_axis)given, err);
     for (int k = 0; k < ORL_CHROMA_CHANNELS; k++)
         orl_matrix_done(&c->matrix[k]);
     c->present = code == 0;
@@ -275,7 +275,7 @@ struct orl_tint orl_chroma_tint(enum orl_structure structure, const struct orl_c
 }
 
 struct orl_tint orl_chroma_total(enum orl_structure structure,
-                                 const struct orl_component *component, enum orl_axis given,
+                                 const struct orl_component *component, enum orl_tree_axis given,
                                  const struct orl_coords *coords)
 {
     const struct orl_chroma *c = &component->chroma;

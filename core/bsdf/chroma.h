@@ -48,7 +48,7 @@ size_t orl_chroma_bytes(const struct orl_chroma *chroma);
 struct orl_tint orl_chroma_tint(enum orl_structure structure, const struct orl_component *component,
                                 const struct orl_coords *a, const struct orl_coords *b);
 struct orl_tint orl_chroma_total(enum orl_structure structure,
-                                 const struct orl_component *component, enum orl_axis given,
+                                 const struct orl_component *component, enum orl_tree_axis given,
                                  const struct orl_coords *coords);
 
 #endif

@@ -15,7 +15,7 @@ double orl_component_eval(enum orl_structure structure, const struct orl_compone
 }
 
 double orl_component_total(enum orl_structure structure, const struct orl_component *c,
-                           enum orl_axis given, const struct orl_coords *coords)
+                           enum orl_tree_axis given, const struct orl_coords *coords)
 {
     if (structure == ORL_STRUCTURE_TREE4)
         return orl_tree_total(&c->tree, given, coords->square);
@@ -25,8 +25,8 @@ double orl_component_total(enum orl_structure structure, const struct orl_compon
 }
 
 double orl_component_draw(enum orl_structure structure, const struct orl_component *c,
-                          enum orl_axis given, const struct orl_coords *coords, const double u[2],
-                          struct orl_vec3 *ret_other)
+                          enum orl_tree_axis given, const struct orl_coords *coords,
+                          const double u[2], struct orl_vec3 *ret_other)
 {
     if (structure == ORL_STRUCTURE_TREE4)
         return orl_tree_draw(&c->tree, given, coords->square, u, ret_other);

@@ -14,7 +14,7 @@
 #include "bsdf/tree.h"
 
 /* The file's own names for the four components; Front is the exterior. */
-enum orl_part {
+enum orl_bsdf_part {
     ORL_PART_TRANSMISSION_FRONT,
     ORL_PART_TRANSMISSION_BACK,
     ORL_PART_REFLECTION_FRONT,
@@ -37,10 +37,10 @@ struct orl_component {
 double orl_component_eval(enum orl_structure structure, const struct orl_component *component,
                           const struct orl_coords *a, const struct orl_coords *b);
 double orl_component_total(enum orl_structure structure, const struct orl_component *component,
-                           enum orl_axis given, const struct orl_coords *coords);
+                           enum orl_tree_axis given, const struct orl_coords *coords);
 double orl_component_draw(enum orl_structure structure, const struct orl_component *component,
-                          enum orl_axis given, const struct orl_coords *coords, const double u[2],
-                          struct orl_vec3 *ret_other);
+                          enum orl_tree_axis given, const struct orl_coords *coords,
+                          const double u[2], struct orl_vec3 *ret_other);
 
 /* Memory held; the values it came from; the resolution as orl_bsdf_info counts it. */
 size_t orl_component_bytes(enum orl_structure structure, const struct orl_component *component);

@@ -14,7 +14,7 @@
 
 #include "bsdf/document.h"
 
-struct orl_view {
+struct orl_component_view {
     const struct orl_component *component; /* NULL: black */
     bool transposed;                       /* in is the component's B, out its A */
 };
@@ -22,7 +22,7 @@ struct orl_view {
 struct orl_bsdf {
     atomic_uint references;
     struct orl_document document;
-    struct orl_view views[2][2]; /* [light comes from the front?][transmitted?] */
+    struct orl_component_view views[2][2]; /* [light comes from the front?][transmitted?] */
     double bound[2]; /* on R + T as filed, of light from the back, the front, in any channel */
     struct orl_bsdf_info info;
     void *file; /* a compiled one, mapped (compiled.h), which holds all arrays; NULL: none */
@@ -35,21 +35,23 @@ void orl_bsdf_set_views(struct orl_bsdf *bsdf);
 enum orl_role { ORL_ROLE_IN, ORL_ROLE_OUT };
 
 /* Which of the component's directions plays the role. */
-static inline enum orl_axis orl_view_axis(const struct orl_view *view, enum orl_role role)
+static inline enum orl_tree_axis orl_view_axis(const struct orl_component_view *view,
+                                               enum orl_role role)
 {
     return (role == ORL_ROLE_OUT) != view->transposed ? ORL_AXIS_B : ORL_AXIS_A;
 }
 
 /* How many incident directions the view's data tell apart at most; 0 when it is black. */
-size_t orl_view_cells(const struct orl_bsdf *bsdf, const struct orl_view *view);
+size_t orl_view_cells(const struct orl_bsdf *bsdf, const struct orl_component_view *view);
 
 /* The middle of one of them, for light from that side, and its projected solid angle. */
-struct orl_vec3 orl_view_incident(const struct orl_bsdf *bsdf, const struct orl_view *view,
-                                  size_t cell, bool front, double *ret_omega_sr);
+struct orl_vec3 orl_view_incident(const struct orl_bsdf *bsdf,
+                                  const struct orl_component_view *view, size_t cell, bool front,
+                                  double *ret_omega_sr);
 
 /* The projected solid angle over which out may roam with f(in, out) being one number. */
-double orl_view_omega(const struct orl_bsdf *bsdf, const struct orl_view *view, struct orl_vec3 in,
-                      struct orl_vec3 out);
+double orl_view_omega(const struct orl_bsdf *bsdf, const struct orl_component_view *view,
+                      struct orl_vec3 in, struct orl_vec3 out);
 
 /* Directional R and T as the file has them, whatever their sum is. */
 void orl_bsdf_filed_totals(const struct orl_bsdf *bsdf, struct orl_vec3 in, double ret_total[2]);

@@ -25,7 +25,7 @@ struct cell {
 struct orl_incident {
     const struct orl_bsdf *bsdf;
     const struct orl_tree *tree;
-    enum orl_axis given;
+    enum orl_tree_axis given;
     bool front;
     struct orl_vec3 axis; /* of the cone */
     double sole_cosine;   /* within this of the axis all is in the first cell; 2: not so */
@@ -38,7 +38,7 @@ struct orl_incident {
 /* Leaves as they are found, and value times size of each. */
 struct list {
     const struct orl_tree *tree;
-    enum orl_axis given;
+    enum orl_tree_axis given;
     unsigned x, y; /* of the light, in the finest cells */
     struct slot *slots;
     double *weights;
@@ -169,7 +169,7 @@ int orl_incident_new(const struct orl_bsdf *bsdf, struct orl_vec3 in, double hal
                      struct orl_incident **ret_incident)
 {
     const bool front = in.z > 0;
-    const struct orl_view *view = &bsdf->views[front][1], *other = &bsdf->views[front][0];
+    const struct orl_component_view *view = &bsdf->views[front][1], *other = &bsdf->views[front][0];
     *ret_incident = NULL;
     if (bsdf->document.structure != ORL_STRUCTURE_TREE4 || !view->component ||
         view->component->chroma.present)

@@ -224,7 +224,7 @@ static double ring_integral(const struct orl_iso *iso, unsigned a, unsigned k, s
            (shares.edge * iso->edges[i] + 2 * shares.corner * iso->corners[i]);
 }
 
-double orl_iso_total(const struct orl_iso *iso, enum orl_axis given, struct orl_round place)
+double orl_iso_total(const struct orl_iso *iso, enum orl_tree_axis given, struct orl_round place)
 {
     const unsigned ring = ring_at(iso, place.radius);
     const size_t n = 2 * (size_t)iso->half;
@@ -362,7 +362,7 @@ static double draw_a(const struct orl_iso *iso, struct orl_round b, const double
     return piece.value;
 }
 
-double orl_iso_draw(const struct orl_iso *iso, enum orl_axis given, struct orl_round place,
+double orl_iso_draw(const struct orl_iso *iso, enum orl_tree_axis given, struct orl_round place,
                     const double u[2], struct orl_vec3 *ret_direction)
 {
     return given == ORL_AXIS_A ? draw_b(iso, place, u, ret_direction)

@@ -60,8 +60,8 @@ void orl_iso_done(struct orl_iso *iso); /* NULL and half-built are allowed */
 /* ---- Reading: as the functions of the same names in tree.h ----------------------------------- */
 
 double orl_iso_eval(const struct orl_iso *iso, struct orl_round a, struct orl_round b);
-double orl_iso_total(const struct orl_iso *iso, enum orl_axis given, struct orl_round place);
-double orl_iso_draw(const struct orl_iso *iso, enum orl_axis given, struct orl_round place,
+double orl_iso_total(const struct orl_iso *iso, enum orl_tree_axis given, struct orl_round place);
+double orl_iso_draw(const struct orl_iso *iso, enum orl_tree_axis given, struct orl_round place,
                     const double u[2], struct orl_vec3 *ret_direction);
 
 /* The ring of a direction as A; with it, the cell [B.x][B.y] of a pair. */

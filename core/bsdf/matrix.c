@@ -16,7 +16,7 @@ int orl_matrix_init(struct orl_matrix *matrix, const struct orl_basis *a, const 
     return 0;
 }
 
-static float value_at(const struct orl_matrix *m, enum orl_axis given, int cell, int other)
+static float value_at(const struct orl_matrix *m, enum orl_tree_axis given, int cell, int other)
 {
     const size_t columns = (size_t)m->basis[ORL_AXIS_B].n_cells;
     const size_t a = (size_t)(given == ORL_AXIS_A ? cell : other);
@@ -25,7 +25,8 @@ static float value_at(const struct orl_matrix *m, enum orl_axis given, int cell,
 }
 
 /* Running sums over the other axis for one given cell, scaled to end in exactly 1. */
-static double accumulate(const struct orl_matrix *m, enum orl_axis given, int cell, double *row)
+static double accumulate(const struct orl_matrix *m, enum orl_tree_axis given, int cell,
+                         double *row)
 {
     const struct orl_basis *other = &m->basis[1 - given];
     double sum = 0;
@@ -51,7 +52,7 @@ int orl_matrix_finish(struct orl_matrix *m, struct orl_error *err)
         if (!m->cumulative[given] || !m->total[given])
             return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for the BSDF matrix");
         for (size_t c = 0; c < cells[given]; c++)
-            m->total[given][c] = accumulate(m, (enum orl_axis)given, (int)c,
+            m->total[given][c] = accumulate(m, (enum orl_tree_axis)given, (int)c,
                                             m->cumulative[given] + c * cells[1 - given]);
     }
     return 0;
@@ -99,7 +100,7 @@ size_t orl_matrix_bytes(const struct orl_matrix *m)
     return a * b * (sizeof(float) + 2 * sizeof(double)) + (a + b) * sizeof(double);
 }
 
-int orl_matrix_cell(const struct orl_matrix *m, enum orl_axis axis, struct orl_polar place)
+int orl_matrix_cell(const struct orl_matrix *m, enum orl_tree_axis axis, struct orl_polar place)
 {
     return orl_basis_cell(&m->basis[axis], place, axis == ORL_AXIS_A);
 }
@@ -124,13 +125,14 @@ double orl_matrix_eval(const struct orl_matrix *m, struct orl_polar a, struct or
     return index < 0 ? 0 : (double)m->values[index];
 }
 
-double orl_matrix_total(const struct orl_matrix *m, enum orl_axis given, struct orl_polar place)
+double orl_matrix_total(const struct orl_matrix *m, enum orl_tree_axis given,
+                        struct orl_polar place)
 {
     const int cell = orl_matrix_cell(m, given, place);
     return cell < 0 ? 0 : m->total[given][cell];
 }
 
-double orl_matrix_draw(const struct orl_matrix *m, enum orl_axis given, struct orl_polar place,
+double orl_matrix_draw(const struct orl_matrix *m, enum orl_tree_axis given, struct orl_polar place,
                        const double u[2], struct orl_vec3 *ret_direction)
 {
     const struct orl_basis *other = &m->basis[1 - given];

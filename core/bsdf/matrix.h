@@ -15,7 +15,7 @@
 #include "bsdf/tree.h"
 
 struct orl_matrix {
-    struct orl_basis basis[2]; /* by enum orl_axis */
+    struct orl_basis basis[2]; /* by enum orl_tree_axis */
     float *values;             /* a * cells of B + b; owned */
     double *cumulative[2];     /* per given cell, over the cells of the other axis; owned */
     double *total[2];          /* per given cell: sum of value times projected solid angle; owned */
@@ -36,16 +36,17 @@ size_t orl_matrix_bytes(const struct orl_matrix *matrix);
 /* Where a pair of directions has its value: a * cells of B + b. -1 outside the bases. */
 ptrdiff_t orl_matrix_index(const struct orl_matrix *matrix, struct orl_polar a, struct orl_polar b);
 /* The cell of a direction; -1 outside. */
-int orl_matrix_cell(const struct orl_matrix *matrix, enum orl_axis axis, struct orl_polar place);
+int orl_matrix_cell(const struct orl_matrix *matrix, enum orl_tree_axis axis,
+                    struct orl_polar place);
 /* Whether two matrices have the same cells, and whether one has the same for both directions. */
 bool orl_matrix_is_alike(const struct orl_matrix *matrix, const struct orl_matrix *other);
 bool orl_matrix_is_square(const struct orl_matrix *matrix);
 
 /* As the functions of the same names in tree.h; zero outside the bases. */
 double orl_matrix_eval(const struct orl_matrix *matrix, struct orl_polar a, struct orl_polar b);
-double orl_matrix_total(const struct orl_matrix *matrix, enum orl_axis given,
+double orl_matrix_total(const struct orl_matrix *matrix, enum orl_tree_axis given,
                         struct orl_polar place);
-double orl_matrix_draw(const struct orl_matrix *matrix, enum orl_axis given, struct orl_polar place,
-                       const double u[2], struct orl_vec3 *ret_direction);
+double orl_matrix_draw(const struct orl_matrix *matrix, enum orl_tree_axis given,
+                       struct orl_polar place, const double u[2], struct orl_vec3 *ret_direction);
 
 #endif

@@ -392,7 +392,7 @@ static double iso_part(const void *ctx, unsigned ring, size_t cell, double value
 
 /* Where a given direction has its share; negative: nowhere. */
 static ptrdiff_t share_index(enum orl_structure structure, const struct orl_component *c,
-                             enum orl_axis given, const struct orl_coords *coords)
+                             enum orl_tree_axis given, const struct orl_coords *coords)
 {
     if (structure == ORL_STRUCTURE_TREE4)
         return (ptrdiff_t)orl_square_cell(given, coords->square, c->tree.depth);
@@ -402,7 +402,7 @@ static ptrdiff_t share_index(enum orl_structure structure, const struct orl_comp
 }
 
 double orl_peak_total(enum orl_structure structure, const struct orl_component *component,
-                      enum orl_axis given, const struct orl_coords *coords)
+                      enum orl_tree_axis given, const struct orl_coords *coords)
 {
     const struct orl_peak *p = &component->peak;
     if (p->cells == 0)
@@ -414,7 +414,7 @@ double orl_peak_total(enum orl_structure structure, const struct orl_component *
 }
 
 struct orl_rgb orl_peak_color(enum orl_structure structure, const struct orl_component *component,
-                              enum orl_axis given, const struct orl_coords *coords)
+                              enum orl_tree_axis given, const struct orl_coords *coords)
 {
     const struct orl_peak *p = &component->peak;
     if (p->cells == 0)

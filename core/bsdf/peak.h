@@ -46,8 +46,8 @@ double orl_peak_part(enum orl_structure structure, const struct orl_component *c
 
 /* The integral of the peak over the other direction, luminance and (not for B of rank 3) colour. */
 double orl_peak_total(enum orl_structure structure, const struct orl_component *component,
-                      enum orl_axis given, const struct orl_coords *coords);
+                      enum orl_tree_axis given, const struct orl_coords *coords);
 struct orl_rgb orl_peak_color(enum orl_structure structure, const struct orl_component *component,
-                              enum orl_axis given, const struct orl_coords *coords);
+                              enum orl_tree_axis given, const struct orl_coords *coords);
 
 #endif

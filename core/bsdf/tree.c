@@ -19,7 +19,7 @@ static unsigned coordinate(double s, unsigned side)
 }
 
 /* A is mapped as the light travels, half a turn from where the direction points. */
-static struct cell cell_of(struct orl_square place, enum orl_axis axis, unsigned depth)
+static struct cell cell_of(struct orl_square place, enum orl_tree_axis axis, unsigned depth)
 {
     const double sign = axis == ORL_AXIS_A ? -1 : 1;
     return (struct cell){coordinate(sign * place.x, 1U << depth),
@@ -35,7 +35,7 @@ static float float_of(uint32_t bits)
 
 /* A branch's word that is its mean over the other direction; of a lowest one its line. */
 static inline const uint32_t *mean_at(const struct orl_tree *tree, struct orl_tree_ref ref,
-                                      enum orl_axis given, struct cell c, unsigned level)
+                                      enum orl_tree_axis given, struct cell c, unsigned level)
 {
     const unsigned depth = orl_tree_depth(ref);
     const unsigned shift = level - depth, mask = (1U << depth) - 1;
@@ -47,7 +47,7 @@ static inline const uint32_t *mean_at(const struct orl_tree *tree, struct orl_tr
 
 /* See orl_tree_mean. The four leaves of a lowest branch are summed on the spot. */
 static inline float mean_of(const struct orl_tree *tree, struct orl_tree_ref ref,
-                            enum orl_axis given, struct cell c, unsigned level)
+                            enum orl_tree_axis given, struct cell c, unsigned level)
 {
     const unsigned depth = orl_tree_depth(ref);
     if (depth == 0)
@@ -59,7 +59,7 @@ static inline float mean_of(const struct orl_tree *tree, struct orl_tree_ref ref
                                    (c.x >> (level - 1) & 1) | (c.y >> (level - 1) & 1) << 1);
 }
 
-float orl_tree_mean(const struct orl_tree *tree, struct orl_tree_ref ref, enum orl_axis given,
+float orl_tree_mean(const struct orl_tree *tree, struct orl_tree_ref ref, enum orl_tree_axis given,
                     unsigned x, unsigned y, unsigned level)
 {
     return mean_of(tree, ref, given, (struct cell){x, y}, level);
@@ -91,7 +91,7 @@ static inline struct orl_tree_ref leaf_of(const struct orl_tree *tree, struct or
     return ref;
 }
 
-size_t orl_square_cell(enum orl_axis axis, struct orl_square place, unsigned depth)
+size_t orl_square_cell(enum orl_tree_axis axis, struct orl_square place, unsigned depth)
 {
     const struct cell c = cell_of(place, axis, depth);
     return (size_t)c.x << depth | c.y;
@@ -156,7 +156,8 @@ void orl_tree_look_about(const struct orl_tree *tree, const struct orl_tree_wind
     look_about(tree, window, &(struct node){tree->root, (int)tree->depth, 0, 0});
 }
 
-double orl_tree_total(const struct orl_tree *tree, enum orl_axis given, struct orl_square place)
+double orl_tree_total(const struct orl_tree *tree, enum orl_tree_axis given,
+                      struct orl_square place)
 {
     const struct cell c = cell_of(place, given, tree->depth);
     return ORL_PI * (double)mean_of(tree, tree->root, given, c, tree->depth);
@@ -172,7 +173,7 @@ static double inside_cell(unsigned cell, double u, unsigned levels)
     return (cell + margin + u * (1 - 2 * margin)) * (2.0 / (1U << levels)) - 1;
 }
 
-struct orl_vec3 orl_square_cell_direction(enum orl_axis axis, unsigned x, unsigned y,
+struct orl_vec3 orl_square_cell_direction(enum orl_tree_axis axis, unsigned x, unsigned y,
                                           unsigned level, double u, double v)
 {
     const double sign = axis == ORL_AXIS_A ? -1 : 1;
@@ -210,7 +211,7 @@ static inline unsigned choose_quarter(const float mean[4], double *t)
  */
 struct descent {
     const struct orl_tree *tree;
-    enum orl_axis given;
+    enum orl_tree_axis given;
     struct cell c;
     struct orl_tree_ref ref, child[4]; /* where it is; where it may go */
     unsigned level, x, y;
@@ -275,7 +276,7 @@ static inline void arrive(const struct descent *d, struct orl_tree_draw *draw)
     draw->value = value;
 }
 
-double orl_tree_draw(const struct orl_tree *tree, enum orl_axis given, struct orl_square place,
+double orl_tree_draw(const struct orl_tree *tree, enum orl_tree_axis given, struct orl_square place,
                      const double u[2], struct orl_vec3 *ret_direction)
 {
     struct orl_tree_draw draw = {.tree = tree, .given = given, .place = place, .u = {u[0], u[1]}};

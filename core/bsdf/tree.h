@@ -36,7 +36,7 @@
 enum { ORL_TREE_FANOUT = 16, ORL_TREE_INDEX_BITS = 28 };
 
 /* Which of the two directions is given. */
-enum orl_axis { ORL_AXIS_A = 0, ORL_AXIS_B = 1 };
+enum orl_tree_axis { ORL_AXIS_A = 0, ORL_AXIS_B = 1 };
 
 /* A leaf or a branch, as a word of the store. */
 struct orl_tree_ref {
@@ -108,7 +108,7 @@ static inline float orl_tree_leaf_value(struct orl_tree_ref leaf)
  * quarter x | y << 1.
  */
 static inline float orl_tree_mean_of_leaves(const uint32_t words[ORL_TREE_FANOUT],
-                                            enum orl_axis given, unsigned quarter)
+                                            enum orl_tree_axis given, unsigned quarter)
 {
     const size_t first = given == ORL_AXIS_A ? quarter : 4 * (size_t)quarter;
     const size_t step = given == ORL_AXIS_A ? 4 : 1;
@@ -122,7 +122,7 @@ static inline float orl_tree_mean_of_leaves(const uint32_t words[ORL_TREE_FANOUT
  * The mean over the other direction, within ref's subtree, where the given direction lies in cell
  * (x, y); coordinates in units of the finest cell, of which ref's side has 2^level.
  */
-float orl_tree_mean(const struct orl_tree *tree, struct orl_tree_ref ref, enum orl_axis given,
+float orl_tree_mean(const struct orl_tree *tree, struct orl_tree_ref ref, enum orl_tree_axis given,
                     unsigned x, unsigned y, unsigned level);
 
 /* The same function of the same cells. */
@@ -134,7 +134,7 @@ bool orl_tree_equal(const struct orl_tree *tree, const struct orl_tree *other);
 double orl_tree_eval(const struct orl_tree *tree, struct orl_square a, struct orl_square b);
 
 /* The cell that a direction lies in when the square has 2^depth a side: x << depth | y. */
-size_t orl_square_cell(enum orl_axis axis, struct orl_square place, unsigned depth);
+size_t orl_square_cell(enum orl_tree_axis axis, struct orl_square place, unsigned depth);
 
 /* orl_tree_eval, and how many times each axis is halved down to the leaf that holds the pair. */
 double orl_tree_look(const struct orl_tree *tree, struct orl_square a, struct orl_square b,
@@ -157,23 +157,24 @@ void orl_tree_look_about(const struct orl_tree *tree, const struct orl_tree_wind
  * The direction of that axis, z > 0, at a place within cell (x, y) of the square halved level
  * times; u, v in [0,1).
  */
-struct orl_vec3 orl_square_cell_direction(enum orl_axis axis, unsigned x, unsigned y,
+struct orl_vec3 orl_square_cell_direction(enum orl_tree_axis axis, unsigned x, unsigned y,
                                           unsigned level, double u, double v);
 
 /* The integral over the other hemisphere of value times cosine, for the given direction. */
-double orl_tree_total(const struct orl_tree *tree, enum orl_axis given, struct orl_square place);
+double orl_tree_total(const struct orl_tree *tree, enum orl_tree_axis given,
+                      struct orl_square place);
 
 /*
  * Draws the other direction in proportion to value times cosine; u: two uniforms in [0,1). Only
  * where orl_tree_total is positive. ret_direction has z > 0; returns the value there.
  */
-double orl_tree_draw(const struct orl_tree *tree, enum orl_axis given, struct orl_square place,
+double orl_tree_draw(const struct orl_tree *tree, enum orl_tree_axis given, struct orl_square place,
                      const double u[2], struct orl_vec3 *ret_direction);
 
 /* Its arguments, and what comes of it. */
 struct orl_tree_draw {
     const struct orl_tree *tree;
-    enum orl_axis given;
+    enum orl_tree_axis given;
     struct orl_square place;
     double u[2];
     struct orl_vec3 direction;

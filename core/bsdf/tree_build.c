@@ -126,8 +126,8 @@ struct means {
     uint32_t own[4]; /* of a leaf or a lowest branch, which has none */
 };
 
-static void find_means(const struct orl_tree *tree, struct orl_tree_ref child, enum orl_axis given,
-                       unsigned depth, struct means *ret)
+static void find_means(const struct orl_tree *tree, struct orl_tree_ref child,
+                       enum orl_tree_axis given, unsigned depth, struct means *ret)
 {
     ret->depth = orl_tree_depth(child);
     ret->shift = depth - ret->depth;
@@ -154,7 +154,7 @@ static inline double mean_at(const struct means *m, unsigned x, unsigned y)
 
 /* Fills the means for one given direction, 4^depth of them, from those of the children. */
 static void fill_means(const struct orl_tree *tree, const struct orl_tree_ref *child,
-                       enum orl_axis given, unsigned depth, uint32_t *means)
+                       enum orl_tree_axis given, unsigned depth, uint32_t *means)
 {
     const unsigned low = depth - 1, half = 1U << low;
     for (unsigned mine = 0; mine < 4; mine++) {

@@ -28,7 +28,7 @@ static inline struct pair pair_of(const struct orl_bsdf *bsdf, struct orl_vec3 i
 {
     const enum orl_structure structure = bsdf->document.structure;
     const bool in_front = in.z > 0, out_front = out.z > 0;
-    const struct orl_view *view = &bsdf->views[in_front][in_front != out_front];
+    const struct orl_component_view *view = &bsdf->views[in_front][in_front != out_front];
     struct pair p = {.component = view->component};
     if (!p.component)
         return p;
@@ -68,8 +68,8 @@ double orl_bsdf_straight_part(const struct orl_bsdf *bsdf, struct orl_vec3 in, s
 /* ---- Integrals ------------------------------------------------------------------------------- */
 
 /* The view that a direction in its role takes part in, by reflection or by transmission. */
-static const struct orl_view *view_for(const struct orl_bsdf *bsdf, enum orl_role role, bool front,
-                                       bool transmitted)
+static const struct orl_component_view *view_for(const struct orl_bsdf *bsdf, enum orl_role role,
+                                                 bool front, bool transmitted)
 {
     return &bsdf->views[role == ORL_ROLE_IN ? front : front != transmitted][transmitted];
 }
@@ -84,7 +84,7 @@ static void totals(const struct orl_bsdf *bsdf, enum orl_role role, bool front,
                    const struct orl_coords *coords, enum orl_bsdf_side sides, double ret_total[2])
 {
     for (int t = 0; t < 2; t++) {
-        const struct orl_view *view = view_for(bsdf, role, front, t);
+        const struct orl_component_view *view = view_for(bsdf, role, front, t);
         ret_total[t] = wants(sides, t) && view->component
                            ? orl_component_total(bsdf->document.structure, view->component,
                                                  orl_view_axis(view, role), coords)
@@ -107,7 +107,7 @@ struct orl_rgb orl_bsdf_filed_color(const struct orl_bsdf *bsdf, struct orl_vec3
     double total[2];
     totals(bsdf, ORL_ROLE_IN, in.z > 0, &coords, sides, total);
     for (int t = 0; t < 2; t++) {
-        const struct orl_view *view = view_for(bsdf, ORL_ROLE_IN, in.z > 0, t);
+        const struct orl_component_view *view = view_for(bsdf, ORL_ROLE_IN, in.z > 0, t);
         if (total[t] > 0)
             sum = orl_rgb_add(
                 sum, orl_tinted(orl_chroma_total(structure, view->component,
@@ -160,7 +160,7 @@ struct orl_rgb orl_bsdf_albedo(const struct orl_bsdf *bsdf, struct orl_vec3 in,
 struct orl_rgb orl_bsdf_straight(const struct orl_bsdf *bsdf, struct orl_vec3 in)
 {
     const enum orl_structure structure = bsdf->document.structure;
-    const struct orl_view *view = &bsdf->views[in.z > 0][1];
+    const struct orl_component_view *view = &bsdf->views[in.z > 0][1];
     const struct orl_coords coords = orl_coords_of(structure, in);
     if (!view->component || view->component->peak.cells == 0)
         return orl_gray(0);
@@ -199,7 +199,7 @@ static void straighten(const struct orl_bsdf *bsdf, enum orl_role role, struct o
     draw->direction = orl_neg(given);
     draw->pdf = 0;
     if (role == ORL_ROLE_OUT) {
-        const struct orl_view *view = view_for(bsdf, role, given.z > 0, true);
+        const struct orl_component_view *view = view_for(bsdf, role, given.z > 0, true);
         const struct orl_coords coords = orl_coords_of(structure, given);
         const double left_out =
             orl_peak_total(structure, view->component, orl_view_axis(view, role), &coords);
@@ -212,7 +212,7 @@ static void straighten(const struct orl_bsdf *bsdf, enum orl_role role, struct o
 struct drawing {
     enum orl_role role;
     struct orl_coords coords;
-    const struct orl_view *view;
+    const struct orl_component_view *view;
     double total[2], sum;
     bool front, transmitted;
 };

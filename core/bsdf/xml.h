@@ -68,7 +68,7 @@ struct orl_xml_reader {
     double ring_cells, ring_lower, ring_upper;
     /* The WavelengthData and its block at hand. */
     int channel; /* -1: none that is read; 0: Visible; 1, 2: the first and second of colour */
-    int part;    /* an enum orl_part, or -1 */
+    int part;    /* an enum orl_bsdf_part, or -1 */
     bool tree_basis;
     struct orl_basis basis[2];
     bool have_basis[2];

@@ -119,7 +119,7 @@ static void read_part(struct orl_xml_reader *r)
         is_given(r);
 }
 
-static void read_basis_name(struct orl_xml_reader *r, enum orl_axis axis)
+static void read_basis_name(struct orl_xml_reader *r, enum orl_tree_axis axis)
 {
     for (unsigned i = 0; i < r->n_bases; i++) {
         if (!strcasecmp(r->bases[i].name, r->text) && r->bases[i].n_rings > 0) {

@@ -5,8 +5,8 @@
 #include <string.h>
 
 #include "light/sky.h"
+#include "scene/arena.h"
 #include "scene/generate.h"
-#include "scene/storage.h"
 
 /* ---- The words of the command that would give the same sky ---- */
 

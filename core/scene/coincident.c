@@ -14,7 +14,7 @@ static const uint64_t most_work_of_words = 40000000;
 
 struct settling {
     struct orl_description *d;
-    struct orl_place place;
+    struct orl_same_place place;
     struct orl_pairs pairs;
     struct orl_coincidence_words words;
     struct orl_cutting cutting;

@@ -40,7 +40,8 @@ static struct orl_vec3 axis_of(const struct orl_surface *s)
     return orl_dot(axis, odd) < 0 ? orl_neg(axis) : axis;
 }
 
-static double key_of(const struct orl_surface *s, enum family family, const struct orl_place *place)
+static double key_of(const struct orl_surface *s, enum family family,
+                     const struct orl_same_place *place)
 {
     const struct orl_vec3 from = orl_sub(s->center[0], place->middle);
     if (family == SPHERES)
@@ -110,7 +111,7 @@ static bool meet(const struct orl_surface *a, const struct orl_surface *b, enum 
     return family == CYLINDERS ? cylinders_meet(a, b, seam) : cones_meet(a, b, seam);
 }
 
-static struct round *list(const struct orl_description *d, const struct orl_place *place,
+static struct round *list(const struct orl_description *d, const struct orl_same_place *place,
                           size_t *ret_n)
 {
     size_t n = 0;
@@ -128,8 +129,9 @@ static struct round *list(const struct orl_description *d, const struct orl_plac
     return rounds;
 }
 
-int orl_concentric_find(const struct orl_description *description, const struct orl_place *place,
-                        struct orl_pairs *pairs, uint64_t *looks)
+int orl_concentric_find(const struct orl_description *description,
+                        const struct orl_same_place *place, struct orl_pairs *pairs,
+                        uint64_t *looks)
 {
     const double seam = place->tolerance, apart = 4 * seam;
     size_t n;

@@ -16,7 +16,7 @@ struct flat {
 
 struct search {
     const struct orl_description *d;
-    struct orl_place place;
+    struct orl_same_place place;
     struct flat *flats;
     size_t n_flats;
     struct orl_pairs *pairs;
@@ -35,7 +35,7 @@ static struct orl_vec3 point_of(const struct orl_surface *s)
 
 /* A number that tells planes apart: their distance, and their direction by a slope like no other's.
  */
-static double key_of(const struct orl_place *place, const struct orl_surface *s)
+static double key_of(const struct orl_same_place *place, const struct orl_surface *s)
 {
     const struct orl_vec3 odd = {0.5257311121191336, 0.3090169943749474, 0.7925302842541783};
     const double sign = orl_dot(s->normal, odd) < 0 ? -1 : 1;
@@ -216,7 +216,7 @@ static bool find_pairs(struct search *t)
     return true;
 }
 
-int orl_coplanar_find(const struct orl_description *description, struct orl_place *ret_place,
+int orl_coplanar_find(const struct orl_description *description, struct orl_same_place *ret_place,
                       struct orl_pairs *pairs, uint64_t *looks)
 {
     struct search t = {.d = description, .pairs = pairs, .looks = looks};

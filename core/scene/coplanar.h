@@ -9,7 +9,7 @@
 #include "scene/pairs.h"
 
 /* What "in one place" means for a scene, and where it is. */
-struct orl_place {
+struct orl_same_place {
     struct orl_vec3 middle;
     double reach, tolerance;
 };
@@ -32,7 +32,7 @@ bool orl_boxes_overlap(const struct orl_box *a, const struct orl_box *b, double 
  * of polygons an edge's line may still part the two where they have many corners. Returns 0 or
  * ORL_ERR_NOMEM.
  */
-int orl_coplanar_find(const struct orl_description *description, struct orl_place *ret_place,
+int orl_coplanar_find(const struct orl_description *description, struct orl_same_place *ret_place,
                       struct orl_pairs *pairs, uint64_t *looks);
 
 #endif

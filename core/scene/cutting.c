@@ -6,7 +6,7 @@
 
 #include <oriel/crew.h>
 
-#include "scene/storage.h"
+#include "scene/arena.h"
 
 /* Of arrangements: some seconds. */
 static const uint64_t most_work = 400000000;
@@ -139,7 +139,7 @@ static int take_outline(struct orl_cutting *t, struct orl_surface *left)
 {
     const size_t bytes = t->overlap.n * sizeof *left->vertices;
     left->n_vertices = t->overlap.n;
-    left->vertices = orl_storage_take(t->d->storage, bytes + 1);
+    left->vertices = orl_arena_take(t->d->arena, bytes + 1);
     if (!left->vertices)
         return ORL_ERR_NOMEM;
     if (bytes > 0)

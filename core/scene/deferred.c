@@ -5,18 +5,18 @@
 
 #include "scene/parser.h"
 
-static const char *keep(struct orl_storage *storage, const char *text)
+static const char *keep(struct orl_arena *arena, const char *text)
 {
-    return orl_storage_text(storage, text, strlen(text));
+    return orl_arena_text(arena, text, strlen(text));
 }
 
 int orl_deferred_add(struct orl_deferred *deferred, const struct orl_error *err,
-                     struct orl_storage *storage, uint32_t *ret_index)
+                     struct orl_arena *arena, uint32_t *ret_index)
 {
-    const struct orl_deferred_item item = {.file = keep(storage, err->file),
-                                           .primitive = keep(storage, err->primitive),
-                                           .message = keep(storage, err->message),
-                                           .hint = keep(storage, err->hint),
+    const struct orl_deferred_item item = {.file = keep(arena, err->file),
+                                           .primitive = keep(arena, err->primitive),
+                                           .message = keep(arena, err->message),
+                                           .hint = keep(arena, err->hint),
                                            .code = err->code,
                                            .line = err->line};
     if (!item.file || !item.primitive || !item.message || !item.hint ||

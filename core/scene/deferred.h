@@ -8,11 +8,11 @@
 
 #include <oriel/error.h>
 
+#include "scene/arena.h"
 #include "scene/refusals.h"
-#include "scene/storage.h"
 
 struct orl_deferred_item {
-    const char *file, *primitive, *message, *hint; /* in storage */
+    const char *file, *primitive, *message, *hint; /* in the arena */
     int code, line;
     bool used;
 };
@@ -30,7 +30,7 @@ static inline bool orl_is_deferrable(int code)
 
 /* Keeps what err says. Returns 0 or ORL_ERR_NOMEM. */
 int orl_deferred_add(struct orl_deferred *deferred, const struct orl_error *err,
-                     struct orl_storage *storage, uint32_t *ret_index);
+                     struct orl_arena *arena, uint32_t *ret_index);
 
 /*
  * Something uses it. What is not simulated goes among the refusals, once, and 0 is returned; for

@@ -3,11 +3,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "scene/storage.h"
+#include "scene/arena.h"
 
 void orl_description_warn(struct orl_description *description, const char *text)
 {
-    char *copy = orl_storage_text(description->storage, text, strlen(text));
+    char *copy = orl_arena_text(description->arena, text, strlen(text));
     char **grown = realloc(description->warnings,
                            (description->n_warnings + 1) * sizeof *description->warnings);
     if (grown)
@@ -29,6 +29,6 @@ void orl_description_done(struct orl_description *description)
     free(description->skies);
     free(description->files);
     free(description->warnings);
-    orl_storage_free(description->storage);
+    orl_arena_free(description->arena);
     memset(description, 0, sizeof *description);
 }

@@ -7,7 +7,7 @@
  * vertices and a non-zero normal (degenerate ones are counted in n_degenerate and dropped);
  * directions are unit vectors; radii are positive, but that one end of a cone and the inside of a
  * ring may be 0.
- * Ownership: an orl_description owns everything in it; strings and vertices lie in its storage.
+ * Ownership: an orl_description owns everything in it; strings and vertices lie in its arena.
  */
 #ifndef ORL_SCENE_DESCRIPTION_H
 #define ORL_SCENE_DESCRIPTION_H
@@ -20,7 +20,7 @@
 #include <oriel/bsdf.h>
 #include <oriel/vec.h>
 
-struct orl_storage;
+struct orl_arena;
 
 enum orl_material_kind {
     ORL_MATERIAL_VOID,       /* a surface modified by void: black, absorbs (Radiance ignores it) */
@@ -136,8 +136,8 @@ struct orl_description {
     unsigned char digest[32]; /* SHA-256 over length and content of all files read, in order */
     char **warnings;
     size_t n_warnings;
-    struct orl_storage *storage; /* holds the strings and vertices above */
-    const atomic_bool *cancel;   /* heard while geometry is built from this; NULL: nothing */
+    struct orl_arena *arena;   /* holds the strings and vertices above */
+    const atomic_bool *cancel; /* heard while geometry is built from this; NULL: nothing */
 };
 
 /* Adds a copy of the text to the warnings; without memory for it nothing happens. */

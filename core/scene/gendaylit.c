@@ -21,9 +21,9 @@ enum output { OUTPUT_VISIBLE = 0, OUTPUT_SOLAR = 1, OUTPUT_LUMEN = 2 };
 #define HALF_SUN_DEG (0.5 * ORL_SUN_DIAMETER_DEG)
 
 struct gendaylit {
-    struct orl_site site;
+    struct orl_location site;
     struct orl_moment moment;
-    struct orl_sun sun;
+    struct orl_sun_position sun;
     bool by_angle, with_sun, cloudy, quiet;
     enum input input;
     enum output output;
@@ -474,7 +474,7 @@ static void give_numbers(const struct gendaylit *sky, struct orl_sky_numbers *nu
 int orl_gendaylit_numbers(const char *const *words, size_t count, struct orl_text *text,
                           struct orl_sky_numbers *ret_numbers, struct orl_error *err)
 {
-    struct gendaylit sky = {.site = orl_site_default,
+    struct gendaylit sky = {.site = orl_location_default,
                             .with_sun = true,
                             .ground_reflectance = 0.2,
                             .dew_point_c = 10.97353115};

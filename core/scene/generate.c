@@ -113,7 +113,7 @@ int orl_words_angle(struct orl_words *words, const char *option, double *ret_rad
     return code;
 }
 
-int orl_words_sun(struct orl_words *words, struct orl_sun *ret_sun, bool *ret_given,
+int orl_words_sun(struct orl_words *words, struct orl_sun_position *ret_sun, bool *ret_given,
                   struct orl_error *err)
 {
     int code;
@@ -135,7 +135,7 @@ int orl_words_date(struct orl_words *words, struct orl_moment *moment, struct or
     return code < 0 ? code : orl_words_int(words, "the day", 1, 31, &moment->day, err);
 }
 
-void orl_text_warn_site(struct orl_text *text, const char *program, const struct orl_site *site)
+void orl_text_warn_site(struct orl_text *text, const char *program, const struct orl_location *site)
 {
     const double west_rad = site->longitude_rad - site->meridian_rad;
     if (fabs(west_rad) > 45.0 * ORL_DEG_TO_RAD)

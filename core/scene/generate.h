@@ -57,7 +57,7 @@ struct orl_sky_numbers {
     double sun_angle_deg;   /* the whole disc's */
     double diffuse;         /* W/m2 that the pattern's upper half is meant to give; -1: not given */
     bool by_clock;          /* the sun was placed by standard time at the site */
-    struct orl_site site;
+    struct orl_location site;
 };
 int orl_gendaylit_numbers(const char *const *words, size_t count, struct orl_text *text,
                           struct orl_sky_numbers *ret_numbers, struct orl_error *err);
@@ -84,13 +84,14 @@ int orl_words_angle(struct orl_words *words, const char *option, double *ret_rad
                     struct orl_error *err);
 
 /* "-ang altitude azimuth" at the front: ret_given says whether it was there. */
-int orl_words_sun(struct orl_words *words, struct orl_sun *ret_sun, bool *ret_given,
+int orl_words_sun(struct orl_words *words, struct orl_sun_position *ret_sun, bool *ret_given,
                   struct orl_error *err);
 
 /* The month and the day that follow. */
 int orl_words_date(struct orl_words *words, struct orl_moment *moment, struct orl_error *err);
 
 /* Warns when meridian and longitude are further apart than three hours: a sign is wrong, mostly. */
-void orl_text_warn_site(struct orl_text *text, const char *program, const struct orl_site *site);
+void orl_text_warn_site(struct orl_text *text, const char *program,
+                        const struct orl_location *site);
 
 #endif

@@ -24,9 +24,9 @@ enum given { GIVEN_NOT, GIVEN_RADIANCE, GIVEN_IRRADIANCE };
 #define SUN_EFFICACY 208.0
 
 struct gensky {
-    struct orl_site site;
+    struct orl_location site;
     struct orl_moment moment;
-    struct orl_sun sun;
+    struct orl_sun_position sun;
     bool by_angle, zone_given;
     enum sky type;
     bool with_sun;
@@ -231,7 +231,7 @@ static void find_brightness(struct gensky *sky)
 int orl_gensky_numbers(const char *const *words, size_t count, struct orl_text *text,
                        struct orl_sky_numbers *ret_numbers, struct orl_error *err)
 {
-    struct gensky sky = {.site = orl_site_default,
+    struct gensky sky = {.site = orl_location_default,
                          .type = SKY_CLEAR,
                          .with_sun = true,
                          .turbidity = 2.45,

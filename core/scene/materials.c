@@ -102,7 +102,7 @@ static int add_material(struct orl_parser *parser, const char *name, struct orl_
                         uint32_t *ret_index)
 {
     struct orl_description *out = parser->out;
-    material->name = orl_storage_text(out->storage, name, strlen(name));
+    material->name = orl_arena_text(out->arena, name, strlen(name));
     if (!material->name || out->n_materials >= UINT32_MAX ||
         !orl_parser_grow(&out->materials, &parser->materials_room, out->n_materials,
                          sizeof *out->materials)) {
@@ -153,10 +153,10 @@ static int define(struct orl_parser *parser, const struct orl_scope *scope, cons
 int orl_parser_define_refused(struct orl_parser *parser, const char *name,
                               const struct orl_error *refused, struct orl_error *err)
 {
-    struct orl_storage *storage = parser->out->storage;
-    struct orl_symbol symbol = {.name = orl_storage_text(storage, name, strlen(name)),
+    struct orl_arena *arena = parser->out->arena;
+    struct orl_symbol symbol = {.name = orl_arena_text(arena, name, strlen(name)),
                                 .kind = ORL_SYMBOL_REFUSED};
-    if (!symbol.name || orl_deferred_add(&parser->deferred, refused, storage, &symbol.index) < 0 ||
+    if (!symbol.name || orl_deferred_add(&parser->deferred, refused, arena, &symbol.index) < 0 ||
         orl_symbols_set(&parser->symbols, symbol) < 0)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     return 0;
@@ -167,8 +167,8 @@ static int define_like(struct orl_parser *parser, const struct orl_scope *scope,
                        const struct orl_symbol *other, struct orl_error *err)
 {
     const char *id = parser->primitive.id;
-    const struct orl_symbol copy = {orl_storage_text(parser->out->storage, id, strlen(id)),
-                                    other->kind, other->index, 0};
+    const struct orl_symbol copy = {orl_arena_text(parser->out->arena, id, strlen(id)), other->kind,
+                                    other->index, 0};
     if (!copy.name || orl_symbols_set(&parser->symbols, copy) < 0)
         return orl_parser_fail(parser, scope, err, ORL_ERR_NOMEM, "out of memory");
     return 0;

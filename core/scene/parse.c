@@ -260,12 +260,12 @@ int orl_scene_parse_with(const char *const *names, size_t count, const struct or
     size_t *index = calloc(count ? count : 1, sizeof *index);
     int code;
     err = err ? err : &local;
-    out.storage = orl_storage_new();
-    if (!index || !out.storage) {
+    out.arena = orl_arena_new();
+    if (!index || !out.arena) {
         code = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
         goto done;
     }
-    orl_sources_init(&parser.sources, files, loader, out.storage);
+    orl_sources_init(&parser.sources, files, loader, out.arena);
     code = open_main(&parser, names, count, index, err);
     if (code < 0)
         goto done;

@@ -52,7 +52,7 @@ bool orl_parser_grow(void *array, size_t *room, size_t count, size_t item)
 static void add_warning(struct orl_parser *parser, const char *text)
 {
     struct orl_description *out = parser->out;
-    char *copy = orl_storage_text(out->storage, text, strlen(text));
+    char *copy = orl_arena_text(out->arena, text, strlen(text));
     if (copy && orl_parser_grow(&out->warnings, &parser->warnings_room, out->n_warnings,
                                 sizeof *out->warnings))
         out->warnings[out->n_warnings++] = copy;
@@ -72,14 +72,15 @@ void orl_parser_warn(struct orl_parser *parser, const char *format, ...)
 }
 
 void orl_parser_count(struct orl_parser *parser, const struct orl_scope *scope,
-                      struct orl_tally *tally)
+                      struct orl_warning_tally *tally)
 {
     if (tally->count++ == 0)
         snprintf(tally->first, sizeof tally->first, "%.20s %.80s at %.100s:%d",
                  parser->primitive.type, parser->primitive.id, scope->file, parser->primitive.line);
 }
 
-static void report(struct orl_parser *parser, const struct orl_tally *tally, const char *what)
+static void report(struct orl_parser *parser, const struct orl_warning_tally *tally,
+                   const char *what)
 {
     if (tally->count == 1)
         orl_parser_warn(parser, "%s: %s", tally->first, what);

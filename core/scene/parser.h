@@ -16,7 +16,7 @@
 #include "scene/xform.h"
 
 /* Something that is warned about once, with a count, however often it happens. */
-struct orl_tally {
+struct orl_warning_tally {
     uint64_t count;
     char first[ORL_ERROR_NAME_MAX]; /* "polygon w at a.rad:12" */
 };
@@ -34,7 +34,7 @@ struct orl_parser {
     struct orl_refusals refusals;
     struct orl_deferred deferred;
     bool cut_short; /* what was refused could not be read past */
-    struct orl_tally degenerate, bent, unmodified, white;
+    struct orl_warning_tally degenerate, bent, unmodified, white;
 };
 
 /* Where text stands: what is applied to its surfaces, and where file names are looked up. */
@@ -98,7 +98,7 @@ int orl_parser_string_xform(struct orl_parser *parser, const struct orl_scope *s
 void orl_parser_warn(struct orl_parser *parser, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 void orl_parser_count(struct orl_parser *parser, const struct orl_scope *scope,
-                      struct orl_tally *tally);
+                      struct orl_warning_tally *tally);
 /* Turns the tallies into warnings. */
 void orl_parser_report(struct orl_parser *parser);
 

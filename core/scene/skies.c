@@ -138,7 +138,7 @@ int orl_parser_sky(struct orl_parser *parser, const struct orl_scope *scope, con
     if (old && old->kind == ORL_SYMBOL_SKY && out->skies[old->index].kind == sky.kind &&
         same_arguments(out->skies + old->index, &sky))
         return 0;
-    symbol.name = orl_storage_text(out->storage, name, strlen(name));
+    symbol.name = orl_arena_text(out->arena, name, strlen(name));
     symbol.index = (uint32_t)out->n_skies;
     if (!symbol.name || out->n_skies >= INT32_MAX ||
         !orl_parser_grow(&out->skies, &parser->skies_room, out->n_skies, sizeof *out->skies) ||

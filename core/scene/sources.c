@@ -9,12 +9,12 @@
 #include "base/sha256.h"
 
 void orl_sources_init(struct orl_sources *sources, const struct orl_files *files,
-                      const struct orl_bsdf_loader *loader, struct orl_storage *storage)
+                      const struct orl_bsdf_loader *loader, struct orl_arena *arena)
 {
     memset(sources, 0, sizeof *sources);
     sources->files = files;
     sources->loader = loader;
-    sources->storage = storage;
+    sources->arena = arena;
     crypto_hash_sha256_init(&sources->digest);
 }
 
@@ -133,11 +133,11 @@ static int add_item(struct orl_sources *sources, const char *name, struct orl_er
         return code;
     item->open = true;
     slash = strrchr(name, '/');
-    item->name = orl_storage_text(sources->storage, name, strlen(name));
-    item->folder = orl_storage_text(sources->storage, name,
-                                    !slash          ? 0
-                                    : slash == name ? 1
-                                                    : (size_t)(slash - name));
+    item->name = orl_arena_text(sources->arena, name, strlen(name));
+    item->folder = orl_arena_text(sources->arena, name,
+                                  !slash          ? 0
+                                  : slash == name ? 1
+                                                  : (size_t)(slash - name));
     sources->count++;
     if (!item->name || !item->folder)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");

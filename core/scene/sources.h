@@ -3,7 +3,7 @@
  * end. Names are resolved lexically ("a/../b" is "b"): first in the folder of the file that
  * mentions them, then as written.
  *
- * Ownership: orl_sources_done closes all; names are kept in the description's storage.
+ * Ownership: orl_sources_done closes all; names are kept in the description's arena.
  */
 #ifndef ORL_SCENE_SOURCES_H
 #define ORL_SCENE_SOURCES_H
@@ -16,7 +16,7 @@
 #include <oriel/files.h>
 #include <sodium/crypto_hash_sha256.h>
 
-#include "scene/storage.h"
+#include "scene/arena.h"
 
 struct orl_source {
     char *name;   /* resolved: how the provider found it */
@@ -40,14 +40,14 @@ struct orl_bsdf_loader {
 struct orl_sources {
     const struct orl_files *files;
     const struct orl_bsdf_loader *loader; /* NULL: none */
-    struct orl_storage *storage;
+    struct orl_arena *arena;
     struct orl_source *items;
     size_t count, room;
     crypto_hash_sha256_state digest; /* over length and SHA-256 of the content of each file used */
 };
 
 void orl_sources_init(struct orl_sources *sources, const struct orl_files *files,
-                      const struct orl_bsdf_loader *loader, struct orl_storage *storage);
+                      const struct orl_bsdf_loader *loader, struct orl_arena *arena);
 void orl_sources_done(struct orl_sources *sources);
 
 /*

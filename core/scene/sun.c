@@ -2,7 +2,7 @@
 
 #include <stddef.h>
 
-const struct orl_site orl_site_default = {0.66, 2.13, 120.0 * ORL_DEG_TO_RAD};
+const struct orl_location orl_location_default = {0.66, 2.13, 120.0 * ORL_DEG_TO_RAD};
 
 int orl_day_of_year(int month, int day)
 {
@@ -16,7 +16,7 @@ double orl_sun_declination(int day_of_year)
 }
 
 /* Solar minus standard time in hours: equation of time, and distance from the meridian. */
-static double time_shift(const struct orl_site *site, int day_of_year)
+static double time_shift(const struct orl_location *site, int day_of_year)
 {
     return 0.170 * sin(4.0 * ORL_PI / 373.0 * (day_of_year - 80)) -
            0.129 * sin(2.0 * ORL_PI / 355.0 * (day_of_year - 8)) +
@@ -31,7 +31,7 @@ static double wrapped(double value, double period)
 }
 
 /* Days since noon UT on 1 January 2000, by the almanac's count from 1949. */
-static double almanac_days(const struct orl_site *site, const struct orl_moment *moment)
+static double almanac_days(const struct orl_location *site, const struct orl_moment *moment)
 {
     const bool leap_day = moment->month > 2 && moment->year % 4 == 0;
     const int years = moment->year - 1949;
@@ -42,7 +42,7 @@ static double almanac_days(const struct orl_site *site, const struct orl_moment 
 }
 
 /* Michalsky 1988, equations in the paper's order: ecliptic, celestial, then local coordinates. */
-static void almanac(const struct orl_site *site, double days, double *ret_declination_rad,
+static void almanac(const struct orl_location *site, double days, double *ret_declination_rad,
                     double *ret_solar_hour)
 {
     const double deg = ORL_DEG_TO_RAD, turn = 2.0 * ORL_PI;
@@ -59,7 +59,7 @@ static void almanac(const struct orl_site *site, double days, double *ret_declin
     *ret_solar_hour = wrapped(local - ascension * 12.0 / ORL_PI + 12.0, 24.0);
 }
 
-void orl_sun_clock(const struct orl_site *site, const struct orl_moment *moment,
+void orl_sun_clock(const struct orl_location *site, const struct orl_moment *moment,
                    double *ret_declination_rad, double *ret_solar_hour)
 {
     const int day = orl_day_of_year(moment->month, moment->day);
@@ -73,19 +73,20 @@ void orl_sun_clock(const struct orl_site *site, const struct orl_moment *moment,
     *ret_solar_hour = moment->solar ? moment->hour : hour;
 }
 
-struct orl_sun orl_sun_at(const struct orl_site *site, double declination_rad, double solar_hour)
+struct orl_sun_position orl_sun_at(const struct orl_location *site, double declination_rad,
+                                   double solar_hour)
 {
     const double hour_angle = solar_hour * ORL_PI / 12.0; /* 0 at midnight */
     const double sin_lat = sin(site->latitude_rad), cos_lat = cos(site->latitude_rad);
     const double sin_dec = sin(declination_rad), cos_dec = cos(declination_rad);
-    return (struct orl_sun){
+    return (struct orl_sun_position){
         .altitude_rad = asin(sin_lat * sin_dec - cos_lat * cos_dec * cos(hour_angle)),
         .azimuth_rad = -atan2(cos_dec * sin(hour_angle),
                               -cos_lat * sin_dec - sin_lat * cos_dec * cos(hour_angle)),
         .solar_hour = solar_hour};
 }
 
-struct orl_vec3 orl_sun_direction(const struct orl_sun *sun)
+struct orl_vec3 orl_sun_direction(const struct orl_sun_position *sun)
 {
     return orl_v3(-sin(sun->azimuth_rad) * cos(sun->altitude_rad),
                   -cos(sun->azimuth_rad) * cos(sun->altitude_rad), sin(sun->altitude_rad));

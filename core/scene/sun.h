@@ -15,12 +15,12 @@
 
 #include <oriel/vec.h>
 
-struct orl_site {
+struct orl_location {
     double latitude_rad, longitude_rad, meridian_rad;
 };
 
 /* Both programs' default site: Berkeley, California. */
-extern const struct orl_site orl_site_default;
+extern const struct orl_location orl_location_default;
 
 struct orl_moment {
     int year; /* 0: not given */
@@ -29,7 +29,7 @@ struct orl_moment {
     bool solar; /* hour is local solar time, not standard time */
 };
 
-struct orl_sun {
+struct orl_sun_position {
     double altitude_rad, azimuth_rad;
     double solar_hour;
 };
@@ -41,13 +41,14 @@ int orl_day_of_year(int month, int day);
 double orl_sun_declination(int day_of_year);
 
 /* declination_rad and solar hour for a moment. */
-void orl_sun_clock(const struct orl_site *site, const struct orl_moment *moment,
+void orl_sun_clock(const struct orl_location *site, const struct orl_moment *moment,
                    double *ret_declination_rad, double *ret_solar_hour);
 
 /* Altitude and azimuth at a solar hour. */
-struct orl_sun orl_sun_at(const struct orl_site *site, double declination_rad, double solar_hour);
+struct orl_sun_position orl_sun_at(const struct orl_location *site, double declination_rad,
+                                   double solar_hour);
 
 /* The unit vector towards the sun. */
-struct orl_vec3 orl_sun_direction(const struct orl_sun *sun);
+struct orl_vec3 orl_sun_direction(const struct orl_sun_position *sun);
 
 #endif

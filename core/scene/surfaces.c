@@ -81,8 +81,8 @@ static int find_material(struct orl_parser *parser, const struct orl_scope *scop
     return 0;
 }
 
-/* The name with the scope's prefix, in storage. A prefix is written once and read with every copy:
- * the sum is bounded. */
+/* The name with the scope's prefix, in the arena. A prefix is written once and read with every
+ * copy: the sum is bounded. */
 static int make_name(struct orl_parser *parser, const struct orl_scope *scope, char **ret_name,
                      struct orl_error *err)
 {
@@ -98,7 +98,7 @@ static int make_name(struct orl_parser *parser, const struct orl_scope *scope, c
         orl_error_hint(err, "Shorter names do, or fewer copies by xform -a");
         return ORL_ERR_LIMIT;
     }
-    char *name = orl_storage_take(parser->out->storage, front + length + 1);
+    char *name = orl_arena_take(parser->out->arena, front + length + 1);
     if (!name)
         return out_of_memory(parser, scope, err);
     if (front > 0) {
@@ -147,7 +147,7 @@ static int copy_vertices(struct orl_parser *parser, const struct orl_scope *scop
         orl_parser_fail(parser, scope, err, ORL_ERR_LIMIT, "the scene has too many corners");
         return ORL_ERR_LIMIT;
     }
-    surface->vertices = orl_storage_take(parser->out->storage, n * sizeof *surface->vertices);
+    surface->vertices = orl_arena_take(parser->out->arena, n * sizeof *surface->vertices);
     if (!surface->vertices)
         return out_of_memory(parser, scope, err);
     surface->n_vertices = (uint32_t)n;

@@ -10,7 +10,7 @@
 static const double left_edge = 86, top_edge = 46, bottom_edge = 58, legend_width = 208,
                     legend_gap = 22, row_height = 21;
 
-bool orl_box_meets(const struct orl_box *a, const struct orl_box *b)
+bool orl_box_meets(const struct orl_chart_box *a, const struct orl_chart_box *b)
 {
     return a->x0 < b->x1 && b->x0 < a->x1 && a->y0 < b->y1 && b->y0 < a->y1;
 }
@@ -59,7 +59,7 @@ struct orl_chart_text *orl_chart_add(struct orl_chart *chart, cairo_t *cairo,
     t->x = x - (align == ORL_CHART_MIDDLE ? width / 2 : align == ORL_CHART_RIGHT ? width : 0);
     /* y is of the middle of the letters. */
     t->y = y + (font.ascent - font.descent) / 2;
-    t->box = (struct orl_box){t->x, t->y - font.ascent, t->x + width, t->y + font.descent};
+    t->box = (struct orl_chart_box){t->x, t->y - font.ascent, t->x + width, t->y + font.descent};
     return t;
 }
 
@@ -127,8 +127,8 @@ static void make_axes(struct orl_chart *chart, const struct orl_study *study)
         x0 = x1 = 1;
     if (!(y1 > 0))
         y0 = y1 = 1;
-    chart->plot = (struct orl_box){left_edge, top_edge, chart->width - legend_width - legend_gap,
-                                   chart->height - bottom_edge};
+    chart->plot = (struct orl_chart_box){
+        left_edge, top_edge, chart->width - legend_width - legend_gap, chart->height - bottom_edge};
     orl_axis_init(&chart->x, x0, x1, chart->plot.x0, chart->plot.x1, 46);
     orl_axis_init(&chart->y, y0, y1, chart->plot.y1, chart->plot.y0, 22);
 }
@@ -171,7 +171,7 @@ static void fit_width(struct orl_chart *chart, cairo_t *cairo, double width)
 static bool add_titles(struct orl_chart *chart, const struct orl_study *study, const char *title,
                        cairo_t *cairo)
 {
-    const struct orl_box *plot = &chart->plot;
+    const struct orl_chart_box *plot = &chart->plot;
     char text[96];
     if (study->threads == 1)
         snprintf(text, sizeof text, "time, seconds (one thread)");
@@ -187,10 +187,10 @@ static bool add_titles(struct orl_chart *chart, const struct orl_study *study, c
     if (!t)
         return false;
     /* Turned to the left about its middle. */
-    const struct orl_box b = t->box;
+    const struct orl_chart_box b = t->box;
     const double x = 20, y = (plot->y0 + plot->y1) / 2;
     t->upright = true;
-    t->box = (struct orl_box){x + b.y0, y - b.x1, x + b.y1, y - b.x0};
+    t->box = (struct orl_chart_box){x + b.y0, y - b.x1, x + b.y1, y - b.x0};
     t->x = x + t->y;
     t->y = y - b.x0;
     if (!title || !title[0])

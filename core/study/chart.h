@@ -17,7 +17,7 @@
 
 #include "study/axis.h"
 
-struct orl_box {
+struct orl_chart_box {
     double x0, y0, x1, y1;
 };
 
@@ -36,7 +36,7 @@ struct orl_chart_text {
     char text[96];
     double x, y;  /* where its baseline starts */
     bool upright; /* turned to read from below */
-    struct orl_box box;
+    struct orl_chart_box box;
     bool leads; /* a line goes from (from_x, from_y) to the box */
     double from_x, from_y;
 };
@@ -57,7 +57,7 @@ struct orl_chart_row {
 
 struct orl_chart {
     double width, height;
-    struct orl_box plot;
+    struct orl_chart_box plot;
     struct orl_axis x, y;         /* seconds; percent */
     struct orl_chart_text *texts; /* owned */
     size_t n_texts, capacity;
@@ -97,6 +97,6 @@ struct orl_chart_text *orl_chart_add(struct orl_chart *chart, cairo_t *cairo,
                                      enum orl_chart_role role, const char *text, double x, double y,
                                      enum orl_chart_align align);
 
-bool orl_box_meets(const struct orl_box *a, const struct orl_box *b);
+bool orl_box_meets(const struct orl_chart_box *a, const struct orl_chart_box *b);
 
 #endif

@@ -84,7 +84,7 @@ static void draw_cross(cairo_t *cairo, double x, double y)
 
 static void draw_frame(const struct orl_chart *chart, cairo_t *cairo)
 {
-    const struct orl_box *p = &chart->plot;
+    const struct orl_chart_box *p = &chart->plot;
     set_ink(cairo, faint);
     cairo_set_line_width(cairo, 1);
     for (size_t i = 0; i < chart->x.n_ticks; i++) {
@@ -254,7 +254,7 @@ static void draw_text(const struct orl_chart_text *t, cairo_t *cairo)
 int orl_chart_draw(const struct orl_chart *chart, const struct orl_study *study, cairo_t *cairo,
                    struct orl_error *err)
 {
-    const struct orl_box *p = &chart->plot;
+    const struct orl_chart_box *p = &chart->plot;
     size_t *index = calloc(study->n_points + 1, sizeof *index);
     if (!index)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory drawing a chart");

@@ -21,20 +21,20 @@ struct segment {
 
 struct room {
     struct orl_chart *chart;
-    struct orl_box *markers; /* owned */
+    struct orl_chart_box *markers; /* owned */
     size_t n_markers;
     struct segment *segments; /* owned */
     size_t n_segments;
 };
 
 struct place {
-    struct orl_box box;
+    struct orl_chart_box box;
     double cost;
     bool leads;
 };
 
 /* Whether the segment passes through the box (Liang and Barsky 1984). */
-static bool crosses(const struct segment *s, const struct orl_box *box)
+static bool crosses(const struct segment *s, const struct orl_chart_box *box)
 {
     const double dx = s->x1 - s->x0, dy = s->y1 - s->y0;
     const double p[4] = {-dx, dx, -dy, dy};
@@ -51,13 +51,13 @@ static bool crosses(const struct segment *s, const struct orl_box *box)
     return enter < leave;
 }
 
-static struct orl_box grow(struct orl_box box, double by)
+static struct orl_chart_box grow(struct orl_chart_box box, double by)
 {
-    return (struct orl_box){box.x0 - by, box.y0 - by, box.x1 + by, box.y1 + by};
+    return (struct orl_chart_box){box.x0 - by, box.y0 - by, box.x1 + by, box.y1 + by};
 }
 
 /* Where a leader from the point ends: at the box, as near as may be. */
-static struct segment leader_to(const struct orl_box *box, double x, double y)
+static struct segment leader_to(const struct orl_chart_box *box, double x, double y)
 {
     return (struct segment){x, y, fmin(fmax(x, box->x0), box->x1), fmin(fmax(y, box->y0), box->y1),
                             0};
@@ -69,10 +69,11 @@ static double length_of(const struct segment *s)
 }
 
 /* What the box costs for a label of the point (x, y); impossible where it meets a text. */
-static double cost_of(const struct room *room, const struct orl_box *box, double x, double y,
+static double cost_of(const struct room *room, const struct orl_chart_box *box, double x, double y,
                       bool leads)
 {
-    const struct orl_box wide = grow(*box, text_gap), plot = grow(room->chart->plot, -text_gap);
+    const struct orl_chart_box wide = grow(*box, text_gap),
+                               plot = grow(room->chart->plot, -text_gap);
     const struct segment leader = leader_to(box, x, y);
     double cost = 0;
     if (box->x0 < plot.x0 || box->x1 > plot.x1 || box->y0 < plot.y0 || box->y1 > plot.y1)
@@ -86,7 +87,7 @@ static double cost_of(const struct room *room, const struct orl_box *box, double
         cost += t->leads && crosses(&other, &wide) ? 60 : 0;
     }
     for (size_t i = 0; i < room->n_markers; i++) {
-        const struct orl_box *m = &room->markers[i];
+        const struct orl_chart_box *m = &room->markers[i];
         const bool own = x > m->x0 && x < m->x1 && y > m->y0 && y < m->y1;
         cost += orl_box_meets(&wide, m) ? 40 : 0;
         cost += leads && !own && crosses(&leader, m) ? 12 : 0;
@@ -99,8 +100,8 @@ static double cost_of(const struct room *room, const struct orl_box *box, double
     return cost + 0.4 * length_of(&leader);
 }
 
-static void consider(const struct room *room, struct orl_box box, double x, double y, bool leads,
-                     struct place *best)
+static void consider(const struct room *room, struct orl_chart_box box, double x, double y,
+                     bool leads, struct place *best)
 {
     const double cost = cost_of(room, &box, x, y, leads);
     if (cost < best->cost)
@@ -108,20 +109,20 @@ static void consider(const struct room *room, struct orl_box box, double x, doub
 }
 
 /* A box of that size beside the point, its edge at a distance in a direction. */
-static struct orl_box beside(double x, double y, double width, double height, double distance,
-                             int direction)
+static struct orl_chart_box beside(double x, double y, double width, double height, double distance,
+                                   int direction)
 {
     const double angle = 2 * ORL_PI * direction / DIRECTIONS;
     const double cx = x + cos(angle) * (width / 2 + distance);
     const double cy = y + sin(angle) * (height / 2 + distance);
-    return (struct orl_box){cx - width / 2, cy - height / 2, cx + width / 2, cy + height / 2};
+    return (struct orl_chart_box){cx - width / 2, cy - height / 2, cx + width / 2, cy + height / 2};
 }
 
 static struct place find_place(const struct room *room, const struct orl_chart_text *text, double x,
                                double y)
 {
     static const double rings[RINGS] = {7, 10, 16, 24, 36, 52, 72, 100, 140};
-    const struct orl_box *plot = &room->chart->plot;
+    const struct orl_chart_box *plot = &room->chart->plot;
     const double width = text->box.x1 - text->box.x0, height = text->box.y1 - text->box.y0;
     const bool given = text->role == ORL_CHART_GIVEN;
     struct place best = {.cost = given ? impossible : 16};
@@ -133,7 +134,8 @@ static struct place find_place(const struct room *room, const struct orl_chart_t
     for (int i = 0; given && best.cost >= impossible && i < GRID * GRID; i++) {
         const double left = plot->x0 + (plot->x1 - plot->x0) * (i % GRID) / GRID;
         const double top = plot->y0 + (plot->y1 - plot->y0) * (int)(i / GRID) / GRID;
-        consider(room, (struct orl_box){left, top, left + width, top + height}, x, y, true, &best);
+        consider(room, (struct orl_chart_box){left, top, left + width, top + height}, x, y, true,
+                 &best);
     }
     return best;
 }
@@ -166,7 +168,8 @@ static int add_label(struct room *room, cairo_t *cairo, enum orl_chart_role role
 
 static void add_marker(struct room *room, double x, double y, double half)
 {
-    room->markers[room->n_markers++] = (struct orl_box){x - half, y - half, x + half, y + half};
+    room->markers[room->n_markers++] =
+        (struct orl_chart_box){x - half, y - half, x + half, y + half};
 }
 
 /* The segments of a curve through those points. */
@@ -193,7 +196,7 @@ static void add_curves(struct room *room, const struct orl_study *study, size_t 
 /* The dashed line of the reference's own error. */
 static void add_reference(struct room *room, const struct orl_study *study)
 {
-    const struct orl_box *plot = &room->chart->plot;
+    const struct orl_chart_box *plot = &room->chart->plot;
     const double noise = 100 * study->reference.standard_error;
     if (!(noise > room->chart->y.low && noise < room->chart->y.high))
         return;

@@ -27,8 +27,8 @@ static int add_file(struct orl_job_brief *brief, const char *name, const char *p
 {
     if (!name)
         return 0;
-    struct orl_job_file *file = &brief->files[brief->n_files++];
-    *file = (struct orl_job_file){strdup(name), strdup(place)};
+    struct orl_named_file *file = &brief->files[brief->n_files++];
+    *file = (struct orl_named_file){strdup(name), strdup(place)};
     return file->name && file->place ? 0 : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
 }
 

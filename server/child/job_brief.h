@@ -13,7 +13,7 @@
 #include "task_json.h"
 
 /* A file that the document names, and where it does: "sky.weather.file". */
-struct orl_job_file {
+struct orl_named_file {
     char *name, *place; /* owned */
 };
 
@@ -25,7 +25,7 @@ struct orl_job_brief {
     uint64_t sensor_bytes;                          /* ... and as much for each of a file */
     uint64_t sensors, photons;                      /* asked for; photons of all maps together */
     uint64_t pixels;                                /* of the largest view */
-    struct orl_job_file *files;                     /* owned */
+    struct orl_named_file *files;                   /* owned */
     size_t n_files;
 };
 

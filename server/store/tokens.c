@@ -5,17 +5,17 @@
 
 static const char *const scope_names[ORL_SCOPE_COUNT] = {"open", "read", "submit", "admin"};
 
-const char *orl_scope_name(enum orl_scope scope)
+const char *orl_scope_name(enum orl_token_scope scope)
 {
     return scope < ORL_SCOPE_COUNT ? scope_names[scope] : "unknown";
 }
 
-enum orl_scope orl_scope_from_name(const char *name)
+enum orl_token_scope orl_scope_from_name(const char *name)
 {
     unsigned scope = ORL_SCOPE_READ;
     while (scope < ORL_SCOPE_COUNT && strcmp(scope_names[scope], name) != 0)
         scope++;
-    return (enum orl_scope)scope;
+    return (enum orl_token_scope)scope;
 }
 
 int orl_token_row_insert(struct orl_db *db, const struct orl_token_row *row, struct orl_error *err)

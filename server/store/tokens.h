@@ -11,16 +11,16 @@
 #include "store/db.h"
 
 /* What a token lets do: each what those before it do, and more. */
-enum orl_scope {
+enum orl_token_scope {
     ORL_SCOPE_OPEN,   /* no token is needed */
     ORL_SCOPE_READ,   /* to look at everything */
     ORL_SCOPE_SUBMIT, /* to upload, submit and cancel */
     ORL_SCOPE_ADMIN,  /* to do what concerns others */
     ORL_SCOPE_COUNT
 };
-const char *orl_scope_name(enum orl_scope scope);
+const char *orl_scope_name(enum orl_token_scope scope);
 /* ORL_SCOPE_COUNT when a token can have no such scope. */
-enum orl_scope orl_scope_from_name(const char *name);
+enum orl_token_scope orl_scope_from_name(const char *name);
 
 enum { ORL_TOKEN_NAME = 65, ORL_TOKEN_ID = 17, ORL_TOKEN_HASH = 65 };
 
@@ -28,7 +28,7 @@ struct orl_token_row {
     char name[ORL_TOKEN_NAME];
     char id[ORL_TOKEN_ID];     /* hexadecimal */
     char hash[ORL_TOKEN_HASH]; /* of the secret, hexadecimal */
-    enum orl_scope scope;
+    enum orl_token_scope scope;
     int64_t created_ms;
 };
 

@@ -195,7 +195,7 @@ static int parse_memory(const char *const *names, const struct orl_file *content
     const int code = orl_scene_parse(names, 1, &files, &description, err);
     /* Outputs stay untouched on failure. */
     if (code < 0)
-        assert_null(description.storage);
+        assert_null(description.arena);
     orl_description_done(&description);
     return code;
 }

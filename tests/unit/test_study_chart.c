@@ -60,9 +60,9 @@ static void test_ticks_are_written_plainly(void **state)
 
 static void assert_laid_out(const struct orl_chart *chart)
 {
-    const struct orl_box page = {0, 0, chart->width, chart->height};
+    const struct orl_chart_box page = {0, 0, chart->width, chart->height};
     for (size_t i = 0; i < chart->n_texts; i++) {
-        const struct orl_box *a = &chart->texts[i].box;
+        const struct orl_chart_box *a = &chart->texts[i].box;
         if (a->x0 < page.x0 || a->y0 < page.y0 || a->x1 > page.x1 || a->y1 > page.y1)
             fail_msg("\"%s\" leaves the page", chart->texts[i].text);
         for (size_t k = 0; k < i; k++)
