@@ -75,10 +75,10 @@ int orl_findings_add_film(struct orl_findings *findings, size_t view, const stru
             part->film.pixels[i][c] =
                 (float)(part->film.pixels[i][c] + share * (p[c] - part->film.pixels[i][c]));
     }
-    const struct orl_found found = {.value = value,
-                                    .error = knows ? error : NULL,
-                                    .degrees = ORL_MAP_BATCHES - 1,
-                                    .effort = effort};
+    const struct orl_round_findings found = {.value = value,
+                                             .error = knows ? error : NULL,
+                                             .degrees = ORL_MAP_BATCHES - 1,
+                                             .effort = effort};
     orl_pool_add(&part->pool, &found);
     free(value);
     return 0;
@@ -88,12 +88,12 @@ void orl_findings_add_sensors(struct orl_findings *findings, const struct orl_re
                               double effort, const double *samples, const double *groups)
 {
     struct orl_finding_part *part = &findings->parts[0];
-    const struct orl_found found = {.value = round->illuminance_lx,
-                                    .error = round->standard_error_lx,
-                                    .bias = round->bias_estimate_lx,
-                                    .groups = groups,
-                                    .degrees = ORL_MAP_BATCHES - 1,
-                                    .effort = effort};
+    const struct orl_round_findings found = {.value = round->illuminance_lx,
+                                             .error = round->standard_error_lx,
+                                             .bias = round->bias_estimate_lx,
+                                             .groups = groups,
+                                             .degrees = ORL_MAP_BATCHES - 1,
+                                             .effort = effort};
     if (round->n_sensors == 0)
         return;
     orl_pool_add(&part->pool, &found);

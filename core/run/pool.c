@@ -39,7 +39,7 @@ void orl_pool_done(struct orl_pool *pool)
     *pool = (struct orl_pool){0};
 }
 
-void orl_pool_add(struct orl_pool *pool, const struct orl_found *found)
+void orl_pool_add(struct orl_pool *pool, const struct orl_round_findings *found)
 {
     const double before = pool->effort, effort = found->effort;
     const double share = effort / (before + effort);

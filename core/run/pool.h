@@ -24,7 +24,7 @@
 #include <oriel/error.h>
 
 /* One round's findings. Errors are standard errors. */
-struct orl_found {
+struct orl_round_findings {
     const double *value;
     const double *error, *bias; /* NULL: not known */
     double degrees;             /* of freedom of its errors */
@@ -48,7 +48,7 @@ struct orl_pool {
 int orl_pool_init(struct orl_pool *pool, size_t count, uint32_t groups, struct orl_error *err);
 void orl_pool_done(struct orl_pool *pool); /* also of one that is all zero */
 
-void orl_pool_add(struct orl_pool *pool, const struct orl_found *found);
+void orl_pool_add(struct orl_pool *pool, const struct orl_round_findings *found);
 
 /* Standard errors of the means; false, and NaN everywhere, while there is nothing to tell them by.
  */

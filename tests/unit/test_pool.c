@@ -42,10 +42,10 @@ static void test_weighted_means(void **state)
     (void)state;
     assert_int_equal(orl_pool_init(&pool, 2, 0, NULL), 0);
     assert_false(orl_pool_errors(&pool, 0, ret));
-    orl_pool_add(&pool, &(struct orl_found){first, errors[0], biases[0], 15, 1, NULL});
+    orl_pool_add(&pool, &(struct orl_round_findings){first, errors[0], biases[0], 15, 1, NULL});
     assert_true(orl_pool_errors(&pool, 0, ret));
     assert_near(ret[0], 3, 1e-15);
-    orl_pool_add(&pool, &(struct orl_found){second, errors[1], biases[1], 15, 3, NULL});
+    orl_pool_add(&pool, &(struct orl_round_findings){second, errors[1], biases[1], 15, 3, NULL});
     assert_near(pool.mean[0], 4, 1e-15);
     assert_near(pool.bias[0], 1.25, 1e-15);
     assert_true(orl_pool_errors(&pool, 0, ret));
@@ -67,7 +67,7 @@ static void test_groups_that_go_on(void **state)
     assert_int_equal(orl_pool_init(&pool, 1, 3, NULL), 0);
     assert_false(orl_pool_errors(&pool, 0, &ret));
     for (int r = 0; r < 2; r++)
-        orl_pool_add(&pool, &(struct orl_found){.value = &values[r],
+        orl_pool_add(&pool, &(struct orl_round_findings){.value = &values[r],
                                                 .error = &errors[r],
                                                 .degrees = 2,
                                                 .effort = 1 + 2 * r,
@@ -93,7 +93,7 @@ static void fill(struct orl_pool *pool, const double *efforts, int rounds, doubl
             value[i] = 100 * (1 + i % 4) + deviation * normal(&random);
             error[i] = factor * deviation;
         }
-        orl_pool_add(pool, &(struct orl_found){value, factor > 0 ? error : NULL, NULL, 15,
+        orl_pool_add(pool, &(struct orl_round_findings){value, factor > 0 ? error : NULL, NULL, 15,
                                                efforts[r], NULL});
     }
     free(value);
