@@ -179,6 +179,8 @@ $(BUILD)/tests/%: $(BUILD)/obj/tests/%.o $(BUILD)/libtests.a $(BUILD)/liboriel.a
 	@mkdir -p $(@D)
 	$(call say,LD,$@)
 	$(Q)$(CC) $(ALL_LDFLAGS) -o $@ $^ -lcmocka -lgnutls $(SERVER_LIBS) $(CLIENT_LIBS) $(CORE_LIBS)
+# Its allocator is for the libraries, too.
+$(BUILD)/tests/unit/test_embree_memory: ALL_LDFLAGS += -rdynamic
 
 -include $(shell find $(BUILD)/obj -name '*.d' 2>/dev/null)
 

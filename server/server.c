@@ -7,6 +7,7 @@
 #include "job_bounds.h"
 #include "kept_parts.h"
 #include "notify.h"
+#include "pool.h"
 #include "scrub.h"
 #include "store/migrate.h"
 #include "store/tokens.h"
@@ -307,6 +308,7 @@ int orl_server_run(const struct orl_config *config, void (*announce)(const char 
     server.started_s = orl_time_steady_s();
     if (uv_loop_init(&server.loop) != 0)
         return orl_error_set(err, ORL_ERR_INTERNAL, "cannot start the event loop");
+    orl_pool_prepare(&server.loop, config->threads + ORL_SERVER_IO_THREADS);
     orl_pulse_open(&server.pulse, &server.loop);
     uv_async_init(&server.loop, &server.kept_changed, on_kept_changed);
     server.kept_changed.data = &server;
@@ -346,6 +348,7 @@ int orl_server_run(const struct orl_config *config, void (*announce)(const char 
     orl_jobs_close(server.jobs);
     close_storage(&server);
     uv_loop_close(&server.loop);
+    uv_library_shutdown(); /* the pool's threads end before what they use does */
     if (rc == 0)
         orl_log_event(&server.log, ORL_LOG_INFO, "stopped", "");
     return rc;

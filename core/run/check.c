@@ -54,6 +54,11 @@ static int load_bsdf(void *ctx, const struct orl_bsdf_xml *xml,
     return orl_bsdf_load(&heeding, ret_bsdf, err);
 }
 
+int orl_prepare_thread(struct orl_error *err)
+{
+    return orl_geometry_prepare_thread(err);
+}
+
 int orl_scene_check(const char *const *main_files, size_t n_files, const struct orl_files *files,
                     const atomic_bool *cancel, struct orl_scene_summary *ret_summary,
                     struct orl_error *err)

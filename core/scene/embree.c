@@ -5,12 +5,7 @@
 
 #include <oriel/crew.h>
 
-#if __has_include(<embree4/rtcore.h>)
-#include <embree4/rtcore.h>
-#else
-#include <embree3/rtcore.h>
-#endif
-
+#include "scene/embree_device.h"
 #include "scene/quadric.h"
 
 enum { GEOMETRY_TRIANGLES = 0, GEOMETRY_CURVED = 1 };
@@ -125,30 +120,10 @@ static int refuse_build(enum RTCError failure, struct orl_error *err)
                          (int)failure);
 }
 
-/*
- * Embree keeps an error for each thread and device, and makes room for it when it has the first to
- * keep: with no memory left, where it cannot throw, which ends the process. So that room is made
- * before anything can fail. NULL: no memory.
- */
-static RTCDevice new_device(void)
+int orl_embree_prepare(struct orl_error *err)
 {
-    enum { ROOM = 64 << 10 };
-    void *room = malloc(ROOM);
-    if (!room)
-        return NULL;
-    free(room);
-    rtcGetDeviceError(NULL);
-    /* One build thread: the hierarchy, and with it the order of ties, is the same every time. */
-    RTCDevice device = rtcNewDevice("threads=1");
-    room = device ? malloc(ROOM) : NULL;
-    if (device && !room) {
-        rtcReleaseDevice(device);
-        return NULL;
-    }
-    free(room);
-    if (device)
-        rtcGetDeviceError(device);
-    return device;
+    return orl_embree_device() ? 0
+                               : orl_error_set(err, ORL_ERR_NOMEM, "out of memory to start Embree");
 }
 
 int orl_embree_build(struct orl_geometry *geometry, const atomic_bool *cancel,
@@ -157,15 +132,15 @@ int orl_embree_build(struct orl_geometry *geometry, const atomic_bool *cancel,
     unsigned n_curved = 0;
     for (size_t i = 0; i < geometry->n_facets; i++)
         n_curved += geometry->facets[i].kind != ORL_SURFACE_POLYGON;
-    RTCDevice device = new_device();
-    RTCScene scene = device ? rtcNewScene(device) : NULL;
-    if (!scene) {
-        if (device)
-            rtcReleaseDevice(device);
-        return orl_error_set(err, ORL_ERR_NOMEM, "Embree would not start");
-    }
-    geometry->device = device;
+    const int rc = orl_embree_prepare(err);
+    if (rc)
+        return rc;
+    RTCDevice device = orl_embree_device();
+    RTCScene scene = rtcNewScene(device);
+    if (!scene)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory to start Embree");
     geometry->scene = scene;
+    rtcGetDeviceError(device); /* of scenes before */
     geometry->curved = n_curved > 0;
     rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
     rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_HIGH);
@@ -185,10 +160,7 @@ void orl_embree_free(struct orl_geometry *geometry)
 {
     if (geometry->scene)
         rtcReleaseScene(geometry->scene);
-    if (geometry->device)
-        rtcReleaseDevice(geometry->device);
     geometry->scene = NULL;
-    geometry->device = NULL;
 }
 
 static inline void set_ray(struct RTCRay *ray, struct orl_vec3 origin, struct orl_vec3 direction,

@@ -9,7 +9,10 @@
 
 #include "scene/geometry.h"
 
-/* Builds device and scene from geometry's triangles (first) and curved facets. Heeds *cancel
+/* Embree's state of this thread (embree_device.h). */
+int orl_embree_prepare(struct orl_error *err);
+
+/* Builds a scene from geometry's triangles (first) and curved facets. Heeds *cancel
  * (ORL_ERR_CANCELLED) unless it is NULL. */
 int orl_embree_build(struct orl_geometry *geometry, const atomic_bool *cancel,
                      struct orl_error *err);

@@ -202,6 +202,11 @@ static void measure(struct orl_geometry *g, const struct orl_description *d)
     g->radius = orl_length(g->high);
 }
 
+int orl_geometry_prepare_thread(struct orl_error *err)
+{
+    return orl_embree_prepare(err);
+}
+
 int orl_geometry_new(const struct orl_description *description, struct orl_geometry **ret_geometry,
                      struct orl_error *err)
 {
@@ -246,7 +251,7 @@ int orl_geometry_subset(const struct orl_geometry *whole, const bool *keep,
     if (!g)
         return orl_error_set(err, code, "out of memory for the scene's geometry");
     *g = *whole;
-    g->device = g->scene = NULL;
+    g->scene = NULL;
     g->n_triangles = 0;
     g->rivals = malloc((g->n_rivals + 1) * sizeof *g->rivals);
     g->facets = malloc((g->n_facets + 1) * sizeof *g->facets);

@@ -59,7 +59,7 @@ struct orl_geometry {
     uint32_t *rivals;
     size_t n_rivals;
     bool curved;          /* it has facets that are not polygons */
-    void *device, *scene; /* Embree's */
+    void *scene; /* Embree's */
 };
 
 struct orl_hit {
@@ -69,6 +69,9 @@ struct orl_hit {
     uint32_t facet;
     bool front; /* the ray met the front: dot(direction, normal) < 0 */
 };
+
+/* See orl_prepare_thread (oriel/run.h). */
+int orl_geometry_prepare_thread(struct orl_error *err);
 
 /* Returns 0 and a geometry the caller frees, or ORL_ERR_NOMEM, ORL_ERR_RANGE. */
 int orl_geometry_new(const struct orl_description *description, struct orl_geometry **ret_geometry,

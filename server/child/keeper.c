@@ -10,6 +10,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <oriel/run.h>
+
 #include "child/child_checks.h"
 #include "child/frames.h"
 
@@ -60,6 +62,7 @@ int orl_keeper_main(const char *daemon_pid)
 {
     end_with((pid_t)strtol(daemon_pid, NULL, 10));
     setpriority(PRIO_PROCESS, 0, CHILD_NICE);
+    orl_prepare_thread(NULL); /* where that fails a child tries again */
     while (wait_for_request()) {
         const struct orl_child_end end = keep_one();
         if (!orl_frame_send(ORL_KEEPER_FD, ORL_FRAME_END, &end, sizeof end))

@@ -297,6 +297,14 @@ struct orl_scene_summary {
     size_t n_referenced;
 };
 
+/*
+ * What libraries keep for a thread that builds scenes is made now: where memory ends within that they
+ * may end the process, later they only fail. For threads that others count on, once each, while
+ * there is room; scenes are built without it, too. A process inherits it from the thread that forks.
+ * ORL_ERR_NOMEM.
+ */
+int orl_prepare_thread(struct orl_error *err);
+
 /* Parses the scene and everything it refers to, as a job would, and says what is in it. Gives up
  * with ORL_ERR_CANCELLED when *cancel; NULL: never. */
 int orl_scene_check(const char *const *main_files, size_t n_files, const struct orl_files *files,
