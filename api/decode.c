@@ -9,6 +9,8 @@
 
 #include <oriel/limits.h>
 
+#include "json_read.h"
+
 int orl_json_fail(struct orl_error *err, int code, const char *path, const char *what, ...)
 {
     char text[ORL_ERROR_TEXT_MAX];
@@ -58,15 +60,12 @@ int orl_json_parse(const char *name, const char *text, size_t size, json_t **ret
             "the document's values would take %llu MiB of memory; the limit is %lu",
             (unsigned long long)weight >> 20, ORL_LIMIT_JSON_MEMORY >> 20);
     json_error_t where;
-    errno = 0;
-    json_t *doc = json_loadb(text, size, JSON_REJECT_DUPLICATES, &where);
+    json_t *doc = orl_json_read(text, size, JSON_REJECT_DUPLICATES, &where);
     if (doc) {
         *ret_doc = doc;
         return 0;
     }
-    /* Where the library has nothing to say, it had no memory to go on with; amid a token it takes
-     * that for a mistake of the token's. */
-    if (json_error_code(&where) == json_error_out_of_memory || !where.text[0] || errno == ENOMEM)
+    if (errno == ENOMEM)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory reading JSON");
     orl_error_set(err, ORL_ERR_SYNTAX, "not valid JSON, column %d: %s", where.column, where.text);
     orl_error_at(err, name, where.line > 0 ? where.line : 1, NULL);

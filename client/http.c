@@ -12,6 +12,7 @@
 #include <oriel/version.h>
 
 #include "command.h"
+#include "encode.h"
 #include "files.h"
 #include "report.h"
 
@@ -261,7 +262,7 @@ int orl_http_post_json(struct orl_http *http, const char *path, const json_t *bo
 {
     struct sink sink = {0};
     struct curl_slist *headers = curl_slist_append(NULL, "Content-Type: application/json");
-    char *text = json_dumps(body, JSON_COMPACT);
+    char *text = orl_json_text(body, JSON_COMPACT);
     int rc;
 
     if (!headers || !text) {

@@ -11,6 +11,7 @@
 #include "client_name.h"
 #include "job_memory.h"
 #include "job_status.h"
+#include "json_read.h"
 #include "limits.h"
 #include "multipart.h"
 #include "reply.h"
@@ -187,8 +188,10 @@ static int note_needs(struct orl_server *server, struct job_post *post,
     const int rc = orl_scene_find(&server->db, post->brief.scene, &scene, &found, &post->err);
     if (rc)
         return rc;
-    json_t *summary = found ? json_loads(scene.summary, 0, NULL) : NULL;
+    json_t *summary = orl_json_reread(scene.summary);
     free(scene.summary);
+    if (found && !summary)
+        return orl_error_set(&post->err, ORL_ERR_NOMEM, "out of memory");
     post->memory = (struct orl_job_memory){
         .surfaces = (uint64_t)json_integer_value(json_object_get(summary, "surfaces")),
         .triangles = (uint64_t)json_integer_value(json_object_get(summary, "triangles")),

@@ -9,6 +9,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "json_read.h"
 #include "reply.h"
 #include "server.h"
 #include "times.h"
@@ -223,13 +224,16 @@ static bool find_results(struct orl_request *request, struct shown *ret_shown)
         return false;
     }
     char *text = find_summary(request, &shown);
-    shown.summary = text ? json_loads(text, 0, NULL) : NULL;
+    shown.summary = orl_json_reread(text);
     free(text);
     if (shown.summary) {
         *ret_shown = shown;
         return true;
     }
-    refuse_for_now(request, shown.job);
+    if (text || (!shown.running && shown.job->outcome))
+        orl_reply_json(request, 503, NULL);
+    else
+        refuse_for_now(request, shown.job);
     return false;
 }
 

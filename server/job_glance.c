@@ -6,6 +6,7 @@
 
 #include "encode.h"
 #include "job_status.h"
+#include "json_read.h"
 
 /* In tenths of a percent, so that a long job is not told of a thousand times a second. */
 struct glance {
@@ -21,7 +22,7 @@ struct glance {
 /* Those of one that has ended are in its outcome. */
 static json_t *final_warnings(const struct orl_jobs_job *job)
 {
-    json_t *outcome = job->outcome ? json_loads(job->outcome, 0, NULL) : NULL;
+    json_t *outcome = orl_json_reread(job->outcome);
     json_t *warnings = json_incref(json_object_get(outcome, "warnings"));
     json_decref(outcome);
     return warnings;

@@ -5,6 +5,7 @@
 
 #include "discard.h"
 #include "job_runs.h"
+#include "json_read.h"
 #include "times.h"
 
 static void results_path(const struct orl_jobs *jobs, const char *id, char ret_path[ORL_PATH_MAX])
@@ -32,7 +33,7 @@ uint64_t orl_job_results_expected(const struct orl_jobs *jobs)
 /* The files that an outcome lists, bytes. */
 static uint64_t count_bytes(const char *text)
 {
-    json_t *outcome = text ? json_loads(text, 0, NULL) : NULL;
+    json_t *outcome = orl_json_reread(text);
     const json_t *entry;
     uint64_t bytes = 0;
     size_t i;

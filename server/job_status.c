@@ -8,6 +8,7 @@
 #include <oriel/eta.h>
 
 #include "encode.h"
+#include "json_read.h"
 #include "result_json.h"
 #include "study_json.h"
 #include "times.h"
@@ -111,8 +112,8 @@ static int add_running(json_t *doc, json_t *links, const struct orl_jobs_job *jo
 {
     struct orl_job_progress progress;
     char folder[ORL_PATH_MAX], *text = orl_worker_results(orl_jobs_worker(job), folder);
-    json_t *summary = text ? json_loads(text, 0, NULL) : NULL;
-    int rc = summary ? add_links(links, job->row.id, summary) : 0;
+    json_t *summary = orl_json_reread(text);
+    int rc = summary ? add_links(links, job->row.id, summary) : text ? -1 : 0;
     free(text);
     json_decref(summary);
     orl_worker_progress(orl_jobs_worker(job), &progress);
@@ -131,10 +132,10 @@ static int add_finished(json_t *doc, json_t *links, const struct orl_jobs_job *j
 {
     int rc = 0;
     if (job->row.state == ORL_JOB_FAILED && job->problem)
-        rc = json_object_set_new(doc, "error", json_loads(job->problem, 0, NULL));
+        rc = json_object_set_new(doc, "error", orl_json_reread(job->problem));
     if (job->row.state == ORL_JOB_FAILED || !job->outcome)
         return rc;
-    json_t *outcome = json_loads(job->outcome, 0, NULL);
+    json_t *outcome = orl_json_reread(job->outcome);
     if (job->row.evicted_ms > 0)
         rc = json_object_set_new(doc, "evicted", time_or_null(job->row.evicted_ms));
     else

@@ -124,7 +124,10 @@ static int feed(struct splitter *s, struct MHD_PostProcessor *processor,
     while (at < body->size && s->rc == 0) {
         const size_t n = body->size - at < FEED_BYTES ? body->size - at : FEED_BYTES;
         errno = 0; /* libmicrohttpd goes on without what it had no memory for */
-        if (MHD_post_process(processor, body->data + at, n) != MHD_YES && s->rc == 0)
+        const bool fed = MHD_post_process(processor, body->data + at, n) == MHD_YES;
+        if (!fed && s->rc == 0 && errno == ENOMEM)
+            s->rc = orl_error_set(s->err, ORL_ERR_NOMEM, "out of memory");
+        else if (!fed && s->rc == 0)
             s->rc = orl_error_set(s->err, ORL_ERR_SYNTAX,
                                   "the multipart/form-data body is malformed near byte %zu", at);
         at += n;
@@ -139,8 +142,11 @@ int orl_multipart_split(struct MHD_Connection *connection, const struct orl_file
     struct splitter s = {.folders = folders, .file = {.fd = -1}, .err = err};
     s.bsdfs.text = &s.parts.bsdfs;
     s.mains.text = &s.parts.mains;
+    errno = 0;
     struct MHD_PostProcessor *processor =
         MHD_create_post_processor(connection, PROCESSOR_BUFFER, on_data, &s);
+    if (!processor && errno == ENOMEM)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     if (!processor)
         return orl_error_set(err, ORL_ERR_SYNTAX,
                              "the Content-Type of the multipart body names no boundary, or one of "

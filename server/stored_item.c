@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "json_read.h"
 #include "reply.h"
 #include "server.h"
 #include "times.h"
@@ -15,7 +16,7 @@ static json_t *item_to_json(const char *id, const struct orl_stored_item *item, 
 {
     char when[ORL_TIME_TEXT];
     orl_time_format(item->created_ms, when);
-    json_t *summary = json_loads(item->summary, 0, NULL);
+    json_t *summary = orl_json_reread(item->summary);
     json_t *doc = json_pack("{s:s, s:s, s:I, s:o}", "id", id, "created_at", when, "bytes",
                             (json_int_t)item->bytes, "summary", summary);
     if (doc && created && json_object_set_new(doc, "created", json_boolean(*created))) {

@@ -19,6 +19,7 @@
 #include "child/opened.h"
 #include "child/scene_document.h"
 #include "encode.h"
+#include "json_read.h"
 #include "scene_json.h"
 #include "unzip.h"
 
@@ -189,7 +190,7 @@ static json_t *receive_request(int fd)
             break;
         complete = n > 0 && packet[0] == ORL_FRAME_REQUEST_END;
     }
-    json_t *request = complete ? json_loadb(text.text, text.size, 0, NULL) : NULL;
+    json_t *request = complete ? orl_json_read(text.text, text.size, 0, NULL) : NULL;
     free(packet);
     free(text.text);
     return request;

@@ -19,6 +19,7 @@
 #include "child/frames.h"
 #include "child/keeper.h"
 #include "encode.h"
+#include "json_read.h"
 
 enum { POLL_MS = 100, VERDICT_BYTES = 1 << 20 };
 
@@ -294,8 +295,8 @@ static int judge_death(struct talk *t)
 
 static int read_verdict(struct talk *t, json_t **ret_result)
 {
-    errno = 0;
-    json_t *doc = json_loadb(t->verdict.text, t->verdict.size, JSON_REJECT_DUPLICATES, NULL);
+    json_t *doc = orl_json_read(t->verdict.text, t->verdict.size, JSON_REJECT_DUPLICATES, NULL);
+    const bool starved = errno == ENOMEM;
     const json_t *error = json_object_get(doc, "error");
     json_t *result = json_object_get(doc, "result");
     struct orl_error found;
@@ -307,7 +308,7 @@ static int read_verdict(struct talk *t, json_t **ret_result)
             *t->err = found;
     } else if (result) {
         *ret_result = json_incref(result);
-    } else if (!doc && errno == ENOMEM) {
+    } else if (starved) {
         rc = orl_error_set(t->err, ORL_ERR_NOMEM, "out of memory");
     } else {
         rc = refuse_answer(t);

@@ -210,10 +210,11 @@ int orl_map_file(const char *path, struct orl_file *ret_file, struct orl_error *
     struct stat st;
     const int fd = open(path, O_RDONLY | O_CLOEXEC);
     if (fd < 0 || fstat(fd, &st) != 0) {
-        orl_error_set(err, ORL_ERR_IO, "cannot open a stored file: %s", strerror(errno));
+        const int code = orl_err_of_errno(errno);
+        orl_error_set(err, code, "cannot open a stored file: %s", strerror(errno));
         if (fd >= 0)
             close(fd);
-        return ORL_ERR_IO;
+        return code;
     }
     int rc = 0;
     if (st.st_size == 0) {
@@ -221,7 +222,8 @@ int orl_map_file(const char *path, struct orl_file *ret_file, struct orl_error *
     } else {
         void *data = mmap(NULL, (size_t)st.st_size, PROT_READ, MAP_PRIVATE, fd, 0);
         if (data == MAP_FAILED)
-            rc = orl_error_set(err, ORL_ERR_IO, "cannot map a stored file: %s", strerror(errno));
+            rc = orl_error_set(err, orl_err_of_errno(errno), "cannot map a stored file: %s",
+                               strerror(errno));
         else
             *ret_file = (struct orl_file){data, (size_t)st.st_size, data};
     }

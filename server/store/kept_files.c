@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "json_read.h"
 #include "store/scenes.h"
 
 /* Names, one a row: two columns, of which the second may be empty. */
@@ -64,25 +65,29 @@ static int visit_map(const struct name *name, orl_kept_visit visit, void *ctx,
     return visit(ctx, &file, err);
 }
 
-/* The files that a job's outcome lists, "{}" where it has gone since. */
-static json_t *files_of(struct orl_db *db, const char *job)
+/* *ret_outcome lists the files; NULL where the job has gone since. */
+static int files_of(struct orl_db *db, const char *job, json_t **ret_outcome, struct orl_error *err)
 {
+    const char *text = NULL;
     sqlite3_stmt *stmt = orl_db_prepare(
-        db, NULL, "SELECT outcome FROM jobs WHERE id = ? AND evicted_ms IS NULL", "s", job);
-    json_t *outcome = NULL;
+        db, err, "SELECT outcome FROM jobs WHERE id = ? AND evicted_ms IS NULL", "s", job);
+    int rc = stmt ? 0 : ORL_ERR_INTERNAL;
     if (stmt && sqlite3_step(stmt) == SQLITE_ROW)
-        outcome = json_loads(orl_db_text(stmt, 0), 0, NULL);
+        text = orl_db_text(stmt, 0);
+    *ret_outcome = orl_json_reread(text);
+    if (text && !*ret_outcome)
+        rc = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     sqlite3_finalize(stmt);
-    return outcome;
+    return rc;
 }
 
 static int visit_results(struct orl_db *db, const struct name *name, orl_kept_visit visit,
                          void *ctx, struct orl_error *err)
 {
-    json_t *outcome = files_of(db, name->a);
+    json_t *outcome = NULL;
     const json_t *entry;
     size_t i;
-    int rc = 0;
+    int rc = files_of(db, name->a, &outcome, err);
     json_array_foreach(json_object_get(outcome, "files"), i, entry)
     {
         const char *one = json_string_value(json_object_get(entry, "name"));

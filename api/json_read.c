@@ -1,0 +1,88 @@
+#include "json_read.h"
+
+#include <errno.h>
+#include <pthread.h>
+#include <stdbool.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+static _Thread_local bool reading, refused; /* an allocation of jansson's, in this thread */
+
+/*
+ * jansson's buffer for a token: where that cannot grow it goes on without the byte, which an
+ * assertion may find later and end the process. So there is a reserve for it, in which it comes to
+ * the token's end; whatever else is asked for then is refused, and reading ends. Its sizes are
+ * powers of two. One thread has the reserve at a time.
+ */
+enum { RESERVE = 512 << 10, BUFFER_LEAST = 32 };
+static _Alignas(16) char reserve[RESERVE];
+static size_t reserve_used;
+static unsigned reserve_blocks;
+static pthread_mutex_t reserve_mutex = PTHREAD_MUTEX_INITIALIZER;
+static _Thread_local bool has_reserve;
+
+static void *take_reserve(size_t size)
+{
+    void *block = NULL;
+    pthread_mutex_lock(&reserve_mutex);
+    if ((has_reserve || reserve_blocks == 0) && size <= RESERVE - reserve_used) {
+        has_reserve = true;
+        block = reserve + reserve_used;
+        reserve_used += size;
+        reserve_blocks++;
+    }
+    pthread_mutex_unlock(&reserve_mutex);
+    return block;
+}
+
+static void *allocate(size_t size)
+{
+    void *memory = malloc(size);
+    if (memory || size == 0)
+        return memory;
+    refused = true;
+    return reading && size >= BUFFER_LEAST && (size & (size - 1)) == 0 ? take_reserve(size) : NULL;
+}
+
+static void give_back(void *memory)
+{
+    const uintptr_t at = (uintptr_t)memory, from = (uintptr_t)reserve;
+    if (at < from || at >= from + RESERVE) {
+        free(memory);
+        return;
+    }
+    pthread_mutex_lock(&reserve_mutex);
+    if (--reserve_blocks == 0)
+        reserve_used = 0;
+    pthread_mutex_unlock(&reserve_mutex);
+}
+
+/* Once, before any thread is there: what malloc gave is given back to free. */
+__attribute__((constructor)) static void watch_allocations(void)
+{
+    json_set_alloc_funcs(allocate, give_back);
+}
+
+json_t *orl_json_read(const char *text, size_t size, size_t flags, json_error_t *ret_where)
+{
+    json_error_t where;
+    refused = has_reserve = false;
+    reading = true;
+    json_t *value = json_loadb(text, size, flags, &where);
+    reading = false;
+    if (refused) {
+        json_decref(value);
+        value = NULL;
+    }
+    if (ret_where)
+        *ret_where = where;
+    errno = refused ? ENOMEM : 0;
+    return value;
+}
+
+json_t *orl_json_reread(const char *text)
+{
+    errno = 0;
+    return text ? orl_json_read(text, strlen(text), 0, NULL) : NULL;
+}

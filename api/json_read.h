@@ -1,0 +1,21 @@
+/*
+ * Reads JSON text, whole or not at all. jansson by itself cuts strings short where it has no memory
+ * for the rest of them, and says nothing.
+ *
+ * Threads: any.
+ */
+#ifndef ORL_API_JSON_READ_H
+#define ORL_API_JSON_READ_H
+
+#include <jansson.h>
+
+/*
+ * With jansson's flags; a new reference. NULL: errno is ENOMEM where there was no memory, and 0
+ * where the text is none, as *ret_where says, unless it is NULL.
+ */
+json_t *orl_json_read(const char *text, size_t size, size_t flags, json_error_t *ret_where);
+
+/* What Oriel has written, to a NUL; NULL text gives NULL, with errno 0. */
+json_t *orl_json_reread(const char *text);
+
+#endif
