@@ -1,7 +1,7 @@
 """A daemon under test: the process, and plain HTTP to it.
 
 Whatever breaks while a request is under way is a Gone: the daemon was killed, or refuses to
-connect. An answer, whichever, is an Answer.
+connect. An answer, whichever, is an Answer, and none within a minute a Failure.
 """
 
 import ctypes
@@ -9,6 +9,7 @@ import http.client
 import json
 import os
 import signal
+import socket
 import subprocess
 
 _PR_SET_PDEATHSIG = 1
@@ -52,6 +53,9 @@ class Client:
             self.connection.request(method, path, body, headers)
             response = self.connection.getresponse()
             return Answer(response.status, response.headers, response.read())
+        except socket.timeout as error:
+            self.connection.close()
+            raise Failure("no answer to %s %s within a minute" % (method, path)) from error
         except (OSError, http.client.HTTPException) as error:
             self.connection.close()
             raise Gone(repr(error)) from error

@@ -19,12 +19,15 @@ import sys
 import time
 
 from daemon import Client, Failure, Gone
-from faults import MEMORY, NAMES, SYNCS, WRITES, Case, expect, has_sanitizer
+from faults import MEMORY, NAMES, REMOVALS, SYNCS, WRITES, Case, expect, has_sanitizer
+from ledger import list_files
 from load import FIRST_SCENE, upload_scene
 
 LACKING = {MEMORY: ("memory", "too large"), WRITES: ("No space", "disk is full", "disk"),
-           SYNCS: ("Input/output", "disk"), NAMES: ("No space", "disk", "cannot")}
-ERRNO = {MEMORY: errno.ENOMEM, WRITES: errno.ENOSPC, SYNCS: errno.EIO, NAMES: errno.ENOSPC}
+           SYNCS: ("Input/output", "disk"), NAMES: ("No space", "disk", "cannot"), REMOVALS: ("Input/output", "disk")}
+ERRNO = {MEMORY: errno.ENOMEM, WRITES: errno.ENOSPC, SYNCS: errno.EIO, NAMES: errno.ENOSPC,
+         REMOVALS: errno.EIO}
+SEEDS = range(11, 16)  # of jobs that make each other's maps go
 LOOK_AFTER = 40  # trials, and all is looked over
 TRIAL_S = 60
 
@@ -32,12 +35,12 @@ TRIAL_S = 60
 class Trials(Case):
     shims = ("faulty.so", "scarce.so")
 
-    def __init__(self, build, what, budget=None):
-        self.what, self.extra = what, ["--storage-budget", budget] if budget else []
+    def __init__(self, build, what):
+        self.what = what
         self.deaths = self.dropped = self.refused = self.done_as_asked = 0
         self.number = self.counted = 0
         super().__init__(build)
-        self.images = self.images_of(self.first)
+        self.images = {1: self.images_of(self.first)}
 
     def images_of(self, job):
         return {name: body for name, body in self.fetch(job).items() if name != "result.json"}
@@ -106,9 +109,9 @@ class Trials(Case):
         scene = answer.json()["id"]
         expect("a scene answered for", self.client.request("GET", "/v1/scenes/" + scene).status, 200)
 
-    def compute(self):
+    def compute(self, seed=1):
         """The first job again, its maps gone."""
-        answer = self.persist(lambda: self.try_to_submit())
+        answer = self.persist(lambda: self.try_to_submit(seed=seed))
         if answer.status != 202:
             self.check_problem(answer.json())
             return
@@ -122,9 +125,45 @@ class Trials(Case):
         if status["state"] != "succeeded":
             self.check_problem(status["error"])
         else:
-            expect("its pictures as before", self.images_of(job) == self.images, True)
+            expect("its pictures as before", self.images_of(job) == self.images[seed], True)
             self.done_as_asked += 1
         expect("its removal", self.client.request("DELETE", "/v1/jobs/" + job).status, 204)
+
+    def evict(self):
+        """A job whose maps have to take the place of those of the job before."""
+        self.number += 1
+        self.compute(SEEDS[self.number % len(SEEDS)])
+
+    def list_maps(self):
+        return sorted("%s-%s.opm" % (entry["kind"], entry["key"])
+                      for entry in self.client.request("GET", "/v1/maps").json()["maps"])
+
+    def bound(self):
+        """From now on there is room for the maps of one job, beside the first job's results."""
+        for seed in SEEDS:
+            self.forget_maps()
+            job = self.submit(seed=seed)
+            expect("a job", self.wait(job)["state"], "succeeded")
+            self.images[seed] = self.images_of(job)
+            expect("its removal", self.client.request("DELETE", "/v1/jobs/" + job).status, 204)
+        sizes = {folder: sum(os.path.getsize(os.path.join(self.root, path)) for path, _ in list_files(self.root)
+                             if path.startswith(folder + os.sep))
+                 for folder in ("blobs", "maps", "results")}
+        self.stop()
+        self.extra = ("--storage-budget", str(sum(sizes.values()) + sizes["maps"] * 9 // 10))
+        self.start()
+        self.use_first()
+        before = self.list_maps()
+        self.evict()
+        expect("whether maps went", bool(set(before) & set(self.list_maps())), False)
+
+    def use_first(self):
+        """Its results are not those that go, unless a map could not be removed for them."""
+        if self.extra and self.status(self.first).get("evicted"):
+            self.first = self.submit()
+            expect("the first job again", self.wait(self.first)["state"], "succeeded")
+            self.files = self.fetch(self.first)
+        expect("the first job's pictures", self.images_of(self.first) == self.images[1], True)
 
     def forget_maps(self):
         for entry in self.client.request("GET", "/v1/maps").json()["maps"]:
@@ -173,27 +212,37 @@ class Trials(Case):
 
     def look(self):
         time.sleep(1.2)  # rows that could not be written are tried again every second
-        expect("the first job's pictures", self.images_of(self.first) == self.images, True)
+        self.use_first()
+        if self.what == REMOVALS:  # what could not be removed goes at the next start
+            self.stop()
+            self.start()
+            expect("the maps' files", sorted(os.listdir(os.path.join(self.root, "maps"))),
+                   self.list_maps())
         until = time.monotonic() + 10
         while os.listdir(os.path.join(self.root, "tmp")) and time.monotonic() < until:
             time.sleep(0.1)
         expect("what is left in tmp", os.listdir(os.path.join(self.root, "tmp")), [])
 
 
-def nothing():
+def nothing(_):
     pass
 
 
-# name: kind of call, the act, what comes before each, how many are left out unless all are wanted
+# name: kind of call, the act, what comes before each, the step
 CASES = {
-    "write_of_an_upload": (WRITES, Trials.upload, False, 1),
-    "sync_of_an_upload": (SYNCS, Trials.upload, False, 1),
-    "name_of_an_upload": (NAMES, Trials.upload, False, 1),
-    "allocation_of_an_upload": (MEMORY, Trials.upload, False, 10),
-    "write_of_a_job": (WRITES, Trials.compute, True, 1),
-    "sync_of_a_job": (SYNCS, Trials.compute, True, 1),
-    "name_of_a_job": (NAMES, Trials.compute, True, 1),
-    "allocation_of_a_job": (MEMORY, Trials.compute, True, 50),
+    "write_of_an_upload": (WRITES, Trials.upload, nothing, 1),
+    "sync_of_an_upload": (SYNCS, Trials.upload, nothing, 1),
+    "name_of_an_upload": (NAMES, Trials.upload, nothing, 1),
+    "allocation_of_an_upload": (MEMORY, Trials.upload, nothing, 1),
+    "write_of_a_job": (WRITES, Trials.compute, Trials.forget_maps, 1),
+    "sync_of_a_job": (SYNCS, Trials.compute, Trials.forget_maps, 1),
+    "name_of_a_job": (NAMES, Trials.compute, Trials.forget_maps, 1),
+    "allocation_of_a_job": (MEMORY, Trials.compute, Trials.forget_maps, 50),
+    "write_of_an_eviction": (WRITES, Trials.evict, Trials.use_first, 1),
+    "sync_of_an_eviction": (SYNCS, Trials.evict, Trials.use_first, 1),
+    "name_of_an_eviction": (NAMES, Trials.evict, Trials.use_first, 1),
+    "removal_of_an_eviction": (REMOVALS, Trials.evict, Trials.use_first, 1),
+    "allocation_of_an_eviction": (MEMORY, Trials.evict, Trials.use_first, 200),
 }
 
 
@@ -207,13 +256,14 @@ def main():
         print("every: left out with sanitizers")
         return 0
     failures = 0
-    for name, (what, act, maps, step) in CASES.items():
+    for name, (what, act, before, step) in CASES.items():
         if arguments.names and name not in arguments.names:
             continue
         case = Trials(arguments.build, what)
         try:
-            case.run(name, lambda: act(case), case.forget_maps if maps else nothing,
-                     arguments.step or step)
+            if act is Trials.evict:
+                case.bound()
+            case.run(name, lambda: act(case), lambda: before(case), arguments.step or step)
             case.fail(0, 0)
             case.check_all_is_well()
             case.done()

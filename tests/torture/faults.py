@@ -23,7 +23,7 @@ from daemon import Client, Daemon, Failure
 from ledger import ENDED, list_files
 from load import FIRST_SCENE, upload_scene
 
-WRITES, SYNCS, NAMES, MEMORY = 1, 2, 4, 8
+WRITES, SYNCS, NAMES, MEMORY, REMOVALS = 1, 2, 4, 8, 16
 SENSORS = [[2, 1, 0.8, 0, 0, 1], [2, 4, 0.8, 0, 0, 1]]
 VIEW = "-vtv -vp 2 4.5 1.6 -vd 0 -1 0 -vu 0 0 1 -vh 70 -vv 55"
 
@@ -46,6 +46,7 @@ class Case:
     """A daemon with a scene and a finished job, on a disk that can be made to fail."""
 
     shims = ("faulty.so",)
+    extra = ()  # arguments of the daemon
 
     def __init__(self, build):
         self.build = build
@@ -77,7 +78,7 @@ class Case:
 
     def start(self):
         shim = " ".join(os.path.join(self.build, "tests", name) for name in self.shims)
-        self.daemon = Daemon(self.build, self.root, ["--threads", "2"],
+        self.daemon = Daemon(self.build, self.root, ["--threads", "2", *self.extra],
                              {"LD_PRELOAD": shim, "FAULTY": self.control})
         if not self.daemon.wait_listening():
             self.daemon.wait()

@@ -21,7 +21,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-enum { FAULTY_WRITES = 1, FAULTY_SYNCS = 2, FAULTY_NAMES = 4 };
+enum { FAULTY_WRITES = 1, FAULTY_SYNCS = 2, FAULTY_NAMES = 4, FAULTY_REMOVALS = 16 };
 
 struct control {
     atomic_int why, which, nth, count;
@@ -112,6 +112,18 @@ int fsync(int fd)
 int fdatasync(int fd)
 {
     return is_faulty(fd, FAULTY_SYNCS) ? -1 : REAL(int (*)(int), "fdatasync")(fd);
+}
+
+int unlink(const char *path)
+{
+    return faulty_is_due(FAULTY_REMOVALS) ? -1 : REAL(int (*)(const char *), "unlink")(path);
+}
+
+int unlinkat(int folder, const char *path, int flags)
+{
+    return faulty_is_due(FAULTY_REMOVALS)
+               ? -1
+               : REAL(int (*)(int, const char *, int), "unlinkat")(folder, path, flags);
 }
 
 int rename(const char *from, const char *to)

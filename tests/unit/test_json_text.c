@@ -1,14 +1,33 @@
-/* Text of JSON values: all of it, or none where memory ends anywhere on the way. */
+/* JSON values as text and back: all of it, or none where memory ends anywhere on the way. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
 
 #include <cmocka.h>
+#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "encode.h"
+#include "json_read.h"
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__) || defined(__clang__)
+#define FAILING 0 /* sanitizers have allocators of their own; clang's check of them has too */
+#else
+#define FAILING 1
+static int calls, failing = -1; /* which of malloc's is refused; -1: none */
+
+extern void *__libc_malloc(size_t size);
+
+void *malloc(size_t size)
+{
+    if (calls++ != failing)
+        return __libc_malloc(size);
+    errno = ENOMEM;
+    return NULL;
+}
+#endif
 
 static int allocations, fails_at; /* which of jansson's is refused; -1: none */
 
@@ -69,9 +88,52 @@ static void test_memory(void **state)
     assert_true(most > 0);
 }
 
+/* Strings and keys are not cut, numbers behind them do not make that forgotten. */
+static void test_reading_without_memory(void **state)
+{
+    (void)state;
+#if FAILING
+    json_t *doc = make_document();
+    char *text = orl_json_text(doc, JSON_COMPACT);
+    assert_non_null(text);
+    calls = 0;
+    json_decref(orl_json_reread(text));
+    const int most = calls;
+    assert_true(most > 100);
+    for (int i = 0; i < most; i++) {
+        failing = i, calls = 0;
+        json_t *read = orl_json_reread(text);
+        failing = -1;
+        assert_true(read ? json_equal(read, doc) : errno == ENOMEM);
+        json_decref(read);
+    }
+    json_decref(doc);
+    free(text);
+#else
+    skip();
+#endif
+}
+
+static void test_reading(void **state)
+{
+    json_error_t where;
+    (void)state;
+    assert_null(orl_json_reread(NULL));
+    assert_int_equal(errno, 0);
+    assert_null(orl_json_read("{\"a\": 1,}", 9, 0, &where));
+    assert_int_equal(errno, 0);
+    assert_int_equal(where.line, 1);
+    assert_null(orl_json_read("{\"a\": 1, \"a\": 2}", 16, JSON_REJECT_DUPLICATES, NULL));
+    json_t *read = orl_json_read("[1, 2]garbage", 6, 0, NULL);
+    assert_int_equal(json_array_size(read), 2);
+    json_decref(read);
+}
+
 int main(void)
 {
-    static const struct CMUnitTest tests[] = {cmocka_unit_test(test_text),
-                                              cmocka_unit_test(test_memory)};
+    /* The last one puts its own allocator in the reader's place. */
+    static const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_text), cmocka_unit_test(test_reading),
+        cmocka_unit_test(test_reading_without_memory), cmocka_unit_test(test_memory)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
