@@ -137,17 +137,19 @@ static int note_refusal(struct orl_parser *parser, struct orl_lexer *lexer, bool
 {
     struct orl_error ignored;
     const struct orl_error refused = *err;
-    const char *type = parser->primitive.type;
+    const struct orl_primitive *primitive = &parser->primitive;
     /* The arguments of types that are known have been read. */
-    const bool read = command || orl_parser_is_surface(type) || orl_parser_is_modifier(type) ||
-                      strcmp(type, "alias") == 0;
+    const bool read = command || orl_parser_is_surface(primitive->type) ||
+                      orl_parser_is_modifier(primitive->type) ||
+                      strcmp(primitive->type, "alias") == 0;
+    /* Reading them moves the words of the head. */
     if (!read && orl_primitive_read_arguments(&parser->primitive, lexer, &ignored) < 0) {
         orl_refusals_add(&parser->refusals, &refused);
         parser->cut_short = true;
         return ORL_ERR_UNSUPPORTED;
     }
-    if (!command && !is_surface(type))
-        return orl_parser_define_refused(parser, parser->primitive.id, &refused, err);
+    if (!command && !is_surface(primitive->type))
+        return orl_parser_define_refused(parser, primitive->id, &refused, err);
     orl_refusals_add(&parser->refusals, &refused);
     return 0;
 }
