@@ -76,10 +76,11 @@ static int run_study(struct orl_worker *worker, const struct orl_study_request *
         .ctx = worker,
     };
     const size_t n_settings = orl_study_count_settings(request);
-    worker->points = calloc(n_settings, sizeof *worker->points);
-    if (!worker->points)
+    struct orl_study_point *points = calloc(n_settings, sizeof *points);
+    if (!points)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     pthread_mutex_lock(&worker->news_mutex);
+    worker->points = points;
     worker->n_settings = n_settings;
     pthread_mutex_unlock(&worker->news_mutex);
     int rc = orl_study_run(request, &env, &study, err);
