@@ -14,7 +14,6 @@
 #include <string.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
-#include <time.h>
 #include <unistd.h>
 
 #include "clients.h"
@@ -23,12 +22,6 @@
 #include "support/zip.h"
 
 enum { MIB = 1 << 20, BUDGET_MIB = 4 };
-
-static void pause_a_moment(void)
-{
-    const struct timespec moment = {0, 20000000};
-    nanosleep(&moment, NULL);
-}
 
 /* ---- Addresses ------------------------------------------------------------------------------ */
 
@@ -86,17 +79,23 @@ static uint64_t bytes_in_tmp(const struct daemon *daemon)
     return bytes;
 }
 
-/* Headers of an upload of that length, "chunked" for 0; its body is to come. */
+/* Headers of an upload of that length, "chunked" for 0, which the daemon has seen and wants the
+ * body of; that is to come. */
 static int begin_upload(const struct daemon *daemon, size_t length, const char *header)
 {
-    char text[400];
+    static const char wanted[] = "HTTP/1.1 100 Continue\r\n\r\n";
+    char text[400], answer[sizeof wanted] = "";
     char coding[64] = "Transfer-Encoding: chunked";
     if (length > 0)
         snprintf(coding, sizeof coding, "Content-Length: %zu", length);
-    snprintf(text, sizeof text, "POST /v1/bsdfs HTTP/1.1\r\nHost: localhost\r\n%s%s%s\r\n\r\n",
+    snprintf(text, sizeof text,
+             "POST /v1/bsdfs HTTP/1.1\r\nHost: localhost\r\nExpect: 100-continue\r\n"
+             "%s%s%s\r\n\r\n",
              header ? header : "", header ? "\r\n" : "", coding);
     const int fd = daemon_dial(daemon);
     assert_true(send(fd, text, strlen(text), MSG_NOSIGNAL) > 0);
+    assert_true(recv(fd, answer, sizeof answer - 1, MSG_WAITALL) > 0);
+    assert_string_equal(answer, wanted);
     return fd;
 }
 
@@ -124,7 +123,6 @@ static void test_announced(void **state)
     daemon_start(&daemon, extra);
     ask_for(&daemon, 5 * MIB, NULL, 507, "storage-full");
     const int fd = begin_upload(&daemon, 3 * MIB, NULL);
-    pause_a_moment();
     ask_for(&daemon, 2 * MIB, NULL, 507, "storage-full");
     ask_for(&daemon, MIB / 2, NULL, 400, "syntax");
     close(fd);
@@ -267,7 +265,6 @@ static void test_share_of_bytes(void **state)
 {
     struct pair *pair = *state;
     const int fd = begin_upload(&pair->daemon, 30 * MIB, pair->one);
-    pause_a_moment();
     ask_for(&pair->daemon, 3 * MIB, pair->one, 429, "too-many-bytes");
     ask_for(&pair->daemon, 3 * MIB, pair->other, 400, "syntax");
     ask_for(&pair->daemon, 33 * MIB, pair->other, 507, "storage-full"); /* it would never do */

@@ -136,7 +136,7 @@ def renders(daemon):
 def views(daemon, scene):
     """One view done, another under way."""
     large = dict(VIEW, name="large", width=1024, height=1024)
-    path = daemon.submit({"scene": scene, "technique": "backward", "pixel_samples": 1024,
+    path = daemon.submit({"scene": scene, "technique": "backward", "pixel_samples": 64,
                           "views": [VIEW, large]})
     job = daemon.wait(path, ("running",), lambda job: job["links"].get("files"))
     events(daemon, path, 1)
@@ -189,7 +189,7 @@ def skies(daemon):
 def accuracy(daemon):
     """A job by rounds, whose results show while it runs."""
     scene = daemon.upload(ROOM + SKY)
-    path = daemon.submit({"scene": scene, "accuracy": {"deadline_s": 3}, "views": [VIEW],
+    path = daemon.submit({"scene": scene, "accuracy": {"deadline_s": 30}, "views": [VIEW],
                           "sensors": SENSORS})
     job = daemon.wait(path, ("running",), lambda job: "result" in job["links"])
     daemon.ask("GET", job["links"]["result"], want=200)

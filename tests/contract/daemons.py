@@ -12,6 +12,17 @@ import time
 import urllib.parse
 
 ENDED = ("succeeded", "failed", "cancelled")
+BUILD = os.environ.get("ORIEL_BUILD", "build")
+
+
+def is_sanitized():
+    """Then it is slow, and nothing may be loaded before its library."""
+    with open(os.path.join(BUILD, "orield"), "rb") as stream:
+        program = stream.read()
+    return b"__asan_init" in program or b"__tsan_init" in program
+
+
+PATIENCE_S = 300 if is_sanitized() else 60
 
 
 class Answer:
@@ -37,7 +48,7 @@ class Daemon:
         self.contract, self.options = contract, options
         self.environment = dict(os.environ, **(environment or {}))
         self.folder = tempfile.mkdtemp(prefix="oriel-test-")
-        self.program = os.path.join(os.environ.get("ORIEL_BUILD", "build"), "orield")
+        self.program = os.path.join(BUILD, "orield")
         self.header = {}
         self.process = None
         if "--tokens" in options:
@@ -124,7 +135,7 @@ class Daemon:
 
     def wait(self, path, state=ENDED, until=lambda job: True):
         """Polls until the job is in one of the states, and what until says; its last document."""
-        patience = time.monotonic() + 60
+        patience = time.monotonic() + PATIENCE_S
         while True:
             job = self.ask("GET", path, want=200).json
             if job["state"] in state and until(job):

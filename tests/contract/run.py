@@ -18,12 +18,11 @@ import breaks
 import cases
 import every
 import observed
-from daemons import Daemon
+from daemons import BUILD, Daemon, is_sanitized
 from recorder import Contract
 
 MORE = (((), (observed.metrics,)), ((), (breaks.breaks,)))
 HERE = os.path.dirname(os.path.abspath(__file__))
-BUILD = os.environ.get("ORIEL_BUILD", "build")
 
 
 def check_routes(contract, path):
@@ -50,13 +49,6 @@ def check_document(contract):
         given = [contract.schemas.resolve(parameter)
                  for parameter in item.get("parameters", []) + one.get("parameters", [])]
         assert named == {one["name"] for one in given if one["in"] == "path"}, operation
-
-
-def is_sanitized():
-    """Then nothing may be loaded before its library."""
-    with open(os.path.join(BUILD, "orield"), "rb") as stream:
-        program = stream.read()
-    return b"__asan_init" in program or b"__tsan_init" in program
 
 
 def with_full_disk(contract):

@@ -29,6 +29,7 @@ import time
 import zipfile
 
 from daemon import Client, Daemon, Failure
+from faults import has_sanitizer
 from load import FIRST_SCENE, upload_scene
 
 SLOW_S = 5.0  # generous: most take a millisecond
@@ -298,8 +299,7 @@ def resident(pid):
 
 
 def run(daemon, arguments):
-    with open(os.path.join(arguments.build, "orield"), "rb") as stream:
-        sanitized = b"__asan_init" in stream.read()  # it is slow, and looks for leaks itself
+    sanitized = has_sanitizer(arguments.build)  # it is slow, and keeps memory of its own
     slow_s = SLOW_S * (5 if sanitized else 1)
     client = Client(daemon.port, "malformed")
     scene = upload_scene(client, FIRST_SCENE).json()["id"]
