@@ -101,3 +101,12 @@ bool orl_jobs_full(const struct orl_jobs *jobs)
     const size_t sharing = running > jobs->n_workers ? running - jobs->n_workers : 0;
     return jobs->counts[ORL_JOB_QUEUED] + sharing >= ORL_SERVER_QUEUE;
 }
+
+void orl_job_free(struct orl_jobs_job *job)
+{
+    if (!job)
+        return;
+    free(job->outcome);
+    free(job->problem);
+    free(job);
+}

@@ -11,4 +11,7 @@
 void orl_job_list_add(struct orl_jobs *jobs, struct orl_jobs_job *job);
 void orl_job_list_remove(struct orl_jobs *jobs, struct orl_jobs_job *job);
 
+/* One that is not in it; NULL is fine. */
+void orl_job_free(struct orl_jobs_job *job);
+
 #endif
