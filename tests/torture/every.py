@@ -45,6 +45,13 @@ class Trials(Case):
     def images_of(self, job):
         return {name: body for name, body in self.fetch(job).items() if name != "result.json"}
 
+    def compare(self, job, wanted):
+        given = self.images_of(job)
+        wrong = [name for name in sorted(set(given) | set(wanted))
+                 if given.get(name) != wanted.get(name)]
+        if wrong:
+            raise Failure("of its pictures %s are not as before, of %s" % (wrong, sorted(given)))
+
     def ended(self):
         return self.daemon.process.poll() is not None
 
@@ -125,7 +132,7 @@ class Trials(Case):
         if status["state"] != "succeeded":
             self.check_problem(status["error"])
         else:
-            expect("its pictures as before", self.images_of(job) == self.images[seed], True)
+            self.compare(job, self.images[seed])
             self.done_as_asked += 1
         expect("its removal", self.client.request("DELETE", "/v1/jobs/" + job).status, 204)
 
