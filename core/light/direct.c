@@ -18,8 +18,10 @@ struct orl_rgb orl_transmittance(const struct orl_world *world, struct orl_vec3 
         share = orl_rgb_mul(share, through);
         if (isinf(max_distance) && orl_world_leaves_clear(world, &hit))
             return share;
-        origin = orl_hit_leave(world->geometry, &hit, direction);
-        max_distance -= hit.distance;
+        /* The ray sets out again a little further on: it is to end where it was to. */
+        const struct orl_vec3 behind = orl_hit_leave(world->geometry, &hit, direction);
+        max_distance -= orl_dot(orl_sub(behind, origin), direction);
+        origin = behind;
     }
     return orl_gray(0);
 }
