@@ -247,3 +247,8 @@ const char *orl_stage_name(enum orl_stage stage)
                                                        "photons", "maps", "render"};
     return stage < ORL_STAGE_COUNT ? names[stage] : "unknown";
 }
+
+bool orl_goal_is_set(const struct orl_goal *goal)
+{
+    return goal->relative_error > 0 || goal->deadline_s > 0;
+}

@@ -32,11 +32,6 @@ struct rounds {
     bool ended;
 };
 
-bool orl_goal_is_set(const struct orl_goal *goal)
-{
-    return goal->relative_error > 0 || goal->deadline_s > 0;
-}
-
 static double now_s(const struct rounds *r)
 {
     const struct orl_run_env *env = r->state->env;

@@ -27,8 +27,6 @@
 
 #include "run/stages.h"
 
-bool orl_goal_is_set(const struct orl_goal *goal);
-
 /* Photons, maps and render stages of a job with a goal, over and over. */
 int orl_run_rounds(struct orl_run_state *state, struct orl_error *err);
 

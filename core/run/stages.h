@@ -50,11 +50,20 @@ struct orl_run_state {
     void *take_ctx;
 };
 
+/* Whether the job wants an accuracy, or has a deadline (rounds.h). */
+bool orl_goal_is_set(const struct orl_goal *goal);
+
 /* Begins a stage: books the time of the one before, and reports. */
 void orl_run_enter(struct orl_run_state *state, enum orl_stage stage);
+/* Books the time since the stage under way began. */
+void orl_run_leave(struct orl_run_state *state);
 /* Books seconds of the stage under way, just spent, to that one instead. */
 void orl_run_book(struct orl_run_state *state, enum orl_stage stage, double seconds);
 void orl_run_progress(const struct orl_run_state *state, double fraction);
+/* Tells whoever waits; job_fraction is of the run itself, which may be a part of something larger.
+ */
+void orl_run_report(const struct orl_run_env *env, enum orl_stage stage, double fraction,
+                    double job_fraction);
 void orl_run_warn(struct orl_run_state *state, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 

@@ -1,0 +1,97 @@
+/* The stage under way: its clock, its progress, warnings; and what more than one stage needs. */
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "run/ahead.h"
+#include "run/stages.h"
+
+static double left_s(const struct orl_run_state *state, double fraction, double now)
+{
+    struct orl_ahead ahead = {
+        .stage = state->stage, .fraction = fraction, .in_stage_s = now - state->stage_started};
+    for (int i = 0; i < ORL_STAGE_COUNT; i++) {
+        ahead.foreseen_s[i] = state->cost_s[i];
+        ahead.spent_s[i] = state->result->timings_s[i];
+    }
+    return orl_ahead_left_s(&ahead);
+}
+
+/* Of a job with a goal: of the time that it has, or is thought to take once a round has told. */
+static double share_by_goal(const struct orl_run_state *state, double left, double now)
+{
+    const double elapsed = now - state->started_s;
+    if (state->ends_s > state->started_s)
+        return orl_ahead_share_of(elapsed, state->ends_s - state->started_s);
+    return orl_ahead_share(elapsed, left + orl_ahead_rounds * (elapsed + left));
+}
+
+void orl_run_report(const struct orl_run_env *env, enum orl_stage stage, double fraction,
+                    double job_fraction)
+{
+    const double part = env->part > 0 ? env->part : 1;
+    if (env->progress)
+        env->progress(env->ctx, stage, fraction, env->part_from + part * job_fraction);
+}
+
+void orl_run_progress(const struct orl_run_state *state, double fraction)
+{
+    if (!state->env->progress)
+        return; /* and the clock is not looked at */
+    fraction = fmin(fmax(fraction, 0), 1);
+    const double now = state->env->now_s(state->env->ctx);
+    const double left = left_s(state, fraction, now);
+    const double share = orl_goal_is_set(&state->job->goal)
+                             ? share_by_goal(state, left, now)
+                             : orl_ahead_share(now - state->started_s, left);
+    *state->told = fmax(*state->told, share);
+    orl_run_report(state->env, state->stage, fraction, *state->told);
+}
+
+void orl_run_leave(struct orl_run_state *state)
+{
+    const double now = state->env->now_s(state->env->ctx);
+    state->result->timings_s[state->stage] += now - state->stage_started;
+    state->stage_started = now;
+}
+
+void orl_run_book(struct orl_run_state *state, enum orl_stage stage, double seconds)
+{
+    state->result->timings_s[stage] += seconds;
+    state->stage_started += seconds;
+}
+
+void orl_run_enter(struct orl_run_state *state, enum orl_stage stage)
+{
+    orl_run_leave(state);
+    state->stage = stage;
+    orl_run_progress(state, 0);
+}
+
+void orl_run_warn(struct orl_run_state *state, const char *format, ...)
+{
+    struct orl_result *r = state->result;
+    char text[512];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    if (state->env->warned)
+        state->env->warned(state->env->ctx, text);
+    char **grown = realloc(r->warnings, (r->n_warnings + 1) * sizeof *grown);
+    if (!grown)
+        return;
+    r->warnings = grown;
+    grown[r->n_warnings] = strdup(text);
+    if (grown[r->n_warnings])
+        r->n_warnings++;
+}
+
+int orl_run_need_emission(struct orl_run_state *state, struct orl_error *err)
+{
+    return state->emission ? 0
+                           : orl_emission_new(state->world, state->job->seed, state->env->crew,
+                                              &state->emission, err);
+}
