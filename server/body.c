@@ -8,6 +8,7 @@
 
 #include "limits.h"
 #include "store/bundle.h"
+#include "store/mapped_file.h"
 
 void orl_body_init(struct orl_body *body, uint64_t limit, struct orl_hold *hold)
 {

@@ -17,6 +17,7 @@
 #include "reply.h"
 #include "server.h"
 #include "status_cache.h"
+#include "store/mapped_file.h"
 #include "store/scenes.h"
 
 enum { REQUEST_KEY_MAX = 255 };

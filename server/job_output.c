@@ -11,6 +11,7 @@
 #include "limits.h"
 #include "result_json.h"
 #include "skies_result_json.h"
+#include "store/mapped_file.h"
 #include "study_json.h"
 
 /* What the daemon takes of studies is less than what the command does. */

@@ -14,6 +14,7 @@
 
 #include "encode.h"
 #include "store/bundle.h"
+#include "store/mapped_file.h"
 
 static void path_below(const char *folder, const char *before, const char *name, const char *ending,
                        char ret_path[ORL_PATH_MAX])

@@ -6,6 +6,7 @@
 
 #include "kept_parts.h"
 #include "limits.h"
+#include "store/mapped_file.h"
 #include "times.h"
 
 static double now_s(void *ctx)

@@ -82,6 +82,8 @@ struct orl_xml_reader {
 /* Notes an error, its message already in reader->err, with its place; stops the parser. */
 void orl_xml_fail(struct orl_xml_reader *reader, int code);
 
+/* The element of that name within another, EL_DOCUMENT for the root; or EL_OTHER (xml_names.c). */
+enum orl_xml_element orl_xml_element_in(enum orl_xml_element parent, const char *name);
 /* The name of an element that means something, or "". */
 const char *orl_xml_element_name(enum orl_xml_element element);
 

@@ -120,22 +120,6 @@ struct orl_rgb orl_world_sun_radiance(const struct orl_world *world, struct orl_
     return sum;
 }
 
-enum orl_crossing orl_world_crossing(const struct orl_world *world, const struct orl_hit *hit)
-{
-    const int32_t port = world->port_of_facet ? world->port_of_facet[hit->facet] : ORL_NO_PORT;
-    if (port == ORL_NO_PORT)
-        return ORL_CROSSING_NONE;
-    return hit->front == world->ports[port].outside_is_front ? ORL_CROSSING_INWARDS
-                                                             : ORL_CROSSING_OUTWARDS;
-}
-
-bool orl_world_leaves_clear(const struct orl_world *world, const struct orl_hit *hit)
-{
-    const int32_t port = world->port_of_facet ? world->port_of_facet[hit->facet] : ORL_NO_PORT;
-    return port != ORL_NO_PORT && world->ports[port].clear &&
-           hit->front != world->ports[port].outside_is_front;
-}
-
 bool orl_world_is_outside(const struct orl_world *world, struct orl_vec3 point)
 {
     enum { RAYS = 32 };

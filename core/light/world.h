@@ -99,9 +99,22 @@ static inline bool orl_world_hides(const struct orl_world *world, uint32_t facet
 bool orl_world_is_outside(const struct orl_world *world, struct orl_vec3 point);
 
 /* Whether a path through this hit passes a port, and to which side. */
-enum orl_crossing orl_world_crossing(const struct orl_world *world, const struct orl_hit *hit);
+static inline enum orl_crossing orl_world_crossing(const struct orl_world *world,
+                                                   const struct orl_hit *hit)
+{
+    const int32_t port = world->port_of_facet ? world->port_of_facet[hit->facet] : ORL_NO_PORT;
+    if (port == ORL_NO_PORT)
+        return ORL_CROSSING_NONE;
+    return hit->front == world->ports[port].outside_is_front ? ORL_CROSSING_INWARDS
+                                                             : ORL_CROSSING_OUTWARDS;
+}
 
 /* Whether it passes, outwards, a port beyond which nothing is. */
-bool orl_world_leaves_clear(const struct orl_world *world, const struct orl_hit *hit);
+static inline bool orl_world_leaves_clear(const struct orl_world *world, const struct orl_hit *hit)
+{
+    const int32_t port = world->port_of_facet ? world->port_of_facet[hit->facet] : ORL_NO_PORT;
+    return port != ORL_NO_PORT && world->ports[port].clear &&
+           hit->front != world->ports[port].outside_is_front;
+}
 
 #endif

@@ -1,4 +1,5 @@
 #include "photon/emit.h"
+#include "photon/beam.h"
 
 #include "photon/guide.h"
 #include "photon/map.h"
@@ -162,31 +163,6 @@ static bool emit_emitter(const struct orl_emission *e, const struct orl_stratum 
     return measure > 0;
 }
 
-double orl_emission_box_point(const struct orl_geometry *g, struct orl_vec3 towards,
-                              const double u[2], struct orl_vec3 *ret_point)
-{
-    const double pad = g->radius * 1e-4;
-    const double low[3] = {g->low.x - pad, g->low.y - pad, g->low.z - pad};
-    const double high[3] = {g->high.x + pad, g->high.y + pad, g->high.z + pad};
-    const double d[3] = {towards.x, towards.y, towards.z};
-    double area[3], total = 0, at[3];
-    int face = 0;
-    for (int k = 0; k < 3; k++) {
-        const int i = (k + 1) % 3, j = (k + 2) % 3;
-        area[k] = fabs(d[k]) * (high[i] - low[i]) * (high[j] - low[j]);
-        total += area[k];
-    }
-    double left = u[0] * total;
-    while (face < 2 && left >= area[face])
-        left -= area[face++];
-    const int i = (face + 1) % 3, j = (face + 2) % 3;
-    at[face] = d[face] > 0 ? high[face] : low[face];
-    at[i] = low[i] + fmin(area[face] > 0 ? left / area[face] : 0, 1) * (high[i] - low[i]);
-    at[j] = low[j] + u[1] * (high[j] - low[j]);
-    *ret_point = orl_v3(at[0], at[1], at[2]);
-    return total;
-}
-
 static bool emit_open(const struct orl_emission *e, const struct orl_stratum *stratum, bool caustic,
                       const double *u, struct orl_flight *ret_flight)
 {
@@ -212,8 +188,7 @@ static bool emit_open(const struct orl_emission *e, const struct orl_stratum *st
     const struct orl_table *guide = orl_guide_find(e, stratum, caustic, towards);
     if (guide)
         density = orl_table_sample(guide, u + 1, place);
-    const double area =
-        orl_emission_box_point(world->geometry, towards, place, &ret_flight->origin);
+    const double area = orl_beam_point(world->geometry, towards, place, &ret_flight->origin);
     ret_flight->direction = orl_neg(towards);
     ret_flight->flux = orl_rgb_scale(radiance, measure * area / density);
     return orl_rgb_max(ret_flight->flux) > 0;

@@ -135,13 +135,6 @@ void orl_emission_sample_many(const struct orl_emission *emission,
                               struct orl_random *randoms, struct orl_health *health,
                               struct orl_flight *ret_flights, bool *ret_flies);
 
-/*
- * The scene's box as seen from far away: a point on the faces that look towards the light, uniform
- * by projected area. Returns that area.
- */
-double orl_emission_box_point(const struct orl_geometry *geometry, struct orl_vec3 towards,
-                              const double u[2], struct orl_vec3 *ret_point);
-
 /* One emission, from one stratum, with probability one and a random fate; point: five numbers in
  * [0,1).
  */

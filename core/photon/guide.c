@@ -1,4 +1,5 @@
 #include "photon/guide.h"
+#include "photon/beam.h"
 
 #include <stdlib.h>
 
@@ -89,7 +90,7 @@ static void probe_row(void *arg, size_t row, uint32_t member)
             const double y = (double)row + orl_random_uniform(&random);
             const double u[2] = {x / pilot->side, y / pilot->side};
             struct orl_vec3 origin;
-            orl_emission_box_point(world->geometry, towards, u, &origin);
+            orl_beam_point(world->geometry, towards, u, &origin);
             sum += worth(world, pilot->caustic, origin, orl_neg(towards), &random);
         }
         pilot->values[cell] =

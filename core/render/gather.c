@@ -159,6 +159,13 @@ double orl_tally_variance(const struct orl_tally *tally)
     return variance + tally->known * tally->known;
 }
 
+/* Without a caustic map caustics were not asked for: then there are none anywhere. Outside rays
+ * find them. */
+bool orl_gather_catches(const struct orl_gather *gather, const struct orl_place *place)
+{
+    return place->in_air && !place->outside && gather->maps[ORL_MAP_CAUSTIC];
+}
+
 /* The scene that lights a place. */
 static const struct orl_world *scene_of(const struct orl_gather *gather,
                                         const struct orl_place *place)

@@ -172,13 +172,6 @@ static uint32_t sun_rays(const struct orl_gather *gather, struct orl_vec3 normal
     return SUN_RAYS;
 }
 
-/* Without a caustic map caustics were not asked for: then there are none anywhere. Outside rays
- * find them. */
-bool orl_gather_catches(const struct orl_gather *gather, const struct orl_place *place)
-{
-    return place->in_air && !place->outside && gather->maps[ORL_MAP_CAUSTIC];
-}
-
 /* Light of suns and lamps, straight and, in mid-air, by panes: the mean of the groups. */
 static struct orl_estimate sample_lights(const struct orl_gather *gather,
                                          const struct orl_place *place, uint64_t index,

@@ -9,6 +9,7 @@
 
 #include "light/daylight.h"
 #include "render/view.h"
+#include "run/stages.h"
 
 void orl_sky_request_init(struct orl_sky_request *request)
 {

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/grow.h"
 #include "scene/parser.h"
 
 static const char *keep(struct orl_arena *arena, const char *text)
@@ -21,7 +22,7 @@ int orl_deferred_add(struct orl_deferred *deferred, const struct orl_error *err,
                                            .line = err->line};
     if (!item.file || !item.primitive || !item.message || !item.hint ||
         deferred->count >= UINT32_MAX ||
-        !orl_parser_grow(&deferred->items, &deferred->room, deferred->count, sizeof item))
+        !orl_grow(&deferred->items, &deferred->room, deferred->count, sizeof item))
         return ORL_ERR_NOMEM;
     *ret_index = (uint32_t)deferred->count;
     deferred->items[deferred->count++] = item;

@@ -5,6 +5,7 @@
  */
 #include <string.h>
 
+#include "base/grow.h"
 #include "scene/material_readers.h"
 
 struct material_type {
@@ -104,8 +105,8 @@ static int add_material(struct orl_parser *parser, const char *name, struct orl_
     struct orl_description *out = parser->out;
     material->name = orl_arena_text(out->arena, name, strlen(name));
     if (!material->name || out->n_materials >= UINT32_MAX ||
-        !orl_parser_grow(&out->materials, &parser->materials_room, out->n_materials,
-                         sizeof *out->materials)) {
+        !orl_grow(&out->materials, &parser->materials_room, out->n_materials,
+                  sizeof *out->materials)) {
         orl_bsdf_unref(material->bsdf);
         return ORL_ERR_NOMEM;
     }

@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/grow.h"
+
 enum { WARNINGS_MAX = 100, TEXT_MAX = 640 };
 
 int orl_parser_fail(struct orl_parser *parser, const struct orl_scope *scope, struct orl_error *err,
@@ -34,27 +36,12 @@ int orl_parser_expect(struct orl_parser *parser, const struct orl_scope *scope, 
                            primitive->n_reals);
 }
 
-bool orl_parser_grow(void *array, size_t *room, size_t count, size_t item)
-{
-    void **pointer = array;
-    const size_t wanted = *room ? 2 * *room : 16;
-    void *grown;
-    if (count < *room)
-        return true;
-    grown = realloc(*pointer, wanted * item);
-    if (!grown)
-        return false;
-    *pointer = grown;
-    *room = wanted;
-    return true;
-}
-
 static void add_warning(struct orl_parser *parser, const char *text)
 {
     struct orl_description *out = parser->out;
     char *copy = orl_arena_text(out->arena, text, strlen(text));
-    if (copy && orl_parser_grow(&out->warnings, &parser->warnings_room, out->n_warnings,
-                                sizeof *out->warnings))
+    if (copy &&
+        orl_grow(&out->warnings, &parser->warnings_room, out->n_warnings, sizeof *out->warnings))
         out->warnings[out->n_warnings++] = copy;
 }
 

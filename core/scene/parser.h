@@ -102,7 +102,4 @@ void orl_parser_count(struct orl_parser *parser, const struct orl_scope *scope,
 /* Turns the tallies into warnings. */
 void orl_parser_report(struct orl_parser *parser);
 
-/* Makes room for one more item in a growing array. Returns false when out of memory. */
-bool orl_parser_grow(void *array, size_t *room, size_t count, size_t item);
-
 #endif

@@ -5,6 +5,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/grow.h"
 #include "scene/parser.h"
 
 static bool ends_with(const char *path, const char *name)
@@ -141,7 +142,7 @@ int orl_parser_sky(struct orl_parser *parser, const struct orl_scope *scope, con
     symbol.name = orl_arena_text(out->arena, name, strlen(name));
     symbol.index = (uint32_t)out->n_skies;
     if (!symbol.name || out->n_skies >= INT32_MAX ||
-        !orl_parser_grow(&out->skies, &parser->skies_room, out->n_skies, sizeof *out->skies) ||
+        !orl_grow(&out->skies, &parser->skies_room, out->n_skies, sizeof *out->skies) ||
         orl_symbols_set(&parser->symbols, symbol) < 0)
         return orl_parser_fail(parser, scope, err, ORL_ERR_NOMEM, "out of memory");
     out->skies[out->n_skies++] = sky;

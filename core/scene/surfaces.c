@@ -9,6 +9,7 @@
 
 #include <oriel/limits.h>
 
+#include "base/grow.h"
 #include "scene/parser.h"
 
 struct surface_type {
@@ -346,8 +347,7 @@ static int keep_surface(struct orl_parser *parser, const struct orl_scope *scope
     code = make_name(parser, scope, &surface->name, err);
     if (code < 0)
         return code;
-    if (!orl_parser_grow(&out->surfaces, &parser->surfaces_room, out->n_surfaces,
-                         sizeof *out->surfaces))
+    if (!orl_grow(&out->surfaces, &parser->surfaces_room, out->n_surfaces, sizeof *out->surfaces))
         return out_of_memory(parser, scope, err);
     out->surfaces[out->n_surfaces++] = *surface;
     if (out->materials[surface->material].kind == ORL_MATERIAL_VOID)
@@ -421,8 +421,7 @@ static int read_source(struct orl_parser *parser, const struct orl_scope *scope,
     code = make_name(parser, scope, &distant.name, err);
     if (code < 0)
         return code;
-    if (!orl_parser_grow(&out->distants, &parser->distants_room, out->n_distants,
-                         sizeof *out->distants))
+    if (!orl_grow(&out->distants, &parser->distants_room, out->n_distants, sizeof *out->distants))
         return out_of_memory(parser, scope, err);
     out->distants[out->n_distants++] = distant;
     return 0;

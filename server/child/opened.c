@@ -2,6 +2,8 @@
 
 #include <stdlib.h>
 
+#include "store/mapped_file.h"
+
 json_t *orl_opened_to_json(const struct orl_bundle *bundle)
 {
     json_t *files = json_array();

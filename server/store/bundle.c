@@ -12,6 +12,8 @@
 
 #include <oriel/limits.h>
 
+#include "store/mapped_file.h"
+
 enum { NAME_MAX_BYTES = 255 };
 
 void orl_bundle_done(struct orl_bundle *bundle)
@@ -203,39 +205,6 @@ const struct orl_bundle_file *orl_bundle_find(const struct orl_bundle *bundle, c
         if (strcmp(bundle->files[i].name, name) == 0)
             return &bundle->files[i];
     return NULL;
-}
-
-int orl_map_file(const char *path, struct orl_file *ret_file, struct orl_error *err)
-{
-    struct stat st;
-    const int fd = open(path, O_RDONLY | O_CLOEXEC);
-    if (fd < 0 || fstat(fd, &st) != 0) {
-        const int code = orl_err_of_errno(errno);
-        orl_error_set(err, code, "cannot open a stored file: %s", strerror(errno));
-        if (fd >= 0)
-            close(fd);
-        return code;
-    }
-    int rc = 0;
-    if (st.st_size == 0) {
-        *ret_file = (struct orl_file){"", 0, NULL};
-    } else {
-        void *data = mmap(NULL, (size_t)st.st_size, PROT_READ, MAP_PRIVATE, fd, 0);
-        if (data == MAP_FAILED)
-            rc = orl_error_set(err, orl_err_of_errno(errno), "cannot map a stored file: %s",
-                               strerror(errno));
-        else
-            *ret_file = (struct orl_file){data, (size_t)st.st_size, data};
-    }
-    close(fd);
-    return rc;
-}
-
-void orl_unmap_file(struct orl_file *file)
-{
-    if (file->handle)
-        munmap(file->handle, file->size);
-    *file = (struct orl_file){0};
 }
 
 /*

@@ -71,8 +71,4 @@ int orl_bundle_check_whole(const struct orl_bundle_file *file, const struct orl_
 /* What providers say of a name that is not there: ORL_ERR_NOT_FOUND. */
 int orl_bundle_refuse_missing(const char *name, struct orl_error *err);
 
-/* Maps a whole file read-only; an empty one gives "". Undo with orl_unmap_file. */
-int orl_map_file(const char *path, struct orl_file *ret_file, struct orl_error *err);
-void orl_unmap_file(struct orl_file *file);
-
 #endif

@@ -13,6 +13,7 @@
 #include <unistd.h>
 
 #include "store/bundle.h"
+#include "store/mapped_file.h"
 
 static int io_error(struct orl_error *err, const char *what, const char *path)
 {

@@ -14,6 +14,7 @@
 #include <unistd.h>
 
 #include "store/bundle.h"
+#include "store/mapped_file.h"
 #include "support/daemon.h"
 
 static int setup(void **state)

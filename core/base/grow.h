@@ -1,0 +1,11 @@
+/* Arrays that grow by doubling. */
+#ifndef ORL_BASE_GROW_H
+#define ORL_BASE_GROW_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+/* Makes room for one more item in a growing array. Returns false when out of memory. */
+bool orl_grow(void *array, size_t *room, size_t count, size_t item);
+
+#endif

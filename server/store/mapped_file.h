@@ -1,0 +1,12 @@
+/* Stored files as memory. */
+#ifndef ORL_STORE_MAPPED_FILE_H
+#define ORL_STORE_MAPPED_FILE_H
+
+#include <oriel/error.h>
+#include <oriel/files.h>
+
+/* Maps a whole file read-only; an empty one gives "". Undo with orl_unmap_file. */
+int orl_map_file(const char *path, struct orl_file *ret_file, struct orl_error *err);
+void orl_unmap_file(struct orl_file *file);
+
+#endif
