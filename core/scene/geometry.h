@@ -58,7 +58,7 @@ struct orl_geometry {
     size_t n_triangles;
     uint32_t *rivals;
     size_t n_rivals;
-    bool curved;          /* it has facets that are not polygons */
+    bool curved; /* it has facets that are not polygons */
     void *scene; /* Embree's */
 };
 

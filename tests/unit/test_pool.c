@@ -68,10 +68,10 @@ static void test_groups_that_go_on(void **state)
     assert_false(orl_pool_errors(&pool, 0, &ret));
     for (int r = 0; r < 2; r++)
         orl_pool_add(&pool, &(struct orl_round_findings){.value = &values[r],
-                                                .error = &errors[r],
-                                                .degrees = 2,
-                                                .effort = 1 + 2 * r,
-                                                .groups = groups[r]});
+                                                         .error = &errors[r],
+                                                         .degrees = 2,
+                                                         .effort = 1 + 2 * r,
+                                                         .groups = groups[r]});
     assert_near(pool.mean[0], 5, 1e-15);
     assert_true(orl_pool_errors(&pool, 0, &ret));
     assert_near(ret, sqrt((4 + 0 + 4) / 3.0 / 2), 1e-15); /* of 7, 5 and 3 */
@@ -94,7 +94,7 @@ static void fill(struct orl_pool *pool, const double *efforts, int rounds, doubl
             error[i] = factor * deviation;
         }
         orl_pool_add(pool, &(struct orl_round_findings){value, factor > 0 ? error : NULL, NULL, 15,
-                                               efforts[r], NULL});
+                                                        efforts[r], NULL});
     }
     free(value);
     free(error);

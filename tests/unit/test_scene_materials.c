@@ -176,8 +176,8 @@ static void test_every_type_has_an_answer(void **state)
 static void test_bytes_of_bsdfs(void **state)
 {
     static const char *const bsdfs[3] = {"", "void BSDF a 6 0 a.xml 0 1 0 . 0 0\n",
-                                         "void BSDF a 6 0 a.xml 0 1 0 . 0 0\n"
-                                         "void BSDF b 6 0 a.xml 1 0 0 . 0 0\n"};
+                                         ("void BSDF a 6 0 a.xml 0 1 0 . 0 0\n"
+                                          "void BSDF b 6 0 a.xml 1 0 0 . 0 0\n")};
     struct text file = make_file("TensorTree4", "Transmission Back", NULL,
                                  "{0 .25 .125 .375 .0625 .3125 .1875 .4375 .03125 .28125 .15625 "
                                  ".40625 .09375 .34375 .21875 .46875}");

@@ -298,10 +298,10 @@ struct orl_scene_summary {
 };
 
 /*
- * What libraries keep for a thread that builds scenes is made now: where memory ends within that they
- * may end the process, later they only fail. For threads that others count on, once each, while
- * there is room; scenes are built without it, too. A process inherits it from the thread that forks.
- * ORL_ERR_NOMEM.
+ * What libraries keep for a thread that builds scenes is made now: where memory ends within that
+ * they may end the process, later they only fail. For threads that others count on, once each,
+ * while there is room; scenes are built without it, too. A process inherits it from the thread that
+ * forks. ORL_ERR_NOMEM.
  */
 int orl_prepare_thread(struct orl_error *err);
 
