@@ -12,11 +12,8 @@
 
 #include <stdbool.h>
 #include <stddef.h>
-#include <sys/socket.h>
 
 #include "hold.h"
-
-enum { ORL_ADDRESS_KEY = 64 };
 
 struct orl_client {
     char name[80]; /* "token:NAME" or "address:..." */
@@ -39,11 +36,5 @@ void orl_client_unref(struct orl_clients *clients, struct orl_client *client); /
 /* May the client have another event stream, job? Otherwise false, with a 429 made. */
 bool orl_client_may_stream(struct orl_request *request);
 bool orl_client_may_queue(struct orl_request *request);
-
-/*
- * Who an address belongs to, as text: of IPv6 the network, for a subscriber has a /64 of addresses
- * to choose from; IPv4 addresses as such, in IPv6's clothes too.
- */
-void orl_address_key(const struct sockaddr *address, char ret_key[ORL_ADDRESS_KEY]);
 
 #endif

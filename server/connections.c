@@ -9,7 +9,7 @@
 #include <sys/ioctl.h>
 #include <sys/socket.h>
 
-#include "clients.h"
+#include "address.h"
 #include "limits.h"
 #include "times.h"
 

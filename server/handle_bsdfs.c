@@ -92,7 +92,7 @@ static void admit(struct orl_request *request)
         return;
     }
     upload->blobs = blobs;
-    if (orl_storage_admit(request, here ? 0 : upload->bytes))
+    if (!orl_reply_if_full(request, here ? 0 : upload->bytes))
         orl_check_begin(&upload->check, request, check_and_keep, insert_and_reply);
 }
 

@@ -253,7 +253,7 @@ static void submit(struct orl_request *request)
     /* Sensors of a file are counted by now. */
     const uint64_t result_bytes =
         post->brief.result_bytes + post->brief.sensor_bytes * post->memory.file_sensors;
-    if (post->rc == 0 && post->memory.file_sensors > 0 && !orl_storage_admit(request, result_bytes))
+    if (post->rc == 0 && post->memory.file_sensors > 0 && orl_reply_if_full(request, result_bytes))
         return;
     const struct orl_jobs_order order = {.kind = post->brief.kind,
                                          .priority = post->brief.priority,
@@ -284,7 +284,7 @@ static void admit(struct orl_request *request)
     }
     post->blobs = server->blobs;
     const uint64_t bytes = post->brief.result_bytes + (here ? 0 : request->body.size);
-    if (orl_storage_admit(request, bytes))
+    if (!orl_reply_if_full(request, bytes))
         orl_request_work(request, keep_document, submit);
 }
 

@@ -166,6 +166,7 @@ static void write_http(FILE *out, const struct orl_server *server)
 {
     static const char name[] = "oriel_http_request_seconds";
     const struct orl_connections *connections = orl_http_connections(server->http);
+    const struct orl_routes *routes = server->routes;
     number(out, "oriel_http_connections", "gauge", "Connections open", (double)connections->open);
     number(out, "oriel_event_streams", "gauge", "Event streams open",
            (double)orl_events_count(server->events));
@@ -173,10 +174,10 @@ static void write_http(FILE *out, const struct orl_server *server)
            (double)connections->cut);
     head(out, name, "histogram",
          "From headers to the end of the answer, by route and class of status (0xx: broken off)");
-    for (size_t route = 0; route <= orl_router_count(); route++)
+    for (size_t route = 0; route <= routes->count; route++)
         for (size_t hundreds = 0; hundreds < ORL_METRICS_CLASSES; hundreds++) {
             const struct orl_histogram *one = &server->metrics.http[route][hundreds];
-            const struct orl_route *known = orl_router_at(route);
+            const struct orl_route *known = route < routes->count ? &routes->table[route] : NULL;
             char labels[160];
             if (is_empty(one))
                 continue;

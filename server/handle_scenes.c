@@ -131,7 +131,7 @@ static void admit(struct orl_request *request)
     post->rc = claim_files(folders, post);
     if (post->rc)
         orl_reply_error(request, &post->err);
-    else if (orl_storage_admit(request, count_new_bytes(folders, &post->upload.bundle)))
+    else if (!orl_reply_if_full(request, count_new_bytes(folders, &post->upload.bundle)))
         orl_check_begin(&post->check, request, check_and_keep, insert_and_reply);
 }
 

@@ -13,7 +13,7 @@
 #include "checks.h"
 #include "connections.h"
 #include "limits.h"
-#include "request.h"
+#include "serve.h"
 #include "server.h"
 #include "tls.h"
 
@@ -132,13 +132,13 @@ static int start_daemon(struct orl_http_server *http, struct orl_error *err)
         {http->tls.current ? MHD_OPTION_ARRAY : MHD_OPTION_END, 0, (void *)(uintptr_t)tls},
         {MHD_OPTION_END, 0, NULL}};
     http->daemon = MHD_start_daemon(
-        flags, 0, orl_connections_allow, &http->connections, orl_request_serve, http->server,
+        flags, 0, orl_connections_allow, &http->connections, orl_serve_go_on, http->server,
         MHD_OPTION_EXTERNAL_LOGGER, on_message, (void *)http, MHD_OPTION_LISTEN_SOCKET,
         http->listen_fd, MHD_OPTION_CONNECTION_LIMIT, connection_limit(),
         MHD_OPTION_CONNECTION_TIMEOUT, config->idle_timeout_s, MHD_OPTION_URI_LOG_CALLBACK,
-        orl_request_begin, (void *)http->server, MHD_OPTION_CONNECTION_MEMORY_LIMIT,
+        orl_serve_begin, (void *)http->server, MHD_OPTION_CONNECTION_MEMORY_LIMIT,
         (size_t)ORL_SERVER_CONNECTION_MEMORY, MHD_OPTION_NOTIFY_CONNECTION, orl_connections_notify,
-        (void *)&http->connections, MHD_OPTION_NOTIFY_COMPLETED, orl_request_completed,
+        (void *)&http->connections, MHD_OPTION_NOTIFY_COMPLETED, orl_serve_completed,
         (void *)http->server, MHD_OPTION_ARRAY, options, MHD_OPTION_END);
     if (!http->daemon)
         return orl_error_set(err, ORL_ERR_IO, "cannot start the HTTP server: %.300s",

@@ -15,6 +15,7 @@
 #include "child/keeper.h"
 #include "config.h"
 #include "limits.h"
+#include "routes.h"
 #include "server.h"
 #include "store_command.h"
 #include "tokens.h"
@@ -88,7 +89,7 @@ int main(int argc, char **argv)
     give_memory_back();
     signal(SIGPIPE, SIG_IGN); /* a client that hangs up is an error of write, not of ours */
     signal(SIGXFSZ, SIG_IGN); /* so is a file that grows beyond ulimit -f */
-    if (orl_server_run(&config, announce, &err))
+    if (orl_server_run(&config, &orl_routes, announce, &err))
         return complain(&err, 1);
     return 0;
 }

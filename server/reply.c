@@ -75,7 +75,7 @@ void orl_reply_json_text(struct orl_request *request, unsigned status, const cha
 void orl_reply_error(struct orl_request *request, const struct orl_error *err)
 {
     if (err->code == ORL_ERR_FULL && request->hold.refused != ORL_HOLD_FITS) {
-        orl_storage_refuse(request, request->hold.bytes);
+        orl_reply_held(request, request->hold.bytes);
         return;
     }
     int status = 500;
@@ -221,5 +221,38 @@ bool orl_reply_if_none_match(struct orl_request *request, const char *tag)
         return false;
     orl_reply_not_modified(request);
     orl_reply_etag(request, tag);
+    return true;
+}
+
+static void refuse_full(struct orl_request *request, uint64_t bytes)
+{
+    orl_reply_problem(request, 507, "storage-full", "There is no room to keep this",
+                      "this needs %llu of the %llu bytes there are, and others that have to stay "
+                      "leave less; fetch results, remove jobs, scenes or BSDFs, or raise "
+                      "--storage-budget",
+                      (unsigned long long)bytes,
+                      (unsigned long long)request->server->storage.budget);
+    orl_reply_header(request, "Retry-After", "60");
+}
+
+void orl_reply_held(struct orl_request *request, uint64_t bytes)
+{
+    const uint64_t own = request->hold.own ? atomic_load(&request->hold.own->most) : 0;
+    if (request->hold.refused == ORL_HOLD_NO_ROOM || bytes > own) { /* to wait would not help */
+        refuse_full(request, bytes);
+        return;
+    }
+    orl_reply_problem(request, 429, "too-many-bytes", "Too much of this client is on its way",
+                      "its uploads under way may take %llu bytes together, unpacked files among "
+                      "them; try again when others have ended",
+                      (unsigned long long)own);
+    orl_reply_header(request, "Retry-After", "10");
+}
+
+bool orl_reply_if_full(struct orl_request *request, uint64_t bytes)
+{
+    if (orl_storage_admit(&request->server->storage, &request->hold, bytes))
+        return false;
+    refuse_full(request, bytes);
     return true;
 }

@@ -55,4 +55,11 @@ void orl_reply_header(struct orl_request *request, const char *name, const char 
 bool orl_reply_if_none_match(struct orl_request *request, const char *tag);
 void orl_reply_etag(struct orl_request *request, const char *tag);
 
+/* Makes room in the budget for so many bytes more; or, where that cannot be, replies with a 507 and
+ * returns true. */
+bool orl_reply_if_full(struct orl_request *request, uint64_t bytes);
+/* The refusal of what request->hold has met, which wanted so many bytes: 507, or 429 of its client.
+ */
+void orl_reply_held(struct orl_request *request, uint64_t bytes);
+
 #endif

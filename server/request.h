@@ -74,12 +74,4 @@ struct orl_folders orl_request_folders(struct orl_request *request);
 const char *orl_request_query(const struct orl_request *request, const char *name);
 const char *orl_request_header(const struct orl_request *request, const char *name);
 
-/* MHD's callbacks; the closure is the struct orl_server. A request begins with its first line. */
-void *orl_request_begin(void *server, const char *uri, struct MHD_Connection *connection);
-enum MHD_Result orl_request_serve(void *server, struct MHD_Connection *connection, const char *url,
-                                  const char *method, const char *version, const char *data,
-                                  size_t *data_size, void **request);
-void orl_request_completed(void *server, struct MHD_Connection *connection, void **request,
-                           enum MHD_RequestTerminationCode why);
-
 #endif

@@ -4,40 +4,6 @@
 #include <string.h>
 #include <strings.h>
 
-#include "handlers.h"
-#include "limits.h"
-#include "metrics.h"
-
-static const char *const json_types[] = {"application/json", NULL};
-static const char *const scene_types[] = {"multipart/form-data", "application/json",
-                                          "application/zip", "application/x-zip-compressed", NULL};
-
-static const struct orl_route routes[] = {
-    {"GET", "/", ORL_SCOPE_OPEN, orl_handle_index, 0, NULL},
-    {"GET", "/healthz", ORL_SCOPE_OPEN, orl_handle_health, 0, NULL},
-    {"GET", "/readyz", ORL_SCOPE_OPEN, orl_handle_ready, 0, NULL},
-    {"GET", "/metrics", ORL_SCOPE_READ, orl_handle_metrics, 0, NULL},
-    {"GET", "/openapi.yaml", ORL_SCOPE_OPEN, orl_handle_openapi, 0, NULL},
-    {"GET", "/v1/limits", ORL_SCOPE_READ, orl_handle_limits, 0, NULL},
-    {"POST", "/v1/scenes", ORL_SCOPE_SUBMIT, orl_handle_scene_post, ORL_SERVER_SCENE_BYTES,
-     scene_types},
-    {"GET", "/v1/scenes/{}", ORL_SCOPE_READ, orl_handle_scene_get, 0, NULL},
-    {"DELETE", "/v1/scenes/{}", ORL_SCOPE_ADMIN, orl_handle_scene_delete, 0, NULL},
-    {"POST", "/v1/bsdfs", ORL_SCOPE_SUBMIT, orl_handle_bsdf_post, ORL_LIMIT_FILE_BYTES, NULL},
-    {"GET", "/v1/bsdfs/{}", ORL_SCOPE_READ, orl_handle_bsdf_get, 0, NULL},
-    {"DELETE", "/v1/bsdfs/{}", ORL_SCOPE_ADMIN, orl_handle_bsdf_delete, 0, NULL},
-    {"POST", "/v1/jobs", ORL_SCOPE_SUBMIT, orl_handle_job_post, ORL_LIMIT_JOB_BYTES, json_types},
-    {"GET", "/v1/jobs", ORL_SCOPE_READ, orl_handle_job_list, 0, NULL},
-    {"GET", "/v1/jobs/{}", ORL_SCOPE_READ, orl_handle_job_get, 0, NULL},
-    {"DELETE", "/v1/jobs/{}", ORL_SCOPE_SUBMIT, orl_handle_job_delete, 0, NULL},
-    {"POST", "/v1/jobs/{}/cancel", ORL_SCOPE_SUBMIT, orl_handle_job_cancel, 4096, NULL},
-    {"GET", "/v1/jobs/{}/events", ORL_SCOPE_READ, orl_handle_job_events, 0, NULL},
-    {"GET", "/v1/jobs/{}/result", ORL_SCOPE_READ, orl_handle_job_result, 0, NULL},
-    {"GET", "/v1/jobs/{}/files/{}", ORL_SCOPE_READ, orl_handle_job_file, 0, NULL},
-    {"GET", "/v1/maps", ORL_SCOPE_READ, orl_handle_map_list, 0, NULL},
-    {"DELETE", "/v1/maps/{}/{}", ORL_SCOPE_ADMIN, orl_handle_map_delete, 0, NULL},
-};
-
 /* Does url have the shape of path? Fills the parameters on the way. */
 static bool path_matches(const char *path, const char *url,
                          char ret_params[ORL_ROUTE_PARAMS][ORL_PARAM_MAX])
@@ -67,38 +33,27 @@ static void allow(const char *method, char ret_allow[64])
              strcmp(method, "GET") == 0 ? ", HEAD" : "");
 }
 
-unsigned orl_router_find(const char *method, const char *url, const struct orl_route **ret_route,
+unsigned orl_router_find(const struct orl_routes *routes, const char *method, const char *url,
+                         const struct orl_route **ret_route,
                          char ret_params[ORL_ROUTE_PARAMS][ORL_PARAM_MAX], char ret_allow[64])
 {
     const char *wanted = strcmp(method, "HEAD") == 0 ? "GET" : method;
     ret_allow[0] = '\0';
-    for (size_t i = 0; i < sizeof routes / sizeof *routes; i++) {
-        if (!path_matches(routes[i].path, url, ret_params))
+    for (size_t i = 0; i < routes->count; i++) {
+        if (!path_matches(routes->table[i].path, url, ret_params))
             continue;
-        if (strcmp(routes[i].method, wanted) == 0) {
-            *ret_route = &routes[i];
+        if (strcmp(routes->table[i].method, wanted) == 0) {
+            *ret_route = &routes->table[i];
             return 0;
         }
-        allow(routes[i].method, ret_allow);
+        allow(routes->table[i].method, ret_allow);
     }
     return ret_allow[0] ? 405 : 404;
 }
 
-_Static_assert(sizeof routes / sizeof *routes < ORL_METRICS_ROUTES, "a histogram for each route");
-
-const struct orl_route *orl_router_at(size_t index)
+size_t orl_router_index(const struct orl_routes *routes, const struct orl_route *route)
 {
-    return index < sizeof routes / sizeof *routes ? &routes[index] : NULL;
-}
-
-size_t orl_router_index(const struct orl_route *route)
-{
-    return route ? (size_t)(route - routes) : sizeof routes / sizeof *routes;
-}
-
-size_t orl_router_count(void)
-{
-    return sizeof routes / sizeof *routes;
+    return route ? (size_t)(route - routes->table) : routes->count;
 }
 
 bool orl_router_accepts(const struct orl_route *route, const char *content_type)

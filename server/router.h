@@ -1,5 +1,6 @@
 /*
- * The routes: a static table of method, path and handler, and how a request finds its own.
+ * How a request finds its route in a table of methods, paths and handlers (routes.h has the
+ * daemon's).
  */
 #ifndef ORL_SERVER_ROUTER_H
 #define ORL_SERVER_ROUTER_H
@@ -18,20 +19,21 @@ struct orl_route {
     const char *const *types; /* media types accepted for the body, ends with NULL; NULL: any */
 };
 
+struct orl_routes {
+    const struct orl_route *table;
+    size_t count;
+};
+
 /*
  * Finds the route. Returns 0 and fills ret_route and ret_params, or an HTTP status: 404, or 405
  * with the methods that would do in ret_allow.
  */
-unsigned orl_router_find(const char *method, const char *url, const struct orl_route **ret_route,
+unsigned orl_router_find(const struct orl_routes *routes, const char *method, const char *url,
+                         const struct orl_route **ret_route,
                          char ret_params[ORL_ROUTE_PARAMS][ORL_PARAM_MAX], char ret_allow[64]);
 
-/* The route at that place of the table, or NULL behind the last; and the other way round, NULL
- * being behind the last. */
-const struct orl_route *orl_router_at(size_t index);
-size_t orl_router_index(const struct orl_route *route);
-
-/* How many routes there are; the contract must have as many operations. */
-size_t orl_router_count(void);
+/* Its place in the table; NULL is behind the last. */
+size_t orl_router_index(const struct orl_routes *routes, const struct orl_route *route);
 
 /* The types that it takes, as "a, b or c". Returns ret_types. */
 const char *orl_router_types(const struct orl_route *route, char ret_types[160]);

@@ -37,8 +37,10 @@ static void stop_if_quiet(struct orl_server *server)
             uv_close((uv_handle_t *)&server->signals[i], NULL);
 }
 
-void orl_server_work_done(struct orl_server *server)
+/* When stopping, this may have been what the stop waited for. */
+static void on_worked(struct orl_server *server)
 {
+    orl_http_kick(server->http);
     stop_if_quiet(server);
 }
 
@@ -297,12 +299,14 @@ static void announce_address(struct orl_server *server, void (*announce)(const c
     orl_notify("READY=1");
 }
 
-int orl_server_run(const struct orl_config *config, void (*announce)(const char *url),
-                   struct orl_error *err)
+int orl_server_run(const struct orl_config *config, const struct orl_routes *routes,
+                   void (*announce)(const char *url), struct orl_error *err)
 {
     struct orl_server server;
     memset(&server, 0, sizeof server);
     server.config = *config;
+    server.routes = routes;
+    server.worked = on_worked;
     server.log = (struct orl_log){stderr, config->log_level, config->log_json};
     server.folders.lock_fd = -1;
     server.started_s = orl_time_steady_s();

@@ -25,6 +25,7 @@
 #include "memory.h"
 #include "metrics.h"
 #include "pulse.h"
+#include "router.h"
 #include "status_cache.h"
 #include "storage.h"
 #include "store/db.h"
@@ -33,6 +34,8 @@
 
 struct orl_server {
     struct orl_config config;
+    const struct orl_routes *routes;
+    void (*worked)(struct orl_server *server); /* a request's work came back from the pool */
     struct orl_log log;
     uv_loop_t loop;
     uv_async_t kept_changed;
@@ -69,10 +72,7 @@ struct orl_server {
  * Serves until told to stop by a signal. UV_THREADPOOL_SIZE must have been set already. announce
  * is called with "http://127.0.0.1:8423" once connections are taken.
  */
-int orl_server_run(const struct orl_config *config, void (*announce)(const char *url),
-                   struct orl_error *err);
-
-/* A request's work came back; when stopping, this may have been what the stop waited for. */
-void orl_server_work_done(struct orl_server *server);
+int orl_server_run(const struct orl_config *config, const struct orl_routes *routes,
+                   void (*announce)(const char *url), struct orl_error *err);
 
 #endif

@@ -6,8 +6,6 @@
 
 #include "job_results.h"
 #include "limits.h"
-#include "reply.h"
-#include "server.h"
 #include "times.h"
 
 const char *const orl_stored_names[ORL_STORED_COUNT] = {"maps", "bsdfs", "results", "uploads"};
@@ -182,45 +180,15 @@ void orl_storage_look(struct orl_storage *storage)
         orl_storage_trim(storage);
 }
 
-static void refuse_full(struct orl_request *request, uint64_t bytes)
+bool orl_storage_receive(struct orl_storage *storage, struct orl_hold *hold, uint64_t bytes)
 {
-    orl_reply_problem(request, 507, "storage-full", "There is no room to keep this",
-                      "this needs %llu of the %llu bytes there are, and others that have to stay "
-                      "leave less; fetch results, remove jobs, scenes or BSDFs, or raise "
-                      "--storage-budget",
-                      (unsigned long long)bytes,
-                      (unsigned long long)request->server->storage.budget);
-    orl_reply_header(request, "Retry-After", "60");
-}
-
-void orl_storage_refuse(struct orl_request *request, uint64_t bytes)
-{
-    const uint64_t own = request->hold.own ? atomic_load(&request->hold.own->most) : 0;
-    if (request->hold.refused == ORL_HOLD_NO_ROOM || bytes > own) { /* to wait would not help */
-        refuse_full(request, bytes);
-        return;
-    }
-    orl_reply_problem(request, 429, "too-many-bytes", "Too much of this client is on its way",
-                      "its uploads under way may take %llu bytes together, unpacked files among "
-                      "them; try again when others have ended",
-                      (unsigned long long)own);
-    orl_reply_header(request, "Retry-After", "10");
-}
-
-bool orl_storage_receive(struct orl_request *request, uint64_t bytes)
-{
-    struct orl_storage *storage = &request->server->storage;
     set_room(storage);
-    if (orl_hold_take(&request->hold, bytes, NULL) == 0)
-        return true;
-    orl_storage_refuse(request, bytes);
-    return false;
+    return orl_hold_take(hold, bytes, NULL) == 0;
 }
 
-bool orl_storage_admit(struct orl_request *request, uint64_t bytes)
+bool orl_storage_admit(struct orl_storage *storage, const struct orl_hold *hold, uint64_t bytes)
 {
-    struct orl_storage *storage = &request->server->storage;
-    const uint64_t budget = storage->budget, own = request->hold.bytes;
+    const uint64_t budget = storage->budget, own = hold->bytes;
     const uint64_t promised = (bytes > own ? bytes - own : 0) + atomic_load(&storage->room.held) +
                               orl_job_results_expected(storage->jobs);
     if (promised <= budget &&
@@ -228,7 +196,6 @@ bool orl_storage_admit(struct orl_request *request, uint64_t bytes)
         set_room(storage);
         return true;
     }
-    refuse_full(request, bytes);
     return false;
 }
 

@@ -54,13 +54,12 @@ uint64_t orl_storage_total(const struct orl_storage *storage);
 /* Evicts what it takes. */
 void orl_storage_trim(struct orl_storage *storage);
 
-/* Makes room for so many bytes more; or, when that cannot be, replies with a 507: false. */
-bool orl_storage_admit(struct orl_request *request, uint64_t bytes);
+/* Makes room for so many bytes more, of which hold has some already. Returns false when that cannot
+ * be. */
+bool orl_storage_admit(struct orl_storage *storage, const struct orl_hold *hold, uint64_t bytes);
 
-/* Room for a body of so many bytes, before it comes; or a 507 or 429: false. */
-bool orl_storage_receive(struct orl_request *request, uint64_t bytes);
-/* The refusal of what request->hold has met, which wanted so many bytes. */
-void orl_storage_refuse(struct orl_request *request, uint64_t bytes);
+/* Room for a body of so many bytes, before it comes, taken by hold; or false. */
+bool orl_storage_receive(struct orl_storage *storage, struct orl_hold *hold, uint64_t bytes);
 /* To be called every second or so: what is on its way in has made others go. */
 void orl_storage_look(struct orl_storage *storage);
 

@@ -13,7 +13,7 @@
 #include <sys/stat.h>
 #include <sys/wait.h>
 
-#include "router.h"
+#include "routes.h"
 #include "support/certificate.h"
 #include "support/daemon.h"
 
@@ -252,7 +252,7 @@ static void test_contract_states_scopes(void **state)
             path_of(line, path);
         }
     }
-    assert_int_equal(operations, orl_router_count());
+    assert_int_equal(operations, orl_routes.count);
     reply_done(&contract);
 }
 

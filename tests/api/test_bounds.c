@@ -16,7 +16,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "clients.h"
+#include "address.h"
 #include "limits.h"
 #include "support/daemon.h"
 #include "support/zip.h"

@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <unistd.h>
 
-#include "router.h"
+#include "routes.h"
 
 static void test_contract(void **state)
 {
@@ -21,8 +21,8 @@ static void test_contract(void **state)
     const int fd = mkstemp(path);
     FILE *routes = fd < 0 ? NULL : fdopen(fd, "w");
     assert_non_null(routes);
-    for (size_t i = 0; i < orl_router_count(); i++)
-        fprintf(routes, "%s %s\n", orl_router_at(i)->method, orl_router_at(i)->path);
+    for (size_t i = 0; i < orl_routes.count; i++)
+        fprintf(routes, "%s %s\n", orl_routes.table[i].method, orl_routes.table[i].path);
     assert_int_equal(fclose(routes), 0);
     /* Debian's own Python, which has python3-yaml. */
     snprintf(command, sizeof command,
