@@ -53,11 +53,12 @@ TEST_SRC   := $(sort $(foreach s,$(TEST_SUITES),$(wildcard tests/$(s)/test_*.c))
 # Boundaries by include path: only the core sees its own internals.
 # cairo's headers name each other without their folder.
 INC_cairo   := -isystem /usr/include/cairo
-INC_core    := -Icore/include -Icore $(INC_cairo)
-INC_api     := -Icore/include -Iapi
-INC_server  := -Icore/include -Iapi -Iserver -I$(BUILD)/generated
-INC_client  := -Icore/include -Iapi -Iclient
-INC_tests   := -Icore/include -Icore -Iapi -iquote server -Itests -I$(BUILD)/generated $(INC_cairo)
+INC_core    := -Icore/include -iquote core $(INC_cairo)
+INC_api     := -Icore/include -iquote api
+INC_server  := -Icore/include -iquote api -iquote server -iquote $(BUILD)/generated
+INC_client  := -Icore/include -iquote api -iquote client
+INC_tests   := -Icore/include -iquote core -iquote api -iquote server -iquote tests \
+	-iquote $(BUILD)/generated $(INC_cairo)
 
 obj = $(patsubst %.c,$(BUILD)/obj/%.o,$(1))
 CORE_OBJ   := $(call obj,$(CORE_SRC))
@@ -287,10 +288,11 @@ ALL_C := $(shell git ls-files '*.c' '*.h' 2>/dev/null)
 lint: deps-lint $(BUILD)/generated/embedded.h
 	@clang-format --dry-run --Werror $(ALL_C)
 	tests/check_boundaries
+	@$(MAKE) --no-print-directory -j$(JOBS) all
+	tests/check_circles $(BUILD)
 	@printf '%s\n' $(CORE_SRC) | xargs -P $(JOBS) -I{} clang-tidy --quiet {} -- $(STD) $(INC_core)
 	@printf '%s\n' $(API_SRC) $(SERVER_SRC) $(CLIENT_SRC) $(OFFICE_SRC) | \
-		xargs -P $(JOBS) -I{} clang-tidy --quiet {} -- $(STD) -Icore/include -Iapi -Iserver \
-		-Iclient -I$(BUILD)/generated
+		xargs -P $(JOBS) -I{} clang-tidy --quiet {} -- $(STD) $(INC_server) -iquote client
 	@$(MAKE) --no-print-directory -j$(JOBS) BUILD=$(BUILD)/clang CC=clang tests
 	@echo "lint: clean"
 format:

@@ -17,20 +17,6 @@ static void stop_late(struct orl_jobs *jobs)
     }
 }
 
-struct orl_worker_outcome orl_jobs_bounded(const struct orl_jobs_job *leader,
-                                           const struct orl_worker_outcome *outcome)
-{
-    struct orl_worker_outcome own = *outcome;
-    if (outcome->code != ORL_ERR_CANCELLED || !leader->late || leader->cancelled || leader->requeue)
-        return own;
-    own.code = orl_error_set(&own.err, ORL_ERR_LIMIT,
-                             "the job ran for %u s, which is as long as any may here",
-                             leader->jobs->env.job_timeout_s);
-    orl_error_hint(&own.err, "Ask for less, or give it a deadline of its own (accuracy); "
-                             "--job-timeout of the daemon sets the bound");
-    return own;
-}
-
 static bool may_go(const struct orl_jobs_job *job, int64_t now_ms)
 {
     return orl_jobs_ended(job) && !job->unsaved &&

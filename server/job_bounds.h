@@ -12,8 +12,4 @@
  * asked for yet are spared as from eviction (storage.h). */
 void orl_jobs_bound(struct orl_jobs *jobs);
 
-/* What became of a computation: where it was stopped for its time, an error that says so. */
-struct orl_worker_outcome orl_jobs_bounded(const struct orl_jobs_job *leader,
-                                           const struct orl_worker_outcome *outcome);
-
 #endif

@@ -5,7 +5,6 @@
 #include <string.h>
 
 #include "discard.h"
-#include "job_bounds.h"
 #include "job_list.h"
 #include "job_share.h"
 #include "kept_parts.h"
@@ -248,6 +247,21 @@ static void end_all(struct orl_jobs_job *leader, const struct orl_worker_outcome
         discard_results(leader->jobs, leader->row.id);
 }
 
+/* What became of it: where it was stopped for its time, an error that says so. */
+static struct orl_worker_outcome bounded(const struct orl_jobs_job *leader,
+                                         const struct orl_worker_outcome *outcome)
+{
+    struct orl_worker_outcome own = *outcome;
+    if (outcome->code != ORL_ERR_CANCELLED || !leader->late || leader->cancelled || leader->requeue)
+        return own;
+    own.code = orl_error_set(&own.err, ORL_ERR_LIMIT,
+                             "the job ran for %u s, which is as long as any may here",
+                             leader->jobs->env.job_timeout_s);
+    orl_error_hint(&own.err, "Ask for less, or give it a deadline of its own (accuracy); "
+                             "--job-timeout of the daemon sets the bound");
+    return own;
+}
+
 static void job_done(void *ctx, const struct orl_worker_outcome *outcome)
 {
     struct orl_jobs_job *job = ctx;
@@ -260,7 +274,7 @@ static void finish(struct orl_jobs_job *job, const struct orl_worker_outcome *ou
                    const struct sharing *sharing)
 {
     struct orl_jobs *jobs = job->jobs;
-    const struct orl_worker_outcome own = orl_jobs_bounded(job, outcome);
+    const struct orl_worker_outcome own = bounded(job, outcome);
     job->late = false;
     jobs->n_workers--;
     orl_memory_take_back(jobs->env.memory, job->row.memory_bytes);

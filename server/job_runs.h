@@ -31,6 +31,13 @@ struct orl_jobs {
 
 /* orl_jobs_find, for those who may change it. */
 struct orl_jobs_job *orl_jobs_lookup(const struct orl_jobs *jobs, const char *id);
+/* Removes jobs that have ended, their rows in one transaction. */
+void orl_jobs_remove_ended(struct orl_jobs *jobs, struct orl_jobs_job *const *ended, size_t count);
+
+/* ---- job_rows.c ----------------------------------------------------------------------------- */
+
+/* Whether the row says what is known in memory. */
+void orl_job_note_saved(struct orl_jobs_job *job, bool saved);
 
 /*
  * Writes the row, then changes the state in memory. When the database refuses, the change in memory
@@ -39,8 +46,6 @@ struct orl_jobs_job *orl_jobs_lookup(const struct orl_jobs *jobs, const char *id
  */
 void orl_jobs_set_state(struct orl_jobs_job *job, enum orl_job_state state);
 void orl_jobs_fail(struct orl_jobs_job *job, const struct orl_error *err);
-/* Removes jobs that have ended, their rows in one transaction. */
-void orl_jobs_remove_ended(struct orl_jobs *jobs, struct orl_jobs_job *const *ended, size_t count);
 /* Between the two, in one turn of the loop, rows are gathered, and written in one transaction. */
 void orl_jobs_batch_begin(struct orl_jobs *jobs);
 void orl_jobs_batch_end(struct orl_jobs *jobs);
