@@ -35,7 +35,7 @@ struct sensor {
     uint32_t disc; /* or NONE */
 };
 
-enum { NONE = UINT32_MAX };
+#define NONE UINT32_MAX
 
 struct orl_air {
     const struct orl_world *world;

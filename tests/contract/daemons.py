@@ -12,17 +12,17 @@ import time
 import urllib.parse
 
 ENDED = ("succeeded", "failed", "cancelled")
-BUILD = os.environ.get("ORIEL_BUILD", "build")
+
+
+def find_program():
+    return os.path.join(os.environ.get("ORIEL_BUILD", "build"), "orield")
 
 
 def is_sanitized():
     """Then it is slow, and nothing may be loaded before its library."""
-    with open(os.path.join(BUILD, "orield"), "rb") as stream:
+    with open(find_program(), "rb") as stream:
         program = stream.read()
     return b"__asan_init" in program or b"__tsan_init" in program
-
-
-PATIENCE_S = 300 if is_sanitized() else 60
 
 
 class Answer:
@@ -48,7 +48,8 @@ class Daemon:
         self.contract, self.options = contract, options
         self.environment = dict(os.environ, **(environment or {}))
         self.folder = tempfile.mkdtemp(prefix="oriel-test-")
-        self.program = os.path.join(BUILD, "orield")
+        self.program = find_program()
+        self.patience_s = 300 if is_sanitized() else 60
         self.header = {}
         self.process = None
         if "--tokens" in options:
@@ -135,7 +136,7 @@ class Daemon:
 
     def wait(self, path, state=ENDED, until=lambda job: True):
         """Polls until the job is in one of the states, and what until says; its last document."""
-        patience = time.monotonic() + PATIENCE_S
+        patience = time.monotonic() + self.patience_s
         while True:
             job = self.ask("GET", path, want=200).json
             if job["state"] in state and until(job):

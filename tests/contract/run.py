@@ -18,10 +18,11 @@ import breaks
 import cases
 import every
 import observed
-from daemons import BUILD, Daemon, is_sanitized
+from daemons import Daemon, is_sanitized
 from recorder import Contract
 
 MORE = (((), (observed.metrics,)), ((), (breaks.breaks,)))
+BUILD = os.environ.get("ORIEL_BUILD", "build")
 HERE = os.path.dirname(os.path.abspath(__file__))
 
 
