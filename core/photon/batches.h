@@ -9,7 +9,7 @@
 #ifndef ORL_PHOTON_BATCHES_H
 #define ORL_PHOTON_BATCHES_H
 
-#include "photon/pack.h"
+#include "photon/map_layout.h"
 
 struct orl_batches {
     double luma[ORL_MAP_BATCHES]; /* the parts; together the luma of the whole */

@@ -4,7 +4,7 @@
 #ifndef ORL_PHOTON_BOXES_H
 #define ORL_PHOTON_BOXES_H
 
-#include "photon/pack.h"
+#include "photon/map_layout.h"
 
 /* A node still to be looked at: level 0 is a leaf. */
 struct orl_box_visit {

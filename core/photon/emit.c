@@ -3,7 +3,7 @@
 
 #include "photon/guide.h"
 #include "photon/map.h"
-#include "photon/sunward.h"
+#include "photon/port_sun.h"
 #include "photon/table.h"
 #include "scene/hemisphere.h"
 

@@ -11,7 +11,7 @@
  * point on the disc and one shadow ray.
  *
  * Caustic photons start where on the pane a mirror, a lens or a lobe is to be met, when that is a
- * small part of it (seek.h).
+ * small part of it (caustic_targets.h).
  *
  * From a local emitter: a point uniform by area, a direction by the cosine or, for narrow
  * spotlights, uniform over the cone.
@@ -52,12 +52,13 @@ struct orl_stratum {
     uint32_t port;       /* or emitter */
     uint32_t sun, image; /* of world.images */
     double flux_w;       /* luma, estimated */
-    double reflected;    /* albedo that its light meets first, where that leaves nothing: first.h */
+    double reflected;    /* albedo that its light meets first, where that leaves nothing:
+                            first_reflection.h */
     double share;        /* probability for global photons */
     double share_caustic;
     double below, below_caustic; /* running sums before it */
-    struct orl_table place;      /* of a sun in a port: where caustic photons start; seek.h */
-    /* Of a sun in a port, by sunward.h: */
+    struct orl_table place; /* of a sun in a port: where caustic photons start; caustic_targets.h */
+    /* Of a sun in a port, by port_sun.h: */
     struct orl_shades *shades;         /* owned; NULL: anything may be in the way anywhere */
     const struct orl_passage *passage; /* borrowed; NULL: none */
 };

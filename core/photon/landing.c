@@ -1,6 +1,6 @@
 #include "photon/landing.h"
 
-#include "photon/pack.h"
+#include "photon/map_layout.h"
 
 enum { LEAVES_A_CHUNK = 1024, RECENT = 4 };
 

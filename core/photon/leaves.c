@@ -7,8 +7,8 @@
 #include "photon/boxes.h"
 #include "photon/crowd.h"
 #include "photon/flux.h"
+#include "photon/leaf_center.h"
 #include "photon/sheet.h"
-#include "photon/site.h"
 #include "photon/zorder.h"
 
 enum { SHARE_WORDS = ORL_MAP_BATCHES / sizeof(uint64_t), BESIDE = 8, LINE = 64, CHUNK = 1 << 12 };
@@ -43,9 +43,9 @@ struct orl_leaves {
     double max_radius;
     double unit;  /* W/m2: of the values kept */
     float reach2; /* cells: how far a leaf may be */
-    struct orl_spread *spread;
+    struct orl_kernel_density *spread;
     struct orl_zorder order;
-    struct orl_site *sites;
+    struct orl_leaf_center *sites;
     struct kept *kept;
     struct beside *beside; /* in the room below, from a cache line's beginning on */
     void *room;
@@ -84,8 +84,8 @@ static void make_sites(void *arg, size_t chunk, uint32_t member)
     const struct orl_leaves *leaves = arg;
     (void)member;
     for (uint64_t i = chunk * CHUNK; i < (chunk + 1) * CHUNK && i < leaves->count; i++) {
-        leaves->sites[i] = orl_site_make(leaves->map, i);
-        orl_site_settle(leaves->map, &leaves->sites[i], i, leaves->world);
+        leaves->sites[i] = orl_leaf_center_make(leaves->map, i);
+        orl_leaf_center_settle(leaves->map, &leaves->sites[i], i, leaves->world);
     }
 }
 
@@ -108,7 +108,7 @@ struct orl_leaves *orl_leaves_new(const struct orl_photon_map *map, const struct
     leaves->sites = malloc((n + 1) * sizeof *leaves->sites);
     leaves->kept = calloc(n + 1, sizeof *leaves->kept);
     leaves->room = calloc(n + 1, sizeof *leaves->beside);
-    leaves->spread = orl_spread_new(map, k, max_radius, crew);
+    leaves->spread = orl_kernel_density_new(map, k, max_radius, crew);
     if (!leaves->sites || !leaves->kept || !leaves->room || !leaves->spread ||
         orl_zorder_init(&leaves->order, map) < 0) {
         orl_leaves_free(leaves);
@@ -123,7 +123,7 @@ void orl_leaves_free(struct orl_leaves *leaves)
 {
     if (!leaves)
         return;
-    orl_spread_free(leaves->spread);
+    orl_kernel_density_free(leaves->spread);
     orl_zorder_done(&leaves->order);
     free(leaves->sites);
     free(leaves->kept);
@@ -136,7 +136,7 @@ void orl_leaves_rebind(struct orl_leaves *leaves, const struct orl_photon_map *m
 {
     leaves->map = map;
     leaves->world = world;
-    orl_spread_rebind(leaves->spread, map);
+    orl_kernel_density_rebind(leaves->spread, map);
 }
 
 uint64_t orl_leaves_bytes(const struct orl_leaves *leaves)
@@ -152,8 +152,8 @@ static struct orl_density make_estimate(const struct orl_leaves *leaves, uint32_
 {
     struct orl_density_query query = query_at(leaves, orl_v3(0, 0, 0), orl_v3(0, 0, 1));
     struct orl_footing footing;
-    orl_site_ask(leaves->map, &leaves->sites[leaf], leaf, leaves->world, &query, &footing);
-    struct orl_density density = orl_spread_estimate(leaves->spread, &query, search);
+    orl_leaf_center_ask(leaves->map, &leaves->sites[leaf], leaf, leaves->world, &query, &footing);
+    struct orl_density density = orl_kernel_density_estimate(leaves->spread, &query, search);
     density.crowded = query.footing && orl_is_crowded(&footing, density.radius);
     return density;
 }
@@ -298,7 +298,7 @@ static bool is_joined(const struct orl_leaves *leaves, struct candidate leaf,
                       const struct estimate *estimate, const struct orl_footing *footing)
 {
     const double cell = leaves->map->header->cell, distance = sqrt((double)leaf.distance2) * cell;
-    const struct orl_vec3 site = orl_site_point(leaves->map, &leaves->sites[leaf.leaf]);
+    const struct orl_vec3 site = orl_leaf_center_point(leaves->map, &leaves->sites[leaf.leaf]);
     if (!footing)
         return true;
     if (estimate->patch && footing->facet != leaves->sites[leaf.leaf].facet)
@@ -336,7 +336,7 @@ static uint32_t find_beside(const struct orl_leaves *leaves, uint32_t leaf,
                             struct candidate ret_beside[BESIDE])
 {
     const struct orl_photon_map *map = leaves->map;
-    const struct orl_site *own = &leaves->sites[leaf];
+    const struct orl_leaf_center *own = &leaves->sites[leaf];
     const struct orl_vec3 normal = orl_normal_decode(own->normal);
     const uint32_t facing = orl_facing_mask(&map->facing, normal);
     struct orl_box_visit stack[ORL_BOX_STACK];
@@ -437,7 +437,7 @@ struct orl_rgb orl_leaves_irradiance(struct orl_leaves *leaves, struct orl_vec3 
             return irradiance;
     struct orl_density_query query = query_at(leaves, point, normal);
     query.footing = footing;
-    const struct orl_density density = orl_spread_estimate(leaves->spread, &query, search);
+    const struct orl_density density = orl_kernel_density_estimate(leaves->spread, &query, search);
     if (ret_crowded && footing && orl_is_crowded(footing, density.radius)) {
         *ret_crowded = true;
         return orl_gray(0);

@@ -20,13 +20,13 @@
 #ifndef ORL_PHOTON_LEAVES_H
 #define ORL_PHOTON_LEAVES_H
 
-#include "photon/spread.h"
+#include "photon/kernel_density.h"
 
 struct orl_leaves;
 
 /*
- * k and max_radius: of the estimates (spread.h). Map and world are borrowed; with world NULL
- * surfaces are taken to be endless. NULL when out of memory.
+ * k and max_radius: of the estimates (kernel_density.h). Map and world are borrowed; with world
+ * NULL surfaces are taken to be endless. NULL when out of memory.
  */
 struct orl_leaves *orl_leaves_new(const struct orl_photon_map *map, const struct orl_world *world,
                                   uint32_t k, double max_radius, struct orl_crew *crew);

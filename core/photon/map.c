@@ -13,7 +13,7 @@
 
 #include "base/checksum.h"
 #include "photon/flux.h"
-#include "photon/pack.h"
+#include "photon/map_layout.h"
 
 static uint64_t aligned(uint64_t offset)
 {

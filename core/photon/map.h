@@ -16,7 +16,7 @@
  * 16 bytes a photon, and about 2 for the boxes. Photons are ordered by the bin of their normal,
  * then in Morton order, so that a leaf is a patch of one sheet of surface; among ties a hash of
  * their words decides, so that the file depends on which photons there are, not on how they came
- * together: a map that is topped up (packing.h) is the same file as one made at once. The batch
+ * together: a map that is topped up (map_encode.h) is the same file as one made at once. The batch
  * (emission index mod 16) is for error estimates. Cells are the scene's radius times a power of
  * two, as small as the map's own bounds allow: over 100 m between 0.1 and 0.2 mm.
  *

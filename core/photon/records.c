@@ -3,12 +3,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "photon/adapt.h"
+#include "photon/adaptive_density.h"
 #include "photon/boxes.h"
 #include "photon/flux.h"
-#include "photon/pack.h"
+#include "photon/leaf_center.h"
+#include "photon/map_layout.h"
 #include "photon/sheet.h"
-#include "photon/site.h"
 
 enum { LEAVES_A_RECORD = 2, PHOTONS_A_RECORD = LEAVES_A_RECORD * ORL_MAP_LEAF };
 enum { GROUP = 4 };
@@ -35,7 +35,7 @@ double orl_record_clear(const struct orl_world *world, uint32_t tag)
 
 struct maker {
     const struct orl_records_making *making;
-    struct orl_adapt adapt;
+    struct orl_adaptive_density adapt;
     struct orl_records records;
     bool *made;
     size_t first;
@@ -69,14 +69,14 @@ static bool make_record(struct maker *m, size_t index, struct orl_search *search
     const struct orl_records_making *making = m->making;
     const struct orl_photon_map *map = making->global;
     const uint64_t leaf = LEAVES_A_RECORD * (uint64_t)index;
-    struct orl_site site = orl_site_make(map, leaf);
-    struct orl_density_query query = {.k = ORL_ADAPT_MOST,
+    struct orl_leaf_center site = orl_leaf_center_make(map, leaf);
+    struct orl_density_query query = {.k = ORL_ADAPTIVE_DENSITY_MOST,
                                       .max_radius = m->adapt.reach,
                                       .hint = hint->disc,
                                       .hint_cut = hint->cut};
-    if (!orl_site_ask(map, &site, leaf, making->world, &query, ret_footing))
+    if (!orl_leaf_center_ask(map, &site, leaf, making->world, &query, ret_footing))
         return false;
-    const struct orl_density density = orl_adapt_estimate(&m->adapt, &query, search);
+    const struct orl_density density = orl_adaptive_density_estimate(&m->adapt, &query, search);
     *hint = (struct hint){density.disc, density.cut};
     const double emitted = (double)map->header->emitted;
     const struct orl_rgb value = orl_rgb_scale(density.irradiance, emitted);
@@ -100,7 +100,7 @@ static bool make_record(struct maker *m, size_t index, struct orl_search *search
 static bool speaks_for(const struct maker *m, uint64_t patch, const struct orl_footing *footing,
                        const struct orl_density *density)
 {
-    const struct orl_sums *sums = &m->adapt.sums;
+    const struct orl_leaf_sums *sums = &m->adapt.sums;
     const double cell = sums->map->header->cell;
     uint32_t lane;
     const struct orl_patch_group *group = orl_patch_find(sums, patch, &lane);
@@ -140,7 +140,7 @@ static struct voice make_voice(struct maker *m, size_t index, struct orl_search 
 /* For the leaves of all these records. */
 static bool speaks_for_all(const struct maker *m, const struct voice *voice, size_t first, size_t n)
 {
-    const struct orl_sums *sums = &m->adapt.sums;
+    const struct orl_leaf_sums *sums = &m->adapt.sums;
     const uint64_t leaf = LEAVES_A_RECORD * (uint64_t)first, end = leaf + LEAVES_A_RECORD * n;
     if (!voice->made || !(voice->density.evenness >= even) || end > sums->count)
         return false;
@@ -229,7 +229,7 @@ int orl_records_make(const struct orl_records_making *making, struct orl_records
     m.made = calloc(count + 1, sizeof *m.made);
     const double widest = 0.1 * making->world->geometry->radius;
     if (!m.records.photons || !m.records.notes || !m.made ||
-        orl_adapt_init(&m.adapt, map, widest, making->crew, &making->searches[0]) < 0) {
+        orl_adaptive_density_init(&m.adapt, map, widest, making->crew, &making->searches[0]) < 0) {
         orl_error_set(err, code, "out of memory for precomputed irradiance");
         goto done;
     }
@@ -242,7 +242,7 @@ int orl_records_make(const struct orl_records_making *making, struct orl_records
     *ret_records = m.records;
     m.records = (struct orl_records){0};
 done:
-    orl_adapt_done(&m.adapt);
+    orl_adaptive_density_done(&m.adapt);
     free(m.made);
     orl_records_done(&m.records);
     return code;

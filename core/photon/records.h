@@ -4,13 +4,13 @@
  *
  * A record is a photon in all but meaning: its place, the normal of the lit side, and as flux the
  * irradiance there, W/m2, times the number emitted, so that a map's unpacked "flux" is irradiance.
- * The estimate is that of adapt.h, from a map without photons of the light that shadow rays and the
- * caustic map count (omit.counted_light). There is one record for every 32 photons, amid a leaf
- * (site.h) and on the surface itself; or for 64 or 128 where they lie together on one plane and
- * within a disc of some 2048 photons over which light was found to be even: there it hardly differs
- * between records, which share most of their photons. Its tag says how far no wall stands about it
- * (orl_record_clear); its note, what the batches of emission hold of it (batches.h) and what its
- * bias is thought to be.
+ * The estimate is that of adaptive_density.h, from a map without photons of the light that shadow
+ * rays and the caustic map count (omit.counted_light). There is one record for every 32 photons,
+ * amid a leaf (leaf_center.h) and on the surface itself; or for 64 or 128 where they lie together
+ * on one plane and within a disc of some 2048 photons over which light was found to be even: there
+ * it hardly differs between records, which share most of their photons. Its tag says how far no
+ * wall stands about it (orl_record_clear); its note, what the batches of emission hold of it
+ * (batches.h) and what its bias is thought to be.
  *
  * A look-up fits a plane to the nearest records of the same sheet that nothing stands in front of,
  * with weights that fall to zero, with their slope, at the distance of the first one not used: as

@@ -31,7 +31,8 @@ struct orl_search_candidate {
     uint32_t index;
 };
 
-/* What an adaptive estimate takes as wholes (hunt.h), in columns: squared distances and so on. */
+/* What an adaptive estimate takes as wholes (disc_search.h), in columns: squared distances and so
+ * on. */
 struct orl_search_wholes {
     float distance2[2 * ORL_SEARCH_MOST], ramp[2 * ORL_SEARCH_MOST];
     uint32_t count[2 * ORL_SEARCH_MOST], patch[2 * ORL_SEARCH_MOST];

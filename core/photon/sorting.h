@@ -7,7 +7,7 @@
 
 #include <oriel/crew.h>
 
-#include "photon/packing.h"
+#include "photon/map_encode.h"
 
 struct orl_sort_item {
     uint64_t code;  /* zorder.h */

@@ -1,10 +1,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "photon/first.h"
+#include "photon/caustic_targets.h"
+#include "photon/first_reflection.h"
 #include "photon/guide.h"
-#include "photon/seek.h"
-#include "photon/sunward.h"
+#include "photon/port_sun.h"
 #include "photon/table.h"
 #include "photon/trace.h"
 #include "scene/hemisphere.h"
@@ -29,7 +29,7 @@ struct pilot {
     double *values; /* side * side per port */
     uint32_t flights;
     double *yield;  /* per stratum: caustic flux deposited per flight */
-    double **found; /* of some strata: by where on the port it would start; seek.h */
+    double **found; /* of some strata: by where on the port it would start; caustic_targets.h */
     int failed;
 };
 
@@ -295,15 +295,15 @@ static int seek(struct pilot *pilot)
     pilot->found = calloc(e->n_strata + 1, sizeof *pilot->found);
     if (!pilot->found)
         return ORL_ERR_NOMEM;
-    code = orl_seek_look(e, pilot->found);
+    code = orl_caustic_target_look(e, pilot->found);
     for (size_t i = 0; i < e->n_strata && code == 0; i++) {
         double sum = 0;
         if (!pilot->found[i])
             continue;
-        for (size_t k = 0; k < ORL_SEEK_CELLS; k++)
+        for (size_t k = 0; k < ORL_CAUSTIC_TARGET_CELLS; k++)
             sum += pilot->found[i][k];
         if (!sends_on_itself(e, &e->strata[i]))
-            code = orl_seek_settle(&e->strata[i], pilot->found[i]);
+            code = orl_caustic_target_settle(&e->strata[i], pilot->found[i]);
         if (e->strata[i].place.weight)
             pilot->yield[i] = fmax(pilot->yield[i], sum);
     }
@@ -362,11 +362,11 @@ int orl_emission_new(const struct orl_world *world, uint64_t seed, struct orl_cr
     if (code == 0)
         code = list_strata(e);
     if (code == 0)
-        code = orl_sunward_prepare(e);
+        code = orl_port_sun_prepare(e);
     if (code == 0 && world->open)
         code = orl_guide_make(e, seed, crew);
     if (code == 0)
-        code = orl_first_prepare(e, seed, crew);
+        code = orl_first_reflection_prepare(e, seed, crew);
     if (code == 0) {
         share_out(e);
         code = share_out_caustics(&pilot, crew);
@@ -394,7 +394,7 @@ void orl_emission_free(struct orl_emission *emission)
     free(emission->port_tables);
     orl_table_done(&emission->dome_table);
     orl_guide_done(emission);
-    orl_sunward_done(emission);
+    orl_port_sun_done(emission);
     for (size_t i = 0; emission->strata && i < emission->n_strata; i++)
         orl_table_done(&emission->strata[i].place);
     free(emission->strata);

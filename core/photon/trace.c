@@ -74,7 +74,7 @@ struct course {
 
 /*
  * Roulette: false when the chance of being alive has fallen to the photon's fate. spared: as much
- * flux as it is to lose besides (first.h); or 1.
+ * flux as it is to lose besides (first_reflection.h); or 1.
  */
 static bool survives(struct course *c, struct orl_rgb weight, double spared)
 {

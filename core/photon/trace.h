@@ -8,10 +8,10 @@
  * In sealed scenes nothing is left outside (light/world.h).
  *
  * Roulette keeps the flux: a photon survives a bounce with the luma of its weight (more surely
- * where nothing was left yet, see first.h). One number, the flight's fate, decides its whole life:
- * it dies where the product of the chances falls to its fate. As fates come evenly (a Sobol
- * dimension), so do lengths of lives: where walls absorb hardly anything and photons live for 10^4
- * bounces, a hundred of them light the room to a per cent.
+ * where nothing was left yet, see first_reflection.h). One number, the flight's fate, decides its
+ * whole life: it dies where the product of the chances falls to its fate. As fates come evenly (a
+ * Sobol dimension), so do lengths of lives: where walls absorb hardly anything and photons live for
+ * 10^4 bounces, a hundred of them light the room to a per cent.
  *
  * Two bounds end what would not end: bounces in all, and bounces in a row that leave no photon
  * (mirrors facing each other). What they cut is counted, with its flux.

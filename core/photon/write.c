@@ -14,14 +14,14 @@
 #include "base/random.h"
 #include "base/sum.h"
 #include "base/vectors.h"
-#include "photon/boxing.h"
 #include "photon/flux.h"
-#include "photon/packing.h"
+#include "photon/map_boxes.h"
+#include "photon/map_encode.h"
 #include "photon/sorting.h"
 #include "photon/zorder.h"
 
 struct writer {
-    struct orl_packing packing;
+    struct orl_map_encoder packing;
     const struct orl_map_build *build;
     struct orl_photon_words *words; /* in the order of emission */
     struct orl_sort_item *items;
@@ -49,7 +49,7 @@ static size_t chunk_end(const struct writer *w, size_t chunk)
 /* Of the photons that are new. */
 static void let_go(const struct writer *w, size_t first, size_t end)
 {
-    const struct orl_packing *p = &w->packing;
+    const struct orl_map_encoder *p = &w->packing;
     if (end > p->n_earlier)
         orl_memory_let_go(p->photons + (first > p->n_earlier ? first - p->n_earlier : 0),
                           p->photons + (end - p->n_earlier));
@@ -73,16 +73,16 @@ static void make_codes(void *arg, size_t chunk, uint32_t member)
 {
     struct writer *w = arg;
     const size_t first = chunk * CHUNK, end = chunk_end(w, chunk);
-    const bool near = orl_packing_is_near(&w->packing);
+    const bool near = orl_map_encode_is_near(&w->packing);
     size_t i = first;
     (void)member;
     while (i < end) {
         const size_t begun = i;
         if (near && i >= w->packing.n_earlier && end - i >= ORL_PACKED_AT_ONCE) {
-            orl_packing_words_many(&w->packing, i, w->words + i);
+            orl_map_encode_words_many(&w->packing, i, w->words + i);
             i += ORL_PACKED_AT_ONCE;
         } else {
-            w->words[i] = orl_packing_words(&w->packing, i);
+            w->words[i] = orl_map_encode_words(&w->packing, i);
             i++;
         }
         make_items(w->words + begun, begun, i - begun, w->items + begun);
@@ -137,7 +137,7 @@ static double mean_flux(const struct writer *w)
 static void fill_measures(struct writer *w)
 {
     struct orl_map_header *h = &w->header;
-    const struct orl_packing *p = &w->packing;
+    const struct orl_map_encoder *p = &w->packing;
     memcpy(h->low, p->low, sizeof h->low);
     h->cell = p->cell;
     h->flux_exponent = p->flux_exponent;
@@ -234,8 +234,8 @@ int orl_photon_map_write(const char *path, const struct orl_photon *photons, siz
         return orl_error_set(err, ORL_ERR_LIMIT, "%zu photons do not fit one map", all);
     w.layout = orl_map_layout_of(all);
     w.size = orl_map_size(&w.layout, all, build->note_bytes);
-    int code = orl_packing_init(&w.packing, build->earlier, photons, count, build->seed,
-                                build->extent, crew);
+    int code = orl_map_encode_init(&w.packing, build->earlier, photons, count, build->seed,
+                                   build->extent, crew);
     if (code == 0)
         code = sort_photons(&w, crew);
     if (code < 0)

@@ -8,7 +8,7 @@
 #ifndef ORL_PHOTON_ZORDER_H
 #define ORL_PHOTON_ZORDER_H
 
-#include "photon/pack.h"
+#include "photon/map_layout.h"
 
 enum { ORL_ZORDER_FANOUT = 8, ORL_ZORDER_LEVELS = 10, ORL_ZORDER_PLACE_BITS = 57 };
 

@@ -1,4 +1,4 @@
-/* Caustics: by what is lit (lit.h), never by what a pilot happened to see. */
+/* Caustics: by what is lit (lit_specular.h), never by what a pilot happened to see. */
 #include <stdio.h>
 
 #include "plan/decide.h"

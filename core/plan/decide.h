@@ -8,7 +8,7 @@
 #ifndef ORL_PLAN_DECIDE_H
 #define ORL_PLAN_DECIDE_H
 
-#include "plan/lit.h"
+#include "plan/lit_specular.h"
 #include "plan/survey.h"
 
 /* What the scene says of an effect. */

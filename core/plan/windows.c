@@ -4,8 +4,8 @@
 
 #include "base/random.h"
 #include "light/exterior.h"
-#include "plan/beyond.h"
 #include "plan/decide.h"
+#include "plan/outdoors.h"
 #include "scene/hemisphere.h"
 
 enum { REACH_PATHS = 2048, REACH_BOUNCES = 8, PILOT_PATHS = 2048 };
@@ -52,7 +52,7 @@ static void decide_exterior(struct orl_survey *survey, struct orl_plan *plan)
     struct orl_decision *decision = &plan->effects[ORL_EFFECT_EXTERIOR];
     const bool looks = decision->wish != ORL_WISH_FORCE && world->n_ports > 0;
     const double rho =
-        looks && survey->n_clear < world->n_ports ? orl_beyond_reflectance(world) : 0;
+        looks && survey->n_clear < world->n_ports ? orl_outdoors_reflectance(world) : 0;
     const double direct = survey->sun_lx + survey->sky_lx + survey->lamp_lx;
     struct orl_finding finding = {
         .needed = world->n_ports > 0 && rho > 0,
@@ -203,7 +203,7 @@ void orl_decide_windows(struct orl_survey *survey, struct orl_plan *plan)
     struct orl_world *world = survey->world;
     bool *clear = calloc(world->n_ports + 1, sizeof *clear);
     if (clear && plan->effects[ORL_EFFECT_EXTERIOR].wish != ORL_WISH_FORCE)
-        orl_beyond_look(world, clear);
+        orl_outdoors_look(world, clear);
     for (size_t i = 0; clear && i < world->n_ports; i++) {
         world->ports[i].clear = clear[i];
         survey->n_clear += clear[i];

@@ -41,13 +41,14 @@ static int compare_doubles(const void *a, const void *b)
 }
 
 /* The median radius of the photons that a search has left: of some of them. */
-static double normal_radius(const struct orl_spread *widths, const struct orl_search *search,
-                            uint32_t found)
+static double normal_radius(const struct orl_kernel_density *widths,
+                            const struct orl_search *search, uint32_t found)
 {
     double radii[WIDTH_PROBES];
     const uint32_t n = found < WIDTH_PROBES ? found : WIDTH_PROBES;
     for (uint32_t i = 0; i < n; i++)
-        radii[i] = orl_spread_radius(widths, search->candidates[(uint64_t)found * i / n].index);
+        radii[i] =
+            orl_kernel_density_radius(widths, search->candidates[(uint64_t)found * i / n].index);
     qsort(radii, n, sizeof *radii, compare_doubles);
     return radii[n / 2];
 }

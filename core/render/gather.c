@@ -92,7 +92,8 @@ int orl_gather_init(struct orl_gather *gather, const struct orl_world *world, en
         orl_bright_init(&gather->bright, maps[ORL_MAP_GLOBAL]) < 0)
         return ORL_ERR_NOMEM;
     if (rest == ORL_REST_DENSITY && gather->maps[ORL_MAP_GLOBAL])
-        return orl_adapt_init(&gather->adapt, maps[ORL_MAP_GLOBAL], widest, crew, search);
+        return orl_adaptive_density_init(&gather->adapt, maps[ORL_MAP_GLOBAL], widest, crew,
+                                         search);
     return 0;
 }
 
@@ -100,8 +101,8 @@ int orl_gather_for_views(struct orl_gather *gather, struct orl_crew *crew)
 {
     if (gather->maps[ORL_MAP_CAUSTIC] && !gather->caustic_widths) {
         gather->caustic_widths =
-            orl_spread_new(gather->maps[ORL_MAP_CAUSTIC], gather->k[ORL_MAP_CAUSTIC],
-                           gather->max_radius[ORL_MAP_CAUSTIC], crew);
+            orl_kernel_density_new(gather->maps[ORL_MAP_CAUSTIC], gather->k[ORL_MAP_CAUSTIC],
+                                   gather->max_radius[ORL_MAP_CAUSTIC], crew);
         if (!gather->caustic_widths)
             return ORL_ERR_NOMEM;
     }
@@ -116,12 +117,12 @@ void orl_gather_done(struct orl_gather *gather)
 {
     orl_leaves_free(gather->leaves);
     orl_texels_free(gather->texels);
-    orl_spread_free(gather->caustic_widths);
+    orl_kernel_density_free(gather->caustic_widths);
     orl_bright_done(&gather->bright);
     gather->leaves = NULL;
     gather->texels = NULL;
     gather->caustic_widths = NULL;
-    orl_adapt_done(&gather->adapt);
+    orl_adaptive_density_done(&gather->adapt);
 }
 
 bool orl_gather_footing(const struct orl_gather *gather, struct orl_vec3 point,
@@ -140,10 +141,10 @@ struct orl_density orl_gather_rest(const struct orl_gather *gather,
     if (gather->rest == ORL_REST_DENSITY && gather->maps[ORL_MAP_GLOBAL]) {
         const struct orl_density_query query = {.point = footing->point,
                                                 .normal = footing->normal,
-                                                .k = ORL_ADAPT_MOST,
+                                                .k = ORL_ADAPTIVE_DENSITY_MOST,
                                                 .max_radius = gather->adapt.reach,
                                                 .footing = footing};
-        return orl_adapt_estimate(&gather->adapt, &query, search);
+        return orl_adaptive_density_estimate(&gather->adapt, &query, search);
     }
     if (gather->rest == ORL_REST_RECORDS && gather->maps[ORL_MAP_PRECOMPUTED])
         return orl_records_estimate(gather->maps[ORL_MAP_PRECOMPUTED], footing,

@@ -6,7 +6,7 @@
  *     gathered   (technique gather, the paper's GCx) by a hemisphere of rays that see the domes,
  *                glow, and the radiance of diffuse surfaces by the density of global photons;
  *     density    (direct) by the density right there of global photons, bias held down by the
- *                choice of bandwidth (photon/adapt.h);
+ *                choice of bandwidth (photon/adaptive_density.h);
  *     records    (precomputed, xCP) from irradiance precomputed at a fraction of the photons
  *                (photon/records.h): the global map itself is not needed. Where those about a place
  *                differ much views gather (lighting.h).
@@ -32,10 +32,10 @@
 
 #include "base/sobol.h"
 #include "light/exterior.h"
-#include "photon/adapt.h"
+#include "photon/adaptive_density.h"
+#include "photon/kernel_density.h"
 #include "photon/leaves.h"
 #include "photon/shoot.h"
-#include "photon/spread.h"
 #include "photon/texels.h"
 #include "render/bright.h"
 #include "render/estimate.h"
@@ -54,9 +54,10 @@ struct orl_gather {
     double reach;              /* a sensor so close to a surface lies on it */
     struct orl_leaves *leaves; /* of the global map, owned; NULL when there is none */
     struct orl_texels *texels; /* of the same, for flat surfaces; NULL until views want them, as */
-    struct orl_spread *caustic_widths; /* are the radii that are normal among caustic photons */
+    struct orl_kernel_density
+        *caustic_widths;               /* are the radii that are normal among caustic photons */
     struct orl_bright bright;          /* of the global map: where sensors' rays are drawn to */
-    struct orl_adapt adapt;            /* ORL_REST_DENSITY: for its estimates */
+    struct orl_adaptive_density adapt; /* ORL_REST_DENSITY: for its estimates */
     struct orl_sobol sobol;
     uint64_t seed;
     const atomic_bool *cancel; /* ends a sensor's sampling, whose value is none then; or NULL */

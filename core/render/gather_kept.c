@@ -13,13 +13,14 @@ uint64_t orl_gather_pause(struct orl_gather *gather)
         bytes += orl_leaves_bytes(gather->leaves);
     }
     if (gather->caustic_widths) {
-        bytes += orl_spread_bytes(gather->caustic_widths);
-        orl_spread_rebind(gather->caustic_widths, NULL);
+        bytes += orl_kernel_density_bytes(gather->caustic_widths);
+        orl_kernel_density_rebind(gather->caustic_widths, NULL);
     }
     if (gather->texels)
         bytes += orl_texels_bytes(gather->texels);
     gather->adapt.sums.map = NULL;
-    bytes += orl_sums_bytes(&gather->adapt.sums) + gather->adapt.sums.count * 2 * sizeof(uint64_t);
+    bytes +=
+        orl_leaf_sums_bytes(&gather->adapt.sums) + gather->adapt.sums.count * 2 * sizeof(uint64_t);
     return bytes;
 }
 
@@ -34,7 +35,7 @@ void orl_gather_resume(struct orl_gather *gather, const struct orl_world *world,
     if (gather->leaves)
         orl_leaves_rebind(gather->leaves, gather->maps[ORL_MAP_GLOBAL], world);
     if (gather->caustic_widths)
-        orl_spread_rebind(gather->caustic_widths, gather->maps[ORL_MAP_CAUSTIC]);
+        orl_kernel_density_rebind(gather->caustic_widths, gather->maps[ORL_MAP_CAUSTIC]);
     if (gather->texels)
         orl_texels_rebind(gather->texels, world);
     gather->adapt.sums.map = gather->maps[ORL_MAP_GLOBAL];

@@ -5,7 +5,7 @@
 
 #include <oriel/limits.h>
 
-#include "run/share.h"
+#include "run/sample_allocation.h"
 
 enum { HALVINGS = 40 };
 
@@ -158,8 +158,9 @@ double orl_parts_work(const struct orl_parts *parts, double target)
     double most = 1;
     for (size_t i = 0; i < parts->count; i++) {
         const struct orl_estimates *part = &parts->parts[i];
-        const double work = part->noise ? pow(orl_share_work(part, parts->at, target), 1 / evenness)
-                                        : orl_percentile_work(part, parts->at, target);
+        const double work = part->noise
+                                ? pow(orl_allocation_work(part, parts->at, target), 1 / evenness)
+                                : orl_percentile_work(part, parts->at, target);
         most = isnan(work) || work > most ? work : most;
         if (isnan(work))
             break;

@@ -3,9 +3,9 @@
  * bring.
  *
  * The size of a round (rounds.h) is a number of samples of every sensor, or their mean where
- * sensors get different ones (share.h). 4096 of them go with the photons, or virtual lamps, that
- * the planner thinks right for as many (few sensors by themselves: with fewer lamps, which they pay
- * for), and 64 with a sample of every pixel. Variances fall as their inverse.
+ * sensors get different ones (sample_allocation.h). 4096 of them go with the photons, or virtual
+ * lamps, that the planner thinks right for as many (few sensors by themselves: with fewer lamps,
+ * which they pay for), and 64 with a sample of every pixel. Variances fall as their inverse.
  *
  * The schedule of rounds is here, since it also says what another digit would cost: a small one to
  * learn from, then one that is to reach the goal, then what is left.

@@ -10,7 +10,7 @@ static int part_init(struct orl_finding_part *part, size_t count, uint32_t group
     part->errors = malloc((count + 1) * sizeof(double));
     if (!part->errors)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-    return orl_pool_init(&part->pool, count, groups, err);
+    return orl_pooled_init(&part->pool, count, groups, err);
 }
 
 int orl_findings_init(struct orl_findings *findings, struct orl_run_state *state, bool shared,
@@ -46,7 +46,7 @@ int orl_findings_init(struct orl_findings *findings, struct orl_run_state *state
 void orl_findings_done(struct orl_findings *findings)
 {
     for (size_t i = 0; findings->parts && i < findings->n_parts; i++) {
-        orl_pool_done(&findings->parts[i].pool);
+        orl_pooled_done(&findings->parts[i].pool);
         orl_film_done(&findings->parts[i].film);
         free(findings->parts[i].errors);
         free(findings->parts[i].noise);
@@ -79,7 +79,7 @@ int orl_findings_add_film(struct orl_findings *findings, size_t view, const stru
                                              .error = knows ? error : NULL,
                                              .degrees = ORL_MAP_BATCHES - 1,
                                              .effort = effort};
-    orl_pool_add(&part->pool, &found);
+    orl_pooled_add(&part->pool, &found);
     free(value);
     return 0;
 }
@@ -96,7 +96,7 @@ void orl_findings_add_sensors(struct orl_findings *findings, const struct orl_re
                                              .effort = effort};
     if (round->n_sensors == 0)
         return;
-    orl_pool_add(&part->pool, &found);
+    orl_pooled_add(&part->pool, &found);
     for (size_t i = 0; samples && i < part->pool.count; i++) {
         const double error = found.error[i], noise = samples[i] * error * error;
         part->noise[i] += effort / part->pool.effort * (noise - part->noise[i]);
@@ -107,7 +107,7 @@ void orl_findings_judge(struct orl_findings *findings)
 {
     for (size_t i = 0; i < findings->n_parts; i++) {
         struct orl_finding_part *part = &findings->parts[i];
-        orl_pool_errors(&part->pool, part->floor, part->errors);
+        orl_pooled_errors(&part->pool, part->floor, part->errors);
         findings->estimates[i] = (struct orl_estimates){
             .value = part->pool.mean,
             .error = part->errors,
@@ -116,7 +116,7 @@ void orl_findings_judge(struct orl_findings *findings)
             .samples = part->pool.effort,
             .count = part->pool.count,
             .floor = part->floor,
-            .degrees = orl_pool_degrees(&part->pool)};
+            .degrees = orl_pooled_degrees(&part->pool)};
     }
 }
 
@@ -132,9 +132,9 @@ static double *copy(double **array, const double *values, size_t count)
 static void book_interval(const struct orl_finding_part *part, size_t i, double ret_interval[2])
 {
     const struct orl_estimate pooled = {.standard_error = part->errors[i],
-                                        .degrees = orl_pool_degrees(&part->pool),
+                                        .degrees = orl_pooled_degrees(&part->pool),
                                         .bias = part->pool.knows_bias ? part->pool.bias[i] : 0,
-                                        .third = orl_pool_third(&part->pool, i)};
+                                        .third = orl_pooled_third(&part->pool, i)};
     const struct orl_margins margins = orl_estimate_margins(&pooled);
     ret_interval[0] = fmax(part->pool.mean[i] - margins.below, 0);
     ret_interval[1] = part->pool.mean[i] + margins.above;

@@ -1,6 +1,6 @@
 /*
  * What the rounds of a job have found so far: of its sensors and of the pixels of each view, pooled
- * (pool.h), and how it gets into the result.
+ * (pooled_estimates.h), and how it gets into the result.
  *
  * Ownership: init makes, done frees. Threads: the lead's only.
  */
@@ -8,14 +8,14 @@
 #define ORL_RUN_FINDINGS_H
 
 #include "run/percentile.h"
-#include "run/pool.h"
+#include "run/pooled_estimates.h"
 #include "run/stages.h"
 
 /* Of the sensors, or of one view. */
 struct orl_finding_part {
-    struct orl_pool pool;
+    struct orl_pooled pool;
     double *errors; /* of its means; owned */
-    double *noise;  /* share.h: of one sample of a sensor; owned; NULL: not known */
+    double *noise;  /* sample_allocation.h: of one sample of a sensor; owned; NULL: not known */
     double floor;
     struct orl_film film; /* of a view: the means, in colour */
 };

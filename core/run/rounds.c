@@ -8,7 +8,7 @@
 #include "run/cost.h"
 #include "run/deadline.h"
 #include "run/findings.h"
-#include "run/share.h"
+#include "run/sample_allocation.h"
 
 /* Its smallest rounds of sensors are so much smaller than others: they fill the end. */
 static const double short_round = 0.25;
@@ -140,7 +140,7 @@ static void share_out(struct rounds *r)
     if (!r->shares)
         return;
     if (r->count > 0)
-        orl_share_out(&r->findings.estimates[0], r->samples, r->shares);
+        orl_allocate_samples(&r->findings.estimates[0], r->samples, r->shares);
     for (size_t i = 0; i < n; i++) {
         const double wanted = r->count > 0 ? r->shares[i] : r->samples;
         const double samples = least * fmax(round(wanted / least), 1);

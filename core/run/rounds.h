@@ -3,13 +3,13 @@
  *
  * A round is the job as it would run by itself, with settings by its size (cost.h) and a seed
  * of its own, made from the job's and the round's number; the first one's is the job's. Rounds are
- * independent, so that their findings are pooled (pool.h): a value is the mean over rounds,
- * weighted by their mean samples. What comes before photons is done once.
+ * independent, so that their findings are pooled (pooled_estimates.h): a value is the mean over
+ * rounds, weighted by their mean samples. What comes before photons is done once.
  *
  * Sensors by backward, which is unbiased, do better: a sensor's samples go on in each round where
  * the last one's ended, so that all of them are as even as those of a job in one piece; only
  * virtual lamps are the round's own. And each round after the first gives more samples to sensors
- * of more noise (share.h). Photon maps have a bias that
+ * of more noise (sample_allocation.h). Photon maps have a bias that
  * pooling leaves as it is; as in probabilistic progressive photon mapping (Knaus and Zwicker 2011)
  * their bandwidths therefore shrink with all the photons so far: a kernel's area goes as their
  * number to the power -1/3, by which bias and noise fall together.

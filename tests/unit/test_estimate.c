@@ -13,7 +13,7 @@
 #include <sodium.h>
 
 #include "base/random.h"
-#include "photon/adapt.h"
+#include "photon/adaptive_density.h"
 #include "photon/facing.h"
 #include "render/estimate.h"
 #include "support/cli.h"
@@ -202,11 +202,11 @@ static void test_scatter(void **state)
         struct orl_photon_map *map = rain(0, COUNT, seed);
         struct orl_density_query query = {.normal = up, .k = 300, .max_radius = 0.7};
         const struct orl_density fixed = orl_density_estimate(map, &query, search);
-        query.k = ORL_ADAPT_MOST;
-        struct orl_adapt adapt;
-        assert_int_equal(orl_adapt_init(&adapt, map, 0.7, NULL, search), 0);
-        const struct orl_density adaptive = orl_adapt_estimate(&adapt, &query, search);
-        orl_adapt_done(&adapt);
+        query.k = ORL_ADAPTIVE_DENSITY_MOST;
+        struct orl_adaptive_density adapt;
+        assert_int_equal(orl_adaptive_density_init(&adapt, map, 0.7, NULL, search), 0);
+        const struct orl_density adaptive = orl_adaptive_density_estimate(&adapt, &query, search);
+        orl_adaptive_density_done(&adapt);
         const struct orl_density *both[2] = {&fixed, &adaptive};
         for (int i = 0; i < 2; i++) {
             told[i] += both[i]->standard_error * both[i]->standard_error / MAPS;

@@ -17,7 +17,7 @@
 
 #include "base/random.h"
 #include "photon/facing.h"
-#include "photon/pack.h"
+#include "photon/map_layout.h"
 #include "photon/zorder.h"
 #include "support/cli.h"
 #include "support/scene_text.h"

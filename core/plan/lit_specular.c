@@ -1,0 +1,247 @@
+#include "plan/lit_specular.h"
+
+#include "base/sobol.h"
+#include "light/direct.h"
+
+enum { MOST_RAYS = 1 << 18, MOST_SAMPLES = 256, LEAST_SAMPLES = 8, MOST_PANES = 64 };
+enum { WINDOW_SAMPLES = 1024, IMAGE_SAMPLES = 64 };
+
+/* Facets times lights: beyond this a look would take seconds. */
+static const double most_pairs = 2e5;
+
+struct look {
+    const struct orl_world *world;
+    struct orl_lit *lit;
+    struct orl_sobol sobol;
+    const struct orl_crew *crew; /* whose cancellation is heard */
+    uint32_t samples;            /* a side of a facet */
+};
+
+static bool is_kind(const struct orl_facet *facet, const struct orl_material *m,
+                    enum orl_lit_kind kind)
+{
+    const bool flat = facet->kind == ORL_SURFACE_POLYGON || facet->kind == ORL_SURFACE_RING;
+    const bool dielectric = m->kind == ORL_MATERIAL_DIELECTRIC;
+    if (kind == ORL_LIT_LOBE)
+        return orl_material_has_lobes(m);
+    if (kind == ORL_LIT_CURVED)
+        return dielectric || (!flat && orl_material_is_mirror(m));
+    return flat && !dielectric && orl_material_is_mirror(m);
+}
+
+/* What that side sends on, other than straight, of light at 60 degrees. */
+static double sent_on(const struct orl_material *m, bool front, enum orl_lit_kind kind)
+{
+    const struct orl_hit hit = {.normal = {0, 0, 1}, .front = front};
+    const struct orl_vec3 from = orl_v3(0, 0.8660254037844386, front ? 0.5 : -0.5);
+    if (kind == ORL_LIT_CURVED && m->kind == ORL_MATERIAL_DIELECTRIC)
+        return 1;
+    if (m->kind == ORL_MATERIAL_BSDF)
+        return fmin(1, orl_bsdf_max_albedo(m->bsdf, front) +
+                           orl_rgb_max(front ? m->front : m->back) + orl_rgb_max(m->through));
+    if (kind == ORL_LIT_LOBE)
+        return orl_rgb_max(orl_material_albedo(
+            m, &hit, from, (enum orl_lobes)(ORL_LOBE_REFLECTED | ORL_LOBE_TRANSMITTED)));
+    return orl_rgb_max(orl_material_mirrored(m, &hit, from));
+}
+
+/* Whether a lit place of that side matters: in a sealed scene what is outside does not. */
+static bool counts(const struct look *look, uint32_t facet, bool front, struct orl_vec3 point,
+                   enum orl_lit_kind kind)
+{
+    const struct orl_world *world = look->world;
+    const int32_t port = world->port_of_facet[facet];
+    if (world->open)
+        return true;
+    if (port == ORL_NO_PORT)
+        return !orl_world_is_outside(world, point);
+    if (front != world->ports[port].outside_is_front)
+        return true;
+    return kind == ORL_LIT_LOBE &&
+           orl_material_transmits_lobes(&world->materials[world->geometry->facets[facet].material]);
+}
+
+static bool is_lit(const struct look *look, uint32_t facet, bool front, enum orl_lit_kind kind)
+{
+    const struct orl_geometry *g = look->world->geometry;
+    for (uint32_t i = 0; i < look->samples; i++) {
+        struct orl_random random = orl_random_stream(facet, ORL_PURPOSE_PILOT, i);
+        struct orl_direct_query query = {.through_ports = true};
+        struct orl_vec3 point, normal;
+        double u[2];
+        orl_sobol_point(&look->sobol, i, facet, 2, u);
+        orl_facet_sample(g, facet, u, &point, &normal);
+        query.normal = front ? normal : orl_neg(normal);
+        query.point = orl_facet_leave(g, facet, point, normal, query.normal);
+        if (orl_rgb_max(orl_direct_light(look->world, &query, &random)) > 0 &&
+            counts(look, facet, front, query.point, kind))
+            return true;
+    }
+    return false;
+}
+
+static void look_at_facets(struct look *look, enum orl_lit_kind kind)
+{
+    const struct orl_world *world = look->world;
+    struct orl_lit_class *class = &look->lit->classes[kind];
+    for (uint32_t i = 0;
+         i < world->geometry->n_facets && !class->lit && !orl_crew_cancelled(look->crew); i++) {
+        const struct orl_facet *f = &world->geometry->facets[i];
+        const struct orl_material *m = &world->materials[f->material];
+        if (!(f->area > 0) || !is_kind(f, m, kind))
+            continue;
+        for (int side = 0; side < 2 && !class->lit; side++)
+            if (sent_on(m, side == 0, kind) > 0 && is_lit(look, i, side == 0, kind)) {
+                class->lit = true;
+                class->facet = i;
+            }
+    }
+}
+
+static void count_facets(struct look *look)
+{
+    const struct orl_world *world = look->world;
+    for (uint32_t i = 0; i < world->geometry->n_facets; i++) {
+        const struct orl_facet *f = &world->geometry->facets[i];
+        const struct orl_material *m = &world->materials[f->material];
+        for (int kind = 0; kind < ORL_LIT_KINDS && f->area > 0; kind++) {
+            struct orl_lit_class *class = &look->lit->classes[kind];
+            if (!is_kind(f, m, (enum orl_lit_kind)kind))
+                continue;
+            class->facets++;
+            for (int side = 0; side < 2; side++)
+                class->share = fmax(class->share, sent_on(m, side == 0, (enum orl_lit_kind)kind));
+        }
+    }
+}
+
+static void note(struct look *look, uint32_t facet)
+{
+    const struct orl_facet *f = &look->world->geometry->facets[facet];
+    const struct orl_material *m = &look->world->materials[f->material];
+    for (int kind = 0; kind < ORL_LIT_KINDS; kind++) {
+        struct orl_lit_class *class = &look->lit->classes[kind];
+        if (!class->lit && is_kind(f, m, (enum orl_lit_kind)kind)) {
+            class->lit = true;
+            class->facet = facet;
+        }
+    }
+}
+
+/* A sun's rays in by a window, straight on to the first surface that is no pane. */
+static void follow_sun_in(struct look *look, const struct orl_port *port, const struct orl_sun *sun,
+                          uint32_t sample)
+{
+    const struct orl_geometry *g = look->world->geometry;
+    struct orl_vec3 point, normal, direction;
+    double u[4];
+    orl_sobol_point(&look->sobol, sample, port->facet, 4, u);
+    orl_facet_sample(g, port->facet, u, &point, &normal);
+    direction = orl_sun_sample(sun, u + 2);
+    if (!(orl_dot(direction, port->outward) > 0))
+        return;
+    const struct orl_vec3 out = orl_facet_leave(g, port->facet, point, normal, direction);
+    if (!(orl_rgb_max(orl_transmittance(look->world, out, direction, INFINITY, false)) > 0))
+        return;
+    direction = orl_neg(direction);
+    const struct orl_hit pane = {
+        .point = point, .normal = normal, .facet = port->facet, .front = port->outside_is_front};
+    if (!(orl_rgb_max(orl_material_straight(orl_world_material(look->world, &pane), &pane,
+                                            orl_neg(direction))) > 0))
+        return; /* what scatters is lit itself, and found so */
+    point = orl_facet_leave(g, port->facet, point, normal, direction);
+    for (int i = 0; i < MOST_PANES; i++) {
+        struct orl_hit hit;
+        if (!orl_geometry_intersect(g, point, direction, INFINITY, &hit))
+            return;
+        const struct orl_material *m = orl_world_material(look->world, &hit);
+        note(look, hit.facet);
+        if (!(orl_rgb_max(orl_material_straight(m, &hit, orl_neg(direction))) > 0))
+            return;
+        point = orl_hit_leave(g, &hit, direction);
+    }
+}
+
+/* A sun's image in flat mirrors outside, seen from a window. */
+static bool image_reaches(const struct look *look, const struct orl_port *port,
+                          const struct orl_image *image, uint32_t sample)
+{
+    const struct orl_geometry *g = look->world->geometry;
+    struct orl_vec3 point, normal;
+    double u[4];
+    orl_sobol_point(&look->sobol, sample, port->facet + 1, 4, u);
+    orl_facet_sample(g, port->facet, u, &point, &normal);
+    point = orl_facet_leave(g, port->facet, point, normal, port->outward);
+    const struct orl_vec3 from = orl_image_sample(look->world, image, u + 2);
+    return orl_dot(from, port->outward) > 0 &&
+           orl_rgb_max(orl_image_transmittance(look->world, point, from, image, false)) > 0;
+}
+
+static void look_for_images(struct look *look, const struct orl_port *port)
+{
+    const struct orl_images *images = &look->world->images;
+    struct orl_lit_class *class = &look->lit->classes[ORL_LIT_FLAT];
+    if (port->clear || look->world->omit.exterior)
+        return;
+    for (size_t k = 0; k < images->n_nodes; k++)
+        for (uint32_t i = 0; images->nodes[k].shown && i < IMAGE_SAMPLES && !class->lit; i++)
+            if (image_reaches(look, port, &images->nodes[k], i)) {
+                class->lit = true;
+                class->facet = port->facet;
+            }
+}
+
+static void look_from_windows(struct look *look)
+{
+    const struct orl_world *world = look->world;
+    const size_t pairs = world->n_ports * world->n_suns + 1;
+    const size_t share = MOST_RAYS / pairs;
+    const uint32_t samples = (uint32_t)(share < WINDOW_SAMPLES ? share + 1 : WINDOW_SAMPLES);
+    for (size_t p = 0; p < world->n_ports && !orl_crew_cancelled(look->crew); p++) {
+        for (size_t s = 0; s < world->n_suns; s++)
+            for (uint32_t i = 0; i < samples; i++)
+                follow_sun_in(look, &world->ports[p], &world->suns[s], i);
+        look_for_images(look, &world->ports[p]);
+    }
+}
+
+/* Where there is too much to look at, what cannot be ruled out is there. */
+static void take_as_lit(struct orl_lit *lit)
+{
+    for (int kind = 0; kind < ORL_LIT_KINDS; kind++)
+        lit->classes[kind].lit = lit->classes[kind].facets > 0;
+}
+
+bool orl_lit_by_chance(const struct orl_lit *lit, const struct orl_images *images)
+{
+    return lit->classes[ORL_LIT_CURVED].lit ||
+           (images->n_left_out > 0 && lit->classes[ORL_LIT_FLAT].lit);
+}
+
+void orl_lit_look(const struct orl_survey *survey, struct orl_lit *ret_lit)
+{
+    const struct orl_world *world = survey->world;
+    struct look look = {.world = world, .lit = ret_lit, .crew = survey->request->crew};
+    size_t facets = 1;
+    *ret_lit = (struct orl_lit){.lights = world->n_suns};
+    for (size_t i = 0; i < world->n_emitters; i++)
+        ret_lit->lights += world->emitters[i].direct;
+    orl_sobol_init(&look.sobol);
+    count_facets(&look);
+    if (ret_lit->lights == 0)
+        return;
+    for (int kind = 0; kind < ORL_LIT_KINDS; kind++)
+        facets += ret_lit->classes[kind].facets;
+    const size_t share = MOST_RAYS / (2 * facets * ret_lit->lights);
+    if ((double)facets * (double)ret_lit->lights > most_pairs) {
+        take_as_lit(ret_lit);
+        return;
+    }
+    look.samples = (uint32_t)(share > MOST_SAMPLES    ? MOST_SAMPLES
+                              : share < LEAST_SAMPLES ? LEAST_SAMPLES
+                                                      : share);
+    ret_lit->rays = 2 * facets * ret_lit->lights * look.samples;
+    look_from_windows(&look);
+    for (int kind = 0; kind < ORL_LIT_KINDS; kind++)
+        look_at_facets(&look, (enum orl_lit_kind)kind);
+}

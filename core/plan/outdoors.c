@@ -1,0 +1,133 @@
+#include "plan/outdoors.h"
+
+/* Facets times planes of ports: beyond this a look would take longer than it may save. */
+static const double most_looks = 2e7;
+/* Of the scene's size: what reaches less far beyond a plane lies in it. Rays are floats. */
+static const double in_plane = 1e-7;
+
+static double highest(struct orl_vec3 low, struct orl_vec3 high, struct orl_vec3 d)
+{
+    return fmax(low.x * d.x, high.x * d.x) + fmax(low.y * d.y, high.y * d.y) +
+           fmax(low.z * d.z, high.z * d.z);
+}
+
+/* How far a facet reaches in a direction; a curved one, at most. */
+static double reach(const struct orl_geometry *g, const struct orl_facet *f, struct orl_vec3 d)
+{
+    double most = -INFINITY;
+    switch (f->kind) {
+    case ORL_SURFACE_POLYGON:
+        for (uint32_t i = f->first_triangle; i < f->first_triangle + f->n_triangles; i++) {
+            const struct orl_triangle *t = &g->triangles[i];
+            most = fmax(most, fmax(orl_dot(t->a, d), fmax(orl_dot(t->b, d), orl_dot(t->c, d))));
+        }
+        return most;
+    case ORL_SURFACE_CYLINDER:
+    case ORL_SURFACE_TUBE:
+        return fmax(orl_dot(f->center[0], d), orl_dot(f->center[1], d)) + f->radius[0];
+    case ORL_SURFACE_CONE:
+    case ORL_SURFACE_CUP:
+        return fmax(orl_dot(f->center[0], d) + f->radius[0],
+                    orl_dot(f->center[1], d) + f->radius[1]);
+    case ORL_SURFACE_SPHERE:
+    case ORL_SURFACE_BUBBLE:
+        return orl_dot(f->center[0], d) + f->radius[0];
+    case ORL_SURFACE_RING:
+        return orl_dot(f->center[0], d) + f->radius[1];
+    }
+    return INFINITY;
+}
+
+/* Where a port's pane ends outwards. */
+static double plane_of(const struct orl_world *world, const struct orl_port *port)
+{
+    return reach(world->geometry, &world->geometry->facets[port->facet], port->outward);
+}
+
+/* In one of the scene's two geometries: what light meets, or what views see. */
+static bool reaches_beyond(const struct orl_geometry *g, size_t facet, struct orl_vec3 outward,
+                           double plane)
+{
+    const struct orl_facet *f = &g->facets[facet];
+    return f->area > 0 && reach(g, f, outward) > plane + in_plane * g->radius;
+}
+
+static bool is_clear(const struct orl_world *world, const struct orl_port *port)
+{
+    const struct orl_geometry *g = world->geometry;
+    const double plane = plane_of(world, port);
+    if (highest(g->low, g->high, port->outward) <= plane + in_plane * g->radius)
+        return true;
+    for (size_t i = 0; i < g->n_facets; i++)
+        if (reaches_beyond(g, i, port->outward, plane) ||
+            (world->seen && reaches_beyond(world->seen->geometry, i, port->outward, plane)))
+            return false;
+    return true;
+}
+
+/* An earlier port in the same plane has the same outside. */
+static bool same_outside(const struct orl_world *world, size_t port, size_t *ret_same)
+{
+    const struct orl_port *p = &world->ports[port];
+    for (size_t i = 0; i < port; i++) {
+        const struct orl_port *q = &world->ports[i];
+        if (orl_dot(p->outward, q->outward) == 1 && plane_of(world, p) == plane_of(world, q)) {
+            *ret_same = i;
+            return true;
+        }
+    }
+    return false;
+}
+
+bool orl_outdoors_look(const struct orl_world *world, bool *ret_clear)
+{
+    const double facets = (double)world->geometry->n_facets, most = most_looks;
+    double looks = 0;
+    for (size_t i = 0; i < world->n_ports; i++) {
+        size_t same;
+        looks += (double)i;
+        if (same_outside(world, i, &same)) {
+            ret_clear[i] = ret_clear[same];
+            continue;
+        }
+        looks += facets;
+        if (looks > most) {
+            for (size_t k = 0; k < world->n_ports; k++)
+                ret_clear[k] = false;
+            return false;
+        }
+        ret_clear[i] = is_clear(world, &world->ports[i]);
+    }
+    return true;
+}
+
+static double sent_back(const struct orl_material *m)
+{
+    const enum orl_lobes back = (enum orl_lobes)(ORL_LOBE_DIFFUSE | ORL_LOBE_REFLECTED);
+    double most = orl_material_shines(m) ? 1 : 0;
+    for (int side = 0; side < 2; side++) {
+        const struct orl_hit hit = {.normal = {0, 0, 1}, .front = side == 0};
+        const struct orl_vec3 from = orl_v3(0, 0.8660254037844386, side == 0 ? 0.5 : -0.5);
+        most = fmax(most, orl_rgb_max(orl_material_albedo(m, &hit, from, back)));
+    }
+    return most;
+}
+
+double orl_outdoors_reflectance(const struct orl_world *world)
+{
+    const struct orl_geometry *g = world->geometry;
+    double most = 0, looks = 0;
+    for (size_t p = 0; p < world->n_ports; p++) {
+        const struct orl_port *port = &world->ports[p];
+        const double plane = plane_of(world, port);
+        if (port->clear)
+            continue;
+        looks += (double)g->n_facets;
+        if (looks > most_looks)
+            return 1;
+        for (size_t i = 0; i < g->n_facets; i++)
+            if (reaches_beyond(g, i, port->outward, plane))
+                most = fmax(most, sent_back(&world->materials[g->facets[i].material]));
+    }
+    return most;
+}

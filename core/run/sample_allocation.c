@@ -1,0 +1,93 @@
+#include "run/sample_allocation.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "base/sum.h"
+
+enum { HALVINGS = 40 };
+
+/* Of all samples this part goes evenly. */
+static const double even_part = 0.2;
+
+/* Deviations of one sample, relative to what it is a sample of. */
+struct noise {
+    const struct orl_estimates *estimates;
+    double least; /* that values are divided by */
+    double mean;  /* over all; 0: nothing to share out by */
+};
+
+static double divisor(const struct noise *noise, size_t i)
+{
+    return fmax(fabs(noise->estimates->value[i]), noise->least);
+}
+
+static double noise_of(const struct noise *noise, size_t i)
+{
+    return sqrt(noise->estimates->noise[i]) / divisor(noise, i);
+}
+
+static struct noise look_at_noise(const struct orl_estimates *estimates)
+{
+    struct noise noise = {estimates, 0, 0};
+    struct orl_sum values = {0, 0}, sum = {0, 0};
+    for (size_t i = 0; i < estimates->count; i++)
+        orl_sum_add(&values, fabs(estimates->value[i]));
+    noise.least = estimates->floor * orl_sum_value(&values) / (double)estimates->count;
+    if (!(noise.least > 0))
+        return noise;
+    for (size_t i = 0; i < estimates->count; i++)
+        orl_sum_add(&sum, noise_of(&noise, i));
+    noise.mean = orl_sum_value(&sum) / (double)estimates->count;
+    noise.mean = isfinite(noise.mean) ? noise.mean : 0;
+    return noise;
+}
+
+/* Samples of one, over their mean. */
+static double share_of(const struct noise *noise, size_t i)
+{
+    return noise->mean > 0 ? even_part + (1 - even_part) * noise_of(noise, i) / noise->mean : 1;
+}
+
+/* Whether the bound is the target after a round of so many samples more; errors is room. */
+static bool would_do(const struct noise *noise, double more, double at, double target,
+                     double *errors)
+{
+    struct orl_estimates then = *noise->estimates;
+    const double weight = more / (then.samples + more);
+    for (size_t i = 0; i < then.count; i++) {
+        const double left = (1 - weight) * then.error[i];
+        const double added = weight * weight * then.noise[i] / (more * share_of(noise, i));
+        errors[i] = sqrt(left * left + added);
+    }
+    then.error = errors;
+    return orl_percentile_is_kept(&then, at, target);
+}
+
+double orl_allocation_work(const struct orl_estimates *estimates, double at, double target)
+{
+    const double most = 1e9; /* times the samples so far */
+    const struct noise noise = look_at_noise(estimates);
+    double low = 1e-3 * estimates->samples, high = most * estimates->samples;
+    if (!(noise.mean > 0) || orl_percentile_is_kept(estimates, at, target))
+        return 1;
+    double *errors = malloc(estimates->count * sizeof *errors);
+    if (!errors)
+        return NAN;
+    for (int i = 0; i < HALVINGS; i++) {
+        const double middle = sqrt(low * high);
+        if (would_do(&noise, middle, at, target, errors))
+            high = middle;
+        else
+            low = middle;
+    }
+    free(errors);
+    return 1 + high / estimates->samples;
+}
+
+void orl_allocate_samples(const struct orl_estimates *estimates, double mean, double *ret_samples)
+{
+    const struct noise noise = look_at_noise(estimates);
+    for (size_t i = 0; i < estimates->count; i++)
+        ret_samples[i] = mean * share_of(&noise, i);
+}

@@ -1,0 +1,100 @@
+/*
+ * Photons whose first surface keeps nothing: emitted by what that surface reflects, they leave on
+ * all others as much light as photons that are emitted by flux and kept everywhere, in fewer
+ * flights.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+
+#include <cmocka.h>
+
+#include "photon/batches.h"
+#include "photon/first_reflection.h"
+#include "photon/trace.h"
+#include "support/room.h"
+
+enum { EMISSIONS = 1 << 17 };
+
+/* A sun on a dark floor and a bright block; a lamp above. */
+#define LIGHTS                                                                                     \
+    "void light solar 0 0 3 1e6 1e6 1e6\n"                                                         \
+    "solar source a 0 0 4 0 -0.6 0.8 0.53\n"                                                       \
+    "void light bulb 0 0 3 900 900 900\n"                                                          \
+    "bulb sphere lamp 0 0 4 2 2 2.5 .05\n"
+#define INSIDE                                                                                     \
+    "void plastic dark 0 0 5 .1 .2 .1 0 0\n"                                                       \
+    "void plastic bright 0 0 5 .8 .8 .8 0 0\n"                                                     \
+    "dark polygon rug 0 0 12 .1 .1 .02 3.9 .1 .02 3.9 3.9 .02 .1 3.9 .02\n"                        \
+    "!genbox bright block .5 .5 .4 | xform -t 1.7 .4 .03\n"
+
+/* Of photons reflected before: flux an emission, its standard error, and how many. */
+struct harvest {
+    double flux, error, photons;
+};
+
+static struct harvest harvest_of(const struct orl_world *world, struct orl_crew *crew)
+{
+    struct orl_emission *emission = NULL;
+    struct orl_deposits deposits = {0};
+    struct orl_batches parts = {{0}};
+    struct harvest harvest = {0};
+    assert_int_equal(orl_emission_new(world, 1, crew, &emission, NULL), 0);
+    for (uint64_t first = 0; first < EMISSIONS; first += ORL_EMISSIONS_AT_ONCE) {
+        double points[ORL_EMISSIONS_AT_ONCE][ORL_SOBOL_DIMENSIONS];
+        struct orl_random randoms[ORL_EMISSIONS_AT_ONCE];
+        struct orl_flight flights[ORL_EMISSIONS_AT_ONCE];
+        bool flies[ORL_EMISSIONS_AT_ONCE];
+        for (size_t i = 0; i < ORL_EMISSIONS_AT_ONCE; i++) {
+            randoms[i] = orl_random_stream(7, ORL_PURPOSE_BENCH, first + i);
+            for (int d = 0; d < ORL_SOBOL_DIMENSIONS; d++)
+                points[i][d] = orl_random_uniform(&randoms[i]);
+        }
+        orl_emission_sample_many(emission, (const double(*)[ORL_SOBOL_DIMENSIONS])points,
+                                 ORL_EMISSIONS_AT_ONCE, false, randoms, &deposits.health, flights,
+                                 flies);
+        orl_trace_many(world, flights, flies, ORL_EMISSIONS_AT_ONCE, false, randoms, &deposits);
+    }
+    for (size_t i = 0; i < deposits.count; i++) {
+        const struct orl_photon *p = &deposits.photons[i];
+        const double flux =
+            orl_luma((struct orl_rgb){p->flux[0], p->flux[1], p->flux[2]}) / EMISSIONS;
+        if (p->tag != ORL_PHOTON_REST)
+            continue;
+        harvest.flux += flux;
+        harvest.photons += 1.0 / EMISSIONS;
+        parts.luma[p->batch] += flux;
+    }
+    harvest.error = sqrt(orl_batches_variance(&parts));
+    free(deposits.photons);
+    orl_emission_free(emission);
+    return harvest;
+}
+
+/* Batches of 8192 independent emissions: their scatter is that of the sum; four times that of both.
+ */
+static void test_same_light(void **state)
+{
+    struct orl_crew *crew = orl_crew_start(1);
+    struct orl_world *world =
+        scene_world(LIGHTS ROOM_GREY ROOM_CLEAR ROOM_SHELL ROOM_PANE INSIDE, NULL, NULL, crew);
+    (void)state;
+    const struct harvest all = harvest_of(world, crew);
+    world->omit.counted_light = true;
+    const struct harvest rest = harvest_of(world, crew);
+    print_message("flux %g +- %g and %g +- %g, photons an emission %.3f and %.3f\n", all.flux,
+                  all.error, rest.flux, rest.error, all.photons, rest.photons);
+    assert_true(all.flux > 0);
+    assert_true(fabs(all.flux - rest.flux) < 4 * hypot(all.error, rest.error));
+    assert_true(rest.photons > 1.3 * all.photons);
+    orl_world_free(world);
+    orl_crew_stop(crew);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_same_light)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

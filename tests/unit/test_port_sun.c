@@ -1,0 +1,86 @@
+/*
+ * Suns in ports: wherever on a pane a shadow ray is spared, it would have met nothing; and it is
+ * spared on most of the pane, where little stands in the way.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "photon/port_sun.h"
+#include "support/room.h"
+
+/* A frame before the pane, a block and a ball beyond, the ground; suns high, low and aslant. */
+#define SUNS                                                                                       \
+    "void light solar 0 0 3 1e6 1e6 1e6\n"                                                         \
+    "solar source a 0 0 4 0 -0.6 0.8 0.53\n"                                                       \
+    "solar source b 0 0 4 0.5 -0.8 0.1 0.53\n"                                                     \
+    "solar source c 0 0 4 -0.9 -0.3 0.5 2\n"                                                       \
+    "solar source d 0 0 4 0.99 -0.02 0.2 0.53\n"                                                   \
+    "solar source e 0 0 4 0 0.7 0.7 0.53\n"
+#define OUTSIDE                                                                                    \
+    "!genbox w sill 4 .2 .1 | xform -t 0 -.2 .9\n"                                                 \
+    "!genbox w awning 3 .8 .05 | xform -t .5 -.8 2.6\n"                                            \
+    "!genbox w house 3 3 6 | xform -t 4 -12 0\n"                                                   \
+    "w sphere ball 0 0 4 0.5 -3 1.5 .6\n"                                                          \
+    "w polygon ground 0 0 12 -50 -50 -.1 50 -50 -.1 50 50 -.1 -50 50 -.1\n"
+
+static struct orl_world *open_world(const char *text, struct orl_crew *crew)
+{
+    struct orl_world *world = scene_world(text, NULL, NULL, crew);
+    assert_true(world->n_ports > 0);
+    return world;
+}
+
+/* The share of the pane where rays are spared; what is spared is checked. */
+static double spared(const struct orl_world *world, const struct orl_stratum *stratum)
+{
+    enum { POINTS = 20000 };
+    const struct orl_geometry *g = world->geometry;
+    const struct orl_port *port = &world->ports[stratum->port];
+    struct orl_random random = orl_random_stream(stratum->sun, ORL_PURPOSE_BENCH, 0);
+    int n = 0;
+    for (int i = 0; i < POINTS && stratum->shades; i++) {
+        const double u[4] = {orl_random_uniform(&random), orl_random_uniform(&random),
+                             orl_random_uniform(&random), orl_random_uniform(&random)};
+        const struct orl_vec3 towards = orl_sun_sample(&world->suns[stratum->sun], u + 2);
+        struct orl_vec3 point, normal;
+        orl_facet_sample(g, port->facet, u, &point, &normal);
+        if (orl_may_be_shaded(stratum->shades, point))
+            continue;
+        n++;
+        assert_false(orl_geometry_occluded(
+            g, orl_facet_leave(g, port->facet, point, normal, port->outward), towards, INFINITY));
+    }
+    return (double)n / POINTS;
+}
+
+static void check(const char *text, double least_spared)
+{
+    struct orl_crew *crew = orl_crew_start(1);
+    struct orl_world *world = open_world(text, crew);
+    struct orl_emission *emission = NULL;
+    double best = 0;
+    assert_int_equal(orl_emission_new(world, 1, crew, &emission, NULL), 0);
+    for (size_t i = 0; i < emission->n_strata; i++)
+        if (emission->strata[i].kind == ORL_STRATUM_PORT_SUN)
+            best = fmax(best, spared(world, &emission->strata[i]));
+    assert_true(best > least_spared && best < 1);
+    orl_emission_free(emission);
+    orl_world_free(world);
+    orl_crew_stop(crew);
+}
+
+static void test_spared_rays_meet_nothing(void **state)
+{
+    (void)state;
+    check(SUNS ROOM_GREY ROOM_CLEAR ROOM_SHELL ROOM_PANE OUTSIDE, 0.3);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_spared_rays_meet_nothing)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
