@@ -117,8 +117,8 @@ static int forget_blob(struct orl_db *db, const char *sha, struct orl_error *err
 {
     static const char *const statements[] = {
         "DELETE FROM jobs WHERE document = ?",
-        "UPDATE jobs SET state = 'cancelled' WHERE state IN ('queued', 'running') AND scene IN "
-        "(SELECT scene FROM scene_files WHERE blob = ?)",
+        ("UPDATE jobs SET state = 'cancelled' WHERE state IN ('queued', 'running') AND scene IN "
+         "(SELECT scene FROM scene_files WHERE blob = ?)"),
         "DELETE FROM scenes WHERE id IN (SELECT scene FROM scene_files WHERE blob = ?)",
         "DELETE FROM bsdfs WHERE id = ?",
     };

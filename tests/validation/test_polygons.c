@@ -29,8 +29,8 @@ static const char *const walls[] = {
     "w polygon s 0 0 30 0 0 0 0 0 3 4 0 3 4 0 0 0 0 0 1 0 1 3 0 1 3 0 2.5 1 0 2.5 1 0 1\n",
     "w polygon s 0 0 30 0 0 0 0 0 3 4 0 3 4 0 0 0 0 0 1 0 1 1 0 2.5 3 0 2.5 3 0 1 1 0 1\n",
     /* the seam from another corner, with a corner on it; repeated corners, and a spike */
-    "w polygon s 0 0 45 0 0 0 0 0 3 0 0 3 4 0 3 3.5 0 2.75 3 0 2.5 3 0 1 1 0 1 1 0 2.5 3 0 2.5 "
-    "3.5 0 2.75 4 0 3 4 0 0 4 0 -1 4 0 0\n",
+    ("w polygon s 0 0 45 0 0 0 0 0 3 0 0 3 4 0 3 3.5 0 2.75 3 0 2.5 3 0 1 1 0 1 1 0 2.5 3 0 2.5 "
+     "3.5 0 2.75 4 0 3 4 0 0 4 0 -1 4 0 0\n"),
 };
 
 static void light_of(const char *wall, enum orl_technique technique, double ret_lx[ROOM_SENSORS])
