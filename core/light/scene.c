@@ -99,7 +99,7 @@ static uint64_t bsdf_bytes(const struct orl_description *d)
         if (d->materials[i].bsdf)
             found[count++] = d->materials[i].bsdf;
     if (count > 0)
-        qsort(found, count, sizeof *found, by_address);
+        qsort(found, count, sizeof(struct orl_bsdf *), by_address);
     for (size_t i = 0; i < count; i++)
         if (i == 0 || found[i] != found[i - 1]) {
             orl_bsdf_describe(found[i], &info);
@@ -111,9 +111,10 @@ static uint64_t bsdf_bytes(const struct orl_description *d)
 
 uint64_t orl_scene_bytes(const struct orl_scene *scene)
 {
-    const struct orl_geometry *const parts[] = {scene->geometry, scene->seen, scene->proxies};
+    enum { PARTS = 3 };
+    const struct orl_geometry *const parts[PARTS] = {scene->geometry, scene->seen, scene->proxies};
     uint64_t bytes = sizeof *scene + scene->description.n_materials * sizeof(struct orl_material);
-    for (size_t i = 0; i < sizeof parts / sizeof *parts; i++)
+    for (size_t i = 0; i < PARTS; i++)
         if (parts[i])
             bytes += parts[i]->n_triangles * (uint64_t)BYTES_A_TRIANGLE +
                      parts[i]->n_facets * (uint64_t)BYTES_A_FACET;
