@@ -31,7 +31,8 @@ struct orl_connection {
     double held_s; /* since when it waits for us; 0: it does not */
     /* What the last sweep found: of the body received, and of the connection read. */
     uint64_t swept, swept_taken;
-    bool stuck; /* ... and that there was no getting on */
+    bool stuck;    /* ... and that there was no getting on */
+    uint64_t left; /* what the last look found read of the connection, with more to read; 0: no */
     double idle_s;
     struct orl_connection *next, *before;
 };
@@ -202,6 +203,20 @@ static void note_end(const struct orl_connection *one)
         shutdown(one->fd, SHUT_RD);
 }
 
+/* How much has been read of the connection, and how much has come besides? */
+static bool count_read(const struct orl_connection *one, uint64_t *ret_taken, uint64_t *ret_unread)
+{
+    struct tcp_info info = {0};
+    socklen_t size = sizeof info;
+    int unread = 0;
+    if (getsockopt(one->fd, IPPROTO_TCP, TCP_INFO, &info, &size) != 0 ||
+        ioctl(one->fd, SIOCINQ, &unread) != 0)
+        return false;
+    *ret_taken = (uint64_t)info.tcpi_bytes_received - (uint64_t)unread;
+    *ret_unread = (uint64_t)unread;
+    return true;
+}
+
 /*
  * Does the client send and send, and none of it is body? Between two sweeps that found the same
  * amount of body, bytes lie unread although nothing keeps them, or more were read than any chunk's
@@ -210,13 +225,9 @@ static void note_end(const struct orl_connection *one)
 static bool is_stuck(struct orl_connection *one)
 {
     enum { LINE = 256 };
-    struct tcp_info info = {0};
-    socklen_t size = sizeof info;
-    int unread = 0;
-    if (getsockopt(one->fd, IPPROTO_TCP, TCP_INFO, &info, &size) != 0 ||
-        ioctl(one->fd, SIOCINQ, &unread) != 0)
+    uint64_t taken, unread;
+    if (!count_read(one, &taken, &unread))
         return false;
-    const uint64_t taken = (uint64_t)info.tcpi_bytes_received - (uint64_t)unread;
     const bool got_on = one->received != one->swept || one->swept_taken == UINT64_MAX;
     if (got_on)
         one->swept_taken = taken;
@@ -232,6 +243,31 @@ static void cut(struct orl_connections *all, struct orl_connection *one)
     shutdown(one->fd, SHUT_RDWR);
     one->awaited = AWAITS_NOTHING;
     all->cut++;
+}
+
+/* Whoever libmicrohttpd does not read, though it had every reason to between two looks. */
+static void look_at(struct orl_connections *all, struct orl_connection *one)
+{
+    uint64_t taken = 0, unread = 0;
+    if (one->awaited != AWAITS_BODY || one->held_s > 0 || !count_read(one, &taken, &unread) ||
+        unread == 0) {
+        one->left = 0;
+        return;
+    }
+    if (one->left > 0 && one->left == taken)
+        cut(all, one);
+    one->left = taken;
+}
+
+void orl_connections_look(struct orl_connections *all)
+{
+    static const double every_s = 0.01;
+    const double now_s = orl_time_steady_s();
+    if (now_s - all->looked_s < every_s)
+        return;
+    all->looked_s = now_s;
+    for (struct orl_connection *one = all->first; one; one = one->next)
+        look_at(all, one);
 }
 
 void orl_connections_sweep(struct orl_connections *all)

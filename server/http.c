@@ -65,6 +65,8 @@ void orl_http_kick(struct orl_http_server *http)
         more = timed && timeout_ms == 0;
     }
     http->running = false;
+    if (more)
+        orl_connections_look(&http->connections);
     /* Never 0: libuv runs timers that are due until there are none, and this one would be due again
      * from within its own callback. Nothing else on the loop would have its turn. */
     if (timed)

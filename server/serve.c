@@ -228,13 +228,16 @@ enum MHD_Result orl_serve_go_on(void *ctx, struct MHD_Connection *connection, co
                                 size_t *data_size, void **handle)
 {
     struct orl_request *request = *handle;
-    (void)ctx, (void)connection;
+    (void)ctx;
     if (!request)
         return MHD_NO; /* there was no memory for it */
     if (!request->opened) {
         note_headers(request, url, method, version);
         /* Without a body it can wait for the next call, which lets the connection live on. */
-        return request->response && answer_at_once(request) ? send_response(request) : MHD_YES;
+        if (!request->response || !answer_at_once(request))
+            return MHD_YES;
+        orl_connection_body(connection); /* what comes of it is not read */
+        return send_response(request);
     }
     if (*data_size > 0)
         return take_data(request, data, data_size);

@@ -180,6 +180,36 @@ static void test_endless_chunk_lines(void **state)
     daemon_remove(&daemon);
 }
 
+/* Until all have been cut off, the loop would do nothing but read them again: that is not left to
+ * the sweeps, of which it takes three. */
+static void test_endless_chunk_lines_go_at_once(void **state)
+{
+    enum { TIMES = 5, ROUNDS = 2000 };
+    static const char head[] = "GET /healthz HTTP/1.1\r\nHost: localhost\r\n"
+                               "Transfer-Encoding: chunked\r\n\r\n1;";
+    const struct timespec moment = {0, 10000000};
+    const char *const patient[] = {"--idle-timeout", "3600", NULL};
+    static char line[100000];
+    struct daemon daemon;
+    int soonest = ROUNDS;
+    (void)state;
+    memset(line, 'x', sizeof line);
+    daemon_start(&daemon, patient);
+    for (int i = 0; i < TIMES; i++) {
+        const int fd = daemon_dial(&daemon);
+        int round = 0;
+        say(fd, head);
+        (void)!send(fd, line, sizeof line, MSG_NOSIGNAL | MSG_DONTWAIT);
+        for (; round < ROUNDS && !is_closed(fd); round++)
+            nanosleep(&moment, NULL);
+        soonest = round < soonest ? round : soonest;
+        close(fd);
+    }
+    if (soonest > 60)
+        fail_msg("the soonest was cut off after %d ms", 10 * soonest);
+    daemon_remove(&daemon);
+}
+
 /* Until it is killed: requests on so many connections, as fast as they are answered. */
 static void flood(const struct daemon *daemon)
 {
@@ -274,6 +304,7 @@ int main(void)
         cmocka_unit_test(test_slow_clients),
         cmocka_unit_test(test_patience),
         cmocka_unit_test(test_endless_chunk_lines),
+        cmocka_unit_test(test_endless_chunk_lines_go_at_once),
         cmocka_unit_test(test_floods_leave_turns_to_others),
         cmocka_unit_test(test_headers_are_bounded),
         cmocka_unit_test(test_one_address_has_its_share),
