@@ -239,7 +239,8 @@ static void look_closer(struct making *m, uint32_t stratum)
     for (uint32_t part = 0; part < parts; part++) {
         if (part == first)
             continue;
-        const double down = (part / side + orl_random_uniform(m->random)) / side;
+        const uint32_t row = part / side;
+        const double down = (row + orl_random_uniform(m->random)) / side;
         send(m, stratum, down, (part % side + orl_random_uniform(m->random)) / side, NULL, &w[n++]);
     }
     double luma = orl_luma(strand->radiance), squares = luma * luma,
