@@ -23,6 +23,9 @@ struct orl_air;
 /* Whether anything sends such light on in that world, as it is simulated. */
 bool orl_air_may_be_lit(const struct orl_world *world);
 
+/* Whether all such light is of suns by flat mirrors, so that their images tell it exactly. */
+bool orl_air_is_by_images(const struct orl_world *world);
+
 /* For so many sensors. *ret_air is NULL where nothing can send such light on. Returns 0 or
  * ORL_ERR_NOMEM. */
 int orl_air_new(const struct orl_gather *gather, size_t sensors, struct orl_air **ret_air);

@@ -58,3 +58,12 @@ bool orl_air_may_be_lit(const struct orl_world *world)
 {
     return !(world->omit.mirror_caustics && world->omit.lobe_caustics) && may_send_on(world);
 }
+
+bool orl_air_is_by_images(const struct orl_world *world)
+{
+    const struct orl_geometry *g = world->geometry;
+    for (size_t i = 0; i < g->n_facets; i++)
+        if (orl_material_has_lobes(&world->materials[g->facets[i].material]))
+            return false;
+    return !may_send_on(world);
+}

@@ -95,7 +95,7 @@ struct orl_place {
     struct orl_vec3 point;  /* on or off a surface, clear of it */
     struct orl_vec3 normal; /* unit */
     bool outside;
-    bool in_air;  /* off any surface: no photon lands there */
+    bool in_air;  /* off any surface: no photon lands there, or images tell better */
     bool proxied; /* on a surface that a BSDF stands for: lit as views see it; then outside too */
 };
 
@@ -219,16 +219,16 @@ struct orl_place orl_gather_place(const struct orl_gather *gather, struct orl_ve
 bool orl_gather_catches(const struct orl_gather *gather, const struct orl_place *place);
 
 /*
- * Irradiance of a sensor: all three parts. A sensor on a surface reads caustics by density. In
- * mid-air, where no photon lands, it takes the sun by points on panes with lobes and by the sun's
+ * Irradiance of a sensor: all three parts. A sensor on a surface reads caustics by density; where
+ * the bias of that would show and suns' images tell all of them, its place is as if in mid-air.
+ * There, where no photon lands, it takes the sun by points on panes with lobes and by the sun's
  * images in flat mirrors; all other caustics are to be added by air.h. Where the global map shows
  * small patches of much light some more rays are aimed at them (bright.h). The standard error is
  * that of the photons, by their batches, and of the rays, by a few groups of them; what single rays
  * see of the photons' scatter is in both, so that it is on the high side where rays are fewer than
  * leaves.
  */
-struct orl_estimate orl_gather_sensor(const struct orl_gather *gather,
-                                      const struct orl_place *place,
+struct orl_estimate orl_gather_sensor(const struct orl_gather *gather, struct orl_place *place,
                                       const struct orl_footing *footing, uint32_t samples,
                                       uint64_t index, struct orl_search *search);
 

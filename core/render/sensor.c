@@ -1,3 +1,4 @@
+#include "render/air.h"
 #include "render/gather.h"
 #include "scene/hemisphere.h"
 #include "scene/stand.h"
@@ -5,7 +6,10 @@
 /* Rays fall into groups, each with sequences of its own: their spread tells the error. */
 enum { GROUPS = 16, PANE_POINTS = 64, SUN_RAYS = 16, GRAZING_SUN_RAYS = 128 }; /* of each */
 enum { HEMISPHERES = 4, SHARE_AIMED = 16 }; /* of rays: one such part is aimed */
-static const double grazing_discs = 2;      /* a sun within so many radii of the sensor's plane */
+/* A bias of caustics is small beside so much of the rest's error, or of all light: of the light
+ * less than scatter would be, for it is told to a half of itself. */
+static const double beside_rest = 0.5, beside_light = 0.002;
+static const double grazing_discs = 2; /* a sun within so many radii of the sensor's plane */
 
 /* Names of sequences: no two of any seeds are alike. */
 enum { OF_DIRECT, OF_HEMISPHERE, OF_PANES, OF_AIMED = 1 << 30 };
@@ -216,12 +220,22 @@ struct orl_place orl_gather_place(const struct orl_gather *gather, struct orl_ve
     return place;
 }
 
-struct orl_estimate orl_gather_sensor(const struct orl_gather *gather,
-                                      const struct orl_place *place,
+/* Whether the density's bias shows, and there is a better way: suns' images in flat mirrors tell
+ * all that there is. Outside rays find it. */
+static bool is_blurred(const struct orl_world *world, const struct orl_place *place,
+                       const struct orl_density *caustic, const struct orl_estimate *rest)
+{
+    const double light = orl_luma(rest->value) + orl_luma(caustic->irradiance);
+    return !place->in_air && !place->outside &&
+           fabs(caustic->bias) > fmax(beside_rest * rest->standard_error, beside_light * light) &&
+           orl_air_is_by_images(world);
+}
+
+struct orl_estimate orl_gather_sensor(const struct orl_gather *gather, struct orl_place *place,
                                       const struct orl_footing *footing, uint32_t samples,
                                       uint64_t index, struct orl_search *search)
 {
-    const struct orl_density none = {.found = 0};
+    static const struct orl_density none = {.found = 0};
     struct orl_density rest = none, caustic = none;
     const int kind_of_rest =
         gather->rest == ORL_REST_RECORDS ? ORL_MAP_PRECOMPUTED : ORL_MAP_GLOBAL;
@@ -230,14 +244,21 @@ struct orl_estimate orl_gather_sensor(const struct orl_gather *gather,
         caustic = orl_gather_caustic_with_bias(gather, footing, search);
     if (!place->in_air && !place->outside)
         rest = orl_gather_rest(gather, footing, search);
-    struct orl_estimate sum = sample_lights(gather, place, index, &search->health);
-    if (rest.found == 0)
-        sum = orl_estimate_add(sum, gather_evenly(gather, place, samples, index, search, &tally));
-    for (int kind = 0; kind < ORL_MAP_KINDS; kind++) {
-        const struct orl_density *there = kind == ORL_MAP_CAUSTIC ? &caustic
-                                          : kind == kind_of_rest  ? &rest
-                                                                  : &none;
-        sum = orl_estimate_add(sum, estimate_by_map(there, &tally.parts[kind], &search->health));
+    struct orl_estimate lights = sample_lights(gather, place, index, &search->health);
+    struct orl_estimate sum = estimate_by_map(&rest, &tally.parts[kind_of_rest], &search->health);
+    if (rest.found == 0) {
+        const struct orl_estimate seen =
+            gather_evenly(gather, place, samples, index, search, &tally);
+        sum = estimate_by_map(&none, &tally.parts[kind_of_rest], &search->health);
+        sum = orl_estimate_add(sum, seen);
     }
-    return sum;
+    const struct orl_estimate all = orl_estimate_add(sum, lights);
+    if (is_blurred(gather->world, place, &caustic, &all)) {
+        place->in_air = true;
+        caustic = none;
+        lights = sample_lights(gather, place, index, &search->health);
+    }
+    sum = orl_estimate_add(sum, lights);
+    return orl_estimate_add(
+        sum, estimate_by_map(&caustic, &tally.parts[ORL_MAP_CAUSTIC], &search->health));
 }

@@ -26,7 +26,7 @@ static void compute_sensor(void *ctx, size_t index, uint32_t member)
     const struct orl_sensor *sensor = &state->sensors[index];
     const uint32_t samples = orl_run_sensor_samples(state, index);
     struct orl_footing footing;
-    const struct orl_place place =
+    struct orl_place place =
         orl_gather_place(&work->gather, orl_sub(sensor->position, state->world->geometry->center),
                          orl_normalize(sensor->direction), &footing);
     const struct orl_estimate e = orl_gather_sensor(&work->gather, &place, &footing, samples, index,

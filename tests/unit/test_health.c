@@ -157,7 +157,7 @@ static void test_gather(void **state)
     assert_int_equal(
         orl_gather_init(&gather, world, ORL_REST_GATHERED, maps, NULL, 1, NULL, search), 0);
     gather.near = INFINITY; /* all that is seen is lit again, and its albedo used */
-    const struct orl_place place = orl_gather_place(
+    struct orl_place place = orl_gather_place(
         &gather, orl_sub(orl_v3(2, 2, 0.5), world->geometry->center), orl_v3(0, 0, 1), &footing);
     const double whole =
         orl_luma(orl_gather_sensor(&gather, &place, &footing, 1024, 0, search).value);

@@ -174,6 +174,35 @@ static void the_sun_comes_down_a_shaft(void **state)
     }
 }
 
+/* ---- On a surface with few photons ----------------------------------------------------------- */
+
+/* A strip of mirror a tenth of a metre wide throws the sun onto the floor, where a disc of photons
+ * is wider than its light; straight, or by a mirror far off, when the strip's back shades it. */
+#define STRIP                                                                                      \
+    DARK "w polygon floor 0 0 12 -5 -5 0 5 -5 0 5 5 0 -5 5 0\n"                                    \
+         "void mirror m 0 0 3 .9 .9 .9\n"                                                          \
+         "m polygon strip 0 0 12 2 -.05 1 2 -.05 3 2 .05 3 2 .05 1\n"
+
+static void a_narrow_gleam_on_a_floor_is_caught(void **state)
+{
+    static const char *const scenes[] = {LIGHT "l source sun 0 0 4 -1 0 1 .533\n" STRIP, LIGHT
+                                         "l source sun 0 0 4 1 0 1 .533\n" STRIP
+                                         "m polygon far 0 0 12 -3 -1 5 -3 1 5 -3 1 9 -3 -1 9\n"};
+    static const double shares[] = {1 + 0.9, 0.9 * 0.9};
+    static const struct orl_sensor sensors[] = {{{0, 0, 0}, {0, 0, 1}}};
+    (void)state;
+    for (int i = 0; i < 2; i++) {
+        struct orl_result result = scene_run(&(struct scene_run){.scene = scenes[i],
+                                                                 .sensors = sensors,
+                                                                 .n_sensors = 1,
+                                                                 .global = 1000000,
+                                                                 .caustic = ORL_PHOTONS_BY_PLAN,
+                                                                 .samples = 256});
+        assert_near(&result, 0, shares[i] * sun_w() * sqrt(0.5), 0.2);
+        orl_result_done(&result);
+    }
+}
+
 /* ---- Lamps ----------------------------------------------------------------------------------- */
 
 /* A lamp of a tenth of a square metre, and a mirror at x = 2 in which it stands at x = 4. */
@@ -320,6 +349,7 @@ int main(void)
     static const struct CMUnitTest tests[] = {
         cmocka_unit_test(two_panes_scatter_one_after_the_other),
         cmocka_unit_test(the_sun_comes_down_a_shaft),
+        cmocka_unit_test(a_narrow_gleam_on_a_floor_is_caught),
         cmocka_unit_test(a_lamp_is_seen_in_a_mirror),
         cmocka_unit_test(the_sun_glances_off_rough_metal),
         cmocka_unit_test(a_canopy_outside_counts_once),
