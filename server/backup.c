@@ -171,6 +171,7 @@ static int copy_all(struct copy *copy, const char *db_path, struct orl_error *er
         rc = orl_db_exec(&db, "DELETE FROM maps", err);
     if (rc == 0)
         rc = orl_kept_files(&db, visit, copy, err);
+    copy->db = NULL;
     orl_db_close(&db);
     return rc;
 }

@@ -11,6 +11,7 @@
 #include "job_runs.h"
 #include "job_share.h"
 #include "kept_parts.h"
+#include "limits.h"
 #include "times.h"
 
 /* ---- Submitting, cancelling, stopping ------------------------------------------------------- */

@@ -99,13 +99,17 @@ static uint64_t read_available(void)
 uint64_t orl_memory_resident(void)
 {
     char text[128] = "";
-    unsigned long pages[3] = {0};
+    unsigned long pages[3] = {0}; /* all, resident, shared */
     FILE *statm = fopen("/proc/self/statm", "re");
     const char *line = statm ? fgets(text, sizeof text, statm) : NULL;
     if (statm)
         fclose(statm);
-    if (!line || sscanf(line, "%lu %lu %lu", &pages[0], &pages[1], &pages[2]) != 3 ||
-        pages[1] < pages[2])
+    if (!line)
+        return 0;
+    char *at = text;
+    for (int i = 0; i < 3; i++)
+        pages[i] = strtoul(at, &at, 10);
+    if (pages[1] < pages[2])
         return 0;
     return (uint64_t)(pages[1] - pages[2]) * (uint64_t)sysconf(_SC_PAGESIZE);
 }

@@ -6,6 +6,7 @@
 
 #include "job_bounds.h"
 #include "kept_parts.h"
+#include "limits.h"
 #include "notify.h"
 #include "pool.h"
 #include "scrub.h"

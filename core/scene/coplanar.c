@@ -177,7 +177,7 @@ static bool look(struct search *t, const struct flat *a, const struct flat *b)
         return true;
     if (s->kind == ORL_SURFACE_POLYGON && other->kind == ORL_SURFACE_POLYGON) {
         const struct orl_outline first = outline_of(s), second = outline_of(other);
-        *t->looks += (first.n + second.n) * 4;
+        *t->looks += 4 * ((uint64_t)first.n + second.n);
         if (orl_outlines_apart(&first, &second, tolerance))
             return true;
     }

@@ -232,7 +232,7 @@ static int listen_to(struct talk *t)
 {
     char *packet = malloc(ORL_FRAME_BYTES + 2);
     int rc = packet ? 0 : orl_error_set(t->err, ORL_ERR_NOMEM, "out of memory");
-    while (rc == 0 && !t->ended) {
+    while (packet && rc == 0 && !t->ended) {
         rc = wait_for(t, POLLIN);
         if (rc)
             break;
