@@ -22,7 +22,7 @@ struct orl_http_server;
 struct orl_server;
 
 /* Listens on address (port 0: a free one). Borrows server, for the callbacks of
- * request.h. Speaks TLS when its settings name a certificate. */
+ * serve.h. Speaks TLS when its settings name a certificate. */
 int orl_http_start(struct orl_server *server, const struct sockaddr *address,
                    struct orl_http_server **ret_http, struct orl_error *err);
 /* Connections open now; those cut off for slowness, ever. */

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/grow.h"
 #include "scene/sweep_order.h"
 
 enum { FIRST = 1, NONE = -1 }; /* the others' layers are the bits above */
@@ -141,14 +142,8 @@ static int32_t unused_from(const struct border *border, uint32_t node)
 
 static bool add_vertex(struct orl_overlap *o, struct orl_vec3 place)
 {
-    if (o->n == o->vertices_room) {
-        const size_t room = 2 * o->vertices_room + 64;
-        struct orl_vec3 *grown = realloc(o->vertices, room * sizeof *grown);
-        if (!grown)
-            return false;
-        o->vertices = grown;
-        o->vertices_room = room;
-    }
+    if (!orl_grow(&o->vertices, &o->vertices_room, o->n, sizeof *o->vertices))
+        return false;
     o->vertices[o->n++] = place;
     return true;
 }

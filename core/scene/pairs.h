@@ -7,7 +7,8 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
-#include <stdlib.h>
+
+#include "base/grow.h"
 
 struct orl_pair {
     uint32_t a, b;
@@ -22,15 +23,8 @@ struct orl_pairs {
 /* False when out of memory. */
 static inline bool orl_pairs_add(struct orl_pairs *pairs, uint32_t a, uint32_t b)
 {
-    if (pairs->n == pairs->room) {
-        const size_t room = 2 * pairs->room + 16;
-        struct orl_pair *grown = realloc(pairs->items, room * sizeof *grown);
-        if (!grown)
-            return false;
-        pairs->items = grown;
-        /* The items are freed by whoever has the pairs, where the analyzer does not see it. */
-        pairs->room = room; // NOLINT(clang-analyzer-unix.Malloc)
-    }
+    if (!orl_grow(&pairs->items, &pairs->room, pairs->n, sizeof *pairs->items))
+        return false;
     pairs->items[pairs->n++] = (struct orl_pair){a, b};
     return true;
 }

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/grow.h"
 #include "study/series.h"
 
 bool orl_box_meets(const struct orl_chart_box *a, const struct orl_chart_box *b)
@@ -38,14 +39,8 @@ struct orl_chart_text *orl_chart_add(struct orl_chart *chart, cairo_t *cairo,
 {
     cairo_text_extents_t extents;
     cairo_font_extents_t font;
-    if (chart->n_texts == chart->capacity) {
-        const size_t capacity = 2 * chart->capacity + 64;
-        struct orl_chart_text *grown = realloc(chart->texts, capacity * sizeof *grown);
-        if (!grown)
-            return NULL;
-        chart->texts = grown;
-        chart->capacity = capacity;
-    }
+    if (!orl_grow(&chart->texts, &chart->capacity, chart->n_texts, sizeof *chart->texts))
+        return NULL;
     struct orl_chart_text *t = &chart->texts[chart->n_texts++];
     *t = (struct orl_chart_text){.role = role};
     snprintf(t->text, sizeof t->text, "%s", text);
