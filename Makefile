@@ -30,14 +30,14 @@ CFLAGS   ?=
 ALL_CFLAGS = $(STD) $(WARNINGS) $(WERROR) $(OPT_$(MODE)) $(CFLAGS) -pthread
 ALL_LDFLAGS = $(OPT_$(MODE)) $(LDFLAGS) -pthread
 
-# Embree 3 on Debian 12, 4 on later releases; core/scene/embree.c serves both.
+# Embree 3 on Debian 12, 4 on later releases; core/scene/geometry/embree.c serves both.
 EMBREE_LIB := $(if $(wildcard /usr/include/embree4/rtcore.h),-lembree4,-lembree3)
 CORE_LIBS   := $(EMBREE_LIB) -lexpat -lpng -lcairo -lsodium -lm
 API_LIBS    := -ljansson
 SERVER_LIBS := -lmicrohttpd -lgnutls -luv -lsqlite3 -larchive $(API_LIBS)
 CLIENT_LIBS := -lcurl $(API_LIBS)
 
-CORE_SRC   := $(sort $(wildcard core/*/*.c))
+CORE_SRC   := $(sort $(wildcard core/*/*.c core/*/*/*.c))
 API_SRC    := $(sort $(wildcard api/*.c))
 SERVER_SRC := $(sort $(wildcard server/*.c server/*/*.c))
 CLIENT_SRC := $(sort $(wildcard client/*.c))

@@ -4,9 +4,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/arena.h"
 #include "light/sky.h"
-#include "scene/arena.h"
-#include "scene/generate.h"
+#include "scene/generate/generate.h"
 
 /* ---- The words of the command that would give the same sky ---- */
 

@@ -28,7 +28,7 @@
 #include <oriel/error.h>
 #include <oriel/vec.h>
 
-#include "scene/geometry.h"
+#include "scene/geometry/geometry.h"
 
 struct orl_world;
 

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 
 #include "base/random.h"
-#include "scene/hemisphere.h"
+#include "scene/material/hemisphere.h"
 
 /*
  * A window is a port when rays leaving one of its faces, with everything taken as opaque, reach

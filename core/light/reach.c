@@ -3,7 +3,7 @@
 #include <stdatomic.h>
 
 #include "base/random.h"
-#include "scene/hemisphere.h"
+#include "scene/material/hemisphere.h"
 
 enum { MOST_BOUNCES = 64, CHUNK = 64 };
 

@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "light/proxies.h"
-#include "scene/coincident.h"
+#include "scene/geometry/coincident.h"
 
 /*
  * Of a triangle and a facet, with their share of the hierarchy. With the surfaces themselves this

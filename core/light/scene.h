@@ -13,8 +13,8 @@
 
 #include <oriel/crew.h>
 
-#include "scene/geometry.h"
-#include "scene/scatter.h"
+#include "scene/geometry/geometry.h"
+#include "scene/material/scatter.h"
 
 enum { ORL_NO_PORT = -1 };
 

@@ -7,7 +7,7 @@
 
 #include <oriel/limits.h>
 
-#include "scene/number.h"
+#include "base/number.h"
 
 /* A piece of the file: a line, or a field of one. */
 struct span {

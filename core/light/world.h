@@ -4,8 +4,8 @@
  *
  * Inside and outside. A photon port is a window (glass or BSDF) one face of which sees the outside.
  * Light is split by the first time it crosses a port inwards: what crosses is emitted from the
- * ports (photon/emit.h), carrying whatever radiance really arrives there; what never crosses is
- * emitted from the lights themselves, and only when the scene has openings ("open"). In a sealed
+ * ports (photon/flight/emit.h), carrying whatever radiance really arrives there; what never crosses
+ * is emitted from the lights themselves, and only when the scene has openings ("open"). In a sealed
  * scene (not open) photons therefore land inside only, and surfaces outside are evaluated by paths
  * (exterior.h) instead of by density.
  */

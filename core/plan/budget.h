@@ -1,6 +1,6 @@
 /*
  * How many caustic photons a job is to have when it does not say, from what a pilot says of them
- * (photon/worth.h); and what the photons of a plan will take.
+ * (photon/shooting/worth.h); and what the photons of a plan will take.
  *
  * Their worth is their share of the light times their contrast where they land. From a twentieth on
  * they are as many as the global ones; below that fewer, in proportion, since noise and blur of
@@ -15,7 +15,7 @@
 
 #include <oriel/run.h>
 
-#include "photon/worth.h"
+#include "photon/shooting/worth.h"
 
 /* So few are not worth a pilot. */
 enum { ORL_FEW_PHOTONS = 5000 };

@@ -4,8 +4,8 @@
 
 #include "base/random.h"
 #include "light/sky.h"
-#include "render/view.h"
-#include "scene/stand.h"
+#include "render/film/view.h"
+#include "scene/geometry/stand.h"
 
 enum { SKY_ROWS = 64, SKY_COLUMNS = 128, TIMED_RAYS = 2048, MOST_SENSORS_LOOKED_AT = 4096 };
 static const double most_tolerance_lx = 0.01, tolerance_of_all = 1e-6;

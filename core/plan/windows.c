@@ -6,7 +6,7 @@
 #include "light/exterior.h"
 #include "plan/decide.h"
 #include "plan/outdoors.h"
-#include "scene/hemisphere.h"
+#include "scene/material/hemisphere.h"
 
 enum { REACH_PATHS = 2048, REACH_BOUNCES = 8, PILOT_PATHS = 2048 };
 

@@ -4,7 +4,7 @@
  */
 #include <stdlib.h>
 
-#include "render/backward.h"
+#include "render/backward/backward.h"
 #include "run/stages.h"
 
 static void photon_progress(void *ctx, double fraction)

@@ -10,7 +10,7 @@
 #define ORL_RUN_BSDFS_H
 
 #include "run/stages.h"
-#include "scene/sources.h"
+#include "scene/parse/sources.h"
 
 /* Borrows the state, which must outlive it. */
 struct orl_bsdf_loader orl_run_bsdf_loader(struct orl_run_state *state);

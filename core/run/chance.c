@@ -3,14 +3,14 @@
  * lens or of mirrors that face very many ways is met by one path of a hundred thousand: with fewer
  * samples the value lacks that light, and its error, which is of what was found, does not know.
  * Photons find it easily. So where the plan says that there are such ways, photons fly by the
- * sensors (render/air.h), and those that lack more than their intervals allow for are told of; for
- * views, how much of the light it is.
+ * sensors (render/gather/air.h), and those that lack more than their intervals allow for are told
+ * of; for views, how much of the light it is.
  */
 #include <math.h>
 
 #include "base/random.h"
-#include "photon/worth.h"
-#include "render/air.h"
+#include "photon/shooting/worth.h"
+#include "render/gather/air.h"
 #include "run/stages.h"
 
 /* Tells their numbers from those of maps. */

@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "light/scene.h"
-#include "scene/parse.h"
+#include "scene/parse/parse.h"
 
 static int copy_references(const struct orl_scene *scene, struct orl_scene_summary *summary)
 {

@@ -7,7 +7,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "photon/map.h"
+#include "photon/map/map.h"
 
 static int map_path(const struct orl_folder_store *state, const char *kind, const char *key,
                     const char *suffix, char ret_path[4096], struct orl_error *err)

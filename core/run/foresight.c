@@ -1,6 +1,6 @@
 #include <math.h>
 
-#include "render/air.h"
+#include "render/gather/air.h"
 #include "run/stages.h"
 
 /* Rough costs, microseconds on one core: a photon traced, one indexed, a gather ray, what one reads

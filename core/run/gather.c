@@ -7,8 +7,8 @@
 
 #include "base/random.h"
 #include "base/shelf.h"
-#include "render/air.h"
-#include "render/image.h"
+#include "render/gather/air.h"
+#include "render/image/image.h"
 
 /* Tells their numbers from those of maps. */
 static const uint64_t photons_in_air = 0x616972;

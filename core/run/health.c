@@ -4,7 +4,7 @@
 
 #include "light/reach.h"
 #include "run/stages.h"
-#include "scene/stand.h"
+#include "scene/geometry/stand.h"
 
 enum { OUTLOOK_PATHS = 16384, VIEW_PATHS = 2048, VIEW_PROBES = 64 };
 

@@ -8,7 +8,7 @@
 #include <oriel/limits.h>
 
 #include "light/daylight.h"
-#include "render/view.h"
+#include "render/film/view.h"
 #include "run/stages.h"
 
 void orl_sky_request_init(struct orl_sky_request *request)

@@ -2,7 +2,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "photon/records.h"
+#include "photon/density/records.h"
 #include "run/map_keys.h"
 
 /* One photon of so many emissions, and so many of these, are worth a word. */

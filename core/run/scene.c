@@ -6,7 +6,7 @@
 
 #include "base/shelf.h"
 #include "run/bsdfs.h"
-#include "scene/parse.h"
+#include "scene/parse/parse.h"
 
 /* ---- The shelf ------------------------------------------------------------------------------- */
 

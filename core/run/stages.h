@@ -6,9 +6,9 @@
 
 #include <oriel/run.h>
 
-#include "photon/emit.h"
-#include "render/gather.h"
-#include "render/paint.h"
+#include "photon/flight/emit.h"
+#include "render/gather/gather.h"
+#include "render/image/paint.h"
 
 /* A round of sensors by backward: their samples go on where those of earlier rounds ended. */
 struct orl_sensor_round {

@@ -2,7 +2,7 @@
 
 #include <oriel/run.h>
 
-#include "photon/map.h"
+#include "photon/map/map.h"
 
 int orl_map_verify(const char *kind, const char *path, struct orl_error *err)
 {

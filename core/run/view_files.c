@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "render/error_map.h"
+#include "render/film/error_map.h"
 #include "run/stages.h"
 
 typedef int (*file_writer)(const struct orl_film *film, const struct orl_view *view,

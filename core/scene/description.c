@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "scene/arena.h"
+#include "base/arena.h"
 
 void orl_description_warn(struct orl_description *description, const char *text)
 {

@@ -1,7 +1,7 @@
 /* A study's points as comma-separated values. */
 #include <math.h>
 
-#include "render/file.h"
+#include "base/file.h"
 #include "study/plot.h"
 
 static void write_names(FILE *stream)

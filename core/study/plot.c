@@ -4,7 +4,7 @@
 #include <cairo/cairo-svg.h>
 #include <errno.h>
 
-#include "render/file.h"
+#include "base/file.h"
 
 static const double png_scale = 2;
 

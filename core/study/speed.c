@@ -6,9 +6,9 @@
 #include <oriel/crew.h>
 
 #include "base/random.h"
-#include "scene/embree.h"
-#include "scene/hemisphere.h"
-#include "scene/parse.h"
+#include "scene/geometry/embree.h"
+#include "scene/material/hemisphere.h"
+#include "scene/parse/parse.h"
 
 struct ray {
     struct orl_vec3 origin, direction;

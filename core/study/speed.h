@@ -11,7 +11,7 @@
 
 #include <oriel/study.h>
 
-#include "scene/geometry.h"
+#include "scene/geometry/geometry.h"
 
 /* The median of runs, each of that many rays; NaN where no ray meets anything, or out of memory.
  * Ends early, with no meaning, once *cancel (which may be NULL) is set. */

@@ -9,7 +9,7 @@
 
 #include <oriel/run.h>
 
-#include "scene/geometry.h"
+#include "scene/geometry/geometry.h"
 
 enum { BENCH_MOST_RUNS = 9, BENCH_MOST_NUMBERS = 8, BENCH_MOST_THREADS = 64, BENCH_PATH = 512 };
 

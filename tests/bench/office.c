@@ -6,7 +6,7 @@
 #include <unistd.h>
 
 #include "light/scene.h"
-#include "scene/parse.h"
+#include "scene/parse/parse.h"
 
 static char materials[] = "materials.rad", room[] = "room.rad", ground[] = "ground.rad",
             sky[] = "sky.rad", glazing[] = "glazing.rad", panel[] = "panel.rad";

@@ -10,8 +10,8 @@
 
 #include "base/random.h"
 #include "bench/scale.h"
-#include "photon/facing.h"
-#include "photon/search.h"
+#include "photon/density/search.h"
+#include "photon/map/facing.h"
 
 enum { NEIGHBOURS = 50, QUERIES = 40000 };
 

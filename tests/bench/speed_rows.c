@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "bench/speed.h"
-#include "photon/map.h"
+#include "photon/map/map.h"
 
 /* A job must ask for something: a sensor that costs nothing. */
 static struct orl_sensor sensor = {{1, 3, 1}, {0, 0, 1}};

@@ -11,7 +11,7 @@
 #include "fuzz/fuzz.h"
 #include "job_json.h"
 #include "light/daylight.h"
-#include "render/view.h"
+#include "render/film/view.h"
 #include "study/series.h"
 #include "study_json.h"
 

@@ -15,8 +15,8 @@
 
 #include "base/checksum.h"
 #include "fuzz/fuzz.h"
-#include "photon/leaves.h"
-#include "photon/map_layout.h"
+#include "photon/density/leaves.h"
+#include "photon/map/map_layout.h"
 
 enum { MEND_SIGN = 1, MEND_FIT = 2, VERIFY = 4, COUNT_MASK = 1023 };
 

@@ -9,7 +9,7 @@
 
 #include "fuzz/fuzz.h"
 #include "light/world.h"
-#include "scene/parse.h"
+#include "scene/parse/parse.h"
 
 static const char panel[] =
     "<?xml version=\"1.0\"?><WindowElement><FileType>BSDF</FileType><Optical><Layer>"

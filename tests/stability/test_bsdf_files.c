@@ -14,7 +14,7 @@
 
 #include "base/random.h"
 #include "fixtures/bsdf_make.h"
-#include "scene/parse.h"
+#include "scene/parse/parse.h"
 #include "support/cli.h"
 #include "support/scene_text.h"
 #include "support/stability.h"

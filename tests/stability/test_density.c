@@ -17,8 +17,8 @@
 #include <sodium.h>
 
 #include "base/random.h"
-#include "photon/facing.h"
-#include "photon/leaves.h"
+#include "photon/density/leaves.h"
+#include "photon/map/facing.h"
 #include "support/cli.h"
 #include "support/scene_text.h"
 #include "support/stability.h"

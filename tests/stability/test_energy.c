@@ -14,8 +14,8 @@
 
 #include "base/random.h"
 #include "base/sum.h"
-#include "photon/facing.h"
-#include "photon/map.h"
+#include "photon/map/facing.h"
+#include "photon/map/map.h"
 #include "support/cli.h"
 #include "support/hdr.h"
 #include "support/room.h"

@@ -14,8 +14,8 @@
 
 #include "base/random.h"
 #include "metrics/dgp.h"
-#include "photon/map.h"
-#include "scene/kinds.h"
+#include "photon/map/map.h"
+#include "scene/material/kinds.h"
 #include "support/cli.h"
 #include "support/hdr.h"
 #include "support/scene_text.h"

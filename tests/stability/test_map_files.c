@@ -13,7 +13,7 @@
 #include <cmocka.h>
 
 #include "base/random.h"
-#include "photon/map.h"
+#include "photon/map/map.h"
 #include "support/cli.h"
 #include "support/room.h"
 #include "support/stability.h"

@@ -15,7 +15,7 @@
 
 #include "light/daylight.h"
 #include "light/sky.h"
-#include "scene/perez.h"
+#include "scene/generate/perez.h"
 #include "support/scene_text.h"
 #include "support/stability.h"
 

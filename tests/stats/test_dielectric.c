@@ -11,7 +11,7 @@
 
 #include <cmocka.h>
 
-#include "scene/kinds.h"
+#include "scene/material/kinds.h"
 #include "support/subject.h"
 
 #define BLOCK "void dielectric m 0 0 5 1 1 1 1.5 0\n"

@@ -11,8 +11,8 @@
 
 #include <cmocka.h>
 
-#include "scene/kinds.h"
-#include "scene/ward.h"
+#include "scene/material/kinds.h"
+#include "scene/material/ward.h"
 #include "support/subject.h"
 
 /* The quadrature's error in a bin: the sharper the lobe, the larger; see test_scatter.c. */

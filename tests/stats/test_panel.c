@@ -15,7 +15,7 @@
 
 #include "base/random.h"
 #include "fixtures/bsdf_make.h"
-#include "scene/scatter.h"
+#include "scene/material/scatter.h"
 
 enum {
     SIDE = 16,

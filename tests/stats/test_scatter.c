@@ -13,7 +13,7 @@
 #include <cmocka.h>
 
 #include "base/random.h"
-#include "scene/kinds.h"
+#include "scene/material/kinds.h"
 #include "support/scene_text.h"
 #include "support/subject.h"
 

@@ -14,7 +14,7 @@
 #include "job_json.h"
 #include "light/weather.h"
 #include "run/stages.h"
-#include "scene/parse.h"
+#include "scene/parse/parse.h"
 #include "study_json.h"
 #include "support/scene_text.h"
 #include "support/zip.h"

@@ -338,7 +338,7 @@ const struct doubled doubled_scenes[] = {
     WORLD(tiles, 200),
     WORLD(tiles_lapping, 100),
     WORLD(walls, 200),
-    /* As many pairs as there are, up to the bound on work of scene/coincident.c. */
+    /* As many pairs as there are, up to the bound on work of scene/geometry/coincident.c. */
     {"stack, checked", DOUBLED_WORLD, 25, write_stack, 4.2},
 };
 const size_t doubled_n_scenes = sizeof doubled_scenes / sizeof *doubled_scenes;

@@ -7,7 +7,7 @@
 #include <stdint.h>
 
 #include "base/random.h"
-#include "scene/geometry.h"
+#include "scene/geometry/geometry.h"
 
 #define MESH_GREY "void plastic m 0 0 5 .5 .5 .5 0 0\n"
 #define MESH_BOX MESH_GREY "!genbox m b 3 2 1.5\n"

@@ -11,8 +11,8 @@
 
 #include <cmocka.h>
 
-#include "photon/map.h"
-#include "scene/parse.h"
+#include "photon/map/map.h"
+#include "scene/parse/parse.h"
 #include "support/cli.h"
 
 static const char scene_name[] = "scene.rad";

@@ -10,7 +10,7 @@
 #ifndef ORL_TESTS_SUBJECT_H
 #define ORL_TESTS_SUBJECT_H
 
-#include "scene/scatter.h"
+#include "scene/material/scatter.h"
 
 enum { SUBJECT_DRAWS = 200000 };
 

@@ -17,8 +17,8 @@
 #include <sodium.h>
 
 #include "base/random.h"
-#include "photon/adaptive_density.h"
-#include "photon/facing.h"
+#include "photon/density/adaptive_density.h"
+#include "photon/map/facing.h"
 #include "support/cli.h"
 #include "support/scene_text.h"
 

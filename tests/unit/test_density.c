@@ -18,9 +18,9 @@
 #include "base/random.h"
 #include "fixtures/bsdf_make.h"
 #include "light/world.h"
-#include "photon/facing.h"
-#include "photon/leaves.h"
-#include "photon/sheet.h"
+#include "photon/density/leaves.h"
+#include "photon/map/facing.h"
+#include "photon/surface/sheet.h"
 #include "support/cli.h"
 #include "support/scene_text.h"
 

@@ -19,7 +19,7 @@
 
 #include <oriel/run.h>
 
-#include "render/error_map.h"
+#include "render/film/error_map.h"
 #include "support/cli.h"
 #include "support/hdr.h"
 

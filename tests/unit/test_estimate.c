@@ -12,10 +12,10 @@
 #include <cmocka.h>
 #include <sodium.h>
 
+#include "base/estimate.h"
 #include "base/random.h"
-#include "photon/adaptive_density.h"
-#include "photon/facing.h"
-#include "render/estimate.h"
+#include "photon/density/adaptive_density.h"
+#include "photon/map/facing.h"
 #include "support/cli.h"
 
 /* Without bias: Student's t at 97.5 %, from tables. */

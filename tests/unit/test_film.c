@@ -15,7 +15,7 @@
 #include <png.h>
 
 #include "base/random.h"
-#include "render/film.h"
+#include "render/film/film.h"
 #include "support/cli.h"
 #include "support/scene_text.h"
 

@@ -11,9 +11,9 @@
 
 #include <cmocka.h>
 
-#include "photon/batches.h"
-#include "photon/first_reflection.h"
-#include "photon/trace.h"
+#include "photon/flight/first_reflection.h"
+#include "photon/flight/trace.h"
+#include "photon/map/batches.h"
 #include "support/room.h"
 
 enum { EMISSIONS = 1 << 17 };

@@ -12,9 +12,9 @@
 
 #include <cmocka.h>
 
-#include "photon/trace.h"
-#include "render/film.h"
-#include "render/gather.h"
+#include "photon/flight/trace.h"
+#include "render/film/film.h"
+#include "render/gather/gather.h"
 #include "support/cli.h"
 #include "support/room.h"
 

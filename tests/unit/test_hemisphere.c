@@ -11,7 +11,7 @@
 
 #include <cmocka.h>
 
-#include "render/gather.h"
+#include "render/gather/gather.h"
 #include "support/room.h"
 
 static struct orl_world *make_world(const char *text)

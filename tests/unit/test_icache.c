@@ -6,7 +6,7 @@
 
 #include <cmocka.h>
 
-#include "render/icache.h"
+#include "render/gather/icache.h"
 
 /* On the plane z = 0, seen from above. */
 static struct orl_place place_at(double x, double y)

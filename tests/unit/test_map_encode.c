@@ -14,8 +14,8 @@
 #include <sodium.h>
 
 #include "base/random.h"
-#include "photon/flux.h"
-#include "photon/map_encode.h"
+#include "photon/map/flux.h"
+#include "photon/map/map_encode.h"
 #include "support/cli.h"
 #include "support/scene_text.h"
 

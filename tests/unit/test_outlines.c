@@ -17,7 +17,7 @@
 #include <oriel/limits.h>
 
 #include "base/random.h"
-#include "scene/triangulate.h"
+#include "scene/geometry/triangulate.h"
 #include "support/outline.h"
 #include "support/scene_text.h"
 

@@ -16,9 +16,9 @@
 #include <sodium.h>
 
 #include "base/random.h"
-#include "photon/facing.h"
-#include "photon/map_layout.h"
-#include "photon/zorder.h"
+#include "photon/map/facing.h"
+#include "photon/map/map_layout.h"
+#include "photon/map/zorder.h"
 #include "support/cli.h"
 #include "support/scene_text.h"
 

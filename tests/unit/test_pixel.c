@@ -9,7 +9,7 @@
 
 #include <cmocka.h>
 
-#include "render/pixel.h"
+#include "render/image/pixel.h"
 
 static void places(void **state)
 {

@@ -9,7 +9,7 @@
 
 #include <cmocka.h>
 
-#include "photon/port_sun.h"
+#include "photon/flight/port_sun.h"
 #include "support/room.h"
 
 /* A frame before the pane, a block and a ball beyond, the ground; suns high, low and aslant. */

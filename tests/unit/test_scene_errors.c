@@ -13,7 +13,7 @@
 
 #include <oriel/files.h>
 
-#include "scene/parse.h"
+#include "scene/parse/parse.h"
 #include "support/scene_text.h"
 
 #define RED "void plastic red 0 0 5 .5 .2 .1 0 0\n"

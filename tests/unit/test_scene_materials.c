@@ -14,8 +14,8 @@
 #include <oriel/files.h>
 
 #include "fixtures/bsdf_make.h"
-#include "scene/parse.h"
-#include "scene/scatter.h"
+#include "scene/material/scatter.h"
+#include "scene/parse/parse.h"
 #include "support/scene_text.h"
 
 static bool near(double a, double b)

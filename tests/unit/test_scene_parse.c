@@ -15,7 +15,7 @@
 #include <oriel/files.h>
 #include <oriel/run.h>
 
-#include "scene/parse.h"
+#include "scene/parse/parse.h"
 
 #define RED "void plastic red 0 0 5 .5 .2 .1 0 0\n"
 #define GLOW "void glow g 0 0 4 1 1 1 0\n"

@@ -17,7 +17,7 @@
 
 #include <oriel/files.h>
 
-#include "scene/parse.h"
+#include "scene/parse/parse.h"
 
 struct expected {
     const char *command;

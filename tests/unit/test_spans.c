@@ -7,7 +7,7 @@
 
 #include <cmocka.h>
 
-#include "render/backward.h"
+#include "render/backward/backward.h"
 #include "support/room.h"
 
 #define SCENE ROOM_SKY ROOM_SUN ROOM_GREY ROOM_SHELL ROOM_CLEAR ROOM_PANE

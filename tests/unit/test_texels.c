@@ -15,8 +15,8 @@
 
 #include "base/random.h"
 #include "light/world.h"
-#include "photon/facing.h"
-#include "photon/texels.h"
+#include "photon/density/texels.h"
+#include "photon/map/facing.h"
 #include "support/cli.h"
 #include "support/scene_text.h"
 

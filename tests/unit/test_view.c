@@ -9,7 +9,7 @@
 
 #include <cmocka.h>
 
-#include "render/view.h"
+#include "render/film/view.h"
 
 static struct orl_view parse(const char *text)
 {

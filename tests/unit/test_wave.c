@@ -11,8 +11,8 @@
 
 #include <cmocka.h>
 
-#include "photon/trace.h"
-#include "scene/hemisphere.h"
+#include "photon/flight/trace.h"
+#include "scene/material/hemisphere.h"
 #include "support/room.h"
 
 enum { WAVES = 40, RAYS = 1000, DRAWS = 1000 };

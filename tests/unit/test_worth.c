@@ -8,8 +8,8 @@
 #include <cmocka.h>
 
 #include "base/random.h"
-#include "photon/facing.h"
-#include "photon/worth.h"
+#include "photon/map/facing.h"
+#include "photon/shooting/worth.h"
 
 enum { REST = 30000, CAUSTIC = 4000 };
 

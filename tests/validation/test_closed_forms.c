@@ -14,7 +14,7 @@
 
 #include <cmocka.h>
 
-#include "photon/map.h"
+#include "photon/map/map.h"
 #include "support/cli.h"
 #include "support/scene_text.h"
 

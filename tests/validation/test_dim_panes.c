@@ -15,7 +15,7 @@
 
 #include <cmocka.h>
 
-#include "scene/scatter.h"
+#include "scene/material/scatter.h"
 #include "support/scene_text.h"
 
 #define SKY "void glow g 0 0 4 1 1 1 0\ng source sky 0 0 4 0 0 1 360\n"

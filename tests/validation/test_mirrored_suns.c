@@ -14,7 +14,7 @@
 
 #include <cmocka.h>
 
-#include "scene/kinds.h"
+#include "scene/material/kinds.h"
 #include "support/scene_text.h"
 
 #define SUN "void light l 0 0 3 1e6 1e6 1e6\nl source sun 0 0 4 0 -.6 .8 .533\n"

@@ -15,7 +15,7 @@
 
 #include <cmocka.h>
 
-#include "scene/kinds.h"
+#include "scene/material/kinds.h"
 #include "support/scene_text.h"
 
 #define SKY "void glow d 0 0 4 10 10 10 0\nd source sky 0 0 4 0 0 1 360\n"

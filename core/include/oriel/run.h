@@ -196,7 +196,7 @@ struct orl_result {
     double total_s;
     struct orl_map_info maps[ORL_RESULT_MAPS];
     size_t n_maps;
-    /* One per sensor each; what they are made of: render/estimate.h. */
+    /* One per sensor each; what they are made of: base/estimate.h. */
     double *illuminance_lx;
     double *standard_error_lx;   /* of photons and rays together */
     double *bias_estimate_lx;    /* what bandwidths are thought to add */

@@ -1,0 +1,36 @@
+#include "base/file.h"
+
+#include <errno.h>
+#include <string.h>
+#include <unistd.h>
+
+int orl_out_open(struct orl_out_file *file, const char *path, struct orl_error *err)
+{
+    const int length = snprintf(file->path, sizeof file->path, "%s", path);
+    if (length < 0 || (size_t)length >= sizeof file->path)
+        return orl_error_set(err, ORL_ERR_LIMIT, "the path '%s' is too long", path);
+    snprintf(file->part, sizeof file->part, "%s.part", file->path);
+    file->stream = fopen(file->part, "wbe");
+    if (!file->stream)
+        return orl_error_set(err, orl_err_of_errno(errno), "cannot create '%s': %s", file->part,
+                             strerror(errno));
+    return 0;
+}
+
+int orl_out_close(struct orl_out_file *file, int code, struct orl_error *err)
+{
+    int why = 0;
+    if (code == 0 &&
+        (fflush(file->stream) != 0 || ferror(file->stream) || fsync(fileno(file->stream)) != 0))
+        why = errno ? errno : EIO;
+    if (fclose(file->stream) != 0 && why == 0)
+        why = errno;
+    if (code == 0 && why == 0 && rename(file->part, file->path) != 0)
+        why = errno;
+    if (code == 0 && why != 0)
+        code = orl_error_set(err, orl_err_of_errno(why), "cannot write '%s': %s", file->path,
+                             strerror(why));
+    if (code < 0)
+        unlink(file->part);
+    return code;
+}

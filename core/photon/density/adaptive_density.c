@@ -1,0 +1,414 @@
+#include "photon/density/adaptive_density.h"
+
+#include <stdlib.h>
+
+#include "photon/density/disc_search.h"
+#include "photon/map/facing.h"
+
+/*
+ * The smallest disc is one that would hold twice 256 photons or so, were light even. It is not
+ * chosen by the photons found in it, for that would choose those with too many. Only where it is
+ * all but empty, beside something far brighter, the next one is taken.
+ */
+enum { RINGS = ORL_NESTED_DISCS, SMALLEST = 256, LEAST = 8 };
+
+/* In standard deviations of ring minus disc: full agreement up to the first, none from the last. */
+static const double agrees = 1.25, differs = 3.25;
+
+/* A curve is taken out in so far as it is beyond that many standard deviations of its own... */
+static const double surely = 2;
+/* ... and up to this share of what there is. */
+static const double most_taken = 1.0 / 3;
+
+/*
+ * Of the smallest discs a picture holds thousands, so that some disagree by chance alone and would
+ * be left alone with their noise, as specks. The first comparisons ask for so many times that much.
+ */
+enum { DOUBTED = 2 };
+static const double doubt[DOUBTED] = {1.4, 1.2};
+
+/*
+ * How the photons of a disc or ring are weighed, by where it has room alone. A mean is their sum
+ * over `level`. The value at the point of the plane that fits best is that of (1 - a x - b y) times
+ * them over `plane`, weights without a first moment; in even light it scatters as a mean over an
+ * area of `plane` does. Where there is no room to tell a slope the plane is held level.
+ */
+struct shape {
+    double room, level, plane, a, b;
+};
+
+/* A disc's or ring's photons: sums of luma, and of luma times both coordinates. */
+struct sum {
+    double all, x, y, squares;
+};
+
+/* The parts of one estimate: by all photons, or by all batches but one. */
+struct sums {
+    struct sum rings[RINGS], discs[RINGS];
+};
+
+struct shapes {
+    struct shape rings[RINGS], discs[RINGS];
+    int first, narrowest; /* the discs to begin with, and the smallest that is not all but empty */
+};
+
+struct blend {
+    double value;
+    double bias;   /* of it */
+    double curve;  /* what of that is a curve of the light's, if it is */
+    double radius; /* over that of the widest disc */
+    /* By disc: its part in the value, and how much of that is by a plane. */
+    double weights[RINGS], planes[RINGS];
+};
+
+static struct shape shape_of(const struct orl_moments *m, double least_area)
+{
+    const double held = 2e-3 * (m->xx + m->yy), xx = m->xx + held, yy = m->yy + held;
+    const double determinant = xx * yy - m->xy * m->xy;
+    struct shape shape = {.room = m->area, .level = fmax(m->area, least_area)};
+    if (determinant > 0) {
+        shape.a = (yy * m->x - m->xy * m->y) / determinant;
+        shape.b = (xx * m->y - m->xy * m->x) / determinant;
+    }
+    shape.plane = m->area - shape.a * m->x - shape.b * m->y;
+    return shape;
+}
+
+static struct shapes shapes_of(const struct orl_nested_discs *r, double least_area)
+{
+    struct shapes shapes = {.narrowest = RINGS - 1};
+    float inside = 0;
+    for (int i = RINGS - 1; i >= 0; i--) {
+        struct orl_moments ring = r->discs[i];
+        if (i + 1 < RINGS)
+            ring = orl_moments_add(&ring, &r->discs[i + 1], -1);
+        shapes.discs[i] = shape_of(&r->discs[i], least_area);
+        shapes.rings[i] = shape_of(&ring, least_area);
+        inside += r->rings[i].mass[ORL_MASS_COUNT];
+        if (inside < LEAST)
+            shapes.narrowest = i > 0 ? i - 1 : 0;
+    }
+    while (shapes.first < shapes.narrowest && r->found >= ldexp(2 * SMALLEST, (int)shapes.first))
+        shapes.first++; /* each disc has half of the one before, where light is even */
+    return shapes;
+}
+
+static void fill_discs(struct sums *sums)
+{
+    sums->discs[RINGS - 1] = sums->rings[RINGS - 1];
+    for (int i = RINGS - 2; i >= 0; i--) {
+        const struct sum *in = &sums->discs[i + 1], *ring = &sums->rings[i];
+        sums->discs[i] = (struct sum){in->all + ring->all, in->x + ring->x, in->y + ring->y,
+                                      in->squares + ring->squares};
+    }
+}
+
+static double plane_of(const struct sum *sum, const struct shape *shape)
+{
+    return (sum->all - shape->a * sum->x - shape->b * sum->y) / shape->plane;
+}
+
+/*
+ * How far ring and disc agree, from 1 to 0: as two draws of one density, by the scatter of both.
+ * Step is how many comparisons came before.
+ */
+static double agreement(const struct sums *sums, const struct shapes *shapes, int at, int step)
+{
+    const struct sum *disc = &sums->discs[at + 1], *ring = &sums->rings[at];
+    const struct shape *in = &shapes->discs[at + 1], *out = &shapes->rings[at];
+    const double luma = disc->all + ring->all;
+    if (!(out->room > 1e-6 * in->room) || !(in->room > 0) || !(luma > 0) || !(in->plane > 0) ||
+        !(out->plane > 0))
+        return 1;
+    const double density = luma / (in->room + out->room);
+    const double a_photon = (disc->squares + ring->squares) / luma;
+    const double variance = density * a_photon * (1 / in->plane + 1 / out->plane);
+    const double enough = sqrt(variance) * (step < DOUBTED ? doubt[step] : 1);
+    const double off = fabs(plane_of(ring, out) - plane_of(disc, in)) / enough;
+    const double x = fmin(fmax((differs - off) / (differs - agrees), 0), 1);
+    return x * x * (3 - 2 * x);
+}
+
+/*
+ * From mean to plane by how far the two are apart, against what chance does: where light is even
+ * the mean is far quieter, and where it falls off towards a wall it is off.
+ */
+static double value_of(const struct sum *disc, const struct shape *shape, double *ret_plane)
+{
+    const double level = disc->all / shape->level;
+    *ret_plane = 0;
+    if (!(shape->room >= shape->level) || !(shape->plane > 0))
+        return fmax(level, 0);
+    const double off = plane_of(disc, shape) - level;
+    const double variance = disc->squares / shape->level * (1 / shape->plane - 1 / shape->level);
+    if (off * off > 0)
+        *ret_plane = off * off / (off * off + variance);
+    return fmax(level + *ret_plane * off, 0);
+}
+
+/* ---- From disc to disc ----------------------------------------------------------------------- */
+
+/*
+ * The bias of a disc is taken to be in proportion to its area: then what a pair of others, or it
+ * and another, differ by tells it.
+ */
+static double bias_of(const struct shapes *shapes, const double values[RINGS], int disc, int one,
+                      int other)
+{
+    const double a = shapes->discs[one].room, b = shapes->discs[other].room;
+    return fabs(b - a) > 0.3 * fmin(a, b)
+               ? (values[other] - values[one]) * shapes->discs[disc].room / (b - a)
+               : 0;
+}
+
+/*
+ * The same where light is curved about the point: then two pairs of neighbours among three discs,
+ * this one the narrowest if there are two wider, tell it alike. Beside an edge, or where a disc is
+ * off by chance, one of the pairs sees little: the lesser is taken, and nothing where they
+ * contradict each other.
+ */
+static double curve_of(const struct shapes *shapes, const double values[RINGS], int at)
+{
+    const int widest = at < 2 ? 0 : at - 2;
+    if (widest + 2 > shapes->narrowest)
+        return 0;
+    const double wide = bias_of(shapes, values, at, widest + 1, widest);
+    const double narrow = bias_of(shapes, values, at, widest + 2, widest + 1);
+    return wide * narrow > 0 ? copysign(fmin(fabs(wide), fabs(narrow)), wide) : 0;
+}
+
+static void move_on(struct blend *blend, const double values[RINGS], int to, double share)
+{
+    blend->value += share * (values[to] - blend->value);
+    blend->radius += share * (exp2(-0.5 * to) - blend->radius);
+    for (int i = 0; i < RINGS; i++)
+        blend->weights[i] *= 1 - share;
+    blend->weights[to] += share;
+}
+
+/* From the smallest disc that is trusted outwards, as far as rings agree. */
+static struct blend blend_discs(const struct sums *sums, const struct shapes *shapes)
+{
+    double values[RINGS];
+    int at = shapes->first, step = 0;
+    struct blend blend = {.value = 0};
+    for (int i = 0; i < RINGS; i++)
+        values[i] = value_of(&sums->discs[i], &shapes->discs[i], &blend.planes[i]);
+    move_on(&blend, values, at, 1);
+    blend.curve = at == 0 ? curve_of(shapes, values, 0) : 0;
+    for (double use = 1; at > 0 && use > 0; at--) {
+        const double before = use;
+        use *= agreement(sums, shapes, at - 1, step++);
+        move_on(&blend, values, at - 1, use);
+        blend.bias += before * bias_of(shapes, values, at, at, at - 1);
+        blend.curve += before * curve_of(shapes, values, at);
+        blend.bias *= 1 - use;
+        blend.curve *= 1 - use;
+        if (at == 1) {
+            blend.bias += use * bias_of(shapes, values, 0, 0, 1);
+            blend.curve += use * curve_of(shapes, values, 0);
+        }
+    }
+    return blend;
+}
+
+static struct sums luma_of(const struct orl_nested_discs *rings)
+{
+    struct sums sums = {.rings = {{0}}};
+    for (int i = 0; i < RINGS; i++) {
+        const struct orl_nested_disc *ring = &rings->rings[i];
+        for (int b = 0; b < ORL_MAP_BATCHES; b++) {
+            sums.rings[i].all += (double)ring->mass[b];
+            sums.rings[i].x += (double)ring->by_x[b];
+            sums.rings[i].y += (double)ring->by_y[b];
+        }
+        sums.rings[i].squares = (double)ring->mass[ORL_MASS_SQUARES];
+    }
+    fill_discs(&sums);
+    return sums;
+}
+
+/* What these would be by all batches but one, which the others stand for. */
+static struct sums leave_out(const struct sums *all, const struct orl_nested_discs *rings,
+                             uint32_t batch)
+{
+    static const double factor = (double)ORL_MAP_BATCHES / (ORL_MAP_BATCHES - 1);
+    struct sums sums;
+    for (int i = 0; i < RINGS; i++) {
+        const struct sum *ring = &all->rings[i];
+        const struct orl_nested_disc *r = &rings->rings[i];
+        sums.rings[i] =
+            (struct sum){factor * fmax(ring->all - (double)r->mass[batch], 0),
+                         factor * (ring->x - (double)r->by_x[batch]),
+                         factor * (ring->y - (double)r->by_y[batch]), factor * ring->squares};
+    }
+    fill_discs(&sums);
+    return sums;
+}
+
+/* ---- The estimate ---------------------------------------------------------------------------- */
+
+/* The blend of one channel. */
+static double channel_of(const struct orl_nested_discs *rings, const struct shapes *shapes,
+                         const struct blend *blend, int channel)
+{
+    struct sum disc = {.all = 0};
+    double value = 0;
+    for (int i = RINGS - 1; i >= 0; i--) {
+        const struct orl_nested_disc *ring = &rings->rings[i];
+        const struct shape *shape = &shapes->discs[i];
+        disc.all += (double)ring->mass[ORL_MASS_FLUX + channel];
+        disc.x += (double)ring->by_x[ORL_MASS_FLUX + channel];
+        disc.y += (double)ring->by_y[ORL_MASS_FLUX + channel];
+        const double level = disc.all / shape->level;
+        const double plane = blend->planes[i] > 0 ? plane_of(&disc, shape) - level : 0;
+        value += blend->weights[i] * fmax(level + blend->planes[i] * plane, 0);
+    }
+    return value;
+}
+
+/*
+ * Takes out what chance can hardly have made of the curve; the rest of the bias is told. In a dark
+ * place amid bright ones, where even the smallest disc is wide, it is most of it.
+ */
+static void take_curve_out(struct orl_density *density, const struct blend *whole,
+                           struct orl_batches *value, const struct orl_batches *curve)
+{
+    const double square = whole->curve * whole->curve;
+    const double chance = surely * surely * orl_batches_variance(curve);
+    if (!(square > chance) || !(whole->value > 0))
+        return;
+    const double share = fmin(1 - chance / square, most_taken * whole->value / fabs(whole->curve));
+    density->irradiance =
+        orl_rgb_scale(density->irradiance, 1 - share * whole->curve / whole->value);
+    density->bias -= share * whole->curve;
+    orl_batches_add(value, curve, -share);
+}
+
+/*
+ * The batches' parts, such that what is left without one of them is what the others alone would
+ * make of it, choice of discs and all (Tukey's pseudovalues), and their sum the whole.
+ */
+static void part_by_batch(const struct sums *all, const struct orl_nested_discs *rings,
+                          const struct shapes *shapes, const struct blend *whole,
+                          struct orl_density *density)
+{
+    static const double left = (ORL_MAP_BATCHES - 1.0) / ORL_MAP_BATCHES;
+    struct orl_batches value, bias, curve;
+    double mean_value = 0, mean_bias = 0, mean_curve = 0;
+    for (uint32_t i = 0; i < ORL_MAP_BATCHES; i++) {
+        const struct sums others = leave_out(all, rings, i);
+        const struct blend without = blend_discs(&others, shapes);
+        value.luma[i] = -left * without.value;
+        bias.luma[i] = -left * without.bias;
+        curve.luma[i] = -left * without.curve;
+        mean_value += value.luma[i] / ORL_MAP_BATCHES;
+        mean_bias += bias.luma[i] / ORL_MAP_BATCHES;
+        mean_curve += curve.luma[i] / ORL_MAP_BATCHES;
+    }
+    for (uint32_t i = 0; i < ORL_MAP_BATCHES; i++) {
+        value.luma[i] += whole->value / ORL_MAP_BATCHES - mean_value;
+        bias.luma[i] += whole->bias / ORL_MAP_BATCHES - mean_bias;
+        curve.luma[i] += whole->curve / ORL_MAP_BATCHES - mean_curve;
+    }
+    density->bias = orl_batches_beyond_scatter(&bias);
+    take_curve_out(density, whole, &value, &curve);
+    density->parts = value;
+}
+
+/* From the map's unit of flux to W. */
+static void scale_by(struct orl_density *density, double unit)
+{
+    density->irradiance = orl_rgb_scale(density->irradiance, unit);
+    density->bias *= unit;
+    for (int i = 0; i < ORL_MAP_BATCHES; i++)
+        density->parts.luma[i] *= unit;
+    density->standard_error = sqrt(orl_batches_variance(&density->parts));
+}
+
+static void count_health(const struct orl_leaf_sums *sums, const struct orl_density_query *query,
+                         uint32_t found, struct orl_health *health)
+{
+    health->estimates++;
+    if (found < ORL_SEARCH_SPARSE && found + 1 < query->k && found < sums->map->header->count)
+        health->sparse++;
+}
+
+struct orl_density orl_adaptive_density_estimate(const struct orl_adaptive_density *adapt,
+                                                 const struct orl_density_query *query,
+                                                 struct orl_search *search)
+{
+    const struct orl_map_header *h = adapt->sums.map->header;
+    struct orl_nested_discs rings;
+    orl_nested_discs_gather(&adapt->sums, &adapt->order, query, SMALLEST, search, &rings);
+    struct orl_density density = {.radius = rings.radius,
+                                  .clear = rings.clear,
+                                  .disc = rings.disc,
+                                  .cut = rings.cut,
+                                  .found = (uint32_t)lrint(rings.found)};
+    if (density.found == 0)
+        return density;
+    count_health(&adapt->sums, query, density.found, &search->health);
+    const struct shapes shapes = shapes_of(&rings, ORL_PI * h->cell * h->cell);
+    const struct sums sums = luma_of(&rings);
+    const struct blend blend = blend_discs(&sums, &shapes);
+    density.irradiance = (struct orl_rgb){channel_of(&rings, &shapes, &blend, 0),
+                                          channel_of(&rings, &shapes, &blend, 1),
+                                          channel_of(&rings, &shapes, &blend, 2)};
+    density.radius = rings.radius * blend.radius;
+    density.evenness = blend.radius;
+    density.clear = fmin(rings.clear, density.radius);
+    part_by_batch(&sums, &rings, &shapes, &blend, &density);
+    scale_by(&density, h->flux_unit);
+    return density;
+}
+
+static int compare(const void *a, const void *b)
+{
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+static double reach_in(const struct orl_adaptive_density *adapt, double widest,
+                       struct orl_search *search)
+{
+    enum { PROBES = 128 };
+    const struct orl_photon_map *map = adapt->sums.map;
+    const uint64_t count = map->header->count;
+    const double cell = map->header->cell, most = widest / cell;
+    double radii[PROBES];
+    if (count == 0)
+        return widest;
+    for (uint32_t i = 0; i < PROBES; i++) {
+        const struct orl_photon p = orl_photon_map_get(map, count * i / PROBES);
+        const struct orl_density_query query = {
+            .point = orl_v3(p.position[0], p.position[1], p.position[2]),
+            .normal = orl_normal_decode(p.normal),
+            .k = ORL_ADAPTIVE_DENSITY_MOST,
+            .max_radius = widest};
+        struct orl_disc_search hunt = orl_disc_search_of(&adapt->sums, &query, search);
+        const float first2 = orl_disc_search_first_radius2(&hunt, &adapt->order);
+        radii[i] = sqrt((double)orl_disc_search_enough(&hunt, first2, (float)(most * most))) * cell;
+    }
+    qsort(radii, PROBES, sizeof *radii, compare);
+    return fmin(2 * radii[3 * PROBES / 4], widest);
+}
+
+int orl_adaptive_density_init(struct orl_adaptive_density *adapt, const struct orl_photon_map *map,
+                              double widest, struct orl_crew *crew, struct orl_search *search)
+{
+    *adapt = (struct orl_adaptive_density){.reach = 0};
+    if (orl_leaf_sums_init(&adapt->sums, map, crew) < 0 ||
+        orl_zorder_init(&adapt->order, map) < 0) {
+        orl_adaptive_density_done(adapt);
+        return ORL_ERR_NOMEM;
+    }
+    adapt->reach = reach_in(adapt, widest, search);
+    return 0;
+}
+
+void orl_adaptive_density_done(struct orl_adaptive_density *adapt)
+{
+    orl_leaf_sums_done(&adapt->sums);
+    orl_zorder_done(&adapt->order);
+}

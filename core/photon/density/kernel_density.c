@@ -1,0 +1,325 @@
+#include "photon/density/kernel_density.h"
+
+#include <stdlib.h>
+
+#include "base/vectors.h"
+#include "photon/map/boxes.h"
+#include "photon/map/flux.h"
+#include "photon/surface/sheet.h"
+
+enum { BESIDE = 2, NEIGHBOURS = 2 * BESIDE + 1 };
+
+struct orl_kernel_density {
+    const struct orl_photon_map *map;
+    uint32_t k;
+    float *
+        reach2[ORL_MAP_LEVELS + 1]; /* cells: per leaf, then the most of a node's, level by level */
+};
+
+enum { CHUNK = 1 << 12 };
+
+/*
+ * Where walls and edges leave less than this share of the k photons, the estimate takes in a small
+ * patch as a whole, and is the same wherever on it one asks. Then a photon that one asks at counts
+ * too: it would be missing from its patch, and those on which nobody asks at a photon have none to
+ * spare. So small facets, of few photons each, would be darker by one photon in a leaf of sixteen.
+ */
+static const double whole_patch = 0.5;
+
+/* What there is only while leaves are measured. */
+struct measuring {
+    struct orl_kernel_density *spread;
+    float *medians; /* per leaf, of squared distances */
+    uint64_t leaves;
+    uint32_t k;
+    double max_radius;
+};
+
+/* Of a few values, which are put in order. */
+static float median_of(float *values, uint32_t n)
+{
+    for (uint32_t i = 1; i < n; i++) {
+        const float value = values[i];
+        uint32_t k = i;
+        for (; k > 0 && values[k - 1] > value; k--)
+            values[k] = values[k - 1];
+        values[k] = value;
+    }
+    return values[n / 2];
+}
+
+/* The same of a full leaf's, without a branch: the one that half of them come before. */
+static float median_of_leaf(const float values[ORL_MAP_LEAF])
+{
+    float median = values[0];
+    for (int i = 0; i < ORL_MAP_LEAF; i++) {
+        int before = 0;
+        for (int k = 0; k < ORL_MAP_LEAF; k++)
+            before += (values[k] < values[i]) | ((values[k] == values[i]) & (k < i));
+        median = before == ORL_MAP_LEAF / 2 ? values[i] : median;
+    }
+    return median;
+}
+
+/* The median of squared distances from the middle: a few strays do not move it. */
+static inline float median2(const struct orl_photon_map *map, uint64_t leaf, uint32_t n)
+{
+    const uint32_t *a = map->places + leaf * ORL_LEAF_WORDS, *b = a + ORL_MAP_LEAF;
+    float x[ORL_MAP_LEAF], y[ORL_MAP_LEAF], z[ORL_MAP_LEAF], d2[ORL_MAP_LEAF] = {0};
+    float middle[3] = {0};
+    for (uint32_t i = 0; i < n; i++) {
+        x[i] = (float)(int32_t)(a[i] & 0xfffffU);
+        y[i] = (float)(int32_t)(b[i] & 0xfffffU);
+        z[i] = (float)(int32_t)((a[i] >> 24) << 12 | b[i] >> 20);
+    }
+    for (uint32_t i = 0; i < n; i++) {
+        middle[0] += x[i] / (float)n;
+        middle[1] += y[i] / (float)n;
+        middle[2] += z[i] / (float)n;
+    }
+    for (uint32_t i = 0; i < n; i++) {
+        const float dx = x[i] - middle[0], dy = y[i] - middle[1], dz = z[i] - middle[2];
+        d2[i] = dx * dx + dy * dy + dz * dz;
+    }
+    return n == ORL_MAP_LEAF ? median_of_leaf(d2) : median_of(d2, n);
+}
+
+ORL_FOR_WIDE_VECTORS static void measure_medians(void *arg, size_t chunk, uint32_t member)
+{
+    const struct measuring *m = arg;
+    const struct orl_photon_map *map = m->spread->map;
+    (void)member;
+    for (uint64_t i = chunk * CHUNK; i < (chunk + 1) * CHUNK && i < m->leaves; i++) {
+        const uint32_t n = orl_leaf_photons(map, i);
+        m->medians[i] = n == ORL_MAP_LEAF ? median2(map, i, ORL_MAP_LEAF) : median2(map, i, n);
+    }
+}
+
+/*
+ * A radius from 16 photons alone is noisy, and what it spreads with it: the median of a leaf and
+ * its neighbours in Morton order is less so. Half of an even disc lies within the median of squared
+ * distances, and a leaf takes its share of the k photons' area.
+ */
+static void measure_leaves(void *arg, size_t chunk, uint32_t member)
+{
+    const struct measuring *m = arg;
+    const float most = (float)(m->max_radius / m->spread->map->header->cell);
+    (void)member;
+    for (uint64_t i = chunk * CHUNK; i < (chunk + 1) * CHUNK && i < m->leaves; i++) {
+        float near[NEIGHBOURS] = {0};
+        uint32_t n = 0;
+        for (uint64_t j = i < BESIDE ? 0 : i - BESIDE; j <= i + BESIDE && j < m->leaves; j++)
+            near[n++] = m->medians[j] / (float)orl_leaf_photons(m->spread->map, j);
+        const float even = 2 * (float)m->k * median_of(near, n);
+        m->spread->reach2[0][i] = even < 1 ? 1 : even > most * most ? most * most : even;
+    }
+}
+
+static void measure_nodes(struct orl_kernel_density *spread, const struct orl_map_layout *layout)
+{
+    uint64_t children = layout->leaves;
+    for (uint32_t level = 0; level < layout->levels; level++) {
+        for (uint64_t node = 0; node < layout->groups[level]; node++) {
+            float most = 0;
+            for (uint64_t c = node * ORL_MAP_FANOUT;
+                 c < (node + 1) * ORL_MAP_FANOUT && c < children; c++)
+                most = spread->reach2[level][c] > most ? spread->reach2[level][c] : most;
+            spread->reach2[level + 1][node] = most;
+        }
+        children = layout->groups[level];
+    }
+}
+
+struct orl_kernel_density *orl_kernel_density_new(const struct orl_photon_map *map, uint32_t k,
+                                                  double max_radius, struct orl_crew *crew)
+{
+    const struct orl_map_layout layout = orl_map_layout_of(map->header->count);
+    struct orl_kernel_density *spread = calloc(1, sizeof *spread);
+    if (!spread)
+        return NULL;
+    spread->map = map;
+    spread->k = k;
+    for (uint32_t level = 0; level <= layout.levels && layout.levels > 0; level++) {
+        const uint64_t nodes = level == 0 ? layout.leaves : layout.groups[level - 1];
+        spread->reach2[level] = calloc(nodes + 1, sizeof(float));
+        if (!spread->reach2[level]) {
+            orl_kernel_density_free(spread);
+            return NULL;
+        }
+    }
+    struct measuring m = {spread, malloc((layout.leaves + 1) * sizeof *m.medians), layout.leaves, k,
+                          max_radius};
+    if (!m.medians) {
+        orl_kernel_density_free(spread);
+        return NULL;
+    }
+    const size_t chunks = (layout.leaves + CHUNK - 1) / CHUNK;
+    orl_crew_for(crew, chunks, measure_medians, &m);
+    orl_crew_for(crew, chunks, measure_leaves, &m);
+    measure_nodes(spread, &layout);
+    free(m.medians);
+    return spread;
+}
+
+void orl_kernel_density_free(struct orl_kernel_density *spread)
+{
+    if (!spread)
+        return;
+    for (uint32_t level = 0; level <= ORL_MAP_LEVELS; level++)
+        free(spread->reach2[level]);
+    free(spread);
+}
+
+void orl_kernel_density_rebind(struct orl_kernel_density *spread, const struct orl_photon_map *map)
+{
+    spread->map = map;
+}
+
+uint64_t orl_kernel_density_bytes(const struct orl_kernel_density *spread)
+{
+    const struct orl_map_layout layout = orl_map_layout_of(spread->map->header->count);
+    uint64_t nodes = layout.leaves;
+    for (uint32_t level = 0; level < layout.levels; level++)
+        nodes += layout.groups[level];
+    return nodes * sizeof(float);
+}
+
+double orl_kernel_density_radius(const struct orl_kernel_density *spread, uint32_t photon)
+{
+    const struct orl_map_header *h = spread->map->header;
+    return h->levels > 0 ? sqrt((double)spread->reach2[0][photon / ORL_MAP_LEAF]) * h->cell
+                         : INFINITY;
+}
+
+/* One question: what is summed up so far. */
+struct ask {
+    const struct orl_kernel_density *spread;
+    const struct orl_density_query *query;
+    const struct orl_footprint *footprint; /* NULL: whole discs */
+    float at[3], flat2;
+    uint16_t normal;
+    uint32_t facing, found;
+    float widest2;      /* cells: of the discs that count */
+    struct orl_rgb sum; /* flux over area */
+    struct orl_batches parts;
+};
+
+/* Nearer than flat2 photons lie in the footing's own plane, within rounding. */
+static bool counts(const struct ask *ask, uint32_t index, const float chord[3], float distance2)
+{
+    const struct orl_photon_map *map = ask->spread->map;
+    const struct orl_vec3 c = orl_v3(chord[0], chord[1], chord[2]);
+    if (ask->query->at_photon && index == ask->query->skip)
+        return false;
+    if (!orl_same_sheet(ask->query->normal, ask->normal, map->normals[index], chord))
+        return false;
+    if (distance2 < ask->flat2 && fabs(orl_dot(c, ask->query->normal)) > 4)
+        return false;
+    return !ask->footprint || orl_footprint_holds(ask->footprint, orl_scale(c, map->header->cell));
+}
+
+static void add_leaf(struct ask *ask, uint32_t leaf)
+{
+    const struct orl_photon_map *map = ask->spread->map;
+    const uint32_t *a = map->places + (size_t)leaf * ORL_LEAF_WORDS, *b = a + ORL_MAP_LEAF;
+    const uint32_t n = orl_leaf_photons(map, leaf);
+    const float reach2 = ask->spread->reach2[0][leaf];
+    float dx[ORL_MAP_LEAF], dy[ORL_MAP_LEAF], dz[ORL_MAP_LEAF], d2[ORL_MAP_LEAF];
+    struct orl_rgb sum = orl_gray(0);
+    struct orl_batches parts = {{0}};
+    uint32_t found = 0;
+    for (int i = 0; i < ORL_MAP_LEAF; i++) {
+        dx[i] = (float)(int32_t)(a[i] & 0xfffffU) - ask->at[0];
+        dy[i] = (float)(int32_t)(b[i] & 0xfffffU) - ask->at[1];
+        dz[i] = (float)(int32_t)((a[i] >> 24) << 12 | b[i] >> 20) - ask->at[2];
+        d2[i] = dx[i] * dx[i] + dy[i] * dy[i] + dz[i] * dz[i];
+    }
+    for (uint32_t i = 0; i < n; i++) {
+        const float chord[3] = {dx[i], dy[i], dz[i]};
+        if (!(d2[i] < reach2) || !counts(ask, leaf * ORL_MAP_LEAF + i, chord, d2[i]))
+            continue;
+        const struct orl_rgb flux = orl_flux_unpack(map->fluxes[leaf * ORL_MAP_LEAF + i]);
+        sum = orl_rgb_add(sum, flux);
+        parts.luma[a[i] >> 20 & (ORL_MAP_BATCHES - 1)] += orl_luma(flux);
+        found++;
+    }
+    if (found == 0)
+        return;
+    const double cell = map->header->cell;
+    const double area = ask->footprint
+                            ? orl_footprint_area(ask->footprint, sqrt((double)reach2) * cell)
+                            : ORL_PI * (double)reach2 * cell * cell;
+    const double share = map->header->flux_unit / fmax(area, ORL_PI * cell * cell);
+    ask->sum = orl_rgb_add(ask->sum, orl_rgb_scale(sum, share));
+    orl_batches_add(&ask->parts, &parts, share);
+    ask->found += found;
+    ask->widest2 = reach2 > ask->widest2 ? reach2 : ask->widest2;
+}
+
+/* Every leaf whose discs reach the point. */
+static void add_all(struct ask *ask)
+{
+    const struct orl_photon_map *map = ask->spread->map;
+    struct orl_box_visit stack[ORL_BOX_STACK];
+    uint32_t depth = 0;
+    if (map->header->levels > 0)
+        stack[depth++] = (struct orl_box_visit){0, map->header->levels, 0};
+    while (depth > 0) {
+        const struct orl_box_visit at = stack[--depth];
+        const float reach2 = ask->spread->reach2[at.level][at.node];
+        if (!(at.distance2 < reach2))
+            continue;
+        if (at.level == 0)
+            add_leaf(ask, at.node);
+        else
+            depth = orl_box_push(map, at, ask->at, ask->facing, reach2, stack, depth);
+    }
+}
+
+struct orl_density orl_kernel_density_estimate(const struct orl_kernel_density *spread,
+                                               const struct orl_density_query *query,
+                                               struct orl_search *search)
+{
+    const struct orl_map_header *h = spread->map->header;
+    struct ask ask = {.spread = spread,
+                      .query = query,
+                      .normal = orl_normal_encode(query->normal),
+                      .facing = orl_facing_mask(&spread->map->facing, query->normal)};
+    struct orl_footprint footprint;
+    double clear = INFINITY;
+    bool patch = false;
+    orl_box_locate(spread->map, query->point, ask.at);
+    if (query->footing) {
+        const double flat = orl_footing_flat(query->footing) / h->cell;
+        ask.flat2 = (float)fmin(flat * flat, 1e30);
+    }
+    struct orl_density_query all;
+    struct ask whole = ask;
+    add_all(&whole);
+    const double widest = sqrt((double)whole.widest2) * h->cell;
+    if (query->footing && whole.found > 0 && !orl_footing_is_free(query->footing, widest)) {
+        orl_footprint_make(query->footing, widest, &footprint);
+        ask.footprint = &footprint;
+        clear = footprint.clear;
+        whole = ask;
+        add_all(&whole);
+        patch = whole.found < whole_patch * spread->k;
+        if (query->at_photon && patch) {
+            all = *query;
+            all.at_photon = false;
+            whole = ask;
+            whole.query = &all;
+            add_all(&whole);
+        }
+    }
+    search->health.estimates += whole.found > 0;
+    if (whole.found > 0 && whole.found < ORL_SEARCH_SPARSE && whole.found < h->count)
+        search->health.sparse++;
+    return (struct orl_density){.irradiance = whole.sum,
+                                .radius = widest,
+                                .clear = fmin(clear, widest),
+                                .found = whole.found,
+                                .patch = patch,
+                                .standard_error = sqrt(orl_batches_variance(&whole.parts)),
+                                .parts = whole.parts};
+}

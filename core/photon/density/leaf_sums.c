@@ -1,0 +1,228 @@
+#include "photon/density/leaf_sums.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/vectors.h"
+#include "photon/map/flux.h"
+
+enum { CHUNK = 1 << 12 };
+
+/* Of rounding to cells, across a plane. */
+static const float flat_within = 3;
+/* A leaf is parted where that takes so much of its photons' spread away: two places close by, each
+ * as wide as evenly lying photons are, have a quarter of it. */
+static const float worth_parting = 0.25F;
+
+static const float far_away = 1e9F;
+
+/* A leaf's photons, from the first of them, and sums of the first so many. */
+struct row {
+    uint32_t n;
+    float at[ORL_MAP_LEAF][3];
+    const uint16_t *normals;
+    float sums[ORL_MAP_LEAF + 1][4]; /* of places, and of squared distances */
+};
+
+static void read_row(const struct orl_photon_map *map, uint64_t leaf, struct row *row)
+{
+    const uint32_t *words = map->places + leaf * ORL_LEAF_WORDS;
+    uint32_t first[3], cell[3];
+    row->n = orl_leaf_photons(map, leaf);
+    row->normals = map->normals + leaf * ORL_MAP_LEAF;
+    orl_place_unpack(words[0], words[ORL_MAP_LEAF], first);
+    memset(row->sums[0], 0, sizeof row->sums[0]);
+    for (uint32_t i = 0; i < row->n; i++) {
+        float *sum = row->sums[i + 1], square = 0;
+        orl_place_unpack(words[i], words[i + ORL_MAP_LEAF], cell);
+        for (int k = 0; k < 3; k++) {
+            const float off = (float)cell[k] - (float)first[k];
+            row->at[i][k] = (float)cell[k];
+            sum[k] = row->sums[i][k] + off;
+            square += off * off;
+        }
+        sum[3] = row->sums[i][3] + square;
+    }
+}
+
+/* Of the photons from one to before another: squared distances from their middle, in all. */
+static float spread_of(const struct row *row, uint32_t from, uint32_t to)
+{
+    const float *a = row->sums[from], *b = row->sums[to];
+    const float x = b[0] - a[0], y = b[1] - a[1], z = b[2] - a[2];
+    return fmaxf(b[3] - a[3] - (x * x + y * y + z * z) / (float)(to - from), 0);
+}
+
+/* How many photons are on the plane of one of them, it first and on in steps. */
+static uint32_t on_plane(const struct row *row, uint32_t from, int step)
+{
+    const struct orl_vec3 normal = orl_normal_decode(row->normals[from]);
+    const float nx = (float)normal.x, ny = (float)normal.y, nz = (float)normal.z;
+    uint32_t count = 0;
+    for (uint32_t i = from; i < row->n; i += (uint32_t)step, count++) {
+        const float x = row->at[i][0] - row->at[from][0], y = row->at[i][1] - row->at[from][1],
+                    z = row->at[i][2] - row->at[from][2];
+        if (row->normals[i] != row->normals[from] || fabsf(x * nx + y * ny + z * nz) > flat_within)
+            break;
+    }
+    return count;
+}
+
+/* The widest step from photon to photon, of those that have so many before and after them at most.
+ */
+static uint32_t widest_step(const struct row *row, uint32_t before, uint32_t after)
+{
+    const uint32_t n = row->n;
+    uint32_t best = n;
+    float widest = 0;
+    for (uint32_t i = n > after ? n - after : 1; i < n && i <= before; i++) {
+        const float x = row->at[i][0] - row->at[i - 1][0], y = row->at[i][1] - row->at[i - 1][1],
+                    z = row->at[i][2] - row->at[i - 1][2], d2 = x * x + y * y + z * z;
+        if (d2 > widest) {
+            widest = d2;
+            best = i;
+        }
+    }
+    return best;
+}
+
+/* Where the leaf falls into two patches; at its end if it does not. */
+static uint32_t part_at(const struct row *row, bool *ret_flat)
+{
+    const uint32_t n = row->n, before = on_plane(row, 0, 1);
+    const uint32_t after = before < n ? on_plane(row, n - 1, -1) : n;
+    const uint32_t part = widest_step(row, before, after);
+    *ret_flat = before == n;
+    if (part == n || (before == n && !(spread_of(row, 0, part) + spread_of(row, part, n) <
+                                       worth_parting * spread_of(row, 0, n))))
+        return n;
+    *ret_flat = true;
+    return part;
+}
+
+static void place_patch(const struct row *row, uint32_t from, uint32_t to, bool flat,
+                        struct orl_patch_group *group, uint32_t lane)
+{
+    const float n = (float)(to - from);
+    float at[3], most2 = 0;
+    for (int k = 0; k < 3; k++)
+        group->at[k][lane] = at[k] = row->at[0][k] + (row->sums[to][k] - row->sums[from][k]) / n;
+    for (uint32_t i = from; i < to; i++) {
+        const float x = row->at[i][0] - at[0], y = row->at[i][1] - at[1], z = row->at[i][2] - at[2];
+        most2 = fmaxf(most2, x * x + y * y + z * z);
+    }
+    group->reach[lane] = sqrtf(most2);
+    group->ramp[lane] = sqrtf(1.5F * spread_of(row, from, to) / n);
+    group->normal[lane] = flat ? row->normals[from] : ORL_NO_PLANE;
+    group->count[lane] = to - from;
+}
+
+static void leave_out(struct orl_patch_group *group, uint32_t lane)
+{
+    for (int k = 0; k < 3; k++)
+        group->at[k][lane] = far_away;
+    group->normal[lane] = ORL_NO_PLANE;
+}
+
+/* Of a leaf's photons. */
+struct fluxes {
+    float red[ORL_MAP_LEAF], green[ORL_MAP_LEAF], blue[ORL_MAP_LEAF], luma[ORL_MAP_LEAF];
+};
+
+ORL_FOR_WIDE_VECTORS static void read_fluxes(const struct orl_photon_map *map, uint64_t leaf,
+                                             uint32_t n, struct fluxes *restrict fluxes)
+{
+    uint32_t codes[ORL_MAP_LEAF] = {0};
+    memcpy(codes, map->fluxes + leaf * ORL_MAP_LEAF, n * sizeof *codes);
+    for (int i = 0; i < ORL_MAP_LEAF; i++) {
+        const struct orl_rgb flux = orl_flux_unpack(codes[i]);
+        fluxes->red[i] = (float)flux.r;
+        fluxes->green[i] = (float)flux.g;
+        fluxes->blue[i] = (float)flux.b;
+        fluxes->luma[i] = (float)orl_luma(flux);
+    }
+}
+
+static void add_fluxes(const struct fluxes *fluxes, const uint32_t *words, uint32_t from,
+                       uint32_t to, float mass[ORL_MASS])
+{
+    float red = 0, green = 0, blue = 0, squares = 0;
+    for (uint32_t i = from; i < to; i++) {
+        mass[words[i] >> 20 & (ORL_MAP_BATCHES - 1)] += fluxes->luma[i];
+        red += fluxes->red[i];
+        green += fluxes->green[i];
+        blue += fluxes->blue[i];
+        squares += fluxes->luma[i] * fluxes->luma[i];
+    }
+    mass[ORL_MASS_FLUX] = red;
+    mass[ORL_MASS_FLUX + 1] = green;
+    mass[ORL_MASS_FLUX + 2] = blue;
+    mass[ORL_MASS_SQUARES] = squares;
+    mass[ORL_MASS_COUNT] = (float)(to - from);
+}
+
+static void sum_leaf(const struct orl_leaf_sums *sums, uint64_t leaf)
+{
+    struct orl_patch_group *group = &sums->groups[leaf / ORL_MAP_FANOUT];
+    const uint32_t lane = leaf % ORL_MAP_FANOUT;
+    const uint32_t *words = sums->map->places + leaf * ORL_LEAF_WORDS;
+    struct fluxes fluxes;
+    struct row row = {.n = 0};
+    bool flat;
+    read_row(sums->map, leaf, &row);
+    read_fluxes(sums->map, leaf, row.n, &fluxes);
+    const uint32_t part = part_at(&row, &flat);
+    place_patch(&row, 0, part, flat, group, lane);
+    add_fluxes(&fluxes, words, 0, part, sums->masses[ORL_PATCHES * leaf]);
+    if (part == row.n) {
+        leave_out(group, lane + ORL_MAP_FANOUT);
+        return;
+    }
+    place_patch(&row, part, row.n, flat, group, lane + ORL_MAP_FANOUT);
+    add_fluxes(&fluxes, words, part, row.n, sums->masses[ORL_PATCHES * leaf + 1]);
+}
+
+static void leave_out_rest(const struct orl_leaf_sums *sums)
+{
+    for (uint64_t i = sums->count; i % ORL_MAP_FANOUT != 0; i++)
+        for (uint32_t lane = i % ORL_MAP_FANOUT; lane < ORL_LANES; lane += ORL_MAP_FANOUT)
+            leave_out(&sums->groups[i / ORL_MAP_FANOUT], lane);
+}
+
+static void sum_chunk(void *arg, size_t chunk, uint32_t member)
+{
+    const struct orl_leaf_sums *sums = arg;
+    (void)member;
+    for (uint64_t i = chunk * CHUNK; i < (chunk + 1) * CHUNK && i < sums->count; i++) {
+        sum_leaf(sums, i);
+    }
+}
+
+int orl_leaf_sums_init(struct orl_leaf_sums *sums, const struct orl_photon_map *map,
+                       struct orl_crew *crew)
+{
+    const uint64_t count = (map->header->count + ORL_MAP_LEAF - 1) / ORL_MAP_LEAF;
+    *sums = (struct orl_leaf_sums){.map = map, .count = count};
+    sums->groups = calloc(count / ORL_MAP_FANOUT + 1, sizeof *sums->groups);
+    sums->masses = calloc(ORL_PATCHES * (count + 1), sizeof *sums->masses);
+    if (!sums->groups || !sums->masses) {
+        orl_leaf_sums_done(sums);
+        return ORL_ERR_NOMEM;
+    }
+    leave_out_rest(sums);
+    orl_crew_for(crew, (count + CHUNK - 1) / CHUNK, sum_chunk, sums);
+    return 0;
+}
+
+uint64_t orl_leaf_sums_bytes(const struct orl_leaf_sums *sums)
+{
+    return (sums->count / ORL_MAP_FANOUT + 1) * sizeof *sums->groups +
+           ORL_PATCHES * (sums->count + 1) * sizeof *sums->masses;
+}
+
+void orl_leaf_sums_done(struct orl_leaf_sums *sums)
+{
+    free(sums->groups);
+    free(sums->masses);
+    *sums = (struct orl_leaf_sums){.count = 0};
+}

@@ -1,0 +1,419 @@
+#include "photon/density/records.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "photon/density/adaptive_density.h"
+#include "photon/density/leaf_center.h"
+#include "photon/map/boxes.h"
+#include "photon/map/flux.h"
+#include "photon/map/map_layout.h"
+#include "photon/surface/sheet.h"
+
+enum { LEAVES_A_RECORD = 2, PHOTONS_A_RECORD = LEAVES_A_RECORD * ORL_MAP_LEAF };
+enum { GROUP = 4 };
+enum { NEAREST = 8, LEAST_JOINED = 4, MOST_SEARCHED = 256, GLANCED_AT = 3 };
+enum { ROUND = 4096, CHUNK = 16 };
+_Static_assert((int)CHUNK % (int)GROUP == 0 && (int)ROUND % (int)CHUNK == 0, "whole groups");
+
+/* Of a density's evenness: the widest disc was taken, or nearly so. */
+static const double even = 0.9, quite_even = 0.995;
+
+/* ---- Making ---------------------------------------------------------------------------------- */
+
+/* Tags count octaves down from the scene's radius, in eighths; 0: nothing is known to be clear. */
+static uint8_t tag_of(const struct orl_world *world, double clear)
+{
+    const double code = floor(255 + 8 * log2(clear / world->geometry->radius));
+    return code > 0 ? (uint8_t)fmin(code, 255) : 0;
+}
+
+double orl_record_clear(const struct orl_world *world, uint32_t tag)
+{
+    return tag == 0 ? 0 : world->geometry->radius * exp2(((double)(tag & 255U) - 255) / 8);
+}
+
+struct maker {
+    const struct orl_records_making *making;
+    struct orl_adaptive_density adapt;
+    struct orl_records records;
+    bool *made;
+    size_t first;
+};
+
+static struct orl_record_note note_of(const struct orl_density *density)
+{
+    const double luma = orl_luma(density->irradiance), mean = luma / ORL_MAP_BATCHES;
+    struct orl_record_note note = {.bias = 0};
+    double most = 0;
+    for (int i = 0; i < ORL_MAP_BATCHES; i++)
+        most = fmax(most, fabs(density->parts.luma[i] - mean));
+    if (!(luma > 0) || !(most > 0))
+        return note;
+    note.unit = (float)(most / INT8_MAX / luma);
+    note.bias = (float)(density->bias / luma);
+    for (int i = 0; i < ORL_MAP_BATCHES; i++)
+        note.off[i] = (int8_t)lround(INT8_MAX * (density->parts.luma[i] - mean) / most);
+    return note;
+}
+
+/* From record to record of a chunk (search.h). */
+struct hint {
+    double disc;
+    bool cut;
+};
+
+static bool make_record(struct maker *m, size_t index, struct orl_search *search, struct hint *hint,
+                        struct orl_footing *ret_footing, struct orl_density *ret_density)
+{
+    const struct orl_records_making *making = m->making;
+    const struct orl_photon_map *map = making->global;
+    const uint64_t leaf = LEAVES_A_RECORD * (uint64_t)index;
+    struct orl_leaf_center site = orl_leaf_center_make(map, leaf);
+    struct orl_density_query query = {.k = ORL_ADAPTIVE_DENSITY_MOST,
+                                      .max_radius = m->adapt.reach,
+                                      .hint = hint->disc,
+                                      .hint_cut = hint->cut};
+    if (!orl_leaf_center_ask(map, &site, leaf, making->world, &query, ret_footing))
+        return false;
+    const struct orl_density density = orl_adaptive_density_estimate(&m->adapt, &query, search);
+    *hint = (struct hint){density.disc, density.cut};
+    const double emitted = (double)map->header->emitted;
+    const struct orl_rgb value = orl_rgb_scale(density.irradiance, emitted);
+    const struct orl_vec3 p = ret_footing->point;
+    m->records.photons[index] =
+        (struct orl_photon){.position = {(float)p.x, (float)p.y, (float)p.z},
+                            .flux = {(float)value.r, (float)value.g, (float)value.b},
+                            .normal = orl_normal_encode(ret_footing->normal),
+                            .tag = tag_of(making->world, density.clear),
+                            .facet = ret_footing->facet};
+    m->records.notes[index] = note_of(&density);
+    *ret_density = density;
+    return orl_rgb_is_finite(value);
+}
+
+/*
+ * Whether a record speaks for that patch of photons, too: it lies on the same plane within
+ * the disc that was found to be even, and nothing stands between. Beside walls light has to be
+ * quite even for that.
+ */
+static bool speaks_for(const struct maker *m, uint64_t patch, const struct orl_footing *footing,
+                       const struct orl_density *density)
+{
+    const struct orl_leaf_sums *sums = &m->adapt.sums;
+    const double cell = sums->map->header->cell;
+    uint32_t lane;
+    const struct orl_patch_group *group = orl_patch_find(sums, patch, &lane);
+    float at[3];
+    orl_box_locate(sums->map, footing->point, at);
+    const struct orl_vec3 chord =
+        orl_v3(group->at[0][lane] - at[0], group->at[1][lane] - at[1], group->at[2][lane] - at[2]);
+    const double far = (orl_length(chord) + (double)group->reach[lane]) * cell;
+    if (group->count[lane] == 0)
+        return true;
+    if (group->normal[lane] != orl_normal_encode(footing->normal) || !(far < density->radius) ||
+        !orl_chord_fits(footing->normal, chord, 0))
+        return false;
+    return far < density->clear ||
+           (density->evenness >= quite_even &&
+            orl_footing_joins(footing, orl_madd(footing->point, chord, cell)));
+}
+
+/* A record just made, to be asked whether others about it are needed. */
+struct voice {
+    size_t index;
+    bool made;
+    struct orl_footing footing;
+    struct orl_density density;
+};
+
+static struct voice make_voice(struct maker *m, size_t index, struct orl_search *search,
+                               struct hint *hint)
+{
+    struct voice voice = {.index = index};
+    if (index < m->records.count)
+        voice.made = m->made[index] =
+            make_record(m, index, search, hint, &voice.footing, &voice.density);
+    return voice;
+}
+
+/* For the leaves of all these records. */
+static bool speaks_for_all(const struct maker *m, const struct voice *voice, size_t first, size_t n)
+{
+    const struct orl_leaf_sums *sums = &m->adapt.sums;
+    const uint64_t leaf = LEAVES_A_RECORD * (uint64_t)first, end = leaf + LEAVES_A_RECORD * n;
+    if (!voice->made || !(voice->density.evenness >= even) || end > sums->count)
+        return false;
+    for (uint64_t i = ORL_PATCHES * leaf; i < ORL_PATCHES * end; i++)
+        if (!speaks_for(m, i, &voice->footing, &voice->density))
+            return false;
+    return true;
+}
+
+/*
+ * Makes records for so many places: where light is even one amid them does for all, else each half
+ * is seen to. `voice` is one of them that is there already, or NULL.
+ */
+static void make_group(struct maker *m, size_t first, size_t n, const struct voice *voice,
+                       struct orl_search *search, struct hint *hint)
+{
+    const size_t half = n / 2;
+    struct voice own;
+    if (!voice) {
+        own = make_voice(m, first + half, search, hint);
+        voice = &own;
+    }
+    if (n == 1 || speaks_for_all(m, voice, first, n))
+        return;
+    const bool above = voice->index >= first + half;
+    make_group(m, first + half, n - half, above ? voice : NULL, search, hint);
+    make_group(m, first, half, above ? NULL : voice, search, hint);
+}
+
+static void make_chunk(void *arg, size_t chunk, uint32_t member)
+{
+    struct maker *m = arg;
+    const size_t first = m->first + chunk * CHUNK;
+    struct hint hint = {0};
+    if (atomic_load_explicit(m->making->cancel, memory_order_relaxed))
+        return;
+    for (size_t i = first; i < first + CHUNK && i < m->records.count; i += GROUP)
+        make_group(m, i, GROUP, NULL, &m->making->searches[member], &hint);
+}
+
+static int make_all(struct maker *m)
+{
+    const struct orl_records_making *making = m->making;
+    const size_t count = m->records.count;
+    for (m->first = 0; m->first < count; m->first += ROUND) {
+        const size_t left = count - m->first, now = left < ROUND ? left : ROUND;
+        orl_crew_for(making->crew, (now + CHUNK - 1) / CHUNK, make_chunk, m);
+        if (atomic_load(making->cancel))
+            return ORL_ERR_CANCELLED;
+        if (making->progress)
+            making->progress(making->ctx, (double)(m->first + now) / (double)count);
+    }
+    return 0;
+}
+
+void orl_records_done(struct orl_records *records)
+{
+    free(records->photons);
+    free(records->notes);
+    memset(records, 0, sizeof *records);
+}
+
+/* Drops those that could not be made. */
+static void keep_made(struct orl_records *records, const bool *made)
+{
+    size_t kept = 0;
+    for (size_t i = 0; i < records->count; i++) {
+        if (!made[i])
+            continue;
+        records->photons[kept] = records->photons[i];
+        records->notes[kept++] = records->notes[i];
+    }
+    records->count = kept;
+}
+
+int orl_records_make(const struct orl_records_making *making, struct orl_records *ret_records,
+                     struct orl_error *err)
+{
+    const struct orl_photon_map *map = making->global;
+    struct maker m = {.making = making};
+    int code = ORL_ERR_NOMEM;
+    const size_t count = (map->header->count + PHOTONS_A_RECORD - 1) / PHOTONS_A_RECORD;
+    m.records.count = count;
+    m.records.photons = calloc(count + 1, sizeof *m.records.photons);
+    m.records.notes = calloc(count + 1, sizeof *m.records.notes);
+    m.made = calloc(count + 1, sizeof *m.made);
+    const double widest = 0.1 * making->world->geometry->radius;
+    if (!m.records.photons || !m.records.notes || !m.made ||
+        orl_adaptive_density_init(&m.adapt, map, widest, making->crew, &making->searches[0]) < 0) {
+        orl_error_set(err, code, "out of memory for precomputed irradiance");
+        goto done;
+    }
+    code = make_all(&m);
+    if (code < 0) {
+        orl_error_set(err, code, "cancelled while precomputing irradiance");
+        goto done;
+    }
+    keep_made(&m.records, m.made);
+    *ret_records = m.records;
+    m.records = (struct orl_records){0};
+done:
+    orl_adaptive_density_done(&m.adapt);
+    free(m.made);
+    orl_records_done(&m.records);
+    return code;
+}
+
+/* ---- Reading --------------------------------------------------------------------------------- */
+
+/*
+ * A weighted fit of a plane to the records about a point: sums of weights, of offsets in the
+ * tangent plane over the radius (x, y), and of values with either.
+ */
+struct noted { /* of a value's luma */
+    struct orl_batches parts;
+    double bias;
+};
+struct fit {
+    double weight, x, y, xx, xy, yy;
+    struct orl_rgb value, by_x, by_y;
+    struct noted noted, noted_by_x, noted_by_y;
+    double squares; /* of the value's luma */
+    uint32_t joined;
+};
+
+/* Sheets end at 30 degrees between normals: there a record's weight is nothing, too. */
+static double facing_weight(struct orl_vec3 normal, uint16_t own, uint16_t code)
+{
+    static const double cosine_30 = 0.8660254037844386;
+    if (code == own)
+        return 1;
+    const double cosine = orl_dot(orl_normal_decode(code), normal);
+    return fmin(fmax((cosine - cosine_30) / (1 - cosine_30), 0), 1);
+}
+
+static void add_noted(struct noted *sum, const struct noted *more, double factor)
+{
+    orl_batches_add(&sum->parts, &more->parts, factor);
+    sum->bias += more->bias * factor;
+}
+
+static void add_to_fit(struct fit *fit, double weight, double x, double y, struct orl_rgb value,
+                       const struct noted *noted)
+{
+    fit->weight += weight;
+    fit->x += weight * x;
+    fit->y += weight * y;
+    fit->xx += weight * x * x;
+    fit->xy += weight * x * y;
+    fit->yy += weight * y * y;
+    fit->value = orl_rgb_add(fit->value, orl_rgb_scale(value, weight));
+    fit->by_x = orl_rgb_add(fit->by_x, orl_rgb_scale(value, weight * x));
+    fit->by_y = orl_rgb_add(fit->by_y, orl_rgb_scale(value, weight * y));
+    add_noted(&fit->noted, noted, weight);
+    add_noted(&fit->noted_by_x, noted, weight * x);
+    add_noted(&fit->noted_by_y, noted, weight * y);
+    fit->squares += weight * orl_luma(value) * orl_luma(value);
+    fit->joined++;
+}
+
+/*
+ * The plane's value at the point. Records lie closer together where there is more light, so that a
+ * mean of them is too high on every slope; and beside walls all lie on one side. Where they hardly
+ * tell a slope the plane is held level (the ridge).
+ */
+static struct orl_rgb fit_value(const struct fit *fit, struct noted *ret_noted)
+{
+    const double ridge = 0.02 * fit->weight;
+    const double xx = fit->xx + ridge, yy = fit->yy + ridge;
+    const double determinant = xx * yy - fit->xy * fit->xy;
+    const double a = (yy * fit->x - fit->xy * fit->y) / determinant;
+    const double b = (xx * fit->y - fit->xy * fit->x) / determinant;
+    const double weight = fit->weight - a * fit->x - b * fit->y;
+    const struct orl_rgb sum = orl_rgb_add(
+        fit->value, orl_rgb_add(orl_rgb_scale(fit->by_x, -a), orl_rgb_scale(fit->by_y, -b)));
+    *ret_noted = (struct noted){.bias = 0};
+    add_noted(ret_noted, &fit->noted, 1 / weight);
+    add_noted(ret_noted, &fit->noted_by_x, -a / weight);
+    add_noted(ret_noted, &fit->noted_by_y, -b / weight);
+    return (struct orl_rgb){fmax(sum.r / weight, 0), fmax(sum.g / weight, 0),
+                            fmax(sum.b / weight, 0)};
+}
+
+/* A map that came without notes tells no errors. */
+static struct noted noted_of(const struct orl_photon_map *map, uint32_t index, double luma)
+{
+    const unsigned char *at = orl_photon_map_note(map, index);
+    struct orl_record_note note;
+    if (!at || map->header->note_bytes < sizeof note)
+        return (struct noted){.bias = 0};
+    memcpy(&note, at, sizeof note);
+    struct noted noted = {.bias = luma * (double)note.bias};
+    for (int i = 0; i < ORL_MAP_BATCHES; i++)
+        noted.parts.luma[i] = luma * (1.0 / ORL_MAP_BATCHES + (double)note.unit * note.off[i]);
+    return noted;
+}
+
+static void add_record(const struct orl_photon_map *map, const struct orl_footing *footing,
+                       const struct orl_frame *frame, const struct orl_search_candidate *c,
+                       double radius, struct fit *fit)
+{
+    const struct orl_photon record = orl_photon_map_get(map, c->index);
+    const double distance = sqrt((double)c->distance2) * map->header->cell;
+    const double share = distance / radius;
+    const struct orl_vec3 at = orl_v3(record.position[0], record.position[1], record.position[2]);
+    const struct orl_vec3 way = orl_sub(at, footing->point);
+    if (distance > orl_record_clear(footing->world, record.tag) && !orl_footing_joins(footing, at))
+        return;
+    const double bell = fmax(1 - share * share, 0);
+    const double weight =
+        bell * bell *
+        facing_weight(footing->normal, orl_normal_encode(footing->normal), record.normal);
+    const struct orl_rgb value =
+        orl_rgb_scale(orl_flux_unpack(map->fluxes[c->index]), map->header->flux_unit);
+    const struct noted noted = noted_of(map, c->index, orl_luma(value));
+    add_to_fit(fit, weight, orl_dot(way, frame->u) / radius, orl_dot(way, frame->v) / radius, value,
+               &noted);
+}
+
+struct orl_density orl_records_estimate(const struct orl_photon_map *records,
+                                        const struct orl_footing *footing, double max_radius,
+                                        struct orl_search *search)
+{
+    struct orl_density density = {.found = 0};
+    struct orl_density_query query = {.point = footing->point,
+                                      .normal = footing->normal,
+                                      .k = NEAREST + 1,
+                                      .max_radius = max_radius,
+                                      .footing = footing};
+    const struct orl_frame frame = orl_frame_about(footing->normal);
+    struct fit fit;
+    for (;; query.k *= 4) {
+        double radius;
+        const uint32_t found = orl_density_nearest(records, &query, search, &radius);
+        fit = (struct fit){.weight = 0};
+        for (uint32_t i = 0; i < found; i++)
+            add_record(records, footing, &frame, &search->candidates[i], radius, &fit);
+        /* Beyond a wall there may be many: look further on this side. */
+        if (fit.joined >= LEAST_JOINED || found + 1 < query.k || query.k >= MOST_SEARCHED)
+            break;
+    }
+    if (!(fit.weight > 1e-9))
+        return density;
+    density.found = 1;
+    struct noted noted;
+    density.irradiance = fit_value(&fit, &noted);
+    density.parts = noted.parts;
+    density.bias = noted.bias;
+    density.standard_error = sqrt(orl_batches_variance(&density.parts));
+    const double mean = orl_luma(fit.value) / fit.weight;
+    density.spread = sqrt(fmax(fit.squares / fit.weight - mean * mean, 0));
+    return density;
+}
+
+struct orl_density orl_records_glance(const struct orl_photon_map *records,
+                                      const struct orl_footing *footing, double max_radius,
+                                      struct orl_search *search)
+{
+    const struct orl_density_query query = {.point = footing->point,
+                                            .normal = footing->normal,
+                                            .k = GLANCED_AT + 1,
+                                            .max_radius = max_radius,
+                                            .footing = footing};
+    struct orl_density density = {.found = 0};
+    const uint32_t found = orl_density_nearest(records, &query, search, &density.radius);
+    for (uint32_t i = 0; i < found; i++) {
+        const uint32_t index = search->candidates[i].index;
+        const struct orl_rgb value =
+            orl_rgb_scale(orl_flux_unpack(records->fluxes[index]), records->header->flux_unit);
+        const struct noted noted = noted_of(records, index, orl_luma(value));
+        density.irradiance = orl_rgb_add(density.irradiance, orl_rgb_scale(value, 1.0 / found));
+        orl_batches_add(&density.parts, &noted.parts, 1.0 / found);
+    }
+    density.found = found > 0;
+    return density;
+}

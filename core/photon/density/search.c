@@ -1,0 +1,331 @@
+#include "photon/density/search.h"
+
+#include "photon/map/boxes.h"
+#include "photon/map/flux.h"
+#include "photon/surface/sheet.h"
+#include "photon/surface/sides.h"
+
+/* Neighbours that are searched at once, and not from a small radius up. */
+enum { FEW = 16 };
+
+struct walk {
+    const struct orl_photon_map *map;
+    const struct orl_density_query *query;
+    const struct orl_footprint *footprint; /* NULL: the whole disc */
+    struct orl_search_candidate *candidates;
+    float flat2;     /* in cells: nearer than this photons lie in the footing's plane */
+    float at[3];     /* the query point, in cells, moved so that cell corners stand for centres */
+    float radius2;   /* in cells */
+    float hint2;     /* in cells: where the k nearest are likely to be; 0: not known */
+    uint32_t enough; /* found in a footprint, lest it be made larger */
+    uint32_t k, found, room; /* room: candidates held before the nearest k are kept, > k */
+    uint16_t normal;         /* the query's, coded */
+    uint32_t facing;         /* bins of normals worth a visit */
+};
+
+static bool nearer(const struct orl_search_candidate *a, const struct orl_search_candidate *b)
+{
+    return a->distance2 < b->distance2 || (a->distance2 == b->distance2 && a->index < b->index);
+}
+
+static void swap(struct orl_search_candidate *a, struct orl_search_candidate *b)
+{
+    const struct orl_search_candidate t = *a;
+    *a = *b;
+    *b = t;
+}
+
+/* Puts the nth smallest at list[nth], smaller ones before it (Hoare's find). */
+static void select_nth(struct orl_search_candidate *list, int64_t count, int64_t nth)
+{
+    int64_t low = 0, high = count - 1;
+    while (low < high) {
+        const struct orl_search_candidate pivot = list[low + (high - low) / 2];
+        int64_t i = low, j = high;
+        while (i <= j) {
+            while (nearer(&list[i], &pivot))
+                i++;
+            while (nearer(&pivot, &list[j]))
+                j--;
+            if (i <= j)
+                swap(&list[i++], &list[j--]);
+        }
+        if (nth <= j)
+            high = j;
+        else if (nth >= i)
+            low = i;
+        else
+            return;
+    }
+}
+
+/* Photons of the footing's own facet are in its plane, others not: within rounding, in cells. */
+static bool in_footprint(const struct walk *walk, const float chord[3], float distance2)
+{
+    const double cell = walk->map->header->cell;
+    if (distance2 < walk->flat2 &&
+        fabs(orl_dot(orl_v3(chord[0], chord[1], chord[2]), walk->query->normal)) > 4)
+        return false;
+    return !walk->footprint ||
+           orl_footprint_holds(walk->footprint,
+                               orl_v3(chord[0] * cell, chord[1] * cell, chord[2] * cell));
+}
+
+static void scan_leaf(struct walk *walk, uint32_t leaf)
+{
+    const uint32_t *a = walk->map->places + (size_t)leaf * ORL_LEAF_WORDS, *b = a + ORL_MAP_LEAF;
+    const uint64_t first = (uint64_t)leaf * ORL_MAP_LEAF;
+    const uint32_t n = orl_leaf_photons(walk->map, leaf);
+    float dx[ORL_MAP_LEAF], dy[ORL_MAP_LEAF], dz[ORL_MAP_LEAF], d2[ORL_MAP_LEAF];
+    for (int i = 0; i < ORL_MAP_LEAF; i++) {
+        dx[i] = (float)(int32_t)(a[i] & 0xfffffU) - walk->at[0];
+        dy[i] = (float)(int32_t)(b[i] & 0xfffffU) - walk->at[1];
+        dz[i] = (float)(int32_t)((a[i] >> 24) << 12 | b[i] >> 20) - walk->at[2];
+        d2[i] = dx[i] * dx[i] + dy[i] * dy[i] + dz[i] * dz[i];
+    }
+    for (uint32_t i = 0; i < n; i++) {
+        const float chord[3] = {dx[i], dy[i], dz[i]};
+        const uint32_t index = (uint32_t)(first + i);
+        if (!(d2[i] < walk->radius2) || (walk->query->at_photon && index == walk->query->skip) ||
+            !orl_same_sheet(walk->query->normal, walk->normal, walk->map->normals[index], chord) ||
+            !in_footprint(walk, chord, d2[i]))
+            continue;
+        walk->candidates[walk->found++] = (struct orl_search_candidate){d2[i], index};
+        if (walk->found == walk->room) {
+            /* Full: keep the nearest k, and look no further than the last of them. */
+            select_nth(walk->candidates, walk->found, walk->k - 1);
+            walk->found = walk->k;
+            walk->radius2 = walk->candidates[walk->k - 1].distance2;
+        }
+    }
+}
+
+/* Depth first, nearest child first. */
+static void walk_boxes(struct walk *walk)
+{
+    struct orl_box_visit stack[ORL_BOX_STACK];
+    uint32_t depth = 0;
+    if (walk->map->header->levels == 0)
+        return;
+    stack[depth++] = (struct orl_box_visit){0, walk->map->header->levels, 0};
+    while (depth > 0) {
+        const struct orl_box_visit at = stack[--depth];
+        if (!(at.distance2 < walk->radius2))
+            continue;
+        if (at.level == 0)
+            scan_leaf(walk, at.node);
+        else
+            depth =
+                orl_box_push(walk->map, at, walk->at, walk->facing, walk->radius2, stack, depth);
+    }
+}
+
+static float diagonal2_of(const struct orl_map_group *group, uint32_t child)
+{
+    float sum = 1;
+    for (int i = 0; i < 3; i++) {
+        const float side = group->high[i][child] - group->low[i][child];
+        sum += side * side;
+    }
+    return sum;
+}
+
+/*
+ * A first radius, from the leaves about the point: as if the photons of one lay on a square that
+ * just fits its box, k of them take k/16 of its area. The leaf nearest to the point may be two
+ * patches far apart, and then says nothing; so the smallest beside it is asked, too. To begin with
+ * too small a radius costs little, too large a one very much: three quarters of k will do. Of a few
+ * chance is too large a part for that: there twice k are looked for, and most left out again.
+ */
+static float first_radius2(const struct walk *walk)
+{
+    uint32_t node = 0, nearest = 0;
+    const struct orl_map_group *group = NULL;
+    float smallest2 = INFINITY;
+    for (uint32_t level = walk->map->header->levels; level-- > 0;) {
+        float distance2[ORL_MAP_FANOUT];
+        group = &walk->map->levels[level][node];
+        orl_box_distances(group, walk->at, distance2);
+        nearest = 0;
+        for (uint32_t c = 0; c < ORL_MAP_FANOUT; c++) {
+            if (!(group->facing[c] & walk->facing))
+                distance2[c] = INFINITY;
+            else if (level == 0)
+                smallest2 = fminf(smallest2, diagonal2_of(group, c));
+            if (distance2[c] < distance2[nearest])
+                nearest = c;
+        }
+        node = node * ORL_MAP_FANOUT + nearest;
+    }
+    const float diagonal2 = group ? fminf(diagonal2_of(group, nearest), 3 * smallest2) : 1;
+    const float share = walk->k > FEW ? 0.75F : 2.0F;
+    return diagonal2 * share * (float)(1 / (2 * ORL_PI) / ORL_MAP_LEAF) * (float)walk->k;
+}
+
+/* Searches ever wider until there are k, or all within the largest radius. */
+static void search_nearest(struct walk *walk)
+{
+    const float most2 = walk->radius2;
+    float radius2 = walk->hint2 > 0                 ? walk->hint2
+                    : walk->map->header->levels > 0 ? first_radius2(walk)
+                                                    : most2;
+    for (;;) {
+        walk->radius2 = radius2 < most2 ? radius2 : most2;
+        walk->found = 0;
+        walk_boxes(walk);
+        if (walk->found >= walk->k || !(radius2 < most2))
+            return;
+        /* As much wider as there are too few, and a little. */
+        const float lack = 1.3F * (float)walk->k / (float)(walk->found + 1);
+        radius2 *= fminf(lack, 8);
+    }
+}
+
+/* The first photons' fluxes, in all and by batch, over the area. */
+static void spread_fluxes(const struct walk *walk, struct orl_density *density)
+{
+    const double unit = walk->map->header->flux_unit / density->area;
+    struct orl_rgb sum = orl_gray(0);
+    for (uint32_t i = 0; i < density->found; i++) {
+        const uint32_t index = walk->candidates[i].index;
+        const struct orl_rgb flux = orl_flux_unpack(walk->map->fluxes[index]);
+        sum = orl_rgb_add(sum, flux);
+        density->parts.luma[orl_photon_batch(walk->map, index)] += unit * orl_luma(flux);
+    }
+    density->irradiance = orl_rgb_scale(sum, unit);
+    density->standard_error = sqrt(orl_batches_variance(&density->parts));
+}
+
+/* The nearest photons of the disc, or the footprint, within max_radius. */
+static struct orl_density find_within(struct walk *walk, double max_radius)
+{
+    const double cell = walk->map->header->cell, reach = max_radius / cell;
+    struct orl_density density = {.radius = max_radius};
+    walk->radius2 = (float)(reach * reach);
+    search_nearest(walk);
+    density.found = walk->found;
+    if (walk->found >= walk->k) {
+        select_nth(walk->candidates, walk->found, walk->k - 1);
+        density.found = walk->k - 1;
+        density.radius = sqrt((double)walk->candidates[walk->k - 1].distance2) * cell;
+    }
+    /* Photons on one spot have no area to spread over but a cell's. */
+    density.radius = fmax(density.radius, cell);
+    density.clear = density.radius;
+    return density;
+}
+
+/* A little beyond where the footprint has the area of a disc. */
+static float hint_of(const struct walk *walk, double disc)
+{
+    const double radius = 1.1 * orl_footprint_even(walk->footprint, disc) / walk->map->header->cell;
+    return (float)(radius * radius);
+}
+
+/* Of the footprint: out to twice the disc that holds k, or as far as allowed. */
+static struct orl_density find_in_footprint(struct walk *walk, double disc,
+                                            struct orl_footprint *footprint)
+{
+    const double most = walk->query->max_radius;
+    struct orl_density density;
+    double reach = fmin(2 * disc, most);
+    walk->footprint = footprint;
+    for (;;) {
+        orl_footprint_make(walk->query->footing, reach, footprint);
+        walk->hint2 = hint_of(walk, disc);
+        density = find_within(walk, reach);
+        density.clear = fmin(footprint->clear, density.radius);
+        if (!(reach < most) || density.found >= walk->enough)
+            return density;
+        reach = most;
+    }
+}
+
+static struct walk walk_of(const struct orl_photon_map *map, const struct orl_density_query *query,
+                           struct orl_search *search)
+{
+    struct walk walk = {.map = map,
+                        .query = query,
+                        .candidates = search->candidates,
+                        .k = query->k < ORL_SEARCH_MOST ? query->k : ORL_SEARCH_MOST,
+                        .normal = orl_normal_encode(query->normal),
+                        .facing = orl_facing_mask(&map->facing, query->normal)};
+    orl_box_locate(map, query->point, walk.at);
+    if (walk.k < 2)
+        walk.k = 2;
+    walk.room = walk.k > FEW ? 4 * walk.k : 2 * walk.k;
+    if (walk.room > 2 * ORL_SEARCH_MOST)
+        walk.room = 2 * ORL_SEARCH_MOST;
+    if (query->footing) {
+        const double flat = orl_footing_flat(query->footing) / map->header->cell;
+        walk.flat2 = (float)fmin(flat * flat, 1e30);
+    }
+    return walk;
+}
+
+/* The disc first; where it is cut, the footprint. All but the irradiance. */
+static struct orl_density find(struct walk *walk, struct orl_footprint *footprint,
+                               struct orl_health *health)
+{
+    const struct orl_density_query *query = walk->query;
+    struct orl_density density = find_within(walk, query->max_radius);
+    if (query->footing && density.found > 0 && !orl_footing_is_free(query->footing, density.radius))
+        density = find_in_footprint(walk, density.radius, footprint);
+    health->estimates += density.found > 0;
+    if (density.found > 0 && density.found < ORL_SEARCH_SPARSE && density.found + 1 < walk->k &&
+        density.found < walk->map->header->count)
+        health->sparse++;
+    return density;
+}
+
+struct orl_density orl_density_estimate(const struct orl_photon_map *map,
+                                        const struct orl_density_query *query,
+                                        struct orl_search *search)
+{
+    struct walk walk = walk_of(map, query, search);
+    walk.enough = (walk.k + 3) / 4;
+    struct orl_footprint footprint;
+    struct orl_density density = find(&walk, &footprint, &search->health);
+    const double cell = map->header->cell;
+    if (density.found == 0)
+        return density;
+    const double area = walk.footprint ? orl_footprint_area(walk.footprint, density.radius)
+                                       : ORL_PI * density.radius * density.radius;
+    density.area = fmax(area, ORL_PI * cell * cell);
+    spread_fluxes(&walk, &density);
+    return density;
+}
+
+double orl_density_bias(const struct orl_photon_map *map, const struct orl_density_query *query,
+                        const struct orl_density *estimate, struct orl_search *search)
+{
+    static const double least = 1.4; /* between the areas */
+    struct orl_density_query other = *query;
+    struct orl_health before = search->health;
+    struct orl_density second;
+    if (estimate->found == 0)
+        return 0;
+    other.k = 2 * query->k;
+    second = orl_density_estimate(map, &other, search);
+    if (second.area < least * estimate->area) {
+        other.max_radius = estimate->radius * sqrt(0.5);
+        second = orl_density_estimate(map, &other, search);
+    }
+    search->health = before; /* it is no estimate of its own */
+    if (fmax(second.area, estimate->area) < least * fmin(second.area, estimate->area))
+        return 0;
+    struct orl_batches difference = second.parts;
+    orl_batches_add(&difference, &estimate->parts, -1);
+    return orl_batches_beyond_scatter(&difference) * estimate->area /
+           (second.area - estimate->area);
+}
+
+uint32_t orl_density_nearest(const struct orl_photon_map *map,
+                             const struct orl_density_query *query, struct orl_search *search,
+                             double *ret_radius)
+{
+    struct walk walk = walk_of(map, query, search);
+    const struct orl_density density = find_within(&walk, query->max_radius);
+    *ret_radius = density.radius;
+    return density.found;
+}

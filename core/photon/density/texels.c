@@ -1,0 +1,315 @@
+#include "photon/density/texels.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "photon/map/flux.h"
+#include "photon/surface/landing.h"
+#include "photon/surface/squares.h"
+
+enum { MOST_ACROSS = 4096, LEAVES_A_CHUNK = 1024, SLICES = 16, LINE = 64 };
+
+/* A square of which less than this share is surface is taken together with its fullest neighbour.
+ */
+static const double least_share = 0.25;
+
+struct orl_texels {
+    const struct orl_world *world;
+    struct orl_planes planes;  /* of the world's facets */
+    struct orl_squares *sides; /* per facet: back, front; a square is a texel */
+    struct orl_texel *texels;
+    bool *cut; /* per texel: something stands on it */
+    uint32_t count;
+    double photons; /* a texel's, on average */
+};
+
+/* Of a texel in the making: flux, then irradiance. */
+struct sum {
+    float values[3], parts[ORL_MAP_BATCHES]; /* of channels, and of luma by batch */
+};
+
+/* What there is only while texels are made. */
+struct making {
+    struct orl_texels *texels;
+    struct sum *sums; /* per texel */
+    const struct orl_photon_map *map;
+    uint32_t *places;      /* per photon: its side, then its texel */
+    atomic_bool *doubtful; /* per facet: another coincides with it */
+    float *areas;          /* per texel */
+};
+
+static uint32_t index_in(const struct orl_texels *texels, uint32_t side, struct orl_vec3 point)
+{
+    return orl_squares_index(&texels->sides[side],
+                             orl_plane_corner(&texels->planes.planes[side / 2], point));
+}
+
+static uint32_t steps(double length, double width)
+{
+    return (uint32_t)fmin(fmax(round(length / width), 1), MOST_ACROSS);
+}
+
+/* As many texels on every side as its photons are worth. */
+static void share_out(struct making *m)
+{
+    struct orl_texels *texels = m->texels;
+    const size_t n = texels->planes.geometry->n_facets;
+    for (size_t i = 0; i < 2 * n; i++)
+        texels->sides[i] = (struct orl_squares){.first = 0};
+    for (uint64_t i = 0; i < m->map->header->count; i++)
+        if (m->places[i] != ORL_NOWHERE)
+            texels->sides[m->places[i]].first++;
+    uint64_t count = 0;
+    for (size_t i = 0; i < 2 * n; i++) {
+        struct orl_squares *side = &texels->sides[i];
+        const struct orl_plane *plane = &texels->planes.planes[i / 2];
+        const double landed = side->first;
+        texels->planes.has[i / 2] = texels->planes.has[i / 2] && !atomic_load(&m->doubtful[i / 2]);
+        *side = (struct orl_squares){.first = (uint32_t)count};
+        if (!texels->planes.has[i / 2] || !(landed > 0))
+            continue;
+        const double width =
+            sqrt(texels->planes.geometry->facets[i / 2].area * texels->photons / landed);
+        side->across = steps(plane->wide, width);
+        side->down = steps(plane->high, width);
+        side->width = plane->wide / side->across;
+        side->height = plane->high / side->down;
+        count += (uint64_t)side->across * side->down;
+    }
+    texels->count = count < ORL_NOWHERE ? (uint32_t)count : 0;
+}
+
+static void find_texels(void *arg, size_t chunk, uint32_t member)
+{
+    const struct making *m = arg;
+    const uint64_t photons = m->map->header->count, first = chunk * LEAVES_A_CHUNK * ORL_MAP_LEAF;
+    const uint64_t end = first + (uint64_t)LEAVES_A_CHUNK * ORL_MAP_LEAF;
+    (void)member;
+    for (uint64_t i = first; i < end && i < photons; i++) {
+        const uint32_t side = m->places[i];
+        if (side == ORL_NOWHERE)
+            continue;
+        m->places[i] = m->texels->sides[side].across == 0
+                           ? ORL_NOWHERE
+                           : index_in(m->texels, side, orl_landed_of(m->map, i).point);
+    }
+}
+
+/* Flux into a slice of the texels. */
+static void add_up(void *arg, size_t slice, uint32_t member)
+{
+    const struct making *m = arg;
+    const struct orl_photon_map *map = m->map;
+    const uint64_t count = m->texels->count;
+    const uint32_t from = (uint32_t)(count * slice / SLICES);
+    const uint32_t room = (uint32_t)(count * (slice + 1) / SLICES) - from;
+    (void)member;
+    for (uint64_t i = 0; i < map->header->count; i++) {
+        if (m->places[i] - from >= room) /* before it, too: numbers wrap */
+            continue;
+        const struct orl_rgb flux =
+            orl_rgb_scale(orl_flux_unpack(map->fluxes[i]), map->header->flux_unit);
+        struct sum *sum = &m->sums[m->places[i]];
+        sum->values[0] += (float)flux.r;
+        sum->values[1] += (float)flux.g;
+        sum->values[2] += (float)flux.b;
+        sum->parts[orl_photon_batch(map, (uint32_t)i)] += (float)orl_luma(flux);
+    }
+}
+
+static void add_areas(void *arg, size_t index, uint32_t member)
+{
+    const struct making *m = arg;
+    const struct orl_planes *planes = &m->texels->planes;
+    const struct orl_plane *plane = &planes->planes[index / 2];
+    (void)member;
+    orl_squares_add(&m->texels->sides[index], &planes->flats[plane->first], plane->triangles,
+                    m->areas);
+}
+
+static void add_sum(struct sum *sum, const struct sum *more)
+{
+    for (int c = 0; c < 3; c++)
+        sum->values[c] += more->values[c];
+    for (int b = 0; b < ORL_MAP_BATCHES; b++)
+        sum->parts[b] += more->parts[b];
+}
+
+static void divide(struct sum *sum, float area)
+{
+    for (int c = 0; c < 3; c++)
+        sum->values[c] = area > 0 ? sum->values[c] / area : 0;
+    for (int b = 0; b < ORL_MAP_BATCHES; b++)
+        sum->parts[b] = area > 0 ? sum->parts[b] / area : 0;
+}
+
+/* Shares are rounded such that together they are the whole. */
+static void keep(const struct sum *sum, struct orl_texel *texel)
+{
+    float luma = 0, before = 0;
+    long rounded = 0;
+    memcpy(texel->irradiance, sum->values, sizeof texel->irradiance);
+    for (int b = 0; b < ORL_MAP_BATCHES; b++)
+        luma += sum->parts[b];
+    for (int b = 0; b < ORL_MAP_BATCHES && luma > 0; b++) {
+        before += sum->parts[b];
+        texel->parts[b] = (uint8_t)(lrintf(UINT8_MAX * (before / luma)) - rounded);
+        rounded += texel->parts[b];
+    }
+}
+
+/*
+ * Flux to irradiance, of one side. What lands in a square that is hardly surface goes to its
+ * fullest neighbour, and comes back as that one's irradiance.
+ */
+static void settle(void *arg, size_t index, uint32_t member)
+{
+    const struct making *m = arg;
+    const struct orl_squares *side = &m->texels->sides[index];
+    struct sum *sums = m->sums;
+    const double enough = least_share * side->width * side->height;
+    (void)member;
+    for (int pass = 0; pass < 3; pass++)
+        for (uint32_t y = 0; y < side->down; y++)
+            for (uint32_t x = 0; x < side->across; x++) {
+                const uint32_t here = side->first + y * side->across + x;
+                const bool small = (double)m->areas[here] < enough;
+                const uint32_t there = small ? orl_squares_fullest(side, m->areas, x, y) : here;
+                if (pass == 0 && there != here && (double)m->areas[there] >= enough) {
+                    add_sum(&sums[there], &sums[here]);
+                    m->areas[there] += m->areas[here];
+                } else if (pass == 1 &&
+                           (!small || there == here || !((double)m->areas[there] >= enough))) {
+                    divide(&sums[here], m->areas[here]);
+                } else if (pass == 2 && there != here && (double)m->areas[there] >= enough) {
+                    sums[here] = sums[there];
+                }
+            }
+    for (uint32_t i = side->first; i < side->first + side->across * side->down; i++)
+        keep(&sums[i], &m->texels->texels[i]);
+}
+
+/* Looks for what stands on whole squares, along both diagonals: no long wall passes between them.
+ */
+static void find_cuts(void *arg, size_t index, uint32_t member)
+{
+    static const double corners[2][2] = {{0.001, 0.001}, {0.999, 0.001}};
+    const struct making *m = arg;
+    const struct orl_squares *side = &m->texels->sides[index];
+    const struct orl_plane *plane = &m->texels->planes.planes[index / 2];
+    const struct orl_vec3 normal = index % 2 == 1 ? plane->frame.n : orl_neg(plane->frame.n);
+    const double whole = 0.999 * side->width * side->height;
+    (void)member;
+    for (uint32_t i = 0; i < side->across * side->down; i++) {
+        bool *cut = &m->texels->cut[side->first + i];
+        const uint32_t column = i % side->across, row = i / side->across;
+        const struct orl_vec3 corner =
+            orl_madd(orl_madd(plane->origin, plane->frame.u, column * side->width), plane->frame.v,
+                     row * side->height);
+        for (int k = 0; k < 2 && (double)m->areas[side->first + i] >= whole && !*cut; k++) {
+            const double x = corners[k][0] * side->width, y = corners[k][1] * side->height;
+            const struct orl_footing footing = {
+                m->texels->world, orl_madd(orl_madd(corner, plane->frame.u, x), plane->frame.v, y),
+                normal, (uint32_t)(index / 2)};
+            *cut = !orl_footing_joins(&footing,
+                                      orl_madd(orl_madd(corner, plane->frame.u, side->width - x),
+                                               plane->frame.v, side->height - y));
+        }
+    }
+}
+
+static bool make(struct making *m, struct orl_crew *crew)
+{
+    struct orl_texels *texels = m->texels;
+    const struct orl_geometry *g = texels->world->geometry;
+    const uint64_t leaves = (m->map->header->count + ORL_MAP_LEAF - 1) / ORL_MAP_LEAF;
+    const size_t chunks = (leaves + LEAVES_A_CHUNK - 1) / LEAVES_A_CHUNK;
+    const bool laid_out = orl_planes_init(&texels->planes, g);
+    texels->sides = calloc(2 * g->n_facets + 1, sizeof *texels->sides);
+    m->places = malloc((m->map->header->count + 1) * sizeof *m->places);
+    m->doubtful = calloc(g->n_facets + 1, sizeof *m->doubtful);
+    if (!laid_out || !texels->sides || !m->places || !m->doubtful)
+        return false;
+    struct orl_landing landing = {m->map, &texels->planes, m->places, m->doubtful};
+    orl_landing_find(&landing, crew);
+    share_out(m);
+    const size_t bytes = ((size_t)texels->count + 2) / 2 * LINE;
+    texels->texels = aligned_alloc(LINE, bytes);
+    texels->cut = calloc((size_t)texels->count + 1, sizeof *texels->cut);
+    m->sums = calloc((size_t)texels->count + 1, sizeof *m->sums);
+    m->areas = calloc((size_t)texels->count + 1, sizeof *m->areas);
+    if (!texels->texels || !texels->cut || !m->sums || !m->areas)
+        return false;
+    memset(texels->texels, 0, bytes);
+    orl_crew_for(crew, chunks, find_texels, m);
+    orl_crew_for(crew, SLICES, add_up, m);
+    orl_crew_for(crew, 2 * g->n_facets, add_areas, m);
+    orl_crew_for(crew, 2 * g->n_facets, settle, m);
+    orl_crew_for(crew, 2 * g->n_facets, find_cuts, m);
+    return true;
+}
+
+struct orl_texels *orl_texels_new(const struct orl_photon_map *map, const struct orl_world *world,
+                                  double photons, struct orl_crew *crew)
+{
+    struct orl_texels *texels = calloc(1, sizeof *texels);
+    struct making m = {.texels = texels, .map = map};
+    if (!texels)
+        return NULL;
+    texels->world = world;
+    texels->photons = photons;
+    const bool made = make(&m, crew);
+    free(m.places);
+    free(m.doubtful);
+    free(m.sums);
+    free(m.areas);
+    if (made)
+        return texels;
+    orl_texels_free(texels);
+    return NULL;
+}
+
+void orl_texels_free(struct orl_texels *texels)
+{
+    if (!texels)
+        return;
+    orl_planes_done(&texels->planes);
+    free(texels->sides);
+    free(texels->texels);
+    free(texels->cut);
+    free(texels);
+}
+
+void orl_texels_rebind(struct orl_texels *texels, const struct orl_world *world)
+{
+    texels->world = world;
+    texels->planes.geometry = world->geometry;
+}
+
+uint64_t orl_texels_bytes(const struct orl_texels *texels)
+{
+    return sizeof *texels + texels->count * (sizeof *texels->texels + sizeof *texels->cut);
+}
+
+bool orl_texels_has(const struct orl_texels *texels, uint32_t facet)
+{
+    return texels->planes.has[facet];
+}
+
+double orl_texels_width(const struct orl_texels *texels, uint32_t facet, bool front)
+{
+    const struct orl_squares *side = &texels->sides[2 * facet + front];
+    return fmax(side->width, side->height);
+}
+
+const struct orl_texel *orl_texels_at(const struct orl_texels *texels, uint32_t facet, bool front,
+                                      struct orl_vec3 point, bool *ret_cut)
+{
+    const uint32_t side = 2 * facet + front;
+    *ret_cut = false;
+    if (texels->sides[side].across == 0)
+        return NULL;
+    const uint32_t index = index_in(texels, side, point);
+    *ret_cut = texels->cut[index];
+    return &texels->texels[index];
+}

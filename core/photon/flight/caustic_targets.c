@@ -1,0 +1,138 @@
+#include "photon/flight/caustic_targets.h"
+
+#include <stdlib.h>
+
+#include "photon/flight/table.h"
+
+enum { MOST_RAYS = 1 << 17, MOST_A_FACET = 1024, LEAST_A_FACET = 4, MOST_PANES = 64 };
+static const double evenly = 0.1;     /* of photons start anywhere on the pane */
+static const double most_cells = 0.5; /* lead on: then they may as well start anywhere */
+
+static bool sends_on(const struct orl_material *m)
+{
+    return orl_material_is_mirror(m) || orl_material_has_lobes(m);
+}
+
+/* The two numbers that orl_facet_sample draws a place on a polygon by. */
+static void locate(const struct orl_geometry *g, const struct orl_facet *f, struct orl_vec3 point,
+                   double ret_u[2])
+{
+    double below = 0, best = -INFINITY;
+    ret_u[0] = ret_u[1] = 0;
+    for (uint32_t i = f->first_triangle; i < f->first_triangle + f->n_triangles; i++) {
+        const struct orl_triangle *t = &g->triangles[i];
+        const struct orl_vec3 ab = orl_sub(t->b, t->a), ac = orl_sub(t->c, t->a);
+        const struct orl_vec3 ap = orl_sub(point, t->a), n = orl_cross(ab, ac);
+        const double n2 = orl_dot(n, n), area = 0.5 * sqrt(n2);
+        const double b = n2 > 0 ? orl_dot(orl_cross(ap, ac), n) / n2 : 0;
+        const double c = n2 > 0 ? orl_dot(orl_cross(ab, ap), n) / n2 : 0;
+        const double inside = fmin(fmin(b, c), 1 - b - c);
+        if (inside > best) {
+            const double s = fmin(fmax(b + c, 0), 1);
+            best = inside;
+            ret_u[0] = (below + s * s * area) / f->area;
+            ret_u[1] = s > 0 ? fmin(fmax(c / s, 0), 1) : 0;
+        }
+        below += area;
+    }
+}
+
+/*
+ * The port that a ray from inside leaves the scene by, going straight through panes: of several the
+ * last, where its light came in first; -1: none.
+ */
+static int32_t leaves_by(const struct orl_world *world, struct orl_vec3 point,
+                         struct orl_vec3 direction, struct orl_hit *ret_hit, double *ret_share)
+{
+    int32_t port = ORL_NO_PORT;
+    *ret_share = 1;
+    for (int pane = 0; pane < MOST_PANES; pane++) {
+        struct orl_hit hit;
+        if (!orl_geometry_intersect(world->geometry, point, direction, INFINITY, &hit))
+            return port;
+        const struct orl_material *m = orl_world_material(world, &hit);
+        *ret_share *= orl_luma(orl_material_straight(m, &hit, orl_neg(direction)));
+        if (!(*ret_share > 0))
+            return ORL_NO_PORT;
+        point = orl_hit_leave(world->geometry, &hit, direction);
+        if (orl_world_crossing(world, &hit) == ORL_CROSSING_OUTWARDS) {
+            *ret_hit = hit;
+            port = world->port_of_facet[hit.facet];
+        }
+    }
+    return ORL_NO_PORT;
+}
+
+static int note(double **found, size_t cell, double watts)
+{
+    if (!*found)
+        *found = calloc(ORL_CAUSTIC_TARGET_CELLS, sizeof **found);
+    if (!*found)
+        return ORL_ERR_NOMEM;
+    (*found)[cell] += watts;
+    return 0;
+}
+
+/* Points of one facet, towards one sun; of_port: the stratum of each port with that sun. */
+static int look_from(const struct orl_emission *e, uint32_t facet, uint32_t sun, uint32_t samples,
+                     const size_t *of_port, double **found)
+{
+    const struct orl_world *world = e->world;
+    const struct orl_geometry *g = world->geometry;
+    int code = 0;
+    for (uint32_t i = 0; i < samples && code == 0; i++) {
+        struct orl_vec3 point, normal;
+        struct orl_hit hit = {.facet = 0};
+        double u[4], at[2], share;
+        orl_sobol_point(&e->sobol, i, facet, 4, u);
+        orl_facet_sample(g, facet, u, &point, &normal);
+        const struct orl_vec3 towards = orl_sun_sample(&world->suns[sun], u + 2);
+        point = orl_facet_leave(g, facet, point, normal, towards);
+        const int32_t port = leaves_by(world, point, towards, &hit, &share);
+        if (port == ORL_NO_PORT || !(share > 0) || of_port[port] == SIZE_MAX)
+            continue;
+        locate(g, &g->facets[hit.facet], hit.point, at);
+        code = note(&found[of_port[port]], orl_caustic_target_cell(at),
+                    share * orl_luma(world->suns[sun].irradiance) * fabs(orl_dot(towards, normal)) *
+                        g->facets[facet].area / samples);
+    }
+    return code;
+}
+
+int orl_caustic_target_look(const struct orl_emission *emission, double **found)
+{
+    const struct orl_world *world = emission->world;
+    const struct orl_geometry *g = world->geometry;
+    size_t *of_port = malloc((world->n_ports + 1) * sizeof *of_port);
+    size_t facets = 1;
+    int code = of_port ? 0 : ORL_ERR_NOMEM;
+    for (size_t i = 0; i < g->n_facets; i++)
+        facets += g->facets[i].area > 0 && sends_on(&world->materials[g->facets[i].material]);
+    const size_t share = MOST_RAYS / (facets * (world->n_suns + 1));
+    const uint32_t samples = (uint32_t)(share > MOST_A_FACET    ? MOST_A_FACET
+                                        : share < LEAST_A_FACET ? LEAST_A_FACET
+                                                                : share);
+    for (uint32_t sun = 0; sun < world->n_suns && world->n_ports > 0 && code == 0; sun++) {
+        for (size_t p = 0; p < world->n_ports; p++)
+            of_port[p] = SIZE_MAX;
+        for (size_t s = 0; s < emission->n_strata; s++)
+            if (emission->strata[s].kind == ORL_STRATUM_PORT_SUN && emission->strata[s].sun == sun)
+                of_port[emission->strata[s].port] = s;
+        for (uint32_t i = 0; i < g->n_facets && code == 0; i++)
+            if (g->facets[i].area > 0 && sends_on(&world->materials[g->facets[i].material]))
+                code = look_from(emission, i, sun, samples, of_port, found);
+    }
+    free(of_port);
+    return code;
+}
+
+int orl_caustic_target_settle(struct orl_stratum *stratum, const double *found)
+{
+    size_t cells = 0;
+    for (size_t i = 0; i < ORL_CAUSTIC_TARGET_CELLS; i++)
+        cells += found[i] > 0;
+    if (cells == 0 || (double)cells > most_cells * ORL_CAUSTIC_TARGET_CELLS)
+        return 0;
+    return orl_table_init(&stratum->place, ORL_CAUSTIC_TARGET_SIDE, ORL_CAUSTIC_TARGET_SIDE, found,
+                          evenly);
+}

@@ -1,0 +1,389 @@
+#include "photon/flight/emit.h"
+#include "photon/flight/beam.h"
+
+#include "photon/flight/guide.h"
+#include "photon/flight/port_sun.h"
+#include "photon/flight/table.h"
+#include "photon/map/map.h"
+#include "scene/material/hemisphere.h"
+
+_Static_assert((int)ORL_SOBOL_BLOCK == (int)ORL_MAP_BATCHES, "a point of each batch");
+
+/* The cosine of half an angle: rays of such a sun are of about one direction. */
+static const double narrow = 0.9999;
+
+/* The port as a path meets it from outside. */
+static struct orl_hit port_hit(const struct orl_world *world, const struct orl_port *port,
+                               struct orl_vec3 point)
+{
+    return (struct orl_hit){.point = point,
+                            .normal = world->geometry->facets[port->facet].normal,
+                            .facet = port->facet,
+                            .front = port->outside_is_front};
+}
+
+/* Light of that flux arrives at a port from outwards. Of a passage, if there is one. */
+struct arrival {
+    const struct orl_port *port;
+    const struct orl_passage *passage;
+    struct orl_vec3 point, outwards;
+    struct orl_rgb flux;
+    struct orl_vec3 start; /* of a dome's: whence to look out, and the flux of radiance 1 */
+    double measure;
+    struct orl_hit hit;
+};
+
+/* How far an emission has come. */
+enum stage { LOST, FLIES, ARRIVES, LOOKS };
+
+/* How the port sends it through: false: by its passage, or not at all. */
+static bool set_draw(const struct orl_world *world, struct arrival *a, struct orl_random *random,
+                     double ret_u[3], struct orl_draw *ret_draw)
+{
+    a->hit = port_hit(world, a->port, a->point);
+    ret_u[0] = orl_random_uniform(random);
+    ret_u[1] = orl_random_uniform(random);
+    ret_u[2] = orl_random_uniform(random);
+    *ret_draw = (struct orl_draw){orl_world_material(world, &a->hit), &a->hit, a->outwards,
+                                  ORL_TRANSPORT_LIGHT, ORL_LOBE_TRANSMITTED};
+    return !a->passage;
+}
+
+/* Off it goes, as it was sent through; false: it was not. */
+static bool depart(const struct orl_world *world, const struct arrival *a,
+                   const struct orl_scatter *s, struct orl_flight *ret_flight)
+{
+    if (s->event == ORL_EVENT_ABSORBED)
+        return false;
+    ret_flight->origin = orl_hit_leave(world->geometry, &a->hit, s->direction);
+    ret_flight->direction = s->direction;
+    ret_flight->flux = orl_rgb_mul(a->flux, s->weight);
+    ret_flight->way = orl_deflected(ret_flight->way, s->event);
+    ret_flight->beam = ret_flight->beam && s->event == ORL_EVENT_STRAIGHT;
+    ret_flight->from_port = true;
+    ret_flight->clarity = orl_scatter_clarity(orl_world_material(world, &a->hit), s, orl_gray(1));
+    return orl_rgb_max(ret_flight->flux) > 0;
+}
+
+static enum stage aim_port_dome(const struct orl_emission *e, const struct orl_stratum *stratum,
+                                const double *u, struct arrival *ret)
+{
+    const struct orl_world *world = e->world;
+    const struct orl_port *port = &world->ports[stratum->port];
+    struct orl_vec3 normal;
+    double at[2];
+    orl_facet_sample(world->geometry, port->facet, u + 1, &ret->point, &normal);
+    const double density = orl_table_sample(&e->port_tables[stratum->port], u + 3, at);
+    ret->port = port;
+    ret->passage = NULL;
+    ret->outwards = orl_hemisphere_about(port->outward, at[0], at[1]);
+    ret->start = orl_facet_leave(world->geometry, port->facet, ret->point, normal, port->outward);
+    /* The square is uniform in projected solid angle, pi in all. */
+    ret->measure = ORL_PI * port->area / density;
+    return LOOKS;
+}
+
+/* That radiance is what the look out has found. */
+static enum stage look(struct arrival *a, struct orl_rgb radiance)
+{
+    a->flux = orl_rgb_scale(radiance, a->measure);
+    return orl_rgb_max(a->flux) > 0 ? ARRIVES : LOST;
+}
+
+static enum stage aim_port_sun(const struct orl_emission *e, const struct orl_stratum *stratum,
+                               bool caustic, const double *u, struct arrival *ret,
+                               struct orl_flight *ret_flight)
+{
+    const struct orl_world *world = e->world;
+    const struct orl_port *port = &world->ports[stratum->port];
+    const struct orl_sun *sun = &world->suns[stratum->sun];
+    const struct orl_image *image =
+        stratum->kind == ORL_STRATUM_PORT_IMAGE ? &world->images.nodes[stratum->image] : NULL;
+    const struct orl_vec3 out =
+        image ? orl_image_sample(world, image, u + 3) : orl_sun_sample(sun, u + 3);
+    struct orl_vec3 normal;
+    double place[2] = {u[1], u[2]}, density = 1;
+    if (caustic && stratum->place.weight)
+        density = orl_table_sample(&stratum->place, u + 1, place);
+    orl_facet_sample(world->geometry, port->facet, place, &ret->point, &normal);
+    const struct orl_vec3 start =
+        orl_facet_leave(world->geometry, port->facet, ret->point, normal, port->outward);
+    const struct orl_rgb share =
+        image ? orl_image_transmittance(world, start, out, image, false)
+        : stratum->shades && !orl_may_be_shaded(stratum->shades, ret->point)
+            ? orl_gray(1)
+            : orl_transmittance(world, start, out, INFINITY, false);
+    const double cosine = orl_dot(out, port->outward);
+    if (!(cosine > 0) || !(orl_rgb_max(share) > 0))
+        return LOST;
+    ret_flight->from_light = true;
+    ret_flight->way.mirror = image != NULL;
+    ret_flight->sun = stratum->sun;
+    ret_flight->image = image ? (int16_t)stratum->image : -1;
+    ret_flight->beam = !image && stratum->sun == 0 && sun->cos_half_angle > narrow;
+    ret->port = port;
+    ret->passage = image ? NULL : stratum->passage;
+    ret->outwards = out;
+    ret->flux = orl_rgb_scale(orl_rgb_mul(sun->irradiance, share), cosine * port->area / density);
+    return ARRIVES;
+}
+
+/* Uniform over a spotlight's cone; the flux of light of radiance 1 from a unit of area. */
+static double spot_direction(const struct orl_material *spot, struct orl_vec3 normal,
+                             const double u[2], struct orl_vec3 *ret_direction)
+{
+    const struct orl_frame frame = orl_frame_about(spot->aim);
+    const double down = u[0] * (1 - spot->cos_cone), cosine = 1 - down;
+    const double sine = sqrt(down * (2 - down)), phi = 2 * ORL_PI * u[1];
+    *ret_direction = orl_to_world(&frame, orl_v3(sine * cos(phi), sine * sin(phi), cosine));
+    return 2 * ORL_PI * (1 - spot->cos_cone) * fmax(orl_dot(*ret_direction, normal), 0);
+}
+
+static bool emit_emitter(const struct orl_emission *e, const struct orl_stratum *stratum,
+                         const double *u, struct orl_flight *ret_flight)
+{
+    const struct orl_world *world = e->world;
+    const struct orl_emitter *emitter = &world->emitters[stratum->port];
+    const struct orl_facet *facet = &world->geometry->facets[emitter->facet];
+    const struct orl_material *m = &world->materials[facet->material];
+    struct orl_vec3 point, normal;
+    double measure = ORL_PI;
+    orl_facet_sample(world->geometry, emitter->facet, u + 1, &point, &normal);
+    ret_flight->origin = orl_madd(point, normal, facet->offset);
+    /* A cone of 60 degrees' half angle holds as much as the cosine's pi. */
+    if (m->kind == ORL_MATERIAL_SPOTLIGHT && m->cos_cone > 0.5)
+        measure = spot_direction(m, normal, u + 3, &ret_flight->direction);
+    else
+        ret_flight->direction = orl_hemisphere_about(normal, u[3], u[4]);
+    if (!orl_material_beams(m, ret_flight->direction))
+        return false;
+    ret_flight->flux = orl_rgb_scale(emitter->radiance, measure * facet->area);
+    ret_flight->from_light = ret_flight->lamp = emitter->direct;
+    ret_flight->focus = m->focus;
+    return measure > 0;
+}
+
+static bool emit_open(const struct orl_emission *e, const struct orl_stratum *stratum, bool caustic,
+                      const double *u, struct orl_flight *ret_flight)
+{
+    const struct orl_world *world = e->world;
+    struct orl_vec3 towards;
+    struct orl_rgb radiance;
+    double measure;
+    if (stratum->kind == ORL_STRATUM_OPEN_SUN) {
+        towards = orl_sun_sample(&world->suns[stratum->sun], u + 3);
+        radiance = world->suns[stratum->sun].radiance;
+        measure = world->suns[stratum->sun].solid_angle_sr;
+        ret_flight->from_light = true;
+        ret_flight->sun = stratum->sun;
+    } else {
+        double at[2];
+        const double density = orl_table_sample(&e->dome_table, u + 3, at);
+        const double z = 2 * at[1] - 1, s = sqrt(fmax(0, 1 - z * z)), phi = 2 * ORL_PI * at[0];
+        towards = orl_v3(s * cos(phi), s * sin(phi), z);
+        radiance = orl_world_dome_radiance(world, towards);
+        measure = 4 * ORL_PI / density;
+    }
+    double place[2] = {u[1], u[2]}, density = 1;
+    const struct orl_table *guide = orl_guide_find(e, stratum, caustic, towards);
+    if (guide)
+        density = orl_table_sample(guide, u + 1, place);
+    const double area = orl_beam_point(world->geometry, towards, place, &ret_flight->origin);
+    ret_flight->direction = orl_neg(towards);
+    ret_flight->flux = orl_rgb_scale(radiance, measure * area / density);
+    return orl_rgb_max(ret_flight->flux) > 0;
+}
+
+static enum stage aim(const struct orl_emission *e, const struct orl_stratum *stratum, bool caustic,
+                      const double *point, struct orl_random *random, struct arrival *ret_arrival,
+                      struct orl_flight *ret_flight)
+{
+    *ret_flight =
+        (struct orl_flight){.fate = orl_random_uniform(random), .reflected = 1, .image = -1};
+    switch (stratum->kind) {
+    case ORL_STRATUM_PORT_DOME:
+        return aim_port_dome(e, stratum, point, ret_arrival);
+    case ORL_STRATUM_PORT_SUN:
+    case ORL_STRATUM_PORT_IMAGE:
+        return aim_port_sun(e, stratum, caustic, point, ret_arrival, ret_flight);
+    case ORL_STRATUM_EMITTER:
+        return emit_emitter(e, stratum, point, ret_flight) ? FLIES : LOST;
+    case ORL_STRATUM_OPEN_DOME:
+    case ORL_STRATUM_OPEN_SUN:
+        return emit_open(e, stratum, caustic, point, ret_flight) ? FLIES : LOST;
+    }
+    return LOST;
+}
+
+bool orl_emission_from(const struct orl_emission *emission, const struct orl_stratum *stratum,
+                       bool caustic, const double *point, struct orl_random *random,
+                       struct orl_health *health, struct orl_flight *ret_flight)
+{
+    const struct orl_world *world = emission->world;
+    double u[3];
+    struct orl_draw draw;
+    struct arrival a;
+    enum stage stage = aim(emission, stratum, caustic, point, random, &a, ret_flight);
+    if (stage == LOOKS)
+        stage = look(&a, orl_port_radiance(world, a.port, a.start, a.outwards, random, health));
+    if (stage != ARRIVES)
+        return stage == FLIES;
+    if (!orl_port_owns(world->geometry, a.port, a.point))
+        return false;
+    const struct orl_scatter s = set_draw(world, &a, random, u, &draw)
+                                     ? orl_scatter_sample_at(draw.material, &a.hit, a.outwards,
+                                                             draw.transport, draw.lobes, u)
+                                     : orl_passage_sample(a.passage, a.outwards, u);
+    return depart(world, &a, &s, ret_flight);
+}
+
+static const struct orl_stratum *pick(const struct orl_emission *e, double u, bool caustic)
+{
+    size_t low = 0, high = e->n_strata;
+    while (high - low > 1) {
+        const size_t middle = low + (high - low) / 2;
+        const struct orl_stratum *s = &e->strata[middle];
+        if ((caustic ? s->below_caustic : s->below) <= u)
+            low = middle;
+        else
+            high = middle;
+    }
+    return &e->strata[low];
+}
+
+void orl_emission_points(const struct orl_emission *emission, uint64_t seed, uint64_t index,
+                         bool caustic, struct orl_sobol_block *ret_points)
+{
+    const uint64_t within = index / ORL_MAP_BATCHES;
+    uint32_t sequences[ORL_MAP_BATCHES];
+    for (uint64_t batch = 0; batch < ORL_MAP_BATCHES; batch++)
+        sequences[batch] =
+            (uint32_t)orl_mix64(orl_mix64(seed * 2 + caustic) + batch) + (uint32_t)(within >> 32);
+    orl_sobol_block(&emission->sobol, (uint32_t)within, sequences, ret_points);
+}
+
+/* ---- Many at once ---------------------------------------------------------------------------- */
+
+/* Emissions that take each step together. */
+struct wave {
+    const struct orl_emission *emission;
+    struct orl_random *randoms;
+    struct orl_flight *flights;
+    const struct orl_stratum *strata[ORL_EMISSIONS_AT_ONCE];
+    enum stage stages[ORL_EMISSIONS_AT_ONCE];
+    struct arrival arrivals[ORL_EMISSIONS_AT_ONCE];
+    uint16_t order[ORL_EMISSIONS_AT_ONCE]; /* those of a stratum together, or nearly */
+    size_t n;
+};
+
+static void put_in_order(struct wave *w)
+{
+    enum { KINDS = 64 };
+    uint16_t next[KINDS + 1] = {0};
+    for (size_t i = 0; i < w->n; i++)
+        next[(size_t)(w->strata[i] - w->emission->strata) % KINDS + 1]++;
+    for (size_t k = 0; k < KINDS; k++)
+        next[k + 1] = (uint16_t)(next[k + 1] + next[k]);
+    for (size_t i = 0; i < w->n; i++)
+        w->order[next[(size_t)(w->strata[i] - w->emission->strata) % KINDS]++] = (uint16_t)i;
+}
+
+static double share_of(const struct orl_stratum *s, bool caustic)
+{
+    return caustic ? s->share_caustic : s->share;
+}
+
+/* Domes' light: what is seen from the ports. */
+static void look_out(struct wave *w, struct orl_health *health)
+{
+    const struct orl_world *world = w->emission->world;
+    struct orl_ray rays[ORL_EMISSIONS_AT_ONCE];
+    struct orl_hit hits[ORL_EMISSIONS_AT_ONCE];
+    bool found[ORL_EMISSIONS_AT_ONCE];
+    uint16_t whose[ORL_EMISSIONS_AT_ONCE];
+    size_t n = 0;
+    for (size_t k = 0; k < w->n; k++) {
+        const uint16_t i = w->order[k];
+        struct arrival *a = &w->arrivals[i];
+        if (w->stages[i] != LOOKS)
+            continue;
+        if (!orl_port_looks(world, a->port)) {
+            w->stages[i] = look(a, orl_port_radiance(world, a->port, a->start, a->outwards,
+                                                     &w->randoms[i], health));
+            continue;
+        }
+        whose[n] = i;
+        rays[n++] = (struct orl_ray){a->start, a->outwards};
+    }
+    orl_geometry_intersect_many(world->geometry, rays, n, false, hits, found);
+    for (size_t k = 0; k < n; k++) {
+        struct arrival *a = &w->arrivals[whose[k]];
+        w->stages[whose[k]] = look(
+            a, orl_exterior_radiance_from(world, a->outwards, found[k] ? &hits[k] : NULL,
+                                          orl_chance_unsought(), &w->randoms[whose[k]], health));
+    }
+}
+
+/* Through the panes. */
+static void pass_ports(struct wave *w)
+{
+    const struct orl_world *world = w->emission->world;
+    struct orl_draw draws[ORL_EMISSIONS_AT_ONCE];
+    struct orl_scatter scatters[ORL_EMISSIONS_AT_ONCE];
+    double u[ORL_EMISSIONS_AT_ONCE][3];
+    uint16_t whose[ORL_EMISSIONS_AT_ONCE];
+    size_t n = 0;
+    for (size_t k = 0; k < w->n; k++) {
+        const uint16_t i = w->order[k];
+        struct arrival *a = &w->arrivals[i];
+        if (w->stages[i] != ARRIVES)
+            continue;
+        w->stages[i] = LOST;
+        if (!orl_port_owns(world->geometry, a->port, a->point))
+            continue;
+        if (set_draw(world, a, &w->randoms[i], u[n], &draws[n])) {
+            whose[n++] = i;
+            continue;
+        }
+        const struct orl_scatter s = orl_passage_sample(a->passage, a->outwards, u[n]);
+        if (depart(world, a, &s, &w->flights[i]))
+            w->stages[i] = FLIES;
+    }
+    orl_scatter_sample_many(draws, (const double(*)[3])u, n, scatters);
+    for (size_t k = 0; k < n; k++)
+        if (depart(world, &w->arrivals[whose[k]], &scatters[k], &w->flights[whose[k]]))
+            w->stages[whose[k]] = FLIES;
+}
+
+void orl_emission_sample_many(const struct orl_emission *emission,
+                              const double (*points)[ORL_SOBOL_DIMENSIONS], size_t n, bool caustic,
+                              struct orl_random *randoms, struct orl_health *health,
+                              struct orl_flight *ret_flights, bool *ret_flies)
+{
+    struct wave w;
+    w.emission = emission;
+    w.randoms = randoms;
+    w.flights = ret_flights;
+    w.n = emission->n_strata > 0 ? n : 0;
+    for (size_t i = 0; i < w.n; i++)
+        w.strata[i] = pick(emission, points[i][0], caustic);
+    put_in_order(&w);
+    for (size_t k = 0; k < w.n; k++) {
+        const uint16_t i = w.order[k];
+        w.stages[i] = LOST;
+        if (share_of(w.strata[i], caustic) > 0)
+            w.stages[i] = aim(emission, w.strata[i], caustic, points[i], &randoms[i],
+                              &w.arrivals[i], &ret_flights[i]);
+    }
+    look_out(&w, health);
+    pass_ports(&w);
+    for (size_t i = 0; i < n; i++) {
+        struct orl_flight *flight = &ret_flights[i];
+        ret_flies[i] = i < w.n && w.stages[i] == FLIES;
+        if (!ret_flies[i])
+            continue;
+        flight->flux = orl_rgb_scale(flight->flux, 1 / share_of(w.strata[i], caustic));
+        flight->fate = points[i][5];
+        flight->reflected = caustic ? 1 : w.strata[i]->reflected;
+    }
+}

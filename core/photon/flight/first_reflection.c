@@ -1,0 +1,80 @@
+#include "photon/flight/first_reflection.h"
+
+enum { FLIGHTS = 1 << 15, MOST_FLIGHTS = 1 << 10, LEAST_FLIGHTS = 64, MOST_BOUNCES = 16 };
+
+/* Lest the few bright places of a dark scene be met by a handful of heavy photons. */
+static const double least_reflected = 0.1;
+
+struct pilot {
+    struct orl_emission *emission;
+    uint64_t seed;
+    uint32_t flights;
+};
+
+/* The flux that falls on a diffuse surface first, and that surface's albedo; false if it never
+ * does.
+ */
+static bool find_first(const struct orl_world *world, const struct orl_flight *flight,
+                       struct orl_random *random, double *ret_flux, double *ret_albedo)
+{
+    struct orl_vec3 origin = flight->origin, direction = flight->direction;
+    struct orl_rgb flux = flight->flux;
+    for (int bounce = 0; bounce < MOST_BOUNCES; bounce++) {
+        struct orl_hit hit;
+        if (!orl_geometry_intersect(world->geometry, origin, direction, INFINITY, &hit))
+            return false;
+        const struct orl_material *m = orl_world_material(world, &hit);
+        *ret_albedo = fmin(orl_luma(orl_material_diffuse(m)), 1);
+        *ret_flux = orl_luma(flux);
+        if (*ret_albedo > 0)
+            return isfinite(*ret_flux);
+        const struct orl_scatter s = orl_scatter_sample(m, &hit, orl_neg(direction),
+                                                        ORL_TRANSPORT_LIGHT, ORL_LOBE_ALL, random);
+        if (s.event == ORL_EVENT_ABSORBED)
+            return false;
+        flux = orl_rgb_mul(flux, s.weight);
+        origin = orl_hit_leave(world->geometry, &hit, s.direction);
+        direction = s.direction;
+    }
+    return false;
+}
+
+static void look_ahead(void *arg, size_t index, uint32_t member)
+{
+    const struct pilot *pilot = arg;
+    const struct orl_emission *e = pilot->emission;
+    struct orl_stratum *stratum = &e->strata[index];
+    struct orl_health ignored = {0}; /* a pilot's flights reach no result */
+    double reflected = 0, squares = 0;
+    (void)member;
+    for (uint32_t i = 0; i < pilot->flights && orl_stratum_is_counted(e, stratum); i++) {
+        double point[5], flux, albedo;
+        struct orl_flight flight;
+        struct orl_random random =
+            orl_random_stream(pilot->seed, ORL_PURPOSE_FIRST, (uint64_t)index << 32 | i);
+        orl_sobol_point(&e->sobol, i, (uint32_t)(pilot->seed + index), 5, point);
+        if (!orl_emission_from(e, stratum, false, point, &random, &ignored, &flight) ||
+            !find_first(e->world, &flight, &random, &flux, &albedo))
+            continue;
+        reflected += flux * albedo;
+        squares += flux * albedo * albedo;
+    }
+    if (reflected > 0 && isfinite(squares))
+        stratum->reflected = fmin(fmax(squares / reflected, least_reflected), 1);
+}
+
+int orl_first_reflection_prepare(struct orl_emission *emission, uint64_t seed,
+                                 struct orl_crew *crew)
+{
+    const size_t each = FLIGHTS / (emission->n_strata + 1);
+    struct pilot pilot = {.emission = emission,
+                          .seed = seed,
+                          .flights = (uint32_t)(each > MOST_FLIGHTS    ? MOST_FLIGHTS
+                                                : each < LEAST_FLIGHTS ? LEAST_FLIGHTS
+                                                                       : each)};
+    for (size_t i = 0; i < emission->n_strata; i++)
+        emission->strata[i].reflected = 1;
+    return emission->world->omit.counted_light
+               ? orl_crew_try(crew, emission->n_strata, look_ahead, &pilot)
+               : 0;
+}

@@ -1,0 +1,79 @@
+#include "photon/flight/found.h"
+
+/* The image that a photon sets out from: a sun is one of itself. */
+static int16_t image_of(const struct orl_world *world, const struct orl_flight *flight)
+{
+    const struct orl_images *images = &world->images;
+    if (flight->lamp || flight->image >= 0)
+        return flight->lamp ? -1 : flight->image;
+    for (size_t i = 0; i < images->n_nodes; i++)
+        if (images->nodes[i].is_sun && images->nodes[i].sun == flight->sun)
+            return (int16_t)i;
+    return -1;
+}
+
+struct orl_found orl_found_at_first(const struct orl_world *world, const struct orl_flight *flight,
+                                    bool paths)
+{
+    const struct orl_deflection way = flight->way;
+    struct orl_found found = {
+        .by = ORL_FOUND_BY_SHADOW_RAYS, .image = image_of(world, flight), .paths = paths};
+    if (way.mirror && way.lobe)
+        found.by = paths ? ORL_FOUND_BY_LOBES : ORL_FOUND_BY_NOBODY;
+    else if (way.mirror || way.lobe)
+        found.by = way.mirror ? ORL_FOUND_BY_IMAGES : ORL_FOUND_BY_LOBES;
+    return found;
+}
+
+static bool is_shown(const struct orl_found *found, const struct orl_world *world)
+{
+    return found->image >= 0 && world->images.nodes[found->image].shown;
+}
+
+bool orl_found_by_nobody(const struct orl_found *found, const struct orl_world *world)
+{
+    return found->by == ORL_FOUND_BY_NOBODY ||
+           (found->by == ORL_FOUND_BY_IMAGES && !is_shown(found, world));
+}
+
+/* Mirrored there: keeps track of the image. */
+static enum orl_found_by mirrored(struct orl_found *found, const struct orl_images *images,
+                                  uint32_t facet)
+{
+    const int16_t class = images->class_of[facet];
+    found->image = class < 0 || found->image < 0
+                       ? -1
+                       : images->next[(size_t)found->image * images->n_mirrors + (size_t) class];
+    return found->image < 0 ? ORL_FOUND_BY_NOBODY : ORL_FOUND_BY_IMAGES;
+}
+
+/* The first lobes on the light's way settle it: paths that come to them look from there. */
+static enum orl_found_by by_paths(struct orl_found *found, const struct orl_world *world,
+                                  const struct orl_hit *hit, enum orl_event event)
+{
+    if (found->by == ORL_FOUND_BY_LOBES || found->by == ORL_FOUND_BY_NOBODY)
+        return found->by;
+    if (event == ORL_EVENT_MIRROR)
+        return mirrored(found, &world->images, hit->facet);
+    return event == ORL_EVENT_GLOSSY && !orl_found_by_nobody(found, world) ? ORL_FOUND_BY_LOBES
+                                                                           : ORL_FOUND_BY_NOBODY;
+}
+
+static enum orl_found_by by_sensor(struct orl_found *found, const struct orl_world *world,
+                                   const struct orl_hit *hit, enum orl_event event)
+{
+    const bool straight = found->by == ORL_FOUND_BY_SHADOW_RAYS && found->image >= 0;
+    if (event == ORL_EVENT_MIRROR && (straight || found->by == ORL_FOUND_BY_IMAGES))
+        return mirrored(found, &world->images, hit->facet);
+    if (event == ORL_EVENT_GLOSSY && straight &&
+        orl_material_transmits_lobes(orl_world_material(world, hit)))
+        return ORL_FOUND_BY_LOBES;
+    return ORL_FOUND_BY_NOBODY;
+}
+
+void orl_found_next(struct orl_found *found, const struct orl_world *world,
+                    const struct orl_hit *hit, enum orl_event event)
+{
+    found->by =
+        found->paths ? by_paths(found, world, hit, event) : by_sensor(found, world, hit, event);
+}

@@ -1,0 +1,180 @@
+#include "photon/flight/guide.h"
+#include "photon/flight/beam.h"
+
+#include <stdlib.h>
+
+#include "photon/flight/table.h"
+#include "scene/material/hemisphere.h"
+
+/* Sky patches: an equal-area cylinder of 16 x 16; tables finer for a sun, whose light is parallel.
+ */
+enum {
+    PATCHES_X = 16,
+    PATCHES_Y = 16,
+    PATCHES = PATCHES_X * PATCHES_Y,
+    SUN_SIDE = 128,
+    PATCH_SIDE = 32,
+    PHOTONS_A_CELL = 4
+};
+static const double guided_share = 0.9;
+/* Of a place whose photons all leave at once: they still light what they land on; no caustic does.
+ */
+static const double least_worth = 0.02, least_worth_caustic = 0.0005;
+
+struct pilot {
+    const struct orl_emission *emission;
+    const struct orl_stratum *stratum;
+    uint64_t seed;
+    uint32_t patch, side;
+    bool caustic;
+    double *values;
+};
+
+static uint32_t patch_of(struct orl_vec3 towards)
+{
+    const double phi = atan2(towards.y, towards.x) / (2 * ORL_PI);
+    const double x = (phi < 0 ? phi + 1 : phi) * PATCHES_X, y = 0.5 * (towards.z + 1) * PATCHES_Y;
+    const uint32_t column = x < PATCHES_X - 1 ? (uint32_t)x : PATCHES_X - 1;
+    return (y < PATCHES_Y - 1 ? (uint32_t)y : PATCHES_Y - 1) * PATCHES_X + column;
+}
+
+/* A direction uniform over a patch. */
+static struct orl_vec3 patch_direction(uint32_t patch, struct orl_random *random)
+{
+    const uint32_t row = patch / PATCHES_X, column = patch % PATCHES_X;
+    const double z = 2 * (row + orl_random_uniform(random)) / PATCHES_Y - 1;
+    const double phi = 2 * ORL_PI * (column + orl_random_uniform(random)) / PATCHES_X;
+    const double s = sqrt(fmax(0, 1 - z * z));
+    return orl_v3(s * cos(phi), s * sin(phi), z);
+}
+
+/*
+ * 1 when light that arrives so goes on to meet something else (caustic: when it is deflected at
+ * once), 0 when it is as good as gone.
+ */
+static double worth(const struct orl_world *world, bool caustic, struct orl_vec3 origin,
+                    struct orl_vec3 direction, struct orl_random *random)
+{
+    struct orl_hit hit;
+    if (!orl_geometry_intersect(world->geometry, origin, direction, INFINITY, &hit))
+        return 0;
+    if (orl_world_crossing(world, &hit) == ORL_CROSSING_INWARDS)
+        return 0; /* the port's own to emit */
+    const struct orl_scatter s =
+        orl_scatter_sample(orl_world_material(world, &hit), &hit, orl_neg(direction),
+                           ORL_TRANSPORT_LIGHT, ORL_LOBE_ALL, random);
+    if (s.event == ORL_EVENT_ABSORBED)
+        return 0;
+    if (caustic)
+        return s.event == ORL_EVENT_MIRROR || s.event == ORL_EVENT_GLOSSY ||
+               s.event == ORL_EVENT_REFRACTED;
+    return orl_geometry_occluded(world->geometry, orl_hit_leave(world->geometry, &hit, s.direction),
+                                 s.direction, INFINITY);
+}
+
+static void probe_row(void *arg, size_t row, uint32_t member)
+{
+    const struct pilot *pilot = arg;
+    const struct orl_world *world = pilot->emission->world;
+    (void)member;
+    for (uint32_t column = 0; column < pilot->side; column++) {
+        const size_t cell = row * pilot->side + column;
+        struct orl_random random = orl_random_stream(pilot->seed, ORL_PURPOSE_GUIDE,
+                                                     (uint64_t)pilot->patch << 32 | (uint64_t)cell);
+        double sum = 0;
+        for (int i = 0; i < PHOTONS_A_CELL; i++) {
+            const struct orl_vec3 towards = pilot->stratum->kind == ORL_STRATUM_OPEN_SUN
+                                                ? world->suns[pilot->stratum->sun].frame.n
+                                                : patch_direction(pilot->patch, &random);
+            const double x = column + orl_random_uniform(&random);
+            const double y = (double)row + orl_random_uniform(&random);
+            const double u[2] = {x / pilot->side, y / pilot->side};
+            struct orl_vec3 origin;
+            orl_beam_point(world->geometry, towards, u, &origin);
+            sum += worth(world, pilot->caustic, origin, orl_neg(towards), &random);
+        }
+        pilot->values[cell] =
+            (pilot->caustic ? least_worth_caustic : least_worth) + sum / PHOTONS_A_CELL;
+    }
+}
+
+static int make_table(struct pilot *pilot, struct orl_crew *crew, struct orl_table *ret_table)
+{
+    pilot->values = malloc((size_t)pilot->side * pilot->side * sizeof *pilot->values);
+    if (!pilot->values)
+        return ORL_ERR_NOMEM;
+    int code = orl_crew_try(crew, pilot->side, probe_row, pilot);
+    if (code == 0)
+        code = orl_table_init(ret_table, pilot->side, pilot->side, pilot->values, 1 - guided_share);
+    free(pilot->values);
+    return code;
+}
+
+static int make_dome_guides(struct orl_emission *e, struct pilot *pilot, struct orl_crew *crew)
+{
+    int code = 0;
+    e->dome_guides = calloc(PATCHES, sizeof *e->dome_guides);
+    if (!e->dome_guides)
+        return ORL_ERR_NOMEM;
+    pilot->side = PATCH_SIDE;
+    for (pilot->patch = 0; pilot->patch < PATCHES && code == 0; pilot->patch++)
+        code = make_table(pilot, crew, &e->dome_guides[pilot->patch]);
+    return code;
+}
+
+static int make_sun_guides(struct orl_emission *e, struct pilot *pilot, struct orl_crew *crew)
+{
+    const uint32_t sun = pilot->stratum->sun;
+    pilot->side = SUN_SIDE;
+    pilot->patch = PATCHES + sun;
+    int code = make_table(pilot, crew, &e->sun_guides[sun]);
+    pilot->caustic = true;
+    if (code == 0)
+        code = make_table(pilot, crew, &e->sun_caustic_guides[sun]);
+    pilot->caustic = false;
+    return code;
+}
+
+int orl_guide_make(struct orl_emission *emission, uint64_t seed, struct orl_crew *crew)
+{
+    struct pilot pilot = {.emission = emission, .seed = seed};
+    int code = 0;
+    const size_t n_suns = emission->world->n_suns;
+    emission->sun_guides = calloc(n_suns + 1, sizeof *emission->sun_guides);
+    emission->sun_caustic_guides = calloc(n_suns + 1, sizeof *emission->sun_caustic_guides);
+    if (!emission->sun_guides || !emission->sun_caustic_guides)
+        return ORL_ERR_NOMEM;
+    for (size_t i = 0; i < emission->n_strata && code == 0; i++) {
+        pilot.stratum = &emission->strata[i];
+        if (pilot.stratum->kind == ORL_STRATUM_OPEN_DOME)
+            code = make_dome_guides(emission, &pilot, crew);
+        if (pilot.stratum->kind == ORL_STRATUM_OPEN_SUN)
+            code = make_sun_guides(emission, &pilot, crew);
+    }
+    return code;
+}
+
+void orl_guide_done(struct orl_emission *emission)
+{
+    for (size_t i = 0; emission->sun_caustic_guides && i < emission->world->n_suns; i++) {
+        orl_table_done(&emission->sun_guides[i]);
+        orl_table_done(&emission->sun_caustic_guides[i]);
+    }
+    for (size_t i = 0; emission->dome_guides && i < PATCHES; i++)
+        orl_table_done(&emission->dome_guides[i]);
+    free(emission->sun_guides);
+    free(emission->sun_caustic_guides);
+    free(emission->dome_guides);
+}
+
+const struct orl_table *orl_guide_find(const struct orl_emission *emission,
+                                       const struct orl_stratum *stratum, bool caustic,
+                                       struct orl_vec3 towards)
+{
+    const struct orl_table *table = NULL;
+    if (stratum->kind == ORL_STRATUM_OPEN_SUN && emission->sun_guides)
+        table = &(caustic ? emission->sun_caustic_guides : emission->sun_guides)[stratum->sun];
+    else if (stratum->kind == ORL_STRATUM_OPEN_DOME && emission->dome_guides)
+        table = &emission->dome_guides[patch_of(towards)];
+    return table && table->weight ? table : NULL;
+}

@@ -1,0 +1,22 @@
+/*
+ * Where photons from the open sky are worth most. Over a city block all but a few of them would
+ * light the ground and leave; a guide sends more to where light stays: for each way in (a sun, or a
+ * patch of the dome) a table over the scene's box, filled by a pilot that asks of each place
+ * whether a photon's first bounce meets anything more (for caustic photons: whether it is
+ * deflected). One part in ten goes evenly, so that nothing is lost.
+ */
+#ifndef ORL_PHOTON_FLIGHT_GUIDE_H
+#define ORL_PHOTON_FLIGHT_GUIDE_H
+
+#include "photon/flight/emit.h"
+
+/* Fills the emission's guides; the emission's strata must be listed. */
+int orl_guide_make(struct orl_emission *emission, uint64_t seed, struct orl_crew *crew);
+void orl_guide_done(struct orl_emission *emission);
+
+/* The table for light from that direction; NULL while there is none. */
+const struct orl_table *orl_guide_find(const struct orl_emission *emission,
+                                       const struct orl_stratum *stratum, bool caustic,
+                                       struct orl_vec3 towards);
+
+#endif

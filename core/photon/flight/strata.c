@@ -1,0 +1,402 @@
+#include <stdlib.h>
+#include <string.h>
+
+#include "photon/flight/caustic_targets.h"
+#include "photon/flight/first_reflection.h"
+#include "photon/flight/guide.h"
+#include "photon/flight/port_sun.h"
+#include "photon/flight/table.h"
+#include "photon/flight/trace.h"
+#include "scene/material/hemisphere.h"
+
+/*
+ * Pilots. Paths are shared out over the ports so that a building of a thousand windows costs no
+ * more than a room: few ports get fine tables, many get coarse ones.
+ */
+enum { PILOT_PATHS = 1 << 18, PATHS_A_CELL = 16, FINEST_SIDE = 32, COARSEST_SIDE = 4 };
+enum { DOME_SIDE_X = 128, DOME_SIDE_Y = 64 };
+enum { IMAGE_FLIGHTS = 256 };
+enum { CAUSTIC_FLIGHTS = 1 << 17, MOST_FLIGHTS_A_STRATUM = 1 << 14, LEAST_FLIGHTS_A_STRATUM = 512 };
+enum { CAUSTIC_RAYS = 1 << 20 }; /* a stratum: enough where flights go to and fro between mirrors */
+static const double floor_share = 0.1; /* of cosine-weighted directions in every table */
+static const double open_share = 0.25; /* of photons that start at the sky when there are ports */
+static const double caustic_floor = 0.02; /* of caustic photons spread evenly over what may yield */
+
+struct pilot {
+    struct orl_emission *emission;
+    uint64_t seed;
+    uint32_t side;
+    double *values; /* side * side per port */
+    uint32_t flights;
+    double *yield;  /* per stratum: caustic flux deposited per flight */
+    double **found; /* of some strata: by where on the port it would start; caustic_targets.h */
+    int failed;
+};
+
+static double transmitted_luma(const struct orl_world *world, const struct orl_port *port,
+                               struct orl_vec3 outwards)
+{
+    const struct orl_facet *facet = &world->geometry->facets[port->facet];
+    const struct orl_material *m = &world->materials[facet->material];
+    const struct orl_hit hit = {.normal = facet->normal};
+    return orl_luma(orl_material_albedo(m, &hit, outwards, ORL_LOBE_TRANSMITTED));
+}
+
+/* One cell of one port's table: mean of what arrives and gets through. */
+static void look_out(void *arg, size_t index, uint32_t member)
+{
+    struct pilot *pilot = arg;
+    const struct orl_world *world = pilot->emission->world;
+    const size_t cells = (size_t)pilot->side * pilot->side;
+    const struct orl_port *port = &world->ports[index / cells];
+    if (port->silent)
+        return;
+    const size_t x = index % cells % pilot->side, y = index % cells / pilot->side;
+    struct orl_random random = orl_random_stream(pilot->seed, ORL_PURPOSE_PILOT, 2 * index);
+    struct orl_health ignored = {0}; /* a pilot's paths reach no result */
+    double sum = 0;
+    (void)member;
+    for (int i = 0; i < PATHS_A_CELL; i++) {
+        const double u[2] = {orl_random_uniform(&random), orl_random_uniform(&random)};
+        const double at_x = ((double)x + orl_random_uniform(&random)) / pilot->side;
+        const double at_y = ((double)y + orl_random_uniform(&random)) / pilot->side;
+        const struct orl_vec3 out = orl_hemisphere_about(port->outward, at_x, at_y);
+        struct orl_vec3 point, normal;
+        orl_facet_sample(world->geometry, port->facet, u, &point, &normal);
+        point = orl_facet_leave(world->geometry, port->facet, point, normal, port->outward);
+        sum += orl_luma(orl_port_radiance(world, port, point, out, &random, &ignored)) *
+               transmitted_luma(world, port, out);
+    }
+    pilot->values[index] = sum / PATHS_A_CELL;
+}
+
+static int make_port_tables(struct pilot *pilot, struct orl_crew *crew)
+{
+    struct orl_emission *e = pilot->emission;
+    const size_t n_ports = e->world->n_ports;
+    int code = 0;
+    pilot->side = FINEST_SIDE;
+    while (pilot->side > COARSEST_SIDE &&
+           (size_t)pilot->side * pilot->side * n_ports * PATHS_A_CELL > PILOT_PATHS)
+        pilot->side /= 2;
+    const size_t cells = (size_t)pilot->side * pilot->side;
+    pilot->values = calloc(n_ports * cells + 1, sizeof *pilot->values);
+    e->port_tables = calloc(n_ports + 1, sizeof *e->port_tables);
+    if (!pilot->values || !e->port_tables)
+        return ORL_ERR_NOMEM;
+    code = orl_crew_try(crew, n_ports * cells, look_out, pilot);
+    for (size_t i = 0; i < n_ports && code == 0; i++)
+        code = orl_table_init(&e->port_tables[i], pilot->side, pilot->side,
+                              pilot->values + i * cells, floor_share);
+    return code;
+}
+
+/* Area of the scene's box as seen from a direction. */
+static double box_area(const struct orl_geometry *g, struct orl_vec3 d)
+{
+    const struct orl_vec3 s = orl_sub(g->high, g->low);
+    return fabs(d.x) * s.y * s.z + fabs(d.y) * s.x * s.z + fabs(d.z) * s.x * s.y;
+}
+
+static int make_dome_table(struct orl_emission *e)
+{
+    double *values = malloc(sizeof *values * DOME_SIDE_X * DOME_SIDE_Y);
+    if (!values)
+        return ORL_ERR_NOMEM;
+    for (int i = 0; i < DOME_SIDE_X * DOME_SIDE_Y; i++) {
+        const int row = i / DOME_SIDE_X, column = i % DOME_SIDE_X;
+        const double z = 2 * (row + 0.5) / DOME_SIDE_Y - 1, s = sqrt(1 - z * z);
+        const double phi = 2 * ORL_PI * (column + 0.5) / DOME_SIDE_X;
+        const struct orl_vec3 d = orl_v3(s * cos(phi), s * sin(phi), z);
+        values[i] =
+            orl_luma(orl_world_dome_radiance(e->world, d)) * box_area(e->world->geometry, d);
+    }
+    const int code = orl_table_init(&e->dome_table, DOME_SIDE_X, DOME_SIDE_Y, values, floor_share);
+    free(values);
+    return code;
+}
+
+static void add_stratum(struct orl_emission *e, struct orl_stratum stratum, double flux_w)
+{
+    stratum.flux_w = flux_w;
+    if (flux_w > 0)
+        e->strata[e->n_strata++] = stratum;
+}
+
+static struct orl_stratum stratum_of(enum orl_stratum_kind kind, size_t port, size_t sun)
+{
+    return (struct orl_stratum){.kind = kind, .port = (uint32_t)port, .sun = (uint32_t)sun};
+}
+
+/* Share of a port's sun that is not in shadow is left to the flights; here it counts whole. */
+static double port_sun_flux(const struct orl_world *world, const struct orl_port *port,
+                            const struct orl_sun *sun)
+{
+    const double cosine = orl_dot(sun->frame.n, port->outward);
+    const double half = sqrt(fmax(0, 1 - sun->cos_half_angle * sun->cos_half_angle));
+    if (cosine < -half)
+        return 0;
+    /* A sun in the pane's plane still has half its disc in front: never quite zero. */
+    const double seen = fmax(cosine, half);
+    const struct orl_vec3 out =
+        cosine > 0 ? sun->frame.n : orl_normalize(orl_madd(sun->frame.n, port->outward, half));
+    return orl_luma(sun->irradiance) * seen * port->area *
+           fmax(transmitted_luma(world, port, out), 1e-3);
+}
+
+/* Share of flights by which a sun's image reaches a port at all, times what arrives. */
+static double port_image_flux(const struct orl_emission *e, const struct orl_stratum *stratum)
+{
+    struct orl_health ignored = {0};
+    double sum = 0;
+    for (uint32_t i = 0; i < IMAGE_FLIGHTS; i++) {
+        double point[5];
+        struct orl_flight flight;
+        struct orl_random random = orl_random_stream(stratum->port, ORL_PURPOSE_PILOT, i);
+        orl_sobol_point(&e->sobol, i, stratum->image, 5, point);
+        if (orl_emission_from(e, stratum, false, point, &random, &ignored, &flight))
+            sum += orl_luma(flight.flux) / IMAGE_FLIGHTS;
+    }
+    return sum;
+}
+
+/* The suns' images in mirrors outside; only those that some flight of a pilot found. */
+static void list_images(struct orl_emission *e)
+{
+    const struct orl_world *world = e->world;
+    for (size_t p = 0; p < world->n_ports; p++) {
+        if (world->ports[p].clear || world->ports[p].silent || world->omit.exterior)
+            continue;
+        for (size_t i = 0; i < world->images.n_nodes; i++) {
+            const struct orl_image *image = &world->images.nodes[i];
+            const struct orl_stratum stratum = {.kind = ORL_STRATUM_PORT_IMAGE,
+                                                .port = (uint32_t)p,
+                                                .sun = image->sun,
+                                                .image = (uint32_t)i};
+            if (image->shown)
+                add_stratum(e, stratum, port_image_flux(e, &stratum));
+        }
+    }
+}
+
+/* At most, for spotlights. */
+static double emitter_flux(const struct orl_world *world, const struct orl_emitter *emitter)
+{
+    const struct orl_facet *facet = &world->geometry->facets[emitter->facet];
+    const struct orl_material *m = &world->materials[facet->material];
+    const double cone = m->kind == ORL_MATERIAL_SPOTLIGHT ? 2 * ORL_PI * (1 - m->cos_cone) : ORL_PI;
+    return fmin(cone, ORL_PI) * facet->area * orl_luma(emitter->radiance);
+}
+
+static int list_strata(struct orl_emission *e)
+{
+    const struct orl_world *world = e->world;
+    const size_t most = world->n_ports * (1 + world->n_suns + world->images.n_nodes) +
+                        world->n_emitters + world->n_suns + 1;
+    e->strata = calloc(most, sizeof *e->strata);
+    if (!e->strata)
+        return ORL_ERR_NOMEM;
+    for (size_t p = 0; p < world->n_ports; p++) {
+        const struct orl_port *port = &world->ports[p];
+        add_stratum(e, stratum_of(ORL_STRATUM_PORT_DOME, p, 0),
+                    ORL_PI * port->area * e->port_tables[p].mean);
+        for (size_t s = 0; s < world->n_suns && !port->silent; s++)
+            add_stratum(e, stratum_of(ORL_STRATUM_PORT_SUN, p, s),
+                        port_sun_flux(world, port, &world->suns[s]));
+    }
+    for (size_t i = 0; i < world->n_emitters; i++) {
+        const struct orl_emitter *emitter = &world->emitters[i];
+        add_stratum(e, stratum_of(ORL_STRATUM_EMITTER, i, 0), emitter_flux(world, emitter));
+    }
+    list_images(e);
+    if (!world->open)
+        return 0;
+    add_stratum(e, stratum_of(ORL_STRATUM_OPEN_DOME, 0, 0), 4 * ORL_PI * e->dome_table.mean);
+    for (size_t s = 0; s < world->n_suns; s++)
+        add_stratum(e, stratum_of(ORL_STRATUM_OPEN_SUN, 0, s),
+                    orl_luma(world->suns[s].irradiance) *
+                        box_area(world->geometry, world->suns[s].frame.n));
+    return 0;
+}
+
+static bool starts_at_sky(const struct orl_stratum *s)
+{
+    return s->kind == ORL_STRATUM_OPEN_DOME || s->kind == ORL_STRATUM_OPEN_SUN;
+}
+
+static double flux_to_keep(const struct orl_stratum *s)
+{
+    return s->flux_w * s->reflected;
+}
+
+/* Global photons go by flux; but the sky, which lights the whole neighbourhood, never takes it all.
+ */
+static void share_out(struct orl_emission *e)
+{
+    double sky = 0, rest = 0, below = 0;
+    for (size_t i = 0; i < e->n_strata; i++)
+        *(starts_at_sky(&e->strata[i]) ? &sky : &rest) += flux_to_keep(&e->strata[i]);
+    const double of_sky = sky > 0 ? (rest > 0 ? fmin(open_share, sky / (sky + rest)) : 1) : 0;
+    for (size_t i = 0; i < e->n_strata; i++) {
+        struct orl_stratum *s = &e->strata[i];
+        s->share = starts_at_sky(s) ? of_sky * flux_to_keep(s) / sky
+                                    : (1 - of_sky) * flux_to_keep(s) / rest;
+        s->below = below;
+        below += s->share;
+    }
+}
+
+/* Caustic flux per flight of one stratum, by tracing some. */
+static void try_caustics(void *arg, size_t index, uint32_t member)
+{
+    struct pilot *pilot = arg;
+    const struct orl_stratum *stratum = &pilot->emission->strata[index];
+    struct orl_deposits deposits = {0};
+    uint32_t flown = 0;
+    double sum = 0;
+    (void)member;
+    for (uint32_t i = 0; i < pilot->flights && deposits.health.rays < CAUSTIC_RAYS; i++) {
+        double point[5];
+        struct orl_flight flight;
+        flown++;
+        struct orl_random random =
+            orl_random_stream(pilot->seed, ORL_PURPOSE_PILOT, 2 * ((uint64_t)index << 32 | i) + 1);
+        orl_sobol_point(&pilot->emission->sobol, i, (uint32_t)(pilot->seed + index), 5, point);
+        if (!orl_emission_from(pilot->emission, stratum, true, point, &random, &deposits.health,
+                               &flight))
+            continue;
+        if (!flight.from_light)
+            break;
+        orl_trace_photon(pilot->emission->world, &flight, true, 0, &random, &deposits);
+    }
+    for (size_t i = 0; i < deposits.count; i++)
+        sum += orl_luma((struct orl_rgb){deposits.photons[i].flux[0], deposits.photons[i].flux[1],
+                                         deposits.photons[i].flux[2]});
+    free(deposits.photons);
+    pilot->yield[index] = sum / flown;
+}
+
+/* A pane that scatters by itself: every place on it makes caustic photons. */
+static bool sends_on_itself(const struct orl_emission *e, const struct orl_stratum *s)
+{
+    const uint32_t facet = e->world->ports[s->port].facet;
+    const uint32_t material = e->world->geometry->facets[facet].material;
+    return orl_material_transmits_lobes(&e->world->materials[material]);
+}
+
+/*
+ * What flights brought down and what was found by looking back from the mirrors are two estimates
+ * of one thing; the first misses what is small, the second what is lit by way of something else.
+ */
+static int seek(struct pilot *pilot)
+{
+    struct orl_emission *e = pilot->emission;
+    int code = 0;
+    pilot->found = calloc(e->n_strata + 1, sizeof *pilot->found);
+    if (!pilot->found)
+        return ORL_ERR_NOMEM;
+    code = orl_caustic_target_look(e, pilot->found);
+    for (size_t i = 0; i < e->n_strata && code == 0; i++) {
+        double sum = 0;
+        if (!pilot->found[i])
+            continue;
+        for (size_t k = 0; k < ORL_CAUSTIC_TARGET_CELLS; k++)
+            sum += pilot->found[i][k];
+        if (!sends_on_itself(e, &e->strata[i]))
+            code = orl_caustic_target_settle(&e->strata[i], pilot->found[i]);
+        if (e->strata[i].place.weight)
+            pilot->yield[i] = fmax(pilot->yield[i], sum);
+    }
+    return code;
+}
+
+/* Caustic photons go by what the pilot's brought down, and a little everywhere. */
+static int share_out_caustics(struct pilot *pilot, struct orl_crew *crew)
+{
+    struct orl_emission *e = pilot->emission;
+    double sum = 0, flux = 0, below = 0;
+    pilot->yield = calloc(e->n_strata + 1, sizeof *pilot->yield);
+    if (!pilot->yield)
+        return ORL_ERR_NOMEM;
+    const size_t each = CAUSTIC_FLIGHTS / (e->n_strata + 1);
+    if (e->world->omit.mirror_caustics && e->world->omit.lobe_caustics)
+        return 0;
+    pilot->flights = (uint32_t)(each > MOST_FLIGHTS_A_STRATUM    ? MOST_FLIGHTS_A_STRATUM
+                                : each < LEAST_FLIGHTS_A_STRATUM ? LEAST_FLIGHTS_A_STRATUM
+                                                                 : each);
+    int code = orl_crew_try(crew, e->n_strata, try_caustics, pilot);
+    if (code == 0)
+        code = seek(pilot);
+    if (code < 0)
+        return code;
+    for (size_t i = 0; i < e->n_strata; i++) {
+        sum += pilot->yield[i];
+        flux += orl_stratum_is_counted(e, &e->strata[i]) ? e->strata[i].flux_w : 0;
+    }
+    const double spread = sum > 0 ? caustic_floor : 1;
+    e->has_caustics = sum > 0 || (e->world->caustics_lit && flux > 0);
+    for (size_t i = 0; i < e->n_strata && e->has_caustics; i++) {
+        struct orl_stratum *s = &e->strata[i];
+        s->share_caustic = sum > 0 ? (1 - caustic_floor) * pilot->yield[i] / sum : 0;
+        if (orl_stratum_is_counted(e, s))
+            s->share_caustic += spread * s->flux_w / flux;
+        s->below_caustic = below;
+        below += s->share_caustic;
+    }
+    return 0;
+}
+
+int orl_emission_new(const struct orl_world *world, uint64_t seed, struct orl_crew *crew,
+                     struct orl_emission **ret_emission, struct orl_error *err)
+{
+    struct orl_emission *e = calloc(1, sizeof *e);
+    struct pilot pilot = {.emission = e, .seed = seed};
+    int code = e ? 0 : ORL_ERR_NOMEM;
+    if (code == 0) {
+        e->world = world;
+        orl_sobol_init(&e->sobol);
+        code = make_port_tables(&pilot, crew);
+    }
+    if (code == 0 && world->open)
+        code = make_dome_table(e);
+    if (code == 0)
+        code = list_strata(e);
+    if (code == 0)
+        code = orl_port_sun_prepare(e);
+    if (code == 0 && world->open)
+        code = orl_guide_make(e, seed, crew);
+    if (code == 0)
+        code = orl_first_reflection_prepare(e, seed, crew);
+    if (code == 0) {
+        share_out(e);
+        code = share_out_caustics(&pilot, crew);
+    }
+    free(pilot.values);
+    for (size_t i = 0; pilot.found && i < e->n_strata; i++)
+        free(pilot.found[i]);
+    free(pilot.found);
+    free(pilot.yield);
+    if (code < 0) {
+        orl_emission_free(e);
+        return orl_error_set(err, code, "%s preparing photon emission",
+                             code == ORL_ERR_CANCELLED ? "cancelled" : "out of memory");
+    }
+    *ret_emission = e;
+    return 0;
+}
+
+void orl_emission_free(struct orl_emission *emission)
+{
+    if (!emission)
+        return;
+    for (size_t i = 0; emission->port_tables && i < emission->world->n_ports; i++)
+        orl_table_done(&emission->port_tables[i]);
+    free(emission->port_tables);
+    orl_table_done(&emission->dome_table);
+    orl_guide_done(emission);
+    orl_port_sun_done(emission);
+    for (size_t i = 0; emission->strata && i < emission->n_strata; i++)
+        orl_table_done(&emission->strata[i].place);
+    free(emission->strata);
+    free(emission);
+}

@@ -1,0 +1,20 @@
+/*
+ * Piecewise constant distributions over the unit square: rows by their sums, then cells in a row.
+ */
+#ifndef ORL_PHOTON_FLIGHT_TABLE_H
+#define ORL_PHOTON_FLIGHT_TABLE_H
+
+#include "photon/flight/emit.h"
+
+/*
+ * Makes the table from side_x * side_y values (row by row), mixed with floor_share of uniform.
+ * Returns 0 or ORL_ERR_NOMEM; then the table is empty.
+ */
+int orl_table_init(struct orl_table *table, uint32_t side_x, uint32_t side_y, const double *values,
+                   double floor_share);
+void orl_table_done(struct orl_table *table);
+
+/* Point of the square for two uniforms, and its density there (uniform would be 1). */
+double orl_table_sample(const struct orl_table *table, const double u[2], double ret_point[2]);
+
+#endif

@@ -1,0 +1,424 @@
+#include "photon/flight/trace.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "photon/flight/found.h"
+#include "photon/map/facing.h"
+
+/* Room for more photons. */
+static bool make_room(struct orl_deposits *deposits, size_t more)
+{
+    if (more <= deposits->capacity - deposits->count)
+        return true;
+    size_t capacity = deposits->capacity ? 2 * deposits->capacity : 4096;
+    while (capacity - deposits->count < more)
+        capacity *= 2;
+    struct orl_photon *grown = realloc(deposits->photons, capacity * sizeof *deposits->photons);
+    if (!grown) {
+        deposits->out_of_memory = true;
+        return false;
+    }
+    deposits->photons = grown;
+    deposits->capacity = capacity;
+    return true;
+}
+
+/* Leaves a photon; one that is no finite number, also as floats, is dropped and counted. */
+static void deposit(struct orl_deposits *deposits, const struct orl_hit *hit, struct orl_rgb flux,
+                    uint8_t batch, enum orl_photon_class class)
+{
+    const struct orl_vec3 p = hit->point;
+    const float sum = (float)flux.r + (float)flux.g + (float)flux.b + (float)(p.x + p.y + p.z);
+    if (!isfinite(sum)) {
+        deposits->health.non_finite++;
+        return;
+    }
+    if (!make_room(deposits, 1))
+        return;
+    const struct orl_vec3 lit = hit->front ? hit->normal : orl_neg(hit->normal);
+    deposits->photons[deposits->count++] =
+        (struct orl_photon){.position = {(float)p.x, (float)p.y, (float)p.z},
+                            .flux = {(float)flux.r, (float)flux.g, (float)flux.b},
+                            .normal = orl_normal_encode(lit),
+                            .batch = batch,
+                            .tag = (uint8_t) class,
+                            .facet = hit->facet};
+}
+
+/* What photons fly through, and which of them are wanted. */
+struct tracing {
+    const struct orl_world *world;
+    const struct orl_discs *discs; /* what they are counted through; or NULL: they are left */
+    bool caustic, by_chance;
+    enum orl_lobes lobes;
+    uint32_t most_reflections;
+};
+
+/* A photon under way. */
+struct course {
+    struct orl_vec3 origin, direction;
+    struct orl_rgb flux;
+    double fate, alive;
+    double reflected;            /* of its flight */
+    struct orl_rgb clarity;      /* of what it flies through */
+    double focus, flown, spread; /* off a spotlight: until it is scattered */
+    struct orl_deflection way;
+    bool crossed, outside, lamp;
+    uint8_t batch;
+    enum orl_photon_class class;
+    struct orl_found found; /* where that counts */
+    uint32_t reflections;
+    int bounces, unseen;
+};
+
+/*
+ * Roulette: false when the chance of being alive has fallen to the photon's fate. spared: as much
+ * flux as it is to lose besides (first_reflection.h); or 1.
+ */
+static bool survives(struct course *c, struct orl_rgb weight, double spared)
+{
+    const double chance = fmin(orl_luma(weight) / spared, 1);
+    c->alive *= chance;
+    if (!(c->alive > c->fate))
+        return false;
+    c->flux = orl_rgb_scale(orl_rgb_mul(c->flux, weight), 1 / chance);
+    return true;
+}
+
+/*
+ * What roulette says where only the albedo counts: it is known before a direction is drawn, and
+ * most photons end there.
+ */
+static bool ends_here(const struct course *c, const struct orl_material *m, struct orl_rgb albedo,
+                      double spared, bool caustic)
+{
+    return orl_material_is_matt(m) &&
+           (caustic || !(c->alive * fmin(orl_luma(albedo) / spared, 1) > c->fate));
+}
+
+/* What the way to a hit does: a medium dims; a spotlight's beam is wider than its lamp (lamp.c). */
+static bool arrives(struct course *c, const struct orl_material *m, const struct orl_hit *hit)
+{
+    if (c->focus > 0) {
+        const double before = c->spread;
+        c->flown += hit->distance;
+        c->spread = fmax(orl_spot_spread(c->focus, c->flown), 1e-12);
+        c->flux = orl_rgb_scale(c->flux, c->spread / before);
+    }
+    const struct orl_rgb left = orl_material_dimming(m, hit, c->clarity);
+    return orl_is_clear(left) || survives(c, left, 1);
+}
+
+/* A ray that met nothing: from within a sealed building that is a leak. */
+static void escape(const struct orl_world *world, struct orl_vec3 origin, struct orl_vec3 direction,
+                   bool inside, struct orl_health *health)
+{
+    if (world->open || !inside)
+        return;
+    if (health->rays_leaked++ == 0) {
+        health->leak_from = origin;
+        health->leak_towards = direction;
+    }
+}
+
+/* On to where the scatter sends it. */
+static void depart(struct course *c, const struct orl_world *world, const struct orl_material *m,
+                   const struct orl_hit *hit, const struct orl_scatter *s)
+{
+    if (s->event == ORL_EVENT_DIFFUSE || s->event == ORL_EVENT_GLOSSY)
+        c->focus = 0;
+    c->clarity = orl_scatter_clarity(m, s, c->clarity);
+    c->origin = orl_hit_leave(world->geometry, hit, s->direction);
+    c->direction = s->direction;
+}
+
+static enum orl_photon_class class_after(enum orl_photon_class class, enum orl_event event)
+{
+    if (event == ORL_EVENT_STRAIGHT || class == ORL_PHOTON_REST)
+        return class;
+    return event == ORL_EVENT_DIFFUSE ? ORL_PHOTON_REST : ORL_PHOTON_CAUSTIC;
+}
+
+static void give_up(struct orl_deposits *deposits, struct orl_rgb flux)
+{
+    deposits->health.photons_capped++;
+    orl_sum_add(&deposits->flux_capped, orl_luma(flux));
+}
+
+/* Caustic photons by way of what the plan leaves out. */
+static bool is_left_out(const struct orl_world *world, struct orl_deflection way)
+{
+    return (way.mirror && world->omit.mirror_caustics) || (way.lobe && world->omit.lobe_caustics);
+}
+
+/* Whether nobody else finds it as it flies now. */
+static bool is_sought(const struct tracing *t, const struct course *c)
+{
+    return !c->outside && orl_found_by_nobody(&c->found, t->world);
+}
+
+/* Counts it through the discs on the way to what it meets (NULL: nothing). */
+static void fly_by(const struct tracing *t, const struct course *c, const struct orl_hit *hit,
+                   struct orl_deposits *deposits)
+{
+    const struct orl_stretch stretch = {.origin = c->origin,
+                                        .direction = c->direction,
+                                        .distance = hit ? hit->distance : INFINITY,
+                                        .flux = c->flux,
+                                        .focus = c->focus,
+                                        .flown = c->flown,
+                                        .spread = c->spread,
+                                        .lamp = c->lamp,
+                                        .batch = c->batch % ORL_MAP_BATCHES};
+    if (is_sought(t, c))
+        orl_discs_note(t->discs, &stretch, &deposits->passes);
+}
+
+static struct tracing tracing_of(const struct orl_world *world, bool caustic)
+{
+    const uint32_t most = world->omit.most_reflections;
+    return (struct tracing){
+        .world = world,
+        .caustic = caustic,
+        .lobes =
+            caustic ? (enum orl_lobes)(ORL_LOBE_REFLECTED | ORL_LOBE_TRANSMITTED) : ORL_LOBE_ALL,
+        .most_reflections = most < ORL_ALL_REFLECTIONS ? most : UINT32_MAX};
+}
+
+/* False: there is no use for it. */
+static bool set_out(const struct tracing *t, const struct orl_flight *flight, uint8_t batch,
+                    struct course *c, struct orl_deposits *deposits)
+{
+    const struct orl_deflection way = flight->way;
+    *c = (struct course){.origin = flight->origin,
+                         .direction = flight->direction,
+                         .flux = orl_health_keep(&deposits->health, flight->flux),
+                         .fate = flight->fate,
+                         .alive = 1,
+                         .reflected = flight->reflected,
+                         .clarity = flight->from_port ? flight->clarity : orl_gray(1),
+                         .focus = flight->focus,
+                         .spread = 1,
+                         .way = way,
+                         .crossed = flight->from_port,
+                         .lamp = flight->lamp,
+                         .batch = batch,
+                         .class = !flight->from_light        ? ORL_PHOTON_REST
+                                  : (way.mirror || way.lobe) ? ORL_PHOTON_CAUSTIC
+                                                             : ORL_PHOTON_LIGHT};
+    if (t->discs || t->by_chance)
+        c->found = orl_found_at_first(t->world, flight, t->by_chance);
+    if (t->caustic && is_left_out(t->world, way))
+        return false;
+    deposits->health.photons++;
+    orl_sum_add(&deposits->flux, orl_luma(c->flux));
+    return true;
+}
+
+/* Its ray has met that (NULL: nothing). Leaves a photon where one is to be; false: it ends here. */
+static bool land(const struct tracing *t, struct course *c, const struct orl_hit *hit,
+                 struct orl_deposits *deposits)
+{
+    const struct orl_world *world = t->world;
+    const struct orl_deflection way = c->way;
+    deposits->health.rays++;
+    if (!hit) {
+        escape(world, c->origin, c->direction, c->crossed && !c->outside, &deposits->health);
+        return false;
+    }
+    const struct orl_material *m = orl_world_material(world, hit);
+    const struct orl_rgb albedo = orl_material_diffuse(m);
+    const bool diffuse = orl_rgb_max(albedo) > 0;
+    if (!arrives(c, m, hit))
+        return false;
+    c->unseen++;
+    if (diffuse && !c->outside && !t->discs &&
+        (t->caustic ? (way.mirror || way.lobe) && (!t->by_chance || is_sought(t, c))
+                    : c->reflections < t->most_reflections)) {
+        if (t->caustic || !world->omit.counted_light || c->class == ORL_PHOTON_REST)
+            deposit(deposits, hit, c->flux, c->batch, c->class);
+        c->unseen = 0;
+    }
+    return !ends_here(c, m, albedo, c->class == ORL_PHOTON_REST ? 1 : c->reflected, t->caustic);
+}
+
+/* Scattered so, does it go on? */
+static bool goes_on(const struct tracing *t, struct course *c, const struct orl_hit *hit,
+                    const struct orl_scatter *s, struct orl_deposits *deposits)
+{
+    const double spared = c->class == ORL_PHOTON_REST ? 1 : c->reflected;
+    if (s->event == ORL_EVENT_ABSORBED ||
+        !survives(c, orl_health_keep(&deposits->health, s->weight),
+                  s->event == ORL_EVENT_DIFFUSE ? spared : 1))
+        return false;
+    if (s->transmitted) {
+        const enum orl_crossing crossing = orl_world_crossing(t->world, hit);
+        /* What crosses a port inwards for the first time is the port's own to emit. */
+        if (crossing == ORL_CROSSING_INWARDS && !c->crossed)
+            return false;
+        if (crossing != ORL_CROSSING_NONE) {
+            c->crossed = true;
+            c->outside = !t->world->open && crossing == ORL_CROSSING_OUTWARDS;
+        }
+    }
+    c->way = orl_deflected(c->way, s->event);
+    c->reflections += s->event == ORL_EVENT_DIFFUSE;
+    if (t->caustic ? is_left_out(t->world, c->way) : c->reflections >= t->most_reflections)
+        return false;
+    c->class = class_after(c->class, s->event);
+    if ((t->discs || t->by_chance) && s->event != ORL_EVENT_STRAIGHT)
+        orl_found_next(&c->found, t->world, hit, s->event);
+    depart(c, t->world, orl_world_material(t->world, hit), hit, s);
+    if (++c->bounces < ORL_TRACE_MOST_BOUNCES && c->unseen < ORL_TRACE_MOST_UNSEEN)
+        return true;
+    give_up(deposits, c->flux);
+    return false;
+}
+
+void orl_trace_photon(const struct orl_world *world, const struct orl_flight *flight, bool caustic,
+                      uint8_t batch, struct orl_random *random, struct orl_deposits *deposits)
+{
+    const struct tracing t = tracing_of(world, caustic);
+    struct orl_scatter s;
+    struct orl_hit hit;
+    struct course c;
+    if (!set_out(&t, flight, batch, &c, deposits))
+        return;
+    do {
+        const bool met =
+            orl_geometry_intersect(world->geometry, c.origin, c.direction, INFINITY, &hit);
+        if (!land(&t, &c, met ? &hit : NULL, deposits))
+            return;
+        s = orl_scatter_sample(orl_world_material(world, &hit), &hit, orl_neg(c.direction),
+                               ORL_TRANSPORT_LIGHT, t.lobes, random);
+    } while (goes_on(&t, &c, &hit, &s, deposits));
+}
+
+/* ---- Many at once ---------------------------------------------------------------------------- */
+
+enum { AT_ONCE = ORL_EMISSIONS_AT_ONCE };
+_Static_assert((int)AT_ONCE <= UINT8_MAX + 1, "a photon has its number where its batch will stand");
+
+/* Photons that take each step together. */
+struct wave {
+    struct tracing tracing;
+    struct orl_deposits *deposits;
+    struct orl_random *randoms;
+    struct course courses[AT_ONCE];
+    uint16_t under_way[AT_ONCE];
+    size_t n, n_beam; /* under way; of them first those of a beam */
+    struct orl_ray rays[AT_ONCE];
+    struct orl_hit hits[AT_ONCE]; /* of those under way, in their order */
+    bool found[AT_ONCE];
+    struct orl_draw draws[AT_ONCE];
+    double u[AT_ONCE][3];
+    uint16_t scattered[AT_ONCE]; /* of those under way, by their order */
+    struct orl_scatter scatters[AT_ONCE];
+};
+
+static void trace_rays(struct wave *w)
+{
+    const struct orl_geometry *g = w->tracing.world->geometry;
+    for (size_t i = 0; i < w->n; i++) {
+        const struct course *c = &w->courses[w->under_way[i]];
+        w->rays[i] = (struct orl_ray){c->origin, c->direction};
+    }
+    orl_geometry_intersect_many(g, w->rays, w->n_beam, true, w->hits, w->found);
+    orl_geometry_intersect_many(g, w->rays + w->n_beam, w->n - w->n_beam, false,
+                                w->hits + w->n_beam, w->found + w->n_beam);
+    w->n_beam = 0;
+}
+
+/* Lands all, and scatters those that do not end. */
+static size_t scatter_all(struct wave *w)
+{
+    size_t n = 0;
+    for (size_t i = 0; i < w->n; i++) {
+        const struct orl_hit *hit = &w->hits[i];
+        struct course *c = &w->courses[w->under_way[i]];
+        struct orl_random *random = &w->randoms[w->under_way[i]];
+        if (w->tracing.discs)
+            fly_by(&w->tracing, c, w->found[i] ? hit : NULL, w->deposits);
+        if (!land(&w->tracing, c, w->found[i] ? hit : NULL, w->deposits))
+            continue;
+        for (int k = 0; k < 3; k++)
+            w->u[n][k] = orl_random_uniform(random);
+        w->draws[n] =
+            (struct orl_draw){orl_world_material(w->tracing.world, hit), hit, orl_neg(c->direction),
+                              ORL_TRANSPORT_LIGHT, w->tracing.lobes};
+        w->scattered[n++] = (uint16_t)i;
+    }
+    orl_scatter_sample_many(w->draws, (const double(*)[3])w->u, n, w->scatters);
+    return n;
+}
+
+static void take_step(struct wave *w)
+{
+    size_t left = 0;
+    trace_rays(w);
+    const size_t n = scatter_all(w);
+    for (size_t k = 0; k < n; k++) {
+        const uint16_t i = w->scattered[k], photon = w->under_way[i];
+        if (goes_on(&w->tracing, &w->courses[photon], &w->hits[i], &w->scatters[k], w->deposits))
+            w->under_way[left++] = photon;
+    }
+    w->n = left;
+}
+
+/* What a wave has left, by photon, as if each had flown by itself; and of what batch each is. */
+static void put_in_order(struct orl_deposits *deposits, size_t first)
+{
+    const size_t n = deposits->count - first;
+    size_t next[AT_ONCE + 1] = {0};
+    if (n == 0 || !make_room(deposits, n))
+        return;
+    struct orl_photon *left = deposits->photons + first, *sorted = left + n;
+    for (size_t i = 0; i < n; i++)
+        next[left[i].batch + 1]++;
+    for (size_t k = 0; k < AT_ONCE; k++)
+        next[k + 1] += next[k];
+    for (size_t i = 0; i < n; i++) {
+        struct orl_photon *p = &sorted[next[left[i].batch]++];
+        *p = left[i];
+        p->batch %= ORL_MAP_BATCHES;
+    }
+    memcpy(left, sorted, n * sizeof *left);
+}
+
+void orl_trace_many(const struct orl_world *world, const struct orl_flight *flights,
+                    const bool *flies, size_t n, bool caustic, struct orl_random *randoms,
+                    struct orl_deposits *deposits)
+{
+    const size_t first = deposits->count;
+    struct wave w;
+    w.tracing = tracing_of(world, caustic);
+    w.tracing.discs = deposits->discs;
+    w.tracing.by_chance = deposits->by_chance;
+    w.deposits = deposits;
+    w.randoms = randoms;
+    w.n = w.n_beam = 0;
+    uint16_t others[AT_ONCE];
+    size_t n_others = 0;
+    for (size_t i = 0; i < n; i++) {
+        if (!flies[i] || !set_out(&w.tracing, &flights[i], (uint8_t)i, &w.courses[i], deposits))
+            continue;
+        if (flights[i].beam)
+            w.under_way[w.n_beam++] = (uint16_t)i;
+        else
+            others[n_others++] = (uint16_t)i;
+    }
+    memcpy(w.under_way + w.n_beam, others, n_others * sizeof *others);
+    w.n = w.n_beam + n_others;
+    while (w.n > 0)
+        take_step(&w);
+    put_in_order(deposits, first);
+}
+
+struct orl_health orl_deposits_health(const struct orl_deposits *deposits)
+{
+    struct orl_health health = deposits->health;
+    health.flux_w = orl_sum_value(&deposits->flux);
+    health.flux_capped_w = orl_sum_value(&deposits->flux_capped);
+    return health;
+}

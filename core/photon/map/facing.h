@@ -1,0 +1,37 @@
+/*
+ * Normals in two bytes, and bins of them.
+ *
+ * A normal is coded octahedrally (Cigolle et al. 2014), 8 + 8 bits, the axes exactly. For pruning,
+ * codes fall into 25 bins, a 5 x 5 grid over the code's square: photons of a map are ordered by
+ * bin, nodes of its hierarchy carry a mask of the bins inside, and a query visits only nodes that
+ * hold normals within 30 degrees of its own.
+ */
+#ifndef ORL_PHOTON_MAP_FACING_H
+#define ORL_PHOTON_MAP_FACING_H
+
+#include <stdint.h>
+
+#include <oriel/vec.h>
+
+enum { ORL_FACING_SIDE = 5, ORL_FACING_BINS = ORL_FACING_SIDE * ORL_FACING_SIDE };
+
+uint16_t orl_normal_encode(struct orl_vec3 unit);
+struct orl_vec3 orl_normal_decode(uint16_t code);
+
+static inline uint32_t orl_facing_bin(uint16_t code)
+{
+    const uint32_t side = ORL_FACING_SIDE, u = code & 255U, v = (uint32_t)code >> 8;
+    return u * side / 256 + v * side / 256 * side;
+}
+
+/* For each bin, the cone that holds its normals, widened by 30 degrees. */
+struct orl_facing {
+    struct orl_vec3 axis[ORL_FACING_BINS];
+    double least_cosine[ORL_FACING_BINS];
+};
+void orl_facing_init(struct orl_facing *facing);
+
+/* The bins that may hold normals within 30 degrees of this one. */
+uint32_t orl_facing_mask(const struct orl_facing *facing, struct orl_vec3 normal);
+
+#endif

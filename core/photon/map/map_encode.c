@@ -1,0 +1,228 @@
+#include "photon/map/map_encode.h"
+
+#include <stdlib.h>
+
+#include "base/random.h"
+#include "photon/map/flux.h"
+
+/* Corners of the box that holds all photons, in units, and the brightest of the new ones. */
+struct bounds {
+    double low[3], high[3];
+    double brightest; /* channel */
+};
+
+/* New photons, chunk by chunk. */
+struct survey {
+    const struct orl_map_encoder *packing;
+    struct bounds *chunks;
+};
+
+enum { CHUNK = 1 << 15 };
+
+static const struct bounds nothing = {
+    {INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}, 0};
+
+/*
+ * Where a photon of the earlier map is: its cell's corner, which lies in the same larger cells. All
+ * of this is exact: the map's cells begin at multiples of their edge, and that is a power of two.
+ */
+static void earlier_corner(const struct orl_map_encoder *p, size_t index, double ret_at[3])
+{
+    const struct orl_map_header *h = p->earlier->header;
+    const uint32_t *leaf = p->earlier->places + index / ORL_MAP_LEAF * ORL_LEAF_WORDS;
+    uint32_t cell[3];
+    orl_place_unpack(leaf[index % ORL_MAP_LEAF], leaf[index % ORL_MAP_LEAF + ORL_MAP_LEAF], cell);
+    for (int k = 0; k < 3; k++)
+        ret_at[k] = (rint(h->low[k] / h->cell) + cell[k]) * (h->cell / p->unit);
+}
+
+/* In units. */
+static void place_of(const struct orl_map_encoder *p, size_t index, double ret_at[3])
+{
+    if (index < p->n_earlier) {
+        earlier_corner(p, index, ret_at);
+        return;
+    }
+    for (int k = 0; k < 3; k++)
+        ret_at[k] = p->photons[index - p->n_earlier].position[k] / p->unit;
+}
+
+/* Places are finite. */
+static void include(struct bounds *b, const double at[3])
+{
+    for (int k = 0; k < 3; k++) {
+        b->low[k] = at[k] < b->low[k] ? at[k] : b->low[k];
+        b->high[k] = at[k] > b->high[k] ? at[k] : b->high[k];
+    }
+}
+
+static size_t new_photons(const struct orl_map_encoder *p)
+{
+    return p->count - p->n_earlier;
+}
+
+static void bound_chunk(void *arg, size_t chunk, uint32_t member)
+{
+    const struct survey *survey = arg;
+    const struct orl_map_encoder *p = survey->packing;
+    const size_t end = (chunk + 1) * CHUNK;
+    float low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
+    float brightest[3] = {0, 0, 0};
+    (void)member;
+    for (size_t i = chunk * CHUNK; i < end && i < new_photons(p); i++) {
+        const struct orl_photon *photon = &p->photons[i];
+        for (int k = 0; k < 3; k++) {
+            const float at = photon->position[k], flux = photon->flux[k];
+            low[k] = at < low[k] ? at : low[k];
+            high[k] = at > high[k] ? at : high[k];
+            brightest[k] = flux > brightest[k] ? flux : brightest[k];
+        }
+    }
+    struct bounds b = nothing;
+    for (int k = 0; k < 3; k++) {
+        b.low[k] = (double)low[k];
+        b.high[k] = (double)high[k];
+        b.brightest = fmax(b.brightest, (double)brightest[k]);
+    }
+    survey->chunks[chunk] = b;
+}
+
+/* Returns 0 or ORL_ERR_NOMEM. */
+static int bound(const struct orl_map_encoder *p, struct orl_crew *crew, struct bounds *ret_bounds)
+{
+    const size_t chunks = (new_photons(p) + CHUNK - 1) / CHUNK;
+    struct survey survey = {p, malloc((chunks + 1) * sizeof *survey.chunks)};
+    struct bounds b = nothing;
+    if (!survey.chunks)
+        return ORL_ERR_NOMEM;
+    orl_crew_for(crew, chunks, bound_chunk, &survey);
+    for (size_t i = 0; i < chunks; i++) {
+        include(&b, survey.chunks[i].low);
+        include(&b, survey.chunks[i].high);
+        b.brightest = fmax(b.brightest, survey.chunks[i].brightest);
+    }
+    free(survey.chunks);
+    for (int k = 0; k < 3; k++) { /* a quotient grows with what is divided */
+        b.low[k] /= p->unit;
+        b.high[k] /= p->unit;
+    }
+    for (size_t i = 0; i < p->n_earlier; i++) {
+        double at[3];
+        earlier_corner(p, i, at);
+        include(&b, at);
+    }
+    if (p->count == 0)
+        b = (struct bounds){{0, 0, 0}, {0, 0, 0}, 0};
+    *ret_bounds = b;
+    return 0;
+}
+
+static bool fits(const struct bounds *b, double step)
+{
+    bool fit = true;
+    for (int k = 0; k < 3; k++)
+        fit = fit && floor(b->high[k] / step) - floor(b->low[k] / step) < ORL_PLACE_CELLS;
+    return fit;
+}
+
+static void choose_cells(struct orl_map_encoder *p, const struct bounds *b)
+{
+    p->step = 0x1p-32;
+    if (p->n_earlier > 0)
+        p->step = fmax(p->step, p->earlier->header->cell / p->unit);
+    while (!fits(b, p->step) && isfinite(p->step))
+        p->step *= 2;
+    p->steps = 1 / p->step;
+    p->cell = p->step * p->unit;
+    for (int k = 0; k < 3; k++) {
+        /* Zero is added lest it be negative: whether it is tells of photons by their order. */
+        p->first[k] = floor(b->low[k] / p->step) + 0.0;
+        p->low[k] = p->first[k] * p->cell;
+    }
+}
+
+static void choose_exponent(struct orl_map_encoder *p, double brightest)
+{
+    p->flux_exponent = orl_flux_least(brightest);
+    if (p->n_earlier > 0 && p->earlier->header->flux_exponent > p->flux_exponent)
+        p->flux_exponent = p->earlier->header->flux_exponent;
+}
+
+int orl_map_encode_init(struct orl_map_encoder *packing, const struct orl_photon_map *earlier,
+                        const struct orl_photon *photons, size_t n, uint64_t seed, double extent,
+                        struct orl_crew *crew)
+{
+    struct bounds bounds;
+    *packing = (struct orl_map_encoder){.earlier = earlier,
+                                        .photons = photons,
+                                        .n_earlier = earlier ? earlier->header->count : 0,
+                                        .seed = seed,
+                                        .unit = extent > 0 ? extent : 1};
+    packing->count = packing->n_earlier + n;
+    if (bound(packing, crew, &bounds) < 0)
+        return ORL_ERR_NOMEM;
+    choose_cells(packing, &bounds);
+    choose_exponent(packing, bounds.brightest);
+    return 0;
+}
+
+/* floor, which is a call where there is no instruction for it. */
+static inline double floor_of(double x)
+{
+    if (!(fabs(x) < 0x1p62))
+        return floor(x);
+    const double whole = (double)(int64_t)x;
+    return whole > x ? whole - 1 : whole;
+}
+
+static inline void cell_at(const struct orl_map_encoder *packing, const double at[3],
+                           uint32_t ret_cell[3])
+{
+    for (int k = 0; k < 3; k++)
+        ret_cell[k] = (uint32_t)(int64_t)(floor_of(at[k] * packing->steps) - packing->first[k]);
+}
+
+void orl_map_encode_cell(const struct orl_map_encoder *packing, size_t index, uint32_t ret_cell[3])
+{
+    double at[3];
+    place_of(packing, index, at);
+    cell_at(packing, at, ret_cell);
+}
+
+uint16_t orl_map_encode_normal(const struct orl_map_encoder *packing, size_t index)
+{
+    return index < packing->n_earlier ? packing->earlier->normals[index]
+                                      : packing->photons[index - packing->n_earlier].normal;
+}
+
+/* Rounds up or down by chance, so that sums keep their means; the chance is the photon's own. */
+static uint32_t new_flux(const struct orl_map_encoder *p, size_t index)
+{
+    const float *flux = p->photons[index - p->n_earlier].flux;
+    struct orl_random random = orl_random_stream(p->seed, ORL_PURPOSE_DITHER, index);
+    return orl_flux_pack_from((struct orl_rgb){flux[0], flux[1], flux[2]}, p->flux_exponent,
+                              orl_random_uniform(&random));
+}
+
+struct orl_photon_words orl_map_encode_words(const struct orl_map_encoder *packing, size_t index)
+{
+    const struct orl_photon_map *map = packing->earlier;
+    struct orl_photon_words words = {.normal = orl_map_encode_normal(packing, index)};
+    uint32_t batch, cell[3];
+    if (index < packing->n_earlier) {
+        const uint64_t word = index / ORL_MAP_LEAF * ORL_LEAF_WORDS + index % ORL_MAP_LEAF;
+        const int coarser = packing->flux_exponent - map->header->flux_exponent;
+        batch = map->places[word] >> 20 & 15U;
+        words.flux = orl_flux_coarsen(map->fluxes[index], coarser);
+        words.tag = map->tags[index];
+    } else {
+        const struct orl_photon *photon = &packing->photons[index - packing->n_earlier];
+        batch = photon->batch & 15U;
+        words.flux = new_flux(packing, index);
+        words.tag = photon->tag;
+    }
+    orl_map_encode_cell(packing, index, cell);
+    words.a = cell[0] | batch << 20 | (cell[2] >> 12) << 24;
+    words.b = cell[1] | (cell[2] & 0xfffU) << 20;
+    return words;
+}

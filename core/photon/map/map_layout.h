@@ -1,0 +1,56 @@
+/*
+ * How a photon map's words are laid out: shared by the writer and the search.
+ */
+#ifndef ORL_PHOTON_MAP_MAP_LAYOUT_H
+#define ORL_PHOTON_MAP_MAP_LAYOUT_H
+
+#include "photon/map/facing.h"
+#include "photon/map/map.h"
+
+enum { ORL_PLACE_BITS = 20, ORL_PLACE_CELLS = 1 << ORL_PLACE_BITS, ORL_LEAF_WORDS = 32 };
+
+/* Bounds of the children of one node, in cells; an absent child is inside out and faces nowhere. */
+struct orl_map_group {
+    float low[3][ORL_MAP_FANOUT], high[3][ORL_MAP_FANOUT];
+    uint32_t facing[ORL_MAP_FANOUT];
+};
+
+/* A mapped file, taken apart. */
+struct orl_photon_map {
+    void *file;
+    size_t size;
+    const struct orl_map_header *header;
+    const uint32_t *places, *fluxes;
+    const uint16_t *normals, *tags;
+    const unsigned char *notes;                         /* NULL: none */
+    const struct orl_map_group *levels[ORL_MAP_LEVELS]; /* [0]: groups of leaves */
+    struct orl_facing facing;
+};
+
+/* How the file is divided, given the number of photons. */
+struct orl_map_layout {
+    uint64_t leaves, places, fluxes, normals, tags, boxes, size;
+    uint64_t groups[ORL_MAP_LEVELS]; /* per level, from the leaves up; the last has one */
+    uint32_t levels;
+};
+struct orl_map_layout orl_map_layout_of(uint64_t count);
+
+/* Where notes begin, after all else, and what a file with them measures. */
+uint64_t orl_map_notes_at(const struct orl_map_layout *layout);
+uint64_t orl_map_size(const struct orl_map_layout *layout, uint64_t count, uint32_t note_bytes);
+
+/* Photons in a leaf: 16, but for the last one. */
+static inline uint32_t orl_leaf_photons(const struct orl_photon_map *map, uint64_t leaf)
+{
+    const uint64_t left = map->header->count - leaf * ORL_MAP_LEAF;
+    return left < ORL_MAP_LEAF ? (uint32_t)left : ORL_MAP_LEAF;
+}
+
+static inline void orl_place_unpack(uint32_t a, uint32_t b, uint32_t ret_cell[3])
+{
+    ret_cell[0] = a & 0xfffffU;
+    ret_cell[1] = b & 0xfffffU;
+    ret_cell[2] = (a >> 24) << 12 | b >> 20;
+}
+
+#endif

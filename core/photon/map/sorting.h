@@ -1,0 +1,21 @@
+/*
+ * Photons into the order of the map file: by code, and among those of one code by a hash of their
+ * words. The order depends on which photons there are alone, not on the crew.
+ */
+#ifndef ORL_PHOTON_MAP_SORTING_H
+#define ORL_PHOTON_MAP_SORTING_H
+
+#include <oriel/crew.h>
+
+#include "photon/map/map_encode.h"
+
+struct orl_sort_item {
+    uint64_t code;  /* zorder.h */
+    uint32_t index; /* among the words */
+};
+
+/* Sorts items, in place. Returns 0 or ORL_ERR_NOMEM. */
+int orl_sort_photons(struct orl_sort_item *items, size_t count,
+                     const struct orl_photon_words *words, struct orl_crew *crew);
+
+#endif

@@ -1,0 +1,258 @@
+#include "photon/map/map.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <sodium.h>
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include "base/checksum.h"
+#include "base/memory.h"
+#include "base/random.h"
+#include "base/sum.h"
+#include "base/vectors.h"
+#include "photon/map/flux.h"
+#include "photon/map/map_boxes.h"
+#include "photon/map/map_encode.h"
+#include "photon/map/sorting.h"
+#include "photon/map/zorder.h"
+
+struct writer {
+    struct orl_map_encoder packing;
+    const struct orl_map_build *build;
+    struct orl_photon_words *words; /* in the order of emission */
+    struct orl_sort_item *items;
+    struct orl_map_layout layout;
+    uint64_t size; /* of the file */
+    struct orl_map_header header;
+    char *file;                /* being filled, mapped */
+    struct orl_sum *flux_sums; /* by chunk: of the brightest channels, in the units of the words */
+};
+
+enum { CHUNK = 1 << 15, AHEAD = 24 };
+_Static_assert((int)CHUNK % (int)ORL_BOXED_AT_ONCE == 0, "a chunk has its groups for itself");
+
+static size_t chunks_of(const struct writer *w)
+{
+    return (w->packing.count + CHUNK - 1) / CHUNK;
+}
+
+static size_t chunk_end(const struct writer *w, size_t chunk)
+{
+    const size_t end = (chunk + 1) * CHUNK, count = w->packing.count;
+    return end < count ? end : count;
+}
+
+/* Of the photons that are new. */
+static void let_go(const struct writer *w, size_t first, size_t end)
+{
+    const struct orl_map_encoder *p = &w->packing;
+    if (end > p->n_earlier)
+        orl_memory_let_go(p->photons + (first > p->n_earlier ? first - p->n_earlier : 0),
+                          p->photons + (end - p->n_earlier));
+}
+
+/* Codes of photons in the words. */
+ORL_FOR_WIDE_VECTORS
+static void make_items(const struct orl_photon_words *words, size_t first, size_t n,
+                       struct orl_sort_item *ret_items)
+{
+    for (size_t i = 0; i < n; i++) {
+        uint32_t cell[3];
+        orl_place_unpack(words[i].a, words[i].b, cell);
+        ret_items[i] =
+            (struct orl_sort_item){orl_zorder_code(cell, words[i].normal), (uint32_t)(first + i)};
+    }
+}
+
+/* Photons are packed in the order they lie in memory; it is packed that they are moved about. */
+static void make_codes(void *arg, size_t chunk, uint32_t member)
+{
+    struct writer *w = arg;
+    const size_t first = chunk * CHUNK, end = chunk_end(w, chunk);
+    const bool near = orl_map_encode_is_near(&w->packing);
+    size_t i = first;
+    (void)member;
+    while (i < end) {
+        const size_t begun = i;
+        if (near && i >= w->packing.n_earlier && end - i >= ORL_PACKED_AT_ONCE) {
+            orl_map_encode_words_many(&w->packing, i, w->words + i);
+            i += ORL_PACKED_AT_ONCE;
+        } else {
+            w->words[i] = orl_map_encode_words(&w->packing, i);
+            i++;
+        }
+        make_items(w->words + begun, begun, i - begun, w->items + begun);
+    }
+    if (w->build->spend)
+        let_go(w, first, end);
+}
+
+static void pack_chunk(void *arg, size_t chunk, uint32_t member)
+{
+    const struct writer *w = arg;
+    uint32_t *places = (void *)(w->file + w->layout.places);
+    uint32_t *fluxes = (void *)(w->file + w->layout.fluxes);
+    uint16_t *normals = (void *)(w->file + w->layout.normals);
+    uint16_t *tags = (void *)(w->file + w->layout.tags);
+    char *notes = w->file + orl_map_notes_at(&w->layout);
+    const uint32_t noted = w->build->note_bytes;
+    (void)member;
+    const size_t end = chunk_end(w, chunk);
+    struct orl_sum sum = {0, 0};
+    for (size_t i = chunk * CHUNK; i < end; i++) {
+        const struct orl_photon_words p = w->words[w->items[i].index];
+        /* They lie all over the array: asked for some way ahead, they are there when wanted. */
+        if (i + AHEAD < end)
+            __builtin_prefetch(&w->words[w->items[i + AHEAD].index]);
+        uint32_t *leaf = places + i / ORL_MAP_LEAF * ORL_LEAF_WORDS + i % ORL_MAP_LEAF;
+        leaf[0] = p.a;
+        leaf[ORL_MAP_LEAF] = p.b;
+        fluxes[i] = p.flux;
+        normals[i] = p.normal;
+        tags[i] = p.tag;
+        orl_sum_add(&sum, orl_rgb_max(orl_flux_unpack(p.flux)));
+        if (noted > 0)
+            memcpy(notes + i * noted,
+                   (const char *)w->build->notes + (size_t)w->items[i].index * noted, noted);
+    }
+    w->flux_sums[chunk] = sum;
+    orl_box_leaves(&w->layout, w->file, chunk * CHUNK, end);
+}
+
+/* The mean of the brightest channels, in the units of the map's words. */
+static double mean_flux(const struct writer *w)
+{
+    struct orl_sum sum = {0, 0};
+    for (size_t i = 0; i < chunks_of(w); i++) {
+        orl_sum_add(&sum, w->flux_sums[i].high);
+        orl_sum_add(&sum, w->flux_sums[i].low);
+    }
+    return orl_sum_value(&sum) / fmax((double)w->packing.count, 1);
+}
+
+static void fill_measures(struct writer *w)
+{
+    struct orl_map_header *h = &w->header;
+    const struct orl_map_encoder *p = &w->packing;
+    memcpy(h->low, p->low, sizeof h->low);
+    h->cell = p->cell;
+    h->flux_exponent = p->flux_exponent;
+    /* Without any light: of no matter, but a number to divide by. */
+    h->flux_unit = p->flux_exponent > ORL_FLUX_LEAST
+                       ? orl_flux_unit(p->flux_exponent) / (double)w->build->emitted
+                       : 1;
+    h->flux_mean = mean_flux(w) * h->flux_unit;
+}
+
+static void fill_header(struct writer *w)
+{
+    struct orl_map_header *h = &w->header;
+    memcpy(h->magic, "ORIELPM", 8);
+    h->version = ORL_MAP_VERSION;
+    h->byte_order = 0x01020304U;
+    h->count = w->packing.count;
+    h->emitted = w->build->emitted;
+    h->target = w->build->target;
+    fill_measures(w);
+    h->places = w->layout.places;
+    h->fluxes = w->layout.fluxes;
+    h->normals = w->layout.normals;
+    h->tags = w->layout.tags;
+    h->boxes = w->layout.boxes;
+    h->size = w->size;
+    h->levels = w->layout.levels;
+    h->note_bytes = w->build->note_bytes;
+    strncpy(h->kind, w->build->kind, sizeof h->kind - 1);
+    if (w->build->family)
+        strncpy(h->family, w->build->family, sizeof h->family - 1);
+    orl_checksum_of(w->file + sizeof *h, w->size - sizeof *h, h->body_checksum);
+    crypto_generichash(h->header_checksum, sizeof h->header_checksum, (unsigned char *)h,
+                       offsetof(struct orl_map_header, header_checksum), NULL, 0);
+    memcpy(w->file, h, sizeof *h);
+}
+
+/* Makes the file at its full size: running out of disk shows here, not as a fault later. */
+static int create_file(struct writer *w, const char *path, int *ret_fd, struct orl_error *err)
+{
+    const int fd = open(path, O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+    if (fd < 0)
+        return orl_error_set(err, orl_err_of_errno(errno), "cannot create photon map '%s': %s",
+                             path, strerror(errno));
+    const int why = posix_fallocate(fd, 0, (off_t)w->size);
+    void *file =
+        why == 0 ? mmap(NULL, w->size, PROT_READ | PROT_WRITE, MAP_SHARED, fd, 0) : MAP_FAILED;
+    if (file == MAP_FAILED) {
+        const int cause = why ? why : errno;
+        const int code =
+            orl_error_set(err, orl_err_of_errno(cause), "no room for a photon map of %zu bytes: %s",
+                          (size_t)w->size, strerror(cause));
+        close(fd);
+        return code;
+    }
+    w->file = file;
+    *ret_fd = fd;
+    return 0;
+}
+
+/* Into the order of the file. */
+static int sort_photons(struct writer *w, struct orl_crew *crew)
+{
+    const size_t count = w->packing.count;
+    w->words = orl_memory_new((count + 1) * sizeof *w->words);
+    w->items = orl_memory_new((count + 1) * sizeof *w->items);
+    w->flux_sums = malloc((chunks_of(w) + 1) * sizeof *w->flux_sums);
+    if (!w->words || !w->items || !w->flux_sums)
+        return ORL_ERR_NOMEM;
+    const int code = orl_crew_try(crew, chunks_of(w), make_codes, w);
+    if (code < 0)
+        return code;
+    return orl_sort_photons(w->items, count, w->words, crew);
+}
+
+static int fill_file(struct writer *w, struct orl_crew *crew, struct orl_error *err)
+{
+    const int code = orl_crew_try(crew, chunks_of(w), pack_chunk, w);
+    if (code < 0)
+        return orl_error_set(err, code, "cancelled while writing a photon map");
+    orl_box_nodes(&w->layout, w->file);
+    fill_header(w);
+    return 0;
+}
+
+int orl_photon_map_write(const char *path, const struct orl_photon *photons, size_t count,
+                         const struct orl_map_build *build, struct orl_crew *crew,
+                         struct orl_error *err)
+{
+    struct writer w = {.build = build};
+    int fd = -1;
+    const size_t all = count + (build->earlier ? build->earlier->header->count : 0);
+    if (all > UINT32_MAX)
+        return orl_error_set(err, ORL_ERR_LIMIT, "%zu photons do not fit one map", all);
+    w.layout = orl_map_layout_of(all);
+    w.size = orl_map_size(&w.layout, all, build->note_bytes);
+    int code = orl_map_encode_init(&w.packing, build->earlier, photons, count, build->seed,
+                                   build->extent, crew);
+    if (code == 0)
+        code = sort_photons(&w, crew);
+    if (code < 0)
+        orl_error_set(err, code, "%s sorting %zu photons",
+                      code == ORL_ERR_CANCELLED ? "cancelled" : "out of memory", all);
+    if (code == 0)
+        code = create_file(&w, path, &fd, err);
+    if (code == 0)
+        code = fill_file(&w, crew, err);
+    if (w.file)
+        munmap(w.file, w.size);
+    if (fd >= 0)
+        close(fd);
+    if (code < 0 && fd >= 0)
+        unlink(path);
+    free(w.words);
+    free(w.items);
+    free(w.flux_sums);
+    return code;
+}

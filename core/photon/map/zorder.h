@@ -1,0 +1,48 @@
+/*
+ * The order that photons of a map are in: by the bin of their normal (facing.h), then along the
+ * Morton curve. Where a place would stand among them tells, without a search, which leaf's photons
+ * lie about it.
+ *
+ * Threads: an index is immutable once made.
+ */
+#ifndef ORL_PHOTON_MAP_ZORDER_H
+#define ORL_PHOTON_MAP_ZORDER_H
+
+#include "photon/map/map_layout.h"
+
+enum { ORL_ZORDER_FANOUT = 8, ORL_ZORDER_LEVELS = 10, ORL_ZORDER_PLACE_BITS = 57 };
+
+/* Spreads 20 bits to every third. */
+static inline uint64_t orl_zorder_spread(uint64_t x)
+{
+    x = (x | x << 32) & 0x1f00000000ffffULL;
+    x = (x | x << 16) & 0x1f0000ff0000ffULL;
+    x = (x | x << 8) & 0x100f00f00f00f00fULL;
+    x = (x | x << 4) & 0x10c30c30c30c30c3ULL;
+    return (x | x << 2) & 0x1249249249249249ULL;
+}
+
+/* A place's code. 19 of the 20 bits an axis leave room for the bin above. */
+static inline uint64_t orl_zorder_code(const uint32_t cell[3], uint16_t normal)
+{
+    return (uint64_t)orl_facing_bin(normal) << ORL_ZORDER_PLACE_BITS |
+           orl_zorder_spread(cell[0] >> 1) | orl_zorder_spread(cell[1] >> 1) << 1 |
+           orl_zorder_spread(cell[2] >> 1) << 2;
+}
+
+/* The first codes of leaves, and above them of every eighth, and so on. */
+struct orl_zorder {
+    uint64_t *codes[ORL_ZORDER_LEVELS];
+    uint64_t counts[ORL_ZORDER_LEVELS];
+    uint32_t levels;
+};
+
+/* Returns 0 or ORL_ERR_NOMEM. */
+int orl_zorder_init(struct orl_zorder *order, const struct orl_photon_map *map);
+void orl_zorder_done(struct orl_zorder *order); /* also of one that is all zero */
+
+/* The last leaf that begins no later than the code; the first one if all do. Of a map with photons.
+ */
+uint64_t orl_zorder_find(const struct orl_zorder *order, uint64_t code);
+
+#endif

@@ -1,0 +1,117 @@
+/* How much of the light where caustic photons land is theirs. */
+#include "photon/shooting/worth.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/random.h"
+#include "photon/map/facing.h"
+
+/* Cubes, from the scene's own to one of 1/16384 of its width; of so many photons at the least. */
+enum { LEVELS = 15, LEAST_IN_CUBE = 8 };
+/* A table of cubes: more than there are photons to lie in them. */
+enum { MOST_PHOTONS = 1 << 15, SLOTS = 1 << 17 };
+_Static_assert((int)SLOTS >= 4 * (int)MOST_PHOTONS, "no long searches");
+
+struct cube {
+    uint64_t name; /* 0: free */
+    uint32_t caustic, rest;
+    double caustic_w, rest_w;
+};
+
+/* Photons evenly picked from more. */
+struct pick {
+    const struct orl_photon *photons;
+    size_t count, step;
+    double scale;
+};
+
+static struct pick pick(const struct orl_photon *photons, size_t count, double scale)
+{
+    const size_t step = (count + MOST_PHOTONS / 2 - 1) / (MOST_PHOTONS / 2);
+    return (struct pick){photons, count, step > 0 ? step : 1,
+                         scale * (double)(step > 0 ? step : 1)};
+}
+
+static uint64_t name_of(const struct orl_photon *p, const struct orl_geometry *g, int level)
+{
+    const double cubes = ldexp(1, level), width = 2 * g->radius * (1 + 1e-6);
+    uint64_t name = orl_facing_bin(p->normal) + 1;
+    for (int i = 0; i < 3; i++) {
+        const double at = cubes * (0.5 + p->position[i] / width);
+        name = orl_mix64(name) + (uint64_t)fmin(fmax(at, 0), cubes);
+    }
+    return orl_mix64(name) | 1;
+}
+
+static struct cube *find_cube(struct cube *cubes, uint64_t name)
+{
+    size_t at = name >> 17 & (SLOTS - 1);
+    while (cubes[at].name != 0 && cubes[at].name != name)
+        at = (at + 1) & (SLOTS - 1);
+    cubes[at].name = name;
+    return &cubes[at];
+}
+
+static double luma_of(const struct orl_photon *p)
+{
+    return orl_luma((struct orl_rgb){p->flux[0], p->flux[1], p->flux[2]});
+}
+
+static void fill(struct cube *cubes, const struct pick *caustic, const struct pick *rest,
+                 const struct orl_geometry *g, int level)
+{
+    memset(cubes, 0, SLOTS * sizeof *cubes);
+    for (size_t i = 0; i < caustic->count; i += caustic->step) {
+        struct cube *c = find_cube(cubes, name_of(&caustic->photons[i], g, level));
+        c->caustic++;
+        c->caustic_w += caustic->scale * luma_of(&caustic->photons[i]);
+    }
+    for (size_t i = 0; i < rest->count; i += rest->step) {
+        const struct orl_photon *p = &rest->photons[i];
+        if (p->tag == ORL_PHOTON_CAUSTIC)
+            continue;
+        struct cube *c = find_cube(cubes, name_of(p, g, level));
+        c->rest++;
+        c->rest_w += rest->scale * luma_of(p);
+    }
+}
+
+/* Flux over area, of both kinds, about each caustic photon. */
+struct lit {
+    double caustic, rest;
+};
+
+int orl_worth_contrast(const struct orl_photon *caustic, size_t n_caustic, double caustic_scale,
+                       const struct orl_photon *rest, size_t n_rest, double rest_scale,
+                       const struct orl_geometry *geometry, double *ret_contrast)
+{
+    const struct pick c = pick(caustic, n_caustic, caustic_scale),
+                      r = pick(rest, n_rest, rest_scale);
+    struct cube *cubes = malloc(SLOTS * sizeof *cubes);
+    struct lit *lit = calloc(n_caustic + 1, sizeof *lit);
+    double sum = 0, all = 0;
+    for (int level = 0; level < LEVELS && cubes && lit; level++) {
+        const double per_area = ldexp(1, 2 * level);
+        fill(cubes, &c, &r, geometry, level);
+        for (size_t i = 0; i < n_caustic; i += c.step) {
+            const struct cube *cube = find_cube(cubes, name_of(&caustic[i], geometry, level));
+            if (level == 0 || cube->caustic >= LEAST_IN_CUBE)
+                lit[i].caustic = per_area * cube->caustic_w;
+            if (level == 0 || cube->rest >= LEAST_IN_CUBE)
+                lit[i].rest = per_area * cube->rest_w;
+        }
+    }
+    for (size_t i = 0; i < n_caustic && cubes && lit; i += c.step) {
+        const double flux = luma_of(&caustic[i]), both = lit[i].caustic + lit[i].rest;
+        sum += both > 0 ? flux * lit[i].caustic / both : 0;
+        all += flux;
+    }
+    const bool failed = !cubes || !lit;
+    free(cubes);
+    free(lit);
+    if (failed)
+        return ORL_ERR_NOMEM;
+    *ret_contrast = all > 0 ? sum / all : 1;
+    return 0;
+}

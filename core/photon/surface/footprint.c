@@ -1,0 +1,397 @@
+#include "photon/surface/footprint.h"
+
+enum { SECTORS = ORL_FOOTPRINT_SECTORS, FREE_RAYS = 8, MOST_FACETS = 48 };
+
+/* A wall is steeper than 45 degrees to the surface it stands on. */
+static const double cosine_45 = 0.7071067811865476;
+/* A sheet goes on while its normal has not turned by more; photons count up to 30 degrees. */
+static const double cosine_28 = 0.8829475928589269;
+/* And while chords fit the mean normal as sheet.h asks: there within 0.05. */
+static const double bend = 0.04;
+/* How high above the surface the upper rays go, over the radius. */
+static const double rise = 0.25;
+/* In units of the facet's offset: a hair above the surface; past an edge; and down from there. */
+static const double hair = 8;
+
+/* As the C library has them, a hair off the axes: of an edge along one, as many sectors are to
+ * begin on either side. */
+const double orl_footprint_azimuths[SECTORS][2] = {{1.0, 0.0},
+                                                   {0.9807852804032304, 0.19509032201612825},
+                                                   {0.9238795325112867, 0.3826834323650898},
+                                                   {0.8314696123025452, 0.5555702330196022},
+                                                   {0.7071067811865476, 0.7071067811865475},
+                                                   {0.5555702330196023, 0.8314696123025452},
+                                                   {0.38268343236508984, 0.9238795325112867},
+                                                   {0.19509032201612833, 0.9807852804032304},
+                                                   {6.123233995736766e-17, 1.0},
+                                                   {-0.1950903220161282, 0.9807852804032304},
+                                                   {-0.3826834323650897, 0.9238795325112867},
+                                                   {-0.555570233019602, 0.8314696123025455},
+                                                   {-0.7071067811865475, 0.7071067811865476},
+                                                   {-0.8314696123025453, 0.5555702330196022},
+                                                   {-0.9238795325112867, 0.3826834323650899},
+                                                   {-0.9807852804032304, 0.1950903220161286},
+                                                   {-1.0, 1.2246467991473532e-16},
+                                                   {-0.9807852804032304, -0.19509032201612836},
+                                                   {-0.9238795325112868, -0.38268343236508967},
+                                                   {-0.8314696123025455, -0.555570233019602},
+                                                   {-0.7071067811865477, -0.7071067811865475},
+                                                   {-0.5555702330196022, -0.8314696123025452},
+                                                   {-0.38268343236509034, -0.9238795325112865},
+                                                   {-0.19509032201612866, -0.9807852804032303},
+                                                   {-1.8369701987210297e-16, -1.0},
+                                                   {0.1950903220161283, -0.9807852804032304},
+                                                   {0.38268343236509, -0.9238795325112866},
+                                                   {0.5555702330196018, -0.8314696123025455},
+                                                   {0.7071067811865474, -0.7071067811865477},
+                                                   {0.8314696123025452, -0.5555702330196022},
+                                                   {0.9238795325112865, -0.3826834323650904},
+                                                   {0.9807852804032303, -0.19509032201612872}};
+
+/* Where one ray of the star ends. */
+struct spoke {
+    double length;
+    struct orl_line line; /* the straight border it ends on, if any */
+    bool ended;
+};
+
+static struct orl_frame frame_of(const struct orl_footing *footing)
+{
+    return orl_frame_about(footing->normal);
+}
+
+static double clearance_of(const struct orl_footing *footing)
+{
+    return hair * footing->world->geometry->facets[footing->facet].offset;
+}
+
+static struct orl_vec3 in_plane(const struct orl_frame *frame, const double direction[2])
+{
+    return orl_add(orl_scale(frame->u, direction[0]), orl_scale(frame->v, direction[1]));
+}
+
+static bool is_flat(const struct orl_world *world, uint32_t facet)
+{
+    const enum orl_surface_kind kind = world->geometry->facets[facet].kind;
+    return kind == ORL_SURFACE_POLYGON || kind == ORL_SURFACE_RING;
+}
+
+static bool is_diffuse(const struct orl_world *world, const struct orl_hit *hit)
+{
+    return orl_rgb_max(orl_material_diffuse(orl_world_material(world, hit))) > 0;
+}
+
+bool orl_footing_find(const struct orl_world *world, struct orl_vec3 point, struct orl_vec3 normal,
+                      double tolerance, struct orl_footing *ret_footing)
+{
+    struct orl_hit hit;
+    if (!orl_geometry_intersect(world->geometry, orl_madd(point, normal, tolerance),
+                                orl_neg(normal), 2 * tolerance, &hit) ||
+        fabs(orl_dot(hit.normal, normal)) < cosine_28)
+        return false;
+    *ret_footing = (struct orl_footing){.world = world,
+                                        .point = hit.point,
+                                        .normal = hit.front ? hit.normal : orl_neg(hit.normal),
+                                        .facet = hit.facet};
+    return true;
+}
+
+/* ---- Walls ----------------------------------------------------------------------------------- */
+
+/* Two heights above the surface at which walls are looked for: a hair, and what has room. */
+static void heights_of(const struct orl_footing *footing, double radius, double ret_heights[2])
+{
+    const double low = clearance_of(footing);
+    const struct orl_vec3 start = orl_madd(footing->point, footing->normal, low / hair);
+    double high = rise * radius;
+    struct orl_hit hit;
+    if (orl_geometry_intersect(footing->world->geometry, start, footing->normal, high, &hit))
+        high = 0.5 * hit.distance;
+    ret_heights[0] = fmin(low, fmax(high, low / hair));
+    ret_heights[1] = high;
+}
+
+/* The ray starts a step ahead, lest from an edge it meets the very wall it leaves. */
+static bool meets_wall(const struct orl_footing *footing, double height, struct orl_vec3 direction,
+                       double length, struct orl_hit *ret_hit)
+{
+    const struct orl_geometry *geometry = footing->world->geometry;
+    const double step = fmin(geometry->facets[footing->facet].offset, 0.5 * length);
+    const struct orl_vec3 over = orl_madd(footing->point, footing->normal, height);
+    if (!orl_geometry_intersect(geometry, orl_madd(over, direction, step), direction, length - step,
+                                ret_hit) ||
+        fabs(orl_dot(ret_hit->normal, footing->normal)) >= cosine_45)
+        return false;
+    ret_hit->distance += step;
+    return true;
+}
+
+/* The line on which a plane through the hit cuts the tangent plane. */
+static struct orl_line foot_of_wall(const struct orl_footing *footing,
+                                    const struct orl_frame *frame, const struct orl_hit *hit)
+{
+    const struct orl_vec3 way = orl_sub(hit->point, footing->point);
+    const double x = orl_dot(hit->normal, frame->u), y = orl_dot(hit->normal, frame->v);
+    const double length = sqrt(x * x + y * y);
+    const double offset = (x * orl_dot(way, frame->u) + y * orl_dot(way, frame->v)) / length;
+    const double sign = offset < 0 ? -1 : 1;
+    return (struct orl_line){{sign * x / length, sign * y / length}, sign * offset};
+}
+
+static void stop_at_walls(const struct orl_footing *footing, const struct orl_frame *frame,
+                          const double heights[2], const double direction[2], struct spoke *spoke)
+{
+    for (int i = 0; i < 2; i++) {
+        struct orl_hit hit;
+        if (!meets_wall(footing, heights[i], in_plane(frame, direction), spoke->length, &hit))
+            continue;
+        spoke->length = hit.distance;
+        spoke->line = foot_of_wall(footing, frame, &hit);
+        spoke->ended = true;
+    }
+}
+
+bool orl_footing_is_free(const struct orl_footing *footing, double radius)
+{
+    const struct orl_frame frame = frame_of(footing);
+    /* Eight rays as long as the corners of the octagon around the disc: no long wall cuts the disc
+     * and passes between them. */
+    const double length = radius / cos(ORL_PI / FREE_RAYS);
+    double heights[2];
+    if (orl_outline_clearance(footing->world, footing->facet, footing->point) < radius)
+        return false;
+    heights_of(footing, radius, heights);
+    for (int i = 0; i < FREE_RAYS; i++) {
+        const double *direction = orl_footprint_azimuths[(2 * i + 1) * SECTORS / (2 * FREE_RAYS)];
+        struct orl_hit hit;
+        for (int k = 0; k < 2; k++)
+            if (meets_wall(footing, heights[k], in_plane(&frame, direction), length, &hit))
+                return false;
+    }
+    return true;
+}
+
+double orl_footing_flat(const struct orl_footing *footing)
+{
+    return is_flat(footing->world, footing->facet)
+               ? orl_outline_clearance(footing->world, footing->facet, footing->point)
+               : 0;
+}
+
+bool orl_footing_joins(const struct orl_footing *footing, struct orl_vec3 point)
+{
+    const struct orl_vec3 way = orl_sub(point, footing->point);
+    const struct orl_vec3 flat = orl_madd(way, footing->normal, -orl_dot(way, footing->normal));
+    const double length = orl_length(flat);
+    double heights[2];
+    struct orl_hit hit;
+    if (!(length > 0))
+        return true;
+    heights_of(footing, length, heights);
+    for (int k = 0; k < 2; k++)
+        if (meets_wall(footing, heights[k], orl_scale(flat, 1 / length), length, &hit))
+            return false;
+    return true;
+}
+
+/* ---- The surface ----------------------------------------------------------------------------- */
+
+/* One ray of the star on its way along the surface. */
+struct march {
+    const struct orl_footing *footing;
+    const struct orl_frame *frame;
+    const double *direction;
+    uint32_t facet;          /* where it is, */
+    struct orl_vec3 normal;  /* its normal on the side asked about, */
+    struct orl_vec3 through; /* and a point of its plane */
+};
+
+/* The point of the present facet's plane over a length in the tangent plane. */
+static struct orl_vec3 point_at(const struct march *m, double length)
+{
+    const struct orl_vec3 flat =
+        orl_madd(m->footing->point, in_plane(m->frame, m->direction), length);
+    const double height =
+        orl_dot(orl_sub(m->through, flat), m->normal) / orl_dot(m->frame->n, m->normal);
+    return orl_madd(flat, m->frame->n, height);
+}
+
+/* Whether photons of the present facet at that point count as being on the footing's sheet. */
+static bool fits(const struct march *m, struct orl_vec3 point)
+{
+    const struct orl_vec3 chord = orl_sub(point, m->footing->point);
+    const struct orl_vec3 mean = orl_normalize(orl_add(m->footing->normal, m->normal));
+    return orl_dot(m->footing->normal, m->normal) > cosine_28 &&
+           fabs(orl_dot(chord, mean)) <= bend * orl_length(chord) + clearance_of(m->footing);
+}
+
+/* Steps over an edge onto the facet that carries the surface on; false when none does. */
+static bool step_over(struct march *m, double length)
+{
+    const struct orl_world *world = m->footing->world;
+    const double gap = fmax(hair * world->geometry->facets[m->facet].offset, 0x1p-50 * length);
+    struct orl_hit hit;
+    const struct orl_vec3 above = orl_madd(point_at(m, length + gap), m->frame->n, gap);
+    if (!orl_geometry_intersect(world->geometry, above, orl_neg(m->frame->n), 2 * gap, &hit) ||
+        !is_flat(world, hit.facet) || !is_diffuse(world, &hit))
+        return false;
+    m->facet = hit.facet;
+    m->normal = hit.front ? hit.normal : orl_neg(hit.normal);
+    m->through = hit.point;
+    return fits(m, hit.point);
+}
+
+static void stop_at_edge(const struct march *m, double length, const struct orl_line *line,
+                         struct spoke *spoke)
+{
+    spoke->length =
+        fmin(spoke->length, orl_length(orl_sub(point_at(m, length), m->footing->point)));
+    spoke->line = *line;
+    spoke->ended = true;
+}
+
+/* Shortens a spoke to where the surface ends, or bends away too far. */
+static void stop_at_edges(const struct orl_footing *footing, const struct orl_frame *frame,
+                          const double direction[2], struct spoke *spoke)
+{
+    const struct orl_world *world = footing->world;
+    struct march m = {footing, frame, direction, footing->facet, footing->normal, footing->point};
+    struct march before = m; /* on the facet before */
+    struct orl_line edge = {{0, 0}, 0}, next;
+    double at = 0, crossed = 0;
+    for (int i = 0; i < MOST_FACETS; i++) {
+        const bool flat = is_flat(world, m.facet);
+        double exit = orl_outline_exit(world, m.facet, frame, footing->point, direction, at, &next);
+        /* Every outline closes: where nothing is left to be crossed, the edge is where we stand. */
+        if (flat && !isfinite(exit))
+            exit = at;
+        /* A facet that bends away before its far end is left out from its near end on. */
+        if (i > 0 && !fits(&m, point_at(&m, fmin(exit, spoke->length))))
+            break;
+        if (exit >= spoke->length)
+            return;
+        crossed = exit;
+        edge = next;
+        before = m;
+        if (!flat || !step_over(&m, exit))
+            break;
+        at = exit + 0.5 * hair * world->geometry->facets[m.facet].offset;
+    }
+    stop_at_edge(&before, crossed, &edge, spoke);
+}
+
+/* ---- The star -------------------------------------------------------------------------------- */
+
+static void spread(const struct orl_footing *footing, const struct orl_frame *frame, double radius,
+                   struct spoke spokes[SECTORS], double *ret_clear)
+{
+    double heights[2];
+    heights_of(footing, radius, heights);
+    *ret_clear = radius;
+    for (int i = 0; i < SECTORS; i++) {
+        const double *direction = orl_footprint_azimuths[i];
+        /* Longer than the radius, so that a line which only just cuts the disc between two rays is
+         * met by them. */
+        spokes[i] = (struct spoke){.length = radius / cos(ORL_PI / SECTORS)};
+        stop_at_walls(footing, frame, heights, direction, &spokes[i]);
+        if (spokes[i].ended)
+            *ret_clear = fmin(*ret_clear, cos(ORL_PI / SECTORS) * spokes[i].length);
+        stop_at_edges(footing, frame, direction, &spokes[i]);
+    }
+}
+
+/* Whether a spoke ends on the line, or where it is beyond the radius. */
+static bool keeps_to(const struct spoke *spoke, const struct orl_line *line, double radius, int at)
+{
+    const double *direction = orl_footprint_azimuths[at % SECTORS];
+    const double slope = line->normal[0] * direction[0] + line->normal[1] * direction[1];
+    const double there = slope > 0 ? line->offset / slope : INFINITY;
+    if (!spoke->ended)
+        return there >= radius;
+    return fabs(there - spoke->length) <= 1e-4 * spoke->length;
+}
+
+static struct orl_wedge wedge_between(const struct spoke *a, const struct spoke *b, double radius,
+                                      int at)
+{
+    struct orl_wedge wedge = {.radius = radius};
+    const struct spoke *const both[2] = {a, b};
+    if (!a->ended && !b->ended)
+        return wedge;
+    for (int i = 0; i < 2; i++) {
+        const struct orl_line *line = &both[i]->line;
+        if (both[i]->ended && (line->normal[0] != 0 || line->normal[1] != 0) &&
+            keeps_to(both[1 - i], line, radius, at + 1 - i)) {
+            wedge.border = *line;
+            return wedge;
+        }
+    }
+    /* Within the straight line through either end, wherever it turns. */
+    wedge.radius = fmin(radius, cos(2 * ORL_PI / SECTORS) * fmin(a->length, b->length));
+    return wedge;
+}
+
+void orl_footprint_make(const struct orl_footing *footing, double radius,
+                        struct orl_footprint *ret_footprint)
+{
+    struct spoke spokes[SECTORS];
+    ret_footprint->frame = frame_of(footing);
+    spread(footing, &ret_footprint->frame, radius, spokes, &ret_footprint->clear);
+    for (int i = 0; i < SECTORS; i++)
+        ret_footprint->wedges[i] = wedge_between(&spokes[i], &spokes[(i + 1) % SECTORS], radius, i);
+}
+
+/* By comparisons, for it is asked once a photon: each octant has four sectors. */
+static int sector_of(double x, double y)
+{
+    static const double tangents[3] = {0.1989123673796580, 0.4142135623730950, 0.6681786379192989};
+    const double a = fabs(x), b = fabs(y), low = fmin(a, b), high = fmax(a, b);
+    int sector = 0;
+    for (int i = 0; i < 3; i++)
+        sector += low >= tangents[i] * high;
+    if (b > a)
+        sector = SECTORS / 4 - 1 - sector;
+    if (x < 0)
+        sector = SECTORS / 2 - 1 - sector;
+    return y < 0 ? SECTORS - 1 - sector : sector;
+}
+
+bool orl_footprint_holds(const struct orl_footprint *footprint, struct orl_vec3 chord)
+{
+    const double x = orl_dot(chord, footprint->frame.u), y = orl_dot(chord, footprint->frame.v);
+    const double flat2 = x * x + y * y, length2 = orl_dot(chord, chord);
+    if (!(flat2 > 0))
+        return true;
+    const struct orl_wedge *wedge = &footprint->wedges[sector_of(x, y)];
+    const double beyond = wedge->border.normal[0] * x + wedge->border.normal[1] * y;
+    return length2 <= wedge->radius * wedge->radius &&
+           (!(beyond > 0) || beyond * sqrt(length2) <= wedge->border.offset * sqrt(flat2));
+}
+
+/* Twice the area before a straight line between two azimuths, counted from its normal. */
+static double before_line(double offset, double from, double to)
+{
+    return offset * offset * (tan(to) - tan(from));
+}
+
+static double wedge_area(const struct orl_wedge *wedge, double radius, int at)
+{
+    const struct orl_line *line = &wedge->border;
+    const double width = 2 * ORL_PI / SECTORS, r = fmin(radius, wedge->radius);
+    if ((line->normal[0] == 0 && line->normal[1] == 0) || line->offset >= r)
+        return 0.5 * width * r * r;
+    /* Within `half` of its normal the line is nearer than the circle. */
+    const double half = acos(line->offset / r);
+    const double normal = atan2(line->normal[1], line->normal[0]);
+    const double start = remainder(at * width - normal, 2 * ORL_PI);
+    const double from = fmin(fmax(start, -half), half), to = fmin(fmax(start + width, -half), half);
+    return 0.5 * (before_line(line->offset, from, to) + (width - (to - from)) * r * r);
+}
+
+double orl_footprint_area(const struct orl_footprint *footprint, double radius)
+{
+    double area = 0;
+    for (int i = 0; i < SECTORS; i++)
+        area += wedge_area(&footprint->wedges[i], radius, i);
+    return area;
+}

@@ -1,0 +1,148 @@
+#include "photon/surface/outline.h"
+
+/*
+ * Curved facets end for us where their normal has turned this far: sheets (sheet.h) end at 30
+ * degrees. On spheres a chord is as good as an arc (equal areas); about tubes an arc of 20 degrees
+ * is 0.5 % longer than its chord.
+ */
+static const double sine_14 = 0.2419218956, sine_20 = 0.3420201433;
+
+static struct orl_vec3 corner(const struct orl_world *world, const struct orl_surface *surface,
+                              uint32_t i)
+{
+    return orl_sub(surface->vertices[i], world->geometry->center);
+}
+
+static const struct orl_surface *surface_of(const struct orl_world *world, uint32_t facet)
+{
+    return &world->scene->description.surfaces[world->geometry->facets[facet].surface];
+}
+
+/* The line through a and b of the tangent plane, its normal away from the origin. */
+static struct orl_line line_through(const double a[2], const double b[2])
+{
+    const double x = b[1] - a[1], y = a[0] - b[0], length = sqrt(x * x + y * y);
+    struct orl_line line = {{0, 0}, 0};
+    if (!(length > 0))
+        return line;
+    const double offset = (x * a[0] + y * a[1]) / length, sign = offset < 0 ? -1 : 1;
+    line.normal[0] = sign * x / length;
+    line.normal[1] = sign * y / length;
+    line.offset = sign * offset;
+    return line;
+}
+
+static double polygon_exit(const struct orl_world *world, const struct orl_surface *surface,
+                           const struct orl_frame *frame, struct orl_vec3 origin,
+                           const double direction[2], double from, struct orl_line *ret_line)
+{
+    double best = INFINITY, a[2], beside_a = 0;
+    for (uint32_t i = 0; i <= surface->n_vertices; i++) {
+        const uint32_t at = i < surface->n_vertices ? i : 0;
+        const struct orl_vec3 way = orl_sub(corner(world, surface, at), origin);
+        const double b[2] = {orl_dot(way, frame->u), orl_dot(way, frame->v)};
+        const double beside_b = direction[0] * b[1] - direction[1] * b[0];
+        if (i > 0 && (beside_a > 0) != (beside_b > 0)) {
+            const double share = beside_a / (beside_a - beside_b);
+            const double x = a[0] + share * (b[0] - a[0]), y = a[1] + share * (b[1] - a[1]);
+            const double length = direction[0] * x + direction[1] * y;
+            if (length > from && length < best) {
+                best = length;
+                *ret_line = line_through(a, b);
+            }
+        }
+        a[0] = b[0];
+        a[1] = b[1];
+        beside_a = beside_b;
+    }
+    return best;
+}
+
+static double ring_exit(const struct orl_facet *f, const struct orl_frame *frame,
+                        struct orl_vec3 origin, const double direction[2], double from)
+{
+    const struct orl_vec3 way = orl_sub(f->center[0], origin);
+    const double x = orl_dot(way, frame->u), y = orl_dot(way, frame->v);
+    const double along = direction[0] * x + direction[1] * y;
+    double best = INFINITY;
+    for (int i = 0; i < 2; i++) {
+        const double root2 = along * along - x * x - y * y + f->radius[i] * f->radius[i];
+        for (int sign = -1; sign <= 1 && root2 >= 0; sign += 2) {
+            const double length = along + sign * sqrt(root2);
+            if (length > from && length < best)
+                best = length;
+        }
+    }
+    return best;
+}
+
+/* Cylinders and cones: as far as the ends along the axis, and 20 degrees around it. */
+static double tube_exit(const struct orl_facet *f, const struct orl_frame *frame,
+                        struct orl_vec3 origin, const double direction[2])
+{
+    const struct orl_vec3 whole = orl_sub(f->center[1], f->center[0]);
+    const double length = orl_length(whole);
+    const struct orl_vec3 axis = orl_scale(whole, 1 / length);
+    const struct orl_vec3 way =
+        orl_add(orl_scale(frame->u, direction[0]), orl_scale(frame->v, direction[1]));
+    const double z = orl_dot(orl_sub(origin, f->center[0]), axis), climb = orl_dot(way, axis);
+    const double around = orl_dot(way, orl_normalize(orl_cross(axis, frame->n)));
+    const double radius = f->radius[0] + (f->radius[1] - f->radius[0]) * z / length;
+    double best = INFINITY;
+    if (around != 0)
+        best = fabs(radius * sine_20 / around);
+    if (fabs(climb) > 1e-9)
+        best = fmin(best, fmax((climb > 0 ? length - z : -z) / climb, 0));
+    return best;
+}
+
+double orl_outline_exit(const struct orl_world *world, uint32_t facet,
+                        const struct orl_frame *frame, struct orl_vec3 origin,
+                        const double direction[2], double from, struct orl_line *ret_line)
+{
+    const struct orl_facet *f = &world->geometry->facets[facet];
+    *ret_line = (struct orl_line){{0, 0}, 0};
+    switch (f->kind) {
+    case ORL_SURFACE_POLYGON:
+        return polygon_exit(world, surface_of(world, facet), frame, origin, direction, from,
+                            ret_line);
+    case ORL_SURFACE_RING:
+        return ring_exit(f, frame, origin, direction, from);
+    case ORL_SURFACE_SPHERE:
+    case ORL_SURFACE_BUBBLE:
+        return 2 * sine_14 * f->radius[0];
+    default:
+        return tube_exit(f, frame, origin, direction);
+    }
+}
+
+static double distance2_to_edge(struct orl_vec3 point, struct orl_vec3 a, struct orl_vec3 b)
+{
+    const struct orl_vec3 edge = orl_sub(b, a), way = orl_sub(point, a);
+    const double length2 = orl_dot(edge, edge);
+    const double share = length2 > 0 ? fmin(fmax(orl_dot(way, edge) / length2, 0), 1) : 0;
+    const struct orl_vec3 off = orl_madd(way, edge, -share);
+    return orl_dot(off, off);
+}
+
+double orl_outline_clearance(const struct orl_world *world, uint32_t facet, struct orl_vec3 point)
+{
+    const struct orl_facet *f = &world->geometry->facets[facet];
+    if (f->kind == ORL_SURFACE_SPHERE || f->kind == ORL_SURFACE_BUBBLE)
+        return 2 * sine_14 * f->radius[0];
+    if (f->kind == ORL_SURFACE_RING) {
+        const double at = orl_length(orl_sub(point, f->center[0]));
+        return fmax(fmin(f->radius[1] - at, f->radius[0] > 0 ? at - f->radius[0] : INFINITY), 0);
+    }
+    if (f->kind != ORL_SURFACE_POLYGON)
+        return 0;
+    const struct orl_surface *surface = surface_of(world, facet);
+    struct orl_vec3 last = corner(world, surface, surface->n_vertices - 1);
+    double best = INFINITY;
+    for (uint32_t i = 0; i < surface->n_vertices; i++) {
+        const struct orl_vec3 next = corner(world, surface, i);
+        best = fmin(best, distance2_to_edge(point, last, next));
+        last = next;
+    }
+    return sqrt(best);
+}

@@ -1,0 +1,61 @@
+#include "photon/surface/plane.h"
+
+#include <stdlib.h>
+
+static struct orl_vec3 vertex_of(const struct orl_triangle *t, int i)
+{
+    return i == 0 ? t->a : i == 1 ? t->b : t->c;
+}
+
+static void lay_out(struct orl_planes *planes, uint32_t facet)
+{
+    const struct orl_geometry *g = planes->geometry;
+    const struct orl_facet *f = &g->facets[facet];
+    struct orl_plane *plane = &planes->planes[facet];
+    double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
+    *plane = (struct orl_plane){.frame = orl_frame_about(f->normal),
+                                .first = f->first_triangle,
+                                .triangles = f->n_triangles};
+    planes->has[facet] = f->n_triangles > 0 && f->area > 0;
+    if (!planes->has[facet])
+        return;
+    for (uint32_t i = 0; i < 3 * f->n_triangles; i++) {
+        const struct orl_vec3 a = vertex_of(&g->triangles[f->first_triangle + i / 3], (int)(i % 3));
+        const double x = orl_dot(a, plane->frame.u), y = orl_dot(a, plane->frame.v);
+        low[0] = fmin(low[0], x);
+        low[1] = fmin(low[1], y);
+        high[0] = fmax(high[0], x);
+        high[1] = fmax(high[1], y);
+    }
+    plane->wide = high[0] - low[0];
+    plane->high = high[1] - low[1];
+    const double level = orl_dot(g->triangles[f->first_triangle].a, f->normal);
+    plane->origin =
+        orl_add(orl_scale(f->normal, level),
+                orl_add(orl_scale(plane->frame.u, low[0]), orl_scale(plane->frame.v, low[1])));
+    for (uint32_t i = 0; i < f->n_triangles; i++)
+        for (int k = 0; k < 3; k++)
+            planes->flats[f->first_triangle + i].corners[k] =
+                orl_plane_corner(plane, vertex_of(&g->triangles[f->first_triangle + i], k));
+}
+
+bool orl_planes_init(struct orl_planes *planes, const struct orl_geometry *geometry)
+{
+    *planes =
+        (struct orl_planes){.geometry = geometry,
+                            .planes = malloc((geometry->n_facets + 1) * sizeof *planes->planes),
+                            .flats = malloc((geometry->n_triangles + 1) * sizeof *planes->flats),
+                            .has = calloc(geometry->n_facets + 1, sizeof *planes->has)};
+    if (!planes->planes || !planes->flats || !planes->has)
+        return false;
+    for (size_t i = 0; i < geometry->n_facets; i++)
+        lay_out(planes, (uint32_t)i);
+    return true;
+}
+
+void orl_planes_done(struct orl_planes *planes)
+{
+    free(planes->planes);
+    free(planes->flats);
+    free(planes->has);
+}

@@ -1,0 +1,62 @@
+/*
+ * Flat facets in planes of their own: two coordinates, x along the frame's u and y along v, from
+ * the least of each on; and their triangles there.
+ *
+ * Threads: constant once laid out, but for `has`, which whoever laid them out may take back.
+ */
+#ifndef ORL_PHOTON_SURFACE_PLANE_H
+#define ORL_PHOTON_SURFACE_PLANE_H
+
+#include "scene/geometry/geometry.h"
+
+struct orl_corner {
+    double x, y;
+};
+struct orl_flat {
+    struct orl_corner corners[3];
+};
+
+/* A facet's plane. */
+struct orl_plane {
+    struct orl_frame frame;
+    struct orl_vec3 origin; /* the least x and y of the facet */
+    double wide, high;
+    uint32_t first, triangles; /* among the flats */
+};
+
+/* The planes of all facets. */
+struct orl_planes {
+    const struct orl_geometry *geometry; /* borrowed */
+    struct orl_plane *planes;            /* per facet */
+    struct orl_flat *flats;              /* per triangle, in its facet's plane */
+    bool *has;                           /* per facet: it is flat, and not given up */
+};
+
+/* False when out of memory; to be let go either way. */
+bool orl_planes_init(struct orl_planes *planes, const struct orl_geometry *geometry);
+void orl_planes_done(struct orl_planes *planes);
+
+/* Where in the plane a point lies. */
+static inline struct orl_corner orl_plane_corner(const struct orl_plane *plane,
+                                                 struct orl_vec3 point)
+{
+    const struct orl_vec3 way = orl_sub(point, plane->origin);
+    return (struct orl_corner){orl_dot(way, plane->frame.u), orl_dot(way, plane->frame.v)};
+}
+
+/* Twice the signed area of a triangle of three corners. */
+static inline double orl_corner_turn(struct orl_corner a, struct orl_corner b, struct orl_corner c)
+{
+    return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
+}
+
+/* Whether a triangle holds a point of its plane; those on its sides belong to it. */
+static inline bool orl_flat_holds(const struct orl_flat *t, struct orl_corner p)
+{
+    const double a = orl_corner_turn(t->corners[0], t->corners[1], p);
+    const double b = orl_corner_turn(t->corners[1], t->corners[2], p);
+    const double c = orl_corner_turn(t->corners[2], t->corners[0], p);
+    return (a >= 0 && b >= 0 && c >= 0) || (a <= 0 && b <= 0 && c <= 0);
+}
+
+#endif

@@ -1,0 +1,118 @@
+#include "photon/surface/sides.h"
+
+enum { SECTORS = ORL_FOOTPRINT_SECTORS };
+
+static bool has_border(const struct orl_wedge *wedge)
+{
+    return wedge->border.normal[0] != 0 || wedge->border.normal[1] != 0;
+}
+
+/* A spot in the tangent plane. */
+struct flat {
+    const struct orl_spot *spot;
+    const struct orl_frame *frame;
+    double x, y, distance;
+};
+
+/* How far a spot reaches over a line, at least and at most: its disc does, or its box. */
+static void over_line(const struct flat *flat, const struct orl_line *line, double *ret_least,
+                      double *ret_most)
+{
+    const struct orl_spot *p = flat->spot;
+    const struct orl_frame *f = flat->frame;
+    const double *n = line->normal;
+    const double over = n[0] * flat->x + n[1] * flat->y, x = n[0] * f->u.x + n[1] * f->v.x,
+                 y = n[0] * f->u.y + n[1] * f->v.y, z = n[0] * f->u.z + n[1] * f->v.z;
+    const double most = x * (x > 0 ? p->high.x : p->low.x) + y * (y > 0 ? p->high.y : p->low.y) +
+                        z * (z > 0 ? p->high.z : p->low.z);
+    const double least = x * (x > 0 ? p->low.x : p->high.x) + y * (y > 0 ? p->low.y : p->high.y) +
+                         z * (z > 0 ? p->low.z : p->high.z);
+    *ret_least = fmax(over - p->reach, least) - line->offset;
+    *ret_most = fmin(over + p->reach, most) - line->offset;
+}
+
+static enum orl_side side_of(const struct flat *flat, const struct orl_wedge *wedge)
+{
+    const double reach = flat->spot->reach, rounding = flat->spot->rounding;
+    double least = -INFINITY, most = -INFINITY;
+    if (has_border(wedge))
+        over_line(flat, &wedge->border, &least, &most);
+    if (flat->distance - reach >= wedge->radius || least > rounding)
+        return ORL_SIDE_BEYOND;
+    return flat->distance + reach <= wedge->radius && most <= rounding ? ORL_SIDE_WITHIN
+                                                                       : ORL_SIDE_BOTH;
+}
+
+enum orl_side orl_footprint_side(const struct orl_footprint *footprint, const struct orl_spot *spot)
+{
+    static const double width = 2 * ORL_PI / SECTORS;
+    const double x = orl_dot(spot->middle, footprint->frame.u);
+    const double y = orl_dot(spot->middle, footprint->frame.v);
+    const struct flat flat = {spot, &footprint->frame, x, y, sqrt(x * x + y * y)};
+    int first = 0, count = SECTORS;
+    if (flat.distance > 2 * spot->reach) {
+        /* An arc sine is less than 1.05 of its sine up to a half. */
+        const double at = atan2(y, x), half = 1.05 * spot->reach / flat.distance;
+        first = (int)floor((at - half) / width);
+        count = (int)floor((at + half) / width) - first + 1;
+    }
+    const enum orl_side side = side_of(&flat, &footprint->wedges[(unsigned)first % SECTORS]);
+    for (int i = 1; i < count && side != ORL_SIDE_BOTH; i++)
+        if (side_of(&flat, &footprint->wedges[(unsigned)(first + i) % SECTORS]) != side)
+            return ORL_SIDE_BOTH;
+    return side;
+}
+
+/* The radius within which no sector ends. */
+static double inner_radius(const struct orl_footprint *footprint)
+{
+    double inner = INFINITY;
+    for (int i = 0; i < SECTORS; i++) {
+        const struct orl_wedge *wedge = &footprint->wedges[i];
+        inner = fmin(inner,
+                     has_border(wedge) ? fmin(wedge->radius, wedge->border.offset) : wedge->radius);
+    }
+    return inner;
+}
+
+/* Whether it is one of the lines already, which then keeps to the nearer side. */
+static bool is_known(struct orl_bound *bound, struct orl_vec3 normal, double offset)
+{
+    for (uint32_t i = 0; i < bound->n_lines; i++) {
+        if (!(orl_dot(normal, bound->normals[i]) > 1 - 1e-12) ||
+            !(fabs(offset - bound->offsets[i]) <= 1e-6 * bound->radius))
+            continue;
+        bound->offsets[i] = fmin(bound->offsets[i], offset);
+        return true;
+    }
+    return false;
+}
+
+struct orl_bound orl_footprint_bound(const struct orl_footprint *footprint)
+{
+    const struct orl_frame *frame = &footprint->frame;
+    struct orl_bound bound = {.radius = INFINITY};
+    for (int i = 0; i < SECTORS; i++)
+        bound.radius = fmin(bound.radius, footprint->wedges[i].radius);
+    for (int i = 0; i < SECTORS; i++) {
+        const struct orl_line *line = &footprint->wedges[i].border;
+        const struct orl_vec3 normal =
+            orl_add(orl_scale(frame->u, line->normal[0]), orl_scale(frame->v, line->normal[1]));
+        if (!has_border(&footprint->wedges[i]) || is_known(&bound, normal, line->offset))
+            continue;
+        if (bound.n_lines == ORL_BOUND_LINES)
+            return (struct orl_bound){.radius = inner_radius(footprint)};
+        bound.normals[bound.n_lines] = normal;
+        bound.offsets[bound.n_lines++] = line->offset;
+    }
+    return bound;
+}
+
+double orl_footprint_even(const struct orl_footprint *footprint, double disc)
+{
+    const double area = ORL_PI * disc * disc;
+    double radius = disc;
+    for (int i = 0; i < 3; i++)
+        radius *= sqrt(area / fmax(orl_footprint_area(footprint, radius), 0.05 * area));
+    return radius;
+}

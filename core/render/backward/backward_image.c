@@ -1,0 +1,132 @@
+/* Views by the backward technique: every pixel the mean of a number of rays through it. */
+#include "render/backward/backward.h"
+#include "render/film/error_map.h"
+#include "render/image/shade.h"
+
+enum { LAMPS_A_RAY = 8, PANE_SAMPLES = 4, GLOSS_SAMPLES = 2 };
+static const struct orl_effort at_surfaces = {{1, 2, 1}};
+static const double dimmest = 0.1; /* branches below this share of a ray are followed by lot */
+
+struct painter {
+    const struct orl_backward *backward;
+    const struct orl_painting *painting;
+    struct orl_effort effort;
+    uint32_t samples;
+    bool outside;
+};
+
+/* A lobe's ray has its own numbers: those of the look go on with it. */
+static struct orl_rgb lobe_radiance(const void *ctx, struct orl_vec3 origin,
+                                    struct orl_vec3 direction, bool outside,
+                                    struct orl_chance chance, struct orl_random *random,
+                                    struct orl_search *search)
+{
+    const uint64_t name = orl_random_bits(random);
+    struct orl_tracer tracer = {.backward = ctx,
+                                .group = (uint32_t)(name % ORL_MAP_BATCHES),
+                                .random = {name},
+                                .health = &search->health};
+    return orl_health_keep(&search->health,
+                           orl_backward_radiance(&tracer, origin, direction, outside, chance));
+}
+
+/* The light of all diffuse surfaces that a ray came to. */
+static struct orl_rgb lit_surfaces(const struct orl_sight *sight, struct orl_sampling sampling,
+                                   struct orl_tracer *tracer)
+{
+    struct orl_rgb sum = orl_gray(0);
+    for (uint32_t v = 0; v < sight->n_vertices; v++) {
+        const struct orl_vertex *vertex = &sight->vertices[v];
+        const struct orl_rgb light = orl_backward_light(tracer, &vertex->place, &sampling);
+        sum = orl_rgb_add(sum, orl_health_keep(tracer->health, orl_rgb_mul(vertex->weight, light)));
+        sampling.sequence += 0x632be59bU;
+    }
+    return sum;
+}
+
+static struct orl_rgb ray_radiance(const struct painter *p, const struct orl_onlooker *onlooker,
+                                   const double place[2], struct orl_sampling sampling,
+                                   struct orl_tracer *tracer, struct orl_search *search)
+{
+    struct orl_vec3 origin, direction;
+    struct orl_sight sight;
+    if (!orl_paint_ray(p->painting, place[0], place[1], &origin, &direction))
+        return orl_gray(0);
+    orl_shade_look(onlooker, origin, direction, p->outside, true, &tracer->random, search, &sight);
+    return orl_rgb_add(orl_health_keep(tracer->health, orl_rgb_add(sight.rest, sight.lobes)),
+                       lit_surfaces(&sight, sampling, tracer));
+}
+
+/* Sums of groups of samples, and how many each has. */
+struct groups {
+    double sums[ORL_MAP_BATCHES];
+    uint32_t counts[ORL_MAP_BATCHES];
+};
+
+/* Standard error of the mean of all, by how far the groups' means lie apart. */
+static double error_of(const struct groups *groups, uint32_t n, double mean)
+{
+    double square = 0;
+    for (uint32_t g = 0; g < n; g++) {
+        const double off = groups->sums[g] / groups->counts[g] - mean;
+        square += off * off;
+    }
+    return n > 1 ? sqrt(square / ((double)n * (n - 1))) : NAN;
+}
+
+static struct orl_pixel compute_pixel(void *ctx, uint32_t x, uint32_t y, struct orl_search *search)
+{
+    const struct painter *p = ctx;
+    const struct orl_backward *b = p->backward;
+    const uint64_t index = p->painting->env->index;
+    const uint64_t pixel = (uint64_t)y * p->painting->film->width + x;
+    const uint64_t name = orl_mix64(b->seed * 5 + index * 7 + orl_mix64(pixel));
+    const struct orl_onlooker onlooker = {.world = b->world,
+                                          .sobol = &b->sobol,
+                                          .pane_samples = PANE_SAMPLES,
+                                          .gloss_samples = GLOSS_SAMPLES,
+                                          .dimmest = dimmest,
+                                          .by_lot = true,
+                                          .radiance = lobe_radiance,
+                                          .ctx = b};
+    struct orl_sampling sampling = {
+        .sequence = (uint32_t)(name >> 8) + 1, .effort = p->effort, .lamps = LAMPS_A_RAY};
+    const uint32_t n_groups = p->samples < ORL_MAP_BATCHES ? p->samples : ORL_MAP_BATCHES;
+    struct groups groups = {.sums = {0}};
+    struct orl_rgb sum = orl_gray(0);
+    for (uint32_t i = 0; i < p->samples && !orl_paint_cancelled(p->painting->env); i++) {
+        const uint32_t group = (uint32_t)((uint64_t)i * n_groups / p->samples);
+        struct orl_tracer tracer = {
+            .backward = b,
+            .group = (uint32_t)((name + group) % ORL_MAP_BATCHES),
+            .random = orl_random_stream(b->seed + index, ORL_PURPOSE_PIXEL, (pixel << 24) + i),
+            .health = &search->health};
+        double u[2];
+        orl_sobol_point(&b->sobol, i, (uint32_t)(name >> 8), 2, u);
+        sampling.index = i;
+        const double place[2] = {x + u[0], y + u[1]};
+        const struct orl_rgb c = ray_radiance(p, &onlooker, place, sampling, &tracer, search);
+        sum = orl_rgb_add(sum, c);
+        groups.sums[group] += orl_luma(c);
+        groups.counts[group]++;
+    }
+    const struct orl_rgb mean = orl_rgb_scale(sum, 1.0 / p->samples);
+    return (struct orl_pixel){mean, error_of(&groups, n_groups, orl_luma(mean))};
+}
+
+int orl_backward_render(const struct orl_backward *backward, const struct orl_painting *painting,
+                        uint32_t samples, struct orl_error *err)
+{
+    const struct orl_vec3 eye = orl_sub(painting->view->point, painting->geometry->center);
+    struct painter painter = {.backward = backward,
+                              .painting = painting,
+                              .effort = orl_aim_effort(&backward->aim, at_surfaces),
+                              .samples = samples,
+                              .outside = orl_world_is_outside(backward->world, eye)};
+    const int code = orl_paint(painting, compute_pixel, &painter, 0);
+    if (code < 0)
+        return orl_error_set(err, code, "cancelled while rendering a view");
+    if (orl_film_smooth_errors(painting->film) < 0)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory rendering a view");
+    return 0;
+}

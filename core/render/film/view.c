@@ -1,0 +1,245 @@
+#include "render/film/view.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <oriel/limits.h>
+
+/* One word of the options, NUL-terminated in word; returns where the next begins, NULL at the end.
+ */
+static const char *next_word(const char *text, char *word, size_t size)
+{
+    size_t length;
+    text += strspn(text, " \t\r\n");
+    length = strcspn(text, " \t\r\n");
+    if (length == 0)
+        return NULL;
+    if (length >= size)
+        length = size - 1;
+    memcpy(word, text, length);
+    word[length] = '\0';
+    return text + length;
+}
+
+static const char *parse_numbers(const char *text, const char *option, double *values, int count,
+                                 struct orl_error *err)
+{
+    char word[64], *end;
+    for (int i = 0; i < count; i++) {
+        text = next_word(text, word, sizeof word);
+        if (!text) {
+            orl_error_set(err, ORL_ERR_SYNTAX, "view option %s needs %d numbers", option, count);
+            return NULL;
+        }
+        values[i] = strtod(word, &end);
+        /* A word that fills the buffer was cut, and its number may be another. */
+        if (strlen(word) == sizeof word - 1 || *end != '\0' || !isfinite(values[i])) {
+            orl_error_set(err, ORL_ERR_SYNTAX, "view option %s: '%s' is not a finite number",
+                          option, word);
+            return NULL;
+        }
+    }
+    return text;
+}
+
+static int set_type(struct orl_view *view, const char *word, struct orl_error *err)
+{
+    const char type = word[3];
+    if (type == '\0' || word[4] != '\0' || !strchr("vlah", type)) {
+        orl_error_set(err, strchr("sc", type ? type : '?') ? ORL_ERR_UNSUPPORTED : ORL_ERR_SYNTAX,
+                      "view type '%s' is not known here", word);
+        orl_error_hint(err, "use -vtv, -vtl, -vta or -vth");
+        return err ? err->code : ORL_ERR_SYNTAX;
+    }
+    view->type = type;
+    return 0;
+}
+
+/* What no picture needs, and rays could not be computed from. */
+static int check_sizes(const struct orl_view *view, struct orl_error *err)
+{
+    const double widest = view->type == 'v'   ? 180.0
+                          : view->type == 'h' ? 180.0001
+                          : view->type == 'a' ? 360.0001
+                                              : 1e9;
+    const double narrowest = 1e-9, farthest = 1e12, most_shift = 1e6;
+    const double h = view->horizontal, v = view->vertical;
+    if (!(h > narrowest && h < widest && v > narrowest && v < widest))
+        return orl_error_set(err, ORL_ERR_RANGE,
+                             "view size -vh %g -vv %g is out of range for type %c", h, v,
+                             view->type);
+    if (fabs(view->shift) > most_shift || fabs(view->lift) > most_shift)
+        return orl_error_set(err, ORL_ERR_RANGE, "view shift -vs %g or lift -vl %g is too large",
+                             view->shift, view->lift);
+    if (!(orl_length(view->point) < farthest) || !(view->fore < farthest))
+        return orl_error_set(err, ORL_ERR_RANGE, "the view point -vp or clipping -vo is too far");
+    return 0;
+}
+
+/* The image axes from direction, up and the angles; the checks Radiance makes too. */
+static int set_up(struct orl_view *view, struct orl_error *err)
+{
+    double h = view->horizontal, v = view->vertical;
+    struct orl_vec3 right, above;
+    /* Squares that overflow or fade out would leave no unit vector. */
+    if (!isnormal(orl_dot(view->direction, view->direction)))
+        return orl_error_set(err, ORL_ERR_RANGE, "the view direction -vd has no usable length");
+    if (!isnormal(orl_dot(view->up, view->up)))
+        return orl_error_set(err, ORL_ERR_RANGE, "the up vector -vu has no usable length");
+    view->direction = orl_normalize(view->direction);
+    right = orl_cross(view->direction, orl_normalize(view->up));
+    if (!(orl_length(right) > 1e-9))
+        return orl_error_set(err, ORL_ERR_RANGE,
+                             "the view direction -vd and the up vector -vu are parallel");
+    const int code = check_sizes(view, err);
+    if (code < 0)
+        return code;
+    if (view->fore < 0 || (view->aft > 0 && view->aft <= view->fore))
+        return orl_error_set(err, ORL_ERR_RANGE, "view clipping -vo and -va make no sense");
+    right = orl_normalize(right);
+    above = orl_cross(right, view->direction);
+    if (view->type == 'v') {
+        h = 2.0 * tan(0.5 * h * ORL_DEG_TO_RAD);
+        v = 2.0 * tan(0.5 * v * ORL_DEG_TO_RAD);
+    } else if (view->type == 'h') {
+        h = 2.0 * sin(0.5 * h * ORL_DEG_TO_RAD);
+        v = 2.0 * sin(0.5 * v * ORL_DEG_TO_RAD);
+    } else if (view->type == 'a') {
+        h = v = 1.0;
+    }
+    view->h = orl_scale(right, h);
+    view->v = orl_scale(above, v);
+    return 0;
+}
+
+static const char *parse_option(const char *word, const char *text, struct orl_view *view,
+                                struct orl_error *err)
+{
+    double n[3] = {0, 0, 0};
+    static const char options[] = "pduhvslao";
+    const char option = word[0] == '-' && word[1] == 'v' && word[2] && !word[3] ? word[2] : '?';
+    if (!strchr(options, option)) {
+        orl_error_set(err, ORL_ERR_SYNTAX, "'%s' is not a view option", word);
+        return NULL;
+    }
+    text = parse_numbers(text, word, n, strchr("pdu", option) ? 3 : 1, err);
+    switch (text ? option : 0) {
+    case 'p':
+        view->point = orl_v3(n[0], n[1], n[2]);
+        break;
+    case 'd':
+        view->direction = orl_v3(n[0], n[1], n[2]);
+        break;
+    case 'u':
+        view->up = orl_v3(n[0], n[1], n[2]);
+        break;
+    case 'h':
+        view->horizontal = n[0];
+        break;
+    case 'v':
+        view->vertical = n[0];
+        break;
+    case 's':
+        view->shift = n[0];
+        break;
+    case 'l':
+        view->lift = n[0];
+        break;
+    case 'o':
+        view->fore = n[0];
+        break;
+    case 'a':
+        view->aft = n[0];
+        break;
+    default:
+        break;
+    }
+    return text;
+}
+
+int orl_view_parse(const char *text, struct orl_view *ret_view, struct orl_error *err)
+{
+    struct orl_error local;
+    struct orl_view view = {
+        .type = 'v', .direction = {0, 1, 0}, .up = {0, 0, 1}, .horizontal = 45, .vertical = 45};
+    char word[64];
+    int code;
+    if (!err)
+        err = &local;
+    if (strncmp(text, "VIEW=", 5) == 0)
+        text += 5;
+    for (bool first = true; (text = next_word(text, word, sizeof word)) != NULL; first = false) {
+        if (first && (strcmp(word, "rpict") == 0 || strcmp(word, "rvu") == 0 ||
+                      strcmp(word, "rview") == 0 || strcmp(word, "VIEW=") == 0))
+            continue;
+        if (strncmp(word, "-vt", 3) == 0) {
+            code = set_type(&view, word, err);
+            if (code < 0)
+                return code;
+            continue;
+        }
+        text = parse_option(word, text, &view, err);
+        if (!text)
+            return err->code;
+    }
+    code = set_up(&view, err);
+    if (code == 0)
+        *ret_view = view;
+    return code;
+}
+
+bool orl_view_ray(const struct orl_view *view, double x, double y, struct orl_vec3 *ret_origin,
+                  struct orl_vec3 *ret_direction)
+{
+    struct orl_vec3 d = view->direction, o = view->point;
+    double along = 1.0;
+    x += view->shift - 0.5;
+    y += view->lift - 0.5;
+    if (view->type == 'l') {
+        o = orl_madd(orl_madd(o, view->h, x), view->v, y);
+        *ret_origin = orl_madd(o, d, view->fore);
+        *ret_direction = d;
+        return true;
+    }
+    if (view->type == 'h') {
+        const double z2 =
+            1.0 - x * x * orl_dot(view->h, view->h) - y * y * orl_dot(view->v, view->v);
+        if (z2 < 0)
+            return false;
+        along = sqrt(z2);
+    } else if (view->type == 'a') {
+        x *= view->horizontal / 180.0;
+        y *= view->vertical / 180.0;
+        const double radius = sqrt(x * x + y * y);
+        if (radius > 1.0)
+            return false;
+        along = cos(ORL_PI * radius);
+        const double s = radius > 1e-12 ? sin(ORL_PI * radius) / radius : ORL_PI;
+        x *= s;
+        y *= s;
+    }
+    const struct orl_vec3 way = orl_madd(orl_madd(orl_scale(d, along), view->h, x), view->v, y);
+    d = orl_normalize(way);
+    /* -vo is a plane's distance in perspective, a sphere's radius in a fisheye. */
+    *ret_origin = orl_madd(o, view->type == 'v' ? way : d, view->fore);
+    *ret_direction = d;
+    return true;
+}
+
+void orl_view_format(const struct orl_view *view, char *ret_text, unsigned long size)
+{
+    snprintf(ret_text, size,
+             "-vt%c -vp %.9g %.9g %.9g -vd %.9g %.9g %.9g -vu %.9g %.9g %.9g -vh %.9g -vv %.9g "
+             "-vo %.9g -va %.9g -vs %.9g -vl %.9g",
+             view->type, view->point.x, view->point.y, view->point.z, view->direction.x,
+             view->direction.y, view->direction.z, view->up.x, view->up.y, view->up.z,
+             view->horizontal, view->vertical, view->fore, view->aft, view->shift, view->lift);
+}
+
+double orl_view_pixel_aspect(const struct orl_view *view, unsigned width, unsigned height)
+{
+    const double h = view->type == 'a' ? view->horizontal : orl_length(view->h);
+    const double v = view->type == 'a' ? view->vertical : orl_length(view->v);
+    return (v / height) / (h / width);
+}

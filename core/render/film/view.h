@@ -1,0 +1,36 @@
+/*
+ * Views as Radiance defines them: -vt v (perspective), l (parallel), a (angular fisheye) and
+ * h (hemispherical fisheye), with -vp -vd -vu -vh -vv -vs -vl -vo -va.
+ *
+ * Image coordinates: x from the left, y from the bottom, both 0..1.
+ */
+#ifndef ORL_RENDER_FILM_VIEW_H
+#define ORL_RENDER_FILM_VIEW_H
+
+#include <stdbool.h>
+
+#include <oriel/error.h>
+#include <oriel/vec.h>
+
+struct orl_view {
+    char type;                            /* 'v', 'l', 'a' or 'h' */
+    struct orl_vec3 point, direction, up; /* direction is unit */
+    double horizontal, vertical;          /* degrees; scene units for 'l' */
+    double shift, lift, fore, aft;
+    struct orl_vec3 h, v; /* image axes, scaled to the image's extent for 'v', 'l' and 'h' */
+};
+
+/* Parses "-vtv -vp 0 0 0 ..."; a leading VIEW=, rpict, rvu or rview is passed over. */
+int orl_view_parse(const char *text, struct orl_view *ret_view, struct orl_error *err);
+
+/* The ray through (x, y), false where the view sees nothing. ret_direction is unit. */
+bool orl_view_ray(const struct orl_view *view, double x, double y, struct orl_vec3 *ret_origin,
+                  struct orl_vec3 *ret_direction);
+
+/* The whole view as options, for a VIEW= line: every parameter written out. */
+void orl_view_format(const struct orl_view *view, char *ret_text, unsigned long size);
+
+/* Pixel height over pixel width in an image of that size; 1 is square. */
+double orl_view_pixel_aspect(const struct orl_view *view, unsigned width, unsigned height);
+
+#endif

@@ -1,0 +1,400 @@
+#include "render/gather/air.h"
+
+#include <stdlib.h>
+
+#include "scene/material/hemisphere.h"
+
+enum { WIDTHS = 8, TASK = 8192, FIRST_ROUND = ORL_AIR_FEWEST, TASKS_A_ROUND = 64 };
+
+/* The widest disc: so many times a search among caustic photons, but no more than of the scene. */
+static const double wider = 4, widest_of_scene = 0.1;
+/* Where there is no search to go by: of the distance of what is about; and how far above a surface
+ * that the sensor may lie on, of that. */
+static const double widest_of_distance = 0.2, above = 1e-3;
+enum { LOOKS = 64 };
+
+/* Enough have flown by when almost all sensors have an error that is small beside that of the rest,
+ * or beside all of their light. */
+static const double beside_rest = 0.5, beside_light = 0.01, almost_all = 0.95;
+
+/* What differs by so many standard errors is no scatter. */
+static const double certain = 3.5;
+
+/* Light is felt at a sensor when it is so many of the standard errors that the sensor has with it.
+ */
+static const double felt = 2;
+
+/* What came through a ring of a disc: from the next narrower width to its own. */
+struct ring {
+    struct orl_rgb flux;
+    float luma[ORL_MAP_BATCHES], lamps; /* what of it is of lamps */
+};
+
+struct sensor {
+    struct orl_estimate rest;
+    uint32_t disc; /* or NONE */
+};
+
+#define NONE UINT32_MAX
+
+struct orl_air {
+    const struct orl_world *world;
+    const struct orl_gather *gather; /* or NULL: what paths would have to happen on */
+    size_t n_sensors;
+    struct sensor *sensors;
+    struct orl_disc *discs; /* per sensor; once gathered in, the first n_discs */
+    size_t n_discs;
+    struct ring (*rings)[WIDTHS];
+    uint64_t emitted, rays;
+    double flux, photons; /* that set out: luma, and how many */
+};
+
+/* ---- Discs ----------------------------------------------------------------------------------- */
+
+int orl_air_new(const struct orl_gather *gather, size_t sensors, struct orl_air **ret_air)
+{
+    *ret_air = NULL;
+    if (sensors == 0 || !gather->maps[ORL_MAP_CAUSTIC] || !orl_air_may_be_lit(gather->world))
+        return 0;
+    const int code = orl_air_by_chance(gather->world, sensors, ret_air);
+    if (code == 0)
+        (*ret_air)->gather = gather;
+    return code;
+}
+
+int orl_air_by_chance(const struct orl_world *world, size_t sensors, struct orl_air **ret_air)
+{
+    struct orl_air *air = calloc(1, sizeof *air);
+    *ret_air = NULL;
+    if (!air)
+        return ORL_ERR_NOMEM;
+    air->world = world;
+    air->n_sensors = sensors;
+    air->sensors = calloc(sensors, sizeof *air->sensors);
+    air->discs = calloc(sensors, sizeof *air->discs);
+    if (!air->sensors || !air->discs) {
+        orl_air_free(air);
+        return ORL_ERR_NOMEM;
+    }
+    *ret_air = air;
+    return 0;
+}
+
+void orl_air_free(struct orl_air *air)
+{
+    if (!air)
+        return;
+    free(air->sensors);
+    free(air->discs);
+    free(air->rings);
+    free(air);
+}
+
+/* How far away things are on the lit side: the median of what is met. */
+static double distance_about(const struct orl_geometry *g, const struct orl_place *place)
+{
+    double met[LOOKS];
+    int n = 0;
+    for (int i = 0; i < LOOKS; i++) {
+        const double u = (i + 0.5) / LOOKS, v = i * 0.6180339887498949;
+        const struct orl_vec3 out = orl_hemisphere_about(place->normal, u, v - floor(v));
+        struct orl_hit hit;
+        int at = n;
+        if (!orl_geometry_intersect(g, place->point, out, INFINITY, &hit))
+            continue;
+        for (; at > 0 && met[at - 1] > hit.distance; at--)
+            met[at] = met[at - 1];
+        met[at] = hit.distance;
+        n++;
+    }
+    return n > 0 ? met[n / 2] : INFINITY;
+}
+
+/* Less of it where something stands on its plane. */
+static void make_disc(const struct orl_air *air, const struct orl_place *place,
+                      struct orl_disc *ret_disc)
+{
+    const struct orl_geometry *g = air->world->geometry;
+    const double by_itself = air->gather ? wider * air->gather->max_radius[ORL_MAP_CAUSTIC]
+                                         : widest_of_distance * distance_about(g, place);
+    const double radius = fmin(by_itself, widest_of_scene * g->radius);
+    *ret_disc = (struct orl_disc){
+        .center = orl_madd(place->point, place->normal, air->gather ? 0 : above * radius),
+        .frame = orl_frame_about(place->normal),
+        .radius = radius};
+    for (int i = 0; i < ORL_DISC_SECTORS; i++) {
+        const double phi = 2 * ORL_PI * (i + 0.5) / ORL_DISC_SECTORS;
+        const struct orl_vec3 out =
+            orl_add(orl_scale(ret_disc->frame.u, cos(phi)), orl_scale(ret_disc->frame.v, sin(phi)));
+        struct orl_hit hit;
+        const bool ends = orl_geometry_intersect(g, ret_disc->center, out, radius, &hit);
+        const double reach = ends ? fmin(hit.distance, radius) : radius;
+        ret_disc->reach2[i] = (float)(reach * reach);
+    }
+}
+
+void orl_air_put(struct orl_air *air, size_t sensor, const struct orl_place *place,
+                 const struct orl_estimate *rest)
+{
+    air->sensors[sensor] = (struct sensor){.rest = *rest, .disc = NONE};
+    if (air->gather && !orl_gather_catches(air->gather, place))
+        return;
+    air->sensors[sensor].disc = (uint32_t)sensor;
+    make_disc(air, place, &air->discs[sensor]);
+}
+
+bool orl_air_is_needed(const struct orl_air *air)
+{
+    for (size_t i = 0; air && i < air->n_sensors; i++)
+        if (air->sensors[i].disc != NONE)
+            return true;
+    return false;
+}
+
+/* Those that there are, side by side. */
+static int gather_in(struct orl_air *air)
+{
+    air->n_discs = 0;
+    for (size_t i = 0; i < air->n_sensors; i++) {
+        if (air->sensors[i].disc == NONE)
+            continue;
+        air->discs[air->n_discs] = air->discs[i];
+        air->sensors[i].disc = (uint32_t)air->n_discs++;
+    }
+    air->rings = calloc(air->n_discs + 1, sizeof *air->rings);
+    return air->rings ? 0 : ORL_ERR_NOMEM;
+}
+
+/* ---- Photons --------------------------------------------------------------------------------- */
+
+struct round {
+    const struct orl_shoot_env *env;
+    uint64_t first, end;
+    struct orl_deposits deposits[TASKS_A_ROUND];
+};
+
+static void fly(void *arg, size_t index, uint32_t member)
+{
+    struct round *round = arg;
+    const uint64_t first = round->first + index * TASK;
+    const uint64_t end = first + TASK < round->end ? first + TASK : round->end;
+    (void)member;
+    for (uint64_t photon = first; photon < end && !orl_is_cancelled(round->env->cancel);)
+        photon += orl_shoot_some(round->env, ORL_MAP_CAUSTIC, photon, end - photon,
+                                 &round->deposits[index]);
+}
+
+/* Squared, as a share of the disc's: each holds twice the area of the one before. */
+static double width2(int width)
+{
+    return 1.0 / (1 << (WIDTHS - 1 - width));
+}
+
+static void count(struct orl_air *air, const struct orl_pass *pass)
+{
+    const double radius = air->discs[pass->disc].radius;
+    const struct orl_rgb flux = {(double)pass->flux[0], (double)pass->flux[1],
+                                 (double)pass->flux[2]};
+    int width = 0;
+    while (width < WIDTHS - 1 && (double)pass->distance2 >= width2(width) * radius * radius)
+        width++;
+    struct ring *ring = &air->rings[pass->disc][width];
+    ring->flux = orl_rgb_add(ring->flux, flux);
+    ring->luma[pass->batch] += (float)orl_luma(flux);
+    ring->lamps += pass->lamp ? (float)orl_luma(flux) : 0;
+}
+
+/* Task by task, in their order: sums are the same for any crew. */
+static int fly_round(struct orl_air *air, struct round *round, const struct orl_discs *discs,
+                     struct orl_health *health)
+{
+    const size_t tasks = (round->end - round->first + TASK - 1) / TASK;
+    int code = 0;
+    for (size_t i = 0; i < tasks; i++)
+        round->deposits[i] = (struct orl_deposits){.discs = discs, .by_chance = !air->gather};
+    orl_crew_for(round->env->crew, tasks, fly, round);
+    if (orl_is_cancelled(round->env->cancel))
+        code = ORL_ERR_CANCELLED;
+    for (size_t i = 0; i < tasks; i++) {
+        struct orl_deposits *deposits = &round->deposits[i];
+        const struct orl_health counted = deposits->health;
+        health->photons += counted.photons;
+        health->rays += counted.rays;
+        health->paths += counted.paths;
+        air->rays += counted.rays;
+        air->flux += orl_sum_value(&deposits->flux);
+        air->photons += (double)counted.photons;
+        if (deposits->passes.out_of_memory)
+            code = ORL_ERR_NOMEM;
+        for (size_t k = 0; k < deposits->passes.count && code == 0; k++)
+            count(air, &deposits->passes.passes[k]);
+        free(deposits->passes.passes);
+        free(deposits->photons);
+    }
+    air->emitted = code == 0 ? round->end : air->emitted;
+    return code;
+}
+
+/* ---- Estimates ------------------------------------------------------------------------------- */
+
+/* What came through a width, whole. */
+struct reading {
+    struct orl_rgb irradiance;
+    struct orl_batches parts;
+    double area, variance, bias;
+    double lamps; /* luma of what is of lamps */
+};
+
+static double area_of(const struct orl_disc *disc, int width)
+{
+    const double most = width2(width) * disc->radius * disc->radius;
+    double sum = 0;
+    for (int i = 0; i < ORL_DISC_SECTORS; i++)
+        sum += fmin((double)disc->reach2[i], most) * ORL_PI / ORL_DISC_SECTORS;
+    return sum;
+}
+
+static void read_widths(const struct orl_air *air, uint32_t disc, struct reading ret[WIDTHS])
+{
+    struct orl_rgb flux = orl_gray(0);
+    double luma[ORL_MAP_BATCHES] = {0}, lamps = 0;
+    const double one_more = air->photons > 0 ? air->flux / air->photons : 0;
+    for (int w = 0; w < WIDTHS; w++) {
+        const struct ring *ring = &air->rings[disc][w];
+        const double area = area_of(&air->discs[disc], w), per = 1 / (area * (double)air->emitted);
+        flux = orl_rgb_add(flux, ring->flux);
+        lamps += (double)ring->lamps;
+        ret[w] = (struct reading){
+            .irradiance = orl_rgb_scale(flux, per), .area = area, .lamps = lamps * per};
+        for (int b = 0; b < ORL_MAP_BATCHES; b++) {
+            luma[b] += (double)ring->luma[b];
+            ret[w].parts.luma[b] = luma[b] * per;
+        }
+        ret[w].variance = orl_batches_variance(&ret[w].parts) + one_more * per * one_more * per;
+    }
+}
+
+static struct orl_batches difference(const struct reading *a, const struct reading *b)
+{
+    struct orl_batches parts = a->parts;
+    orl_batches_add(&parts, &b->parts, -1);
+    return parts;
+}
+
+static double luma_of(const struct orl_batches *parts)
+{
+    double sum = 0;
+    for (int b = 0; b < ORL_MAP_BATCHES; b++)
+        sum += parts->luma[b];
+    return sum;
+}
+
+/*
+ * Beyond its scatter, what an area more has brought, in proportion to the area; and no less than
+ * what any narrower width says, where that is no scatter: of a focus the widest see nothing.
+ */
+static void find_biases(struct reading readings[WIDTHS])
+{
+    for (int w = 0; w < WIDTHS; w++) {
+        struct reading *here = &readings[w];
+        const struct reading *narrow = w < WIDTHS - 1 ? here : here - 1, *wide = narrow + 1;
+        const struct orl_batches more = difference(wide, narrow);
+        if (wide->area > narrow->area * (1 + 1e-6))
+            here->bias =
+                orl_batches_beyond_scatter(&more) * here->area / (wide->area - narrow->area);
+        for (int k = 0; k < w; k++) {
+            const struct orl_batches off = difference(here, &readings[k]);
+            const double luma = luma_of(&off);
+            if (luma * luma > certain * certain * orl_batches_variance(&off) &&
+                fabs(luma) > fabs(here->bias))
+                here->bias = luma;
+        }
+    }
+}
+
+static struct orl_estimate caught(const struct orl_air *air, uint32_t disc, double *ret_lamps)
+{
+    struct reading readings[WIDTHS];
+    int best = WIDTHS - 1;
+    read_widths(air, disc, readings);
+    find_biases(readings);
+    for (int w = WIDTHS - 1; w >= 0; w--)
+        if (readings[w].variance + readings[w].bias * readings[w].bias <
+            readings[best].variance + readings[best].bias * readings[best].bias)
+            best = w;
+    *ret_lamps = readings[best].lamps;
+    return (struct orl_estimate){.value = readings[best].irradiance,
+                                 .standard_error = sqrt(readings[best].variance),
+                                 .degrees = ORL_MAP_BATCHES - 1,
+                                 .bias = readings[best].bias};
+}
+
+struct orl_estimate orl_air_estimate(const struct orl_air *air, size_t sensor)
+{
+    const struct sensor *s = &air->sensors[sensor];
+    if (s->disc == NONE || air->emitted == 0)
+        return s->rest;
+    double lamps;
+    const struct orl_estimate more = caught(air, s->disc, &lamps);
+    return orl_estimate_add(s->rest, more);
+}
+
+struct orl_estimate orl_air_caught(const struct orl_air *air, size_t sensor, double *ret_lamps)
+{
+    return caught(air, air->sensors[sensor].disc, ret_lamps);
+}
+
+/* Whether what comes through its disc is known well enough; and whether it is felt. */
+static bool is_content(const struct sensor *s, const struct orl_estimate *more, bool *ret_felt)
+{
+    const double light = orl_luma(s->rest.value) + orl_luma(more->value);
+    *ret_felt = orl_luma(more->value) > felt * hypot(s->rest.standard_error, more->standard_error);
+    return more->standard_error <= fmax(beside_rest * s->rest.standard_error, beside_light * light);
+}
+
+/* Twice as many are not flown for what almost all sensors know; nor, beyond the rays that are no
+ * loss, for what no sensor feels that does not know it. */
+static bool is_enough(const struct orl_air *air, double rays_not_felt)
+{
+    size_t content = 0, feeling = 0;
+    for (size_t i = 0; i < air->n_sensors; i++) {
+        const struct sensor *s = &air->sensors[i];
+        bool feels;
+        double lamps;
+        if (s->disc == NONE)
+            continue;
+        const struct orl_estimate more = caught(air, s->disc, &lamps);
+        const bool is = is_content(s, &more, &feels);
+        content += is;
+        feeling += feels && !is;
+    }
+    return (double)content >= almost_all * (double)air->n_discs ||
+           (feeling == 0 && 2 * (double)air->rays > rays_not_felt);
+}
+
+int orl_air_catch(struct orl_air *air, const struct orl_shoot_env *env,
+                  const struct orl_air_bounds *bounds, struct orl_health *health)
+{
+    struct orl_discs *discs = NULL;
+    struct round *round = malloc(sizeof *round);
+    int code = round ? gather_in(air) : ORL_ERR_NOMEM;
+    if (code == 0)
+        code = orl_discs_new(air->discs, air->n_discs, &discs);
+    const uint64_t most = bounds->emissions - bounds->emissions % ORL_MAP_BATCHES;
+    uint64_t wanted = FIRST_ROUND < most ? FIRST_ROUND : most;
+    while (code == 0 && air->emitted < most && env->emission->has_caustics) {
+        const uint64_t largest = air->emitted + (uint64_t)TASK * TASKS_A_ROUND;
+        round->env = env;
+        round->first = air->emitted;
+        round->end = wanted < largest ? wanted : largest;
+        code = fly_round(air, round, discs, health);
+        if (code == 0 && air->emitted == wanted) {
+            if (is_enough(air, bounds->rays_not_felt))
+                break;
+            wanted = 2 * wanted < most ? 2 * wanted : most;
+        }
+    }
+    orl_discs_free(discs);
+    free(round);
+    return code;
+}

@@ -1,0 +1,69 @@
+/* Whether anything sends suns and lamps on into mid-air. */
+#include "render/gather/air.h"
+
+static bool has_lamps(const struct orl_world *world)
+{
+    for (size_t i = 0; i < world->n_emitters; i++)
+        if (world->emitters[i].direct)
+            return true;
+    return false;
+}
+
+static bool is_flat(const struct orl_facet *f)
+{
+    return f->kind == ORL_SURFACE_POLYGON || f->kind == ORL_SURFACE_RING;
+}
+
+/* Of flat ones. */
+static bool lie_in_one_plane(const struct orl_geometry *g, const struct orl_facet *a,
+                             const struct orl_facet *b)
+{
+    const struct orl_vec3 at =
+        a->n_triangles > 0 ? g->triangles[a->first_triangle].a : a->center[0];
+    const struct orl_vec3 to =
+        b->n_triangles > 0 ? g->triangles[b->first_triangle].a : b->center[0];
+    return fabs(orl_dot(a->normal, b->normal)) > 1 - 1e-9 &&
+           fabs(orl_dot(orl_sub(to, at), a->normal)) <= a->offset;
+}
+
+/*
+ * Of surfaces in one plane, panes with lobes and flat mirrors, light is sent on once, and that is
+ * found otherwise when it is a sun's; as it is by flat mirrors alone, however many.
+ */
+static bool may_send_on(const struct orl_world *world)
+{
+    const struct orl_geometry *g = world->geometry;
+    const bool lamps = has_lamps(world);
+    const struct orl_facet *plane = NULL;
+    bool any_lobes = false, apart = false;
+    if (world->n_suns == 0 && !lamps)
+        return false;
+    for (size_t i = 0; i < g->n_facets; i++) {
+        const struct orl_facet *f = &g->facets[i];
+        const struct orl_material *m = &world->materials[f->material];
+        const bool mirrors = orl_material_is_mirror(m), lobes = orl_material_has_lobes(m);
+        if (!(f->area > 0) || (!mirrors && !lobes && m->kind != ORL_MATERIAL_DIELECTRIC))
+            continue;
+        if (lamps || !is_flat(f) || m->kind == ORL_MATERIAL_DIELECTRIC ||
+            (lobes && !orl_material_transmits_lobes(m)))
+            return true;
+        plane = plane ? plane : f;
+        any_lobes = any_lobes || lobes;
+        apart = apart || !lie_in_one_plane(g, plane, f);
+    }
+    return (any_lobes && apart) || world->images.n_left_out > 0;
+}
+
+bool orl_air_may_be_lit(const struct orl_world *world)
+{
+    return !(world->omit.mirror_caustics && world->omit.lobe_caustics) && may_send_on(world);
+}
+
+bool orl_air_is_by_images(const struct orl_world *world)
+{
+    const struct orl_geometry *g = world->geometry;
+    for (size_t i = 0; i < g->n_facets; i++)
+        if (orl_material_has_lobes(&world->materials[g->facets[i].material]))
+            return false;
+    return !may_send_on(world);
+}

@@ -1,0 +1,253 @@
+#include "render/gather/beam.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "bsdf/shirley.h"
+
+enum { DRAWS = 1 << 15, DRAWS_A_ROW = DRAWS / ORL_BEAM_SIDE };
+static const double drawn_share = 0.8; /* of the table; the rest is evaluated */
+
+/* Index of the first cell of a level. */
+static uint32_t first_of(uint32_t level)
+{
+    return ((1U << 2 * level) - 1) / 3;
+}
+
+/* Cells of a level are in Morton order: the four quarters of one are neighbours. */
+static uint32_t interleave(uint32_t x, uint32_t y)
+{
+    uint32_t sum = 0;
+    for (uint32_t bit = 0; bit < ORL_BEAM_LEVELS; bit++)
+        sum |= ((x >> bit & 1) << 2 * bit) | ((y >> bit & 1) << (2 * bit + 1));
+    return sum;
+}
+
+static struct orl_vec3 direction_at(double x, double y, uint32_t side)
+{
+    return orl_square_to_hemisphere((struct orl_square){2 * x / side - 1, 2 * y / side - 1});
+}
+
+void orl_beam_cells_init(struct orl_beam_cells *cells)
+{
+    for (uint32_t level = 0; level < ORL_BEAM_LEVELS; level++) {
+        const uint32_t side = 1U << level;
+        for (uint32_t y = 0; y < side; y++)
+            for (uint32_t x = 0; x < side; x++) {
+                const uint32_t cell = first_of(level) + interleave(x, y);
+                const struct orl_vec3 middle = direction_at(x + 0.5, y + 0.5, side);
+                double reach = 0;
+                for (uint32_t corner = 0; corner < 4; corner++) {
+                    const struct orl_vec3 at =
+                        direction_at(x + (corner & 1), y + (corner >> 1), side);
+                    reach = fmax(reach, orl_length(orl_sub(at, middle)));
+                }
+                cells->direction[cell][0] = (float)middle.x;
+                cells->direction[cell][1] = (float)middle.y;
+                cells->direction[cell][2] = (float)middle.z;
+                cells->radius[cell] = (float)reach;
+            }
+    }
+}
+
+/* The finest cell of a direction in the beam's frame, as a Morton index. */
+static uint32_t cell_of(struct orl_vec3 d)
+{
+    const struct orl_square s = orl_disk_to_square(d.x, d.y);
+    const double x = 0.5 * (s.x + 1) * ORL_BEAM_SIDE, y = 0.5 * (s.y + 1) * ORL_BEAM_SIDE;
+    const double most = ORL_BEAM_SIDE - 1;
+    return interleave((uint32_t)fmin(fmax(x, 0), most), (uint32_t)fmin(fmax(y, 0), most));
+}
+
+/* What a table is made from: rows of it are worked out by a crew, and added up in order. */
+struct samples {
+    const struct orl_beam *beam;
+    const struct orl_sobol *sobol;
+    struct orl_hit hit;
+    struct {
+        double light;
+        uint32_t cell;
+    } drawn[DRAWS];
+    double value[ORL_BEAM_SIDE][ORL_BEAM_SIDE]; /* [y][x] */
+};
+
+static void sample_row(void *arg, size_t row, uint32_t member)
+{
+    struct samples *s = arg;
+    const struct orl_beam *beam = s->beam;
+    (void)member;
+    for (uint32_t i = (uint32_t)row * DRAWS_A_ROW; i < (row + 1) * DRAWS_A_ROW; i++) {
+        double u[3];
+        orl_sobol_point(s->sobol, i, 1, 3, u);
+        const struct orl_scatter drawn = orl_scatter_sample_at(
+            beam->material, &s->hit, beam->sun, ORL_TRANSPORT_LIGHT, ORL_LOBE_TRANSMITTED, u);
+        if (drawn.event != ORL_EVENT_GLOSSY)
+            continue;
+        s->drawn[i].light = orl_luma(drawn.weight);
+        s->drawn[i].cell = cell_of(orl_to_local(&beam->frame, drawn.direction));
+    }
+    for (uint32_t x = 0; x < ORL_BEAM_SIDE; x++) {
+        const struct orl_vec3 d = direction_at(x + 0.5, (double)row + 0.5, ORL_BEAM_SIDE);
+        s->value[row][x] = orl_luma(orl_scatter_eval_lobes(beam->material, &s->hit, beam->sun,
+                                                           orl_to_world(&beam->frame, d)));
+    }
+}
+
+/* Draws show lobes however narrow; values show what is too dim for draws. */
+static void fill(const struct samples *s, double *finest)
+{
+    double drawn = 0, valued = 0;
+    for (uint32_t i = 0; i < DRAWS; i++) {
+        finest[s->drawn[i].cell] += s->drawn[i].light;
+        drawn += s->drawn[i].light;
+    }
+    for (uint32_t i = 0; i < ORL_BEAM_SIDE * ORL_BEAM_SIDE; i++)
+        finest[i] *= drawn > 0 ? drawn_share / drawn : 0;
+    for (int pass = 0; pass < 2; pass++)
+        for (uint32_t y = 0; y < ORL_BEAM_SIDE; y++)
+            for (uint32_t x = 0; x < ORL_BEAM_SIDE; x++)
+                if (pass == 0)
+                    valued += s->value[y][x];
+                else if (valued > 0)
+                    finest[interleave(x, y)] += (1 - drawn_share) * s->value[y][x] / valued;
+}
+
+int orl_beam_init(struct orl_beam *beam, const struct orl_sobol *sobol, uint32_t facet,
+                  struct orl_crew *crew)
+{
+    static const uint32_t last = ORL_BEAM_LEVELS - 1;
+    double finest[ORL_BEAM_SIDE * ORL_BEAM_SIDE] = {0};
+    const bool from_front = orl_dot(beam->sun, beam->normal) > 0;
+    struct samples *samples = calloc(1, sizeof *samples);
+    if (!samples)
+        return ORL_ERR_NOMEM;
+    beam->frame = beam->material->kind == ORL_MATERIAL_BSDF
+                      ? orl_bsdf_frame(beam->material, beam->normal)
+                      : orl_frame_about(beam->normal);
+    if (from_front)
+        beam->frame.n = orl_neg(beam->frame.n);
+    samples->beam = beam;
+    samples->sobol = sobol;
+    samples->hit = (struct orl_hit){.facet = facet, .normal = beam->normal};
+    orl_crew_for(crew, ORL_BEAM_SIDE, sample_row, samples);
+    fill(samples, finest);
+    free(samples);
+    memset(beam->light, 0, sizeof beam->light);
+    for (uint32_t i = 0; i < ORL_BEAM_SIDE * ORL_BEAM_SIDE; i++)
+        beam->light[first_of(last) + i] = (float)finest[i];
+    for (uint32_t level = last; level-- > 0;)
+        for (uint32_t i = 0; i < 1U << 2 * level; i++)
+            for (uint32_t k = 0; k < 4; k++)
+                beam->light[first_of(level) + i] += beam->light[first_of(level + 1) + 4 * i + k];
+    return 0;
+}
+
+struct orl_shaft orl_shaft_of(const struct orl_geometry *geometry, const struct orl_beam *beam,
+                              uint32_t index, uint32_t facet)
+{
+    const struct orl_facet *f = &geometry->facets[facet];
+    struct orl_shaft shaft = {.beam = index, .facet = facet};
+    double low_u = INFINITY, high_u = -INFINITY, low_v = INFINITY, high_v = -INFINITY;
+    struct orl_vec3 corner = f->center[0];
+    if (f->n_triangles == 0) { /* a ring */
+        low_u = orl_dot(corner, beam->frame.u) - fmax(f->radius[0], f->radius[1]);
+        high_u = low_u + 2 * fmax(f->radius[0], f->radius[1]);
+        low_v = orl_dot(corner, beam->frame.v) - fmax(f->radius[0], f->radius[1]);
+        high_v = low_v + 2 * fmax(f->radius[0], f->radius[1]);
+    }
+    for (uint32_t i = 0; i < 3 * f->n_triangles; i++) {
+        const struct orl_triangle *t = &geometry->triangles[f->first_triangle + i / 3];
+        corner = i % 3 == 0 ? t->a : i % 3 == 1 ? t->b : t->c;
+        low_u = fmin(low_u, orl_dot(corner, beam->frame.u));
+        high_u = fmax(high_u, orl_dot(corner, beam->frame.u));
+        low_v = fmin(low_v, orl_dot(corner, beam->frame.v));
+        high_v = fmax(high_v, orl_dot(corner, beam->frame.v));
+    }
+    shaft.half_u = 0.5 * (high_u - low_u);
+    shaft.half_v = 0.5 * (high_v - low_v);
+    shaft.center = orl_to_world(&beam->frame, orl_v3(0.5 * (low_u + high_u), 0.5 * (low_v + high_v),
+                                                     orl_dot(corner, beam->frame.n)));
+    return shaft;
+}
+
+/* A cell's light, as far as it may come to a place, which is given from the pane's center. */
+static double light_of(const struct orl_shaft *shaft, const struct orl_beam *beam,
+                       const struct orl_beam_cells *cells, uint32_t cell, struct orl_vec3 place)
+{
+    const float *d = cells->direction[cell];
+    const double radius = cells->radius[cell], cosine = d[2];
+    if (!(beam->light[cell] > 0))
+        return 0;
+    if (cosine <= 1.5 * radius) /* it may come from anywhere */
+        return beam->light[cell];
+    const double way = place.z / cosine, wide = 1.2 * way * radius / cosine;
+    return fabs(place.x - way * d[0]) <= shaft->half_u + wide &&
+                   fabs(place.y - way * d[1]) <= shaft->half_v + wide
+               ? beam->light[cell]
+               : 0;
+}
+
+/* The light of the four quarters from that cell on; returns their sum. */
+static double quarters(const struct orl_shaft *shaft, const struct orl_beam *beam,
+                       const struct orl_beam_cells *cells, uint32_t first, struct orl_vec3 place,
+                       double ret_light[4])
+{
+    double sum = 0;
+    for (uint32_t k = 0; k < 4; k++) {
+        ret_light[k] = light_of(shaft, beam, cells, first + k, place);
+        sum += ret_light[k];
+    }
+    return sum;
+}
+
+bool orl_shaft_draw(const struct orl_shaft *shaft, const struct orl_beam *beam,
+                    const struct orl_beam_cells *cells, struct orl_vec3 point, const double u[2],
+                    struct orl_vec3 *ret_direction)
+{
+    const struct orl_vec3 place = orl_to_local(&beam->frame, orl_sub(point, shaft->center));
+    double across = u[0], along = u[1];
+    uint32_t index = 0, x = 0, y = 0;
+    if (!(place.z > 0))
+        return false;
+    for (uint32_t level = 1; level < ORL_BEAM_LEVELS; level++) {
+        double light[4];
+        const double sum = quarters(shaft, beam, cells, first_of(level) + 4 * index, place, light);
+        if (!(sum > 0))
+            return false;
+        /* First the column, then the row in it. */
+        const double left = (light[0] + light[2]) / sum;
+        const uint32_t column = across >= left;
+        across = column ? (across - left) / (1 - left) : across / left;
+        const double low = light[column] / (light[column] + light[column + 2]);
+        const uint32_t row = along >= low;
+        along = row ? (along - low) / (1 - low) : along / low;
+        index = 4 * index + column + 2 * row;
+        x = 2 * x + column;
+        y = 2 * y + row;
+    }
+    *ret_direction =
+        orl_neg(orl_to_world(&beam->frame, direction_at(x + across, y + along, ORL_BEAM_SIDE)));
+    return true;
+}
+
+double orl_shaft_density(const struct orl_shaft *shaft, const struct orl_beam *beam,
+                         const struct orl_beam_cells *cells, struct orl_vec3 point,
+                         struct orl_vec3 direction)
+{
+    const struct orl_vec3 place = orl_to_local(&beam->frame, orl_sub(point, shaft->center));
+    const struct orl_vec3 d = orl_to_local(&beam->frame, orl_neg(direction));
+    const uint32_t finest = cell_of(d);
+    double density = ORL_BEAM_SIDE * ORL_BEAM_SIDE * d.z / ORL_PI;
+    if (!(place.z > 0) || !(d.z > 0))
+        return 0;
+    for (uint32_t level = 1; level < ORL_BEAM_LEVELS; level++) {
+        const uint32_t cell = finest >> 2 * (ORL_BEAM_LEVELS - 1 - level);
+        double light[4];
+        const double sum =
+            quarters(shaft, beam, cells, first_of(level) + (cell & ~3U), place, light);
+        if (!(light[cell & 3] > 0))
+            return 0;
+        density *= light[cell & 3] / sum;
+    }
+    return density;
+}

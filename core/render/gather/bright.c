@@ -1,0 +1,217 @@
+#include "render/gather/bright.h"
+
+#include <stdlib.h>
+
+#include "photon/map/facing.h"
+#include "scene/material/hemisphere.h"
+
+enum { RUN = 16, MOST_DEPTH = 18, ROOM = 8 * ORL_BRIGHT_SPOTS };
+
+static const double least_share = 1.0 / 256; /* cells with less light are not halved */
+static const double contrast = 8;            /* of what is bright, to the mean */
+static const double tolerated = 0.005;       /* error of even rays, of the photons' light */
+static const double generous = 1.25;         /* patches end beyond their outermost photons */
+
+/* Photons first .. first + n - 1 of the map's order. */
+static struct orl_bright_spot spot_of(const struct orl_photon_map *map, uint64_t first, uint64_t n)
+{
+    struct orl_vec3 sum = {0, 0, 0}, normals = {0, 0, 0};
+    double squares = 0, flux = 0;
+    const struct orl_photon p0 = orl_photon_map_get(map, first);
+    const struct orl_vec3 origin = orl_v3(p0.position[0], p0.position[1], p0.position[2]);
+    for (uint64_t i = first; i < first + n; i++) {
+        const struct orl_photon p = orl_photon_map_get(map, i);
+        const struct orl_vec3 off =
+            orl_sub(orl_v3(p.position[0], p.position[1], p.position[2]), origin);
+        sum = orl_add(sum, off);
+        squares += orl_dot(off, off);
+        normals = orl_add(normals, orl_normal_decode(p.normal));
+        flux += orl_luma((struct orl_rgb){p.flux[0], p.flux[1], p.flux[2]});
+    }
+    const struct orl_vec3 mean = orl_scale(sum, 1.0 / (double)n), at = orl_add(origin, mean);
+    const double spread2 = fmax(squares / (double)n - orl_dot(mean, mean), 0);
+    const struct orl_vec3 normal = orl_length(normals) > 0 ? orl_normalize(normals) : normals;
+    /* Of a square the mean square of the distance from its middle is 2/3 of that of half a side. */
+    return (struct orl_bright_spot){.at = {(float)at.x, (float)at.y, (float)at.z},
+                                    .normal = {(float)normal.x, (float)normal.y, (float)normal.z},
+                                    .half = (float)(generous * sqrt(1.5 * spread2)),
+                                    .flux = (float)flux};
+}
+
+int orl_bright_init(struct orl_bright *bright, const struct orl_photon_map *map)
+{
+    const uint64_t count = orl_photon_map_header(map)->count;
+    const uint64_t least = (count + ORL_BRIGHT_SPOTS - 1) / ORL_BRIGHT_SPOTS;
+    const uint64_t run = least > RUN ? least : RUN;
+    *bright = (struct orl_bright){.count = (uint32_t)((count + run - 1) / run)};
+    bright->spots = malloc((bright->count + 1) * sizeof *bright->spots);
+    if (!bright->spots)
+        return ORL_ERR_NOMEM;
+    for (uint32_t i = 0; i < bright->count; i++)
+        bright->spots[i] = spot_of(map, i * run, count - i * run < run ? count - i * run : run);
+    return 0;
+}
+
+void orl_bright_done(struct orl_bright *bright)
+{
+    free(bright->spots);
+    *bright = (struct orl_bright){.spots = NULL};
+}
+
+/* What a spot covers of the square, evenly. */
+struct splat {
+    float at[2], half, light;
+};
+
+/* A view in the making. */
+struct look {
+    struct orl_bright_view *view;
+    struct splat splats[ORL_BRIGHT_SPOTS];
+    uint16_t room[ROOM]; /* lists of those in a cell, one after another */
+    double light;        /* of all */
+    double variance;     /* of even rays: so many times its square, for one ray */
+};
+
+struct area {
+    double low[2], high[2];
+};
+
+/* False when it lies behind the place, or turns its back. */
+static bool splat_of(const struct orl_bright_spot *spot, struct orl_vec3 point,
+                     const struct orl_frame *frame, struct splat *ret)
+{
+    const struct orl_vec3 way =
+        orl_sub(orl_v3((double)spot->at[0], (double)spot->at[1], (double)spot->at[2]), point);
+    const struct orl_vec3 facing =
+        orl_v3((double)spot->normal[0], (double)spot->normal[1], (double)spot->normal[2]);
+    const double half = (double)spot->half;
+    const double d2 = fmax(orl_dot(way, way), half * half), d = sqrt(d2);
+    const double there = -orl_dot(way, facing) / d, here = orl_dot(way, frame->n) / d;
+    if (!(d > 0) || !(there > 0) || !(here > 0))
+        return false;
+    const double wide = half / d;
+    const struct orl_vec3 local = orl_to_local(frame, orl_scale(way, 1 / d));
+    const struct orl_square at = orl_disk_to_square(local.x, local.y);
+    ret->at[0] = (float)(0.5 * (at.x + 1));
+    ret->at[1] = (float)(0.5 * (at.y + 1));
+    ret->half = (float)fmin(wide * sqrt(fmax(here, wide) / ORL_PI) + 1e-6, 0.5);
+    ret->light = (float)((double)spot->flux * there * here / d2);
+    return ret->light > 0;
+}
+
+static double overlap(const struct splat *s, const struct area *a, int axis)
+{
+    const double low = fmax((double)s->at[axis] - (double)s->half, a->low[axis]);
+    const double high = fmin((double)s->at[axis] + (double)s->half, a->high[axis]);
+    return fmax(high - low, 0) / (2 * (double)s->half);
+}
+
+/* Those of a list that are in an area go to the list behind it; how many, and their light there. */
+static uint32_t pick(struct look *look, uint32_t first, uint32_t count, uint32_t to,
+                     const struct area *area, double *ret_light)
+{
+    uint32_t n = 0;
+    *ret_light = 0;
+    for (uint32_t i = first; i < first + count; i++) {
+        const struct splat *s = &look->splats[look->room[i]];
+        const double share = overlap(s, area, 0) * overlap(s, area, 1);
+        if (!(share > 0))
+            continue;
+        *ret_light += share * (double)s->light;
+        look->room[to + n++] = look->room[i];
+    }
+    return n;
+}
+
+/* Whether anything in it is smaller than the cell. */
+static bool is_fine(const struct look *look, uint32_t first, uint32_t count, double size)
+{
+    for (uint32_t i = first; i < first + count; i++)
+        if (2 * (double)look->splats[look->room[i]].half < size)
+            return true;
+    return false;
+}
+
+/* Halves a cell as far as there is something to tell; its mass is what of it is bright. */
+static void divide(struct look *look, uint32_t cell, uint32_t first, uint32_t count,
+                   const struct area *area, double light, int depth)
+{
+    struct orl_bright_view *view = look->view;
+    struct orl_bright_cell *here = &view->cells[cell];
+    const double size = (area->high[0] - area->low[0]) * (area->high[1] - area->low[1]);
+    const double share = light / look->light;
+    *here = (struct orl_bright_cell){.mass = 0};
+    if (share < least_share || depth == MOST_DEPTH || view->count + 2 > ORL_BRIGHT_CELLS ||
+        first + 2 * count > ROOM || !is_fine(look, first, count, sqrt(size))) {
+        if (share > contrast * size) {
+            here->mass = (float)share;
+            look->variance += share * share / size;
+        }
+        return;
+    }
+    const uint32_t low = view->count;
+    view->count += 2;
+    for (uint32_t half = 0; half < 2; half++) {
+        const int axis = depth % 2;
+        struct area part = *area;
+        double within;
+        (half ? part.low : part.high)[axis] = 0.5 * (area->low[axis] + area->high[axis]);
+        const uint32_t n = pick(look, first, count, first + count, &part, &within);
+        divide(look, low + half, first + count, n, &part, within, depth + 1);
+    }
+    here->low = low;
+    here->mass = view->cells[low].mass + view->cells[low + 1].mass;
+}
+
+void orl_bright_look(const struct orl_bright *bright, struct orl_vec3 point, struct orl_vec3 normal,
+                     uint32_t rays, struct orl_bright_view *ret_view)
+{
+    const struct orl_frame frame = orl_frame_about(normal);
+    const struct area all = {{0, 0}, {1, 1}};
+    struct look look; /* not its splats, which are many */
+    uint32_t n = 0;
+    look.view = ret_view;
+    look.light = look.variance = 0;
+    for (uint32_t i = 0; i < bright->count; i++)
+        if (splat_of(&bright->spots[i], point, &frame, &look.splats[n])) {
+            look.light += (double)look.splats[n].light;
+            look.room[n] = (uint16_t)n;
+            n++;
+        }
+    ret_view->worth = false;
+    ret_view->count = 1;
+    if (!(look.light > 0))
+        return;
+    divide(&look, 0, 0, n, &all, look.light, 0);
+    ret_view->worth = ret_view->cells[0].mass > 0 && look.variance > tolerated * tolerated * rays;
+}
+
+void orl_bright_draw(const struct orl_bright_view *view, double u[2])
+{
+    double low[2] = {0, 0}, size[2] = {1, 1};
+    uint32_t cell = 0;
+    for (int axis = 0; view->cells[cell].low; axis = 1 - axis) {
+        const struct orl_bright_cell *halves = &view->cells[view->cells[cell].low];
+        const double p = (double)halves[0].mass / ((double)halves[0].mass + (double)halves[1].mass);
+        const bool second = !(u[axis] < p);
+        u[axis] = fmin(second ? (u[axis] - p) / (1 - p) : u[axis] / p, 1 - 0x1p-53);
+        size[axis] *= 0.5;
+        low[axis] += second ? size[axis] : 0;
+        cell = view->cells[cell].low + second;
+    }
+    for (int axis = 0; axis < 2; axis++)
+        u[axis] = low[axis] + size[axis] * u[axis];
+}
+
+double orl_bright_density(const struct orl_bright_view *view, const double u[2])
+{
+    double at[2] = {u[0], u[1]}, size = 1;
+    uint32_t cell = 0;
+    for (int axis = 0; view->cells[cell].low && view->cells[cell].mass > 0; axis = 1 - axis) {
+        const bool second = at[axis] >= 0.5;
+        at[axis] = 2 * at[axis] - second;
+        size *= 0.5;
+        cell = view->cells[cell].low + second;
+    }
+    return (double)view->cells[cell].mass / (double)view->cells[0].mass / size;
+}

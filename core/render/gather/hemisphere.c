@@ -1,0 +1,296 @@
+/*
+ * The gathered part at a place: a stratified hemisphere of rays, one a stratum, and three or
+ * fifteen more where the strata about it differ.
+ */
+#include "light/proxies.h"
+#include "render/gather/gather.h"
+
+enum { AHEAD = 16 };
+
+/*
+ * Strata whose neighbours differ by more than such shares of the mean of all take so many rays
+ * across and down. What the one ray of a stratum says by chance is up to half of what its
+ * neighbours differ by: of some hundred strata ten that differ by 20 tell the mean to a third, and
+ * by sixteen rays each, which leave but the edge of a window to chance, to some hundredths.
+ */
+enum { CLOSER = 2, CLOSEST = 4 };
+static const double contrast = 5, much_contrast = 20;
+
+/* A stratum: what its rays have seen, and how far they went. */
+struct strand {
+    struct orl_rgb radiance;
+    double distance;     /* harmonic mean */
+    double variance;     /* of its luma, of several rays; less than 0: there was one */
+    double down, across; /* where in the stratum the first ray went */
+    uint32_t side;       /* so many rays are to be sent across, and down */
+};
+
+static double channel(struct orl_rgb c, uint32_t i)
+{
+    return i == 0 ? c.r : i == 1 ? c.g : c.b;
+}
+
+/* A column's directions in the plane: along its middle, across that, and across its first edge. */
+struct spoke {
+    struct orl_vec3 out, turn, around;
+};
+
+static struct spoke spoke_of(const struct orl_frame *frame, uint32_t column, uint32_t columns)
+{
+    const double phi = 2 * ORL_PI * (column + 0.5) / columns, edge = 2 * ORL_PI * column / columns;
+    return (struct spoke){
+        .out = orl_add(orl_scale(frame->u, cos(phi)), orl_scale(frame->v, sin(phi))),
+        .turn = orl_add(orl_scale(frame->u, -sin(phi)), orl_scale(frame->v, cos(phi))),
+        .around = orl_add(orl_scale(frame->u, -sin(edge)), orl_scale(frame->v, cos(edge)))};
+}
+
+/* Adds one row's share of the gradients: differences to strands' neighbours below and beside. */
+static void add_row(struct orl_hemisphere *h, const struct spoke *spokes,
+                    const struct strand *strands, uint32_t rows, uint32_t columns, uint32_t row,
+                    uint32_t channels)
+{
+    const double sine_low = sqrt((double)row / rows), sine_high = sqrt((row + 1.0) / rows);
+    const double middle = sqrt((row + 0.5) / rows);
+    const double turning = -middle / sqrt(1 - middle * middle) * ORL_PI / ((double)rows * columns);
+    const double outwards = 2 * ORL_PI / columns * sine_low * (1 - sine_low * sine_low);
+    for (uint32_t column = 0; column < columns; column++) {
+        const struct strand *here = &strands[row * columns + column];
+        const struct strand *beside = &strands[row * columns + (column + columns - 1) % columns];
+        const struct strand *below = row > 0 ? here - columns : NULL;
+        const double by_below = below ? outwards / fmin(here->distance, below->distance) : 0;
+        const double by_beside = (sine_high - sine_low) / fmin(here->distance, beside->distance);
+        for (uint32_t c = 0; c < channels; c++) {
+            const double value = channel(here->radiance, c);
+            struct orl_vec3 *shift = &h->by_translation[c];
+            h->by_rotation[c] = orl_madd(h->by_rotation[c], spokes[column].turn, turning * value);
+            if (below)
+                *shift = orl_madd(*shift, spokes[column].out,
+                                  by_below * (value - channel(below->radiance, c)));
+            *shift = orl_madd(*shift, spokes[column].around,
+                              by_beside * (value - channel(beside->radiance, c)));
+        }
+    }
+}
+
+static void add_gradients(struct orl_hemisphere *h, const struct orl_frame *frame,
+                          const struct strand *strands, uint32_t rows, uint32_t columns,
+                          uint32_t channels)
+{
+    struct spoke spokes[ORL_HEMISPHERE_COLUMNS];
+    for (uint32_t column = 0; column < columns; column++)
+        spokes[column] = spoke_of(frame, column, columns);
+    for (uint32_t row = 0; row < rows; row++)
+        add_row(h, spokes, strands, rows, columns, row, channels);
+    for (uint32_t c = channels; c < 3; c++) {
+        h->by_rotation[c] = h->by_rotation[0];
+        h->by_translation[c] = h->by_translation[0];
+    }
+}
+
+/* Of the mean: where a stratum had one ray half the squared difference to its neighbour's is a
+ * variance. */
+static double variance_of_mean(const struct strand *strands, uint32_t rows, uint32_t columns)
+{
+    double sum = 0;
+    for (uint32_t i = 0; i < rows * columns; i++) {
+        const uint32_t row = i / columns, beside = row * columns + (i + 1) % columns;
+        const double difference =
+            orl_luma(strands[i].radiance) - orl_luma(strands[beside].radiance);
+        sum += strands[i].variance < 0 ? difference * difference / 2 : strands[i].variance;
+    }
+    return sum / ((double)rows * columns * rows * columns);
+}
+
+/* A hemisphere in the making. */
+struct making {
+    const struct orl_gather *gather;
+    const struct orl_place *place;
+    const struct orl_icache *known;
+    struct orl_frame frame;
+    uint32_t rows, columns;
+    struct orl_random *random;
+    struct orl_search *search;
+    uint32_t sequence, rays; /* so far */
+    struct strand strands[ORL_HEMISPHERE_ROWS * ORL_HEMISPHERE_COLUMNS];
+    struct orl_tally tally;
+    double least_distance;
+};
+
+/* A ray under way: it may be to read a texel yet. */
+struct under_way {
+    struct orl_gather_ray ray;
+    struct orl_even first;
+    struct orl_glimpse glimpse;
+    struct orl_rgb radiance;
+    double distance;
+    uint32_t stratum;
+};
+
+/* Sends a ray through a place of a stratum. On a surface that a BSDF stands for it sees as views
+ * do. */
+static void send(struct making *m, uint32_t stratum, double down, double across,
+                 struct orl_tally *tally, struct under_way *w)
+{
+    const uint32_t row = stratum / m->columns, column = stratum % m->columns;
+    const double sine = sqrt((row + down) / m->rows),
+                 phi = 2 * ORL_PI * (column + across) / m->columns;
+    *w = (struct under_way){.stratum = stratum,
+                            .first = {.index = m->rays++, .sequence = m->sequence},
+                            .distance = INFINITY};
+    w->ray = (struct orl_gather_ray){
+        .origin = m->place->point,
+        .direction = orl_to_world(
+            &m->frame, orl_v3(sine * cos(phi), sine * sin(phi), sqrt(fmax(0, 1 - sine * sine)))),
+        .outside = m->place->outside,
+        .first = &w->first,
+        .by_texels = true,
+        .known = m->known,
+        .tally = tally,
+        .share = ORL_PI / ((double)m->rows * m->columns),
+        .ret_distance = &w->distance,
+        .ret_glimpse = &w->glimpse};
+    w->radiance =
+        m->place->proxied
+            ? orl_health_keep(&m->search->health,
+                              orl_exterior_radiance(orl_world_seen(m->gather->world), w->ray.origin,
+                                                    w->ray.direction, orl_chance_found(), m->random,
+                                                    &m->search->health, NULL))
+            : orl_gather_radiance(m->gather, &w->ray, m->random, m->search);
+    w->distance = fmax(w->distance, 1e-9 * m->gather->world->geometry->radius);
+    m->least_distance = fmin(m->least_distance, w->distance);
+}
+
+/* What a ray has seen when its texel, if any, has come. */
+static struct orl_rgb arrived(const struct under_way *w)
+{
+    return w->glimpse.texel ? orl_rgb_add(w->radiance, orl_gather_read(&w->ray, &w->glimpse))
+                            : w->radiance;
+}
+
+/* One ray a stratum. Texels are read when memory has had the time of some more rays to answer. */
+static void send_first(struct making *m)
+{
+    struct under_way under_way[AHEAD];
+    const uint32_t strata = m->rows * m->columns;
+    for (uint32_t i = 0; i < strata + AHEAD; i++) {
+        struct under_way *w = &under_way[i % AHEAD];
+        if (i >= AHEAD && i - AHEAD < strata) {
+            struct strand *strand = &m->strands[w->stratum];
+            strand->radiance = arrived(w);
+            strand->distance = w->distance;
+        }
+        if (i >= strata)
+            continue;
+        const double down = orl_random_uniform(m->random), across = orl_random_uniform(m->random);
+        m->strands[i] = (struct strand){.variance = -1, .down = down, .across = across};
+        send(m, i, down, across, &m->tally, w);
+    }
+}
+
+/* By how much the strata about one differ, of up to eight: the ends are dear, but what is bright
+ * and no wider than a stratum has its edges in those at its corners as well. */
+static double range_about(const double *lumas, uint32_t rows, uint32_t columns, uint32_t stratum)
+{
+    const uint32_t row = stratum / columns, column = stratum % columns;
+    const uint32_t beside[3] = {(column + columns - 1) % columns, (column + 1) % columns, column};
+    const uint32_t last = row + 1 < rows ? row + 1 : row;
+    double least = INFINITY, most = 0;
+    for (uint32_t y = row > 0 ? row - 1 : 0; y <= last; y++) {
+        for (int i = 0; i < (y == row ? 2 : 3); i++) {
+            const double luma = lumas[y * columns + beside[i]];
+            least = fmin(least, luma);
+            most = fmax(most, luma);
+        }
+    }
+    return most - least;
+}
+
+/*
+ * Which strata have more to show than one ray tells: where things as bright as a window begin and
+ * end. Their own ray has no say in it, for what it has seen by chance would then count by what it
+ * has seen.
+ */
+static void choose(struct making *m)
+{
+    double lumas[ORL_HEMISPHERE_ROWS * ORL_HEMISPHERE_COLUMNS], sum = 0;
+    const uint32_t strata = m->rows * m->columns;
+    for (uint32_t i = 0; i < strata; i++) {
+        lumas[i] = orl_luma(m->strands[i].radiance);
+        sum += lumas[i];
+    }
+    for (uint32_t i = 0; i < strata; i++) {
+        const double mean = (sum - lumas[i]) / (strata - 1);
+        const double range = range_about(lumas, m->rows, m->columns, i);
+        m->strands[i].side = range > much_contrast * mean ? CLOSEST
+                             : range > contrast * mean    ? CLOSER
+                                                          : 1;
+    }
+}
+
+/* The other rays of a stratum, one through every part of it. Of the photons its first tells. */
+static void look_closer(struct making *m, uint32_t stratum)
+{
+    struct strand *strand = &m->strands[stratum];
+    struct under_way w[CLOSEST * CLOSEST - 1];
+    const uint32_t side = strand->side, parts = side * side;
+    const uint32_t first =
+        side * (uint32_t)(side * strand->down) + (uint32_t)(side * strand->across);
+    uint32_t n = 0;
+    for (uint32_t part = 0; part < parts; part++) {
+        if (part == first)
+            continue;
+        const uint32_t row = part / side;
+        const double down = (row + orl_random_uniform(m->random)) / side;
+        send(m, stratum, down, (part % side + orl_random_uniform(m->random)) / side, NULL, &w[n++]);
+    }
+    double luma = orl_luma(strand->radiance), squares = luma * luma,
+           nearness = 1 / strand->distance;
+    struct orl_rgb sum = strand->radiance;
+    for (uint32_t i = 0; i < n; i++) {
+        const struct orl_rgb seen = arrived(&w[i]);
+        sum = orl_rgb_add(sum, seen);
+        squares += orl_luma(seen) * orl_luma(seen);
+        nearness += 1 / w[i].distance;
+    }
+    strand->radiance = orl_rgb_scale(sum, 1.0 / parts);
+    strand->distance = parts / nearness;
+    luma = orl_luma(strand->radiance);
+    strand->variance = fmax(squares / parts - luma * luma, 0) / (parts - 1);
+}
+
+struct orl_hemisphere orl_gather_hemisphere(const struct orl_gather *gather,
+                                            const struct orl_place *place, uint32_t rows,
+                                            uint32_t columns, const struct orl_icache *known,
+                                            struct orl_random *random, struct orl_search *search)
+{
+    struct orl_hemisphere h = {.irradiance = {0, 0, 0}};
+    struct making m; /* not its strands, which are many */
+    m.gather = gather;
+    m.place = place;
+    m.known = known;
+    m.frame = orl_frame_about(place->normal);
+    m.rows = rows;
+    m.columns = columns;
+    m.random = random;
+    m.search = search;
+    m.sequence = (uint32_t)orl_random_bits(random);
+    m.rays = 0;
+    m.tally = (struct orl_tally){.known = 0};
+    m.least_distance = INFINITY;
+    send_first(&m);
+    choose(&m);
+    double nearness = 0;
+    for (uint32_t i = 0; i < rows * columns; i++) {
+        if (m.strands[i].side > 1)
+            look_closer(&m, i);
+        h.irradiance = orl_rgb_add(h.irradiance, m.strands[i].radiance);
+        nearness += 1 / m.strands[i].distance;
+    }
+    h.irradiance = orl_rgb_scale(h.irradiance, ORL_PI / ((double)rows * columns));
+    h.mean_distance = nearness > 0 ? (double)rows * columns / nearness : INFINITY;
+    h.least_distance = m.least_distance;
+    add_gradients(&h, &m.frame, m.strands, rows, columns, gather->world->omit.channels);
+    h.error_by_photons = sqrt(orl_tally_variance(&m.tally));
+    h.error_by_rays = ORL_PI * sqrt(variance_of_mean(m.strands, rows, columns));
+    return h;
+}

@@ -1,0 +1,343 @@
+#include "render/gather/icache.h"
+
+#include <limits.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Half a cache line: most visits end here, without a look at the record. */
+struct orl_icache_entry {
+    uint64_t key;
+    float at[3], reach2; /* the record's place, and how far it is read at most: a little more */
+    uint32_t record;
+};
+
+static const uint32_t nothing = UINT32_MAX;
+
+void orl_icache_init(struct orl_icache *cache, uint32_t channels)
+{
+    memset(cache, 0, sizeof *cache);
+    cache->channels = channels;
+}
+
+void orl_icache_done(struct orl_icache *cache)
+{
+    free(cache->records);
+    free(cache->entries);
+    free(cache->heads);
+    memset(cache, 0, sizeof *cache);
+}
+
+int orl_icache_add(struct orl_icache *cache, const struct orl_record *records, size_t count)
+{
+    if (cache->count + count > cache->capacity) {
+        const size_t capacity = 2 * (cache->count + count);
+        struct orl_record *grown = realloc(cache->records, capacity * sizeof *grown);
+        if (!grown)
+            return ORL_ERR_NOMEM;
+        cache->records = grown;
+        cache->capacity = capacity;
+    }
+    if (count > 0)
+        memcpy(cache->records + cache->count, records, count * sizeof *records);
+    cache->count += count;
+    return 0;
+}
+
+static double radius_served(const struct orl_record *record)
+{
+    return fmax(record->radius, record->least);
+}
+
+/* A record that serves further than it should, for pixels' sake, is not read further still. */
+static double radius_read(const struct orl_record *record)
+{
+    return fmax(ORL_ICACHE_OVERLAP * record->radius, record->least);
+}
+
+/* How far a record is read at most; a cell of its level is at least twice as wide. */
+static double reach_of(const struct orl_record *record)
+{
+    return ORL_ICACHE_ACCURACY * radius_read(record);
+}
+
+static int level_of(const struct orl_record *record)
+{
+    int exponent;
+    frexp(2 * reach_of(record), &exponent);
+    return exponent;
+}
+
+static uint64_t cell_key(int level, int64_t x, int64_t y, int64_t z)
+{
+    uint64_t key = orl_mix64((uint64_t)level + 0x51ed270b);
+    key = orl_mix64(key ^ (uint64_t)x);
+    key = orl_mix64(key ^ (uint64_t)y);
+    return orl_mix64(key ^ (uint64_t)z);
+}
+
+/* The cells that a record's reach touches (at most eight), of its level. */
+struct cells {
+    int level;
+    int64_t low[3], high[3];
+};
+
+static struct cells cells_of(const struct orl_record *record)
+{
+    struct cells cells = {.level = level_of(record)};
+    const double cell = ldexp(1, cells.level), reach = reach_of(record);
+    const double at[3] = {record->place.point.x, record->place.point.y, record->place.point.z};
+    for (int k = 0; k < 3; k++) {
+        cells.low[k] = (int64_t)floor((at[k] - reach) / cell);
+        cells.high[k] = (int64_t)floor((at[k] + reach) / cell);
+    }
+    return cells;
+}
+
+static struct orl_icache_entry entry_of(const struct orl_record *record, uint32_t index)
+{
+    const struct orl_vec3 p = record->place.point;
+    /* Places are doubles: what rounding them may do is on the safe side. */
+    const double reach = 1.001 * reach_of(record) + 1e-6 * (fabs(p.x) + fabs(p.y) + fabs(p.z));
+    return (struct orl_icache_entry){.at = {(float)p.x, (float)p.y, (float)p.z},
+                                     .reach2 = (float)(reach * reach),
+                                     .record = index};
+}
+
+/* A record into each of its cells; or, with entries not there yet, counts them by bucket. */
+static void insert(struct orl_icache *cache, uint32_t index, bool count)
+{
+    const struct cells cells = cells_of(&cache->records[index]);
+    struct orl_icache_entry entry = entry_of(&cache->records[index], index);
+    for (int64_t z = cells.low[2]; z <= cells.high[2]; z++)
+        for (int64_t y = cells.low[1]; y <= cells.high[1]; y++)
+            for (int64_t x = cells.low[0]; x <= cells.high[0]; x++) {
+                entry.key = cell_key(cells.level, x, y, z);
+                uint32_t *head = &cache->heads[entry.key & (cache->n_heads - 1)];
+                if (count)
+                    ++*head;
+                else
+                    cache->entries[--*head] = entry;
+            }
+    if (cells.level < cache->lowest_level)
+        cache->lowest_level = cells.level;
+    if (cells.level > cache->highest_level)
+        cache->highest_level = cells.level;
+}
+
+/* By bucket: each one's entries stand together, from its head to the next one's. */
+int orl_icache_index(struct orl_icache *cache)
+{
+    struct orl_icache_entry *entries =
+        realloc(cache->entries, (8 * cache->count + 1) * sizeof *entries);
+    if (!entries)
+        return ORL_ERR_NOMEM;
+    cache->entries = entries;
+    cache->n_heads = 1;
+    while (cache->n_heads < 4 * cache->count)
+        cache->n_heads *= 2;
+    uint32_t *heads = realloc(cache->heads, (cache->n_heads + 1) * sizeof *heads);
+    if (!heads)
+        return ORL_ERR_NOMEM;
+    cache->heads = heads;
+    memset(heads, 0, (cache->n_heads + 1) * sizeof *heads);
+    cache->lowest_level = 10000;
+    cache->highest_level = -10000;
+    for (size_t i = 0; i < cache->count; i++)
+        insert(cache, (uint32_t)i, true);
+    for (size_t i = 0, end = 0; i <= cache->n_heads; i++) {
+        end += heads[i];
+        heads[i] = (uint32_t)end;
+    }
+    for (size_t i = 0; i < cache->count; i++)
+        insert(cache, (uint32_t)i, false);
+    return 0;
+}
+
+static double channel_at(const struct orl_record *record, int c, double value, struct orl_vec3 turn,
+                         struct orl_vec3 shift)
+{
+    return value + orl_dot(turn, record->by_rotation[c]) +
+           orl_dot(shift, record->by_translation[c]);
+}
+
+/* The record carried over to the place along its gradients, never below zero. */
+static struct orl_rgb carried(const struct orl_record *record, const struct orl_place *place,
+                              uint32_t channels)
+{
+    const struct orl_vec3 turn = orl_cross(record->place.normal, place->normal);
+    const struct orl_vec3 shift = orl_sub(place->point, record->place.point);
+    const struct orl_rgb e = record->irradiance;
+    if (channels == 1)
+        return orl_gray(fmax(channel_at(record, 0, e.r, turn, shift), 0));
+    return (struct orl_rgb){fmax(channel_at(record, 0, e.r, turn, shift), 0),
+                            fmax(channel_at(record, 1, e.g, turn, shift), 0),
+                            fmax(channel_at(record, 2, e.b, turn, shift), 0)};
+}
+
+/* The error of a record at a place, at that radius, where it is below the accuracy; or INFINITY. */
+static double error_of(const struct orl_record *record, const struct orl_place *place,
+                       double radius, double overlap)
+{
+    const struct orl_vec3 shift = orl_sub(place->point, record->place.point);
+    const double distance = orl_length(shift);
+    const double cosine = orl_dot(place->normal, record->place.normal);
+    const double reach = ORL_ICACHE_ACCURACY * radius;
+    if (record->place.outside != place->outside || record->place.proxied != place->proxied ||
+        distance >= reach || cosine < 0.8)
+        return INFINITY;
+    /* A place well behind or before the record's surface sees another scene. */
+    const struct orl_vec3 both = orl_add(place->normal, record->place.normal);
+    if (fabs(orl_dot(shift, both)) > 0.1 * reach)
+        return INFINITY;
+    const double error = distance / radius + sqrt(fmax(0, 1 - cosine)) / overlap;
+    return error < ORL_ICACHE_ACCURACY ? error : INFINITY;
+}
+
+static bool serves(const struct orl_record *record, const struct orl_place *place)
+{
+    return error_of(record, place, radius_served(record), 1) < INFINITY;
+}
+
+/* The weight with which a record is read at a place; 0 when it is not. */
+static double weight_of(const struct orl_record *record, const struct orl_place *place)
+{
+    const double error = error_of(record, place, radius_read(record), ORL_ICACHE_OVERLAP);
+    return fmax(0, 1 - error / ORL_ICACHE_ACCURACY);
+}
+
+/* Visits the records whose cells hold a point: those that may serve it, and some that do not. */
+struct visit {
+    const struct orl_icache *cache;
+    const struct orl_place *place;
+    float at[3];
+    int level;
+    uint64_t key;
+    uint32_t entry, end; /* of the bucket, what is left */
+};
+
+static struct visit visit_begin(const struct orl_icache *cache, const struct orl_place *place)
+{
+    return (struct visit){
+        .cache = cache,
+        .place = place,
+        .at = {(float)place->point.x, (float)place->point.y, (float)place->point.z},
+        .level = cache->count > 0 ? cache->lowest_level - 1 : INT_MAX - 1};
+}
+
+static bool is_near(const struct orl_icache_entry *entry, const float at[3])
+{
+    const float x = entry->at[0] - at[0], y = entry->at[1] - at[1], z = entry->at[2] - at[2];
+    return x * x + y * y + z * z <= entry->reach2;
+}
+
+/* The next one's index, or `nothing`. */
+static uint32_t visit_next(struct visit *v)
+{
+    const struct orl_icache *cache = v->cache;
+    for (;;) {
+        while (v->entry < v->end) {
+            const struct orl_icache_entry *e = &cache->entries[v->entry++];
+            if (e->key == v->key && is_near(e, v->at))
+                return e->record;
+        }
+        if (++v->level > cache->highest_level)
+            return nothing;
+        const double cell = ldexp(1, v->level);
+        const struct orl_vec3 p = v->place->point;
+        v->key = cell_key(v->level, (int64_t)floor(p.x / cell), (int64_t)floor(p.y / cell),
+                          (int64_t)floor(p.z / cell));
+        const uint32_t *head = &cache->heads[v->key & (cache->n_heads - 1)];
+        v->entry = head[0];
+        v->end = head[1];
+    }
+}
+
+int orl_icache_hold_back(struct orl_icache *cache)
+{
+    double *radii = calloc(cache->count + 1, sizeof *radii);
+    if (!radii)
+        return ORL_ERR_NOMEM;
+    for (size_t i = 0; i < cache->count; i++)
+        radii[i] = cache->records[i].radius;
+    /* All at once, from the radii as they were: no order matters. */
+    for (size_t i = 0; i < cache->count; i++) {
+        const struct orl_record *near = &cache->records[i];
+        struct visit v = visit_begin(cache, &near->place);
+        for (uint32_t k = visit_next(&v); k != nothing; k = visit_next(&v)) {
+            const struct orl_record *far = &cache->records[k];
+            if (k != i && serves(far, &near->place)) {
+                const double apart = orl_length(orl_sub(far->place.point, near->place.point));
+                radii[k] = fmin(radii[k], radius_served(near) + apart);
+            }
+        }
+    }
+    for (size_t i = 0; i < cache->count; i++)
+        cache->records[i].radius = radii[i];
+    free(radii);
+    return orl_icache_index(cache);
+}
+
+bool orl_icache_serves(const struct orl_icache *cache, const struct orl_place *place)
+{
+    struct visit v = visit_begin(cache, place);
+    for (uint32_t i = visit_next(&v); i != nothing; i = visit_next(&v))
+        if (serves(&cache->records[i], place))
+            return true;
+    return false;
+}
+
+bool orl_icache_reaches(const struct orl_icache *cache, const struct orl_place *place)
+{
+    struct visit v = visit_begin(cache, place);
+    for (uint32_t i = visit_next(&v); i != nothing; i = visit_next(&v))
+        if (weight_of(&cache->records[i], place) > 0)
+            return true;
+    return false;
+}
+
+/* Records as they come together at a place. */
+struct joined {
+    struct orl_rgb sum;
+    double total, by_photons, by_rays;
+};
+
+static void join(struct joined *joined, const struct orl_record *record,
+                 const struct orl_place *place, uint32_t channels)
+{
+    const double weight = weight_of(record, place);
+    if (!(weight > 0))
+        return;
+    joined->sum = orl_rgb_add(joined->sum, orl_rgb_scale(carried(record, place, channels), weight));
+    joined->by_photons += weight * record->error_by_photons;
+    joined->by_rays += weight * weight * record->error_by_rays * record->error_by_rays;
+    joined->total += weight;
+}
+
+static bool settle(const struct joined *joined, struct orl_cached *ret_cached)
+{
+    const double total = joined->total, by_photons = joined->by_photons;
+    if (!(total > 0))
+        return false;
+    *ret_cached = (struct orl_cached){orl_rgb_scale(joined->sum, 1 / total),
+                                      sqrt(by_photons * by_photons + joined->by_rays) / total};
+    return true;
+}
+
+bool orl_icache_lookup(const struct orl_icache *cache, const struct orl_place *place,
+                       struct orl_cached *ret_cached)
+{
+    struct joined joined = {.total = 0};
+    struct visit v = visit_begin(cache, place);
+    for (uint32_t i = visit_next(&v); i != nothing; i = visit_next(&v))
+        join(&joined, &cache->records[i], place, cache->channels);
+    return settle(&joined, ret_cached);
+}
+
+bool orl_records_lookup(const struct orl_record *records, size_t count, uint32_t channels,
+                        const struct orl_place *place, struct orl_cached *ret_cached)
+{
+    struct joined joined = {.total = 0};
+    for (size_t i = 0; i < count; i++)
+        join(&joined, &records[i], place, channels);
+    return settle(&joined, ret_cached);
+}

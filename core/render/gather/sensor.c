@@ -1,0 +1,264 @@
+#include "render/gather/air.h"
+#include "render/gather/gather.h"
+#include "scene/geometry/stand.h"
+#include "scene/material/hemisphere.h"
+
+/* Rays fall into groups, each with sequences of its own: their spread tells the error. */
+enum { GROUPS = 16, PANE_POINTS = 64, SUN_RAYS = 16, GRAZING_SUN_RAYS = 128 }; /* of each */
+enum { HEMISPHERES = 4, SHARE_AIMED = 16 }; /* of rays: one such part is aimed */
+/* A bias of caustics is small beside so much of the rest's error, or of all light: of the light
+ * less than scatter would be, for it is told to a half of itself. */
+static const double beside_rest = 0.5, beside_light = 0.002;
+static const double grazing_discs = 2; /* a sun within so many radii of the sensor's plane */
+
+/* Names of sequences: no two of any seeds are alike. */
+enum { OF_DIRECT, OF_HEMISPHERE, OF_PANES, OF_AIMED = 1 << 30 };
+
+static uint32_t sequence_of(const struct orl_gather *gather, uint64_t what, uint64_t name)
+{
+    return (uint32_t)orl_mix64(orl_mix64(orl_mix64(gather->seed) + what) + name);
+}
+
+/*
+ * Sun by way of one BSDF pane to a point that no photon lands on: points stratified over the pane,
+ * the BSDF evaluated from the sun to the sensor.
+ */
+static struct orl_rgb light_by_pane(const struct orl_gather *gather, uint32_t facet,
+                                    const struct orl_sun *sun, const struct orl_place *place,
+                                    uint32_t sequence)
+{
+    const struct orl_geometry *g = gather->world->geometry;
+    const int32_t index = gather->world->port_of_facet[facet];
+    const struct orl_port *port = index == ORL_NO_PORT ? NULL : &gather->world->ports[index];
+    struct orl_rgb sum = orl_gray(0);
+    for (uint32_t i = 0; i < PANE_POINTS; i++) {
+        struct orl_hit hit = {.facet = facet};
+        double u[4];
+        orl_sobol_point(&gather->sobol, i, sequence, 4, u);
+        orl_facet_sample(g, facet, u, &hit.point, &hit.normal);
+        if (port && !orl_port_owns(gather->world->geometry, port, hit.point))
+            continue;
+        const struct orl_vec3 light = orl_sun_sample(sun, u + 2);
+        const struct orl_vec3 way = orl_sub(place->point, hit.point);
+        const double d2 = orl_dot(way, way), d = sqrt(d2);
+        const struct orl_vec3 eye = orl_scale(way, 1 / d);
+        const double arrives = -orl_dot(eye, place->normal), leaves = orl_dot(eye, hit.normal);
+        if (!(d > 0) || arrives <= 0)
+            continue;
+        const struct orl_material *m = orl_world_material(gather->world, &hit);
+        const struct orl_rgb f = orl_scatter_eval_lobes(m, &hit, light, eye);
+        if (!(orl_rgb_max(f) > 0))
+            continue;
+        const struct orl_rgb from_sun =
+            orl_transmittance(gather->world, orl_hit_leave(g, &hit, light), light, INFINITY, true);
+        const struct orl_rgb to_eye = orl_transmittance(gather->world, orl_hit_leave(g, &hit, eye),
+                                                        eye, d * (1 - 1e-6), true);
+        const double measure = fabs(orl_dot(light, hit.normal)) * fabs(leaves) * arrives / d2;
+        sum = orl_rgb_add(sum, orl_rgb_scale(orl_rgb_mul(orl_rgb_mul(f, from_sun),
+                                                         orl_rgb_mul(to_eye, sun->irradiance)),
+                                             measure));
+    }
+    return orl_rgb_scale(sum, g->facets[facet].area / PANE_POINTS);
+}
+
+static struct orl_rgb caustics_in_air(const struct orl_gather *gather,
+                                      const struct orl_place *place, uint64_t name)
+{
+    const struct orl_world *world = gather->world;
+    struct orl_rgb sum = orl_gray(0);
+    for (size_t f = 0; f < world->geometry->n_facets; f++) {
+        const struct orl_facet *facet = &world->geometry->facets[f];
+        if (!orl_material_transmits_lobes(&world->materials[facet->material]) || !(facet->area > 0))
+            continue;
+        for (size_t s = 0; s < world->n_suns; s++)
+            sum = orl_rgb_add(sum, light_by_pane(gather, (uint32_t)f, &world->suns[s], place,
+                                                 sequence_of(gather, OF_PANES + f, name)));
+    }
+    return sum;
+}
+
+/* The surface a sensor lies on, if one is close behind it and faces the same way. */
+static bool lies_on_surface(const struct orl_gather *gather, const struct orl_place *place,
+                            struct orl_footing *ret_footing)
+{
+    struct orl_hit hit;
+    if (!orl_geometry_intersect(gather->world->geometry, place->point, orl_neg(place->normal),
+                                gather->reach, &hit))
+        return false;
+    if (fabs(orl_dot(hit.normal, place->normal)) < 0.9 ||
+        !(orl_rgb_max(orl_material_diffuse(orl_world_material(gather->world, &hit))) > 0))
+        return false;
+    *ret_footing = (struct orl_footing){.world = gather->world,
+                                        .point = hit.point,
+                                        .normal = hit.front ? hit.normal : orl_neg(hit.normal),
+                                        .facet = hit.facet};
+    return true;
+}
+
+/* The rays of a group: even ones, and after them some to where it is bright, if that is worth it.
+ */
+struct volley {
+    const struct orl_bright_view *bright;
+    uint32_t even, aimed;
+};
+
+/*
+ * A group's share of the hemisphere by scrambled Sobol points, up to what a ray's first surface
+ * does with it: a sensor needs no gradients. The tally takes what the rays saw of photons.
+ */
+static struct orl_rgb gather_group(const struct orl_gather *gather, const struct orl_place *place,
+                                   const struct volley *volley, uint64_t name,
+                                   struct orl_search *search, struct orl_tally *tally)
+{
+    struct orl_rgb sum = orl_gray(0);
+    const uint32_t rays = volley->even + volley->aimed;
+    const uint32_t evenly = sequence_of(gather, OF_HEMISPHERE, name);
+    const uint32_t to_bright = sequence_of(gather, OF_AIMED, name);
+    for (uint32_t i = 0; i < rays && !orl_is_cancelled(gather->cancel); i++) {
+        struct orl_random random =
+            orl_random_stream(gather->seed, ORL_PURPOSE_SENSOR, (name << 24) + i + 1);
+        const bool aimed = i >= volley->even;
+        const struct orl_even first = {.index = aimed ? i - volley->even : i,
+                                       .sequence = aimed ? to_bright : evenly,
+                                       .skip = 2};
+        double u[2];
+        orl_sobol_point(&gather->sobol, first.index, first.sequence, 2, u);
+        if (aimed)
+            orl_bright_draw(volley->bright, u);
+        const double drawn =
+            volley->aimed > 0 ? volley->even + volley->aimed * orl_bright_density(volley->bright, u)
+                              : volley->even;
+        const struct orl_gather_ray ray = {.origin = place->point,
+                                           .direction =
+                                               orl_hemisphere_about(place->normal, u[0], u[1]),
+                                           .outside = place->outside,
+                                           .first = &first,
+                                           .tally = tally,
+                                           .share = ORL_PI / drawn / HEMISPHERES};
+        sum = orl_rgb_add(sum, orl_rgb_scale(orl_gather_radiance(gather, &ray, &random, search),
+                                             volley->even / drawn));
+    }
+    return orl_rgb_scale(sum, ORL_PI / volley->even);
+}
+
+/*
+ * The groups are few. A sequence of n rays has an error of about n^(-3/4), so that G of n / G have
+ * G^(1/4) times that: 16 would double it, and 4 tell their own by a few degrees of freedom, to
+ * which the photons add theirs.
+ */
+static struct orl_estimate gather_evenly(const struct orl_gather *gather,
+                                         const struct orl_place *place, uint32_t samples,
+                                         uint64_t index, struct orl_search *search,
+                                         struct orl_tally *tally)
+{
+    const uint32_t each = samples / HEMISPHERES > 0 ? samples / HEMISPHERES : 1;
+    struct orl_bright_view bright;
+    struct orl_rgb means[HEMISPHERES];
+    orl_bright_look(&gather->bright, place->point, place->normal, samples, &bright);
+    const struct volley volley = {&bright, each,
+                                  bright.worth ? (each + SHARE_AIMED - 1) / SHARE_AIMED : 0};
+    for (uint32_t group = 0; group < HEMISPHERES; group++)
+        means[group] =
+            gather_group(gather, place, &volley, index * HEMISPHERES + group, search, tally);
+    return orl_estimate_of_mean(means, HEMISPHERES);
+}
+
+/* Of a sun that the sensor's own plane cuts, or nearly, most rays say nothing: then more are sent.
+ */
+static uint32_t sun_rays(const struct orl_gather *gather, struct orl_vec3 normal)
+{
+    for (size_t i = 0; i < gather->world->n_suns; i++) {
+        const struct orl_sun *sun = &gather->world->suns[i];
+        const double half = sqrt(fmax(0, 1 - sun->cos_half_angle * sun->cos_half_angle));
+        if (fabs(orl_dot(sun->frame.n, normal)) < grazing_discs * half)
+            return GRAZING_SUN_RAYS;
+    }
+    return SUN_RAYS;
+}
+
+/* Light of suns and lamps, straight and, in mid-air, by panes: the mean of the groups. */
+static struct orl_estimate sample_lights(const struct orl_gather *gather,
+                                         const struct orl_place *place, uint64_t index,
+                                         struct orl_health *health)
+{
+    const bool by_panes = orl_gather_catches(gather, place) && !gather->world->omit.lobe_caustics;
+    const uint32_t rays = sun_rays(gather, place->normal);
+    struct orl_rgb means[GROUPS];
+    for (uint32_t group = 0; group < GROUPS; group++) {
+        const uint64_t name = index * GROUPS + group;
+        const uint32_t sequence = sequence_of(gather, OF_DIRECT, name);
+        means[group] =
+            orl_health_keep(health, orl_gather_direct(gather, place, sequence, 0, rays, NULL));
+        if (by_panes)
+            means[group] = orl_rgb_add(
+                means[group], orl_health_keep(health, caustics_in_air(gather, place, name)));
+    }
+    return orl_estimate_of_mean(means, GROUPS);
+}
+
+/* What one map has to do with a sensor: density at it, if any, and what rays saw. */
+static struct orl_estimate estimate_by_map(const struct orl_density *density,
+                                           const struct orl_batches *seen,
+                                           struct orl_health *health)
+{
+    struct orl_batches parts = *seen;
+    orl_batches_add(&parts, &density->parts, 1);
+    return (struct orl_estimate){.value = orl_health_keep(health, density->irradiance),
+                                 .standard_error = sqrt(orl_batches_variance(&parts)),
+                                 .degrees = ORL_MAP_BATCHES - 1,
+                                 .bias = density->bias,
+                                 .third = orl_batches_third(&parts)};
+}
+
+struct orl_place orl_gather_place(const struct orl_gather *gather, struct orl_vec3 position,
+                                  struct orl_vec3 direction, struct orl_footing *ret_footing)
+{
+    struct orl_place place = {.point = orl_stand(gather->world->geometry, position, direction),
+                              .normal = direction};
+    place.outside = orl_world_is_outside(gather->world, place.point);
+    place.in_air = !lies_on_surface(gather, &place, ret_footing);
+    return place;
+}
+
+/* Whether the density's bias shows, and there is a better way: suns' images in flat mirrors tell
+ * all that there is. Outside rays find it. */
+static bool is_blurred(const struct orl_world *world, const struct orl_place *place,
+                       const struct orl_density *caustic, const struct orl_estimate *rest)
+{
+    const double light = orl_luma(rest->value) + orl_luma(caustic->irradiance);
+    return !place->in_air && !place->outside &&
+           fabs(caustic->bias) > fmax(beside_rest * rest->standard_error, beside_light * light) &&
+           orl_air_is_by_images(world);
+}
+
+struct orl_estimate orl_gather_sensor(const struct orl_gather *gather, struct orl_place *place,
+                                      const struct orl_footing *footing, uint32_t samples,
+                                      uint64_t index, struct orl_search *search)
+{
+    static const struct orl_density none = {.found = 0};
+    struct orl_density rest = none, caustic = none;
+    const int kind_of_rest =
+        gather->rest == ORL_REST_RECORDS ? ORL_MAP_PRECOMPUTED : ORL_MAP_GLOBAL;
+    struct orl_tally tally = {.known = 0};
+    if (!place->in_air)
+        caustic = orl_gather_caustic_with_bias(gather, footing, search);
+    if (!place->in_air && !place->outside)
+        rest = orl_gather_rest(gather, footing, search);
+    struct orl_estimate lights = sample_lights(gather, place, index, &search->health);
+    struct orl_estimate sum = estimate_by_map(&rest, &tally.parts[kind_of_rest], &search->health);
+    if (rest.found == 0) {
+        const struct orl_estimate seen =
+            gather_evenly(gather, place, samples, index, search, &tally);
+        sum = estimate_by_map(&none, &tally.parts[kind_of_rest], &search->health);
+        sum = orl_estimate_add(sum, seen);
+    }
+    const struct orl_estimate all = orl_estimate_add(sum, lights);
+    if (is_blurred(gather->world, place, &caustic, &all)) {
+        place->in_air = true;
+        caustic = none;
+        lights = sample_lights(gather, place, index, &search->health);
+    }
+    sum = orl_estimate_add(sum, lights);
+    return orl_estimate_add(
+        sum, estimate_by_map(&caustic, &tally.parts[ORL_MAP_CAUSTIC], &search->health));
+}

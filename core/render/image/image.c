@@ -1,0 +1,332 @@
+#include "render/image/image.h"
+
+#include <stdlib.h>
+
+#include "render/image/mosaic.h"
+
+enum { LAMP_RAYS = 4 };
+/* Rays into a pane's lobes; fewer where pictures err by more elsewhere. */
+enum { PANE_SAMPLES = 28, FEWER_PANE_SAMPLES = 12, GLOSS_SAMPLES = 4 };
+static const double dimmest = 0.004; /* branches below this share of the pixel are not followed */
+enum { COARSEST_STEP = 16, RECORDS_A_ROUND = 256, HOLDS = 2 };
+
+/* Rows of a record's hemisphere, by the step that asks for it: the later, the fewer pixels it
+ * serves. Along the lines where surfaces meet late ones have little company, and their noise is
+ * seen as stitches; but what makes it, windows that few rays find, takes more rays in itself. */
+enum { ROWS = 12, ROWS_OF_STEP_4 = 8, LEAST_ROWS = 6 };
+
+/* Down to that step all places are looked at; and where all of the rest is gathered, to this. */
+enum { ALL_READ_OF_STEP = 8, ALL_OF_STEP = 2 };
+
+/* So they are in pictures of that many pixels or more. Smaller ones have fewer records, every one
+ * of them in a larger part of the picture: more rows, up to so many times as many. */
+static const double large_picture = 1 << 17, most_finer = 1.5;
+
+/* Places of one lattice row that want a record. */
+struct row {
+    struct orl_record *places; /* with the least radius that pixels allow */
+    size_t count, capacity;
+    bool out_of_memory;
+};
+
+struct painter {
+    const struct orl_gather *gather;
+    const struct orl_painting *painting;
+    struct orl_onlooker onlooker;
+    struct orl_icache cache;
+    bool outside;
+    struct orl_grain grain;
+    /* A round of records: places found row by row, then computed. */
+    uint32_t step;
+    uint64_t *seen; /* of every second pixel, by lattices' points */
+    struct row *rows;
+    struct orl_record *wanted;
+    size_t n_wanted, first_record;
+};
+
+static bool cancelled(const struct painter *p)
+{
+    return orl_paint_cancelled(p->painting->env);
+}
+
+/* Names the numbers of this view. */
+static uint64_t seed_of(const struct painter *p)
+{
+    return p->gather->seed + p->painting->env->index;
+}
+
+/* ---- Records --------------------------------------------------------------------------------- */
+
+/* Where only what is seen outside is gathered a last round finds next to nothing. */
+static uint32_t finest_step(const struct painter *p)
+{
+    return p->gather->rest == ORL_REST_GATHERED || p->outside ? 1 : 2;
+}
+
+/* Inside, where the rest is read, few rays are better than what they replace. */
+static uint32_t rows_of(const struct painter *p, const struct orl_place *place)
+{
+    const struct orl_film *film = p->painting->film;
+    const double finer = cbrt(sqrt(large_picture / ((double)film->width * film->height)));
+    const bool coarse = p->step > 2 && orl_lighting_gathers(p->gather, place);
+    const uint32_t rows = !coarse ? LEAST_ROWS : p->step > 4 ? ROWS : ROWS_OF_STEP_4;
+    return (uint32_t)lrint(rows * fmin(fmax(finer, 1), most_finer));
+}
+
+/* Gathers at a place; the record's random numbers come from the pixel that asked for it. */
+static void compute_record(void *arg, size_t index, uint32_t member)
+{
+    const struct painter *p = arg;
+    struct orl_record *record = &p->wanted[p->first_record + index];
+    struct orl_random random =
+        orl_random_stream(seed_of(p), ORL_PURPOSE_RECORD, p->cache.count + p->first_record + index);
+    if (cancelled(p))
+        return;
+    *record = orl_record_make(p->gather, &record->place, record->least, rows_of(p, &record->place),
+                              &p->cache, &random, &p->painting->env->searches[member]);
+}
+
+static void want(struct row *row, const struct orl_vertex *v, const struct orl_grain *grain)
+{
+    if (row->count == row->capacity) {
+        const size_t capacity = row->capacity ? 2 * row->capacity : 16;
+        struct orl_record *grown = realloc(row->places, capacity * sizeof *grown);
+        if (!grown) {
+            row->out_of_memory = true;
+            return;
+        }
+        row->places = grown;
+        row->capacity = capacity;
+    }
+    row->places[row->count++] =
+        (struct orl_record){.place = v->place, .least = orl_record_least(grain, v->distance)};
+}
+
+/* Whether a place needs no record; in the last round it will do that there is one to be read. */
+static bool is_served(const struct painter *p, const struct orl_place *place)
+{
+    return p->step > finest_step(p) ? orl_icache_serves(&p->cache, place)
+                                    : orl_icache_reaches(&p->cache, place);
+}
+
+/* Whether what is read at a place leaves it in doubt. */
+static bool is_doubted(const struct painter *p, const struct orl_vertex *v,
+                       struct orl_search *search)
+{
+    struct orl_footing footing;
+    if (p->gather->rest != ORL_REST_RECORDS ||
+        !orl_gather_footing(p->gather, v->on_surface, v->place.normal, &footing))
+        return false;
+    const struct orl_density read = orl_gather_rest(p->gather, &footing, search);
+    return orl_lighting_doubt(&read) > 0;
+}
+
+/*
+ * What a lattice's point has seen: the way of its ray, or, where the rest is read, that something
+ * there is gathered even so. There few places want a record, and the finer rounds look only about
+ * those that do, and where what is seen changes. So does the last round of others: between places
+ * that see the same all are served.
+ */
+enum { SEEN_GATHERED };
+
+static uint64_t *seen_at(const struct painter *p, uint32_t x, uint32_t y)
+{
+    return &p->seen[(size_t)(y / 2) * ((p->painting->film->width + 1) / 2) + x / 2];
+}
+
+/* What the lattice before tells of a point of this one. */
+struct told {
+    bool all;      /* its points about this one have seen the same, and nothing gathered: */
+    bool gathered; /* one of them has */
+    uint64_t seen;
+};
+
+static struct told tell(const struct painter *p, uint32_t x, uint32_t y)
+{
+    const uint32_t coarse = 2 * p->step, x0 = x - x % coarse, y0 = y - y % coarse;
+    const uint32_t x1 = x == x0 ? x : x0 + coarse, y1 = y == y0 ? y : y0 + coarse;
+    const bool beyond_x = x1 >= p->painting->film->width;
+    const bool beyond_y = y1 >= p->painting->film->height;
+    const uint64_t seen[4] = {*seen_at(p, x0, y0), *seen_at(p, beyond_x ? x0 : x1, y0),
+                              *seen_at(p, x0, beyond_y ? y0 : y1),
+                              *seen_at(p, beyond_x ? x0 : x1, beyond_y ? y0 : y1)};
+    struct told told = {.all = !beyond_x && !beyond_y, .seen = seen[0]};
+    for (int i = 0; i < 4; i++) {
+        told.gathered = told.gathered || seen[i] == SEEN_GATHERED;
+        told.all = told.all && seen[i] == seen[0];
+    }
+    told.all = told.all && !told.gathered;
+    return told;
+}
+
+/* Looks through the middle of a pixel for places that no record serves yet; with doubt, also for
+ * those where what is read is in doubt. Returns what it has seen. */
+static uint64_t look_for_places(const struct painter *p, uint32_t x, uint32_t y, bool doubt,
+                                struct row *row, struct orl_search *search)
+{
+    struct orl_vec3 origin, direction;
+    struct orl_sight sight;
+    struct orl_random random = {0};
+    bool gathered = false;
+    if (!orl_paint_ray(p->painting, x + 0.5, y + 0.5, &origin, &direction))
+        return SEEN_GATHERED + 1;
+    orl_shade_look(&p->onlooker, origin, direction, p->outside, false, &random, search, &sight);
+    for (uint32_t i = 0; i < sight.n_vertices; i++) {
+        const struct orl_vertex *v = &sight.vertices[i];
+        const bool is_read = !orl_lighting_gathers(p->gather, &v->place);
+        const bool served = (!is_read || doubt) && is_served(p, &v->place);
+        const bool wants = !served && (!is_read || (doubt && is_doubted(p, v, search)));
+        if (wants)
+            want(row, v, &p->grain);
+        gathered = gathered || served || wants;
+    }
+    return gathered && p->gather->rest != ORL_REST_GATHERED ? SEEN_GATHERED : sight.way | 1;
+}
+
+/* The places along one lattice row. */
+static void look_along_row(void *arg, size_t index, uint32_t member)
+{
+    const struct painter *p = arg;
+    struct orl_search *search = &p->painting->env->searches[member];
+    const uint32_t step = p->step, y = (uint32_t)index * step;
+    const bool all =
+        step >= (uint32_t)(p->gather->rest == ORL_REST_GATHERED ? ALL_OF_STEP : ALL_READ_OF_STEP);
+    for (uint32_t x = 0; x < p->painting->film->width && !cancelled(p); x += step) {
+        if (!all && x % (2 * step) == 0 && y % (2 * step) == 0)
+            continue; /* the lattice before has been there */
+        const struct told told = all ? (struct told){.gathered = true} : tell(p, x, y);
+        const uint64_t seen =
+            told.all ? told.seen : look_for_places(p, x, y, told.gathered, &p->rows[index], search);
+        if (step > 1)
+            *seen_at(p, x, y) = seen;
+    }
+}
+
+/* All rows' places in one array, in order; the rows are emptied. */
+static int join_rows(struct painter *p, size_t rows)
+{
+    size_t total = 0;
+    bool short_of_memory = false;
+    for (size_t i = 0; i < rows; i++) {
+        total += p->rows[i].count;
+        short_of_memory = short_of_memory || p->rows[i].out_of_memory;
+    }
+    struct orl_record *wanted = realloc(p->wanted, (total + 1) * sizeof *wanted);
+    if (wanted)
+        p->wanted = wanted;
+    p->n_wanted = 0;
+    for (size_t i = 0; i < rows; i++) {
+        for (size_t k = 0; wanted && k < p->rows[i].count; k++)
+            wanted[p->n_wanted++] = p->rows[i].places[k];
+        free(p->rows[i].places);
+    }
+    return wanted && !short_of_memory ? 0 : ORL_ERR_NOMEM;
+}
+
+static int compute_wanted(struct painter *p)
+{
+    for (p->first_record = 0; p->first_record < p->n_wanted; p->first_record += RECORDS_A_ROUND) {
+        const size_t left = p->n_wanted - p->first_record;
+        orl_crew_for(p->painting->env->crew, left < RECORDS_A_ROUND ? left : RECORDS_A_ROUND,
+                     compute_record, p);
+        if (cancelled(p))
+            return ORL_ERR_CANCELLED;
+    }
+    /* p->wanted is freed in orl_image_render, which the analyzer cannot see from here. */
+    /* NOLINTNEXTLINE(clang-analyzer-unix.Malloc) */
+    int code = orl_icache_add(&p->cache, p->wanted, p->n_wanted);
+    if (code == 0)
+        code = orl_icache_index(&p->cache);
+    /* After the last round there is nobody left to serve what is no longer reached. */
+    for (int i = 0; i < HOLDS && code == 0 && p->step > finest_step(p); i++)
+        code = orl_icache_hold_back(&p->cache);
+    return code;
+}
+
+/* Rounds from a coarse lattice to every pixel: the first half of the view's progress. */
+static int place_records(struct painter *p)
+{
+    const struct orl_film *film = p->painting->film;
+    int code = 0;
+    double done = 0;
+    const size_t across = (film->width + 1) / 2, down = (film->height + 1) / 2;
+    p->seen = calloc(across * down, sizeof *p->seen);
+    if (!p->seen)
+        return ORL_ERR_NOMEM;
+    for (p->step = COARSEST_STEP; p->step >= finest_step(p) && code == 0; p->step /= 2) {
+        const size_t rows = (film->height + p->step - 1) / p->step;
+        p->rows = calloc(rows, sizeof *p->rows);
+        if (!p->rows)
+            return ORL_ERR_NOMEM;
+        orl_crew_for(p->painting->env->crew, rows, look_along_row, p);
+        code = join_rows(p, rows);
+        free(p->rows);
+        if (code == 0)
+            code = compute_wanted(p);
+        done += 0.1;
+        p->painting->env->progress(p->painting->env->ctx, done);
+    }
+    return code;
+}
+
+/* ---- The view -------------------------------------------------------------------------------- */
+
+static struct orl_rgb lobe_radiance(const void *ctx, struct orl_vec3 origin,
+                                    struct orl_vec3 direction, bool outside,
+                                    struct orl_chance chance, struct orl_random *random,
+                                    struct orl_search *search)
+{
+    const struct orl_gather_ray ray = {
+        .origin = origin, .direction = direction, .outside = outside, .of_lobe = &chance};
+    return orl_gather_radiance(ctx, &ray, random, search);
+}
+
+static int paint_pixels(const struct painter *p)
+{
+    const uint32_t lamps = (uint32_t)(p->gather->world->n_emitters > 0);
+    atomic_bool failed = false;
+    struct orl_mosaic mosaic = {.lighting = {p->gather, &p->cache, p->grain, lamps ? LAMP_RAYS : 1},
+                                .onlooker = p->onlooker,
+                                .painting = p->painting,
+                                .seed = seed_of(p),
+                                .outside = p->outside,
+                                .failed = &failed};
+    const int code = orl_paint_tiles(p->painting, orl_mosaic_paint, &mosaic, 0.5);
+    return code == 0 && atomic_load(&failed) ? ORL_ERR_NOMEM : code;
+}
+
+int orl_image_render(const struct orl_gather *gather, const struct orl_painting *painting,
+                     struct orl_error *err)
+{
+    struct painter painter = {.gather = gather,
+                              .painting = painting,
+                              .onlooker = {.world = gather->world,
+                                           .sobol = &gather->sobol,
+                                           .pane_samples = gather->rest == ORL_REST_GATHERED
+                                                               ? PANE_SAMPLES
+                                                               : FEWER_PANE_SAMPLES,
+                                           .gloss_samples = GLOSS_SAMPLES,
+                                           .dimmest = dimmest,
+                                           .radiance = lobe_radiance,
+                                           .ctx = gather}};
+    const struct orl_view *view = painting->view;
+    const struct orl_vec3 eye = orl_sub(view->point, gather->world->geometry->center);
+    const double degrees = fmax(view->horizontal, view->vertical);
+    const double side = fmax(painting->film->width, painting->film->height);
+    painter.outside = orl_world_is_outside(gather->world, eye);
+    painter.grain = view->type == 'l'
+                        ? (struct orl_grain){.width = view->horizontal / painting->film->width}
+                        : (struct orl_grain){.angle = fmax(degrees * ORL_DEG_TO_RAD, 0.05) / side};
+    orl_icache_init(&painter.cache, gather->world->omit.channels);
+    int code = place_records(&painter);
+    if (code == 0)
+        code = paint_pixels(&painter);
+    orl_icache_done(&painter.cache);
+    free(painter.wanted);
+    free(painter.seen);
+    if (code == ORL_ERR_CANCELLED)
+        return orl_error_set(err, code, "cancelled while rendering a view");
+    if (code < 0)
+        return orl_error_set(err, code, "out of memory rendering a view");
+    return 0;
+}

@@ -1,0 +1,81 @@
+/*
+ * What the steps of a tile share (mosaic.h): its pixels and a margin of one about them, each by the
+ * ray through its middle; which random numbers are whose; how a ray through a pixel is followed.
+ * Coordinates of pixels count from the tile's corner: the margin's are -1 and the last.
+ *
+ * Threads: a tile's cells are its thread's own.
+ */
+#ifndef ORL_RENDER_IMAGE_MOSAIC_CELLS_H
+#define ORL_RENDER_IMAGE_MOSAIC_CELLS_H
+
+#include "render/image/mosaic.h"
+#include "render/image/pixel.h"
+
+enum { ORL_CELLS_SIDE = ORL_PAINT_TILE + 2 };
+
+/* A pixel by the ray through its middle. */
+struct orl_cell {
+    bool there;   /* in the picture */
+    bool made;    /* what is smooth is known, be it ... */
+    bool exact;   /* ... by itself */
+    bool refined; /* more rays are to be sent */
+    uint64_t way;
+    struct orl_rgb rest, direct, lobes;
+    double variance; /* of direct and lobes */
+    struct orl_smooth smooth;
+    struct orl_sight sight;
+};
+
+/* A tile in the making. */
+struct orl_tile_cells {
+    const struct orl_mosaic *m;
+    const struct orl_tile *tile;
+    struct orl_search *search;
+    struct orl_cell (*cells)[ORL_CELLS_SIDE]; /* row by row, from the margin */
+    struct orl_strays *strays;
+    int width, height; /* of the tile */
+};
+
+static inline struct orl_cell *orl_cell_at(const struct orl_tile_cells *mosaic, int x, int y)
+{
+    return &mosaic->cells[y + 1][x + 1];
+}
+
+static inline bool orl_cell_in_tile(const struct orl_tile_cells *mosaic, int x, int y)
+{
+    return x >= 0 && y >= 0 && x < mosaic->width && y < mosaic->height;
+}
+
+static inline uint64_t orl_cell_index(const struct orl_tile_cells *mosaic, int x, int y)
+{
+    const uint64_t width = mosaic->m->painting->film->width;
+    return (uint64_t)((int64_t)mosaic->tile->y0 + y) * width +
+           (uint64_t)((int64_t)mosaic->tile->x0 + x);
+}
+
+/* The numbers of a pixel's ray: the one through the middle is the last. */
+static inline struct orl_random orl_cell_numbers(const struct orl_tile_cells *mosaic, int x, int y,
+                                                 uint32_t ray)
+{
+    return orl_random_stream(mosaic->m->seed, ORL_PURPOSE_PIXEL,
+                             orl_cell_index(mosaic, x, y) * (ORL_PIXEL_RAYS + 1) + ray);
+}
+
+/* Of a pixel's shadow rays. */
+static inline uint32_t orl_cell_sequence(const struct orl_tile_cells *mosaic, int x, int y)
+{
+    return (uint32_t)orl_mix64(mosaic->m->seed * 5 + orl_cell_index(mosaic, x, y));
+}
+
+/* Follows the ray through a place of a pixel, with one in so many of the rays there are for lobes,
+ * 0: none; false where the view sees nothing. */
+bool orl_cell_look(const struct orl_tile_cells *mosaic, int x, int y, const double place[2],
+                   uint32_t lobe_share, struct orl_random *random, struct orl_sight *ret_sight);
+
+/* Second step (mosaic_smooth.c): what is smooth, at all pixels of the tile. */
+void orl_mosaic_fill(const struct orl_tile_cells *mosaic);
+
+/* Third step (mosaic_edges.c): the tile's pixels go into the film, those on edges by more rays. */
+void orl_mosaic_settle(const struct orl_tile_cells *mosaic);
+
+#endif

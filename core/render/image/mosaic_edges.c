@@ -1,0 +1,295 @@
+#include "render/image/mosaic_cells.h"
+
+/* Neighbours that differ by more than this share see an edge of a shadow; by less than the other
+ * they see none, whatever they see. */
+static const double sharp_difference = 0.15, no_difference = 0.02;
+
+/* Of a pixel's rays that see lobes one stands for others that are no further: pixels. */
+static const double close_by = 0.3;
+
+/* What is smooth is shared beyond its reach so many times: among the rays of a pixel, whose mean
+ * is what counts; and by a pixel whose neighbours bear it out. */
+static const double shared_within = 2, shared_about = 4;
+
+static struct orl_shade shade_of(const struct orl_cell *cell)
+{
+    const struct orl_rgb sharp = orl_rgb_add(cell->rest, cell->direct);
+    return (struct orl_shade){
+        .radiance = orl_rgb_add(orl_rgb_add(sharp, cell->lobes), cell->smooth.radiance),
+        .rest_error = cell->smooth.rest_error,
+        .caustic_error = cell->smooth.caustic_error,
+        .ray_error = sqrt(cell->variance)};
+}
+
+/*
+ * Why a pixel is looked at more closely, the stronger reason last: its neighbours see other things,
+ * or the edge of a shadow is near. There rays agree by chance, on one side of it or the other: four
+ * that do are no reason to stop.
+ */
+enum cause { CAUSE_NONE, CAUSE_THINGS, CAUSE_SHADOW };
+
+/* Whether, and why, two neighbours make one look closer at the first. */
+static enum cause differ(const struct orl_cell *cell, const struct orl_cell *other, bool other_made)
+{
+    const double luma = orl_luma(shade_of(cell).radiance);
+    if (other_made && cell->way != other->way) {
+        const double beside = orl_luma(shade_of(other).radiance);
+        return fabs(beside - luma) > no_difference * fmax(luma, beside) ? CAUSE_THINGS : CAUSE_NONE;
+    }
+    if (cell->way != other->way)
+        return CAUSE_THINGS;
+    const double sharp = orl_luma(orl_rgb_add(cell->rest, cell->direct));
+    const double beside = orl_luma(orl_rgb_add(other->rest, other->direct));
+    return fabs(beside - sharp) > sharp_difference * luma ? CAUSE_SHADOW : CAUSE_NONE;
+}
+
+static enum cause wants_more(const struct orl_tile_cells *mosaic, int x, int y)
+{
+    const struct orl_cell *cell = orl_cell_at(mosaic, x, y);
+    enum cause cause = CAUSE_NONE;
+    for (int dy = -1; dy <= 1; dy++) {
+        for (int dx = -1; dx <= 1; dx++) {
+            const struct orl_cell *other = orl_cell_at(mosaic, x + dx, y + dy);
+            const bool made = orl_cell_in_tile(mosaic, x + dx, y + dy) && other->made;
+            if (other == cell || !other->there)
+                continue;
+            const enum cause found = differ(cell, other, made);
+            cause = found > cause ? found : cause;
+        }
+    }
+    return cause;
+}
+
+/* What the rays of one pixel have found that the pixels about cannot tell. */
+struct found {
+    uint64_t way;
+    double x, y; /* in the pixel */
+    struct orl_vec3 on_surface;
+    struct orl_smooth smooth;
+    struct orl_rgb lobes;
+    double variance;
+};
+struct finds {
+    struct found list[ORL_PIXEL_RAYS];
+    uint32_t count;
+    bool is_new; /* one of them nobody about has seen */
+    /* Luma of the direct light of rays that go the pixel's own way. */
+    double least_direct, most_direct;
+};
+
+/* The nearest of the pixels about a place of one that see the same, and how far their lumas reach.
+ */
+struct kin {
+    const struct orl_cell *nearest; /* NULL: there is none */
+    double least, most;
+};
+
+static struct kin kin_of(const struct orl_tile_cells *mosaic, int x, int y, const double place[2],
+                         uint64_t way)
+{
+    struct kin kin = {NULL, INFINITY, 0};
+    double least = INFINITY;
+    for (int dy = -1; dy <= 1; dy++) {
+        for (int dx = -1; dx <= 1; dx++) {
+            const struct orl_cell *cell = orl_cell_at(mosaic, x + dx, y + dy);
+            const double across = dx + 0.5 - place[0], down = dy + 0.5 - place[1];
+            const double distance2 = across * across + down * down;
+            if (!orl_cell_in_tile(mosaic, x + dx, y + dy) || cell->way != way)
+                continue;
+            const double luma = orl_luma(orl_rgb_add(cell->smooth.radiance, cell->lobes));
+            kin.least = fmin(kin.least, luma);
+            kin.most = fmax(kin.most, luma);
+            if (distance2 < least) {
+                least = distance2;
+                kin.nearest = cell;
+            }
+        }
+    }
+    return kin;
+}
+
+/* The first surface of a sight that has any. */
+static struct orl_vec3 surface_of(const struct orl_sight *sight)
+{
+    return sight->n_vertices > 0 ? sight->vertices[0].on_surface : orl_v3(0, 0, 0);
+}
+
+static bool is_within(struct orl_vec3 a, struct orl_vec3 b, double reach)
+{
+    const struct orl_vec3 way = orl_sub(a, b);
+    return orl_dot(way, way) < reach * reach;
+}
+
+/* Whether what one ray has found will do for another of the pixel. */
+static bool will_do(const struct found *known, const double place[2], const struct orl_sight *sight)
+{
+    const double across = known->x - place[0], down = known->y - place[1];
+    if (known->way != sight->way)
+        return false;
+    return sight->has_lobes ? across * across + down * down < close_by * close_by
+                            : is_within(surface_of(sight), known->on_surface,
+                                        shared_within * known->smooth.reach);
+}
+
+/* What is smooth and what lobes show, worked out for a ray, or for one close by. */
+static const struct found *find(const struct orl_tile_cells *mosaic, int x, int y,
+                                const double place[2], struct orl_sight *sight,
+                                struct orl_random *random, struct finds *finds)
+{
+    for (uint32_t i = 0; i < finds->count; i++)
+        if (will_do(&finds->list[i], place, sight))
+            return &finds->list[i];
+    struct found *found = &finds->list[finds->count++];
+    if (sight->has_lobes)
+        orl_cell_look(mosaic, x, y, place, ORL_PIXEL_FIRST_RAYS, random, sight);
+    *found = (struct found){.way = sight->way,
+                            .x = place[0],
+                            .y = place[1],
+                            .on_surface = surface_of(sight),
+                            .smooth = orl_lighting_smooth(&mosaic->m->lighting, sight,
+                                                          mosaic->strays, random, mosaic->search),
+                            .lobes = sight->lobes,
+                            .variance = sight->lobes_variance};
+    return found;
+}
+
+/* Whether the nearest may speak for a ray that sees the same. */
+static bool is_close(const struct kin *kin, const struct orl_sight *sight)
+{
+    /* Lobes change within a pixel of what frames them. */
+    if (!kin->nearest || sight->has_lobes || kin->most - kin->least > sharp_difference * kin->most)
+        return false;
+    if (sight->n_vertices == 0)
+        return true;
+    return is_within(surface_of(sight), surface_of(&kin->nearest->sight),
+                     shared_about * kin->nearest->smooth.reach);
+}
+
+/* What one more ray sees. */
+static struct orl_shade shade_ray(const struct orl_tile_cells *mosaic, int x, int y, uint32_t ray,
+                                  struct finds *finds)
+{
+    struct orl_random random = orl_cell_numbers(mosaic, x, y, ray);
+    struct orl_sight sight;
+    struct orl_cell seen;
+    double place[2];
+    orl_pixel_place(ray, &place[0], &place[1]);
+    if (!orl_cell_look(mosaic, x, y, place, 0, &random, &sight))
+        return (struct orl_shade){.rest_error = 0};
+    const struct orl_shadowed direct =
+        orl_lighting_direct(&mosaic->m->lighting, &sight, orl_cell_sequence(mosaic, x, y),
+                            ray * mosaic->m->lighting.shadow_rays, &mosaic->search->health);
+    const struct kin kin = kin_of(mosaic, x, y, place, sight.way);
+    if (sight.way == orl_cell_at(mosaic, x, y)->way) {
+        finds->least_direct = fmin(finds->least_direct, orl_luma(direct.radiance));
+        finds->most_direct = fmax(finds->most_direct, orl_luma(direct.radiance));
+    }
+    seen.rest = sight.rest;
+    seen.direct = direct.radiance;
+    if (is_close(&kin, &sight)) {
+        seen.smooth = kin.nearest->smooth;
+        seen.lobes = kin.nearest->lobes;
+        seen.variance = kin.nearest->sight.lobes_variance + direct.variance;
+    } else {
+        const struct found *found = find(mosaic, x, y, place, &sight, &random, finds);
+        finds->is_new = finds->is_new || !kin.nearest;
+        seen.smooth = found->smooth;
+        seen.lobes = found->lobes;
+        seen.variance = found->variance + direct.variance;
+    }
+    return shade_of(&seen);
+}
+
+/* A pixel by more rays, at least so many. ret_cause: why those about it are to be looked at as
+ * well, for these have seen something that no ray about has, or a shadow's edge. */
+static struct orl_pixel refine(const struct orl_tile_cells *mosaic, int x, int y, uint32_t rays,
+                               enum cause *ret_cause)
+{
+    const double own = orl_luma(orl_cell_at(mosaic, x, y)->direct);
+    struct orl_pixel_rays tally = {.rays = 0};
+    struct finds finds;
+    finds.count = 0;
+    finds.is_new = false;
+    finds.least_direct = finds.most_direct = own;
+    for (uint32_t i = 0; i < rays || (i < ORL_PIXEL_RAYS && orl_pixel_is_uneven(&tally)); i++) {
+        const struct orl_shade shade = shade_ray(mosaic, x, y, i, &finds);
+        orl_pixel_add(&tally, &shade);
+    }
+    *ret_cause = finds.is_new ? CAUSE_THINGS : CAUSE_NONE;
+    if (finds.most_direct - finds.least_direct >
+        sharp_difference * orl_luma(tally.sum) / tally.rays)
+        *ret_cause = CAUSE_SHADOW;
+    return orl_pixel_settle(&tally);
+}
+
+static struct orl_pixel settle_cell(const struct orl_cell *cell)
+{
+    struct orl_pixel_rays tally = {.rays = 0};
+    const struct orl_shade shade = shade_of(cell);
+    orl_pixel_add(&tally, &shade);
+    return orl_pixel_settle(&tally);
+}
+
+static void set(const struct orl_tile_cells *mosaic, int x, int y, const struct orl_pixel *pixel)
+{
+    orl_film_set(mosaic->m->painting->film, mosaic->tile->x0 + (uint32_t)x,
+                 mosaic->tile->y0 + (uint32_t)y, pixel, &mosaic->search->health);
+}
+
+/* Pixels to be refined. */
+struct refining {
+    struct {
+        int x, y;
+        enum cause cause;
+    } stack[ORL_PAINT_TILE * ORL_PAINT_TILE];
+    int depth;
+};
+
+static void put(const struct orl_tile_cells *mosaic, int x, int y, enum cause cause,
+                struct refining *refining)
+{
+    if (!orl_cell_in_tile(mosaic, x, y) || orl_cell_at(mosaic, x, y)->refined)
+        return;
+    orl_cell_at(mosaic, x, y)->refined = true;
+    refining->stack[refining->depth].x = x;
+    refining->stack[refining->depth].y = y;
+    refining->stack[refining->depth++].cause = cause;
+}
+
+/* Refines a pixel, and those about it for as long as something new comes up, or a shadow ends. */
+static void refine_about(const struct orl_tile_cells *mosaic, int x, int y, enum cause cause)
+{
+    struct refining refining; /* not its stack, which is large */
+    refining.depth = 0;
+    put(mosaic, x, y, cause, &refining);
+    while (refining.depth > 0) {
+        refining.depth--;
+        const int at_x = refining.stack[refining.depth].x, at_y = refining.stack[refining.depth].y;
+        enum cause found;
+        const struct orl_pixel pixel =
+            refine(mosaic, at_x, at_y,
+                   refining.stack[refining.depth].cause == CAUSE_SHADOW ? ORL_PIXEL_RAYS
+                                                                        : ORL_PIXEL_FIRST_RAYS,
+                   &found);
+        set(mosaic, at_x, at_y, &pixel);
+        for (int i = 0; i < 9 && found != CAUSE_NONE; i++)
+            put(mosaic, at_x + i % 3 - 1, at_y + i / 3 - 1, found, &refining);
+    }
+}
+
+void orl_mosaic_settle(const struct orl_tile_cells *mosaic)
+{
+    for (int y = 0; y < mosaic->height; y++) {
+        for (int x = 0; x < mosaic->width; x++) {
+            const struct orl_pixel pixel = settle_cell(orl_cell_at(mosaic, x, y));
+            set(mosaic, x, y, &pixel);
+        }
+    }
+    for (int y = 0; y < mosaic->height; y++)
+        for (int x = 0; x < mosaic->width && !orl_paint_cancelled(mosaic->m->painting->env); x++)
+            if (!orl_cell_at(mosaic, x, y)->refined) {
+                const enum cause cause = wants_more(mosaic, x, y);
+                if (cause != CAUSE_NONE)
+                    refine_about(mosaic, x, y, cause);
+            }
+}

@@ -1,0 +1,132 @@
+#include "render/image/mosaic_cells.h"
+
+/* Pixels across the widest squares. */
+enum { WIDEST = 8 };
+
+/* What is carried over may be off by the first share of a pixel; or by its standard error, but no
+ * more than by the second. */
+static const double tolerance = 0.02, most_tolerance = 0.06;
+
+static void make_exact(const struct orl_tile_cells *mosaic, int x, int y)
+{
+    struct orl_cell *cell = orl_cell_at(mosaic, x, y);
+    struct orl_random random = orl_cell_numbers(mosaic, x, y, ORL_PIXEL_RAYS);
+    if (cell->exact || !cell->there)
+        return;
+    cell->smooth = orl_lighting_smooth(&mosaic->m->lighting, &cell->sight, mosaic->strays, &random,
+                                       mosaic->search);
+    cell->made = cell->exact = true;
+}
+
+/* Corners of a square of pixels, all of them in it. */
+struct square {
+    int x0, y0, x1, y1;
+};
+
+/* Adds a share of one to another. */
+static void add_smooth(struct orl_smooth *sum, const struct orl_smooth *more, double share)
+{
+    sum->radiance = orl_rgb_add(sum->radiance, orl_rgb_scale(more->radiance, share));
+    sum->rest_error += share * more->rest_error;
+    sum->caustic_error += share * more->caustic_error;
+    sum->reach = fmin(sum->reach, more->reach);
+}
+
+/* Between the corners, by shares of the way across and down. */
+static struct orl_smooth between(const struct orl_tile_cells *mosaic, const struct square *s,
+                                 double across, double down)
+{
+    struct orl_smooth sum = {.reach = INFINITY};
+    add_smooth(&sum, &orl_cell_at(mosaic, s->x0, s->y0)->smooth, (1 - across) * (1 - down));
+    add_smooth(&sum, &orl_cell_at(mosaic, s->x1, s->y0)->smooth, across * (1 - down));
+    add_smooth(&sum, &orl_cell_at(mosaic, s->x0, s->y1)->smooth, (1 - across) * down);
+    add_smooth(&sum, &orl_cell_at(mosaic, s->x1, s->y1)->smooth, across * down);
+    return sum;
+}
+
+static double share_of(int at, int from, int to)
+{
+    return to > from ? (double)(at - from) / (to - from) : 0;
+}
+
+/* Whether corners and middle see alike, and the corners say what the middle is. */
+static bool is_smooth(const struct orl_tile_cells *mosaic, const struct square *s)
+{
+    const int x = (s->x0 + s->x1) / 2, y = (s->y0 + s->y1) / 2;
+    const int xs[4] = {s->x0, s->x1, s->x0, s->x1}, ys[4] = {s->y0, s->y0, s->y1, s->y1};
+    const struct orl_cell *middle = orl_cell_at(mosaic, x, y);
+    for (int i = 0; i < 4; i++)
+        if (!orl_cell_at(mosaic, xs[i], ys[i])->there ||
+            orl_cell_at(mosaic, xs[i], ys[i])->way != middle->way)
+            return false;
+    for (int i = 0; i < 4; i++)
+        make_exact(mosaic, xs[i], ys[i]);
+    make_exact(mosaic, x, y);
+    const struct orl_smooth guess =
+        between(mosaic, s, share_of(x, s->x0, s->x1), share_of(y, s->y0, s->y1));
+    const double luma = orl_luma(middle->smooth.radiance);
+    const double all = luma + orl_luma(middle->rest) + orl_luma(middle->direct);
+    const double error = hypot(middle->smooth.rest_error, middle->smooth.caustic_error);
+    return fabs(orl_luma(guess.radiance) - luma) <=
+           fmax(tolerance * all, fmin(error, most_tolerance * all));
+}
+
+static void carry_over(const struct orl_tile_cells *mosaic, const struct square *s)
+{
+    const uint64_t way = orl_cell_at(mosaic, s->x0, s->y0)->way;
+    for (int y = s->y0; y <= s->y1; y++) {
+        for (int x = s->x0; x <= s->x1; x++) {
+            struct orl_cell *cell = orl_cell_at(mosaic, x, y);
+            if (cell->made)
+                continue;
+            if (cell->way != way) {
+                make_exact(mosaic, x, y);
+                continue;
+            }
+            cell->smooth = between(mosaic, s, share_of(x, s->x0, s->x1), share_of(y, s->y0, s->y1));
+            cell->made = true;
+        }
+    }
+}
+
+static void fill_square(const struct orl_tile_cells *mosaic, const struct square *s)
+{
+    const int x = (s->x0 + s->x1) / 2, y = (s->y0 + s->y1) / 2;
+    const bool wide = s->x1 - s->x0 > 1, high = s->y1 - s->y0 > 1;
+    if (!wide && !high) {
+        make_exact(mosaic, s->x0, s->y0);
+        make_exact(mosaic, s->x1, s->y0);
+        make_exact(mosaic, s->x0, s->y1);
+        make_exact(mosaic, s->x1, s->y1);
+        return;
+    }
+    if (is_smooth(mosaic, s)) {
+        carry_over(mosaic, s);
+        return;
+    }
+    fill_square(mosaic, &(struct square){s->x0, s->y0, wide ? x : s->x1, high ? y : s->y1});
+    if (wide)
+        fill_square(mosaic, &(struct square){x, s->y0, s->x1, high ? y : s->y1});
+    if (high)
+        fill_square(mosaic, &(struct square){s->x0, y, wide ? x : s->x1, s->y1});
+    if (wide && high)
+        fill_square(mosaic, &(struct square){x, y, s->x1, s->y1});
+}
+
+static int lesser(int a, int b)
+{
+    return a < b ? a : b;
+}
+
+/* Squares share their corners, also with those of the tiles beside: hence the margin. */
+void orl_mosaic_fill(const struct orl_tile_cells *mosaic)
+{
+    const int last_x =
+        orl_cell_at(mosaic, mosaic->width, 0)->there ? mosaic->width : mosaic->width - 1;
+    const int last_y =
+        orl_cell_at(mosaic, 0, mosaic->height)->there ? mosaic->height : mosaic->height - 1;
+    for (int y = 0; y < mosaic->height; y += WIDEST)
+        for (int x = 0; x < mosaic->width; x += WIDEST)
+            fill_square(mosaic, &(struct square){x, y, lesser(x + WIDEST, last_x),
+                                                 lesser(y + WIDEST, last_y)});
+}

@@ -1,0 +1,83 @@
+#include "render/image/paint.h"
+
+enum { TILES_A_ROUND = 64 };
+
+struct tiles {
+    const struct orl_painting *painting;
+    orl_paint_tile *paint;
+    void *ctx;
+    size_t first, across;
+};
+
+bool orl_paint_ray(const struct orl_painting *painting, double x, double y,
+                   struct orl_vec3 *ret_origin, struct orl_vec3 *ret_direction)
+{
+    const struct orl_film *film = painting->film;
+    if (!orl_view_ray(painting->view, x / film->width, 1 - y / film->height, ret_origin,
+                      ret_direction))
+        return false;
+    *ret_origin = orl_sub(*ret_origin, painting->geometry->center);
+    return true;
+}
+
+static uint32_t least(uint32_t a, uint32_t b)
+{
+    return a < b ? a : b;
+}
+
+static void paint_tile(void *arg, size_t index, uint32_t member)
+{
+    const struct tiles *tiles = arg;
+    const struct orl_painting *painting = tiles->painting;
+    const size_t tile = tiles->first + index;
+    const uint32_t x = (uint32_t)(tile % tiles->across) * ORL_PAINT_TILE;
+    const uint32_t y = (uint32_t)(tile / tiles->across) * ORL_PAINT_TILE;
+    const struct orl_tile at = {x, y, least(x + ORL_PAINT_TILE, painting->film->width),
+                                least(y + ORL_PAINT_TILE, painting->film->height)};
+    if (!orl_paint_cancelled(painting->env))
+        tiles->paint(tiles->ctx, &at, &painting->env->searches[member]);
+}
+
+int orl_paint_tiles(const struct orl_painting *painting, orl_paint_tile *paint, void *ctx,
+                    double before)
+{
+    const struct orl_film *film = painting->film;
+    struct tiles tiles = {.painting = painting, .paint = paint, .ctx = ctx};
+    tiles.across = (film->width + ORL_PAINT_TILE - 1) / ORL_PAINT_TILE;
+    const size_t all = tiles.across * ((film->height + ORL_PAINT_TILE - 1) / ORL_PAINT_TILE);
+    for (tiles.first = 0; tiles.first < all; tiles.first += TILES_A_ROUND) {
+        const size_t left = all - tiles.first;
+        orl_crew_for(painting->env->crew, left < TILES_A_ROUND ? left : TILES_A_ROUND, paint_tile,
+                     &tiles);
+        if (orl_paint_cancelled(painting->env))
+            return ORL_ERR_CANCELLED;
+        painting->env->progress(painting->env->ctx,
+                                before + (1 - before) * (double)tiles.first / (double)all);
+    }
+    return 0;
+}
+
+struct pixels {
+    const struct orl_painting *painting;
+    orl_paint_pixel *pixel;
+    void *ctx;
+};
+
+static void paint_pixels(void *ctx, const struct orl_tile *tile, struct orl_search *search)
+{
+    const struct pixels *pixels = ctx;
+    for (uint32_t y = tile->y0; y < tile->y1; y++) {
+        for (uint32_t x = tile->x0; x < tile->x1; x++) {
+            if (orl_paint_cancelled(pixels->painting->env))
+                return;
+            const struct orl_pixel pixel = pixels->pixel(pixels->ctx, x, y, search);
+            orl_film_set(pixels->painting->film, x, y, &pixel, &search->health);
+        }
+    }
+}
+
+int orl_paint(const struct orl_painting *painting, orl_paint_pixel *pixel, void *ctx, double before)
+{
+    struct pixels pixels = {painting, pixel, ctx};
+    return orl_paint_tiles(painting, paint_pixels, &pixels, before);
+}

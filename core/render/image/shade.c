@@ -1,0 +1,303 @@
+#include "render/image/shade.h"
+
+#include "light/proxies.h"
+
+enum { MOST_SPLITS = 6, MOST_SPLITS_BY_LOT = 64, MOST_BRANCHES = 16 };
+
+/* One branch of the ray still to be followed. */
+struct branch {
+    struct orl_vec3 origin, direction;
+    struct orl_rgb weight;
+    double distance;
+    struct orl_rgb clarity; /* of what it goes through */
+    bool outside;
+    uint32_t splits;
+};
+
+struct look {
+    const struct orl_onlooker *onlooker;
+    struct orl_random *random;
+    struct orl_search *search;
+    struct orl_sight *sight;
+    bool lobes;
+    struct branch stack[MOST_BRANCHES];
+    uint32_t depth;
+};
+
+/* The scene that views see. */
+static const struct orl_world *scene_of(const struct look *look)
+{
+    return orl_world_seen(look->onlooker->world);
+}
+
+static void add(struct look *look, struct orl_rgb weight, struct orl_rgb radiance)
+{
+    look->sight->rest = orl_rgb_add(look->sight->rest, orl_rgb_mul(weight, radiance));
+}
+
+/* Whether a branch that starts there is outside: ports tell, and where an illum is looked through,
+ * a look around. */
+static bool is_outside(const struct look *look, const struct branch *from,
+                       const struct orl_hit *hit, struct orl_vec3 start, bool transmitted)
+{
+    const struct orl_world *world = scene_of(look);
+    if (!transmitted || world->open)
+        return from->outside;
+    if (orl_world_material(world, hit)->kind == ORL_MATERIAL_ILLUM)
+        return orl_world_is_outside(look->onlooker->world, start);
+    const enum orl_crossing crossing = orl_world_crossing(world, hit);
+    return crossing == ORL_CROSSING_NONE ? from->outside : crossing == ORL_CROSSING_OUTWARDS;
+}
+
+/* Whether a branch is worth following, or drawn to be. */
+static bool goes_on(struct look *look, struct branch *branch)
+{
+    const struct orl_onlooker *onlooker = look->onlooker;
+    const double share = orl_rgb_max(branch->weight);
+    const uint32_t most = onlooker->by_lot ? MOST_SPLITS_BY_LOT : MOST_SPLITS;
+    if (look->depth >= MOST_BRANCHES || branch->splits > most)
+        return false;
+    if (share >= onlooker->dimmest || !onlooker->by_lot)
+        return share >= onlooker->dimmest;
+    if (!(orl_random_uniform(look->random) * onlooker->dimmest < share))
+        return false;
+    branch->weight = orl_rgb_scale(branch->weight, onlooker->dimmest / share);
+    return true;
+}
+
+/* On in the direction of s, with its weight. */
+static void follow(struct look *look, const struct branch *from, const struct orl_hit *hit,
+                   const struct orl_scatter *s)
+{
+    const struct orl_world *world = scene_of(look);
+    const struct orl_material *m = orl_world_material(world, hit);
+    struct branch next = {.direction = s->direction,
+                          .weight = orl_rgb_mul(from->weight, s->weight),
+                          .distance = from->distance + hit->distance,
+                          .clarity = orl_scatter_clarity(m, s, from->clarity),
+                          .splits = from->splits + 1};
+    if (!goes_on(look, &next))
+        return;
+    next.origin = orl_hit_leave(world->geometry, hit, s->direction);
+    next.outside = is_outside(look, from, hit, next.origin, s->transmitted);
+    look->stack[look->depth++] = next;
+}
+
+static void add_vertex(struct look *look, const struct branch *at, const struct orl_hit *hit,
+                       const struct orl_material *m)
+{
+    const struct orl_vec3 seen = hit->front ? hit->normal : orl_neg(hit->normal);
+    const struct orl_world *world = scene_of(look);
+    const bool proxied = orl_world_hides(world, hit->facet);
+    if (look->sight->n_vertices >= ORL_SHADE_VERTICES)
+        return;
+    look->sight->vertices[look->sight->n_vertices++] = (struct orl_vertex){
+        .place = {.point = orl_hit_leave(world->geometry, hit, seen),
+                  .normal = seen,
+                  .outside = at->outside || proxied,
+                  .proxied = proxied},
+        .on_surface = hit->point,
+        .weight = orl_rgb_scale(orl_rgb_mul(at->weight, orl_material_diffuse(m)), 1 / ORL_PI),
+        .distance = at->distance + hit->distance};
+}
+
+/* Of samples: their sum, and that of the squares of their luma. */
+struct samples {
+    struct orl_rgb sum;
+    double squares;
+    uint32_t count;
+};
+
+static void add_sample(struct samples *samples, struct orl_rgb value)
+{
+    samples->sum = orl_rgb_add(samples->sum, value);
+    samples->squares += orl_luma(value) * orl_luma(value);
+    samples->count++;
+}
+
+/* Their mean, of that weight, into what the lobes show. */
+static void add_mean(struct look *look, struct orl_rgb weight, const struct samples *samples)
+{
+    const double n = samples->count;
+    const struct orl_rgb mean = orl_rgb_scale(samples->sum, 1 / n);
+    const double luma = orl_luma(mean), share = orl_luma(weight);
+    look->sight->lobes = orl_rgb_add(look->sight->lobes, orl_rgb_mul(weight, mean));
+    if (n > 1)
+        look->sight->lobes_variance +=
+            share * share * fmax(samples->squares / n - luma * luma, 0) / (n - 1);
+}
+
+/* Suns and lights in the lobes of a surface, averaged over a few shadow rays. */
+static void add_direct_in_lobes(struct look *look, const struct branch *at,
+                                const struct orl_hit *hit, const struct orl_material *m,
+                                struct orl_vec3 eye)
+{
+    enum { SAMPLES = 2 };
+    const struct orl_world *world = scene_of(look);
+    struct samples direct = {.count = 0};
+    if (!orl_world_hides(world, hit->facet))
+        world = look->onlooker->world;
+    for (int i = 0; i < SAMPLES; i++)
+        add_sample(&direct, orl_direct_by_lobes(world, hit, m, eye, look->random));
+    add_mean(look, at->weight, &direct);
+}
+
+static struct orl_scatter sample_lobes(const struct look *look, const struct orl_hit *hit,
+                                       const struct orl_material *m, struct orl_vec3 eye,
+                                       uint32_t sample, uint32_t sequence)
+{
+    /* What is mirrored is followed by itself. */
+    const bool mirrors = orl_rgb_max(orl_material_mirrored(m, hit, eye)) > 0;
+    const enum orl_lobes lobes = mirrors
+                                     ? ORL_LOBE_TRANSMITTED
+                                     : (enum orl_lobes)(ORL_LOBE_REFLECTED | ORL_LOBE_TRANSMITTED);
+    double u[3];
+    if (!orl_material_transmits_lobes(m))
+        return orl_scatter_sample(m, hit, eye, ORL_TRANSPORT_EYE, lobes, look->random);
+    orl_sobol_point(look->onlooker->sobol, sample, sequence, 3, u);
+    return orl_scatter_sample_at(m, hit, eye, ORL_TRANSPORT_EYE, lobes, u);
+}
+
+/* What comes along a lobe's ray. */
+static struct orl_rgb seen_along(struct look *look, const struct orl_hit *hit, struct orl_vec3 eye,
+                                 const struct orl_scatter *s, bool outside)
+{
+    const struct orl_world *world = scene_of(look);
+    const struct orl_vec3 start = orl_hit_leave(world->geometry, hit, s->direction);
+    const struct orl_chance chance = orl_chance_after(world, hit, eye, s, orl_chance_found());
+    if (orl_world_hides(world, hit->facet))
+        return orl_exterior_radiance(world, start, s->direction, chance, look->random,
+                                     &look->search->health, NULL);
+    return look->onlooker->radiance(look->onlooker->ctx, start, s->direction, outside, chance,
+                                    look->random, look->search);
+}
+
+/* Lobes of a surface: lights directly, all else by a few rays. What goes straight is followed too.
+ */
+static void add_lobes(struct look *look, const struct branch *at, const struct orl_hit *hit,
+                      const struct orl_material *m, uint32_t samples)
+{
+    const struct orl_world *world = scene_of(look);
+    const struct orl_vec3 eye = orl_neg(at->direction);
+    const enum orl_crossing crossing = orl_world_crossing(world, hit);
+    struct samples scattered = {.count = 0};
+    add_direct_in_lobes(look, at, hit, m, eye);
+    const uint32_t sequence = (uint32_t)orl_random_bits(look->random);
+    for (uint32_t i = 0; i < samples; i++) {
+        const struct orl_scatter s = sample_lobes(look, hit, m, eye, i, sequence);
+        struct orl_rgb seen = orl_gray(0);
+        bool outside = at->outside;
+        if (s.transmitted && crossing != ORL_CROSSING_NONE)
+            outside = !world->open && crossing == ORL_CROSSING_OUTWARDS;
+        if (s.event == ORL_EVENT_GLOSSY)
+            seen = orl_rgb_mul(s.weight, seen_along(look, hit, eye, &s, outside));
+        add_sample(&scattered, seen);
+    }
+    add_mean(look, at->weight, &scattered);
+}
+
+/* Both ways on of what is not scattered. */
+static void split(struct look *look, const struct branch *at, const struct orl_hit *hit,
+                  const struct orl_material *m)
+{
+    const struct orl_vec3 eye = orl_neg(at->direction);
+    struct orl_scatter on = {.direction = at->direction,
+                             .weight = orl_material_straight(m, hit, eye),
+                             .transmitted = true};
+    const double cosine = orl_dot(eye, hit->normal);
+    struct orl_scatter back = {.direction = orl_sub(orl_scale(hit->normal, 2 * cosine), eye),
+                               .weight = orl_material_mirrored(m, hit, eye),
+                               .clarity = m->media[hit->front ? 1 : 0].transmissivity};
+    follow(look, at, hit, &back);
+    orl_material_refract(m, hit, eye, ORL_TRANSPORT_EYE, &on);
+    follow(look, at, hit, &on);
+}
+
+/* What a view sees there: an illum is something else to it. NULL: nothing at all. */
+static const struct orl_material *seen_at(const struct look *look, const struct orl_hit *hit)
+{
+    const struct orl_world *world = scene_of(look);
+    const struct orl_material *m = orl_world_material(world, hit);
+    if (m->kind != ORL_MATERIAL_ILLUM)
+        return m;
+    return m->seen_as >= 0 ? &world->materials[m->seen_as] : NULL;
+}
+
+static void note_way(struct orl_sight *sight, uint64_t met)
+{
+    sight->way = orl_mix64(sight->way + met + 1);
+}
+
+static void meet(struct look *look, const struct branch *met, const struct orl_hit *hit)
+{
+    const struct orl_material *m = seen_at(look, hit);
+    struct branch at = *met;
+    note_way(look->sight, 2 * (uint64_t)hit->facet + hit->front);
+    if (!m) {
+        const struct orl_scatter on = {
+            .direction = at.direction, .weight = orl_gray(1), .transmitted = true};
+        follow(look, &at, hit, &on);
+        return;
+    }
+    at.weight = orl_rgb_mul(at.weight, orl_material_dimming(m, hit, at.clarity));
+    if (orl_rgb_max(orl_material_diffuse(m)) > 0)
+        add_vertex(look, &at, hit, m);
+    split(look, &at, hit, m);
+    const bool has_lobes = orl_material_has_lobes(m);
+    look->sight->has_lobes = look->sight->has_lobes || has_lobes;
+    if (has_lobes && look->lobes)
+        add_lobes(look, &at, hit, m,
+                  orl_material_transmits_lobes(m) ? look->onlooker->pane_samples
+                                                  : look->onlooker->gloss_samples);
+    add(look, at.weight, orl_material_emission(m, hit, orl_neg(at.direction)));
+}
+
+/* Views pass the BSDFs that stand for what they see, but notice which side they are on. */
+static void pass_proxies(const struct orl_world *world, double distance, struct branch *at)
+{
+    const enum orl_crossing passed =
+        orl_proxies_passed(world->scene, at->origin, at->direction, distance);
+    if (passed != ORL_CROSSING_NONE && !world->open)
+        at->outside = passed == ORL_CROSSING_OUTWARDS;
+}
+
+void orl_shade_look(const struct orl_onlooker *onlooker, struct orl_vec3 origin,
+                    struct orl_vec3 direction, bool outside, bool lobes, struct orl_random *random,
+                    struct orl_search *search, struct orl_sight *ret_sight)
+{
+    const struct orl_world *world = orl_world_seen(onlooker->world);
+    struct look look; /* not its stack, which is large and empty */
+    look.onlooker = onlooker;
+    look.random = random;
+    look.search = search;
+    look.sight = ret_sight;
+    look.lobes = lobes;
+    look.depth = 0;
+    ret_sight->n_vertices = 0;
+    ret_sight->way = 0;
+    ret_sight->rest = ret_sight->lobes = orl_gray(0);
+    ret_sight->lobes_variance = 0;
+    ret_sight->has_lobes = false;
+    look.stack[look.depth++] = (struct branch){.origin = origin,
+                                               .direction = direction,
+                                               .weight = orl_gray(1),
+                                               .clarity = orl_gray(1),
+                                               .outside = outside};
+    while (look.depth > 0) {
+        struct branch at = look.stack[--look.depth];
+        struct orl_hit hit = {.distance = INFINITY};
+        search->health.rays++;
+        const bool met =
+            orl_geometry_intersect(world->geometry, at.origin, at.direction, INFINITY, &hit);
+        pass_proxies(world, hit.distance, &at);
+        if (met) {
+            meet(&look, &at, &hit);
+            continue;
+        }
+        note_way(ret_sight, UINT32_MAX);
+        search->health.rays_leaked += !world->open && !at.outside;
+        add(&look, orl_rgb_mul(at.weight, orl_clarity_after(at.clarity, INFINITY)),
+            orl_rgb_add(orl_world_dome_radiance(world, at.direction),
+                        orl_world_sun_radiance(world, at.direction)));
+    }
+}

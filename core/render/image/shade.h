@@ -1,0 +1,54 @@
+/*
+ * What a view ray sees: the ray is followed through panes and mirrors, both ways where it splits,
+ * down to diffuse surfaces; what else it meets (sky, lights, lobes) is summed on the way. What
+ * light comes along the rays of a lobe is for the technique to say.
+ */
+#ifndef ORL_RENDER_IMAGE_SHADE_H
+#define ORL_RENDER_IMAGE_SHADE_H
+
+#include "render/gather/gather.h"
+
+enum { ORL_SHADE_VERTICES = 8 };
+
+/* A diffuse surface on the ray's way. */
+struct orl_vertex {
+    struct orl_place place; /* the side seen, clear of the surface */
+    struct orl_vec3 on_surface;
+    struct orl_rgb weight; /* of its irradiance in the ray's radiance: path times albedo / pi */
+    double distance;       /* from the eye */
+};
+
+struct orl_sight {
+    struct orl_vertex vertices[ORL_SHADE_VERTICES];
+    uint32_t n_vertices;
+    uint64_t way;          /* names what was met, in order: what goes the same way sees alike */
+    struct orl_rgb rest;   /* radiance of all that is neither diffuse nor of a lobe */
+    struct orl_rgb lobes;  /* of these, by a few rays */
+    double lobes_variance; /* of their luma, as if rays were drawn by chance */
+    bool has_lobes;
+};
+
+/* A technique's radiance along a ray of a lobe: suns not seen straight, and of lamps the share of
+ * that chance. */
+typedef struct orl_rgb orl_shade_radiance(const void *ctx, struct orl_vec3 origin,
+                                          struct orl_vec3 direction, bool outside,
+                                          struct orl_chance chance, struct orl_random *random,
+                                          struct orl_search *search);
+
+/* Who looks. */
+struct orl_onlooker {
+    const struct orl_world *world;
+    const struct orl_sobol *sobol;
+    uint32_t pane_samples, gloss_samples; /* rays into a pane's lobes, into others */
+    double dimmest; /* branches below this share of the ray are not followed; */
+    bool by_lot;    /* or one in some is, and then counts for all: no bias */
+    orl_shade_radiance *radiance;
+    const void *ctx;
+};
+
+/* Follows one ray; without lobes these are noticed but not sampled. */
+void orl_shade_look(const struct orl_onlooker *onlooker, struct orl_vec3 origin,
+                    struct orl_vec3 direction, bool outside, bool lobes, struct orl_random *random,
+                    struct orl_search *search, struct orl_sight *ret_sight);
+
+#endif

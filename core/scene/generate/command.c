@@ -1,0 +1,105 @@
+#include "scene/generate/command.h"
+
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <oriel/limits.h>
+
+void orl_command_done(struct orl_command *command)
+{
+    free(command->words);
+    free(command->text);
+    memset(command, 0, sizeof *command);
+}
+
+static bool is_blank(char c)
+{
+    return c == ' ' || (c >= '\t' && c <= '\r');
+}
+
+/* Nobody escapes these: a backslash before one of them is of a path written on Windows. */
+static bool is_of_name(char c)
+{
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' ||
+           c == '.';
+}
+
+static int refuse(struct orl_error *err, char c)
+{
+    orl_error_set(err, ORL_ERR_UNSUPPORTED, "the command needs a shell ('%c'), and none is started",
+                  c);
+    orl_error_hint(err, "run it beforehand and include its output, or put quotes around the word");
+    return ORL_ERR_UNSUPPORTED;
+}
+
+/* Copies one word to *to without its quotes, and moves *line behind it. */
+static int copy_word(const char **line, char **to, struct orl_error *err)
+{
+    const char *at = *line;
+    char quote = '\0', *start = *to;
+    for (; *at && (quote || (!is_blank(*at) && *at != '|')); at++) {
+        if (quote ? *at == quote : *at == '"' || *at == '\'') {
+            quote = quote ? '\0' : *at;
+            continue;
+        }
+        if (quote != '\'' && strchr("$`", *at))
+            return refuse(err, *at);
+        if (!quote && (strchr(";&<>*?[]{}()", *at) || (*to == start && strchr("~#", *at))))
+            return refuse(err, *at);
+        if (*at == '\\' && quote != '\'' && at[1] && !is_of_name(at[1]))
+            at++;
+        *(*to)++ = *at;
+    }
+    *(*to)++ = '\0';
+    *line = at;
+    if (quote)
+        return orl_error_set(err, ORL_ERR_SYNTAX, "a quote in the command is never closed");
+    if (*to - start > (long)ORL_LIMIT_WORD_BYTES)
+        return orl_error_set(err, ORL_ERR_LIMIT, "a word of the command is too long");
+    return 0;
+}
+
+static int end_stage(struct orl_command *command, struct orl_error *err)
+{
+    if (command->n_words == command->start[command->n_stages])
+        return orl_error_set(err, ORL_ERR_SYNTAX, "a command is missing");
+    if (++command->n_stages >= ORL_COMMAND_STAGES)
+        return orl_error_set(err, ORL_ERR_LIMIT, "the pipeline has too many commands");
+    command->start[command->n_stages] = command->n_words;
+    return 0;
+}
+
+int orl_command_split(struct orl_command *command, const char *line, struct orl_error *err)
+{
+    const size_t length = strlen(line);
+    char *to;
+    int code = 0;
+    memset(command, 0, sizeof *command);
+    /* Every word takes at least one character and a separator, "|" included. */
+    command->text = malloc(2 * length + 2);
+    command->words = malloc((length + 1) * sizeof *command->words);
+    if (!command->text || !command->words) {
+        orl_command_done(command);
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    }
+    to = command->text;
+    for (const char *at = line; code == 0;) {
+        while (is_blank(*at))
+            at++;
+        if (*at == '\0')
+            break;
+        if (*at == '|') {
+            code = end_stage(command, err);
+            at++;
+            continue;
+        }
+        command->words[command->n_words++] = to;
+        code = copy_word(&at, &to, err);
+    }
+    if (code == 0)
+        code = end_stage(command, err);
+    if (code < 0)
+        orl_command_done(command);
+    return code;
+}

@@ -1,0 +1,257 @@
+#include "scene/geometry/coincident.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "scene/geometry/concentric.h"
+#include "scene/geometry/coplanar.h"
+#include "scene/geometry/cutting.h"
+
+/* Pairs that face opposite ways are looked at closely for words alone: of so many, and no longer.
+ */
+enum { MOST_OPPOSED = 20000, RING_CORNERS = 64 };
+static const uint64_t most_work_of_words = 40000000;
+
+struct settling {
+    struct orl_description *d;
+    struct orl_same_place place;
+    struct orl_pairs pairs;
+    struct orl_coincidence_words words;
+    struct orl_cutting cutting;
+};
+
+/* ---- The rule -------------------------------------------------------------------------------- */
+
+static int class_of(const struct orl_material *m)
+{
+    switch (m->kind) {
+    case ORL_MATERIAL_VOID:
+        return 0;
+    case ORL_MATERIAL_TRANS:
+    case ORL_MATERIAL_GLASS:
+    case ORL_MATERIAL_DIELECTRIC:
+        return 1;
+    case ORL_MATERIAL_BSDF:
+        return m->peak ? 1 : 2;
+    default:
+        return 2;
+    }
+}
+
+/* Positive: a wins, from both sides; negative: b does; 0: each from its front. */
+static int compare(const struct orl_description *d, const struct orl_surface *a,
+                   const struct orl_surface *b)
+{
+    const int class_a = class_of(&d->materials[a->material]);
+    const int class_b = class_of(&d->materials[b->material]);
+    if (class_a != class_b)
+        return class_a - class_b;
+    if (orl_dot(a->normal, b->normal) < 0)
+        return 0;
+    if (a->modifier_order != b->modifier_order)
+        return a->modifier_order > b->modifier_order ? 1 : -1;
+    return a > b ? 1 : -1;
+}
+
+/* Whether both sides of it are the same to light. */
+static bool is_two_sided(const struct orl_material *m)
+{
+    return m->kind == ORL_MATERIAL_PLASTIC || m->kind == ORL_MATERIAL_METAL ||
+           m->kind == ORL_MATERIAL_TRANS || m->kind == ORL_MATERIAL_GLASS ||
+           m->kind == ORL_MATERIAL_VOID;
+}
+
+static bool are_alike(const struct orl_description *d, const struct orl_surface *a,
+                      const struct orl_surface *b)
+{
+    return orl_materials_alike(&d->materials[a->material], &d->materials[b->material]);
+}
+
+static bool is_proxy(const struct orl_description *d, const struct orl_surface *s)
+{
+    return d->materials[s->material].thickness != 0;
+}
+
+/* ---- Polygons -------------------------------------------------------------------------------- */
+
+static int keep_opposed(struct orl_description *d, const struct orl_pairs *opposed)
+{
+    d->opposed = malloc((opposed->n + 1) * sizeof *d->opposed);
+    if (!d->opposed)
+        return ORL_ERR_NOMEM;
+    for (size_t i = 0; i < opposed->n; i++)
+        d->opposed[i] = (struct orl_opposed){{opposed->items[i].a, opposed->items[i].b}};
+    d->n_opposed = opposed->n;
+    return 0;
+}
+
+/* Of polygons as they are before any is cut. What is of one material and alike on both sides may
+ * face where it likes. */
+static int tell_opposed(struct settling *t, const struct orl_pairs *opposed)
+{
+    struct orl_cutting looking = {.d = t->d, .tolerance = t->place.tolerance};
+    int code = 0;
+    for (size_t i = 0, looked = 0; i < opposed->n && code == 0; i++) {
+        const struct orl_surface *a = &t->d->surfaces[opposed->items[i].a];
+        const struct orl_surface *b = &t->d->surfaces[opposed->items[i].b];
+        if (are_alike(t->d, a, b) && is_two_sided(&t->d->materials[a->material]))
+            continue;
+        if (looked++ == MOST_OPPOSED || looking.overlap.work > most_work_of_words)
+            break;
+        const struct orl_outline first = orl_outline_of(a), second = orl_outline_of(b);
+        code = orl_cutting_look(&looking, &first, &second);
+        if (code == 0 && looking.overlap.shared)
+            orl_coincidence_tell(&t->words, t->d, ORL_COINCIDENCE_OPPOSED, a, b, false);
+    }
+    orl_cutting_done(&looking);
+    return code;
+}
+
+/* ---- What is not settled --------------------------------------------------------------------- */
+
+/* Of polygons and rings; those that are left wholly inside a ring as it is. */
+static struct orl_outline outline_within(const struct orl_surface *s,
+                                         struct orl_vec3 corners[2 * RING_CORNERS + 2])
+{
+    if (s->kind != ORL_SURFACE_RING)
+        return orl_outline_of(s);
+    const struct orl_frame frame = orl_frame_about(s->normal);
+    const double inner = s->radius[0] / cos(ORL_PI / RING_CORNERS);
+    uint32_t n = 0;
+    for (int loop = 0; loop < (inner > 0 ? 2 : 1) && inner < s->radius[1]; loop++)
+        for (int i = 0; i < RING_CORNERS + (inner > 0); i++) {
+            const double phi = 2 * ORL_PI * (loop ? -i : i) / RING_CORNERS;
+            const double r = loop ? inner : s->radius[1];
+            corners[n++] =
+                orl_add(s->center[0], orl_to_world(&frame, orl_v3(r * cos(phi), r * sin(phi), 0)));
+        }
+    return (struct orl_outline){corners, n, s->normal};
+}
+
+static int tell_open(struct settling *t, const struct orl_pairs *open)
+{
+    struct orl_cutting looking = {.d = t->d, .tolerance = t->place.tolerance};
+    int code = 0;
+    for (size_t i = 0; i < open->n && code == 0; i++) {
+        struct orl_vec3 corners[2][2 * RING_CORNERS + 2];
+        const struct orl_surface *a = &t->d->surfaces[open->items[i].a];
+        const struct orl_surface *b = &t->d->surfaces[open->items[i].b];
+        const bool flat = a->kind == ORL_SURFACE_POLYGON || a->kind == ORL_SURFACE_RING;
+        const bool alike = are_alike(t->d, a, b) && is_two_sided(&t->d->materials[a->material]);
+        if (flat) {
+            const struct orl_outline first = outline_within(a, corners[0]),
+                                     second = outline_within(b, corners[1]);
+            looking.overlap.shared = false;
+            if (looking.overlap.work <= most_work_of_words && first.n > 0 && second.n > 0)
+                code = orl_cutting_look(&looking, &first, &second);
+        }
+        if (code == 0 && (!flat || looking.overlap.shared))
+            orl_coincidence_tell(&t->words, t->d,
+                                 alike ? ORL_COINCIDENCE_ALIKE : ORL_COINCIDENCE_OPEN, a, b, false);
+    }
+    orl_cutting_done(&looking);
+    return code;
+}
+
+/* ---- Altogether ------------------------------------------------------------------------------ */
+
+enum lot { LOSSES, OPPOSED, OPEN, NOTHING };
+
+/*
+ * What becomes of a pair. A proxy may lie where the geometry is that it stands for, and another one
+ * on its other side.
+ */
+static enum lot lot_of(const struct orl_description *d, const struct orl_surface *a,
+                       const struct orl_surface *b, int *ret_order)
+{
+    const int proxies = is_proxy(d, a) + is_proxy(d, b);
+    *ret_order = 1;
+    if (proxies == 1 || (proxies == 2 && orl_dot(a->normal, b->normal) < 0))
+        return NOTHING;
+    if (proxies == 2 || a->kind != ORL_SURFACE_POLYGON || b->kind != ORL_SURFACE_POLYGON)
+        return OPEN;
+    *ret_order = compare(d, a, b);
+    return *ret_order == 0 ? OPPOSED : LOSSES;
+}
+
+static int sort_out(const struct settling *t, struct orl_pairs lots[NOTHING])
+{
+    for (size_t i = 0; i < t->pairs.n; i++) {
+        const struct orl_pair p = t->pairs.items[i];
+        int order;
+        const enum lot lot = lot_of(t->d, &t->d->surfaces[p.a], &t->d->surfaces[p.b], &order);
+        const bool first_wins = lot == LOSSES && order > 0;
+        if (lot != NOTHING &&
+            !orl_pairs_add(&lots[lot], first_wins ? p.b : p.a, first_wins ? p.a : p.b))
+            return ORL_ERR_NOMEM;
+    }
+    return 0;
+}
+
+/* Takes out surfaces of which nothing is left, and renumbers the opposed ones. */
+static int compact(struct orl_description *d)
+{
+    uint32_t *places = malloc((d->n_surfaces + 1) * sizeof *places);
+    size_t kept = 0, pairs = 0;
+    if (!places)
+        return ORL_ERR_NOMEM;
+    for (size_t i = 0; i < d->n_surfaces; i++) {
+        const bool gone =
+            d->surfaces[i].kind == ORL_SURFACE_POLYGON && d->surfaces[i].n_vertices == 0;
+        places[i] = gone ? UINT32_MAX : (uint32_t)kept;
+        if (!gone)
+            d->surfaces[kept++] = d->surfaces[i];
+    }
+    for (size_t i = 0; i < d->n_opposed; i++) {
+        const uint32_t a = places[d->opposed[i].surfaces[0]], b = places[d->opposed[i].surfaces[1]];
+        if (a != UINT32_MAX && b != UINT32_MAX)
+            d->opposed[pairs++] = (struct orl_opposed){{a, b}};
+    }
+    d->n_surfaces = kept;
+    d->n_opposed = pairs;
+    free(places);
+    return 0;
+}
+
+static int settle(struct settling *t, struct orl_pairs lots[NOTHING])
+{
+    uint64_t *looks = &t->cutting.looks;
+    int code = orl_coplanar_find(t->d, &t->place, &t->pairs, looks);
+    if (code == 0)
+        code = sort_out(t, lots);
+    if (code == 0)
+        code = orl_concentric_find(t->d, &t->place, &lots[OPEN], looks);
+    t->cutting.cut_short = *looks > ORL_MOST_LOOKS;
+    t->cutting.tolerance = t->place.tolerance;
+    if (code == 0)
+        code = keep_opposed(t->d, &lots[OPPOSED]);
+    if (code == 0)
+        code = tell_open(t, &lots[OPEN]);
+    if (code == 0)
+        code = tell_opposed(t, &lots[OPPOSED]);
+    if (code == 0 && lots[LOSSES].n > 0)
+        code = orl_cutting_run(&t->cutting, &lots[LOSSES]);
+    return code == 0 && lots[LOSSES].n > 0 ? compact(t->d) : code;
+}
+
+int orl_coincident_settle(struct orl_description *description, struct orl_error *err)
+{
+    struct settling t = {.d = description, .cutting = {.d = description}};
+    struct orl_pairs lots[NOTHING] = {{0}};
+    t.cutting.words = &t.words;
+    const int code = settle(&t, lots);
+    orl_coincidence_end(&t.words, description);
+    if (t.cutting.cut_short)
+        orl_description_warn(description,
+                             "so many polygons share planes that not all were looked at: where two "
+                             "lie in one place, light may meet either");
+    orl_cutting_done(&t.cutting);
+    for (int lot = 0; lot < NOTHING; lot++)
+        free(lots[lot].items);
+    free(t.pairs.items);
+    if (code == ORL_ERR_NOMEM)
+        orl_error_set(err, code, "out of memory for the scene");
+    if (code == ORL_ERR_CANCELLED)
+        orl_error_set(err, code, "cancelled while reading the scene");
+    return code;
+}

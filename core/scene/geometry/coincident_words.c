@@ -1,0 +1,94 @@
+#include "scene/geometry/coincident_words.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+/* How many lines name pairs. Every box that stands on something faces it: there a line does for
+ * all, and so it does for surfaces of one material. */
+static const uint64_t most_named[ORL_COINCIDENCES] = {3, 0, 3, 0};
+
+static void warn(struct orl_description *d, const char *format, ...)
+    __attribute__((format(printf, 2, 3)));
+
+static void warn(struct orl_description *d, const char *format, ...)
+{
+    char text[640];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    orl_description_warn(d, text);
+}
+
+static const char *kind_name(const struct orl_surface *s)
+{
+    static const char *const names[] = {
+        [ORL_SURFACE_POLYGON] = "polygon", [ORL_SURFACE_SPHERE] = "sphere",
+        [ORL_SURFACE_BUBBLE] = "bubble",   [ORL_SURFACE_CYLINDER] = "cylinder",
+        [ORL_SURFACE_TUBE] = "tube",       [ORL_SURFACE_CONE] = "cone",
+        [ORL_SURFACE_CUP] = "cup",         [ORL_SURFACE_RING] = "ring"};
+    return names[s->kind];
+}
+
+static void name(const struct orl_surface *s, char ret_name[200])
+{
+    snprintf(ret_name, 200, "%s %.60s at %.100s:%d", kind_name(s), s->name, s->file, s->line);
+}
+
+void orl_coincidence_tell(struct orl_coincidence_words *words, struct orl_description *description,
+                          enum orl_coincidence kind, const struct orl_surface *first,
+                          const struct orl_surface *second, bool wholly)
+{
+    char names[2][200];
+    const uint64_t before = words->told[kind]++;
+    name(first, names[0]);
+    name(second, names[1]);
+    if (kind == ORL_COINCIDENCE_OPPOSED && before == 0)
+        memcpy(words->opposed, names, sizeof names);
+    if (before >= most_named[kind])
+        return;
+    if (kind == ORL_COINCIDENCE_SETTLED)
+        warn(description, "%s lies %sin one place with %s: there light meets %.60s, as in Radiance",
+             names[0], wholly ? "wholly " : "", names[1], second->name);
+    else
+        warn(
+            description,
+            "%s and %s lie in one place: light may meet either, which is not as in Radiance; leave "
+            "one out, or move it off the other",
+            names[0], names[1]);
+}
+
+static void tell_opposed(const struct orl_coincidence_words *words,
+                         struct orl_description *description)
+{
+    const uint64_t n = words->told[ORL_COINCIDENCE_OPPOSED];
+    char more[64] = "";
+    if (n > 1)
+        snprintf(more, sizeof more, " (and %llu more pair%s)", (unsigned long long)n - 1,
+                 n == 2 ? "" : "s");
+    if (n > 0)
+        warn(
+            description,
+            "%s and %s lie in one place and face opposite ways%s: light meets each from its "
+            "front, as in Radiance; what should be seen but is not has to be turned over, or moved "
+            "off the other",
+            words->opposed[0], words->opposed[1], more);
+}
+
+void orl_coincidence_end(struct orl_coincidence_words *words, struct orl_description *description)
+{
+    static const char *const texts[ORL_COINCIDENCES] = {
+        "polygons in one place, of which light meets one as in Radiance", NULL,
+        "surfaces in one place, of which light may meet either",
+        "surfaces of one material in one place, where it makes no difference which light meets"};
+    tell_opposed(words, description);
+    for (int kind = 0; kind < ORL_COINCIDENCES; kind++) {
+        const uint64_t left =
+            words->told[kind] -
+            (words->told[kind] < most_named[kind] ? words->told[kind] : most_named[kind]);
+        if (left > 0 && texts[kind])
+            warn(description, "%s: %llu %spair%s", texts[kind], (unsigned long long)left,
+                 most_named[kind] > 0 ? "more " : "", left == 1 ? "" : "s");
+    }
+}

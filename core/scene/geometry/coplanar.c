@@ -1,0 +1,227 @@
+#include "scene/geometry/coplanar.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include <oriel/crew.h>
+
+#include "scene/geometry/overlap.h"
+
+/* A polygon or ring in its plane. */
+struct flat {
+    double key; /* alike for all of one plane */
+    struct orl_box box;
+    uint32_t surface;
+};
+
+struct search {
+    const struct orl_description *d;
+    struct orl_same_place place;
+    struct flat *flats;
+    size_t n_flats;
+    struct orl_pairs *pairs;
+    uint64_t *looks;
+};
+
+static bool is_flat(const struct orl_surface *s)
+{
+    return s->kind == ORL_SURFACE_POLYGON || s->kind == ORL_SURFACE_RING;
+}
+
+static struct orl_vec3 point_of(const struct orl_surface *s)
+{
+    return s->kind == ORL_SURFACE_RING ? s->center[0] : s->vertices[0];
+}
+
+/* A number that tells planes apart: their distance, and their direction by a slope like no other's.
+ */
+static double key_of(const struct orl_same_place *place, const struct orl_surface *s)
+{
+    const struct orl_vec3 odd = {0.5257311121191336, 0.3090169943749474, 0.7925302842541783};
+    const double sign = orl_dot(s->normal, odd) < 0 ? -1 : 1;
+    const double distance = orl_dot(s->normal, orl_sub(point_of(s), place->middle));
+    return sign * (distance + place->reach * orl_dot(s->normal, odd));
+}
+
+/* ---- Boxes ----------------------------------------------------------------------------------- */
+
+static void include(struct orl_vec3 p, struct orl_box *box)
+{
+    box->low = orl_v3(fmin(box->low.x, p.x), fmin(box->low.y, p.y), fmin(box->low.z, p.z));
+    box->high = orl_v3(fmax(box->high.x, p.x), fmax(box->high.y, p.y), fmax(box->high.z, p.z));
+}
+
+static struct orl_box box_of_ring(const struct orl_surface *s)
+{
+    const struct orl_vec3 n = s->normal;
+    const struct orl_vec3 reach =
+        orl_scale(orl_v3(sqrt(fmax(1 - n.x * n.x, 0)), sqrt(fmax(1 - n.y * n.y, 0)),
+                         sqrt(fmax(1 - n.z * n.z, 0))),
+                  s->radius[1]);
+    return (struct orl_box){orl_sub(s->center[0], reach), orl_add(s->center[0], reach)};
+}
+
+struct orl_box orl_box_of_flat(const struct orl_surface *surface)
+{
+    if (surface->kind == ORL_SURFACE_RING)
+        return box_of_ring(surface);
+    struct orl_box box = {surface->vertices[0], surface->vertices[0]};
+    for (uint32_t i = 1; i < surface->n_vertices; i++)
+        include(surface->vertices[i], &box);
+    return box;
+}
+
+static bool boxes_meet(const struct orl_box *a, const struct orl_box *b, double pad)
+{
+    return a->low.x <= b->high.x + pad && b->low.x <= a->high.x + pad &&
+           a->low.y <= b->high.y + pad && b->low.y <= a->high.y + pad &&
+           a->low.z <= b->high.z + pad && b->low.z <= a->high.z + pad;
+}
+
+bool orl_boxes_overlap(const struct orl_box *a, const struct orl_box *b, double tolerance)
+{
+    const double pad = tolerance;
+    if (!boxes_meet(a, b, pad))
+        return false;
+    const struct orl_vec3 common = {fmin(a->high.x, b->high.x) - fmax(a->low.x, b->low.x),
+                                    fmin(a->high.y, b->high.y) - fmax(a->low.y, b->low.y),
+                                    fmin(a->high.z, b->high.z) - fmax(a->low.z, b->low.z)};
+    return (common.x > pad) + (common.y > pad) + (common.z > pad) >= 2;
+}
+
+/* ---- In order -------------------------------------------------------------------------------- */
+
+static bool list_flats(struct search *t)
+{
+    const struct orl_description *d = t->d;
+    struct orl_box all = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+    t->flats = malloc((d->n_surfaces + 1) * sizeof *t->flats);
+    if (!t->flats)
+        return false;
+    for (size_t i = 0; i < d->n_surfaces; i++) {
+        struct flat *f = &t->flats[t->n_flats];
+        if (!is_flat(&d->surfaces[i]))
+            continue;
+        f->box = orl_box_of_flat(&d->surfaces[i]);
+        f->surface = (uint32_t)i;
+        include(f->box.low, &all);
+        include(f->box.high, &all);
+        t->n_flats++;
+    }
+    if (t->n_flats > 0) {
+        t->place.middle = orl_scale(orl_add(all.low, all.high), 0.5);
+        t->place.reach = 0.5 * orl_length(orl_sub(all.high, all.low));
+    }
+    t->place.tolerance = fmax(1e-6, t->place.reach * 0x1p-21);
+    for (size_t i = 0; i < t->n_flats; i++)
+        t->flats[i].key = key_of(&t->place, &d->surfaces[t->flats[i].surface]);
+    return true;
+}
+
+static int compare_keys(const void *left, const void *right)
+{
+    const struct flat *a = left, *b = right;
+    if (a->key != b->key)
+        return a->key < b->key ? -1 : 1;
+    return a->surface < b->surface ? -1 : a->surface > b->surface;
+}
+
+/* Along the sum of all three axes: no plane of a building stands across it. */
+static double start_of(const struct flat *f)
+{
+    return f->box.low.x + f->box.low.y + f->box.low.z;
+}
+
+static double end_of(const struct flat *f)
+{
+    return f->box.high.x + f->box.high.y + f->box.high.z;
+}
+
+static int compare_starts(const void *left, const void *right)
+{
+    const struct flat *a = left, *b = right;
+    const double first = start_of(a), second = start_of(b);
+    if (first != second)
+        return first < second ? -1 : 1;
+    return a->surface < b->surface ? -1 : a->surface > b->surface;
+}
+
+/* ---- Pairs ----------------------------------------------------------------------------------- */
+
+/* Whether one, or its corners, lies in the other's plane. */
+static bool lies_in(const struct search *t, const struct orl_surface *s,
+                    const struct orl_surface *plane)
+{
+    const struct orl_vec3 origin = point_of(plane);
+    const uint32_t n = s->kind == ORL_SURFACE_RING ? 1 : s->n_vertices;
+    const struct orl_vec3 *points = s->kind == ORL_SURFACE_RING ? s->center : s->vertices;
+    for (uint32_t i = 0; i < n; i++)
+        if (!(fabs(orl_dot(orl_sub(points[i], origin), plane->normal)) <= t->place.tolerance))
+            return false;
+    return true;
+}
+
+static struct orl_outline outline_of(const struct orl_surface *s)
+{
+    return (struct orl_outline){s->vertices, s->n_vertices, s->normal};
+}
+
+static bool look(struct search *t, const struct flat *a, const struct flat *b)
+{
+    const double tolerance = t->place.tolerance;
+    const struct orl_surface *s = &t->d->surfaces[a->surface];
+    const struct orl_surface *other = &t->d->surfaces[b->surface];
+    if (!boxes_meet(&a->box, &b->box, tolerance) ||
+        fabs(orl_dot(s->normal, other->normal)) < 1 - 1e-6 ||
+        (!lies_in(t, s, other) && !lies_in(t, other, s)))
+        return true;
+    if (s->kind == ORL_SURFACE_POLYGON && other->kind == ORL_SURFACE_POLYGON) {
+        const struct orl_outline first = outline_of(s), second = outline_of(other);
+        *t->looks += 4 * ((uint64_t)first.n + second.n);
+        if (orl_outlines_apart(&first, &second, tolerance))
+            return true;
+    }
+    return orl_pairs_add(t->pairs, a->surface, b->surface);
+}
+
+/* All pairs of one plane, which lie in a row. */
+static bool look_within(struct search *t, struct flat *flats, size_t n)
+{
+    qsort(flats, n, sizeof *flats, compare_starts);
+    for (size_t i = 0; i < n; i++) {
+        const double end = end_of(&flats[i]) + 3 * t->place.tolerance;
+        for (size_t j = i + 1; j < n && start_of(&flats[j]) <= end; j++) {
+            if (++*t->looks > ORL_MOST_LOOKS)
+                return true;
+            if (!look(t, &flats[i], &flats[j]))
+                return false;
+        }
+    }
+    return true;
+}
+
+static bool find_pairs(struct search *t)
+{
+    const double apart = 4 * t->place.tolerance;
+    qsort(t->flats, t->n_flats, sizeof *t->flats, compare_keys);
+    for (size_t first = 0, next; first < t->n_flats; first = next) {
+        for (next = first + 1;
+             next < t->n_flats && t->flats[next].key - t->flats[next - 1].key <= apart; next++)
+            ;
+        if (next - first > 1 && !look_within(t, t->flats + first, next - first))
+            return false;
+        if (*t->looks > ORL_MOST_LOOKS || orl_is_cancelled(t->d->cancel))
+            break;
+    }
+    return true;
+}
+
+int orl_coplanar_find(const struct orl_description *description, struct orl_same_place *ret_place,
+                      struct orl_pairs *pairs, uint64_t *looks)
+{
+    struct search t = {.d = description, .pairs = pairs, .looks = looks};
+    const int code = list_flats(&t) && find_pairs(&t) ? 0 : ORL_ERR_NOMEM;
+    *ret_place = t.place;
+    free(t.flats);
+    return code;
+}

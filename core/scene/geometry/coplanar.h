@@ -1,0 +1,38 @@
+/*
+ * Pairs of polygons and rings that lie in one plane, and near each other there: candidates for
+ * being in one place, which who asks has to look at closely.
+ */
+#ifndef ORL_SCENE_GEOMETRY_COPLANAR_H
+#define ORL_SCENE_GEOMETRY_COPLANAR_H
+
+#include "scene/description.h"
+#include "scene/geometry/pairs.h"
+
+/* What "in one place" means for a scene, and where it is. */
+struct orl_same_place {
+    struct orl_vec3 middle;
+    double reach, tolerance;
+};
+
+/* Pairs of boxes compared, or what takes as long: some seconds. */
+#define ORL_MOST_LOOKS UINT64_C(400000000)
+
+struct orl_box {
+    struct orl_vec3 low, high;
+};
+
+/* Of a polygon or ring. */
+struct orl_box orl_box_of_flat(const struct orl_surface *surface);
+/* Their boxes share more than a seam; both lie in one plane, and may be thin across any one axis.
+ */
+bool orl_boxes_overlap(const struct orl_box *a, const struct orl_box *b, double tolerance);
+
+/*
+ * Adds the pairs, and counts looks; stops at ORL_MOST_LOOKS of them, or when cancelled. Of a pair
+ * of polygons an edge's line may still part the two where they have many corners. Returns 0 or
+ * ORL_ERR_NOMEM.
+ */
+int orl_coplanar_find(const struct orl_description *description, struct orl_same_place *ret_place,
+                      struct orl_pairs *pairs, uint64_t *looks);
+
+#endif

@@ -1,0 +1,207 @@
+#include "scene/geometry/cutting.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <oriel/crew.h>
+
+#include "base/arena.h"
+
+/* Of arrangements: some seconds. */
+static const uint64_t most_work = 400000000;
+
+struct orl_outline orl_outline_of(const struct orl_surface *polygon)
+{
+    return (struct orl_outline){polygon->vertices, polygon->n_vertices, polygon->normal};
+}
+
+/* ---- Materials ------------------------------------------------------------------------------- */
+
+static bool same_vec(struct orl_vec3 a, struct orl_vec3 b)
+{
+    return a.x == b.x && a.y == b.y && a.z == b.z;
+}
+
+static bool same_rgb(struct orl_rgb a, struct orl_rgb b)
+{
+    return a.r == b.r && a.g == b.g && a.b == b.b;
+}
+
+static bool same_media(const struct orl_material *a, const struct orl_material *b)
+{
+    bool same = true;
+    for (int i = 0; i < 2; i++)
+        same = same && a->media[i].ior == b->media[i].ior &&
+               same_rgb(a->media[i].transmissivity, b->media[i].transmissivity);
+    return same;
+}
+
+bool orl_materials_alike(const struct orl_material *a, const struct orl_material *b)
+{
+    return a == b ||
+           (a->kind == b->kind && same_rgb(a->color, b->color) && a->specular == b->specular &&
+            a->roughness[0] == b->roughness[0] && a->roughness[1] == b->roughness[1] &&
+            same_vec(a->grain, b->grain) && a->transmitted == b->transmitted &&
+            a->transmitted_specular == b->transmitted_specular &&
+            same_rgb(a->transmissivity, b->transmissivity) && a->ior == b->ior &&
+            same_media(a, b) && a->max_radius == b->max_radius && a->bsdf == b->bsdf &&
+            a->thickness == b->thickness && same_vec(a->up, b->up) && a->peak == b->peak &&
+            same_rgb(a->front, b->front) && same_rgb(a->back, b->back) &&
+            same_rgb(a->through, b->through) && same_vec(a->aim, b->aim) &&
+            a->cos_cone == b->cos_cone && a->focus == b->focus && a->seen_as == b->seen_as &&
+            a->sky == b->sky);
+}
+
+/* ---- Cutting --------------------------------------------------------------------------------- */
+
+static int compare_losses(const void *left, const void *right)
+{
+    const struct orl_pair *a = left, *b = right;
+    if (a->a != b->a)
+        return a->a < b->a ? -1 : 1;
+    return a->b < b->b ? -1 : a->b > b->b;
+}
+
+int orl_cutting_look(struct orl_cutting *cutting, const struct orl_outline *a,
+                     const struct orl_outline *b)
+{
+    const uint32_t layer = 0;
+    cutting->overlap.shared = false;
+    const int code = orl_outline_subtract(&cutting->overlap, a, b, &layer, 1, cutting->tolerance);
+    cutting->cut_short =
+        cutting->cut_short || cutting->overlap.work > most_work || code == ORL_ERR_LIMIT;
+    if (code < 0)
+        cutting->overlap.shared = false;
+    return code == ORL_ERR_NOMEM ? code : 0;
+}
+
+static void tell(struct orl_cutting *t, const struct orl_surface *loser,
+                 const struct orl_surface *winner)
+{
+    const struct orl_material *materials = t->d->materials;
+    const bool alike =
+        orl_materials_alike(&materials[loser->material], &materials[winner->material]);
+    orl_coincidence_tell(t->words, t->d, alike ? ORL_COINCIDENCE_ALIKE : ORL_COINCIDENCE_SETTLED,
+                         loser, winner, t->overlap.n == 0);
+}
+
+/* Keeps the winners that do share an area with the loser, and tells them. */
+static int sift(struct orl_cutting *t, const struct orl_surface *loser, struct orl_pair *losses,
+                size_t *n)
+{
+    const struct orl_outline first = orl_outline_of(loser);
+    size_t kept = 0;
+    for (size_t i = 0; i < *n && !t->cut_short; i++) {
+        const struct orl_surface *winner = &t->d->surfaces[losses[i].b];
+        const struct orl_outline second = orl_outline_of(winner);
+        const int code = orl_cutting_look(t, &first, &second);
+        if (code < 0)
+            return code;
+        if (!t->overlap.shared)
+            continue;
+        tell(t, loser, winner);
+        losses[kept++] = losses[i];
+    }
+    *n = kept;
+    return 0;
+}
+
+/* A layer for each of some winners, such that of one layer none overlap: the number of them that
+ * got one. Those come first. */
+static size_t lay(struct orl_cutting *t, struct orl_outline *others, struct orl_box *boxes,
+                  size_t n, uint32_t *ret_layers)
+{
+    size_t laid = 0;
+    for (size_t i = 0; i < n; i++) {
+        uint32_t taken = 0, layer = 0;
+        for (size_t k = 0; k < laid; k++)
+            if (orl_boxes_overlap(&boxes[i], &boxes[k], t->tolerance))
+                taken |= (uint32_t)1 << ret_layers[k];
+        t->looks += laid;
+        while (layer < ORL_OVERLAP_LAYERS && (taken >> layer & 1))
+            layer++;
+        if (layer == ORL_OVERLAP_LAYERS)
+            continue;
+        const struct orl_outline outline = others[i];
+        const struct orl_box box = boxes[i];
+        others[i] = others[laid];
+        boxes[i] = boxes[laid];
+        others[laid] = outline;
+        boxes[laid] = box;
+        ret_layers[laid++] = layer;
+    }
+    return laid;
+}
+
+/* The outline that is left becomes the surface's own. */
+static int take_outline(struct orl_cutting *t, struct orl_surface *left)
+{
+    const size_t bytes = t->overlap.n * sizeof *left->vertices;
+    left->n_vertices = t->overlap.n;
+    left->vertices = orl_arena_take(t->d->arena, bytes + 1);
+    if (!left->vertices)
+        return ORL_ERR_NOMEM;
+    if (bytes > 0)
+        memcpy(left->vertices, t->overlap.vertices, bytes);
+    return 0;
+}
+
+/* The loser without all its winners, of which the outlines are the original ones. */
+static int cut(struct orl_cutting *t, struct orl_pair *losses, size_t n, struct orl_surface *left)
+{
+    struct orl_outline *others = malloc((n + 1) * sizeof *others);
+    struct orl_box *boxes = malloc((n + 1) * sizeof *boxes);
+    uint32_t *layers = malloc((n + 1) * sizeof *layers);
+    int code = others && boxes && layers ? sift(t, left, losses, &n) : ORL_ERR_NOMEM;
+    for (size_t i = 0; i < n && code == 0; i++) {
+        others[i] = orl_outline_of(&t->d->surfaces[losses[i].b]);
+        boxes[i] = orl_box_of_flat(&t->d->surfaces[losses[i].b]);
+    }
+    for (size_t first = 0; first < n && code == 0 && left->n_vertices > 0 && !t->cut_short;) {
+        const struct orl_outline outline = orl_outline_of(left);
+        const size_t laid = lay(t, others + first, boxes + first, n - first, layers);
+        code =
+            orl_outline_subtract(&t->overlap, &outline, others + first, layers, laid, t->tolerance);
+        t->cut_short = t->overlap.work > most_work || t->looks > ORL_MOST_LOOKS;
+        if (code == 0)
+            code = take_outline(t, left);
+        if (code == ORL_ERR_LIMIT) {
+            t->cut_short = true;
+            code = 0;
+        }
+        first += laid;
+    }
+    free(others);
+    free(boxes);
+    free(layers);
+    return code;
+}
+
+int orl_cutting_run(struct orl_cutting *cutting, struct orl_pairs *losses)
+{
+    struct orl_cutting *t = cutting;
+    struct orl_description *d = t->d;
+    struct orl_surface *cuts = malloc((losses->n + 1) * sizeof *cuts);
+    size_t n_cuts = 0;
+    int code = cuts ? 0 : ORL_ERR_NOMEM;
+    qsort(losses->items, losses->n, sizeof *losses->items, compare_losses);
+    for (size_t first = 0, next; first < losses->n && code == 0; first = next) {
+        for (next = first; next < losses->n && losses->items[next].a == losses->items[first].a;)
+            next++;
+        cuts[n_cuts] = d->surfaces[losses->items[first].a];
+        code = cut(t, losses->items + first, next - first, &cuts[n_cuts++]);
+        if (orl_is_cancelled(d->cancel))
+            code = ORL_ERR_CANCELLED;
+    }
+    for (size_t first = 0, k = 0; first < losses->n && code == 0; first++)
+        if (first == 0 || losses->items[first].a != losses->items[first - 1].a)
+            d->surfaces[losses->items[first].a] = cuts[k++];
+    free(cuts);
+    return code;
+}
+
+void orl_cutting_done(struct orl_cutting *cutting)
+{
+    orl_overlap_done(&cutting->overlap);
+}

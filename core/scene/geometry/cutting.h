@@ -1,0 +1,38 @@
+/*
+ * Polygons cut away where others lie in their place: the outline of each that loses leaves out
+ * those of all that win over it, as these were before any was cut.
+ */
+#ifndef ORL_SCENE_GEOMETRY_CUTTING_H
+#define ORL_SCENE_GEOMETRY_CUTTING_H
+
+#include "scene/geometry/coincident_words.h"
+#include "scene/geometry/coplanar.h"
+#include "scene/geometry/overlap.h"
+
+/* Zeroed but for the first four it is ready. */
+struct orl_cutting {
+    struct orl_description *d;
+    struct orl_coincidence_words *words;
+    double tolerance;
+    uint64_t looks; /* so far, of ORL_MOST_LOOKS */
+    struct orl_overlap overlap;
+    bool cut_short; /* the work was bounded: something stayed as it was */
+};
+
+struct orl_outline orl_outline_of(const struct orl_surface *polygon);
+/* Whether materials are the same to light, whatever they are called. */
+bool orl_materials_alike(const struct orl_material *a, const struct orl_material *b);
+
+/* Whether two outlines share an area, which sets overlap.shared and what is left of the first. When
+ * work is used up they do not, and cut_short is set. Returns 0 or ORL_ERR_NOMEM. */
+int orl_cutting_look(struct orl_cutting *cutting, const struct orl_outline *a,
+                     const struct orl_outline *b);
+
+/*
+ * Cuts a by b for each pair, which it puts in order, and tells those that do share an area. Of
+ * polygons of which nothing is left n_vertices is 0. Returns 0, ORL_ERR_NOMEM or ORL_ERR_CANCELLED.
+ */
+int orl_cutting_run(struct orl_cutting *cutting, struct orl_pairs *losses);
+void orl_cutting_done(struct orl_cutting *cutting);
+
+#endif

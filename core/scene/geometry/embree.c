@@ -1,0 +1,298 @@
+#include "scene/geometry/embree.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include <oriel/crew.h>
+
+#include "scene/geometry/embree_device.h"
+#include "scene/geometry/quadric.h"
+
+enum { GEOMETRY_TRIANGLES = 0, GEOMETRY_CURVED = 1 };
+
+/* Embree calls back for user geometry; single rays only, so N is 1. */
+static void curved_bounds(const struct RTCBoundsFunctionArguments *args)
+{
+    const struct orl_geometry *geometry = args->geometryUserPtr;
+    struct orl_vec3 low, high;
+    orl_quadric_bounds(&geometry->facets[geometry->n_facets - 1 - args->primID], &low, &high);
+    /* Floats round either way: widen by more than an ulp of the scene. */
+    const double pad = geometry->radius * 1e-6;
+    args->bounds_o->lower_x = (float)(low.x - pad);
+    args->bounds_o->lower_y = (float)(low.y - pad);
+    args->bounds_o->lower_z = (float)(low.z - pad);
+    args->bounds_o->upper_x = (float)(high.x + pad);
+    args->bounds_o->upper_y = (float)(high.y + pad);
+    args->bounds_o->upper_z = (float)(high.z + pad);
+}
+
+static bool curved_test(const struct orl_geometry *geometry, uint32_t primitive,
+                        const struct RTCRay *ray, double *ret_t, struct orl_vec3 *ret_normal)
+{
+    const struct orl_facet *facet = &geometry->facets[geometry->n_facets - 1 - primitive];
+    /* Without area: left out of this geometry. */
+    return facet->area > 0 &&
+           orl_quadric_intersect(facet, orl_v3(ray->org_x, ray->org_y, ray->org_z),
+                                 orl_v3(ray->dir_x, ray->dir_y, ray->dir_z), ray->tnear, ray->tfar,
+                                 ret_t, ret_normal);
+}
+
+static void curved_intersect(const struct RTCIntersectFunctionNArguments *args)
+{
+    struct RTCRayHit *rayhit = (struct RTCRayHit *)args->rayhit;
+    struct orl_vec3 normal;
+    double t;
+    if (!args->valid[0] ||
+        !curved_test(args->geometryUserPtr, args->primID, &rayhit->ray, &t, &normal))
+        return;
+    rayhit->ray.tfar = (float)t;
+    rayhit->hit.geomID = args->geomID;
+    rayhit->hit.primID = args->primID;
+}
+
+static void curved_occluded(const struct RTCOccludedFunctionNArguments *args)
+{
+    struct RTCRay *ray = (struct RTCRay *)args->ray;
+    struct orl_vec3 normal;
+    double t;
+    if (args->valid[0] && curved_test(args->geometryUserPtr, args->primID, ray, &t, &normal))
+        ray->tfar = -INFINITY;
+}
+
+static int build_triangles(struct orl_geometry *geometry, RTCDevice device, RTCScene scene)
+{
+    RTCGeometry mesh = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    const size_t n = geometry->n_triangles;
+    float *vertices = rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                              3 * sizeof(float), 3 * n);
+    unsigned *indices = rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                                                3 * sizeof(unsigned), n);
+    if (n > 0 && (!vertices || !indices)) {
+        rtcReleaseGeometry(mesh);
+        return ORL_ERR_NOMEM;
+    }
+    for (size_t i = 0; i < n; i++) {
+        const struct orl_triangle *t = &geometry->triangles[i];
+        const struct orl_vec3 corners[3] = {t->a, t->b, t->c};
+        for (size_t k = 0; k < 3; k++) {
+            vertices[9 * i + 3 * k] = (float)corners[k].x;
+            vertices[9 * i + 3 * k + 1] = (float)corners[k].y;
+            vertices[9 * i + 3 * k + 2] = (float)corners[k].z;
+            indices[3 * i + k] = (unsigned)(3 * i + k);
+        }
+    }
+    rtcCommitGeometry(mesh);
+    rtcAttachGeometryByID(scene, mesh, GEOMETRY_TRIANGLES);
+    rtcReleaseGeometry(mesh);
+    return 0;
+}
+
+static void build_curved(struct orl_geometry *geometry, RTCDevice device, RTCScene scene,
+                         unsigned count)
+{
+    RTCGeometry curved = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
+    rtcSetGeometryUserPrimitiveCount(curved, count);
+    rtcSetGeometryUserData(curved, geometry);
+    rtcSetGeometryBoundsFunction(curved, curved_bounds, NULL);
+    rtcSetGeometryIntersectFunction(curved, curved_intersect);
+    rtcSetGeometryOccludedFunction(curved, curved_occluded);
+    rtcCommitGeometry(curved);
+    rtcAttachGeometryByID(scene, curved, GEOMETRY_CURVED);
+    rtcReleaseGeometry(curved);
+}
+
+/* Embree asks this many times while it builds. */
+static bool goes_on(void *ctx, double fraction)
+{
+    const atomic_bool *cancel = ctx;
+    (void)fraction;
+    return !orl_is_cancelled(cancel);
+}
+
+static int refuse_build(enum RTCError failure, struct orl_error *err)
+{
+    if (failure == RTC_ERROR_CANCELLED)
+        return orl_error_set(err, ORL_ERR_CANCELLED, "cancelled while building the scene");
+    /* Unknown are exceptions that Embree does not expect: where memory ended within another. */
+    if (failure == RTC_ERROR_OUT_OF_MEMORY || failure == RTC_ERROR_UNKNOWN)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory building the scene");
+    return orl_error_set(err, ORL_ERR_INTERNAL, "Embree failed to build the scene (error %d)",
+                         (int)failure);
+}
+
+int orl_embree_prepare(struct orl_error *err)
+{
+    return orl_embree_device() ? 0
+                               : orl_error_set(err, ORL_ERR_NOMEM, "out of memory to start Embree");
+}
+
+int orl_embree_build(struct orl_geometry *geometry, const atomic_bool *cancel,
+                     struct orl_error *err)
+{
+    unsigned n_curved = 0;
+    for (size_t i = 0; i < geometry->n_facets; i++)
+        n_curved += geometry->facets[i].kind != ORL_SURFACE_POLYGON;
+    const int rc = orl_embree_prepare(err);
+    if (rc)
+        return rc;
+    RTCDevice device = orl_embree_device();
+    RTCScene scene = rtcNewScene(device);
+    if (!scene)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory to start Embree");
+    geometry->scene = scene;
+    rtcGetDeviceError(device); /* of scenes before */
+    geometry->curved = n_curved > 0;
+    rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
+    rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_HIGH);
+    if (geometry->n_triangles > 0 && build_triangles(geometry, device, scene) < 0)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for %zu triangles",
+                             geometry->n_triangles);
+    if (n_curved > 0)
+        build_curved(geometry, device, scene, n_curved);
+    if (cancel)
+        rtcSetSceneProgressMonitorFunction(scene, goes_on, (void *)(uintptr_t)cancel);
+    rtcCommitScene(scene);
+    const enum RTCError failure = rtcGetDeviceError(device);
+    return failure == RTC_ERROR_NONE ? 0 : refuse_build(failure, err);
+}
+
+void orl_embree_free(struct orl_geometry *geometry)
+{
+    if (geometry->scene)
+        rtcReleaseScene(geometry->scene);
+    geometry->scene = NULL;
+}
+
+static inline void set_ray(struct RTCRay *ray, struct orl_vec3 origin, struct orl_vec3 direction,
+                           double max_distance)
+{
+    ray->org_x = (float)origin.x;
+    ray->org_y = (float)origin.y;
+    ray->org_z = (float)origin.z;
+    ray->tnear = 0.0F;
+    ray->dir_x = (float)direction.x;
+    ray->dir_y = (float)direction.y;
+    ray->dir_z = (float)direction.z;
+    ray->time = 0.0F;
+    ray->tfar = (float)max_distance;
+    ray->mask = 0xffffffffU;
+    ray->id = 0;
+    ray->flags = 0;
+}
+
+/* Embree's own assertion ends the process on rays from beyond 1.8e18; nothing is hit from there. */
+static inline bool is_traceable(struct orl_vec3 origin, struct orl_vec3 direction)
+{
+    const double far = 1e18;
+    return fabs(origin.x) < far && fabs(origin.y) < far && fabs(origin.z) < far &&
+           isfinite(direction.x + direction.y + direction.z);
+}
+
+bool orl_embree_intersect(const struct orl_geometry *geometry, struct orl_vec3 origin,
+                          struct orl_vec3 direction, double max_distance,
+                          struct orl_embree_hit *ret_hit)
+{
+    struct RTCRayHit rayhit; /* only what Embree reads is set: this is in the innermost loop */
+    if (!is_traceable(origin, direction))
+        return false;
+    set_ray(&rayhit.ray, origin, direction, max_distance);
+    rayhit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    rayhit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+#if RTC_VERSION_MAJOR >= 4
+    rtcIntersect1(geometry->scene, &rayhit, NULL);
+#else
+    struct RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    rtcIntersect1(geometry->scene, &context, &rayhit);
+#endif
+    if (rayhit.hit.geomID == RTC_INVALID_GEOMETRY_ID)
+        return false;
+    ret_hit->distance = rayhit.ray.tfar;
+    ret_hit->curved = rayhit.hit.geomID == GEOMETRY_CURVED;
+    ret_hit->index = ret_hit->curved ? (uint32_t)(geometry->n_facets - 1 - rayhit.hit.primID)
+                                     : rayhit.hit.primID;
+    return true;
+}
+
+/* Embree's packets, side by side. */
+enum { ABREAST = 8 };
+struct packet {
+    struct RTCRayHit8 rays;
+    _Alignas(32) int valid[ABREAST];
+};
+
+static void fill_packet(const struct orl_ray *rays, size_t n, struct packet *packet)
+{
+    struct RTCRay8 *r = &packet->rays.ray;
+    for (size_t i = 0; i < ABREAST; i++) {
+        const struct orl_ray *ray = &rays[i < n ? i : 0];
+        packet->valid[i] = i < n && is_traceable(ray->origin, ray->direction) ? -1 : 0;
+        r->org_x[i] = (float)ray->origin.x;
+        r->org_y[i] = (float)ray->origin.y;
+        r->org_z[i] = (float)ray->origin.z;
+        r->tnear[i] = 0.0F;
+        r->dir_x[i] = (float)ray->direction.x;
+        r->dir_y[i] = (float)ray->direction.y;
+        r->dir_z[i] = (float)ray->direction.z;
+        r->time[i] = 0.0F;
+        r->tfar[i] = INFINITY;
+        r->mask[i] = 0xffffffffU;
+        r->id[i] = 0;
+        r->flags[i] = 0;
+        packet->rays.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
+        packet->rays.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
+    }
+}
+
+static void trace_packet(const struct orl_geometry *geometry, bool alike, struct packet *packet)
+{
+#if RTC_VERSION_MAJOR >= 4
+    struct RTCIntersectArguments arguments;
+    rtcInitIntersectArguments(&arguments);
+    arguments.flags = alike ? RTC_RAY_QUERY_FLAG_COHERENT : RTC_RAY_QUERY_FLAG_INCOHERENT;
+    rtcIntersect8(packet->valid, geometry->scene, &packet->rays, &arguments);
+#else
+    struct RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    context.flags =
+        alike ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+    rtcIntersect8(packet->valid, geometry->scene, &context, &packet->rays);
+#endif
+}
+
+void orl_embree_intersect_many(const struct orl_geometry *geometry, const struct orl_ray *rays,
+                               size_t n, bool alike, struct orl_embree_hit *ret_hits,
+                               bool *ret_found)
+{
+    struct packet packet;
+    /* What is curved answers one ray at a time. */
+    for (size_t i = 0; i < n && geometry->curved; i++)
+        ret_found[i] = orl_embree_intersect(geometry, rays[i].origin, rays[i].direction, INFINITY,
+                                            &ret_hits[i]);
+    for (size_t first = 0; first < n && !geometry->curved; first += ABREAST) {
+        fill_packet(rays + first, n - first, &packet);
+        trace_packet(geometry, alike, &packet);
+        for (size_t i = 0; i < ABREAST && first + i < n; i++) {
+            ret_found[first + i] = packet.rays.hit.geomID[i] != RTC_INVALID_GEOMETRY_ID;
+            ret_hits[first + i] = (struct orl_embree_hit){(double)packet.rays.ray.tfar[i],
+                                                          packet.rays.hit.primID[i], false};
+        }
+    }
+}
+
+bool orl_embree_occluded(const struct orl_geometry *geometry, struct orl_vec3 origin,
+                         struct orl_vec3 direction, double max_distance)
+{
+    struct RTCRay ray;
+    if (!is_traceable(origin, direction))
+        return false;
+    set_ray(&ray, origin, direction, max_distance);
+#if RTC_VERSION_MAJOR >= 4
+    rtcOccluded1(geometry->scene, &ray, NULL);
+#else
+    struct RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    rtcOccluded1(geometry->scene, &context, &ray);
+#endif
+    return ray.tfar < 0.0F;
+}

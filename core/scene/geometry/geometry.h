@@ -1,0 +1,132 @@
+/*
+ * The scene's surfaces as a ray tracer sees them, on top of Embree (3 or 4, robust mode).
+ *
+ * Coordinates: the scene is moved by -center, in double, before it becomes Embree's floats. All of
+ * the core beyond this header works in these moved coordinates; orl_geometry.center is added or
+ * subtracted only where a job's sensors and views come in. Units are the scene file's.
+ *
+ * Hits: the point is projected back onto the true surface in double, so that its error does not
+ * grow with distance. Rays that start on a surface are to start at orl_hit_leave(hit, direction):
+ * clear of the surface, and of what a BSDF with a thickness stands for.
+ *
+ * Where two polygons of opposite fronts lie in one place, a hit is on the one whose front the ray
+ * meets; in all other cases of two in one place, one has been cut away (coincident.h).
+ *
+ * Determinism: the hierarchy is built by one thread, so that ties are broken the same way each
+ * time. Threads: immutable once built; intersect and occluded may be called from any thread.
+ */
+#ifndef ORL_SCENE_GEOMETRY_GEOMETRY_H
+#define ORL_SCENE_GEOMETRY_GEOMETRY_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <oriel/error.h>
+
+#include "scene/description.h"
+
+/* A surface as it is shot at: the description's, moved, with what hits need at hand. */
+struct orl_facet {
+    enum orl_surface_kind kind;
+    uint32_t material, surface; /* indices into the description's */
+    struct orl_vec3 normal;     /* polygons and rings: unit, the declared front */
+    struct orl_vec3 center[2];
+    double radius[2];
+    double offset; /* how far from the surface a ray must start to be clear of it */
+    double beyond; /* BSDF: what it stands for lies this far behind it (negative: in front) */
+    double area;
+    bool bent; /* a polygon whose triangles do not lie in one plane, as rounded numbers make them */
+    uint32_t first_triangle, n_triangles; /* polygons: into orl_geometry.triangles */
+    uint32_t first_rival, n_rivals;       /* into orl_geometry.rivals: facets in the same place that
+                                             face the other way */
+};
+
+struct orl_triangle {
+    struct orl_vec3 a, b, c;
+    uint32_t facet;
+    double area;
+};
+
+struct orl_geometry {
+    struct orl_vec3 center;    /* subtracted from the files' coordinates */
+    struct orl_vec3 low, high; /* bounds, moved coordinates */
+    double radius;             /* of the bounding sphere about the moved origin */
+    struct orl_facet *facets;
+    size_t n_facets;
+    struct orl_triangle *triangles;
+    size_t n_triangles;
+    uint32_t *rivals;
+    size_t n_rivals;
+    bool curved; /* it has facets that are not polygons */
+    void *scene; /* Embree's */
+};
+
+struct orl_hit {
+    double distance;
+    struct orl_vec3 point;  /* on the surface */
+    struct orl_vec3 normal; /* unit, the declared front */
+    uint32_t facet;
+    bool front; /* the ray met the front: dot(direction, normal) < 0 */
+};
+
+/* See orl_prepare_thread (oriel/run.h). */
+int orl_geometry_prepare_thread(struct orl_error *err);
+
+/* Returns 0 and a geometry the caller frees, or ORL_ERR_NOMEM, ORL_ERR_RANGE. */
+int orl_geometry_new(const struct orl_description *description, struct orl_geometry **ret_geometry,
+                     struct orl_error *err);
+void orl_geometry_free(struct orl_geometry *geometry);
+
+/* The nearest surface along the ray within max_distance; direction is unit. */
+bool orl_geometry_intersect(const struct orl_geometry *geometry, struct orl_vec3 origin,
+                            struct orl_vec3 direction, double max_distance,
+                            struct orl_hit *ret_hit);
+
+struct orl_ray {
+    struct orl_vec3 origin, direction; /* unit */
+};
+
+/*
+ * What each of many rays meets first, as orl_geometry_intersect says with no limit on the distance;
+ * but for rays that pass through an edge, where it may be either side. They are done side by side;
+ * alike: all of about one direction, which is several times as quick (and slower when untrue).
+ */
+void orl_geometry_intersect_many(const struct orl_geometry *geometry, const struct orl_ray *rays,
+                                 size_t n, bool alike, struct orl_hit *ret_hits, bool *ret_found);
+
+/* Whether anything at all, glass included, lies within max_distance. */
+bool orl_geometry_occluded(const struct orl_geometry *geometry, struct orl_vec3 origin,
+                           struct orl_vec3 direction, double max_distance);
+
+/*
+ * A copy in which only the facets to keep can be met; the others have their places in the arrays,
+ * but no area. Returns 0 and a geometry the caller frees, or ORL_ERR_NOMEM.
+ */
+int orl_geometry_subset(const struct orl_geometry *whole, const bool *keep,
+                        struct orl_geometry **ret_geometry, struct orl_error *err);
+
+/* Where a ray that leaves a point of a facet, of that front normal, along direction is to start. */
+static inline struct orl_vec3 orl_facet_leave(const struct orl_geometry *geometry, uint32_t facet,
+                                              struct orl_vec3 point, struct orl_vec3 normal,
+                                              struct orl_vec3 direction)
+{
+    const struct orl_facet *f = &geometry->facets[facet];
+    const double side = orl_dot(direction, normal) >= 0 ? 1 : -1;
+    /* To the side of what it stands for: beyond that. */
+    const double hidden = f->beyond * side < 0 ? fabs(f->beyond) : 0;
+    return orl_madd(point, normal, side * (f->offset + hidden));
+}
+
+/* Where a ray that leaves the hit point along direction is to start. */
+static inline struct orl_vec3 orl_hit_leave(const struct orl_geometry *geometry,
+                                            const struct orl_hit *hit, struct orl_vec3 direction)
+{
+    return orl_facet_leave(geometry, hit->facet, hit->point, hit->normal, direction);
+}
+
+/* A point uniform by area on a facet, with its front normal; u in [0,1)^2. */
+void orl_facet_sample(const struct orl_geometry *geometry, uint32_t facet, const double u[2],
+                      struct orl_vec3 *ret_point, struct orl_vec3 *ret_normal);
+
+#endif

@@ -1,0 +1,32 @@
+/*
+ * Pairs of surfaces, by index: lists that grow.
+ */
+#ifndef ORL_SCENE_GEOMETRY_PAIRS_H
+#define ORL_SCENE_GEOMETRY_PAIRS_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "base/grow.h"
+
+struct orl_pair {
+    uint32_t a, b;
+};
+
+/* Zeroed is empty; whoever has it frees the items. */
+struct orl_pairs {
+    struct orl_pair *items;
+    size_t n, room;
+};
+
+/* False when out of memory. */
+static inline bool orl_pairs_add(struct orl_pairs *pairs, uint32_t a, uint32_t b)
+{
+    if (!orl_grow(&pairs->items, &pairs->room, pairs->n, sizeof *pairs->items))
+        return false;
+    pairs->items[pairs->n++] = (struct orl_pair){a, b};
+    return true;
+}
+
+#endif

@@ -1,0 +1,32 @@
+#include "scene/geometry/stand.h"
+
+enum { MOST_SURFACES = 8 };
+
+/* A ray's origin is rounded to floats; this is some ulps of it, and one of the whole scene. */
+static double rounding(const struct orl_geometry *g, struct orl_vec3 point)
+{
+    const double largest = fmax(fabs(point.x), fmax(fabs(point.y), fabs(point.z)));
+    return largest * 0x1p-20 + g->radius * 0x1p-24;
+}
+
+struct orl_vec3 orl_stand(const struct orl_geometry *g, struct orl_vec3 point,
+                          struct orl_vec3 normal)
+{
+    /* No facet's offset is more than 2^-20 of the radius: what lies further says nothing. */
+    const double span = g->radius * 0x1p-18;
+    struct orl_vec3 from = orl_madd(point, normal, span);
+    double lift = rounding(g, point);
+    for (int i = 0; i < MOST_SURFACES; i++) {
+        struct orl_hit hit;
+        const double left = orl_dot(orl_sub(from, point), normal) + span;
+        if (!(left > 0) || !orl_geometry_intersect(g, from, orl_neg(normal), left, &hit))
+            break;
+        const double clear = 2 * g->facets[hit.facet].offset;
+        const double slope = fmax(0.25, fabs(orl_dot(hit.normal, normal)));
+        const double height = orl_dot(orl_sub(hit.point, point), normal);
+        if (fabs(height) * slope <= clear)
+            lift = fmax(lift, height + clear / slope);
+        from = orl_hit_leave(g, &hit, orl_neg(normal));
+    }
+    return orl_madd(point, normal, lift);
+}

@@ -1,0 +1,15 @@
+/*
+ * Where a sensor stands: one written down as lying on a surface is to look away from it, not at it,
+ * and stays where it is otherwise. What is clear of a surface depends on that surface: ground wider
+ * than a town must not lift the sensors of a room by a millimetre, out of the edge of a shadow.
+ */
+#ifndef ORL_SCENE_GEOMETRY_STAND_H
+#define ORL_SCENE_GEOMETRY_STAND_H
+
+#include "scene/geometry/geometry.h"
+
+/* Where rays of a sensor at that (moved) point start; normal, unit, is the way it faces. */
+struct orl_vec3 orl_stand(const struct orl_geometry *geometry, struct orl_vec3 point,
+                          struct orl_vec3 normal);
+
+#endif

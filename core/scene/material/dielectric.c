@@ -1,0 +1,111 @@
+/*
+ * Where two clear media meet: Fresnel's equations for unpolarised light, Snell's law, and what the
+ * media absorb on the way (Beer). Behind the surface lies media[0], in front of it media[1].
+ */
+#include "scene/material/kinds.h"
+
+static const struct orl_medium *medium(const struct orl_material *material, bool front)
+{
+    return &material->media[front ? 1 : 0];
+}
+
+/* A direction at the surface: what is sent back and let in, and which way that goes. */
+struct meeting {
+    double reflected, refracted; /* shares of the light; refracted 0: total reflection */
+    double ratio;                /* n on the side of "from" over n beyond */
+    struct orl_vec3 inwards;     /* the refracted direction */
+};
+
+static struct meeting meet(const struct orl_material *material, struct orl_vec3 front_normal,
+                           struct orl_vec3 from)
+{
+    const bool front = orl_dot(from, front_normal) >= 0;
+    const struct orl_vec3 normal = front ? front_normal : orl_neg(front_normal);
+    const double here = medium(material, front)->ior, beyond = medium(material, !front)->ior;
+    const double ratio = here / beyond, c = fmin(orl_dot(from, normal), 1);
+    const double sine2 = ratio * ratio * (1 - c) * (1 + c);
+    if (sine2 >= 1)
+        return (struct meeting){.reflected = 1, .ratio = ratio};
+    const double inside = sqrt(1 - sine2);
+    const double across = here * c + beyond * inside, along = beyond * c + here * inside;
+    const double product = 4 * here * beyond * c * inside;
+    /* Not 1 - r: at grazing all of its digits would be lost. */
+    const double refracted =
+        product > 0 ? 0.5 * product * (1 / (across * across) + 1 / (along * along)) : 0;
+    return (struct meeting){
+        .reflected = fmax(0, 1 - refracted),
+        .refracted = refracted,
+        .ratio = ratio,
+        .inwards = orl_normalize(orl_madd(orl_scale(from, -ratio), normal, ratio * c - inside))};
+}
+
+double orl_dielectric_reflectance(const struct orl_material *material, const struct orl_hit *hit,
+                                  struct orl_vec3 from)
+{
+    return meet(material, hit->normal, from).reflected;
+}
+
+/* Radiance is squeezed with the solid angle it fills: L / n^2 stays. Flux just stays. */
+static struct orl_scatter refracted(const struct orl_material *material, const struct orl_hit *hit,
+                                    struct orl_vec3 from, const struct meeting *m,
+                                    enum orl_transport transport)
+{
+    const double squeeze = transport == ORL_TRANSPORT_EYE ? m->ratio * m->ratio : 1;
+    const bool front = orl_dot(from, hit->normal) >= 0;
+    return (struct orl_scatter){.event = ORL_EVENT_REFRACTED,
+                                .transmitted = true,
+                                .direction = m->inwards,
+                                .weight = orl_gray(m->refracted * squeeze),
+                                .clarity = medium(material, !front)->transmissivity};
+}
+
+bool orl_material_refract(const struct orl_material *material, const struct orl_hit *hit,
+                          struct orl_vec3 from, enum orl_transport transport,
+                          struct orl_scatter *ret_scatter)
+{
+    if (material->kind != ORL_MATERIAL_DIELECTRIC)
+        return false;
+    const struct meeting m = meet(material, hit->normal, from);
+    if (!(m.refracted > 0))
+        return false;
+    *ret_scatter = refracted(material, hit, from, &m, transport);
+    return true;
+}
+
+struct orl_scatter orl_dielectric_sample(const struct orl_draw *draw, const double u[3])
+{
+    const struct orl_vec3 normal = draw->hit->normal;
+    const struct meeting m = meet(draw->material, normal, draw->from);
+    const double t = draw->lobes & ORL_LOBE_TRANSMITTED ? m.refracted : 0;
+    const double r = draw->lobes & ORL_LOBE_REFLECTED ? m.reflected : 0;
+    if (!(t + r > 0))
+        return (struct orl_scatter){.event = ORL_EVENT_ABSORBED};
+    const double p = t / (t + r);
+    if (u[2] < p) {
+        struct orl_scatter s =
+            refracted(draw->material, draw->hit, draw->from, &m, draw->transport);
+        s.weight = orl_rgb_scale(s.weight, 1 / p);
+        return s;
+    }
+    const bool front = orl_dot(draw->from, normal) >= 0;
+    return (struct orl_scatter){.event = ORL_EVENT_MIRROR,
+                                .direction = orl_mirrored(draw->from, normal),
+                                .weight = orl_gray(r / (1 - p)),
+                                .clarity = medium(draw->material, front)->transmissivity};
+}
+
+struct orl_rgb orl_clarity_after(struct orl_rgb clarity, double distance)
+{
+    if (orl_is_clear(clarity))
+        return clarity;
+    return (struct orl_rgb){pow(clarity.r, distance), pow(clarity.g, distance),
+                            pow(clarity.b, distance)};
+}
+
+struct orl_rgb orl_dielectric_dimming(const struct orl_material *material,
+                                      const struct orl_hit *hit, struct orl_rgb clarity)
+{
+    if (material->kind == ORL_MATERIAL_DIELECTRIC)
+        clarity = medium(material, hit->front)->transmissivity;
+    return orl_clarity_after(clarity, hit->distance);
+}

@@ -1,0 +1,89 @@
+#include "scene/material/kinds.h"
+
+/* One surface, one polarisation: what Fresnel sends back and lets in. Both, for 1 - r cancels. */
+struct surface {
+    double r, t;
+};
+
+struct pane {
+    struct surface parallel, perpendicular;
+    double path; /* length inside relative to the normal's */
+};
+
+static struct surface surface_of(double numerator, double denominator, double product)
+{
+    const double r = numerator / denominator;
+    return (struct surface){r * r, 4 * product / (denominator * denominator)};
+}
+
+static struct pane pane_at(const struct orl_material *material, double cosine)
+{
+    /* Never quite 0, where glass of index 1 would divide nothing by nothing. */
+    const double n = material->ior, c = fmin(fmax(fabs(cosine), 1e-150), 1.0);
+    const double inside = sqrt((n - 1) * (n + 1) + c * c) / n;
+    return (struct pane){surface_of(n * c - inside, n * c + inside, n * c * inside),
+                         surface_of(c - n * inside, c + n * inside, n * c * inside), 1 / inside};
+}
+
+/* All passes, each of transmission d; 1 - r^2 d^2 in factors, which is exact at grazing too. */
+static double pane_transmittance(struct surface s, double d)
+{
+    return s.t > 0 ? s.t * s.t * d / ((s.t + s.r * (1 - d)) * (1 + s.r * d)) : 0;
+}
+
+static double pane_reflectance(struct surface s, double d)
+{
+    return s.r * (1 + d * pane_transmittance(s, d));
+}
+
+/* Both polarisations of a channel, averaged; share is pane_transmittance or pane_reflectance. */
+static double unpolarised(const struct pane *pane, double transmissivity,
+                          double (*share)(struct surface s, double d))
+{
+    const double d = pow(transmissivity, pane->path);
+    return 0.5 * (share(pane->parallel, d) + share(pane->perpendicular, d));
+}
+
+static struct orl_rgb pane_share(const struct orl_material *material, double cosine,
+                                 double (*share)(struct surface s, double d))
+{
+    const struct pane pane = pane_at(material, cosine);
+    const struct orl_rgb t = material->transmissivity;
+    const double red = unpolarised(&pane, t.r, share);
+    /* Most glass is grey: one power instead of three. */
+    if (t.g == t.r && t.b == t.r)
+        return orl_gray(red);
+    return (struct orl_rgb){red, unpolarised(&pane, t.g, share), unpolarised(&pane, t.b, share)};
+}
+
+struct orl_rgb orl_glass_transmittance(const struct orl_material *material, double cosine)
+{
+    return pane_share(material, cosine, pane_transmittance);
+}
+
+struct orl_rgb orl_glass_reflectance(const struct orl_material *material, double cosine)
+{
+    return pane_share(material, cosine, pane_reflectance);
+}
+
+struct orl_scatter orl_glass_sample(const struct orl_draw *draw, const double u[3])
+{
+    const double cosine = orl_dot(draw->from, draw->hit->normal);
+    struct orl_scatter s = {.event = ORL_EVENT_ABSORBED};
+    const struct orl_rgb through = draw->lobes & ORL_LOBE_TRANSMITTED
+                                       ? orl_glass_transmittance(draw->material, cosine)
+                                       : orl_gray(0);
+    const struct orl_rgb back = draw->lobes & ORL_LOBE_REFLECTED
+                                    ? orl_glass_reflectance(draw->material, cosine)
+                                    : orl_gray(0);
+    const double t = orl_luma(through), r = orl_luma(back);
+    if (!(t + r > 0))
+        return s;
+    /* The larger of the two carries the absorbed share as weight: nothing is rolled for here. */
+    const double p = t / (t + r);
+    s.transmitted = u[2] < p;
+    s.event = s.transmitted ? ORL_EVENT_STRAIGHT : ORL_EVENT_MIRROR;
+    s.direction = s.transmitted ? orl_neg(draw->from) : orl_mirrored(draw->from, draw->hit->normal);
+    s.weight = s.transmitted ? orl_rgb_scale(through, 1 / p) : orl_rgb_scale(back, 1 / (1 - p));
+    return s;
+}

@@ -1,0 +1,60 @@
+/*
+ * The kinds of material behind scatter.h, one file each: what scatter.c dispatches to. Arguments
+ * are as there; u holds three numbers in [0,1), the last of which chooses between parts.
+ */
+#ifndef ORL_SCENE_MATERIAL_KINDS_H
+#define ORL_SCENE_MATERIAL_KINDS_H
+
+#include "scene/material/scatter.h"
+
+static inline struct orl_vec3 orl_mirrored(struct orl_vec3 from, struct orl_vec3 normal)
+{
+    return orl_sub(orl_scale(normal, 2 * orl_dot(from, normal)), from);
+}
+
+/* glass.c: thin panes. */
+struct orl_rgb orl_glass_transmittance(const struct orl_material *material, double cosine);
+struct orl_rgb orl_glass_reflectance(const struct orl_material *material, double cosine);
+struct orl_scatter orl_glass_sample(const struct orl_draw *draw, const double u[3]);
+
+/* reflector.c: plastic, metal, trans. Diffuse and specular reflectance, and what trans lets
+ * through: spread evenly, or straight (about straight, when rough). */
+struct orl_rgb orl_reflector_diffuse(const struct orl_material *material);
+struct orl_rgb orl_reflector_specular(const struct orl_material *material);
+struct orl_rgb orl_trans_spread(const struct orl_material *material);
+struct orl_rgb orl_trans_straight(const struct orl_material *material);
+bool orl_reflector_has_lobes(const struct orl_material *material);
+bool orl_reflector_transmits_lobes(const struct orl_material *material);
+struct orl_rgb orl_reflector_lobes(const struct orl_material *material, const struct orl_hit *hit,
+                                   struct orl_vec3 light, struct orl_vec3 eye);
+struct orl_scatter orl_reflector_sample(const struct orl_draw *draw, const double u[3]);
+double orl_reflector_pdf(const struct orl_draw *draw, struct orl_vec3 towards);
+
+/* dielectric.c: clear solids and liquids. */
+double orl_dielectric_reflectance(const struct orl_material *material, const struct orl_hit *hit,
+                                  struct orl_vec3 from);
+struct orl_scatter orl_dielectric_sample(const struct orl_draw *draw, const double u[3]);
+
+/* mirror.c */
+struct orl_rgb orl_mirror_reflectance(const struct orl_material *material,
+                                      const struct orl_hit *hit, struct orl_vec3 from);
+struct orl_scatter orl_mirror_sample(const struct orl_draw *draw);
+
+/* panel.c: surfaces described by a BSDF. */
+struct orl_rgb orl_panel_lobes(const struct orl_material *material, const struct orl_hit *hit,
+                               struct orl_vec3 light, struct orl_vec3 eye);
+struct orl_rgb orl_panel_albedo(const struct orl_material *material, const struct orl_hit *hit,
+                                struct orl_vec3 light, enum orl_lobes lobes);
+/* Towards eye; nothing unless it is an aBSDF. */
+struct orl_rgb orl_panel_straight(const struct orl_material *material, const struct orl_hit *hit,
+                                  struct orl_vec3 eye);
+struct orl_scatter orl_panel_sample(const struct orl_draw *draw, const double u[3]);
+/* Whether it is one with nothing added to the data and nothing taken out. */
+bool orl_panel_is_data_alone(const struct orl_material *material);
+/* Draws of such, those of the list, n at most ORL_PANELS_ABREAST; by orl_bsdf_sample_many. */
+enum { ORL_PANELS_ABREAST = 16 };
+void orl_panel_sample_many(const struct orl_draw *draws, const double (*u)[3], const size_t *which,
+                           size_t n, struct orl_scatter *ret);
+double orl_panel_pdf(const struct orl_draw *draw, struct orl_vec3 towards);
+
+#endif

@@ -1,0 +1,37 @@
+/*
+ * Surfaces that shine, from their front: light, illum, spotlight within its cone, glow.
+ *
+ * A spotlight's irradiance falls off as if its beam started `focus` behind the lamp: a point at
+ * distance d gets (d / (d + focus))^2 of what an even lamp's beam would bring there (spotout and
+ * srcray of Radiance's rt/source.c). To a view the lamp is equally bright wherever it is seen.
+ */
+#include "scene/material/scatter.h"
+
+bool orl_material_shines(const struct orl_material *material)
+{
+    return orl_material_is_lamp(material) || material->kind == ORL_MATERIAL_GLOW;
+}
+
+bool orl_material_is_lamp(const struct orl_material *material)
+{
+    return material->kind == ORL_MATERIAL_LIGHT || material->kind == ORL_MATERIAL_SPOTLIGHT ||
+           material->kind == ORL_MATERIAL_ILLUM;
+}
+
+bool orl_material_glows(const struct orl_material *material)
+{
+    return material->kind == ORL_MATERIAL_GLOW && material->max_radius >= 0;
+}
+
+bool orl_material_beams(const struct orl_material *material, struct orl_vec3 towards)
+{
+    return material->kind != ORL_MATERIAL_SPOTLIGHT ||
+           orl_dot(towards, material->aim) >= material->cos_cone;
+}
+
+struct orl_rgb orl_material_emission(const struct orl_material *material, const struct orl_hit *hit,
+                                     struct orl_vec3 towards)
+{
+    const bool shines = orl_material_shines(material) && orl_dot(towards, hit->normal) > 0;
+    return shines && orl_material_beams(material, towards) ? material->color : orl_gray(0);
+}

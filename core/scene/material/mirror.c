@@ -1,0 +1,18 @@
+/* A mirror: specular on its front, black behind. */
+#include "scene/material/kinds.h"
+
+struct orl_rgb orl_mirror_reflectance(const struct orl_material *material,
+                                      const struct orl_hit *hit, struct orl_vec3 from)
+{
+    return orl_dot(from, hit->normal) > 0 ? material->color : orl_gray(0);
+}
+
+struct orl_scatter orl_mirror_sample(const struct orl_draw *draw)
+{
+    const struct orl_rgb back = orl_mirror_reflectance(draw->material, draw->hit, draw->from);
+    if (!(draw->lobes & ORL_LOBE_REFLECTED) || !(orl_rgb_max(back) > 0))
+        return (struct orl_scatter){.event = ORL_EVENT_ABSORBED};
+    return (struct orl_scatter){.event = ORL_EVENT_MIRROR,
+                                .direction = orl_mirrored(draw->from, draw->hit->normal),
+                                .weight = back};
+}

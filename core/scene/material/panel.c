@@ -1,0 +1,259 @@
+/*
+ * Surfaces described by a BSDF: the data, and what the material adds to them. BSDF takes 3, 6 or 9
+ * numbers: diffuse reflectances of the front and of the back, and a diffuse transmittance both
+ * ways, each spread evenly. Of an aBSDF, what goes straight through by orl_bsdf_straight does so.
+ *
+ * Where data and additions together would send out more than they get, both are divided by what it
+ * is too much: for light from that direction, by the largest channel.
+ */
+#include "scene/material/kinds.h"
+
+struct orl_frame orl_bsdf_frame(const struct orl_material *material, struct orl_vec3 normal)
+{
+    struct orl_frame frame;
+    frame.n = normal;
+    frame.v = orl_normalize(orl_madd(material->up, normal, -orl_dot(material->up, normal)));
+    frame.u = orl_cross(frame.v, frame.n);
+    return frame;
+}
+
+static enum orl_bsdf_side sides_of(enum orl_lobes lobes)
+{
+    return (enum orl_bsdf_side)((lobes & ORL_LOBE_REFLECTED ? ORL_BSDF_REFLECT : 0) |
+                                (lobes & ORL_LOBE_TRANSMITTED ? ORL_BSDF_TRANSMIT : 0));
+}
+
+/* ---- What is added --------------------------------------------------------------------------- */
+
+/* Reflectance for light from that side, and transmittance; where the sides are wanted. */
+struct added {
+    struct orl_rgb reflected, transmitted;
+};
+
+static struct added added_to(const struct orl_material *material, bool front,
+                             enum orl_bsdf_side sides)
+{
+    const struct orl_rgb none = orl_gray(0);
+    return (struct added){sides & ORL_BSDF_REFLECT ? (front ? material->front : material->back)
+                                                   : none,
+                          sides & ORL_BSDF_TRANSMIT ? material->through : none};
+}
+
+static double added_luma(const struct added *added)
+{
+    return orl_luma(added->reflected) + orl_luma(added->transmitted);
+}
+
+/* What everything is divided by for light from there, lest more leaves than came. */
+static double excess(const struct orl_material *material, struct orl_vec3 in)
+{
+    const struct added a = added_to(material, in.z > 0, ORL_BSDF_BOTH);
+    const struct orl_rgb sum = orl_rgb_add(a.reflected, a.transmitted);
+    if (!(orl_rgb_max(sum) > 0) ||
+        orl_rgb_max(sum) + orl_bsdf_max_albedo(material->bsdf, in.z > 0) <= 1)
+        return 1;
+    return fmax(1,
+                orl_rgb_max(orl_rgb_add(sum, orl_bsdf_albedo(material->bsdf, in, ORL_BSDF_BOTH))));
+}
+
+/* ---- Values ---------------------------------------------------------------------------------- */
+
+/* f of all but the straight part; directions in the surface's frame. */
+static struct orl_rgb lobes_between(const struct orl_material *material, struct orl_vec3 in,
+                                    struct orl_vec3 out)
+{
+    const struct added a = added_to(material, in.z > 0, ORL_BSDF_BOTH);
+    struct orl_rgb f = orl_bsdf_eval(material->bsdf, in, out);
+    if (material->peak && orl_rgb_max(f) > 0)
+        f = orl_rgb_scale(f, 1 - orl_bsdf_straight_part(material->bsdf, in, out));
+    f = orl_rgb_add(
+        f, orl_rgb_scale((in.z > 0) == (out.z > 0) ? a.reflected : a.transmitted, 1 / ORL_PI));
+    return orl_rgb_scale(f, 1 / excess(material, in));
+}
+
+struct orl_rgb orl_panel_lobes(const struct orl_material *material, const struct orl_hit *hit,
+                               struct orl_vec3 light, struct orl_vec3 eye)
+{
+    const struct orl_frame frame = orl_bsdf_frame(material, hit->normal);
+    return lobes_between(material, orl_to_local(&frame, light), orl_to_local(&frame, eye));
+}
+
+struct orl_rgb orl_panel_albedo(const struct orl_material *material, const struct orl_hit *hit,
+                                struct orl_vec3 light, enum orl_lobes lobes)
+{
+    const struct orl_frame frame = orl_bsdf_frame(material, hit->normal);
+    const struct orl_vec3 in = orl_to_local(&frame, light);
+    const enum orl_bsdf_side sides = sides_of(lobes);
+    const struct added a = added_to(material, in.z > 0, sides);
+    if (!sides)
+        return orl_gray(0);
+    return orl_rgb_scale(orl_rgb_add(orl_rgb_add(a.reflected, a.transmitted),
+                                     orl_bsdf_albedo(material->bsdf, in, sides)),
+                         1 / excess(material, in));
+}
+
+/* Of light that arrives from there; in the surface's frame. */
+static struct orl_rgb straight_from(const struct orl_material *material, struct orl_vec3 in)
+{
+    return orl_rgb_scale(orl_bsdf_straight(material->bsdf, in), 1 / excess(material, in));
+}
+
+struct orl_rgb orl_panel_straight(const struct orl_material *material, const struct orl_hit *hit,
+                                  struct orl_vec3 eye)
+{
+    if (!material->peak)
+        return orl_gray(0);
+    const struct orl_frame frame = orl_bsdf_frame(material, hit->normal);
+    return straight_from(material, orl_neg(orl_to_local(&frame, eye)));
+}
+
+/* ---- Draws ----------------------------------------------------------------------------------- */
+
+/* A draw's circumstances in the surface's frame. */
+struct local {
+    const struct orl_material *material;
+    struct orl_vec3 from;
+    bool adjoint;
+    enum orl_bsdf_side sides;
+    struct added added;
+    double data, sum; /* luminances: of the data, and with what is added; 1 with nothing added */
+};
+
+static struct local local_of(const struct orl_draw *draw, const struct orl_frame *frame)
+{
+    struct local l = {.material = draw->material,
+                      .from = orl_to_local(frame, draw->from),
+                      .adjoint = draw->transport == ORL_TRANSPORT_EYE,
+                      .sides = sides_of(draw->lobes)};
+    l.added = added_to(l.material, l.from.z > 0, l.sides);
+    l.data = l.sides ? 1 : 0;
+    if (l.sides && added_luma(&l.added) > 0)
+        l.data = orl_bsdf_total(l.material->bsdf, l.from, l.adjoint, l.sides);
+    l.sum = l.data + added_luma(&l.added);
+    return l;
+}
+
+static double local_pdf(const struct local *l, struct orl_vec3 towards)
+{
+    const struct orl_bsdf *bsdf = l->material->bsdf;
+    const struct orl_rgb added =
+        (towards.z > 0) == (l->from.z > 0) ? l->added.reflected : l->added.transmitted;
+    double pdf = l->adjoint ? orl_bsdf_pdf_adjoint(bsdf, l->from, l->sides, towards)
+                            : orl_bsdf_pdf(bsdf, l->from, l->sides, towards);
+    if (!(l->sum > 0))
+        return 0;
+    if (l->material->peak && pdf > 0)
+        pdf *= 1 - (l->adjoint ? orl_bsdf_straight_part(bsdf, towards, l->from)
+                               : orl_bsdf_straight_part(bsdf, l->from, towards));
+    return (l->data * pdf + orl_luma(added) * fabs(towards.z) / ORL_PI) / l->sum;
+}
+
+double orl_panel_pdf(const struct orl_draw *draw, struct orl_vec3 towards)
+{
+    const struct orl_frame frame = orl_bsdf_frame(draw->material, draw->hit->normal);
+    const struct local l = local_of(draw, &frame);
+    return local_pdf(&l, orl_to_local(&frame, towards));
+}
+
+/* Evenly to one side, by that side's share; choice is below the sum of both. */
+static struct orl_vec3 draw_added(const struct local *l, double choice, const double u[3])
+{
+    const double sine = sqrt(u[0]), phi = 2 * ORL_PI * u[1];
+    const bool front = (l->from.z > 0) == (choice < orl_luma(l->added.reflected));
+    const double cosine = fmax(sqrt(1 - u[0]), 1e-9);
+    return orl_v3(sine * cos(phi), sine * sin(phi), front ? cosine : -cosine);
+}
+
+/* Of a draw from the data alone, or one that goes straight. */
+static void settle_weight(const struct local *l, struct orl_bsdf_draw *draw)
+{
+    const struct orl_vec3 in = l->adjoint ? draw->direction : l->from;
+    draw->weight = orl_rgb_scale(draw->weight, l->sum / l->data / excess(l->material, in));
+}
+
+/* From the data or from what is added; false: nothing there. */
+static bool draw_local(const struct local *l, const double u[3], struct orl_bsdf_draw *ret)
+{
+    const double choice = u[2] * l->sum, v[3] = {u[0], u[1], l->data > 0 ? choice / l->data : 0};
+    const bool mixed = l->sum > l->data;
+    const struct orl_bsdf *bsdf = l->material->bsdf;
+    *ret = (struct orl_bsdf_draw){.straight = false};
+    if (mixed && choice >= l->data)
+        ret->direction = draw_added(l, choice - l->data, u);
+    else if (l->material->peak) {
+        if (!orl_bsdf_sample_split(bsdf, l->from, l->adjoint, l->sides, mixed ? v : u, ret))
+            return false;
+    } else if (!(l->adjoint ? orl_bsdf_sample_adjoint(bsdf, l->from, l->sides, mixed ? v : u,
+                                                      &ret->direction, &ret->weight, &ret->pdf)
+                            : orl_bsdf_sample(bsdf, l->from, l->sides, mixed ? v : u,
+                                              &ret->direction, &ret->weight, &ret->pdf))) {
+        return false;
+    }
+    if (ret->straight || !mixed) {
+        settle_weight(l, ret);
+        return true;
+    }
+    const struct orl_vec3 in = l->adjoint ? ret->direction : l->from;
+    const struct orl_vec3 out = l->adjoint ? l->from : ret->direction;
+    ret->weight = orl_rgb_scale(lobes_between(l->material, in, out),
+                                fabs(ret->direction.z) / local_pdf(l, ret->direction));
+    return true;
+}
+
+static struct orl_scatter scatter_of(const struct orl_draw *draw, const struct orl_frame *frame,
+                                     const struct local *l, const struct orl_bsdf_draw *next)
+{
+    struct orl_scatter s = {.event = next->straight ? ORL_EVENT_STRAIGHT : ORL_EVENT_GLOSSY};
+    s.transmitted = next->straight || next->direction.z * l->from.z < 0;
+    s.direction = next->straight ? orl_neg(draw->from) : orl_to_world(frame, next->direction);
+    s.weight = next->weight;
+    return s;
+}
+
+struct orl_scatter orl_panel_sample(const struct orl_draw *draw, const double u[3])
+{
+    const struct orl_frame frame = orl_bsdf_frame(draw->material, draw->hit->normal);
+    const struct local l = local_of(draw, &frame);
+    struct orl_bsdf_draw next;
+    if (!(l.sum > 0) || !draw_local(&l, u, &next))
+        return (struct orl_scatter){.event = ORL_EVENT_ABSORBED};
+    return scatter_of(draw, &frame, &l, &next);
+}
+
+bool orl_panel_is_data_alone(const struct orl_material *m)
+{
+    return m->kind == ORL_MATERIAL_BSDF && !m->peak && !(orl_rgb_max(m->front) > 0) &&
+           !(orl_rgb_max(m->back) > 0) && !(orl_rgb_max(m->through) > 0);
+}
+
+void orl_panel_sample_many(const struct orl_draw *draws, const double (*u)[3], const size_t *which,
+                           size_t n, struct orl_scatter *ret)
+{
+    struct orl_frame frames[ORL_PANELS_ABREAST];
+    struct local locals[ORL_PANELS_ABREAST];
+    struct orl_bsdf_ask asks[ORL_PANELS_ABREAST];
+    struct orl_bsdf_draw next[ORL_PANELS_ABREAST];
+    bool found[ORL_PANELS_ABREAST];
+    if (n == 0)
+        return;
+    for (size_t i = 0; i < n; i++) {
+        const struct orl_draw *draw = &draws[which[i]];
+        const double *numbers = u[which[i]];
+        frames[i] = orl_bsdf_frame(draw->material, draw->hit->normal);
+        locals[i] = local_of(draw, &frames[i]);
+        asks[i] = (struct orl_bsdf_ask){draw->material->bsdf,
+                                        locals[i].from,
+                                        locals[i].adjoint,
+                                        locals[i].sides,
+                                        {numbers[0], numbers[1], numbers[2]}};
+    }
+    orl_bsdf_sample_many(asks, n, next, found);
+    for (size_t i = 0; i < n; i++) {
+        struct orl_scatter *s = &ret[which[i]];
+        *s = (struct orl_scatter){.event = ORL_EVENT_ABSORBED};
+        if (!found[i])
+            continue;
+        settle_weight(&locals[i], &next[i]);
+        *s = scatter_of(&draws[which[i]], &frames[i], &locals[i], &next[i]);
+    }
+}

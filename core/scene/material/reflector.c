@@ -1,0 +1,197 @@
+#include "scene/material/kinds.h"
+
+#include "scene/material/hemisphere.h"
+#include "scene/material/ward.h"
+
+/*
+ * What light is divided into. As Radiance has it: a share `specular` is mirrored, white for plastic
+ * and trans; of the rest, which takes the material's colour, trans lets `transmitted` through, and
+ * of that `transmitted_specular` without spreading it evenly.
+ */
+enum part { DIFFUSE, SPECULAR, SPREAD, STRAIGHT, PARTS };
+
+static bool is_rough(const struct orl_material *material)
+{
+    return material->roughness[0] > 0;
+}
+
+struct orl_rgb orl_reflector_diffuse(const struct orl_material *material)
+{
+    const double share = 1.0 - material->specular;
+    if (material->kind != ORL_MATERIAL_TRANS)
+        return orl_rgb_scale(material->color, share);
+    return orl_rgb_scale(material->color, share * (1 - material->transmitted));
+}
+
+struct orl_rgb orl_reflector_specular(const struct orl_material *material)
+{
+    if (material->kind == ORL_MATERIAL_METAL)
+        return orl_rgb_scale(material->color, material->specular);
+    return orl_gray(material->specular);
+}
+
+struct orl_rgb orl_trans_spread(const struct orl_material *material)
+{
+    if (material->kind != ORL_MATERIAL_TRANS)
+        return orl_gray(0);
+    return orl_rgb_scale(material->color, (1 - material->specular) * material->transmitted *
+                                              (1 - material->transmitted_specular));
+}
+
+struct orl_rgb orl_trans_straight(const struct orl_material *material)
+{
+    if (material->kind != ORL_MATERIAL_TRANS)
+        return orl_gray(0);
+    return orl_rgb_scale(material->color, (1 - material->specular) * material->transmitted *
+                                              material->transmitted_specular);
+}
+
+/* The parts of the allowed lobes; ret_luma, by which one is chosen. */
+static void parts_of(const struct orl_material *m, enum orl_lobes lobes,
+                     struct orl_rgb ret_part[PARTS], double ret_luma[PARTS])
+{
+    ret_part[DIFFUSE] = lobes & ORL_LOBE_DIFFUSE ? orl_reflector_diffuse(m) : orl_gray(0);
+    ret_part[SPECULAR] = lobes & ORL_LOBE_REFLECTED ? orl_reflector_specular(m) : orl_gray(0);
+    ret_luma[DIFFUSE] = orl_luma(ret_part[DIFFUSE]);
+    ret_luma[SPECULAR] = orl_luma(ret_part[SPECULAR]);
+    ret_part[SPREAD] = ret_part[STRAIGHT] = orl_gray(0);
+    ret_luma[SPREAD] = ret_luma[STRAIGHT] = 0;
+    if (m->kind != ORL_MATERIAL_TRANS || !(lobes & ORL_LOBE_TRANSMITTED))
+        return;
+    ret_part[SPREAD] = orl_trans_spread(m);
+    ret_part[STRAIGHT] = orl_trans_straight(m);
+    ret_luma[SPREAD] = orl_luma(ret_part[SPREAD]);
+    ret_luma[STRAIGHT] = orl_luma(ret_part[STRAIGHT]);
+}
+
+/* One after the other: this part, or one of those that follow? */
+static enum part choose(const double luma[PARTS], double u, double *ret_chance)
+{
+    double after[PARTS];
+    after[PARTS - 1] = 0;
+    for (int i = PARTS - 1; i > 0; i--)
+        after[i - 1] = luma[i] + after[i];
+    *ret_chance = 1;
+    for (int i = 0; i < PARTS - 1; i++) {
+        if (!(after[i] > 0))
+            return (enum part)i;
+        if (!(luma[i] > 0))
+            continue;
+        const double p = luma[i] / (luma[i] + after[i]);
+        if (u < p) {
+            *ret_chance *= p;
+            return (enum part)i;
+        }
+        *ret_chance *= 1 - p;
+        u = (u - p) / (1 - p);
+    }
+    return STRAIGHT;
+}
+
+/* Fills in event and direction; returns f cos / pdf of the part alone, 0 where the light is lost.
+ */
+static double send(struct orl_scatter *s, enum part part, const struct orl_material *m,
+                   struct orl_vec3 normal, struct orl_vec3 from, const double u[2])
+{
+    double weight = 1;
+    s->transmitted = part == SPREAD || part == STRAIGHT;
+    if (part == DIFFUSE || part == SPREAD) {
+        s->event = part == DIFFUSE ? ORL_EVENT_DIFFUSE : ORL_EVENT_GLOSSY;
+        s->direction = orl_hemisphere_about(part == DIFFUSE ? normal : orl_neg(normal), u[0], u[1]);
+        return 1;
+    }
+    if (!is_rough(m)) {
+        s->event = part == SPECULAR ? ORL_EVENT_MIRROR : ORL_EVENT_STRAIGHT;
+        s->direction = part == SPECULAR ? orl_mirrored(from, normal) : orl_neg(from);
+        return 1;
+    }
+    const struct orl_ward ward = orl_ward_at(m, normal);
+    if (part == SPECULAR ? orl_ward_sample_reflected(&ward, from, u, &s->direction, &weight)
+                         : orl_ward_sample_transmitted(&ward, from, u, &s->direction, &weight))
+        s->event = ORL_EVENT_GLOSSY;
+    return weight;
+}
+
+static struct orl_vec3 facing(const struct orl_hit *hit, struct orl_vec3 from)
+{
+    return orl_dot(from, hit->normal) >= 0 ? hit->normal : orl_neg(hit->normal);
+}
+
+struct orl_scatter orl_reflector_sample(const struct orl_draw *draw, const double u[3])
+{
+    struct orl_scatter s = {.event = ORL_EVENT_ABSORBED};
+    struct orl_rgb parts[PARTS];
+    double luma[PARTS], chance;
+    /* Most surfaces of a room: there is nothing to choose between. */
+    if (orl_material_is_matt(draw->material) && draw->lobes & ORL_LOBE_DIFFUSE &&
+        orl_luma(draw->material->color) > 0) {
+        s.event = ORL_EVENT_DIFFUSE;
+        s.direction = orl_hemisphere_about(facing(draw->hit, draw->from), u[0], u[1]);
+        s.weight = orl_reflector_diffuse(draw->material);
+        return s;
+    }
+    parts_of(draw->material, draw->lobes, parts, luma);
+    if (!(luma[DIFFUSE] + luma[SPECULAR] + luma[SPREAD] + luma[STRAIGHT] > 0))
+        return s;
+    const enum part part = choose(luma, u[2], &chance);
+    const double weight =
+        send(&s, part, draw->material, facing(draw->hit, draw->from), draw->from, u);
+    s.weight = orl_rgb_scale(parts[part], weight / chance);
+    return s;
+}
+
+double orl_reflector_pdf(const struct orl_draw *draw, struct orl_vec3 towards)
+{
+    const struct orl_vec3 normal = facing(draw->hit, draw->from);
+    const double cosine = orl_dot(towards, normal);
+    const struct orl_ward ward = orl_ward_at(draw->material, normal);
+    const bool rough = is_rough(draw->material);
+    struct orl_rgb parts[PARTS];
+    double luma[PARTS], sum = 0;
+    parts_of(draw->material, draw->lobes, parts, luma);
+    const double total = luma[DIFFUSE] + luma[SPECULAR] + luma[SPREAD] + luma[STRAIGHT];
+    if (!(total > 0))
+        return 0;
+    sum += luma[cosine > 0 ? DIFFUSE : SPREAD] * fabs(cosine) / ORL_PI;
+    if (rough && cosine > 0 && luma[SPECULAR] > 0)
+        sum += luma[SPECULAR] * orl_ward_pdf_reflected(&ward, draw->from, towards);
+    if (rough && cosine < 0 && luma[STRAIGHT] > 0)
+        sum += luma[STRAIGHT] * orl_ward_pdf_transmitted(&ward, draw->from, towards);
+    return sum / total;
+}
+
+bool orl_reflector_transmits_lobes(const struct orl_material *material)
+{
+    return material->kind == ORL_MATERIAL_TRANS &&
+           (orl_rgb_max(orl_trans_spread(material)) > 0 ||
+            (is_rough(material) && orl_rgb_max(orl_trans_straight(material)) > 0));
+}
+
+bool orl_reflector_has_lobes(const struct orl_material *material)
+{
+    return (is_rough(material) && orl_rgb_max(orl_reflector_specular(material)) > 0) ||
+           orl_reflector_transmits_lobes(material);
+}
+
+struct orl_rgb orl_reflector_lobes(const struct orl_material *material, const struct orl_hit *hit,
+                                   struct orl_vec3 light, struct orl_vec3 eye)
+{
+    const double cos_light = orl_dot(light, hit->normal), cos_eye = orl_dot(eye, hit->normal);
+    struct orl_rgb sum = orl_gray(0);
+    if (cos_light * cos_eye > 0) {
+        if (!is_rough(material))
+            return sum;
+        const struct orl_ward ward = orl_ward_at(material, hit->normal);
+        return orl_rgb_scale(orl_reflector_specular(material),
+                             orl_ward_reflected(&ward, light, eye));
+    }
+    if (!(cos_light * cos_eye < 0) || material->kind != ORL_MATERIAL_TRANS)
+        return sum;
+    sum = orl_rgb_scale(orl_trans_spread(material), 1 / ORL_PI);
+    if (is_rough(material)) {
+        const struct orl_ward ward = orl_ward_at(material, hit->normal);
+        sum = orl_rgb_add(sum, orl_rgb_scale(orl_trans_straight(material),
+                                             orl_ward_transmitted(&ward, light, eye)));
+    }
+    return sum;
+}

@@ -1,0 +1,187 @@
+#include "scene/material/scatter.h"
+
+#include "scene/material/kinds.h"
+
+static bool is_reflector(const struct orl_material *material)
+{
+    return material->kind == ORL_MATERIAL_PLASTIC || material->kind == ORL_MATERIAL_METAL ||
+           material->kind == ORL_MATERIAL_TRANS;
+}
+
+bool orl_material_is_window(const struct orl_material *material)
+{
+    switch (material->kind) {
+    case ORL_MATERIAL_GLASS:
+    case ORL_MATERIAL_BSDF:
+    case ORL_MATERIAL_DIELECTRIC:
+        return true;
+    case ORL_MATERIAL_TRANS:
+        return orl_rgb_max(orl_trans_spread(material)) > 0 ||
+               orl_rgb_max(orl_trans_straight(material)) > 0;
+    default:
+        return false;
+    }
+}
+
+struct orl_rgb orl_material_diffuse(const struct orl_material *material)
+{
+    return is_reflector(material) ? orl_reflector_diffuse(material) : orl_gray(0);
+}
+
+bool orl_material_has_lobes(const struct orl_material *material)
+{
+    return is_reflector(material) ? orl_reflector_has_lobes(material)
+                                  : material->kind == ORL_MATERIAL_BSDF;
+}
+
+bool orl_material_transmits_lobes(const struct orl_material *material)
+{
+    return is_reflector(material) ? orl_reflector_transmits_lobes(material)
+                                  : material->kind == ORL_MATERIAL_BSDF;
+}
+
+struct orl_rgb orl_material_straight(const struct orl_material *material, const struct orl_hit *hit,
+                                     struct orl_vec3 from)
+{
+    if (material->kind == ORL_MATERIAL_GLASS)
+        return orl_glass_transmittance(material, orl_dot(from, hit->normal));
+    if (material->kind == ORL_MATERIAL_TRANS && !(material->roughness[0] > 0))
+        return orl_trans_straight(material);
+    return material->kind == ORL_MATERIAL_BSDF ? orl_panel_straight(material, hit, from)
+                                               : orl_gray(0);
+}
+
+struct orl_rgb orl_material_mirrored(const struct orl_material *material, const struct orl_hit *hit,
+                                     struct orl_vec3 from)
+{
+    if (material->kind == ORL_MATERIAL_GLASS)
+        return orl_glass_reflectance(material, orl_dot(from, hit->normal));
+    if (material->kind == ORL_MATERIAL_MIRROR)
+        return orl_mirror_reflectance(material, hit, from);
+    if (material->kind == ORL_MATERIAL_DIELECTRIC)
+        return orl_gray(orl_dielectric_reflectance(material, hit, from));
+    if (is_reflector(material) && !(material->roughness[0] > 0))
+        return orl_reflector_specular(material);
+    return orl_gray(0);
+}
+
+bool orl_material_is_mirror(const struct orl_material *material)
+{
+    const struct orl_hit hit = {.normal = {0, 0, 1}};
+    return orl_rgb_max(orl_material_mirrored(material, &hit, orl_v3(0, 0.8660254037844386, 0.5))) >
+           0;
+}
+
+/* What gets through, in whatever way, but for BSDFs. */
+static struct orl_rgb transmitted(const struct orl_material *material, const struct orl_hit *hit,
+                                  struct orl_vec3 light)
+{
+    struct orl_scatter s;
+    if (orl_material_refract(material, hit, light, ORL_TRANSPORT_LIGHT, &s))
+        return s.weight;
+    if (material->kind == ORL_MATERIAL_TRANS)
+        return orl_rgb_add(orl_trans_spread(material), orl_trans_straight(material));
+    if (material->kind == ORL_MATERIAL_BSDF)
+        return orl_gray(0); /* counted with its other parts */
+    return orl_material_straight(material, hit, light);
+}
+
+struct orl_rgb orl_material_albedo(const struct orl_material *material, const struct orl_hit *hit,
+                                   struct orl_vec3 light, enum orl_lobes lobes)
+{
+    struct orl_rgb sum = orl_gray(0);
+    if (material->kind == ORL_MATERIAL_BSDF)
+        return orl_panel_albedo(material, hit, light, lobes);
+    if (lobes & ORL_LOBE_DIFFUSE)
+        sum = orl_rgb_add(sum, orl_material_diffuse(material));
+    if (lobes & ORL_LOBE_REFLECTED)
+        sum =
+            orl_rgb_add(sum, is_reflector(material) ? orl_reflector_specular(material)
+                                                    : orl_material_mirrored(material, hit, light));
+    if (lobes & ORL_LOBE_TRANSMITTED)
+        sum = orl_rgb_add(sum, transmitted(material, hit, light));
+    return sum;
+}
+
+static struct orl_scatter sample(const struct orl_draw *draw, const double u[3])
+{
+    switch (draw->material->kind) {
+    case ORL_MATERIAL_PLASTIC:
+    case ORL_MATERIAL_METAL:
+    case ORL_MATERIAL_TRANS:
+        return orl_reflector_sample(draw, u);
+    case ORL_MATERIAL_GLASS:
+        return orl_glass_sample(draw, u);
+    case ORL_MATERIAL_BSDF:
+        return orl_panel_sample(draw, u);
+    case ORL_MATERIAL_DIELECTRIC:
+        return orl_dielectric_sample(draw, u);
+    case ORL_MATERIAL_MIRROR:
+        return orl_mirror_sample(draw);
+    case ORL_MATERIAL_VOID:
+    case ORL_MATERIAL_LIGHT:
+    case ORL_MATERIAL_GLOW:
+    case ORL_MATERIAL_SPOTLIGHT:
+    case ORL_MATERIAL_ILLUM:
+        break;
+    }
+    return (struct orl_scatter){.event = ORL_EVENT_ABSORBED};
+}
+
+struct orl_scatter orl_scatter_sample_at(const struct orl_material *material,
+                                         const struct orl_hit *hit, struct orl_vec3 from,
+                                         enum orl_transport transport, enum orl_lobes lobes,
+                                         const double u[3])
+{
+    const struct orl_draw draw = {material, hit, from, transport, lobes};
+    return sample(&draw, u);
+}
+
+void orl_scatter_sample_many(const struct orl_draw *draws, const double (*u)[3], size_t n,
+                             struct orl_scatter *ret_scatters)
+{
+    size_t panels[ORL_PANELS_ABREAST], waiting = 0;
+    for (size_t i = 0; i < n; i++) {
+        if (!orl_panel_is_data_alone(draws[i].material)) {
+            ret_scatters[i] = sample(&draws[i], u[i]);
+            continue;
+        }
+        panels[waiting++] = i;
+        if (waiting == ORL_PANELS_ABREAST) {
+            orl_panel_sample_many(draws, u, panels, waiting, ret_scatters);
+            waiting = 0;
+        }
+    }
+    orl_panel_sample_many(draws, u, panels, waiting, ret_scatters);
+}
+
+struct orl_scatter orl_scatter_sample(const struct orl_material *material,
+                                      const struct orl_hit *hit, struct orl_vec3 from,
+                                      enum orl_transport transport, enum orl_lobes lobes,
+                                      struct orl_random *random)
+{
+    const double u0 = orl_random_uniform(random), u1 = orl_random_uniform(random);
+    const double u[3] = {u0, u1, orl_random_uniform(random)};
+    return orl_scatter_sample_at(material, hit, from, transport, lobes, u);
+}
+
+double orl_scatter_pdf(const struct orl_material *material, const struct orl_hit *hit,
+                       struct orl_vec3 from, enum orl_transport transport, enum orl_lobes lobes,
+                       struct orl_vec3 towards)
+{
+    const struct orl_draw draw = {material, hit, from, transport, lobes};
+    if (is_reflector(material))
+        return orl_reflector_pdf(&draw, towards);
+    return material->kind == ORL_MATERIAL_BSDF ? orl_panel_pdf(&draw, towards) : 0;
+}
+
+struct orl_rgb orl_scatter_eval_lobes(const struct orl_material *material,
+                                      const struct orl_hit *hit, struct orl_vec3 light,
+                                      struct orl_vec3 eye)
+{
+    if (material->kind == ORL_MATERIAL_BSDF)
+        return orl_panel_lobes(material, hit, light, eye);
+    if (is_reflector(material))
+        return orl_reflector_lobes(material, hit, light, eye);
+    return orl_gray(0);
+}

@@ -1,0 +1,161 @@
+#include "scene/parse/lexer.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+void orl_lexer_init(struct orl_lexer *lexer, const char *file, const char *text, size_t size)
+{
+    static const char byte_order_mark[] = "\xef\xbb\xbf";
+    lexer->at = text;
+    lexer->end = text + size;
+    lexer->file = file;
+    lexer->line = 1;
+    lexer->frozen = false;
+    if (size >= 3 && memcmp(text, byte_order_mark, 3) == 0)
+        lexer->at += 3;
+}
+
+static bool is_blank(char c)
+{
+    return c == ' ' || (c >= '\t' && c <= '\r');
+}
+
+static bool is_quote(char c)
+{
+    return c == '"' || c == '\'';
+}
+
+/* Steps over one character and counts lines. */
+static void step(struct orl_lexer *lexer)
+{
+    if (*lexer->at == '\n' && !lexer->frozen)
+        lexer->line++;
+    lexer->at++;
+}
+
+static void skip_blanks(struct orl_lexer *lexer)
+{
+    while (lexer->at < lexer->end && is_blank(*lexer->at))
+        step(lexer);
+}
+
+enum orl_next orl_lexer_next(struct orl_lexer *lexer)
+{
+    for (;;) {
+        skip_blanks(lexer);
+        if (lexer->at >= lexer->end)
+            return ORL_NEXT_END;
+        if (*lexer->at == '!')
+            return ORL_NEXT_COMMAND;
+        if (*lexer->at != '#')
+            return ORL_NEXT_PRIMITIVE;
+        lexer->at = memchr(lexer->at, '\n', (size_t)(lexer->end - lexer->at));
+        if (!lexer->at)
+            lexer->at = lexer->end;
+    }
+}
+
+/* The end of the command's last line: the first newline that no backslash precedes. */
+static const char *command_end(const struct orl_lexer *lexer)
+{
+    const char *at = lexer->at;
+    while (at < lexer->end && (*at != '\n' || at[-1] == '\\' ||
+                               (at[-1] == '\r' && at - lexer->at > 1 && at[-2] == '\\')))
+        at++;
+    return at;
+}
+
+char *orl_lexer_command(struct orl_lexer *lexer, struct orl_error *err)
+{
+    enum { COMMAND_BYTES = 1 << 16 };
+    const char *end = command_end(lexer);
+    const size_t size = (size_t)(end - lexer->at);
+    char *copy, *to;
+    if (size > COMMAND_BYTES || !(copy = malloc(size + 1))) {
+        orl_error_set(err, size > COMMAND_BYTES ? ORL_ERR_LIMIT : ORL_ERR_NOMEM,
+                      "the command line is longer than %d bytes", COMMAND_BYTES);
+        orl_error_at(err, lexer->file, lexer->line, NULL);
+        return NULL;
+    }
+    to = copy;
+    for (lexer->at++; lexer->at < end; step(lexer)) {
+        const char c = *lexer->at;
+        const bool joins =
+            c == '\\' && end - lexer->at > 1 && (lexer->at[1] == '\n' || lexer->at[1] == '\r');
+        *to++ = joins || is_blank(c) ? ' ' : c;
+    }
+    *to = '\0';
+    return copy;
+}
+
+static int bad_word(const struct orl_lexer *lexer, int code, int line, struct orl_error *err,
+                    const char *what)
+{
+    orl_error_set(err, code, "%s", what);
+    orl_error_at(err, lexer->file, line, NULL);
+    return code;
+}
+
+static int bad_byte(const struct orl_lexer *lexer, struct orl_error *err)
+{
+    orl_error_set(err, ORL_ERR_SYNTAX, "this is not text: it has a byte 0x%02x",
+                  (unsigned)(unsigned char)*lexer->at);
+    orl_error_at(err, lexer->file, lexer->line, NULL);
+    orl_error_hint(err, "scene files are plain text; octrees and archives are not read");
+    return ORL_ERR_SYNTAX;
+}
+
+/* A word with quotes somewhere in it: they are dropped, and blanks between them kept. */
+static int quoted_word(struct orl_lexer *lexer, struct orl_word *word, struct orl_error *err)
+{
+    char quote = '\0';
+    word->length = 0;
+    for (; lexer->at < lexer->end; step(lexer)) {
+        const char c = *lexer->at;
+        if (quote ? c == quote : is_quote(c)) {
+            quote = quote ? '\0' : c;
+            continue;
+        }
+        if (!quote && is_blank(c))
+            break;
+        if (((unsigned char)c < ' ' && !is_blank(c)) || c == 0x7f)
+            return bad_byte(lexer, err);
+        if (word->length >= ORL_LIMIT_WORD_BYTES)
+            return bad_word(lexer, ORL_ERR_LIMIT, word->line, err, "a quoted word is too long");
+        lexer->scratch[word->length++] = c;
+    }
+    if (quote)
+        return bad_word(lexer, ORL_ERR_SYNTAX, word->line, err, "a quote is never closed");
+    word->text = lexer->scratch;
+    return 1;
+}
+
+int orl_lexer_word(struct orl_lexer *lexer, struct orl_word *ret_word, struct orl_error *err)
+{
+    struct orl_word word;
+    const char *start;
+    skip_blanks(lexer);
+    word.line = lexer->line;
+    start = lexer->at;
+    for (; lexer->at < lexer->end && !is_blank(*lexer->at); lexer->at++) {
+        const char c = *lexer->at;
+        if (is_quote(c)) {
+            int result;
+            lexer->at = start;
+            result = quoted_word(lexer, &word, err);
+            if (result == 1)
+                *ret_word = word;
+            return result;
+        }
+        if ((unsigned char)c < ' ' || c == 0x7f)
+            return bad_byte(lexer, err);
+    }
+    word.text = start;
+    word.length = (size_t)(lexer->at - start);
+    if (word.length > ORL_LIMIT_WORD_BYTES)
+        return bad_word(lexer, ORL_ERR_LIMIT, word.line, err, "a word is too long");
+    if (word.length == 0)
+        return 0;
+    *ret_word = word;
+    return 1;
+}

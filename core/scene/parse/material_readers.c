@@ -1,0 +1,363 @@
+#include "scene/parse/material_readers.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "base/number.h"
+
+struct orl_rgb orl_material_rgb(const struct orl_parser *parser, size_t i)
+{
+    const double *r = parser->primitive.reals + i;
+    return (struct orl_rgb){r[0], r[1], r[2]};
+}
+
+static double rgb_min(struct orl_rgb c)
+{
+    return fmin(c.r, fmin(c.g, c.b));
+}
+
+int orl_material_share(struct orl_parser *parser, const struct orl_scope *scope, struct orl_rgb c,
+                       bool closed, const char *what, struct orl_error *err)
+{
+    if (rgb_min(c) >= 0 && (orl_rgb_max(c) < 1 || (closed && orl_rgb_max(c) <= 1)))
+        return 0;
+    orl_parser_fail(parser, scope, err, ORL_ERR_RANGE, "its %s (%g %g %g) is not from 0 to %s1",
+                    what, c.r, c.g, c.b, closed ? "" : "below ");
+    if (rgb_min(c) < 0)
+        orl_error_hint(err, "shares of light are not negative: is 0 meant?");
+    else
+        orl_error_hint(err, "a surface that returns all light, or more, has no answer");
+    return ORL_ERR_RANGE;
+}
+
+int orl_material_number(struct orl_parser *parser, const struct orl_scope *scope, size_t i,
+                        double *ret_value, struct orl_error *err)
+{
+    const char *text = orl_primitive_string(&parser->primitive, i);
+    if (orl_number_read(text, strlen(text), ret_value) == ORL_NUMBER_OK)
+        return 0;
+    orl_parser_fail(parser, scope, err, ORL_ERR_UNSUPPORTED, "'%.60s' is not a number", text);
+    orl_error_hint(err, "expressions are not evaluated: write the number itself");
+    return ORL_ERR_UNSUPPORTED;
+}
+
+int orl_material_no_function(struct orl_parser *parser, const struct orl_scope *scope, size_t i,
+                             struct orl_error *err)
+{
+    const char *text = orl_primitive_string(&parser->primitive, i);
+    if (strcmp(text, ".") == 0)
+        return 0;
+    return orl_parser_fail(parser, scope, err, ORL_ERR_UNSUPPORTED,
+                           "function files ('%.60s') are not read: '.' must stand there", text);
+}
+
+/* The material that its string argument names, for views: that, or what that is seen as. */
+static int find_alternate(struct orl_parser *parser, const struct orl_scope *scope,
+                          int32_t *ret_seen_as, struct orl_error *err)
+{
+    const char *name = orl_primitive_string(&parser->primitive, 0);
+    const struct orl_symbol *symbol = orl_symbols_find(&parser->symbols, name);
+    if (strcmp(name, "void") == 0) {
+        *ret_seen_as = ORL_SEEN_AS_NOTHING;
+        return 0;
+    }
+    if (!symbol || symbol->kind != ORL_SYMBOL_MATERIAL)
+        return orl_parser_fail(parser, scope, err, ORL_ERR_NOT_FOUND,
+                               "'%.100s', which it is to be seen as, is no material defined before",
+                               name);
+    const struct orl_material *m = parser->out->materials + symbol->index;
+    *ret_seen_as = m->kind == ORL_MATERIAL_ILLUM ? m->seen_as : (int32_t)symbol->index;
+    return 0;
+}
+
+static int check_index(struct orl_parser *parser, const struct orl_scope *scope, double index,
+                       struct orl_error *err)
+{
+    if (index >= 1 && index <= 10)
+        return 0;
+    return orl_parser_fail(parser, scope, err, ORL_ERR_RANGE,
+                           "its index of refraction %g is not from 1 to 10", index);
+}
+
+/* ---- Materials ------------------------------------------------------------------------------- */
+
+/* What rounding and white paint may exceed 1 by; beyond, it is a mistake. */
+static const double slack = 0.01;
+/* All that a surface may return: a thousand reflections, and light ends. */
+static const double most_returned = 0.999;
+
+static bool bound(double *share, double from, double most)
+{
+    const bool over = *share >= from && *share <= 1 + slack;
+    *share = over ? fmin(*share, most) : *share;
+    return over;
+}
+
+static bool bound_rgb(struct orl_rgb *c, double from, double most)
+{
+    const bool r = bound(&c->r, from, most), g = bound(&c->g, from, most);
+    return bound(&c->b, from, most) || r || g;
+}
+
+/* Light that is all passed on, straight, comes out somewhere; what is all returned may never end.
+ * Of metal and trans what is mirrored has the colour, or leaves a rest. */
+static void bound_reflector(struct orl_parser *parser, const struct orl_scope *scope,
+                            struct orl_material *m)
+{
+    const double above = nextafter(1, 2);
+    const bool clear = m->transmitted >= 1 && m->transmitted_specular >= 1;
+    bool white = bound_rgb(&m->color, clear ? above : 1, clear ? 1 : most_returned);
+    if (m->kind == ORL_MATERIAL_PLASTIC)
+        white |= bound(&m->specular, 1, most_returned);
+    else
+        white |= bound(&m->specular, above, 1);
+    white |= bound(&m->transmitted, above, 1);
+    white |= bound(&m->transmitted_specular, above, 1);
+    if (white)
+        orl_parser_count(parser, scope, &parser->white);
+}
+
+/* Transmissivity, or a mirror's reflectance: 1 is all of it. */
+static void bound_clear(struct orl_parser *parser, const struct orl_scope *scope,
+                        struct orl_rgb *share)
+{
+    if (bound_rgb(share, nextafter(1, 2), 1))
+        orl_parser_count(parser, scope, &parser->white);
+}
+
+/* Specularity 1 is a mirror to metal; plastic and trans, whose highlight is white, keep the rest.
+ */
+static int check_reflector(struct orl_parser *parser, const struct orl_scope *scope,
+                           struct orl_material *m, struct orl_error *err)
+{
+    bound_reflector(parser, scope, m);
+    int code = orl_material_share(parser, scope, m->color, true, "reflectance", err);
+    if (code == 0)
+        code = orl_material_share(parser, scope, orl_gray(m->specular), true, "specularity", err);
+    if (code == 0)
+        code =
+            orl_material_share(parser, scope, orl_gray(m->transmitted), true, "transmission", err);
+    if (code == 0)
+        code = orl_material_share(parser, scope, orl_gray(m->transmitted_specular), true,
+                                  "transmitted specularity", err);
+    for (int i = 0; i < 2 && code == 0; i++)
+        if (!(m->roughness[i] >= 0 && m->roughness[i] <= 1))
+            code = orl_parser_fail(parser, scope, err, ORL_ERR_RANGE,
+                                   "its roughness %g is not from 0 to 1", m->roughness[i]);
+    return code;
+}
+
+int orl_material_read_reflector(struct orl_parser *parser, const struct orl_scope *scope,
+                                struct orl_material *material, struct orl_error *err)
+{
+    const bool trans = material->kind == ORL_MATERIAL_TRANS;
+    const double *r = parser->primitive.reals;
+    const int code = orl_parser_expect(parser, scope, 0, trans ? 7 : 5, err);
+    if (code < 0)
+        return code;
+    material->color = orl_material_rgb(parser, 0);
+    material->specular = r[3];
+    material->roughness[0] = material->roughness[1] = r[4];
+    material->transmitted = trans ? r[5] : 0;
+    material->transmitted_specular = trans ? r[6] : 0;
+    return check_reflector(parser, scope, material, err);
+}
+
+/* The direction of the grain: three numbers, '.', and a transform. */
+static int read_grain(struct orl_parser *parser, const struct orl_scope *scope,
+                      struct orl_material *material, struct orl_error *err)
+{
+    struct orl_xform xform;
+    double grain[3] = {0, 0, 0};
+    int code = 0;
+    if (parser->primitive.n_strings < 4)
+        return orl_parser_fail(parser, scope, err, ORL_ERR_SYNTAX,
+                               "%s takes four string arguments: the grain's x y z, and '.'; here "
+                               "are %zu",
+                               parser->primitive.type, parser->primitive.n_strings);
+    for (size_t i = 0; i < 3 && code == 0; i++)
+        code = orl_material_number(parser, scope, i, grain + i, err);
+    if (code == 0)
+        code = orl_material_no_function(parser, scope, 3, err);
+    if (code == 0)
+        code = orl_parser_string_xform(parser, scope, 4, &xform, err);
+    if (code < 0)
+        return code;
+    material->grain = orl_xform_vector(&xform, orl_v3(grain[0], grain[1], grain[2]));
+    if (!(orl_length(material->grain) > 0) || !isfinite(orl_length(material->grain)))
+        return orl_parser_fail(parser, scope, err, ORL_ERR_RANGE, "its grain has no length");
+    material->grain = orl_normalize(material->grain);
+    return 0;
+}
+
+int orl_material_read_grained(struct orl_parser *parser, const struct orl_scope *scope,
+                              struct orl_material *material, struct orl_error *err)
+{
+    const bool trans = material->kind == ORL_MATERIAL_TRANS;
+    const size_t n_strings = parser->primitive.n_strings;
+    const double *r = parser->primitive.reals;
+    int code = orl_parser_expect(parser, scope, n_strings, trans ? 8 : 6, err);
+    if (code == 0)
+        code = read_grain(parser, scope, material, err);
+    if (code < 0)
+        return code;
+    material->color = orl_material_rgb(parser, 0);
+    material->specular = r[3];
+    material->roughness[0] = r[4];
+    material->roughness[1] = r[5];
+    material->transmitted = trans ? r[6] : 0;
+    material->transmitted_specular = trans ? r[7] : 0;
+    code = check_reflector(parser, scope, material, err);
+    if (code == 0 && !(r[4] >= 1e-6 && r[5] >= 1e-6)) {
+        code = orl_parser_fail(parser, scope, err, ORL_ERR_RANGE,
+                               "its roughness is too small: %g along the grain, %g across", r[4],
+                               r[5]);
+        orl_error_hint(err, "what is smooth has no grain: use %s",
+                       trans                                  ? "trans"
+                       : material->kind == ORL_MATERIAL_METAL ? "metal"
+                                                              : "plastic");
+    }
+    return code;
+}
+
+int orl_material_read_glass(struct orl_parser *parser, const struct orl_scope *scope,
+                            struct orl_material *material, struct orl_error *err)
+{
+    const bool has_index = parser->primitive.n_reals == 4;
+    int code = orl_parser_expect(parser, scope, 0, has_index ? 4 : 3, err);
+    if (code < 0)
+        return code;
+    material->transmissivity = orl_material_rgb(parser, 0);
+    material->ior = has_index ? parser->primitive.reals[3] : 1.52;
+    bound_clear(parser, scope, &material->transmissivity);
+    code = orl_material_share(parser, scope, material->transmissivity, true, "transmissivity", err);
+    if (code == ORL_ERR_RANGE)
+        orl_error_hint(err, "transmissivity excludes reflection: clear glass that transmits 0.88 "
+                            "has 0.96");
+    return code == 0 ? check_index(parser, scope, material->ior, err) : code;
+}
+
+/* Transmissivity is of a unit of length, which a transform may change; index i of the numbers. */
+static int read_medium(struct orl_parser *parser, const struct orl_scope *scope, size_t i,
+                       struct orl_medium *medium, struct orl_error *err)
+{
+    const struct orl_rgb t = orl_material_rgb(parser, i);
+    const double power = 1 / scope->xform.scale;
+    int code = orl_material_share(parser, scope, t, true, "transmissivity", err);
+    medium->transmissivity = (struct orl_rgb){pow(t.r, power), pow(t.g, power), pow(t.b, power)};
+    medium->ior = parser->primitive.reals[i + 3];
+    return code == 0 ? check_index(parser, scope, medium->ior, err) : code;
+}
+
+int orl_material_read_dielectric(struct orl_parser *parser, const struct orl_scope *scope,
+                                 struct orl_material *material, struct orl_error *err)
+{
+    const double *r = parser->primitive.reals;
+    int code = orl_parser_expect(parser, scope, 0, 5, err);
+    if (code == 0)
+        code = read_medium(parser, scope, 0, &material->media[0], err);
+    if (code < 0)
+        return code;
+    material->media[1] = (struct orl_medium){orl_gray(1), 1};
+    if (r[4] != 0)
+        orl_parser_warn(parser,
+                        "dielectric %.100s at %.200s:%d: its Hartmann constant %g is ignored: "
+                        "dispersion is not simulated",
+                        parser->primitive.id, scope->file, parser->primitive.line, r[4]);
+    return 0;
+}
+
+int orl_material_read_interface(struct orl_parser *parser, const struct orl_scope *scope,
+                                struct orl_material *material, struct orl_error *err)
+{
+    int code = orl_parser_expect(parser, scope, 0, 8, err);
+    for (size_t i = 0; i < 2 && code == 0; i++)
+        code = read_medium(parser, scope, 4 * i, &material->media[i], err);
+    return code;
+}
+
+int orl_material_read_mirror(struct orl_parser *parser, const struct orl_scope *scope,
+                             struct orl_material *material, struct orl_error *err)
+{
+    const size_t n_strings = parser->primitive.n_strings;
+    int32_t instead = ORL_SEEN_AS_ITSELF;
+    int code = orl_parser_expect(parser, scope, n_strings > 0 ? 1 : 0, 3, err);
+    if (code == 0 && n_strings > 0)
+        code = find_alternate(parser, scope, &instead, err);
+    if (code < 0)
+        return code;
+    material->color = orl_material_rgb(parser, 0);
+    if (instead != ORL_SEEN_AS_ITSELF)
+        orl_parser_warn(parser,
+                        "mirror %.100s at %.200s:%d: it is a mirror for all light and every view, "
+                        "not '%.100s'",
+                        parser->primitive.id, scope->file, parser->primitive.line,
+                        orl_primitive_string(&parser->primitive, 0));
+    bound_clear(parser, scope, &material->color);
+    return orl_material_share(parser, scope, material->color, true, "reflectance", err);
+}
+
+/* ---- Lights ---------------------------------------------------------------------------------- */
+
+static int check_radiance(struct orl_parser *parser, const struct orl_scope *scope,
+                          struct orl_rgb radiance, struct orl_error *err)
+{
+    if (rgb_min(radiance) < 0)
+        return orl_parser_fail(parser, scope, err, ORL_ERR_RANGE, "its radiance is negative");
+    if (orl_rgb_max(radiance) > 1e30) /* the sun's is 1e7; sums must stay finite */
+        return orl_parser_fail(parser, scope, err, ORL_ERR_RANGE, "its radiance is too large");
+    return 0;
+}
+
+int orl_material_read_light(struct orl_parser *parser, const struct orl_scope *scope,
+                            struct orl_material *material, struct orl_error *err)
+{
+    const bool glow = material->kind == ORL_MATERIAL_GLOW;
+    const int code = orl_parser_expect(parser, scope, 0, glow ? 4 : 3, err);
+    if (code < 0)
+        return code;
+    material->color = orl_material_rgb(parser, 0);
+    if (glow)
+        material->max_radius = parser->primitive.reals[3] * scope->xform.scale;
+    return check_radiance(parser, scope, material->color, err);
+}
+
+int orl_material_read_illum(struct orl_parser *parser, const struct orl_scope *scope,
+                            struct orl_material *material, struct orl_error *err)
+{
+    const size_t n_strings = parser->primitive.n_strings;
+    int code = orl_parser_expect(parser, scope, n_strings > 0 ? 1 : 0, 3, err);
+    material->seen_as = ORL_SEEN_AS_NOTHING;
+    if (code == 0 && n_strings > 0)
+        code = find_alternate(parser, scope, &material->seen_as, err);
+    if (code < 0)
+        return code;
+    material->color = orl_material_rgb(parser, 0);
+    orl_parser_warn(parser,
+                    "illum %.100s at %.200s:%d: it shines like a light, and no other light passes "
+                    "it: sun and sky behind it are hidden",
+                    parser->primitive.id, scope->file, parser->primitive.line);
+    return check_radiance(parser, scope, material->color, err);
+}
+
+/* The aim's length is the distance of the focus behind the lamp. */
+int orl_material_read_spotlight(struct orl_parser *parser, const struct orl_scope *scope,
+                                struct orl_material *material, struct orl_error *err)
+{
+    const double *r = parser->primitive.reals;
+    const int code = orl_parser_expect(parser, scope, 0, 7, err);
+    if (code < 0)
+        return code;
+    material->color = orl_material_rgb(parser, 0);
+    if (!(r[3] > 0 && r[3] <= 360))
+        return orl_parser_fail(parser, scope, err, ORL_ERR_RANGE,
+                               "its cone's angle %g is not between 0 and 360 degrees", r[3]);
+    const struct orl_vec3 aim = orl_xform_vector(&scope->xform, orl_v3(r[4], r[5], r[6]));
+    material->focus = orl_length(aim);
+    material->aim = orl_normalize(aim);
+    material->cos_cone = cos(0.5 * r[3] * ORL_DEG_TO_RAD);
+    if (!(fabs(orl_length(material->aim) - 1) < 1e-6) || !isfinite(material->focus))
+        return orl_parser_fail(parser, scope, err, ORL_ERR_RANGE,
+                               "its direction (%g %g %g) has no length", r[4], r[5], r[6]);
+    return check_radiance(parser, scope, material->color, err);
+}

@@ -1,0 +1,305 @@
+/*
+ * Modifiers: materials, and aliases of them. A material's own modifier may be void or
+ * a sky; anything else would be a pattern or texture that is not simulated.
+ * Reference: "The RADIANCE Synthetic Imaging System", section 2.1.2.
+ */
+#include <string.h>
+
+#include "base/grow.h"
+#include "scene/parse/material_readers.h"
+
+struct material_type {
+    const char *name;
+    enum orl_material_kind kind;
+    orl_material_reader read;
+};
+
+static const struct material_type material_types[] = {
+    {"plastic", ORL_MATERIAL_PLASTIC, orl_material_read_reflector},
+    {"metal", ORL_MATERIAL_METAL, orl_material_read_reflector},
+    {"trans", ORL_MATERIAL_TRANS, orl_material_read_reflector},
+    {"plastic2", ORL_MATERIAL_PLASTIC, orl_material_read_grained},
+    {"metal2", ORL_MATERIAL_METAL, orl_material_read_grained},
+    {"trans2", ORL_MATERIAL_TRANS, orl_material_read_grained},
+    {"glass", ORL_MATERIAL_GLASS, orl_material_read_glass},
+    {"dielectric", ORL_MATERIAL_DIELECTRIC, orl_material_read_dielectric},
+    {"interface", ORL_MATERIAL_DIELECTRIC, orl_material_read_interface},
+    {"mirror", ORL_MATERIAL_MIRROR, orl_material_read_mirror},
+    {"BSDF", ORL_MATERIAL_BSDF, orl_material_read_bsdf},
+    {"aBSDF", ORL_MATERIAL_BSDF, orl_material_read_bsdf},
+    {"light", ORL_MATERIAL_LIGHT, orl_material_read_light},
+    {"glow", ORL_MATERIAL_GLOW, orl_material_read_light},
+    {"spotlight", ORL_MATERIAL_SPOTLIGHT, orl_material_read_spotlight},
+    {"illum", ORL_MATERIAL_ILLUM, orl_material_read_illum},
+};
+
+static const struct material_type *find_type(const char *name)
+{
+    for (size_t i = 0; i < sizeof material_types / sizeof *material_types; i++)
+        if (strcmp(material_types[i].name, name) == 0)
+            return material_types + i;
+    return NULL;
+}
+
+bool orl_parser_is_modifier(const char *type)
+{
+    return find_type(type) || strcmp(type, "brightfunc") == 0;
+}
+
+/* ---- Definitions ----------------------------------------------------------------------------- */
+
+static bool same_rgb(struct orl_rgb a, struct orl_rgb b)
+{
+    return a.r == b.r && a.g == b.g && a.b == b.b;
+}
+
+static bool same_vec3(struct orl_vec3 a, struct orl_vec3 b)
+{
+    return a.x == b.x && a.y == b.y && a.z == b.z;
+}
+
+static bool same_medium(struct orl_medium a, struct orl_medium b)
+{
+    return same_rgb(a.transmissivity, b.transmissivity) && a.ior == b.ior;
+}
+
+static bool same_reflector(const struct orl_material *a, const struct orl_material *b)
+{
+    return same_rgb(a->color, b->color) && a->specular == b->specular &&
+           a->roughness[0] == b->roughness[0] && a->roughness[1] == b->roughness[1] &&
+           same_vec3(a->grain, b->grain) && a->transmitted == b->transmitted &&
+           a->transmitted_specular == b->transmitted_specular;
+}
+
+static bool same_clear(const struct orl_material *a, const struct orl_material *b)
+{
+    return same_rgb(a->transmissivity, b->transmissivity) && a->ior == b->ior &&
+           same_medium(a->media[0], b->media[0]) && same_medium(a->media[1], b->media[1]);
+}
+
+static bool same_bsdf(const struct orl_material *a, const struct orl_material *b)
+{
+    return a->bsdf == b->bsdf && a->thickness == b->thickness && same_vec3(a->up, b->up) &&
+           a->peak == b->peak && same_rgb(a->front, b->front) && same_rgb(a->back, b->back) &&
+           same_rgb(a->through, b->through);
+}
+
+static bool same_light(const struct orl_material *a, const struct orl_material *b)
+{
+    return a->max_radius == b->max_radius && same_vec3(a->aim, b->aim) &&
+           a->cos_cone == b->cos_cone && a->focus == b->focus && a->seen_as == b->seen_as &&
+           a->sky == b->sky;
+}
+
+/* Whether two materials of one name are the same: arrays read their materials again and again. */
+static bool same_material(const struct orl_material *a, const struct orl_material *b)
+{
+    return a->kind == b->kind && same_reflector(a, b) && same_clear(a, b) && same_bsdf(a, b) &&
+           same_light(a, b);
+}
+
+/* Adds the material; takes its BSDF reference, whatever happens. */
+static int add_material(struct orl_parser *parser, const char *name, struct orl_material *material,
+                        uint32_t *ret_index)
+{
+    struct orl_description *out = parser->out;
+    material->name = orl_arena_text(out->arena, name, strlen(name));
+    if (!material->name || out->n_materials >= UINT32_MAX ||
+        !orl_grow(&out->materials, &parser->materials_room, out->n_materials,
+                  sizeof *out->materials)) {
+        orl_bsdf_unref(material->bsdf);
+        return ORL_ERR_NOMEM;
+    }
+    *ret_index = (uint32_t)out->n_materials;
+    out->materials[out->n_materials++] = *material;
+    return 0;
+}
+
+int orl_parser_void(struct orl_parser *parser, uint32_t *ret_index)
+{
+    struct orl_material nothing = {
+        .kind = ORL_MATERIAL_VOID, .seen_as = ORL_SEEN_AS_ITSELF, .sky = -1};
+    if (parser->void_material < 0) {
+        uint32_t index = 0;
+        if (add_material(parser, "void", &nothing, &index) < 0)
+            return ORL_ERR_NOMEM;
+        parser->void_material = (int32_t)index;
+    }
+    *ret_index = (uint32_t)parser->void_material;
+    return 0;
+}
+
+static int define(struct orl_parser *parser, const struct orl_scope *scope, const char *name,
+                  struct orl_material *material, struct orl_error *err)
+{
+    const struct orl_symbol *old = orl_symbols_find(&parser->symbols, name);
+    struct orl_symbol symbol = {.kind = ORL_SYMBOL_MATERIAL};
+    if (old && old->kind == ORL_SYMBOL_MATERIAL &&
+        same_material(parser->out->materials + old->index, material)) {
+        orl_bsdf_unref(material->bsdf);
+        if (orl_symbols_set(&parser->symbols, *old) < 0) /* defined again, and so later */
+            return orl_parser_fail(parser, scope, err, ORL_ERR_NOMEM, "out of memory");
+        return 0;
+    }
+    if (add_material(parser, name, material, &symbol.index) < 0)
+        return orl_parser_fail(parser, scope, err, ORL_ERR_NOMEM, "out of memory");
+    symbol.name = parser->out->materials[symbol.index].name;
+    if (orl_symbols_set(&parser->symbols, symbol) < 0)
+        return orl_parser_fail(parser, scope, err, ORL_ERR_NOMEM, "out of memory");
+    return 0;
+}
+
+/* ---- Entry points ---------------------------------------------------------------------------- */
+
+int orl_parser_define_refused(struct orl_parser *parser, const char *name,
+                              const struct orl_error *refused, struct orl_error *err)
+{
+    struct orl_arena *arena = parser->out->arena;
+    struct orl_symbol symbol = {.name = orl_arena_text(arena, name, strlen(name)),
+                                .kind = ORL_SYMBOL_REFUSED};
+    if (!symbol.name || orl_deferred_add(&parser->deferred, refused, arena, &symbol.index) < 0 ||
+        orl_symbols_set(&parser->symbols, symbol) < 0)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    return 0;
+}
+
+/* The primitive at hand goes by what it stands for, or is modified by. */
+static int define_like(struct orl_parser *parser, const struct orl_scope *scope,
+                       const struct orl_symbol *other, struct orl_error *err)
+{
+    const char *id = parser->primitive.id;
+    const struct orl_symbol copy = {orl_arena_text(parser->out->arena, id, strlen(id)), other->kind,
+                                    other->index, 0};
+    if (!copy.name || orl_symbols_set(&parser->symbols, copy) < 0)
+        return orl_parser_fail(parser, scope, err, ORL_ERR_NOMEM, "out of memory");
+    return 0;
+}
+
+static const struct orl_symbol *find_refused(const struct orl_parser *parser, const char *name)
+{
+    const struct orl_symbol *symbol = orl_symbols_find(&parser->symbols, name);
+    return symbol && symbol->kind == ORL_SYMBOL_REFUSED ? symbol : NULL;
+}
+
+/* What is refused and modifies the primitive at hand, or is seen in its place; or NULL. */
+static const struct orl_symbol *refused_with(const struct orl_parser *parser)
+{
+    const struct orl_primitive *primitive = &parser->primitive;
+    const struct orl_symbol *refused = find_refused(parser, primitive->modifier);
+    const bool seen_as =
+        strcmp(primitive->type, "illum") == 0 || strcmp(primitive->type, "mirror") == 0;
+    if (!refused && seen_as && primitive->n_strings > 0)
+        refused = find_refused(parser, orl_primitive_string(primitive, 0));
+    return refused;
+}
+
+/* A modifier's own modifier: void (-1) or a sky. */
+static int find_sky(struct orl_parser *parser, const struct orl_scope *scope, int32_t *ret_sky,
+                    struct orl_error *err)
+{
+    const char *name = parser->primitive.modifier;
+    const struct orl_symbol *symbol = orl_symbols_find(&parser->symbols, name);
+    if (strcmp(name, "void") == 0) {
+        *ret_sky = -1;
+        return 0;
+    }
+    if (!symbol) {
+        orl_parser_fail(parser, scope, err, ORL_ERR_NOT_FOUND,
+                        "its modifier '%.200s' is not defined", name);
+        orl_error_hint(err, "a pattern must be defined before what it modifies; void is none");
+        return ORL_ERR_NOT_FOUND;
+    }
+    if (symbol->kind != ORL_SYMBOL_SKY) {
+        orl_parser_fail(parser, scope, err, ORL_ERR_UNSUPPORTED,
+                        "a material cannot modify another: '%.200s' is one", name);
+        orl_error_hint(err, "write void in its place, or alias for another name of the same");
+        return ORL_ERR_UNSUPPORTED;
+    }
+    *ret_sky = (int32_t)symbol->index;
+    return 0;
+}
+
+/* Skies shine through light and glow only. */
+static int check_lit(struct orl_parser *parser, const struct orl_scope *scope,
+                     const struct orl_material *material, struct orl_error *err)
+{
+    if (material->sky < 0 || material->kind == ORL_MATERIAL_LIGHT ||
+        material->kind == ORL_MATERIAL_GLOW)
+        return 0;
+    orl_parser_fail(parser, scope, err, ORL_ERR_UNSUPPORTED,
+                    "a sky can modify light and glow only");
+    orl_error_hint(err, "write void in its place: what a surface reflects is not patterned by it");
+    return ORL_ERR_UNSUPPORTED;
+}
+
+static int check_name(struct orl_parser *parser, const struct orl_scope *scope,
+                      struct orl_error *err)
+{
+    const char *id = parser->primitive.id;
+    if (strcmp(id, "void") != 0 && strcmp(id, "inherit") != 0)
+        return 0;
+    return orl_parser_fail(parser, scope, err, ORL_ERR_SYNTAX, "'%s' is a reserved name", id);
+}
+
+int orl_parser_modifier(struct orl_parser *parser, const struct orl_scope *scope,
+                        struct orl_error *err)
+{
+    const struct material_type *type = find_type(parser->primitive.type);
+    struct orl_material material = {.seen_as = ORL_SEEN_AS_ITSELF, .sky = -1};
+    const struct orl_symbol *refused = refused_with(parser);
+    int code = check_name(parser, scope, err);
+    if (code == 0 && refused)
+        return define_like(parser, scope, refused, err);
+    if (code == 0)
+        code = find_sky(parser, scope, &material.sky, err);
+    if (code < 0)
+        return code;
+    if (!type) {
+        if (material.sky >= 0)
+            return orl_parser_fail(parser, scope, err, ORL_ERR_UNSUPPORTED,
+                                   "a pattern cannot modify another");
+        return orl_parser_sky(parser, scope, parser->primitive.id, err);
+    }
+    material.kind = type->kind;
+    code = type->read(parser, scope, &material, err);
+    if (code == 0)
+        code = check_lit(parser, scope, &material, err);
+    if (code < 0)
+        orl_bsdf_unref(material.bsdf);
+    if (orl_is_deferrable(code)) {
+        const struct orl_error told = *err;
+        return orl_parser_define_refused(parser, parser->primitive.id, &told, err);
+    }
+    return code < 0 ? code : define(parser, scope, parser->primitive.id, &material, err);
+}
+
+int orl_parser_alias(struct orl_parser *parser, const struct orl_scope *scope,
+                     struct orl_error *err)
+{
+    const char *target = orl_primitive_string(&parser->primitive, 0);
+    const bool inherit = strcmp(parser->primitive.modifier, "inherit") == 0;
+    const struct orl_symbol *symbol = orl_symbols_find(&parser->symbols, target);
+    struct orl_material material;
+    const struct orl_symbol *refused =
+        inherit ? NULL : find_refused(parser, parser->primitive.modifier);
+    int32_t sky = -1;
+    int code = check_name(parser, scope, err);
+    if (code == 0 && refused)
+        return define_like(parser, scope, refused, err);
+    if (code == 0 && !inherit)
+        code = find_sky(parser, scope, &sky, err);
+    if (code < 0)
+        return code;
+    if (!symbol)
+        return orl_parser_fail(parser, scope, err, ORL_ERR_NOT_FOUND,
+                               "'%.200s', which it stands for, is not defined", target);
+    if (symbol->kind != ORL_SYMBOL_MATERIAL)
+        return define_like(parser, scope, symbol, err);
+    material = parser->out->materials[symbol->index];
+    material.sky = inherit ? material.sky : sky;
+    code = check_lit(parser, scope, &material, err);
+    if (code < 0)
+        return code;
+    material.bsdf = material.bsdf ? orl_bsdf_ref(material.bsdf) : NULL;
+    return define(parser, scope, parser->primitive.id, &material, err);
+}

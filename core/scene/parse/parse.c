@@ -1,0 +1,300 @@
+#include "scene/parse/parse.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include <oriel/crew.h>
+#include <oriel/limits.h>
+
+#include "scene/parse/parser.h"
+
+/* Types that Radiance knows and Oriel does not simulate, and what to do about them. */
+struct unsupported {
+    const char *type, *hint;
+};
+
+static const struct unsupported unsupported_types[] = {
+    {"ashik2", "use plastic or metal"},
+    {"mist", "leave it out"},
+    {"antimatter", "leave it out, and cut the hole into the polygon"},
+    {"prism1", "describe it as a BSDF"},
+    {"prism2", "describe it as a BSDF"},
+    {"plasfunc", "use plastic, or a BSDF"},
+    {"metfunc", "use metal, or a BSDF"},
+    {"transfunc", "describe it as a BSDF"},
+    {"BRTDfunc", "describe it as a BSDF"},
+    {"WGMDfunc", "describe it as a BSDF"},
+    {"plasdata", "use plastic, or a BSDF"},
+    {"metdata", "use metal, or a BSDF"},
+    {"transdata", "describe it as a BSDF"},
+    {"texfunc", "leave it out: textures are not simulated"},
+    {"texdata", "leave it out: textures are not simulated"},
+    {"colorfunc", "leave it out: of patterns, only skies are simulated"},
+    {"colordata", "leave it out: of patterns, only skies are simulated"},
+    {"colorpict", "leave it out: of patterns, only skies are simulated"},
+    {"colortext", "leave it out: of patterns, only skies are simulated"},
+    {"brightdata", "leave it out: of patterns, only skies are simulated"},
+    {"brighttext", "leave it out: of patterns, only skies are simulated"},
+    {"mixfunc", "name one of the materials instead"},
+    {"mixdata", "name one of the materials instead"},
+    {"mixpict", "name one of the materials instead"},
+    {"mixtext", "name one of the materials instead"},
+    {"spectrum", "give the material's colour as RGB"},
+    {"specfile", "give the material's colour as RGB"},
+    {"specfunc", "give the material's colour as RGB"},
+    {"specdata", "give the material's colour as RGB"},
+    {"specpict", "give the material's colour as RGB"},
+    {"instance", "include the scene's text with !xform instead of its octree"},
+    {"mesh", "include the polygons instead of the compiled mesh"},
+};
+
+static int refuse_type(struct orl_parser *parser, const struct orl_scope *scope,
+                       struct orl_error *err)
+{
+    const char *type = parser->primitive.type;
+    for (size_t i = 0; i < sizeof unsupported_types / sizeof *unsupported_types; i++) {
+        if (strcmp(unsupported_types[i].type, type) == 0) {
+            orl_parser_fail(parser, scope, err, ORL_ERR_UNSUPPORTED,
+                            "primitives of type %s are not simulated", type);
+            orl_error_hint(err, "%s", unsupported_types[i].hint);
+            return ORL_ERR_UNSUPPORTED;
+        }
+    }
+    orl_parser_fail(parser, scope, err, ORL_ERR_SYNTAX, "'%.60s' is no type of primitive", type);
+    orl_error_hint(err, "a primitive is: modifier type identifier, then three counts with their "
+                        "arguments; is the count before this one right?");
+    return ORL_ERR_SYNTAX;
+}
+
+static int read_primitive(struct orl_parser *parser, const struct orl_scope *scope,
+                          struct orl_lexer *lexer, struct orl_error *err)
+{
+    const struct orl_primitive *primitive = &parser->primitive;
+    int code = orl_primitive_read_head(&parser->primitive, lexer, err);
+    if (code < 0)
+        return code;
+    if (strcmp(primitive->type, "alias") == 0) {
+        code = orl_primitive_read_reference(&parser->primitive, lexer, err);
+        return code < 0 ? code : orl_parser_alias(parser, scope, err);
+    }
+    if (!orl_parser_is_surface(primitive->type) && !orl_parser_is_modifier(primitive->type))
+        return refuse_type(parser, scope, err);
+    code = orl_primitive_read_arguments(&parser->primitive, lexer, err);
+    if (code < 0)
+        return code;
+    if (orl_parser_is_surface(primitive->type))
+        return orl_parser_surface(parser, scope, err);
+    return orl_parser_modifier(parser, scope, err);
+}
+
+static int read_command(struct orl_parser *parser, const struct orl_scope *scope,
+                        struct orl_lexer *lexer, struct orl_error *err)
+{
+    const int line = lexer->line;
+    char *command = orl_lexer_command(lexer, err);
+    int code;
+    if (!command)
+        return err->code;
+    code = orl_parser_command(parser, scope, command, line, err);
+    free(command);
+    return code;
+}
+
+/* Arrays read files again and again: the sum is bounded, and a short read is not free. */
+static int count_text(struct orl_parser *parser, const struct orl_scope *scope, size_t size,
+                      struct orl_error *err)
+{
+    enum { READ_COST = 4096 };
+    parser->text_bytes += size + READ_COST;
+    if (parser->text_bytes <= ORL_LIMIT_SCENE_TEXT)
+        return 0;
+    orl_error_set(err, ORL_ERR_LIMIT,
+                  "the scene's text, repeats by xform -a included, is longer than %lu MiB",
+                  ORL_LIMIT_SCENE_TEXT >> 20);
+    orl_error_at(err, scope->file, 0, NULL);
+    return ORL_ERR_LIMIT;
+}
+
+static int heed_cancel(const struct orl_parser *parser, struct orl_error *err)
+{
+    const struct orl_bsdf_loader *loader = parser->sources.loader;
+    if (loader && orl_is_cancelled(loader->cancel))
+        return orl_error_set(err, ORL_ERR_CANCELLED, "cancelled while reading the scene");
+    return 0;
+}
+
+/* Of the types that are not simulated these are no modifiers. */
+static bool is_surface(const char *type)
+{
+    return orl_parser_is_surface(type) || strcmp(type, "instance") == 0 ||
+           strcmp(type, "mesh") == 0;
+}
+
+/* Counts what is not simulated, and reads on behind it where that can be; modifiers wait until they
+ * are used. */
+static int note_refusal(struct orl_parser *parser, struct orl_lexer *lexer, bool command,
+                        struct orl_error *err)
+{
+    struct orl_error ignored;
+    const struct orl_error refused = *err;
+    const struct orl_primitive *primitive = &parser->primitive;
+    /* The arguments of types that are known have been read. */
+    const bool read = command || orl_parser_is_surface(primitive->type) ||
+                      orl_parser_is_modifier(primitive->type) ||
+                      strcmp(primitive->type, "alias") == 0;
+    /* Reading them moves the words of the head. */
+    if (!read && orl_primitive_read_arguments(&parser->primitive, lexer, &ignored) < 0) {
+        orl_refusals_add(&parser->refusals, &refused);
+        parser->cut_short = true;
+        return ORL_ERR_UNSUPPORTED;
+    }
+    if (!command && !is_surface(primitive->type))
+        return orl_parser_define_refused(parser, primitive->id, &refused, err);
+    orl_refusals_add(&parser->refusals, &refused);
+    return 0;
+}
+
+int orl_parser_read(struct orl_parser *parser, const struct orl_scope *scope, const char *text,
+                    size_t size, int line, struct orl_error *err)
+{
+    struct orl_lexer lexer;
+    enum orl_next next;
+    int code = count_text(parser, scope, size, err);
+    orl_lexer_init(&lexer, scope->file, text, size);
+    if (line > 0) {
+        lexer.line = line;
+        lexer.frozen = true;
+    }
+    while (code == 0 && (next = orl_lexer_next(&lexer)) != ORL_NEXT_END) {
+        const bool command = next == ORL_NEXT_COMMAND;
+        code = command ? read_command(parser, scope, &lexer, err)
+                       : read_primitive(parser, scope, &lexer, err);
+        if (code == ORL_ERR_UNSUPPORTED && !parser->cut_short)
+            code = note_refusal(parser, &lexer, command, err);
+        if (code == 0)
+            code = heed_cancel(parser, err);
+    }
+    return code;
+}
+
+static bool is_xml(const char *name)
+{
+    const size_t length = strlen(name);
+    return length >= 4 && strcasecmp(name + length - 4, ".xml") == 0;
+}
+
+/* Opens the main files first, so that they lead in files and digest; ret_index tells which is
+ * which. */
+static int open_main(struct orl_parser *parser, const char *const *names, size_t count,
+                     size_t *ret_index, struct orl_error *err)
+{
+    struct orl_sources *sources = &parser->sources;
+    struct orl_error empty = {0};
+    bool filled = false;
+    for (size_t i = 0; i < count; i++) {
+        const size_t before = sources->count;
+        int code;
+        if (is_xml(names[i]))
+            continue;
+        code = orl_sources_find(sources, "", names[i], ret_index + i, err);
+        if (code < 0) {
+            orl_error_at(err, names[i], 0, NULL);
+            return code;
+        }
+        if (sources->count == before)
+            orl_sources_count_again(sources, ret_index[i]);
+        if (sources->items[ret_index[i]].file.size == 0) {
+            orl_error_set(&empty, ORL_ERR_SYNTAX, "the file is empty");
+            orl_error_at(&empty, names[i], 0, NULL);
+            orl_parser_warn(parser, "%.200s: the file is empty", names[i]);
+        } else {
+            filled = true;
+        }
+    }
+    if (filled || empty.code == 0)
+        return 0;
+    *err = empty;
+    return empty.code;
+}
+
+static int read_main(struct orl_parser *parser, const char *const *names, size_t count,
+                     const size_t *index, struct orl_error *err)
+{
+    int code = 0;
+    for (size_t i = 0; i < count && code == 0; i++) {
+        struct orl_scope scope = {.xform = orl_xform_identity};
+        const struct orl_source *source;
+        if (is_xml(names[i]))
+            continue;
+        source = parser->sources.items + index[i];
+        scope.file = source->name;
+        scope.folder = source->folder;
+        code = orl_parser_read(parser, &scope, source->file.data, source->file.size, 0, err);
+    }
+    return code;
+}
+
+/* What is left to fill in when all has been read. */
+static int finish(struct orl_parser *parser, struct orl_error *err)
+{
+    struct orl_description *out = parser->out;
+    const struct orl_sources *sources = &parser->sources;
+    crypto_hash_sha256_state digest = sources->digest;
+    out->files = calloc(sources->count ? sources->count : 1, sizeof *out->files);
+    if (!out->files)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    for (size_t i = 0; i < sources->count; i++)
+        out->files[i] = sources->items[i].name;
+    out->n_files = sources->count;
+    crypto_hash_sha256_final(&digest, out->digest);
+    out->n_degenerate = parser->degenerate.count;
+    orl_parser_report(parser);
+    return 0;
+}
+
+int orl_scene_parse_with(const char *const *names, size_t count, const struct orl_files *files,
+                         const struct orl_bsdf_loader *loader,
+                         struct orl_description *ret_description, struct orl_error *err)
+{
+    struct orl_error local = {0};
+    struct orl_description out = {0};
+    struct orl_parser parser = {.out = &out, .void_material = -1};
+    size_t *index = calloc(count ? count : 1, sizeof *index);
+    int code;
+    err = err ? err : &local;
+    out.arena = orl_arena_new();
+    if (!index || !out.arena) {
+        code = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+        goto done;
+    }
+    orl_sources_init(&parser.sources, files, loader, out.arena);
+    code = open_main(&parser, names, count, index, err);
+    if (code < 0)
+        goto done;
+    out.n_main = parser.sources.count;
+    code = read_main(&parser, names, count, index, err);
+    /* Later mistakes may come of what was left out: first things first. */
+    if (parser.refusals.n > 0 && code != ORL_ERR_NOMEM && code != ORL_ERR_CANCELLED &&
+        code != ORL_ERR_LIMIT)
+        code = orl_refusals_tell(&parser.refusals, err);
+    if (code == 0)
+        code = finish(&parser, err);
+    if (code < 0)
+        goto done;
+    *ret_description = out;
+    memset(&out, 0, sizeof out);
+done:
+    orl_sources_done(&parser.sources);
+    orl_symbols_done(&parser.symbols);
+    orl_deferred_done(&parser.deferred);
+    orl_primitive_done(&parser.primitive);
+    orl_description_done(&out);
+    free(index);
+    return code;
+}
+
+int orl_scene_parse(const char *const *names, size_t count, const struct orl_files *files,
+                    struct orl_description *ret_description, struct orl_error *err)
+{
+    return orl_scene_parse_with(names, count, files, NULL, ret_description, err);
+}

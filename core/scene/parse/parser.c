@@ -1,0 +1,126 @@
+#include "scene/parse/parser.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/grow.h"
+
+enum { WARNINGS_MAX = 100, TEXT_MAX = 640 };
+
+int orl_parser_fail(struct orl_parser *parser, const struct orl_scope *scope, struct orl_error *err,
+                    int code, const char *format, ...)
+{
+    const struct orl_primitive *primitive = &parser->primitive;
+    char message[ORL_ERROR_TEXT_MAX], name[ORL_ERROR_NAME_MAX];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(message, sizeof message, format, args);
+    va_end(args);
+    snprintf(name, sizeof name, "%.60s %.180s", primitive->type, primitive->id);
+    orl_error_set(err, code, "%s", message);
+    orl_error_at(err, scope->file, primitive->line, name);
+    return code;
+}
+
+int orl_parser_expect(struct orl_parser *parser, const struct orl_scope *scope, size_t n_strings,
+                      size_t n_reals, struct orl_error *err)
+{
+    const struct orl_primitive *primitive = &parser->primitive;
+    if (primitive->n_strings == n_strings && primitive->n_reals == n_reals)
+        return 0;
+    return orl_parser_fail(parser, scope, err, ORL_ERR_SYNTAX,
+                           "%.60s takes %zu string and %zu number arguments, not %zu and %zu",
+                           primitive->type, n_strings, n_reals, primitive->n_strings,
+                           primitive->n_reals);
+}
+
+static void add_warning(struct orl_parser *parser, const char *text)
+{
+    struct orl_description *out = parser->out;
+    char *copy = orl_arena_text(out->arena, text, strlen(text));
+    if (copy &&
+        orl_grow(&out->warnings, &parser->warnings_room, out->n_warnings, sizeof *out->warnings))
+        out->warnings[out->n_warnings++] = copy;
+}
+
+void orl_parser_warn(struct orl_parser *parser, const char *format, ...)
+{
+    char text[TEXT_MAX];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    if (parser->out->n_warnings < WARNINGS_MAX)
+        add_warning(parser, text);
+    else if (parser->out->n_warnings == WARNINGS_MAX)
+        add_warning(parser, "further warnings are left out");
+}
+
+void orl_parser_count(struct orl_parser *parser, const struct orl_scope *scope,
+                      struct orl_warning_tally *tally)
+{
+    if (tally->count++ == 0)
+        snprintf(tally->first, sizeof tally->first, "%.20s %.80s at %.100s:%d",
+                 parser->primitive.type, parser->primitive.id, scope->file, parser->primitive.line);
+}
+
+static void report(struct orl_parser *parser, const struct orl_warning_tally *tally,
+                   const char *what)
+{
+    if (tally->count == 1)
+        orl_parser_warn(parser, "%s: %s", tally->first, what);
+    else if (tally->count > 1)
+        orl_parser_warn(parser, "%s, and %llu others: %s", tally->first,
+                        (unsigned long long)tally->count - 1, what);
+}
+
+static void report_unused(struct orl_parser *parser)
+{
+    size_t count;
+    const struct orl_deferred_item *first = orl_deferred_unused(&parser->deferred, &count);
+    char others[48] = "";
+    if (!first)
+        return;
+    if (count > 1)
+        snprintf(others, sizeof others, ", and %zu others like it", count - 1);
+    orl_parser_warn(parser, "%.120s at %.100s:%d is passed over, for nothing uses it%s: %.200s",
+                    first->primitive, first->file, first->line, others, first->message);
+}
+
+void orl_parser_report(struct orl_parser *parser)
+{
+    report_unused(parser);
+    report(parser, &parser->degenerate, "has no area and was dropped");
+    report(parser, &parser->bent, "its corners do not lie in one plane");
+    report(parser, &parser->unmodified,
+           "has no material (its modifier is void): it is taken as black");
+    report(parser, &parser->white,
+           "returns all light that it gets, or more: 0.999 of it are taken, so that light ends "
+           "(of what only mirrors or lets pass, all)");
+}
+
+int orl_parser_string_xform(struct orl_parser *parser, const struct orl_scope *scope, size_t first,
+                            struct orl_xform *ret_xform, struct orl_error *err)
+{
+    enum { WORDS_MAX = 256 };
+    const char *words[WORDS_MAX] = {NULL};
+    const size_t count = parser->primitive.n_strings - first;
+    struct orl_xform own;
+    size_t used = 0;
+    int code = 0;
+    if (count > WORDS_MAX)
+        return orl_parser_fail(parser, scope, err, ORL_ERR_LIMIT,
+                               "it has too many string arguments");
+    for (size_t i = 0; i < count; i++)
+        words[i] = orl_primitive_string(&parser->primitive, first + i);
+    code = orl_xform_read(words, count, &own, &used, err);
+    if (code < 0)
+        return orl_parser_fail(parser, scope, err, code, "its transform is not valid");
+    if (used < count)
+        return orl_parser_fail(parser, scope, err, ORL_ERR_SYNTAX,
+                               "'%.60s' in its transform is no transform", words[used]);
+    *ret_xform = orl_xform_compose(&scope->xform, &own);
+    return 0;
+}

@@ -1,0 +1,105 @@
+/*
+ * What the parts of the scene parser share: the description in the making, the modifiers defined so
+ * far, and the scope in which the text being read stands. Internal to this folder.
+ *
+ * Errors from here on carry file, line and primitive. Threads: one at a time.
+ */
+#ifndef ORL_SCENE_PARSE_PARSER_H
+#define ORL_SCENE_PARSE_PARSER_H
+
+#include "scene/description.h"
+#include "scene/generate/xform.h"
+#include "scene/parse/deferred.h"
+#include "scene/parse/primitive.h"
+#include "scene/parse/refusals.h"
+#include "scene/parse/sources.h"
+#include "scene/parse/symbols.h"
+
+/* Something that is warned about once, with a count, however often it happens. */
+struct orl_warning_tally {
+    uint64_t count;
+    char first[ORL_ERROR_NAME_MAX]; /* "polygon w at a.rad:12" */
+};
+
+struct orl_parser {
+    struct orl_description *out;
+    struct orl_sources sources;
+    struct orl_symbols symbols;
+    struct orl_primitive primitive;
+    size_t surfaces_room, materials_room, distants_room, skies_room, warnings_room;
+    size_t text_bytes;     /* read so far, repeats included */
+    size_t name_bytes;     /* of surfaces, kept so far */
+    uint64_t vertices;     /* kept so far */
+    int32_t void_material; /* index, or -1 */
+    struct orl_refusals refusals;
+    struct orl_deferred deferred;
+    bool cut_short; /* what was refused could not be read past */
+    struct orl_warning_tally degenerate, bent, unmodified, white;
+};
+
+/* Where text stands: what is applied to its surfaces, and where file names are looked up. */
+struct orl_scope {
+    const char *file; /* for messages and surfaces; lives as long as the description */
+    const char *folder;
+    struct orl_xform xform;
+    const char *modifier; /* replaces that of surfaces, or NULL */
+    const char *prefix;   /* goes before their names, or NULL */
+    const struct orl_scope *outer;
+    unsigned depth;
+};
+
+/* parse.c: reads text in a scope; line > 0 when a command wrote it, and then is the command's. */
+int orl_parser_read(struct orl_parser *parser, const struct orl_scope *scope, const char *text,
+                    size_t size, int line, struct orl_error *err);
+
+/* commands.c: a '!' line. */
+int orl_parser_command(struct orl_parser *parser, const struct orl_scope *scope, const char *line,
+                       int number, struct orl_error *err);
+
+/* surfaces.c: polygon, sphere, ..., source. */
+int orl_parser_surface(struct orl_parser *parser, const struct orl_scope *scope,
+                       struct orl_error *err);
+bool orl_parser_is_surface(const char *type);
+
+/* materials.c: plastic, ..., glow (and brightfunc, by way of skies.c); and aliases. */
+int orl_parser_modifier(struct orl_parser *parser, const struct orl_scope *scope,
+                        struct orl_error *err);
+int orl_parser_alias(struct orl_parser *parser, const struct orl_scope *scope,
+                     struct orl_error *err);
+bool orl_parser_is_modifier(const char *type);
+
+/* skies.c: a brightfunc. */
+int orl_parser_sky(struct orl_parser *parser, const struct orl_scope *scope, const char *name,
+                   struct orl_error *err);
+
+/* Defines a name as of something refused, of which err tells and which can wait until it is used.
+ */
+int orl_parser_define_refused(struct orl_parser *parser, const char *name,
+                              const struct orl_error *refused, struct orl_error *err);
+
+/* materials.c: the index of the material that stands for "void". */
+int orl_parser_void(struct orl_parser *parser, uint32_t *ret_index);
+
+/* ---- Helpers, parser.c ----------------------------------------------------------------------- */
+
+/* Reports on the primitive at hand. Returns code. */
+int orl_parser_fail(struct orl_parser *parser, const struct orl_scope *scope, struct orl_error *err,
+                    int code, const char *format, ...) __attribute__((format(printf, 5, 6)));
+
+/* Checks the counts of the primitive's arguments. */
+int orl_parser_expect(struct orl_parser *parser, const struct orl_scope *scope, size_t n_strings,
+                      size_t n_reals, struct orl_error *err);
+
+/* The transform among its string arguments from index first on, within the scope's. */
+int orl_parser_string_xform(struct orl_parser *parser, const struct orl_scope *scope, size_t first,
+                            struct orl_xform *ret_xform, struct orl_error *err);
+
+/* A warning in the description, at most a hundred of them. */
+void orl_parser_warn(struct orl_parser *parser, const char *format, ...)
+    __attribute__((format(printf, 2, 3)));
+void orl_parser_count(struct orl_parser *parser, const struct orl_scope *scope,
+                      struct orl_warning_tally *tally);
+/* Turns the tallies into warnings. */
+void orl_parser_report(struct orl_parser *parser);
+
+#endif

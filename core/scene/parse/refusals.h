@@ -1,0 +1,31 @@
+/*
+ * What a scene holds that is not simulated: counted by kind while the rest is read on, and told all
+ * at once. A scene with any of it is refused in the end.
+ */
+#ifndef ORL_SCENE_PARSE_REFUSALS_H
+#define ORL_SCENE_PARSE_REFUSALS_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <oriel/error.h>
+
+enum { ORL_MOST_REFUSALS = 24 }; /* kinds; more are counted together */
+
+struct orl_refusals {
+    struct orl_refusal {
+        char kind[48]; /* "texfunc", "!genprism" */
+        uint64_t count;
+        struct orl_error first;
+    } kinds[ORL_MOST_REFUSALS];
+    size_t n;
+    uint64_t others;
+};
+
+/* Counts one; err says where it is, why, and what to do. */
+void orl_refusals_add(struct orl_refusals *refusals, const struct orl_error *err);
+/* Fills err with all of them, at the place of the first. Returns ORL_ERR_UNSUPPORTED. */
+int orl_refusals_tell(const struct orl_refusals *refusals, struct orl_error *err);
+
+#endif

@@ -1,0 +1,56 @@
+/*
+ * Skies as scene text: to the printed digit what Radiance's gendaylit and gensky write.
+ */
+#include "scene/generate/generate.h"
+
+/* A sun as both programs write it; the angle is text since they differ in its digits. */
+static void write_sun(const struct orl_sky_numbers *sky, const char *angle, struct orl_text *text)
+{
+    const double r = sky->sun_radiance;
+    if (sky->has_sun && !sky->black)
+        orl_text_add(text,
+                     "void light solar\n0\n0\n3 %.3e %.3e %.3e\n"
+                     "solar source sun\n0\n0\n4 %f %f %f %s\n",
+                     r, r, r, sky->sun.x, sky->sun.y, sky->sun.z, angle);
+}
+
+int orl_gendaylit(const char *const *words, size_t count, struct orl_text *text,
+                  struct orl_error *err)
+{
+    struct orl_sky_numbers sky;
+    const double *a = sky.pattern.a;
+    const int code = orl_gendaylit_numbers(words, count, text, &sky, err);
+    if (code < 0)
+        return code;
+    if (sky.by_clock)
+        orl_text_warn_site(text, "gendaylit", &sky.site);
+    if (sky.no_gradation)
+        orl_text_warn(text, "gendaylit: the model has no answer here: the sky is black");
+    write_sun(&sky, "0.533000", text);
+    orl_text_add(text, "void brightfunc skyfunc\n2 skybright perezlum.cal\n0\n");
+    if (sky.black)
+        orl_text_add(text, "10 0 0 0 0 0 0 0 %f %f %f\n", a[7], a[8], a[9]);
+    else
+        orl_text_add(text, "10 %.3e %.3e %f %f %f %f %f %f %f %f\n", a[0], a[1], a[2], a[3], a[4],
+                     a[5], a[6], a[7], a[8], a[9]);
+    return 0;
+}
+
+int orl_gensky(const char *const *words, size_t count, struct orl_text *text, struct orl_error *err)
+{
+    struct orl_sky_numbers sky;
+    const double *a = sky.pattern.a;
+    const int code = orl_gensky_numbers(words, count, text, &sky, err);
+    if (code < 0)
+        return code;
+    if (sky.by_clock)
+        orl_text_warn_site(text, "gensky", &sky.site);
+    write_sun(&sky, "0.5", text);
+    orl_text_add(text, "void brightfunc skyfunc\n2 skybr skybright.cal\n0\n");
+    if (sky.pattern.n_args == 3)
+        orl_text_add(text, "3 %d %.3e %.3e\n", (int)a[0], a[1], a[2]);
+    else
+        orl_text_add(text, "7 %d %.3e %.3e %.3e %f %f %f\n", (int)a[0], a[1], a[2], a[3], a[4],
+                     a[5], a[6]);
+    return 0;
+}

@@ -1,0 +1,245 @@
+#include "scene/parse/sources.h"
+
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <oriel/limits.h>
+
+#include "base/sha256.h"
+
+void orl_sources_init(struct orl_sources *sources, const struct orl_files *files,
+                      const struct orl_bsdf_loader *loader, struct orl_arena *arena)
+{
+    memset(sources, 0, sizeof *sources);
+    sources->files = files;
+    sources->loader = loader;
+    sources->arena = arena;
+    crypto_hash_sha256_init(&sources->digest);
+}
+
+static void close_item(struct orl_sources *sources, struct orl_source *item)
+{
+    if (item->open)
+        sources->files->close(sources->files->ctx, &item->file);
+    item->open = false;
+}
+
+void orl_sources_done(struct orl_sources *sources)
+{
+    for (size_t i = 0; i < sources->count; i++) {
+        close_item(sources, sources->items + i);
+        orl_bsdf_unref(sources->items[i].bsdf);
+    }
+    free(sources->items);
+    memset(sources, 0, sizeof *sources);
+}
+
+/* Appends one path segment to path, "." and ".." resolved; length is that of path so far. */
+static size_t add_segment(char *path, size_t length, const char *segment, size_t size)
+{
+    if (size == 0 || (size == 1 && segment[0] == '.'))
+        return length;
+    if (size == 2 && segment[0] == '.' && segment[1] == '.' && length > 0) {
+        size_t cut = length;
+        while (cut > 0 && path[cut - 1] != '/')
+            cut--;
+        if (length - cut != 2 || memcmp(path + cut, "..", 2) != 0)
+            return cut > 1 ? cut - 1 : cut; /* a leading '/' stays */
+    }
+    if (length > 0 && path[length - 1] != '/')
+        path[length++] = '/';
+    memcpy(path + length, segment, size);
+    return length + size;
+}
+
+enum { PATH_BYTES = 2 * ORL_LIMIT_WORD_BYTES };
+
+/* folder/name in its shortest form. Returns false when that is empty or too long. */
+static bool join(const char *folder, const char *name, char path[PATH_BYTES])
+{
+    const char *const parts[2] = {*name == '/' ? "" : folder, name};
+    size_t length = 0;
+    if (strlen(parts[0]) + strlen(name) + 3 > PATH_BYTES)
+        return false;
+    if (*name == '/' || *folder == '/')
+        path[length++] = '/';
+    for (int part = 0; part < 2; part++) {
+        for (const char *at = parts[part]; *at;) {
+            const size_t size = strcspn(at, "/");
+            length = add_segment(path, length, at, size);
+            at += size + (at[size] == '/');
+        }
+    }
+    path[length] = '\0';
+    return length > 0;
+}
+
+void orl_sources_count_again(struct orl_sources *sources, size_t index)
+{
+    const struct orl_source *item = sources->items + index;
+    unsigned char length[8];
+    for (int i = 0; i < 8; i++)
+        length[i] = (unsigned char)((uint64_t)item->file.size >> (8 * i));
+    crypto_hash_sha256_update(&sources->digest, length, sizeof length);
+    crypto_hash_sha256_update(&sources->digest, item->content, sizeof item->content);
+}
+
+static int make_room(struct orl_sources *sources, struct orl_error *err)
+{
+    const size_t room = sources->room ? 2 * sources->room : 16;
+    struct orl_source *grown;
+    if (sources->count >= ORL_LIMIT_SCENE_FILES)
+        return orl_error_set(err, ORL_ERR_LIMIT, "the scene has more than %u files",
+                             ORL_LIMIT_SCENE_FILES);
+    if (sources->count < sources->room)
+        return 0;
+    grown = realloc(sources->items, room * sizeof *grown);
+    if (!grown)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    sources->items = grown;
+    sources->room = room;
+    return 0;
+}
+
+static void find_digest(const struct orl_sources *sources, struct orl_source *item)
+{
+    const size_t step = 4 << 20, size = item->file.size;
+    const struct orl_files *files = sources->files;
+    struct orl_sha256 hash;
+    if (files->digest && files->digest(files->ctx, item->name, item->content))
+        return;
+    orl_sha256_init(&hash);
+    for (size_t at = 0; at < size; at += step) {
+        orl_sha256_add(&hash, item->file.data + at, size - at < step ? size - at : step);
+        if (files->passed && size - at > step)
+            files->passed(files->ctx, &item->file, at, at + step);
+    }
+    orl_sha256_finish(&hash, item->content);
+}
+
+/* Opens and hashes a file under its resolved name. */
+static int add_item(struct orl_sources *sources, const char *name, struct orl_error *err)
+{
+    struct orl_source *item;
+    const char *slash;
+    int code = make_room(sources, err);
+    if (code < 0)
+        return code;
+    item = sources->items + sources->count;
+    memset(item, 0, sizeof *item);
+    code = sources->files->open(sources->files->ctx, name, &item->file, err);
+    if (code < 0)
+        return code;
+    item->open = true;
+    slash = strrchr(name, '/');
+    item->name = orl_arena_text(sources->arena, name, strlen(name));
+    item->folder = orl_arena_text(sources->arena, name,
+                                  !slash          ? 0
+                                  : slash == name ? 1
+                                                  : (size_t)(slash - name));
+    sources->count++;
+    if (!item->name || !item->folder)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    if (item->file.size > ORL_LIMIT_FILE_BYTES)
+        return orl_error_set(err, ORL_ERR_LIMIT, "'%.200s' is larger than %lu MiB", name,
+                             ORL_LIMIT_FILE_BYTES >> 20);
+    find_digest(sources, item);
+    orl_sources_count_again(sources, sources->count - 1);
+    return 0;
+}
+
+static int find_as(struct orl_sources *sources, const char *name, size_t *ret_index,
+                   struct orl_error *err)
+{
+    int code;
+    for (size_t i = 0; i < sources->count; i++) {
+        if (strcmp(sources->items[i].name, name) == 0) {
+            *ret_index = i;
+            return 0;
+        }
+    }
+    code = add_item(sources, name, err);
+    if (code == 0)
+        *ret_index = sources->count - 1;
+    return code;
+}
+
+static int find_from(struct orl_sources *sources, const char *folder, const char *name,
+                     size_t *ret_index, struct orl_error *err)
+{
+    char path[PATH_BYTES], plain[PATH_BYTES];
+    int code;
+    if (!join(folder, name, path) || !join("", name, plain))
+        return orl_error_set(err, ORL_ERR_SYNTAX, "'%.200s' is no name of a file", name);
+    code = find_as(sources, path, ret_index, err);
+    if (code == ORL_ERR_NOT_FOUND && strcmp(path, plain) != 0) {
+        code = find_as(sources, plain, ret_index, err);
+        if (code == ORL_ERR_NOT_FOUND)
+            orl_error_set(err, code, "no file named '%.200s', nor '%.200s'", path, plain);
+    }
+    return code;
+}
+
+/* Files written on Windows have '\\' between folders: what is not there by that name is looked for
+ * with '/'. */
+int orl_sources_find(struct orl_sources *sources, const char *folder, const char *name,
+                     size_t *ret_index, struct orl_error *err)
+{
+    char turned[PATH_BYTES];
+    struct orl_error ignored;
+    const int code = find_from(sources, folder, name, ret_index, err);
+    const size_t length = strlen(name);
+    if (code != ORL_ERR_NOT_FOUND || !strchr(name, '\\') || length >= sizeof turned)
+        return code;
+    for (size_t i = 0; i <= length; i++)
+        turned[i] = (char)(name[i] == '\\' ? '/' : name[i]);
+    const int again = find_from(sources, folder, turned, ret_index, &ignored);
+    if (again < 0 && again != ORL_ERR_NOT_FOUND && err)
+        *err = ignored;
+    return again == ORL_ERR_NOT_FOUND ? code : again;
+}
+
+/* A file that is being read, and the files it is of. */
+struct reading {
+    const struct orl_files *files;
+    const struct orl_file *file;
+};
+
+static void tell_provider(void *ctx, size_t begin, size_t end)
+{
+    const struct reading *reading = ctx;
+    reading->files->passed(reading->files->ctx, reading->file, begin, end);
+}
+
+static int load_bsdf(const struct orl_sources *sources, struct orl_source *item,
+                     struct orl_error *err)
+{
+    const struct orl_bsdf_loader *loader = sources->loader;
+    struct reading reading = {sources->files, &item->file};
+    const struct orl_bsdf_xml xml = {.name = item->name,
+                                     .data = item->file.data,
+                                     .size = item->file.size,
+                                     .passed = sources->files->passed ? tell_provider : NULL,
+                                     .ctx = &reading};
+    return loader ? loader->load(loader->ctx, &xml, item->content, &item->bsdf, err)
+                  : orl_bsdf_load(&xml, &item->bsdf, err);
+}
+
+int orl_sources_bsdf(struct orl_sources *sources, size_t index, struct orl_bsdf **ret_bsdf,
+                     struct orl_error *err)
+{
+    struct orl_source *item = sources->items + index;
+    for (size_t i = 0; i < sources->count && !item->bsdf; i++) {
+        const struct orl_source *other = sources->items + i;
+        if (other->bsdf && memcmp(other->content, item->content, sizeof item->content) == 0)
+            item->bsdf = orl_bsdf_ref(other->bsdf);
+    }
+    if (!item->bsdf) {
+        const int code = load_bsdf(sources, item, err);
+        if (code < 0)
+            return code;
+    }
+    *ret_bsdf = item->bsdf;
+    return 0;
+}

@@ -1,0 +1,448 @@
+/*
+ * Surfaces and distant sources. Transforms keep a surface's front where Radiance's xform puts it:
+ * polygons of a mirrored scene are listed backwards, everything of an inverted one is turned over.
+ * References: xform(1) and "The RADIANCE Synthetic Imaging System", section 2.1.1.
+ */
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include <oriel/limits.h>
+
+#include "base/grow.h"
+#include "scene/parse/parser.h"
+
+struct surface_type {
+    const char *name;
+    enum orl_surface_kind kind, inverse;
+    size_t n_reals;
+};
+
+static const struct surface_type surface_types[] = {
+    {"polygon", ORL_SURFACE_POLYGON, ORL_SURFACE_POLYGON, 0},
+    {"sphere", ORL_SURFACE_SPHERE, ORL_SURFACE_BUBBLE, 4},
+    {"bubble", ORL_SURFACE_BUBBLE, ORL_SURFACE_SPHERE, 4},
+    {"cylinder", ORL_SURFACE_CYLINDER, ORL_SURFACE_TUBE, 7},
+    {"tube", ORL_SURFACE_TUBE, ORL_SURFACE_CYLINDER, 7},
+    {"cone", ORL_SURFACE_CONE, ORL_SURFACE_CUP, 8},
+    {"cup", ORL_SURFACE_CUP, ORL_SURFACE_CONE, 8},
+    {"ring", ORL_SURFACE_RING, ORL_SURFACE_RING, 8},
+};
+
+static const struct surface_type *find_type(const char *name)
+{
+    for (size_t i = 0; i < sizeof surface_types / sizeof *surface_types; i++)
+        if (strcmp(surface_types[i].name, name) == 0)
+            return surface_types + i;
+    return NULL;
+}
+
+bool orl_parser_is_surface(const char *type)
+{
+    return find_type(type) || strcmp(type, "source") == 0;
+}
+
+static int out_of_memory(struct orl_parser *parser, const struct orl_scope *scope,
+                         struct orl_error *err)
+{
+    orl_parser_fail(parser, scope, err, ORL_ERR_NOMEM, "out of memory");
+    return ORL_ERR_NOMEM;
+}
+
+/* The material of the primitive at hand, with the scope's override; ret_order: when its modifier
+ * was defined, untouched for void. */
+static int find_material(struct orl_parser *parser, const struct orl_scope *scope,
+                         uint32_t *ret_index, uint32_t *ret_order, struct orl_error *err)
+{
+    const char *name = scope->modifier ? scope->modifier : parser->primitive.modifier;
+    const struct orl_symbol *symbol;
+    symbol = orl_symbols_find(&parser->symbols, name);
+    if (symbol && symbol->kind == ORL_SYMBOL_REFUSED) {
+        const int code = orl_deferred_use(&parser->deferred, symbol->index, &parser->refusals, err);
+        if (code < 0)
+            return code;
+    }
+    if (strcmp(name, "void") == 0 || (symbol && symbol->kind == ORL_SYMBOL_REFUSED))
+        return orl_parser_void(parser, ret_index) < 0 ? out_of_memory(parser, scope, err) : 0;
+    if (!symbol) {
+        orl_parser_fail(parser, scope, err, ORL_ERR_NOT_FOUND,
+                        "its modifier '%.200s' is not defined", name);
+        orl_error_hint(err, "a material must be defined before the surfaces that use it; is a "
+                            "materials file missing, or listed too late?");
+        return ORL_ERR_NOT_FOUND;
+    }
+    if (symbol->kind != ORL_SYMBOL_MATERIAL) {
+        orl_parser_fail(parser, scope, err, ORL_ERR_UNSUPPORTED,
+                        "its modifier '%.200s' is a pattern, not a material", name);
+        orl_error_hint(err, "give the pattern to a glow or light, and that to the surface");
+        return ORL_ERR_UNSUPPORTED;
+    }
+    *ret_index = symbol->index;
+    *ret_order = symbol->order;
+    return 0;
+}
+
+/* The name with the scope's prefix, in the arena. A prefix is written once and read with every
+ * copy: the sum is bounded. */
+static int make_name(struct orl_parser *parser, const struct orl_scope *scope, char **ret_name,
+                     struct orl_error *err)
+{
+    const char *id = parser->primitive.id;
+    const size_t length = strlen(id), front = scope->prefix ? strlen(scope->prefix) + 1 : 0;
+    parser->name_bytes += front + length + 1;
+    if (parser->name_bytes > ORL_LIMIT_NAME_BYTES) {
+        orl_parser_fail(
+            parser, scope, err, ORL_ERR_LIMIT,
+            "the names of the scene's surfaces, prefixes by xform -n included, take more "
+            "than %lu MiB",
+            ORL_LIMIT_NAME_BYTES >> 20);
+        orl_error_hint(err, "Shorter names do, or fewer copies by xform -a");
+        return ORL_ERR_LIMIT;
+    }
+    char *name = orl_arena_take(parser->out->arena, front + length + 1);
+    if (!name)
+        return out_of_memory(parser, scope, err);
+    if (front > 0) {
+        memcpy(name, scope->prefix, front - 1);
+        name[front - 1] = '.';
+    }
+    memcpy(name + front, id, length + 1);
+    *ret_name = name;
+    return 0;
+}
+
+static struct orl_vec3 real3(const struct orl_parser *parser, size_t i)
+{
+    const double *r = parser->primitive.reals + i;
+    return orl_v3(r[0], r[1], r[2]);
+}
+
+/* Rays are traced in single precision, which holds squares and products of places up to here. */
+static const double farthest = 1e12;
+
+static bool in_reach(struct orl_vec3 v)
+{
+    return fabs(v.x) < farthest && fabs(v.y) < farthest && fabs(v.z) < farthest;
+}
+
+static int too_far(struct orl_parser *parser, const struct orl_scope *scope, struct orl_error *err)
+{
+    orl_parser_fail(parser, scope, err, ORL_ERR_RANGE,
+                    "its coordinates are too large once transformed");
+    return ORL_ERR_RANGE;
+}
+
+/* ---- Polygons -------------------------------------------------------------------------------- */
+
+/* Copies the vertices through the transform, backwards when the front would change sides. */
+static int copy_vertices(struct orl_parser *parser, const struct orl_scope *scope,
+                         struct orl_surface *surface, struct orl_error *err)
+{
+    const bool backwards = scope->xform.mirrored != scope->xform.inverted;
+    size_t n = parser->primitive.n_reals / 3;
+    const struct orl_vec3 first = real3(parser, 0), last = real3(parser, 3 * (n - 1));
+    if (n > 3 && first.x == last.x && first.y == last.y && first.z == last.z)
+        n--; /* closed by hand */
+    parser->vertices += n;
+    if (parser->vertices > 8 * (uint64_t)ORL_LIMIT_SURFACES) {
+        orl_parser_fail(parser, scope, err, ORL_ERR_LIMIT, "the scene has too many corners");
+        return ORL_ERR_LIMIT;
+    }
+    surface->vertices = orl_arena_take(parser->out->arena, n * sizeof *surface->vertices);
+    if (!surface->vertices)
+        return out_of_memory(parser, scope, err);
+    surface->n_vertices = (uint32_t)n;
+    for (size_t i = 0; i < n; i++) {
+        const struct orl_vec3 p =
+            orl_xform_point(&scope->xform, real3(parser, 3 * (backwards ? n - 1 - i : i)));
+        surface->vertices[i] = p;
+        if (!in_reach(p))
+            return too_far(parser, scope, err);
+    }
+    return 0;
+}
+
+/* Twice the area times the normal, by Newell's method about the first corner. */
+static struct orl_vec3 newell(const struct orl_surface *surface)
+{
+    const struct orl_vec3 origin = surface->vertices[0];
+    struct orl_vec3 sum = {0, 0, 0}, before = {0, 0, 0};
+    for (uint32_t i = 1; i < surface->n_vertices; i++) {
+        const struct orl_vec3 now = orl_sub(surface->vertices[i], origin);
+        sum = orl_add(sum, orl_cross(before, now));
+        before = now;
+    }
+    return sum;
+}
+
+/* The largest distance of a corner from the first, squared. */
+static double extent2(const struct orl_surface *surface)
+{
+    double largest = 0;
+    for (uint32_t i = 1; i < surface->n_vertices; i++) {
+        const struct orl_vec3 d = orl_sub(surface->vertices[i], surface->vertices[0]);
+        largest = fmax(largest, orl_dot(d, d));
+    }
+    return largest;
+}
+
+/* True when a corner lies off the mean plane by more than a thousandth of the polygon's size. */
+static bool is_bent(const struct orl_surface *surface, double size)
+{
+    double low = 0, high = 0;
+    for (uint32_t i = 1; i < surface->n_vertices; i++) {
+        const double d =
+            orl_dot(surface->normal, orl_sub(surface->vertices[i], surface->vertices[0]));
+        low = fmin(low, d);
+        high = fmax(high, d);
+    }
+    return high - low > 1e-3 * size;
+}
+
+/* Fills the polygon's vertices and normal; ret_keep is false when it has no area. */
+static int read_polygon(struct orl_parser *parser, const struct orl_scope *scope,
+                        struct orl_surface *surface, bool *ret_keep, struct orl_error *err)
+{
+    const size_t n_reals = parser->primitive.n_reals;
+    struct orl_vec3 area;
+    int code;
+    if (parser->primitive.n_strings != 0 || n_reals < 9 || n_reals % 3 != 0) {
+        orl_parser_fail(parser, scope, err, ORL_ERR_SYNTAX,
+                        "a polygon takes three numbers a corner, and at least three corners: "
+                        "%zu numbers are not that",
+                        n_reals);
+        return ORL_ERR_SYNTAX;
+    }
+    if (n_reals / 3 > ORL_LIMIT_POLYGON_VERTICES)
+        return orl_parser_fail(parser, scope, err, ORL_ERR_LIMIT,
+                               "the polygon has %zu corners, more than %u", n_reals / 3,
+                               ORL_LIMIT_POLYGON_VERTICES);
+    code = copy_vertices(parser, scope, surface, err);
+    if (code < 0)
+        return code;
+    area = newell(surface);
+    const double size2 = extent2(surface);
+    /* Rounding alone gives a line an "area" of some 1e-16 of its length squared. */
+    *ret_keep = isnormal(orl_dot(area, area)) && orl_length(area) > 1e-13 * size2;
+    if (!*ret_keep) {
+        orl_parser_count(parser, scope, &parser->degenerate);
+        return 0;
+    }
+    surface->normal = orl_normalize(area);
+    if (surface->n_vertices > 3 && is_bent(surface, sqrt(size2)))
+        orl_parser_count(parser, scope, &parser->bent);
+    return 0;
+}
+
+/* ---- The round ones -------------------------------------------------------------------------- */
+
+static int check_radius(struct orl_parser *parser, const struct orl_scope *scope, double radius,
+                        struct orl_error *err)
+{
+    if (radius > 0)
+        return 0;
+    orl_parser_fail(parser, scope, err, ORL_ERR_RANGE, "its radius %g is not positive", radius);
+    orl_error_hint(err, "for a surface that faces inwards use bubble, tube or cup");
+    return ORL_ERR_RANGE;
+}
+
+static int read_sphere(struct orl_parser *parser, const struct orl_scope *scope,
+                       struct orl_surface *surface, struct orl_error *err)
+{
+    surface->center[0] = orl_xform_point(&scope->xform, real3(parser, 0));
+    surface->radius[0] = parser->primitive.reals[3] * scope->xform.scale;
+    return check_radius(parser, scope, parser->primitive.reals[3], err);
+}
+
+/* Cylinder, tube (one radius), cone and cup (two, of which one may be 0). */
+static int read_cone(struct orl_parser *parser, const struct orl_scope *scope,
+                     struct orl_surface *surface, struct orl_error *err)
+{
+    const double *r = parser->primitive.reals;
+    const bool straight = parser->primitive.n_reals == 7;
+    const struct orl_vec3 axis = orl_sub(real3(parser, 3), real3(parser, 0));
+    if (!(orl_length(axis) > 0)) {
+        orl_parser_fail(parser, scope, err, ORL_ERR_RANGE, "its two ends are the same point");
+        orl_error_hint(err, "it has no surface: leave it out, or use a ring for a flat disc");
+        return ORL_ERR_RANGE;
+    }
+    if (!straight && (r[6] < 0 || r[7] < 0))
+        return check_radius(parser, scope, fmin(r[6], r[7]), err);
+    for (size_t i = 0; i < 2; i++) {
+        surface->center[i] = orl_xform_point(&scope->xform, real3(parser, 3 * i));
+        surface->radius[i] = (straight ? r[6] : r[6 + i]) * scope->xform.scale;
+    }
+    return check_radius(parser, scope, straight ? r[6] : fmax(r[6], r[7]), err);
+}
+
+static int read_ring(struct orl_parser *parser, const struct orl_scope *scope,
+                     struct orl_surface *surface, struct orl_error *err)
+{
+    const double *r = parser->primitive.reals;
+    const double inner = fmin(r[6], r[7]), outer = fmax(r[6], r[7]);
+    struct orl_vec3 normal = orl_normalize(orl_xform_vector(&scope->xform, real3(parser, 3)));
+    if (!(fabs(orl_length(normal) - 1.0) < 1e-6))
+        return orl_parser_fail(parser, scope, err, ORL_ERR_RANGE,
+                               "its direction (%g %g %g) has no length", r[3], r[4], r[5]);
+    if (inner < 0 || !(outer > inner))
+        return orl_parser_fail(parser, scope, err, ORL_ERR_RANGE,
+                               "its radii %g and %g do not enclose anything", r[6], r[7]);
+    surface->center[0] = orl_xform_point(&scope->xform, real3(parser, 0));
+    surface->normal = scope->xform.inverted ? orl_neg(normal) : normal;
+    surface->radius[0] = inner * scope->xform.scale;
+    surface->radius[1] = outer * scope->xform.scale;
+    return 0;
+}
+
+static int read_round(struct orl_parser *parser, const struct orl_scope *scope,
+                      const struct surface_type *type, struct orl_surface *surface,
+                      struct orl_error *err)
+{
+    int code = orl_parser_expect(parser, scope, 0, type->n_reals, err);
+    if (code < 0)
+        return code;
+    if (type->kind == ORL_SURFACE_RING)
+        code = read_ring(parser, scope, surface, err);
+    else if (type->n_reals == 4)
+        code = read_sphere(parser, scope, surface, err);
+    else
+        code = read_cone(parser, scope, surface, err);
+    if (code == 0 && (!in_reach(surface->center[0]) || !in_reach(surface->center[1]) ||
+                      !(surface->radius[0] < farthest) || !(surface->radius[1] < farthest)))
+        code = too_far(parser, scope, err);
+    return code;
+}
+
+/* ---- All of them ----------------------------------------------------------------------------- */
+
+/* A BSDF's up vector must not stand on the surface: its azimuth would be undefined. */
+static int check_up(struct orl_parser *parser, const struct orl_scope *scope,
+                    const struct orl_surface *surface, struct orl_error *err)
+{
+    const struct orl_material *material = parser->out->materials + surface->material;
+    const struct orl_vec3 n = surface->normal;
+    const bool flat = surface->kind == ORL_SURFACE_POLYGON || surface->kind == ORL_SURFACE_RING;
+    if (material->kind != ORL_MATERIAL_BSDF || !flat)
+        return 0;
+    if (orl_length(orl_cross(orl_normalize(material->up), n)) > 1e-6)
+        return 0;
+    orl_parser_fail(parser, scope, err, ORL_ERR_RANGE,
+                    "the up vector (%g %g %g) of BSDF '%.100s' is parallel to the surface's normal",
+                    material->up.x, material->up.y, material->up.z, material->name);
+    orl_error_hint(err, "tilt it a little, such as 0.01 0.01 1, or name the direction that is up "
+                        "in the pane");
+    return ORL_ERR_RANGE;
+}
+
+static int keep_surface(struct orl_parser *parser, const struct orl_scope *scope,
+                        struct orl_surface *surface, struct orl_error *err)
+{
+    struct orl_description *out = parser->out;
+    int code = check_up(parser, scope, surface, err);
+    if (code < 0)
+        return code;
+    if (out->n_surfaces >= ORL_LIMIT_SURFACES)
+        return orl_parser_fail(parser, scope, err, ORL_ERR_LIMIT,
+                               "the scene has more than %lu surfaces", ORL_LIMIT_SURFACES);
+    code = make_name(parser, scope, &surface->name, err);
+    if (code < 0)
+        return code;
+    if (!orl_grow(&out->surfaces, &parser->surfaces_room, out->n_surfaces, sizeof *out->surfaces))
+        return out_of_memory(parser, scope, err);
+    out->surfaces[out->n_surfaces++] = *surface;
+    if (out->materials[surface->material].kind == ORL_MATERIAL_VOID)
+        orl_parser_count(parser, scope, &parser->unmodified);
+    return 0;
+}
+
+static int fail_source(struct orl_parser *parser, const struct orl_scope *scope,
+                       enum orl_material_kind kind, struct orl_error *err)
+{
+    orl_parser_fail(parser, scope, err, ORL_ERR_UNSUPPORTED,
+                    "a source needs a light or glow as its modifier");
+    orl_error_hint(err, "a sun is 'void light solar 0 0 3 R G B' and 'solar source sun 0 0 4 X Y Z "
+                        "0.533'; a sky is a glow over 180 degrees");
+    if (kind == ORL_MATERIAL_SPOTLIGHT)
+        orl_error_hint(err, "a spotlight is to be a surface; a sun that shines on one spot only is "
+                            "not simulated");
+    return ORL_ERR_UNSUPPORTED;
+}
+
+/* "skyfunc source sky" for "skyglow source sky", a slip that Radiance takes for a dark source. */
+static bool is_patterned_alone(const struct orl_parser *parser, const struct orl_scope *scope)
+{
+    const char *name = scope->modifier ? scope->modifier : parser->primitive.modifier;
+    const struct orl_symbol *symbol = orl_symbols_find(&parser->symbols, name);
+    return strcmp(name, "void") != 0 && symbol && symbol->kind == ORL_SYMBOL_SKY;
+}
+
+static void leave_dark(struct orl_parser *parser, const struct orl_scope *scope)
+{
+    const char *name = scope->modifier ? scope->modifier : parser->primitive.modifier;
+    orl_parser_warn(
+        parser,
+        "%.200s:%d: source %.100s gives no light, as in Radiance: its modifier '%.100s' "
+        "is a pattern; let a glow have that pattern, such as \"%.100s glow %.100s_glow 0 "
+        "0 4 1 1 1 0\", and the source that glow",
+        scope->file, parser->primitive.line, parser->primitive.id, name, name,
+        parser->primitive.id);
+}
+
+static int read_source(struct orl_parser *parser, const struct orl_scope *scope,
+                       struct orl_error *err)
+{
+    struct orl_description *out = parser->out;
+    struct orl_distant distant = {0};
+    uint32_t order = 0;
+    const double *r;
+    int code = orl_parser_expect(parser, scope, 0, 4, err);
+    if (code == 0 && is_patterned_alone(parser, scope)) {
+        leave_dark(parser, scope);
+        return 0;
+    }
+    if (code == 0)
+        code = find_material(parser, scope, &distant.material, &order, err);
+    if (code < 0)
+        return code;
+    r = parser->primitive.reals;
+    if (parser->refusals.n > 0 && out->materials[distant.material].kind == ORL_MATERIAL_VOID)
+        return 0;
+    if (out->materials[distant.material].kind != ORL_MATERIAL_LIGHT &&
+        out->materials[distant.material].kind != ORL_MATERIAL_GLOW)
+        return fail_source(parser, scope, out->materials[distant.material].kind, err);
+    distant.direction = orl_normalize(orl_xform_vector(&scope->xform, real3(parser, 0)));
+    distant.angle_deg = r[3];
+    if (!(fabs(orl_length(distant.direction) - 1.0) < 1e-6))
+        return orl_parser_fail(parser, scope, err, ORL_ERR_RANGE,
+                               "its direction (%g %g %g) has no length", r[0], r[1], r[2]);
+    if (!(r[3] > 0 && r[3] <= 360))
+        return orl_parser_fail(parser, scope, err, ORL_ERR_RANGE,
+                               "its angle %g is not between 0 and 360 degrees", r[3]);
+    code = make_name(parser, scope, &distant.name, err);
+    if (code < 0)
+        return code;
+    if (!orl_grow(&out->distants, &parser->distants_room, out->n_distants, sizeof *out->distants))
+        return out_of_memory(parser, scope, err);
+    out->distants[out->n_distants++] = distant;
+    return 0;
+}
+
+int orl_parser_surface(struct orl_parser *parser, const struct orl_scope *scope,
+                       struct orl_error *err)
+{
+    const struct surface_type *type = find_type(parser->primitive.type);
+    struct orl_surface surface = {.file = scope->file, .line = parser->primitive.line};
+    bool keep = true;
+    int code;
+    if (!type)
+        return read_source(parser, scope, err);
+    code = find_material(parser, scope, &surface.material, &surface.modifier_order, err);
+    if (code < 0)
+        return code;
+    surface.kind = scope->xform.inverted ? type->inverse : type->kind;
+    if (type->kind == ORL_SURFACE_POLYGON)
+        code = read_polygon(parser, scope, &surface, &keep, err);
+    else
+        code = read_round(parser, scope, type, &surface, err);
+    return code == 0 && keep ? keep_surface(parser, scope, &surface, err) : code;
+}

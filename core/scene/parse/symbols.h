@@ -1,0 +1,35 @@
+/*
+ * Modifiers by name: the latest definition of each. Names are borrowed and must outlive the table.
+ */
+#ifndef ORL_SCENE_PARSE_SYMBOLS_H
+#define ORL_SCENE_PARSE_SYMBOLS_H
+
+#include <sodium.h>
+#include <stddef.h>
+#include <stdint.h>
+
+/* Refused: its definition was; index is into the parser's deferred (deferred.h), and what is
+ * modified by it is refused like it. */
+enum orl_symbol_kind { ORL_SYMBOL_MATERIAL, ORL_SYMBOL_SKY, ORL_SYMBOL_REFUSED };
+
+struct orl_symbol {
+    const char *name;
+    enum orl_symbol_kind kind;
+    uint32_t index; /* into the description's materials or skies, or of what is refused */
+    uint32_t order; /* of this definition among all, from 1; set here */
+};
+
+struct orl_symbols {
+    struct orl_symbol *slots;
+    size_t n_slots, n_used;
+    uint32_t n_set;
+    unsigned char key[crypto_shorthash_KEYBYTES]; /* random, of this table alone */
+};
+
+/* NULL when there is none. Good until the next orl_symbols_set. */
+const struct orl_symbol *orl_symbols_find(const struct orl_symbols *symbols, const char *name);
+/* Adds or replaces. Returns 0 or ORL_ERR_NOMEM. */
+int orl_symbols_set(struct orl_symbols *symbols, struct orl_symbol symbol);
+void orl_symbols_done(struct orl_symbols *symbols);
+
+#endif
