@@ -39,9 +39,10 @@
 #define ORL_SERVER_STUDY_RUNS 500U        /* runs of one study, the reference's included */
 #define ORL_SERVER_THREADS 512U           /* render threads */
 #define ORL_SERVER_IO_THREADS 4U          /* pool threads beside them, for uploads and files */
-#define ORL_SERVER_POOL_S 2.0   /* that the pool may take to begin a work; longer is not ready */
-#define ORL_SERVER_CHECKS 3U    /* of uploads at once: one of the threads above is for the others */
-#define ORL_SERVER_CHECK_S 120U /* that the check of one upload may take (default) */
+#define ORL_SERVER_POOL_S 2.0 /* that the pool may take to begin a work; longer is not ready */
+#define ORL_SERVER_CHECKS 3U  /* of uploads at once: one of the threads above is for the others */
+#define ORL_SERVER_CHECK_QUICK_MS 200 /* of a check; one lane is for those that take no longer */
+#define ORL_SERVER_CHECK_S 120U       /* that the check of one upload may take (default) */
 #define ORL_SERVER_SMALL_JSON (64UL << 10)   /* a job's document that needs no child to be read */
 #define ORL_SERVER_CHECK_BYTES (2UL << 30)   /* of memory that one check may take (default) ... */
 #define ORL_SERVER_CHECK_FIRST (256UL << 20) /* ... that it is granted at first */

@@ -28,6 +28,7 @@ static void stop_if_quiet(struct orl_server *server)
     orl_events_stop(server->events);
     orl_http_stop(server->http);
     orl_storage_stop(&server->storage);
+    orl_checks_close(server);
     uv_close((uv_handle_t *)&server->kept_changed, NULL);
     uv_close((uv_handle_t *)&server->drain, NULL);
     uv_close((uv_handle_t *)&server->saving, NULL);
@@ -317,6 +318,7 @@ int orl_server_run(const struct orl_config *config, const struct orl_routes *rou
     orl_pulse_open(&server.pulse, &server.loop);
     uv_async_init(&server.loop, &server.kept_changed, on_kept_changed);
     server.kept_changed.data = &server;
+    orl_checks_open(&server);
     uv_timer_init(&server.loop, &server.storage.notes);
     server.storage.notes.data = &server.storage;
     gather_log(&server);
@@ -340,6 +342,7 @@ int orl_server_run(const struct orl_config *config, const struct orl_routes *rou
         orl_events_stop(server.events);
         orl_http_stop(server.http);
         orl_storage_stop(&server.storage);
+        orl_checks_close(&server);
         uv_close((uv_handle_t *)&server.kept_changed, NULL);
         uv_close((uv_handle_t *)&server.log_lines, NULL);
     }

@@ -17,6 +17,11 @@ double orl_time_steady_s(void)
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
+int64_t orl_time_steady_ms(void)
+{
+    return (int64_t)(1000 * orl_time_steady_s());
+}
+
 void orl_time_format(int64_t ms, char ret_text[ORL_TIME_TEXT])
 {
     const time_t seconds = (time_t)(ms / 1000);

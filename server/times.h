@@ -8,6 +8,7 @@
 
 int64_t orl_time_now_ms(void);
 double orl_time_steady_s(void);
+int64_t orl_time_steady_ms(void);
 
 enum { ORL_TIME_TEXT = 32 };
 /* "2024-03-22T11:30:00.123Z" */

@@ -21,7 +21,7 @@
 #include "encode.h"
 #include "json_read.h"
 
-enum { POLL_MS = 100, VERDICT_BYTES = 1 << 20 };
+enum { POLL_MS = 25, VERDICT_BYTES = 1 << 20 };
 
 /* One keeper. */
 struct lane {

@@ -21,10 +21,10 @@
 
 /* ---- Processes ------------------------------------------------------------------------------- */
 
+/* 0 of one that is stopped. */
 static pid_t parent_of(pid_t pid)
 {
     char path[64], text[512] = "";
-    int parent = 0;
     snprintf(path, sizeof path, "/proc/%d/stat", (int)pid);
     FILE *stat = fopen(path, "r");
     if (!stat)
@@ -32,10 +32,13 @@ static pid_t parent_of(pid_t pid)
     const size_t n = fread(text, 1, sizeof text - 1, stat);
     fclose(stat);
     const char *behind = n > 0 ? strrchr(text, ')') : NULL;
-    return behind && sscanf(behind + 1, " %*c %d", &parent) == 1 ? parent : 0;
+    /* ") S 123": its state, and its parent. */
+    return behind && strlen(behind) > 4 && behind[2] != 'T' ? (pid_t)strtol(behind + 4, NULL, 10)
+                                                            : 0;
 }
 
-/* A child that checks is the child of a keeper, which is the daemon's. 0: there is none. */
+/* A child that checks is the child of a keeper, which is the daemon's. 0: there is none, but for
+ * those that are stopped. */
 static pid_t find_check(const struct daemon *daemon)
 {
     DIR *processes = opendir("/proc");
@@ -60,6 +63,23 @@ static pid_t await_check(const struct daemon *daemon, bool there, double seconds
         found = find_check(daemon);
     }
     assert_int_equal(found != 0, there);
+    return found;
+}
+
+static void expect_gone(pid_t pid)
+{
+    for (int i = 0; kill(pid, 0) == 0 && i < 100; i++)
+        nanosleep(&(struct timespec){0, 20000000}, NULL);
+    assert_int_equal(kill(pid, 0), -1);
+}
+
+/* Waits for one, and holds it there. */
+static pid_t hold_check(const struct daemon *daemon)
+{
+    const pid_t found = await_check(daemon, true, 20);
+    kill(found, SIGSTOP);
+    for (int i = 0; find_check(daemon) == found && i < 100; i++)
+        nanosleep(&(struct timespec){0, 10000000}, NULL);
     return found;
 }
 
@@ -95,7 +115,15 @@ static pid_t upload_beside(const struct daemon *daemon, const struct bomb *bomb,
     struct reply reply;
     own.curl = curl_easy_init(); /* a connection of its own */
     daemon_upload(&own, bomb->files, 2, NULL, &reply);
-    _exit(reply.status == status && strstr(reply_text(&reply, "detail"), "fault") ? 0 : 1);
+    const bool said = status != 422 || strstr(reply_text(&reply, "detail"), "fault");
+    _exit(reply.status == status && said ? 0 : 1);
+}
+
+static void expect_uploaded(pid_t client)
+{
+    int status;
+    assert_int_equal(waitpid(client, &status, 0), client);
+    assert_true(WIFEXITED(status) && WEXITSTATUS(status) == 0);
 }
 
 /* 400 000 surfaces are checked, and the daemon itself has grown by little. */
@@ -142,12 +170,10 @@ static void test_a_child_dies(void **state)
     struct daemon *daemon = *state;
     struct bomb bomb;
     char id[65];
-    int status;
     make_bomb(&bomb, 2, 50000);
     const pid_t client = upload_beside(daemon, &bomb, 422);
     kill(await_check(daemon, true, 20), SIGSEGV);
-    assert_int_equal(waitpid(client, &status, 0), client);
-    assert_true(WIFEXITED(status) && WEXITSTATUS(status) == 0);
+    expect_uploaded(client);
     assert_int_equal(daemon_count_files(daemon, "tmp"), 0);
     assert_int_equal(daemon_count_files(daemon, "blobs"), 0);
     daemon_upload_room(daemon, id);
@@ -191,12 +217,79 @@ static void test_children_end_with_the_daemon(void **state)
     const pid_t check = await_check(&daemon, true, 20);
     kill(client, SIGSTOP);
     daemon_end(&daemon, SIGKILL);
-    for (int i = 0; kill(check, 0) == 0 && i < 100; i++)
-        nanosleep(&(struct timespec){0, 20000000}, NULL);
-    assert_int_equal(kill(check, 0), -1);
+    expect_gone(check);
     kill(client, SIGKILL);
     waitpid(client, NULL, 0);
     daemon_restart(&daemon, NULL);
+    daemon_remove(&daemon);
+}
+
+/* ---- Turns ----------------------------------------------------------------------------------- */
+
+/* Whatever others have under way, a room is taken before any of that ends or is given up. */
+static void expect_room_is_taken(struct daemon *daemon)
+{
+    const struct upload_file room = {"room.rad", room_scene, strlen(room_scene), false};
+    struct reply reply;
+    daemon_upload(daemon, &room, 1, NULL, &reply);
+    assert_int_equal(reply.status, 201);
+    print_message("# taken after %.2f s\n", reply.seconds);
+    assert_true(reply.seconds < 20);
+    reply_done(&reply);
+}
+
+/* One of those that hold every lane yields, and is done again when it can be. */
+static void test_long_checks_yield(void **state)
+{
+    static const char *const patient[] = {"--check-timeout", "40", NULL};
+    enum { BOMBS = 3 };
+    struct daemon daemon;
+    struct bomb bombs[BOMBS];
+    pid_t clients[BOMBS], checks[BOMBS];
+    (void)state;
+    daemon_start(&daemon, patient);
+    for (int i = 0; i < BOMBS; i++) {
+        make_bomb(&bombs[i], 1, 20000 + i);
+        clients[i] = upload_beside(&daemon, &bombs[i], 201);
+        checks[i] = hold_check(&daemon);
+    }
+    expect_room_is_taken(&daemon);
+    expect_gone(checks[BOMBS - 1]); /* the last begun */
+    for (int i = 0; i < BOMBS - 1; i++)
+        kill(checks[i], SIGCONT);
+    for (int i = 0; i < BOMBS; i++)
+        expect_uploaded(clients[i]);
+    daemon_remove(&daemon);
+}
+
+/* A check that has all the memory it can get leaves some for others. */
+static void test_large_checks_leave_room(void **state)
+{
+    static const char *const little[] = {"--memory", "600M", "--check-timeout", "40", NULL};
+    const double first = 256 << 20;
+    struct daemon daemon;
+    struct bomb bomb;
+    double granted = 0;
+    (void)state;
+    if (ORL_CHILD_SANITIZED)
+        skip();
+    daemon_start(&daemon, little);
+    make_bomb(&bomb, 2, 50000);
+    const pid_t client = upload_beside(&daemon, &bomb, 413);
+    for (int i = 0; granted <= first && i < 1000; i++) {
+        struct reply reply;
+        daemon_get(&daemon, "/metrics", &reply);
+        const char *line = strstr(reply.body, "\noriel_memory_checks_bytes ");
+        assert_non_null(line);
+        granted = strtod(strchr(line, ' '), NULL);
+        reply_done(&reply);
+        nanosleep(&(struct timespec){0, 10000000}, NULL);
+    }
+    assert_true(granted > first);
+    const pid_t check = hold_check(&daemon);
+    expect_room_is_taken(&daemon);
+    kill(check, SIGCONT);
+    expect_uploaded(client);
     daemon_remove(&daemon);
 }
 
@@ -246,6 +339,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_hanging_up_ends_the_check, daemon_set_up,
                                         daemon_tear_down),
         cmocka_unit_test(test_children_end_with_the_daemon),
+        cmocka_unit_test(test_long_checks_yield),
+        cmocka_unit_test(test_large_checks_leave_room),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
