@@ -1,10 +1,10 @@
 #include "render/film/error_map.h"
 
-#include <cairo.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/letters.h"
 #include "render/film/png.h"
 
 /* The scale: what its ends show. */
@@ -125,22 +125,14 @@ static struct layout layout_of(const struct orl_film *film)
 }
 
 /* On white. */
-static void draw_pixels(const struct orl_film *film, cairo_surface_t *surface)
+static void draw_pixels(const struct orl_film *film, const struct orl_raster *raster)
 {
     const double mean = orl_film_mean(film);
-    const size_t stride = (size_t)cairo_image_surface_get_stride(surface);
-    cairo_surface_flush(surface);
-    unsigned char *bytes = cairo_image_surface_get_data(surface);
-    memset(bytes, 0xff, stride * (size_t)cairo_image_surface_get_height(surface));
-    for (uint32_t y = 0; y < film->height; y++) {
-        uint32_t *row = (uint32_t *)(void *)(bytes + y * stride);
-        for (uint32_t x = 0; x < film->width; x++) {
-            unsigned char c[3];
-            orl_error_color(orl_film_relative_error(film, (size_t)y * film->width + x, mean), c);
-            row[x] = (uint32_t)c[0] << 16 | (uint32_t)c[1] << 8 | c[2];
-        }
-    }
-    cairo_surface_mark_dirty(surface);
+    memset(raster->rgb, 0xff, 3 * (size_t)raster->width * raster->height);
+    for (uint32_t y = 0; y < film->height; y++)
+        for (uint32_t x = 0; x < film->width; x++)
+            orl_error_color(orl_film_relative_error(film, (size_t)y * film->width + x, mean),
+                            raster->rgb + 3 * ((size_t)y * raster->width + x));
 }
 
 /* The legend's scale, in its units: from the left of the picture, and from its own top. */
@@ -152,25 +144,18 @@ static double scale_right(const struct layout *layout)
 }
 
 static void draw_colours(const struct orl_film *film, const struct layout *layout,
-                         cairo_surface_t *surface)
+                         const struct orl_raster *raster)
 {
-    const size_t stride = (size_t)cairo_image_surface_get_stride(surface);
     const size_t first = (size_t)lrint(SCALE_LEFT * layout->unit);
     const size_t last = (size_t)lrint(scale_right(layout) * layout->unit);
     const size_t top = film->height + (size_t)lrint(SCALE_TOP * layout->unit);
     const size_t bottom = film->height + (size_t)lrint((SCALE_TOP + SCALE_UNITS) * layout->unit);
-    cairo_surface_flush(surface);
-    unsigned char *bytes = cairo_image_surface_get_data(surface);
-    for (size_t y = top; y < bottom; y++) {
-        uint32_t *row = (uint32_t *)(void *)(bytes + y * stride);
+    for (size_t y = top; y < bottom; y++)
         for (size_t x = first; x < last; x++) {
-            unsigned char c[3];
             const double share = ((double)(x - first) + 0.5) / (double)(last - first);
-            orl_error_color(least * pow(most / least, share), c);
-            row[x] = (uint32_t)c[0] << 16 | (uint32_t)c[1] << 8 | c[2];
+            orl_error_color(least * pow(most / least, share),
+                            raster->rgb + 3 * (y * raster->width + x));
         }
-    }
-    cairo_surface_mark_dirty(surface);
 }
 
 /* The k-th of n values from below; they are put in another order (Hoare 1961). */
@@ -215,135 +200,55 @@ static int say_how_large(const struct orl_film *film, char *ret_text, size_t siz
     return 0;
 }
 
-static void draw_centered(cairo_t *cairo, const char *text, double x, double y)
-{
-    cairo_text_extents_t extents;
-    cairo_text_extents(cairo, text, &extents);
-    cairo_move_to(cairo, x - extents.x_advance / 2, y);
-    cairo_show_text(cairo, text);
-}
-
 /* The ticks below it. */
-static void draw_ticks(cairo_t *cairo, double x0, double x1, double y)
+static void draw_ticks(const struct layout *layout, const struct orl_raster *raster,
+                       const struct orl_pen *pen, double y)
 {
     static const double ticks[] = {0.001, 0.003, 0.01, 0.03, 0.1, 0.3, 1};
-    cairo_set_source_rgb(cairo, 0.1, 0.1, 0.1);
-    cairo_set_line_width(cairo, 1);
+    const double unit = layout->unit, x0 = SCALE_LEFT, x1 = scale_right(layout);
+    struct orl_pen line = *pen;
+    line.weight = unit;
     for (size_t i = 0; i < sizeof ticks / sizeof *ticks; i++) {
-        const double x = x0 + (x1 - x0) * log(ticks[i] / least) / log(most / least);
+        const double x = unit * (x0 + (x1 - x0) * log(ticks[i] / least) / log(most / least));
         char text[16];
         snprintf(text, sizeof text, "%g", 100 * ticks[i]);
-        cairo_move_to(cairo, x, y);
-        cairo_line_to(cairo, x, y + 3);
-        cairo_stroke(cairo);
-        draw_centered(cairo, text, x, y + 13);
+        orl_raster_line(raster, &line, x, y, x, y + 3 * unit);
+        orl_letters_draw(raster, pen, x - orl_letters_width(text, pen->size) / 2, y + 13 * unit,
+                         text);
     }
 }
 
-static int draw_legend(const struct orl_film *film, const struct layout *layout, cairo_t *cairo)
+static int draw_legend(const struct orl_film *film, const struct layout *layout,
+                       const struct orl_raster *raster)
 {
+    const double unit = layout->unit, top = film->height;
+    const struct orl_pen pen = {.size = 7.5 * unit, .rgb = {26, 26, 26}};
     char text[96];
     const int code = say_how_large(film, text, sizeof text);
-    cairo_save(cairo);
-    cairo_translate(cairo, 0, film->height);
-    cairo_scale(cairo, layout->unit, layout->unit);
-    cairo_select_font_face(cairo, "DejaVu Sans", CAIRO_FONT_SLANT_NORMAL, CAIRO_FONT_WEIGHT_NORMAL);
-    cairo_set_font_size(cairo, 10);
-    cairo_set_source_rgb(cairo, 0.1, 0.1, 0.1);
-    cairo_move_to(cairo, 12, 13);
-    cairo_show_text(cairo, "Standard error, % of the pixel's luminance:");
-    cairo_move_to(cairo, 12, 26);
-    cairo_show_text(cairo, text);
-    draw_ticks(cairo, SCALE_LEFT, scale_right(layout), SCALE_TOP + SCALE_UNITS);
-    cairo_restore(cairo);
-    return code;
-}
-
-/* All of it, once. Returns 0 or ORL_ERR_NOMEM. */
-static int draw_once(const struct orl_film *film, const struct layout *layout,
-                     cairo_surface_t **ret_surface)
-{
-    cairo_surface_t *surface =
-        cairo_image_surface_create(CAIRO_FORMAT_RGB24, (int)layout->width, (int)layout->height);
-    cairo_t *cairo = cairo_create(surface);
-    int code = cairo_status(cairo) == CAIRO_STATUS_SUCCESS ? 0 : ORL_ERR_NOMEM;
-    if (code == 0) {
-        draw_pixels(film, surface);
-        draw_colours(film, layout, surface);
-        code = draw_legend(film, layout, cairo);
-    }
-    if (code == 0 && cairo_status(cairo) != CAIRO_STATUS_SUCCESS)
-        code = ORL_ERR_NOMEM;
-    cairo_destroy(cairo);
     if (code < 0)
-        cairo_surface_destroy(surface);
-    else
-        *ret_surface = surface;
-    return code;
-}
-
-/* The two of a picture, byte by byte. */
-static bool are_same(cairo_surface_t *a, cairo_surface_t *b)
-{
-    const size_t stride = (size_t)cairo_image_surface_get_stride(a);
-    const size_t height = (size_t)cairo_image_surface_get_height(a);
-    cairo_surface_flush(a);
-    cairo_surface_flush(b);
-    return memcmp(cairo_image_surface_get_data(a), cairo_image_surface_get_data(b),
-                  stride * height) == 0;
-}
-
-/*
- * What pixman has no memory for (letters above all) is left out of the picture, and nobody is told:
- * so it is drawn twice, and is whole when the two are the same.
- */
-static int draw(const struct orl_film *film, cairo_surface_t **ret_surface, struct orl_error *err)
-{
-    const struct layout layout = layout_of(film);
-    cairo_surface_t *surface = NULL, *again = NULL;
-    int code = draw_once(film, &layout, &surface);
-    if (code == 0)
-        code = draw_once(film, &layout, &again);
-    if (code == 0 && !are_same(surface, again))
-        code = ORL_ERR_NOMEM;
-    cairo_surface_destroy(again);
-    if (code < 0) {
-        cairo_surface_destroy(surface);
-        return orl_error_set(err, code, "out of memory drawing an error map");
-    }
-    *ret_surface = surface;
+        return code;
+    orl_letters_draw(raster, &pen, 11 * unit, top + 12 * unit,
+                     "Standard error, % of the pixel's luminance:");
+    orl_letters_draw(raster, &pen, 11 * unit, top + 26 * unit, text);
+    draw_ticks(layout, raster, &pen, top + (SCALE_TOP + SCALE_UNITS) * unit);
     return 0;
-}
-
-/* Cairo's 32-bit pixels as three bytes each; owned, NULL when out of memory. */
-static unsigned char *rgb_of(cairo_surface_t *surface, uint32_t width, uint32_t height)
-{
-    unsigned char *rgb = malloc(3 * (size_t)width * height);
-    cairo_surface_flush(surface);
-    const unsigned char *bytes = cairo_image_surface_get_data(surface);
-    const size_t stride = (size_t)cairo_image_surface_get_stride(surface);
-    for (uint32_t y = 0; rgb && y < height; y++) {
-        const uint32_t *row = (const uint32_t *)(const void *)(bytes + y * stride);
-        unsigned char *out = rgb + 3 * (size_t)y * width;
-        for (uint32_t x = 0; x < width; x++)
-            for (int c = 0; c < 3; c++)
-                *out++ = (unsigned char)(row[x] >> (16 - 8 * c));
-    }
-    return rgb;
 }
 
 int orl_film_write_error_png(const struct orl_film *film, const char *path, struct orl_error *err)
 {
-    cairo_surface_t *surface = NULL;
-    int code = draw(film, &surface, err);
+    const struct layout layout = layout_of(film);
+    const struct orl_raster raster = {malloc(3 * (size_t)layout.width * layout.height),
+                                      layout.width, layout.height};
+    int code = raster.rgb ? 0 : ORL_ERR_NOMEM;
+    if (code == 0) {
+        draw_pixels(film, &raster);
+        draw_colours(film, &layout, &raster);
+        code = draw_legend(film, &layout, &raster);
+    }
     if (code < 0)
-        return code;
-    const uint32_t width = (uint32_t)cairo_image_surface_get_width(surface);
-    const uint32_t height = (uint32_t)cairo_image_surface_get_height(surface);
-    unsigned char *rgb = rgb_of(surface, width, height);
-    cairo_surface_destroy(surface);
-    code = rgb ? orl_png_write(path, width, height, rgb, err)
-               : orl_error_set(err, ORL_ERR_NOMEM, "out of memory drawing an error map");
-    free(rgb);
+        orl_error_set(err, code, "out of memory drawing an error map");
+    else
+        code = orl_png_write(path, raster.width, raster.height, raster.rgb, err);
+    free(raster.rgb);
     return code;
 }

@@ -1,0 +1,309 @@
+#include "base/letters.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/letters_table.h"
+
+enum { MOST_LINES = 512, BENDS = 6 };
+
+/* ---- Strokes --------------------------------------------------------------------------------- */
+
+struct point {
+    double x, y;
+};
+
+/* A stroke on its way, in the letter's units. */
+struct stroke {
+    void (*to)(void *ctx, bool begins, struct point p);
+    void *ctx;
+    struct point first, at, bend; /* bend: to be passed by */
+    bool has_first, has_bend, is_closed;
+};
+
+static struct point between(struct point a, struct point b, double share)
+{
+    return (struct point){a.x + share * (b.x - a.x), a.y + share * (b.y - a.y)};
+}
+
+static void go_to(struct stroke *s, struct point p)
+{
+    for (int i = 1; s->has_bend && i < BENDS; i++) {
+        const double t = (double)i / BENDS;
+        s->to(s->ctx, false, between(between(s->at, s->bend, t), between(s->bend, p, t), t));
+    }
+    s->to(s->ctx, false, p);
+    s->at = p;
+    s->has_bend = false;
+}
+
+static void begin(struct stroke *s, struct point p)
+{
+    s->first = s->at = p;
+    s->has_first = true;
+    s->to(s->ctx, true, p);
+}
+
+/* A closed stroke may begin with points that it bends towards: it begins half way then. */
+static void take_point(struct stroke *s, struct point p, bool is_bend)
+{
+    if (!s->has_first && !is_bend) {
+        begin(s, p);
+    } else if (!is_bend) {
+        go_to(s, p);
+    } else {
+        if (s->has_bend && !s->has_first)
+            begin(s, between(s->bend, p, 0.5));
+        else if (s->has_bend)
+            go_to(s, between(s->bend, p, 0.5));
+        s->bend = p;
+        s->has_bend = true;
+    }
+}
+
+static void walk_stroke(const char **text, struct stroke *s)
+{
+    struct point skipped = {0, 0};
+    bool has_skipped = false;
+    s->has_first = s->has_bend = s->is_closed = false;
+    while (**text && **text != ';') {
+        if (**text == ' ' || **text == '@') {
+            s->is_closed = s->is_closed || **text == '@';
+            (*text)++;
+            continue;
+        }
+        const bool is_bend = **text == '~';
+        char *end;
+        const long x = strtol(*text + is_bend, &end, 10);
+        const long y = strtol(end + 1, &end, 10);
+        const struct point p = {(double)x, (double)y};
+        *text = end;
+        if (is_bend && !s->has_first && !s->has_bend) {
+            skipped = p;
+            has_skipped = true;
+        }
+        take_point(s, p, is_bend);
+    }
+    if (s->is_closed && has_skipped)
+        take_point(s, skipped, true);
+    if (s->is_closed && s->has_first)
+        go_to(s, s->first);
+}
+
+static void walk_letter(const struct orl_letter *letter, struct stroke *s)
+{
+    if (letter->base)
+        walk_letter(orl_letter_find(letter->base), s);
+    for (const char *text = letter->shape; *text; text += *text == ';')
+        walk_stroke(&text, s);
+}
+
+/* ---- Texts ----------------------------------------------------------------------------------- */
+
+/* The next character of UTF-8; bytes that are none count as U+FFFD, one by one. */
+static uint32_t next_code(const char **text)
+{
+    const unsigned char *at = (const unsigned char *)*text;
+    const int more = at[0] < 0x80 ? 0 : at[0] < 0xc0 ? -1 : at[0] < 0xe0 ? 1 : at[0] < 0xf0 ? 2 : 3;
+    uint32_t code = more <= 0 ? at[0] : at[0] & (0x3fU >> more);
+    for (int i = 1; i <= more; i++) {
+        if ((at[i] & 0xc0) != 0x80) {
+            *text += 1;
+            return 0xfffd;
+        }
+        code = code << 6 | (at[i] & 0x3fU);
+    }
+    *text += more > 0 ? more + 1 : 1;
+    return more < 0 ? 0xfffd : code;
+}
+
+double orl_letters_width(const char *text, double size)
+{
+    double units = 0;
+    while (*text)
+        units += orl_letter_find(next_code(&text))->width + ORL_LETTER_GAP;
+    return units * size / ORL_LETTER_HEIGHT;
+}
+
+/* Where the letter's units are on the picture. */
+struct frame {
+    double x, y;        /* of its origin */
+    double along, down; /* of a unit to the right: along x and y */
+};
+
+static struct point place(const struct frame *f, struct point p)
+{
+    return (struct point){f->x + f->along * p.x + f->down * p.y,
+                          f->y + f->down * p.x - f->along * p.y};
+}
+
+static struct frame frame_of(const struct orl_pen *pen, double x, double y)
+{
+    const double unit = pen->size / ORL_LETTER_HEIGHT;
+    struct frame f = {x, y, unit, 0};
+    if (pen->turn != 0) {
+        f.along = unit * cos(pen->turn);
+        f.down = -unit * sin(pen->turn);
+    }
+    const struct point start = place(&f, (struct point){ORL_LETTER_GAP / 2.0, 0});
+    f.x = start.x;
+    f.y = start.y;
+    return f;
+}
+
+static void go_past(struct frame *f, const struct orl_letter *letter)
+{
+    const struct point next = place(f, (struct point){letter->width + ORL_LETTER_GAP, 0});
+    f->x = next.x;
+    f->y = next.y;
+}
+
+struct passing {
+    const struct frame *frame;
+    orl_letters_to to;
+    void *ctx;
+};
+
+static void pass_on(void *ctx, bool begins, struct point p)
+{
+    const struct passing *passing = ctx;
+    const struct point at = place(passing->frame, p);
+    passing->to(passing->ctx, begins, at.x, at.y);
+}
+
+void orl_letters_strokes(const struct orl_pen *pen, double x, double y, const char *text,
+                         orl_letters_to to, void *ctx)
+{
+    struct frame frame = frame_of(pen, x, y);
+    struct passing passing = {&frame, to, ctx};
+    struct stroke stroke = {.to = pass_on, .ctx = &passing};
+    while (*text) {
+        const struct orl_letter *letter = orl_letter_find(next_code(&text));
+        walk_letter(letter, &stroke);
+        go_past(&frame, letter);
+    }
+}
+
+/* ---- Pixels ---------------------------------------------------------------------------------- */
+
+struct line {
+    struct point a, b;
+};
+
+/* What of a letter is drawn at once, so that strokes that meet are not darker there. */
+struct inking {
+    const struct orl_raster *raster;
+    const unsigned char *rgb;
+    const struct frame *frame;
+    double half; /* of a stroke's width */
+    struct point last;
+    size_t count;
+    struct line lines[MOST_LINES];
+};
+
+static double square_to(const struct line *l, double x, double y)
+{
+    const double dx = l->b.x - l->a.x, dy = l->b.y - l->a.y, px = x - l->a.x, py = y - l->a.y;
+    const double length2 = dx * dx + dy * dy;
+    const double share = length2 > 0 ? fmin(fmax((px * dx + py * dy) / length2, 0), 1) : 0;
+    const double ox = px - share * dx, oy = py - share * dy;
+    return ox * ox + oy * oy;
+}
+
+static void blend(unsigned char *pixel, const unsigned char rgb[3], double share)
+{
+    for (int c = 0; c < 3; c++)
+        pixel[c] = (unsigned char)lrint(pixel[c] + share * (rgb[c] - pixel[c]));
+}
+
+/* The pixels from and to which something reaches along an axis. */
+static uint32_t first_of(double low, uint32_t size)
+{
+    return !(low > 0) ? 0 : low >= size ? size : (uint32_t)low;
+}
+
+static uint32_t last_of(double high, uint32_t size)
+{
+    return !(high > 0) ? 0 : high >= size ? size : (uint32_t)ceil(high);
+}
+
+static void ink(const struct inking *k)
+{
+    const struct orl_raster *raster = k->raster;
+    const double reach = k->half + 0.5;
+    struct point low = {INFINITY, INFINITY}, high = {-INFINITY, -INFINITY};
+    for (size_t i = 0; i < k->count; i++) {
+        const struct line *l = &k->lines[i];
+        low = (struct point){fmin(low.x, fmin(l->a.x, l->b.x)), fmin(low.y, fmin(l->a.y, l->b.y))};
+        high =
+            (struct point){fmax(high.x, fmax(l->a.x, l->b.x)), fmax(high.y, fmax(l->a.y, l->b.y))};
+    }
+    const uint32_t x0 = first_of(low.x - reach, raster->width);
+    const uint32_t x1 = last_of(high.x + reach, raster->width);
+    const uint32_t y0 = first_of(low.y - reach, raster->height);
+    const uint32_t y1 = last_of(high.y + reach, raster->height);
+    for (uint32_t y = y0; y < y1; y++)
+        for (uint32_t x = x0; x < x1; x++) {
+            double least = INFINITY;
+            for (size_t i = 0; i < k->count; i++)
+                least = fmin(least, square_to(&k->lines[i], x + 0.5, y + 0.5));
+            const double share = fmin(reach - sqrt(least), 1);
+            if (share > 0)
+                blend(raster->rgb + 3 * ((size_t)y * raster->width + x), k->rgb, share);
+        }
+}
+
+static void add_line(void *ctx, bool begins, struct point p)
+{
+    struct inking *k = ctx;
+    const struct point at = place(k->frame, p);
+    if (!begins && k->count < MOST_LINES)
+        k->lines[k->count++] = (struct line){k->last, at};
+    k->last = at;
+}
+
+static double half_of(const struct orl_pen *pen)
+{
+    const double weight = pen->weight > 0 ? pen->weight : 0.13 * pen->size;
+    return fmax(weight, 1) / 2;
+}
+
+void orl_letters_draw(const struct orl_raster *raster, const struct orl_pen *pen, double x,
+                      double y, const char *text)
+{
+    struct frame frame = frame_of(pen, x, y);
+    struct inking inking = {
+        .raster = raster, .rgb = pen->rgb, .frame = &frame, .half = half_of(pen)};
+    struct stroke stroke = {.to = add_line, .ctx = &inking};
+    while (*text) {
+        const struct orl_letter *letter = orl_letter_find(next_code(&text));
+        inking.count = 0;
+        walk_letter(letter, &stroke);
+        ink(&inking);
+        go_past(&frame, letter);
+    }
+}
+
+void orl_raster_line(const struct orl_raster *raster, const struct orl_pen *pen, double x0,
+                     double y0, double x1, double y1)
+{
+    struct inking inking = {.raster = raster,
+                            .rgb = pen->rgb,
+                            .half = fmax(pen->weight, 1) / 2,
+                            .count = 1,
+                            .lines = {{{x0, y0}, {x1, y1}}}};
+    ink(&inking);
+}
+
+void orl_raster_fill(const struct orl_raster *raster, double x0, double y0, double x1, double y1,
+                     const unsigned char rgb[3])
+{
+    const uint32_t left = first_of(x0 + 0.5, raster->width),
+                   right = first_of(x1 + 0.5, raster->width);
+    const uint32_t top = first_of(y0 + 0.5, raster->height),
+                   bottom = first_of(y1 + 0.5, raster->height);
+    for (uint32_t y = top; y < bottom; y++)
+        for (uint32_t x = left; x < right; x++)
+            memcpy(raster->rgb + 3 * ((size_t)y * raster->width + x), rgb, 3);
+}

@@ -1,0 +1,194 @@
+/* Letters: what there are, where they lie, how they are turned; lines and rectangles. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/letters.h"
+#include "base/letters_table.h"
+
+enum { WIDTH = 400, HEIGHT = 100 };
+static unsigned char pixels[3 * WIDTH * HEIGHT];
+static const struct orl_raster raster = {pixels, WIDTH, HEIGHT};
+
+static void clear(void)
+{
+    memset(pixels, 0xff, sizeof pixels);
+}
+
+/* 0: white, 1: black. */
+static double ink_at(int x, int y)
+{
+    return 1 - pixels[3 * ((size_t)y * WIDTH + (size_t)x)] / 255.0;
+}
+
+struct extent {
+    int x0, y0, x1, y1; /* of pixels that are more than half covered */
+    double ink;         /* pixels */
+};
+
+static struct extent measure(void)
+{
+    struct extent e = {WIDTH, HEIGHT, -1, -1, 0};
+    for (int y = 0; y < HEIGHT; y++)
+        for (int x = 0; x < WIDTH; x++) {
+            e.ink += ink_at(x, y);
+            if (ink_at(x, y) <= 0.5)
+                continue;
+            e.x0 = x < e.x0 ? x : e.x0;
+            e.x1 = x > e.x1 ? x : e.x1;
+            e.y0 = y < e.y0 ? y : e.y0;
+            e.y1 = y > e.y1 ? y : e.y1;
+        }
+    return e;
+}
+
+/* A line's area is its length by its width, and half a circle at each end; coverage by distance is
+ * exact along straight edges, and to a hundredth or so about ends. */
+static void test_lines(void **state)
+{
+    const struct orl_pen pen = {.weight = 4};
+    (void)state;
+    clear();
+    orl_raster_line(&raster, &pen, 20, 50, 120, 50);
+    const struct extent flat = measure();
+    assert_true(fabs(flat.ink - (400 + 4 * 3.14159265)) < 1);
+    assert_true(flat.y0 == 48 && flat.y1 == 51);
+    clear();
+    orl_raster_line(&raster, &pen, 20, 10, 80, 90); /* 100 long */
+    assert_true(fabs(measure().ink - flat.ink) < 2);
+}
+
+static void test_rectangles(void **state)
+{
+    static const unsigned char black[3] = {0};
+    (void)state;
+    clear();
+    orl_raster_fill(&raster, 10.4, 20.6, 30, 40, black);
+    const struct extent e = measure();
+    assert_true(e.x0 == 10 && e.x1 == 29 && e.y0 == 21 && e.y1 == 39);
+    orl_raster_fill(&raster, -50, -50, 1e9, 1e9, black);
+    assert_true(measure().ink == WIDTH * HEIGHT);
+}
+
+/* An H of 40 pixels stands on its line, is as high as it is said to be, and as wide. */
+static void test_frame(void **state)
+{
+    const struct orl_pen pen = {.size = 40, .weight = 2};
+    (void)state;
+    clear();
+    orl_letters_draw(&raster, &pen, 100, 80, "H");
+    const struct extent e = measure();
+    assert_true(abs(e.y1 - 80) <= 1 && abs(e.y0 - 39) <= 1);
+    assert_true(e.x0 > 100 && e.x1 < 100 + orl_letters_width("H", 40));
+    assert_true(orl_letters_width("HH", 40) == 2 * orl_letters_width("H", 40));
+    assert_true(orl_letters_width("", 40) == 0);
+}
+
+/* By a quarter: upwards, its letters to the left of the line. */
+static void test_turned(void **state)
+{
+    struct orl_pen pen = {.size = 20};
+    (void)state;
+    clear();
+    orl_letters_draw(&raster, &pen, 50, 90, "Lx");
+    const struct extent flat = measure();
+    clear();
+    pen.turn = acos(0);
+    orl_letters_draw(&raster, &pen, 50, 90, "Lx");
+    const struct extent up = measure();
+    assert_true(fabs(up.ink - flat.ink) < 0.02 * flat.ink);
+    assert_true(abs((up.y1 - up.y0) - (flat.x1 - flat.x0)) <= 1);
+    assert_true(up.y1 < 90 && abs(up.x1 - 50) <= 2 && abs(up.x0 - 30) <= 2);
+}
+
+static void count_point(void *ctx, bool begins, double x, double y)
+{
+    size_t *count = ctx;
+    (void)begins;
+    assert_true(isfinite(x) && isfinite(y) && fabs(x) < 100 && fabs(y) < 100);
+    ++*count;
+}
+
+static size_t count_points(const char *text)
+{
+    struct orl_pen pen = {.size = 20};
+    size_t count = 0;
+    orl_letters_strokes(&pen, 0, 0, text, count_point, &count);
+    return count;
+}
+
+/* Every letter of ASCII and Latin-1 is there, and no two look the same. */
+static void test_alphabet(void **state)
+{
+    enum { LAST = 0xff };
+    static unsigned char seen[LAST + 1][sizeof pixels / 4];
+    const struct orl_pen pen = {.size = 40};
+    const struct orl_raster small = {pixels, WIDTH / 4, HEIGHT};
+    const struct orl_letter *none = orl_letter_find(0x4e00);
+    (void)state;
+    for (unsigned code = '!'; code <= LAST; code++) {
+        char text[3] = {(char)code, 0, 0};
+        if (code >= 0x7f && code <= 0xa0)
+            continue;
+        if (code >= 0x80) {
+            text[0] = (char)(0xc0 | code >> 6);
+            text[1] = (char)(0x80 | (code & 0x3f));
+        }
+        if (orl_letter_find(code) == none)
+            continue;
+        clear();
+        orl_letters_draw(&small, &pen, 10, 70, text);
+        assert_true(measure().ink > 10);
+        memcpy(seen[code], pixels, sizeof seen[code]);
+        for (unsigned other = '!'; other < code; other++)
+            if (memcmp(seen[other], seen[code], sizeof seen[code]) == 0)
+                fail_msg("U+%04X looks as U+%04X", code, other);
+    }
+    for (unsigned code = 0x20; code < 0x7f; code++)
+        assert_ptr_not_equal(orl_letter_find(code), none);
+}
+
+/* What is no UTF-8, and what there is no letter for, is a box each; a NUL ends it at once. */
+static void test_strange_texts(void **state)
+{
+    const size_t box = count_points("\xe4\xb8\x80");
+    (void)state;
+    assert_true(box > 0);
+    assert_int_equal(count_points("\xff\xfe"), 2 * box);
+    assert_int_equal(count_points("\xe4\xb8"), 2 * box);
+    assert_int_equal(count_points("\xc3"), box);
+    assert_int_equal(count_points("\xf0\x9f\x98\x80"), box);
+    assert_int_equal(count_points("\x07"), box);
+    assert_true(orl_letters_width("\xc3\xa4", 20) == orl_letters_width("a", 20));
+}
+
+/* Beyond the edges, and of sizes that no picture has: nothing is written outside. */
+static void test_outside(void **state)
+{
+    static const double places[] = {-1e9, -30, 0, 390, 1e9, INFINITY, -INFINITY, NAN};
+    (void)state;
+    for (size_t i = 0; i < sizeof places / sizeof *places; i++)
+        for (size_t k = 0; k < sizeof places / sizeof *places; k++) {
+            const struct orl_pen pen = {.size = 30, .turn = (double)i};
+            orl_letters_draw(&raster, &pen, places[i], places[k], "Wg@");
+            orl_raster_line(&raster, &pen, places[i], places[k], places[k], places[i]);
+        }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_lines),    cmocka_unit_test(test_rectangles),
+        cmocka_unit_test(test_frame),    cmocka_unit_test(test_turned),
+        cmocka_unit_test(test_alphabet), cmocka_unit_test(test_strange_texts),
+        cmocka_unit_test(test_outside),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
