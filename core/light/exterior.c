@@ -1,39 +1,42 @@
 #include "light/exterior.h"
 
-enum { MOST_BOUNCES = 64, SURE_BOUNCES = 3, MOST_PANES = 64 };
+enum { SURE_BOUNCES = 3, MOST_PANES = 64 };
 
 /* A path outdoors. */
 struct outing {
-    const struct orl_world *world;
-    bool enters; /* it may pass ports, as light may that it meets; else it looks for first light */
+    struct orl_eye_path eye;     /* first: what sinks are given */
+    struct orl_entry *ret_entry; /* it may pass ports, as light may that it meets; NULL: it looks
+                                    for first light */
     bool diffused;
-    struct orl_random *random;
+    struct orl_health *health;
 };
 
 /* Suns and lights on one side of the surface, as its lobes send them towards the eye. */
 static struct orl_rgb lobes_of_side(const struct outing *o, const struct orl_hit *hit,
                                     struct orl_vec3 eye, struct orl_vec3 side)
 {
-    const struct orl_direct_query query = {.point = orl_hit_leave(o->world->geometry, hit, side),
+    const struct orl_direct_query query = {.point =
+                                               orl_hit_leave(o->eye.world->geometry, hit, side),
                                            .normal = side,
-                                           .through_ports = o->enters,
-                                           .lobes = orl_world_material(o->world, hit),
+                                           .through_ports = o->ret_entry != NULL,
+                                           .lobes = orl_world_material(o->eye.world, hit),
                                            .hit = hit,
                                            .eye = eye,
                                            .mirrored = true};
-    return orl_direct_light(o->world, &query, o->random);
+    return orl_direct_light(o->eye.world, &query, o->eye.random);
 }
 
 /* Lambertian reflection of suns and lights by a surface of that albedo, on the side of the eye. */
 static struct orl_rgb diffuse_direct(const struct outing *o, const struct orl_hit *hit,
                                      struct orl_vec3 normal, struct orl_rgb albedo)
 {
-    const struct orl_direct_query query = {.point = orl_hit_leave(o->world->geometry, hit, normal),
+    const struct orl_direct_query query = {.point =
+                                               orl_hit_leave(o->eye.world->geometry, hit, normal),
                                            .normal = normal,
-                                           .through_ports = o->enters,
+                                           .through_ports = o->ret_entry != NULL,
                                            .mirrored = true};
     return orl_rgb_mul(orl_rgb_scale(albedo, 1 / ORL_PI),
-                       orl_direct_light(o->world, &query, o->random));
+                       orl_direct_light(o->eye.world, &query, o->eye.random));
 }
 
 /*
@@ -42,14 +45,14 @@ static struct orl_rgb diffuse_direct(const struct outing *o, const struct orl_hi
  */
 static bool looks_behind(const struct outing *o, const struct orl_hit *hit)
 {
-    return o->enters || orl_world_crossing(o->world, hit) == ORL_CROSSING_NONE;
+    return o->ret_entry || orl_world_crossing(o->eye.world, hit) == ORL_CROSSING_NONE;
 }
 
 /* What suns and lights send towards the eye by way of this surface. */
 static struct orl_rgb scattered_direct(const struct outing *o, const struct orl_hit *hit,
                                        struct orl_vec3 eye)
 {
-    const struct orl_material *m = orl_world_material(o->world, hit);
+    const struct orl_material *m = orl_world_material(o->eye.world, hit);
     const struct orl_vec3 normal = hit->front ? hit->normal : orl_neg(hit->normal);
     const struct orl_rgb diffuse = orl_material_diffuse(m);
     struct orl_rgb sum = orl_gray(0);
@@ -69,7 +72,7 @@ static struct orl_rgb scattered_direct(const struct outing *o, const struct orl_
  */
 static struct orl_rgb folded_direct(const struct outing *o, const struct orl_hit *hit)
 {
-    const struct orl_world *world = o->world;
+    const struct orl_world *world = o->eye.world;
     const struct orl_material *m = orl_world_material(world, hit);
     const struct orl_vec3 normal = hit->front ? hit->normal : orl_neg(hit->normal);
     struct orl_rgb sum = orl_gray(0);
@@ -82,7 +85,7 @@ static struct orl_rgb folded_direct(const struct outing *o, const struct orl_hit
         const struct orl_rgb albedo = orl_material_albedo(
             m, hit, sun, cosine > 0 ? ORL_LOBE_REFLECTED : ORL_LOBE_TRANSMITTED);
         const struct orl_rgb share = orl_transmittance(
-            world, orl_hit_leave(world->geometry, hit, side), sun, INFINITY, o->enters);
+            world, orl_hit_leave(world->geometry, hit, side), sun, INFINITY, o->ret_entry != NULL);
         sum = orl_rgb_add(
             sum, orl_rgb_scale(orl_rgb_mul(orl_rgb_mul(albedo, share), world->suns[i].irradiance),
                                fabs(cosine) / ORL_PI));
@@ -94,27 +97,24 @@ static struct orl_rgb folded_direct(const struct outing *o, const struct orl_hit
  * The domes where nothing stands before them, and what shines there: surfaces outside let light
  * through or stop it, and send none back.
  */
-static struct orl_rgb unreflected_radiance(const struct outing *o, struct orl_vec3 origin,
-                                           struct orl_vec3 direction, struct orl_chance chance,
-                                           struct orl_health *health)
+static struct orl_rgb unreflected_radiance(struct outing *o)
 {
-    const struct orl_world *world = o->world;
-    struct orl_rgb sum = orl_gray(0), weight = orl_gray(1);
+    struct orl_eye_path *p = &o->eye;
+    const struct orl_world *world = p->world;
+    o->health->paths++;
     for (int pane = 0; pane < MOST_PANES; pane++) {
-        struct orl_hit hit;
-        health->rays++;
-        if (!orl_geometry_intersect(world->geometry, origin, direction, INFINITY, &hit))
-            return orl_rgb_add(sum, orl_rgb_mul(weight, orl_world_dome_radiance(world, direction)));
-        const struct orl_material *m = orl_world_material(world, &hit);
-        const struct orl_vec3 eye = orl_neg(direction);
-        sum = orl_rgb_add(sum, orl_rgb_mul(weight, orl_shining(world, &hit, eye, &chance)));
-        weight = orl_rgb_mul(weight, orl_material_straight(m, &hit, eye));
-        if (!(orl_rgb_max(weight) > 0) || !looks_behind(o, &hit) ||
-            orl_world_crossing(world, &hit) == ORL_CROSSING_INWARDS)
-            return sum;
-        origin = orl_hit_leave(world->geometry, &hit, direction);
+        o->health->rays++;
+        if (!orl_path_meet(world, &p->path, &p->hit)) {
+            orl_eye_path_see(p, orl_world_dome_radiance(world, p->path.direction));
+            return p->seen;
+        }
+        orl_eye_path_see(p, orl_shining(world, &p->hit, orl_path_back(&p->path), &p->chance));
+        if (!orl_path_look_through(&p->path, orl_world_material(world, &p->hit), &p->hit) ||
+            !looks_behind(o, &p->hit) || orl_world_crossing(world, &p->hit) == ORL_CROSSING_INWARDS)
+            return p->seen;
+        orl_path_pass(&p->path, world, &p->hit);
     }
-    return sum;
+    return p->seen;
 }
 
 bool orl_port_looks(const struct orl_world *world, const struct orl_port *port)
@@ -133,77 +133,88 @@ struct orl_rgb orl_port_radiance(const struct orl_world *world, const struct orl
     return orl_world_dome_radiance(world, direction);
 }
 
-/* Scattered at a surface; false: the path has ended. */
-static bool goes_on(struct orl_random *random, const struct orl_scatter *s, int bounce,
-                    struct orl_rgb *weight)
+/* ---- A path by every kind of reflection ------------------------------------------------------ */
+
+static struct outing *outing_of(struct orl_eye_path *p)
 {
-    if (s->event == ORL_EVENT_ABSORBED)
-        return false;
-    *weight = orl_rgb_mul(*weight, s->weight);
-    if (bounce < SURE_BOUNCES)
-        return true;
-    const double survive = fmin(orl_rgb_max(*weight), 1.0);
-    if (orl_random_uniform(random) >= survive)
-        return false;
-    *weight = orl_rgb_scale(*weight, 1 / survive);
-    return true;
+    return (struct outing *)p;
 }
 
-/* A path from what it meets first (NULL: nothing) to its end, or to where it enters. */
-static struct orl_rgb follow(struct outing *o, struct orl_vec3 direction,
-                             const struct orl_hit *first, struct orl_chance chance,
-                             struct orl_health *health, struct orl_entry *ret_entry)
+static bool is_entry(const struct orl_eye_path *p)
 {
-    const struct orl_world *world = o->world;
-    struct orl_rgb sum = orl_gray(0), weight = orl_gray(1), clarity = orl_gray(1);
-    const enum orl_lobes back = (enum orl_lobes)(ORL_LOBE_REFLECTED | ORL_LOBE_DIFFUSE);
-    const struct orl_hit *met = first;
-    struct orl_hit hit;
-    health->paths++;
-    for (int bounce = 0; bounce < MOST_BOUNCES; bounce++) {
-        health->rays++;
-        if (!met) {
-            const struct orl_rgb sky = orl_world_dome_radiance(world, direction);
-            weight = orl_rgb_mul(weight, orl_clarity_after(clarity, INFINITY));
-            return orl_rgb_add(sum, orl_rgb_mul(weight, sky));
-        }
-        hit = *met;
-        const struct orl_material *m = orl_world_material(world, &hit);
-        const struct orl_vec3 eye = orl_neg(direction);
-        weight = orl_rgb_mul(weight, orl_material_dimming(m, &hit, clarity));
-        sum = orl_rgb_add(sum, orl_rgb_mul(weight, orl_shining(world, &hit, eye, &chance)));
-        const bool inwards = orl_world_crossing(world, &hit) == ORL_CROSSING_INWARDS;
-        const bool folded = inwards && o->diffused && m->kind == ORL_MATERIAL_BSDF;
-        const struct orl_rgb direct =
-            folded ? folded_direct(o, &hit) : scattered_direct(o, &hit, eye);
-        sum = orl_rgb_add(sum, orl_rgb_mul(weight, direct));
-        const struct orl_scatter s =
-            orl_scatter_sample(m, &hit, eye, ORL_TRANSPORT_EYE,
-                               looks_behind(o, &hit) ? ORL_LOBE_ALL : back, o->random);
-        if (!goes_on(o->random, &s, bounce, &weight))
-            return sum;
-        chance = folded ? orl_chance_found() : orl_chance_after(world, &hit, eye, &s, chance);
-        o->diffused = o->diffused || s.event == ORL_EVENT_DIFFUSE;
-        clarity = orl_scatter_clarity(m, &s, clarity);
-        direction = s.direction;
-        const struct orl_vec3 origin = orl_hit_leave(world->geometry, &hit, direction);
-        if (inwards && s.transmitted && ret_entry) {
-            *ret_entry = (struct orl_entry){true, origin, direction, weight, clarity, chance};
-            return sum;
-        }
-        met = orl_geometry_intersect(world->geometry, origin, direction, INFINITY, &hit) ? &hit
-                                                                                         : NULL;
-    }
-    health->paths_capped++;
-    return sum;
+    return orl_world_crossing(p->world, &p->hit) == ORL_CROSSING_INWARDS;
+}
+
+/* Whether light is sent on evenly there. */
+static bool is_folded(const struct outing *o, const struct orl_material *m)
+{
+    return o->diffused && m->kind == ORL_MATERIAL_BSDF && is_entry(&o->eye);
+}
+
+static void count_ray(struct orl_eye_path *p)
+{
+    outing_of(p)->health->rays++;
+}
+
+static enum orl_lobes meet(struct orl_eye_path *p, const struct orl_material *m)
+{
+    const struct outing *o = outing_of(p);
+    const struct orl_vec3 eye = orl_path_back(&p->path);
+    count_ray(p);
+    orl_eye_path_see(p, orl_shining(p->world, &p->hit, eye, &p->chance));
+    orl_eye_path_see(p, is_folded(o, m) ? folded_direct(o, &p->hit)
+                                        : scattered_direct(o, &p->hit, eye));
+    return looks_behind(o, &p->hit) ? ORL_LOBE_ALL
+                                    : (enum orl_lobes)(ORL_LOBE_REFLECTED | ORL_LOBE_DIFFUSE);
+}
+
+/* Long paths end by roulette, and those that enter are handed back. */
+static bool goes_on(struct orl_eye_path *p, const struct orl_scatter *s)
+{
+    struct outing *o = outing_of(p);
+    if (p->bounce >= SURE_BOUNCES &&
+        !orl_path_survives(&p->path, fmin(orl_rgb_max(p->path.weight), 1.0), p->random))
+        return false;
+    p->chance = is_folded(o, orl_world_material(p->world, &p->hit))
+                    ? orl_chance_found()
+                    : orl_chance_after(p->world, &p->hit, orl_path_back(&p->path), s, p->chance);
+    o->diffused = o->diffused || s->event == ORL_EVENT_DIFFUSE;
+    if (!o->ret_entry || !s->transmitted || !is_entry(p))
+        return true;
+    orl_path_leave(&p->path, p->world, &p->hit, s);
+    *o->ret_entry = (struct orl_entry){true, p->path, p->chance};
+    return false;
+}
+
+static const struct orl_eye_sink sink = {.escaped = count_ray, .met = meet, .sent_on = goes_on};
+
+/* To its end, or to where it enters. */
+static struct orl_rgb follow(struct outing *o)
+{
+    o->health->paths++;
+    orl_eye_path_follow(&o->eye, &sink, o->health);
+    return o->eye.seen;
+}
+
+/* ---- Whoever asks ---------------------------------------------------------------------------- */
+
+static struct outing outing_from(const struct orl_world *world, const struct orl_path *path,
+                                 struct orl_chance chance, struct orl_random *random,
+                                 struct orl_health *health)
+{
+    return (struct outing){
+        .eye = {.world = world, .random = random, .path = *path, .chance = chance},
+        .health = health};
 }
 
 struct orl_rgb orl_exterior_radiance_from(const struct orl_world *world, struct orl_vec3 direction,
                                           const struct orl_hit *first, struct orl_chance chance,
                                           struct orl_random *random, struct orl_health *health)
 {
-    struct outing outing = {.world = world, .random = random};
-    return follow(&outing, direction, first, chance, health, NULL);
+    const struct orl_path path = orl_path_from(orl_v3(0, 0, 0), direction);
+    struct outing outing = outing_from(world, &path, chance, random, health);
+    orl_eye_path_foresee(&outing.eye, first);
+    return follow(&outing);
 }
 
 struct orl_rgb orl_exterior_radiance(const struct orl_world *world, struct orl_vec3 origin,
@@ -211,14 +222,25 @@ struct orl_rgb orl_exterior_radiance(const struct orl_world *world, struct orl_v
                                      struct orl_random *random, struct orl_health *health,
                                      struct orl_entry *ret_entry)
 {
-    struct outing outing = {.world = world, .enters = ret_entry != NULL, .random = random};
-    struct orl_hit hit;
+    const struct orl_path path = orl_path_from(origin, direction);
+    struct outing outing = outing_from(world, &path, chance, random, health);
+    outing.ret_entry = ret_entry;
     if (ret_entry)
         ret_entry->entered = false;
-    if (world->omit.exterior) {
-        health->paths++;
-        return unreflected_radiance(&outing, origin, direction, chance, health);
-    }
-    const bool met = orl_geometry_intersect(world->geometry, origin, direction, INFINITY, &hit);
-    return follow(&outing, direction, met ? &hit : NULL, chance, health, ret_entry);
+    return world->omit.exterior ? unreflected_radiance(&outing) : follow(&outing);
+}
+
+bool orl_exterior_pass(struct orl_eye_path *p, struct orl_health *health)
+{
+    struct orl_entry entry;
+    orl_eye_path_see(p, orl_exterior_radiance(p->world, p->path.origin, p->path.direction,
+                                              p->chance, p->random, health, &entry));
+    if (!entry.entered)
+        return false;
+    const struct orl_rgb weight = orl_rgb_mul(p->path.weight, entry.path.weight);
+    p->path = entry.path;
+    p->path.weight = weight;
+    p->chance = entry.chance;
+    p->outside = false;
+    return true;
 }

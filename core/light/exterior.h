@@ -13,9 +13,7 @@
 #ifndef ORL_LIGHT_EXTERIOR_H
 #define ORL_LIGHT_EXTERIOR_H
 
-#include <oriel/health.h>
-
-#include "light/direct.h"
+#include "light/eye_path.h"
 
 /*
  * Where a path has passed a port inwards, and goes on: what it sees from there, times the weight,
@@ -23,8 +21,7 @@
  */
 struct orl_entry {
     bool entered;
-    struct orl_vec3 origin, direction;
-    struct orl_rgb weight, clarity;
+    struct orl_path path; /* from inside the port on */
     struct orl_chance chance;
 };
 
@@ -39,6 +36,12 @@ struct orl_rgb orl_exterior_radiance(const struct orl_world *world, struct orl_v
                                      struct orl_vec3 direction, struct orl_chance chance,
                                      struct orl_random *random, struct orl_health *health,
                                      struct orl_entry *ret_entry);
+
+/*
+ * An eye's path that has left a building sees what is outdoors. True: it has come in again, and is
+ * where it goes on; false: it ended there.
+ */
+bool orl_exterior_pass(struct orl_eye_path *p, struct orl_health *health);
 
 /*
  * The same without entry, where it is known what is met first (NULL: nothing), and nothing is left

@@ -3,7 +3,7 @@
 #include "render/backward/backward.h"
 #include "scene/material/hemisphere.h"
 
-enum { MOST_BOUNCES = 64, SURE_BOUNCES = 3 };
+enum { SURE_BOUNCES = 3 };
 /* Paths go on for certain from this weight on, and else by lot; those that were aimed from less. */
 static const double certain_weight = 0.25, dimmest_aimed = 0.002;
 /* Surfaces that they come to are lit from this on: a patch of sun on one is a thousand times as
@@ -12,20 +12,14 @@ static const double dimmest_lit = 0.02;
 
 /* A path on its way, from the last place where light was asked for in all its parts. */
 struct walk {
+    struct orl_eye_path eye; /* first: what sinks are given */
     struct orl_tracer *tracer;
-    struct orl_vec3 origin, direction;
-    struct orl_rgb weight, clarity;
-    struct orl_rgb sum;
     double importance;            /* of the walk's start in the sample, at most 1 or about that */
     uint32_t reflections;         /* diffuse ones before that */
     double cos_start, travelled;  /* since that place */
     bool straight;                /* nothing but panes since then */
-    struct orl_chance chance;     /* of lamps met now, what is left to count */
     struct orl_image_trail trail; /* since the last lobe or diffuse surface */
-    bool outside, been_outside;
-    bool clear; /* outside, with nothing but the sky before it */
-    bool met;   /* a surface, at hit */
-    struct orl_hit hit;
+    bool been_outside;
 };
 
 /* A place on the way, to be lit. */
@@ -38,9 +32,21 @@ struct stop {
 
 static struct orl_rgb light_at(struct orl_tracer *tracer, const struct stop *stop);
 
-static void collect(struct walk *w, struct orl_rgb radiance)
+static struct walk *walk_of(struct orl_eye_path *p)
 {
-    w->sum = orl_rgb_add(w->sum, orl_rgb_mul(w->weight, radiance));
+    return (struct walk *)p;
+}
+
+/* One that sets out, and weighs nothing less for how it came about. */
+static struct walk walk_from(struct orl_tracer *tracer, struct orl_vec3 origin,
+                             struct orl_vec3 direction)
+{
+    return (struct walk){.eye = {.world = tracer->backward->world,
+                                 .random = &tracer->random,
+                                 .path = orl_path_from(origin, direction)},
+                         .tracer = tracer,
+                         .importance = 1,
+                         .trail = orl_image_trail_from(direction)};
 }
 
 /* ---- A path ---------------------------------------------------------------------------------- */
@@ -49,168 +55,115 @@ static void collect(struct walk *w, struct orl_rgb radiance)
  * Light that a diffuse surface on the way reflects. Virtual lamps stand for it where they see the
  * place that the path set out from; the path takes the share of it that they leave.
  */
-static void add_diffuse(struct walk *w, const struct orl_hit *hit, struct orl_rgb albedo)
+static void add_diffuse(struct walk *w, struct orl_rgb albedo)
 {
-    const struct orl_world *world = w->tracer->backward->world;
+    struct orl_eye_path *p = &w->eye;
+    const struct orl_world *world = p->world;
+    const struct orl_hit *hit = &p->hit;
     const struct orl_vec3 lit = hit->front ? hit->normal : orl_neg(hit->normal);
-    const double left = w->straight ? orl_vpl_left(&w->tracer->backward->vpls, w->cos_start,
-                                                   orl_dot(w->direction, hit->normal), w->travelled)
-                                    : 1;
+    const double left = w->straight
+                            ? orl_vpl_left(&w->tracer->backward->vpls, w->cos_start,
+                                           orl_dot(p->path.direction, hit->normal), w->travelled)
+                            : 1;
     if (!(left > 0) || w->reflections >= world->omit.most_reflections)
         return;
-    const double matters = w->importance * left * orl_rgb_max(orl_rgb_mul(w->weight, albedo));
+    const double matters = w->importance * left * orl_rgb_max(orl_rgb_mul(p->path.weight, albedo));
     const double chance = fmin(matters / dimmest_lit, 1);
-    if (chance < 1 && !(orl_random_uniform(&w->tracer->random) < chance))
+    if (chance < 1 && !(orl_random_uniform(p->random) < chance))
         return;
     const struct stop stop = {
         .place = {.point = orl_hit_leave(world->geometry, hit, lit), .normal = lit},
         .importance = fmin(matters / chance, 1),
         .reflections = w->reflections + 1};
-    collect(w, orl_rgb_scale(orl_rgb_mul(albedo, light_at(w->tracer, &stop)),
-                             left / (chance * ORL_PI)));
+    orl_eye_path_see(p, orl_rgb_scale(orl_rgb_mul(albedo, light_at(w->tracer, &stop)),
+                                      left / (chance * ORL_PI)));
 }
 
-/* Suns and lamps in the lobes of a surface, seen from where the path comes from. */
-static void add_lobes(struct walk *w, const struct orl_hit *hit, const struct orl_material *m)
+/* A sun's disc counts only where no shadow ray could have looked for it. */
+static void add_sun(struct orl_eye_path *p)
 {
-    collect(w, orl_direct_by_lobes(w->tracer->backward->world, hit, m, orl_neg(w->direction),
-                                   &w->tracer->random));
-}
-
-/* Beyond all surfaces. A sun's disc counts only where no shadow ray could have looked for it. */
-static void escape(struct walk *w)
-{
-    const struct orl_world *world = w->tracer->backward->world;
-    w->weight = orl_rgb_mul(w->weight, orl_clarity_after(w->clarity, INFINITY));
-    collect(w, orl_world_dome_radiance(world, w->direction));
+    const struct walk *w = walk_of(p);
     const bool deflected = w->trail.reflections > 0 || w->trail.strange;
-    if (!deflected || w->been_outside || isfinite(w->chance.pdf))
+    if (!deflected || w->been_outside || isfinite(p->chance.pdf))
         return;
-    const struct orl_rgb sun = orl_world_sun_radiance(world, w->direction);
-    if (orl_rgb_max(sun) > 0 && !orl_images_cover(world, &w->trail))
-        collect(w, sun);
+    const struct orl_rgb sun = orl_world_sun_radiance(p->world, p->path.direction);
+    if (orl_rgb_max(sun) > 0 && !orl_images_cover(p->world, &w->trail))
+        orl_eye_path_see(p, sun);
 }
 
 /* Dim paths and long ones end by lot. Those that were aimed are not dim for being some of many. */
-static bool survives(struct walk *w, int bounce)
+static bool survives(struct walk *w)
 {
-    const double matters = w->importance * orl_rgb_max(w->weight);
+    const double matters = w->importance * orl_rgb_max(w->eye.path.weight);
     const double chance =
-        fmin(matters / (bounce < SURE_BOUNCES ? dimmest_aimed : certain_weight), 1);
-    if (chance < 1 && !(orl_random_uniform(&w->tracer->random) < chance))
-        return false;
-    w->weight = orl_rgb_scale(w->weight, 1 / chance);
-    return true;
+        fmin(matters / (w->eye.bounce < SURE_BOUNCES ? dimmest_aimed : certain_weight), 1);
+    return !(chance < 1) || orl_path_survives(&w->eye.path, chance, w->eye.random);
 }
 
-static void note_event(struct walk *w, const struct orl_scatter *s)
+/* What the surface shines and reflects of suns, lamps and all else; on by mirrors, panes, lobes. */
+static enum orl_lobes meet(struct orl_eye_path *p, const struct orl_material *m)
 {
+    struct walk *w = walk_of(p);
+    const struct orl_vec3 eye = orl_path_back(&p->path);
+    const struct orl_rgb albedo = orl_material_diffuse(m);
+    w->travelled += p->hit.distance;
+    orl_eye_path_see(p, orl_shining(p->world, &p->hit, eye, &p->chance));
+    if (orl_rgb_max(albedo) > 0)
+        add_diffuse(w, albedo);
+    if (orl_material_has_lobes(m))
+        orl_eye_path_see(p, orl_direct_by_lobes(p->world, &p->hit, m, eye, p->random));
+    return survives(w) ? (enum orl_lobes)(ORL_LOBE_REFLECTED | ORL_LOBE_TRANSMITTED)
+                       : ORL_LOBE_NONE;
+}
+
+static bool note_event(struct orl_eye_path *p, const struct orl_scatter *s)
+{
+    struct walk *w = walk_of(p);
+    p->chance = orl_chance_after(p->world, &p->hit, orl_path_back(&p->path), s, p->chance);
+    orl_eye_path_cross(p, s);
+    p->clear = p->clear && p->outside;
     if (s->event == ORL_EVENT_STRAIGHT)
-        return;
+        return true;
     w->straight = false;
     if (s->event == ORL_EVENT_GLOSSY)
         w->trail = orl_image_trail_from(s->direction);
     else if (s->event == ORL_EVENT_MIRROR)
-        orl_image_trail_add(&w->trail, &w->tracer->backward->world->images, w->hit.facet);
+        orl_image_trail_add(&w->trail, &p->world->images, p->hit.facet);
     else
         w->trail.strange = true;
-}
-
-/* On by mirrors, panes and lobes, to the next hit; false when the path ends. */
-static bool scatter(struct walk *w, const struct orl_material *m)
-{
-    const struct orl_world *world = w->tracer->backward->world;
-    const struct orl_scatter s = orl_scatter_sample(
-        m, &w->hit, orl_neg(w->direction), ORL_TRANSPORT_EYE,
-        (enum orl_lobes)(ORL_LOBE_REFLECTED | ORL_LOBE_TRANSMITTED), &w->tracer->random);
-    if (s.event == ORL_EVENT_ABSORBED)
-        return false;
-    w->weight = orl_rgb_mul(w->weight, s.weight);
-    w->clarity = orl_scatter_clarity(m, &s, w->clarity);
-    w->chance = orl_chance_after(world, &w->hit, orl_neg(w->direction), &s, w->chance);
-    note_event(w, &s);
-    if (s.transmitted && !world->open && orl_world_crossing(world, &w->hit) != ORL_CROSSING_NONE)
-        w->outside = orl_world_crossing(world, &w->hit) == ORL_CROSSING_OUTWARDS;
-    w->clear = w->outside && s.transmitted && orl_world_leaves_clear(world, &w->hit);
-    w->origin = orl_hit_leave(world->geometry, &w->hit, s.direction);
-    w->direction = s.direction;
-    if (!w->outside)
-        w->met =
-            orl_geometry_intersect(world->geometry, w->origin, w->direction, INFINITY, &w->hit);
     return true;
 }
 
 /*
- * Outdoors; true when the path enters a building again. No virtual lamps have been looked for there
- * (vpl.c), but all of the suns that shadow rays to images do.
+ * No virtual lamps have been looked for outdoors (vpl.c), but all of the suns that shadow rays to
+ * images do.
  */
-static bool comes_back(struct walk *w)
+static bool come_back(struct orl_eye_path *p)
 {
-    const struct orl_world *world = w->tracer->backward->world;
-    struct orl_entry entry;
-    collect(w, orl_exterior_radiance(world, w->origin, w->direction, w->chance, &w->tracer->random,
-                                     w->tracer->health, &entry));
-    if (!entry.entered)
-        return false;
-    w->outside = false;
+    struct walk *w = walk_of(p);
     w->straight = false;
     w->been_outside = true;
-    w->weight = orl_rgb_mul(w->weight, entry.weight);
-    w->clarity = entry.clarity;
-    w->chance = entry.chance;
-    w->origin = entry.origin;
-    w->direction = entry.direction;
-    w->met = orl_geometry_intersect(world->geometry, w->origin, w->direction, INFINITY, &w->hit);
-    return true;
+    return orl_exterior_pass(p, w->tracer->health);
 }
 
-/* Follows the path from its first hit to its end; returns what it saw. */
+static const struct orl_eye_sink sink = {
+    .outdoors = come_back, .escaped = add_sun, .met = meet, .sent_on = note_event};
+
+/* Follows the path to its end; returns what it saw. */
 static struct orl_rgb follow(struct walk *w)
 {
-    const struct orl_world *world = w->tracer->backward->world;
-    for (int bounce = 0; bounce < MOST_BOUNCES; bounce++) {
-        if (w->clear) {
-            collect(w, orl_world_dome_radiance(world, w->direction));
-            return w->sum;
-        }
-        if (w->outside && !comes_back(w))
-            return w->sum;
-        if (!w->met) {
-            escape(w);
-            return w->sum;
-        }
-        const struct orl_material *m = orl_world_material(world, &w->hit);
-        const struct orl_rgb albedo = orl_material_diffuse(m);
-        w->weight = orl_rgb_mul(w->weight, orl_material_dimming(m, &w->hit, w->clarity));
-        w->travelled += w->hit.distance;
-        collect(w, orl_shining(world, &w->hit, orl_neg(w->direction), &w->chance));
-        if (orl_rgb_max(albedo) > 0)
-            add_diffuse(w, &w->hit, albedo);
-        if (orl_material_has_lobes(m))
-            add_lobes(w, &w->hit, m);
-        if (!survives(w, bounce) || !scatter(w, m))
-            return w->sum;
-    }
-    w->tracer->health->paths_capped++;
-    return w->sum;
+    orl_eye_path_follow(&w->eye, &sink, w->tracer->health);
+    return w->eye.seen;
 }
 
 struct orl_rgb orl_backward_radiance(struct orl_tracer *tracer, struct orl_vec3 origin,
                                      struct orl_vec3 direction, bool outside,
                                      struct orl_chance chance)
 {
-    struct walk w = {.tracer = tracer,
-                     .origin = origin,
-                     .direction = direction,
-                     .weight = {1, 1, 1},
-                     .clarity = {1, 1, 1},
-                     .importance = 1,
-                     .chance = chance,
-                     .trail = orl_image_trail_from(direction),
-                     .outside = outside};
+    struct walk w = walk_from(tracer, origin, direction);
+    w.eye.chance = chance;
+    w.eye.outside = outside;
     tracer->health->paths++;
-    w.met = !outside && orl_geometry_intersect(tracer->backward->world->geometry, origin, direction,
-                                               INFINITY, &w.hit);
     return follow(&w);
 }
 
@@ -264,18 +217,13 @@ static struct orl_rgb look(struct orl_tracer *tracer, const struct stop *stop,
     if (!orl_aim_sample(&tracer->backward->aim, effort, way, stop->place.point, stop->place.normal,
                         u, &aimed))
         return orl_gray(0);
-    struct walk w = {.tracer = tracer,
-                     .origin = stop->place.point,
-                     .direction = aimed.direction,
-                     .weight = orl_gray(aimed.weight / ORL_PI),
-                     .clarity = {1, 1, 1},
-                     .importance = stop->importance,
-                     .reflections = stop->reflections,
-                     .cos_start = orl_dot(aimed.direction, stop->place.normal),
-                     .straight = true,
-                     .trail = orl_image_trail_from(aimed.direction),
-                     .met = aimed.met,
-                     .hit = aimed.hit};
+    struct walk w = walk_from(tracer, stop->place.point, aimed.direction);
+    w.eye.path.weight = orl_gray(aimed.weight / ORL_PI);
+    w.importance = stop->importance;
+    w.reflections = stop->reflections;
+    w.cos_start = orl_dot(aimed.direction, stop->place.normal);
+    w.straight = true;
+    orl_eye_path_foresee(&w.eye, aimed.met ? &aimed.hit : NULL);
     return orl_rgb_scale(follow(&w), ORL_PI);
 }
 
@@ -309,15 +257,10 @@ static struct orl_rgb light_outside(struct orl_tracer *tracer, const struct stop
                                                    direction, orl_chance_found(), &tracer->random,
                                                    tracer->health, NULL),
                              ORL_PI);
-    struct walk w = {.tracer = tracer,
-                     .origin = stop->place.point,
-                     .direction = direction,
-                     .weight = {1, 1, 1},
-                     .clarity = {1, 1, 1},
-                     .importance = stop->importance,
-                     .reflections = stop->reflections,
-                     .trail = orl_image_trail_from(direction),
-                     .outside = true};
+    struct walk w = walk_from(tracer, stop->place.point, direction);
+    w.importance = stop->importance;
+    w.reflections = stop->reflections;
+    w.eye.outside = true;
     return orl_rgb_scale(follow(&w), ORL_PI);
 }
 

@@ -2,7 +2,7 @@
 #include "photon/density/records.h"
 #include "render/gather/icache.h"
 
-enum { MOST_BOUNCES = 64, SURE_BOUNCES = 4 };
+enum { SURE_BOUNCES = 4 };
 enum { NEIGHBOURS_CAUSTIC_RELIT = 32 }; /* seen by one ray of many: noise averages out */
 
 static const double near_texels = 0.5; /* what is nearer than so many of its widths is lit again */
@@ -172,56 +172,35 @@ static double near_of(const struct orl_gather *gather, bool by_texels, const str
                : gather->near;
 }
 
-static struct orl_scatter scatter_evenly(const struct orl_gather *gather,
-                                         const struct orl_even *even, const struct orl_material *m,
-                                         const struct orl_hit *hit, struct orl_vec3 eye,
-                                         enum orl_lobes lobes)
-{
-    double u[ORL_SOBOL_DIMENSIONS];
-    orl_sobol_point(&gather->sobol, even->index, even->sequence, even->skip + 3, u);
-    return orl_scatter_sample_at(m, hit, eye, ORL_TRANSPORT_EYE, lobes, u + even->skip);
-}
+/* ---- A ray's way ----------------------------------------------------------------------------- */
 
 /* A ray on its way. */
 struct leg {
-    struct orl_vec3 origin, direction;
-    struct orl_rgb weight, clarity;
-    struct orl_chance chance;
+    struct orl_eye_path eye; /* first: what sinks are given */
+    const struct orl_gather *gather;
+    const struct orl_gather_ray *ray;
+    struct orl_search *search;
+    struct leg *through;  /* takes the other way on, where the first surface is a dim pane */
     uint32_t reflections; /* diffuse ones */
-    int bounce;
-    bool outside, caustics;
-    bool clear; /* nothing is in its way to the domes */
+    bool caustics;        /* it is to find them itself */
 };
 
-/* Sent on by a surface. */
-static void send_on(const struct orl_world *world, struct leg *leg, const struct orl_hit *hit,
-                    const struct orl_scatter *s)
+static struct leg *leg_of(struct orl_eye_path *p)
 {
-    const struct orl_vec3 eye = orl_neg(leg->direction);
-    leg->chance = s->event == ORL_EVENT_GLOSSY && !leg->caustics
-                      ? orl_chance_unsought()
-                      : orl_chance_after(world, hit, eye, s, leg->chance);
-    leg->reflections += s->event == ORL_EVENT_DIFFUSE;
-    leg->caustics = leg->caustics && s->event != ORL_EVENT_DIFFUSE;
-    leg->clear = s->transmitted && orl_world_leaves_clear(world, hit);
-    leg->outside =
-        s->transmitted && !world->open && orl_world_crossing(world, hit) == ORL_CROSSING_OUTWARDS;
-    leg->clarity = orl_scatter_clarity(orl_world_material(world, hit), s, leg->clarity);
-    leg->origin = orl_hit_leave(world->geometry, hit, s->direction);
-    leg->direction = s->direction;
-    leg->bounce++;
+    return (struct leg *)p;
 }
 
-/* Dim lobes and long chains end by roulette: whether it goes on. */
-static bool survives(struct leg *leg, struct orl_random *random)
+/* It goes on outdoors, and in again; or it has ended there. */
+static bool comes_in(struct orl_eye_path *p)
 {
-    const double survive = fmin(orl_rgb_max(leg->weight), 1.0);
-    if (leg->bounce < SURE_BOUNCES && survive >= dim)
-        return true;
-    if (orl_random_uniform(random) >= survive)
-        return false;
-    leg->weight = orl_rgb_scale(leg->weight, 1 / survive);
-    return true;
+    return orl_exterior_pass(p, &leg_of(p)->search->health);
+}
+
+static void leaks(struct orl_eye_path *p)
+{
+    struct orl_health *health = &leg_of(p)->search->health;
+    health->rays++;
+    health->rays_leaked += !p->world->open;
 }
 
 /*
@@ -241,136 +220,126 @@ static bool is_dim_pane(const struct orl_material *m, const struct orl_hit *hit,
 }
 
 /* What a surface does with it: with its first one evenly, if asked. */
-static struct orl_scatter scatter(const struct orl_gather *gather, const struct orl_gather_ray *ray,
-                                  const struct leg *leg, const struct orl_hit *hit,
-                                  enum orl_lobes lobes, struct orl_random *random)
+static struct orl_scatter draw(struct orl_eye_path *p, const struct orl_material *m,
+                               enum orl_lobes lobes)
 {
-    const struct orl_material *m = orl_world_material(gather->world, hit);
-    const struct orl_vec3 eye = orl_neg(leg->direction);
-    return leg->bounce == 0 && ray->first
-               ? scatter_evenly(gather, ray->first, m, hit, eye, lobes)
-               : orl_scatter_sample(m, hit, eye, ORL_TRANSPORT_EYE, lobes, random);
+    const struct leg *leg = leg_of(p);
+    const struct orl_even *even = p->bounce == 0 ? leg->ray->first : NULL;
+    const struct orl_vec3 eye = orl_path_back(&p->path);
+    double u[ORL_SOBOL_DIMENSIONS];
+    if (!even)
+        return orl_scatter_sample(m, &p->hit, eye, ORL_TRANSPORT_EYE, lobes, p->random);
+    orl_sobol_point(&leg->gather->sobol, even->index, even->sequence, even->skip + 3, u);
+    return orl_scatter_sample_at(m, &p->hit, eye, ORL_TRANSPORT_EYE, lobes, u + even->skip);
+}
+
+static void note_event(struct leg *leg, const struct orl_scatter *s)
+{
+    struct orl_eye_path *p = &leg->eye;
+    p->chance = s->event == ORL_EVENT_GLOSSY && !leg->caustics
+                    ? orl_chance_unsought()
+                    : orl_chance_after(p->world, &p->hit, orl_path_back(&p->path), s, p->chance);
+    leg->reflections += s->event == ORL_EVENT_DIFFUSE;
+    leg->caustics = leg->caustics && s->event != ORL_EVENT_DIFFUSE;
+    orl_eye_path_cross(p, s);
 }
 
 /* The way through a dim pane. */
-static void look_through(const struct orl_gather *gather, const struct orl_gather_ray *ray,
-                         const struct leg *leg, const struct orl_hit *hit,
-                         struct orl_random *random, struct leg *ret_through)
+static void look_through(const struct leg *leg, const struct orl_material *m)
 {
-    const struct orl_scatter s = scatter(gather, ray, leg, hit, ORL_LOBE_TRANSMITTED, random);
+    struct leg *through = leg->through;
+    struct orl_eye_path *p = &through->eye;
+    *through = *leg;
+    const struct orl_scatter s = draw(p, m, ORL_LOBE_TRANSMITTED);
     if (s.event == ORL_EVENT_ABSORBED)
         return;
-    *ret_through = *leg;
-    ret_through->weight = orl_rgb_mul(leg->weight, s.weight);
-    send_on(gather->world, ret_through, hit, &s);
+    p->seen = orl_gray(0);
+    p->path.weight = orl_rgb_mul(p->path.weight, s.weight);
+    note_event(through, &s);
+    orl_path_leave(&p->path, p->world, &p->hit, &s);
+    p->bounce++;
 }
 
 /* The diffuse light of a surface that a leg meets; ret_relit: it goes on to find more of it. */
-static struct orl_rgb met_diffuse(const struct orl_gather *gather, const struct orl_gather_ray *ray,
-                                  const struct leg *leg, const struct orl_hit *hit,
-                                  struct orl_random *random, struct orl_search *search,
-                                  bool *ret_relit)
+static struct orl_rgb met_diffuse(const struct leg *leg, bool *ret_relit)
 {
+    const struct orl_gather *gather = leg->gather;
+    const struct orl_hit *hit = &leg->eye.hit;
+    const struct orl_rgb weight = leg->eye.path.weight;
+    struct orl_random *random = leg->eye.random;
     struct orl_rgb sent = orl_gray(0);
-    const bool near = hit->distance < near_of(gather, ray->by_texels, hit);
-    *ret_relit = near && !known_radiance(gather, ray, hit, leg->weight, random, search, &sent);
+    const bool near = hit->distance < near_of(gather, leg->ray->by_texels, hit);
+    *ret_relit = near && !known_radiance(gather, leg->ray, hit, weight, random, leg->search, &sent);
     return *ret_relit || !near
-               ? diffuse_radiance(gather, ray, hit, leg->weight, ret_relit, random, search)
+               ? diffuse_radiance(gather, leg->ray, hit, weight, ret_relit, random, leg->search)
                : sent;
 }
 
-/* It goes on outdoors, and in again: true; else it has ended there, its light in the sum. */
-static bool comes_in(const struct orl_world *world, struct leg *leg, struct orl_random *random,
-                     struct orl_health *health, struct orl_rgb *sum)
+/* What the surface shines and reflects; it goes on by what maps do not tell of. */
+static enum orl_lobes meet(struct orl_eye_path *p, const struct orl_material *m)
 {
-    struct orl_entry entry;
-    const struct orl_rgb seen = orl_exterior_radiance(world, leg->origin, leg->direction,
-                                                      leg->chance, random, health, &entry);
-    *sum = orl_rgb_add(*sum, orl_rgb_mul(leg->weight, seen));
-    if (!entry.entered)
+    struct leg *leg = leg_of(p);
+    const struct orl_vec3 eye = orl_path_back(&p->path);
+    const bool diffuse = orl_rgb_max(orl_material_diffuse(m)) > 0 &&
+                         leg->reflections < p->world->omit.most_reflections;
+    bool relit = false;
+    leg->search->health.rays++;
+    if (p->bounce == 0 && !leg->ray->outside && leg->ray->ret_distance)
+        *leg->ray->ret_distance = p->hit.distance;
+    orl_eye_path_see(p,
+                     shining_radiance(p->world, &p->hit, eye, leg->caustics, p->chance, p->random));
+    if (diffuse)
+        p->seen = orl_rgb_add(p->seen, met_diffuse(leg, &relit));
+    if (diffuse && !relit && orl_material_is_matt(m))
+        return ORL_LOBE_NONE;
+    const enum orl_lobes lobes = relit ? ORL_LOBE_ALL : but_diffuse;
+    if (p->bounce > 0 || !is_dim_pane(m, &p->hit, eye))
+        return lobes;
+    look_through(leg, m);
+    return (enum orl_lobes)((uint32_t)lobes & ~(uint32_t)ORL_LOBE_TRANSMITTED);
+}
+
+/* Dim lobes and long chains end by roulette. */
+static bool goes_on(struct orl_eye_path *p, const struct orl_scatter *s)
+{
+    const double survive = fmin(orl_rgb_max(p->path.weight), 1.0);
+    if ((p->bounce >= SURE_BOUNCES || survive < dim) &&
+        !orl_path_survives(&p->path, survive, p->random))
         return false;
-    leg->weight = orl_rgb_mul(leg->weight, entry.weight);
-    leg->clarity = entry.clarity;
-    leg->chance = entry.chance;
-    leg->origin = entry.origin;
-    leg->direction = entry.direction;
-    leg->outside = false;
+    note_event(leg_of(p), s);
     return true;
 }
 
-/*
- * Follows a leg to its end. ret_through takes the other one, where the first surface is a dim pane:
- * then it is no longer at bounce 0.
- */
-static struct orl_rgb follow(const struct orl_gather *gather, const struct orl_gather_ray *ray,
-                             struct leg leg, struct leg *ret_through, struct orl_random *random,
-                             struct orl_search *search)
+static const struct orl_eye_sink sink = {
+    .outdoors = comes_in, .escaped = leaks, .met = meet, .draw = draw, .sent_on = goes_on};
+
+static void follow(struct leg *leg)
 {
-    const struct orl_world *world = gather->world;
-    struct orl_rgb sum = orl_gray(0);
-    while (leg.bounce < MOST_BOUNCES) {
-        struct orl_hit hit;
-        bool relit = false;
-        if (leg.clear)
-            return orl_rgb_add(
-                sum, orl_rgb_mul(leg.weight, orl_world_dome_radiance(world, leg.direction)));
-        if (leg.outside && !comes_in(world, &leg, random, &search->health, &sum))
-            return sum;
-        search->health.rays++;
-        if (!orl_geometry_intersect(world->geometry, leg.origin, leg.direction, INFINITY, &hit)) {
-            search->health.rays_leaked += !world->open;
-            leg.weight = orl_rgb_mul(leg.weight, orl_clarity_after(leg.clarity, INFINITY));
-            return orl_rgb_add(
-                sum, orl_rgb_mul(leg.weight, orl_world_dome_radiance(world, leg.direction)));
-        }
-        if (leg.bounce == 0 && !ray->outside && ray->ret_distance)
-            *ray->ret_distance = hit.distance;
-        const struct orl_material *m = orl_world_material(world, &hit);
-        const struct orl_vec3 eye = orl_neg(leg.direction);
-        const bool diffuse = orl_rgb_max(orl_material_diffuse(m)) > 0 &&
-                             leg.reflections < world->omit.most_reflections;
-        leg.weight = orl_rgb_mul(leg.weight, orl_material_dimming(m, &hit, leg.clarity));
-        sum = orl_rgb_add(
-            sum, orl_rgb_mul(leg.weight,
-                             shining_radiance(world, &hit, eye, leg.caustics, leg.chance, random)));
-        if (diffuse)
-            sum = orl_rgb_add(sum, met_diffuse(gather, ray, &leg, &hit, random, search, &relit));
-        if (diffuse && !relit && orl_material_is_matt(m))
-            return sum;
-        enum orl_lobes lobes = relit ? ORL_LOBE_ALL : but_diffuse;
-        if (leg.bounce == 0 && is_dim_pane(m, &hit, eye)) {
-            look_through(gather, ray, &leg, &hit, random, ret_through);
-            lobes = (enum orl_lobes)((uint32_t)lobes & ~(uint32_t)ORL_LOBE_TRANSMITTED);
-        }
-        const struct orl_scatter s = scatter(gather, ray, &leg, &hit, lobes, random);
-        if (s.event == ORL_EVENT_ABSORBED)
-            return sum;
-        leg.weight = orl_rgb_mul(leg.weight, s.weight);
-        if (!survives(&leg, random))
-            return sum;
-        send_on(world, &leg, &hit, &s);
-    }
-    search->health.paths_capped++;
-    return sum;
+    orl_eye_path_follow(&leg->eye, &sink, &leg->search->health);
 }
 
 static struct orl_rgb trace_gather(const struct orl_gather *gather,
                                    const struct orl_gather_ray *ray, struct orl_random *random,
                                    struct orl_search *search)
 {
-    const struct leg first = {.origin = ray->origin,
-                              .direction = ray->direction,
-                              .weight = orl_gray(1),
-                              .clarity = orl_gray(1),
+    struct leg through;
+    through.eye.bounce = 0;
+    struct leg leg = {.eye = {.world = gather->world,
+                              .random = random,
+                              .path = orl_path_from(ray->origin, ray->direction),
                               .chance = ray->of_lobe ? *ray->of_lobe : orl_chance_found(),
-                              .outside = ray->outside,
-                              .caustics = ray->of_lobe != NULL};
-    struct leg through = {.bounce = 0};
+                              .outside = ray->outside},
+                      .gather = gather,
+                      .ray = ray,
+                      .search = search,
+                      .through = &through,
+                      .caustics = ray->of_lobe != NULL};
     search->health.paths++;
-    const struct orl_rgb sum = follow(gather, ray, first, &through, random, search);
-    return through.bounce == 0
-               ? sum
-               : orl_rgb_add(sum, follow(gather, ray, through, NULL, random, search));
+    follow(&leg);
+    if (through.eye.bounce == 0)
+        return leg.eye.seen;
+    follow(&through);
+    return orl_rgb_add(leg.eye.seen, through.eye.seen);
 }
 
 struct orl_rgb orl_gather_radiance(const struct orl_gather *gather,

@@ -6,10 +6,8 @@ enum { MOST_SPLITS = 6, MOST_SPLITS_BY_LOT = 64, MOST_BRANCHES = 16 };
 
 /* One branch of the ray still to be followed. */
 struct branch {
-    struct orl_vec3 origin, direction;
-    struct orl_rgb weight;
-    double distance;
-    struct orl_rgb clarity; /* of what it goes through */
+    struct orl_path path;
+    double distance; /* from the eye to where it starts */
     bool outside;
     uint32_t splits;
 };
@@ -41,19 +39,16 @@ static bool is_outside(const struct look *look, const struct branch *from,
                        const struct orl_hit *hit, struct orl_vec3 start, bool transmitted)
 {
     const struct orl_world *world = scene_of(look);
-    if (!transmitted || world->open)
-        return from->outside;
-    if (orl_world_material(world, hit)->kind == ORL_MATERIAL_ILLUM)
+    if (transmitted && !world->open && orl_world_material(world, hit)->kind == ORL_MATERIAL_ILLUM)
         return orl_world_is_outside(look->onlooker->world, start);
-    const enum orl_crossing crossing = orl_world_crossing(world, hit);
-    return crossing == ORL_CROSSING_NONE ? from->outside : crossing == ORL_CROSSING_OUTWARDS;
+    return orl_world_outside_after(world, hit, transmitted, from->outside);
 }
 
 /* Whether a branch is worth following, or drawn to be. */
 static bool goes_on(struct look *look, struct branch *branch)
 {
     const struct orl_onlooker *onlooker = look->onlooker;
-    const double share = orl_rgb_max(branch->weight);
+    const double share = orl_rgb_max(branch->path.weight);
     const uint32_t most = onlooker->by_lot ? MOST_SPLITS_BY_LOT : MOST_SPLITS;
     if (look->depth >= MOST_BRANCHES || branch->splits > most)
         return false;
@@ -61,7 +56,7 @@ static bool goes_on(struct look *look, struct branch *branch)
         return share >= onlooker->dimmest;
     if (!(orl_random_uniform(look->random) * onlooker->dimmest < share))
         return false;
-    branch->weight = orl_rgb_scale(branch->weight, onlooker->dimmest / share);
+    branch->path.weight = orl_rgb_scale(branch->path.weight, onlooker->dimmest / share);
     return true;
 }
 
@@ -70,16 +65,13 @@ static void follow(struct look *look, const struct branch *from, const struct or
                    const struct orl_scatter *s)
 {
     const struct orl_world *world = scene_of(look);
-    const struct orl_material *m = orl_world_material(world, hit);
-    struct branch next = {.direction = s->direction,
-                          .weight = orl_rgb_mul(from->weight, s->weight),
-                          .distance = from->distance + hit->distance,
-                          .clarity = orl_scatter_clarity(m, s, from->clarity),
-                          .splits = from->splits + 1};
+    struct branch next = {
+        .path = from->path, .distance = from->distance + hit->distance, .splits = from->splits + 1};
+    next.path.weight = orl_rgb_mul(from->path.weight, s->weight);
     if (!goes_on(look, &next))
         return;
-    next.origin = orl_hit_leave(world->geometry, hit, s->direction);
-    next.outside = is_outside(look, from, hit, next.origin, s->transmitted);
+    orl_path_leave(&next.path, world, hit, s);
+    next.outside = is_outside(look, from, hit, next.path.origin, s->transmitted);
     look->stack[look->depth++] = next;
 }
 
@@ -97,7 +89,7 @@ static void add_vertex(struct look *look, const struct branch *at, const struct 
                   .outside = at->outside || proxied,
                   .proxied = proxied},
         .on_surface = hit->point,
-        .weight = orl_rgb_scale(orl_rgb_mul(at->weight, orl_material_diffuse(m)), 1 / ORL_PI),
+        .weight = orl_rgb_scale(orl_rgb_mul(at->path.weight, orl_material_diffuse(m)), 1 / ORL_PI),
         .distance = at->distance + hit->distance};
 }
 
@@ -139,7 +131,7 @@ static void add_direct_in_lobes(struct look *look, const struct branch *at,
         world = look->onlooker->world;
     for (int i = 0; i < SAMPLES; i++)
         add_sample(&direct, orl_direct_by_lobes(world, hit, m, eye, look->random));
-    add_mean(look, at->weight, &direct);
+    add_mean(look, at->path.weight, &direct);
 }
 
 static struct orl_scatter sample_lobes(const struct look *look, const struct orl_hit *hit,
@@ -178,30 +170,27 @@ static void add_lobes(struct look *look, const struct branch *at, const struct o
                       const struct orl_material *m, uint32_t samples)
 {
     const struct orl_world *world = scene_of(look);
-    const struct orl_vec3 eye = orl_neg(at->direction);
-    const enum orl_crossing crossing = orl_world_crossing(world, hit);
+    const struct orl_vec3 eye = orl_path_back(&at->path);
     struct samples scattered = {.count = 0};
     add_direct_in_lobes(look, at, hit, m, eye);
     const uint32_t sequence = (uint32_t)orl_random_bits(look->random);
     for (uint32_t i = 0; i < samples; i++) {
         const struct orl_scatter s = sample_lobes(look, hit, m, eye, i, sequence);
         struct orl_rgb seen = orl_gray(0);
-        bool outside = at->outside;
-        if (s.transmitted && crossing != ORL_CROSSING_NONE)
-            outside = !world->open && crossing == ORL_CROSSING_OUTWARDS;
+        const bool outside = orl_world_outside_after(world, hit, s.transmitted, at->outside);
         if (s.event == ORL_EVENT_GLOSSY)
             seen = orl_rgb_mul(s.weight, seen_along(look, hit, eye, &s, outside));
         add_sample(&scattered, seen);
     }
-    add_mean(look, at->weight, &scattered);
+    add_mean(look, at->path.weight, &scattered);
 }
 
 /* Both ways on of what is not scattered. */
 static void split(struct look *look, const struct branch *at, const struct orl_hit *hit,
                   const struct orl_material *m)
 {
-    const struct orl_vec3 eye = orl_neg(at->direction);
-    struct orl_scatter on = {.direction = at->direction,
+    const struct orl_vec3 eye = orl_path_back(&at->path);
+    struct orl_scatter on = {.direction = at->path.direction,
                              .weight = orl_material_straight(m, hit, eye),
                              .transmitted = true};
     const double cosine = orl_dot(eye, hit->normal);
@@ -235,11 +224,11 @@ static void meet(struct look *look, const struct branch *met, const struct orl_h
     note_way(look->sight, 2 * (uint64_t)hit->facet + hit->front);
     if (!m) {
         const struct orl_scatter on = {
-            .direction = at.direction, .weight = orl_gray(1), .transmitted = true};
+            .direction = at.path.direction, .weight = orl_gray(1), .transmitted = true};
         follow(look, &at, hit, &on);
         return;
     }
-    at.weight = orl_rgb_mul(at.weight, orl_material_dimming(m, hit, at.clarity));
+    orl_path_arrive(&at.path, m, hit);
     if (orl_rgb_max(orl_material_diffuse(m)) > 0)
         add_vertex(look, &at, hit, m);
     split(look, &at, hit, m);
@@ -249,14 +238,14 @@ static void meet(struct look *look, const struct branch *met, const struct orl_h
         add_lobes(look, &at, hit, m,
                   orl_material_transmits_lobes(m) ? look->onlooker->pane_samples
                                                   : look->onlooker->gloss_samples);
-    add(look, at.weight, orl_material_emission(m, hit, orl_neg(at.direction)));
+    add(look, at.path.weight, orl_material_emission(m, hit, orl_path_back(&at.path)));
 }
 
 /* Views pass the BSDFs that stand for what they see, but notice which side they are on. */
 static void pass_proxies(const struct orl_world *world, double distance, struct branch *at)
 {
     const enum orl_crossing passed =
-        orl_proxies_passed(world->scene, at->origin, at->direction, distance);
+        orl_proxies_passed(world->scene, at->path.origin, at->path.direction, distance);
     if (passed != ORL_CROSSING_NONE && !world->open)
         at->outside = passed == ORL_CROSSING_OUTWARDS;
 }
@@ -278,17 +267,13 @@ void orl_shade_look(const struct orl_onlooker *onlooker, struct orl_vec3 origin,
     ret_sight->rest = ret_sight->lobes = orl_gray(0);
     ret_sight->lobes_variance = 0;
     ret_sight->has_lobes = false;
-    look.stack[look.depth++] = (struct branch){.origin = origin,
-                                               .direction = direction,
-                                               .weight = orl_gray(1),
-                                               .clarity = orl_gray(1),
-                                               .outside = outside};
+    look.stack[look.depth++] =
+        (struct branch){.path = orl_path_from(origin, direction), .outside = outside};
     while (look.depth > 0) {
         struct branch at = look.stack[--look.depth];
         struct orl_hit hit = {.distance = INFINITY};
         search->health.rays++;
-        const bool met =
-            orl_geometry_intersect(world->geometry, at.origin, at.direction, INFINITY, &hit);
+        const bool met = orl_path_meet(world, &at.path, &hit);
         pass_proxies(world, hit.distance, &at);
         if (met) {
             meet(&look, &at, &hit);
@@ -296,8 +281,9 @@ void orl_shade_look(const struct orl_onlooker *onlooker, struct orl_vec3 origin,
         }
         note_way(ret_sight, UINT32_MAX);
         search->health.rays_leaked += !world->open && !at.outside;
-        add(&look, orl_rgb_mul(at.weight, orl_clarity_after(at.clarity, INFINITY)),
-            orl_rgb_add(orl_world_dome_radiance(world, at.direction),
-                        orl_world_sun_radiance(world, at.direction)));
+        orl_path_escape(&at.path);
+        add(&look, at.path.weight,
+            orl_rgb_add(orl_world_dome_radiance(world, at.path.direction),
+                        orl_world_sun_radiance(world, at.path.direction)));
     }
 }

@@ -52,6 +52,7 @@ enum orl_transport { ORL_TRANSPORT_LIGHT, ORL_TRANSPORT_EYE };
 
 /* Which lobes a sample may choose from. */
 enum orl_lobes {
+    ORL_LOBE_NONE = 0,
     ORL_LOBE_DIFFUSE = 1,
     ORL_LOBE_REFLECTED = 2,   /* glossy, mirror, BSDF reflection */
     ORL_LOBE_TRANSMITTED = 4, /* straight, refracted, or transmitted by a lobe */

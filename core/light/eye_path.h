@@ -1,0 +1,113 @@
+/*
+ * Paths from eyes and sensors against the light: one loop for all who follow them, who say by a
+ * sink what they add. What a path has seen is a sum of radiance, each part by the path's weight
+ * where it was found:
+ *   - the domes, where nothing is met any more; here
+ *   - light outdoors, where a sealed building is left: the sink's `outdoors`
+ *   - at each surface what it shines and reflects: the sink's `met`
+ * Lamps are counted twice where shadow rays look for them too; chance (direct.h) says what is left.
+ *
+ * The loop is inlined with a sink that is constant where it is called, so that neither costs a
+ * call.
+ */
+#ifndef ORL_LIGHT_EYE_PATH_H
+#define ORL_LIGHT_EYE_PATH_H
+
+#include <oriel/health.h>
+
+#include "light/direct.h"
+#include "light/path.h"
+
+enum { ORL_EYE_PATH_MOST = 64 }; /* surfaces; what goes on then is cut, and counted as capped */
+
+struct orl_eye_path {
+    const struct orl_world *world;
+    struct orl_random *random;
+    struct orl_path path;
+    struct orl_rgb seen;
+    struct orl_chance chance; /* of lamps met now, what is left to count */
+    int bounce;
+    bool outside;       /* of a sealed building, not looked at yet */
+    bool clear;         /* nothing is in its way to the domes */
+    bool looked, met;   /* what lies ahead is known; is there anything? */
+    struct orl_hit hit; /* what was met, or lies ahead */
+};
+
+struct orl_eye_sink {
+    /* Outdoors: true when the path has come in again. NULL: it never is. */
+    bool (*outdoors)(struct orl_eye_path *p);
+    /* Nothing is met: the domes have been seen. NULL: nothing to add. */
+    void (*escaped)(struct orl_eye_path *p);
+    /* A surface, at hit. Which of its lobes may send the path on; 0: it ends here. */
+    enum orl_lobes (*met)(struct orl_eye_path *p, const struct orl_material *material);
+    /* Draws a way on; NULL: by the path's own random numbers. */
+    struct orl_scatter (*draw)(struct orl_eye_path *p, const struct orl_material *material,
+                               enum orl_lobes lobes);
+    /* Drawn, weighed, and not yet on its way. Sets what it may still count; false: it ends here. */
+    bool (*sent_on)(struct orl_eye_path *p, const struct orl_scatter *scatter);
+};
+
+static inline void orl_eye_path_see(struct orl_eye_path *p, struct orl_rgb radiance)
+{
+    p->seen = orl_rgb_add(p->seen, orl_rgb_mul(p->path.weight, radiance));
+}
+
+/* A path that knows what lies ahead: nothing, when hit is NULL. */
+static inline void orl_eye_path_foresee(struct orl_eye_path *p, const struct orl_hit *hit)
+{
+    p->looked = true;
+    p->met = hit != NULL;
+    if (hit)
+        p->hit = *hit;
+}
+
+/* Sent on through a port, maybe. */
+static inline void orl_eye_path_cross(struct orl_eye_path *p, const struct orl_scatter *scatter)
+{
+    p->outside = orl_world_outside_after(p->world, &p->hit, scatter->transmitted, p->outside);
+    p->clear = scatter->transmitted && orl_world_leaves_clear(p->world, &p->hit);
+}
+
+/* Follows it to its end; paths that are cut are counted into health. */
+static inline __attribute__((always_inline)) void
+orl_eye_path_follow(struct orl_eye_path *p, const struct orl_eye_sink *sink,
+                    struct orl_health *health)
+{
+    const struct orl_world *world = p->world;
+    for (; p->bounce < ORL_EYE_PATH_MOST; p->bounce++) {
+        if (p->clear) {
+            orl_eye_path_see(p, orl_world_dome_radiance(world, p->path.direction));
+            return;
+        }
+        if (p->outside && sink->outdoors && !sink->outdoors(p))
+            return;
+        if (!p->looked)
+            p->met = orl_path_meet(world, &p->path, &p->hit);
+        p->looked = false;
+        if (!p->met) {
+            orl_path_escape(&p->path);
+            orl_eye_path_see(p, orl_world_dome_radiance(world, p->path.direction));
+            if (sink->escaped)
+                sink->escaped(p);
+            return;
+        }
+        const struct orl_material *material = orl_world_material(world, &p->hit);
+        orl_path_arrive(&p->path, material, &p->hit);
+        const enum orl_lobes lobes = sink->met(p, material);
+        if (!lobes)
+            return;
+        const struct orl_scatter scatter =
+            sink->draw ? sink->draw(p, material, lobes)
+                       : orl_scatter_sample(material, &p->hit, orl_path_back(&p->path),
+                                            ORL_TRANSPORT_EYE, lobes, p->random);
+        if (scatter.event == ORL_EVENT_ABSORBED)
+            return;
+        p->path.weight = orl_rgb_mul(p->path.weight, scatter.weight);
+        if (!sink->sent_on(p, &scatter))
+            return;
+        orl_path_leave(&p->path, world, &p->hit, &scatter);
+    }
+    health->paths_capped++;
+}
+
+#endif
