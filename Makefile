@@ -267,7 +267,9 @@ fuzz: deps-fuzz
 		CFLAGS='-include tests/fuzz/limits.h' fuzzers
 	@tests/fuzz/run $(BUILD)/fuzz $(SECONDS) $(JOBS) $(FUZZ_TARGETS)
 # What of the daemon reads hostile bytes by itself.
-FUZZ_SERVER_OBJ := $(patsubst %,$(BUILD)/obj/server/%.o,unzip incoming hold multipart framing range store/bundle store/folders)
+FUZZ_SERVER_OBJ := $(patsubst %,$(BUILD)/obj/server/%.o,unzip incoming hold multipart framing range \
+	router query guard tokens times carried store/bundle store/folders store/db store/migrate \
+	store/tokens store/mapped_file)
 fuzzers: $(FUZZ_TARGETS:%=$(BUILD)/%)
 $(FUZZ_TARGETS:%=$(BUILD)/obj/tests/fuzz/driver_%.o): $(BUILD)/obj/tests/fuzz/driver_%.o: \
 		tests/fuzz/driver.c $(BUILD)/flags
@@ -278,7 +280,7 @@ $(FUZZ_TARGETS:%=$(BUILD)/%): $(BUILD)/%: $(BUILD)/obj/tests/fuzz/driver_%.o \
 		$(BUILD)/obj/tests/fuzz/%.o $(BUILD)/obj/tests/fuzz/promise.o $(BUILD)/obj/tests/support/wire.o $(FUZZ_SERVER_OBJ) \
 		$(BUILD)/liboriel.a
 	$(call say,LD,$@)
-	$(Q)$(CC) $(ALL_LDFLAGS) -fsanitize=fuzzer -o $@ $^ -larchive -lmicrohttpd $(API_LIBS) $(CORE_LIBS)
+	$(Q)$(CC) $(ALL_LDFLAGS) -fsanitize=fuzzer -o $@ $^ -larchive -lmicrohttpd -lsqlite3 $(API_LIBS) $(CORE_LIBS)
 .PHONY: run-tests
 run-tests:
 	@tests/run $(BUILD) $(TEST_BIN)

@@ -8,6 +8,7 @@
 #include "encode.h"
 #include "job_status.h"
 #include "limits.h"
+#include "query.h"
 #include "reply.h"
 #include "server.h"
 #include "status_cache.h"
@@ -20,7 +21,6 @@ static bool read_filter(struct orl_request *request, enum orl_job_state *ret_sta
     const char *before = orl_request_query(request, "before");
     const char *state = orl_request_query(request, "state");
     const char *limit = orl_request_query(request, "limit");
-    char *end = NULL;
     if (state) {
         *ret_state = orl_job_state_from_name(state);
         if (*ret_state == ORL_JOB_STATE_COUNT) {
@@ -29,13 +29,10 @@ static bool read_filter(struct orl_request *request, enum orl_job_state *ret_sta
             return false;
         }
     }
-    if (limit) {
-        *ret_limit = strtoul(limit, &end, 10);
-        if (end == limit || *end || *ret_limit < 1 || *ret_limit > ORL_SERVER_LIST) {
-            orl_reply_problem(request, 400, "invalid", "The query is not understood",
-                              "limit is a number from 1 to %u", ORL_SERVER_LIST);
-            return false;
-        }
+    if (limit && !orl_query_count(limit, ORL_SERVER_LIST, ret_limit)) {
+        orl_reply_problem(request, 400, "invalid", "The query is not understood",
+                          "limit is a number from 1 to %u", ORL_SERVER_LIST);
+        return false;
     }
     const struct orl_jobs_job *last = before ? orl_jobs_find(jobs, before) : NULL;
     if (before && !last) {

@@ -29,6 +29,9 @@ bool fuzz_compiled(const uint8_t *data, size_t size);
 bool fuzz_framing(const uint8_t *data, size_t size);
 bool fuzz_multipart(const uint8_t *data, size_t size);
 bool fuzz_range(const uint8_t *data, size_t size);
+bool fuzz_route(const uint8_t *data, size_t size);
+bool fuzz_guard(const uint8_t *data, size_t size);
+bool fuzz_token(const uint8_t *data, size_t size);
 
 /* ---- For the targets (promise.c) ---------------------------------------------------------------
  */

@@ -29,22 +29,21 @@ static enum MHD_Result count_header(void *ctx, enum MHD_ValueKind kind, const ch
     return MHD_YES;
 }
 
-static void see(void *ctx, struct MHD_Connection *connection, const char *method,
-                const char *version, int last)
+static void see(void *ctx, const struct wire_request *request)
 {
     struct seen *seen = ctx;
     struct count count = {0, 0, 0};
-    if (last) {
+    if (request->ended) {
         seen->sound += seen->taken;
         return;
     }
     seen->requests++;
-    const char *fault = orl_framing_check(connection, method, version);
+    const char *fault = orl_framing_check(request->connection, request->method, request->version);
     FUZZ_PROMISE(!fault || *fault);
     seen->taken = !fault;
     if (fault)
         return;
-    MHD_get_connection_values(connection, MHD_HEADER_KIND, count_header, &count);
+    MHD_get_connection_values(request->connection, MHD_HEADER_KIND, count_header, &count);
     FUZZ_PROMISE(count.hosts <= 1 && count.lengths + count.codings <= 1);
 }
 

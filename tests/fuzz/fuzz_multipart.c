@@ -47,16 +47,14 @@ static void check_files(const struct orl_bundle *files)
     }
 }
 
-static void see(void *ctx, struct MHD_Connection *connection, const char *method,
-                const char *version, int last)
+static void see(void *ctx, const struct wire_request *request)
 {
     struct seen *seen = ctx;
     struct orl_multipart parts = {0};
     struct orl_error err = {0};
-    (void)method, (void)version;
-    if (last)
+    if (request->ended)
         return;
-    const int code = orl_multipart_split(connection, &seen->body, &folders, &parts, &err);
+    const int code = orl_multipart_split(request->connection, &seen->body, &folders, &parts, &err);
     if (code < 0) {
         fuzz_check_error(code, &err);
         FUZZ_PROMISE(parts.files.count == 0 && !parts.mains && !parts.bsdfs);

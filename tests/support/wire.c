@@ -5,30 +5,54 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include "framing.h"
+
 struct wire {
     wire_see see;
     void *ctx;
 };
 
-/* Each request's own; not NULL from its second call on. */
-static char begun[1];
+/* A request's own. */
+struct own {
+    bool begun, too_long;
+};
+
+/* As the daemon, before the arguments are taken apart. */
+static void *on_target(void *ctx, const char *uri, struct MHD_Connection *connection)
+{
+    struct own *own = calloc(1, sizeof *own);
+    (void)ctx, (void)connection;
+    if (!own)
+        abort();
+    own->too_long = uri && orl_framing_cut_query(uri);
+    return own;
+}
+
+static void on_completed(void *ctx, struct MHD_Connection *connection, void **request,
+                         enum MHD_RequestTerminationCode why)
+{
+    (void)ctx, (void)connection, (void)why;
+    free(*request);
+    *request = NULL;
+}
 
 static enum MHD_Result on_request(void *ctx, struct MHD_Connection *connection, const char *url,
                                   const char *method, const char *version, const char *data,
                                   size_t *size, void **request)
 {
     const struct wire *wire = ctx;
-    (void)url, (void)data;
-    if (!*request) {
-        *request = begun;
-        wire->see(wire->ctx, connection, method, version, 0);
-        return MHD_YES;
-    }
-    if (*size > 0) {
+    struct own *own = *request;
+    struct wire_request seen = {connection, method, url, version, own->too_long, own->begun};
+    (void)data;
+    if (own->begun && *size > 0) {
         *size = 0;
         return MHD_YES;
     }
-    wire->see(wire->ctx, connection, method, version, 1);
+    wire->see(wire->ctx, &seen);
+    if (!own->begun) {
+        own->begun = true;
+        return MHD_YES;
+    }
     struct MHD_Response *response =
         MHD_create_response_from_buffer(0, NULL, MHD_RESPMEM_PERSISTENT);
     const enum MHD_Result queued = MHD_queue_response(connection, MHD_HTTP_OK, response);
@@ -67,7 +91,8 @@ size_t wire_send(const void *bytes, size_t size, wire_see see, void *ctx)
     int fds[2];
     struct MHD_Daemon *daemon = MHD_start_daemon(
         MHD_USE_NO_LISTEN_SOCKET | MHD_USE_ERROR_LOG, 0, NULL, NULL, on_request, &wire,
-        MHD_OPTION_EXTERNAL_LOGGER, say_nothing, NULL, MHD_OPTION_CONNECTION_MEMORY_LIMIT,
+        MHD_OPTION_EXTERNAL_LOGGER, say_nothing, NULL, MHD_OPTION_URI_LOG_CALLBACK, on_target, NULL,
+        MHD_OPTION_NOTIFY_COMPLETED, on_completed, NULL, MHD_OPTION_CONNECTION_MEMORY_LIMIT,
         (size_t)(32 << 10), MHD_OPTION_STRICT_FOR_CLIENT, 1, MHD_OPTION_END);
     if (!daemon || socketpair(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK, 0, fds) != 0)
         abort();

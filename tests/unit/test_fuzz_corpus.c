@@ -146,6 +146,27 @@ static void test_range(void **state)
     repeat_trifles(fuzz_range);
 }
 
+static void test_route(void **state)
+{
+    (void)state;
+    repeat_all("tests/fuzz/corpus/route", fuzz_route);
+    repeat_trifles(fuzz_route);
+}
+
+static void test_guard(void **state)
+{
+    (void)state;
+    repeat_all("tests/fuzz/corpus/guard", fuzz_guard);
+    repeat_trifles(fuzz_guard);
+}
+
+static void test_token(void **state)
+{
+    (void)state;
+    repeat_all("tests/fuzz/corpus/token", fuzz_token);
+    repeat_trifles(fuzz_token);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -154,7 +175,8 @@ int main(void)
         cmocka_unit_test(test_sensors), cmocka_unit_test(test_weather),
         cmocka_unit_test(test_zip),     cmocka_unit_test(test_compiled),
         cmocka_unit_test(test_framing), cmocka_unit_test(test_multipart),
-        cmocka_unit_test(test_range),
+        cmocka_unit_test(test_range),   cmocka_unit_test(test_route),
+        cmocka_unit_test(test_guard),   cmocka_unit_test(test_token),
     };
     if (sodium_init() < 0)
         return 1;

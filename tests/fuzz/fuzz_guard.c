@@ -1,0 +1,50 @@
+/*
+ * Who talks to a daemon without tokens: an input's lines are Host, Origin and Sec-Fetch-Site.
+ * Whoever is let in names this machine.
+ */
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+#include "fuzz/fuzz.h"
+#include "guard.h"
+
+enum { HEADERS = 3 };
+
+/* One spelling after the other, by hand. */
+static bool names_this_machine(const char *host)
+{
+    const char *port = NULL;
+    if (strncasecmp(host, "localhost", 9) == 0)
+        port = host + 9;
+    else if (strncmp(host, "127.", 4) == 0)
+        port = host + strspn(host, "0123456789.");
+    else if (host[0] == '[' && strchr(host, ']') && strchr(host, '1'))
+        port = strchr(host, ']') + 1;
+    return port &&
+           (*port == '\0' || (*port == ':' && port[1 + strspn(port + 1, "0123456789")] == '\0'));
+}
+
+bool fuzz_guard(const uint8_t *data, size_t size)
+{
+    char *lines[HEADERS] = {NULL, NULL, NULL};
+    for (int i = 0; i < HEADERS && size > 0; i++) {
+        const uint8_t *end = memchr(data, '\n', size);
+        const size_t length = end ? (size_t)(end - data) : size, used = length + (end != NULL);
+        lines[i] = length > 0 ? strndup((const char *)data, length) : NULL;
+        data += used;
+        size -= used;
+    }
+    const struct orl_guarded asked = {lines[0], lines[1], lines[2], size > 0};
+    const char *refusal = orl_guard_check(&asked);
+    FUZZ_PROMISE(!refusal || *refusal);
+    if (!refusal) {
+        FUZZ_PROMISE(!asked.forwarded);
+        FUZZ_PROMISE(!lines[0] || names_this_machine(lines[0]));
+        FUZZ_PROMISE(!lines[1] || (lines[0] && strlen(lines[1]) == strlen(lines[0]) + 7));
+        FUZZ_PROMISE(!lines[2] || strcasecmp(lines[2], "cross-site") != 0);
+    }
+    for (int i = 0; i < HEADERS; i++)
+        free(lines[i]);
+    return !refusal;
+}

@@ -1,0 +1,63 @@
+/*
+ * Access tokens as they are sent. An input is what happens to a good one: a byte that says whether
+ * it is to be what follows, or else edits of two bytes, the place and what is put there; places
+ * behind its end make it longer. It is known if it is the good one, and never else.
+ */
+#include <string.h>
+
+#include "fuzz/fuzz.h"
+#include "store/db.h"
+#include "store/migrate.h"
+#include "tokens.h"
+
+enum { MOST = 256 };
+
+/* Made once. */
+static struct orl_db db;
+static sqlite3_stmt *finder;
+static char good[ORL_TOKEN_TEXT];
+
+static void need_token(void)
+{
+    struct orl_token_row row;
+    if (finder)
+        return;
+    FUZZ_PROMISE(orl_db_open(&db, ":memory:", NULL) == 0);
+    FUZZ_PROMISE(orl_db_migrate_embedded(&db, NULL) == 0);
+    FUZZ_PROMISE(orl_token_make("someone", ORL_SCOPE_READ, &row, good, NULL) == 0);
+    FUZZ_PROMISE(orl_token_row_insert(&db, &row, NULL) == 0);
+    finder = orl_token_finder(&db, NULL);
+    FUZZ_PROMISE(finder != NULL);
+}
+
+static void edit(char text[MOST + 1], const uint8_t *data, size_t size)
+{
+    size_t length = strlen(text);
+    for (size_t i = 0; i + 2 <= size; i += 2) {
+        if (data[i] < length)
+            text[data[i]] = (char)data[i + 1];
+        else if (length < MOST)
+            text[length++] = (char)data[i + 1];
+    }
+}
+
+bool fuzz_token(const uint8_t *data, size_t size)
+{
+    char text[MOST + 1] = "";
+    struct orl_token_row row = {.name = "nobody"};
+    struct orl_error err = {0};
+    bool known = true;
+    need_token();
+    if (size > 0 && data[0] % 2 == 1) {
+        memcpy(text, data + 1, size - 1 < MOST ? size - 1 : MOST);
+    } else {
+        memcpy(text, good, sizeof good);
+        edit(text, data + (size > 0), size - (size > 0));
+    }
+    const int code = orl_token_recognise(&db, finder, text, &row, &known, &err);
+    if (code < 0)
+        fuzz_check_error(code, &err);
+    FUZZ_PROMISE(code == 0 && known == (strcmp(text, good) == 0));
+    FUZZ_PROMISE(strcmp(row.name, known ? "someone" : "nobody") == 0);
+    return known;
+}
