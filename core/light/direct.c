@@ -1,27 +1,26 @@
 #include "light/direct.h"
 
+#include "light/path.h"
+
 enum { MOST_PANES = 64 };
 
 struct orl_rgb orl_transmittance(const struct orl_world *world, struct orl_vec3 origin,
                                  struct orl_vec3 direction, double max_distance, bool through_ports)
 {
-    struct orl_rgb share = orl_gray(1);
+    struct orl_path path = orl_path_from(origin, direction);
     for (int pane = 0; pane < MOST_PANES; pane++) {
         struct orl_hit hit;
-        if (!orl_geometry_intersect(world->geometry, origin, direction, max_distance, &hit))
-            return share;
-        const struct orl_material *m = orl_world_material(world, &hit);
-        const struct orl_rgb through = orl_material_straight(m, &hit, orl_neg(direction));
-        if (!(orl_rgb_max(through) > 0) ||
+        if (!orl_geometry_intersect(world->geometry, path.origin, direction, max_distance, &hit))
+            return path.weight;
+        if (!orl_path_look_through(&path, orl_world_material(world, &hit), &hit) ||
             (!through_ports && orl_world_crossing(world, &hit) != ORL_CROSSING_NONE))
             return orl_gray(0);
-        share = orl_rgb_mul(share, through);
         if (isinf(max_distance) && orl_world_leaves_clear(world, &hit))
-            return share;
+            return path.weight;
         /* The ray sets out again a little further on: it is to end where it was to. */
-        const struct orl_vec3 behind = orl_hit_leave(world->geometry, &hit, direction);
-        max_distance -= orl_dot(orl_sub(behind, origin), direction);
-        origin = behind;
+        const struct orl_vec3 before = path.origin;
+        orl_path_pass(&path, world, &hit);
+        max_distance -= orl_dot(orl_sub(path.origin, before), direction);
     }
     return orl_gray(0);
 }

@@ -1,7 +1,7 @@
 /* Shadow rays to the suns' images, and suns that other rays have happened on. */
 #include "light/images.h"
 
-#include "light/direct.h"
+#include "light/path.h"
 
 enum { MOST_BRANCHES = 16, MOST_STEPS = 256 };
 
@@ -9,8 +9,7 @@ enum { MOST_BRANCHES = 16, MOST_STEPS = 256 };
 
 /* A ray on its way to an image, or what a mirror has made of it. */
 struct chain {
-    struct orl_vec3 origin, direction;
-    struct orl_rgb share;
+    struct orl_path path;
     int16_t node;
     uint8_t reflections;
     bool outside;
@@ -35,11 +34,12 @@ static void turn(struct chains *chains, const struct chain *c, const struct orl_
         (c->outside && world->omit.exterior))
         return;
     struct chain on = *c;
-    on.share = orl_rgb_mul(c->share, orl_material_mirrored(m, hit, orl_neg(c->direction)));
-    if (!(orl_rgb_max(on.share) > ORL_IMAGE_DIMMEST))
+    on.path.weight =
+        orl_rgb_mul(c->path.weight, orl_material_mirrored(m, hit, orl_path_back(&c->path)));
+    if (!(orl_rgb_max(on.path.weight) > ORL_IMAGE_DIMMEST))
         return;
-    on.direction = orl_image_turned(c->direction, images->mirrors[class]);
-    on.origin = orl_hit_leave(world->geometry, hit, on.direction);
+    on.path.direction = orl_image_turned(c->path.direction, images->mirrors[class]);
+    orl_path_pass(&on.path, world, hit);
     on.node = (int16_t)next;
     on.reflections++;
     chains->stack[chains->depth++] = on;
@@ -53,21 +53,19 @@ static struct orl_rgb follow_chain(struct chains *chains, struct chain c)
     while (chains->steps++ < MOST_STEPS) {
         const bool arrives = c.reflections > 0 && world->images.nodes[c.node].is_sun;
         struct orl_hit hit;
-        if (!orl_geometry_intersect(world->geometry, c.origin, c.direction, INFINITY, &hit))
-            return arrives ? c.share : none;
+        if (!orl_path_meet(world, &c.path, &hit))
+            return arrives ? c.path.weight : none;
         const struct orl_material *m = orl_world_material(world, &hit);
         const enum orl_crossing crossing = orl_world_crossing(world, &hit);
         turn(chains, &c, &hit, m);
-        const struct orl_rgb through = orl_material_straight(m, &hit, orl_neg(c.direction));
-        c.share = orl_rgb_mul(c.share, through);
-        if (!(orl_rgb_max(c.share) > 0) ||
+        if (!orl_path_look_through(&c.path, m, &hit) ||
             (!chains->through_ports && crossing != ORL_CROSSING_NONE))
             return none;
         if (orl_world_leaves_clear(world, &hit))
-            return arrives ? c.share : none;
+            return arrives ? c.path.weight : none;
         if (crossing != ORL_CROSSING_NONE)
             c.outside = crossing == ORL_CROSSING_OUTWARDS;
-        c.origin = orl_hit_leave(world->geometry, &hit, c.direction);
+        orl_path_pass(&c.path, world, &hit);
     }
     return none;
 }
@@ -86,9 +84,7 @@ struct orl_rgb orl_image_transmittance(const struct orl_world *world, struct orl
 {
     struct chains chains = {.world = world, .through_ports = through_ports};
     struct orl_rgb sum = orl_gray(0);
-    chains.stack[chains.depth++] = (struct chain){.origin = origin,
-                                                  .direction = direction,
-                                                  .share = {1, 1, 1},
+    chains.stack[chains.depth++] = (struct chain){.path = orl_path_from(origin, direction),
                                                   .node = (int16_t)(image - world->images.nodes),
                                                   .outside = !through_ports};
     while (chains.depth > 0) {

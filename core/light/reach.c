@@ -3,6 +3,7 @@
 #include <stdatomic.h>
 
 #include "base/random.h"
+#include "light/path.h"
 #include "scene/material/hemisphere.h"
 
 enum { MOST_BOUNCES = 64, CHUNK = 64 };
@@ -36,15 +37,15 @@ static bool sees_lamp(const struct orl_world *world, struct orl_vec3 point,
         return false;
     const uint32_t facet = world->emitters[(size_t)(u0 * (double)world->n_emitters)].facet;
     orl_facet_sample(g, facet, u, &there, &normal);
-    const struct orl_vec3 direction = orl_normalize(orl_sub(there, point));
+    struct orl_path path = orl_path_from(point, orl_normalize(orl_sub(there, point)));
     for (int pane = 0; pane < MOST_BOUNCES; pane++) {
-        if (!orl_geometry_intersect(g, point, direction, INFINITY, &hit))
+        if (!orl_path_meet(world, &path, &hit))
             return false;
         if (hit.facet == facet)
             return true;
         if (!orl_material_is_window(orl_world_material(world, &hit)))
             return false;
-        point = orl_hit_leave(g, &hit, direction);
+        orl_path_pass(&path, world, &hit);
     }
     return false;
 }
@@ -62,28 +63,30 @@ static bool gets_out(const struct orl_world *world, struct orl_vec3 before,
            !orl_geometry_intersect(world->geometry, before, direction, INFINITY, &hit);
 }
 
-static bool finds_light(const struct quest *quest, size_t path)
+static bool finds_light(const struct quest *quest, size_t number)
 {
     const struct orl_world *world = quest->world;
-    const struct orl_outlook *outlook = &quest->outlooks[path % quest->count];
+    const struct orl_outlook *outlook = &quest->outlooks[number % quest->count];
     const double little = 1e-4 * world->geometry->radius;
-    struct orl_random random = orl_random_stream(2, ORL_PURPOSE_PILOT, path);
-    struct orl_vec3 point = outlook->point, before = point;
-    struct orl_vec3 direction = set_out(outlook, &random);
+    struct orl_random random = orl_random_stream(2, ORL_PURPOSE_PILOT, number);
+    struct orl_vec3 before = outlook->point;
+    struct orl_path path = orl_path_from(before, set_out(outlook, &random));
     for (int bounce = 0; bounce < MOST_BOUNCES; bounce++) {
         struct orl_hit hit;
-        if (sees_lamp(world, point, &random))
+        if (sees_lamp(world, path.origin, &random))
             return true;
-        if (!orl_geometry_intersect(world->geometry, point, direction, INFINITY, &hit))
-            return gets_out(world, before, direction);
-        before = orl_madd(hit.point, direction, -fmin(little, 0.5 * hit.distance));
-        if (!orl_material_is_window(orl_world_material(world, &hit))) {
+        if (!orl_path_meet(world, &path, &hit))
+            return gets_out(world, before, path.direction);
+        before = orl_madd(hit.point, path.direction, -fmin(little, 0.5 * hit.distance));
+        const bool window = orl_material_is_window(orl_world_material(world, &hit));
+        if (!window) {
             const double u = orl_random_uniform(&random), v = orl_random_uniform(&random);
-            direction = orl_hemisphere_about(hit.front ? hit.normal : orl_neg(hit.normal), u, v);
-            point = orl_hit_leave(world->geometry, &hit, direction);
-        } else {
-            before = point = orl_hit_leave(world->geometry, &hit, direction);
+            path.direction =
+                orl_hemisphere_about(hit.front ? hit.normal : orl_neg(hit.normal), u, v);
         }
+        orl_path_pass(&path, world, &hit);
+        if (window)
+            before = path.origin;
     }
     return false;
 }

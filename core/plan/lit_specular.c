@@ -2,6 +2,7 @@
 
 #include "base/sobol.h"
 #include "light/direct.h"
+#include "light/path.h"
 
 enum { MOST_RAYS = 1 << 18, MOST_SAMPLES = 256, LEAST_SAMPLES = 8, MOST_PANES = 64 };
 enum { WINDOW_SAMPLES = 1024, IMAGE_SAMPLES = 64 };
@@ -149,16 +150,16 @@ static void follow_sun_in(struct look *look, const struct orl_port *port, const 
     if (!(orl_rgb_max(orl_material_straight(orl_world_material(look->world, &pane), &pane,
                                             orl_neg(direction))) > 0))
         return; /* what scatters is lit itself, and found so */
-    point = orl_facet_leave(g, port->facet, point, normal, direction);
+    struct orl_path path =
+        orl_path_from(orl_facet_leave(g, port->facet, point, normal, direction), direction);
     for (int i = 0; i < MOST_PANES; i++) {
         struct orl_hit hit;
-        if (!orl_geometry_intersect(g, point, direction, INFINITY, &hit))
+        if (!orl_path_meet(look->world, &path, &hit))
             return;
-        const struct orl_material *m = orl_world_material(look->world, &hit);
         note(look, hit.facet);
-        if (!(orl_rgb_max(orl_material_straight(m, &hit, orl_neg(direction))) > 0))
+        if (!orl_path_look_through(&path, orl_world_material(look->world, &hit), &hit))
             return;
-        point = orl_hit_leave(g, &hit, direction);
+        orl_path_pass(&path, look->world, &hit);
     }
 }
 

@@ -2,6 +2,7 @@
 
 #include <stdlib.h>
 
+#include "light/path.h"
 #include "photon/flight/table.h"
 
 enum { MOST_RAYS = 1 << 17, MOST_A_FACET = 1024, LEAST_A_FACET = 4, MOST_PANES = 64 };
@@ -44,17 +45,18 @@ static void locate(const struct orl_geometry *g, const struct orl_facet *f, stru
 static int32_t leaves_by(const struct orl_world *world, struct orl_vec3 point,
                          struct orl_vec3 direction, struct orl_hit *ret_hit, double *ret_share)
 {
+    struct orl_path path = orl_path_from(point, direction);
     int32_t port = ORL_NO_PORT;
     *ret_share = 1;
     for (int pane = 0; pane < MOST_PANES; pane++) {
         struct orl_hit hit;
-        if (!orl_geometry_intersect(world->geometry, point, direction, INFINITY, &hit))
+        if (!orl_path_meet(world, &path, &hit))
             return port;
         const struct orl_material *m = orl_world_material(world, &hit);
-        *ret_share *= orl_luma(orl_material_straight(m, &hit, orl_neg(direction)));
+        *ret_share *= orl_luma(orl_material_straight(m, &hit, orl_path_back(&path)));
         if (!(*ret_share > 0))
             return ORL_NO_PORT;
-        point = orl_hit_leave(world->geometry, &hit, direction);
+        orl_path_pass(&path, world, &hit);
         if (orl_world_crossing(world, &hit) == ORL_CROSSING_OUTWARDS) {
             *ret_hit = hit;
             port = world->port_of_facet[hit.facet];

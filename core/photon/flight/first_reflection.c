@@ -1,5 +1,7 @@
 #include "photon/flight/first_reflection.h"
 
+#include "light/path.h"
+
 enum { FLIGHTS = 1 << 15, MOST_FLIGHTS = 1 << 10, LEAST_FLIGHTS = 64, MOST_BOUNCES = 16 };
 
 /* Lest the few bright places of a dark scene be met by a handful of heavy photons. */
@@ -17,24 +19,23 @@ struct pilot {
 static bool find_first(const struct orl_world *world, const struct orl_flight *flight,
                        struct orl_random *random, double *ret_flux, double *ret_albedo)
 {
-    struct orl_vec3 origin = flight->origin, direction = flight->direction;
-    struct orl_rgb flux = flight->flux;
+    struct orl_path path = orl_path_from(flight->origin, flight->direction);
+    path.weight = flight->flux;
     for (int bounce = 0; bounce < MOST_BOUNCES; bounce++) {
         struct orl_hit hit;
-        if (!orl_geometry_intersect(world->geometry, origin, direction, INFINITY, &hit))
+        if (!orl_path_meet(world, &path, &hit))
             return false;
         const struct orl_material *m = orl_world_material(world, &hit);
         *ret_albedo = fmin(orl_luma(orl_material_diffuse(m)), 1);
-        *ret_flux = orl_luma(flux);
+        *ret_flux = orl_luma(path.weight);
         if (*ret_albedo > 0)
             return isfinite(*ret_flux);
-        const struct orl_scatter s = orl_scatter_sample(m, &hit, orl_neg(direction),
+        const struct orl_scatter s = orl_scatter_sample(m, &hit, orl_path_back(&path),
                                                         ORL_TRANSPORT_LIGHT, ORL_LOBE_ALL, random);
         if (s.event == ORL_EVENT_ABSORBED)
             return false;
-        flux = orl_rgb_mul(flux, s.weight);
-        origin = orl_hit_leave(world->geometry, &hit, s.direction);
-        direction = s.direction;
+        path.weight = orl_rgb_mul(path.weight, s.weight);
+        orl_path_leave(&path, world, &hit, &s);
     }
     return false;
 }

@@ -1,8 +1,9 @@
 #include "photon/flight/guide.h"
-#include "photon/flight/beam.h"
 
 #include <stdlib.h>
 
+#include "light/path.h"
+#include "photon/flight/beam.h"
 #include "photon/flight/table.h"
 #include "scene/material/hemisphere.h"
 
@@ -55,21 +56,22 @@ static struct orl_vec3 patch_direction(uint32_t patch, struct orl_random *random
 static double worth(const struct orl_world *world, bool caustic, struct orl_vec3 origin,
                     struct orl_vec3 direction, struct orl_random *random)
 {
+    struct orl_path path = orl_path_from(origin, direction);
     struct orl_hit hit;
-    if (!orl_geometry_intersect(world->geometry, origin, direction, INFINITY, &hit))
+    if (!orl_path_meet(world, &path, &hit))
         return 0;
     if (orl_world_crossing(world, &hit) == ORL_CROSSING_INWARDS)
         return 0; /* the port's own to emit */
     const struct orl_scatter s =
-        orl_scatter_sample(orl_world_material(world, &hit), &hit, orl_neg(direction),
+        orl_scatter_sample(orl_world_material(world, &hit), &hit, orl_path_back(&path),
                            ORL_TRANSPORT_LIGHT, ORL_LOBE_ALL, random);
     if (s.event == ORL_EVENT_ABSORBED)
         return 0;
     if (caustic)
         return s.event == ORL_EVENT_MIRROR || s.event == ORL_EVENT_GLOSSY ||
                s.event == ORL_EVENT_REFRACTED;
-    return orl_geometry_occluded(world->geometry, orl_hit_leave(world->geometry, &hit, s.direction),
-                                 s.direction, INFINITY);
+    orl_path_leave(&path, world, &hit, &s);
+    return orl_geometry_occluded(world->geometry, path.origin, path.direction, INFINITY);
 }
 
 static void probe_row(void *arg, size_t row, uint32_t member)

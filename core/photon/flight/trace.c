@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "light/path.h"
 #include "photon/flight/found.h"
 #include "photon/map/facing.h"
 
@@ -57,11 +58,9 @@ struct tracing {
 
 /* A photon under way. */
 struct course {
-    struct orl_vec3 origin, direction;
-    struct orl_rgb flux;
+    struct orl_path path; /* its weight is the flux */
     double fate, alive;
     double reflected;            /* of its flight */
-    struct orl_rgb clarity;      /* of what it flies through */
     double focus, flown, spread; /* off a spotlight: until it is scattered */
     struct orl_deflection way;
     bool crossed, outside, lamp;
@@ -82,7 +81,7 @@ static bool survives(struct course *c, struct orl_rgb weight, double spared)
     c->alive *= chance;
     if (!(c->alive > c->fate))
         return false;
-    c->flux = orl_rgb_scale(orl_rgb_mul(c->flux, weight), 1 / chance);
+    c->path.weight = orl_rgb_scale(orl_rgb_mul(c->path.weight, weight), 1 / chance);
     return true;
 }
 
@@ -104,33 +103,21 @@ static bool arrives(struct course *c, const struct orl_material *m, const struct
         const double before = c->spread;
         c->flown += hit->distance;
         c->spread = fmax(orl_spot_spread(c->focus, c->flown), 1e-12);
-        c->flux = orl_rgb_scale(c->flux, c->spread / before);
+        c->path.weight = orl_rgb_scale(c->path.weight, c->spread / before);
     }
-    const struct orl_rgb left = orl_material_dimming(m, hit, c->clarity);
+    const struct orl_rgb left = orl_material_dimming(m, hit, c->path.clarity);
     return orl_is_clear(left) || survives(c, left, 1);
 }
 
 /* A ray that met nothing: from within a sealed building that is a leak. */
-static void escape(const struct orl_world *world, struct orl_vec3 origin, struct orl_vec3 direction,
-                   bool inside, struct orl_health *health)
+static void escape(const struct orl_world *world, const struct course *c, struct orl_health *health)
 {
-    if (world->open || !inside)
+    if (world->open || !c->crossed || c->outside)
         return;
     if (health->rays_leaked++ == 0) {
-        health->leak_from = origin;
-        health->leak_towards = direction;
+        health->leak_from = c->path.origin;
+        health->leak_towards = c->path.direction;
     }
-}
-
-/* On to where the scatter sends it. */
-static void depart(struct course *c, const struct orl_world *world, const struct orl_material *m,
-                   const struct orl_hit *hit, const struct orl_scatter *s)
-{
-    if (s->event == ORL_EVENT_DIFFUSE || s->event == ORL_EVENT_GLOSSY)
-        c->focus = 0;
-    c->clarity = orl_scatter_clarity(m, s, c->clarity);
-    c->origin = orl_hit_leave(world->geometry, hit, s->direction);
-    c->direction = s->direction;
 }
 
 static enum orl_photon_class class_after(enum orl_photon_class class, enum orl_event event)
@@ -162,10 +149,10 @@ static bool is_sought(const struct tracing *t, const struct course *c)
 static void fly_by(const struct tracing *t, const struct course *c, const struct orl_hit *hit,
                    struct orl_deposits *deposits)
 {
-    const struct orl_stretch stretch = {.origin = c->origin,
-                                        .direction = c->direction,
+    const struct orl_stretch stretch = {.origin = c->path.origin,
+                                        .direction = c->path.direction,
                                         .distance = hit ? hit->distance : INFINITY,
-                                        .flux = c->flux,
+                                        .flux = c->path.weight,
                                         .focus = c->focus,
                                         .flown = c->flown,
                                         .spread = c->spread,
@@ -191,13 +178,12 @@ static bool set_out(const struct tracing *t, const struct orl_flight *flight, ui
                     struct course *c, struct orl_deposits *deposits)
 {
     const struct orl_deflection way = flight->way;
-    *c = (struct course){.origin = flight->origin,
-                         .direction = flight->direction,
-                         .flux = orl_health_keep(&deposits->health, flight->flux),
+    *c = (struct course){.path = {flight->origin, flight->direction,
+                                  orl_health_keep(&deposits->health, flight->flux),
+                                  flight->from_port ? flight->clarity : orl_gray(1)},
                          .fate = flight->fate,
                          .alive = 1,
                          .reflected = flight->reflected,
-                         .clarity = flight->from_port ? flight->clarity : orl_gray(1),
                          .focus = flight->focus,
                          .spread = 1,
                          .way = way,
@@ -212,7 +198,7 @@ static bool set_out(const struct tracing *t, const struct orl_flight *flight, ui
     if (t->caustic && is_left_out(t->world, way))
         return false;
     deposits->health.photons++;
-    orl_sum_add(&deposits->flux, orl_luma(c->flux));
+    orl_sum_add(&deposits->flux, orl_luma(c->path.weight));
     return true;
 }
 
@@ -224,7 +210,7 @@ static bool land(const struct tracing *t, struct course *c, const struct orl_hit
     const struct orl_deflection way = c->way;
     deposits->health.rays++;
     if (!hit) {
-        escape(world, c->origin, c->direction, c->crossed && !c->outside, &deposits->health);
+        escape(world, c, &deposits->health);
         return false;
     }
     const struct orl_material *m = orl_world_material(world, hit);
@@ -237,7 +223,7 @@ static bool land(const struct tracing *t, struct course *c, const struct orl_hit
         (t->caustic ? (way.mirror || way.lobe) && (!t->by_chance || is_sought(t, c))
                     : c->reflections < t->most_reflections)) {
         if (t->caustic || !world->omit.counted_light || c->class == ORL_PHOTON_REST)
-            deposit(deposits, hit, c->flux, c->batch, c->class);
+            deposit(deposits, hit, c->path.weight, c->batch, c->class);
         c->unseen = 0;
     }
     return !ends_here(c, m, albedo, c->class == ORL_PHOTON_REST ? 1 : c->reflected, t->caustic);
@@ -257,10 +243,8 @@ static bool goes_on(const struct tracing *t, struct course *c, const struct orl_
         /* What crosses a port inwards for the first time is the port's own to emit. */
         if (crossing == ORL_CROSSING_INWARDS && !c->crossed)
             return false;
-        if (crossing != ORL_CROSSING_NONE) {
-            c->crossed = true;
-            c->outside = !t->world->open && crossing == ORL_CROSSING_OUTWARDS;
-        }
+        c->crossed = c->crossed || crossing != ORL_CROSSING_NONE;
+        c->outside = orl_world_outside_after(t->world, hit, true, c->outside);
     }
     c->way = orl_deflected(c->way, s->event);
     c->reflections += s->event == ORL_EVENT_DIFFUSE;
@@ -269,10 +253,12 @@ static bool goes_on(const struct tracing *t, struct course *c, const struct orl_
     c->class = class_after(c->class, s->event);
     if ((t->discs || t->by_chance) && s->event != ORL_EVENT_STRAIGHT)
         orl_found_next(&c->found, t->world, hit, s->event);
-    depart(c, t->world, orl_world_material(t->world, hit), hit, s);
+    if (s->event == ORL_EVENT_DIFFUSE || s->event == ORL_EVENT_GLOSSY)
+        c->focus = 0;
+    orl_path_leave(&c->path, t->world, hit, s);
     if (++c->bounces < ORL_TRACE_MOST_BOUNCES && c->unseen < ORL_TRACE_MOST_UNSEEN)
         return true;
-    give_up(deposits, c->flux);
+    give_up(deposits, c->path.weight);
     return false;
 }
 
@@ -286,11 +272,10 @@ void orl_trace_photon(const struct orl_world *world, const struct orl_flight *fl
     if (!set_out(&t, flight, batch, &c, deposits))
         return;
     do {
-        const bool met =
-            orl_geometry_intersect(world->geometry, c.origin, c.direction, INFINITY, &hit);
+        const bool met = orl_path_meet(world, &c.path, &hit);
         if (!land(&t, &c, met ? &hit : NULL, deposits))
             return;
-        s = orl_scatter_sample(orl_world_material(world, &hit), &hit, orl_neg(c.direction),
+        s = orl_scatter_sample(orl_world_material(world, &hit), &hit, orl_path_back(&c.path),
                                ORL_TRANSPORT_LIGHT, t.lobes, random);
     } while (goes_on(&t, &c, &hit, &s, deposits));
 }
@@ -321,8 +306,8 @@ static void trace_rays(struct wave *w)
 {
     const struct orl_geometry *g = w->tracing.world->geometry;
     for (size_t i = 0; i < w->n; i++) {
-        const struct course *c = &w->courses[w->under_way[i]];
-        w->rays[i] = (struct orl_ray){c->origin, c->direction};
+        const struct orl_path *path = &w->courses[w->under_way[i]].path;
+        w->rays[i] = (struct orl_ray){path->origin, path->direction};
     }
     orl_geometry_intersect_many(g, w->rays, w->n_beam, true, w->hits, w->found);
     orl_geometry_intersect_many(g, w->rays + w->n_beam, w->n - w->n_beam, false,
@@ -345,8 +330,8 @@ static size_t scatter_all(struct wave *w)
         for (int k = 0; k < 3; k++)
             w->u[n][k] = orl_random_uniform(random);
         w->draws[n] =
-            (struct orl_draw){orl_world_material(w->tracing.world, hit), hit, orl_neg(c->direction),
-                              ORL_TRANSPORT_LIGHT, w->tracing.lobes};
+            (struct orl_draw){orl_world_material(w->tracing.world, hit), hit,
+                              orl_path_back(&c->path), ORL_TRANSPORT_LIGHT, w->tracing.lobes};
         w->scattered[n++] = (uint16_t)i;
     }
     orl_scatter_sample_many(w->draws, (const double(*)[3])w->u, n, w->scatters);
