@@ -8,6 +8,7 @@
 #include <oriel/limits.h>
 
 #include "decode.h"
+#include "picture_json.h"
 #include "plan_json.h"
 #include "skies_json.h"
 #include "sky_json.h"
@@ -145,7 +146,8 @@ static int decode_sensors(const json_t *sensors, struct orl_job *job, struct orl
 static int decode_view(const json_t *doc, size_t index, struct orl_view_request *view,
                        struct orl_error *err)
 {
-    static const char *const allowed[] = {"name", "view", "width", "height", NULL};
+    static const char *const allowed[] = {"name",    "view",    "width", "height",
+                                          "formats", "display", NULL};
     char path[ORL_JSON_PATH_MAX];
     snprintf(path, sizeof path, "views[%zu]", index);
     int rc = orl_json_object(doc, path, allowed, err);
@@ -166,7 +168,8 @@ static int decode_view(const json_t *doc, size_t index, struct orl_view_request 
     }
     view->width = (uint32_t)size[0];
     view->height = (uint32_t)size[1];
-    return rc;
+    snprintf(path, sizeof path, "views[%zu]", index);
+    return rc ? rc : orl_pictures_from_json(doc, path, view, err);
 }
 
 static int decode_views(const json_t *views, struct orl_job *job, struct orl_error *err)

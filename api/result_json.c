@@ -6,6 +6,7 @@
 #include <oriel/vec.h>
 
 #include "encode.h"
+#include "picture_json.h"
 #include "plan_json.h"
 
 /*
@@ -86,14 +87,21 @@ static json_t *sensors_to_json(const struct orl_result *result)
     return sensors;
 }
 
+static json_t *view_to_json(const struct orl_view_result *view)
+{
+    json_t *json = json_pack("{s:s, s:f}", "name", view->name, "seconds", view->seconds);
+    if (json && orl_pictures_to_json(view, json)) {
+        json_decref(json);
+        return NULL;
+    }
+    return json;
+}
+
 static json_t *views_to_json(const struct orl_result *result)
 {
     json_t *views = json_array();
     for (size_t i = 0; i < result->n_views; i++) {
-        const struct orl_view_result *view = &result->views[i];
-        if (append(views, json_pack("{s:s, s:s*, s:s*, s:s*, s:s*, s:f}", "name", view->name, "hdr",
-                                    view->hdr, "png", view->png, "error_hdr", view->error_hdr,
-                                    "error_png", view->error_png, "seconds", view->seconds))) {
+        if (append(views, view_to_json(&result->views[i]))) {
             json_decref(views);
             return NULL;
         }

@@ -117,10 +117,9 @@ int orl_job_output_list(const char *name, const char *folder, json_t *list, stru
 int orl_job_output_list_view(const struct orl_view_result *view, const char *folder, json_t *list,
                              struct orl_error *err)
 {
-    const char *const names[] = {view->hdr, view->png, view->error_hdr, view->error_png};
     int rc = 0;
-    for (size_t i = 0; i < sizeof names / sizeof *names && rc == 0; i++)
-        rc = names[i] ? orl_job_output_list(names[i], folder, list, err) : 0;
+    for (int i = 0; i < ORL_PICTURES && rc == 0; i++)
+        rc = view->files[i] ? orl_job_output_list(view->files[i], folder, list, err) : 0;
     return rc;
 }
 

@@ -13,6 +13,7 @@
 #include <oriel/version.h>
 
 #include "encode.h"
+#include "picture_json.h"
 #include "store/bundle.h"
 #include "store/mapped_file.h"
 
@@ -204,9 +205,13 @@ bool orl_kept_find(const char *folder, const char *part, json_t **ret_files, jso
 
 json_t *orl_kept_view_to_json(const struct orl_view_result *view)
 {
-    return json_pack("{s:s, s:o, s:b, s:s, s:s, s:s*, s:s*}", "name", view->name, "seconds",
-                     orl_json_from_real(view->seconds), "black", (int)view->black, "hdr", view->hdr,
-                     "png", view->png, "error_hdr", view->error_hdr, "error_png", view->error_png);
+    json_t *json = json_pack("{s:s, s:o, s:b}", "name", view->name, "seconds",
+                             orl_json_from_real(view->seconds), "black", (int)view->black);
+    if (json && orl_pictures_to_json(view, json)) {
+        json_decref(json);
+        return NULL;
+    }
+    return json;
 }
 
 /* A copy, or NULL: there is none, or no memory for it. */
@@ -218,22 +223,14 @@ static char *copy_text(const json_t *json, const char *key)
 
 bool orl_kept_view_from_json(const json_t *json, struct orl_view_result *ret_view)
 {
-    struct orl_view_result view = {.name = copy_text(json, "name"),
-                                   .hdr = copy_text(json, "hdr"),
-                                   .png = copy_text(json, "png"),
-                                   .error_hdr = copy_text(json, "error_hdr"),
-                                   .error_png = copy_text(json, "error_png")};
+    struct orl_view_result view = {.name = copy_text(json, "name")};
     view.seconds = json_number_value(json_object_get(json, "seconds"));
     view.black = json_is_true(json_object_get(json, "black"));
-    if (view.name && view.hdr && view.png && !view.error_hdr == !view.error_png) {
+    if (orl_pictures_read_back(json, &view) && view.name) {
         *ret_view = view;
         return true;
     }
-    free(view.name);
-    free(view.hdr);
-    free(view.png);
-    free(view.error_hdr);
-    free(view.error_png);
+    orl_view_result_done(&view);
     return false;
 }
 

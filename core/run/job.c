@@ -46,16 +46,26 @@ void orl_job_done(struct orl_job *job)
     for (size_t i = 0; i < job->n_views; i++) {
         free(job->views[i].name);
         free(job->views[i].view);
+        free(job->views[i].false_color.points);
     }
     free(job->views);
     memset(job, 0, sizeof *job);
 }
 
-/* Whether a view of that name would write its pictures where the other writes its error maps. */
-static bool is_error_of(const char *name, const char *of)
+/* Whether a view of that name would write its pictures where the other writes some of its own:
+ * "a.error" beside "a", of which there is a.error.png. */
+static bool is_part_of(const char *name, const char *of)
 {
     const size_t length = strlen(of);
-    return strncmp(name, of, length) == 0 && strcmp(name + length, ".error") == 0;
+    if (strncmp(name, of, length) != 0 || name[length] != '.')
+        return false;
+    for (int i = 0; i < ORL_PICTURES; i++) {
+        const char *ending = orl_picture_ending((enum orl_picture)i), *dot = strchr(ending, '.');
+        if (dot && strlen(name + length + 1) == (size_t)(dot - ending) &&
+            strncmp(name + length + 1, ending, (size_t)(dot - ending)) == 0)
+            return true;
+    }
+    return false;
 }
 
 static int validate_names(const struct orl_job *job, size_t index, struct orl_error *err)
@@ -65,10 +75,11 @@ static int validate_names(const struct orl_job *job, size_t index, struct orl_er
         const char *other = job->views[i].name;
         if (strcmp(other, name) == 0)
             return orl_error_set(err, ORL_ERR_INVALID, "two views are named '%s'", name);
-        if (is_error_of(name, other) || is_error_of(other, name))
+        if (is_part_of(name, other) || is_part_of(other, name))
             return orl_error_set(err, ORL_ERR_INVALID,
-                                 "views named '%s' and '%s': '.error' names error maps", other,
-                                 name);
+                                 "views named '%s' and '%s': what follows the dot names further "
+                                 "pictures of a view",
+                                 other, name);
     }
     return 0;
 }
@@ -220,6 +231,15 @@ int orl_job_validate(const struct orl_job *job, struct orl_error *err)
     return code < 0 ? code : validate_skies(job, err);
 }
 
+void orl_view_result_done(struct orl_view_result *view)
+{
+    free(view->name);
+    for (int i = 0; i < ORL_PICTURES; i++)
+        free(view->files[i]);
+    free(view->points);
+    *view = (struct orl_view_result){.seconds = view->seconds};
+}
+
 void orl_result_done(struct orl_result *result)
 {
     if (!result)
@@ -228,13 +248,8 @@ void orl_result_done(struct orl_result *result)
     free(result->standard_error_lx);
     free(result->bias_estimate_lx);
     free(result->interval_95_lx);
-    for (size_t i = 0; i < result->n_views; i++) {
-        free(result->views[i].name);
-        free(result->views[i].hdr);
-        free(result->views[i].png);
-        free(result->views[i].error_hdr);
-        free(result->views[i].error_png);
-    }
+    for (size_t i = 0; i < result->n_views; i++)
+        orl_view_result_done(&result->views[i]);
     free(result->views);
     for (size_t i = 0; i < result->n_warnings; i++)
         free(result->warnings[i]);

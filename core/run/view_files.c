@@ -4,45 +4,48 @@
 #include <string.h>
 
 #include "render/film/error_map.h"
+#include "render/picture/display.h"
 #include "run/stages.h"
-
-typedef int (*file_writer)(const struct orl_film *film, const struct orl_view *view,
-                           const char *path, struct orl_error *err);
-
-static int write_png(const struct orl_film *film, const struct orl_view *view, const char *path,
-                     struct orl_error *err)
-{
-    (void)view;
-    return orl_film_write_png(film, path, err);
-}
-
-static int write_error_png(const struct orl_film *film, const struct orl_view *view,
-                           const char *path, struct orl_error *err)
-{
-    (void)view;
-    return orl_film_write_error_png(film, path, err);
-}
-
-enum { FILES = 4, FILES_WITHOUT_ERRORS = 2 };
 
 /* What is written, side by side, and how it went. */
 struct writing {
     const struct orl_film *film;
     struct orl_view view;
+    struct orl_shown shown; /* where one of the files shows it */
+    size_t count;
     struct {
-        file_writer write;
+        enum orl_picture picture;
         char path[4096];
         struct orl_error err;
         int code;
-    } files[FILES];
+    } files[ORL_PICTURES];
 };
+
+static int write_picture(const struct writing *w, enum orl_picture picture, const char *path,
+                         struct orl_error *err)
+{
+    switch (picture) {
+    case ORL_PICTURE_HDR:
+        return orl_film_write_hdr(w->film, &w->view, path, err);
+    case ORL_PICTURE_PNG:
+        return orl_shown_write_png(&w->shown, 8, path, err);
+    case ORL_PICTURE_PNG16:
+        return orl_shown_write_png(&w->shown, 16, path, err);
+    case ORL_PICTURE_ERROR_HDR:
+        return orl_film_write_error_hdr(w->film, &w->view, path, err);
+    case ORL_PICTURE_ERROR_PNG:
+        return orl_film_write_error_png(w->film, path, err);
+    default:
+        return orl_error_set(err, ORL_ERR_INTERNAL, "no such picture");
+    }
+}
 
 static void write_file(void *arg, size_t index, uint32_t member)
 {
     struct writing *w = arg;
     (void)member;
     w->files[index].code =
-        w->files[index].write(w->film, &w->view, w->files[index].path, &w->files[index].err);
+        write_picture(w, w->files[index].picture, w->files[index].path, &w->files[index].err);
 }
 
 static int path_of(const struct orl_run_state *state, const char *file, char ret_path[4096],
@@ -65,53 +68,68 @@ static char *file_name(const struct orl_run_state *state, const char *name, cons
     return file;
 }
 
-/* Of an earlier round. */
-static void forget_files(struct orl_view_result *result)
+/* Which files there are to be, as bits. */
+static uint32_t pictures_of(const struct orl_view_request *request, const struct orl_film *film)
 {
-    free(result->name);
-    free(result->hdr);
-    free(result->png);
-    free(result->error_hdr);
-    free(result->error_png);
-    *result = (struct orl_view_result){.seconds = result->seconds};
+    uint32_t pictures = request->formats ? request->formats : ORL_PICTURES_USUAL;
+    if (orl_film_knows_errors(film))
+        pictures |= ORL_PICTURE_BIT(ORL_PICTURE_ERROR_HDR) | ORL_PICTURE_BIT(ORL_PICTURE_ERROR_PNG);
+    return pictures;
 }
 
+/* Those that show the film as it looks. */
+static const uint32_t to_look_at =
+    ORL_PICTURE_BIT(ORL_PICTURE_PNG) | ORL_PICTURE_BIT(ORL_PICTURE_PNG16) |
+    ORL_PICTURE_BIT(ORL_PICTURE_LINES) | ORL_PICTURE_BIT(ORL_PICTURE_BANDS);
+
 /* Names of the files in the result, and their paths. */
-static int name_files(const struct orl_run_state *state, struct orl_view_result *result,
-                      struct writing *writing, size_t count, struct orl_error *err)
+static int name_files(const struct orl_run_state *state, uint32_t pictures,
+                      struct orl_view_result *result, struct writing *writing,
+                      struct orl_error *err)
 {
-    static const struct {
-        const char *ending;
-        file_writer write;
-    } kinds[FILES] = {{"hdr", orl_film_write_hdr},
-                      {"png", write_png},
-                      {"error.hdr", orl_film_write_error_hdr},
-                      {"error.png", write_error_png}};
-    char **const names[FILES] = {&result->hdr, &result->png, &result->error_hdr,
-                                 &result->error_png};
-    for (size_t i = 0; i < count; i++) {
-        *names[i] = file_name(state, result->name, kinds[i].ending);
-        if (!*names[i])
+    for (int i = 0; i < ORL_PICTURES; i++) {
+        const enum orl_picture picture = (enum orl_picture)i;
+        if (!(pictures & ORL_PICTURE_BIT(picture)))
+            continue;
+        result->files[i] = file_name(state, result->name, orl_picture_ending(picture));
+        if (!result->files[i])
             return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-        writing->files[i].write = kinds[i].write;
-        const int code = path_of(state, *names[i], writing->files[i].path, err);
+        const size_t at = writing->count++;
+        writing->files[at].picture = picture;
+        const int code = path_of(state, result->files[i], writing->files[at].path, err);
         if (code < 0)
             return code;
     }
     return 0;
 }
 
-static int write_files(const struct orl_run_state *state, struct writing *writing, size_t count,
+static int write_files(const struct orl_run_state *state, struct writing *writing,
                        struct orl_error *err)
 {
-    orl_crew_for(state->env->crew, count, write_file, writing);
-    for (size_t i = 0; i < count; i++)
+    orl_crew_for(state->env->crew, writing->count, write_file, writing);
+    for (size_t i = 0; i < writing->count; i++)
         if (writing->files[i].code < 0) {
             if (err)
                 *err = writing->files[i].err;
             return writing->files[i].code;
         }
     return 0;
+}
+
+static int write_all(const struct orl_run_state *state, const struct orl_view_request *request,
+                     struct orl_view_result *result, struct writing *writing, struct orl_error *err)
+{
+    const uint32_t pictures = pictures_of(request, writing->film);
+    int code = orl_view_parse(request->view, &writing->view, err);
+    if (code == 0)
+        code = name_files(state, pictures, result, writing, err);
+    if (code == 0 && (pictures & to_look_at) &&
+        orl_shown_init(&writing->shown, writing->film, &writing->view, &request->display) < 0)
+        code = orl_error_set(err, ORL_ERR_NOMEM, "out of memory for a picture");
+    if (code == 0)
+        code = write_files(state, writing, err);
+    orl_shown_done(&writing->shown);
+    return code;
 }
 
 static bool is_black(const struct orl_film *film)
@@ -128,9 +146,8 @@ int orl_run_write_view(struct orl_run_state *state, size_t index, const struct o
 {
     const struct orl_view_request *request = &state->job->views[index];
     struct orl_view_result *result = &state->result->views[index];
-    const size_t count = orl_film_knows_errors(film) ? FILES : FILES_WITHOUT_ERRORS;
     struct writing *writing = calloc(1, sizeof *writing);
-    forget_files(result);
+    orl_view_result_done(result); /* of an earlier round */
     result->name = strdup(request->name);
     if (!result->name || !writing) {
         free(writing);
@@ -138,11 +155,7 @@ int orl_run_write_view(struct orl_run_state *state, size_t index, const struct o
     }
     writing->film = film;
     result->black = is_black(film);
-    int code = orl_view_parse(request->view, &writing->view, err);
-    if (code == 0)
-        code = name_files(state, result, writing, count, err);
-    if (code == 0)
-        code = write_files(state, writing, count, err);
+    const int code = write_all(state, request, result, writing, err);
     free(writing);
     return code;
 }

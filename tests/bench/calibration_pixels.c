@@ -31,8 +31,10 @@ static double *allocate(size_t n)
 static void render(const struct calibration *c, const struct calibration_scene *scene,
                    enum orl_technique technique, uint64_t seed, struct calibration_pixels *ret)
 {
-    struct orl_view_request view = {view_name, (char *)(uintptr_t)scene->view, c->knobs.width,
-                                    c->knobs.width * 3 / 4};
+    struct orl_view_request view = {.name = view_name,
+                                    .view = (char *)(uintptr_t)scene->view,
+                                    .width = c->knobs.width,
+                                    .height = c->knobs.width * 3 / 4};
     struct orl_result r;
     struct orl_job job;
     calibration_job(scene, &job);

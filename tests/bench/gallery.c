@@ -76,8 +76,10 @@ static struct picture render(const struct gallery *g, const struct scene *s, cha
 {
     const struct orl_files folder = orl_files_from_folder(scenes_folder);
     char maps[PATH_BYTES], path[PATH_BYTES], *files[1] = {(char *)(uintptr_t)s->file};
-    struct orl_view_request view = {name, (char *)(uintptr_t)s->view, (uint32_t)s->width,
-                                    (uint32_t)s->height};
+    struct orl_view_request view = {.name = name,
+                                    .view = (char *)(uintptr_t)s->view,
+                                    .width = (uint32_t)s->width,
+                                    .height = (uint32_t)s->height};
     struct picture p = {.rgb = malloc(pixels(s) * sizeof *p.rgb)};
     struct orl_result r;
     struct orl_job job;

@@ -23,7 +23,8 @@ static void ask_photons(struct orl_job *job)
 /* Irradiance precomputed, and a view that reads it. */
 static void ask_view(struct orl_job *job)
 {
-    static struct orl_view_request view = {view_name, view_text, 20, 15};
+    static struct orl_view_request view = {
+        .name = view_name, .view = view_text, .width = 20, .height = 15};
     job->technique = ORL_TECHNIQUE_PRECOMPUTED;
     job->photons_global = job->photons_caustic = 40000;
     job->views = &view;

@@ -16,7 +16,10 @@ static size_t pixels(const struct office_reference *reference)
 static void render_half(const struct office *office, const struct office_reference *reference,
                         uint64_t seed, double *lx, double *luminances)
 {
-    struct orl_view_request view = {view_name, view_text, reference->width, reference->height};
+    struct orl_view_request view = {.name = view_name,
+                                    .view = view_text,
+                                    .width = reference->width,
+                                    .height = reference->height};
     const long cores = sysconf(_SC_NPROCESSORS_ONLN);
     struct orl_crew *crew = orl_crew_start(cores > 1 ? (uint32_t)cores : 1);
     char maps[BENCH_PATH + 16], image[BENCH_PATH + 32];

@@ -46,7 +46,8 @@ static void build(struct child *c)
 
 static void render(struct child *c, double limit_bytes, const char *group, const char *image)
 {
-    struct orl_view_request view = {view_name, view_text, 200, 150};
+    struct orl_view_request view = {
+        .name = view_name, .view = view_text, .width = 200, .height = 150};
     char path[BENCH_PATH + 32];
     struct orl_result r;
     struct orl_job job;

@@ -72,7 +72,8 @@ static void image_job(const struct speed *s, enum speed_row_id id, struct orl_vi
                       struct orl_job *ret_job)
 {
     static char text[] = OFFICE_VIEW, name[] = "bench";
-    *view = (struct orl_view_request){name, text, s->reference.width, s->reference.height};
+    *view = (struct orl_view_request){
+        .name = name, .view = text, .width = s->reference.width, .height = s->reference.height};
     office_job(ret_job);
     ret_job->technique =
         id == SPEED_IMAGE_GATHER ? ORL_TECHNIQUE_GATHER : ORL_TECHNIQUE_PRECOMPUTED;
@@ -160,7 +161,7 @@ void speed_measure_maps(struct speed *s)
 {
     double with[BENCH_MOST_RUNS], without[BENCH_MOST_RUNS];
     char maps[BENCH_PATH + 16], text[] = OFFICE_VIEW, name[] = "second";
-    struct orl_view_request view = {name, text, 16, 12};
+    struct orl_view_request view = {.name = name, .view = text, .width = 16, .height = 12};
     struct orl_shelf *shelf = orl_shelf_new(256UL << 20);
     struct orl_result r;
     struct orl_job job;

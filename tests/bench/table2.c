@@ -31,8 +31,10 @@ static char view_name[] = "view";
 static void run_job(const struct table *table, struct orl_job *job, struct orl_crew *crew,
                     struct orl_result *ret_result, double **ret_luminances)
 {
-    struct orl_view_request view = {view_name, view_text, table->reference.width,
-                                    table->reference.height};
+    struct orl_view_request view = {.name = view_name,
+                                    .view = view_text,
+                                    .width = table->reference.width,
+                                    .height = table->reference.height};
     char maps[BENCH_PATH + 8], image[BENCH_PATH + 16];
     snprintf(maps, sizeof maps, "%s/maps", table->office.folder);
     snprintf(image, sizeof image, "%s/%s.hdr", table->office.folder, view_name);

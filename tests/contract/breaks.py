@@ -42,6 +42,10 @@ def jobs(lit, dark):
            "photons": {"global": 500, "caustic": 500, "exact": True}, "sensors": SENSORS, "views": [VIEW],
            "priority": 5, "dark": "expected", "effects": {name: "auto" for name in EFFECTS}}
     yield {"scene": lit, "technique": "backward", "pixel_samples": 4, "views": [VIEW]}
+    yield {"scene": lit, "technique": "backward", "pixel_samples": 1, "views": [
+        {**VIEW, "formats": ["hdr", "png", "png16"],
+         "display": {"tone": "human", "veil": True, "acuity": True, "color_loss": True}},
+        {**VIEW, "name": "b", "display": {"exposure": 0.5}}, {**VIEW, "name": "c", "display": {"ev": 9}}]}
     yield {"scene": lit, "accuracy": {"relative_error": 0.5, "at": 0.9}, "sensors": SENSORS}
     yield {"scene": lit, "accuracy": {"deadline_s": 0.01}, "sensors": SENSORS}
     for one in sky:

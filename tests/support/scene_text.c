@@ -83,8 +83,10 @@ static void fill_job(const struct scene_run *run, char **names, struct orl_view_
     job->sensors = (struct orl_sensor *)(uintptr_t)run->sensors;
     job->n_sensors = run->n_sensors;
     if (run->view) {
-        *view = (struct orl_view_request){view_name, (char *)(uintptr_t)run->view, run->width,
-                                          run->height};
+        *view = (struct orl_view_request){.name = view_name,
+                                          .view = (char *)(uintptr_t)run->view,
+                                          .width = run->width,
+                                          .height = run->height};
         job->views = view;
         job->n_views = 1;
     }

@@ -283,7 +283,8 @@ static void test_names(void **state)
     static char view[] = "-vtv -vp 0 0 0 -vd 1 0 0", a[] = "a", a_error[] = "a.error",
                 other[] = "ab.error", file[] = "scene.rad";
     char *files[] = {file};
-    struct orl_view_request views[2] = {{a, view, 4, 4}, {a_error, view, 4, 4}};
+    struct orl_view_request views[2] = {{.name = a, .view = view, .width = 4, .height = 4},
+                                        {.name = a_error, .view = view, .width = 4, .height = 4}};
     struct orl_job job;
     struct orl_error err;
     (void)state;

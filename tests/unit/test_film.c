@@ -1,6 +1,5 @@
 /*
- * Images on disk: RGBE of known values, HDR files read back by a decoder of the test's own, PNG by
- * libpng.
+ * Images on disk: RGBE of known values, HDR files read back by a decoder of the test's own.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -12,7 +11,6 @@
 #include <unistd.h>
 
 #include <cmocka.h>
-#include <png.h>
 
 #include "base/random.h"
 #include "render/film/film.h"
@@ -251,62 +249,6 @@ static void test_pixel_aspect(void **state)
 /* ---- PNG --------------------------------------------------------------------------------------
  */
 
-static png_bytep read_png(const char *path, png_image *ret_image)
-{
-    memset(ret_image, 0, sizeof *ret_image);
-    ret_image->version = PNG_IMAGE_VERSION;
-    assert_true(png_image_begin_read_from_file(ret_image, path));
-    ret_image->format = PNG_FORMAT_RGB;
-    png_bytep pixels = malloc(PNG_IMAGE_SIZE(*ret_image));
-    assert_non_null(pixels);
-    assert_true(png_image_finish_read(ret_image, NULL, pixels, 0, NULL));
-    return pixels;
-}
-
-/* A ramp stays a ramp, grey stays grey, and what is no number is black. */
-static void test_png(void **state)
-{
-    enum { WIDTH = 64, HEIGHT = 3 };
-    struct orl_film film;
-    png_image image;
-    (void)state;
-    assert_int_equal(orl_film_init(&film, WIDTH, HEIGHT, NULL), 0);
-    for (int i = 0; i < WIDTH * HEIGHT; i++)
-        for (int c = 0; c < 3; c++)
-            film.pixels[i][c] = (float)pow(10, (i % WIDTH) / 16.0 - 2);
-    film.pixels[WIDTH][0] = film.pixels[WIDTH][1] = film.pixels[WIDTH][2] = NAN;
-    film.pixels[WIDTH + 1][1] = INFINITY;
-    film.pixels[WIDTH + 2][0] = -1;
-    assert_int_equal(orl_film_write_png(&film, path_of("d.png"), NULL), 0);
-    png_bytep pixels = read_png(path_of("d.png"), &image);
-    assert_int_equal(image.width, WIDTH);
-    assert_int_equal(image.height, HEIGHT);
-    for (int x = 0; x < WIDTH; x++) {
-        const png_byte *pixel = pixels + 3 * x;
-        assert_true(pixel[0] == pixel[1] && pixel[1] == pixel[2]);
-        assert_true(x == 0 || pixel[0] >= pixel[-3]);
-    }
-    assert_true(pixels[3 * (WIDTH - 1)] > pixels[0] + 100);
-    assert_memory_equal(pixels + 3 * WIDTH, "\0\0\0\0\0\0", 6);
-    free(pixels);
-    orl_film_done(&film);
-}
-
-/* All black is a picture too. */
-static void test_black_png(void **state)
-{
-    struct orl_film film;
-    png_image image;
-    (void)state;
-    assert_int_equal(orl_film_init(&film, 3, 3, NULL), 0);
-    assert_int_equal(orl_film_write_png(&film, path_of("e.png"), NULL), 0);
-    png_bytep pixels = read_png(path_of("e.png"), &image);
-    for (int i = 0; i < 27; i++)
-        assert_int_equal(pixels[i], 0);
-    free(pixels);
-    orl_film_done(&film);
-}
-
 static void test_unwritable(void **state)
 {
     const struct orl_view view = some_view();
@@ -315,7 +257,6 @@ static void test_unwritable(void **state)
     (void)state;
     assert_int_equal(orl_film_init(&film, 2, 2, NULL), 0);
     assert_int_equal(orl_film_write_hdr(&film, &view, path_of("no/a.hdr"), &err), ORL_ERR_IO);
-    assert_int_equal(orl_film_write_png(&film, path_of("no/a.png"), &err), ORL_ERR_IO);
     orl_film_done(&film);
 }
 
@@ -324,7 +265,6 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_rgbe),       cmocka_unit_test(test_hdr_sizes),
         cmocka_unit_test(test_hdr_header), cmocka_unit_test(test_pixel_aspect),
-        cmocka_unit_test(test_png),        cmocka_unit_test(test_black_png),
         cmocka_unit_test(test_unwritable),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);

@@ -113,6 +113,26 @@ static struct orl_job decode_sky(const char *text)
     return job;
 }
 
+/* What a view asks for of its pictures. */
+static void test_pictures(void **state)
+{
+    (void)state;
+    struct orl_job job =
+        decode_sky("{\"scene\":\"" ID "\",\"views\":[{\"name\":\"a\",\"view\":\"-vtv\",\"width\":4,"
+                   "\"height\":3,\"formats\":[\"png16\",\"hdr\"],\"display\":{\"ev\":10}},"
+                   "{\"name\":\"b\",\"view\":\"-vtv\",\"width\":4,\"height\":3,"
+                   "\"display\":{\"veil\":true,\"acuity\":true}}]}");
+    assert_int_equal(job.views[0].formats,
+                     ORL_PICTURE_BIT(ORL_PICTURE_PNG16) | ORL_PICTURE_BIT(ORL_PICTURE_HDR));
+    assert_int_equal(job.views[0].display.tone, ORL_TONE_EXPOSURE);
+    assert_true(job.views[0].display.exposure == orl_exposure_of_ev(10));
+    assert_int_equal(job.views[1].formats, 0);
+    assert_int_equal(job.views[1].display.tone, ORL_TONE_HUMAN);
+    assert_true(job.views[1].display.veil && job.views[1].display.acuity);
+    assert_false(job.views[1].display.color_loss);
+    orl_job_done(&job);
+}
+
 static void test_skies(void **state)
 {
     (void)state;
@@ -148,6 +168,8 @@ static void test_skies(void **state)
 }
 
 /* Each mistake: the document (without braces), the code, and the JSON path it must name. */
+#define VIEW_A "\"name\":\"a\",\"view\":\"-vtv\",\"width\":4,\"height\":3"
+
 static const struct {
     const char *text;
     int code;
@@ -193,6 +215,21 @@ static const struct {
      ORL_ERR_INVALID, "views[0].name"},
     {"\"scene\":\"" ID "\",\"views\":[{\"name\":\"a\",\"view\":\"\",\"width\":1,\"height\":1},7]",
      ORL_ERR_INVALID, "views[0].view"},
+    {"\"scene\":\"" ID "\",\"views\":[{" VIEW_A ",\"formats\":[]}]", ORL_ERR_INVALID,
+     "views[0].formats"},
+    {"\"scene\":\"" ID "\",\"views\":[{" VIEW_A ",\"formats\":[\"gif\"]}]", ORL_ERR_INVALID,
+     "views[0].formats"},
+    {"\"scene\":\"" ID "\",\"views\":[{" VIEW_A ",\"display\":{\"tone\":\"dark\"}}]",
+     ORL_ERR_INVALID, "views[0].display.tone"},
+    {"\"scene\":\"" ID "\",\"views\":[{" VIEW_A ",\"display\":{\"ev\":1,\"exposure\":1}}]",
+     ORL_ERR_INVALID, "views[0].display"},
+    {"\"scene\":\"" ID "\",\"views\":[{" VIEW_A ",\"display\":{\"ev\":99}}]", ORL_ERR_RANGE,
+     "views[0].display.ev"},
+    {"\"scene\":\"" ID "\",\"views\":[{" VIEW_A ",\"display\":{\"exposure\":0}}]", ORL_ERR_RANGE,
+     "views[0].display.exposure"},
+    {"\"scene\":\"" ID "\",\"views\":[{" VIEW_A
+     ",\"display\":{\"tone\":\"linear\",\"veil\":true}}]",
+     ORL_ERR_INVALID, "views[0].display.veil"},
     {"\"scene\":\"" ID "\",\"sky\":7", ORL_ERR_INVALID, "sky"},
     {"\"scene\":\"" ID "\",\"sky\":{}", ORL_ERR_INVALID, "sky"},
     {"\"scene\":\"" ID "\",\"sky\":{\"perez\":{},\"cie\":{}}", ORL_ERR_INVALID, "sky"},
@@ -293,6 +330,7 @@ int main(void)
         cmocka_unit_test(test_full_remote_document),
         cmocka_unit_test(test_one_of_two_photon_counts),
         cmocka_unit_test(test_local_document_and_defaults),
+        cmocka_unit_test(test_pictures),
         cmocka_unit_test(test_skies),
         cmocka_unit_test(test_mistakes_name_their_path),
         cmocka_unit_test(test_unknown_member_lists_the_known),

@@ -53,7 +53,7 @@ static bool holds_number(const char *why)
 static struct orl_plan plan_of(const struct query *q, struct left *ret_left)
 {
     static char name[] = "v", view[] = "-vtv -vp 2 4 1.5 -vd 0 -1 0";
-    struct orl_view_request views[1] = {{name, view, 64, 48}};
+    struct orl_view_request views[1] = {{.name = name, .view = view, .width = 64, .height = 48}};
     static const struct orl_sensor inside = {{2, 2.5, .8}, {0, 0, 1}};
     struct orl_crew *crew = orl_crew_start(q->threads ? q->threads : 1);
     struct orl_world *all = scene_world(q->text, q->bsdf ? "pane.xml" : NULL, q->bsdf, crew);

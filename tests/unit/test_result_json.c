@@ -18,7 +18,7 @@ static struct orl_result example(void)
 {
     static double lux[3] = {812.5, NAN, 0};
     static struct orl_view_result views[1] = {
-        {.name = "desk", .hdr = "desk.hdr", .png = "desk.png", .seconds = 1.5}};
+        {.name = "desk", .files = {"desk.hdr", "desk.png"}, .seconds = 1.5}};
     static char *warnings[1] = {"a polygon has no area"};
     struct orl_result result = {
         .threads = 2,

@@ -196,7 +196,7 @@ static void test_views(void **state)
     struct orl_result r = scene_run(&run);
     assert_true(r.outcome.met);
     assert_int_equal(r.n_views, 1);
-    assert_string_equal(r.views[0].hdr, "view.hdr");
+    assert_string_equal(r.views[0].files[ORL_PICTURE_HDR], "view.hdr");
     assert_true(r.cost.one_percent_s > 0 || isnan(r.cost.one_percent_s));
     orl_result_done(&r);
 }

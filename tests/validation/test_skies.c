@@ -127,7 +127,8 @@ static int setup(void **state)
     fill_skies(f->skies);
     f->sensors[0] = (struct orl_sensor){{2, 1, 0.8}, {0, 0, 1}};
     f->sensors[1] = (struct orl_sensor){{2, 4, 0.8}, {0, 0, 1}};
-    f->view = (struct orl_view_request){view_name, view_text, 24, 18};
+    f->view =
+        (struct orl_view_request){.name = view_name, .view = view_text, .width = 24, .height = 18};
     orl_job_init(&f->job);
     f->job.scene_files = (char **)(uintptr_t)scene_files;
     f->job.n_scene_files = 1;

@@ -198,7 +198,8 @@ static void test_errors_do_not_depend_on_threads(void **state)
 
 static void test_views(void **state)
 {
-    struct orl_view_request view = {view_name, view_text, 24, 16};
+    struct orl_view_request view = {
+        .name = view_name, .view = view_text, .width = 24, .height = 16};
     struct orl_study_request request = make_request();
     struct witness w = {.last = 0};
     struct orl_study study = {0};

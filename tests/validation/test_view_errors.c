@@ -56,8 +56,8 @@ static void render(struct scene_run run, struct errors *ret)
         run.width = run.height = SIDE;
         run.folder = folder;
         struct orl_result result = scene_run(&run);
-        assert_string_equal(result.views[0].error_hdr, "view.error.hdr");
-        assert_string_equal(result.views[0].error_png, "view.error.png");
+        assert_string_equal(result.views[0].files[ORL_PICTURE_ERROR_HDR], "view.error.hdr");
+        assert_string_equal(result.views[0].files[ORL_PICTURE_ERROR_PNG], "view.error.png");
         take(folder, "view.hdr", ret->values[seed]);
         take(folder, "view.error.hdr", ret->stated[seed]);
         orl_result_done(&result);

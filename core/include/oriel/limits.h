@@ -27,6 +27,8 @@
 #define ORL_LIMIT_PICTURES 4096U            /* views of one job, under each of its skies */
 #define ORL_LIMIT_IMAGE_SIDE 16384U         /* pixels along one side */
 #define ORL_LIMIT_IMAGE_PIXELS (64UL << 20) /* pixels in one image */
+#define ORL_LIMIT_PICTURE_POINTS 256U       /* named points in one view's false colours */
+#define ORL_LIMIT_DIVISIONS 64U             /* of a scale of false colours */
 #define ORL_LIMIT_PHOTONS 100000000UL       /* photons asked for in one map: 5 GB while built */
 #define ORL_LIMIT_GOAL_SAMPLES (1UL << 20)  /* samples a sensor, all rounds for an accuracy */
 #define ORL_LIMIT_DEADLINE_S 604800UL       /* longest deadline: a week */

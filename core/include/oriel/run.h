@@ -20,6 +20,7 @@
 #include <oriel/error.h>
 #include <oriel/files.h>
 #include <oriel/health.h>
+#include <oriel/picture.h>
 #include <oriel/plan.h>
 #include <oriel/shelf.h>
 #include <oriel/sky.h>
@@ -36,6 +37,9 @@ struct orl_view_request {
     char *name; /* file name stem: letters, digits, '-', '_', '.'; unique in the job */
     char *view; /* Radiance view options, "-vtv -vp ... " */
     uint32_t width, height;
+    uint32_t formats; /* of orl_picture_format, as bits; 0: ORL_PICTURES_USUAL */
+    struct orl_display display;
+    struct orl_false_color false_color;
 };
 
 /*
@@ -160,10 +164,18 @@ enum orl_stage {
 };
 const char *orl_stage_name(enum orl_stage stage); /* "load", "bvh", "plan", ... */
 
+/* What false colours show at a point: in their unit; NaN where the view sees nothing. */
+struct orl_point_value {
+    char name[ORL_PICTURE_LABEL_MAX];
+    double value;
+};
+
 struct orl_view_result {
-    char *name, *hdr, *png;      /* hdr and png: file names below the output folder */
-    char *error_hdr, *error_png; /* beside them: standard errors, W/sr/m2 of luma; relative ones in
-                                    false colours. NULL: not known */
+    char *name;
+    char *files[ORL_PICTURES];      /* names below the output folder; NULL: there is none */
+    double scale;                   /* the top of its false colours; 0: there are none */
+    struct orl_point_value *points; /* that were named; owned */
+    size_t n_points;
     double seconds;
     bool black; /* no pixel has any light */
 };
@@ -212,6 +224,7 @@ struct orl_result {
     char **warnings;
     size_t n_warnings;
 };
+void orl_view_result_done(struct orl_view_result *view);
 void orl_result_done(struct orl_result *result);
 
 /* ---- Running --------------------------------------------------------------------------------- */

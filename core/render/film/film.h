@@ -3,8 +3,7 @@
  *
  * HDR is Radiance's: RGBE, run-length encoded by component, scanlines from the top, the whole VIEW
  * line, so that its tools (and evalglare) read it. Values are W/sr/m2 per channel, no exposure.
- * PNG is for looking at: luminance compressed by Reinhard et al. 2002 about the image's own
- * log-average, sRGB.
+ * Pictures to look at are render/picture's.
  *
  * Beside its value a pixel has the standard error of its luma; error_map.h says of what, and writes
  * these.
@@ -42,10 +41,9 @@ void orl_film_set(struct orl_film *film, uint32_t x, uint32_t y, const struct or
 /* Whether the errors of all pixels are known. */
 bool orl_film_knows_errors(const struct orl_film *film);
 
-/* Both write to path.part, sync and rename, so that a file is whole or absent. */
+/* Writes to path.part, sync and rename, so that a file is whole or absent. */
 int orl_film_write_hdr(const struct orl_film *film, const struct orl_view *view, const char *path,
                        struct orl_error *err);
-int orl_film_write_png(const struct orl_film *film, const char *path, struct orl_error *err);
 
 /* One pixel as RGBE; non-finite and negative parts become zero. */
 void orl_rgbe_encode(const float rgb[3], unsigned char ret_rgbe[4]);

@@ -1,0 +1,190 @@
+#include "render/picture/display.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include <oriel/units.h>
+
+#include "render/film/png.h"
+
+/* What becomes of the geometric mean of luminances, in proportion: middle gray. */
+static const double middle_gray = 0.18;
+
+static double geometric_mean(const struct orl_film *film)
+{
+    double sum = 0, lit = 0;
+    for (size_t i = 0; i < (size_t)film->width * film->height; i++) {
+        const double y = orl_luminance(film->pixels[i]);
+        if (y > 0) {
+            sum += log(y);
+            lit++;
+        }
+    }
+    return lit > 0 ? exp(sum / lit) : 1;
+}
+
+static int init_human(struct orl_shown *shown, const struct orl_view *view)
+{
+    int code = orl_fovea_init(&shown->fovea, shown->film, view);
+    if (code == 0 && shown->how.veil)
+        code = orl_fovea_add_veil(&shown->fovea, view);
+    if (code == 0 && shown->how.acuity)
+        code = orl_blur_init(&shown->blur, shown->film, view);
+    if (code == 0)
+        orl_human_make(&shown->human, shown->film, &shown->fovea);
+    return code;
+}
+
+int orl_shown_init(struct orl_shown *shown, const struct orl_film *film,
+                   const struct orl_view *view, const struct orl_display *how)
+{
+    *shown = (struct orl_shown){.film = film, .how = *how};
+    if (how->tone == ORL_TONE_HUMAN)
+        return init_human(shown, view);
+    shown->factor = how->tone == ORL_TONE_EXPOSURE ? how->exposure / ORL_EFFICACY_LM_PER_W
+                                                   : middle_gray / geometric_mean(film);
+    return 0;
+}
+
+void orl_shown_done(struct orl_shown *shown)
+{
+    orl_fovea_done(&shown->fovea);
+    orl_blur_done(&shown->blur);
+}
+
+/*
+ * Colours fade between the luminances where the eye's cones and where its rods see alone. Scotopic
+ * luminance by the paper's approximation from X, Y and Z, in Radiance's primaries; white is as
+ * bright by either.
+ */
+static void fade(float rgb[3])
+{
+    static const double dark = 5.62e-3, light = 5.62;
+    static const double scotopic[3] = {0.062, 0.608, 0.330};
+    const double y = orl_luminance(rgb);
+    const double color = fmin(fmax((y - dark) / (light - dark), 0), 1);
+    double gray = 0;
+    for (int c = 0; c < 3; c++)
+        gray += scotopic[c] * (double)rgb[c];
+    for (int c = 0; c < 3; c++)
+        rgb[c] = (float)(color * (double)rgb[c] + (1 - color) * gray);
+}
+
+/* Brings a colour of that brightness, which is at most 1, within the display's. */
+static void keep_within(float rgb[3], double brightness)
+{
+    const double most = fmax(rgb[0], fmax(rgb[1], rgb[2]));
+    if (brightness >= 1)
+        rgb[0] = rgb[1] = rgb[2] = 1;
+    else if (most > 1)
+        for (int c = 0; c < 3; c++)
+            rgb[c] = (float)(brightness + (1 - brightness) / (most - brightness) *
+                                              ((double)rgb[c] - brightness));
+}
+
+void orl_shown_pixel(const struct orl_shown *shown, uint32_t x, uint32_t y, float ret_rgb[3])
+{
+    const struct orl_film *film = shown->film;
+    if (shown->how.acuity)
+        orl_blur_at(&shown->blur, &shown->fovea, x, y, ret_rgb);
+    else
+        memcpy(ret_rgb, film->pixels[(size_t)y * film->width + x], 3 * sizeof *ret_rgb);
+    if (shown->how.veil)
+        orl_fovea_veil(&shown->fovea, (x + 0.5) / film->width, (y + 0.5) / film->height, ret_rgb);
+    if (shown->how.color_loss)
+        fade(ret_rgb);
+    const double luminance = orl_luminance(ret_rgb);
+    const double bright = shown->how.tone == ORL_TONE_HUMAN
+                              ? orl_human_show(&shown->human, luminance)
+                              : shown->factor * luminance;
+    const double scale = luminance > 0 ? bright * ORL_EFFICACY_LM_PER_W / luminance : 0;
+    for (int c = 0; c < 3; c++)
+        ret_rgb[c] = luminance > 0 ? (float)(fmax(ret_rgb[c], 0) * scale) : 0;
+    keep_within(ret_rgb, bright);
+}
+
+/* ---- Files ----------------------------------------------------------------------------------- */
+
+uint16_t orl_srgb(double linear, uint16_t white)
+{
+    const double c = fmin(fmax(linear, 0), 1);
+    const double s = c <= 0.0031308 ? 12.92 * c : 1.055 * pow(c, 1 / 2.4) - 0.055;
+    return (uint16_t)lrint(white * s);
+}
+
+/* To 8 bits: the least linear value of each byte, and the byte of every so many-th part of 1, from
+ * where the search goes up. */
+enum { PARTS = 1024 };
+struct curve {
+    double least[257];
+    unsigned char byte[PARTS + 1];
+};
+
+static void make_curve(struct curve *curve)
+{
+    curve->least[0] = 0;
+    curve->least[256] = INFINITY;
+    for (int i = 1; i < 256; i++) {
+        const double s = (i - 0.5) / 255;
+        curve->least[i] = s <= 0.0404482362771082 ? s / 12.92 : pow((s + 0.055) / 1.055, 2.4);
+    }
+    for (int part = 0, byte = 0; part <= PARTS; part++) {
+        while (curve->least[byte + 1] <= (double)part / PARTS)
+            byte++;
+        curve->byte[part] = (unsigned char)byte;
+    }
+}
+
+static unsigned char to_byte(const struct curve *curve, float linear)
+{
+    const double c = fmin(fmax((double)linear, 0), 1);
+    unsigned char byte = curve->byte[(int)(c * PARTS)];
+    while (curve->least[byte + 1] <= c)
+        byte++;
+    return byte;
+}
+
+void orl_shown_bytes(const struct orl_shown *shown, unsigned char *ret_rgb)
+{
+    struct curve curve;
+    make_curve(&curve);
+    for (uint32_t y = 0; y < shown->film->height; y++)
+        for (uint32_t x = 0; x < shown->film->width; x++) {
+            float rgb[3];
+            orl_shown_pixel(shown, x, y, rgb);
+            for (int c = 0; c < 3; c++)
+                *ret_rgb++ = to_byte(&curve, rgb[c]);
+        }
+}
+
+/* PNG has the more significant byte first. */
+static void to_words(const struct orl_shown *shown, unsigned char *ret_rgb)
+{
+    for (uint32_t y = 0; y < shown->film->height; y++)
+        for (uint32_t x = 0; x < shown->film->width; x++) {
+            float rgb[3];
+            orl_shown_pixel(shown, x, y, rgb);
+            for (int c = 0; c < 3; c++) {
+                const uint16_t word = orl_srgb(rgb[c], UINT16_MAX);
+                *ret_rgb++ = (unsigned char)(word >> 8);
+                *ret_rgb++ = (unsigned char)word;
+            }
+        }
+}
+
+int orl_shown_write_png(const struct orl_shown *shown, int bits, const char *path,
+                        struct orl_error *err)
+{
+    const uint32_t width = shown->film->width, height = shown->film->height;
+    unsigned char *rgb = malloc((size_t)bits / 8 * 3 * width * height);
+    if (!rgb)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory writing an image");
+    if (bits == 16)
+        to_words(shown, rgb);
+    else
+        orl_shown_bytes(shown, rgb);
+    const int code = bits == 16 ? orl_png_write_16(path, width, height, rgb, err)
+                                : orl_png_write(path, width, height, rgb, err);
+    free(rgb);
+    return code;
+}

@@ -1,0 +1,166 @@
+#include "render/picture/fovea.h"
+
+#include <stdlib.h>
+
+#include <oriel/units.h>
+
+/* The share of what an eye takes in that it scatters (the 0.087 of Holladay's formula, less what
+ * falls beyond the picture; as Radiance's pcond has it). */
+static const double scattered = 0.08;
+
+void orl_view_degrees(const struct orl_view *view, double *ret_width, double *ret_height)
+{
+    const double assumed = 40;
+    *ret_width = view->horizontal;
+    *ret_height = view->vertical;
+    if (view->type == 'v') {
+        *ret_width = orl_length(view->h) / ORL_DEG_TO_RAD;
+        *ret_height = orl_length(view->v) / ORL_DEG_TO_RAD;
+    } else if (view->type == 'l') {
+        *ret_width = assumed;
+        *ret_height = assumed * view->vertical / view->horizontal;
+    }
+}
+
+static uint32_t side_of(double degrees, uint32_t pixels)
+{
+    const double most = pixels < ORL_FOVEA_SIDE ? pixels : ORL_FOVEA_SIDE;
+    return (uint32_t)fmax(fmin(round(degrees), most), 1);
+}
+
+/* The pixels that sample i of n covers, of so many. */
+static uint32_t edge_of(uint32_t i, uint32_t n, uint32_t pixels)
+{
+    return (uint32_t)((uint64_t)i * pixels / n);
+}
+
+static void average(const struct orl_film *film, struct orl_fovea *fovea, uint32_t x, uint32_t y)
+{
+    const uint32_t x0 = edge_of(x, fovea->width, film->width);
+    const uint32_t x1 = edge_of(x + 1, fovea->width, film->width);
+    const uint32_t y0 = edge_of(y, fovea->height, film->height);
+    const uint32_t y1 = edge_of(y + 1, fovea->height, film->height);
+    double sum[3] = {0};
+    for (uint32_t v = y0; v < y1; v++)
+        for (uint32_t u = x0; u < x1; u++)
+            for (int c = 0; c < 3; c++)
+                sum[c] += (double)film->pixels[(size_t)v * film->width + u][c];
+    for (int c = 0; c < 3; c++)
+        fovea->pixels[(size_t)y * fovea->width + x][c] =
+            (float)(sum[c] / ((double)(x1 - x0) * (y1 - y0)));
+}
+
+int orl_fovea_init(struct orl_fovea *fovea, const struct orl_film *film,
+                   const struct orl_view *view)
+{
+    double across, down;
+    orl_view_degrees(view, &across, &down);
+    *fovea = (struct orl_fovea){.width = side_of(across, film->width),
+                                .height = side_of(down, film->height)};
+    fovea->pixels = calloc((size_t)fovea->width * fovea->height, sizeof *fovea->pixels);
+    if (!fovea->pixels)
+        return ORL_ERR_NOMEM;
+    for (uint32_t y = 0; y < fovea->height; y++)
+        for (uint32_t x = 0; x < fovea->width; x++)
+            average(film, fovea, x, y);
+    return 0;
+}
+
+void orl_fovea_done(struct orl_fovea *fovea)
+{
+    free(fovea->pixels);
+    free(fovea->veil);
+    *fovea = (struct orl_fovea){.width = 0};
+}
+
+/* ---- Veil ------------------------------------------------------------------------------------ */
+
+/* Directions of the samples; zero where the view sees nothing. NULL: out of memory. */
+static struct orl_vec3 *look(const struct orl_fovea *fovea, const struct orl_view *view)
+{
+    struct orl_vec3 *ways = calloc((size_t)fovea->width * fovea->height, sizeof *ways);
+    for (uint32_t y = 0; ways && y < fovea->height; y++)
+        for (uint32_t x = 0; x < fovea->width; x++) {
+            struct orl_vec3 origin, way;
+            if (orl_view_ray(view, (x + 0.5) / fovea->width, 1 - (y + 0.5) / fovea->height, &origin,
+                             &way))
+                ways[(size_t)y * fovea->width + x] = way;
+        }
+    return ways;
+}
+
+/* What is scattered into a sample from all others: they weigh cos t / t^2, where twice the versine
+ * of t stands for t^2. */
+static void scatter(struct orl_fovea *fovea, const struct orl_vec3 *ways, size_t at)
+{
+    const size_t n = (size_t)fovea->width * fovea->height;
+    double sum[3] = {0}, weights = 0;
+    for (size_t i = 0; i < n; i++) {
+        const double cosine = orl_dot(ways[at], ways[i]);
+        if (i == at || cosine <= 0)
+            continue;
+        const double weight = cosine / fmax(2 * (1 - cosine), 1e-9);
+        for (int c = 0; c < 3; c++)
+            sum[c] += weight * (double)fovea->pixels[i][c];
+        weights += weight;
+    }
+    for (int c = 0; c < 3; c++)
+        fovea->veil[at][c] = weights > 0 ? (float)(scattered * sum[c] / weights) : 0;
+}
+
+int orl_fovea_add_veil(struct orl_fovea *fovea, const struct orl_view *view)
+{
+    const size_t n = (size_t)fovea->width * fovea->height;
+    struct orl_vec3 *ways = look(fovea, view);
+    fovea->veil = calloc(n, sizeof *fovea->veil);
+    if (ways && fovea->veil) {
+        for (size_t i = 0; i < n; i++)
+            scatter(fovea, ways, i);
+        for (size_t i = 0; i < n; i++)
+            for (int c = 0; c < 3; c++)
+                fovea->pixels[i][c] =
+                    (float)((1 - scattered) * (double)fovea->pixels[i][c]) + fovea->veil[i][c];
+    }
+    free(ways);
+    return ways && fovea->veil ? 0 : ORL_ERR_NOMEM;
+}
+
+/* Samples and weights about a place along one side. */
+static void between(double at, uint32_t count, uint32_t *ret_low, uint32_t *ret_high,
+                    double *ret_share)
+{
+    const double place = fmin(fmax(at * count - 0.5, 0), count - 1.0);
+    *ret_low = (uint32_t)place;
+    *ret_high = *ret_low + 1 < count ? *ret_low + 1 : *ret_low;
+    *ret_share = place - *ret_low;
+}
+
+static void interpolate(const struct orl_fovea *fovea, float (*const samples)[3], double x,
+                        double y, float ret_rgb[3])
+{
+    uint32_t x0, x1, y0, y1;
+    double u, v;
+    between(x, fovea->width, &x0, &x1, &u);
+    between(y, fovea->height, &y0, &y1, &v);
+    const size_t upper = (size_t)y0 * fovea->width, lower = (size_t)y1 * fovea->width;
+    for (int c = 0; c < 3; c++) {
+        const double a =
+            (1 - u) * (double)samples[upper + x0][c] + u * (double)samples[upper + x1][c];
+        const double b =
+            (1 - u) * (double)samples[lower + x0][c] + u * (double)samples[lower + x1][c];
+        ret_rgb[c] = (float)((1 - v) * a + v * b);
+    }
+}
+
+void orl_fovea_veil(const struct orl_fovea *fovea, double x, double y, float rgb[3])
+{
+    float veil[3];
+    interpolate(fovea, fovea->veil, x, y, veil);
+    for (int c = 0; c < 3; c++)
+        rgb[c] = (float)((1 - scattered) * (double)rgb[c]) + veil[c];
+}
+
+void orl_fovea_at(const struct orl_fovea *fovea, double x, double y, float ret_rgb[3])
+{
+    interpolate(fovea, fovea->pixels, x, y, ret_rgb);
+}
