@@ -12,13 +12,13 @@
 
 #include <oriel/version.h>
 
-#include "child/keeper.h"
-#include "config.h"
-#include "limits.h"
-#include "routes.h"
+#include "checks/keeper.h"
+#include "http/tokens.h"
+#include "process/config.h"
+#include "process/limits.h"
+#include "resources/routes.h"
 #include "server.h"
-#include "store_command.h"
-#include "tokens.h"
+#include "upkeep/store_command.h"
 
 static void announce(const char *url)
 {

@@ -4,15 +4,15 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "job_bounds.h"
-#include "kept_parts.h"
-#include "limits.h"
-#include "notify.h"
-#include "pool.h"
-#include "scrub.h"
+#include "health/notify.h"
+#include "jobs/job_bounds.h"
+#include "process/limits.h"
+#include "process/pool.h"
+#include "process/times.h"
+#include "runner/checkpoints.h"
 #include "store/migrate.h"
 #include "store/tokens.h"
-#include "times.h"
+#include "upkeep/scrub.h"
 
 enum { SAVING_MS = 1000 };
 
@@ -270,7 +270,7 @@ static int open_jobs(struct orl_server *server, struct orl_error *err)
         .idle = on_jobs_idle,
         .ctx = server,
     };
-    orl_kept_program(env.program);
+    orl_checkpoint_program(env.program);
     return orl_jobs_open(&env, &server->jobs, err);
 }
 

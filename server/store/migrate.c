@@ -6,8 +6,8 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "carried.h"
-#include "times.h"
+#include "process/carried.h"
+#include "process/times.h"
 
 enum { DIGEST_HEX = 65 };
 

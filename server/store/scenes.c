@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "times.h"
+#include "process/times.h"
 
 static int insert_files(struct orl_db *db, const char *id, const struct orl_bundle *bundle,
                         struct orl_error *err)

@@ -14,8 +14,8 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "blame.h"
-#include "child/confine.h"
+#include "checks/confine.h"
+#include "health/blame.h"
 #include "support/daemon.h"
 #include "support/scene_text.h"
 

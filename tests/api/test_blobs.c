@@ -12,7 +12,7 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
-#include "blobs.h"
+#include "store/blobs.h"
 #include "store/scenes.h"
 #include "support/data_folder.h"
 

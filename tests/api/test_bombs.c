@@ -14,7 +14,7 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "limits.h"
+#include "process/limits.h"
 #include "store/folders.h"
 #include "support/daemon.h"
 #include "support/scene_text.h"

@@ -16,8 +16,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "address.h"
-#include "limits.h"
+#include "http/address.h"
+#include "process/limits.h"
 #include "support/daemon.h"
 #include "support/zip.h"
 

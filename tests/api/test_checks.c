@@ -16,7 +16,7 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "child/confine.h"
+#include "checks/confine.h"
 #include "support/daemon.h"
 
 /* ---- Processes ------------------------------------------------------------------------------- */

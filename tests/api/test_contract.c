@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <unistd.h>
 
-#include "routes.h"
+#include "resources/routes.h"
 
 static void test_contract(void **state)
 {

@@ -17,7 +17,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include "limits.h"
+#include "process/limits.h"
 #include "support/daemon.h"
 
 enum { PHOTONS = 200000, MANY_PHOTONS = 100000000, PATIENCE_MS = 30000 };

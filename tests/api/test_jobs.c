@@ -13,7 +13,7 @@
 
 #include <oriel/plan.h>
 
-#include "limits.h"
+#include "process/limits.h"
 #include "support/daemon.h"
 
 enum { PHOTONS = 20000, MANY_PHOTONS = 100000000 };

@@ -14,7 +14,7 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "map_cache.h"
+#include "cache/map_cache.h"
 #include "support/data_folder.h"
 
 #define KEY "00000000000000000000000000000000000000000000000000000000000000aa"

@@ -14,8 +14,8 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "child/confine.h"
-#include "memory.h"
+#include "checks/confine.h"
+#include "health/memory.h"
 #include "store/folders.h"
 #include "support/daemon.h"
 

@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <unistd.h>
 
-#include "pulse.h"
+#include "health/pulse.h"
 
 static sem_t gate;
 

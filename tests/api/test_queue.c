@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "queue.h"
+#include "jobs/queue.h"
 #include "support/daemon.h"
 
 enum { PHOTONS = 2000, MANY_PHOTONS = 100000000 };

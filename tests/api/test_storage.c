@@ -15,7 +15,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#include "config.h"
+#include "process/config.h"
 #include "store/folders.h"
 #include "support/daemon.h"
 

@@ -12,7 +12,7 @@
 #include <string.h>
 #include <time.h>
 
-#include "limits.h"
+#include "process/limits.h"
 #include "support/cli.h"
 #include "support/daemon.h"
 

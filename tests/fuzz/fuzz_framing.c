@@ -1,8 +1,8 @@
 /* What comes down a connection: whatever is taken for a request has one owner and one end. */
 #include <string.h>
 
-#include "framing.h"
 #include "fuzz/fuzz.h"
+#include "http/framing.h"
 #include "support/wire.h"
 
 struct seen {

@@ -7,7 +7,7 @@
 #include <strings.h>
 
 #include "fuzz/fuzz.h"
-#include "guard.h"
+#include "http/guard.h"
 
 enum { HEADERS = 3 };
 

@@ -5,10 +5,10 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "../../server/limits.h" /* this folder has one too */
+#include "../../server/process/limits.h" /* this folder has one too */
 #include "fuzz/fuzz.h"
-#include "multipart.h"
 #include "support/wire.h"
+#include "uploads/multipart.h"
 
 static struct orl_folders folders;
 

@@ -3,7 +3,7 @@
 #include <string.h>
 
 #include "fuzz/fuzz.h"
-#include "range.h"
+#include "http/range.h"
 
 bool fuzz_range(const uint8_t *data, size_t size)
 {

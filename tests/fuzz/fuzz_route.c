@@ -7,11 +7,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "framing.h"
 #include "fuzz/fuzz.h"
-#include "limits.h"
-#include "query.h"
-#include "router.h"
+#include "http/framing.h"
+#include "http/query.h"
+#include "http/router.h"
+#include "process/limits.h"
 #include "store/bundle.h"
 #include "support/wire.h"
 

@@ -6,9 +6,9 @@
 #include <string.h>
 
 #include "fuzz/fuzz.h"
+#include "http/tokens.h"
 #include "store/db.h"
 #include "store/migrate.h"
-#include "tokens.h"
 
 enum { MOST = 256 };
 

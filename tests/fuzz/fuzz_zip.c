@@ -7,8 +7,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "../../server/limits.h" /* this folder has one too */
-#include "unzip.h"
+#include "../../server/process/limits.h" /* this folder has one too */
+#include "uploads/unzip.h"
 
 static struct orl_folders folders;
 

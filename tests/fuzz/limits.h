@@ -7,7 +7,7 @@
 
 #include <oriel/limits.h>
 
-#include "../../server/limits.h"
+#include "../../server/process/limits.h"
 
 #undef ORL_LIMIT_SCENE_TEXT
 #undef ORL_LIMIT_SURFACES

@@ -10,7 +10,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "carried.h"
+#include "process/carried.h"
 #include "store/db.h"
 #include "store/jobs.h"
 #include "store/maps.h"

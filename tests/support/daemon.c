@@ -22,7 +22,7 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "child/confine.h"
+#include "checks/confine.h"
 
 static double now_s(void)
 {

@@ -18,7 +18,7 @@
 #include "study_json.h"
 #include "support/scene_text.h"
 #include "support/zip.h"
-#include "unzip.h"
+#include "uploads/unzip.h"
 
 /* ---- Readers --------------------------------------------------------------------------------- */
 

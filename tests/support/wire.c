@@ -5,7 +5,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include "framing.h"
+#include "http/framing.h"
 
 struct wire {
     wire_see see;

@@ -1,0 +1,163 @@
+#include "checks/ask.h"
+
+#include <stdlib.h>
+
+#include "checks/opened.h"
+#include "encode.h"
+#include "process/limits.h"
+#include "uploads/unzip.h"
+
+/* ---- One question ---------------------------------------------------------------------------- */
+
+/* Takes the request. */
+static int ask(struct orl_asking *asking, json_t *request, json_t **ret_result,
+               struct orl_error *err)
+{
+    json_t *bounds = json_pack("{s:I, s:I}", "memory", (json_int_t)asking->memory, "cpu_s",
+                               (json_int_t)asking->cpu_s);
+    int rc = request && bounds && json_object_update(request, bounds) == 0
+                 ? 0
+                 : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    if (rc == 0)
+        rc = orl_lanes_run(asking, request, ret_result, err);
+    json_decref(bounds);
+    json_decref(request);
+    return rc;
+}
+
+static int ask_for_text(struct orl_asking *asking, json_t *request, char **ret_text,
+                        struct orl_error *err)
+{
+    json_t *result = NULL;
+    const int rc = ask(asking, request, &result, err);
+    if (rc)
+        return rc;
+    *ret_text = orl_json_text(result, JSON_COMPACT);
+    json_decref(result);
+    return *ret_text ? 0 : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+}
+
+int orl_ask_scene(struct orl_asking *asking, const struct orl_bundle *bundle, char **ret_summary,
+                  struct orl_error *err)
+{
+    return ask_for_text(
+        asking, json_pack("{s:s, s:o}", "kind", "scene", "files", orl_opened_to_json(bundle)),
+        ret_summary, err);
+}
+
+int orl_ask_bsdf(struct orl_asking *asking, const char *path, const char *name, char **ret_summary,
+                 struct orl_error *err)
+{
+    return ask_for_text(asking,
+                        json_pack("{s:s, s:s, s:s}", "kind", "bsdf", "path", path, "name", name),
+                        ret_summary, err);
+}
+
+int orl_ask_job(struct orl_asking *asking, const char *path, struct orl_job_brief *ret_brief,
+                struct orl_error *err)
+{
+    json_t *result = NULL;
+    int rc = ask(asking, json_pack("{s:s, s:s}", "kind", "job", "path", path), &result, err);
+    if (rc == 0)
+        rc = orl_job_brief_from_json(result, ret_brief, err);
+    json_decref(result);
+    return rc;
+}
+
+/* ---- Files that a child unpacks -------------------------------------------------------------- */
+
+struct taking {
+    const struct orl_folders *folders;
+    struct orl_bundle files; /* so far, all of them resources */
+    struct orl_incoming incoming;
+    uint64_t bytes; /* with those of the upload's other files */
+};
+
+static int take_file(void *ctx, const char *name, struct orl_error *err)
+{
+    struct taking *t = ctx;
+    orl_incoming_end(&t->incoming);
+    return orl_incoming_begin(&t->incoming, t->folders, name, true, err);
+}
+
+static int take_data(void *ctx, const char *data, size_t size, struct orl_error *err)
+{
+    struct taking *t = ctx;
+    t->bytes += size;
+    if (t->incoming.fd < 0)
+        return orl_error_set(err, ORL_ERR_INTERNAL, "a check answered what makes no sense");
+    if (t->bytes > ORL_SERVER_SCENE_BYTES)
+        return orl_error_set(err, ORL_ERR_LIMIT,
+                             "the upload unpacks to more than a scene may have");
+    return orl_incoming_append(&t->incoming, data, size, err);
+}
+
+/* Takes the request; its files are the caller's, whatever comes. */
+static int ask_for_files(struct orl_asking *asking, json_t *request,
+                         const struct orl_folders *folders, uint64_t before,
+                         struct orl_bundle *ret_files, json_t **ret_result, struct orl_error *err)
+{
+    struct taking t = {.folders = folders, .bytes = before};
+    orl_incoming_init(&t.incoming, &t.files);
+    asking->file = take_file;
+    asking->data = take_data;
+    asking->ctx = &t;
+    const int rc = ask(asking, request, ret_result, err);
+    asking->file = NULL;
+    asking->data = NULL;
+    orl_incoming_end(&t.incoming);
+    *ret_files = t.files;
+    return rc;
+}
+
+/* ---- Zips ------------------------------------------------------------------------------------ */
+
+static int ask_roles(void *ctx, struct orl_bundle *files, bool *ret_is_main, struct orl_error *err)
+{
+    json_t *result = NULL;
+    int rc = ask(ctx, json_pack("{s:s, s:o}", "kind", "roles", "files", orl_opened_to_json(files)),
+                 &result, err);
+    if (rc == 0 && json_array_size(result) != files->count)
+        rc = orl_error_set(err, ORL_ERR_INTERNAL, "a check answered what makes no sense");
+    for (size_t i = 0; i < files->count && rc == 0; i++)
+        ret_is_main[i] = json_is_true(json_array_get(result, i));
+    json_decref(result);
+    return rc;
+}
+
+int orl_ask_unzip(struct orl_asking *asking, const char *path, const struct orl_folders *folders,
+                  bool guess_roles, struct orl_bundle *bundle, struct orl_error *err)
+{
+    struct orl_bundle files = {0};
+    json_t *result = NULL;
+    int rc = ask_for_files(asking, json_pack("{s:s, s:s}", "kind", "unzip", "path", path), folders,
+                           orl_bundle_bytes(bundle), &files, &result, err);
+    json_decref(result);
+    if (rc == 0)
+        rc = orl_unzip_settle(&files, guess_roles ? ask_roles : NULL, asking, bundle, err);
+    orl_bundle_done(&files);
+    return rc;
+}
+
+/* ---- Scene documents ------------------------------------------------------------------------- */
+
+int orl_ask_document(struct orl_asking *asking, const char *path, const struct orl_folders *folders,
+                     struct orl_bundle *bundle, json_t **ret_bsdfs, struct orl_error *err)
+{
+    struct orl_bundle files = {0};
+    json_t *rest = NULL;
+    int rc = ask_for_files(asking, json_pack("{s:s, s:s}", "kind", "files", "path", path), folders,
+                           orl_bundle_bytes(bundle), &files, &rest, err);
+    const json_t *resources = json_object_get(rest, "resources");
+    if (rc == 0 && json_array_size(resources) != files.count)
+        rc = orl_error_set(err, ORL_ERR_INTERNAL, "a check answered what makes no sense");
+    for (size_t i = 0; i < files.count && rc == 0; i++)
+        files.files[i].resource = json_is_true(json_array_get(resources, i));
+    if (rc == 0)
+        rc = orl_bundle_move(&files, bundle, err);
+    if (rc == 0)
+        *ret_bsdfs = json_incref(json_object_get(rest, "bsdfs"));
+    json_decref(rest);
+    orl_bundle_done(&files);
+    return rc;
+}

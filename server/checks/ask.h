@@ -1,0 +1,28 @@
+/*
+ * What the daemon asks of children (child_checks.h): each call is one check, or two. Pool threads.
+ * Errors: those of the checks, and of orl_lanes_run.
+ */
+#ifndef ORL_SERVER_CHECKS_ASK_H
+#define ORL_SERVER_CHECKS_ASK_H
+
+#include "checks/job_brief.h"
+#include "checks/lanes.h"
+#include "store/bundle.h"
+
+/* Is it a scene? *ret_summary is JSON text, the caller's. The bundle is sorted. */
+int orl_ask_scene(struct orl_asking *asking, const struct orl_bundle *bundle, char **ret_summary,
+                  struct orl_error *err);
+/* Is the file a BSDF? name: for messages. */
+int orl_ask_bsdf(struct orl_asking *asking, const char *path, const char *name, char **ret_summary,
+                 struct orl_error *err);
+int orl_ask_job(struct orl_asking *asking, const char *path, struct orl_job_brief *ret_brief,
+                struct orl_error *err);
+
+/* As orl_unzip (unzip.h). */
+int orl_ask_unzip(struct orl_asking *asking, const char *path, const struct orl_folders *folders,
+                  bool guess_roles, struct orl_bundle *bundle, struct orl_error *err);
+/* Appends the files of a scene document; *ret_bsdfs is its "bsdfs" (a new reference), or NULL. */
+int orl_ask_document(struct orl_asking *asking, const char *path, const struct orl_folders *folders,
+                     struct orl_bundle *bundle, json_t **ret_bsdfs, struct orl_error *err);
+
+#endif

@@ -1,0 +1,237 @@
+#include "checks/child_checks.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <oriel/bsdf.h>
+#include <oriel/limits.h>
+#include <oriel/run.h>
+
+#include "bsdf_json.h"
+#include "checks/confine.h"
+#include "checks/frames.h"
+#include "checks/job_brief.h"
+#include "checks/keeper.h"
+#include "checks/opened.h"
+#include "checks/scene_document.h"
+#include "encode.h"
+#include "health/blame.h"
+#include "json_read.h"
+#include "scene_json.h"
+#include "uploads/unzip.h"
+
+/* A check under way: its request, and the files that it names. */
+struct check {
+    int fd;
+    const json_t *request;
+    struct orl_opened files;
+};
+
+/* ---- Kinds ----------------------------------------------------------------------------------- */
+
+static int check_scene(struct check *check, json_t **ret_result, struct orl_error *err)
+{
+    const char *names[ORL_LIMIT_SCENE_FILES];
+    struct orl_scene_summary summary;
+    struct orl_bundle *bundle = &check->files.bundle;
+    const size_t count = orl_bundle_main_count(bundle);
+    for (size_t i = 0; i < count; i++)
+        names[i] = bundle->files[i].name;
+    const struct orl_files files = orl_opened_provider(&check->files);
+    const int rc = orl_scene_check(names, count, &files, NULL, &summary, err);
+    if (rc == 0) {
+        *ret_result = orl_scene_summary_to_json(&summary);
+        orl_scene_summary_done(&summary);
+    }
+    return rc;
+}
+
+static int check_bsdf(struct check *check, json_t **ret_result, struct orl_error *err)
+{
+    struct orl_bsdf *bsdf = NULL;
+    struct orl_bsdf_check found;
+    const struct orl_file *file = &check->files.single;
+    const struct orl_bsdf_xml xml = {.name =
+                                         json_string_value(json_object_get(check->request, "name")),
+                                     .data = file->data,
+                                     .size = file->size};
+    const int rc = orl_bsdf_load(&xml, &bsdf, err);
+    if (rc)
+        return rc;
+    orl_bsdf_examine(bsdf, &found);
+    orl_bsdf_unref(bsdf);
+    *ret_result = orl_bsdf_check_to_json(&found);
+    return 0;
+}
+
+static int check_job(struct check *check, json_t **ret_result, struct orl_error *err)
+{
+    struct orl_job_brief brief;
+    const int rc = orl_job_brief_read(&check->files.single, &brief, err);
+    if (rc == 0) {
+        *ret_result = orl_job_brief_to_json(&brief);
+        orl_job_brief_done(&brief);
+    }
+    return rc;
+}
+
+static int send_file(void *ctx, const char *name, struct orl_error *err)
+{
+    const struct check *check = ctx;
+    return orl_frame_send(check->fd, ORL_FRAME_FILE, name, strlen(name))
+               ? 0
+               : orl_error_set(err, ORL_ERR_IO, "nobody takes the files");
+}
+
+static int send_data(void *ctx, const char *data, size_t size, struct orl_error *err)
+{
+    const struct check *check = ctx;
+    while (size > 0) {
+        const size_t n = size < ORL_FRAME_BYTES ? size : ORL_FRAME_BYTES;
+        if (!orl_frame_send(check->fd, ORL_FRAME_DATA, data, n))
+            return orl_error_set(err, ORL_ERR_IO, "nobody takes the files");
+        data += n;
+        size -= n;
+    }
+    return 0;
+}
+
+static int check_zip(struct check *check, json_t **ret_result, struct orl_error *err)
+{
+    const struct orl_incoming_sink sink = {send_file, send_data, check};
+    struct orl_bundle files = {0};
+    const int rc = orl_unzip_entries(&check->files.single, NULL, &sink, 0, &files, err);
+    orl_bundle_done(&files);
+    *ret_result = rc ? NULL : json_null();
+    return rc;
+}
+
+static int check_files(struct check *check, json_t **ret_result, struct orl_error *err)
+{
+    const struct orl_incoming_sink sink = {send_file, send_data, check};
+    return orl_scene_document_read(&check->files.single, &sink, ret_result, err);
+}
+
+static int check_roles(struct check *check, json_t **ret_result, struct orl_error *err)
+{
+    const char *names[ORL_LIMIT_SCENE_FILES];
+    bool is_main[ORL_LIMIT_SCENE_FILES];
+    const struct orl_bundle *bundle = &check->files.bundle;
+    const struct orl_files files = orl_opened_provider(&check->files);
+    for (size_t i = 0; i < bundle->count; i++)
+        names[i] = bundle->files[i].name;
+    const int rc = orl_scene_guess_main(names, bundle->count, &files, is_main, err);
+    json_t *roles = rc ? NULL : json_array();
+    for (size_t i = 0; roles && i < bundle->count; i++)
+        json_array_append_new(roles, json_boolean(is_main[i]));
+    *ret_result = roles;
+    return rc;
+}
+
+static int run_kind(struct check *check, json_t **ret_result, struct orl_error *err)
+{
+    static const struct {
+        const char *name;
+        int (*run)(struct check *check, json_t **ret_result, struct orl_error *err);
+    } kinds[] = {{"scene", check_scene}, {"bsdf", check_bsdf},   {"job", check_job},
+                 {"unzip", check_zip},   {"files", check_files}, {"roles", check_roles}};
+    const char *name = json_string_value(json_object_get(check->request, "kind"));
+    for (size_t i = 0; name && i < sizeof kinds / sizeof *kinds; i++)
+        if (strcmp(kinds[i].name, name) == 0)
+            return kinds[i].run(check, ret_result, err);
+    return orl_error_set(err, ORL_ERR_INTERNAL, "there is no such check");
+}
+
+/* ---- Errors ---------------------------------------------------------------------------------- */
+
+json_t *orl_child_error_to_json(const struct orl_error *err)
+{
+    return json_pack("{s:i, s:i, s:o, s:o, s:o, s:o}", "code", err->code, "line", err->line, "file",
+                     orl_json_from_text(err->file), "primitive", orl_json_from_text(err->primitive),
+                     "message", orl_json_from_text(err->message), "hint",
+                     orl_json_from_text(err->hint));
+}
+
+static void get_text(const json_t *json, const char *name, char *ret_text, size_t size)
+{
+    const char *text = json_string_value(json_object_get(json, name));
+    snprintf(ret_text, size, "%s", text ? text : "");
+}
+
+void orl_child_error_from_json(const json_t *json, struct orl_error *ret_err)
+{
+    const json_int_t code = json_integer_value(json_object_get(json, "code"));
+    const json_int_t line = json_integer_value(json_object_get(json, "line"));
+    memset(ret_err, 0, sizeof *ret_err);
+    ret_err->code = code < 0 && code >= ORL_ERR_UNLIT && code != ORL_ERR_CANCELLED
+                        ? (int)code
+                        : ORL_ERR_INTERNAL;
+    ret_err->line = line > 0 && line < INT32_MAX ? (int)line : 0;
+    get_text(json, "file", ret_err->file, sizeof ret_err->file);
+    get_text(json, "primitive", ret_err->primitive, sizeof ret_err->primitive);
+    get_text(json, "message", ret_err->message, sizeof ret_err->message);
+    get_text(json, "hint", ret_err->hint, sizeof ret_err->hint);
+}
+
+/* ---- The process ----------------------------------------------------------------------------- */
+
+static json_t *receive_request(int fd)
+{
+    struct orl_frame_text text = {0};
+    char *packet = malloc(ORL_FRAME_BYTES + 1);
+    ssize_t n = packet ? 1 : 0;
+    bool complete = false;
+    while (n > 0 && !complete) {
+        n = recv(fd, packet, ORL_FRAME_BYTES + 1, 0);
+        if (n > 0 && !orl_frame_text_add(&text, packet + 1, (size_t)n - 1, SIZE_MAX >> 1))
+            break;
+        complete = n > 0 && packet[0] == ORL_FRAME_REQUEST_END;
+    }
+    json_t *request = complete ? orl_json_read(text.text, text.size, 0, NULL) : NULL;
+    free(packet);
+    free(text.text);
+    return request;
+}
+
+/*
+ * Embree is C++: where memory ends in a place that cannot throw, the process does. A child says so
+ * by its status.
+ */
+static void on_terminate(void)
+{
+    _exit(ORL_CHILD_NO_MEMORY);
+}
+
+static uint64_t get_number(const json_t *request, const char *name)
+{
+    const json_int_t value = json_integer_value(json_object_get(request, name));
+    return value > 0 ? (uint64_t)value : 0;
+}
+
+void orl_child_check(int fd)
+{
+    struct orl_error err = {0};
+    json_t *request = receive_request(fd), *result = NULL;
+    struct check check = {.fd = fd, .request = request};
+    if (!request) /* the daemon's own words are well-formed: there was no room for them */
+        _exit(ORL_CHILD_NO_MEMORY);
+    const struct orl_bounds bounds = {get_number(request, "memory"),
+                                      (uint32_t)get_number(request, "cpu_s")};
+    orl_heed_terminate(on_terminate);
+    int rc = orl_opened_open(request, &check.files, &err);
+    if (rc == 0)
+        rc = orl_confine(&bounds, &err);
+    if (rc == 0)
+        rc = run_kind(&check, &result, &err);
+    if (rc == 0 && !result)
+        rc = orl_error_set(&err, ORL_ERR_NOMEM, "out of memory");
+    json_t *verdict = rc ? json_pack("{s:o}", "error", orl_child_error_to_json(&err))
+                         : json_pack("{s:o}", "result", result);
+    char *text = verdict ? orl_json_text(verdict, JSON_COMPACT) : NULL;
+    if (!text)
+        _exit(ORL_CHILD_NO_MEMORY);
+    orl_frame_send_text(fd, ORL_FRAME_VERDICT, ORL_FRAME_VERDICT_END, text, strlen(text));
+}

@@ -1,0 +1,72 @@
+#include "checks/keeper.h"
+
+#include <errno.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <oriel/run.h>
+
+#include "checks/child_checks.h"
+#include "checks/frames.h"
+
+enum { CHILD_NICE = 5 };
+
+/* Ends with the process that it is a child of. */
+static void end_with(pid_t parent)
+{
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    if (getppid() != parent)
+        _exit(1);
+}
+
+/* False: the daemon is gone. */
+static bool wait_for_request(void)
+{
+    char first;
+    ssize_t n;
+    do
+        n = recv(ORL_KEEPER_FD, &first, 1, MSG_PEEK);
+    while (n < 0 && errno == EINTR);
+    return n > 0;
+}
+
+static struct orl_child_end keep_one(void)
+{
+    const pid_t keeper = getpid();
+    struct orl_child_end end = {.status = -1};
+    struct rusage usage;
+    int status;
+    const pid_t child = fork();
+    if (child == 0) {
+        end_with(keeper);
+        orl_child_check(ORL_KEEPER_FD);
+        _exit(0);
+    }
+    end.pid = child;
+    while (child > 0 && wait4(child, &status, 0, &usage) < 0 && errno == EINTR)
+        ;
+    if (child > 0) {
+        end.status = status;
+        end.peak_bytes = (uint64_t)usage.ru_maxrss << 10;
+    }
+    return end;
+}
+
+int orl_keeper_main(const char *daemon_pid)
+{
+    end_with((pid_t)strtol(daemon_pid, NULL, 10));
+    setpriority(PRIO_PROCESS, 0, CHILD_NICE);
+    orl_prepare_thread(NULL); /* where that fails a child tries again */
+    while (wait_for_request()) {
+        const struct orl_child_end end = keep_one();
+        if (!orl_frame_send(ORL_KEEPER_FD, ORL_FRAME_END, &end, sizeof end))
+            break;
+    }
+    return 0;
+}

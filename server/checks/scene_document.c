@@ -1,0 +1,107 @@
+#include "checks/scene_document.h"
+
+#include <sodium.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <oriel/limits.h>
+
+#include "decode.h"
+#include "uploads/multipart.h"
+
+/* The bytes of one file object; *ret_data is owned. */
+static int decode_content(const json_t *file, const char *where, unsigned char **ret_data,
+                          size_t *ret_size, struct orl_error *err)
+{
+    const json_t *text = json_object_get(file, "text");
+    const json_t *base64 = json_object_get(file, "base64");
+    const json_t *source = text ? text : base64;
+    if (!json_is_string(source) || (text && base64))
+        return orl_json_fail(err, ORL_ERR_INVALID, where,
+                             "either \"text\" or \"base64\" is wanted, as a string");
+    const size_t length = json_string_length(source);
+    unsigned char *data = malloc(length + 1);
+    size_t size = length;
+    if (!data)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    memcpy(data, json_string_value(source), length);
+    if (!text && sodium_base642bin(data, length + 1, json_string_value(source), length, " \r\n",
+                                   &size, NULL, sodium_base64_VARIANT_ORIGINAL) != 0) {
+        free(data);
+        return orl_json_fail(err, ORL_ERR_INVALID, where, "the base64 does not decode");
+    }
+    *ret_data = data;
+    *ret_size = size;
+    return 0;
+}
+
+static int hand_on(const char *name, const unsigned char *data, size_t size,
+                   const struct orl_incoming_sink *sink, struct orl_error *err)
+{
+    if (size > ORL_LIMIT_FILE_BYTES)
+        return orl_error_set(err, ORL_ERR_LIMIT, "'%s' is larger than %lu MiB", name,
+                             ORL_LIMIT_FILE_BYTES >> 20);
+    const int rc = sink->file(sink->ctx, name, err);
+    return rc ? rc : sink->data(sink->ctx, (const char *)data, size, err);
+}
+
+static int read_file(const json_t *file, size_t index, const struct orl_incoming_sink *sink,
+                     json_t *resources, struct orl_error *err)
+{
+    static const char *const allowed[] = {"name", "text", "base64", "resource", NULL};
+    char where[ORL_JSON_PATH_MAX];
+    char *name = NULL;
+    unsigned char *data = NULL;
+    size_t size = 0;
+    snprintf(where, sizeof where, "files[%zu]", index);
+    int rc = orl_json_object(file, where, allowed, err);
+    if (rc == 0) {
+        snprintf(where, sizeof where, "files[%zu].name", index);
+        rc = orl_json_string(json_object_get(file, "name"), where, 255, &name, err);
+    }
+    bool resource = rc == 0 && orl_is_xml_name(name);
+    if (rc == 0 && json_object_get(file, "resource")) {
+        snprintf(where, sizeof where, "files[%zu].resource", index);
+        rc = orl_json_bool(json_object_get(file, "resource"), where, &resource, err);
+    }
+    snprintf(where, sizeof where, "files[%zu]", index);
+    if (rc == 0)
+        rc = decode_content(file, where, &data, &size, err);
+    if (rc == 0)
+        rc = hand_on(name, data, size, sink, err);
+    if (rc == 0 && json_array_append_new(resources, json_boolean(resource)))
+        rc = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    free(data);
+    free(name);
+    return rc;
+}
+
+int orl_scene_document_read(const struct orl_file *document, const struct orl_incoming_sink *sink,
+                            json_t **ret_rest, struct orl_error *err)
+{
+    static const char *const allowed[] = {"files", "bsdfs", NULL};
+    json_t *doc = NULL, *resources = json_array();
+    int rc = orl_json_parse(NULL, document->data, document->size, &doc, err);
+    const json_t *files = json_object_get(doc, "files");
+    json_t *bsdfs = json_object_get(doc, "bsdfs");
+    if (rc == 0)
+        rc = orl_json_object(doc, "", allowed, err);
+    if (rc == 0)
+        rc = orl_json_array(files, "files", ORL_LIMIT_SCENE_FILES, err);
+    for (size_t i = 0; rc == 0 && i < json_array_size(files); i++)
+        rc = read_file(json_array_get(files, i), i, sink, resources, err);
+    if (rc == 0 && bsdfs && json_object_size(bsdfs) > ORL_LIMIT_SCENE_FILES)
+        rc = orl_json_fail(err, ORL_ERR_LIMIT, "bsdfs", "there are more than %u",
+                           ORL_LIMIT_SCENE_FILES);
+    json_t *rest = rc ? NULL : json_pack("{s:O}", "resources", resources);
+    if (rest && bsdfs)
+        json_object_set(rest, "bsdfs", bsdfs);
+    if (rc == 0 && !rest)
+        rc = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    json_decref(resources);
+    json_decref(doc);
+    if (rc == 0)
+        *ret_rest = rest;
+    return rc;
+}

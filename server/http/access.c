@@ -1,0 +1,101 @@
+#include "http/access.h"
+
+#include <arpa/inet.h>
+#include <stdio.h>
+#include <string.h>
+#include <strings.h>
+
+#include "http/guard.h"
+#include "http/reply.h"
+#include "http/router.h"
+#include "http/tokens.h"
+#include "server.h"
+
+static bool is_forwarded(const struct orl_request *request)
+{
+    static const char *const names[] = {"Forwarded",         "Via",
+                                        "X-Forwarded-For",   "X-Forwarded-Host",
+                                        "X-Forwarded-Proto", "X-Real-IP"};
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++)
+        if (orl_request_header(request, names[i]))
+            return true;
+    return false;
+}
+
+bool orl_access_check_origin(struct orl_request *request)
+{
+    /* A page in a browser has no token to send, and browsers send none by themselves. */
+    if (request->server->config.needs_token)
+        return true;
+    const struct orl_guarded guarded = {
+        .host = orl_request_header(request, MHD_HTTP_HEADER_HOST),
+        .origin = orl_request_header(request, MHD_HTTP_HEADER_ORIGIN),
+        .fetch_site = orl_request_header(request, "Sec-Fetch-Site"),
+        .forwarded = is_forwarded(request),
+    };
+    const char *refusal = orl_guard_check(&guarded);
+    if (refusal)
+        orl_reply_problem(request, 403, "forbidden", "The request is refused", "%s", refusal);
+    return !refusal;
+}
+
+static void log_refusal(struct orl_request *request, const char *why)
+{
+    char peer[80] = "-";
+    const union MHD_ConnectionInfo *info =
+        MHD_get_connection_info(request->connection, MHD_CONNECTION_INFO_CLIENT_ADDRESS);
+    if (info && info->client_addr)
+        orl_address_format(info->client_addr, peer, sizeof peer);
+    orl_log_event(&request->server->log, ORL_LOG_WARN, "refused", "isss", "id",
+                  (int64_t)request->id, "peer", peer, "token", request->token, "why", why);
+}
+
+static bool refuse_unknown(struct orl_request *request, bool has_token)
+{
+    orl_reply_problem(
+        request, 401, "unauthorized", "An access token is needed", "%s",
+        has_token ? "the token sent is none of this daemon's, or was removed"
+                  : "this daemon asks for an access token, which `orield token add` makes, as "
+                    "Authorization: Bearer");
+    orl_reply_header(request, "WWW-Authenticate",
+                     has_token ? "Bearer realm=\"oriel\", error=\"invalid_token\""
+                               : "Bearer realm=\"oriel\"");
+    log_refusal(request, has_token ? "unknown token" : "no token");
+    return false;
+}
+
+static bool refuse_scope(struct orl_request *request, enum orl_token_scope has)
+{
+    const char *needs = orl_scope_name(request->route->scope);
+    char challenge[96];
+    orl_reply_problem(request, 403, "insufficient-scope", "The token does not allow this",
+                      "this takes a token of scope %s; the one sent has %s", needs,
+                      orl_scope_name(has));
+    snprintf(challenge, sizeof challenge,
+             "Bearer realm=\"oriel\", error=\"insufficient_scope\", scope=\"%s\"", needs);
+    orl_reply_header(request, "WWW-Authenticate", challenge);
+    log_refusal(request, "scope");
+    return false;
+}
+
+bool orl_access_check_token(struct orl_request *request)
+{
+    static const char scheme[] = "Bearer ";
+    struct orl_token_row row;
+    struct orl_error err;
+    bool known = false;
+    if (!request->server->config.needs_token || request->route->scope == ORL_SCOPE_OPEN)
+        return true;
+    const char *header = orl_request_header(request, MHD_HTTP_HEADER_AUTHORIZATION);
+    if (!header || strncasecmp(header, scheme, sizeof scheme - 1) != 0)
+        return refuse_unknown(request, false);
+    if (orl_token_recognise(&request->server->db, request->server->token_finder,
+                            header + sizeof scheme - 1, &row, &known, &err)) {
+        orl_reply_error(request, &err);
+        return false;
+    }
+    if (!known)
+        return refuse_unknown(request, true);
+    snprintf(request->token, sizeof request->token, "%s", row.name);
+    return row.scope >= request->route->scope || refuse_scope(request, row.scope);
+}

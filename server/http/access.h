@@ -1,0 +1,20 @@
+/*
+ * Whether a request may do what it asks: web pages are kept out where anyone on this machine may
+ * come in (guard.h), and tokens are asked for where others can reach the daemon.
+ * Threads: the loop thread only.
+ */
+#ifndef ORL_SERVER_HTTP_ACCESS_H
+#define ORL_SERVER_HTTP_ACCESS_H
+
+#include "http/request.h"
+
+/* Before the route is known: false, with a 403 made, for a web page's request. */
+bool orl_access_check_origin(struct orl_request *request);
+
+/*
+ * By the route's scope: false, with a 401 or 403 made (RFC 6750), when the Authorization header has
+ * no token that may do this. Fills request->token with the token's name.
+ */
+bool orl_access_check_token(struct orl_request *request);
+
+#endif

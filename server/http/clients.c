@@ -1,0 +1,86 @@
+#include "http/clients.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "http/address.h"
+#include "http/reply.h"
+#include "process/limits.h"
+#include "server.h"
+
+static void name_client(const struct orl_request *request, char *ret_name, size_t size)
+{
+    char key[ORL_ADDRESS_KEY];
+    if (request->server->config.needs_token) {
+        snprintf(ret_name, size, "token:%s", request->token);
+        return;
+    }
+    const union MHD_ConnectionInfo *info =
+        MHD_get_connection_info(request->connection, MHD_CONNECTION_INFO_CLIENT_ADDRESS);
+    orl_address_key(info ? info->client_addr : NULL, key);
+    snprintf(ret_name, size, "address:%s", key);
+}
+
+/* What of all there is one client may have. */
+static uint64_t share(const struct orl_server *server, uint64_t all, uint64_t part)
+{
+    return server->config.needs_token ? part : all;
+}
+
+struct orl_client *orl_client_ref(struct orl_request *request)
+{
+    struct orl_server *server = request->server;
+    char name[sizeof server->clients.first->name];
+    name_client(request, name, sizeof name);
+    struct orl_client *client = server->clients.first;
+    while (client && strcmp(client->name, name) != 0)
+        client = client->next;
+    if (!client) {
+        client = calloc(1, sizeof *client);
+        if (!client)
+            return NULL;
+        memcpy(client->name, name, sizeof name);
+        client->next = server->clients.first;
+        server->clients.first = client;
+    }
+    client->refs++;
+    const uint64_t budget = server->storage.budget;
+    atomic_store(&client->bytes.most, share(server, budget, budget / 2));
+    return client;
+}
+
+void orl_client_unref(struct orl_clients *clients, struct orl_client *client)
+{
+    if (!client || --client->refs > 0)
+        return;
+    struct orl_client **at = &clients->first;
+    while (*at != client)
+        at = &(*at)->next;
+    *at = client->next;
+    free(client);
+}
+
+bool orl_client_may_stream(struct orl_request *request)
+{
+    const uint64_t most = share(request->server, ORL_SERVER_STREAMS, ORL_SERVER_CLIENT_STREAMS);
+    if (!request->client || request->client->streams < most)
+        return true;
+    orl_reply_problem(request, 429, "too-many-streams", "Too many event streams are open",
+                      "%u of this client's are; close some, or poll the job", (unsigned)most);
+    orl_reply_header(request, "Retry-After", "10");
+    return false;
+}
+
+bool orl_client_may_queue(struct orl_request *request)
+{
+    const uint64_t most = share(request->server, UINT64_MAX, ORL_SERVER_CLIENT_JOBS);
+    if (!request->client || most == UINT64_MAX ||
+        orl_jobs_of_client(request->server->jobs, request->client->name) < most)
+        return true;
+    orl_reply_problem(request, 429, "queue-full", "Too many jobs wait already",
+                      "%u of this client's wait or run; try again when some have ended",
+                      (unsigned)most);
+    orl_reply_header(request, "Retry-After", "30");
+    return false;
+}

@@ -1,0 +1,291 @@
+#include "http/connections.h"
+
+#include <linux/sockios.h>
+#include <linux/tcp.h>
+#include <netinet/in.h>
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/ioctl.h>
+#include <sys/socket.h>
+
+#include "http/address.h"
+#include "process/limits.h"
+#include "process/times.h"
+
+enum awaited { AWAITS_HEADERS, AWAITS_BODY, AWAITS_NOTHING };
+
+struct orl_address {
+    char key[ORL_ADDRESS_KEY];
+    unsigned open;
+    struct orl_address *next;
+};
+
+struct orl_connection {
+    int fd;
+    struct orl_address *address; /* counted there; NULL: out of memory */
+    enum awaited awaited;
+    double until_s; /* headers: when they must be there; body: when its rate begins to count */
+    double since_s; /* body */
+    uint64_t received;
+    double held_s; /* since when it waits for us; 0: it does not */
+    /* What the last sweep found: of the body received, and of the connection read. */
+    uint64_t swept, swept_taken;
+    bool stuck;    /* ... and that there was no getting on */
+    uint64_t left; /* what the last look found read of the connection, with more to read; 0: no */
+    double idle_s;
+    struct orl_connection *next, *before;
+};
+
+static struct orl_connection *of(struct MHD_Connection *connection)
+{
+    const union MHD_ConnectionInfo *info =
+        MHD_get_connection_info(connection, MHD_CONNECTION_INFO_SOCKET_CONTEXT);
+    return info ? info->socket_context : NULL;
+}
+
+/* Where the address's entry is, or would be. */
+static struct orl_address **find_address(struct orl_connections *all, const char *key)
+{
+    unsigned hash = 0;
+    for (const char *c = key; *c; c++)
+        hash = 31 * hash + (unsigned char)*c;
+    struct orl_address **at = &all->addresses[hash % ORL_ADDRESS_BUCKETS];
+    while (*at && strcmp((*at)->key, key) != 0)
+        at = &(*at)->next;
+    return at;
+}
+
+enum MHD_Result orl_connections_allow(void *connections, const struct sockaddr *address,
+                                      socklen_t size)
+{
+    struct orl_connections *all = connections;
+    char key[ORL_ADDRESS_KEY];
+    (void)size;
+    orl_address_key(address, key);
+    const struct orl_address *known = *find_address(all, key);
+    return known && known->open >= all->most ? MHD_NO : MHD_YES;
+}
+
+static struct orl_address *count_address(struct orl_connections *all,
+                                         struct MHD_Connection *connection)
+{
+    const union MHD_ConnectionInfo *info =
+        MHD_get_connection_info(connection, MHD_CONNECTION_INFO_CLIENT_ADDRESS);
+    char key[ORL_ADDRESS_KEY];
+    orl_address_key(info ? info->client_addr : NULL, key);
+    struct orl_address **at = find_address(all, key);
+    if (!*at) {
+        *at = calloc(1, sizeof **at);
+        if (!*at)
+            return NULL;
+        memcpy((*at)->key, key, sizeof key);
+    }
+    (*at)->open++;
+    return *at;
+}
+
+static void uncount_address(struct orl_connections *all, struct orl_address *address)
+{
+    if (!address || --address->open > 0)
+        return;
+    *find_address(all, address->key) = address->next;
+    free(address);
+}
+
+static void open_connection(struct orl_connections *all, struct MHD_Connection *connection,
+                            void **context)
+{
+    const union MHD_ConnectionInfo *info =
+        MHD_get_connection_info(connection, MHD_CONNECTION_INFO_CONNECTION_FD);
+    struct orl_connection *one = info ? calloc(1, sizeof *one) : NULL;
+    if (!one)
+        return; /* it goes unwatched but for silence */
+    one->fd = info->connect_fd;
+    one->address = count_address(all, connection);
+    one->idle_s = all->idle_s;
+    one->until_s = orl_time_steady_s() +
+                   (all->idle_s < ORL_SERVER_HEADER_S ? all->idle_s : ORL_SERVER_HEADER_S);
+    one->next = all->first;
+    if (all->first)
+        all->first->before = one;
+    all->first = one;
+    *context = one;
+}
+
+void orl_connections_notify(void *connections, struct MHD_Connection *connection, void **context,
+                            enum MHD_ConnectionNotificationCode code)
+{
+    struct orl_connections *all = connections;
+    struct orl_connection *one = *context;
+    if (code == MHD_CONNECTION_NOTIFY_STARTED) {
+        all->open++;
+        open_connection(all, connection, context);
+        return;
+    }
+    all->open--;
+    if (!one)
+        return;
+    if (one->before)
+        one->before->next = one->next;
+    else
+        all->first = one->next;
+    if (one->next)
+        one->next->before = one->before;
+    uncount_address(all, one->address);
+    free(one);
+    *context = NULL;
+}
+
+void orl_connection_headers(struct MHD_Connection *connection)
+{
+    struct orl_connection *one = of(connection);
+    if (!one)
+        return;
+    one->awaited = AWAITS_BODY;
+    one->received = one->swept = 0;
+    one->swept_taken = UINT64_MAX;
+    one->stuck = false;
+    one->since_s = orl_time_steady_s();
+    one->until_s = one->since_s + one->idle_s;
+}
+
+void orl_connection_received(struct MHD_Connection *connection, size_t bytes)
+{
+    struct orl_connection *one = of(connection);
+    if (one)
+        one->received += bytes;
+}
+
+void orl_connection_hold(struct MHD_Connection *connection)
+{
+    struct orl_connection *one = of(connection);
+    if (one)
+        one->held_s = orl_time_steady_s();
+}
+
+void orl_connection_go_on(struct MHD_Connection *connection)
+{
+    struct orl_connection *one = of(connection);
+    if (!one || one->held_s == 0)
+        return;
+    one->since_s += orl_time_steady_s() - one->held_s;
+    one->held_s = 0;
+}
+
+void orl_connection_body(struct MHD_Connection *connection)
+{
+    struct orl_connection *one = of(connection);
+    if (one)
+        one->awaited = AWAITS_NOTHING;
+}
+
+void orl_connection_over(struct MHD_Connection *connection)
+{
+    struct orl_connection *one = of(connection);
+    if (!one)
+        return;
+    one->awaited = AWAITS_HEADERS;
+    one->held_s = 0;
+    one->until_s = orl_time_steady_s() + one->idle_s;
+}
+
+/*
+ * Has the client stopped sending? libmicrohttpd does not hear of it when the end comes together
+ * with the last bytes before it (it waits for another edge of epoll), and would keep the connection
+ * until it is slow. A second end, for our side of reading alone, is such an edge; an answer that is
+ * under way still goes out.
+ */
+static void note_end(const struct orl_connection *one)
+{
+    char next;
+    if (recv(one->fd, &next, 1, MSG_PEEK | MSG_DONTWAIT) == 0)
+        shutdown(one->fd, SHUT_RD);
+}
+
+/* How much has been read of the connection, and how much has come besides? */
+static bool count_read(const struct orl_connection *one, uint64_t *ret_taken, uint64_t *ret_unread)
+{
+    struct tcp_info info = {0};
+    socklen_t size = sizeof info;
+    int unread = 0;
+    if (getsockopt(one->fd, IPPROTO_TCP, TCP_INFO, &info, &size) != 0 ||
+        ioctl(one->fd, SIOCINQ, &unread) != 0)
+        return false;
+    *ret_taken = (uint64_t)info.tcpi_bytes_received - (uint64_t)unread;
+    *ret_unread = (uint64_t)unread;
+    return true;
+}
+
+/*
+ * Does the client send and send, and none of it is body? Between two sweeps that found the same
+ * amount of body, bytes lie unread although nothing keeps them, or more were read than any chunk's
+ * first line has. Twice in a row, lest a sweep came just before the reading.
+ */
+static bool is_stuck(struct orl_connection *one)
+{
+    enum { LINE = 256 };
+    uint64_t taken, unread;
+    if (!count_read(one, &taken, &unread))
+        return false;
+    const bool got_on = one->received != one->swept || one->swept_taken == UINT64_MAX;
+    if (got_on)
+        one->swept_taken = taken;
+    one->swept = one->received;
+    const bool again = one->stuck;
+    one->stuck = !got_on && (unread > 0 || taken > one->swept_taken + LINE);
+    return again && one->stuck;
+}
+
+static void cut(struct orl_connections *all, struct orl_connection *one)
+{
+    /* The descriptor stays libmicrohttpd's, which finds the connection ended and closes it. */
+    shutdown(one->fd, SHUT_RDWR);
+    one->awaited = AWAITS_NOTHING;
+    all->cut++;
+}
+
+/* Whoever libmicrohttpd does not read, though it had every reason to between two looks. */
+static void look_at(struct orl_connections *all, struct orl_connection *one)
+{
+    uint64_t taken = 0, unread = 0;
+    if (one->awaited != AWAITS_BODY || one->held_s > 0 || !count_read(one, &taken, &unread) ||
+        unread == 0) {
+        one->left = 0;
+        return;
+    }
+    if (one->left > 0 && one->left == taken)
+        cut(all, one);
+    one->left = taken;
+}
+
+void orl_connections_look(struct orl_connections *all)
+{
+    static const double every_s = 0.01;
+    const double now_s = orl_time_steady_s();
+    if (now_s - all->looked_s < every_s)
+        return;
+    all->looked_s = now_s;
+    for (struct orl_connection *one = all->first; one; one = one->next)
+        look_at(all, one);
+}
+
+void orl_connections_sweep(struct orl_connections *all)
+{
+    const double now_s = orl_time_steady_s();
+    for (struct orl_connection *one = all->first; one; one = one->next) {
+        if (one->awaited == AWAITS_NOTHING || one->held_s > 0)
+            continue;
+        note_end(one);
+        if (one->awaited == AWAITS_BODY && is_stuck(one)) {
+            cut(all, one);
+            continue;
+        }
+        if (now_s < one->until_s)
+            continue;
+        if (one->awaited == AWAITS_BODY &&
+            (double)one->received >= ORL_SERVER_BODY_RATE * (now_s - one->since_s))
+            continue;
+        cut(all, one);
+    }
+}

@@ -1,0 +1,44 @@
+/*
+ * libmicrohttpd on the libuv loop.
+ *
+ * MHD runs without a thread of its own, on an epoll descriptor that the loop polls. MHD's sockets
+ * in it are edge-triggered, so MHD is run until it has nothing more to do; a timer honours what
+ * MHD_get_timeout returns (a duration). After a connection is resumed the loop must kick it.
+ * A client that hangs up in the middle of its body may go unnoticed until the idle timeout: when
+ * the last bytes and the hang-up arrive together, MHD 0.9.75 takes the edge for the bytes alone.
+ *
+ * Threads: the loop thread only.
+ */
+#ifndef ORL_SERVER_HTTP_HTTP_H
+#define ORL_SERVER_HTTP_HTTP_H
+
+#include <sys/socket.h>
+#include <uv.h>
+
+#include <oriel/error.h>
+
+struct orl_connections;
+struct orl_http_server;
+struct orl_server;
+
+/* Listens on address (port 0: a free one). Borrows server, for the callbacks of
+ * serve.h. Speaks TLS when its settings name a certificate. */
+int orl_http_start(struct orl_server *server, const struct sockaddr *address,
+                   struct orl_http_server **ret_http, struct orl_error *err);
+/* Connections open now; those cut off for slowness, ever. */
+const struct orl_connections *orl_http_connections(const struct orl_http_server *http);
+/* Where it listens. */
+void orl_http_address(const struct orl_http_server *http, struct sockaddr_storage *ret_address);
+/* Lets MHD go on; not from within a handler. NULL (not started) is allowed. */
+void orl_http_kick(struct orl_http_server *http);
+/* Reads certificate and key anew, for connections from now on; a bad one changes nothing. */
+int orl_http_reload(struct orl_http_server *http, struct orl_error *err);
+/* Takes no more connections. */
+void orl_http_quiesce(struct orl_http_server *http);
+/* Closes everything; no connection may be suspended. The handles close with the loop's next turns.
+ */
+void orl_http_stop(struct orl_http_server *http); /* NULL is allowed */
+/* Frees it once the loop has run dry. */
+void orl_http_free(struct orl_http_server *http);
+
+#endif

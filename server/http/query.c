@@ -1,0 +1,17 @@
+#include "http/query.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+bool orl_query_count(const char *text, unsigned long most, unsigned long *ret_count)
+{
+    const size_t length = strlen(text);
+    if (length == 0 || text[strspn(text, "0123456789")])
+        return false;
+    /* Too many digits are ULONG_MAX. */
+    const unsigned long count = strtoul(text, NULL, 10);
+    if (count < 1 || count > most)
+        return false;
+    *ret_count = count;
+    return true;
+}

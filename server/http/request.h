@@ -1,0 +1,77 @@
+/*
+ * One HTTP request, from its first header to its last byte sent.
+ *
+ * A handler runs on the loop thread once the body is there. It either replies (reply.h) or calls
+ * orl_request_work: run goes to the pool while the connection is suspended, then follows on the
+ * loop thread, and may reply or call orl_request_work again. What a handler keeps between the two
+ * hangs on state, freed by free_state with the request whatever happens.
+ *
+ * Threads: loop, except for run; between orl_request_work and then, only run touches the request.
+ */
+#ifndef ORL_SERVER_HTTP_REQUEST_H
+#define ORL_SERVER_HTTP_REQUEST_H
+
+#include <microhttpd.h>
+#include <stdbool.h>
+#include <stdint.h>
+#include <uv.h>
+
+#include "http/body.h"
+#include "http/clients.h"
+#include "store/jobs.h"
+#include "store/tokens.h"
+
+struct orl_server;
+struct orl_route;
+struct orl_request;
+
+typedef void (*orl_request_step)(struct orl_request *request);
+
+enum { ORL_ROUTE_PARAMS = 2, ORL_PARAM_MAX = 160, ORL_LOGGED_PATH = 200 };
+
+struct orl_request {
+    struct orl_server *server;
+    struct MHD_Connection *connection;
+    const struct orl_route *route; /* NULL: refused before a route was found */
+    uint64_t id;
+    double started_s;
+    char method[16], path[ORL_LOGGED_PATH]; /* for the log; the path may be cut */
+    char job[ORL_JOB_ID];                   /* whom it is about, as far as known; "" for none */
+    char token[ORL_TOKEN_NAME];             /* the name of its token; "-" for none */
+    char params[ORL_ROUTE_PARAMS][ORL_PARAM_MAX];
+    struct orl_client *client; /* clients.h; NULL: refused before */
+    struct orl_hold hold;      /* what of it lies on the disk, under way */
+    struct orl_body body;
+    const char *version_at; /* where MHD must have the version, if the target has no NUL */
+    bool opened;            /* its headers are there */
+    bool too_long;          /* its target is */
+    bool dispatched;        /* the handler has been called */
+    bool unframed;          /* refused, and nobody knows where it ends */
+
+    struct MHD_Response *response; /* made, not yet queued */
+    unsigned status;               /* of the response made or queued; 0 before */
+
+    uv_work_t work;
+    orl_request_step run, then;
+    struct orl_check *check; /* of what it has sent, under way; or NULL: checks.h */
+    bool working;
+
+    void *state;
+    void (*free_state)(void *state);
+};
+
+/* Has run called on the pool and then on the loop. The handler must return without replying. */
+void orl_request_work(struct orl_request *request, orl_request_step run, orl_request_step then);
+
+/* The same in two steps: it waits, and is queued later. */
+void orl_request_wait(struct orl_request *request, orl_request_step run, orl_request_step then);
+void orl_request_queue(struct orl_request *request);
+
+/* The server's folders, as long as the request lives; what is written to tmp/ is held for it. */
+struct orl_folders orl_request_folders(struct orl_request *request);
+
+/* A query argument or header, or NULL. */
+const char *orl_request_query(const struct orl_request *request, const char *name);
+const char *orl_request_header(const struct orl_request *request, const char *name);
+
+#endif

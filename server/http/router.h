@@ -1,0 +1,44 @@
+/*
+ * How a request finds its route in a table of methods, paths and handlers (routes.h has the
+ * daemon's).
+ */
+#ifndef ORL_SERVER_HTTP_ROUTER_H
+#define ORL_SERVER_HTTP_ROUTER_H
+
+#include <stddef.h>
+
+#include "http/request.h"
+#include "store/tokens.h"
+
+struct orl_route {
+    const char *method;         /* GET serves HEAD too */
+    const char *path;           /* "/v1/jobs/{}/files/{}": each {} is a parameter */
+    enum orl_token_scope scope; /* a token must have, where tokens are needed */
+    orl_request_step handler;
+    uint64_t max_body;        /* 0: no body is read */
+    const char *const *types; /* media types accepted for the body, ends with NULL; NULL: any */
+};
+
+struct orl_routes {
+    const struct orl_route *table;
+    size_t count;
+};
+
+/*
+ * Finds the route. Returns 0 and fills ret_route and ret_params, or an HTTP status: 404, or 405
+ * with the methods that would do in ret_allow.
+ */
+unsigned orl_router_find(const struct orl_routes *routes, const char *method, const char *url,
+                         const struct orl_route **ret_route,
+                         char ret_params[ORL_ROUTE_PARAMS][ORL_PARAM_MAX], char ret_allow[64]);
+
+/* Its place in the table; NULL is behind the last. */
+size_t orl_router_index(const struct orl_routes *routes, const struct orl_route *route);
+
+/* The types that it takes, as "a, b or c". Returns ret_types. */
+const char *orl_router_types(const struct orl_route *route, char ret_types[160]);
+
+/* Does the media type of a Content-Type header (NULL: none) suit the route? */
+bool orl_router_accepts(const struct orl_route *route, const char *content_type);
+
+#endif

@@ -1,0 +1,275 @@
+#include "http/serve.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "http/access.h"
+#include "http/connections.h"
+#include "http/framing.h"
+#include "http/reply.h"
+#include "http/router.h"
+#include "process/limits.h"
+#include "process/times.h"
+#include "server.h"
+
+static void flush_body(struct orl_request *request)
+{
+    orl_body_flush(&request->body, &request->server->folders);
+}
+
+/* ---- MHD's callbacks ------------------------------------------------------------------------ */
+
+static void refuse_too_large(struct orl_request *request)
+{
+    orl_reply_problem(request, 413, "limit", "The request is too large",
+                      "the body may have at most %llu bytes",
+                      (unsigned long long)request->route->max_body);
+}
+
+/* A body that will lie on the disk has its room before it comes. */
+static void receive(struct orl_request *request, uint64_t bytes)
+{
+    request->client = orl_client_ref(request);
+    request->hold = (struct orl_hold){.all = &request->server->storage.room,
+                                      .own = request->client ? &request->client->bytes : NULL};
+    if (bytes <= ORL_SERVER_BODY_BUFFER / 2)
+        return;
+    if (orl_storage_receive(&request->server->storage, &request->hold, bytes))
+        request->body.held = bytes;
+    else
+        orl_reply_held(request, bytes);
+}
+
+/* Finds the route and refuses at once what can be refused by the headers. */
+static void open_request(struct orl_request *request, const char *url, const char *method,
+                         const char *version)
+{
+    char allow[64], types[160];
+    const struct orl_route *route = NULL;
+    const char *fault = orl_framing_check(request->connection, method, version);
+    if (!fault && MHD_VERSION < 0x01000000 && version != request->version_at)
+        fault = "its target has a NUL";
+    if (fault) {
+        orl_reply_problem(request, 400, "syntax", "The request is not valid HTTP", "%s", fault);
+        request->unframed = true;
+        return;
+    }
+    if (request->too_long) {
+        orl_reply_problem(request, 414, "limit", "The request is too large",
+                          "its target may have %u bytes, of which each argument takes 64 more than "
+                          "it has",
+                          ORL_SERVER_URI_BYTES);
+        return;
+    }
+    if (!orl_access_check_origin(request))
+        return;
+    const unsigned status = orl_router_find(request->server->routes, request->method, url, &route,
+                                            request->params, allow);
+    if (status == 405) {
+        orl_reply_problem(request, 405, "method-not-allowed", "The method does not apply here",
+                          "%s is not possible here; %s would be", request->method, allow);
+        orl_reply_header(request, "Allow", allow);
+        return;
+    }
+    if (status) {
+        orl_reply_not_found(request, "resource");
+        return;
+    }
+    request->route = route;
+    if (strncmp(route->path, "/v1/jobs/{}", 11) == 0)
+        snprintf(request->job, sizeof request->job, "%.*s", ORL_JOB_ID - 1, request->params[0]);
+    orl_body_init(&request->body, route->max_body, &request->hold);
+    if (!orl_access_check_token(request))
+        return;
+    if (request->server->stopping) {
+        orl_reply_stopping(request);
+        return;
+    }
+    const char *length = orl_request_header(request, MHD_HTTP_HEADER_CONTENT_LENGTH);
+    const unsigned long long bytes = length ? strtoull(length, NULL, 10) : 0;
+    if (bytes > route->max_body)
+        refuse_too_large(request);
+    else if (!orl_router_accepts(route, orl_request_header(request, MHD_HTTP_HEADER_CONTENT_TYPE)))
+        orl_reply_problem(request, 415, "unsupported-media-type",
+                          "The body has a type that is not understood", "%s takes %s", url,
+                          orl_router_types(route, types));
+    else
+        receive(request, bytes);
+}
+
+void *orl_serve_begin(void *ctx, const char *uri, struct MHD_Connection *connection)
+{
+    struct orl_server *server = ctx;
+    struct orl_request *request = calloc(1, sizeof *request);
+    if (!request)
+        return NULL;
+    request->server = server;
+    request->connection = connection;
+    request->id = ++server->requests;
+    request->started_s = orl_time_steady_s();
+    snprintf(request->method, sizeof request->method, "-");
+    snprintf(request->path, sizeof request->path, "%.*s", (int)strcspn(uri ? uri : "", "?"),
+             uri ? uri : "");
+    snprintf(request->token, sizeof request->token, "-");
+    orl_body_init(&request->body, 0, NULL);
+    request->version_at = uri ? uri + strlen(uri) + 1 : NULL;
+    request->too_long = uri && orl_framing_cut_query(uri);
+    return request;
+}
+
+/* All of its headers are there. */
+static void note_headers(struct orl_request *request, const char *url, const char *method,
+                         const char *version)
+{
+    request->opened = true;
+    request->started_s = orl_time_steady_s();
+    snprintf(request->method, sizeof request->method, "%s", method);
+    snprintf(request->path, sizeof request->path, "%s", url);
+    orl_connection_headers(request->connection);
+    open_request(request, url, method, version);
+}
+
+/* Files it kept go before its answer: who has that finds no trace of a refused upload. */
+static void let_go(struct orl_request *request)
+{
+    if (request->state && request->free_state)
+        request->free_state(request->state);
+    request->state = NULL;
+    if (request->dispatched) {
+        orl_body_done(&request->body);
+        orl_hold_give_back(&request->hold);
+    }
+}
+
+static enum MHD_Result send_response(struct orl_request *request)
+{
+    char id[24];
+    snprintf(id, sizeof id, "%llu", (unsigned long long)request->id);
+    orl_reply_header(request, "X-Request-Id", id);
+    if (request->unframed)
+        orl_reply_header(request, MHD_HTTP_HEADER_CONNECTION, "close");
+    let_go(request);
+    struct MHD_Response *response = request->response;
+    request->response = NULL;
+    const enum MHD_Result sent = MHD_queue_response(request->connection, request->status, response);
+    MHD_destroy_response(response);
+    return sent;
+}
+
+/*
+ * A request refused by its headers is answered at once when its client waits for leave to send the
+ * body, or when that is endless or huge (of strangers: large), or ends nobody knows where; the
+ * connection is then closed. Any other body is read and dropped first: a client that is still
+ * sending would see the connection break, and no answer.
+ */
+static bool answer_at_once(const struct orl_request *request)
+{
+    const bool unknown = request->status == 401 || request->status == 403;
+    const char *length = orl_request_header(request, MHD_HTTP_HEADER_CONTENT_LENGTH);
+    const unsigned long long bytes = length ? strtoull(length, NULL, 10) : 0;
+    return request->unframed || orl_request_header(request, MHD_HTTP_HEADER_TRANSFER_ENCODING) ||
+           bytes > (unknown ? ORL_SERVER_BODY_BUFFER : ORL_SERVER_DROPPED_BODY) ||
+           (bytes > 0 && orl_request_header(request, MHD_HTTP_HEADER_EXPECT));
+}
+
+/* Takes what has arrived; a full buffer goes to the disk while the connection waits. */
+static enum MHD_Result take_data(struct orl_request *request, const char *data, size_t *data_size)
+{
+    /* With chunked bodies MHD offers the next chunk even to a connection just suspended; what is
+     * not taken comes again after it is resumed. */
+    if (request->working)
+        return MHD_YES;
+    orl_connection_received(request->connection, *data_size);
+    /* Else the daemon would have to write for as long as somebody sends. */
+    if (!request->response && request->server->stopping)
+        orl_reply_stopping(request);
+    if (request->response) {
+        *data_size = 0; /* refused already */
+        return MHD_YES;
+    }
+    const bool full = orl_body_append(&request->body, data, *data_size);
+    *data_size = 0;
+    /* A client that goes on long after its body became too large is cut off. */
+    if (request->body.over && request->body.size / 2 > request->body.limit + ORL_SERVER_BODY_BUFFER)
+        return MHD_NO;
+    if (full) {
+        MHD_suspend_connection(request->connection);
+        orl_connection_hold(request->connection);
+        orl_request_work(request, flush_body, NULL);
+    }
+    return MHD_YES;
+}
+
+static enum MHD_Result dispatch(struct orl_request *request)
+{
+    request->dispatched = true;
+    orl_connection_body(request->connection);
+    if (!request->response && request->server->stopping)
+        orl_reply_stopping(request);
+    if (request->response)
+        return send_response(request);
+    if (request->body.over)
+        refuse_too_large(request);
+    else if (request->body.failed)
+        orl_reply_error(request, &request->body.err);
+    else
+        request->route->handler(request);
+    if (request->response)
+        return send_response(request);
+    if (!request->working)
+        return MHD_NO; /* a handler that neither replied nor worked: our bug, closed at once */
+    MHD_suspend_connection(request->connection);
+    return MHD_YES;
+}
+
+enum MHD_Result orl_serve_go_on(void *ctx, struct MHD_Connection *connection, const char *url,
+                                const char *method, const char *version, const char *data,
+                                size_t *data_size, void **handle)
+{
+    struct orl_request *request = *handle;
+    (void)ctx;
+    if (!request)
+        return MHD_NO; /* there was no memory for it */
+    if (!request->opened) {
+        note_headers(request, url, method, version);
+        /* Without a body it can wait for the next call, which lets the connection live on. */
+        if (!request->response || !answer_at_once(request))
+            return MHD_YES;
+        orl_connection_body(connection); /* what comes of it is not read */
+        return send_response(request);
+    }
+    if (*data_size > 0)
+        return take_data(request, data, data_size);
+    if (!request->dispatched)
+        return dispatch(request);
+    if (request->response)
+        return send_response(request);
+    return request->working || request->status ? MHD_YES : MHD_NO;
+}
+
+void orl_serve_completed(void *ctx, struct MHD_Connection *connection, void **handle,
+                         enum MHD_RequestTerminationCode why)
+{
+    struct orl_server *server = ctx;
+    struct orl_request *request = *handle;
+    orl_connection_over(connection);
+    if (!request)
+        return;
+    const double seconds = orl_time_steady_s() - request->started_s;
+    orl_metrics_request(&server->metrics, orl_router_index(server->routes, request->route),
+                        request->status, seconds);
+    orl_log_event(&server->log, ORL_LOG_INFO, "request", "issssids", "id", (int64_t)request->id,
+                  "job", request->job[0] ? request->job : "-", "token", request->token, "method",
+                  request->method, "path", request->path, "status", (int64_t)request->status, "ms",
+                  1000 * seconds, "end",
+                  why == MHD_REQUEST_TERMINATED_COMPLETED_OK ? "ok" : "broken");
+    if (request->response)
+        MHD_destroy_response(request->response);
+    let_go(request);
+    orl_body_done(&request->body);
+    orl_hold_give_back(&request->hold);
+    orl_client_unref(&server->clients, request->client);
+    free(request);
+    *handle = NULL;
+}

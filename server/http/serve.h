@@ -1,0 +1,19 @@
+/*
+ * Requests served: from the first line, by headers, route, token and body, to the handler and the
+ * answer's last byte. These are libmicrohttpd's callbacks; the closure is the struct orl_server.
+ *
+ * Threads: loop.
+ */
+#ifndef ORL_SERVER_HTTP_SERVE_H
+#define ORL_SERVER_HTTP_SERVE_H
+
+#include "http/request.h"
+
+void *orl_serve_begin(void *server, const char *uri, struct MHD_Connection *connection);
+enum MHD_Result orl_serve_go_on(void *server, struct MHD_Connection *connection, const char *url,
+                                const char *method, const char *version, const char *data,
+                                size_t *data_size, void **request);
+void orl_serve_completed(void *server, struct MHD_Connection *connection, void **request,
+                         enum MHD_RequestTerminationCode why);
+
+#endif

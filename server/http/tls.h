@@ -1,0 +1,34 @@
+/*
+ * Certificate and private key of HTTPS, as GnuTLS asks for them with every handshake: so they can
+ * be others while the daemon runs. Those of before stay until the end, for handshakes under way.
+ *
+ * Threads: the loop thread only. There is one in a process: GnuTLS's callback has no closure.
+ */
+#ifndef ORL_SERVER_HTTP_TLS_H
+#define ORL_SERVER_HTTP_TLS_H
+
+#include <stdint.h>
+
+#include <oriel/error.h>
+
+struct orl_certificate;
+
+struct orl_tls {
+    struct orl_certificate *current; /* NULL: none */
+};
+
+/* What GnuTLS is to speak: TLS 1.2 and 1.3, with its own choice of strong ciphers. */
+#define ORL_TLS_PRIORITIES "NORMAL:-VERS-ALL:+VERS-TLS1.3:+VERS-TLS1.2:%SERVER_PRECEDENCE"
+
+/*
+ * Reads both PEM files, and serves them from now on; where they are no good nothing changes. A key
+ * that everyone on the machine can read is refused, and so is one of another certificate.
+ */
+int orl_tls_load(struct orl_tls *tls, const char *cert_path, const char *key_path,
+                 struct orl_error *err);
+void orl_tls_done(struct orl_tls *tls); /* wipes the keys; a zeroed struct is fine */
+
+/* What MHD_OPTION_HTTPS_CERT_CALLBACK takes, as a number. */
+uintptr_t orl_tls_callback(void);
+
+#endif

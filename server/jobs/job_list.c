@@ -1,0 +1,112 @@
+#include "jobs/job_list.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "jobs/job_runs.h"
+#include "process/limits.h"
+
+/* Ids are random hexadecimal digits, so the first few serve as the hash. */
+static size_t bucket_of(const char *id)
+{
+    char head[5];
+    snprintf(head, sizeof head, "%.4s", id);
+    return strtoul(head, NULL, 16) % ORL_JOBS_BUCKETS;
+}
+
+void orl_job_list_add(struct orl_jobs *jobs, struct orl_jobs_job *job)
+{
+    const size_t bucket = bucket_of(job->row.id);
+    job->jobs = jobs;
+    job->older = jobs->newest;
+    if (jobs->newest)
+        jobs->newest->newer = job;
+    else
+        jobs->oldest = job;
+    jobs->newest = job;
+    job->same_bucket = jobs->buckets[bucket];
+    jobs->buckets[bucket] = job;
+    jobs->counts[job->row.state]++;
+    if (job->row.state <= ORL_JOB_RUNNING)
+        jobs->expected_bytes += job->row.result_bytes;
+}
+
+void orl_job_list_remove(struct orl_jobs *jobs, struct orl_jobs_job *job)
+{
+    struct orl_jobs_job **at = &jobs->buckets[bucket_of(job->row.id)];
+    while (*at != job)
+        at = &(*at)->same_bucket;
+    *at = job->same_bucket;
+    if (job->newer)
+        job->newer->older = job->older;
+    else
+        jobs->newest = job->older;
+    if (job->older)
+        job->older->newer = job->newer;
+    else
+        jobs->oldest = job->newer;
+    jobs->counts[job->row.state]--;
+}
+
+struct orl_jobs_job *orl_jobs_lookup(const struct orl_jobs *jobs, const char *id)
+{
+    struct orl_jobs_job *job = jobs->buckets[bucket_of(id)];
+    while (job && strcmp(job->row.id, id) != 0)
+        job = job->same_bucket;
+    return job;
+}
+
+const struct orl_jobs_job *orl_jobs_find(const struct orl_jobs *jobs, const char *id)
+{
+    return orl_jobs_lookup(jobs, id);
+}
+
+const struct orl_jobs_job *orl_jobs_newest(const struct orl_jobs *jobs)
+{
+    return jobs->newest;
+}
+
+size_t orl_jobs_position(const struct orl_jobs *jobs, const struct orl_jobs_job *job)
+{
+    const struct orl_jobs_job *leader = job->leader ? job->leader : job;
+    return orl_queue_position(jobs->queue, &leader->waiting);
+}
+
+struct orl_worker *orl_jobs_worker(const struct orl_jobs_job *job)
+{
+    return job->leader ? job->leader->worker : job->worker;
+}
+
+size_t orl_jobs_of_client(const struct orl_jobs *jobs, const char *client)
+{
+    size_t count = 0;
+    for (const struct orl_jobs_job *leader = jobs->leaders; leader; leader = leader->next_leader) {
+        count += leader->row.state <= ORL_JOB_RUNNING && strcmp(leader->row.client, client) == 0;
+        for (const struct orl_jobs_job *job = leader->followers; job; job = job->next_follower)
+            count += strcmp(job->row.client, client) == 0;
+    }
+    return count;
+}
+
+size_t orl_jobs_count(const struct orl_jobs *jobs, enum orl_job_state state)
+{
+    return jobs->counts[state];
+}
+
+bool orl_jobs_full(const struct orl_jobs *jobs)
+{
+    /* Those that share a computation that runs wait for it, too. */
+    const size_t running = jobs->counts[ORL_JOB_RUNNING];
+    const size_t sharing = running > jobs->n_workers ? running - jobs->n_workers : 0;
+    return jobs->counts[ORL_JOB_QUEUED] + sharing >= ORL_SERVER_QUEUE;
+}
+
+void orl_job_free(struct orl_jobs_job *job)
+{
+    if (!job)
+        return;
+    free(job->outcome);
+    free(job->problem);
+    free(job);
+}

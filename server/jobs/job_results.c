@@ -1,0 +1,145 @@
+#include "jobs/job_results.h"
+
+#include <dirent.h>
+#include <stdio.h>
+
+#include "jobs/job_runs.h"
+#include "json_read.h"
+#include "process/times.h"
+#include "store/discard.h"
+
+static void results_path(const struct orl_jobs *jobs, const char *id, char ret_path[ORL_PATH_MAX])
+{
+    orl_folders_path(jobs->env.folders, ret_path, "results/%s", id);
+}
+
+bool orl_job_results_kept(const struct orl_jobs_job *job)
+{
+    const bool has_some = job->row.state == ORL_JOB_SUCCEEDED ||
+                          (job->row.state == ORL_JOB_CANCELLED && job->outcome);
+    return has_some && job->row.evicted_ms == 0;
+}
+
+uint64_t orl_job_results_bytes(const struct orl_jobs *jobs)
+{
+    return jobs->result_bytes;
+}
+
+uint64_t orl_job_results_expected(const struct orl_jobs *jobs)
+{
+    return jobs->expected_bytes;
+}
+
+/* The files that an outcome lists, bytes. */
+static uint64_t count_bytes(const char *text)
+{
+    json_t *outcome = orl_json_reread(text);
+    const json_t *entry;
+    uint64_t bytes = 0;
+    size_t i;
+    json_array_foreach(json_object_get(outcome, "files"), i, entry)
+    {
+        bytes += (uint64_t)json_integer_value(json_object_get(entry, "bytes"));
+    }
+    json_decref(outcome);
+    return bytes;
+}
+
+void orl_job_results_settle(struct orl_jobs_job *job, enum orl_job_state state)
+{
+    struct orl_jobs *jobs = job->jobs;
+    if (job->row.state <= ORL_JOB_RUNNING)
+        jobs->expected_bytes -= job->row.result_bytes;
+    const bool has_some = state == ORL_JOB_SUCCEEDED || state == ORL_JOB_CANCELLED;
+    job->row.result_bytes = has_some ? count_bytes(job->outcome) : 0;
+    jobs->result_bytes += job->row.result_bytes;
+}
+
+/* ---- Use ------------------------------------------------------------------------------------ */
+
+void orl_job_results_fetched(struct orl_jobs *jobs, const char *id)
+{
+    struct orl_jobs_job *job = orl_jobs_lookup(jobs, id);
+    if (!job)
+        return;
+    job->row.fetched_ms = orl_time_now_ms();
+    job->fetched = true;
+}
+
+/* One transaction for all. What is not written is a use forgotten, no more. */
+void orl_job_results_flush(struct orl_jobs *jobs)
+{
+    struct orl_error err;
+    bool begun = false;
+    int rc = 0;
+    for (struct orl_jobs_job *job = jobs->newest; job && rc == 0; job = job->older) {
+        if (!job->fetched)
+            continue;
+        if (!begun)
+            rc = orl_db_exec(jobs->env.db, "BEGIN IMMEDIATE", &err);
+        begun = rc == 0;
+        if (begun)
+            rc = orl_job_row_update(jobs->env.db, &job->row, &err);
+        job->fetched = rc != 0;
+    }
+    if (begun && rc == 0)
+        rc = orl_db_exec(jobs->env.db, "COMMIT", &err);
+    if (begun && rc)
+        orl_db_exec(jobs->env.db, "ROLLBACK", NULL);
+    if (rc)
+        orl_log_event(jobs->env.log, ORL_LOG_WARN, "job-row-failed", "s", "why", err.message);
+}
+
+int64_t orl_job_results_used_ms(const struct orl_jobs_job *job)
+{
+    const struct orl_job_row *row = &job->row;
+    return row->fetched_ms > row->finished_ms ? row->fetched_ms : row->finished_ms;
+}
+
+/* ---- Removal -------------------------------------------------------------------------------- */
+
+void orl_job_results_discard(struct orl_jobs_job *job)
+{
+    struct orl_jobs *jobs = job->jobs;
+    char path[ORL_PATH_MAX];
+    if (!orl_job_results_kept(job))
+        return;
+    jobs->result_bytes -= job->row.result_bytes;
+    results_path(jobs, job->row.id, path);
+    orl_discard(jobs->env.loop, jobs->env.folders, path);
+}
+
+int orl_job_results_evict(struct orl_jobs *jobs, const char *id, struct orl_error *err)
+{
+    struct orl_jobs_job *job = orl_jobs_lookup(jobs, id);
+    if (!job || !orl_job_results_kept(job))
+        return orl_error_set(err, ORL_ERR_NOT_FOUND, "the job has no results");
+    struct orl_job_row row = job->row;
+    row.evicted_ms = orl_time_now_ms();
+    const int rc = orl_job_row_update(jobs->env.db, &row, err);
+    if (rc)
+        return rc;
+    orl_job_results_discard(job);
+    job->row.evicted_ms = row.evicted_ms;
+    return 0;
+}
+
+/* ---- Start ---------------------------------------------------------------------------------- */
+
+void orl_job_results_sweep(struct orl_jobs *jobs)
+{
+    char path[ORL_PATH_MAX];
+    for (const struct orl_jobs_job *job = jobs->newest; job; job = job->older)
+        jobs->result_bytes += orl_job_results_kept(job) ? job->row.result_bytes : 0;
+    orl_folders_path(jobs->env.folders, path, "results");
+    DIR *folder = opendir(path);
+    for (const struct dirent *entry; folder && (entry = readdir(folder));) {
+        const struct orl_jobs_job *job = orl_jobs_lookup(jobs, entry->d_name);
+        if (entry->d_name[0] == '.' || (job && orl_job_results_kept(job)))
+            continue;
+        results_path(jobs, entry->d_name, path);
+        orl_remove_tree(path, NULL);
+    }
+    if (folder)
+        closedir(folder);
+}

@@ -1,0 +1,106 @@
+/* The states of jobs, in memory and in their rows; what could not be written is tried again. */
+#include <stdlib.h>
+
+#include "encode.h"
+#include "jobs/job_results.h"
+#include "jobs/job_runs.h"
+#include "problem.h"
+#include "process/times.h"
+
+void orl_job_note_saved(struct orl_jobs_job *job, bool saved)
+{
+    job->jobs->n_unsaved += (size_t)!saved - (size_t)job->unsaved;
+    job->unsaved = !saved;
+}
+
+/* Writes the row as it is to be after a crash. */
+static int write_row(const struct orl_jobs_job *job, struct orl_error *err)
+{
+    struct orl_job_row row = job->row;
+    if (job->cancelled && row.state == ORL_JOB_RUNNING)
+        row.state = ORL_JOB_CANCELLED;
+    return orl_job_row_update(job->jobs->env.db, &row, err);
+}
+
+/* In one transaction, which is one sync of the disk. */
+static int save(struct orl_jobs *jobs, struct orl_error *err)
+{
+    size_t left = jobs->n_unsaved;
+    int rc = left > 0 ? orl_db_exec(jobs->env.db, "BEGIN IMMEDIATE", err) : 0;
+    if (rc || left == 0)
+        return rc;
+    for (struct orl_jobs_job *job = jobs->newest; job && left > 0 && rc == 0; job = job->older)
+        if (job->unsaved) {
+            rc = write_row(job, err);
+            left--;
+        }
+    if (rc == 0)
+        rc = orl_db_exec(jobs->env.db, "COMMIT", err);
+    if (rc) {
+        orl_db_exec(jobs->env.db, "ROLLBACK", NULL);
+        return rc;
+    }
+    for (struct orl_jobs_job *job = jobs->newest; job && jobs->n_unsaved > 0; job = job->older)
+        if (job->unsaved)
+            orl_job_note_saved(job, true);
+    return 0;
+}
+
+void orl_jobs_save(struct orl_jobs *jobs)
+{
+    save(jobs, NULL); /* the next time, if it is no better yet */
+}
+
+void orl_jobs_batch_begin(struct orl_jobs *jobs)
+{
+    jobs->batch = true;
+}
+
+void orl_jobs_batch_end(struct orl_jobs *jobs)
+{
+    struct orl_error err;
+    jobs->batch = false;
+    if (save(jobs, &err))
+        orl_log_event(jobs->env.log, ORL_LOG_ERROR, "job-row-failed", "s", "why", err.message);
+}
+
+void orl_jobs_set_state(struct orl_jobs_job *job, enum orl_job_state state)
+{
+    struct orl_jobs *jobs = job->jobs;
+    struct orl_error err;
+    jobs->counts[job->row.state]--;
+    jobs->counts[state]++;
+    if (state > ORL_JOB_RUNNING)
+        orl_job_results_settle(job, state);
+    job->row.state = state;
+    job->row.outcome = job->outcome;
+    job->row.problem = job->problem;
+    if (state >= ORL_JOB_SUCCEEDED)
+        job->row.finished_ms = orl_time_now_ms();
+    const int rc = jobs->batch ? 0 : orl_job_row_update(jobs->env.db, &job->row, &err);
+    orl_job_note_saved(job, rc == 0 && !jobs->batch);
+    if (rc)
+        orl_log_event(jobs->env.log, ORL_LOG_ERROR, "job-row-failed", "ss", "job", job->row.id,
+                      "why", err.message);
+    orl_log_event(jobs->env.log, ORL_LOG_INFO, "job", "ssi", "job", job->row.id, "state",
+                  orl_job_state_name(state), "attempt", (int64_t)job->row.attempts);
+    jobs->env.changed(jobs->env.ctx);
+}
+
+void orl_jobs_fail(struct orl_jobs_job *job, const struct orl_error *err)
+{
+    json_t *problem = orl_problem_from_error(err, NULL);
+    char text[2 * ORL_ERROR_TEXT_MAX];
+    free(job->problem);
+    job->problem = problem ? orl_json_text(problem, JSON_COMPACT) : NULL;
+    json_decref(problem);
+    orl_jobs_set_state(job, ORL_JOB_FAILED);
+    orl_error_format(err, text, sizeof text);
+    orl_log_event(job->jobs->env.log, ORL_LOG_WARN, "job-failed", "ss", "job", job->row.id, "why",
+                  text);
+}
+
+bool orl_jobs_ended(const struct orl_jobs_job *job)
+{
+    return job->row.state > ORL_JOB_RUNNING && !job->worker && !job->leader && !job->followers;
+}

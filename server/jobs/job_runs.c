@@ -1,0 +1,384 @@
+#include "jobs/job_runs.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "jobs/job_list.h"
+#include "jobs/job_share.h"
+#include "process/limits.h"
+#include "process/times.h"
+#include "runner/checkpoints.h"
+#include "store/discard.h"
+#include "store/scenes.h"
+
+/* ---- Leaders and followers ------------------------------------------------------------------- */
+
+struct sharing;
+static void end_all(struct orl_jobs_job *leader, const struct orl_worker_outcome *outcome,
+                    const struct sharing *sharing);
+
+static void lead(struct orl_jobs_job *job)
+{
+    job->next_leader = job->jobs->leaders;
+    job->jobs->leaders = job;
+}
+
+void orl_runs_lead_no_more(struct orl_jobs_job *job)
+{
+    struct orl_jobs_job **at = &job->jobs->leaders;
+    while (*at != job)
+        at = &(*at)->next_leader;
+    *at = job->next_leader;
+}
+
+/* Is its computation being given up? */
+static bool is_ending(const struct orl_jobs_job *leader)
+{
+    const bool cancelled = leader->cancelled || leader->row.state == ORL_JOB_CANCELLED;
+    return leader->requeue || leader->settling || (cancelled && !leader->followers);
+}
+
+/* Results for each are made in one turn of the loop. */
+static bool has_many(const struct orl_jobs_job *leader)
+{
+    size_t count = 0;
+    for (const struct orl_jobs_job *job = leader->followers; job; job = job->next_follower)
+        count++;
+    return count >= ORL_SERVER_SHARING;
+}
+
+/* A job that waits or runs, and asks for the same. */
+static struct orl_jobs_job *find_leader(const struct orl_jobs *jobs, const char *identity)
+{
+    struct orl_jobs_job *leader = *identity ? jobs->leaders : NULL;
+    while (leader &&
+           (is_ending(leader) || strcmp(leader->row.identity, identity) != 0 || has_many(leader)))
+        leader = leader->next_leader;
+    return leader;
+}
+
+static void mark_running(struct orl_jobs_job *job)
+{
+    /* Counted before it starts, so that a crash in the first moment counts too. */
+    job->row.attempts++;
+    job->row.started_ms = orl_time_now_ms();
+    job->started_s = orl_time_steady_s();
+    orl_jobs_set_state(job, ORL_JOB_RUNNING);
+}
+
+/* The leader goes first when a follower of higher priority comes. */
+static void raise_priority(struct orl_jobs_job *leader, const struct orl_jobs_job *job)
+{
+    struct orl_queue *queue = job->jobs->queue;
+    struct orl_worker_outcome failed = {0};
+    if (leader->waiting.priority >= job->row.priority)
+        return;
+    orl_queue_remove(queue, &leader->waiting);
+    leader->waiting.priority = job->row.priority;
+    failed.code = orl_queue_add(queue, &leader->waiting, job->row.client, &failed.err);
+    if (failed.code)
+        end_all(leader, &failed, NULL);
+}
+
+void orl_runs_enqueue(struct orl_jobs_job *job)
+{
+    struct orl_jobs_job *leader = find_leader(job->jobs, job->row.identity);
+    struct orl_error err;
+    job->waiting.priority = job->row.priority;
+    job->waiting.order = job->row.seq;
+    if (leader) {
+        orl_share_follow(leader, job);
+        if (leader->worker)
+            mark_running(job);
+        else
+            raise_priority(leader, job);
+    } else if (orl_queue_add(job->jobs->queue, &job->waiting, job->row.client, &err)) {
+        orl_jobs_fail(job, &err);
+    } else {
+        lead(job);
+    }
+}
+
+/* The next that waits; it stays in the queue. */
+static struct orl_jobs_job *next_job(const struct orl_jobs *jobs)
+{
+    struct orl_queue_entry *entry = orl_queue_first(jobs->queue);
+    if (!entry)
+        return NULL;
+    return (struct orl_jobs_job *)((char *)entry - offsetof(struct orl_jobs_job, waiting));
+}
+
+/* What became of a computation, for one of its jobs. */
+static void end_job(struct orl_jobs_job *job, const struct orl_worker_outcome *outcome)
+{
+    const bool cancelled = outcome->code == ORL_ERR_CANCELLED && job->cancelled;
+    if (outcome->code == 0 || cancelled) {
+        free(job->outcome);
+        job->outcome = outcome->summary ? strdup(outcome->summary) : NULL;
+    }
+    if (outcome->code == 0) {
+        orl_jobs_set_state(job, ORL_JOB_SUCCEEDED);
+    } else if (cancelled) {
+        orl_jobs_set_state(job, ORL_JOB_CANCELLED);
+    } else if (outcome->code == ORL_ERR_CANCELLED && job->requeue) {
+        job->requeue = false;
+        job->row.attempts--;
+        job->row.started_ms = 0;
+        orl_jobs_set_state(job, ORL_JOB_QUEUED);
+        orl_runs_enqueue(job);
+    } else {
+        orl_jobs_fail(job, &outcome->err);
+    }
+}
+
+static void discard_results(const struct orl_jobs *jobs, const char *id)
+{
+    char path[ORL_PATH_MAX];
+    orl_folders_path(jobs->env.folders, path, "results/%s", id);
+    orl_discard(jobs->env.loop, jobs->env.folders, path);
+}
+
+/* ---- Results for those who follow, made on the pool: they may be thousands of files ---------- */
+
+struct share {
+    char id[ORL_JOB_ID];
+    int code;
+    struct orl_error err;
+};
+
+struct sharing {
+    uv_work_t work;
+    struct orl_jobs_job *leader;
+    struct orl_worker_outcome outcome;
+    size_t count;
+    struct share each[];
+};
+
+static void give_results(uv_work_t *work)
+{
+    struct sharing *sharing = work->data;
+    const struct orl_folders *folders = sharing->leader->jobs->env.folders;
+    for (size_t i = 0; i < sharing->count; i++) {
+        struct share *share = &sharing->each[i];
+        share->code = orl_share_results(folders, sharing->leader->row.id, share->id, &share->err);
+    }
+}
+
+static void finish(struct orl_jobs_job *job, const struct orl_worker_outcome *outcome,
+                   const struct sharing *sharing);
+
+static void results_given(uv_work_t *work, int status)
+{
+    struct sharing *sharing = work->data;
+    const struct orl_jobs *jobs = sharing->leader->jobs;
+    (void)status;
+    sharing->leader->settling = false;
+    for (size_t i = 0; i < sharing->count; i++) {
+        const struct orl_jobs_job *job = orl_jobs_lookup(jobs, sharing->each[i].id);
+        if (!job || job->leader != sharing->leader) /* cancelled meanwhile */
+            discard_results(jobs, sharing->each[i].id);
+    }
+    finish(sharing->leader, &sharing->outcome, sharing);
+    free(sharing);
+}
+
+/* False: nobody follows; or there is no memory, and each gets them when it ends. */
+static bool share_on_pool(struct orl_jobs_job *leader, const struct orl_worker_outcome *outcome)
+{
+    size_t count = 0;
+    for (const struct orl_jobs_job *job = leader->followers; job; job = job->next_follower)
+        count++;
+    struct sharing *sharing =
+        count > 0 ? calloc(1, sizeof *sharing + count * sizeof *sharing->each) : NULL;
+    if (!sharing)
+        return false;
+    sharing->work.data = sharing;
+    sharing->leader = leader;
+    sharing->outcome = *outcome;
+    for (const struct orl_jobs_job *job = leader->followers; job; job = job->next_follower)
+        memcpy(sharing->each[sharing->count++].id, job->row.id, sizeof job->row.id);
+    leader->settling = true;
+    uv_queue_work(leader->jobs->env.loop, &sharing->work, give_results, results_given);
+    return true;
+}
+
+/* ---- The end of a computation ---------------------------------------------------------------- */
+
+static int share_of(const struct orl_jobs_job *leader, const struct orl_jobs_job *job,
+                    const struct sharing *sharing, struct orl_error *ret_err)
+{
+    for (size_t i = 0; sharing && i < sharing->count; i++)
+        if (strcmp(sharing->each[i].id, job->row.id) == 0) {
+            *ret_err = sharing->each[i].err;
+            return sharing->each[i].code;
+        }
+    return orl_share_results(job->jobs->env.folders, leader->row.id, job->row.id, ret_err);
+}
+
+static void end_follower(const struct orl_jobs_job *leader, struct orl_jobs_job *job,
+                         const struct orl_worker_outcome *outcome, const struct sharing *sharing)
+{
+    struct orl_worker_outcome own = *outcome;
+    job->leader = NULL;
+    job->next_follower = NULL;
+    if (own.code == 0)
+        own.code = share_of(leader, job, sharing, &own.err);
+    end_job(job, &own);
+}
+
+/* Ends the leader, unless it was cancelled before, and all that follow it. */
+static void end_all(struct orl_jobs_job *leader, const struct orl_worker_outcome *outcome,
+                    const struct sharing *sharing)
+{
+    const bool requeue = leader->requeue, ended = leader->row.state >= ORL_JOB_SUCCEEDED;
+    struct orl_jobs_job *followers = leader->followers;
+    orl_runs_lead_no_more(leader);
+    leader->followers = NULL;
+    if (!ended)
+        end_job(leader, outcome);
+    while (followers) {
+        struct orl_jobs_job *job = followers;
+        followers = job->next_follower;
+        job->requeue = requeue;
+        end_follower(leader, job, outcome, sharing);
+    }
+    if (ended && (outcome->code == 0 || outcome->summary))
+        discard_results(leader->jobs, leader->row.id);
+}
+
+/* What became of it: where it was stopped for its time, an error that says so. */
+static struct orl_worker_outcome bounded(const struct orl_jobs_job *leader,
+                                         const struct orl_worker_outcome *outcome)
+{
+    struct orl_worker_outcome own = *outcome;
+    if (outcome->code != ORL_ERR_CANCELLED || !leader->late || leader->cancelled || leader->requeue)
+        return own;
+    own.code = orl_error_set(&own.err, ORL_ERR_LIMIT,
+                             "the job ran for %u s, which is as long as any may here",
+                             leader->jobs->env.job_timeout_s);
+    orl_error_hint(&own.err, "Ask for less, or give it a deadline of its own (accuracy); "
+                             "--job-timeout of the daemon sets the bound");
+    return own;
+}
+
+static void job_done(void *ctx, const struct orl_worker_outcome *outcome)
+{
+    struct orl_jobs_job *job = ctx;
+    job->worker = NULL;
+    if (outcome->code != 0 || !share_on_pool(job, outcome))
+        finish(job, outcome, NULL);
+}
+
+static void finish(struct orl_jobs_job *job, const struct orl_worker_outcome *outcome,
+                   const struct sharing *sharing)
+{
+    struct orl_jobs *jobs = job->jobs;
+    const struct orl_worker_outcome own = bounded(job, outcome);
+    job->late = false;
+    jobs->n_workers--;
+    orl_memory_take_back(jobs->env.memory, job->row.memory_bytes);
+    jobs->alone = false;
+    if (job->followers)
+        orl_jobs_batch_begin(jobs);
+    end_all(job, &own, sharing);
+    if (jobs->batch)
+        orl_jobs_batch_end(jobs);
+    orl_metrics_job(jobs->env.metrics, outcome->code ? job->row.state : ORL_JOB_SUCCEEDED,
+                    &outcome->tally);
+    free(outcome->summary);
+    if (jobs->stopping && jobs->n_workers == 0)
+        jobs->env.idle(jobs->env.ctx);
+    orl_runs_start_next(jobs);
+}
+
+static int start_job(struct orl_jobs_job *job, struct orl_error *err)
+{
+    struct orl_jobs *jobs = job->jobs;
+    struct orl_worker_spec spec = {
+        .folders = jobs->env.folders,
+        .maps = orl_map_cache_store(jobs->env.maps),
+        .shelf = jobs->env.shelf,
+        .threads = jobs->env.threads / jobs->env.at_once,
+        .done = job_done,
+        .ctx = job,
+    };
+    snprintf(spec.job_id, sizeof spec.job_id, "%s", job->row.id);
+    orl_checkpoint_key(jobs->env.program, job->row.document, job->row.scene, spec.key);
+    snprintf(spec.document, sizeof spec.document, "%s", job->row.document);
+    snprintf(spec.scene, sizeof spec.scene, "%s", job->row.scene);
+    orl_blob_path(jobs->env.folders, job->row.document, spec.document_path);
+    int rc = orl_scene_files(jobs->env.db, jobs->env.folders, job->row.scene, &spec.bundle, err);
+    if (rc)
+        return rc;
+    if (job->followers)
+        orl_jobs_batch_begin(jobs);
+    mark_running(job);
+    for (struct orl_jobs_job *at = job->followers; at; at = at->next_follower)
+        mark_running(at);
+    if (jobs->batch)
+        orl_jobs_batch_end(jobs);
+    rc = orl_worker_start(jobs->env.loop, &spec, &job->worker, err);
+    if (rc == 0) {
+        jobs->n_workers++;
+        orl_memory_promise(jobs->env.memory, job->row.memory_bytes);
+    }
+    return rc;
+}
+
+/* It ran when the daemon ended abruptly, and may be why: orderly stops do not count. */
+static bool is_suspect(const struct orl_jobs_job *job)
+{
+    bool suspect = job->row.attempts > 0;
+    for (const struct orl_jobs_job *at = job->followers; at && !suspect; at = at->next_follower)
+        suspect = at->row.attempts > 0;
+    return suspect;
+}
+
+/*
+ * Is there memory for it? One that is next and waits keeps large checks of uploads waiting too; it
+ * never waits when nothing else is there that would end.
+ */
+static bool has_memory(struct orl_jobs *jobs, const struct orl_jobs_job *job)
+{
+    struct orl_memory *memory = jobs->env.memory;
+    const bool fits = orl_memory_free(memory) >= job->row.memory_bytes ||
+                      (jobs->n_workers == 0 && memory->checks == 0);
+    memory->wanted = fits ? 0 : job->row.memory_bytes;
+    if (!fits && jobs->short_of_memory != job)
+        orl_log_event(jobs->env.log, ORL_LOG_INFO, "job-waits-for-memory", "sii", "job",
+                      job->row.id, "wants_bytes", (int64_t)job->row.memory_bytes, "free_bytes",
+                      (int64_t)orl_memory_free(memory));
+    jobs->short_of_memory = fits ? NULL : job;
+    return fits;
+}
+
+void orl_jobs_memory_freed(struct orl_jobs *jobs)
+{
+    if (jobs && jobs->short_of_memory)
+        orl_runs_start_next(jobs);
+}
+
+/*
+ * A suspect runs alone, so that of jobs that ran at once when the daemon ended the one that was the
+ * reason fails by itself, and the others go on. It keeps its place: nobody passes it while the jobs
+ * before it end.
+ */
+void orl_runs_start_next(struct orl_jobs *jobs)
+{
+    while (!jobs->stopping && jobs->n_workers < jobs->env.at_once && !jobs->alone) {
+        struct orl_jobs_job *job = next_job(jobs);
+        struct orl_worker_outcome failed = {0};
+        const bool suspect = job && is_suspect(job);
+        if (!job)
+            jobs->env.memory->wanted = 0;
+        if (!job || (suspect && jobs->n_workers > 0) || !has_memory(jobs, job))
+            return;
+        orl_queue_take(jobs->queue);
+        failed.code = start_job(job, &failed.err);
+        if (failed.code)
+            end_all(job, &failed, NULL);
+        else
+            jobs->alone = suspect;
+    }
+}

@@ -1,0 +1,88 @@
+#include "jobs/job_share.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "decode.h"
+#include "encode.h"
+
+void orl_share_identity(const char *text, size_t size, char ret_identity[ORL_SHA_HEX])
+{
+    json_t *doc = NULL;
+    ret_identity[0] = '\0';
+    if (orl_json_parse(NULL, text, size, &doc, NULL))
+        return;
+    json_object_del(doc, "priority");
+    char *plain = orl_json_text(doc, JSON_COMPACT | JSON_SORT_KEYS);
+    if (plain)
+        orl_sha256_hex(plain, strlen(plain), ret_identity);
+    free(plain);
+    json_decref(doc);
+}
+
+void orl_share_follow(struct orl_jobs_job *leader, struct orl_jobs_job *job)
+{
+    struct orl_jobs_job **at = &leader->followers;
+    while (*at)
+        at = &(*at)->next_follower;
+    *at = job;
+    job->leader = leader;
+    job->next_follower = NULL;
+}
+
+void orl_share_leave(struct orl_jobs_job *job)
+{
+    struct orl_jobs_job **at = &job->leader->followers;
+    while (*at != job)
+        at = &(*at)->next_follower;
+    *at = job->next_follower;
+    job->leader = NULL;
+    job->next_follower = NULL;
+}
+
+static int link_files(const char *from, const char *to, struct orl_error *err)
+{
+    char source[ORL_PATH_MAX + 256], target[ORL_PATH_MAX + 256];
+    DIR *folder = opendir(from);
+    int rc = folder ? 0 : -1;
+    for (const struct dirent *entry; rc == 0 && (entry = readdir(folder));) {
+        if (strcmp(entry->d_name, ".") == 0 || strcmp(entry->d_name, "..") == 0)
+            continue;
+        snprintf(source, sizeof source, "%s/%s", from, entry->d_name);
+        snprintf(target, sizeof target, "%s/%s", to, entry->d_name);
+        rc = link(source, target);
+    }
+    if (rc)
+        rc = orl_error_set(err, orl_err_of_errno(errno), "cannot share the results: %s",
+                           strerror(errno));
+    if (folder)
+        closedir(folder);
+    return rc;
+}
+
+int orl_share_results(const struct orl_folders *folders, const char *from, const char *to,
+                      struct orl_error *err)
+{
+    char source[ORL_PATH_MAX], target[ORL_PATH_MAX], temporary[ORL_PATH_MAX];
+    orl_folders_path(folders, source, "results/%s", from);
+    orl_folders_path(folders, target, "results/%s", to);
+    orl_folders_temporary(folders, temporary);
+    if (mkdir(temporary, 0777) != 0)
+        return orl_error_set(err, orl_err_of_errno(errno),
+                             "cannot make a folder for the results: %s", strerror(errno));
+    int rc = link_files(source, temporary, err);
+    if (rc == 0)
+        rc = orl_sync_path(temporary, err);
+    if (rc == 0)
+        rc = orl_remove_tree(target, err); /* of an earlier attempt */
+    if (rc == 0)
+        rc = orl_rename_synced(temporary, target, err);
+    if (rc)
+        orl_remove_tree(temporary, NULL);
+    return rc;
+}

@@ -1,0 +1,216 @@
+#include "jobs/jobs.h"
+
+#include <sodium.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "jobs/job_list.h"
+#include "jobs/job_results.h"
+#include "jobs/job_runs.h"
+#include "jobs/job_share.h"
+#include "process/limits.h"
+#include "process/times.h"
+#include "runner/checkpoints.h"
+#include "store/discard.h"
+
+/* ---- Submitting, cancelling, stopping ------------------------------------------------------- */
+
+int orl_jobs_submit(struct orl_jobs *jobs, const struct orl_jobs_order *order,
+                    const struct orl_jobs_job **ret_job, struct orl_error *err)
+{
+    unsigned char bytes[(ORL_JOB_ID - 1) / 2];
+    struct orl_jobs_job *job = calloc(1, sizeof *job);
+    if (!job)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    randombytes_buf(bytes, sizeof bytes);
+    sodium_bin2hex(job->row.id, sizeof job->row.id, bytes, sizeof bytes);
+    snprintf(job->row.scene, sizeof job->row.scene, "%s", order->scene);
+    snprintf(job->row.document, sizeof job->row.document, "%s", order->document);
+    snprintf(job->row.identity, sizeof job->row.identity, "%s", order->identity);
+    snprintf(job->row.client, sizeof job->row.client, "%s", order->client);
+    job->row.kind = order->kind;
+    job->row.priority = order->priority;
+    job->row.result_bytes = order->result_bytes;
+    job->row.memory_bytes = order->memory_bytes;
+    job->row.state = ORL_JOB_QUEUED;
+    job->row.created_ms = orl_time_now_ms();
+    const int rc =
+        orl_job_row_insert(jobs->env.db, &job->row, order->request_key, &job->row.seq, err);
+    if (rc) {
+        orl_job_free(job);
+        return rc;
+    }
+    orl_job_list_add(jobs, job);
+    orl_log_event(jobs->env.log, ORL_LOG_INFO, "job", "ssss", "job", job->row.id, "state", "queued",
+                  "scene", order->scene, "client", order->client);
+    orl_runs_enqueue(job);
+    orl_runs_start_next(jobs);
+    *ret_job = job;
+    return 0;
+}
+
+int orl_jobs_by_key(struct orl_jobs *jobs, const char *client, const char *request_key,
+                    const struct orl_jobs_job **ret_job, struct orl_error *err)
+{
+    char id[ORL_JOB_ID];
+    const int64_t since_ms = orl_time_now_ms() - 1000 * (int64_t)ORL_SERVER_KEY_S;
+    const int rc = orl_job_row_by_key(jobs->env.db, client, request_key, since_ms, id, err);
+    if (rc == 0)
+        *ret_job = orl_jobs_lookup(jobs, id);
+    return rc;
+}
+
+/* What an earlier start has left. */
+static void forget_partial(const struct orl_jobs_job *job)
+{
+    char path[ORL_PATH_MAX];
+    orl_checkpoint_folder(job->jobs->env.folders, job->row.id, path);
+    orl_discard(job->jobs->env.loop, job->jobs->env.folders, path);
+}
+
+/* The row says cancelled before anything else does, so that a crash does not bring the job back. */
+static int write_cancelled(const struct orl_jobs_job *job, struct orl_error *err)
+{
+    struct orl_job_row row = job->row;
+    row.state = ORL_JOB_CANCELLED;
+    row.finished_ms = orl_time_now_ms();
+    return orl_job_row_update(job->jobs->env.db, &row, err);
+}
+
+/* In memory it runs on until its threads have heard. Should it succeed first, its row is written
+ * once more. */
+static void cancel_running(struct orl_jobs_job *job)
+{
+    job->cancelled = true;
+    if (job->worker) /* else it has come to its end, and is about to say so */
+        orl_worker_cancel(job->worker);
+}
+
+/* One that waits: who follows it goes on, and the first of them leads. */
+static void cancel_queued(struct orl_jobs_job *job)
+{
+    struct orl_jobs_job *followers = job->followers;
+    if (job->leader) {
+        orl_share_leave(job);
+    } else {
+        orl_queue_remove(job->jobs->queue, &job->waiting);
+        orl_runs_lead_no_more(job);
+        job->followers = NULL;
+    }
+    orl_jobs_set_state(job, ORL_JOB_CANCELLED);
+    forget_partial(job);
+    while (followers) {
+        struct orl_jobs_job *next = followers->next_follower;
+        followers->leader = NULL;
+        followers->next_follower = NULL;
+        orl_runs_enqueue(followers);
+        followers = next;
+    }
+}
+
+/* One that shares its computation, which goes on while anybody wants it. */
+static void cancel_sharing(struct orl_jobs_job *job)
+{
+    struct orl_jobs_job *leader = job->leader ? job->leader : job;
+    if (job->leader)
+        orl_share_leave(job);
+    orl_jobs_set_state(job, ORL_JOB_CANCELLED);
+    if (!leader->followers && leader->row.state == ORL_JOB_CANCELLED && leader->worker)
+        orl_worker_cancel(leader->worker);
+}
+
+int orl_jobs_cancel(struct orl_jobs *jobs, const char *id, struct orl_error *err)
+{
+    struct orl_jobs_job *job = orl_jobs_lookup(jobs, id);
+    if (!job)
+        return orl_error_set(err, ORL_ERR_NOT_FOUND, "there is no such job");
+    if (job->row.state == ORL_JOB_CANCELLED)
+        return 0;
+    if (job->row.state > ORL_JOB_RUNNING)
+        return orl_error_set(err, ORL_ERR_INVALID, "the job has %s already",
+                             orl_job_state_name(job->row.state));
+    const int rc = write_cancelled(job, err);
+    if (rc)
+        return rc;
+    if (job->row.state == ORL_JOB_QUEUED)
+        cancel_queued(job);
+    else if (!job->leader && !job->followers)
+        cancel_running(job);
+    else
+        cancel_sharing(job);
+    return 0;
+}
+
+bool orl_jobs_need_scene(const struct orl_jobs *jobs, const char *scene)
+{
+    const struct orl_jobs_job *job = jobs->newest;
+    while (job && (orl_jobs_ended(job) || strcmp(job->row.scene, scene) != 0))
+        job = job->older;
+    return job != NULL;
+}
+
+/* Its row is gone. */
+static void forget(struct orl_jobs_job *job)
+{
+    struct orl_jobs *jobs = job->jobs;
+    orl_log_event(jobs->env.log, ORL_LOG_INFO, "job-removed", "s", "job", job->row.id);
+    jobs->env.leaving(jobs->env.ctx, job);
+    orl_job_note_saved(job, true); /* there is nothing left to save */
+    orl_job_results_discard(job);
+    orl_blobs_forget(jobs->env.blobs, job->row.document);
+    orl_job_list_remove(jobs, job);
+    orl_job_free(job);
+}
+
+int orl_jobs_remove(struct orl_jobs *jobs, const char *id, struct orl_error *err)
+{
+    struct orl_jobs_job *job = orl_jobs_lookup(jobs, id);
+    if (!job)
+        return orl_error_set(err, ORL_ERR_NOT_FOUND, "there is no such job");
+    if (!orl_jobs_ended(job))
+        return orl_error_set(err, ORL_ERR_INVALID, "%s",
+                             job->row.state <= ORL_JOB_RUNNING
+                                 ? "the job has not ended; cancel it first"
+                                 : "other jobs share its computation, which has not ended");
+    const int rc = orl_job_row_drop(jobs->env.db, job->row.seq, err);
+    if (rc == 0)
+        forget(job);
+    return rc;
+}
+
+void orl_jobs_remove_ended(struct orl_jobs *jobs, struct orl_jobs_job *const *ended, size_t count)
+{
+    struct orl_error err;
+    int rc = orl_db_exec(jobs->env.db, "BEGIN IMMEDIATE", &err);
+    const bool begun = rc == 0;
+    for (size_t i = 0; i < count && rc == 0; i++)
+        rc = orl_job_row_drop(jobs->env.db, ended[i]->row.seq, &err);
+    if (rc == 0)
+        rc = orl_db_exec(jobs->env.db, "COMMIT", &err);
+    if (begun && rc)
+        orl_db_exec(jobs->env.db, "ROLLBACK", NULL);
+    if (rc)
+        orl_log_event(jobs->env.log, ORL_LOG_WARN, "job-row-failed", "s", "why", err.message);
+    for (size_t i = 0; i < count && rc == 0; i++)
+        forget(ended[i]);
+}
+
+void orl_jobs_drain(struct orl_jobs *jobs)
+{
+    jobs->stopping = true;
+    if (jobs->n_workers == 0)
+        jobs->env.idle(jobs->env.ctx);
+}
+
+void orl_jobs_stop(struct orl_jobs *jobs)
+{
+    jobs->stopping = true;
+    for (struct orl_jobs_job *job = jobs->leaders; job; job = job->next_leader)
+        if (job->worker) {
+            job->requeue = true;
+            orl_worker_stop(job->worker);
+        }
+    if (jobs->n_workers == 0)
+        jobs->env.idle(jobs->env.ctx);
+}

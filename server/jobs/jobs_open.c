@@ -1,0 +1,124 @@
+/* How the jobs start with the daemon, those of the last one among them, and end with it. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "jobs/job_list.h"
+#include "jobs/job_results.h"
+#include "jobs/job_runs.h"
+#include "process/limits.h"
+#include "runner/checkpoints.h"
+
+static int load_row(void *ctx, const struct orl_job_row *row)
+{
+    struct orl_jobs_job *job = calloc(1, sizeof *job);
+    if (!job)
+        return ORL_ERR_NOMEM;
+    job->row = *row;
+    job->outcome = row->outcome ? strdup(row->outcome) : NULL;
+    job->problem = row->problem ? strdup(row->problem) : NULL;
+    job->row.outcome = job->outcome;
+    job->row.problem = job->problem;
+    orl_job_list_add(ctx, job);
+    return 0;
+}
+
+/* Did they share a computation? */
+static bool is_same(const struct orl_jobs_job *a, const struct orl_jobs_job *b)
+{
+    return a == b || (*a->row.identity && strcmp(a->row.identity, b->row.identity) == 0);
+}
+
+/* No other computation ran. */
+static bool ran_alone(const struct orl_jobs_job *job)
+{
+    for (const struct orl_jobs_job *at = job->jobs->oldest; at; at = at->newer)
+        if (at->row.state == ORL_JOB_RUNNING && !is_same(at, job))
+            return false;
+    return true;
+}
+
+/* Those that ran when the last daemon ended without a word, and are to blame for it. */
+static void blame(struct orl_jobs *jobs)
+{
+    const struct orl_past *past = jobs->env.past;
+    const struct orl_jobs_job *named = orl_jobs_lookup(jobs, past->job);
+    for (struct orl_jobs_job *job = jobs->oldest; job; job = job->newer) {
+        if (job->row.state != ORL_JOB_RUNNING)
+            continue;
+        const bool guilty = orl_blame_is(past, named && is_same(job, named), ran_alone(job));
+        job->row.strikes += guilty;
+        orl_log_event(jobs->env.log, ORL_LOG_WARN, "job-was-running", "ssi", "job", job->row.id,
+                      "blamed", guilty ? "yes" : "no", "strikes", (int64_t)job->row.strikes);
+    }
+}
+
+static void fail_for_strikes(struct orl_jobs_job *job)
+{
+    struct orl_error err;
+    orl_error_set(&err, ORL_ERR_INTERNAL,
+                  "the daemon ended abruptly %d times through this job; it is not tried again",
+                  job->row.strikes);
+    orl_error_hint(&err, "Too little memory is the usual cause: ask for fewer photons, "
+                         "sensors or pixels");
+    orl_jobs_fail(job, &err);
+}
+
+/* Queues those that wait, and those that were running when the last daemon ended without a word. */
+static void recover(struct orl_jobs *jobs)
+{
+    blame(jobs);
+    for (struct orl_jobs_job *job = jobs->oldest; job; job = job->newer) {
+        if (job->row.state == ORL_JOB_QUEUED)
+            orl_runs_enqueue(job);
+        if (job->row.state != ORL_JOB_RUNNING)
+            continue;
+        if (job->row.strikes >= ORL_SERVER_ATTEMPTS) {
+            fail_for_strikes(job);
+            continue;
+        }
+        job->row.started_ms = 0;
+        orl_jobs_set_state(job, ORL_JOB_QUEUED);
+        orl_runs_enqueue(job);
+    }
+}
+
+static bool is_waiting(void *ctx, const char *id)
+{
+    const struct orl_jobs_job *job = orl_jobs_lookup(ctx, id);
+    return job && job->row.state == ORL_JOB_QUEUED;
+}
+
+int orl_jobs_open(const struct orl_jobs_env *env, struct orl_jobs **ret_jobs, struct orl_error *err)
+{
+    struct orl_jobs *jobs = calloc(1, sizeof *jobs);
+    if (!jobs)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    jobs->env = *env;
+    jobs->queue = orl_queue_new();
+    const int rc = jobs->queue ? orl_job_rows(env->db, load_row, jobs, err)
+                               : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    if (rc) {
+        orl_jobs_close(jobs);
+        return rc;
+    }
+    recover(jobs);
+    orl_checkpoint_sweep(env->folders, is_waiting, jobs);
+    orl_job_results_sweep(jobs);
+    *ret_jobs = jobs;
+    orl_runs_start_next(jobs);
+    return 0;
+}
+
+void orl_jobs_close(struct orl_jobs *jobs)
+{
+    if (!jobs)
+        return;
+    orl_jobs_save(jobs);
+    while (jobs->newest) {
+        struct orl_jobs_job *job = jobs->newest;
+        jobs->newest = job->older;
+        orl_job_free(job);
+    }
+    orl_queue_free(jobs->queue);
+    free(jobs);
+}

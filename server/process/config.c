@@ -1,0 +1,323 @@
+#include "process/config.h"
+
+#include <arpa/inet.h>
+#include <errno.h>
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "process/limits.h"
+
+enum { DEFAULT_PORT = 8423 };
+
+void orl_config_help(FILE *stream)
+{
+    fprintf(
+        stream,
+        "Usage: orield [OPTION]...\n"
+        "       orield token add|list|remove ...   access tokens (orield token --help)\n"
+        "       orield scrub | backup TO           looks through, copies what is kept (--help)\n"
+        "Serves daylight renderings over HTTP. See GET /openapi.yaml for the interface.\n\n"
+        "  --listen ADDRESS:PORT  where to listen (127.0.0.1:%d); other than loopback\n"
+        "                         takes TLS and at least one token (orield token --help)\n"
+        "  --port PORT            the port alone; 0 takes a free one\n"
+        "  --data DIR             where everything is kept ($ORIEL_DATA, else ./oriel-data)\n"
+        "  --storage-budget SIZE  bytes that maps, results and uploads may take, as 500M or 20G\n"
+        "                         (half of what the disk has free at the start, with those\n"
+        "                         that are kept already); beyond it maps and results go,\n"
+        "                         the longest unused first\n"
+        "  --memory SIZE          bytes of memory that jobs and checks of uploads are to keep to:\n"
+        "                         those that do not fit wait, or are refused (what the control\n"
+        "                         group allows less a tenth, or the machine has free at start)\n"
+        "  --shelf SIZE           bytes of memory for what jobs have worked out of their maps\n"
+        "                         and leave to later jobs of the same maps; 0: none (%luM)\n"
+        "  --scrub-rate SIZE      bytes a second at which what is kept is read, once a day, and\n"
+        "                         held against its digests; 0: never (%luM)\n"
+        "  --tls-cert FILE        serve HTTPS: the certificate and its chain, PEM\n"
+        "  --tls-key FILE         its private key, PEM\n"
+        "  --tokens WHEN          when tokens are needed: public, on all but loopback\n"
+        "                         addresses; or always, as behind a proxy (public)\n"
+        "  --threads N            threads that render (all processors)\n"
+        "  --jobs N               jobs that render at once, sharing the threads (1)\n"
+        "  --idle-timeout S       seconds of silence after which a connection is closed (%u)\n"
+        "  --check-timeout S      seconds that the check of one upload may take (%u)\n"
+        "  --check-memory SIZE    bytes of memory that it may take (%luM)\n"
+        "  --job-timeout S        seconds that one job may run, after which it fails (%u)\n"
+        "  --keep-jobs N          jobs that have ended and are remembered, with their results;\n"
+        "                         beyond them the oldest go (%u)\n"
+        "  --keep-days N          days after which jobs that have ended go; 0: never (0)\n"
+        "  --drain-timeout S      seconds that running jobs have to finish at a stop (%u)\n"
+        "  --address-connections N  open connections that one address may have (%u; on\n"
+        "                         loopback, where all share one, no fewer than in all)\n"
+        "  --log-level LEVEL      debug, info, warn or error (info)\n"
+        "  --log-format FORMAT    text, key=value pairs; or json, an object a line (text)\n"
+        "  --help, --version\n\n"
+        "Once it listens it prints \"listening on http://ADDRESS:PORT\" on standard output;\n"
+        "the log goes to standard error. SIGTERM stops it: no job is taken or started any\n"
+        "more, and one that still runs when --drain-timeout is over, or at a second SIGTERM,\n"
+        "is queued again: it starts over with the next start, with the maps it has made.\n"
+        "SIGHUP has certificate and key read anew.\n",
+        DEFAULT_PORT, ORL_SERVER_SHELF_BYTES >> 20, ORL_SERVER_SCRUB_RATE >> 20,
+        ORL_SERVER_TIMEOUT_S, ORL_SERVER_CHECK_S, ORL_SERVER_CHECK_BYTES >> 20, ORL_SERVER_JOB_S,
+        ORL_SERVER_KEPT_JOBS, ORL_SERVER_DRAIN_S, ORL_SERVER_ADDRESS_CONNECTIONS);
+}
+
+static int parse_number(const char *option, const char *text, unsigned long min, unsigned long max,
+                        unsigned long *ret_value, struct orl_error *err)
+{
+    char *end = NULL;
+    errno = 0;
+    const unsigned long value = strtoul(text, &end, 10);
+    if (errno || end == text || *end || text[0] == '-' || value < min || value > max)
+        return orl_error_set(err, ORL_ERR_INVALID, "%s takes a number from %lu to %lu, not '%s'",
+                             option, min, max, text);
+    *ret_value = value;
+    return 0;
+}
+
+/* "500000", "64K", "500M", "20G", "1T": powers of 1024. */
+static int parse_size(const char *option, const char *text, uint64_t least, uint64_t *ret_bytes,
+                      struct orl_error *err)
+{
+    static const char units[] = "KMGT";
+    char *end = NULL;
+    errno = 0;
+    const unsigned long long number = strtoull(text, &end, 10);
+    const char *unit = end != text && *end ? strchr(units, *end) : NULL;
+    const int shift = unit ? 10 * (int)(unit - units + 1) : 0;
+    if (errno || end == text || text[0] == '-' || number < least || (*end && (!unit || end[1])) ||
+        number > UINT64_MAX >> 1 >> shift)
+        return orl_error_set(err, ORL_ERR_INVALID, "%s takes a size as 500M or 20G, not '%s'",
+                             option, text);
+    *ret_bytes = (uint64_t)number << shift;
+    return 0;
+}
+
+static void set_port(struct orl_config *config, unsigned long port)
+{
+    if (config->address.any.sa_family == AF_INET6)
+        config->address.v6.sin6_port = htons((uint16_t)port);
+    else
+        config->address.v4.sin_port = htons((uint16_t)port);
+}
+
+static bool is_loopback(const struct orl_config *config)
+{
+    if (config->address.any.sa_family == AF_INET6)
+        return IN6_IS_ADDR_LOOPBACK(&config->address.v6.sin6_addr);
+    return ntohl(config->address.v4.sin_addr.s_addr) >> 24 == 127;
+}
+
+/* "127.0.0.1:8423", "localhost:0", "[::1]:8423". */
+static int parse_listen(const char *text, struct orl_config *config, struct orl_error *err)
+{
+    char host[64];
+    const char *colon = strrchr(text, ':');
+    const size_t length = colon ? (size_t)(colon - text) : 0;
+    if (!colon || length == 0 || length >= sizeof host)
+        return orl_error_set(err, ORL_ERR_INVALID, "--listen takes ADDRESS:PORT, not '%s'", text);
+    memcpy(host, text, length);
+    host[length] = '\0';
+    memset(&config->address, 0, sizeof config->address);
+    if (strcmp(host, "localhost") == 0)
+        snprintf(host, sizeof host, "127.0.0.1");
+    if (host[0] == '[' && host[length - 1] == ']') {
+        host[length - 1] = '\0';
+        config->address.v6.sin6_family = AF_INET6;
+        if (inet_pton(AF_INET6, host + 1, &config->address.v6.sin6_addr) != 1)
+            return orl_error_set(err, ORL_ERR_INVALID, "'%s' is no address", host + 1);
+    } else {
+        config->address.v4.sin_family = AF_INET;
+        if (inet_pton(AF_INET, host, &config->address.v4.sin_addr) != 1)
+            return orl_error_set(err, ORL_ERR_INVALID, "'%s' is no address", host);
+    }
+    unsigned long port = 0;
+    const int rc = parse_number("--listen's port", colon + 1, 0, 65535, &port, err);
+    if (rc == 0)
+        set_port(config, port);
+    return rc;
+}
+
+/* Options that set a number. */
+static int apply_number(struct orl_config *config, const char *name, const char *value,
+                        struct orl_error *err)
+{
+    const struct {
+        const char *name;
+        unsigned long min, max;
+        uint32_t *field;
+    } numbers[] = {
+        {"--threads", 1, ORL_SERVER_THREADS, &config->threads},
+        {"--jobs", 1, ORL_SERVER_THREADS, &config->jobs},
+        {"--idle-timeout", 1, 3600, &config->idle_timeout_s},
+        {"--check-timeout", 1, 86400, &config->check_timeout_s},
+        {"--job-timeout", 1, 31536000, &config->job_timeout_s},
+        {"--keep-jobs", 1, 10000000, &config->keep_jobs},
+        {"--keep-days", 0, 36500, &config->keep_days},
+        {"--drain-timeout", 0, 86400, &config->drain_s},
+        {"--address-connections", 1, ORL_SERVER_CONNECTIONS, &config->address_connections},
+    };
+    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) {
+        unsigned long number = 0;
+        if (strcmp(name, numbers[i].name) != 0)
+            continue;
+        const int rc = parse_number(name, value, numbers[i].min, numbers[i].max, &number, err);
+        if (rc == 0)
+            *numbers[i].field = (uint32_t)number;
+        return rc;
+    }
+    orl_error_set(err, ORL_ERR_INVALID, "there is no option '%s'", name);
+    orl_error_hint(err, "orield --help lists them");
+    return ORL_ERR_INVALID;
+}
+
+static int apply_option(struct orl_config *config, const char *name, const char *value,
+                        struct orl_error *err)
+{
+    unsigned long number = 0;
+    int rc = 0;
+    if (strcmp(name, "--listen") == 0)
+        return parse_listen(value, config, err);
+    if (strcmp(name, "--tokens") == 0) {
+        config->needs_token = strcmp(value, "always") == 0;
+        if (!config->needs_token && strcmp(value, "public") != 0)
+            rc = orl_error_set(err, ORL_ERR_INVALID, "--tokens takes public or always, not '%s'",
+                               value);
+    } else if (strcmp(name, "--tls-cert") == 0) {
+        config->tls_cert = value;
+    } else if (strcmp(name, "--tls-key") == 0) {
+        config->tls_key = value;
+    } else if (strcmp(name, "--data") == 0) {
+        config->data = value;
+    } else if (strcmp(name, "--port") == 0) {
+        rc = parse_number(name, value, 0, 65535, &number, err);
+        if (rc == 0)
+            set_port(config, number);
+    } else if (strcmp(name, "--storage-budget") == 0) {
+        rc = parse_size(name, value, 1, &config->storage_bytes, err);
+    } else if (strcmp(name, "--memory") == 0) {
+        rc = parse_size(name, value, 1, &config->memory_bytes, err);
+    } else if (strcmp(name, "--check-memory") == 0) {
+        rc = parse_size(name, value, 1, &config->check_memory, err);
+        if (rc == 0 && config->check_memory < ORL_SERVER_CHECK_LEAST)
+            rc = orl_error_set(err, ORL_ERR_INVALID, "--check-memory takes %luM at least",
+                               ORL_SERVER_CHECK_LEAST >> 20);
+    } else if (strcmp(name, "--scrub-rate") == 0) {
+        rc = parse_size(name, value, 0, &config->scrub_bytes_per_s, err);
+    } else if (strcmp(name, "--shelf") == 0) {
+        rc = parse_size(name, value, 0, &config->shelf_bytes, err);
+    } else if (strcmp(name, "--log-level") == 0) {
+        if (orl_log_level_from_name(value, &config->log_level))
+            rc = orl_error_set(err, ORL_ERR_INVALID, "there is no log level '%s'", value);
+    } else if (strcmp(name, "--log-format") == 0) {
+        config->log_json = strcmp(value, "json") == 0;
+        if (!config->log_json && strcmp(value, "text") != 0)
+            rc = orl_error_set(err, ORL_ERR_INVALID, "--log-format takes text or json, not '%s'",
+                               value);
+    } else {
+        rc = apply_number(config, name, value, err);
+    }
+    return rc;
+}
+
+static void set_defaults(struct orl_config *config)
+{
+    memset(config, 0, sizeof *config);
+    config->address.v4.sin_family = AF_INET;
+    config->address.v4.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    config->address.v4.sin_port = htons(DEFAULT_PORT);
+    const char *data = getenv("ORIEL_DATA");
+    config->data = data && *data ? data : ORL_DEFAULT_DATA;
+    const long processors = sysconf(_SC_NPROCESSORS_ONLN);
+    config->threads = processors < 1                          ? 1
+                      : processors > (long)ORL_SERVER_THREADS ? ORL_SERVER_THREADS
+                                                              : (uint32_t)processors;
+    config->jobs = 1;
+    config->idle_timeout_s = ORL_SERVER_TIMEOUT_S;
+    config->check_timeout_s = ORL_SERVER_CHECK_S;
+    config->check_memory = ORL_SERVER_CHECK_BYTES;
+    config->shelf_bytes = ORL_SERVER_SHELF_BYTES;
+    config->scrub_bytes_per_s = ORL_SERVER_SCRUB_RATE;
+    config->job_timeout_s = ORL_SERVER_JOB_S;
+    config->keep_jobs = ORL_SERVER_KEPT_JOBS;
+    config->drain_s = ORL_SERVER_DRAIN_S;
+    config->log_level = ORL_LOG_INFO;
+}
+
+/* What options mean together. */
+static int complete(struct orl_config *config, struct orl_error *err)
+{
+    if (config->jobs > config->threads)
+        config->threads = config->jobs; /* each needs one to lead it */
+    if (!config->tls_cert != !config->tls_key)
+        return orl_error_set(err, ORL_ERR_INVALID, "--tls-cert and --tls-key go together");
+    if (config->address_connections == 0)
+        config->address_connections =
+            is_loopback(config) ? ORL_SERVER_CONNECTIONS : ORL_SERVER_ADDRESS_CONNECTIONS;
+    if (is_loopback(config))
+        return 0;
+    config->needs_token = true;
+    if (config->tls_cert)
+        return 0;
+    orl_error_set(err, ORL_ERR_INVALID,
+                  "others can reach the address to listen on: over plain HTTP they could read "
+                  "tokens and results on their way");
+    orl_error_hint(err, "Give --tls-cert and --tls-key; or listen on 127.0.0.1, and reach that "
+                        "through an SSH tunnel or a proxy that has TLS");
+    return ORL_ERR_INVALID;
+}
+
+int orl_config_parse(int argc, char **argv, struct orl_config *ret_config,
+                     enum orl_config_action *ret_action, struct orl_error *err)
+{
+    struct orl_config config;
+    enum orl_config_action action = ORL_CONFIG_SERVE;
+    set_defaults(&config);
+    for (int i = 1; i < argc; i++) {
+        if (strcmp(argv[i], "--help") == 0 || strcmp(argv[i], "-h") == 0) {
+            action = ORL_CONFIG_HELP;
+            break;
+        }
+        if (strcmp(argv[i], "--version") == 0) {
+            action = ORL_CONFIG_VERSION;
+            break;
+        }
+        char name[32];
+        const char *equals = strchr(argv[i], '=');
+        snprintf(name, sizeof name, "%.*s", equals ? (int)(equals - argv[i]) : 31, argv[i]);
+        const char *value = equals ? equals + 1 : i + 1 < argc ? argv[++i] : NULL;
+        if (!value) {
+            orl_error_set(err, ORL_ERR_INVALID, "%s is no option, or wants a value", name);
+            orl_error_hint(err, "orield --help lists them");
+            return ORL_ERR_INVALID;
+        }
+        const int rc = apply_option(&config, name, value, err);
+        if (rc)
+            return rc;
+    }
+    if (action == ORL_CONFIG_SERVE) {
+        const int rc = complete(&config, err);
+        if (rc)
+            return rc;
+    }
+    *ret_config = config;
+    *ret_action = action;
+    return 0;
+}
+
+void orl_address_format(const struct sockaddr *address, char *ret_text, size_t size)
+{
+    char host[INET6_ADDRSTRLEN] = "?";
+    if (address->sa_family == AF_INET6) {
+        struct sockaddr_in6 v6;
+        memcpy(&v6, address, sizeof v6);
+        inet_ntop(AF_INET6, &v6.sin6_addr, host, sizeof host);
+        snprintf(ret_text, size, "[%s]:%u", host, ntohs(v6.sin6_port));
+    } else {
+        struct sockaddr_in v4;
+        memcpy(&v4, address, sizeof v4);
+        inet_ntop(AF_INET, &v4.sin_addr, host, sizeof host);
+        snprintf(ret_text, size, "%s:%u", host, ntohs(v4.sin_port));
+    }
+}

@@ -1,0 +1,188 @@
+#include "process/log.h"
+
+#include <jansson.h>
+#include <math.h>
+#include <stdarg.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "encode.h"
+#include "process/times.h"
+
+static const char *const level_names[] = {"debug", "info", "warn", "error"};
+
+int orl_log_level_from_name(const char *name, enum orl_log_level *ret_level)
+{
+    for (int i = 0; i <= ORL_LOG_ERROR; i++)
+        if (strcmp(level_names[i], name) == 0) {
+            *ret_level = (enum orl_log_level)i;
+            return 0;
+        }
+    return -1;
+}
+
+/* ---- What others have written ---------------------------------------------------------------- */
+
+/* Takes the next character of UTF-8 text; 0 for a byte that begins none, which is taken alone. */
+static uint32_t take_character(const char **at)
+{
+    static const uint32_t least[] = {0, 0, 0x80, 0x800, 0x10000};
+    const unsigned char *bytes = (const unsigned char *)*at;
+    const size_t length = bytes[0] < 0x80   ? 1
+                          : bytes[0] < 0xc0 ? 0
+                          : bytes[0] < 0xe0 ? 2
+                          : bytes[0] < 0xf0 ? 3
+                          : bytes[0] < 0xf8 ? 4
+                                            : 0;
+    uint32_t code = length > 1 ? bytes[0] & (0x7fU >> length) : bytes[0];
+    size_t i = 1;
+    for (; i < length && (bytes[i] & 0xc0) == 0x80; i++)
+        code = code << 6 | (bytes[i] & 0x3f);
+    const bool good = length > 0 && i == length && code >= least[length] && code <= 0x10ffff &&
+                      !(code >= 0xd800 && code <= 0xdfff);
+    *at += good ? length : 1;
+    return good ? code : 0;
+}
+
+/* Does it move a terminal's cursor, or the text around it? Controls of both sets (C0, C1), ends of
+ * lines and paragraphs, and what turns the direction of writing. */
+static bool is_control(uint32_t code)
+{
+    return code < 0x20 || (code >= 0x7f && code < 0xa0) || (code >= 0x200e && code <= 0x200f) ||
+           (code >= 0x2028 && code <= 0x202e) || (code >= 0x2066 && code <= 0x2069);
+}
+
+/* Writes a '?' over each such character, and each byte that is no UTF-8; text gets no longer. */
+static void clean(char *text)
+{
+    const char *from = text;
+    char *to = text;
+    while (*from) {
+        const char *start = from;
+        if (is_control(take_character(&from))) {
+            *to++ = '?';
+            continue;
+        }
+        while (start < from)
+            *to++ = *start++;
+    }
+    *to = '\0';
+}
+
+/* ---- Lines ---------------------------------------------------------------------------------- */
+
+/* Appends to a line under way; what does not fit is dropped. */
+struct line {
+    char text[2048];
+    size_t used;
+};
+
+static void put(struct line *line, const char *text)
+{
+    for (; *text && line->used + 2 < sizeof line->text; text++)
+        line->text[line->used++] = *text;
+    line->text[line->used] = '\0';
+}
+
+static void put_value(struct line *line, const char *value)
+{
+    const int quoted = *value == '\0' || strpbrk(value, " \"=\\\t\r\n") != NULL;
+    if (quoted)
+        put(line, "\"");
+    for (; *value; value++) {
+        const char c[3] = {*value, '\0', '\0'};
+        if (*value == '"' || *value == '\\')
+            put(line, "\\");
+        put(line, c);
+    }
+    if (quoted)
+        put(line, "\"");
+}
+
+static void write_pairs(const struct orl_log *log, const char *now, const char *level,
+                        const char *event, const char *fields, va_list args)
+{
+    struct line line = {.used = 0};
+    char number[64];
+    put(&line, "time=");
+    put(&line, now);
+    put(&line, " level=");
+    put(&line, level);
+    put(&line, " event=");
+    put_value(&line, event);
+    for (; *fields; fields++) {
+        put(&line, " ");
+        put(&line, va_arg(args, const char *));
+        put(&line, "=");
+        if (*fields == 's') {
+            const char *text = va_arg(args, const char *);
+            char *own = text ? strdup(text) : NULL;
+            if (own)
+                clean(own);
+            put_value(&line, own ? own : "-");
+            free(own);
+            continue;
+        }
+        if (*fields == 'i')
+            snprintf(number, sizeof number, "%lld", (long long)va_arg(args, int64_t));
+        else
+            snprintf(number, sizeof number, "%.3f", va_arg(args, double));
+        put(&line, number);
+    }
+    line.text[line.used++] = '\n';
+    fwrite(line.text, 1, line.used, log->stream);
+}
+
+static json_t *text_to_json(const char *text)
+{
+    char *own = text ? strdup(text) : NULL;
+    if (own)
+        clean(own);
+    json_t *value = json_string(own ? own : "-");
+    free(own);
+    return value;
+}
+
+static void write_object(const struct orl_log *log, const char *now, const char *level,
+                         const char *event, const char *fields, va_list args)
+{
+    json_t *doc = json_pack("{s:s, s:s, s:s}", "time", now, "level", level, "event", event);
+    for (; *fields; fields++) {
+        const char *key = va_arg(args, const char *);
+        json_t *value = NULL;
+        if (*fields == 's')
+            value = text_to_json(va_arg(args, const char *));
+        else if (*fields == 'i')
+            value = json_integer((json_int_t)va_arg(args, int64_t));
+        else
+            value = json_real(round(1000 * va_arg(args, double)) / 1000);
+        json_object_set_new(doc, key, value);
+    }
+    char *text = doc ? orl_json_text(doc, JSON_COMPACT | JSON_REAL_PRECISION(12)) : NULL;
+    if (text)
+        fprintf(log->stream, "%s\n", text);
+    free(text);
+    json_decref(doc);
+}
+
+void orl_log_event(const struct orl_log *log, enum orl_log_level level, const char *event,
+                   const char *fields, ...)
+{
+    char now[ORL_TIME_TEXT];
+    va_list args;
+    if (!log->stream || level < log->level)
+        return;
+    orl_time_format(orl_time_now_ms(), now);
+    va_start(args, fields);
+    (log->json ? write_object : write_pairs)(log, now, level_names[level], event, fields, args);
+    va_end(args);
+    if (level >= ORL_LOG_WARN)
+        fflush(log->stream);
+}
+
+void orl_log_flush(const struct orl_log *log)
+{
+    if (log->stream)
+        fflush(log->stream);
+}

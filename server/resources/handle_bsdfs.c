@@ -1,0 +1,191 @@
+#include "resources/handlers.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "checks/ask.h"
+#include "checks/checks.h"
+#include "http/reply.h"
+#include "resources/stored_item.h"
+#include "server.h"
+#include "store/scenes.h"
+
+/* A BSDF on its way in. */
+struct upload {
+    char name[256]; /* for messages; as the sender calls it */
+    char id[ORL_SHA_HEX];
+    uint64_t bytes;
+    char *summary;           /* JSON text */
+    struct orl_blobs *blobs; /* with a claim on it; NULL: none */
+    struct orl_check check;
+    int rc;
+    struct orl_error err;
+};
+
+static void upload_free(void *state)
+{
+    struct upload *upload = state;
+    if (upload->blobs)
+        orl_blobs_release(upload->blobs, upload->id);
+    free(upload->summary);
+    free(upload);
+}
+
+/* ---- On the pool ---------------------------------------------------------------------------- */
+
+static void hash_upload(struct orl_request *request)
+{
+    struct upload *upload = request->state;
+    struct orl_file file;
+    upload->rc = orl_body_view(&request->body, &request->server->folders, &file, &upload->err);
+    if (upload->rc == 0)
+        orl_sha256_hex(file.data, file.size, upload->id);
+    upload->bytes = upload->rc == 0 ? file.size : 0;
+}
+
+static void check_and_keep(struct orl_request *request)
+{
+    struct upload *upload = request->state;
+    const struct orl_folders *folders = &request->server->folders;
+    char path[ORL_PATH_MAX];
+    const char *file = NULL;
+    upload->rc = orl_body_file(&request->body, folders, &file, &upload->err);
+    if (upload->rc == 0)
+        upload->rc =
+            orl_ask_bsdf(&upload->check.asking, file, upload->name, &upload->summary, &upload->err);
+    if (upload->rc == 0)
+        upload->rc = orl_body_take_file(&request->body, folders, path, &upload->err);
+    if (upload->rc)
+        return;
+    upload->rc = orl_blob_keep(folders, path, upload->id, &upload->err);
+    if (upload->rc)
+        unlink(path);
+}
+
+/* ---- On the loop ---------------------------------------------------------------------------- */
+
+static void insert_and_reply(struct orl_request *request)
+{
+    struct upload *upload = request->state;
+    bool created = false;
+    if (!orl_check_ended(&upload->check, &upload->rc, &upload->err))
+        return;
+    if (upload->rc == 0)
+        upload->rc = orl_bsdf_insert(&request->server->db, upload->id, upload->name, upload->bytes,
+                                     upload->summary, &created, &upload->err);
+    if (upload->rc)
+        orl_reply_error(request, &upload->err);
+    else
+        orl_reply_stored_item(request, &orl_item_bsdf, upload->id, created ? 201 : 200, &created);
+}
+
+static void admit(struct orl_request *request)
+{
+    struct upload *upload = request->state;
+    struct orl_blobs *blobs = request->server->blobs;
+    const bool here = orl_blob_exists(&request->server->folders, upload->id);
+    upload->rc = orl_blobs_claim(blobs, upload->id, &upload->err);
+    if (upload->rc) {
+        orl_reply_error(request, &upload->err);
+        return;
+    }
+    upload->blobs = blobs;
+    if (!orl_reply_if_full(request, here ? 0 : upload->bytes))
+        orl_check_begin(&upload->check, request, check_and_keep, insert_and_reply);
+}
+
+/* What is known already mends what is damaged in the store, no more. */
+static void keep_again(struct orl_request *request)
+{
+    struct upload *upload = request->state;
+    const struct orl_folders *folders = &request->server->folders;
+    char path[ORL_PATH_MAX];
+    upload->rc = orl_body_take_file(&request->body, folders, path, &upload->err);
+    if (upload->rc == 0)
+        upload->rc = orl_blob_keep(folders, path, upload->id, &upload->err);
+}
+
+static void reply_known(struct orl_request *request)
+{
+    struct upload *upload = request->state;
+    bool created = false;
+    if (upload->rc)
+        orl_reply_error(request, &upload->err);
+    else
+        orl_reply_stored_item(request, &orl_item_bsdf, upload->id, 200, &created);
+}
+
+static void look_up(struct orl_request *request)
+{
+    struct upload *upload = request->state;
+    struct orl_stored_item item;
+    bool found = false;
+    if (upload->rc == 0)
+        upload->rc = orl_bsdf_find(&request->server->db, upload->id, &item, &found, &upload->err);
+    if (upload->rc) {
+        orl_reply_error(request, &upload->err);
+    } else if (found) {
+        free(item.summary);
+        upload->rc = orl_blobs_claim(request->server->blobs, upload->id, &upload->err);
+        upload->blobs = upload->rc ? NULL : request->server->blobs;
+        if (upload->rc)
+            orl_reply_error(request, &upload->err);
+        else
+            orl_request_work(request, keep_again, reply_known);
+    } else {
+        admit(request);
+    }
+}
+
+void orl_handle_bsdf_post(struct orl_request *request)
+{
+    const char *name = orl_request_query(request, "name");
+    struct upload *upload = calloc(1, sizeof *upload);
+    struct orl_error err;
+    request->state = upload;
+    request->free_state = upload_free;
+    if (!upload) {
+        orl_error_set(&err, ORL_ERR_NOMEM, "out of memory");
+        orl_reply_error(request, &err);
+        return;
+    }
+    if (name && orl_bundle_check_name(name, &err)) {
+        orl_reply_error(request, &err);
+        return;
+    }
+    snprintf(upload->name, sizeof upload->name, "%s", name ? name : "bsdf.xml");
+    orl_request_work(request, hash_upload, look_up);
+}
+
+void orl_handle_bsdf_get(struct orl_request *request)
+{
+    orl_reply_stored_item(request, &orl_item_bsdf, request->params[0], 200, NULL);
+}
+
+void orl_handle_bsdf_delete(struct orl_request *request)
+{
+    struct orl_server *server = request->server;
+    const char *id = request->params[0];
+    struct orl_stored_item item = {.summary = NULL};
+    bool found = false, removed = false, needed = false;
+    struct orl_error err;
+    int rc = orl_bsdf_find(&server->db, id, &item, &found, &err);
+    free(item.summary);
+    if (rc == 0 && found)
+        rc = orl_blob_in_scene(&server->db, id, &needed, &err);
+    if (rc == 0 && needed) {
+        orl_reply_in_use(request, "scenes have the BSDF as a file");
+        return;
+    }
+    if (rc == 0 && found)
+        rc = orl_bsdf_drop(&server->db, id, &removed, &err);
+    if (rc) {
+        orl_reply_error(request, &err);
+        return;
+    }
+    if (removed)
+        orl_blobs_forget(server->blobs, id);
+    orl_reply_removed(request, removed, "BSDF");
+}

@@ -1,0 +1,398 @@
+#include "resources/handlers.h"
+
+#include <jansson.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "checks/ask.h"
+#include "checks/checks.h"
+#include "http/client_name.h"
+#include "http/reply.h"
+#include "json_read.h"
+#include "process/limits.h"
+#include "resources/job_status.h"
+#include "resources/status_cache.h"
+#include "runner/job_memory.h"
+#include "server.h"
+#include "store/mapped_file.h"
+#include "store/scenes.h"
+#include "uploads/multipart.h"
+
+enum { REQUEST_KEY_MAX = 255 };
+
+/* A job on its way in. */
+struct job_post {
+    struct orl_job_brief brief;
+    struct orl_job_memory memory;
+    char sensors[ORL_PATH_MAX]; /* the file of them; "": there is none */
+    struct orl_check check;
+    char document[ORL_SHA_HEX], client[ORL_CLIENT_NAME];
+    char key[REQUEST_KEY_MAX + 1]; /* Idempotency-Key; "": none */
+    struct orl_blobs *blobs;       /* with a claim on the document; NULL: none */
+    int rc;
+    struct orl_error err;
+};
+
+static void job_post_free(void *state)
+{
+    struct job_post *post = state;
+    if (post->blobs)
+        orl_blobs_release(post->blobs, post->document);
+    orl_job_brief_done(&post->brief);
+    free(post);
+}
+
+/* ---- On the pool ---------------------------------------------------------------------------- */
+
+static void read_document(struct orl_request *request)
+{
+    struct job_post *post = request->state;
+    struct orl_file body;
+    post->rc = orl_body_view(&request->body, &request->server->folders, &body, &post->err);
+    if (post->rc == 0)
+        orl_sha256_hex(body.data, body.size, post->document);
+    if (post->rc == 0)
+        post->rc = orl_job_brief_read(&body, &post->brief, &post->err);
+}
+
+/* A large one, in a child. */
+static void check_document(struct orl_request *request)
+{
+    struct job_post *post = request->state;
+    const struct orl_folders *folders = &request->server->folders;
+    const char *path = NULL;
+    struct orl_file body;
+    post->rc = orl_body_view(&request->body, folders, &body, &post->err);
+    if (post->rc == 0)
+        post->rc = orl_body_file(&request->body, folders, &path, &post->err);
+    if (post->rc)
+        return;
+    orl_sha256_hex(body.data, body.size, post->document);
+    post->rc = orl_ask_job(&post->check.asking, path, &post->brief, &post->err);
+}
+
+/* Each has a line of its own. */
+static void count_sensors(struct job_post *post)
+{
+    struct orl_file file;
+    if (!post->sensors[0] || orl_map_file(post->sensors, &file, NULL))
+        return;
+    for (const char *at = file.data, *end = file.data + file.size; at < end; at++) {
+        post->memory.file_sensors++;
+        at = memchr(at, '\n', (size_t)(end - at));
+        if (!at)
+            break;
+    }
+    orl_unmap_file(&file);
+}
+
+static void keep_document(struct orl_request *request)
+{
+    struct job_post *post = request->state;
+    count_sensors(post);
+    const struct orl_folders *folders = &request->server->folders;
+    char path[ORL_PATH_MAX];
+    post->rc = orl_body_take_file(&request->body, folders, path, &post->err);
+    if (post->rc)
+        return;
+    post->rc = orl_blob_keep(folders, path, post->document, &post->err);
+    if (post->rc)
+        unlink(path);
+}
+
+/* ---- On the loop ---------------------------------------------------------------------------- */
+
+static void reply_document(struct orl_request *request, unsigned status,
+                           const struct orl_jobs_job *job)
+{
+    const struct orl_server *server = request->server;
+    size_t size = 0;
+    if (job->row.state < ORL_JOB_SUCCEEDED) {
+        orl_reply_json(request, status, orl_job_status(server->jobs, job));
+        return;
+    }
+    const char *text = orl_status_cache_text(server->statuses, server->jobs, job, &size);
+    orl_reply_json_text(request, status, text, size);
+}
+
+static void reply_job(struct orl_request *request, unsigned status, const struct orl_jobs_job *job)
+{
+    char location[80];
+    snprintf(request->job, sizeof request->job, "%s", job->row.id);
+    reply_document(request, status, job);
+    orl_reply_header(request, "Cache-Control", "no-store");
+    if (status == 202) {
+        snprintf(location, sizeof location, "/v1/jobs/%s", job->row.id);
+        orl_reply_header(request, "Location", location);
+        orl_reply_header(request, "Retry-After", "1");
+    }
+}
+
+static bool refuse_when_full(struct orl_request *request)
+{
+    if (!orl_jobs_full(request->server->jobs))
+        return !orl_client_may_queue(request);
+    orl_reply_problem(request, 429, "queue-full", "Too many jobs wait already",
+                      "%u jobs are queued; try again when some have run", ORL_SERVER_QUEUE);
+    orl_reply_header(request, "Retry-After", "30");
+    return true;
+}
+
+/*
+ * Replies when the request has been answered before, by its key: the same document gets the job
+ * that it made, another one a 422 (draft-ietf-httpapi-idempotency-key-header).
+ */
+static bool answer_by_key(struct orl_request *request)
+{
+    struct job_post *post = request->state;
+    const struct orl_jobs_job *job = NULL;
+    struct orl_error err;
+    if (!*post->key)
+        return false;
+    if (orl_jobs_by_key(request->server->jobs, post->client, post->key, &job, &err)) {
+        orl_reply_error(request, &err);
+        return true;
+    }
+    if (!job)
+        return false;
+    if (strcmp(job->row.document, post->document) == 0)
+        reply_job(request, 202, job);
+    else
+        orl_reply_problem(request, 422, "idempotency-key", "The Idempotency-Key was used before",
+                          "another document came with it, and became the job %s", job->row.id);
+    return true;
+}
+
+/* A file that the document names must have come with the scene. */
+static int check_file(const struct orl_bundle *bundle, const struct orl_named_file *file,
+                      struct orl_error *err)
+{
+    const bool sensors = strcmp(file->place, "sensors.file") == 0;
+    if (orl_bundle_find(bundle, file->name))
+        return 0;
+    orl_error_set(err, ORL_ERR_NOT_FOUND, "the scene was uploaded without a file named '%.200s'",
+                  file->name);
+    orl_error_at(err, NULL, 0, file->place);
+    orl_error_hint(err, sensors ? "Upload it as a resource, or give the sensors as an array"
+                                : "Upload it with the scene as a resource");
+    return ORL_ERR_NOT_FOUND;
+}
+
+/* What of the scene says how much memory the job takes. */
+static int note_needs(struct orl_server *server, struct job_post *post,
+                      const struct orl_bundle *bundle)
+{
+    struct orl_stored_item scene = {.summary = NULL};
+    bool found = false;
+    const int rc = orl_scene_find(&server->db, post->brief.scene, &scene, &found, &post->err);
+    if (rc)
+        return rc;
+    json_t *summary = orl_json_reread(scene.summary);
+    free(scene.summary);
+    if (found && !summary)
+        return orl_error_set(&post->err, ORL_ERR_NOMEM, "out of memory");
+    post->memory = (struct orl_job_memory){
+        .surfaces = (uint64_t)json_integer_value(json_object_get(summary, "surfaces")),
+        .triangles = (uint64_t)json_integer_value(json_object_get(summary, "triangles")),
+        .photons = post->brief.photons,
+        .sensors = post->brief.sensors,
+        .pixels = post->brief.pixels,
+        .file_sensors = post->memory.file_sensors};
+    json_decref(summary);
+    for (size_t i = 0; i < bundle->count; i++)
+        if (orl_is_xml_name(bundle->files[i].name))
+            post->memory.bsdf_bytes += bundle->files[i].bytes;
+    for (size_t i = 0; i < post->brief.n_files; i++)
+        if (strcmp(post->brief.files[i].place, "sensors.file") == 0)
+            snprintf(post->sensors, sizeof post->sensors, "%s",
+                     orl_bundle_find(bundle, post->brief.files[i].name)->path);
+    return 0;
+}
+
+/* What can never fit is refused; before its sensors' file is read, and after. */
+static int check_memory(const struct orl_server *server, struct job_post *post)
+{
+    const uint64_t most = orl_memory_most(&server->memory);
+    return orl_job_memory_estimate(&post->memory) <= most
+               ? 0
+               : orl_job_memory_refuse(&post->memory, most, &post->err);
+}
+
+/* What the document refers to must be here. */
+static int check_references(struct orl_server *server, struct job_post *post)
+{
+    const struct orl_job_brief *brief = &post->brief;
+    struct orl_bundle bundle = {0};
+    int rc = orl_scene_files(&server->db, &server->folders, brief->scene, &bundle, &post->err);
+    if (rc == 0 && bundle.count == 0) {
+        rc = orl_error_set(&post->err, ORL_ERR_NOT_FOUND, "no scene of that id is stored");
+        orl_error_at(&post->err, NULL, 0, "scene");
+        orl_error_hint(&post->err, "Upload it with POST /v1/scenes first");
+    }
+    for (size_t i = 0; i < brief->n_files && rc == 0; i++)
+        rc = check_file(&bundle, &brief->files[i], &post->err);
+    if (rc == 0)
+        rc = note_needs(server, post, &bundle);
+    orl_bundle_done(&bundle);
+    return rc ? rc : check_memory(server, post);
+}
+
+static void submit(struct orl_request *request)
+{
+    struct job_post *post = request->state;
+    const struct orl_jobs_job *job = NULL;
+    /* Asked again, since the same request may have come twice at once. */
+    if (post->rc == 0 && answer_by_key(request))
+        return;
+    if (post->rc == 0 && refuse_when_full(request))
+        return;
+    if (post->rc == 0) /* again, for the scene may have been removed meanwhile */
+        post->rc = check_references(request->server, post);
+    /* Sensors of a file are counted by now. */
+    const uint64_t result_bytes =
+        post->brief.result_bytes + post->brief.sensor_bytes * post->memory.file_sensors;
+    if (post->rc == 0 && post->memory.file_sensors > 0 && orl_reply_if_full(request, result_bytes))
+        return;
+    const struct orl_jobs_order order = {.kind = post->brief.kind,
+                                         .priority = post->brief.priority,
+                                         .scene = post->brief.scene,
+                                         .document = post->document,
+                                         .identity = post->brief.identity,
+                                         .result_bytes = result_bytes,
+                                         .memory_bytes = orl_job_memory_estimate(&post->memory),
+                                         .client = post->client,
+                                         .request_key = *post->key ? post->key : NULL};
+    if (post->rc == 0)
+        post->rc = orl_jobs_submit(request->server->jobs, &order, &job, &post->err);
+    if (post->rc)
+        orl_reply_error(request, &post->err);
+    else
+        reply_job(request, 202, job);
+}
+
+static void admit(struct orl_request *request)
+{
+    struct job_post *post = request->state;
+    struct orl_server *server = request->server;
+    const bool here = orl_blob_exists(&server->folders, post->document);
+    post->rc = orl_blobs_claim(server->blobs, post->document, &post->err);
+    if (post->rc) {
+        orl_reply_error(request, &post->err);
+        return;
+    }
+    post->blobs = server->blobs;
+    const uint64_t bytes = post->brief.result_bytes + (here ? 0 : request->body.size);
+    if (!orl_reply_if_full(request, bytes))
+        orl_request_work(request, keep_document, submit);
+}
+
+static void look_up(struct orl_request *request)
+{
+    struct job_post *post = request->state;
+    if (*post->document && answer_by_key(request))
+        return;
+    if (post->rc == 0 && refuse_when_full(request))
+        return;
+    if (post->rc == 0)
+        post->rc = check_references(request->server, post);
+    if (post->rc)
+        orl_reply_error(request, &post->err);
+    else
+        admit(request);
+}
+
+/* The key, in quotes (a structured string) or without. False after a 400. */
+static bool read_key(struct orl_request *request, const char *key,
+                     char ret_key[REQUEST_KEY_MAX + 1])
+{
+    const size_t length = key ? strlen(key) : 0;
+    const bool quoted = length >= 2 && key[0] == '"' && key[length - 1] == '"';
+    bool good = !key || (length > (quoted ? 2 : 0) && length - (quoted ? 2 : 0) <= REQUEST_KEY_MAX);
+    for (size_t i = 0; i < length && good; i++)
+        good = key[i] >= 0x20 && key[i] <= 0x7e;
+    if (!good)
+        orl_reply_problem(request, 400, "invalid", "A header is not understood",
+                          "an Idempotency-Key has 1 to %d printable characters", REQUEST_KEY_MAX);
+    else if (key)
+        snprintf(ret_key, REQUEST_KEY_MAX + 1, "%.*s", (int)(length - (quoted ? 2 : 0)),
+                 key + quoted);
+    return good;
+}
+
+static void look_up_checked(struct orl_request *request)
+{
+    struct job_post *post = request->state;
+    if (orl_check_ended(&post->check, &post->rc, &post->err))
+        look_up(request);
+}
+
+void orl_handle_job_post(struct orl_request *request)
+{
+    const char *key = orl_request_header(request, "Idempotency-Key");
+    if (request->server->draining) {
+        orl_reply_stopping(request);
+        return;
+    }
+    if (!key && refuse_when_full(request))
+        return;
+    struct job_post *post = calloc(1, sizeof *post);
+    if (!post) {
+        orl_reply_json(request, 503, NULL);
+        return;
+    }
+    request->state = post;
+    request->free_state = job_post_free;
+    if (!orl_client_name(request, post->client) || !read_key(request, key, post->key))
+        return;
+    if (request->body.size <= ORL_SERVER_SMALL_JSON)
+        orl_request_work(request, read_document, look_up);
+    else
+        orl_check_begin(&post->check, request, check_document, look_up_checked);
+}
+
+/* The job of the path, or NULL after a 404. */
+static const struct orl_jobs_job *find_job(struct orl_request *request)
+{
+    const struct orl_jobs_job *job = orl_jobs_find(request->server->jobs, request->params[0]);
+    if (!job)
+        orl_reply_not_found(request, "job");
+    return job;
+}
+
+void orl_handle_job_get(struct orl_request *request)
+{
+    const struct orl_jobs_job *job = find_job(request);
+    if (job)
+        reply_job(request, 200, job);
+}
+
+void orl_handle_job_cancel(struct orl_request *request)
+{
+    const struct orl_jobs_job *job = find_job(request);
+    struct orl_error err;
+    if (!job)
+        return;
+    if (orl_jobs_cancel(request->server->jobs, job->row.id, &err) == 0)
+        reply_job(request, job->row.state == ORL_JOB_RUNNING ? 202 : 200, job);
+    else if (err.code == ORL_ERR_INVALID)
+        orl_reply_problem(request, 409, "finished", "The job is finished", "%s", err.message);
+    else
+        orl_reply_error(request, &err);
+}
+
+void orl_handle_job_delete(struct orl_request *request)
+{
+    struct orl_server *server = request->server;
+    const struct orl_jobs_job *job = find_job(request);
+    struct orl_error err;
+    if (!job)
+        return;
+    if (orl_jobs_remove(server->jobs, request->params[0], &err) == 0)
+        orl_reply_no_content(request);
+    else if (err.code == ORL_ERR_INVALID)
+        orl_reply_in_use(request, err.message);
+    else
+        orl_reply_error(request, &err);
+}

@@ -1,0 +1,265 @@
+#include "resources/handlers.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <jansson.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "http/reply.h"
+#include "json_read.h"
+#include "process/times.h"
+#include "server.h"
+
+static const char *type_of(const char *name)
+{
+    static const struct {
+        const char *ending, *type;
+    } types[] = {{".json", "application/json"},
+                 {".png", "image/png"},
+                 {".hdr", "image/vnd.radiance"},
+                 {".csv", "text/csv"},
+                 {".svg", "image/svg+xml"}};
+    const char *dot = strrchr(name, '.');
+    for (size_t i = 0; dot && i < sizeof types / sizeof *types; i++)
+        if (strcmp(dot, types[i].ending) == 0)
+            return types[i].type;
+    return "application/octet-stream";
+}
+
+enum { TAG_MAX = 2 * ORL_PARAM_MAX };
+
+/* What a request for results may be given. */
+struct shown {
+    const struct orl_jobs_job *job;
+    bool running;              /* they change with every round */
+    json_t *summary;           /* job_output.h; owned */
+    char folder[ORL_PATH_MAX]; /* where they are */
+};
+
+/* The summary's entry of that name; NULL: none. Nothing else is ever opened. */
+static const json_t *find_listed(const struct shown *shown, const char *name)
+{
+    const json_t *entry;
+    size_t i;
+    json_array_foreach(json_object_get(shown->summary, "files"), i, entry)
+    {
+        const char *listed = json_string_value(json_object_get(entry, "name"));
+        if (listed && strcmp(listed, name) == 0)
+            return entry;
+    }
+    return NULL;
+}
+
+/* A job that ends at this moment has moved its results to where they stay. */
+static int open_file(struct orl_request *request, const struct shown *shown, const char *name)
+{
+    char path[ORL_PATH_MAX];
+    snprintf(path, sizeof path, "%.*s/%s", ORL_PATH_MAX - 256, shown->folder, name);
+    const int fd = open(path, O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
+    if (fd >= 0 || !shown->running)
+        return fd;
+    orl_folders_path(&request->server->folders, path, "results/%s/%s", shown->job->row.id, name);
+    return open(path, O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
+}
+
+/* The digest of the bytes. Of jobs of before there were any, the job and the name: results never
+ * change once the job has succeeded. */
+static void make_tag(const struct shown *shown, const json_t *entry, char ret_tag[TAG_MAX])
+{
+    const char *sha = json_string_value(json_object_get(entry, "sha256"));
+    if (sha)
+        snprintf(ret_tag, TAG_MAX, "%s", sha);
+    else
+        snprintf(ret_tag, TAG_MAX, "%s/%s", shown->job->row.id,
+                 json_string_value(json_object_get(entry, "name")));
+}
+
+/* ---- A file that is final ------------------------------------------------------------------- */
+
+/* On its way out; the descriptor is closed with it, unless the answer has taken it. */
+struct final_file {
+    int fd;
+    struct stat st;
+    char sha[ORL_SHA_HEX], tag[TAG_MAX];
+    const char *type;
+    int rc;
+    struct orl_error err;
+};
+
+static void final_file_free(void *state)
+{
+    struct final_file *file = state;
+    if (file->fd >= 0)
+        close(file->fd);
+    free(file);
+}
+
+static void send_final(struct orl_request *request, struct final_file *file)
+{
+    const int fd = file->fd;
+    file->fd = -1;
+    orl_reply_part(request, fd, (uint64_t)file->st.st_size, file->type, file->tag);
+}
+
+/* On the pool. */
+static void verify(struct orl_request *request)
+{
+    struct final_file *file = request->state;
+    file->rc = orl_verify_file(file->fd, file->sha, &file->err);
+}
+
+static void verified(struct orl_request *request)
+{
+    struct final_file *file = request->state;
+    if (file->rc) {
+        orl_error_at(&file->err, request->params[1][0] ? request->params[1] : "result.json", 0,
+                     NULL);
+        orl_reply_error(request, &file->err);
+        return;
+    }
+    orl_verified_add(&request->server->verified, &file->st);
+    send_final(request, file);
+}
+
+/* Takes the descriptor. Files of before there were digests go out as they are. */
+static void give_final(struct orl_request *request, int fd, const struct stat *st,
+                       const json_t *entry, const char *tag)
+{
+    const char *sha = json_string_value(json_object_get(entry, "sha256"));
+    struct final_file *file = calloc(1, sizeof *file);
+    if (!file) {
+        close(fd);
+        orl_reply_json(request, 503, NULL);
+        return;
+    }
+    *file = (struct final_file){
+        .fd = fd,
+        .st = *st,
+        .type = type_of(json_string_value(json_object_get(entry, "name"))),
+    };
+    snprintf(file->sha, sizeof file->sha, "%s", sha ? sha : "");
+    snprintf(file->tag, sizeof file->tag, "%s", tag);
+    request->state = file;
+    request->free_state = final_file_free;
+    if (!sha || orl_verified_has(&request->server->verified, st))
+        send_final(request, file);
+    else
+        orl_request_work(request, verify, verified);
+}
+
+/* ---- Whatever is asked for ------------------------------------------------------------------ */
+
+static void send_file(struct orl_request *request, const struct shown *shown, const json_t *entry)
+{
+    const char *name = json_string_value(json_object_get(entry, "name"));
+    char tag[TAG_MAX];
+    struct stat st;
+    make_tag(shown, entry, tag);
+    if (!shown->running && strcmp(request->method, "GET") == 0)
+        orl_storage_fetched(&request->server->storage, shown->job->row.id);
+    if (!shown->running && orl_reply_if_none_match(request, tag))
+        return;
+    const int fd = open_file(request, shown, name);
+    if (fd < 0 || fstat(fd, &st) != 0) {
+        struct orl_error err;
+        orl_error_set(&err, ORL_ERR_IO, "a result file cannot be read: %s", strerror(errno));
+        if (fd >= 0)
+            close(fd);
+        orl_reply_error(request, &err);
+        return;
+    }
+    if (shown->running) {
+        orl_reply_file(request, fd, (uint64_t)st.st_size, type_of(name));
+        orl_reply_header(request, "Cache-Control", "no-store");
+    } else {
+        give_final(request, fd, &st, entry, tag);
+    }
+}
+
+/* 410: they were here, and are not any more. */
+static void tell_evicted(struct orl_request *request, const struct orl_jobs_job *job)
+{
+    char when[ORL_TIME_TEXT];
+    orl_time_format(job->row.evicted_ms, when);
+    orl_reply_problem(request, 410, "results-evicted", "The results are gone",
+                      "they were removed at %s to make room; the same document, submitted again, "
+                      "gives them anew",
+                      when);
+}
+
+/* The summary of what the job has to show, as text that is the caller's; NULL: nothing. */
+static char *find_summary(struct orl_request *request, struct shown *shown)
+{
+    const struct orl_jobs_job *job = shown->job;
+    shown->running = job->row.state == ORL_JOB_RUNNING;
+    if (shown->running)
+        return orl_jobs_worker(job) ? orl_worker_results(orl_jobs_worker(job), shown->folder)
+                                    : NULL;
+    orl_folders_path(&request->server->folders, shown->folder, "results/%s", job->row.id);
+    return job->row.state != ORL_JOB_FAILED && job->outcome ? strdup(job->outcome) : NULL;
+}
+
+/* 409: nothing, or not that yet. */
+static void refuse_for_now(struct orl_request *request, const struct orl_jobs_job *job)
+{
+    const enum orl_job_state state = job->row.state;
+    orl_reply_problem(request, 409, "no-result", "The job has no results", "its state is '%s'%s",
+                      orl_job_state_name(state),
+                      state <= ORL_JOB_RUNNING ? "; ask again later" : "");
+    if (state <= ORL_JOB_RUNNING)
+        orl_reply_header(request, "Retry-After", "1");
+}
+
+/* False after a 404 or 409. A job has results when it has succeeded, after its first round or view,
+ * and cancelled when some of its skies were done. */
+static bool find_results(struct orl_request *request, struct shown *ret_shown)
+{
+    struct shown shown = {.job = orl_jobs_find(request->server->jobs, request->params[0])};
+    if (!shown.job) {
+        orl_reply_not_found(request, "job");
+        return false;
+    }
+    char *text = find_summary(request, &shown);
+    shown.summary = orl_json_reread(text);
+    free(text);
+    if (shown.summary) {
+        *ret_shown = shown;
+        return true;
+    }
+    if (text || (!shown.running && shown.job->outcome))
+        orl_reply_json(request, 503, NULL);
+    else
+        refuse_for_now(request, shown.job);
+    return false;
+}
+
+static void send_results(struct orl_request *request, const char *name)
+{
+    struct shown shown;
+    if (!find_results(request, &shown))
+        return;
+    const json_t *entry = find_listed(&shown, name);
+    if (entry && !shown.running && shown.job->row.evicted_ms > 0)
+        tell_evicted(request, shown.job);
+    else if (entry)
+        send_file(request, &shown, entry);
+    else if (shown.running && strcmp(name, "result.json") == 0)
+        refuse_for_now(request, shown.job);
+    else
+        orl_reply_not_found(request, "result file");
+    json_decref(shown.summary);
+}
+
+void orl_handle_job_result(struct orl_request *request)
+{
+    send_results(request, "result.json");
+}
+
+void orl_handle_job_file(struct orl_request *request)
+{
+    send_results(request, request->params[1]);
+}

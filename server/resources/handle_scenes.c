@@ -1,0 +1,217 @@
+#include "resources/handlers.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+#include "checks/checks.h"
+#include "http/reply.h"
+#include "resources/scene_upload.h"
+#include "resources/stored_item.h"
+#include "server.h"
+#include "uploads/unzip.h"
+
+/* A request's scene, between the loop and the pool. */
+struct scene_post {
+    struct orl_scene_upload upload;
+    struct orl_blobs *blobs;
+    struct orl_check check;
+    size_t claimed; /* of the upload's files, the first */
+    int rc;
+    struct orl_error err;
+};
+
+static void scene_post_free(void *state)
+{
+    struct scene_post *post = state;
+    for (size_t i = 0; i < post->claimed; i++)
+        orl_blobs_release(post->blobs, post->upload.bundle.files[i].sha);
+    orl_scene_upload_done(&post->upload);
+    free(post);
+}
+
+/* ---- On the pool ---------------------------------------------------------------------------- */
+
+/* Every argument "main" of the query. */
+static enum MHD_Result add_main(void *ctx, enum MHD_ValueKind kind, const char *key,
+                                const char *value)
+{
+    struct scene_post *post = ctx;
+    (void)kind;
+    if (strcmp(key, "main") == 0 && value)
+        post->rc = orl_scene_upload_add_main(&post->upload, value, &post->err);
+    return post->rc ? MHD_NO : MHD_YES;
+}
+
+static void take_apart(struct orl_request *request)
+{
+    struct scene_post *post = request->state;
+    const struct orl_folders held = orl_request_folders(request), *folders = &held;
+    const char *type = orl_request_header(request, MHD_HTTP_HEADER_CONTENT_TYPE);
+    struct orl_asking *asking = &post->check.asking;
+    struct orl_file body;
+    const char *path = NULL;
+    orl_scene_upload_done(&post->upload); /* of an attempt before */
+    const bool parts = type && strncasecmp(type, "multipart/", 10) == 0;
+    post->rc = parts ? orl_body_view(&request->body, folders, &body, &post->err)
+                     : orl_body_file(&request->body, folders, &path, &post->err);
+    if (post->rc == 0)
+        MHD_get_connection_values(request->connection, MHD_GET_ARGUMENT_KIND, add_main, post);
+    if (post->rc)
+        return;
+    if (parts)
+        post->rc = orl_scene_upload_multipart(&post->upload, request->connection, &body, folders,
+                                              asking, &post->err);
+    else if (orl_is_zip_type(type))
+        post->rc = orl_scene_upload_zip(&post->upload, path, folders, asking, &post->err);
+    else
+        post->rc = orl_scene_upload_json(&post->upload, path, folders, asking, &post->err);
+}
+
+static void check_and_keep(struct orl_request *request)
+{
+    struct scene_post *post = request->state;
+    post->rc = orl_scene_upload_check(&post->upload, &post->check.asking, &post->err);
+    if (post->rc == 0)
+        post->rc = orl_scene_upload_keep(&post->upload, &request->server->folders, &post->err);
+}
+
+/* ---- On the loop ---------------------------------------------------------------------------- */
+
+static void insert_and_reply(struct orl_request *request)
+{
+    struct scene_post *post = request->state;
+    bool created = false;
+    if (!orl_check_ended(&post->check, &post->rc, &post->err))
+        return;
+    if (post->rc == 0)
+        post->rc = orl_scene_insert(&request->server->db, post->upload.id, &post->upload.bundle,
+                                    post->upload.summary, &created, &post->err);
+    if (post->rc)
+        orl_reply_error(request, &post->err);
+    else
+        orl_reply_stored_item(request, &orl_item_scene, post->upload.id, created ? 201 : 200,
+                              &created);
+}
+
+/* No file of it may go from now on. One that came before, a BSDF, may have gone until now. */
+static int claim_files(const struct orl_folders *folders, struct scene_post *post)
+{
+    const struct orl_bundle *bundle = &post->upload.bundle;
+    for (size_t i = 0; i < bundle->count; i++) {
+        const struct orl_bundle_file *file = &bundle->files[i];
+        const int rc = orl_blobs_claim(post->blobs, file->sha, &post->err);
+        if (rc)
+            return rc;
+        post->claimed++;
+        if (!file->temporary && !orl_blob_exists(folders, file->sha)) {
+            orl_error_set(&post->err, ORL_ERR_NOT_FOUND, "no BSDF of that id is stored");
+            orl_error_hint(&post->err, "Upload it with POST /v1/bsdfs first");
+            orl_error_at(&post->err, NULL, 0, file->name);
+            return ORL_ERR_NOT_FOUND;
+        }
+    }
+    return 0;
+}
+
+/* What keeping it would take, beside what is here. */
+static uint64_t count_new_bytes(const struct orl_folders *folders, const struct orl_bundle *bundle)
+{
+    uint64_t bytes = 0;
+    for (size_t i = 0; i < bundle->count; i++)
+        bytes += orl_blob_exists(folders, bundle->files[i].sha) ? 0 : bundle->files[i].bytes;
+    return bytes;
+}
+
+static void admit(struct orl_request *request)
+{
+    struct scene_post *post = request->state;
+    const struct orl_folders *folders = &request->server->folders;
+    post->blobs = request->server->blobs;
+    post->rc = claim_files(folders, post);
+    if (post->rc)
+        orl_reply_error(request, &post->err);
+    else if (!orl_reply_if_full(request, count_new_bytes(folders, &post->upload.bundle)))
+        orl_check_begin(&post->check, request, check_and_keep, insert_and_reply);
+}
+
+/* Files of a scene that is known: they mend those that are damaged in the store, no more. */
+static void keep_again(struct orl_request *request)
+{
+    struct scene_post *post = request->state;
+    post->rc = orl_scene_upload_keep(&post->upload, &request->server->folders, &post->err);
+}
+
+static void reply_known(struct orl_request *request)
+{
+    struct scene_post *post = request->state;
+    bool created = false;
+    if (post->rc)
+        orl_reply_error(request, &post->err);
+    else
+        orl_reply_stored_item(request, &orl_item_scene, post->upload.id, 200, &created);
+}
+
+/* A scene that is here already is not checked again. */
+static void look_up(struct orl_request *request)
+{
+    struct scene_post *post = request->state;
+    struct orl_stored_item item;
+    bool found = false;
+    if (!orl_check_ended(&post->check, &post->rc, &post->err))
+        return;
+    if (post->rc == 0)
+        post->rc = orl_scene_find(&request->server->db, post->upload.id, &item, &found, &post->err);
+    if (post->rc) {
+        orl_reply_error(request, &post->err);
+    } else if (found) {
+        free(item.summary);
+        post->blobs = request->server->blobs;
+        post->rc = claim_files(&request->server->folders, post);
+        if (post->rc)
+            orl_reply_error(request, &post->err);
+        else
+            orl_request_work(request, keep_again, reply_known);
+    } else {
+        admit(request);
+    }
+}
+
+void orl_handle_scene_post(struct orl_request *request)
+{
+    struct scene_post *post = calloc(1, sizeof *post);
+    if (!post) {
+        orl_reply_json(request, 503, NULL);
+        return;
+    }
+    request->state = post;
+    request->free_state = scene_post_free;
+    orl_check_begin(&post->check, request, take_apart, look_up);
+}
+
+void orl_handle_scene_get(struct orl_request *request)
+{
+    orl_reply_stored_item(request, &orl_item_scene, request->params[0], 200, NULL);
+}
+
+void orl_handle_scene_delete(struct orl_request *request)
+{
+    struct orl_server *server = request->server;
+    const char *id = request->params[0];
+    char(*blobs)[ORL_SHA_HEX] = NULL;
+    size_t count = 0;
+    bool removed = false;
+    struct orl_error err;
+    if (orl_jobs_need_scene(server->jobs, id)) {
+        orl_reply_in_use(request, "jobs that wait or run need the scene");
+        return;
+    }
+    if (orl_scene_drop(&server->db, id, &blobs, &count, &removed, &err)) {
+        orl_reply_error(request, &err);
+        return;
+    }
+    for (size_t i = 0; i < count; i++)
+        orl_blobs_forget(server->blobs, blobs[i]);
+    free(blobs);
+    orl_reply_removed(request, removed, "scene");
+}

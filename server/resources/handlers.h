@@ -1,0 +1,42 @@
+/*
+ * The handlers, one file per resource (handle_*.c). Each is called on the loop thread when the
+ * request's body is complete, and ends by replying or by sending work to the pool.
+ */
+#ifndef ORL_SERVER_RESOURCES_HANDLERS_H
+#define ORL_SERVER_RESOURCES_HANDLERS_H
+
+#include "http/request.h"
+
+/* handle_service.c: what the daemon is and how it fares */
+void orl_handle_index(struct orl_request *request);
+void orl_handle_health(struct orl_request *request);
+void orl_handle_ready(struct orl_request *request);
+void orl_handle_metrics(struct orl_request *request); /* handle_metrics.c */
+void orl_handle_openapi(struct orl_request *request);
+void orl_handle_limits(struct orl_request *request);
+
+/* handle_scenes.c, handle_bsdfs.c: uploads */
+void orl_handle_scene_post(struct orl_request *request);
+void orl_handle_scene_get(struct orl_request *request);
+void orl_handle_scene_delete(struct orl_request *request);
+void orl_handle_bsdf_post(struct orl_request *request);
+void orl_handle_bsdf_get(struct orl_request *request);
+void orl_handle_bsdf_delete(struct orl_request *request);
+
+/* handle_jobs.c: submitting, watching, cancelling, removing; handle_results.c: what came of them */
+void orl_handle_job_post(struct orl_request *request);
+void orl_handle_job_list(struct orl_request *request);
+void orl_handle_job_get(struct orl_request *request);
+void orl_handle_job_cancel(struct orl_request *request);
+void orl_handle_job_delete(struct orl_request *request);
+void orl_handle_job_result(struct orl_request *request);
+void orl_handle_job_file(struct orl_request *request);
+
+/* handle_events.c: a job's state, as it changes */
+void orl_handle_job_events(struct orl_request *request);
+
+/* handle_maps.c */
+void orl_handle_map_list(struct orl_request *request);
+void orl_handle_map_delete(struct orl_request *request);
+
+#endif

@@ -1,0 +1,107 @@
+#include "resources/job_event.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "encode.h"
+#include "json_read.h"
+#include "resources/job_status.h"
+
+/* In tenths of a percent, so that a long job is not told of a thousand times a second. */
+struct event {
+    const char *stage; /* NULL: none */
+    int permille;      /* -1: not known */
+    double eta_s;
+    uint32_t rounds;
+    size_t views, skies;
+    size_t points, position;
+    size_t n_warnings; /* so far, of one that runs */
+};
+
+/* Those of one that has ended are in its outcome. */
+static json_t *final_warnings(const struct orl_jobs_job *job)
+{
+    json_t *outcome = orl_json_reread(job->outcome);
+    json_t *warnings = json_incref(json_object_get(outcome, "warnings"));
+    json_decref(outcome);
+    return warnings;
+}
+
+static struct event take(const struct orl_jobs *jobs, const struct orl_jobs_job *job)
+{
+    struct event event = {.permille = -1, .eta_s = NAN};
+    struct orl_job_progress progress;
+    if (job->row.state == ORL_JOB_QUEUED)
+        event.position = orl_jobs_position(jobs, job);
+    if (job->row.state == ORL_JOB_SUCCEEDED)
+        event.permille = 1000;
+    if (job->row.state != ORL_JOB_RUNNING || !orl_jobs_worker(job))
+        return event;
+    orl_worker_progress(orl_jobs_worker(job), &progress);
+    if (job->row.kind == ORL_TASK_RENDER)
+        event.stage = orl_stage_name(progress.stage);
+    else if (progress.step.runs > 0)
+        event.stage = orl_study_step_name(&progress.step);
+    event.permille = (int)(1000 * progress.job_fraction);
+    event.eta_s = orl_job_eta_s(job, &progress);
+    event.rounds = progress.outcome.asked ? progress.outcome.rounds : 0;
+    event.views = progress.n_views;
+    event.skies = progress.skies_done;
+    event.points = progress.n_points;
+    event.n_warnings = progress.n_warnings;
+    return event;
+}
+
+void orl_job_event_id(const struct orl_jobs *jobs, const struct orl_jobs_job *job,
+                      char ret_id[ORL_JOB_EVENT_ID])
+{
+    const struct event event = take(jobs, job);
+    snprintf(ret_id, ORL_JOB_EVENT_ID, "%s%s-%d-%s-%d-%u-%zu-%zu-%zu-%zu-%zu",
+             orl_job_state_name(job->row.state), job->cancelled ? "-cancelling" : "",
+             job->row.attempts, event.stage ? event.stage : "", event.permille, event.rounds,
+             event.views, event.skies, event.points, event.n_warnings, event.position);
+}
+
+/* The warnings so far, or those that it has ended with. A new reference. */
+static json_t *list_warnings(const struct orl_jobs_job *job)
+{
+    struct orl_job_progress progress;
+    if (job->row.state != ORL_JOB_RUNNING || !orl_jobs_worker(job))
+        return final_warnings(job);
+    orl_worker_progress(orl_jobs_worker(job), &progress);
+    return orl_job_warnings(&progress);
+}
+
+json_t *orl_job_event(const struct orl_jobs *jobs, const struct orl_jobs_job *job)
+{
+    const struct event event = take(jobs, job);
+    const bool runs = job->row.state == ORL_JOB_RUNNING;
+    json_t *doc =
+        json_pack("{s:s, s:s, s:s?, s:o, s:o}", "id", job->row.id, "state",
+                  orl_job_state_name(job->row.state), "stage", event.stage, "percent",
+                  orl_json_from_real(event.permille < 0 ? (double)NAN : event.permille / 10.0),
+                  "eta_s", orl_json_from_real(event.eta_s));
+    json_t *warnings = list_warnings(job);
+    int rc = 0;
+    if (json_array_size(warnings) > 0)
+        rc |= json_object_set(doc, "warnings", warnings);
+    json_decref(warnings);
+    if (event.position > 0)
+        rc |= json_object_set_new(doc, "queue_position", json_integer((json_int_t)event.position));
+    if (event.rounds > 0)
+        rc |= json_object_set_new(doc, "rounds", json_integer(event.rounds));
+    if (event.views > 0)
+        rc |= json_object_set_new(doc, "views", json_integer((json_int_t)event.views));
+    if (event.skies > 0)
+        rc |= json_object_set_new(doc, "skies", json_integer((json_int_t)event.skies));
+    if (runs && job->row.kind == ORL_TASK_STUDY)
+        rc |= json_object_set_new(doc, "points", json_integer((json_int_t)event.points));
+    if (runs)
+        rc |= json_object_set_new(doc, "cancelling", json_boolean(job->cancelled));
+    if (rc) {
+        json_decref(doc);
+        return NULL;
+    }
+    return doc;
+}

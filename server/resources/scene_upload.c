@@ -1,0 +1,208 @@
+#include "resources/scene_upload.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include <oriel/limits.h>
+
+#include "decode.h"
+#include "uploads/multipart.h"
+
+void orl_scene_upload_done(struct orl_scene_upload *upload)
+{
+    orl_bundle_done(&upload->bundle);
+    free(upload->mains);
+    free(upload->summary);
+    upload->mains = upload->summary = NULL;
+}
+
+int orl_scene_upload_add_main(struct orl_scene_upload *upload, const char *names,
+                              struct orl_error *err)
+{
+    const size_t before = upload->mains ? strlen(upload->mains) : 0, size = strlen(names);
+    char *grown = realloc(upload->mains, before + size + 2);
+    if (!grown)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    if (before > 0)
+        grown[before] = '\n';
+    memcpy(grown + before + (before > 0), names, size + 1);
+    upload->mains = grown;
+    return 0;
+}
+
+/* One entry of "bsdfs": a BSDF uploaded before, under the name the scene calls it by. */
+static int add_bsdf(struct orl_scene_upload *upload, const char *name, const json_t *id,
+                    const struct orl_folders *folders, struct orl_error *err)
+{
+    char where[ORL_JSON_PATH_MAX], path[ORL_PATH_MAX];
+    struct stat st;
+    snprintf(where, sizeof where, "bsdfs.%.120s", name);
+    const char *sha = json_string_value(id);
+    if (!sha || !orl_is_sha256(sha))
+        return orl_json_fail(err, ORL_ERR_INVALID, where,
+                             "a BSDF's id is wanted: 64 hexadecimal digits");
+    orl_blob_path(folders, sha, path);
+    if (stat(path, &st) != 0) {
+        orl_json_fail(err, ORL_ERR_NOT_FOUND, where, "no BSDF of that id is stored");
+        orl_error_hint(err, "Upload it with POST /v1/bsdfs first");
+        return ORL_ERR_NOT_FOUND;
+    }
+    return orl_bundle_add(&upload->bundle, name, true, path, (uint64_t)st.st_size, sha, false, err);
+}
+
+static int add_bsdfs(struct orl_scene_upload *upload, json_t *bsdfs,
+                     const struct orl_folders *folders, struct orl_error *err)
+{
+    const char *name;
+    json_t *id;
+    if (!json_is_object(bsdfs))
+        return orl_json_fail(err, ORL_ERR_INVALID, "bsdfs",
+                             "an object is wanted: {\"name.xml\": \"id\"}");
+    json_object_foreach(bsdfs, name, id)
+    {
+        const int rc = add_bsdf(upload, name, id, folders, err);
+        if (rc)
+            return rc;
+    }
+    return 0;
+}
+
+/* Makes the file of that name a main one, behind those that are. */
+static int make_main(struct orl_bundle *bundle, size_t place, const char *name,
+                     struct orl_error *err)
+{
+    size_t i = place;
+    while (i < bundle->count && strcmp(bundle->files[i].name, name) != 0)
+        i++;
+    if (i == bundle->count) {
+        orl_error_set(err, ORL_ERR_INVALID,
+                      "'%.200s' is to be a main file, but was not sent, or is "
+                      "named twice",
+                      name);
+        orl_error_at(err, NULL, 0, "main");
+        return ORL_ERR_INVALID;
+    }
+    const struct orl_bundle_file file = bundle->files[i];
+    memmove(&bundle->files[place + 1], &bundle->files[place], (i - place) * sizeof file);
+    bundle->files[place] = file;
+    bundle->files[place].resource = false;
+    return 0;
+}
+
+static int choose_mains(struct orl_scene_upload *upload, struct orl_error *err)
+{
+    size_t place = 0;
+    int rc = 0;
+    char *save = NULL;
+    if (!upload->mains)
+        return 0;
+    for (size_t i = 0; i < upload->bundle.count; i++)
+        upload->bundle.files[i].resource = true;
+    for (char *name = strtok_r(upload->mains, "\r\n", &save); name && rc == 0;
+         name = strtok_r(NULL, "\r\n", &save))
+        rc = make_main(&upload->bundle, place++, name, err);
+    return rc;
+}
+
+/* What all forms end with: at least one main file, none of them empty; the order and the id. */
+static int finish(struct orl_scene_upload *upload, struct orl_error *err)
+{
+    const int rc = choose_mains(upload, err);
+    if (rc)
+        return rc;
+    if (orl_bundle_main_count(&upload->bundle) == 0) {
+        orl_error_set(err, ORL_ERR_INVALID, "no scene file was sent");
+        orl_error_hint(err, "Send at least one part with a file name, other than an .xml; of a zip "
+                            "whose .rad files lie in several folders, say which by main");
+        return ORL_ERR_INVALID;
+    }
+    for (size_t i = 0; i < upload->bundle.count; i++)
+        if (upload->bundle.files[i].bytes == 0) {
+            orl_error_set(err, ORL_ERR_SYNTAX, "the file is empty");
+            orl_error_at(err, upload->bundle.files[i].name, 1, NULL);
+            return ORL_ERR_SYNTAX;
+        }
+    orl_bundle_sort(&upload->bundle);
+    return orl_bundle_id(&upload->bundle, upload->id, err);
+}
+
+static int add_zips(struct orl_scene_upload *upload, const struct orl_bundle *zips,
+                    const struct orl_folders *folders, struct orl_asking *asking,
+                    struct orl_error *err)
+{
+    int rc = 0;
+    for (size_t i = 0; i < zips->count && rc == 0; i++)
+        rc = orl_ask_unzip(asking, zips->files[i].path, folders, !upload->mains, &upload->bundle,
+                           err);
+    return rc;
+}
+
+int orl_scene_upload_multipart(struct orl_scene_upload *upload, struct MHD_Connection *connection,
+                               const struct orl_file *body, const struct orl_folders *folders,
+                               struct orl_asking *asking, struct orl_error *err)
+{
+    struct orl_multipart parts = {0};
+    int rc = orl_multipart_split(connection, body, folders, &parts, err);
+    if (rc)
+        return rc;
+    upload->bundle = parts.files;
+    memset(&parts.files, 0, sizeof parts.files);
+    if (parts.mains)
+        rc = orl_scene_upload_add_main(upload, parts.mains, err);
+    if (rc == 0)
+        rc = add_zips(upload, &parts.zips, folders, asking, err);
+    if (rc == 0 && parts.bsdfs) {
+        json_t *bsdfs = NULL;
+        rc = orl_json_parse("bsdfs", parts.bsdfs, strlen(parts.bsdfs), &bsdfs, err);
+        if (rc == 0)
+            rc = add_bsdfs(upload, bsdfs, folders, err);
+        json_decref(bsdfs);
+    }
+    orl_multipart_done(&parts);
+    return rc ? rc : finish(upload, err);
+}
+
+int orl_scene_upload_zip(struct orl_scene_upload *upload, const char *path,
+                         const struct orl_folders *folders, struct orl_asking *asking,
+                         struct orl_error *err)
+{
+    const int rc = orl_ask_unzip(asking, path, folders, !upload->mains, &upload->bundle, err);
+    return rc ? rc : finish(upload, err);
+}
+
+int orl_scene_upload_json(struct orl_scene_upload *upload, const char *path,
+                          const struct orl_folders *folders, struct orl_asking *asking,
+                          struct orl_error *err)
+{
+    json_t *bsdfs = NULL;
+    int rc = orl_ask_document(asking, path, folders, &upload->bundle, &bsdfs, err);
+    if (rc == 0 && bsdfs)
+        rc = add_bsdfs(upload, bsdfs, folders, err);
+    json_decref(bsdfs);
+    return rc ? rc : finish(upload, err);
+}
+
+/* ---- Checking and keeping ------------------------------------------------------------------- */
+
+int orl_scene_upload_check(struct orl_scene_upload *upload, struct orl_asking *asking,
+                           struct orl_error *err)
+{
+    return orl_ask_scene(asking, &upload->bundle, &upload->summary, err);
+}
+
+int orl_scene_upload_keep(struct orl_scene_upload *upload, const struct orl_folders *folders,
+                          struct orl_error *err)
+{
+    int rc = 0;
+    for (size_t i = 0; i < upload->bundle.count && rc == 0; i++) {
+        struct orl_bundle_file *file = &upload->bundle.files[i];
+        if (!file->temporary)
+            continue;
+        rc = orl_blob_keep(folders, file->path, file->sha, err);
+        if (rc == 0)
+            file->temporary = false;
+    }
+    return rc;
+}

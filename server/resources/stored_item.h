@@ -1,0 +1,25 @@
+/*
+ * What scenes and BSDFs share: content-addressed items with an id, a size, a date and a summary.
+ */
+#ifndef ORL_SERVER_RESOURCES_STORED_ITEM_H
+#define ORL_SERVER_RESOURCES_STORED_ITEM_H
+
+#include "http/request.h"
+#include "store/scenes.h"
+
+struct orl_item_kind {
+    const char *name;   /* "scene" */
+    const char *folder; /* "/v1/scenes" */
+    int (*find)(struct orl_db *db, const char *id, struct orl_stored_item *ret_item,
+                bool *ret_found, struct orl_error *err);
+};
+extern const struct orl_item_kind orl_item_scene, orl_item_bsdf;
+
+/*
+ * Replies with the item's document: {"id", "created_at", "bytes", "summary"} and, when created is
+ * given (after a POST), "created". 404 when there is none, 304 when the client has it.
+ */
+void orl_reply_stored_item(struct orl_request *request, const struct orl_item_kind *kind,
+                           const char *id, unsigned status, const bool *created);
+
+#endif

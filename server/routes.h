@@ -1,9 +1,0 @@
-/* The daemon's resources: the table of all routes, with what answers each. */
-#ifndef ORL_SERVER_ROUTES_H
-#define ORL_SERVER_ROUTES_H
-
-#include "router.h"
-
-extern const struct orl_routes orl_routes;
-
-#endif

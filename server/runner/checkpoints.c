@@ -1,0 +1,284 @@
+#include "runner/checkpoints.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <link.h>
+#include <sodium.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <oriel/version.h>
+
+#include "encode.h"
+#include "picture_json.h"
+#include "store/bundle.h"
+#include "store/mapped_file.h"
+
+static void path_below(const char *folder, const char *before, const char *name, const char *ending,
+                       char ret_path[ORL_PATH_MAX])
+{
+    snprintf(ret_path, ORL_PATH_MAX, "%.*s/%s%.400s%s", ORL_PATH_MAX - 512, folder, before, name,
+             ending);
+}
+
+/* ---- The folder ------------------------------------------------------------------------------ */
+
+static void add_text(crypto_hash_sha256_state *hash, const char *text)
+{
+    crypto_hash_sha256_update(hash, (const unsigned char *)text, strlen(text) + 1);
+}
+
+static void end_digest(crypto_hash_sha256_state *hash, char ret_hex[ORL_SHA_HEX])
+{
+    unsigned char digest[crypto_hash_sha256_BYTES];
+    crypto_hash_sha256_final(hash, digest);
+    sodium_bin2hex(ret_hex, ORL_SHA_HEX, digest, sizeof digest);
+}
+
+/* By name, place and time of change, which cost nothing to ask. */
+static int add_object(struct dl_phdr_info *info, size_t size, void *ctx)
+{
+    crypto_hash_sha256_state *hash = ctx;
+    const char *path = info->dlpi_name && *info->dlpi_name ? info->dlpi_name : "/proc/self/exe";
+    char line[160] = "";
+    struct stat st;
+    (void)size;
+    if (stat(path, &st) == 0)
+        snprintf(line, sizeof line, "%llu %llu %lld %lld.%09ld", (unsigned long long)st.st_dev,
+                 (unsigned long long)st.st_ino, (long long)st.st_size, (long long)st.st_mtim.tv_sec,
+                 st.st_mtim.tv_nsec);
+    add_text(hash, path);
+    add_text(hash, line);
+    return 0;
+}
+
+void orl_checkpoint_program(char ret_program[ORL_SHA_HEX])
+{
+    crypto_hash_sha256_state hash;
+    crypto_hash_sha256_init(&hash);
+    add_text(&hash, ORL_VERSION);
+    dl_iterate_phdr(add_object, &hash);
+    end_digest(&hash, ret_program);
+}
+
+void orl_checkpoint_key(const char *program, const char *document, const char *scene,
+                        char ret_key[ORL_SHA_HEX])
+{
+    crypto_hash_sha256_state hash;
+    crypto_hash_sha256_init(&hash);
+    add_text(&hash, "oriel parts 1");
+    add_text(&hash, program);
+    add_text(&hash, document);
+    add_text(&hash, scene);
+    end_digest(&hash, ret_key);
+}
+
+void orl_checkpoint_folder(const struct orl_folders *folders, const char *job_id,
+                           char ret_path[ORL_PATH_MAX])
+{
+    orl_folders_path(folders, ret_path, "partial/%s", job_id);
+}
+
+static bool has_key(const char *path, const char *key)
+{
+    struct orl_file file;
+    if (orl_map_file(path, &file, NULL))
+        return false;
+    const bool same = file.size == strlen(key) && memcmp(file.data, key, file.size) == 0;
+    orl_unmap_file(&file);
+    return same;
+}
+
+int orl_checkpoint_open(const char *folder, const char *key, struct orl_error *err)
+{
+    char path[ORL_PATH_MAX];
+    path_below(folder, "+", "key", "", path);
+    if (has_key(path, key))
+        return 0;
+    const int rc = orl_remove_tree(folder, err);
+    if (rc)
+        return rc;
+    if (mkdir(folder, 0777) != 0)
+        return orl_error_set(err, orl_err_of_errno(errno),
+                             "cannot make a folder for the results: %s", strerror(errno));
+    return orl_write_file(path, key, strlen(key), err);
+}
+
+/* Notes and what is for them; photon maps and files half written that a round was killed over. */
+static bool is_for_users(const char *name)
+{
+    const char *ending = strrchr(name, '.');
+    const bool half = ending && (strcmp(ending, ".opm") == 0 || strcmp(ending, ".part") == 0);
+    return !half && !strchr(name, '+');
+}
+
+void orl_checkpoint_forget(const char *folder)
+{
+    char path[ORL_PATH_MAX];
+    DIR *entries = opendir(folder);
+    for (const struct dirent *entry; entries && (entry = readdir(entries));) {
+        if (is_for_users(entry->d_name) || entry->d_name[0] == '.')
+            continue;
+        path_below(folder, "", entry->d_name, "", path);
+        unlink(path);
+    }
+    if (entries)
+        closedir(entries);
+}
+
+void orl_checkpoint_sweep(const struct orl_folders *folders,
+                          bool (*wanted)(void *ctx, const char *job_id), void *ctx)
+{
+    char path[ORL_PATH_MAX];
+    orl_folders_path(folders, path, "partial");
+    DIR *folder = opendir(path);
+    for (const struct dirent *entry; folder && (entry = readdir(folder));) {
+        if (entry->d_name[0] == '.' || wanted(ctx, entry->d_name))
+            continue;
+        orl_checkpoint_folder(folders, entry->d_name, path);
+        orl_remove_tree(path, NULL);
+    }
+    if (folder)
+        closedir(folder);
+}
+
+/* ---- Parts ----------------------------------------------------------------------------------- */
+
+int orl_checkpoint_add(const char *folder, const char *part, json_t *files, json_t *about,
+                       struct orl_error *err)
+{
+    char path[ORL_PATH_MAX], note[ORL_PATH_MAX];
+    json_t *doc = json_pack("{s:O, s:o}", "files", files, "about", about);
+    char *text = doc ? orl_json_text(doc, JSON_COMPACT) : NULL;
+    json_decref(doc);
+    if (!text)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    path_below(folder, "+", part, ".note", path);
+    path_below(folder, "+", part, ".done", note);
+    int rc = orl_write_file(path, text, strlen(text), err);
+    if (rc == 0)
+        rc = orl_rename_synced(path, note, err);
+    free(text);
+    return rc;
+}
+
+/* Is the file still what it was when it was noted? */
+static bool is_whole(const char *folder, const json_t *entry)
+{
+    const char *name = json_string_value(json_object_get(entry, "name"));
+    const char *wanted = json_string_value(json_object_get(entry, "sha256"));
+    char path[ORL_PATH_MAX], sha[ORL_SHA_HEX];
+    struct orl_file file;
+    if (!name || !wanted || strchr(name, '/'))
+        return false;
+    path_below(folder, "", name, "", path);
+    if (orl_map_file(path, &file, NULL))
+        return false;
+    orl_sha256_hex(file.data, file.size, sha);
+    orl_unmap_file(&file);
+    return strcmp(sha, wanted) == 0;
+}
+
+bool orl_checkpoint_find(const char *folder, const char *part, json_t **ret_files,
+                         json_t **ret_about)
+{
+    char path[ORL_PATH_MAX];
+    const json_t *entry;
+    size_t i;
+    path_below(folder, "+", part, ".done", path);
+    json_t *note = json_load_file(path, 0, NULL);
+    json_t *files = json_object_get(note, "files"), *about = json_object_get(note, "about");
+    bool whole = json_is_array(files) && about;
+    json_array_foreach(files, i, entry)
+    {
+        whole = whole && is_whole(folder, entry);
+    }
+    if (whole) {
+        *ret_files = json_incref(files);
+        *ret_about = json_incref(about);
+    }
+    json_decref(note);
+    return whole;
+}
+
+json_t *orl_checkpoint_view_to_json(const struct orl_view_result *view)
+{
+    json_t *json = json_pack("{s:s, s:o, s:b}", "name", view->name, "seconds",
+                             orl_json_from_real(view->seconds), "black", (int)view->black);
+    if (json && orl_pictures_to_json(view, json)) {
+        json_decref(json);
+        return NULL;
+    }
+    return json;
+}
+
+/* A copy, or NULL: there is none, or no memory for it. */
+static char *copy_text(const json_t *json, const char *key)
+{
+    const char *text = json_string_value(json_object_get(json, key));
+    return text ? strdup(text) : NULL;
+}
+
+bool orl_checkpoint_view_from_json(const json_t *json, struct orl_view_result *ret_view)
+{
+    struct orl_view_result view = {.name = copy_text(json, "name")};
+    view.seconds = json_number_value(json_object_get(json, "seconds"));
+    view.black = json_is_true(json_object_get(json, "black"));
+    if (orl_pictures_read_back(json, &view) && view.name) {
+        *ret_view = view;
+        return true;
+    }
+    orl_view_result_done(&view);
+    return false;
+}
+
+/* ---- Sensors --------------------------------------------------------------------------------- */
+
+/* The file is the numbers of one sensor after the other: value, error, bias, low, high. */
+enum { SENSOR_NUMBERS = 5 };
+
+int orl_checkpoint_sensors_write(const char *folder, const char *name,
+                                 const struct orl_result *result, struct orl_error *err)
+{
+    char path[ORL_PATH_MAX];
+    double *numbers = malloc((SENSOR_NUMBERS * result->n_sensors + 1) * sizeof *numbers);
+    if (!numbers)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    for (size_t i = 0; i < result->n_sensors; i++) {
+        double *n = numbers + SENSOR_NUMBERS * i;
+        n[0] = result->illuminance_lx[i];
+        n[1] = result->standard_error_lx[i];
+        n[2] = result->bias_estimate_lx[i];
+        n[3] = result->interval_95_lx[i][0];
+        n[4] = result->interval_95_lx[i][1];
+    }
+    path_below(folder, "", name, "", path);
+    const int rc =
+        orl_write_file(path, numbers, SENSOR_NUMBERS * result->n_sensors * sizeof *numbers, err);
+    free(numbers);
+    return rc;
+}
+
+bool orl_checkpoint_sensors_read(const char *folder, const char *name, struct orl_result *result)
+{
+    char path[ORL_PATH_MAX];
+    struct orl_file file;
+    path_below(folder, "", name, "", path);
+    if (orl_map_file(path, &file, NULL))
+        return false;
+    const bool fits = file.size == SENSOR_NUMBERS * result->n_sensors * sizeof(double);
+    for (size_t i = 0; fits && i < result->n_sensors; i++) {
+        double n[SENSOR_NUMBERS];
+        memcpy(n, file.data + i * sizeof n, sizeof n);
+        result->illuminance_lx[i] = n[0];
+        result->standard_error_lx[i] = n[1];
+        result->bias_estimate_lx[i] = n[2];
+        result->interval_95_lx[i][0] = n[3];
+        result->interval_95_lx[i][1] = n[4];
+    }
+    orl_unmap_file(&file);
+    return fits;
+}

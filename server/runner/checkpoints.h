@@ -1,0 +1,65 @@
+/*
+ * Parts of a job's results that are done before the job is, kept so that a job started anew need
+ * not do them again: views, its sensors, all under one sky.
+ *
+ * A job's work folder (partial/<job>) holds their files as they are made and, once these are
+ * synced, a note "+<part>.done" beside them with their digests. What begins with '+' is not for
+ * users, and goes before the folder becomes the job's results; the folder goes with a job that
+ * fails or is cancelled, and stays with one that is queued again.
+ *
+ * A folder is believed when its "+key" is the job's: the digest of document, scene, and program
+ * with all of its libraries, whose pictures another might not make. A part is believed when its
+ * files are what its note says.
+ *
+ * Threads: any, one per folder.
+ */
+#ifndef ORL_SERVER_RUNNER_CHECKPOINTS_H
+#define ORL_SERVER_RUNNER_CHECKPOINTS_H
+
+#include <jansson.h>
+#include <stdbool.h>
+
+#include <oriel/run.h>
+
+#include "store/folders.h"
+
+/* ---- The folder ------------------------------------------------------------------------------ */
+
+/* Of the program that runs: its version, and its own and its libraries' files. */
+void orl_checkpoint_program(char ret_program[ORL_SHA_HEX]);
+void orl_checkpoint_key(const char *program, const char *document, const char *scene,
+                        char ret_key[ORL_SHA_HEX]);
+
+/* Where the job works. */
+void orl_checkpoint_folder(const struct orl_folders *folders, const char *job_id,
+                           char ret_path[ORL_PATH_MAX]);
+/* Makes the folder; what is in it stays if it was made with that key. */
+int orl_checkpoint_open(const char *folder, const char *key, struct orl_error *err);
+/* Removes what is not for users, photon maps of rounds and files half written included. */
+void orl_checkpoint_forget(const char *folder);
+/* Removes the work folders of all jobs but those that are wanted. */
+void orl_checkpoint_sweep(const struct orl_folders *folders,
+                          bool (*wanted)(void *ctx, const char *job_id), void *ctx);
+
+/* ---- Parts ----------------------------------------------------------------------------------- */
+
+/*
+ * Notes a part: its files, synced (entries as job_output.h makes them, borrowed), and what there is
+ * to say of it, which is taken.
+ */
+int orl_checkpoint_add(const char *folder, const char *part, json_t *files, json_t *about,
+                       struct orl_error *err);
+/* Is it kept, and are its files whole? Then both are new references. */
+bool orl_checkpoint_find(const char *folder, const char *part, json_t **ret_files,
+                         json_t **ret_about);
+
+/* A view's own strings, as JSON and back; the latter's are the caller's. NULL, false: no memory. */
+json_t *orl_checkpoint_view_to_json(const struct orl_view_result *view);
+bool orl_checkpoint_view_from_json(const json_t *json, struct orl_view_result *ret_view);
+
+/* The sensors' numbers as a file, synced, and back into a result that has room for them. */
+int orl_checkpoint_sensors_write(const char *folder, const char *name,
+                                 const struct orl_result *result, struct orl_error *err);
+bool orl_checkpoint_sensors_read(const char *folder, const char *name, struct orl_result *result);
+
+#endif

@@ -1,0 +1,56 @@
+#include "runner/job_memory.h"
+
+#include <stdio.h>
+
+enum { PARTS = 6 };
+
+struct part {
+    const char *name; /* of many */
+    uint64_t count, bytes;
+};
+
+static void list_parts(const struct orl_job_memory *needs, struct part ret_parts[PARTS])
+{
+    enum { SURFACE = 400, TRIANGLE = 300, BSDF = 8, PHOTON = 60, SENSOR = 1300, PIXEL = 64 };
+    enum { FILE_SENSOR = 900 };
+    ret_parts[0] = (struct part){"surfaces", needs->surfaces, SURFACE * needs->surfaces};
+    ret_parts[1] = (struct part){"triangles", needs->triangles, TRIANGLE * needs->triangles};
+    ret_parts[2] = (struct part){"bytes of BSDFs", needs->bsdf_bytes, BSDF * needs->bsdf_bytes};
+    ret_parts[3] = (struct part){"photons", needs->photons, PHOTON * needs->photons};
+    ret_parts[4] = (struct part){"sensors", needs->sensors + needs->file_sensors,
+                                 SENSOR * needs->sensors + FILE_SENSOR * needs->file_sensors};
+    ret_parts[5] = (struct part){"pixels", needs->pixels, PIXEL * needs->pixels};
+}
+
+uint64_t orl_job_memory_estimate(const struct orl_job_memory *needs)
+{
+    const uint64_t base = 32UL << 20; /* of a job of next to nothing */
+    struct part parts[PARTS];
+    uint64_t bytes = base;
+    list_parts(needs, parts);
+    for (size_t i = 0; i < PARTS; i++)
+        bytes += parts[i].bytes;
+    return bytes;
+}
+
+int orl_job_memory_refuse(const struct orl_job_memory *needs, uint64_t most, struct orl_error *err)
+{
+    struct part parts[PARTS];
+    size_t largest = 0;
+    list_parts(needs, parts);
+    for (size_t i = 1; i < PARTS; i++)
+        if (parts[i].bytes > parts[largest].bytes)
+            largest = i;
+    orl_error_set(err, ORL_ERR_LIMIT,
+                  "the job would take about %llu MiB of memory, %llu MiB of them for %llu %s; "
+                  "there are %llu MiB for jobs here",
+                  (unsigned long long)(orl_job_memory_estimate(needs) >> 20),
+                  (unsigned long long)(parts[largest].bytes >> 20),
+                  (unsigned long long)parts[largest].count, parts[largest].name,
+                  (unsigned long long)(most >> 20));
+    orl_error_hint(err,
+                   "Ask for fewer %s, or for parts of them in several jobs; --memory sets the "
+                   "bound",
+                   parts[largest].name);
+    return ORL_ERR_LIMIT;
+}

@@ -1,0 +1,30 @@
+/*
+ * What a job is likely to take in memory: by what its document asks for and what its scene has.
+ *
+ * The figures are peaks of jobs by one number at a time, measured on one room and rounded up
+ * (README.md has them): of a surface with its place in the hierarchy, a photon while its map is
+ * built, a sensor as it stands in the document, a sensor of a file, a pixel with its error. That of
+ * a byte of a BSDF's file is a bound for files of numbers of one digit, well above ordinary ones.
+ * Threads: any.
+ */
+#ifndef ORL_SERVER_RUNNER_JOB_MEMORY_H
+#define ORL_SERVER_RUNNER_JOB_MEMORY_H
+
+#include <stdint.h>
+
+#include <oriel/error.h>
+
+struct orl_job_memory {
+    uint64_t surfaces, triangles; /* the scene's */
+    uint64_t bsdf_bytes;          /* of its XML files */
+    uint64_t photons;             /* of all maps */
+    uint64_t sensors, file_sensors;
+    uint64_t pixels; /* of the largest view */
+};
+
+uint64_t orl_job_memory_estimate(const struct orl_job_memory *needs);
+
+/* ORL_ERR_LIMIT, with the numbers: it takes more than there ever is. */
+int orl_job_memory_refuse(const struct orl_job_memory *needs, uint64_t most, struct orl_error *err);
+
+#endif

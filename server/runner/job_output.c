@@ -1,0 +1,268 @@
+#include "runner/job_output.h"
+
+#include <dirent.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "decode.h"
+#include "encode.h"
+#include "process/limits.h"
+#include "result_json.h"
+#include "skies_result_json.h"
+#include "store/mapped_file.h"
+#include "study_json.h"
+
+/* What the daemon takes of studies is less than what the command does. */
+static int check_runs(const struct orl_task *task, struct orl_error *err)
+{
+    if (task->kind != ORL_TASK_STUDY)
+        return 0;
+    return orl_study_check_runs(&task->of.study, ORL_SERVER_STUDY_RUNS, err);
+}
+
+int orl_job_read(const char *text, size_t size, struct orl_task *ret_task, char **ret_scene_id,
+                 struct orl_error *err)
+{
+    json_t *doc = NULL;
+    struct orl_task task;
+    char *scene = NULL;
+    int rc = orl_json_parse(NULL, text, size, &doc, err);
+    if (rc)
+        return rc;
+    rc = orl_task_from_json(doc, ORL_JOB_REMOTE, &task, &scene, err);
+    json_decref(doc);
+    if (rc)
+        return rc;
+    rc = check_runs(&task, err);
+    if (rc) {
+        orl_task_done(&task);
+        free(scene);
+        return rc;
+    }
+    *ret_task = task;
+    if (ret_scene_id)
+        *ret_scene_id = scene;
+    else
+        free(scene);
+    return 0;
+}
+
+/* Of result.json, without sensors; of one of these; of a pixel, as HDR and PNG, with errors. */
+enum { DOCUMENT = 8192, STUDY = 1 << 18, SENSOR = 200, PIXEL = 2 * (4 + 3) };
+
+uint64_t orl_job_output_expect_sensor(const struct orl_task *task)
+{
+    const size_t skies = task->of.render.n_skies;
+    if (task->kind == ORL_TASK_STUDY)
+        return 0;
+    return skies > 0 ? (skies + 1) * SENSOR : SENSOR;
+}
+
+uint64_t orl_job_output_expect(const struct orl_task *task)
+{
+    const struct orl_job *job = &task->of.render;
+    if (task->kind == ORL_TASK_STUDY)
+        return STUDY;
+    uint64_t bytes = DOCUMENT + SENSOR * (uint64_t)job->n_sensors;
+    for (size_t i = 0; i < job->n_views; i++)
+        bytes += PIXEL * (uint64_t)job->views[i].width * job->views[i].height;
+    /* Of each sky as much, and of all together less than of one more. */
+    return job->n_skies > 0 ? (job->n_skies + 1) * bytes : bytes;
+}
+
+int orl_job_set_scene(struct orl_job *job, const struct orl_bundle *bundle, struct orl_error *err)
+{
+    const size_t count = orl_bundle_main_count(bundle);
+    if (count == 0)
+        return orl_error_set(err, ORL_ERR_NOT_FOUND, "the job's scene is not stored");
+    job->scene_files = calloc(count, sizeof *job->scene_files);
+    for (size_t i = 0; job->scene_files && i < bundle->count; i++) {
+        if (bundle->files[i].resource)
+            continue;
+        char *name = strdup(bundle->files[i].name);
+        if (!name)
+            return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+        job->scene_files[job->n_scene_files++] = name;
+    }
+    return job->scene_files ? 0 : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+}
+
+void orl_job_output_path(const char *folder, const char *name, char ret_path[ORL_PATH_MAX])
+{
+    snprintf(ret_path, ORL_PATH_MAX, "%.*s/%.400s", ORL_PATH_MAX - 512, folder, name);
+}
+
+int orl_job_output_list(const char *name, const char *folder, json_t *list, struct orl_error *err)
+{
+    char path[ORL_PATH_MAX];
+    struct orl_file file;
+    char sha[ORL_SHA_HEX];
+    orl_job_output_path(folder, name, path);
+    int rc = orl_sync_path(path, err);
+    if (rc == 0)
+        rc = orl_map_file(path, &file, err);
+    if (rc)
+        return rc;
+    const json_int_t bytes = (json_int_t)file.size;
+    orl_sha256_hex(file.data, file.size, sha);
+    orl_unmap_file(&file);
+    if (json_array_append_new(
+            list, json_pack("{s:s, s:I, s:s}", "name", name, "bytes", bytes, "sha256", sha)))
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    return 0;
+}
+
+int orl_job_output_list_view(const struct orl_view_result *view, const char *folder, json_t *list,
+                             struct orl_error *err)
+{
+    int rc = 0;
+    for (int i = 0; i < ORL_PICTURES && rc == 0; i++)
+        rc = view->files[i] ? orl_job_output_list(view->files[i], folder, list, err) : 0;
+    return rc;
+}
+
+static bool is_listed(const json_t *list, const char *name)
+{
+    const json_t *entry;
+    size_t i;
+    json_array_foreach(list, i, entry)
+    {
+        const char *listed = json_string_value(json_object_get(entry, "name"));
+        if (listed && strcmp(listed, name) == 0)
+            return true;
+    }
+    return false;
+}
+
+void orl_job_output_prune(const json_t *list, const char *folder)
+{
+    char path[ORL_PATH_MAX];
+    DIR *entries = opendir(folder);
+    for (const struct dirent *entry; entries && (entry = readdir(entries));) {
+        if (entry->d_name[0] == '.' || is_listed(list, entry->d_name))
+            continue;
+        orl_job_output_path(folder, entry->d_name, path);
+        unlink(path);
+    }
+    if (entries)
+        closedir(entries);
+}
+
+/* A document as a file, on the list. */
+static int write_document(const json_t *doc, const char *name, const char *folder, json_t *list,
+                          struct orl_error *err)
+{
+    char path[ORL_PATH_MAX];
+    char *text = doc ? orl_json_text(doc, JSON_INDENT(1)) : NULL;
+    if (!text)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for the result");
+    orl_job_output_path(folder, name, path);
+    const int rc = orl_write_file(path, text, strlen(text), err);
+    free(text);
+    return rc ? rc : orl_job_output_list(name, folder, list, err);
+}
+
+static const char result_file[] = "result.json";
+
+/* The summary as text; takes it, NULL included, which is an error. */
+static int dump_summary(json_t *summary, char **ret_summary, struct orl_error *err)
+{
+    char *text = summary ? orl_json_text(summary, JSON_COMPACT) : NULL;
+    json_decref(summary);
+    if (!text)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    *ret_summary = text;
+    return 0;
+}
+
+/* The first of a document's warnings, as many as are told while a job runs. */
+static json_t *first_warnings(const json_t *doc)
+{
+    const json_t *warnings = json_object_get(doc, "warnings");
+    const size_t count = json_array_size(warnings);
+    json_t *first = json_array();
+    for (size_t i = 0; i < count && i < ORL_JOB_WARNINGS; i++)
+        json_array_append(first, json_array_get(warnings, i));
+    if (count > ORL_JOB_WARNINGS)
+        json_array_append_new(first, json_sprintf("and %zu more, which %s has",
+                                                  count - (size_t)ORL_JOB_WARNINGS, result_file));
+    return first;
+}
+
+int orl_job_output_write(const struct orl_result *result, const char *state, const char *folder,
+                         char **ret_summary, struct orl_error *err)
+{
+    json_t *doc = orl_result_to_json(result, state);
+    json_t *files = json_array();
+    int rc = write_document(doc, result_file, folder, files, err);
+    for (size_t i = 0; i < result->n_views && rc == 0; i++)
+        rc = orl_job_output_list_view(&result->views[i], folder, files, err);
+    if (rc == 0)
+        rc = dump_summary(json_pack("{s:s, s:O, s:O, s:O, s:o, s:O*, s:O}", "technique",
+                                    orl_technique_name(result->plan.technique), "threads",
+                                    json_object_get(doc, "threads"), "timings_s",
+                                    json_object_get(doc, "timings_s"), "maps",
+                                    json_object_get(doc, "maps"), "warnings", first_warnings(doc),
+                                    "accuracy", json_object_get(doc, "accuracy"), "files", files),
+                          ret_summary, err);
+    json_decref(files);
+    json_decref(doc);
+    return rc;
+}
+
+int orl_sky_output_write(const json_t *result, const char *sky, const char *folder, json_t *files,
+                         struct orl_error *err)
+{
+    char name[96];
+    snprintf(name, sizeof name, "%.80s.json", sky);
+    return write_document(result, name, folder, files, err);
+}
+
+int orl_skies_output_write(json_t *results, const char *state, size_t count, const char *folder,
+                           json_t *files, char **ret_summary, struct orl_error *err)
+{
+    const json_int_t done = (json_int_t)json_array_size(json_object_get(results, "skies"));
+    int rc = orl_skies_result_end(results, state)
+                 ? orl_error_set(err, ORL_ERR_NOMEM, "out of memory")
+                 : write_document(results, result_file, folder, files, err);
+    if (rc == 0)
+        rc = dump_summary(json_pack("{s:O, s:O, s:{s:I, s:I}, s:o, s:O}", "threads",
+                                    json_object_get(results, "threads"), "timings_s",
+                                    json_object_get(results, "timings_s"), "skies", "count",
+                                    (json_int_t)count, "done", done, "warnings",
+                                    first_warnings(results), "files", files),
+                          ret_summary, err);
+    return rc;
+}
+
+int orl_study_output_write(const struct orl_study *study, const struct orl_study_request *request,
+                           const char *folder, char **ret_summary, struct orl_error *err)
+{
+    static int (*const draw[])(const struct orl_study *, const char *, const char *,
+                               struct orl_error *) = {orl_study_write_svg, orl_study_write_png};
+    static const char *const drawn[] = {"study.svg", "study.png"};
+    char path[ORL_PATH_MAX];
+    json_t *doc = orl_study_to_json(study, request);
+    json_t *files = json_array();
+    int rc = write_document(doc, result_file, folder, files, err);
+    snprintf(path, sizeof path, "%s/study.csv", folder);
+    if (rc == 0)
+        rc = orl_study_write_csv(study, path, err);
+    if (rc == 0)
+        rc = orl_job_output_list("study.csv", folder, files, err);
+    for (size_t i = 0; i < 2 && rc == 0; i++) {
+        snprintf(path, sizeof path, "%s/%s", folder, drawn[i]);
+        rc = draw[i](study, request->title, path, err);
+        if (rc == 0)
+            rc = orl_job_output_list(drawn[i], folder, files, err);
+    }
+    if (rc == 0)
+        rc = dump_summary(json_pack("{s:O, s:o, s:O}", "threads", json_object_get(doc, "threads"),
+                                    "warnings", first_warnings(doc), "files", files),
+                          ret_summary, err);
+    json_decref(files);
+    json_decref(doc);
+    return rc;
+}

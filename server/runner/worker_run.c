@@ -1,0 +1,162 @@
+#include "runner/worker_run.h"
+
+#include <malloc.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "process/limits.h"
+#include "process/times.h"
+#include "runner/checkpoints.h"
+#include "store/mapped_file.h"
+
+static double now_s(void *ctx)
+{
+    (void)ctx;
+    return orl_time_steady_s();
+}
+
+static void on_study_progress(void *ctx, const struct orl_study_step *step)
+{
+    struct orl_worker *worker = ctx;
+    atomic_store(&worker->job_ppm, (int)(ORL_WORKER_WHOLE * step->fraction));
+    atomic_store(&worker->told_s, orl_time_steady_s());
+    pthread_mutex_lock(&worker->news_mutex);
+    worker->step = *step;
+    pthread_mutex_unlock(&worker->news_mutex);
+}
+
+static void on_study_point(void *ctx, const struct orl_study_point *point)
+{
+    struct orl_worker *worker = ctx;
+    pthread_mutex_lock(&worker->news_mutex);
+    if (worker->n_points < worker->n_settings)
+        worker->points[worker->n_points++] = *point;
+    pthread_mutex_unlock(&worker->news_mutex);
+}
+
+/* What is asked for, read back from the document; its main files are the bundle's. */
+static int read_document(struct orl_worker *worker, struct orl_task *ret_task,
+                         struct orl_error *err)
+{
+    struct orl_file file;
+    char sha[ORL_SHA_HEX];
+    int rc = orl_map_file(worker->spec.document_path, &file, err);
+    if (rc)
+        return rc;
+    orl_sha256_hex(file.data, file.size, sha);
+    if (strcmp(sha, worker->spec.document) == 0)
+        rc = orl_job_read(file.data, file.size, ret_task, NULL, err);
+    else
+        rc = orl_error_set(err, ORL_ERR_CORRUPT, "the job's document is damaged in the store");
+    /* Reading takes many times what is kept of it, in small pieces between others. */
+    if (file.size > ORL_SERVER_SMALL_JSON)
+        malloc_trim(0);
+    orl_unmap_file(&file);
+    if (rc == 0) {
+        rc = orl_job_set_scene(orl_task_job(ret_task), &worker->spec.bundle, err);
+        if (rc)
+            orl_task_done(ret_task);
+    }
+    return rc;
+}
+
+/* Without the map cache: what is measured begins without maps (oriel/study.h). */
+static int run_study(struct orl_worker *worker, const struct orl_study_request *request,
+                     const struct orl_files *files, struct orl_error *err)
+{
+    struct orl_study study = {0};
+    const struct orl_study_env env = {
+        .crew = worker->crew,
+        .files = files,
+        .work_folder = worker->output,
+        .cancel = &worker->cancel,
+        .now_s = now_s,
+        .progress = on_study_progress,
+        .point_ready = on_study_point,
+        .spent = orl_worker_spent,
+        .ctx = worker,
+    };
+    const size_t n_settings = orl_study_count_settings(request);
+    struct orl_study_point *points = calloc(n_settings, sizeof *points);
+    if (!points)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    pthread_mutex_lock(&worker->news_mutex);
+    worker->points = points;
+    worker->n_settings = n_settings;
+    pthread_mutex_unlock(&worker->news_mutex);
+    int rc = orl_study_run(request, &env, &study, err);
+    if (rc == 0) {
+        rc = orl_study_output_write(&study, request, worker->output, &worker->outcome.summary, err);
+        orl_study_done(&study);
+    }
+    return rc;
+}
+
+/*
+ * Parts of a render job that are there once and for all are of use to a later start: not the rounds
+ * of a job with a goal, but those of its skies that are done.
+ */
+static int make_folder(struct orl_worker *worker, const struct orl_task *task,
+                       struct orl_error *err)
+{
+    const struct orl_job *job = &task->of.render;
+    const bool in_rounds = job->goal.relative_error > 0 || job->goal.deadline_s > 0;
+    worker->keeps = task->kind == ORL_TASK_RENDER && (!in_rounds || job->n_skies > 0);
+    const int rc = worker->keeps ? 0 : orl_remove_tree(worker->output, err);
+    return rc ? rc : orl_checkpoint_open(worker->output, worker->spec.key, err);
+}
+
+static int run_document(struct orl_worker *worker, struct orl_error *err)
+{
+    struct orl_task task;
+    int rc = read_document(worker, &task, err);
+    if (rc)
+        return rc;
+    const struct orl_files files = orl_bundle_provider(&worker->spec.bundle);
+    rc = make_folder(worker, &task, err);
+    if (rc == 0 && task.kind == ORL_TASK_STUDY)
+        rc = run_study(worker, &task.of.study, &files, err);
+    else if (rc == 0 && task.of.render.n_skies > 0)
+        rc = orl_worker_render_skies(worker, &task.of.render, &files, err);
+    else if (rc == 0)
+        rc = orl_worker_render(worker, &task.of.render, &files, err);
+    orl_task_done(&task);
+    return rc;
+}
+
+/* What is in the work folder goes to where results stay. */
+static int publish(const struct orl_worker *worker, struct orl_error *err)
+{
+    char final[ORL_PATH_MAX];
+    orl_folders_path(worker->spec.folders, final, "results/%s", worker->spec.job_id);
+    orl_checkpoint_forget(worker->output);
+    int rc = orl_sync_path(worker->output, err);
+    /* A crash between the rename and the row leaves results of an earlier attempt. */
+    if (rc == 0)
+        rc = orl_remove_tree(final, err);
+    return rc ? rc : orl_rename_synced(worker->output, final, err);
+}
+
+/* What a cancelled job has to show; without that it is cancelled all the same. */
+static void publish_done(struct orl_worker *worker)
+{
+    if (!worker->outcome.summary || publish(worker, NULL) == 0)
+        return;
+    free(worker->outcome.summary);
+    worker->outcome.summary = NULL;
+}
+
+int orl_worker_lead(struct orl_worker *worker, struct orl_error *err)
+{
+    const char *output = worker->output;
+    orl_checkpoint_folder(worker->spec.folders, worker->spec.job_id, worker->output);
+    int rc = run_document(worker, err);
+    if (rc == 0)
+        rc = publish(worker, err);
+    else if (rc == ORL_ERR_CANCELLED)
+        publish_done(worker);
+    if (rc && !(rc == ORL_ERR_CANCELLED && worker->keeps && atomic_load(&worker->stopped)))
+        orl_remove_tree(output, NULL);
+    malloc_trim(0);
+    return rc;
+}

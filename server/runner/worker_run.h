@@ -1,0 +1,76 @@
+/*
+ * What a worker's lead does: reads the document, runs it, keeps and writes what comes of it. Inside
+ * of worker.h; between worker.c and worker_*.c alone.
+ */
+#ifndef ORL_SERVER_RUNNER_WORKER_RUN_H
+#define ORL_SERVER_RUNNER_WORKER_RUN_H
+
+#include <jansson.h>
+#include <pthread.h>
+#include <stdatomic.h>
+
+#include "runner/job_output.h"
+#include "runner/worker.h"
+
+enum { ORL_WORKER_WHOLE = 1000000 };
+
+/* The job being rendered: the document's, or that under one of its skies. */
+struct orl_worker_part {
+    const struct orl_job *job;
+    const char *prefix;    /* of its files' names */
+    json_t *files;         /* what it has made so far, as job_output.h lists it */
+    struct orl_error lost; /* why one of them is not there */
+};
+
+struct orl_worker {
+    struct orl_worker_spec spec;
+    struct orl_crew *crew;
+    struct orl_worker_member *members;
+    uint32_t queued;                   /* works that have not come back; loop thread */
+    struct orl_worker_outcome outcome; /* the lead's, then the loop's once all are back */
+    atomic_bool cancel, stopped;
+    bool keeps; /* parts that are done, when stopped; the lead's */
+    atomic_int stage, stage_ppm, job_ppm, technique;
+    atomic_int first_ppm;  /* job_ppm as it was first, or -1 */
+    _Atomic double told_s; /* when job_ppm was told, by the steady clock */
+    pthread_mutex_t news_mutex;
+    struct orl_map_info maps[ORL_RESULT_MAPS];
+    size_t n_maps;
+    struct orl_outcome rounds; /* as the last round left it */
+    char *results;             /* their summary, or that of the views done; owned */
+    size_t n_views;            /* done */
+    json_t *files;             /* theirs; the lead's */
+    size_t n_skies, skies_done;
+    char sky[ORL_WORKER_SKY];            /* that is under way, of several */
+    char *warnings[ORL_WORKER_WARNINGS]; /* owned; those below n_warnings never change */
+    size_t n_warnings;
+    struct orl_worker_part part; /* the lead's, while it renders */
+    char output[ORL_PATH_MAX];   /* where they are; set before there are any */
+    struct orl_study_step step;
+    struct orl_study_point *points; /* room for n_settings; those below n_points never change */
+    size_t n_settings, n_points;
+};
+
+/* Everything the lead does; returns the job's code. */
+int orl_worker_lead(struct orl_worker *worker, struct orl_error *err);
+
+/* ---- worker_render.c ---------------------------------------------------------------------------
+ */
+
+/* What orl_run is to tell of a job without several skies, and of one sky. */
+struct orl_run_env orl_worker_env(struct orl_worker *worker, const struct orl_files *files);
+/* Shows the files that are done. */
+void orl_worker_show_files(struct orl_worker *worker);
+/* Adds what a run met with, however it ended, and the seconds of one that went well. */
+void orl_worker_spent(void *ctx, const struct orl_result *spent);
+void orl_worker_add_times(struct orl_worker *worker, const struct orl_result *result);
+int orl_worker_render(struct orl_worker *worker, const struct orl_job *job,
+                      const struct orl_files *files, struct orl_error *err);
+
+/* ---- worker_skies.c ----------------------------------------------------------------------------
+ */
+
+int orl_worker_render_skies(struct orl_worker *worker, const struct orl_job *job,
+                            const struct orl_files *files, struct orl_error *err);
+
+#endif

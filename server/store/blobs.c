@@ -1,0 +1,190 @@
+#include "store/blobs.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "store/discard.h"
+#include "store/scenes.h"
+
+enum { BUCKETS = 1024 };
+
+struct claim {
+    char sha[ORL_SHA_HEX];
+    unsigned holders;
+    bool counted; /* in bytes: it was there before */
+    struct claim *next;
+};
+
+struct orl_blobs {
+    uv_loop_t *loop;
+    const struct orl_folders *folders;
+    struct orl_db *db;
+    uint64_t bytes;
+    struct claim *claims[BUCKETS];
+};
+
+/* Where the pointer to the digest's claim is, or would be. */
+static struct claim **find_claim(struct orl_blobs *blobs, const char *sha)
+{
+    char head[5];
+    snprintf(head, sizeof head, "%.4s", sha);
+    struct claim **at = &blobs->claims[strtoul(head, NULL, 16) % BUCKETS];
+    while (*at && strcmp((*at)->sha, sha) != 0)
+        at = &(*at)->next;
+    return at;
+}
+
+/* Bytes of the blob; -1 when it is not there. */
+static int64_t measure(const struct orl_blobs *blobs, const char *sha)
+{
+    char path[ORL_PATH_MAX];
+    struct stat st;
+    orl_blob_path(blobs->folders, sha, path);
+    return stat(path, &st) == 0 ? (int64_t)st.st_size : -1;
+}
+
+/* A blob without claims: counted if it is named, taken away if it is not. When the database cannot
+ * tell it stays, for the next start to look at. */
+static void settle(struct orl_blobs *blobs, const char *sha, bool counted)
+{
+    char path[ORL_PATH_MAX];
+    const int64_t bytes = measure(blobs, sha);
+    bool named = true;
+    if (bytes < 0)
+        return;
+    orl_blob_is_named(blobs->db, sha, &named, NULL);
+    if (named && !counted)
+        blobs->bytes += (uint64_t)bytes;
+    if (named)
+        return;
+    if (counted)
+        blobs->bytes -= (uint64_t)bytes;
+    orl_blob_path(blobs->folders, sha, path);
+    orl_discard(blobs->loop, blobs->folders, path);
+}
+
+int orl_blobs_claim(struct orl_blobs *blobs, const char *sha, struct orl_error *err)
+{
+    struct claim **at = find_claim(blobs, sha);
+    if (*at) {
+        (*at)->holders++;
+        return 0;
+    }
+    struct claim *claim = calloc(1, sizeof *claim);
+    if (!claim)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    snprintf(claim->sha, sizeof claim->sha, "%s", sha);
+    claim->holders = 1;
+    claim->counted = measure(blobs, sha) >= 0;
+    *at = claim;
+    return 0;
+}
+
+void orl_blobs_release(struct orl_blobs *blobs, const char *sha)
+{
+    struct claim **at = find_claim(blobs, sha), *claim = *at;
+    if (!claim || --claim->holders > 0)
+        return;
+    *at = claim->next;
+    settle(blobs, sha, claim->counted);
+    free(claim);
+}
+
+void orl_blobs_forget(struct orl_blobs *blobs, const char *sha)
+{
+    if (!*find_claim(blobs, sha))
+        settle(blobs, sha, true);
+}
+
+uint64_t orl_blobs_bytes(const struct orl_blobs *blobs)
+{
+    return blobs->bytes;
+}
+
+/* ---- Start and end -------------------------------------------------------------------------- */
+
+static int sweep_file(struct orl_blobs *blobs, const char *sha, struct orl_error *err)
+{
+    char path[ORL_PATH_MAX];
+    const int64_t bytes = orl_is_sha256(sha) ? measure(blobs, sha) : -1;
+    bool named = true;
+    if (bytes < 0)
+        return 0;
+    const int rc = orl_blob_is_named(blobs->db, sha, &named, err);
+    if (rc)
+        return rc;
+    if (named) {
+        blobs->bytes += (uint64_t)bytes;
+        return 0;
+    }
+    orl_blob_path(blobs->folders, sha, path);
+    unlink(path);
+    return 0;
+}
+
+static int sweep_folder(struct orl_blobs *blobs, const char *name, struct orl_error *err)
+{
+    char path[ORL_PATH_MAX];
+    int rc = 0;
+    orl_folders_path(blobs->folders, path, "blobs/%s", name);
+    DIR *folder = opendir(path);
+    if (!folder)
+        return errno == ENOTDIR
+                   ? 0
+                   : orl_error_set(err, ORL_ERR_IO, "cannot read %s: %s", path, strerror(errno));
+    for (const struct dirent *file; rc == 0 && (file = readdir(folder));)
+        if (file->d_name[0] != '.')
+            rc = sweep_file(blobs, file->d_name, err);
+    closedir(folder);
+    return rc;
+}
+
+static int sweep(struct orl_blobs *blobs, struct orl_error *err)
+{
+    char path[ORL_PATH_MAX];
+    int rc = 0;
+    orl_folders_path(blobs->folders, path, "blobs");
+    DIR *folder = opendir(path);
+    if (!folder)
+        return orl_error_set(err, ORL_ERR_IO, "cannot read %s: %s", path, strerror(errno));
+    for (const struct dirent *below; rc == 0 && (below = readdir(folder));)
+        if (below->d_name[0] != '.')
+            rc = sweep_folder(blobs, below->d_name, err);
+    closedir(folder);
+    return rc;
+}
+
+int orl_blobs_open(uv_loop_t *loop, const struct orl_folders *folders, struct orl_db *db,
+                   struct orl_blobs **ret_blobs, struct orl_error *err)
+{
+    struct orl_blobs *blobs = calloc(1, sizeof *blobs);
+    if (!blobs)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    blobs->loop = loop;
+    blobs->folders = folders;
+    blobs->db = db;
+    const int rc = sweep(blobs, err);
+    if (rc)
+        orl_blobs_close(blobs);
+    else
+        *ret_blobs = blobs;
+    return rc;
+}
+
+void orl_blobs_close(struct orl_blobs *blobs)
+{
+    if (!blobs)
+        return;
+    for (size_t i = 0; i < BUCKETS; i++)
+        while (blobs->claims[i]) {
+            struct claim *claim = blobs->claims[i];
+            blobs->claims[i] = claim->next;
+            free(claim);
+        }
+    free(blobs);
+}

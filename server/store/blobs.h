@@ -1,0 +1,35 @@
+/*
+ * Which blobs are needed, and what they take.
+ *
+ * A blob stays while a row names it (a file of a scene, a BSDF, a job's document) or a request that
+ * is about to write such a row claims it. When the last claim goes, or a row, a blob that is left
+ * without either goes too: so nothing stays of an upload that fails at its last step, and nothing
+ * goes that another one, of the same bytes, counts on. Blobs without a row are removed at start.
+ *
+ * Threads: the loop thread. A request claims before the pool may keep the file, and lets go after
+ * the row is written, or never will be.
+ */
+#ifndef ORL_SERVER_STORE_BLOBS_H
+#define ORL_SERVER_STORE_BLOBS_H
+
+#include <uv.h>
+
+#include "store/db.h"
+#include "store/folders.h"
+
+struct orl_blobs;
+
+/* Counts those there are, and removes those that no row names. Borrows its arguments. */
+int orl_blobs_open(uv_loop_t *loop, const struct orl_folders *folders, struct orl_db *db,
+                   struct orl_blobs **ret_blobs, struct orl_error *err);
+void orl_blobs_close(struct orl_blobs *blobs); /* NULL is allowed */
+
+int orl_blobs_claim(struct orl_blobs *blobs, const char *sha, struct orl_error *err);
+void orl_blobs_release(struct orl_blobs *blobs, const char *sha);
+/* A row that named the blob is gone. */
+void orl_blobs_forget(struct orl_blobs *blobs, const char *sha);
+
+/* Of all that are kept. */
+uint64_t orl_blobs_bytes(const struct orl_blobs *blobs);
+
+#endif

@@ -1,0 +1,45 @@
+#include "store/discard.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+struct discard {
+    uv_work_t work;
+    char path[];
+};
+
+static void remove_it(uv_work_t *work)
+{
+    enum { ATTEMPTS = 3 };
+    const struct discard *discard = work->data;
+    /* For want of memory, say, that is there a moment later; else the next start does. */
+    for (int i = 0; i < ATTEMPTS && orl_remove_tree(discard->path, NULL) != 0; i++)
+        nanosleep(&(struct timespec){.tv_nsec = 10000000}, NULL);
+}
+
+static void removed(uv_work_t *work, int status)
+{
+    (void)status;
+    free(work->data);
+}
+
+void orl_discard(uv_loop_t *loop, const struct orl_folders *folders, const char *path)
+{
+    char away[ORL_PATH_MAX];
+    orl_folders_temporary(folders, away);
+    if (rename(path, away) != 0) {
+        orl_remove_tree(path, NULL);
+        return;
+    }
+    const size_t size = strlen(away) + 1;
+    struct discard *discard = malloc(sizeof *discard + size);
+    if (!discard) {
+        orl_remove_tree(away, NULL);
+        return;
+    }
+    memcpy(discard->path, away, size);
+    discard->work.data = discard;
+    uv_queue_work(loop, &discard->work, remove_it, removed);
+}

@@ -1,0 +1,37 @@
+/*
+ * Which files of results are known to hold the bytes that were written: looked at, by their digest,
+ * when they are first served after a start, and again when they have changed since (st_ctime, which
+ * every write moves). Of so many files at most; what is forgotten is looked at again.
+ *
+ * Threads: the loop thread, but for orl_verify_file, which is for any.
+ */
+#ifndef ORL_SERVER_STORE_VERIFIED_H
+#define ORL_SERVER_STORE_VERIFIED_H
+
+#include <stdbool.h>
+#include <stdint.h>
+#include <sys/stat.h>
+#include <time.h>
+
+#include <oriel/error.h>
+
+#include "store/folders.h"
+
+enum { ORL_VERIFIED_FILES = 4096 };
+
+struct orl_verified {
+    struct orl_verified_file {
+        dev_t device;
+        ino_t inode; /* 0: none */
+        off_t size;
+        struct timespec changed;
+    } files[ORL_VERIFIED_FILES];
+};
+
+bool orl_verified_has(const struct orl_verified *verified, const struct stat *st);
+void orl_verified_add(struct orl_verified *verified, const struct stat *st);
+
+/* Reads the file; ORL_ERR_CORRUPT when its bytes do not have that digest. */
+int orl_verify_file(int fd, const char sha[ORL_SHA_HEX], struct orl_error *err);
+
+#endif

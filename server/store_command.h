@@ -1,8 +1,0 @@
-/* `orield scrub` and `orield backup`: what is kept is looked through, or copied. */
-#ifndef ORL_SERVER_STORE_COMMAND_H
-#define ORL_SERVER_STORE_COMMAND_H
-
-/* argv[0] is the verb. Returns the process's status. */
-int orl_store_command(int argc, char **argv);
-
-#endif

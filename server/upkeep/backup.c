@@ -1,0 +1,202 @@
+#include "upkeep/backup.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <libgen.h>
+#include <sodium.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "process/times.h"
+
+struct copy {
+    const char *from, *to;
+    struct orl_db *db; /* the copy's */
+    void (*found)(const struct orl_kept_file *file, const struct orl_error *why);
+    struct orl_backup_totals *totals;
+};
+
+static int copy_rows(struct orl_db *db, const char *to, struct orl_error *err)
+{
+    return orl_db_run(db, err, NULL, "VACUUM INTO ?", "s", to);
+}
+
+/* ---- Files ---------------------------------------------------------------------------------- */
+
+static int make_parents(const char *path, struct orl_error *err)
+{
+    char parent[ORL_PATH_MAX];
+    snprintf(parent, sizeof parent, "%s", path);
+    dirname(parent);
+    if (mkdir(parent, 0777) == 0 || errno == EEXIST)
+        return 0;
+    if (errno == ENOENT && strchr(parent + 1, '/')) {
+        const int rc = make_parents(parent, err);
+        return rc ? rc : make_parents(path, err);
+    }
+    return orl_error_set(err, orl_err_of_errno(errno), "cannot make %s: %s", parent,
+                         strerror(errno));
+}
+
+/* Copies, and says what the bytes' digest is. */
+static int copy_bytes(int from, int to, char ret_sha[ORL_SHA_HEX], uint64_t *ret_bytes,
+                      struct orl_error *err)
+{
+    enum { CHUNK = 1 << 17 };
+    static unsigned char chunk[CHUNK]; /* of a command with one thread */
+    unsigned char digest[crypto_hash_sha256_BYTES];
+    crypto_hash_sha256_state hash;
+    ssize_t n;
+    crypto_hash_sha256_init(&hash);
+    while ((n = read(from, chunk, sizeof chunk)) != 0) {
+        if (n < 0 && errno == EINTR)
+            continue;
+        if (n < 0)
+            return orl_error_set(err, ORL_ERR_IO, "cannot be read: %s", strerror(errno));
+        crypto_hash_sha256_update(&hash, chunk, (size_t)n);
+        for (ssize_t done = 0; done < n;) {
+            const ssize_t m = write(to, chunk + done, (size_t)(n - done));
+            if (m < 0 && errno != EINTR)
+                return orl_error_set(err, orl_err_of_errno(errno), "cannot write the copy: %s",
+                                     strerror(errno));
+            done += m > 0 ? m : 0;
+        }
+        *ret_bytes += (uint64_t)n;
+    }
+    crypto_hash_sha256_final(&hash, digest);
+    sodium_bin2hex(ret_sha, ORL_SHA_HEX, digest, sizeof digest);
+    return 0;
+}
+
+enum fate { COPIED, GONE, DAMAGED };
+
+/* Fails where the copy cannot be written. */
+static int copy_file(const struct copy *copy, const struct orl_kept_file *file, enum fate *ret_fate,
+                     struct orl_error *err)
+{
+    char from[ORL_PATH_MAX], to[ORL_PATH_MAX], sha[ORL_SHA_HEX];
+    struct orl_error why;
+    snprintf(from, sizeof from, "%.2000s/%s", copy->from, file->path);
+    snprintf(to, sizeof to, "%.2000s/%s", copy->to, file->path);
+    const int in = open(from, O_RDONLY | O_CLOEXEC);
+    if (in < 0) {
+        *ret_fate = GONE;
+        return 0;
+    }
+    int rc = make_parents(to, err);
+    const int out = rc ? -1 : open(to, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+    if (rc == 0 && out < 0)
+        rc = orl_error_set(err, orl_err_of_errno(errno), "cannot make %s: %s", to, strerror(errno));
+    *ret_fate = COPIED;
+    if (rc == 0) {
+        rc = copy_bytes(in, out, sha, &copy->totals->bytes, &why);
+        if (rc == 0 && strcmp(sha, file->sha) != 0)
+            rc = orl_error_set(&why, ORL_ERR_CORRUPT, "it is damaged in the store");
+        if (rc == ORL_ERR_CORRUPT || rc == ORL_ERR_IO) {
+            *ret_fate = DAMAGED;
+            copy->found(file, &why);
+            unlink(to);
+            rc = 0;
+        } else if (rc) {
+            *err = why;
+        }
+    }
+    close(in);
+    if (out >= 0)
+        close(out);
+    return rc;
+}
+
+/* ---- Rows of what is not there --------------------------------------------------------------- */
+
+/* Jobs that wait for the blob can never run; those that have ended stay. */
+static int forget_blob(struct orl_db *db, const char *sha, struct orl_error *err)
+{
+    static const char *const statements[] = {
+        "DELETE FROM jobs WHERE document = ?",
+        ("UPDATE jobs SET state = 'cancelled' WHERE state IN ('queued', 'running') AND scene IN "
+         "(SELECT scene FROM scene_files WHERE blob = ?)"),
+        "DELETE FROM scenes WHERE id IN (SELECT scene FROM scene_files WHERE blob = ?)",
+        "DELETE FROM bsdfs WHERE id = ?",
+    };
+    int rc = 0;
+    for (size_t i = 0; i < sizeof statements / sizeof *statements && rc == 0; i++)
+        rc = orl_db_run(db, err, NULL, statements[i], "s", sha);
+    return rc;
+}
+
+static int visit(void *ctx, const struct orl_kept_file *file, struct orl_error *err)
+{
+    const struct copy *copy = ctx;
+    enum fate fate = COPIED;
+    if (file->kind == ORL_KEPT_MAP)
+        return 0;
+    int rc = copy_file(copy, file, &fate, err);
+    if (rc)
+        return rc;
+    copy->totals->files += fate == COPIED;
+    copy->totals->gone += fate == GONE;
+    copy->totals->damaged += fate == DAMAGED;
+    if (fate != COPIED && file->kind == ORL_KEPT_BLOB)
+        rc = forget_blob(copy->db, file->sha, err);
+    else if (fate != COPIED)
+        rc = orl_db_run(copy->db, err, NULL, "UPDATE jobs SET evicted_ms = ? WHERE id = ?", "is",
+                        orl_time_now_ms(), file->job);
+    return rc;
+}
+
+/* ---- The whole ------------------------------------------------------------------------------ */
+
+static int copy_db(const char *data, const char *to, struct orl_error *err)
+{
+    char from[ORL_PATH_MAX];
+    struct orl_db db = {NULL};
+    snprintf(from, sizeof from, "%.2000s/oriel.db", data);
+    int rc = orl_db_open_existing(&db, from, err);
+    if (rc == 0)
+        rc = copy_rows(&db, to, err);
+    orl_db_close(&db);
+    return rc;
+}
+
+static int copy_all(struct copy *copy, const char *db_path, struct orl_error *err)
+{
+    struct orl_db db = {NULL};
+    int rc = orl_db_open(&db, db_path, err);
+    copy->db = &db;
+    if (rc == 0)
+        rc = orl_db_exec(&db, "DELETE FROM maps", err);
+    if (rc == 0)
+        rc = orl_kept_files(&db, visit, copy, err);
+    copy->db = NULL;
+    orl_db_close(&db);
+    return rc;
+}
+
+int orl_backup(const char *data, const char *to,
+               void (*found)(const struct orl_kept_file *file, const struct orl_error *why),
+               struct orl_backup_totals *ret_totals, struct orl_error *err)
+{
+    struct copy copy = {.from = data, .to = to, .found = found, .totals = ret_totals};
+    char db_path[ORL_PATH_MAX];
+    *ret_totals = (struct orl_backup_totals){0};
+    if (mkdir(to, 0777) != 0) {
+        orl_error_set(err, orl_err_of_errno(errno), "cannot make %s: %s", to, strerror(errno));
+        if (errno == EEXIST)
+            orl_error_hint(err, "A backup goes to a folder of its own, which is not there yet");
+        return err->code;
+    }
+    snprintf(db_path, sizeof db_path, "%.2000s/oriel.db", to);
+    int rc = copy_db(data, db_path, err);
+    if (rc == 0)
+        rc = copy_all(&copy, db_path, err);
+    const int fd = rc ? -1 : open(to, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (rc == 0 && (fd < 0 || syncfs(fd) != 0))
+        rc = orl_error_set(err, orl_err_of_errno(errno), "cannot sync %s: %s", to, strerror(errno));
+    if (fd >= 0)
+        close(fd);
+    return rc;
+}

@@ -1,0 +1,225 @@
+#include "upkeep/storage.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <sys/statvfs.h>
+
+#include "jobs/job_results.h"
+#include "process/limits.h"
+#include "process/times.h"
+
+const char *const orl_stored_names[ORL_STORED_COUNT] = {"maps", "bsdfs", "results", "uploads"};
+
+uint64_t orl_storage_default(const char *folder, uint64_t used)
+{
+    struct statvfs disk;
+    uint64_t free_bytes = 0;
+    if (statvfs(folder, &disk) == 0)
+        free_bytes = (uint64_t)disk.f_bavail * disk.f_frsize;
+    return free_bytes / 2 + used / 2;
+}
+
+void orl_storage_use(const struct orl_storage *storage, uint64_t ret_bytes[ORL_STORED_COUNT])
+{
+    struct orl_map_cache_totals totals;
+    orl_map_cache_totals(storage->maps, &totals);
+    ret_bytes[ORL_STORED_MAPS] = totals.bytes - totals.bsdf_bytes;
+    ret_bytes[ORL_STORED_BSDFS] = totals.bsdf_bytes;
+    ret_bytes[ORL_STORED_RESULTS] = orl_job_results_bytes(storage->jobs);
+    ret_bytes[ORL_STORED_UPLOADS] = orl_blobs_bytes(storage->blobs);
+}
+
+uint64_t orl_storage_total(const struct orl_storage *storage)
+{
+    uint64_t bytes[ORL_STORED_COUNT], total = 0;
+    orl_storage_use(storage, bytes);
+    for (int i = 0; i < ORL_STORED_COUNT; i++)
+        total += bytes[i];
+    return total;
+}
+
+/* ---- Eviction ------------------------------------------------------------------------------- */
+
+/* Something that may go. */
+struct candidate {
+    int64_t used_ms;
+    uint64_t bytes;
+    const struct orl_map_info *map; /* NULL: a job's results */
+    const char *job;
+};
+
+static int by_use(const void *a, const void *b)
+{
+    const struct candidate *x = a, *y = b;
+    return (x->used_ms > y->used_ms) - (x->used_ms < y->used_ms);
+}
+
+static bool may_go(const struct orl_jobs_job *job, int64_t now_ms)
+{
+    const int64_t spared_ms = 1000 * (int64_t)ORL_SERVER_UNFETCHED_S;
+    return orl_job_results_kept(job) &&
+           (job->row.fetched_ms > 0 || now_ms - job->row.finished_ms >= spared_ms);
+}
+
+/* Everything that may go, the longest unused first; owned. NULL: out of memory. */
+static struct candidate *list_candidates(const struct orl_jobs *jobs,
+                                         const struct orl_stored_map *maps, size_t n_maps,
+                                         size_t *ret_count)
+{
+    const size_t n_jobs =
+        orl_jobs_count(jobs, ORL_JOB_SUCCEEDED) + orl_jobs_count(jobs, ORL_JOB_CANCELLED);
+    struct candidate *list = calloc(n_maps + n_jobs + 1, sizeof *list);
+    const int64_t now_ms = orl_time_now_ms();
+    size_t count = 0;
+    if (!list)
+        return NULL;
+    for (size_t i = 0; i < n_maps; i++)
+        if (!maps[i].in_use)
+            list[count++] = (struct candidate){
+                .used_ms = maps[i].last_used_ms, .bytes = maps[i].info.bytes, .map = &maps[i].info};
+    for (const struct orl_jobs_job *job = orl_jobs_newest(jobs); job; job = job->older)
+        if (may_go(job, now_ms))
+            list[count++] = (struct candidate){.used_ms = orl_job_results_used_ms(job),
+                                               .bytes = job->row.result_bytes,
+                                               .job = job->row.id};
+    qsort(list, count, sizeof *list, by_use);
+    *ret_count = count;
+    return list;
+}
+
+/* False when it stays: somebody has taken it into use, or the database refuses. */
+static bool evict(struct orl_storage *storage, const struct candidate *candidate)
+{
+    struct orl_error err = {0};
+    enum orl_map_removal removal = ORL_MAP_REMOVED;
+    const struct orl_map_info *map = candidate->map;
+    enum orl_stored kind = ORL_STORED_RESULTS;
+    int rc;
+    if (map) {
+        kind = strcmp(map->kind, "bsdf") == 0 ? ORL_STORED_BSDFS : ORL_STORED_MAPS;
+        rc = orl_map_cache_remove(storage->maps, map->kind, map->key, &removal, &err);
+    } else {
+        rc = orl_job_results_evict(storage->jobs, candidate->job, &err);
+    }
+    if (rc) {
+        orl_log_event(storage->log, ORL_LOG_ERROR, "eviction-failed", "s", "why", err.message);
+        return false;
+    }
+    if (removal != ORL_MAP_REMOVED)
+        return false;
+    storage->evicted[kind]++;
+    orl_log_event(storage->log, ORL_LOG_INFO, "evicted", "ssi", "what", orl_stored_names[kind],
+                  "name", map ? map->key : candidate->job, "bytes", (int64_t)candidate->bytes);
+    return true;
+}
+
+enum shrink_how { SHRINK_AS_FAR_AS_IT_GOES, SHRINK_OR_LEAVE };
+
+/*
+ * Down to at most so many bytes; returns what is left. SHRINK_OR_LEAVE takes nothing away when all
+ * that may go would not be enough.
+ */
+static uint64_t shrink(struct orl_storage *storage, uint64_t most, enum shrink_how how)
+{
+    uint64_t used = orl_storage_total(storage), stays = used;
+    struct orl_stored_map *maps = NULL;
+    struct candidate *list = NULL;
+    size_t n_maps = 0, count = 0;
+    if (used <= most || orl_map_cache_list(storage->maps, &maps, &n_maps, NULL))
+        return used;
+    list = list_candidates(storage->jobs, maps, n_maps, &count);
+    for (size_t i = 0; list && i < count; i++)
+        stays -= list[i].bytes;
+    if (how == SHRINK_OR_LEAVE && stays > most)
+        count = 0;
+    for (size_t i = 0; list && i < count && used > most; i++)
+        if (evict(storage, &list[i]))
+            used = orl_storage_total(storage);
+    free(list);
+    free(maps);
+    return used;
+}
+
+/* Of what is kept, how much has to stay. */
+static uint64_t count_staying(struct orl_storage *storage)
+{
+    uint64_t bytes = orl_storage_total(storage);
+    struct orl_stored_map *maps = NULL;
+    size_t n_maps = 0, count = 0;
+    if (orl_map_cache_list(storage->maps, &maps, &n_maps, NULL))
+        return bytes;
+    struct candidate *list = list_candidates(storage->jobs, maps, n_maps, &count);
+    for (size_t i = 0; list && i < count; i++)
+        bytes -= list[i].bytes;
+    free(list);
+    free(maps);
+    return bytes;
+}
+
+/* Says how much may be on its way in. What may go is looked at only where that makes a difference:
+ * while half of the budget is free anyway, it does not. */
+static void set_room(struct orl_storage *storage)
+{
+    const uint64_t promised = orl_job_results_expected(storage->jobs);
+    uint64_t taken = orl_storage_total(storage) + promised;
+    if (taken > storage->budget / 2)
+        taken = count_staying(storage) + promised;
+    atomic_store(&storage->room.most, taken < storage->budget ? storage->budget - taken : 0);
+}
+
+void orl_storage_trim(struct orl_storage *storage)
+{
+    const uint64_t held = atomic_load(&storage->room.held);
+    shrink(storage, storage->budget > held ? storage->budget - held : 0, SHRINK_AS_FAR_AS_IT_GOES);
+    set_room(storage);
+}
+
+void orl_storage_look(struct orl_storage *storage)
+{
+    if (atomic_load(&storage->room.held) > 0)
+        orl_storage_trim(storage);
+}
+
+bool orl_storage_receive(struct orl_storage *storage, struct orl_hold *hold, uint64_t bytes)
+{
+    set_room(storage);
+    return orl_hold_take(hold, bytes, NULL) == 0;
+}
+
+bool orl_storage_admit(struct orl_storage *storage, const struct orl_hold *hold, uint64_t bytes)
+{
+    const uint64_t budget = storage->budget, own = hold->bytes;
+    const uint64_t promised = (bytes > own ? bytes - own : 0) + atomic_load(&storage->room.held) +
+                              orl_job_results_expected(storage->jobs);
+    if (promised <= budget &&
+        shrink(storage, budget - promised, SHRINK_OR_LEAVE) <= budget - promised) {
+        set_room(storage);
+        return true;
+    }
+    return false;
+}
+
+/* ---- What was asked for --------------------------------------------------------------------- */
+
+static void write_notes(uv_timer_t *timer)
+{
+    const struct orl_storage *storage = timer->data;
+    orl_job_results_flush(storage->jobs);
+}
+
+void orl_storage_fetched(struct orl_storage *storage, const char *job_id)
+{
+    enum { DELAY_MS = 2000 };
+    orl_job_results_fetched(storage->jobs, job_id);
+    if (!uv_is_active((const uv_handle_t *)&storage->notes) &&
+        !uv_is_closing((const uv_handle_t *)&storage->notes))
+        uv_timer_start(&storage->notes, write_notes, DELAY_MS, 0);
+}
+
+void orl_storage_stop(struct orl_storage *storage)
+{
+    if (storage->jobs)
+        orl_job_results_flush(storage->jobs);
+    if (!uv_is_closing((const uv_handle_t *)&storage->notes))
+        uv_close((uv_handle_t *)&storage->notes, NULL);
+}

@@ -1,0 +1,81 @@
+#include "uploads/incoming.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "process/limits.h"
+
+void orl_incoming_init(struct orl_incoming *incoming, struct orl_bundle *bundle)
+{
+    *incoming = (struct orl_incoming){.bundle = bundle, .fd = -1};
+}
+
+static struct orl_bundle_file *under_way(const struct orl_incoming *incoming)
+{
+    return &incoming->bundle->files[incoming->bundle->count - 1];
+}
+
+int orl_incoming_begin(struct orl_incoming *incoming, const struct orl_folders *folders,
+                       const char *name, bool resource, struct orl_error *err)
+{
+    char path[ORL_PATH_MAX] = "";
+    if (!incoming->sink)
+        orl_folders_temporary(folders, path);
+    const int rc =
+        orl_bundle_add(incoming->bundle, name, resource, path, 0, NULL, !incoming->sink, err);
+    if (rc)
+        return rc;
+    if (incoming->sink)
+        return incoming->sink->file(incoming->sink->ctx, name, err);
+    incoming->fd = open(path, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (incoming->fd < 0)
+        return orl_error_set(err, orl_err_of_errno(errno), "cannot store a file of the upload: %s",
+                             strerror(errno));
+    incoming->hold = folders->hold;
+    crypto_hash_sha256_init(&incoming->hash);
+    return 0;
+}
+
+int orl_incoming_append(struct orl_incoming *incoming, const char *data, size_t size,
+                        struct orl_error *err)
+{
+    struct orl_bundle_file *file = under_way(incoming);
+    file->bytes += size;
+    if (file->bytes > ORL_LIMIT_FILE_BYTES) {
+        orl_error_set(err, ORL_ERR_LIMIT, "the file is larger than %lu MiB",
+                      ORL_LIMIT_FILE_BYTES >> 20);
+        orl_error_at(err, file->name, 0, NULL);
+        return ORL_ERR_LIMIT;
+    }
+    if (incoming->sink)
+        return incoming->sink->data(incoming->sink->ctx, data, size, err);
+    const int rc = orl_hold_take(incoming->hold, size, err);
+    if (rc)
+        return rc;
+    crypto_hash_sha256_update(&incoming->hash, (const unsigned char *)data, size);
+    while (size > 0) {
+        const ssize_t n = write(incoming->fd, data, size);
+        if (n < 0 && errno != EINTR)
+            return orl_error_set(err, orl_err_of_errno(errno),
+                                 "cannot store a file of the upload: %s", strerror(errno));
+        if (n > 0) {
+            data += n;
+            size -= (size_t)n;
+        }
+    }
+    return 0;
+}
+
+void orl_incoming_end(struct orl_incoming *incoming)
+{
+    unsigned char digest[crypto_hash_sha256_BYTES];
+    if (incoming->fd < 0)
+        return;
+    close(incoming->fd);
+    incoming->fd = -1;
+    struct orl_bundle_file *file = under_way(incoming);
+    crypto_hash_sha256_final(&incoming->hash, digest);
+    sodium_bin2hex(file->sha, sizeof file->sha, digest, sizeof digest);
+}
