@@ -8,6 +8,7 @@
 #include <oriel/limits.h>
 
 #include "decode.h"
+#include "glare_json.h"
 #include "picture_json.h"
 #include "plan_json.h"
 #include "skies_json.h"
@@ -146,8 +147,8 @@ static int decode_sensors(const json_t *sensors, struct orl_job *job, struct orl
 static int decode_view(const json_t *doc, size_t index, struct orl_view_request *view,
                        struct orl_error *err)
 {
-    static const char *const allowed[] = {"name",    "view",    "width", "height",
-                                          "formats", "display", NULL};
+    static const char *const allowed[] = {"name",    "view",    "width", "height", "formats",
+                                          "display", "metrics", "glare", NULL};
     char path[ORL_JSON_PATH_MAX];
     snprintf(path, sizeof path, "views[%zu]", index);
     int rc = orl_json_object(doc, path, allowed, err);
@@ -168,6 +169,13 @@ static int decode_view(const json_t *doc, size_t index, struct orl_view_request 
     }
     view->width = (uint32_t)size[0];
     view->height = (uint32_t)size[1];
+    snprintf(path, sizeof path, "views[%zu].metrics", index);
+    if (rc == 0)
+        rc =
+            orl_glare_metrics_from_json(json_object_get(doc, "metrics"), path, &view->metrics, err);
+    snprintf(path, sizeof path, "views[%zu].glare", index);
+    if (rc == 0)
+        rc = orl_glare_settings_from_json(json_object_get(doc, "glare"), path, &view->glare, err);
     snprintf(path, sizeof path, "views[%zu]", index);
     return rc ? rc : orl_pictures_from_json(doc, path, view, err);
 }

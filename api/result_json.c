@@ -6,6 +6,7 @@
 #include <oriel/vec.h>
 
 #include "encode.h"
+#include "glare_json.h"
 #include "picture_json.h"
 #include "plan_json.h"
 
@@ -90,7 +91,11 @@ static json_t *sensors_to_json(const struct orl_result *result)
 static json_t *view_to_json(const struct orl_view_result *view)
 {
     json_t *json = json_pack("{s:s, s:f}", "name", view->name, "seconds", view->seconds);
-    if (json && orl_pictures_to_json(view, json)) {
+    const bool told =
+        json && orl_pictures_to_json(view, json) == 0 &&
+        (!view->glare ||
+         json_object_set_new(json, "glare", orl_glare_to_json(view->glare, view->metrics)) == 0);
+    if (!told) {
         json_decref(json);
         return NULL;
     }

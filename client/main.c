@@ -60,6 +60,12 @@ static const struct orl_subcommand commands[] = {
      "worth knowing: energy gained, reciprocity, sides and up, the sun's smear. Ends with 1 when\n"
      "the file is refused or at fault.",
      orl_cmd_bsdf},
+    {"glare", "PICTURE.hdr [-d] [--json] [--task X,Y,ANGLE] ...",
+     "Find the glare sources of an HDR picture, and rate them",
+     "DGP and other indices of any Radiance picture with a VIEW line, as evalglare has them and\n"
+     "with its defaults; core/metrics/README.md says where the two differ. Options -b -T -r -s -x\n"
+     "-Y -A -i -d are evalglare's.",
+     orl_cmd_glare},
     {"version", "", "Print the version", NULL, orl_cmd_version},
 };
 

@@ -26,16 +26,7 @@
 #ifndef ORL_METRICS_DGP_H
 #define ORL_METRICS_DGP_H
 
-#include <stdbool.h>
-#include <stddef.h>
-
-#include <oriel/error.h>
-
-struct orl_glare_source {
-    double luminance_cd_m2, solid_angle_sr, position_index;
-};
-
-enum orl_dgp_constants { ORL_DGP_PUBLISHED, ORL_DGP_EVALGLARE };
+#include <oriel/glare.h>
 
 struct orl_dgp_options {
     enum orl_dgp_constants constants;

@@ -8,6 +8,7 @@
 #include <oriel/limits.h>
 
 #include "light/daylight.h"
+#include "metrics/glare.h"
 #include "render/film/view.h"
 #include "run/stages.h"
 
@@ -47,6 +48,7 @@ void orl_job_done(struct orl_job *job)
         free(job->views[i].name);
         free(job->views[i].view);
         free(job->views[i].false_color.points);
+        free(job->views[i].glare.mask);
     }
     free(job->views);
     memset(job, 0, sizeof *job);
@@ -107,6 +109,8 @@ static int validate_view(const struct orl_job *job, size_t index, struct orl_err
             err, ORL_ERR_LIMIT, "view '%s': %u x %u pixels; sides go from 1 to %u, pixels to %lu",
             v->name, v->width, v->height, ORL_LIMIT_IMAGE_SIDE, ORL_LIMIT_IMAGE_PIXELS);
     code = orl_view_parse(v->view ? v->view : "", &view, err);
+    if (code == 0 && v->metrics != 0)
+        code = orl_glare_view_check(&view, &v->glare, err);
     if (code < 0)
         orl_error_at(err, NULL, 0, v->name);
     return code;
@@ -237,6 +241,8 @@ void orl_view_result_done(struct orl_view_result *view)
     for (int i = 0; i < ORL_PICTURES; i++)
         free(view->files[i]);
     free(view->points);
+    orl_glare_done(view->glare);
+    free(view->glare);
     *view = (struct orl_view_result){.seconds = view->seconds};
 }
 

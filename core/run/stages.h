@@ -130,6 +130,10 @@ void orl_run_book_sensor(const struct orl_run_state *state, size_t index,
 int orl_run_write_view(struct orl_run_state *state, size_t index, const struct orl_film *film,
                        struct orl_error *err);
 
+/* The glare of a view that asks for metrics, into the result. */
+int orl_run_rate_view(struct orl_run_state *state, size_t index, const struct orl_film *film,
+                      struct orl_error *err);
+
 /* Render stage: sensors and views, into the result and the output folder. */
 int orl_run_render(struct orl_run_state *state, const struct orl_renderer *renderer,
                    struct orl_error *err);

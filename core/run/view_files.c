@@ -155,7 +155,9 @@ int orl_run_write_view(struct orl_run_state *state, size_t index, const struct o
     }
     writing->film = film;
     result->black = is_black(film);
-    const int code = write_all(state, request, result, writing, err);
+    int code = orl_run_rate_view(state, index, film, err);
+    if (code == 0)
+        code = write_all(state, request, result, writing, err);
     free(writing);
     return code;
 }

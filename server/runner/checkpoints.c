@@ -206,8 +206,9 @@ bool orl_checkpoint_find(const char *folder, const char *part, json_t **ret_file
 
 json_t *orl_checkpoint_view_to_json(const struct orl_view_result *view)
 {
-    json_t *json = json_pack("{s:s, s:o, s:b}", "name", view->name, "seconds",
-                             orl_json_from_real(view->seconds), "black", (int)view->black);
+    json_t *json = json_pack("{s:s, s:o, s:b, s:b}", "name", view->name, "seconds",
+                             orl_json_from_real(view->seconds), "black", (int)view->black, "rated",
+                             (int)(view->glare != NULL));
     if (json && orl_pictures_to_json(view, json)) {
         json_decref(json);
         return NULL;
@@ -227,7 +228,9 @@ bool orl_checkpoint_view_from_json(const json_t *json, struct orl_view_result *r
     struct orl_view_result view = {.name = copy_text(json, "name")};
     view.seconds = json_number_value(json_object_get(json, "seconds"));
     view.black = json_is_true(json_object_get(json, "black"));
-    if (orl_pictures_read_back(json, &view) && view.name) {
+    /* What was found of its glare is not kept: the view is rendered again. */
+    if (!json_is_true(json_object_get(json, "rated")) && orl_pictures_read_back(json, &view) &&
+        view.name) {
         *ret_view = view;
         return true;
     }

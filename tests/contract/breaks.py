@@ -41,6 +41,12 @@ def jobs(lit, dark):
     yield {"kind": "render", "scene": lit, "technique": "gather", "seed": 1, "gather_samples": 16,
            "photons": {"global": 500, "caustic": 500, "exact": True}, "sensors": SENSORS, "views": [VIEW],
            "priority": 5, "dark": "expected", "effects": {name: "auto" for name in EFFECTS}}
+    glare = {"threshold": 5, "task": {"x": 8, "y": 4, "angle_rad": 0.6}, "radius_rad": 0.2,
+             "smooth": True, "peaks": True, "peak_cd_m2": 50000, "formula": "published",
+             "position": "exact", "low_light_correction": True, "age_years": 60,
+             "vertical_illuminance_lx": 1000, "directions": {"count": 3, "span_deg": 90}}
+    yield {"scene": lit, "technique": "backward", "pixel_samples": 4,
+           "views": [{**VIEW, "metrics": ["dgp", "ugr"], "glare": glare}]}
     yield {"scene": lit, "technique": "backward", "pixel_samples": 4, "views": [VIEW]}
     yield {"scene": lit, "technique": "backward", "pixel_samples": 1, "views": [
         {**VIEW, "formats": ["hdr", "png", "png16"],

@@ -119,8 +119,10 @@ def renders(daemon):
     results(daemon, path, job)
     daemon.ask("POST", path + "/cancel", want=409)
     daemon.ask("DELETE", path, want=204)
+    eye = {"name": "eye", "view": "-vta -vp 2 2 1.5 -vd 0 -1 0 -vh 180 -vv 180", "width": 24,
+           "height": 24, "metrics": ["all"], "glare": {"threshold": 1}}
     backward = daemon.submit({"scene": scene, "technique": "backward", "gather_samples": 32,
-                              "pixel_samples": 4, "sensors": SENSORS, "views": [VIEW]})
+                              "pixel_samples": 4, "sensors": SENSORS, "views": [VIEW, eye]})
     assert daemon.wait(backward)["state"] == "succeeded"
     daemon.ask("GET", backward + "/result", want=200)
     for technique in ("direct", "precomputed", "auto"):

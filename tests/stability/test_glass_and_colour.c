@@ -370,9 +370,10 @@ static void test_47_dark(void **state)
     long odd = 0;
     (void)state;
     for (int i = 0; i < 200000; i++) {
-        const struct orl_glare_source s = {pow(10, 12 * orl_random_uniform(&random) - 2),
-                                           pow(10, 8 * orl_random_uniform(&random) - 8),
-                                           1 + 15 * orl_random_uniform(&random)};
+        const struct orl_glare_source s = {
+            .luminance_cd_m2 = pow(10, 12 * orl_random_uniform(&random) - 2),
+            .solid_angle_sr = pow(10, 8 * orl_random_uniform(&random) - 8),
+            .position_index = 1 + 15 * orl_random_uniform(&random)};
         const struct orl_dgp_options options = {i & 1 ? ORL_DGP_EVALGLARE : ORL_DGP_PUBLISHED,
                                                 i & 2};
         const double eye_lx = i % 4 == 0 ? 0 : pow(10, 20 * orl_random_uniform(&random) - 14);

@@ -12,6 +12,11 @@
 
 #include "metrics/dgp.h"
 
+#define SOURCE(luminance, solid_angle, index)                                                      \
+    {                                                                                              \
+        .luminance_cd_m2 = (luminance), .solid_angle_sr = (solid_angle), .position_index = (index) \
+    }
+
 static const struct orl_dgp_options published = {ORL_DGP_PUBLISHED, false};
 static const struct orl_dgp_options evalglare = {ORL_DGP_EVALGLARE, false};
 
@@ -32,8 +37,8 @@ static void assert_near(double value, double wanted, double tolerance)
 /* The last digit given is the tolerance. */
 static void test_evalglares_constants(void **state)
 {
-    const struct orl_glare_source lamp = {2e4, 0.1, 1};
-    const struct orl_glare_source two[2] = {{5000, 0.05, 1.5}, {3e4, 0.01, 3}};
+    const struct orl_glare_source lamp = SOURCE(2e4, 0.1, 1);
+    const struct orl_glare_source two[2] = {SOURCE(5000, 0.05, 1.5), SOURCE(3e4, 0.01, 3)};
     (void)state;
     assert_near(dgp_with(&evalglare, 1000, 0, NULL), 0.2177, 1e-12);
     assert_near(dgp_with(&evalglare, 3000, 1, &lamp), 0.43934, 1e-5);
@@ -43,7 +48,7 @@ static void test_evalglares_constants(void **state)
 /* The sun is 1e9 cd/m2 over 6.8e-5 sr: 1.064 before the cut. */
 static void test_cut_to_1(void **state)
 {
-    const struct orl_glare_source sun = {1e9, 6.8e-5, 2}, weaker = {1e7, 6.8e-5, 2};
+    const struct orl_glare_source sun = SOURCE(1e9, 6.8e-5, 2), weaker = SOURCE(1e7, 6.8e-5, 2);
     (void)state;
     assert_true(dgp_with(&evalglare, 5000, 1, &sun) == 1);
     assert_true(dgp_with(&evalglare, 5000, 1, &weaker) < 1);
@@ -53,7 +58,7 @@ static void test_cut_to_1(void **state)
 /* The difference of the constants, and nothing else. */
 static void test_published_constants(void **state)
 {
-    const struct orl_glare_source lamp = {2e4, 0.1, 1};
+    const struct orl_glare_source lamp = SOURCE(2e4, 0.1, 1);
     const double sum = 4e8 * 0.1 / pow(3000, 1.87);
     (void)state;
     assert_near(dgp_with(&published, 1000, 0, NULL), 0.0587 + 0.16, 1e-12);
@@ -76,7 +81,8 @@ static void test_low_light(void **state)
 /* Without light there is no contrast to speak of, whatever is listed; nor with next to none. */
 static void test_dark(void **state)
 {
-    const struct orl_glare_source lamp = {2e4, 0.1, 1}, nothing = {0, 0, 1}, faint = {1e-320, 1, 1};
+    const struct orl_glare_source lamp = SOURCE(2e4, 0.1, 1), nothing = SOURCE(0, 0, 1),
+                                  faint = SOURCE(1e-320, 1, 1);
     (void)state;
     assert_true(dgp_with(&published, 0, 0, NULL) == 0.16);
     assert_true(dgp_with(&published, 0, 1, &lamp) == 0.16);
@@ -87,8 +93,9 @@ static void test_dark(void **state)
 
 static void test_refusals(void **state)
 {
-    static const struct orl_glare_source broken[] = {{NAN, 0.1, 1}, {-1, 0.1, 1}, {1, INFINITY, 1},
-                                                     {1, -0.1, 1},  {1, 0.1, 0},  {1, 0.1, NAN}};
+    static const struct orl_glare_source broken[] = {SOURCE(NAN, 0.1, 1),    SOURCE(-1, 0.1, 1),
+                                                     SOURCE(1, INFINITY, 1), SOURCE(1, -0.1, 1),
+                                                     SOURCE(1, 0.1, 0),      SOURCE(1, 0.1, NAN)};
     double dgp = 7;
     struct orl_error err;
     (void)state;

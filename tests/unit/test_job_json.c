@@ -35,7 +35,11 @@ static void test_full_remote_document(void **state)
                "\"photons\":{\"global\":2e5,\"caustic\":0},\"gather_samples\":64,"
                "\"pixel_samples\":1048576,\"effects\":{\"glossy\":\"force\"},"
                "\"sensors\":[[1,2,3,0,0,1],[4.5,5,6,1,0,0]],"
-               "\"views\":[{\"name\":\"a\",\"view\":\"-vtv\",\"width\":4,\"height\":3}]}",
+               "\"views\":[{\"name\":\"a\",\"view\":\"-vtv\",\"width\":4,\"height\":3,"
+               "\"metrics\":[\"dgp\",\"vertical_illuminance_lx\"],\"glare\":{\"threshold\":7,"
+               "\"task\":{\"x\":1,\"y\":2,\"angle_rad\":0.5},\"peaks\":false,"
+               "\"formula\":\"published\",\"position\":\"whole_pixels\",\"age_years\":60,"
+               "\"directions\":{\"count\":5,\"span_deg\":90}}}]}",
                ORL_JOB_REMOTE, &job, &id, &err);
     assert_int_equal(rc, 0);
     assert_string_equal(id, ID);
@@ -51,6 +55,12 @@ static void test_full_remote_document(void **state)
     assert_int_equal(job.n_views, 1);
     assert_string_equal(job.views[0].view, "-vtv");
     assert_int_equal(job.views[0].width, 4);
+    const struct orl_glare_settings *glare = &job.views[0].glare;
+    assert_int_equal(job.views[0].metrics, 1U << ORL_GLARE_DGP | 1U << ORL_GLARE_ILLUMINANCE);
+    assert_true(glare->threshold == 7 && glare->task.y == 2 && glare->task.angle_rad == 0.5);
+    assert_true(glare->no_peaks && !glare->smooth && glare->at_whole_pixels);
+    assert_true(glare->constants == ORL_DGP_PUBLISHED && glare->age_years == 60);
+    assert_true(glare->directions == 5 && glare->directions_deg == 90);
     assert_int_equal(job.n_scene_files, 0);
     orl_job_done(&job);
     free(id);
@@ -230,6 +240,19 @@ static const struct {
     {"\"scene\":\"" ID "\",\"views\":[{" VIEW_A
      ",\"display\":{\"tone\":\"linear\",\"veil\":true}}]",
      ORL_ERR_INVALID, "views[0].display.veil"},
+#define VIEW_WITH(more)                                                                            \
+    "\"scene\":\"" ID "\",\"views\":[{\"name\":\"a\",\"view\":\"-vtv\",\"width\":1,"               \
+    "\"height\":1," more "}]"
+    {VIEW_WITH("\"metrics\":\"dgp\""), ORL_ERR_INVALID, "views[0].metrics"},
+    {VIEW_WITH("\"metrics\":[\"dgp\",\"dpg\"]"), ORL_ERR_INVALID, "views[0].metrics[1]"},
+    {VIEW_WITH("\"glare\":[]"), ORL_ERR_INVALID, "views[0].glare"},
+    {VIEW_WITH("\"glare\":{\"treshold\":5}"), ORL_ERR_INVALID, "views[0].glare.treshold"},
+    {VIEW_WITH("\"glare\":{\"threshold\":-5}"), ORL_ERR_RANGE, "views[0].glare"},
+    {VIEW_WITH("\"glare\":{\"smooth\":1}"), ORL_ERR_INVALID, "views[0].glare.smooth"},
+    {VIEW_WITH("\"glare\":{\"formula\":\"x\"}"), ORL_ERR_INVALID, "views[0].glare.formula"},
+    {VIEW_WITH("\"glare\":{\"task\":{\"x\":1}}"), ORL_ERR_RANGE, "views[0].glare.task"},
+    {VIEW_WITH("\"glare\":{\"directions\":{\"count\":1}}"), ORL_ERR_RANGE,
+     "views[0].glare.directions.count"},
     {"\"scene\":\"" ID "\",\"sky\":7", ORL_ERR_INVALID, "sky"},
     {"\"scene\":\"" ID "\",\"sky\":{}", ORL_ERR_INVALID, "sky"},
     {"\"scene\":\"" ID "\",\"sky\":{\"perez\":{},\"cie\":{}}", ORL_ERR_INVALID, "sky"},

@@ -19,6 +19,7 @@
 #include <oriel/crew.h>
 #include <oriel/error.h>
 #include <oriel/files.h>
+#include <oriel/glare.h>
 #include <oriel/health.h>
 #include <oriel/picture.h>
 #include <oriel/plan.h>
@@ -40,6 +41,8 @@ struct orl_view_request {
     uint32_t formats; /* of orl_picture_format, as bits; 0: ORL_PICTURES_USUAL */
     struct orl_display display;
     struct orl_false_color false_color;
+    uint32_t metrics; /* of enum orl_glare_metric, as bits; 0: nothing is told of its glare */
+    struct orl_glare_settings glare;
 };
 
 /*
@@ -176,6 +179,8 @@ struct orl_view_result {
     double scale;                   /* the top of its false colours; 0: there are none */
     struct orl_point_value *points; /* that were named; owned */
     size_t n_points;
+    struct orl_glare *glare; /* owned; NULL: no metrics are asked for */
+    uint32_t metrics;        /* that are */
     double seconds;
     bool black; /* no pixel has any light */
 };

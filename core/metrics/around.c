@@ -1,0 +1,45 @@
+#include "metrics/around.h"
+
+static const double enough = 0.98;
+
+/* One line of sight; *ret_held says whether the picture holds enough of what one sees there. */
+static int look(const struct orl_panorama *p, const struct orl_glare_settings *settings,
+                double turned_deg, double least_sr, struct orl_glare *ret_glare, bool *ret_held,
+                struct orl_error *err)
+{
+    struct orl_field field;
+    int code = orl_field_init(&field, p->view, p->width, p->height, turned_deg, err);
+    const struct orl_luminances luminances = {&field, p->cd_m2};
+    *ret_held = field.all_sr >= least_sr;
+    if (code == 0 && *ret_held)
+        code = orl_glare_evaluate(&luminances, p->mask, settings, ret_glare, err);
+    ret_glare->turned_deg = turned_deg;
+    orl_field_done(&field);
+    return code;
+}
+
+int orl_glare_around(const struct orl_panorama *panorama, const struct orl_glare_settings *settings,
+                     struct orl_glare *ret_glare, struct orl_error *err)
+{
+    struct orl_glare worst = {0};
+    bool held;
+    int code = look(panorama, settings, 0, 0, &worst, &held, err);
+    const double least_sr = enough * worst.field_sr;
+    for (uint32_t i = 0; i < settings->directions && code == 0; i++) {
+        const double turned = orl_glare_turned_deg(settings, i);
+        struct orl_glare glare = {0};
+        code = look(panorama, settings, turned, least_sr, &glare, &held, err);
+        if (code == 0 && held &&
+            glare.values[ORL_GLARE_DGP].value > worst.values[ORL_GLARE_DGP].value) {
+            orl_glare_done(&worst);
+            worst = glare;
+        } else {
+            orl_glare_done(&glare);
+        }
+    }
+    if (code == 0)
+        *ret_glare = worst;
+    else
+        orl_glare_done(&worst);
+    return code;
+}

@@ -1,0 +1,60 @@
+#include "metrics/part.h"
+
+#include <stdlib.h>
+
+static int by_size(const void *a, const void *b)
+{
+    const float p = *(const float *)a, q = *(const float *)b;
+    return (p > q) - (p < q);
+}
+
+/* Of sorted values: the nearest rank. */
+static double percentile(const float *values, size_t count, double share)
+{
+    const double rank = ceil(share * (double)count);
+    return (double)values[rank < 1 ? 0 : (size_t)rank - 1];
+}
+
+static double deviation_of(const float *values, size_t count)
+{
+    double mean = 0, squares = 0;
+    for (size_t i = 0; i < count; i++)
+        mean += (double)values[i] / (double)count;
+    for (size_t i = 0; i < count; i++)
+        squares += ((double)values[i] - mean) * ((double)values[i] - mean);
+    return count > 1 ? sqrt(squares / (double)(count - 1)) : 0;
+}
+
+int orl_glare_part_of(const struct orl_luminances *picture, const float *mask,
+                      struct orl_glare_part *ret_part, struct orl_error *err)
+{
+    static const float inside = 0.1F;
+    const struct orl_field *field = picture->field;
+    const size_t count = (size_t)field->width * field->height;
+    struct orl_glare_part part = {0};
+    float *values = malloc(count * sizeof *values);
+    if (!values)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for a mask");
+    for (size_t i = 0; i < count; i++) {
+        const double sr = (double)field->solid_angle[i], light = sr * (double)picture->cd_m2[i];
+        if (sr == 0 || !(mask[i] > inside))
+            continue;
+        values[part.pixels++] = picture->cd_m2[i];
+        part.solid_angle_sr += sr;
+        part.mean += light;
+        part.illuminance_lx += light * (double)field->direction[i][2];
+    }
+    if (part.pixels > 0) {
+        qsort(values, part.pixels, sizeof *values, by_size);
+        part.mean /= part.solid_angle_sr;
+        part.median = percentile(values, part.pixels, 0.5);
+        part.percentile_75 = percentile(values, part.pixels, 0.75);
+        part.percentile_95 = percentile(values, part.pixels, 0.95);
+        part.least = (double)values[0];
+        part.most = (double)values[part.pixels - 1];
+        part.deviation = deviation_of(values, part.pixels);
+    }
+    free(values);
+    *ret_part = part;
+    return 0;
+}

@@ -1,0 +1,86 @@
+#include "metrics/smooth.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* The part of the disc that a source has to fill. */
+static const double enough = 0.2;
+
+struct smoothing {
+    const struct orl_field *field;
+    const uint32_t *label;
+    double pixels;  /* the disc's radius */
+    double *filled; /* of the disc, by label; zero between pixels */
+    uint32_t *met;  /* the labels in the disc */
+};
+
+/* Half the angle from the middle to ten pixels up and right of it, tenfold: a pixel's diagonal. */
+static double disc_of(const struct orl_field *field, double radius_rad)
+{
+    const double x = floor(field->width / 2.0) + 0.5;
+    const double y = field->height - floor(field->height / 2.0) - 0.5;
+    const struct orl_vec3 middle = orl_field_towards(field, x, y);
+    const struct orl_vec3 beside = orl_field_towards(field, x + 10, y - 10);
+    const double diagonal = acos(fmin(orl_dot(middle, beside), 1)) / 10;
+    return diagonal > 0 ? radius_rad / (2 * diagonal) / 1.75 : 0;
+}
+
+static void fill_row(struct smoothing *s, uint32_t y, int64_t from, int64_t to, double *all,
+                     uint32_t *n_met)
+{
+    for (int64_t x = from < 0 ? 0 : from; x <= to && x < s->field->width; x++) {
+        const size_t at = (size_t)y * s->field->width + (size_t)x;
+        const double sr = (double)s->field->solid_angle[at];
+        const uint32_t label = s->label[at];
+        *all += sr;
+        if (label == 0 || sr == 0)
+            continue;
+        if (s->filled[label] == 0)
+            s->met[(*n_met)++] = label;
+        s->filled[label] += sr;
+    }
+}
+
+/* The source that fills most of the disc about a pixel, if it fills enough. */
+static uint32_t claimed_by(struct smoothing *s, uint32_t x, uint32_t y)
+{
+    const int64_t reach = (int64_t)s->pixels;
+    double all = 0, most = 0;
+    uint32_t n_met = 0, best = 0;
+    for (int64_t dy = -reach; dy <= reach; dy++) {
+        if ((int64_t)y + dy < 0 || (int64_t)y + dy >= s->field->height)
+            continue;
+        const int64_t dx = (int64_t)sqrt(s->pixels * s->pixels - (double)(dy * dy));
+        fill_row(s, (uint32_t)((int64_t)y + dy), (int64_t)x - dx, (int64_t)x + dx, &all, &n_met);
+    }
+    for (uint32_t i = 0; i < n_met; i++) {
+        double *filled = &s->filled[s->met[i]];
+        if (*filled > enough * all && *filled > most) {
+            most = *filled;
+            best = s->met[i];
+        }
+        *filled = 0;
+    }
+    return best;
+}
+
+int orl_smooth_sources(const struct orl_field *field, double radius_rad, uint32_t n_labels,
+                       uint32_t *label)
+{
+    const size_t count = (size_t)field->width * field->height;
+    struct smoothing s = {.field = field, .label = label, .pixels = disc_of(field, radius_rad)};
+    uint32_t *smoothed = malloc(count * sizeof *smoothed);
+    s.filled = calloc((size_t)n_labels + 1, sizeof *s.filled);
+    s.met = malloc(((size_t)n_labels + 1) * sizeof *s.met);
+    const bool held = smoothed && s.filled && s.met;
+    for (size_t i = 0; held && i < count; i++) {
+        const uint32_t x = (uint32_t)(i % field->width), y = (uint32_t)(i / field->width);
+        smoothed[i] = label[i] == 0 && field->solid_angle[i] > 0 ? claimed_by(&s, x, y) : label[i];
+    }
+    for (size_t i = 0; held && i < count; i++)
+        label[i] = smoothed[i];
+    free(smoothed);
+    free(s.filled);
+    free(s.met);
+    return held ? 0 : ORL_ERR_NOMEM;
+}

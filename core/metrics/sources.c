@@ -1,0 +1,145 @@
+#include "metrics/sources.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "metrics/position.h"
+#include "metrics/smooth.h"
+#include "metrics/unite.h"
+
+/* What is at work: labels of all pixels, and the list of those that are being put together. */
+struct search {
+    const struct orl_luminances *picture;
+    const struct orl_source_rule *rule;
+    size_t count;     /* of the picture's pixels */
+    uint32_t *label;  /* the source that a pixel is of, from 1 on; 0: of none */
+    uint32_t *pixels; /* the list */
+    uint32_t *group;  /* of the pixels in it */
+    uint32_t n_labels;
+};
+
+/* Lists what counts and is brighter than that; of peaks only what is of a source. */
+static size_t list_brighter(struct search *s, double cd_m2, bool at_least, bool of_sources)
+{
+    const float *sr = s->picture->field->solid_angle, *luminance = s->picture->cd_m2;
+    size_t n = 0;
+    for (size_t i = 0; i < s->count; i++) {
+        const double here = (double)luminance[i];
+        const bool brighter = at_least ? here >= cd_m2 : here > cd_m2;
+        if (sr[i] > 0 && brighter && (!of_sources || s->label[i] > 0))
+            s->pixels[n++] = (uint32_t)i;
+    }
+    return n;
+}
+
+/* Puts the list's pixels together, under labels of their own. */
+static int label_groups(struct search *s, size_t n)
+{
+    uint32_t groups = 0;
+    const int code = n == 0 ? 0
+                            : orl_unite(s->picture->field, s->pixels, n, s->rule->radius_rad / 2,
+                                        s->group, &groups);
+    for (size_t i = 0; code == 0 && i < n; i++)
+        s->label[s->pixels[i]] = s->n_labels + 1 + s->group[i];
+    s->n_labels += groups;
+    return code;
+}
+
+static int find(struct search *s)
+{
+    int code = label_groups(s, list_brighter(s, s->rule->threshold_cd_m2, false, false));
+    if (code == 0 && s->rule->smooth && s->n_labels > 0)
+        code = orl_smooth_sources(s->picture->field, s->rule->radius_rad, s->n_labels, s->label);
+    if (code == 0 && isfinite(s->rule->peak_cd_m2))
+        code = label_groups(s, list_brighter(s, s->rule->peak_cd_m2, true, true));
+    return code;
+}
+
+/* Adds a pixel to sums: of luminance by solid angle, and places weighted by that. */
+static void add_pixel(struct orl_glare_source *source, const struct orl_luminances *picture,
+                      size_t pixel)
+{
+    const struct orl_field *field = picture->field;
+    const double sr = (double)field->solid_angle[pixel], cd_m2 = (double)picture->cd_m2[pixel];
+    const size_t column = pixel % field->width, row = pixel / field->width;
+    const double weight = sr * cd_m2;
+    source->pixels++;
+    source->solid_angle_sr += sr;
+    source->luminance_cd_m2 += weight;
+    source->illuminance_lx += weight * (double)field->direction[pixel][2];
+    source->x += weight * (double)column;
+    source->y += weight * (double)row;
+    source->most_cd_m2 = fmax(source->most_cd_m2, cd_m2);
+}
+
+/* Makes means of sums. x and y were the pixels' corners up to here. */
+static void settle(struct orl_glare_source *source, const struct search *s)
+{
+    const struct orl_field *field = s->picture->field;
+    double x = source->x / source->luminance_cd_m2, y = source->y / source->luminance_cd_m2;
+    if (s->rule->at_whole_pixels) { /* the lower left one of those that it lies between */
+        x = floor(x);
+        y = ceil(y);
+    }
+    const struct orl_vec3 to = orl_field_towards(field, x + 0.5, y + 0.5);
+    source->luminance_cd_m2 /= source->solid_angle_sr;
+    source->x = x + 0.5;
+    source->y = field->height - (y + 0.5);
+    source->position_index = orl_position_index(to);
+    source->direction = orl_to_world(&field->eye, to);
+    source->angle_deg = atan2(hypot(to.x, to.y), to.z) / ORL_DEG_TO_RAD;
+}
+
+static double dazzle(const struct orl_glare_source *s)
+{
+    const double seen = s->luminance_cd_m2 / s->position_index;
+    return seen * seen * s->solid_angle_sr;
+}
+
+static int by_dazzle(const void *a, const void *b)
+{
+    const struct orl_glare_source *p = a, *q = b;
+    const double first = dazzle(p), second = dazzle(q);
+    if (first != second)
+        return first > second ? -1 : 1;
+    return p->x != q->x ? (p->x > q->x) - (p->x < q->x) : (p->y > q->y) - (p->y < q->y);
+}
+
+static int collect(const struct search *s, struct orl_glare_source **ret_sources, size_t *ret_count)
+{
+    struct orl_glare_source *sources = calloc(s->n_labels + 1, sizeof *sources);
+    size_t n = 0;
+    if (!sources)
+        return ORL_ERR_NOMEM;
+    for (size_t i = 0; i < s->count; i++)
+        if (s->label[i] > 0)
+            add_pixel(&sources[s->label[i] - 1], s->picture, i);
+    for (uint32_t i = 0; i < s->n_labels; i++) {
+        if (sources[i].pixels == 0) /* all of it was a peak */
+            continue;
+        sources[n] = sources[i];
+        settle(&sources[n++], s);
+    }
+    qsort(sources, n, sizeof *sources, by_dazzle);
+    *ret_sources = sources;
+    *ret_count = n;
+    return 0;
+}
+
+int orl_find_sources(const struct orl_luminances *picture, const struct orl_source_rule *rule,
+                     struct orl_glare_source **ret_sources, size_t *ret_count,
+                     struct orl_error *err)
+{
+    const size_t count = (size_t)picture->field->width * picture->field->height;
+    struct search s = {.picture = picture, .rule = rule, .count = count};
+    s.label = calloc(count, sizeof *s.label);
+    s.pixels = malloc(count * sizeof *s.pixels);
+    s.group = malloc(count * sizeof *s.group);
+    int code = s.label && s.pixels && s.group ? find(&s) : ORL_ERR_NOMEM;
+    if (code == 0)
+        code = collect(&s, ret_sources, ret_count);
+    free(s.label);
+    free(s.pixels);
+    free(s.group);
+    return code < 0 ? orl_error_set(err, code, "out of memory searching for glare sources") : 0;
+}

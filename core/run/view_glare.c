@@ -1,0 +1,60 @@
+/* The glare of a finished view. */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "metrics/around.h"
+#include "run/stages.h"
+
+/* A view that holds less than this share of the hemisphere lacks light at the eye. */
+static const double almost_all = 0.98;
+
+/* Once a view, whatever the number of rounds. */
+static void warn_of_field(struct orl_run_state *state, const struct orl_view_request *request,
+                          const struct orl_glare *glare)
+{
+    const double share = glare->field_sr / (2 * ORL_PI);
+    char start[160];
+    if (request->glare.eye_lx > 0 || share >= almost_all)
+        return;
+    const int length = snprintf(start, sizeof start, "view '%s' holds %.0f %% of the hemisphere",
+                                request->name, 100 * share);
+    for (size_t i = 0; i < state->result->n_warnings; i++)
+        if (strncmp(state->result->warnings[i], start, (size_t)length) == 0)
+            return;
+    orl_run_warn(state, "%s: its glare lacks the light that comes from beside it", start);
+}
+
+static int rate(const struct orl_view_request *request, const struct orl_film *film,
+                struct orl_glare *ret_glare, struct orl_error *err)
+{
+    struct orl_view view;
+    float *cd_m2 = orl_film_luminances(film);
+    int code = cd_m2 ? orl_view_parse(request->view, &view, err)
+                     : orl_error_set(err, ORL_ERR_NOMEM, "out of memory for glare");
+    const struct orl_panorama panorama = {&view, film->width, film->height, cd_m2, NULL};
+    if (code == 0)
+        code = orl_glare_around(&panorama, &request->glare, ret_glare, err);
+    free(cd_m2);
+    return code;
+}
+
+int orl_run_rate_view(struct orl_run_state *state, size_t index, const struct orl_film *film,
+                      struct orl_error *err)
+{
+    const struct orl_view_request *request = &state->job->views[index];
+    struct orl_view_result *result = &state->result->views[index];
+    if (request->metrics == 0)
+        return 0;
+    struct orl_glare *glare = calloc(1, sizeof *glare);
+    int code = glare ? rate(request, film, glare, err)
+                     : orl_error_set(err, ORL_ERR_NOMEM, "out of memory for glare");
+    if (code < 0) {
+        free(glare);
+        return code;
+    }
+    result->glare = glare;
+    result->metrics = request->metrics;
+    warn_of_field(state, request, glare);
+    return 0;
+}
