@@ -36,7 +36,8 @@ struct orl_estimate orl_estimate_add(struct orl_estimate a, struct orl_estimate 
                                  .degrees = spread > 0 ? (va + vb) * (va + vb) / spread
                                                        : fmin(a.degrees, b.degrees),
                                  .bias = a.bias + b.bias,
-                                 .third = a.third + b.third};
+                                 .third = a.third + b.third,
+                                 .rays = orl_rays_mix(a.rays, 1, b.rays, 1)};
 }
 
 /* Student's t over the normal law, at 97.5 %: the first terms in 1 / degrees, good to 1 % from 3

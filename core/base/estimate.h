@@ -13,7 +13,8 @@
  * Where light is rare most groups find little and a few find much. An estimate that comes out low
  * then thinks itself surer than it is, so that above the value the interval is wider by what the
  * groups' skewness calls for (Johnson's modified t); below it is left as it is. Skewness that
- * chance alone gives so few groups does not count.
+ * chance alone gives so few groups does not count. What groups have missed altogether other sensors
+ * may tell (rare.h).
  *
  * References: Welch 1947, Biometrika 34, 28; Johnson 1978, Journal of the American Statistical
  * Association 73, 536; Armstrong and Kolesar 2020, Quantitative Economics 11,
@@ -26,12 +27,15 @@
 
 #include <oriel/vec.h>
 
+#include "base/rare.h"
+
 struct orl_estimate {
     struct orl_rgb value;
     /* Of its luma: */
     double standard_error, degrees; /* and its degrees of freedom, more than 0 */
     double bias;                    /* what it is thought to be too high */
-    double third; /* third cumulant: its skewness times the cube of the standard error */
+    double third;         /* third cumulant: its skewness times the cube of the standard error */
+    struct orl_rays rays; /* what single ones added to it, where they were counted */
 };
 
 /* The mean of several independent values, 2 or more, by their spread. */

@@ -33,6 +33,11 @@ int orl_findings_init(struct orl_findings *findings, struct orl_run_state *state
         if (!findings->parts[0].noise)
             code = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     }
+    if (sensors && code == 0) {
+        findings->parts[0].rays = calloc(state->n_sensors, sizeof *findings->parts[0].rays);
+        if (!findings->parts[0].rays)
+            code = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    }
     for (size_t i = 0; i < views && code == 0; i++) {
         const struct orl_view_request *v = &state->job->views[i];
         struct orl_finding_part *part = &findings->parts[sensors + i];
@@ -50,6 +55,7 @@ void orl_findings_done(struct orl_findings *findings)
         orl_film_done(&findings->parts[i].film);
         free(findings->parts[i].errors);
         free(findings->parts[i].noise);
+        free(findings->parts[i].rays);
     }
     free(findings->parts);
     free(findings->estimates);
@@ -84,22 +90,26 @@ int orl_findings_add_film(struct orl_findings *findings, size_t view, const stru
     return 0;
 }
 
-void orl_findings_add_sensors(struct orl_findings *findings, const struct orl_result *round,
+void orl_findings_add_sensors(struct orl_findings *findings, const struct orl_run_state *round,
                               double effort, const double *samples, const double *groups)
 {
     struct orl_finding_part *part = &findings->parts[0];
-    const struct orl_round_findings found = {.value = round->illuminance_lx,
-                                             .error = round->standard_error_lx,
-                                             .bias = round->bias_estimate_lx,
+    const struct orl_result *result = round->result;
+    const struct orl_round_findings found = {.value = result->illuminance_lx,
+                                             .error = result->standard_error_lx,
+                                             .bias = result->bias_estimate_lx,
                                              .groups = groups,
                                              .degrees = ORL_MAP_BATCHES - 1,
                                              .effort = effort};
-    if (round->n_sensors == 0)
+    if (result->n_sensors == 0)
         return;
     orl_pooled_add(&part->pool, &found);
+    const double share = effort / part->pool.effort;
+    for (size_t i = 0; i < part->pool.count; i++)
+        part->rays[i] = orl_rays_mix(part->rays[i], 1 - share, round->rays[i], share);
     for (size_t i = 0; samples && i < part->pool.count; i++) {
         const double error = found.error[i], noise = samples[i] * error * error;
-        part->noise[i] += effort / part->pool.effort * (noise - part->noise[i]);
+        part->noise[i] += share * (noise - part->noise[i]);
     }
 }
 
@@ -154,6 +164,7 @@ static int show_sensors(const struct orl_finding_part *part, struct orl_result *
     for (size_t i = 0; held && i < n; i++)
         book_interval(part, i, result->interval_95_lx[i]);
     result->n_sensors = held ? n : 0;
+    orl_run_mind_rare_light(result, part->rays);
     return held ? 0 : orl_error_set(err, ORL_ERR_NOMEM, "out of memory for %zu sensors", n);
 }
 

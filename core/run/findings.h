@@ -16,6 +16,7 @@ struct orl_finding_part {
     struct orl_pooled pool;
     double *errors; /* of its means; owned */
     double *noise;  /* sample_allocation.h: of one sample of a sensor; owned; NULL: not known */
+    struct orl_rays *rays; /* of sensors, in their means; owned */
     double floor;
     struct orl_film film; /* of a view: the means, in colour */
 };
@@ -33,7 +34,7 @@ void orl_findings_done(struct orl_findings *findings); /* also of one that init 
 
 /* A round's sensors, with the samples of each and what its groups found where they were shared out,
  * else NULL; and a round's picture. */
-void orl_findings_add_sensors(struct orl_findings *findings, const struct orl_result *round,
+void orl_findings_add_sensors(struct orl_findings *findings, const struct orl_run_state *round,
                               double effort, const double *samples, const double *groups);
 int orl_findings_add_film(struct orl_findings *findings, size_t view, const struct orl_film *film,
                           double effort, struct orl_error *err);

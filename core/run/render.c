@@ -39,6 +39,20 @@ void orl_run_book_sensor(const struct orl_run_state *state, size_t index,
     result->bias_estimate_lx[index] = lux * estimate->bias;
     result->interval_95_lx[index][0] = fmax(value - lux * margins.below, 0);
     result->interval_95_lx[index][1] = value + lux * margins.above;
+    state->rays[index] = orl_rays_mix(estimate->rays, lux, (struct orl_rays){0, 0}, 0);
+}
+
+void orl_run_mind_rare_light(struct orl_result *result, const struct orl_rays *rays)
+{
+    const struct orl_rare rare = orl_rare_of(rays, result->standard_error_lx, result->n_sensors);
+    for (size_t i = 0; i < result->n_sensors; i++) {
+        const struct orl_rare_bounds least = orl_rare_bounds(&rare, &rays[i]);
+        const double value = result->illuminance_lx[i];
+        double *error = &result->standard_error_lx[i], *interval = result->interval_95_lx[i];
+        *error = fmax(*error, least.standard_error);
+        interval[0] = fmax(fmin(interval[0], value - least.below), 0);
+        interval[1] = fmax(interval[1], value + least.above);
+    }
 }
 
 /* Rounds of some sensors, so that progress and cancelling are heard in between. */
@@ -54,8 +68,9 @@ static int render_sensors(struct rendering *rendering, double share, struct orl_
     result->standard_error_lx = calloc(n, sizeof(double));
     result->bias_estimate_lx = calloc(n, sizeof(double));
     result->interval_95_lx = calloc(n, sizeof *result->interval_95_lx);
+    state->rays = calloc(n, sizeof *state->rays);
     if (!result->illuminance_lx || !result->standard_error_lx || !result->bias_estimate_lx ||
-        !result->interval_95_lx)
+        !result->interval_95_lx || !state->rays)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for %zu sensors", n);
     result->n_sensors = n;
     if (!state->take_film && state->env->sensors_kept &&
@@ -72,6 +87,8 @@ static int render_sensors(struct rendering *rendering, double share, struct orl_
     }
     const struct orl_renderer *renderer = rendering->renderer;
     const int code = renderer->sensors ? renderer->sensors(renderer->ctx, err) : 0;
+    if (code == 0 && !state->take_film)
+        orl_run_mind_rare_light(result, state->rays);
     if (code == 0 && !state->take_film && state->env->sensors_done)
         state->env->sensors_done(state->env->ctx, result);
     return code;

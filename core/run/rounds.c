@@ -211,7 +211,7 @@ static int run_round(struct rounds *r, struct orl_error *err)
     state->emission = round.emission;
     take_spent(r, &result);
     if (code == 0) {
-        orl_findings_add_sensors(&r->findings, &result, r->samples, r->shares,
+        orl_findings_add_sensors(&r->findings, &round, r->samples, r->shares,
                                  r->sensor_round.groups);
         take_records(r, &result);
         take_times(r, &result, now_s(r) - started);
@@ -219,6 +219,7 @@ static int run_round(struct rounds *r, struct orl_error *err)
     }
     state->stage = ORL_STAGE_RENDER;
     state->stage_started = now_s(r);
+    free(round.rays);
     orl_result_done(&result);
     return code;
 }

@@ -104,6 +104,7 @@ static int run(const struct orl_job *job, const struct orl_run_env *env, struct 
     if (state.sensors_owned)
         free(state.sensors);
     free(state.searches);
+    free(state.rays);
     if (env->spent)
         env->spent(env->ctx, &result);
     if (code < 0) {

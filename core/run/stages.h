@@ -43,6 +43,7 @@ struct orl_run_state {
     double ends_s;    /* of a job with a goal: when it is thought to end; 0: not known yet */
     const double *bandwidths; /* by kind of map, in rounds (gather.h); NULL: as usual */
     const struct orl_sensor_round *sensor_round; /* NULL: as the job has it */
+    struct orl_rays *rays; /* of the sensors, in lux, for what is rare; owned */
     double samples; /* of a sensor on average, in all rounds so far; 0: as the job has it */
     struct orl_estimates *looks; /* by view, for the cost of a job in one piece; owned */
     /* In rounds: where a finished picture goes instead of into files. */
@@ -125,6 +126,10 @@ uint32_t orl_run_sensor_samples(const struct orl_run_state *state, size_t index)
 /* Into the result: the sensor's value and errors, in lux. */
 void orl_run_book_sensor(const struct orl_run_state *state, size_t index,
                          const struct orl_estimate *estimate);
+
+/* Once all are booked: widens errors and intervals by what sensors have missed by chance, as others
+ * of them tell (base/rare.h). */
+void orl_run_mind_rare_light(struct orl_result *result, const struct orl_rays *rays);
 
 /* Writes a view's files and names them in the result. */
 int orl_run_write_view(struct orl_run_state *state, size_t index, const struct orl_film *film,

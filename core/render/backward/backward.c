@@ -29,10 +29,10 @@ void orl_backward_done(struct orl_backward *backward)
     orl_vpls_done(&backward->vpls);
 }
 
-/* The mean of one group's samples. */
+/* The mean of one group's samples; rays takes what each adds to the sensor. */
 static struct orl_rgb sample_group(const struct orl_backward *b, const struct orl_place *place,
                                    const struct orl_span *span, uint32_t group,
-                                   struct orl_health *health)
+                                   struct orl_health *health, struct orl_rays *rays)
 {
     const uint32_t first = span->first / ORL_MAP_BATCHES;
     const uint32_t samples =
@@ -50,8 +50,10 @@ static struct orl_rgb sample_group(const struct orl_backward *b, const struct or
             .random = orl_random_stream(span->seed, ORL_PURPOSE_SENSOR, (name << 24) + i),
             .health = health};
         sampling.index = i;
-        sum = orl_rgb_add(sum,
-                          orl_health_keep(health, orl_backward_light(&tracer, place, &sampling)));
+        const struct orl_rgb light =
+            orl_health_keep(health, orl_backward_light(&tracer, place, &sampling));
+        orl_rays_add(rays, orl_luma(light) / samples / ORL_MAP_BATCHES);
+        sum = orl_rgb_add(sum, light);
     }
     return orl_rgb_scale(sum, 1.0 / samples);
 }
@@ -65,7 +67,10 @@ struct orl_estimate orl_backward_irradiance(const struct orl_backward *backward,
     struct orl_place place = {.point = orl_stand(world->geometry, position, normal),
                               .normal = normal};
     place.outside = orl_world_is_outside(world, place.point);
+    struct orl_rays rays = {0, 0};
     for (uint32_t group = 0; group < ORL_MAP_BATCHES; group++)
-        ret_groups[group] = sample_group(backward, &place, span, group, health);
-    return orl_estimate_of_mean(ret_groups, ORL_MAP_BATCHES);
+        ret_groups[group] = sample_group(backward, &place, span, group, health, &rays);
+    struct orl_estimate estimate = orl_estimate_of_mean(ret_groups, ORL_MAP_BATCHES);
+    estimate.rays = rays;
+    return estimate;
 }

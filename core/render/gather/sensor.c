@@ -104,11 +104,13 @@ struct volley {
 
 /*
  * A group's share of the hemisphere by scrambled Sobol points, up to what a ray's first surface
- * does with it: a sensor needs no gradients. The tally takes what the rays saw of photons.
+ * does with it: a sensor needs no gradients. The tally takes what the rays saw of photons, seen
+ * what each adds to the sensor.
  */
 static struct orl_rgb gather_group(const struct orl_gather *gather, const struct orl_place *place,
                                    const struct volley *volley, uint64_t name,
-                                   struct orl_search *search, struct orl_tally *tally)
+                                   struct orl_search *search, struct orl_tally *tally,
+                                   struct orl_rays *seen)
 {
     struct orl_rgb sum = orl_gray(0);
     const uint32_t rays = volley->even + volley->aimed;
@@ -135,8 +137,9 @@ static struct orl_rgb gather_group(const struct orl_gather *gather, const struct
                                            .first = &first,
                                            .tally = tally,
                                            .share = ORL_PI / drawn / HEMISPHERES};
-        sum = orl_rgb_add(sum, orl_rgb_scale(orl_gather_radiance(gather, &ray, &random, search),
-                                             volley->even / drawn));
+        const struct orl_rgb radiance = orl_gather_radiance(gather, &ray, &random, search);
+        orl_rays_add(seen, ray.share * orl_luma(radiance));
+        sum = orl_rgb_add(sum, orl_rgb_scale(radiance, volley->even / drawn));
     }
     return orl_rgb_scale(sum, ORL_PI / volley->even);
 }
@@ -154,13 +157,16 @@ static struct orl_estimate gather_evenly(const struct orl_gather *gather,
     const uint32_t each = samples / HEMISPHERES > 0 ? samples / HEMISPHERES : 1;
     struct orl_bright_view bright;
     struct orl_rgb means[HEMISPHERES];
+    struct orl_rays seen = {0, 0};
     orl_bright_look(&gather->bright, place->point, place->normal, samples, &bright);
     const struct volley volley = {&bright, each,
                                   bright.worth ? (each + SHARE_AIMED - 1) / SHARE_AIMED : 0};
     for (uint32_t group = 0; group < HEMISPHERES; group++)
         means[group] =
-            gather_group(gather, place, &volley, index * HEMISPHERES + group, search, tally);
-    return orl_estimate_of_mean(means, HEMISPHERES);
+            gather_group(gather, place, &volley, index * HEMISPHERES + group, search, tally, &seen);
+    struct orl_estimate estimate = orl_estimate_of_mean(means, HEMISPHERES);
+    estimate.rays = seen;
+    return estimate;
 }
 
 /* Of a sun that the sensor's own plane cuts, or nearly, most rays say nothing: then more are sent.

@@ -1,0 +1,67 @@
+#include "base/rare.h"
+
+#include <math.h>
+
+/* A variance that rests on so many events is known as well as by 16 groups of many rays: its
+ * relative variance is the inverse of their number, and 2 / 15 by groups. */
+static const double fewest_events = 7.5;
+
+static const double least_share = 0.5; /* of a variance, of events that are its cause */
+
+static const double normal_95 = 1.959963984540054;
+
+struct orl_rays orl_rays_mix(struct orl_rays a, double of_a, struct orl_rays b, double of_b)
+{
+    const double a4 = pow(of_a, 4), b4 = pow(of_b, 4);
+    return (struct orl_rays){a4 * a.fourths + b4 * b.fourths,
+                             a4 * a4 * a.eighths + b4 * b4 * b.eighths};
+}
+
+/* How many rays are the brightest; 0 where there is no light, or where they are many. */
+static double few_of(const struct orl_rays *rays)
+{
+    const double n = rays->eighths > 0 ? rays->fourths * rays->fourths / rays->eighths : 0;
+    return n < fewest_events ? n : 0;
+}
+
+static double size2_of(const struct orl_rays *rays)
+{
+    return sqrt(rays->eighths / rays->fourths);
+}
+
+struct orl_rare orl_rare_of(const struct orl_rays *rays, const double *standard_errors,
+                            size_t count)
+{
+    struct orl_rare rare = {0, 0};
+    double events = 0, squares = 0;
+    for (size_t i = 0; i < count; i++) {
+        const double few = few_of(&rays[i]), square = few > 0 ? few * size2_of(&rays[i]) : 0;
+        const double variance = standard_errors[i] * standard_errors[i];
+        if (square > least_share * variance) {
+            events += few;
+            squares += square;
+        }
+    }
+    if (events > 0)
+        rare = (struct orl_rare){events / (double)count, sqrt(squares / events)};
+    return rare;
+}
+
+/* A percentile of a gamma law of scale 1, given as that of the normal law. */
+static double gamma_at(double shape, double normal)
+{
+    const double root = 1 - 1 / (9 * shape) + normal / (3 * sqrt(shape));
+    return shape * fmax(root * root * root, 0);
+}
+
+struct orl_rare_bounds orl_rare_bounds(const struct orl_rare *rare, const struct orl_rays *own)
+{
+    if (!(rare->events > 0))
+        return (struct orl_rare_bounds){0, 0, 0};
+    const double met = few_of(own), shape = 1 + met;
+    const double scale = rare->events / (1 + rare->events);
+    return (struct orl_rare_bounds){
+        .standard_error = rare->size * sqrt(shape) * scale,
+        .below = rare->size * fmax(met - scale * gamma_at(shape, -normal_95), 0),
+        .above = rare->size * fmax(scale * gamma_at(shape, normal_95) - met, 0)};
+}
