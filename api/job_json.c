@@ -147,8 +147,8 @@ static int decode_sensors(const json_t *sensors, struct orl_job *job, struct orl
 static int decode_view(const json_t *doc, size_t index, struct orl_view_request *view,
                        struct orl_error *err)
 {
-    static const char *const allowed[] = {"name",    "view",    "width", "height", "formats",
-                                          "display", "metrics", "glare", NULL};
+    static const char *const allowed[] = {"name",    "view",        "width",   "height", "formats",
+                                          "display", "false_color", "metrics", "glare",  NULL};
     char path[ORL_JSON_PATH_MAX];
     snprintf(path, sizeof path, "views[%zu]", index);
     int rc = orl_json_object(doc, path, allowed, err);

@@ -2,7 +2,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "render/film/error_map.h"
+#include "render/picture/error_map.h"
 #include "run/cost.h"
 
 /* What is rendered at the moment: its technique and how much of the stage came before. */

@@ -3,8 +3,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "render/film/error_map.h"
-#include "render/picture/display.h"
+#include "render/picture/error_map.h"
+#include "render/picture/false_color.h"
 #include "run/stages.h"
 
 /* What is written, side by side, and how it went. */
@@ -12,6 +12,8 @@ struct writing {
     const struct orl_film *film;
     struct orl_view view;
     struct orl_shown shown; /* where one of the files shows it */
+    const struct orl_false_color *colors;
+    struct orl_scale scale; /* of these */
     size_t count;
     struct {
         enum orl_picture picture;
@@ -31,6 +33,10 @@ static int write_picture(const struct writing *w, enum orl_picture picture, cons
         return orl_shown_write_png(&w->shown, 8, path, err);
     case ORL_PICTURE_PNG16:
         return orl_shown_write_png(&w->shown, 16, path, err);
+    case ORL_PICTURE_FALSE:
+    case ORL_PICTURE_LINES:
+    case ORL_PICTURE_BANDS:
+        return orl_false_color_write(w->film, &w->shown, &w->scale, w->colors, picture, path, err);
     case ORL_PICTURE_ERROR_HDR:
         return orl_film_write_error_hdr(w->film, &w->view, path, err);
     case ORL_PICTURE_ERROR_PNG:
@@ -72,6 +78,9 @@ static char *file_name(const struct orl_run_state *state, const char *name, cons
 static uint32_t pictures_of(const struct orl_view_request *request, const struct orl_film *film)
 {
     uint32_t pictures = request->formats ? request->formats : ORL_PICTURES_USUAL;
+    if (request->false_color.asked)
+        pictures |= request->false_color.pictures ? request->false_color.pictures
+                                                  : ORL_PICTURE_BIT(ORL_PICTURE_FALSE);
     if (orl_film_knows_errors(film))
         pictures |= ORL_PICTURE_BIT(ORL_PICTURE_ERROR_HDR) | ORL_PICTURE_BIT(ORL_PICTURE_ERROR_PNG);
     return pictures;
@@ -116,6 +125,27 @@ static int write_files(const struct orl_run_state *state, struct writing *writin
     return 0;
 }
 
+/* The scale of false colours, and what they show at the points that were named. */
+static int settle_colors(const struct orl_view_request *request, struct writing *writing,
+                         struct orl_view_result *result, struct orl_error *err)
+{
+    const struct orl_false_color *colors = &request->false_color;
+    writing->colors = colors;
+    if (!colors->asked)
+        return 0;
+    result->points = calloc(colors->n_points + 1, sizeof *result->points);
+    if (!result->points || orl_scale_make(&writing->scale, writing->film, colors, false) < 0)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for false colours");
+    result->scale = writing->scale.top;
+    for (; result->n_points < colors->n_points; result->n_points++) {
+        const struct orl_picture_point *point = &colors->points[result->n_points];
+        struct orl_point_value *value = &result->points[result->n_points];
+        memcpy(value->name, point->name, sizeof value->name);
+        value->value = orl_false_color_at(writing->film, &writing->scale, point->x, point->y);
+    }
+    return 0;
+}
+
 static int write_all(const struct orl_run_state *state, const struct orl_view_request *request,
                      struct orl_view_result *result, struct writing *writing, struct orl_error *err)
 {
@@ -123,6 +153,8 @@ static int write_all(const struct orl_run_state *state, const struct orl_view_re
     int code = orl_view_parse(request->view, &writing->view, err);
     if (code == 0)
         code = name_files(state, pictures, result, writing, err);
+    if (code == 0)
+        code = settle_colors(request, writing, result, err);
     if (code == 0 && (pictures & to_look_at) &&
         orl_shown_init(&writing->shown, writing->film, &writing->view, &request->display) < 0)
         code = orl_error_set(err, ORL_ERR_NOMEM, "out of memory for a picture");

@@ -50,7 +50,11 @@ def jobs(lit, dark):
     yield {"scene": lit, "technique": "backward", "pixel_samples": 4, "views": [VIEW]}
     yield {"scene": lit, "technique": "backward", "pixel_samples": 1, "views": [
         {**VIEW, "formats": ["hdr", "png", "png16"],
-         "display": {"tone": "human", "veil": True, "acuity": True, "color_loss": True}},
+         "display": {"tone": "human", "veil": True, "acuity": True, "color_loss": True},
+         "false_color": {"scale": 1000, "decades": 2, "divisions": 8, "palette": "hot", "label": "nit",
+                         "multiplier": 179, "isolines": True, "extrema": True,
+                         "draw": ["fill", "lines", "bands"],
+                         "points": [{"name": "here", "x": 3, "y": 4.5}]}},
         {**VIEW, "name": "b", "display": {"exposure": 0.5}}, {**VIEW, "name": "c", "display": {"ev": 9}}]}
     yield {"scene": lit, "accuracy": {"relative_error": 0.5, "at": 0.9}, "sensors": SENSORS}
     yield {"scene": lit, "accuracy": {"deadline_s": 0.01}, "sensors": SENSORS}

@@ -16,7 +16,8 @@
 
 #include <oriel/run.h>
 
-#include "render/film/error_map.h"
+#include "render/picture/error_map.h"
+#include "render/picture/palette.h"
 #include "support/cli.h"
 #include "support/hdr.h"
 #include "support/scene_text.h"
@@ -171,24 +172,30 @@ static double lightness(const unsigned char srgb[3])
     return 116 * cbrt(y) - 16;
 }
 
+/* Of an error from a thousandth to all. */
+static void color_of(double relative, unsigned char ret_srgb[3])
+{
+    orl_palette_color(ORL_PALETTE_EVEN, relative > 0 ? 1 + log10(relative) / 3 : 0, ret_srgb);
+}
+
 /* Equal ratios are equal steps of lightness, to what 8 bits and straight lines between points do.
  */
 static void test_colors(void **state)
 {
     unsigned char low[3], high[3], beyond[3];
     (void)state;
-    orl_error_color(1e-3, low);
-    orl_error_color(1, high);
+    color_of(1e-3, low);
+    color_of(1, high);
     const double from = lightness(low), to = lightness(high);
     assert_true(to - from > 70);
     for (int i = 0; i <= 60; i++) {
         unsigned char color[3];
-        orl_error_color(pow(10, -3 + i / 20.0), color);
+        color_of(pow(10, -3 + i / 20.0), color);
         assert_near(lightness(color), from + (to - from) * i / 60, 1);
     }
-    orl_error_color(0, beyond);
+    color_of(0, beyond);
     assert_memory_equal(beyond, low, 3);
-    orl_error_color(INFINITY, beyond);
+    color_of(INFINITY, beyond);
     assert_memory_equal(beyond, high, 3);
 }
 
@@ -214,7 +221,7 @@ static void check_png(uint32_t width, uint32_t height)
     assert_int_equal(orl_film_write_error_png(&film, path_of("b.error.png"), NULL), 0);
     png_bytep pixels = read_png(path_of("b.error.png"), &image);
     assert_true(image.width >= width && image.width >= 200 && image.height >= height + 40);
-    orl_error_color(0.02, color);
+    color_of(0.02, color);
     for (uint32_t y = 0; y < height; y++)
         for (uint32_t x = 0; x < width; x++)
             assert_memory_equal(pixels + 3 * ((size_t)y * image.width + x), color, 3);

@@ -127,11 +127,21 @@ static struct orl_job decode_sky(const char *text)
 static void test_pictures(void **state)
 {
     (void)state;
-    struct orl_job job =
-        decode_sky("{\"scene\":\"" ID "\",\"views\":[{\"name\":\"a\",\"view\":\"-vtv\",\"width\":4,"
-                   "\"height\":3,\"formats\":[\"png16\",\"hdr\"],\"display\":{\"ev\":10}},"
-                   "{\"name\":\"b\",\"view\":\"-vtv\",\"width\":4,\"height\":3,"
-                   "\"display\":{\"veil\":true,\"acuity\":true}}]}");
+    struct orl_job job = decode_sky(
+        "{\"scene\":\"" ID "\",\"views\":[{\"name\":\"a\",\"view\":\"-vtv\",\"width\":4,"
+        "\"height\":3,\"formats\":[\"png16\",\"hdr\"],\"display\":{\"ev\":10}},"
+        "{\"name\":\"b\",\"view\":\"-vtv\",\"width\":4,\"height\":3,"
+        "\"display\":{\"veil\":true,\"acuity\":true},"
+        "\"false_color\":{\"scale\":\"auto\",\"decades\":2,\"palette\":\"eco\","
+        "\"draw\":[\"lines\",\"fill\"],\"points\":[{\"name\":\"p\",\"x\":1,\"y\":2.5}]}}]}");
+    const struct orl_false_color *colors = &job.views[1].false_color;
+    assert_false(job.views[0].false_color.asked);
+    assert_true(colors->asked && colors->scale == 0 && colors->decades == 2);
+    assert_int_equal(colors->palette, ORL_PALETTE_ECO);
+    assert_int_equal(colors->pictures,
+                     ORL_PICTURE_BIT(ORL_PICTURE_LINES) | ORL_PICTURE_BIT(ORL_PICTURE_FALSE));
+    assert_int_equal(colors->n_points, 1);
+    assert_true(strcmp(colors->points[0].name, "p") == 0 && colors->points[0].y == 2.5);
     assert_int_equal(job.views[0].formats,
                      ORL_PICTURE_BIT(ORL_PICTURE_PNG16) | ORL_PICTURE_BIT(ORL_PICTURE_HDR));
     assert_int_equal(job.views[0].display.tone, ORL_TONE_EXPOSURE);
@@ -253,6 +263,23 @@ static const struct {
     {VIEW_WITH("\"glare\":{\"task\":{\"x\":1}}"), ORL_ERR_RANGE, "views[0].glare.task"},
     {VIEW_WITH("\"glare\":{\"directions\":{\"count\":1}}"), ORL_ERR_RANGE,
      "views[0].glare.directions.count"},
+    {"\"scene\":\"" ID "\",\"views\":[{" VIEW_A ",\"false_color\":7}]", ORL_ERR_INVALID,
+     "views[0].false_color"},
+    {"\"scene\":\"" ID "\",\"views\":[{" VIEW_A ",\"false_color\":{\"scale\":-1}}]", ORL_ERR_RANGE,
+     "views[0].false_color.scale"},
+    {"\"scene\":\"" ID "\",\"views\":[{" VIEW_A ",\"false_color\":{\"scale\":\"big\"}}]",
+     ORL_ERR_INVALID, "views[0].false_color.scale"},
+    {"\"scene\":\"" ID "\",\"views\":[{" VIEW_A ",\"false_color\":{\"divisions\":1000}}]",
+     ORL_ERR_RANGE, "views[0].false_color.divisions"},
+    {"\"scene\":\"" ID "\",\"views\":[{" VIEW_A ",\"false_color\":{\"palette\":\"gray\"}}]",
+     ORL_ERR_INVALID, "views[0].false_color.palette"},
+    {"\"scene\":\"" ID "\",\"views\":[{" VIEW_A ",\"false_color\":{\"label\":\"\\u00b5\"}}]",
+     ORL_ERR_INVALID, "views[0].false_color.label"},
+    {"\"scene\":\"" ID "\",\"views\":[{" VIEW_A ",\"false_color\":{\"draw\":[\"dots\"]}}]",
+     ORL_ERR_INVALID, "views[0].false_color.draw"},
+    {"\"scene\":\"" ID "\",\"views\":[{" VIEW_A
+     ",\"false_color\":{\"points\":[{\"name\":\"p\",\"x\":9,\"y\":0}]}}]",
+     ORL_ERR_RANGE, "views[0].false_color.points[0].x"},
     {"\"scene\":\"" ID "\",\"sky\":7", ORL_ERR_INVALID, "sky"},
     {"\"scene\":\"" ID "\",\"sky\":{}", ORL_ERR_INVALID, "sky"},
     {"\"scene\":\"" ID "\",\"sky\":{\"perez\":{},\"cie\":{}}", ORL_ERR_INVALID, "sky"},

@@ -1,6 +1,6 @@
 /* Views by the backward technique: every pixel the mean of a number of rays through it. */
 #include "render/backward/backward.h"
-#include "render/film/error_map.h"
+#include "render/picture/error_map.h"
 #include "render/image/shade.h"
 
 enum { LAMPS_A_RAY = 8, PANE_SAMPLES = 4, GLOSS_SAMPLES = 2 };

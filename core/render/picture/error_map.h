@@ -11,8 +11,8 @@
  * steps of lightness from 0.1 % to 100 %, the same for all images, and the median and 95th
  * percentile of this one. Pixels without any error get the darkest colour.
  */
-#ifndef ORL_RENDER_FILM_ERROR_MAP_H
-#define ORL_RENDER_FILM_ERROR_MAP_H
+#ifndef ORL_RENDER_PICTURE_ERROR_MAP_H
+#define ORL_RENDER_PICTURE_ERROR_MAP_H
 
 #include <stddef.h>
 
@@ -35,8 +35,5 @@ double orl_film_mean(const struct orl_film *film); /* of the pixels' luma */
 int orl_film_write_error_hdr(const struct orl_film *film, const struct orl_view *view,
                              const char *path, struct orl_error *err);
 int orl_film_write_error_png(const struct orl_film *film, const char *path, struct orl_error *err);
-
-/* The legend's colour of a relative error. */
-void orl_error_color(double relative, unsigned char ret_srgb[3]);
 
 #endif

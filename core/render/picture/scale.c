@@ -1,0 +1,148 @@
+#include "render/picture/scale.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <oriel/units.h>
+
+#include "base/kth.h"
+
+double orl_scale_value(const struct orl_scale *scale, const float rgb[3])
+{
+    const double luma = orl_luma((struct orl_rgb){rgb[0], rgb[1], rgb[2]});
+    return isfinite(luma) ? scale->multiplier * luma : 0;
+}
+
+double orl_scale_share(const struct orl_scale *scale, double value)
+{
+    const double part = value / scale->top;
+    if (!(scale->decades > 0))
+        return part;
+    return part > pow(10, -scale->decades) ? 1 + log10(part) / scale->decades : 0;
+}
+
+/* ---- The top --------------------------------------------------------------------------------- */
+
+/* The next of 1, 2 and 5 times powers of ten. */
+static double round_up(double value)
+{
+    const double power = pow(10, floor(log10(value)));
+    const double digits = value / power;
+    return power * (digits <= 1 ? 1 : digits <= 2 ? 2 : digits <= 5 ? 5 : 10);
+}
+
+/* What 99 of 100 pixels stay below. */
+static int find_high(const struct orl_scale *scale, const struct orl_film *film, double *ret_high)
+{
+    const size_t n = (size_t)film->width * film->height;
+    double *values = calloc(n + 1, sizeof *values);
+    if (!values)
+        return ORL_ERR_NOMEM;
+    for (size_t i = 0; i < n; i++)
+        values[i] = orl_scale_value(scale, film->pixels[i]);
+    *ret_high = orl_find_kth(values, n, (n - 1) - (n - 1) / 100);
+    free(values);
+    return 0;
+}
+
+/* ---- Levels ---------------------------------------------------------------------------------- */
+
+static void divide(struct orl_scale *scale, uint32_t divisions)
+{
+    for (uint32_t i = 1; i <= divisions && scale->n_levels < ORL_LIMIT_DIVISIONS; i++) {
+        const double share = (double)i / divisions;
+        scale->levels[scale->n_levels++] =
+            scale->top * (scale->decades > 0 ? pow(10, (share - 1) * scale->decades) : share);
+    }
+}
+
+/* 1, 2, 5 of every decade, or of many decades 1 alone. */
+static void step_by_decades(struct orl_scale *scale)
+{
+    static const double digits[] = {1, 2, 5};
+    const int per_decade = scale->decades > 3 ? 1 : 3;
+    const double low = scale->top * pow(10, -scale->decades), hair = 1e-9;
+    const int first = (int)floor(log10(low)), last = (int)ceil(log10(scale->top));
+    for (int power = first; power <= last; power++)
+        for (int i = 0; i < per_decade; i++) {
+            const double level = digits[i] * pow(10, power);
+            if (level > low * (1 + hair) && level <= scale->top * (1 + hair) &&
+                scale->n_levels < ORL_LIMIT_DIVISIONS)
+                scale->levels[scale->n_levels++] = level;
+        }
+}
+
+/* Steps of 1, 2 or 5, some five to ten of them. */
+static void step_evenly(struct orl_scale *scale)
+{
+    const double step = round_up(scale->top / 10 * (1 - 1e-9)), hair = 1e-9;
+    for (int i = 1; i * step <= scale->top * (1 + hair); i++)
+        scale->levels[scale->n_levels++] = i * step;
+}
+
+void orl_scale_set(struct orl_scale *scale, const struct orl_false_color *how, const char *unit,
+                   double high)
+{
+    scale->decades = how->decades;
+    scale->palette = how->palette;
+    scale->n_levels = 0;
+    scale->top = how->scale > 0 ? how->scale : high > 1e-30 && high < 1e30 ? round_up(high) : 1;
+    snprintf(scale->unit, sizeof scale->unit, "%s", how->label[0] ? how->label : unit);
+    if (how->divisions > 0)
+        divide(scale, how->divisions);
+    else if (scale->decades > 0)
+        step_by_decades(scale);
+    else
+        step_evenly(scale);
+}
+
+int orl_scale_make(struct orl_scale *scale, const struct orl_film *film,
+                   const struct orl_false_color *how, bool irradiance)
+{
+    double high = 0;
+    *scale = (struct orl_scale){.multiplier =
+                                    how->multiplier > 0 ? how->multiplier : ORL_EFFICACY_LM_PER_W};
+    if (!(how->scale > 0) && find_high(scale, film, &high) < 0)
+        return ORL_ERR_NOMEM;
+    orl_scale_set(scale, how, irradiance ? "lx" : "cd/m2", high);
+    return 0;
+}
+
+size_t orl_scale_band(const struct orl_scale *scale, double value)
+{
+    size_t band = 0;
+    while (band < scale->n_levels && value >= scale->levels[band])
+        band++;
+    return band;
+}
+
+double orl_scale_level_share(const struct orl_scale *scale, size_t level)
+{
+    return scale->n_levels > 1 ? (double)level / (double)(scale->n_levels - 1) : 1;
+}
+
+/* ---- Legend ---------------------------------------------------------------------------------- */
+
+void orl_scale_text(double value, char ret_text[16])
+{
+    const double size = fabs(value);
+    if (size >= 999.5 && size < 1e7)
+        snprintf(ret_text, 16, "%.0f", value < 1e4 ? value : round(value / 10) * 10);
+    else
+        snprintf(ret_text, 16, "%.3g", value);
+}
+
+void orl_scale_legend(const struct orl_scale *scale, struct orl_legend *legend)
+{
+    const double low = scale->decades > 0 ? scale->top * pow(10, -scale->decades) : 0;
+    legend->palette = scale->palette;
+    legend->n_ticks = 1;
+    legend->ticks[0].at = 0;
+    orl_scale_text(low, legend->ticks[0].text);
+    for (size_t i = 0; i < scale->n_levels && legend->n_ticks < ORL_LEGEND_TICKS; i++) {
+        const size_t at = legend->n_ticks++;
+        legend->ticks[at].at = fmin(orl_scale_share(scale, scale->levels[i]), 1);
+        orl_scale_text(scale->levels[i], legend->ticks[at].text);
+    }
+}
