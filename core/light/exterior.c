@@ -54,7 +54,7 @@ static struct orl_rgb scattered_direct(const struct outing *o, const struct orl_
 {
     const struct orl_material *m = orl_world_material(o->eye.world, hit);
     const struct orl_vec3 normal = hit->front ? hit->normal : orl_neg(hit->normal);
-    const struct orl_rgb diffuse = orl_material_diffuse(m);
+    const struct orl_rgb diffuse = orl_material_diffuse(m, hit);
     struct orl_rgb sum = orl_gray(0);
     if (orl_rgb_max(diffuse) > 0)
         sum = diffuse_direct(o, hit, normal, diffuse);

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "light/direct.h"
+#include "scene/material/bounds.h"
 
 enum { MOST_CLASSES = 256 };
 enum { PILOT_RAYS = 1 << 14, MOST_CANDIDATES = 256, MOST_SHOWN_DEEP = 32 };
@@ -32,12 +33,6 @@ static bool is_flat_mirror(const struct orl_world *world, size_t facet)
     const struct orl_facet *f = &world->geometry->facets[facet];
     const bool flat = f->kind == ORL_SURFACE_POLYGON || f->kind == ORL_SURFACE_RING;
     return flat && f->area > 0 && orl_material_is_mirror(material_of(world, facet));
-}
-
-static double mirrors_about(const struct orl_material *m)
-{
-    const struct orl_hit hit = {.normal = {0, 0, 1}, .front = true};
-    return orl_rgb_max(orl_material_mirrored(m, &hit, orl_v3(0, 0.8660254037844386, 0.5)));
 }
 
 static size_t find_class(struct class *classes, size_t n, struct orl_vec3 normal)
@@ -91,7 +86,7 @@ static int find_mirrors(struct orl_images *images, const struct orl_world *world
         }
         if (k == n)
             classes[n++] = (struct class){.normal = f->normal, .index = -1};
-        classes[k].weight += f->area * mirrors_about(material_of(world, i));
+        classes[k].weight += f->area * orl_material_mirrored_most(material_of(world, i), true, 0.5);
         classes[k].facets++;
         images->class_of[i] = (int16_t)k;
     }

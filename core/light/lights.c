@@ -4,6 +4,7 @@
 
 #include "base/circle.h"
 #include "light/sky.h"
+#include "scene/material/bounds.h"
 
 /* Distant lights up to this full angle are sampled as discs; wider ones are domes. */
 static const double widest_sun_deg = 10.0;
@@ -45,7 +46,7 @@ static void add_of_scene(struct orl_lights *lights)
     for (size_t i = 0; i < d->n_distants; i++) {
         const struct orl_material *m = &d->materials[d->distants[i].material];
         add(lights, &(struct distant){.kind = m->kind,
-                                      .radiance = m->color,
+                                      .radiance = orl_material_radiance_mean(m),
                                       .sky = m->sky >= 0 ? &d->skies[m->sky] : NULL,
                                       .direction = d->distants[i].direction,
                                       .angle_deg = d->distants[i].angle_deg});
@@ -78,8 +79,8 @@ static void add_emitters(struct orl_lights *lights)
     const struct orl_scene *scene = lights->scene;
     for (size_t i = 0; i < scene->n_shining; i++) {
         const struct orl_material *m = orl_scene_material(scene, scene->shining[i]);
-        lights->emitters[lights->n_emitters++] =
-            (struct orl_emitter){scene->shining[i], m->color, orl_material_is_lamp(m)};
+        lights->emitters[lights->n_emitters++] = (struct orl_emitter){
+            scene->shining[i], orl_material_radiance_mean(m), orl_material_is_lamp(m)};
     }
 }
 

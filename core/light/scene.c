@@ -5,6 +5,7 @@
 
 #include "light/proxies.h"
 #include "scene/geometry/coincident.h"
+#include "scene/material/bounds.h"
 
 /*
  * Of a triangle and a facet, with their share of the hierarchy. With the surfaces themselves this
@@ -23,7 +24,7 @@ static int list_shining(struct orl_scene *scene)
     for (size_t i = 0; i < g->n_facets; i++) {
         const struct orl_material *m = orl_scene_material(scene, i);
         const bool shines = orl_material_is_lamp(m) || orl_material_glows(m);
-        if (shines && g->facets[i].area > 0 && orl_luma(m->color) > 0)
+        if (shines && g->facets[i].area > 0 && orl_luma(orl_material_radiance_mean(m)) > 0)
             scene->shining[scene->n_shining++] = (uint32_t)i;
     }
     return 0;

@@ -3,6 +3,7 @@
 #include "base/sobol.h"
 #include "light/direct.h"
 #include "light/path.h"
+#include "scene/material/bounds.h"
 
 enum { MOST_RAYS = 1 << 18, MOST_SAMPLES = 256, LEAST_SAMPLES = 8, MOST_PANES = 64 };
 enum { WINDOW_SAMPLES = 1024, IMAGE_SAMPLES = 64 };
@@ -33,17 +34,11 @@ static bool is_kind(const struct orl_facet *facet, const struct orl_material *m,
 /* What that side sends on, other than straight, of light at 60 degrees. */
 static double sent_on(const struct orl_material *m, bool front, enum orl_lit_kind kind)
 {
-    const struct orl_hit hit = {.normal = {0, 0, 1}, .front = front};
-    const struct orl_vec3 from = orl_v3(0, 0.8660254037844386, front ? 0.5 : -0.5);
     if (kind == ORL_LIT_CURVED && m->kind == ORL_MATERIAL_DIELECTRIC)
         return 1;
-    if (m->kind == ORL_MATERIAL_BSDF)
-        return fmin(1, orl_bsdf_max_albedo(m->bsdf, front) +
-                           orl_rgb_max(front ? m->front : m->back) + orl_rgb_max(m->through));
-    if (kind == ORL_LIT_LOBE)
-        return orl_rgb_max(orl_material_albedo(
-            m, &hit, from, (enum orl_lobes)(ORL_LOBE_REFLECTED | ORL_LOBE_TRANSMITTED)));
-    return orl_rgb_max(orl_material_mirrored(m, &hit, from));
+    return kind == ORL_LIT_LOBE || m->kind == ORL_MATERIAL_BSDF
+               ? orl_material_lobes_most(m, front, 0.5)
+               : orl_material_mirrored_most(m, front, 0.5);
 }
 
 /* Whether a lit place of that side matters: in a sealed scene what is outside does not. */

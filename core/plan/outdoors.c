@@ -1,5 +1,7 @@
 #include "plan/outdoors.h"
 
+#include "scene/material/bounds.h"
+
 /* Facets times planes of ports: beyond this a look would take longer than it may save. */
 static const double most_looks = 2e7;
 /* Of the scene's size: what reaches less far beyond a plane lies in it. Rays are floats. */
@@ -104,13 +106,9 @@ bool orl_outdoors_look(const struct orl_world *world, bool *ret_clear)
 static double sent_back(const struct orl_material *m)
 {
     const enum orl_lobes back = (enum orl_lobes)(ORL_LOBE_DIFFUSE | ORL_LOBE_REFLECTED);
-    double most = orl_material_shines(m) ? 1 : 0;
-    for (int side = 0; side < 2; side++) {
-        const struct orl_hit hit = {.normal = {0, 0, 1}, .front = side == 0};
-        const struct orl_vec3 from = orl_v3(0, 0.8660254037844386, side == 0 ? 0.5 : -0.5);
-        most = fmax(most, orl_rgb_max(orl_material_albedo(m, &hit, from, back)));
-    }
-    return most;
+    const double most = fmax(orl_material_albedo_most(m, true, 0.5, back),
+                             orl_material_albedo_most(m, false, 0.5, back));
+    return orl_material_shines(m) ? fmax(most, 1) : most;
 }
 
 double orl_outdoors_reflectance(const struct orl_world *world)

@@ -6,6 +6,7 @@
 #include "light/sky.h"
 #include "render/film/view.h"
 #include "scene/geometry/stand.h"
+#include "scene/material/bounds.h"
 
 enum { SKY_ROWS = 64, SKY_COLUMNS = 128, TIMED_RAYS = 2048, MOST_SENSORS_LOOKED_AT = 4096 };
 static const double most_tolerance_lx = 0.01, tolerance_of_all = 1e-6;
@@ -40,15 +41,11 @@ double orl_survey_reflected_lx(const struct orl_survey *survey, double direct_lx
 static double reflectance(const struct orl_material *m)
 {
     const enum orl_lobes back = (enum orl_lobes)(ORL_LOBE_DIFFUSE | ORL_LOBE_REFLECTED);
-    double most = 0;
-    if (!(orl_rgb_max(orl_material_diffuse(m)) > 0) && !orl_material_has_lobes(m))
+    if (!(orl_material_diffuse_most(m) > 0) && !orl_material_has_lobes(m))
         return 0;
-    for (int side = 0; side < 2; side++) {
-        const struct orl_hit hit = {.normal = {0, 0, 1}, .front = side == 0};
-        const struct orl_vec3 from = orl_v3(0, 0, side == 0 ? 1 : -1);
-        most = fmax(most, orl_rgb_max(orl_material_albedo(m, &hit, from, back)));
-    }
-    return fmin(most, 1);
+    return fmin(fmax(orl_material_albedo_most(m, true, 1, back),
+                     orl_material_albedo_most(m, false, 1, back)),
+                1);
 }
 
 void orl_survey_measure(struct orl_survey *survey)
@@ -72,7 +69,7 @@ void orl_survey_measure(struct orl_survey *survey)
         if (survey->surfaces[i] == 0)
             continue;
         survey->rho = fmax(survey->rho, reflectance(m));
-        survey->rho_diffuse = fmax(survey->rho_diffuse, orl_rgb_max(orl_material_diffuse(m)));
+        survey->rho_diffuse = fmax(survey->rho_diffuse, orl_material_diffuse_most(m));
     }
 }
 

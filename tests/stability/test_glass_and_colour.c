@@ -21,6 +21,8 @@
 #include "support/scene_text.h"
 #include "support/stability.h"
 
+static const struct orl_hit anywhere = {.normal = {0, 0, 1}, .front = true};
+
 static const double efficacy = ORL_EFFICACY_LM_PER_W;
 
 static double sun_sr(void)
@@ -272,8 +274,8 @@ static void test_43_at_grazing(void **state)
         struct orl_description d = scene_parse_text(text, NULL, NULL);
         for (int i = 0; i <= 3300; i++) {
             const double cosine = i == 3300 ? 0 : pow(10, -0.1 * i);
-            const struct orl_rgb t = orl_glass_transmittance(&d.materials[0], cosine);
-            const struct orl_rgb r = orl_glass_reflectance(&d.materials[0], cosine);
+            const struct orl_rgb t = orl_glass_transmittance(&d.materials[0], &anywhere, cosine);
+            const struct orl_rgb r = orl_glass_reflectance(&d.materials[0], &anywhere, cosine);
             odd += !orl_rgb_is_finite(t) || !orl_rgb_is_finite(r) || t.g < 0 || r.g < 0;
             excess = fmax(excess, orl_rgb_max(orl_rgb_add(t, r)) - 1);
             if (k != 3) /* of index 1: no surface at all */

@@ -11,6 +11,7 @@
 
 #include <cmocka.h>
 
+#include "scene/material/bounds.h"
 #include "scene/material/kinds.h"
 #include "support/subject.h"
 

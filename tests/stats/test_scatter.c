@@ -17,6 +17,8 @@
 #include "support/scene_text.h"
 #include "support/subject.h"
 
+static const struct orl_hit anywhere = {.normal = {0, 0, 1}, .front = true};
+
 enum { DRAWS = SUBJECT_DRAWS };
 
 /* ---- Glass ------------------------------------------------------------------------------------
@@ -117,8 +119,8 @@ static void test_diffuse_and_mirror(void **state)
     (void)state;
     for (int k = 0; k < 2; k++) {
         const struct subject *s = subjects[k];
-        const struct orl_rgb d = orl_material_diffuse(s->material);
-        const struct orl_rgb m = orl_reflector_specular(s->material);
+        const struct orl_rgb d = orl_material_diffuse(s->material, &anywhere);
+        const struct orl_rgb m = orl_reflector_specular(s->material, &anywhere);
         const struct orl_vec3 from = subject_direction(s, 70, 10);
         const double p = orl_luma(d) / (orl_luma(d) + orl_luma(m));
         const struct tally t = subject_draw(s, from, ORL_TRANSPORT_LIGHT, ORL_LOBE_ALL, 3);
@@ -128,10 +130,10 @@ static void test_diffuse_and_mirror(void **state)
         assert_share(t.mirror.b, m.b, 1 - p);
     }
     /* As Radiance has it: plastic's highlight is white, metal's is coloured. */
-    assert_true(fabs(orl_material_diffuse(plastic.material).r - .54) < 1e-12);
-    assert_true(fabs(orl_reflector_specular(plastic.material).b - .1) < 1e-12);
-    assert_true(fabs(orl_material_diffuse(metal.material).b - .12) < 1e-12);
-    assert_true(fabs(orl_reflector_specular(metal.material).b - .28) < 1e-12);
+    assert_true(fabs(orl_material_diffuse(plastic.material, &anywhere).r - .54) < 1e-12);
+    assert_true(fabs(orl_reflector_specular(plastic.material, &anywhere).b - .1) < 1e-12);
+    assert_true(fabs(orl_material_diffuse(metal.material, &anywhere).b - .12) < 1e-12);
+    assert_true(fabs(orl_reflector_specular(metal.material, &anywhere).b - .28) < 1e-12);
     subject_done(&plastic);
     subject_done(&metal);
 }

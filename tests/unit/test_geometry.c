@@ -12,6 +12,7 @@
 
 #include <cmocka.h>
 
+#include "scene/geometry/coincident.h"
 #include "support/meshes.h"
 #include "support/scene_text.h"
 
@@ -98,6 +99,11 @@ static void check_head_on(const struct orl_geometry *g, const struct curved *kin
     assert_true(orl_length(orl_sub(hit.normal, front)) < 1e-8 * (1 + fabs(away)));
     assert_int_equal(hit.facet, 0);
     assert_int_equal(hit.front, orl_dot(d, front) < 0);
+    /* The way along the axis and the turn about it are what the place was made by. */
+    double uv[2];
+    orl_hit_uv(g, &hit, uv);
+    assert_true(fabs(uv[1] - u) < 1e-8 * (1 + fabs(away)));
+    assert_true(fabs(remainder(uv[0] - v, 1)) < 1e-8 * (1 + fabs(away)));
     assert_true(orl_geometry_occluded(g, from, d, INFINITY));
     /* Just short of it, and just clear of it, there is nothing. */
     assert_false(orl_geometry_occluded(g, from, d, fabs(away) * 0.999));
@@ -297,6 +303,54 @@ static void test_tiny_beside_huge(void **state)
     orl_geometry_free(g);
 }
 
+/* ---- Texture coordinates ----------------------------------------------------------------------
+ */
+
+/* The corners of the triangle, by their shares, are where the hit is: also where a rival, facing
+ * the other way in the same place, has been met instead. */
+static void check_shares(const struct orl_geometry *g, const struct orl_hit *hit)
+{
+    double uv[2];
+    orl_hit_uv(g, hit, uv);
+    const struct orl_triangle *t = &g->triangles[hit->triangle];
+    const struct orl_vec3 there = orl_add(orl_scale(t->a, 1 - uv[0] - uv[1]),
+                                          orl_add(orl_scale(t->b, uv[0]), orl_scale(t->c, uv[1])));
+    assert_int_equal(t->facet, hit->facet);
+    assert_true(uv[0] > -1e-6 && uv[1] > -1e-6 && uv[0] + uv[1] < 1 + 1e-6);
+    assert_true(orl_length(orl_sub(there, hit->point)) < 1e-12);
+    assert_int_equal(hit->instance, 0);
+}
+
+static void test_triangle_shares(void **state)
+{
+    struct orl_random random = orl_random_stream(1, ORL_PURPOSE_BENCH, 0);
+    struct orl_description d =
+        scene_parse_text(GREY "m polygon l 0 0 18 0 0 0 2 0 0 2 1 0 1 1 0 1 2 0 0 2 0\n"
+                              "void plastic n 0 0 5 .2 .2 .2 0 0\n"
+                              "n polygon k 0 0 18 0 0 0 0 2 0 1 2 0 1 1 0 2 1 0 2 0 0\n",
+                         NULL, NULL);
+    struct orl_geometry *g;
+    struct orl_error err;
+    int met[2] = {0, 0};
+    (void)state;
+    assert_int_equal(orl_coincident_settle(&d, &err), 0);
+    assert_int_equal(orl_geometry_new(&d, &g, &err), 0);
+    for (int i = 0; i < 2000; i++) {
+        const double x = 2 * orl_random_uniform(&random), y = 2 * orl_random_uniform(&random);
+        const double z = i % 2 ? 1 : -1;
+        struct orl_hit hit;
+        if (!orl_geometry_intersect(g, orl_sub(orl_v3(x, y, z), g->center), orl_v3(0, 0, -z), 2,
+                                    &hit))
+            continue;
+        check_shares(g, &hit);
+        assert_true(hit.front);
+        met[hit.facet]++;
+    }
+    assert_true(met[0] > 500 && met[1] > 500);
+    orl_geometry_free(g);
+    orl_description_done(&d);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -308,6 +362,7 @@ int main(void)
         cmocka_unit_test(test_shifted),
         cmocka_unit_test(test_slivers),
         cmocka_unit_test(test_tiny_beside_huge),
+        cmocka_unit_test(test_triangle_shares),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -18,6 +18,8 @@
 #include "scene/material/kinds.h"
 #include "support/scene_text.h"
 
+static const struct orl_hit anywhere = {.normal = {0, 0, 1}, .front = true};
+
 #define SKY "void glow d 0 0 4 10 10 10 0\nd source sky 0 0 4 0 0 1 360\n"
 #define FACADE                                                                                     \
     "void glass g 0 0 3 .763 .763 .763\nvoid plastic w 0 0 5 .5 .5 .5 0 0\n"                       \
@@ -37,12 +39,13 @@
 
 /* Of all that falls on a pane evenly from one side. */
 static double diffuse(const struct orl_material *glass,
-                      struct orl_rgb (*share)(const struct orl_material *, double))
+                      struct orl_rgb (*share)(const struct orl_material *, const struct orl_hit *,
+                                              double))
 {
     enum { STEPS = 1000 };
     double sum = 0;
     for (int i = 0; i < STEPS; i++)
-        sum += share(glass, sqrt((i + 0.5) / STEPS)).g / STEPS;
+        sum += share(glass, &anywhere, sqrt((i + 0.5) / STEPS)).g / STEPS;
     return sum;
 }
 
@@ -59,8 +62,8 @@ static double before_the_facade(void)
     for (int i = 0; i < SIDE * SIDE; i++) {
         const double x = -3 + 6 * (i % SIDE + 0.5) / SIDE, z = -1 + 5 * (i / SIDE + 0.5) / SIDE;
         const double d2 = x * x + 9 + z * z, cosine = 3 / sqrt(d2);
-        const double seen = orl_glass_reflectance(glass, cosine).g * 10 +
-                            orl_glass_transmittance(glass, cosine).g * wall;
+        const double seen = orl_glass_reflectance(glass, &anywhere, cosine).g * 10 +
+                            orl_glass_transmittance(glass, &anywhere, cosine).g * wall;
         sum += (seen - 10) * cosine * cosine / d2 * 30 / (SIDE * SIDE);
     }
     orl_description_done(&d);
@@ -131,13 +134,13 @@ static double through_two_panes(void)
     const double sun = 1e6 * 4 * ORL_PI * sin(0.5 * half) * sin(0.5 * half) * sqrt(0.5);
     struct orl_description d = scene_parse_text(SUN DIM_WALL, NULL, NULL);
     const struct orl_material *glass = &d.materials[d.surfaces[1].material];
-    const double wall = sun * orl_glass_transmittance(glass, sqrt(0.5)).g * rho / ORL_PI /
-                        (1 - rho * diffuse(glass, orl_glass_reflectance));
+    const double wall = sun * orl_glass_transmittance(glass, &anywhere, sqrt(0.5)).g * rho /
+                        ORL_PI / (1 - rho * diffuse(glass, orl_glass_reflectance));
     double sum = 0;
     for (int i = 0; i < SIDE * SIDE; i++) {
         const double x = -3 + 6 * (i % SIDE + 0.5) / SIDE, z = -1 + 5 * (i / SIDE + 0.5) / SIDE;
         const double d2 = x * x + 6.71 * 6.71 + z * z, cosine = 6.71 / sqrt(d2);
-        const double through = orl_glass_transmittance(glass, cosine).g;
+        const double through = orl_glass_transmittance(glass, &anywhere, cosine).g;
         sum += wall * through * through * cosine * cosine / d2 * 30 / (SIDE * SIDE);
     }
     orl_description_done(&d);

@@ -4,6 +4,7 @@
 
 #include "light/path.h"
 #include "photon/flight/table.h"
+#include "scene/material/bounds.h"
 
 enum { MOST_RAYS = 1 << 17, MOST_A_FACET = 1024, LEAST_A_FACET = 4, MOST_PANES = 64 };
 static const double evenly = 0.1;     /* of photons start anywhere on the pane */

@@ -26,7 +26,7 @@ static bool find_first(const struct orl_world *world, const struct orl_flight *f
         if (!orl_path_meet(world, &path, &hit))
             return false;
         const struct orl_material *m = orl_world_material(world, &hit);
-        *ret_albedo = fmin(orl_luma(orl_material_diffuse(m)), 1);
+        *ret_albedo = fmin(orl_luma(orl_material_diffuse(m, &hit)), 1);
         *ret_flux = orl_luma(path.weight);
         if (*ret_albedo > 0)
             return isfinite(*ret_flux);

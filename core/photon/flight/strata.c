@@ -38,7 +38,7 @@ static double transmitted_luma(const struct orl_world *world, const struct orl_p
 {
     const struct orl_facet *facet = &world->geometry->facets[port->facet];
     const struct orl_material *m = &world->materials[facet->material];
-    const struct orl_hit hit = {.normal = facet->normal};
+    const struct orl_hit hit = orl_hit_anywhere(facet->normal, false);
     return orl_luma(orl_material_albedo(m, &hit, outwards, ORL_LOBE_TRANSMITTED));
 }
 

@@ -214,7 +214,7 @@ static bool land(const struct tracing *t, struct course *c, const struct orl_hit
         return false;
     }
     const struct orl_material *m = orl_world_material(world, hit);
-    const struct orl_rgb albedo = orl_material_diffuse(m);
+    const struct orl_rgb albedo = orl_material_diffuse(m, hit);
     const bool diffuse = orl_rgb_max(albedo) > 0;
     if (!arrives(c, m, hit))
         return false;

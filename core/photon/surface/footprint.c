@@ -78,7 +78,7 @@ static bool is_flat(const struct orl_world *world, uint32_t facet)
 
 static bool is_diffuse(const struct orl_world *world, const struct orl_hit *hit)
 {
-    return orl_rgb_max(orl_material_diffuse(orl_world_material(world, hit))) > 0;
+    return orl_rgb_max(orl_material_diffuse(orl_world_material(world, hit), hit)) > 0;
 }
 
 bool orl_footing_find(const struct orl_world *world, struct orl_vec3 point, struct orl_vec3 normal,

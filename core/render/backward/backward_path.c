@@ -105,7 +105,7 @@ static enum orl_lobes meet(struct orl_eye_path *p, const struct orl_material *m)
 {
     struct walk *w = walk_of(p);
     const struct orl_vec3 eye = orl_path_back(&p->path);
-    const struct orl_rgb albedo = orl_material_diffuse(m);
+    const struct orl_rgb albedo = orl_material_diffuse(m, &p->hit);
     w->travelled += p->hit.distance;
     orl_eye_path_see(p, orl_shining(p->world, &p->hit, eye, &p->chance));
     if (orl_rgb_max(albedo) > 0)

@@ -28,7 +28,7 @@ static int find_beam(const struct maker *maker, uint32_t facet, struct orl_vec3 
         return ORL_MOST_BEAMS;
     struct orl_beam *beam = &aim->beams[aim->n_beams];
     *beam = (struct orl_beam){.material = m, .normal = f->normal, .sun = sun};
-    const int code = orl_beam_init(beam, maker->sobol, facet, maker->crew);
+    const int code = orl_beam_init(beam, maker->sobol, maker->crew);
     return code < 0 ? code : (int)aim->n_beams++;
 }
 

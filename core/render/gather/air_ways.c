@@ -1,5 +1,6 @@
 /* Whether anything sends suns and lamps on into mid-air. */
 #include "render/gather/air.h"
+#include "scene/material/bounds.h"
 
 static bool has_lamps(const struct orl_world *world)
 {

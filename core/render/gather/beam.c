@@ -112,8 +112,7 @@ static void fill(const struct samples *s, double *finest)
                     finest[interleave(x, y)] += (1 - drawn_share) * s->value[y][x] / valued;
 }
 
-int orl_beam_init(struct orl_beam *beam, const struct orl_sobol *sobol, uint32_t facet,
-                  struct orl_crew *crew)
+int orl_beam_init(struct orl_beam *beam, const struct orl_sobol *sobol, struct orl_crew *crew)
 {
     static const uint32_t last = ORL_BEAM_LEVELS - 1;
     double finest[ORL_BEAM_SIDE * ORL_BEAM_SIDE] = {0};
@@ -128,7 +127,7 @@ int orl_beam_init(struct orl_beam *beam, const struct orl_sobol *sobol, uint32_t
         beam->frame.n = orl_neg(beam->frame.n);
     samples->beam = beam;
     samples->sobol = sobol;
-    samples->hit = (struct orl_hit){.facet = facet, .normal = beam->normal};
+    samples->hit = orl_hit_anywhere(beam->normal, false);
     orl_crew_for(crew, ORL_BEAM_SIDE, sample_row, samples);
     fill(samples, finest);
     free(samples);

@@ -41,11 +41,10 @@ struct orl_shaft {
 void orl_beam_cells_init(struct orl_beam_cells *cells);
 
 /*
- * Fills in all but what the caller has: material, normal, sun. facet: one of the panes. The same
+ * Fills in all but what the caller has: material, normal, sun. The same
  * for any crew. Returns 0 or ORL_ERR_NOMEM.
  */
-int orl_beam_init(struct orl_beam *beam, const struct orl_sobol *sobol, uint32_t facet,
-                  struct orl_crew *crew);
+int orl_beam_init(struct orl_beam *beam, const struct orl_sobol *sobol, struct orl_crew *crew);
 
 struct orl_shaft orl_shaft_of(const struct orl_geometry *geometry, const struct orl_beam *beam,
                               uint32_t index, uint32_t facet);

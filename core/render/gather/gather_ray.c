@@ -113,7 +113,8 @@ static bool known_radiance(const struct orl_gather *gather, const struct orl_gat
     if (!ray->known || !orl_icache_lookup(ray->known, &place, &rest))
         return false;
     const struct orl_footing footing = {gather->world, hit->point, lit, hit->facet};
-    const struct orl_rgb diffuse = orl_material_diffuse(orl_world_material(gather->world, hit));
+    const struct orl_rgb diffuse =
+        orl_material_diffuse(orl_world_material(gather->world, hit), hit);
     const struct orl_rgb reflected = orl_rgb_scale(orl_rgb_mul(weight, diffuse), 1 / ORL_PI);
     struct orl_tally met = {.known = 0};
     const struct orl_rgb direct = lit_again(gather, hit, &footing, random, search, &met);
@@ -133,7 +134,8 @@ static struct orl_rgb diffuse_radiance(const struct orl_gather *gather,
                                        struct orl_rgb weight, bool *relit,
                                        struct orl_random *random, struct orl_search *search)
 {
-    const struct orl_rgb diffuse = orl_material_diffuse(orl_world_material(gather->world, hit));
+    const struct orl_rgb diffuse =
+        orl_material_diffuse(orl_world_material(gather->world, hit), hit);
     const struct orl_rgb reflected = orl_rgb_scale(orl_rgb_mul(weight, diffuse), 1 / ORL_PI);
     if (ray->by_texels && gather->texels && !*relit && orl_texels_has(gather->texels, hit->facet)) {
         bool cut;
@@ -280,7 +282,7 @@ static enum orl_lobes meet(struct orl_eye_path *p, const struct orl_material *m)
 {
     struct leg *leg = leg_of(p);
     const struct orl_vec3 eye = orl_path_back(&p->path);
-    const bool diffuse = orl_rgb_max(orl_material_diffuse(m)) > 0 &&
+    const bool diffuse = orl_rgb_max(orl_material_diffuse(m, &p->hit)) > 0 &&
                          leg->reflections < p->world->omit.most_reflections;
     bool relit = false;
     leg->search->health.rays++;

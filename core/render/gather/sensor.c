@@ -86,7 +86,7 @@ static bool lies_on_surface(const struct orl_gather *gather, const struct orl_pl
                                 gather->reach, &hit))
         return false;
     if (fabs(orl_dot(hit.normal, place->normal)) < 0.9 ||
-        !(orl_rgb_max(orl_material_diffuse(orl_world_material(gather->world, &hit))) > 0))
+        !(orl_rgb_max(orl_material_diffuse(orl_world_material(gather->world, &hit), &hit)) > 0))
         return false;
     *ret_footing = (struct orl_footing){.world = gather->world,
                                         .point = hit.point,

@@ -34,7 +34,7 @@ static void make_lamp(const struct orl_world *world, const struct orl_photon *ph
         hit.facet != photon->facet)
         hit = (struct orl_hit){.point = at, .normal = coded, .facet = photon->facet, .front = true};
     const struct orl_vec3 lit = orl_dot(hit.normal, coded) > 0 ? hit.normal : orl_neg(hit.normal);
-    const struct orl_rgb albedo = orl_material_diffuse(orl_world_material(world, &hit));
+    const struct orl_rgb albedo = orl_material_diffuse(orl_world_material(world, &hit), &hit);
     to_floats(orl_madd(hit.point, lit, g->facets[photon->facet].offset), ret_lamp->place);
     to_floats(lit, ret_lamp->place + 3);
     ret_lamp->intensity[0] = (float)(photon->flux[0] * albedo.r / ORL_PI);

@@ -89,7 +89,8 @@ static void add_vertex(struct look *look, const struct branch *at, const struct 
                   .outside = at->outside || proxied,
                   .proxied = proxied},
         .on_surface = hit->point,
-        .weight = orl_rgb_scale(orl_rgb_mul(at->path.weight, orl_material_diffuse(m)), 1 / ORL_PI),
+        .weight =
+            orl_rgb_scale(orl_rgb_mul(at->path.weight, orl_material_diffuse(m, hit)), 1 / ORL_PI),
         .distance = at->distance + hit->distance};
 }
 
@@ -229,7 +230,7 @@ static void meet(struct look *look, const struct branch *met, const struct orl_h
         return;
     }
     orl_path_arrive(&at.path, m, hit);
-    if (orl_rgb_max(orl_material_diffuse(m)) > 0)
+    if (orl_rgb_max(orl_material_diffuse(m, hit)) > 0)
         add_vertex(look, &at, hit, m);
     split(look, &at, hit, m);
     const bool has_lobes = orl_material_has_lobes(m);

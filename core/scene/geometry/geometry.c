@@ -293,13 +293,14 @@ void orl_geometry_free(struct orl_geometry *geometry)
     free(geometry);
 }
 
-/* Whether a point of its plane lies on the facet, its rim included. */
+/* Whether a point of its plane lies on the facet, its rim included: on which triangle. */
 static bool holds(const struct orl_geometry *geometry, const struct orl_facet *facet,
-                  struct orl_vec3 point)
+                  struct orl_vec3 point, uint32_t *ret_triangle)
 {
     const double slack = -facet->offset;
     for (uint32_t i = 0; i < facet->n_triangles; i++) {
         const struct orl_triangle *t = &geometry->triangles[facet->first_triangle + i];
+        *ret_triangle = facet->first_triangle + i;
         const struct orl_vec3 corners[4] = {t->a, t->b, t->c, t->a};
         bool inside = true;
         for (int k = 0; k < 3 && inside; k++) {
@@ -319,9 +320,11 @@ static void choose_front(const struct orl_geometry *geometry, struct orl_hit *hi
     const struct orl_facet *facet = &geometry->facets[hit->facet];
     for (uint32_t i = 0; i < facet->n_rivals; i++) {
         const uint32_t rival = geometry->rivals[facet->first_rival + i];
-        if (!holds(geometry, &geometry->facets[rival], hit->point))
+        uint32_t triangle;
+        if (!holds(geometry, &geometry->facets[rival], hit->point, &triangle))
             continue;
         hit->facet = rival;
+        hit->triangle = triangle;
         hit->normal = geometry->facets[rival].normal;
         hit->front = true;
         return;
@@ -360,6 +363,8 @@ static inline void settle_hit(const struct orl_geometry *geometry, struct orl_ve
     ret_hit->point = orl_madd(origin, direction, t);
     ret_hit->normal = normal;
     ret_hit->facet = index;
+    ret_hit->triangle = e->curved ? 0 : e->index;
+    ret_hit->instance = 0;
     ret_hit->front = orl_dot(direction, normal) < 0;
     if (!ret_hit->front && facet->n_rivals > 0)
         choose_front(geometry, ret_hit);
@@ -393,6 +398,21 @@ bool orl_geometry_occluded(const struct orl_geometry *geometry, struct orl_vec3 
                            struct orl_vec3 direction, double max_distance)
 {
     return orl_embree_occluded(geometry, origin, direction, max_distance);
+}
+
+void orl_hit_uv(const struct orl_geometry *geometry, const struct orl_hit *hit, double ret_uv[2])
+{
+    const struct orl_facet *facet = &geometry->facets[hit->facet];
+    if (facet->kind != ORL_SURFACE_POLYGON) {
+        orl_quadric_uv(facet, hit->point, ret_uv);
+        return;
+    }
+    const struct orl_triangle *t = &geometry->triangles[hit->triangle];
+    const struct orl_vec3 ab = orl_sub(t->b, t->a), ac = orl_sub(t->c, t->a);
+    const struct orl_vec3 ap = orl_sub(hit->point, t->a), n = orl_cross(ab, ac);
+    const double n2 = orl_dot(n, n);
+    ret_uv[0] = n2 > 0 ? orl_dot(orl_cross(ap, ac), n) / n2 : 0;
+    ret_uv[1] = n2 > 0 ? orl_dot(orl_cross(ab, ap), n) / n2 : 0;
 }
 
 void orl_facet_sample(const struct orl_geometry *geometry, uint32_t facet, const double u[2],

@@ -62,13 +62,25 @@ struct orl_geometry {
     void *scene; /* Embree's */
 };
 
+/* What a ray has met, and where: all that a material is asked at. */
 struct orl_hit {
     double distance;
     struct orl_vec3 point;  /* on the surface */
     struct orl_vec3 normal; /* unit, the declared front */
     uint32_t facet;
-    bool front; /* the ray met the front: dot(direction, normal) < 0 */
+    uint32_t triangle; /* of polygons, in orl_geometry.triangles; else 0 */
+    uint32_t instance; /* of the scene's parts that it holds more than once; 0 */
+    bool front;        /* the ray met the front: dot(direction, normal) < 0 */
 };
+
+/*
+ * A hit that stands for all of a surface of that front normal: what is asked of a material there is
+ * its mean over the surface.
+ */
+static inline struct orl_hit orl_hit_anywhere(struct orl_vec3 normal, bool front)
+{
+    return (struct orl_hit){.normal = normal, .front = front};
+}
 
 /* See orl_prepare_thread (oriel/run.h). */
 int orl_geometry_prepare_thread(struct orl_error *err);
@@ -124,6 +136,14 @@ static inline struct orl_vec3 orl_hit_leave(const struct orl_geometry *geometry,
 {
     return orl_facet_leave(geometry, hit->facet, hit->point, hit->normal, direction);
 }
+
+/*
+ * Texture coordinates of a hit, worked out when they are asked for. In a polygon's triangle the
+ * shares of its corners b and c; on what is round the turn about the axis (0 to 1, from no
+ * direction in particular) and the way along it: from the first centre to the second, from a
+ * sphere's lowest point to its highest, from a ring's inner rim to its outer one.
+ */
+void orl_hit_uv(const struct orl_geometry *geometry, const struct orl_hit *hit, double ret_uv[2]);
 
 /* A point uniform by area on a facet, with its front normal; u in [0,1)^2. */
 void orl_facet_sample(const struct orl_geometry *geometry, uint32_t facet, const double u[2],

@@ -203,3 +203,30 @@ void orl_quadric_sample(const struct orl_facet *facet, const double u[2],
     if (is_inverted(facet->kind))
         *ret_normal = orl_neg(*ret_normal);
 }
+
+/* From 0 to 1, about the frame's normal. */
+static double turn(const struct orl_frame *frame, struct orl_vec3 way)
+{
+    const double t = atan2(orl_dot(way, frame->v), orl_dot(way, frame->u)) / (2 * ORL_PI);
+    return t < 0 ? t + 1 : t;
+}
+
+void orl_quadric_uv(const struct orl_facet *facet, struct orl_vec3 point, double ret_uv[2])
+{
+    const struct orl_vec3 way = orl_sub(point, facet->center[0]);
+    const bool round = is_sphere(facet->kind), ring = facet->kind == ORL_SURFACE_RING;
+    const struct axis axis = round || ring ? (struct axis){.length = 1} : axis_of(facet);
+    const struct orl_frame frame = orl_frame_about(round  ? orl_v3(0, 0, 1)
+                                                   : ring ? facet->normal
+                                                          : axis.direction);
+    const double along = orl_dot(way, frame.n);
+    ret_uv[0] = turn(&frame, way);
+    if (round)
+        ret_uv[1] = 0.5 + 0.5 * along / facet->radius[0];
+    else if (ring)
+        ret_uv[1] = (orl_length(orl_madd(way, frame.n, -along)) - facet->radius[0]) /
+                    (facet->radius[1] - facet->radius[0]);
+    else
+        ret_uv[1] = along / axis.length;
+    ret_uv[1] = fmin(fmax(ret_uv[1], 0), 1);
+}

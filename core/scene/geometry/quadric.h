@@ -21,6 +21,9 @@ void orl_quadric_bounds(const struct orl_facet *facet, struct orl_vec3 *ret_low,
 
 double orl_quadric_area(const struct orl_facet *facet);
 
+/* As orl_hit_uv has it, of a point of the surface. */
+void orl_quadric_uv(const struct orl_facet *facet, struct orl_vec3 point, double ret_uv[2]);
+
 /* A point uniform by area, with its front normal. */
 void orl_quadric_sample(const struct orl_facet *facet, const double u[2],
                         struct orl_vec3 *ret_point, struct orl_vec3 *ret_normal);

@@ -44,11 +44,11 @@ static double unpolarised(const struct pane *pane, double transmissivity,
     return 0.5 * (share(pane->parallel, d) + share(pane->perpendicular, d));
 }
 
-static struct orl_rgb pane_share(const struct orl_material *material, double cosine,
-                                 double (*share)(struct surface s, double d))
+static struct orl_rgb pane_share(const struct orl_material *material, const struct orl_hit *hit,
+                                 double cosine, double (*share)(struct surface s, double d))
 {
     const struct pane pane = pane_at(material, cosine);
-    const struct orl_rgb t = material->transmissivity;
+    const struct orl_rgb t = orl_transmissivity_at(material, hit);
     const double red = unpolarised(&pane, t.r, share);
     /* Most glass is grey: one power instead of three. */
     if (t.g == t.r && t.b == t.r)
@@ -56,14 +56,16 @@ static struct orl_rgb pane_share(const struct orl_material *material, double cos
     return (struct orl_rgb){red, unpolarised(&pane, t.g, share), unpolarised(&pane, t.b, share)};
 }
 
-struct orl_rgb orl_glass_transmittance(const struct orl_material *material, double cosine)
+struct orl_rgb orl_glass_transmittance(const struct orl_material *material,
+                                       const struct orl_hit *hit, double cosine)
 {
-    return pane_share(material, cosine, pane_transmittance);
+    return pane_share(material, hit, cosine, pane_transmittance);
 }
 
-struct orl_rgb orl_glass_reflectance(const struct orl_material *material, double cosine)
+struct orl_rgb orl_glass_reflectance(const struct orl_material *material, const struct orl_hit *hit,
+                                     double cosine)
 {
-    return pane_share(material, cosine, pane_reflectance);
+    return pane_share(material, hit, cosine, pane_reflectance);
 }
 
 struct orl_scatter orl_glass_sample(const struct orl_draw *draw, const double u[3])
@@ -71,10 +73,10 @@ struct orl_scatter orl_glass_sample(const struct orl_draw *draw, const double u[
     const double cosine = orl_dot(draw->from, draw->hit->normal);
     struct orl_scatter s = {.event = ORL_EVENT_ABSORBED};
     const struct orl_rgb through = draw->lobes & ORL_LOBE_TRANSMITTED
-                                       ? orl_glass_transmittance(draw->material, cosine)
+                                       ? orl_glass_transmittance(draw->material, draw->hit, cosine)
                                        : orl_gray(0);
     const struct orl_rgb back = draw->lobes & ORL_LOBE_REFLECTED
-                                    ? orl_glass_reflectance(draw->material, cosine)
+                                    ? orl_glass_reflectance(draw->material, draw->hit, cosine)
                                     : orl_gray(0);
     const double t = orl_luma(through), r = orl_luma(back);
     if (!(t + r > 0))

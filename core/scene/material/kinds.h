@@ -5,6 +5,7 @@
 #ifndef ORL_SCENE_MATERIAL_KINDS_H
 #define ORL_SCENE_MATERIAL_KINDS_H
 
+#include "scene/material/color_at.h"
 #include "scene/material/scatter.h"
 
 static inline struct orl_vec3 orl_mirrored(struct orl_vec3 from, struct orl_vec3 normal)
@@ -13,16 +14,21 @@ static inline struct orl_vec3 orl_mirrored(struct orl_vec3 from, struct orl_vec3
 }
 
 /* glass.c: thin panes. */
-struct orl_rgb orl_glass_transmittance(const struct orl_material *material, double cosine);
-struct orl_rgb orl_glass_reflectance(const struct orl_material *material, double cosine);
+struct orl_rgb orl_glass_transmittance(const struct orl_material *material,
+                                       const struct orl_hit *hit, double cosine);
+struct orl_rgb orl_glass_reflectance(const struct orl_material *material, const struct orl_hit *hit,
+                                     double cosine);
 struct orl_scatter orl_glass_sample(const struct orl_draw *draw, const double u[3]);
 
 /* reflector.c: plastic, metal, trans. Diffuse and specular reflectance, and what trans lets
  * through: spread evenly, or straight (about straight, when rough). */
-struct orl_rgb orl_reflector_diffuse(const struct orl_material *material);
-struct orl_rgb orl_reflector_specular(const struct orl_material *material);
-struct orl_rgb orl_trans_spread(const struct orl_material *material);
-struct orl_rgb orl_trans_straight(const struct orl_material *material);
+struct orl_rgb orl_reflector_diffuse(const struct orl_material *material,
+                                     const struct orl_hit *hit);
+struct orl_rgb orl_reflector_specular(const struct orl_material *material,
+                                      const struct orl_hit *hit);
+struct orl_rgb orl_trans_spread(const struct orl_material *material, const struct orl_hit *hit);
+struct orl_rgb orl_trans_straight(const struct orl_material *material, const struct orl_hit *hit);
+bool orl_trans_transmits(const struct orl_material *material);
 bool orl_reflector_has_lobes(const struct orl_material *material);
 bool orl_reflector_transmits_lobes(const struct orl_material *material);
 struct orl_rgb orl_reflector_lobes(const struct orl_material *material, const struct orl_hit *hit,

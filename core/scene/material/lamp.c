@@ -5,6 +5,7 @@
  * distance d gets (d / (d + focus))^2 of what an even lamp's beam would bring there (spotout and
  * srcray of Radiance's rt/source.c). To a view the lamp is equally bright wherever it is seen.
  */
+#include "scene/material/color_at.h"
 #include "scene/material/scatter.h"
 
 bool orl_material_shines(const struct orl_material *material)
@@ -33,5 +34,6 @@ struct orl_rgb orl_material_emission(const struct orl_material *material, const 
                                      struct orl_vec3 towards)
 {
     const bool shines = orl_material_shines(material) && orl_dot(towards, hit->normal) > 0;
-    return shines && orl_material_beams(material, towards) ? material->color : orl_gray(0);
+    return shines && orl_material_beams(material, towards) ? orl_color_at(material, hit)
+                                                           : orl_gray(0);
 }

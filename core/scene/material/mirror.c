@@ -4,7 +4,7 @@
 struct orl_rgb orl_mirror_reflectance(const struct orl_material *material,
                                       const struct orl_hit *hit, struct orl_vec3 from)
 {
-    return orl_dot(from, hit->normal) > 0 ? material->color : orl_gray(0);
+    return orl_dot(from, hit->normal) > 0 ? orl_color_at(material, hit) : orl_gray(0);
 }
 
 struct orl_scatter orl_mirror_sample(const struct orl_draw *draw)

@@ -15,51 +15,54 @@ static bool is_rough(const struct orl_material *material)
     return material->roughness[0] > 0;
 }
 
-struct orl_rgb orl_reflector_diffuse(const struct orl_material *material)
+struct orl_rgb orl_reflector_diffuse(const struct orl_material *material, const struct orl_hit *hit)
 {
     const double share = 1.0 - material->specular;
     if (material->kind != ORL_MATERIAL_TRANS)
-        return orl_rgb_scale(material->color, share);
-    return orl_rgb_scale(material->color, share * (1 - material->transmitted));
+        return orl_rgb_scale(orl_color_at(material, hit), share);
+    return orl_rgb_scale(orl_color_at(material, hit), share * (1 - material->transmitted));
 }
 
-struct orl_rgb orl_reflector_specular(const struct orl_material *material)
+struct orl_rgb orl_reflector_specular(const struct orl_material *material,
+                                      const struct orl_hit *hit)
 {
     if (material->kind == ORL_MATERIAL_METAL)
-        return orl_rgb_scale(material->color, material->specular);
+        return orl_rgb_scale(orl_color_at(material, hit), material->specular);
     return orl_gray(material->specular);
 }
 
-struct orl_rgb orl_trans_spread(const struct orl_material *material)
+struct orl_rgb orl_trans_spread(const struct orl_material *material, const struct orl_hit *hit)
 {
     if (material->kind != ORL_MATERIAL_TRANS)
         return orl_gray(0);
-    return orl_rgb_scale(material->color, (1 - material->specular) * material->transmitted *
-                                              (1 - material->transmitted_specular));
+    return orl_rgb_scale(orl_color_at(material, hit), (1 - material->specular) *
+                                                          material->transmitted *
+                                                          (1 - material->transmitted_specular));
 }
 
-struct orl_rgb orl_trans_straight(const struct orl_material *material)
+struct orl_rgb orl_trans_straight(const struct orl_material *material, const struct orl_hit *hit)
 {
     if (material->kind != ORL_MATERIAL_TRANS)
         return orl_gray(0);
-    return orl_rgb_scale(material->color, (1 - material->specular) * material->transmitted *
-                                              material->transmitted_specular);
+    return orl_rgb_scale(orl_color_at(material, hit), (1 - material->specular) *
+                                                          material->transmitted *
+                                                          material->transmitted_specular);
 }
 
 /* The parts of the allowed lobes; ret_luma, by which one is chosen. */
-static void parts_of(const struct orl_material *m, enum orl_lobes lobes,
+static void parts_of(const struct orl_material *m, const struct orl_hit *hit, enum orl_lobes lobes,
                      struct orl_rgb ret_part[PARTS], double ret_luma[PARTS])
 {
-    ret_part[DIFFUSE] = lobes & ORL_LOBE_DIFFUSE ? orl_reflector_diffuse(m) : orl_gray(0);
-    ret_part[SPECULAR] = lobes & ORL_LOBE_REFLECTED ? orl_reflector_specular(m) : orl_gray(0);
+    ret_part[DIFFUSE] = lobes & ORL_LOBE_DIFFUSE ? orl_reflector_diffuse(m, hit) : orl_gray(0);
+    ret_part[SPECULAR] = lobes & ORL_LOBE_REFLECTED ? orl_reflector_specular(m, hit) : orl_gray(0);
     ret_luma[DIFFUSE] = orl_luma(ret_part[DIFFUSE]);
     ret_luma[SPECULAR] = orl_luma(ret_part[SPECULAR]);
     ret_part[SPREAD] = ret_part[STRAIGHT] = orl_gray(0);
     ret_luma[SPREAD] = ret_luma[STRAIGHT] = 0;
     if (m->kind != ORL_MATERIAL_TRANS || !(lobes & ORL_LOBE_TRANSMITTED))
         return;
-    ret_part[SPREAD] = orl_trans_spread(m);
-    ret_part[STRAIGHT] = orl_trans_straight(m);
+    ret_part[SPREAD] = orl_trans_spread(m, hit);
+    ret_part[STRAIGHT] = orl_trans_straight(m, hit);
     ret_luma[SPREAD] = orl_luma(ret_part[SPREAD]);
     ret_luma[STRAIGHT] = orl_luma(ret_part[STRAIGHT]);
 }
@@ -124,13 +127,13 @@ struct orl_scatter orl_reflector_sample(const struct orl_draw *draw, const doubl
     double luma[PARTS], chance;
     /* Most surfaces of a room: there is nothing to choose between. */
     if (orl_material_is_matt(draw->material) && draw->lobes & ORL_LOBE_DIFFUSE &&
-        orl_luma(draw->material->color) > 0) {
+        orl_luma(orl_color_at(draw->material, draw->hit)) > 0) {
         s.event = ORL_EVENT_DIFFUSE;
         s.direction = orl_hemisphere_about(facing(draw->hit, draw->from), u[0], u[1]);
-        s.weight = orl_reflector_diffuse(draw->material);
+        s.weight = orl_reflector_diffuse(draw->material, draw->hit);
         return s;
     }
-    parts_of(draw->material, draw->lobes, parts, luma);
+    parts_of(draw->material, draw->hit, draw->lobes, parts, luma);
     if (!(luma[DIFFUSE] + luma[SPECULAR] + luma[SPREAD] + luma[STRAIGHT] > 0))
         return s;
     const enum part part = choose(luma, u[2], &chance);
@@ -148,7 +151,7 @@ double orl_reflector_pdf(const struct orl_draw *draw, struct orl_vec3 towards)
     const bool rough = is_rough(draw->material);
     struct orl_rgb parts[PARTS];
     double luma[PARTS], sum = 0;
-    parts_of(draw->material, draw->lobes, parts, luma);
+    parts_of(draw->material, draw->hit, draw->lobes, parts, luma);
     const double total = luma[DIFFUSE] + luma[SPECULAR] + luma[SPREAD] + luma[STRAIGHT];
     if (!(total > 0))
         return 0;
@@ -160,16 +163,31 @@ double orl_reflector_pdf(const struct orl_draw *draw, struct orl_vec3 towards)
     return sum / total;
 }
 
+/* Whether a part of a material is more than nothing; where a pattern takes it away does not count.
+ */
+static bool is_part(struct orl_rgb (*part)(const struct orl_material *material,
+                                           const struct orl_hit *hit),
+                    const struct orl_material *material)
+{
+    const struct orl_hit hit = orl_hit_anywhere(orl_v3(0, 0, 1), true);
+    return orl_rgb_max(part(material, &hit)) > 0;
+}
+
+bool orl_trans_transmits(const struct orl_material *material)
+{
+    return is_part(orl_trans_spread, material) || is_part(orl_trans_straight, material);
+}
+
 bool orl_reflector_transmits_lobes(const struct orl_material *material)
 {
     return material->kind == ORL_MATERIAL_TRANS &&
-           (orl_rgb_max(orl_trans_spread(material)) > 0 ||
-            (is_rough(material) && orl_rgb_max(orl_trans_straight(material)) > 0));
+           (is_part(orl_trans_spread, material) ||
+            (is_rough(material) && is_part(orl_trans_straight, material)));
 }
 
 bool orl_reflector_has_lobes(const struct orl_material *material)
 {
-    return (is_rough(material) && orl_rgb_max(orl_reflector_specular(material)) > 0) ||
+    return (is_rough(material) && is_part(orl_reflector_specular, material)) ||
            orl_reflector_transmits_lobes(material);
 }
 
@@ -182,15 +200,15 @@ struct orl_rgb orl_reflector_lobes(const struct orl_material *material, const st
         if (!is_rough(material))
             return sum;
         const struct orl_ward ward = orl_ward_at(material, hit->normal);
-        return orl_rgb_scale(orl_reflector_specular(material),
+        return orl_rgb_scale(orl_reflector_specular(material, hit),
                              orl_ward_reflected(&ward, light, eye));
     }
     if (!(cos_light * cos_eye < 0) || material->kind != ORL_MATERIAL_TRANS)
         return sum;
-    sum = orl_rgb_scale(orl_trans_spread(material), 1 / ORL_PI);
+    sum = orl_rgb_scale(orl_trans_spread(material, hit), 1 / ORL_PI);
     if (is_rough(material)) {
         const struct orl_ward ward = orl_ward_at(material, hit->normal);
-        sum = orl_rgb_add(sum, orl_rgb_scale(orl_trans_straight(material),
+        sum = orl_rgb_add(sum, orl_rgb_scale(orl_trans_straight(material, hit),
                                              orl_ward_transmitted(&ward, light, eye)));
     }
     return sum;

@@ -16,16 +16,15 @@ bool orl_material_is_window(const struct orl_material *material)
     case ORL_MATERIAL_DIELECTRIC:
         return true;
     case ORL_MATERIAL_TRANS:
-        return orl_rgb_max(orl_trans_spread(material)) > 0 ||
-               orl_rgb_max(orl_trans_straight(material)) > 0;
+        return orl_trans_transmits(material);
     default:
         return false;
     }
 }
 
-struct orl_rgb orl_material_diffuse(const struct orl_material *material)
+struct orl_rgb orl_material_diffuse(const struct orl_material *material, const struct orl_hit *hit)
 {
-    return is_reflector(material) ? orl_reflector_diffuse(material) : orl_gray(0);
+    return is_reflector(material) ? orl_reflector_diffuse(material, hit) : orl_gray(0);
 }
 
 bool orl_material_has_lobes(const struct orl_material *material)
@@ -44,9 +43,9 @@ struct orl_rgb orl_material_straight(const struct orl_material *material, const 
                                      struct orl_vec3 from)
 {
     if (material->kind == ORL_MATERIAL_GLASS)
-        return orl_glass_transmittance(material, orl_dot(from, hit->normal));
+        return orl_glass_transmittance(material, hit, orl_dot(from, hit->normal));
     if (material->kind == ORL_MATERIAL_TRANS && !(material->roughness[0] > 0))
-        return orl_trans_straight(material);
+        return orl_trans_straight(material, hit);
     return material->kind == ORL_MATERIAL_BSDF ? orl_panel_straight(material, hit, from)
                                                : orl_gray(0);
 }
@@ -55,21 +54,14 @@ struct orl_rgb orl_material_mirrored(const struct orl_material *material, const 
                                      struct orl_vec3 from)
 {
     if (material->kind == ORL_MATERIAL_GLASS)
-        return orl_glass_reflectance(material, orl_dot(from, hit->normal));
+        return orl_glass_reflectance(material, hit, orl_dot(from, hit->normal));
     if (material->kind == ORL_MATERIAL_MIRROR)
         return orl_mirror_reflectance(material, hit, from);
     if (material->kind == ORL_MATERIAL_DIELECTRIC)
         return orl_gray(orl_dielectric_reflectance(material, hit, from));
     if (is_reflector(material) && !(material->roughness[0] > 0))
-        return orl_reflector_specular(material);
+        return orl_reflector_specular(material, hit);
     return orl_gray(0);
-}
-
-bool orl_material_is_mirror(const struct orl_material *material)
-{
-    const struct orl_hit hit = {.normal = {0, 0, 1}};
-    return orl_rgb_max(orl_material_mirrored(material, &hit, orl_v3(0, 0.8660254037844386, 0.5))) >
-           0;
 }
 
 /* What gets through, in whatever way, but for BSDFs. */
@@ -80,7 +72,7 @@ static struct orl_rgb transmitted(const struct orl_material *material, const str
     if (orl_material_refract(material, hit, light, ORL_TRANSPORT_LIGHT, &s))
         return s.weight;
     if (material->kind == ORL_MATERIAL_TRANS)
-        return orl_rgb_add(orl_trans_spread(material), orl_trans_straight(material));
+        return orl_rgb_add(orl_trans_spread(material, hit), orl_trans_straight(material, hit));
     if (material->kind == ORL_MATERIAL_BSDF)
         return orl_gray(0); /* counted with its other parts */
     return orl_material_straight(material, hit, light);
@@ -93,10 +85,10 @@ struct orl_rgb orl_material_albedo(const struct orl_material *material, const st
     if (material->kind == ORL_MATERIAL_BSDF)
         return orl_panel_albedo(material, hit, light, lobes);
     if (lobes & ORL_LOBE_DIFFUSE)
-        sum = orl_rgb_add(sum, orl_material_diffuse(material));
+        sum = orl_rgb_add(sum, orl_material_diffuse(material, hit));
     if (lobes & ORL_LOBE_REFLECTED)
         sum =
-            orl_rgb_add(sum, is_reflector(material) ? orl_reflector_specular(material)
+            orl_rgb_add(sum, is_reflector(material) ? orl_reflector_specular(material, hit)
                                                     : orl_material_mirrored(material, hit, light));
     if (lobes & ORL_LOBE_TRANSMITTED)
         sum = orl_rgb_add(sum, transmitted(material, hit, light));

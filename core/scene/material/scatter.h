@@ -1,5 +1,8 @@
 /*
  * What a material does with light that meets it: evaluate, sample, and the shares that go where.
+ * All of that is asked at a hit, for it may depend on the place (color_at.h), though it does not
+ * yet. Before anything is hit there are bounds and means over a surface: bounds.h. What kind of
+ * thing a material does at all (has lobes, lets light through, shines) it does everywhere.
  *
  * Directions are unit and point away from the surface. "from" is where the path came from: the
  * light for photons, the eye for paths traced backwards. Plastic, metal and trans are two-sided
@@ -101,7 +104,7 @@ struct orl_rgb orl_scatter_eval_lobes(const struct orl_material *material,
                                       struct orl_vec3 eye);
 
 /* Lambertian reflectance, the same on both sides; zero for what is not plastic, metal or trans. */
-struct orl_rgb orl_material_diffuse(const struct orl_material *material);
+struct orl_rgb orl_material_diffuse(const struct orl_material *material, const struct orl_hit *hit);
 
 /* Whether diffuse reflection is all that it does with light: its albedo then is what goes on. */
 static inline bool orl_material_is_matt(const struct orl_material *material)
@@ -164,9 +167,6 @@ static inline struct orl_rgb orl_scatter_clarity(const struct orl_material *mate
 {
     return material->kind == ORL_MATERIAL_DIELECTRIC ? scatter->clarity : clarity;
 }
-
-/* Whether anything is mirrored at any angle: what makes a flat surface show images of the sun. */
-bool orl_material_is_mirror(const struct orl_material *material);
 
 /*
  * All that light arriving from a direction becomes of, on the allowed sides: the directional

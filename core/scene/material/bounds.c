@@ -1,0 +1,47 @@
+#include "scene/material/bounds.h"
+
+static const struct orl_vec3 up = {0, 0, 1};
+
+static struct orl_vec3 direction_at(bool front, double cosine)
+{
+    return orl_v3(0, sqrt(1 - cosine * cosine), front ? cosine : -cosine);
+}
+
+double orl_material_diffuse_most(const struct orl_material *material)
+{
+    const struct orl_hit hit = orl_hit_anywhere(up, true);
+    return orl_rgb_max(orl_material_diffuse(material, &hit));
+}
+
+double orl_material_albedo_most(const struct orl_material *material, bool front, double cosine,
+                                enum orl_lobes lobes)
+{
+    const struct orl_hit hit = orl_hit_anywhere(up, front);
+    return orl_rgb_max(orl_material_albedo(material, &hit, direction_at(front, cosine), lobes));
+}
+
+double orl_material_mirrored_most(const struct orl_material *material, bool front, double cosine)
+{
+    const struct orl_hit hit = orl_hit_anywhere(up, front);
+    return orl_rgb_max(orl_material_mirrored(material, &hit, direction_at(front, cosine)));
+}
+
+double orl_material_lobes_most(const struct orl_material *material, bool front, double cosine)
+{
+    if (material->kind == ORL_MATERIAL_BSDF)
+        return fmin(1, orl_bsdf_max_albedo(material->bsdf, front) +
+                           orl_rgb_max(front ? material->front : material->back) +
+                           orl_rgb_max(material->through));
+    return orl_material_albedo_most(material, front, cosine,
+                                    (enum orl_lobes)(ORL_LOBE_REFLECTED | ORL_LOBE_TRANSMITTED));
+}
+
+bool orl_material_is_mirror(const struct orl_material *material)
+{
+    return orl_material_mirrored_most(material, true, 0.5) > 0;
+}
+
+struct orl_rgb orl_material_radiance_mean(const struct orl_material *material)
+{
+    return material->color;
+}

@@ -1,0 +1,26 @@
+/*
+ * What a material is made of at a hit. The one place where patterns are to have their say: today
+ * the description's numbers hold all over a surface. For the kinds of material (kinds.h) alone.
+ */
+#ifndef ORL_SCENE_MATERIAL_COLOR_AT_H
+#define ORL_SCENE_MATERIAL_COLOR_AT_H
+
+#include "scene/geometry/geometry.h"
+
+/* Reflectance as written; of lights, radiance. */
+static inline struct orl_rgb orl_color_at(const struct orl_material *material,
+                                          const struct orl_hit *hit)
+{
+    (void)hit;
+    return material->color;
+}
+
+/* Of glass: of one pass at normal incidence. */
+static inline struct orl_rgb orl_transmissivity_at(const struct orl_material *material,
+                                                   const struct orl_hit *hit)
+{
+    (void)hit;
+    return material->transmissivity;
+}
+
+#endif
