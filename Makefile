@@ -267,9 +267,10 @@ fuzz: deps-fuzz
 		CFLAGS='-include tests/fuzz/limits.h' fuzzers
 	@tests/fuzz/run $(BUILD)/fuzz $(SECONDS) $(JOBS) $(FUZZ_TARGETS)
 # What of the daemon reads hostile bytes by itself.
-FUZZ_SERVER_OBJ := $(patsubst %,$(BUILD)/obj/server/%.o,unzip incoming hold multipart framing range \
-	router query guard tokens times carried store/bundle store/folders store/db store/migrate \
-	store/tokens store/mapped_file)
+FUZZ_SERVER_OBJ := $(patsubst %,$(BUILD)/obj/server/%.o,uploads/unzip uploads/incoming \
+	uploads/multipart http/hold http/framing http/range http/router http/query http/guard http/tokens \
+	process/times process/carried store/bundle store/folders store/mapped_file store/db store/migrate \
+	store/tokens)
 fuzzers: $(FUZZ_TARGETS:%=$(BUILD)/%)
 $(FUZZ_TARGETS:%=$(BUILD)/obj/tests/fuzz/driver_%.o): $(BUILD)/obj/tests/fuzz/driver_%.o: \
 		tests/fuzz/driver.c $(BUILD)/flags

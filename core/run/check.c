@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "light/scene.h"
+#include "light/weather.h"
 #include "scene/parse/parse.h"
 
 static int copy_references(const struct orl_scene *scene, struct orl_scene_summary *summary)
@@ -83,6 +84,15 @@ int orl_scene_check(const char *const *main_files, size_t n_files, const struct 
         orl_scene_summary_done(&summary);
     else
         *ret_summary = summary;
+    return code;
+}
+
+int orl_weather_check(const char *name, const char *text, size_t size, struct orl_error *err)
+{
+    struct orl_weather weather = {0};
+    const int code = orl_weather_parse(name, text, size, &weather, err);
+    if (code == 0)
+        orl_weather_done(&weather);
     return code;
 }
 

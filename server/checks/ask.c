@@ -64,6 +64,22 @@ int orl_ask_job(struct orl_asking *asking, const char *path, struct orl_job_brie
     return rc;
 }
 
+int orl_ask_inputs(struct orl_asking *asking, const struct orl_bundle *files, const char *sensors,
+                   uint64_t *ret_sensors, struct orl_error *err)
+{
+    json_t *result = NULL;
+    int rc = ask(asking,
+                 json_pack("{s:s, s:o, s:s?}", "kind", "inputs", "files", orl_opened_to_json(files),
+                           "sensors", sensors),
+                 &result, err);
+    if (rc == 0 && (!json_is_integer(result) || json_integer_value(result) < 0))
+        rc = orl_error_set(err, ORL_ERR_INTERNAL, "a check answered what makes no sense");
+    if (rc == 0)
+        *ret_sensors = (uint64_t)json_integer_value(result);
+    json_decref(result);
+    return rc;
+}
+
 /* ---- Files that a child unpacks -------------------------------------------------------------- */
 
 struct taking {

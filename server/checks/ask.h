@@ -17,6 +17,10 @@ int orl_ask_bsdf(struct orl_asking *asking, const char *path, const char *name, 
                  struct orl_error *err);
 int orl_ask_job(struct orl_asking *asking, const char *path, struct orl_job_brief *ret_brief,
                 struct orl_error *err);
+/* The files that a job names: weather where a file's resource says so, and sensors (a name among
+ * them, or NULL): how many there are, 0 without. */
+int orl_ask_inputs(struct orl_asking *asking, const struct orl_bundle *files, const char *sensors,
+                   uint64_t *ret_sensors, struct orl_error *err);
 
 /* As orl_unzip (unzip.h). */
 int orl_ask_unzip(struct orl_asking *asking, const char *path, const struct orl_folders *folders,

@@ -131,13 +131,33 @@ static int check_roles(struct check *check, json_t **ret_result, struct orl_erro
     return rc;
 }
 
+/* The files that a job names. */
+static int check_inputs(struct check *check, json_t **ret_result, struct orl_error *err)
+{
+    const struct orl_bundle *bundle = &check->files.bundle;
+    const char *sensors = json_string_value(json_object_get(check->request, "sensors"));
+    size_t count = 0;
+    int rc = 0;
+    for (size_t i = 0; i < bundle->count && rc == 0; i++) {
+        const struct orl_bundle_file *file = &bundle->files[i];
+        const struct orl_file *data = &check->files.data[i];
+        if (sensors && strcmp(sensors, file->name) == 0)
+            rc = orl_sensors_check(file->name, data->data, data->size, &count, err);
+        if (rc == 0 && file->resource)
+            rc = orl_weather_check(file->name, data->data, data->size, err);
+    }
+    *ret_result = rc ? NULL : json_integer((json_int_t)count);
+    return rc;
+}
+
 static int run_kind(struct check *check, json_t **ret_result, struct orl_error *err)
 {
     static const struct {
         const char *name;
         int (*run)(struct check *check, json_t **ret_result, struct orl_error *err);
-    } kinds[] = {{"scene", check_scene}, {"bsdf", check_bsdf},   {"job", check_job},
-                 {"unzip", check_zip},   {"files", check_files}, {"roles", check_roles}};
+    } kinds[] = {{"scene", check_scene},  {"bsdf", check_bsdf},   {"job", check_job},
+                 {"unzip", check_zip},    {"files", check_files}, {"roles", check_roles},
+                 {"inputs", check_inputs}};
     const char *name = json_string_value(json_object_get(check->request, "kind"));
     for (size_t i = 0; name && i < sizeof kinds / sizeof *kinds; i++)
         if (strcmp(kinds[i].name, name) == 0)

@@ -14,9 +14,9 @@
 #include "process/limits.h"
 #include "resources/job_status.h"
 #include "resources/status_cache.h"
+#include "runner/job_inputs.h"
 #include "runner/job_memory.h"
 #include "server.h"
-#include "store/mapped_file.h"
 #include "store/scenes.h"
 #include "uploads/multipart.h"
 
@@ -26,7 +26,7 @@ enum { REQUEST_KEY_MAX = 255 };
 struct job_post {
     struct orl_job_brief brief;
     struct orl_job_memory memory;
-    char sensors[ORL_PATH_MAX]; /* the file of them; "": there is none */
+    struct orl_job_inputs inputs;
     struct orl_check check;
     char document[ORL_SHA_HEX], client[ORL_CLIENT_NAME];
     char key[REQUEST_KEY_MAX + 1]; /* Idempotency-Key; "": none */
@@ -40,6 +40,7 @@ static void job_post_free(void *state)
     struct job_post *post = state;
     if (post->blobs)
         orl_blobs_release(post->blobs, post->document);
+    orl_bundle_done(&post->inputs.files);
     orl_job_brief_done(&post->brief);
     free(post);
 }
@@ -73,25 +74,16 @@ static void check_document(struct orl_request *request)
     post->rc = orl_ask_job(&post->check.asking, path, &post->brief, &post->err);
 }
 
-/* Each has a line of its own. */
-static void count_sensors(struct job_post *post)
+static void check_inputs(struct orl_request *request)
 {
-    struct orl_file file;
-    if (!post->sensors[0] || orl_map_file(post->sensors, &file, NULL))
-        return;
-    for (const char *at = file.data, *end = file.data + file.size; at < end; at++) {
-        post->memory.file_sensors++;
-        at = memchr(at, '\n', (size_t)(end - at));
-        if (!at)
-            break;
-    }
-    orl_unmap_file(&file);
+    struct job_post *post = request->state;
+    post->rc = orl_ask_inputs(&post->check.asking, &post->inputs.files, post->inputs.sensors,
+                              &post->memory.file_sensors, &post->err);
 }
 
 static void keep_document(struct orl_request *request)
 {
     struct job_post *post = request->state;
-    count_sensors(post);
     const struct orl_folders *folders = &request->server->folders;
     char path[ORL_PATH_MAX];
     post->rc = orl_body_take_file(&request->body, folders, path, &post->err);
@@ -165,21 +157,6 @@ static bool answer_by_key(struct orl_request *request)
     return true;
 }
 
-/* A file that the document names must have come with the scene. */
-static int check_file(const struct orl_bundle *bundle, const struct orl_named_file *file,
-                      struct orl_error *err)
-{
-    const bool sensors = strcmp(file->place, "sensors.file") == 0;
-    if (orl_bundle_find(bundle, file->name))
-        return 0;
-    orl_error_set(err, ORL_ERR_NOT_FOUND, "the scene was uploaded without a file named '%.200s'",
-                  file->name);
-    orl_error_at(err, NULL, 0, file->place);
-    orl_error_hint(err, sensors ? "Upload it as a resource, or give the sensors as an array"
-                                : "Upload it with the scene as a resource");
-    return ORL_ERR_NOT_FOUND;
-}
-
 /* What of the scene says how much memory the job takes. */
 static int note_needs(struct orl_server *server, struct job_post *post,
                       const struct orl_bundle *bundle)
@@ -204,10 +181,6 @@ static int note_needs(struct orl_server *server, struct job_post *post,
     for (size_t i = 0; i < bundle->count; i++)
         if (orl_is_xml_name(bundle->files[i].name))
             post->memory.bsdf_bytes += bundle->files[i].bytes;
-    for (size_t i = 0; i < post->brief.n_files; i++)
-        if (strcmp(post->brief.files[i].place, "sensors.file") == 0)
-            snprintf(post->sensors, sizeof post->sensors, "%s",
-                     orl_bundle_find(bundle, post->brief.files[i].name)->path);
     return 0;
 }
 
@@ -231,10 +204,12 @@ static int check_references(struct orl_server *server, struct job_post *post)
         orl_error_at(&post->err, NULL, 0, "scene");
         orl_error_hint(&post->err, "Upload it with POST /v1/scenes first");
     }
-    for (size_t i = 0; i < brief->n_files && rc == 0; i++)
-        rc = check_file(&bundle, &brief->files[i], &post->err);
+    if (rc == 0)
+        rc = orl_job_inputs_check(brief, &bundle, &post->err);
     if (rc == 0)
         rc = note_needs(server, post, &bundle);
+    if (rc == 0 && post->inputs.files.count == 0)
+        rc = orl_job_inputs_note(brief, &bundle, &post->inputs, &post->err);
     orl_bundle_done(&bundle);
     return rc ? rc : check_memory(server, post);
 }
@@ -288,6 +263,22 @@ static void admit(struct orl_request *request)
         orl_request_work(request, keep_document, submit);
 }
 
+static void inputs_checked(struct orl_request *request)
+{
+    struct job_post *post = request->state;
+    if (!orl_check_ended(&post->check, &post->rc, &post->err))
+        return;
+    const struct orl_error found = post->err;
+    if (post->rc == 0) {
+        admit(request);
+        return;
+    }
+    /* Unless the scene has gone meanwhile, and its files with it. */
+    if (check_references(request->server, post) == 0)
+        post->err = found;
+    orl_reply_error(request, &post->err);
+}
+
 static void look_up(struct orl_request *request)
 {
     struct job_post *post = request->state;
@@ -299,6 +290,8 @@ static void look_up(struct orl_request *request)
         post->rc = check_references(request->server, post);
     if (post->rc)
         orl_reply_error(request, &post->err);
+    else if (post->inputs.files.count > 0)
+        orl_check_begin(&post->check, request, check_inputs, inputs_checked);
     else
         admit(request);
 }

@@ -326,19 +326,21 @@ static void test_references_must_be_here(void **state)
     reply_done(&reply);
 }
 
-/* A sensor file that proves bad when the job runs: failed, with the place. */
+/* An hour that was not measured, as only the run finds: failed, with the place. */
 static void test_failure_is_told(void **state)
 {
     struct fixture *f = *state;
     struct reply reply;
     char text[512], job[80], path[128];
-    const char bad[] = "1 1 1 0 0 1\n1 1 x 0 0 1\n";
+    const char gap[] = "place here\nlatitude 47\nlongitude -8\ntime_zone -15\nsite_elevation 4\n"
+                       "weather_data_file_units 1\n3 21 11.5 9999 9999\n";
     const struct upload_file files[] = {{"room.rad", room_scene, strlen(room_scene), false},
-                                        {"sky.rad", room_sky, strlen(room_sky), false},
-                                        {"s.txt", bad, strlen(bad), true}};
-    daemon_upload(&f->daemon, files, 3, NULL, &reply);
+                                        {"w.wea", gap, strlen(gap), true}};
+    daemon_upload(&f->daemon, files, 2, NULL, &reply);
     assert_int_equal(reply.status, 201);
-    snprintf(text, sizeof text, "{\"scene\":\"%s\",\"sensors\":{\"file\":\"s.txt\"}}",
+    snprintf(text, sizeof text,
+             "{\"scene\":\"%s\",\"sensors\":[[1,1,1,0,0,1]],\"sky\":{\"weather\":{\"file\":"
+             "\"w.wea\",\"month\":3,\"day\":21,\"hour\":11.5}}}",
              reply_text(&reply, "id"));
     reply_done(&reply);
     daemon_post_json(&f->daemon, "/v1/jobs", text, &reply);
@@ -347,8 +349,8 @@ static void test_failure_is_told(void **state)
     reply_done(&reply);
     daemon_wait(&f->daemon, job, 60, &reply);
     assert_string_equal(reply_text(&reply, "state"), "failed");
-    assert_string_equal(reply_text(&reply, "error.file"), "s.txt");
-    assert_true(reply_number(&reply, "error.line") == 2);
+    assert_string_equal(reply_text(&reply, "error.file"), "w.wea");
+    assert_true(reply_number(&reply, "error.line") == 7);
     reply_done(&reply);
     snprintf(path, sizeof path, "%s/result", job);
     daemon_get(&f->daemon, path, &reply);

@@ -247,9 +247,15 @@ def ended_events(daemon):
 
 
 def failures(daemon):
-    scene = daemon.upload(ROOM + SKY, resources={"s.txt": "1 1 1 0 0 1\n1 1 x 0 0 1\n"})
-    path = daemon.submit({"scene": scene, "sensors": {"file": "s.txt"}})
-    assert daemon.wait(path)["error"]["line"] == 2
+    gap = ("place here\nlatitude 47\nlongitude -8\ntime_zone -15\nsite_elevation 4\n"
+           "weather_data_file_units 1\n3 21 11.5 9999 9999\n")
+    scene = daemon.upload(ROOM, resources={"w.wea": gap, "s.txt": "1 1 1 0 0 1\n1 1 x 0 0 1\n"})
+    answer = daemon.ask("POST", "/v1/jobs", {"scene": scene, "sensors": {"file": "s.txt"}},
+                        want=400)
+    assert answer.json["line"] == 2
+    path = daemon.submit(sensors_of(scene, sky={
+        "weather": {"file": "w.wea", "month": 3, "day": 21, "hour": 11.5}}))
+    assert daemon.wait(path)["error"]["line"] == 7
     daemon.ask("GET", path + "/result", want=409)
     daemon.ask("GET", path + "/files/result.json", want=409)
 

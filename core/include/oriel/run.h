@@ -305,7 +305,7 @@ int orl_plan_job(const struct orl_job *job, const struct orl_run_env *env,
 int orl_run(const struct orl_job *job, const struct orl_run_env *env, struct orl_result *ret_result,
             struct orl_error *err);
 
-/* ---- Checks on upload ------------------------------------------------------------------------ */
+/* ---- Checks before a job is taken ------------------------------------------------------------ */
 
 struct orl_scene_summary {
     uint64_t surfaces, materials, sources, triangles, bsdfs;
@@ -339,5 +339,11 @@ void orl_scene_summary_done(struct orl_scene_summary *summary);
  */
 int orl_scene_guess_main(const char *const *names, size_t count, const struct orl_files *files,
                          bool *ret_main, struct orl_error *err);
+
+/* Whether a job would take these bytes for sensors, and how many there are; or for a weather file.
+ * Errors: those of the job, with file and line. Of sensors nothing is kept in memory. */
+int orl_sensors_check(const char *name, const char *text, size_t size, size_t *ret_count,
+                      struct orl_error *err);
+int orl_weather_check(const char *name, const char *text, size_t size, struct orl_error *err);
 
 #endif

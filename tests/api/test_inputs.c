@@ -1,0 +1,147 @@
+/* Files that a job names, sensors and weather: read before the job is taken. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "checks/confine.h"
+#include "support/daemon.h"
+
+/* The room without sources of its own, with files of sensors and weather. */
+static void upload(struct daemon *daemon, const char *sensors, size_t size, const char *weather,
+                   char ret_id[65])
+{
+    static const char box[] = "void plastic grey 0 0 5 .5 .5 .5 0 0\n"
+                              "grey polygon floor 0 0 12 0 0 0 3 0 0 3 4 0 0 4 0\n";
+    const struct upload_file files[] = {{"box.rad", box, strlen(box), false},
+                                        {"s.txt", sensors, size, true},
+                                        {"w.wea", weather, strlen(weather), true}};
+    struct reply reply;
+    daemon_upload(daemon, files, 3, NULL, &reply);
+    assert_int_equal(reply.status, 201);
+    snprintf(ret_id, 65, "%s", reply_text(&reply, "id"));
+    reply_done(&reply);
+}
+
+static void post(struct daemon *daemon, const char *scene, const char *sensors, struct reply *reply)
+{
+    char text[512];
+    snprintf(text, sizeof text,
+             "{\"scene\":\"%s\",\"technique\":\"direct\",\"gather_samples\":1,\"seed\":1,"
+             "\"photons\":{\"global\":1000,\"caustic\":1},\"sensors\":{\"file\":\"%s\"},"
+             "\"sky\":{\"weather\":{\"file\":\"w.wea\",\"month\":3,\"day\":21,\"hour\":12}}}",
+             scene, sensors);
+    daemon_post_json(daemon, "/v1/jobs", text, reply);
+}
+
+#define HEAD                                                                                       \
+    "place somewhere\nlatitude 47\nlongitude -8\ntime_zone -15\nsite_elevation 400\n"              \
+    "weather_data_file_units 1\n"
+#define HOUR "3 21 11.5 500 200\n3 21 12.5 500 200\n"
+static const char good_sensors[] = "# two\n1 1 1 0 0 1\n2 2 1 0 0 1\n", good_weather[] = HEAD HOUR;
+
+/* Where it is wrong is told, and no job is there. */
+static void test_wrong(void **state)
+{
+    static const struct {
+        const char *sensors, *weather, *file;
+        long status, line;
+    } cases[] = {
+        {"1 1 1 0 0 1\n# none\n1 1 up\n", good_weather, "s.txt", 400, 3},
+        {"1 1 1 0 0 0\n", good_weather, "s.txt", 422, 1},
+        {"# none\n", good_weather, "s.txt", 400, -1},
+        {good_sensors, HEAD "3 21 11.5 sun 200\n", "w.wea", 400, 7},
+        {good_sensors, HEAD "13 21 11.5 500 200\n", "w.wea", 422, 7},
+        {good_sensors, good_sensors, "w.wea", 400, 1},
+    };
+    struct daemon *daemon = *state;
+    struct reply reply;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char scene[65];
+        upload(daemon, cases[i].sensors, strlen(cases[i].sensors), cases[i].weather, scene);
+        post(daemon, scene, "s.txt", &reply);
+        assert_int_equal(reply.status, cases[i].status);
+        assert_string_equal(reply_text(&reply, "file"), cases[i].file);
+        if (cases[i].line > 0)
+            assert_true(reply_number(&reply, "line") == (double)cases[i].line);
+        reply_done(&reply);
+    }
+    daemon_get(daemon, "/v1/jobs", &reply);
+    assert_int_equal(json_array_size(reply_at(&reply, "jobs")), 0);
+    reply_done(&reply);
+}
+
+/* Of any spelling of its name; it runs. */
+static void test_right(void **state)
+{
+    static const char *const names[] = {"s.txt", "./s.txt"};
+    struct daemon *daemon = *state;
+    struct reply reply;
+    char scene[65], path[80];
+    upload(daemon, good_sensors, strlen(good_sensors), good_weather, scene);
+    for (size_t i = 0; i < 2; i++) {
+        post(daemon, scene, names[i], &reply);
+        assert_int_equal(reply.status, 202);
+        snprintf(path, sizeof path, "%s", reply_text(&reply, "links.self"));
+        reply_done(&reply);
+        daemon_wait(daemon, path, 60, &reply);
+        assert_string_equal(reply_text(&reply, "state"), "succeeded");
+        reply_done(&reply);
+    }
+}
+
+/* One line again and again, and another one. */
+static char *repeat(const char *line, size_t count, const char *last, size_t *ret_size)
+{
+    char *text = NULL;
+    FILE *stream = open_memstream(&text, ret_size);
+    assert_non_null(stream);
+    for (size_t i = 0; i < count; i++)
+        fputs(line, stream);
+    fputs(last, stream);
+    assert_int_equal(fclose(stream), 0);
+    return text;
+}
+
+/* Sensors are what counts, not lines. */
+static void test_memory(void **state)
+{
+    enum { LINES = 1000000 };
+    static const char *const little[] = {"--memory", "700M", NULL};
+    static const char *const lines[2] = {"#\n", "1 1 1 0 0 1\n"};
+    static const long statuses[2] = {202, 413};
+    struct daemon daemon;
+    struct reply reply;
+    (void)state;
+    if (ORL_CHILD_SANITIZED)
+        skip();
+    daemon_start(&daemon, little);
+    for (int i = 0; i < 2; i++) {
+        char scene[65];
+        size_t size;
+        char *sensors = repeat(lines[i], LINES, "1 1 1 0 0 1\n", &size);
+        upload(&daemon, sensors, size, good_weather, scene);
+        free(sensors);
+        post(&daemon, scene, "s.txt", &reply);
+        assert_int_equal(reply.status, statuses[i]);
+        assert_int_equal(strstr(reply_text(&reply, "detail"), "1000001 sensors") != NULL, i);
+        reply_done(&reply);
+    }
+    daemon_remove(&daemon);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(test_wrong, daemon_set_up, daemon_tear_down),
+        cmocka_unit_test_setup_teardown(test_right, daemon_set_up, daemon_tear_down),
+        cmocka_unit_test(test_memory),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
