@@ -33,7 +33,8 @@ static int decode_formats(const json_t *value, const char *path, uint32_t *ret_f
         enum orl_picture picture;
         if (!json_is_string(name) || !orl_picture_format(json_string_value(name), &picture)) {
             orl_json_fail(err, ORL_ERR_INVALID, path, "element %zu is no format that is known", i);
-            orl_error_hint(err, "Formats are \"hdr\", \"png\" and \"png16\"");
+            orl_error_hint(err, "Formats are \"hdr\", \"png\", \"png16\", \"exr\" and "
+                                "\"exr_float\"");
             return ORL_ERR_INVALID;
         }
         formats |= ORL_PICTURE_BIT(picture);

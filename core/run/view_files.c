@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "render/film/exr.h"
 #include "render/picture/error_map.h"
 #include "render/picture/false_color.h"
 #include "run/stages.h"
@@ -33,6 +34,9 @@ static int write_picture(const struct writing *w, enum orl_picture picture, cons
         return orl_shown_write_png(&w->shown, 8, path, err);
     case ORL_PICTURE_PNG16:
         return orl_shown_write_png(&w->shown, 16, path, err);
+    case ORL_PICTURE_EXR:
+    case ORL_PICTURE_EXR_FLOAT:
+        return orl_exr_write(w->film, &w->view, picture == ORL_PICTURE_EXR, path, err);
     case ORL_PICTURE_FALSE:
     case ORL_PICTURE_LINES:
     case ORL_PICTURE_BANDS:

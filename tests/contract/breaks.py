@@ -49,7 +49,7 @@ def jobs(lit, dark):
            "views": [{**VIEW, "metrics": ["dgp", "ugr"], "glare": glare}]}
     yield {"scene": lit, "technique": "backward", "pixel_samples": 4, "views": [VIEW]}
     yield {"scene": lit, "technique": "backward", "pixel_samples": 1, "views": [
-        {**VIEW, "formats": ["hdr", "png", "png16"],
+        {**VIEW, "formats": ["hdr", "png", "png16", "exr", "exr_float"],
          "display": {"tone": "human", "veil": True, "acuity": True, "color_loss": True},
          "false_color": {"scale": 1000, "decades": 2, "divisions": 8, "palette": "hot", "label": "nit",
                          "multiplier": 179, "isolines": True, "extrema": True,

@@ -1,5 +1,6 @@
 /*
- * Images on disk: RGBE of known values, HDR files read back by a decoder of the test's own.
+ * Images on disk: RGBE of known values, HDR files read back by a decoder of the test's own, OpenEXR
+ * by its library.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -10,9 +11,11 @@
 #include <string.h>
 #include <unistd.h>
 
+#include <OpenEXR/openexr.h>
 #include <cmocka.h>
 
 #include "base/random.h"
+#include "render/film/exr.h"
 #include "render/film/film.h"
 #include "support/cli.h"
 #include "support/scene_text.h"
@@ -249,6 +252,77 @@ static void test_pixel_aspect(void **state)
 /* ---- PNG --------------------------------------------------------------------------------------
  */
 
+/* OpenEXR: halves and floats, read back by its own library, and what it says of the view. */
+static void read_exr(const char *path, const struct orl_film *film, bool halves)
+{
+    exr_context_initializer_t how = EXR_DEFAULT_CONTEXT_INITIALIZER;
+    exr_decode_pipeline_t pipeline = EXR_DECODE_PIPELINE_INITIALIZER;
+    const exr_attr_chlist_entry_t *first;
+    const exr_attr_chlist_t *channels;
+    exr_context_t exr;
+    exr_attr_m44f_t camera;
+    float nits;
+    assert_int_equal(exr_start_read(&exr, path, &how), 0);
+    assert_int_equal(exr_get_channels(exr, 0, &channels), 0);
+    first = channels->entries;
+    assert_int_equal(channels->num_channels, 3);
+    assert_int_equal(first->pixel_type, halves ? EXR_PIXEL_HALF : EXR_PIXEL_FLOAT);
+    assert_int_equal(exr_attr_get_float(exr, 0, "whiteLuminance", &nits), 0);
+    assert_true(nits == 179);
+    assert_int_equal(exr_attr_get_m44f(exr, 0, "worldToCamera", &camera), 0);
+    /* some_view: from (1, 2, 3) along x; a point 5 ahead of it, 1 to the right and 2 up. */
+    const float point[4] = {6, 1, 5, 1}, expected[3] = {1, 2, -5};
+    for (int c = 0; c < 3; c++) {
+        float sum = 0;
+        for (int r = 0; r < 4; r++)
+            sum += point[r] * camera.m[4 * r + c];
+        assert_true(fabsf(sum - expected[c]) < 1e-5F);
+    }
+    float *read = calloc(3 * (size_t)film->width * film->height, sizeof *read);
+    for (uint32_t y = 0; y < film->height; y += 16) {
+        exr_chunk_info_t chunk;
+        assert_int_equal(exr_read_scanline_chunk_info(exr, 0, (int)y, &chunk), 0);
+        assert_int_equal(y == 0 ? exr_decoding_initialize(exr, 0, &chunk, &pipeline)
+                                : exr_decoding_update(exr, 0, &chunk, &pipeline),
+                         0);
+        for (int c = 0; c < 3; c++) {
+            pipeline.channels[c].decode_to_ptr =
+                (uint8_t *)(read + 3 * (size_t)y * film->width + 2 - c);
+            pipeline.channels[c].user_pixel_stride = 12;
+            pipeline.channels[c].user_line_stride = (int32_t)(12 * film->width);
+            pipeline.channels[c].user_bytes_per_element = 4;
+            pipeline.channels[c].user_data_type = EXR_PIXEL_FLOAT;
+        }
+        assert_int_equal(exr_decoding_choose_default_routines(exr, 0, &pipeline), 0);
+        assert_int_equal(exr_decoding_run(exr, 0, &pipeline), 0);
+    }
+    for (size_t i = 0; i < 3 * (size_t)film->width * film->height; i++) {
+        const float value = film->pixels[0][i], held = halves ? fminf(value, 65504) : value;
+        assert_true(fabsf(read[i] - held) <= (halves ? 4.9e-4F * held + 3e-8F : 0));
+    }
+    free(read);
+    exr_decoding_destroy(exr, &pipeline);
+    exr_finish(&exr);
+}
+
+static void test_exr(void **state)
+{
+    const struct orl_view view = some_view();
+    struct orl_random random = orl_random_stream(1, ORL_PURPOSE_BENCH, 0);
+    struct orl_film film;
+    (void)state;
+    assert_int_equal(orl_film_init(&film, 37, 41, NULL), 0);
+    for (size_t i = 0; i < 3 * 37 * 41; i++)
+        film.pixels[0][i] = (float)exp(30 * orl_random_uniform(&random) - 14);
+    for (int halves = 0; halves < 2; halves++) {
+        assert_int_equal(orl_exr_write(&film, &view, halves, path_of("a.exr"), NULL), 0);
+        read_exr(path_of("a.exr"), &film, halves);
+    }
+    struct orl_error err;
+    assert_int_equal(orl_exr_write(&film, &view, true, path_of("no/a.exr"), &err), ORL_ERR_IO);
+    orl_film_done(&film);
+}
+
 static void test_unwritable(void **state)
 {
     const struct orl_view view = some_view();
@@ -265,7 +339,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_rgbe),       cmocka_unit_test(test_hdr_sizes),
         cmocka_unit_test(test_hdr_header), cmocka_unit_test(test_pixel_aspect),
-        cmocka_unit_test(test_unwritable),
+        cmocka_unit_test(test_exr),        cmocka_unit_test(test_unwritable),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }
