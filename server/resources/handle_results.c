@@ -21,6 +21,7 @@ static const char *type_of(const char *name)
     } types[] = {{".json", "application/json"},
                  {".png", "image/png"},
                  {".hdr", "image/vnd.radiance"},
+                 {".exr", "image/x-exr"},
                  {".csv", "text/csv"},
                  {".svg", "image/svg+xml"}};
     const char *dot = strrchr(name, '.');

@@ -49,8 +49,22 @@ int orl_job_read(const char *text, size_t size, struct orl_task *ret_task, char 
     return 0;
 }
 
-/* Of result.json, without sensors; of one of these; of a pixel, as HDR and PNG, with errors. */
-enum { DOCUMENT = 8192, STUDY = 1 << 18, SENSOR = 200, PIXEL = 2 * (4 + 3) };
+/* Of result.json, without sensors; of one of these. */
+enum { DOCUMENT = 8192, STUDY = 1 << 18, SENSOR = 200 };
+
+/* Bytes of a pixel in all the files of a view, errors included. */
+static uint64_t pixel_bytes(const struct orl_view_request *view)
+{
+    enum { RGBE = 4, RGB = 3, WORDS = 6, HALVES = 6, FLOATS = 12 };
+    const uint32_t formats = view->formats ? view->formats : ORL_PICTURES_USUAL;
+    uint64_t bytes = RGBE + RGB;
+    bytes += formats & ORL_PICTURE_BIT(ORL_PICTURE_HDR) ? RGBE : 0;
+    bytes += formats & ORL_PICTURE_BIT(ORL_PICTURE_PNG) ? RGB : 0;
+    bytes += formats & ORL_PICTURE_BIT(ORL_PICTURE_PNG16) ? WORDS : 0;
+    bytes += formats & ORL_PICTURE_BIT(ORL_PICTURE_EXR) ? HALVES : 0;
+    bytes += formats & ORL_PICTURE_BIT(ORL_PICTURE_EXR_FLOAT) ? FLOATS : 0;
+    return bytes + (view->false_color.asked ? 3 * RGB : 0);
+}
 
 uint64_t orl_job_output_expect_sensor(const struct orl_task *task)
 {
@@ -67,7 +81,7 @@ uint64_t orl_job_output_expect(const struct orl_task *task)
         return STUDY;
     uint64_t bytes = DOCUMENT + SENSOR * (uint64_t)job->n_sensors;
     for (size_t i = 0; i < job->n_views; i++)
-        bytes += PIXEL * (uint64_t)job->views[i].width * job->views[i].height;
+        bytes += pixel_bytes(&job->views[i]) * (uint64_t)job->views[i].width * job->views[i].height;
     /* Of each sky as much, and of all together less than of one more. */
     return job->n_skies > 0 ? (job->n_skies + 1) * bytes : bytes;
 }
