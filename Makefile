@@ -10,7 +10,7 @@ WERROR  ?= -Werror
 # Debian packages: what the build needs, and what the checks need beyond that.
 PACKAGES_BUILD := gcc libc6-dev make libembree-dev libmicrohttpd-dev libjansson-dev libuv1-dev \
 	libsqlite3-dev libexpat1-dev libpng-dev libsodium-dev libcurl4-openssl-dev libcairo2-dev libopenexr-dev \
-	libgnutls28-dev libarchive-dev fonts-dejavu-core
+	libgnutls28-dev nettle-dev libxxhash-dev libarchive-dev fonts-dejavu-core
 PACKAGES_CHECK := $(PACKAGES_BUILD) libcmocka-dev curl python3 python3-yaml valgrind
 PACKAGES_LINT  := $(PACKAGES_CHECK) clang clang-tidy clang-format
 PACKAGES_DEMO  := $(PACKAGES_BUILD)
@@ -34,7 +34,7 @@ ALL_LDFLAGS = $(OPT_$(MODE)) $(LDFLAGS) -pthread
 EMBREE_LIB := $(if $(wildcard /usr/include/embree4/rtcore.h),-lembree4,-lembree3)
 # Debian 12's library has its version in its name, later ones have not.
 EXR_LIB := $(if $(wildcard /usr/lib/*/libOpenEXRCore.so),-lOpenEXRCore,-lOpenEXRCore-3_1)
-CORE_LIBS   := $(EMBREE_LIB) -lexpat -lpng $(EXR_LIB) -lcairo -lsodium -lm
+CORE_LIBS   := $(EMBREE_LIB) -lexpat -lpng $(EXR_LIB) -lcairo -lsodium -lnettle -lm
 API_LIBS    := -ljansson
 SERVER_LIBS := -lmicrohttpd -lgnutls -luv -lsqlite3 -larchive $(API_LIBS)
 CLIENT_LIBS := -lcurl $(API_LIBS)

@@ -1,31 +1,45 @@
 /*
- * SHA-256 of large files: libsodium's, or where the processor has instructions for it those, which
- * take a fifth of the time. FIPS 180-4. Any thread; call sodium_init before.
+ * SHA-256 (FIPS 180-4) by Nettle, which uses the processor's instructions for it where there are
+ * any: six times as quick as libsodium's on large files. Any thread; nothing is allocated.
  */
 #ifndef ORL_BASE_SHA256_H
 #define ORL_BASE_SHA256_H
 
-#include <stdbool.h>
 #include <stddef.h>
-#include <stdint.h>
 
-#include <sodium/crypto_hash_sha256.h>
+#include <nettle/sha2.h>
 
-enum { ORL_SHA256_BYTES = 32 };
+enum { ORL_SHA256_BYTES = SHA256_DIGEST_SIZE };
 
 struct orl_sha256 {
-    bool quick; /* state and size are used, else portable */
-    uint32_t state[8];
-    uint64_t size;
-    crypto_hash_sha256_state portable;
+    struct sha256_ctx context;
 };
 
-/* In pieces: all but the last are of a multiple of 64 bytes. */
-void orl_sha256_init(struct orl_sha256 *hash);
-void orl_sha256_add(struct orl_sha256 *hash, const void *data, size_t size);
-void orl_sha256_finish(struct orl_sha256 *hash, unsigned char ret_digest[ORL_SHA256_BYTES]);
+static inline void orl_sha256_init(struct orl_sha256 *hash)
+{
+    sha256_init(&hash->context);
+}
+
+static inline void orl_sha256_add(struct orl_sha256 *hash, const void *data, size_t size)
+{
+    sha256_update(&hash->context, size, data);
+}
+
+/* The digest of all that was added. */
+static inline void orl_sha256_finish(struct orl_sha256 *hash,
+                                     unsigned char ret_digest[ORL_SHA256_BYTES])
+{
+    sha256_digest(&hash->context, ORL_SHA256_BYTES, ret_digest);
+}
 
 /* The whole at once. */
-void orl_sha256(const void *data, size_t size, unsigned char ret_digest[ORL_SHA256_BYTES]);
+static inline void orl_sha256(const void *data, size_t size,
+                              unsigned char ret_digest[ORL_SHA256_BYTES])
+{
+    struct orl_sha256 hash;
+    orl_sha256_init(&hash);
+    orl_sha256_add(&hash, data, size);
+    orl_sha256_finish(&hash, ret_digest);
+}
 
 #endif

@@ -19,6 +19,7 @@ struct header {
     uint64_t size;  /* of the file */
     unsigned char content[ORL_COMPILED_DIGEST];
     unsigned char checksum[ORL_CHECKSUM_BYTES]; /* of all after the header */
+    unsigned char reserved[32];                 /* 0 */
     unsigned char of_header[ORL_CHECKSUM_BYTES];
 };
 _Static_assert(sizeof(struct header) == 128, "a multiple of 64");
@@ -32,11 +33,11 @@ static const uint64_t shape =
         100 +
     sizeof(void *);
 
-enum { STEP = 16 << 20 };
+enum { STEP = 16 << 20, BOUNDARY = 64 };
 
 static uint64_t aligned(uint64_t offset)
 {
-    return (offset + 63) & ~(uint64_t)63;
+    return (offset + BOUNDARY - 1) / BOUNDARY * BOUNDARY;
 }
 
 /* ---- The arrays ------------------------------------------------------------------------------ */
@@ -152,16 +153,11 @@ static int write_all(int fd, const char *data, size_t size)
 /* With zeros up to the next boundary. */
 static int put(struct output *out, const void *data, size_t bytes)
 {
-    const size_t whole = bytes / ORL_CHECKSUM_BLOCK * ORL_CHECKSUM_BLOCK;
-    char last[ORL_CHECKSUM_BLOCK] = {0};
-    orl_checksum_add(&out->sum, data, whole);
-    if (write_all(out->fd, data, whole) < 0)
-        return -1;
-    if (whole == bytes)
-        return 0;
-    memcpy(last, (const char *)data + whole, bytes - whole);
-    orl_checksum_add(&out->sum, last, sizeof last);
-    return write_all(out->fd, last, sizeof last);
+    static const char zeros[BOUNDARY];
+    const size_t rest = aligned(bytes) - bytes;
+    orl_checksum_add(&out->sum, data, bytes);
+    orl_checksum_add(&out->sum, zeros, rest);
+    return write_all(out->fd, data, bytes) < 0 ? -1 : write_all(out->fd, zeros, rest);
 }
 
 static int write_file(int fd, struct orl_bsdf *image, const struct arrays *arrays,

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 
 #include "base/circle.h"
+#include "base/sha256.h"
 #include "light/sky.h"
 #include "scene/material/bounds.h"
 
@@ -147,4 +148,41 @@ struct orl_vec3 orl_sun_sample(const struct orl_sun *sun, const double u[2])
     const double sine = sqrt(down * (2 - down));
     const struct orl_circle circle = orl_circle_turn(u[1]);
     return orl_to_world(&sun->frame, orl_v3(sine * circle.cosine, sine * circle.sine, cosine));
+}
+
+static void hash_sky(struct orl_sha256 *hash, const struct orl_sky *sky)
+{
+    const uint64_t head[2] = {sky ? (uint64_t)sky->kind + 1 : 0, sky ? (uint64_t)sky->n_args : 0};
+    orl_sha256_add(hash, head, sizeof head);
+    if (sky)
+        orl_sha256_add(hash, sky->a, head[1] * sizeof *sky->a);
+}
+
+void orl_lights_digest(const struct orl_lights *lights, unsigned char ret_digest[32])
+{
+    const uint64_t counts[2] = {lights->n_suns, lights->n_domes};
+    struct orl_sha256 hash;
+    orl_sha256_init(&hash);
+    orl_sha256_add(&hash, counts, sizeof counts);
+    for (size_t i = 0; i < lights->n_suns; i++) {
+        const struct orl_sun *sun = &lights->suns[i];
+        const struct orl_vec3 n = sun->frame.n;
+        const double numbers[] = {
+            n.x, n.y, n.z, sun->cos_half_angle, sun->radiance.r, sun->radiance.g, sun->radiance.b};
+        orl_sha256_add(&hash, numbers, sizeof numbers);
+    }
+    for (size_t i = 0; i < lights->n_domes; i++) {
+        const struct orl_dome *dome = &lights->domes[i];
+        const struct orl_vec3 d = dome->direction;
+        const double numbers[] = {d.x,
+                                  d.y,
+                                  d.z,
+                                  dome->cos_half_angle,
+                                  dome->radiance.r,
+                                  dome->radiance.g,
+                                  dome->radiance.b};
+        orl_sha256_add(&hash, numbers, sizeof numbers);
+        hash_sky(&hash, dome->sky);
+    }
+    orl_sha256_finish(&hash, ret_digest);
 }

@@ -60,6 +60,10 @@ struct orl_lights *orl_lights_hold(struct orl_lights *lights);
 /* NULL is allowed. */
 void orl_lights_release(struct orl_lights *lights);
 
+/* A digest of suns and domes, by what they shine: two ways to ask for one sky have the same. Lamps
+ * are in the scene's own. */
+void orl_lights_digest(const struct orl_lights *lights, unsigned char ret_digest[32]);
+
 /* A direction uniform over the sun's disc; u in [0,1)^2. */
 struct orl_vec3 orl_sun_sample(const struct orl_sun *sun, const double u[2]);
 

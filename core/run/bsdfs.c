@@ -15,12 +15,11 @@ static const char kind[] = "bsdf";
 static void make_key(const unsigned char content[ORL_COMPILED_DIGEST],
                      char ret_key[ORL_DIGEST_HEX + 1])
 {
-    unsigned char digest[crypto_hash_sha256_BYTES];
+    unsigned char digest[ORL_SHA256_BYTES];
     char text[16 + ORL_COMPILED_DIGEST];
     const int length = snprintf(text, 16, "oriel bsdf %d", ORL_COMPILED_VERSION);
     memcpy(text + length, content, ORL_COMPILED_DIGEST);
-    crypto_hash_sha256(digest, (const unsigned char *)text,
-                       (unsigned long long)length + ORL_COMPILED_DIGEST);
+    orl_sha256(text, (size_t)length + ORL_COMPILED_DIGEST, digest);
     sodium_bin2hex(ret_key, ORL_DIGEST_HEX + 1, digest, sizeof digest);
 }
 
@@ -36,13 +35,10 @@ struct request {
 /* Where the digest was told and not worked out, the XML may be another by now. */
 static int check_content(const struct request *r, struct orl_error *err)
 {
-    struct orl_sha256 hash;
     unsigned char content[ORL_COMPILED_DIGEST];
     if (!r->state->env->files->digest)
         return 0;
-    orl_sha256_init(&hash);
-    orl_sha256_add(&hash, r->xml->data, r->xml->size);
-    orl_sha256_finish(&hash, content);
+    orl_sha256(r->xml->data, r->xml->size, content);
     if (memcmp(content, r->content, sizeof content) == 0)
         return 0;
     return orl_error_set(err, ORL_ERR_CORRUPT, "the file is damaged in the store");
@@ -83,7 +79,7 @@ static int load_and_keep(struct request *r, struct orl_bsdf **ret_bsdf, struct o
 }
 
 static int load(void *ctx, const struct orl_bsdf_xml *given,
-                const unsigned char content[crypto_hash_sha256_BYTES], struct orl_bsdf **ret_bsdf,
+                const unsigned char content[ORL_SHA256_BYTES], struct orl_bsdf **ret_bsdf,
                 struct orl_error *err)
 {
     struct request r = {.state = ctx, .content = content};

@@ -45,8 +45,8 @@ static void summarise(const struct orl_scene *scene, struct orl_scene_summary *s
 }
 
 static int load_bsdf(void *ctx, const struct orl_bsdf_xml *xml,
-                     const unsigned char content[crypto_hash_sha256_BYTES],
-                     struct orl_bsdf **ret_bsdf, struct orl_error *err)
+                     const unsigned char content[ORL_SHA256_BYTES], struct orl_bsdf **ret_bsdf,
+                     struct orl_error *err)
 {
     struct orl_bsdf_xml heeding = *xml;
     const struct orl_bsdf_loader *loader = ctx;

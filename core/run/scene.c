@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "base/sha256.h"
 #include "base/shelf.h"
 #include "run/bsdfs.h"
 #include "scene/parse/parse.h"
@@ -25,19 +26,17 @@ static const struct orl_shelf_sharing sharing = {hold, release};
 /* By what the caller says that the files are, and which of them are the main ones. */
 static bool shelf_key(const struct orl_run_state *state, char ret_key[ORL_SHELF_KEY])
 {
-    unsigned char digest[crypto_hash_sha256_BYTES];
+    unsigned char digest[ORL_SHA256_BYTES];
     char hex[ORL_DIGEST_HEX + 1];
-    crypto_hash_sha256_state hash;
+    struct orl_sha256 hash;
     const struct orl_job *job = state->job;
     if (!state->env->shelf || !state->env->files_id)
         return false;
-    crypto_hash_sha256_init(&hash);
-    crypto_hash_sha256_update(&hash, (const unsigned char *)state->env->files_id,
-                              strlen(state->env->files_id) + 1);
+    orl_sha256_init(&hash);
+    orl_sha256_add(&hash, state->env->files_id, strlen(state->env->files_id) + 1);
     for (size_t i = 0; i < job->n_scene_files; i++)
-        crypto_hash_sha256_update(&hash, (const unsigned char *)job->scene_files[i],
-                                  strlen(job->scene_files[i]) + 1);
-    crypto_hash_sha256_final(&hash, digest);
+        orl_sha256_add(&hash, job->scene_files[i], strlen(job->scene_files[i]) + 1);
+    orl_sha256_finish(&hash, digest);
     sodium_bin2hex(hex, sizeof hex, digest, sizeof digest);
     snprintf(ret_key, ORL_SHELF_KEY, "scene-%s", hex);
     return true;

@@ -1,5 +1,4 @@
 /* The sky that the job asks for: its weather file opened, its lights put into the scene. */
-#include <sodium.h>
 #include <string.h>
 
 #include "light/daylight.h"
@@ -46,23 +45,6 @@ int orl_run_find_sky(const struct orl_files *files, const struct orl_sky_request
     return code;
 }
 
-/* Over the numbers that light depends on, so that two ways to ask for one sky share their maps. */
-static void hash_daylight(const struct orl_daylight *daylight, unsigned char ret_digest[32])
-{
-    double numbers[17] = {(double)daylight->pattern.kind,
-                          (double)daylight->pattern.n_args,
-                          daylight->sun_radiance,
-                          daylight->sun_angle_deg,
-                          daylight->sun.x,
-                          daylight->sun.y,
-                          daylight->sun.z};
-    if (daylight->black)
-        memset(numbers, 0, sizeof numbers);
-    else
-        memcpy(numbers + 7, daylight->pattern.a, sizeof daylight->pattern.a);
-    crypto_hash_sha256(ret_digest, (const unsigned char *)numbers, sizeof numbers);
-}
-
 int orl_run_sky(struct orl_run_state *state, const struct orl_description *description,
                 struct orl_daylight *ret_daylight, struct orl_error *err)
 {
@@ -78,7 +60,6 @@ int orl_run_sky(struct orl_run_state *state, const struct orl_description *descr
         return code;
     state->result->sky_given = true;
     state->result->sky_dark = ret_daylight->black;
-    hash_daylight(ret_daylight, state->sky_digest);
     if (ret_daylight->warnings[0])
         orl_run_warn(state, "sky: %s", ret_daylight->warnings);
     return 0;

@@ -24,9 +24,8 @@ struct orl_run_state {
     struct orl_sensor *sensors; /* of the job, or of its file; owned when sensors_owned */
     size_t n_sensors;
     bool sensors_owned;
-    bool only_plan;               /* nothing is to be rendered: what it would take is asked for */
-    unsigned char sky_digest[32]; /* of the job's sky; meaningless without one */
-    struct orl_scene *scene;      /* held, as the next two are */
+    bool only_plan;          /* nothing is to be rendered: what it would take is asked for */
+    struct orl_scene *scene; /* held, as the next two are */
     struct orl_lights *lights;
     struct orl_world *world;       /* of both, by the plan; owned */
     struct orl_emission *emission; /* once photons are wanted: of all rounds */
@@ -44,7 +43,7 @@ struct orl_run_state {
     const double *bandwidths; /* by kind of map, in rounds (gather.h); NULL: as usual */
     const struct orl_sensor_round *sensor_round; /* NULL: as the job has it */
     struct orl_rays *rays; /* of the sensors, in lux, for what is rare; owned */
-    double samples; /* of a sensor on average, in all rounds so far; 0: as the job has it */
+    double samples;        /* of a sensor on average, in all rounds so far; 0: as the job has it */
     struct orl_estimates *looks; /* by view, for the cost of a job in one piece; owned */
     /* In rounds: where a finished picture goes instead of into files. */
     int (*take_film)(void *ctx, size_t index, const struct orl_film *film, struct orl_error *err);

@@ -85,8 +85,8 @@ double orl_ray_rate(const struct orl_geometry *geometry, size_t n_rays, int runs
 
 /* The cancel flag is the context. */
 static int load_bsdf(void *ctx, const struct orl_bsdf_xml *xml,
-                     const unsigned char content[crypto_hash_sha256_BYTES],
-                     struct orl_bsdf **ret_bsdf, struct orl_error *err)
+                     const unsigned char content[ORL_SHA256_BYTES], struct orl_bsdf **ret_bsdf,
+                     struct orl_error *err)
 {
     struct orl_bsdf_xml heeding = *xml;
     (void)content;

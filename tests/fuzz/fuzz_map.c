@@ -55,8 +55,7 @@ static void sign(struct bytes *file)
     h.version = ORL_MAP_VERSION;
     h.byte_order = 0x01020304U;
     orl_checksum_of(file->data + sizeof h, file->size - sizeof h, h.body_checksum);
-    crypto_generichash(h.header_checksum, sizeof h.header_checksum, (unsigned char *)&h,
-                       offsetof(struct orl_map_header, header_checksum), NULL, 0);
+    orl_checksum_of(&h, offsetof(struct orl_map_header, header_checksum), h.header_checksum);
     memcpy(file->data, &h, sizeof h);
 }
 

@@ -1,4 +1,4 @@
-/* SHA-256 by the processor's instructions against libsodium's. */
+/* SHA-256 as Nettle has it against libsodium's, whole and in pieces. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -25,8 +25,8 @@ static void every_length_agrees(void **state)
         assert_memory_equal(ours, theirs, sizeof ours);
         struct orl_sha256 hash;
         orl_sha256_init(&hash);
-        for (size_t at = 0; at < size; at += 128)
-            orl_sha256_add(&hash, data + 1 + at, size - at < 128 ? size - at : 128);
+        for (size_t at = 0; at < size; at += 100)
+            orl_sha256_add(&hash, data + 1 + at, size - at < 100 ? size - at : 100);
         orl_sha256_finish(&hash, ours);
         assert_memory_equal(ours, theirs, sizeof ours);
     }

@@ -3,7 +3,6 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <math.h>
-#include <sodium.h>
 #include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
@@ -53,8 +52,7 @@ uint64_t orl_map_size(const struct orl_map_layout *layout, uint64_t count, uint3
 static bool header_matches(const struct orl_map_header *h)
 {
     unsigned char sum[ORL_MAP_CHECKSUM];
-    crypto_generichash(sum, sizeof sum, (const unsigned char *)h,
-                       offsetof(struct orl_map_header, header_checksum), NULL, 0);
+    orl_checksum_of(h, offsetof(struct orl_map_header, header_checksum), sum);
     return memcmp(sum, h->header_checksum, sizeof sum) == 0;
 }
 

@@ -34,12 +34,12 @@
 #include <oriel/vec.h>
 
 enum {
-    ORL_MAP_VERSION = 5,
+    ORL_MAP_VERSION = 6,
     ORL_MAP_LEAF = 16,    /* photons a leaf */
     ORL_MAP_FANOUT = 8,   /* children a node */
     ORL_MAP_LEVELS = 12,  /* most levels: 16 * 8^11 photons */
     ORL_MAP_BATCHES = 16, /* values of the batch index */
-    ORL_MAP_CHECKSUM = 32,
+    ORL_MAP_CHECKSUM = 16,
     ORL_MAP_MOST_NOTED = 64, /* bytes a photon */
     ORL_MAP_FAMILY = 72,     /* room for a digest in hexadecimal */
 };
@@ -82,8 +82,8 @@ struct orl_map_header {
     uint32_t reserved;     /* 0 */
     char kind[16];
     char family[ORL_MAP_FAMILY]; /* whose maps differ in the target alone (run.h); "": none */
-    unsigned char body_checksum[ORL_MAP_CHECKSUM];   /* base/checksum.h, of all after the header */
-    unsigned char header_checksum[ORL_MAP_CHECKSUM]; /* BLAKE2b of all before this field */
+    unsigned char body_checksum[ORL_MAP_CHECKSUM];   /* base/checksum.h: of all after the header */
+    unsigned char header_checksum[ORL_MAP_CHECKSUM]; /* of all before this field */
 };
 
 struct orl_photon_map;

@@ -2,7 +2,6 @@
 
 #include <errno.h>
 #include <fcntl.h>
-#include <sodium.h>
 #include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
@@ -170,8 +169,7 @@ static void fill_header(struct writer *w)
     if (w->build->family)
         strncpy(h->family, w->build->family, sizeof h->family - 1);
     orl_checksum_of(w->file + sizeof *h, w->size - sizeof *h, h->body_checksum);
-    crypto_generichash(h->header_checksum, sizeof h->header_checksum, (unsigned char *)h,
-                       offsetof(struct orl_map_header, header_checksum), NULL, 0);
+    orl_checksum_of(h, offsetof(struct orl_map_header, header_checksum), h->header_checksum);
     memcpy(w->file, h, sizeof *h);
 }
 

@@ -239,14 +239,14 @@ static int finish(struct orl_parser *parser, struct orl_error *err)
 {
     struct orl_description *out = parser->out;
     const struct orl_sources *sources = &parser->sources;
-    crypto_hash_sha256_state digest = sources->digest;
+    struct orl_sha256 digest = sources->digest;
     out->files = calloc(sources->count ? sources->count : 1, sizeof *out->files);
     if (!out->files)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     for (size_t i = 0; i < sources->count; i++)
         out->files[i] = sources->items[i].name;
     out->n_files = sources->count;
-    crypto_hash_sha256_final(&digest, out->digest);
+    orl_sha256_finish(&digest, out->digest);
     out->n_degenerate = parser->degenerate.count;
     orl_parser_report(parser);
     return 0;

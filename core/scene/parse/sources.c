@@ -6,8 +6,6 @@
 
 #include <oriel/limits.h>
 
-#include "base/sha256.h"
-
 void orl_sources_init(struct orl_sources *sources, const struct orl_files *files,
                       const struct orl_bsdf_loader *loader, struct orl_arena *arena)
 {
@@ -15,7 +13,7 @@ void orl_sources_init(struct orl_sources *sources, const struct orl_files *files
     sources->files = files;
     sources->loader = loader;
     sources->arena = arena;
-    crypto_hash_sha256_init(&sources->digest);
+    orl_sha256_init(&sources->digest);
 }
 
 static void close_item(struct orl_sources *sources, struct orl_source *item)
@@ -81,8 +79,8 @@ void orl_sources_count_again(struct orl_sources *sources, size_t index)
     unsigned char length[8];
     for (int i = 0; i < 8; i++)
         length[i] = (unsigned char)((uint64_t)item->file.size >> (8 * i));
-    crypto_hash_sha256_update(&sources->digest, length, sizeof length);
-    crypto_hash_sha256_update(&sources->digest, item->content, sizeof item->content);
+    orl_sha256_add(&sources->digest, length, sizeof length);
+    orl_sha256_add(&sources->digest, item->content, sizeof item->content);
 }
 
 static int make_room(struct orl_sources *sources, struct orl_error *err)

@@ -14,16 +14,16 @@
 
 #include <oriel/bsdf.h>
 #include <oriel/files.h>
-#include <sodium/crypto_hash_sha256.h>
 
 #include "base/arena.h"
+#include "base/sha256.h"
 
 struct orl_source {
     char *name;   /* resolved: how the provider found it */
     char *folder; /* "a" for "a/b.rad", "" for "b.rad" */
     struct orl_file file;
     bool open;
-    unsigned char content[crypto_hash_sha256_BYTES];
+    unsigned char content[ORL_SHA256_BYTES];
     struct orl_bsdf *bsdf; /* a reference, once it was loaded as one */
 };
 
@@ -32,7 +32,7 @@ struct orl_source {
 struct orl_bsdf_loader {
     void *ctx;
     int (*load)(void *ctx, const struct orl_bsdf_xml *xml,
-                const unsigned char content[crypto_hash_sha256_BYTES], struct orl_bsdf **ret_bsdf,
+                const unsigned char content[ORL_SHA256_BYTES], struct orl_bsdf **ret_bsdf,
                 struct orl_error *err);
     const atomic_bool *cancel; /* heard while scene text is read; NULL: nothing */
 };
@@ -43,7 +43,7 @@ struct orl_sources {
     struct orl_arena *arena;
     struct orl_source *items;
     size_t count, room;
-    crypto_hash_sha256_state digest; /* over length and SHA-256 of the content of each file used */
+    struct orl_sha256 digest; /* over length and SHA-256 of the content of each file used */
 };
 
 void orl_sources_init(struct orl_sources *sources, const struct orl_files *files,
