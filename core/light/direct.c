@@ -249,6 +249,18 @@ struct orl_rgb orl_direct_light(const struct orl_world *world, const struct orl_
     return sum;
 }
 
+struct orl_rgb orl_direct_by_images(const struct orl_world *world,
+                                    const struct orl_direct_query *query, struct orl_random *random)
+{
+    struct orl_rgb sum = orl_gray(0);
+    double u[2];
+    for (size_t i = 0; i < world->n_suns; i++) {
+        numbers_for(query, i, random, u);
+        sum = orl_rgb_add(sum, mirrored_sun(world, i, query, u));
+    }
+    return sum;
+}
+
 struct orl_rgb orl_direct_by_lobes(const struct orl_world *world, const struct orl_hit *hit,
                                    const struct orl_material *material, struct orl_vec3 eye,
                                    struct orl_random *random)

@@ -33,6 +33,11 @@ struct orl_direct_query {
 struct orl_rgb orl_direct_light(const struct orl_world *world, const struct orl_direct_query *query,
                                 struct orl_random *random);
 
+/* Of that, with query.mirrored, the part of the suns' images in flat mirrors alone. */
+struct orl_rgb orl_direct_by_images(const struct orl_world *world,
+                                    const struct orl_direct_query *query,
+                                    struct orl_random *random);
+
 /*
  * Radiance of suns (images in flat mirrors included) and lights that the lobes of material at that
  * hit send towards eye, from both sides where it transmits: one shadow ray each. The rest of the

@@ -1,6 +1,7 @@
 #include "photon/flight/guide.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 #include "light/path.h"
 #include "photon/flight/beam.h"
@@ -17,7 +18,9 @@ enum {
     PATCH_SIDE = 32,
     PHOTONS_A_CELL = 4
 };
+enum { MOST_PANES = 16 };
 static const double guided_share = 0.9;
+static const double beside_others = 0.25, dimmest_share = 1e-3;
 /* Of a place whose photons all leave at once: they still light what they land on; no caustic does.
  */
 static const double least_worth = 0.02, least_worth_caustic = 0.0005;
@@ -50,10 +53,34 @@ static struct orl_vec3 patch_direction(uint32_t patch, struct orl_random *random
 }
 
 /*
- * 1 when light that arrives so goes on to meet something else (caustic: when it is deflected at
- * once), 0 when it is as good as gone.
+ * The share of light that is deflected by what stands in its way, panes that it goes straight
+ * through among them. Not one event by chance: a pane mirrors a tenth, and of four photons most
+ * often none, whose cell then would look as if it were empty.
  */
-static double worth(const struct orl_world *world, bool caustic, struct orl_vec3 origin,
+static double deflected(const struct orl_world *world, struct orl_vec3 origin,
+                        struct orl_vec3 direction)
+{
+    struct orl_path path = orl_path_from(origin, direction);
+    struct orl_hit hit;
+    double sum = 0, share = 1;
+    for (int pane = 0; pane < MOST_PANES && share > dimmest_share; pane++) {
+        if (!orl_path_meet(world, &path, &hit) ||
+            orl_world_crossing(world, &hit) == ORL_CROSSING_INWARDS)
+            return sum;
+        const struct orl_material *m = orl_world_material(world, &hit);
+        const struct orl_vec3 back = orl_path_back(&path);
+        const enum orl_lobes lobes = (enum orl_lobes)(ORL_LOBE_REFLECTED | ORL_LOBE_TRANSMITTED);
+        const double straight = orl_luma(orl_material_straight(m, &hit, back));
+        const double all = orl_luma(orl_material_albedo(m, &hit, back, lobes));
+        sum += share * fmax(all - straight, 0);
+        share *= straight;
+        orl_path_pass(&path, world, &hit);
+    }
+    return sum;
+}
+
+/* 1 when light that arrives so goes on to meet something else, 0 when it is as good as gone. */
+static double worth(const struct orl_world *world, struct orl_vec3 origin,
                     struct orl_vec3 direction, struct orl_random *random)
 {
     struct orl_path path = orl_path_from(origin, direction);
@@ -67,9 +94,6 @@ static double worth(const struct orl_world *world, bool caustic, struct orl_vec3
                            ORL_TRANSPORT_LIGHT, ORL_LOBE_ALL, random);
     if (s.event == ORL_EVENT_ABSORBED)
         return 0;
-    if (caustic)
-        return s.event == ORL_EVENT_MIRROR || s.event == ORL_EVENT_GLOSSY ||
-               s.event == ORL_EVENT_REFRACTED;
     orl_path_leave(&path, world, &hit, &s);
     return orl_geometry_occluded(world->geometry, path.origin, path.direction, INFINITY);
 }
@@ -93,11 +117,40 @@ static void probe_row(void *arg, size_t row, uint32_t member)
             const double u[2] = {x / pilot->side, y / pilot->side};
             struct orl_vec3 origin;
             orl_beam_point(world->geometry, towards, u, &origin);
-            sum += worth(world, pilot->caustic, origin, orl_neg(towards), &random);
+            sum += pilot->caustic ? deflected(world, origin, orl_neg(towards))
+                                  : worth(world, origin, orl_neg(towards), &random);
         }
         pilot->values[cell] =
             (pilot->caustic ? least_worth_caustic : least_worth) + sum / PHOTONS_A_CELL;
     }
+}
+
+/*
+ * Cells beside others are worth a part of what these are: what ends in them by a sliver is easily
+ * missed by so few photons, and its own would weigh hundreds of times as much as others.
+ */
+static double beside(const double *found, size_t side, size_t x, size_t y)
+{
+    double most = 0;
+    for (size_t row = y > 0 ? y - 1 : 0; row <= y + 1 && row < side; row++)
+        for (size_t column = x > 0 ? x - 1 : 0; column <= x + 1 && column < side; column++)
+            most = fmax(most, found[row * side + column]);
+    return most;
+}
+
+static int spread_out(const struct pilot *pilot)
+{
+    const size_t side = pilot->side;
+    double *found = malloc(side * side * sizeof *found);
+    if (!found)
+        return ORL_ERR_NOMEM;
+    memcpy(found, pilot->values, side * side * sizeof *found);
+    for (size_t y = 0; y < side; y++)
+        for (size_t x = 0; x < side; x++)
+            pilot->values[y * side + x] =
+                fmax(found[y * side + x], beside_others * beside(found, side, x, y));
+    free(found);
+    return 0;
 }
 
 static int make_table(struct pilot *pilot, struct orl_crew *crew, struct orl_table *ret_table)
@@ -106,6 +159,8 @@ static int make_table(struct pilot *pilot, struct orl_crew *crew, struct orl_tab
     if (!pilot->values)
         return ORL_ERR_NOMEM;
     int code = orl_crew_try(crew, pilot->side, probe_row, pilot);
+    if (code == 0 && pilot->caustic)
+        code = spread_out(pilot);
     if (code == 0)
         code = orl_table_init(ret_table, pilot->side, pilot->side, pilot->values, 1 - guided_share);
     free(pilot->values);

@@ -2,8 +2,9 @@
 #include <stdlib.h>
 
 #include "render/gather/gather.h"
+#include "scene/geometry/stand.h"
 
-enum { WIDTH_PROBES = 31 };
+enum { WIDTH_PROBES = 31, BLUR_GROUPS = 16, BLUR_POINTS = 16 /* of each */ };
 
 /* A disc is made anew where what is normal is less than this share of its radius. */
 static const double much_wider = 0.8;
@@ -81,4 +82,70 @@ struct orl_density orl_gather_caustic_with_bias(const struct orl_gather *gather,
     if (density.found > 0)
         density.bias = orl_density_bias(gather->maps[ORL_MAP_CAUSTIC], &query, &density, search);
     return density;
+}
+
+/* A disc to look for images from. */
+struct blur_disc {
+    const struct orl_gather *gather;
+    const struct orl_footing *footing;
+    struct orl_footprint footprint;
+    double radius;
+};
+
+/* Suns in flat mirrors as a point of the surface sees them. */
+static struct orl_rgb images_at(const struct blur_disc *disc, struct orl_vec3 point, double *u)
+{
+    const struct orl_direct_query query = {
+        .point = orl_stand(disc->gather->world->geometry, point, disc->footing->normal),
+        .normal = disc->footing->normal,
+        .through_ports = true,
+        .mirrored = true,
+        .u = u};
+    struct orl_random unused = {0}; /* the query has its numbers */
+    return orl_direct_by_images(disc->gather->world, &query, &unused);
+}
+
+/* The mean of a group of points; of each the middle is looked at by the same ray to the sun's disc,
+ * so that where light is even nothing is left to chance. */
+static struct orl_rgb blur_of_group(const struct blur_disc *disc, uint32_t sequence, uint32_t group,
+                                    struct orl_image_blur *blur)
+{
+    struct orl_rgb sum = orl_gray(0);
+    double u[4];
+    uint32_t n = 0;
+    for (uint32_t i = 0; i < BLUR_POINTS; i++) {
+        orl_sobol_point(&disc->gather->sobol, i, sequence + group * 0x9e3779b9U, 4, u);
+        const double r = disc->radius * sqrt(u[2]), turn = 2 * ORL_PI * u[3];
+        const struct orl_frame *frame = &disc->footprint.frame;
+        const struct orl_vec3 chord =
+            orl_add(orl_scale(frame->u, r * cos(turn)), orl_scale(frame->v, r * sin(turn)));
+        if (!orl_footprint_holds(&disc->footprint, chord))
+            continue;
+        const struct orl_rgb there = images_at(disc, orl_add(disc->footing->point, chord), u);
+        const struct orl_rgb here = images_at(disc, disc->footing->point, u);
+        sum = orl_rgb_add(sum, orl_rgb_add(there, orl_rgb_scale(here, -1)));
+        blur->mean += orl_luma(there);
+        n++;
+    }
+    blur->found += n;
+    return orl_rgb_scale(sum, n > 0 ? 1.0 / n : 0);
+}
+
+struct orl_image_blur orl_gather_image_blur(const struct orl_gather *gather,
+                                            const struct orl_footing *footing, double radius,
+                                            uint32_t sequence)
+{
+    const struct orl_world *world = gather->world;
+    struct blur_disc disc = {.gather = gather, .footing = footing, .radius = radius};
+    struct orl_image_blur blur = {.found = 0};
+    struct orl_rgb groups[BLUR_GROUPS];
+    if (world->images.n_nodes == 0 || world->omit.mirror_caustics ||
+        !(orl_footing_flat(footing) > 0))
+        return blur;
+    orl_footprint_make(footing, radius, &disc.footprint);
+    for (uint32_t group = 0; group < BLUR_GROUPS; group++)
+        groups[group] = blur_of_group(&disc, sequence, group, &blur);
+    blur.excess = orl_estimate_of_mean(groups, BLUR_GROUPS);
+    blur.mean /= blur.found > 0 ? blur.found : 1;
+    return blur;
 }

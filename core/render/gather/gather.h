@@ -174,6 +174,21 @@ struct orl_density orl_gather_caustic_with_bias(const struct orl_gather *gather,
                                                 struct orl_search *search);
 
 /*
+ * What that density of a radius has too much, by its width, of suns in flat mirrors: their images
+ * over its disc, less those at its middle, by points of the Sobol sequence of that name. A control
+ * variate: the density less this has only the bias of its other light. found is 0 where nothing is
+ * mirrored, or the surface is bent; area is then of no meaning.
+ */
+struct orl_image_blur {
+    struct orl_estimate excess; /* no bias, and errors of the points alone */
+    double mean;                /* luma of the images over the disc */
+    uint32_t found;             /* points of it */
+};
+struct orl_image_blur orl_gather_image_blur(const struct orl_gather *gather,
+                                            const struct orl_footing *footing, double radius,
+                                            uint32_t sequence);
+
+/*
  * The rest at a point of a surface, by density or from records; found is 0 where there are none, or
  * when it is to be gathered.
  */

@@ -12,7 +12,7 @@ static const double beside_rest = 0.5, beside_light = 0.002;
 static const double grazing_discs = 2; /* a sun within so many radii of the sensor's plane */
 
 /* Names of sequences: no two of any seeds are alike. */
-enum { OF_DIRECT, OF_HEMISPHERE, OF_PANES, OF_AIMED = 1 << 30 };
+enum { OF_DIRECT, OF_HEMISPHERE, OF_PANES, OF_AIMED = 1 << 30, OF_BLUR };
 
 static uint32_t sequence_of(const struct orl_gather *gather, uint64_t what, uint64_t name)
 {
@@ -229,12 +229,27 @@ struct orl_place orl_gather_place(const struct orl_gather *gather, struct orl_ve
 /* Whether the density's bias shows, and there is a better way: suns' images in flat mirrors tell
  * all that there is. Outside rays find it. */
 static bool is_blurred(const struct orl_world *world, const struct orl_place *place,
-                       const struct orl_density *caustic, const struct orl_estimate *rest)
+                       const struct orl_density *caustic, const struct orl_image_blur *blur,
+                       const struct orl_estimate *rest)
 {
     const double light = orl_luma(rest->value) + orl_luma(caustic->irradiance);
+    const double bias = fmax(fabs(caustic->bias), fabs(orl_luma(blur->excess.value)));
     return !place->in_air && !place->outside &&
-           fabs(caustic->bias) > fmax(beside_rest * rest->standard_error, beside_light * light) &&
+           bias > fmax(beside_rest * rest->standard_error, beside_light * light) &&
            orl_air_is_by_images(world);
+}
+
+/* A density without what of suns in flat mirrors it has blurred: its bias is that of the rest. */
+static struct orl_estimate sharpen(struct orl_estimate caustic, const struct orl_image_blur *blur)
+{
+    const double luma = orl_luma(caustic.value);
+    if (blur->found == 0 || !(blur->mean > 0))
+        return caustic;
+    caustic.bias *= luma > 0 ? fmax(1 - blur->mean / luma, 0) : 0;
+    struct orl_estimate excess = blur->excess;
+    excess.value = orl_rgb_scale(excess.value, -1);
+    excess.third = -excess.third;
+    return orl_estimate_add(caustic, excess);
 }
 
 struct orl_estimate orl_gather_sensor(const struct orl_gather *gather, struct orl_place *place,
@@ -243,6 +258,7 @@ struct orl_estimate orl_gather_sensor(const struct orl_gather *gather, struct or
 {
     static const struct orl_density none = {.found = 0};
     struct orl_density rest = none, caustic = none;
+    struct orl_image_blur blur = {.found = 0};
     const int kind_of_rest =
         gather->rest == ORL_REST_RECORDS ? ORL_MAP_PRECOMPUTED : ORL_MAP_GLOBAL;
     struct orl_tally tally = {.known = 0};
@@ -250,6 +266,9 @@ struct orl_estimate orl_gather_sensor(const struct orl_gather *gather, struct or
         caustic = orl_gather_caustic_with_bias(gather, footing, search);
     if (!place->in_air && !place->outside)
         rest = orl_gather_rest(gather, footing, search);
+    if (caustic.found > 0 && !place->outside)
+        blur = orl_gather_image_blur(gather, footing, caustic.radius,
+                                     sequence_of(gather, OF_BLUR, index));
     struct orl_estimate lights = sample_lights(gather, place, index, &search->health);
     struct orl_estimate sum = estimate_by_map(&rest, &tally.parts[kind_of_rest], &search->health);
     if (rest.found == 0) {
@@ -259,12 +278,14 @@ struct orl_estimate orl_gather_sensor(const struct orl_gather *gather, struct or
         sum = orl_estimate_add(sum, seen);
     }
     const struct orl_estimate all = orl_estimate_add(sum, lights);
-    if (is_blurred(gather->world, place, &caustic, &all)) {
+    if (is_blurred(gather->world, place, &caustic, &blur, &all)) {
         place->in_air = true;
         caustic = none;
+        blur = (struct orl_image_blur){.found = 0};
         lights = sample_lights(gather, place, index, &search->health);
     }
     sum = orl_estimate_add(sum, lights);
-    return orl_estimate_add(
-        sum, estimate_by_map(&caustic, &tally.parts[ORL_MAP_CAUSTIC], &search->health));
+    const struct orl_estimate by_density =
+        estimate_by_map(&caustic, &tally.parts[ORL_MAP_CAUSTIC], &search->health);
+    return orl_estimate_add(sum, sharpen(by_density, &blur));
 }
