@@ -30,19 +30,18 @@ uint64_t orl_job_results_expected(const struct orl_jobs *jobs)
     return jobs->expected_bytes;
 }
 
-/* The files that an outcome lists, bytes. */
-static uint64_t count_bytes(const char *text)
+bool orl_job_results_count(const char *text, uint64_t *ret_bytes)
 {
     json_t *outcome = orl_json_reread(text);
     const json_t *entry;
-    uint64_t bytes = 0;
     size_t i;
+    *ret_bytes = 0;
     json_array_foreach(json_object_get(outcome, "files"), i, entry)
     {
-        bytes += (uint64_t)json_integer_value(json_object_get(entry, "bytes"));
+        *ret_bytes += (uint64_t)json_integer_value(json_object_get(entry, "bytes"));
     }
     json_decref(outcome);
-    return bytes;
+    return outcome != NULL;
 }
 
 void orl_job_results_settle(struct orl_jobs_job *job, enum orl_job_state state)
@@ -51,7 +50,7 @@ void orl_job_results_settle(struct orl_jobs_job *job, enum orl_job_state state)
     if (job->row.state <= ORL_JOB_RUNNING)
         jobs->expected_bytes -= job->row.result_bytes;
     const bool has_some = state == ORL_JOB_SUCCEEDED || state == ORL_JOB_CANCELLED;
-    job->row.result_bytes = has_some ? count_bytes(job->outcome) : 0;
+    job->row.result_bytes = has_some ? job->outcome_bytes : 0;
     jobs->result_bytes += job->row.result_bytes;
 }
 

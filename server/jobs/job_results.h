@@ -19,6 +19,9 @@ uint64_t orl_job_results_bytes(const struct orl_jobs *jobs);
 /* Of jobs that wait or run, bytes: what they are expected to leave. */
 uint64_t orl_job_results_expected(const struct orl_jobs *jobs);
 
+/* The files that an outcome (JSON text) lists, bytes. False: no memory. */
+bool orl_job_results_count(const char *text, uint64_t *ret_bytes);
+
 /* Of a job that is about to end in that state: what it leaves takes the place of what was expected.
  */
 void orl_job_results_settle(struct orl_jobs_job *job, enum orl_job_state state);

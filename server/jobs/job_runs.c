@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "jobs/job_list.h"
+#include "jobs/job_results.h"
 #include "jobs/job_share.h"
 #include "process/limits.h"
 #include "process/times.h"
@@ -109,15 +110,39 @@ static struct orl_jobs_job *next_job(const struct orl_jobs *jobs)
     return (struct orl_jobs_job *)((char *)entry - offsetof(struct orl_jobs_job, waiting));
 }
 
+static void discard_results(const struct orl_jobs *jobs, const char *id)
+{
+    char path[ORL_PATH_MAX];
+    orl_folders_path(jobs->env.folders, path, "results/%s", id);
+    orl_discard(jobs->env.loop, jobs->env.folders, path);
+}
+
+/* Without memory for what it is told of its results, a job has none. */
+static bool take_outcome(struct orl_jobs_job *job, const char *summary)
+{
+    char *outcome = summary ? strdup(summary) : NULL;
+    free(job->outcome);
+    job->outcome = NULL;
+    job->outcome_bytes = 0;
+    if (summary && (!outcome || !orl_job_results_count(outcome, &job->outcome_bytes))) {
+        free(outcome);
+        discard_results(job->jobs, job->row.id);
+        return false;
+    }
+    job->outcome = outcome;
+    return true;
+}
+
 /* What became of a computation, for one of its jobs. */
 static void end_job(struct orl_jobs_job *job, const struct orl_worker_outcome *outcome)
 {
     const bool cancelled = outcome->code == ORL_ERR_CANCELLED && job->cancelled;
-    if (outcome->code == 0 || cancelled) {
-        free(job->outcome);
-        job->outcome = outcome->summary ? strdup(outcome->summary) : NULL;
-    }
-    if (outcome->code == 0) {
+    const bool taken = (outcome->code != 0 && !cancelled) || take_outcome(job, outcome->summary);
+    struct orl_error err;
+    if (!taken && !cancelled) {
+        orl_error_set(&err, ORL_ERR_NOMEM, "out of memory for the job's results");
+        orl_jobs_fail(job, &err);
+    } else if (outcome->code == 0) {
         orl_jobs_set_state(job, ORL_JOB_SUCCEEDED);
     } else if (cancelled) {
         orl_jobs_set_state(job, ORL_JOB_CANCELLED);
@@ -130,13 +155,6 @@ static void end_job(struct orl_jobs_job *job, const struct orl_worker_outcome *o
     } else {
         orl_jobs_fail(job, &outcome->err);
     }
-}
-
-static void discard_results(const struct orl_jobs *jobs, const char *id)
-{
-    char path[ORL_PATH_MAX];
-    orl_folders_path(jobs->env.folders, path, "results/%s", id);
-    orl_discard(jobs->env.loop, jobs->env.folders, path);
 }
 
 /* ---- Results for those who follow, made on the pool: they may be thousands of files ---------- */

@@ -39,6 +39,7 @@ struct orl_jobs_job {
     struct orl_job_row row; /* outcome and problem point to the two below */
     struct orl_queue_entry waiting;
     char *outcome, *problem;   /* JSON text, owned */
+    uint64_t outcome_bytes;    /* of the files that the outcome lists, once it has ended */
     struct orl_worker *worker; /* while running; a leader's */
     double started_s;          /* steady clock, while running */
     bool cancelled, requeue;   /* what to make of ORL_ERR_CANCELLED */

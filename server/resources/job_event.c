@@ -19,13 +19,14 @@ struct event {
     size_t n_warnings; /* so far, of one that runs */
 };
 
-/* Those of one that has ended are in its outcome. */
-static json_t *final_warnings(const struct orl_jobs_job *job)
+/* Those of one that has ended are in its outcome. A new reference, NULL where there are none.
+ * False: no memory. */
+static bool final_warnings(const struct orl_jobs_job *job, json_t **ret_warnings)
 {
-    json_t *outcome = orl_json_reread(job->outcome);
-    json_t *warnings = json_incref(json_object_get(outcome, "warnings"));
+    json_t *outcome = job->outcome ? orl_json_reread(job->outcome) : NULL;
+    *ret_warnings = json_incref(json_object_get(outcome, "warnings"));
     json_decref(outcome);
-    return warnings;
+    return outcome || !job->outcome;
 }
 
 static struct event take(const struct orl_jobs *jobs, const struct orl_jobs_job *job)
@@ -63,14 +64,15 @@ void orl_job_event_id(const struct orl_jobs *jobs, const struct orl_jobs_job *jo
              event.views, event.skies, event.points, event.n_warnings, event.position);
 }
 
-/* The warnings so far, or those that it has ended with. A new reference. */
-static json_t *list_warnings(const struct orl_jobs_job *job)
+/* The warnings so far, or those that it has ended with; likewise. */
+static bool list_warnings(const struct orl_jobs_job *job, json_t **ret_warnings)
 {
     struct orl_job_progress progress;
     if (job->row.state != ORL_JOB_RUNNING || !orl_jobs_worker(job))
-        return final_warnings(job);
+        return final_warnings(job, ret_warnings);
     orl_worker_progress(orl_jobs_worker(job), &progress);
-    return orl_job_warnings(&progress);
+    *ret_warnings = orl_job_warnings(&progress);
+    return *ret_warnings != NULL;
 }
 
 json_t *orl_job_event(const struct orl_jobs *jobs, const struct orl_jobs_job *job)
@@ -82,8 +84,8 @@ json_t *orl_job_event(const struct orl_jobs *jobs, const struct orl_jobs_job *jo
                   orl_job_state_name(job->row.state), "stage", event.stage, "percent",
                   orl_json_from_real(event.permille < 0 ? (double)NAN : event.permille / 10.0),
                   "eta_s", orl_json_from_real(event.eta_s));
-    json_t *warnings = list_warnings(job);
-    int rc = 0;
+    json_t *warnings = NULL;
+    int rc = list_warnings(job, &warnings) ? 0 : -1;
     if (json_array_size(warnings) > 0)
         rc |= json_object_set(doc, "warnings", warnings);
     json_decref(warnings);

@@ -35,7 +35,10 @@ json_t *orl_job_warnings(const struct orl_job_progress *progress)
 {
     json_t *warnings = json_array();
     for (size_t i = 0; i < progress->n_warnings; i++)
-        json_array_append_new(warnings, orl_json_from_text(progress->warnings[i]));
+        if (json_array_append_new(warnings, orl_json_from_text(progress->warnings[i]))) {
+            json_decref(warnings);
+            return NULL;
+        }
     return warnings;
 }
 

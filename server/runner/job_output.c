@@ -197,11 +197,17 @@ static json_t *first_warnings(const json_t *doc)
     const json_t *warnings = json_object_get(doc, "warnings");
     const size_t count = json_array_size(warnings);
     json_t *first = json_array();
+    int rc = first ? 0 : -1;
     for (size_t i = 0; i < count && i < ORL_JOB_WARNINGS; i++)
-        json_array_append(first, json_array_get(warnings, i));
+        rc |= json_array_append(first, json_array_get(warnings, i));
     if (count > ORL_JOB_WARNINGS)
-        json_array_append_new(first, json_sprintf("and %zu more, which %s has",
-                                                  count - (size_t)ORL_JOB_WARNINGS, result_file));
+        rc |= json_array_append_new(first,
+                                    json_sprintf("and %zu more, which %s has",
+                                                 count - (size_t)ORL_JOB_WARNINGS, result_file));
+    if (rc) {
+        json_decref(first);
+        return NULL;
+    }
     return first;
 }
 

@@ -87,8 +87,11 @@ static struct candidate *list_candidates(const struct orl_jobs *jobs,
     return list;
 }
 
-/* False when it stays: somebody has taken it into use, or the database refuses. */
-static bool evict(struct orl_storage *storage, const struct candidate *candidate)
+/*
+ * A candidate stays where somebody has taken it into use. Negative: the database refuses, and what
+ * has been of use later is not to go in its place.
+ */
+static int evict(struct orl_storage *storage, const struct candidate *candidate)
 {
     struct orl_error err = {0};
     enum orl_map_removal removal = ORL_MAP_REMOVED;
@@ -103,14 +106,14 @@ static bool evict(struct orl_storage *storage, const struct candidate *candidate
     }
     if (rc) {
         orl_log_event(storage->log, ORL_LOG_ERROR, "eviction-failed", "s", "why", err.message);
-        return false;
+        return rc;
     }
     if (removal != ORL_MAP_REMOVED)
-        return false;
+        return 0;
     storage->evicted[kind]++;
     orl_log_event(storage->log, ORL_LOG_INFO, "evicted", "ssi", "what", orl_stored_names[kind],
                   "name", map ? map->key : candidate->job, "bytes", (int64_t)candidate->bytes);
-    return true;
+    return 0;
 }
 
 enum shrink_how { SHRINK_AS_FAR_AS_IT_GOES, SHRINK_OR_LEAVE };
@@ -132,9 +135,11 @@ static uint64_t shrink(struct orl_storage *storage, uint64_t most, enum shrink_h
         stays -= list[i].bytes;
     if (how == SHRINK_OR_LEAVE && stays > most)
         count = 0;
-    for (size_t i = 0; list && i < count && used > most; i++)
-        if (evict(storage, &list[i]))
-            used = orl_storage_total(storage);
+    int rc = 0;
+    for (size_t i = 0; list && i < count && used > most && rc == 0; i++) {
+        rc = evict(storage, &list[i]);
+        used = orl_storage_total(storage);
+    }
     free(list);
     free(maps);
     return used;
