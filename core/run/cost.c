@@ -230,14 +230,14 @@ static double seconds_of_photons(const struct orl_result *result)
     return seconds;
 }
 
-void orl_run_look(struct orl_run_state *state, size_t index, const struct orl_film *film)
+void orl_run_note_pixels(struct orl_run_state *state, size_t index, const struct orl_film *film)
 {
     enum { MOST_PIXELS = 4096 };
     const size_t all = (size_t)film->width * film->height;
     const size_t step = (all + MOST_PIXELS - 1) / MOST_PIXELS, count = (all + step - 1) / step;
-    if (!state->looks)
-        state->looks = calloc(state->job->n_views, sizeof *state->looks);
-    double *values = state->looks ? malloc(2 * count * sizeof *values) : NULL;
+    if (!state->noted_pixels)
+        state->noted_pixels = calloc(state->job->n_views, sizeof *state->noted_pixels);
+    double *values = state->noted_pixels ? malloc(2 * count * sizeof *values) : NULL;
     if (!values)
         return;
     for (size_t i = 0; i < count; i++) {
@@ -245,19 +245,19 @@ void orl_run_look(struct orl_run_state *state, size_t index, const struct orl_fi
         values[i] = orl_luma((struct orl_rgb){p[0], p[1], p[2]});
         values[count + i] = film->errors[i * step];
     }
-    state->looks[index] = (struct orl_estimates){.value = values,
-                                                 .error = values + count,
-                                                 .count = count,
-                                                 .floor = orl_floor_of_pixels,
-                                                 .degrees = ORL_MAP_BATCHES - 1};
+    state->noted_pixels[index] = (struct orl_estimates){.value = values,
+                                                        .error = values + count,
+                                                        .count = count,
+                                                        .floor = orl_floor_of_pixels,
+                                                        .degrees = ORL_MAP_BATCHES - 1};
 }
 
-void orl_run_forget_looks(struct orl_run_state *state)
+void orl_run_forget_pixels(struct orl_run_state *state)
 {
-    for (size_t i = 0; state->looks && i < state->job->n_views; i++)
-        free((double *)(uintptr_t)state->looks[i].value);
-    free(state->looks);
-    state->looks = NULL;
+    for (size_t i = 0; state->noted_pixels && i < state->job->n_views; i++)
+        free((double *)(uintptr_t)state->noted_pixels[i].value);
+    free(state->noted_pixels);
+    state->noted_pixels = NULL;
 }
 
 /* Sensors and views that have been found; how many. */
@@ -275,9 +275,9 @@ static size_t list_parts(const struct orl_run_state *state, const double *noise,
                                                 .count = result->n_sensors,
                                                 .floor = orl_floor_of_sensors,
                                                 .degrees = ORL_MAP_BATCHES - 1};
-    for (size_t i = 0; state->looks && i < state->job->n_views; i++)
-        if (state->looks[i].count > 0)
-            ret_parts[n++] = state->looks[i];
+    for (size_t i = 0; state->noted_pixels && i < state->job->n_views; i++)
+        if (state->noted_pixels[i].count > 0)
+            ret_parts[n++] = state->noted_pixels[i];
     return n;
 }
 

@@ -74,8 +74,8 @@ void orl_run_predict(struct orl_run_state *state, const struct orl_pace *pace,
  * The cost of a job that went in one piece. Of its views, some thousand pixels are taken note of as
  * each is finished; a view that there is no memory for is missing from the error.
  */
-void orl_run_look(struct orl_run_state *state, size_t index, const struct orl_film *film);
+void orl_run_note_pixels(struct orl_run_state *state, size_t index, const struct orl_film *film);
 void orl_run_cost(struct orl_run_state *state);
-void orl_run_forget_looks(struct orl_run_state *state);
+void orl_run_forget_pixels(struct orl_run_state *state);
 
 #endif

@@ -112,7 +112,7 @@ static int keep_film(struct orl_run_state *state, size_t index, const struct orl
 {
     if (state->take_film)
         return state->take_film(state->take_ctx, index, film, err);
-    orl_run_look(state, index, film);
+    orl_run_note_pixels(state, index, film);
     if (state->env->view_ready)
         state->env->view_ready(state->env->ctx, index, film->pixels,
                                orl_film_knows_errors(film) ? film->errors : NULL,

@@ -91,7 +91,7 @@ static int run(const struct orl_job *job, const struct orl_run_env *env, struct 
     orl_crew_heed(env->crew, NULL);
     orl_run_leave(&state);
     result.total_s = env->now_s(env->ctx) - started;
-    orl_run_forget_looks(&state);
+    orl_run_forget_pixels(&state);
     orl_run_release_maps(&state);
     orl_run_forget_backward(&state);
     orl_emission_free(state.emission);

@@ -44,7 +44,7 @@ struct orl_run_state {
     const struct orl_sensor_round *sensor_round; /* NULL: as the job has it */
     struct orl_rays *rays; /* of the sensors, in lux, for what is rare; owned */
     double samples;        /* of a sensor on average, in all rounds so far; 0: as the job has it */
-    struct orl_estimates *looks; /* by view, for the cost of a job in one piece; owned */
+    struct orl_estimates *noted_pixels; /* by view, for the cost of a job in one piece; owned */
     /* In rounds: where a finished picture goes instead of into files. */
     int (*take_film)(void *ctx, size_t index, const struct orl_film *film, struct orl_error *err);
     void *take_ctx;

@@ -1,7 +1,7 @@
 /* Views by the backward technique: every pixel the mean of a number of rays through it. */
 #include "render/backward/backward.h"
-#include "render/picture/error_map.h"
 #include "render/image/shade.h"
+#include "render/picture/error_map.h"
 
 enum { LAMPS_A_RAY = 8, PANE_SAMPLES = 4, GLOSS_SAMPLES = 2 };
 static const struct orl_effort at_surfaces = {{1, 2, 1}};
@@ -31,12 +31,12 @@ static struct orl_rgb lobe_radiance(const void *ctx, struct orl_vec3 origin,
 }
 
 /* The light of all diffuse surfaces that a ray came to. */
-static struct orl_rgb lit_surfaces(const struct orl_sight *sight, struct orl_sampling sampling,
+static struct orl_rgb lit_surfaces(const struct orl_shaded *shaded, struct orl_sampling sampling,
                                    struct orl_tracer *tracer)
 {
     struct orl_rgb sum = orl_gray(0);
-    for (uint32_t v = 0; v < sight->n_vertices; v++) {
-        const struct orl_vertex *vertex = &sight->vertices[v];
+    for (uint32_t v = 0; v < shaded->n_vertices; v++) {
+        const struct orl_vertex *vertex = &shaded->vertices[v];
         const struct orl_rgb light = orl_backward_light(tracer, &vertex->place, &sampling);
         sum = orl_rgb_add(sum, orl_health_keep(tracer->health, orl_rgb_mul(vertex->weight, light)));
         sampling.sequence += 0x632be59bU;
@@ -44,17 +44,17 @@ static struct orl_rgb lit_surfaces(const struct orl_sight *sight, struct orl_sam
     return sum;
 }
 
-static struct orl_rgb ray_radiance(const struct painter *p, const struct orl_onlooker *onlooker,
+static struct orl_rgb ray_radiance(const struct painter *p, const struct orl_shader *shader,
                                    const double place[2], struct orl_sampling sampling,
                                    struct orl_tracer *tracer, struct orl_search *search)
 {
     struct orl_vec3 origin, direction;
-    struct orl_sight sight;
+    struct orl_shaded shaded;
     if (!orl_paint_ray(p->painting, place[0], place[1], &origin, &direction))
         return orl_gray(0);
-    orl_shade_look(onlooker, origin, direction, p->outside, true, &tracer->random, search, &sight);
-    return orl_rgb_add(orl_health_keep(tracer->health, orl_rgb_add(sight.rest, sight.lobes)),
-                       lit_surfaces(&sight, sampling, tracer));
+    orl_shade_ray(shader, origin, direction, p->outside, true, &tracer->random, search, &shaded);
+    return orl_rgb_add(orl_health_keep(tracer->health, orl_rgb_add(shaded.rest, shaded.lobes)),
+                       lit_surfaces(&shaded, sampling, tracer));
 }
 
 /* Sums of groups of samples, and how many each has. */
@@ -81,14 +81,14 @@ static struct orl_pixel compute_pixel(void *ctx, uint32_t x, uint32_t y, struct 
     const uint64_t index = p->painting->env->index;
     const uint64_t pixel = (uint64_t)y * p->painting->film->width + x;
     const uint64_t name = orl_mix64(b->seed * 5 + index * 7 + orl_mix64(pixel));
-    const struct orl_onlooker onlooker = {.world = b->world,
-                                          .sobol = &b->sobol,
-                                          .pane_samples = PANE_SAMPLES,
-                                          .gloss_samples = GLOSS_SAMPLES,
-                                          .dimmest = dimmest,
-                                          .by_lot = true,
-                                          .radiance = lobe_radiance,
-                                          .ctx = b};
+    const struct orl_shader shader = {.world = b->world,
+                                      .sobol = &b->sobol,
+                                      .pane_samples = PANE_SAMPLES,
+                                      .gloss_samples = GLOSS_SAMPLES,
+                                      .dimmest = dimmest,
+                                      .by_lot = true,
+                                      .radiance = lobe_radiance,
+                                      .ctx = b};
     struct orl_sampling sampling = {
         .sequence = (uint32_t)(name >> 8) + 1, .effort = p->effort, .lamps = LAMPS_A_RAY};
     const uint32_t n_groups = p->samples < ORL_MAP_BATCHES ? p->samples : ORL_MAP_BATCHES;
@@ -105,7 +105,7 @@ static struct orl_pixel compute_pixel(void *ctx, uint32_t x, uint32_t y, struct 
         orl_sobol_point(&b->sobol, i, (uint32_t)(name >> 8), 2, u);
         sampling.index = i;
         const double place[2] = {x + u[0], y + u[1]};
-        const struct orl_rgb c = ray_radiance(p, &onlooker, place, sampling, &tracer, search);
+        const struct orl_rgb c = ray_radiance(p, &shader, place, sampling, &tracer, search);
         sum = orl_rgb_add(sum, c);
         groups.sums[group] += orl_luma(c);
         groups.counts[group]++;

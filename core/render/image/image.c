@@ -32,7 +32,7 @@ struct row {
 struct painter {
     const struct orl_gather *gather;
     const struct orl_painting *painting;
-    struct orl_onlooker onlooker;
+    struct orl_shader shader;
     struct orl_icache cache;
     bool outside;
     struct orl_grain grain;
@@ -165,14 +165,14 @@ static uint64_t look_for_places(const struct painter *p, uint32_t x, uint32_t y,
                                 struct row *row, struct orl_search *search)
 {
     struct orl_vec3 origin, direction;
-    struct orl_sight sight;
+    struct orl_shaded shaded;
     struct orl_random random = {0};
     bool gathered = false;
     if (!orl_paint_ray(p->painting, x + 0.5, y + 0.5, &origin, &direction))
         return SEEN_GATHERED + 1;
-    orl_shade_look(&p->onlooker, origin, direction, p->outside, false, &random, search, &sight);
-    for (uint32_t i = 0; i < sight.n_vertices; i++) {
-        const struct orl_vertex *v = &sight.vertices[i];
+    orl_shade_ray(&p->shader, origin, direction, p->outside, false, &random, search, &shaded);
+    for (uint32_t i = 0; i < shaded.n_vertices; i++) {
+        const struct orl_vertex *v = &shaded.vertices[i];
         const bool is_read = !orl_lighting_gathers(p->gather, &v->place);
         const bool served = (!is_read || doubt) && is_served(p, &v->place);
         const bool wants = !served && (!is_read || (doubt && is_doubted(p, v, search)));
@@ -180,7 +180,7 @@ static uint64_t look_for_places(const struct painter *p, uint32_t x, uint32_t y,
             want(row, v, &p->grain);
         gathered = gathered || served || wants;
     }
-    return gathered && p->gather->rest != ORL_REST_GATHERED ? SEEN_GATHERED : sight.way | 1;
+    return gathered && p->gather->rest != ORL_REST_GATHERED ? SEEN_GATHERED : shaded.way | 1;
 }
 
 /* The places along one lattice row. */
@@ -286,7 +286,7 @@ static int paint_pixels(const struct painter *p)
     const uint32_t lamps = (uint32_t)(p->gather->world->n_emitters > 0);
     atomic_bool failed = false;
     struct orl_mosaic mosaic = {.lighting = {p->gather, &p->cache, p->grain, lamps ? LAMP_RAYS : 1},
-                                .onlooker = p->onlooker,
+                                .shader = p->shader,
                                 .painting = p->painting,
                                 .seed = seed_of(p),
                                 .outside = p->outside,
@@ -300,15 +300,15 @@ int orl_image_render(const struct orl_gather *gather, const struct orl_painting 
 {
     struct painter painter = {.gather = gather,
                               .painting = painting,
-                              .onlooker = {.world = gather->world,
-                                           .sobol = &gather->sobol,
-                                           .pane_samples = gather->rest == ORL_REST_GATHERED
-                                                               ? PANE_SAMPLES
-                                                               : FEWER_PANE_SAMPLES,
-                                           .gloss_samples = GLOSS_SAMPLES,
-                                           .dimmest = dimmest,
-                                           .radiance = lobe_radiance,
-                                           .ctx = gather}};
+                              .shader = {.world = gather->world,
+                                         .sobol = &gather->sobol,
+                                         .pane_samples = gather->rest == ORL_REST_GATHERED
+                                                             ? PANE_SAMPLES
+                                                             : FEWER_PANE_SAMPLES,
+                                         .gloss_samples = GLOSS_SAMPLES,
+                                         .dimmest = dimmest,
+                                         .radiance = lobe_radiance,
+                                         .ctx = gather}};
     const struct orl_view *view = painting->view;
     const struct orl_vec3 eye = orl_sub(view->point, gather->world->geometry->center);
     const double degrees = fmax(view->horizontal, view->vertical);

@@ -14,12 +14,12 @@ double orl_lighting_doubt(const struct orl_density *read)
 }
 
 struct orl_shadowed orl_lighting_direct(const struct orl_lighting *lighting,
-                                        const struct orl_sight *sight, uint32_t sequence,
+                                        const struct orl_shaded *shaded, uint32_t sequence,
                                         uint32_t first, struct orl_health *health)
 {
     struct orl_shadowed sum = {.variance = 0};
-    for (uint32_t i = 0; i < sight->n_vertices; i++) {
-        const struct orl_vertex *v = &sight->vertices[i];
+    for (uint32_t i = 0; i < shaded->n_vertices; i++) {
+        const struct orl_vertex *v = &shaded->vertices[i];
         const double weight = orl_luma(v->weight);
         double variance;
         const struct orl_rgb light = orl_gather_direct(lighting->gather, &v->place, sequence, first,
@@ -103,11 +103,11 @@ static void add_vertex(const struct orl_lighting *lighting, const struct orl_ver
 }
 
 struct orl_smooth orl_lighting_smooth(const struct orl_lighting *lighting,
-                                      const struct orl_sight *sight, struct orl_strays *strays,
+                                      const struct orl_shaded *shaded, struct orl_strays *strays,
                                       struct orl_random *random, struct orl_search *search)
 {
     struct orl_smooth sum = {.reach = INFINITY};
-    for (uint32_t i = 0; i < sight->n_vertices; i++)
-        add_vertex(lighting, &sight->vertices[i], strays, random, search, &sum);
+    for (uint32_t i = 0; i < shaded->n_vertices; i++)
+        add_vertex(lighting, &shaded->vertices[i], strays, random, search, &sum);
     return sum;
 }

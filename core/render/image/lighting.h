@@ -37,13 +37,13 @@ static inline bool orl_lighting_gathers(const struct orl_gather *gather,
  * differ: in dark places beside lit ones, which they are too wide to tell apart. */
 double orl_lighting_doubt(const struct orl_density *read);
 
-/* Direct light by way of all of a sight's surfaces: radiance. */
+/* Direct light by way of all surfaces that a ray saw: radiance. */
 struct orl_shadowed {
     struct orl_rgb radiance;
     double variance; /* of its luma: of the shadow rays, where there are several */
 };
 struct orl_shadowed orl_lighting_direct(const struct orl_lighting *lighting,
-                                        const struct orl_sight *sight, uint32_t sequence,
+                                        const struct orl_shaded *shaded, uint32_t sequence,
                                         uint32_t first, struct orl_health *health);
 
 /* Caustics and the rest: radiance, and the standard errors of its luma by either. */
@@ -53,7 +53,7 @@ struct orl_smooth {
     double reach; /* about the first surface's point: so far it is sure to be much the same */
 };
 struct orl_smooth orl_lighting_smooth(const struct orl_lighting *lighting,
-                                      const struct orl_sight *sight, struct orl_strays *strays,
+                                      const struct orl_shaded *shaded, struct orl_strays *strays,
                                       struct orl_random *random, struct orl_search *search);
 
 #endif

@@ -18,18 +18,18 @@ static void look_through(const struct orl_tile_cells *mosaic, int x, int y)
     cell->way = 0;
     cell->variance = 0;
     cell->rest = cell->direct = cell->lobes = orl_gray(0);
-    cell->sight.n_vertices = 0;
+    cell->shaded.n_vertices = 0;
     if (!orl_cell_look(mosaic, x, y, middle, (uint32_t)orl_cell_in_tile(mosaic, x, y), &random,
-                       &cell->sight))
+                       &cell->shaded))
         return;
     const struct orl_shadowed direct = orl_lighting_direct(
-        &mosaic->m->lighting, &cell->sight, orl_cell_sequence(mosaic, x, y),
+        &mosaic->m->lighting, &cell->shaded, orl_cell_sequence(mosaic, x, y),
         ORL_PIXEL_RAYS * mosaic->m->lighting.shadow_rays, &mosaic->search->health);
-    cell->way = cell->sight.way;
-    cell->rest = cell->sight.rest;
-    cell->lobes = cell->sight.lobes;
+    cell->way = cell->shaded.way;
+    cell->rest = cell->shaded.rest;
+    cell->lobes = cell->shaded.lobes;
     cell->direct = direct.radiance;
-    cell->variance = direct.variance + cell->sight.lobes_variance;
+    cell->variance = direct.variance + cell->shaded.lobes_variance;
 }
 
 static void paint(const struct orl_tile_cells *mosaic)

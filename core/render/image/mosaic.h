@@ -20,7 +20,7 @@
 
 struct orl_mosaic {
     struct orl_lighting lighting;
-    struct orl_onlooker onlooker;
+    struct orl_shader shader;
     const struct orl_painting *painting;
     uint64_t seed;       /* names the view's numbers */
     bool outside;        /* where the eye is */

@@ -23,7 +23,7 @@ struct orl_cell {
     struct orl_rgb rest, direct, lobes;
     double variance; /* of direct and lobes */
     struct orl_smooth smooth;
-    struct orl_sight sight;
+    struct orl_shaded shaded;
 };
 
 /* A tile in the making. */
@@ -70,7 +70,7 @@ static inline uint32_t orl_cell_sequence(const struct orl_tile_cells *mosaic, in
 /* Follows the ray through a place of a pixel, with one in so many of the rays there are for lobes,
  * 0: none; false where the view sees nothing. */
 bool orl_cell_look(const struct orl_tile_cells *mosaic, int x, int y, const double place[2],
-                   uint32_t lobe_share, struct orl_random *random, struct orl_sight *ret_sight);
+                   uint32_t lobe_share, struct orl_random *random, struct orl_shaded *ret_shaded);
 
 /* Second step (mosaic_smooth.c): what is smooth, at all pixels of the tile. */
 void orl_mosaic_fill(const struct orl_tile_cells *mosaic);

@@ -108,10 +108,10 @@ static struct kin kin_of(const struct orl_tile_cells *mosaic, int x, int y, cons
     return kin;
 }
 
-/* The first surface of a sight that has any. */
-static struct orl_vec3 surface_of(const struct orl_sight *sight)
+/* The first surface that a ray saw, where it saw any. */
+static struct orl_vec3 surface_of(const struct orl_shaded *shaded)
 {
-    return sight->n_vertices > 0 ? sight->vertices[0].on_surface : orl_v3(0, 0, 0);
+    return shaded->n_vertices > 0 ? shaded->vertices[0].on_surface : orl_v3(0, 0, 0);
 }
 
 static bool is_within(struct orl_vec3 a, struct orl_vec3 b, double reach)
@@ -121,47 +121,48 @@ static bool is_within(struct orl_vec3 a, struct orl_vec3 b, double reach)
 }
 
 /* Whether what one ray has found will do for another of the pixel. */
-static bool will_do(const struct found *known, const double place[2], const struct orl_sight *sight)
+static bool will_do(const struct found *known, const double place[2],
+                    const struct orl_shaded *shaded)
 {
     const double across = known->x - place[0], down = known->y - place[1];
-    if (known->way != sight->way)
+    if (known->way != shaded->way)
         return false;
-    return sight->has_lobes ? across * across + down * down < close_by * close_by
-                            : is_within(surface_of(sight), known->on_surface,
-                                        shared_within * known->smooth.reach);
+    return shaded->has_lobes ? across * across + down * down < close_by * close_by
+                             : is_within(surface_of(shaded), known->on_surface,
+                                         shared_within * known->smooth.reach);
 }
 
 /* What is smooth and what lobes show, worked out for a ray, or for one close by. */
 static const struct found *find(const struct orl_tile_cells *mosaic, int x, int y,
-                                const double place[2], struct orl_sight *sight,
+                                const double place[2], struct orl_shaded *shaded,
                                 struct orl_random *random, struct finds *finds)
 {
     for (uint32_t i = 0; i < finds->count; i++)
-        if (will_do(&finds->list[i], place, sight))
+        if (will_do(&finds->list[i], place, shaded))
             return &finds->list[i];
     struct found *found = &finds->list[finds->count++];
-    if (sight->has_lobes)
-        orl_cell_look(mosaic, x, y, place, ORL_PIXEL_FIRST_RAYS, random, sight);
-    *found = (struct found){.way = sight->way,
+    if (shaded->has_lobes)
+        orl_cell_look(mosaic, x, y, place, ORL_PIXEL_FIRST_RAYS, random, shaded);
+    *found = (struct found){.way = shaded->way,
                             .x = place[0],
                             .y = place[1],
-                            .on_surface = surface_of(sight),
-                            .smooth = orl_lighting_smooth(&mosaic->m->lighting, sight,
+                            .on_surface = surface_of(shaded),
+                            .smooth = orl_lighting_smooth(&mosaic->m->lighting, shaded,
                                                           mosaic->strays, random, mosaic->search),
-                            .lobes = sight->lobes,
-                            .variance = sight->lobes_variance};
+                            .lobes = shaded->lobes,
+                            .variance = shaded->lobes_variance};
     return found;
 }
 
 /* Whether the nearest may speak for a ray that sees the same. */
-static bool is_close(const struct kin *kin, const struct orl_sight *sight)
+static bool is_close(const struct kin *kin, const struct orl_shaded *shaded)
 {
     /* Lobes change within a pixel of what frames them. */
-    if (!kin->nearest || sight->has_lobes || kin->most - kin->least > sharp_difference * kin->most)
+    if (!kin->nearest || shaded->has_lobes || kin->most - kin->least > sharp_difference * kin->most)
         return false;
-    if (sight->n_vertices == 0)
+    if (shaded->n_vertices == 0)
         return true;
-    return is_within(surface_of(sight), surface_of(&kin->nearest->sight),
+    return is_within(surface_of(shaded), surface_of(&kin->nearest->shaded),
                      shared_about * kin->nearest->smooth.reach);
 }
 
@@ -170,28 +171,28 @@ static struct orl_shade shade_ray(const struct orl_tile_cells *mosaic, int x, in
                                   struct finds *finds)
 {
     struct orl_random random = orl_cell_numbers(mosaic, x, y, ray);
-    struct orl_sight sight;
+    struct orl_shaded shaded;
     struct orl_cell seen;
     double place[2];
     orl_pixel_place(ray, &place[0], &place[1]);
-    if (!orl_cell_look(mosaic, x, y, place, 0, &random, &sight))
+    if (!orl_cell_look(mosaic, x, y, place, 0, &random, &shaded))
         return (struct orl_shade){.rest_error = 0};
     const struct orl_shadowed direct =
-        orl_lighting_direct(&mosaic->m->lighting, &sight, orl_cell_sequence(mosaic, x, y),
+        orl_lighting_direct(&mosaic->m->lighting, &shaded, orl_cell_sequence(mosaic, x, y),
                             ray * mosaic->m->lighting.shadow_rays, &mosaic->search->health);
-    const struct kin kin = kin_of(mosaic, x, y, place, sight.way);
-    if (sight.way == orl_cell_at(mosaic, x, y)->way) {
+    const struct kin kin = kin_of(mosaic, x, y, place, shaded.way);
+    if (shaded.way == orl_cell_at(mosaic, x, y)->way) {
         finds->least_direct = fmin(finds->least_direct, orl_luma(direct.radiance));
         finds->most_direct = fmax(finds->most_direct, orl_luma(direct.radiance));
     }
-    seen.rest = sight.rest;
+    seen.rest = shaded.rest;
     seen.direct = direct.radiance;
-    if (is_close(&kin, &sight)) {
+    if (is_close(&kin, &shaded)) {
         seen.smooth = kin.nearest->smooth;
         seen.lobes = kin.nearest->lobes;
-        seen.variance = kin.nearest->sight.lobes_variance + direct.variance;
+        seen.variance = kin.nearest->shaded.lobes_variance + direct.variance;
     } else {
-        const struct found *found = find(mosaic, x, y, place, &sight, &random, finds);
+        const struct found *found = find(mosaic, x, y, place, &shaded, &random, finds);
         finds->is_new = finds->is_new || !kin.nearest;
         seen.smooth = found->smooth;
         seen.lobes = found->lobes;

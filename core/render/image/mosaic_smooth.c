@@ -13,7 +13,7 @@ static void make_exact(const struct orl_tile_cells *mosaic, int x, int y)
     struct orl_random random = orl_cell_numbers(mosaic, x, y, ORL_PIXEL_RAYS);
     if (cell->exact || !cell->there)
         return;
-    cell->smooth = orl_lighting_smooth(&mosaic->m->lighting, &cell->sight, mosaic->strays, &random,
+    cell->smooth = orl_lighting_smooth(&mosaic->m->lighting, &cell->shaded, mosaic->strays, &random,
                                        mosaic->search);
     cell->made = cell->exact = true;
 }

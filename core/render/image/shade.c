@@ -13,10 +13,10 @@ struct branch {
 };
 
 struct look {
-    const struct orl_onlooker *onlooker;
+    const struct orl_shader *shader;
     struct orl_random *random;
     struct orl_search *search;
-    struct orl_sight *sight;
+    struct orl_shaded *shaded;
     bool lobes;
     struct branch stack[MOST_BRANCHES];
     uint32_t depth;
@@ -25,12 +25,12 @@ struct look {
 /* The scene that views see. */
 static const struct orl_world *scene_of(const struct look *look)
 {
-    return orl_world_seen(look->onlooker->world);
+    return orl_world_seen(look->shader->world);
 }
 
 static void add(struct look *look, struct orl_rgb weight, struct orl_rgb radiance)
 {
-    look->sight->rest = orl_rgb_add(look->sight->rest, orl_rgb_mul(weight, radiance));
+    look->shaded->rest = orl_rgb_add(look->shaded->rest, orl_rgb_mul(weight, radiance));
 }
 
 /* Whether a branch that starts there is outside: ports tell, and where an illum is looked through,
@@ -40,23 +40,23 @@ static bool is_outside(const struct look *look, const struct branch *from,
 {
     const struct orl_world *world = scene_of(look);
     if (transmitted && !world->open && orl_world_material(world, hit)->kind == ORL_MATERIAL_ILLUM)
-        return orl_world_is_outside(look->onlooker->world, start);
+        return orl_world_is_outside(look->shader->world, start);
     return orl_world_outside_after(world, hit, transmitted, from->outside);
 }
 
 /* Whether a branch is worth following, or drawn to be. */
 static bool goes_on(struct look *look, struct branch *branch)
 {
-    const struct orl_onlooker *onlooker = look->onlooker;
+    const struct orl_shader *shader = look->shader;
     const double share = orl_rgb_max(branch->path.weight);
-    const uint32_t most = onlooker->by_lot ? MOST_SPLITS_BY_LOT : MOST_SPLITS;
+    const uint32_t most = shader->by_lot ? MOST_SPLITS_BY_LOT : MOST_SPLITS;
     if (look->depth >= MOST_BRANCHES || branch->splits > most)
         return false;
-    if (share >= onlooker->dimmest || !onlooker->by_lot)
-        return share >= onlooker->dimmest;
-    if (!(orl_random_uniform(look->random) * onlooker->dimmest < share))
+    if (share >= shader->dimmest || !shader->by_lot)
+        return share >= shader->dimmest;
+    if (!(orl_random_uniform(look->random) * shader->dimmest < share))
         return false;
-    branch->path.weight = orl_rgb_scale(branch->path.weight, onlooker->dimmest / share);
+    branch->path.weight = orl_rgb_scale(branch->path.weight, shader->dimmest / share);
     return true;
 }
 
@@ -81,9 +81,9 @@ static void add_vertex(struct look *look, const struct branch *at, const struct 
     const struct orl_vec3 seen = hit->front ? hit->normal : orl_neg(hit->normal);
     const struct orl_world *world = scene_of(look);
     const bool proxied = orl_world_hides(world, hit->facet);
-    if (look->sight->n_vertices >= ORL_SHADE_VERTICES)
+    if (look->shaded->n_vertices >= ORL_SHADE_VERTICES)
         return;
-    look->sight->vertices[look->sight->n_vertices++] = (struct orl_vertex){
+    look->shaded->vertices[look->shaded->n_vertices++] = (struct orl_vertex){
         .place = {.point = orl_hit_leave(world->geometry, hit, seen),
                   .normal = seen,
                   .outside = at->outside || proxied,
@@ -114,9 +114,9 @@ static void add_mean(struct look *look, struct orl_rgb weight, const struct samp
     const double n = samples->count;
     const struct orl_rgb mean = orl_rgb_scale(samples->sum, 1 / n);
     const double luma = orl_luma(mean), share = orl_luma(weight);
-    look->sight->lobes = orl_rgb_add(look->sight->lobes, orl_rgb_mul(weight, mean));
+    look->shaded->lobes = orl_rgb_add(look->shaded->lobes, orl_rgb_mul(weight, mean));
     if (n > 1)
-        look->sight->lobes_variance +=
+        look->shaded->lobes_variance +=
             share * share * fmax(samples->squares / n - luma * luma, 0) / (n - 1);
 }
 
@@ -129,7 +129,7 @@ static void add_direct_in_lobes(struct look *look, const struct branch *at,
     const struct orl_world *world = scene_of(look);
     struct samples direct = {.count = 0};
     if (!orl_world_hides(world, hit->facet))
-        world = look->onlooker->world;
+        world = look->shader->world;
     for (int i = 0; i < SAMPLES; i++)
         add_sample(&direct, orl_direct_by_lobes(world, hit, m, eye, look->random));
     add_mean(look, at->path.weight, &direct);
@@ -147,7 +147,7 @@ static struct orl_scatter sample_lobes(const struct look *look, const struct orl
     double u[3];
     if (!orl_material_transmits_lobes(m))
         return orl_scatter_sample(m, hit, eye, ORL_TRANSPORT_EYE, lobes, look->random);
-    orl_sobol_point(look->onlooker->sobol, sample, sequence, 3, u);
+    orl_sobol_point(look->shader->sobol, sample, sequence, 3, u);
     return orl_scatter_sample_at(m, hit, eye, ORL_TRANSPORT_EYE, lobes, u);
 }
 
@@ -161,8 +161,8 @@ static struct orl_rgb seen_along(struct look *look, const struct orl_hit *hit, s
     if (orl_world_hides(world, hit->facet))
         return orl_exterior_radiance(world, start, s->direction, chance, look->random,
                                      &look->search->health, NULL);
-    return look->onlooker->radiance(look->onlooker->ctx, start, s->direction, outside, chance,
-                                    look->random, look->search);
+    return look->shader->radiance(look->shader->ctx, start, s->direction, outside, chance,
+                                  look->random, look->search);
 }
 
 /* Lobes of a surface: lights directly, all else by a few rays. What goes straight is followed too.
@@ -213,16 +213,16 @@ static const struct orl_material *seen_at(const struct look *look, const struct 
     return m->seen_as >= 0 ? &world->materials[m->seen_as] : NULL;
 }
 
-static void note_way(struct orl_sight *sight, uint64_t met)
+static void note_way(struct orl_shaded *shaded, uint64_t met)
 {
-    sight->way = orl_mix64(sight->way + met + 1);
+    shaded->way = orl_mix64(shaded->way + met + 1);
 }
 
 static void meet(struct look *look, const struct branch *met, const struct orl_hit *hit)
 {
     const struct orl_material *m = seen_at(look, hit);
     struct branch at = *met;
-    note_way(look->sight, 2 * (uint64_t)hit->facet + hit->front);
+    note_way(look->shaded, 2 * (uint64_t)hit->facet + hit->front);
     if (!m) {
         const struct orl_scatter on = {
             .direction = at.path.direction, .weight = orl_gray(1), .transmitted = true};
@@ -234,11 +234,11 @@ static void meet(struct look *look, const struct branch *met, const struct orl_h
         add_vertex(look, &at, hit, m);
     split(look, &at, hit, m);
     const bool has_lobes = orl_material_has_lobes(m);
-    look->sight->has_lobes = look->sight->has_lobes || has_lobes;
+    look->shaded->has_lobes = look->shaded->has_lobes || has_lobes;
     if (has_lobes && look->lobes)
         add_lobes(look, &at, hit, m,
-                  orl_material_transmits_lobes(m) ? look->onlooker->pane_samples
-                                                  : look->onlooker->gloss_samples);
+                  orl_material_transmits_lobes(m) ? look->shader->pane_samples
+                                                  : look->shader->gloss_samples);
     add(look, at.path.weight, orl_material_emission(m, hit, orl_path_back(&at.path)));
 }
 
@@ -251,23 +251,23 @@ static void pass_proxies(const struct orl_world *world, double distance, struct 
         at->outside = passed == ORL_CROSSING_OUTWARDS;
 }
 
-void orl_shade_look(const struct orl_onlooker *onlooker, struct orl_vec3 origin,
-                    struct orl_vec3 direction, bool outside, bool lobes, struct orl_random *random,
-                    struct orl_search *search, struct orl_sight *ret_sight)
+void orl_shade_ray(const struct orl_shader *shader, struct orl_vec3 origin,
+                   struct orl_vec3 direction, bool outside, bool lobes, struct orl_random *random,
+                   struct orl_search *search, struct orl_shaded *ret_shaded)
 {
-    const struct orl_world *world = orl_world_seen(onlooker->world);
+    const struct orl_world *world = orl_world_seen(shader->world);
     struct look look; /* not its stack, which is large and empty */
-    look.onlooker = onlooker;
+    look.shader = shader;
     look.random = random;
     look.search = search;
-    look.sight = ret_sight;
+    look.shaded = ret_shaded;
     look.lobes = lobes;
     look.depth = 0;
-    ret_sight->n_vertices = 0;
-    ret_sight->way = 0;
-    ret_sight->rest = ret_sight->lobes = orl_gray(0);
-    ret_sight->lobes_variance = 0;
-    ret_sight->has_lobes = false;
+    ret_shaded->n_vertices = 0;
+    ret_shaded->way = 0;
+    ret_shaded->rest = ret_shaded->lobes = orl_gray(0);
+    ret_shaded->lobes_variance = 0;
+    ret_shaded->has_lobes = false;
     look.stack[look.depth++] =
         (struct branch){.path = orl_path_from(origin, direction), .outside = outside};
     while (look.depth > 0) {
@@ -280,7 +280,7 @@ void orl_shade_look(const struct orl_onlooker *onlooker, struct orl_vec3 origin,
             meet(&look, &at, &hit);
             continue;
         }
-        note_way(ret_sight, UINT32_MAX);
+        note_way(ret_shaded, UINT32_MAX);
         search->health.rays_leaked += !world->open && !at.outside;
         orl_path_escape(&at.path);
         add(&look, at.path.weight,

@@ -18,7 +18,8 @@ struct orl_vertex {
     double distance;       /* from the eye */
 };
 
-struct orl_sight {
+/* What a ray saw. */
+struct orl_shaded {
     struct orl_vertex vertices[ORL_SHADE_VERTICES];
     uint32_t n_vertices;
     uint64_t way;          /* names what was met, in order: what goes the same way sees alike */
@@ -35,8 +36,8 @@ typedef struct orl_rgb orl_shade_radiance(const void *ctx, struct orl_vec3 origi
                                           struct orl_chance chance, struct orl_random *random,
                                           struct orl_search *search);
 
-/* Who looks. */
-struct orl_onlooker {
+/* How rays of a view are shaded, by whichever technique. */
+struct orl_shader {
     const struct orl_world *world;
     const struct orl_sobol *sobol;
     uint32_t pane_samples, gloss_samples; /* rays into a pane's lobes, into others */
@@ -47,8 +48,8 @@ struct orl_onlooker {
 };
 
 /* Follows one ray; without lobes these are noticed but not sampled. */
-void orl_shade_look(const struct orl_onlooker *onlooker, struct orl_vec3 origin,
-                    struct orl_vec3 direction, bool outside, bool lobes, struct orl_random *random,
-                    struct orl_search *search, struct orl_sight *ret_sight);
+void orl_shade_ray(const struct orl_shader *shader, struct orl_vec3 origin,
+                   struct orl_vec3 direction, bool outside, bool lobes, struct orl_random *random,
+                   struct orl_search *search, struct orl_shaded *ret_shaded);
 
 #endif
