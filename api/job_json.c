@@ -313,10 +313,10 @@ static int refuse_settings(const json_t *doc, struct orl_error *err)
 int orl_job_from_json(const json_t *doc, enum orl_job_origin origin, struct orl_job *ret_job,
                       char **ret_scene_id, struct orl_error *err)
 {
-    static const char *const allowed[] = {"kind",     "scene",    "technique",      "effects",
-                                          "seed",     "photons",  "gather_samples", "pixel_samples",
-                                          "sky",      "skies",    "sensors",        "views",
-                                          "accuracy", "priority", "dark",           NULL};
+    static const char *const allowed[] = {
+        "kind",           "scene",         "technique", "effects",  "seed",    "photons",
+        "gather_samples", "pixel_samples", "sky",       "skies",    "sensors", "views",
+        "accuracy",       "priority",      "dark",      "heat_map", NULL};
     struct orl_job job;
     char *id = NULL;
     orl_job_init(&job);
@@ -341,6 +341,8 @@ int orl_job_from_json(const json_t *doc, enum orl_job_origin origin, struct orl_
         rc = orl_skies_from_json(json_object_get(doc, "skies"), &job, err);
     if (rc == 0)
         rc = decode_sensors(json_object_get(doc, "sensors"), &job, err);
+    if (rc == 0)
+        rc = orl_heat_map_from_json(json_object_get(doc, "heat_map"), &job.heat_map, err);
     if (rc == 0)
         rc = decode_views(json_object_get(doc, "views"), &job, err);
     if (rc == 0 && job.n_views == 0 && job.n_sensors == 0 && !job.sensors_file) {

@@ -229,6 +229,18 @@ static int decode_numbers(const json_t *value, const char *path, struct orl_fals
     return rc;
 }
 
+static int decode_palette(const json_t *value, const char *path, enum orl_palette *ret_palette,
+                          struct orl_error *err)
+{
+    const char *palettes[ORL_PALETTES];
+    size_t palette = *ret_palette;
+    for (int i = 0; i < ORL_PALETTES; i++)
+        palettes[i] = orl_palette_name((enum orl_palette)i);
+    const int rc = value ? decode_word(value, path, palettes, ORL_PALETTES, &palette, err) : 0;
+    *ret_palette = (enum orl_palette)palette;
+    return rc;
+}
+
 static int decode_false_color(const json_t *value, const char *path,
                               struct orl_view_request *request, struct orl_error *err)
 {
@@ -236,21 +248,16 @@ static int decode_false_color(const json_t *value, const char *path,
                                           "label",      "isolines", "extrema",   "draw",
                                           "multiplier", "points",   NULL};
     struct orl_false_color *colors = &request->false_color;
-    const char *palettes[ORL_PALETTES];
     char at[ORL_JSON_PATH_MAX];
-    size_t palette = ORL_PALETTE_EVEN;
     if (!value)
         return 0;
-    for (int i = 0; i < ORL_PALETTES; i++)
-        palettes[i] = orl_palette_name((enum orl_palette)i);
     int rc = orl_json_object(value, path, allowed, err);
     colors->asked = true;
     if (rc == 0)
         rc = decode_numbers(value, path, colors, err);
-    if (rc == 0 && json_object_get(value, "palette"))
-        rc = decode_word(json_object_get(value, "palette"), path_of(path, "palette", at), palettes,
-                         ORL_PALETTES, &palette, err);
-    colors->palette = (enum orl_palette)palette;
+    if (rc == 0)
+        rc = decode_palette(json_object_get(value, "palette"), path_of(path, "palette", at),
+                            &colors->palette, err);
     if (rc == 0 && json_object_get(value, "label"))
         rc = decode_label(json_object_get(value, "label"), path_of(path, "label", at),
                           colors->label, err);
@@ -266,6 +273,65 @@ static int decode_false_color(const json_t *value, const char *path,
               : decode_points(json_object_get(value, "points"), path_of(path, "points", at),
                               request, err);
 }
+
+/* ---- Heat maps ------------------------------------------------------------------------------- */
+
+static int decode_thresholds(const json_t *value, struct orl_heat_map_request *request,
+                             struct orl_error *err)
+{
+    const json_t *number;
+    size_t i;
+    if (!value)
+        return 0;
+    int rc = orl_json_array(value, "heat_map.thresholds", ORL_HEAT_MAP_THRESHOLDS, err);
+    json_array_foreach(value, i, number)
+    {
+        char at[ORL_JSON_PATH_MAX];
+        snprintf(at, sizeof at, "heat_map.thresholds[%zu]", i);
+        if (rc == 0)
+            rc = decode_within(number, at, 1e-6, 1e9, &request->thresholds_lx[i], err);
+        request->n_thresholds += rc == 0;
+    }
+    return rc;
+}
+
+/* The scene's unit of length. */
+static int decode_unit(const json_t *value, struct orl_heat_map_request *request,
+                       struct orl_error *err)
+{
+    char label[ORL_PICTURE_LABEL_MAX];
+    static const char path[] = "heat_map.length_unit";
+    if (!value)
+        return 0;
+    int rc = decode_label(value, path, label, err);
+    if (rc == 0 && strlen(label) >= ORL_LENGTH_UNIT_MAX)
+        rc = orl_json_fail(err, ORL_ERR_INVALID, path, "it has at most %d letters",
+                           ORL_LENGTH_UNIT_MAX - 1);
+    if (rc == 0)
+        memcpy(request->length_unit, label, strlen(label) + 1);
+    return rc;
+}
+
+int orl_heat_map_from_json(const json_t *value, struct orl_heat_map_request *request,
+                           struct orl_error *err)
+{
+    static const char *const allowed[] = {"scale",      "decades",     "divisions", "palette",
+                                          "thresholds", "length_unit", NULL};
+    if (!value)
+        return 0;
+    int rc = orl_json_object(value, "heat_map", allowed, err);
+    request->asked = true;
+    if (rc == 0)
+        rc = decode_numbers(value, "heat_map", &request->colors, err);
+    if (rc == 0)
+        rc = decode_palette(json_object_get(value, "palette"), "heat_map.palette",
+                            &request->colors.palette, err);
+    if (rc == 0)
+        rc = decode_thresholds(json_object_get(value, "thresholds"), request, err);
+    return rc ? rc : decode_unit(json_object_get(value, "length_unit"), request, err);
+}
+
+/* ---- Views ----------------------------------------------------------------------------------- */
 
 int orl_pictures_from_json(const json_t *view, const char *path, struct orl_view_request *request,
                            struct orl_error *err)
@@ -339,4 +405,24 @@ bool orl_pictures_read_back(const json_t *json, struct orl_view_result *view)
     }
     view->scale = json_number_value(json_object_get(json, "scale"));
     return !points || read_points(points, view);
+}
+
+/* ---- Sensors --------------------------------------------------------------------------------- */
+
+json_t *orl_sensor_files_to_json(const struct orl_sensor_files *files)
+{
+    json_t *maps = json_array();
+    if (!files->csv) {
+        json_decref(maps);
+        return NULL;
+    }
+    for (size_t i = 0; i < files->n_maps; i++)
+        if (json_array_append_new(maps,
+                                  json_pack("{s:s, s:s, s:s*, s:I}", "png", files->maps[i].png,
+                                            "svg", files->maps[i].svg, "dat", files->maps[i].dat,
+                                            "sensors", (json_int_t)files->maps[i].sensors))) {
+            json_decref(maps);
+            return NULL;
+        }
+    return json_pack("{s:s, s:s, s:o}", "csv", files->csv, "res", files->res, "maps", maps);
 }

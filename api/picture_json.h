@@ -21,6 +21,17 @@
 int orl_pictures_from_json(const json_t *view, const char *path, struct orl_view_request *request,
                            struct orl_error *err);
 
+/*
+ * A job's "heat_map": {"scale", "decades", "divisions", "palette": as above, "thresholds": [300],
+ * "length_unit": "m"}; NULL: absent, nothing changes.
+ */
+int orl_heat_map_from_json(const json_t *value, struct orl_heat_map_request *request,
+                           struct orl_error *err);
+
+/* {"csv", "res", "maps": [{"png", "svg", "dat" of a full grid, "sensors"}]}; NULL: there are none,
+ * or no memory. */
+json_t *orl_sensor_files_to_json(const struct orl_sensor_files *files);
+
 /* Adds the names of the files to a result's view, and what false colours have found:
  *     "hdr": "a.hdr", ..., "scale": 2000, "points": [{"name": "desk", "value": 310}]
  * Nonzero: out of memory. */

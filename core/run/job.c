@@ -202,6 +202,22 @@ static int validate_skies(const struct orl_job *job, struct orl_error *err)
     return code;
 }
 
+static int validate_heat_map(const struct orl_job *job, struct orl_error *err)
+{
+    static const char prefix[] = "sensors.map";
+    if (!job->heat_map.asked)
+        return 0;
+    if (job->n_sensors == 0 && !job->sensors_file)
+        return orl_error_set(err, ORL_ERR_INVALID, "a heat map is of sensors, and there are none");
+    for (size_t i = 0; i < job->n_views; i++)
+        if (strncmp(job->views[i].name, prefix, sizeof prefix - 1) == 0)
+            return orl_error_set(
+                err, ORL_ERR_INVALID,
+                "view name '%s': names that begin with '%s' are those of heat maps",
+                job->views[i].name, prefix);
+    return 0;
+}
+
 int orl_job_validate(const struct orl_job *job, struct orl_error *err)
 {
     if (job->n_sensors == 0 && !job->sensors_file && job->n_views == 0)
@@ -231,7 +247,9 @@ int orl_job_validate(const struct orl_job *job, struct orl_error *err)
         if (code < 0)
             return code;
     }
-    const int code = validate_goal(job, err);
+    int code = validate_heat_map(job, err);
+    if (code == 0)
+        code = validate_goal(job, err);
     return code < 0 ? code : validate_skies(job, err);
 }
 
@@ -257,6 +275,7 @@ void orl_result_done(struct orl_result *result)
     for (size_t i = 0; i < result->n_views; i++)
         orl_view_result_done(&result->views[i]);
     free(result->views);
+    orl_sensor_files_done(&result->sensor_files);
     for (size_t i = 0; i < result->n_warnings; i++)
         free(result->warnings[i]);
     free(result->warnings);

@@ -58,6 +58,8 @@ static int run_stages(struct orl_run_state *state, struct orl_error *err)
         orl_run_leave(state);
         orl_run_judge_health(state);
     }
+    if (code == 0)
+        code = orl_run_write_sensors(state, err);
     if (code == 0 && !in_rounds)
         orl_run_cost(state);
     return code;

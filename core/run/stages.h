@@ -138,6 +138,9 @@ int orl_run_write_view(struct orl_run_state *state, size_t index, const struct o
 int orl_run_rate_view(struct orl_run_state *state, size_t index, const struct orl_film *film,
                       struct orl_error *err);
 
+/* At the end: maps and tables of the sensors, where the job asks for them. */
+int orl_run_write_sensors(struct orl_run_state *state, struct orl_error *err);
+
 /* Render stage: sensors and views, into the result and the output folder. */
 int orl_run_render(struct orl_run_state *state, const struct orl_renderer *renderer,
                    struct orl_error *err);

@@ -18,12 +18,10 @@ static const char *type_of(const char *name)
 {
     static const struct {
         const char *ending, *type;
-    } types[] = {{".json", "application/json"},
-                 {".png", "image/png"},
-                 {".hdr", "image/vnd.radiance"},
-                 {".exr", "image/x-exr"},
-                 {".csv", "text/csv"},
-                 {".svg", "image/svg+xml"}};
+    } types[] = {{".json", "application/json"},  {".png", "image/png"},
+                 {".hdr", "image/vnd.radiance"}, {".exr", "image/x-exr"},
+                 {".res", "text/plain"},         {".dat", "text/plain"},
+                 {".csv", "text/csv"},           {".svg", "image/svg+xml"}};
     const char *dot = strrchr(name, '.');
     for (size_t i = 0; dot && i < sizeof types / sizeof *types; i++)
         if (strcmp(dot, types[i].ending) == 0)

@@ -51,6 +51,8 @@ int orl_job_read(const char *text, size_t size, struct orl_task *ret_task, char 
 
 /* Of result.json, without sensors; of one of these. */
 enum { DOCUMENT = 8192, STUDY = 1 << 18, SENSOR = 200 };
+/* Of the outlines and pixels of some heat maps; of a sensor in map and tables. */
+enum { HEAT_MAPS = 1 << 20, HEAT_MAP_SENSOR = 400 };
 
 /* Bytes of a pixel in all the files of a view, errors included. */
 static uint64_t pixel_bytes(const struct orl_view_request *view)
@@ -82,6 +84,8 @@ uint64_t orl_job_output_expect(const struct orl_task *task)
     uint64_t bytes = DOCUMENT + SENSOR * (uint64_t)job->n_sensors;
     for (size_t i = 0; i < job->n_views; i++)
         bytes += pixel_bytes(&job->views[i]) * (uint64_t)job->views[i].width * job->views[i].height;
+    if (job->heat_map.asked)
+        bytes += HEAT_MAPS + HEAT_MAP_SENSOR * (uint64_t)job->n_sensors;
     /* Of each sky as much, and of all together less than of one more. */
     return job->n_skies > 0 ? (job->n_skies + 1) * bytes : bytes;
 }
@@ -134,6 +138,22 @@ int orl_job_output_list_view(const struct orl_view_result *view, const char *fol
     int rc = 0;
     for (int i = 0; i < ORL_PICTURES && rc == 0; i++)
         rc = view->files[i] ? orl_job_output_list(view->files[i], folder, list, err) : 0;
+    return rc;
+}
+
+int orl_job_output_list_sensors(const struct orl_sensor_files *sensors, const char *folder,
+                                json_t *list, struct orl_error *err)
+{
+    int rc = sensors->csv ? orl_job_output_list(sensors->csv, folder, list, err) : 0;
+    if (rc == 0 && sensors->res)
+        rc = orl_job_output_list(sensors->res, folder, list, err);
+    for (size_t i = 0; i < sensors->n_maps && rc == 0; i++) {
+        rc = orl_job_output_list(sensors->maps[i].png, folder, list, err);
+        if (rc == 0)
+            rc = orl_job_output_list(sensors->maps[i].svg, folder, list, err);
+        if (rc == 0 && sensors->maps[i].dat)
+            rc = orl_job_output_list(sensors->maps[i].dat, folder, list, err);
+    }
     return rc;
 }
 
@@ -219,6 +239,8 @@ int orl_job_output_write(const struct orl_result *result, const char *state, con
     int rc = write_document(doc, result_file, folder, files, err);
     for (size_t i = 0; i < result->n_views && rc == 0; i++)
         rc = orl_job_output_list_view(&result->views[i], folder, files, err);
+    if (rc == 0)
+        rc = orl_job_output_list_sensors(&result->sensor_files, folder, files, err);
     if (rc == 0)
         rc = dump_summary(json_pack("{s:s, s:O, s:O, s:O, s:o, s:O*, s:O}", "technique",
                                     orl_technique_name(result->plan.technique), "threads",

@@ -33,6 +33,8 @@ void orl_job_output_path(const char *folder, const char *name, char ret_path[ORL
 int orl_job_output_list(const char *name, const char *folder, json_t *list, struct orl_error *err);
 int orl_job_output_list_view(const struct orl_view_result *view, const char *folder, json_t *list,
                              struct orl_error *err);
+int orl_job_output_list_sensors(const struct orl_sensor_files *sensors, const char *folder,
+                                json_t *list, struct orl_error *err);
 
 /* Removes whatever else is in the folder. */
 void orl_job_output_prune(const json_t *list, const char *folder);

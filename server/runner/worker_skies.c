@@ -68,15 +68,16 @@ static void on_begins(void *ctx, size_t index, const struct orl_job *job, const 
     pthread_mutex_unlock(&worker->news_mutex);
 }
 
-/* Rounds have not told of their files. */
-static int list_views(const struct passage *p, const struct orl_result *result, json_t *files,
+/* Files of views in rounds, which have not told of them, and of sensors. */
+static int list_rest(const struct passage *p, const struct orl_result *result, json_t *files,
                       struct orl_error *err)
 {
     const bool in_rounds = result->outcome.asked;
     int rc = 0;
     for (size_t i = 0; in_rounds && i < result->n_views && rc == 0; i++)
         rc = orl_job_output_list_view(&result->views[i], p->worker->output, files, err);
-    return rc;
+    return rc ? rc
+              : orl_job_output_list_sensors(&result->sensor_files, p->worker->output, files, err);
 }
 
 static int on_done(void *ctx, size_t index, const struct orl_result *result, struct orl_error *err)
@@ -91,7 +92,7 @@ static int on_done(void *ctx, size_t index, const struct orl_result *result, str
     if (rc == 0)
         rc = orl_sky_output_write(doc, name_of(p, index), worker->output, files, err);
     if (rc == 0)
-        rc = list_views(p, result, files, err);
+        rc = list_rest(p, result, files, err);
     if (rc == 0 && orl_skies_result_add(p->results, doc))
         rc = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     if (rc == 0) {

@@ -40,6 +40,8 @@ def jobs(lit, dark):
                 "from": {**DAY, "hour": 11.5}, "to": {**DAY, "hour": 12.5}}]
     yield {"kind": "render", "scene": lit, "technique": "gather", "seed": 1, "gather_samples": 16,
            "photons": {"global": 500, "caustic": 500, "exact": True}, "sensors": SENSORS, "views": [VIEW],
+           "heat_map": {"scale": 500, "decades": 2, "divisions": 4, "palette": "eco",
+                        "thresholds": [300], "length_unit": "ft"},
            "priority": 5, "dark": "expected", "effects": {name: "auto" for name in EFFECTS}}
     glare = {"threshold": 5, "task": {"x": 8, "y": 4, "angle_rad": 0.6}, "radius_rad": 0.2,
              "smooth": True, "peaks": True, "peak_cd_m2": 50000, "formula": "published",

@@ -146,6 +146,19 @@ def views(daemon, scene):
         assert "etag" not in daemon.ask("GET", link, want=200).headers
     daemon.ask("POST", path + "/cancel", want=202)
     daemon.wait(path)
+    pictures(daemon, scene)
+
+
+def pictures(daemon, scene):
+    """All that is made of a view, and of sensors in a plane."""
+    colors = {"draw": ["fill", "lines", "bands"], "points": [{"name": "p", "x": 2, "y": 3}]}
+    view = dict(VIEW, formats=["hdr", "png", "png16", "exr", "exr_float"], false_color=colors)
+    grid = [[x, y, 1, 0, 0, 1] for y in (1, 2, 3) for x in (1, 2)]
+    path = daemon.submit({"scene": scene, "technique": "backward", "pixel_samples": 1,
+                          "gather_samples": 16, "views": [view], "sensors": grid, "heat_map": {}})
+    job = daemon.wait(path)
+    assert len(job["files"]) == 14, job["files"]
+    results(daemon, path, job)
 
 
 def results(daemon, path, job):

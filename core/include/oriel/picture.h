@@ -97,4 +97,17 @@ struct orl_false_color {
     uint32_t n_points;
 };
 
+/* ---- Sensors in planes ----------------------------------------------------------------------- */
+
+enum { ORL_HEAT_MAPS = 16, ORL_HEAT_MAP_THRESHOLDS = 8, ORL_LENGTH_UNIT_MAX = 12 };
+
+/* Maps of sensors that lie in planes, with tables of all of them. */
+struct orl_heat_map_request {
+    bool asked;
+    struct orl_false_color colors; /* scale, decades, divisions and palette */
+    double thresholds_lx[ORL_HEAT_MAP_THRESHOLDS];
+    uint32_t n_thresholds;
+    char length_unit[ORL_LENGTH_UNIT_MAX]; /* of the scene; empty: m */
+};
+
 #endif

@@ -75,6 +75,7 @@ struct orl_job {
     char *sensors_file; /* NULL, or a file of "x y z dx dy dz" lines */
     struct orl_sensor *sensors;
     size_t n_sensors;
+    struct orl_heat_map_request heat_map; /* of the sensors */
     struct orl_view_request *views;
     size_t n_views;
 };
@@ -173,6 +174,18 @@ struct orl_point_value {
     double value;
 };
 
+/* The files of sensors, names below the output folder. */
+struct orl_sensor_files {
+    char *csv, *res; /* all sensors, a line each; NULL: not asked for */
+    struct {
+        char *png, *svg;
+        char *dat; /* Radiance's data file; NULL: the sensors are no full grid */
+        size_t sensors;
+    } maps[ORL_HEAT_MAPS]; /* of planes, those of the most sensors first */
+    size_t n_maps;
+};
+void orl_sensor_files_done(struct orl_sensor_files *files);
+
 struct orl_view_result {
     char *name;
     char *files[ORL_PICTURES];      /* names below the output folder; NULL: there is none */
@@ -219,6 +232,7 @@ struct orl_result {
     double *bias_estimate_lx;    /* what bandwidths are thought to add */
     double (*interval_95_lx)[2]; /* low, high */
     size_t n_sensors;
+    struct orl_sensor_files sensor_files;
     struct orl_view_result *views;
     size_t n_views;
     bool sky_given; /* by the job */

@@ -1,0 +1,302 @@
+#include "render/heat_map/heat_map.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/file.h"
+#include "base/kth.h"
+#include "render/film/png.h"
+#include "render/heat_map/canvas.h"
+#include "render/heat_map/section.h"
+#include "render/picture/palette.h"
+
+/* The page, in pixels. */
+enum { SIDE = 760, MARGIN = 14, HEAD = 46, FOOT = 54, LEAST_WIDTH = 420, LETTERS = 8 };
+
+static const unsigned char ink[3] = {26, 26, 26}, paper[3] = {255, 255, 255};
+
+struct page {
+    const struct orl_heat_map *map;
+    struct orl_scale scale;
+    struct orl_canvas *canvas;
+    double low[2], high[2]; /* what is shown, u and v */
+    double pixels;          /* a scene unit */
+    double left, bottom;    /* where low is */
+    uint32_t width, height;
+};
+
+static void place(const struct page *page, const double at[2], double *ret_x, double *ret_y)
+{
+    *ret_x = page->left + (at[0] - page->low[0]) * page->pixels;
+    *ret_y = page->bottom - (at[1] - page->low[1]) * page->pixels;
+}
+
+/* ---- Layout ---------------------------------------------------------------------------------- */
+
+/* The cells, and an eighth more to every side for walls. */
+static void lay_out(struct page *page)
+{
+    const struct orl_sensor_plane *plane = page->map->plane;
+    const double wide = plane->high[0] - plane->low[0], high = plane->high[1] - plane->low[1];
+    const double rim = fmax(wide, high) / 8;
+    for (int axis = 0; axis < 2; axis++) {
+        page->low[axis] = plane->low[axis] - rim;
+        page->high[axis] = plane->high[axis] + rim;
+    }
+    page->pixels = SIDE / fmax(wide + 2 * rim, high + 2 * rim);
+    const uint32_t across = (uint32_t)ceil((wide + 2 * rim) * page->pixels);
+    const uint32_t down = (uint32_t)ceil((high + 2 * rim) * page->pixels);
+    page->width = (across > LEAST_WIDTH ? across : LEAST_WIDTH) + 2 * MARGIN;
+    page->height = down + HEAD + FOOT;
+    page->left = (page->width - across) / 2.0;
+    page->bottom = HEAD + down;
+}
+
+/* What 99 of 100 sensors of the plane stay below. */
+static int make_scale(struct page *page)
+{
+    const struct orl_sensor_plane *plane = page->map->plane;
+    double *values = calloc(plane->count + 1, sizeof *values);
+    size_t n = 0;
+    if (!values)
+        return ORL_ERR_NOMEM;
+    for (size_t i = 0; i < plane->count; i++)
+        if (isfinite(page->map->illuminance_lx[plane->sensors[i]]))
+            values[n++] = page->map->illuminance_lx[plane->sensors[i]];
+    const double high = n > 0 ? orl_find_kth(values, n, (n - 1) - (n - 1) / 100) : 0;
+    free(values);
+    orl_scale_set(&page->scale, &page->map->how->colors, "lx", high);
+    return 0;
+}
+
+/* ---- Cells ----------------------------------------------------------------------------------- */
+
+static struct orl_quad cell_of(const struct page *page, size_t index)
+{
+    static const double corners[4][2] = {{-0.5, -0.5}, {0.5, -0.5}, {0.5, 0.5}, {-0.5, 0.5}};
+    const struct orl_sensor_plane *plane = page->map->plane;
+    const double c = cos(plane->angle), s = sin(plane->angle);
+    struct orl_quad quad;
+    for (int k = 0; k < 4; k++) {
+        const double a = corners[k][0] * plane->cell[0], b = corners[k][1] * plane->cell[1];
+        const double at[2] = {plane->at[index][0] + a * c - b * s,
+                              plane->at[index][1] + a * s + b * c};
+        place(page, at, &quad.x[k], &quad.y[k]);
+    }
+    return quad;
+}
+
+static bool is_open(const struct page *page, size_t sensor)
+{
+    const struct orl_heat_map_request *how = page->map->how;
+    const double *interval = page->map->interval_95_lx[sensor];
+    for (uint32_t i = 0; i < how->n_thresholds; i++)
+        if (interval[0] < how->thresholds_lx[i] && interval[1] > how->thresholds_lx[i])
+            return true;
+    return false;
+}
+
+static bool is_dark(const unsigned char rgb[3])
+{
+    return 3 * rgb[0] + 6 * rgb[1] + rgb[2] < 1200;
+}
+
+/* Whether the numbers of all cells have room in them. */
+static bool has_room(const struct page *page)
+{
+    const struct orl_sensor_plane *plane = page->map->plane;
+    double widest = 0;
+    for (size_t i = 0; i < plane->count; i++) {
+        char text[16];
+        orl_scale_text(page->map->illuminance_lx[plane->sensors[i]], text);
+        widest = fmax(widest, orl_letters_width(text, LETTERS));
+    }
+    return plane->cell[0] * page->pixels > widest + 6 &&
+           plane->cell[1] * page->pixels > 2 * LETTERS;
+}
+
+static void draw_number(struct page *page, size_t index, const unsigned char under[3],
+                        const unsigned char over[3])
+{
+    const struct orl_sensor_plane *plane = page->map->plane;
+    char text[16];
+    double x, y;
+    orl_scale_text(page->map->illuminance_lx[plane->sensors[index]], text);
+    place(page, plane->at[index], &x, &y);
+    const double half = orl_letters_width(text, LETTERS) / 2 + 2, up = LETTERS / 2.0 + 3;
+    const struct orl_quad ground = orl_quad_of(x - half, y - up, x + half, y + up);
+    orl_canvas_fill(page->canvas, &ground, under);
+    orl_canvas_text(page->canvas, x, y + LETTERS / 2.0, LETTERS, ORL_CANVAS_MIDDLE, over, text);
+}
+
+static void draw_cells(struct page *page)
+{
+    const struct orl_sensor_plane *plane = page->map->plane;
+    const bool numbers = has_room(page);
+    for (size_t i = 0; i < plane->count; i++) {
+        const double value = page->map->illuminance_lx[plane->sensors[i]];
+        const struct orl_quad quad = cell_of(page, i);
+        unsigned char rgb[3];
+        if (!isfinite(value))
+            continue;
+        orl_palette_color(page->scale.palette, orl_scale_share(&page->scale, value), rgb);
+        orl_canvas_fill(page->canvas, &quad, rgb);
+        const unsigned char *over = is_dark(rgb) ? paper : ink;
+        if (is_open(page, plane->sensors[i]))
+            orl_canvas_hatch(page->canvas, &quad, 7, over);
+        if (numbers)
+            draw_number(page, i, rgb, over);
+    }
+}
+
+/* ---- The plan -------------------------------------------------------------------------------- */
+
+/* What of a piece is within the frame (Liang and Barsky 1984); false: nothing. */
+static bool clip(const struct page *page, const double from[2], const double to[2], double ret[2])
+{
+    ret[0] = 0;
+    ret[1] = 1;
+    for (int axis = 0; axis < 2; axis++) {
+        const double d = to[axis] - from[axis];
+        const double a = (page->low[axis] - from[axis]) / d;
+        const double b = (page->high[axis] - from[axis]) / d;
+        if (d == 0 && (from[axis] < page->low[axis] || from[axis] > page->high[axis]))
+            return false;
+        if (d != 0) {
+            ret[0] = fmax(ret[0], fmin(a, b));
+            ret[1] = fmin(ret[1], fmax(a, b));
+        }
+    }
+    return ret[0] < ret[1];
+}
+
+static void draw_piece(void *ctx, const double from[2], const double to[2])
+{
+    const struct page *page = ctx;
+    double part[2], x[2], y[2];
+    if (!clip(page, from, to, part))
+        return;
+    for (int i = 0; i < 2; i++) {
+        const double at[2] = {from[0] + part[i] * (to[0] - from[0]),
+                              from[1] + part[i] * (to[1] - from[1])};
+        place(page, at, &x[i], &y[i]);
+    }
+    orl_canvas_line(page->canvas, x[0], y[0], x[1], y[1], 1.6, ink);
+}
+
+/* ---- Texts and legend ------------------------------------------------------------------------ */
+
+static void draw_head(struct page *page)
+{
+    const struct orl_heat_map_request *how = page->map->how;
+    const struct orl_sensor_plane *plane = page->map->plane;
+    const char *unit = how->length_unit[0] ? how->length_unit : "m";
+    char text[160], thresholds[96] = "";
+    size_t open = 0;
+    for (size_t i = 0; i < plane->count; i++)
+        open += is_open(page, plane->sensors[i]);
+    if (fabs(plane->normal.z) > 0.9999)
+        snprintf(text, sizeof text, "Illuminance, %s: %zu sensors at z = %.4g %s, facing %s",
+                 page->scale.unit, plane->count, plane->offset * plane->normal.z, unit,
+                 plane->normal.z > 0 ? "up" : "down");
+    else
+        snprintf(text, sizeof text, "Illuminance, %s: %zu sensors facing (%.3g, %.3g, %.3g)",
+                 page->scale.unit, plane->count, plane->normal.x, plane->normal.y, plane->normal.z);
+    orl_canvas_text(page->canvas, MARGIN, 18, LETTERS, ORL_CANVAS_LEFT, ink, text);
+    for (uint32_t i = 0; i < how->n_thresholds; i++) {
+        const size_t length = strlen(thresholds);
+        snprintf(thresholds + length, sizeof thresholds - length, "%s%g", i ? ", " : "",
+                 how->thresholds_lx[i]);
+    }
+    if (how->n_thresholds == 0)
+        return;
+    snprintf(text, sizeof text, "%zu hatched: %s lx lies within the 95 %% interval", open,
+             thresholds);
+    orl_canvas_text(page->canvas, MARGIN, 34, LETTERS, ORL_CANVAS_LEFT, ink, text);
+}
+
+/* A length of 1, 2 or 5 times a power of ten, some hundred pixels long. */
+static void draw_length(struct page *page, double right, double y)
+{
+    const char *unit = page->map->how->length_unit[0] ? page->map->how->length_unit : "m";
+    const double about = 110 / page->pixels, power = pow(10, floor(log10(about)));
+    const double length = power * (about / power >= 5 ? 5 : about / power >= 2 ? 2 : 1);
+    const double left = right - length * page->pixels;
+    char text[32];
+    snprintf(text, sizeof text, "%g %.12s", length, unit);
+    orl_canvas_line(page->canvas, left, y, right, y, 1.6, ink);
+    orl_canvas_line(page->canvas, left, y - 4, left, y + 4, 1.6, ink);
+    orl_canvas_line(page->canvas, right, y - 4, right, y + 4, 1.6, ink);
+    orl_canvas_text(page->canvas, (left + right) / 2, y + 16, LETTERS, ORL_CANVAS_MIDDLE, ink,
+                    text);
+}
+
+static void draw_legend(struct page *page)
+{
+    enum { STEPS = 100 };
+    const double top = page->bottom + 12, left = MARGIN + 4;
+    const double width = fmin(page->width - 2.0 * MARGIN - 170, 400);
+    struct orl_legend legend = {.n_ticks = 0};
+    double free_from = 0;
+    for (int i = 0; i < STEPS; i++) {
+        const struct orl_quad part = orl_quad_of(left + width * i / STEPS, top,
+                                                 left + width * (i + 1) / STEPS + 0.3, top + 12);
+        unsigned char rgb[3];
+        orl_palette_color(page->scale.palette, (i + 0.5) / STEPS, rgb);
+        orl_canvas_fill(page->canvas, &part, rgb);
+    }
+    orl_scale_legend(&page->scale, &legend);
+    for (size_t i = 0; i < legend.n_ticks; i++) {
+        const double x = left + width * legend.ticks[i].at;
+        const double half = orl_letters_width(legend.ticks[i].text, LETTERS) / 2;
+        orl_canvas_line(page->canvas, x, top + 12, x, top + 15, 1, ink);
+        if (x - half < free_from)
+            continue;
+        orl_canvas_text(page->canvas, x, top + 27, LETTERS, ORL_CANVAS_MIDDLE, ink,
+                        legend.ticks[i].text);
+        free_from = x + half + 5;
+    }
+    draw_length(page, page->width - MARGIN - 12.0, top + 6);
+}
+
+static void draw(struct page *page)
+{
+    draw_cells(page);
+    orl_section_cut(page->map->geometry, page->map->plane, draw_piece, page);
+    draw_head(page);
+    draw_legend(page);
+    orl_canvas_end(page->canvas);
+}
+
+int orl_heat_map_write_png(const struct orl_heat_map *map, const char *path, struct orl_error *err)
+{
+    struct orl_canvas canvas = {.svg = NULL};
+    struct page page = {.map = map, .canvas = &canvas};
+    lay_out(&page);
+    int code = make_scale(&page);
+    if (code == 0)
+        code = orl_canvas_init(&canvas, page.width, page.height, NULL);
+    if (code < 0)
+        return orl_error_set(err, code, "out of memory drawing a heat map");
+    draw(&page);
+    code = orl_png_write(path, page.width, page.height, canvas.raster.rgb, err);
+    orl_canvas_done(&canvas);
+    return code;
+}
+
+int orl_heat_map_write_svg(const struct orl_heat_map *map, const char *path, struct orl_error *err)
+{
+    struct orl_out_file file = {.stream = NULL};
+    struct orl_canvas canvas;
+    struct page page = {.map = map, .canvas = &canvas};
+    lay_out(&page);
+    if (make_scale(&page) < 0)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory drawing a heat map");
+    const int code = orl_out_open(&file, path, err);
+    if (code < 0)
+        return code;
+    orl_canvas_init(&canvas, page.width, page.height, file.stream);
+    draw(&page);
+    return orl_out_close(&file, 0, err);
+}

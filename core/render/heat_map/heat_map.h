@@ -1,0 +1,26 @@
+/*
+ * Illuminances of sensors in a plane, as a map over the plan of the scene: a cell a sensor, in the
+ * colours of a scale, hatched where a threshold lies within the sensor's 95 % interval, so that
+ * nobody can tell on which side it is. Walls and things are outlined as the plane cuts them
+ * (section.h). With a legend, and a bar of some round length.
+ */
+#ifndef ORL_RENDER_HEAT_MAP_HEAT_MAP_H
+#define ORL_RENDER_HEAT_MAP_HEAT_MAP_H
+
+#include "render/heat_map/planes.h"
+#include "render/picture/scale.h"
+#include "scene/geometry/geometry.h"
+
+struct orl_heat_map {
+    const struct orl_geometry *geometry; /* borrowed, as all of it */
+    const struct orl_sensor_plane *plane;
+    const double *illuminance_lx; /* of all sensors of the job */
+    const double (*interval_95_lx)[2];
+    const struct orl_heat_map_request *how;
+};
+
+/* Both to path.part, sync, rename. Return 0, ORL_ERR_NOMEM or ORL_ERR_IO. */
+int orl_heat_map_write_png(const struct orl_heat_map *map, const char *path, struct orl_error *err);
+int orl_heat_map_write_svg(const struct orl_heat_map *map, const char *path, struct orl_error *err);
+
+#endif

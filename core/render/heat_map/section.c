@@ -1,0 +1,97 @@
+#include "render/heat_map/section.h"
+
+enum { SIDES = 32 };
+static const double hair = 1e-6; /* of the scene's radius */
+
+struct cut {
+    const struct orl_geometry *geometry;
+    const struct orl_sensor_plane *plane;
+    double offset; /* in moved coordinates */
+    orl_section_piece piece;
+    void *ctx;
+};
+
+/* Where the edge from a to b goes through the plane; sa and sb: how far they are before it. */
+static void cross_edge(const struct cut *cut, struct orl_vec3 a, struct orl_vec3 b, double sa,
+                       double sb, double ret_at[2])
+{
+    const struct orl_vec3 point =
+        orl_add(orl_madd(a, orl_sub(b, a), sa / (sa - sb)), cut->geometry->center);
+    ret_at[0] = orl_dot(cut->plane->u, point);
+    ret_at[1] = orl_dot(cut->plane->v, point);
+}
+
+static void cut_triangle(const struct cut *cut, const struct orl_vec3 corners[3])
+{
+    double s[3], ends[2][2];
+    int n = 0;
+    for (int i = 0; i < 3; i++)
+        s[i] = orl_dot(cut->plane->normal, corners[i]) - cut->offset;
+    for (int i = 0; i < 3; i++) {
+        const int next = (i + 1) % 3;
+        if ((s[i] >= 0) != (s[next] >= 0))
+            cross_edge(cut, corners[i], corners[next], s[i], s[next], ends[n++]);
+    }
+    if (n == 2)
+        cut->piece(cut->ctx, ends[0], ends[1]);
+}
+
+static void cut_sphere(const struct cut *cut, const struct orl_facet *facet)
+{
+    const double off = cut->offset - orl_dot(cut->plane->normal, facet->center[0]);
+    const double square = facet->radius[0] * facet->radius[0] - off * off;
+    const struct orl_vec3 center = orl_add(facet->center[0], cut->geometry->center);
+    const double u = orl_dot(cut->plane->u, center), v = orl_dot(cut->plane->v, center);
+    double before[2] = {u + sqrt(fmax(square, 0)), v};
+    for (int i = 1; i <= SIDES && square > 0; i++) {
+        const double a = 2 * ORL_PI * i / SIDES, r = sqrt(square);
+        const double at[2] = {u + r * cos(a), v + r * sin(a)};
+        cut->piece(cut->ctx, before, at);
+        before[0] = at[0];
+        before[1] = at[1];
+    }
+}
+
+/* Two triangles a side, between circles about the two centers. */
+static void cut_round(const struct cut *cut, const struct orl_facet *facet)
+{
+    const bool ring = facet->kind == ORL_SURFACE_RING;
+    const bool even = facet->kind == ORL_SURFACE_CYLINDER || facet->kind == ORL_SURFACE_TUBE;
+    const struct orl_vec3 second = ring ? facet->center[0] : facet->center[1];
+    const double radii[2] = {facet->radius[0], even ? facet->radius[0] : facet->radius[1]};
+    const struct orl_vec3 axis =
+        ring ? facet->normal : orl_normalize(orl_sub(facet->center[1], facet->center[0]));
+    const struct orl_frame frame = orl_frame_about(axis);
+    struct orl_vec3 a = orl_madd(facet->center[0], frame.u, radii[0]);
+    struct orl_vec3 b = orl_madd(second, frame.u, radii[1]);
+    for (int i = 1; i <= SIDES; i++) {
+        const double t = 2 * ORL_PI * i / SIDES;
+        const struct orl_vec3 way = orl_add(orl_scale(frame.u, cos(t)), orl_scale(frame.v, sin(t)));
+        const struct orl_vec3 c = orl_madd(facet->center[0], way, radii[0]);
+        const struct orl_vec3 d = orl_madd(second, way, radii[1]);
+        cut_triangle(cut, (const struct orl_vec3[3]){a, b, d});
+        cut_triangle(cut, (const struct orl_vec3[3]){a, d, c});
+        a = c;
+        b = d;
+    }
+}
+
+void orl_section_cut(const struct orl_geometry *geometry, const struct orl_sensor_plane *plane,
+                     orl_section_piece piece, void *ctx)
+{
+    const struct cut cut = {geometry, plane,
+                            plane->offset - orl_dot(plane->normal, geometry->center) +
+                                hair * geometry->radius,
+                            piece, ctx};
+    for (size_t i = 0; i < geometry->n_triangles; i++)
+        cut_triangle(&cut,
+                     (const struct orl_vec3[3]){geometry->triangles[i].a, geometry->triangles[i].b,
+                                                geometry->triangles[i].c});
+    for (size_t i = 0; i < geometry->n_facets; i++) {
+        const struct orl_facet *facet = &geometry->facets[i];
+        if (facet->kind == ORL_SURFACE_SPHERE || facet->kind == ORL_SURFACE_BUBBLE)
+            cut_sphere(&cut, facet);
+        else if (facet->kind != ORL_SURFACE_POLYGON)
+            cut_round(&cut, facet);
+    }
+}
