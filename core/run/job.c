@@ -264,6 +264,18 @@ void orl_view_result_done(struct orl_view_result *view)
     *view = (struct orl_view_result){.seconds = view->seconds};
 }
 
+void orl_sensor_files_done(struct orl_sensor_files *files)
+{
+    free(files->csv);
+    free(files->res);
+    for (size_t i = 0; i < files->n_maps; i++) {
+        free(files->maps[i].png);
+        free(files->maps[i].svg);
+        free(files->maps[i].dat);
+    }
+    *files = (struct orl_sensor_files){.csv = NULL};
+}
+
 void orl_result_done(struct orl_result *result)
 {
     if (!result)

@@ -189,15 +189,3 @@ int orl_run_write_sensors(struct orl_run_state *state, struct orl_error *err)
         code = write_res(state, path, err);
     return code == 0 ? write_maps(state, err) : code;
 }
-
-void orl_sensor_files_done(struct orl_sensor_files *files)
-{
-    free(files->csv);
-    free(files->res);
-    for (size_t i = 0; i < files->n_maps; i++) {
-        free(files->maps[i].png);
-        free(files->maps[i].svg);
-        free(files->maps[i].dat);
-    }
-    *files = (struct orl_sensor_files){.csv = NULL};
-}

@@ -206,7 +206,7 @@ static void draw_head(struct page *page)
     orl_canvas_text(page->canvas, MARGIN, 18, LETTERS, ORL_CANVAS_LEFT, ink, text);
     for (uint32_t i = 0; i < how->n_thresholds; i++) {
         const size_t length = strlen(thresholds);
-        snprintf(thresholds + length, sizeof thresholds - length, "%s%g", i ? ", " : "",
+        snprintf(thresholds + length, sizeof thresholds - length, "%s%g", i ? " or " : "",
                  how->thresholds_lx[i]);
     }
     if (how->n_thresholds == 0)
