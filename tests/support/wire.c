@@ -7,9 +7,12 @@
 
 #include "http/framing.h"
 
+struct own;
+
 struct wire {
     wire_see see;
     void *ctx;
+    struct own *open; /* of a request that libmicrohttpd has not told the end of */
 };
 
 /* A request's own. */
@@ -20,20 +23,23 @@ struct own {
 /* As the daemon, before the arguments are taken apart. */
 static void *on_target(void *ctx, const char *uri, struct MHD_Connection *connection)
 {
+    struct wire *wire = ctx;
     struct own *own = calloc(1, sizeof *own);
-    (void)ctx, (void)connection;
+    (void)connection;
     if (!own)
         abort();
     own->too_long = uri && orl_framing_cut_query(uri);
+    wire->open = own;
     return own;
 }
 
 static void on_completed(void *ctx, struct MHD_Connection *connection, void **request,
                          enum MHD_RequestTerminationCode why)
 {
-    (void)ctx, (void)connection, (void)why;
+    struct wire *wire = ctx;
+    (void)connection, (void)why;
     free(*request);
-    *request = NULL;
+    *request = wire->open = NULL;
 }
 
 static enum MHD_Result on_request(void *ctx, struct MHD_Connection *connection, const char *url,
@@ -85,14 +91,14 @@ static size_t run(struct MHD_Daemon *daemon, int fd)
 
 size_t wire_send(const void *bytes, size_t size, wire_see see, void *ctx)
 {
-    struct wire wire = {see, ctx};
+    struct wire wire = {see, ctx, NULL};
     const struct sockaddr_storage nobody = {.ss_family = AF_UNIX};
     const int room = 1 << 20;
     int fds[2];
     struct MHD_Daemon *daemon = MHD_start_daemon(
         MHD_USE_NO_LISTEN_SOCKET | MHD_USE_ERROR_LOG, 0, NULL, NULL, on_request, &wire,
-        MHD_OPTION_EXTERNAL_LOGGER, say_nothing, NULL, MHD_OPTION_URI_LOG_CALLBACK, on_target, NULL,
-        MHD_OPTION_NOTIFY_COMPLETED, on_completed, NULL, MHD_OPTION_CONNECTION_MEMORY_LIMIT,
+        MHD_OPTION_EXTERNAL_LOGGER, say_nothing, NULL, MHD_OPTION_URI_LOG_CALLBACK, on_target,
+        &wire, MHD_OPTION_NOTIFY_COMPLETED, on_completed, &wire, MHD_OPTION_CONNECTION_MEMORY_LIMIT,
         (size_t)(32 << 10), MHD_OPTION_STRICT_FOR_CLIENT, 1, MHD_OPTION_END);
     if (!daemon || socketpair(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK, 0, fds) != 0)
         abort();
@@ -105,6 +111,7 @@ size_t wire_send(const void *bytes, size_t size, wire_see see, void *ctx)
         MHD_YES)
         total = run(daemon, fds[0]);
     MHD_stop_daemon(daemon);
+    free(wire.open);
     close(fds[0]);
     return total;
 }
