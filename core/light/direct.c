@@ -265,7 +265,7 @@ struct orl_rgb orl_direct_by_lobes(const struct orl_world *world, const struct o
                                    const struct orl_material *material, struct orl_vec3 eye,
                                    struct orl_random *random)
 {
-    const struct orl_vec3 seen = hit->front ? hit->normal : orl_neg(hit->normal);
+    const struct orl_vec3 seen = orl_hit_facing(hit);
     struct orl_rgb sum = orl_gray(0);
     for (int side = 0; side < (orl_material_transmits_lobes(material) ? 2 : 1); side++) {
         const struct orl_vec3 normal = side == 0 ? seen : orl_neg(seen);

@@ -53,7 +53,7 @@ static struct orl_rgb scattered_direct(const struct outing *o, const struct orl_
                                        struct orl_vec3 eye)
 {
     const struct orl_material *m = orl_world_material(o->eye.world, hit);
-    const struct orl_vec3 normal = hit->front ? hit->normal : orl_neg(hit->normal);
+    const struct orl_vec3 normal = orl_hit_facing(hit);
     const struct orl_rgb diffuse = orl_material_diffuse(m, hit);
     struct orl_rgb sum = orl_gray(0);
     if (orl_rgb_max(diffuse) > 0)
@@ -74,7 +74,7 @@ static struct orl_rgb folded_direct(const struct outing *o, const struct orl_hit
 {
     const struct orl_world *world = o->eye.world;
     const struct orl_material *m = orl_world_material(world, hit);
-    const struct orl_vec3 normal = hit->front ? hit->normal : orl_neg(hit->normal);
+    const struct orl_vec3 normal = orl_hit_facing(hit);
     struct orl_rgb sum = orl_gray(0);
     for (size_t i = 0; i < world->n_suns; i++) {
         const struct orl_vec3 sun = world->suns[i].frame.n;

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "light/direct.h"
+#include "light/path.h"
 #include "scene/material/bounds.h"
 
 enum { MOST_CLASSES = 256 };
@@ -159,19 +160,19 @@ static void follow_light(struct pilot *pilot, struct orl_vec3 origin, struct orl
                          double flux, struct orl_random *random)
 {
     const struct orl_world *world = pilot->world;
+    struct orl_path path = orl_path_from(origin, orl_neg(frame.n));
     int reflections = 1;
     for (int step = 0; step < 4 * ORL_IMAGE_REFLECTIONS; step++) {
-        const struct orl_vec3 direction = orl_neg(frame.n);
         struct orl_hit hit;
         if (reflections > 1)
             note(pilot, &frame, flux);
-        if (!orl_geometry_intersect(world->geometry, origin, direction, INFINITY, &hit))
+        if (!orl_path_meet(world, &path, &hit))
             return;
         const struct orl_material *m = orl_world_material(world, &hit);
         const int16_t class = pilot->images->class_of[hit.facet];
         const double back =
-            class < 0 ? 0 : orl_luma(orl_material_mirrored(m, &hit, orl_neg(direction)));
-        const double on = orl_luma(orl_material_straight(m, &hit, orl_neg(direction)));
+            class < 0 ? 0 : orl_luma(orl_material_mirrored(m, &hit, orl_path_back(&path)));
+        const double on = orl_luma(orl_material_straight(m, &hit, orl_path_back(&path)));
         if (!(back + on > 0) || flux * (back + on) < ORL_IMAGE_DIMMEST * pilot->fallen)
             return;
         flux *= back + on;
@@ -180,7 +181,8 @@ static void follow_light(struct pilot *pilot, struct orl_vec3 origin, struct orl
             return;
         if (mirrored)
             frame = turned_frame(frame, pilot->images->mirrors[class]);
-        origin = orl_hit_leave(world->geometry, &hit, orl_neg(frame.n));
+        path.direction = orl_neg(frame.n);
+        orl_path_pass(&path, world, &hit);
     }
 }
 

@@ -122,7 +122,7 @@ static void try_to_escape(void *arg, size_t index, uint32_t member)
         const bool through = orl_material_is_window(orl_scene_material(search->scene, hit.facet)) &&
                              orl_scene_crossing(search->scene, &hit) == ORL_CROSSING_NONE;
         if (!through)
-            direction = cosine_direction(hit.front ? hit.normal : orl_neg(hit.normal), &random);
+            direction = cosine_direction(orl_hit_facing(&hit), &random);
         point = orl_hit_leave(g, &hit, direction);
     }
 }

@@ -81,8 +81,7 @@ static bool finds_light(const struct quest *quest, size_t number)
         const bool window = orl_material_is_window(orl_world_material(world, &hit));
         if (!window) {
             const double u = orl_random_uniform(&random), v = orl_random_uniform(&random);
-            path.direction =
-                orl_hemisphere_about(hit.front ? hit.normal : orl_neg(hit.normal), u, v);
+            path.direction = orl_hemisphere_about(orl_hit_facing(&hit), u, v);
         }
         orl_path_pass(&path, world, &hit);
         if (window)

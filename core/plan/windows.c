@@ -140,7 +140,7 @@ static bool sun_found_inside(const struct orl_world *world, struct orl_vec3 sun)
             const struct orl_vec3 d = orl_hemisphere_about(normal, a, b);
             if (!orl_geometry_intersect(g, point, d, INFINITY, &hit))
                 break;
-            normal = hit.front ? hit.normal : orl_neg(hit.normal);
+            normal = orl_hit_facing(&hit);
             point = orl_hit_leave(g, &hit, normal);
             if (orl_rgb_max(orl_transmittance(world, point, sun, INFINITY, true)) > 0)
                 return true;

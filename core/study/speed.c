@@ -26,7 +26,7 @@ static size_t add_path(const struct orl_geometry *g, struct orl_random *random, 
         const double u = orl_random_uniform(random), v = orl_random_uniform(random);
         if (!orl_geometry_intersect(g, point, direction, INFINITY, &hit))
             break;
-        const struct orl_vec3 normal = hit.front ? hit.normal : orl_neg(hit.normal);
+        const struct orl_vec3 normal = orl_hit_facing(&hit);
         direction = orl_hemisphere_about(normal, u, v);
         point = orl_hit_leave(g, &hit, direction);
         rays[n++] = (struct ray){point, direction};

@@ -37,7 +37,7 @@ static void deposit(struct orl_deposits *deposits, const struct orl_hit *hit, st
     }
     if (!make_room(deposits, 1))
         return;
-    const struct orl_vec3 lit = hit->front ? hit->normal : orl_neg(hit->normal);
+    const struct orl_vec3 lit = orl_hit_facing(hit);
     deposits->photons[deposits->count++] =
         (struct orl_photon){.position = {(float)p.x, (float)p.y, (float)p.z},
                             .flux = {(float)flux.r, (float)flux.g, (float)flux.b},

@@ -89,10 +89,8 @@ bool orl_footing_find(const struct orl_world *world, struct orl_vec3 point, stru
                                 orl_neg(normal), 2 * tolerance, &hit) ||
         fabs(orl_dot(hit.normal, normal)) < cosine_28)
         return false;
-    *ret_footing = (struct orl_footing){.world = world,
-                                        .point = hit.point,
-                                        .normal = hit.front ? hit.normal : orl_neg(hit.normal),
-                                        .facet = hit.facet};
+    *ret_footing = (struct orl_footing){
+        .world = world, .point = hit.point, .normal = orl_hit_facing(&hit), .facet = hit.facet};
     return true;
 }
 
@@ -236,7 +234,7 @@ static bool step_over(struct march *m, double length)
         !is_flat(world, hit.facet) || !is_diffuse(world, &hit))
         return false;
     m->facet = hit.facet;
-    m->normal = hit.front ? hit.normal : orl_neg(hit.normal);
+    m->normal = orl_hit_facing(&hit);
     m->through = hit.point;
     return fits(m, hit.point);
 }

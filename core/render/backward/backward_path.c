@@ -60,7 +60,7 @@ static void add_diffuse(struct walk *w, struct orl_rgb albedo)
     struct orl_eye_path *p = &w->eye;
     const struct orl_world *world = p->world;
     const struct orl_hit *hit = &p->hit;
-    const struct orl_vec3 lit = hit->front ? hit->normal : orl_neg(hit->normal);
+    const struct orl_vec3 lit = orl_hit_facing(hit);
     const double left = w->straight
                             ? orl_vpl_left(&w->tracer->backward->vpls, w->cos_start,
                                            orl_dot(p->path.direction, hit->normal), w->travelled)

@@ -1,6 +1,7 @@
 /* Rays that gather: what they meet, how it is lit, and where they go on. */
 #include "photon/density/records.h"
 #include "render/gather/icache.h"
+#include "scene/material/color_at.h"
 
 enum { SURE_BOUNCES = 4 };
 enum { NEIGHBOURS_CAUSTIC_RELIT = 32 }; /* seen by one ray of many: noise averages out */
@@ -38,7 +39,7 @@ static struct orl_rgb met_irradiance(const struct orl_gather *gather, const stru
                                      bool *relit, bool roughly, struct orl_random *random,
                                      struct orl_search *search, struct orl_tally *tally)
 {
-    const struct orl_vec3 lit = hit->front ? hit->normal : orl_neg(hit->normal);
+    const struct orl_vec3 lit = orl_hit_facing(hit);
     const struct orl_footing footing = {gather->world, hit->point, lit, hit->facet};
     struct orl_rgb irradiance = orl_gray(0);
     if (gather->rest == ORL_REST_RECORDS) {
@@ -106,7 +107,7 @@ static bool known_radiance(const struct orl_gather *gather, const struct orl_gat
                            struct orl_random *random, struct orl_search *search,
                            struct orl_rgb *ret_radiance)
 {
-    const struct orl_vec3 lit = hit->front ? hit->normal : orl_neg(hit->normal);
+    const struct orl_vec3 lit = orl_hit_facing(hit);
     const struct orl_place place = {.point = orl_hit_leave(gather->world->geometry, hit, lit),
                                     .normal = lit};
     struct orl_cached rest;
@@ -214,7 +215,7 @@ static bool is_dim_pane(const struct orl_material *m, const struct orl_hit *hit,
                         struct orl_vec3 eye)
 {
     if (!orl_material_is_window(m) || m->kind == ORL_MATERIAL_DIELECTRIC ||
-        (m->kind == ORL_MATERIAL_GLASS && orl_rgb_max(m->transmissivity) > clear_glass))
+        (m->kind == ORL_MATERIAL_GLASS && orl_rgb_max(orl_transmissivity_at(m, hit)) > clear_glass))
         return false;
     const double through = orl_luma(orl_material_albedo(m, hit, eye, ORL_LOBE_TRANSMITTED));
     const double back = orl_luma(orl_material_albedo(m, hit, eye, ORL_LOBE_REFLECTED));

@@ -90,7 +90,7 @@ static bool lies_on_surface(const struct orl_gather *gather, const struct orl_pl
         return false;
     *ret_footing = (struct orl_footing){.world = gather->world,
                                         .point = hit.point,
-                                        .normal = hit.front ? hit.normal : orl_neg(hit.normal),
+                                        .normal = orl_hit_facing(&hit),
                                         .facet = hit.facet};
     return true;
 }

@@ -78,7 +78,7 @@ static void follow(struct look *look, const struct branch *from, const struct or
 static void add_vertex(struct look *look, const struct branch *at, const struct orl_hit *hit,
                        const struct orl_material *m)
 {
-    const struct orl_vec3 seen = hit->front ? hit->normal : orl_neg(hit->normal);
+    const struct orl_vec3 seen = orl_hit_facing(hit);
     const struct orl_world *world = scene_of(look);
     const bool proxied = orl_world_hides(world, hit->facet);
     if (look->shaded->n_vertices >= ORL_SHADE_VERTICES)

@@ -130,6 +130,12 @@ static inline struct orl_vec3 orl_facet_leave(const struct orl_geometry *geometr
     return orl_madd(point, normal, side * (f->offset + hidden));
 }
 
+/* The normal on the side that the ray met. */
+static inline struct orl_vec3 orl_hit_facing(const struct orl_hit *hit)
+{
+    return hit->front ? hit->normal : orl_neg(hit->normal);
+}
+
 /* Where a ray that leaves the hit point along direction is to start. */
 static inline struct orl_vec3 orl_hit_leave(const struct orl_geometry *geometry,
                                             const struct orl_hit *hit, struct orl_vec3 direction)

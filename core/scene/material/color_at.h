@@ -1,6 +1,7 @@
 /*
  * What a material is made of at a hit. The one place where patterns are to have their say: today
- * the description's numbers hold all over a surface. For the kinds of material (kinds.h) alone.
+ * the description's numbers hold all over a surface. For the kinds of material (kinds.h); others
+ * ask scatter.h, where that is quick enough.
  */
 #ifndef ORL_SCENE_MATERIAL_COLOR_AT_H
 #define ORL_SCENE_MATERIAL_COLOR_AT_H

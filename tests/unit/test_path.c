@@ -1,0 +1,231 @@
+/*
+ * A path's steps, and the loop of paths against the light, where closed forms say what is seen:
+ * a pane before an even sky, a slab that absorbs, roulette, and mirrors that never end.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+
+#include <cmocka.h>
+
+#include "light/eye_path.h"
+#include "scene/material/kinds.h"
+#include "support/room.h"
+
+#define SKY "void glow g 0 0 4 3 2 1 0\ng source sky 0 0 4 0 0 1 360\n"
+#define PANE(z) "p polygon pane 0 0 12 -9 -9 " z " 9 -9 " z " 9 9 " z " -9 9 " z "\n"
+
+enum { DRAWS = 20000 };
+
+static struct orl_crew *crew;
+
+static int start(void **state)
+{
+    (void)state;
+    crew = orl_crew_start(1);
+    return crew ? 0 : -1;
+}
+
+static int stop(void **state)
+{
+    (void)state;
+    orl_crew_stop(crew);
+    return 0;
+}
+
+static struct orl_path upwards(const struct orl_world *world, double z)
+{
+    return orl_path_from(orl_sub(orl_v3(0, 0, z), world->geometry->center), orl_v3(0, 0, 1));
+}
+
+/* ---- Steps ----------------------------------------------------------------------------------- */
+
+static void panes_dim_what_is_seen_through_them(void **state)
+{
+    struct orl_world *world =
+        scene_world(SKY "void glass p 0 0 3 .8 .6 .4\n" PANE("1") PANE("2"), NULL, NULL, crew);
+    struct orl_path path = upwards(world, 0);
+    struct orl_rgb left = orl_gray(1);
+    struct orl_hit hit;
+    (void)state;
+    for (int pane = 0; pane < 2; pane++) {
+        assert_true(orl_path_meet(world, &path, &hit));
+        const struct orl_material *m = orl_world_material(world, &hit);
+        assert_true(orl_path_look_through(&path, m, &hit));
+        orl_path_pass(&path, world, &hit);
+        left = orl_rgb_mul(left, orl_glass_transmittance(m, &hit, 1));
+    }
+    assert_false(orl_path_meet(world, &path, &hit));
+    assert_true(path.weight.r == left.r && path.weight.g == left.g && path.weight.b == left.b);
+    orl_world_free(world);
+}
+
+/* Beer's law from the surface where a solid was entered to the one where it is left. */
+static void solids_absorb_on_the_way(void **state)
+{
+    struct orl_world *world =
+        scene_world(SKY "void dielectric d 0 0 5 .5 .6 .7 1 0\n"
+                        "d polygon below 0 0 12 -9 -9 0 -9 9 0 9 9 0 9 -9 0\n"
+                        "d polygon above 0 0 12 -9 -9 2 9 -9 2 9 9 2 -9 9 2\n",
+                    NULL, NULL, crew);
+    const double offset = 1e-4;
+    struct orl_path path = upwards(world, -1);
+    struct orl_scatter through;
+    struct orl_hit hit;
+    (void)state;
+    for (int side = 0; side < 2; side++) {
+        assert_true(orl_path_meet(world, &path, &hit));
+        const struct orl_material *m = orl_world_material(world, &hit);
+        orl_path_arrive(&path, m, &hit);
+        assert_true(
+            orl_material_refract(m, &hit, orl_path_back(&path), ORL_TRANSPORT_EYE, &through));
+        orl_path_leave(&path, world, &hit, &through);
+    }
+    assert_true(fabs(path.weight.r - .25) < offset);
+    assert_true(fabs(path.weight.g - .36) < offset);
+    assert_true(fabs(path.weight.b - .49) < offset);
+    /* In air again: nothing is lost however far it goes. */
+    const struct orl_rgb before = path.weight;
+    orl_path_escape(&path);
+    assert_true(path.weight.r == before.r && path.weight.b == before.b);
+    orl_world_free(world);
+}
+
+/* Each survivor stands for 1 / chance: the mean stays, with a variance of (1 - chance) / chance. */
+static void roulette_keeps_the_mean(void **state)
+{
+    static const double chances[] = {.01, .3, .9, 1};
+    (void)state;
+    for (size_t i = 0; i < sizeof chances / sizeof *chances; i++) {
+        struct orl_random random = orl_random_stream(i, ORL_PURPOSE_BENCH, 0);
+        const double sigma = sqrt((1 - chances[i]) / chances[i] / DRAWS);
+        double sum = 0;
+        for (int n = 0; n < DRAWS; n++) {
+            struct orl_path path = orl_path_from(orl_v3(0, 0, 0), orl_v3(0, 0, 1));
+            if (orl_path_survives(&path, chances[i], &random))
+                sum += path.weight.g;
+        }
+        assert_true(fabs(sum / DRAWS - 1) <= 4 * sigma);
+    }
+}
+
+/* Through a port outwards and inwards; what is mirrored, or passes no port, stays where it was. */
+static void ports_tell_sides(void **state)
+{
+    struct orl_world *world =
+        scene_world(ROOM_SKY ROOM_GREY ROOM_SHELL ROOM_CLEAR ROOM_PANE, NULL, NULL, crew);
+    struct orl_path path =
+        orl_path_from(orl_sub(orl_v3(2, 2, 1.5), world->geometry->center), orl_v3(0, -1, 0));
+    struct orl_hit hit;
+    (void)state;
+    assert_false(world->open);
+    assert_true(orl_path_meet(world, &path, &hit));
+    assert_true(orl_world_outside_after(world, &hit, true, false));
+    assert_false(orl_world_outside_after(world, &hit, false, false));
+    hit.front = !hit.front;
+    assert_false(orl_world_outside_after(world, &hit, true, true));
+    assert_true(orl_world_outside_after(world, &hit, false, true));
+    path.direction = orl_v3(0, 1, 0);
+    assert_true(orl_path_meet(world, &path, &hit));
+    assert_true(orl_world_outside_after(world, &hit, true, true));
+    orl_world_free(world);
+}
+
+/* ---- Paths against the light ------------------------------------------------------------------
+ */
+
+static enum orl_lobes meet_anything(struct orl_eye_path *p, const struct orl_material *material)
+{
+    (void)p, (void)material;
+    return ORL_LOBE_ALL;
+}
+
+static enum orl_lobes end_there(struct orl_eye_path *p, const struct orl_material *material)
+{
+    (void)p, (void)material;
+    return ORL_LOBE_NONE;
+}
+
+static bool go_on(struct orl_eye_path *p, const struct orl_scatter *scatter)
+{
+    (void)p, (void)scatter;
+    return true;
+}
+
+static const struct orl_eye_sink follows = {.met = meet_anything, .sent_on = go_on};
+static const struct orl_eye_sink ends = {.met = end_there, .sent_on = go_on};
+
+/* Both ways lead to the sky: mirrored and straight shares, by lot; one pane has no variance then,
+ * for the weight is their sum. */
+static void a_pane_shows_the_sky_both_ways(void **state)
+{
+    struct orl_world *world =
+        scene_world(SKY "void glass p 0 0 3 .5 .5 .5\n" PANE("1"), NULL, NULL, crew);
+    struct orl_random random = orl_random_stream(1, ORL_PURPOSE_BENCH, 0);
+    struct orl_health health = {0};
+    (void)state;
+    for (int n = 0; n < 100; n++) {
+        struct orl_eye_path p = {.world = world, .random = &random, .path = upwards(world, 0)};
+        orl_eye_path_follow(&p, &follows, &health);
+        const struct orl_hit hit = p.hit;
+        const struct orl_material *m = orl_world_material(world, &hit);
+        const double all =
+            orl_glass_transmittance(m, &hit, 1).g + orl_glass_reflectance(m, &hit, 1).g;
+        assert_int_equal(p.bounce, 1);
+        assert_true(fabs(p.seen.r - 3 * all) < 1e-12 && fabs(p.seen.b - all) < 1e-12);
+    }
+    assert_int_equal(health.paths_capped, 0);
+    orl_world_free(world);
+}
+
+static void what_lies_ahead_may_be_known(void **state)
+{
+    struct orl_world *world =
+        scene_world(SKY "void glass p 0 0 3 .5 .5 .5\n" PANE("1"), NULL, NULL, crew);
+    struct orl_random random = orl_random_stream(1, ORL_PURPOSE_BENCH, 0);
+    struct orl_health health = {0};
+    struct orl_eye_path p = {.world = world, .random = &random, .path = upwards(world, 0)};
+    (void)state;
+    orl_eye_path_foresee(&p, NULL);
+    orl_eye_path_follow(&p, &ends, &health);
+    assert_true(p.seen.r == 3 && p.bounce == 0);
+    /* Unknown again, the pane is met, and ends it. */
+    p = (struct orl_eye_path){.world = world, .random = &random, .path = upwards(world, 0)};
+    orl_eye_path_follow(&p, &ends, &health);
+    assert_true(p.seen.r == 0 && p.met);
+    orl_world_free(world);
+}
+
+static void endless_paths_are_cut_and_counted(void **state)
+{
+    struct orl_world *world =
+        scene_world(SKY "void mirror m 0 0 3 1 1 1\n"
+                        "m polygon above 0 0 12 -9 -9 1 -9 9 1 9 9 1 9 -9 1\n"
+                        "m polygon below 0 0 12 -9 -9 -1 9 -9 -1 9 9 -1 -9 9 -1\n",
+                    NULL, NULL, crew);
+    struct orl_random random = orl_random_stream(1, ORL_PURPOSE_BENCH, 0);
+    struct orl_health health = {0};
+    struct orl_eye_path p = {.world = world, .random = &random, .path = upwards(world, 0)};
+    (void)state;
+    orl_eye_path_follow(&p, &follows, &health);
+    assert_int_equal(p.bounce, ORL_EYE_PATH_MOST);
+    assert_int_equal(health.paths_capped, 1);
+    assert_true(p.seen.g == 0);
+    orl_world_free(world);
+}
+
+int main(void)
+{
+    static const struct CMUnitTest tests[] = {
+        cmocka_unit_test(panes_dim_what_is_seen_through_them),
+        cmocka_unit_test(solids_absorb_on_the_way),
+        cmocka_unit_test(roulette_keeps_the_mean),
+        cmocka_unit_test(ports_tell_sides),
+        cmocka_unit_test(a_pane_shows_the_sky_both_ways),
+        cmocka_unit_test(what_lies_ahead_may_be_known),
+        cmocka_unit_test(endless_paths_are_cut_and_counted),
+    };
+    return cmocka_run_group_tests(tests, start, stop);
+}
