@@ -8,13 +8,13 @@
 #include <oriel/limits.h>
 
 #include "decode.h"
-#include "glare_json.h"
 #include "picture_json.h"
 #include "plan_json.h"
 #include "skies_json.h"
 #include "sky_json.h"
+#include "view_json.h"
 
-enum { FILE_NAME_MAX_BYTES = 1024, VIEW_TEXT_MAX = 4096, VIEW_NAME_MAX = 128 };
+enum { FILE_NAME_MAX_BYTES = 1024 };
 
 /* An array of count zeroed elements; a count of 0 gives a valid pointer too. */
 static void *new_array(size_t count, size_t size, struct orl_error *err)
@@ -144,42 +144,6 @@ static int decode_sensors(const json_t *sensors, struct orl_job *job, struct orl
     return rc;
 }
 
-static int decode_view(const json_t *doc, size_t index, struct orl_view_request *view,
-                       struct orl_error *err)
-{
-    static const char *const allowed[] = {"name",    "view",        "width",   "height", "formats",
-                                          "display", "false_color", "metrics", "glare",  NULL};
-    char path[ORL_JSON_PATH_MAX];
-    snprintf(path, sizeof path, "views[%zu]", index);
-    int rc = orl_json_object(doc, path, allowed, err);
-    if (rc == 0) {
-        snprintf(path, sizeof path, "views[%zu].name", index);
-        rc = orl_json_string(json_object_get(doc, "name"), path, VIEW_NAME_MAX, &view->name, err);
-    }
-    if (rc == 0) {
-        snprintf(path, sizeof path, "views[%zu].view", index);
-        rc = orl_json_string(json_object_get(doc, "view"), path, VIEW_TEXT_MAX, &view->view, err);
-    }
-    static const char *const sides[] = {"width", "height"};
-    uint64_t size[2] = {0};
-    for (size_t k = 0; k < 2 && rc == 0; k++) {
-        snprintf(path, sizeof path, "views[%zu].%s", index, sides[k]);
-        rc = orl_json_whole(json_object_get(doc, sides[k]), path, 1, ORL_LIMIT_IMAGE_SIDE, &size[k],
-                            err);
-    }
-    view->width = (uint32_t)size[0];
-    view->height = (uint32_t)size[1];
-    snprintf(path, sizeof path, "views[%zu].metrics", index);
-    if (rc == 0)
-        rc =
-            orl_glare_metrics_from_json(json_object_get(doc, "metrics"), path, &view->metrics, err);
-    snprintf(path, sizeof path, "views[%zu].glare", index);
-    if (rc == 0)
-        rc = orl_glare_settings_from_json(json_object_get(doc, "glare"), path, &view->glare, err);
-    snprintf(path, sizeof path, "views[%zu]", index);
-    return rc ? rc : orl_pictures_from_json(doc, path, view, err);
-}
-
 static int decode_views(const json_t *views, struct orl_job *job, struct orl_error *err)
 {
     if (!views)
@@ -194,7 +158,7 @@ static int decode_views(const json_t *views, struct orl_job *job, struct orl_err
     /* Counted before it is decoded, so that a half-filled one is freed too. */
     while (job->n_views < count && rc == 0) {
         const size_t i = job->n_views++;
-        rc = decode_view(json_array_get(views, i), i, &job->views[i], err);
+        rc = orl_view_from_json(json_array_get(views, i), i, &job->views[i], err);
     }
     return rc;
 }

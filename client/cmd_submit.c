@@ -64,6 +64,8 @@ static int submit(struct orl_http *http, const char *path, json_t **ret_reply,
     if (rc == 0)
         rc = orl_job_file_inline_sensors(&file, err);
     if (rc == 0)
+        rc = orl_job_file_inline_views(&file, err);
+    if (rc == 0)
         rc = send_scene(http, &file, err);
     if (rc == 0)
         rc = orl_http_post_json(http, "/v1/jobs", file.doc, ret_reply, err);

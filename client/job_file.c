@@ -166,3 +166,45 @@ int orl_job_file_inline_sensors(struct orl_job_file *file, struct orl_error *err
     json_decref(array);
     return rc;
 }
+
+/* "file" and "entry" of a view give way to the options they name. */
+static int inline_view(json_t *view, const struct orl_files *folder, struct orl_error *err)
+{
+    const char *name = json_string_value(json_object_get(view, "file"));
+    const json_t *entry = json_object_get(view, "entry");
+    struct orl_file text;
+    char number[24], *options = NULL;
+
+    if (!name)
+        return 0;
+    snprintf(number, sizeof number, "%lld", (long long)json_integer_value(entry));
+    int rc = folder->open(folder->ctx, name, &text, err);
+    if (rc)
+        return rc;
+    rc = orl_view_file_read(name, text.data, text.size,
+                            json_is_integer(entry) ? number : json_string_value(entry), &options,
+                            err);
+    folder->close(folder->ctx, &text);
+    if (rc)
+        return rc;
+    if (json_object_set_new(view, "view", json_string(options)))
+        rc = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    json_object_del(view, "file");
+    json_object_del(view, "entry");
+    free(options);
+    return rc;
+}
+
+int orl_job_file_inline_views(struct orl_job_file *file, struct orl_error *err)
+{
+    const struct orl_files folder = orl_files_from_folder(file->folder);
+    json_t *view;
+    size_t i;
+    int rc = 0;
+
+    json_array_foreach(json_object_get(file->doc, "views"), i, view)
+    {
+        rc = rc ? rc : inline_view(view, &folder, err);
+    }
+    return rc;
+}

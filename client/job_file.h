@@ -27,4 +27,7 @@ int orl_job_file_decode(const struct orl_job_file *file, struct orl_job *ret_job
 /* Replaces "sensors": {"file": NAME} by the array the file holds; other forms stay as they are. */
 int orl_job_file_inline_sensors(struct orl_job_file *file, struct orl_error *err);
 
+/* The same of views: those of files get the line that they ask for. */
+int orl_job_file_inline_views(struct orl_job_file *file, struct orl_error *err);
+
 #endif

@@ -47,6 +47,8 @@ void orl_job_done(struct orl_job *job)
     for (size_t i = 0; i < job->n_views; i++) {
         free(job->views[i].name);
         free(job->views[i].view);
+        free(job->views[i].file);
+        free(job->views[i].entry);
         free(job->views[i].false_color.points);
         free(job->views[i].glare.mask);
     }
@@ -108,6 +110,11 @@ static int validate_view(const struct orl_job *job, size_t index, struct orl_err
         return orl_error_set(
             err, ORL_ERR_LIMIT, "view '%s': %u x %u pixels; sides go from 1 to %u, pixels to %lu",
             v->name, v->width, v->height, ORL_LIMIT_IMAGE_SIDE, ORL_LIMIT_IMAGE_PIXELS);
+    if (!(v->pixel_aspect >= 0 && v->pixel_aspect <= 1000))
+        return orl_error_set(err, ORL_ERR_RANGE, "view '%s': pixel aspect %g", v->name,
+                             v->pixel_aspect);
+    if (v->file)
+        return 0;
     code = orl_view_parse(v->view ? v->view : "", &view, err);
     if (code == 0 && v->metrics != 0)
         code = orl_glare_view_check(&view, &v->glare, err);

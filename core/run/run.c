@@ -66,9 +66,10 @@ static int run_stages(struct orl_run_state *state, struct orl_error *err)
 }
 
 /* *scene: the job's, or NULL, and then what is read. */
-static int run(const struct orl_job *job, const struct orl_run_env *env, struct orl_scene **scene,
-               int (*stages)(struct orl_run_state *state, struct orl_error *err),
-               struct orl_result *ret_result, struct orl_error *err)
+static int run_settled(const struct orl_job *job, const struct orl_run_env *env,
+                       struct orl_scene **scene,
+                       int (*stages)(struct orl_run_state *state, struct orl_error *err),
+                       struct orl_result *ret_result, struct orl_error *err)
 {
     struct orl_result result = {.threads = orl_crew_size(env->crew), .seed = job->seed};
     struct orl_run_state state = {
@@ -116,6 +117,20 @@ static int run(const struct orl_job *job, const struct orl_run_env *env, struct 
     orl_run_report(env, ORL_STAGE_RENDER, 1, 1);
     *ret_result = result;
     return 0;
+}
+
+/* The same of a job whose views may be in files. */
+static int run(const struct orl_job *job, const struct orl_run_env *env, struct orl_scene **scene,
+               int (*stages)(struct orl_run_state *state, struct orl_error *err),
+               struct orl_result *ret_result, struct orl_error *err)
+{
+    struct orl_job settled = *job;
+    int code = orl_run_views(job, env->files, &settled.views, err);
+    if (code == 0)
+        code = run_settled(&settled, env, scene, stages, ret_result, err);
+    if (settled.views != job->views)
+        orl_run_views_done(job, settled.views);
+    return code;
 }
 
 int orl_run_of_scene(const struct orl_job *job, const struct orl_run_env *env,

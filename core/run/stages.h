@@ -79,6 +79,14 @@ int orl_sensors_load(const struct orl_files *files, const char *name,
 int orl_run_sky(struct orl_run_state *state, const struct orl_description *description,
                 struct orl_daylight *ret_daylight, struct orl_error *err);
 
+/*
+ * The job's views as they are to be rendered: those of files read, sizes as pixels' aspects have
+ * them. *ret_views has as many as the job, and owns what differs; orl_run_views_done.
+ */
+int orl_run_views(const struct orl_job *job, const struct orl_files *files,
+                  struct orl_view_request **ret_views, struct orl_error *err);
+void orl_run_views_done(const struct orl_job *job, struct orl_view_request *views);
+
 /* What the scene's files had wrong, into the result's health. */
 void orl_run_count_scene(struct orl_run_state *state, const struct orl_scene *scene);
 

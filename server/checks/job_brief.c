@@ -34,7 +34,7 @@ static int add_file(struct orl_job_brief *brief, const char *name, const char *p
 
 static int add_files(struct orl_job_brief *brief, const struct orl_job *job, struct orl_error *err)
 {
-    brief->files = calloc(job->n_skies + 2, sizeof *brief->files);
+    brief->files = calloc(job->n_skies + job->n_views + 2, sizeof *brief->files);
     if (!brief->files)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     int rc = add_file(brief, job->sensors_file, "sensors.file", err);
@@ -44,6 +44,11 @@ static int add_files(struct orl_job_brief *brief, const struct orl_job *job, str
         char place[48];
         snprintf(place, sizeof place, "skies[%zu].weather.file", i);
         rc = add_file(brief, job->skies[i].request.weather_file, place, err);
+    }
+    for (size_t i = 0; i < job->n_views && rc == 0; i++) {
+        char place[48];
+        snprintf(place, sizeof place, "views[%zu].file", i);
+        rc = add_file(brief, job->views[i].file, place, err);
     }
     return rc;
 }

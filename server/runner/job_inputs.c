@@ -7,6 +7,12 @@ static bool is_sensors(const struct orl_named_file *file)
     return strcmp(file->place, "sensors.file") == 0;
 }
 
+/* Views are read when the job runs. */
+static bool is_view(const struct orl_named_file *file)
+{
+    return strncmp(file->place, "views[", 6) == 0;
+}
+
 int orl_job_inputs_check(const struct orl_job_brief *brief, const struct orl_bundle *scene,
                          struct orl_error *err)
 {
@@ -30,6 +36,8 @@ int orl_job_inputs_note(const struct orl_job_brief *brief, const struct orl_bund
 {
     struct orl_bundle *files = &inputs->files;
     for (size_t i = 0; i < brief->n_files; i++) {
+        if (is_view(&brief->files[i]))
+            continue;
         const struct orl_bundle_file *file = orl_bundle_find(scene, brief->files[i].name);
         const bool is_weather = !is_sensors(&brief->files[i]);
         size_t at = 0; /* all skies of a year name the same one */

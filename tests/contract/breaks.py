@@ -57,9 +57,11 @@ def jobs(lit, dark):
                          "multiplier": 179, "isolines": True, "extrema": True,
                          "draw": ["fill", "lines", "bands"],
                          "points": [{"name": "here", "x": 3, "y": 4.5}]}},
-        {**VIEW, "name": "b", "display": {"exposure": 0.5}}, {**VIEW, "name": "c", "display": {"ev": 9}}]}
+        {**VIEW, "name": "b", "display": {"exposure": 0.5}, "pixel_aspect": 1}, {**VIEW, "name": "c", "display": {"ev": 9}}]}
     yield {"scene": lit, "accuracy": {"relative_error": 0.5, "at": 0.9}, "sensors": SENSORS}
     yield {"scene": lit, "accuracy": {"deadline_s": 0.01}, "sensors": SENSORS}
+    yield {"scene": dark, "sky": sky[8], "technique": "backward", "pixel_samples": 1, "views": [
+        {"name": "f", "file": "v.vf", "entry": 1, "width": 16, "height": 12}]}
     for one in sky:
         yield {"scene": dark, "sky": one, "sensors": {"file": "s.txt"}}
     for one in several:
@@ -112,7 +114,8 @@ def breaks(daemon):
     """All of them; and no member of a request that no job here has."""
     lit = daemon.upload(ROOM + SKY)
     weather = bsdf("weather.epw").decode("latin-1")
-    dark = daemon.upload(ROOM, resources={"w.epw": weather, "s.txt": "1 1 1 0 0 1\n"})
+    dark = daemon.upload(ROOM, resources={"w.epw": weather, "s.txt": "1 1 1 0 0 1\n",
+                                          "v.vf": "rvu -vtv -vp 1.5 .5 1.5 -vd 0 1 0\n"})
     taken, refused, done = list(jobs(lit, dark)), 0, set()
     check_members(daemon.contract, taken)
     for document in taken:

@@ -1,13 +1,16 @@
 /*
- * Views: rays of the four types against hand-computed ones, the VIEW line's round trip, errors.
+ * Views: rays of the six types against hand-computed ones, the VIEW line's round trip, errors.
  */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include <cmocka.h>
+
+#include <oriel/run.h>
 
 #include "render/film/view.h"
 
@@ -173,6 +176,110 @@ static void test_prefixes(void **state)
     }
 }
 
+/* Stereographic: half way to the edge of 180 degrees lies 2 atan(1/2), at the edge 90. */
+static void test_planispheric_fisheye(void **state)
+{
+    const struct orl_view v = parse("-vts -vd 0 1 0 -vh 180 -vv 180");
+    const double half = 2 * atan(0.5);
+    (void)state;
+    assert_ray(&v, 0.5, 0.5, zero, orl_v3(0, 1, 0));
+    assert_ray(&v, 1, 0.5, zero, orl_v3(1, 0, 0));
+    assert_ray(&v, 0.5, 0.25, zero, orl_v3(0, cos(half), -sin(half)));
+    assert_ray(&v, 0.75, 0.5, zero, orl_v3(sin(half), cos(half), 0));
+    /* There is something in the corners, too: behind the eye. */
+    assert_ray(&v, 1, 1, zero, orl_v3(2, -1, 2));
+    assert_true(fabs(orl_view_pixel_aspect(&v, 10, 10) - 1) < 1e-12);
+}
+
+/* Around by even angles, up by the tangent; clipped by cylinders. */
+static void test_cylindrical(void **state)
+{
+    const struct orl_view v = parse("-vtc -vd 0 1 0 -vh 360 -vv 90 -vo 2 -va 5");
+    (void)state;
+    assert_ray(&v, 0.5, 0.5, orl_v3(0, 2, 0), orl_v3(0, 1, 0));
+    assert_ray(&v, 0.75, 0.5, orl_v3(2, 0, 0), orl_v3(1, 0, 0));
+    assert_ray(&v, 0.75, 1, orl_v3(2, 0, 2), orl_v3(1, 0, 1));
+    assert_ray(&v, 0.25, 0, orl_v3(-2, 0, -2), orl_v3(-1, 0, -1));
+    assert_true(fabs(orl_view_reach(&v, 0.75, 0.5) - 3) < 1e-12);
+    assert_true(fabs(orl_view_reach(&v, 0.75, 1) - 3 * sqrt(2)) < 1e-12);
+    assert_true(fabs(orl_view_pixel_aspect(&v, 100, 100) - 1 / ORL_PI) < 1e-12);
+}
+
+/* Where -va cuts rays off: a plane in perspective, a sphere in fisheyes. */
+static void test_reach(void **state)
+{
+    const struct orl_view v = parse("-vtv -vh 90 -vv 90 -vo 1 -va 4");
+    const struct orl_view a = parse("-vta -vh 180 -vv 180 -va 4");
+    const struct orl_view open = parse("-vtv");
+    (void)state;
+    assert_true(fabs(orl_view_reach(&v, 0.5, 0.5) - 3) < 1e-12);
+    assert_true(fabs(orl_view_reach(&v, 1, 1) - 3 * sqrt(3)) < 1e-12);
+    assert_true(orl_view_reach(&a, 0.9, 0.5) == 4);
+    assert_true(isinf(orl_view_reach(&open, 0.5, 0.5)));
+}
+
+/* Sizes as rpict has them: one side gives way. */
+static void test_sizes(void **state)
+{
+    const struct orl_view v = parse("-vtv -vh 90 -vv 53.1301 -x 800 -y 800 -pa 1");
+    uint32_t width = v.x, height = v.y;
+    (void)state;
+    assert_true(v.x == 800 && v.y == 800 && v.pixel_aspect == 1);
+    orl_view_fit(&v, 1, &width, &height);
+    assert_true(width == 800 && height == 400);
+    height = 100;
+    orl_view_fit(&v, 1, &width, &height);
+    assert_true(width == 200 && height == 100);
+    width = height = 800;
+    orl_view_fit(&v, 2, &width, &height);
+    assert_true(width == 800 && height == 200);
+    width = height = 800;
+    orl_view_fit(&v, 0, &width, &height);
+    assert_true(width == 800 && height == 800);
+}
+
+/* ---- Files ----------------------------------------------------------------------------------- */
+
+static const char lines[] = "#?RADIANCE\n"
+                            "rvu -vtv -vp 1 2 3 -vd 0 1 0 -vu 0 0 1 -vh 60 -vv 45 -vs 0 -vl 0\n"
+                            "\tview= desk -vta -vh 180 -vv 180\n"
+                            "ZONE= I 0 1 0 1 0 1\n"
+                            "VIEW= -vtl -vh 3 -vv 2\n";
+
+static void expect_view(const char *entry, char type, double horizontal)
+{
+    char *text = NULL;
+    struct orl_error err = {0};
+    if (orl_view_file_read("a.vf", lines, sizeof lines - 1, entry, &text, &err) < 0)
+        fail_msg("%s: %s", entry, err.message);
+    const struct orl_view v = parse(text);
+    assert_true(v.type == type && v.horizontal == horizontal);
+    free(text);
+}
+
+static void expect_no_view(const char *text, const char *entry, int code, int line)
+{
+    char *found = NULL;
+    struct orl_error err = {0};
+    assert_int_equal(orl_view_file_read("a.vf", text, strlen(text), entry, &found, &err), code);
+    assert_null(found);
+    assert_string_equal(err.file, "a.vf");
+    assert_int_equal(err.line, line);
+}
+
+static void test_files(void **state)
+{
+    (void)state;
+    expect_view("1", 'v', 60);
+    expect_view("desk", 'a', 180);
+    expect_view("2", 'a', 180);
+    expect_view("3", 'l', 3);
+    expect_no_view(lines, "4", ORL_ERR_NOT_FOUND, 0);
+    expect_no_view(lines, NULL, ORL_ERR_INVALID, 0);
+    expect_no_view("nothing\n", NULL, ORL_ERR_NOT_FOUND, 0);
+    expect_no_view("\n\nrvu -vp 1 2 x\n", NULL, ORL_ERR_SYNTAX, 3);
+}
+
 static void test_errors(void **state)
 {
     static const struct {
@@ -185,8 +292,11 @@ static void test_errors(void **state)
                {"-vtx", ORL_ERR_SYNTAX},
                {"-vt", ORL_ERR_SYNTAX},
                {"-vtvv", ORL_ERR_SYNTAX},
-               {"-vtc", ORL_ERR_UNSUPPORTED},
-               {"-vts", ORL_ERR_UNSUPPORTED},
+               {"-vts -vh 360", ORL_ERR_RANGE},
+               {"-vtc -vh 360 -vv 180", ORL_ERR_RANGE},
+               {"-x 0", ORL_ERR_RANGE},
+               {"-y 1.5", ORL_ERR_RANGE},
+               {"-pa", ORL_ERR_SYNTAX},
                {"-foo 3", ORL_ERR_SYNTAX},
                {"view.vf", ORL_ERR_SYNTAX},
                {"-vd 0 0 0", ORL_ERR_RANGE},
@@ -217,11 +327,21 @@ static void test_errors(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_defaults),        cmocka_unit_test(test_perspective),
-        cmocka_unit_test(test_tilted_up),       cmocka_unit_test(test_parallel),
-        cmocka_unit_test(test_angular_fisheye), cmocka_unit_test(test_hemispherical_fisheye),
-        cmocka_unit_test(test_shift_and_clip),  cmocka_unit_test(test_round_trip),
-        cmocka_unit_test(test_prefixes),        cmocka_unit_test(test_errors),
+        cmocka_unit_test(test_defaults),
+        cmocka_unit_test(test_perspective),
+        cmocka_unit_test(test_tilted_up),
+        cmocka_unit_test(test_parallel),
+        cmocka_unit_test(test_angular_fisheye),
+        cmocka_unit_test(test_hemispherical_fisheye),
+        cmocka_unit_test(test_shift_and_clip),
+        cmocka_unit_test(test_round_trip),
+        cmocka_unit_test(test_planispheric_fisheye),
+        cmocka_unit_test(test_cylindrical),
+        cmocka_unit_test(test_reach),
+        cmocka_unit_test(test_sizes),
+        cmocka_unit_test(test_files),
+        cmocka_unit_test(test_prefixes),
+        cmocka_unit_test(test_errors),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

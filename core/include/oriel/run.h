@@ -35,10 +35,13 @@ struct orl_sensor {
 };
 
 struct orl_view_request {
-    char *name; /* file name stem: letters, digits, '-', '_', '.'; unique in the job */
-    char *view; /* Radiance view options, "-vtv -vp ... " */
+    char *name;  /* file name stem: letters, digits, '-', '_', '.'; unique in the job */
+    char *view;  /* Radiance view options, "-vtv -vp ... "; or NULL, and then: */
+    char *file;  /* one of the scene's, with lines of such */
+    char *entry; /* which of them: its number from 1, or its name; NULL: the only one */
     uint32_t width, height;
-    uint32_t formats; /* of orl_picture_format, as bits; 0: ORL_PICTURES_USUAL */
+    double pixel_aspect; /* above 0: the image is made as much smaller as that takes (rpict -pa) */
+    uint32_t formats;    /* of orl_picture_format, as bits; 0: ORL_PICTURES_USUAL */
     struct orl_display display;
     struct orl_false_color false_color;
     uint32_t metrics; /* of enum orl_glare_metric, as bits; 0: nothing is told of its glare */
@@ -89,6 +92,19 @@ enum {
 
 void orl_job_init(struct orl_job *job); /* defaults, nothing else set */
 void orl_job_done(struct orl_job *job); /* frees what job owns; NULL and half-filled are fine */
+
+/*
+ * A view among the lines of a file, by its number from 1 or by its name; NULL: the only one. A line
+ * begins with VIEW=, rpict, rvu or rview as pictures and programs write them, with view= and a name
+ * as rad's files have it, or with an option; other lines are passed over. *ret_text is owned.
+ * ORL_ERR_NOT_FOUND, ORL_ERR_INVALID, or what is wrong with the options, with the line.
+ */
+int orl_view_file_read(const char *name, const char *text, size_t size, const char *entry,
+                       char **ret_text, struct orl_error *err);
+
+/* The size that a view's options ask for, by -x and -y; 0 of what they do not say. */
+int orl_view_text_size(const char *text, uint32_t *ret_width, uint32_t *ret_height,
+                       struct orl_error *err);
 
 /* Checks what can be checked without the scene: counts, limits, names, view strings. */
 int orl_job_validate(const struct orl_job *job, struct orl_error *err);

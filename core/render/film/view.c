@@ -46,10 +46,9 @@ static const char *parse_numbers(const char *text, const char *option, double *v
 static int set_type(struct orl_view *view, const char *word, struct orl_error *err)
 {
     const char type = word[3];
-    if (type == '\0' || word[4] != '\0' || !strchr("vlah", type)) {
-        orl_error_set(err, strchr("sc", type ? type : '?') ? ORL_ERR_UNSUPPORTED : ORL_ERR_SYNTAX,
-                      "view type '%s' is not known here", word);
-        orl_error_hint(err, "use -vtv, -vtl, -vta or -vth");
+    if (type == '\0' || word[4] != '\0' || !strchr("vlahsc", type)) {
+        orl_error_set(err, ORL_ERR_SYNTAX, "view type '%s' is not known here", word);
+        orl_error_hint(err, "use -vtv, -vtl, -vta, -vth, -vts or -vtc");
         return err ? err->code : ORL_ERR_SYNTAX;
     }
     view->type = type;
@@ -59,13 +58,16 @@ static int set_type(struct orl_view *view, const char *word, struct orl_error *e
 /* What no picture needs, and rays could not be computed from. */
 static int check_sizes(const struct orl_view *view, struct orl_error *err)
 {
+    const double closed = 1.0001; /* 180 and 360 degrees are within, where they may be */
     const double widest = view->type == 'v'   ? 180.0
-                          : view->type == 'h' ? 180.0001
-                          : view->type == 'a' ? 360.0001
-                                              : 1e9;
+                          : view->type == 'h' ? 180.0 * closed
+                          : view->type == 's' ? 359.9999
+                          : view->type == 'l' ? 1e9
+                                              : 360.0 * closed;
+    const double highest = view->type == 'c' ? 180.0 : widest;
     const double narrowest = 1e-9, farthest = 1e12, most_shift = 1e6;
     const double h = view->horizontal, v = view->vertical;
-    if (!(h > narrowest && h < widest && v > narrowest && v < widest))
+    if (!(h > narrowest && h < widest && v > narrowest && v < highest))
         return orl_error_set(err, ORL_ERR_RANGE,
                              "view size -vh %g -vv %g is out of range for type %c", h, v,
                              view->type);
@@ -105,6 +107,12 @@ static int set_up(struct orl_view *view, struct orl_error *err)
     } else if (view->type == 'h') {
         h = 2.0 * sin(0.5 * h * ORL_DEG_TO_RAD);
         v = 2.0 * sin(0.5 * v * ORL_DEG_TO_RAD);
+    } else if (view->type == 's') {
+        h = 2.0 * tan(0.25 * h * ORL_DEG_TO_RAD);
+        v = 2.0 * tan(0.25 * v * ORL_DEG_TO_RAD);
+    } else if (view->type == 'c') {
+        h = 1.0;
+        v = 2.0 * tan(0.5 * v * ORL_DEG_TO_RAD);
     } else if (view->type == 'a') {
         h = v = 1.0;
     }
@@ -158,6 +166,25 @@ static const char *parse_option(const char *word, const char *text, struct orl_v
     return text;
 }
 
+/* rpict's -x -y -pa. */
+static const char *parse_size(const char *word, const char *text, struct orl_view *view,
+                              struct orl_error *err)
+{
+    double n = 0;
+    text = parse_numbers(text, word, &n, 1, err);
+    if (!text)
+        return NULL;
+    if (word[1] == 'p' && n >= 0 && n <= 1e3) {
+        view->pixel_aspect = n;
+    } else if (word[1] != 'p' && n >= 1 && n <= ORL_LIMIT_IMAGE_SIDE && n == floor(n)) {
+        *(word[1] == 'x' ? &view->x : &view->y) = (uint32_t)n;
+    } else {
+        orl_error_set(err, ORL_ERR_RANGE, "%s %g is out of range", word, n);
+        return NULL;
+    }
+    return text;
+}
+
 int orl_view_parse(const char *text, struct orl_view *ret_view, struct orl_error *err)
 {
     struct orl_error local;
@@ -179,7 +206,9 @@ int orl_view_parse(const char *text, struct orl_view *ret_view, struct orl_error
                 return code;
             continue;
         }
-        text = parse_option(word, text, &view, err);
+        text = strcmp(word, "-x") == 0 || strcmp(word, "-y") == 0 || strcmp(word, "-pa") == 0
+                   ? parse_size(word, text, &view, err)
+                   : parse_option(word, text, &view, err);
         if (!text)
             return err->code;
     }
@@ -218,13 +247,36 @@ bool orl_view_ray(const struct orl_view *view, double x, double y, struct orl_ve
         const double s = radius > 1e-12 ? sin(ORL_PI * radius) / radius : ORL_PI;
         x *= s;
         y *= s;
+    } else if (view->type == 's') {
+        const double square = x * x * orl_dot(view->h, view->h) + y * y * orl_dot(view->v, view->v);
+        along = (1.0 - square) / (1.0 + square);
+        x *= 1.0 + along;
+        y *= 1.0 + along;
+    } else if (view->type == 'c') {
+        const double angle = x * view->horizontal * ORL_DEG_TO_RAD;
+        along = cos(angle);
+        x = sin(angle);
     }
     const struct orl_vec3 way = orl_madd(orl_madd(orl_scale(d, along), view->h, x), view->v, y);
     d = orl_normalize(way);
-    /* -vo is a plane's distance in perspective, a sphere's radius in a fisheye. */
-    *ret_origin = orl_madd(o, view->type == 'v' ? way : d, view->fore);
+    /* -vo is a plane's distance in perspective, a cylinder's radius in a panorama, else a sphere's.
+     */
+    *ret_origin = orl_madd(o, view->type == 'v' || view->type == 'c' ? way : d, view->fore);
     *ret_direction = d;
     return true;
+}
+
+double orl_view_reach(const struct orl_view *view, double x, double y)
+{
+    if (!(view->aft > 0))
+        return INFINITY;
+    const double depth = view->aft - view->fore;
+    x += view->shift - 0.5;
+    y += view->lift - 0.5;
+    const double upright = y * y * orl_dot(view->v, view->v);
+    if (view->type == 'v')
+        return depth * sqrt(1 + x * x * orl_dot(view->h, view->h) + upright);
+    return view->type == 'c' ? depth * sqrt(1 + upright) : depth;
 }
 
 void orl_view_format(const struct orl_view *view, char *ret_text, unsigned long size)
@@ -239,7 +291,23 @@ void orl_view_format(const struct orl_view *view, char *ret_text, unsigned long 
 
 double orl_view_pixel_aspect(const struct orl_view *view, unsigned width, unsigned height)
 {
-    const double h = view->type == 'a' ? view->horizontal : orl_length(view->h);
-    const double v = view->type == 'a' ? view->vertical : orl_length(view->v);
+    const bool by_angle = view->type == 'a';
+    const double h = by_angle            ? view->horizontal
+                     : view->type == 'c' ? view->horizontal * ORL_DEG_TO_RAD
+                                         : orl_length(view->h);
+    const double v = by_angle ? view->vertical : orl_length(view->v);
     return (v / height) / (h / width);
+}
+
+void orl_view_fit(const struct orl_view *view, double pixel_aspect, uint32_t *width,
+                  uint32_t *height)
+{
+    /* Height over width of the view: that of one pixel in an image of one. */
+    const double aspect = orl_view_pixel_aspect(view, 1, 1);
+    if (!(pixel_aspect > 0))
+        return;
+    if (aspect * *width > pixel_aspect * *height)
+        *width = (uint32_t)fmax(floor(*height / aspect * pixel_aspect + 0.5), 1);
+    else
+        *height = (uint32_t)fmax(floor(*width * aspect / pixel_aspect + 0.5), 1);
 }

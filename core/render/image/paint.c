@@ -9,6 +9,19 @@ struct tiles {
     size_t first, across;
 };
 
+/* Whether a view that is cut off in the distance has something before that. */
+static bool lies_within(const struct orl_painting *painting, double x, double y,
+                        struct orl_vec3 origin, struct orl_vec3 direction)
+{
+    const struct orl_film *film = painting->film;
+    struct orl_hit hit;
+    if (!(painting->view->aft > 0))
+        return true;
+    return orl_geometry_intersect(
+        painting->geometry, origin, direction,
+        orl_view_reach(painting->view, x / film->width, 1 - y / film->height), &hit);
+}
+
 bool orl_paint_ray(const struct orl_painting *painting, double x, double y,
                    struct orl_vec3 *ret_origin, struct orl_vec3 *ret_direction)
 {
@@ -17,7 +30,7 @@ bool orl_paint_ray(const struct orl_painting *painting, double x, double y,
                       ret_direction))
         return false;
     *ret_origin = orl_sub(*ret_origin, painting->geometry->center);
-    return true;
+    return lies_within(painting, x, y, *ret_origin, *ret_direction);
 }
 
 static uint32_t least(uint32_t a, uint32_t b)

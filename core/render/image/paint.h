@@ -36,7 +36,8 @@ static inline bool orl_paint_cancelled(const struct orl_paint_env *env)
     return atomic_load_explicit(env->cancel, memory_order_relaxed);
 }
 
-/* The ray through a place of the picture, in pixels from its upper left; false outside the view. */
+/* The ray through a place of the picture, in pixels from its upper left; false outside the view, or
+ * where all of it lies beyond -va. */
 bool orl_paint_ray(const struct orl_painting *painting, double x, double y,
                    struct orl_vec3 *ret_origin, struct orl_vec3 *ret_direction);
 

@@ -1,0 +1,198 @@
+/* Views out of files, and the sizes of their pictures. */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <oriel/limits.h>
+
+#include "run/stages.h"
+
+enum { LINE_MAX_BYTES = 4096, NAME_MAX_BYTES = 64 };
+
+/* A line of a view file: its options, and its name if it has one. */
+struct view_line {
+    char text[LINE_MAX_BYTES], name[NAME_MAX_BYTES];
+    int number; /* of the line in its file */
+};
+
+/* Past a word in front; NULL: the text does not begin with it. */
+static const char *after(const char *text, const char *word)
+{
+    const size_t length = strlen(word);
+    return strncmp(text, word, length) == 0 ? text + length : NULL;
+}
+
+/* rad's "view= name options": the name. */
+static const char *take_name(const char *text, struct view_line *line)
+{
+    text += strspn(text, " \t");
+    const size_t length = strcspn(text, " \t");
+    if (*text == '-' || length == 0 || length >= NAME_MAX_BYTES)
+        return text;
+    memcpy(line->name, text, length);
+    line->name[length] = '\0';
+    return text + length;
+}
+
+/* Whether a line is a view; the line is NUL-terminated. */
+static bool read_line(const char *text, struct view_line *line)
+{
+    static const char *const programs[] = {"VIEW=", "rpict ", "rvu ", "rview "};
+    const char *options = NULL;
+    text += strspn(text, " \t");
+    line->name[0] = '\0';
+    for (size_t i = 0; i < sizeof programs / sizeof *programs && !options; i++)
+        options = after(text, programs[i]);
+    if (!options && after(text, "view="))
+        options = take_name(after(text, "view="), line);
+    if (!options && (after(text, "-v") || after(text, "-x") || after(text, "-y")))
+        options = text;
+    if (options)
+        snprintf(line->text, sizeof line->text, "%s", options);
+    return options;
+}
+
+/* The next view of a file from *at on; false: there is none. */
+static bool next_view(const char *text, size_t size, size_t *at, struct view_line *line)
+{
+    while (*at < size) {
+        const char *newline = memchr(text + *at, '\n', size - *at);
+        const size_t length = newline ? (size_t)(newline - text) - *at : size - *at;
+        char buffer[LINE_MAX_BYTES];
+        const bool fits = length < sizeof buffer && !memchr(text + *at, '\0', length);
+        if (fits) {
+            memcpy(buffer, text + *at, length);
+            buffer[length] = '\0';
+        }
+        *at += length + 1;
+        line->number++;
+        if (fits && read_line(buffer, line))
+            return true;
+    }
+    return false;
+}
+
+/* Whether it is the one that is asked for: its name, or which of them it is. */
+static bool is_entry(const struct view_line *line, int which, const char *entry)
+{
+    char number[16];
+    snprintf(number, sizeof number, "%d", which);
+    return !entry || strcmp(line->name, entry) == 0 || strcmp(number, entry) == 0;
+}
+
+static int find_view(const char *text, size_t size, const char *entry, struct view_line *ret_found,
+                     struct orl_error *err)
+{
+    struct view_line line = {.number = 0};
+    size_t at = 0;
+    int count = 0, found = 0;
+    while (next_view(text, size, &at, &line)) {
+        count++;
+        if (is_entry(&line, count, entry) && found++ == 0)
+            *ret_found = line;
+    }
+    if (count == 0)
+        return orl_error_set(err, ORL_ERR_NOT_FOUND, "the file holds no views");
+    if (found == 0)
+        return orl_error_set(err, ORL_ERR_NOT_FOUND, "the file holds %d views, none of them '%s'",
+                             count, entry);
+    if (!entry && count > 1) {
+        ret_found->number = 0;
+        orl_error_set(err, ORL_ERR_INVALID, "the file holds %d views", count);
+        orl_error_hint(err, "Say which by \"entry\": its number, from 1, or its name");
+        return ORL_ERR_INVALID;
+    }
+    return 0;
+}
+
+int orl_view_file_read(const char *name, const char *text, size_t size, const char *entry,
+                       char **ret_text, struct orl_error *err)
+{
+    struct view_line *found = calloc(1, sizeof *found);
+    struct orl_view view;
+    char *copy = NULL;
+    int code = found ? find_view(text, size, entry, found, err) : ORL_ERR_NOMEM;
+    if (code == 0)
+        code = orl_view_parse(found->text, &view, err);
+    if (code < 0)
+        orl_error_at(err, name, found ? found->number : 0, entry);
+    else
+        copy = strdup(found->text);
+    free(found);
+    if (code == 0 && !copy)
+        code = ORL_ERR_NOMEM;
+    if (code == ORL_ERR_NOMEM)
+        return orl_error_set(err, code, "out of memory for a view");
+    if (code == 0)
+        *ret_text = copy;
+    return code;
+}
+
+int orl_view_text_size(const char *text, uint32_t *ret_width, uint32_t *ret_height,
+                       struct orl_error *err)
+{
+    struct orl_view view;
+    const int code = orl_view_parse(text, &view, err);
+    if (code == 0) {
+        *ret_width = view.x;
+        *ret_height = view.y;
+    }
+    return code;
+}
+
+/* ---- All of a job ---------------------------------------------------------------------------- */
+
+static int read_view(const struct orl_files *files, struct orl_view_request *view,
+                     struct orl_error *err)
+{
+    struct orl_file file;
+    int code = files->open(files->ctx, view->file, &file, err);
+    if (code < 0)
+        return code;
+    code = orl_view_file_read(view->file, file.data, file.size, view->entry, &view->view, err);
+    files->close(files->ctx, &file);
+    return code;
+}
+
+static int settle(const struct orl_files *files, struct orl_view_request *view,
+                  struct orl_error *err)
+{
+    struct orl_view parsed;
+    int code = view->file ? read_view(files, view, err) : 0;
+    if (code == 0)
+        code = orl_view_parse(view->view ? view->view : "", &parsed, err);
+    if (code < 0)
+        return code;
+    view->file = NULL;
+    orl_view_fit(&parsed, view->pixel_aspect > 0 ? view->pixel_aspect : parsed.pixel_aspect,
+                 &view->width, &view->height);
+    return 0;
+}
+
+/* Jobs that are wrong go as they are: they are told so where all of them is looked at. */
+int orl_run_views(const struct orl_job *job, const struct orl_files *files,
+                  struct orl_view_request **ret_views, struct orl_error *err)
+{
+    const bool sound = orl_job_validate(job, NULL) == 0;
+    struct orl_view_request *views;
+    int code = 0;
+    *ret_views = job->views;
+    if (!sound || job->n_views == 0)
+        return 0;
+    views = calloc(job->n_views, sizeof *views);
+    if (!views)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for views");
+    memcpy(views, job->views, job->n_views * sizeof *views);
+    for (size_t i = 0; i < job->n_views && code == 0; i++)
+        code = settle(files, &views[i], err);
+    *ret_views = views;
+    return code;
+}
+
+void orl_run_views_done(const struct orl_job *job, struct orl_view_request *views)
+{
+    for (size_t i = 0; i < job->n_views; i++)
+        if (views[i].view != job->views[i].view)
+            free(views[i].view);
+    free(views);
+}
