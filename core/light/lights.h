@@ -29,7 +29,7 @@ struct orl_dome {
 /* A surface that shines. */
 struct orl_emitter {
     uint32_t facet;
-    struct orl_rgb radiance;
+    struct orl_rgb radiance; /* mean over the surface */
     bool direct; /* light: sampled by shadow rays; glow: found by rays that happen on it */
 };
 

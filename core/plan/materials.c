@@ -1,5 +1,6 @@
 /* What is done to materials: glossy parts folded into diffuse ones, clear solids. */
 #include "plan/decide.h"
+#include "scene/material/bounds.h"
 
 /* ---- Glossy reflection ----------------------------------------------------------------------- */
 
@@ -12,7 +13,7 @@ static bool is_glossy(const struct orl_material *m)
 
 static double gloss(const struct orl_material *m)
 {
-    return m->kind == ORL_MATERIAL_METAL ? m->specular * orl_rgb_max(m->color) : m->specular;
+    return orl_material_albedo_most(m, true, 1, ORL_LOBE_REFLECTED);
 }
 
 /* All that is reflected is reflected evenly: the energy stays. */
