@@ -4,7 +4,7 @@
 #include "render/gather/gather.h"
 #include "scene/geometry/stand.h"
 
-enum { WIDTH_PROBES = 31, BLUR_GROUPS = 16, BLUR_POINTS = 16 /* of each */ };
+enum { WIDTH_PROBES = 31, BLUR_GROUPS = 16, BLUR_POINTS = 8 /* of each */ };
 
 /* A disc is made anew where what is normal is less than this share of its radius. */
 static const double much_wider = 0.8;

@@ -177,7 +177,7 @@ struct orl_density orl_gather_caustic_with_bias(const struct orl_gather *gather,
  * What that density of a radius has too much, by its width, of suns in flat mirrors: their images
  * over its disc, less those at its middle, by points of the Sobol sequence of that name. A control
  * variate: the density less this has only the bias of its other light. found is 0 where nothing is
- * mirrored, or the surface is bent; area is then of no meaning.
+ * mirrored, or the surface is bent.
  */
 struct orl_image_blur {
     struct orl_estimate excess; /* no bias, and errors of the points alone */
@@ -234,14 +234,14 @@ struct orl_place orl_gather_place(const struct orl_gather *gather, struct orl_ve
 bool orl_gather_catches(const struct orl_gather *gather, const struct orl_place *place);
 
 /*
- * Irradiance of a sensor: all three parts. A sensor on a surface reads caustics by density; where
- * the bias of that would show and suns' images tell all of them, its place is as if in mid-air.
- * There, where no photon lands, it takes the sun by points on panes with lobes and by the sun's
- * images in flat mirrors; all other caustics are to be added by air.h. Where the global map shows
- * small patches of much light some more rays are aimed at them (bright.h). The standard error is
- * that of the photons, by their batches, and of the rays, by a few groups of them; what single rays
- * see of the photons' scatter is in both, so that it is on the high side where rays are fewer than
- * leaves.
+ * Irradiance of a sensor: all three parts. A sensor on a surface reads caustics by density, less
+ * what that has blurred of suns in flat mirrors; where the blur would show and suns' images tell
+ * all caustics, its place is as if in mid-air. There, where no photon lands, it takes the sun by
+ * points on panes with lobes and by the sun's images in flat mirrors; all other caustics are to be
+ * added by air.h. Where the global map shows small patches of much light some more rays are aimed
+ * at them (bright.h). The standard error is that of the photons, by their batches, and of the rays,
+ * by a few groups of them; what single rays see of the photons' scatter is in both, so that it is
+ * on the high side where rays are fewer than leaves.
  */
 struct orl_estimate orl_gather_sensor(const struct orl_gather *gather, struct orl_place *place,
                                       const struct orl_footing *footing, uint32_t samples,

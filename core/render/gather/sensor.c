@@ -266,9 +266,6 @@ struct orl_estimate orl_gather_sensor(const struct orl_gather *gather, struct or
         caustic = orl_gather_caustic_with_bias(gather, footing, search);
     if (!place->in_air && !place->outside)
         rest = orl_gather_rest(gather, footing, search);
-    if (caustic.found > 0 && !place->outside)
-        blur = orl_gather_image_blur(gather, footing, caustic.radius,
-                                     sequence_of(gather, OF_BLUR, index));
     struct orl_estimate lights = sample_lights(gather, place, index, &search->health);
     struct orl_estimate sum = estimate_by_map(&rest, &tally.parts[kind_of_rest], &search->health);
     if (rest.found == 0) {
@@ -278,6 +275,10 @@ struct orl_estimate orl_gather_sensor(const struct orl_gather *gather, struct or
         sum = orl_estimate_add(sum, seen);
     }
     const struct orl_estimate all = orl_estimate_add(sum, lights);
+    if (!place->outside && caustic.found > 0 &&
+        orl_luma(caustic.irradiance) > beside_light * orl_luma(all.value))
+        blur = orl_gather_image_blur(gather, footing, caustic.radius,
+                                     sequence_of(gather, OF_BLUR, index));
     if (is_blurred(gather->world, place, &caustic, &blur, &all)) {
         place->in_air = true;
         caustic = none;
