@@ -228,16 +228,18 @@ static int decode_settings(const json_t *doc, struct orl_job *job, struct orl_er
 /* {"relative_error": e} or {"deadline_s": t}; "at" beside either. */
 static int decode_goal(const json_t *value, struct orl_goal *goal, struct orl_error *err)
 {
-    static const char *const allowed[] = {"relative_error", "deadline_s", "at", NULL};
+    static const char *const allowed[] = {"relative_error", "dgp_error", "deadline_s", "at", NULL};
     if (!value)
         return 0;
     int rc = orl_json_object(value, "accuracy", allowed, err);
     const json_t *error = json_object_get(value, "relative_error");
     const json_t *deadline = json_object_get(value, "deadline_s");
+    const json_t *dgp = json_object_get(value, "dgp_error");
     const json_t *at = json_object_get(value, "at");
-    if (rc == 0 && !error == !deadline) {
+    if (rc == 0 && !!error + !!deadline + !!dgp != 1) {
         rc = orl_json_fail(err, ORL_ERR_INVALID, "accuracy",
-                           "one of \"relative_error\" and \"deadline_s\" is wanted here");
+                           "one of \"relative_error\", \"dgp_error\" and \"deadline_s\" is "
+                           "wanted here");
         orl_error_hint(err, "Write \"accuracy\": {\"relative_error\": 0.05} or "
                             "{\"deadline_s\": 30}");
     }
@@ -245,6 +247,11 @@ static int decode_goal(const json_t *value, struct orl_goal *goal, struct orl_er
         rc = orl_json_real(error, "accuracy.relative_error", &goal->relative_error, err);
     if (rc == 0 && deadline)
         rc = orl_json_real(deadline, "accuracy.deadline_s", &goal->deadline_s, err);
+    if (rc == 0 && dgp)
+        rc = orl_json_real(dgp, "accuracy.dgp_error", &goal->dgp_error, err);
+    if (rc == 0 && dgp && !(goal->dgp_error >= 1e-5 && goal->dgp_error <= 1))
+        rc = orl_json_fail(err, ORL_ERR_RANGE, "accuracy.dgp_error",
+                           "it is half the interval of DGP, from 0.00001 to 1");
     if (rc == 0 && at)
         rc = orl_json_real(at, "accuracy.at", &goal->at, err);
     if (rc == 0 && error && !(goal->relative_error > 0 && goal->relative_error <= 10))

@@ -161,7 +161,9 @@ json_t *orl_outcome_to_json(const struct orl_outcome *outcome)
 {
     if (!outcome->asked)
         return NULL;
-    json_t *asked = outcome->goal.deadline_s > 0
+    json_t *asked = outcome->goal.dgp_error > 0
+                        ? json_pack("{s:f}", "dgp_error", outcome->goal.dgp_error)
+                    : outcome->goal.deadline_s > 0
                         ? json_pack("{s:f, s:f}", "deadline_s", outcome->goal.deadline_s, "at",
                                     outcome->goal.at)
                         : json_pack("{s:f, s:f}", "relative_error", outcome->goal.relative_error,

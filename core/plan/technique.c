@@ -15,6 +15,11 @@ static enum orl_technique by_itself(const struct orl_survey *survey, const struc
                                     char ret_why[ORL_WHY_MAX])
 {
     const struct orl_job *job = survey->request->job;
+    if (orl_job_asks_for_glare(job) && !orl_lit_by_chance(lit, &survey->world->images)) {
+        snprintf(ret_why, ORL_WHY_MAX,
+                 "views ask for their glare: paths have no bias, and their batches tell its error");
+        return ORL_TECHNIQUE_BACKWARD;
+    }
     if (job->n_views > 0 || survey->request->n_sensors == 0) {
         snprintf(ret_why, ORL_WHY_MAX,
                  "%zu views: an image is smooth soonest by a final gather to a photon map",
@@ -201,10 +206,16 @@ void orl_decide_technique(struct orl_survey *survey, const struct orl_lit *lit,
 void orl_decide_requests(struct orl_survey *survey, struct orl_plan *plan)
 {
     const struct orl_finding nothing = {.needed = false, .unit = ORL_BOUND_NONE};
+    const struct orl_job *job = survey->request->job;
+    const bool rated = orl_job_asks_for_glare(job);
+    const struct orl_finding asked = {.needed = rated, .unit = ORL_BOUND_NONE};
+    size_t views = 0;
+    for (size_t i = 0; i < job->n_views; i++)
+        views += job->views[i].metrics != 0;
     struct orl_decision *glare = &plan->effects[ORL_EFFECT_GLARE];
     struct orl_decision *bins = &plan->effects[ORL_EFFECT_BINS];
-    orl_settle(glare, &nothing, "0 of %zu views ask for a glare metric",
-               survey->request->job->n_views);
+    orl_settle(glare, &asked, "%zu of %zu views ask for a glare metric", views, job->n_views);
     orl_settle(bins, &nothing, "the job is for 1 moment, not for a year: light is not told apart");
-    glare->simulated = bins->simulated = false;
+    glare->simulated = rated;
+    bins->simulated = false;
 }

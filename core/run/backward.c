@@ -84,9 +84,7 @@ static void compute_sensor(void *ctx, size_t index, uint32_t member)
 static int render_view(void *ctx, const struct orl_painting *painting, struct orl_error *err)
 {
     const struct orl_run_state *state = ctx;
-    const struct orl_job *job = state->job;
-    const uint32_t samples = job->pixel_samples ? job->pixel_samples : ORL_DEFAULT_PIXEL_SAMPLES;
-    return orl_backward_render(state->backward, painting, samples, err);
+    return orl_backward_render(state->backward, painting, orl_run_pixel_samples(state), err);
 }
 
 int orl_run_backward(struct orl_run_state *state, struct orl_error *err)

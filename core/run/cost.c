@@ -46,7 +46,7 @@ struct orl_work orl_work_of(const struct orl_run_state *state)
     work.most = fmin(map_samples * fmax(1, most_photons / fmax(photons, 1)), 1 << 18);
     if (work.of_views && !backward)
         work.least = map_samples;
-    else if (work.shares)
+    else if (work.shares || state->job->goal.dgp_error > 0)
         work.least = least_of_sensors;
     return work;
 }
@@ -214,8 +214,7 @@ static double samples_of(const struct orl_run_state *state, const struct orl_wor
 {
     const struct orl_job *job = state->job;
     if (work->technique == ORL_TECHNIQUE_BACKWARD && state->n_sensors == 0)
-        return pixel_samples *
-               (job->pixel_samples ? job->pixel_samples : ORL_DEFAULT_PIXEL_SAMPLES);
+        return pixel_samples * orl_run_pixel_samples(state);
     if (state->n_sensors == 0)
         return map_samples;
     return job->gather_samples ? job->gather_samples : ORL_DEFAULT_GATHER_SAMPLES;

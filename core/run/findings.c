@@ -41,6 +41,7 @@ int orl_findings_init(struct orl_findings *findings, struct orl_run_state *state
     for (size_t i = 0; i < views && code == 0; i++) {
         const struct orl_view_request *v = &state->job->views[i];
         struct orl_finding_part *part = &findings->parts[sensors + i];
+        part->rated = v->metrics != 0;
         code = part_init(part, (size_t)v->width * v->height, 0, orl_floor_of_pixels, err);
         if (code == 0)
             code = orl_film_init(&part->film, v->width, v->height, err);
@@ -53,6 +54,7 @@ void orl_findings_done(struct orl_findings *findings)
     for (size_t i = 0; findings->parts && i < findings->n_parts; i++) {
         orl_pooled_done(&findings->parts[i].pool);
         orl_film_done(&findings->parts[i].film);
+        orl_view_batches_done(&findings->parts[i].batches);
         free(findings->parts[i].errors);
         free(findings->parts[i].noise);
         free(findings->parts[i].rays);
@@ -87,7 +89,7 @@ int orl_findings_add_film(struct orl_findings *findings, size_t view, const stru
                                              .effort = effort};
     orl_pooled_add(&part->pool, &found);
     free(value);
-    return 0;
+    return part->rated ? orl_view_batches_add(&part->batches, film, effort, err) : 0;
 }
 
 void orl_findings_add_sensors(struct orl_findings *findings, const struct orl_run_state *round,
@@ -177,6 +179,8 @@ int orl_findings_show(struct orl_findings *findings, struct orl_run_state *state
         for (size_t k = 0; k < part->pool.count; k++)
             part->film.errors[k] = (float)part->errors[k];
         code = orl_run_write_view(state, i, &part->film, err);
+        if (code == 0 && part->rated)
+            code = orl_run_rate_errors(state, i, &part->batches, err);
     }
     return code;
 }

@@ -7,6 +7,7 @@
 #ifndef ORL_RUN_FINDINGS_H
 #define ORL_RUN_FINDINGS_H
 
+#include "metrics/view_batches.h"
 #include "run/percentile.h"
 #include "run/pooled_estimates.h"
 #include "run/stages.h"
@@ -19,6 +20,8 @@ struct orl_finding_part {
     struct orl_rays *rays; /* of sensors, in their means; owned */
     double floor;
     struct orl_film film; /* of a view: the means, in colour */
+    bool rated;           /* by its glare: */
+    struct orl_view_batches batches;
 };
 
 struct orl_findings {

@@ -128,15 +128,31 @@ static bool too_many(uint64_t photons)
     return photons > ORL_LIMIT_PHOTONS && photons != ORL_PHOTONS_BY_PLAN;
 }
 
+bool orl_job_asks_for_glare(const struct orl_job *job)
+{
+    for (size_t i = 0; i < job->n_views; i++)
+        if (job->views[i].metrics != 0)
+            return true;
+    return false;
+}
+
 static int validate_goal(const struct orl_job *job, struct orl_error *err)
 {
     const struct orl_goal *g = &job->goal;
     const bool by_error = g->relative_error != 0, by_time = g->deadline_s != 0;
-    if (!by_error && !by_time)
+    const bool by_dgp = g->dgp_error != 0;
+    if (!by_error && !by_time && !by_dgp)
         return 0;
-    if (by_error && by_time)
+    if (by_error + by_time + by_dgp > 1)
         return orl_error_set(err, ORL_ERR_INVALID,
-                             "a job keeps to an accuracy or to a deadline, not to both");
+                             "a job keeps to one accuracy or to a deadline, not to both");
+    if (by_dgp && !(g->dgp_error >= 1e-5 && g->dgp_error <= 1))
+        return orl_error_set(err, ORL_ERR_RANGE, "accuracy.dgp_error is from 0.00001 to 1");
+    if (by_dgp && !orl_job_asks_for_glare(job)) {
+        orl_error_set(err, ORL_ERR_INVALID, "accuracy.dgp_error: no view asks for metrics");
+        orl_error_hint(err, "Give a view \"metrics\": [\"dgp\"]");
+        return ORL_ERR_INVALID;
+    }
     if (by_error && !(g->relative_error > 0 && g->relative_error <= 10))
         return orl_error_set(err, ORL_ERR_RANGE,
                              "accuracy.relative_error is a fraction, from above 0 to 10");
@@ -310,5 +326,5 @@ const char *orl_stage_name(enum orl_stage stage)
 
 bool orl_goal_is_set(const struct orl_goal *goal)
 {
-    return goal->relative_error > 0 || goal->deadline_s > 0;
+    return goal->relative_error > 0 || goal->deadline_s > 0 || goal->dgp_error > 0;
 }

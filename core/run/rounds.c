@@ -29,6 +29,7 @@ struct rounds {
     struct orl_sensor_round sensor_round;
     double bandwidths[ORL_MAP_KINDS]; /* of the round */
     uint32_t count;
+    uint32_t planned; /* of a job in one piece; 0: until its goal is met */
     bool ended;
 };
 
@@ -45,6 +46,10 @@ static int rounds_init(struct rounds *r, struct orl_run_state *state, struct orl
     if (state->job->goal.deadline_s > 0 && !r->work.of_views)
         r->work.least *= short_round;
     r->samples = r->work.least;
+    if (!orl_goal_is_set(&state->job->goal)) {
+        r->planned = orl_run_batches(state);
+        r->samples = ceil((double)ORL_DEFAULT_GATHER_SAMPLES / r->planned);
+    }
     if (r->work.technique == ORL_TECHNIQUE_BACKWARD) { /* once a job, not with every photon */
         int code = orl_run_need_emission(state, err);
         if (code == 0)
@@ -152,6 +157,12 @@ static void share_out(struct rounds *r)
     r->samples = sum / (double)n;
 }
 
+/* One of so many shares of samples that differ by one at the most. */
+static uint32_t share_of(uint32_t samples, uint32_t index, uint32_t shares)
+{
+    return samples / shares + (index < samples % shares);
+}
+
 /* The run's state as a round sees it: the same world, but a job, a plan and a result of its own. */
 static void make_round(struct rounds *r, struct orl_job *job, struct orl_run_env *env,
                        struct orl_result *result, struct orl_run_state *ret_round)
@@ -162,6 +173,12 @@ static void make_round(struct rounds *r, struct orl_job *job, struct orl_run_env
         job->seed = orl_mix64(job->seed ^ orl_mix64(r->count));
     job->gather_samples = (uint32_t)r->samples;
     job->pixel_samples = orl_work_pixel_samples(r->samples);
+    if (r->planned > 0) {
+        const uint32_t asked = state->job->gather_samples;
+        job->gather_samples = (asked ? asked : ORL_DEFAULT_GATHER_SAMPLES) / r->planned;
+        job->gather_samples += job->gather_samples == 0;
+        job->pixel_samples = share_of(orl_run_pixel_samples(state), r->count, r->planned);
+    }
     *result = (struct orl_result){.plan = state->result->plan};
     result->plan.photons_global = orl_work_photons(&r->work, ORL_MAP_GLOBAL, r->samples);
     result->plan.photons_caustic = orl_work_photons(&r->work, ORL_MAP_CAUSTIC, r->samples);
@@ -270,6 +287,45 @@ static void go_on_for_error(struct rounds *r, const struct orl_parts *parts)
         r->state->ends_s = r->state->started_s + orl_pace_run_s(&r->pace, &r->work, wanted);
 }
 
+/* Half the widest interval of DGP of a view that asks for metrics; NaN: not known. */
+static double dgp_error(const struct orl_run_state *state)
+{
+    double widest = 0;
+    for (size_t i = 0; i < state->result->n_views; i++) {
+        const struct orl_glare *glare = state->result->views[i].glare;
+        if (!glare)
+            continue;
+        const double *interval = glare->values[ORL_GLARE_DGP].interval_95;
+        const double half = (interval[1] - interval[0]) / 2;
+        if (isnan(half))
+            return NAN;
+        widest = fmax(widest, half);
+    }
+    return widest;
+}
+
+/* After a round of a job for an error of DGP. Rounds are equal until there are as many as batches
+ * are kept apart; then pairs of these are one, and rounds are as large as they. */
+static void go_on_for_dgp(struct rounds *r)
+{
+    enum { LEAST_ROUNDS = 4 };
+    const double target = r->state->job->goal.dgp_error, limit = orl_work_limit();
+    const double found = dgp_error(r->state), done = r->pace.samples;
+    r->state->result->outcome.achieved = found;
+    const double wanted = done * (found / target) * (found / target);
+    if (r->count >= LEAST_ROUNDS && found <= target)
+        end(r, true, "%.2g is reached after %u rounds", found, r->count);
+    else if (done >= limit || (r->count >= LEAST_ROUNDS && wanted > hopeless * limit))
+        end(r, false,
+            "%.2g is reached after %u rounds; %.2g would take %.2g samples' worth of work, "
+            "%.0f are allowed",
+            found, r->count, target, wanted, limit);
+    while (!r->ended && done >= ORL_VIEW_BATCHES * r->samples)
+        r->samples *= 2;
+    if (!r->ended && r->count >= LEAST_ROUNDS)
+        r->state->ends_s = r->state->started_s + orl_pace_run_s(&r->pace, &r->work, wanted);
+}
+
 /* After a round of a job for a deadline. */
 static void go_on_for_time(struct rounds *r)
 {
@@ -300,6 +356,17 @@ static void go_on_for_time(struct rounds *r)
     }
 }
 
+/* As of a job in one piece, which this is for all that others know. */
+static int tell_of_views(struct orl_run_state *state)
+{
+    const struct orl_run_env *env = state->env;
+    if (state->n_sensors > 0 && env->sensors_done)
+        env->sensors_done(env->ctx, state->result);
+    for (size_t i = 0; i < state->job->n_views && env->view_written; i++)
+        env->view_written(env->ctx, i, &state->result->views[i]);
+    return 0;
+}
+
 /* The outcome so far, and what comes next. */
 static int settle(struct rounds *r, struct orl_error *err)
 {
@@ -309,15 +376,24 @@ static int settle(struct rounds *r, struct orl_error *err)
                                     state->job->goal.at};
     const struct orl_work usual = orl_work_of(state);
     const double started = now_s(r);
+    r->ended = r->planned > 0 && r->count >= r->planned;
+    if (r->planned > 0 && !r->ended)
+        return 0;
     orl_findings_judge(&r->findings);
     r->error = orl_parts_error(&parts);
-    result->outcome.rounds = r->count;
-    result->outcome.achieved = r->error;
+    if (r->planned == 0) {
+        result->outcome.rounds = r->count;
+        result->outcome.achieved = r->error;
+    }
     orl_run_predict(state, &r->pace, &usual, &parts);
     const int code = orl_findings_show(&r->findings, state, err);
     r->pace.beside_s += now_s(r) - started;
+    if (r->planned > 0)
+        return code == 0 ? tell_of_views(state) : code;
     if (state->job->goal.deadline_s > 0)
         go_on_for_time(r);
+    else if (state->job->goal.dgp_error > 0)
+        go_on_for_dgp(r);
     else
         go_on_for_error(r, &parts);
     result->total_s = now_s(r) - state->started_s;
@@ -343,7 +419,7 @@ int orl_run_rounds(struct orl_run_state *state, struct orl_error *err)
     orl_run_enter(state, ORL_STAGE_PHOTONS);
     int code = rounds_init(&r, state, err);
     state->result->outcome =
-        (struct orl_outcome){.asked = true, .goal = state->job->goal, .achieved = NAN};
+        (struct orl_outcome){.asked = r.planned == 0, .goal = state->job->goal, .achieved = NAN};
     while (code == 0 && !r.ended) {
         orl_run_enter(state, ORL_STAGE_PHOTONS);
         code = run_round(&r, err);

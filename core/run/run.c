@@ -46,10 +46,12 @@ static int prepare(struct orl_run_state *state, struct orl_error *err)
 
 static int run_stages(struct orl_run_state *state, struct orl_error *err)
 {
-    const bool in_rounds = orl_goal_is_set(&state->job->goal);
+    bool in_rounds = orl_goal_is_set(&state->job->goal);
     int code = prepare(state, err);
-    if (code == 0)
+    if (code == 0) {
+        in_rounds = in_rounds || orl_run_batches(state) > 1;
         code = in_rounds ? orl_run_rounds(state, err) : orl_run_technique(state, err);
+    }
     if (code == 0)
         code = orl_run_judge_darkness(state, err);
     if (code == 0)

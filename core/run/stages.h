@@ -145,6 +145,16 @@ int orl_run_write_view(struct orl_run_state *state, size_t index, const struct o
 /* The glare of a view that asks for metrics, into the result. */
 int orl_run_rate_view(struct orl_run_state *state, size_t index, const struct orl_film *film,
                       struct orl_error *err);
+/* After that: what the view's batches tell of its errors. */
+struct orl_view_batches;
+int orl_run_rate_errors(struct orl_run_state *state, size_t index,
+                        const struct orl_view_batches *batches, struct orl_error *err);
+
+/* Paths a pixel of a job in one piece, by backward. */
+uint32_t orl_run_pixel_samples(const struct orl_run_state *state);
+/* In how many rounds of equal size a job in one piece is done, lest nothing be known of the errors
+ * of its glare; 1: in none. */
+uint32_t orl_run_batches(const struct orl_run_state *state);
 
 /* At the end: maps and tables of the sensors, where the job asks for them. */
 int orl_run_write_sensors(struct orl_run_state *state, struct orl_error *err);

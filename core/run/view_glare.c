@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "metrics/around.h"
+#include "metrics/view_batches.h"
 #include "run/stages.h"
 
 /* A view that holds less than this share of the hemisphere lacks light at the eye. */
@@ -57,4 +57,34 @@ int orl_run_rate_view(struct orl_run_state *state, size_t index, const struct or
     result->metrics = request->metrics;
     warn_of_field(state, request, glare);
     return 0;
+}
+
+int orl_run_rate_errors(struct orl_run_state *state, size_t index,
+                        const struct orl_view_batches *batches, struct orl_error *err)
+{
+    const struct orl_view_request *request = &state->job->views[index];
+    struct orl_view view;
+    const int code = orl_view_parse(request->view, &view, err);
+    return code < 0 ? code
+                    : orl_glare_errors(batches, &view, request->width, request->height,
+                                       &request->glare, state->result->views[index].glare, err);
+}
+
+uint32_t orl_run_pixel_samples(const struct orl_run_state *state)
+{
+    const uint32_t asked = state->job->pixel_samples;
+    return asked                                ? asked
+           : orl_job_asks_for_glare(state->job) ? ORL_DEFAULT_GLARE_PIXEL_SAMPLES
+                                                : ORL_DEFAULT_PIXEL_SAMPLES;
+}
+
+/* By photon maps a view takes as long however few its photons are: it is left in one piece. */
+uint32_t orl_run_batches(const struct orl_run_state *state)
+{
+    enum { USUAL = 8 };
+    const uint32_t most = orl_run_pixel_samples(state);
+    if (!orl_job_asks_for_glare(state->job) ||
+        state->result->plan.technique != ORL_TECHNIQUE_BACKWARD)
+        return 1;
+    return most < USUAL ? most : USUAL;
 }

@@ -100,7 +100,8 @@ static int make_folder(struct orl_worker *worker, const struct orl_task *task,
                        struct orl_error *err)
 {
     const struct orl_job *job = &task->of.render;
-    const bool in_rounds = job->goal.relative_error > 0 || job->goal.deadline_s > 0;
+    const bool in_rounds =
+        job->goal.relative_error > 0 || job->goal.deadline_s > 0 || job->goal.dgp_error > 0;
     worker->keeps = task->kind == ORL_TASK_RENDER && (!in_rounds || job->n_skies > 0);
     const int rc = worker->keeps ? 0 : orl_remove_tree(worker->output, err);
     return rc ? rc : orl_checkpoint_open(worker->output, worker->spec.key, err);

@@ -147,9 +147,11 @@ static void test_refusals(void **state)
     static const struct {
         const char *goal, *told;
     } cases[] = {
-        {"{}", "one of \"relative_error\" and \"deadline_s\""},
+        {"{}", "one of \"relative_error\", \"dgp_error\" and \"deadline_s\""},
         {"{\"relative_error\":0.1,\"deadline_s\":3}", "one of \"relative_error\""},
         {"{\"relative_error\":0}", "accuracy.relative_error"},
+        {"{\"dgp_error\":2}", "accuracy.dgp_error"},
+        {"{\"dgp_error\":0.01}", "no view asks for metrics"},
         {"{\"deadline_s\":-1}", "accuracy.deadline_s"},
         {"{\"deadline_s\":3,\"at\":1.5}", "accuracy.at"},
         {"{\"relative_error\":0.1,\"by\":3}", "by"},

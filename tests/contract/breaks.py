@@ -59,6 +59,8 @@ def jobs(lit, dark):
                          "points": [{"name": "here", "x": 3, "y": 4.5}]}},
         {**VIEW, "name": "b", "display": {"exposure": 0.5}, "pixel_aspect": 1}, {**VIEW, "name": "c", "display": {"ev": 9}}]}
     yield {"scene": lit, "accuracy": {"relative_error": 0.5, "at": 0.9}, "sensors": SENSORS}
+    yield {"scene": lit, "accuracy": {"dgp_error": 0.5},
+           "views": [{**VIEW, "metrics": ["dgp"], "glare": {"vertical_illuminance_lx": 900}}]}
     yield {"scene": lit, "accuracy": {"deadline_s": 0.01}, "sensors": SENSORS}
     yield {"scene": dark, "sky": sky[8], "technique": "backward", "pixel_samples": 1, "views": [
         {"name": "f", "file": "v.vf", "entry": 1, "width": 16, "height": 12}]}

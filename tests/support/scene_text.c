@@ -72,7 +72,7 @@ static void fill_job(const struct scene_run *run, char **names, struct orl_view_
     job->gather_samples = run->samples;
     job->pixel_samples = run->pixel_samples;
     job->dark_expected = !run->dark_is_error;
-    if (run->goal.relative_error > 0 || run->goal.deadline_s > 0) {
+    if (run->goal.relative_error > 0 || run->goal.deadline_s > 0 || run->goal.dgp_error > 0) {
         job->goal = run->goal;
         job->photons_global = job->photons_caustic = ORL_PHOTONS_BY_PLAN;
     }
@@ -86,7 +86,8 @@ static void fill_job(const struct scene_run *run, char **names, struct orl_view_
         *view = (struct orl_view_request){.name = view_name,
                                           .view = (char *)(uintptr_t)run->view,
                                           .width = run->width,
-                                          .height = run->height};
+                                          .height = run->height,
+                                          .metrics = run->metrics};
         job->views = view;
         job->n_views = 1;
     }

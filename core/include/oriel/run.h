@@ -55,6 +55,7 @@ struct orl_view_request {
 struct orl_goal {
     double relative_error; /* 0: none. |x - truth| / truth, with study.h's floors */
     double at;             /* the share of sensors, or of pixels, that is to keep to it; 0..1 */
+    double dgp_error;      /* 0: none. Half the 95 % interval of DGP, of every view with metrics */
     double deadline_s;     /* 0: none. Of the whole run, from its start */
 };
 
@@ -87,10 +88,13 @@ struct orl_job {
 enum {
     ORL_DEFAULT_PHOTONS = 2000000,
     ORL_DEFAULT_GATHER_SAMPLES = 4096,
-    ORL_DEFAULT_PIXEL_SAMPLES = 64
+    ORL_DEFAULT_PIXEL_SAMPLES = 64,
+    ORL_DEFAULT_GLARE_PIXEL_SAMPLES = 16 /* of a job that asks for metrics */
 };
 
 void orl_job_init(struct orl_job *job); /* defaults, nothing else set */
+/* Whether some view of it has metrics. */
+bool orl_job_asks_for_glare(const struct orl_job *job);
 void orl_job_done(struct orl_job *job); /* frees what job owns; NULL and half-filled are fine */
 
 /*

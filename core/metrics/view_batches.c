@@ -1,0 +1,163 @@
+#include "metrics/view_batches.h"
+
+#include <stdlib.h>
+
+#include "base/estimate.h"
+
+/* Two batches as one, in the place of the first. */
+static void unite(struct orl_view_batches *b, uint32_t first, uint32_t second)
+{
+    const double all = b->effort[first] + b->effort[second];
+    const float share = (float)(b->effort[second] / all);
+    for (size_t i = 0; i < b->pixels; i++)
+        b->cd_m2[first][i] += share * (b->cd_m2[second][i] - b->cd_m2[first][i]);
+    b->effort[first] = all;
+    free(b->cd_m2[second]);
+    b->cd_m2[second] = NULL;
+}
+
+static void halve(struct orl_view_batches *b)
+{
+    for (uint32_t i = 0; i < ORL_VIEW_BATCHES / 2; i++) {
+        unite(b, 2 * i, 2 * i + 1);
+        float *const united = b->cd_m2[2 * i];
+        b->cd_m2[2 * i] = NULL;
+        b->cd_m2[i] = united;
+        b->effort[i] = b->effort[2 * i];
+    }
+    b->count = ORL_VIEW_BATCHES / 2;
+}
+
+int orl_view_batches_add(struct orl_view_batches *batches, const struct orl_film *film,
+                         double effort, struct orl_error *err)
+{
+    float *cd_m2 = orl_film_luminances(film);
+    if (!cd_m2)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for a batch of a view");
+    if (batches->count == ORL_VIEW_BATCHES)
+        halve(batches);
+    batches->pixels = (size_t)film->width * film->height;
+    batches->effort[batches->count] = effort;
+    batches->cd_m2[batches->count++] = cd_m2;
+    return 0;
+}
+
+void orl_view_batches_done(struct orl_view_batches *batches)
+{
+    for (uint32_t i = 0; i < batches->count; i++)
+        free(batches->cd_m2[i]);
+    *batches = (struct orl_view_batches){0};
+}
+
+/* ---- The jackknife --------------------------------------------------------------------------- */
+
+static double effort_of_all(const struct orl_view_batches *b)
+{
+    double sum = 0;
+    for (uint32_t i = 0; i < b->count; i++)
+        sum += b->effort[i];
+    return sum;
+}
+
+/* The mean of all batches but one; of all where that is no batch. */
+static void mean_without(const struct orl_view_batches *b, uint32_t left_out, float *ret_cd_m2)
+{
+    const double all = effort_of_all(b) - (left_out < b->count ? b->effort[left_out] : 0);
+    for (size_t i = 0; i < b->pixels; i++) {
+        double sum = 0;
+        for (uint32_t k = 0; k < b->count; k++)
+            if (k != left_out)
+                sum += b->effort[k] * (double)b->cd_m2[k][i];
+        ret_cd_m2[i] = (float)(sum / all);
+    }
+}
+
+/* What is found without each batch in turn, and, behind that, with all. */
+typedef double found_values[ORL_VIEW_BATCHES + 1][ORL_GLARE_METRICS];
+
+static int find_without(const struct orl_view_batches *b, const struct orl_field *field,
+                        const struct orl_glare_settings *settings, found_values ret_found,
+                        struct orl_error *err)
+{
+    float *cd_m2 = malloc((b->pixels + 1) * sizeof *cd_m2);
+    const struct orl_luminances luminances = {field, cd_m2};
+    int code = cd_m2 ? 0 : orl_error_set(err, ORL_ERR_NOMEM, "out of memory for errors of glare");
+    for (uint32_t i = 0; i <= b->count && code == 0; i++) {
+        struct orl_glare glare = {0};
+        mean_without(b, i, cd_m2);
+        code = orl_glare_evaluate(&luminances, NULL, settings, &glare, err);
+        for (int m = 0; m < ORL_GLARE_METRICS; m++)
+            ret_found[i][m] = glare.values[m].value;
+        orl_glare_done(&glare);
+    }
+    free(cd_m2);
+    return code;
+}
+
+/* Of one metric. Where it has no value without some batch its error is not known. */
+static void judge(const struct orl_view_batches *b, found_values found, int metric,
+                  struct orl_glare_value *value)
+{
+    const double all = effort_of_all(b), whole = found[b->count][metric];
+    double corrected = b->count * whole, variance = 0;
+    for (uint32_t i = 0; i < b->count; i++)
+        corrected -= (1 - b->effort[i] / all) * found[i][metric];
+    for (uint32_t i = 0; i < b->count; i++) {
+        const double share = all / b->effort[i];
+        const double pseudo = share * whole - (share - 1) * found[i][metric];
+        variance += (pseudo - corrected) * (pseudo - corrected) / (share - 1) / b->count;
+    }
+    const struct orl_estimate estimate = {.standard_error = sqrt(variance),
+                                          .degrees = b->count - 1.0,
+                                          .bias = fabs(whole - corrected)};
+    const struct orl_margins margins = orl_estimate_margins(&estimate);
+    value->standard_error = estimate.standard_error;
+    value->interval_95[0] = value->value - margins.below;
+    value->interval_95[1] = value->value + margins.above;
+}
+
+/* No probability is below 0 or above 1, and no light below 0. */
+static void keep_in_range(struct orl_glare_value values[ORL_GLARE_METRICS])
+{
+    static const double most[ORL_GLARE_METRICS] = {[ORL_GLARE_DGP] = 1,
+                                                   [ORL_GLARE_DGPS] = 1,
+                                                   [ORL_GLARE_DGI] = INFINITY,
+                                                   [ORL_GLARE_UGR] = INFINITY,
+                                                   [ORL_GLARE_VCP] = 100,
+                                                   [ORL_GLARE_CGI] = INFINITY,
+                                                   [ORL_GLARE_UGP] = INFINITY,
+                                                   [ORL_GLARE_ILLUMINANCE] = INFINITY,
+                                                   [ORL_GLARE_AVERAGE] = INFINITY,
+                                                   [ORL_GLARE_BACKGROUND] = INFINITY};
+    const bool from_zero[ORL_GLARE_METRICS] = {
+        [ORL_GLARE_DGP] = true,     [ORL_GLARE_DGPS] = true,        [ORL_GLARE_VCP] = true,
+        [ORL_GLARE_AVERAGE] = true, [ORL_GLARE_ILLUMINANCE] = true, [ORL_GLARE_BACKGROUND] = true};
+    for (int m = 0; m < ORL_GLARE_METRICS; m++) {
+        double *interval = values[m].interval_95;
+        if (from_zero[m] && interval[0] < 0)
+            interval[0] = 0;
+        if (interval[1] > most[m])
+            interval[1] = most[m];
+    }
+}
+
+int orl_glare_errors(const struct orl_view_batches *batches, const struct orl_view *view,
+                     uint32_t width, uint32_t height, const struct orl_glare_settings *settings,
+                     struct orl_glare *glare, struct orl_error *err)
+{
+    struct orl_field field;
+    found_values found;
+    if (batches->count < 2)
+        return 0;
+    int code = orl_field_init(&field, view, width, height, glare->turned_deg, err);
+    if (code == 0)
+        code = find_without(batches, &field, settings, found, err);
+    orl_field_done(&field);
+    for (int m = 0; m < ORL_GLARE_METRICS && code == 0; m++)
+        judge(batches, found, m, &glare->values[m]);
+    if (code == 0) {
+        keep_in_range(glare->values);
+        glare->class_of = orl_glare_class_of(&glare->values[ORL_GLARE_DGP]);
+    }
+    return code;
+}
