@@ -31,12 +31,6 @@ static bool look(const struct orl_field *f, double x, double y, struct orl_vec3 
     return true;
 }
 
-static double triangle_sr(struct orl_vec3 a, struct orl_vec3 b, struct orl_vec3 c)
-{
-    const double volume = fabs(orl_dot(a, orl_cross(b, c)));
-    return 2 * atan2(volume, 1 + orl_dot(a, b) + orl_dot(b, c) + orl_dot(c, a));
-}
-
 /* A corner of the picture's lattice, as it is seen. */
 struct corner {
     struct orl_vec3 direction;
@@ -63,8 +57,8 @@ static void measure_row(struct orl_field *f, uint32_t y, const struct corner *ab
         f->direction[at][2] = (float)middle.z;
         if (!(middle.z >= 0) || !a->seen || !b->seen || !c->seen || !d->seen)
             continue;
-        const double sr = triangle_sr(a->direction, b->direction, c->direction) +
-                          triangle_sr(c->direction, d->direction, a->direction);
+        const double sr = orl_triangle_sr(a->direction, b->direction, c->direction) +
+                          orl_triangle_sr(c->direction, d->direction, a->direction);
         f->solid_angle[at] = (float)sr;
         f->all_sr += sr;
         f->all_cos_sr += sr * middle.z;

@@ -99,17 +99,21 @@ static void judge(const struct orl_view_batches *b, found_values found, int metr
                   struct orl_glare_value *value)
 {
     const double all = effort_of_all(b), whole = found[b->count][metric];
-    double corrected = b->count * whole, variance = 0;
+    const double n = b->count;
+    double corrected = n * whole, variance = 0, cube = 0;
     for (uint32_t i = 0; i < b->count; i++)
         corrected -= (1 - b->effort[i] / all) * found[i][metric];
     for (uint32_t i = 0; i < b->count; i++) {
         const double share = all / b->effort[i];
         const double pseudo = share * whole - (share - 1) * found[i][metric];
-        variance += (pseudo - corrected) * (pseudo - corrected) / (share - 1) / b->count;
+        const double off = pseudo - corrected;
+        variance += off * off / (share - 1) / n;
+        cube += off * off * off;
     }
     const struct orl_estimate estimate = {.standard_error = sqrt(variance),
                                           .degrees = b->count - 1.0,
-                                          .bias = fabs(whole - corrected)};
+                                          .bias = fabs(whole - corrected),
+                                          .third = n > 2 ? cube / (n * (n - 1) * (n - 2)) : 0};
     const struct orl_margins margins = orl_estimate_margins(&estimate);
     value->standard_error = estimate.standard_error;
     value->interval_95[0] = value->value - margins.below;

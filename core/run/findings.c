@@ -180,7 +180,7 @@ int orl_findings_show(struct orl_findings *findings, struct orl_run_state *state
             part->film.errors[k] = (float)part->errors[k];
         code = orl_run_write_view(state, i, &part->film, err);
         if (code == 0 && part->rated)
-            code = orl_run_rate_errors(state, i, &part->batches, err);
+            code = orl_run_rate_errors(state, i, &part->film, &part->batches, err);
     }
     return code;
 }

@@ -147,7 +147,7 @@ int orl_run_rate_view(struct orl_run_state *state, size_t index, const struct or
                       struct orl_error *err);
 /* After that: what the view's batches tell of its errors. */
 struct orl_view_batches;
-int orl_run_rate_errors(struct orl_run_state *state, size_t index,
+int orl_run_rate_errors(struct orl_run_state *state, size_t index, const struct orl_film *film,
                         const struct orl_view_batches *batches, struct orl_error *err);
 
 /* Paths a pixel of a job in one piece, by backward. */

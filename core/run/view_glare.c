@@ -59,15 +59,15 @@ int orl_run_rate_view(struct orl_run_state *state, size_t index, const struct or
     return 0;
 }
 
-int orl_run_rate_errors(struct orl_run_state *state, size_t index,
+int orl_run_rate_errors(struct orl_run_state *state, size_t index, const struct orl_film *film,
                         const struct orl_view_batches *batches, struct orl_error *err)
 {
     const struct orl_view_request *request = &state->job->views[index];
     struct orl_view view;
     const int code = orl_view_parse(request->view, &view, err);
     return code < 0 ? code
-                    : orl_glare_errors(batches, &view, request->width, request->height,
-                                       &request->glare, state->result->views[index].glare, err);
+                    : orl_glare_errors(batches, &view, film->width, film->height, &request->glare,
+                                       state->result->views[index].glare, err);
 }
 
 uint32_t orl_run_pixel_samples(const struct orl_run_state *state)

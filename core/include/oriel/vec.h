@@ -81,6 +81,13 @@ static inline struct orl_vec3 orl_to_world(const struct orl_frame *f, struct orl
     return orl_add(orl_add(orl_scale(f->u, l.x), orl_scale(f->v, l.y)), orl_scale(f->n, l.z));
 }
 
+/* Solid angle of the triangle that three unit vectors span (van Oosterom and Strackee 1983). */
+static inline double orl_triangle_sr(struct orl_vec3 a, struct orl_vec3 b, struct orl_vec3 c)
+{
+    const double volume = fabs(orl_dot(a, orl_cross(b, c)));
+    return 2 * atan2(volume, 1 + orl_dot(a, b) + orl_dot(b, c) + orl_dot(c, a));
+}
+
 static inline struct orl_rgb orl_gray(double value)
 {
     return (struct orl_rgb){value, value, value};

@@ -1,6 +1,6 @@
 /* Views by the backward technique: every pixel the mean of a number of rays through it. */
 #include "render/backward/backward.h"
-#include "render/image/shade.h"
+#include "render/image/discs.h"
 #include "render/picture/error_map.h"
 
 enum { LAMPS_A_RAY = 8, PANE_SAMPLES = 4, GLOSS_SAMPLES = 2 };
@@ -13,6 +13,7 @@ struct painter {
     struct orl_effort effort;
     uint32_t samples;
     bool outside;
+    enum orl_suns suns;
 };
 
 /* A lobe's ray has its own numbers: those of the look go on with it. */
@@ -74,6 +75,19 @@ static double error_of(const struct groups *groups, uint32_t n, double mean)
     return n > 1 ? sqrt(square / ((double)n * (n - 1))) : NAN;
 }
 
+static struct orl_shader shader_of(const struct painter *p)
+{
+    return (struct orl_shader){.world = p->backward->world,
+                               .sobol = &p->backward->sobol,
+                               .pane_samples = PANE_SAMPLES,
+                               .gloss_samples = GLOSS_SAMPLES,
+                               .dimmest = dimmest,
+                               .by_lot = true,
+                               .suns = p->suns,
+                               .radiance = lobe_radiance,
+                               .ctx = p->backward};
+}
+
 static struct orl_pixel compute_pixel(void *ctx, uint32_t x, uint32_t y, struct orl_search *search)
 {
     const struct painter *p = ctx;
@@ -81,14 +95,7 @@ static struct orl_pixel compute_pixel(void *ctx, uint32_t x, uint32_t y, struct 
     const uint64_t index = p->painting->env->index;
     const uint64_t pixel = (uint64_t)y * p->painting->film->width + x;
     const uint64_t name = orl_mix64(b->seed * 5 + index * 7 + orl_mix64(pixel));
-    const struct orl_shader shader = {.world = b->world,
-                                      .sobol = &b->sobol,
-                                      .pane_samples = PANE_SAMPLES,
-                                      .gloss_samples = GLOSS_SAMPLES,
-                                      .dimmest = dimmest,
-                                      .by_lot = true,
-                                      .radiance = lobe_radiance,
-                                      .ctx = b};
+    const struct orl_shader shader = shader_of(p);
     struct orl_sampling sampling = {
         .sequence = (uint32_t)(name >> 8) + 1, .effort = p->effort, .lamps = LAMPS_A_RAY};
     const uint32_t n_groups = p->samples < ORL_MAP_BATCHES ? p->samples : ORL_MAP_BATCHES;
@@ -122,10 +129,13 @@ int orl_backward_render(const struct orl_backward *backward, const struct orl_pa
                               .painting = painting,
                               .effort = orl_aim_effort(&backward->aim, at_surfaces),
                               .samples = samples,
-                              .outside = orl_world_is_outside(backward->world, eye)};
+                              .outside = orl_world_is_outside(backward->world, eye),
+                              .suns = orl_discs_suns(backward->world, painting)};
     const int code = orl_paint(painting, compute_pixel, &painter, 0);
     if (code < 0)
         return orl_error_set(err, code, "cancelled while rendering a view");
+    const struct orl_shader shader = shader_of(&painter);
+    orl_discs_paint(&shader, painting, painter.outside);
     if (orl_film_smooth_errors(painting->film) < 0)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory rendering a view");
     return 0;

@@ -279,6 +279,43 @@ double orl_view_reach(const struct orl_view *view, double x, double y)
     return view->type == 'c' ? depth * sqrt(1 + upright) : depth;
 }
 
+bool orl_view_place(const struct orl_view *view, struct orl_vec3 direction, double *ret_x,
+                    double *ret_y)
+{
+    const double z = orl_dot(direction, view->direction);
+    double x = orl_dot(direction, view->h), y = orl_dot(direction, view->v), scale = 1;
+    if (!strchr("vha", view->type))
+        return false;
+    if (view->type == 'a') {
+        const double radius = acos(fmax(fmin(z, 1), -1)) / ORL_PI;
+        scale = radius > 1e-12 ? radius / sin(ORL_PI * radius) : 1 / ORL_PI;
+        x *= 180 / view->horizontal;
+        y *= 180 / view->vertical;
+    } else {
+        if (!(z > 0))
+            return false;
+        scale = view->type == 'v' ? 1 / z : 1;
+        x /= orl_dot(view->h, view->h);
+        y /= orl_dot(view->v, view->v);
+    }
+    if (!isfinite(scale))
+        return false;
+    *ret_x = x * scale + 0.5 - view->shift;
+    *ret_y = y * scale + 0.5 - view->lift;
+    return true;
+}
+
+double orl_view_solid_angle(const struct orl_view *view, double x, double y, double width,
+                            double height)
+{
+    const double corners[4][2] = {{x, y}, {x + width, y}, {x + width, y + height}, {x, y + height}};
+    struct orl_vec3 origin, d[4];
+    for (int i = 0; i < 4; i++)
+        if (!orl_view_ray(view, corners[i][0], corners[i][1], &origin, &d[i]))
+            return 0;
+    return orl_triangle_sr(d[0], d[1], d[2]) + orl_triangle_sr(d[2], d[3], d[0]);
+}
+
 void orl_view_format(const struct orl_view *view, char *ret_text, unsigned long size)
 {
     snprintf(ret_text, size,

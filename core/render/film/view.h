@@ -34,6 +34,16 @@ bool orl_view_ray(const struct orl_view *view, double x, double y, struct orl_ve
 /* How far the ray through (x, y) goes until it is cut off by -va; INFINITY: for ever. */
 double orl_view_reach(const struct orl_view *view, double x, double y);
 
+/* Where a view of the types v, h and a has a unit direction; false where it has not, and of others.
+ */
+bool orl_view_place(const struct orl_view *view, struct orl_vec3 direction, double *ret_x,
+                    double *ret_y);
+
+/* Solid angle of a rectangle of the image, from its lower left corner: that of the two triangles
+ * between its corners. 0 where a corner sees nothing. */
+double orl_view_solid_angle(const struct orl_view *view, double x, double y, double width,
+                            double height);
+
 /* The whole view as options, for a VIEW= line: every parameter written out. */
 void orl_view_format(const struct orl_view *view, char *ret_text, unsigned long size);
 

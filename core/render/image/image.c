@@ -2,6 +2,7 @@
 
 #include <stdlib.h>
 
+#include "render/image/discs.h"
 #include "render/image/mosaic.h"
 
 enum { LAMP_RAYS = 4 };
@@ -313,6 +314,7 @@ int orl_image_render(const struct orl_gather *gather, const struct orl_painting 
     const struct orl_vec3 eye = orl_sub(view->point, gather->world->geometry->center);
     const double degrees = fmax(view->horizontal, view->vertical);
     const double side = fmax(painting->film->width, painting->film->height);
+    painter.shader.suns = orl_discs_suns(gather->world, painting);
     painter.outside = orl_world_is_outside(gather->world, eye);
     painter.grain = view->type == 'l'
                         ? (struct orl_grain){.width = view->horizontal / painting->film->width}
@@ -321,6 +323,8 @@ int orl_image_render(const struct orl_gather *gather, const struct orl_painting 
     int code = place_records(&painter);
     if (code == 0)
         code = paint_pixels(&painter);
+    if (code == 0)
+        orl_discs_paint(&painter.shader, painting, painter.outside);
     orl_icache_done(&painter.cache);
     free(painter.wanted);
     free(painter.seen);

@@ -2,6 +2,8 @@
 
 #include "light/proxies.h"
 
+/* Cosine of what a ray may be turned by and count as straight: a hundredth of a sun's radius. */
+static const double straight = 1 - 1e-9;
 enum { MOST_SPLITS = 6, MOST_SPLITS_BY_LOT = 64, MOST_BRANCHES = 16 };
 
 /* One branch of the ray still to be followed. */
@@ -222,6 +224,7 @@ static void meet(struct look *look, const struct branch *met, const struct orl_h
 {
     const struct orl_material *m = seen_at(look, hit);
     struct branch at = *met;
+    const bool alone = look->shader->suns == ORL_SUNS_ALONE;
     note_way(look->shaded, 2 * (uint64_t)hit->facet + hit->front);
     if (!m) {
         const struct orl_scatter on = {
@@ -230,7 +233,7 @@ static void meet(struct look *look, const struct branch *met, const struct orl_h
         return;
     }
     orl_path_arrive(&at.path, m, hit);
-    if (orl_rgb_max(orl_material_diffuse(m, hit)) > 0)
+    if (!alone && orl_rgb_max(orl_material_diffuse(m, hit)) > 0)
         add_vertex(look, &at, hit, m);
     split(look, &at, hit, m);
     const bool has_lobes = orl_material_has_lobes(m);
@@ -239,7 +242,8 @@ static void meet(struct look *look, const struct branch *met, const struct orl_h
         add_lobes(look, &at, hit, m,
                   orl_material_transmits_lobes(m) ? look->shader->pane_samples
                                                   : look->shader->gloss_samples);
-    add(look, at.path.weight, orl_material_emission(m, hit, orl_path_back(&at.path)));
+    if (!alone)
+        add(look, at.path.weight, orl_material_emission(m, hit, orl_path_back(&at.path)));
 }
 
 /* Views pass the BSDFs that stand for what they see, but notice which side they are on. */
@@ -249,6 +253,16 @@ static void pass_proxies(const struct orl_world *world, double distance, struct 
         orl_proxies_passed(world->scene, at->path.origin, at->path.direction, distance);
     if (passed != ORL_CROSSING_NONE && !world->open)
         at->outside = passed == ORL_CROSSING_OUTWARDS;
+}
+
+/* Of the suns those that are for this ray, and the sky. */
+static struct orl_rgb seen_beyond(const struct orl_shader *shader, const struct orl_world *world,
+                                  struct orl_vec3 direction, bool is_straight)
+{
+    const bool alone = shader->suns == ORL_SUNS_ALONE;
+    const bool suns = shader->suns == ORL_SUNS_SEEN || alone == is_straight;
+    const struct orl_rgb sky = alone ? orl_gray(0) : orl_world_dome_radiance(world, direction);
+    return suns ? orl_rgb_add(sky, orl_world_sun_radiance(world, direction)) : sky;
 }
 
 void orl_shade_ray(const struct orl_shader *shader, struct orl_vec3 origin,
@@ -284,7 +298,7 @@ void orl_shade_ray(const struct orl_shader *shader, struct orl_vec3 origin,
         search->health.rays_leaked += !world->open && !at.outside;
         orl_path_escape(&at.path);
         add(&look, at.path.weight,
-            orl_rgb_add(orl_world_dome_radiance(world, at.path.direction),
-                        orl_world_sun_radiance(world, at.path.direction)));
+            seen_beyond(shader, world, at.path.direction,
+                        orl_dot(at.path.direction, direction) > straight));
     }
 }

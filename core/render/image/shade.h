@@ -36,6 +36,13 @@ typedef struct orl_rgb orl_shade_radiance(const void *ctx, struct orl_vec3 origi
                                           struct orl_chance chance, struct orl_random *random,
                                           struct orl_search *search);
 
+/* Which suns a ray shows that it meets straight: by any number of panes, but turned by none. */
+enum orl_suns {
+    ORL_SUNS_SEEN,  /* all, as anything else */
+    ORL_SUNS_APART, /* none: they are put in by rays of their own (discs.h) */
+    ORL_SUNS_ALONE  /* these, and nothing else at all: such a ray */
+};
+
 /* How rays of a view are shaded, by whichever technique. */
 struct orl_shader {
     const struct orl_world *world;
@@ -43,6 +50,7 @@ struct orl_shader {
     uint32_t pane_samples, gloss_samples; /* rays into a pane's lobes, into others */
     double dimmest; /* branches below this share of the ray are not followed; */
     bool by_lot;    /* or one in some is, and then counts for all: no bias */
+    enum orl_suns suns;
     orl_shade_radiance *radiance;
     const void *ctx;
 };
