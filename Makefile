@@ -100,6 +100,8 @@ help:
 ## make gallery    pictures by all techniques, side by side, in build/gallery
 ## make calibration  whether errors stated are errors made: intervals, error maps, jobs by accuracy
 ##                 or deadline, predictions; long (tests/README.md has its parts)
+## make glare      DGP and glare sources of pictures beside evalglare's, if it is there, and of discs
+##                 beside arithmetic; then how often DGP's intervals hold; some minutes
 ## make torture    a daemon killed 500 times under load (TORTURE_KILLS), faults of disk, files,
 ##                 database and memory, each call that can fail, 200 power cuts, malformed requests,
 ##                 cancels: what it answered for is kept
@@ -323,6 +325,13 @@ check-perf: deps-perf
 table2 gallery calibration: %: deps-check
 	@$(MAKE) --no-print-directory -j$(JOBS) all $(BUILD)/tests/bench/$*
 	@ORIEL_BUILD=$(BUILD) $(BUILD)/tests/bench/$*
+
+.PHONY: glare
+GLARE_BIN := $(BUILD)/tests/validation/test_glare_errors
+glare: deps-check
+	@$(MAKE) --no-print-directory -j$(JOBS) all $(GLARE_BIN)
+	@PYTHONDONTWRITEBYTECODE=1 python3 tests/bench/glare.py $(BUILD)
+	@tests/stability_table $(BUILD) rows $(GLARE_BIN)
 
 # In a copy of the office, where the panel's BSDF is made once.
 STUDY := $(BUILD)/study

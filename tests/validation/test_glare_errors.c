@@ -3,8 +3,8 @@
  * samples, over seeds. Of N seeds a coverage p is found within sqrt(p (1 - p) / N).
  *
  * The short form takes one scene and 12 seeds, of which 10 must hold (with 95 % fewer do once in
- * 51 times, and seeds are fixed). The long form takes 30 seeds of each of four scenes, together
- * 120, of which 92 to 98 % must hold; tables by ORIEL_REFERENCE_TABLE.
+ * 51 times, and seeds are fixed). The long form takes 30 seeds of each of four scenes; of one, three
+ * of the standard deviations above are 12.6 % of 0.95; of all 120 together 92 to 98 % must hold.
  */
 #include <math.h>
 #include <setjmp.h>
@@ -79,7 +79,7 @@ static void test_coverage(void **state)
     const bool full = stability_full();
     const uint32_t seeds = full ? 30 : 12;
     uint32_t all = 0;
-    struct references set = {.name = "DGP's interval, share of seeds", .tolerance = 0.1};
+    struct references set = {.name = "DGP's interval, share of seeds", .tolerance = 0.126};
     (void)state;
     for (int i = 0; i < (full ? CASES : 1); i++) {
         double reference, error;
