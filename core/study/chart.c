@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/letters.h"
 #include "study/series.h"
 
 static const double left_edge = 86, top_edge = 46, bottom_edge = 58, legend_width = 208,
@@ -45,43 +46,39 @@ static void make_axes(struct orl_chart *chart, const struct orl_study *study)
     orl_axis_init(&chart->y, y0, y1, chart->plot.y1, chart->plot.y0, 22);
 }
 
-static bool add_ticks(struct orl_chart *chart, cairo_t *cairo)
+static bool add_ticks(struct orl_chart *chart)
 {
     char text[32];
     bool ok = true;
     for (size_t i = 0; i < chart->x.n_ticks; i++) {
         orl_axis_format(chart->x.ticks[i], text, sizeof text);
-        ok = ok && orl_chart_add(chart, cairo, ORL_CHART_TICK, text,
-                                 orl_axis_at(&chart->x, chart->x.ticks[i]), chart->plot.y1 + 15,
-                                 ORL_CHART_MIDDLE);
+        ok = ok &&
+             orl_chart_add(chart, ORL_CHART_TICK, text, orl_axis_at(&chart->x, chart->x.ticks[i]),
+                           chart->plot.y1 + 15, ORL_CHART_MIDDLE);
     }
     for (size_t i = 0; i < chart->y.n_ticks; i++) {
         orl_axis_format(chart->y.ticks[i], text, sizeof text);
-        ok = ok && orl_chart_add(chart, cairo, ORL_CHART_TICK, text, chart->plot.x0 - 8,
+        ok = ok && orl_chart_add(chart, ORL_CHART_TICK, text, chart->plot.x0 - 8,
                                  orl_axis_at(&chart->y, chart->y.ticks[i]), ORL_CHART_RIGHT);
     }
     return ok;
 }
 
 /* Shortens the last text by letters until it is no wider than that; UTF-8 is cut whole. */
-static void fit_width(struct orl_chart *chart, cairo_t *cairo, double width)
+static void fit_width(struct orl_chart *chart, double width)
 {
     struct orl_chart_text *t = &chart->texts[chart->n_texts - 1];
     size_t length = strlen(t->text);
-    cairo_text_extents_t extents;
-    orl_chart_set_font(cairo, t->role);
     while (t->box.x1 - t->box.x0 > width && length > 0) {
         do
             length--;
         while (length > 0 && ((unsigned char)t->text[length] & 0xC0) == 0x80);
         snprintf(t->text + length, sizeof t->text - length, "...");
-        cairo_text_extents(cairo, t->text, &extents);
-        t->box.x1 = t->box.x0 + extents.x_advance;
+        t->box.x1 = t->box.x0 + orl_letters_width(t->text, orl_chart_letters(t->role));
     }
 }
 
-static bool add_titles(struct orl_chart *chart, const struct orl_study *study, const char *title,
-                       cairo_t *cairo)
+static bool add_titles(struct orl_chart *chart, const struct orl_study *study, const char *title)
 {
     const struct orl_chart_box *plot = &chart->plot;
     char text[96];
@@ -89,11 +86,11 @@ static bool add_titles(struct orl_chart *chart, const struct orl_study *study, c
         snprintf(text, sizeof text, "time, seconds (one thread)");
     else
         snprintf(text, sizeof text, "time, seconds (%u threads)", study->threads);
-    if (!orl_chart_add(chart, cairo, ORL_CHART_AXIS, text, (plot->x0 + plot->x1) / 2, plot->y1 + 40,
+    if (!orl_chart_add(chart, ORL_CHART_AXIS, text, (plot->x0 + plot->x1) / 2, plot->y1 + 40,
                        ORL_CHART_MIDDLE))
         return false;
     struct orl_chart_text *t =
-        orl_chart_add(chart, cairo, ORL_CHART_AXIS,
+        orl_chart_add(chart, ORL_CHART_AXIS,
                       study->of_views ? "rms error of pixels, %" : "rms error of sensors, %", 0, 0,
                       ORL_CHART_MIDDLE);
     if (!t)
@@ -107,22 +104,22 @@ static bool add_titles(struct orl_chart *chart, const struct orl_study *study, c
     t->y = y - b.x0;
     if (!title || !title[0])
         return true;
-    if (!orl_chart_add(chart, cairo, ORL_CHART_TITLE, title, plot->x0, 24, ORL_CHART_LEFT))
+    if (!orl_chart_add(chart, ORL_CHART_TITLE, title, plot->x0, 24, ORL_CHART_LEFT))
         return false;
-    fit_width(chart, cairo, chart->width - plot->x0 - 12);
+    fit_width(chart, chart->width - plot->x0 - 12);
     return true;
 }
 
-static bool add_row(struct orl_chart *chart, cairo_t *cairo, enum orl_chart_key key,
-                    enum orl_technique technique, const char *text)
+static bool add_row(struct orl_chart *chart, enum orl_chart_key key, enum orl_technique technique,
+                    const char *text)
 {
     const double x = chart->plot.x1 + legend_gap;
     const double y = chart->plot.y0 + 10 + row_height * (double)chart->n_rows;
     const double indent = key == ORL_CHART_KEY_NOTE ? 0 : ORL_CHART_KEY_WIDTH + 8;
     chart->rows[chart->n_rows++] = (struct orl_chart_row){key, technique, x, y};
-    if (!orl_chart_add(chart, cairo, ORL_CHART_LEGEND, text, x + indent, y, ORL_CHART_LEFT))
+    if (!orl_chart_add(chart, ORL_CHART_LEGEND, text, x + indent, y, ORL_CHART_LEFT))
         return false;
-    fit_width(chart, cairo, chart->width - x - indent - 6);
+    fit_width(chart, chart->width - x - indent - 6);
     return true;
 }
 
@@ -135,34 +132,33 @@ static bool any_scaled(const struct orl_study *study)
     return any;
 }
 
-static bool add_legend(struct orl_chart *chart, const struct orl_study *study, cairo_t *cairo)
+static bool add_legend(struct orl_chart *chart, const struct orl_study *study)
 {
     bool ok = true, seen[ORL_TECHNIQUE_COUNT] = {false};
     char text[96];
     for (size_t i = 0; i < study->n_points; i++) {
         const enum orl_technique technique = study->points[i].setting.technique;
         if (!seen[technique] && orl_chart_shows(&study->points[i]))
-            ok = ok && add_row(chart, cairo, ORL_CHART_KEY_TECHNIQUE, technique,
-                               orl_technique_name(technique));
+            ok = ok &&
+                 add_row(chart, ORL_CHART_KEY_TECHNIQUE, technique, orl_technique_name(technique));
         seen[technique] = seen[technique] || orl_chart_shows(&study->points[i]);
     }
-    ok = ok && add_row(chart, cairo, ORL_CHART_KEY_FRONT, ORL_TECHNIQUE_AUTO, "best at its time");
+    ok = ok && add_row(chart, ORL_CHART_KEY_FRONT, ORL_TECHNIQUE_AUTO, "best at its time");
     const double noise = 100 * study->reference.standard_error;
     if (noise > chart->y.low && noise < chart->y.high)
-        ok = ok && add_row(chart, cairo, ORL_CHART_KEY_REFERENCE, ORL_TECHNIQUE_AUTO,
-                           "reference's own error");
+        ok = ok &&
+             add_row(chart, ORL_CHART_KEY_REFERENCE, ORL_TECHNIQUE_AUTO, "reference's own error");
     if (study->n_given > 0)
-        ok = ok && add_row(chart, cairo, ORL_CHART_KEY_GIVEN, ORL_TECHNIQUE_AUTO,
+        ok = ok && add_row(chart, ORL_CHART_KEY_GIVEN, ORL_TECHNIQUE_AUTO,
                            any_scaled(study) ? "other programs, as if here" : "other programs");
     chart->rows[chart->n_rows++].key = ORL_CHART_KEY_NOTE; /* an empty row */
-    ok = ok && add_row(chart, cairo, ORL_CHART_KEY_NOTE, ORL_TECHNIQUE_AUTO,
+    ok = ok && add_row(chart, ORL_CHART_KEY_NOTE, ORL_TECHNIQUE_AUTO,
                        "hollow: its technique does better");
     snprintf(text, sizeof text, "bars: standard error, %u seed%s",
              study->n_points > 0 ? study->points[0].seeds : 0,
              study->n_points > 0 && study->points[0].seeds == 1 ? "" : "s");
-    ok = ok && add_row(chart, cairo, ORL_CHART_KEY_NOTE, ORL_TECHNIQUE_AUTO, text);
-    ok = ok &&
-         add_row(chart, cairo, ORL_CHART_KEY_NOTE, ORL_TECHNIQUE_AUTO, "numbers: photons, samples");
+    ok = ok && add_row(chart, ORL_CHART_KEY_NOTE, ORL_TECHNIQUE_AUTO, text);
+    ok = ok && add_row(chart, ORL_CHART_KEY_NOTE, ORL_TECHNIQUE_AUTO, "numbers: photons, samples");
     return ok;
 }
 
@@ -170,17 +166,12 @@ int orl_chart_make(const struct orl_study *study, const char *title, struct orl_
                    struct orl_error *err)
 {
     struct orl_chart chart = {.width = ORL_CHART_WIDTH, .height = ORL_CHART_HEIGHT};
-    cairo_surface_t *surface = cairo_image_surface_create(CAIRO_FORMAT_A8, 1, 1);
-    cairo_t *cairo = cairo_create(surface);
     int code = 0;
     make_axes(&chart, study);
-    if (cairo_status(cairo) != CAIRO_STATUS_SUCCESS || !add_ticks(&chart, cairo) ||
-        !add_titles(&chart, study, title, cairo) || !add_legend(&chart, study, cairo))
+    if (!add_ticks(&chart) || !add_titles(&chart, study, title) || !add_legend(&chart, study))
         code = orl_error_set(err, ORL_ERR_NOMEM, "out of memory for a chart");
     if (code == 0)
-        code = orl_chart_place_labels(&chart, study, cairo, err);
-    cairo_destroy(cairo);
-    cairo_surface_destroy(surface);
+        code = orl_chart_place_labels(&chart, study, err);
     if (code < 0)
         orl_chart_done(&chart);
     else

@@ -11,8 +11,6 @@
 #ifndef ORL_STUDY_CHART_H
 #define ORL_STUDY_CHART_H
 
-#include <cairo/cairo.h>
-
 #include <oriel/study.h>
 
 #include "study/axis.h"
@@ -75,8 +73,8 @@ int orl_chart_make(const struct orl_study *study, const char *title, struct orl_
                    struct orl_error *err);
 void orl_chart_done(struct orl_chart *chart);
 
-/* Sets the font of a role, the same for measuring and drawing. */
-void orl_chart_set_font(cairo_t *cairo, enum orl_chart_role role);
+/* How high capitals of a role are, page units. */
+double orl_chart_letters(enum orl_chart_role role);
 
 /* Whether a point can be drawn: known, above zero, nothing absurd. */
 bool orl_chart_shows(const struct orl_study_point *point);
@@ -88,13 +86,13 @@ size_t orl_chart_line(const struct orl_study *study, enum orl_technique techniqu
 size_t orl_chart_front(const struct orl_study *study, size_t *ret_index);
 
 /* The room labels find, once axes, legend and title stand (labels.c). */
-int orl_chart_place_labels(struct orl_chart *chart, const struct orl_study *study, cairo_t *cairo,
+int orl_chart_place_labels(struct orl_chart *chart, const struct orl_study *study,
                            struct orl_error *err);
 
 /* Adds a text; NULL when out of memory. x, y as align says: of the box's left, middle or right. */
 enum orl_chart_align { ORL_CHART_LEFT, ORL_CHART_MIDDLE, ORL_CHART_RIGHT };
-struct orl_chart_text *orl_chart_add(struct orl_chart *chart, cairo_t *cairo,
-                                     enum orl_chart_role role, const char *text, double x, double y,
+struct orl_chart_text *orl_chart_add(struct orl_chart *chart, enum orl_chart_role role,
+                                     const char *text, double x, double y,
                                      enum orl_chart_align align);
 
 bool orl_box_meets(const struct orl_chart_box *a, const struct orl_chart_box *b);

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "base/grow.h"
+#include "base/letters.h"
 #include "study/series.h"
 
 bool orl_box_meets(const struct orl_chart_box *a, const struct orl_chart_box *b)
@@ -18,40 +19,27 @@ bool orl_chart_shows(const struct orl_study_point *point)
     return orl_study_can_show(point->rms) && orl_study_can_show(point->total_s);
 }
 
-void orl_chart_set_font(cairo_t *cairo, enum orl_chart_role role)
+double orl_chart_letters(enum orl_chart_role role)
 {
-    static const double sizes[ORL_CHART_ROLES] = {16, 13, 12, 12, 11, 10};
-    cairo_font_options_t *options = cairo_font_options_create();
-    /* The same widths whatever the scale, so that what was laid out is what is drawn. */
-    cairo_font_options_set_hint_metrics(options, CAIRO_HINT_METRICS_OFF);
-    cairo_font_options_set_hint_style(options, CAIRO_HINT_STYLE_NONE);
-    cairo_set_font_options(cairo, options);
-    cairo_font_options_destroy(options);
-    cairo_select_font_face(cairo, "DejaVu Sans", CAIRO_FONT_SLANT_NORMAL,
-                           role == ORL_CHART_TITLE ? CAIRO_FONT_WEIGHT_BOLD
-                                                   : CAIRO_FONT_WEIGHT_NORMAL);
-    cairo_set_font_size(cairo, sizes[role]);
+    static const double sizes[ORL_CHART_ROLES] = {12, 9.5, 9, 9, 8, 7.5};
+    return sizes[role];
 }
 
-struct orl_chart_text *orl_chart_add(struct orl_chart *chart, cairo_t *cairo,
-                                     enum orl_chart_role role, const char *text, double x, double y,
+struct orl_chart_text *orl_chart_add(struct orl_chart *chart, enum orl_chart_role role,
+                                     const char *text, double x, double y,
                                      enum orl_chart_align align)
 {
-    cairo_text_extents_t extents;
-    cairo_font_extents_t font;
+    const double size = orl_chart_letters(role);
     if (!orl_grow(&chart->texts, &chart->capacity, chart->n_texts, sizeof *chart->texts))
         return NULL;
     struct orl_chart_text *t = &chart->texts[chart->n_texts++];
     *t = (struct orl_chart_text){.role = role};
     snprintf(t->text, sizeof t->text, "%s", text);
-    orl_chart_set_font(cairo, role);
-    cairo_text_extents(cairo, t->text, &extents);
-    cairo_font_extents(cairo, &font);
-    const double width = extents.x_advance;
+    const double width = orl_letters_width(t->text, size);
     t->x = x - (align == ORL_CHART_MIDDLE ? width / 2 : align == ORL_CHART_RIGHT ? width : 0);
-    /* y is of the middle of the letters. */
-    t->y = y + (font.ascent - font.descent) / 2;
-    t->box = (struct orl_chart_box){t->x, t->y - font.ascent, t->x + width, t->y + font.descent};
+    /* y is of the middle of capitals; marks stand above them, and tails hang below. */
+    t->y = y + size / 2;
+    t->box = (struct orl_chart_box){t->x, t->y - 1.2 * size, t->x + width, t->y + 0.35 * size};
     return t;
 }
 

@@ -1,6 +1,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "base/letters.h"
 #include "study/plot.h"
 
 struct ink {
@@ -222,6 +223,14 @@ static void draw_row(const struct orl_chart_row *row, cairo_t *cairo)
     cairo_restore(cairo);
 }
 
+static void take_stroke(void *cairo, bool begins, double x, double y)
+{
+    if (begins)
+        cairo_move_to(cairo, x, y);
+    else
+        cairo_line_to(cairo, x, y);
+}
+
 static void draw_text(const struct orl_chart_text *t, cairo_t *cairo)
 {
     cairo_save(cairo);
@@ -231,23 +240,24 @@ static void draw_text(const struct orl_chart_text *t, cairo_t *cairo)
         line(cairo, t->from_x, t->from_y, fmin(fmax(t->from_x, t->box.x0), t->box.x1),
              fmin(fmax(t->from_y, t->box.y0), t->box.y1));
     }
-    orl_chart_set_font(cairo, t->role);
-    cairo_move_to(cairo, t->x, t->y);
-    if (t->upright)
-        cairo_rotate(cairo, -ORL_PI / 2);
+    const double size = orl_chart_letters(t->role),
+                 weight = t->role == ORL_CHART_TITLE ? 0.17 : 0.13;
+    const struct orl_pen pen = {.size = size, .turn = t->upright ? ORL_PI / 2 : 0};
+    cairo_new_path(cairo);
+    orl_letters_strokes(&pen, t->x, t->y, t->text, take_stroke, cairo);
+    cairo_set_line_join(cairo, CAIRO_LINE_JOIN_ROUND);
+    cairo_set_line_cap(cairo, CAIRO_LINE_CAP_ROUND);
     if (t->role == ORL_CHART_GIVEN || t->role == ORL_CHART_POINT) {
         /* A rim of white keeps letters legible on what they had to cross. */
-        cairo_text_path(cairo, t->text);
         cairo_set_source_rgb(cairo, 1, 1, 1);
-        cairo_set_line_width(cairo, 3);
-        cairo_set_line_join(cairo, CAIRO_LINE_JOIN_ROUND);
-        cairo_stroke(cairo);
-        cairo_move_to(cairo, t->x, t->y);
+        cairo_set_line_width(cairo, weight * size + 3);
+        cairo_stroke_preserve(cairo);
     }
     set_ink(cairo, t->role == ORL_CHART_GIVEN   ? dark_red
                    : t->role == ORL_CHART_POINT ? gray
                                                 : black);
-    cairo_show_text(cairo, t->text);
+    cairo_set_line_width(cairo, weight * size);
+    cairo_stroke(cairo);
     cairo_restore(cairo);
 }
 

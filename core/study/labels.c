@@ -141,11 +141,11 @@ static struct place find_place(const struct room *room, const struct orl_chart_t
 }
 
 /* Adds a label where there is room for it, else nothing. */
-static int add_label(struct room *room, cairo_t *cairo, enum orl_chart_role role, const char *text,
-                     double x, double y, struct orl_error *err)
+static int add_label(struct room *room, enum orl_chart_role role, const char *text, double x,
+                     double y, struct orl_error *err)
 {
     struct orl_chart *chart = room->chart;
-    struct orl_chart_text *t = orl_chart_add(chart, cairo, role, text, 0, 0, ORL_CHART_LEFT);
+    struct orl_chart_text *t = orl_chart_add(chart, role, text, 0, 0, ORL_CHART_LEFT);
     if (!t)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for labels");
     const struct orl_chart_text made = *t;
@@ -243,26 +243,26 @@ static void format_setting(const struct orl_study_setting *s, char *ret_text, si
         snprintf(ret_text, size, "%u", s->samples);
 }
 
-static int label_all(struct room *room, const struct orl_study *study, cairo_t *cairo,
-                     const size_t *front, size_t n_front, struct orl_error *err)
+static int label_all(struct room *room, const struct orl_study *study, const size_t *front,
+                     size_t n_front, struct orl_error *err)
 {
     const struct orl_chart *chart = room->chart;
     char text[64];
     int code = 0;
     for (size_t i = 0; i < study->n_given && code == 0; i++)
-        code = add_label(room, cairo, ORL_CHART_GIVEN, study->given[i].name,
+        code = add_label(room, ORL_CHART_GIVEN, study->given[i].name,
                          orl_axis_at(&chart->x, study->given[i].here_s),
                          orl_axis_at(&chart->y, 100 * study->given[i].rms), err);
     for (size_t i = 0; i < n_front && code == 0; i++) {
         const struct orl_study_point *p = &study->points[front[i]];
         format_setting(&p->setting, text, sizeof text);
-        code = add_label(room, cairo, ORL_CHART_POINT, text, orl_axis_at(&chart->x, p->total_s),
+        code = add_label(room, ORL_CHART_POINT, text, orl_axis_at(&chart->x, p->total_s),
                          orl_axis_at(&chart->y, 100 * p->rms), err);
     }
     return code;
 }
 
-int orl_chart_place_labels(struct orl_chart *chart, const struct orl_study *study, cairo_t *cairo,
+int orl_chart_place_labels(struct orl_chart *chart, const struct orl_study *study,
                            struct orl_error *err)
 {
     const size_t n = study->n_points;
@@ -278,7 +278,7 @@ int orl_chart_place_labels(struct orl_chart *chart, const struct orl_study *stud
         add_curves(&room, study, index);
         add_reference(&room, study);
         const size_t n_front = orl_chart_front(study, index);
-        code = label_all(&room, study, cairo, index, n_front, err);
+        code = label_all(&room, study, index, n_front, err);
     }
     free(room.markers);
     free(room.segments);

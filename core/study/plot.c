@@ -3,8 +3,10 @@
 
 #include <cairo/cairo-svg.h>
 #include <errno.h>
+#include <stdlib.h>
 
 #include "base/file.h"
+#include "render/film/png.h"
 
 static const double png_scale = 2;
 
@@ -59,25 +61,44 @@ int orl_study_write_svg(const struct orl_study *study, const char *title, const 
     return code;
 }
 
+/* Cairo's 32-bit pixels as three bytes each; owned, NULL when out of memory. */
+static unsigned char *rgb_of(cairo_surface_t *surface, uint32_t width, uint32_t height)
+{
+    cairo_surface_flush(surface);
+    const unsigned char *bytes = cairo_image_surface_get_data(surface);
+    const size_t stride = (size_t)cairo_image_surface_get_stride(surface);
+    unsigned char *rgb = bytes ? malloc(3 * (size_t)width * height) : NULL;
+    for (uint32_t y = 0; rgb && y < height; y++) {
+        const uint32_t *row = (const uint32_t *)(const void *)(bytes + y * stride);
+        unsigned char *out = rgb + 3 * (size_t)y * width;
+        for (uint32_t x = 0; x < width; x++)
+            for (int c = 0; c < 3; c++)
+                *out++ = (unsigned char)(row[x] >> (16 - 8 * c));
+    }
+    return rgb;
+}
+
 int orl_study_write_png(const struct orl_study *study, const char *title, const char *path,
                         struct orl_error *err)
 {
     struct orl_chart chart;
-    struct orl_out_file file = {.stream = NULL};
     int code = orl_chart_make(study, title, &chart, err);
     if (code < 0)
         return code;
-    cairo_surface_t *surface = cairo_image_surface_create(
-        CAIRO_FORMAT_RGB24, (int)(png_scale * chart.width), (int)(png_scale * chart.height));
-    code = draw(surface, png_scale, &chart, study, path, err);
+    const uint32_t width = (uint32_t)(png_scale * chart.width);
+    const uint32_t height = (uint32_t)(png_scale * chart.height);
+    cairo_surface_t *surface =
+        cairo_image_surface_create(CAIRO_FORMAT_RGB24, (int)width, (int)height);
+    code = check(cairo_surface_status(surface), path, err);
     if (code == 0)
-        code = orl_out_open(&file, path, err);
-    if (code == 0) {
-        errno = 0;
-        code =
-            check(cairo_surface_write_to_png_stream(surface, take_bytes, file.stream), path, err);
-        code = orl_out_close(&file, code, err);
-    }
+        code = draw(surface, png_scale, &chart, study, path, err);
+    unsigned char *rgb = code == 0 ? rgb_of(surface, width, height) : NULL;
+    if (code == 0 && !rgb)
+        code = orl_error_set(err, ORL_ERR_NOMEM, "out of memory drawing a chart");
+    /* By libpng itself: cairo's own writing does not survive want of memory. */
+    if (code == 0)
+        code = orl_png_write(path, width, height, rgb, err);
+    free(rgb);
     cairo_surface_destroy(surface);
     orl_chart_done(&chart);
     return code;

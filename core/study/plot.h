@@ -2,6 +2,8 @@
 #ifndef ORL_STUDY_PLOT_H
 #define ORL_STUDY_PLOT_H
 
+#include <cairo/cairo.h>
+
 #include "study/chart.h"
 
 /* Draws in page units. Returns 0, or ORL_ERR_NOMEM. */
