@@ -21,14 +21,14 @@ enum { SAVING_MS = 1000 };
 /* Once neither jobs nor requests are on the pool, everything can be closed. */
 static void stop_if_quiet(struct orl_server *server)
 {
-    if (!server->stopping || !server->jobs_idle || server->working > 0)
+    if (!server->context.stopping || !server->jobs_idle || server->context.working > 0)
         return;
     if (uv_is_closing((uv_handle_t *)&server->kept_changed))
         return;
     orl_events_stop(server->events);
     orl_http_stop(server->http);
     orl_storage_stop(&server->storage);
-    orl_checks_close(server);
+    orl_checks_close(&server->checks);
     uv_close((uv_handle_t *)&server->kept_changed, NULL);
     uv_close((uv_handle_t *)&server->drain, NULL);
     uv_close((uv_handle_t *)&server->saving, NULL);
@@ -48,13 +48,14 @@ static void on_worked(struct orl_server *server)
 
 static void stop(struct orl_server *server)
 {
-    if (server->stopping)
+    if (server->context.stopping)
         return;
     /* The next one has its default effect. */
     for (int i = 0; i < 2; i++)
         uv_signal_stop(&server->signals[i]);
-    server->stopping = true;
-    orl_checks_sweep(server);
+    server->context.stopping = true;
+    server->checks.stopping = true;
+    orl_checks_sweep(&server->checks);
     orl_http_quiesce(server->http);
     orl_jobs_stop(server->jobs);
 }
@@ -160,6 +161,78 @@ static void gather_log(struct orl_server *server)
     uv_prepare_start(&server->log_lines, write_log);
 }
 
+/* ---- What others ask of the daemon ------------------------------------------------------------
+ */
+
+static void on_memory_freed(void *ctx)
+{
+    struct orl_server *server = ctx;
+    orl_jobs_memory_freed(server->jobs);
+}
+
+static void open_checks(struct orl_server *server)
+{
+    server->checks.config = &server->config;
+    server->checks.memory = &server->memory;
+    server->checks.freed = on_memory_freed;
+    server->checks.ctx = server;
+    orl_checks_open(&server->checks, &server->loop);
+}
+
+static bool receive(struct orl_server *server, struct orl_hold *hold, uint64_t bytes)
+{
+    return orl_storage_receive(&server->storage, hold, bytes);
+}
+
+static bool admit(struct orl_server *server, const struct orl_hold *hold, uint64_t bytes)
+{
+    return orl_storage_admit(&server->storage, hold, bytes);
+}
+
+static struct orl_room *room(struct orl_server *server)
+{
+    return &server->storage.room;
+}
+
+static uint64_t budget(const struct orl_server *server)
+{
+    return server->storage.budget;
+}
+
+static uint64_t jobs_of(const struct orl_server *server, const char *client)
+{
+    return orl_jobs_of_client(server->jobs, client);
+}
+
+static void on_swept(struct orl_server *server)
+{
+    orl_checks_sweep(&server->checks);
+}
+
+static void open_context(struct orl_server *server, const struct orl_routes *routes)
+{
+    static const struct orl_http_calls calls = {
+        .receive = receive,
+        .admit = admit,
+        .room = room,
+        .budget = budget,
+        .jobs_of = jobs_of,
+        .swept = on_swept,
+        .worked = on_worked,
+    };
+    server->context = (struct orl_http_context){
+        .server = server,
+        .calls = &calls,
+        .loop = &server->loop,
+        .config = &server->config,
+        .routes = routes,
+        .log = &server->log,
+        .folders = &server->folders,
+        .db = &server->db,
+        .metrics = &server->metrics,
+    };
+}
+
 /* ---- Starting ------------------------------------------------------------------------------- */
 
 static int open_storage(struct orl_server *server, struct orl_error *err)
@@ -181,8 +254,8 @@ static int open_storage(struct orl_server *server, struct orl_error *err)
         rc = orl_map_cache_open(&server->loop, &server->folders, &server->db, wake_for_maps,
                                 &server->kept_changed, &server->maps, err);
     if (rc == 0) {
-        server->lanes = orl_lanes_new();
-        rc = server->lanes ? 0 : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+        server->checks.lanes = orl_lanes_new();
+        rc = server->checks.lanes ? 0 : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     }
     orl_memory_open(&server->memory, server->config.memory_bytes);
     server->shelf = orl_shelf_new(server->config.shelf_bytes); /* without one, jobs are slower */
@@ -204,8 +277,8 @@ static int open_tokens(struct orl_server *server, struct orl_error *err)
         return 0;
     int rc = orl_token_rows(&server->db, note_token, &any, err);
     if (rc == 0) {
-        server->token_finder = orl_token_finder(&server->db, err);
-        rc = server->token_finder ? 0 : ORL_ERR_IO;
+        server->context.token_finder = orl_token_finder(&server->db, err);
+        rc = server->context.token_finder ? 0 : ORL_ERR_IO;
     }
     if (rc == 0 && !any) {
         rc = orl_error_set(err, ORL_ERR_INVALID, "there are no access tokens yet");
@@ -216,11 +289,11 @@ static int open_tokens(struct orl_server *server, struct orl_error *err)
 
 static void close_storage(struct orl_server *server)
 {
-    orl_lanes_free(server->lanes);
+    orl_lanes_free(server->checks.lanes);
     orl_map_cache_close(server->maps);
     orl_shelf_free(server->shelf);
     orl_blobs_close(server->blobs);
-    sqlite3_finalize(server->token_finder);
+    sqlite3_finalize(server->context.token_finder);
     orl_db_close(&server->db);
     orl_blame_close();
     orl_folders_close(&server->folders);
@@ -307,8 +380,6 @@ int orl_server_run(const struct orl_config *config, const struct orl_routes *rou
     struct orl_server server;
     memset(&server, 0, sizeof server);
     server.config = *config;
-    server.routes = routes;
-    server.worked = on_worked;
     server.log = (struct orl_log){stderr, config->log_level, config->log_json};
     server.folders.lock_fd = -1;
     server.started_s = orl_time_steady_s();
@@ -318,7 +389,8 @@ int orl_server_run(const struct orl_config *config, const struct orl_routes *rou
     orl_pulse_open(&server.pulse, &server.loop);
     uv_async_init(&server.loop, &server.kept_changed, on_kept_changed);
     server.kept_changed.data = &server;
-    orl_checks_open(&server);
+    open_checks(&server);
+    open_context(&server, routes);
     uv_timer_init(&server.loop, &server.storage.notes);
     server.storage.notes.data = &server.storage;
     gather_log(&server);
@@ -330,19 +402,20 @@ int orl_server_run(const struct orl_config *config, const struct orl_routes *rou
     if (rc == 0)
         rc = orl_events_open(&server, &server.events, err);
     if (rc == 0)
-        rc = orl_http_start(&server, &server.config.address.any, &server.http, err);
+        rc = orl_http_start(&server.context, &server.config.address.any, &server.http, err);
     if (rc == 0)
         rc = open_jobs(&server, err);
     if (rc == 0) {
         open_budget(&server);
-        server.scrubbing = orl_scrubbing_start(&server, config->scrub_bytes_per_s);
+        server.scrubbing = orl_scrubbing_start(&server.folders, &server.log, server.maps,
+                                               config->scrub_bytes_per_s);
         watch_signals(&server);
         announce_address(&server, announce);
     } else {
         orl_events_stop(server.events);
         orl_http_stop(server.http);
         orl_storage_stop(&server.storage);
-        orl_checks_close(&server);
+        orl_checks_close(&server.checks);
         uv_close((uv_handle_t *)&server.kept_changed, NULL);
         uv_close((uv_handle_t *)&server.log_lines, NULL);
     }

@@ -19,9 +19,8 @@
 #include "health/memory.h"
 #include "health/metrics.h"
 #include "health/pulse.h"
-#include "http/clients.h"
+#include "http/context.h"
 #include "http/http.h"
-#include "http/router.h"
 #include "jobs/jobs.h"
 #include "process/config.h"
 #include "process/log.h"
@@ -34,8 +33,6 @@
 
 struct orl_server {
     struct orl_config config;
-    const struct orl_routes *routes;
-    void (*worked)(struct orl_server *server); /* a request's work came back from the pool */
     struct orl_log log;
     uv_loop_t loop;
     uv_async_t kept_changed;
@@ -44,7 +41,6 @@ struct orl_server {
     uv_prepare_t log_lines; /* written out before the loop sleeps */
     struct orl_folders folders;
     struct orl_db db;
-    sqlite3_stmt *token_finder; /* where tokens are needed */
     struct orl_blobs *blobs;
     struct orl_map_cache *maps;
     struct orl_shelf *shelf;
@@ -53,19 +49,16 @@ struct orl_server {
     struct orl_scrubbing *scrubbing; /* scrub.h; or NULL */
     struct orl_jobs *jobs;
     struct orl_status_cache *statuses;
+    struct orl_http_context context; /* of HTTP */
     struct orl_http_server *http;
     struct orl_events *events;
     struct orl_metrics metrics;
     struct orl_pulse pulse;
-    uint64_t requests; /* served or under way; the last one's id */
     struct orl_checks checks;
     struct orl_memory memory;
     struct orl_past past;
-    struct orl_clients clients;
-    struct orl_lanes *lanes; /* to children that check */
-    unsigned working;        /* requests whose work is on the pool */
     double started_s;
-    bool draining, stopping, jobs_idle;
+    bool draining, jobs_idle;
 };
 
 /*

@@ -6,7 +6,6 @@
 #include "http/reply.h"
 #include "process/limits.h"
 #include "process/times.h"
-#include "server.h"
 
 /* On the pool. */
 static void run_check(struct orl_request *request)
@@ -16,85 +15,84 @@ static void run_check(struct orl_request *request)
     check->run(request);
 }
 
-void orl_checks_open(struct orl_server *server)
+void orl_checks_open(struct orl_checks *checks, uv_loop_t *loop)
 {
-    uv_timer_init(&server->loop, &server->checks.turns);
-    server->checks.turns.data = server;
+    uv_timer_init(loop, &checks->turns);
+    checks->turns.data = checks;
 }
 
-void orl_checks_close(struct orl_server *server)
+void orl_checks_close(struct orl_checks *checks)
 {
-    uv_close((uv_handle_t *)&server->checks.turns, NULL);
+    uv_close((uv_handle_t *)&checks->turns, NULL);
 }
 
-static void wait_for_turn(struct orl_server *server, struct orl_check *check)
+static void wait_for_turn(struct orl_checks *checks, struct orl_check *check)
 {
-    orl_check_wait(server, check);
+    orl_check_wait(checks, check);
     orl_request_wait(check->request, run_check, check->then);
-    orl_checks_start(server);
+    orl_checks_start(checks);
 }
 
-void orl_check_begin(struct orl_check *check, struct orl_request *request, orl_request_step run,
-                     orl_request_step then)
+void orl_check_begin(struct orl_checks *checks, struct orl_check *check,
+                     struct orl_request *request, orl_request_step run, orl_request_step then)
 {
-    struct orl_server *server = request->server;
     const union MHD_ConnectionInfo *info =
         MHD_get_connection_info(request->connection, MHD_CONNECTION_INFO_CONNECTION_FD);
-    *check = (struct orl_check){.request = request, .run = run, .then = then};
-    atomic_init(&check->cancel, server->stopping);
-    check->asking = (struct orl_asking){.lanes = server->lanes,
-                                        .cpu_s = server->config.check_timeout_s,
+    *check = (struct orl_check){.checks = checks, .request = request, .run = run, .then = then};
+    atomic_init(&check->cancel, checks->stopping);
+    check->asking = (struct orl_asking){.lanes = checks->lanes,
+                                        .cpu_s = checks->config->check_timeout_s,
                                         .cancel = &check->cancel,
                                         .client_fd = info ? info->connect_fd : -1};
     request->check = check;
-    wait_for_turn(server, check);
+    wait_for_turn(checks, check);
 }
 
 /* ---- Ends ------------------------------------------------------------------------------------ */
 
-static void refuse_late(const struct orl_server *server, struct orl_error *err)
+static void refuse_late(const struct orl_checks *checks, struct orl_error *err)
 {
     orl_error_set(err, ORL_ERR_LIMIT, "checking the upload took longer than %u seconds",
-                  server->config.check_timeout_s);
+                  checks->config->check_timeout_s);
     orl_error_hint(err,
                    "Fewer surfaces, copies or values take less; --check-timeout sets the bound");
 }
 
 /* Once more, with all the memory that one may have? */
-static bool goes_again(struct orl_server *server, struct orl_check *check)
+static bool goes_again(struct orl_checks *checks, struct orl_check *check)
 {
-    const uint64_t most = orl_check_most(server);
+    const uint64_t most = orl_check_most(checks);
     if (check->asking.met != ORL_CHILD_MEMORY || check->asking.memory >= most)
         return false;
     check->whole = true;
     check->asking.memory = most;
     check->request->check = check;
-    wait_for_turn(server, check);
+    wait_for_turn(checks, check);
     return true;
 }
 
 /* From its start, since others were to have their turn? */
-static bool has_yielded(struct orl_server *server, struct orl_check *check)
+static bool has_yielded(struct orl_checks *checks, struct orl_check *check)
 {
-    if (!check->yields || check->late || server->stopping)
+    if (!check->yields || check->late || checks->stopping)
         return false;
     check->yields = false;
     check->is_long = true;
     atomic_store(&check->cancel, false);
     check->request->check = check;
-    wait_for_turn(server, check);
+    wait_for_turn(checks, check);
     return true;
 }
 
 static void reply_given_up(struct orl_request *request, const struct orl_check *check)
 {
-    if (request->server->stopping) {
+    if (request->check->checks->stopping) {
         orl_reply_stopping(request);
     } else if (check->starved) {
         orl_reply_problem(request, 503, "no-memory", "The server is out of memory",
                           "for %u seconds there were not %llu MiB for the check of the upload; "
                           "try again when jobs have ended",
-                          request->server->config.check_timeout_s,
+                          request->check->checks->config->check_timeout_s,
                           (unsigned long long)(check->asking.memory >> 20));
         orl_reply_header(request, "Retry-After", "60");
     } else { /* nobody is there to read it */
@@ -106,18 +104,18 @@ static void reply_given_up(struct orl_request *request, const struct orl_check *
 bool orl_check_ended(struct orl_check *check, int *rc, struct orl_error *err)
 {
     struct orl_request *request = check->request;
-    struct orl_server *server = request->server;
-    orl_check_leave(server, check);
+    struct orl_checks *checks = check->checks;
+    orl_check_leave(checks, check);
     request->check = NULL;
-    if ((*rc && goes_again(server, check)) ||
-        (*rc == ORL_ERR_CANCELLED && has_yielded(server, check)))
+    if ((*rc && goes_again(checks, check)) ||
+        (*rc == ORL_ERR_CANCELLED && has_yielded(checks, check)))
         return false;
-    orl_checks_start(server);
-    orl_jobs_memory_freed(server->jobs);
+    orl_checks_start(checks);
+    checks->freed(checks->ctx);
     if (*rc != ORL_ERR_CANCELLED)
         return true;
     if (check->late) {
-        refuse_late(server, err);
+        refuse_late(checks, err);
         *rc = ORL_ERR_LIMIT;
         return true;
     }
@@ -131,22 +129,22 @@ static bool has_hung_up(const struct orl_check *check)
     return client.fd >= 0 && poll(&client, 1, 0) > 0 && client.revents != 0;
 }
 
-void orl_checks_sweep(struct orl_server *server)
+void orl_checks_sweep(struct orl_checks *checks)
 {
-    const long long longest_ms = 1000 * (long long)server->config.check_timeout_s;
-    for (struct orl_check *check = server->checks.running; check; check = check->next) {
+    const long long longest_ms = 1000 * (long long)checks->config->check_timeout_s;
+    for (struct orl_check *check = checks->running; check; check = check->next) {
         const long long started_ms = atomic_load(&check->started_ms);
         const bool late = started_ms > 0 && orl_time_steady_ms() - started_ms > longest_ms;
-        if (!late && !server->stopping)
+        if (!late && !checks->stopping)
             continue;
-        check->late = check->late || (late && !server->stopping);
+        check->late = check->late || (late && !checks->stopping);
         atomic_store(&check->cancel, true);
     }
     /* Those that wait begin, and find that they are to end. */
-    for (struct orl_check *check = server->checks.waiting; check; check = check->next) {
+    for (struct orl_check *check = checks->waiting; check; check = check->next) {
         check->starved = orl_time_steady_ms() - check->waits_since_ms > longest_ms;
-        if (check->starved || server->stopping || has_hung_up(check))
+        if (check->starved || checks->stopping || has_hung_up(check))
             atomic_store(&check->cancel, true);
     }
-    orl_checks_start(server);
+    orl_checks_start(checks);
 }

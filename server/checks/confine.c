@@ -1,4 +1,5 @@
 #include "checks/confine.h"
+#include "process/sanitized.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -140,9 +141,9 @@ int orl_confine(const struct orl_bounds *bounds, struct orl_error *err)
     rc = rc ? rc : bound(RLIMIT_FSIZE, 0);
     rc = rc ? rc : bound(RLIMIT_NOFILE, FILES);
     rc = rc ? rc : setrlimit(RLIMIT_CPU, &cpu);
-    if (rc == 0 && !ORL_CHILD_SANITIZED)
+    if (rc == 0 && !ORL_SANITIZED)
         rc = bound(RLIMIT_DATA, bounds->memory + RESERVED);
-    if (rc == 0 && !ORL_CHILD_SANITIZED)
+    if (rc == 0 && !ORL_SANITIZED)
         rc = filter_calls();
     return rc ? orl_error_set(err, ORL_ERR_INTERNAL, "a check cannot be confined: %s",
                               strerror(errno))

@@ -14,17 +14,6 @@
 
 #include <oriel/error.h>
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-#define ORL_CHILD_SANITIZED 1
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
-#define ORL_CHILD_SANITIZED 1
-#endif
-#endif
-#ifndef ORL_CHILD_SANITIZED
-#define ORL_CHILD_SANITIZED 0
-#endif
-
 struct orl_bounds {
     uint64_t memory; /* bytes, of data; stacks and mapped files do not count */
     uint32_t cpu_s;

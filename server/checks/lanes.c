@@ -20,6 +20,7 @@
 #include "checks/keeper.h"
 #include "encode.h"
 #include "json_read.h"
+#include "process/sanitized.h"
 
 enum { POLL_MS = 25, VERDICT_BYTES = 1 << 20 };
 
@@ -54,7 +55,7 @@ static int spawn(int fd, pid_t *ret_pid)
     int rc = posix_spawn_file_actions_adddup2(&actions, fd, ORL_KEEPER_FD);
     rc |= posix_spawn_file_actions_addopen(&actions, 0, "/dev/null", O_RDONLY, 0);
     rc |= posix_spawn_file_actions_addopen(&actions, 1, "/dev/null", O_WRONLY, 0);
-    if (!ORL_CHILD_SANITIZED)
+    if (!ORL_SANITIZED)
         rc |= posix_spawn_file_actions_addopen(&actions, 2, "/dev/null", O_WRONLY, 0);
     rc |= posix_spawn_file_actions_addclosefrom_np(&actions, ORL_KEEPER_FD + 1);
     if (rc == 0)

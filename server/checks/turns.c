@@ -1,9 +1,9 @@
 #include "checks/turns.h"
 
 #include "checks/checks.h"
+#include "health/blame.h"
 #include "process/limits.h"
 #include "process/times.h"
-#include "server.h"
 
 static bool is_given_up(const struct orl_check *check)
 {
@@ -17,21 +17,21 @@ static uint64_t lesser(uint64_t a, uint64_t b)
     return a < b ? a : b;
 }
 
-uint64_t orl_check_most(const struct orl_server *server)
+uint64_t orl_check_most(const struct orl_checks *checks)
 {
-    const uint64_t most = orl_memory_most(&server->memory);
+    const uint64_t most = orl_memory_most(checks->memory);
     const uint64_t others = lesser(most / 4, ORL_SERVER_CHECK_FIRST);
-    const uint64_t granted = lesser(most - others, server->config.check_memory);
+    const uint64_t granted = lesser(most - others, checks->config->check_memory);
     return granted > ORL_SERVER_CHECK_LEAST ? granted : ORL_SERVER_CHECK_LEAST;
 }
 
 /* Every lane that is left can have as much. */
-static uint64_t first_grant(const struct orl_server *server)
+static uint64_t first_grant(const struct orl_checks *checks)
 {
-    const unsigned count = server->checks.count;
+    const unsigned count = checks->count;
     const unsigned lanes = count < ORL_SERVER_CHECKS ? ORL_SERVER_CHECKS - count : 1;
-    const uint64_t share = orl_memory_free(&server->memory) / lanes;
-    const uint64_t granted = lesser(lesser(share, ORL_SERVER_CHECK_FIRST), orl_check_most(server));
+    const uint64_t share = orl_memory_free(checks->memory) / lanes;
+    const uint64_t granted = lesser(lesser(share, ORL_SERVER_CHECK_FIRST), orl_check_most(checks));
     return granted > ORL_SERVER_CHECK_LEAST ? granted : ORL_SERVER_CHECK_LEAST;
 }
 
@@ -69,22 +69,21 @@ static unsigned count_of(const struct orl_checks *checks, const struct orl_clien
 /* ---- Those that wait ------------------------------------------------------------------------- */
 
 /* Among several clients none has all checks that go on at once. */
-static bool has_its_share(const struct orl_server *server, const struct orl_check *check)
+static bool has_its_share(const struct orl_checks *checks, const struct orl_check *check)
 {
-    return server->config.needs_token &&
-           count_of(&server->checks, check->request->client) + 1 >= ORL_SERVER_CHECKS;
+    return checks->config->needs_token &&
+           count_of(checks, check->request->client) + 1 >= ORL_SERVER_CHECKS;
 }
 
 /*
  * Whoever waits for the larger grant does not keep others from going on, and one quick check goes
  * on whatever else there is; any does when there is nothing else.
  */
-static bool may_start(const struct orl_server *server, const struct orl_check *check)
+static bool may_start(const struct orl_checks *checks, const struct orl_check *check)
 {
-    const struct orl_checks *checks = &server->checks;
-    const struct orl_memory *memory = &server->memory;
+    const struct orl_memory *memory = checks->memory;
     const unsigned n_long = count_long(checks);
-    if (checks->count >= ORL_SERVER_CHECKS || has_its_share(server, check))
+    if (checks->count >= ORL_SERVER_CHECKS || has_its_share(checks, check))
         return false;
     if (!is_fresh(check) && n_long + 1 >= ORL_SERVER_CHECKS)
         return false;
@@ -92,17 +91,17 @@ static bool may_start(const struct orl_server *server, const struct orl_check *c
         return (memory->jobs == 0 && checks->count == 0) ||
                orl_memory_free(memory) >= check->asking.memory + memory->wanted;
     return (is_fresh(check) ? n_long : 0) == checks->count ||
-           orl_memory_free(memory) >= first_grant(server);
+           orl_memory_free(memory) >= first_grant(checks);
 }
 
-static struct orl_check *choose(const struct orl_server *server)
+static struct orl_check *choose(const struct orl_checks *checks)
 {
     struct orl_check *first = NULL;
     unsigned least = 0;
-    for (struct orl_check *check = server->checks.waiting; check; check = check->next) {
-        if (!may_start(server, check))
+    for (struct orl_check *check = checks->waiting; check; check = check->next) {
+        if (!may_start(checks, check))
             continue;
-        const unsigned count = count_of(&server->checks, check->request->client);
+        const unsigned count = count_of(checks, check->request->client);
         if (!first || count < least) {
             first = check;
             least = count;
@@ -111,56 +110,54 @@ static struct orl_check *choose(const struct orl_server *server)
     return first;
 }
 
-static void start(struct orl_server *server, struct orl_check *check)
+static void start(struct orl_checks *checks, struct orl_check *check)
 {
-    struct orl_checks *checks = &server->checks;
     struct orl_check **at = &checks->waiting;
     while (*at != check)
         at = &(*at)->next;
     *at = check->next;
     if (!check->whole)
-        check->asking.memory = first_grant(server);
+        check->asking.memory = first_grant(checks);
     check->next = checks->running;
     checks->running = check;
     checks->count++;
-    server->memory.checks += check->asking.memory;
-    orl_blame_note(&server->memory, checks->count);
+    checks->memory->checks += check->asking.memory;
+    orl_blame_note(checks->memory, checks->count);
     orl_request_queue(check->request);
 }
 
-static void start_given_up(struct orl_server *server)
+static void start_given_up(struct orl_checks *checks)
 {
-    for (struct orl_check *check = server->checks.waiting, *next; check; check = next) {
+    for (struct orl_check *check = checks->waiting, *next; check; check = next) {
         next = check->next;
         if (is_given_up(check))
-            start(server, check);
+            start(checks, check);
     }
 }
 
 static void on_turns(uv_timer_t *timer)
 {
-    struct orl_server *server = timer->data;
-    orl_checks_start(server);
-    orl_checks_make_room(server);
+    struct orl_checks *checks = timer->data;
+    orl_checks_start(checks);
+    orl_checks_make_room(checks);
 }
 
-void orl_checks_start(struct orl_server *server)
+void orl_checks_start(struct orl_checks *checks)
 {
     enum { TURNS_MS = 50 };
-    struct orl_checks *checks = &server->checks;
     struct orl_check *check;
-    start_given_up(server);
-    while ((check = choose(server)) != NULL)
-        start(server, check);
+    start_given_up(checks);
+    while ((check = choose(checks)) != NULL)
+        start(checks, check);
     if (!checks->waiting)
         uv_timer_stop(&checks->turns);
     else if (!uv_is_active((uv_handle_t *)&checks->turns))
         uv_timer_start(&checks->turns, on_turns, TURNS_MS, TURNS_MS);
 }
 
-void orl_check_wait(struct orl_server *server, struct orl_check *check)
+void orl_check_wait(struct orl_checks *checks, struct orl_check *check)
 {
-    struct orl_check **last = &server->checks.waiting;
+    struct orl_check **last = &checks->waiting;
     while (*last)
         last = &(*last)->next;
     check->next = NULL;
@@ -169,35 +166,35 @@ void orl_check_wait(struct orl_server *server, struct orl_check *check)
     atomic_store(&check->started_ms, 0);
 }
 
-void orl_check_leave(struct orl_server *server, struct orl_check *check)
+void orl_check_leave(struct orl_checks *checks, struct orl_check *check)
 {
-    struct orl_check **at = &server->checks.running;
+    struct orl_check **at = &checks->running;
     while (*at != check)
         at = &(*at)->next;
     *at = check->next;
-    server->checks.count--;
-    server->memory.checks -= check->asking.memory;
-    orl_blame_note(&server->memory, server->checks.count);
+    checks->count--;
+    checks->memory->checks -= check->asking.memory;
+    orl_blame_note(checks->memory, checks->count);
 }
 
 /* ---- Yielding -------------------------------------------------------------------------------- */
 
 /* A check that nothing keeps but those that run. */
-static bool does_any_wait(const struct orl_server *server)
+static bool does_any_wait(const struct orl_checks *checks)
 {
-    for (const struct orl_check *check = server->checks.waiting; check; check = check->next)
-        if (is_fresh(check) && !has_its_share(server, check))
+    for (const struct orl_check *check = checks->waiting; check; check = check->next)
+        if (is_fresh(check) && !has_its_share(checks, check))
             return true;
     return false;
 }
 
 /* Those that run: the last begun is the first. */
-void orl_checks_make_room(struct orl_server *server)
+void orl_checks_make_room(struct orl_checks *checks)
 {
     struct orl_check *last = NULL;
-    if (server->checks.count < ORL_SERVER_CHECKS || !does_any_wait(server))
+    if (checks->count < ORL_SERVER_CHECKS || !does_any_wait(checks))
         return;
-    for (struct orl_check *check = server->checks.running; check; check = check->next) {
+    for (struct orl_check *check = checks->running; check; check = check->next) {
         if (!is_long(check) || is_given_up(check))
             return; /* its lane will soon be free */
         if (!last && is_fresh(check))

@@ -21,18 +21,18 @@
 #include <stdint.h>
 
 struct orl_check;
-struct orl_server;
+struct orl_checks;
 
 /* What one check may be granted, if it is to have all it can. */
-uint64_t orl_check_most(const struct orl_server *server);
+uint64_t orl_check_most(const struct orl_checks *checks);
 
 /* Behind those that wait already. */
-void orl_check_wait(struct orl_server *server, struct orl_check *check);
+void orl_check_wait(struct orl_checks *checks, struct orl_check *check);
 /* Those whose turn it is are queued on the pool; so are those that were given up, to find that. */
-void orl_checks_start(struct orl_server *server);
+void orl_checks_start(struct orl_checks *checks);
 /* It runs no more; the next one is not begun by this. */
-void orl_check_leave(struct orl_server *server, struct orl_check *check);
+void orl_check_leave(struct orl_checks *checks, struct orl_check *check);
 /* Has one yield, where that is what somebody waits for. */
-void orl_checks_make_room(struct orl_server *server);
+void orl_checks_make_room(struct orl_checks *checks);
 
 #endif

@@ -9,7 +9,7 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
-#include "checks/confine.h"
+#include "process/sanitized.h"
 
 static struct orl_past *page; /* shared with the file; NULL: there is none */
 static bool lines_are_json;
@@ -81,7 +81,7 @@ static void catch_faults(void)
     struct sigaction action = {.sa_flags =
                                    (int)(SA_SIGINFO | SA_ONSTACK | SA_RESETHAND | SA_NODEFER)};
     action.sa_sigaction = on_fault;
-    for (size_t i = 0; i < sizeof signals / sizeof *signals && !ORL_CHILD_SANITIZED; i++)
+    for (size_t i = 0; i < sizeof signals / sizeof *signals && !ORL_SANITIZED; i++)
         sigaction(signals[i], &action, NULL);
     orl_heed_terminate(on_terminate);
 }
@@ -129,7 +129,7 @@ void orl_blame_note(const struct orl_memory *memory, uint32_t checks)
 void orl_blame_begin(const char *job)
 {
     const stack_t stack = {.ss_sp = other_stack, .ss_size = sizeof other_stack};
-    if (!ORL_CHILD_SANITIZED)
+    if (!ORL_SANITIZED)
         sigaltstack(&stack, NULL);
     whose = job;
 }

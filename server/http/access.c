@@ -5,11 +5,11 @@
 #include <string.h>
 #include <strings.h>
 
+#include "http/context.h"
 #include "http/guard.h"
 #include "http/reply.h"
 #include "http/router.h"
 #include "http/tokens.h"
-#include "server.h"
 
 static bool is_forwarded(const struct orl_request *request)
 {
@@ -25,7 +25,7 @@ static bool is_forwarded(const struct orl_request *request)
 bool orl_access_check_origin(struct orl_request *request)
 {
     /* A page in a browser has no token to send, and browsers send none by themselves. */
-    if (request->server->config.needs_token)
+    if (request->context->config->needs_token)
         return true;
     const struct orl_guarded guarded = {
         .host = orl_request_header(request, MHD_HTTP_HEADER_HOST),
@@ -46,7 +46,7 @@ static void log_refusal(struct orl_request *request, const char *why)
         MHD_get_connection_info(request->connection, MHD_CONNECTION_INFO_CLIENT_ADDRESS);
     if (info && info->client_addr)
         orl_address_format(info->client_addr, peer, sizeof peer);
-    orl_log_event(&request->server->log, ORL_LOG_WARN, "refused", "isss", "id",
+    orl_log_event(request->context->log, ORL_LOG_WARN, "refused", "isss", "id",
                   (int64_t)request->id, "peer", peer, "token", request->token, "why", why);
 }
 
@@ -84,12 +84,12 @@ bool orl_access_check_token(struct orl_request *request)
     struct orl_token_row row;
     struct orl_error err;
     bool known = false;
-    if (!request->server->config.needs_token || request->route->scope == ORL_SCOPE_OPEN)
+    if (!request->context->config->needs_token || request->route->scope == ORL_SCOPE_OPEN)
         return true;
     const char *header = orl_request_header(request, MHD_HTTP_HEADER_AUTHORIZATION);
     if (!header || strncasecmp(header, scheme, sizeof scheme - 1) != 0)
         return refuse_unknown(request, false);
-    if (orl_token_recognise(&request->server->db, request->server->token_finder,
+    if (orl_token_recognise(request->context->db, request->context->token_finder,
                             header + sizeof scheme - 1, &row, &known, &err)) {
         orl_reply_error(request, &err);
         return false;

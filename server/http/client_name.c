@@ -4,8 +4,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "http/context.h"
 #include "http/reply.h"
-#include "server.h"
 
 static bool is_name(const char *text)
 {
@@ -36,7 +36,7 @@ static void name_by_address(const struct orl_request *request, char ret_name[ORL
 bool orl_client_name(struct orl_request *request, char ret_name[ORL_CLIENT_NAME])
 {
     const char *own = orl_request_header(request, "X-Oriel-Client");
-    if (request->server->config.needs_token) {
+    if (request->context->config->needs_token) {
         snprintf(ret_name, ORL_CLIENT_NAME, "token:%s", request->token);
         return true;
     }

@@ -5,14 +5,14 @@
 #include <string.h>
 
 #include "http/address.h"
+#include "http/context.h"
 #include "http/reply.h"
 #include "process/limits.h"
-#include "server.h"
 
 static void name_client(const struct orl_request *request, char *ret_name, size_t size)
 {
     char key[ORL_ADDRESS_KEY];
-    if (request->server->config.needs_token) {
+    if (request->context->config->needs_token) {
         snprintf(ret_name, size, "token:%s", request->token);
         return;
     }
@@ -23,17 +23,17 @@ static void name_client(const struct orl_request *request, char *ret_name, size_
 }
 
 /* What of all there is one client may have. */
-static uint64_t share(const struct orl_server *server, uint64_t all, uint64_t part)
+static uint64_t share(const struct orl_http_context *context, uint64_t all, uint64_t part)
 {
-    return server->config.needs_token ? part : all;
+    return context->config->needs_token ? part : all;
 }
 
 struct orl_client *orl_client_ref(struct orl_request *request)
 {
-    struct orl_server *server = request->server;
-    char name[sizeof server->clients.first->name];
+    struct orl_http_context *context = request->context;
+    char name[sizeof context->clients.first->name];
     name_client(request, name, sizeof name);
-    struct orl_client *client = server->clients.first;
+    struct orl_client *client = context->clients.first;
     while (client && strcmp(client->name, name) != 0)
         client = client->next;
     if (!client) {
@@ -41,12 +41,12 @@ struct orl_client *orl_client_ref(struct orl_request *request)
         if (!client)
             return NULL;
         memcpy(client->name, name, sizeof name);
-        client->next = server->clients.first;
-        server->clients.first = client;
+        client->next = context->clients.first;
+        context->clients.first = client;
     }
     client->refs++;
-    const uint64_t budget = server->storage.budget;
-    atomic_store(&client->bytes.most, share(server, budget, budget / 2));
+    const uint64_t budget = context->calls->budget(context->server);
+    atomic_store(&client->bytes.most, share(context, budget, budget / 2));
     return client;
 }
 
@@ -63,7 +63,7 @@ void orl_client_unref(struct orl_clients *clients, struct orl_client *client)
 
 bool orl_client_may_stream(struct orl_request *request)
 {
-    const uint64_t most = share(request->server, ORL_SERVER_STREAMS, ORL_SERVER_CLIENT_STREAMS);
+    const uint64_t most = share(request->context, ORL_SERVER_STREAMS, ORL_SERVER_CLIENT_STREAMS);
     if (!request->client || request->client->streams < most)
         return true;
     orl_reply_problem(request, 429, "too-many-streams", "Too many event streams are open",
@@ -74,9 +74,9 @@ bool orl_client_may_stream(struct orl_request *request)
 
 bool orl_client_may_queue(struct orl_request *request)
 {
-    const uint64_t most = share(request->server, UINT64_MAX, ORL_SERVER_CLIENT_JOBS);
+    const uint64_t most = share(request->context, UINT64_MAX, ORL_SERVER_CLIENT_JOBS);
     if (!request->client || most == UINT64_MAX ||
-        orl_jobs_of_client(request->server->jobs, request->client->name) < most)
+        request->context->calls->jobs_of(request->server, request->client->name) < most)
         return true;
     orl_reply_problem(request, 429, "queue-full", "Too many jobs wait already",
                       "%u of this client's wait or run; try again when some have ended",

@@ -10,17 +10,16 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-#include "checks/checks.h"
 #include "http/connections.h"
+#include "http/context.h"
 #include "http/serve.h"
 #include "http/tls.h"
 #include "process/limits.h"
-#include "server.h"
 
 enum { SWEEP_MS = 1000 };
 
 struct orl_http_server {
-    struct orl_server *server;
+    struct orl_http_context *context;
     struct MHD_Daemon *daemon;
     uv_poll_t poll;
     uv_timer_t timer, sweep;
@@ -41,7 +40,7 @@ static void on_sweep(uv_timer_t *timer)
 {
     struct orl_http_server *http = timer->data;
     orl_connections_sweep(&http->connections);
-    orl_checks_sweep(http->server);
+    http->context->calls->swept(http->context->server);
 }
 
 static void on_readable(uv_poll_t *poll, int status, int events)
@@ -82,7 +81,7 @@ static void on_message(void *ctx, const char *format, va_list args)
     struct orl_http_server *http = ctx;
     vsnprintf(http->message, sizeof http->message, format, args);
     http->message[strcspn(http->message, "\r\n")] = '\0';
-    orl_log_event(&http->server->log, ORL_LOG_DEBUG, "http", "s", "message", http->message);
+    orl_log_event(http->context->log, ORL_LOG_DEBUG, "http", "s", "message", http->message);
 }
 
 static int listen_on(const struct sockaddr *address, int *ret_fd, struct orl_error *err)
@@ -117,7 +116,7 @@ static unsigned connection_limit(void)
 
 static int start_daemon(struct orl_http_server *http, struct orl_error *err)
 {
-    const struct orl_config *config = &http->server->config;
+    const struct orl_config *config = http->context->config;
     const unsigned flags = MHD_USE_EPOLL | MHD_ALLOW_SUSPEND_RESUME | MHD_USE_ERROR_LOG |
                            (http->tls.current ? MHD_USE_TLS : 0U);
     const struct MHD_OptionItem tls[] = {
@@ -134,32 +133,32 @@ static int start_daemon(struct orl_http_server *http, struct orl_error *err)
         {http->tls.current ? MHD_OPTION_ARRAY : MHD_OPTION_END, 0, (void *)(uintptr_t)tls},
         {MHD_OPTION_END, 0, NULL}};
     http->daemon = MHD_start_daemon(
-        flags, 0, orl_connections_allow, &http->connections, orl_serve_go_on, http->server,
+        flags, 0, orl_connections_allow, &http->connections, orl_serve_go_on, http->context,
         MHD_OPTION_EXTERNAL_LOGGER, on_message, (void *)http, MHD_OPTION_LISTEN_SOCKET,
         http->listen_fd, MHD_OPTION_CONNECTION_LIMIT, connection_limit(),
         MHD_OPTION_CONNECTION_TIMEOUT, config->idle_timeout_s, MHD_OPTION_URI_LOG_CALLBACK,
-        orl_serve_begin, (void *)http->server, MHD_OPTION_CONNECTION_MEMORY_LIMIT,
+        orl_serve_begin, (void *)http->context, MHD_OPTION_CONNECTION_MEMORY_LIMIT,
         (size_t)ORL_SERVER_CONNECTION_MEMORY, MHD_OPTION_NOTIFY_CONNECTION, orl_connections_notify,
         (void *)&http->connections, MHD_OPTION_NOTIFY_COMPLETED, orl_serve_completed,
-        (void *)http->server, MHD_OPTION_ARRAY, options, MHD_OPTION_END);
+        (void *)http->context, MHD_OPTION_ARRAY, options, MHD_OPTION_END);
     if (!http->daemon)
         return orl_error_set(err, ORL_ERR_IO, "cannot start the HTTP server: %.300s",
                              http->message[0] ? http->message : strerror(errno));
     return 0;
 }
 
-int orl_http_start(struct orl_server *server, const struct sockaddr *address,
+int orl_http_start(struct orl_http_context *context, const struct sockaddr *address,
                    struct orl_http_server **ret_http, struct orl_error *err)
 {
     struct orl_http_server *http = calloc(1, sizeof *http);
     if (!http)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-    http->server = server;
-    http->connections.idle_s = server->config.idle_timeout_s;
-    http->connections.most = server->config.address_connections;
+    http->context = context;
+    http->connections.idle_s = context->config->idle_timeout_s;
+    http->connections.most = context->config->address_connections;
     int rc = 0;
-    if (server->config.tls_cert)
-        rc = orl_tls_load(&http->tls, server->config.tls_cert, server->config.tls_key, err);
+    if (context->config->tls_cert)
+        rc = orl_tls_load(&http->tls, context->config->tls_cert, context->config->tls_key, err);
     if (rc == 0)
         rc = listen_on(address, &http->listen_fd, err);
     if (rc)
@@ -170,17 +169,17 @@ int orl_http_start(struct orl_server *server, const struct sockaddr *address,
         goto failed;
     }
     const union MHD_DaemonInfo *info = MHD_get_daemon_info(http->daemon, MHD_DAEMON_INFO_EPOLL_FD);
-    if (!info || uv_poll_init(&server->loop, &http->poll, info->epoll_fd) != 0) {
+    if (!info || uv_poll_init(context->loop, &http->poll, info->epoll_fd) != 0) {
         rc = orl_error_set(err, ORL_ERR_INTERNAL, "the HTTP server has no epoll descriptor");
         MHD_stop_daemon(http->daemon);
         goto failed;
     }
-    uv_timer_init(&server->loop, &http->timer);
+    uv_timer_init(context->loop, &http->timer);
     http->poll.data = http;
     http->timer.data = http;
     uv_poll_start(&http->poll, UV_READABLE, on_readable);
     uv_timer_start(&http->timer, on_timer, 0, 0);
-    uv_timer_init(&server->loop, &http->sweep);
+    uv_timer_init(context->loop, &http->sweep);
     http->sweep.data = http;
     uv_timer_start(&http->sweep, on_sweep, SWEEP_MS, SWEEP_MS);
     *ret_http = http;
@@ -205,7 +204,7 @@ void orl_http_address(const struct orl_http_server *http, struct sockaddr_storag
 
 int orl_http_reload(struct orl_http_server *http, struct orl_error *err)
 {
-    const struct orl_config *config = &http->server->config;
+    const struct orl_config *config = http->context->config;
     return config->tls_cert ? orl_tls_load(&http->tls, config->tls_cert, config->tls_key, err) : 0;
 }
 

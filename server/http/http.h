@@ -19,11 +19,11 @@
 
 struct orl_connections;
 struct orl_http_server;
-struct orl_server;
+struct orl_http_context;
 
-/* Listens on address (port 0: a free one). Borrows server, for the callbacks of
+/* Listens on address (port 0: a free one). Borrows context, for the callbacks of
  * serve.h. Speaks TLS when its settings name a certificate. */
-int orl_http_start(struct orl_server *server, const struct sockaddr *address,
+int orl_http_start(struct orl_http_context *context, const struct sockaddr *address,
                    struct orl_http_server **ret_http, struct orl_error *err);
 /* Connections open now; those cut off for slowness, ever. */
 const struct orl_connections *orl_http_connections(const struct orl_http_server *http);

@@ -7,9 +7,9 @@
 #include <unistd.h>
 
 #include "encode.h"
+#include "http/context.h"
 #include "http/range.h"
 #include "problem.h"
-#include "server.h"
 
 static void set_response(struct orl_request *request, unsigned status,
                          struct MHD_Response *response, const char *type)
@@ -83,7 +83,7 @@ void orl_reply_error(struct orl_request *request, const struct orl_error *err)
     if (status >= 500) {
         char text[3 * ORL_ERROR_TEXT_MAX];
         orl_error_format(err, text, sizeof text);
-        orl_log_event(&request->server->log, ORL_LOG_ERROR, "request-failed", "is", "id",
+        orl_log_event(request->context->log, ORL_LOG_ERROR, "request-failed", "is", "id",
                       (int64_t)request->id, "why", text);
     }
     reply_document(request, (unsigned)status, problem, "application/problem+json");
@@ -231,7 +231,7 @@ static void refuse_full(struct orl_request *request, uint64_t bytes)
                       "leave less; fetch results, remove jobs, scenes or BSDFs, or raise "
                       "--storage-budget",
                       (unsigned long long)bytes,
-                      (unsigned long long)request->server->storage.budget);
+                      (unsigned long long)request->context->calls->budget(request->server));
     orl_reply_header(request, "Retry-After", "60");
 }
 
@@ -251,7 +251,7 @@ void orl_reply_held(struct orl_request *request, uint64_t bytes)
 
 bool orl_reply_if_full(struct orl_request *request, uint64_t bytes)
 {
-    if (orl_storage_admit(&request->server->storage, &request->hold, bytes))
+    if (request->context->calls->admit(request->server, &request->hold, bytes))
         return false;
     refuse_full(request, bytes);
     return true;

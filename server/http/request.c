@@ -1,7 +1,7 @@
 #include "http/request.h"
 
 #include "http/connections.h"
-#include "server.h"
+#include "http/context.h"
 
 const char *orl_request_query(const struct orl_request *request, const char *name)
 {
@@ -25,16 +25,16 @@ static void work_back(uv_work_t *work, int status)
 {
     (void)status; /* works are never cancelled */
     struct orl_request *request = work->data;
-    struct orl_server *server = request->server;
+    struct orl_http_context *context = request->context;
     request->working = false;
-    server->working--;
+    context->working--;
     if (request->then)
         request->then(request);
     if (request->working)
         return; /* then sent it back to the pool */
     orl_connection_go_on(request->connection);
     MHD_resume_connection(request->connection);
-    server->worked(server);
+    context->calls->worked(context->server);
 }
 
 void orl_request_wait(struct orl_request *request, orl_request_step run, orl_request_step then)
@@ -43,12 +43,12 @@ void orl_request_wait(struct orl_request *request, orl_request_step run, orl_req
     request->then = then;
     request->working = true;
     request->work.data = request;
-    request->server->working++;
+    request->context->working++;
 }
 
 void orl_request_queue(struct orl_request *request)
 {
-    uv_queue_work(&request->server->loop, &request->work, work_run, work_back);
+    uv_queue_work(request->context->loop, &request->work, work_run, work_back);
 }
 
 void orl_request_work(struct orl_request *request, orl_request_step run, orl_request_step then)
@@ -59,7 +59,7 @@ void orl_request_work(struct orl_request *request, orl_request_step run, orl_req
 
 struct orl_folders orl_request_folders(struct orl_request *request)
 {
-    struct orl_folders folders = request->server->folders;
+    struct orl_folders folders = *request->context->folders;
     folders.hold = &request->hold;
     return folders;
 }

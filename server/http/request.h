@@ -21,6 +21,7 @@
 #include "store/jobs.h"
 #include "store/tokens.h"
 
+struct orl_http_context;
 struct orl_server;
 struct orl_route;
 struct orl_request;
@@ -30,7 +31,8 @@ typedef void (*orl_request_step)(struct orl_request *request);
 enum { ORL_ROUTE_PARAMS = 2, ORL_PARAM_MAX = 160, ORL_LOGGED_PATH = 200 };
 
 struct orl_request {
-    struct orl_server *server;
+    struct orl_http_context *context;
+    struct orl_server *server; /* for handlers */
     struct MHD_Connection *connection;
     const struct orl_route *route; /* NULL: refused before a route was found */
     uint64_t id;

@@ -6,16 +6,16 @@
 
 #include "http/access.h"
 #include "http/connections.h"
+#include "http/context.h"
 #include "http/framing.h"
 #include "http/reply.h"
 #include "http/router.h"
 #include "process/limits.h"
 #include "process/times.h"
-#include "server.h"
 
 static void flush_body(struct orl_request *request)
 {
-    orl_body_flush(&request->body, &request->server->folders);
+    orl_body_flush(&request->body, request->context->folders);
 }
 
 /* ---- MHD's callbacks ------------------------------------------------------------------------ */
@@ -31,11 +31,11 @@ static void refuse_too_large(struct orl_request *request)
 static void receive(struct orl_request *request, uint64_t bytes)
 {
     request->client = orl_client_ref(request);
-    request->hold = (struct orl_hold){.all = &request->server->storage.room,
+    request->hold = (struct orl_hold){.all = request->context->calls->room(request->server),
                                       .own = request->client ? &request->client->bytes : NULL};
     if (bytes <= ORL_SERVER_BODY_BUFFER / 2)
         return;
-    if (orl_storage_receive(&request->server->storage, &request->hold, bytes))
+    if (request->context->calls->receive(request->server, &request->hold, bytes))
         request->body.held = bytes;
     else
         orl_reply_held(request, bytes);
@@ -64,7 +64,7 @@ static void open_request(struct orl_request *request, const char *url, const cha
     }
     if (!orl_access_check_origin(request))
         return;
-    const unsigned status = orl_router_find(request->server->routes, request->method, url, &route,
+    const unsigned status = orl_router_find(request->context->routes, request->method, url, &route,
                                             request->params, allow);
     if (status == 405) {
         orl_reply_problem(request, 405, "method-not-allowed", "The method does not apply here",
@@ -82,7 +82,7 @@ static void open_request(struct orl_request *request, const char *url, const cha
     orl_body_init(&request->body, route->max_body, &request->hold);
     if (!orl_access_check_token(request))
         return;
-    if (request->server->stopping) {
+    if (request->context->stopping) {
         orl_reply_stopping(request);
         return;
     }
@@ -100,13 +100,14 @@ static void open_request(struct orl_request *request, const char *url, const cha
 
 void *orl_serve_begin(void *ctx, const char *uri, struct MHD_Connection *connection)
 {
-    struct orl_server *server = ctx;
+    struct orl_http_context *context = ctx;
     struct orl_request *request = calloc(1, sizeof *request);
     if (!request)
         return NULL;
-    request->server = server;
+    request->context = context;
+    request->server = context->server;
     request->connection = connection;
-    request->id = ++server->requests;
+    request->id = ++context->requests;
     request->started_s = orl_time_steady_s();
     snprintf(request->method, sizeof request->method, "-");
     snprintf(request->path, sizeof request->path, "%.*s", (int)strcspn(uri ? uri : "", "?"),
@@ -182,7 +183,7 @@ static enum MHD_Result take_data(struct orl_request *request, const char *data, 
         return MHD_YES;
     orl_connection_received(request->connection, *data_size);
     /* Else the daemon would have to write for as long as somebody sends. */
-    if (!request->response && request->server->stopping)
+    if (!request->response && request->context->stopping)
         orl_reply_stopping(request);
     if (request->response) {
         *data_size = 0; /* refused already */
@@ -205,7 +206,7 @@ static enum MHD_Result dispatch(struct orl_request *request)
 {
     request->dispatched = true;
     orl_connection_body(request->connection);
-    if (!request->response && request->server->stopping)
+    if (!request->response && request->context->stopping)
         orl_reply_stopping(request);
     if (request->response)
         return send_response(request);
@@ -251,15 +252,15 @@ enum MHD_Result orl_serve_go_on(void *ctx, struct MHD_Connection *connection, co
 void orl_serve_completed(void *ctx, struct MHD_Connection *connection, void **handle,
                          enum MHD_RequestTerminationCode why)
 {
-    struct orl_server *server = ctx;
+    struct orl_http_context *context = ctx;
     struct orl_request *request = *handle;
     orl_connection_over(connection);
     if (!request)
         return;
     const double seconds = orl_time_steady_s() - request->started_s;
-    orl_metrics_request(&server->metrics, orl_router_index(server->routes, request->route),
+    orl_metrics_request(context->metrics, orl_router_index(context->routes, request->route),
                         request->status, seconds);
-    orl_log_event(&server->log, ORL_LOG_INFO, "request", "issssids", "id", (int64_t)request->id,
+    orl_log_event(context->log, ORL_LOG_INFO, "request", "issssids", "id", (int64_t)request->id,
                   "job", request->job[0] ? request->job : "-", "token", request->token, "method",
                   request->method, "path", request->path, "status", (int64_t)request->status, "ms",
                   1000 * seconds, "end",
@@ -269,7 +270,7 @@ void orl_serve_completed(void *ctx, struct MHD_Connection *connection, void **ha
     let_go(request);
     orl_body_done(&request->body);
     orl_hold_give_back(&request->hold);
-    orl_client_unref(&server->clients, request->client);
+    orl_client_unref(&context->clients, request->client);
     free(request);
     *handle = NULL;
 }

@@ -1,6 +1,7 @@
 /*
  * Requests served: from the first line, by headers, route, token and body, to the handler and the
- * answer's last byte. These are libmicrohttpd's callbacks; the closure is the struct orl_server.
+ * answer's last byte. These are libmicrohttpd's callbacks; the closure is the struct
+ * orl_http_context.
  *
  * Threads: loop.
  */
@@ -9,11 +10,11 @@
 
 #include "http/request.h"
 
-void *orl_serve_begin(void *server, const char *uri, struct MHD_Connection *connection);
-enum MHD_Result orl_serve_go_on(void *server, struct MHD_Connection *connection, const char *url,
+void *orl_serve_begin(void *context, const char *uri, struct MHD_Connection *connection);
+enum MHD_Result orl_serve_go_on(void *context, struct MHD_Connection *connection, const char *url,
                                 const char *method, const char *version, const char *data,
                                 size_t *data_size, void **request);
-void orl_serve_completed(void *server, struct MHD_Connection *connection, void **request,
+void orl_serve_completed(void *context, struct MHD_Connection *connection, void **request,
                          enum MHD_RequestTerminationCode why);
 
 #endif

@@ -233,7 +233,7 @@ static void free_stream(void *ctx)
     stream->events->count--;
     if (stream->client)
         stream->client->streams--;
-    orl_client_unref(&stream->events->server->clients, stream->client);
+    orl_client_unref(&stream->events->server->context.clients, stream->client);
     text_unref(stream->sending);
     if (!feed->streams)
         drop_feed(stream->events, feed);

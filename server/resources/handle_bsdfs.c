@@ -93,7 +93,8 @@ static void admit(struct orl_request *request)
     }
     upload->blobs = blobs;
     if (!orl_reply_if_full(request, here ? 0 : upload->bytes))
-        orl_check_begin(&upload->check, request, check_and_keep, insert_and_reply);
+        orl_check_begin(&request->server->checks, &upload->check, request, check_and_keep,
+                        insert_and_reply);
 }
 
 /* What is known already mends what is damaged in the store, no more. */

@@ -342,7 +342,8 @@ void orl_handle_job_post(struct orl_request *request)
     if (request->body.size <= ORL_SERVER_SMALL_JSON)
         orl_request_work(request, read_document, look_up);
     else
-        orl_check_begin(&post->check, request, check_document, look_up_checked);
+        orl_check_begin(&request->server->checks, &post->check, request, check_document,
+                        look_up_checked);
 }
 
 /* The job of the path, or NULL after a 404. */

@@ -166,7 +166,7 @@ static void write_http(FILE *out, const struct orl_server *server)
 {
     static const char name[] = "oriel_http_request_seconds";
     const struct orl_connections *connections = orl_http_connections(server->http);
-    const struct orl_routes *routes = server->routes;
+    const struct orl_routes *routes = server->context.routes;
     number(out, "oriel_http_connections", "gauge", "Connections open", (double)connections->open);
     number(out, "oriel_event_streams", "gauge", "Event streams open",
            (double)orl_events_count(server->events));
@@ -196,7 +196,7 @@ static void write_pulse(FILE *out, const struct orl_server *server)
     number(out, "oriel_loop_longest_turn_seconds", "gauge", "The longest of them so far",
            pulse->longest_s);
     number(out, "oriel_pool_requests", "gauge",
-           "Requests whose work is on the pool, or waits for it", (double)server->working);
+           "Requests whose work is on the pool, or waits for it", (double)server->context.working);
     number(out, "oriel_pool_wait_seconds", "gauge",
            "That the pool takes to begin a work: the last one asked of it every second",
            orl_pulse_pool_s(pulse));

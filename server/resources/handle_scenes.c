@@ -132,7 +132,8 @@ static void admit(struct orl_request *request)
     if (post->rc)
         orl_reply_error(request, &post->err);
     else if (!orl_reply_if_full(request, count_new_bytes(folders, &post->upload.bundle)))
-        orl_check_begin(&post->check, request, check_and_keep, insert_and_reply);
+        orl_check_begin(&request->server->checks, &post->check, request, check_and_keep,
+                        insert_and_reply);
 }
 
 /* Files of a scene that is known: they mend those that are damaged in the store, no more. */
@@ -186,7 +187,7 @@ void orl_handle_scene_post(struct orl_request *request)
     }
     request->state = post;
     request->free_state = scene_post_free;
-    orl_check_begin(&post->check, request, take_apart, look_up);
+    orl_check_begin(&request->server->checks, &post->check, request, take_apart, look_up);
 }
 
 void orl_handle_scene_get(struct orl_request *request)

@@ -1,6 +1,6 @@
 /*
  * A scene on its way in: taken apart, named by its content, checked, kept. What reads what was sent
- * does so in children (child/). Pool threads, one at a time; the rows are handle_scenes.c's.
+ * does so in children (checks/). Pool threads, one at a time; the rows are handle_scenes.c's.
  */
 #ifndef ORL_SERVER_RESOURCES_SCENE_UPLOAD_H
 #define ORL_SERVER_RESOURCES_SCENE_UPLOAD_H
@@ -27,7 +27,7 @@ int orl_scene_upload_add_main(struct orl_scene_upload *upload, const char *names
 int orl_scene_upload_multipart(struct orl_scene_upload *upload, struct MHD_Connection *connection,
                                const struct orl_file *body, const struct orl_folders *folders,
                                struct orl_asking *asking, struct orl_error *err);
-/* From the file of a document (child/scene_document.h). */
+/* From the file of a document (checks/scene_document.h). */
 int orl_scene_upload_json(struct orl_scene_upload *upload, const char *path,
                           const struct orl_folders *folders, struct orl_asking *asking,
                           struct orl_error *err);

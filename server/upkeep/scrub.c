@@ -14,7 +14,6 @@
 #include <oriel/run.h>
 
 #include "process/times.h"
-#include "server.h"
 #include "store/verified.h"
 
 /* ---- Once through all ----------------------------------------------------------------------- */
@@ -84,7 +83,8 @@ struct finding {
 };
 
 struct orl_scrubbing {
-    struct orl_server *server;  /* the loop's */
+    const struct orl_log *log;
+    struct orl_map_cache *maps;
     struct orl_folders folders; /* the thread's own */
     uint64_t bytes_per_s;
     pthread_t thread;
@@ -180,14 +180,17 @@ static void scrubbing_free(struct orl_scrubbing *scrubbing)
     free(scrubbing);
 }
 
-struct orl_scrubbing *orl_scrubbing_start(struct orl_server *server, uint64_t bytes_per_s)
+struct orl_scrubbing *orl_scrubbing_start(const struct orl_folders *folders,
+                                          const struct orl_log *log, struct orl_map_cache *maps,
+                                          uint64_t bytes_per_s)
 {
     struct orl_scrubbing *scrubbing = bytes_per_s > 0 ? calloc(1, sizeof *scrubbing) : NULL;
     pthread_condattr_t steady;
     if (!scrubbing)
         return NULL;
-    scrubbing->server = server;
-    scrubbing->folders = server->folders;
+    scrubbing->log = log;
+    scrubbing->maps = maps;
+    scrubbing->folders = *folders;
     scrubbing->bytes_per_s = bytes_per_s;
     pthread_mutex_init(&scrubbing->mutex, NULL);
     pthread_condattr_init(&steady);
@@ -223,14 +226,14 @@ void orl_scrubbing_stop(struct orl_scrubbing *scrubbing)
     scrubbing_free(scrubbing);
 }
 
-static void tell(struct orl_server *server, const struct finding *finding)
+static void tell(const struct orl_scrubbing *scrubbing, const struct finding *finding)
 {
     const struct orl_kept_file *file = &finding->file;
     enum orl_map_removal removal;
-    orl_log_event(&server->log, ORL_LOG_ERROR, "damaged", "sss", "path", file->path, "job",
+    orl_log_event(scrubbing->log, ORL_LOG_ERROR, "damaged", "sss", "path", file->path, "job",
                   file->job[0] ? file->job : "-", "why", finding->why.message);
     if (file->kind == ORL_KEPT_MAP)
-        orl_map_cache_remove(server->maps, file->map_kind, file->map_key, &removal, NULL);
+        orl_map_cache_remove(scrubbing->maps, file->map_kind, file->map_key, &removal, NULL);
 }
 
 void orl_scrubbing_look(struct orl_scrubbing *scrubbing)
@@ -249,7 +252,7 @@ void orl_scrubbing_look(struct orl_scrubbing *scrubbing)
     }
     pthread_mutex_unlock(&scrubbing->mutex);
     for (size_t i = 0; i < count; i++)
-        tell(scrubbing->server, &findings[i]);
+        tell(scrubbing, &findings[i]);
     free(findings);
 }
 

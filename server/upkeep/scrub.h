@@ -11,6 +11,8 @@
 
 #include <stdint.h>
 
+#include "cache/map_cache.h"
+#include "process/log.h"
 #include "store/kept_files.h"
 
 struct orl_scrub_totals {
@@ -32,10 +34,12 @@ int orl_scrub(struct orl_db *db, const struct orl_folders *folders,
 /* ---- In the daemon -------------------------------------------------------------------------- */
 
 struct orl_scrubbing;
-struct orl_server;
 
-/* Begins, at most so many bytes a second; 0: never. Loop thread, as are the others. */
-struct orl_scrubbing *orl_scrubbing_start(struct orl_server *server, uint64_t bytes_per_s);
+/* Begins, at most so many bytes a second; 0: never. Borrows log and maps. Loop thread, as are the
+ * others. */
+struct orl_scrubbing *orl_scrubbing_start(const struct orl_folders *folders,
+                                          const struct orl_log *log, struct orl_map_cache *maps,
+                                          uint64_t bytes_per_s);
 void orl_scrubbing_stop(struct orl_scrubbing *scrubbing); /* NULL is fine */
 /* To be called every second or so: what has been found is told, and maps removed. */
 void orl_scrubbing_look(struct orl_scrubbing *scrubbing);

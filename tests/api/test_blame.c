@@ -14,8 +14,8 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "checks/confine.h"
 #include "health/blame.h"
+#include "process/sanitized.h"
 #include "support/daemon.h"
 #include "support/scene_text.h"
 
@@ -63,7 +63,7 @@ static void test_faults_are_named(void **state)
     struct daemon_room *f = *state;
     char killer[80], bystander[80], line[120], shim[256];
     const char *build = getenv("ORIEL_BUILD");
-    if (ORL_CHILD_SANITIZED)
+    if (ORL_SANITIZED)
         skip();
     snprintf(shim, sizeof shim, "%s/tests/faulty.so", build ? build : "build");
     daemon_end(&f->daemon, SIGTERM);

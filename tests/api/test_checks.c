@@ -17,6 +17,7 @@
 #include <unistd.h>
 
 #include "checks/confine.h"
+#include "process/sanitized.h"
 #include "support/daemon.h"
 
 /* ---- Processes ------------------------------------------------------------------------------- */
@@ -139,7 +140,7 @@ static void test_memory_is_a_childs(void **state)
     reply_done(&reply);
     const double peak_mb = daemon_memory_mb(daemon, "VmHWM") - before_mb;
     print_message("# a peak of %.0f MB\n", peak_mb);
-    assert_true(peak_mb < (ORL_CHILD_SANITIZED ? 150 : 50));
+    assert_true(peak_mb < (ORL_SANITIZED ? 150 : 50));
 }
 
 /* The bound on memory, said with what it is; the next upload finds all as before. */
@@ -151,7 +152,7 @@ static void test_memory_is_bounded(void **state)
     struct reply reply;
     char id[65];
     (void)state;
-    if (ORL_CHILD_SANITIZED)
+    if (ORL_SANITIZED)
         skip();
     daemon_start(&daemon, little);
     make_bomb(&bomb, 1, 50000);
@@ -271,7 +272,7 @@ static void test_large_checks_leave_room(void **state)
     struct bomb bomb;
     double granted = 0;
     (void)state;
-    if (ORL_CHILD_SANITIZED)
+    if (ORL_SANITIZED)
         skip();
     daemon_start(&daemon, little);
     make_bomb(&bomb, 2, 50000);
@@ -319,7 +320,7 @@ static void test_confinement(void **state)
 {
     int status;
     (void)state;
-    if (ORL_CHILD_SANITIZED)
+    if (ORL_SANITIZED)
         skip();
     const pid_t pid = fork();
     if (pid == 0)

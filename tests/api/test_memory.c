@@ -14,8 +14,8 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "checks/confine.h"
 #include "health/memory.h"
+#include "process/sanitized.h"
 #include "store/folders.h"
 #include "support/daemon.h"
 
@@ -80,7 +80,7 @@ static void test_never(void **state)
     static const char *const little[] = {"--memory", "1G", NULL};
     struct daemon_room *f = *state;
     struct reply reply;
-    if (ORL_CHILD_SANITIZED)
+    if (ORL_SANITIZED)
         skip();
     restart_with(f, little);
     post_photons(f, 50000000, 1, &reply);
@@ -100,7 +100,7 @@ static void test_not_now(void **state)
     struct daemon_room *f = *state;
     char first[80], second[80], third[80];
     struct reply reply;
-    if (ORL_CHILD_SANITIZED)
+    if (ORL_SANITIZED)
         skip();
     restart_with(f, two);
     post_photons(f, 10000000, 1, &reply);
@@ -133,7 +133,7 @@ static void test_not_now(void **state)
 /* What a job has taken goes back when it has ended: its document, its sensors, its results. */
 static void test_jobs_give_back(void **state)
 {
-    if (ORL_CHILD_SANITIZED)
+    if (ORL_SANITIZED)
         skip();
     enum { SENSORS = 60000 };
     struct daemon_room *f = *state;
@@ -170,7 +170,7 @@ static void test_jobs_give_back(void **state)
  * where there is as much. */
 static void test_larger_checks(void **state)
 {
-    if (ORL_CHILD_SANITIZED)
+    if (ORL_SANITIZED)
         skip();
     enum { OBJECTS = 3000000 };
     static const char *const little[] = {"--memory", "300M", NULL};

@@ -22,7 +22,7 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "checks/confine.h"
+#include "process/sanitized.h"
 
 static double now_s(void)
 {
@@ -392,7 +392,7 @@ void daemon_cancel(struct daemon *daemon, const char *path, struct reply *ret_re
 void daemon_wait(struct daemon *daemon, const char *path, double seconds, struct reply *ret_reply)
 {
     /* Sanitizers are slow. */
-    const double until = now_s() + (ORL_CHILD_SANITIZED ? 5 * seconds : seconds);
+    const double until = now_s() + (ORL_SANITIZED ? 5 * seconds : seconds);
     for (;;) {
         daemon_get(daemon, path, ret_reply);
         assert_int_equal(ret_reply->status, 200);
