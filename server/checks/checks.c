@@ -86,13 +86,13 @@ static bool has_yielded(struct orl_checks *checks, struct orl_check *check)
 
 static void reply_given_up(struct orl_request *request, const struct orl_check *check)
 {
-    if (request->check->checks->stopping) {
+    if (check->checks->stopping) {
         orl_reply_stopping(request);
     } else if (check->starved) {
         orl_reply_problem(request, 503, "no-memory", "The server is out of memory",
                           "for %u seconds there were not %llu MiB for the check of the upload; "
                           "try again when jobs have ended",
-                          request->check->checks->config->check_timeout_s,
+                          check->checks->config->check_timeout_s,
                           (unsigned long long)(check->asking.memory >> 20));
         orl_reply_header(request, "Retry-After", "60");
     } else { /* nobody is there to read it */

@@ -8,13 +8,13 @@
 
 #include "checks/ask.h"
 #include "checks/checks.h"
+#include "checks/job_inputs.h"
 #include "http/client_name.h"
 #include "http/reply.h"
 #include "json_read.h"
 #include "process/limits.h"
 #include "resources/job_status.h"
 #include "resources/status_cache.h"
-#include "runner/job_inputs.h"
 #include "runner/job_memory.h"
 #include "server.h"
 #include "store/scenes.h"
@@ -291,7 +291,8 @@ static void look_up(struct orl_request *request)
     if (post->rc)
         orl_reply_error(request, &post->err);
     else if (post->inputs.files.count > 0)
-        orl_check_begin(&post->check, request, check_inputs, inputs_checked);
+        orl_check_begin(&request->server->checks, &post->check, request, check_inputs,
+                        inputs_checked);
     else
         admit(request);
 }

@@ -70,7 +70,7 @@ static void on_begins(void *ctx, size_t index, const struct orl_job *job, const 
 
 /* Files of views in rounds, which have not told of them, and of sensors. */
 static int list_rest(const struct passage *p, const struct orl_result *result, json_t *files,
-                      struct orl_error *err)
+                     struct orl_error *err)
 {
     const bool in_rounds = result->outcome.asked;
     int rc = 0;

@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "checks/confine.h"
+#include "process/sanitized.h"
 #include "support/daemon.h"
 
 /* The room without sources of its own, with files of sensors and weather. */
@@ -119,7 +119,7 @@ static void test_memory(void **state)
     struct daemon daemon;
     struct reply reply;
     (void)state;
-    if (ORL_CHILD_SANITIZED)
+    if (ORL_SANITIZED)
         skip();
     daemon_start(&daemon, little);
     for (int i = 0; i < 2; i++) {

@@ -1,8 +1,8 @@
 /*
  * The files of a scene that a job names: its sensors, and weather for its skies.
  */
-#ifndef ORL_SERVER_RUNNER_JOB_INPUTS_H
-#define ORL_SERVER_RUNNER_JOB_INPUTS_H
+#ifndef ORL_SERVER_CHECKS_JOB_INPUTS_H
+#define ORL_SERVER_CHECKS_JOB_INPUTS_H
 
 #include "checks/job_brief.h"
 #include "store/bundle.h"

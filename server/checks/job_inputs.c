@@ -1,4 +1,4 @@
-#include "runner/job_inputs.h"
+#include "checks/job_inputs.h"
 
 #include <string.h>
 
