@@ -90,8 +90,8 @@ int orl_view_from_json(const json_t *doc, size_t index, struct orl_view_request 
                        struct orl_error *err)
 {
     static const char *const allowed[] = {
-        "name",    "view",    "file",        "entry",   "width", "height", "pixel_aspect",
-        "formats", "display", "false_color", "metrics", "glare", NULL};
+        "name",    "view",    "file",       "entry",       "width",   "height", "pixel_aspect",
+        "formats", "display", "irradiance", "false_color", "metrics", "glare",  NULL};
     struct place place = {.index = index};
     snprintf(place.path, sizeof place.path, "views[%zu]", index);
     int rc = orl_json_object(doc, place.path, allowed, err);
@@ -102,6 +102,9 @@ int orl_view_from_json(const json_t *doc, size_t index, struct orl_view_request 
         rc = decode_options(doc, &place, view, err);
     if (rc == 0)
         rc = decode_size(doc, &place, view, err);
+    if (rc == 0 && json_object_get(doc, "irradiance"))
+        rc = orl_json_bool(json_object_get(doc, "irradiance"), at(&place, "irradiance"),
+                           &view->irradiance, err);
     if (rc == 0)
         rc = orl_glare_metrics_from_json(json_object_get(doc, "metrics"), at(&place, "metrics"),
                                          &view->metrics, err);

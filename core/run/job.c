@@ -113,6 +113,9 @@ static int validate_view(const struct orl_job *job, size_t index, struct orl_err
     if (!(v->pixel_aspect >= 0 && v->pixel_aspect <= 1000))
         return orl_error_set(err, ORL_ERR_RANGE, "view '%s': pixel aspect %g", v->name,
                              v->pixel_aspect);
+    if (v->irradiance && v->metrics)
+        return orl_error_set(err, ORL_ERR_INVALID,
+                             "view '%s': glare is of radiances, not of irradiances", v->name);
     if (v->file)
         return 0;
     code = orl_view_parse(v->view ? v->view : "", &view, err);

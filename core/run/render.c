@@ -135,7 +135,8 @@ static int render_view(struct rendering *rendering, size_t index, struct view_pr
     const double started = state->env->now_s(state->env->ctx);
     struct orl_film film = {0};
     struct orl_view view;
-    const struct orl_painting painting = {&env, state->world->geometry, &view, &film};
+    const struct orl_painting painting = {&env, state->world->geometry, &view, &film,
+                                          request->irradiance};
     state->result->n_views = index + 1;
     int code = orl_view_parse(request->view, &view, err);
     if (code == 0)

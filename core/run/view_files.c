@@ -138,7 +138,8 @@ static int settle_colors(const struct orl_view_request *request, struct writing 
     if (!colors->asked)
         return 0;
     result->points = calloc(colors->n_points + 1, sizeof *result->points);
-    if (!result->points || orl_scale_make(&writing->scale, writing->film, colors, false) < 0)
+    if (!result->points ||
+        orl_scale_make(&writing->scale, writing->film, colors, request->irradiance) < 0)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for false colours");
     result->scale = writing->scale.top;
     for (; result->n_points < colors->n_points; result->n_points++) {

@@ -119,13 +119,12 @@ int orl_view_file_read(const char *name, const char *text, size_t size, const ch
     else
         copy = strdup(found->text);
     free(found);
-    if (code == 0 && !copy)
-        code = ORL_ERR_NOMEM;
-    if (code == ORL_ERR_NOMEM)
-        return orl_error_set(err, code, "out of memory for a view");
-    if (code == 0)
-        *ret_text = copy;
-    return code;
+    if (code < 0 && code != ORL_ERR_NOMEM)
+        return code;
+    if (!copy)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for a view");
+    *ret_text = copy;
+    return 0;
 }
 
 int orl_view_text_size(const char *text, uint32_t *ret_width, uint32_t *ret_height,
@@ -157,7 +156,7 @@ static int read_view(const struct orl_files *files, struct orl_view_request *vie
 static int settle(const struct orl_files *files, struct orl_view_request *view,
                   struct orl_error *err)
 {
-    struct orl_view parsed;
+    struct orl_view parsed = {.type = 'v'};
     int code = view->file ? read_view(files, view, err) : 0;
     if (code == 0)
         code = orl_view_parse(view->view ? view->view : "", &parsed, err);

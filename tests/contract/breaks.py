@@ -57,7 +57,7 @@ def jobs(lit, dark):
                          "multiplier": 179, "isolines": True, "extrema": True,
                          "draw": ["fill", "lines", "bands"],
                          "points": [{"name": "here", "x": 3, "y": 4.5}]}},
-        {**VIEW, "name": "b", "display": {"exposure": 0.5}, "pixel_aspect": 1}, {**VIEW, "name": "c", "display": {"ev": 9}}]}
+        {**VIEW, "name": "b", "display": {"exposure": 0.5}, "pixel_aspect": 1, "irradiance": True}, {**VIEW, "name": "c", "display": {"ev": 9}}]}
     yield {"scene": lit, "accuracy": {"relative_error": 0.5, "at": 0.9}, "sensors": SENSORS}
     yield {"scene": lit, "accuracy": {"dgp_error": 0.5},
            "views": [{**VIEW, "metrics": ["dgp"], "glare": {"vertical_illuminance_lx": 900}}]}

@@ -87,7 +87,8 @@ static void fill_job(const struct scene_run *run, char **names, struct orl_view_
                                           .view = (char *)(uintptr_t)run->view,
                                           .width = run->width,
                                           .height = run->height,
-                                          .metrics = run->metrics};
+                                          .metrics = run->metrics,
+                                          .irradiance = run->irradiance};
         job->views = view;
         job->n_views = 1;
     }

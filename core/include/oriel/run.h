@@ -40,6 +40,7 @@ struct orl_view_request {
     char *file;  /* one of the scene's, with lines of such */
     char *entry; /* which of them: its number from 1, or its name; NULL: the only one */
     uint32_t width, height;
+    bool irradiance;      /* of the surfaces seen, W/m2, instead of their radiance (rpict -i) */
     double pixel_aspect; /* above 0: the image is made as much smaller as that takes (rpict -pa) */
     uint32_t formats;    /* of orl_picture_format, as bits; 0: ORL_PICTURES_USUAL */
     struct orl_display display;

@@ -78,6 +78,7 @@ static double error_of(const struct groups *groups, uint32_t n, double mean)
 static struct orl_shader shader_of(const struct painter *p)
 {
     return (struct orl_shader){.world = p->backward->world,
+                               .irradiance = p->painting->irradiance,
                                .sobol = &p->backward->sobol,
                                .pane_samples = PANE_SAMPLES,
                                .gloss_samples = GLOSS_SAMPLES,

@@ -119,7 +119,9 @@ void orl_canvas_hatch(struct orl_canvas *canvas, const struct orl_quad *q, doubl
     bounds_of(q->x, &x0, &x1);
     bounds_of(q->y, &y0, &y1);
     /* Lines x + y = sum, from (x0, sum - x0) along (1, -1), as far as they are within all edges. */
-    for (double sum = apart * ceil((x0 + y0) / apart); sum < x1 + y1; sum += apart) {
+    const long last = lrint(floor((x1 + y1) / apart));
+    for (long line = lrint(ceil((x0 + y0) / apart)); line <= last; line++) {
+        const double sum = apart * (double)line;
         double from = 0, to = x1 - x0;
         for (int k = 0; k < 4; k++) {
             const double a = within(q, k, turn, x0, sum - x0);

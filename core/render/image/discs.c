@@ -42,6 +42,9 @@ static bool is_small(const struct orl_painting *painting, const struct orl_sun *
 
 enum orl_suns orl_discs_suns(const struct orl_world *world, const struct orl_painting *painting)
 {
+    /* What is not shown is not put in. */
+    if (painting->irradiance)
+        return ORL_SUNS_SEEN;
     for (size_t i = 0; i < world->n_suns; i++)
         if (!is_small(painting, &world->suns[i]))
             return ORL_SUNS_SEEN;

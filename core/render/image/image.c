@@ -302,6 +302,7 @@ int orl_image_render(const struct orl_gather *gather, const struct orl_painting 
     struct painter painter = {.gather = gather,
                               .painting = painting,
                               .shader = {.world = gather->world,
+                                         .irradiance = painting->irradiance,
                                          .sobol = &gather->sobol,
                                          .pane_samples = gather->rest == ORL_REST_GATHERED
                                                              ? PANE_SAMPLES

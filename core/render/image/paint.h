@@ -29,6 +29,7 @@ struct orl_painting {
     const struct orl_geometry *geometry; /* whose coordinates the rays are in */
     const struct orl_view *view;         /* in the files' coordinates */
     struct orl_film *film;
+    bool irradiance; /* of what is seen, W/m2, instead of its radiance */
 };
 
 static inline bool orl_paint_cancelled(const struct orl_paint_env *env)

@@ -220,6 +220,20 @@ static void note_way(struct orl_shaded *shaded, uint64_t met)
     shaded->way = orl_mix64(shaded->way + met + 1);
 }
 
+/* Irradiance is that of the surface itself; glass is seen through as if it were not there. */
+static void meet_for_irradiance(struct look *look, const struct branch *at,
+                                const struct orl_hit *hit, const struct orl_material *m)
+{
+    const struct orl_scatter on = {
+        .direction = at->path.direction, .weight = orl_gray(1), .transmitted = true};
+    if (m->kind == ORL_MATERIAL_GLASS || m->kind == ORL_MATERIAL_DIELECTRIC)
+        follow(look, at, hit, &on);
+    else if (orl_rgb_max(orl_material_diffuse(m, hit)) > 0)
+        add_vertex(look, at, hit, m);
+    for (uint32_t i = 0; i < look->shaded->n_vertices; i++)
+        look->shaded->vertices[i].weight = orl_gray(1);
+}
+
 static void meet(struct look *look, const struct branch *met, const struct orl_hit *hit)
 {
     const struct orl_material *m = seen_at(look, hit);
@@ -230,6 +244,10 @@ static void meet(struct look *look, const struct branch *met, const struct orl_h
         const struct orl_scatter on = {
             .direction = at.path.direction, .weight = orl_gray(1), .transmitted = true};
         follow(look, &at, hit, &on);
+        return;
+    }
+    if (look->shader->irradiance) {
+        meet_for_irradiance(look, &at, hit, m);
         return;
     }
     orl_path_arrive(&at.path, m, hit);
@@ -297,6 +315,8 @@ void orl_shade_ray(const struct orl_shader *shader, struct orl_vec3 origin,
         note_way(ret_shaded, UINT32_MAX);
         search->health.rays_leaked += !world->open && !at.outside;
         orl_path_escape(&at.path);
+        if (shader->irradiance)
+            continue;
         add(&look, at.path.weight,
             seen_beyond(shader, world, at.path.direction,
                         orl_dot(at.path.direction, direction) > straight));

@@ -48,8 +48,9 @@ struct orl_shader {
     const struct orl_world *world;
     const struct orl_sobol *sobol;
     uint32_t pane_samples, gloss_samples; /* rays into a pane's lobes, into others */
-    double dimmest; /* branches below this share of the ray are not followed; */
-    bool by_lot;    /* or one in some is, and then counts for all: no bias */
+    double dimmest;  /* branches below this share of the ray are not followed; */
+    bool by_lot;     /* or one in some is, and then counts for all: no bias */
+    bool irradiance; /* of the first diffuse surface, behind glass too, instead of radiance */
     enum orl_suns suns;
     orl_shade_radiance *radiance;
     const void *ctx;

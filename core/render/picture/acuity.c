@@ -37,8 +37,7 @@ int orl_blur_init(struct orl_blur *blur, const struct orl_film *film, const stru
     blur->levels[0].height = film->height;
     blur->levels[0].pixels = film->pixels;
     /* Nothing is blurred by more than two cycles a degree, the least there are. */
-    for (double size = 1; size < blur->pixels_a_degree && blur->n_levels < ORL_ACUITY_LEVELS;
-         size *= 2)
+    while (exp2(blur->n_levels - 1) < blur->pixels_a_degree && blur->n_levels < ORL_ACUITY_LEVELS)
         if (halve(blur, blur->n_levels++) < 0)
             return ORL_ERR_NOMEM;
     return 0;

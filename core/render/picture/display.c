@@ -73,7 +73,7 @@ static void fade(float rgb[3])
 /* Brings a colour of that brightness, which is at most 1, within the display's. */
 static void keep_within(float rgb[3], double brightness)
 {
-    const double most = fmax(rgb[0], fmax(rgb[1], rgb[2]));
+    const double most = fmax((double)rgb[0], fmax((double)rgb[1], (double)rgb[2]));
     if (brightness >= 1)
         rgb[0] = rgb[1] = rgb[2] = 1;
     else if (most > 1)
@@ -99,7 +99,7 @@ void orl_shown_pixel(const struct orl_shown *shown, uint32_t x, uint32_t y, floa
                               : shown->factor * luminance;
     const double scale = luminance > 0 ? bright * ORL_EFFICACY_LM_PER_W / luminance : 0;
     for (int c = 0; c < 3; c++)
-        ret_rgb[c] = luminance > 0 ? (float)(fmax(ret_rgb[c], 0) * scale) : 0;
+        ret_rgb[c] = luminance > 0 ? (float)(fmax((double)ret_rgb[c], 0) * scale) : 0;
     keep_within(ret_rgb, bright);
 }
 

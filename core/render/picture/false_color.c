@@ -132,7 +132,8 @@ static void mark_extrema(const struct orl_film *film, const struct orl_scale *sc
     for (int i = 0; i < 2; i++) {
         char text[16];
         orl_scale_text(orl_scale_value(scale, film->pixels[at[i]]), text);
-        mark(sheet, (double)(at[i] % film->width) + 0.5, (double)(at[i] / film->width) + 0.5, text);
+        const size_t y = at[i] / film->width;
+        mark(sheet, (double)(at[i] % film->width) + 0.5, (double)y + 0.5, text);
     }
 }
 
