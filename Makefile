@@ -99,7 +99,7 @@ help:
 ## make study      what accuracy costs in time on the office: a table, and build/study/study.png
 ## make gallery    pictures by all techniques, side by side, in build/gallery
 ## make calibration  whether errors stated are errors made: intervals, error maps, jobs by accuracy
-##                 or deadline, predictions; long (tests/README.md has its parts)
+##                 or deadline, predictions; long (tests/bench/tables.md has its parts)
 ## make glare      DGP and glare sources of pictures beside evalglare's, if it is there, and of discs
 ##                 beside arithmetic; then how often DGP's intervals hold; some minutes
 ## make torture    a daemon killed 500 times under load (TORTURE_KILLS), faults of disk, files,
