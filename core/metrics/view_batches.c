@@ -5,7 +5,7 @@
 #include "base/estimate.h"
 
 /* Two batches as one, in the place of the first. */
-static void unite(struct orl_view_batches *b, uint32_t first, uint32_t second)
+static void unite(struct orl_view_batches *b, size_t first, size_t second)
 {
     const double all = b->effort[first] + b->effort[second];
     const float share = (float)(b->effort[second] / all);
@@ -18,7 +18,7 @@ static void unite(struct orl_view_batches *b, uint32_t first, uint32_t second)
 
 static void halve(struct orl_view_batches *b)
 {
-    for (uint32_t i = 0; i < ORL_VIEW_BATCHES / 2; i++) {
+    for (size_t i = 0; i < ORL_VIEW_BATCHES / 2; i++) {
         unite(b, 2 * i, 2 * i + 1);
         float *const united = b->cd_m2[2 * i];
         b->cd_m2[2 * i] = NULL;
@@ -81,7 +81,9 @@ static int find_without(const struct orl_view_batches *b, const struct orl_field
 {
     float *cd_m2 = malloc((b->pixels + 1) * sizeof *cd_m2);
     const struct orl_luminances luminances = {field, cd_m2};
-    int code = cd_m2 ? 0 : orl_error_set(err, ORL_ERR_NOMEM, "out of memory for errors of glare");
+    int code = 0;
+    if (!cd_m2)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for errors of glare");
     for (uint32_t i = 0; i <= b->count && code == 0; i++) {
         struct orl_glare glare = {0};
         mean_without(b, i, cd_m2);
@@ -150,7 +152,7 @@ int orl_glare_errors(const struct orl_view_batches *batches, const struct orl_vi
                      struct orl_glare *glare, struct orl_error *err)
 {
     struct orl_field field;
-    found_values found;
+    found_values found = {{0}};
     if (batches->count < 2)
         return 0;
     int code = orl_field_init(&field, view, width, height, glare->turned_deg, err);

@@ -47,8 +47,9 @@ int orl_run_rate_view(struct orl_run_state *state, size_t index, const struct or
     if (request->metrics == 0)
         return 0;
     struct orl_glare *glare = calloc(1, sizeof *glare);
-    int code = glare ? rate(request, film, glare, err)
-                     : orl_error_set(err, ORL_ERR_NOMEM, "out of memory for glare");
+    if (!glare)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for glare");
+    const int code = rate(request, film, glare, err);
     if (code < 0) {
         free(glare);
         return code;

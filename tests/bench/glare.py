@@ -14,7 +14,6 @@ smoothing, where it counts pixels twice, DGP alone is compared. Without evalglar
 luminance at known angles against arithmetic. Fails when a row does.
 """
 
-import itertools
 import json
 import math
 import os
@@ -235,15 +234,24 @@ def is_whole(parts, whole):
             math.dist(middle, whole["place"]) < 1.5)
 
 
-def parts_of(whole, parts, side):
+def parts_of(whole, parts):
     """Those of the parts that together are the whole; None where there are none."""
-    reach = [s for s in parts if math.dist(s["place"], whole["place"]) < .25 * side]
-    reach.sort(key=lambda s: math.dist(s["place"], whole["place"]))
-    for size in range(2, min(len(reach), 7) + 1):
-        for some in itertools.combinations(reach[:16], size):
-            if is_whole(some, whole):
-                return some
-    return None
+    tries = 200000
+
+    def search(some, rest, missing):
+        nonlocal tries
+        tries -= 1
+        if missing == 0:
+            return some if len(some) > 1 and is_whole(some, whole) else None
+        for index, part in enumerate(rest):
+            if part["pixels"] <= missing and tries > 0:
+                found = search(some + [part], rest[index + 1:], missing - part["pixels"])
+                if found:
+                    return found
+        return None
+
+    near = sorted(parts, key=lambda s: (-s["pixels"], math.dist(s["place"], whole["place"])))
+    return search([], near, whole["pixels"])
 
 
 def compare(ours, theirs, side):
@@ -262,8 +270,8 @@ def compare(ours, theirs, side):
         luminance = max(luminance, abs(best["cd_m2"] / source["cd_m2"] - 1))
         angle = max(angle, abs(best["sr"] / source["sr"] - 1))
     apart = 0
-    for whole in left:
-        some = parts_of(whole, parts, side)
+    for whole in sorted(left, key=lambda s: -s["pixels"]):
+        some = parts_of(whole, parts)
         if some is None:
             return math.inf, math.inf, 0
         apart += len(some) - 1

@@ -1,7 +1,6 @@
 #include "render/film/read_hdr.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -90,16 +89,28 @@ static int take_line(struct reading *r, const char *line, struct orl_error *err)
     return code;
 }
 
+/* A sign, an axis and a count, such as -Y 400; where it ends, NULL when it is none. */
+static const char *read_axis(const char *text, char ret_order[2], uint32_t *ret_count)
+{
+    char *end;
+    text += strspn(text, " ");
+    if ((text[0] != '+' && text[0] != '-') || (text[1] != 'X' && text[1] != 'Y') || text[2] != ' ')
+        return NULL;
+    memcpy(ret_order, text, 2);
+    text += 2 + strspn(text + 2, " ");
+    const unsigned long count = strtoul(text, &end, 10);
+    *ret_count = count > ORL_LIMIT_IMAGE_SIDE ? ORL_LIMIT_IMAGE_SIDE + 1 : (uint32_t)count;
+    return end == text || *text == '-' || *text == '+' ? NULL : end;
+}
+
 static int read_resolution(struct reading *r, struct orl_error *err)
 {
     char line[LINE];
     if (!next_line(r, line))
         return fail(r, ORL_ERR_SYNTAX, err, "the picture ends before its resolution");
-    char *o = r->order;
-    const int found =
-        sscanf(line, "%c%c %u %c%c %u", &o[0], &o[1], &r->scanlines, &o[2], &o[3], &r->length);
-    if (found != 6 || !strchr("+-", o[0]) || !strchr("+-", o[2]) ||
-        !((o[1] == 'Y' && o[3] == 'X') || (o[1] == 'X' && o[3] == 'Y')))
+    const char *rest = read_axis(line, r->order, &r->scanlines);
+    rest = rest ? read_axis(rest, r->order + 2, &r->length) : NULL;
+    if (!rest || r->order[1] == r->order[3])
         return fail(r, ORL_ERR_SYNTAX, err, "no resolution such as -Y 400 +X 400 is here");
     if (r->scanlines < 1 || r->length < 1 || r->scanlines > ORL_LIMIT_IMAGE_SIDE ||
         r->length > ORL_LIMIT_IMAGE_SIDE ||

@@ -87,7 +87,8 @@ void orl_discs_paint(const struct orl_shader *shader, const struct orl_painting 
     for (size_t i = 0; i < world->n_suns; i++)
         for (uint32_t k = 0; k < SIDE * SIDE; k++) {
             struct orl_random random = orl_random_stream(i, ORL_PURPOSE_PIXEL, k);
-            const double u[2] = {(k % SIDE + 0.5) / SIDE, ((double)(k / SIDE) + 0.5) / SIDE};
+            const uint32_t column = k % SIDE, row = k / SIDE;
+            const double u[2] = {(column + 0.5) / SIDE, (row + 0.5) / SIDE};
             put_ray(&alone, painting, &world->suns[i], u, outside, &random);
         }
 }

@@ -1,0 +1,119 @@
+/* `oriel glare` as a script meets it: a picture of one bright square on a darker ground. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdbool.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+#include <jansson.h>
+
+#include "support/cli.h"
+
+enum { SIDE = 100, FROM = 60, TO = 66 };
+
+static struct cli_result result;
+static char folder[64], picture[128];
+
+/* RGBE of 4 or 64 W/sr/m2: 179 times that, and half a step more. */
+static int set_up(void **state)
+{
+    static const unsigned char dark[4] = {128, 128, 128, 131}, bright[4] = {128, 128, 128, 135};
+    (void)state;
+    cli_make_folder(folder);
+    snprintf(picture, sizeof picture, "%s/eye.hdr", folder);
+    FILE *file = fopen(picture, "wb");
+    assert_non_null(file);
+    fprintf(file, "#?RADIANCE\nVIEW= -vta -vh 180 -vv 180\nFORMAT=32-bit_rle_rgbe\n\n-Y %d +X %d\n",
+            SIDE, SIDE);
+    for (int y = 0; y < SIDE; y++)
+        for (int x = 0; x < SIDE; x++) {
+            const bool inside = x >= FROM && x < TO && y >= FROM && y < TO;
+            fwrite(inside ? bright : dark, 1, 4, file);
+        }
+    assert_int_equal(fclose(file), 0);
+    return 0;
+}
+
+static int tear_down(void **state)
+{
+    (void)state;
+    cli_remove_folder(folder);
+    return 0;
+}
+
+static void ask(const char *a, const char *b, const char *c)
+{
+    const char *const args[] = {"glare", picture, a, b, c, NULL};
+    cli_run(args, &result);
+}
+
+static double number(const json_t *json, const char *a, const char *b, const char *c)
+{
+    const json_t *value = json_object_get(json_object_get(json_object_get(json, a), b), c);
+    assert_true(json_is_number(value));
+    return json_number_value(value);
+}
+
+static void test_numbers(void **state)
+{
+    (void)state;
+    ask("--json", NULL, NULL);
+    assert_int_equal(result.exit_code, 0);
+    assert_string_equal(result.err, "");
+    json_t *json = json_loads(result.out, 0, NULL);
+    assert_non_null(json);
+    const json_t *sources = json_object_get(json, "sources"), *one = json_array_get(sources, 0);
+    assert_int_equal(json_array_size(sources), 1);
+    assert_int_equal(json_integer_value(json_object_get(one, "pixels")), 36);
+    const double bright = 64 * 179 * 128.5 / 128, dark = 4 * 179 * 128.5 / 128;
+    const double found = json_number_value(json_object_get(one, "luminance_cd_m2"));
+    assert_true(fabs(found / bright - 1) < 1e-5);
+    /* pi times the ground's luminance, and what the square has more. */
+    const double sr = json_number_value(json_object_get(one, "solid_angle_sr"));
+    const double off = json_number_value(json_object_get(one, "angle_deg")) * acos(-1) / 180;
+    const double wanted = acos(-1) * dark + (bright - dark) * sr * cos(off);
+    const double lx = number(json, "metrics", "vertical_illuminance_lx", "value");
+    assert_true(fabs(lx / wanted - 1) < 2e-3);
+    json_decref(json);
+}
+
+static void test_table_and_options(void **state)
+{
+    (void)state;
+    ask("--detail", "-b", "20000");
+    assert_int_equal(result.exit_code, 0);
+    assert_non_null(strstr(result.out, "0 above 20000 cd/m2"));
+    ask("--task", "50.5,20.5,0.5", NULL);
+    assert_non_null(strstr(result.out, "1 above 3593.98"));
+    ask("-A", picture, NULL);
+    assert_non_null(strstr(result.out, "mask: "));
+}
+
+static void test_mistakes(void **state)
+{
+    const char *const missing[] = {"glare", "nowhere.hdr", NULL};
+    (void)state;
+    ask("--task", "1,2", NULL);
+    assert_int_equal(result.exit_code, 2);
+    ask("--radius", "9", NULL);
+    assert_int_equal(result.exit_code, 1);
+    assert_non_null(strstr(result.err, "radius_rad"));
+    cli_run(missing, &result);
+    assert_int_equal(result.exit_code, 1);
+    ask("--view", "-vtl -vh 2 -vv 2", NULL);
+    assert_int_equal(result.exit_code, 1);
+    assert_non_null(strstr(result.err, "no eye"));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_numbers),
+                                       cmocka_unit_test(test_table_and_options),
+                                       cmocka_unit_test(test_mistakes)};
+    return cmocka_run_group_tests(tests, set_up, tear_down);
+}
