@@ -1,6 +1,6 @@
 /*
  * The one place that knows Embree: version 3 (Debian 12) and 4 (later releases) alike.
- * Only geometry.c includes this.
+ * Only geometry.c, which builds, and hits.c include this.
  */
 #ifndef ORL_SCENE_GEOMETRY_EMBREE_H
 #define ORL_SCENE_GEOMETRY_EMBREE_H
