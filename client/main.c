@@ -63,7 +63,8 @@ static const struct orl_subcommand commands[] = {
     {"glare", "PICTURE.hdr [-d] [--json] [--task X,Y,ANGLE] ...",
      "Find the glare sources of an HDR picture, and rate them",
      "DGP and other indices of any Radiance picture with a VIEW line, as evalglare has them and\n"
-     "with its defaults; core/metrics/README.md says where the two differ. Options -b -T -r -s -x\n"
+     "with its defaults; core/metrics/evalglare.md says where the two differ. Options -b -T -r -s "
+     "-x\n"
      "-Y -A -i -d are evalglare's.",
      orl_cmd_glare},
     {"version", "", "Print the version", NULL, orl_cmd_version},

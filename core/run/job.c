@@ -50,7 +50,6 @@ void orl_job_done(struct orl_job *job)
         free(job->views[i].file);
         free(job->views[i].entry);
         free(job->views[i].false_color.points);
-        free(job->views[i].glare.mask);
     }
     free(job->views);
     memset(job, 0, sizeof *job);

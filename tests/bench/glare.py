@@ -9,7 +9,7 @@ rates each by `oriel glare` and, where evalglare is on PATH, by that; a part of 
 factor, another radius, smoothing, other peaks or none, a mask. Prints a row a picture: DGP of both,
 the difference, the number of sources, the largest differences of their luminances and solid angles;
 then how many kept to 0.002 and to 1 %. "apart": sources that evalglare does not put together although
-they are close (core/metrics/README.md says why): their pixels, light and middle, together, must be ours. With
+they are close (core/metrics/evalglare.md says why): their pixels, light and middle, together, must be ours. With
 smoothing, where it counts pixels twice, DGP alone is compared. Without evalglare, and before all that, discs of known
 luminance at known angles against arithmetic. Fails when a row does.
 """
@@ -284,7 +284,7 @@ def beside_evalglare(oriel, images):
     print("\n%-22s %-16s | %7s %7s %8s %8s | %4s %4s %5s | %7s %7s | %s" % (
         "picture", "options", "theirs", "Oriel", "off", "at pixel", "n", "n", "apart", "L, %",
         "sr, %", "verdict"))
-    kept = dgps = sources = 0
+    kept = dgps = sources = compared = 0
     worst = [0., 0., 0., 0.]
     for index, (name, path) in enumerate(images):
         mine, others = SETTINGS[index % len(SETTINGS)]
@@ -292,6 +292,7 @@ def beside_evalglare(oriel, images):
         if theirs is None:
             print("%-22s %-16s | evalglare gives up" % (name, " ".join(others)))
             continue
+        compared += 1
         ours, there = rate(oriel, path, mine), rate(oriel, path, mine + ["--whole-pixels"])
         off = ours["metrics"]["dgp"]["value"] - theirs["dgp"]
         exact = there["metrics"]["dgp"]["value"] - theirs["dgp"]
@@ -309,8 +310,8 @@ def beside_evalglare(oriel, images):
             "ok" if all(good) else "FAIL"))
     print("\n%d pictures: DGP within %g in %d, sources within %g %% in %d; DGP off by %.4f at the "
           "most, by %.5f with\nposition indices where evalglare takes them" % (
-              len(images), DGP_WITHIN, dgps, 100 * SOURCE_WITHIN, sources, worst[0], worst[1]))
-    return len(images) - kept
+              compared, DGP_WITHIN, dgps, 100 * SOURCE_WITHIN, sources, worst[0], worst[1]))
+    return compared - kept
 
 
 def main():

@@ -58,8 +58,7 @@ struct orl_glare_settings {
     bool low_light;        /* DGP with its correction below 1000 lx */
     double age_years;      /* DGP for people of that age; 0: for everybody */
     double eye_lx;         /* measured elsewhere, in place of the view's; 0: the view's */
-    bool at_whole_pixels;  /* position indices where evalglare takes them: see metrics/README.md */
-    char *mask;            /* a picture's file name, owned: statistics of where it is above 0.1 */
+    bool at_whole_pixels;  /* indices where evalglare takes them: metrics/evalglare.md */
     uint32_t directions;   /* so many lines of sight, turned about up; 0 or 1: the view's */
     double directions_deg; /* from the first to the last, the view's in the middle */
 };
