@@ -190,6 +190,12 @@ def _weather_files(document):
     return list(dict.fromkeys(name for name in files if name))
 
 
+def _view_files(document):
+    """Those that views of a job document are lines of."""
+    files = (view.get("file") for view in document.get("views") or [])
+    return list(dict.fromkeys(name for name in files if name))
+
+
 def _scene_id(mains, resources):
     """The id that the daemon gives such a scene (POST /v1/scenes)."""
     text = "oriel-scene 1\n"
@@ -467,7 +473,8 @@ class Client:
         scene, sensors = document.get("scene"), document.get("sensors")
         if isinstance(scene, dict) and "files" in scene:
             names = _mentioned(folder, scene["files"])
-            names += [name for name in _weather_files(document) if name not in names]
+            named = _weather_files(document) + _view_files(document)
+            names += [name for name in named if name not in names]
             document["scene"] = self.upload_scene(scene["files"], names, folder)
         if isinstance(sensors, dict) and "file" in sensors:
             with _open(os.path.join(folder, sensors["file"]), "r") as stream:

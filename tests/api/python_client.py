@@ -31,7 +31,8 @@ JOB = {"kind": "render", "scene": {"files": ["room.rad"]}, "seed": 1, "technique
        "photons": {"global": 20000, "caustic": 1000}, "gather_samples": 64,
        "sensors": {"file": "sensors.txt"},
        "views": [{"name": "north", "view": "-vtv -vp 1.5 0.5 1.5 -vd 0 1 0", "width": 16,
-                  "height": 12}]}
+                  "height": 12},
+                 {"name": "filed", "file": "views.vf", "width": 8, "height": 6}]}
 
 
 class Desk:
@@ -42,6 +43,7 @@ class Desk:
         self.client = self.connect(token)
         for name, text in (("room.rad", ROOM), ("window.rad", WINDOW),
                            ("sensors.txt", "1.5 1 0.8 0 0 1\n\n1.5 3 0.8 0 0 1 # back\n"),
+                           ("views.vf", "rvu -vtv -vp 1.5 0.5 1.5 -vd 0 1 0\n"),
                            ("job.json", json.dumps(JOB))):
             with open(os.path.join(folder, name), "w") as stream:
                 stream.write(text)
@@ -94,7 +96,7 @@ def whole_way(desk):
     assert all(sensor["illuminance_lx"] > 0 for sensor in result["sensors"])
     assert seen[-1]["state"] == "succeeded" and seen[-1]["percent"] == 100
     names = {file["name"]: file["bytes"] for file in seen[-1]["files"]}
-    assert {"result.json", "north.hdr", "north.png"} <= set(names)
+    assert {"result.json", "north.hdr", "north.png", "filed.png"} <= set(names)
     assert set(os.listdir(out)) == set(names)
     for name, size in names.items():
         assert os.path.getsize(os.path.join(out, name)) == size
