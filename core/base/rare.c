@@ -29,22 +29,36 @@ static double size2_of(const struct orl_rays *rays)
     return sqrt(rays->eighths / rays->fourths);
 }
 
-struct orl_rare orl_rare_of(const struct orl_rays *rays, const double *standard_errors,
-                            size_t count)
+int orl_rare_side(struct orl_vec3 direction)
 {
-    struct orl_rare rare = {0, 0};
-    double events = 0, squares = 0;
+    const double x = fabs(direction.x), y = fabs(direction.y), z = fabs(direction.z);
+    if (z >= x && z >= y)
+        return direction.z < 0;
+    return y >= x ? 2 + (direction.y < 0) : 4 + (direction.x < 0);
+}
+
+void orl_rare_of(const struct orl_rays *rays, const double *standard_errors,
+                 const struct orl_sensor *sensors, size_t count,
+                 struct orl_rare ret_rare[ORL_RARE_SIDES])
+{
+    double events[ORL_RARE_SIDES] = {0}, squares[ORL_RARE_SIDES] = {0};
+    size_t counts[ORL_RARE_SIDES] = {0};
     for (size_t i = 0; i < count; i++) {
+        const int side = orl_rare_side(sensors[i].direction);
         const double few = few_of(&rays[i]), square = few > 0 ? few * size2_of(&rays[i]) : 0;
         const double variance = standard_errors[i] * standard_errors[i];
+        counts[side]++;
         if (square > least_share * variance) {
-            events += few;
-            squares += square;
+            events[side] += few;
+            squares[side] += square;
         }
     }
-    if (events > 0)
-        rare = (struct orl_rare){events / (double)count, sqrt(squares / events)};
-    return rare;
+    for (int side = 0; side < ORL_RARE_SIDES; side++) {
+        ret_rare[side] = (struct orl_rare){0, 0};
+        if (events[side] > 0)
+            ret_rare[side] = (struct orl_rare){events[side] / (double)counts[side],
+                                               sqrt(squares[side] / events[side])};
+    }
 }
 
 /* A percentile of a gamma law of scale 1, given as that of the normal law. */

@@ -11,7 +11,10 @@
  * being that of what all have met. With k events of its own a sensor's rate is then a gamma's of
  * shape 1 + k. Where every sensor's brightest rays are many, nothing changes.
  *
- * What all sensors have missed stays unknown, and so does what a single one has.
+ * Sensors that face another way see other things: those of one job tell each other of what they
+ * have met by the axis, up or down it, that each faces most.
+ *
+ * What all such sensors have missed stays unknown, and so does what a single one has.
  *
  * References: Kish 1965, Survey Sampling (effective numbers); Buehlmann 1967, ASTIN Bulletin 4, 199
  * (credibility: how much of a claim rate is one's own); Wilson and Hilferty 1931, Proceedings of
@@ -21,6 +24,8 @@
 #define ORL_BASE_RARE_H
 
 #include <stddef.h>
+
+#include <oriel/run.h>
 
 /* What a sensor's rays add to its luma, each by itself: sums of powers. */
 struct orl_rays {
@@ -37,15 +42,20 @@ static inline void orl_rays_add(struct orl_rays *rays, double luma)
 /* Those of a sum in which these and others' have such factors. */
 struct orl_rays orl_rays_mix(struct orl_rays a, double of_a, struct orl_rays b, double of_b);
 
-/* What all sensors of a job have met of it. */
+enum { ORL_RARE_SIDES = 6 }; /* which way sensors face: along which axis, and whether down it */
+
+int orl_rare_side(struct orl_vec3 direction);
+
+/* What all sensors of a job that face one way have met of it. */
 struct orl_rare {
     double events; /* mean over sensors; 0: there is no rare light */
     double size;   /* of an event, in the unit of what rays add */
 };
 
 /* standard_errors: of the sensors by the spread of their groups, in the same unit. */
-struct orl_rare orl_rare_of(const struct orl_rays *rays, const double *standard_errors,
-                            size_t count);
+void orl_rare_of(const struct orl_rays *rays, const double *standard_errors,
+                 const struct orl_sensor *sensors, size_t count,
+                 struct orl_rare ret_rare[ORL_RARE_SIDES]);
 
 /* What a sensor's standard error is at the least, and how far its 95 % interval reaches from its
  * value at the least; all 0 without rare light. */

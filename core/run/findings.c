@@ -152,8 +152,8 @@ static void book_interval(const struct orl_finding_part *part, size_t i, double 
     ret_interval[1] = part->pool.mean[i] + margins.above;
 }
 
-static int show_sensors(const struct orl_finding_part *part, struct orl_result *result,
-                        struct orl_error *err)
+static int show_sensors(const struct orl_finding_part *part, const struct orl_sensor *sensors,
+                        struct orl_result *result, struct orl_error *err)
 {
     const size_t n = part->pool.count;
     bool held = copy(&result->illuminance_lx, part->pool.mean, n);
@@ -166,14 +166,16 @@ static int show_sensors(const struct orl_finding_part *part, struct orl_result *
     for (size_t i = 0; held && i < n; i++)
         book_interval(part, i, result->interval_95_lx[i]);
     result->n_sensors = held ? n : 0;
-    orl_run_mind_rare_light(result, part->rays);
+    orl_run_mind_rare_light(result, sensors, part->rays);
     return held ? 0 : orl_error_set(err, ORL_ERR_NOMEM, "out of memory for %zu sensors", n);
 }
 
 int orl_findings_show(struct orl_findings *findings, struct orl_run_state *state,
                       struct orl_error *err)
 {
-    int code = findings->first_view > 0 ? show_sensors(&findings->parts[0], state->result, err) : 0;
+    int code = findings->first_view > 0
+                   ? show_sensors(&findings->parts[0], state->sensors, state->result, err)
+                   : 0;
     for (size_t i = 0; i < state->job->n_views && code == 0; i++) {
         struct orl_finding_part *part = &findings->parts[findings->first_view + i];
         for (size_t k = 0; k < part->pool.count; k++)

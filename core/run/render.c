@@ -42,11 +42,14 @@ void orl_run_book_sensor(const struct orl_run_state *state, size_t index,
     state->rays[index] = orl_rays_mix(estimate->rays, lux, (struct orl_rays){0, 0}, 0);
 }
 
-void orl_run_mind_rare_light(struct orl_result *result, const struct orl_rays *rays)
+void orl_run_mind_rare_light(struct orl_result *result, const struct orl_sensor *sensors,
+                             const struct orl_rays *rays)
 {
-    const struct orl_rare rare = orl_rare_of(rays, result->standard_error_lx, result->n_sensors);
+    struct orl_rare rare[ORL_RARE_SIDES];
+    orl_rare_of(rays, result->standard_error_lx, sensors, result->n_sensors, rare);
     for (size_t i = 0; i < result->n_sensors; i++) {
-        const struct orl_rare_bounds least = orl_rare_bounds(&rare, &rays[i]);
+        const struct orl_rare *of_side = &rare[orl_rare_side(sensors[i].direction)];
+        const struct orl_rare_bounds least = orl_rare_bounds(of_side, &rays[i]);
         const double value = result->illuminance_lx[i];
         double *error = &result->standard_error_lx[i], *interval = result->interval_95_lx[i];
         *error = fmax(*error, least.standard_error);
@@ -88,7 +91,7 @@ static int render_sensors(struct rendering *rendering, double share, struct orl_
     const struct orl_renderer *renderer = rendering->renderer;
     const int code = renderer->sensors ? renderer->sensors(renderer->ctx, err) : 0;
     if (code == 0 && !state->take_film)
-        orl_run_mind_rare_light(result, state->rays);
+        orl_run_mind_rare_light(result, state->sensors, state->rays);
     if (code == 0 && !state->take_film && state->env->sensors_done)
         state->env->sensors_done(state->env->ctx, result);
     return code;

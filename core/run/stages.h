@@ -136,7 +136,8 @@ void orl_run_book_sensor(const struct orl_run_state *state, size_t index,
 
 /* Once all are booked: widens errors and intervals by what sensors have missed by chance, as others
  * of them tell (base/rare.h). */
-void orl_run_mind_rare_light(struct orl_result *result, const struct orl_rays *rays);
+void orl_run_mind_rare_light(struct orl_result *result, const struct orl_sensor *sensors,
+                             const struct orl_rays *rays);
 
 /* Writes a view's files and names them in the result. */
 int orl_run_write_view(struct orl_run_state *state, size_t index, const struct orl_film *film,

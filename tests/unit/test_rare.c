@@ -40,6 +40,19 @@ static struct orl_rays rays_of(uint32_t events)
     return rays;
 }
 
+/* All face up. */
+static struct orl_rare rare_of(const struct orl_rays *rays, const double *errors)
+{
+    struct orl_sensor sensors[SENSORS];
+    struct orl_rare rare[ORL_RARE_SIDES];
+    for (size_t i = 0; i < SENSORS; i++)
+        sensors[i] = (struct orl_sensor){{(double)i, 0, 0}, {0.1, -0.2, 1}};
+    orl_rare_of(rays, errors, sensors, SENSORS, rare);
+    for (int side = 1; side < ORL_RARE_SIDES; side++)
+        assert_true(rare[side].events == 0);
+    return rare[orl_rare_side(sensors[0].direction)];
+}
+
 /*
  * The share of sensors whose interval holds what their rate is worth: by the own spread of 16
  * groups, as good as that can be (2.13 of Poisson's deviations, for so many degrees of freedom), or
@@ -60,7 +73,7 @@ static double covered(double mean, bool even, bool with_bounds, uint64_t seed)
             rays[i] = rays_of(count);
             errors[i] = event * sqrt(count) + 0.01;
         }
-        const struct orl_rare rare = orl_rare_of(rays, errors, SENSORS);
+        const struct orl_rare rare = rare_of(rays, errors);
         for (size_t i = 0; i < SENSORS; i++) {
             const struct orl_rare_bounds b =
                 with_bounds ? orl_rare_bounds(&rare, &rays[i]) : (struct orl_rare_bounds){0, 0, 0};
@@ -104,15 +117,15 @@ static void test_silence(void **state)
         rays[i] = rays_of(40);
         errors[i] = event;
     }
-    struct orl_rare rare = orl_rare_of(rays, errors, SENSORS);
+    struct orl_rare rare = rare_of(rays, errors);
     assert_true(rare.events == 0);
     assert_true(orl_rare_bounds(&rare, rays).above == 0);
     rays[3] = rays_of(1);
     errors[3] = 2 * event;
-    rare = orl_rare_of(rays, errors, SENSORS);
+    rare = rare_of(rays, errors);
     assert_true(rare.events == 0);
     errors[3] = event;
-    rare = orl_rare_of(rays, errors, SENSORS);
+    rare = rare_of(rays, errors);
     assert_true(fabs(rare.events * SENSORS - 1) < 0.01 && fabs(rare.size / event - 1) < 0.01);
     assert_true(orl_rare_bounds(&rare, rays).standard_error > 0);
 }
@@ -130,9 +143,31 @@ static void test_mix(void **state)
     assert_true(fabs(mixed.eighths / whole.eighths - 1) < 1e-12);
 }
 
+/* What one that faces down has met is nothing to those that face another way. */
+static void test_sides(void **state)
+{
+    static const struct orl_vec3 ways[ORL_RARE_SIDES] = {{0.1, 0, 1}, {0, 0.3, -2},  {0, 3, 1},
+                                                         {1, -2, 1},  {1, 0.5, 0.5}, {-4, 3, 3}};
+    struct orl_sensor sensors[ORL_RARE_SIDES];
+    struct orl_rays rays[ORL_RARE_SIDES];
+    double errors[ORL_RARE_SIDES];
+    struct orl_rare rare[ORL_RARE_SIDES];
+    (void)state;
+    for (int side = 0; side < ORL_RARE_SIDES; side++) {
+        assert_int_equal(orl_rare_side(ways[side]), side);
+        sensors[side] = (struct orl_sensor){{0, 0, 0}, ways[side]};
+        rays[side] = rays_of(side == 1 ? 2 : 0);
+        errors[side] = side == 1 ? event : 0.1;
+    }
+    orl_rare_of(rays, errors, sensors, ORL_RARE_SIDES, rare);
+    for (int side = 0; side < ORL_RARE_SIDES; side++)
+        assert_true((rare[side].events > 1.9) == (side == 1));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_coverage),
-                                       cmocka_unit_test(test_silence), cmocka_unit_test(test_mix)};
+                                       cmocka_unit_test(test_silence), cmocka_unit_test(test_mix),
+                                       cmocka_unit_test(test_sides)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
