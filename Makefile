@@ -9,8 +9,8 @@ WERROR  ?= -Werror
 
 # Debian packages: what the build needs, and what the checks need beyond that.
 PACKAGES_BUILD := gcc libc6-dev make libembree-dev libmicrohttpd-dev libjansson-dev libuv1-dev \
-	libsqlite3-dev libexpat1-dev libpng-dev libsodium-dev libcurl4-openssl-dev libcairo2-dev libopenexr-dev \
-	libgnutls28-dev nettle-dev libxxhash-dev libarchive-dev fonts-dejavu-core
+	libsqlite3-dev libexpat1-dev libpng-dev libsodium-dev libcurl4-openssl-dev libopenexr-dev \
+	libgnutls28-dev nettle-dev libxxhash-dev libarchive-dev
 PACKAGES_CHECK := $(PACKAGES_BUILD) libcmocka-dev curl python3 python3-yaml valgrind
 PACKAGES_LINT  := $(PACKAGES_CHECK) clang clang-tidy clang-format
 PACKAGES_DEMO  := $(PACKAGES_BUILD)
@@ -34,13 +34,13 @@ ALL_LDFLAGS = $(OPT_$(MODE)) $(LDFLAGS) -pthread
 EMBREE_LIB := $(if $(wildcard /usr/include/embree4/rtcore.h),-lembree4,-lembree3)
 # Debian 12's library has its version in its name, later ones have not.
 EXR_LIB := $(if $(wildcard /usr/lib/*/libOpenEXRCore.so),-lOpenEXRCore,-lOpenEXRCore-3_1)
-CORE_LIBS   := $(EMBREE_LIB) -lexpat -lpng $(EXR_LIB) -lcairo -lsodium -lnettle -lm
+CORE_LIBS   := $(EMBREE_LIB) -lexpat -lpng $(EXR_LIB) -lsodium -lnettle -lm
 API_LIBS    := -ljansson
 SERVER_LIBS := -lmicrohttpd -lgnutls -luv -lsqlite3 -larchive $(API_LIBS)
 CLIENT_LIBS := -lcurl $(API_LIBS)
 
 CORE_SRC   := $(sort $(wildcard core/*/*.c core/*/*/*.c))
-API_SRC    := $(sort $(wildcard api/*.c))
+API_SRC    := $(sort $(wildcard api/*.c api/*/*.c))
 SERVER_SRC := $(sort $(wildcard server/*.c server/*/*.c))
 CLIENT_SRC := $(sort $(wildcard client/*.c))
 OFFICE_SRC := $(sort $(wildcard client/examples/office/*.c))
@@ -53,14 +53,12 @@ TEST_SUITES := unit stats validation stability api migrations
 TEST_SRC   := $(sort $(foreach s,$(TEST_SUITES),$(wildcard tests/$(s)/test_*.c)))
 
 # Boundaries by include path: only the core sees its own internals.
-# cairo's headers name each other without their folder.
-INC_cairo   := -isystem /usr/include/cairo
-INC_core    := -Icore/include -iquote core $(INC_cairo)
+INC_core    := -Icore/include -iquote core
 INC_api     := -Icore/include -iquote api
 INC_server  := -Icore/include -iquote api -iquote server -iquote $(BUILD)/generated
 INC_client  := -Icore/include -iquote api -iquote client
 INC_tests   := -Icore/include -iquote core -iquote api -iquote server -iquote tests \
-	-iquote $(BUILD)/generated $(INC_cairo)
+	-iquote $(BUILD)/generated
 
 obj = $(patsubst %.c,$(BUILD)/obj/%.o,$(1))
 CORE_OBJ   := $(call obj,$(CORE_SRC))

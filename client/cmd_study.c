@@ -9,6 +9,7 @@
 
 #include <oriel/study.h>
 
+#include "chart/study_chart.h"
 #include "files.h"
 #include "job_file.h"
 #include "local.h"
@@ -63,9 +64,9 @@ static int write_files(const struct orl_study *study, const struct orl_study_req
     if (rc == 0)
         rc = orl_study_write_csv(study, paths[1], err);
     if (rc == 0)
-        rc = orl_study_write_svg(study, request->title, paths[2], err);
+        rc = orl_study_chart_write(study, request->title, ORL_CANVAS_SVG, paths[2], err);
     if (rc == 0)
-        rc = orl_study_write_png(study, request->title, paths[3], err);
+        rc = orl_study_chart_write(study, request->title, ORL_CANVAS_PNG, paths[3], err);
     return rc;
 }
 

@@ -159,32 +159,6 @@ static void go_past(struct frame *f, const struct orl_letter *letter)
     f->y = next.y;
 }
 
-struct passing {
-    const struct frame *frame;
-    orl_letters_to to;
-    void *ctx;
-};
-
-static void pass_on(void *ctx, bool begins, struct point p)
-{
-    const struct passing *passing = ctx;
-    const struct point at = place(passing->frame, p);
-    passing->to(passing->ctx, begins, at.x, at.y);
-}
-
-void orl_letters_strokes(const struct orl_pen *pen, double x, double y, const char *text,
-                         orl_letters_to to, void *ctx)
-{
-    struct frame frame = frame_of(pen, x, y);
-    struct passing passing = {&frame, to, ctx};
-    struct stroke stroke = {.to = pass_on, .ctx = &passing};
-    while (*text) {
-        const struct orl_letter *letter = orl_letter_find(next_code(&text));
-        walk_letter(letter, &stroke);
-        go_past(&frame, letter);
-    }
-}
-
 /* ---- Pixels ---------------------------------------------------------------------------------- */
 
 struct line {

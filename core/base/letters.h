@@ -39,12 +39,6 @@ double orl_letters_width(const char *text, double size);
 void orl_letters_draw(const struct orl_raster *raster, const struct orl_pen *pen, double x,
                       double y, const char *text);
 
-/* The text's strokes as lines, for those who draw by other means: called with begins where a stroke
- * does, then with each of its further points. Strokes that are closed end where they began. */
-typedef void (*orl_letters_to)(void *ctx, bool begins, double x, double y);
-void orl_letters_strokes(const struct orl_pen *pen, double x, double y, const char *text,
-                         orl_letters_to to, void *ctx);
-
 /* A straight line with round ends, of the pen's weight (1 where that is 0) and colour. */
 void orl_raster_line(const struct orl_raster *raster, const struct orl_pen *pen, double x0,
                      double y0, double x1, double y1);

@@ -141,12 +141,12 @@ static int write_map(struct orl_run_state *state, const struct orl_sensor_plane 
     snprintf(name, sizeof name, "sensors.map%s.png", number);
     int code = name_file(state, name, &files->maps[at].png, path, err);
     if (code == 0)
-        code = orl_heat_map_write_png(&map, path, err);
+        code = orl_heat_map_write(&map, ORL_CANVAS_PNG, path, err);
     snprintf(name, sizeof name, "sensors.map%s.svg", number);
     if (code == 0)
         code = name_file(state, name, &files->maps[at].svg, path, err);
     if (code == 0)
-        code = orl_heat_map_write_svg(&map, path, err);
+        code = orl_heat_map_write(&map, ORL_CANVAS_SVG, path, err);
     snprintf(name, sizeof name, "sensors.map%s.dat", number);
     if (code == 0 && fill_table(plane, state->result->illuminance_lx, &table)) {
         code = name_file(state, name, &files->maps[at].dat, path, err);

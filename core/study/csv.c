@@ -1,8 +1,9 @@
 /* A study's points as comma-separated values. */
 #include <math.h>
 
+#include <oriel/study.h>
+
 #include "base/file.h"
-#include "study/plot.h"
 
 static void write_names(FILE *stream)
 {

@@ -10,9 +10,6 @@
 #include <oriel/study.h>
 
 /* What request.c offers the others. */
-#define ORL_STUDY_LEAST 1e-12 /* what can be shown on a logarithmic axis that ends somewhere */
-#define ORL_STUDY_MOST 1e12
-bool orl_study_can_show(double value);
 bool orl_study_of_views(const struct orl_study_request *request);
 int orl_study_list_settings(const struct orl_study_request *request,
                             struct orl_study_setting **ret_settings, size_t *ret_count,

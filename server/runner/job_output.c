@@ -6,6 +6,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "chart/study_chart.h"
 #include "decode.h"
 #include "encode.h"
 #include "process/limits.h"
@@ -282,8 +283,7 @@ int orl_skies_output_write(json_t *results, const char *state, size_t count, con
 int orl_study_output_write(const struct orl_study *study, const struct orl_study_request *request,
                            const char *folder, char **ret_summary, struct orl_error *err)
 {
-    static int (*const draw[])(const struct orl_study *, const char *, const char *,
-                               struct orl_error *) = {orl_study_write_svg, orl_study_write_png};
+    static const enum orl_canvas_kind kinds[] = {ORL_CANVAS_SVG, ORL_CANVAS_PNG};
     static const char *const drawn[] = {"study.svg", "study.png"};
     char path[ORL_PATH_MAX];
     json_t *doc = orl_study_to_json(study, request);
@@ -296,7 +296,7 @@ int orl_study_output_write(const struct orl_study *study, const struct orl_study
         rc = orl_job_output_list("study.csv", folder, files, err);
     for (size_t i = 0; i < 2 && rc == 0; i++) {
         snprintf(path, sizeof path, "%s/%s", folder, drawn[i]);
-        rc = draw[i](study, request->title, path, err);
+        rc = orl_study_chart_write(study, request->title, kinds[i], path, err);
         if (rc == 0)
             rc = orl_job_output_list(drawn[i], folder, files, err);
     }

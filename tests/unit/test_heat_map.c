@@ -227,22 +227,24 @@ static void test_map(void **state)
             (struct orl_sensor){orl_v3(1 + i % 2, 1 + (double)(i / 2), 1), orl_v3(0, 0, 1)};
     assert_int_equal(orl_sensor_planes_find(sensors, 4, 1, planes, &count), 0);
     const struct orl_heat_map map = {geometry, planes, lux, intervals, &how};
-    assert_int_equal(orl_heat_map_write_svg(&map, path_of("a.svg"), NULL), 0);
+    assert_int_equal(orl_heat_map_write(&map, ORL_CANVAS_SVG, path_of("a.svg"), NULL), 0);
     char *with = read_file(path_of("a.svg"));
     assert_non_null(strstr(with, ">1234</text>"));
     assert_non_null(strstr(with, ">290</text>"));
     assert_non_null(strstr(with, "4 sensors at z = 1 m"));
     assert_non_null(strstr(with, "1 hatched: 300 lx"));
     how.thresholds_lx[0] = 350;
-    assert_int_equal(orl_heat_map_write_svg(&map, path_of("a.svg"), NULL), 0);
+    assert_int_equal(orl_heat_map_write(&map, ORL_CANVAS_SVG, path_of("a.svg"), NULL), 0);
     char *without = read_file(path_of("a.svg"));
     assert_non_null(strstr(without, "0 hatched: 350 lx"));
     assert_true(count_of(with, "<path") > count_of(without, "<path") + 10);
     assert_int_equal(strcmp(with + strlen(with) - 7, "</svg>\n"), 0);
-    assert_int_equal(orl_heat_map_write_png(&map, path_of("a.png"), NULL), 0);
+    assert_int_equal(orl_heat_map_write(&map, ORL_CANVAS_PNG, path_of("a.png"), NULL), 0);
     struct orl_error err;
-    assert_int_equal(orl_heat_map_write_png(&map, path_of("no/a.png"), &err), ORL_ERR_IO);
-    assert_int_equal(orl_heat_map_write_svg(&map, path_of("no/a.svg"), &err), ORL_ERR_IO);
+    assert_int_equal(orl_heat_map_write(&map, ORL_CANVAS_PNG, path_of("no/a.png"), &err),
+                     ORL_ERR_IO);
+    assert_int_equal(orl_heat_map_write(&map, ORL_CANVAS_SVG, path_of("no/a.svg"), &err),
+                     ORL_ERR_IO);
     free(with);
     free(without);
     orl_sensor_planes_done(planes, count);

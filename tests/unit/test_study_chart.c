@@ -11,8 +11,9 @@
 #include <expat.h>
 #include <png.h>
 
+#include "chart/layout.h"
+#include "chart/study_chart.h"
 #include "study/fit.h"
-#include "study/plot.h"
 #include "support/cli.h"
 #include "support/scene_text.h"
 #include "support/study_data.h"
@@ -140,7 +141,8 @@ static void test_svg_is_well_formed(void **state)
     (void)state;
     cli_make_folder(folder);
     snprintf(path, sizeof path, "%s/study.svg", folder);
-    assert_int_equal(orl_study_write_svg(&study, "Fish & chips <1 %", path, NULL), 0);
+    assert_int_equal(orl_study_chart_write(&study, "Fish & chips <1 %", ORL_CANVAS_SVG, path, NULL),
+                     0);
     unsigned char *bytes = scene_read_bytes(path, &size);
     XML_Parser parser = XML_ParserCreate(NULL);
     assert_non_null(parser);
@@ -164,7 +166,7 @@ static void test_png_shows_the_points(void **state)
     (void)state;
     cli_make_folder(folder);
     snprintf(path, sizeof path, "%s/study.png", folder);
-    assert_int_equal(orl_study_write_png(&study, NULL, path, NULL), 0);
+    assert_int_equal(orl_study_chart_write(&study, NULL, ORL_CANVAS_PNG, path, NULL), 0);
     assert_true(png_image_begin_read_from_file(&image, path));
     assert_int_equal(image.width, 2 * ORL_CHART_WIDTH);
     assert_int_equal(image.height, 2 * ORL_CHART_HEIGHT);
@@ -193,8 +195,12 @@ static void test_files_that_cannot_be_written(void **state)
     struct orl_study study = study_of_chance(2, 2, 0);
     struct orl_error err = {0};
     (void)state;
-    assert_int_equal(orl_study_write_svg(&study, NULL, "/nowhere/at/all.svg", &err), ORL_ERR_IO);
-    assert_int_equal(orl_study_write_png(&study, NULL, "/nowhere/at/all.png", &err), ORL_ERR_IO);
+    assert_int_equal(
+        orl_study_chart_write(&study, NULL, ORL_CANVAS_SVG, "/nowhere/at/all.svg", &err),
+        ORL_ERR_IO);
+    assert_int_equal(
+        orl_study_chart_write(&study, NULL, ORL_CANVAS_PNG, "/nowhere/at/all.png", &err),
+        ORL_ERR_IO);
     assert_int_equal(orl_study_write_csv(&study, "/nowhere/at/all.csv", &err), ORL_ERR_IO);
     assert_non_null(strstr(err.message, "/nowhere/at/all.csv"));
     orl_study_done(&study);

@@ -176,14 +176,14 @@ struct orl_study_env {
 int orl_study_run(const struct orl_study_request *request, const struct orl_study_env *env,
                   struct orl_study *ret_study, struct orl_error *err);
 
+/* What can be shown on a logarithmic axis that ends somewhere. */
+#define ORL_STUDY_LEAST 1e-12
+#define ORL_STUDY_MOST 1e12
+bool orl_study_can_show(double value);
+
 /* ---- Files ----------------------------------------------------------------------------------- */
 
-/* Error against time, both logarithmic, with the points given; whole or absent. */
-int orl_study_write_svg(const struct orl_study *study, const char *title, const char *path,
-                        struct orl_error *err);
-int orl_study_write_png(const struct orl_study *study, const char *title, const char *path,
-                        struct orl_error *err);
-/* A line per point, one of names above them. */
+/* A line per point, one of names above them; whole or absent. */
 int orl_study_write_csv(const struct orl_study *study, const char *path, struct orl_error *err);
 
 #endif

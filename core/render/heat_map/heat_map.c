@@ -4,10 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/file.h"
 #include "base/kth.h"
-#include "render/film/png.h"
-#include "render/heat_map/canvas.h"
+#include "render/heat_map/quad.h"
 #include "render/heat_map/section.h"
 #include "render/picture/palette.h"
 
@@ -30,6 +28,14 @@ static void place(const struct page *page, const double at[2], double *ret_x, do
 {
     *ret_x = page->left + (at[0] - page->low[0]) * page->pixels;
     *ret_y = page->bottom - (at[1] - page->low[1]) * page->pixels;
+}
+
+static void write(const struct page *page, double x, double y, enum orl_canvas_align align,
+                  const unsigned char rgb[3], const char *text)
+{
+    struct orl_canvas_letters letters = {.size = LETTERS, .align = align};
+    memcpy(letters.rgb, rgb, 3);
+    orl_canvas_text(page->canvas, x, y, &letters, text);
 }
 
 /* ---- Layout ---------------------------------------------------------------------------------- */
@@ -110,7 +116,7 @@ static bool has_room(const struct page *page)
     for (size_t i = 0; i < plane->count; i++) {
         char text[16];
         orl_scale_text(page->map->illuminance_lx[plane->sensors[i]], text);
-        widest = fmax(widest, orl_letters_width(text, LETTERS));
+        widest = fmax(widest, orl_canvas_text_width(text, LETTERS));
     }
     return plane->cell[0] * page->pixels > widest + 6 &&
            plane->cell[1] * page->pixels > 2 * LETTERS;
@@ -124,10 +130,10 @@ static void draw_number(struct page *page, size_t index, const unsigned char und
     double x, y;
     orl_scale_text(page->map->illuminance_lx[plane->sensors[index]], text);
     place(page, plane->at[index], &x, &y);
-    const double half = orl_letters_width(text, LETTERS) / 2 + 2, up = LETTERS / 2.0 + 3;
+    const double half = orl_canvas_text_width(text, LETTERS) / 2 + 2, up = LETTERS / 2.0 + 3;
     const struct orl_quad ground = orl_quad_of(x - half, y - up, x + half, y + up);
-    orl_canvas_fill(page->canvas, &ground, under);
-    orl_canvas_text(page->canvas, x, y + LETTERS / 2.0, LETTERS, ORL_CANVAS_MIDDLE, over, text);
+    orl_canvas_fill(page->canvas, 4, ground.x, ground.y, under);
+    write(page, x, y + LETTERS / 2.0, ORL_CANVAS_MIDDLE, over, text);
 }
 
 static void draw_cells(struct page *page)
@@ -141,10 +147,10 @@ static void draw_cells(struct page *page)
         if (!isfinite(value))
             continue;
         orl_palette_color(page->scale.palette, orl_scale_share(&page->scale, value), rgb);
-        orl_canvas_fill(page->canvas, &quad, rgb);
+        orl_canvas_fill(page->canvas, 4, quad.x, quad.y, rgb);
         const unsigned char *over = is_dark(rgb) ? paper : ink;
         if (is_open(page, plane->sensors[i]))
-            orl_canvas_hatch(page->canvas, &quad, 7, over);
+            orl_quad_hatch(page->canvas, &quad, 7, over);
         if (numbers)
             draw_number(page, i, rgb, over);
     }
@@ -203,7 +209,7 @@ static void draw_head(struct page *page)
     else
         snprintf(text, sizeof text, "Illuminance, %s: %zu sensors facing (%.3g, %.3g, %.3g)",
                  page->scale.unit, plane->count, plane->normal.x, plane->normal.y, plane->normal.z);
-    orl_canvas_text(page->canvas, MARGIN, 18, LETTERS, ORL_CANVAS_LEFT, ink, text);
+    write(page, MARGIN, 18, ORL_CANVAS_LEFT, ink, text);
     for (uint32_t i = 0; i < how->n_thresholds; i++) {
         const size_t length = strlen(thresholds);
         snprintf(thresholds + length, sizeof thresholds - length, "%s%g", i ? " or " : "",
@@ -213,7 +219,7 @@ static void draw_head(struct page *page)
         return;
     snprintf(text, sizeof text, "%zu hatched: %s lx lies within the 95 %% interval", open,
              thresholds);
-    orl_canvas_text(page->canvas, MARGIN, 34, LETTERS, ORL_CANVAS_LEFT, ink, text);
+    write(page, MARGIN, 34, ORL_CANVAS_LEFT, ink, text);
 }
 
 /* A length of 1, 2 or 5 times a power of ten, some hundred pixels long. */
@@ -228,8 +234,7 @@ static void draw_length(struct page *page, double right, double y)
     orl_canvas_line(page->canvas, left, y, right, y, 1.6, ink);
     orl_canvas_line(page->canvas, left, y - 4, left, y + 4, 1.6, ink);
     orl_canvas_line(page->canvas, right, y - 4, right, y + 4, 1.6, ink);
-    orl_canvas_text(page->canvas, (left + right) / 2, y + 16, LETTERS, ORL_CANVAS_MIDDLE, ink,
-                    text);
+    write(page, (left + right) / 2, y + 16, ORL_CANVAS_MIDDLE, ink, text);
 }
 
 static void draw_legend(struct page *page)
@@ -244,17 +249,16 @@ static void draw_legend(struct page *page)
                                                  left + width * (i + 1) / STEPS + 0.3, top + 12);
         unsigned char rgb[3];
         orl_palette_color(page->scale.palette, (i + 0.5) / STEPS, rgb);
-        orl_canvas_fill(page->canvas, &part, rgb);
+        orl_canvas_fill(page->canvas, 4, part.x, part.y, rgb);
     }
     orl_scale_legend(&page->scale, &legend);
     for (size_t i = 0; i < legend.n_ticks; i++) {
         const double x = left + width * legend.ticks[i].at;
-        const double half = orl_letters_width(legend.ticks[i].text, LETTERS) / 2;
+        const double half = orl_canvas_text_width(legend.ticks[i].text, LETTERS) / 2;
         orl_canvas_line(page->canvas, x, top + 12, x, top + 15, 1, ink);
         if (x - half < free_from)
             continue;
-        orl_canvas_text(page->canvas, x, top + 27, LETTERS, ORL_CANVAS_MIDDLE, ink,
-                        legend.ticks[i].text);
+        write(page, x, top + 27, ORL_CANVAS_MIDDLE, ink, legend.ticks[i].text);
         free_from = x + half + 5;
     }
     draw_length(page, page->width - MARGIN - 12.0, top + 6);
@@ -266,37 +270,19 @@ static void draw(struct page *page)
     orl_section_cut(page->map->geometry, page->map->plane, draw_piece, page);
     draw_head(page);
     draw_legend(page);
-    orl_canvas_end(page->canvas);
 }
 
-int orl_heat_map_write_png(const struct orl_heat_map *map, const char *path, struct orl_error *err)
+int orl_heat_map_write(const struct orl_heat_map *map, enum orl_canvas_kind kind, const char *path,
+                       struct orl_error *err)
 {
-    struct orl_canvas canvas = {.svg = NULL};
-    struct page page = {.map = map, .canvas = &canvas};
+    struct page page = {.map = map};
     lay_out(&page);
     int code = make_scale(&page);
-    if (code == 0)
-        code = orl_canvas_init(&canvas, page.width, page.height, NULL);
     if (code < 0)
         return orl_error_set(err, code, "out of memory drawing a heat map");
-    draw(&page);
-    code = orl_png_write(path, page.width, page.height, canvas.raster.rgb, err);
-    orl_canvas_done(&canvas);
-    return code;
-}
-
-int orl_heat_map_write_svg(const struct orl_heat_map *map, const char *path, struct orl_error *err)
-{
-    struct orl_out_file file = {.stream = NULL};
-    struct orl_canvas canvas;
-    struct page page = {.map = map, .canvas = &canvas};
-    lay_out(&page);
-    if (make_scale(&page) < 0)
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory drawing a heat map");
-    const int code = orl_out_open(&file, path, err);
+    code = orl_canvas_open(kind, path, page.width, page.height, 1, &page.canvas, err);
     if (code < 0)
         return code;
-    orl_canvas_init(&canvas, page.width, page.height, file.stream);
     draw(&page);
-    return orl_out_close(&file, 0, err);
+    return orl_canvas_close(page.canvas, 0, err);
 }

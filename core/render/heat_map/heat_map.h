@@ -7,6 +7,8 @@
 #ifndef ORL_RENDER_HEAT_MAP_HEAT_MAP_H
 #define ORL_RENDER_HEAT_MAP_HEAT_MAP_H
 
+#include <oriel/canvas.h>
+
 #include "render/heat_map/planes.h"
 #include "render/picture/scale.h"
 #include "scene/geometry/geometry.h"
@@ -19,8 +21,8 @@ struct orl_heat_map {
     const struct orl_heat_map_request *how;
 };
 
-/* Both to path.part, sync, rename. Return 0, ORL_ERR_NOMEM or ORL_ERR_IO. */
-int orl_heat_map_write_png(const struct orl_heat_map *map, const char *path, struct orl_error *err);
-int orl_heat_map_write_svg(const struct orl_heat_map *map, const char *path, struct orl_error *err);
+/* Into a file, whole or absent. Returns 0, ORL_ERR_NOMEM or ORL_ERR_IO. */
+int orl_heat_map_write(const struct orl_heat_map *map, enum orl_canvas_kind kind, const char *path,
+                       struct orl_error *err);
 
 #endif

@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "study/chart.h"
+#include "chart/layout.h"
 
 static const double marker_half = 6;  /* a marker's box, half its side */
 static const double text_gap = 2;     /* between texts */
@@ -141,19 +141,17 @@ static struct place find_place(const struct room *room, const struct orl_chart_t
 }
 
 /* Adds a label where there is room for it, else nothing. */
-static int add_label(struct room *room, enum orl_chart_role role, const char *text, double x,
-                     double y, struct orl_error *err)
+static void add_label(struct room *room, enum orl_chart_role role, const char *text, double x,
+                      double y)
 {
     struct orl_chart *chart = room->chart;
-    struct orl_chart_text *t = orl_chart_add(chart, role, text, 0, 0, ORL_CHART_LEFT);
-    if (!t)
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for labels");
+    struct orl_chart_text *t = orl_chart_add(chart, role, text, 0, 0, ORL_CANVAS_LEFT);
     const struct orl_chart_text made = *t;
     chart->n_texts--; /* it must not be in its own way */
     const struct place place = find_place(room, &made, x, y);
     if (place.box.x1 <= place.box.x0) {
         chart->n_unlabelled += role == ORL_CHART_GIVEN;
-        return 0;
+        return;
     }
     *t = made;
     t->x += place.box.x0 - made.box.x0;
@@ -163,7 +161,6 @@ static int add_label(struct room *room, enum orl_chart_role role, const char *te
     t->from_x = x;
     t->from_y = y;
     chart->n_texts++;
-    return 0;
 }
 
 static void add_marker(struct room *room, double x, double y, double half)
@@ -243,23 +240,21 @@ static void format_setting(const struct orl_study_setting *s, char *ret_text, si
         snprintf(ret_text, size, "%u", s->samples);
 }
 
-static int label_all(struct room *room, const struct orl_study *study, const size_t *front,
-                     size_t n_front, struct orl_error *err)
+static void label_all(struct room *room, const struct orl_study *study, const size_t *front,
+                      size_t n_front)
 {
     const struct orl_chart *chart = room->chart;
     char text[64];
-    int code = 0;
-    for (size_t i = 0; i < study->n_given && code == 0; i++)
-        code = add_label(room, ORL_CHART_GIVEN, study->given[i].name,
-                         orl_axis_at(&chart->x, study->given[i].here_s),
-                         orl_axis_at(&chart->y, 100 * study->given[i].rms), err);
-    for (size_t i = 0; i < n_front && code == 0; i++) {
+    for (size_t i = 0; i < study->n_given; i++)
+        add_label(room, ORL_CHART_GIVEN, study->given[i].name,
+                  orl_axis_at(&chart->x, study->given[i].here_s),
+                  orl_axis_at(&chart->y, 100 * study->given[i].rms));
+    for (size_t i = 0; i < n_front; i++) {
         const struct orl_study_point *p = &study->points[front[i]];
         format_setting(&p->setting, text, sizeof text);
-        code = add_label(room, ORL_CHART_POINT, text, orl_axis_at(&chart->x, p->total_s),
-                         orl_axis_at(&chart->y, 100 * p->rms), err);
+        add_label(room, ORL_CHART_POINT, text, orl_axis_at(&chart->x, p->total_s),
+                  orl_axis_at(&chart->y, 100 * p->rms));
     }
-    return code;
 }
 
 int orl_chart_place_labels(struct orl_chart *chart, const struct orl_study *study,
@@ -278,7 +273,7 @@ int orl_chart_place_labels(struct orl_chart *chart, const struct orl_study *stud
         add_curves(&room, study, index);
         add_reference(&room, study);
         const size_t n_front = orl_chart_front(study, index);
-        code = label_all(&room, study, index, n_front, err);
+        label_all(&room, study, index, n_front);
     }
     free(room.markers);
     free(room.segments);

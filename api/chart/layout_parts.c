@@ -1,13 +1,9 @@
-#include "study/chart.h"
+#include "chart/layout.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include "base/grow.h"
-#include "base/letters.h"
-#include "study/series.h"
 
 bool orl_box_meets(const struct orl_chart_box *a, const struct orl_chart_box *b)
 {
@@ -27,16 +23,14 @@ double orl_chart_letters(enum orl_chart_role role)
 
 struct orl_chart_text *orl_chart_add(struct orl_chart *chart, enum orl_chart_role role,
                                      const char *text, double x, double y,
-                                     enum orl_chart_align align)
+                                     enum orl_canvas_align align)
 {
     const double size = orl_chart_letters(role);
-    if (!orl_grow(&chart->texts, &chart->capacity, chart->n_texts, sizeof *chart->texts))
-        return NULL;
     struct orl_chart_text *t = &chart->texts[chart->n_texts++];
     *t = (struct orl_chart_text){.role = role};
     snprintf(t->text, sizeof t->text, "%s", text);
-    const double width = orl_letters_width(t->text, size);
-    t->x = x - (align == ORL_CHART_MIDDLE ? width / 2 : align == ORL_CHART_RIGHT ? width : 0);
+    const double width = orl_canvas_text_width(t->text, size);
+    t->x = x - (align == ORL_CANVAS_MIDDLE ? width / 2 : align == ORL_CANVAS_RIGHT ? width : 0);
     /* y is of the middle of capitals; marks stand above them, and tails hang below. */
     t->y = y + size / 2;
     t->box = (struct orl_chart_box){t->x, t->y - 1.2 * size, t->x + width, t->y + 0.35 * size};

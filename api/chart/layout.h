@@ -1,6 +1,6 @@
 /*
- * A study's chart before it is drawn: where everything stands on the page. plot.c draws what is
- * decided here.
+ * A study's chart before it is drawn: where everything stands on the page. study_chart.c draws what
+ * is decided here.
  *
  * Page units are 1/72 inch in SVG and two pixels in PNG, y downwards. Every text has a box; no two
  * boxes meet, and none lies beyond the page. The legend has a column of its own, right of the
@@ -8,12 +8,13 @@
  * of the study's own points are dropped where there is none, those of given points find one
  * anywhere in the plot or are counted in n_unlabelled.
  */
-#ifndef ORL_STUDY_CHART_H
-#define ORL_STUDY_CHART_H
+#ifndef ORL_CHART_LAYOUT_H
+#define ORL_CHART_LAYOUT_H
 
+#include <oriel/canvas.h>
 #include <oriel/study.h>
 
-#include "study/axis.h"
+#include "chart/axis.h"
 
 struct orl_chart_box {
     double x0, y0, x1, y1;
@@ -53,13 +54,15 @@ struct orl_chart_row {
     double x, y; /* left end and middle of the place for the key */
 };
 
+#define ORL_CHART_ROWS (ORL_TECHNIQUE_COUNT + 8)
+
 struct orl_chart {
     double width, height;
     struct orl_chart_box plot;
     struct orl_axis x, y;         /* seconds; percent */
-    struct orl_chart_text *texts; /* owned */
-    size_t n_texts, capacity;
-    struct orl_chart_row rows[ORL_TECHNIQUE_COUNT + 8];
+    struct orl_chart_text *texts; /* owned; room for all there can be */
+    size_t n_texts;
+    struct orl_chart_row rows[ORL_CHART_ROWS];
     size_t n_rows;
     size_t n_unlabelled;
 };
@@ -89,11 +92,11 @@ size_t orl_chart_front(const struct orl_study *study, size_t *ret_index);
 int orl_chart_place_labels(struct orl_chart *chart, const struct orl_study *study,
                            struct orl_error *err);
 
-/* Adds a text; NULL when out of memory. x, y as align says: of the box's left, middle or right. */
-enum orl_chart_align { ORL_CHART_LEFT, ORL_CHART_MIDDLE, ORL_CHART_RIGHT };
+/* Adds a text. x, y: of the box's left, middle or right, as align says; and of its letters' middle.
+ */
 struct orl_chart_text *orl_chart_add(struct orl_chart *chart, enum orl_chart_role role,
                                      const char *text, double x, double y,
-                                     enum orl_chart_align align);
+                                     enum orl_canvas_align align);
 
 bool orl_box_meets(const struct orl_chart_box *a, const struct orl_chart_box *b);
 

@@ -1,12 +1,11 @@
-#include "study/chart.h"
+#include "chart/layout.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/letters.h"
-#include "study/series.h"
+#include <oriel/canvas.h>
 
 static const double left_edge = 86, top_edge = 46, bottom_edge = 58, legend_width = 208,
                     legend_gap = 22, row_height = 21;
@@ -46,22 +45,19 @@ static void make_axes(struct orl_chart *chart, const struct orl_study *study)
     orl_axis_init(&chart->y, y0, y1, chart->plot.y1, chart->plot.y0, 22);
 }
 
-static bool add_ticks(struct orl_chart *chart)
+static void add_ticks(struct orl_chart *chart)
 {
     char text[32];
-    bool ok = true;
     for (size_t i = 0; i < chart->x.n_ticks; i++) {
         orl_axis_format(chart->x.ticks[i], text, sizeof text);
-        ok = ok &&
-             orl_chart_add(chart, ORL_CHART_TICK, text, orl_axis_at(&chart->x, chart->x.ticks[i]),
-                           chart->plot.y1 + 15, ORL_CHART_MIDDLE);
+        orl_chart_add(chart, ORL_CHART_TICK, text, orl_axis_at(&chart->x, chart->x.ticks[i]),
+                      chart->plot.y1 + 15, ORL_CANVAS_MIDDLE);
     }
     for (size_t i = 0; i < chart->y.n_ticks; i++) {
         orl_axis_format(chart->y.ticks[i], text, sizeof text);
-        ok = ok && orl_chart_add(chart, ORL_CHART_TICK, text, chart->plot.x0 - 8,
-                                 orl_axis_at(&chart->y, chart->y.ticks[i]), ORL_CHART_RIGHT);
+        orl_chart_add(chart, ORL_CHART_TICK, text, chart->plot.x0 - 8,
+                      orl_axis_at(&chart->y, chart->y.ticks[i]), ORL_CANVAS_RIGHT);
     }
-    return ok;
 }
 
 /* Shortens the last text by letters until it is no wider than that; UTF-8 is cut whole. */
@@ -74,11 +70,11 @@ static void fit_width(struct orl_chart *chart, double width)
             length--;
         while (length > 0 && ((unsigned char)t->text[length] & 0xC0) == 0x80);
         snprintf(t->text + length, sizeof t->text - length, "...");
-        t->box.x1 = t->box.x0 + orl_letters_width(t->text, orl_chart_letters(t->role));
+        t->box.x1 = t->box.x0 + orl_canvas_text_width(t->text, orl_chart_letters(t->role));
     }
 }
 
-static bool add_titles(struct orl_chart *chart, const struct orl_study *study, const char *title)
+static void add_titles(struct orl_chart *chart, const struct orl_study *study, const char *title)
 {
     const struct orl_chart_box *plot = &chart->plot;
     char text[96];
@@ -86,15 +82,12 @@ static bool add_titles(struct orl_chart *chart, const struct orl_study *study, c
         snprintf(text, sizeof text, "time, seconds (one thread)");
     else
         snprintf(text, sizeof text, "time, seconds (%u threads)", study->threads);
-    if (!orl_chart_add(chart, ORL_CHART_AXIS, text, (plot->x0 + plot->x1) / 2, plot->y1 + 40,
-                       ORL_CHART_MIDDLE))
-        return false;
+    orl_chart_add(chart, ORL_CHART_AXIS, text, (plot->x0 + plot->x1) / 2, plot->y1 + 40,
+                  ORL_CANVAS_MIDDLE);
     struct orl_chart_text *t =
         orl_chart_add(chart, ORL_CHART_AXIS,
                       study->of_views ? "rms error of pixels, %" : "rms error of sensors, %", 0, 0,
-                      ORL_CHART_MIDDLE);
-    if (!t)
-        return false;
+                      ORL_CANVAS_MIDDLE);
     /* Turned to the left about its middle. */
     const struct orl_chart_box b = t->box;
     const double x = 20, y = (plot->y0 + plot->y1) / 2;
@@ -103,24 +96,20 @@ static bool add_titles(struct orl_chart *chart, const struct orl_study *study, c
     t->x = x + t->y;
     t->y = y - b.x0;
     if (!title || !title[0])
-        return true;
-    if (!orl_chart_add(chart, ORL_CHART_TITLE, title, plot->x0, 24, ORL_CHART_LEFT))
-        return false;
+        return;
+    orl_chart_add(chart, ORL_CHART_TITLE, title, plot->x0, 24, ORL_CANVAS_LEFT);
     fit_width(chart, chart->width - plot->x0 - 12);
-    return true;
 }
 
-static bool add_row(struct orl_chart *chart, enum orl_chart_key key, enum orl_technique technique,
+static void add_row(struct orl_chart *chart, enum orl_chart_key key, enum orl_technique technique,
                     const char *text)
 {
     const double x = chart->plot.x1 + legend_gap;
     const double y = chart->plot.y0 + 10 + row_height * (double)chart->n_rows;
     const double indent = key == ORL_CHART_KEY_NOTE ? 0 : ORL_CHART_KEY_WIDTH + 8;
     chart->rows[chart->n_rows++] = (struct orl_chart_row){key, technique, x, y};
-    if (!orl_chart_add(chart, ORL_CHART_LEGEND, text, x + indent, y, ORL_CHART_LEFT))
-        return false;
+    orl_chart_add(chart, ORL_CHART_LEGEND, text, x + indent, y, ORL_CANVAS_LEFT);
     fit_width(chart, chart->width - x - indent - 6);
-    return true;
 }
 
 /* Is there a given point whose time was measured on another machine? */
@@ -132,46 +121,56 @@ static bool any_scaled(const struct orl_study *study)
     return any;
 }
 
-static bool add_legend(struct orl_chart *chart, const struct orl_study *study)
+static void add_techniques(struct orl_chart *chart, const struct orl_study *study)
 {
-    bool ok = true, seen[ORL_TECHNIQUE_COUNT] = {false};
-    char text[96];
+    bool seen[ORL_TECHNIQUE_COUNT] = {false};
     for (size_t i = 0; i < study->n_points; i++) {
         const enum orl_technique technique = study->points[i].setting.technique;
-        if (!seen[technique] && orl_chart_shows(&study->points[i]))
-            ok = ok &&
-                 add_row(chart, ORL_CHART_KEY_TECHNIQUE, technique, orl_technique_name(technique));
-        seen[technique] = seen[technique] || orl_chart_shows(&study->points[i]);
+        if (!seen[technique] && orl_chart_shows(&study->points[i])) {
+            add_row(chart, ORL_CHART_KEY_TECHNIQUE, technique, orl_technique_name(technique));
+            seen[technique] = true;
+        }
     }
-    ok = ok && add_row(chart, ORL_CHART_KEY_FRONT, ORL_TECHNIQUE_AUTO, "best at its time");
+}
+
+static void add_legend(struct orl_chart *chart, const struct orl_study *study)
+{
+    const enum orl_technique none = ORL_TECHNIQUE_AUTO;
     const double noise = 100 * study->reference.standard_error;
+    const uint32_t seeds = study->n_points > 0 ? study->points[0].seeds : 0;
+    char text[96];
+    add_techniques(chart, study);
+    add_row(chart, ORL_CHART_KEY_FRONT, none, "best at its time");
     if (noise > chart->y.low && noise < chart->y.high)
-        ok = ok &&
-             add_row(chart, ORL_CHART_KEY_REFERENCE, ORL_TECHNIQUE_AUTO, "reference's own error");
+        add_row(chart, ORL_CHART_KEY_REFERENCE, none, "reference's own error");
     if (study->n_given > 0)
-        ok = ok && add_row(chart, ORL_CHART_KEY_GIVEN, ORL_TECHNIQUE_AUTO,
-                           any_scaled(study) ? "other programs, as if here" : "other programs");
+        add_row(chart, ORL_CHART_KEY_GIVEN, none,
+                any_scaled(study) ? "other programs, as if here" : "other programs");
     chart->rows[chart->n_rows++].key = ORL_CHART_KEY_NOTE; /* an empty row */
-    ok = ok && add_row(chart, ORL_CHART_KEY_NOTE, ORL_TECHNIQUE_AUTO,
-                       "hollow: its technique does better");
-    snprintf(text, sizeof text, "bars: standard error, %u seed%s",
-             study->n_points > 0 ? study->points[0].seeds : 0,
-             study->n_points > 0 && study->points[0].seeds == 1 ? "" : "s");
-    ok = ok && add_row(chart, ORL_CHART_KEY_NOTE, ORL_TECHNIQUE_AUTO, text);
-    ok = ok && add_row(chart, ORL_CHART_KEY_NOTE, ORL_TECHNIQUE_AUTO, "numbers: photons, samples");
-    return ok;
+    add_row(chart, ORL_CHART_KEY_NOTE, none, "hollow: its technique does better");
+    snprintf(text, sizeof text, "bars: standard error, %u seed%s", seeds, seeds == 1 ? "" : "s");
+    add_row(chart, ORL_CHART_KEY_NOTE, none, text);
+    add_row(chart, ORL_CHART_KEY_NOTE, none, "numbers: photons, samples");
+}
+
+/* Ticks, two axes and a title, the legend, a label for every point. */
+static size_t most_texts(const struct orl_study *study)
+{
+    return 2 * (size_t)ORL_AXIS_TICKS + 3 + ORL_CHART_ROWS + study->n_points + study->n_given;
 }
 
 int orl_chart_make(const struct orl_study *study, const char *title, struct orl_chart *ret_chart,
                    struct orl_error *err)
 {
     struct orl_chart chart = {.width = ORL_CHART_WIDTH, .height = ORL_CHART_HEIGHT};
-    int code = 0;
+    chart.texts = calloc(most_texts(study), sizeof *chart.texts);
+    if (!chart.texts)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for a chart");
     make_axes(&chart, study);
-    if (!add_ticks(&chart) || !add_titles(&chart, study, title) || !add_legend(&chart, study))
-        code = orl_error_set(err, ORL_ERR_NOMEM, "out of memory for a chart");
-    if (code == 0)
-        code = orl_chart_place_labels(&chart, study, err);
+    add_ticks(&chart);
+    add_titles(&chart, study, title);
+    add_legend(&chart, study);
+    const int code = orl_chart_place_labels(&chart, study, err);
     if (code < 0)
         orl_chart_done(&chart);
     else
