@@ -1,0 +1,150 @@
+/*
+ * A year of daylight at sensors: one set of paths a sensor, shared by all hours of a weather file.
+ *
+ * The light of an hour at a sensor is the sum of parts that exclude each other: the sky and the
+ * ground (paths binned by the direction in which they leave the scene, times the radiance of the
+ * hour's sky there), the sun seen from the sensor, straight or through panes (at its own place of
+ * every hour, its disc sampled), and the sun by way of surfaces (from nodes in declination and hour
+ * angle, interpolated between them).
+ *
+ * Conventions. Illuminances in lux (179 lm/W). Hours are those of the weather file, at the middle
+ * of the interval that a row stands for: the sun of an EPW row of hour 12 (11:00 to 12:00) stands
+ * where it does at 11:30, and so does that of its step here. Skies are those of a `render` job with
+ * `sky.weather` and the same ground reflectance (oriel/sky.h, ORL_SKY_FLUX). Sensors are in scene
+ * units, directions need not be unit. A scene has no distant sources of its own; its lamps are left
+ * out, with a warning: what is computed is daylight.
+ *
+ * Errors. se is the standard error of total, by how far independent batches of paths lie apart; of
+ * direct it is included there. Errors of ONE sensor are strongly correlated over hours (all of them
+ * are of the same paths): the mean of a year is hardly more certain than an hour. An interval of
+ * anything worked out from a sensor's hours is therefore to be had from the whole row moved by a
+ * common factor: the metric of value - z se and of value + z se, in every hour at once. Sensors'
+ * errors are independent of each other.
+ *
+ * Results are the same bytes for any crew size. Threads: the calling thread leads env->crew.
+ */
+#ifndef ORIEL_ANNUAL_H
+#define ORIEL_ANNUAL_H
+
+#include <oriel/run.h>
+
+/* ---- The request ----------------------------------------------------------------------------- */
+
+/* Sensors that belong together: a room's work plane. Grids lie one after the other. */
+struct orl_annual_grid {
+    char *name;
+    size_t first, count; /* of the request's sensors */
+};
+
+/* Strings and arrays are owned; orl_annual_request_done frees them. */
+struct orl_annual_request {
+    char **scene_files; /* names for the provider, as of a job */
+    size_t n_scene_files;
+    char *weather_file;        /* EPW or WEA, for the provider */
+    double north_deg;          /* true north, counter-clockwise from +Y */
+    double ground_reflectance; /* of the ground outside, where the scene has none; 0..1 */
+    struct orl_sensor *sensors;
+    size_t n_sensors;
+    struct orl_annual_grid *grids; /* may be none */
+    size_t n_grids;
+    uint64_t seed;
+    uint32_t samples; /* paths a sensor; 0: ORL_ANNUAL_SAMPLES */
+};
+
+enum { ORL_ANNUAL_SAMPLES = 2048, ORL_ANNUAL_BATCHES = 16, ORL_ANNUAL_MOST_SAMPLES = 1 << 20 };
+
+void orl_annual_request_init(struct orl_annual_request *request); /* defaults, nothing else set */
+void orl_annual_request_done(
+    struct orl_annual_request *request); /* NULL and half-filled are fine */
+
+/* Checks what can be checked without the scene: counts, limits, finite numbers, grids in bounds. */
+int orl_annual_validate(const struct orl_annual_request *request, struct orl_error *err);
+
+/* ---- The result ------------------------------------------------------------------------------ */
+
+#define ORL_ANNUAL_DARK UINT32_MAX
+
+/* A row of the weather file, in its order. */
+struct orl_annual_step {
+    int month, day;
+    double hour;     /* the middle of the interval, as the sun stands: 11.5 */
+    bool missing;    /* sun and sky were not measured: no value, and not a dark hour either */
+    uint32_t column; /* of the arrays, or ORL_ANNUAL_DARK: no light from the sky */
+    double sun_altitude_deg, sun_azimuth_deg; /* from south towards west, true; as measured from
+                                                 the middle of the disc */
+    double direct_normal_lx;                  /* what the sun's disc gives a plane that faces it */
+    double diffuse_lx;                        /* the sky alone, horizontal, unobstructed */
+    double global_lx;                         /* sky and sun, horizontal, unobstructed */
+};
+
+enum orl_annual_stage {
+    ORL_ANNUAL_LOAD,  /* the scene, its hierarchy and ports */
+    ORL_ANNUAL_SKIES, /* of all hours, and the sun's nodes */
+    ORL_ANNUAL_PATHS, /* from sensors */
+    ORL_ANNUAL_SUN,   /* straight to sensors, every hour */
+    ORL_ANNUAL_HOURS, /* paths times skies */
+    ORL_ANNUAL_STAGES
+};
+const char *orl_annual_stage_name(enum orl_annual_stage stage); /* "load", "skies", ... */
+
+struct orl_annual_result {
+    uint64_t seed;
+    uint32_t threads, samples;
+    double latitude_deg, longitude_deg, time_zone_h; /* of the weather file; both east */
+    struct orl_annual_step *steps;                   /* all rows of the file */
+    size_t n_steps;
+    size_t n_columns; /* steps with light: of the arrays below */
+    uint32_t *step_of_column;
+    size_t n_sensors;
+    /*
+     * [sensor * n_columns + column], lx. NULL where rows went to whoever asked (orl_annual_env).
+     * direct is what comes straight from the sun's disc, or through panes without being scattered
+     * or mirrored: ASE's light. total has it, too.
+     */
+    float *total, *direct, *se;
+    size_t n_nodes; /* of the sun */
+    double timings_s[ORL_ANNUAL_STAGES], total_s;
+    struct orl_health health;
+    char **warnings;
+    size_t n_warnings;
+};
+void orl_annual_done(struct orl_annual_result *result); /* NULL and half-filled are fine */
+
+/* The three of a sensor's row; of a result that holds arrays. */
+static inline const float *orl_annual_row(const struct orl_annual_result *result,
+                                          const float *array, size_t sensor)
+{
+    return array + sensor * result->n_columns;
+}
+
+/* ---- Running --------------------------------------------------------------------------------- */
+
+struct orl_annual_env {
+    /* Of its members crew, files, store (for BSDFs), shelf, files_id, cancel, now_s, warned and
+     * progress are heeded, the last with ORL_STAGE_RENDER for all after loading; and ctx. */
+    const struct orl_run_env *run; /* borrowed */
+    /*
+     * Called by the lead thread once the hours are known, before any row: result's steps and
+     * counts are valid from then on. May be NULL. A negative orl_err ends the run.
+     */
+    int (*begins)(void *ctx, const struct orl_annual_result *result, struct orl_error *err);
+    /*
+     * Called by the lead thread with each sensor's row, in order; n_columns floats each, valid
+     * during the call. Then no arrays are kept, and memory does not grow with the sensors. NULL:
+     * they are kept. A negative orl_err ends the run.
+     */
+    int (*row)(void *ctx, size_t sensor, const float *total, const float *direct, const float *se,
+               struct orl_error *err);
+    void *ctx;
+};
+
+/*
+ * Computes the year. Returns 0 and fills ret_result (owned by the caller), or a negative orl_err:
+ * ORL_ERR_INVALID, _RANGE, _NOT_FOUND, _SYNTAX, _LIMIT (with file and line), _NOMEM, _CANCELLED;
+ * ORL_ERR_UNSUPPORTED, naming a surface, where the sun reaches sensors in a way that is not
+ * followed (BSDFs that scatter it, mirrors that throw it, refraction).
+ */
+int orl_annual_run(const struct orl_annual_request *request, const struct orl_annual_env *env,
+                   struct orl_annual_result *ret_result, struct orl_error *err);
+
+#endif
