@@ -1,0 +1,223 @@
+/* Figures of areas: shares that pass, averages, the worst sensor. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/sum.h"
+#include "metrics/annual/chance.h"
+#include "metrics/annual/sensor.h"
+
+static double area_at(const double *area, size_t i)
+{
+    return area ? area[i] : 1;
+}
+
+static const float *row_at(const float *rows, size_t n_columns, size_t sensor)
+{
+    return rows ? rows + sensor * n_columns : NULL;
+}
+
+static struct orl_annual_light row_of(const struct orl_annual_rows *rows, size_t sensor)
+{
+    const size_t n = rows->n_columns;
+    return (struct orl_annual_light){
+        row_at(rows->total_lx, n, sensor), row_at(rows->direct_lx, n, sensor),
+        row_at(rows->total_error_lx, n, sensor), row_at(rows->direct_error_lx, n, sensor)};
+}
+
+/* ---- Shares ---------------------------------------------------------------------------------- */
+
+/* Those whose side is open go to parts; of the others the area that passes for sure. */
+static size_t sort_out(const double *crossing, const double *area, size_t n,
+                       struct orl_area_part *ret_parts, struct orl_sum *sure)
+{
+    const double certain = 7; /* standard errors: 1e-12 on the other side */
+    size_t open = 0;
+    for (size_t i = 0; i < n; i++) {
+        const double mine = area_at(area, i);
+        if (fabs(crossing[i]) < certain)
+            ret_parts[open++] = (struct orl_area_part){mine, orl_normal_above(crossing[i])};
+        else if (crossing[i] < 0)
+            orl_sum_add(sure, mine);
+    }
+    return open;
+}
+
+int orl_annual_share(const double *crossing, const double *area, size_t n, bool known,
+                     struct orl_annual_area *ret_result, struct orl_error *err)
+{
+    struct orl_area_part *parts = calloc(n + 1, sizeof *parts);
+    struct orl_sum total = {0}, passing = {0}, sure = {0};
+    double low = 0, high = 0;
+    size_t undecided = 0;
+    if (!parts)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    for (size_t i = 0; i < n; i++) {
+        orl_sum_add(&total, area_at(area, i));
+        if (crossing[i] <= 0)
+            orl_sum_add(&passing, area_at(area, i));
+        undecided += fabs(crossing[i]) < ORL_ANNUAL_Z;
+    }
+    const size_t open = sort_out(crossing, area, n, parts, &sure);
+    const int code = orl_chance_bounds(parts, open, 0.025, &low, &high);
+    free(parts);
+    if (code < 0)
+        return orl_error_set(err, code, "out of memory");
+    const double scale = 100 / orl_sum_value(&total), base = orl_sum_value(&sure);
+    const double value = orl_sum_value(&passing) * scale;
+    *ret_result = (struct orl_annual_area){{value, NAN, NAN}, 0};
+    if (known)
+        *ret_result = (struct orl_annual_area){
+            {value, fmin(value, (base + low) * scale), fmax(value, (base + high) * scale)},
+            undecided};
+    return 0;
+}
+
+static int share_of(const struct orl_annual_figure *figure, const struct orl_annual_period *period,
+                    const struct orl_annual_rows *rows, struct orl_annual_area *ret_area,
+                    struct orl_error *err)
+{
+    double *crossing = calloc(rows->n_sensors + period->n_columns + 1, sizeof *crossing);
+    bool known = true;
+    if (!crossing)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    for (size_t i = 0; i < rows->n_sensors; i++) {
+        const struct orl_annual_light row = row_of(rows, i);
+        known = known && orl_annual_errors_known(&figure->metric, &row);
+        crossing[i] = orl_annual_crossing(&figure->metric, figure->least, period, &row,
+                                          crossing + rows->n_sensors);
+    }
+    const int code = orl_annual_share(crossing, rows->area, rows->n_sensors, known, ret_area, err);
+    free(crossing);
+    return code;
+}
+
+/* ---- Averages, and the worst ----------------------------------------------------------------- */
+
+/* Errors of sensors are independent: their squares add up. */
+static void average(const struct orl_annual_metric *metric, const struct orl_annual_period *period,
+                    const struct orl_annual_rows *rows, struct orl_annual_value *ret_value)
+{
+    struct orl_sum area = {0}, sum = {0}, below = {0}, above = {0};
+    for (size_t i = 0; i < rows->n_sensors; i++) {
+        const struct orl_annual_light row = row_of(rows, i);
+        const double mine = area_at(rows->area, i);
+        struct orl_annual_value one;
+        orl_annual_evaluate(metric, period, &row, &one);
+        orl_sum_add(&area, mine);
+        orl_sum_add(&sum, mine * one.value);
+        orl_sum_add(&below, pow(mine * (one.value - one.low), 2));
+        orl_sum_add(&above, pow(mine * (one.high - one.value), 2));
+    }
+    const double total = orl_sum_value(&area), value = orl_sum_value(&sum) / total;
+    *ret_value = (struct orl_annual_value){value, value - sqrt(orl_sum_value(&below)) / total,
+                                           value + sqrt(orl_sum_value(&above)) / total};
+}
+
+/* Any of n may be the worst: below, all of them are held at once (Sidak 1967). */
+static void worst(const struct orl_annual_metric *metric, const struct orl_annual_period *period,
+                  const struct orl_annual_rows *rows, struct orl_annual_value *ret_value)
+{
+    const double z = orl_normal_z(-expm1(log(0.975) / (double)rows->n_sensors));
+    struct orl_annual_value least = {INFINITY, INFINITY, INFINITY};
+    bool known = true;
+    for (size_t i = 0; i < rows->n_sensors; i++) {
+        const struct orl_annual_light row = row_of(rows, i);
+        struct orl_annual_value one;
+        orl_annual_evaluate(metric, period, &row, &one);
+        known = known && orl_annual_errors_known(metric, &row);
+        least.value = fmin(least.value, one.value);
+        least.high = fmin(least.high, one.high);
+        least.low = fmin(least.low, orl_annual_within(metric, period, &row, z).low);
+    }
+    if (!known)
+        least.low = least.high = NAN;
+    *ret_value = least;
+}
+
+/* ---- The mean as a sensor -------------------------------------------------------------------- */
+
+/* Of one kind of light; squares: of its standard errors. */
+static void mean_columns(const float *values, const struct orl_annual_rows *rows, bool squares,
+                         double *sums, float *ret_mean)
+{
+    double total = 0;
+    memset(sums, 0, rows->n_columns * sizeof *sums);
+    for (size_t i = 0; i < rows->n_sensors; i++) {
+        const double mine = area_at(rows->area, i);
+        const float *row = values + i * rows->n_columns;
+        total += mine;
+        for (size_t k = 0; k < rows->n_columns; k++)
+            sums[k] += squares ? mine * mine * row[k] * row[k] : mine * row[k];
+    }
+    for (size_t k = 0; k < rows->n_columns; k++)
+        ret_mean[k] = (float)((squares ? sqrt(sums[k]) : sums[k]) / total);
+}
+
+static int of_mean(const struct orl_annual_metric *metric, const struct orl_annual_period *period,
+                   const struct orl_annual_rows *rows, struct orl_annual_value *ret_value,
+                   struct orl_error *err)
+{
+    const float *const given[4] = {rows->total_lx, rows->direct_lx, rows->total_error_lx,
+                                   rows->direct_error_lx};
+    const float *made[4] = {NULL};
+    float *means = calloc(4 * rows->n_columns + 1, sizeof *means);
+    double *sums = calloc(rows->n_columns + 1, sizeof *sums);
+    if (means && sums) {
+        for (size_t i = 0; i < 4; i++)
+            if (given[i]) {
+                mean_columns(given[i], rows, i >= 2, sums, means + i * rows->n_columns);
+                made[i] = means + i * rows->n_columns;
+            }
+        const struct orl_annual_light row = {made[0], made[1], made[2], made[3]};
+        orl_annual_evaluate(metric, period, &row, ret_value);
+    }
+    const bool failed = !means || !sums;
+    free(means);
+    free(sums);
+    return failed ? orl_error_set(err, ORL_ERR_NOMEM, "out of memory") : 0;
+}
+
+/* ---- Figures --------------------------------------------------------------------------------- */
+
+static int check(const struct orl_annual_figure *figure, const struct orl_annual_rows *rows,
+                 struct orl_error *err)
+{
+    if (rows->n_sensors == 0)
+        return orl_error_set(err, ORL_ERR_INVALID, "there are no sensors to make a figure of");
+    if (figure->metric.kind == ORL_METRIC_DIRECT_HOURS && !rows->direct_lx)
+        return orl_error_set(err, ORL_ERR_INVALID, "the direct sun is not known by itself");
+    if (figure->over == ORL_OVER_SHARE && !orl_annual_grows(figure->metric.kind))
+        return orl_error_set(err, ORL_ERR_INVALID,
+                             "a share of the area is told of metrics that grow with the light");
+    return 0;
+}
+
+int orl_annual_figure_of(const struct orl_annual_figure *figure,
+                         const struct orl_annual_period *periods,
+                         const struct orl_annual_rows *rows, struct orl_annual_area *ret_result,
+                         struct orl_error *err)
+{
+    const struct orl_annual_period *period = &periods[figure->metric.when];
+    struct orl_annual_area result = {.open = 0};
+    int code = check(figure, rows, err);
+    if (code < 0)
+        return code;
+    switch (figure->over) {
+    case ORL_OVER_SHARE:
+        code = share_of(figure, period, rows, &result, err);
+        break;
+    case ORL_OVER_AVERAGE:
+        average(&figure->metric, period, rows, &result.value);
+        break;
+    case ORL_OVER_LEAST:
+        worst(&figure->metric, period, rows, &result.value);
+        break;
+    case ORL_OVER_OF_MEAN:
+        code = of_mean(&figure->metric, period, rows, &result.value, err);
+        break;
+    }
+    if (code == 0)
+        *ret_result = result;
+    return code;
+}

@@ -1,0 +1,15 @@
+/* Steps of a year as days and hours. */
+#ifndef ORL_METRICS_ANNUAL_CALENDAR_H
+#define ORL_METRICS_ANNUAL_CALENDAR_H
+
+#include <oriel/annual_metrics.h>
+
+struct orl_calendar_day {
+    int month, day; /* from 1 */
+};
+struct orl_calendar_day orl_calendar_day_of(const struct orl_annual_steps *steps, uint32_t step);
+
+/* The middle of a step, hours from midnight. */
+double orl_calendar_hour_of(const struct orl_annual_steps *steps, uint32_t step);
+
+#endif

@@ -1,0 +1,98 @@
+#include "metrics/annual/chance.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <stdlib.h>
+
+#include <oriel/error.h>
+
+enum { PLACES = 1 << 14 };
+static const double nothing = 1e-18; /* of probability, not worth carrying on */
+
+double orl_normal_above(double z)
+{
+    return 0.5 * erfc(z / sqrt(2));
+}
+
+double orl_normal_z(double share_above)
+{
+    double low = -40, high = 40;
+    for (int i = 0; i < 200; i++) {
+        const double middle = (low + high) / 2;
+        if (orl_normal_above(middle) > share_above)
+            low = middle;
+        else
+            high = middle;
+    }
+    return (low + high) / 2;
+}
+
+/* A distribution over places, of which those outside of first to last are empty. */
+struct spread {
+    double *at;
+    size_t first, last;
+};
+
+static void add_part(struct spread *s, double places, double pass)
+{
+    const size_t whole = (size_t)places;
+    const double rest = places - (double)whole, near = pass * (1 - rest), far = pass * rest;
+    const size_t reach = whole + (far > 0);
+    for (size_t i = s->last + reach + 1; i-- > s->first;) {
+        double sum = s->at[i] * (1 - pass);
+        if (i >= s->first + whole)
+            sum += s->at[i - whole] * near;
+        if (far > 0 && i >= s->first + whole + 1)
+            sum += s->at[i - whole - 1] * far;
+        s->at[i] = sum;
+    }
+    s->last += reach;
+    while (s->first < s->last && s->at[s->first] < nothing)
+        s->at[s->first++] = 0;
+    while (s->last > s->first && s->at[s->last] < nothing)
+        s->at[s->last--] = 0;
+}
+
+static bool all_alike(const struct orl_area_part *parts, size_t n)
+{
+    for (size_t i = 1; i < n; i++)
+        if (parts[i].area != parts[0].area)
+            return false;
+    return true;
+}
+
+static void find_bounds(const struct spread *s, double tail, size_t *ret_low, size_t *ret_high)
+{
+    double below = 0, above = 0;
+    *ret_low = s->first;
+    *ret_high = s->last;
+    while (*ret_low < s->last && below + s->at[*ret_low] <= tail)
+        below += s->at[(*ret_low)++];
+    while (*ret_high > s->first && above + s->at[*ret_high] <= tail)
+        above += s->at[(*ret_high)--];
+}
+
+int orl_chance_bounds(const struct orl_area_part *parts, size_t n, double tail, double *ret_low,
+                      double *ret_high)
+{
+    const bool alike = all_alike(parts, n);
+    double total = 0;
+    for (size_t i = 0; i < n; i++)
+        total += parts[i].area;
+    *ret_low = *ret_high = 0;
+    if (n == 0 || !(total > 0))
+        return 0;
+    const double unit = alike ? parts[0].area : total / PLACES;
+    struct spread s = {.at = calloc((alike ? n : PLACES) + n + 2, sizeof *s.at)};
+    if (!s.at)
+        return ORL_ERR_NOMEM;
+    s.at[0] = 1;
+    for (size_t i = 0; i < n; i++)
+        add_part(&s, alike ? 1 : parts[i].area / unit, parts[i].pass);
+    size_t low = 0, high = 0;
+    find_bounds(&s, tail, &low, &high);
+    *ret_low = (double)low * unit;
+    *ret_high = (double)high * unit;
+    free(s.at);
+    return 0;
+}

@@ -1,0 +1,89 @@
+/* What standards and labels ask for, as targets. */
+#include <oriel/annual_metrics.h>
+
+#include <string.h>
+#include <strings.h>
+
+#define EN_17037 "EN 17037:2018, 5.1 and annex A, by climate data; half of the daylight hours"
+#define LEED "LEED v4.1, EQ Daylight, option 1; blinds are as in the series"
+#define WELL "WELL v2, Q2 2025"
+#define BREEAM                                                                                     \
+    "BREEAM Hea 01, illuminance averages; of each room, and credits by the area of rooms that "    \
+    "pass"
+
+static const struct orl_annual_rule rules[] = {
+    {"EN 17037 minimum",
+     EN_17037,
+     {"sDA300/50 in daylight hours >= 50 %", "sDA100/50 in daylight hours >= 95 %"}},
+    {"EN 17037 medium",
+     EN_17037,
+     {"sDA500/50 in daylight hours >= 50 %", "sDA300/50 in daylight hours >= 95 %"}},
+    {"EN 17037 high",
+     EN_17037,
+     {"sDA750/50 in daylight hours >= 50 %", "sDA500/50 in daylight hours >= 95 %"}},
+    {"roof lights by EN 17037 minimum", EN_17037, {"sDA300/50 in daylight hours >= 95 %"}},
+    {"roof lights by EN 17037 medium", EN_17037, {"sDA500/50 in daylight hours >= 95 %"}},
+    {"roof lights by EN 17037 high", EN_17037, {"sDA750/50 in daylight hours >= 95 %"}},
+    {"LEED v4.1, 1 point", LEED, {"sDA300/50 >= 40 %"}},
+    {"LEED v4.1, 2 points", LEED, {"sDA300/50 >= 55 %"}},
+    {"LEED v4.1, 3 points", LEED, {"sDA300/50 >= 75 %"}},
+    {"LEED v4.1, no note on glare",
+     LEED "; above it the design has to say how glare is met",
+     {"ASE1000,250 <= 10 %"}},
+    {"WELL L01 by LM-83", WELL, {"sDA150/50 >= 30 %"}},
+    {"WELL L01 by EN 17037", WELL, {"sDA200/50 in daylight hours >= 30 %"}},
+    {"WELL L06 tier 1 by LM-83", WELL, {"sDA300/50 >= 55 %"}},
+    {"WELL L06 tier 1 by EN 17037", WELL, {"sDA300/50 in daylight hours >= 50 %"}},
+    {"WELL L06 tier 2 by LM-83", WELL, {"sDA300/50 >= 75 %"}},
+    {"WELL L06 tier 2 by EN 17037",
+     WELL,
+     {"sDA300/50 in daylight hours >= 50 %", "sDA100/50 in daylight hours >= 95 %"}},
+    {"BREEAM offices", BREEAM " (80 %)", {"hours300 of mean >= 2000 h", "least hours90 >= 2000 h"}},
+    {"BREEAM education",
+     BREEAM " (80 %; higher education 60 % for one credit)",
+     {"hours300 of mean >= 2000 h", "least hours90 >= 2000 h"}},
+    {"BREEAM healthcare, 1 credit",
+     BREEAM " (80 %)",
+     {"hours300 of mean >= 2000 h", "least hours90 >= 2000 h"}},
+    {"BREEAM healthcare, 2 credits",
+     BREEAM " (80 %)",
+     {"hours300 of mean >= 2650 h", "least hours90 >= 2650 h"}},
+    {"BREEAM homes",
+     BREEAM " (100 %): kitchens, living rooms, dining rooms, studies",
+     {"hours100 of mean >= 3450 h", "least hours30 >= 3450 h"}},
+    {"BREEAM communal rooms",
+     BREEAM " (80 %): of homes",
+     {"hours200 of mean >= 2650 h", "least hours60 >= 2650 h"}},
+    {"BREEAM sales areas",
+     BREEAM " (35 %)",
+     {"hours200 of mean >= 2650 h", "least hours200 >= 2650 h"}},
+    {"BREEAM retail, other rooms",
+     BREEAM " (80 %)",
+     {"hours200 of mean >= 2650 h", "least hours60 >= 2650 h"}},
+    {"BREEAM other buildings",
+     BREEAM " (80 %)",
+     {"hours300 of mean >= 2000 h", "least hours90 >= 2000 h"}},
+};
+
+enum { RULES = sizeof rules / sizeof *rules };
+
+int orl_annual_rules_find(const char *name, const struct orl_annual_rule **ret_first,
+                          size_t *ret_count, struct orl_error *err)
+{
+    const size_t length = strlen(name);
+    size_t first = 0, count = 0;
+    while (first < RULES && strncasecmp(rules[first].name, name, length) != 0)
+        first++;
+    while (first + count < RULES && strncasecmp(rules[first + count].name, name, length) == 0)
+        count++;
+    if (count == 0 || length == 0) {
+        orl_error_set(err, ORL_ERR_NOT_FOUND, "there are no rules named '%s'", name);
+        orl_error_hint(err,
+                       "there are \"EN 17037\", \"LEED\", \"WELL L01\", \"WELL L06\", \"BREEAM "
+                       "offices\", ..., and longer ones for one of them");
+        return ORL_ERR_NOT_FOUND;
+    }
+    *ret_first = &rules[first];
+    *ret_count = count;
+    return 0;
+}

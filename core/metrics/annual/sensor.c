@@ -1,0 +1,211 @@
+/* Metrics of one sensor's year, and the error at which each would change sides. */
+#include "metrics/annual/sensor.h"
+
+#include <float.h>
+#include <math.h>
+
+#include "base/kth.h"
+
+/* ---- Values ---------------------------------------------------------------------------------- */
+
+static bool is_direct(enum orl_metric_kind kind)
+{
+    return kind == ORL_METRIC_DIRECT_HOURS;
+}
+
+/* What of a row a metric is made of. */
+struct light {
+    const float *value, *error;
+};
+
+static struct light light_of(const struct orl_annual_metric *metric,
+                             const struct orl_annual_light *row)
+{
+    return is_direct(metric->kind) ? (struct light){row->direct_lx, row->direct_error_lx}
+                                   : (struct light){row->total_lx, row->total_error_lx};
+}
+
+bool orl_annual_errors_known(const struct orl_annual_metric *metric,
+                             const struct orl_annual_light *row)
+{
+    return light_of(metric, row).error != NULL;
+}
+
+static double shifted(const struct light *light, uint32_t column, double z)
+{
+    const double value = light->value[column] + (light->error ? z * light->error[column] : 0);
+    return value > 0 ? value : 0;
+}
+
+/* Steps that are lit so that they count, as the metric weighs them; dark ones are the caller's. */
+static double weigh(const struct orl_annual_metric *metric, double lx)
+{
+    switch (metric->kind) {
+    case ORL_METRIC_CDA:
+        return lx >= metric->low_lx ? 1 : lx / metric->low_lx;
+    case ORL_METRIC_UDI:
+        return lx >= metric->low_lx && lx <= metric->high_lx;
+    case ORL_METRIC_UDI_LOWER:
+        return lx < metric->low_lx;
+    case ORL_METRIC_UDI_PART:
+        return lx >= metric->low_lx && lx < metric->high_lx;
+    case ORL_METRIC_UDI_UPPER:
+    case ORL_METRIC_DIRECT_HOURS:
+        return lx > metric->low_lx;
+    case ORL_METRIC_MEAN:
+    case ORL_METRIC_CUMULATIVE:
+        return lx;
+    default:
+        return lx >= metric->low_lx;
+    }
+}
+
+double orl_annual_at(const struct orl_annual_metric *metric, const struct orl_annual_period *period,
+                     const struct orl_annual_light *row, double z)
+{
+    const struct light light = light_of(metric, row);
+    const double dark_h = period->hours - (double)period->n_columns * period->step_h;
+    double sum = 0;
+    for (size_t i = 0; i < period->n_columns; i++)
+        sum += weigh(metric, shifted(&light, period->columns[i], z));
+    const double hours = sum * period->step_h + dark_h * weigh(metric, 0);
+    switch (metric->kind) {
+    case ORL_METRIC_MEAN:
+        return period->hours > 0 ? hours / period->hours : 0;
+    case ORL_METRIC_CUMULATIVE:
+    case ORL_METRIC_HOURS:
+    case ORL_METRIC_DIRECT_HOURS:
+        return hours;
+    default:
+        return period->hours > 0 ? 100 * hours / period->hours : 0;
+    }
+}
+
+bool orl_annual_grows(enum orl_metric_kind kind)
+{
+    return kind != ORL_METRIC_UDI && kind != ORL_METRIC_UDI_LOWER && kind != ORL_METRIC_UDI_PART;
+}
+
+/* ---- Intervals ------------------------------------------------------------------------------- */
+
+/* Of what grows or falls all the way. */
+static struct orl_annual_value steady_within(const struct orl_annual_metric *metric,
+                                             const struct orl_annual_period *period,
+                                             const struct orl_annual_light *row, double z)
+{
+    const double below = orl_annual_at(metric, period, row, -z);
+    const double above = orl_annual_at(metric, period, row, z);
+    return (struct orl_annual_value){orl_annual_at(metric, period, row, 0), fmin(below, above),
+                                     fmax(below, above)};
+}
+
+/*
+ * UDI is what has reached the lower bound less what has left by the upper one. With a common factor
+ * the two move together and their difference less; with less in common they do not. Their squares
+ * are added, which is wide enough for either.
+ */
+static struct orl_annual_value range_within(const struct orl_annual_metric *metric,
+                                            const struct orl_annual_period *period,
+                                            const struct orl_annual_light *row, double z)
+{
+    const bool part = metric->kind == ORL_METRIC_UDI_PART;
+    const struct orl_annual_metric in = {ORL_METRIC_DA, metric->when, metric->low_lx, 0};
+    const struct orl_annual_metric out = {part ? ORL_METRIC_DA : ORL_METRIC_UDI_UPPER, metric->when,
+                                          metric->high_lx, 0};
+    const struct orl_annual_value come = steady_within(&in, period, row, z);
+    const struct orl_annual_value gone = steady_within(&out, period, row, z);
+    const double value = orl_annual_at(metric, period, row, 0);
+    return (struct orl_annual_value){
+        value, fmax(0, value - hypot(come.value - come.low, gone.high - gone.value)),
+        fmin(100, value + hypot(come.high - come.value, gone.value - gone.low))};
+}
+
+struct orl_annual_value orl_annual_within(const struct orl_annual_metric *metric,
+                                          const struct orl_annual_period *period,
+                                          const struct orl_annual_light *row, double z)
+{
+    if (!orl_annual_errors_known(metric, row))
+        return (struct orl_annual_value){orl_annual_at(metric, period, row, 0), NAN, NAN};
+    if (metric->kind == ORL_METRIC_UDI || metric->kind == ORL_METRIC_UDI_PART)
+        return range_within(metric, period, row, z);
+    return steady_within(metric, period, row, z);
+}
+
+void orl_annual_evaluate(const struct orl_annual_metric *metric,
+                         const struct orl_annual_period *period, const struct orl_annual_light *row,
+                         struct orl_annual_value *ret_value)
+{
+    *ret_value = orl_annual_within(metric, period, row, ORL_ANNUAL_Z);
+}
+
+/* ---- Crossings ------------------------------------------------------------------------------- */
+
+/* The z at which one step begins to count. */
+static double step_crossing(const struct orl_annual_metric *metric, double lx, double error)
+{
+    const bool strict =
+        metric->kind == ORL_METRIC_UDI_UPPER || metric->kind == ORL_METRIC_DIRECT_HOURS;
+    if (error > 0 && strict && lx <= metric->low_lx)
+        return fmax((metric->low_lx - lx) / error, DBL_MIN); /* met exactly is not more */
+    if (error > 0)
+        return (metric->low_lx - lx) / error;
+    return (strict ? lx > metric->low_lx : lx >= metric->low_lx) ? -INFINITY : INFINITY;
+}
+
+/* Of metrics that count hours: that of the last step they need. */
+static double counting_crossing(const struct orl_annual_metric *metric, double needed_h,
+                                const struct orl_annual_period *period,
+                                const struct orl_annual_light *row, double *scratch)
+{
+    const struct light light = light_of(metric, row);
+    const double steps = needed_h / period->step_h;
+    const double needed = ceil(steps - 1e-9 * fmax(1, steps));
+    if (needed <= 0)
+        return -INFINITY;
+    if (needed > (double)period->n_columns)
+        return INFINITY;
+    for (size_t i = 0; i < period->n_columns; i++) {
+        const uint32_t column = period->columns[i];
+        scratch[i] =
+            step_crossing(metric, light.value[column], light.error ? light.error[column] : 0);
+    }
+    return orl_find_kth(scratch, period->n_columns, (size_t)needed - 1);
+}
+
+/* Of the others, which grow steadily. */
+static double sought_crossing(const struct orl_annual_metric *metric, double bound,
+                              const struct orl_annual_period *period,
+                              const struct orl_annual_light *row)
+{
+    const double reach = 38; /* beyond, a normal law has no chance left in a double */
+    const double hair = 1e-12 * fabs(bound);
+    double low = -reach, high = reach;
+    if (orl_annual_at(metric, period, row, low) >= bound - hair)
+        return -INFINITY;
+    if (orl_annual_at(metric, period, row, high) < bound - hair)
+        return INFINITY;
+    for (int i = 0; i < 60; i++) {
+        const double middle = (low + high) / 2;
+        if (orl_annual_at(metric, period, row, middle) >= bound - hair)
+            high = middle;
+        else
+            low = middle;
+    }
+    return orl_annual_at(metric, period, row, 0) >= bound - hair ? fmin(high, 0) : high;
+}
+
+double orl_annual_crossing(const struct orl_annual_metric *metric, double bound,
+                           const struct orl_annual_period *period,
+                           const struct orl_annual_light *row, double *scratch)
+{
+    switch (metric->kind) {
+    case ORL_METRIC_DA:
+    case ORL_METRIC_UDI_UPPER:
+        return counting_crossing(metric, bound / 100 * period->hours, period, row, scratch);
+    case ORL_METRIC_HOURS:
+    case ORL_METRIC_DIRECT_HOURS:
+        return counting_crossing(metric, bound, period, row, scratch);
+    default:
+        return sought_crossing(metric, bound, period, row);
+    }
+}

@@ -1,0 +1,286 @@
+/* Targets in words, and verdicts on them. */
+#include <oriel/annual_metrics.h>
+
+#include <ctype.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include <strings.h>
+
+#include "base/number.h"
+
+struct reading {
+    const char *text, *at;
+    struct orl_error *err;
+};
+
+static int wanted(const struct reading *r, const char *what)
+{
+    orl_error_set(r->err, ORL_ERR_SYNTAX, "'%s' is no target: %s is wanted %s%s%s", r->text, what,
+                  *r->at ? "at '" : "at its end", r->at, *r->at ? "'" : "");
+    orl_error_hint(r->err, "write for instance \"sDA300/50 >= 55 %%\", \"ASE1000,250 <= 10 %%\", "
+                           "\"DA300 of office >= 60 %%\"");
+    return ORL_ERR_SYNTAX;
+}
+
+static void skip_space(struct reading *r)
+{
+    while (isspace((unsigned char)*r->at))
+        r->at++;
+}
+
+/* A word, in either case, that no letter follows. */
+static bool take(struct reading *r, const char *word)
+{
+    const size_t length = strlen(word);
+    skip_space(r);
+    if (strncasecmp(r->at, word, length) != 0 ||
+        (isalpha((unsigned char)word[length - 1]) && isalpha((unsigned char)r->at[length])))
+        return false;
+    r->at += length;
+    return true;
+}
+
+static bool take_number(struct reading *r, double *ret_value)
+{
+    skip_space(r);
+    const size_t length = strspn(r->at, "0123456789.");
+    if (length == 0 || orl_number_read(r->at, length, ret_value) != ORL_NUMBER_OK)
+        return false;
+    r->at += length;
+    return true;
+}
+
+/* ---- Figures --------------------------------------------------------------------------------- */
+
+struct kind_name {
+    const char *name;
+    enum orl_annual_over over;
+    struct orl_annual_metric metric;
+    double least;
+};
+
+/* Names, with the numbers that those without any have. Longer names first. */
+static const struct kind_name kind_names[] = {
+    {"udi_lower", ORL_OVER_AVERAGE, {ORL_METRIC_UDI_LOWER, ORL_WHEN_OCCUPIED, 100, 0}, 0},
+    {"udi_upper", ORL_OVER_AVERAGE, {ORL_METRIC_UDI_UPPER, ORL_WHEN_OCCUPIED, 3000, 0}, 0},
+    {"udi", ORL_OVER_AVERAGE, {ORL_METRIC_UDI, ORL_WHEN_OCCUPIED, 100, 3000}, 0},
+    {"sda", ORL_OVER_SHARE, {ORL_METRIC_DA, ORL_WHEN_OCCUPIED, 300, 0}, 50},
+    {"ase", ORL_OVER_SHARE, {ORL_METRIC_DIRECT_HOURS, ORL_WHEN_OCCUPIED, 1000, 0}, 250},
+    {"cda", ORL_OVER_AVERAGE, {ORL_METRIC_CDA, ORL_WHEN_OCCUPIED, 300, 0}, 0},
+    {"da", ORL_OVER_AVERAGE, {ORL_METRIC_DA, ORL_WHEN_OCCUPIED, 300, 0}, 0},
+    {"illuminance", ORL_OVER_AVERAGE, {ORL_METRIC_MEAN, ORL_WHEN_OCCUPIED, 0, 0}, 0},
+    {"hours", ORL_OVER_AVERAGE, {ORL_METRIC_HOURS, ORL_WHEN_ALWAYS, 300, 0}, 0},
+};
+
+static const struct kind_name *take_kind(struct reading *r)
+{
+    for (size_t i = 0; i < sizeof kind_names / sizeof *kind_names; i++)
+        if (take(r, kind_names[i].name))
+            return &kind_names[i];
+    return NULL;
+}
+
+/* The second number of "300/50", "300,50" and "100-3000", if it stands there. */
+static int take_second(struct reading *r, double *ret_value)
+{
+    skip_space(r);
+    if (*r->at == '\0' || !strchr("/,-", *r->at))
+        return 0;
+    r->at++;
+    return take_number(r, ret_value) ? 0 : wanted(r, "a number");
+}
+
+static int read_numbers(struct reading *r, struct orl_annual_figure *figure)
+{
+    struct orl_annual_metric *metric = &figure->metric;
+    int code = 0;
+    if (metric->kind == ORL_METRIC_MEAN || !take_number(r, &metric->low_lx))
+        return 0;
+    if (figure->over == ORL_OVER_SHARE)
+        code = take_second(r, &figure->least);
+    else if (metric->kind == ORL_METRIC_UDI)
+        code = take_second(r, &metric->high_lx);
+    if (code == 0 && figure->over == ORL_OVER_SHARE && !take(r, "%"))
+        take(r, "h");
+    if (code < 0)
+        return code;
+    if (!(metric->low_lx > 0) && metric->kind != ORL_METRIC_DIRECT_HOURS)
+        return wanted(r, "an illuminance above 0 lx before what stands");
+    if (metric->kind == ORL_METRIC_UDI && metric->high_lx < metric->low_lx)
+        return wanted(r, "a range from the lower to the higher illuminance before what stands");
+    if (metric->kind == ORL_METRIC_DA && figure->over == ORL_OVER_SHARE && figure->least > 100)
+        return wanted(r, "a share of the hours, in percent, before what stands");
+    return 0;
+}
+
+static bool is_relation(char c)
+{
+    return c == '<' || c == '>' || c == '=';
+}
+
+/* All words up to the relation: names may hold spaces. */
+static int read_grid(struct reading *r, char ret_grid[ORL_TARGET_GRID])
+{
+    size_t length = 0;
+    skip_space(r);
+    while (r->at[length] && !is_relation(r->at[length]))
+        length++;
+    const char *end = r->at + length;
+    while (length > 0 && isspace((unsigned char)r->at[length - 1]))
+        length--;
+    if (length == 0)
+        return wanted(r, "a grid's name");
+    if (length >= ORL_TARGET_GRID)
+        return orl_error_set(r->err, ORL_ERR_LIMIT, "'%s': the grid's name is too long", r->text);
+    memcpy(ret_grid, r->at, length);
+    ret_grid[length] = '\0';
+    r->at = end;
+    return 0;
+}
+
+static int read_figure(struct reading *r, struct orl_annual_target *target)
+{
+    const bool least = take(r, "least");
+    const struct kind_name *kind = take_kind(r);
+    if (!kind)
+        return wanted(r, "a figure's name (sDA, ASE, DA, cDA, UDI, illuminance, hours)");
+    target->figure = (struct orl_annual_figure){kind->over, kind->metric, kind->least};
+    if (least && kind->over == ORL_OVER_SHARE)
+        return orl_error_set(r->err, ORL_ERR_SYNTAX, "'%s': a share of the area has no least one",
+                             r->text);
+    int code = read_numbers(r, &target->figure);
+    if (least)
+        target->figure.over = ORL_OVER_LEAST;
+    if (code == 0 && take(r, "of mean")) {
+        if (kind->over == ORL_OVER_SHARE || least)
+            return orl_error_set(r->err, ORL_ERR_SYNTAX,
+                                 "'%s': the mean over the area has no share and no least one",
+                                 r->text);
+        target->figure.over = ORL_OVER_OF_MEAN;
+    }
+    if (code == 0 && take(r, "in daylight hours"))
+        target->figure.metric.when = ORL_WHEN_DAYLIGHT;
+    else if (code == 0 && take(r, "over the year"))
+        target->figure.metric.when = ORL_WHEN_ALWAYS;
+    if (code == 0 && take(r, "of"))
+        code = read_grid(r, target->grid);
+    return code;
+}
+
+/* ---- Relation and bound ---------------------------------------------------------------------- */
+
+static int read_relation(struct reading *r, enum orl_relation *ret_relation)
+{
+    static const struct {
+        const char *sign;
+        enum orl_relation relation;
+    } signs[] = {
+        {">=", ORL_AT_LEAST}, {"<=", ORL_AT_MOST}, {">", ORL_MORE_THAN}, {"<", ORL_LESS_THAN}};
+    skip_space(r);
+    for (size_t i = 0; i < sizeof signs / sizeof *signs; i++)
+        if (strncmp(r->at, signs[i].sign, strlen(signs[i].sign)) == 0) {
+            r->at += strlen(signs[i].sign);
+            *ret_relation = signs[i].relation;
+            return 0;
+        }
+    return wanted(r, "'>=', '<=', '>' or '<'");
+}
+
+static const char *unit_of(const struct orl_annual_figure *figure)
+{
+    return figure->over == ORL_OVER_SHARE ? "%" : orl_annual_unit(figure->metric.kind);
+}
+
+static int read_bound(struct reading *r, struct orl_annual_target *target)
+{
+    const char *unit = unit_of(&target->figure);
+    char what[64];
+    if (!take_number(r, &target->bound))
+        return wanted(r, "a number");
+    const bool said = take(r, unit);
+    snprintf(what, sizeof what, "nothing more than the unit %s", unit);
+    skip_space(r);
+    if (*r->at)
+        return wanted(r, what);
+    if (strcmp(unit, "%") != 0)
+        return 0;
+    if (target->bound > 100)
+        return orl_error_set(r->err, ORL_ERR_RANGE, "'%s': %g %% is more than there is", r->text,
+                             target->bound);
+    if (!said && target->bound > 0 && target->bound < 1) {
+        orl_error_set(r->err, ORL_ERR_RANGE, "'%s': is that %g %% or %g %%?", r->text,
+                      target->bound, 100 * target->bound);
+        orl_error_hint(r->err, "write the %% behind the number");
+        return ORL_ERR_RANGE;
+    }
+    return 0;
+}
+
+int orl_annual_target_parse(const char *text, struct orl_annual_target *ret_target,
+                            struct orl_error *err)
+{
+    struct reading r = {.text = text, .at = text, .err = err};
+    struct orl_annual_target target = {.grid = ""};
+    if (strlen(text) >= ORL_TARGET_TEXT)
+        return orl_error_set(err, ORL_ERR_LIMIT, "a target has less than %d letters",
+                             ORL_TARGET_TEXT);
+    snprintf(target.text, sizeof target.text, "%s", text);
+    int code = read_figure(&r, &target);
+    if (code == 0)
+        code = read_relation(&r, &target.relation);
+    if (code == 0)
+        code = read_bound(&r, &target);
+    if (code == 0)
+        *ret_target = target;
+    return code;
+}
+
+/* ---- Verdicts -------------------------------------------------------------------------------- */
+
+const char *orl_verdict_name(enum orl_verdict verdict)
+{
+    static const char *const names[] = {"fail", "undecided", "pass", "unknown"};
+    return names[verdict];
+}
+
+static bool meets(const struct orl_annual_target *target, double value)
+{
+    const double bound = target->bound, hair = 1e-9 * fmax(1, fabs(bound));
+    switch (target->relation) {
+    case ORL_AT_LEAST:
+        return value >= bound - hair;
+    case ORL_MORE_THAN:
+        return value > bound + hair;
+    case ORL_AT_MOST:
+        return value <= bound + hair;
+    default:
+        return value < bound - hair;
+    }
+}
+
+enum orl_verdict orl_annual_judge(const struct orl_annual_target *target,
+                                  const struct orl_annual_value *value)
+{
+    if (isnan(value->low) || isnan(value->high))
+        return ORL_VERDICT_UNKNOWN;
+    const bool low = meets(target, value->low), high = meets(target, value->high);
+    return low != high ? ORL_VERDICT_UNDECIDED : low ? ORL_VERDICT_PASS : ORL_VERDICT_FAIL;
+}
+
+bool orl_annual_settled(const struct orl_annual_target *target,
+                        const struct orl_annual_value *value, double near)
+{
+    const enum orl_verdict verdict = orl_annual_judge(target, value);
+    return verdict == ORL_VERDICT_PASS || verdict == ORL_VERDICT_FAIL ||
+           (value->low >= target->bound - near && value->high <= target->bound + near);
+}
+
+enum orl_verdict orl_verdict_both(enum orl_verdict a, enum orl_verdict b)
+{
+    if (a == ORL_VERDICT_FAIL || b == ORL_VERDICT_FAIL)
+        return ORL_VERDICT_FAIL;
+    if (a == ORL_VERDICT_UNKNOWN || b == ORL_VERDICT_UNKNOWN)
+        return ORL_VERDICT_UNKNOWN;
+    return a == ORL_VERDICT_PASS ? b : a;
+}
