@@ -209,7 +209,8 @@ static struct orl_rgb mirrored_sun(const struct orl_world *world, size_t sun,
     struct orl_rgb sum = orl_gray(0);
     for (size_t i = 0; i < world->images.n_nodes; i++) {
         const struct orl_image *image = &world->images.nodes[i];
-        if (!image->shown || image->sun != sun)
+        if (!image->shown || image->sun != sun ||
+            !orl_images_may_show(&world->images, i, query->point))
             continue;
         const struct orl_vec3 light = orl_image_sample(world, image, u);
         const struct orl_rgb seen = response(query, light);

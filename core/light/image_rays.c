@@ -83,10 +83,12 @@ struct orl_rgb orl_image_transmittance(const struct orl_world *world, struct orl
                                        bool through_ports)
 {
     struct chains chains = {.world = world, .through_ports = through_ports};
+    const size_t node = (size_t)(image - world->images.nodes);
     struct orl_rgb sum = orl_gray(0);
-    chains.stack[chains.depth++] = (struct chain){.path = orl_path_from(origin, direction),
-                                                  .node = (int16_t)(image - world->images.nodes),
-                                                  .outside = !through_ports};
+    if (!orl_images_may_show(&world->images, node, origin))
+        return sum;
+    chains.stack[chains.depth++] = (struct chain){
+        .path = orl_path_from(origin, direction), .node = (int16_t)node, .outside = !through_ports};
     while (chains.depth > 0) {
         const struct chain c = chains.stack[--chains.depth];
         sum = orl_rgb_add(sum, follow_chain(&chains, c));

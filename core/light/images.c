@@ -260,6 +260,42 @@ static int connect(struct orl_images *images)
     return 0;
 }
 
+/* The facets whose classes have an edge from the node. */
+static void mark_mirrors(const struct orl_images *images, size_t node, size_t n_facets,
+                         bool *ret_shows)
+{
+    for (size_t f = 0; f < n_facets; f++)
+        ret_shows[f] = images->class_of[f] >= 0 &&
+                       orl_images_next(images, (int)node, images->class_of[f]) >= 0;
+}
+
+static int find_columns(struct orl_images *images, const struct orl_world *world)
+{
+    const size_t n_facets = world->geometry->n_facets;
+    size_t shown = 0;
+    for (size_t i = 0; i < images->n_nodes; i++)
+        shown += images->nodes[i].shown;
+    bool *shows = malloc(n_facets + 1);
+    images->columns = calloc(shown + 1, sizeof *images->columns);
+    images->columns_of = malloc((images->n_nodes + 1) * sizeof *images->columns_of);
+    if (!shows || !images->columns || !images->columns_of) {
+        free(shows);
+        return ORL_ERR_NOMEM;
+    }
+    shown = 0;
+    for (size_t i = 0; i < images->n_nodes; i++) {
+        const struct orl_image *node = &images->nodes[i];
+        images->columns_of[i] = node->shown ? (int16_t)shown : -1;
+        if (!node->shown)
+            continue;
+        mark_mirrors(images, i, n_facets, shows);
+        orl_image_columns_build(&images->columns[shown++], world->geometry, &node->frame,
+                                acos(world->suns[node->sun].cos_half_angle), shows);
+    }
+    free(shows);
+    return 0;
+}
+
 int orl_images_build(struct orl_images *images, const struct orl_world *world)
 {
     struct pilot *pilot = calloc(1, sizeof *pilot);
@@ -279,7 +315,9 @@ int orl_images_build(struct orl_images *images, const struct orl_world *world)
         take_brightest(images, pilot);
     }
     free(pilot);
-    return code == 0 ? connect(images) : code;
+    if (code == 0)
+        code = connect(images);
+    return code == 0 ? find_columns(images, world) : code;
 }
 
 void orl_images_done(struct orl_images *images)
@@ -288,6 +326,8 @@ void orl_images_done(struct orl_images *images)
     free(images->class_of);
     free(images->nodes);
     free(images->next);
+    free(images->columns);
+    free(images->columns_of);
     *images = (struct orl_images){.mirrors = NULL};
 }
 

@@ -28,6 +28,7 @@
 #include <oriel/error.h>
 #include <oriel/vec.h>
 
+#include "light/image_columns.h"
 #include "scene/geometry/geometry.h"
 
 struct orl_world;
@@ -51,7 +52,9 @@ struct orl_images {
     int16_t *class_of; /* per facet, or -1 */
     struct orl_image *nodes;
     size_t n_nodes;
-    int16_t *next; /* of node i by class m, at i * n_mirrors + m; or -1 */
+    int16_t *next;                     /* of node i by class m, at i * n_mirrors + m; or -1 */
+    struct orl_image_columns *columns; /* of nodes that were shown when they were built, in order */
+    int16_t *columns_of;               /* per node, or -1 */
 };
 
 static inline struct orl_vec3 orl_image_turned(struct orl_vec3 v, struct orl_vec3 mirror)
@@ -63,6 +66,15 @@ static inline struct orl_vec3 orl_image_turned(struct orl_vec3 v, struct orl_vec
 static inline int orl_images_next(const struct orl_images *images, int node, int mirror)
 {
     return images->next[(size_t)node * images->n_mirrors + (size_t)mirror];
+}
+
+/* Whether an image that is shown may be seen from there; if not, its light is 0 there. */
+static inline bool orl_images_may_show(const struct orl_images *images, size_t node,
+                                       struct orl_vec3 point)
+{
+    const int16_t k = images->columns_of[node];
+    return k < 0 ||
+           orl_image_columns_may_show(&images->columns[k], &images->nodes[node].frame, point);
 }
 
 /* Of a world with its suns and ports. Returns 0 or ORL_ERR_NOMEM; orl_images_done in either case.

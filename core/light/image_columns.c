@@ -1,0 +1,121 @@
+#include "light/image_columns.h"
+
+#include <math.h>
+
+static const double rounding = 1e-5; /* of the scene's radius: places are floats to the tracer */
+
+/* A box in the image's frame: across, across, along. */
+struct box {
+    double low[3], high[3];
+};
+
+static const struct box nothing = {{INFINITY, INFINITY, INFINITY},
+                                   {-INFINITY, -INFINITY, -INFINITY}};
+
+static void add_point(struct box *box, const struct orl_frame *frame, struct orl_vec3 p)
+{
+    const double at[3] = {orl_dot(frame->u, p), orl_dot(frame->v, p), orl_dot(frame->n, p)};
+    for (int i = 0; i < 3; i++) {
+        box->low[i] = fmin(box->low[i], at[i]);
+        box->high[i] = fmax(box->high[i], at[i]);
+    }
+}
+
+static void grow(struct box *box, double by)
+{
+    for (int i = 0; i < 3; i++) {
+        box->low[i] -= by;
+        box->high[i] += by;
+    }
+}
+
+static void add_box(struct box *box, const struct box *other)
+{
+    for (int i = 0; i < 3; i++) {
+        box->low[i] = fmin(box->low[i], other->low[i]);
+        box->high[i] = fmax(box->high[i], other->high[i]);
+    }
+}
+
+/* What is drawn: mirrors one after the other, by a callback for the boxes of their parts. */
+struct drawing {
+    const struct orl_geometry *geometry;
+    const struct orl_frame *frame;
+    const bool *shows;
+    double margin;
+    struct box all;
+    struct orl_image_columns *columns;
+};
+
+static void measure(struct drawing *d, const struct box *part)
+{
+    add_box(&d->all, part);
+}
+
+static int column_of(const struct orl_image_columns *columns, int axis, double at)
+{
+    const double x = (at - columns->low[axis]) * columns->per_unit[axis];
+    return x < 0 ? 0 : x >= ORL_COLUMNS_ACROSS ? ORL_COLUMNS_ACROSS - 1 : (int)x;
+}
+
+static void mark(struct drawing *d, const struct box *part)
+{
+    struct orl_image_columns *columns = d->columns;
+    const int x0 = column_of(columns, 0, part->low[0]), x1 = column_of(columns, 0, part->high[0]);
+    const int y0 = column_of(columns, 1, part->low[1]), y1 = column_of(columns, 1, part->high[1]);
+    const float far = nextafterf((float)part->high[2], INFINITY);
+    for (int y = y0; y <= y1; y++)
+        for (int x = x0; x <= x1; x++)
+            columns->farthest[y][x] = fmaxf(columns->farthest[y][x], far);
+}
+
+static void draw_facet(struct drawing *d, const struct orl_facet *f,
+                       void (*take)(struct drawing *, const struct box *))
+{
+    if (f->kind != ORL_SURFACE_POLYGON) {
+        struct box part = nothing;
+        add_point(&part, d->frame, f->center[0]);
+        grow(&part, fmax(f->radius[0], f->radius[1]) + d->margin);
+        take(d, &part);
+        return;
+    }
+    for (uint32_t i = 0; i < f->n_triangles; i++) {
+        const struct orl_triangle *t = &d->geometry->triangles[f->first_triangle + i];
+        struct box part = nothing;
+        add_point(&part, d->frame, t->a);
+        add_point(&part, d->frame, t->b);
+        add_point(&part, d->frame, t->c);
+        grow(&part, d->margin);
+        take(d, &part);
+    }
+}
+
+static void draw(struct drawing *d, void (*take)(struct drawing *, const struct box *))
+{
+    for (size_t i = 0; i < d->geometry->n_facets; i++)
+        if (d->shows[i])
+            draw_facet(d, &d->geometry->facets[i], take);
+}
+
+void orl_image_columns_build(struct orl_image_columns *columns, const struct orl_geometry *geometry,
+                             const struct orl_frame *frame, double half_angle, const bool *shows)
+{
+    /* A ray in the disc leaves its column by that much, at most, on its way through the scene. */
+    const double margin = 2 * geometry->radius * (tan(half_angle) + rounding);
+    struct drawing d = {.geometry = geometry,
+                        .frame = frame,
+                        .shows = shows,
+                        .margin = margin,
+                        .all = nothing,
+                        .columns = columns};
+    for (int y = 0; y < ORL_COLUMNS_ACROSS; y++)
+        for (int x = 0; x < ORL_COLUMNS_ACROSS; x++)
+            columns->farthest[y][x] = -INFINITY;
+    draw(&d, measure);
+    for (int i = 0; i < 2; i++) {
+        columns->low[i] = d.all.low[i];
+        columns->per_unit[i] = ORL_COLUMNS_ACROSS / (d.all.high[i] - d.all.low[i]);
+    }
+    if (d.all.high[0] > d.all.low[0])
+        draw(&d, mark);
+}
