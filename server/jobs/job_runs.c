@@ -33,11 +33,17 @@ void orl_runs_lead_no_more(struct orl_jobs_job *job)
     *at = job->next_leader;
 }
 
-/* Is its computation being given up? */
-static bool is_ending(const struct orl_jobs_job *leader)
+/* Does nobody want its computation any more? Of those who followed a cancelled leader, the last one
+ * follows on until what is done is its own. */
+static bool is_given_up(const struct orl_jobs_job *leader)
 {
     const bool cancelled = leader->cancelled || leader->row.state == ORL_JOB_CANCELLED;
-    return leader->requeue || leader->settling || (cancelled && !leader->followers);
+    return cancelled && (!leader->followers || leader->followers->cancelled);
+}
+
+static bool is_ending(const struct orl_jobs_job *leader)
+{
+    return leader->requeue || leader->settling || is_given_up(leader);
 }
 
 /* Results for each are made in one turn of the loop. */
@@ -242,6 +248,8 @@ static void end_follower(const struct orl_jobs_job *leader, struct orl_jobs_job 
     job->next_follower = NULL;
     if (own.code == 0)
         own.code = share_of(leader, job, sharing, &own.err);
+    else if (job->cancelled && own.summary && share_of(leader, job, sharing, &own.err) != 0)
+        own.summary = NULL; /* cancelled, and nothing to show */
     end_job(job, &own);
 }
 
@@ -270,7 +278,8 @@ static struct orl_worker_outcome bounded(const struct orl_jobs_job *leader,
                                          const struct orl_worker_outcome *outcome)
 {
     struct orl_worker_outcome own = *outcome;
-    if (outcome->code != ORL_ERR_CANCELLED || !leader->late || leader->cancelled || leader->requeue)
+    if (outcome->code != ORL_ERR_CANCELLED || !leader->late || is_given_up(leader) ||
+        leader->requeue)
         return own;
     own.code = orl_error_set(&own.err, ORL_ERR_LIMIT,
                              "the job ran for %u s, which is as long as any may here",
@@ -284,7 +293,8 @@ static void job_done(void *ctx, const struct orl_worker_outcome *outcome)
 {
     struct orl_jobs_job *job = ctx;
     job->worker = NULL;
-    if (outcome->code != 0 || !share_on_pool(job, outcome))
+    const bool has_results = outcome->code == 0 || (outcome->summary && is_given_up(job));
+    if (!has_results || !share_on_pool(job, outcome))
         finish(job, outcome, NULL);
 }
 

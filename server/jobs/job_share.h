@@ -5,7 +5,8 @@
  * Jobs are identical when their documents ask for the same, whatever the order of members and the
  * priority. They share from when the second comes until the computation ends; a job that comes
  * later is computed anew. Who leads owns the place in the queue and the worker. A leader that is
- * cancelled while others follow goes on leading, cancelled, until the computation ends.
+ * cancelled while others follow goes on leading, cancelled, until the computation ends. What
+ * is done by then belongs to the last of them that is cancelled; to those before it nothing.
  *
  * Threads: the loop thread only, but for the identity.
  */

@@ -109,15 +109,26 @@ static void cancel_queued(struct orl_jobs_job *job)
     }
 }
 
-/* One that shares its computation, which goes on while anybody wants it. */
+static bool is_last_to_want(const struct orl_jobs_job *leader, const struct orl_jobs_job *job)
+{
+    const bool leader_wants = leader != job && leader->row.state != ORL_JOB_CANCELLED;
+    return !leader_wants && leader->followers == job && !job->next_follower;
+}
+
+/* One that shares its computation, which goes on while anybody wants it. To the last of them
+ * belongs what is done by then, as to one alone. */
 static void cancel_sharing(struct orl_jobs_job *job)
 {
     struct orl_jobs_job *leader = job->leader ? job->leader : job;
+    if (is_last_to_want(leader, job)) {
+        job->cancelled = true;
+        if (leader->worker)
+            orl_worker_cancel(leader->worker);
+        return;
+    }
     if (job->leader)
         orl_share_leave(job);
     orl_jobs_set_state(job, ORL_JOB_CANCELLED);
-    if (!leader->followers && leader->row.state == ORL_JOB_CANCELLED && leader->worker)
-        orl_worker_cancel(leader->worker);
 }
 
 int orl_jobs_cancel(struct orl_jobs *jobs, const char *id, struct orl_error *err)

@@ -67,7 +67,7 @@ static void run(struct daemon_room *f, const char *more, char ret_path[80])
 static void get_below(struct daemon_room *f, const char *job, const char *what,
                       struct reply *ret_reply)
 {
-    char path[160];
+    char path[192];
     snprintf(path, sizeof path, "%s/%s", job, what);
     daemon_get(&f->daemon, path, ret_reply);
     if (ret_reply->status != 200)
@@ -280,6 +280,35 @@ static void test_cancelled_between_skies(void **state)
     reply_done(&reply);
 }
 
+/* Of two that share, what is done belongs to whoever is cancelled last, first come or not. */
+static void test_last_of_two_is_cancelled(void **state)
+{
+    static const char skies[] =
+        "\"skies\":[" HOUR("9.5") "," HOUR("11.5") "," HOUR("13.5") "," HOUR("15.5") "]";
+    struct daemon_room *f = *state;
+    struct reply reply;
+    for (int last = 0; last < 2; last++) {
+        char jobs[2][80], more[1024], below[64];
+        snprintf(more, sizeof more, "%s,\"seed\":%d%s", skies, 70 + last, VIEW("200"));
+        for (int i = 0; i < 2; i++)
+            submit(f, more, jobs[i]);
+        assert_true(wait_for_skies(f, jobs[0], 1));
+        cancel(f, jobs[1 - last]);
+        cancel(f, jobs[last]);
+        daemon_get(&f->daemon, jobs[last], &reply);
+        const int done = (int)reply_number(&reply, "skies.done");
+        assert_in_range(done, 1, 3);
+        assert_int_equal(json_array_size(reply_at(&reply, "files")), done * 5 + 1);
+        reply_done(&reply);
+        get_below(f, jobs[last], "files/0322-0930.json", &reply);
+        assert_true(reply_number(&reply, "sensors.0.illuminance_lx") > 10000);
+        reply_done(&reply);
+        snprintf(below, sizeof below, "results/%s", strrchr(jobs[1 - last], '/') + 1);
+        assert_int_equal(daemon_count_files(&f->daemon, below), 0);
+        assert_int_equal(daemon_count_files(&f->daemon, "partial"), 0);
+    }
+}
+
 static void test_mistakes_are_told_at_once(void **state)
 {
     static const struct {
@@ -373,6 +402,7 @@ int main(void)
         cmocka_unit_test(test_torn_between_skies),
         cmocka_unit_test(test_other_programs_leave_nothing),
         cmocka_unit_test(test_cancelled_between_skies),
+        cmocka_unit_test(test_last_of_two_is_cancelled),
         cmocka_unit_test(test_mistakes_are_told_at_once),
         cmocka_unit_test(test_same_by_the_command),
     };
