@@ -1,0 +1,129 @@
+/*
+ * What is told of a year: metrics of every sensor, figures of every grid, verdicts on targets, each
+ * with its interval (oriel/annual_metrics.h has the definitions), and the files it goes into.
+ *
+ * The year is that of the weather file: 8760 hours, or 8784 where it has 29 February. Hours that it
+ * does not have, or that were not measured, count nowhere, neither as lit nor as dark; how many
+ * they are is told. Errors of direct sunlight alone are not known by themselves: that of all light
+ * stands for them, which is no smaller unless errors cancel.
+ */
+#ifndef ORIEL_ANNUAL_REPORT_H
+#define ORIEL_ANNUAL_REPORT_H
+
+#include <oriel/annual.h>
+#include <oriel/annual_metrics.h>
+
+/* ---- The year -------------------------------------------------------------------------------- */
+
+struct orl_annual_year {
+    struct orl_annual_steps steps;
+    unsigned char *measured;  /* of each step; owned, as what follows */
+    uint32_t *step_of_column; /* of the result's arrays, ascending */
+    double *global_lx;        /* of each step; 0 where it is dark or not known */
+    size_t n_columns, n_missing;
+};
+/* ORL_ERR_RANGE (rows that share a step, or out of order), ORL_ERR_NOMEM. */
+int orl_annual_year_make(const struct orl_annual_result *result, struct orl_annual_year *ret_year,
+                         struct orl_error *err);
+void orl_annual_year_done(struct orl_annual_year *year); /* NULL and zeros are fine */
+/* The year's step of a row of the weather file. */
+uint32_t orl_annual_step_of(const struct orl_annual_year *year, const struct orl_annual_step *row);
+
+/* ---- What is asked --------------------------------------------------------------------------- */
+
+/* Arrays and strings are owned; orl_annual_wishes_done frees them. */
+struct orl_annual_wishes {
+    struct orl_occupancy occupancy;
+    char *occupancy_file; /* instead, for the provider; NULL: none */
+    struct orl_annual_metric *metrics;
+    size_t n_metrics;
+    struct orl_annual_target *targets;
+    size_t n_targets;
+    const struct orl_annual_rule **rules; /* the rules are nobody's */
+    size_t n_rules;
+    double *grid_area; /* of each grid, any unit; NULL: sensors stand for equal areas */
+};
+/* LM-83's hours; DA300, cDA300, UDI in its parts, hours of direct light above 1000 lx, and mean
+ * illuminance; no targets. ORL_ERR_NOMEM. */
+int orl_annual_wishes_init(struct orl_annual_wishes *wishes);
+void orl_annual_wishes_done(struct orl_annual_wishes *wishes); /* NULL and zeros are fine */
+
+/* ---- What is told ---------------------------------------------------------------------------- */
+
+#define ORL_ALL_GRIDS SIZE_MAX
+
+struct orl_annual_verdict {
+    const struct orl_annual_rule *rule; /* or NULL: a target of the job's own */
+    struct orl_annual_target target;
+    size_t grid; /* or ORL_ALL_GRIDS */
+    struct orl_annual_area area;
+    enum orl_verdict verdict;
+};
+
+struct orl_annual_report {
+    struct orl_annual_year year;
+    unsigned char *marks;                             /* of each step: in use and measured */
+    struct orl_annual_period periods[ORL_WHEN_COUNT]; /* by enum orl_annual_when */
+    struct orl_annual_grid *grids;                    /* as in the request, or one of all sensors */
+    size_t n_grids, n_sensors;
+    double *area; /* of each sensor */
+    struct orl_annual_metric *metrics;
+    size_t n_metrics;
+    struct orl_annual_value *values; /* [metric * n_sensors + sensor] */
+    /* sDA300/50 and ASE1000,250 first, then the average of every metric. */
+    struct orl_annual_figure *figures;
+    size_t n_figures;
+    struct orl_annual_area *areas; /* [figure * (n_grids + 1) + grid]; the last one is of all */
+    struct orl_annual_verdict *verdicts;
+    size_t n_verdicts;
+};
+
+/* files: of the occupancy file, else not asked. Of a result that holds its arrays. ORL_ERR_INVALID
+ * (a target names no grid there is), what reading the occupancy says, ORL_ERR_RANGE, _NOMEM. */
+int orl_annual_report_make(const struct orl_annual_request *request,
+                           const struct orl_annual_result *result,
+                           const struct orl_annual_wishes *wishes, const struct orl_files *files,
+                           struct orl_annual_report *ret_report, struct orl_error *err);
+void orl_annual_report_done(struct orl_annual_report *report); /* NULL and zeros are fine */
+
+/* Rows of the result's arrays as area figures take them: of a grid, or of ORL_ALL_GRIDS. */
+struct orl_annual_rows orl_annual_rows_of(const struct orl_annual_report *report,
+                                          const struct orl_annual_result *result, size_t grid);
+
+/* ---- Files ----------------------------------------------------------------------------------- */
+
+/*
+ * All are whole or absent; folders are made. Returns 0, ORL_ERR_IO, ORL_ERR_FULL, ORL_ERR_LIMIT.
+ *
+ * NPY, format 1.0: float32, little-endian, rows of sensors, columns of hours with the sun up.
+ */
+int orl_npy_write(const char *path, const float *values, size_t rows, size_t columns,
+                  struct orl_error *err);
+
+/* Radiance's matrix of one component: "#?RADIANCE", NROWS, NCOLS, NCOMP, FORMAT=ascii or float (of
+ * this machine's order of bytes, which BigEndian tells), a blank line, and row after row. */
+int orl_matrix_write(const char *path, const float *values, size_t rows, size_t columns, bool ascii,
+                     struct orl_error *err);
+
+/*
+ * Honeybee's results folder (honeybee-radiance-postprocess 0.4 reads it): grids_info.json,
+ * sun-up-hours.txt, grid_states.json, study_info.json,
+ * __static_apertures__/default/{total,direct}/GRID.npy, and metrics/{da,cda,udi,udi_lower,
+ * udi_upper,ase,hours_above}/GRID.* with a summary. Columns are those of the result. Grids are
+ * named as there; what no file may be called becomes '_'.
+ */
+int orl_honeybee_write(const char *folder, const struct orl_annual_report *report,
+                       const struct orl_annual_result *result, struct orl_error *err);
+
+/* A line a sensor: grid, position, direction, every metric with its interval. */
+int orl_annual_sensors_csv(const char *path, const struct orl_annual_report *report,
+                           const struct orl_sensor *sensors, struct orl_error *err);
+/* A line a step: month, day, hour, whether it counts, global and direct light outside, mean
+ * illuminance of every grid. */
+int orl_annual_hours_csv(const char *path, const struct orl_annual_report *report,
+                         const struct orl_annual_result *result, struct orl_error *err);
+
+/* A grid's name as a file's. */
+void orl_annual_file_name(const char *grid, char *ret_name, size_t size);
+
+#endif

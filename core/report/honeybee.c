@@ -1,0 +1,271 @@
+/* A results folder as Honeybee's annual daylight leaves it. */
+#include <oriel/annual_report.h>
+
+#include <errno.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "base/file.h"
+#include "metrics/annual/calendar.h"
+
+#define LIGHT_PATH "__static_apertures__"
+enum { PATH_SIZE = 4096, NAME_SIZE = 128 };
+
+struct writing {
+    const char *folder;
+    const struct orl_annual_report *report;
+    const struct orl_annual_result *result;
+    struct orl_error *err;
+};
+
+static int path_in(const struct writing *w, char ret_path[PATH_SIZE], const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+static int path_in(const struct writing *w, char ret_path[PATH_SIZE], const char *format, ...)
+{
+    char name[PATH_SIZE / 2];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(name, sizeof name, format, args);
+    va_end(args);
+    if (snprintf(ret_path, PATH_SIZE, "%s/%s", w->folder, name) < PATH_SIZE)
+        return 0;
+    return orl_error_set(w->err, ORL_ERR_LIMIT, "the path '%s' is too long", w->folder);
+}
+
+/* Those that stand above it are there. */
+static int make_folder(const struct writing *w, const char *name)
+{
+    char path[PATH_SIZE];
+    const int code = path_in(w, path, "%s", name);
+    if (code < 0 || mkdir(path, 0777) == 0 || errno == EEXIST)
+        return code;
+    return orl_error_set(w->err, orl_err_of_errno(errno), "cannot make the folder '%s': %s", path,
+                         strerror(errno));
+}
+
+/* A string of JSON; names are UTF-8 already. */
+static void put_string(FILE *stream, const char *text)
+{
+    fputc('"', stream);
+    for (; *text; text++) {
+        const unsigned char c = (unsigned char)*text;
+        if (c == '"' || c == '\\')
+            fprintf(stream, "\\%c", c);
+        else if (c < 0x20)
+            fprintf(stream, "\\u%04x", c);
+        else
+            fputc(c, stream);
+    }
+    fputc('"', stream);
+}
+
+/* ---- What the folder tells ------------------------------------------------------------------- */
+
+static void put_grids_info(FILE *stream, const struct writing *w)
+{
+    const struct orl_annual_report *report = w->report;
+    fputs("[", stream);
+    for (size_t g = 0; g < report->n_grids; g++) {
+        char file[NAME_SIZE];
+        orl_annual_file_name(report->grids[g].name, file, sizeof file);
+        fprintf(stream, "%s\n  {\"count\": %zu, \"name\": ", g ? "," : "", report->grids[g].count);
+        put_string(stream, report->grids[g].name);
+        fprintf(stream,
+                ", \"identifier\": \"%s\", \"group\": \"\", \"full_id\": \"%s\", \"light_path\": "
+                "[[\"" LIGHT_PATH "\"]]}",
+                file, file);
+    }
+    fputs("\n]\n", stream);
+}
+
+static void put_grid_states(FILE *stream, const struct writing *w)
+{
+    fputs("{", stream);
+    for (size_t g = 0; g < w->report->n_grids; g++) {
+        char file[NAME_SIZE];
+        orl_annual_file_name(w->report->grids[g].name, file, sizeof file);
+        fprintf(stream, "%s\"%s\": {\"" LIGHT_PATH "\": [\"default\"]}", g ? ", " : "", file);
+    }
+    fputs("}\n", stream);
+}
+
+/* Hours of the year at the middle of steps. */
+static double hour_of(const struct orl_annual_steps *steps, uint32_t step)
+{
+    return (step + 0.5) / steps->per_hour;
+}
+
+static void put_sun_up_hours(FILE *stream, const struct writing *w)
+{
+    const struct orl_annual_year *year = &w->report->year;
+    for (size_t i = 0; i < year->n_columns; i++)
+        fprintf(stream, "%.10g\n", hour_of(&year->steps, year->step_of_column[i]));
+}
+
+static void put_study_info(FILE *stream, const struct writing *w)
+{
+    const struct orl_annual_steps *steps = &w->report->year.steps;
+    fprintf(stream, "{\"timestep\": %u, \"study_hours\": [", steps->per_hour);
+    for (uint32_t i = 0; i < steps->count; i++)
+        fprintf(stream, "%s%.10g", i ? ", " : "", hour_of(steps, i));
+    fputs("]}\n", stream);
+}
+
+static int write_with(const struct writing *w, const char *name,
+                      void (*put)(FILE *stream, const struct writing *w))
+{
+    struct orl_out_file file = {.stream = NULL};
+    char path[PATH_SIZE];
+    int code = path_in(w, path, "%s", name);
+    if (code == 0)
+        code = orl_out_open(&file, path, w->err);
+    if (code < 0)
+        return code;
+    put(file.stream, w);
+    return orl_out_close(&file, 0, w->err);
+}
+
+/* ---- Series ---------------------------------------------------------------------------------- */
+
+static int write_series(const struct writing *w)
+{
+    static const char *const names[2] = {"total", "direct"};
+    const struct orl_annual_result *result = w->result;
+    int code = make_folder(w, LIGHT_PATH);
+    if (code == 0)
+        code = make_folder(w, LIGHT_PATH "/default");
+    for (int i = 0; i < 2 && code == 0; i++) {
+        char folder[64];
+        snprintf(folder, sizeof folder, LIGHT_PATH "/default/%s", names[i]);
+        code = make_folder(w, folder);
+        for (size_t g = 0; g < w->report->n_grids && code == 0; g++) {
+            const struct orl_annual_grid *grid = &w->report->grids[g];
+            const float *array = i == 0 ? result->total : result->direct;
+            char path[PATH_SIZE], file[NAME_SIZE];
+            orl_annual_file_name(grid->name, file, sizeof file);
+            code = path_in(w, path, "%s/%s.npy", folder, file);
+            if (code == 0)
+                code = orl_npy_write(path, orl_annual_row(result, array, grid->first), grid->count,
+                                     result->n_columns, w->err);
+        }
+    }
+    return code;
+}
+
+/* ---- Metrics --------------------------------------------------------------------------------- */
+
+/* With Honeybee's bounds, whatever the report was asked for. */
+static const struct {
+    const char *name, *ending;
+    int digits;
+    struct orl_annual_metric metric;
+} kinds[] = {
+    {"da", "da", 2, {ORL_METRIC_DA, ORL_WHEN_OCCUPIED, 300, 0}},
+    {"cda", "cda", 2, {ORL_METRIC_CDA, ORL_WHEN_OCCUPIED, 300, 0}},
+    {"udi", "udi", 2, {ORL_METRIC_UDI, ORL_WHEN_OCCUPIED, 100, 3000}},
+    {"udi_lower", "udi", 2, {ORL_METRIC_UDI_LOWER, ORL_WHEN_OCCUPIED, 100, 0}},
+    {"udi_upper", "udi", 2, {ORL_METRIC_UDI_UPPER, ORL_WHEN_OCCUPIED, 3000, 0}},
+    {"hours_above", "res", 0, {ORL_METRIC_DIRECT_HOURS, ORL_WHEN_OCCUPIED, 1000, 0}},
+};
+enum { KINDS = sizeof kinds / sizeof *kinds };
+
+static int write_metric(const struct writing *w, size_t kind, const struct orl_annual_grid *grid)
+{
+    struct orl_out_file file = {.stream = NULL};
+    char path[PATH_SIZE], name[NAME_SIZE];
+    orl_annual_file_name(grid->name, name, sizeof name);
+    int code = path_in(w, path, "metrics/%s/%s.%s", kinds[kind].name, name, kinds[kind].ending);
+    if (code == 0)
+        code = orl_out_open(&file, path, w->err);
+    if (code < 0)
+        return code;
+    for (size_t i = grid->first; i < grid->first + grid->count; i++) {
+        const struct orl_annual_light light = {orl_annual_row(w->result, w->result->total, i),
+                                               orl_annual_row(w->result, w->result->direct, i),
+                                               NULL, NULL};
+        fprintf(
+            file.stream, "%.*f\n", kinds[kind].digits,
+            orl_annual_at(&kinds[kind].metric, &w->report->periods[ORL_WHEN_OCCUPIED], &light, 0));
+    }
+    return orl_out_close(&file, 0, w->err);
+}
+
+static int write_metrics(const struct writing *w)
+{
+    int code = make_folder(w, "metrics");
+    for (size_t k = 0; k < KINDS && code == 0; k++) {
+        char name[64];
+        snprintf(name, sizeof name, "metrics/%s", kinds[k].name);
+        code = make_folder(w, name);
+        snprintf(name, sizeof name, "metrics/%s/grids_info.json", kinds[k].name);
+        if (code == 0)
+            code = write_with(w, name, put_grids_info);
+        for (size_t g = 0; g < w->report->n_grids && code == 0; g++)
+            code = write_metric(w, k, &w->report->grids[g]);
+    }
+    return code;
+}
+
+/* The report's second figure: one number a grid. */
+static int write_ase(const struct writing *w)
+{
+    const size_t places = w->report->n_grids + 1;
+    int code = make_folder(w, "metrics/ase");
+    if (code == 0)
+        code = write_with(w, "metrics/ase/grids_info.json", put_grids_info);
+    for (size_t g = 0; g < w->report->n_grids && code == 0; g++) {
+        struct orl_out_file file = {.stream = NULL};
+        char path[PATH_SIZE], name[NAME_SIZE];
+        orl_annual_file_name(w->report->grids[g].name, name, sizeof name);
+        code = path_in(w, path, "metrics/ase/%s.ase", name);
+        if (code == 0)
+            code = orl_out_open(&file, path, w->err);
+        if (code < 0)
+            return code;
+        fprintf(file.stream, "%.2f", w->report->areas[places + g].value.value);
+        code = orl_out_close(&file, 0, w->err);
+    }
+    return code;
+}
+
+static void put_summary(FILE *stream, const struct writing *w)
+{
+    const struct orl_annual_report *report = w->report;
+    const size_t places = report->n_grids + 1;
+    fputs("[", stream);
+    for (size_t g = 0; g < report->n_grids; g++) {
+        const struct orl_annual_value *sda = &report->areas[g].value;
+        const struct orl_annual_value *ase = &report->areas[places + g].value;
+        fprintf(stream, "%s\n  {\"Sensor Grid\": ", g ? "," : "");
+        put_string(stream, report->grids[g].name);
+        fprintf(stream, ", \"Sensor Count\": %zu, \"sDA\": %.2f, \"ASE\": %.2f}",
+                report->grids[g].count, sda->value, ase->value);
+    }
+    fputs("\n]\n", stream);
+}
+
+int orl_honeybee_write(const char *folder, const struct orl_annual_report *report,
+                       const struct orl_annual_result *result, struct orl_error *err)
+{
+    const struct writing w = {folder, report, result, err};
+    int code = make_folder(&w, "");
+    if (code == 0)
+        code = write_with(&w, "grids_info.json", put_grids_info);
+    if (code == 0)
+        code = write_with(&w, "grid_states.json", put_grid_states);
+    if (code == 0)
+        code = write_with(&w, "sun-up-hours.txt", put_sun_up_hours);
+    if (code == 0)
+        code = write_with(&w, "study_info.json", put_study_info);
+    if (code == 0)
+        code = write_series(&w);
+    if (code == 0)
+        code = write_metrics(&w);
+    if (code == 0)
+        code = write_ase(&w);
+    if (code == 0)
+        code = write_with(&w, "metrics/summary.json", put_summary);
+    return code;
+}

@@ -1,0 +1,334 @@
+/* Metrics, figures and verdicts of a year. */
+#include <oriel/annual_report.h>
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+/* ---- Wishes ---------------------------------------------------------------------------------- */
+
+static const struct orl_annual_metric usual_metrics[] = {
+    {ORL_METRIC_DA, ORL_WHEN_OCCUPIED, 300, 0},
+    {ORL_METRIC_CDA, ORL_WHEN_OCCUPIED, 300, 0},
+    {ORL_METRIC_UDI_LOWER, ORL_WHEN_OCCUPIED, 100, 0},
+    {ORL_METRIC_UDI_PART, ORL_WHEN_OCCUPIED, 100, 300},
+    {ORL_METRIC_UDI, ORL_WHEN_OCCUPIED, 300, 3000},
+    {ORL_METRIC_UDI, ORL_WHEN_OCCUPIED, 100, 3000},
+    {ORL_METRIC_UDI_UPPER, ORL_WHEN_OCCUPIED, 3000, 0},
+    {ORL_METRIC_DIRECT_HOURS, ORL_WHEN_OCCUPIED, 1000, 0},
+    {ORL_METRIC_MEAN, ORL_WHEN_OCCUPIED, 0, 0},
+    {ORL_METRIC_CUMULATIVE, ORL_WHEN_ALWAYS, 0, 0},
+};
+enum { USUAL = sizeof usual_metrics / sizeof *usual_metrics };
+
+int orl_annual_wishes_init(struct orl_annual_wishes *wishes)
+{
+    *wishes = (struct orl_annual_wishes){.n_metrics = 0};
+    orl_occupancy_init(&wishes->occupancy);
+    wishes->metrics = malloc(sizeof usual_metrics);
+    if (!wishes->metrics)
+        return ORL_ERR_NOMEM;
+    memcpy(wishes->metrics, usual_metrics, sizeof usual_metrics);
+    wishes->n_metrics = USUAL;
+    return 0;
+}
+
+void orl_annual_wishes_done(struct orl_annual_wishes *wishes)
+{
+    if (!wishes)
+        return;
+    free(wishes->occupancy_file);
+    free(wishes->metrics);
+    free(wishes->targets);
+    free((void *)wishes->rules);
+    free(wishes->grid_area);
+    *wishes = (struct orl_annual_wishes){.n_metrics = 0};
+}
+
+/* ---- Work ------------------------------------------------------------------------------------ */
+
+struct making {
+    const struct orl_annual_request *request;
+    const struct orl_annual_result *result;
+    const struct orl_annual_wishes *wishes;
+    const struct orl_files *files;
+    struct orl_annual_report *report;
+    struct orl_error *err;
+};
+
+static int no_memory(const struct making *m)
+{
+    return orl_error_set(m->err, ORL_ERR_NOMEM, "out of memory");
+}
+
+/* One of all sensors where the request has none. */
+static int make_grids(const struct making *m)
+{
+    struct orl_annual_report *report = m->report;
+    const size_t n = m->request->n_grids;
+    report->n_grids = n > 0 ? n : 1;
+    report->n_sensors = m->result->n_sensors;
+    report->grids = calloc(report->n_grids, sizeof *report->grids);
+    report->area = calloc(report->n_sensors + 1, sizeof *report->area);
+    if (!report->grids || !report->area)
+        return no_memory(m);
+    for (size_t g = 0; g < report->n_grids; g++) {
+        struct orl_annual_grid *grid = &report->grids[g];
+        *grid = n > 0 ? m->request->grids[g]
+                      : (struct orl_annual_grid){.first = 0, .count = report->n_sensors};
+        grid->name = strdup(n > 0 ? grid->name : "sensors");
+        if (!grid->name)
+            return no_memory(m);
+        for (size_t i = grid->first; i < grid->first + grid->count; i++)
+            report->area[i] =
+                m->wishes->grid_area ? m->wishes->grid_area[g] / (double)grid->count : 1;
+    }
+    return 0;
+}
+
+static int mark_occupied(const struct making *m)
+{
+    const struct orl_annual_wishes *wishes = m->wishes;
+    struct orl_annual_report *report = m->report;
+    struct orl_file file;
+    if (!wishes->occupancy_file) {
+        orl_occupancy_mark(&wishes->occupancy, &report->year.steps, report->marks);
+        return 0;
+    }
+    int code = m->files->open(m->files->ctx, wishes->occupancy_file, &file, m->err);
+    if (code < 0)
+        return code;
+    code = orl_occupancy_read(wishes->occupancy_file, file.data, file.size, &report->year.steps,
+                              report->marks, m->err);
+    m->files->close(m->files->ctx, &file);
+    return code;
+}
+
+/* Marks of a period: only what was measured counts. */
+static int add_period(const struct making *m, unsigned char *marks, enum orl_annual_when when)
+{
+    const struct orl_annual_year *year = &m->report->year;
+    for (uint32_t i = 0; i < year->steps.count; i++)
+        marks[i] = marks[i] && year->measured[i];
+    return orl_annual_period_make(marks, &year->steps, year->step_of_column, year->n_columns,
+                                  &m->report->periods[when], m->err);
+}
+
+/* marks: room for all steps. */
+static int fill_periods(const struct making *m, unsigned char *marks)
+{
+    struct orl_annual_report *report = m->report;
+    const struct orl_annual_year *year = &report->year;
+    int code = mark_occupied(m);
+    if (code == 0)
+        code = add_period(m, report->marks, ORL_WHEN_OCCUPIED);
+    if (code == 0)
+        code = orl_annual_daylight_mark(year->global_lx, &year->steps, marks, m->err);
+    if (code == 0)
+        code = add_period(m, marks, ORL_WHEN_DAYLIGHT);
+    for (uint32_t i = 0; i < year->steps.count; i++)
+        marks[i] = 1;
+    if (code == 0)
+        code = add_period(m, marks, ORL_WHEN_ALWAYS);
+    if (code == 0 && report->periods[ORL_WHEN_OCCUPIED].hours == 0)
+        code = orl_error_set(m->err, ORL_ERR_INVALID,
+                             "no hour that was measured is occupied: there is nothing to tell");
+    return code;
+}
+
+static int make_periods(const struct making *m)
+{
+    const size_t count = m->report->year.steps.count;
+    unsigned char *marks = calloc(count + 1, 1);
+    m->report->marks = calloc(count + 1, 1);
+    const int code = marks && m->report->marks ? fill_periods(m, marks) : no_memory(m);
+    free(marks);
+    return code;
+}
+
+/* ---- Sensors --------------------------------------------------------------------------------- */
+
+struct orl_annual_rows orl_annual_rows_of(const struct orl_annual_report *report,
+                                          const struct orl_annual_result *result, size_t grid)
+{
+    const size_t first = grid == ORL_ALL_GRIDS ? 0 : report->grids[grid].first;
+    const size_t at = first * result->n_columns;
+    const float *se = result->se ? result->se + at : NULL;
+    return (struct orl_annual_rows){.total_lx = result->total + at,
+                                    .direct_lx = result->direct ? result->direct + at : NULL,
+                                    .total_error_lx = se,
+                                    .direct_error_lx = se,
+                                    .n_sensors = grid == ORL_ALL_GRIDS ? report->n_sensors
+                                                                       : report->grids[grid].count,
+                                    .n_columns = result->n_columns,
+                                    .area = report->area + first};
+}
+
+static int make_values(const struct making *m)
+{
+    struct orl_annual_report *report = m->report;
+    const struct orl_annual_result *result = m->result;
+    const size_t n = m->wishes->n_metrics;
+    report->metrics = calloc(n + 1, sizeof *report->metrics);
+    report->values = calloc(n * report->n_sensors + 1, sizeof *report->values);
+    if (!report->metrics || !report->values)
+        return no_memory(m);
+    report->n_metrics = n;
+    if (n > 0)
+        memcpy(report->metrics, m->wishes->metrics, n * sizeof *report->metrics);
+    for (size_t i = 0; i < report->n_sensors; i++) {
+        const float *se = result->se ? orl_annual_row(result, result->se, i) : NULL;
+        const struct orl_annual_light light = {orl_annual_row(result, result->total, i),
+                                               orl_annual_row(result, result->direct, i), se, se};
+        for (size_t k = 0; k < n; k++)
+            orl_annual_evaluate(&report->metrics[k], &report->periods[report->metrics[k].when],
+                                &light, &report->values[k * report->n_sensors + i]);
+    }
+    return 0;
+}
+
+/* ---- Grids ----------------------------------------------------------------------------------- */
+
+static int figure_of(const struct making *m, const struct orl_annual_figure *figure, size_t grid,
+                     struct orl_annual_area *ret_area)
+{
+    const struct orl_annual_rows rows = orl_annual_rows_of(m->report, m->result, grid);
+    return orl_annual_figure_of(figure, m->report->periods, &rows, ret_area, m->err);
+}
+
+static int make_figures(const struct making *m)
+{
+    static const struct orl_annual_figure first[2] = {
+        {ORL_OVER_SHARE, {ORL_METRIC_DA, ORL_WHEN_OCCUPIED, 300, 0}, 50},
+        {ORL_OVER_SHARE, {ORL_METRIC_DIRECT_HOURS, ORL_WHEN_OCCUPIED, 1000, 0}, 250}};
+    struct orl_annual_report *report = m->report;
+    const size_t places = report->n_grids + 1;
+    int code = 0;
+    report->n_figures = 2 + report->n_metrics;
+    report->figures = calloc(report->n_figures, sizeof *report->figures);
+    report->areas = calloc(report->n_figures * places, sizeof *report->areas);
+    if (!report->figures || !report->areas)
+        return no_memory(m);
+    for (size_t f = 0; f < report->n_figures && code == 0; f++) {
+        report->figures[f] =
+            f < 2 ? first[f]
+                  : (struct orl_annual_figure){ORL_OVER_AVERAGE, report->metrics[f - 2], 0};
+        for (size_t g = 0; g < places && code == 0; g++)
+            code = figure_of(m, &report->figures[f], g < report->n_grids ? g : ORL_ALL_GRIDS,
+                             &report->areas[f * places + g]);
+    }
+    return code;
+}
+
+/* ---- Verdicts -------------------------------------------------------------------------------- */
+
+static int judge(const struct making *m, const struct orl_annual_rule *rule,
+                 const struct orl_annual_target *target, size_t grid)
+{
+    struct orl_annual_verdict *verdict = &m->report->verdicts[m->report->n_verdicts];
+    *verdict = (struct orl_annual_verdict){.rule = rule, .target = *target, .grid = grid};
+    const int code = figure_of(m, &target->figure, grid, &verdict->area);
+    if (code < 0)
+        return code;
+    verdict->verdict = orl_annual_judge(target, &verdict->area.value);
+    m->report->n_verdicts++;
+    return 0;
+}
+
+/* Of the grid that is named; else of all together, and of each by itself. */
+static int judge_everywhere(const struct making *m, const struct orl_annual_rule *rule,
+                            const struct orl_annual_target *target)
+{
+    const struct orl_annual_report *report = m->report;
+    int code = 0;
+    if (!target->grid[0]) {
+        code = judge(m, rule, target, report->n_grids > 1 ? ORL_ALL_GRIDS : 0);
+        for (size_t g = 0; g < report->n_grids && report->n_grids > 1 && code == 0; g++)
+            code = judge(m, rule, target, g);
+        return code;
+    }
+    for (size_t g = 0; g < report->n_grids; g++)
+        if (strcasecmp(report->grids[g].name, target->grid) == 0)
+            return judge(m, rule, target, g);
+    return orl_error_set(m->err, ORL_ERR_INVALID, "'%s': there is no grid named '%s'", target->text,
+                         target->grid);
+}
+
+static int judge_rule(const struct making *m, const struct orl_annual_rule *rule)
+{
+    int code = 0;
+    for (int i = 0; i < ORL_RULE_TARGETS && rule->targets[i] && code == 0; i++) {
+        struct orl_annual_target target;
+        code = orl_annual_target_parse(rule->targets[i], &target, m->err);
+        if (code == 0)
+            code = judge_everywhere(m, rule, &target);
+    }
+    return code;
+}
+
+static int make_verdicts(const struct making *m)
+{
+    const struct orl_annual_wishes *wishes = m->wishes;
+    const size_t targets = wishes->n_targets + ORL_RULE_TARGETS * wishes->n_rules;
+    int code = 0;
+    m->report->verdicts =
+        calloc(targets * (m->report->n_grids + 1) + 1, sizeof *m->report->verdicts);
+    if (!m->report->verdicts)
+        return no_memory(m);
+    for (size_t i = 0; i < wishes->n_targets && code == 0; i++)
+        code = judge_everywhere(m, NULL, &wishes->targets[i]);
+    for (size_t i = 0; i < wishes->n_rules && code == 0; i++)
+        code = judge_rule(m, wishes->rules[i]);
+    return code;
+}
+
+/* ---- All of it ------------------------------------------------------------------------------- */
+
+int orl_annual_report_make(const struct orl_annual_request *request,
+                           const struct orl_annual_result *result,
+                           const struct orl_annual_wishes *wishes, const struct orl_files *files,
+                           struct orl_annual_report *ret_report, struct orl_error *err)
+{
+    struct orl_annual_report report = {.n_grids = 0};
+    const struct making m = {request, result, wishes, files, &report, err};
+    int code = result->total && result->direct
+                   ? orl_annual_year_make(result, &report.year, err)
+                   : orl_error_set(err, ORL_ERR_INVALID, "the year's series were not kept");
+    if (code == 0)
+        code = make_grids(&m);
+    if (code == 0)
+        code = make_periods(&m);
+    if (code == 0)
+        code = make_values(&m);
+    if (code == 0)
+        code = make_figures(&m);
+    if (code == 0)
+        code = make_verdicts(&m);
+    if (code < 0)
+        orl_annual_report_done(&report);
+    else
+        *ret_report = report;
+    return code;
+}
+
+void orl_annual_report_done(struct orl_annual_report *report)
+{
+    if (!report)
+        return;
+    orl_annual_year_done(&report->year);
+    for (int i = 0; i < ORL_WHEN_COUNT; i++)
+        orl_annual_period_done(&report->periods[i]);
+    for (size_t i = 0; report->grids && i < report->n_grids; i++)
+        free(report->grids[i].name);
+    free(report->marks);
+    free(report->grids);
+    free(report->area);
+    free(report->metrics);
+    free(report->values);
+    free(report->figures);
+    free(report->areas);
+    free(report->verdicts);
+    *report = (struct orl_annual_report){.n_grids = 0};
+}

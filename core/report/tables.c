@@ -1,0 +1,128 @@
+/* Tables of a year, a line a sensor or a line an hour. */
+#include <oriel/annual_report.h>
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "base/file.h"
+#include "base/sum.h"
+#include "metrics/annual/calendar.h"
+
+void orl_annual_file_name(const char *grid, char *ret_name, size_t size)
+{
+    static const char allowed[] =
+        "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_.";
+    size_t n = 0;
+    for (; grid[n] && n + 1 < size; n++)
+        ret_name[n] = strchr(allowed, grid[n]) && !(n == 0 && grid[n] == '.') ? grid[n] : '_';
+    ret_name[n] = '\0';
+}
+
+/* A field of a table: in quotes, those within doubled. */
+static void put_field(FILE *stream, const char *text)
+{
+    fputc('"', stream);
+    for (; *text; text++) {
+        if (*text == '"')
+            fputc('"', stream);
+        fputc(*text, stream);
+    }
+    fputc('"', stream);
+}
+
+static void put_number(FILE *stream, double value)
+{
+    if (isfinite(value))
+        fprintf(stream, ",%.6g", value);
+    else
+        fputc(',', stream);
+}
+
+/* ---- Sensors --------------------------------------------------------------------------------- */
+
+static void write_sensor_heads(FILE *stream, const struct orl_annual_report *report)
+{
+    fputs("grid,x,y,z,dx,dy,dz", stream);
+    for (size_t k = 0; k < report->n_metrics; k++) {
+        const struct orl_annual_metric *metric = &report->metrics[k];
+        char name[64], text[96];
+        orl_annual_metric_name(metric, name, sizeof name);
+        snprintf(text, sizeof text, "%s (%s)", name, orl_annual_unit(metric->kind));
+        fputc(',', stream);
+        put_field(stream, text);
+        fputs(",low_95,high_95", stream);
+    }
+    fputc('\n', stream);
+}
+
+int orl_annual_sensors_csv(const char *path, const struct orl_annual_report *report,
+                           const struct orl_sensor *sensors, struct orl_error *err)
+{
+    struct orl_out_file file = {.stream = NULL};
+    const int code = orl_out_open(&file, path, err);
+    if (code < 0)
+        return code;
+    write_sensor_heads(file.stream, report);
+    for (size_t g = 0; g < report->n_grids; g++) {
+        const struct orl_annual_grid *grid = &report->grids[g];
+        for (size_t i = grid->first; i < grid->first + grid->count; i++) {
+            const struct orl_vec3 p = sensors[i].position, d = sensors[i].direction;
+            put_field(file.stream, grid->name);
+            fprintf(file.stream, ",%.9g,%.9g,%.9g,%.9g,%.9g,%.9g", p.x, p.y, p.z, d.x, d.y, d.z);
+            for (size_t k = 0; k < report->n_metrics; k++) {
+                const struct orl_annual_value *v = &report->values[k * report->n_sensors + i];
+                put_number(file.stream, v->value);
+                put_number(file.stream, v->low);
+                put_number(file.stream, v->high);
+            }
+            fputc('\n', file.stream);
+        }
+    }
+    return orl_out_close(&file, 0, err);
+}
+
+/* ---- Hours ----------------------------------------------------------------------------------- */
+
+/* The mean over a grid; dark hours have no column. */
+static double mean_of(const struct orl_annual_report *report,
+                      const struct orl_annual_result *result, size_t g, uint32_t column)
+{
+    const struct orl_annual_grid *grid = &report->grids[g];
+    struct orl_sum sum = {0};
+    if (column == ORL_ANNUAL_DARK || grid->count == 0)
+        return 0;
+    for (size_t i = grid->first; i < grid->first + grid->count; i++)
+        orl_sum_add(&sum, orl_annual_row(result, result->total, i)[column]);
+    return orl_sum_value(&sum) / (double)grid->count;
+}
+
+int orl_annual_hours_csv(const char *path, const struct orl_annual_report *report,
+                         const struct orl_annual_result *result, struct orl_error *err)
+{
+    struct orl_out_file file = {.stream = NULL};
+    const int code = orl_out_open(&file, path, err);
+    uint32_t step = 0;
+    if (code < 0)
+        return code;
+    fputs("month,day,hour,occupied,sun_altitude_deg,direct_normal_lx,diffuse_lx,global_lx",
+          file.stream);
+    for (size_t g = 0; g < report->n_grids; g++) {
+        fputc(',', file.stream);
+        put_field(file.stream, report->grids[g].name);
+    }
+    fputc('\n', file.stream);
+    for (size_t i = 0; i < result->n_steps; i++) {
+        const struct orl_annual_step *s = &result->steps[i];
+        step = orl_annual_step_of(&report->year, s);
+        fprintf(file.stream, "%d,%d,%.6g,%d,%.4f", s->month, s->day, s->hour, report->marks[step],
+                s->sun_altitude_deg);
+        put_number(file.stream, s->missing ? NAN : s->direct_normal_lx);
+        put_number(file.stream, s->missing ? NAN : s->diffuse_lx);
+        put_number(file.stream, s->missing ? NAN : s->global_lx);
+        for (size_t g = 0; g < report->n_grids; g++)
+            put_number(file.stream, s->missing ? NAN : mean_of(report, result, g, s->column));
+        fputc('\n', file.stream);
+    }
+    return orl_out_close(&file, 0, err);
+}

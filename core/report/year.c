@@ -1,0 +1,97 @@
+/* The rows of a weather file as the steps of a year. */
+#include <oriel/annual_report.h>
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { MONTHS = 12 };
+static const uint32_t days_before[MONTHS] = {0, 31, 59, 90, 120, 151, 181, 212, 243, 273, 304, 334};
+
+/* How many steps an hour has: by the two rows of a day that lie closest. */
+static uint32_t find_per_hour(const struct orl_annual_result *result)
+{
+    double gap = 1;
+    for (size_t i = 1; i < result->n_steps; i++) {
+        const struct orl_annual_step *a = &result->steps[i - 1], *b = &result->steps[i];
+        if (a->month == b->month && a->day == b->day && b->hour > a->hour)
+            gap = fmin(gap, b->hour - a->hour);
+    }
+    return (uint32_t)lrint(fmin(60, 1 / gap));
+}
+
+static bool has_leap_day(const struct orl_annual_result *result)
+{
+    for (size_t i = 0; i < result->n_steps; i++)
+        if (result->steps[i].month == 2 && result->steps[i].day == 29)
+            return true;
+    return false;
+}
+
+uint32_t orl_annual_step_of(const struct orl_annual_year *year, const struct orl_annual_step *row)
+{
+    const struct orl_annual_steps *steps = &year->steps;
+    const bool leap = steps->count == 8784 * steps->per_hour;
+    const uint32_t month = (uint32_t)row->month - 1;
+    const uint32_t day = days_before[month] + (leap && month > 1) + (uint32_t)row->day - 1;
+    const double hair = 1e-6, last = 24.0 * steps->per_hour - 1;
+    const double within = fmin(last, fmax(0, floor(row->hour * steps->per_hour - hair)));
+    return day * 24 * steps->per_hour + (uint32_t)within;
+}
+
+/* One row's step; `next` is the first one that is still free. */
+static int enter(const struct orl_annual_result *result, size_t i, struct orl_annual_year *year,
+                 uint32_t *next, struct orl_error *err)
+{
+    const struct orl_annual_step *row = &result->steps[i];
+    const uint32_t step = orl_annual_step_of(year, row);
+    if (step >= year->steps.count || step < *next)
+        return orl_error_set(err, ORL_ERR_RANGE,
+                             "the weather file's row %zu (%d/%d, %g h) is out of order: a year's "
+                             "figures want rows that follow each other",
+                             i + 1, row->month, row->day, row->hour);
+    *next = step + 1;
+    year->measured[step] = !row->missing;
+    year->global_lx[step] = row->missing ? 0 : row->global_lx;
+    year->n_missing -= !row->missing;
+    if (row->column != ORL_ANNUAL_DARK)
+        year->step_of_column[row->column] = step;
+    return 0;
+}
+
+int orl_annual_year_make(const struct orl_annual_result *result, struct orl_annual_year *ret_year,
+                         struct orl_error *err)
+{
+    const uint32_t per_hour = find_per_hour(result);
+    const uint32_t count = (has_leap_day(result) ? 8784 : 8760) * per_hour;
+    struct orl_annual_year year = {.steps = {count, per_hour},
+                                   .measured = calloc(count, 1),
+                                   .global_lx = calloc(count, sizeof *year.global_lx),
+                                   .step_of_column =
+                                       calloc(result->n_columns + 1, sizeof *year.step_of_column),
+                                   .n_columns = result->n_columns,
+                                   .n_missing = count};
+    uint32_t next = 0;
+    int code = 0;
+    if (!year.measured || !year.global_lx || !year.step_of_column) {
+        orl_annual_year_done(&year);
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    }
+    for (size_t i = 0; i < result->n_steps && code == 0; i++)
+        code = enter(result, i, &year, &next, err);
+    if (code < 0)
+        orl_annual_year_done(&year);
+    else
+        *ret_year = year;
+    return code;
+}
+
+void orl_annual_year_done(struct orl_annual_year *year)
+{
+    if (!year)
+        return;
+    free(year->measured);
+    free(year->global_lx);
+    free(year->step_of_column);
+    *year = (struct orl_annual_year){.measured = NULL};
+}

@@ -1,0 +1,390 @@
+/*
+ * What is told of a year made by hand: rows of weather files as steps, grids, verdicts; the files
+ * of it, read back byte by byte, and by NumPy where that is installed.
+ */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include <cmocka.h>
+
+#include <oriel/annual_report.h>
+
+#include "support/cli.h"
+
+static char folder[64];
+
+static int set_up(void **state)
+{
+    (void)state;
+    cli_make_folder(folder);
+    return 0;
+}
+
+static int tear_down(void **state)
+{
+    (void)state;
+    cli_remove_folder(folder);
+    return 0;
+}
+
+static const char *path_of(const char *name)
+{
+    static char path[256];
+    snprintf(path, sizeof path, "%s/%s", folder, name);
+    return path;
+}
+
+static char *read_file(const char *name, size_t *ret_size)
+{
+    FILE *file = fopen(path_of(name), "rb");
+    char *text = calloc(1, 4 << 20);
+    if (!file || !text)
+        fail_msg("%s is not there", name);
+    *ret_size = fread(text, 1, (4 << 20) - 1, file);
+    fclose(file);
+    return text;
+}
+
+static void assert_near(double value, double wanted, double tolerance)
+{
+    if (!(fabs(value - wanted) <= tolerance))
+        fail_msg("%.10g is not %.10g within %g", value, wanted, tolerance);
+}
+
+/* ---- A year ---------------------------------------------------------------------------------- */
+
+enum { SENSORS = 6, FIRST_LIT = 6, LIT = 12 };
+
+/* Rows of an hour each, lit from 6 to 18; sensor i has 100 (i + 1) lx, and sun at noon. */
+static void make_result(struct orl_annual_result *result, bool leap)
+{
+    static const int lengths[12] = {31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31};
+    *result = (struct orl_annual_result){.n_steps = leap ? 8784 : 8760, .n_sensors = SENSORS};
+    result->steps = calloc(result->n_steps, sizeof *result->steps);
+    result->step_of_column = calloc(result->n_steps, sizeof *result->step_of_column);
+    assert_true(result->steps && result->step_of_column);
+    size_t at = 0;
+    for (int month = 1; month <= 12; month++)
+        for (int day = 1; day <= lengths[month - 1] + (leap && month == 2); day++)
+            for (int hour = 0; hour < 24; hour++, at++) {
+                const bool lit = hour >= FIRST_LIT && hour < FIRST_LIT + LIT;
+                struct orl_annual_step *s = &result->steps[at];
+                *s = (struct orl_annual_step){.month = month,
+                                              .day = day,
+                                              .hour = hour + 0.5,
+                                              .column = ORL_ANNUAL_DARK,
+                                              .global_lx = lit ? 1e4 + hour : 0};
+                if (lit) {
+                    result->step_of_column[result->n_columns] = (uint32_t)at;
+                    s->column = (uint32_t)result->n_columns++;
+                }
+            }
+    const size_t n = SENSORS * result->n_columns;
+    result->total = calloc(n, sizeof *result->total);
+    result->direct = calloc(n, sizeof *result->direct);
+    result->se = calloc(n, sizeof *result->se);
+    assert_true(result->total && result->direct && result->se);
+    for (size_t i = 0; i < n; i++) {
+        const size_t sensor = i / result->n_columns;
+        const bool noon =
+            fabs(result->steps[result->step_of_column[i % result->n_columns]].hour - 12.5) < 0.1;
+        result->direct[i] = noon && sensor >= 4 ? 5000 : 0;
+        result->total[i] = 100 * (float)(sensor + 1) + result->direct[i];
+        result->se[i] = 0.02F * result->total[i];
+    }
+}
+
+static void free_result(struct orl_annual_result *result)
+{
+    free(result->steps);
+    free(result->step_of_column);
+    free(result->total);
+    free(result->direct);
+    free(result->se);
+}
+
+static struct orl_annual_request make_request(struct orl_annual_grid grids[2])
+{
+    static char north[] = "North / \"old\"", south[] = "south";
+    grids[0] = (struct orl_annual_grid){north, 0, 2};
+    grids[1] = (struct orl_annual_grid){south, 2, 4};
+    return (struct orl_annual_request){.grids = grids, .n_grids = 2, .n_sensors = SENSORS};
+}
+
+/* ---- Years ----------------------------------------------------------------------------------- */
+
+static void test_years(void **state)
+{
+    struct orl_annual_result result;
+    struct orl_annual_year year;
+    struct orl_error err = {0};
+    (void)state;
+    make_result(&result, true);
+    assert_int_equal(orl_annual_year_make(&result, &year, &err), 0);
+    assert_int_equal(year.steps.count, 8784);
+    assert_int_equal(year.n_missing, 0);
+    assert_int_equal(year.step_of_column[LIT], 24 + FIRST_LIT);
+    assert_int_equal(year.step_of_column[result.n_columns - 1], 8783 - 6);
+    orl_annual_year_done(&year);
+    /* Hours that were not measured, and a file that ends early. */
+    result.steps[5].missing = true;
+    result.n_steps -= 24;
+    assert_int_equal(orl_annual_year_make(&result, &year, &err), 0);
+    assert_int_equal(year.n_missing, 25);
+    assert_true(!year.measured[5] && year.measured[6] && !year.measured[8783]);
+    orl_annual_year_done(&year);
+    result.steps[100].hour = result.steps[99].hour;
+    assert_int_equal(orl_annual_year_make(&result, &year, &err), ORL_ERR_RANGE);
+    free_result(&result);
+    make_result(&result, false);
+    assert_int_equal(orl_annual_year_make(&result, &year, &err), 0);
+    assert_int_equal(year.steps.count, 8760);
+    assert_int_equal(orl_annual_step_of(&year, &result.steps[8759]), 8759);
+    orl_annual_year_done(&year);
+    free_result(&result);
+}
+
+/* ---- Reports --------------------------------------------------------------------------------- */
+
+static void ask(struct orl_annual_wishes *wishes, const char *target, const char *rules)
+{
+    const struct orl_annual_rule *first;
+    assert_int_equal(orl_annual_wishes_init(wishes), 0);
+    wishes->targets = calloc(1, sizeof *wishes->targets);
+    assert_non_null(wishes->targets);
+    assert_int_equal(orl_annual_target_parse(target, wishes->targets, NULL), 0);
+    wishes->n_targets = 1;
+    assert_int_equal(orl_annual_rules_find(rules, &first, &wishes->n_rules, NULL), 0);
+    wishes->rules = calloc(wishes->n_rules, sizeof *wishes->rules);
+    assert_non_null((void *)wishes->rules);
+    for (size_t i = 0; i < wishes->n_rules; i++)
+        wishes->rules[i] = &first[i];
+}
+
+/* Sensors 0 to 5 have 100 to 600 lx in all occupied hours: 300 lx is met by four, the third just.
+ */
+static void test_reports(void **state)
+{
+    struct orl_annual_grid grids[2];
+    const struct orl_annual_request request = make_request(grids);
+    struct orl_annual_result result;
+    struct orl_annual_wishes wishes;
+    struct orl_annual_report report;
+    struct orl_error err = {0};
+    (void)state;
+    make_result(&result, false);
+    ask(&wishes, "sDA300/50 of SOUTH >= 55 %", "LEED");
+    assert_int_equal(orl_annual_report_make(&request, &result, &wishes, NULL, &report, &err), 0);
+    assert_near(report.periods[ORL_WHEN_OCCUPIED].hours, 3650, 0);
+    assert_near(report.values[2].value, 100, 0); /* DA300 of the third */
+    assert_near(report.values[2].low, 0, 0);     /* which two per cent less would end */
+    assert_near(report.areas[0].value.value, 0, 0);
+    assert_near(report.areas[1].value.value, 100, 0);
+    assert_near(report.areas[1].value.low, 75, 0);
+    assert_int_equal(report.areas[1].open, 1);
+    assert_near(report.areas[2].value.value, 100 * 4 / 6.0, 1e-9);
+    assert_near(report.areas[3 + 1].value.value, 50, 1e-9); /* ASE: 365 hours at two of four */
+    assert_int_equal(report.n_verdicts, 1 + 4 * 3);
+    assert_int_equal(report.verdicts[0].grid, 1);
+    assert_int_equal(report.verdicts[0].verdict, ORL_VERDICT_PASS);
+    /* 66.7 % of both together, or 50 if the third is too dark: over 40, perhaps 55, not 75. */
+    assert_int_equal(report.verdicts[1].grid, ORL_ALL_GRIDS);
+    assert_int_equal(report.verdicts[1].verdict, ORL_VERDICT_PASS);
+    assert_int_equal(report.verdicts[4].verdict, ORL_VERDICT_UNDECIDED);
+    assert_int_equal(report.verdicts[7].verdict, ORL_VERDICT_FAIL);
+    orl_annual_report_done(&report);
+    snprintf(wishes.targets[0].grid, sizeof wishes.targets[0].grid, "east");
+    assert_int_equal(orl_annual_report_make(&request, &result, &wishes, NULL, &report, &err),
+                     ORL_ERR_INVALID);
+    wishes.targets[0].grid[0] = '\0';
+    wishes.occupancy.days = 0;
+    assert_int_equal(orl_annual_report_make(&request, &result, &wishes, NULL, &report, &err),
+                     ORL_ERR_INVALID);
+    orl_annual_wishes_done(&wishes);
+    free_result(&result);
+}
+
+/* Grids of 1 and 3 by area: half of the sensors of the second weigh most. */
+static void test_areas_and_files_of_occupancy(void **state)
+{
+    struct orl_annual_grid grids[2];
+    const struct orl_annual_request request = make_request(grids);
+    static char text[8760 * 2];
+    const struct orl_file file = {text, sizeof text, NULL};
+    static const char *const names[] = {"use.csv"};
+    struct orl_memory_files memory = {names, &file, 1};
+    const struct orl_files files = orl_files_from_memory(&memory);
+    struct orl_annual_result result;
+    struct orl_annual_wishes wishes;
+    struct orl_annual_report report;
+    struct orl_error err = {0};
+    (void)state;
+    for (int i = 0; i < 8760; i++)
+        memcpy(text + 2 * (size_t)i, i % 24 == 12 ? "1\n" : "0\n", 2);
+    make_result(&result, false);
+    ask(&wishes, "ASE <= 10 %", "LEED");
+    wishes.occupancy_file = strdup("use.csv");
+    wishes.grid_area = calloc(2, sizeof *wishes.grid_area);
+    assert_true(wishes.occupancy_file && wishes.grid_area);
+    wishes.grid_area[0] = 1;
+    wishes.grid_area[1] = 3;
+    assert_int_equal(orl_annual_report_make(&request, &result, &wishes, &files, &report, &err), 0);
+    assert_near(report.periods[ORL_WHEN_OCCUPIED].hours, 365, 0);
+    assert_near(report.areas[3 + 2].value.value, 37.5, 1e-9); /* half of 3 of 4 */
+    assert_near(report.areas[2].value.value, 75, 1e-9);
+    orl_annual_report_done(&report);
+    text[1] = 'x';
+    assert_int_equal(orl_annual_report_make(&request, &result, &wishes, &files, &report, &err),
+                     ORL_ERR_RANGE); /* a first line of words, and one too few */
+    orl_annual_wishes_done(&wishes);
+    free_result(&result);
+}
+
+/* ---- Files ----------------------------------------------------------------------------------- */
+
+static void test_arrays(void **state)
+{
+    const float values[6] = {0, 1.5F, -2, 3e5F, 1e-3F, 7};
+    size_t size;
+    (void)state;
+    assert_int_equal(orl_npy_write(path_of("a.npy"), values, 2, 3, NULL), 0);
+    char *bytes = read_file("a.npy", &size);
+    const size_t header = 10 + (unsigned char)bytes[8] + 256 * (size_t)(unsigned char)bytes[9];
+    assert_memory_equal(bytes, "\x93NUMPY\x01", 8);
+    assert_int_equal(header % 64, 0);
+    assert_int_equal(bytes[header - 1], '\n');
+    bytes[header - 1] = '\0';
+    assert_non_null(strstr(bytes + 10, "'descr': '<f4'"));
+    assert_non_null(strstr(bytes + 10, "'fortran_order': False"));
+    assert_non_null(strstr(bytes + 10, "'shape': (2, 3)"));
+    assert_int_equal(size, header + sizeof values);
+    assert_memory_equal(bytes + header, values, sizeof values);
+    free(bytes);
+    assert_int_equal(orl_matrix_write(path_of("a.ill"), values, 2, 3, true, NULL), 0);
+    bytes = read_file("a.ill", &size);
+    assert_string_equal(bytes, "#?RADIANCE\nNROWS=2\nNCOLS=3\nNCOMP=1\nFORMAT=ascii\n\n"
+                               "0\t1.5\t-2\n300000\t0.001\t7\n");
+    free(bytes);
+    assert_int_equal(orl_matrix_write(path_of("a.mtx"), values, 2, 3, false, NULL), 0);
+    bytes = read_file("a.mtx", &size);
+    assert_non_null(strstr(bytes, "FORMAT=float\n\n"));
+    assert_memory_equal(bytes + size - sizeof values, values, sizeof values);
+    free(bytes);
+    assert_int_equal(orl_npy_write(path_of("none/a.npy"), values, 2, 3, NULL), ORL_ERR_IO);
+}
+
+static size_t count_lines(const char *text)
+{
+    size_t lines = 0;
+    for (; *text; text++)
+        lines += *text == '\n';
+    return lines;
+}
+
+static void assert_holds(const char *name, const char *part)
+{
+    size_t size;
+    char *text = read_file(name, &size);
+    if (!strstr(text, part))
+        fail_msg("%s does not hold '%s': %.300s", name, part, text);
+    free(text);
+}
+
+/* NumPy sees the same numbers; not installed, it says nothing. */
+static void ask_numpy(void)
+{
+    char command[1024];
+    snprintf(command, sizeof command,
+             "python3 -c \"\nimport sys\ntry:\n    import numpy\nexcept ImportError:\n    "
+             "sys.exit(0)\na = "
+             "numpy.load('%s/hb/__static_apertures__/default/total/south.npy')\nassert a.shape == "
+             "(4, 4380) and a.dtype == numpy.float32, a.shape\nassert a[0, 0] == 300 and a[3, 6] "
+             "== 5600\nb = numpy.loadtxt('%s/hb/metrics/da/south.da')\nassert (b == 100).all()\n\"",
+             folder, folder);
+    assert_int_equal(system(command), 0);
+}
+
+static void test_honeybees_folder(void **state)
+{
+    struct orl_annual_grid grids[2];
+    const struct orl_annual_request request = make_request(grids);
+    struct orl_annual_result result;
+    struct orl_annual_wishes wishes;
+    struct orl_annual_report report;
+    size_t size;
+    (void)state;
+    make_result(&result, false);
+    ask(&wishes, "ASE <= 10 %", "LEED");
+    assert_int_equal(orl_annual_report_make(&request, &result, &wishes, NULL, &report, NULL), 0);
+    for (int again = 0; again < 2; again++)
+        assert_int_equal(orl_honeybee_write(path_of("hb"), &report, &result, NULL), 0);
+    assert_holds("hb/grids_info.json", "{\"count\": 2, \"name\": \"North / \\\"old\\\"\", "
+                                       "\"identifier\": \"North____old_\"");
+    assert_holds("hb/grid_states.json", "\"south\": {\"__static_apertures__\": [\"default\"]}");
+    assert_holds("hb/study_info.json", "{\"timestep\": 1, \"study_hours\": [0.5, 1.5, ");
+    assert_holds("hb/sun-up-hours.txt", "6.5\n7.5\n8.5\n");
+    assert_holds("hb/metrics/ase/south.ase", "50.00");
+    assert_holds("hb/metrics/hours_above/south.res", "0\n0\n365\n365\n");
+    assert_holds("hb/metrics/udi_upper/south.udi", "0.00\n0.00\n10.00\n10.00\n");
+    assert_holds("hb/metrics/cda/North____old_.cda", "33.33\n66.67\n");
+    assert_holds("hb/metrics/summary.json", "\"Sensor Count\": 4, \"sDA\": 100.00, \"ASE\": 50.00");
+    char *hours = read_file("hb/sun-up-hours.txt", &size);
+    assert_int_equal(count_lines(hours), 4380);
+    free(hours);
+    ask_numpy();
+    orl_annual_report_done(&report);
+    orl_annual_wishes_done(&wishes);
+    free_result(&result);
+}
+
+static void test_tables(void **state)
+{
+    struct orl_annual_grid grids[2];
+    const struct orl_annual_request request = make_request(grids);
+    struct orl_sensor sensors[SENSORS] = {{{1, 2, 0.75}, {0, 0, 1}}};
+    struct orl_annual_result result;
+    struct orl_annual_wishes wishes;
+    struct orl_annual_report report;
+    size_t size;
+    (void)state;
+    make_result(&result, false);
+    result.steps[12].missing = true;
+    ask(&wishes, "ASE <= 10 %", "LEED");
+    assert_int_equal(orl_annual_report_make(&request, &result, &wishes, NULL, &report, NULL), 0);
+    assert_int_equal(orl_annual_sensors_csv(path_of("s.csv"), &report, sensors, NULL), 0);
+    assert_int_equal(orl_annual_hours_csv(path_of("h.csv"), &report, &result, NULL), 0);
+    assert_holds("s.csv", "grid,x,y,z,dx,dy,dz,\"DA300 (%)\",low_95,high_95,");
+    assert_holds("s.csv", "\n\"North / \"\"old\"\"\",1,2,0.75,0,0,1,0,0,0,");
+    char *text = read_file("s.csv", &size);
+    assert_int_equal(count_lines(text), 1 + SENSORS);
+    free(text);
+    assert_holds("h.csv", ",\"North / \"\"old\"\"\",\"south\"\n1,1,0.5,0,");
+    assert_holds("h.csv", "\n1,1,8.5,1,0.0000,0,0,10008,150,450\n");
+    assert_holds("h.csv", "\n1,1,12.5,0,0.0000,,,,,\n"); /* not measured: nobody's */
+    text = read_file("h.csv", &size);
+    assert_int_equal(count_lines(text), 8761);
+    free(text);
+    orl_annual_report_done(&report);
+    orl_annual_wishes_done(&wishes);
+    free_result(&result);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_years),
+        cmocka_unit_test(test_reports),
+        cmocka_unit_test(test_areas_and_files_of_occupancy),
+        cmocka_unit_test_setup_teardown(test_arrays, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_honeybees_folder, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_tables, set_up, tear_down),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
