@@ -115,7 +115,7 @@ static void test_a_study_leaves_four_files_and_a_table(void **state)
     static const struct {
         const char *name, *begins;
     } files[] = {
-        {"study.csv", "technique,photons,"}, {"study.svg", "<?xml"}, {"study.png", "\x89PNG"}};
+        {"study.csv", "technique,photons,"}, {"study.svg", "<svg "}, {"study.png", "\x89PNG"}};
     struct cli_desk *f = *state;
 
     run(f);

@@ -155,7 +155,7 @@ static void test_life_of_a_study(void **state)
     check_result(f, job);
     check_file(f, job, "result.json", "application/json", "{");
     check_file(f, job, "study.csv", "text/csv", "technique,photons,samples,");
-    check_file(f, job, "study.svg", "image/svg+xml", "<?xml");
+    check_file(f, job, "study.svg", "image/svg+xml", "<svg ");
     check_file(f, job, "study.png", "image/png", "\x89PNG");
     /* A study measures what building maps takes: it keeps none, and finds none. */
     daemon_get(&f->daemon, "/v1/maps", &reply);
