@@ -79,57 +79,17 @@ static const char *type_name(const json_t *value)
     return value ? names[json_typeof(value)] : "nothing";
 }
 
-static int wrong_type(const json_t *value, const char *path, const char *wanted,
-                      struct orl_error *err)
+int orl_json_wrong_type(const json_t *value, const char *path, const char *wanted,
+                        struct orl_error *err)
 {
     return orl_json_fail(err, ORL_ERR_INVALID, path, "%s is wanted here, not %s", wanted,
                          type_name(value));
 }
 
-static bool is_listed(const char *word, const char *const *list)
-{
-    for (; *list; list++)
-        if (strcmp(word, *list) == 0)
-            return true;
-    return false;
-}
-
-static int unknown_member(const char *path, const char *key, const char *const *allowed,
-                          struct orl_error *err)
-{
-    char where[ORL_JSON_PATH_MAX], known[ORL_ERROR_TEXT_MAX] = "";
-    snprintf(where, sizeof where, "%s%s%.60s", path, *path ? "." : "", key);
-    size_t used = 0;
-    for (; *allowed && used < sizeof known; allowed++) {
-        const int n =
-            snprintf(known + used, sizeof known - used, "%s%s", used ? ", " : "", *allowed);
-        used += n > 0 ? (size_t)n : 0;
-    }
-    orl_json_fail(err, ORL_ERR_INVALID, where, "there is no such member");
-    orl_error_hint(err, "Known here: %s", known);
-    return ORL_ERR_INVALID;
-}
-
-int orl_json_object(const json_t *value, const char *path, const char *const *allowed,
-                    struct orl_error *err)
-{
-    if (!json_is_object(value))
-        return wrong_type(value, *path ? path : "document", "an object", err);
-    const char *key;
-    json_t *member;
-    /* json_object_foreach wants a non-const object but changes nothing. */
-    json_object_foreach((json_t *)(uintptr_t)value, key, member)
-    {
-        if (!is_listed(key, allowed))
-            return unknown_member(path, key, allowed, err);
-    }
-    return 0;
-}
-
 int orl_json_array(const json_t *value, const char *path, size_t max, struct orl_error *err)
 {
     if (!json_is_array(value))
-        return wrong_type(value, path, "an array", err);
+        return orl_json_wrong_type(value, path, "an array", err);
     if (json_array_size(value) > max)
         return orl_json_fail(err, ORL_ERR_LIMIT, path, "%zu elements; the limit is %zu",
                              json_array_size(value), max);
@@ -151,7 +111,7 @@ int orl_json_whole(const json_t *value, const char *path, uint64_t min, uint64_t
         ok = real >= 0 && real <= exact && floor(real) == real;
         whole = ok ? (uint64_t)real : 0;
     } else {
-        return wrong_type(value, path, "a whole number", err);
+        return orl_json_wrong_type(value, path, "a whole number", err);
     }
     if (!ok || whole < min || whole > max)
         return orl_json_fail(err, ORL_ERR_RANGE, path, "a whole number from %llu to %llu is wanted",
@@ -163,7 +123,7 @@ int orl_json_whole(const json_t *value, const char *path, uint64_t min, uint64_t
 int orl_json_real(const json_t *value, const char *path, double *ret_value, struct orl_error *err)
 {
     if (!json_is_number(value))
-        return wrong_type(value, path, "a number", err);
+        return orl_json_wrong_type(value, path, "a number", err);
     const double real = json_number_value(value);
     if (!isfinite(real))
         return orl_json_fail(err, ORL_ERR_RANGE, path, "the number is not finite");
@@ -174,7 +134,7 @@ int orl_json_real(const json_t *value, const char *path, double *ret_value, stru
 int orl_json_bool(const json_t *value, const char *path, bool *ret_value, struct orl_error *err)
 {
     if (!json_is_boolean(value))
-        return wrong_type(value, path, "true or false", err);
+        return orl_json_wrong_type(value, path, "true or false", err);
     *ret_value = json_is_true(value);
     return 0;
 }
@@ -183,7 +143,7 @@ int orl_json_string(const json_t *value, const char *path, size_t max, char **re
                     struct orl_error *err)
 {
     if (!json_is_string(value))
-        return wrong_type(value, path, "a string", err);
+        return orl_json_wrong_type(value, path, "a string", err);
     const size_t length = json_string_length(value);
     if (length == 0)
         return orl_json_fail(err, ORL_ERR_INVALID, path, "the string is empty");
@@ -194,4 +154,24 @@ int orl_json_string(const json_t *value, const char *path, size_t max, char **re
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     *ret_text = copy;
     return 0;
+}
+
+int orl_json_word(const json_t *value, const char *path, const char *const *words, void *ret_place,
+                  struct orl_error *err)
+{
+    const char *given = json_string_value(value);
+    char list[ORL_ERROR_TEXT_MAX / 2] = "";
+    size_t used = 0;
+    for (unsigned i = 0; words[i]; i++) {
+        if (given && strcmp(given, words[i]) == 0) {
+            memcpy(ret_place, &i, sizeof i);
+            return 0;
+        }
+        const char *before = i == 0 ? "" : words[i + 1] ? ", " : " or ";
+        const int n = used < sizeof list
+                          ? snprintf(list + used, sizeof list - used, "%s\"%s\"", before, words[i])
+                          : 0;
+        used += n > 0 ? (size_t)n : 0;
+    }
+    return orl_json_fail(err, ORL_ERR_INVALID, path, "%s is wanted here", list);
 }

@@ -1,5 +1,6 @@
 /*
- * Declared decoding of JSON into typed values, with errors that name the JSON path.
+ * JSON values decoded into typed ones, with errors that name the JSON path. Objects are
+ * members.h's.
  *
  * Every function takes the value (NULL when the member is absent), the path it was found at
  * ("views[2].width") for messages, and returns 0 or a negative orl_err with err filled in:
@@ -27,9 +28,6 @@ uint64_t orl_json_weight(const char *text, size_t size);
 int orl_json_parse(const char *name, const char *text, size_t size, json_t **ret_doc,
                    struct orl_error *err);
 
-/* value must be an object with no members but those in allowed (ends with NULL). */
-int orl_json_object(const json_t *value, const char *path, const char *const *allowed,
-                    struct orl_error *err);
 /* value must be an array of at most max elements. */
 int orl_json_array(const json_t *value, const char *path, size_t max, struct orl_error *err);
 /* A whole number in [min, max]; 2e6 counts as whole. */
@@ -40,7 +38,14 @@ int orl_json_bool(const json_t *value, const char *path, bool *ret_value, struct
 /* A non-empty string of at most max bytes without NUL; *ret_text is owned (free()). */
 int orl_json_string(const json_t *value, const char *path, size_t max, char **ret_text,
                     struct orl_error *err);
+/* One of the words, which end with NULL: *ret_place is an enumeration, and becomes the word's place
+ * among them. */
+int orl_json_word(const json_t *value, const char *path, const char *const *words, void *ret_place,
+                  struct orl_error *err);
 
+/* Fails with "<wanted> is wanted here, not <what value is>". */
+int orl_json_wrong_type(const json_t *value, const char *path, const char *wanted,
+                        struct orl_error *err);
 /* Fails with code at path; the message is "<path>: <what>". */
 int orl_json_fail(struct orl_error *err, int code, const char *path, const char *what, ...)
     __attribute__((format(printf, 4, 5)));

@@ -1,16 +1,14 @@
 #include "glare_json.h"
 
-#include <stdio.h>
 #include <string.h>
 
-#include "decode.h"
 #include "encode.h"
 
 /* ---- What is asked for ----------------------------------------------------------------------- */
 
-static int decode_metric(const json_t *value, const char *path, uint32_t *metrics,
-                         struct orl_error *err)
+static int decode_metric(const json_t *value, const char *path, void *into, struct orl_error *err)
 {
+    uint32_t *metrics = into;
     const char *name = json_string_value(value);
     if (name && strcmp(name, "all") == 0) {
         *metrics = (1U << ORL_GLARE_METRICS) - 1;
@@ -29,160 +27,57 @@ static int decode_metric(const json_t *value, const char *path, uint32_t *metric
     return ORL_ERR_INVALID;
 }
 
-int orl_glare_metrics_from_json(const json_t *value, const char *path, uint32_t *ret_metrics,
+int orl_glare_metrics_from_json(const json_t *value, const char *path, void *ret_metrics,
                                 struct orl_error *err)
 {
-    uint32_t metrics = 0;
-    if (!value)
-        return 0;
-    int rc = orl_json_array(value, path, ORL_GLARE_METRICS + 1, err);
-    for (size_t i = 0; rc == 0 && i < json_array_size(value); i++) {
-        char at[ORL_JSON_PATH_MAX];
-        snprintf(at, sizeof at, "%.120s[%zu]", path, i);
-        rc = decode_metric(json_array_get(value, i), at, &metrics, err);
-    }
-    if (rc == 0)
-        *ret_metrics = metrics;
-    return rc;
+    return orl_json_each(value, path, ORL_GLARE_METRICS + 1, decode_metric, ret_metrics, err);
 }
 
-/* Numbers of an object: where there is one, and where it goes. */
-struct number {
-    const char *key;
-    double *target;
-};
-
-static int decode_numbers(const json_t *doc, const char *path, const struct number *numbers,
-                          size_t count, struct orl_error *err)
+static int decode_task(const json_t *value, const char *path, void *into, struct orl_error *err)
 {
-    int rc = 0;
-    for (size_t i = 0; i < count && rc == 0; i++) {
-        const json_t *value = json_object_get(doc, numbers[i].key);
-        char at[ORL_JSON_PATH_MAX];
-        snprintf(at, sizeof at, "%.120s.%s", path, numbers[i].key);
-        if (value)
-            rc = orl_json_real(value, at, numbers[i].target, err);
-    }
-    return rc;
-}
-
-static int decode_task(const json_t *value, const char *path, struct orl_glare_area *task,
-                       struct orl_error *err)
-{
-    static const char *const allowed[] = {"x", "y", "angle_rad", NULL};
-    char at[ORL_JSON_PATH_MAX];
-    snprintf(at, sizeof at, "%.120s.task", path);
-    if (!value)
-        return 0;
-    const struct number numbers[] = {
-        {"x", &task->x}, {"y", &task->y}, {"angle_rad", &task->angle_rad}};
-    int rc = orl_json_object(value, at, allowed, err);
-    if (rc == 0)
-        rc = decode_numbers(value, at, numbers, 3, err);
+    struct orl_glare_area *task = into;
+    const struct orl_json_member members[] = {{"x", .real = &task->x},
+                                              {"y", .real = &task->y},
+                                              {"angle_rad", .real = &task->angle_rad},
+                                              {0}};
+    const int rc = orl_json_members(value, path, members, err);
     if (rc == 0 && !(task->angle_rad > 0))
-        rc = orl_json_fail(err, ORL_ERR_RANGE, at, "a task has an \"angle_rad\" above 0");
+        return orl_json_fail(err, ORL_ERR_RANGE, path, "a task has an \"angle_rad\" above 0");
     return rc;
 }
 
-static int decode_directions(const json_t *value, const char *path, struct orl_glare_settings *s,
-                             struct orl_error *err)
+int orl_glare_settings_from_json(const json_t *value, const char *path, void *ret_settings,
+                                 struct orl_error *err)
 {
-    static const char *const allowed[] = {"count", "span_deg", NULL};
-    char at[ORL_JSON_PATH_MAX];
-    uint64_t count = 0;
-    if (!value)
-        return 0;
-    snprintf(at, sizeof at, "%.120s.directions", path);
-    int rc = orl_json_object(value, at, allowed, err);
-    const struct number span = {"span_deg", &s->directions_deg};
-    if (rc == 0)
-        rc = decode_numbers(value, at, &span, 1, err);
-    snprintf(at, sizeof at, "%.120s.directions.count", path);
-    if (rc == 0)
-        rc = orl_json_whole(json_object_get(value, "count"), at, 2, 360, &count, err);
-    s->directions = (uint32_t)count;
-    return rc;
-}
-
-static int decode_flag(const json_t *doc, const char *path, const char *key, bool *ret_flag,
-                       struct orl_error *err)
-{
-    const json_t *value = json_object_get(doc, key);
-    char at[ORL_JSON_PATH_MAX];
-    snprintf(at, sizeof at, "%.120s.%s", path, key);
-    return value ? orl_json_bool(value, at, ret_flag, err) : 0;
-}
-
-/* One of two words; the second is true. */
-static int decode_choice(const json_t *doc, const char *path, const char *key,
-                         const char *const words[2], bool *ret_second, struct orl_error *err)
-{
-    const json_t *value = json_object_get(doc, key);
-    const char *word = json_string_value(value);
-    char at[ORL_JSON_PATH_MAX];
-    if (!value)
-        return 0;
-    snprintf(at, sizeof at, "%.120s.%s", path, key);
-    for (int i = 0; word && i < 2; i++)
-        if (strcmp(word, words[i]) == 0) {
-            *ret_second = i == 1;
-            return 0;
-        }
-    return orl_json_fail(err, ORL_ERR_INVALID, at, "it is \"%s\" or \"%s\"", words[0], words[1]);
-}
-
-static int decode_choices(const json_t *value, const char *path, struct orl_glare_settings *s,
-                          struct orl_error *err)
-{
-    static const char *const formulas[] = {"published", "evalglare"};
-    static const char *const positions[] = {"exact", "whole_pixels"};
-    bool evalglare = s->constants == ORL_DGP_EVALGLARE, peaks = !s->no_peaks;
-    int rc = decode_choice(value, path, "formula", formulas, &evalglare, err);
-    if (rc == 0)
-        rc = decode_choice(value, path, "position", positions, &s->at_whole_pixels, err);
-    if (rc == 0)
-        rc = decode_flag(value, path, "smooth", &s->smooth, err);
-    if (rc == 0)
-        rc = decode_flag(value, path, "low_light_correction", &s->low_light, err);
-    if (rc == 0)
-        rc = decode_flag(value, path, "peaks", &peaks, err);
-    s->constants = evalglare ? ORL_DGP_EVALGLARE : ORL_DGP_PUBLISHED;
-    s->no_peaks = !peaks;
-    return rc;
-}
-
-int orl_glare_settings_from_json(const json_t *value, const char *path,
-                                 struct orl_glare_settings *ret_settings, struct orl_error *err)
-{
-    static const char *const allowed[] = {"threshold",  "task",
-                                          "radius_rad", "smooth",
-                                          "peak_cd_m2", "peaks",
-                                          "formula",    "low_light_correction",
-                                          "age_years",  "vertical_illuminance_lx",
-                                          "position",   "directions",
-                                          NULL};
-    struct orl_glare_settings s = *ret_settings;
-    if (!value)
-        return 0;
-    const struct number numbers[] = {{"threshold", &s.threshold},
-                                     {"radius_rad", &s.radius_rad},
-                                     {"peak_cd_m2", &s.peak_cd_m2},
-                                     {"age_years", &s.age_years},
-                                     {"vertical_illuminance_lx", &s.eye_lx}};
-    int rc = orl_json_object(value, path, allowed, err);
-    if (rc == 0)
-        rc = decode_numbers(value, path, numbers, sizeof numbers / sizeof *numbers, err);
-    if (rc == 0)
-        rc = decode_task(json_object_get(value, "task"), path, &s.task, err);
-    if (rc == 0)
-        rc = decode_directions(json_object_get(value, "directions"), path, &s, err);
-    if (rc == 0)
-        rc = decode_choices(value, path, &s, err);
+    static const char *const formulas[] = {"evalglare", "published", NULL};
+    static const char *const positions[] = {"exact", "whole_pixels", NULL};
+    struct orl_glare_settings *s = ret_settings;
+    unsigned at_whole_pixels = s->at_whole_pixels;
+    bool peaks = !s->no_peaks;
+    const struct orl_json_member directions[] = {
+        {"count", .whole_32 = &s->directions, .from = 2, .to = 360, .required = true},
+        {"span_deg", .real = &s->directions_deg},
+        {0}};
+    const struct orl_json_member members[] = {
+        {"threshold", .real = &s->threshold},
+        {"task", .decode = decode_task, .into = &s->task},
+        {"radius_rad", .real = &s->radius_rad},
+        {"smooth", .flag = &s->smooth},
+        {"peak_cd_m2", .real = &s->peak_cd_m2},
+        {"peaks", .flag = &peaks},
+        {"formula", .word = &s->constants, .words = formulas},
+        {"low_light_correction", .flag = &s->low_light},
+        {"age_years", .real = &s->age_years},
+        {"vertical_illuminance_lx", .real = &s->eye_lx},
+        {"position", .word = &at_whole_pixels, .words = positions},
+        {"directions", .members = directions},
+        {0}};
     struct orl_error why;
-    if (rc == 0 && orl_glare_settings_check(&s, &why) < 0)
-        rc = orl_json_fail(err, why.code, path, "%s", why.message);
-    if (rc == 0)
-        *ret_settings = s;
+    const int rc = orl_json_members(value, path, members, err);
+    s->at_whole_pixels = at_whole_pixels == 1;
+    s->no_peaks = !peaks;
+    if (rc == 0 && orl_glare_settings_check(s, &why) < 0)
+        return orl_json_fail(err, why.code, path, "%s", why.message);
     return rc;
 }
 

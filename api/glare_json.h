@@ -13,15 +13,12 @@
 #ifndef ORL_API_GLARE_JSON_H
 #define ORL_API_GLARE_JSON_H
 
-#include <jansson.h>
-
 #include <oriel/glare.h>
 
-/* Both leave everything as it is where value is NULL. path: where it was found. */
-int orl_glare_metrics_from_json(const json_t *value, const char *path, uint32_t *ret_metrics,
-                                struct orl_error *err);
-int orl_glare_settings_from_json(const json_t *value, const char *path,
-                                 struct orl_glare_settings *ret_settings, struct orl_error *err);
+#include "members.h"
+
+orl_json_decoder orl_glare_metrics_from_json;  /* adds to a uint32_t, as bits */
+orl_json_decoder orl_glare_settings_from_json; /* into a struct orl_glare_settings */
 
 /* A new reference; NULL when out of memory. metrics: those that are told. */
 json_t *orl_glare_to_json(const struct orl_glare *glare, uint32_t metrics);

@@ -12,25 +12,21 @@
 #ifndef ORL_API_PICTURE_JSON_H
 #define ORL_API_PICTURE_JSON_H
 
-#include <jansson.h>
-
 #include <oriel/run.h>
 
-/* Reads the three members of a view's object; path is the view's. What is absent changes nothing.
- * The points are owned by the view, also when this fails. */
-int orl_pictures_from_json(const json_t *view, const char *path, struct orl_view_request *request,
-                           struct orl_error *err);
+#include "members.h"
 
-/*
- * A job's "heat_map": {"scale", "decades", "divisions", "palette": as above, "thresholds": [300],
- * "length_unit": "m"}; NULL: absent, nothing changes.
- */
-int orl_heat_map_from_json(const json_t *value, struct orl_heat_map_request *request,
-                           struct orl_error *err);
+orl_json_decoder orl_formats_from_json; /* into a uint32_t, as bits */
+orl_json_decoder orl_display_from_json; /* into a struct orl_display of zeros */
+/* Into a struct orl_view_request that has its size; the points are owned by it, also when this
+ * fails. */
+orl_json_decoder orl_false_color_from_json;
 
-/* {"csv", "res", "maps": [{"png", "svg", "dat" of a full grid, "sensors"}]}; NULL: there are none,
- * or no memory. */
-json_t *orl_sensor_files_to_json(const struct orl_sensor_files *files);
+/* What heat maps have of it, too: a number, or "auto", which leaves the double alone. */
+orl_json_decoder orl_scale_from_json;
+orl_json_decoder orl_palette_from_json; /* into an enum orl_palette */
+/* A word that is drawn, of what fonts have: into char[ORL_PICTURE_LABEL_MAX]. */
+orl_json_decoder orl_label_from_json;
 
 /* Adds the names of the files to a result's view, and what false colours have found:
  *     "hdr": "a.hdr", ..., "scale": 2000, "points": [{"name": "desk", "value": 310}]

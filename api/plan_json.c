@@ -1,13 +1,8 @@
 #include "plan_json.h"
 
 #include <stdbool.h>
-#include <stdio.h>
-#include <string.h>
 
-#include "decode.h"
 #include "encode.h"
-
-static const char group_name[] = "caustics";
 
 static bool in_group(int effect)
 {
@@ -15,41 +10,39 @@ static bool in_group(int effect)
            effect == ORL_EFFECT_CAUSTICS_GLASS;
 }
 
-static int decode_wish(const json_t *effects, const char *name, enum orl_wish *wish,
-                       struct orl_error *err)
+int orl_technique_from_json(const json_t *value, const char *path, enum orl_technique first,
+                            enum orl_technique *ret_technique, struct orl_error *err)
 {
-    const json_t *value = json_object_get(effects, name);
-    char path[ORL_JSON_PATH_MAX];
-    if (!value)
-        return 0;
-    for (int i = 0; i < ORL_WISH_COUNT && json_is_string(value); i++)
-        if (strcmp(json_string_value(value), orl_wish_name((enum orl_wish)i)) == 0) {
-            *wish = (enum orl_wish)i;
-            return 0;
-        }
-    snprintf(path, sizeof path, "effects.%s", name);
-    return orl_json_fail(err, ORL_ERR_INVALID, path,
-                         "\"auto\", \"force\" or \"skip\" is wanted here");
+    const char *words[ORL_TECHNIQUE_COUNT + 1] = {NULL};
+    enum orl_technique place;
+    for (int i = (int)first; i < ORL_TECHNIQUE_COUNT; i++)
+        words[i - (int)first] = orl_technique_name((enum orl_technique)i);
+    const int rc = orl_json_word(value, path, words, &place, err);
+    if (rc == 0)
+        *ret_technique = first + place;
+    return rc;
 }
 
-int orl_wishes_from_json(const json_t *effects, enum orl_wish wishes[ORL_EFFECT_COUNT],
-                         struct orl_error *err)
+/* An effect that is named by itself goes before its group, wherever it stands. */
+int orl_wishes_from_json(const json_t *effects, const char *path, void *into, struct orl_error *err)
 {
-    const char *allowed[ORL_EFFECT_COUNT + 2] = {group_name};
-    enum orl_wish group;
-    if (!effects)
-        return 0;
-    for (int i = 0; i < ORL_EFFECT_COUNT; i++)
-        allowed[i + 1] = orl_effect_name((enum orl_effect)i);
-    int rc = orl_json_object(effects, "effects", allowed, err);
-    if (rc == 0 && json_object_get(effects, group_name)) {
-        rc = decode_wish(effects, group_name, &group, err);
-        for (int i = 0; i < ORL_EFFECT_COUNT && rc == 0; i++)
-            if (in_group(i))
-                wishes[i] = group;
+    enum orl_wish *wishes = into, group = ORL_WISH_COUNT, own[ORL_EFFECT_COUNT];
+    const char *words[ORL_WISH_COUNT + 1] = {NULL};
+    struct orl_json_member members[ORL_EFFECT_COUNT + 2] = {
+        {"caustics", .word = &group, .words = words}};
+    for (int i = 0; i < ORL_WISH_COUNT; i++)
+        words[i] = orl_wish_name((enum orl_wish)i);
+    for (int i = 0; i < ORL_EFFECT_COUNT; i++) {
+        own[i] = ORL_WISH_COUNT;
+        members[i + 1] = (struct orl_json_member){orl_effect_name((enum orl_effect)i),
+                                                  .word = &own[i], .words = words};
     }
-    for (int i = 0; i < ORL_EFFECT_COUNT && rc == 0; i++)
-        rc = decode_wish(effects, orl_effect_name((enum orl_effect)i), &wishes[i], err);
+    const int rc = orl_json_members(effects, path, members, err);
+    for (int i = 0; i < ORL_EFFECT_COUNT; i++) {
+        const enum orl_wish wish = own[i] == ORL_WISH_COUNT && in_group(i) ? group : own[i];
+        if (wish != ORL_WISH_COUNT)
+            wishes[i] = wish;
+    }
     return rc;
 }
 

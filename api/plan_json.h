@@ -19,17 +19,16 @@
 #ifndef ORL_API_PLAN_JSON_H
 #define ORL_API_PLAN_JSON_H
 
-#include <jansson.h>
-
-#include <oriel/error.h>
 #include <oriel/plan.h>
 
-/*
- * Reads a job document's "effects" (NULL: absent, nothing changes) into wishes, which hold
- * defaults. ORL_ERR_INVALID with the JSON path; wishes may then be changed in part.
- */
-int orl_wishes_from_json(const json_t *effects, enum orl_wish wishes[ORL_EFFECT_COUNT],
-                         struct orl_error *err);
+#include "members.h"
+
+/* The name of a technique that is first or behind it. */
+int orl_technique_from_json(const json_t *value, const char *path, enum orl_technique first,
+                            enum orl_technique *ret_technique, struct orl_error *err);
+
+/* A job document's "effects" into as many enum orl_wish, which hold defaults. */
+orl_json_decoder orl_wishes_from_json;
 
 /* json null for a plan that was never made (its technique is still ORL_TECHNIQUE_AUTO). */
 json_t *orl_plan_to_json(const struct orl_plan *plan);

@@ -7,6 +7,7 @@
 
 #include "encode.h"
 #include "glare_json.h"
+#include "heat_map_json.h"
 #include "picture_json.h"
 #include "plan_json.h"
 

@@ -16,14 +16,11 @@
 #ifndef ORL_API_SKIES_JSON_H
 #define ORL_API_SKIES_JSON_H
 
-#include <jansson.h>
-
 #include <oriel/run.h>
 
-/*
- * Fills the job's skies; skies may be NULL. ORL_ERR_INVALID, _RANGE or _LIMIT with the JSON path.
- * What is in the job is the job's to free, also after a failure.
- */
-int orl_skies_from_json(const json_t *skies, struct orl_job *job, struct orl_error *err);
+#include "members.h"
+
+/* Into a struct orl_job. What is in the job is the job's to free, also after a failure. */
+orl_json_decoder orl_skies_from_json;
 
 #endif

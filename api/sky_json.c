@@ -1,99 +1,47 @@
 #include "sky_json.h"
 
-#include <stdint.h>
-#include <stdio.h>
+#include <math.h>
 #include <string.h>
 
-#include "decode.h"
+enum { FILE_NAME_MAX_BYTES = 1024, NAME_MAX_BYTES = 64 };
 
-enum { FILE_NAME_MAX_BYTES = 1024 };
-
-/* One model's object, being decoded. */
-struct part {
-    const json_t *doc;
-    const char *path; /* "sky.perez" */
-    struct orl_sky_request *request;
-    struct orl_error *err;
-};
-
-static void member_path(const struct part *part, const char *name, char path[ORL_JSON_PATH_MAX])
-{
-    snprintf(path, ORL_JSON_PATH_MAX, "%s.%s", part->path, name);
-}
-
-static bool has(const struct part *part, const char *name)
-{
-    return json_object_get(part->doc, name) != NULL;
-}
-
-static int real(const struct part *part, const char *name, double *ret_value)
-{
-    char path[ORL_JSON_PATH_MAX];
-    member_path(part, name, path);
-    return orl_json_real(json_object_get(part->doc, name), path, ret_value, part->err);
-}
-
-static int optional_real(const struct part *part, const char *name, double *ret_value)
-{
-    return has(part, name) ? real(part, name, ret_value) : 0;
-}
-
-static int whole(const struct part *part, const char *name, uint64_t max, int *ret_value)
-{
-    char path[ORL_JSON_PATH_MAX];
-    uint64_t value = 0;
-    int rc;
-    member_path(part, name, path);
-    rc = orl_json_whole(json_object_get(part->doc, name), path, 1, max, &value, part->err);
-    if (rc == 0)
-        *ret_value = (int)value;
-    return rc;
-}
-
-static bool has_any(const struct part *part, const char *const *names)
+static bool has_any(const json_t *value, const char *const *names)
 {
     for (; *names; names++)
-        if (has(part, *names))
+        if (json_object_get(value, *names))
             return true;
     return false;
 }
 
-static int decode_date(const struct part *part)
-{
-    struct orl_sky_request *request = part->request;
-    int rc = whole(part, "month", 12, &request->month);
-    if (rc == 0)
-        rc = whole(part, "day", 31, &request->day);
-    if (rc == 0)
-        rc = real(part, "hour", &request->hour);
-    request->time_given = rc == 0;
-    return rc;
-}
+/* Rows of a sky's table: its time, which is wanted whole ... */
+#define DATE(request, wanted)                                                                      \
+    {"month", .whole_int = &(request)->month, .from = 1, .to = 12, .required = (wanted)},          \
+        {"day", .whole_int = &(request)->day, .from = 1, .to = 31, .required = (wanted)},          \
+    {                                                                                              \
+        "hour", .real = &(request)->hour, .required = (wanted)                                     \
+    }
+/* ... and with the site, or the sun's place, or neither: what a sky needs is the core's to say. */
+#define WHEN(request, wanted)                                                                      \
+    DATE(request, wanted),                                                                         \
+        {"latitude", .real = &(request)->latitude_deg, .required = (request)->time_given},         \
+        {"longitude", .real = &(request)->longitude_deg, .required = (request)->time_given},       \
+        {"time_zone", .real = &(request)->time_zone_h, .required = (request)->time_given},         \
+        {"sun_altitude", .real = &(request)->sun_altitude_deg, .required = (request)->sun_given},  \
+        {"sun_azimuth", .real = &(request)->sun_azimuth_deg, .required = (request)->sun_given},    \
+    {                                                                                              \
+        "ground_reflectance", .real = &(request)->ground_reflectance                               \
+    }
 
-/* Time and site, the sun's place, or neither: what a sky needs is the core's to say. */
-static int decode_when(const struct part *part)
+/* Whether a time is wanted here: some of it is there, and it is not given elsewhere. */
+static bool find_when(const json_t *value, struct orl_sky_request *request)
 {
     static const char *const time[] = {"month",     "day",       "hour", "latitude",
                                        "longitude", "time_zone", NULL};
     static const char *const sun[] = {"sun_altitude", "sun_azimuth", NULL};
-    struct orl_sky_request *request = part->request;
-    int rc = 0;
-    if (has_any(part, sun)) {
-        rc = real(part, "sun_altitude", &request->sun_altitude_deg);
-        if (rc == 0)
-            rc = real(part, "sun_azimuth", &request->sun_azimuth_deg);
-        request->sun_given = rc == 0;
-    }
-    if (rc || !has_any(part, time))
-        return rc;
-    rc = decode_date(part);
-    if (rc == 0)
-        rc = real(part, "latitude", &request->latitude_deg);
-    if (rc == 0)
-        rc = real(part, "longitude", &request->longitude_deg);
-    if (rc == 0)
-        rc = real(part, "time_zone", &request->time_zone_h);
-    return rc;
+    const bool known = request->time_given;
+    request->sun_given = has_any(value, sun);
+    request->time_given = known || has_any(value, time);
+    return request->time_given && !known;
 }
 
 /* One way to say how bright a sky is: one member or two that go together. */
@@ -106,172 +54,144 @@ struct way {
  * Exactly one way must be complete, and no member of another given. The way that is meant is the
  * one whose first member is there.
  */
-static int decode_way(const struct part *part, const struct way *ways, size_t count)
+static int decode_way(const json_t *value, const char *path, const struct way *ways, size_t count,
+                      struct orl_sky_request *request, struct orl_error *err)
 {
     const struct way *meant = NULL;
+    char at[ORL_JSON_PATH_MAX];
     for (size_t i = 0; i < count; i++) {
-        if (!has(part, ways[i].first))
+        if (!json_object_get(value, ways[i].first))
             continue;
         if (meant)
-            return orl_json_fail(part->err, ORL_ERR_INVALID, part->path,
+            return orl_json_fail(err, ORL_ERR_INVALID, path,
                                  "\"%s\" and \"%s\" cannot both be given", meant->first,
                                  ways[i].first);
         meant = &ways[i];
     }
     if (!meant)
-        return orl_json_fail(part->err, ORL_ERR_INVALID, part->path,
+        return orl_json_fail(err, ORL_ERR_INVALID, path,
                              "how bright it is is missing: \"%s\"%s%s%s, for one", ways[0].first,
                              ways[0].second ? " and \"" : "", ways[0].second ? ways[0].second : "",
                              ways[0].second ? "\"" : "");
     for (size_t i = 0; i < count; i++) {
         const char *second = ways[i].second;
         const bool wanted = second && meant->second && strcmp(second, meant->second) == 0;
-        if (second && has(part, second) && !wanted)
-            return orl_json_fail(part->err, ORL_ERR_INVALID, part->path,
-                                 "\"%s\" and \"%s\" do not go together", meant->first, second);
+        if (second && json_object_get(value, second) && !wanted)
+            return orl_json_fail(err, ORL_ERR_INVALID, path, "\"%s\" and \"%s\" do not go together",
+                                 meant->first, second);
     }
-    part->request->input = meant->input;
-    const int rc = real(part, meant->first, &part->request->first);
-    return rc || !meant->second ? rc : real(part, meant->second, &part->request->second);
+    request->input = meant->input;
+    int rc = orl_json_real(json_object_get(value, meant->first),
+                           orl_json_path(path, meant->first, at), &request->first, err);
+    if (rc == 0 && meant->second)
+        rc = orl_json_real(json_object_get(value, meant->second),
+                           orl_json_path(path, meant->second, at), &request->second, err);
+    return rc;
 }
 
-#define WHEN_MEMBERS                                                                               \
-    "month", "day", "hour", "latitude", "longitude", "time_zone", "sun_altitude", "sun_azimuth",   \
-        "ground_reflectance"
-
-static int decode_perez(const struct part *part)
+static int decode_perez(const json_t *value, const char *path, void *into, struct orl_error *err)
 {
-    static const char *const allowed[] = {WHEN_MEMBERS,
-                                          "direct_normal_w_m2",
-                                          "diffuse_horizontal_w_m2",
-                                          "direct_normal_lx",
-                                          "diffuse_horizontal_lx",
-                                          "direct_horizontal_w_m2",
-                                          "global_horizontal_w_m2",
-                                          "clearness",
-                                          "brightness",
-                                          NULL};
     static const struct way ways[] = {
         {ORL_SKY_NORMAL_W, "direct_normal_w_m2", "diffuse_horizontal_w_m2"},
         {ORL_SKY_NORMAL_LX, "direct_normal_lx", "diffuse_horizontal_lx"},
         {ORL_SKY_HORIZONTAL_W, "direct_horizontal_w_m2", "diffuse_horizontal_w_m2"},
         {ORL_SKY_GLOBAL_W, "global_horizontal_w_m2", NULL},
         {ORL_SKY_INDICES, "clearness", "brightness"}};
-    int rc = orl_json_object(part->doc, part->path, allowed, part->err);
-    part->request->model = ORL_SKY_BY_PEREZ;
-    if (rc == 0)
-        rc = decode_when(part);
-    if (rc == 0)
-        rc = decode_way(part, ways, sizeof ways / sizeof *ways);
-    return rc ? rc : optional_real(part, "ground_reflectance", &part->request->ground_reflectance);
+    struct orl_sky_request *request = into;
+    request->model = ORL_SKY_BY_PEREZ;
+    const bool timed = find_when(value, request);
+    const struct orl_json_member members[] = {WHEN(request, timed),
+                                              {.name = "direct_normal_w_m2"},
+                                              {.name = "diffuse_horizontal_w_m2"},
+                                              {.name = "direct_normal_lx"},
+                                              {.name = "diffuse_horizontal_lx"},
+                                              {.name = "direct_horizontal_w_m2"},
+                                              {.name = "global_horizontal_w_m2"},
+                                              {.name = "clearness"},
+                                              {.name = "brightness"},
+                                              {0}};
+    const int rc = orl_json_members(value, path, members, err);
+    return rc ? rc : decode_way(value, path, ways, sizeof ways / sizeof *ways, request, err);
 }
 
-static int decode_type(const struct part *part)
+static int decode_type(const json_t *value, const char *path, void *into, struct orl_error *err)
 {
-    static const struct {
-        const char *name;
-        enum orl_sky_cie type;
-    } types[] = {{"clear", ORL_SKY_CLEAR},
-                 {"overcast", ORL_SKY_OVERCAST},
-                 {"uniform", ORL_SKY_UNIFORM},
-                 {"intermediate", ORL_SKY_INTERMEDIATE}};
-    const char *type = json_string_value(json_object_get(part->doc, "type"));
-    for (size_t i = 0; type && i < sizeof types / sizeof *types; i++) {
-        if (strcmp(type, types[i].name) == 0) {
-            part->request->cie_type = types[i].type;
-            return 0;
-        }
-    }
-    return orl_json_fail(part->err, ORL_ERR_INVALID, "sky.cie.type",
-                         "\"clear\", \"intermediate\", \"overcast\" or \"uniform\" is wanted");
+    static const char *const types[] = {"clear", "overcast", "uniform", "intermediate", NULL};
+    enum orl_sky_cie type = 0;
+    const int rc = orl_json_word(value, path, types, &type, err);
+    if (rc == 0)
+        *(enum orl_sky_cie *)into = ORL_SKY_CLEAR + type;
+    return rc;
 }
 
-static int decode_cie(const struct part *part)
+static int decode_cie(const json_t *value, const char *path, void *into, struct orl_error *err)
 {
-    static const char *const allowed[] = {
-        WHEN_MEMBERS, "type", "zenith_cd_m2", "diffuse_horizontal_lx", "direct_normal_lx",
-        "turbidity",  NULL};
     static const char *const bright[] = {"zenith_cd_m2", "diffuse_horizontal_lx", NULL};
     static const struct way ways[] = {{ORL_SKY_ZENITH_CD_M2, "zenith_cd_m2", NULL},
                                       {ORL_SKY_DIFFUSE_LX, "diffuse_horizontal_lx", NULL}};
-    struct orl_sky_request *request = part->request;
-    int rc = orl_json_object(part->doc, part->path, allowed, part->err);
+    struct orl_sky_request *request = into;
     request->model = ORL_SKY_BY_CIE;
     request->input = ORL_SKY_TYPICAL;
-    if (rc == 0)
-        rc = decode_type(part);
-    if (rc == 0)
-        rc = decode_when(part);
-    if (rc == 0 && has_any(part, bright))
-        rc = decode_way(part, ways, sizeof ways / sizeof *ways);
-    if (rc == 0)
-        rc = optional_real(part, "direct_normal_lx", &request->direct_normal_lx);
-    if (rc == 0 && has(part, "direct_normal_lx") && request->direct_normal_lx < 0)
-        rc = orl_json_fail(part->err, ORL_ERR_RANGE, "sky.cie.direct_normal_lx", "it is negative");
-    if (rc == 0)
-        rc = optional_real(part, "turbidity", &request->turbidity);
-    return rc ? rc : optional_real(part, "ground_reflectance", &request->ground_reflectance);
+    const bool timed = find_when(value, request);
+    const struct orl_json_member members[] = {
+        WHEN(request, timed),
+        {"type", .decode = decode_type, .into = &request->cie_type, .required = true},
+        {.name = "zenith_cd_m2"},
+        {.name = "diffuse_horizontal_lx"},
+        {"direct_normal_lx", .real = &request->direct_normal_lx, .least = 0, .most = INFINITY,
+         .bounds = "it is negative"},
+        {"turbidity", .real = &request->turbidity},
+        {0}};
+    const int rc = orl_json_members(value, path, members, err);
+    if (rc || !has_any(value, bright))
+        return rc;
+    return decode_way(value, path, ways, sizeof ways / sizeof *ways, request, err);
 }
 
-static int decode_weather(const struct part *part)
+static int decode_weather(const json_t *value, const char *path, void *into, struct orl_error *err)
 {
-    static const char *const allowed[] = {"file", "month", "day", "hour", "ground_reflectance",
-                                          NULL};
-    struct orl_sky_request *request = part->request;
-    int rc = orl_json_object(part->doc, part->path, allowed, part->err);
+    struct orl_sky_request *request = into;
     request->model = ORL_SKY_BY_WEATHER;
-    if (rc == 0)
-        rc = orl_json_string(json_object_get(part->doc, "file"), "sky.weather.file",
-                             FILE_NAME_MAX_BYTES, &request->weather_file, part->err);
-    if (rc == 0)
-        rc = decode_date(part);
-    return rc ? rc : optional_real(part, "ground_reflectance", &request->ground_reflectance);
+    const bool timed = !request->time_given;
+    request->time_given = true;
+    const struct orl_json_member members[] = {
+        {"file", .text = &request->weather_file, .longest = FILE_NAME_MAX_BYTES, .required = true},
+        DATE(request, timed),
+        {"ground_reflectance", .real = &request->ground_reflectance},
+        {0}};
+    return orl_json_members(value, path, members, err);
 }
 
-static int decode_normalise(const json_t *value, struct orl_sky_request *request,
+/* ret_name: where skies have names; or NULL. */
+static int decode_sky(const json_t *value, const char *path, struct orl_sky_request *request,
+                      char **ret_name, struct orl_error *err)
+{
+    static const char *const normalisations[] = {"flux", "gendaylit", NULL};
+    const struct orl_json_member members[] = {
+        {"perez", .decode = decode_perez, .into = request},
+        {"cie", .decode = decode_cie, .into = request},
+        {"weather", .decode = decode_weather, .into = request},
+        {"normalise", .word = &request->normalise, .words = normalisations},
+        {ret_name ? "name" : NULL, .text = ret_name, .longest = NAME_MAX_BYTES},
+        {0}};
+    int given = 0;
+    for (int i = 0; i < 3; i++)
+        given += json_object_get(value, members[i].name) != NULL;
+    const int rc = given > 1 ? 0 : orl_json_members(value, path, members, err);
+    if (rc == 0 && given != 1)
+        return orl_json_fail(err, ORL_ERR_INVALID, path, "a sky is one of perez, cie, weather");
+    return rc;
+}
+
+int orl_sky_from_json(const json_t *value, const char *path, void *request, struct orl_error *err)
+{
+    return decode_sky(value, path, request, NULL, err);
+}
+
+int orl_named_sky_from_json(const json_t *value, const char *path, void *into,
                             struct orl_error *err)
 {
-    const char *text = json_string_value(value);
-    if (!value)
-        return 0;
-    if (text && strcmp(text, "flux") == 0)
-        request->normalise = ORL_SKY_FLUX;
-    else if (text && strcmp(text, "gendaylit") == 0)
-        request->normalise = ORL_SKY_GENDAYLIT;
-    else
-        return orl_json_fail(err, ORL_ERR_INVALID, "sky.normalise",
-                             "\"flux\" or \"gendaylit\" is wanted");
-    return 0;
-}
-
-int orl_sky_from_json(const json_t *sky, struct orl_sky_request *request, struct orl_error *err)
-{
-    static const char *const allowed[] = {"perez", "cie", "weather", "normalise", NULL};
-    static const struct {
-        const char *name, *path;
-        int (*decode)(const struct part *part);
-    } models[] = {{"perez", "sky.perez", decode_perez},
-                  {"cie", "sky.cie", decode_cie},
-                  {"weather", "sky.weather", decode_weather}};
-    const size_t n_models = sizeof models / sizeof *models;
-    size_t found = n_models;
-    if (!sky)
-        return 0;
-    int rc = orl_json_object(sky, "sky", allowed, err);
-    for (size_t i = 0; i < n_models && rc == 0; i++) {
-        if (!json_object_get(sky, models[i].name))
-            continue;
-        if (found < n_models)
-            rc = orl_json_fail(err, ORL_ERR_INVALID, "sky", "a sky is one of perez, cie, weather");
-        found = i;
-    }
-    if (rc == 0 && found == n_models)
-        rc = orl_json_fail(err, ORL_ERR_INVALID, "sky", "a sky is one of perez, cie, weather");
-    if (rc == 0)
-        rc = decode_normalise(json_object_get(sky, "normalise"), request, err);
-    if (rc)
-        return rc;
-    const struct part part = {json_object_get(sky, models[found].name), models[found].path, request,
-                              err};
-    return models[found].decode(&part);
+    struct orl_named_sky *sky = into;
+    orl_sky_request_init(&sky->request);
+    return decode_sky(value, path, &sky->request, &sky->name, err);
 }

@@ -15,15 +15,14 @@
 #ifndef ORL_API_SKY_JSON_H
 #define ORL_API_SKY_JSON_H
 
-#include <jansson.h>
-
-#include <oriel/error.h>
 #include <oriel/sky.h>
 
-/*
- * Fills request, which holds defaults; sky may be NULL. ORL_ERR_INVALID with the JSON path. Strings
- * in request are the job's to free, also after a failure.
- */
-int orl_sky_from_json(const json_t *sky, struct orl_sky_request *request, struct orl_error *err);
+#include "members.h"
+
+/* Into a struct orl_sky_request, which holds defaults; where its time is given, the sky's own may
+ * be left out. Strings in it are its owner's to free, also after a failure. */
+orl_json_decoder orl_sky_from_json;
+/* One of several, with a "name" or without: into a struct orl_named_sky of zeros. */
+orl_json_decoder orl_named_sky_from_json;
 
 #endif

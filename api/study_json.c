@@ -1,16 +1,17 @@
 #include "study_json.h"
 
-#include <stdio.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include <oriel/limits.h>
 
-#include "decode.h"
 #include "encode.h"
-#include "job_json.h"
+#include "members.h"
+#include "plan_json.h"
 
 enum { TITLE_MAX = 90, NOTE_MAX = 2000, NAME_MAX_BYTES = 60, REPEATS_MAX = 1000 };
+enum { SENSOR_RAYS_MAX = 1 << 24, PIXEL_PATHS_MAX = 1 << 20 };
 
 /* What a study has in common with a job, as a job document of its own. */
 static json_t *job_part(const json_t *doc)
@@ -43,215 +44,110 @@ static int decode_job(const json_t *doc, enum orl_job_origin origin, struct orl_
     return 0;
 }
 
-/* An array that is there and holds something: zeroed, owned, one per element; or NULL, and why. */
-static void *new_list(const json_t *value, const char *path, size_t size, int *ret_code,
-                      struct orl_error *err)
-{
-    void *items = NULL;
-    *ret_code = orl_json_array(value, path, ORL_LIMIT_STUDY_LIST, err);
-    if (*ret_code)
-        return NULL;
-    if (json_array_size(value) > 0)
-        items = calloc(json_array_size(value), size);
-    else
-        *ret_code = orl_json_fail(err, ORL_ERR_INVALID, path, "the list is empty");
-    if (!items && *ret_code == 0)
-        *ret_code = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-    return items;
-}
-
-static int decode_technique(const json_t *value, const char *path, enum orl_technique *ret,
+static int decode_technique(const json_t *value, const char *path, void *technique,
                             struct orl_error *err)
 {
-    for (int i = ORL_TECHNIQUE_AUTO + 1; i < ORL_TECHNIQUE_COUNT && json_is_string(value); i++)
-        if (strcmp(json_string_value(value), orl_technique_name((enum orl_technique)i)) == 0) {
-            *ret = (enum orl_technique)i;
-            return 0;
-        }
-    return orl_json_fail(err, ORL_ERR_INVALID, path,
-                         "\"backward\", \"gather\", \"direct\" or \"precomputed\" is wanted here");
+    return orl_technique_from_json(value, path, ORL_TECHNIQUE_AUTO + 1, technique, err);
 }
 
-static int decode_techniques(const json_t *list, struct orl_study_request *request,
-                             struct orl_error *err)
-{
-    int rc = 0;
-    request->techniques = new_list(list, "techniques", sizeof *request->techniques, &rc, err);
-    if (!request->techniques)
-        return rc;
-    for (size_t i = 0; rc == 0 && i < json_array_size(list); i++) {
-        char path[ORL_JSON_PATH_MAX];
-        snprintf(path, sizeof path, "techniques[%zu]", i);
-        rc = decode_technique(json_array_get(list, i), path, &request->techniques[i], err);
-        request->n_techniques = i + 1;
-    }
-    return rc;
-}
-
-static int decode_photons(const json_t *list, struct orl_study_request *request,
+static int decode_photons(const json_t *value, const char *path, void *photons,
                           struct orl_error *err)
 {
-    int rc = 0;
-    if (!list)
-        return 0;
-    request->photons = new_list(list, "photons", sizeof *request->photons, &rc, err);
-    if (!request->photons)
-        return rc;
-    for (size_t i = 0; rc == 0 && i < json_array_size(list); i++) {
-        char path[ORL_JSON_PATH_MAX];
-        snprintf(path, sizeof path, "photons[%zu]", i);
-        rc = orl_json_whole(json_array_get(list, i), path, 1, ORL_LIMIT_PHOTONS,
-                            &request->photons[i], err);
-        request->n_photons = i + 1;
-    }
-    return rc;
+    return orl_json_whole(value, path, 1, ORL_LIMIT_PHOTONS, photons, err);
 }
 
-/* "gather_samples" of sensors, "pixel_samples" of views; the other one would be without effect. */
-static int decode_samples(const json_t *doc, struct orl_study_request *request,
+static int decode_rays(const json_t *value, const char *path, void *rays, struct orl_error *err)
+{
+    const struct orl_json_member number = {.whole_32 = rays, .from = 1, .to = SENSOR_RAYS_MAX};
+    return orl_json_value(value, path, &number, err);
+}
+
+static int decode_paths(const json_t *value, const char *path, void *paths, struct orl_error *err)
+{
+    const struct orl_json_member number = {.whole_32 = paths, .from = 1, .to = PIXEL_PATHS_MAX};
+    return orl_json_value(value, path, &number, err);
+}
+
+static int decode_given(const json_t *value, const char *path, void *into, struct orl_error *err)
+{
+    static const char above_zero[] = "a number above zero is wanted";
+    struct orl_study_given *given = into;
+    const struct orl_json_member members[] = {
+        {"name", .text = &given->name, .longest = NAME_MAX_BYTES, .required = true},
+        {"seconds", .real = &given->seconds, .most = INFINITY, .above = true, .bounds = above_zero,
+         .required = true},
+        {"rms", .real = &given->rms, .most = INFINITY, .above = true, .bounds = above_zero,
+         .required = true},
+        {"rays_per_s", .real = &given->rays_per_s, .most = INFINITY, .above = true,
+         .bounds = above_zero},
+        {0}};
+    return orl_json_members(value, path, members, err);
+}
+
+#define LIST(array, n, decoder)                                                                    \
+    {                                                                                              \
+        .items = &(array), .count = &(n), .size = sizeof *(array), .most = ORL_LIMIT_STUDY_LIST,   \
+        .each = (decoder), .empty = "the list is empty"                                            \
+    }
+
+/* views: they are measured, not sensors. */
+static int decode_members(const json_t *doc, bool views, struct orl_study_request *r,
                           struct orl_error *err)
 {
-    const bool views = request->job.n_views > 0;
+    const struct orl_json_list techniques = LIST(r->techniques, r->n_techniques, decode_technique);
+    const struct orl_json_list photons = LIST(r->photons, r->n_photons, decode_photons);
+    const struct orl_json_list samples =
+        LIST(r->samples, r->n_samples, views ? decode_paths : decode_rays);
+    const struct orl_json_list points = LIST(r->given, r->n_given, decode_given);
+    const struct orl_json_member reference[] = {
+        {"samples", .whole_32 = &r->reference_samples, .from = 1,
+         .to = views ? PIXEL_PATHS_MAX : SENSOR_RAYS_MAX, .required = true},
+        {"runs", .whole_32 = &r->reference_runs, .from = 1, .to = REPEATS_MAX},
+        {0}};
+    const struct orl_json_member members[] = {
+        {.name = "kind"},
+        {"title", .text = &r->title, .longest = TITLE_MAX},
+        {"note", .text = &r->note, .longest = NOTE_MAX},
+        {.name = "scene"}, /* and others: the job's */
+        {.name = "sky"},
+        {.name = "effects"},
+        {.name = "seed"},
+        {.name = "sensors"},
+        {.name = "views"},
+        {"techniques", .list = &techniques, .required = true},
+        {"photons", .list = &photons},
+        {"gather_samples", .list = views ? NULL : &samples},
+        {"pixel_samples", .list = views ? &samples : NULL},
+        {"repeats", .whole_32 = &r->repeats, .from = 1, .to = REPEATS_MAX},
+        {"reference", .members = reference, .required = true},
+        {"points", .list = &points},
+        {.name = "priority"},
+        {0}};
+    return orl_json_members(doc, "", members, err);
+}
+
+/* Samples of what is not measured would be without effect. */
+static int refuse_samples(const json_t *doc, bool views, struct orl_error *err)
+{
     const char *name = views ? "pixel_samples" : "gather_samples";
     const char *other = views ? "gather_samples" : "pixel_samples";
-    const json_t *list = json_object_get(doc, name);
-    const uint64_t most = views ? 1U << 20 : 1U << 24;
-    int rc = 0;
-    if (json_object_get(doc, other))
-        return orl_json_fail(err, ORL_ERR_INVALID, other, "%s are measured: \"%s\" is wanted",
-                             views ? "views" : "sensors", name);
-    if (!list)
+    if (!json_object_get(doc, other))
         return 0;
-    request->samples = new_list(list, name, sizeof *request->samples, &rc, err);
-    if (!request->samples)
-        return rc;
-    for (size_t i = 0; rc == 0 && i < json_array_size(list); i++) {
-        char path[ORL_JSON_PATH_MAX];
-        uint64_t count = 0;
-        snprintf(path, sizeof path, "%s[%zu]", name, i);
-        rc = orl_json_whole(json_array_get(list, i), path, 1, most, &count, err);
-        request->samples[i] = (uint32_t)count;
-        request->n_samples = i + 1;
-    }
-    return rc;
-}
-
-static int decode_above_zero(const json_t *value, const char *path, double *ret_value,
-                             struct orl_error *err)
-{
-    double real = 0;
-    const int rc = orl_json_real(value, path, &real, err);
-    if (rc)
-        return rc;
-    if (!(real > 0))
-        return orl_json_fail(err, ORL_ERR_RANGE, path, "a number above zero is wanted");
-    *ret_value = real;
-    return 0;
-}
-
-static int decode_given(const json_t *value, size_t index, struct orl_study_given *given,
-                        struct orl_error *err)
-{
-    static const char *const allowed[] = {"name", "seconds", "rms", "rays_per_s", NULL};
-    char path[ORL_JSON_PATH_MAX];
-    snprintf(path, sizeof path, "points[%zu]", index);
-    int rc = orl_json_object(value, path, allowed, err);
-    if (rc == 0) {
-        snprintf(path, sizeof path, "points[%zu].name", index);
-        rc = orl_json_string(json_object_get(value, "name"), path, NAME_MAX_BYTES, &given->name,
-                             err);
-    }
-    if (rc == 0) {
-        snprintf(path, sizeof path, "points[%zu].seconds", index);
-        rc = decode_above_zero(json_object_get(value, "seconds"), path, &given->seconds, err);
-    }
-    if (rc == 0) {
-        snprintf(path, sizeof path, "points[%zu].rms", index);
-        rc = decode_above_zero(json_object_get(value, "rms"), path, &given->rms, err);
-    }
-    if (rc == 0 && json_object_get(value, "rays_per_s")) {
-        snprintf(path, sizeof path, "points[%zu].rays_per_s", index);
-        rc = decode_above_zero(json_object_get(value, "rays_per_s"), path, &given->rays_per_s, err);
-    }
-    return rc;
-}
-
-static int decode_points(const json_t *list, struct orl_study_request *request,
-                         struct orl_error *err)
-{
-    int rc = 0;
-    if (!list)
-        return 0;
-    request->given = new_list(list, "points", sizeof *request->given, &rc, err);
-    if (!request->given)
-        return rc;
-    /* Counted before it is decoded, so that a half-filled one is freed too. */
-    while (rc == 0 && request->n_given < json_array_size(list)) {
-        const size_t i = request->n_given++;
-        rc = decode_given(json_array_get(list, i), i, &request->given[i], err);
-    }
-    return rc;
-}
-
-static int decode_reference(const json_t *doc, struct orl_study_request *request,
-                            struct orl_error *err)
-{
-    static const char *const allowed[] = {"samples", "runs", NULL};
-    const json_t *reference = json_object_get(doc, "reference");
-    const json_t *repeats = json_object_get(doc, "repeats");
-    const uint64_t most = request->job.n_views > 0 ? 1U << 20 : 1U << 24;
-    uint64_t samples = 0, runs = request->reference_runs, count = request->repeats;
-    int rc = orl_json_object(reference, "reference", allowed, err);
-    if (rc == 0)
-        rc = orl_json_whole(json_object_get(reference, "samples"), "reference.samples", 1, most,
-                            &samples, err);
-    if (rc == 0 && repeats)
-        rc = orl_json_whole(repeats, "repeats", 1, REPEATS_MAX, &count, err);
-    if (rc == 0 && json_object_get(reference, "runs"))
-        rc = orl_json_whole(json_object_get(reference, "runs"), "reference.runs", 1, REPEATS_MAX,
-                            &runs, err);
-    request->reference_samples = (uint32_t)samples;
-    request->reference_runs = (uint32_t)runs;
-    request->repeats = (uint32_t)count;
-    return rc;
-}
-
-static int decode_kind(const json_t *doc, struct orl_error *err)
-{
-    const char *kind = json_string_value(json_object_get(doc, "kind"));
-    if (kind && strcmp(kind, "study") == 0)
-        return 0;
-    return orl_json_fail(err, ORL_ERR_INVALID, "kind", "a study says \"kind\": \"study\"");
+    return orl_json_fail(err, ORL_ERR_INVALID, other, "%s are measured: \"%s\" is wanted",
+                         views ? "views" : "sensors", name);
 }
 
 static int decode(const json_t *doc, enum orl_job_origin origin, struct orl_study_request *request,
                   char **ret_scene_id, struct orl_error *err)
 {
-    static const char *const allowed[] = {
-        "kind",          "title",   "note",      "scene",      "sky",      "effects",
-        "seed",          "sensors", "views",     "techniques", "photons",  "gather_samples",
-        "pixel_samples", "repeats", "reference", "points",     "priority", NULL};
-    int rc = json_is_object(doc) ? decode_kind(doc, err) : 0;
-    if (rc == 0)
-        rc = orl_json_object(doc, "", allowed, err);
+    const bool views = json_array_size(json_object_get(doc, "views")) > 0;
+    const char *kind = json_string_value(json_object_get(doc, "kind"));
+    if (json_is_object(doc) && (!kind || strcmp(kind, "study") != 0))
+        return orl_json_fail(err, ORL_ERR_INVALID, "kind", "a study says \"kind\": \"study\"");
+    int rc = decode_members(doc, views, request, err);
     if (rc == 0)
         rc = decode_job(doc, origin, &request->job, ret_scene_id, err);
-    if (rc == 0)
-        rc = decode_techniques(json_object_get(doc, "techniques"), request, err);
-    if (rc == 0)
-        rc = decode_photons(json_object_get(doc, "photons"), request, err);
-    if (rc == 0)
-        rc = decode_samples(doc, request, err);
-    if (rc == 0)
-        rc = decode_reference(doc, request, err);
-    if (rc == 0)
-        rc = decode_points(json_object_get(doc, "points"), request, err);
-    if (rc == 0 && json_object_get(doc, "title"))
-        rc = orl_json_string(json_object_get(doc, "title"), "title", TITLE_MAX, &request->title,
-                             err);
-    if (rc == 0 && json_object_get(doc, "note"))
-        rc = orl_json_string(json_object_get(doc, "note"), "note", NOTE_MAX, &request->note, err);
-    return rc;
+    return rc ? rc : refuse_samples(doc, views, err);
 }
 
 int orl_study_from_json(const json_t *doc, enum orl_job_origin origin,

@@ -6,111 +6,71 @@
 
 #include <oriel/limits.h>
 
-#include "decode.h"
 #include "glare_json.h"
 #include "picture_json.h"
 
 enum { VIEW_TEXT_MAX = 4096, VIEW_NAME_MAX = 128, VIEW_FILE_MAX = 1024, ENTRY_MAX = 63 };
 
-/* Where a member is, for messages. */
-struct place {
-    size_t index;
-    char path[ORL_JSON_PATH_MAX];
-};
-
-static const char *at(struct place *place, const char *member)
-{
-    snprintf(place->path, sizeof place->path, "views[%zu].%s", place->index, member);
-    return place->path;
-}
-
 /* A number, from 1, or a name; as text either way. */
-static int decode_entry(const json_t *value, struct place *place, char **ret_entry,
-                        struct orl_error *err)
+static int decode_entry(const json_t *value, const char *path, void *into, struct orl_error *err)
 {
+    char **entry = into, text[24];
     uint64_t number = 0;
-    char text[24];
-    if (!value)
-        return 0;
     if (json_is_string(value))
-        return orl_json_string(value, at(place, "entry"), ENTRY_MAX, ret_entry, err);
-    const int rc = orl_json_whole(value, at(place, "entry"), 1, 1000000, &number, err);
+        return orl_json_string(value, path, ENTRY_MAX, entry, err);
+    const int rc = orl_json_whole(value, path, 1, 1000000, &number, err);
     if (rc)
         return rc;
     snprintf(text, sizeof text, "%u", (unsigned)number);
-    *ret_entry = strdup(text);
-    return *ret_entry ? 0 : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    *entry = strdup(text);
+    return *entry ? 0 : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
 }
 
 /* The options, or the file that has them. */
-static int decode_options(const json_t *doc, struct place *place, struct orl_view_request *view,
-                          struct orl_error *err)
+static int check_source(const char *path, const struct orl_view_request *view,
+                        struct orl_error *err)
 {
-    const json_t *options = json_object_get(doc, "view"), *file = json_object_get(doc, "file");
-    const json_t *entry = json_object_get(doc, "entry");
-    if (options && (file || entry))
-        return orl_json_fail(err, ORL_ERR_INVALID, at(place, "view"),
+    char at[ORL_JSON_PATH_MAX];
+    if (view->view && (view->file || view->entry))
+        return orl_json_fail(err, ORL_ERR_INVALID, orl_json_path(path, "view", at),
                              "either this or a \"file\" is wanted");
-    if (entry && !file)
-        return orl_json_fail(err, ORL_ERR_INVALID, at(place, "entry"), "it goes with a \"file\"");
-    if (!file)
-        return orl_json_string(options, at(place, "view"), VIEW_TEXT_MAX, &view->view, err);
-    const int rc = orl_json_string(file, at(place, "file"), VIEW_FILE_MAX, &view->file, err);
-    return rc ? rc : decode_entry(entry, place, &view->entry, err);
+    if (view->entry && !view->file)
+        return orl_json_fail(err, ORL_ERR_INVALID, orl_json_path(path, "entry", at),
+                             "it goes with a \"file\"");
+    return 0;
 }
 
-static int decode_size(const json_t *doc, struct place *place, struct orl_view_request *view,
-                       struct orl_error *err)
+/* The size that the options ask for, where they do. Those that are wrong are told of when the job
+ * is looked at as a whole. */
+static void find_size(const json_t *options, struct orl_view_request *view)
 {
-    static const char *const sides[] = {"width", "height"};
-    uint32_t *const sizes[] = {&view->width, &view->height};
-    const json_t *aspect = json_object_get(doc, "pixel_aspect");
     struct orl_error unsound;
-    /* Options that are wrong are told of when the job is looked at as a whole. */
-    if (view->view)
-        orl_view_text_size(view->view, &view->width, &view->height, &unsound);
-    int rc = 0;
-    for (size_t k = 0; k < 2 && rc == 0; k++) {
-        const json_t *side = json_object_get(doc, sides[k]);
-        uint64_t size = 0;
-        if (!side && *sizes[k] > 0)
-            continue;
-        rc = orl_json_whole(side, at(place, sides[k]), 1, ORL_LIMIT_IMAGE_SIDE, &size, err);
-        *sizes[k] = (uint32_t)size;
-    }
-    if (rc == 0 && aspect)
-        rc = orl_json_real(aspect, at(place, "pixel_aspect"), &view->pixel_aspect, err);
-    if (rc == 0 && aspect && !(view->pixel_aspect >= 0.001 && view->pixel_aspect <= 1000))
-        rc = orl_json_fail(err, ORL_ERR_RANGE, at(place, "pixel_aspect"),
-                           "it is from 0.001 to 1000");
-    return rc;
+    if (json_string_length(options) <= VIEW_TEXT_MAX && json_is_string(options))
+        orl_view_text_size(json_string_value(options), &view->width, &view->height, &unsound);
 }
 
-int orl_view_from_json(const json_t *doc, size_t index, struct orl_view_request *view,
-                       struct orl_error *err)
+int orl_view_from_json(const json_t *value, const char *path, void *into, struct orl_error *err)
 {
-    static const char *const allowed[] = {
-        "name",    "view",    "file",       "entry",       "width",   "height", "pixel_aspect",
-        "formats", "display", "irradiance", "false_color", "metrics", "glare",  NULL};
-    struct place place = {.index = index};
-    snprintf(place.path, sizeof place.path, "views[%zu]", index);
-    int rc = orl_json_object(doc, place.path, allowed, err);
-    if (rc == 0)
-        rc = orl_json_string(json_object_get(doc, "name"), at(&place, "name"), VIEW_NAME_MAX,
-                             &view->name, err);
-    if (rc == 0)
-        rc = decode_options(doc, &place, view, err);
-    if (rc == 0)
-        rc = decode_size(doc, &place, view, err);
-    if (rc == 0 && json_object_get(doc, "irradiance"))
-        rc = orl_json_bool(json_object_get(doc, "irradiance"), at(&place, "irradiance"),
-                           &view->irradiance, err);
-    if (rc == 0)
-        rc = orl_glare_metrics_from_json(json_object_get(doc, "metrics"), at(&place, "metrics"),
-                                         &view->metrics, err);
-    if (rc == 0)
-        rc = orl_glare_settings_from_json(json_object_get(doc, "glare"), at(&place, "glare"),
-                                          &view->glare, err);
-    snprintf(place.path, sizeof place.path, "views[%zu]", index);
-    return rc ? rc : orl_pictures_from_json(doc, place.path, view, err);
+    struct orl_view_request *view = into;
+    find_size(json_object_get(value, "view"), view);
+    const bool elsewhere = json_object_get(value, "file") || json_object_get(value, "entry");
+    const struct orl_json_member members[] = {
+        {"name", .text = &view->name, .longest = VIEW_NAME_MAX, .required = true},
+        {"view", .text = &view->view, .longest = VIEW_TEXT_MAX, .required = !elsewhere},
+        {"file", .text = &view->file, .longest = VIEW_FILE_MAX},
+        {"entry", .decode = decode_entry, .into = &view->entry},
+        {"width", .whole_32 = &view->width, .from = 1, .to = ORL_LIMIT_IMAGE_SIDE,
+         .required = view->width == 0},
+        {"height", .whole_32 = &view->height, .from = 1, .to = ORL_LIMIT_IMAGE_SIDE,
+         .required = view->height == 0},
+        {"pixel_aspect", .real = &view->pixel_aspect, .least = 0.001, .most = 1000},
+        {"formats", .decode = orl_formats_from_json, .into = &view->formats},
+        {"display", .decode = orl_display_from_json, .into = &view->display},
+        {"irradiance", .flag = &view->irradiance},
+        {"false_color", .decode = orl_false_color_from_json, .into = view},
+        {"metrics", .decode = orl_glare_metrics_from_json, .into = &view->metrics},
+        {"glare", .decode = orl_glare_settings_from_json, .into = &view->glare},
+        {0}};
+    const int rc = orl_json_members(value, path, members, err);
+    return rc ? rc : check_source(path, view, err);
 }

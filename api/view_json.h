@@ -10,12 +10,11 @@
 #ifndef ORL_API_VIEW_JSON_H
 #define ORL_API_VIEW_JSON_H
 
-#include <jansson.h>
-
 #include <oriel/run.h>
 
-/* index: of the view, for messages. What is owned is the view's also when this fails. */
-int orl_view_from_json(const json_t *doc, size_t index, struct orl_view_request *view,
-                       struct orl_error *err);
+#include "members.h"
+
+/* Into a struct orl_view_request of zeros. */
+orl_json_decoder orl_view_from_json;
 
 #endif

@@ -7,7 +7,7 @@
 
 #include <oriel/limits.h>
 
-#include "decode.h"
+#include "members.h"
 #include "uploads/multipart.h"
 
 /* The bytes of one file object; *ret_data is owned. */
@@ -49,23 +49,21 @@ static int hand_on(const char *name, const unsigned char *data, size_t size,
 static int read_file(const json_t *file, size_t index, const struct orl_incoming_sink *sink,
                      json_t *resources, struct orl_error *err)
 {
-    static const char *const allowed[] = {"name", "text", "base64", "resource", NULL};
     char where[ORL_JSON_PATH_MAX];
     char *name = NULL;
     unsigned char *data = NULL;
     size_t size = 0;
+    bool resource = false;
+    const struct orl_json_member members[] = {
+        {"name", .text = &name, .longest = 255, .required = true},
+        {.name = "text"},
+        {.name = "base64"},
+        {"resource", .flag = &resource},
+        {0}};
     snprintf(where, sizeof where, "files[%zu]", index);
-    int rc = orl_json_object(file, where, allowed, err);
-    if (rc == 0) {
-        snprintf(where, sizeof where, "files[%zu].name", index);
-        rc = orl_json_string(json_object_get(file, "name"), where, 255, &name, err);
-    }
-    bool resource = rc == 0 && orl_is_xml_name(name);
-    if (rc == 0 && json_object_get(file, "resource")) {
-        snprintf(where, sizeof where, "files[%zu].resource", index);
-        rc = orl_json_bool(json_object_get(file, "resource"), where, &resource, err);
-    }
-    snprintf(where, sizeof where, "files[%zu]", index);
+    int rc = orl_json_members(file, where, members, err);
+    if (rc == 0 && !json_object_get(file, "resource"))
+        resource = orl_is_xml_name(name);
     if (rc == 0)
         rc = decode_content(file, where, &data, &size, err);
     if (rc == 0)
@@ -80,13 +78,13 @@ static int read_file(const json_t *file, size_t index, const struct orl_incoming
 int orl_scene_document_read(const struct orl_file *document, const struct orl_incoming_sink *sink,
                             json_t **ret_rest, struct orl_error *err)
 {
-    static const char *const allowed[] = {"files", "bsdfs", NULL};
+    static const struct orl_json_member members[] = {{.name = "files"}, {.name = "bsdfs"}, {0}};
     json_t *doc = NULL, *resources = json_array();
     int rc = orl_json_parse(NULL, document->data, document->size, &doc, err);
     const json_t *files = json_object_get(doc, "files");
     json_t *bsdfs = json_object_get(doc, "bsdfs");
     if (rc == 0)
-        rc = orl_json_object(doc, "", allowed, err);
+        rc = orl_json_members(doc, "", members, err);
     if (rc == 0)
         rc = orl_json_array(files, "files", ORL_LIMIT_SCENE_FILES, err);
     for (size_t i = 0; rc == 0 && i < json_array_size(files); i++)
