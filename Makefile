@@ -46,7 +46,8 @@ CLIENT_SRC := $(sort $(wildcard client/*.c))
 OFFICE_SRC := $(sort $(wildcard client/examples/office/*.c))
 FUZZ_TARGETS := $(patsubst tests/fuzz/%.c,%,$(sort $(wildcard tests/fuzz/fuzz_*.c)))
 # Programs of tests/bench; the rest there is shared.
-BENCH_SRC  := $(patsubst %,tests/bench/%.c,speed scale instructions table2 gallery calibration hello)
+BENCH_SRC  := $(patsubst %,tests/bench/%.c,speed scale instructions table2 gallery calibration annual \
+	hello)
 SUPPORT_SRC := $(sort $(wildcard tests/support/*.c) $(FUZZ_TARGETS:%=tests/fuzz/%.c) \
 	tests/fuzz/promise.c $(filter-out $(BENCH_SRC),$(wildcard tests/bench/*.c)))
 TEST_SUITES := unit stats validation stability api migrations
@@ -71,7 +72,7 @@ SERVER_LIB_OBJ := $(filter-out %/server/main.o,$(SERVER_OBJ))
 TEST_BIN   := $(patsubst tests/%.c,$(BUILD)/tests/%,$(TEST_SRC))
 
 .PHONY: all help clean check demo torture lint format asan tsan bench bench-scale load check-perf table2 gallery \
-	calibration study tests deps-build deps-check deps-lint deps-demo deps-perf deps-fuzz fuzz fuzzers stability cie171 oracles FORCE
+	calibration annual study tests deps-build deps-check deps-lint deps-demo deps-perf deps-fuzz fuzz fuzzers stability cie171 oracles FORCE
 all: $(BUILD)/oriel $(BUILD)/orield $(BUILD)/oriel-lcp
 
 help:
@@ -95,6 +96,8 @@ help:
 ## make check-perf   instructions of three small jobs against those on record (RECORD=1: records them)
 ## make table2     the techniques' times and errors on the office, beside Radiance's if it is there
 ## make study      what accuracy costs in time on the office: a table, and build/study/study.png
+## make annual     a year of daylight in the office, in ray-times, beside hours of it by backward: a
+##                 table, and build/annual.json
 ## make gallery    pictures by all techniques, side by side, in build/gallery
 ## make calibration  whether errors stated are errors made: intervals, error maps, jobs by accuracy
 ##                 or deadline, predictions; long (tests/bench/tables.md has its parts)
@@ -320,7 +323,7 @@ check-perf: deps-perf
 	@$(MAKE) --no-print-directory -j$(JOBS) $(BUILD)/tests/bench/instructions
 	@ORIEL_BUILD=$(BUILD) tests/bench/check_perf $(BUILD) $(BUILD)/tests/bench/instructions \
 		'$(CC)' '$(RECORD)'
-table2 gallery calibration: %: deps-check
+table2 gallery calibration annual: %: deps-check
 	@$(MAKE) --no-print-directory -j$(JOBS) all $(BUILD)/tests/bench/$*
 	@ORIEL_BUILD=$(BUILD) $(BUILD)/tests/bench/$*
 

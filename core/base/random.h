@@ -24,6 +24,7 @@ enum orl_purpose {
     ORL_PURPOSE_BENCH,
     ORL_PURPOSE_REFIT,
     ORL_PURPOSE_FIRST,
+    ORL_PURPOSE_ANNUAL,
 };
 
 static inline uint64_t orl_mix64(uint64_t z)

@@ -123,6 +123,19 @@ static double horizontal_with(const struct orl_sky *pattern, double sky, double 
     return orl_sky_horizontal(&changed);
 }
 
+double orl_daylight_normal(const struct orl_daylight *daylight)
+{
+    return daylight->sun_radiance * disc_sr(daylight->sun_angle_deg);
+}
+
+struct orl_sky_balance orl_daylight_balance(const struct orl_daylight *daylight, double diffuse,
+                                            double reflectance, double per_sky, double per_ground)
+{
+    const double direct = orl_daylight_normal(daylight) * fmax(0.0, daylight->sun.z);
+    const double ground = reflectance / ORL_PI * (diffuse + direct);
+    return (struct orl_sky_balance){(diffuse - ground * per_ground) / per_sky, ground};
+}
+
 /*
  * Scales the sky to the flux it was given, if it was, and sets the ground to what sun and sky throw
  * onto it. The ground shines a little above the horizon, too (skybright blends the two there), so
@@ -135,15 +148,16 @@ static void normalise(struct orl_daylight *daylight, double diffuse, double refl
     double *sky = pattern->a + brightness_argument(pattern), *ground = sky + 1;
     const double per_sky = horizontal_with(pattern, 1, 0);
     const double per_ground = horizontal_with(pattern, 0, 1);
-    const double direct =
-        daylight->sun_radiance * disc_sr(daylight->sun_angle_deg) * fmax(0.0, daylight->sun.z);
+    const double direct = orl_daylight_normal(daylight) * fmax(0.0, daylight->sun.z);
     const double share = reflectance / ORL_PI;
     if (!(per_sky > 0))
         return;
     if (diffuse < 0)
         diffuse = (*sky * per_sky + share * direct * per_ground) / (1.0 - share * per_ground);
-    *ground = share * (diffuse + direct);
-    *sky = (diffuse - *ground * per_ground) / per_sky;
+    const struct orl_sky_balance balance =
+        orl_daylight_balance(daylight, diffuse, reflectance, per_sky, per_ground);
+    *ground = balance.ground;
+    *sky = balance.sky;
     *sky += (diffuse - horizontal_with(pattern, *sky, *ground)) / per_sky;
     *sky = fmax(*sky, 0.0);
 }
@@ -264,8 +278,10 @@ static void do_without_gradation(struct orl_sky_numbers *numbers, bool by_flux,
                                 : "the model of the sky has no answer here: it is black");
 }
 
-static int find(const struct orl_sky_request *request, struct orl_text *text,
-                struct orl_daylight *daylight, struct orl_error *err)
+/* All but the balance of sky and ground, which is for *ret_diffuse. */
+static int find_unbalanced(const struct orl_sky_request *request, struct orl_text *text,
+                           struct orl_daylight *daylight, double *ret_diffuse,
+                           struct orl_error *err)
 {
     const bool by_flux = request->normalise == ORL_SKY_FLUX;
     struct orl_sky_numbers numbers;
@@ -284,6 +300,7 @@ static int find(const struct orl_sky_request *request, struct orl_text *text,
     daylight->sun_radiance = numbers.sun_radiance;
     daylight->sun_angle_deg = numbers.sun_angle_deg;
     daylight->black = numbers.black;
+    *ret_diffuse = numbers.diffuse;
     if (!numbers.black && !half_set && needs_sun(&numbers.pattern) && numbers.sun.z <= 0) {
         orl_text_warn(text, "the sun is below the horizon: the sky is black");
         daylight->black = true;
@@ -292,28 +309,27 @@ static int find(const struct orl_sky_request *request, struct orl_text *text,
         daylight->sun_radiance = numbers.sun_measured;
         widen_sun(daylight);
         cut_by_horizon(daylight);
-        normalise(daylight, numbers.diffuse, request->ground_reflectance);
     }
     return 0;
 }
 
+static int find(const struct orl_sky_request *request, struct orl_text *text,
+                struct orl_daylight *daylight, struct orl_error *err)
+{
+    double diffuse;
+    const int code = find_unbalanced(request, text, daylight, &diffuse, err);
+    if (code == 0 && !daylight->black && request->normalise == ORL_SKY_FLUX)
+        normalise(daylight, diffuse, request->ground_reflectance);
+    return code;
+}
+
 /* A weather row as the Perez sky that it stands for, at the middle of its interval. */
-static int request_of_row(const struct orl_sky_request *request, const struct orl_weather *weather,
-                          struct orl_sky_request *ret_request, struct orl_text *text,
-                          struct orl_error *err)
+static int take_row(const struct orl_weather *weather, const struct orl_weather_row *row,
+                    struct orl_sky_request *request, struct orl_text *text, struct orl_error *err)
 {
     static const enum orl_sky_input inputs[] = {[ORL_WEATHER_NORMAL_W] = ORL_SKY_NORMAL_W,
                                                 [ORL_WEATHER_HORIZONTAL_W] = ORL_SKY_HORIZONTAL_W,
                                                 [ORL_WEATHER_NORMAL_LX] = ORL_SKY_NORMAL_LX};
-    const struct orl_weather_row *row =
-        orl_weather_find(weather, request->month, request->day, request->hour);
-    struct orl_sky_request found = *request;
-    int code;
-    if (!row) {
-        orl_error_set(err, ORL_ERR_NOT_FOUND, "the file has no row for month %d, day %d, hour %g",
-                      request->month, request->day, request->hour);
-        return ORL_ERR_NOT_FOUND;
-    }
     if (row->missing) {
         orl_error_set(err, ORL_ERR_RANGE, "sun and sky were not measured at this hour");
         orl_error_at(err, NULL, row->line, NULL);
@@ -321,21 +337,58 @@ static int request_of_row(const struct orl_sky_request *request, const struct or
     }
     if (row->direct < 0 || row->diffuse < 0)
         orl_text_warn(text, "line %d of the weather file: negative light is taken as 0", row->line);
-    if (fabs(row->hour - request->hour) > 1e-6)
-        orl_text_warn(text, "the weather file's row for hour %g is taken for hour %g", row->hour,
-                      request->hour);
-    found.model = ORL_SKY_BY_PEREZ;
-    found.hour = row->hour;
-    found.latitude_deg = weather->latitude_deg;
-    found.longitude_deg = weather->longitude_deg;
-    found.time_zone_h = weather->time_zone_h;
-    found.input = inputs[weather->units];
-    found.first = fmax(row->direct, 0.0);
-    found.second = fmax(row->diffuse, 0.0);
-    code = orl_daylight_check(&found, err);
+    request->model = ORL_SKY_BY_PEREZ;
+    request->time_given = true;
+    request->month = row->month;
+    request->day = row->day;
+    request->hour = row->hour;
+    request->latitude_deg = weather->latitude_deg;
+    request->longitude_deg = weather->longitude_deg;
+    request->time_zone_h = weather->time_zone_h;
+    request->input = inputs[weather->units];
+    request->first = fmax(row->direct, 0.0);
+    request->second = fmax(row->diffuse, 0.0);
+    const int code = orl_daylight_check(request, err);
     if (code < 0)
         orl_error_at(err, NULL, row->line, NULL);
-    *ret_request = found;
+    return code;
+}
+
+static int request_of_row(const struct orl_sky_request *request, const struct orl_weather *weather,
+                          struct orl_sky_request *ret_request, struct orl_text *text,
+                          struct orl_error *err)
+{
+    const struct orl_weather_row *row =
+        orl_weather_find(weather, request->month, request->day, request->hour);
+    if (!row) {
+        orl_error_set(err, ORL_ERR_NOT_FOUND, "the file has no row for month %d, day %d, hour %g",
+                      request->month, request->day, request->hour);
+        return ORL_ERR_NOT_FOUND;
+    }
+    *ret_request = *request;
+    const int code = take_row(weather, row, ret_request, text, err);
+    if (code == 0 && fabs(row->hour - request->hour) > 1e-6)
+        orl_text_warn(text, "the weather file's row for hour %g is taken for hour %g", row->hour,
+                      request->hour);
+    return code;
+}
+
+int orl_daylight_of_row(const struct orl_weather *weather, const struct orl_weather_row *row,
+                        struct orl_daylight *ret_daylight, double *ret_diffuse,
+                        struct orl_error *err)
+{
+    struct orl_text text = {0};
+    struct orl_daylight daylight = {0};
+    struct orl_sky_request request;
+    orl_sky_request_init(&request);
+    int code = take_row(weather, row, &request, &text, err);
+    if (code == 0)
+        code = find_unbalanced(&request, &text, &daylight, ret_diffuse, err);
+    if (code == 0) {
+        snprintf(daylight.warnings, sizeof daylight.warnings, "%s", text.warnings);
+        *ret_daylight = daylight;
+    }
+    orl_text_done(&text);
     return code;
 }
 

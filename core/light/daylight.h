@@ -29,6 +29,29 @@ struct orl_daylight {
 /* Checks what can be checked without a weather file. A request for no sky is fine. */
 int orl_daylight_check(const struct orl_sky_request *request, struct orl_error *err);
 
+/*
+ * The sky of a weather file's row, which is not missing, with its flux not seen to yet: pattern's
+ * brightness is to be scaled, and its ground set, by who works out what the pattern gives
+ * (orl_daylight_balance), to *ret_diffuse W/m2. The rest is as orl_daylight_find has it with
+ * ORL_SKY_FLUX.
+ */
+int orl_daylight_of_row(const struct orl_weather *weather, const struct orl_weather_row *row,
+                        struct orl_daylight *ret_daylight, double *ret_diffuse,
+                        struct orl_error *err);
+
+/*
+ * The brightness of sky and ground, as the pattern has them, by which a sky whose upper half gives
+ * per_sky and per_ground, each of brightness 1, W/m2, gives diffuse; sun and sky light the ground.
+ */
+struct orl_sky_balance {
+    double sky, ground;
+};
+struct orl_sky_balance orl_daylight_balance(const struct orl_daylight *daylight, double diffuse,
+                                            double reflectance, double per_sky, double per_ground);
+
+/* Irradiance by the sun's disc of a plane that faces it, W/m2 per channel. */
+double orl_daylight_normal(const struct orl_daylight *daylight);
+
 /* weather: the parsed file for ORL_SKY_BY_WEATHER, else NULL. The request has been checked. */
 int orl_daylight_find(const struct orl_sky_request *request, const struct orl_weather *weather,
                       struct orl_daylight *ret_daylight, struct orl_error *err);

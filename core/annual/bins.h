@@ -1,0 +1,48 @@
+/*
+ * Directions in bins: Reinhart's subdivision MF:4 of Tregenza's sky (2305 patches in 29 rows of
+ * equal height, the last of them round the zenith), and below the horizon six rows of the same
+ * height, where sky and ground blend (light/sky.c), and one bin for the rest. Each bin belongs to a
+ * coarse one: a patch of Tregenza's own, a row below the horizon.
+ *
+ * Conventions: azimuth counter-clockwise from +X (east) of the sky; rows from the horizon.
+ * References: Tregenza 1987, Lighting Research and Technology 19(1), 13; Reinhart and Walkenhorst
+ * 2001, Energy and Buildings 33(7), 683.
+ */
+#ifndef ORL_ANNUAL_BINS_H
+#define ORL_ANNUAL_BINS_H
+
+#include <stdint.h>
+
+#include <oriel/vec.h>
+
+enum {
+    ORL_BINS_FINE = 4,
+    ORL_BINS_ABOVE_ROWS = 7 * ORL_BINS_FINE + 1,
+    ORL_BINS_BELOW_ROWS = 6,
+    ORL_BINS_ROWS = ORL_BINS_ABOVE_ROWS + ORL_BINS_BELOW_ROWS + 1,
+    ORL_BINS_BELOW_COLUMNS = 24,
+    ORL_BINS_ABOVE = 144 * ORL_BINS_FINE * ORL_BINS_FINE + 1,
+    ORL_BINS = ORL_BINS_ABOVE + ORL_BINS_BELOW_ROWS * ORL_BINS_BELOW_COLUMNS + 1,
+    ORL_BINS_COARSE = 145 + ORL_BINS_BELOW_ROWS + 1
+};
+
+/* A row between two heights; the rows below the horizon go down from it. */
+struct orl_bin_row {
+    double low, high; /* sines of altitude, low < high */
+    uint32_t first, columns;
+};
+
+struct orl_bins {
+    struct orl_bin_row rows[ORL_BINS_ROWS];
+    struct orl_vec3 at[ORL_BINS]; /* the middle of each: unit */
+    double solid_sr[ORL_BINS];
+    double level_sr[ORL_BINS]; /* solid angle times sine of altitude: what horizontal planes get */
+    uint16_t row_of[ORL_BINS], coarse_of[ORL_BINS];
+};
+
+void orl_bins_init(struct orl_bins *bins);
+
+/* The bin that a unit direction falls into. */
+uint32_t orl_bins_find(const struct orl_bins *bins, struct orl_vec3 direction);
+
+#endif

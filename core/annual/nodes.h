@@ -1,0 +1,42 @@
+/*
+ * Nodes of the sun: where it is followed for light that comes by way of surfaces, with what lies
+ * between interpolated. They lie on circles of declination, from the lowest that the sun has in the
+ * hours given to the highest; on each evenly in hour angle from where it rises to where it sets, so
+ * that no node is below the horizon, and low suns are not mixed with suns that are not there.
+ *
+ * Directions are of the sky: x east, y north, z up.
+ */
+#ifndef ORL_ANNUAL_NODES_H
+#define ORL_ANNUAL_NODES_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include <oriel/vec.h>
+
+struct orl_sun_nodes {
+    struct orl_vec3 *at; /* unit; circle by circle */
+    size_t count;
+    uint32_t circles, a_circle;
+    double latitude_rad, low_rad, high_rad; /* declinations of the first and the last circle */
+};
+
+/* What of which nodes makes the light of a sun in between; weights sum to 1. */
+struct orl_sun_between {
+    uint32_t nodes[4];
+    float weights[4];
+};
+
+/* For the suns given: count may be 0. steps: about how far nodes are to be apart. Returns 0 or
+ * ORL_ERR_NOMEM; orl_sun_nodes_done in either case. */
+struct orl_sun_spacing {
+    double declination_deg, hour_angle_deg;
+};
+int orl_sun_nodes_init(struct orl_sun_nodes *nodes, double latitude_deg,
+                       const struct orl_vec3 *suns, size_t count, struct orl_sun_spacing steps);
+void orl_sun_nodes_done(struct orl_sun_nodes *nodes);
+
+struct orl_sun_between orl_sun_nodes_between(const struct orl_sun_nodes *nodes,
+                                             struct orl_vec3 sun);
+
+#endif

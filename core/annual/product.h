@@ -1,0 +1,29 @@
+/*
+ * From a sensor's coefficients to its hours: sky by bins, the sun by nodes, and what came straight.
+ */
+#ifndef ORL_ANNUAL_PRODUCT_H
+#define ORL_ANNUAL_PRODUCT_H
+
+#include "annual/hours.h"
+#include "annual/nodes.h"
+
+/* Coefficients of a sensor, of each batch. */
+struct orl_annual_coefficients {
+    float *bins;   /* [ORL_ANNUAL_BATCHES][ORL_BINS] */
+    double *nodes; /* [ORL_ANNUAL_BATCHES][n_nodes] */
+    size_t n_nodes;
+};
+
+/* Its columns; straight, mirrored and unsure are given (sunlight.h), total and se come of it. */
+struct orl_annual_row {
+    const float *straight, *mirrored, *unsure;
+    float *total, *se;
+};
+
+/* between: of each column. What batches differ by in the sky is told by coarse bins. */
+void orl_annual_multiply(const struct orl_bins *bins, const struct orl_hours *hours,
+                         const struct orl_sun_between *between,
+                         const struct orl_annual_coefficients *coefficients,
+                         const struct orl_annual_row *row);
+
+#endif

@@ -1,0 +1,72 @@
+/* The request: defaults, checks, and who frees what. */
+#include <oriel/annual.h>
+
+#include <math.h>
+#include <stdlib.h>
+
+#include <oriel/limits.h>
+
+static const double usual_ground = 0.2;
+
+void orl_annual_request_init(struct orl_annual_request *request)
+{
+    *request = (struct orl_annual_request){.ground_reflectance = usual_ground};
+}
+
+void orl_annual_request_done(struct orl_annual_request *request)
+{
+    if (!request)
+        return;
+    for (size_t i = 0; request->scene_files && i < request->n_scene_files; i++)
+        free(request->scene_files[i]);
+    for (size_t i = 0; request->grids && i < request->n_grids; i++)
+        free(request->grids[i].name);
+    free(request->scene_files);
+    free(request->weather_file);
+    free(request->sensors);
+    free(request->grids);
+    *request = (struct orl_annual_request){0};
+}
+
+static bool is_place(struct orl_vec3 v)
+{
+    const double most = ORL_LIMIT_DISTANCE;
+    return fabs(v.x) <= most && fabs(v.y) <= most && fabs(v.z) <= most;
+}
+
+static int check_sensors(const struct orl_annual_request *request, struct orl_error *err)
+{
+    if (request->n_sensors == 0)
+        return orl_error_set(err, ORL_ERR_INVALID, "the year is asked for at no sensor");
+    if (request->n_sensors > ORL_LIMIT_SENSORS)
+        return orl_error_set(err, ORL_ERR_LIMIT, "%zu sensors are more than %lu",
+                             request->n_sensors, ORL_LIMIT_SENSORS);
+    for (size_t i = 0; i < request->n_sensors; i++) {
+        const struct orl_sensor *s = &request->sensors[i];
+        if (!is_place(s->position) || !is_place(s->direction) || !(orl_length(s->direction) > 0))
+            return orl_error_set(err, ORL_ERR_RANGE,
+                                 "sensor %zu has no finite place, or no direction", i + 1);
+    }
+    return 0;
+}
+
+int orl_annual_validate(const struct orl_annual_request *request, struct orl_error *err)
+{
+    if (request->n_scene_files == 0)
+        return orl_error_set(err, ORL_ERR_INVALID, "the year names no scene files");
+    if (!request->weather_file)
+        return orl_error_set(err, ORL_ERR_INVALID, "the year names no weather file");
+    if (!(fabs(request->north_deg) <= 360))
+        return orl_error_set(err, ORL_ERR_RANGE, "north is given in degrees, -360 to 360");
+    if (!(request->ground_reflectance >= 0 && request->ground_reflectance <= 1))
+        return orl_error_set(err, ORL_ERR_RANGE, "the ground reflects a share from 0 to 1");
+    if (request->samples > ORL_ANNUAL_MOST_SAMPLES)
+        return orl_error_set(err, ORL_ERR_LIMIT, "%u paths a sensor are more than %d",
+                             request->samples, ORL_ANNUAL_MOST_SAMPLES);
+    for (size_t i = 0; i < request->n_grids; i++) {
+        const struct orl_annual_grid *g = &request->grids[i];
+        if (g->first > request->n_sensors || g->count > request->n_sensors - g->first)
+            return orl_error_set(err, ORL_ERR_RANGE, "grid %zu goes beyond the last sensor", i + 1);
+    }
+    return check_sensors(request, err);
+}

@@ -1,0 +1,23 @@
+#include "annual/scene.h"
+
+int orl_annual_scene_init(struct orl_annual_scene *scene, const struct orl_world *world,
+                          const struct orl_bins *bins, struct orl_turn north,
+                          const struct orl_frame *nodes, size_t n_nodes, struct orl_crew *crew)
+{
+    *scene = (struct orl_annual_scene){
+        .world = world, .bins = bins, .north = north, .nodes = nodes, .n_nodes = n_nodes};
+    orl_sobol_init(&scene->sobol);
+    int code = orl_aim_init(&scene->aim, world, &scene->sobol, crew);
+    if (code == 0)
+        code = orl_windows_of_ports(&scene->ports, world);
+    if (code == 0)
+        code = orl_windows_of_mirrors(&scene->mirrors, world);
+    return code;
+}
+
+void orl_annual_scene_done(struct orl_annual_scene *scene)
+{
+    orl_aim_done(&scene->aim);
+    orl_windows_done(&scene->ports);
+    orl_windows_done(&scene->mirrors);
+}

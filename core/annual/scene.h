@@ -1,0 +1,33 @@
+/*
+ * What all paths of a year read: the world without its lights, and where these are to be.
+ *
+ * Immutable once made, and shared by all threads.
+ */
+#ifndef ORL_ANNUAL_SCENE_H
+#define ORL_ANNUAL_SCENE_H
+
+#include "annual/bins.h"
+#include "annual/hours.h"
+#include "annual/windows.h"
+#include "base/sobol.h"
+#include "render/gather/aim.h"
+#include "render/gather/gather.h"
+
+struct orl_annual_scene {
+    const struct orl_world *world; /* borrowed, all: without suns, domes and lamps */
+    const struct orl_bins *bins;
+    struct orl_turn north;
+    const struct orl_frame *nodes; /* of the sun, as the scene has it: n towards it */
+    size_t n_nodes;
+    struct orl_aim aim;
+    struct orl_sobol sobol;
+    struct orl_windows ports, mirrors;
+};
+
+/* Returns 0 or ORL_ERR_NOMEM; orl_annual_scene_done in either case. */
+int orl_annual_scene_init(struct orl_annual_scene *scene, const struct orl_world *world,
+                          const struct orl_bins *bins, struct orl_turn north,
+                          const struct orl_frame *nodes, size_t n_nodes, struct orl_crew *crew);
+void orl_annual_scene_done(struct orl_annual_scene *scene);
+
+#endif

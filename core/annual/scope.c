@@ -1,0 +1,40 @@
+#include "annual/scope.h"
+
+#include "scene/material/bounds.h"
+
+/* Of what mirrors more than panes do, a second reflection counts. */
+static const double strong = 0.25;
+
+static int refuse(const struct orl_world *world, uint32_t facet, struct orl_error *err,
+                  const char *what)
+{
+    orl_error_set(err, ORL_ERR_UNSUPPORTED,
+                  "a year of light does not follow %s yet, which the surface '%.100s' calls for",
+                  what, orl_scene_name_of(world->scene, facet));
+    orl_error_hint(err, "run it hour by hour: a job with a list of skies");
+    return ORL_ERR_UNSUPPORTED;
+}
+
+int orl_annual_admit(const struct orl_world *world, struct orl_error *err)
+{
+    int class = -1;
+    for (size_t i = 0; i < world->geometry->n_facets; i++) {
+        const struct orl_facet *facet = &world->geometry->facets[i];
+        const struct orl_material *m = &world->materials[facet->material];
+        if (!(facet->area > 0))
+            continue;
+        if (m->kind == ORL_MATERIAL_BSDF)
+            return refuse(world, (uint32_t)i, err, "sunlight through BSDFs");
+        if (m->kind == ORL_MATERIAL_DIELECTRIC)
+            return refuse(world, (uint32_t)i, err, "refracted sunlight");
+        if (!(orl_material_mirrored_most(m, true, 0.5) > strong))
+            continue;
+        const int here = world->images.class_of ? world->images.class_of[i] : -1;
+        if (here < 0)
+            return refuse(world, (uint32_t)i, err, "sunlight off curved mirrors");
+        if (class >= 0 && here != class)
+            return refuse(world, (uint32_t)i, err, "sunlight between mirrors of several planes");
+        class = here;
+    }
+    return 0;
+}

@@ -1,0 +1,244 @@
+#include "annual/sunlight.h"
+
+#include "base/circle.h"
+#include "light/direct.h"
+#include "light/path.h"
+
+enum { MOST_PANES = 64 };
+enum { FIRST_POINTS = 7, DISC_POINTS = 32, MIRROR_POINTS = 4 };
+/* Outside, where no wall keeps the sun off, one node in so many is tried at each place. */
+enum { STRIDE_OUTSIDE = 4 };
+
+static double disc_radius(double angle_rad)
+{
+    return tan(0.5 * angle_rad);
+}
+
+/* A point of a disc of that radius about a frame's n; at is in the unit disc. */
+static struct orl_vec3 on_disc(const struct orl_frame *frame, double radius, const double at[2])
+{
+    return orl_normalize(
+        orl_madd(orl_madd(frame->n, frame->u, radius * at[0]), frame->v, radius * at[1]));
+}
+
+/* ---- Straight -------------------------------------------------------------------------------- */
+
+static struct orl_rgb straight(const struct orl_annual_scene *scene, const struct orl_place *place,
+                               struct orl_vec3 towards)
+{
+    if (!place->outside && !orl_windows_passed(&scene->ports, place->point, towards, 0))
+        return orl_gray(0);
+    return orl_transmittance(scene->world, place->point, towards, INFINITY, true);
+}
+
+/* ---- By one mirror --------------------------------------------------------------------------- */
+
+/* Whether light that a window of the building throws back from inside could have come in. */
+static bool lit_from_within(const struct orl_annual_scene *scene, const struct orl_window *mirror,
+                            struct orl_vec3 there, struct orl_vec3 image, struct orl_vec3 towards)
+{
+    const struct orl_world *world = scene->world;
+    const int32_t port = world->port_of_facet[mirror->facet];
+    if (world->open || port == ORL_NO_PORT || orl_dot(image, world->ports[port].outward) <= 0)
+        return true;
+    return orl_windows_passed(&scene->ports, there, towards, 0);
+}
+
+/* What comes from the sun's image behind one mirror. */
+static struct orl_rgb by_mirror(const struct orl_annual_scene *scene,
+                                const struct orl_window *mirror, struct orl_vec3 point,
+                                struct orl_vec3 image, struct orl_vec3 towards)
+{
+    const struct orl_world *world = scene->world;
+    struct orl_path path = orl_path_from(point, image);
+    for (int pane = 0; pane < MOST_PANES; pane++) {
+        struct orl_hit hit;
+        if (!orl_path_meet(world, &path, &hit))
+            break;
+        const struct orl_material *m = orl_world_material(world, &hit);
+        if (hit.facet == mirror->facet) {
+            const struct orl_rgb share =
+                orl_rgb_mul(path.weight, orl_material_mirrored(m, &hit, orl_path_back(&path)));
+            if (!(orl_rgb_max(share) > 0))
+                break;
+            const struct orl_vec3 from = orl_hit_leave(world->geometry, &hit, towards);
+            return orl_rgb_mul(share, orl_transmittance(world, from, towards, INFINITY, true));
+        }
+        if (!orl_path_look_through(&path, m, &hit))
+            break;
+        orl_path_pass(&path, world, &hit);
+    }
+    return orl_gray(0);
+}
+
+/* Light of a sun there by all mirrors: each by what answer says of where it seems to come from. */
+typedef struct orl_rgb (*answer_to)(const void *ctx, struct orl_vec3 light);
+
+static struct orl_rgb mirrored(const struct orl_annual_scene *scene, const struct orl_place *place,
+                               struct orl_vec3 towards, answer_to answer, const void *ctx)
+{
+    const struct orl_images *images = &scene->world->images;
+    struct orl_rgb sum = orl_gray(0);
+    for (size_t i = 0; i < scene->mirrors.count; i++) {
+        const struct orl_window *mirror = &scene->mirrors.at[i];
+        const struct orl_vec3 image =
+            orl_image_turned(towards, images->mirrors[images->class_of[mirror->facet]]);
+        double distance;
+        if (!(orl_dot(image, place->normal) > 0) ||
+            !orl_window_passed(mirror, place->point, image, 0, &distance) ||
+            !lit_from_within(scene, mirror, orl_madd(place->point, image, distance), image,
+                             towards))
+            continue;
+        const struct orl_rgb seen = answer(ctx, image);
+        if (orl_rgb_max(seen) > 0)
+            sum = orl_rgb_add(
+                sum, orl_rgb_mul(seen, by_mirror(scene, mirror, place->point, image, towards)));
+    }
+    return sum;
+}
+
+/* ---- Nodes ----------------------------------------------------------------------------------- */
+
+/* The cosine, or what lobes send towards the eye. */
+static struct orl_rgb response(const void *ctx, struct orl_vec3 light)
+{
+    const struct orl_sunlit_query *query = ctx;
+    const double cosine = orl_dot(light, query->place.normal);
+    if (!(cosine > 0))
+        return orl_gray(0);
+    if (!query->lobes)
+        return orl_gray(cosine);
+    return orl_rgb_scale(orl_scatter_eval_lobes(query->lobes, query->hit, light, query->eye),
+                         cosine);
+}
+
+void orl_sunlit_add(const struct orl_annual_scene *scene, const struct orl_sunlit_query *query,
+                    struct orl_random *random, double *nodes)
+{
+    const double radius = disc_radius(ORL_SUN_DIAMETER_DEG * ORL_DEG_TO_RAD);
+    const double far = sqrt(orl_random_uniform(random));
+    const struct orl_circle circle = orl_circle_turn(orl_random_uniform(random));
+    const double at[2] = {far * circle.cosine, far * circle.sine};
+    const bool all = !query->place.outside || query->lobes;
+    const size_t stride = all ? 1 : STRIDE_OUTSIDE;
+    const size_t first = all ? 0 : (size_t)(orl_random_uniform(random) * STRIDE_OUTSIDE);
+    for (size_t k = first; k < scene->n_nodes; k += stride) {
+        const struct orl_vec3 towards = on_disc(&scene->nodes[k], radius, at);
+        const struct orl_rgb seen = response(query, towards);
+        struct orl_rgb light = orl_gray(0);
+        if (orl_rgb_max(seen) > 0)
+            light = orl_rgb_mul(seen, straight(scene, &query->place, towards));
+        if (scene->mirrors.count > 0)
+            light = orl_rgb_add(light, mirrored(scene, &query->place, towards, response, query));
+        if (orl_rgb_max(light) > 0)
+            nodes[k] += orl_luma(orl_rgb_mul(query->weight, light)) * (double)stride;
+    }
+}
+
+/* ---- Hours ----------------------------------------------------------------------------------- */
+
+/* Points of the unit disc: the first ones its rim and its middle, the rest evenly over it. */
+static void point_of_disc(uint32_t n, double turn, double ret_at[2])
+{
+    const bool first = n < FIRST_POINTS;
+    const double k = first ? n : n - FIRST_POINTS;
+    const double far = first ? (n == 0 ? 0 : 0.985) : sqrt((k + 0.5) / DISC_POINTS);
+    const double angle = first ? k / (FIRST_POINTS - 1) : k * 0.3819660112501051;
+    const double whole = turn + angle;
+    const struct orl_circle circle = orl_circle_turn(whole - floor(whole));
+    ret_at[0] = far * circle.cosine;
+    ret_at[1] = far * circle.sine;
+}
+
+struct disc {
+    struct orl_frame frame;
+    double radius, turn;
+};
+
+static double point_light(const struct orl_annual_scene *scene, const struct orl_place *place,
+                          const struct disc *disc, uint32_t n)
+{
+    double at[2];
+    point_of_disc(n, disc->turn, at);
+    const struct orl_vec3 towards = on_disc(&disc->frame, disc->radius, at);
+    const double cosine = orl_dot(towards, place->normal);
+    return cosine > 0 ? cosine * orl_luma(straight(scene, place, towards)) : 0;
+}
+
+/* Rim and middle see the same: that is all; an edge crosses the disc: its points tell. */
+static double disc_light(const struct orl_annual_scene *scene, const struct orl_place *place,
+                         const struct disc *disc, double *ret_unsure)
+{
+    double sum = 0, squares = 0, least = INFINITY, most = 0;
+    *ret_unsure = 0;
+    for (uint32_t n = 0; n < FIRST_POINTS; n++) {
+        const double light = point_light(scene, place, disc, n);
+        least = fmin(least, light);
+        most = fmax(most, light);
+        if (n == 0)
+            sum = light;
+    }
+    if (most - least <= 0.02 * most)
+        return sum;
+    sum = 0;
+    for (uint32_t n = 0; n < DISC_POINTS; n++) {
+        const double light = point_light(scene, place, disc, FIRST_POINTS + n);
+        sum += light / DISC_POINTS;
+        squares += light * light / DISC_POINTS;
+    }
+    /* Points in a plane so even err as their number to the power of -3/4, where edges are straight
+     * (Beck and Chen 1987, irregularities of distribution). */
+    *ret_unsure = sqrt(fmax(squares - sum * sum, 0)) * pow(DISC_POINTS, -0.75);
+    return sum;
+}
+
+static struct orl_rgb cosine_of(const void *ctx, struct orl_vec3 light)
+{
+    const struct orl_place *place = ctx;
+    return orl_gray(fmax(orl_dot(light, place->normal), 0));
+}
+
+static double mirrored_light(const struct orl_annual_scene *scene, const struct orl_place *place,
+                             const struct disc *disc)
+{
+    double sum = 0;
+    for (uint32_t n = 0; n < MIRROR_POINTS; n++) {
+        double at[2];
+        point_of_disc(FIRST_POINTS + n * (DISC_POINTS / MIRROR_POINTS), disc->turn, at);
+        sum += orl_luma(
+            mirrored(scene, place, on_disc(&disc->frame, disc->radius, at), cosine_of, place));
+    }
+    return sum / MIRROR_POINTS;
+}
+
+/* Whether any point of the disc may be seen. */
+static bool may_see(const struct orl_annual_scene *scene, const struct orl_place *place,
+                    const struct orl_hour_sun *sun)
+{
+    const double slack = sin(0.5 * sun->angle_rad) * 1.01;
+    return orl_dot(sun->towards, place->normal) > -slack &&
+           (place->outside || orl_windows_passed(&scene->ports, place->point, sun->towards, slack));
+}
+
+void orl_sunlit_hours_find(const struct orl_annual_scene *scene, const struct orl_hours *hours,
+                           const struct orl_place *place, uint64_t name,
+                           const struct orl_sunlit_hours *ret)
+{
+    for (size_t c = 0; c < hours->n_columns; c++) {
+        const struct orl_hour_sun *sun = &hours->suns[c];
+        double straight_lx = 0, mirrored_lx = 0, unsure_lx = 0;
+        if (sun->normal_lx > 0) {
+            const struct disc disc = {.frame = orl_frame_about(sun->towards),
+                                      .radius = disc_radius(sun->angle_rad),
+                                      .turn = (double)(orl_mix64(name ^ orl_mix64(c + 1)) >> 11) *
+                                              0x1p-53};
+            if (may_see(scene, place, sun))
+                straight_lx = sun->normal_lx * disc_light(scene, place, &disc, &unsure_lx);
+            if (scene->mirrors.count > 0)
+                mirrored_lx = sun->normal_lx * mirrored_light(scene, place, &disc);
+        }
+        ret->straight[c] = (float)straight_lx;
+        ret->mirrored[c] = (float)mirrored_lx;
+        ret->unsure[c] = (float)(unsure_lx * sun->normal_lx);
+    }
+}

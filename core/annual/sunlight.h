@@ -1,0 +1,38 @@
+/*
+ * Sunlight at a place: straight, through panes, and by way of one flat mirror (a pane among them);
+ * of the sun's nodes for paths, and at a sensor of every hour's own sun.
+ *
+ * What comes by several mirrors one after the other is left out; scenes in which that is more than
+ * panes' faint second reflections are refused (scope.h).
+ */
+#ifndef ORL_ANNUAL_SUNLIGHT_H
+#define ORL_ANNUAL_SUNLIGHT_H
+
+#include "annual/scene.h"
+
+/* A place, and what its irradiance counts; with lobes not NULL what these send towards eye. */
+struct orl_sunlit_query {
+    struct orl_place place;
+    struct orl_rgb weight;
+    const struct orl_material *lobes;
+    const struct orl_hit *hit;
+    struct orl_vec3 eye;
+};
+
+/* Adds to each node, for a sun that gives 1 to what faces it. */
+void orl_sunlit_add(const struct orl_annual_scene *scene, const struct orl_sunlit_query *query,
+                    struct orl_random *random, double *nodes);
+
+/*
+ * Illuminance at a sensor by the discs of all columns' suns: straight (and through panes), and by
+ * mirrors. unsure: the standard error of the two together, by how the discs' points lie where an
+ * edge crosses a disc. ret_ arrays hold n_columns, lx. north: as the hours' suns are.
+ */
+struct orl_sunlit_hours {
+    float *straight, *mirrored, *unsure;
+};
+void orl_sunlit_hours_find(const struct orl_annual_scene *scene, const struct orl_hours *hours,
+                           const struct orl_place *place, uint64_t name,
+                           const struct orl_sunlit_hours *ret);
+
+#endif

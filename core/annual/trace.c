@@ -1,0 +1,193 @@
+#include "annual/trace.h"
+
+#include "annual/sunlight.h"
+#include "light/eye_path.h"
+
+/* Rays of a place: at the sensor, at surfaces that a ray comes to, and outside of a sealed
+ * building, where no ray is aimed at its windows. */
+static const struct orl_effort at_sensors = {{1, 1, 0}}, deeper = {{1, 0.5, 0}},
+                               outside = {{1, 0, 0}};
+/* Places that matter less than that, of one sensor's sample, are followed by lot. */
+static const double dimmest_place = 0.1, dimmest_path = 0.02;
+
+struct tracer {
+    const struct orl_annual_scene *scene;
+    struct orl_annual_sums *sums;
+    struct orl_random random;
+    struct orl_health *health;
+    uint32_t sequence, index; /* of the sample's even numbers */
+    double unit;              /* the sample's share in the mean */
+};
+
+/* A place on the way: of its irradiance the weight is the sensor's. */
+struct stop {
+    struct orl_place place;
+    struct orl_rgb weight;
+    uint32_t depth;       /* 0: the sensor */
+    const double *evenly; /* three numbers for its first ray, or NULL */
+};
+
+struct walk {
+    struct orl_eye_path eye; /* first: what sinks are given */
+    struct tracer *tracer;
+    uint32_t depth;
+    const double *evenly;
+};
+
+static void light_at(struct tracer *t, const struct stop *stop);
+
+static struct walk *walk_of(struct orl_eye_path *p)
+{
+    return (struct walk *)p;
+}
+
+/* ---- A path ---------------------------------------------------------------------------------- */
+
+static void take_sky(struct orl_eye_path *p)
+{
+    const struct orl_annual_scene *scene = walk_of(p)->tracer->scene;
+    const struct orl_vec3 towards = orl_turn_to_sky(scene->north, p->path.direction);
+    walk_of(p)->tracer->sums->bins[orl_bins_find(scene->bins, towards)] +=
+        (float)orl_luma(p->path.weight);
+}
+
+static void add_diffuse(struct walk *w, struct orl_rgb albedo)
+{
+    struct orl_eye_path *p = &w->eye;
+    const struct orl_vec3 lit = orl_hit_facing(&p->hit);
+    struct stop stop = {.place = {.point = orl_hit_leave(p->world->geometry, &p->hit, lit),
+                                  .normal = lit,
+                                  .outside = p->outside},
+                        .weight = orl_rgb_scale(orl_rgb_mul(p->path.weight, albedo), 1 / ORL_PI),
+                        .depth = w->depth + 1,
+                        .evenly = p->bounce == 0 ? w->evenly : NULL};
+    const double chance = fmin(orl_rgb_max(stop.weight) / (w->tracer->unit * dimmest_place), 1);
+    if (chance < 1) {
+        if (!(orl_random_uniform(p->random) < chance))
+            return;
+        stop.weight = orl_rgb_scale(stop.weight, 1 / chance);
+    }
+    light_at(w->tracer, &stop);
+}
+
+/* Of the lobes of what was met: the sun's nodes, on both sides where they transmit. */
+static void add_lobes(struct walk *w, const struct orl_material *m)
+{
+    struct orl_eye_path *p = &w->eye;
+    const struct orl_vec3 seen = orl_hit_facing(&p->hit);
+    for (int side = 0; side < (orl_material_transmits_lobes(m) ? 2 : 1); side++) {
+        const struct orl_vec3 normal = side == 0 ? seen : orl_neg(seen);
+        const struct orl_sunlit_query query = {
+            .place = {.point = orl_hit_leave(p->world->geometry, &p->hit, normal),
+                      .normal = normal,
+                      .outside = orl_world_outside_after(p->world, &p->hit, side == 1, p->outside)},
+            .weight = p->path.weight,
+            .lobes = m,
+            .hit = &p->hit,
+            .eye = orl_path_back(&p->path)};
+        orl_sunlit_add(w->tracer->scene, &query, p->random, w->tracer->sums->nodes);
+    }
+}
+
+static bool survives(struct walk *w)
+{
+    const double matters = orl_rgb_max(w->eye.path.weight) / (w->tracer->unit * ORL_PI);
+    const double chance = fmin(matters / dimmest_path, 1);
+    return !(chance < 1) || orl_path_survives(&w->eye.path, chance, w->eye.random);
+}
+
+static enum orl_lobes meet(struct orl_eye_path *p, const struct orl_material *m)
+{
+    struct walk *w = walk_of(p);
+    const struct orl_rgb albedo = orl_material_diffuse(m, &p->hit);
+    w->tracer->health->rays++;
+    if (orl_rgb_max(albedo) > 0)
+        add_diffuse(w, albedo);
+    if (orl_material_is_matt(m))
+        return ORL_LOBE_NONE;
+    if (orl_material_has_lobes(m))
+        add_lobes(w, m);
+    return survives(w) ? (enum orl_lobes)(ORL_LOBE_REFLECTED | ORL_LOBE_TRANSMITTED)
+                       : ORL_LOBE_NONE;
+}
+
+static bool go_on(struct orl_eye_path *p, const struct orl_scatter *s)
+{
+    orl_eye_path_cross(p, s);
+    p->clear = false;
+    return true;
+}
+
+static const struct orl_eye_sink sink = {.escaped = take_sky, .met = meet, .sent_on = go_on};
+
+/* ---- The light of a place -------------------------------------------------------------------- */
+
+/* One aimed ray; u: three numbers for it, and three for where it ends. */
+static void look(struct tracer *t, const struct stop *stop, const struct orl_effort *effort,
+                 enum orl_way way, const double u[6], bool evenly)
+{
+    struct orl_aimed aimed;
+    t->health->paths++;
+    if (!orl_aim_sample(&t->scene->aim, effort, way, stop->place.point, stop->place.normal, u,
+                        &aimed))
+        return;
+    struct walk w = {.eye = {.world = t->scene->world,
+                             .random = &t->random,
+                             .path = orl_path_from(stop->place.point, aimed.direction),
+                             .outside = stop->place.outside},
+                     .tracer = t,
+                     .depth = stop->depth,
+                     .evenly = evenly ? u + 3 : NULL};
+    w.eye.path.weight = orl_rgb_scale(stop->weight, aimed.weight);
+    orl_eye_path_foresee(&w.eye, aimed.met ? &aimed.hit : NULL);
+    orl_eye_path_follow(&w.eye, &sink, t->health);
+}
+
+static void look_by(struct tracer *t, const struct stop *stop, const struct orl_effort *effort,
+                    enum orl_way way)
+{
+    const double wanted = effort->rays[way];
+    const bool evenly = stop->depth == 0;
+    double u[6];
+    if (!(wanted > 0) || (wanted < 1 && !(orl_random_uniform(&t->random) < wanted)))
+        return;
+    if (evenly)
+        orl_sobol_point(&t->scene->sobol, t->index, t->sequence + (uint32_t)way * 0x9e3779b9U, 6,
+                        u);
+    for (int i = 0; i < 3 && !evenly; i++)
+        u[i] = stop->evenly && way == ORL_WAY_COSINE ? stop->evenly[i]
+                                                     : orl_random_uniform(&t->random);
+    look(t, stop, effort, way, u, evenly);
+}
+
+static void light_at(struct tracer *t, const struct stop *stop)
+{
+    const struct orl_effort effort = orl_aim_effort(&t->scene->aim, stop->place.outside ? outside
+                                                                    : stop->depth == 0  ? at_sensors
+                                                                                        : deeper);
+    if (stop->depth > 0) {
+        const struct orl_sunlit_query query = {.place = stop->place, .weight = stop->weight};
+        orl_sunlit_add(t->scene, &query, &t->random, t->sums->nodes);
+    }
+    look_by(t, stop, &effort, ORL_WAY_COSINE);
+    look_by(t, stop, &effort, ORL_WAY_PORT);
+}
+
+void orl_annual_trace(const struct orl_annual_scene *scene, const struct orl_place *place,
+                      const struct orl_annual_batch *batch, struct orl_annual_sums *sums,
+                      struct orl_health *health)
+{
+    const uint64_t name = batch->sensor * ORL_ANNUAL_BATCHES + batch->batch;
+    const struct stop stop = {.place = *place, .weight = orl_gray(1.0 / batch->samples)};
+    for (uint32_t i = 0; i < batch->samples; i++) {
+        struct tracer tracer = {
+            .scene = scene,
+            .sums = sums,
+            .random = orl_random_stream(batch->seed, ORL_PURPOSE_ANNUAL, (name << 24) + i),
+            .health = health,
+            .sequence = (uint32_t)orl_mix64(batch->seed ^ orl_mix64(name + 1)),
+            .index = i,
+            .unit = 1.0 / batch->samples};
+        light_at(&tracer, &stop);
+    }
+}

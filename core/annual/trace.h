@@ -1,0 +1,36 @@
+/*
+ * Paths from a sensor, shared by all hours: what each adds up is no light, but how much of the
+ * light of every bin of the sky, and of every node of the sun, comes to the sensor.
+ *
+ * A path's parts exclude each other. Sky: where it leaves the scene, its weight goes into the bin
+ * of that direction. Sun: at each surface that it comes to, the share of every node that this sends
+ * back along it, by a shadow ray, straight through panes or by one flat mirror. The sun seen from
+ * the sensor itself is not here (sunlight.h). At every diffuse surface a path goes on by the cosine
+ * and at a port, as the backward technique's do (render/gather/aim.h), but for virtual lamps: all
+ * surfaces are met.
+ *
+ * Samples are named by seed, sensor, batch and number. Immutable but for the sums, which are one
+ * batch's own; threads share nothing else.
+ */
+#ifndef ORL_ANNUAL_TRACE_H
+#define ORL_ANNUAL_TRACE_H
+
+#include "annual/scene.h"
+
+/* What a batch of a sensor's paths comes to: luma. */
+struct orl_annual_sums {
+    float *bins;   /* ORL_BINS: irradiance, of radiance 1 there */
+    double *nodes; /* by node: irradiance, of a sun that gives 1 to what faces it */
+};
+
+struct orl_annual_batch {
+    uint64_t seed, sensor;
+    uint32_t batch, samples;
+};
+
+/* Adds a batch's mean. place: the sensor, moved, clear of surfaces; its normal is unit. */
+void orl_annual_trace(const struct orl_annual_scene *scene, const struct orl_place *place,
+                      const struct orl_annual_batch *batch, struct orl_annual_sums *sums,
+                      struct orl_health *health);
+
+#endif

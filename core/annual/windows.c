@@ -1,0 +1,118 @@
+#include "annual/windows.h"
+
+#include <stdlib.h>
+
+static void widen(struct orl_window *w, struct orl_vec3 corner)
+{
+    const struct orl_vec3 from = orl_sub(corner, w->corner);
+    for (int i = 0; i < 2; i++) {
+        w->low[i] = fmin(w->low[i], orl_dot(from, w->along[i]));
+        w->high[i] = fmax(w->high[i], orl_dot(from, w->along[i]));
+    }
+}
+
+/* The longest side of its first triangle gives the rectangle its direction. */
+static struct orl_window window_of(const struct orl_geometry *g, uint32_t facet)
+{
+    const struct orl_facet *f = &g->facets[facet];
+    const struct orl_triangle *t = &g->triangles[f->first_triangle];
+    const struct orl_vec3 sides[3] = {orl_sub(t->b, t->a), orl_sub(t->c, t->b),
+                                      orl_sub(t->a, t->c)};
+    struct orl_window w = {.facet = facet, .corner = t->a, .normal = f->normal};
+    /* The middle one: of a right angle the longer leg, never its diagonal. */
+    int order[3] = {0, 1, 2};
+    for (int i = 0; i < 2; i++)
+        for (int k = 0; k < 2 - i; k++)
+            if (orl_length(sides[order[k]]) > orl_length(sides[order[k + 1]])) {
+                const int other = order[k];
+                order[k] = order[k + 1];
+                order[k + 1] = other;
+            }
+    w.along[0] = orl_normalize(sides[order[1]]);
+    w.along[1] = orl_cross(w.normal, w.along[0]);
+    for (uint32_t i = 0; i < f->n_triangles; i++) {
+        const struct orl_triangle *part = &g->triangles[f->first_triangle + i];
+        widen(&w, part->a);
+        widen(&w, part->b);
+        widen(&w, part->c);
+    }
+    const double margin = 4 * f->offset + g->radius * 0x1p-18;
+    for (int i = 0; i < 2; i++) {
+        w.low[i] -= margin;
+        w.high[i] += margin;
+    }
+    return w;
+}
+
+static int make_room(struct orl_windows *windows, size_t most)
+{
+    const size_t room = most < ORL_MOST_WINDOWS ? most : ORL_MOST_WINDOWS;
+    windows->at = malloc((room + 1) * sizeof *windows->at);
+    return windows->at ? 0 : ORL_ERR_NOMEM;
+}
+
+static void add(struct orl_windows *windows, const struct orl_geometry *g, uint32_t facet)
+{
+    if (windows->count == ORL_MOST_WINDOWS || g->facets[facet].kind != ORL_SURFACE_POLYGON)
+        windows->all = true;
+    else
+        windows->at[windows->count++] = window_of(g, facet);
+}
+
+int orl_windows_of_ports(struct orl_windows *windows, const struct orl_world *world)
+{
+    *windows = (struct orl_windows){.all = world->open};
+    if (windows->all)
+        return 0;
+    const int code = make_room(windows, world->n_ports);
+    for (size_t i = 0; i < world->n_ports && code == 0; i++)
+        add(windows, world->geometry, world->ports[i].facet);
+    return code;
+}
+
+int orl_windows_of_mirrors(struct orl_windows *windows, const struct orl_world *world)
+{
+    *windows = (struct orl_windows){.at = NULL};
+    if (!world->images.class_of)
+        return 0;
+    const int code = make_room(windows, world->geometry->n_facets);
+    for (size_t i = 0; i < world->geometry->n_facets && code == 0; i++)
+        if (world->images.class_of[i] >= 0)
+            add(windows, world->geometry, (uint32_t)i);
+    return code;
+}
+
+void orl_windows_done(struct orl_windows *windows)
+{
+    free(windows->at);
+    *windows = (struct orl_windows){.at = NULL};
+}
+
+bool orl_window_passed(const struct orl_window *w, struct orl_vec3 origin,
+                       struct orl_vec3 direction, double slack, double *ret_distance)
+{
+    const struct orl_vec3 from = orl_sub(origin, w->corner);
+    const double height = orl_dot(from, w->normal), fall = -orl_dot(direction, w->normal);
+    if (!(height * fall > 0)) /* it goes away, or along: along within the slack is as good */
+        return false;
+    const double distance = height / fall, room = slack * distance / fmax(fabs(fall), 1e-3);
+    for (int i = 0; i < 2; i++) {
+        const double at = orl_dot(from, w->along[i]) + distance * orl_dot(direction, w->along[i]);
+        if (at < w->low[i] - room || at > w->high[i] + room)
+            return false;
+    }
+    if (ret_distance)
+        *ret_distance = distance;
+    return true;
+}
+
+bool orl_windows_passed(const struct orl_windows *windows, struct orl_vec3 origin,
+                        struct orl_vec3 direction, double slack)
+{
+    if (windows->all)
+        return true;
+    for (size_t i = 0; i < windows->count; i++)
+        if (orl_window_passed(&windows->at[i], origin, direction, slack, NULL))
+            return true;
+    return false;
+}

@@ -1,0 +1,46 @@
+/*
+ * Flat surfaces as rays to the sun are tried against before they are traced: the windows that a
+ * sealed building lets light in by, and the mirrors (panes among them) that throw it. Each is taken
+ * for the rectangle about it, a little too large: a ray that passes by all of them has nothing to
+ * find.
+ *
+ * Immutable once made.
+ */
+#ifndef ORL_ANNUAL_WINDOWS_H
+#define ORL_ANNUAL_WINDOWS_H
+
+#include "light/world.h"
+
+enum { ORL_MOST_WINDOWS = 256 };
+
+struct orl_window {
+    uint32_t facet;
+    struct orl_vec3 corner, normal;
+    struct orl_vec3 along[2]; /* unit, at right angles */
+    double low[2], high[2];   /* along those, from the corner */
+};
+
+struct orl_windows {
+    struct orl_window *at;
+    size_t count;
+    bool all; /* every ray is to be traced: there are too many of them, or light has other ways */
+};
+
+/* Those that a sealed building has. Returns 0 or ORL_ERR_NOMEM; orl_windows_done in either case. */
+int orl_windows_of_ports(struct orl_windows *windows, const struct orl_world *world);
+/* Those of facets in a class of mirrors (light/images.h). */
+int orl_windows_of_mirrors(struct orl_windows *windows, const struct orl_world *world);
+void orl_windows_done(struct orl_windows *windows);
+
+/*
+ * Where a ray passes a window, slack (a sine) for rays of about that direction; false: it does not.
+ * ret_distance may be NULL.
+ */
+bool orl_window_passed(const struct orl_window *window, struct orl_vec3 origin,
+                       struct orl_vec3 direction, double slack, double *ret_distance);
+
+/* Whether a ray passes any. */
+bool orl_windows_passed(const struct orl_windows *windows, struct orl_vec3 origin,
+                        struct orl_vec3 direction, double slack);
+
+#endif

@@ -1,0 +1,125 @@
+/*
+ * A year of daylight in the office with clear glass, at its 57 sensors, beside hours of it by
+ * backward: a table, and build/annual.json. By environment, each after ORIEL_ANNUAL: _WEATHER (an
+ * EPW or WEA file; a made-up year otherwise), _SAMPLES (paths a sensor, a list: "512 2048"),
+ * _SEED, _RUNS (3), _TRUTH_SAMPLES (8192), _TRUTH_HOURS (24). What backward has is kept in
+ * build/bench.
+ *
+ * Errors are relative, over sensors and hours: rms, median, 95 % of them, bias of the sum; z is the
+ * rms of error over what both say is theirs. Ray-times as in make bench.
+ */
+#include "bench/annual.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { MOST_SAMPLES = BENCH_MOST_NUMBERS };
+
+struct errors {
+    double rms, median, high, bias, z, worst;
+};
+
+static int by_size(const void *a, const void *b)
+{
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+static struct errors compare(const struct annual_truth *truth, const struct orl_annual_result *year)
+{
+    const size_t n = truth->n_hours * OFFICE_SENSORS;
+    double *sizes = malloc(n * sizeof *sizes);
+    double squares = 0, zs = 0, sum = 0, real = 0;
+    if (!sizes)
+        bench_fail("out of memory", NULL);
+    for (size_t i = 0; i < n; i++) {
+        const size_t sensor = i % OFFICE_SENSORS;
+        const uint32_t column = year->steps[truth->steps[i / OFFICE_SENSORS]].column;
+        const double lx = truth->lx[i];
+        const double found = (double)orl_annual_row(year, year->total, sensor)[column];
+        const double se = (double)orl_annual_row(year, year->se, sensor)[column];
+        const double off = found / lx - 1;
+        const double z = (found - lx) / hypot(se, truth->error_lx[i]);
+        sizes[i] = fabs(off);
+        squares += off * off;
+        zs += z * z;
+        sum += found;
+        real += lx;
+        if (getenv("ORIEL_ANNUAL_LIST"))
+            printf("%3zu %5zu %9.1f %9.1f %+7.2f%% z %+6.2f direct %8.1f\n", sensor,
+                   truth->steps[i / OFFICE_SENSORS], lx, found, 100 * off, z,
+                   (double)orl_annual_row(year, year->direct, sensor)[column]);
+    }
+    qsort(sizes, n, sizeof *sizes, by_size);
+    const struct errors e = {.rms = sqrt(squares / (double)n),
+                             .median = sizes[n / 2],
+                             .high = sizes[n * 95 / 100],
+                             .bias = sum / real - 1,
+                             .z = sqrt(zs / (double)n),
+                             .worst = sizes[n - 1]};
+    free(sizes);
+    return e;
+}
+
+static void print_row(FILE *json, bool first, const struct orl_annual_result *year,
+                      const struct errors *e, double seconds, double rate)
+{
+    printf("%8u %8.3f %9.2f %8.2f %8.2f %8.2f %+8.2f %6.2f %8.1f\n", year->samples, seconds,
+           seconds * rate / 1e6, 100 * e->rms, 100 * e->median, 100 * e->high, 100 * e->bias, e->z,
+           100 * e->worst);
+    fprintf(json,
+            "%s\n    {\"scene\": \"clear glass\", \"samples\": %u, \"seconds\": %.4f, "
+            "\"ray_times_m\": %.3f, \"rms\": %.5f, \"median\": %.5f, \"p95\": %.5f, "
+            "\"bias\": %.5f, \"z\": %.3f, \"worst\": %.4f}",
+            first ? "" : ",", year->samples, seconds, seconds * rate / 1e6, e->rms, e->median,
+            e->high, e->bias, e->z, e->worst);
+}
+
+static void print_stages(const struct orl_annual_result *year)
+{
+    printf("  of that, the last run:");
+    for (int i = 0; i < ORL_ANNUAL_STAGES; i++)
+        printf(" %s %.3f s", orl_annual_stage_name((enum orl_annual_stage)i), year->timings_s[i]);
+    printf("; %zu columns, %zu nodes of the sun, %.1f M rays of paths\n", year->n_columns,
+           year->n_nodes, (double)year->health.rays / 1e6);
+}
+
+int main(void)
+{
+    static const struct bench_list usual = {{2048}, 1};
+    struct annual_bench bench;
+    setvbuf(stdout, NULL, _IOLBF, 0);
+    annual_open(&bench);
+    const struct bench_list samples = bench_numbers("ORIEL_ANNUAL_SAMPLES", &usual);
+    const int runs = (int)bench_number("ORIEL_ANNUAL_RUNS", 3);
+    const double rate = office_rate(&bench.office, bench.crew, runs);
+    char path[BENCH_PATH];
+    snprintf(path, sizeof path, "%s/annual.json", bench_build());
+    FILE *json = fopen(path, "w");
+    if (!json)
+        bench_fail("build/annual.json cannot be written", NULL);
+    fprintf(json, "{\n  \"rows\": [");
+    printf("A year of light, 57 sensors, clear glass; target: 12 M ray-times at rms 4 %%, "
+           "median 2 %%\n");
+    printf("Embree alone: %.2f M rays a second\n", rate / 1e6);
+    printf(" samples  seconds ray-times    rms %%  median     95 %%    bias      z    worst\n");
+    for (int i = 0; i < samples.n; i++) {
+        double seconds[BENCH_MOST_RUNS];
+        struct orl_annual_result year = {0};
+        for (int k = 0; k < runs && k < BENCH_MOST_RUNS; k++) {
+            orl_annual_done(&year);
+            seconds[k] = annual_run(&bench, (uint32_t)samples.values[i], &year);
+        }
+        annual_need_truth(&bench, &year);
+        const struct errors e = compare(&bench.truth, &year);
+        print_row(json, i == 0, &year, &e, bench_median(seconds, runs), rate);
+        print_stages(&year);
+        orl_annual_done(&year);
+    }
+    fprintf(json, "\n  ]\n}\n");
+    fclose(json);
+    annual_close(&bench);
+    return 0;
+}

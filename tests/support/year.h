@@ -1,0 +1,40 @@
+/*
+ * Years of light in scenes given as text, and hours of them as jobs of their own. The weather is
+ * made up: by day a clear sky, a veiled one and a covered one in turns. Everything here fails the
+ * test when it does not succeed.
+ */
+#ifndef ORL_TESTS_SUPPORT_YEAR_H
+#define ORL_TESTS_SUPPORT_YEAR_H
+
+#include <oriel/annual.h>
+
+#include "support/room.h"
+
+struct year_site {
+    double latitude_deg, longitude_deg, time_zone_h; /* both east */
+};
+
+struct year_run {
+    const char *scene;
+    struct year_site site;
+    const char *weather; /* a file's text; NULL: 22 March and 21 December, made up */
+    const struct orl_sensor *sensors;
+    size_t n_sensors;
+    uint32_t samples, threads; /* 0: the default; 1 */
+    uint64_t seed;
+    double north_deg;
+};
+
+/* The result is the caller's, for orl_annual_done. */
+struct orl_annual_result year_run(const struct year_run *run);
+/* The same, expecting failure: returns the error code. */
+int year_run_fails(const struct year_run *run, struct orl_error *ret_err);
+
+/* That hour by a job of its own, by backward: lux, and standard errors. */
+void year_hour(const struct year_run *run, const struct orl_annual_step *step, uint32_t samples,
+               double *ret_lx, double *ret_se);
+
+/* A day's rows of a WEA file, appended. */
+void year_day(const struct year_site *site, int month, int day, char *text, size_t size);
+
+#endif

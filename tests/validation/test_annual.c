@@ -1,0 +1,174 @@
+/* Hours of a year against the same hours as jobs of their own, and against closed forms. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <math.h>
+#include <string.h>
+
+#include "support/year.h"
+
+enum { SAMPLES = 2048, TRUTH_SAMPLES = 2048 };
+
+/* A pane in a room's wall, on ground: the room of support/room.h. */
+#define GROUND                                                                                     \
+    "void plastic e 0 0 5 .2 .2 .2 0 0\ne polygon ground 0 0 12 -40 -40 -.3 40 -40 -.3 40 40 -.3 " \
+    "-40 40 -.3\n"
+static const char glass_room[] = ROOM_GREY ROOM_CLEAR ROOM_SHELL ROOM_PANE GROUND;
+/* Four walls of 6 m about a yard of 8 x 8 m, nothing glazed. */
+static const char courtyard[] =
+    ROOM_GREY "w polygon ground 0 0 12 -20 -20 0 20 -20 0 20 20 0 -20 20 0\n"
+              "w polygon s 0 0 12 -4 -4 0 -4 -4 6 4 -4 6 4 -4 0\n"
+              "w polygon n 0 0 12 -4 4 0 4 4 0 4 4 6 -4 4 6\n"
+              "w polygon e 0 0 12 4 -4 0 4 -4 6 4 4 6 4 4 0\n"
+              "w polygon o 0 0 12 -4 -4 0 -4 4 0 -4 4 6 -4 -4 6\n";
+/* Something must be there: a stone far below the sensor. */
+static const char nothing_near[] =
+    "void plastic w 0 0 5 0 0 0 0 0\nw sphere stone 0 0 4 0 0 -50 .1\n";
+
+/* Two days in spring and winter; hours of clear and covered skies. */
+static const struct year_site izmir = {38.42, 27.14, 2};
+
+/*
+ * Every hour of the year's two days at each sensor, against a job by backward. Both have a standard
+ * error, of 15 degrees of freedom: of a few hundred differences, whose squares are correlated by
+ * sensor, the rms is to be near 1, and none beyond 5. What interpolation between nodes adds is
+ * within that.
+ */
+static void check_hours(const char *scene, const struct orl_sensor *sensors, size_t n_sensors)
+{
+    const struct year_run run = {.scene = scene,
+                                 .site = izmir,
+                                 .sensors = sensors,
+                                 .n_sensors = n_sensors,
+                                 .samples = SAMPLES,
+                                 .seed = 3};
+    struct orl_annual_result year = year_run(&run);
+    double squares = 0, worst = 0;
+    size_t n = 0;
+    assert_true(year.n_columns > 12);
+    for (size_t c = 0; c < year.n_columns; c++) {
+        const struct orl_annual_step *step = &year.steps[year.step_of_column[c]];
+        double lx[16], se[16];
+        year_hour(&run, step, TRUTH_SAMPLES, lx, se);
+        for (size_t s = 0; s < n_sensors; s++, n++) {
+            const double found = (double)orl_annual_row(&year, year.total, s)[c];
+            const double own = (double)orl_annual_row(&year, year.se, s)[c];
+            const double z = (found - lx[s]) / hypot(hypot(own, se[s]), 2e-3 * lx[s]);
+            squares += z * z;
+            worst = fmax(worst, fabs(z));
+        }
+    }
+    print_message("%zu sensor-hours: z rms %.2f, worst %.2f\n", n, sqrt(squares / (double)n),
+                  worst);
+    assert_true(sqrt(squares / (double)n) < 1.5);
+    assert_true(worst < 5);
+    orl_annual_done(&year);
+}
+
+static void test_glass_room(void **state)
+{
+    static const struct orl_sensor sensors[] = {{{2, 1, .8}, {0, 0, 1}},
+                                                {{1, 4, .8}, {0, 0, 1}},
+                                                {{3, 2.6, 2.9}, {0, 0, -1}},
+                                                {{2, 4.9, 1.5}, {0, -1, 0}}};
+    (void)state;
+    check_hours(glass_room, sensors, 4);
+}
+
+static void test_courtyard(void **state)
+{
+    static const struct orl_sensor sensors[] = {
+        {{0, 0, .1}, {0, 0, 1}}, {{3.5, 3.5, .1}, {0, 0, 1}}, {{0, 3.99, 2}, {0, -1, 0}}};
+    (void)state;
+    check_hours(courtyard, sensors, 3);
+}
+
+/*
+ * With nothing in the way, a level sensor gets what the weather says, to the rounding of its
+ * numbers; and the sun what its height gives it. Patches that paths fall into by chance are a
+ * sample of 2048 of the sky: 3 standard errors of their own.
+ */
+static void test_open_ground(void **state)
+{
+    static const struct orl_sensor sensors[] = {{{0, 0, 0}, {0, 0, 1}}, {{0, 0, 0}, {0, -1, 0}}};
+    const struct year_run run = {.scene = nothing_near,
+                                 .site = izmir,
+                                 .sensors = sensors,
+                                 .n_sensors = 2,
+                                 .samples = SAMPLES};
+    struct orl_annual_result year = year_run(&run);
+    (void)state;
+    for (size_t c = 0; c < year.n_columns; c++) {
+        const struct orl_annual_step *s = &year.steps[year.step_of_column[c]];
+        const double altitude = s->sun_altitude_deg * ORL_DEG_TO_RAD;
+        const double azimuth = s->sun_azimuth_deg * ORL_DEG_TO_RAD;
+        const double level = s->direct_normal_lx * sin(altitude);
+        const double south = s->direct_normal_lx * fmax(0, cos(altitude) * cos(azimuth));
+        const double total = (double)year.total[c], se = (double)year.se[c];
+        assert_true(fabs(total - s->global_lx) <= 4 * se + 1e-3 * s->global_lx);
+        if (s->sun_altitude_deg > 1) {
+            assert_true(fabs((double)year.direct[c] - level) <= 1e-3 * level + 1e-3);
+            assert_true(fabs((double)orl_annual_row(&year, year.direct, 1)[c] - south) <=
+                        2e-3 * s->direct_normal_lx);
+        }
+    }
+    orl_annual_done(&year);
+}
+
+/* The same bytes for any number of threads. */
+static void test_threads(void **state)
+{
+    static const uint32_t crews[] = {1, 2, 7};
+    struct orl_annual_result years[3];
+    (void)state;
+    for (int i = 0; i < 3; i++) {
+        const struct year_run run = {.scene = glass_room,
+                                     .site = izmir,
+                                     .sensors = room_sensors,
+                                     .n_sensors = ROOM_SENSORS,
+                                     .samples = 64,
+                                     .threads = crews[i]};
+        years[i] = year_run(&run);
+    }
+    const size_t bytes = years[0].n_sensors * years[0].n_columns * sizeof(float);
+    for (int i = 1; i < 3; i++) {
+        assert_int_equal(years[i].n_columns, years[0].n_columns);
+        assert_memory_equal(years[i].total, years[0].total, bytes);
+        assert_memory_equal(years[i].direct, years[0].direct, bytes);
+        assert_memory_equal(years[i].se, years[0].se, bytes);
+    }
+    for (int i = 0; i < 3; i++)
+        orl_annual_done(&years[i]);
+}
+
+/* What the year does not follow is refused, and the surface named. */
+static void test_refusals(void **state)
+{
+    static const char mirrors[] = ROOM_GREY "void mirror m 0 0 3 .9 .9 .9\n"
+                                            "m polygon first 0 0 12 0 0 0 1 0 0 1 1 0 0 1 0\n"
+                                            "m polygon second 0 0 12 0 3 0 1 3 0 1 3 1 0 3 1\n";
+    static const char crystal[] =
+        "void dielectric d 0 0 5 .9 .9 .9 1.5 0\nd sphere ball 0 0 4 0 0 3 .5\n";
+    static const struct orl_sensor sensor = {{0, 0, 1}, {0, 0, 1}};
+    struct year_run run = {.scene = mirrors, .site = izmir, .sensors = &sensor, .n_sensors = 1};
+    struct orl_error err = {0};
+    (void)state;
+    assert_int_equal(year_run_fails(&run, &err), ORL_ERR_UNSUPPORTED);
+    assert_non_null(strstr(err.message, "'second'"));
+    run.scene = crystal;
+    assert_int_equal(year_run_fails(&run, &err), ORL_ERR_UNSUPPORTED);
+    assert_non_null(strstr(err.message, "'ball'"));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_glass_room),  cmocka_unit_test(test_courtyard),
+        cmocka_unit_test(test_open_ground), cmocka_unit_test(test_threads),
+        cmocka_unit_test(test_refusals),
+    };
+    return cmocka_run_group_tests_name("annual", tests, NULL, NULL);
+}
