@@ -34,7 +34,7 @@ ALL_LDFLAGS = $(OPT_$(MODE)) $(LDFLAGS) -pthread
 EMBREE_LIB := $(if $(wildcard /usr/include/embree4/rtcore.h),-lembree4,-lembree3)
 # Debian 12's library has its version in its name, later ones have not.
 EXR_LIB := $(if $(wildcard /usr/lib/*/libOpenEXRCore.so),-lOpenEXRCore,-lOpenEXRCore-3_1)
-CORE_LIBS   := $(EMBREE_LIB) -lexpat -lpng $(EXR_LIB) -lsodium -lnettle -lm
+CORE_LIBS   := $(EMBREE_LIB) -lexpat -lpng -lz $(EXR_LIB) -lsodium -lnettle -lm
 API_LIBS    := -ljansson
 SERVER_LIBS := -lmicrohttpd -lgnutls -luv -lsqlite3 -larchive $(API_LIBS)
 CLIENT_LIBS := -lcurl $(API_LIBS)

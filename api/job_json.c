@@ -10,6 +10,7 @@
 #include "heat_map_json.h"
 #include "members.h"
 #include "plan_json.h"
+#include "sequence_json.h"
 #include "skies_json.h"
 #include "sky_json.h"
 #include "view_json.h"
@@ -191,6 +192,7 @@ static int decode_members(const json_t *doc, struct draft *draft, struct orl_err
         {.name = "priority"}, /* the daemon's: task_json.h */
         {"dark", .word = &dark, .words = on_dark},
         {"heat_map", .decode = orl_heat_map_from_json, .into = &job->heat_map},
+        {"sequence", .decode = orl_sequence_from_json, .into = &job->sequence},
         {0}};
     const int rc = orl_json_members(doc, "", members, err);
     job->dark_expected = dark == 1;

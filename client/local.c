@@ -15,6 +15,7 @@
 #include "plan_table.h"
 #include "progress.h"
 #include "result_json.h"
+#include "sequence_json.h"
 #include "skies_result_json.h"
 #include "study_json.h"
 #include "study_table.h"
@@ -210,6 +211,8 @@ int orl_local_run_skies(const struct orl_job *job, const char *folder, const cha
 
     if (rc == 0) {
         rc = orl_run_skies(job, &skies.local.env, &env, err);
+        if (rc == 0)
+            rc = orl_sequence_draw(job, output, skies.local.env.cancel, skies.results, err);
         local_stop(&skies.local, rc);
     }
     if (rc == 0 && orl_skies_result_end(skies.results, "succeeded"))

@@ -227,6 +227,31 @@ static int validate_skies(const struct orl_job *job, struct orl_error *err)
     return code;
 }
 
+/* Files of a sequence begin with "sequence.", those of a sky with its name. */
+static int validate_sequence(const struct orl_job *job, struct orl_error *err)
+{
+    if (!job->sequence.asked)
+        return 0;
+    if (job->n_skies == 0 || job->n_views == 0)
+        return orl_error_set(err, ORL_ERR_INVALID,
+                             "a sequence is of views under several \"skies\": %s",
+                             job->n_views == 0 ? "there are no views" : "there are none");
+    if (job->n_skies > ORL_LIMIT_SEQUENCE)
+        return orl_error_set(err, ORL_ERR_LIMIT, "a sequence of %zu skies; at most %u are allowed",
+                             job->n_skies, ORL_LIMIT_SEQUENCE);
+    for (size_t i = 0; i < job->n_skies; i++)
+        if (strcmp(job->skies[i].name, "sequence") == 0)
+            return orl_error_set(err, ORL_ERR_INVALID,
+                                 "no sky may be named 'sequence' beside a sequence");
+    for (size_t i = 0; i < job->n_views; i++)
+        if (job->views[i].formats && !(job->views[i].formats & ORL_PICTURE_BIT(ORL_PICTURE_HDR)))
+            return orl_error_set(err, ORL_ERR_INVALID,
+                                 "view '%s': a sequence is made of HDR pictures, which \"formats\" "
+                                 "leaves out",
+                                 job->views[i].name);
+    return 0;
+}
+
 static int validate_heat_map(const struct orl_job *job, struct orl_error *err)
 {
     static const char prefix[] = "sensors.map";
@@ -273,6 +298,8 @@ int orl_job_validate(const struct orl_job *job, struct orl_error *err)
             return code;
     }
     int code = validate_heat_map(job, err);
+    if (code == 0)
+        code = validate_sequence(job, err);
     if (code == 0)
         code = validate_goal(job, err);
     return code < 0 ? code : validate_skies(job, err);

@@ -71,6 +71,7 @@ static struct orl_job job_under(const struct passage *p, size_t index)
     job.sky = p->job.skies[index].request;
     job.skies = NULL;
     job.n_skies = 0;
+    job.sequence.asked = false;
     if (job.goal.deadline_s > 0) {
         const double now = p->env->now_s(p->env->ctx);
         const double left = fmax(job.goal.deadline_s - (now - p->started_s), 1e-3);

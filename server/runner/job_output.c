@@ -69,6 +69,16 @@ static uint64_t pixel_bytes(const struct orl_view_request *view)
     return bytes + (view->false_color.asked ? 3 * RGB : 0);
 }
 
+/* Of a sky's part in sequences: a picture, the same in the animation and, smaller, on the sheet. */
+static uint64_t sequence_bytes(const struct orl_job *job)
+{
+    enum { RGB = 3, PICTURES = 3, MARGINS = 1 << 16 };
+    uint64_t bytes = 0;
+    for (size_t i = 0; i < job->n_views; i++)
+        bytes += (uint64_t)job->views[i].width * job->views[i].height * PICTURES * RGB + MARGINS;
+    return bytes;
+}
+
 uint64_t orl_job_output_expect_sensor(const struct orl_task *task)
 {
     const size_t skies = task->of.render.n_skies;
@@ -85,6 +95,8 @@ uint64_t orl_job_output_expect(const struct orl_task *task)
     uint64_t bytes = DOCUMENT + SENSOR * (uint64_t)job->n_sensors;
     for (size_t i = 0; i < job->n_views; i++)
         bytes += pixel_bytes(&job->views[i]) * (uint64_t)job->views[i].width * job->views[i].height;
+    if (job->sequence.asked)
+        bytes += sequence_bytes(job);
     if (job->heat_map.asked)
         bytes += HEAT_MAPS + HEAT_MAP_SENSOR * (uint64_t)job->n_sensors;
     /* Of each sky as much, and of all together less than of one more. */
@@ -154,6 +166,27 @@ int orl_job_output_list_sensors(const struct orl_sensor_files *sensors, const ch
             rc = orl_job_output_list(sensors->maps[i].svg, folder, list, err);
         if (rc == 0 && sensors->maps[i].dat)
             rc = orl_job_output_list(sensors->maps[i].dat, folder, list, err);
+    }
+    return rc;
+}
+
+int orl_job_output_list_sequence(const json_t *results, const char *folder, json_t *list,
+                                 struct orl_error *err)
+{
+    static const char *const keys[] = {"sheet", "animation", "dgp_png", "dgp_svg"};
+    const json_t *strip, *frame;
+    size_t i, k;
+    int rc = 0;
+    json_array_foreach(json_object_get(results, "sequence"), i, strip)
+    {
+        json_array_foreach(json_object_get(strip, "frames"), k, frame)
+        {
+            rc = rc ? rc : orl_job_output_list(json_string_value(frame), folder, list, err);
+        }
+        for (k = 0; k < sizeof keys / sizeof *keys && rc == 0; k++) {
+            const char *name = json_string_value(json_object_get(strip, keys[k]));
+            rc = name ? orl_job_output_list(name, folder, list, err) : 0;
+        }
     }
     return rc;
 }

@@ -36,6 +36,10 @@ int orl_job_output_list_view(const struct orl_view_result *view, const char *fol
 int orl_job_output_list_sensors(const struct orl_sensor_files *sensors, const char *folder,
                                 json_t *list, struct orl_error *err);
 
+/* The same of the files of a job's sequences (sequence_json.h), if it has any. */
+int orl_job_output_list_sequence(const json_t *results, const char *folder, json_t *list,
+                                 struct orl_error *err);
+
 /* Removes whatever else is in the folder. */
 void orl_job_output_prune(const json_t *list, const char *folder);
 

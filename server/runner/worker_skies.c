@@ -5,6 +5,7 @@
 
 #include "runner/checkpoints.h"
 #include "runner/worker_run.h"
+#include "sequence_json.h"
 #include "skies_result_json.h"
 
 struct passage {
@@ -121,6 +122,10 @@ int orl_worker_render_skies(struct orl_worker *worker, const struct orl_job *job
     worker->files = json_array();
     int rc = p.results ? orl_run_skies(job, &env, &skies, err)
                        : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    if (rc == 0)
+        rc = orl_sequence_draw(job, worker->output, env.cancel, p.results, err);
+    if (rc == 0)
+        rc = orl_job_output_list_sequence(p.results, worker->output, worker->files, err);
     const bool cancelled = rc == ORL_ERR_CANCELLED && !atomic_load(&worker->stopped);
     if (rc == 0 || (cancelled && worker->skies_done > 0)) {
         const int written = orl_skies_output_write(p.results, rc == 0 ? "succeeded" : "cancelled",

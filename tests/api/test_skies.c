@@ -354,6 +354,9 @@ static void test_same_by_the_command(void **state)
     char folder[64], job[96], here[96], there[96], id[65], path[160];
     const char *const local[] = {"run", job, "-o", here, NULL};
     const char *const remote[] = {"submit", "--server", f->daemon.url, job, "--wait", NULL};
+    static const char *const files[] = {"0322-0930.v.hdr",      "sequence.v.frame-0322-0930.png",
+                                        "sequence.v.sheet.png", "sequence.v.animation.png",
+                                        "sequence.v.dgp.png",   "sequence.v.dgp.svg"};
     const char *const fetch[] = {"fetch", "--server", f->daemon.url, id, "-o", there, NULL};
     size_t size, sizes[2];
     cli_make_folder(folder);
@@ -369,7 +372,10 @@ static void test_same_by_the_command(void **state)
         folder, "job.json",
         "{\"scene\":{\"files\":[\"room.rad\"]},\"technique\":\"gather\",\"gather_samples\":"
         "64,\"photons\":{\"global\":2000,\"caustic\":0},\"sensors\":[[2,2,1,0,0,1]],"
-        "\"skies\":[" HOUR("9.5") "," HOUR("21.5") "]" VIEW("16") "}");
+        "\"skies\":[" HOUR("9.5") "," HOUR("21.5") "],\"sequence\":{},\"views\":[{\"name\":\"v\","
+                                                   "\"view\":\"-vta -vp 2 4.5 1.6 -vd 0 -1 0 -vh "
+                                                   "180 -vv 180\",\"width\":16,\"height\":16,"
+                                                   "\"metrics\":[\"dgp\"]}]}");
     cli_run(local, &result);
     if (result.exit_code != 0)
         fail_msg("%s", result.err);
@@ -379,15 +385,17 @@ static void test_same_by_the_command(void **state)
     snprintf(id, sizeof id, "%.*s", (int)strcspn(result.out, "\n"), result.out);
     cli_run(fetch, &result);
     assert_int_equal(result.exit_code, 0);
-    unsigned char *bytes[2];
-    for (int i = 0; i < 2; i++) {
-        snprintf(path, sizeof path, "%s/0322-0930.v.hdr", i ? there : here);
-        bytes[i] = scene_read_bytes(path, &sizes[i]);
+    for (size_t k = 0; k < sizeof files / sizeof *files; k++) {
+        unsigned char *bytes[2];
+        for (int i = 0; i < 2; i++) {
+            snprintf(path, sizeof path, "%s/%s", i ? there : here, files[k]);
+            bytes[i] = scene_read_bytes(path, &sizes[i]);
+        }
+        assert_int_equal(sizes[0], sizes[1]);
+        assert_memory_equal(bytes[0], bytes[1], sizes[0]);
+        free(bytes[0]);
+        free(bytes[1]);
     }
-    assert_int_equal(sizes[0], sizes[1]);
-    assert_memory_equal(bytes[0], bytes[1], sizes[0]);
-    free(bytes[0]);
-    free(bytes[1]);
     snprintf(path, sizeof path, "%s/0322-2130.json", here);
     json_t *night = json_load_file(path, 0, NULL);
     assert_true(json_is_true(json_object_get(night, "dark")));

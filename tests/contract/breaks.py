@@ -43,6 +43,8 @@ def jobs(lit, dark):
            "heat_map": {"scale": 500, "decades": 2, "divisions": 4, "palette": "eco",
                         "thresholds": [300], "length_unit": "ft"},
            "priority": 5, "dark": "expected", "effects": {name: "auto" for name in EFFECTS}}
+    yield {"scene": lit, "technique": "backward", "pixel_samples": 1, "skies": several[0],
+           "views": [VIEW], "sequence": {"frame_s": 0.5, "columns": 3, "picture_width": 64}}
     glare = {"threshold": 5, "task": {"x": 8, "y": 4, "angle_rad": 0.6}, "radius_rad": 0.2,
              "smooth": True, "peaks": True, "peak_cd_m2": 50000, "formula": "published",
              "position": "exact", "low_light_correction": True, "age_years": 60,

@@ -199,6 +199,10 @@ def skies(daemon):
         for file in job["files"]:
             daemon.ask("GET", path + "/files/" + file["name"], want=200)
     daemon.ask("POST", "/v1/jobs", sensors_of(scene, skies=[]), want=422)
+    eye = dict(VIEW, view="-vta -vp 1 1 1 -vd 0 1 0 -vh 180 -vv 180", metrics=["dgp"])
+    path = daemon.submit({"scene": scene, "technique": "backward", "pixel_samples": 2, "views": [eye],
+                          "skies": several, "sequence": {}})
+    results(daemon, path, daemon.wait(path))
 
 
 def accuracy(daemon):

@@ -188,12 +188,65 @@ static void test_results(void **state)
     json_decref(expected);
 }
 
+/* ---- Sequences of pictures --------------------------------------------------------------------
+ */
+
+static int decode_sequence(const char *more, struct orl_job *job, struct orl_error *err)
+{
+    char text[1024];
+    json_t *doc;
+    snprintf(text, sizeof text,
+             "{\"scene\":{\"files\":[\"a.rad\"]},\"views\":[{\"name\":\"v\",\"view\":\"-vtv\","
+             "\"width\":8,"
+             "\"height\":8%s}",
+             more);
+    assert_int_equal(orl_json_parse(NULL, text, strlen(text), &doc, NULL), 0);
+    int rc = orl_job_from_json(doc, ORL_JOB_LOCAL, job, NULL, err);
+    if (rc == 0 && (rc = orl_job_validate(job, err)) < 0)
+        orl_job_done(job);
+    json_decref(doc);
+    return rc;
+}
+
+#define GREY "{\"name\":\"grey\",\"cie\":{\"type\":\"overcast\",\"diffuse_horizontal_lx\":1000}}"
+
+static void test_sequence(void **state)
+{
+    static const struct {
+        const char *more;
+        int code;
+    } cases[] = {
+        {"}],\"skies\":[" GREY "],\"sequence\":{}", 0},
+        {",\"formats\":[\"hdr\",\"exr\"]}],\"skies\":[" GREY "],\"sequence\":{\"columns\":64}", 0},
+        {"}],\"sequence\":{}", ORL_ERR_INVALID},
+        {",\"formats\":[\"png\"]}],\"skies\":[" GREY "],\"sequence\":{}", ORL_ERR_INVALID},
+        {"}],\"skies\":[{\"name\":\"sequence\",\"cie\":{\"type\":\"overcast\","
+         "\"diffuse_horizontal_lx\":1000}}],\"sequence\":{}",
+         ORL_ERR_INVALID},
+        {"}],\"skies\":[" GREY "],\"sequence\":7", ORL_ERR_INVALID},
+        {"}],\"skies\":[" GREY "],\"sequence\":{\"speed\":7}", ORL_ERR_INVALID},
+        {"}],\"skies\":[" GREY "],\"sequence\":{\"frame_s\":0}", ORL_ERR_RANGE},
+        {"}],\"skies\":[" GREY "],\"sequence\":{\"columns\":65}", ORL_ERR_RANGE},
+        {"}],\"skies\":[" GREY "],\"sequence\":{\"picture_width\":15}", ORL_ERR_RANGE},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        struct orl_job job;
+        struct orl_error err = {0};
+        const int code = decode_sequence(cases[i].more, &job, &err);
+        if (code != cases[i].code)
+            fail_msg("%s: %d %s", cases[i].more, code, err.message);
+        if (code == 0)
+            orl_job_done(&job);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_list),    cmocka_unit_test(test_hours),
         cmocka_unit_test(test_steps),   cmocka_unit_test(test_mistakes),
-        cmocka_unit_test(test_results),
+        cmocka_unit_test(test_results), cmocka_unit_test(test_sequence),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

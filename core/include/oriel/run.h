@@ -23,6 +23,7 @@
 #include <oriel/health.h>
 #include <oriel/picture.h>
 #include <oriel/plan.h>
+#include <oriel/sequence.h>
 #include <oriel/shelf.h>
 #include <oriel/sky.h>
 #include <oriel/vec.h>
@@ -40,7 +41,7 @@ struct orl_view_request {
     char *file;  /* one of the scene's, with lines of such */
     char *entry; /* which of them: its number from 1, or its name; NULL: the only one */
     uint32_t width, height;
-    bool irradiance;      /* of the surfaces seen, W/m2, instead of their radiance (rpict -i) */
+    bool irradiance;     /* of the surfaces seen, W/m2, instead of their radiance (rpict -i) */
     double pixel_aspect; /* above 0: the image is made as much smaller as that takes (rpict -pa) */
     uint32_t formats;    /* of orl_picture_format, as bits; 0: ORL_PICTURES_USUAL */
     struct orl_display display;
@@ -81,6 +82,7 @@ struct orl_job {
     struct orl_sensor *sensors;
     size_t n_sensors;
     struct orl_heat_map_request heat_map; /* of the sensors */
+    struct orl_sequence_request sequence; /* of each view under the skies */
     struct orl_view_request *views;
     size_t n_views;
 };

@@ -10,39 +10,52 @@
 /* What becomes of the geometric mean of luminances, in proportion: middle gray. */
 static const double middle_gray = 0.18;
 
-static double geometric_mean(const struct orl_film *film)
+/* Adds up what the geometric mean is of. */
+static void add_logarithms(const struct orl_film *film, double *sum, double *lit)
 {
-    double sum = 0, lit = 0;
     for (size_t i = 0; i < (size_t)film->width * film->height; i++) {
         const double y = orl_luminance(film->pixels[i]);
         if (y > 0) {
-            sum += log(y);
-            lit++;
+            *sum += log(y);
+            *lit += 1;
         }
     }
-    return lit > 0 ? exp(sum / lit) : 1;
 }
 
-static int init_human(struct orl_shown *shown, const struct orl_view *view)
+static double factor_for_mean(double sum, double lit)
 {
+    return lit > 0 ? middle_gray / exp(sum / lit) : middle_gray;
+}
+
+/* What the eye takes in of the film; nothing for the other tones. */
+static int take_in(struct orl_shown *shown, const struct orl_film *film,
+                   const struct orl_view *view, const struct orl_display *how)
+{
+    *shown = (struct orl_shown){.film = film, .how = *how};
+    if (how->tone != ORL_TONE_HUMAN)
+        return 0;
     int code = orl_fovea_init(&shown->fovea, shown->film, view);
     if (code == 0 && shown->how.veil)
         code = orl_fovea_add_veil(&shown->fovea, view);
-    if (code == 0 && shown->how.acuity)
-        code = orl_blur_init(&shown->blur, shown->film, view);
-    if (code == 0)
-        orl_human_make(&shown->human, shown->film, &shown->fovea);
     return code;
 }
 
 int orl_shown_init(struct orl_shown *shown, const struct orl_film *film,
                    const struct orl_view *view, const struct orl_display *how)
 {
-    *shown = (struct orl_shown){.film = film, .how = *how};
-    if (how->tone == ORL_TONE_HUMAN)
-        return init_human(shown, view);
+    double sum = 0, lit = 0;
+    int code = take_in(shown, film, view, how);
+    if (how->tone == ORL_TONE_HUMAN) {
+        if (code == 0 && how->acuity)
+            code = orl_blur_init(&shown->blur, film, view);
+        if (code == 0)
+            orl_human_make(&shown->human, film, &shown->fovea);
+        return code;
+    }
+    if (how->tone == ORL_TONE_LINEAR)
+        add_logarithms(film, &sum, &lit);
     shown->factor = how->tone == ORL_TONE_EXPOSURE ? how->exposure / ORL_EFFICACY_LM_PER_W
-                                                   : middle_gray / geometric_mean(film);
+                                                   : factor_for_mean(sum, lit);
     return 0;
 }
 
@@ -51,6 +64,55 @@ void orl_shown_done(struct orl_shown *shown)
     orl_fovea_done(&shown->fovea);
     orl_blur_done(&shown->blur);
 }
+
+/* ---- Several in common ----------------------------------------------------------------------- */
+
+int orl_common_look(struct orl_common *common, const struct orl_film *film,
+                    const struct orl_view *view, bool again)
+{
+    struct orl_shown shown;
+    if (common->how.tone != ORL_TONE_HUMAN) {
+        if (!again && common->how.tone == ORL_TONE_LINEAR)
+            add_logarithms(film, &common->sum, &common->lit);
+        return 0;
+    }
+    const int code = take_in(&shown, film, view, &common->how);
+    if (code == 0 && again)
+        orl_human_count(&common->tally, film, &shown.fovea);
+    else if (code == 0)
+        orl_human_look(&common->tally, film, &shown.fovea);
+    orl_shown_done(&shown);
+    return code;
+}
+
+bool orl_common_range(struct orl_common *common)
+{
+    common->ranged = orl_human_find_range(&common->tally);
+    return common->ranged;
+}
+
+void orl_common_settle(struct orl_common *common)
+{
+    common->factor = common->how.tone == ORL_TONE_EXPOSURE
+                         ? common->how.exposure / ORL_EFFICACY_LM_PER_W
+                         : factor_for_mean(common->sum, common->lit);
+    common->human = (struct orl_human){.factor = common->factor};
+    if (common->ranged)
+        orl_human_settle(&common->human, &common->tally);
+}
+
+int orl_shown_init_in_common(struct orl_shown *shown, const struct orl_film *film,
+                             const struct orl_view *view, const struct orl_common *common)
+{
+    int code = take_in(shown, film, view, &common->how);
+    if (code == 0 && common->how.tone == ORL_TONE_HUMAN && common->how.acuity)
+        code = orl_blur_init(&shown->blur, film, view);
+    shown->human = common->human;
+    shown->factor = common->factor;
+    return code;
+}
+
+/* ---- Pixels ---------------------------------------------------------------------------------- */
 
 /*
  * Colours fade between the luminances where the eye's cones and where its rods see alone. Scotopic

@@ -27,6 +27,27 @@ int orl_shown_init(struct orl_shown *shown, const struct orl_film *film,
                    const struct orl_view *view, const struct orl_display *how);
 void orl_shown_done(struct orl_shown *shown);
 
+/*
+ * Of several films that are to be compared: the same luminance looks alike in all of them. Each is
+ * looked at, then, where orl_common_range says so, once more; all zero but `how` at first.
+ */
+struct orl_common {
+    struct orl_display how;
+    struct orl_human_tally tally;
+    double sum, lit; /* of logarithms, and how many */
+    bool ranged;
+    struct orl_human human;
+    double factor;
+};
+/* Returns 0 or ORL_ERR_NOMEM. */
+int orl_common_look(struct orl_common *common, const struct orl_film *film,
+                    const struct orl_view *view, bool again);
+bool orl_common_range(struct orl_common *common);
+void orl_common_settle(struct orl_common *common);
+/* In place of orl_shown_init. */
+int orl_shown_init_in_common(struct orl_shown *shown, const struct orl_film *film,
+                             const struct orl_view *view, const struct orl_common *common);
+
 /* What the display shows of a pixel: 0 to 1 a channel, linear. */
 void orl_shown_pixel(const struct orl_shown *shown, uint32_t x, uint32_t y, float ret_rgb[3]);
 

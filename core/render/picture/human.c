@@ -42,36 +42,36 @@ double orl_acuity(double luminance)
 
 /* ---- Histogram ------------------------------------------------------------------------------- */
 
-struct histogram {
-    double low, high, bins[ORL_HUMAN_BINS], total, sum; /* sum: of logarithms */
-};
-
-static void widen(double luminance, double *least, double *most)
+static void widen(struct orl_human_tally *h, double luminance)
 {
-    *least = fmin(*least, luminance);
-    *most = fmax(*most, luminance);
+    h->least = h->any ? fmin(h->least, luminance) : luminance;
+    h->most = h->any ? fmax(h->most, luminance) : luminance;
+    h->any = true;
 }
 
-/* The range; a bin below it is the first one's again, so that the darkest are not black. */
-static bool find_range(struct histogram *h, const struct orl_film *film,
-                       const struct orl_fovea *fovea)
+void orl_human_look(struct orl_human_tally *h, const struct orl_film *film,
+                    const struct orl_fovea *fovea)
 {
-    double least = INFINITY, most = 0;
     for (size_t i = 0; i < (size_t)film->width * film->height; i++)
-        widen(orl_luminance(film->pixels[i]), &least, &most);
+        widen(h, orl_luminance(film->pixels[i]));
     for (size_t i = 0; i < (size_t)fovea->width * fovea->height; i++)
-        widen(orl_luminance(fovea->pixels[i]), &least, &most);
-    most = fmin(1.01 * most, most_seen);
-    if (!(most > least_seen))
+        widen(h, orl_luminance(fovea->pixels[i]));
+}
+
+/* A bin below the range is the first one's again, so that the darkest are not black. */
+bool orl_human_find_range(struct orl_human_tally *h)
+{
+    const double most = fmin(1.01 * h->most, most_seen);
+    if (!h->any || !(most > least_seen))
         return false;
     h->high = log(most);
-    h->low = log(fmax(least, least_seen));
-    if (least > least_seen)
+    h->low = log(fmax(h->least, least_seen));
+    if (h->least > least_seen)
         h->low = h->high - (h->high - h->low) * ORL_HUMAN_BINS / (ORL_HUMAN_BINS - 1);
     return h->high > h->low;
 }
 
-static void count(struct histogram *h, double luminance, double weight)
+static void count(struct orl_human_tally *h, double luminance, double weight)
 {
     const double b = luminance > least_seen ? log(luminance) : -INFINITY;
     if (!(b > h->low && b < h->high))
@@ -82,7 +82,8 @@ static void count(struct histogram *h, double luminance, double weight)
     h->sum += weight * b;
 }
 
-static void fill(struct histogram *h, const struct orl_film *film, const struct orl_fovea *fovea)
+void orl_human_count(struct orl_human_tally *h, const struct orl_film *film,
+                     const struct orl_fovea *fovea)
 {
     const size_t samples = (size_t)fovea->width * fovea->height;
     const size_t pixels = (size_t)film->width * film->height;
@@ -91,8 +92,6 @@ static void fill(struct histogram *h, const struct orl_film *film, const struct 
     const double weight = (double)samples / (double)pixels;
     for (size_t i = 0; i < pixels; i++)
         count(h, orl_luminance(film->pixels[i]), weight);
-    h->bins[1] *= 0.5;
-    h->bins[0] += h->bins[1];
 }
 
 /* ---- The curve ------------------------------------------------------------------------------- */
@@ -128,7 +127,7 @@ static double display_of(const struct orl_human *human, double b)
 
 /* No bin may hold more than what the eye would tell apart in it (equation 7 of the paper). False:
  * next to nothing is left, for the scene asks for less than the display has. */
-static bool trim(struct orl_human *human, const struct histogram *h)
+static bool trim(struct orl_human *human, const struct orl_human_tally *h)
 {
     double bins[ORL_HUMAN_BINS], cut = INFINITY, total = h->total;
     const double step = (h->high - h->low) / ORL_HUMAN_BINS, range = log(display_range);
@@ -153,25 +152,33 @@ static bool trim(struct orl_human *human, const struct histogram *h)
 }
 
 /* In proportion, such that middling luminances are seen as well as they would be in place. */
-static double proportion(const struct histogram *h)
+static double proportion(const struct orl_human_tally *h)
 {
     const double middle = display_most / sqrt(display_range);
     const double average = h->total > 0 ? exp(h->sum / h->total) : middle;
     return orl_least_difference(middle) / orl_least_difference(average) / display_most;
 }
 
+void orl_human_settle(struct orl_human *human, struct orl_human_tally *h)
+{
+    h->bins[1] *= 0.5;
+    h->bins[0] += h->bins[1];
+    human->low = h->low;
+    human->high = h->high;
+    const bool fits = h->high - h->low <= log(display_range);
+    human->factor = fits || !trim(human, h) ? proportion(h) : 0;
+}
+
 void orl_human_make(struct orl_human *human, const struct orl_film *film,
                     const struct orl_fovea *fovea)
 {
-    struct histogram h = {.low = 0};
+    struct orl_human_tally tally = {.any = false};
     *human = (struct orl_human){.factor = 1 / display_most};
-    if (!find_range(&h, film, fovea))
+    orl_human_look(&tally, film, fovea);
+    if (!orl_human_find_range(&tally))
         return;
-    fill(&h, film, fovea);
-    human->low = h.low;
-    human->high = h.high;
-    const bool fits = h.high - h.low <= log(display_range);
-    human->factor = fits || !trim(human, &h) ? proportion(&h) : 0;
+    orl_human_count(&tally, film, fovea);
+    orl_human_settle(human, &tally);
 }
 
 double orl_human_show(const struct orl_human *human, double luminance)

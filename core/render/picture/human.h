@@ -12,6 +12,8 @@
 #ifndef ORL_RENDER_PICTURE_HUMAN_H
 #define ORL_RENDER_PICTURE_HUMAN_H
 
+#include <stdbool.h>
+
 #include "render/picture/fovea.h"
 
 enum { ORL_HUMAN_BINS = 100 };
@@ -24,6 +26,24 @@ struct orl_human {
 
 void orl_human_make(struct orl_human *human, const struct orl_film *film,
                     const struct orl_fovea *fovea);
+
+/*
+ * The same of several pictures that are to be compared, so that a luminance looks alike in all of
+ * them: their histograms as one. Every picture is looked at twice, for the range and for what is in
+ * it. All zero at first.
+ */
+struct orl_human_tally {
+    double least, most; /* luminances, once one was looked at */
+    bool any;
+    double low, high, bins[ORL_HUMAN_BINS], total, sum; /* sum: of logarithms */
+};
+void orl_human_look(struct orl_human_tally *tally, const struct orl_film *film,
+                    const struct orl_fovea *fovea);
+void orl_human_count(struct orl_human_tally *tally, const struct orl_film *film,
+                     const struct orl_fovea *fovea);
+/* Between the two. False: there is nothing to count. */
+bool orl_human_find_range(struct orl_human_tally *tally);
+void orl_human_settle(struct orl_human *human, struct orl_human_tally *tally);
 
 /* What the display shows of a luminance, cd/m2: 0 is its black, 1 its white; in proportion it may
  * be more. */

@@ -1,0 +1,195 @@
+#include "render/film/apng.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+#include <zlib.h>
+
+#include "base/file.h"
+
+enum { CHUNK = 1 << 16, CHANNELS = 3, PAETH = 4, THOUSANDTHS = 1000 };
+
+struct orl_apng {
+    struct orl_out_file file;
+    uint32_t width, height, frames, added;
+    uint32_t number;    /* of the next fcTL or fdAT */
+    uint16_t delay;     /* thousandths of a second */
+    unsigned char *row; /* a filtered one, its filter in front; owned */
+    unsigned char *out; /* a chunk's data, with room for its number in front; owned */
+};
+
+/* ---- Chunks ---------------------------------------------------------------------------------- */
+
+static void put_32(unsigned char *at, uint32_t value)
+{
+    for (int i = 0; i < 4; i++)
+        at[i] = (unsigned char)(value >> (24 - 8 * i));
+}
+
+static void put_16(unsigned char *at, uint16_t value)
+{
+    at[0] = (unsigned char)(value >> 8);
+    at[1] = (unsigned char)value;
+}
+
+static void write_chunk(struct orl_apng *apng, const char *type, const unsigned char *data,
+                        size_t size)
+{
+    unsigned char head[8], tail[4];
+    uLong sum = crc32(0, (const Bytef *)type, 4);
+    if (size > 0)
+        sum = crc32(sum, data, (uInt)size);
+    put_32(head, (uint32_t)size);
+    memcpy(head + 4, type, 4);
+    put_32(tail, (uint32_t)sum);
+    fwrite(head, 1, sizeof head, apng->file.stream);
+    fwrite(data, 1, size, apng->file.stream);
+    fwrite(tail, 1, sizeof tail, apng->file.stream);
+}
+
+static void write_start(struct orl_apng *apng)
+{
+    static const unsigned char signature[8] = {137, 'P', 'N', 'G', '\r', '\n', 26, '\n'};
+    enum { BITS = 8, TRUE_COLOUR = 2 };
+    unsigned char header[13] = {0}, frames[8] = {0}, perceptual[1] = {0};
+    put_32(header, apng->width);
+    put_32(header + 4, apng->height);
+    header[8] = BITS;
+    header[9] = TRUE_COLOUR;
+    put_32(frames, apng->frames); /* then how often: 0, for ever */
+    fwrite(signature, 1, sizeof signature, apng->file.stream);
+    write_chunk(apng, "IHDR", header, sizeof header);
+    write_chunk(apng, "sRGB", perceptual, sizeof perceptual);
+    write_chunk(apng, "acTL", frames, sizeof frames);
+}
+
+/* The whole picture, put in the place of what was there. */
+static void write_control(struct orl_apng *apng)
+{
+    unsigned char control[26] = {0};
+    put_32(control, apng->number++);
+    put_32(control + 4, apng->width);
+    put_32(control + 8, apng->height);
+    put_16(control + 20, apng->delay);
+    put_16(control + 22, THOUSANDTHS);
+    write_chunk(apng, "fcTL", control, sizeof control);
+}
+
+/* ---- Pixels ---------------------------------------------------------------------------------- */
+
+static unsigned char predict(int left, int above, int corner)
+{
+    const int p = left + above - corner;
+    const int a = abs(p - left), b = abs(p - above), c = abs(p - corner);
+    return (unsigned char)(a <= b && a <= c ? left : b <= c ? above : corner);
+}
+
+/* above: the row before, NULL in the first. */
+static void filter(unsigned char *out, const unsigned char *row, const unsigned char *above,
+                   size_t size)
+{
+    out[0] = PAETH;
+    for (size_t i = 0; i < size; i++) {
+        const int left = i < CHANNELS ? 0 : row[i - CHANNELS], up = above ? above[i] : 0;
+        const int corner = i < CHANNELS || !above ? 0 : above[i - CHANNELS];
+        out[1 + i] = (unsigned char)(row[i] - predict(left, up, corner));
+    }
+}
+
+/* What the coder has, as a chunk. */
+static void flush_chunk(struct orl_apng *apng, z_stream *coder)
+{
+    enum { NUMBER = 4 };
+    const size_t size = CHUNK - coder->avail_out;
+    if (size > 0 && apng->added == 0) {
+        write_chunk(apng, "IDAT", apng->out + NUMBER, size);
+    } else if (size > 0) {
+        put_32(apng->out, apng->number++);
+        write_chunk(apng, "fdAT", apng->out, size + NUMBER);
+    }
+    coder->next_out = apng->out + NUMBER;
+    coder->avail_out = CHUNK;
+}
+
+static int code_rows(struct orl_apng *apng, z_stream *coder, const unsigned char *rgb)
+{
+    const size_t size = (size_t)CHANNELS * apng->width;
+    int state = Z_OK;
+    for (uint32_t y = 0; y < apng->height; y++) {
+        const unsigned char *row = rgb + size * y;
+        const bool last = y + 1 == apng->height;
+        filter(apng->row, row, y > 0 ? row - size : NULL, size);
+        coder->next_in = apng->row;
+        coder->avail_in = (uInt)(size + 1);
+        while (state == Z_OK && (coder->avail_in > 0 || last)) {
+            state = deflate(coder, last ? Z_FINISH : Z_NO_FLUSH);
+            if (coder->avail_out == 0 || state == Z_STREAM_END)
+                flush_chunk(apng, coder);
+        }
+    }
+    return state == Z_STREAM_END ? 0 : ORL_ERR_INTERNAL;
+}
+
+int orl_apng_add(struct orl_apng *apng, const unsigned char *rgb, struct orl_error *err)
+{
+    enum { WINDOW = 15, MEMORY = 8 };
+    z_stream coder = {.next_out = apng->out + 4, .avail_out = CHUNK};
+    if (apng->added == apng->frames)
+        return orl_error_set(err, ORL_ERR_INTERNAL, "an animation has more frames than it said");
+    if (deflateInit2(&coder, Z_DEFAULT_COMPRESSION, Z_DEFLATED, WINDOW, MEMORY, Z_RLE) != Z_OK)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory writing an animation");
+    write_control(apng);
+    const int code = code_rows(apng, &coder, rgb);
+    deflateEnd(&coder);
+    apng->added++;
+    return code < 0 ? orl_error_set(err, code, "zlib failed writing an animation") : 0;
+}
+
+/* ---- The file -------------------------------------------------------------------------------- */
+
+static void free_all(struct orl_apng *apng)
+{
+    free(apng->row);
+    free(apng->out);
+    free(apng);
+}
+
+int orl_apng_open(const char *path, uint32_t width, uint32_t height, uint32_t frames,
+                  double frame_s, struct orl_apng **ret_apng, struct orl_error *err)
+{
+    const double delay = fmin(fmax(frame_s * THOUSANDTHS, 1), UINT16_MAX);
+    struct orl_apng *apng = calloc(1, sizeof *apng);
+    if (!apng)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory writing an animation");
+    *apng = (struct orl_apng){
+        .width = width, .height = height, .frames = frames, .delay = (uint16_t)lrint(delay)};
+    apng->row = malloc((size_t)CHANNELS * width + 1);
+    apng->out = malloc(CHUNK + 4);
+    int code = apng->row && apng->out
+                   ? 0
+                   : orl_error_set(err, ORL_ERR_NOMEM, "out of memory writing an animation");
+    if (code == 0)
+        code = orl_out_open(&apng->file, path, err);
+    if (code < 0) {
+        free_all(apng);
+        return code;
+    }
+    write_start(apng);
+    *ret_apng = apng;
+    return 0;
+}
+
+int orl_apng_close(struct orl_apng *apng, int code, struct orl_error *err)
+{
+    if (!apng)
+        return code;
+    if (code == 0 && apng->added < apng->frames)
+        code = orl_error_set(err, ORL_ERR_INTERNAL, "an animation lacks %u of its %u frames",
+                             apng->frames - apng->added, apng->frames);
+    if (code == 0)
+        write_chunk(apng, "IEND", apng->out, 0);
+    code = orl_out_close(&apng->file, code, err);
+    free_all(apng);
+    return code;
+}

@@ -1,0 +1,160 @@
+#include <oriel/sequence.h>
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "render/film/apng.h"
+#include "render/film/png.h"
+#include "render/film/read_hdr.h"
+#include "render/picture/display.h"
+#include "render/sequence/sheet.h"
+
+static const double usual_frame_s = 0.5;
+
+/* What is done with every picture in turn. */
+struct passage {
+    const struct orl_sequence *sequence;
+    uint32_t width, height; /* of the first */
+    struct orl_common common;
+    struct orl_contact_sheet sheet;
+    struct orl_apng *animation;
+    struct orl_raster frame; /* a picture with its strip; owned */
+};
+
+typedef int picture_step(struct passage *p, size_t index, const struct orl_hdr_picture *picture,
+                         struct orl_error *err);
+
+static int check_size(struct passage *p, const struct orl_hdr_picture *picture, const char *name,
+                      struct orl_error *err)
+{
+    if (p->width == 0) {
+        p->width = picture->film.width;
+        p->height = picture->film.height;
+    }
+    if (picture->film.width == p->width && picture->film.height == p->height)
+        return 0;
+    return orl_error_set(err, ORL_ERR_RANGE, "'%s' has %u x %u pixels, the first picture %u x %u",
+                         name, picture->film.width, picture->film.height, p->width, p->height);
+}
+
+static int with_picture(struct passage *p, size_t index, picture_step *step, struct orl_error *err)
+{
+    const struct orl_files *files = p->sequence->files;
+    const char *name = p->sequence->frames[index].picture;
+    struct orl_hdr_picture picture = {.has_view = false};
+    struct orl_file file;
+    int code = files->open(files->ctx, name, &file, err);
+    if (code < 0)
+        return code;
+    code = orl_hdr_read(name, file.data, file.size, &picture, err);
+    files->close(files->ctx, &file);
+    if (code == 0 && !picture.has_view)
+        code = orl_view_parse("", &picture.view, err);
+    if (code == 0)
+        code = check_size(p, &picture, name, err);
+    if (code == 0)
+        code = step(p, index, &picture, err);
+    orl_hdr_done(&picture);
+    return code;
+}
+
+static int for_all(struct passage *p, picture_step *step, struct orl_error *err)
+{
+    int code = 0;
+    for (size_t i = 0; i < p->sequence->n_frames && code == 0; i++) {
+        const atomic_bool *cancel = p->sequence->cancel;
+        code = cancel && atomic_load(cancel)
+                   ? orl_error_set(err, ORL_ERR_CANCELLED, "cancelled while drawing a sequence")
+                   : with_picture(p, i, step, err);
+    }
+    return code;
+}
+
+/* ---- The common exposure --------------------------------------------------------------------- */
+
+static int no_room(int code, struct orl_error *err)
+{
+    return code < 0 ? orl_error_set(err, code, "out of memory drawing a sequence") : 0;
+}
+
+static int look(struct passage *p, size_t index, const struct orl_hdr_picture *picture,
+                struct orl_error *err)
+{
+    (void)index;
+    return no_room(orl_common_look(&p->common, &picture->film, &picture->view, false), err);
+}
+
+static int look_again(struct passage *p, size_t index, const struct orl_hdr_picture *picture,
+                      struct orl_error *err)
+{
+    (void)index;
+    return no_room(orl_common_look(&p->common, &picture->film, &picture->view, true), err);
+}
+
+static int find_exposure(struct passage *p, struct orl_error *err)
+{
+    int code = for_all(p, look, err);
+    if (code == 0 && orl_common_range(&p->common))
+        code = for_all(p, look_again, err);
+    orl_common_settle(&p->common);
+    return code;
+}
+
+/* ---- What is shown --------------------------------------------------------------------------- */
+
+static int show(struct passage *p, size_t index, const struct orl_hdr_picture *picture,
+                struct orl_error *err)
+{
+    const struct orl_sequence_frame *frame = &p->sequence->frames[index];
+    const size_t bytes = 3 * (size_t)p->width * p->height;
+    const size_t strip = 3 * (size_t)p->width * (p->frame.height - p->height);
+    struct orl_shown shown;
+    int code =
+        no_room(orl_shown_init_in_common(&shown, &picture->film, &picture->view, &p->common), err);
+    if (code == 0) {
+        orl_shown_bytes(&shown, p->frame.rgb);
+        code = orl_png_write(frame->shown, p->width, p->height, p->frame.rgb, err);
+    }
+    orl_shown_done(&shown);
+    if (code == 0)
+        code = no_room(
+            orl_contact_sheet_put(&p->sheet, index, p->frame.rgb, p->width, p->height, frame), err);
+    if (code == 0) {
+        memset(p->frame.rgb + bytes, 0xff, strip);
+        orl_strip_draw(&p->frame, p->height, frame);
+        code = orl_apng_add(p->animation, p->frame.rgb, err);
+    }
+    return code;
+}
+
+static int open_all(struct passage *p, struct orl_error *err)
+{
+    const struct orl_sequence *s = p->sequence;
+    const double frame_s = s->how->frame_s > 0 ? s->how->frame_s : usual_frame_s;
+    int code = no_room(orl_contact_sheet_init(&p->sheet, s, p->width, p->height), err);
+    p->frame.width = p->width;
+    p->frame.height = p->height + orl_strip_height(p->width);
+    p->frame.rgb = malloc(3 * (size_t)p->frame.width * p->frame.height);
+    if (code == 0 && !p->frame.rgb)
+        code = no_room(ORL_ERR_NOMEM, err);
+    return code < 0 ? code
+                    : orl_apng_open(s->animation, p->frame.width, p->frame.height,
+                                    (uint32_t)s->n_frames, frame_s, &p->animation, err);
+}
+
+int orl_sequence_write(const struct orl_sequence *sequence, struct orl_error *err)
+{
+    struct passage p = {.sequence = sequence, .common = {.how = *sequence->display}};
+    int code = find_exposure(&p, err);
+    if (code == 0)
+        code = open_all(&p, err);
+    if (code == 0)
+        code = for_all(&p, show, err);
+    code = orl_apng_close(p.animation, code, err);
+    if (code == 0)
+        code = orl_png_write(sequence->sheet, p.sheet.raster.width, p.sheet.raster.height,
+                             p.sheet.raster.rgb, err);
+    orl_contact_sheet_done(&p.sheet);
+    free(p.frame.rgb);
+    return code;
+}
