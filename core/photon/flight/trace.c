@@ -1,51 +1,9 @@
 #include "photon/flight/trace.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 #include "light/path.h"
 #include "photon/flight/found.h"
-#include "photon/map/facing.h"
-
-/* Room for more photons. */
-static bool make_room(struct orl_deposits *deposits, size_t more)
-{
-    if (more <= deposits->capacity - deposits->count)
-        return true;
-    size_t capacity = deposits->capacity ? 2 * deposits->capacity : 4096;
-    while (capacity - deposits->count < more)
-        capacity *= 2;
-    struct orl_photon *grown = realloc(deposits->photons, capacity * sizeof *deposits->photons);
-    if (!grown) {
-        deposits->out_of_memory = true;
-        return false;
-    }
-    deposits->photons = grown;
-    deposits->capacity = capacity;
-    return true;
-}
-
-/* Leaves a photon; one that is no finite number, also as floats, is dropped and counted. */
-static void deposit(struct orl_deposits *deposits, const struct orl_hit *hit, struct orl_rgb flux,
-                    uint8_t batch, enum orl_photon_class class)
-{
-    const struct orl_vec3 p = hit->point;
-    const float sum = (float)flux.r + (float)flux.g + (float)flux.b + (float)(p.x + p.y + p.z);
-    if (!isfinite(sum)) {
-        deposits->health.non_finite++;
-        return;
-    }
-    if (!make_room(deposits, 1))
-        return;
-    const struct orl_vec3 lit = orl_hit_facing(hit);
-    deposits->photons[deposits->count++] =
-        (struct orl_photon){.position = {(float)p.x, (float)p.y, (float)p.z},
-                            .flux = {(float)flux.r, (float)flux.g, (float)flux.b},
-                            .normal = orl_normal_encode(lit),
-                            .batch = batch,
-                            .tag = (uint8_t) class,
-                            .facet = hit->facet};
-}
 
 /* What photons fly through, and which of them are wanted. */
 struct tracing {
@@ -125,12 +83,6 @@ static enum orl_photon_class class_after(enum orl_photon_class class, enum orl_e
     if (event == ORL_EVENT_STRAIGHT || class == ORL_PHOTON_REST)
         return class;
     return event == ORL_EVENT_DIFFUSE ? ORL_PHOTON_REST : ORL_PHOTON_CAUSTIC;
-}
-
-static void give_up(struct orl_deposits *deposits, struct orl_rgb flux)
-{
-    deposits->health.photons_capped++;
-    orl_sum_add(&deposits->flux_capped, orl_luma(flux));
 }
 
 /* Caustic photons by way of what the plan leaves out. */
@@ -223,7 +175,7 @@ static bool land(const struct tracing *t, struct course *c, const struct orl_hit
         (t->caustic ? (way.mirror || way.lobe) && (!t->by_chance || is_sought(t, c))
                     : c->reflections < t->most_reflections)) {
         if (t->caustic || !world->omit.counted_light || c->class == ORL_PHOTON_REST)
-            deposit(deposits, hit, c->path.weight, c->batch, c->class);
+            orl_deposit(deposits, hit, c->path.weight, c->batch, c->class);
         c->unseen = 0;
     }
     return !ends_here(c, m, albedo, c->class == ORL_PHOTON_REST ? 1 : c->reflected, t->caustic);
@@ -258,7 +210,7 @@ static bool goes_on(const struct tracing *t, struct course *c, const struct orl_
     orl_path_leave(&c->path, t->world, hit, s);
     if (++c->bounces < ORL_TRACE_MOST_BOUNCES && c->unseen < ORL_TRACE_MOST_UNSEEN)
         return true;
-    give_up(deposits, c->path.weight);
+    orl_deposits_give_up(deposits, c->path.weight);
     return false;
 }
 
@@ -356,7 +308,7 @@ static void put_in_order(struct orl_deposits *deposits, size_t first)
 {
     const size_t n = deposits->count - first;
     size_t next[AT_ONCE + 1] = {0};
-    if (n == 0 || !make_room(deposits, n))
+    if (n == 0 || !orl_deposits_reserve(deposits, n))
         return;
     struct orl_photon *left = deposits->photons + first, *sorted = left + n;
     for (size_t i = 0; i < n; i++)
@@ -398,12 +350,4 @@ void orl_trace_many(const struct orl_world *world, const struct orl_flight *flig
     while (w.n > 0)
         take_step(&w);
     put_in_order(deposits, first);
-}
-
-struct orl_health orl_deposits_health(const struct orl_deposits *deposits)
-{
-    struct orl_health health = deposits->health;
-    health.flux_w = orl_sum_value(&deposits->flux);
-    health.flux_capped_w = orl_sum_value(&deposits->flux_capped);
-    return health;
 }

@@ -1,6 +1,6 @@
 /*
  * One photon's life: from its flight out of a port or an emitter, surface by surface, until it is
- * absorbed, leaves, or reaches the bounce limit. Deposits go into the caller's buffer.
+ * absorbed, leaves, or reaches the bounce limit. What is left goes to the caller (deposits.h).
  *
  * Global photons are left at every diffuse surface. Caustic photons are left at the first diffuse
  * surface, and only when they come from a directly sampled light (sun, lamp) and were deflected on
@@ -19,33 +19,10 @@
 #ifndef ORL_PHOTON_FLIGHT_TRACE_H
 #define ORL_PHOTON_FLIGHT_TRACE_H
 
-#include <oriel/health.h>
-
-#include "base/sum.h"
-#include "photon/flight/discs.h"
+#include "photon/flight/deposits.h"
 #include "photon/flight/emit.h"
-#include "photon/map/map.h"
 
 enum { ORL_TRACE_MOST_BOUNCES = 100000, ORL_TRACE_MOST_UNSEEN = 1000 };
-
-struct orl_deposits {
-    struct orl_photon *photons;
-    size_t count, capacity;
-    bool out_of_memory;
-    struct orl_health health;         /* but for the fluxes: */
-    struct orl_sum flux, flux_capped; /* luma, of photons traced and given up */
-    /* Of caustic flights in many: discs that they are counted through, instead of being left at
-     * surfaces; NULL: none. Passes of light that is found otherwise are not noted: of suns by
-     * images in flat mirrors or by the lobes of one pane. */
-    const struct orl_discs *discs;
-    struct orl_passes passes;
-    /* Of caustic flights: what paths against the light find on purpose (render/backward/backward.h)
-     * is neither noted nor left, only what they would have to happen on. */
-    bool by_chance;
-};
-
-/* The counts, fluxes included. */
-struct orl_health orl_deposits_health(const struct orl_deposits *deposits);
 
 void orl_trace_photon(const struct orl_world *world, const struct orl_flight *flight, bool caustic,
                       uint8_t batch, struct orl_random *random, struct orl_deposits *deposits);
