@@ -223,8 +223,9 @@ static int prepare(struct year *y, struct orl_error *err)
     if (place_nodes(y) < 0)
         return out_of_memory(err);
     if (orl_annual_scene_init(&y->scene, y->world, &y->bins, orl_turn_by(y->request->north_deg),
-                              y->node_frames, y->nodes.count, y->env->run->crew) < 0)
-        return out_of_memory(err);
+                              y->node_frames, y->nodes.count, y->request->seed,
+                              y->env->run->crew) < 0)
+        return orl_crew_cancelled(y->env->run->crew) ? cancelled(err) : out_of_memory(err);
     y->result->n_columns = y->hours.n_columns;
     y->result->n_steps = y->hours.n_steps;
     y->result->steps = y->hours.steps;

@@ -1,8 +1,11 @@
 #include "annual/scene.h"
 
+enum { PHOTONS_A_NODE = 2048 };
+
 int orl_annual_scene_init(struct orl_annual_scene *scene, const struct orl_world *world,
                           const struct orl_bins *bins, struct orl_turn north,
-                          const struct orl_frame *nodes, size_t n_nodes, struct orl_crew *crew)
+                          const struct orl_frame *nodes, size_t n_nodes, uint64_t seed,
+                          struct orl_crew *crew)
 {
     *scene = (struct orl_annual_scene){
         .world = world, .bins = bins, .north = north, .nodes = nodes, .n_nodes = n_nodes};
@@ -12,7 +15,13 @@ int orl_annual_scene_init(struct orl_annual_scene *scene, const struct orl_world
         code = orl_windows_of_ports(&scene->ports, world);
     if (code == 0)
         code = orl_windows_of_mirrors(&scene->mirrors, world);
-    return code;
+    const struct orl_sun_map_request request = {.world = world,
+                                                .sobol = &scene->sobol,
+                                                .nodes = nodes,
+                                                .n_nodes = n_nodes,
+                                                .seed = seed,
+                                                .photons = PHOTONS_A_NODE};
+    return code == 0 ? orl_sun_map_new(&request, crew, &scene->map) : code;
 }
 
 void orl_annual_scene_done(struct orl_annual_scene *scene)
@@ -20,4 +29,5 @@ void orl_annual_scene_done(struct orl_annual_scene *scene)
     orl_aim_done(&scene->aim);
     orl_windows_done(&scene->ports);
     orl_windows_done(&scene->mirrors);
+    orl_sun_map_free(scene->map);
 }

@@ -8,6 +8,7 @@
 
 #include "annual/bins.h"
 #include "annual/hours.h"
+#include "annual/sun_map.h"
 #include "annual/windows.h"
 #include "base/sobol.h"
 #include "render/gather/aim.h"
@@ -22,12 +23,14 @@ struct orl_annual_scene {
     struct orl_aim aim;
     struct orl_sobol sobol;
     struct orl_windows ports, mirrors;
+    struct orl_sun_map *map; /* owned; NULL: sunlight is looked for by shadow rays alone */
 };
 
-/* Returns 0 or ORL_ERR_NOMEM; orl_annual_scene_done in either case. */
+/* Returns 0, ORL_ERR_NOMEM or _CANCELLED; orl_annual_scene_done in either case. */
 int orl_annual_scene_init(struct orl_annual_scene *scene, const struct orl_world *world,
                           const struct orl_bins *bins, struct orl_turn north,
-                          const struct orl_frame *nodes, size_t n_nodes, struct orl_crew *crew);
+                          const struct orl_frame *nodes, size_t n_nodes, uint64_t seed,
+                          struct orl_crew *crew);
 void orl_annual_scene_done(struct orl_annual_scene *scene);
 
 #endif

@@ -16,6 +16,7 @@ struct tracer {
     struct orl_random random;
     struct orl_health *health;
     uint32_t sequence, index; /* of the sample's even numbers */
+    uint32_t lot;             /* of the map of the sun */
     double unit;              /* the sample's share in the mean */
 };
 
@@ -25,6 +26,7 @@ struct stop {
     struct orl_rgb weight;
     uint32_t depth;       /* 0: the sensor */
     const double *evenly; /* three numbers for its first ray, or NULL */
+    bool mapped;          /* the sun has been seen to */
 };
 
 struct walk {
@@ -55,10 +57,16 @@ static void add_diffuse(struct walk *w, struct orl_rgb albedo)
 {
     struct orl_eye_path *p = &w->eye;
     const struct orl_vec3 lit = orl_hit_facing(&p->hit);
+    const struct orl_rgb weight = orl_rgb_scale(orl_rgb_mul(p->path.weight, albedo), 1 / ORL_PI);
+    const bool mapped = w->tracer->scene->map && !p->outside;
+    if (mapped)
+        orl_sun_map_add(w->tracer->scene->map, &p->hit, w->tracer->lot, weight,
+                        w->tracer->sums->nodes);
     struct stop stop = {.place = {.point = orl_hit_leave(p->world->geometry, &p->hit, lit),
                                   .normal = lit,
                                   .outside = p->outside},
-                        .weight = orl_rgb_scale(orl_rgb_mul(p->path.weight, albedo), 1 / ORL_PI),
+                        .weight = weight,
+                        .mapped = mapped,
                         .depth = w->depth + 1,
                         .evenly = p->bounce == 0 ? w->evenly : NULL};
     const double chance = fmin(orl_rgb_max(stop.weight) / (w->tracer->unit * dimmest_place), 1);
@@ -105,7 +113,8 @@ static enum orl_lobes meet(struct orl_eye_path *p, const struct orl_material *m)
         add_diffuse(w, albedo);
     if (orl_material_is_matt(m))
         return ORL_LOBE_NONE;
-    if (orl_material_has_lobes(m))
+    /* What lobes inside throw on surfaces is in the map; not what they send to the sensor. */
+    if (orl_material_has_lobes(m) && (w->depth == 0 || p->outside || !w->tracer->scene->map))
         add_lobes(w, m);
     return survives(w) ? (enum orl_lobes)(ORL_LOBE_REFLECTED | ORL_LOBE_TRANSMITTED)
                        : ORL_LOBE_NONE;
@@ -165,7 +174,7 @@ static void light_at(struct tracer *t, const struct stop *stop)
     const struct orl_effort effort = orl_aim_effort(&t->scene->aim, stop->place.outside ? outside
                                                                     : stop->depth == 0  ? at_sensors
                                                                                         : deeper);
-    if (stop->depth > 0) {
+    if (stop->depth > 0 && !stop->mapped) {
         const struct orl_sunlit_query query = {.place = stop->place, .weight = stop->weight};
         orl_sunlit_add(t->scene, &query, &t->random, t->sums->nodes);
     }
@@ -187,6 +196,7 @@ void orl_annual_trace(const struct orl_annual_scene *scene, const struct orl_pla
             .health = health,
             .sequence = (uint32_t)orl_mix64(batch->seed ^ orl_mix64(name + 1)),
             .index = i,
+            .lot = batch->batch,
             .unit = 1.0 / batch->samples};
         light_at(&tracer, &stop);
     }

@@ -1,0 +1,50 @@
+/*
+ * Sunlight on surfaces inside a sealed building, of every node of the sun: how much of it comes
+ * through the ports and, by mirrors and lobes but no diffuse surface, to each square of a surface.
+ * Photons bring it there: straight through clear panes, deflected or scattered by BSDFs, thrown on
+ * by whatever is not diffuse. All sensors share it, and paths that come to a surface look up what
+ * all nodes give it, without a shadow ray.
+ *
+ * Squares are of a side of a facet, a small share of a window wide, and hold flux over the area of
+ * surface in them: none is lost at edges. What a square says is its mean: seen from elsewhere that
+ * is as good, and a sensor's own direct light is not taken from here.
+ *
+ * Photons are in as many groups as there are lots, independent of each other, for standard errors.
+ * Depends on seed and scene alone; immutable once made.
+ */
+#ifndef ORL_ANNUAL_SUN_MAP_H
+#define ORL_ANNUAL_SUN_MAP_H
+
+#include <oriel/crew.h>
+
+#include "base/random.h"
+#include "base/sobol.h"
+#include "light/world.h"
+
+enum { ORL_SUN_MAP_LOTS = 8 };
+
+struct orl_sun_map;
+
+struct orl_sun_map_request {
+    const struct orl_world *world; /* borrowed, also by the map */
+    const struct orl_sobol *sobol;
+    const struct orl_frame *nodes; /* towards them, as the scene has it; for the call */
+    size_t n_nodes;
+    uint64_t seed;
+    uint32_t photons; /* of a node, all lots together */
+};
+
+/* *ret_map is NULL where there is nothing to map: an open scene, or no ports. Returns 0,
+ * ORL_ERR_NOMEM or ORL_ERR_CANCELLED. */
+int orl_sun_map_new(const struct orl_sun_map_request *request, struct orl_crew *crew,
+                    struct orl_sun_map **ret_map);
+void orl_sun_map_free(struct orl_sun_map *map); /* NULL is allowed */
+
+/*
+ * Adds to the nodes what a surface at that hit, on the side that was met, has of them by that lot,
+ * times the weight: luma, for a sun that gives 1 to what faces it.
+ */
+void orl_sun_map_add(const struct orl_sun_map *map, const struct orl_hit *hit, uint32_t lot,
+                     struct orl_rgb weight, double *nodes);
+
+#endif
