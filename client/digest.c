@@ -6,19 +6,21 @@
 
 #include <sodium.h>
 
+#include <oriel/sha256.h>
+
 #include "files.h"
 
-static void finish(crypto_hash_sha256_state *hash, char ret_digest[ORL_DIGEST_TEXT])
+static void finish(struct orl_sha256 *hash, char ret_digest[ORL_DIGEST_TEXT])
 {
-    unsigned char digest[crypto_hash_sha256_BYTES];
+    unsigned char digest[ORL_SHA256_BYTES];
 
-    crypto_hash_sha256_final(hash, digest);
+    orl_sha256_finish(hash, digest);
     sodium_bin2hex(ret_digest, ORL_DIGEST_TEXT, digest, sizeof digest);
 }
 
 int orl_digest_file(const char *path, char ret_digest[ORL_DIGEST_TEXT], struct orl_error *err)
 {
-    crypto_hash_sha256_state hash;
+    struct orl_sha256 hash;
     unsigned char buffer[1 << 16];
     long long size = 0;
     FILE *file = NULL;
@@ -27,9 +29,9 @@ int orl_digest_file(const char *path, char ret_digest[ORL_DIGEST_TEXT], struct o
 
     if (rc)
         return rc;
-    crypto_hash_sha256_init(&hash);
+    orl_sha256_init(&hash);
     while ((n = fread(buffer, 1, sizeof buffer, file)) > 0)
-        crypto_hash_sha256_update(&hash, buffer, n);
+        orl_sha256_add(&hash, buffer, n);
     if (ferror(file)) {
         rc = orl_error_set(err, ORL_ERR_IO, "cannot be read");
         orl_error_at(err, path, 0, NULL);
@@ -48,7 +50,7 @@ static int by_name(const void *a, const void *b)
 }
 
 /* "main <digest> <name>\n" */
-static int add_line(crypto_hash_sha256_state *hash, const struct orl_upload_part *part,
+static int add_line(struct orl_sha256 *hash, const struct orl_upload_part *part,
                     struct orl_error *err)
 {
     const char *role = part->resource ? "resource " : "main ";
@@ -57,11 +59,11 @@ static int add_line(crypto_hash_sha256_state *hash, const struct orl_upload_part
 
     if (rc)
         return rc;
-    crypto_hash_sha256_update(hash, (const unsigned char *)role, strlen(role));
-    crypto_hash_sha256_update(hash, (const unsigned char *)digest, strlen(digest));
-    crypto_hash_sha256_update(hash, (const unsigned char *)" ", 1);
-    crypto_hash_sha256_update(hash, (const unsigned char *)part->name, strlen(part->name));
-    crypto_hash_sha256_update(hash, (const unsigned char *)"\n", 1);
+    orl_sha256_add(hash, role, strlen(role));
+    orl_sha256_add(hash, digest, strlen(digest));
+    orl_sha256_add(hash, " ", 1);
+    orl_sha256_add(hash, part->name, strlen(part->name));
+    orl_sha256_add(hash, "\n", 1);
     return 0;
 }
 
@@ -70,14 +72,14 @@ int orl_digest_scene(const struct orl_upload_part *parts, size_t n_parts,
 {
     static const char first[] = "oriel-scene 1\n";
     struct orl_upload_part *resources = calloc(n_parts + 1, sizeof *resources); /* borrow strings */
-    crypto_hash_sha256_state hash;
+    struct orl_sha256 hash;
     size_t n_resources = 0;
     int rc = 0;
 
     if (!resources)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-    crypto_hash_sha256_init(&hash);
-    crypto_hash_sha256_update(&hash, (const unsigned char *)first, strlen(first));
+    orl_sha256_init(&hash);
+    orl_sha256_add(&hash, first, strlen(first));
     for (size_t i = 0; i < n_parts && rc == 0; i++) {
         if (parts[i].resource)
             resources[n_resources++] = parts[i];

@@ -2,8 +2,9 @@
 
 #include <stdlib.h>
 
+#include <oriel/sha256.h>
+
 #include "base/circle.h"
-#include "base/sha256.h"
 #include "light/sky.h"
 #include "scene/material/bounds.h"
 

@@ -4,7 +4,8 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "base/sha256.h"
+#include <oriel/sha256.h>
+
 #include "bsdf/compiled.h"
 
 enum { LEAST_BYTES = 1 << 20 };

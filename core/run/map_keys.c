@@ -1,7 +1,8 @@
 /* What a map is called: a digest of the digests of all that it depends on. */
 #include <sodium.h>
 
-#include "base/sha256.h"
+#include <oriel/sha256.h>
+
 #include "run/map_keys.h"
 
 /* What a map's photons depend on beyond the scene: raised when their making changes. */

@@ -4,7 +4,8 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "base/sha256.h"
+#include <oriel/sha256.h>
+
 #include "base/shelf.h"
 #include "run/bsdfs.h"
 #include "scene/parse/parse.h"

@@ -10,6 +10,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <oriel/sha256.h>
 #include <oriel/version.h>
 
 #include "encode.h"
@@ -26,22 +27,22 @@ static void path_below(const char *folder, const char *before, const char *name,
 
 /* ---- The folder ------------------------------------------------------------------------------ */
 
-static void add_text(crypto_hash_sha256_state *hash, const char *text)
+static void add_text(struct orl_sha256 *hash, const char *text)
 {
-    crypto_hash_sha256_update(hash, (const unsigned char *)text, strlen(text) + 1);
+    orl_sha256_add(hash, text, strlen(text) + 1);
 }
 
-static void end_digest(crypto_hash_sha256_state *hash, char ret_hex[ORL_SHA_HEX])
+static void end_digest(struct orl_sha256 *hash, char ret_hex[ORL_SHA_HEX])
 {
-    unsigned char digest[crypto_hash_sha256_BYTES];
-    crypto_hash_sha256_final(hash, digest);
+    unsigned char digest[ORL_SHA256_BYTES];
+    orl_sha256_finish(hash, digest);
     sodium_bin2hex(ret_hex, ORL_SHA_HEX, digest, sizeof digest);
 }
 
 /* By name, place and time of change, which cost nothing to ask. */
 static int add_object(struct dl_phdr_info *info, size_t size, void *ctx)
 {
-    crypto_hash_sha256_state *hash = ctx;
+    struct orl_sha256 *hash = ctx;
     const char *path = info->dlpi_name && *info->dlpi_name ? info->dlpi_name : "/proc/self/exe";
     char line[160] = "";
     struct stat st;
@@ -57,8 +58,8 @@ static int add_object(struct dl_phdr_info *info, size_t size, void *ctx)
 
 void orl_checkpoint_program(char ret_program[ORL_SHA_HEX])
 {
-    crypto_hash_sha256_state hash;
-    crypto_hash_sha256_init(&hash);
+    struct orl_sha256 hash;
+    orl_sha256_init(&hash);
     add_text(&hash, ORL_VERSION);
     dl_iterate_phdr(add_object, &hash);
     end_digest(&hash, ret_program);
@@ -67,8 +68,8 @@ void orl_checkpoint_program(char ret_program[ORL_SHA_HEX])
 void orl_checkpoint_key(const char *program, const char *document, const char *scene,
                         char ret_key[ORL_SHA_HEX])
 {
-    crypto_hash_sha256_state hash;
-    crypto_hash_sha256_init(&hash);
+    struct orl_sha256 hash;
+    orl_sha256_init(&hash);
     add_text(&hash, "oriel parts 1");
     add_text(&hash, program);
     add_text(&hash, document);

@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <oriel/limits.h>
+#include <oriel/sha256.h>
 
 #include "store/mapped_file.h"
 
@@ -159,20 +160,20 @@ void orl_bundle_sort(struct orl_bundle *bundle)
 
 int orl_bundle_id(const struct orl_bundle *bundle, char ret_id[ORL_SHA_HEX], struct orl_error *err)
 {
-    crypto_hash_sha256_state hash;
-    unsigned char digest[crypto_hash_sha256_BYTES];
+    struct orl_sha256 hash;
+    unsigned char digest[ORL_SHA256_BYTES];
     char line[NAME_MAX_BYTES + ORL_SHA_HEX + 16];
-    crypto_hash_sha256_init(&hash);
-    crypto_hash_sha256_update(&hash, (const unsigned char *)"oriel-scene 1\n", 14);
+    orl_sha256_init(&hash);
+    orl_sha256_add(&hash, "oriel-scene 1\n", 14);
     for (size_t i = 0; i < bundle->count; i++) {
         const struct orl_bundle_file *file = &bundle->files[i];
         if (!orl_is_sha256(file->sha))
             return orl_error_set(err, ORL_ERR_INTERNAL, "file '%s' has no digest", file->name);
         const int n = snprintf(line, sizeof line, "%s %s %s\n",
                                file->resource ? "resource" : "main", file->sha, file->name);
-        crypto_hash_sha256_update(&hash, (const unsigned char *)line, (unsigned long long)n);
+        orl_sha256_add(&hash, line, (size_t)n);
     }
-    crypto_hash_sha256_final(&hash, digest);
+    orl_sha256_finish(&hash, digest);
     sodium_bin2hex(ret_id, ORL_SHA_HEX, digest, sizeof digest);
     return 0;
 }

@@ -12,6 +12,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <oriel/sha256.h>
+
 #include "store/bundle.h"
 #include "store/mapped_file.h"
 
@@ -204,8 +206,8 @@ int orl_blob_keep(const struct orl_folders *folders, const char *temporary, cons
 
 void orl_sha256_hex(const void *data, size_t size, char ret_hex[ORL_SHA_HEX])
 {
-    unsigned char digest[crypto_hash_sha256_BYTES];
-    crypto_hash_sha256(digest, data, size);
+    unsigned char digest[ORL_SHA256_BYTES];
+    orl_sha256(data, size, digest);
     sodium_bin2hex(ret_hex, ORL_SHA_HEX, digest, sizeof digest);
 }
 

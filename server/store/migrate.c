@@ -6,6 +6,8 @@
 #include <string.h>
 #include <unistd.h>
 
+#include <oriel/sha256.h>
+
 #include "process/carried.h"
 #include "process/times.h"
 
@@ -13,8 +15,8 @@ enum { DIGEST_HEX = 65 };
 
 static void digest_of(const char *text, char ret_hex[DIGEST_HEX])
 {
-    unsigned char digest[crypto_hash_sha256_BYTES];
-    crypto_hash_sha256(digest, (const unsigned char *)text, strlen(text));
+    unsigned char digest[ORL_SHA256_BYTES];
+    orl_sha256(text, strlen(text), digest);
     sodium_bin2hex(ret_hex, DIGEST_HEX, digest, sizeof digest);
 }
 

@@ -6,6 +6,8 @@
 #include <string.h>
 #include <unistd.h>
 
+#include <oriel/sha256.h>
+
 static size_t place_of(const struct stat *st)
 {
     return (size_t)(((uint64_t)st->st_ino * 0x9E3779B97F4A7C15U) >> 32) % ORL_VERIFIED_FILES;
@@ -29,24 +31,24 @@ void orl_verified_add(struct orl_verified *verified, const struct stat *st)
 static int digest_of(int fd, char ret_sha[ORL_SHA_HEX], struct orl_error *err)
 {
     enum { CHUNK = 1 << 18 };
-    unsigned char digest[crypto_hash_sha256_BYTES];
-    crypto_hash_sha256_state hash;
+    unsigned char digest[ORL_SHA256_BYTES];
+    struct orl_sha256 hash;
     unsigned char *chunk = malloc(CHUNK);
     off_t at = 0;
     ssize_t n = 0;
     if (!chunk)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-    crypto_hash_sha256_init(&hash);
+    orl_sha256_init(&hash);
     while ((n = pread(fd, chunk, CHUNK, at)) > 0 || (n < 0 && errno == EINTR)) {
         if (n < 0)
             continue;
-        crypto_hash_sha256_update(&hash, chunk, (size_t)n);
+        orl_sha256_add(&hash, chunk, (size_t)n);
         at += n;
     }
     free(chunk);
     if (n < 0)
         return orl_error_set(err, ORL_ERR_IO, "a result file cannot be read: %s", strerror(errno));
-    crypto_hash_sha256_final(&hash, digest);
+    orl_sha256_finish(&hash, digest);
     sodium_bin2hex(ret_sha, ORL_SHA_HEX, digest, sizeof digest);
     return 0;
 }

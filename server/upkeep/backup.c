@@ -10,6 +10,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <oriel/sha256.h>
+
 #include "process/times.h"
 
 struct copy {
@@ -47,16 +49,16 @@ static int copy_bytes(int from, int to, char ret_sha[ORL_SHA_HEX], uint64_t *ret
 {
     enum { CHUNK = 1 << 17 };
     static unsigned char chunk[CHUNK]; /* of a command with one thread */
-    unsigned char digest[crypto_hash_sha256_BYTES];
-    crypto_hash_sha256_state hash;
+    unsigned char digest[ORL_SHA256_BYTES];
+    struct orl_sha256 hash;
     ssize_t n;
-    crypto_hash_sha256_init(&hash);
+    orl_sha256_init(&hash);
     while ((n = read(from, chunk, sizeof chunk)) != 0) {
         if (n < 0 && errno == EINTR)
             continue;
         if (n < 0)
             return orl_error_set(err, ORL_ERR_IO, "cannot be read: %s", strerror(errno));
-        crypto_hash_sha256_update(&hash, chunk, (size_t)n);
+        orl_sha256_add(&hash, chunk, (size_t)n);
         for (ssize_t done = 0; done < n;) {
             const ssize_t m = write(to, chunk + done, (size_t)(n - done));
             if (m < 0 && errno != EINTR)
@@ -66,7 +68,7 @@ static int copy_bytes(int from, int to, char ret_sha[ORL_SHA_HEX], uint64_t *ret
         }
         *ret_bytes += (uint64_t)n;
     }
-    crypto_hash_sha256_final(&hash, digest);
+    orl_sha256_finish(&hash, digest);
     sodium_bin2hex(ret_sha, ORL_SHA_HEX, digest, sizeof digest);
     return 0;
 }

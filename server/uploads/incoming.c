@@ -2,8 +2,11 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <sodium.h>
 #include <string.h>
 #include <unistd.h>
+
+#include <oriel/sha256.h>
 
 #include "process/limits.h"
 
@@ -34,7 +37,7 @@ int orl_incoming_begin(struct orl_incoming *incoming, const struct orl_folders *
         return orl_error_set(err, orl_err_of_errno(errno), "cannot store a file of the upload: %s",
                              strerror(errno));
     incoming->hold = folders->hold;
-    crypto_hash_sha256_init(&incoming->hash);
+    orl_sha256_init(&incoming->hash);
     return 0;
 }
 
@@ -54,7 +57,7 @@ int orl_incoming_append(struct orl_incoming *incoming, const char *data, size_t 
     const int rc = orl_hold_take(incoming->hold, size, err);
     if (rc)
         return rc;
-    crypto_hash_sha256_update(&incoming->hash, (const unsigned char *)data, size);
+    orl_sha256_add(&incoming->hash, data, size);
     while (size > 0) {
         const ssize_t n = write(incoming->fd, data, size);
         if (n < 0 && errno != EINTR)
@@ -70,12 +73,12 @@ int orl_incoming_append(struct orl_incoming *incoming, const char *data, size_t 
 
 void orl_incoming_end(struct orl_incoming *incoming)
 {
-    unsigned char digest[crypto_hash_sha256_BYTES];
+    unsigned char digest[ORL_SHA256_BYTES];
     if (incoming->fd < 0)
         return;
     close(incoming->fd);
     incoming->fd = -1;
     struct orl_bundle_file *file = under_way(incoming);
-    crypto_hash_sha256_final(&incoming->hash, digest);
+    orl_sha256_finish(&incoming->hash, digest);
     sodium_bin2hex(file->sha, sizeof file->sha, digest, sizeof digest);
 }

@@ -6,7 +6,7 @@
 #ifndef ORL_SERVER_UPLOADS_INCOMING_H
 #define ORL_SERVER_UPLOADS_INCOMING_H
 
-#include <sodium.h>
+#include <oriel/sha256.h>
 
 #include "http/hold.h"
 #include "store/bundle.h"
@@ -23,7 +23,7 @@ struct orl_incoming {
     const struct orl_incoming_sink *sink; /* borrowed; NULL: tmp/ */
     struct orl_hold *hold;                /* borrowed: of what is written; NULL: no bound */
     int fd;                               /* -1: none is */
-    crypto_hash_sha256_state hash;
+    struct orl_sha256 hash;
 };
 
 void orl_incoming_init(struct orl_incoming *incoming, struct orl_bundle *bundle);

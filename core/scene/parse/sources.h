@@ -14,9 +14,9 @@
 
 #include <oriel/bsdf.h>
 #include <oriel/files.h>
+#include <oriel/sha256.h>
 
 #include "base/arena.h"
-#include "base/sha256.h"
 
 struct orl_source {
     char *name;   /* resolved: how the provider found it */

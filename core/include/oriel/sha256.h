@@ -1,9 +1,9 @@
 /*
  * SHA-256 (FIPS 180-4) by Nettle, which uses the processor's instructions for it where there are
- * any: six times as quick as libsodium's on large files. Any thread; nothing is allocated.
+ * any: five times as quick as libsodium's on large files. Any thread; nothing is allocated.
  */
-#ifndef ORL_BASE_SHA256_H
-#define ORL_BASE_SHA256_H
+#ifndef ORIEL_SHA256_H
+#define ORIEL_SHA256_H
 
 #include <stddef.h>
 
