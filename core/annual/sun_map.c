@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "annual/squares.h"
+#include "annual/sun_squares.h"
 #include "light/direct.h"
 #include "light/path.h"
 
@@ -13,7 +13,7 @@ static const double dimmest = 0.05;       /* of a photon's first flux: dimmer on
 
 struct orl_sun_map {
     const struct orl_world *world;
-    struct orl_squares squares;
+    struct orl_sun_squares squares;
     size_t n_nodes;
     uint32_t channels; /* 1 where nothing on the way colours light */
     /* Names of squares, by open addressing: where they stand in the rows, plus one. */
@@ -76,7 +76,7 @@ static int add_square(struct orl_sun_map *map, size_t slot, uint64_t name,
         map->rows_room = room;
     }
     memset(map->rows + map->count * row_floats(map), 0, row_floats(map) * sizeof *map->rows);
-    map->areas[map->count] = orl_square_area(&map->squares, hit);
+    map->areas[map->count] = orl_sun_square_area(&map->squares, hit);
     map->names[slot] = name;
     map->places[slot] = (uint32_t)map->count++;
     return 2 * map->count > map->room ? rehash(map, 2 * map->room) : 0;
@@ -243,7 +243,7 @@ static int take(struct orl_sun_map *map, const struct shooter *s)
         const struct deposit *d = &s->deposits[i];
         const struct orl_hit hit = {
             .facet = d->facet, .front = d->front, .point = d->point, .normal = d->normal};
-        const uint64_t name = orl_square_of(&map->squares, &hit);
+        const uint64_t name = orl_sun_square_of(&map->squares, &hit);
         size_t slot = slot_of(map, name);
         if (map->names[slot] == 0) {
             const int code = add_square(map, slot, name, &hit);
@@ -341,7 +341,7 @@ void orl_sun_map_free(struct orl_sun_map *map)
 void orl_sun_map_add(const struct orl_sun_map *map, const struct orl_hit *hit, uint32_t lot,
                      struct orl_rgb weight, double *nodes)
 {
-    const size_t slot = slot_of(map, orl_square_of(&map->squares, hit));
+    const size_t slot = slot_of(map, orl_sun_square_of(&map->squares, hit));
     if (map->names[slot] == 0)
         return;
     const size_t n = map->n_nodes;

@@ -2,20 +2,20 @@
  * Squares of surfaces, by name: which one a hit falls into, and how much surface there is in it.
  * Polygons are laid out in their plane; other surfaces by turn and height (orl_hit_uv).
  */
-#ifndef ORL_ANNUAL_SQUARES_H
-#define ORL_ANNUAL_SQUARES_H
+#ifndef ORL_ANNUAL_SUN_SQUARES_H
+#define ORL_ANNUAL_SUN_SQUARES_H
 
 #include "scene/geometry/geometry.h"
 
-struct orl_squares {
+struct orl_sun_squares {
     const struct orl_geometry *geometry; /* borrowed */
     double width;
 };
 
 /* The name of the square, of the side that was met; never 0. */
-uint64_t orl_square_of(const struct orl_squares *squares, const struct orl_hit *hit);
+uint64_t orl_sun_square_of(const struct orl_sun_squares *squares, const struct orl_hit *hit);
 
 /* The area of surface in the square that a hit falls into. */
-double orl_square_area(const struct orl_squares *squares, const struct orl_hit *hit);
+double orl_sun_square_area(const struct orl_sun_squares *squares, const struct orl_hit *hit);
 
 #endif

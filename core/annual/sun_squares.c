@@ -1,4 +1,4 @@
-#include "annual/squares.h"
+#include "annual/sun_squares.h"
 
 enum { MOST_CORNERS = 8, ROUND_COLUMNS = 64, ROUND_ROWS = 32, COLUMN_BITS = 14 };
 
@@ -22,7 +22,7 @@ static void place_on(const struct layout *layout, struct orl_vec3 point, double 
 }
 
 /* Which square of its facet, by column and row. */
-static void cell_of(const struct orl_squares *s, const struct orl_hit *hit, int64_t ret_cell[2])
+static void cell_of(const struct orl_sun_squares *s, const struct orl_hit *hit, int64_t ret_cell[2])
 {
     const struct orl_facet *f = &s->geometry->facets[hit->facet];
     double at[2];
@@ -38,7 +38,7 @@ static void cell_of(const struct orl_squares *s, const struct orl_hit *hit, int6
     ret_cell[1] = (int64_t)fmin(floor(at[1] * ROUND_ROWS), ROUND_ROWS - 1);
 }
 
-uint64_t orl_square_of(const struct orl_squares *s, const struct orl_hit *hit)
+uint64_t orl_sun_square_of(const struct orl_sun_squares *s, const struct orl_hit *hit)
 {
     const uint64_t mask = (1U << COLUMN_BITS) - 1;
     int64_t cell[2];
@@ -99,7 +99,7 @@ static double round_area(const struct orl_facet *f, const int64_t cell[2])
     return mean > 0 ? whole * here / mean : whole;
 }
 
-double orl_square_area(const struct orl_squares *s, const struct orl_hit *hit)
+double orl_sun_square_area(const struct orl_sun_squares *s, const struct orl_hit *hit)
 {
     const struct orl_geometry *g = s->geometry;
     const struct orl_facet *f = &g->facets[hit->facet];
