@@ -86,6 +86,43 @@ double bench_reference_noise(const struct bench_reference *reference, double dar
     return n > 0 ? sqrt(squares / n) : 0;
 }
 
+/* The mean of the pixels about one. */
+static double local_mean(const struct bench_reference *r, int width, int x, int y)
+{
+    enum { ABOUT = 2 };
+    const int height = (int)(r->n / (size_t)width);
+    double sum = 0;
+    int n = 0;
+    for (int v = y - ABOUT; v <= y + ABOUT; v++) {
+        for (int u = x - ABOUT; u <= x + ABOUT; u++) {
+            if (u < 0 || v < 0 || u >= width || v >= height)
+                continue;
+            sum += at(r, (size_t)v * (size_t)width + (size_t)u);
+            n++;
+        }
+    }
+    return sum / n;
+}
+
+double bench_worst_pixels(const struct bench_reference *reference, const double *values, int width,
+                          double percentile)
+{
+    double *off = malloc(reference->n * sizeof *off);
+    if (!off)
+        bench_fail("out of memory", NULL);
+    for (size_t i = 0; i < reference->n; i++) {
+        const double local =
+            local_mean(reference, width, (int)(i % (size_t)width), (int)(i / (size_t)width));
+        const double by =
+            values ? values[i] - at(reference, i) : (reference->a[i] - reference->b[i]) / 2;
+        off[i] = local > 0 ? fabs(by) / local : 0;
+    }
+    qsort(off, reference->n, sizeof *off, falling);
+    const double worst = off[(size_t)((1 - percentile / 100) * (double)reference->n)];
+    free(off);
+    return worst;
+}
+
 double bench_bias_of_mean(const struct bench_reference *reference, const double *values)
 {
     double sum = 0;

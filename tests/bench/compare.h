@@ -35,6 +35,14 @@ struct bench_deviation bench_compare(const struct bench_reference *reference, co
 /* `own` above. */
 double bench_reference_noise(const struct bench_reference *reference, double darkest);
 
+/*
+ * Of an image: stitches and specks are few pixels that are far off what is about them. Every
+ * pixel's |X - R| over the mean of R in the 5 x 5 pixels about it (fewer at the border), and of
+ * these the percentile. R's own noise is in it; with values NULL it is that alone: |A - B| / 2.
+ */
+double bench_worst_pixels(const struct bench_reference *reference, const double *values, int width,
+                          double percentile);
+
 /* The bias of an image: of its mean. */
 double bench_bias_of_mean(const struct bench_reference *reference, const double *values);
 

@@ -13,9 +13,16 @@ static size_t pixels(const struct office_reference *reference)
     return (size_t)reference->width * reference->height;
 }
 
-static void render_half(const struct office *office, const struct office_reference *reference,
-                        uint64_t seed, double *lx, double *luminances)
+/* What a half is made of; its values: sensors, and then pixels. */
+struct halves {
+    const struct office *office;
+    const struct office_reference *reference;
+};
+
+static void render_half(const void *ctx, uint64_t seed, double *ret_values)
 {
+    const struct office *office = ((const struct halves *)ctx)->office;
+    const struct office_reference *reference = ((const struct halves *)ctx)->reference;
     struct orl_view_request view = {.name = view_name,
                                     .view = view_text,
                                     .width = reference->width,
@@ -43,10 +50,10 @@ static void render_half(const struct office *office, const struct office_referen
     job.views = &view;
     job.n_views = pixels(reference) > 0;
     bench_run(&env, &job, &r);
-    memcpy(lx, r.illuminance_lx, OFFICE_SENSORS * sizeof *lx);
+    memcpy(ret_values, r.illuminance_lx, OFFICE_SENSORS * sizeof *ret_values);
     if (job.n_views > 0) {
         double *read = bench_read_luminances(image, (int)view.width, (int)view.height);
-        memcpy(luminances, read, pixels(reference) * sizeof *luminances);
+        memcpy(ret_values + OFFICE_SENSORS, read, pixels(reference) * sizeof *read);
         free(read);
     }
     orl_result_done(&r);
@@ -56,18 +63,17 @@ static void render_half(const struct office *office, const struct office_referen
 
 /* The digest of the scene tells the panel too. */
 static void name_file(const struct office *office, const struct office_reference *reference,
-                      char ret_path[BENCH_PATH])
+                      char ret_name[BENCH_PATH])
 {
     struct orl_scene_summary summary = {0};
     struct orl_error err = {0};
-    char name[128];
     if (orl_scene_check((const char *const *)(uintptr_t)office_names, OFFICE_FILES, &office->files,
                         NULL, &summary, &err) < 0)
         bench_fail("the office", &err);
-    snprintf(name, sizeof name, "reference-%.16s-%ux%u-%u-%u.bin", summary.digest, reference->width,
-             reference->height, reference->pixel_samples, reference->sensor_samples);
+    snprintf(ret_name, BENCH_PATH, "reference-%.16s-%ux%u-%u-%u.bin", summary.digest,
+             reference->width, reference->height, reference->pixel_samples,
+             reference->sensor_samples);
     orl_scene_summary_done(&summary);
-    bench_kept(name, ret_path);
 }
 
 static bool read_file(const char *path, double *values, size_t n)
@@ -98,23 +104,31 @@ static double *copy(const double *values, size_t n)
     return copied;
 }
 
-/* A file holds half A, sensors and then pixels, and half B. */
+void bench_reference_find(const char *name, size_t n, bench_reference_half *make, const void *ctx,
+                          double *ret_values)
+{
+    const double started = bench_wall_s(NULL);
+    char path[BENCH_PATH];
+    bench_kept(name, path);
+    if (read_file(path, ret_values, 2 * n))
+        return;
+    for (uint64_t half = 0; half < 2; half++)
+        make(ctx, 1000001 + half, ret_values + half * n);
+    write_file(path, ret_values, 2 * n);
+    fprintf(stderr, "  reference %s made in %.0f s, and kept\n", name,
+            bench_wall_s(NULL) - started);
+}
+
 void office_reference_make(const struct office *office, struct office_reference *reference)
 {
     const size_t n_pixels = pixels(reference), n = OFFICE_SENSORS + n_pixels;
     double *values = malloc(2 * n * sizeof *values);
-    const double started = bench_wall_s(NULL);
-    char path[BENCH_PATH];
+    const struct halves halves = {office, reference};
+    char name[BENCH_PATH];
     if (!values)
         bench_fail("out of memory", NULL);
-    name_file(office, reference, path);
-    if (!read_file(path, values, 2 * n)) {
-        for (uint64_t half = 0; half < 2; half++)
-            render_half(office, reference, 1000001 + half, values + half * n,
-                        values + half * n + OFFICE_SENSORS);
-        write_file(path, values, 2 * n);
-        fprintf(stderr, "  reference made in %.0f s, and kept\n", bench_wall_s(NULL) - started);
-    }
+    name_file(office, reference, name);
+    bench_reference_find(name, n, render_half, &halves, values);
     reference->sensors = (struct bench_reference){copy(values, OFFICE_SENSORS),
                                                   copy(values + n, OFFICE_SENSORS), OFFICE_SENSORS};
     reference->image =

@@ -13,12 +13,21 @@ struct office_reference {
     /* Given: */
     uint32_t width, height;                 /* of the image; 0: none */
     uint32_t sensor_samples, pixel_samples; /* of each half */
+    uint32_t edge_samples;                  /* a pixel of each half where edges are looked at */
     /* Made: */
     struct bench_reference sensors, image;
 };
 
 /* Pixels darker than that share of the mean do not count: rgbe holds them, but nobody sees them. */
 #define OFFICE_DARKEST 0.01
+
+/*
+ * Values in two halves of n each: read from the file of that name among what is kept, or made, half
+ * by half with a seed of its own, and kept.
+ */
+typedef void bench_reference_half(const void *ctx, uint64_t seed, double *ret_values);
+void bench_reference_find(const char *name, size_t n, bench_reference_half *make, const void *ctx,
+                          double *ret_values);
 
 void office_reference_make(const struct office *office, struct office_reference *reference);
 void office_reference_done(struct office_reference *reference);

@@ -1,9 +1,9 @@
 /*
  * `make bench`: the table of speed.h, and the same as JSON. By environment, each after ORIEL_BENCH:
- * _ROWS ("global caustic precomputed image_precomputed image_gather sensors_5 sensors_1 maps bsdf",
- * all by default), _RUNS (5, the table is of medians), _THREADS ("1 2", the first is what targets
- * are about), _PHOTONS (2000000), _RADIANCE=0 to leave its works out, _REFERENCE and
- * _REFERENCE_SENSORS (samples a pixel and a sensor of each half).
+ * _ROWS ("global caustic precomputed image_precomputed image_gather sensors_5 sensors_1 maps bsdf
+ * edges", all by default), _RUNS (5, the table is of medians), _THREADS ("1 2", the first is what
+ * targets are about), _PHOTONS (2000000), _RADIANCE=0 to leave its works out, _REFERENCE,
+ * _REFERENCE_EDGES and _REFERENCE_SENSORS (samples a pixel, twice, and a sensor of each half).
  */
 #include "bench/speed.h"
 
@@ -144,6 +144,8 @@ static void measure_all(struct speed *speed)
         speed_measure_maps(speed);
     if (speed_wants("bsdf"))
         speed_measure_bsdf(speed);
+    if (speed_wants("edges"))
+        speed_measure_edges(speed);
     for (int at = 0; at < speed->threads.n; at++)
         orl_crew_stop(speed->crews[at]);
     speed->crew = NULL;
@@ -159,6 +161,7 @@ static void read_knobs(struct speed *speed)
     speed->reference.width = 400;
     speed->reference.height = 300;
     speed->reference.pixel_samples = (uint32_t)bench_number("ORIEL_BENCH_REFERENCE", 64);
+    speed->reference.edge_samples = (uint32_t)bench_number("ORIEL_BENCH_REFERENCE_EDGES", 128);
     speed->reference.sensor_samples =
         (uint32_t)bench_number("ORIEL_BENCH_REFERENCE_SENSORS", 1 << 17);
     if (speed->runs < 1 || speed->runs > BENCH_MOST_RUNS)
