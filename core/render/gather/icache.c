@@ -1,17 +1,7 @@
-#include "render/gather/icache.h"
+#include "render/gather/icache_visit.h"
 
-#include <limits.h>
 #include <stdlib.h>
 #include <string.h>
-
-/* Half a cache line: most visits end here, without a look at the record. */
-struct orl_icache_entry {
-    uint64_t key;
-    float at[3], reach2; /* the record's place, and how far it is read at most: a little more */
-    uint32_t record;
-};
-
-static const uint32_t nothing = UINT32_MAX;
 
 void orl_icache_init(struct orl_icache *cache, uint32_t channels)
 {
@@ -67,14 +57,6 @@ static int level_of(const struct orl_record *record)
     return exponent;
 }
 
-static uint64_t cell_key(int level, int64_t x, int64_t y, int64_t z)
-{
-    uint64_t key = orl_mix64((uint64_t)level + 0x51ed270b);
-    key = orl_mix64(key ^ (uint64_t)x);
-    key = orl_mix64(key ^ (uint64_t)y);
-    return orl_mix64(key ^ (uint64_t)z);
-}
-
 /* The cells that a record's reach touches (at most eight), of its level. */
 struct cells {
     int level;
@@ -111,7 +93,7 @@ static void insert(struct orl_icache *cache, uint32_t index, bool count)
     for (int64_t z = cells.low[2]; z <= cells.high[2]; z++)
         for (int64_t y = cells.low[1]; y <= cells.high[1]; y++)
             for (int64_t x = cells.low[0]; x <= cells.high[0]; x++) {
-                entry.key = cell_key(cells.level, x, y, z);
+                entry.key = orl_icache_cell_key(cells.level, x, y, z);
                 uint32_t *head = &cache->heads[entry.key & (cache->n_heads - 1)];
                 if (count)
                     ++*head;
@@ -205,53 +187,6 @@ static double weight_of(const struct orl_record *record, const struct orl_place 
     return fmax(0, 1 - error / ORL_ICACHE_ACCURACY);
 }
 
-/* Visits the records whose cells hold a point: those that may serve it, and some that do not. */
-struct visit {
-    const struct orl_icache *cache;
-    const struct orl_place *place;
-    float at[3];
-    int level;
-    uint64_t key;
-    uint32_t entry, end; /* of the bucket, what is left */
-};
-
-static struct visit visit_begin(const struct orl_icache *cache, const struct orl_place *place)
-{
-    return (struct visit){
-        .cache = cache,
-        .place = place,
-        .at = {(float)place->point.x, (float)place->point.y, (float)place->point.z},
-        .level = cache->count > 0 ? cache->lowest_level - 1 : INT_MAX - 1};
-}
-
-static bool is_near(const struct orl_icache_entry *entry, const float at[3])
-{
-    const float x = entry->at[0] - at[0], y = entry->at[1] - at[1], z = entry->at[2] - at[2];
-    return x * x + y * y + z * z <= entry->reach2;
-}
-
-/* The next one's index, or `nothing`. */
-static uint32_t visit_next(struct visit *v)
-{
-    const struct orl_icache *cache = v->cache;
-    for (;;) {
-        while (v->entry < v->end) {
-            const struct orl_icache_entry *e = &cache->entries[v->entry++];
-            if (e->key == v->key && is_near(e, v->at))
-                return e->record;
-        }
-        if (++v->level > cache->highest_level)
-            return nothing;
-        const double cell = ldexp(1, v->level);
-        const struct orl_vec3 p = v->place->point;
-        v->key = cell_key(v->level, (int64_t)floor(p.x / cell), (int64_t)floor(p.y / cell),
-                          (int64_t)floor(p.z / cell));
-        const uint32_t *head = &cache->heads[v->key & (cache->n_heads - 1)];
-        v->entry = head[0];
-        v->end = head[1];
-    }
-}
-
 int orl_icache_hold_back(struct orl_icache *cache)
 {
     double *radii = calloc(cache->count + 1, sizeof *radii);
@@ -262,8 +197,9 @@ int orl_icache_hold_back(struct orl_icache *cache)
     /* All at once, from the radii as they were: no order matters. */
     for (size_t i = 0; i < cache->count; i++) {
         const struct orl_record *near = &cache->records[i];
-        struct visit v = visit_begin(cache, &near->place);
-        for (uint32_t k = visit_next(&v); k != nothing; k = visit_next(&v)) {
+        struct orl_icache_visit v = orl_icache_visit_begin(cache, &near->place);
+        for (uint32_t k = orl_icache_visit_next(&v); k != ORL_ICACHE_NOTHING;
+             k = orl_icache_visit_next(&v)) {
             const struct orl_record *far = &cache->records[k];
             if (k != i && serves(far, &near->place)) {
                 const double apart = orl_length(orl_sub(far->place.point, near->place.point));
@@ -279,8 +215,9 @@ int orl_icache_hold_back(struct orl_icache *cache)
 
 bool orl_icache_serves(const struct orl_icache *cache, const struct orl_place *place)
 {
-    struct visit v = visit_begin(cache, place);
-    for (uint32_t i = visit_next(&v); i != nothing; i = visit_next(&v))
+    struct orl_icache_visit v = orl_icache_visit_begin(cache, place);
+    for (uint32_t i = orl_icache_visit_next(&v); i != ORL_ICACHE_NOTHING;
+         i = orl_icache_visit_next(&v))
         if (serves(&cache->records[i], place))
             return true;
     return false;
@@ -288,8 +225,9 @@ bool orl_icache_serves(const struct orl_icache *cache, const struct orl_place *p
 
 bool orl_icache_reaches(const struct orl_icache *cache, const struct orl_place *place)
 {
-    struct visit v = visit_begin(cache, place);
-    for (uint32_t i = visit_next(&v); i != nothing; i = visit_next(&v))
+    struct orl_icache_visit v = orl_icache_visit_begin(cache, place);
+    for (uint32_t i = orl_icache_visit_next(&v); i != ORL_ICACHE_NOTHING;
+         i = orl_icache_visit_next(&v))
         if (weight_of(&cache->records[i], place) > 0)
             return true;
     return false;
@@ -327,8 +265,9 @@ bool orl_icache_lookup(const struct orl_icache *cache, const struct orl_place *p
                        struct orl_cached *ret_cached)
 {
     struct joined joined = {.total = 0};
-    struct visit v = visit_begin(cache, place);
-    for (uint32_t i = visit_next(&v); i != nothing; i = visit_next(&v))
+    struct orl_icache_visit v = orl_icache_visit_begin(cache, place);
+    for (uint32_t i = orl_icache_visit_next(&v); i != ORL_ICACHE_NOTHING;
+         i = orl_icache_visit_next(&v))
         join(&joined, &cache->records[i], place, cache->channels);
     return settle(&joined, ret_cached);
 }

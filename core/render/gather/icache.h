@@ -30,6 +30,7 @@ struct orl_record {
     struct orl_rgb irradiance;
     struct orl_vec3 by_rotation[3], by_translation[3];
     double error_by_photons, error_by_rays; /* standard ones, of the irradiance's luma */
+    double rays;                            /* through strata of its hemisphere: one each */
     double radius, least;                   /* it serves as if the radius were at least that */
 };
 

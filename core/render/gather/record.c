@@ -39,6 +39,7 @@ struct orl_record orl_record_make(const struct orl_gather *gather, const struct 
                                 .irradiance = h.irradiance,
                                 .error_by_photons = h.error_by_photons,
                                 .error_by_rays = h.error_by_rays,
+                                .rays = (double)rows * columns_of(rows),
                                 .radius =
                                     fmin(radius, least * most_reach_pixels / least_reach_pixels),
                                 .least = least};

@@ -2,6 +2,7 @@
 
 #include <stdlib.h>
 
+#include "render/gather/icache_fit.h"
 #include "render/image/discs.h"
 #include "render/image/mosaic.h"
 
@@ -267,7 +268,8 @@ static int place_records(struct painter *p)
         done += 0.1;
         p->painting->env->progress(p->painting->env->ctx, done);
     }
-    return code;
+    return code < 0 ? code
+                    : orl_icache_fit(&p->cache, p->gather->world->geometry, p->painting->env->crew);
 }
 
 /* ---- The view -------------------------------------------------------------------------------- */

@@ -1,0 +1,278 @@
+#include "render/gather/icache_fit.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "render/gather/icache_visit.h"
+
+/* Radii of the discs: pixels; a record's least radius is that of so many. */
+enum { DISCS = 3, MOST_ABOUT = 256 };
+static const double discs[DISCS] = {3, 6, 12}, least_pixels = 1.5 / ORL_ICACHE_ACCURACY;
+
+/* A disc holds at least so many, or tells nothing; records that are known as well as that, as a
+ * share of what they say, are left as they are. */
+enum { FEWEST = 6 };
+static const double good_enough = 0.015;
+
+/* Errors within which values agree: of a record's own with what is about it, and of discs; and how
+ * the records of a disc may scatter about their plane, in terms of what their rays do (squares),
+ * besides three standard deviations of that by chance. */
+static const double own_agrees = 4, disc_agrees = 2, plane_agrees = 2;
+
+/* How much neighbours turn, and rise, at the most: a cosine, and a share of the way to them. */
+static const double turned = 0.95, risen = 0.1;
+
+struct fitting {
+    struct orl_icache *cache; /* where neighbours are found: radii are those of the largest disc */
+    const struct orl_record *records; /* as they were */
+    struct orl_record *fitted;
+    const struct orl_geometry *geometry;
+};
+
+/* One about the record that is fitted: where, in pixels along the surface. */
+struct neighbour {
+    const struct orl_record *record;
+    double x, y;
+};
+
+struct about {
+    struct neighbour list[MOST_ABOUT];
+    uint32_t count;
+    struct orl_frame frame;
+    double pixel;
+    double variance; /* of the luma by one ray, as the records about tell it */
+};
+
+static bool is_of_surface(const struct orl_record *record, const struct orl_record *other,
+                          struct orl_vec3 shift)
+{
+    const double away = orl_length(shift);
+    return other->place.outside == record->place.outside &&
+           other->place.proxied == record->place.proxied &&
+           orl_dot(other->place.normal, record->place.normal) > turned &&
+           fabs(orl_dot(shift, record->place.normal)) <= risen * away;
+}
+
+/* Whether nothing stands between two places. */
+static bool is_open(const struct orl_geometry *geometry, struct orl_vec3 from,
+                    struct orl_vec3 shift)
+{
+    const double away = orl_length(shift);
+    return !(away > 0) || !orl_geometry_occluded(geometry, from, orl_scale(shift, 1 / away), away);
+}
+
+/*
+ * What their rays scatter by, of all of them together: a single record that has missed what is
+ * bright thinks itself surer than one that has found it, so that by errors of their own those that
+ * say little would count for too much.
+ */
+static double ray_variance(const struct about *about)
+{
+    double sum = 0;
+    for (uint32_t i = 0; i < about->count; i++) {
+        const struct orl_record *record = about->list[i].record;
+        sum += record->error_by_rays * record->error_by_rays * record->rays / about->count;
+    }
+    return sum;
+}
+
+static void look_about(const struct fitting *f, uint32_t index, struct about *ret)
+{
+    const struct orl_record *record = &f->records[index];
+    struct orl_icache_visit v = orl_icache_visit_begin(f->cache, &record->place);
+    ret->count = 0;
+    ret->pixel = record->least / least_pixels;
+    ret->frame = orl_frame_about(record->place.normal);
+    for (uint32_t k = orl_icache_visit_next(&v); k != ORL_ICACHE_NOTHING && ret->count < MOST_ABOUT;
+         k = orl_icache_visit_next(&v)) {
+        const struct orl_record *other = &f->records[k];
+        const struct orl_vec3 shift = orl_sub(other->place.point, record->place.point);
+        if (orl_length(shift) >= discs[DISCS - 1] * ret->pixel ||
+            (k != index && (!is_of_surface(record, other, shift) ||
+                            !is_open(f->geometry, record->place.point, shift))))
+            continue;
+        ret->list[ret->count++] =
+            (struct neighbour){other, orl_dot(shift, ret->frame.u) / ret->pixel,
+                               orl_dot(shift, ret->frame.v) / ret->pixel};
+    }
+    ret->variance = ray_variance(ret);
+}
+
+/* A plane over a disc: value at its middle and slopes a pixel, per channel; the error of the first,
+ * of its luma, by rays; and how the records scatter about it, squared, in terms of their errors. */
+struct plane {
+    double at[3], x[3], y[3];
+    double error, scatter;
+};
+
+static double channel(struct orl_rgb c, int i)
+{
+    return i == 0 ? c.r : i == 1 ? c.g : c.b;
+}
+
+/* How much a neighbour counts over a disc of that radius. */
+static double weight_of(const struct neighbour *n, double radius)
+{
+    const double away2 = (n->x * n->x + n->y * n->y) / (radius * radius);
+    return away2 < 1 ? (1 - away2) * n->record->rays : 0;
+}
+
+/* The inverse of the moments' matrix, symmetric: by the method of cofactors. */
+struct inverse {
+    double a00, a01, a02, a11, a12, a22;
+};
+
+static struct inverse invert(double s, double sx, double sy, double sxx, double sxy, double syy)
+{
+    const double c00 = sxx * syy - sxy * sxy, c01 = sxy * sy - sx * syy, c02 = sx * sxy - sxx * sy;
+    const double d = s * c00 + sx * c01 + sy * c02;
+    return (struct inverse){c00 / d,
+                            c01 / d,
+                            c02 / d,
+                            (s * syy - sy * sy) / d,
+                            (sx * sy - s * sxy) / d,
+                            (s * sxx - sx * sx) / d};
+}
+
+static struct orl_rgb value_at(const struct plane *plane, double x, double y)
+{
+    return (struct orl_rgb){plane->at[0] + x * plane->x[0] + y * plane->y[0],
+                            plane->at[1] + x * plane->x[1] + y * plane->y[1],
+                            plane->at[2] + x * plane->x[2] + y * plane->y[2]};
+}
+
+/* What is left when a plane has taken three degrees of freedom, less what chance may make of it. */
+static double scatter_about(const struct plane *plane, const struct about *about, double radius)
+{
+    double squares = 0, expected = 0;
+    uint32_t within = 0;
+    for (uint32_t i = 0; i < about->count; i++) {
+        const struct neighbour *n = &about->list[i];
+        const double w = weight_of(n, radius);
+        const double off = orl_luma(n->record->irradiance) - orl_luma(value_at(plane, n->x, n->y));
+        within += w > 0;
+        squares += w * off * off;
+        expected += w * about->variance / n->record->rays;
+    }
+    if (within <= 3)
+        return 0;
+    const double degrees = within - 3.0;
+    return squares / expected * within / degrees - 3 * sqrt(2 / degrees);
+}
+
+/*
+ * Slopes are held by what is next to nothing where there are many, and keeps them in bounds where
+ * they stand in a line: that light changes over the disc by about as much as there is. False where
+ * the disc holds too few.
+ */
+static bool fit(const struct about *about, double luma, double radius, struct plane *ret)
+{
+    const double held = about->variance * radius * radius / (luma * luma);
+    double s = 0, sx = 0, sy = 0, sxx = held, sxy = 0, syy = held;
+    uint32_t within = 0;
+    for (uint32_t i = 0; i < about->count; i++) {
+        const struct neighbour *n = &about->list[i];
+        const double w = weight_of(n, radius);
+        within += w > 0;
+        s += w;
+        sx += w * n->x;
+        sy += w * n->y;
+        sxx += w * n->x * n->x;
+        sxy += w * n->x * n->y;
+        syy += w * n->y * n->y;
+    }
+    const struct inverse a = invert(s, sx, sy, sxx, sxy, syy);
+    *ret = (struct plane){.error = 0};
+    for (uint32_t i = 0; i < about->count; i++) {
+        const struct neighbour *n = &about->list[i];
+        const double w = weight_of(n, radius);
+        const double at = w * (a.a00 + a.a01 * n->x + a.a02 * n->y);
+        const double x = w * (a.a01 + a.a11 * n->x + a.a12 * n->y);
+        const double y = w * (a.a02 + a.a12 * n->x + a.a22 * n->y);
+        for (int c = 0; c < 3; c++) {
+            const double value = channel(n->record->irradiance, c);
+            ret->at[c] += at * value;
+            ret->x[c] += x * value;
+            ret->y[c] += y * value;
+        }
+        ret->error += at * at * about->variance / n->record->rays;
+    }
+    ret->error = sqrt(ret->error);
+    ret->scatter = scatter_about(ret, about, radius);
+    return within >= FEWEST;
+}
+
+/* Into the record: none gets darker than nothing, nor steeper than it was allowed to be. */
+static void take(struct orl_record *record, const struct plane *plane, const struct about *about)
+{
+    const double served = fmax(record->radius, record->least);
+    for (int c = 0; c < 3; c++) {
+        const struct orl_vec3 slope =
+            orl_add(orl_scale(about->frame.u, plane->x[c] / about->pixel),
+                    orl_scale(about->frame.v, plane->y[c] / about->pixel));
+        const double steepest = fmax(plane->at[c], 0) / served, steep = orl_length(slope);
+        record->by_translation[c] = orl_scale(slope, steep > steepest ? steepest / steep : 1);
+    }
+    record->irradiance =
+        (struct orl_rgb){fmax(plane->at[0], 0), fmax(plane->at[1], 0), fmax(plane->at[2], 0)};
+    record->error_by_photons = hypot(record->error_by_photons, plane->error);
+    record->error_by_rays = 0;
+}
+
+static void fit_record(void *arg, size_t index, uint32_t member)
+{
+    const struct fitting *f = arg;
+    const struct orl_record *record = &f->records[index];
+    const double luma = orl_luma(record->irradiance);
+    struct about about; /* not its list, which is large */
+    struct plane plane;
+    (void)member;
+    if (!(record->error_by_rays > good_enough * luma) || !(luma > 0))
+        return;
+    look_about(f, (uint32_t)index, &about);
+    const double own = own_agrees * sqrt(about.variance / record->rays);
+    double low = luma - own, high = luma + own;
+    for (int i = 0; i < DISCS; i++) {
+        if (!fit(&about, luma, discs[i], &plane))
+            continue;
+        const double at = orl_luma(value_at(&plane, 0, 0));
+        low = fmax(low, at - disc_agrees * plane.error);
+        high = fmin(high, at + disc_agrees * plane.error);
+        if (!(low <= high) || plane.scatter > plane_agrees)
+            return;
+        f->fitted[index] = *record;
+        take(&f->fitted[index], &plane, &about);
+    }
+}
+
+/* The same places, found from as far as the largest disc reaches. */
+static int widen(struct orl_icache *wide, const struct orl_icache *cache)
+{
+    orl_icache_init(wide, cache->channels);
+    int code = orl_icache_add(wide, cache->records, cache->count);
+    for (size_t i = 0; i < wide->count; i++)
+        wide->records[i].radius = discs[DISCS - 1] / least_pixels / ORL_ICACHE_ACCURACY /
+                                  ORL_ICACHE_OVERLAP * wide->records[i].least;
+    return code < 0 ? code : orl_icache_index(wide);
+}
+
+int orl_icache_fit(struct orl_icache *cache, const struct orl_geometry *geometry,
+                   struct orl_crew *crew)
+{
+    struct orl_icache wide;
+    struct fitting f = {.cache = &wide, .geometry = geometry};
+    struct orl_record *fitted = malloc((cache->count + 1) * sizeof *fitted);
+    int code = widen(&wide, cache);
+    if (!fitted)
+        code = ORL_ERR_NOMEM;
+    if (code == 0) {
+        memcpy(fitted, cache->records, cache->count * sizeof *fitted);
+        f.records = cache->records;
+        f.fitted = fitted;
+        orl_crew_for(crew, cache->count, fit_record, &f);
+        memcpy(cache->records, fitted, cache->count * sizeof *fitted);
+    }
+    free(fitted);
+    orl_icache_done(&wide);
+    return code;
+}
