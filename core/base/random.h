@@ -26,6 +26,7 @@ enum orl_purpose {
     ORL_PURPOSE_FIRST,
     ORL_PURPOSE_ANNUAL,
     ORL_PURPOSE_SUN_MAP,
+    ORL_PURPOSE_GLOSS,
 };
 
 static inline uint64_t orl_mix64(uint64_t z)

@@ -16,6 +16,7 @@ static void look_through(const struct orl_tile_cells *mosaic, int x, int y)
     if (!cell->there)
         return;
     cell->way = 0;
+    cell->shaded.has_lobes = false;
     cell->variance = 0;
     cell->rest = cell->direct = cell->lobes = orl_gray(0);
     cell->shaded.n_vertices = 0;
@@ -41,6 +42,7 @@ static void paint(const struct orl_tile_cells *mosaic)
     if (orl_paint_cancelled(env))
         return;
     orl_mosaic_fill(mosaic);
+    orl_mosaic_polish(mosaic);
     orl_mosaic_settle(mosaic);
 }
 

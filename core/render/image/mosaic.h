@@ -1,9 +1,10 @@
 /*
- * A tile of a view from photon maps, in three steps, each as sparse as its subject allows:
+ * A tile of a view from photon maps, in four steps, each as sparse as its subject allows:
  *   one ray through the middle of every pixel, and its shadow rays;
  *   what is smooth (lighting.h) at the corners of squares of pixels whose rays all went the same
  *     way (shade.h), carried over to the pixels between where the middle of the square bears it
  *     out; elsewhere squares are quartered, down to single pixels;
+ *   more rays for gloss, where those about a pixel say that chance shows in it;
  *   where neighbours see other things, or shadows end, more rays through the pixel (pixel.h), which
  *     take what is smooth from the pixel about them that sees the same.
  * A pixel that finds there what none of its neighbours has seen makes these look again, too: things

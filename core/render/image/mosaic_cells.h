@@ -22,6 +22,7 @@ struct orl_cell {
     uint64_t way;
     struct orl_rgb rest, direct, lobes;
     double variance; /* of direct and lobes */
+    uint32_t more;   /* rays for its gloss */
     struct orl_smooth smooth;
     struct orl_shaded shaded;
 };
@@ -75,7 +76,10 @@ bool orl_cell_look(const struct orl_tile_cells *mosaic, int x, int y, const doub
 /* Second step (mosaic_smooth.c): what is smooth, at all pixels of the tile. */
 void orl_mosaic_fill(const struct orl_tile_cells *mosaic);
 
-/* Third step (mosaic_edges.c): the tile's pixels go into the film, those on edges by more rays. */
+/* Third step (mosaic_gloss.c): more rays for gloss that chance would show in. */
+void orl_mosaic_polish(const struct orl_tile_cells *mosaic);
+
+/* Last step (mosaic_edges.c): the tile's pixels go into the film, those on edges by more rays. */
 void orl_mosaic_settle(const struct orl_tile_cells *mosaic);
 
 #endif

@@ -7,6 +7,10 @@ enum { WIDEST = 8 };
  * more than by the second. */
 static const double tolerance = 0.02, most_tolerance = 0.06;
 
+/* Squares whose corners differ by more than that share of their mean are not borne out by a middle
+ * that is as they say: where light ends at once, somewhere, it may be so by chance. */
+static const double steep = 0.5;
+
 static void make_exact(const struct orl_tile_cells *mosaic, int x, int y)
 {
     struct orl_cell *cell = orl_cell_at(mosaic, x, y);
@@ -59,8 +63,16 @@ static bool is_smooth(const struct orl_tile_cells *mosaic, const struct square *
         if (!orl_cell_at(mosaic, xs[i], ys[i])->there ||
             orl_cell_at(mosaic, xs[i], ys[i])->way != middle->way)
             return false;
-    for (int i = 0; i < 4; i++)
+    double least = INFINITY, most = 0, sum = 0;
+    for (int i = 0; i < 4; i++) {
         make_exact(mosaic, xs[i], ys[i]);
+        const double corner = orl_luma(orl_cell_at(mosaic, xs[i], ys[i])->smooth.radiance);
+        least = fmin(least, corner);
+        most = fmax(most, corner);
+        sum += corner;
+    }
+    if (most - least > steep * sum / 4)
+        return false;
     make_exact(mosaic, x, y);
     const struct orl_smooth guess =
         between(mosaic, s, share_of(x, s->x0, s->x1), share_of(y, s->y0, s->y1));

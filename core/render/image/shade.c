@@ -111,15 +111,22 @@ static void add_sample(struct samples *samples, struct orl_rgb value)
 }
 
 /* Their mean, of that weight, into what the lobes show. */
-static void add_mean(struct look *look, struct orl_rgb weight, const struct samples *samples)
+static void add_mean(struct look *look, struct orl_rgb weight, const struct samples *samples,
+                     bool is_gloss)
 {
+    struct orl_shaded *shaded = look->shaded;
     const double n = samples->count;
     const struct orl_rgb mean = orl_rgb_scale(samples->sum, 1 / n);
+    const struct orl_rgb shown = orl_rgb_mul(weight, mean);
     const double luma = orl_luma(mean), share = orl_luma(weight);
-    look->shaded->lobes = orl_rgb_add(look->shaded->lobes, orl_rgb_mul(weight, mean));
-    if (n > 1)
-        look->shaded->lobes_variance +=
-            share * share * fmax(samples->squares / n - luma * luma, 0) / (n - 1);
+    const double variance =
+        n > 1 ? share * share * fmax(samples->squares / n - luma * luma, 0) / (n - 1) : 0;
+    shaded->lobes = orl_rgb_add(shaded->lobes, shown);
+    shaded->lobes_variance += variance;
+    if (!is_gloss)
+        return;
+    shaded->gloss = orl_rgb_add(shaded->gloss, shown);
+    shaded->gloss_variance += variance;
 }
 
 /* Suns and lights in the lobes of a surface, averaged over a few shadow rays. */
@@ -134,7 +141,7 @@ static void add_direct_in_lobes(struct look *look, const struct branch *at,
         world = look->shader->world;
     for (int i = 0; i < SAMPLES; i++)
         add_sample(&direct, orl_direct_by_lobes(world, hit, m, eye, look->random));
-    add_mean(look, at->path.weight, &direct);
+    add_mean(look, at->path.weight, &direct, !orl_material_transmits_lobes(m));
 }
 
 static struct orl_scatter sample_lobes(const struct look *look, const struct orl_hit *hit,
@@ -147,8 +154,6 @@ static struct orl_scatter sample_lobes(const struct look *look, const struct orl
                                      ? ORL_LOBE_TRANSMITTED
                                      : (enum orl_lobes)(ORL_LOBE_REFLECTED | ORL_LOBE_TRANSMITTED);
     double u[3];
-    if (!orl_material_transmits_lobes(m))
-        return orl_scatter_sample(m, hit, eye, ORL_TRANSPORT_EYE, lobes, look->random);
     orl_sobol_point(look->shader->sobol, sample, sequence, 3, u);
     return orl_scatter_sample_at(m, hit, eye, ORL_TRANSPORT_EYE, lobes, u);
 }
@@ -170,11 +175,15 @@ static struct orl_rgb seen_along(struct look *look, const struct orl_hit *hit, s
 /* Lobes of a surface: lights directly, all else by a few rays. What goes straight is followed too.
  */
 static void add_lobes(struct look *look, const struct branch *at, const struct orl_hit *hit,
-                      const struct orl_material *m, uint32_t samples)
+                      const struct orl_material *m)
 {
     const struct orl_world *world = scene_of(look);
+    const bool is_gloss = !orl_material_transmits_lobes(m);
+    const uint32_t samples = is_gloss ? look->shader->gloss_samples : look->shader->pane_samples;
     const struct orl_vec3 eye = orl_path_back(&at->path);
     struct samples scattered = {.count = 0};
+    if (look->shader->only_gloss && !is_gloss)
+        return;
     add_direct_in_lobes(look, at, hit, m, eye);
     const uint32_t sequence = (uint32_t)orl_random_bits(look->random);
     for (uint32_t i = 0; i < samples; i++) {
@@ -185,7 +194,7 @@ static void add_lobes(struct look *look, const struct branch *at, const struct o
             seen = orl_rgb_mul(s.weight, seen_along(look, hit, eye, &s, outside));
         add_sample(&scattered, seen);
     }
-    add_mean(look, at->path.weight, &scattered);
+    add_mean(look, at->path.weight, &scattered, is_gloss);
 }
 
 /* Both ways on of what is not scattered. */
@@ -257,9 +266,7 @@ static void meet(struct look *look, const struct branch *met, const struct orl_h
     const bool has_lobes = orl_material_has_lobes(m);
     look->shaded->has_lobes = look->shaded->has_lobes || has_lobes;
     if (has_lobes && look->lobes)
-        add_lobes(look, &at, hit, m,
-                  orl_material_transmits_lobes(m) ? look->shader->pane_samples
-                                                  : look->shader->gloss_samples);
+        add_lobes(look, &at, hit, m);
     if (!alone)
         add(look, at.path.weight, orl_material_emission(m, hit, orl_path_back(&at.path)));
 }
@@ -297,8 +304,8 @@ void orl_shade_ray(const struct orl_shader *shader, struct orl_vec3 origin,
     look.depth = 0;
     ret_shaded->n_vertices = 0;
     ret_shaded->way = 0;
-    ret_shaded->rest = ret_shaded->lobes = orl_gray(0);
-    ret_shaded->lobes_variance = 0;
+    ret_shaded->rest = ret_shaded->lobes = ret_shaded->gloss = orl_gray(0);
+    ret_shaded->lobes_variance = ret_shaded->gloss_variance = 0;
     ret_shaded->has_lobes = false;
     look.stack[look.depth++] =
         (struct branch){.path = orl_path_from(origin, direction), .outside = outside};

@@ -26,6 +26,8 @@ struct orl_shaded {
     struct orl_rgb rest;   /* radiance of all that is neither diffuse nor of a lobe */
     struct orl_rgb lobes;  /* of these, by a few rays */
     double lobes_variance; /* of their luma, as if rays were drawn by chance */
+    struct orl_rgb gloss;  /* what of the lobes is gloss: of those that send no light through, */
+    double gloss_variance; /* and what of the variance */
     bool has_lobes;
 };
 
@@ -48,6 +50,7 @@ struct orl_shader {
     const struct orl_world *world;
     const struct orl_sobol *sobol;
     uint32_t pane_samples, gloss_samples; /* rays into a pane's lobes, into others */
+    bool only_gloss;                      /* panes' lobes are left out */
     double dimmest;  /* branches below this share of the ray are not followed; */
     bool by_lot;     /* or one in some is, and then counts for all: no bias */
     bool irradiance; /* of the first diffuse surface, behind glass too, instead of radiance */
