@@ -130,7 +130,11 @@ static int write_map(struct orl_run_state *state, const struct orl_sensor_plane 
 {
     struct orl_sensor_files *files = &state->result->sensor_files;
     const size_t at = files->n_maps++;
-    const struct orl_heat_map map = {state->world->geometry, plane, state->result->illuminance_lx,
+    const struct orl_heat_map map = {state->world->geometry,
+                                     plane,
+                                     "Illuminance",
+                                     "lx",
+                                     state->result->illuminance_lx,
                                      (const double(*)[2])state->result->interval_95_lx,
                                      &state->job->heat_map};
     struct table table = {.values = NULL};

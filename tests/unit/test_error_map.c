@@ -17,7 +17,6 @@
 #include <oriel/run.h>
 
 #include "render/picture/error_map.h"
-#include "render/picture/palette.h"
 #include "support/cli.h"
 #include "support/hdr.h"
 #include "support/scene_text.h"

@@ -19,7 +19,6 @@
 #include "base/kth.h"
 #include "render/picture/false_color.h"
 #include "render/picture/isolines.h"
-#include "render/picture/palette.h"
 #include "support/cli.h"
 
 static char folder[64];

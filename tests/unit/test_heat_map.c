@@ -226,7 +226,7 @@ static void test_map(void **state)
         sensors[i] =
             (struct orl_sensor){orl_v3(1 + i % 2, 1 + (double)(i / 2), 1), orl_v3(0, 0, 1)};
     assert_int_equal(orl_sensor_planes_find(sensors, 4, 1, planes, &count), 0);
-    const struct orl_heat_map map = {geometry, planes, lux, intervals, &how};
+    const struct orl_heat_map map = {geometry, planes, "Illuminance", "lx", lux, intervals, &how};
     assert_int_equal(orl_heat_map_write(&map, ORL_CANVAS_SVG, path_of("a.svg"), NULL), 0);
     char *with = read_file(path_of("a.svg"));
     assert_non_null(strstr(with, ">1234</text>"));

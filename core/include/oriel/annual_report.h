@@ -12,6 +12,7 @@
 
 #include <oriel/annual.h>
 #include <oriel/annual_metrics.h>
+#include <oriel/canvas.h>
 
 /* ---- The year -------------------------------------------------------------------------------- */
 
@@ -89,6 +90,48 @@ void orl_annual_report_done(struct orl_annual_report *report); /* NULL and zeros
 /* Rows of the result's arrays as area figures take them: of a grid, or of ORL_ALL_GRIDS. */
 struct orl_annual_rows orl_annual_rows_of(const struct orl_annual_report *report,
                                           const struct orl_annual_result *result, size_t grid);
+
+/* ---- Series ---------------------------------------------------------------------------------- */
+
+enum orl_annual_series { ORL_SERIES_MEAN, ORL_SERIES_SHARE };
+#define ORL_SUN_DOWN (-1.0F)
+
+/* Of every step of the year: the mean over a grid, lx, or the share of its area with at least so
+ * many lux, percent. NaN where nothing was measured, ORL_SUN_DOWN where it is dark. */
+void orl_annual_series_of(const struct orl_annual_report *report,
+                          const struct orl_annual_result *result, size_t grid,
+                          enum orl_annual_series series, double threshold_lx, float *ret_values);
+
+/* ---- Maps ------------------------------------------------------------------------------------ */
+
+/* Grids over the plan of the scene: the plane of each that holds most of its sensors. */
+struct orl_annual_plans;
+
+/* Reads the scene, or finds it on the shelf. Returns 0 or what loading says. */
+int orl_annual_plans_new(const struct orl_annual_request *request,
+                         const struct orl_annual_report *report, const struct orl_run_env *env,
+                         struct orl_annual_plans **ret_plans, struct orl_error *err);
+void orl_annual_plans_free(struct orl_annual_plans *plans); /* NULL is fine */
+
+/* False: too few sensors of the grid lie in one plane for a map. side: of the plan's longer side,
+ * page units. */
+bool orl_annual_plan_size(const struct orl_annual_plans *plans, size_t grid, double side,
+                          double *ret_width, double *ret_height);
+/* A metric of the report, by its index, as a map of the grid; hatched where it is open on which
+ * side of a bound a sensor is (50 % of DA and cDA, 250 h of direct sun). Returns 0 or
+ * ORL_ERR_NOMEM.
+ */
+int orl_annual_plan_draw(const struct orl_annual_plans *plans,
+                         const struct orl_annual_report *report, size_t grid, size_t metric,
+                         struct orl_canvas *canvas, double x, double y, double side);
+int orl_annual_plan_write(const struct orl_annual_plans *plans,
+                          const struct orl_annual_report *report, size_t grid, size_t metric,
+                          enum orl_canvas_kind kind, const char *path, struct orl_error *err);
+
+/* What a metric is called at length: "Daylight autonomy at 300 lx, of occupied hours". */
+void orl_annual_metric_title(const struct orl_annual_metric *metric, char *ret_text, size_t size);
+/* And for files: "da300", "udi100-3000", "direct_hours1000". */
+void orl_annual_metric_file(const struct orl_annual_metric *metric, char *ret_text, size_t size);
 
 /* ---- Files ----------------------------------------------------------------------------------- */
 

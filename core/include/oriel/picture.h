@@ -73,6 +73,15 @@ enum orl_palette {
     ORL_PALETTES
 };
 const char *orl_palette_name(enum orl_palette palette); /* "even", "def", ... */
+/*
+ * Colours of a scale, sRGB; share: 0 at its lower end, 1 at its top; beyond is as the ends are.
+ *
+ * ORL_PALETTE_EVEN, in CIELAB: lightness from 14 to 91 in even steps, hue from violet by way of
+ * teal to yellow so that steps differ alike, chroma as far as sRGB goes but 60 at most. The others
+ * are what falsecolor shows under those names: its functions give linear values, shown with a gamma
+ * of 2.2.
+ */
+void orl_palette_color(enum orl_palette palette, double share, unsigned char ret_srgb[3]);
 
 enum { ORL_PICTURE_LABEL_MAX = 32, ORL_DEFAULT_DIVISIONS = 8 };
 

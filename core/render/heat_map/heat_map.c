@@ -7,7 +7,6 @@
 #include "base/kth.h"
 #include "render/heat_map/quad.h"
 #include "render/heat_map/section.h"
-#include "render/picture/palette.h"
 
 /* The page, in pixels. */
 enum { SIDE = 760, MARGIN = 14, HEAD = 46, FOOT = 54, LEAST_WIDTH = 420, LETTERS = 8 };
@@ -20,8 +19,9 @@ struct page {
     struct orl_canvas *canvas;
     double low[2], high[2]; /* what is shown, u and v */
     double pixels;          /* a scene unit */
+    double x, y;            /* the upper left corner */
     double left, bottom;    /* where low is */
-    uint32_t width, height;
+    double width, height;
 };
 
 static void place(const struct page *page, const double at[2], double *ret_x, double *ret_y)
@@ -41,7 +41,7 @@ static void write(const struct page *page, double x, double y, enum orl_canvas_a
 /* ---- Layout ---------------------------------------------------------------------------------- */
 
 /* The cells, and an eighth more to every side for walls. */
-static void lay_out(struct page *page)
+static void lay_out(struct page *page, double side)
 {
     const struct orl_sensor_plane *plane = page->map->plane;
     const double wide = plane->high[0] - plane->low[0], high = plane->high[1] - plane->low[1];
@@ -50,13 +50,13 @@ static void lay_out(struct page *page)
         page->low[axis] = plane->low[axis] - rim;
         page->high[axis] = plane->high[axis] + rim;
     }
-    page->pixels = SIDE / fmax(wide + 2 * rim, high + 2 * rim);
-    const uint32_t across = (uint32_t)ceil((wide + 2 * rim) * page->pixels);
-    const uint32_t down = (uint32_t)ceil((high + 2 * rim) * page->pixels);
-    page->width = (across > LEAST_WIDTH ? across : LEAST_WIDTH) + 2 * MARGIN;
+    page->pixels = side / fmax(wide + 2 * rim, high + 2 * rim);
+    const double across = ceil((wide + 2 * rim) * page->pixels);
+    const double down = ceil((high + 2 * rim) * page->pixels);
+    page->width = fmax(across, LEAST_WIDTH) + 2 * MARGIN;
     page->height = down + HEAD + FOOT;
-    page->left = (page->width - across) / 2.0;
-    page->bottom = HEAD + down;
+    page->left = page->x + (page->width - across) / 2;
+    page->bottom = page->y + HEAD + down;
 }
 
 /* What 99 of 100 sensors of the plane stay below. */
@@ -68,11 +68,11 @@ static int make_scale(struct page *page)
     if (!values)
         return ORL_ERR_NOMEM;
     for (size_t i = 0; i < plane->count; i++)
-        if (isfinite(page->map->illuminance_lx[plane->sensors[i]]))
-            values[n++] = page->map->illuminance_lx[plane->sensors[i]];
+        if (isfinite(page->map->values[plane->sensors[i]]))
+            values[n++] = page->map->values[plane->sensors[i]];
     const double high = n > 0 ? orl_find_kth(values, n, (n - 1) - (n - 1) / 100) : 0;
     free(values);
-    orl_scale_set(&page->scale, &page->map->how->colors, "lx", high);
+    orl_scale_set(&page->scale, &page->map->how->colors, page->map->unit, high);
     return 0;
 }
 
@@ -96,7 +96,7 @@ static struct orl_quad cell_of(const struct page *page, size_t index)
 static bool is_open(const struct page *page, size_t sensor)
 {
     const struct orl_heat_map_request *how = page->map->how;
-    const double *interval = page->map->interval_95_lx[sensor];
+    const double *interval = page->map->intervals[sensor];
     for (uint32_t i = 0; i < how->n_thresholds; i++)
         if (interval[0] < how->thresholds_lx[i] && interval[1] > how->thresholds_lx[i])
             return true;
@@ -115,7 +115,7 @@ static bool has_room(const struct page *page)
     double widest = 0;
     for (size_t i = 0; i < plane->count; i++) {
         char text[16];
-        orl_scale_text(page->map->illuminance_lx[plane->sensors[i]], text);
+        orl_scale_text(page->map->values[plane->sensors[i]], text);
         widest = fmax(widest, orl_canvas_text_width(text, LETTERS));
     }
     return plane->cell[0] * page->pixels > widest + 6 &&
@@ -128,7 +128,7 @@ static void draw_number(struct page *page, size_t index, const unsigned char und
     const struct orl_sensor_plane *plane = page->map->plane;
     char text[16];
     double x, y;
-    orl_scale_text(page->map->illuminance_lx[plane->sensors[index]], text);
+    orl_scale_text(page->map->values[plane->sensors[index]], text);
     place(page, plane->at[index], &x, &y);
     const double half = orl_canvas_text_width(text, LETTERS) / 2 + 2, up = LETTERS / 2.0 + 3;
     const struct orl_quad ground = orl_quad_of(x - half, y - up, x + half, y + up);
@@ -141,7 +141,7 @@ static void draw_cells(struct page *page)
     const struct orl_sensor_plane *plane = page->map->plane;
     const bool numbers = has_room(page);
     for (size_t i = 0; i < plane->count; i++) {
-        const double value = page->map->illuminance_lx[plane->sensors[i]];
+        const double value = page->map->values[plane->sensors[i]];
         const struct orl_quad quad = cell_of(page, i);
         unsigned char rgb[3];
         if (!isfinite(value))
@@ -203,13 +203,14 @@ static void draw_head(struct page *page)
     for (size_t i = 0; i < plane->count; i++)
         open += is_open(page, plane->sensors[i]);
     if (fabs(plane->normal.z) > 0.9999)
-        snprintf(text, sizeof text, "Illuminance, %s: %zu sensors at z = %.4g %s, facing %s",
-                 page->scale.unit, plane->count, plane->offset * plane->normal.z, unit,
-                 plane->normal.z > 0 ? "up" : "down");
+        snprintf(text, sizeof text, "%s, %s: %zu sensors at z = %.4g %s, facing %s",
+                 page->map->quantity, page->scale.unit, plane->count,
+                 plane->offset * plane->normal.z, unit, plane->normal.z > 0 ? "up" : "down");
     else
-        snprintf(text, sizeof text, "Illuminance, %s: %zu sensors facing (%.3g, %.3g, %.3g)",
-                 page->scale.unit, plane->count, plane->normal.x, plane->normal.y, plane->normal.z);
-    write(page, MARGIN, 18, ORL_CANVAS_LEFT, ink, text);
+        snprintf(text, sizeof text, "%s, %s: %zu sensors facing (%.3g, %.3g, %.3g)",
+                 page->map->quantity, page->scale.unit, plane->count, plane->normal.x,
+                 plane->normal.y, plane->normal.z);
+    write(page, page->x + MARGIN, page->y + 18, ORL_CANVAS_LEFT, ink, text);
     for (uint32_t i = 0; i < how->n_thresholds; i++) {
         const size_t length = strlen(thresholds);
         snprintf(thresholds + length, sizeof thresholds - length, "%s%g", i ? " or " : "",
@@ -217,9 +218,9 @@ static void draw_head(struct page *page)
     }
     if (how->n_thresholds == 0)
         return;
-    snprintf(text, sizeof text, "%zu hatched: %s lx lies within the 95 %% interval", open,
-             thresholds);
-    write(page, MARGIN, 34, ORL_CANVAS_LEFT, ink, text);
+    snprintf(text, sizeof text, "%zu hatched: %s %s lies within the 95 %% interval", open,
+             thresholds, page->map->unit);
+    write(page, page->x + MARGIN, page->y + 34, ORL_CANVAS_LEFT, ink, text);
 }
 
 /* A length of 1, 2 or 5 times a power of ten, some hundred pixels long. */
@@ -240,7 +241,7 @@ static void draw_length(struct page *page, double right, double y)
 static void draw_legend(struct page *page)
 {
     enum { STEPS = 100 };
-    const double top = page->bottom + 12, left = MARGIN + 4;
+    const double top = page->bottom + 12, left = page->x + MARGIN + 4;
     const double width = fmin(page->width - 2.0 * MARGIN - 170, 400);
     struct orl_legend legend = {.n_ticks = 0};
     double free_from = 0;
@@ -261,7 +262,7 @@ static void draw_legend(struct page *page)
         write(page, x, top + 27, ORL_CANVAS_MIDDLE, ink, legend.ticks[i].text);
         free_from = x + half + 5;
     }
-    draw_length(page, page->width - MARGIN - 12.0, top + 6);
+    draw_length(page, page->x + page->width - MARGIN - 12.0, top + 6);
 }
 
 static void draw(struct page *page)
@@ -272,17 +273,37 @@ static void draw(struct page *page)
     draw_legend(page);
 }
 
+void orl_heat_map_size(const struct orl_heat_map *map, double side, double *ret_width,
+                       double *ret_height)
+{
+    struct page page = {.map = map};
+    lay_out(&page, side);
+    *ret_width = page.width;
+    *ret_height = page.height;
+}
+
+int orl_heat_map_draw(const struct orl_heat_map *map, struct orl_canvas *canvas, double x, double y,
+                      double side)
+{
+    struct page page = {.map = map, .canvas = canvas, .x = x, .y = y};
+    lay_out(&page, side);
+    const int code = make_scale(&page);
+    if (code == 0)
+        draw(&page);
+    return code;
+}
+
 int orl_heat_map_write(const struct orl_heat_map *map, enum orl_canvas_kind kind, const char *path,
                        struct orl_error *err)
 {
-    struct page page = {.map = map};
-    lay_out(&page);
-    int code = make_scale(&page);
-    if (code < 0)
-        return orl_error_set(err, code, "out of memory drawing a heat map");
-    code = orl_canvas_open(kind, path, page.width, page.height, 1, &page.canvas, err);
+    struct orl_canvas *canvas;
+    double width, height;
+    orl_heat_map_size(map, SIDE, &width, &height);
+    int code = orl_canvas_open(kind, path, width, height, 1, &canvas, err);
     if (code < 0)
         return code;
-    draw(&page);
-    return orl_canvas_close(page.canvas, 0, err);
+    code = orl_heat_map_draw(map, canvas, 0, 0, SIDE);
+    if (code < 0)
+        orl_error_set(err, code, "out of memory drawing a heat map");
+    return orl_canvas_close(canvas, code, err);
 }

@@ -6,7 +6,6 @@
 
 #include "base/kth.h"
 #include "render/picture/legend.h"
-#include "render/picture/palette.h"
 
 /* The scale: what its ends show. */
 static const double least = 1e-3, most = 1;

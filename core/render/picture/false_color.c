@@ -5,7 +5,6 @@
 #include <string.h>
 
 #include "render/picture/isolines.h"
-#include "render/picture/palette.h"
 
 static double value_at(const struct orl_film *film, const struct orl_scale *scale, uint32_t x,
                        uint32_t y)

@@ -5,7 +5,6 @@
 #include <string.h>
 
 #include "render/film/png.h"
-#include "render/picture/palette.h"
 
 enum { LEGEND_UNITS = 62, LEAST_UNITS = 270, MOST_UNITS = 400, UNITS_ACROSS = 640 };
 

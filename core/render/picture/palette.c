@@ -1,4 +1,4 @@
-#include "render/picture/palette.h"
+#include <oriel/picture.h>
 
 #include <math.h>
 

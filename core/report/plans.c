@@ -1,0 +1,180 @@
+/* Metrics of grids as maps over the plan of the scene. */
+#include <oriel/annual_report.h>
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "render/heat_map/heat_map.h"
+#include "run/scene.h"
+#include "run/stages.h"
+
+struct orl_annual_plans {
+    struct orl_scene *scene; /* held */
+    struct orl_sensor_plane *planes;
+    bool *found;
+    size_t n_grids;
+};
+
+/* ---- Making ---------------------------------------------------------------------------------- */
+
+/* As a job without a sky would have it. */
+static int load_scene(const struct orl_annual_request *request, const struct orl_run_env *given,
+                      struct orl_scene **ret_scene, struct orl_error *err)
+{
+    struct orl_run_env env = *given;
+    struct orl_result result = {.threads = 0};
+    struct orl_job job;
+    double told = 0;
+    orl_job_init(&job);
+    job.scene_files = request->scene_files; /* borrowed */
+    job.n_scene_files = request->n_scene_files;
+    env.progress = NULL;
+    struct orl_run_state state = {.job = &job, .env = &env, .result = &result, .told = &told};
+    const int code = orl_run_load(&state, err);
+    orl_lights_release(state.lights);
+    orl_result_done(&result);
+    if (code < 0)
+        orl_scene_release(state.scene);
+    else
+        *ret_scene = state.scene;
+    return code;
+}
+
+static int find_planes(struct orl_annual_plans *plans, const struct orl_annual_request *request,
+                       const struct orl_annual_report *report)
+{
+    plans->n_grids = report->n_grids;
+    plans->planes = calloc(report->n_grids + 1, sizeof *plans->planes);
+    plans->found = calloc(report->n_grids + 1, sizeof *plans->found);
+    int code = plans->planes && plans->found ? 0 : ORL_ERR_NOMEM;
+    for (size_t g = 0; g < report->n_grids && code == 0; g++) {
+        size_t count = 0;
+        code = orl_sensor_planes_find(request->sensors + report->grids[g].first,
+                                      report->grids[g].count, 1, &plans->planes[g], &count);
+        plans->found[g] = code == 0 && count == 1;
+    }
+    return code;
+}
+
+int orl_annual_plans_new(const struct orl_annual_request *request,
+                         const struct orl_annual_report *report, const struct orl_run_env *env,
+                         struct orl_annual_plans **ret_plans, struct orl_error *err)
+{
+    struct orl_annual_plans *plans = calloc(1, sizeof *plans);
+    int code = plans ? find_planes(plans, request, report) : ORL_ERR_NOMEM;
+    if (code < 0)
+        orl_error_set(err, code, "out of memory");
+    else
+        code = load_scene(request, env, &plans->scene, err);
+    if (code < 0)
+        orl_annual_plans_free(plans);
+    else
+        *ret_plans = plans;
+    return code;
+}
+
+void orl_annual_plans_free(struct orl_annual_plans *plans)
+{
+    if (!plans)
+        return;
+    for (size_t g = 0; plans->planes && plans->found && g < plans->n_grids; g++)
+        if (plans->found[g])
+            orl_sensor_planes_done(&plans->planes[g], 1);
+    free(plans->planes);
+    free(plans->found);
+    orl_scene_release(plans->scene);
+    free(plans);
+}
+
+/* ---- Drawing --------------------------------------------------------------------------------- */
+
+/* A metric of a grid, as heat maps take it. */
+struct sheet {
+    struct orl_heat_map map;
+    struct orl_heat_map_request how;
+    char title[96];
+    double *values; /* owned, as the next */
+    double (*intervals)[2];
+};
+
+static void choose_scale(const struct orl_annual_metric *metric, struct orl_heat_map_request *how)
+{
+    const bool percent = orl_annual_unit(metric->kind)[0] == '%';
+    how->colors.scale = percent ? 100 : 0;
+    how->n_thresholds = 1;
+    if (metric->kind == ORL_METRIC_DA || metric->kind == ORL_METRIC_CDA)
+        how->thresholds_lx[0] = 50;
+    else if (metric->kind == ORL_METRIC_DIRECT_HOURS)
+        how->thresholds_lx[0] = 250;
+    else
+        how->n_thresholds = 0;
+}
+
+static int sheet_init(struct sheet *sheet, const struct orl_annual_plans *plans,
+                      const struct orl_annual_report *report, size_t grid, size_t metric)
+{
+    const struct orl_annual_grid *g = &report->grids[grid];
+    *sheet = (struct sheet){.values = calloc(g->count + 1, sizeof *sheet->values),
+                            .intervals = calloc(g->count + 1, sizeof *sheet->intervals)};
+    if (!sheet->values || !sheet->intervals)
+        return ORL_ERR_NOMEM;
+    for (size_t i = 0; i < g->count; i++) {
+        const struct orl_annual_value *v =
+            &report->values[metric * report->n_sensors + g->first + i];
+        sheet->values[i] = v->value;
+        sheet->intervals[i][0] = v->low;
+        sheet->intervals[i][1] = v->high;
+    }
+    choose_scale(&report->metrics[metric], &sheet->how);
+    orl_annual_metric_title(&report->metrics[metric], sheet->title, sizeof sheet->title);
+    sheet->map = (struct orl_heat_map){.geometry = plans->scene->geometry,
+                                       .plane = &plans->planes[grid],
+                                       .quantity = sheet->title,
+                                       .unit = orl_annual_unit(report->metrics[metric].kind),
+                                       .values = sheet->values,
+                                       .intervals = (const double(*)[2])sheet->intervals,
+                                       .how = &sheet->how};
+    return 0;
+}
+
+static void sheet_done(struct sheet *sheet)
+{
+    free(sheet->values);
+    free(sheet->intervals);
+}
+
+bool orl_annual_plan_size(const struct orl_annual_plans *plans, size_t grid, double side,
+                          double *ret_width, double *ret_height)
+{
+    const struct orl_heat_map map = {.plane = &plans->planes[grid]};
+    if (!plans->found[grid])
+        return false;
+    orl_heat_map_size(&map, side, ret_width, ret_height);
+    return true;
+}
+
+int orl_annual_plan_draw(const struct orl_annual_plans *plans,
+                         const struct orl_annual_report *report, size_t grid, size_t metric,
+                         struct orl_canvas *canvas, double x, double y, double side)
+{
+    struct sheet sheet;
+    int code = sheet_init(&sheet, plans, report, grid, metric);
+    if (code == 0)
+        code = orl_heat_map_draw(&sheet.map, canvas, x, y, side);
+    sheet_done(&sheet);
+    return code;
+}
+
+int orl_annual_plan_write(const struct orl_annual_plans *plans,
+                          const struct orl_annual_report *report, size_t grid, size_t metric,
+                          enum orl_canvas_kind kind, const char *path, struct orl_error *err)
+{
+    struct sheet sheet;
+    int code = sheet_init(&sheet, plans, report, grid, metric);
+    if (code < 0)
+        orl_error_set(err, code, "out of memory drawing a map");
+    else
+        code = orl_heat_map_write(&sheet.map, kind, path, err);
+    sheet_done(&sheet);
+    return code;
+}
