@@ -238,6 +238,59 @@ int orl_local_plan(const struct orl_job *job, const char *folder, uint32_t threa
     return rc;
 }
 
+/* Of a local folder nothing changes while its job runs. */
+enum { YEAR_SHELF = 1 << 30 };
+
+/* What is wrong with the wishes is told before the work begins. */
+static int on_year_begins(void *ctx, const struct orl_annual_result *result, struct orl_error *err)
+{
+    const struct orl_local_year *year = ctx;
+
+    return orl_annual_wishes_check(&year->job->request, result, &year->job->wishes,
+                                   year->env->files, err);
+}
+
+static int run_year(struct orl_annual_job *job, struct local *local,
+                    struct orl_annual_inputs *inputs, orl_local_tell *tell, void *ctx,
+                    struct orl_error *err)
+{
+    struct orl_annual_result result = {0};
+    struct orl_local_year year = {job, &local->env, &result, inputs};
+    const struct orl_annual_env env = {.run = &local->env, .begins = on_year_begins, .ctx = &year};
+    int rc = orl_annual_grids_read(&job->request, job->grid_files, local->env.files, err);
+
+    if (rc == 0)
+        rc = orl_annual_validate(&job->request, err);
+    if (rc == 0)
+        rc = orl_annual_run(&job->request, &env, &result, err);
+    if (rc == 0)
+        rc = tell(ctx, &year, err);
+    orl_annual_done(&result);
+    return rc;
+}
+
+int orl_local_annual(struct orl_annual_job *job, const char *folder, const char *output,
+                     uint32_t threads, orl_local_tell *tell, void *ctx, struct orl_error *err)
+{
+    struct local local;
+    struct orl_annual_inputs inputs;
+    struct orl_files noting;
+    int rc = local_start(&local, folder, output, threads, err);
+
+    if (rc)
+        return rc;
+    noting = orl_annual_inputs_of(&inputs, &local.files);
+    local.env.files = &noting;
+    local.env.files_id = "of this run";
+    local.env.shelf = orl_shelf_new(YEAR_SHELF);
+    rc = local.env.shelf ? run_year(job, &local, &inputs, tell, ctx, err)
+                         : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    orl_shelf_free(local.env.shelf);
+    orl_annual_inputs_done(&inputs);
+    local_stop(&local, rc);
+    return rc;
+}
+
 static void on_study_progress(void *ctx, const struct orl_study_step *step)
 {
     orl_progress_show(ctx, orl_study_step_name(step), step->fraction, -1);

@@ -12,6 +12,8 @@
 #include <oriel/run.h>
 #include <oriel/study.h>
 
+#include "annual_json.h"
+
 /* The processors this process may use: fewer than there are, under taskset or in a container. */
 uint32_t orl_local_cores(void);
 
@@ -34,5 +36,18 @@ int orl_local_plan(const struct orl_job *job, const char *folder, uint32_t threa
 /* Runs the study, with progress on stderr; its runs keep nothing in output. */
 int orl_local_study(const struct orl_study_request *request, const char *folder, const char *output,
                     uint32_t threads, struct orl_study *ret_study, struct orl_error *err);
+
+/* What a year's run leaves, while its scene and threads are still there. */
+struct orl_local_year {
+    const struct orl_annual_job *job;
+    const struct orl_run_env *env;
+    const struct orl_annual_result *result;
+    const struct orl_annual_inputs *inputs;
+};
+typedef int orl_local_tell(void *ctx, const struct orl_local_year *year, struct orl_error *err);
+/* Reads the job's grids and runs it, with progress on stderr, then has tell write what came of it.
+ */
+int orl_local_annual(struct orl_annual_job *job, const char *folder, const char *output,
+                     uint32_t threads, orl_local_tell *tell, void *ctx, struct orl_error *err);
 
 #endif

@@ -17,6 +17,16 @@ static const struct orl_subcommand commands[] = {
      "sensor or pixel at most (lux, or a share), what does it save (estimated seconds of one\n"
      "thread), and why. The job's \"effects\" can force or skip each.",
      orl_cmd_plan},
+    {"annual", "JOB.json -o DIR [--honeybee] [--ill] [--threads N]",
+     "Daylight over a year: metrics and verdicts with their intervals",
+     "JOB.json names a scene without a sky, a weather file (EPW or WEA) and grids of sensors; and, "
+     "if\n"
+     "it likes, hours of use, metrics, targets (\"sDA300/50 >= 55 %\") and rules (\"LEED\",\n"
+     "\"EN 17037\"). Leaves result.json, sensors.csv, hours.csv, maps of every grid over the plan "
+     "and\n"
+     "over the year, and a page of each to show. With --honeybee all hours go to DIR/results as\n"
+     "Honeybee keeps them, with --ill to Radiance matrices.",
+     orl_cmd_annual},
     {"study", "STUDY.json -o DIR [--threads N]",
      "Show what accuracy costs in time, by techniques and settings",
      "Runs every technique at every number of photons and samples that STUDY.json lists, with\n"

@@ -69,7 +69,7 @@ static int make_grids(const struct making *m)
     struct orl_annual_report *report = m->report;
     const size_t n = m->request->n_grids;
     report->n_grids = n > 0 ? n : 1;
-    report->n_sensors = m->result->n_sensors;
+    report->n_sensors = m->request->n_sensors;
     report->grids = calloc(report->n_grids, sizeof *report->grids);
     report->area = calloc(report->n_sensors + 1, sizeof *report->area);
     if (!report->grids || !report->area)
@@ -166,6 +166,14 @@ struct orl_annual_rows orl_annual_rows_of(const struct orl_annual_report *report
                                     .area = report->area + first};
 }
 
+static bool is_unlit(const float *total, size_t n)
+{
+    size_t i = 0;
+    while (i < n && !(total[i] > 0))
+        i++;
+    return i == n;
+}
+
 static int make_values(const struct making *m)
 {
     struct orl_annual_report *report = m->report;
@@ -182,6 +190,7 @@ static int make_values(const struct making *m)
         const float *se = result->se ? orl_annual_row(result, result->se, i) : NULL;
         const struct orl_annual_light light = {orl_annual_row(result, result->total, i),
                                                orl_annual_row(result, result->direct, i), se, se};
+        report->n_unlit += is_unlit(light.total_lx, result->n_columns);
         for (size_t k = 0; k < n; k++)
             orl_annual_evaluate(&report->metrics[k], &report->periods[report->metrics[k].when],
                                 &light, &report->values[k * report->n_sensors + i]);
@@ -237,23 +246,37 @@ static int judge(const struct making *m, const struct orl_annual_rule *rule,
     return 0;
 }
 
+/* ORL_ALL_GRIDS: there is none of that name. */
+static size_t find_grid(const struct orl_annual_report *report, const char *name)
+{
+    for (size_t g = 0; g < report->n_grids; g++)
+        if (strcasecmp(report->grids[g].name, name) == 0)
+            return g;
+    return ORL_ALL_GRIDS;
+}
+
+static int check_grids(const struct making *m)
+{
+    for (size_t i = 0; i < m->wishes->n_targets; i++) {
+        const struct orl_annual_target *target = &m->wishes->targets[i];
+        if (target->grid[0] && find_grid(m->report, target->grid) == ORL_ALL_GRIDS)
+            return orl_error_set(m->err, ORL_ERR_INVALID, "'%s': there is no grid named '%s'",
+                                 target->text, target->grid);
+    }
+    return 0;
+}
+
 /* Of the grid that is named; else of all together, and of each by itself. */
 static int judge_everywhere(const struct making *m, const struct orl_annual_rule *rule,
                             const struct orl_annual_target *target)
 {
     const struct orl_annual_report *report = m->report;
-    int code = 0;
-    if (!target->grid[0]) {
-        code = judge(m, rule, target, report->n_grids > 1 ? ORL_ALL_GRIDS : 0);
-        for (size_t g = 0; g < report->n_grids && report->n_grids > 1 && code == 0; g++)
-            code = judge(m, rule, target, g);
-        return code;
-    }
-    for (size_t g = 0; g < report->n_grids; g++)
-        if (strcasecmp(report->grids[g].name, target->grid) == 0)
-            return judge(m, rule, target, g);
-    return orl_error_set(m->err, ORL_ERR_INVALID, "'%s': there is no grid named '%s'", target->text,
-                         target->grid);
+    if (target->grid[0])
+        return judge(m, rule, target, find_grid(report, target->grid));
+    int code = judge(m, rule, target, report->n_grids > 1 ? ORL_ALL_GRIDS : 0);
+    for (size_t g = 0; g < report->n_grids && report->n_grids > 1 && code == 0; g++)
+        code = judge(m, rule, target, g);
+    return code;
 }
 
 static int judge_rule(const struct making *m, const struct orl_annual_rule *rule)
@@ -286,6 +309,29 @@ static int make_verdicts(const struct making *m)
 
 /* ---- All of it ------------------------------------------------------------------------------- */
 
+/* What needs no light. */
+static int prepare(const struct making *m)
+{
+    int code = orl_annual_year_make(m->result, &m->report->year, m->err);
+    if (code == 0)
+        code = make_grids(m);
+    if (code == 0)
+        code = check_grids(m);
+    return code == 0 ? make_periods(m) : code;
+}
+
+int orl_annual_wishes_check(const struct orl_annual_request *request,
+                            const struct orl_annual_result *result,
+                            const struct orl_annual_wishes *wishes, const struct orl_files *files,
+                            struct orl_error *err)
+{
+    struct orl_annual_report report = {.n_grids = 0};
+    const struct making m = {request, result, wishes, files, &report, err};
+    const int code = prepare(&m);
+    orl_annual_report_done(&report);
+    return code;
+}
+
 int orl_annual_report_make(const struct orl_annual_request *request,
                            const struct orl_annual_result *result,
                            const struct orl_annual_wishes *wishes, const struct orl_files *files,
@@ -294,12 +340,8 @@ int orl_annual_report_make(const struct orl_annual_request *request,
     struct orl_annual_report report = {.n_grids = 0};
     const struct making m = {request, result, wishes, files, &report, err};
     int code = result->total && result->direct
-                   ? orl_annual_year_make(result, &report.year, err)
+                   ? prepare(&m)
                    : orl_error_set(err, ORL_ERR_INVALID, "the year's series were not kept");
-    if (code == 0)
-        code = make_grids(&m);
-    if (code == 0)
-        code = make_periods(&m);
     if (code == 0)
         code = make_values(&m);
     if (code == 0)

@@ -5,8 +5,7 @@
 
 static const char *when_of(enum orl_annual_when when)
 {
-    static const char *const texts[ORL_WHEN_COUNT] = {"of occupied hours", "of daylight hours",
-                                                      "of the year"};
+    static const char *const texts[ORL_WHEN_COUNT] = {"", ", daylight hours", ", all hours"};
     return texts[when];
 }
 
@@ -16,34 +15,34 @@ void orl_annual_metric_title(const struct orl_annual_metric *metric, char *ret_t
     const char *when = when_of(metric->when);
     switch (metric->kind) {
     case ORL_METRIC_DA:
-        snprintf(ret_text, size, "Daylight autonomy at %g lx, %s", low, when);
+        snprintf(ret_text, size, "Daylight autonomy at %g lx%s", low, when);
         break;
     case ORL_METRIC_CDA:
-        snprintf(ret_text, size, "Continuous daylight autonomy at %g lx, %s", low, when);
+        snprintf(ret_text, size, "Continuous daylight autonomy at %g lx%s", low, when);
         break;
     case ORL_METRIC_UDI:
-        snprintf(ret_text, size, "Useful daylight, %g to %g lx, %s", low, high, when);
+        snprintf(ret_text, size, "Useful daylight, %g to %g lx%s", low, high, when);
         break;
     case ORL_METRIC_UDI_LOWER:
-        snprintf(ret_text, size, "Below useful daylight, under %g lx, %s", low, when);
+        snprintf(ret_text, size, "Below useful daylight, under %g lx%s", low, when);
         break;
     case ORL_METRIC_UDI_PART:
-        snprintf(ret_text, size, "Supplementary daylight, %g to %g lx, %s", low, high, when);
+        snprintf(ret_text, size, "Supplementary daylight, %g to %g lx%s", low, high, when);
         break;
     case ORL_METRIC_UDI_UPPER:
-        snprintf(ret_text, size, "Above useful daylight, over %g lx, %s", low, when);
+        snprintf(ret_text, size, "Above useful daylight, over %g lx%s", low, when);
         break;
     case ORL_METRIC_MEAN:
-        snprintf(ret_text, size, "Mean illuminance %s", when);
+        snprintf(ret_text, size, "Mean illuminance%s", when);
         break;
     case ORL_METRIC_CUMULATIVE:
-        snprintf(ret_text, size, "Cumulative illuminance %s", when);
+        snprintf(ret_text, size, "Cumulative illuminance%s", when);
         break;
     case ORL_METRIC_HOURS:
-        snprintf(ret_text, size, "Hours with %g lx or more, %s", low, when);
+        snprintf(ret_text, size, "Hours with %g lx or more%s", low, when);
         break;
     default:
-        snprintf(ret_text, size, "Direct sunlight above %g lx, %s", low, when);
+        snprintf(ret_text, size, "Direct sunlight above %g lx%s", low, when);
         break;
     }
 }

@@ -242,7 +242,7 @@ static void test_areas_and_files_of_occupancy(void **state)
     orl_annual_report_done(&report);
     text[1] = 'x';
     assert_int_equal(orl_annual_report_make(&request, &result, &wishes, &files, &report, &err),
-                     ORL_ERR_RANGE); /* a first line of words, and one too few */
+                     ORL_ERR_SYNTAX);
     orl_annual_wishes_done(&wishes);
     free_result(&result);
 }

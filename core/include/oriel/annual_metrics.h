@@ -230,12 +230,17 @@ struct orl_annual_target {
  *
  * FIGURE: "sDA300/50" ("sDA" is that one; in daylight hours it is EN 17037's), "ASE1000,250"
  * ("ASE"), or an average over the area: "DA300", "cDA300", "UDI100-3000", "UDI_lower100",
- * "UDI_upper3000", "illuminance"; with "least" in front that of the darkest sensor; "hours300" the
- * hours with 300 lx or more, with "of mean" in front those of the mean over the area.
- * RELATION: >= > <= <. UNIT: % lx h; a figure in percent needs no sign unless the number is below
+ * "UDI_upper3000", "UDI_part100-300", "illuminance", "cumulative", "direct_hours1000"; with "least"
+ * in front that of the darkest sensor; "hours300" the hours with 300 lx or more, with "of mean" in
+ * front those of the mean over the area. RELATION: >= > <= <. UNIT: % lx h; a figure in percent
+ * needs no sign unless the number is below
  * 1. Letters may be of either case. ORL_ERR_SYNTAX with what was wanted, and where.
  */
 int orl_annual_target_parse(const char *text, struct orl_annual_target *ret_target,
+                            struct orl_error *err);
+
+/* A metric by itself: "DA300", "UDI100-3000 over the year", "direct_hours1000". The same errors. */
+int orl_annual_metric_parse(const char *text, struct orl_annual_metric *ret_metric,
                             struct orl_error *err);
 
 /* Figures that meet a bound but for rounding (1e-9 of it) meet it. */

@@ -30,6 +30,29 @@ void orl_annual_year_done(struct orl_annual_year *year); /* NULL and zeros are f
 /* The year's step of a row of the weather file. */
 uint32_t orl_annual_step_of(const struct orl_annual_year *year, const struct orl_annual_step *row);
 
+/* ---- What goes in ---------------------------------------------------------------------------- */
+
+/* Sensors of the request's grids: of each that has a file (names[i], else NULL) the file's; the
+ * others keep theirs. Errors: what reading sensors says, with file and line; ORL_ERR_LIMIT. */
+int orl_annual_grids_read(struct orl_annual_request *request, char *const *names,
+                          const struct orl_files *files, struct orl_error *err);
+
+/* Which files were opened, and what they held. */
+struct orl_annual_input {
+    char *name;
+    uint64_t bytes;
+    char digest[ORL_DIGEST_HEX + 1]; /* SHA-256 */
+};
+struct orl_annual_inputs {
+    const struct orl_files *files;  /* borrowed: where they come from */
+    struct orl_annual_input *items; /* each once, in the order they were first opened */
+    size_t count, room;
+};
+/* A provider that passes all on, and notes it. inputs outlives it; orl_annual_inputs_done. */
+struct orl_files orl_annual_inputs_of(struct orl_annual_inputs *inputs,
+                                      const struct orl_files *files);
+void orl_annual_inputs_done(struct orl_annual_inputs *inputs);
+
 /* ---- What is asked --------------------------------------------------------------------------- */
 
 /* Arrays and strings are owned; orl_annual_wishes_done frees them. */
@@ -77,6 +100,7 @@ struct orl_annual_report {
     struct orl_annual_area *areas; /* [figure * (n_grids + 1) + grid]; the last one is of all */
     struct orl_annual_verdict *verdicts;
     size_t n_verdicts;
+    size_t n_unlit; /* sensors that no light ever reaches: inside of something? */
 };
 
 /* files: of the occupancy file, else not asked. Of a result that holds its arrays. ORL_ERR_INVALID
@@ -85,6 +109,12 @@ int orl_annual_report_make(const struct orl_annual_request *request,
                            const struct orl_annual_result *result,
                            const struct orl_annual_wishes *wishes, const struct orl_files *files,
                            struct orl_annual_report *ret_report, struct orl_error *err);
+/* The same errors as far as they are known once the steps are, before anything is computed
+ * (orl_annual_env's begins). */
+int orl_annual_wishes_check(const struct orl_annual_request *request,
+                            const struct orl_annual_result *result,
+                            const struct orl_annual_wishes *wishes, const struct orl_files *files,
+                            struct orl_error *err);
 void orl_annual_report_done(struct orl_annual_report *report); /* NULL and zeros are fine */
 
 /* Rows of the result's arrays as area figures take them: of a grid, or of ORL_ALL_GRIDS. */
@@ -128,7 +158,8 @@ int orl_annual_plan_write(const struct orl_annual_plans *plans,
                           const struct orl_annual_report *report, size_t grid, size_t metric,
                           enum orl_canvas_kind kind, const char *path, struct orl_error *err);
 
-/* What a metric is called at length: "Daylight autonomy at 300 lx, of occupied hours". */
+/* What a metric is called at length: "Daylight autonomy at 300 lx"; occupied hours go without
+ * saying. */
 void orl_annual_metric_title(const struct orl_annual_metric *metric, char *ret_text, size_t size);
 /* And for files: "da300", "udi100-3000", "direct_hours1000". */
 void orl_annual_metric_file(const struct orl_annual_metric *metric, char *ret_text, size_t size);

@@ -96,7 +96,7 @@ static int read_line(struct reading *r, const char *text, size_t size)
     const int n = split(text, size, values);
     if (n == 0 || (size > 0 && text[0] == '#'))
         return 0;
-    if (n < 0 && r->count == 0 && !r->has_words) {
+    if (n < 0 && r->count == 0 && !r->has_words && !memchr("0123456789.+- \t", text[0], 15)) {
         r->has_words = true;
         return 0;
     }

@@ -16,7 +16,7 @@ struct reading {
 
 static int wanted(const struct reading *r, const char *what)
 {
-    orl_error_set(r->err, ORL_ERR_SYNTAX, "'%s' is no target: %s is wanted %s%s%s", r->text, what,
+    orl_error_set(r->err, ORL_ERR_SYNTAX, "'%s': %s is wanted %s%s%s", r->text, what,
                   *r->at ? "at '" : "at its end", r->at, *r->at ? "'" : "");
     orl_error_hint(r->err, "write for instance \"sDA300/50 >= 55 %%\", \"ASE1000,250 <= 10 %%\", "
                            "\"DA300 of office >= 60 %%\"");
@@ -63,6 +63,7 @@ struct kind_name {
 /* Names, with the numbers that those without any have. Longer names first. */
 static const struct kind_name kind_names[] = {
     {"udi_lower", ORL_OVER_AVERAGE, {ORL_METRIC_UDI_LOWER, ORL_WHEN_OCCUPIED, 100, 0}, 0},
+    {"udi_part", ORL_OVER_AVERAGE, {ORL_METRIC_UDI_PART, ORL_WHEN_OCCUPIED, 100, 300}, 0},
     {"udi_upper", ORL_OVER_AVERAGE, {ORL_METRIC_UDI_UPPER, ORL_WHEN_OCCUPIED, 3000, 0}, 0},
     {"udi", ORL_OVER_AVERAGE, {ORL_METRIC_UDI, ORL_WHEN_OCCUPIED, 100, 3000}, 0},
     {"sda", ORL_OVER_SHARE, {ORL_METRIC_DA, ORL_WHEN_OCCUPIED, 300, 0}, 50},
@@ -70,6 +71,8 @@ static const struct kind_name kind_names[] = {
     {"cda", ORL_OVER_AVERAGE, {ORL_METRIC_CDA, ORL_WHEN_OCCUPIED, 300, 0}, 0},
     {"da", ORL_OVER_AVERAGE, {ORL_METRIC_DA, ORL_WHEN_OCCUPIED, 300, 0}, 0},
     {"illuminance", ORL_OVER_AVERAGE, {ORL_METRIC_MEAN, ORL_WHEN_OCCUPIED, 0, 0}, 0},
+    {"cumulative", ORL_OVER_AVERAGE, {ORL_METRIC_CUMULATIVE, ORL_WHEN_ALWAYS, 0, 0}, 0},
+    {"direct_hours", ORL_OVER_AVERAGE, {ORL_METRIC_DIRECT_HOURS, ORL_WHEN_OCCUPIED, 1000, 0}, 0},
     {"hours", ORL_OVER_AVERAGE, {ORL_METRIC_HOURS, ORL_WHEN_ALWAYS, 300, 0}, 0},
 };
 
@@ -95,11 +98,13 @@ static int read_numbers(struct reading *r, struct orl_annual_figure *figure)
 {
     struct orl_annual_metric *metric = &figure->metric;
     int code = 0;
-    if (metric->kind == ORL_METRIC_MEAN || !take_number(r, &metric->low_lx))
+    const bool range = metric->kind == ORL_METRIC_UDI || metric->kind == ORL_METRIC_UDI_PART;
+    if (metric->kind == ORL_METRIC_MEAN || metric->kind == ORL_METRIC_CUMULATIVE ||
+        !take_number(r, &metric->low_lx))
         return 0;
     if (figure->over == ORL_OVER_SHARE)
         code = take_second(r, &figure->least);
-    else if (metric->kind == ORL_METRIC_UDI)
+    else if (range)
         code = take_second(r, &metric->high_lx);
     if (code == 0 && figure->over == ORL_OVER_SHARE && !take(r, "%"))
         take(r, "h");
@@ -107,7 +112,7 @@ static int read_numbers(struct reading *r, struct orl_annual_figure *figure)
         return code;
     if (!(metric->low_lx > 0) && metric->kind != ORL_METRIC_DIRECT_HOURS)
         return wanted(r, "an illuminance above 0 lx before what stands");
-    if (metric->kind == ORL_METRIC_UDI && metric->high_lx < metric->low_lx)
+    if (range && metric->high_lx < metric->low_lx)
         return wanted(r, "a range from the lower to the higher illuminance before what stands");
     if (metric->kind == ORL_METRIC_DA && figure->over == ORL_OVER_SHARE && figure->least > 100)
         return wanted(r, "a share of the hours, in percent, before what stands");
@@ -139,12 +144,20 @@ static int read_grid(struct reading *r, char ret_grid[ORL_TARGET_GRID])
     return 0;
 }
 
+static void read_when(struct reading *r, enum orl_annual_when *when)
+{
+    if (take(r, "in daylight hours"))
+        *when = ORL_WHEN_DAYLIGHT;
+    else if (take(r, "over the year"))
+        *when = ORL_WHEN_ALWAYS;
+}
+
 static int read_figure(struct reading *r, struct orl_annual_target *target)
 {
     const bool least = take(r, "least");
     const struct kind_name *kind = take_kind(r);
     if (!kind)
-        return wanted(r, "a figure's name (sDA, ASE, DA, cDA, UDI, illuminance, hours)");
+        return wanted(r, "a figure's name (sDA, ASE, DA, cDA, UDI, illuminance, hours, ...)");
     target->figure = (struct orl_annual_figure){kind->over, kind->metric, kind->least};
     if (least && kind->over == ORL_OVER_SHARE)
         return orl_error_set(r->err, ORL_ERR_SYNTAX, "'%s': a share of the area has no least one",
@@ -159,13 +172,31 @@ static int read_figure(struct reading *r, struct orl_annual_target *target)
                                  r->text);
         target->figure.over = ORL_OVER_OF_MEAN;
     }
-    if (code == 0 && take(r, "in daylight hours"))
-        target->figure.metric.when = ORL_WHEN_DAYLIGHT;
-    else if (code == 0 && take(r, "over the year"))
-        target->figure.metric.when = ORL_WHEN_ALWAYS;
+    if (code == 0)
+        read_when(r, &target->figure.metric.when);
     if (code == 0 && take(r, "of"))
         code = read_grid(r, target->grid);
     return code;
+}
+
+int orl_annual_metric_parse(const char *text, struct orl_annual_metric *ret_metric,
+                            struct orl_error *err)
+{
+    struct reading r = {.text = text, .at = text, .err = err};
+    const struct kind_name *kind = take_kind(&r);
+    if (!kind || kind->over != ORL_OVER_AVERAGE)
+        return wanted(&r, "a metric of sensors (DA, cDA, UDI, udi_lower, udi_part, udi_upper, "
+                          "illuminance, cumulative, hours, direct_hours)");
+    struct orl_annual_figure figure = {kind->over, kind->metric, 0};
+    const int code = read_numbers(&r, &figure);
+    if (code < 0)
+        return code;
+    read_when(&r, &figure.metric.when);
+    skip_space(&r);
+    if (*r.at)
+        return wanted(&r, "nothing more");
+    *ret_metric = figure.metric;
+    return 0;
 }
 
 /* ---- Relation and bound ---------------------------------------------------------------------- */

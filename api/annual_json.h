@@ -1,0 +1,60 @@
+/*
+ * A year's document (JSON) -> struct orl_annual_job, and what was found -> result.json.
+ *
+ *     {"kind": "annual", "title": "The office" (optional),
+ *      "scene": as in a job (job_json.h), without a sky of its own,
+ *      "weather": "oakland.epw" (or .wea), "north": 0 (degrees, counter-clockwise from +Y),
+ *      "ground_reflectance": 0.2,
+ *      "grids": [{"name": "desks" (by default its file's name), "area": 20.5 (for all or none),
+ *                 "sensors": {"file": "desks.pts"} or [[x, y, z, dx, dy, dz], ...]}],
+ *      or "sensors" alone, as in a job,
+ *      "occupancy": {"from": 8, "to": 18, "days": ["mon", ...], "first_day": "sun"}
+ *                   or {"file": "occupancy.csv"} (oriel/annual_metrics.h),
+ *      "metrics": ["DA300", "UDI100-3000", ...], "targets": ["sDA300/50 >= 55 %", ...],
+ *      "rules": ["EN 17037", "LEED", ...], "samples": 2048 (paths a sensor), "seed": 0}
+ *
+ * result.json:
+ *     {"kind": "annual", "state", "title", "location": {"latitude", "longitude", "time_zone"},
+ *      "hours": {"occupied", "daylight", "year", "missing", "sun_up"},
+ *      "grids": [{"name", "sensors", "figures": [{"name", "unit", "value", "interval_95", "open"
+ *      (sensors whose side is open)}]}], "all": {the same} (of several grids together),
+ *      "verdicts": [{"rule", "clause" (null: the job's own target), "target", "grid" (null: all),
+ *      "unit", "value", "interval_95", "open", "verdict"}],
+ *      "rules": [{"rule", "grid", "verdict"}] (all targets of each),
+ *      "files": [...], "provenance": {"version", "seed", "samples", "inputs": [{"name", "bytes",
+ *      "sha256"}], "settings": {...}}, "timings_s", "threads", "warnings"}
+ * Numbers that are not known are null.
+ *
+ * Rules, ownership, threads and errors as in job_json.h.
+ */
+#ifndef ORL_API_ANNUAL_JSON_H
+#define ORL_API_ANNUAL_JSON_H
+
+#include <jansson.h>
+
+#include <oriel/annual_report.h>
+
+#include "job_json.h"
+
+/* All of it owned; orl_annual_job_done frees it. */
+struct orl_annual_job {
+    char *title;
+    struct orl_annual_request
+        request; /* sensors of files are not read yet: orl_annual_grids_read */
+    struct orl_annual_wishes wishes;
+    char **grid_files; /* of each grid; NULL where its sensors are written out */
+};
+void orl_annual_job_done(struct orl_annual_job *job); /* NULL and zeros are fine */
+
+/* Decodes doc; origin and ret_scene_id as in orl_job_from_json. */
+int orl_annual_job_from_json(const json_t *doc, enum orl_job_origin origin,
+                             struct orl_annual_job *ret_job, char **ret_scene_id,
+                             struct orl_error *err);
+
+/* A new reference, the caller's; NULL when out of memory. files: an array of names, borrowed. */
+json_t *orl_annual_report_to_json(const struct orl_annual_job *job,
+                                  const struct orl_annual_result *result,
+                                  const struct orl_annual_report *report,
+                                  const struct orl_annual_inputs *inputs, json_t *files);
+
+#endif

@@ -1,0 +1,216 @@
+/* What was found of a year, as result.json has it. */
+#include <string.h>
+
+#include <oriel/version.h>
+
+#include "annual_json.h"
+#include "encode.h"
+
+/* As in result_json.c: json_pack's "o" fails on NULL, so that one check covers all parts. */
+
+/* Takes item, NULL included, which is an error: the array is gone then. */
+static json_t *append(json_t *array, json_t *item)
+{
+    if (!array || json_array_append_new(array, item) == 0)
+        return array;
+    json_decref(array);
+    return NULL;
+}
+
+static json_t *text_or_null(const char *text)
+{
+    return text ? orl_json_from_text(text) : json_null();
+}
+
+static json_t *interval_to_json(const struct orl_annual_value *value)
+{
+    return json_pack("[o, o]", orl_json_from_real(value->low), orl_json_from_real(value->high));
+}
+
+static const char *unit_of(const struct orl_annual_figure *figure)
+{
+    return figure->over == ORL_OVER_SHARE ? "%" : orl_annual_unit(figure->metric.kind);
+}
+
+/* ---- Figures --------------------------------------------------------------------------------- */
+
+static json_t *figure_to_json(const struct orl_annual_figure *figure,
+                              const struct orl_annual_area *area)
+{
+    char metric[64], name[96];
+    orl_annual_metric_name(&figure->metric, metric, sizeof metric);
+    if (figure->over == ORL_OVER_SHARE)
+        snprintf(name, sizeof name, "%s%g%c%g",
+                 figure->metric.kind == ORL_METRIC_DA ? "sDA" : "ASE", figure->metric.low_lx,
+                 figure->metric.kind == ORL_METRIC_DA ? '/' : ',', figure->least);
+    else
+        snprintf(name, sizeof name, "average %s", metric);
+    return json_pack("{s:s, s:s, s:s, s:o, s:o, s:I}", "name", name, "when",
+                     orl_annual_when_name(figure->metric.when), "unit", unit_of(figure), "value",
+                     orl_json_from_real(area->value.value), "interval_95",
+                     interval_to_json(&area->value), "open", (json_int_t)area->open);
+}
+
+/* place: a grid, or the one behind the last. */
+static json_t *figures_to_json(const struct orl_annual_report *report, size_t place)
+{
+    json_t *array = json_array();
+    for (size_t f = 0; array && f < report->n_figures; f++)
+        array = append(array, figure_to_json(&report->figures[f],
+                                             &report->areas[f * (report->n_grids + 1) + place]));
+    return array;
+}
+
+static json_t *grids_to_json(const struct orl_annual_report *report)
+{
+    json_t *array = json_array();
+    for (size_t g = 0; array && g < report->n_grids; g++)
+        array = append(array, json_pack("{s:o, s:I, s:o}", "name",
+                                        orl_json_from_text(report->grids[g].name), "sensors",
+                                        (json_int_t)report->grids[g].count, "figures",
+                                        figures_to_json(report, g)));
+    return array;
+}
+
+/* ---- Verdicts -------------------------------------------------------------------------------- */
+
+static json_t *grid_name(const struct orl_annual_report *report, size_t grid)
+{
+    return text_or_null(grid == ORL_ALL_GRIDS ? NULL : report->grids[grid].name);
+}
+
+static json_t *verdicts_to_json(const struct orl_annual_report *report)
+{
+    json_t *array = json_array();
+    for (size_t i = 0; array && i < report->n_verdicts; i++) {
+        const struct orl_annual_verdict *v = &report->verdicts[i];
+        array = append(array,
+                       json_pack("{s:o, s:o, s:o, s:o, s:s, s:o, s:o, s:I, s:s}", "rule",
+                                 text_or_null(v->rule ? v->rule->name : NULL), "clause",
+                                 text_or_null(v->rule ? v->rule->clause : NULL), "target",
+                                 orl_json_from_text(v->target.text), "grid",
+                                 grid_name(report, v->grid), "unit", unit_of(&v->target.figure),
+                                 "value", orl_json_from_real(v->area.value.value), "interval_95",
+                                 interval_to_json(&v->area.value), "open", (json_int_t)v->area.open,
+                                 "verdict", orl_verdict_name(v->verdict)));
+    }
+    return array;
+}
+
+/* Whether an earlier verdict is of the same rule and grid. */
+static bool was_told(const struct orl_annual_verdict *verdicts, size_t i)
+{
+    for (size_t k = 0; k < i; k++)
+        if (verdicts[k].rule == verdicts[i].rule && verdicts[k].grid == verdicts[i].grid)
+            return true;
+    return false;
+}
+
+static json_t *rules_to_json(const struct orl_annual_report *report)
+{
+    const struct orl_annual_verdict *v = report->verdicts;
+    json_t *array = json_array();
+    for (size_t i = 0; array && i < report->n_verdicts; i++) {
+        enum orl_verdict all = ORL_VERDICT_PASS;
+        if (!v[i].rule || was_told(v, i))
+            continue;
+        for (size_t k = i; k < report->n_verdicts; k++)
+            if (v[k].rule == v[i].rule && v[k].grid == v[i].grid)
+                all = orl_verdict_both(all, v[k].verdict);
+        array = append(array,
+                       json_pack("{s:s, s:o, s:s}", "rule", v[i].rule->name, "grid",
+                                 grid_name(report, v[i].grid), "verdict", orl_verdict_name(all)));
+    }
+    return array;
+}
+
+/* ---- Provenance ------------------------------------------------------------------------------ */
+
+static json_t *inputs_to_json(const struct orl_annual_inputs *inputs)
+{
+    json_t *array = json_array();
+    for (size_t i = 0; array && i < inputs->count; i++)
+        array = append(array, json_pack("{s:o, s:I, s:s}", "name",
+                                        orl_json_from_text(inputs->items[i].name), "bytes",
+                                        (json_int_t)inputs->items[i].bytes, "sha256",
+                                        inputs->items[i].digest));
+    return array;
+}
+
+static json_t *scene_to_json(const struct orl_annual_request *request)
+{
+    json_t *array = json_array();
+    for (size_t i = 0; array && i < request->n_scene_files; i++)
+        array = append(array, orl_json_from_text(request->scene_files[i]));
+    return array;
+}
+
+static json_t *occupancy_to_json(const struct orl_annual_wishes *wishes)
+{
+    const struct orl_occupancy *use = &wishes->occupancy;
+    if (wishes->occupancy_file)
+        return json_pack("{s:o}", "file", orl_json_from_text(wishes->occupancy_file));
+    return json_pack("{s:f, s:f, s:i}", "from", use->from_h, "to", use->to_h, "days_of_week",
+                     __builtin_popcount(use->days & 0x7f));
+}
+
+static json_t *provenance_to_json(const struct orl_annual_job *job,
+                                  const struct orl_annual_result *result,
+                                  const struct orl_annual_inputs *inputs)
+{
+    const struct orl_annual_request *request = &job->request;
+    return json_pack("{s:s, s:I, s:I, s:o, s:{s:o, s:o, s:f, s:f, s:o}}", "version", ORL_VERSION,
+                     "seed", (json_int_t)result->seed, "samples", (json_int_t)result->samples,
+                     "inputs", inputs_to_json(inputs), "settings", "scene", scene_to_json(request),
+                     "weather", orl_json_from_text(request->weather_file), "north",
+                     request->north_deg, "ground_reflectance", request->ground_reflectance,
+                     "occupancy", occupancy_to_json(&job->wishes));
+}
+
+/* ---- The whole ------------------------------------------------------------------------------- */
+
+static json_t *timings_to_json(const struct orl_annual_result *result)
+{
+    json_t *timings = json_pack("{s:f}", "total", result->total_s);
+    for (int stage = 0; timings && stage < ORL_ANNUAL_STAGES; stage++)
+        if (json_object_set_new(timings, orl_annual_stage_name((enum orl_annual_stage)stage),
+                                json_real(result->timings_s[stage]))) {
+            json_decref(timings);
+            return NULL;
+        }
+    return timings;
+}
+
+static json_t *warnings_to_json(const struct orl_annual_result *result)
+{
+    json_t *array = json_array();
+    for (size_t i = 0; array && i < result->n_warnings; i++)
+        array = append(array, orl_json_from_text(result->warnings[i]));
+    return array;
+}
+
+static json_t *hours_to_json(const struct orl_annual_report *report)
+{
+    const struct orl_annual_period *p = report->periods;
+    const double per_hour = report->year.steps.per_hour;
+    return json_pack("{s:f, s:f, s:f, s:f, s:f}", "occupied", p[ORL_WHEN_OCCUPIED].hours,
+                     "daylight", p[ORL_WHEN_DAYLIGHT].hours, "year", p[ORL_WHEN_ALWAYS].hours,
+                     "missing", (double)report->year.n_missing / per_hour, "sun_up",
+                     (double)report->year.n_columns / per_hour);
+}
+
+json_t *orl_annual_report_to_json(const struct orl_annual_job *job,
+                                  const struct orl_annual_result *result,
+                                  const struct orl_annual_report *report,
+                                  const struct orl_annual_inputs *inputs, json_t *files)
+{
+    json_t *all = report->n_grids > 1 ? figures_to_json(report, report->n_grids) : json_null();
+    return json_pack(
+        "{s:s, s:s, s:o, s:{s:f, s:f, s:f}, s:o, s:o, s:o, s:o, s:o, s:O, s:o, s:o, s:I, s:o}",
+        "kind", "annual", "state", "succeeded", "title", text_or_null(job->title), "location",
+        "latitude", result->latitude_deg, "longitude", result->longitude_deg, "time_zone",
+        result->time_zone_h, "hours", hours_to_json(report), "grids", grids_to_json(report), "all",
+        all, "verdicts", verdicts_to_json(report), "rules", rules_to_json(report), "files", files,
+        "provenance", provenance_to_json(job, result, inputs), "timings_s", timings_to_json(result),
+        "threads", (json_int_t)result->threads, "warnings", warnings_to_json(result));
+}

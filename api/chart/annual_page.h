@@ -1,0 +1,25 @@
+/*
+ * One page to show of a year: figures and verdicts with their intervals, a grid over its plan, the
+ * year as a carpet, and what was assumed. In the proportions of A4, upright.
+ */
+#ifndef ORL_CHART_ANNUAL_PAGE_H
+#define ORL_CHART_ANNUAL_PAGE_H
+
+#include <oriel/annual_report.h>
+#include <oriel/canvas.h>
+
+struct orl_annual_page {
+    const char *title; /* NULL: the grid's name alone */
+    const struct orl_annual_request *request;
+    const struct orl_annual_wishes *wishes;
+    const struct orl_annual_result *result;
+    const struct orl_annual_report *report;
+    const struct orl_annual_plans *plans;
+    size_t grid;
+};
+
+/* Returns 0, ORL_ERR_NOMEM or ORL_ERR_IO. */
+int orl_annual_page_write(const struct orl_annual_page *page, enum orl_canvas_kind kind,
+                          const char *path, struct orl_error *err);
+
+#endif

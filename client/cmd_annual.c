@@ -1,0 +1,175 @@
+/*
+ * oriel annual JOB.json -o DIR: a year of daylight at grids of sensors, in this process. DIR gets
+ * result.json, also when it failed, tables, maps and pages.
+ */
+#include "command.h"
+
+#include <stdio.h>
+#include <unistd.h>
+
+#include "annual_files.h"
+#include "files.h"
+#include "job_file.h"
+#include "local.h"
+#include "problem.h"
+#include "report.h"
+
+/* ---- What came of it ------------------------------------------------------------------------- */
+
+static void print_verdict(const struct orl_annual_report *report,
+                          const struct orl_annual_verdict *v)
+{
+    const char *grid = v->grid == ORL_ALL_GRIDS ? "all grids" : report->grids[v->grid].name;
+
+    printf("%-10s %s%s%s (%s): %.4g [%.4g, %.4g]\n", orl_verdict_name(v->verdict),
+           v->rule ? v->rule->name : "", v->rule ? ": " : "", v->target.text, grid,
+           v->area.value.value, v->area.value.low, v->area.value.high);
+}
+
+static void print_summary(const struct orl_annual_result *result,
+                          const struct orl_annual_report *report, const char *output)
+{
+    for (size_t i = 0; i < result->n_warnings; i++)
+        fprintf(stderr, "warning: %s\n", result->warnings[i]);
+    if (report->year.n_missing > 0)
+        fprintf(stderr, "warning: %zu steps of the year are not in the weather file\n",
+                report->year.n_missing);
+    if (report->n_unlit > 0)
+        fprintf(stderr,
+                "warning: no light ever reaches %zu sensors: are they inside of something?\n",
+                report->n_unlit);
+    for (size_t i = 0; i < report->n_verdicts; i++)
+        print_verdict(report, &report->verdicts[i]);
+    fprintf(stderr, "seconds:");
+    for (int i = 0; i < ORL_ANNUAL_STAGES; i++)
+        fprintf(stderr, " %s %.2f", orl_annual_stage_name((enum orl_annual_stage)i),
+                result->timings_s[i]);
+    fprintf(stderr, " total %.2f (threads %u)\n", result->total_s, result->threads);
+    printf("%s/result.json\n", output);
+}
+
+static int write_result(const char *output, json_t *json, struct orl_error *err)
+{
+    char path[4096];
+    int rc = json ? orl_join_path(output, "result.json", path, sizeof path, err)
+                  : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+
+    return rc ? rc : orl_write_json(path, json, err);
+}
+
+static int tell_report(const struct orl_annual_output *output, const struct orl_local_year *year,
+                       const struct orl_annual_report *report, struct orl_error *err)
+{
+    json_t *files = json_array(), *json = NULL;
+    int rc = files ? orl_annual_files_write(output, year, report, files, err)
+                   : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+
+    if (rc == 0) {
+        json = orl_annual_report_to_json(year->job, year->result, report, year->inputs, files);
+        rc = write_result(output->folder, json, err);
+    }
+    if (rc == 0)
+        print_summary(year->result, report, output->folder);
+    json_decref(json);
+    json_decref(files);
+    return rc;
+}
+
+static int tell(void *ctx, const struct orl_local_year *year, struct orl_error *err)
+{
+    struct orl_annual_report report = {.n_grids = 0};
+    int rc = orl_annual_report_make(&year->job->request, year->result, &year->job->wishes,
+                                    year->env->files, &report, err);
+
+    if (rc == 0)
+        rc = tell_report(ctx, year, &report, err);
+    orl_annual_report_done(&report);
+    return rc;
+}
+
+/* ---- The run --------------------------------------------------------------------------------- */
+
+static void tell_failure(const char *output, const struct orl_error *err)
+{
+    struct orl_error second = {0};
+    json_t *json = json_pack("{s:s, s:s, s:o}", "kind", "annual", "state",
+                             err->code == ORL_ERR_CANCELLED ? "cancelled" : "failed", "error",
+                             orl_problem_from_error(err, NULL));
+
+    if (write_result(output, json, &second))
+        orl_report_error(&second);
+    json_decref(json);
+    orl_report_error(err);
+}
+
+static int decode(const struct orl_job_file *file, struct orl_annual_job *ret_job,
+                  struct orl_error *err)
+{
+    const int rc = orl_annual_job_from_json(file->doc, ORL_JOB_LOCAL, ret_job, NULL, err);
+
+    if (rc)
+        orl_error_at(err, file->path, 0, NULL);
+    return rc;
+}
+
+static int run_document(const char *document, struct orl_annual_output *output, uint32_t threads)
+{
+    struct orl_job_file file = {0};
+    struct orl_annual_job job = {0};
+    struct orl_error err = {0};
+    char path[4096];
+    int rc = orl_make_folder(output->folder, &err);
+
+    if (rc == 0)
+        rc = orl_join_path(output->folder, "result.json", path, sizeof path, &err);
+    if (rc)
+        return orl_report_error(&err);
+    unlink(path); /* an earlier run's success must not outlive this one's start */
+    rc = orl_job_file_read(document, &file, &err);
+    if (rc == 0)
+        rc = decode(&file, &job, &err);
+    if (rc == 0)
+        rc = orl_local_annual(&job, file.folder, output->folder, threads, tell, output, &err);
+    if (rc)
+        tell_failure(output->folder, &err);
+    orl_annual_job_done(&job);
+    orl_job_file_done(&file);
+    return rc ? ORL_EXIT_FAILED : ORL_EXIT_OK;
+}
+
+int orl_cmd_annual(const struct orl_subcommand *self, int argc, char **argv)
+{
+    struct orl_annual_output output = {0};
+    const char *threads_text = NULL;
+    const struct orl_option options[] = {
+        {.name = "output",
+         .letter = 'o',
+         .metavar = "DIR",
+         .help = "where result.json, tables, maps and pages go",
+         .value = &output.folder},
+        {.name = "honeybee",
+         .help = "all hours as Honeybee's results folder, in DIR/results",
+         .flag = &output.honeybee},
+        {.name = "ill",
+         .help = "all hours as Radiance matrices, DIR/GRID.ill",
+         .flag = &output.matrices},
+        {.name = "threads",
+         .letter = 'j',
+         .metavar = "N",
+         .help = "threads to use (default: one per core); results do not depend on it",
+         .value = &threads_text},
+    };
+    struct orl_operands operands;
+    uint64_t threads = orl_local_cores();
+    int code;
+
+    if (!orl_options_parse(self, argc, argv, options, 4, 1, 1, &operands, &code))
+        return code;
+    if (!output.folder)
+        return orl_usage_error(self, "-o DIR is missing");
+    code = orl_options_threads(self, threads_text, &threads);
+    if (code)
+        return code;
+    orl_local_catch_interrupts();
+    return run_document(operands.items[0], &output, (uint32_t)threads);
+}

@@ -1,0 +1,204 @@
+/* `oriel annual` as a script sees it: usage, mistakes, and the two days of a year to their end. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+#include <jansson.h>
+
+#include "support/cli.h"
+#include "support/room.h"
+
+static const char scene_text[] = ROOM_GREY ROOM_CLEAR ROOM_SHELL ROOM_PANE;
+
+static const char year_text[] =
+    "{\"kind\": \"annual\", \"title\": \"A room\", \"scene\": {\"files\": [\"room.rad\"]},\n"
+    " \"weather\": \"place.epw\", \"samples\": 64, \"seed\": 3,\n"
+    " \"grids\": [{\"name\": \"the desks\", \"sensors\": {\"file\": \"desks.pts\"}},\n"
+    "             {\"sensors\": [[2, 2, 1.2, 0, -1, 0]]}],\n"
+    " \"targets\": [\"sDA300/50 of the desks >= 1 %\", \"ASE <= 10 %\"], \"rules\": [\"EN 17037 "
+    "minimum\"]}\n";
+
+static int set_up(void **state)
+{
+    static char desks[2048];
+    size_t at = 0;
+    for (int i = 0; i < 24; i++)
+        at += (size_t)snprintf(desks + at, sizeof desks - at, "%g %g 0.8 0 0 1\n",
+                               0.5 + 0.5 * (i % 6), 0.5 + 0.75 * (double)(i / 6));
+    const struct cli_file files[] = {
+        {"year.json", year_text}, {"room.rad", scene_text}, {"desks.pts", desks}, {NULL, NULL}};
+    const int code = cli_desk_set_up(state, files);
+    char *weather = cli_read_file("tests/fixtures", "weather.epw");
+    assert_non_null(weather);
+    cli_write_file(((struct cli_desk *)*state)->folder, "place.epw", weather);
+    free(weather);
+    return code;
+}
+
+static void assert_says(const char *text, const char *wanted)
+{
+    if (!strstr(text, wanted))
+        fail_msg("expected \"%s\" in:\n%s", wanted, text);
+}
+
+static void test_wrong_command_lines_exit_with_2(void **state)
+{
+    struct cli_desk *f = *state;
+    const char *const no_output[] = {"annual", f->document, NULL};
+    const char *const no_document[] = {"annual", "-o", f->output, NULL};
+    const char *const help[] = {"annual", "--help", NULL};
+
+    cli_run(no_output, &f->result);
+    assert_int_equal(f->result.exit_code, 2);
+    assert_says(f->result.err, "-o DIR is missing");
+    cli_run(no_document, &f->result);
+    assert_int_equal(f->result.exit_code, 2);
+    cli_run(help, &f->result);
+    assert_int_equal(f->result.exit_code, 0);
+    assert_says(f->result.out, "--honeybee");
+}
+
+static void test_mistakes_name_file_and_place(void **state)
+{
+    static const struct {
+        const char *from, *to, *says;
+    } cases[] = {
+        {"\"ASE <= 10 %\"", "\"ASE <= lots\"", "year.json: targets[1]: "},
+        {"of the desks", "of the moon", "there is no grid named 'the moon'"},
+        {"place.epw", "nowhere.epw", "nowhere.epw"},
+        {"desks.pts", "chairs.pts", "chairs.pts"},
+        {"\"samples\": 64", "\"occupancy\": {\"file\": \"desks.pts\"}", "desks.pts:1: "},
+    };
+    struct cli_desk *f = *state;
+    const char *const args[] = {"annual", f->document, "-o", f->output, NULL};
+
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        const char *at = strstr(year_text, cases[i].from);
+        char text[2048];
+
+        assert_non_null(at);
+        snprintf(text, sizeof text, "%.*s%s%s", (int)(at - year_text), year_text, cases[i].to,
+                 at + strlen(cases[i].from));
+        cli_write_file(f->folder, "year.json", text);
+        cli_run(args, &f->result);
+        assert_int_equal(f->result.exit_code, 1);
+        assert_says(f->result.err, cases[i].says);
+        char *result = cli_read_file(f->output, "result.json");
+        assert_non_null(result);
+        assert_says(result, "\"failed\"");
+        free(result);
+    }
+}
+
+static json_t *run(struct cli_desk *f, const char *threads)
+{
+    const char *const args[] = {"annual", f->document,  "-o",    f->output, "-j",
+                                threads,  "--honeybee", "--ill", NULL};
+    char path[256];
+    cli_run(args, &f->result);
+    if (f->result.exit_code != 0)
+        fail_msg("%s", f->result.err);
+    snprintf(path, sizeof path, "%s/result.json", f->output);
+    json_t *result = json_load_file(path, 0, NULL);
+    assert_non_null(result);
+    return result;
+}
+
+static const char *text_at(const json_t *list, size_t i, const char *member)
+{
+    const char *text = json_string_value(json_object_get(json_array_get(list, i), member));
+    return text ? text : "(none)";
+}
+
+static void assert_files_are_there(const struct cli_desk *f, const json_t *result)
+{
+    const json_t *files = json_object_get(result, "files"), *name;
+    size_t i;
+    bool page = false, carpet = false;
+
+    json_array_foreach(files, i, name)
+    {
+        char path[256];
+        snprintf(path, sizeof path, "%s/%s", f->output, json_string_value(name));
+        if (access(path, R_OK) != 0)
+            fail_msg("%s is not there", path);
+        page = page || strcmp(json_string_value(name), "the_desks.page.svg") == 0;
+        carpet = carpet || strcmp(json_string_value(name), "grid2.year300.png") == 0;
+    }
+    assert_true(page && carpet);
+}
+
+/* Two days of the year: the others count nowhere, and a warning says so. */
+static void test_a_year_to_its_end(void **state)
+{
+    struct cli_desk *f = *state;
+    json_t *result = run(f, "1");
+    const json_t *verdicts = json_object_get(result, "verdicts");
+    const json_t *hours = json_object_get(result, "hours");
+    const json_t *provenance = json_object_get(result, "provenance");
+    const json_t *inputs = json_object_get(provenance, "inputs");
+
+    assert_string_equal(json_string_value(json_object_get(result, "state")), "succeeded");
+    assert_int_equal(json_array_size(json_object_get(result, "grids")), 2);
+    assert_true(json_number_value(json_object_get(hours, "year")) < 300);
+    assert_true(json_number_value(json_object_get(hours, "missing")) > 8000);
+    /* One grid by name; all of them, and each, for the other target and two of the rule. */
+    assert_int_equal(json_array_size(verdicts), 1 + 3 + 3 * 2);
+    assert_string_equal(text_at(verdicts, 0, "grid"), "the desks");
+    assert_string_equal(text_at(verdicts, 1, "grid"), "(none)");
+    assert_string_equal(text_at(verdicts, 9, "rule"), "EN 17037 minimum");
+    assert_int_equal(json_array_size(json_object_get(result, "rules")), 3);
+    assert_int_equal(json_integer_value(json_object_get(provenance, "samples")), 64);
+    assert_int_equal(json_array_size(inputs), 3);
+    assert_string_equal(text_at(inputs, 0, "name"), "desks.pts");
+    assert_int_equal(strlen(text_at(inputs, 0, "sha256")), 64);
+    assert_says(f->result.err, "steps of the year are not in the weather file");
+    assert_says(f->result.out, "result.json");
+    assert_files_are_there(f, result);
+    char *page = cli_read_file(f->output, "the_desks.page.svg");
+    assert_non_null(page);
+    assert_says(page, ">A room</text>");
+    assert_says(page, "EN 17037 minimum: ");
+    free(page);
+    json_decref(result);
+}
+
+static void test_threads_change_nothing(void **state)
+{
+    static const char *const names[] = {"sensors.csv", "hours.csv", "the_desks.page.svg",
+                                        "the_desks.da300.svg", "the_desks.year.svg"};
+    enum { NAMES = sizeof names / sizeof *names };
+    struct cli_desk *f = *state;
+    char *first[NAMES];
+
+    json_decref(run(f, "1"));
+    for (int i = 0; i < NAMES; i++)
+        assert_non_null(first[i] = cli_read_file(f->output, names[i]));
+    json_decref(run(f, "3"));
+    for (int i = 0; i < NAMES; i++) {
+        char *again = cli_read_file(f->output, names[i]);
+        assert_non_null(again);
+        assert_string_equal(first[i], again);
+        free(again);
+        free(first[i]);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(test_wrong_command_lines_exit_with_2, set_up,
+                                        cli_desk_tear_down),
+        cmocka_unit_test_setup_teardown(test_mistakes_name_file_and_place, set_up,
+                                        cli_desk_tear_down),
+        cmocka_unit_test_setup_teardown(test_a_year_to_its_end, set_up, cli_desk_tear_down),
+        cmocka_unit_test_setup_teardown(test_threads_change_nothing, set_up, cli_desk_tear_down),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,158 @@
+/* A year as a carpet: where its days and hours are, what is left out, what its legend says. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+#include <math.h>
+
+#include "chart/temporal_map.h"
+#include "support/cli.h"
+
+static char folder[64];
+
+static int set_up(void **state)
+{
+    (void)state;
+    cli_make_folder(folder);
+    return 0;
+}
+
+static int tear_down(void **state)
+{
+    (void)state;
+    cli_remove_folder(folder);
+    return 0;
+}
+
+/* As an SVG; owned. */
+static char *draw(const struct orl_temporal_map *map)
+{
+    char path[128];
+    snprintf(path, sizeof path, "%s/a.svg", folder);
+    assert_int_equal(orl_temporal_map_write(map, ORL_CANVAS_SVG, path, NULL), 0);
+    char *text = cli_read_file(folder, "a.svg");
+    assert_non_null(text);
+    return text;
+}
+
+static size_t count(const char *text, const char *part)
+{
+    size_t n = 0;
+    for (const char *at = strstr(text, part); at; at = strstr(at + 1, part))
+        n++;
+    return n;
+}
+
+static float *make_values(size_t n, float value)
+{
+    float *values = malloc(n * sizeof *values);
+    assert_non_null(values);
+    for (size_t i = 0; i < n; i++)
+        values[i] = value;
+    return values;
+}
+
+/* Of an even year every day is one box; each hour that differs makes two more. */
+static void test_boxes(void **state)
+{
+    float *values = make_values(8760, 150);
+    struct orl_temporal_map map = {
+        .title = "Even", .unit = "lx", .steps = {8760, 1}, .values = values, .top = 300};
+    char *plain = draw(&map);
+    (void)state;
+    values[24 * 40 + 12] = 300;
+    char *spot = draw(&map);
+    assert_int_equal(count(spot, "<polygon") + count(spot, "<path") + count(spot, "<rect"),
+                     count(plain, "<polygon") + count(plain, "<path") + count(plain, "<rect") + 2);
+    values[24 * 40 + 12] = 150;
+    for (int i = 0; i < 24; i++)
+        values[24 * 40 + i] = ORL_SUN_DOWN;
+    char *night = draw(&map);
+    assert_int_equal(count(night, "<polygon") + count(night, "<path") + count(night, "<rect"),
+                     count(plain, "<polygon") + count(plain, "<path") + count(plain, "<rect") - 1);
+    free(plain);
+    free(spot);
+    free(night);
+    free(values);
+}
+
+static void test_words(void **state)
+{
+    float *values = make_values(17568, 42000);
+    struct orl_temporal_map map = {
+        .title = "A leap year of half hours", .unit = "lx", .steps = {17568, 2}, .values = values};
+    char *text = draw(&map);
+    (void)state;
+    assert_non_null(strstr(text, ">A leap year of half hours</text>"));
+    assert_non_null(strstr(text, ">Jan</text>"));
+    assert_non_null(strstr(text, ">Dec</text>"));
+    assert_non_null(strstr(text, ">18:00</text>"));
+    assert_non_null(strstr(text, ">50000 lx +</text>")); /* the next round number, and more */
+    assert_non_null(strstr(text, ">10000</text>"));
+    free(text);
+    map.logarithmic = true;
+    map.top = 3000;
+    text = draw(&map);
+    assert_non_null(strstr(text, ">3000 lx</text>"));
+    assert_non_null(strstr(text, ">1000</text>"));
+    assert_non_null(strstr(text, ">300</text>"));
+    assert_non_null(strstr(text, ">3</text>"));
+    assert_null(strstr(text, ">1</text>"));
+    free(text);
+    free(values);
+}
+
+/* A year without any light, or any measurement, has a scale all the same. */
+static void test_nothing_to_show(void **state)
+{
+    static const float fills[] = {0, ORL_SUN_DOWN, NAN};
+    (void)state;
+    for (size_t i = 0; i < sizeof fills / sizeof *fills; i++) {
+        float *values = make_values(8760, fills[i]);
+        const struct orl_temporal_map map = {
+            .title = "Nothing", .unit = "lx", .steps = {8760, 1}, .values = values};
+        char *text = draw(&map);
+        assert_non_null(strstr(text, ">1 lx +</text>"));
+        assert_null(strstr(text, "nan"));
+        free(text);
+        free(values);
+    }
+}
+
+/* Hours of use have their lines: from 8 and to 18 on most days. */
+static void test_use(void **state)
+{
+    float *values = make_values(8760, 1);
+    unsigned char marks[8760];
+    struct orl_occupancy use;
+    struct orl_temporal_map map = {
+        .title = "Use", .unit = "lx", .steps = {8760, 1}, .values = values, .top = 2};
+    char *without = draw(&map);
+    (void)state;
+    orl_occupancy_init(&use);
+    use.days = 0x1f;
+    orl_occupancy_mark(&use, &map.steps, marks);
+    map.marks = marks;
+    char *with = draw(&map);
+    const size_t dashes = count(with, "stroke=\"#ffffff\"") - count(without, "stroke=\"#ffffff\"");
+    assert_true(dashes > 2 * 50 && dashes < 2 * 100 && dashes % 2 == 0);
+    free(with);
+    free(without);
+    free(values);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(test_boxes, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_words, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_nothing_to_show, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_use, set_up, tear_down),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
