@@ -9,7 +9,7 @@
 #include "process/limits.h"
 #include "process/pool.h"
 #include "process/times.h"
-#include "runner/checkpoints.h"
+#include "runner/program.h"
 #include "store/migrate.h"
 #include "store/tokens.h"
 #include "upkeep/scrub.h"
@@ -343,7 +343,7 @@ static int open_jobs(struct orl_server *server, struct orl_error *err)
         .idle = on_jobs_idle,
         .ctx = server,
     };
-    orl_checkpoint_program(env.program);
+    memcpy(env.program, server->program, sizeof env.program);
     return orl_jobs_open(&env, &server->jobs, err);
 }
 
@@ -385,6 +385,7 @@ int orl_server_run(const struct orl_config *config, const struct orl_routes *rou
     server.started_s = orl_time_steady_s();
     if (uv_loop_init(&server.loop) != 0)
         return orl_error_set(err, ORL_ERR_INTERNAL, "cannot start the event loop");
+    orl_program_digest(server.program);
     orl_pool_prepare(&server.loop, config->threads + ORL_SERVER_IO_THREADS);
     orl_pulse_open(&server.pulse, &server.loop);
     uv_async_init(&server.loop, &server.kept_changed, on_kept_changed);

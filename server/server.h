@@ -38,7 +38,8 @@ struct orl_server {
     uv_async_t kept_changed;
     uv_signal_t signals[2], reload;
     uv_timer_t drain, saving;
-    uv_prepare_t log_lines; /* written out before the loop sleeps */
+    uv_prepare_t log_lines;    /* written out before the loop sleeps */
+    char program[ORL_SHA_HEX]; /* program.h */
     struct orl_folders folders;
     struct orl_db db;
     struct orl_blobs *blobs;

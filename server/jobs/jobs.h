@@ -61,7 +61,7 @@ struct orl_jobs_env {
     struct orl_shelf *shelf;     /* of all jobs; or NULL */
     const struct orl_past *past; /* how the daemon before ended; while jobs are opened */
     struct orl_memory *memory;   /* whoever starts is held against it */
-    char program[ORL_SHA_HEX];   /* checkpoints.h */
+    char program[ORL_SHA_HEX];   /* program.h */
     const struct orl_log *log;
     struct orl_metrics *metrics;
     uint32_t threads; /* over all jobs */

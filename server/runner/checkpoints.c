@@ -2,7 +2,6 @@
 
 #include <dirent.h>
 #include <errno.h>
-#include <link.h>
 #include <sodium.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -11,7 +10,6 @@
 #include <unistd.h>
 
 #include <oriel/sha256.h>
-#include <oriel/version.h>
 
 #include "encode.h"
 #include "picture_json.h"
@@ -37,32 +35,6 @@ static void end_digest(struct orl_sha256 *hash, char ret_hex[ORL_SHA_HEX])
     unsigned char digest[ORL_SHA256_BYTES];
     orl_sha256_finish(hash, digest);
     sodium_bin2hex(ret_hex, ORL_SHA_HEX, digest, sizeof digest);
-}
-
-/* By name, place and time of change, which cost nothing to ask. */
-static int add_object(struct dl_phdr_info *info, size_t size, void *ctx)
-{
-    struct orl_sha256 *hash = ctx;
-    const char *path = info->dlpi_name && *info->dlpi_name ? info->dlpi_name : "/proc/self/exe";
-    char line[160] = "";
-    struct stat st;
-    (void)size;
-    if (stat(path, &st) == 0)
-        snprintf(line, sizeof line, "%llu %llu %lld %lld.%09ld", (unsigned long long)st.st_dev,
-                 (unsigned long long)st.st_ino, (long long)st.st_size, (long long)st.st_mtim.tv_sec,
-                 st.st_mtim.tv_nsec);
-    add_text(hash, path);
-    add_text(hash, line);
-    return 0;
-}
-
-void orl_checkpoint_program(char ret_program[ORL_SHA_HEX])
-{
-    struct orl_sha256 hash;
-    orl_sha256_init(&hash);
-    add_text(&hash, ORL_VERSION);
-    dl_iterate_phdr(add_object, &hash);
-    end_digest(&hash, ret_program);
 }
 
 void orl_checkpoint_key(const char *program, const char *document, const char *scene,

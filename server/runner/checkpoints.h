@@ -8,8 +8,8 @@
  * fails or is cancelled, and stays with one that is queued again.
  *
  * A folder is believed when its "+key" is the job's: the digest of document, scene, and program
- * with all of its libraries, whose pictures another might not make. A part is believed when its
- * files are what its note says.
+ * with all of its libraries (program.h), whose pictures another might not make. A part is believed
+ * when its files are what its note says.
  *
  * Threads: any, one per folder.
  */
@@ -25,8 +25,6 @@
 
 /* ---- The folder ------------------------------------------------------------------------------ */
 
-/* Of the program that runs: its version, and its own and its libraries' files. */
-void orl_checkpoint_program(char ret_program[ORL_SHA_HEX]);
 void orl_checkpoint_key(const char *program, const char *document, const char *scene,
                         char ret_key[ORL_SHA_HEX]);
 
