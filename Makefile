@@ -80,8 +80,9 @@ help:
 
 ## make            build/oriel, build/orield and the example's panel generator build/oriel-lcp
 ## make demo       install what is needed, then upload, render and show the paper's office
-## make check      install what is needed, build, run every test; prints the coverage of core/ and
-##                 ends with "N passed, N failed"
+## make check      install what is needed, build what changed, run every test; ends with
+##                 "N passed, N failed"
+## make coverage   the share of core's lines that tests run, counted anew when something changed
 ## make lint       formatting, boundaries, clang-tidy, and a build with clang
 ## make asan       all tests under AddressSanitizer and UndefinedBehaviorSanitizer
 ## make tsan       the threaded tests under ThreadSanitizer
@@ -200,19 +201,23 @@ $(BUILD)/tests/%.so: tests/torture/%.c
 	$(call say,LD,$@)
 	$(Q)$(CC) $(STD) $(WARNINGS) $(WERROR) -O1 -shared -fPIC -o $@ $<
 
+check: deps-check
+	@$(MAKE) --no-print-directory -j$(JOBS) tests
+	@tests/run $(BUILD) $(TEST_BIN)
+
 # The figure for coverage comes from a second build with counters, and from the suites that look at
-# the core: what users run is what the tests themselves are about.
+# the core: what users run is what the tests themselves are about. Nothing else waits for it.
 COVER_SUITES := unit stats validation
 COVER_BIN := $(filter-out %/test_doubling,$(foreach s,$(COVER_SUITES),$(filter $(BUILD)/tests/$(s)/%,$(TEST_BIN))))
 COVER_LEAST := 85
-check: deps-check
-	@$(MAKE) --no-print-directory -j$(JOBS) tests
-	@$(MAKE) --no-print-directory -j$(JOBS) BUILD=$(BUILD)/cover MODE=cover CC=gcc covered
-	@TEST_NOTE=$(BUILD)/coverage.txt tests/run $(BUILD) $(TEST_BIN)
-.PHONY: covered
-covered: $(COVER_BIN)
+.PHONY: coverage
+coverage: deps-check
+	@$(MAKE) --no-print-directory -j$(JOBS) BUILD=$(BUILD)/cover MODE=cover CC=gcc $(BUILD)/cover/counted; \
+		status=$$?; cat $(BUILD)/cover/coverage.txt; exit $$status
+$(BUILD)/counted: $(COVER_BIN) tests/coverage tests/run $(wildcard tests/fixtures/*)
 	@echo "  counting the lines that tests run"
-	@tests/coverage $(BUILD) $(COVER_LEAST) $(COVER_BIN) >$(BUILD)/../coverage.txt || true
+	@tests/coverage $(BUILD) $(COVER_LEAST) $(COVER_BIN) >$(@D)/coverage.txt
+	@touch $@
 
 asan: deps-check
 	@$(MAKE) --no-print-directory -j$(JOBS) BUILD=$(BUILD)/asan MODE=asan tests
