@@ -72,6 +72,15 @@ static void add_pixel(struct orl_glare_source *source, const struct orl_luminanc
     source->most_cd_m2 = fmax(source->most_cd_m2, cd_m2);
 }
 
+/* As evalglare takes a direction's angle from upright: by the view's up itself, which need not be
+ * upright to the line of sight. */
+static struct orl_vec3 by_tilted_up(const struct orl_field *field, struct orl_vec3 to)
+{
+    const double upright = orl_dot(orl_normalize(field->view.up), field->eye.v);
+    const double across = hypot(to.x, to.y), y = upright * to.y;
+    return orl_v3(sqrt(fmax(across * across - y * y, 0)), y, to.z);
+}
+
 /* Makes means of sums. x and y were the pixels' corners up to here. */
 static void settle(struct orl_glare_source *source, const struct search *s)
 {
@@ -85,7 +94,8 @@ static void settle(struct orl_glare_source *source, const struct search *s)
     source->luminance_cd_m2 /= source->solid_angle_sr;
     source->x = x + 0.5;
     source->y = field->height - (y + 0.5);
-    source->position_index = orl_position_index(to);
+    source->position_index =
+        orl_position_index(s->rule->at_whole_pixels ? by_tilted_up(field, to) : to);
     source->direction = orl_to_world(&field->eye, to);
     source->angle_deg = atan2(hypot(to.x, to.y), to.z) / ORL_DEG_TO_RAD;
 }
