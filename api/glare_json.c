@@ -46,6 +46,16 @@ static int decode_task(const json_t *value, const char *path, void *into, struct
     return rc;
 }
 
+static int decode_mask(const json_t *value, const char *path, void *ret_name, struct orl_error *err)
+{
+    char *name = NULL;
+    const int rc = orl_json_string(value, path, ORL_GLARE_MASK_MAX - 1, &name, err);
+    if (rc == 0)
+        memcpy(ret_name, name, strlen(name) + 1);
+    free(name);
+    return rc;
+}
+
 int orl_glare_settings_from_json(const json_t *value, const char *path, void *ret_settings,
                                  struct orl_error *err)
 {
@@ -71,6 +81,8 @@ int orl_glare_settings_from_json(const json_t *value, const char *path, void *re
         {"vertical_illuminance_lx", .real = &s->eye_lx},
         {"position", .word = &at_whole_pixels, .words = positions},
         {"directions", .members = directions},
+        {"mask", .decode = decode_mask, .into = s->mask},
+        {"band_rad", .real = &s->band_rad},
         {0}};
     struct orl_error why;
     const int rc = orl_json_members(value, path, members, err);
@@ -145,10 +157,10 @@ static json_t *part_to_json(const struct orl_glare_part *p)
 json_t *orl_glare_to_json(const struct orl_glare *glare, uint32_t metrics)
 {
     return json_pack(
-        "{s:o, s:s, s:f, s:f, s:f, s:f, s:f, s:f, s:o*, s:o}", "metrics",
+        "{s:o, s:s, s:f, s:f, s:f, s:f, s:f, s:f, s:o*, s:o*, s:o}", "metrics",
         metrics_to_json(glare, metrics), "class", orl_glare_class_name(glare->class_of),
         "threshold_cd_m2", glare->threshold_cd_m2, "task_luminance_cd_m2", glare->task_cd_m2,
         "direct_illuminance_lx", glare->direct_lx, "brightest_cd_m2", glare->most_cd_m2, "field_sr",
         glare->field_sr, "turned_deg", glare->turned_deg, "mask", part_to_json(&glare->masked),
-        "sources", sources_to_json(glare));
+        "band", part_to_json(&glare->band), "sources", sources_to_json(glare));
 }

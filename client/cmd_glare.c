@@ -14,7 +14,7 @@
 
 /* What the command line says, as text. */
 struct asked {
-    const char *view, *mask, *threshold, *task, *radius, *peak, *age, *eye, *directions;
+    const char *view, *mask, *band, *threshold, *task, *radius, *peak, *age, *eye, *directions;
     bool smooth, no_peaks, published, low_light, whole_pixels, json, detail;
 };
 
@@ -49,6 +49,7 @@ static int read_settings(const struct orl_subcommand *self, const struct asked *
                    {"task", asked->task, task, 3},
                    {"radius", asked->radius, &s.radius_rad, 1},
                    {"peak", asked->peak, &s.peak_cd_m2, 1},
+                   {"band", asked->band, &s.band_rad, 1},
                    {"age", asked->age, &s.age_years, 1},
                    {"illuminance", asked->eye, &s.eye_lx, 1},
                    {"directions", asked->directions, directions, 2}};
@@ -78,11 +79,11 @@ static void print_sources(const struct orl_glare *glare)
     }
 }
 
-static void print_part(const struct orl_glare_part *part)
+static void print_part(const char *what, const struct orl_glare_part *part)
 {
-    printf("mask: %zu pixels, %.6g sr, %.6g lx; cd/m2: mean %.6g, median %.6g, deviation %.6g, "
+    printf("%s: %zu pixels, %.6g sr, %.6g lx; cd/m2: mean %.6g, median %.6g, deviation %.6g, "
            "75 %% below %.6g, 95 %% below %.6g, from %.6g to %.6g\n",
-           part->pixels, part->solid_angle_sr, part->illuminance_lx, part->mean, part->median,
+           what, part->pixels, part->solid_angle_sr, part->illuminance_lx, part->mean, part->median,
            part->deviation, part->percentile_75, part->percentile_95, part->least, part->most);
 }
 
@@ -98,7 +99,9 @@ static void print_glare(const struct orl_glare *glare, const struct asked *asked
     if (asked->directions)
         printf("%-28s %.4g degrees to the left\n", "worst line of sight", glare->turned_deg);
     if (asked->mask)
-        print_part(&glare->masked);
+        print_part("mask", &glare->masked);
+    if (asked->band)
+        print_part("band", &glare->band);
 }
 
 static void warn(const char *name, const struct orl_glare *glare, bool measured)
@@ -167,6 +170,8 @@ int orl_cmd_glare(const struct orl_subcommand *self, int argc, char **argv)
         {"peak", 'Y', "CD_M2", "brighter pixels are sources of their own (50000)", &a.peak, NULL},
         {"no-peaks", 'x', NULL, "none are", NULL, &a.no_peaks},
         {"mask", 'A', "FILE", "tell about the luminances where this picture is above 0.1", &a.mask,
+         NULL},
+        {"band", 'B', "RADIANS", "and so far above and below the picture's middle row", &a.band,
          NULL},
         {"illuminance", 'i', "LX", "measured at the eye", &a.eye, NULL},
         {"published", 0, NULL, "DGP with its paper's constants, not evalglare's", NULL,

@@ -44,6 +44,9 @@ static int send_scene(struct orl_http *http, struct orl_job_file *file, struct o
         rc = add_weather(&bundle, file->folder, &job->sky, err);
     for (size_t i = 0; i < job->n_skies && rc == 0; i++)
         rc = add_weather(&bundle, file->folder, &job->skies[i].request, err);
+    for (size_t i = 0; i < job->n_views && rc == 0; i++)
+        if (job->views[i].glare.mask[0])
+            rc = orl_bundle_add(&bundle, file->folder, job->views[i].glare.mask, err);
     if (rc == 0)
         rc = orl_bundle_upload(&bundle, http, &id, err);
     if (rc == 0 && json_object_set_new(file->doc, "scene", json_string(id)) != 0)

@@ -138,6 +138,8 @@ static void note_round(struct orl_progress_line *progress, const json_t *job, do
     *noted = rounds;
     if (error < 0)
         orl_progress_note(progress, "round %.0f: error not known yet", rounds);
+    else if (json_object_get(json_object_get(accuracy, "asked"), "dgp_error"))
+        orl_progress_note(progress, "round %.0f: error of DGP %.2g", rounds, error);
     else
         orl_progress_note(progress, "round %.0f: error %.3g %%", rounds, 100 * error);
 }

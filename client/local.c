@@ -101,7 +101,9 @@ static void on_round(void *ctx, const struct orl_result *result)
     const struct orl_outcome *outcome = &result->outcome;
     char error[32] = "not known yet";
 
-    if (outcome->achieved >= 0)
+    if (outcome->achieved >= 0 && outcome->goal.dgp_error > 0)
+        snprintf(error, sizeof error, "of DGP %.2g", outcome->achieved);
+    else if (outcome->achieved >= 0)
         snprintf(error, sizeof error, "%.3g %%", 100 * outcome->achieved);
     orl_progress_note(&((struct local *)ctx)->progress, "round %u: error %s, %.1f s",
                       outcome->rounds, error, result->total_s);

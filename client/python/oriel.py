@@ -191,8 +191,9 @@ def _weather_files(document):
 
 
 def _view_files(document):
-    """Those that views of a job document are lines of."""
-    files = (view.get("file") for view in document.get("views") or [])
+    """Those that views of a job document are lines of, and masks of their glare."""
+    views = document.get("views") or []
+    files = [view.get("file") for view in views] + [(view.get("glare") or {}).get("mask") for view in views]
     return list(dict.fromkeys(name for name in files if name))
 
 

@@ -93,6 +93,16 @@ static double age_factor(double years)
     return years > 0 ? 1 / (1.1 - 0.5 * years / 100) : 1;
 }
 
+static int check_task(const struct orl_glare_area *task, const struct orl_field *field,
+                      struct orl_error *err)
+{
+    if (task->angle_rad == 0 || (task->x <= field->width && task->y <= field->height))
+        return 0;
+    return orl_error_set(err, ORL_ERR_RANGE,
+                         "the task at (%g, %g) lies outside of a picture of %u x %u pixels",
+                         task->x, task->y, field->width, field->height);
+}
+
 static int rate(const struct orl_glare_settings *settings, const struct orl_glare_light *light,
                 struct orl_glare *glare, struct orl_error *err)
 {
@@ -114,6 +124,9 @@ int orl_glare_evaluate(const struct orl_luminances *picture, const float *mask,
                        const struct orl_glare_settings *settings, struct orl_glare *ret_glare,
                        struct orl_error *err)
 {
+    const int outside = check_task(&settings->task, picture->field, err);
+    if (outside < 0)
+        return outside;
     const struct totals totals = add_up(picture);
     const double task = task_luminance(picture, &settings->task, totals.average_cd_m2);
     const struct orl_source_rule rule = rule_of(settings, task);
@@ -130,6 +143,8 @@ int orl_glare_evaluate(const struct orl_luminances *picture, const float *mask,
     }
     if (code == 0 && mask)
         code = orl_glare_part_of(picture, mask, &glare.masked, err);
+    if (code == 0 && settings->band_rad > 0)
+        code = orl_glare_band_of(picture, settings->band_rad, &glare.band, err);
     if (code < 0)
         orl_glare_done(&glare);
     else

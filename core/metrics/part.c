@@ -58,3 +58,24 @@ int orl_glare_part_of(const struct orl_luminances *picture, const float *mask,
     *ret_part = part;
     return 0;
 }
+
+int orl_glare_band_of(const struct orl_luminances *picture, double angle_rad,
+                      struct orl_glare_part *ret_part, struct orl_error *err)
+{
+    const struct orl_field *field = picture->field;
+    const uint32_t middle = field->height / 2;
+    const double least = cos(fmin(angle_rad, ORL_PI));
+    float *mask = calloc((size_t)field->width * field->height, sizeof *mask);
+    if (!mask)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for a band");
+    for (uint32_t x = 0; x < field->width; x++) {
+        const struct orl_vec3 level = orl_field_towards(field, x + 0.5, middle + 0.5);
+        for (uint32_t y = 0; y < field->height; y++) {
+            const size_t at = (size_t)y * field->width + x;
+            mask[at] = y == middle || orl_dot(orl_field_direction(field, at), level) >= least;
+        }
+    }
+    const int code = orl_glare_part_of(picture, mask, ret_part, err);
+    free(mask);
+    return code;
+}

@@ -4,15 +4,14 @@
 #include "metrics/around.h"
 #include "render/film/read_hdr.h"
 
-/* The mask's luminances, of a picture as large. */
-static int read_mask(const struct orl_picture_bytes *bytes, const struct orl_film *film,
-                     float **ret_mask, struct orl_error *err)
+int orl_glare_read_mask(const struct orl_picture_bytes *bytes, uint32_t width, uint32_t height,
+                        float **ret_mask, struct orl_error *err)
 {
     struct orl_hdr_picture mask = {0};
     int code = orl_hdr_read(bytes->name, bytes->data, bytes->size, &mask, err);
-    if (code == 0 && (mask.film.width != film->width || mask.film.height != film->height)) {
+    if (code == 0 && (mask.film.width != width || mask.film.height != height)) {
         code = orl_error_set(err, ORL_ERR_RANGE, "the mask has %u x %u pixels, the picture %u x %u",
-                             mask.film.width, mask.film.height, film->width, film->height);
+                             mask.film.width, mask.film.height, width, height);
         orl_error_at(err, bytes->name, 0, NULL);
     }
     if (code == 0) {
@@ -31,7 +30,7 @@ static int evaluate(const struct orl_hdr_picture *picture, const struct orl_pict
     float *cd_m2 = orl_film_luminances(&picture->film), *masked = NULL;
     int code = cd_m2 ? 0 : orl_error_set(err, ORL_ERR_NOMEM, "out of memory for luminances");
     if (code == 0 && mask)
-        code = read_mask(mask, &picture->film, &masked, err);
+        code = orl_glare_read_mask(mask, picture->film.width, picture->film.height, &masked, err);
     const struct orl_panorama panorama = {&picture->view, picture->film.width, picture->film.height,
                                           cd_m2, masked};
     if (code == 0)

@@ -45,6 +45,9 @@ enum orl_glare_class orl_glare_class_of(const struct orl_glare_value *dgp)
     return low == class_at(dgp->interval_95[1]) ? low : ORL_GLARE_UNDECIDED;
 }
 
+/* Far less than any pixel has across. */
+static const double least_radius_rad = 1e-6;
+
 int orl_glare_settings_check(const struct orl_glare_settings *s, struct orl_error *err)
 {
     const struct {
@@ -52,8 +55,9 @@ int orl_glare_settings_check(const struct orl_glare_settings *s, struct orl_erro
         double value, least, most;
     } bounds[] = {
         {"threshold", s->threshold, 0, 1e12},
-        {"radius_rad", s->radius_rad, 0, 3.2},
+        {"radius_rad", s->radius_rad, s->radius_rad == 0 ? 0 : least_radius_rad, 3.2},
         {"peak_cd_m2", s->peak_cd_m2, 0, 1e12},
+        {"band_rad", s->band_rad, 0, 3.2},
         {"age_years", s->age_years, 0, 120},
         {"vertical_illuminance_lx", s->eye_lx, 0, 1e9},
         {"task.x", s->task.x, 0, ORL_LIMIT_IMAGE_SIDE},

@@ -22,7 +22,8 @@ static double disc_of(const struct orl_field *field, double radius_rad)
     const struct orl_vec3 middle = orl_field_towards(field, x, y);
     const struct orl_vec3 beside = orl_field_towards(field, x + 10, y - 10);
     const double diagonal = acos(fmin(orl_dot(middle, beside), 1)) / 10;
-    return diagonal > 0 ? radius_rad / (2 * diagonal) / 1.75 : 0;
+    const double pixels = diagonal > 0 ? radius_rad / (2 * diagonal) / 1.75 : 0;
+    return fmin(pixels, (double)field->width + field->height); /* all of it */
 }
 
 static void fill_row(struct smoothing *s, uint32_t y, int64_t from, int64_t to, double *all,

@@ -79,15 +79,17 @@ static int find_without(const struct orl_view_batches *b, const struct orl_field
                         const struct orl_glare_settings *settings, found_values ret_found,
                         struct orl_error *err)
 {
+    struct orl_glare_settings of_values = *settings;
     float *cd_m2 = malloc((b->pixels + 1) * sizeof *cd_m2);
     const struct orl_luminances luminances = {field, cd_m2};
     int code = 0;
     if (!cd_m2)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for errors of glare");
+    of_values.band_rad = 0; /* of parts no errors are told */
     for (uint32_t i = 0; i <= b->count && code == 0; i++) {
         struct orl_glare glare = {0};
         mean_without(b, i, cd_m2);
-        code = orl_glare_evaluate(&luminances, NULL, settings, &glare, err);
+        code = orl_glare_evaluate(&luminances, NULL, &of_values, &glare, err);
         for (int m = 0; m < ORL_GLARE_METRICS; m++)
             ret_found[i][m] = glare.values[m].value;
         orl_glare_done(&glare);

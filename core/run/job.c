@@ -115,6 +115,9 @@ static int validate_view(const struct orl_job *job, size_t index, struct orl_err
     if (v->irradiance && v->metrics)
         return orl_error_set(err, ORL_ERR_INVALID,
                              "view '%s': glare is of radiances, not of irradiances", v->name);
+    if (v->metrics && v->glare.task.angle_rad > 0 &&
+        (v->glare.task.x > v->width || v->glare.task.y > v->height))
+        return orl_error_set(err, ORL_ERR_RANGE, "view '%s': its task lies outside of it", v->name);
     if (v->file)
         return 0;
     code = orl_view_parse(v->view ? v->view : "", &view, err);

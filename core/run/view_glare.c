@@ -25,17 +25,37 @@ static void warn_of_field(struct orl_run_state *state, const struct orl_view_req
     orl_run_warn(state, "%s: its glare lacks the light that comes from beside it", start);
 }
 
-static int rate(const struct orl_view_request *request, const struct orl_film *film,
-                struct orl_glare *ret_glare, struct orl_error *err)
+int orl_run_read_mask(const struct orl_files *files, const struct orl_view_request *view,
+                      float **ret_mask, struct orl_error *err)
+{
+    const char *name = view->glare.mask;
+    struct orl_file file;
+    *ret_mask = NULL;
+    if (view->metrics == 0 || !name[0])
+        return 0;
+    int code = files->open(files->ctx, name, &file, err);
+    if (code < 0)
+        return code;
+    const struct orl_picture_bytes bytes = {name, file.data, file.size};
+    code = orl_glare_read_mask(&bytes, view->width, view->height, ret_mask, err);
+    files->close(files->ctx, &file);
+    return code;
+}
+
+static int rate(const struct orl_files *files, const struct orl_view_request *request,
+                const struct orl_film *film, struct orl_glare *ret_glare, struct orl_error *err)
 {
     struct orl_view view;
-    float *cd_m2 = orl_film_luminances(film);
+    float *cd_m2 = orl_film_luminances(film), *mask = NULL;
     int code = cd_m2 ? orl_view_parse(request->view, &view, err)
                      : orl_error_set(err, ORL_ERR_NOMEM, "out of memory for glare");
-    const struct orl_panorama panorama = {&view, film->width, film->height, cd_m2, NULL};
+    if (code == 0)
+        code = orl_run_read_mask(files, request, &mask, err);
+    const struct orl_panorama panorama = {&view, film->width, film->height, cd_m2, mask};
     if (code == 0)
         code = orl_glare_around(&panorama, &request->glare, ret_glare, err);
     free(cd_m2);
+    free(mask);
     return code;
 }
 
@@ -49,7 +69,7 @@ int orl_run_rate_view(struct orl_run_state *state, size_t index, const struct or
     struct orl_glare *glare = calloc(1, sizeof *glare);
     if (!glare)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for glare");
-    const int code = rate(request, film, glare, err);
+    const int code = rate(state->env->files, request, film, glare, err);
     if (code < 0) {
         free(glare);
         return code;

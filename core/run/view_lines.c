@@ -165,7 +165,11 @@ static int settle(const struct orl_files *files, struct orl_view_request *view,
     view->file = NULL;
     orl_view_fit(&parsed, view->pixel_aspect > 0 ? view->pixel_aspect : parsed.pixel_aspect,
                  &view->width, &view->height);
-    return 0;
+    /* A mask that does not fit is told of before anything is rendered. */
+    float *mask;
+    code = orl_run_read_mask(files, view, &mask, err);
+    free(mask);
+    return code;
 }
 
 /* Jobs that are wrong go as they are: they are told so where all of them is looked at. */

@@ -34,7 +34,7 @@ static int add_file(struct orl_job_brief *brief, const char *name, const char *p
 
 static int add_files(struct orl_job_brief *brief, const struct orl_job *job, struct orl_error *err)
 {
-    brief->files = calloc(job->n_skies + job->n_views + 2, sizeof *brief->files);
+    brief->files = calloc(job->n_skies + 2 * job->n_views + 2, sizeof *brief->files);
     if (!brief->files)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     int rc = add_file(brief, job->sensors_file, "sensors.file", err);
@@ -49,6 +49,10 @@ static int add_files(struct orl_job_brief *brief, const struct orl_job *job, str
         char place[48];
         snprintf(place, sizeof place, "views[%zu].file", i);
         rc = add_file(brief, job->views[i].file, place, err);
+        const char *mask = job->views[i].glare.mask;
+        snprintf(place, sizeof place, "views[%zu].glare.mask", i);
+        if (rc == 0 && mask[0])
+            rc = add_file(brief, mask, place, err);
     }
     return rc;
 }

@@ -1,8 +1,8 @@
 /* `oriel glare` as a script meets it: a picture of one bright square on a darker ground. */
 #include <math.h>
 #include <setjmp.h>
-#include <stdbool.h>
 #include <stdarg.h>
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -110,10 +110,54 @@ static void test_mistakes(void **state)
     assert_non_null(strstr(result.err, "no eye"));
 }
 
+/* A job's view of so many pixels, with the picture as its mask. */
+static void run_job(int side)
+{
+    char job[128], out[128], text[1024];
+    const char *const args[] = {"run", job, "-o", out, NULL};
+    snprintf(job, sizeof job, "%s/job.json", folder);
+    snprintf(out, sizeof out, "%s/out", folder);
+    snprintf(
+        text, sizeof text,
+        "{\"scene\":{\"files\":[\"sky.rad\"]},\"technique\":\"backward\",\"pixel_samples\":2,"
+        "\"views\":"
+        "[{\"name\":\"v\",\"view\":\"-vta -vd 0 1 0 -vh 180 -vv 180\",\"width\":%d,\"height\":%d,"
+        "\"metrics\":[\"dgp\"],\"glare\":{\"mask\":\"eye.hdr\",\"band_rad\":0.2}}]}",
+        side, side);
+    cli_write_file(folder, "sky.rad", "void glow g 0 0 4 10 10 10 0\ng source s 0 0 4 0 0 1 360\n");
+    cli_write_file(folder, "job.json", text);
+    cli_run(args, &result);
+}
+
+/* An even sky is as bright in a mask as in a band; the mask is above 0.1 everywhere. */
+static void test_mask_of_a_job(void **state)
+{
+    static const char *const parts[] = {"mask", "band"};
+    char path[128];
+    (void)state;
+    run_job(SIDE);
+    if (result.exit_code != 0)
+        fail_msg("%s", result.err);
+    snprintf(path, sizeof path, "%s/out/result.json", folder);
+    json_t *json = json_load_file(path, 0, NULL);
+    const json_t *view = json_array_get(json_object_get(json, "views"), 0);
+    for (int i = 0; i < 2; i++) {
+        assert_true(fabs(number(view, "glare", parts[i], "mean_cd_m2") / 1790 - 1) < 1e-6);
+        assert_true(number(view, "glare", parts[i], "least_cd_m2") > 1789);
+    }
+    const double all = number(view, "glare", "mask", "pixels");
+    assert_true(all > 0.9 * SIDE * SIDE * 0.785 && all <= SIDE * SIDE);
+    assert_true(number(view, "glare", "band", "pixels") < all / 2);
+    json_decref(json);
+    run_job(SIDE / 2); /* the mask does not fit */
+    assert_int_equal(result.exit_code, 1);
+    assert_non_null(strstr(result.err, "the mask has 100 x 100 pixels"));
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_numbers),
-                                       cmocka_unit_test(test_table_and_options),
-                                       cmocka_unit_test(test_mistakes)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_numbers), cmocka_unit_test(test_table_and_options),
+        cmocka_unit_test(test_mistakes), cmocka_unit_test(test_mask_of_a_job)};
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }

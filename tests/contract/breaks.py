@@ -43,7 +43,7 @@ def jobs(lit, dark):
            "heat_map": {"scale": 500, "decades": 2, "divisions": 4, "palette": "eco",
                         "thresholds": [300], "length_unit": "ft"},
            "priority": 5, "dark": "expected", "effects": {name: "auto" for name in EFFECTS}}
-    yield {"scene": lit, "technique": "backward", "pixel_samples": 1, "skies": several[0],
+    yield {"scene": dark, "technique": "backward", "pixel_samples": 1, "skies": several[0],
            "views": [VIEW], "sequence": {"frame_s": 0.5, "columns": 3, "picture_width": 64}}
     glare = {"threshold": 5, "task": {"x": 8, "y": 4, "angle_rad": 0.6}, "radius_rad": 0.2,
              "smooth": True, "peaks": True, "peak_cd_m2": 50000, "formula": "published",
@@ -51,6 +51,9 @@ def jobs(lit, dark):
              "vertical_illuminance_lx": 1000, "directions": {"count": 3, "span_deg": 90}}
     yield {"scene": lit, "technique": "backward", "pixel_samples": 4,
            "views": [{**VIEW, "metrics": ["dgp", "ugr"], "glare": glare}]}
+    yield {"scene": dark, "sky": sky[8], "technique": "backward", "pixel_samples": 1, "views": [
+        {**VIEW, "metrics": ["dgp"],
+         "glare": {"mask": "eye.hdr", "band_rad": 0.2, "vertical_illuminance_lx": 1000}}]}
     yield {"scene": lit, "technique": "backward", "pixel_samples": 4, "views": [VIEW]}
     yield {"scene": lit, "technique": "backward", "pixel_samples": 1, "views": [
         {**VIEW, "formats": ["hdr", "png", "png16", "exr", "exr_float"],
@@ -119,7 +122,9 @@ def breaks(daemon):
     lit = daemon.upload(ROOM + SKY)
     weather = bsdf("weather.epw").decode("latin-1")
     dark = daemon.upload(ROOM, resources={"w.epw": weather, "s.txt": "1 1 1 0 0 1\n",
-                                          "v.vf": "rvu -vtv -vp 1.5 .5 1.5 -vd 0 1 0\n"})
+                                          "v.vf": "rvu -vtv -vp 1.5 .5 1.5 -vd 0 1 0\n",
+                                          "eye.hdr": "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n"
+                                                     "-Y 12 +X 16\n" + 4 * 12 * 16 * "~"})
     taken, refused, done = list(jobs(lit, dark)), 0, set()
     check_members(daemon.contract, taken)
     for document in taken:

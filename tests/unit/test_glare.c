@@ -291,6 +291,26 @@ static void test_mask(void **state)
     scene_done(&mask);
 }
 
+/* Of a cylindrical view a band is one of elevation: twice its sine of half a circle. */
+static void test_band(void **state)
+{
+    static const double angles[] = {0.1, 0.5, 1};
+    struct scene scene = scene_of("-vtc -vd 0 -1 0 -vh 180 -vv 150", 601, 100);
+    const struct orl_luminances picture = {&scene.field, scene.cd_m2};
+    (void)state;
+    for (int i = 0; i < 3; i++) {
+        const struct orl_glare_settings settings = {.band_rad = angles[i]};
+        struct orl_glare glare;
+        assert_int_equal(orl_glare_evaluate(&picture, NULL, &settings, &glare, NULL), 0);
+        near(glare.band.mean, 100, 1e-6);
+        /* Whole rows, equally high on the cylinder: half a row each way. */
+        const double row = 2 * tan(75 * ORL_DEG_TO_RAD) / 601;
+        near(glare.band.solid_angle_sr, 2 * ORL_PI * sin(angles[i]), row / 2 / angles[i]);
+        orl_glare_done(&glare);
+    }
+    scene_done(&scene);
+}
+
 /* ---- Pixels put together --------------------------------------------------------------------- */
 
 /* By every pair: the least group that a pixel can be reached from. */
@@ -414,6 +434,7 @@ int main(void)
         cmocka_unit_test(test_task),
         cmocka_unit_test(test_turned),
         cmocka_unit_test(test_mask),
+        cmocka_unit_test(test_band),
         cmocka_unit_test(test_united_as_by_all_pairs),
         cmocka_unit_test(test_indices_by_hand),
         cmocka_unit_test(test_no_formula_no_number),

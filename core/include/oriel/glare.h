@@ -46,6 +46,8 @@ struct orl_glare_area {
     double angle_rad; /* across; 0: there is no such part */
 };
 
+enum { ORL_GLARE_MASK_MAX = 256 };
+
 struct orl_glare_settings {
     double threshold; /* up to 100: as a multiple of the task's mean luminance, or, without a task,
                          of the whole view's; above: cd/m2. 0: 5 with a task, else 2000 */
@@ -58,9 +60,13 @@ struct orl_glare_settings {
     bool low_light;        /* DGP with its correction below 1000 lx */
     double age_years;      /* DGP for people of that age; 0: for everybody */
     double eye_lx;         /* measured elsewhere, in place of the view's; 0: the view's */
-    bool at_whole_pixels;  /* indices where evalglare takes them: metrics/evalglare.md */
+    bool at_whole_pixels;  /* indices as evalglare takes them: metrics/evalglare.md */
     uint32_t directions;   /* so many lines of sight, turned about up; 0 or 1: the view's */
     double directions_deg; /* from the first to the last, the view's in the middle */
+    double band_rad;       /* luminances are told of a band that reaches so far above and below the
+                              picture's middle row; 0: of none */
+    char mask[ORL_GLARE_MASK_MAX]; /* of a job: a picture of the view's size among the scene's
+                                      files; luminances are told of where it is above 0.1 */
 };
 /* ORL_ERR_RANGE with the name of the setting. */
 int orl_glare_settings_check(const struct orl_glare_settings *settings, struct orl_error *err);
@@ -108,6 +114,7 @@ struct orl_glare {
     double field_sr;        /* that the view holds of the hemisphere before the eye */
     double turned_deg; /* the line of sight from the view's, to the left: the worst of several */
     struct orl_glare_part masked;     /* where there is a mask */
+    struct orl_glare_part band;       /* where one is asked for */
     struct orl_glare_source *sources; /* owned; by what they add to DGP, the most first */
     size_t n_sources;
 };
