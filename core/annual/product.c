@@ -20,18 +20,18 @@ static ORL_FOR_WIDE_VECTORS void add_products(const float *coefficients, uint32_
     }
 }
 
-static double of_nodes(const struct orl_sun_between *between, const double *nodes)
+static double of_sun(const struct orl_sun_terms *terms, size_t column, const double *sun)
 {
     double sum = 0;
-    for (int i = 0; i < 4; i++)
-        sum += (double)between->weights[i] * nodes[between->nodes[i]];
+    for (uint32_t i = terms->first[column]; i < terms->first[column + 1]; i++)
+        sum += (double)terms->weights[i] * sun[terms->which[i]];
     return sum;
 }
 
 /* What is the same for all tiles. */
 struct factors {
     const struct orl_hours *hours;
-    const struct orl_sun_between *between;
+    const struct orl_sun_terms *terms;
     const struct orl_annual_coefficients *coefficients;
     float bins[ORL_BINS];                   /* the mean of all batches */
     float coarse[BATCHES][ORL_BINS_COARSE]; /* of each, less the mean */
@@ -57,7 +57,7 @@ static void find_errors(const struct factors *f, size_t tile, uint32_t n, double
                         double ret_sun[TILE])
 {
     const float *coarse = f->hours->coarse + tile * ORL_BINS_COARSE * TILE;
-    const size_t n_nodes = f->coefficients->n_nodes;
+    const size_t n_sun = f->coefficients->n_sun;
     double sun[BATCHES][TILE];
     memset(sun, 0, sizeof sun);
     memset(ret_squares, 0, TILE * sizeof *ret_squares);
@@ -66,8 +66,7 @@ static void find_errors(const struct factors *f, size_t tile, uint32_t n, double
         const size_t column = tile * TILE + j;
         const double lx = f->hours->suns[column].normal_lx;
         for (int b = 0; b < BATCHES && lx > 0; b++) {
-            sun[b][j] =
-                lx * of_nodes(&f->between[column], f->coefficients->nodes + (size_t)b * n_nodes);
+            sun[b][j] = lx * of_sun(f->terms, column, f->coefficients->sun + (size_t)b * n_sun);
             ret_sun[j] += sun[b][j] / BATCHES;
         }
     }
@@ -91,19 +90,18 @@ static void multiply_tile(const struct factors *f, size_t tile, const struct orl
     find_errors(f, tile, n, squares, sun);
     for (uint32_t j = 0; j < n; j++) {
         const size_t c = first + j;
-        const double unsure = (double)row->unsure[c];
         row->total[c] = (float)(ORL_EFFICACY_LM_PER_W * (double)sky[j] + sun[j] +
                                 (double)row->straight[c] + (double)row->mirrored[c]);
-        row->se[c] = (float)sqrt(squares[j] + unsure * unsure);
+        row->se[c] = (float)sqrt(squares[j] + (double)row->squares[c]);
     }
 }
 
 void orl_annual_multiply(const struct orl_bins *bins, const struct orl_hours *hours,
-                         const struct orl_sun_between *between,
+                         const struct orl_sun_terms *terms,
                          const struct orl_annual_coefficients *coefficients,
                          const struct orl_annual_row *row)
 {
-    struct factors f = {.hours = hours, .between = between, .coefficients = coefficients};
+    struct factors f = {.hours = hours, .terms = terms, .coefficients = coefficients};
     fill_factors(&f, bins);
     for (size_t tile = 0; tile < hours->n_tiles; tile++)
         multiply_tile(&f, tile, row);

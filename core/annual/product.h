@@ -5,24 +5,25 @@
 #define ORL_ANNUAL_PRODUCT_H
 
 #include "annual/hours.h"
-#include "annual/nodes.h"
+#include "annual/terms.h"
 
 /* Coefficients of a sensor, of each batch. */
 struct orl_annual_coefficients {
-    float *bins;   /* [ORL_ANNUAL_BATCHES][ORL_BINS] */
-    double *nodes; /* [ORL_ANNUAL_BATCHES][n_nodes] */
-    size_t n_nodes;
+    float *bins; /* [ORL_ANNUAL_BATCHES][ORL_BINS] */
+    double *sun; /* [ORL_ANNUAL_BATCHES][n_sun]: nodes, then beams */
+    size_t n_sun;
 };
 
-/* Its columns; straight, mirrored and unsure are given (sunlight.h), total and se come of it. */
+/* Its columns; straight, mirrored and squares of its errors are given (sunlight.h), total and se
+ * come of it. */
 struct orl_annual_row {
-    const float *straight, *mirrored, *unsure;
+    const float *straight, *mirrored, *squares;
     float *total, *se;
 };
 
-/* between: of each column. What batches differ by in the sky is told by coarse bins. */
+/* terms: of the sun in each column. What batches differ by in the sky is told by coarse bins. */
 void orl_annual_multiply(const struct orl_bins *bins, const struct orl_hours *hours,
-                         const struct orl_sun_between *between,
+                         const struct orl_sun_terms *terms,
                          const struct orl_annual_coefficients *coefficients,
                          const struct orl_annual_row *row);
 

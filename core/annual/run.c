@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "annual/panels.h"
 #include "annual/product.h"
 #include "annual/scope.h"
 #include "annual/sunlight.h"
@@ -12,7 +13,9 @@
 #include "scene/geometry/stand.h"
 
 enum { BLOCK = 64 }; /* sensors at a time */
-static const struct orl_sun_spacing node_spacing = {6, 15};
+/* What panels send where changes with the sun as their directions' cells do: they take more nodes.
+ */
+static const struct orl_sun_spacing usual_spacing = {6, 15}, panel_spacing = {4, 7.5};
 
 struct year {
     const struct orl_annual_request *request;
@@ -21,22 +24,24 @@ struct year {
     struct orl_bins bins;
     struct orl_hours hours;
     struct orl_sun_nodes nodes;
-    struct orl_frame *node_frames;   /* as the scene has them */
-    struct orl_sun_between *between; /* by column */
+    struct orl_frame *node_frames; /* as the scene has them */
+    struct orl_sun_terms terms;
+    size_t n_sun; /* nodes and beams */
     struct orl_lights *lights;
     struct orl_world *world;
     struct orl_annual_scene scene;
+    struct orl_panels panels;
     uint32_t batch_samples;
     /* Of the sensors of a block: */
     size_t first, count;
     struct orl_place places[BLOCK];
     float *bin_sums;            /* [sensor][batch][bin] */
-    double *node_sums;          /* [sensor][batch][node] */
+    double *sun_sums;           /* [sensor][batch][nodes, beams] */
     float *rows;                /* [sensor][of each][column] */
     struct orl_health *healths; /* by member */
 };
 
-enum row { ROW_TOTAL, ROW_STRAIGHT, ROW_SE, ROW_MIRRORED, ROW_UNSURE, ROWS };
+enum row { ROW_TOTAL, ROW_STRAIGHT, ROW_SE, ROW_MIRRORED, ROW_SQUARES, ROWS };
 
 const char *orl_annual_stage_name(enum orl_annual_stage stage)
 {
@@ -184,6 +189,16 @@ static int read_hours(struct year *y, struct orl_error *err)
     return 0;
 }
 
+static bool has_panels(const struct orl_world *world)
+{
+    for (size_t i = 0; i < world->n_ports; i++) {
+        const struct orl_facet *facet = &world->geometry->facets[world->ports[i].facet];
+        if (world->materials[facet->material].kind == ORL_MATERIAL_BSDF)
+            return true;
+    }
+    return false;
+}
+
 /* Nodes of the columns that have a sun. */
 static int place_nodes(struct year *y)
 {
@@ -196,17 +211,14 @@ static int place_nodes(struct year *y)
     for (size_t c = 0; c < hours->n_columns; c++)
         if (hours->suns[c].normal_lx > 0)
             suns[n++] = hours->sky_suns[c];
-    const int code = orl_sun_nodes_init(&y->nodes, y->result->latitude_deg, suns, n, node_spacing);
+    const int code = orl_sun_nodes_init(&y->nodes, y->result->latitude_deg, suns, n,
+                                        has_panels(y->world) ? panel_spacing : usual_spacing);
     free(suns);
     y->node_frames = malloc((y->nodes.count + 1) * sizeof *y->node_frames);
-    y->between = calloc(hours->n_columns + 1, sizeof *y->between);
-    if (code < 0 || !y->node_frames || !y->between)
+    if (code < 0 || !y->node_frames)
         return ORL_ERR_NOMEM;
     for (size_t k = 0; k < y->nodes.count; k++)
         y->node_frames[k] = orl_frame_about(orl_turn_to_scene(north, y->nodes.at[k]));
-    for (size_t c = 0; c < hours->n_columns; c++)
-        if (hours->suns[c].normal_lx > 0)
-            y->between[c] = orl_sun_nodes_between(&y->nodes, hours->sky_suns[c]);
     return 0;
 }
 
@@ -226,6 +238,21 @@ static int prepare(struct year *y, struct orl_error *err)
                               y->node_frames, y->nodes.count, y->request->seed,
                               y->env->run->crew) < 0)
         return orl_crew_cancelled(y->env->run->crew) ? cancelled(err) : out_of_memory(err);
+    const struct orl_sun_beam *beams;
+    y->n_sun = y->nodes.count + (y->scene.map ? orl_sun_map_beams(y->scene.map, &beams) : 0);
+    code = orl_sun_terms_init(&y->terms, &y->hours, &y->nodes, y->node_frames, y->scene.map,
+                              y->env->run->crew);
+    if (code < 0)
+        return code == ORL_ERR_CANCELLED ? cancelled(err) : out_of_memory(err);
+    code = orl_panels_init(&y->panels, y->world, &y->hours, &y->scene.sobol, y->request->seed,
+                           y->env->run->crew);
+    if (code == ORL_ERR_LIMIT)
+        return orl_error_set(err, code,
+                             "more than %d kinds of BSDF panes, by material and "
+                             "direction, are too many for a year",
+                             ORL_PANEL_MOST_KINDS);
+    if (code < 0)
+        return code == ORL_ERR_CANCELLED ? cancelled(err) : out_of_memory(err);
     y->result->n_columns = y->hours.n_columns;
     y->result->n_steps = y->hours.n_steps;
     y->result->steps = y->hours.steps;
@@ -253,9 +280,10 @@ static void trace_batch(void *arg, size_t index, uint32_t member)
                                            .batch = (uint32_t)(index % ORL_ANNUAL_BATCHES),
                                            .samples = y->batch_samples};
     struct orl_annual_sums sums = {.bins = y->bin_sums + index * ORL_BINS,
-                                   .nodes = y->node_sums + index * y->nodes.count};
+                                   .nodes = y->sun_sums + index * y->n_sun,
+                                   .beams = y->sun_sums + index * y->n_sun + y->nodes.count};
     memset(sums.bins, 0, ORL_BINS * sizeof *sums.bins);
-    memset(sums.nodes, 0, y->nodes.count * sizeof *sums.nodes);
+    memset(sums.nodes, 0, y->n_sun * sizeof *sums.nodes);
     orl_annual_trace(&y->scene, &y->places[sensor], &batch, &sums, &y->healths[member]);
 }
 
@@ -264,23 +292,24 @@ static void find_sun(void *arg, size_t index, uint32_t member)
     struct year *y = arg;
     const struct orl_sunlit_hours sun = {row_of(y, index, ROW_STRAIGHT),
                                          row_of(y, index, ROW_MIRRORED),
-                                         row_of(y, index, ROW_UNSURE)};
+                                         row_of(y, index, ROW_SQUARES)};
+    const uint64_t name = y->request->seed + y->first + index;
     (void)member;
-    orl_sunlit_hours_find(&y->scene, &y->hours, &y->places[index],
-                          y->request->seed + y->first + index, &sun);
+    orl_sunlit_hours_find(&y->scene, &y->hours, &y->places[index], name, &sun);
+    orl_panels_add(&y->panels, &y->places[index], name, sun.mirrored, sun.squares);
 }
 
 static void multiply(void *arg, size_t index, uint32_t member)
 {
     struct year *y = arg;
     const size_t batch = index * ORL_ANNUAL_BATCHES;
-    const struct orl_annual_coefficients coefficients = {
-        y->bin_sums + batch * ORL_BINS, y->node_sums + batch * y->nodes.count, y->nodes.count};
-    const struct orl_annual_row row = {row_of(y, index, ROW_STRAIGHT),
-                                       row_of(y, index, ROW_MIRRORED), row_of(y, index, ROW_UNSURE),
-                                       row_of(y, index, ROW_TOTAL), row_of(y, index, ROW_SE)};
+    const struct orl_annual_coefficients coefficients = {y->bin_sums + batch * ORL_BINS,
+                                                         y->sun_sums + batch * y->n_sun, y->n_sun};
+    const struct orl_annual_row row = {
+        row_of(y, index, ROW_STRAIGHT), row_of(y, index, ROW_MIRRORED),
+        row_of(y, index, ROW_SQUARES), row_of(y, index, ROW_TOTAL), row_of(y, index, ROW_SE)};
     (void)member;
-    orl_annual_multiply(&y->bins, &y->hours, y->between, &coefficients, &row);
+    orl_annual_multiply(&y->bins, &y->hours, &y->terms, &coefficients, &row);
 }
 
 static void place_sensors(struct year *y)
@@ -343,10 +372,10 @@ static int make_room(struct year *y)
     const size_t batches = (n < BLOCK ? n : BLOCK) * ORL_ANNUAL_BATCHES;
     struct orl_annual_result *r = y->result;
     y->bin_sums = malloc(batches * ORL_BINS * sizeof *y->bin_sums);
-    y->node_sums = malloc((batches * y->nodes.count + 1) * sizeof *y->node_sums);
+    y->sun_sums = malloc((batches * y->n_sun + 1) * sizeof *y->sun_sums);
     y->rows = malloc((BLOCK * ROWS * columns + 1) * sizeof *y->rows);
     y->healths = calloc(orl_crew_size(y->env->run->crew), sizeof *y->healths);
-    if (!y->bin_sums || !y->node_sums || !y->rows || !y->healths)
+    if (!y->bin_sums || !y->sun_sums || !y->rows || !y->healths)
         return ORL_ERR_NOMEM;
     if (y->env->row)
         return 0;
@@ -379,15 +408,16 @@ static int run_year(struct year *y, struct orl_error *err)
 
 static void let_go(struct year *y)
 {
+    orl_panels_done(&y->panels);
     orl_annual_scene_done(&y->scene);
     orl_world_free(y->world);
     orl_lights_release(y->lights);
     orl_hours_done(&y->hours);
     orl_sun_nodes_done(&y->nodes);
     free(y->node_frames);
-    free(y->between);
+    orl_sun_terms_done(&y->terms);
     free(y->bin_sums);
-    free(y->node_sums);
+    free(y->sun_sums);
     free(y->rows);
     free(y->healths);
     free(y);

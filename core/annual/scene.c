@@ -1,6 +1,7 @@
 #include "annual/scene.h"
 
-enum { PHOTONS_A_NODE = 2048 };
+/* Of the map of the sun: in all, and of a node at the least. */
+enum { PHOTONS = 300000, LEAST_PHOTONS = 512 };
 
 int orl_annual_scene_init(struct orl_annual_scene *scene, const struct orl_world *world,
                           const struct orl_bins *bins, struct orl_turn north,
@@ -15,12 +16,13 @@ int orl_annual_scene_init(struct orl_annual_scene *scene, const struct orl_world
         code = orl_windows_of_ports(&scene->ports, world);
     if (code == 0)
         code = orl_windows_of_mirrors(&scene->mirrors, world);
-    const struct orl_sun_map_request request = {.world = world,
-                                                .sobol = &scene->sobol,
-                                                .nodes = nodes,
-                                                .n_nodes = n_nodes,
-                                                .seed = seed,
-                                                .photons = PHOTONS_A_NODE};
+    const struct orl_sun_map_request request = {
+        .world = world,
+        .sobol = &scene->sobol,
+        .nodes = nodes,
+        .n_nodes = n_nodes,
+        .seed = seed,
+        .photons = (uint32_t)fmax(PHOTONS / fmax((double)n_nodes, 1), LEAST_PHOTONS)};
     return code == 0 ? orl_sun_map_new(&request, crew, &scene->map) : code;
 }
 

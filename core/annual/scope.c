@@ -23,8 +23,10 @@ int orl_annual_admit(const struct orl_world *world, struct orl_error *err)
         const struct orl_material *m = &world->materials[facet->material];
         if (!(facet->area > 0))
             continue;
-        if (m->kind == ORL_MATERIAL_BSDF)
-            return refuse(world, (uint32_t)i, err, "sunlight through BSDFs");
+        const int32_t port = world->port_of_facet ? world->port_of_facet[i] : ORL_NO_PORT;
+        if (m->kind == ORL_MATERIAL_BSDF && (world->open || port == ORL_NO_PORT))
+            return refuse(world, (uint32_t)i, err,
+                          "sunlight by BSDFs that are no windows of a closed building");
         if (m->kind == ORL_MATERIAL_DIELECTRIC)
             return refuse(world, (uint32_t)i, err, "refracted sunlight");
         if (!(orl_material_mirrored_most(m, true, 0.5) > strong))

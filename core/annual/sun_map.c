@@ -14,14 +14,21 @@ static const double dimmest = 0.05;       /* of a photon's first flux: dimmer on
 struct orl_sun_map {
     const struct orl_world *world;
     struct orl_sun_squares squares;
-    size_t n_nodes;
+    struct orl_sun_beam *beams;
+    size_t n_beams;
+    uint8_t *kind_of_port;
+    struct kind {
+        const struct orl_material *material;
+        struct orl_vec3 outward;
+    } kinds[ORL_SUN_MAP_MOST_KINDS];
+    uint32_t n_kinds;
     uint32_t channels; /* 1 where nothing on the way colours light */
     /* Names of squares, by open addressing: where they stand in the rows, plus one. */
     uint64_t *names;
     uint32_t *places;
     size_t room, count, rows_room;
     double *areas;
-    float *rows; /* [square][lot][node][channel]: irradiance */
+    float *rows; /* [square][lot][beam][channel]: irradiance */
 };
 
 /* ---- Squares --------------------------------------------------------------------------------- */
@@ -36,7 +43,7 @@ static size_t slot_of(const struct orl_sun_map *map, uint64_t name)
 
 static size_t row_floats(const struct orl_sun_map *map)
 {
-    return (size_t)ORL_SUN_MAP_LOTS * map->n_nodes * map->channels;
+    return (size_t)ORL_SUN_MAP_LOTS * map->n_beams * map->channels;
 }
 
 static int rehash(struct orl_sun_map *map, size_t room)
@@ -92,13 +99,14 @@ struct deposit {
     float flux[CHANNELS];
 };
 
-/* A node's photons under way. */
+/* A beam's photons under way. */
 struct shooter {
     const struct orl_sun_map_request *request;
     const struct orl_sun_map *map;
-    size_t node;
-    double *shares; /* by port: of its light in all, summed up */
-    double flux;    /* of all ports */
+    size_t beam;
+    uint32_t photons; /* of each lot */
+    double *shares;   /* by port: of its light in all, summed up */
+    double flux;      /* of all ports */
     struct deposit *deposits;
     size_t n_deposits, room;
     int code;
@@ -175,8 +183,8 @@ static size_t port_at(const struct shooter *s, double share)
 static void shoot_one(struct shooter *s, uint32_t index, uint32_t lot, double flux)
 {
     const struct orl_world *world = s->map->world;
-    const struct orl_frame *sun = &s->request->nodes[s->node];
-    const uint64_t name = (uint64_t)s->node * ORL_SUN_MAP_LOTS + lot;
+    const struct orl_frame *sun = &s->request->nodes[s->map->beams[s->beam].node];
+    const uint64_t name = (uint64_t)s->beam * ORL_SUN_MAP_LOTS + lot;
     struct orl_random random =
         orl_random_stream(s->request->seed, ORL_PURPOSE_SUN_MAP, (name << 32) + index);
     double u[ORL_SOBOL_DIMENSIONS];
@@ -208,31 +216,32 @@ static void shoot_one(struct shooter *s, uint32_t index, uint32_t lot, double fl
     fly(s, path, lot, &random);
 }
 
-/* All of a node's; the flux that comes to ports is what they would have with nothing before them.
+/* All of a beam's; the flux that comes to ports is what they would have with nothing before them.
  */
-static void shoot_node(struct shooter *s)
+static void shoot_beam(struct shooter *s)
 {
     const struct orl_world *world = s->map->world;
-    const struct orl_vec3 sun = s->request->nodes[s->node].n;
-    const uint32_t of_lot = (s->request->photons + ORL_SUN_MAP_LOTS - 1) / ORL_SUN_MAP_LOTS;
+    const struct orl_sun_beam *beam = &s->map->beams[s->beam];
+    const struct orl_vec3 sun = s->request->nodes[beam->node].n;
     s->shares = malloc(world->n_ports * sizeof *s->shares);
     if (!s->shares) {
         s->code = ORL_ERR_NOMEM;
         return;
     }
     for (size_t i = 0; i < world->n_ports; i++) {
-        s->flux += world->ports[i].area * fmax(orl_dot(sun, world->ports[i].outward), 0);
+        if (s->map->kind_of_port[i] == beam->kind)
+            s->flux += world->ports[i].area * fmax(orl_dot(sun, world->ports[i].outward), 0);
         s->shares[i] = s->flux;
     }
-    for (uint32_t i = 0; s->flux > 0 && i < of_lot * ORL_SUN_MAP_LOTS && s->code == 0; i++)
-        shoot_one(s, i / ORL_SUN_MAP_LOTS, i % ORL_SUN_MAP_LOTS, s->flux / of_lot);
+    for (uint32_t i = 0; s->flux > 0 && i < s->photons * ORL_SUN_MAP_LOTS && s->code == 0; i++)
+        shoot_one(s, i / ORL_SUN_MAP_LOTS, i % ORL_SUN_MAP_LOTS, s->flux / s->photons);
 }
 
 static void shoot(void *arg, size_t index, uint32_t member)
 {
     struct shooter *shooters = arg;
     (void)member;
-    shoot_node(&shooters[index]);
+    shoot_beam(&shooters[index]);
 }
 
 /* ---- The map --------------------------------------------------------------------------------- */
@@ -253,7 +262,7 @@ static int take(struct orl_sun_map *map, const struct shooter *s)
         }
         const size_t place = map->places[slot];
         float *at = map->rows + place * row_floats(map) +
-                    ((size_t)d->lot * map->n_nodes + s->node) * map->channels;
+                    ((size_t)d->lot * map->n_beams + s->beam) * map->channels;
         const double area = map->areas[place];
         for (uint32_t c = 0; c < map->channels && area > 0; c++)
             at[c] += (float)((double)d->flux[c] / area);
@@ -261,16 +270,31 @@ static int take(struct orl_sun_map *map, const struct shooter *s)
     return 0;
 }
 
+/* A node's are shared out evenly among its beams; of each lot. */
+static uint32_t photons_of(const struct orl_sun_map *map, const struct orl_sun_map_request *request,
+                           size_t beam)
+{
+    const uint32_t node = map->beams[beam].node;
+    uint32_t n = 0;
+    for (size_t i = beam > map->n_kinds ? beam - map->n_kinds : 0;
+         i < map->n_beams && map->beams[i].node <= node; i++)
+        n += map->beams[i].node == node;
+    return (request->photons + ORL_SUN_MAP_LOTS * n - 1) / (ORL_SUN_MAP_LOTS * n);
+}
+
 static int fill(struct orl_sun_map *map, const struct orl_sun_map_request *request,
                 struct orl_crew *crew)
 {
     struct shooter shooters[MOST_AT_ONCE];
     int code = rehash(map, 4096);
-    for (size_t first = 0; first < request->n_nodes && code == 0; first += MOST_AT_ONCE) {
-        const size_t left = request->n_nodes - first;
+    for (size_t first = 0; first < map->n_beams && code == 0; first += MOST_AT_ONCE) {
+        const size_t left = map->n_beams - first;
         const size_t n = left < MOST_AT_ONCE ? left : MOST_AT_ONCE;
         for (size_t i = 0; i < n; i++)
-            shooters[i] = (struct shooter){.request = request, .map = map, .node = first + i};
+            shooters[i] = (struct shooter){.request = request,
+                                           .map = map,
+                                           .beam = first + i,
+                                           .photons = photons_of(map, request, first + i)};
         code = orl_crew_try(crew, n, shoot, shooters);
         for (size_t i = 0; i < n; i++) {
             if (code == 0)
@@ -281,6 +305,90 @@ static int fill(struct orl_sun_map *map, const struct orl_sun_map_request *reque
     }
     return code;
 }
+
+/* ---- Kinds of ports, and beams --------------------------------------------------------------- */
+
+static uint32_t find_kind(struct orl_sun_map *map, const struct orl_port *port)
+{
+    static const double about = 0.98; /* cosine between ports of a kind */
+    const struct orl_world *world = map->world;
+    const struct orl_material *m = &world->materials[world->geometry->facets[port->facet].material];
+    uint32_t k = 0;
+    while (k < map->n_kinds &&
+           (map->kinds[k].material != m || orl_dot(map->kinds[k].outward, port->outward) < about))
+        k++;
+    if (k == ORL_SUN_MAP_MOST_KINDS)
+        return k - 1;
+    if (k == map->n_kinds)
+        map->kinds[map->n_kinds++] = (struct kind){m, port->outward};
+    return k;
+}
+
+static double let_in_by(const struct orl_sun_map *map, const struct orl_port *port,
+                        struct orl_vec3 towards)
+{
+    const struct orl_world *world = map->world;
+    const struct orl_facet *facet = &world->geometry->facets[port->facet];
+    const double cosine = orl_dot(towards, port->outward);
+    if (!(cosine > 0))
+        return 0;
+    const struct orl_hit hit = orl_hit_anywhere(facet->normal, orl_dot(towards, facet->normal) > 0);
+    return port->area * cosine *
+           orl_luma(orl_material_albedo(&world->materials[facet->material], &hit, towards,
+                                        ORL_LOBE_TRANSMITTED));
+}
+
+/* Ports of a kind are all alike but for small turns: the first of a material and facing stands for
+ * those that face exactly as it does. */
+double orl_sun_map_let_in(const struct orl_sun_map *map, uint32_t kind, struct orl_vec3 towards)
+{
+    const struct orl_world *world = map->world;
+    const struct orl_port *last = NULL;
+    double sum = 0, of_last = 0;
+    for (size_t i = 0; i < world->n_ports; i++) {
+        const struct orl_port *port = &world->ports[i];
+        if (map->kind_of_port[i] != kind)
+            continue;
+        const bool same = last && orl_dot(last->outward, port->outward) > 1 - 1e-12 &&
+                          world->geometry->facets[last->facet].material ==
+                              world->geometry->facets[port->facet].material;
+        of_last = same ? of_last / last->area * port->area : let_in_by(map, port, towards);
+        last = port;
+        sum += of_last;
+    }
+    return sum;
+}
+
+static int make_beams(struct orl_sun_map *map, const struct orl_sun_map_request *request)
+{
+    const struct orl_world *world = map->world;
+    map->kind_of_port = malloc(world->n_ports * sizeof *map->kind_of_port);
+    if (!map->kind_of_port)
+        return ORL_ERR_NOMEM;
+    for (size_t i = 0; i < world->n_ports; i++)
+        map->kind_of_port[i] = (uint8_t)find_kind(map, &world->ports[i]);
+    map->beams = malloc((request->n_nodes * map->n_kinds + 1) * sizeof *map->beams);
+    if (!map->beams)
+        return ORL_ERR_NOMEM;
+    for (uint32_t node = 0; node < request->n_nodes; node++)
+        for (uint32_t kind = 0; kind < map->n_kinds; kind++)
+            if (orl_sun_map_let_in(map, kind, request->nodes[node].n) > 0)
+                map->beams[map->n_beams++] = (struct orl_sun_beam){node, kind};
+    return 0;
+}
+
+size_t orl_sun_map_beams(const struct orl_sun_map *map, const struct orl_sun_beam **ret_beams)
+{
+    *ret_beams = map->beams;
+    return map->n_beams;
+}
+
+size_t orl_sun_map_kinds(const struct orl_sun_map *map)
+{
+    return map->n_kinds;
+}
+
+/* ---- All of it ------------------------------------------------------------------------------- */
 
 static bool is_gray(struct orl_rgb color)
 {
@@ -316,9 +424,10 @@ int orl_sun_map_new(const struct orl_sun_map_request *request, struct orl_crew *
         return ORL_ERR_NOMEM;
     *map = (struct orl_sun_map){.world = world,
                                 .squares = {world->geometry, sqrt(area) / widths_a_window},
-                                .n_nodes = request->n_nodes,
                                 .channels = is_colourless(world) ? 1 : CHANNELS};
-    const int code = fill(map, request, crew);
+    int code = make_beams(map, request);
+    if (code == 0)
+        code = fill(map, request, crew);
     if (code < 0) {
         orl_sun_map_free(map);
         return code;
@@ -331,6 +440,8 @@ void orl_sun_map_free(struct orl_sun_map *map)
 {
     if (!map)
         return;
+    free(map->kind_of_port);
+    free(map->beams);
     free(map->names);
     free(map->places);
     free(map->areas);
@@ -339,22 +450,22 @@ void orl_sun_map_free(struct orl_sun_map *map)
 }
 
 void orl_sun_map_add(const struct orl_sun_map *map, const struct orl_hit *hit, uint32_t lot,
-                     struct orl_rgb weight, double *nodes)
+                     struct orl_rgb weight, double *beams)
 {
     const size_t slot = slot_of(map, orl_sun_square_of(&map->squares, hit));
     if (map->names[slot] == 0)
         return;
-    const size_t n = map->n_nodes;
+    const size_t n = map->n_beams;
     const float *row = map->rows + map->places[slot] * row_floats(map) +
                        (size_t)(lot % ORL_SUN_MAP_LOTS) * n * map->channels;
     if (map->channels == 1) {
         const double by = orl_luma(weight);
         for (size_t k = 0; k < n; k++)
-            nodes[k] += by * (double)row[k];
+            beams[k] += by * (double)row[k];
         return;
     }
     const double r = ORL_LUMA_R * weight.r, g = ORL_LUMA_G * weight.g, b = ORL_LUMA_B * weight.b;
     for (size_t k = 0; k < n; k++)
-        nodes[k] +=
+        beams[k] +=
             r * (double)row[3 * k] + g * (double)row[3 * k + 1] + b * (double)row[3 * k + 2];
 }

@@ -1,5 +1,6 @@
 /*
- * Sunlight on surfaces inside a sealed building, of every node of the sun: how much of it comes
+ * Sunlight on surfaces inside a sealed building, of every beam: a node of the sun and a kind of
+ * ports, those of one material that face about one way. How much of it comes
  * through the ports and, by mirrors and lobes but no diffuse surface, to each square of a surface.
  * Photons bring it there: straight through clear panes, deflected or scattered by BSDFs, thrown on
  * by whatever is not diffuse. All sensors share it, and paths that come to a surface look up what
@@ -31,7 +32,14 @@ struct orl_sun_map_request {
     const struct orl_frame *nodes; /* towards them, as the scene has it; for the call */
     size_t n_nodes;
     uint64_t seed;
-    uint32_t photons; /* of a node, all lots together */
+    uint32_t photons; /* of a node, all its beams and lots together */
+};
+
+enum { ORL_SUN_MAP_MOST_KINDS = 8 }; /* ports of more have the last one's */
+
+/* Of a node by way of a kind of ports. */
+struct orl_sun_beam {
+    uint32_t node, kind;
 };
 
 /* *ret_map is NULL where there is nothing to map: an open scene, or no ports. Returns 0,
@@ -40,11 +48,21 @@ int orl_sun_map_new(const struct orl_sun_map_request *request, struct orl_crew *
                     struct orl_sun_map **ret_map);
 void orl_sun_map_free(struct orl_sun_map *map); /* NULL is allowed */
 
+/* Its beams, in the order in which sums have them. */
+size_t orl_sun_map_beams(const struct orl_sun_map *map, const struct orl_sun_beam **ret_beams);
+size_t orl_sun_map_kinds(const struct orl_sun_map *map);
+
 /*
- * Adds to the nodes what a surface at that hit, on the side that was met, has of them by that lot,
+ * Flux that a kind's ports let in from a sun in that direction, were nothing before them, of one
+ * that gives 1 to what faces it: by this, what beams bring goes on between nodes.
+ */
+double orl_sun_map_let_in(const struct orl_sun_map *map, uint32_t kind, struct orl_vec3 towards);
+
+/*
+ * Adds to the beams what a surface at that hit, on the side that was met, has of them by that lot,
  * times the weight: luma, for a sun that gives 1 to what faces it.
  */
 void orl_sun_map_add(const struct orl_sun_map *map, const struct orl_hit *hit, uint32_t lot,
-                     struct orl_rgb weight, double *nodes);
+                     struct orl_rgb weight, double *beams);
 
 #endif

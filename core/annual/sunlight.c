@@ -108,6 +108,10 @@ static struct orl_rgb response(const void *ctx, struct orl_vec3 light)
         return orl_gray(0);
     if (!query->lobes)
         return orl_gray(cosine);
+    if (query->lobes->kind == ORL_MATERIAL_BSDF && query->place.outside)
+        return orl_rgb_scale(
+            orl_material_albedo(query->lobes, query->hit, light, ORL_LOBE_REFLECTED),
+            cosine / ORL_PI);
     return orl_rgb_scale(orl_scatter_eval_lobes(query->lobes, query->hit, light, query->eye),
                          cosine);
 }
@@ -239,6 +243,6 @@ void orl_sunlit_hours_find(const struct orl_annual_scene *scene, const struct or
         }
         ret->straight[c] = (float)straight_lx;
         ret->mirrored[c] = (float)mirrored_lx;
-        ret->unsure[c] = (float)(unsure_lx * sun->normal_lx);
+        ret->squares[c] = (float)(unsure_lx * unsure_lx * sun->normal_lx * sun->normal_lx);
     }
 }

@@ -25,11 +25,11 @@ void orl_sunlit_add(const struct orl_annual_scene *scene, const struct orl_sunli
 
 /*
  * Illuminance at a sensor by the discs of all columns' suns: straight (and through panes), and by
- * mirrors. unsure: the standard error of the two together, by how the discs' points lie where an
- * edge crosses a disc. ret_ arrays hold n_columns, lx. north: as the hours' suns are.
+ * mirrors. squares: of the standard error of the two together, by how the discs' points lie where
+ * an edge crosses a disc. ret_ arrays hold n_columns, lx. north: as the hours' suns are.
  */
 struct orl_sunlit_hours {
-    float *straight, *mirrored, *unsure;
+    float *straight, *mirrored, *squares;
 };
 void orl_sunlit_hours_find(const struct orl_annual_scene *scene, const struct orl_hours *hours,
                            const struct orl_place *place, uint64_t name,

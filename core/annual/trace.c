@@ -61,7 +61,7 @@ static void add_diffuse(struct walk *w, struct orl_rgb albedo)
     const bool mapped = w->tracer->scene->map && !p->outside;
     if (mapped)
         orl_sun_map_add(w->tracer->scene->map, &p->hit, w->tracer->lot, weight,
-                        w->tracer->sums->nodes);
+                        w->tracer->sums->beams);
     struct stop stop = {.place = {.point = orl_hit_leave(p->world->geometry, &p->hit, lit),
                                   .normal = lit,
                                   .outside = p->outside},
@@ -78,12 +78,12 @@ static void add_diffuse(struct walk *w, struct orl_rgb albedo)
     light_at(w->tracer, &stop);
 }
 
-/* Of the lobes of what was met: the sun's nodes, on both sides where they transmit. */
-static void add_lobes(struct walk *w, const struct orl_material *m)
+/* Of the lobes of what was met: the sun's nodes, on so many sides, the one that was met first. */
+static void add_lobes(struct walk *w, const struct orl_material *m, int sides)
 {
     struct orl_eye_path *p = &w->eye;
     const struct orl_vec3 seen = orl_hit_facing(&p->hit);
-    for (int side = 0; side < (orl_material_transmits_lobes(m) ? 2 : 1); side++) {
+    for (int side = 0; side < sides; side++) {
         const struct orl_vec3 normal = side == 0 ? seen : orl_neg(seen);
         const struct orl_sunlit_query query = {
             .place = {.point = orl_hit_leave(p->world->geometry, &p->hit, normal),
@@ -95,6 +95,19 @@ static void add_lobes(struct walk *w, const struct orl_material *m)
             .eye = orl_path_back(&p->path)};
         orl_sunlit_add(w->tracer->scene, &query, p->random, w->tracer->sums->nodes);
     }
+}
+
+/*
+ * What lobes inside throw on surfaces is in the map, what they send to the sensor is not; but for
+ * what panels let in, which is panels.h's. Outdoors a panel's light keeps its flux and not its
+ * shape, as exterior paths have it.
+ */
+static void add_sun_by_lobes(struct walk *w, const struct orl_material *m)
+{
+    const bool panel = m->kind == ORL_MATERIAL_BSDF;
+    if (!w->eye.outside && w->tracer->scene->map && w->depth > 0)
+        return;
+    add_lobes(w, m, orl_material_transmits_lobes(m) && !panel ? 2 : 1);
 }
 
 static bool survives(struct walk *w)
@@ -113,9 +126,8 @@ static enum orl_lobes meet(struct orl_eye_path *p, const struct orl_material *m)
         add_diffuse(w, albedo);
     if (orl_material_is_matt(m))
         return ORL_LOBE_NONE;
-    /* What lobes inside throw on surfaces is in the map; not what they send to the sensor. */
-    if (orl_material_has_lobes(m) && (w->depth == 0 || p->outside || !w->tracer->scene->map))
-        add_lobes(w, m);
+    if (orl_material_has_lobes(m))
+        add_sun_by_lobes(w, m);
     return survives(w) ? (enum orl_lobes)(ORL_LOBE_REFLECTED | ORL_LOBE_TRANSMITTED)
                        : ORL_LOBE_NONE;
 }

@@ -22,6 +22,7 @@
 struct orl_annual_sums {
     float *bins;   /* ORL_BINS: irradiance, of radiance 1 there */
     double *nodes; /* by node: irradiance, of a sun that gives 1 to what faces it */
+    double *beams; /* by beam of the map: the same, of what comes through its ports alone */
 };
 
 struct orl_annual_batch {

@@ -9,9 +9,12 @@
 #include "run/stages.h"
 
 static char materials[] = "materials.rad", room[] = "room.rad", ground[] = "ground.rad",
-            glazing[] = "glazing.rad", glass[] = "upper_glass.rad", weather_name[] = "year.wea";
-static char *const names[] = {materials, room, ground, glazing, glass};
-enum { NAMES = sizeof names / sizeof *names };
+            glazing[] = "glazing.rad", glass[] = "upper_glass.rad", panel[] = "panel.rad",
+            weather_name[] = "year.wea";
+enum { NAMES = 5 };
+static char *const names[ANNUAL_SCENES][NAMES] = {
+    [ANNUAL_GLASS] = {materials, room, ground, glazing, glass},
+    [ANNUAL_PANEL] = {materials, room, ground, glazing, panel}};
 static const double ground_reflectance = 0.2;
 
 /* ---- Files ----------------------------------------------------------------------------------- */
@@ -96,9 +99,7 @@ void annual_close(struct annual_bench *bench)
 {
     free((char *)(uintptr_t)bench->weather.data);
     free(bench->sensors);
-    free(bench->truth.steps);
-    free(bench->truth.lx);
-    free(bench->truth.error_lx);
+    annual_forget_truth(bench);
     orl_crew_stop(bench->crew);
     office_close(&bench->office);
 }
@@ -114,7 +115,8 @@ double annual_run(struct annual_bench *bench, uint32_t samples, struct orl_annua
     const struct orl_run_env run = {
         .crew = bench->crew, .files = &bench->files, .store = &store, .now_s = bench_own_s};
     const struct orl_annual_env env = {.run = &run};
-    const struct orl_annual_request request = {.scene_files = (char **)(uintptr_t)names,
+    const struct orl_annual_request request = {.scene_files =
+                                                   (char **)(uintptr_t)names[bench->scene],
                                                .n_scene_files = NAMES,
                                                .weather_file = weather_name,
                                                .ground_reflectance = ground_reflectance,
@@ -190,7 +192,7 @@ static void run_hour(struct annual_bench *bench, const struct orl_annual_step *s
     orl_job_init(&job);
     snprintf(folder.folder, sizeof folder.folder, "%s", bench->office.folder);
     job.technique = ORL_TECHNIQUE_BACKWARD;
-    job.scene_files = (char **)(uintptr_t)names;
+    job.scene_files = (char **)(uintptr_t)names[bench->scene];
     job.n_scene_files = NAMES;
     job.gather_samples = (uint32_t)bench_number("ORIEL_ANNUAL_TRUTH_SAMPLES", 8192);
     job.seed = 1000 + hour;
@@ -217,6 +219,14 @@ static void run_hour(struct annual_bench *bench, const struct orl_annual_step *s
     orl_result_done(&result);
 }
 
+void annual_forget_truth(struct annual_bench *bench)
+{
+    free(bench->truth.steps);
+    free(bench->truth.lx);
+    free(bench->truth.error_lx);
+    bench->truth = (struct annual_truth){.steps = NULL};
+}
+
 void annual_need_truth(struct annual_bench *bench, const struct orl_annual_result *year)
 {
     struct annual_truth *truth = &bench->truth;
@@ -230,8 +240,8 @@ void annual_need_truth(struct annual_bench *bench, const struct orl_annual_resul
     if (!truth->lx || !truth->error_lx)
         bench_fail("out of memory", NULL);
     orl_checksum_of(bench->weather.data, bench->weather.size, sum);
-    snprintf(name, sizeof name, "annual-%02x%02x%02x%02x-%zu-%llu.txt", sum[0], sum[1], sum[2],
-             sum[3], truth->n_hours,
+    snprintf(name, sizeof name, "annual-%d-%02x%02x%02x%02x-%zu-%llu.txt", (int)bench->scene,
+             sum[0], sum[1], sum[2], sum[3], truth->n_hours,
              (unsigned long long)bench_number("ORIEL_ANNUAL_TRUTH_SAMPLES", 8192));
     bench_kept(name, path);
     if (read_kept(path, truth))

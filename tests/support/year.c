@@ -67,22 +67,63 @@ static char *weather_of(const struct year_run *run)
     return text;
 }
 
+/* Where a run's jobs read, compute and write. */
+struct place {
+    char *weather, folder[64];
+    const char *names[3];
+    struct orl_file contents[3];
+    struct orl_memory_files memory;
+    struct orl_files files;
+    struct orl_folder_store state;
+    struct orl_map_store store;
+    struct orl_crew *crew;
+    atomic_bool cancel;
+    struct orl_run_env env;
+};
+
+static struct orl_file file_of(const char *text)
+{
+    return (struct orl_file){text, strlen(text), NULL};
+}
+
+/* In place: it points into itself. */
+static void open_place(struct place *p, const struct year_run *run)
+{
+    *p = (struct place){.weather = weather_of(run),
+                        .crew = orl_crew_start(run->threads > 0 ? run->threads : 1)};
+    p->names[0] = scene_name;
+    p->names[1] = weather_name;
+    p->names[2] = run->resource_name;
+    p->contents[0] = file_of(run->scene);
+    p->contents[1] = file_of(p->weather);
+    if (run->resource_name)
+        p->contents[2] = file_of(run->resource_text);
+    p->memory = (struct orl_memory_files){p->names, p->contents, run->resource_name ? 3 : 2};
+    p->files = orl_files_from_memory(&p->memory);
+    cli_make_folder(p->folder);
+    snprintf(p->state.folder, sizeof p->state.folder, "%s", p->folder);
+    p->store = orl_map_store_in_folder(&p->state);
+    p->env = (struct orl_run_env){.crew = p->crew,
+                                  .files = &p->files,
+                                  .store = &p->store,
+                                  .output_folder = p->folder,
+                                  .cancel = &p->cancel,
+                                  .now_s = now_s};
+}
+
+static void close_place(struct place *p)
+{
+    orl_crew_stop(p->crew);
+    cli_remove_folder(p->folder);
+    free(p->weather);
+}
+
 static int run_it(const struct year_run *run, struct orl_annual_result *ret_year,
                   struct orl_error *ret_err)
 {
-    char *weather = weather_of(run), folder[64];
-    const char *const names[] = {scene_name, weather_name};
-    const struct orl_file contents[] = {{run->scene, strlen(run->scene), NULL},
-                                        {weather, strlen(weather), NULL}};
-    struct orl_memory_files memory = {names, contents, 2};
-    const struct orl_files files = orl_files_from_memory(&memory);
-    struct orl_folder_store state;
-    cli_make_folder(folder);
-    snprintf(state.folder, sizeof state.folder, "%s", folder);
-    const struct orl_map_store store = orl_map_store_in_folder(&state);
-    struct orl_crew *crew = orl_crew_start(run->threads > 0 ? run->threads : 1);
-    const struct orl_run_env env = {.crew = crew, .files = &files, .store = &store, .now_s = now_s};
-    const struct orl_annual_env annual = {.run = &env};
+    struct place place;
+    open_place(&place, run);
+    const struct orl_annual_env annual = {.run = &place.env};
     const struct orl_annual_request request = {.scene_files = (char **)(uintptr_t)scene_names,
                                                .n_scene_files = 1,
                                                .weather_file = weather_name,
@@ -94,21 +135,23 @@ static int run_it(const struct year_run *run, struct orl_annual_result *ret_year
                                                .seed = run->seed,
                                                .samples = run->samples};
     const int code = orl_annual_run(&request, &annual, ret_year, ret_err);
-    orl_crew_stop(crew);
-    cli_remove_folder(folder);
-    free(weather);
+    close_place(&place);
     return code;
+}
+
+static void fail_with(const struct orl_error *err)
+{
+    char text[2048];
+    orl_error_format(err, text, sizeof text);
+    fail_msg("%s", text);
 }
 
 struct orl_annual_result year_run(const struct year_run *run)
 {
     struct orl_annual_result year = {0};
     struct orl_error err = {0};
-    if (run_it(run, &year, &err) < 0) {
-        char text[2048];
-        orl_error_format(&err, text, sizeof text);
-        fail_msg("%s", text);
-    }
+    if (run_it(run, &year, &err) < 0)
+        fail_with(&err);
     return year;
 }
 
@@ -123,28 +166,31 @@ int year_run_fails(const struct year_run *run, struct orl_error *ret_err)
 void year_hour(const struct year_run *run, const struct orl_annual_step *step, uint32_t samples,
                double *ret_lx, double *ret_se)
 {
-    char *weather = weather_of(run);
-    struct orl_sky_request sky;
-    orl_sky_request_init(&sky);
-    sky.model = ORL_SKY_BY_WEATHER;
-    sky.weather_file = weather_name;
-    sky.time_given = true;
-    sky.month = step->month;
-    sky.day = step->day;
-    sky.hour = step->hour;
-    sky.ground_reflectance = 0.2;
-    const struct scene_run job = {.scene = run->scene,
-                                  .resource_name = weather_name,
-                                  .resource_text = weather,
-                                  .sky = &sky,
-                                  .sensors = run->sensors,
-                                  .n_sensors = run->n_sensors,
-                                  .seed = 77 + run->seed + step->column,
-                                  .technique = ORL_TECHNIQUE_BACKWARD,
-                                  .samples = samples};
-    struct orl_result result = scene_run(&job);
+    struct place place;
+    struct orl_job job;
+    struct orl_result result = {0};
+    struct orl_error err = {0};
+    open_place(&place, run);
+    orl_job_init(&job);
+    job.scene_files = (char **)(uintptr_t)scene_names;
+    job.n_scene_files = 1;
+    job.technique = ORL_TECHNIQUE_BACKWARD;
+    job.gather_samples = samples;
+    job.seed = 77 + run->seed + step->column;
+    job.sensors = (struct orl_sensor *)(uintptr_t)run->sensors;
+    job.n_sensors = run->n_sensors;
+    job.dark_expected = true;
+    job.sky.model = ORL_SKY_BY_WEATHER;
+    job.sky.weather_file = weather_name;
+    job.sky.time_given = true;
+    job.sky.month = step->month;
+    job.sky.day = step->day;
+    job.sky.hour = step->hour;
+    job.sky.ground_reflectance = 0.2;
+    if (orl_run(&job, &place.env, &result, &err) < 0)
+        fail_with(&err);
     memcpy(ret_lx, result.illuminance_lx, run->n_sensors * sizeof *ret_lx);
     memcpy(ret_se, result.standard_error_lx, run->n_sensors * sizeof *ret_se);
     orl_result_done(&result);
-    free(weather);
+    close_place(&place);
 }

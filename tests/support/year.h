@@ -16,6 +16,7 @@ struct year_site {
 
 struct year_run {
     const char *scene;
+    const char *resource_name, *resource_text; /* a BSDF's; or NULL */
     struct year_site site;
     const char *weather; /* a file's text; NULL: 22 March and 21 December, made up */
     const struct orl_sensor *sensors;

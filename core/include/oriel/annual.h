@@ -19,7 +19,7 @@
  * are of the same paths): the mean of a year is hardly more certain than an hour. An interval of
  * anything worked out from a sensor's hours is therefore to be had from the whole row moved by a
  * common factor: the metric of value - z se and of value + z se, in every hour at once. Sensors'
- * errors are independent of each other.
+ * errors are nearly independent of each other: they share the sunlight on surfaces inside.
  *
  * Results are the same bytes for any crew size. Threads: the calling thread leads env->crew.
  */
@@ -142,7 +142,8 @@ struct orl_annual_env {
  * Computes the year. Returns 0 and fills ret_result (owned by the caller), or a negative orl_err:
  * ORL_ERR_INVALID, _RANGE, _NOT_FOUND, _SYNTAX, _LIMIT (with file and line), _NOMEM, _CANCELLED;
  * ORL_ERR_UNSUPPORTED, naming a surface, where the sun reaches sensors in a way that is not
- * followed (BSDFs that scatter it, mirrors that throw it, refraction).
+ * followed: BSDFs that are no windows of a closed building, refraction, curved mirrors, mirrors of
+ * several planes that are more than panes are.
  */
 int orl_annual_run(const struct orl_annual_request *request, const struct orl_annual_env *env,
                    struct orl_annual_result *ret_result, struct orl_error *err);

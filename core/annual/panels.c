@@ -1,0 +1,349 @@
+#include "annual/panels.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "light/direct.h"
+#include "light/path.h"
+
+enum { PARTS = ORL_PANEL_PARTS, DRAWS = ORL_PANEL_DRAWS, GROUPS = ORL_PANEL_GROUPS };
+enum { BLOCKS_A_SIDE = ORL_PANEL_SIDE / 2, POINTS = BLOCKS_A_SIDE * BLOCKS_A_SIDE };
+enum { MOST_PANES = 64 };
+
+/* ---- The panes ------------------------------------------------------------------------------- */
+
+static int kind_of(struct orl_panels *panels, const struct orl_material *m, struct orl_vec3 normal,
+                   struct orl_vec3 inward)
+{
+    for (size_t i = 0; i < panels->n_kinds; i++)
+        if (panels->kinds[i].material == m && orl_dot(panels->kinds[i].normal, normal) > 1 - 1e-9)
+            return (int)i;
+    if (panels->n_kinds == ORL_PANEL_MOST_KINDS)
+        return ORL_ERR_LIMIT;
+    panels->kinds[panels->n_kinds] = (struct orl_panel_kind){m, normal, inward};
+    return (int)panels->n_kinds++;
+}
+
+static int find_panes(struct orl_panels *panels)
+{
+    const struct orl_world *world = panels->world;
+    struct orl_windows windows;
+    int code = orl_windows_of_ports(&windows, world);
+    panels->at = calloc(windows.count + 1, sizeof *panels->at);
+    if (!panels->at)
+        code = ORL_ERR_NOMEM;
+    for (size_t i = 0; i < windows.count && code == 0; i++) {
+        const struct orl_window *window = &windows.at[i];
+        const struct orl_facet *facet = &world->geometry->facets[window->facet];
+        const struct orl_material *m = &world->materials[facet->material];
+        if (m->kind != ORL_MATERIAL_BSDF)
+            continue;
+        const int32_t port = world->port_of_facet[window->facet];
+        const struct orl_vec3 inward = orl_neg(world->ports[port].outward);
+        const int kind = kind_of(panels, m, facet->normal, inward);
+        code = kind < 0 ? kind : 0;
+        panels->at[panels->count++] =
+            (struct orl_panel){*window, inward, (uint32_t)kind, facet->area};
+    }
+    orl_windows_done(&windows);
+    return code;
+}
+
+/* ---- What is the same for all sensors -------------------------------------------------------- */
+
+struct maker {
+    struct orl_panels *panels;
+    const struct orl_sobol *sobol;
+    uint64_t seed;
+};
+
+static struct orl_vec3 about_sun(const struct orl_hour_sun *sun, const double u[2])
+{
+    const struct orl_sun disc = {.frame = orl_frame_about(sun->towards),
+                                 .cos_half_angle = cos(0.5 * sun->angle_rad)};
+    return orl_sun_sample(&disc, u);
+}
+
+static void draw_kind(const struct maker *maker, uint32_t kind, size_t column)
+{
+    struct orl_panels *panels = maker->panels;
+    const struct orl_panel_kind *k = &panels->kinds[kind];
+    const struct orl_hour_sun *sun = &panels->hours->suns[column];
+    struct orl_panel_draw *draws =
+        panels->draws + ((size_t)kind * panels->hours->n_columns + column) * DRAWS;
+    const struct orl_hit hit = orl_hit_anywhere(k->normal, orl_dot(sun->towards, k->normal) > 0);
+    const uint64_t name = orl_mix64(maker->seed ^ orl_mix64(column * ORL_PANEL_MOST_KINDS + kind));
+    for (uint32_t i = 0; i < DRAWS; i++) {
+        double u[5];
+        struct orl_panel_draw *draw = &draws[i];
+        *draw = (struct orl_panel_draw){.light = 0};
+        orl_sobol_point(maker->sobol, i, (uint32_t)name, 5, u);
+        const struct orl_vec3 from = about_sun(sun, u + 3);
+        if (!(orl_dot(from, k->inward) < 0))
+            continue;
+        const struct orl_scatter s = orl_scatter_sample_at(
+            k->material, &hit, from, ORL_TRANSPORT_LIGHT, ORL_LOBE_TRANSMITTED, u);
+        if (s.event != ORL_EVENT_GLOSSY && s.event != ORL_EVENT_DIFFUSE)
+            continue;
+        const double leaving = orl_dot(s.direction, k->inward);
+        const double density = orl_scatter_pdf(k->material, &hit, sun->towards, ORL_TRANSPORT_LIGHT,
+                                               ORL_LOBE_TRANSMITTED, s.direction);
+        if (!(leaving > 1e-6) || !(density > 0))
+            continue;
+        *draw = (struct orl_panel_draw){
+            {(float)s.direction.x, (float)s.direction.y, (float)s.direction.z},
+            (float)(orl_luma(s.weight) * -orl_dot(from, k->inward) / leaving),
+            (float)density};
+    }
+}
+
+/* The middle of a part, on the pane's rectangle. */
+static struct orl_vec3 part_of(const struct orl_window *w, uint32_t part)
+{
+    const double a = (part % ORL_PANEL_SIDE + 0.5) / ORL_PANEL_SIDE;
+    const double b = ((double)(part / ORL_PANEL_SIDE) + 0.5) / ORL_PANEL_SIDE;
+    return orl_madd(orl_madd(w->corner, w->along[0], w->low[0] + a * (w->high[0] - w->low[0])),
+                    w->along[1], w->low[1] + b * (w->high[1] - w->low[1]));
+}
+
+static void look_outside(const struct maker *maker, size_t pane, size_t column)
+{
+    struct orl_panels *panels = maker->panels;
+    const struct orl_world *world = panels->world;
+    const struct orl_panel *panel = &panels->at[pane];
+    const struct orl_hour_sun *sun = &panels->hours->suns[column];
+    float *parts = panels->outside + (pane * panels->hours->n_columns + column) * PARTS;
+    struct orl_random random = orl_random_stream(maker->seed, ORL_PURPOSE_ANNUAL,
+                                                 ~(pane * panels->hours->n_columns + column));
+    for (uint32_t i = 0; i < PARTS; i++) {
+        const double u[2] = {orl_random_uniform(&random), orl_random_uniform(&random)};
+        const struct orl_vec3 towards = about_sun(sun, u);
+        const struct orl_vec3 start =
+            orl_facet_leave(world->geometry, panel->window.facet, part_of(&panel->window, i),
+                            panel->window.normal, towards);
+        parts[i] = orl_dot(towards, panel->inward) < 0
+                       ? (float)orl_luma(orl_transmittance(world, start, towards, INFINITY, true))
+                       : 0;
+    }
+}
+
+static void make_column(void *arg, size_t column, uint32_t member)
+{
+    const struct maker *maker = arg;
+    const struct orl_panels *panels = maker->panels;
+    const struct orl_hour_sun *sun = &panels->hours->suns[column];
+    (void)member;
+    if (!(sun->normal_lx > 0))
+        return;
+    for (uint32_t kind = 0; kind < panels->n_kinds; kind++)
+        if (orl_dot(sun->towards, panels->kinds[kind].inward) < 0)
+            draw_kind(maker, kind, column);
+    for (size_t pane = 0; pane < panels->count; pane++)
+        if (orl_dot(sun->towards, panels->at[pane].inward) < 0)
+            look_outside(maker, pane, column);
+}
+
+int orl_panels_init(struct orl_panels *panels, const struct orl_world *world,
+                    const struct orl_hours *hours, const struct orl_sobol *sobol, uint64_t seed,
+                    struct orl_crew *crew)
+{
+    struct maker maker = {panels, sobol, seed};
+    *panels = (struct orl_panels){.world = world, .hours = hours};
+    if (world->open || world->n_ports == 0)
+        return 0;
+    const int code = find_panes(panels);
+    if (code < 0 || panels->count == 0)
+        return code;
+    panels->draws = malloc(panels->n_kinds * hours->n_columns * DRAWS * sizeof *panels->draws);
+    panels->outside = malloc(panels->count * hours->n_columns * PARTS * sizeof *panels->outside);
+    if (!panels->draws || !panels->outside)
+        return ORL_ERR_NOMEM;
+    return orl_crew_try(crew, hours->n_columns, make_column, &maker);
+}
+
+void orl_panels_done(struct orl_panels *panels)
+{
+    free(panels->at);
+    free(panels->draws);
+    free(panels->outside);
+    *panels = (struct orl_panels){.at = NULL};
+}
+
+/* ---- A sensor -------------------------------------------------------------------------------- */
+
+/* A point of a pane as the sensor sees it. */
+struct seen {
+    struct orl_vec3 towards; /* from the pane to the sensor */
+    double worth;            /* luma of what is let by, times both cosines over distance squared */
+    double density;          /* of pane's points, one of them: per steradian */
+};
+
+/* A pane before a sensor. */
+struct before {
+    const struct orl_panels *panels;
+    const struct orl_panel *panel;
+    const struct orl_place *place;
+    size_t pane;
+    struct seen seen[PARTS];
+    bool any;
+};
+
+static void look_at_points(struct before *b, uint64_t name)
+{
+    const struct orl_world *world = b->panels->world;
+    const struct orl_panel *panel = b->panel;
+    const double offset = world->geometry->facets[panel->window.facet].offset;
+    struct orl_random random = orl_random_stream(name, ORL_PURPOSE_ANNUAL, ~b->pane);
+    for (uint32_t i = 0; i < PARTS; i++) {
+        const double u[2] = {(i % ORL_PANEL_SIDE + orl_random_uniform(&random)) / ORL_PANEL_SIDE,
+                             ((double)(i / ORL_PANEL_SIDE) + orl_random_uniform(&random)) /
+                                 ORL_PANEL_SIDE};
+        struct orl_vec3 point, normal;
+        orl_facet_sample(world->geometry, panel->window.facet, u, &point, &normal);
+        const struct orl_vec3 way = orl_sub(point, b->place->point);
+        const double distance = orl_length(way);
+        const struct orl_vec3 there = orl_scale(way, 1 / distance);
+        const double here = orl_dot(there, b->place->normal);
+        const double leaving = -orl_dot(there, panel->inward);
+        b->seen[i] = (struct seen){.worth = 0};
+        if (!(here > 0) || !(leaving > 1e-6) || !(distance > 4 * offset))
+            continue;
+        const double share =
+            orl_luma(orl_transmittance(world, b->place->point, there, distance - 2 * offset, true));
+        b->seen[i] = (struct seen){orl_neg(there), share * here * leaving / (distance * distance),
+                                   distance * distance / (leaving * panel->area)};
+        b->any = b->any || share > 0;
+    }
+}
+
+/* One of each block of four parts, by lot: which. */
+static uint32_t part_of_block(uint32_t block, uint64_t lot)
+{
+    const uint32_t x = 2 * (block % BLOCKS_A_SIDE), y = 2 * (block / BLOCKS_A_SIDE);
+    const uint32_t which = (uint32_t)(orl_mix64(lot + block) >> 62);
+    return (y + (which >> 1)) * ORL_PANEL_SIDE + x + (which & 1);
+}
+
+/* Two blocks a group, half a pane apart each way. */
+static uint32_t group_of_block(uint32_t block)
+{
+    const uint32_t x = block % BLOCKS_A_SIDE, y = block / BLOCKS_A_SIDE;
+    const uint32_t half = BLOCKS_A_SIDE / 2;
+    return y < half ? y * BLOCKS_A_SIDE + x
+                    : (y - half) * BLOCKS_A_SIDE + (x + half) % BLOCKS_A_SIDE;
+}
+
+/* Points of the pane: to groups, of a sun that gives 1 to what faces it. */
+static void add_points(const struct before *b, size_t column, uint64_t lot, double groups[GROUPS])
+{
+    const struct orl_panels *panels = b->panels;
+    const struct orl_panel_kind *k = &panels->kinds[b->panel->kind];
+    const struct orl_hour_sun *sun = &panels->hours->suns[column];
+    const float *outside = panels->outside + (b->pane * panels->hours->n_columns + column) * PARTS;
+    const struct orl_hit hit = orl_hit_anywhere(k->normal, orl_dot(sun->towards, k->normal) > 0);
+    const double onto = -orl_dot(sun->towards, k->inward);
+    for (uint32_t block = 0; block < POINTS; block++) {
+        const uint32_t part = part_of_block(block, lot);
+        const struct seen *s = &b->seen[part];
+        if (!(s->worth > 0) || !(outside[part] > 0))
+            continue;
+        const double f =
+            orl_luma(orl_scatter_eval_lobes(k->material, &hit, sun->towards, s->towards));
+        if (!(f > 0))
+            continue;
+        const double of_draws =
+            DRAWS * orl_scatter_pdf(k->material, &hit, sun->towards, ORL_TRANSPORT_LIGHT,
+                                    ORL_LOBE_TRANSMITTED, s->towards);
+        const double weight = POINTS * s->density / (POINTS * s->density + of_draws);
+        groups[group_of_block(block)] +=
+            weight * f * onto * s->worth * b->panel->area * (double)outside[part] * GROUPS / POINTS;
+    }
+}
+
+/* What of a pane a ray from the sensor sees, through what stands before it: luma. */
+static double sight_of(const struct before *b, struct orl_vec3 towards)
+{
+    const struct orl_world *world = b->panels->world;
+    struct orl_path path = orl_path_from(b->place->point, towards);
+    for (int pane = 0; pane < MOST_PANES; pane++) {
+        struct orl_hit hit;
+        if (!orl_path_meet(world, &path, &hit))
+            return 0;
+        if (hit.facet == b->panel->window.facet)
+            return orl_luma(path.weight);
+        if (!orl_path_look_through(&path, orl_world_material(world, &hit), &hit))
+            return 0;
+        orl_path_pass(&path, world, &hit);
+    }
+    return 0;
+}
+
+static uint32_t part_at(const struct orl_window *w, struct orl_vec3 point)
+{
+    const struct orl_vec3 from = orl_sub(point, w->corner);
+    uint32_t at[2];
+    for (int i = 0; i < 2; i++) {
+        const double share = (orl_dot(from, w->along[i]) - w->low[i]) / (w->high[i] - w->low[i]);
+        at[i] = (uint32_t)fmin(fmax(share * ORL_PANEL_SIDE, 0), ORL_PANEL_SIDE - 1);
+    }
+    return at[1] * ORL_PANEL_SIDE + at[0];
+}
+
+/* Directions drawn by the BSDF, of which the sensor sees those that come from the pane. */
+static void add_draws(const struct before *b, size_t column, double groups[GROUPS])
+{
+    const struct orl_panels *panels = b->panels;
+    const struct orl_panel *panel = b->panel;
+    const size_t columns = panels->hours->n_columns;
+    const struct orl_panel_draw *draws =
+        panels->draws + ((size_t)panel->kind * columns + column) * DRAWS;
+    const float *outside = panels->outside + (b->pane * columns + column) * PARTS;
+    for (uint32_t i = 0; i < DRAWS; i++) {
+        const struct orl_panel_draw *d = &draws[i];
+        double distance;
+        if (!(d->light > 0))
+            continue;
+        const struct orl_vec3 there =
+            orl_v3(-(double)d->towards[0], -(double)d->towards[1], -(double)d->towards[2]);
+        const double here = orl_dot(there, b->place->normal);
+        if (!(here > 0) || !orl_window_passed(&panel->window, b->place->point, there, 0, &distance))
+            continue;
+        const double lit =
+            (double)outside[part_at(&panel->window, orl_madd(b->place->point, there, distance))];
+        const double share = lit > 0 ? lit * sight_of(b, there) : 0;
+        if (!(share > 0))
+            continue;
+        const double leaving = -orl_dot(there, panel->inward);
+        const double of_points = POINTS * distance * distance / (leaving * panel->area);
+        const double of_draws = DRAWS * (double)d->density;
+        groups[i % GROUPS] +=
+            of_draws / (of_draws + of_points) * (double)d->light * here * share * GROUPS / DRAWS;
+    }
+}
+
+void orl_panels_add(const struct orl_panels *panels, const struct orl_place *place, uint64_t name,
+                    float *light, float *squares)
+{
+    for (size_t pane = 0; pane < panels->count; pane++) {
+        struct before b = {
+            .panels = panels, .panel = &panels->at[pane], .place = place, .pane = pane};
+        const struct orl_vec3 from = orl_sub(place->point, b.panel->window.corner);
+        if (place->outside || !(orl_dot(from, b.panel->inward) > 0))
+            continue;
+        look_at_points(&b, name);
+        for (size_t c = 0; b.any && c < panels->hours->n_columns; c++) {
+            const struct orl_hour_sun *sun = &panels->hours->suns[c];
+            double groups[GROUPS] = {0}, mean = 0, spread = 0;
+            if (!(sun->normal_lx > 0) || !(orl_dot(sun->towards, b.panel->inward) < 0))
+                continue;
+            add_points(&b, c, orl_mix64(name ^ orl_mix64(c * 64 + pane)), groups);
+            add_draws(&b, c, groups);
+            for (int g = 0; g < GROUPS; g++)
+                mean += groups[g] / GROUPS;
+            for (int g = 0; g < GROUPS; g++)
+                spread += (groups[g] - mean) * (groups[g] - mean) / (GROUPS * (GROUPS - 1.0));
+            light[c] += (float)(sun->normal_lx * mean);
+            squares[c] += (float)(sun->normal_lx * sun->normal_lx * spread);
+        }
+    }
+}

@@ -1,0 +1,70 @@
+/*
+ * The sun at sensors by way of panes described by BSDFs, at its own place of every hour.
+ *
+ * Radiance that a pane sends towards a sensor is looked for in two ways, weighted by the balance
+ * heuristic (Veach 1997, chapter 9): points of the pane, and directions drawn by its BSDF from the
+ * hour's sun. The draws are the same wherever a pane of that kind hangs and whoever looks: they are
+ * made once for all sensors. So is what of the sun's disc comes to each part of a pane. What a
+ * sensor sees of a pane is looked at once for all hours.
+ *
+ * Panes are ports of a sealed building. Immutable once made.
+ */
+#ifndef ORL_ANNUAL_PANELS_H
+#define ORL_ANNUAL_PANELS_H
+
+#include "annual/hours.h"
+#include "annual/windows.h"
+#include "base/sobol.h"
+#include "render/gather/gather.h"
+
+enum {
+    ORL_PANEL_DRAWS = 128, /* of a kind of pane, in an hour */
+    ORL_PANEL_SIDE = 8,    /* a pane's parts along an edge */
+    ORL_PANEL_PARTS = ORL_PANEL_SIDE * ORL_PANEL_SIDE,
+    ORL_PANEL_GROUPS = 8,      /* independent, for standard errors */
+    ORL_PANEL_MOST_KINDS = 32, /* of material and normal */
+};
+
+/* A direction into the room that a kind of pane sends an hour's sun. */
+struct orl_panel_draw {
+    float towards[3];
+    float light;   /* what it is worth: radiance over density, of a sun of 1 facing it */
+    float density; /* per steradian, of drawing it from the middle of the disc */
+};
+
+struct orl_panel {
+    struct orl_window window;
+    struct orl_vec3 inward;
+    uint32_t kind;
+    double area;
+};
+
+struct orl_panel_kind {
+    const struct orl_material *material;
+    struct orl_vec3 normal, inward;
+};
+
+struct orl_panels {
+    const struct orl_world *world; /* borrowed, as hours are */
+    const struct orl_hours *hours;
+    struct orl_panel *at;
+    size_t count;
+    struct orl_panel_kind kinds[ORL_PANEL_MOST_KINDS];
+    size_t n_kinds;
+    struct orl_panel_draw *draws; /* [kind][column][draw] */
+    float *outside;               /* [pane][column][part]: share of the disc's light, luma */
+};
+
+/* Returns 0, ORL_ERR_NOMEM, _LIMIT (too many kinds) or _CANCELLED; orl_panels_done in either case.
+ */
+int orl_panels_init(struct orl_panels *panels, const struct orl_world *world,
+                    const struct orl_hours *hours, const struct orl_sobol *sobol, uint64_t seed,
+                    struct orl_crew *crew);
+void orl_panels_done(struct orl_panels *panels);
+
+/* Adds to every column what comes by panels, lx, and to squares the square of its standard error.
+ * name: of the sensor. */
+void orl_panels_add(const struct orl_panels *panels, const struct orl_place *place, uint64_t name,
+                    float *light, float *squares);
+
+#endif
