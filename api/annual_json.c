@@ -14,7 +14,8 @@ enum {
     NAME_MAX_BYTES = ORL_TARGET_GRID - 1,
     FILE_MAX_BYTES = 1024,
     GRIDS_MAX = 4096,
-    LIST_MAX = 256
+    LIST_MAX = 256,
+    FIRST_ROUND = 256 /* paths, where accuracy is asked for */
 };
 
 void orl_annual_job_done(struct orl_annual_job *job)
@@ -316,11 +317,11 @@ static int add_rules(const char *text, void *into, struct orl_error *err)
     if (rc)
         return rc;
     const size_t n = wishes->n_rules + count;
-    const struct orl_annual_rule **grown = realloc((void *)wishes->rules, n * sizeof *grown);
+    struct orl_annual_rule *grown = realloc(wishes->rules, n * sizeof *grown);
     if (!grown)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     for (size_t i = 0; i < count; i++)
-        grown[wishes->n_rules + i] = &first[i];
+        grown[wishes->n_rules + i] = first[i];
     wishes->rules = grown;
     wishes->n_rules = n;
     return 0;
@@ -353,6 +354,14 @@ static int decode_metrics(const json_t *value, const char *path, void *into, str
 
 /* ---- The document ---------------------------------------------------------------------------- */
 
+static int decode_until(const json_t *value, const char *path, void *into, struct orl_error *err)
+{
+    struct orl_annual_wishes *wishes = into;
+    wishes->until = calloc(1, sizeof *wishes->until);
+    return wishes->until ? decode_target(value, path, wishes->until, err)
+                         : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+}
+
 static int decode_members(const json_t *doc, struct orl_annual_job *job, struct orl_error *err)
 {
     struct orl_annual_request *request = &job->request;
@@ -362,6 +371,8 @@ static int decode_members(const json_t *doc, struct orl_annual_job *job, struct 
                                           .size = sizeof *wishes->targets,
                                           .most = LIST_MAX,
                                           .each = decode_target};
+    const struct orl_json_member accuracy[] = {
+        {"verdict", .decode = decode_until, .into = wishes, .required = true}, {0}};
     const struct orl_json_member members[] = {
         {.name = "kind"},
         {"title", .text = &job->title, .longest = TITLE_MAX},
@@ -377,9 +388,13 @@ static int decode_members(const json_t *doc, struct orl_annual_job *job, struct 
         {"rules", .decode = decode_rules, .into = wishes},
         {"samples", .whole_32 = &request->samples, .from = 1, .to = ORL_ANNUAL_MOST_SAMPLES},
         {"seed", .whole = &request->seed, .from = 0, .to = INT64_MAX},
+        {"accuracy", .members = accuracy},
         {.name = "priority"},
         {0}};
-    return orl_json_members(doc, "", members, err);
+    const int rc = orl_json_members(doc, "", members, err);
+    if (rc == 0 && wishes->until && request->samples == 0)
+        request->samples = FIRST_ROUND;
+    return rc;
 }
 
 static int decode(const json_t *doc, enum orl_job_origin origin, struct orl_annual_job *job,

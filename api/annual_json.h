@@ -11,7 +11,9 @@
  *      "occupancy": {"from": 8, "to": 18, "days": ["mon", ...], "first_day": "sun"}
  *                   or {"file": "occupancy.csv"} (oriel/annual_metrics.h),
  *      "metrics": ["DA300", "UDI100-3000", ...], "targets": ["sDA300/50 >= 55 %", ...],
- *      "rules": ["EN 17037", "LEED", ...], "samples": 2048 (paths a sensor), "seed": 0}
+ *      "rules": ["EN 17037", "LEED", ...], "samples": 2048 (paths a sensor), "seed": 0,
+ *      "accuracy": {"verdict": "sDA300/50 >= 55 %"} (more paths for those sensors that leave it
+ * open; "samples" are those of the first round then, 256 when left out)}
  *
  * result.json:
  *     {"kind": "annual", "state", "title", "location": {"latitude", "longitude", "time_zone"},
@@ -21,6 +23,8 @@
  *      "verdicts": [{"rule", "clause" (null: the job's own target), "target", "grid" (null: all),
  *      "unit", "value", "interval_95", "open", "verdict"}],
  *      "rules": [{"rule", "grid", "verdict"}] (all targets of each),
+ *      "accuracy": null or {"target", "value", "interval_95", "verdict", "settled", "rounds",
+ *      "refined_sensors", "most_samples"} (oriel/annual_report.h),
  *      "files": [...], "provenance": {"version", "seed", "samples", "inputs": [{"name", "bytes",
  *      "sha256"}], "settings": {...}}, "timings_s", "threads", "warnings"}
  * Numbers that are not known are null.
@@ -54,6 +58,7 @@ int orl_annual_job_from_json(const json_t *doc, enum orl_job_origin origin,
 /* A new reference, the caller's; NULL when out of memory. files: an array of names, borrowed. */
 json_t *orl_annual_report_to_json(const struct orl_annual_job *job,
                                   const struct orl_annual_result *result,
+                                  const struct orl_annual_refinement *refinement,
                                   const struct orl_annual_report *report,
                                   const struct orl_annual_inputs *inputs, json_t *files);
 

@@ -199,18 +199,32 @@ static json_t *hours_to_json(const struct orl_annual_report *report)
                      (double)report->year.n_columns / per_hour);
 }
 
+static json_t *refinement_to_json(const struct orl_annual_refinement *r)
+{
+    if (!r->asked)
+        return json_null();
+    return json_pack("{s:o, s:s, s:o, s:o, s:s, s:b, s:I, s:I, s:I}", "target",
+                     orl_json_from_text(r->target.text), "unit", unit_of(&r->target.figure),
+                     "value", orl_json_from_real(r->area.value.value), "interval_95",
+                     interval_to_json(&r->area.value), "verdict", orl_verdict_name(r->verdict),
+                     "settled", (int)r->settled, "rounds", (json_int_t)r->rounds, "refined_sensors",
+                     (json_int_t)r->refined, "most_samples", (json_int_t)r->most_samples);
+}
+
 json_t *orl_annual_report_to_json(const struct orl_annual_job *job,
                                   const struct orl_annual_result *result,
+                                  const struct orl_annual_refinement *refinement,
                                   const struct orl_annual_report *report,
                                   const struct orl_annual_inputs *inputs, json_t *files)
 {
     json_t *all = report->n_grids > 1 ? figures_to_json(report, report->n_grids) : json_null();
     return json_pack(
-        "{s:s, s:s, s:o, s:{s:f, s:f, s:f}, s:o, s:o, s:o, s:o, s:o, s:O, s:o, s:o, s:I, s:o}",
+        "{s:s, s:s, s:o, s:{s:f, s:f, s:f}, s:o, s:o, s:o, s:o, s:o, s:o, s:O, s:o, s:o, s:I, s:o}",
         "kind", "annual", "state", "succeeded", "title", text_or_null(job->title), "location",
         "latitude", result->latitude_deg, "longitude", result->longitude_deg, "time_zone",
         result->time_zone_h, "hours", hours_to_json(report), "grids", grids_to_json(report), "all",
-        all, "verdicts", verdicts_to_json(report), "rules", rules_to_json(report), "files", files,
-        "provenance", provenance_to_json(job, result, inputs), "timings_s", timings_to_json(result),
-        "threads", (json_int_t)result->threads, "warnings", warnings_to_json(result));
+        all, "verdicts", verdicts_to_json(report), "rules", rules_to_json(report), "accuracy",
+        refinement_to_json(refinement), "files", files, "provenance",
+        provenance_to_json(job, result, inputs), "timings_s", timings_to_json(result), "threads",
+        (json_int_t)result->threads, "warnings", warnings_to_json(result));
 }

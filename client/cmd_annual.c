@@ -65,7 +65,8 @@ static int tell_report(const struct orl_annual_output *output, const struct orl_
                    : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
 
     if (rc == 0) {
-        json = orl_annual_report_to_json(year->job, year->result, report, year->inputs, files);
+        json = orl_annual_report_to_json(year->job, year->result, year->refinement, report,
+                                         year->inputs, files);
         rc = write_result(output->folder, json, err);
     }
     if (rc == 0)

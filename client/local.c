@@ -252,19 +252,28 @@ static int on_year_begins(void *ctx, const struct orl_annual_result *result, str
                                    year->env->files, err);
 }
 
+static void on_year_round(void *ctx, const struct orl_annual_refinement *r)
+{
+    orl_progress_note(ctx, "round %u: %s: %.4g [%.4g, %.4g], %s; %zu sensors refined", r->rounds,
+                      r->target.text, r->area.value.value, r->area.value.low, r->area.value.high,
+                      orl_verdict_name(r->verdict), r->refined);
+}
+
 static int run_year(struct orl_annual_job *job, struct local *local,
                     struct orl_annual_inputs *inputs, orl_local_tell *tell, void *ctx,
                     struct orl_error *err)
 {
     struct orl_annual_result result = {0};
-    struct orl_local_year year = {job, &local->env, &result, inputs};
+    struct orl_annual_refinement refinement = {0};
+    struct orl_local_year year = {job, &local->env, &result, &refinement, inputs};
     const struct orl_annual_env env = {.run = &local->env, .begins = on_year_begins, .ctx = &year};
     int rc = orl_annual_grids_read(&job->request, job->grid_files, local->env.files, err);
 
     if (rc == 0)
         rc = orl_annual_validate(&job->request, err);
     if (rc == 0)
-        rc = orl_annual_run(&job->request, &env, &result, err);
+        rc = orl_annual_run_until(&job->request, &job->wishes, &env, on_year_round,
+                                  &local->progress, &result, &refinement, err);
     if (rc == 0)
         rc = tell(ctx, &year, err);
     orl_annual_done(&result);

@@ -42,6 +42,7 @@ struct orl_local_year {
     const struct orl_annual_job *job;
     const struct orl_run_env *env;
     const struct orl_annual_result *result;
+    const struct orl_annual_refinement *refinement;
     const struct orl_annual_inputs *inputs;
 };
 typedef int orl_local_tell(void *ctx, const struct orl_local_year *year, struct orl_error *err);

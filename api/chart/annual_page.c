@@ -106,13 +106,14 @@ static double draw_figures(const struct sheet *s, double x, double y, double rig
     const struct orl_annual_report *report = s->page->report;
     const size_t places = report->n_grids + 1;
     y = put_heading(s, x, y, right, "Figures, and averages over the area, with 95 % intervals");
-    for (size_t f = 0; f < report->n_figures; f++, y += line_height) {
+    for (size_t f = 0; f < report->n_figures; f++) {
         char name[96], value[120];
         name_figure(&report->figures[f], name, sizeof name);
         put_value(&report->areas[f * places + s->page->grid].value,
                   figure_unit(&report->figures[f]), value, sizeof value);
         put(s, right, y, ORL_CANVAS_RIGHT, text_size, ink, value);
         put_within(s, x, y, right - x - orl_canvas_text_width(value, text_size) - 8, ink, name);
+        y += line_height;
     }
     return y;
 }

@@ -174,8 +174,10 @@ static void draw_use(const struct sheet *s)
             changes += marks[k] != (k > 0 ? marks[k - 1] : 0);
         }
         const double y = y_of(s, (double)k / s->map->steps.per_hour);
-        for (double x = s->x0; 2 * changes > used_days && x < s->x1; x += 12)
-            orl_canvas_line(s->canvas, x, y, fmin(x + 6, s->x1), y, 0.9, paper);
+        const int dashes = 2 * changes > used_days ? (int)ceil((s->x1 - s->x0) / 12) : 0;
+        for (int i = 0; i < dashes; i++)
+            orl_canvas_line(s->canvas, s->x0 + 12 * i, y, fmin(s->x0 + 12 * i + 6, s->x1), y, 0.9,
+                            paper);
     }
 }
 
@@ -198,11 +200,13 @@ static void draw_ticks(const struct sheet *s, double x)
         draw_tick(s, x, s->top * i / TICKS, i == TICKS);
     if (!s->map->logarithmic)
         return;
-    for (int i = 0; i < 2 * (DECADES + 1); i++) {
-        const double low = s->top * pow(10, -DECADES), hair = 1e-9;
-        const double value = pow(10, floor(log10(low) + hair) + i / 2) * (i % 2 ? 3 : 1);
-        if (value >= low * (1 - hair) && value < 0.8 * s->top)
-            draw_tick(s, x, value, false);
+    const double low = s->top * pow(10, -DECADES), hair = 1e-9;
+    for (int decade = 0; decade <= DECADES; decade++) {
+        const double power = pow(10, floor(log10(low) + hair) + decade);
+        const double values[2] = {power, 3 * power};
+        for (int i = 0; i < 2; i++)
+            if (values[i] >= low * (1 - hair) && values[i] < 0.8 * s->top)
+                draw_tick(s, x, values[i], false);
     }
     draw_tick(s, x, s->top, true);
 }

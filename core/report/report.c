@@ -42,8 +42,9 @@ void orl_annual_wishes_done(struct orl_annual_wishes *wishes)
     free(wishes->occupancy_file);
     free(wishes->metrics);
     free(wishes->targets);
-    free((void *)wishes->rules);
+    free(wishes->rules);
     free(wishes->grid_area);
+    free(wishes->until);
     *wishes = (struct orl_annual_wishes){.n_metrics = 0};
 }
 
@@ -60,7 +61,8 @@ struct making {
 
 static int no_memory(const struct making *m)
 {
-    return orl_error_set(m->err, ORL_ERR_NOMEM, "out of memory");
+    orl_error_set(m->err, ORL_ERR_NOMEM, "out of memory");
+    return ORL_ERR_NOMEM;
 }
 
 /* One of all sensors where the request has none. */
@@ -153,15 +155,14 @@ static int make_periods(const struct making *m)
 struct orl_annual_rows orl_annual_rows_of(const struct orl_annual_report *report,
                                           const struct orl_annual_result *result, size_t grid)
 {
-    const size_t first = grid == ORL_ALL_GRIDS ? 0 : report->grids[grid].first;
-    const size_t at = first * result->n_columns;
+    const struct orl_annual_grid *one = grid == ORL_ALL_GRIDS ? NULL : &report->grids[grid];
+    const size_t first = one ? one->first : 0, at = first * result->n_columns;
     const float *se = result->se ? result->se + at : NULL;
     return (struct orl_annual_rows){.total_lx = result->total + at,
                                     .direct_lx = result->direct ? result->direct + at : NULL,
                                     .total_error_lx = se,
                                     .direct_error_lx = se,
-                                    .n_sensors = grid == ORL_ALL_GRIDS ? report->n_sensors
-                                                                       : report->grids[grid].count,
+                                    .n_sensors = one ? one->count : report->n_sensors,
                                     .n_columns = result->n_columns,
                                     .area = report->area + first};
 }
@@ -255,15 +256,20 @@ static size_t find_grid(const struct orl_annual_report *report, const char *name
     return ORL_ALL_GRIDS;
 }
 
+static int check_grid(const struct making *m, const struct orl_annual_target *target)
+{
+    if (!target->grid[0] || find_grid(m->report, target->grid) != ORL_ALL_GRIDS)
+        return 0;
+    return orl_error_set(m->err, ORL_ERR_INVALID, "'%s': there is no grid named '%s'", target->text,
+                         target->grid);
+}
+
 static int check_grids(const struct making *m)
 {
-    for (size_t i = 0; i < m->wishes->n_targets; i++) {
-        const struct orl_annual_target *target = &m->wishes->targets[i];
-        if (target->grid[0] && find_grid(m->report, target->grid) == ORL_ALL_GRIDS)
-            return orl_error_set(m->err, ORL_ERR_INVALID, "'%s': there is no grid named '%s'",
-                                 target->text, target->grid);
-    }
-    return 0;
+    int code = m->wishes->until ? check_grid(m, m->wishes->until) : 0;
+    for (size_t i = 0; i < m->wishes->n_targets && code == 0; i++)
+        code = check_grid(m, &m->wishes->targets[i]);
+    return code;
 }
 
 /* Of the grid that is named; else of all together, and of each by itself. */
@@ -303,7 +309,7 @@ static int make_verdicts(const struct making *m)
     for (size_t i = 0; i < wishes->n_targets && code == 0; i++)
         code = judge_everywhere(m, NULL, &wishes->targets[i]);
     for (size_t i = 0; i < wishes->n_rules && code == 0; i++)
-        code = judge_rule(m, wishes->rules[i]);
+        code = judge_rule(m, &wishes->rules[i]);
     return code;
 }
 

@@ -21,7 +21,7 @@ static const char good[] =
     "\"sun\"},"
     " \"metrics\": [\"DA500\", \"UDI100-2000 over the year\"],"
     " \"targets\": [\"sDA300/50 of wall >= 55 %\"], \"rules\": [\"LEED\", \"EN 17037 high\"],"
-    " \"samples\": 64, \"seed\": 7}";
+    " \"samples\": 64, \"seed\": 7, \"accuracy\": {\"verdict\": \"DA500 of desks >= 70 %\"}}";
 
 static int read_year(const char *text, struct orl_annual_job *ret_job, struct orl_error *err)
 {
@@ -63,7 +63,8 @@ static void test_a_whole_document(void **state)
     assert_int_equal(job.wishes.n_targets, 1);
     assert_string_equal(job.wishes.targets[0].grid, "wall");
     assert_int_equal(job.wishes.n_rules, 5);
-    assert_string_equal(job.wishes.rules[4]->name, "EN 17037 high");
+    assert_string_equal(job.wishes.rules[4].name, "EN 17037 high");
+    assert_string_equal(job.wishes.until->grid, "desks");
     orl_annual_job_done(&job);
 }
 
@@ -125,6 +126,8 @@ static void test_mistakes_are_named(void **state)
         {"55 %", "lots", "targets[0]"},
         {"LEED", "LED", "rules[0]"},
         {"\"samples\": 64", "\"samples\": 0", "samples"},
+        {"{\"verdict\": \"DA500 of desks >= 70 %\"}", "{}", "accuracy.verdict"},
+        {">= 70 %", "about 70 %", "accuracy.verdict"},
         {"\"wall\", \"sensors\"", "\"desks\", \"sensors\"", ""},
     };
     (void)state;

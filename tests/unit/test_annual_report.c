@@ -163,9 +163,9 @@ static void ask(struct orl_annual_wishes *wishes, const char *target, const char
     wishes->n_targets = 1;
     assert_int_equal(orl_annual_rules_find(rules, &first, &wishes->n_rules, NULL), 0);
     wishes->rules = calloc(wishes->n_rules, sizeof *wishes->rules);
-    assert_non_null((void *)wishes->rules);
+    assert_non_null(wishes->rules);
     for (size_t i = 0; i < wishes->n_rules; i++)
-        wishes->rules[i] = &first[i];
+        wishes->rules[i] = first[i];
 }
 
 /* Sensors 0 to 5 have 100 to 600 lx in all occupied hours: 300 lx is met by four, the third just.

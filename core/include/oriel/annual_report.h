@@ -63,9 +63,10 @@ struct orl_annual_wishes {
     size_t n_metrics;
     struct orl_annual_target *targets;
     size_t n_targets;
-    const struct orl_annual_rule **rules; /* the rules are nobody's */
+    struct orl_annual_rule *rules; /* their texts are nobody's */
     size_t n_rules;
     double *grid_area; /* of each grid, any unit; NULL: sensors stand for equal areas */
+    struct orl_annual_target *until; /* what accuracy is wanted for (below); NULL: none */
 };
 /* LM-83's hours; DA300, cDA300, UDI in its parts, hours of direct light above 1000 lx, and mean
  * illuminance; no targets. ORL_ERR_NOMEM. */
@@ -77,7 +78,7 @@ void orl_annual_wishes_done(struct orl_annual_wishes *wishes); /* NULL and zeros
 #define ORL_ALL_GRIDS SIZE_MAX
 
 struct orl_annual_verdict {
-    const struct orl_annual_rule *rule; /* or NULL: a target of the job's own */
+    const struct orl_annual_rule *rule; /* of the wishes; or NULL: a target of the job's own */
     struct orl_annual_target target;
     size_t grid; /* or ORL_ALL_GRIDS */
     struct orl_annual_area area;
@@ -116,6 +117,32 @@ int orl_annual_wishes_check(const struct orl_annual_request *request,
                             const struct orl_annual_wishes *wishes, const struct orl_files *files,
                             struct orl_error *err);
 void orl_annual_report_done(struct orl_annual_report *report); /* NULL and zeros are fine */
+
+/* ---- Until a verdict is sure ----------------------------------------------------------------- */
+
+/* How the accuracy for wishes->until was come by. */
+struct orl_annual_refinement {
+    bool asked, settled; /* decided, or shown to lie within 0.5 % of the bound */
+    struct orl_annual_target target;
+    struct orl_annual_area area;
+    enum orl_verdict verdict;
+    uint32_t rounds;       /* runs, the first included */
+    size_t refined;        /* sensors that had more paths than the first run's */
+    uint64_t most_samples; /* of a sensor */
+};
+
+/*
+ * Runs the request, and then, while the target of wishes->until is open, again with four times the
+ * paths for those sensors alone that leave it open: of shares of an area those less than three
+ * standard errors from changing sides, else all of the target's. Paths of all runs count alike.
+ * Ends when the target is settled, or a sensor would have more than ORL_ANNUAL_MOST_SAMPLES.
+ * Without a target it is orl_annual_run. told: called after each run; may be NULL.
+ */
+int orl_annual_run_until(const struct orl_annual_request *request,
+                         const struct orl_annual_wishes *wishes, const struct orl_annual_env *env,
+                         void (*told)(void *ctx, const struct orl_annual_refinement *so_far),
+                         void *ctx, struct orl_annual_result *ret_result,
+                         struct orl_annual_refinement *ret_refinement, struct orl_error *err);
 
 /* Rows of the result's arrays as area figures take them: of a grid, or of ORL_ALL_GRIDS. */
 struct orl_annual_rows orl_annual_rows_of(const struct orl_annual_report *report,

@@ -90,13 +90,18 @@ static int check_time(struct reading *r, const double values[MOST_FIELDS])
     return ORL_ERR_RANGE;
 }
 
+static bool begins_number(char c)
+{
+    return (c >= '0' && c <= '9') || c == '.' || c == '+' || c == '-' || c == ' ' || c == '\t';
+}
+
 static int read_line(struct reading *r, const char *text, size_t size)
 {
     double values[MOST_FIELDS];
     const int n = split(text, size, values);
     if (n == 0 || (size > 0 && text[0] == '#'))
         return 0;
-    if (n < 0 && r->count == 0 && !r->has_words && !memchr("0123456789.+- \t", text[0], 15)) {
+    if (n < 0 && r->count == 0 && !r->has_words && !begins_number(text[0])) {
         r->has_words = true;
         return 0;
     }

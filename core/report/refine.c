@@ -1,0 +1,195 @@
+/* More paths for those sensors that leave a verdict open. */
+#include <oriel/annual_report.h>
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { MORE = 4 }; /* times the paths of the round before */
+static const double near_share = 0.5, near_part = 0.005, far_off = 3;
+
+struct refining {
+    const struct orl_annual_request *request;
+    const struct orl_annual_wishes *wishes;
+    const struct orl_annual_env *env;
+    struct orl_annual_result *result;
+    struct orl_annual_refinement *state;
+    uint64_t *samples; /* of each sensor so far */
+    size_t *open;      /* sensors of the next round */
+    size_t n_open;
+    struct orl_error *err;
+};
+
+static int no_memory(const struct refining *r)
+{
+    orl_error_set(r->err, ORL_ERR_NOMEM, "out of memory");
+    return ORL_ERR_NOMEM;
+}
+
+/* ---- What is open ---------------------------------------------------------------------------- */
+
+/* Of the target's grid, or of all. */
+static int pick(struct refining *r, const struct orl_annual_report *report, size_t grid)
+{
+    const struct orl_annual_figure *figure = &r->wishes->until->figure;
+    const struct orl_annual_period *period = &report->periods[figure->metric.when];
+    const struct orl_annual_rows rows = orl_annual_rows_of(report, r->result, grid);
+    const size_t first = grid == ORL_ALL_GRIDS ? 0 : report->grids[grid].first;
+    double *scratch = malloc((period->n_columns + 1) * sizeof *scratch);
+    if (!scratch)
+        return no_memory(r);
+    r->n_open = 0;
+    for (size_t i = 0; i < rows.n_sensors; i++) {
+        const size_t at = i * rows.n_columns;
+        const struct orl_annual_light light = {rows.total_lx + at, rows.direct_lx + at,
+                                               rows.total_error_lx + at, rows.direct_error_lx + at};
+        if (figure->over != ORL_OVER_SHARE ||
+            fabs(orl_annual_crossing(&figure->metric, figure->least, period, &light, scratch)) <
+                far_off)
+            r->open[r->n_open++] = first + i;
+    }
+    free(scratch);
+    return 0;
+}
+
+/* Where the target stands, and who leaves it open. */
+static int look(struct refining *r)
+{
+    struct orl_annual_wishes wishes = *r->wishes;
+    struct orl_annual_report report;
+    wishes.n_metrics = 0;
+    wishes.n_rules = 0;
+    wishes.targets = wishes.until;
+    wishes.n_targets = 1;
+    int code =
+        orl_annual_report_make(r->request, r->result, &wishes, r->env->run->files, &report, r->err);
+    if (code < 0)
+        return code;
+    const struct orl_annual_verdict *verdict = &report.verdicts[0];
+    const struct orl_annual_figure *figure = &verdict->target.figure;
+    const bool percent =
+        figure->over == ORL_OVER_SHARE || orl_annual_unit(figure->metric.kind)[0] == '%';
+    r->state->target = verdict->target;
+    r->state->area = verdict->area;
+    r->state->verdict = verdict->verdict;
+    r->state->settled =
+        orl_annual_settled(&verdict->target, &verdict->area.value,
+                           percent ? near_share : near_part * verdict->target.bound);
+    code = pick(r, &report, verdict->grid);
+    orl_annual_report_done(&report);
+    return code;
+}
+
+/* ---- Another round --------------------------------------------------------------------------- */
+
+static float weigh(double a, double wa, double b, double wb)
+{
+    return (float)((wa * a + wb * b) / (wa + wb));
+}
+
+/* Both are means over their paths; errors are independent. */
+static void merge(struct refining *r, const struct orl_annual_result *more, uint32_t samples)
+{
+    const size_t n = r->result->n_columns;
+    for (size_t i = 0; i < r->n_open; i++) {
+        const size_t to = r->open[i] * n, from = i * n;
+        const double old = (double)r->samples[r->open[i]], add = samples;
+        for (size_t k = 0; k < n; k++) {
+            r->result->total[to + k] =
+                weigh(r->result->total[to + k], old, more->total[from + k], add);
+            r->result->direct[to + k] =
+                weigh(r->result->direct[to + k], old, more->direct[from + k], add);
+            r->result->se[to + k] =
+                (float)(hypot(old * r->result->se[to + k], add * more->se[from + k]) / (old + add));
+        }
+        r->samples[r->open[i]] += samples;
+    }
+}
+
+static int run_again(struct refining *r, uint32_t samples)
+{
+    struct orl_annual_request request = *r->request;
+    struct orl_annual_env env = {.run = r->env->run};
+    struct orl_annual_result more = {.n_steps = 0};
+    request.grids = NULL;
+    request.n_grids = 0;
+    request.samples = samples;
+    request.seed += r->state->rounds;
+    request.n_sensors = r->n_open;
+    request.sensors = malloc((r->n_open + 1) * sizeof *request.sensors);
+    if (!request.sensors)
+        return no_memory(r);
+    for (size_t i = 0; i < r->n_open; i++)
+        request.sensors[i] = r->request->sensors[r->open[i]];
+    const int code = orl_annual_run(&request, &env, &more, r->err);
+    if (code == 0) {
+        merge(r, &more, samples);
+        r->result->total_s += more.total_s;
+        for (int s = 0; s < ORL_ANNUAL_STAGES; s++)
+            r->result->timings_s[s] += more.timings_s[s];
+    }
+    free(request.sensors);
+    orl_annual_done(&more);
+    return code;
+}
+
+static void count(struct refining *r)
+{
+    r->state->refined = 0;
+    r->state->most_samples = 0;
+    for (size_t i = 0; i < r->request->n_sensors; i++) {
+        r->state->refined += r->samples[i] > r->result->samples;
+        if (r->samples[i] > r->state->most_samples)
+            r->state->most_samples = r->samples[i];
+    }
+}
+
+static int go_on(struct refining *r,
+                 void (*told)(void *ctx, const struct orl_annual_refinement *so_far), void *ctx)
+{
+    uint64_t samples = r->result->samples;
+    int code = 0;
+    for (size_t i = 0; i < r->request->n_sensors; i++)
+        r->samples[i] = samples;
+    for (;;) {
+        r->state->rounds++;
+        count(r);
+        code = look(r);
+        if (code < 0)
+            return code;
+        if (told)
+            told(ctx, r->state);
+        samples *= MORE;
+        if (r->state->settled || r->n_open == 0 || samples > ORL_ANNUAL_MOST_SAMPLES)
+            return 0;
+        code = run_again(r, (uint32_t)samples);
+        if (code < 0)
+            return code;
+    }
+}
+
+int orl_annual_run_until(const struct orl_annual_request *request,
+                         const struct orl_annual_wishes *wishes, const struct orl_annual_env *env,
+                         void (*told)(void *ctx, const struct orl_annual_refinement *so_far),
+                         void *ctx, struct orl_annual_result *ret_result,
+                         struct orl_annual_refinement *ret_refinement, struct orl_error *err)
+{
+    struct orl_annual_result result = {.n_steps = 0};
+    struct orl_annual_refinement state = {.asked = wishes->until != NULL};
+    struct refining r = {request, wishes, env, &result, &state, NULL, NULL, 0, err};
+    int code = orl_annual_run(request, env, &result, err);
+    if (code == 0 && wishes->until) {
+        r.samples = calloc(request->n_sensors + 1, sizeof *r.samples);
+        r.open = calloc(request->n_sensors + 1, sizeof *r.open);
+        code = r.samples && r.open ? go_on(&r, told, ctx) : no_memory(&r);
+    }
+    free(r.samples);
+    free(r.open);
+    if (code < 0) {
+        orl_annual_done(&result);
+        return code;
+    }
+    *ret_result = result;
+    *ret_refinement = state;
+    return 0;
+}
