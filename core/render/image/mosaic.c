@@ -20,7 +20,8 @@ static void look_through(const struct orl_tile_cells *mosaic, int x, int y)
     cell->variance = 0;
     cell->rest = cell->direct = cell->lobes = orl_gray(0);
     cell->shaded.n_vertices = 0;
-    if (!orl_cell_look(mosaic, x, y, middle, (uint32_t)orl_cell_in_tile(mosaic, x, y), &random,
+    if (!orl_cell_look(mosaic, x, y, middle,
+                       (struct orl_lobe_share){.of = orl_cell_in_tile(mosaic, x, y)}, &random,
                        &cell->shaded))
         return;
     const struct orl_shadowed direct = orl_lighting_direct(

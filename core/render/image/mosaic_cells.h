@@ -68,10 +68,16 @@ static inline uint32_t orl_cell_sequence(const struct orl_tile_cells *mosaic, in
     return (uint32_t)orl_mix64(mosaic->m->seed * 5 + orl_cell_index(mosaic, x, y));
 }
 
-/* Follows the ray through a place of a pixel, with one in so many of the rays there are for lobes,
- * 0: none; false where the view sees nothing. */
+/* Of the rays that there are for a pixel's lobes one in so many, for that one of several looks;
+ * of 0: none. */
+struct orl_lobe_share {
+    uint32_t of, look;
+};
+
+/* Follows the ray through a place of a pixel; false where the view sees nothing. */
 bool orl_cell_look(const struct orl_tile_cells *mosaic, int x, int y, const double place[2],
-                   uint32_t lobe_share, struct orl_random *random, struct orl_shaded *ret_shaded);
+                   struct orl_lobe_share share, struct orl_random *random,
+                   struct orl_shaded *ret_shaded);
 
 /* Second step (mosaic_smooth.c): what is smooth, at all pixels of the tile. */
 void orl_mosaic_fill(const struct orl_tile_cells *mosaic);

@@ -142,7 +142,9 @@ static const struct found *find(const struct orl_tile_cells *mosaic, int x, int 
             return &finds->list[i];
     struct found *found = &finds->list[finds->count++];
     if (shaded->has_lobes)
-        orl_cell_look(mosaic, x, y, place, ORL_PIXEL_FIRST_RAYS, random, shaded);
+        orl_cell_look(mosaic, x, y, place,
+                      (struct orl_lobe_share){ORL_PIXEL_FIRST_RAYS, finds->count - 1}, random,
+                      shaded);
     *found = (struct found){.way = shaded->way,
                             .x = place[0],
                             .y = place[1],
@@ -175,7 +177,7 @@ static struct orl_shade shade_ray(const struct orl_tile_cells *mosaic, int x, in
     struct orl_cell seen;
     double place[2];
     orl_pixel_place(ray, &place[0], &place[1]);
-    if (!orl_cell_look(mosaic, x, y, place, 0, &random, &shaded))
+    if (!orl_cell_look(mosaic, x, y, place, (struct orl_lobe_share){0, 0}, &random, &shaded))
         return (struct orl_shade){.rest_error = 0};
     const struct orl_shadowed direct =
         orl_lighting_direct(&mosaic->m->lighting, &shaded, orl_cell_sequence(mosaic, x, y),

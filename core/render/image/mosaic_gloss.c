@@ -74,7 +74,7 @@ static void look_again(const struct orl_tile_cells *mosaic, int x, int y)
     with_more.shader.gloss_samples = cell->more;
     with_more.shader.only_gloss = true;
     again.m = &with_more;
-    if (!orl_cell_look(&again, x, y, middle, 1, &random, &shaded))
+    if (!orl_cell_look(&again, x, y, middle, (struct orl_lobe_share){.of = 1}, &random, &shaded))
         return;
     const struct orl_rgb change = orl_rgb_add(shaded.gloss, orl_rgb_scale(cell->shaded.gloss, -1));
     cell->lobes = orl_rgb_add(cell->lobes, orl_rgb_scale(change, share));

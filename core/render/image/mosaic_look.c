@@ -1,7 +1,32 @@
 #include "render/image/mosaic_cells.h"
 
+/* The most of what gloss has been found to want, here and about. */
+static uint32_t wanted_about(const struct orl_tile_cells *mosaic, int x, int y)
+{
+    uint32_t most = 0;
+    for (int i = 0; i < 9; i++) {
+        const int u = x + i % 3 - 1, v = y + i / 3 - 1;
+        if (orl_cell_in_tile(mosaic, u, v) && orl_cell_at(mosaic, u, v)->more > most)
+            most = orl_cell_at(mosaic, u, v)->more;
+    }
+    return most;
+}
+
+/* One of several looks through a pixel, that all have even numbers of one sequence. */
+static void share_lobes(const struct orl_tile_cells *mosaic, int x, int y,
+                        const struct orl_lobe_share *share, struct orl_shader *shader)
+{
+    const uint64_t name = orl_mix64(mosaic->m->seed * 7 + orl_cell_index(mosaic, x, y));
+    shader->pane_samples = (shader->pane_samples + share->of - 1) / share->of;
+    shader->gloss_samples = (shader->gloss_samples + share->of - 1) / share->of +
+                            wanted_about(mosaic, x, y) / ORL_PIXEL_RAYS;
+    shader->sequence = (uint32_t)(name >> 32) | 1;
+    shader->first_gloss = share->look * shader->gloss_samples;
+}
+
 bool orl_cell_look(const struct orl_tile_cells *mosaic, int x, int y, const double place[2],
-                   uint32_t lobe_share, struct orl_random *random, struct orl_shaded *ret_shaded)
+                   struct orl_lobe_share share, struct orl_random *random,
+                   struct orl_shaded *ret_shaded)
 {
     const struct orl_mosaic *m = mosaic->m;
     struct orl_shader shader = m->shader;
@@ -9,11 +34,9 @@ bool orl_cell_look(const struct orl_tile_cells *mosaic, int x, int y, const doub
     if (!orl_paint_ray(m->painting, (double)mosaic->tile->x0 + x + place[0],
                        (double)mosaic->tile->y0 + y + place[1], &origin, &direction))
         return false;
-    if (lobe_share > 1) {
-        shader.pane_samples = (shader.pane_samples + lobe_share - 1) / lobe_share;
-        shader.gloss_samples = (shader.gloss_samples + lobe_share - 1) / lobe_share;
-    }
-    orl_shade_ray(&shader, origin, direction, m->outside, lobe_share > 0, random, mosaic->search,
+    if (share.of > 1)
+        share_lobes(mosaic, x, y, &share, &shader);
+    orl_shade_ray(&shader, origin, direction, m->outside, share.of > 0, random, mosaic->search,
                   ret_shaded);
     ret_shaded->rest = orl_health_keep(&mosaic->search->health, ret_shaded->rest);
     ret_shaded->lobes = orl_health_keep(&mosaic->search->health, ret_shaded->lobes);

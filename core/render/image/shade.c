@@ -185,8 +185,11 @@ static void add_lobes(struct look *look, const struct branch *at, const struct o
     if (look->shader->only_gloss && !is_gloss)
         return;
     add_direct_in_lobes(look, at, hit, m, eye);
-    const uint32_t sequence = (uint32_t)orl_random_bits(look->random);
-    for (uint32_t i = 0; i < samples; i++) {
+    const uint32_t own = (uint32_t)orl_random_bits(look->random);
+    const bool shares = is_gloss && look->shader->sequence != 0;
+    const uint32_t sequence = shares ? look->shader->sequence : own;
+    const uint32_t first = shares ? look->shader->first_gloss : 0;
+    for (uint32_t i = first; i < first + samples; i++) {
         const struct orl_scatter s = sample_lobes(look, hit, m, eye, i, sequence);
         struct orl_rgb seen = orl_gray(0);
         const bool outside = orl_world_outside_after(world, hit, s.transmitted, at->outside);

@@ -51,9 +51,11 @@ struct orl_shader {
     const struct orl_sobol *sobol;
     uint32_t pane_samples, gloss_samples; /* rays into a pane's lobes, into others */
     bool only_gloss;                      /* panes' lobes are left out */
-    double dimmest;  /* branches below this share of the ray are not followed; */
-    bool by_lot;     /* or one in some is, and then counts for all: no bias */
-    bool irradiance; /* of the first diffuse surface, behind glass too, instead of radiance */
+    uint32_t sequence;    /* of even numbers for gloss, that several looks share, ... */
+    uint32_t first_gloss; /* ... and which of them come first; sequence 0: each look has its own */
+    double dimmest;       /* branches below this share of the ray are not followed; */
+    bool by_lot;          /* or one in some is, and then counts for all: no bias */
+    bool irradiance;      /* of the first diffuse surface, behind glass too, instead of radiance */
     enum orl_suns suns;
     orl_shade_radiance *radiance;
     const void *ctx;
