@@ -1,5 +1,6 @@
 #include "annual/product.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 #include "base/vectors.h"
@@ -20,12 +21,16 @@ static ORL_FOR_WIDE_VECTORS void add_products(const float *coefficients, uint32_
     }
 }
 
-static double of_sun(const struct orl_sun_terms *terms, size_t column, const double *sun)
+/* All batches of a column; sun: [node or beam][batch]. */
+static ORL_FOR_WIDE_VECTORS void add_sun(const struct orl_sun_terms *terms, size_t column,
+                                         const double *sun, double sums[BATCHES])
 {
-    double sum = 0;
-    for (uint32_t i = terms->first[column]; i < terms->first[column + 1]; i++)
-        sum += (double)terms->weights[i] * sun[terms->which[i]];
-    return sum;
+    for (uint32_t i = terms->first[column]; i < terms->first[column + 1]; i++) {
+        const double weight = (double)terms->weights[i];
+        const double *batches = sun + (size_t)terms->which[i] * BATCHES;
+        for (int b = 0; b < BATCHES; b++)
+            sums[b] += weight * batches[b];
+    }
 }
 
 /* What is the same for all tiles. */
@@ -33,6 +38,7 @@ struct factors {
     const struct orl_hours *hours;
     const struct orl_sun_terms *terms;
     const struct orl_annual_coefficients *coefficients;
+    double *sun;                            /* of the coefficients, [node or beam][batch] */
     float bins[ORL_BINS];                   /* the mean of all batches */
     float coarse[BATCHES][ORL_BINS_COARSE]; /* of each, less the mean */
 };
@@ -57,24 +63,24 @@ static void find_errors(const struct factors *f, size_t tile, uint32_t n, double
                         double ret_sun[TILE])
 {
     const float *coarse = f->hours->coarse + tile * ORL_BINS_COARSE * TILE;
-    const size_t n_sun = f->coefficients->n_sun;
-    double sun[BATCHES][TILE];
+    double sun[TILE][BATCHES];
     memset(sun, 0, sizeof sun);
     memset(ret_squares, 0, TILE * sizeof *ret_squares);
     memset(ret_sun, 0, TILE * sizeof *ret_sun);
     for (uint32_t j = 0; j < n; j++) {
         const size_t column = tile * TILE + j;
         const double lx = f->hours->suns[column].normal_lx;
-        for (int b = 0; b < BATCHES && lx > 0; b++) {
-            sun[b][j] = lx * of_sun(f->terms, column, f->coefficients->sun + (size_t)b * n_sun);
-            ret_sun[j] += sun[b][j] / BATCHES;
+        add_sun(f->terms, column, f->sun, sun[j]);
+        for (int b = 0; b < BATCHES; b++) {
+            sun[j][b] *= lx;
+            ret_sun[j] += sun[j][b] / BATCHES;
         }
     }
     for (int b = 0; b < BATCHES; b++) {
         float sky[TILE] = {0};
         add_products(f->coarse[b], ORL_BINS_COARSE, coarse, sky);
         for (uint32_t j = 0; j < n; j++) {
-            const double off = ORL_EFFICACY_LM_PER_W * (double)sky[j] + sun[b][j] - ret_sun[j];
+            const double off = ORL_EFFICACY_LM_PER_W * (double)sky[j] + sun[j][b] - ret_sun[j];
             ret_squares[j] += off * off / (BATCHES * (BATCHES - 1.0));
         }
     }
@@ -96,13 +102,22 @@ static void multiply_tile(const struct factors *f, size_t tile, const struct orl
     }
 }
 
-void orl_annual_multiply(const struct orl_bins *bins, const struct orl_hours *hours,
-                         const struct orl_sun_terms *terms,
-                         const struct orl_annual_coefficients *coefficients,
-                         const struct orl_annual_row *row)
+int orl_annual_multiply(const struct orl_bins *bins, const struct orl_hours *hours,
+                        const struct orl_sun_terms *terms,
+                        const struct orl_annual_coefficients *coefficients,
+                        const struct orl_annual_row *row)
 {
+    const size_t n = coefficients->n_sun;
     struct factors f = {.hours = hours, .terms = terms, .coefficients = coefficients};
+    f.sun = malloc((n * BATCHES + 1) * sizeof *f.sun);
+    if (!f.sun)
+        return ORL_ERR_NOMEM;
+    for (size_t b = 0; b < BATCHES; b++)
+        for (size_t i = 0; i < n; i++)
+            f.sun[i * BATCHES + b] = coefficients->sun[b * n + i];
     fill_factors(&f, bins);
     for (size_t tile = 0; tile < hours->n_tiles; tile++)
         multiply_tile(&f, tile, row);
+    free(f.sun);
+    return 0;
 }

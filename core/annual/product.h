@@ -21,10 +21,11 @@ struct orl_annual_row {
     float *total, *se;
 };
 
-/* terms: of the sun in each column. What batches differ by in the sky is told by coarse bins. */
-void orl_annual_multiply(const struct orl_bins *bins, const struct orl_hours *hours,
-                         const struct orl_sun_terms *terms,
-                         const struct orl_annual_coefficients *coefficients,
-                         const struct orl_annual_row *row);
+/* terms: of the sun in each column. What batches differ by in the sky is told by coarse bins.
+ * Returns 0 or ORL_ERR_NOMEM. */
+int orl_annual_multiply(const struct orl_bins *bins, const struct orl_hours *hours,
+                        const struct orl_sun_terms *terms,
+                        const struct orl_annual_coefficients *coefficients,
+                        const struct orl_annual_row *row);
 
 #endif

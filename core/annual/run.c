@@ -35,9 +35,10 @@ struct year {
     /* Of the sensors of a block: */
     size_t first, count;
     struct orl_place places[BLOCK];
-    float *bin_sums;            /* [sensor][batch][bin] */
-    double *sun_sums;           /* [sensor][batch][nodes, beams] */
-    float *rows;                /* [sensor][of each][column] */
+    float *bin_sums;  /* [sensor][batch][bin] */
+    double *sun_sums; /* [sensor][batch][nodes, beams] */
+    float *rows;      /* [sensor][of each][column] */
+    atomic_bool out_of_memory;
     struct orl_health *healths; /* by member */
 };
 
@@ -189,16 +190,6 @@ static int read_hours(struct year *y, struct orl_error *err)
     return 0;
 }
 
-static bool has_panels(const struct orl_world *world)
-{
-    for (size_t i = 0; i < world->n_ports; i++) {
-        const struct orl_facet *facet = &world->geometry->facets[world->ports[i].facet];
-        if (world->materials[facet->material].kind == ORL_MATERIAL_BSDF)
-            return true;
-    }
-    return false;
-}
-
 /* Nodes of the columns that have a sun. */
 static int place_nodes(struct year *y)
 {
@@ -211,8 +202,9 @@ static int place_nodes(struct year *y)
     for (size_t c = 0; c < hours->n_columns; c++)
         if (hours->suns[c].normal_lx > 0)
             suns[n++] = hours->sky_suns[c];
-    const int code = orl_sun_nodes_init(&y->nodes, y->result->latitude_deg, suns, n,
-                                        has_panels(y->world) ? panel_spacing : usual_spacing);
+    const int code =
+        orl_sun_nodes_init(&y->nodes, y->result->latitude_deg, suns, n,
+                           orl_annual_has_panels(y->world) ? panel_spacing : usual_spacing);
     free(suns);
     y->node_frames = malloc((y->nodes.count + 1) * sizeof *y->node_frames);
     if (code < 0 || !y->node_frames)
@@ -309,7 +301,8 @@ static void multiply(void *arg, size_t index, uint32_t member)
         row_of(y, index, ROW_STRAIGHT), row_of(y, index, ROW_MIRRORED),
         row_of(y, index, ROW_SQUARES), row_of(y, index, ROW_TOTAL), row_of(y, index, ROW_SE)};
     (void)member;
-    orl_annual_multiply(&y->bins, &y->hours, &y->terms, &coefficients, &row);
+    if (orl_annual_multiply(&y->bins, &y->hours, &y->terms, &coefficients, &row) < 0)
+        atomic_store(&y->out_of_memory, true);
 }
 
 static void place_sensors(struct year *y)
@@ -357,6 +350,8 @@ static int run_block(struct year *y, struct orl_error *err)
     book(y, ORL_ANNUAL_SUN, &since);
     if (code == 0)
         code = orl_crew_try(crew, y->count, multiply, y);
+    if (code == 0 && atomic_load(&y->out_of_memory))
+        code = ORL_ERR_NOMEM;
     if (code < 0)
         return code == ORL_ERR_CANCELLED ? cancelled(err) : out_of_memory(err);
     code = hand_over(y, err);

@@ -1,7 +1,31 @@
 #include "annual/scene.h"
 
 /* Of the map of the sun: in all, and of a node at the least. */
-enum { PHOTONS = 300000, LEAST_PHOTONS = 512 };
+enum { PHOTONS = 300000, PANEL_PHOTONS = 800000, LEAST_PHOTONS = 512 };
+
+bool orl_annual_has_panels(const struct orl_world *world)
+{
+    for (size_t i = 0; i < world->n_ports; i++) {
+        const struct orl_facet *facet = &world->geometry->facets[world->ports[i].facet];
+        if (world->materials[facet->material].kind == ORL_MATERIAL_BSDF)
+            return true;
+    }
+    return false;
+}
+
+static uint32_t photons_of_node(const struct orl_world *world, size_t n_nodes)
+{
+    const double all = orl_annual_has_panels(world) ? PANEL_PHOTONS : PHOTONS;
+    return (uint32_t)fmax(all / fmax((double)n_nodes, 1), LEAST_PHOTONS);
+}
+
+static bool has_one_facade(const struct orl_world *world)
+{
+    for (size_t i = 1; i < world->n_ports; i++)
+        if (orl_dot(world->ports[i].outward, world->ports[0].outward) < 1 - 1e-9)
+            return false;
+    return !world->open && world->n_ports > 0;
+}
 
 int orl_annual_scene_init(struct orl_annual_scene *scene, const struct orl_world *world,
                           const struct orl_bins *bins, struct orl_turn north,
@@ -10,19 +34,19 @@ int orl_annual_scene_init(struct orl_annual_scene *scene, const struct orl_world
 {
     *scene = (struct orl_annual_scene){
         .world = world, .bins = bins, .north = north, .nodes = nodes, .n_nodes = n_nodes};
+    scene->one_facade = has_one_facade(world);
     orl_sobol_init(&scene->sobol);
     int code = orl_aim_init(&scene->aim, world, &scene->sobol, crew);
     if (code == 0)
         code = orl_windows_of_ports(&scene->ports, world);
     if (code == 0)
         code = orl_windows_of_mirrors(&scene->mirrors, world);
-    const struct orl_sun_map_request request = {
-        .world = world,
-        .sobol = &scene->sobol,
-        .nodes = nodes,
-        .n_nodes = n_nodes,
-        .seed = seed,
-        .photons = (uint32_t)fmax(PHOTONS / fmax((double)n_nodes, 1), LEAST_PHOTONS)};
+    const struct orl_sun_map_request request = {.world = world,
+                                                .sobol = &scene->sobol,
+                                                .nodes = nodes,
+                                                .n_nodes = n_nodes,
+                                                .seed = seed,
+                                                .photons = photons_of_node(world, n_nodes)};
     return code == 0 ? orl_sun_map_new(&request, crew, &scene->map) : code;
 }
 

@@ -23,6 +23,7 @@ struct orl_annual_scene {
     struct orl_aim aim;
     struct orl_sobol sobol;
     struct orl_windows ports, mirrors;
+    bool one_facade;         /* all ports face one way: what they mirror inside is no sun */
     struct orl_sun_map *map; /* owned; NULL: sunlight is looked for by shadow rays alone */
 };
 
@@ -31,6 +32,8 @@ int orl_annual_scene_init(struct orl_annual_scene *scene, const struct orl_world
                           const struct orl_bins *bins, struct orl_turn north,
                           const struct orl_frame *nodes, size_t n_nodes, uint64_t seed,
                           struct orl_crew *crew);
+/* Whether ports have BSDFs. */
+bool orl_annual_has_panels(const struct orl_world *world);
 void orl_annual_scene_done(struct orl_annual_scene *scene);
 
 #endif

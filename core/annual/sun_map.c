@@ -395,17 +395,35 @@ static bool is_gray(struct orl_rgb color)
     return color.r == color.g && color.g == color.b;
 }
 
-/* Whether anything that sends light on, but diffusely, colours it. */
-static bool is_colourless(const struct orl_world *world)
+static bool is_gray_panel(const struct orl_material *m)
 {
-    for (size_t i = 0; i < world->n_materials; i++) {
-        const struct orl_material *m = &world->materials[i];
-        if (!orl_material_is_matt(m) && m->kind != ORL_MATERIAL_LIGHT &&
-            m->kind != ORL_MATERIAL_GLOW &&
-            (m->kind == ORL_MATERIAL_BSDF ||
-             !is_gray(m->kind == ORL_MATERIAL_GLASS ? m->transmissivity : m->color)))
-            return false;
+    struct orl_bsdf_info info;
+    orl_bsdf_describe(m->bsdf, &info);
+    return !info.colored && is_gray(m->front) && is_gray(m->back) && is_gray(m->through);
+}
+
+/* Whether a material sends light on, but diffusely, without colour. */
+static bool is_colourless(const struct orl_material *m)
+{
+    switch (m->kind) {
+    case ORL_MATERIAL_BSDF:
+        return is_gray_panel(m);
+    case ORL_MATERIAL_GLASS:
+        return is_gray(m->transmissivity);
+    case ORL_MATERIAL_TRANS:
+    case ORL_MATERIAL_METAL:
+    case ORL_MATERIAL_MIRROR:
+        return is_gray(m->color) || orl_material_is_matt(m);
+    default: /* plastic's gloss is white */
+        return true;
     }
+}
+
+static bool are_colourless(const struct orl_world *world)
+{
+    for (size_t i = 0; i < world->n_materials; i++)
+        if (!is_colourless(&world->materials[i]))
+            return false;
     return true;
 }
 
@@ -424,7 +442,7 @@ int orl_sun_map_new(const struct orl_sun_map_request *request, struct orl_crew *
         return ORL_ERR_NOMEM;
     *map = (struct orl_sun_map){.world = world,
                                 .squares = {world->geometry, sqrt(area) / widths_a_window},
-                                .channels = is_colourless(world) ? 1 : CHANNELS};
+                                .channels = are_colourless(world) ? 1 : CHANNELS};
     int code = make_beams(map, request);
     if (code == 0)
         code = fill(map, request, crew);

@@ -81,6 +81,9 @@ static struct orl_rgb mirrored(const struct orl_annual_scene *scene, const struc
     struct orl_rgb sum = orl_gray(0);
     for (size_t i = 0; i < scene->mirrors.count; i++) {
         const struct orl_window *mirror = &scene->mirrors.at[i];
+        if (scene->one_facade && !place->outside &&
+            scene->world->port_of_facet[mirror->facet] != ORL_NO_PORT)
+            continue;
         const struct orl_vec3 image =
             orl_image_turned(towards, images->mirrors[images->class_of[mirror->facet]]);
         double distance;
