@@ -30,7 +30,7 @@ static const struct {
     {"precomputed.pm", "-app", "-ap precomputed.pm 1", "-apP 0.25"},
 };
 
-static bool on_path(const char *program)
+bool radiance_has(const char *program)
 {
     const char *path = getenv("PATH");
     while (path && *path) {
@@ -47,7 +47,7 @@ static bool on_path(const char *program)
 const char *radiance_missing(void)
 {
     for (int i = 0; i < PROGRAMS; i++)
-        if (!on_path(programs[i]))
+        if (!radiance_has(programs[i]))
             return programs[i];
     return NULL;
 }

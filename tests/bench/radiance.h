@@ -17,6 +17,9 @@ struct radiance {
 /* A program that is missing; NULL: all are there. */
 const char *radiance_missing(void);
 
+/* Whether another one is on PATH. */
+bool radiance_has(const char *program);
+
 /* Copies the office, with its panel, to a folder in the office's, called name. */
 void radiance_open(struct radiance *radiance, const struct office *office, const char *name);
 

@@ -1,8 +1,8 @@
 /*
  * `make bench`: the table of speed.h, and the same as JSON. By environment, each after ORIEL_BENCH:
  * _ROWS ("global caustic precomputed image_precomputed image_gather sensors_5 sensors_1 maps bsdf
- * edges", all by default), _RUNS (5, the table is of medians), _THREADS ("1 2", the first is what
- * targets are about), _PHOTONS (2000000), _RADIANCE=0 to leave its works out, _REFERENCE,
+ * edges glare", all by default), _RUNS (5, the table is of medians), _THREADS ("1 2", the first is
+ * what targets are about), _PHOTONS (2000000), _RADIANCE=0 to leave its works out, _REFERENCE,
  * _REFERENCE_EDGES and _REFERENCE_SENSORS (samples a pixel, twice, and a sensor of each half).
  */
 #include "bench/speed.h"
@@ -146,6 +146,8 @@ static void measure_all(struct speed *speed)
         speed_measure_bsdf(speed);
     if (speed_wants("edges"))
         speed_measure_edges(speed);
+    if (speed_wants("glare"))
+        speed_measure_glare(speed);
     for (int at = 0; at < speed->threads.n; at++)
         orl_crew_stop(speed->crews[at]);
     speed->crew = NULL;

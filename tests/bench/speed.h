@@ -17,7 +17,7 @@
 enum {
     SPEED_ROWS = 7,
     SPEED_MOST_THREADS = 3,
-    SPEED_FACTS = 16,
+    SPEED_FACTS = 20,
     SPEED_TRIALS = 64,
     SPEED_NOTE = 128
 };
@@ -132,6 +132,8 @@ void speed_measure_maps(struct speed *speed);
 void speed_measure_bsdf(struct speed *speed);
 /* Pixels that stand out of pictures, against long computations of their own. */
 void speed_measure_edges(struct speed *speed);
+/* What DGP to 0.01 takes. */
+void speed_measure_glare(struct speed *speed);
 /* In a process of its own: plans a job of the office with that panel, with what a store keeps, and
  * writes the seconds of its load stage; with digests of files known or not. */
 int speed_load_bsdf(const char *panel, const char *store_folder, bool known);
