@@ -64,13 +64,14 @@ int orl_ask_job(struct orl_asking *asking, const char *path, struct orl_job_brie
     return rc;
 }
 
-int orl_ask_inputs(struct orl_asking *asking, const struct orl_bundle *files, const char *sensors,
+int orl_ask_inputs(struct orl_asking *asking, const struct orl_job_inputs *inputs,
                    uint64_t *ret_sensors, struct orl_error *err)
 {
     json_t *result = NULL;
     int rc = ask(asking,
-                 json_pack("{s:s, s:o, s:s?}", "kind", "inputs", "files", orl_opened_to_json(files),
-                           "sensors", sensors),
+                 json_pack("{s:s, s:o, s:s?, s:O?}", "kind", "inputs", "files",
+                           orl_opened_to_json(&inputs->files), "sensors", inputs->sensors, "views",
+                           inputs->views),
                  &result, err);
     if (rc == 0 && (!json_is_integer(result) || json_integer_value(result) < 0))
         rc = orl_error_set(err, ORL_ERR_INTERNAL, "a check answered what makes no sense");

@@ -6,6 +6,7 @@
 #define ORL_SERVER_CHECKS_ASK_H
 
 #include "checks/job_brief.h"
+#include "checks/job_inputs.h"
 #include "checks/lanes.h"
 #include "store/bundle.h"
 
@@ -17,9 +18,8 @@ int orl_ask_bsdf(struct orl_asking *asking, const char *path, const char *name, 
                  struct orl_error *err);
 int orl_ask_job(struct orl_asking *asking, const char *path, struct orl_job_brief *ret_brief,
                 struct orl_error *err);
-/* The files that a job names: weather where a file's resource says so, and sensors (a name among
- * them, or NULL): how many there are, 0 without. */
-int orl_ask_inputs(struct orl_asking *asking, const struct orl_bundle *files, const char *sensors,
+/* The files that a job names: how many sensors there are, 0 without a file of them. */
+int orl_ask_inputs(struct orl_asking *asking, const struct orl_job_inputs *inputs,
                    uint64_t *ret_sensors, struct orl_error *err);
 
 /* As orl_unzip (unzip.h). */

@@ -131,6 +131,21 @@ static int check_roles(struct check *check, json_t **ret_result, struct orl_erro
     return rc;
 }
 
+/* Of a view: [its file, the entry or null]. */
+static int check_view(const struct orl_opened *files, const json_t *view, struct orl_error *err)
+{
+    const char *name = json_string_value(json_array_get(view, 0));
+    const struct orl_bundle_file *file = name ? orl_bundle_find(&files->bundle, name) : NULL;
+    if (!file)
+        return orl_error_set(err, ORL_ERR_INTERNAL, "a view's file is not there");
+    const struct orl_file *data = &files->data[file - files->bundle.files];
+    char *text = NULL;
+    const int rc = orl_view_file_read(name, data->data, data->size,
+                                      json_string_value(json_array_get(view, 1)), &text, err);
+    free(text);
+    return rc;
+}
+
 /* The files that a job names. */
 static int check_inputs(struct check *check, json_t **ret_result, struct orl_error *err)
 {
@@ -146,6 +161,9 @@ static int check_inputs(struct check *check, json_t **ret_result, struct orl_err
         if (rc == 0 && file->resource)
             rc = orl_weather_check(file->name, data->data, data->size, err);
     }
+    const json_t *views = json_object_get(check->request, "views");
+    for (size_t i = 0; i < json_array_size(views) && rc == 0; i++)
+        rc = check_view(&check->files, json_array_get(views, i), err);
     *ret_result = rc ? NULL : json_integer((json_int_t)count);
     return rc;
 }

@@ -13,7 +13,8 @@
  *               "bsdfs": {...}}
  *     roles     "files" -> [true, false, ...]: which are main ones
  *     inputs    "files", weather where "resource" says so; "sensors": the name of the one of those,
- *               or null -> how many sensors it has, or 0
+ *               or null; "views": [[name, entry or null], ...] or null -> how many sensors it
+ *               has, or 0
  */
 #ifndef ORL_SERVER_CHECKS_CHILD_CHECKS_H
 #define ORL_SERVER_CHECKS_CHILD_CHECKS_H

@@ -16,6 +16,7 @@ void orl_job_brief_done(struct orl_job_brief *brief)
     for (size_t i = 0; i < brief->n_files; i++) {
         free(brief->files[i].name);
         free(brief->files[i].place);
+        free(brief->files[i].entry);
     }
     free(brief->files);
     memset(brief, 0, sizeof *brief);
@@ -23,13 +24,15 @@ void orl_job_brief_done(struct orl_job_brief *brief)
 
 /* Room for all is there already. */
 static int add_file(struct orl_job_brief *brief, const char *name, const char *place,
-                    struct orl_error *err)
+                    const char *entry, struct orl_error *err)
 {
     if (!name)
         return 0;
     struct orl_named_file *file = &brief->files[brief->n_files++];
-    *file = (struct orl_named_file){strdup(name), strdup(place)};
-    return file->name && file->place ? 0 : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    *file = (struct orl_named_file){strdup(name), strdup(place), entry ? strdup(entry) : NULL};
+    return file->name && file->place && (file->entry || !entry)
+               ? 0
+               : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
 }
 
 static int add_files(struct orl_job_brief *brief, const struct orl_job *job, struct orl_error *err)
@@ -37,22 +40,22 @@ static int add_files(struct orl_job_brief *brief, const struct orl_job *job, str
     brief->files = calloc(job->n_skies + 2 * job->n_views + 2, sizeof *brief->files);
     if (!brief->files)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-    int rc = add_file(brief, job->sensors_file, "sensors.file", err);
+    int rc = add_file(brief, job->sensors_file, "sensors.file", NULL, err);
     if (rc == 0)
-        rc = add_file(brief, job->sky.weather_file, "sky.weather.file", err);
+        rc = add_file(brief, job->sky.weather_file, "sky.weather.file", NULL, err);
     for (size_t i = 0; i < job->n_skies && rc == 0; i++) {
         char place[48];
         snprintf(place, sizeof place, "skies[%zu].weather.file", i);
-        rc = add_file(brief, job->skies[i].request.weather_file, place, err);
+        rc = add_file(brief, job->skies[i].request.weather_file, place, NULL, err);
     }
     for (size_t i = 0; i < job->n_views && rc == 0; i++) {
         char place[48];
         snprintf(place, sizeof place, "views[%zu].file", i);
-        rc = add_file(brief, job->views[i].file, place, err);
+        rc = add_file(brief, job->views[i].file, place, job->views[i].entry, err);
         const char *mask = job->views[i].glare.mask;
         snprintf(place, sizeof place, "views[%zu].glare.mask", i);
         if (rc == 0 && mask[0])
-            rc = add_file(brief, mask, place, err);
+            rc = add_file(brief, mask, place, NULL, err);
     }
     return rc;
 }
@@ -110,8 +113,8 @@ json_t *orl_job_brief_to_json(const struct orl_job_brief *brief)
 {
     json_t *files = json_array();
     for (size_t i = 0; files && i < brief->n_files; i++)
-        if (json_array_append_new(
-                files, json_pack("[s, s]", brief->files[i].name, brief->files[i].place))) {
+        if (json_array_append_new(files, json_pack("[s, s, s?]", brief->files[i].name,
+                                                   brief->files[i].place, brief->files[i].entry))) {
             json_decref(files);
             return NULL;
         }
@@ -132,7 +135,8 @@ static int take_files(struct orl_job_brief *brief, const json_t *files, struct o
         const json_t *entry = json_array_get(files, i);
         const char *name = json_string_value(json_array_get(entry, 0));
         const char *place = json_string_value(json_array_get(entry, 1));
-        const int rc = name && place ? add_file(brief, name, place, err) : ORL_ERR_INTERNAL;
+        const char *which = json_string_value(json_array_get(entry, 2));
+        const int rc = name && place ? add_file(brief, name, place, which, err) : ORL_ERR_INTERNAL;
         if (rc)
             return rc;
     }
@@ -155,7 +159,8 @@ int orl_job_brief_from_json(const json_t *json, struct orl_job_brief *ret_brief,
     if (rc || kind < 0 || kind >= ORL_TASK_KIND_COUNT || !orl_is_sha256(scene) ||
         (*identity && !orl_is_sha256(identity)) || brief.priority < 0 ||
         brief.priority > ORL_PRIORITY_MAX || result_bytes < 0 || sensor_bytes < 0 || sensors < 0 ||
-        photons < 0 || pixels < 0 || json_array_size(files) > ORL_LIMIT_SKIES + 2)
+        photons < 0 || pixels < 0 ||
+        json_array_size(files) > ORL_LIMIT_SKIES + 2 * ORL_LIMIT_VIEWS + 2)
         return orl_error_set(err, ORL_ERR_INTERNAL, "a check answered what makes no sense");
     brief.kind = (enum orl_task_kind)kind;
     snprintf(brief.scene, sizeof brief.scene, "%s", scene);

@@ -12,9 +12,10 @@
 #include "store/folders.h"
 #include "task_json.h"
 
-/* A file that the document names, and where it does: "sky.weather.file". */
+/* A file that the document names, and where it does: "sky.weather.file". Owned. */
 struct orl_named_file {
-    char *name, *place; /* owned */
+    char *name, *place;
+    char *entry; /* of views: which of them is wanted; or NULL */
 };
 
 struct orl_job_brief {

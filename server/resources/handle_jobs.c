@@ -40,7 +40,7 @@ static void job_post_free(void *state)
     struct job_post *post = state;
     if (post->blobs)
         orl_blobs_release(post->blobs, post->document);
-    orl_bundle_done(&post->inputs.files);
+    orl_job_inputs_done(&post->inputs);
     orl_job_brief_done(&post->brief);
     free(post);
 }
@@ -77,8 +77,8 @@ static void check_document(struct orl_request *request)
 static void check_inputs(struct orl_request *request)
 {
     struct job_post *post = request->state;
-    post->rc = orl_ask_inputs(&post->check.asking, &post->inputs.files, post->inputs.sensors,
-                              &post->memory.file_sensors, &post->err);
+    post->rc =
+        orl_ask_inputs(&post->check.asking, &post->inputs, &post->memory.file_sensors, &post->err);
 }
 
 static void keep_document(struct orl_request *request)

@@ -1,4 +1,4 @@
-/* Files that a job names, sensors and weather: read before the job is taken. */
+/* Files that a job names, sensors, weather and views: read before the job is taken. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -77,6 +77,63 @@ static void test_wrong(void **state)
     reply_done(&reply);
 }
 
+/* Of one view of a file with these lines; entry: JSON. */
+static void post_view(struct daemon *daemon, const char *lines, const char *entry,
+                      struct reply *reply)
+{
+    static const char box[] = "void light lamp 0 0 3 1 1 1\n"
+                              "lamp polygon floor 0 0 12 0 0 0 3 0 0 3 4 0 0 4 0\n";
+    const struct upload_file files[] = {{"box.rad", box, strlen(box), false},
+                                        {"v.vf", lines, strlen(lines), true}};
+    char text[512];
+    daemon_upload(daemon, files, 2, NULL, reply);
+    assert_int_equal(reply->status / 100, 2);
+    snprintf(text, sizeof text,
+             "{\"scene\":\"%s\",\"technique\":\"backward\",\"pixel_samples\":1,\"views\":["
+             "{\"name\":\"a\",\"view\":\"-vp 1 1 1 -vd 0 0 -1 -vu 0 1 0\",\"width\":2,"
+             "\"height\":2},{\"name\":\"v\",\"file\":\"./v.vf\",\"entry\":%s,\"width\":2,"
+             "\"height\":2}]}",
+             reply_text(reply, "id"), entry);
+    reply_done(reply);
+    daemon_post_json(daemon, "/v1/jobs", text, reply);
+}
+
+#define DOWN "-vtv -vp 1 1 1 -vd 0 0 -1 -vu 0 1 0"
+
+static void test_views(void **state)
+{
+    static const struct {
+        const char *lines, *entry, *says;
+        long status, line;
+    } cases[] = {
+        {"# none\n", "1", "holds no views", 422, 0},
+        {"view= a " DOWN "\n", "\"b\"", "none of them 'b'", 422, 0},
+        {"view= a " DOWN "\n", "2", "none of them '2'", 422, 0},
+        {"# a\n\nview= a -vtv -vp 1 1\n", "\"a\"", "", 400, 3},
+        {"view= a " DOWN " -vh none\n", "1", "", 400, 1},
+        {"rvu " DOWN "\nview= b " DOWN "\n", "\"b\"", NULL, 202, 0},
+    };
+    struct daemon *daemon = *state;
+    struct reply reply;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        post_view(daemon, cases[i].lines, cases[i].entry, &reply);
+        if (reply.status != cases[i].status)
+            fail_msg("%zu: %ld, %s", i, reply.status, reply.body);
+        if (cases[i].says) {
+            assert_string_equal(reply_text(&reply, "file"), "v.vf");
+            assert_non_null(strstr(reply_text(&reply, "detail"), cases[i].says));
+            assert_true(!cases[i].line || reply_number(&reply, "line") == (double)cases[i].line);
+        } else {
+            char path[80];
+            snprintf(path, sizeof path, "%s", reply_text(&reply, "links.self"));
+            reply_done(&reply);
+            daemon_wait(daemon, path, 60, &reply);
+            assert_string_equal(reply_text(&reply, "state"), "succeeded");
+        }
+        reply_done(&reply);
+    }
+}
+
 /* Of any spelling of its name; it runs. */
 static void test_right(void **state)
 {
@@ -141,6 +198,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(test_wrong, daemon_set_up, daemon_tear_down),
         cmocka_unit_test_setup_teardown(test_right, daemon_set_up, daemon_tear_down),
+        cmocka_unit_test_setup_teardown(test_views, daemon_set_up, daemon_tear_down),
         cmocka_unit_test(test_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

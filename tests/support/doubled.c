@@ -65,6 +65,14 @@ static int read_sensors(const struct doubled_input *input, struct orl_error *err
     return code;
 }
 
+static int read_views(const struct doubled_input *input, struct orl_error *err)
+{
+    char *view = NULL;
+    const int code = orl_view_file_read("views.vf", input->data, input->size, "1", &view, err);
+    free(view);
+    return code;
+}
+
 static int read_weather(const struct doubled_input *input, struct orl_error *err)
 {
     struct orl_weather weather = {0};
@@ -153,6 +161,7 @@ int doubled_read(const struct doubled_input *input, char text[256])
         [DOUBLED_BSDF] = read_bsdf,       [DOUBLED_SENSORS] = read_sensors,
         [DOUBLED_WEATHER] = read_weather, [DOUBLED_JOB] = read_job,
         [DOUBLED_STUDY] = read_study,     [DOUBLED_ZIP] = read_zip,
+        [DOUBLED_VIEWS] = read_views,
     };
     struct orl_error err = {0};
     const int code = readers[input->of->kind](input, &err);

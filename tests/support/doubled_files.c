@@ -121,6 +121,24 @@ static void write_sensor_blanks(FILE *f, size_t n)
     for (size_t i = 0; i < n; i++)
         fputs("    \n", f);
 }
+static void write_views(FILE *f, size_t n)
+{
+    for (size_t i = 0; i < n; i++)
+        fprintf(f, "view= v%zu -vtv -vp %zu 1 1.5 -vd 0 1 0 -vu 0 0 1\n", i, i);
+}
+static void write_view_blanks(FILE *f, size_t n)
+{
+    fputs("-vtv\n", f);
+    for (size_t i = 0; i < n; i++)
+        fputs("    \n", f);
+}
+/* One line, which is too long for a view. */
+static void write_view_line(FILE *f, size_t n)
+{
+    fputs("-vtv\n-vtv", f);
+    for (size_t i = 0; i < n; i++)
+        fputs(" -vp 1 1 1", f);
+}
 static void write_wea(FILE *f, size_t n)
 {
     fputs("place x\nlatitude 38\nlongitude -27\ntime_zone -30\nsite_elevation 25\n"
@@ -243,6 +261,9 @@ const struct doubled doubled_files[] = {
     KIND(name, BSDF, 3000),
     KIND(sensors, SENSORS, 2000),
     KIND(sensor_blanks, SENSORS, 20000),
+    KIND(views, VIEWS, 2000),
+    KIND(view_blanks, VIEWS, 20000),
+    KIND(view_line, VIEWS, 20000),
     KIND(wea, WEATHER, 1000),
     KIND(epw, WEATHER, 500),
     KIND(job_sensors, JOB, 300),

@@ -111,6 +111,13 @@ static void test_sensors(void **state)
     repeat_trifles(fuzz_sensors);
 }
 
+static void test_view_file(void **state)
+{
+    (void)state;
+    repeat_all("tests/fuzz/corpus/view_file", fuzz_view_file);
+    repeat_trifles(fuzz_view_file);
+}
+
 static void test_weather(void **state)
 {
     (void)state;
@@ -184,7 +191,7 @@ int main(void)
         cmocka_unit_test(test_compiled),  cmocka_unit_test(test_framing),
         cmocka_unit_test(test_multipart), cmocka_unit_test(test_range),
         cmocka_unit_test(test_route),     cmocka_unit_test(test_guard),
-        cmocka_unit_test(test_token),
+        cmocka_unit_test(test_token),     cmocka_unit_test(test_view_file),
     };
     if (sodium_init() < 0)
         return 1;
