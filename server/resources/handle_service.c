@@ -2,6 +2,7 @@
 
 #include <jansson.h>
 
+#include <oriel/picture.h>
 #include <oriel/version.h>
 
 #include "http/reply.h"
@@ -77,6 +78,10 @@ void orl_handle_limits(struct orl_request *request)
         {"pictures", ORL_LIMIT_PICTURES},
         {"image_side", ORL_LIMIT_IMAGE_SIDE},
         {"image_pixels", ORL_LIMIT_IMAGE_PIXELS},
+        {"picture_points", ORL_LIMIT_PICTURE_POINTS},
+        {"scale_divisions", ORL_LIMIT_DIVISIONS},
+        {"heat_maps", ORL_HEAT_MAPS},
+        {"heat_map_thresholds", ORL_HEAT_MAP_THRESHOLDS},
         {"photons", ORL_LIMIT_PHOTONS},
         {"job_bytes", ORL_LIMIT_JOB_BYTES},
         {"study_runs", ORL_SERVER_STUDY_RUNS},

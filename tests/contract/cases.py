@@ -46,6 +46,14 @@ def service(daemon):
     for path in ("/", "/healthz", "/readyz", "/metrics", "/openapi.yaml", "/v1/limits"):
         daemon.ask("GET", path, want=200)
         daemon.ask("HEAD", path, want=200)
+    limits = daemon.ask("GET", "/v1/limits").json
+    schemas = daemon.contract.document["components"]["schemas"]
+    false_color, heat_map = (schemas[name]["properties"] for name in ("FalseColor", "HeatMap"))
+    for bound, documented in (("picture_points", false_color["points"]["maxItems"]),
+                              ("scale_divisions", false_color["divisions"]["maximum"]),
+                              ("scale_divisions", heat_map["divisions"]["maximum"]),
+                              ("heat_map_thresholds", heat_map["thresholds"]["maxItems"])):
+        assert limits[bound] == documented, (bound, limits[bound], documented)
 
 
 def scenes(daemon):
