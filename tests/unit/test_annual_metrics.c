@@ -401,6 +401,18 @@ static void test_crossings_at_zero(void **state)
     assert_true(isinf(orl_annual_crossing(&above, 2, &period, &light, scratch)));
 }
 
+/* Student's t of 15 degrees, from tables: 5, 2.5 and 0.5 % are above. */
+static void test_students_t(void **state)
+{
+    (void)state;
+    assert_near(orl_student_t(0.05), 1.753, 5e-4);
+    assert_near(orl_student_t(0.025), 2.131, 5e-4);
+    assert_near(orl_student_t(0.005), 2.947, 5e-4);
+    assert_near(orl_student_above(0), 0.5, 1e-15);
+    assert_near(orl_student_above(-2.131), 0.975, 1e-4);
+    assert_near(orl_student_above(INFINITY), 0, 1e-15);
+}
+
 /* Ten coins: P(< 2) = 11 / 1024, P(< 3) = 56 / 1024. Areas of 1 and 2 that differ. */
 static void test_shares_of_coins(void **state)
 {
@@ -589,21 +601,24 @@ static struct orl_annual_value figure_over(enum orl_annual_over over,
 static void test_averages_and_the_worst(void **state)
 {
     const float total[4] = {100, 100, 300, 300}, errors[4] = {3, 3, 4, 4};
-    const double areas[2] = {1, 3}, z = 1.959963984540054;
+    const double areas[2] = {1, 3}, t = 2.131449545559323;
     const struct orl_annual_rows rows = {
         .total_lx = total, .total_error_lx = errors, .n_sensors = 2, .n_columns = 2, .area = areas};
+    const double up = 100 * expm1(t * 0.03), up_3 = 3 * 300 * expm1(t * 4 / 300.0);
+    const double down = -100 * expm1(-t * 0.03), down_3 = -3 * 300 * expm1(-t * 4 / 300.0);
+    const double both = sqrt(9 + 144) / 4; /* standard error of the mean illuminance */
     struct orl_annual_value value = figure_over(ORL_OVER_AVERAGE, &rows);
     (void)state;
     assert_near(value.value, 250, 1e-9);
-    assert_near(value.high - value.value, z * sqrt(9 + 144) / 4, 1e-6);
-    assert_near(value.value - value.low, z * sqrt(9 + 144) / 4, 1e-6);
+    assert_near(value.high - value.value, hypot(up, up_3) / 4, 1e-6);
+    assert_near(value.value - value.low, hypot(down, down_3) / 4, 1e-6);
     value = figure_over(ORL_OVER_OF_MEAN, &rows);
     assert_near(value.value, 250, 1e-5);
-    assert_near(value.high - value.value, z * sqrt(9 + 144) / 4, 1e-5);
+    assert_near(value.high, 250 * exp(t * both / 250), 1e-4);
     value = figure_over(ORL_OVER_LEAST, &rows);
     assert_near(value.value, 100, 1e-9);
-    assert_near(value.high, 100 + 3 * z, 1e-6);
-    assert_near(orl_normal_above((100 - value.low) / 3), 1 - sqrt(0.975), 1e-9);
+    assert_near(value.high, 100 * exp(t * 0.03), 1e-6);
+    assert_near(orl_student_above(-log(value.low / 100) / 0.03), 1 - sqrt(0.975), 1e-9);
     value = figure_over(ORL_OVER_SHARE, &rows);
     assert_near(value.value, 75, 1e-9);
     assert_near(value.low, 75, 1e-9);
@@ -783,6 +798,7 @@ int main(void)
         cmocka_unit_test(test_hours_met_exactly),
         cmocka_unit_test(test_crossings),
         cmocka_unit_test(test_crossings_at_zero),
+        cmocka_unit_test(test_students_t),
         cmocka_unit_test(test_shares_of_coins),
         cmocka_unit_test(test_shares_of_unequal_areas),
         cmocka_unit_test(test_intervals_of_sensors),

@@ -7,16 +7,18 @@
  * 0:30. Arrays have columns for some steps only, those with the sun up; at all others it is dark,
  * and they count as 0 lx: no tool that leaves them out of UDI's lower part adds up to 100 %.
  *
- * Errors. An hour's value has a standard error. Those of one sensor are correlated strongly over
- * hours, as its paths are the same ones: a sensor's metric has the interval of the metric at E - z
- * se to E + z se of all hours together, z = 1.96. That is exact where errors have one common
- * factor, and else too wide. (UDI's useful part gains at one bound what it loses at the other:
- * what the two would move it by is added in squares.) Sensors have paths of their own: their errors
- * are independent. Whether a sensor passes is told by the z at which it would change sides, of
- * which the chance to pass follows (normal law); how many pass, by the convolution of those chances
- * (the Poisson-binomial distribution). That takes a sensor's truth to lie anywhere around its value
- * alike; where a large part of an area lies within a standard error of the bound, all on one side,
- * it is too sure of itself.
+ * Errors. An hour's value has a standard error, by 16 batches: intervals are Student's of 15
+ * degrees, t = 2.13. Errors of one sensor are correlated strongly over hours, as its paths are the
+ * same ones: a sensor's metric has the interval of the metric at E exp(-t se / E) to E exp(t se /
+ * E) of all hours together. That is exact where errors have one common factor, and else too wide.
+ * (By factors, since values that come out low have errors that are too small; se is never above E,
+ * both being of means that are not negative. Direct light moves by t se, without factors. UDI's
+ * useful part gains at one bound what it loses at the other: what the two would move it by is added
+ * in squares.) Sensors have paths of their own: their errors are independent. Whether a sensor
+ * passes is told by the t at which it would change sides, of which the chance to pass follows; how
+ * many pass, by the convolution of those chances (the Poisson-binomial distribution). That takes a
+ * sensor's truth to lie anywhere around its value alike; where a large part of an area lies within
+ * a standard error of the bound, all on one side, it is too sure of itself.
  * Without standard errors intervals are NaN, and verdicts are unknown.
  *
  * Definitions, with what other tools do otherwise:
@@ -61,6 +63,8 @@
 #include <stdint.h>
 
 #include <oriel/error.h>
+
+enum { ORL_ANNUAL_DEGREES = 15 }; /* of freedom, that standard errors have; odd */
 
 /* ---- Which steps count ----------------------------------------------------------------------- */
 
@@ -155,7 +159,8 @@ void orl_annual_evaluate(const struct orl_annual_metric *metric,
                          const struct orl_annual_period *period, const struct orl_annual_light *row,
                          struct orl_annual_value *ret_value);
 
-/* The metric alone, all of the row's values being z standard errors higher; no light is below 0. */
+/* The metric alone, all of the row's values being z standard errors higher, as above; none is below
+ * 0. */
 double orl_annual_at(const struct orl_annual_metric *metric, const struct orl_annual_period *period,
                      const struct orl_annual_light *row, double z);
 

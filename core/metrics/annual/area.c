@@ -31,12 +31,12 @@ static struct orl_annual_light row_of(const struct orl_annual_rows *rows, size_t
 static size_t sort_out(const double *crossing, const double *area, size_t n,
                        struct orl_area_part *ret_parts, struct orl_sum *sure)
 {
-    const double certain = 7; /* standard errors: 1e-12 on the other side */
+    const double certain = 30; /* standard errors: 1e-14 on the other side */
     size_t open = 0;
     for (size_t i = 0; i < n; i++) {
         const double mine = area_at(area, i);
         if (fabs(crossing[i]) < certain)
-            ret_parts[open++] = (struct orl_area_part){mine, orl_normal_above(crossing[i])};
+            ret_parts[open++] = (struct orl_area_part){mine, orl_student_above(crossing[i])};
         else if (crossing[i] < 0)
             orl_sum_add(sure, mine);
     }
@@ -118,7 +118,7 @@ static void average(const struct orl_annual_metric *metric, const struct orl_ann
 static void worst(const struct orl_annual_metric *metric, const struct orl_annual_period *period,
                   const struct orl_annual_rows *rows, struct orl_annual_value *ret_value)
 {
-    const double z = orl_normal_z(-expm1(log(0.975) / (double)rows->n_sensors));
+    const double z = orl_student_t(-expm1(log(0.975) / (double)rows->n_sensors));
     struct orl_annual_value least = {INFINITY, INFINITY, INFINITY};
     bool known = true;
     for (size_t i = 0; i < rows->n_sensors; i++) {

@@ -4,22 +4,30 @@
 #include <stdbool.h>
 #include <stdlib.h>
 
-#include <oriel/error.h>
+#include <oriel/annual_metrics.h>
+#include <oriel/units.h>
 
 enum { PLACES = 1 << 14 };
 static const double nothing = 1e-18; /* of probability, not worth carrying on */
 
-double orl_normal_above(double z)
+double orl_student_above(double t)
 {
-    return 0.5 * erfc(z / sqrt(2));
+    const double angle = atan2(fabs(t), sqrt(ORL_ANNUAL_DEGREES)), c = cos(angle);
+    double term = c, sum = c;
+    for (int k = 3; k <= ORL_ANNUAL_DEGREES - 2; k += 2) {
+        term *= c * c * (k - 1) / k;
+        sum += term;
+    }
+    const double within = 2 / ORL_PI * (angle + sin(angle) * sum);
+    return t > 0 ? (1 - within) / 2 : (1 + within) / 2;
 }
 
-double orl_normal_z(double share_above)
+double orl_student_t(double share_above)
 {
-    double low = -40, high = 40;
+    double low = -1e4, high = 1e4;
     for (int i = 0; i < 200; i++) {
         const double middle = (low + high) / 2;
-        if (orl_normal_above(middle) > share_above)
+        if (orl_student_above(middle) > share_above)
             low = middle;
         else
             high = middle;

@@ -21,7 +21,9 @@ struct orl_area_part {
 int orl_chance_bounds(const struct orl_area_part *parts, size_t n, double tail, double *ret_low,
                       double *ret_high);
 
-double orl_normal_above(double z);       /* the share of a normal law above z */
-double orl_normal_z(double share_above); /* the z that so much is above; 0 < share < 1 */
+/* The share of Student's t, with ORL_ANNUAL_DEGREES degrees of freedom, above t (Abramowitz and
+ * Stegun 1964, 26.7.3); and the t that so much is above; 0 < share < 1. */
+double orl_student_above(double t);
+double orl_student_t(double share_above);
 
 #endif

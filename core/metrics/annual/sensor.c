@@ -16,13 +16,14 @@ static bool is_direct(enum orl_metric_kind kind)
 /* What of a row a metric is made of. */
 struct light {
     const float *value, *error;
+    bool in_proportion; /* not of direct light, whose error is another's (oriel/annual_report.h) */
 };
 
 static struct light light_of(const struct orl_annual_metric *metric,
                              const struct orl_annual_light *row)
 {
-    return is_direct(metric->kind) ? (struct light){row->direct_lx, row->direct_error_lx}
-                                   : (struct light){row->total_lx, row->total_error_lx};
+    return is_direct(metric->kind) ? (struct light){row->direct_lx, row->direct_error_lx, false}
+                                   : (struct light){row->total_lx, row->total_error_lx, true};
 }
 
 bool orl_annual_errors_known(const struct orl_annual_metric *metric,
@@ -31,10 +32,23 @@ bool orl_annual_errors_known(const struct orl_annual_metric *metric,
     return light_of(metric, row).error != NULL;
 }
 
+/*
+ * Light adds up from few bright paths and many dim ones: an estimate that comes out low thinks
+ * itself surer than it is, as its error shrinks with it. In proportion, errors are even: values
+ * move by factors, and no further than the error allows of means that are never below zero, which
+ * is their own size.
+ */
+static double proportion(double value, double error)
+{
+    return fmin(error / value, 1);
+}
+
 static double shifted(const struct light *light, uint32_t column, double z)
 {
-    const double value = light->value[column] + (light->error ? z * light->error[column] : 0);
-    return value > 0 ? value : 0;
+    const double value = light->value[column], error = light->error ? light->error[column] : 0;
+    if (error > 0 && light->in_proportion && value > 0)
+        return value * exp(z * proportion(value, error));
+    return fmax(0, value + z * error);
 }
 
 /* Steps that are lit so that they count, as the metric weighs them; dark ones are the caller's. */
@@ -141,15 +155,18 @@ void orl_annual_evaluate(const struct orl_annual_metric *metric,
 /* ---- Crossings ------------------------------------------------------------------------------- */
 
 /* The z at which one step begins to count. */
-static double step_crossing(const struct orl_annual_metric *metric, double lx, double error)
+static double step_crossing(const struct orl_annual_metric *metric, const struct light *light,
+                            uint32_t column)
 {
+    const double lx = light->value[column], error = light->error ? light->error[column] : 0;
     const bool strict =
         metric->kind == ORL_METRIC_UDI_UPPER || metric->kind == ORL_METRIC_DIRECT_HOURS;
-    if (error > 0 && strict && lx <= metric->low_lx)
-        return fmax((metric->low_lx - lx) / error, DBL_MIN); /* met exactly is not more */
-    if (error > 0)
-        return (metric->low_lx - lx) / error;
-    return (strict ? lx > metric->low_lx : lx >= metric->low_lx) ? -INFINITY : INFINITY;
+    if (!(error > 0))
+        return (strict ? lx > metric->low_lx : lx >= metric->low_lx) ? -INFINITY : INFINITY;
+    const double z = light->in_proportion && lx > 0
+                         ? log(metric->low_lx / lx) / proportion(lx, error)
+                         : (metric->low_lx - lx) / error;
+    return strict && lx <= metric->low_lx ? fmax(z, DBL_MIN) : z; /* met exactly is not more */
 }
 
 /* Of metrics that count hours: that of the last step they need. */
@@ -164,11 +181,8 @@ static double counting_crossing(const struct orl_annual_metric *metric, double n
         return -INFINITY;
     if (needed > (double)period->n_columns)
         return INFINITY;
-    for (size_t i = 0; i < period->n_columns; i++) {
-        const uint32_t column = period->columns[i];
-        scratch[i] =
-            step_crossing(metric, light.value[column], light.error ? light.error[column] : 0);
-    }
+    for (size_t i = 0; i < period->n_columns; i++)
+        scratch[i] = step_crossing(metric, &light, period->columns[i]);
     return orl_find_kth(scratch, period->n_columns, (size_t)needed - 1);
 }
 

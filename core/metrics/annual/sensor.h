@@ -4,7 +4,7 @@
 
 #include <oriel/annual_metrics.h>
 
-#define ORL_ANNUAL_Z 1.959963984540054 /* of a normal law's 95 % */
+#define ORL_ANNUAL_Z 2.131449545559323 /* of Student's t with ORL_ANNUAL_DEGREES, 95 % */
 
 bool orl_annual_errors_known(const struct orl_annual_metric *metric,
                              const struct orl_annual_light *row);
