@@ -17,7 +17,7 @@
  *
  * result.json:
  *     {"kind": "annual", "state", "title", "location": {"latitude", "longitude", "time_zone"},
- *      "hours": {"occupied", "daylight", "year", "missing", "sun_up"},
+ *      "hours": {"occupied", "daylight", "year", "missing", "doubtful", "sun_up"},
  *      "grids": [{"name", "sensors", "figures": [{"name", "unit", "value", "interval_95", "open"
  *      (sensors whose side is open)}]}], "all": {the same} (of several grids together),
  *      "verdicts": [{"rule", "clause" (null: the job's own target), "target", "grid" (null: all),

@@ -193,9 +193,10 @@ static json_t *hours_to_json(const struct orl_annual_report *report)
 {
     const struct orl_annual_period *p = report->periods;
     const double per_hour = report->year.steps.per_hour;
-    return json_pack("{s:f, s:f, s:f, s:f, s:f}", "occupied", p[ORL_WHEN_OCCUPIED].hours,
+    return json_pack("{s:f, s:f, s:f, s:f, s:f, s:f}", "occupied", p[ORL_WHEN_OCCUPIED].hours,
                      "daylight", p[ORL_WHEN_DAYLIGHT].hours, "year", p[ORL_WHEN_ALWAYS].hours,
-                     "missing", (double)report->year.n_missing / per_hour, "sun_up",
+                     "missing", (double)report->year.n_missing / per_hour, "doubtful",
+                     (double)report->year.n_doubtful / per_hour, "sun_up",
                      (double)report->year.n_columns / per_hour);
 }
 

@@ -34,6 +34,12 @@ static void print_summary(const struct orl_annual_result *result,
     if (report->year.n_missing > 0)
         fprintf(stderr, "warning: %zu steps of the year are not in the weather file\n",
                 report->year.n_missing);
+    if (report->year.n_doubtful > 0)
+        fprintf(
+            stderr,
+            "warning: %zu steps have the sun up by 3 degrees or more and no light in the weather "
+            "file: they count as dark\n",
+            report->year.n_doubtful);
     if (report->n_unlit > 0)
         fprintf(stderr,
                 "warning: no light ever reaches %zu sensors: are they inside of something?\n",

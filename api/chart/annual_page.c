@@ -320,7 +320,7 @@ static double draw_head(const struct sheet *s)
 
 static int draw(const struct sheet *s)
 {
-    const double assumptions = height - rim - 8 * 14 - 24, top = draw_head(s);
+    const double assumptions = height - rim - 9 * 14 - 24, top = draw_head(s);
     const double year = assumptions - 24 - year_height, middle = width / 2;
     const double figures = draw_figures(s, rim, top, middle - 20);
     const double verdicts =

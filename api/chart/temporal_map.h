@@ -1,6 +1,6 @@
 /*
  * A year as a carpet: days from left to right, hours of the day from below upwards, a colour for
- * each step. Where the sun is down it is gray, where nothing was measured white.
+ * each step. Where no light comes from the sky it is gray, where nothing was measured white.
  *
  * Values are those of all steps of a year (oriel/annual_metrics.h), hours in local standard time.
  */
@@ -13,7 +13,7 @@
 struct orl_temporal_map {
     const char *title, *unit;
     struct orl_annual_steps steps;
-    const float *values; /* NaN: not measured; below 0: the sun is down */
+    const float *values; /* NaN: not measured; below 0: no light from the sky */
     double top;       /* of the scale; 0: found, a round number that 99 % of the lit stay below */
     bool logarithmic; /* over three decades; else from 0 */
     const unsigned char

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+static const double doubtful_deg = 3;
 enum { MONTHS = 12 };
 static const uint32_t days_before[MONTHS] = {0, 31, 59, 90, 120, 151, 181, 212, 243, 273, 304, 334};
 
@@ -54,6 +55,8 @@ static int enter(const struct orl_annual_result *result, size_t i, struct orl_an
     year->measured[step] = !row->missing;
     year->global_lx[step] = row->missing ? 0 : row->global_lx;
     year->n_missing -= !row->missing;
+    year->n_doubtful +=
+        !row->missing && row->column == ORL_ANNUAL_DARK && row->sun_altitude_deg >= doubtful_deg;
     if (row->column != ORL_ANNUAL_DARK)
         year->step_of_column[row->column] = step;
     return 0;

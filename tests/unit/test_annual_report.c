@@ -135,9 +135,12 @@ static void test_years(void **state)
     orl_annual_year_done(&year);
     /* Hours that were not measured, and a file that ends early. */
     result.steps[5].missing = true;
+    result.steps[29].sun_altitude_deg = 3.5; /* and dark: hard to believe */
+    result.steps[12].sun_altitude_deg = 40;
     result.n_steps -= 24;
     assert_int_equal(orl_annual_year_make(&result, &year, &err), 0);
     assert_int_equal(year.n_missing, 25);
+    assert_int_equal(year.n_doubtful, 1);
     assert_true(!year.measured[5] && year.measured[6] && !year.measured[8783]);
     orl_annual_year_done(&year);
     result.steps[100].hour = result.steps[99].hour;

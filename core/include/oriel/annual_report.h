@@ -22,6 +22,8 @@ struct orl_annual_year {
     uint32_t *step_of_column; /* of the result's arrays, ascending */
     double *global_lx;        /* of each step; 0 where it is dark or not known */
     size_t n_columns, n_missing;
+    size_t
+        n_doubtful; /* steps with the sun 3 degrees up or more, and no light in the file at all */
 };
 /* ORL_ERR_RANGE (rows that share a step, or out of order), ORL_ERR_NOMEM. */
 int orl_annual_year_make(const struct orl_annual_result *result, struct orl_annual_year *ret_year,
