@@ -100,8 +100,8 @@ static void draw_kind(const struct maker *maker, uint32_t kind, size_t column)
 /* The middle of a part, on the pane's rectangle. */
 static struct orl_vec3 part_of(const struct orl_window *w, uint32_t part)
 {
-    const double a = (part % ORL_PANEL_SIDE + 0.5) / ORL_PANEL_SIDE;
-    const double b = ((double)(part / ORL_PANEL_SIDE) + 0.5) / ORL_PANEL_SIDE;
+    const uint32_t row = part / ORL_PANEL_SIDE, column = part % ORL_PANEL_SIDE;
+    const double a = (column + 0.5) / ORL_PANEL_SIDE, b = (row + 0.5) / ORL_PANEL_SIDE;
     return orl_madd(orl_madd(w->corner, w->along[0], w->low[0] + a * (w->high[0] - w->low[0])),
                     w->along[1], w->low[1] + b * (w->high[1] - w->low[1]));
 }
@@ -195,9 +195,9 @@ static void look_at_points(struct before *b, uint64_t name)
     const double offset = world->geometry->facets[panel->window.facet].offset;
     struct orl_random random = orl_random_stream(name, ORL_PURPOSE_ANNUAL, ~b->pane);
     for (uint32_t i = 0; i < PARTS; i++) {
-        const double u[2] = {(i % ORL_PANEL_SIDE + orl_random_uniform(&random)) / ORL_PANEL_SIDE,
-                             ((double)(i / ORL_PANEL_SIDE) + orl_random_uniform(&random)) /
-                                 ORL_PANEL_SIDE};
+        const uint32_t row = i / ORL_PANEL_SIDE, column = i % ORL_PANEL_SIDE;
+        const double u[2] = {(column + orl_random_uniform(&random)) / ORL_PANEL_SIDE,
+                             (row + orl_random_uniform(&random)) / ORL_PANEL_SIDE};
         struct orl_vec3 point, normal;
         orl_facet_sample(world->geometry, panel->window.facet, u, &point, &normal);
         const struct orl_vec3 way = orl_sub(point, b->place->point);

@@ -1,6 +1,5 @@
 #include "annual/product.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 #include "base/vectors.h"
@@ -33,44 +32,40 @@ static ORL_FOR_WIDE_VECTORS void add_sun(const struct orl_sun_terms *terms, size
     }
 }
 
-/* What is the same for all tiles. */
-struct factors {
-    const struct orl_hours *hours;
-    const struct orl_sun_terms *terms;
-    const struct orl_annual_coefficients *coefficients;
-    double *sun;                            /* of the coefficients, [node or beam][batch] */
-    float bins[ORL_BINS];                   /* the mean of all batches */
-    float coarse[BATCHES][ORL_BINS_COARSE]; /* of each, less the mean */
-};
-
-static void fill_factors(struct factors *f, const struct orl_bins *bins)
+void orl_annual_factors_fill(struct orl_annual_factors *f, const struct orl_bins *bins,
+                             const struct orl_annual_coefficients *coefficients, double *sun)
 {
-    memset(f->bins, 0, sizeof f->bins);
+    const size_t n = coefficients->n_sun;
     memset(f->coarse, 0, sizeof f->coarse);
+    f->sun = sun;
+    for (size_t b = 0; b < BATCHES; b++)
+        for (size_t i = 0; i < n; i++)
+            sun[i * BATCHES + b] = coefficients->sun[b * n + i];
     for (uint32_t bin = 0; bin < ORL_BINS; bin++) {
         double sum = 0;
         for (int b = 0; b < BATCHES; b++)
-            sum += (double)f->coefficients->bins[(size_t)b * ORL_BINS + bin];
+            sum += (double)coefficients->bins[(size_t)b * ORL_BINS + bin];
         const float mean = (float)(sum / BATCHES);
         f->bins[bin] = mean;
         for (int b = 0; sum > 0 && b < BATCHES; b++)
             f->coarse[b][bins->coarse_of[bin]] +=
-                f->coefficients->bins[(size_t)b * ORL_BINS + bin] - mean;
+                coefficients->bins[(size_t)b * ORL_BINS + bin] - mean;
     }
 }
 
-static void find_errors(const struct factors *f, size_t tile, uint32_t n, double ret_squares[TILE],
-                        double ret_sun[TILE])
+static void find_errors(const struct orl_annual_factors *f, const struct orl_hours *hours,
+                        const struct orl_sun_terms *terms, size_t tile, uint32_t n,
+                        double ret_squares[TILE], double ret_sun[TILE])
 {
-    const float *coarse = f->hours->coarse + tile * ORL_BINS_COARSE * TILE;
+    const float *coarse = hours->coarse + tile * ORL_BINS_COARSE * TILE;
     double sun[TILE][BATCHES];
     memset(sun, 0, sizeof sun);
     memset(ret_squares, 0, TILE * sizeof *ret_squares);
     memset(ret_sun, 0, TILE * sizeof *ret_sun);
     for (uint32_t j = 0; j < n; j++) {
         const size_t column = tile * TILE + j;
-        const double lx = f->hours->suns[column].normal_lx;
-        add_sun(f->terms, column, f->sun, sun[j]);
+        const double lx = hours->suns[column].normal_lx;
+        add_sun(terms, column, f->sun, sun[j]);
         for (int b = 0; b < BATCHES; b++) {
             sun[j][b] *= lx;
             ret_sun[j] += sun[j][b] / BATCHES;
@@ -86,38 +81,20 @@ static void find_errors(const struct factors *f, size_t tile, uint32_t n, double
     }
 }
 
-static void multiply_tile(const struct factors *f, size_t tile, const struct orl_annual_row *row)
+void orl_annual_multiply(const struct orl_annual_factors *f, const struct orl_hours *hours,
+                         const struct orl_sun_terms *terms, size_t tile,
+                         const struct orl_annual_row *row)
 {
-    const size_t first = tile * TILE, left = f->hours->n_columns - first;
+    const size_t first = tile * TILE, left = hours->n_columns - first;
     const uint32_t n = left < TILE ? (uint32_t)left : TILE;
     double squares[TILE], sun[TILE];
     float sky[TILE] = {0};
-    add_products(f->bins, ORL_BINS, f->hours->fine + tile * ORL_BINS * TILE, sky);
-    find_errors(f, tile, n, squares, sun);
+    add_products(f->bins, ORL_BINS, hours->fine + tile * ORL_BINS * TILE, sky);
+    find_errors(f, hours, terms, tile, n, squares, sun);
     for (uint32_t j = 0; j < n; j++) {
         const size_t c = first + j;
         row->total[c] = (float)(ORL_EFFICACY_LM_PER_W * (double)sky[j] + sun[j] +
                                 (double)row->straight[c] + (double)row->mirrored[c]);
         row->se[c] = (float)sqrt(squares[j] + (double)row->squares[c]);
     }
-}
-
-int orl_annual_multiply(const struct orl_bins *bins, const struct orl_hours *hours,
-                        const struct orl_sun_terms *terms,
-                        const struct orl_annual_coefficients *coefficients,
-                        const struct orl_annual_row *row)
-{
-    const size_t n = coefficients->n_sun;
-    struct factors f = {.hours = hours, .terms = terms, .coefficients = coefficients};
-    f.sun = malloc((n * BATCHES + 1) * sizeof *f.sun);
-    if (!f.sun)
-        return ORL_ERR_NOMEM;
-    for (size_t b = 0; b < BATCHES; b++)
-        for (size_t i = 0; i < n; i++)
-            f.sun[i * BATCHES + b] = coefficients->sun[b * n + i];
-    fill_factors(&f, bins);
-    for (size_t tile = 0; tile < hours->n_tiles; tile++)
-        multiply_tile(&f, tile, row);
-    free(f.sun);
-    return 0;
 }

@@ -21,11 +21,21 @@ struct orl_annual_row {
     float *total, *se;
 };
 
-/* terms: of the sun in each column. What batches differ by in the sky is told by coarse bins.
- * Returns 0 or ORL_ERR_NOMEM. */
-int orl_annual_multiply(const struct orl_bins *bins, const struct orl_hours *hours,
-                        const struct orl_sun_terms *terms,
-                        const struct orl_annual_coefficients *coefficients,
-                        const struct orl_annual_row *row);
+/* A sensor's coefficients, made ready. What batches differ by in the sky is told by coarse bins. */
+struct orl_annual_factors {
+    float bins[ORL_BINS];                              /* the mean of all batches */
+    float coarse[ORL_ANNUAL_BATCHES][ORL_BINS_COARSE]; /* of each, less the mean */
+    double *sun;                                       /* [node or beam][batch]; borrowed */
+};
+
+/* sun has room for as many as the coefficients have. */
+void orl_annual_factors_fill(struct orl_annual_factors *factors, const struct orl_bins *bins,
+                             const struct orl_annual_coefficients *coefficients, double *sun);
+
+/* Of one tile of columns: a tile's sky serves all sensors while it is at hand. terms: of the sun.
+ */
+void orl_annual_multiply(const struct orl_annual_factors *factors, const struct orl_hours *hours,
+                         const struct orl_sun_terms *terms, size_t tile,
+                         const struct orl_annual_row *row);
 
 #endif

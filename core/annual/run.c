@@ -35,11 +35,12 @@ struct year {
     /* Of the sensors of a block: */
     size_t first, count;
     struct orl_place places[BLOCK];
-    float *bin_sums;  /* [sensor][batch][bin] */
-    double *sun_sums; /* [sensor][batch][nodes, beams] */
-    float *rows;      /* [sensor][of each][column] */
-    atomic_bool out_of_memory;
-    struct orl_health *healths; /* by member */
+    float *bin_sums;                    /* [sensor][batch][bin] */
+    double *sun_sums;                   /* [sensor][batch][nodes, beams] */
+    float *rows;                        /* [sensor][of each][column] */
+    struct orl_annual_factors *factors; /* by sensor */
+    double *sun_by_batch;               /* of those */
+    struct orl_health *healths;         /* by member */
 };
 
 enum row { ROW_TOTAL, ROW_STRAIGHT, ROW_SE, ROW_MIRRORED, ROW_SQUARES, ROWS };
@@ -150,7 +151,7 @@ static int make_world(struct year *y, struct orl_error *err)
         code = orl_world_new(y->lights, &y->world, err);
     if (code == 0)
         code = orl_annual_admit(y->world, err);
-    if (code < 0)
+    if (code < 0 || !y->world)
         return code;
     if (y->world->n_emitters > 0)
         warn(y, "the scene's lamps are left out: a year of daylight has no lamps on");
@@ -291,18 +292,27 @@ static void find_sun(void *arg, size_t index, uint32_t member)
     orl_panels_add(&y->panels, &y->places[index], name, sun.mirrored, sun.squares);
 }
 
-static void multiply(void *arg, size_t index, uint32_t member)
+static void fill_factors(void *arg, size_t index, uint32_t member)
 {
     struct year *y = arg;
     const size_t batch = index * ORL_ANNUAL_BATCHES;
     const struct orl_annual_coefficients coefficients = {y->bin_sums + batch * ORL_BINS,
                                                          y->sun_sums + batch * y->n_sun, y->n_sun};
-    const struct orl_annual_row row = {
-        row_of(y, index, ROW_STRAIGHT), row_of(y, index, ROW_MIRRORED),
-        row_of(y, index, ROW_SQUARES), row_of(y, index, ROW_TOTAL), row_of(y, index, ROW_SE)};
     (void)member;
-    if (orl_annual_multiply(&y->bins, &y->hours, &y->terms, &coefficients, &row) < 0)
-        atomic_store(&y->out_of_memory, true);
+    orl_annual_factors_fill(&y->factors[index], &y->bins, &coefficients,
+                            y->sun_by_batch + batch * y->n_sun);
+}
+
+static void multiply(void *arg, size_t tile, uint32_t member)
+{
+    struct year *y = arg;
+    (void)member;
+    for (size_t i = 0; i < y->count; i++) {
+        const struct orl_annual_row row = {row_of(y, i, ROW_STRAIGHT), row_of(y, i, ROW_MIRRORED),
+                                           row_of(y, i, ROW_SQUARES), row_of(y, i, ROW_TOTAL),
+                                           row_of(y, i, ROW_SE)};
+        orl_annual_multiply(&y->factors[i], &y->hours, &y->terms, tile, &row);
+    }
 }
 
 static void place_sensors(struct year *y)
@@ -349,9 +359,9 @@ static int run_block(struct year *y, struct orl_error *err)
         code = orl_crew_try(crew, y->count, find_sun, y);
     book(y, ORL_ANNUAL_SUN, &since);
     if (code == 0)
-        code = orl_crew_try(crew, y->count, multiply, y);
-    if (code == 0 && atomic_load(&y->out_of_memory))
-        code = ORL_ERR_NOMEM;
+        code = orl_crew_try(crew, y->count, fill_factors, y);
+    if (code == 0)
+        code = orl_crew_try(crew, y->hours.n_tiles, multiply, y);
     if (code < 0)
         return code == ORL_ERR_CANCELLED ? cancelled(err) : out_of_memory(err);
     code = hand_over(y, err);
@@ -368,9 +378,11 @@ static int make_room(struct year *y)
     struct orl_annual_result *r = y->result;
     y->bin_sums = malloc(batches * ORL_BINS * sizeof *y->bin_sums);
     y->sun_sums = malloc((batches * y->n_sun + 1) * sizeof *y->sun_sums);
-    y->rows = malloc((BLOCK * ROWS * columns + 1) * sizeof *y->rows);
+    y->rows = malloc(((size_t)BLOCK * ROWS * columns + 1) * sizeof *y->rows);
+    y->factors = malloc(BLOCK * sizeof *y->factors);
+    y->sun_by_batch = malloc((batches * y->n_sun + 1) * sizeof *y->sun_by_batch);
     y->healths = calloc(orl_crew_size(y->env->run->crew), sizeof *y->healths);
-    if (!y->bin_sums || !y->sun_sums || !y->rows || !y->healths)
+    if (!y->bin_sums || !y->sun_sums || !y->factors || !y->sun_by_batch || !y->rows || !y->healths)
         return ORL_ERR_NOMEM;
     if (y->env->row)
         return 0;
@@ -413,6 +425,8 @@ static void let_go(struct year *y)
     orl_sun_terms_done(&y->terms);
     free(y->bin_sums);
     free(y->sun_sums);
+    free(y->factors);
+    free(y->sun_by_batch);
     free(y->rows);
     free(y->healths);
     free(y);

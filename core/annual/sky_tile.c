@@ -150,7 +150,7 @@ static void make_coarse(const struct orl_bins *bins, const float *fine, float *r
     double solid[ORL_BINS_COARSE] = {0};
     for (uint32_t bin = 0; bin < ORL_BINS; bin++)
         solid[bins->coarse_of[bin]] += bins->solid_sr[bin];
-    memset(ret_coarse, 0, ORL_BINS_COARSE * TILE * sizeof *ret_coarse);
+    memset(ret_coarse, 0, (size_t)ORL_BINS_COARSE * TILE * sizeof *ret_coarse);
     for (uint32_t bin = 0; bin < ORL_BINS; bin++) {
         float *to = ret_coarse + (size_t)bins->coarse_of[bin] * TILE;
         const float share = (float)(bins->solid_sr[bin] / solid[bins->coarse_of[bin]]);

@@ -279,7 +279,8 @@ static uint32_t photons_of(const struct orl_sun_map *map, const struct orl_sun_m
     for (size_t i = beam > map->n_kinds ? beam - map->n_kinds : 0;
          i < map->n_beams && map->beams[i].node <= node; i++)
         n += map->beams[i].node == node;
-    return (request->photons + ORL_SUN_MAP_LOTS * n - 1) / (ORL_SUN_MAP_LOTS * n);
+    const uint32_t parts = ORL_SUN_MAP_LOTS * (n > 0 ? n : 1);
+    return (request->photons + parts - 1) / parts;
 }
 
 static int fill(struct orl_sun_map *map, const struct orl_sun_map_request *request,
@@ -434,16 +435,16 @@ int orl_sun_map_new(const struct orl_sun_map_request *request, struct orl_crew *
     double area = 0;
     *ret_map = NULL;
     if (world->open || world->n_ports == 0 || request->n_nodes == 0)
-        return 0;
+        return 0; /* no beams either */
     for (size_t i = 0; i < world->n_ports; i++)
         area += world->ports[i].area / (double)world->n_ports;
     struct orl_sun_map *map = calloc(1, sizeof *map);
     if (!map)
         return ORL_ERR_NOMEM;
-    *map = (struct orl_sun_map){.world = world,
-                                .squares = {world->geometry, sqrt(area) / widths_a_window},
-                                .channels = are_colourless(world) ? 1 : CHANNELS};
-    int code = make_beams(map, request);
+    *map = (struct orl_sun_map){.world = world, .channels = are_colourless(world) ? 1 : CHANNELS};
+    int code = orl_sun_squares_init(&map->squares, world->geometry, sqrt(area) / widths_a_window);
+    if (code == 0)
+        code = make_beams(map, request);
     if (code == 0)
         code = fill(map, request, crew);
     if (code < 0) {
@@ -458,6 +459,7 @@ void orl_sun_map_free(struct orl_sun_map *map)
 {
     if (!map)
         return;
+    orl_sun_squares_done(&map->squares);
     free(map->kind_of_port);
     free(map->beams);
     free(map->names);

@@ -22,7 +22,7 @@
 #include "base/sobol.h"
 #include "light/world.h"
 
-enum { ORL_SUN_MAP_LOTS = 8 };
+enum { ORL_SUN_MAP_LOTS = 2 };
 
 struct orl_sun_map;
 

@@ -1,17 +1,26 @@
 #include "annual/sun_squares.h"
 
+#include <stdlib.h>
+
 enum { MOST_CORNERS = 8, ROUND_COLUMNS = 64, ROUND_ROWS = 32, COLUMN_BITS = 14 };
 
-/* A facet's plane, its first triangle's first side being the first axis. */
+/* A facet's plane, and its axes. */
 struct layout {
     struct orl_vec3 origin, along[2];
 };
 
-static struct layout layout_of(const struct orl_geometry *g, const struct orl_facet *f)
+static struct layout layout_of(const struct orl_geometry *g, const struct orl_facet *f,
+                               struct orl_vec3 along)
 {
-    const struct orl_triangle *t = &g->triangles[f->first_triangle];
-    const struct orl_vec3 side = orl_normalize(orl_sub(t->b, t->a));
-    return (struct layout){t->a, {side, orl_cross(f->normal, side)}};
+    return (struct layout){g->triangles[f->first_triangle].a, {along, orl_cross(f->normal, along)}};
+}
+
+static struct layout layout_by(const struct orl_sun_squares *s, const struct orl_facet *f,
+                               const struct orl_sun_sheet *sheet)
+{
+    return layout_of(
+        s->geometry, f,
+        orl_v3((double)sheet->along[0], (double)sheet->along[1], (double)sheet->along[2]));
 }
 
 static void place_on(const struct layout *layout, struct orl_vec3 point, double ret_at[2])
@@ -21,16 +30,78 @@ static void place_on(const struct layout *layout, struct orl_vec3 point, double 
         ret_at[i] = orl_dot(from, layout->along[i]);
 }
 
+/* Of the first triangle the side of middling length: of a right angle a leg. */
+static struct orl_vec3 axis_of(const struct orl_triangle *t)
+{
+    const struct orl_vec3 sides[3] = {orl_sub(t->b, t->a), orl_sub(t->c, t->b),
+                                      orl_sub(t->a, t->c)};
+    int middle = 0;
+    for (int i = 0; i < 3; i++) {
+        const double here = orl_length(sides[i]);
+        const double one = orl_length(sides[(i + 1) % 3]), other = orl_length(sides[(i + 2) % 3]);
+        if (here >= fmin(one, other) && here <= fmax(one, other))
+            middle = i;
+    }
+    return orl_normalize(sides[middle]);
+}
+
+static struct orl_sun_sheet sheet_of(const struct orl_geometry *g, const struct orl_facet *f,
+                                     double width)
+{
+    const struct orl_vec3 along = axis_of(&g->triangles[f->first_triangle]);
+    const struct layout layout = layout_of(g, f, along);
+    struct orl_sun_sheet sheet = {.along = {(float)along.x, (float)along.y, (float)along.z}};
+    double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
+    for (uint32_t i = 0; i < f->n_triangles; i++) {
+        const struct orl_triangle *t = &g->triangles[f->first_triangle + i];
+        const struct orl_vec3 corners[3] = {t->a, t->b, t->c};
+        for (int k = 0; k < 3; k++) {
+            double at[2];
+            place_on(&layout, corners[k], at);
+            for (int axis = 0; axis < 2; axis++) {
+                low[axis] = fmin(low[axis], at[axis]);
+                high[axis] = fmax(high[axis], at[axis]);
+            }
+        }
+    }
+    for (int axis = 0; axis < 2; axis++) {
+        const double extent = fmax(high[axis] - low[axis], 1e-30);
+        sheet.low[axis] = (float)low[axis];
+        sheet.step[axis] = (float)(extent * (1 + 1e-6) / ceil(extent / width));
+    }
+    return sheet;
+}
+
+int orl_sun_squares_init(struct orl_sun_squares *s, const struct orl_geometry *g, double width)
+{
+    *s = (struct orl_sun_squares){.geometry = g,
+                                  .sheets = calloc(g->n_facets + 1, sizeof *s->sheets)};
+    if (!s->sheets)
+        return ORL_ERR_NOMEM;
+    for (size_t i = 0; i < g->n_facets; i++)
+        if (g->facets[i].kind == ORL_SURFACE_POLYGON && g->facets[i].n_triangles > 0)
+            s->sheets[i] = sheet_of(g, &g->facets[i], width);
+    return 0;
+}
+
+void orl_sun_squares_done(struct orl_sun_squares *s)
+{
+    free(s->sheets);
+    *s = (struct orl_sun_squares){.sheets = NULL};
+}
+
 /* Which square of its facet, by column and row. */
 static void cell_of(const struct orl_sun_squares *s, const struct orl_hit *hit, int64_t ret_cell[2])
 {
     const struct orl_facet *f = &s->geometry->facets[hit->facet];
     double at[2];
     if (f->kind == ORL_SURFACE_POLYGON) {
-        const struct layout layout = layout_of(s->geometry, f);
+        const struct orl_sun_sheet *sheet = &s->sheets[hit->facet];
+        const struct layout layout = layout_by(s, f, sheet);
         place_on(&layout, hit->point, at);
         for (int i = 0; i < 2; i++)
-            ret_cell[i] = (int64_t)floor(at[i] / s->width);
+            ret_cell[i] =
+                (int64_t)fmax(floor((at[i] - (double)sheet->low[i]) / (double)sheet->step[i]), 0);
         return;
     }
     orl_hit_uv(s->geometry, hit, at);
@@ -108,7 +179,8 @@ double orl_sun_square_area(const struct orl_sun_squares *s, const struct orl_hit
     cell_of(s, hit, cell);
     if (f->kind != ORL_SURFACE_POLYGON)
         return round_area(f, cell);
-    const struct layout layout = layout_of(g, f);
+    const struct orl_sun_sheet *sheet = &s->sheets[hit->facet];
+    const struct layout layout = layout_by(s, f, sheet);
     for (uint32_t i = 0; i < f->n_triangles; i++) {
         const struct orl_triangle *t = &g->triangles[f->first_triangle + i];
         struct outline o = {.n = 3};
@@ -116,8 +188,9 @@ double orl_sun_square_area(const struct orl_sun_squares *s, const struct orl_hit
         place_on(&layout, t->b, o.at[1]);
         place_on(&layout, t->c, o.at[2]);
         for (int axis = 0; axis < 2; axis++) {
-            cut(&o, axis, (double)cell[axis] * s->width, 1);
-            cut(&o, axis, (double)(cell[axis] + 1) * s->width, -1);
+            const double low = (double)sheet->low[axis], step = (double)sheet->step[axis];
+            cut(&o, axis, low + (double)cell[axis] * step, 1);
+            cut(&o, axis, low + (double)(cell[axis] + 1) * step, -1);
         }
         sum += area_of(&o);
     }

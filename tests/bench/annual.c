@@ -7,7 +7,8 @@
  *
  * Errors are relative, over sensors and hours: rms, median, 95 % of them, bias of the sum; z is the
  * rms of error over what both say is theirs, cover the share within 2.13 of that, which is 95 % of
- * Student's law of 15 degrees of freedom. Ray-times as in make bench.
+ * Student's law of 15 degrees of freedom; own the rms of
+ * the years' standard errors. Ray-times as in make bench.
  */
 #include "bench/annual.h"
 
@@ -17,7 +18,7 @@
 #include <string.h>
 
 struct errors {
-    double rms, median, high, bias, z, worst, covered;
+    double rms, median, high, bias, z, worst, covered, own;
 };
 
 static int by_size(const void *a, const void *b)
@@ -31,6 +32,7 @@ static struct errors compare(const struct annual_truth *truth, const struct orl_
     const size_t n = truth->n_hours * OFFICE_SENSORS;
     double *sizes = malloc(n * sizeof *sizes);
     double squares = 0, zs = 0, sum = 0, real = 0;
+    double own = 0;
     size_t covered = 0;
     if (!sizes)
         bench_fail("out of memory", NULL);
@@ -45,6 +47,7 @@ static struct errors compare(const struct annual_truth *truth, const struct orl_
         sizes[i] = fabs(off);
         squares += off * off;
         zs += z * z;
+        own += se * se / (lx * lx);
         covered += fabs(z) < 2.13;
         sum += found;
         real += lx;
@@ -60,7 +63,8 @@ static struct errors compare(const struct annual_truth *truth, const struct orl_
                              .bias = sum / real - 1,
                              .z = sqrt(zs / (double)n),
                              .worst = sizes[n - 1],
-                             .covered = (double)covered / (double)n};
+                             .covered = (double)covered / (double)n,
+                             .own = sqrt(own / (double)n)};
     free(sizes);
     return e;
 }
@@ -69,9 +73,9 @@ static void print_row(FILE *json, bool first, const char *title,
                       const struct orl_annual_result *year, const struct errors *e, double seconds,
                       double rate)
 {
-    printf("%8u %8.3f %9.2f %8.2f %8.2f %8.2f %+8.2f %6.2f %8.1f %8.1f\n", year->samples, seconds,
-           seconds * rate / 1e6, 100 * e->rms, 100 * e->median, 100 * e->high, 100 * e->bias, e->z,
-           100 * e->worst, 100 * e->covered);
+    printf("%8u %8.3f %9.2f %8.2f %8.2f %8.2f %+8.2f %6.2f %8.1f %8.1f %8.2f\n", year->samples,
+           seconds, seconds * rate / 1e6, 100 * e->rms, 100 * e->median, 100 * e->high,
+           100 * e->bias, e->z, 100 * e->worst, 100 * e->covered, 100 * e->own);
     fprintf(json,
             "%s\n    {\"scene\": \"%s\", \"samples\": %u, \"seconds\": %.4f, "
             "\"ray_times_m\": %.3f, \"rms\": %.5f, \"median\": %.5f, \"p95\": %.5f, "
