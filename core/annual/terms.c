@@ -8,6 +8,7 @@ struct maker {
     struct orl_sun_terms *terms;
     const struct orl_hours *hours;
     const struct orl_sun_nodes *nodes;
+    const struct orl_frame *frames; /* of nodes */
     const struct orl_sun_map *map;
     size_t n_kinds, n_beams;
     const struct orl_sun_beam *beams;
@@ -30,8 +31,11 @@ static void weigh(void *arg, size_t column, uint32_t member)
     if (!(sun->normal_lx > 0))
         return;
     const struct orl_sun_between at = orl_sun_nodes_between(m->nodes, m->hours->sky_suns[column]);
+    struct orl_vec3 chord = {0, 0, 0};
     for (int i = 0; i < CORNERS; i++)
-        weights[(size_t)i * (1 + m->n_kinds)] = at.weights[i];
+        chord = orl_madd(chord, m->frames[at.nodes[i]].n, (double)at.weights[i]);
+    for (int i = 0; i < CORNERS; i++)
+        weights[(size_t)i * (1 + m->n_kinds)] = (float)((double)at.weights[i] / orl_length(chord));
     for (uint32_t kind = 0; kind < m->n_kinds; kind++) {
         double of_corners = 0;
         for (int i = 0; i < CORNERS; i++)
@@ -45,7 +49,7 @@ static void weigh(void *arg, size_t column, uint32_t member)
     }
 }
 
-static int measure_nodes(struct maker *m, const struct orl_frame *frames)
+static int measure_nodes(struct maker *m)
 {
     const size_t n = m->nodes->count * m->n_kinds;
     m->of_nodes = malloc((n + 1) * sizeof *m->of_nodes);
@@ -54,7 +58,7 @@ static int measure_nodes(struct maker *m, const struct orl_frame *frames)
         return ORL_ERR_NOMEM;
     for (size_t i = 0; i < n; i++) {
         m->of_nodes[i] =
-            orl_sun_map_let_in(m->map, (uint32_t)(i % m->n_kinds), frames[i / m->n_kinds].n);
+            orl_sun_map_let_in(m->map, (uint32_t)(i % m->n_kinds), m->frames[i / m->n_kinds].n);
         m->beam_of[i] = UINT32_MAX;
     }
     for (size_t i = 0; i < m->n_beams; i++)
@@ -107,14 +111,15 @@ int orl_sun_terms_init(struct orl_sun_terms *terms, const struct orl_hours *hour
                        const struct orl_sun_nodes *nodes, const struct orl_frame *node_frames,
                        const struct orl_sun_map *map, struct orl_crew *crew)
 {
-    struct maker m = {.terms = terms, .hours = hours, .nodes = nodes, .map = map};
+    struct maker m = {
+        .terms = terms, .hours = hours, .nodes = nodes, .frames = node_frames, .map = map};
     *terms = (struct orl_sun_terms){.first = NULL};
     if (map) {
         m.n_kinds = orl_sun_map_kinds(map);
         m.n_beams = orl_sun_map_beams(map, &m.beams);
     }
     m.weights = calloc(hours->n_columns * CORNERS * (1 + m.n_kinds) + 1, sizeof *m.weights);
-    int code = m.weights ? measure_nodes(&m, node_frames) : ORL_ERR_NOMEM;
+    int code = m.weights ? measure_nodes(&m) : ORL_ERR_NOMEM;
     if (code == 0)
         code = orl_crew_try(crew, hours->n_columns, weigh, &m);
     if (code == 0)

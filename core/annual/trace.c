@@ -8,7 +8,7 @@
 static const struct orl_effort at_sensors = {{1, 1, 0}}, deeper = {{1, 0.5, 0}},
                                outside = {{1, 0, 0}};
 /* Places that matter less than that, of one sensor's sample, are followed by lot. */
-static const double dimmest_place = 0.1, dimmest_path = 0.02;
+static const double dimmest_place = 0.03, dimmest_path = 0.02;
 
 struct tracer {
     const struct orl_annual_scene *scene;
