@@ -93,7 +93,8 @@ static double truth(light_at *light, const struct orl_record *record)
 }
 
 /*
- * Of a plane what is left is what chance does to the largest disc: 200 records of weights
+ * Of a plane what is left is what chance does to the largest disc that does not hold too many, of
+ * 12 pixels: 200 records of weights
  * 1 - r^2, as good as 3/4 of them, so that noise of 5 % comes down to 0.41 %. Of a seed some four
  * such discs stand apart in the middle, so that of 16 seeds it is known to a tenth; some are no
  * larger than half of that. It is told to be that; and on average there is no more light nor less:

@@ -58,9 +58,9 @@ static double off_smooth(double (*rgb)[3], int column)
 
 /*
  * Along the line places are read from small records of few rays each, fitted to those about them
- * (icache_fit.h). It is 1.2 %, by discs of 24 pixels across of which some 40 lie along the lines,
- * so that it is known to a ninth of that; the bound is three of these above. Each by itself they
- * left 4.9 %.
+ * (icache_fit.h). It is 1.0 to 1.2 %, by discs of 24 pixels or more across of which some 40 lie
+ * along the lines, so that it is known to a ninth of that; the bound is three of these above. Each
+ * by itself they left 4.9 %.
  */
 static void test_walls_meet(void **state)
 {

@@ -6,8 +6,8 @@
 #include "render/gather/icache_visit.h"
 
 /* Radii of the discs: pixels; a record's least radius is that of so many. */
-enum { DISCS = 3, MOST_ABOUT = 256 };
-static const double discs[DISCS] = {3, 6, 12}, least_pixels = 1.5 / ORL_ICACHE_ACCURACY;
+enum { DISCS = 4, MOST_ABOUT = 256 };
+static const double discs[DISCS] = {3, 6, 12, 24}, least_pixels = 1.5 / ORL_ICACHE_ACCURACY;
 
 /* A disc holds at least so many, or tells nothing; records that are known as well as that, as a
  * share of what they say, are left as they are. */
@@ -76,7 +76,8 @@ static double ray_variance(const struct about *about)
     return sum;
 }
 
-static void look_about(const struct fitting *f, uint32_t index, struct about *ret)
+/* Within so many pixels; false when there are too many. */
+static bool look_about(const struct fitting *f, uint32_t index, double pixels, struct about *ret)
 {
     const struct orl_record *record = &f->records[index];
     struct orl_icache_visit v = orl_icache_visit_begin(f->cache, &record->place);
@@ -87,7 +88,7 @@ static void look_about(const struct fitting *f, uint32_t index, struct about *re
          k = orl_icache_visit_next(&v)) {
         const struct orl_record *other = &f->records[k];
         const struct orl_vec3 shift = orl_sub(other->place.point, record->place.point);
-        if (orl_length(shift) >= discs[DISCS - 1] * ret->pixel ||
+        if (orl_length(shift) >= pixels * ret->pixel ||
             (k != index && (!is_of_surface(record, other, shift) ||
                             !is_open(f->geometry, record->place.point, shift))))
             continue;
@@ -96,6 +97,7 @@ static void look_about(const struct fitting *f, uint32_t index, struct about *re
                                orl_dot(shift, ret->frame.v) / ret->pixel};
     }
     ret->variance = ray_variance(ret);
+    return ret->count < MOST_ABOUT;
 }
 
 /* A plane over a disc: value at its middle and slopes a pixel, per channel; the error of the first,
@@ -229,10 +231,12 @@ static void fit_record(void *arg, size_t index, uint32_t member)
     (void)member;
     if (!(record->error_by_rays > good_enough * luma) || !(luma > 0))
         return;
-    look_about(f, (uint32_t)index, &about);
+    int n = DISCS;
+    while (!look_about(f, (uint32_t)index, discs[n - 1], &about) && n > 1)
+        n--;
     const double own = own_agrees * sqrt(about.variance / record->rays);
     double low = luma - own, high = luma + own;
-    for (int i = 0; i < DISCS; i++) {
+    for (int i = 0; i < n; i++) {
         if (!fit(&about, luma, discs[i], &plane))
             continue;
         const double at = orl_luma(value_at(&plane, 0, 0));

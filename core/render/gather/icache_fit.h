@@ -5,7 +5,7 @@
  * the inverse of their variances), on the same surface and with nothing in between; its gradients
  * are that plane's.
  *
- * How far about: discs of 3, 6 and 12 pixels, the largest whose value lies within the error of
+ * How far about: discs of 3 to 24 pixels, the largest whose value lies within the error of
  * every smaller one's and whose records lie about their plane as their rays explain (the
  * intersection of confidence intervals: Goldenshluger and Nemirovski 1997, Mathematical Methods of
  * Statistics 6, 135; Katkovnik 1999, IEEE Transactions on Signal Processing 47, 2567). So what
