@@ -166,33 +166,44 @@ static double draw_verdict(const struct sheet *s, const struct orl_annual_verdic
     return y + line_height;
 }
 
-static double draw_verdicts(const struct sheet *s, double x, double y, double right, double bottom)
+/* Where the next one goes, and which was the last that was drawn. */
+struct column {
+    double x, y, right, bottom;
+    size_t last, left_out;
+};
+
+/* Those of one grid, or of all together, one behind the other. */
+static void draw_verdicts_of(const struct sheet *s, size_t grid, struct column *column)
 {
     const struct orl_annual_report *report = s->page->report;
-    size_t last = SIZE_MAX, left_out = 0;
-    y = put_heading(s, x, y, right, "Targets");
-    if (report->n_verdicts == 0)
-        put(s, x, y, ORL_CANVAS_LEFT, text_size, gray, "none were named");
     for (size_t i = 0; i < report->n_verdicts; i++) {
-        const struct orl_annual_verdict *v = &report->verdicts[i];
-        if (v->grid != s->page->grid && v->grid != ORL_ALL_GRIDS)
+        if (report->verdicts[i].grid != grid)
             continue;
-        if (y + 2 * line_height > bottom) {
-            left_out++;
+        if (column->y + 2 * line_height > column->bottom) {
+            column->left_out++;
             continue;
         }
-        if (begins_rule(report, i, last))
-            y = draw_rule(s, i, x, y, right);
-        y = draw_verdict(s, v, x, y, right);
-        last = i;
+        if (begins_rule(report, i, column->last))
+            column->y = draw_rule(s, i, column->x, column->y, column->right);
+        column->y = draw_verdict(s, &report->verdicts[i], column->x, column->y, column->right);
+        column->last = i;
     }
-    if (left_out > 0) {
+}
+
+static double draw_verdicts(const struct sheet *s, double x, double y, double right, double bottom)
+{
+    struct column column = {x, put_heading(s, x, y, right, "Targets"), right, bottom, SIZE_MAX, 0};
+    if (s->page->report->n_verdicts == 0)
+        put(s, x, column.y, ORL_CANVAS_LEFT, text_size, gray, "none were named");
+    draw_verdicts_of(s, s->page->grid, &column);
+    draw_verdicts_of(s, ORL_ALL_GRIDS, &column);
+    if (column.left_out > 0) {
         char text[64];
-        snprintf(text, sizeof text, "and %zu more, in result.json", left_out);
-        put(s, x, y, ORL_CANVAS_LEFT, text_size, gray, text);
-        y += line_height;
+        snprintf(text, sizeof text, "and %zu more, in result.json", column.left_out);
+        put(s, x, column.y, ORL_CANVAS_LEFT, text_size, gray, text);
+        column.y += line_height;
     }
-    return y;
+    return column.y;
 }
 
 /* ---- Maps ------------------------------------------------------------------------------------ */
@@ -290,6 +301,15 @@ static void draw_assumptions(const struct sheet *s, double y)
                      "%zu hours are not in the file, or were not measured: they count "
                      "nowhere.",
                      report->year.n_missing);
+    if (report->year.n_doubtful > 0)
+        y = put_line(s, y,
+                     "%zu hours have the sun up by 3 degrees or more, and no light in the weather "
+                     "file: they count as dark.",
+                     report->year.n_doubtful);
+    if (report->n_unlit > 0)
+        y = put_line(s, y,
+                     "No light ever reaches %zu of all sensors: are they inside of something?",
+                     report->n_unlit);
     y = put_line(s, y,
                  "No blinds or shades move: all is as in the scene. LM-83 and LEED ask for "
                  "blinds that close on more than 2 %% of the area in direct sun.");

@@ -12,7 +12,7 @@
  * same ones: a sensor's metric has the interval of the metric at E exp(-t se / E) to E exp(t se /
  * E) of all hours together. That is exact where errors have one common factor, and else too wide.
  * (By factors, since values that come out low have errors that are too small; se is never above E,
- * both being of means that are not negative. Direct light moves by t se, without factors. UDI's
+ * both being of means that are not negative. What is 0 stays so. UDI's
  * useful part gains at one bound what it loses at the other: what the two would move it by is added
  * in squares.) Sensors have paths of their own: their errors are independent. Whether a sensor
  * passes is told by the t at which it would change sides, of which the chance to pass follows; how

@@ -5,7 +5,7 @@
  * The year is that of the weather file: 8760 hours, or 8784 where it has 29 February. Hours that it
  * does not have, or that were not measured, count nowhere, neither as lit nor as dark; how many
  * they are is told. Errors of direct sunlight alone are not known by themselves: that of all light
- * stands for them, which is no smaller unless errors cancel.
+ * stands for them where there is any, which is no smaller unless errors cancel.
  */
 #ifndef ORIEL_ANNUAL_REPORT_H
 #define ORIEL_ANNUAL_REPORT_H

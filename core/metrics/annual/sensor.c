@@ -16,14 +16,13 @@ static bool is_direct(enum orl_metric_kind kind)
 /* What of a row a metric is made of. */
 struct light {
     const float *value, *error;
-    bool in_proportion; /* not of direct light, whose error is another's (oriel/annual_report.h) */
 };
 
 static struct light light_of(const struct orl_annual_metric *metric,
                              const struct orl_annual_light *row)
 {
-    return is_direct(metric->kind) ? (struct light){row->direct_lx, row->direct_error_lx, false}
-                                   : (struct light){row->total_lx, row->total_error_lx, true};
+    return is_direct(metric->kind) ? (struct light){row->direct_lx, row->direct_error_lx}
+                                   : (struct light){row->total_lx, row->total_error_lx};
 }
 
 bool orl_annual_errors_known(const struct orl_annual_metric *metric,
@@ -46,9 +45,7 @@ static double proportion(double value, double error)
 static double shifted(const struct light *light, uint32_t column, double z)
 {
     const double value = light->value[column], error = light->error ? light->error[column] : 0;
-    if (error > 0 && light->in_proportion && value > 0)
-        return value * exp(z * proportion(value, error));
-    return fmax(0, value + z * error);
+    return error > 0 && value > 0 ? value * exp(z * proportion(value, error)) : fmax(0, value);
 }
 
 /* Steps that are lit so that they count, as the metric weighs them; dark ones are the caller's. */
@@ -161,11 +158,9 @@ static double step_crossing(const struct orl_annual_metric *metric, const struct
     const double lx = light->value[column], error = light->error ? light->error[column] : 0;
     const bool strict =
         metric->kind == ORL_METRIC_UDI_UPPER || metric->kind == ORL_METRIC_DIRECT_HOURS;
-    if (!(error > 0))
+    if (!(error > 0 && lx > 0))
         return (strict ? lx > metric->low_lx : lx >= metric->low_lx) ? -INFINITY : INFINITY;
-    const double z = light->in_proportion && lx > 0
-                         ? log(metric->low_lx / lx) / proportion(lx, error)
-                         : (metric->low_lx - lx) / error;
+    const double z = log(metric->low_lx / lx) / proportion(lx, error);
     return strict && lx <= metric->low_lx ? fmax(z, DBL_MIN) : z; /* met exactly is not more */
 }
 
