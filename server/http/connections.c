@@ -245,6 +245,14 @@ static void cut(struct orl_connections *all, struct orl_connection *one)
     all->cut++;
 }
 
+void orl_connection_cut(struct MHD_Connection *connection)
+{
+    const union MHD_ConnectionInfo *info =
+        MHD_get_connection_info(connection, MHD_CONNECTION_INFO_CONNECTION_FD);
+    if (info)
+        shutdown(info->connect_fd, SHUT_RDWR);
+}
+
 /* Whoever libmicrohttpd does not read, though it had every reason to between two looks. */
 static void look_at(struct orl_connections *all, struct orl_connection *one)
 {

@@ -49,6 +49,8 @@ void orl_connection_hold(struct MHD_Connection *connection);
 void orl_connection_go_on(struct MHD_Connection *connection);
 /* All of it is there: nothing is awaited. */
 void orl_connection_body(struct MHD_Connection *connection);
+/* It brings what libmicrohttpd would give no answer to: it ends now. */
+void orl_connection_cut(struct MHD_Connection *connection);
 /* The request is over; the connection may bring another. */
 void orl_connection_over(struct MHD_Connection *connection);
 

@@ -47,9 +47,10 @@ struct orl_http_context {
     sqlite3_stmt *token_finder; /* where tokens are needed */
     struct orl_metrics *metrics;
     struct orl_clients clients;
-    uint64_t requests; /* served or under way; the last one's id */
-    unsigned working;  /* requests whose work is on the pool */
-    bool stopping;     /* what is asked from now on is refused */
+    struct orl_request *begun; /* the last one, while its target is read; or NULL */
+    uint64_t requests;         /* served or under way; the last one's id */
+    unsigned working;          /* requests whose work is on the pool */
+    bool stopping;             /* what is asked from now on is refused */
 };
 
 #endif

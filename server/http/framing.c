@@ -136,3 +136,8 @@ bool orl_framing_cut_query(const char *uri)
         ((char *)(uintptr_t)query)[1] = '\0';
     return true;
 }
+
+size_t orl_framing_unescape(char *text)
+{
+    return strstr(text, "%00") ? strlen(text) : MHD_http_unescape(text);
+}

@@ -20,4 +20,8 @@ const char *orl_framing_check(struct MHD_Connection *connection, const char *met
  */
 bool orl_framing_cut_query(const char *uri);
 
+/* Of MHD's callback for parts of a target: as MHD does, but %00, which would end a text before its
+ * end, stays as it is. Returns the length. */
+size_t orl_framing_unescape(char *text);
+
 #endif

@@ -140,6 +140,7 @@ static int start_daemon(struct orl_http_server *http, struct orl_error *err)
         orl_serve_begin, (void *)http->context, MHD_OPTION_CONNECTION_MEMORY_LIMIT,
         (size_t)ORL_SERVER_CONNECTION_MEMORY, MHD_OPTION_NOTIFY_CONNECTION, orl_connections_notify,
         (void *)&http->connections, MHD_OPTION_NOTIFY_COMPLETED, orl_serve_completed,
+        (void *)http->context, MHD_OPTION_UNESCAPE_CALLBACK, orl_serve_unescape,
         (void *)http->context, MHD_OPTION_ARRAY, options, MHD_OPTION_END);
     if (!http->daemon)
         return orl_error_set(err, ORL_ERR_IO, "cannot start the HTTP server: %.300s",

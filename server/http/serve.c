@@ -116,7 +116,20 @@ void *orl_serve_begin(void *ctx, const char *uri, struct MHD_Connection *connect
     orl_body_init(&request->body, 0, NULL);
     request->version_at = uri ? uri + strlen(uri) + 1 : NULL;
     request->too_long = uri && orl_framing_cut_query(uri);
+    context->begun = request;
     return request;
+}
+
+size_t orl_serve_unescape(void *ctx, struct MHD_Connection *connection, char *text)
+{
+    const struct orl_http_context *context = ctx;
+    const struct orl_request *request = context->begun;
+    /* A query behind a NUL is not seen by orl_framing_cut_query; where libmicrohttpd has no room
+     * for its arguments it would forget the rest of the request, and wait for it. */
+    if (MHD_VERSION < 0x01000000 && request && request->connection == connection &&
+        request->version_at && text >= request->version_at)
+        orl_connection_cut(connection);
+    return orl_framing_unescape(text);
 }
 
 /* All of its headers are there. */
@@ -124,6 +137,7 @@ static void note_headers(struct orl_request *request, const char *url, const cha
                          const char *version)
 {
     request->opened = true;
+    request->context->begun = NULL;
     request->started_s = orl_time_steady_s();
     snprintf(request->method, sizeof request->method, "%s", method);
     snprintf(request->path, sizeof request->path, "%s", url);
@@ -257,6 +271,8 @@ void orl_serve_completed(void *ctx, struct MHD_Connection *connection, void **ha
     orl_connection_over(connection);
     if (!request)
         return;
+    if (context->begun == request)
+        context->begun = NULL;
     const double seconds = orl_time_steady_s() - request->started_s;
     orl_metrics_request(context->metrics, orl_router_index(context->routes, request->route),
                         request->status, seconds);

@@ -11,6 +11,9 @@
 #include "http/request.h"
 
 void *orl_serve_begin(void *context, const char *uri, struct MHD_Connection *connection);
+/* Of a part of the target. A connection whose target has a NUL, and a query behind it, is cut off.
+ */
+size_t orl_serve_unescape(void *context, struct MHD_Connection *connection, char *text);
 enum MHD_Result orl_serve_go_on(void *context, struct MHD_Connection *connection, const char *url,
                                 const char *method, const char *version, const char *data,
                                 size_t *data_size, void **request);

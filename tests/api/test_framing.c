@@ -10,6 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/socket.h>
+#include <time.h>
 #include <unistd.h>
 
 #include "support/daemon.h"
@@ -136,6 +137,35 @@ static void test_targets(void **state)
     }
 }
 
+/* A query behind a NUL, with more arguments than there is room for: the connection ends before the
+ * time for headers (15 s) is over, and others are served. */
+static void test_hidden_queries(void **state)
+{
+    static const struct {
+        const char *part;
+        int times;
+    } cases[] = {{"a&", 4000}, {"a=1&", 900}, {"&", 9000}, {"a", 1}};
+    static char request[40000], answer[4096];
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        struct timespec from, to;
+        size_t used = (size_t)sprintf(request, "GET /healthz") + 1;
+        used += (size_t)sprintf(request + used, "x?");
+        for (int k = 0; k < cases[i].times; k++)
+            used += (size_t)sprintf(request + used, "%s", cases[i].part);
+        used += (size_t)sprintf(request + used, " HTTP/1.1\r\n" HOST "\r\n");
+        clock_gettime(CLOCK_MONOTONIC, &from);
+        const int status = ask_bytes(*state, request, used, false, answer, sizeof answer);
+        clock_gettime(CLOCK_MONOTONIC, &to);
+        assert_int_equal(status, CLOSED);
+        assert_true(to.tv_sec - from.tv_sec < 12);
+    }
+    assert_int_equal(ask(*state, "GET /%00 HTTP/1.1\r\n" HOST "Connection: close\r\n\r\n", false,
+                         answer, sizeof answer),
+                     404);
+    assert_int_equal(ask(*state, GET "Connection: close\r\n\r\n", false, answer, sizeof answer),
+                     200);
+}
+
 /* Those beside them are as good as ever. */
 static void test_good(void **state)
 {
@@ -205,9 +235,10 @@ static int setup(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_framing),    cmocka_unit_test(test_headers),
-        cmocka_unit_test(test_targets),    cmocka_unit_test(test_good),
-        cmocka_unit_test(test_no_request), cmocka_unit_test(test_broken_off),
+        cmocka_unit_test(test_framing),        cmocka_unit_test(test_headers),
+        cmocka_unit_test(test_targets),        cmocka_unit_test(test_good),
+        cmocka_unit_test(test_no_request),     cmocka_unit_test(test_broken_off),
+        cmocka_unit_test(test_hidden_queries),
     };
     return cmocka_run_group_tests(tests, setup, daemon_tear_down);
 }

@@ -33,6 +33,12 @@ static void *on_target(void *ctx, const char *uri, struct MHD_Connection *connec
     return own;
 }
 
+static size_t on_part(void *ctx, struct MHD_Connection *connection, char *text)
+{
+    (void)ctx, (void)connection;
+    return orl_framing_unescape(text);
+}
+
 static void on_completed(void *ctx, struct MHD_Connection *connection, void **request,
                          enum MHD_RequestTerminationCode why)
 {
@@ -99,7 +105,8 @@ size_t wire_send(const void *bytes, size_t size, wire_see see, void *ctx)
         MHD_USE_NO_LISTEN_SOCKET | MHD_USE_ERROR_LOG, 0, NULL, NULL, on_request, &wire,
         MHD_OPTION_EXTERNAL_LOGGER, say_nothing, NULL, MHD_OPTION_URI_LOG_CALLBACK, on_target,
         &wire, MHD_OPTION_NOTIFY_COMPLETED, on_completed, &wire, MHD_OPTION_CONNECTION_MEMORY_LIMIT,
-        (size_t)(32 << 10), MHD_OPTION_STRICT_FOR_CLIENT, 1, MHD_OPTION_END);
+        (size_t)(32 << 10), MHD_OPTION_UNESCAPE_CALLBACK, on_part, NULL,
+        MHD_OPTION_STRICT_FOR_CLIENT, 1, MHD_OPTION_END);
     if (!daemon || socketpair(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK, 0, fds) != 0)
         abort();
     setsockopt(fds[0], SOL_SOCKET, SO_SNDBUF, &room, sizeof room);

@@ -71,7 +71,7 @@ class Generator:
                                "height": 8}]}
         self.kinds = (self.wrong_member, self.unknown_member, self.broken_json, self.deep,
                       self.huge, self.bad_text, self.wrong_length, self.climbing_path,
-                      self.bad_query, self.bad_multipart, self.bad_name, self.bad_scene,
+                      self.bad_query, self.nul_in_target, self.bad_multipart, self.bad_name, self.bad_scene,
                       self.bad_bsdf, self.bad_zip, self.bad_http, self.bad_header,
                       self.bad_framing, self.bad_line, self.cut_short)
         self.last = None  # of these
@@ -148,6 +148,13 @@ class Generator:
             "/v1/bsdfs/'; DROP TABLE jobs; --".replace(" ", "%20"), "/v2/jobs", "/v1/jobs/"))
         method = self.chance.choice(("GET", "DELETE", "HEAD"))
         return get(path, method)
+
+    def nul_in_target(self):
+        """A query behind it is more than there is room for, or not."""
+        target = self.chance.choice((b"/v1/jobs\x00", b"/v1/jobs\x00x?a=1", b"/\x00?" + b"a&" * 4000,
+                                     b"/healthz?\x00" + b"a&" * 4000, b"/v1/jobs%00",
+                                     b"/\x00" + b"x" * 20000 + b"?" + b"a=1&" * 900))
+        return b"GET " + target + b" HTTP/1.1\r\nHost: 127.0.0.1\r\nConnection: close\r\n\r\n"
 
     def bad_query(self):
         query = self.chance.choice(("a&" * 4000, "&" * 9000, "limit=0", "limit=-1",
@@ -270,7 +277,8 @@ def exceptions(request, cut):
     version = re.match(rb"[^ \r\n]+ [^\r\n]* HTTP/(\d)\.\d\r\n", request)
     if version and version.group(1) != b"1":
         return (505,)
-    return (0,) if cut or not re.match(rb"[^ \r\n]+ +[^ \r\n]", request) else ()
+    hidden = re.match(rb"[^\r\n?]*\x00[^\r\n]*\?", request)  # a query behind a NUL
+    return (0,) if cut or hidden or not re.match(rb"[^ \r\n]+ +[^ \r\n]", request) else ()
 
 
 def ask(port, request, ends):
