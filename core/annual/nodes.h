@@ -32,6 +32,15 @@ struct orl_sun_between {
 struct orl_sun_spacing {
     double declination_deg, hour_angle_deg;
 };
+/* Where the sun does not set on some days, hour angles of setting change much from circle to
+ * circle: then circles are denser. */
+static inline struct orl_sun_spacing orl_sun_spacing_at(double latitude_deg,
+                                                        struct orl_sun_spacing steps)
+{
+    if (fabs(latitude_deg) > 58)
+        steps.declination_deg = fmin(steps.declination_deg, 1.5);
+    return steps;
+}
 int orl_sun_nodes_init(struct orl_sun_nodes *nodes, double latitude_deg,
                        const struct orl_vec3 *suns, size_t count, struct orl_sun_spacing steps);
 void orl_sun_nodes_done(struct orl_sun_nodes *nodes);

@@ -203,9 +203,10 @@ static int place_nodes(struct year *y)
     for (size_t c = 0; c < hours->n_columns; c++)
         if (hours->suns[c].normal_lx > 0)
             suns[n++] = hours->sky_suns[c];
-    const int code =
-        orl_sun_nodes_init(&y->nodes, y->result->latitude_deg, suns, n,
-                           orl_annual_has_panels(y->world) ? panel_spacing : usual_spacing);
+    const int code = orl_sun_nodes_init(
+        &y->nodes, y->result->latitude_deg, suns, n,
+        orl_sun_spacing_at(y->result->latitude_deg,
+                           orl_annual_has_panels(y->world) ? panel_spacing : usual_spacing));
     free(suns);
     y->node_frames = malloc((y->nodes.count + 1) * sizeof *y->node_frames);
     if (code < 0 || !y->node_frames)

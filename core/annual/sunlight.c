@@ -5,7 +5,7 @@
 #include "light/path.h"
 
 enum { MOST_PANES = 64 };
-enum { FIRST_POINTS = 7, DISC_POINTS = 32, MIRROR_POINTS = 4 };
+enum { FIRST_POINTS = 7, DISC_POINTS = 128, MIRROR_POINTS = 4 };
 /* Outside, where no wall keeps the sun off, one node in so many is tried at each place. */
 enum { STRIDE_OUTSIDE = 4 };
 

@@ -1,0 +1,179 @@
+/* A year at its edges: discs cut by edges, polar night, the south, leap days, north turned. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "support/year.h"
+
+#define HEAD(latitude, longitude, zone)                                                            \
+    "place p\nlatitude " latitude "\nlongitude " longitude "\ntime_zone " zone                     \
+    "\nsite_elevation 0\nweather_data_file_units 1\n"
+
+static const char stone[] = "void plastic w 0 0 5 0 0 0 0 0\nw sphere stone 0 0 4 0 0 -50 .1\n";
+static const struct orl_sensor up = {{0, 0, 0}, {0, 0, 1}};
+
+/* Of a disc of radius 1, what a line at that distance from its middle leaves. */
+static double left_of_disc(double at)
+{
+    return 1 - (acos(at) - at * sqrt(1 - at * at)) / ORL_PI;
+}
+
+static struct orl_vec3 sun_of(const struct orl_annual_step *step)
+{
+    const double a = step->sun_altitude_deg * ORL_DEG_TO_RAD;
+    const double z = step->sun_azimuth_deg * ORL_DEG_TO_RAD;
+    return orl_v3(-cos(a) * sin(z), -cos(a) * cos(z), sin(a));
+}
+
+/* A straight edge across the disc, at five places and four turns: each within 2 % of the whole. */
+static void test_half_covered(void **state)
+{
+    static const double places[] = {-0.7, -0.3, 0, 0.4, 0.8};
+    struct year_run run = {.scene = stone,
+                           .weather = HEAD("38.42", "-27.14", "-30") "3 22 11.500 800 110\n",
+                           .sensors = &up,
+                           .n_sensors = 1,
+                           .samples = 16};
+    struct orl_annual_result open = year_run(&run);
+    (void)state;
+    assert_int_equal(open.n_columns, 1);
+    const struct orl_frame frame = orl_frame_about(sun_of(&open.steps[0]));
+    const double whole = (double)open.direct[0], far = 10;
+    const double radius = far * tan(0.5 * ORL_SUN_DIAMETER_DEG * ORL_DEG_TO_RAD);
+    for (int i = 0; i < 20; i++) {
+        const double turn = 0.3 + 0.7 * (i / 5), at = places[i % 5];
+        const struct orl_vec3 across = orl_madd(orl_scale(frame.u, cos(turn)), frame.v, sin(turn));
+        const struct orl_vec3 along = orl_cross(frame.n, across);
+        const struct orl_vec3 edge = orl_madd(orl_scale(frame.n, far), across, at * radius);
+        const struct orl_vec3 corners[4] = {orl_madd(edge, along, -1), orl_madd(edge, along, 1),
+                                            orl_madd(orl_madd(edge, along, 1), across, 1),
+                                            orl_madd(orl_madd(edge, along, -1), across, 1)};
+        char scene[1024];
+        int used = snprintf(scene, sizeof scene,
+                            "void plastic w 0 0 5 0 0 0 0 0\nw polygon screen 0 0 12");
+        for (int k = 0; k < 4; k++)
+            used += snprintf(scene + used, sizeof scene - (size_t)used, " %.9f %.9f %.9f",
+                             corners[k].x, corners[k].y, corners[k].z);
+        snprintf(scene + used, sizeof scene - (size_t)used, "\n");
+        run.scene = scene;
+        struct orl_annual_result year = year_run(&run);
+        /* The screen hides what lies beyond the edge. */
+        const double seen = (double)year.direct[0] / whole;
+        print_message("edge at %+.1f radii: %.4f seen, %.4f left\n", at, seen, left_of_disc(at));
+        assert_true(fabs(seen - left_of_disc(at)) < 0.02);
+        orl_annual_done(&year);
+    }
+    orl_annual_done(&open);
+}
+
+/* No light at all, and light without a sun: no node, no direct light, and what the sky gives. */
+static void test_polar_night(void **state)
+{
+    struct year_run run = {.scene = stone,
+                           .weather = HEAD("80", "0", "0") "12 21 11.500 0 0\n12 21 12.500 0 0\n",
+                           .sensors = &up,
+                           .n_sensors = 1,
+                           .samples = 256};
+    (void)state;
+    struct orl_annual_result dark = year_run(&run);
+    assert_int_equal(dark.n_steps, 2);
+    assert_int_equal(dark.n_columns, 0);
+    assert_int_equal(dark.steps[1].column, ORL_ANNUAL_DARK);
+    orl_annual_done(&dark);
+    run.weather = HEAD("50", "0", "0") "12 21 11.500 0 100\n12 21 12.500 0 90\n";
+    struct orl_annual_result dull = year_run(&run);
+    assert_int_equal(dull.n_columns, 2);
+    assert_int_equal(dull.n_nodes, 0);
+    for (int c = 0; c < 2; c++) {
+        assert_true(dull.direct[c] == 0);
+        assert_true(fabs((double)dull.total[c] / dull.steps[c].global_lx - 1) < 0.02);
+    }
+    orl_annual_done(&dull);
+}
+
+/* At noon in December the sun of 35 degrees south stands in the north; of the north, in the south.
+ */
+static void test_south(void **state)
+{
+    static const struct orl_sensor sides[] = {{{0, 0, 0}, {0, 1, 0}}, {{0, 0, 0}, {0, -1, 0}}};
+    static const char *const weathers[] = {HEAD("-35", "0", "0") "12 21 11.500 800 100\n",
+                                           HEAD("35", "0", "0") "12 21 11.500 800 100\n"};
+    (void)state;
+    for (int i = 0; i < 2; i++) {
+        const struct year_run run = {.scene = stone,
+                                     .weather = weathers[i],
+                                     .sensors = sides,
+                                     .n_sensors = 2,
+                                     .samples = 16};
+        struct orl_annual_result year = year_run(&run);
+        assert_int_equal(year.n_columns, 1);
+        assert_true(year.direct[i] > 1000);
+        assert_true(year.direct[1 - i] == 0);
+        orl_annual_done(&year);
+    }
+}
+
+/* A leap day is a day like others, where the file has it; stamps are the file's. */
+static void test_leap_day(void **state)
+{
+    const struct year_run run = {
+        .scene = stone,
+        .weather = HEAD("38", "0", "0") "2 28 11.500 500 100\n2 29 11.500 500 100\n"
+                                        "3 1 11.500 500 100\n",
+        .sensors = &up,
+        .n_sensors = 1,
+        .samples = 16};
+    (void)state;
+    struct orl_annual_result year = year_run(&run);
+    assert_int_equal(year.n_columns, 3);
+    assert_int_equal(year.steps[1].month, 2);
+    assert_int_equal(year.steps[1].day, 29);
+    assert_true(year.steps[1].hour == 11.5);
+    /* The sun stands higher day by day. */
+    assert_true(year.steps[0].sun_altitude_deg <= year.steps[1].sun_altitude_deg);
+    assert_true(year.steps[1].sun_altitude_deg <= year.steps[2].sun_altitude_deg);
+    orl_annual_done(&year);
+}
+
+/* With true north along -x the south is +x: a sensor that faces there has the southern one's sun.
+ */
+static void test_north(void **state)
+{
+    static const struct orl_sensor south = {{0, 0, 0}, {0, -1, 0}}, east = {{0, 0, 0}, {1, 0, 0}};
+    struct year_run run = {.scene = stone,
+                           .weather = HEAD("38.42", "-27.14", "-30") "3 22 9.500 600 110\n"
+                                                                     "3 22 15.500 500 140\n",
+                           .sensors = &south,
+                           .n_sensors = 1,
+                           .samples = 4096};
+    (void)state;
+    struct orl_annual_result straight = year_run(&run);
+    run.sensors = &east;
+    run.north_deg = 90;
+    struct orl_annual_result turned = year_run(&run);
+    for (int c = 0; c < 2; c++) {
+        const double se = hypot((double)straight.se[c], (double)turned.se[c]);
+        assert_true(fabs((double)(straight.direct[c] - turned.direct[c])) <
+                    1e-4 * (double)straight.direct[c]);
+        assert_true(fabs((double)(straight.total[c] - turned.total[c])) <
+                    4 * se + 1e-4 * (double)straight.total[c]);
+    }
+    orl_annual_done(&straight);
+    orl_annual_done(&turned);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_half_covered), cmocka_unit_test(test_polar_night),
+        cmocka_unit_test(test_south),        cmocka_unit_test(test_leap_day),
+        cmocka_unit_test(test_north),
+    };
+    return cmocka_run_group_tests_name("annual_edges", tests, NULL, NULL);
+}
