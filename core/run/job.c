@@ -56,16 +56,15 @@ void orl_job_done(struct orl_job *job)
 }
 
 /* Whether a view of that name would write its pictures where the other writes some of its own:
- * "a.error" beside "a", of which there is a.error.png. */
-static bool is_part_of(const char *name, const char *of)
+ * "a.error" beside "a", of which there is a.error.png. same: letters they have in common. */
+static bool is_part_of(const char *name, const char *of, size_t same)
 {
-    const size_t length = strlen(of);
-    if (strncmp(name, of, length) != 0 || name[length] != '.')
+    if (of[same] != '\0' || name[same] != '.')
         return false;
     for (int i = 0; i < ORL_PICTURES; i++) {
         const char *ending = orl_picture_ending((enum orl_picture)i), *dot = strchr(ending, '.');
-        if (dot && strlen(name + length + 1) == (size_t)(dot - ending) &&
-            strncmp(name + length + 1, ending, (size_t)(dot - ending)) == 0)
+        if (dot && strlen(name + same + 1) == (size_t)(dot - ending) &&
+            strncmp(name + same + 1, ending, (size_t)(dot - ending)) == 0)
             return true;
     }
     return false;
@@ -76,9 +75,12 @@ static int validate_names(const struct orl_job *job, size_t index, struct orl_er
     const char *name = job->views[index].name;
     for (size_t i = 0; i < index; i++) {
         const char *other = job->views[i].name;
-        if (strcmp(other, name) == 0)
+        size_t same = 0;
+        while (name[same] == other[same] && name[same])
+            same++;
+        if (name[same] == other[same])
             return orl_error_set(err, ORL_ERR_INVALID, "two views are named '%s'", name);
-        if (is_part_of(name, other) || is_part_of(other, name))
+        if (is_part_of(name, other, same) || is_part_of(other, name, same))
             return orl_error_set(err, ORL_ERR_INVALID,
                                  "views named '%s' and '%s': what follows the dot names further "
                                  "pictures of a view",

@@ -326,6 +326,35 @@ static void test_mistakes_name_their_path(void **state)
     }
 }
 
+/* Two views write no file that the other writes. */
+static void test_names_of_views(void **state)
+{
+    static const struct {
+        const char *one, *other;
+        bool sound;
+    } cases[] = {
+        {"a", "a", false},       {"a", "a.error", false},     {"a.error", "a", false},
+        {"a", "a.false", false}, {"a.b", "a.b.lines", false}, {"a", "a.err", true},
+        {"a", "a.errors", true}, {"a", "ab", true},           {"ab.error", "a", true},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char text[512], *id = NULL;
+        struct orl_job job;
+        struct orl_error err = {0};
+        snprintf(text, sizeof text,
+                 "{\"scene\":\"" ID "\",\"views\":[{\"name\":\"%s\",\"view\":\"-vtv\",\"width\":4,"
+                 "\"height\":3},{\"name\":\"%s\",\"view\":\"-vtv\",\"width\":4,\"height\":3}]}",
+                 cases[i].one, cases[i].other);
+        assert_int_equal(decode(text, ORL_JOB_REMOTE, &job, &id, &err), 0);
+        const int rc = orl_job_validate(&job, &err);
+        if (rc != (cases[i].sound ? 0 : ORL_ERR_INVALID))
+            fail_msg("%s, %s: %d %s", cases[i].one, cases[i].other, rc, err.message);
+        orl_job_done(&job);
+        free(id);
+    }
+}
+
 static void test_unknown_member_lists_the_known(void **state)
 {
     (void)state;
@@ -383,6 +412,7 @@ int main(void)
         cmocka_unit_test(test_pictures),
         cmocka_unit_test(test_skies),
         cmocka_unit_test(test_mistakes_name_their_path),
+        cmocka_unit_test(test_names_of_views),
         cmocka_unit_test(test_unknown_member_lists_the_known),
         cmocka_unit_test(test_syntax_has_a_line),
         cmocka_unit_test(test_document_must_be_an_object),
