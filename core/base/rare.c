@@ -8,6 +8,8 @@ static const double fewest_events = 7.5;
 
 static const double least_share = 0.5; /* of a variance, of events that are its cause */
 
+static const double darkest = 1e-3; /* of the mean of sensors: of those without light */
+
 static const double normal_95 = 1.959963984540054;
 
 struct orl_rays orl_rays_mix(struct orl_rays a, double of_a, struct orl_rays b, double of_b)
@@ -37,28 +39,48 @@ int orl_rare_side(struct orl_vec3 direction)
     return y >= x ? 2 + (direction.y < 0) : 4 + (direction.x < 0);
 }
 
-void orl_rare_of(const struct orl_rays *rays, const double *standard_errors,
-                 const struct orl_sensor *sensors, size_t count,
-                 struct orl_rare ret_rare[ORL_RARE_SIDES])
+/* What an event is measured in, at a sensor of that light. */
+static double unit_of(double value, double mean)
+{
+    return sqrt(fmax(value, darkest * mean));
+}
+
+static void find_light(const struct orl_rare_sensors *s, struct orl_rare ret_rare[ORL_RARE_SIDES],
+                       size_t ret_counts[ORL_RARE_SIDES])
+{
+    for (int side = 0; side < ORL_RARE_SIDES; side++) {
+        ret_rare[side] = (struct orl_rare){0, 0, 0};
+        ret_counts[side] = 0;
+    }
+    for (size_t i = 0; i < s->count; i++) {
+        const int side = orl_rare_side(s->sensors[i].direction);
+        ret_rare[side].light += s->values[i];
+        ret_counts[side]++;
+    }
+    for (int side = 0; side < ORL_RARE_SIDES; side++)
+        if (ret_counts[side] > 0)
+            ret_rare[side].light /= (double)ret_counts[side];
+}
+
+void orl_rare_of(const struct orl_rare_sensors *s, struct orl_rare ret_rare[ORL_RARE_SIDES])
 {
     double events[ORL_RARE_SIDES] = {0}, squares[ORL_RARE_SIDES] = {0};
-    size_t counts[ORL_RARE_SIDES] = {0};
-    for (size_t i = 0; i < count; i++) {
-        const int side = orl_rare_side(sensors[i].direction);
-        const double few = few_of(&rays[i]), square = few > 0 ? few * size2_of(&rays[i]) : 0;
-        const double variance = standard_errors[i] * standard_errors[i];
-        counts[side]++;
-        if (square > least_share * variance) {
+    size_t counts[ORL_RARE_SIDES];
+    find_light(s, ret_rare, counts);
+    for (size_t i = 0; i < s->count; i++) {
+        const int side = orl_rare_side(s->sensors[i].direction);
+        const double few = few_of(&s->rays[i]), square = few > 0 ? few * size2_of(&s->rays[i]) : 0;
+        const double unit = unit_of(s->values[i], ret_rare[side].light);
+        if (square > least_share * s->standard_errors[i] * s->standard_errors[i]) {
             events[side] += few;
-            squares[side] += square;
+            squares[side] += square / (unit * unit);
         }
     }
-    for (int side = 0; side < ORL_RARE_SIDES; side++) {
-        ret_rare[side] = (struct orl_rare){0, 0};
-        if (events[side] > 0)
-            ret_rare[side] = (struct orl_rare){events[side] / (double)counts[side],
-                                               sqrt(squares[side] / events[side])};
-    }
+    for (int side = 0; side < ORL_RARE_SIDES; side++)
+        if (events[side] > 0) {
+            ret_rare[side].events = events[side] / (double)counts[side];
+            ret_rare[side].size = sqrt(squares[side] / events[side]);
+        }
 }
 
 /* A percentile of a gamma law of scale 1, given as that of the normal law. */
@@ -68,14 +90,16 @@ static double gamma_at(double shape, double normal)
     return shape * fmax(root * root * root, 0);
 }
 
-struct orl_rare_bounds orl_rare_bounds(const struct orl_rare *rare, const struct orl_rays *own)
+struct orl_rare_bounds orl_rare_bounds(const struct orl_rare *rare, const struct orl_rays *own,
+                                       double value)
 {
     if (!(rare->events > 0))
         return (struct orl_rare_bounds){0, 0, 0};
     const double met = few_of(own), shape = 1 + met;
     const double scale = rare->events / (1 + rare->events);
+    const double size = rare->size * unit_of(value, rare->light);
     return (struct orl_rare_bounds){
-        .standard_error = rare->size * sqrt(shape) * scale,
-        .below = rare->size * fmax(met - scale * gamma_at(shape, -normal_95), 0),
-        .above = rare->size * fmax(scale * gamma_at(shape, normal_95) - met, 0)};
+        .standard_error = size * sqrt(shape) * scale,
+        .below = size * fmax(met - scale * gamma_at(shape, -normal_95), 0),
+        .above = size * fmax(scale * gamma_at(shape, normal_95) - met, 0)};
 }

@@ -14,6 +14,10 @@
  * Sensors that face another way see other things: those of one job tell each other of what they
  * have met by the axis, up or down it, that each faces most.
  *
+ * Where one sensor has a hundredth of another's light, indoors beside a street, it is not known
+ * whether such an event would be as bright there or a hundredth of it: it is taken to go by the
+ * root of the light, half way between the two.
+ *
  * What all such sensors have missed stays unknown, and so does what a single one has.
  *
  * References: Kish 1965, Survey Sampling (effective numbers); Buehlmann 1967, ASTIN Bulletin 4, 199
@@ -49,19 +53,26 @@ int orl_rare_side(struct orl_vec3 direction);
 /* What all sensors of a job that face one way have met of it. */
 struct orl_rare {
     double events; /* mean over sensors; 0: there is no rare light */
-    double size;   /* of an event, in the unit of what rays add */
+    double size;   /* of an event, in the root of the unit of what rays add */
+    double light;  /* mean over sensors */
 };
 
-/* standard_errors: of the sensors by the spread of their groups, in the same unit. */
-void orl_rare_of(const struct orl_rays *rays, const double *standard_errors,
-                 const struct orl_sensor *sensors, size_t count,
-                 struct orl_rare ret_rare[ORL_RARE_SIDES]);
+/* What sensors are told of: values, and standard errors by the spread of their groups, both in the
+ * unit of what rays add. */
+struct orl_rare_sensors {
+    const struct orl_sensor *sensors;
+    const struct orl_rays *rays;
+    const double *values, *standard_errors;
+    size_t count;
+};
+void orl_rare_of(const struct orl_rare_sensors *sensors, struct orl_rare ret_rare[ORL_RARE_SIDES]);
 
 /* What a sensor's standard error is at the least, and how far its 95 % interval reaches from its
  * value at the least; all 0 without rare light. */
 struct orl_rare_bounds {
     double standard_error, below, above;
 };
-struct orl_rare_bounds orl_rare_bounds(const struct orl_rare *rare, const struct orl_rays *own);
+struct orl_rare_bounds orl_rare_bounds(const struct orl_rare *rare, const struct orl_rays *own,
+                                       double value);
 
 #endif

@@ -46,11 +46,13 @@ void orl_run_mind_rare_light(struct orl_result *result, const struct orl_sensor 
                              const struct orl_rays *rays)
 {
     struct orl_rare rare[ORL_RARE_SIDES];
-    orl_rare_of(rays, result->standard_error_lx, sensors, result->n_sensors, rare);
+    orl_rare_of(&(struct orl_rare_sensors){sensors, rays, result->illuminance_lx,
+                                           result->standard_error_lx, result->n_sensors},
+                rare);
     for (size_t i = 0; i < result->n_sensors; i++) {
-        const struct orl_rare *of_side = &rare[orl_rare_side(sensors[i].direction)];
-        const struct orl_rare_bounds least = orl_rare_bounds(of_side, &rays[i]);
         const double value = result->illuminance_lx[i];
+        const struct orl_rare *of_side = &rare[orl_rare_side(sensors[i].direction)];
+        const struct orl_rare_bounds least = orl_rare_bounds(of_side, &rays[i], value);
         double *error = &result->standard_error_lx[i], *interval = result->interval_95_lx[i];
         *error = fmax(*error, least.standard_error);
         interval[0] = fmax(fmin(interval[0], value - least.below), 0);

@@ -91,7 +91,10 @@ void orl_run_warn(struct orl_run_state *state, const char *format, ...)
 
 int orl_run_need_emission(struct orl_run_state *state, struct orl_error *err)
 {
+    const enum orl_photon_use use = state->result->plan.technique == ORL_TECHNIQUE_BACKWARD
+                                        ? ORL_PHOTONS_FOR_LAMPS
+                                        : ORL_PHOTONS_FOR_MAPS;
     return state->emission ? 0
-                           : orl_emission_new(state->world, state->job->seed, state->env->crew,
+                           : orl_emission_new(state->world, use, state->job->seed, state->env->crew,
                                               &state->emission, err);
 }

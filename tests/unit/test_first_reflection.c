@@ -41,7 +41,7 @@ static struct harvest harvest_of(const struct orl_world *world, struct orl_crew 
     struct orl_deposits deposits = {0};
     struct orl_batches parts = {{0}};
     struct harvest harvest = {0};
-    assert_int_equal(orl_emission_new(world, 1, crew, &emission, NULL), 0);
+    assert_int_equal(orl_emission_new(world, ORL_PHOTONS_FOR_MAPS, 1, crew, &emission, NULL), 0);
     for (uint64_t first = 0; first < EMISSIONS; first += ORL_EMISSIONS_AT_ONCE) {
         double points[ORL_EMISSIONS_AT_ONCE][ORL_SOBOL_DIMENSIONS];
         struct orl_random randoms[ORL_EMISSIONS_AT_ONCE];

@@ -63,7 +63,7 @@ static void check(const char *text, double least_spared)
     struct orl_world *world = open_world(text, crew);
     struct orl_emission *emission = NULL;
     double best = 0;
-    assert_int_equal(orl_emission_new(world, 1, crew, &emission, NULL), 0);
+    assert_int_equal(orl_emission_new(world, ORL_PHOTONS_FOR_MAPS, 1, crew, &emission, NULL), 0);
     for (size_t i = 0; i < emission->n_strata; i++)
         if (emission->strata[i].kind == ORL_STRATUM_PORT_SUN)
             best = fmax(best, spared(world, &emission->strata[i]));

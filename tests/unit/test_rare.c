@@ -18,6 +18,7 @@
 
 enum { SENSORS = 24, JOBS = 1000, BODY = 2000 };
 static const double event = 30, of_body = 1; /* what a ray adds that meets it, and that does not */
+static const double light = 2500;            /* of every sensor */
 
 /* Of a Poisson law: arrivals of unit rate up to that time. */
 static uint32_t draw_count(struct orl_random *random, double rate)
@@ -44,10 +45,13 @@ static struct orl_rays rays_of(uint32_t events)
 static struct orl_rare rare_of(const struct orl_rays *rays, const double *errors)
 {
     struct orl_sensor sensors[SENSORS];
+    double values[SENSORS];
     struct orl_rare rare[ORL_RARE_SIDES];
     for (size_t i = 0; i < SENSORS; i++)
         sensors[i] = (struct orl_sensor){{(double)i, 0, 0}, {0.1, -0.2, 1}};
-    orl_rare_of(rays, errors, sensors, SENSORS, rare);
+    for (size_t i = 0; i < SENSORS; i++)
+        values[i] = light;
+    orl_rare_of(&(struct orl_rare_sensors){sensors, rays, values, errors, SENSORS}, rare);
     for (int side = 1; side < ORL_RARE_SIDES; side++)
         assert_true(rare[side].events == 0);
     return rare[orl_rare_side(sensors[0].direction)];
@@ -75,8 +79,8 @@ static double covered(double mean, bool even, bool with_bounds, uint64_t seed)
         }
         const struct orl_rare rare = rare_of(rays, errors);
         for (size_t i = 0; i < SENSORS; i++) {
-            const struct orl_rare_bounds b =
-                with_bounds ? orl_rare_bounds(&rare, &rays[i]) : (struct orl_rare_bounds){0, 0, 0};
+            const struct orl_rare_bounds b = with_bounds ? orl_rare_bounds(&rare, &rays[i], light)
+                                                         : (struct orl_rare_bounds){0, 0, 0};
             const double half = student * errors[i], off = event * (rates[i] - met[i]);
             held += off <= fmax(half, b.above) && -off <= fmax(half, b.below);
         }
@@ -119,15 +123,16 @@ static void test_silence(void **state)
     }
     struct orl_rare rare = rare_of(rays, errors);
     assert_true(rare.events == 0);
-    assert_true(orl_rare_bounds(&rare, rays).above == 0);
+    assert_true(orl_rare_bounds(&rare, rays, light).above == 0);
     rays[3] = rays_of(1);
     errors[3] = 2 * event;
     rare = rare_of(rays, errors);
     assert_true(rare.events == 0);
     errors[3] = event;
     rare = rare_of(rays, errors);
-    assert_true(fabs(rare.events * SENSORS - 1) < 0.01 && fabs(rare.size / event - 1) < 0.01);
-    assert_true(orl_rare_bounds(&rare, rays).standard_error > 0);
+    assert_true(fabs(rare.events * SENSORS - 1) < 0.01 &&
+                fabs(rare.size * sqrt(light) / event - 1) < 0.01);
+    assert_true(orl_rare_bounds(&rare, rays, light).standard_error > 0);
 }
 
 /* Parts of two rounds are rays of their mean. */
@@ -150,7 +155,7 @@ static void test_sides(void **state)
                                                          {1, -2, 1},  {1, 0.5, 0.5}, {-4, 3, 3}};
     struct orl_sensor sensors[ORL_RARE_SIDES];
     struct orl_rays rays[ORL_RARE_SIDES];
-    double errors[ORL_RARE_SIDES];
+    double errors[ORL_RARE_SIDES], values[ORL_RARE_SIDES];
     struct orl_rare rare[ORL_RARE_SIDES];
     (void)state;
     for (int side = 0; side < ORL_RARE_SIDES; side++) {
@@ -158,16 +163,28 @@ static void test_sides(void **state)
         sensors[side] = (struct orl_sensor){{0, 0, 0}, ways[side]};
         rays[side] = rays_of(side == 1 ? 2 : 0);
         errors[side] = side == 1 ? event : 0.1;
+        values[side] = light;
     }
-    orl_rare_of(rays, errors, sensors, ORL_RARE_SIDES, rare);
+    orl_rare_of(&(struct orl_rare_sensors){sensors, rays, values, errors, ORL_RARE_SIDES}, rare);
     for (int side = 0; side < ORL_RARE_SIDES; side++)
         assert_true((rare[side].events > 1.9) == (side == 1));
 }
 
+/* A tenth of the light: an event goes by the root. In the dark it is not nothing. */
+static void test_dim_sensors(void **state)
+{
+    const struct orl_rare rare = {.events = 1, .size = 2, .light = light};
+    const struct orl_rays none = {0, 0};
+    const double bright = orl_rare_bounds(&rare, &none, light).above;
+    (void)state;
+    assert_true(fabs(orl_rare_bounds(&rare, &none, light / 100).above / bright - 0.1) < 1e-12);
+    assert_true(orl_rare_bounds(&rare, &none, 0).above > 0.03 * bright);
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_coverage),
-                                       cmocka_unit_test(test_silence), cmocka_unit_test(test_mix),
-                                       cmocka_unit_test(test_sides)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_coverage), cmocka_unit_test(test_silence), cmocka_unit_test(test_mix),
+        cmocka_unit_test(test_sides), cmocka_unit_test(test_dim_sensors)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -34,7 +34,7 @@ static void check_waves(const char *text, const char *bsdf, bool caustic)
     struct orl_random randoms[ORL_EMISSIONS_AT_ONCE];
     struct orl_flight flights[ORL_EMISSIONS_AT_ONCE];
     bool flies[ORL_EMISSIONS_AT_ONCE];
-    assert_int_equal(orl_emission_new(world, 1, crew, &emission, NULL), 0);
+    assert_int_equal(orl_emission_new(world, ORL_PHOTONS_FOR_MAPS, 1, crew, &emission, NULL), 0);
     for (size_t wave = 0; wave < WAVES; wave++) {
         const size_t n = ORL_EMISSIONS_AT_ONCE - wave % 3;
         struct orl_random random = orl_random_stream(wave, ORL_PURPOSE_BENCH, 0);

@@ -63,8 +63,13 @@ struct orl_stratum {
     const struct orl_passage *passage; /* borrowed; NULL: none */
 };
 
+/* What global photons are for: to be stored where they land, or to be virtual lamps, which are
+ * worth what they send on. */
+enum orl_photon_use { ORL_PHOTONS_FOR_MAPS, ORL_PHOTONS_FOR_LAMPS };
+
 struct orl_emission {
     const struct orl_world *world; /* borrowed */
+    enum orl_photon_use use;
     struct orl_sobol sobol;
     struct orl_stratum *strata;
     size_t n_strata;
@@ -115,8 +120,10 @@ struct orl_flight {
     double reflected;       /* of its stratum; until first reflected it has that much more flux */
 };
 
-int orl_emission_new(const struct orl_world *world, uint64_t seed, struct orl_crew *crew,
-                     struct orl_emission **ret_emission, struct orl_error *err);
+/* Returns 0 or ORL_ERR_NOMEM, ORL_ERR_CANCELLED. */
+int orl_emission_new(const struct orl_world *world, enum orl_photon_use use, uint64_t seed,
+                     struct orl_crew *crew, struct orl_emission **ret_emission,
+                     struct orl_error *err);
 void orl_emission_free(struct orl_emission *emission);
 
 /* The Sobol points of the emissions from index on, a multiple of ORL_MAP_BATCHES, one per batch. */

@@ -21,16 +21,16 @@ enum {
 enum { MOST_PANES = 16 };
 static const double guided_share = 0.9;
 static const double beside_others = 0.25, dimmest_share = 1e-3;
-/* Of a place whose photons all leave at once: they still light what they land on; no caustic does.
- */
-static const double least_worth = 0.02, least_worth_caustic = 0.0005;
+/* Of a place whose photons all leave at once: they still light what they land on; no caustic and no
+ * virtual lamp does. */
+static const double least_worth = 0.02, least_worth_lamp = 1e-4, least_worth_caustic = 5e-4;
 
 struct pilot {
     const struct orl_emission *emission;
     const struct orl_stratum *stratum;
     uint64_t seed;
     uint32_t patch, side;
-    bool caustic;
+    bool caustic, lamps; /* what for, if not for maps */
     double *values;
 };
 
@@ -120,8 +120,10 @@ static void probe_row(void *arg, size_t row, uint32_t member)
             sum += pilot->caustic ? deflected(world, origin, orl_neg(towards))
                                   : worth(world, origin, orl_neg(towards), &random);
         }
-        pilot->values[cell] =
-            (pilot->caustic ? least_worth_caustic : least_worth) + sum / PHOTONS_A_CELL;
+        const double least = pilot->caustic ? least_worth_caustic
+                             : pilot->lamps ? least_worth_lamp
+                                            : least_worth;
+        pilot->values[cell] = least + sum / PHOTONS_A_CELL;
     }
 }
 
@@ -138,31 +140,72 @@ static double beside(const double *found, size_t side, size_t x, size_t y)
     return most;
 }
 
-static int spread_out(const struct pilot *pilot)
+static void spread_out(struct pilot *pilot, double *found)
 {
     const size_t side = pilot->side;
-    double *found = malloc(side * side * sizeof *found);
-    if (!found)
-        return ORL_ERR_NOMEM;
     memcpy(found, pilot->values, side * side * sizeof *found);
     for (size_t y = 0; y < side; y++)
         for (size_t x = 0; x < side; x++)
             pilot->values[y * side + x] =
                 fmax(found[y * side + x], beside_others * beside(found, side, x, y));
-    free(found);
-    return 0;
+}
+
+/* Sums of all that is above and left of a corner: (side + 1) squared. */
+static void sum_up(const struct pilot *pilot, double *ret_sums)
+{
+    const size_t side = pilot->side, wide = side + 1;
+    for (size_t i = 0; i < wide; i++)
+        ret_sums[i] = ret_sums[i * wide] = 0;
+    for (size_t y = 0; y < side; y++)
+        for (size_t x = 0; x < side; x++)
+            ret_sums[(y + 1) * wide + x + 1] =
+                pilot->values[y * side + x] + ret_sums[y * wide + x + 1] +
+                ret_sums[(y + 1) * wide + x] - ret_sums[y * wide + x];
+}
+
+/* The mean of the cells that far around. */
+static double mean_around(const double *sums, size_t side, size_t x, size_t y, size_t reach)
+{
+    const size_t wide = side + 1;
+    const size_t x0 = x > reach ? x - reach : 0, x1 = x + reach < side ? x + reach + 1 : side;
+    const size_t y0 = y > reach ? y - reach : 0, y1 = y + reach < side ? y + reach + 1 : side;
+    return (sums[y1 * wide + x1] - sums[y0 * wide + x1] - sums[y1 * wide + x0] +
+            sums[y0 * wide + x0]) /
+           (double)((x1 - x0) * (y1 - y0));
+}
+
+/*
+ * A lamp lights what it lights with some probability, and else nothing: it is worth most to send
+ * photons by the root of that. A cell's few say little of it where it is small; so it is told by
+ * whichever surroundings say most.
+ */
+static void weigh(struct pilot *pilot, double *sums)
+{
+    static const size_t reaches[] = {1, 4, 13};
+    const size_t side = pilot->side;
+    sum_up(pilot, sums);
+    for (size_t y = 0; y < side; y++)
+        for (size_t x = 0; x < side; x++) {
+            double *value = &pilot->values[y * side + x];
+            for (size_t i = 0; i < sizeof reaches / sizeof *reaches; i++)
+                *value = fmax(*value, mean_around(sums, side, x, y, reaches[i]));
+            *value = sqrt(*value);
+        }
 }
 
 static int make_table(struct pilot *pilot, struct orl_crew *crew, struct orl_table *ret_table)
 {
-    pilot->values = malloc((size_t)pilot->side * pilot->side * sizeof *pilot->values);
-    if (!pilot->values)
-        return ORL_ERR_NOMEM;
-    int code = orl_crew_try(crew, pilot->side, probe_row, pilot);
+    const size_t side = pilot->side;
+    double *found = malloc((side + 1) * (side + 1) * sizeof *found);
+    pilot->values = malloc(side * side * sizeof *pilot->values);
+    int code = found && pilot->values ? orl_crew_try(crew, side, probe_row, pilot) : ORL_ERR_NOMEM;
     if (code == 0 && pilot->caustic)
-        code = spread_out(pilot);
+        spread_out(pilot, found);
+    else if (code == 0 && pilot->lamps)
+        weigh(pilot, found);
     if (code == 0)
         code = orl_table_init(ret_table, pilot->side, pilot->side, pilot->values, 1 - guided_share);
+    free(found);
     free(pilot->values);
     return code;
 }
@@ -194,7 +237,8 @@ static int make_sun_guides(struct orl_emission *e, struct pilot *pilot, struct o
 
 int orl_guide_make(struct orl_emission *emission, uint64_t seed, struct orl_crew *crew)
 {
-    struct pilot pilot = {.emission = emission, .seed = seed};
+    struct pilot pilot = {
+        .emission = emission, .seed = seed, .lamps = emission->use == ORL_PHOTONS_FOR_LAMPS};
     int code = 0;
     const size_t n_suns = emission->world->n_suns;
     emission->sun_guides = calloc(n_suns + 1, sizeof *emission->sun_guides);

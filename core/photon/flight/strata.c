@@ -19,7 +19,8 @@ enum { IMAGE_FLIGHTS = 256 };
 enum { CAUSTIC_FLIGHTS = 1 << 17, MOST_FLIGHTS_A_STRATUM = 1 << 14, LEAST_FLIGHTS_A_STRATUM = 512 };
 enum { CAUSTIC_RAYS = 1 << 20 }; /* a stratum: enough where flights go to and fro between mirrors */
 static const double floor_share = 0.1; /* of cosine-weighted directions in every table */
-static const double open_share = 0.25; /* of photons that start at the sky when there are ports */
+/* Of photons, that start at the sky: at most, when there are ports; beside lamps alone. */
+static const double open_share = 0.25, open_share_of_lamps = 0.9;
 static const double caustic_floor = 0.02; /* of caustic photons spread evenly over what may yield */
 
 struct pilot {
@@ -236,7 +237,8 @@ static void share_out(struct orl_emission *e)
     double sky = 0, rest = 0, below = 0;
     for (size_t i = 0; i < e->n_strata; i++)
         *(starts_at_sky(&e->strata[i]) ? &sky : &rest) += flux_to_keep(&e->strata[i]);
-    const double of_sky = sky > 0 ? (rest > 0 ? fmin(open_share, sky / (sky + rest)) : 1) : 0;
+    const double most = e->world->n_ports > 0 ? open_share : open_share_of_lamps;
+    const double of_sky = sky > 0 ? (rest > 0 ? fmin(most, sky / (sky + rest)) : 1) : 0;
     for (size_t i = 0; i < e->n_strata; i++) {
         struct orl_stratum *s = &e->strata[i];
         s->share = starts_at_sky(s) ? of_sky * flux_to_keep(s) / sky
@@ -346,14 +348,16 @@ static int share_out_caustics(struct pilot *pilot, struct orl_crew *crew)
     return 0;
 }
 
-int orl_emission_new(const struct orl_world *world, uint64_t seed, struct orl_crew *crew,
-                     struct orl_emission **ret_emission, struct orl_error *err)
+int orl_emission_new(const struct orl_world *world, enum orl_photon_use use, uint64_t seed,
+                     struct orl_crew *crew, struct orl_emission **ret_emission,
+                     struct orl_error *err)
 {
     struct orl_emission *e = calloc(1, sizeof *e);
     struct pilot pilot = {.emission = e, .seed = seed};
     int code = e ? 0 : ORL_ERR_NOMEM;
     if (code == 0) {
         e->world = world;
+        e->use = use;
         orl_sobol_init(&e->sobol);
         code = make_port_tables(&pilot, crew);
     }

@@ -34,7 +34,7 @@
 #include <oriel/vec.h>
 
 enum {
-    ORL_MAP_VERSION = 6,
+    ORL_MAP_VERSION = 7,
     ORL_MAP_LEAF = 16,    /* photons a leaf */
     ORL_MAP_FANOUT = 8,   /* children a node */
     ORL_MAP_LEVELS = 12,  /* most levels: 16 * 8^11 photons */
