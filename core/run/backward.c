@@ -84,7 +84,8 @@ static void compute_sensor(void *ctx, size_t index, uint32_t member)
 static int render_view(void *ctx, const struct orl_painting *painting, struct orl_error *err)
 {
     const struct orl_run_state *state = ctx;
-    return orl_backward_render(state->backward, painting, orl_run_pixel_samples(state), err);
+    return orl_backward_render(state->backward, painting, orl_run_pixel_samples(state),
+                               state->job->goal.dgp_error > 0, err);
 }
 
 int orl_run_backward(struct orl_run_state *state, struct orl_error *err)

@@ -68,9 +68,10 @@ struct orl_estimate orl_backward_irradiance(const struct orl_backward *backward,
                                             const struct orl_span *span, struct orl_health *health,
                                             struct orl_rgb ret_groups[ORL_MAP_BATCHES]);
 
-/* A view, of that many rays a pixel. Returns 0 or ORL_ERR_CANCELLED. */
+/* A view, of that many rays a pixel; of_sums: what is wanted are sums over many pixels, such as
+ * glare, and a ray is given less than for a picture. Returns 0 or ORL_ERR_CANCELLED. */
 int orl_backward_render(const struct orl_backward *backward, const struct orl_painting *painting,
-                        uint32_t samples, struct orl_error *err);
+                        uint32_t samples, bool of_sums, struct orl_error *err);
 
 /* ---- One sample ------------------------------------------------------------------------------ */
 

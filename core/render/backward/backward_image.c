@@ -3,13 +3,17 @@
 #include "render/image/discs.h"
 #include "render/picture/error_map.h"
 
-enum { LAMPS_A_RAY = 8, PANE_SAMPLES = 4, GLOSS_SAMPLES = 2 };
-static const struct orl_effort at_surfaces = {{1, 2, 1}};
+/* What is spent on a ray: where every pixel is to be good, and where sums over many are. */
+static const struct ray_effort {
+    uint32_t lamps, pane_samples, gloss_samples;
+    struct orl_effort at_surfaces;
+} efforts[] = {{8, 4, 2, {{1, 2, 1}}}, {2, 1, 1, {{1, 1, 1}}}};
 static const double dimmest = 0.1; /* branches below this share of a ray are followed by lot */
 
 struct painter {
     const struct orl_backward *backward;
     const struct orl_painting *painting;
+    const struct ray_effort *of_rays;
     struct orl_effort effort;
     uint32_t samples;
     bool outside;
@@ -80,8 +84,8 @@ static struct orl_shader shader_of(const struct painter *p)
     return (struct orl_shader){.world = p->backward->world,
                                .irradiance = p->painting->irradiance,
                                .sobol = &p->backward->sobol,
-                               .pane_samples = PANE_SAMPLES,
-                               .gloss_samples = GLOSS_SAMPLES,
+                               .pane_samples = p->of_rays->pane_samples,
+                               .gloss_samples = p->of_rays->gloss_samples,
                                .dimmest = dimmest,
                                .by_lot = true,
                                .suns = p->suns,
@@ -98,7 +102,7 @@ static struct orl_pixel compute_pixel(void *ctx, uint32_t x, uint32_t y, struct 
     const uint64_t name = orl_mix64(b->seed * 5 + index * 7 + orl_mix64(pixel));
     const struct orl_shader shader = shader_of(p);
     struct orl_sampling sampling = {
-        .sequence = (uint32_t)(name >> 8) + 1, .effort = p->effort, .lamps = LAMPS_A_RAY};
+        .sequence = (uint32_t)(name >> 8) + 1, .effort = p->effort, .lamps = p->of_rays->lamps};
     const uint32_t n_groups = p->samples < ORL_MAP_BATCHES ? p->samples : ORL_MAP_BATCHES;
     struct groups groups = {.sums = {0}};
     struct orl_rgb sum = orl_gray(0);
@@ -123,12 +127,14 @@ static struct orl_pixel compute_pixel(void *ctx, uint32_t x, uint32_t y, struct 
 }
 
 int orl_backward_render(const struct orl_backward *backward, const struct orl_painting *painting,
-                        uint32_t samples, struct orl_error *err)
+                        uint32_t samples, bool of_sums, struct orl_error *err)
 {
     const struct orl_vec3 eye = orl_sub(painting->view->point, painting->geometry->center);
     struct painter painter = {.backward = backward,
                               .painting = painting,
-                              .effort = orl_aim_effort(&backward->aim, at_surfaces),
+                              .of_rays = &efforts[of_sums],
+                              .effort =
+                                  orl_aim_effort(&backward->aim, efforts[of_sums].at_surfaces),
                               .samples = samples,
                               .outside = orl_world_is_outside(backward->world, eye),
                               .suns = orl_discs_suns(backward->world, painting)};
