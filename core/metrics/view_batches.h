@@ -8,6 +8,9 @@
  * passed by pixels that are bright by chance. Values are those of the view as it is, and are not
  * corrected; their intervals are wide enough for a bias of that size (base/estimate.h).
  *
+ * A source that no sample has met is in neither: of two lamps of a fifth of a pixel, 16 samples a
+ * pixel, 1 run in 120 saw none, and was sure of a DGP that was 0.06 too low. Suns are never missed.
+ *
  * No more than ORL_VIEW_BATCHES are kept: when there is no room, neighbours become one, so that
  * there are always half as many at least. Threads: the lead's only.
  */
