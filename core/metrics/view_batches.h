@@ -9,7 +9,8 @@
  * corrected; their intervals are wide enough for a bias of that size (base/estimate.h).
  *
  * A source that no sample has met is in neither: of two lamps of a fifth of a pixel, 16 samples a
- * pixel, 1 run in 120 saw none, and was sure of a DGP that was 0.06 too low. Suns are never missed.
+ * pixel, 1 run in 120 saw none, and was sure of a DGP that was 0.06 too low. Suns seen straight are
+ * drawn by their discs (render/image/discs.h), and met in any case.
  *
  * No more than ORL_VIEW_BATCHES are kept: when there is no room, neighbours become one, so that
  * there are always half as many at least. Threads: the lead's only.
