@@ -184,7 +184,7 @@ static int write_metric(const struct writing *w, size_t kind, const struct orl_a
     for (size_t i = grid->first; i < grid->first + grid->count; i++) {
         const struct orl_annual_light light = {orl_annual_row(w->result, w->result->total, i),
                                                orl_annual_row(w->result, w->result->direct, i),
-                                               NULL, NULL};
+                                               NULL, NULL, NULL};
         fprintf(
             file.stream, "%.*f\n", kinds[kind].digits,
             orl_annual_at(&kinds[kind].metric, &w->report->periods[ORL_WHEN_OCCUPIED], &light, 0));

@@ -42,7 +42,8 @@ static int pick(struct refining *r, const struct orl_annual_report *report, size
     for (size_t i = 0; i < rows.n_sensors; i++) {
         const size_t at = i * rows.n_columns;
         const struct orl_annual_light light = {rows.total_lx + at, rows.direct_lx + at,
-                                               rows.total_error_lx + at, rows.direct_error_lx + at};
+                                               rows.total_error_lx + at, rows.direct_error_lx + at,
+                                               NULL};
         if (figure->over != ORL_OVER_SHARE ||
             fabs(orl_annual_crossing(&figure->metric, figure->least, period, &light, scratch)) <
                 far_off)

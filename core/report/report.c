@@ -175,28 +175,42 @@ static bool is_unlit(const float *total, size_t n)
     return i == n;
 }
 
-static int make_values(const struct making *m)
+/* factors: room for a row. */
+static void evaluate_sensor(const struct making *m, size_t i, float *factors)
 {
     struct orl_annual_report *report = m->report;
     const struct orl_annual_result *result = m->result;
+    const float *se = result->se ? orl_annual_row(result, result->se, i) : NULL;
+    const struct orl_annual_light light = {.total_lx = orl_annual_row(result, result->total, i),
+                                           .direct_lx = orl_annual_row(result, result->direct, i),
+                                           .total_error_lx = se,
+                                           .direct_error_lx = se,
+                                           .total_factor = se ? factors : NULL};
+    if (se)
+        orl_annual_factors(light.total_lx, se, result->n_columns, factors);
+    report->n_unlit += is_unlit(light.total_lx, result->n_columns);
+    for (size_t k = 0; k < report->n_metrics; k++)
+        orl_annual_evaluate(&report->metrics[k], &report->periods[report->metrics[k].when], &light,
+                            &report->values[k * report->n_sensors + i]);
+}
+
+static int make_values(const struct making *m)
+{
+    struct orl_annual_report *report = m->report;
     const size_t n = m->wishes->n_metrics;
+    float *factors = malloc((m->result->n_columns + 1) * sizeof *factors);
     report->metrics = calloc(n + 1, sizeof *report->metrics);
     report->values = calloc(n * report->n_sensors + 1, sizeof *report->values);
-    if (!report->metrics || !report->values)
-        return no_memory(m);
-    report->n_metrics = n;
-    if (n > 0)
-        memcpy(report->metrics, m->wishes->metrics, n * sizeof *report->metrics);
-    for (size_t i = 0; i < report->n_sensors; i++) {
-        const float *se = result->se ? orl_annual_row(result, result->se, i) : NULL;
-        const struct orl_annual_light light = {orl_annual_row(result, result->total, i),
-                                               orl_annual_row(result, result->direct, i), se, se};
-        report->n_unlit += is_unlit(light.total_lx, result->n_columns);
-        for (size_t k = 0; k < n; k++)
-            orl_annual_evaluate(&report->metrics[k], &report->periods[report->metrics[k].when],
-                                &light, &report->values[k * report->n_sensors + i]);
+    const bool ready = factors && report->metrics && report->values;
+    if (ready) {
+        report->n_metrics = n;
+        if (n > 0)
+            memcpy(report->metrics, m->wishes->metrics, n * sizeof *report->metrics);
+        for (size_t i = 0; i < report->n_sensors; i++)
+            evaluate_sensor(m, i, factors);
     }
-    return 0;
+    free(factors);
+    return ready ? 0 : no_memory(m);
 }
 
 /* ---- Grids ----------------------------------------------------------------------------------- */
@@ -206,6 +220,20 @@ static int figure_of(const struct making *m, const struct orl_annual_figure *fig
 {
     const struct orl_annual_rows rows = orl_annual_rows_of(m->report, m->result, grid);
     return orl_annual_figure_of(figure, m->report->periods, &rows, ret_area, m->err);
+}
+
+/* Averages are of values that are there already. */
+static int make_figure(const struct making *m, size_t f, size_t grid,
+                       struct orl_annual_area *ret_area)
+{
+    const struct orl_annual_report *report = m->report;
+    const struct orl_annual_rows rows = orl_annual_rows_of(report, m->result, grid);
+    if (report->figures[f].over != ORL_OVER_AVERAGE)
+        return figure_of(m, &report->figures[f], grid, ret_area);
+    const size_t first = grid == ORL_ALL_GRIDS ? 0 : report->grids[grid].first;
+    ret_area->value = orl_annual_average(&report->values[(f - 2) * report->n_sensors + first],
+                                         rows.area, rows.n_sensors);
+    return 0;
 }
 
 static int make_figures(const struct making *m)
@@ -226,8 +254,8 @@ static int make_figures(const struct making *m)
             f < 2 ? first[f]
                   : (struct orl_annual_figure){ORL_OVER_AVERAGE, report->metrics[f - 2], 0};
         for (size_t g = 0; g < places && code == 0; g++)
-            code = figure_of(m, &report->figures[f], g < report->n_grids ? g : ORL_ALL_GRIDS,
-                             &report->areas[f * places + g]);
+            code = make_figure(m, f, g < report->n_grids ? g : ORL_ALL_GRIDS,
+                               &report->areas[f * places + g]);
     }
     return code;
 }

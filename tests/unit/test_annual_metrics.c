@@ -218,7 +218,7 @@ static double value_of(const struct year *year, enum orl_metric_kind kind, doubl
                        const float *row)
 {
     const struct orl_annual_metric metric = {kind, ORL_WHEN_OCCUPIED, low, high};
-    const struct orl_annual_light light = {row, row, NULL, NULL};
+    const struct orl_annual_light light = {row, row, NULL, NULL, NULL};
     struct orl_annual_value value;
     orl_annual_evaluate(&metric, &year->periods[ORL_WHEN_OCCUPIED], &light, &value);
     assert_true(isnan(value.low) && isnan(value.high));
@@ -363,8 +363,8 @@ static void test_crossings(void **state)
     double scratch[COLUMNS];
     uint32_t columns[COLUMNS];
     const struct orl_annual_period period = short_period(columns);
-    const struct orl_annual_light light = {values, values, errors, errors},
-                                  exact = {values, values, NULL, NULL};
+    const struct orl_annual_light light = {values, values, errors, errors, NULL},
+                                  exact = {values, values, NULL, NULL, NULL};
     (void)state;
     for (int repeat = 0; repeat < 50; repeat++) {
         for (int i = 0; i < COLUMNS; i++) {
@@ -392,7 +392,7 @@ static void test_crossings_at_zero(void **state)
     double scratch[1];
     uint32_t column = 0;
     const struct orl_annual_period period = {&column, 1, 1, 1};
-    const struct orl_annual_light light = {&value, &value, &error, &error};
+    const struct orl_annual_light light = {&value, &value, &error, &error, NULL};
     const struct orl_annual_metric at_least = {ORL_METRIC_HOURS, 0, 1000, 0};
     const struct orl_annual_metric above = {ORL_METRIC_DIRECT_HOURS, 0, 1000, 0};
     (void)state;
@@ -500,8 +500,8 @@ static void check_coverage(const struct orl_annual_metric *metric, double common
             seen[i] = (float)(truth[i] + errors[i] * (sqrt(common) * factor +
                                                       sqrt(1 - common) * draw_normal(&random)));
         }
-        const struct orl_annual_light right = {truth, NULL, NULL, NULL};
-        const struct orl_annual_light measured = {seen, NULL, errors, NULL};
+        const struct orl_annual_light right = {truth, NULL, NULL, NULL, NULL};
+        const struct orl_annual_light measured = {seen, NULL, errors, NULL, NULL};
         orl_annual_evaluate(metric, &period, &right, &wanted);
         orl_annual_evaluate(metric, &period, &measured, &got);
         held += got.low - 1e-9 <= wanted.value && wanted.value <= got.high + 1e-9;

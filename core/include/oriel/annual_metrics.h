@@ -149,7 +149,10 @@ void orl_annual_metric_name(const struct orl_annual_metric *metric, char *ret_te
 struct orl_annual_light {
     const float *total_lx, *direct_lx;             /* direct: of kinds that ask for it */
     const float *total_error_lx, *direct_error_lx; /* standard errors; NULL: not known */
+    const float *total_factor; /* as orl_annual_factors leaves them, to save time; or NULL */
 };
+/* What the interval's upper end is, as a factor: metrics of one row share them. */
+void orl_annual_factors(const float *value, const float *error, size_t n, float *ret_factors);
 
 struct orl_annual_value {
     double value, low, high; /* 95 %; NaN where errors are not known */
@@ -207,6 +210,10 @@ int orl_annual_figure_of(const struct orl_annual_figure *figure,
                          const struct orl_annual_period *periods,
                          const struct orl_annual_rows *rows, struct orl_annual_area *ret_result,
                          struct orl_error *err);
+
+/* Of values of sensors, the average over their areas (NULL: all the same). */
+struct orl_annual_value orl_annual_average(const struct orl_annual_value *values,
+                                           const double *area, size_t n);
 
 /* The share of area that passes, in percent, by each part's z of crossing (as above) and area
  * (NULL: all the same). known: whether errors are. ORL_ERR_NOMEM. */

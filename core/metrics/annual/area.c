@@ -20,9 +20,10 @@ static const float *row_at(const float *rows, size_t n_columns, size_t sensor)
 static struct orl_annual_light row_of(const struct orl_annual_rows *rows, size_t sensor)
 {
     const size_t n = rows->n_columns;
-    return (struct orl_annual_light){
-        row_at(rows->total_lx, n, sensor), row_at(rows->direct_lx, n, sensor),
-        row_at(rows->total_error_lx, n, sensor), row_at(rows->direct_error_lx, n, sensor)};
+    return (struct orl_annual_light){.total_lx = row_at(rows->total_lx, n, sensor),
+                                     .direct_lx = row_at(rows->direct_lx, n, sensor),
+                                     .total_error_lx = row_at(rows->total_error_lx, n, sensor),
+                                     .direct_error_lx = row_at(rows->direct_error_lx, n, sensor)};
 }
 
 /* ---- Shares ---------------------------------------------------------------------------------- */
@@ -95,23 +96,36 @@ static int share_of(const struct orl_annual_figure *figure, const struct orl_ann
 /* ---- Averages, and the worst ----------------------------------------------------------------- */
 
 /* Errors of sensors are independent: their squares add up. */
-static void average(const struct orl_annual_metric *metric, const struct orl_annual_period *period,
-                    const struct orl_annual_rows *rows, struct orl_annual_value *ret_value)
+struct orl_annual_value orl_annual_average(const struct orl_annual_value *values,
+                                           const double *area, size_t n)
 {
-    struct orl_sum area = {0}, sum = {0}, below = {0}, above = {0};
+    struct orl_sum whole = {0}, sum = {0}, below = {0}, above = {0};
+    for (size_t i = 0; i < n; i++) {
+        const double mine = area_at(area, i);
+        orl_sum_add(&whole, mine);
+        orl_sum_add(&sum, mine * values[i].value);
+        orl_sum_add(&below, pow(mine * (values[i].value - values[i].low), 2));
+        orl_sum_add(&above, pow(mine * (values[i].high - values[i].value), 2));
+    }
+    const double total = orl_sum_value(&whole), value = orl_sum_value(&sum) / total;
+    return (struct orl_annual_value){value, value - sqrt(orl_sum_value(&below)) / total,
+                                     value + sqrt(orl_sum_value(&above)) / total};
+}
+
+static int average(const struct orl_annual_metric *metric, const struct orl_annual_period *period,
+                   const struct orl_annual_rows *rows, struct orl_annual_value *ret_value,
+                   struct orl_error *err)
+{
+    struct orl_annual_value *values = calloc(rows->n_sensors + 1, sizeof *values);
+    if (!values)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     for (size_t i = 0; i < rows->n_sensors; i++) {
         const struct orl_annual_light row = row_of(rows, i);
-        const double mine = area_at(rows->area, i);
-        struct orl_annual_value one;
-        orl_annual_evaluate(metric, period, &row, &one);
-        orl_sum_add(&area, mine);
-        orl_sum_add(&sum, mine * one.value);
-        orl_sum_add(&below, pow(mine * (one.value - one.low), 2));
-        orl_sum_add(&above, pow(mine * (one.high - one.value), 2));
+        orl_annual_evaluate(metric, period, &row, &values[i]);
     }
-    const double total = orl_sum_value(&area), value = orl_sum_value(&sum) / total;
-    *ret_value = (struct orl_annual_value){value, value - sqrt(orl_sum_value(&below)) / total,
-                                           value + sqrt(orl_sum_value(&above)) / total};
+    *ret_value = orl_annual_average(values, rows->area, rows->n_sensors);
+    free(values);
+    return 0;
 }
 
 /* Any of n may be the worst: below, all of them are held at once (Sidak 1967). */
@@ -169,7 +183,7 @@ static int of_mean(const struct orl_annual_metric *metric, const struct orl_annu
                 mean_columns(given[i], rows, i >= 2, sums, means + i * rows->n_columns);
                 made[i] = means + i * rows->n_columns;
             }
-        const struct orl_annual_light row = {made[0], made[1], made[2], made[3]};
+        const struct orl_annual_light row = {made[0], made[1], made[2], made[3], NULL};
         orl_annual_evaluate(metric, period, &row, ret_value);
     }
     const bool failed = !means || !sums;
@@ -208,7 +222,7 @@ int orl_annual_figure_of(const struct orl_annual_figure *figure,
         code = share_of(figure, period, rows, &result, err);
         break;
     case ORL_OVER_AVERAGE:
-        average(&figure->metric, period, rows, &result.value);
+        code = average(&figure->metric, period, rows, &result.value, err);
         break;
     case ORL_OVER_LEAST:
         worst(&figure->metric, period, rows, &result.value);

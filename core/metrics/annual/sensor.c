@@ -15,14 +15,15 @@ static bool is_direct(enum orl_metric_kind kind)
 
 /* What of a row a metric is made of. */
 struct light {
-    const float *value, *error;
+    const float *value, *error, *factor;
 };
 
 static struct light light_of(const struct orl_annual_metric *metric,
                              const struct orl_annual_light *row)
 {
-    return is_direct(metric->kind) ? (struct light){row->direct_lx, row->direct_error_lx}
-                                   : (struct light){row->total_lx, row->total_error_lx};
+    return is_direct(metric->kind)
+               ? (struct light){row->direct_lx, row->direct_error_lx, NULL}
+               : (struct light){row->total_lx, row->total_error_lx, row->total_factor};
 }
 
 bool orl_annual_errors_known(const struct orl_annual_metric *metric,
@@ -44,8 +45,20 @@ static double proportion(double value, double error)
 
 static double shifted(const struct light *light, uint32_t column, double z)
 {
-    const double value = light->value[column], error = light->error ? light->error[column] : 0;
-    return error > 0 && value > 0 ? value * exp(z * proportion(value, error)) : fmax(0, value);
+    const double value = light->value[column];
+    if (z == 0 || !light->error || !(value > 0) || !(light->error[column] > 0))
+        return fmax(0, value);
+    if (light->factor && fabs(z) == ORL_ANNUAL_Z)
+        return z > 0 ? value * light->factor[column] : value / light->factor[column];
+    return value * exp(z * proportion(value, light->error[column]));
+}
+
+void orl_annual_factors(const float *value, const float *error, size_t n, float *ret_factors)
+{
+    for (size_t i = 0; i < n; i++)
+        ret_factors[i] = value[i] > 0 && error[i] > 0
+                             ? (float)exp(ORL_ANNUAL_Z * proportion(value[i], error[i]))
+                             : 1;
 }
 
 /* Steps that are lit so that they count, as the metric weighs them; dark ones are the caller's. */
