@@ -1,4 +1,4 @@
-/* The request: defaults, checks, and who frees what. */
+/* What is asked and what comes back: defaults, checks, names, and who frees what. */
 #include <oriel/annual.h>
 
 #include <math.h>
@@ -69,4 +69,30 @@ int orl_annual_validate(const struct orl_annual_request *request, struct orl_err
             return orl_error_set(err, ORL_ERR_RANGE, "grid %zu goes beyond the last sensor", i + 1);
     }
     return check_sensors(request, err);
+}
+
+/* ---- The result ---- */
+
+const char *orl_annual_stage_name(enum orl_annual_stage stage)
+{
+    static const char *const names[ORL_ANNUAL_STAGES] = {
+        [ORL_ANNUAL_LOAD] = "load", [ORL_ANNUAL_SKIES] = "skies", [ORL_ANNUAL_PATHS] = "paths",
+        [ORL_ANNUAL_SUN] = "sun",   [ORL_ANNUAL_HOURS] = "hours",
+    };
+    return stage < ORL_ANNUAL_STAGES ? names[stage] : "";
+}
+
+void orl_annual_done(struct orl_annual_result *result)
+{
+    if (!result)
+        return;
+    for (size_t i = 0; result->warnings && i < result->n_warnings; i++)
+        free(result->warnings[i]);
+    free(result->warnings);
+    free(result->steps);
+    free(result->step_of_column);
+    free(result->total);
+    free(result->direct);
+    free(result->se);
+    *result = (struct orl_annual_result){0};
 }

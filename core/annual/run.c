@@ -45,30 +45,6 @@ struct year {
 
 enum row { ROW_TOTAL, ROW_STRAIGHT, ROW_SE, ROW_MIRRORED, ROW_SQUARES, ROWS };
 
-const char *orl_annual_stage_name(enum orl_annual_stage stage)
-{
-    static const char *const names[ORL_ANNUAL_STAGES] = {
-        [ORL_ANNUAL_LOAD] = "load", [ORL_ANNUAL_SKIES] = "skies", [ORL_ANNUAL_PATHS] = "paths",
-        [ORL_ANNUAL_SUN] = "sun",   [ORL_ANNUAL_HOURS] = "hours",
-    };
-    return stage < ORL_ANNUAL_STAGES ? names[stage] : "";
-}
-
-void orl_annual_done(struct orl_annual_result *result)
-{
-    if (!result)
-        return;
-    for (size_t i = 0; result->warnings && i < result->n_warnings; i++)
-        free(result->warnings[i]);
-    free(result->warnings);
-    free(result->steps);
-    free(result->step_of_column);
-    free(result->total);
-    free(result->direct);
-    free(result->se);
-    *result = (struct orl_annual_result){0};
-}
-
 /* ---- What all stages need -------------------------------------------------------------------- */
 
 static void warn(struct year *y, const char *format, ...) __attribute__((format(printf, 2, 3)));
@@ -232,8 +208,7 @@ static int prepare(struct year *y, struct orl_error *err)
                               y->node_frames, y->nodes.count, y->request->seed,
                               y->env->run->crew) < 0)
         return orl_crew_cancelled(y->env->run->crew) ? cancelled(err) : out_of_memory(err);
-    const struct orl_sun_beam *beams;
-    y->n_sun = y->nodes.count + (y->scene.map ? orl_sun_map_beams(y->scene.map, &beams) : 0);
+    y->n_sun = y->nodes.count + (y->scene.map ? orl_sun_map_beams(y->scene.map)->count : 0);
     code = orl_sun_terms_init(&y->terms, &y->hours, &y->nodes, y->node_frames, y->scene.map,
                               y->env->run->crew);
     if (code < 0)

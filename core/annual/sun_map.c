@@ -14,14 +14,7 @@ static const double dimmest = 0.05;       /* of a photon's first flux: dimmer on
 struct orl_sun_map {
     const struct orl_world *world;
     struct orl_sun_squares squares;
-    struct orl_sun_beam *beams;
-    size_t n_beams;
-    uint8_t *kind_of_port;
-    struct kind {
-        const struct orl_material *material;
-        struct orl_vec3 outward;
-    } kinds[ORL_SUN_MAP_MOST_KINDS];
-    uint32_t n_kinds;
+    struct orl_sun_beams beams;
     uint32_t channels; /* 1 where nothing on the way colours light */
     /* Names of squares, by open addressing: where they stand in the rows, plus one. */
     uint64_t *names;
@@ -43,7 +36,7 @@ static size_t slot_of(const struct orl_sun_map *map, uint64_t name)
 
 static size_t row_floats(const struct orl_sun_map *map)
 {
-    return (size_t)ORL_SUN_MAP_LOTS * map->n_beams * map->channels;
+    return (size_t)ORL_SUN_MAP_LOTS * map->beams.count * map->channels;
 }
 
 static int rehash(struct orl_sun_map *map, size_t room)
@@ -66,7 +59,7 @@ static int rehash(struct orl_sun_map *map, size_t room)
     return map->names && map->places ? 0 : ORL_ERR_NOMEM;
 }
 
-/* One more square. */
+/* One more square; there is a beam then. */
 static int add_square(struct orl_sun_map *map, size_t slot, uint64_t name,
                       const struct orl_hit *hit)
 {
@@ -183,7 +176,7 @@ static size_t port_at(const struct shooter *s, double share)
 static void shoot_one(struct shooter *s, uint32_t index, uint32_t lot, double flux)
 {
     const struct orl_world *world = s->map->world;
-    const struct orl_frame *sun = &s->request->nodes[s->map->beams[s->beam].node];
+    const struct orl_frame *sun = &s->request->nodes[s->map->beams.at[s->beam].node];
     const uint64_t name = (uint64_t)s->beam * ORL_SUN_MAP_LOTS + lot;
     struct orl_random random =
         orl_random_stream(s->request->seed, ORL_PURPOSE_SUN_MAP, (name << 32) + index);
@@ -221,7 +214,7 @@ static void shoot_one(struct shooter *s, uint32_t index, uint32_t lot, double fl
 static void shoot_beam(struct shooter *s)
 {
     const struct orl_world *world = s->map->world;
-    const struct orl_sun_beam *beam = &s->map->beams[s->beam];
+    const struct orl_sun_beam *beam = &s->map->beams.at[s->beam];
     const struct orl_vec3 sun = s->request->nodes[beam->node].n;
     s->shares = malloc(world->n_ports * sizeof *s->shares);
     if (!s->shares) {
@@ -229,7 +222,7 @@ static void shoot_beam(struct shooter *s)
         return;
     }
     for (size_t i = 0; i < world->n_ports; i++) {
-        if (s->map->kind_of_port[i] == beam->kind)
+        if (s->map->beams.kind_of_port[i] == beam->kind)
             s->flux += world->ports[i].area * fmax(orl_dot(sun, world->ports[i].outward), 0);
         s->shares[i] = s->flux;
     }
@@ -262,7 +255,7 @@ static int take(struct orl_sun_map *map, const struct shooter *s)
         }
         const size_t place = map->places[slot];
         float *at = map->rows + place * row_floats(map) +
-                    ((size_t)d->lot * map->n_beams + s->beam) * map->channels;
+                    ((size_t)d->lot * map->beams.count + s->beam) * map->channels;
         const double area = map->areas[place];
         for (uint32_t c = 0; c < map->channels && area > 0; c++)
             at[c] += (float)((double)d->flux[c] / area);
@@ -270,16 +263,11 @@ static int take(struct orl_sun_map *map, const struct shooter *s)
     return 0;
 }
 
-/* A node's are shared out evenly among its beams; of each lot. */
-static uint32_t photons_of(const struct orl_sun_map *map, const struct orl_sun_map_request *request,
-                           size_t beam)
+/* A node's are shared out evenly among its beams. */
+static uint32_t photons_of_lot(const struct orl_sun_map *map,
+                               const struct orl_sun_map_request *request, size_t beam)
 {
-    const uint32_t node = map->beams[beam].node;
-    uint32_t n = 0;
-    for (size_t i = beam > map->n_kinds ? beam - map->n_kinds : 0;
-         i < map->n_beams && map->beams[i].node <= node; i++)
-        n += map->beams[i].node == node;
-    const uint32_t parts = ORL_SUN_MAP_LOTS * (n > 0 ? n : 1);
+    const uint32_t parts = ORL_SUN_MAP_LOTS * orl_sun_beams_of_node(&map->beams, beam);
     return (request->photons + parts - 1) / parts;
 }
 
@@ -288,14 +276,14 @@ static int fill(struct orl_sun_map *map, const struct orl_sun_map_request *reque
 {
     struct shooter shooters[MOST_AT_ONCE];
     int code = rehash(map, 4096);
-    for (size_t first = 0; first < map->n_beams && code == 0; first += MOST_AT_ONCE) {
-        const size_t left = map->n_beams - first;
+    for (size_t first = 0; first < map->beams.count && code == 0; first += MOST_AT_ONCE) {
+        const size_t left = map->beams.count - first;
         const size_t n = left < MOST_AT_ONCE ? left : MOST_AT_ONCE;
         for (size_t i = 0; i < n; i++)
             shooters[i] = (struct shooter){.request = request,
                                            .map = map,
                                            .beam = first + i,
-                                           .photons = photons_of(map, request, first + i)};
+                                           .photons = photons_of_lot(map, request, first + i)};
         code = orl_crew_try(crew, n, shoot, shooters);
         for (size_t i = 0; i < n; i++) {
             if (code == 0)
@@ -305,88 +293,6 @@ static int fill(struct orl_sun_map *map, const struct orl_sun_map_request *reque
         }
     }
     return code;
-}
-
-/* ---- Kinds of ports, and beams --------------------------------------------------------------- */
-
-static uint32_t find_kind(struct orl_sun_map *map, const struct orl_port *port)
-{
-    static const double about = 0.98; /* cosine between ports of a kind */
-    const struct orl_world *world = map->world;
-    const struct orl_material *m = &world->materials[world->geometry->facets[port->facet].material];
-    uint32_t k = 0;
-    while (k < map->n_kinds &&
-           (map->kinds[k].material != m || orl_dot(map->kinds[k].outward, port->outward) < about))
-        k++;
-    if (k == ORL_SUN_MAP_MOST_KINDS)
-        return k - 1;
-    if (k == map->n_kinds)
-        map->kinds[map->n_kinds++] = (struct kind){m, port->outward};
-    return k;
-}
-
-static double let_in_by(const struct orl_sun_map *map, const struct orl_port *port,
-                        struct orl_vec3 towards)
-{
-    const struct orl_world *world = map->world;
-    const struct orl_facet *facet = &world->geometry->facets[port->facet];
-    const double cosine = orl_dot(towards, port->outward);
-    if (!(cosine > 0))
-        return 0;
-    const struct orl_hit hit = orl_hit_anywhere(facet->normal, orl_dot(towards, facet->normal) > 0);
-    return port->area * cosine *
-           orl_luma(orl_material_albedo(&world->materials[facet->material], &hit, towards,
-                                        ORL_LOBE_TRANSMITTED));
-}
-
-/* Ports of a kind are all alike but for small turns: the first of a material and facing stands for
- * those that face exactly as it does. */
-double orl_sun_map_let_in(const struct orl_sun_map *map, uint32_t kind, struct orl_vec3 towards)
-{
-    const struct orl_world *world = map->world;
-    const struct orl_port *last = NULL;
-    double sum = 0, of_last = 0;
-    for (size_t i = 0; i < world->n_ports; i++) {
-        const struct orl_port *port = &world->ports[i];
-        if (map->kind_of_port[i] != kind)
-            continue;
-        const bool same = last && orl_dot(last->outward, port->outward) > 1 - 1e-12 &&
-                          world->geometry->facets[last->facet].material ==
-                              world->geometry->facets[port->facet].material;
-        of_last = same ? of_last / last->area * port->area : let_in_by(map, port, towards);
-        last = port;
-        sum += of_last;
-    }
-    return sum;
-}
-
-static int make_beams(struct orl_sun_map *map, const struct orl_sun_map_request *request)
-{
-    const struct orl_world *world = map->world;
-    map->kind_of_port = malloc(world->n_ports * sizeof *map->kind_of_port);
-    if (!map->kind_of_port)
-        return ORL_ERR_NOMEM;
-    for (size_t i = 0; i < world->n_ports; i++)
-        map->kind_of_port[i] = (uint8_t)find_kind(map, &world->ports[i]);
-    map->beams = malloc((request->n_nodes * map->n_kinds + 1) * sizeof *map->beams);
-    if (!map->beams)
-        return ORL_ERR_NOMEM;
-    for (uint32_t node = 0; node < request->n_nodes; node++)
-        for (uint32_t kind = 0; kind < map->n_kinds; kind++)
-            if (orl_sun_map_let_in(map, kind, request->nodes[node].n) > 0)
-                map->beams[map->n_beams++] = (struct orl_sun_beam){node, kind};
-    return 0;
-}
-
-size_t orl_sun_map_beams(const struct orl_sun_map *map, const struct orl_sun_beam **ret_beams)
-{
-    *ret_beams = map->beams;
-    return map->n_beams;
-}
-
-size_t orl_sun_map_kinds(const struct orl_sun_map *map)
-{
-    return map->n_kinds;
 }
 
 /* ---- All of it ------------------------------------------------------------------------------- */
@@ -428,6 +334,11 @@ static bool are_colourless(const struct orl_world *world)
     return true;
 }
 
+const struct orl_sun_beams *orl_sun_map_beams(const struct orl_sun_map *map)
+{
+    return &map->beams;
+}
+
 int orl_sun_map_new(const struct orl_sun_map_request *request, struct orl_crew *crew,
                     struct orl_sun_map **ret_map)
 {
@@ -444,7 +355,7 @@ int orl_sun_map_new(const struct orl_sun_map_request *request, struct orl_crew *
     *map = (struct orl_sun_map){.world = world, .channels = are_colourless(world) ? 1 : CHANNELS};
     int code = orl_sun_squares_init(&map->squares, world->geometry, sqrt(area) / widths_a_window);
     if (code == 0)
-        code = make_beams(map, request);
+        code = orl_sun_beams_init(&map->beams, world, request->nodes, request->n_nodes);
     if (code == 0)
         code = fill(map, request, crew);
     if (code < 0) {
@@ -460,8 +371,7 @@ void orl_sun_map_free(struct orl_sun_map *map)
     if (!map)
         return;
     orl_sun_squares_done(&map->squares);
-    free(map->kind_of_port);
-    free(map->beams);
+    orl_sun_beams_done(&map->beams);
     free(map->names);
     free(map->places);
     free(map->areas);
@@ -475,7 +385,7 @@ void orl_sun_map_add(const struct orl_sun_map *map, const struct orl_hit *hit, u
     const size_t slot = slot_of(map, orl_sun_square_of(&map->squares, hit));
     if (map->names[slot] == 0)
         return;
-    const size_t n = map->n_beams;
+    const size_t n = map->beams.count;
     const float *row = map->rows + map->places[slot] * row_floats(map) +
                        (size_t)(lot % ORL_SUN_MAP_LOTS) * n * map->channels;
     if (map->channels == 1) {

@@ -1,6 +1,5 @@
 /*
- * Sunlight on surfaces inside a sealed building, of every beam: a node of the sun and a kind of
- * ports, those of one material that face about one way. How much of it comes
+ * Sunlight on surfaces inside a sealed building, of every beam (sun_beams.h): how much of it comes
  * through the ports and, by mirrors and lobes but no diffuse surface, to each square of a surface.
  * Photons bring it there: straight through clear panes, deflected or scattered by BSDFs, thrown on
  * by whatever is not diffuse. All sensors share it, and paths that come to a surface look up what
@@ -18,6 +17,7 @@
 
 #include <oriel/crew.h>
 
+#include "annual/sun_beams.h"
 #include "base/random.h"
 #include "base/sobol.h"
 #include "light/world.h"
@@ -35,13 +35,6 @@ struct orl_sun_map_request {
     uint32_t photons; /* of a node, all its beams and lots together */
 };
 
-enum { ORL_SUN_MAP_MOST_KINDS = 8 }; /* ports of more have the last one's */
-
-/* Of a node by way of a kind of ports. */
-struct orl_sun_beam {
-    uint32_t node, kind;
-};
-
 /* *ret_map is NULL where there is nothing to map: an open scene, or no ports. Returns 0,
  * ORL_ERR_NOMEM or ORL_ERR_CANCELLED. */
 int orl_sun_map_new(const struct orl_sun_map_request *request, struct orl_crew *crew,
@@ -49,14 +42,7 @@ int orl_sun_map_new(const struct orl_sun_map_request *request, struct orl_crew *
 void orl_sun_map_free(struct orl_sun_map *map); /* NULL is allowed */
 
 /* Its beams, in the order in which sums have them. */
-size_t orl_sun_map_beams(const struct orl_sun_map *map, const struct orl_sun_beam **ret_beams);
-size_t orl_sun_map_kinds(const struct orl_sun_map *map);
-
-/*
- * Flux that a kind's ports let in from a sun in that direction, were nothing before them, of one
- * that gives 1 to what faces it: by this, what beams bring goes on between nodes.
- */
-double orl_sun_map_let_in(const struct orl_sun_map *map, uint32_t kind, struct orl_vec3 towards);
+const struct orl_sun_beams *orl_sun_map_beams(const struct orl_sun_map *map);
 
 /*
  * Adds to the beams what a surface at that hit, on the side that was met, has of them by that lot,

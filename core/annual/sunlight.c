@@ -162,36 +162,43 @@ struct disc {
     double radius, turn;
 };
 
-static double point_light(const struct orl_annual_scene *scene, const struct orl_place *place,
-                          const struct disc *disc, uint32_t n)
+/* Share of a point's light that gets through, and its cosine. */
+struct point {
+    double share, cosine;
+};
+
+static struct point look_at_point(const struct orl_annual_scene *scene,
+                                  const struct orl_place *place, const struct disc *disc,
+                                  uint32_t n)
 {
     double at[2];
     point_of_disc(n, disc->turn, at);
     const struct orl_vec3 towards = on_disc(&disc->frame, disc->radius, at);
     const double cosine = orl_dot(towards, place->normal);
-    return cosine > 0 ? cosine * orl_luma(straight(scene, place, towards)) : 0;
+    if (!(cosine > 0))
+        return (struct point){0, 0};
+    return (struct point){orl_luma(straight(scene, place, towards)), cosine};
 }
 
 /* Rim and middle see the same: that is all; an edge crosses the disc: its points tell. */
 static double disc_light(const struct orl_annual_scene *scene, const struct orl_place *place,
                          const struct disc *disc, double *ret_unsure)
 {
-    double sum = 0, squares = 0, least = INFINITY, most = 0;
+    double middle = 0, sum = 0, squares = 0, least = INFINITY, most = 0;
     *ret_unsure = 0;
     for (uint32_t n = 0; n < FIRST_POINTS; n++) {
-        const double light = point_light(scene, place, disc, n);
-        least = fmin(least, light);
-        most = fmax(most, light);
+        const struct point p = look_at_point(scene, place, disc, n);
+        least = fmin(least, p.share);
+        most = fmax(most, p.share);
         if (n == 0)
-            sum = light;
+            middle = p.share * p.cosine;
     }
     if (most - least <= 0.02 * most)
-        return sum;
-    sum = 0;
+        return middle;
     for (uint32_t n = 0; n < DISC_POINTS; n++) {
-        const double light = point_light(scene, place, disc, FIRST_POINTS + n);
-        sum += light / DISC_POINTS;
-        squares += light * light / DISC_POINTS;
+        const struct point p = look_at_point(scene, place, disc, FIRST_POINTS + n);
+        sum += p.share * p.cosine / DISC_POINTS;
+        squares += p.share * p.cosine * p.share * p.cosine / DISC_POINTS;
     }
     /* Points in a plane so even err as their number to the power of -3/4, where edges are straight
      * (Beck and Chen 1987, irregularities of distribution). */

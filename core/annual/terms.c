@@ -8,10 +8,9 @@ struct maker {
     struct orl_sun_terms *terms;
     const struct orl_hours *hours;
     const struct orl_sun_nodes *nodes;
-    const struct orl_frame *frames; /* of nodes */
-    const struct orl_sun_map *map;
-    size_t n_kinds, n_beams;
-    const struct orl_sun_beam *beams;
+    const struct orl_frame *frames;    /* of nodes */
+    const struct orl_sun_beams *beams; /* or NULL */
+    size_t n_kinds;
     double *of_nodes;  /* [node][kind]: what ports let in */
     uint32_t *beam_of; /* [node][kind], or UINT32_MAX */
     float *weights;    /* [column][corner][1 + kind], 0: none */
@@ -42,7 +41,7 @@ static void weigh(void *arg, size_t column, uint32_t member)
             of_corners += (double)at.weights[i] * m->of_nodes[at.nodes[i] * m->n_kinds + kind];
         if (!(of_corners > 0))
             continue;
-        const double ratio = orl_sun_map_let_in(m->map, kind, sun->towards) / of_corners;
+        const double ratio = orl_sun_beams_let_in(m->beams, kind, sun->towards) / of_corners;
         for (int i = 0; i < CORNERS; i++)
             weights[(size_t)i * (1 + m->n_kinds) + 1 + kind] =
                 (float)((double)at.weights[i] * ratio);
@@ -58,11 +57,11 @@ static int measure_nodes(struct maker *m)
         return ORL_ERR_NOMEM;
     for (size_t i = 0; i < n; i++) {
         m->of_nodes[i] =
-            orl_sun_map_let_in(m->map, (uint32_t)(i % m->n_kinds), m->frames[i / m->n_kinds].n);
+            orl_sun_beams_let_in(m->beams, (uint32_t)(i % m->n_kinds), m->frames[i / m->n_kinds].n);
         m->beam_of[i] = UINT32_MAX;
     }
-    for (size_t i = 0; i < m->n_beams; i++)
-        m->beam_of[m->beams[i].node * m->n_kinds + m->beams[i].kind] = (uint32_t)i;
+    for (size_t i = 0; m->beams && i < m->beams->count; i++)
+        m->beam_of[m->beams->at[i].node * m->n_kinds + m->beams->at[i].kind] = (uint32_t)i;
     return 0;
 }
 
@@ -111,12 +110,11 @@ int orl_sun_terms_init(struct orl_sun_terms *terms, const struct orl_hours *hour
                        const struct orl_sun_nodes *nodes, const struct orl_frame *node_frames,
                        const struct orl_sun_map *map, struct orl_crew *crew)
 {
-    struct maker m = {
-        .terms = terms, .hours = hours, .nodes = nodes, .frames = node_frames, .map = map};
+    struct maker m = {.terms = terms, .hours = hours, .nodes = nodes, .frames = node_frames};
     *terms = (struct orl_sun_terms){.first = NULL};
     if (map) {
-        m.n_kinds = orl_sun_map_kinds(map);
-        m.n_beams = orl_sun_map_beams(map, &m.beams);
+        m.beams = orl_sun_map_beams(map);
+        m.n_kinds = m.beams->n_kinds;
     }
     m.weights = calloc(hours->n_columns * CORNERS * (1 + m.n_kinds) + 1, sizeof *m.weights);
     int code = m.weights ? measure_nodes(&m) : ORL_ERR_NOMEM;

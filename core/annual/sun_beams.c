@@ -1,0 +1,94 @@
+#include "annual/sun_beams.h"
+
+#include <stdlib.h>
+
+#include "scene/material/scatter.h"
+
+static uint32_t find_kind(struct orl_sun_beams *beams, const struct orl_port *port)
+{
+    static const double about = 0.98; /* cosine between ports of a kind */
+    const struct orl_world *world = beams->world;
+    const struct orl_material *m = &world->materials[world->geometry->facets[port->facet].material];
+    uint32_t k = 0;
+    while (k < beams->n_kinds && (beams->kinds[k].material != m ||
+                                  orl_dot(beams->kinds[k].outward, port->outward) < about))
+        k++;
+    if (k == ORL_SUN_MOST_KINDS)
+        return k - 1;
+    if (k == beams->n_kinds)
+        beams->kinds[beams->n_kinds++] = (struct orl_sun_kind){m, port->outward};
+    return k;
+}
+
+static double let_in_by(const struct orl_sun_beams *beams, const struct orl_port *port,
+                        struct orl_vec3 towards)
+{
+    const struct orl_world *world = beams->world;
+    const struct orl_facet *facet = &world->geometry->facets[port->facet];
+    const double cosine = orl_dot(towards, port->outward);
+    if (!(cosine > 0))
+        return 0;
+    const struct orl_hit hit = orl_hit_anywhere(facet->normal, orl_dot(towards, facet->normal) > 0);
+    return port->area * cosine *
+           orl_luma(orl_material_albedo(&world->materials[facet->material], &hit, towards,
+                                        ORL_LOBE_TRANSMITTED));
+}
+
+/* Ports of a kind are all alike but for small turns: the first of a material and facing stands for
+ * those that face exactly as it does. */
+double orl_sun_beams_let_in(const struct orl_sun_beams *beams, uint32_t kind,
+                            struct orl_vec3 towards)
+{
+    const struct orl_world *world = beams->world;
+    const struct orl_port *last = NULL;
+    double sum = 0, of_last = 0;
+    for (size_t i = 0; i < world->n_ports; i++) {
+        const struct orl_port *port = &world->ports[i];
+        if (beams->kind_of_port[i] != kind)
+            continue;
+        const bool same = last && orl_dot(last->outward, port->outward) > 1 - 1e-12 &&
+                          world->geometry->facets[last->facet].material ==
+                              world->geometry->facets[port->facet].material;
+        of_last = same ? of_last / last->area * port->area : let_in_by(beams, port, towards);
+        last = port;
+        sum += of_last;
+    }
+    return sum;
+}
+
+int orl_sun_beams_init(struct orl_sun_beams *beams, const struct orl_world *world,
+                       const struct orl_frame *nodes, size_t n_nodes)
+{
+    *beams = (struct orl_sun_beams){
+        .world = world, .kind_of_port = calloc(world->n_ports + 1, sizeof *beams->kind_of_port)};
+    if (!beams->kind_of_port)
+        return ORL_ERR_NOMEM;
+    for (size_t i = 0; i < world->n_ports; i++)
+        beams->kind_of_port[i] = (uint8_t)find_kind(beams, &world->ports[i]);
+    beams->at = malloc((n_nodes * beams->n_kinds + 1) * sizeof *beams->at);
+    if (!beams->at)
+        return ORL_ERR_NOMEM;
+    for (uint32_t node = 0; node < n_nodes; node++)
+        for (uint32_t kind = 0; kind < beams->n_kinds; kind++)
+            if (orl_sun_beams_let_in(beams, kind, nodes[node].n) > 0)
+                beams->at[beams->count++] = (struct orl_sun_beam){node, kind};
+    return 0;
+}
+
+void orl_sun_beams_done(struct orl_sun_beams *beams)
+{
+    free(beams->at);
+    free(beams->kind_of_port);
+    *beams = (struct orl_sun_beams){.at = NULL};
+}
+
+uint32_t orl_sun_beams_of_node(const struct orl_sun_beams *beams, size_t beam)
+{
+    const uint32_t node = beams->at[beam].node;
+    uint32_t n = 1;
+    for (size_t i = beam; i > 0 && beams->at[i - 1].node == node; i--)
+        n++;
+    for (size_t i = beam + 1; i < beams->count && beams->at[i].node == node; i++)
+        n++;
+    return n;
+}
