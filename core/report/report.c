@@ -7,6 +7,8 @@
 #include <string.h>
 #include <strings.h>
 
+_Static_assert(ORL_ANNUAL_DEGREES == ORL_ANNUAL_BATCHES - 1, "a batch less than there are");
+
 /* ---- Wishes ---------------------------------------------------------------------------------- */
 
 static const struct orl_annual_metric usual_metrics[] = {
