@@ -109,7 +109,7 @@ static void print_scene(struct annual_bench *bench, FILE *json, double rate, boo
     const char *title = scenes[bench->scene].title;
     printf("A year of light, 57 sensors, %s; target: %s\n", title, scenes[bench->scene].target);
     printf(" samples  seconds ray-times    rms %%  median     95 %%    bias      z    worst    "
-           "cover\n");
+           "cover    own %%\n");
     for (int i = 0; i < samples.n; i++) {
         double seconds[BENCH_MOST_RUNS];
         struct orl_annual_result year = {0};
