@@ -41,6 +41,9 @@ int orl_annual_scene_init(struct orl_annual_scene *scene, const struct orl_world
         code = orl_windows_of_ports(&scene->ports, world);
     if (code == 0)
         code = orl_windows_of_mirrors(&scene->mirrors, world);
+    for (size_t i = 0; i < scene->mirrors.count; i++)
+        scene->mirrors_beyond = scene->mirrors_beyond || !scene->one_facade ||
+                                world->port_of_facet[scene->mirrors.at[i].facet] == ORL_NO_PORT;
     const struct orl_sun_map_request request = {.world = world,
                                                 .sobol = &scene->sobol,
                                                 .nodes = nodes,

@@ -24,6 +24,7 @@ struct orl_annual_scene {
     struct orl_sobol sobol;
     struct orl_windows ports, mirrors;
     bool one_facade;         /* all ports face one way: what they mirror inside is no sun */
+    bool mirrors_beyond;     /* some may be seen through ports: what they throw in is in no map */
     struct orl_sun_map *map; /* owned; NULL: sunlight is looked for by shadow rays alone */
 };
 

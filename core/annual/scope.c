@@ -18,6 +18,8 @@ static int refuse(const struct orl_world *world, uint32_t facet, struct orl_erro
 int orl_annual_admit(const struct orl_world *world, struct orl_error *err)
 {
     int class = -1;
+    bool panels = false;
+    uint32_t mirror = UINT32_MAX;
     for (size_t i = 0; i < world->geometry->n_facets; i++) {
         const struct orl_facet *facet = &world->geometry->facets[i];
         const struct orl_material *m = &world->materials[facet->material];
@@ -27,6 +29,7 @@ int orl_annual_admit(const struct orl_world *world, struct orl_error *err)
         if (m->kind == ORL_MATERIAL_BSDF && (world->open || port == ORL_NO_PORT))
             return refuse(world, (uint32_t)i, err,
                           "sunlight by BSDFs that are no windows of a closed building");
+        panels = panels || m->kind == ORL_MATERIAL_BSDF;
         if (m->kind == ORL_MATERIAL_DIELECTRIC)
             return refuse(world, (uint32_t)i, err, "refracted sunlight");
         if (!(orl_material_mirrored_most(m, true, 0.5) > strong))
@@ -37,6 +40,10 @@ int orl_annual_admit(const struct orl_world *world, struct orl_error *err)
         if (class >= 0 && here != class)
             return refuse(world, (uint32_t)i, err, "sunlight between mirrors of several planes");
         class = here;
+        mirror = (uint32_t)i;
     }
+    /* What a mirror throws onto a panel is not followed. */
+    if (panels && mirror != UINT32_MAX)
+        return refuse(world, mirror, err, "sunlight off mirrors where windows are BSDFs");
     return 0;
 }

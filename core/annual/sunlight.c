@@ -44,18 +44,21 @@ static bool lit_from_within(const struct orl_annual_scene *scene, const struct o
     return orl_windows_passed(&scene->ports, there, towards, 0);
 }
 
-/* What comes from the sun's image behind one mirror. */
+/* What comes from the sun's image behind one mirror; beyond: seen through a port from inside. */
 static struct orl_rgb by_mirror(const struct orl_annual_scene *scene,
                                 const struct orl_window *mirror, struct orl_vec3 point,
-                                struct orl_vec3 image, struct orl_vec3 towards)
+                                struct orl_vec3 image, struct orl_vec3 towards, bool beyond)
 {
     const struct orl_world *world = scene->world;
     struct orl_path path = orl_path_from(point, image);
+    bool out = !beyond;
     for (int pane = 0; pane < MOST_PANES; pane++) {
         struct orl_hit hit;
         if (!orl_path_meet(world, &path, &hit))
             break;
         const struct orl_material *m = orl_world_material(world, &hit);
+        if (hit.facet == mirror->facet && !out)
+            break;
         if (hit.facet == mirror->facet) {
             const struct orl_rgb share =
                 orl_rgb_mul(path.weight, orl_material_mirrored(m, &hit, orl_path_back(&path)));
@@ -66,6 +69,7 @@ static struct orl_rgb by_mirror(const struct orl_annual_scene *scene,
         }
         if (!orl_path_look_through(&path, m, &hit))
             break;
+        out = out || orl_world_crossing(world, &hit) == ORL_CROSSING_OUTWARDS;
         orl_path_pass(&path, world, &hit);
     }
     return orl_gray(0);
@@ -75,7 +79,8 @@ static struct orl_rgb by_mirror(const struct orl_annual_scene *scene,
 typedef struct orl_rgb (*answer_to)(const void *ctx, struct orl_vec3 light);
 
 static struct orl_rgb mirrored(const struct orl_annual_scene *scene, const struct orl_place *place,
-                               struct orl_vec3 towards, answer_to answer, const void *ctx)
+                               struct orl_vec3 towards, bool beyond, answer_to answer,
+                               const void *ctx)
 {
     const struct orl_images *images = &scene->world->images;
     struct orl_rgb sum = orl_gray(0);
@@ -94,8 +99,8 @@ static struct orl_rgb mirrored(const struct orl_annual_scene *scene, const struc
             continue;
         const struct orl_rgb seen = answer(ctx, image);
         if (orl_rgb_max(seen) > 0)
-            sum = orl_rgb_add(
-                sum, orl_rgb_mul(seen, by_mirror(scene, mirror, place->point, image, towards)));
+            sum = orl_rgb_add(sum, orl_rgb_mul(seen, by_mirror(scene, mirror, place->point, image,
+                                                               towards, beyond)));
     }
     return sum;
 }
@@ -133,10 +138,11 @@ void orl_sunlit_add(const struct orl_annual_scene *scene, const struct orl_sunli
         const struct orl_vec3 towards = on_disc(&scene->nodes[k], radius, at);
         const struct orl_rgb seen = response(query, towards);
         struct orl_rgb light = orl_gray(0);
-        if (orl_rgb_max(seen) > 0)
+        if (orl_rgb_max(seen) > 0 && !query->mapped)
             light = orl_rgb_mul(seen, straight(scene, &query->place, towards));
         if (scene->mirrors.count > 0)
-            light = orl_rgb_add(light, mirrored(scene, &query->place, towards, response, query));
+            light = orl_rgb_add(
+                light, mirrored(scene, &query->place, towards, query->mapped, response, query));
         if (orl_rgb_max(light) > 0)
             nodes[k] += orl_luma(orl_rgb_mul(query->weight, light)) * (double)stride;
     }
@@ -219,8 +225,8 @@ static double mirrored_light(const struct orl_annual_scene *scene, const struct 
     for (uint32_t n = 0; n < MIRROR_POINTS; n++) {
         double at[2];
         point_of_disc(FIRST_POINTS + n * (DISC_POINTS / MIRROR_POINTS), disc->turn, at);
-        sum += orl_luma(
-            mirrored(scene, place, on_disc(&disc->frame, disc->radius, at), cosine_of, place));
+        sum += orl_luma(mirrored(scene, place, on_disc(&disc->frame, disc->radius, at), false,
+                                 cosine_of, place));
     }
     return sum / MIRROR_POINTS;
 }

@@ -14,6 +14,7 @@
 struct orl_sunlit_query {
     struct orl_place place;
     struct orl_rgb weight;
+    bool mapped; /* what the map of the sun has is not asked for: mirrors outside alone */
     const struct orl_material *lobes;
     const struct orl_hit *hit;
     struct orl_vec3 eye;

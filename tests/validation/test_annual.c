@@ -18,6 +18,8 @@ enum { SAMPLES = 2048, TRUTH_SAMPLES = 1024, EVERY = 2 };
     "void plastic e 0 0 5 .2 .2 .2 0 0\ne polygon ground 0 0 12 -40 -40 -.3 40 -40 -.3 40 40 -.3 " \
     "-40 40 -.3\n"
 static const char glass_room[] = ROOM_GREY ROOM_CLEAR ROOM_SHELL ROOM_PANE GROUND;
+static const char pool_room[] = ROOM_GREY ROOM_CLEAR ROOM_SHELL ROOM_PANE GROUND
+    "void mirror m 0 0 3 .8 .8 .8\nm polygon pool 0 0 12 0 -4 -.2 4 -4 -.2 4 -.5 -.2 0 -.5 -.2\n";
 /* The same with a panel that deflects light. */
 static const char panel_room[] = ROOM_GREY ROOM_BSDF ROOM_SHELL ROOM_PANE GROUND;
 /* Four walls of 6 m about a yard of 8 x 8 m, nothing glazed. */
@@ -82,6 +84,14 @@ static void test_glass_room(void **state)
                                                 {{2, 4.9, 1.5}, {0, -1, 0}}};
     (void)state;
     check_hours(&(struct year_run){.scene = glass_room, .sensors = sensors, .n_sensors = 4});
+}
+
+/* A pool of mirror before the window throws the sun onto the ceiling: in no map, but found. */
+static void test_pool(void **state)
+{
+    static const struct orl_sensor sensors[] = {{{2, 1, .8}, {0, 0, 1}}, {{1, 4, .8}, {0, 0, 1}}};
+    (void)state;
+    check_hours(&(struct year_run){.scene = pool_room, .sensors = sensors, .n_sensors = 2});
 }
 
 /* The panel's light is in the room by its map, and at sensors by points and draws of the panel. */
@@ -203,9 +213,10 @@ static void test_refusals(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_glass_room), cmocka_unit_test(test_panel_room),
-        cmocka_unit_test(test_courtyard),  cmocka_unit_test(test_open_ground),
-        cmocka_unit_test(test_threads),    cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_glass_room),  cmocka_unit_test(test_panel_room),
+        cmocka_unit_test(test_pool),        cmocka_unit_test(test_courtyard),
+        cmocka_unit_test(test_open_ground), cmocka_unit_test(test_threads),
+        cmocka_unit_test(test_refusals),
     };
     return cmocka_run_group_tests_name("annual", tests, NULL, NULL);
 }
