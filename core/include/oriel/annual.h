@@ -143,7 +143,7 @@ struct orl_annual_env {
  * ORL_ERR_INVALID, _RANGE, _NOT_FOUND, _SYNTAX, _LIMIT (with file and line), _NOMEM, _CANCELLED;
  * ORL_ERR_UNSUPPORTED, naming a surface, where the sun reaches sensors in a way that is not
  * followed: BSDFs that are no windows of a closed building, refraction, curved mirrors, mirrors of
- * several planes that are more than panes are.
+ * several planes, or beside BSDF windows, that are more than panes are.
  */
 int orl_annual_run(const struct orl_annual_request *request, const struct orl_annual_env *env,
                    struct orl_annual_result *ret_result, struct orl_error *err);
