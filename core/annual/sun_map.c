@@ -36,7 +36,8 @@ static size_t slot_of(const struct orl_sun_map *map, uint64_t name)
 
 static size_t row_floats(const struct orl_sun_map *map)
 {
-    return (size_t)ORL_SUN_MAP_LOTS * map->beams.count * map->channels;
+    const size_t floats = ORL_SUN_MAP_LOTS * map->beams.count * map->channels;
+    return floats > 0 ? floats : 1;
 }
 
 static int rehash(struct orl_sun_map *map, size_t room)
@@ -59,7 +60,7 @@ static int rehash(struct orl_sun_map *map, size_t room)
     return map->names && map->places ? 0 : ORL_ERR_NOMEM;
 }
 
-/* One more square; there is a beam then. */
+/* One more square. */
 static int add_square(struct orl_sun_map *map, size_t slot, uint64_t name,
                       const struct orl_hit *hit)
 {
