@@ -9,7 +9,7 @@ WERROR  ?= -Werror
 
 # Debian packages: what the build needs, and what the checks need beyond that.
 PACKAGES_BUILD := gcc libc6-dev make libembree-dev libmicrohttpd-dev libjansson-dev libuv1-dev \
-	libsqlite3-dev libexpat1-dev libpng-dev libsodium-dev libcurl4-openssl-dev libopenexr-dev \
+	libsqlite3-dev libexpat1-dev libpng-dev zlib1g-dev libsodium-dev libcurl4-openssl-dev libopenexr-dev \
 	libgnutls28-dev nettle-dev libxxhash-dev libarchive-dev
 PACKAGES_CHECK := $(PACKAGES_BUILD) libcmocka-dev curl python3 python3-yaml valgrind
 PACKAGES_LINT  := $(PACKAGES_CHECK) clang clang-tidy clang-format

@@ -265,6 +265,8 @@ int orl_icache_fit(struct orl_icache *cache, const struct orl_geometry *geometry
 {
     struct orl_icache wide;
     struct fitting f = {.cache = &wide, .geometry = geometry};
+    if (cache->count == 0)
+        return 0;
     struct orl_record *fitted = malloc((cache->count + 1) * sizeof *fitted);
     int code = widen(&wide, cache);
     if (!fitted)
