@@ -189,13 +189,41 @@ static int validate_sky_name(const struct orl_job *job, size_t index, struct orl
                                  "sky name '%s' may hold letters, digits, '-' and '_' only", name);
     if (strcmp(name, "result") == 0)
         return orl_error_set(err, ORL_ERR_INVALID, "no sky may be named 'result'");
-    for (size_t i = 0; i < index; i++)
-        if (strcmp(job->skies[i].name, name) == 0) {
-            orl_error_set(err, ORL_ERR_INVALID, "two skies are named '%s'", name);
-            orl_error_hint(err, "Give each a \"name\" of its own");
-            return ORL_ERR_INVALID;
-        }
     return 0;
+}
+
+/* By name, and those of one name as they stand in the job. */
+static int compare_skies(const void *a, const void *b)
+{
+    const struct orl_named_sky *x = *(const struct orl_named_sky *const *)a;
+    const struct orl_named_sky *y = *(const struct orl_named_sky *const *)b;
+    const int by_name = strcmp(x->name, y->name);
+    return by_name != 0 ? by_name : (x > y) - (x < y);
+}
+
+/* The first sky that has the name of one before it is an error. */
+static int validate_own_names(const struct orl_job *job, struct orl_error *err)
+{
+    const struct orl_named_sky **sorted = malloc(job->n_skies * sizeof *sorted);
+    const struct orl_named_sky *repeated = NULL;
+    char place[32];
+    if (!sorted)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for %zu skies", job->n_skies);
+    for (size_t i = 0; i < job->n_skies; i++)
+        sorted[i] = &job->skies[i];
+    qsort(sorted, job->n_skies, sizeof *sorted, compare_skies);
+    for (size_t i = 1; i < job->n_skies; i++)
+        if (strcmp(sorted[i - 1]->name, sorted[i]->name) == 0 &&
+            (!repeated || sorted[i] < repeated))
+            repeated = sorted[i];
+    free(sorted);
+    if (!repeated)
+        return 0;
+    orl_error_set(err, ORL_ERR_INVALID, "two skies are named '%s'", repeated->name);
+    orl_error_hint(err, "Give each a \"name\" of its own");
+    snprintf(place, sizeof place, "skies[%zu]", (size_t)(repeated - job->skies));
+    orl_error_at(err, NULL, 0, place);
+    return ORL_ERR_INVALID;
 }
 
 static int validate_skies(const struct orl_job *job, struct orl_error *err)
@@ -229,7 +257,7 @@ static int validate_skies(const struct orl_job *job, struct orl_error *err)
         if (code < 0)
             orl_error_at(err, NULL, 0, place);
     }
-    return code;
+    return code < 0 ? code : validate_own_names(job, err);
 }
 
 /* Files of a sequence begin with "sequence.", those of a sky with its name. */
