@@ -13,7 +13,9 @@
  *      "metrics": ["DA300", "UDI100-3000", ...], "targets": ["sDA300/50 >= 55 %", ...],
  *      "rules": ["EN 17037", "LEED", ...], "samples": 2048 (paths a sensor), "seed": 0,
  *      "accuracy": {"verdict": "sDA300/50 >= 55 %"} (more paths for those sensors that leave it
- * open; "samples" are those of the first round then, 256 when left out)}
+ * open; "samples" are those of the first round then, 256 when left out),
+ *      "formats": ["honeybee", "ill"] (files of all hours, beside the usual ones),
+ *      "priority": 5 (read by task_json.h)}
  *
  * result.json:
  *     {"kind": "annual", "state", "title", "location": {"latitude", "longitude", "time_zone"},
@@ -25,8 +27,9 @@
  *      "rules": [{"rule", "grid", "verdict"}] (all targets of each),
  *      "accuracy": null or {"target", "value", "interval_95", "verdict", "settled", "rounds",
  *      "refined_sensors", "most_samples"} (oriel/annual_report.h),
- *      "files": [...], "provenance": {"version", "seed", "samples", "inputs": [{"name", "bytes",
- *      "sha256"}], "settings": {...}}, "timings_s", "threads", "warnings"}
+ *      "files": [...] (names below the result's folder), "provenance": {"version", "seed",
+ *      "samples", "inputs": [{"name", "bytes", "sha256"}], "settings": {...}}, "timings_s",
+ *      "threads", "warnings"}
  * Numbers that are not known are null.
  *
  * Rules, ownership, threads and errors as in job_json.h.
@@ -40,6 +43,11 @@
 
 #include "job_json.h"
 
+/* Files of all hours: Honeybee's results folder; Radiance's matrices. */
+struct orl_annual_formats {
+    bool honeybee, matrices;
+};
+
 /* All of it owned; orl_annual_job_done frees it. */
 struct orl_annual_job {
     char *title;
@@ -47,6 +55,7 @@ struct orl_annual_job {
         request; /* sensors of files are not read yet: orl_annual_grids_read */
     struct orl_annual_wishes wishes;
     char **grid_files; /* of each grid; NULL where its sensors are written out */
+    struct orl_annual_formats formats;
 };
 void orl_annual_job_done(struct orl_annual_job *job); /* NULL and zeros are fine */
 
@@ -54,6 +63,13 @@ void orl_annual_job_done(struct orl_annual_job *job); /* NULL and zeros are fine
 int orl_annual_job_from_json(const json_t *doc, enum orl_job_origin origin,
                              struct orl_annual_job *ret_job, char **ret_scene_id,
                              struct orl_error *err);
+
+/* Checks it as far as that goes without the scene, weather and sensors of files. */
+int orl_annual_job_validate(const struct orl_annual_job *job, struct orl_error *err);
+
+/* How the accuracy stands, as result.json has it; null where none is asked for. A new reference, or
+ * NULL when out of memory. */
+json_t *orl_annual_refinement_to_json(const struct orl_annual_refinement *refinement);
 
 /* A new reference, the caller's; NULL when out of memory. files: an array of names, borrowed. */
 json_t *orl_annual_report_to_json(const struct orl_annual_job *job,

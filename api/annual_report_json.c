@@ -200,7 +200,7 @@ static json_t *hours_to_json(const struct orl_annual_report *report)
                      (double)report->year.n_columns / per_hour);
 }
 
-static json_t *refinement_to_json(const struct orl_annual_refinement *r)
+json_t *orl_annual_refinement_to_json(const struct orl_annual_refinement *r)
 {
     if (!r->asked)
         return json_null();
@@ -225,7 +225,7 @@ json_t *orl_annual_report_to_json(const struct orl_annual_job *job,
         "latitude", result->latitude_deg, "longitude", result->longitude_deg, "time_zone",
         result->time_zone_h, "hours", hours_to_json(report), "grids", grids_to_json(report), "all",
         all, "verdicts", verdicts_to_json(report), "rules", rules_to_json(report), "accuracy",
-        refinement_to_json(refinement), "files", files, "provenance",
+        orl_annual_refinement_to_json(refinement), "files", files, "provenance",
         provenance_to_json(job, result, inputs), "timings_s", timings_to_json(result), "threads",
         (json_int_t)result->threads, "warnings", warnings_to_json(result));
 }

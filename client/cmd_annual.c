@@ -7,7 +7,6 @@
 #include <stdio.h>
 #include <unistd.h>
 
-#include "annual_files.h"
 #include "files.h"
 #include "job_file.h"
 #include "local.h"
@@ -31,19 +30,6 @@ static void print_summary(const struct orl_annual_result *result,
 {
     for (size_t i = 0; i < result->n_warnings; i++)
         fprintf(stderr, "warning: %s\n", result->warnings[i]);
-    if (report->year.n_missing > 0)
-        fprintf(stderr, "warning: %zu steps of the year are not in the weather file\n",
-                report->year.n_missing);
-    if (report->year.n_doubtful > 0)
-        fprintf(
-            stderr,
-            "warning: %zu steps have the sun up by 3 degrees or more and no light in the weather "
-            "file: they count as dark\n",
-            report->year.n_doubtful);
-    if (report->n_unlit > 0)
-        fprintf(stderr,
-                "warning: no light ever reaches %zu sensors: are they inside of something?\n",
-                report->n_unlit);
     for (size_t i = 0; i < report->n_verdicts; i++)
         print_verdict(report, &report->verdicts[i]);
     fprintf(stderr, "seconds:");
@@ -54,7 +40,7 @@ static void print_summary(const struct orl_annual_result *result,
     printf("%s/result.json\n", output);
 }
 
-static int write_result(const char *output, json_t *json, struct orl_error *err)
+static int write_result(const char *output, const json_t *json, struct orl_error *err)
 {
     char path[4096];
     int rc = json ? orl_join_path(output, "result.json", path, sizeof path, err)
@@ -63,34 +49,15 @@ static int write_result(const char *output, json_t *json, struct orl_error *err)
     return rc ? rc : orl_write_json(path, json, err);
 }
 
-static int tell_report(const struct orl_annual_output *output, const struct orl_local_year *year,
-                       const struct orl_annual_report *report, struct orl_error *err)
+/* ctx: the output folder. */
+static int tell(void *ctx, const struct orl_annual_result *result,
+                const struct orl_annual_report *report, json_t *document, struct orl_error *err)
 {
-    json_t *files = json_array(), *json = NULL;
-    int rc = files ? orl_annual_files_write(output, year, report, files, err)
-                   : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-
-    if (rc == 0) {
-        json = orl_annual_report_to_json(year->job, year->result, year->refinement, report,
-                                         year->inputs, files);
-        rc = write_result(output->folder, json, err);
-    }
-    if (rc == 0)
-        print_summary(year->result, report, output->folder);
-    json_decref(json);
-    json_decref(files);
-    return rc;
-}
-
-static int tell(void *ctx, const struct orl_local_year *year, struct orl_error *err)
-{
-    struct orl_annual_report report = {.n_grids = 0};
-    int rc = orl_annual_report_make(&year->job->request, year->result, &year->job->wishes,
-                                    year->env->files, &report, err);
+    const char *output = ctx;
+    const int rc = write_result(output, document, err);
 
     if (rc == 0)
-        rc = tell_report(ctx, year, &report, err);
-    orl_annual_report_done(&report);
+        print_summary(result, report, output);
     return rc;
 }
 
@@ -119,8 +86,15 @@ static int decode(const struct orl_job_file *file, struct orl_annual_job *ret_jo
     return rc;
 }
 
-static int run_document(const char *document, struct orl_annual_output *output, uint32_t threads)
+/* What the command line asks for beside the document. */
+struct output {
+    const char *folder;
+    struct orl_annual_formats formats;
+};
+
+static int run_document(const char *document, const struct output *output, uint32_t threads)
 {
+    const struct orl_local_tell teller = {tell, (void *)(uintptr_t)output->folder};
     struct orl_job_file file = {0};
     struct orl_annual_job job = {0};
     struct orl_error err = {0};
@@ -135,8 +109,10 @@ static int run_document(const char *document, struct orl_annual_output *output, 
     rc = orl_job_file_read(document, &file, &err);
     if (rc == 0)
         rc = decode(&file, &job, &err);
+    job.formats.honeybee = job.formats.honeybee || output->formats.honeybee;
+    job.formats.matrices = job.formats.matrices || output->formats.matrices;
     if (rc == 0)
-        rc = orl_local_annual(&job, file.folder, output->folder, threads, tell, output, &err);
+        rc = orl_local_annual(&job, file.folder, output->folder, threads, &teller, &err);
     if (rc)
         tell_failure(output->folder, &err);
     orl_annual_job_done(&job);
@@ -146,7 +122,7 @@ static int run_document(const char *document, struct orl_annual_output *output, 
 
 int orl_cmd_annual(const struct orl_subcommand *self, int argc, char **argv)
 {
-    struct orl_annual_output output = {0};
+    struct output output = {0};
     const char *threads_text = NULL;
     const struct orl_option options[] = {
         {.name = "output",
@@ -156,10 +132,10 @@ int orl_cmd_annual(const struct orl_subcommand *self, int argc, char **argv)
          .value = &output.folder},
         {.name = "honeybee",
          .help = "all hours as Honeybee's results folder, in DIR/results",
-         .flag = &output.honeybee},
+         .flag = &output.formats.honeybee},
         {.name = "ill",
          .help = "all hours as Radiance matrices, DIR/GRID.ill",
-         .flag = &output.matrices},
+         .flag = &output.formats.matrices},
         {.name = "threads",
          .letter = 'j',
          .metavar = "N",

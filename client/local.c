@@ -10,6 +10,7 @@
 #include <oriel/files.h>
 #include <oriel/skies.h>
 
+#include "annual_job.h"
 #include "files.h"
 #include "follow.h"
 #include "plan_table.h"
@@ -243,62 +244,52 @@ int orl_local_plan(const struct orl_job *job, const char *folder, uint32_t threa
 /* Of a local folder nothing changes while its job runs. */
 enum { YEAR_SHELF = 1 << 30 };
 
-/* What is wrong with the wishes is told before the work begins. */
-static int on_year_begins(void *ctx, const struct orl_annual_result *result, struct orl_error *err)
-{
-    const struct orl_local_year *year = ctx;
-
-    return orl_annual_wishes_check(&year->job->request, result, &year->job->wishes,
-                                   year->env->files, err);
-}
+/* A year on its way. */
+struct year {
+    struct local local; /* first: what it tells comes to it by that */
+    const struct orl_local_tell *tell;
+};
 
 static void on_year_round(void *ctx, const struct orl_annual_refinement *r)
 {
-    orl_progress_note(ctx, "round %u: %s: %.4g [%.4g, %.4g], %s; %zu sensors refined", r->rounds,
-                      r->target.text, r->area.value.value, r->area.value.low, r->area.value.high,
-                      orl_verdict_name(r->verdict), r->refined);
+    struct local *local = ctx;
+
+    orl_progress_note(&local->progress, "round %u: %s: %.4g [%.4g, %.4g], %s; %zu sensors refined",
+                      r->rounds, r->target.text, r->area.value.value, r->area.value.low,
+                      r->area.value.high, orl_verdict_name(r->verdict), r->refined);
 }
 
-static int run_year(struct orl_annual_job *job, struct local *local,
-                    struct orl_annual_inputs *inputs, orl_local_tell *tell, void *ctx,
-                    struct orl_error *err)
+static int on_year_done(void *ctx, const struct orl_annual_result *result,
+                        const struct orl_annual_report *report, json_t *document,
+                        const json_t *names, struct orl_error *err)
 {
-    struct orl_annual_result result = {0};
-    struct orl_annual_refinement refinement = {0};
-    struct orl_local_year year = {job, &local->env, &result, &refinement, inputs};
-    const struct orl_annual_env env = {.run = &local->env, .begins = on_year_begins, .ctx = &year};
-    int rc = orl_annual_grids_read(&job->request, job->grid_files, local->env.files, err);
+    const struct year *year = ctx;
 
-    if (rc == 0)
-        rc = orl_annual_validate(&job->request, err);
-    if (rc == 0)
-        rc = orl_annual_run_until(&job->request, &job->wishes, &env, on_year_round,
-                                  &local->progress, &result, &refinement, err);
-    if (rc == 0)
-        rc = tell(ctx, &year, err);
-    orl_annual_done(&result);
-    return rc;
+    (void)names;
+    return year->tell->tell(year->tell->ctx, result, report, document, err);
 }
 
 int orl_local_annual(struct orl_annual_job *job, const char *folder, const char *output,
-                     uint32_t threads, orl_local_tell *tell, void *ctx, struct orl_error *err)
+                     uint32_t threads, const struct orl_local_tell *tell, struct orl_error *err)
 {
-    struct local local;
+    struct year year = {.tell = tell};
     struct orl_annual_inputs inputs;
     struct orl_files noting;
-    int rc = local_start(&local, folder, output, threads, err);
+    const struct orl_annual_job_env env = {
+        .run = &year.local.env, .inputs = &inputs, .round = on_year_round, .tell = on_year_done};
+    int rc = local_start(&year.local, folder, output, threads, err);
 
     if (rc)
         return rc;
-    noting = orl_annual_inputs_of(&inputs, &local.files);
-    local.env.files = &noting;
-    local.env.files_id = "of this run";
-    local.env.shelf = orl_shelf_new(YEAR_SHELF);
-    rc = local.env.shelf ? run_year(job, &local, &inputs, tell, ctx, err)
-                         : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-    orl_shelf_free(local.env.shelf);
+    noting = orl_annual_inputs_of(&inputs, &year.local.files);
+    year.local.env.files = &noting;
+    year.local.env.files_id = "of this run";
+    year.local.env.shelf = orl_shelf_new(YEAR_SHELF);
+    rc = year.local.env.shelf ? orl_annual_job_run(job, &env, err)
+                              : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    orl_shelf_free(year.local.env.shelf);
     orl_annual_inputs_done(&inputs);
-    local_stop(&local, rc);
+    local_stop(&year.local, rc);
     return rc;
 }
 

@@ -37,18 +37,14 @@ int orl_local_plan(const struct orl_job *job, const char *folder, uint32_t threa
 int orl_local_study(const struct orl_study_request *request, const char *folder, const char *output,
                     uint32_t threads, struct orl_study *ret_study, struct orl_error *err);
 
-/* What a year's run leaves, while its scene and threads are still there. */
-struct orl_local_year {
-    const struct orl_annual_job *job;
-    const struct orl_run_env *env;
-    const struct orl_annual_result *result;
-    const struct orl_annual_refinement *refinement;
-    const struct orl_annual_inputs *inputs;
+/* Runs a year's job, with progress on stderr; all its files but result.json go to output. tell: of
+ * annual_job.h, with ctx. */
+struct orl_local_tell {
+    int (*tell)(void *ctx, const struct orl_annual_result *result,
+                const struct orl_annual_report *report, json_t *document, struct orl_error *err);
+    void *ctx;
 };
-typedef int orl_local_tell(void *ctx, const struct orl_local_year *year, struct orl_error *err);
-/* Reads the job's grids and runs it, with progress on stderr, then has tell write what came of it.
- */
 int orl_local_annual(struct orl_annual_job *job, const char *folder, const char *output,
-                     uint32_t threads, orl_local_tell *tell, void *ctx, struct orl_error *err);
+                     uint32_t threads, const struct orl_local_tell *tell, struct orl_error *err);
 
 #endif

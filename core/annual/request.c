@@ -36,8 +36,6 @@ static bool is_place(struct orl_vec3 v)
 
 static int check_sensors(const struct orl_annual_request *request, struct orl_error *err)
 {
-    if (request->n_sensors == 0)
-        return orl_error_set(err, ORL_ERR_INVALID, "the year is asked for at no sensor");
     if (request->n_sensors > ORL_LIMIT_SENSORS)
         return orl_error_set(err, ORL_ERR_LIMIT, "%zu sensors are more than %lu",
                              request->n_sensors, ORL_LIMIT_SENSORS);
@@ -50,12 +48,8 @@ static int check_sensors(const struct orl_annual_request *request, struct orl_er
     return 0;
 }
 
-int orl_annual_validate(const struct orl_annual_request *request, struct orl_error *err)
+int orl_annual_validate_numbers(const struct orl_annual_request *request, struct orl_error *err)
 {
-    if (request->n_scene_files == 0)
-        return orl_error_set(err, ORL_ERR_INVALID, "the year names no scene files");
-    if (!request->weather_file)
-        return orl_error_set(err, ORL_ERR_INVALID, "the year names no weather file");
     if (!(fabs(request->north_deg) <= 360))
         return orl_error_set(err, ORL_ERR_RANGE, "north is given in degrees, -360 to 360");
     if (!(request->ground_reflectance >= 0 && request->ground_reflectance <= 1))
@@ -69,6 +63,17 @@ int orl_annual_validate(const struct orl_annual_request *request, struct orl_err
             return orl_error_set(err, ORL_ERR_RANGE, "grid %zu goes beyond the last sensor", i + 1);
     }
     return check_sensors(request, err);
+}
+
+int orl_annual_validate(const struct orl_annual_request *request, struct orl_error *err)
+{
+    if (request->n_scene_files == 0)
+        return orl_error_set(err, ORL_ERR_INVALID, "the year names no scene files");
+    if (!request->weather_file)
+        return orl_error_set(err, ORL_ERR_INVALID, "the year names no weather file");
+    if (request->n_sensors == 0)
+        return orl_error_set(err, ORL_ERR_INVALID, "the year is asked for at no sensor");
+    return orl_annual_validate_numbers(request, err);
 }
 
 /* ---- The result ---- */

@@ -17,6 +17,8 @@ struct writing {
     const char *folder;
     const struct orl_annual_report *report;
     const struct orl_annual_result *result;
+    int (*named)(void *ctx, const char *name, struct orl_error *err);
+    void *ctx;
     struct orl_error *err;
 };
 
@@ -32,6 +34,20 @@ static int path_in(const struct writing *w, char ret_path[PATH_SIZE], const char
     if (snprintf(ret_path, PATH_SIZE, "%s/%s", w->folder, name) < PATH_SIZE)
         return 0;
     return orl_error_set(w->err, ORL_ERR_LIMIT, "the path '%s' is too long", w->folder);
+}
+
+/* The same of a file that is about to be written. */
+static int name_file(const struct writing *w, char ret_path[PATH_SIZE], const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+static int name_file(const struct writing *w, char ret_path[PATH_SIZE], const char *format, ...)
+{
+    char name[PATH_SIZE / 2];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(name, sizeof name, format, args);
+    va_end(args);
+    const int code = w->named ? w->named(w->ctx, name, w->err) : 0;
+    return code < 0 ? code : path_in(w, ret_path, "%s", name);
 }
 
 /* Those that stand above it are there. */
@@ -118,7 +134,7 @@ static int write_with(const struct writing *w, const char *name,
 {
     struct orl_out_file file = {.stream = NULL};
     char path[PATH_SIZE];
-    int code = path_in(w, path, "%s", name);
+    int code = name_file(w, path, "%s", name);
     if (code == 0)
         code = orl_out_open(&file, path, w->err);
     if (code < 0)
@@ -145,7 +161,7 @@ static int write_series(const struct writing *w)
             const float *array = i == 0 ? result->total : result->direct;
             char path[PATH_SIZE], file[NAME_SIZE];
             orl_annual_file_name(grid->name, file, sizeof file);
-            code = path_in(w, path, "%s/%s.npy", folder, file);
+            code = name_file(w, path, "%s/%s.npy", folder, file);
             if (code == 0)
                 code = orl_npy_write(path, orl_annual_row(result, array, grid->first), grid->count,
                                      result->n_columns, w->err);
@@ -176,7 +192,7 @@ static int write_metric(const struct writing *w, size_t kind, const struct orl_a
     struct orl_out_file file = {.stream = NULL};
     char path[PATH_SIZE], name[NAME_SIZE];
     orl_annual_file_name(grid->name, name, sizeof name);
-    int code = path_in(w, path, "metrics/%s/%s.%s", kinds[kind].name, name, kinds[kind].ending);
+    int code = name_file(w, path, "metrics/%s/%s.%s", kinds[kind].name, name, kinds[kind].ending);
     if (code == 0)
         code = orl_out_open(&file, path, w->err);
     if (code < 0)
@@ -219,7 +235,7 @@ static int write_ase(const struct writing *w)
         struct orl_out_file file = {.stream = NULL};
         char path[PATH_SIZE], name[NAME_SIZE];
         orl_annual_file_name(w->report->grids[g].name, name, sizeof name);
-        code = path_in(w, path, "metrics/ase/%s.ase", name);
+        code = name_file(w, path, "metrics/ase/%s.ase", name);
         if (code == 0)
             code = orl_out_open(&file, path, w->err);
         if (code < 0)
@@ -247,9 +263,11 @@ static void put_summary(FILE *stream, const struct writing *w)
 }
 
 int orl_honeybee_write(const char *folder, const struct orl_annual_report *report,
-                       const struct orl_annual_result *result, struct orl_error *err)
+                       const struct orl_annual_result *result,
+                       int (*named)(void *ctx, const char *name, struct orl_error *err), void *ctx,
+                       struct orl_error *err)
 {
-    const struct writing w = {folder, report, result, err};
+    const struct writing w = {folder, report, result, named, ctx, err};
     int code = make_folder(&w, "");
     if (code == 0)
         code = write_with(&w, "grids_info.json", put_grids_info);

@@ -2,13 +2,16 @@
 #include <oriel/annual_report.h>
 
 #include <sodium.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include <oriel/limits.h>
 #include <oriel/sha256.h>
 
+#include "annual/hours.h"
 #include "base/grow.h"
+#include "light/weather.h"
 #include "run/stages.h"
 
 /* ---- Grids ----------------------------------------------------------------------------------- */
@@ -59,25 +62,117 @@ int orl_annual_grids_read(struct orl_annual_request *request, char *const *names
     return 0;
 }
 
+/* ---- What the files say, before anything is run ---------------------------------------------- */
+
+/* The rows' times alone, as a year's steps. */
+static int steps_of(const struct orl_weather *weather, struct orl_annual_steps *ret_steps,
+                    struct orl_error *err)
+{
+    struct orl_annual_result times = {.n_steps = weather->n_rows};
+    struct orl_annual_year year = {.measured = NULL};
+    times.steps = calloc(weather->n_rows + 1, sizeof *times.steps);
+    if (!times.steps)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    for (size_t i = 0; i < weather->n_rows; i++) {
+        const struct orl_weather_row *row = &weather->rows[i];
+        times.steps[i] = (struct orl_annual_step){.month = row->month,
+                                                  .day = row->day,
+                                                  .hour = row->hour,
+                                                  .missing = row->missing,
+                                                  .column = ORL_ANNUAL_DARK};
+    }
+    const int code = orl_annual_year_make(&times, &year, err);
+    if (code == 0)
+        *ret_steps = year.steps;
+    orl_annual_year_done(&year);
+    free(times.steps);
+    return code;
+}
+
+int orl_annual_weather_check(const char *name, const char *text, size_t size,
+                             struct orl_annual_steps *ret_steps, size_t *ret_rows,
+                             struct orl_error *err)
+{
+    struct orl_weather weather = {0};
+    int code = orl_weather_parse(name, text, size, &weather, err);
+    if (code < 0)
+        return code;
+    const size_t rows = weather.n_rows;
+    if (rows > ORL_HOURS_MOST)
+        code = orl_error_set(err, ORL_ERR_LIMIT, "a year of %zu rows is more than %d", rows,
+                             ORL_HOURS_MOST);
+    else
+        code = steps_of(&weather, ret_steps, err);
+    orl_weather_done(&weather);
+    if (code < 0)
+        orl_error_at(err, name, 0, NULL);
+    else
+        *ret_rows = rows;
+    return code;
+}
+
+int orl_occupancy_check(const char *name, const char *text, size_t size,
+                        const struct orl_annual_steps *steps, struct orl_error *err)
+{
+    unsigned char *marks = malloc(steps->count + (size_t)1);
+    if (!marks)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    const int code = orl_occupancy_read(name, text, size, steps, marks, err);
+    free(marks);
+    return code;
+}
+
 /* ---- Notes ----------------------------------------------------------------------------------- */
+
+/* Where a name is, or belongs. */
+static size_t place_of(const struct orl_annual_inputs *inputs, const char *name)
+{
+    size_t low = 0, high = inputs->count;
+    while (low < high) {
+        const size_t middle = (low + high) / 2;
+        if (strcmp(inputs->items[middle].name, name) < 0)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+static bool has(const struct orl_annual_inputs *inputs, size_t at, const char *name)
+{
+    return at < inputs->count && strcmp(inputs->items[at].name, name) == 0;
+}
+
+int orl_annual_inputs_add(struct orl_annual_inputs *inputs, const char *name, uint64_t bytes,
+                          const char *digest, struct orl_error *err)
+{
+    const size_t at = place_of(inputs, name);
+    if (has(inputs, at, name))
+        return 0;
+    struct orl_annual_input item = {.name = strdup(name), .bytes = bytes};
+    if (!item.name ||
+        !orl_grow(&inputs->items, &inputs->room, inputs->count, sizeof *inputs->items)) {
+        free(item.name);
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    }
+    snprintf(item.digest, sizeof item.digest, "%s", digest);
+    memmove(inputs->items + at + 1, inputs->items + at,
+            (inputs->count - at) * sizeof *inputs->items);
+    inputs->items[at] = item;
+    inputs->count++;
+    return 0;
+}
 
 static int note(struct orl_annual_inputs *inputs, const char *name, const struct orl_file *file,
                 struct orl_error *err)
 {
     unsigned char digest[ORL_SHA256_BYTES];
-    for (size_t i = 0; i < inputs->count; i++)
-        if (strcmp(inputs->items[i].name, name) == 0)
-            return 0;
-    if (!orl_grow(&inputs->items, &inputs->room, inputs->count, sizeof *inputs->items))
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-    struct orl_annual_input *item = &inputs->items[inputs->count];
-    *item = (struct orl_annual_input){.name = strdup(name), .bytes = file->size};
-    if (!item->name)
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    char hex[ORL_DIGEST_HEX + 1];
+    if (has(inputs, place_of(inputs, name), name))
+        return 0;
     orl_sha256(file->data, file->size, digest);
-    sodium_bin2hex(item->digest, sizeof item->digest, digest, sizeof digest);
-    inputs->count++;
-    return 0;
+    sodium_bin2hex(hex, sizeof hex, digest, sizeof digest);
+    return orl_annual_inputs_add(inputs, name, file->size, hex, err);
 }
 
 static int noting_open(void *ctx, const char *name, struct orl_file *ret_file,

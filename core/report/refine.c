@@ -107,10 +107,30 @@ static void merge(struct refining *r, const struct orl_annual_result *more, uint
     }
 }
 
+/* A round's share of the whole, for progress: half of what is left, if there may be others. */
+static struct orl_run_env share_of(const struct refining *r, uint32_t round)
+{
+    struct orl_run_env run = *r->env->run;
+    const double whole = run.part > 0 ? run.part : 1;
+    double from = 0, part = r->wishes->until ? 0.5 : 1;
+    for (uint32_t i = 0; i < round; i++) {
+        from += part;
+        part /= 2;
+    }
+    run.part_from += whole * from;
+    run.part = whole * part;
+    return run;
+}
+
 static int run_again(struct refining *r, uint32_t samples)
 {
     struct orl_annual_request request = *r->request;
-    struct orl_annual_env env = {.run = r->env->run};
+    const struct orl_run_env run = share_of(r, r->state->rounds);
+    const struct orl_annual_env env = {.run = &run,
+                                       .kept = r->env->kept,
+                                       .done = r->env->done,
+                                       .round = r->state->rounds,
+                                       .ctx = r->env->ctx};
     struct orl_annual_result more = {.n_steps = 0};
     request.grids = NULL;
     request.n_grids = 0;
@@ -178,7 +198,10 @@ int orl_annual_run_until(const struct orl_annual_request *request,
     struct orl_annual_result result = {.n_steps = 0};
     struct orl_annual_refinement state = {.asked = wishes->until != NULL};
     struct refining r = {request, wishes, env, &result, &state, NULL, NULL, 0, err};
-    int code = orl_annual_run(request, env, &result, err);
+    const struct orl_run_env run = share_of(&r, 0);
+    struct orl_annual_env first = *env;
+    first.run = &run;
+    int code = orl_annual_run(request, &first, &result, err);
     if (code == 0 && wishes->until) {
         r.samples = calloc(request->n_sensors + 1, sizeof *r.samples);
         r.open = calloc(request->n_sensors + 1, sizeof *r.open);

@@ -356,6 +356,18 @@ static int prepare(const struct making *m)
     return code == 0 ? make_periods(m) : code;
 }
 
+int orl_annual_wishes_validate(const struct orl_annual_request *request,
+                               const struct orl_annual_wishes *wishes, struct orl_error *err)
+{
+    struct orl_annual_report report = {.n_grids = 0};
+    const struct making m = {request, NULL, wishes, NULL, &report, err};
+    int code = make_grids(&m);
+    if (code == 0)
+        code = check_grids(&m);
+    orl_annual_report_done(&report);
+    return code;
+}
+
 int orl_annual_wishes_check(const struct orl_annual_request *request,
                             const struct orl_annual_result *result,
                             const struct orl_annual_wishes *wishes, const struct orl_files *files,

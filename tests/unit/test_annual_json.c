@@ -128,7 +128,10 @@ static void test_mistakes_are_named(void **state)
         {"\"samples\": 64", "\"samples\": 0", "samples"},
         {"{\"verdict\": \"DA500 of desks >= 70 %\"}", "{}", "accuracy.verdict"},
         {">= 70 %", "about 70 %", "accuracy.verdict"},
-        {"\"wall\", \"sensors\"", "\"desks\", \"sensors\"", ""},
+        {"\"wall\", \"sensors\"", "\"desks\", \"sensors\"", "grids"},
+        {"\"wall\", \"sensors\"", "\"desks.direct\", \"sensors\"", "grids"},
+        {"UDI100-2000 over the year", "DA500", "metrics"},
+        {"\"seed\": 7", "\"formats\": [\"hdr\"]", "formats[0]"},
     };
     (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {

@@ -327,7 +327,7 @@ static void test_honeybees_folder(void **state)
     ask(&wishes, "ASE <= 10 %", "LEED");
     assert_int_equal(orl_annual_report_make(&request, &result, &wishes, NULL, &report, NULL), 0);
     for (int again = 0; again < 2; again++)
-        assert_int_equal(orl_honeybee_write(path_of("hb"), &report, &result, NULL), 0);
+        assert_int_equal(orl_honeybee_write(path_of("hb"), &report, &result, NULL, NULL, NULL), 0);
     assert_holds("hb/grids_info.json", "{\"count\": 2, \"name\": \"North / \\\"old\\\"\", "
                                        "\"identifier\": \"North____old_\"");
     assert_holds("hb/grid_states.json", "\"south\": {\"__static_apertures__\": [\"default\"]}");

@@ -59,6 +59,8 @@ void orl_annual_request_done(
 
 /* Checks what can be checked without the scene: counts, limits, finite numbers, grids in bounds. */
 int orl_annual_validate(const struct orl_annual_request *request, struct orl_error *err);
+/* The same of what is there already, before the scene is known or sensors of files are read. */
+int orl_annual_validate_numbers(const struct orl_annual_request *request, struct orl_error *err);
 
 /* ---- The result ------------------------------------------------------------------------------ */
 
@@ -119,9 +121,17 @@ static inline const float *orl_annual_row(const struct orl_annual_result *result
 
 /* ---- Running --------------------------------------------------------------------------------- */
 
+/* Rows of sensors that follow each other: [count][n_columns] each, in the result's arrays. */
+struct orl_annual_block {
+    uint32_t round; /* the env's */
+    size_t first, count, n_columns;
+    float *total, *direct, *se;
+};
+
 struct orl_annual_env {
-    /* Of its members crew, files, store (for BSDFs), shelf, files_id, cancel, now_s, warned and
-     * progress are heeded, the last with ORL_STAGE_RENDER for all after loading; and ctx. */
+    /* Of its members crew, files, store (for BSDFs), shelf, files_id, cancel, now_s, warned, part
+     * and progress are heeded, the last with ORL_STAGE_LOAD, then ORL_STAGE_MAPS for skies and
+     * sunlight on surfaces, then ORL_STAGE_RENDER; and ctx. */
     const struct orl_run_env *run; /* borrowed */
     /*
      * Called by the lead thread once the hours are known, before any row: result's steps and
@@ -135,6 +145,14 @@ struct orl_annual_env {
      */
     int (*row)(void *ctx, size_t sensor, const float *total, const float *direct, const float *se,
                struct orl_error *err);
+    /*
+     * Where arrays are kept. Called by the lead thread before a block is computed: has an earlier
+     * run of the same request left its rows? True: they are filled in. May be NULL.
+     */
+    bool (*kept)(void *ctx, struct orl_annual_block *block);
+    /* Likewise once a block is computed. May be NULL. */
+    void (*done)(void *ctx, const struct orl_annual_block *block);
+    uint32_t round; /* which of several runs for one job this is, for those two */
     void *ctx;
 };
 

@@ -39,6 +39,17 @@ uint32_t orl_annual_step_of(const struct orl_annual_year *year, const struct orl
 int orl_annual_grids_read(struct orl_annual_request *request, char *const *names,
                           const struct orl_files *files, struct orl_error *err);
 
+/*
+ * Whether a year would take these bytes for its weather, and of how many steps and rows it is; or
+ * for when its rooms are in use. Errors are those of the year, with file and line, as far as the
+ * bytes alone tell.
+ */
+int orl_annual_weather_check(const char *name, const char *text, size_t size,
+                             struct orl_annual_steps *ret_steps, size_t *ret_rows,
+                             struct orl_error *err);
+int orl_occupancy_check(const char *name, const char *text, size_t size,
+                        const struct orl_annual_steps *steps, struct orl_error *err);
+
 /* Which files were opened, and what they held. */
 struct orl_annual_input {
     char *name;
@@ -47,9 +58,12 @@ struct orl_annual_input {
 };
 struct orl_annual_inputs {
     const struct orl_files *files;  /* borrowed: where they come from */
-    struct orl_annual_input *items; /* each once, in the order they were first opened */
+    struct orl_annual_input *items; /* each once, by name */
     size_t count, room;
 };
+/* One that is known without being opened; digest: SHA-256 in hexadecimal digits. ORL_ERR_NOMEM. */
+int orl_annual_inputs_add(struct orl_annual_inputs *inputs, const char *name, uint64_t bytes,
+                          const char *digest, struct orl_error *err);
 /* A provider that passes all on, and notes it. inputs outlives it; orl_annual_inputs_done. */
 struct orl_files orl_annual_inputs_of(struct orl_annual_inputs *inputs,
                                       const struct orl_files *files);
@@ -74,6 +88,10 @@ struct orl_annual_wishes {
  * illuminance; no targets. ORL_ERR_NOMEM. */
 int orl_annual_wishes_init(struct orl_annual_wishes *wishes);
 void orl_annual_wishes_done(struct orl_annual_wishes *wishes); /* NULL and zeros are fine */
+/* What can be told before the weather is read: whether the grids that targets name are there.
+ * ORL_ERR_INVALID, ORL_ERR_NOMEM. */
+int orl_annual_wishes_validate(const struct orl_annual_request *request,
+                               const struct orl_annual_wishes *wishes, struct orl_error *err);
 
 /* ---- What is told ---------------------------------------------------------------------------- */
 
@@ -119,6 +137,12 @@ int orl_annual_wishes_check(const struct orl_annual_request *request,
                             const struct orl_annual_wishes *wishes, const struct orl_files *files,
                             struct orl_error *err);
 void orl_annual_report_done(struct orl_annual_report *report); /* NULL and zeros are fine */
+
+/* Adds to the result's warnings what the report shows: hours that are not there, or doubtful, and
+ * sensors without light. warned, if not NULL, is told of each. ORL_ERR_NOMEM. */
+int orl_annual_report_warn(const struct orl_annual_report *report, struct orl_annual_result *result,
+                           void (*warned)(void *ctx, const char *warning), void *ctx,
+                           struct orl_error *err);
 
 /* ---- Until a verdict is sure ----------------------------------------------------------------- */
 
@@ -213,10 +237,13 @@ int orl_matrix_write(const char *path, const float *values, size_t rows, size_t 
  * sun-up-hours.txt, grid_states.json, study_info.json,
  * __static_apertures__/default/{total,direct}/GRID.npy, and metrics/{da,cda,udi,udi_lower,
  * udi_upper,ase,hours_above}/GRID.* with a summary. Columns are those of the result. Grids are
- * named as there; what no file may be called becomes '_'.
+ * named as there; what no file may be called becomes '_'. named: told of each file before it is
+ * written, by its name below the folder; NULL, or what it returns below 0 ends the writing.
  */
 int orl_honeybee_write(const char *folder, const struct orl_annual_report *report,
-                       const struct orl_annual_result *result, struct orl_error *err);
+                       const struct orl_annual_result *result,
+                       int (*named)(void *ctx, const char *name, struct orl_error *err), void *ctx,
+                       struct orl_error *err);
 
 /* A line a sensor: grid, position, direction, every metric with its interval. */
 int orl_annual_sensors_csv(const char *path, const struct orl_annual_report *report,

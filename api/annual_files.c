@@ -1,0 +1,225 @@
+#include "annual_files.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "chart/annual_page.h"
+#include "chart/temporal_map.h"
+
+enum { NAME_SIZE = 256, PATH_SIZE = 4096, GRID_SIZE = 128 };
+#define HONEYBEE "results"
+
+/* What is written, and where. */
+struct writing {
+    const struct orl_annual_told *told;
+    struct orl_annual_plans *plans;
+    json_t *names;
+    size_t count; /* there will be */
+    struct orl_error *err;
+};
+
+static const struct {
+    enum orl_canvas_kind kind;
+    const char *ending;
+} kinds[2] = {{ORL_CANVAS_SVG, "svg"}, {ORL_CANVAS_PNG, "png"}};
+
+/* Notes the name of a file that is about to be written. */
+static int note(void *ctx, const char *name, struct orl_error *err)
+{
+    const struct writing *w = ctx;
+    const struct orl_run_env *run = w->told->run;
+    if (run->cancel && atomic_load(run->cancel))
+        return orl_error_set(err, ORL_ERR_CANCELLED, "cancelled");
+    if (json_array_append_new(w->names, json_string(name)))
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    const double done = fmin((double)json_array_size(w->names) / (double)w->count, 1);
+    if (run->progress)
+        run->progress(run->ctx, ORL_STAGE_RENDER, done,
+                      ORL_ANNUAL_FILES_FROM + (1 - ORL_ANNUAL_FILES_FROM) * done);
+    return 0;
+}
+
+/* A file of the folder itself: its path. */
+static int name_file(struct writing *w, char ret_path[PATH_SIZE], const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+static int name_file(struct writing *w, char ret_path[PATH_SIZE], const char *format, ...)
+{
+    char name[NAME_SIZE];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(name, sizeof name, format, args);
+    va_end(args);
+    const int rc = note(w, name, w->err);
+    if (rc)
+        return rc;
+    const int length = snprintf(ret_path, PATH_SIZE, "%s/%s", w->told->run->output_folder, name);
+    return length < PATH_SIZE ? 0 : orl_error_set(w->err, ORL_ERR_LIMIT, "the path is too long");
+}
+
+static int write_tables(struct writing *w)
+{
+    char path[PATH_SIZE];
+    int rc = name_file(w, path, "sensors.csv");
+    if (rc == 0)
+        rc = orl_annual_sensors_csv(path, w->told->report, w->told->job->request.sensors, w->err);
+    if (rc == 0)
+        rc = name_file(w, path, "hours.csv");
+    if (rc == 0)
+        rc = orl_annual_hours_csv(path, w->told->report, w->told->result, w->err);
+    return rc;
+}
+
+static int write_matrices(struct writing *w)
+{
+    const struct orl_annual_result *result = w->told->result;
+    int rc = 0;
+    for (size_t g = 0; g < w->told->report->n_grids && rc == 0; g++) {
+        const struct orl_annual_grid *grid = &w->told->report->grids[g];
+        char path[PATH_SIZE], name[GRID_SIZE];
+        orl_annual_file_name(grid->name, name, sizeof name);
+        rc = name_file(w, path, "%s.ill", name);
+        if (rc == 0)
+            rc = orl_matrix_write(path, orl_annual_row(result, result->total, grid->first),
+                                  grid->count, result->n_columns, false, w->err);
+        if (rc == 0)
+            rc = name_file(w, path, "%s.direct.ill", name);
+        if (rc == 0)
+            rc = orl_matrix_write(path, orl_annual_row(result, result->direct, grid->first),
+                                  grid->count, result->n_columns, false, w->err);
+    }
+    return rc;
+}
+
+/* Every metric of a grid over the plan. */
+static int write_plans(struct writing *w, size_t g, const char *grid)
+{
+    int rc = 0;
+    double wide, high;
+    if (!orl_annual_plan_size(w->plans, g, 1, &wide, &high))
+        return 0;
+    for (size_t k = 0; k < w->told->report->n_metrics && rc == 0; k++)
+        for (int i = 0; i < 2 && rc == 0; i++) {
+            char path[PATH_SIZE], metric[64];
+            orl_annual_metric_file(&w->told->report->metrics[k], metric, sizeof metric);
+            rc = name_file(w, path, "%s.%s.%s", grid, metric, kinds[i].ending);
+            if (rc == 0)
+                rc = orl_annual_plan_write(w->plans, w->told->report, g, k, kinds[i].kind, path,
+                                           w->err);
+        }
+    return rc;
+}
+
+/* A grid's year as carpets: mean illuminance, and the share of the area with 300 lx. */
+static int write_years(struct writing *w, size_t g, const char *grid)
+{
+    static const struct {
+        enum orl_annual_series series;
+        const char *name, *title, *unit;
+        double top;
+    } of[2] = {{ORL_SERIES_MEAN, "year", "mean illuminance, lx", "lx", 0},
+               {ORL_SERIES_SHARE, "year300", "share of the area with 300 lx or more, %", "%", 100}};
+    float *values = malloc(w->told->report->year.steps.count * sizeof *values);
+    int rc = values ? 0 : orl_error_set(w->err, ORL_ERR_NOMEM, "out of memory");
+    for (int s = 0; s < 2 && rc == 0; s++) {
+        char title[NAME_SIZE];
+        snprintf(title, sizeof title, "%s: %s", w->told->report->grids[g].name, of[s].title);
+        orl_annual_series_of(w->told->report, w->told->result, g, of[s].series, 300, values);
+        for (int i = 0; i < 2 && rc == 0; i++) {
+            const struct orl_temporal_map map = {.title = title,
+                                                 .unit = of[s].unit,
+                                                 .steps = w->told->report->year.steps,
+                                                 .values = values,
+                                                 .top = of[s].top,
+                                                 .logarithmic = !(of[s].top > 0),
+                                                 .marks = w->told->report->marks};
+            char path[PATH_SIZE];
+            rc = name_file(w, path, "%s.%s.%s", grid, of[s].name, kinds[i].ending);
+            if (rc == 0)
+                rc = orl_temporal_map_write(&map, kinds[i].kind, path, w->err);
+        }
+    }
+    free(values);
+    return rc;
+}
+
+static int write_page(struct writing *w, size_t g, const char *grid)
+{
+    const struct orl_annual_page page = {.title = w->told->job->title,
+                                         .request = &w->told->job->request,
+                                         .wishes = &w->told->job->wishes,
+                                         .result = w->told->result,
+                                         .report = w->told->report,
+                                         .plans = w->plans,
+                                         .grid = g};
+    int rc = 0;
+    for (int i = 0; i < 2 && rc == 0; i++) {
+        char path[PATH_SIZE];
+        rc = name_file(w, path, "%s.page.%s", grid, kinds[i].ending);
+        if (rc == 0)
+            rc = orl_annual_page_write(&page, kinds[i].kind, path, w->err);
+    }
+    return rc;
+}
+
+static int write_pictures(struct writing *w)
+{
+    int rc = 0;
+    for (size_t g = 0; g < w->told->report->n_grids && rc == 0; g++) {
+        char grid[GRID_SIZE];
+        orl_annual_file_name(w->told->report->grids[g].name, grid, sizeof grid);
+        rc = write_plans(w, g, grid);
+        if (rc == 0)
+            rc = write_years(w, g, grid);
+        if (rc == 0)
+            rc = write_page(w, g, grid);
+    }
+    return rc;
+}
+
+/* Below a folder of its own. */
+static int note_honeybee(void *ctx, const char *name, struct orl_error *err)
+{
+    char below[NAME_SIZE];
+    snprintf(below, sizeof below, HONEYBEE "/%s", name);
+    return note(ctx, below, err);
+}
+
+static int write_honeybee(struct writing *w)
+{
+    char path[PATH_SIZE];
+    if (snprintf(path, sizeof path, "%s/" HONEYBEE, w->told->run->output_folder) >= PATH_SIZE)
+        return orl_error_set(w->err, ORL_ERR_LIMIT, "the path is too long");
+    return orl_honeybee_write(path, w->told->report, w->told->result, note_honeybee, w, w->err);
+}
+
+/* Roughly, for progress. */
+static size_t count_files(const struct orl_annual_told *told)
+{
+    const struct orl_annual_formats *formats = &told->job->formats;
+    const size_t of_grid =
+        2 * told->report->n_metrics + 6 + (formats->matrices ? 2 : 0) + (formats->honeybee ? 9 : 0);
+    return 2 + told->report->n_grids * of_grid + (formats->honeybee ? 12 : 0);
+}
+
+static int write_all(struct writing *w)
+{
+    const struct orl_annual_told *told = w->told;
+    int rc = write_tables(w);
+    if (rc == 0 && told->job->formats.matrices)
+        rc = write_matrices(w);
+    if (rc == 0 && told->job->formats.honeybee)
+        rc = write_honeybee(w);
+    if (rc == 0)
+        rc = orl_annual_plans_new(&told->job->request, told->report, told->run, &w->plans, w->err);
+    return rc ? rc : write_pictures(w);
+}
+
+int orl_annual_files_write(const struct orl_annual_told *told, json_t *names, struct orl_error *err)
+{
+    struct writing w = {.told = told, .names = names, .count = count_files(told), .err = err};
+    const int rc = write_all(&w);
+    orl_annual_plans_free(w.plans);
+    return rc;
+}

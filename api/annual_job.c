@@ -1,0 +1,90 @@
+#include "annual_job.h"
+
+#include "annual_files.h"
+
+/* A job on its way. */
+struct running {
+    struct orl_annual_job *job;
+    const struct orl_annual_job_env *env;
+    struct orl_annual_result result;
+    struct orl_annual_refinement refinement;
+    struct orl_annual_report report;
+};
+
+/* ---- The year -------------------------------------------------------------------------------- */
+
+/* What is wrong with the wishes is told before the work begins. */
+static int on_begins(void *ctx, const struct orl_annual_result *result, struct orl_error *err)
+{
+    const struct running *r = ctx;
+    return orl_annual_wishes_check(&r->job->request, result, &r->job->wishes, r->env->run->files,
+                                   err);
+}
+
+static bool on_kept(void *ctx, struct orl_annual_block *block)
+{
+    const struct running *r = ctx;
+    return r->env->kept && r->env->kept(r->env->run->ctx, block);
+}
+
+static void on_done(void *ctx, const struct orl_annual_block *block)
+{
+    const struct running *r = ctx;
+    if (r->env->done)
+        r->env->done(r->env->run->ctx, block);
+}
+
+static int run_year(struct running *r, struct orl_error *err)
+{
+    struct orl_run_env run = *r->env->run;
+    const struct orl_annual_env env = {
+        .run = &run, .begins = on_begins, .kept = on_kept, .done = on_done, .ctx = r};
+    run.part = ORL_ANNUAL_FILES_FROM;
+    return orl_annual_run_until(&r->job->request, &r->job->wishes, &env, r->env->round, run.ctx,
+                                &r->result, &r->refinement, err);
+}
+
+/* ---- What is told of it ---------------------------------------------------------------------- */
+
+static int make_report(struct running *r, struct orl_error *err)
+{
+    const struct orl_run_env *run = r->env->run;
+    const int rc = orl_annual_report_make(&r->job->request, &r->result, &r->job->wishes, run->files,
+                                          &r->report, err);
+    return rc ? rc : orl_annual_report_warn(&r->report, &r->result, run->warned, run->ctx, err);
+}
+
+static int tell(struct running *r, struct orl_error *err)
+{
+    const struct orl_annual_told told = {r->job, r->env->run, &r->result, &r->report};
+    json_t *names = json_array(), *document = NULL;
+    int rc = names ? orl_annual_files_write(&told, names, err)
+                   : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    if (rc == 0) {
+        document = orl_annual_report_to_json(r->job, &r->result, &r->refinement, &r->report,
+                                             r->env->inputs, names);
+        rc = document ? r->env->tell(r->env->run->ctx, &r->result, &r->report, document, names, err)
+                      : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    }
+    json_decref(document);
+    json_decref(names);
+    return rc;
+}
+
+int orl_annual_job_run(struct orl_annual_job *job, const struct orl_annual_job_env *env,
+                       struct orl_error *err)
+{
+    struct running r = {.job = job, .env = env};
+    int rc = orl_annual_grids_read(&job->request, job->grid_files, env->run->files, err);
+    if (rc == 0)
+        rc = orl_annual_validate(&job->request, err);
+    if (rc == 0)
+        rc = run_year(&r, err);
+    if (rc == 0)
+        rc = make_report(&r, err);
+    if (rc == 0)
+        rc = tell(&r, err);
+    orl_annual_report_done(&r.report);
+    orl_annual_done(&r.result);
+    return rc;
+}

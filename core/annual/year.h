@@ -1,0 +1,66 @@
+/*
+ * A year under way: what its stages hand to each other, and what all of them need.
+ *
+ * Threads: the lead's, but for what blocks.c says of a crew's members.
+ */
+#ifndef ORL_ANNUAL_YEAR_H
+#define ORL_ANNUAL_YEAR_H
+
+#include <stdatomic.h>
+
+#include <oriel/annual.h>
+
+#include "annual/panels.h"
+#include "annual/product.h"
+#include "annual/scene.h"
+#include "annual/terms.h"
+#include "light/lights.h"
+
+enum { ORL_YEAR_BLOCK = 64 }; /* sensors at a time */
+
+struct orl_year {
+    const struct orl_annual_request *request;
+    const struct orl_annual_env *env;
+    struct orl_annual_result *result;
+    struct orl_bins bins;
+    struct orl_hours hours;
+    struct orl_sun_nodes nodes;
+    struct orl_frame *node_frames; /* as the scene has them */
+    struct orl_sun_terms terms;
+    size_t n_sun; /* nodes and beams */
+    struct orl_lights *lights;
+    struct orl_world *world;
+    struct orl_annual_scene scene;
+    struct orl_panels panels;
+    uint32_t batch_samples;
+    double started_s, blocks_s; /* by the run's clock: the whole, and its blocks */
+    double told;                /* of the run's progress: it never falls */
+    size_t kept;                /* sensors that came without being computed */
+    /* Of the sensors of a block: */
+    size_t first, count;
+    atomic_size_t traced; /* batches */
+    struct orl_place places[ORL_YEAR_BLOCK];
+    float *bin_sums;                    /* [sensor][batch][bin] */
+    double *sun_sums;                   /* [sensor][batch][nodes, beams] */
+    float *rows;                        /* [sensor][of each][column] */
+    struct orl_annual_factors *factors; /* by sensor */
+    double *sun_by_batch;               /* of those */
+    struct orl_health *healths;         /* by member */
+};
+
+void orl_year_warn(struct orl_year *y, const char *format, ...)
+    __attribute__((format(printf, 2, 3)));
+
+double orl_year_now(const struct orl_year *y);
+/* Books what has passed since *since, which becomes now. */
+void orl_year_book(struct orl_year *y, enum orl_annual_stage stage, double *since);
+
+/* Tells how far the run is, by the time that its blocks have taken so far. sensors: that are done,
+ * whole or in part. */
+void orl_year_tell(struct orl_year *y, enum orl_stage stage, double sensors);
+
+/* Both return the code. */
+int orl_year_no_memory(struct orl_error *err);
+int orl_year_cancelled(struct orl_error *err);
+
+#endif
