@@ -9,7 +9,7 @@ static int look(const struct orl_panorama *p, const struct orl_glare_settings *s
 {
     struct orl_field field;
     int code = orl_field_init(&field, p->view, p->width, p->height, turned_deg, err);
-    const struct orl_luminances luminances = {&field, p->cd_m2};
+    const struct orl_luminances luminances = {&field, p->cd_m2, p->cancel};
     *ret_held = field.all_sr >= least_sr;
     if (code == 0 && *ret_held)
         code = orl_glare_evaluate(&luminances, p->mask, settings, ret_glare, err);

@@ -14,6 +14,7 @@ struct orl_panorama {
     const struct orl_view *view;
     uint32_t width, height;
     const float *cd_m2, *mask; /* as many as pixels; mask may be NULL */
+    const atomic_bool *cancel; /* borrowed; NULL: never */
 };
 
 /* Luminances of a mask, of a picture that has to be so large; owned. Errors are those of
@@ -21,7 +22,8 @@ struct orl_panorama {
 int orl_glare_read_mask(const struct orl_picture_bytes *bytes, uint32_t width, uint32_t height,
                         float **ret_mask, struct orl_error *err);
 
-/* ORL_ERR_UNSUPPORTED, _NOMEM. ret_glare is owned; its turned_deg says where one looks. */
+/* ORL_ERR_UNSUPPORTED, _NOMEM, _CANCELLED. ret_glare is owned; its turned_deg says where one looks.
+ */
 int orl_glare_around(const struct orl_panorama *panorama, const struct orl_glare_settings *settings,
                      struct orl_glare *ret_glare, struct orl_error *err);
 

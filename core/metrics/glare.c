@@ -2,6 +2,8 @@
 
 #include <stdlib.h>
 
+#include <oriel/crew.h>
+
 #include "base/sum.h"
 #include "metrics/dgp.h"
 #include "metrics/indices.h"
@@ -127,6 +129,8 @@ int orl_glare_evaluate(const struct orl_luminances *picture, const float *mask,
     const int outside = check_task(&settings->task, picture->field, err);
     if (outside < 0)
         return outside;
+    if (orl_is_cancelled(picture->cancel))
+        return orl_error_set(err, ORL_ERR_CANCELLED, "cancelled while rating glare");
     const struct totals totals = add_up(picture);
     const double task = task_luminance(picture, &settings->task, totals.average_cd_m2);
     const struct orl_source_rule rule = rule_of(settings, task);

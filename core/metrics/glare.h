@@ -16,8 +16,8 @@
 /* Luminances of a film, cd/m2; owned; NULL: out of memory. */
 float *orl_film_luminances(const struct orl_film *film);
 
-/* mask: luminances of a mask, as many as pixels, or NULL. ret_glare is owned. ORL_ERR_NOMEM;
- * ORL_ERR_RANGE: the task lies outside, or light is beyond measure. */
+/* mask: luminances of a mask, as many as pixels, or NULL. ret_glare is owned. ORL_ERR_NOMEM,
+ * _CANCELLED; ORL_ERR_RANGE: the task lies outside, or light is beyond measure. */
 int orl_glare_evaluate(const struct orl_luminances *picture, const float *mask,
                        const struct orl_glare_settings *settings, struct orl_glare *ret_glare,
                        struct orl_error *err);

@@ -31,8 +31,8 @@ static int evaluate(const struct orl_hdr_picture *picture, const struct orl_pict
     int code = cd_m2 ? 0 : orl_error_set(err, ORL_ERR_NOMEM, "out of memory for luminances");
     if (code == 0 && mask)
         code = orl_glare_read_mask(mask, picture->film.width, picture->film.height, &masked, err);
-    const struct orl_panorama panorama = {&picture->view, picture->film.width, picture->film.height,
-                                          cd_m2, masked};
+    const struct orl_panorama panorama = {
+        &picture->view, picture->film.width, picture->film.height, cd_m2, masked, NULL};
     if (code == 0)
         code = orl_glare_around(&panorama, settings, ret_glare, err);
     free(cd_m2);

@@ -3,6 +3,8 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include <oriel/crew.h>
+
 /* The part of the disc that a source has to fill. */
 static const double enough = 0.2;
 
@@ -65,23 +67,26 @@ static uint32_t claimed_by(struct smoothing *s, uint32_t x, uint32_t y)
     return best;
 }
 
-int orl_smooth_sources(const struct orl_field *field, double radius_rad, uint32_t n_labels,
+int orl_smooth_sources(const struct orl_luminances *picture, double radius_rad, uint32_t n_labels,
                        uint32_t *label)
 {
+    const struct orl_field *field = picture->field;
     const size_t count = (size_t)field->width * field->height;
     struct smoothing s = {.field = field, .label = label, .pixels = disc_of(field, radius_rad)};
     uint32_t *smoothed = malloc(count * sizeof *smoothed);
     s.filled = calloc((size_t)n_labels + 1, sizeof *s.filled);
     s.met = malloc(((size_t)n_labels + 1) * sizeof *s.met);
-    const bool held = smoothed && s.filled && s.met;
-    for (size_t i = 0; held && i < count; i++) {
+    int code = smoothed && s.filled && s.met ? 0 : ORL_ERR_NOMEM;
+    for (size_t i = 0; i < count && code == 0; i++) {
         const uint32_t x = (uint32_t)(i % field->width), y = (uint32_t)(i / field->width);
         smoothed[i] = label[i] == 0 && field->solid_angle[i] > 0 ? claimed_by(&s, x, y) : label[i];
+        if (orl_is_cancelled(picture->cancel))
+            code = ORL_ERR_CANCELLED;
     }
-    for (size_t i = 0; held && i < count; i++)
+    for (size_t i = 0; i < count && code == 0; i++)
         label[i] = smoothed[i];
     free(smoothed);
     free(s.filled);
     free(s.met);
-    return held ? 0 : ORL_ERR_NOMEM;
+    return code;
 }

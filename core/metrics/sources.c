@@ -49,7 +49,7 @@ static int find(struct search *s)
 {
     int code = label_groups(s, list_brighter(s, s->rule->threshold_cd_m2, false, false));
     if (code == 0 && s->rule->smooth && s->n_labels > 0)
-        code = orl_smooth_sources(s->picture->field, s->rule->radius_rad, s->n_labels, s->label);
+        code = orl_smooth_sources(s->picture, s->rule->radius_rad, s->n_labels, s->label);
     if (code == 0 && isfinite(s->rule->peak_cd_m2))
         code = label_groups(s, list_brighter(s, s->rule->peak_cd_m2, true, true));
     return code;
@@ -151,5 +151,7 @@ int orl_find_sources(const struct orl_luminances *picture, const struct orl_sour
     free(s.label);
     free(s.pixels);
     free(s.group);
-    return code < 0 ? orl_error_set(err, code, "out of memory searching for glare sources") : 0;
+    return code < 0 ? orl_error_set(err, code, "%s searching for glare sources",
+                                    code == ORL_ERR_CANCELLED ? "cancelled" : "out of memory")
+                    : 0;
 }

@@ -17,6 +17,8 @@
 #ifndef ORL_METRICS_SOURCES_H
 #define ORL_METRICS_SOURCES_H
 
+#include <stdatomic.h>
+
 #include <oriel/glare.h>
 
 #include "metrics/field.h"
@@ -25,6 +27,7 @@
 struct orl_luminances {
     const struct orl_field *field;
     const float *cd_m2;
+    const atomic_bool *cancel; /* borrowed; NULL: never */
 };
 
 struct orl_source_rule {
@@ -34,7 +37,7 @@ struct orl_source_rule {
     double peak_cd_m2; /* INFINITY: none */
 };
 
-/* Returns 0 or ORL_ERR_NOMEM; *ret_sources is owned. */
+/* Returns 0, ORL_ERR_NOMEM or ORL_ERR_CANCELLED; *ret_sources is owned. */
 int orl_find_sources(const struct orl_luminances *picture, const struct orl_source_rule *rule,
                      struct orl_glare_source **ret_sources, size_t *ret_count,
                      struct orl_error *err);

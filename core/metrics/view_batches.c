@@ -76,12 +76,12 @@ static void mean_without(const struct orl_view_batches *b, uint32_t left_out, fl
 typedef double found_values[ORL_VIEW_BATCHES + 1][ORL_GLARE_METRICS];
 
 static int find_without(const struct orl_view_batches *b, const struct orl_field *field,
-                        const struct orl_glare_settings *settings, found_values ret_found,
-                        struct orl_error *err)
+                        const struct orl_glare_settings *settings, const atomic_bool *cancel,
+                        found_values ret_found, struct orl_error *err)
 {
     struct orl_glare_settings of_values = *settings;
     float *cd_m2 = malloc((b->pixels + 1) * sizeof *cd_m2);
-    const struct orl_luminances luminances = {field, cd_m2};
+    const struct orl_luminances luminances = {field, cd_m2, cancel};
     int code = 0;
     if (!cd_m2)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for errors of glare");
@@ -149,17 +149,18 @@ static void keep_in_range(struct orl_glare_value values[ORL_GLARE_METRICS])
     }
 }
 
-int orl_glare_errors(const struct orl_view_batches *batches, const struct orl_view *view,
-                     uint32_t width, uint32_t height, const struct orl_glare_settings *settings,
-                     struct orl_glare *glare, struct orl_error *err)
+int orl_glare_errors(const struct orl_view_batches *batches, const struct orl_panorama *panorama,
+                     const struct orl_glare_settings *settings, struct orl_glare *glare,
+                     struct orl_error *err)
 {
     struct orl_field field;
     found_values found = {{0}};
     if (batches->count < 2)
         return 0;
-    int code = orl_field_init(&field, view, width, height, glare->turned_deg, err);
+    int code = orl_field_init(&field, panorama->view, panorama->width, panorama->height,
+                              glare->turned_deg, err);
     if (code == 0)
-        code = find_without(batches, &field, settings, found, err);
+        code = find_without(batches, &field, settings, panorama->cancel, found, err);
     orl_field_done(&field);
     for (int m = 0; m < ORL_GLARE_METRICS && code == 0; m++)
         judge(batches, found, m, &glare->values[m]);

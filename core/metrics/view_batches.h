@@ -34,10 +34,11 @@ int orl_view_batches_add(struct orl_view_batches *batches, const struct orl_film
                          double effort, struct orl_error *err);
 void orl_view_batches_done(struct orl_view_batches *batches);
 
-/* Fills in standard errors, intervals and the class of what was found in the whole view. mask and
- * settings as there. Of fewer than two batches nothing is known. ORL_ERR_NOMEM. */
-int orl_glare_errors(const struct orl_view_batches *batches, const struct orl_view *view,
-                     uint32_t width, uint32_t height, const struct orl_glare_settings *settings,
-                     struct orl_glare *glare, struct orl_error *err);
+/* Fills in standard errors, intervals and the class of what was found in the whole view. panorama
+ * and settings as there; its own luminances and mask are not looked at. Of fewer than two batches
+ * nothing is known. ORL_ERR_NOMEM, ORL_ERR_CANCELLED. */
+int orl_glare_errors(const struct orl_view_batches *batches, const struct orl_panorama *panorama,
+                     const struct orl_glare_settings *settings, struct orl_glare *glare,
+                     struct orl_error *err);
 
 #endif

@@ -143,12 +143,12 @@ void orl_run_mind_rare_light(struct orl_result *result, const struct orl_sensor 
 int orl_run_write_view(struct orl_run_state *state, size_t index, const struct orl_film *film,
                        struct orl_error *err);
 
-/* The glare of a view that asks for metrics, into the result. */
 /* The luminances of the mask that a view with metrics names, owned; *ret_mask is NULL where it
  * names none. Errors are those of a picture that cannot be read, or has another size. */
 int orl_run_read_mask(const struct orl_files *files, const struct orl_view_request *view,
                       float **ret_mask, struct orl_error *err);
 
+/* The glare of a view that asks for metrics, into the result. */
 int orl_run_rate_view(struct orl_run_state *state, size_t index, const struct orl_film *film,
                       struct orl_error *err);
 /* After that: what the view's batches tell of its errors. */

@@ -42,7 +42,7 @@ int orl_run_read_mask(const struct orl_files *files, const struct orl_view_reque
     return code;
 }
 
-static int rate(const struct orl_files *files, const struct orl_view_request *request,
+static int rate(const struct orl_run_env *env, const struct orl_view_request *request,
                 const struct orl_film *film, struct orl_glare *ret_glare, struct orl_error *err)
 {
     struct orl_view view;
@@ -50,8 +50,9 @@ static int rate(const struct orl_files *files, const struct orl_view_request *re
     int code = cd_m2 ? orl_view_parse(request->view, &view, err)
                      : orl_error_set(err, ORL_ERR_NOMEM, "out of memory for glare");
     if (code == 0)
-        code = orl_run_read_mask(files, request, &mask, err);
-    const struct orl_panorama panorama = {&view, film->width, film->height, cd_m2, mask};
+        code = orl_run_read_mask(env->files, request, &mask, err);
+    const struct orl_panorama panorama = {&view, film->width, film->height,
+                                          cd_m2, mask,        env->cancel};
     if (code == 0)
         code = orl_glare_around(&panorama, &request->glare, ret_glare, err);
     free(cd_m2);
@@ -69,7 +70,7 @@ int orl_run_rate_view(struct orl_run_state *state, size_t index, const struct or
     struct orl_glare *glare = calloc(1, sizeof *glare);
     if (!glare)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for glare");
-    const int code = rate(state->env->files, request, film, glare, err);
+    const int code = rate(state->env, request, film, glare, err);
     if (code < 0) {
         free(glare);
         return code;
@@ -85,9 +86,11 @@ int orl_run_rate_errors(struct orl_run_state *state, size_t index, const struct 
 {
     const struct orl_view_request *request = &state->job->views[index];
     struct orl_view view;
+    const struct orl_panorama panorama = {
+        .view = &view, .width = film->width, .height = film->height, .cancel = state->env->cancel};
     const int code = orl_view_parse(request->view, &view, err);
     return code < 0 ? code
-                    : orl_glare_errors(batches, &view, film->width, film->height, &request->glare,
+                    : orl_glare_errors(batches, &panorama, &request->glare,
                                        state->result->views[index].glare, err);
 }
 

@@ -148,7 +148,7 @@ static void rate(const struct orl_film *film, const struct orl_view *view)
         {.radius_rad = 1e-6, .peak_cd_m2 = 1e-9},
         {.task = {1, 0, 6}, .directions = 5, .directions_deg = 360}};
     float *cd_m2 = orl_film_luminances(film);
-    const struct orl_panorama panorama = {view, film->width, film->height, cd_m2, cd_m2};
+    const struct orl_panorama panorama = {view, film->width, film->height, cd_m2, cd_m2, NULL};
     for (size_t i = 0; i < sizeof settings / sizeof *settings; i++) {
         struct orl_glare glare = {.threshold_cd_m2 = 0};
         struct orl_error err;
@@ -208,7 +208,7 @@ static void test_settings(void **state)
     struct orl_error err;
     (void)state;
     assert_int_equal(orl_view_parse(views[0], &view, NULL), 0);
-    const struct orl_panorama panorama = {&view, 8, 4, cd_m2, NULL};
+    const struct orl_panorama panorama = {&view, 8, 4, cd_m2, NULL, NULL};
     for (int i = 0; i < 2; i++) {
         struct orl_glare glare;
         assert_int_equal(orl_glare_around(&panorama, &outside[i], &glare, &err), ORL_ERR_RANGE);

@@ -18,6 +18,7 @@
 #include "metrics/glare.h"
 #include "metrics/indices.h"
 #include "metrics/position.h"
+#include "metrics/smooth.h"
 #include "metrics/unite.h"
 
 #define FISHEYE "-vta -vp 0 0 0 -vd 0 -1 0 -vu 0 0 1 -vh 180 -vv 180"
@@ -72,7 +73,7 @@ static void draw_disc(struct scene *scene, struct orl_vec3 middle, double radius
 
 static struct orl_glare rate(const struct scene *scene, const struct orl_glare_settings *settings)
 {
-    const struct orl_luminances picture = {&scene->field, scene->cd_m2};
+    const struct orl_luminances picture = {.field = &scene->field, .cd_m2 = scene->cd_m2};
     struct orl_glare glare;
     assert_int_equal(orl_glare_evaluate(&picture, NULL, settings, &glare, NULL), 0);
     return glare;
@@ -237,6 +238,29 @@ static void test_smoothing(void **state)
     scene_done(&scene);
 }
 
+/* Discs may be as wide as the picture: cancelled between two pixels, no label has changed. */
+static void test_cancelled(void **state)
+{
+    enum { SIDE = 40 };
+    const struct orl_glare_settings smooth = {.smooth = true, .radius_rad = 3.2};
+    const atomic_bool cancel = true;
+    struct scene scene = scene_of(FISHEYE, SIDE, 100);
+    const struct orl_luminances picture = {&scene.field, scene.cd_m2, &cancel};
+    uint32_t label[SIDE * SIDE] = {0};
+    struct orl_glare glare = {0};
+    struct orl_error err;
+    (void)state;
+    draw_disc(&scene, towards(0, 0), 60, 5000);
+    for (size_t i = 0; i < SIDE * SIDE; i++)
+        label[i] = scene.cd_m2[i] > 1000;
+    assert_int_equal(orl_smooth_sources(&picture, 3.2, 1, label), ORL_ERR_CANCELLED);
+    for (size_t i = 0; i < SIDE * SIDE; i++)
+        assert_int_equal(label[i], scene.cd_m2[i] > 1000);
+    assert_int_equal(orl_glare_evaluate(&picture, NULL, &smooth, &glare, &err), ORL_ERR_CANCELLED);
+    assert_null(glare.sources);
+    scene_done(&scene);
+}
+
 /* The task's mean luminance, five times which is the threshold; or another factor. */
 static void test_task(void **state)
 {
@@ -280,7 +304,7 @@ static void test_mask(void **state)
     (void)state;
     draw_disc(&scene, towards(0, 0), 10, 400);
     draw_disc(&mask, towards(0, 0), 10, 1);
-    const struct orl_luminances picture = {&scene.field, scene.cd_m2};
+    const struct orl_luminances picture = {.field = &scene.field, .cd_m2 = scene.cd_m2};
     assert_int_equal(orl_glare_evaluate(&picture, mask.cd_m2, &usual, &glare, NULL), 0);
     near(glare.masked.mean, 400, 1e-6);
     near(glare.masked.median, 400, 1e-6);
@@ -296,7 +320,7 @@ static void test_band(void **state)
 {
     static const double angles[] = {0.1, 0.5, 1};
     struct scene scene = scene_of("-vtc -vd 0 -1 0 -vh 180 -vv 150", 601, 100);
-    const struct orl_luminances picture = {&scene.field, scene.cd_m2};
+    const struct orl_luminances picture = {.field = &scene.field, .cd_m2 = scene.cd_m2};
     (void)state;
     for (int i = 0; i < 3; i++) {
         const struct orl_glare_settings settings = {.band_rad = angles[i]};
@@ -431,6 +455,7 @@ int main(void)
         cmocka_unit_test(test_peaks_are_taken_apart),
         cmocka_unit_test(test_search_radius),
         cmocka_unit_test(test_smoothing),
+        cmocka_unit_test(test_cancelled),
         cmocka_unit_test(test_task),
         cmocka_unit_test(test_turned),
         cmocka_unit_test(test_mask),
