@@ -143,7 +143,34 @@ static void test_occupancy_files(void **state)
                      ORL_ERR_SYNTAX);
     assert_int_equal(err.line, 3);
     assert_int_equal(orl_occupancy_read("x", "1,2\n", 4, &hourly, marks, &err), ORL_ERR_SYNTAX);
+    assert_int_equal(orl_occupancy_read("x", "1\n1,1,1.5,1\n", 12, &hourly, marks, &err),
+                     ORL_ERR_SYNTAX);
+    assert_int_equal(err.line, 2);
+    assert_int_equal(orl_occupancy_read("x", "1,1,.5,1\n1\n", 11, &hourly, marks, &err),
+                     ORL_ERR_SYNTAX);
     assert_int_equal(orl_occupancy_read("x", "", 0, &hourly, marks, &err), ORL_ERR_RANGE);
+    free(marks);
+}
+
+/* UTF-8's mark before the first number is not a line of words. */
+static void test_marked_occupancy_file(void **state)
+{
+    char *text = malloc(3 + 2 * 8760 + 1);
+    unsigned char *marks = malloc(8760);
+    struct orl_error err = {0};
+    (void)state;
+    assert_true(text && marks);
+    char *at = stpcpy(text, "\xef\xbb\xbf");
+    for (int i = 0; i < 8760; i++)
+        at = stpcpy(at, i == 0 ? "1\n" : "0\n");
+    assert_int_equal(orl_occupancy_read("x", text, strlen(text), &hourly, marks, &err), 0);
+    assert_int_equal(marks[0], 1);
+    assert_int_equal(count_marks(marks, 8760), 1);
+    assert_int_equal(orl_occupancy_read("x", text, strlen(text) - 2, &hourly, marks, &err),
+                     ORL_ERR_RANGE);
+    assert_non_null(strstr(err.message, "8759 lines"));
+    assert_non_null(strstr(err.hint, "8760"));
+    free(text);
     free(marks);
 }
 
@@ -792,6 +819,7 @@ int main(void)
         cmocka_unit_test(test_years),
         cmocka_unit_test(test_occupancy_by_the_clock),
         cmocka_unit_test(test_occupancy_files),
+        cmocka_unit_test(test_marked_occupancy_file),
         cmocka_unit_test(test_daylight_hours),
         cmocka_unit_test(test_thresholds_met_exactly),
         cmocka_unit_test(test_nights_count),

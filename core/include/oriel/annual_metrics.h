@@ -88,8 +88,9 @@ void orl_occupancy_mark(const struct orl_occupancy *occupancy, const struct orl_
 /*
  * The same of a file: a line a step with one number, above 0 where the room is in use; or, as
  * DAYSIM writes them, "month,day,hour,value", where the hour is the middle of the step. Lines that
- * begin with '#' and empty ones are passed over, as is a first line of words. ORL_ERR_SYNTAX,
- * ORL_ERR_RANGE (too few or many lines, times out of order) with the line.
+ * begin with '#' and empty ones are passed over, as is a first line of words, and UTF-8's mark.
+ * ORL_ERR_SYNTAX (also: lines of both kinds), ORL_ERR_RANGE (too few or many lines, times out of
+ * order) with the line.
  */
 int orl_occupancy_read(const char *name, const char *text, size_t size,
                        const struct orl_annual_steps *steps, unsigned char *ret_marks,

@@ -34,7 +34,8 @@ struct reading {
     unsigned char *marks;
     struct orl_annual_steps lines; /* the year in steps of a line each */
     uint32_t count;
-    int line; /* in the file */
+    int fields; /* of a line, all alike; 0: none was read yet */
+    int line;   /* in the file */
     bool has_words;
     struct orl_error *err;
 };
@@ -107,6 +108,10 @@ static int read_line(struct reading *r, const char *text, size_t size)
     }
     if (n != 1 && n != MOST_FIELDS)
         return complain(r, ORL_ERR_SYNTAX, "one number is wanted, or \"month,day,hour,value\"");
+    if (r->fields != 0 && n != r->fields)
+        return complain(r, ORL_ERR_SYNTAX,
+                        "lines of one number and \"month,day,hour,value\" are mixed");
+    r->fields = n;
     if (r->count == r->steps->count)
         return complain(r, ORL_ERR_RANGE, "the file has more lines than the year has steps");
     const int code = n == MOST_FIELDS ? check_time(r, values) : 0;
@@ -122,13 +127,24 @@ static void stretch(unsigned char *marks, const struct orl_annual_steps *steps)
         marks[i] = marks[i / steps->per_hour];
 }
 
+static int complain_count(const struct reading *r)
+{
+    orl_error_set(r->err, ORL_ERR_RANGE, "the file has %u lines, and the year %u steps", r->count,
+                  r->steps->count);
+    orl_error_at(r->err, r->name, 0, NULL);
+    orl_error_hint(r->err, "a line for each hour of the weather file's year is wanted: %u",
+                   r->steps->count / r->steps->per_hour);
+    return ORL_ERR_RANGE;
+}
+
 int orl_occupancy_read(const char *name, const char *text, size_t size,
                        const struct orl_annual_steps *steps, unsigned char *ret_marks,
                        struct orl_error *err)
 {
     struct reading r = {.name = name, .steps = steps, .marks = ret_marks, .err = err};
     int code = 0;
-    for (size_t at = 0; at < size && code == 0;) {
+    const bool marked = size >= 3 && memcmp(text, "\xef\xbb\xbf", 3) == 0; /* UTF-8's mark */
+    for (size_t at = marked ? 3 : 0; at < size && code == 0;) {
         const char *end = memchr(text + at, '\n', size - at);
         const size_t length = end ? (size_t)(end - (text + at)) : size - at;
         r.line++;
@@ -137,12 +153,8 @@ int orl_occupancy_read(const char *name, const char *text, size_t size,
     }
     if (code < 0)
         return code;
-    if (r.count != steps->count && r.count * (uint64_t)steps->per_hour != steps->count) {
-        orl_error_set(err, ORL_ERR_RANGE, "%u lines, and the year has %u steps", r.count,
-                      steps->count);
-        orl_error_at(err, name, 0, NULL);
-        return ORL_ERR_RANGE;
-    }
+    if (r.count != steps->count && r.count * (uint64_t)steps->per_hour != steps->count)
+        return complain_count(&r);
     if (r.count != steps->count)
         stretch(ret_marks, steps);
     return 0;
