@@ -80,25 +80,6 @@ static int add_grid(struct orl_annual_job *job, char *name, struct orl_job *part
     return add_sensors(request, part, err);
 }
 
-/* Scene and sensors are written, and decoded, as those of a job. */
-static int decode_part(const json_t *scene, const json_t *sensors, const char *path,
-                       enum orl_job_origin origin, struct orl_job *ret_part, char **ret_scene_id,
-                       struct orl_error *err)
-{
-    json_t *doc = json_pack("{s:O, s:O}", "scene", scene, "sensors", sensors);
-    struct orl_error found = {0};
-    if (!doc)
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-    const int rc = orl_job_from_json(doc, origin, ret_part, ret_scene_id, &found);
-    json_decref(doc);
-    if (rc && err) {
-        *err = found;
-        if (path[0] && strncmp(found.primitive, "sensors", 7) == 0)
-            orl_json_fail(err, rc, path, "%s", found.message);
-    }
-    return rc;
-}
-
 /* ---- Names ----------------------------------------------------------------------------------- */
 
 /* What a grid's files are named by. */
@@ -179,27 +160,34 @@ struct making {
     char **scene_id;
 };
 
-/* Of the first grid the scene is kept. */
+/* Written, and decoded, as that of a job; so are sensors. */
+static int take_scene(const struct making *m, struct orl_error *err)
+{
+    struct orl_annual_request *request = &m->job->request;
+    struct orl_job part = {0};
+    const int rc = orl_job_scene_from_json(m->scene, "scene", m->origin, &part, m->scene_id, err);
+    if (rc == 0) {
+        request->scene_files = part.scene_files;
+        request->n_scene_files = part.n_scene_files;
+        part.scene_files = NULL;
+        part.n_scene_files = 0;
+    }
+    orl_job_done(&part);
+    return rc;
+}
+
+/* Takes the name over. */
 static int take_grid(const struct making *m, char *name, const json_t *sensors, const char *path,
                      struct orl_error *err)
 {
     struct orl_job part = {0};
-    char *scene_id = NULL;
-    int rc = decode_part(m->scene, sensors, path, m->origin, &part, &scene_id, err);
-    if (rc) {
+    int rc = orl_job_sensors_from_json(sensors, path, &part, err);
+    if (rc == 0 && part.n_sensors == 0 && !part.sensors_file)
+        rc = orl_json_fail(err, ORL_ERR_INVALID, path, "there are no sensors");
+    if (rc == 0)
+        rc = add_grid(m->job, name, &part, err);
+    else
         free(name);
-        return rc;
-    }
-    if (m->job->request.n_grids == 0) {
-        m->job->request.scene_files = part.scene_files;
-        m->job->request.n_scene_files = part.n_scene_files;
-        part.scene_files = NULL;
-        part.n_scene_files = 0;
-        *m->scene_id = scene_id;
-        scene_id = NULL;
-    }
-    rc = add_grid(m->job, name, &part, err);
-    free(scene_id);
     orl_job_done(&part);
     return rc;
 }
@@ -266,7 +254,7 @@ static int take_grids(const struct making *m, const json_t *list, struct orl_err
 static int take_sensors(const struct making *m, const json_t *sensors, struct orl_error *err)
 {
     const int rc = make_room(m->job, 1, err);
-    return rc ? rc : take_grid(m, NULL, sensors, "", err);
+    return rc ? rc : take_grid(m, NULL, sensors, "sensors", err);
 }
 
 int orl_annual_grids_from_json(const json_t *doc, enum orl_job_origin origin,
@@ -280,5 +268,8 @@ int orl_annual_grids_from_json(const json_t *doc, enum orl_job_origin origin,
     if (!grids == !sensors)
         return orl_json_fail(err, ORL_ERR_INVALID, "grids",
                              "either \"grids\" or \"sensors\" are wanted");
+    const int rc = take_scene(&m, err);
+    if (rc)
+        return rc;
     return grids ? take_grids(&m, grids, err) : take_sensors(&m, sensors, err);
 }

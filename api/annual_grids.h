@@ -1,6 +1,6 @@
 /*
- * The grids of a year's document, and its scene with the first of them (annual_json.h has the
- * document, its rules and errors).
+ * The grids of a year's document, and its scene (annual_json.h has the document, its rules
+ * and errors).
  */
 #ifndef ORL_API_ANNUAL_GRIDS_H
 #define ORL_API_ANNUAL_GRIDS_H

@@ -69,13 +69,19 @@ static int decode_remote_scene(const json_t *scene, const char *path, char **ret
     return 0;
 }
 
+int orl_job_scene_from_json(const json_t *scene, const char *path, enum orl_job_origin origin,
+                            struct orl_job *job, char **ret_scene_id, struct orl_error *err)
+{
+    if (!scene)
+        return orl_json_fail(err, ORL_ERR_INVALID, path, "the job names no scene");
+    return origin == ORL_JOB_LOCAL ? decode_local_scene(scene, path, job, err)
+                                   : decode_remote_scene(scene, path, ret_scene_id, err);
+}
+
 static int decode_scene(const json_t *scene, const char *path, void *into, struct orl_error *err)
 {
     struct draft *draft = into;
-    if (!scene)
-        return orl_json_fail(err, ORL_ERR_INVALID, path, "the job names no scene");
-    return draft->origin == ORL_JOB_LOCAL ? decode_local_scene(scene, path, &draft->job, err)
-                                          : decode_remote_scene(scene, path, &draft->scene_id, err);
+    return orl_job_scene_from_json(scene, path, draft->origin, &draft->job, &draft->scene_id, err);
 }
 
 static int decode_sensor(const json_t *row, const char *path, void *into, struct orl_error *err)
@@ -99,10 +105,9 @@ static int decode_sensor(const json_t *row, const char *path, void *into, struct
 }
 
 /* A file of them, or they themselves. */
-static int decode_sensors(const json_t *sensors, const char *path, void *into,
-                          struct orl_error *err)
+int orl_job_sensors_from_json(const json_t *sensors, const char *path, struct orl_job *job,
+                              struct orl_error *err)
 {
-    struct orl_job *job = into;
     const struct orl_json_member members[] = {
         {"file", .text = &job->sensors_file, .longest = FILE_NAME_MAX_BYTES, .required = true},
         {0}};
@@ -113,6 +118,12 @@ static int decode_sensors(const json_t *sensors, const char *path, void *into,
                                        .each = decode_sensor};
     return json_is_object(sensors) ? orl_json_members(sensors, path, members, err)
                                    : orl_json_list(sensors, path, &list, err);
+}
+
+static int decode_sensors(const json_t *sensors, const char *path, void *into,
+                          struct orl_error *err)
+{
+    return orl_job_sensors_from_json(sensors, path, into, err);
 }
 
 static int decode_technique(const json_t *value, const char *path, void *technique,

@@ -9,6 +9,7 @@
 #include <oriel/run.h>
 #include <oriel/study.h>
 
+#include "annual_json.h"
 #include "bsdf_json.h"
 #include "decode.h"
 #include "job_json.h"
@@ -113,6 +114,29 @@ static int read_study(const struct doubled_input *input, struct orl_error *err)
     return code;
 }
 
+static int read_year(const struct doubled_input *input, struct orl_error *err)
+{
+    struct orl_annual_job job;
+    json_t *doc = NULL;
+    int code = orl_json_parse("year.json", input->data, input->size, &doc, err);
+    if (code < 0)
+        return code;
+    code = orl_annual_job_from_json(doc, ORL_JOB_LOCAL, &job, NULL, err);
+    json_decref(doc);
+    if (code < 0)
+        return code;
+    code = orl_annual_validate(&job.request, err);
+    orl_annual_job_done(&job);
+    return code;
+}
+
+static int read_occupancy(const struct doubled_input *input, struct orl_error *err)
+{
+    static const struct orl_annual_steps minutes = {8760 * 60, 60};
+    static unsigned char marks[8760 * 60];
+    return orl_occupancy_read("use.csv", input->data, input->size, &minutes, marks, err);
+}
+
 /* Into files of a folder, which go at once. */
 static int read_zip(const struct doubled_input *input, struct orl_error *err)
 {
@@ -157,11 +181,12 @@ void doubled_done(struct doubled_input *input)
 int doubled_read(const struct doubled_input *input, char text[256])
 {
     static int (*const readers[])(const struct doubled_input *, struct orl_error *) = {
-        [DOUBLED_SCENE] = read_scene,     [DOUBLED_WORLD] = read_scene,
-        [DOUBLED_BSDF] = read_bsdf,       [DOUBLED_SENSORS] = read_sensors,
-        [DOUBLED_WEATHER] = read_weather, [DOUBLED_JOB] = read_job,
-        [DOUBLED_STUDY] = read_study,     [DOUBLED_ZIP] = read_zip,
-        [DOUBLED_VIEWS] = read_views,
+        [DOUBLED_SCENE] = read_scene,         [DOUBLED_WORLD] = read_scene,
+        [DOUBLED_BSDF] = read_bsdf,           [DOUBLED_SENSORS] = read_sensors,
+        [DOUBLED_WEATHER] = read_weather,     [DOUBLED_JOB] = read_job,
+        [DOUBLED_STUDY] = read_study,         [DOUBLED_ZIP] = read_zip,
+        [DOUBLED_VIEWS] = read_views,         [DOUBLED_YEAR] = read_year,
+        [DOUBLED_OCCUPANCY] = read_occupancy,
     };
     struct orl_error err = {0};
     const int code = readers[input->of->kind](input, &err);

@@ -18,6 +18,8 @@ enum doubled_kind {
     DOUBLED_VIEWS,
     DOUBLED_JOB,
     DOUBLED_STUDY,
+    DOUBLED_YEAR,      /* the document of one */
+    DOUBLED_OCCUPANCY, /* of a year in minutes */
     DOUBLED_ZIP,
 };
 

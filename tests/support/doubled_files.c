@@ -218,6 +218,86 @@ static void write_study(FILE *f, size_t n)
     fputs("]}", f);
 }
 
+/* ---- Years ----------------------------------------------------------------------------------- */
+
+static void write_use(FILE *f, size_t n)
+{
+    for (size_t i = 0; i < n; i++)
+        fputs(i % 3 > 0 ? "0.95\n" : "0\n", f);
+}
+static void write_use_times(FILE *f, size_t n)
+{
+    for (size_t i = 0; i < n; i++) /* as many as January has minutes */
+        fprintf(f, "1,%zu,%.5f,1\n", i / 1440 + 1, (double)(i % 1440) / 60 + 1.0 / 120);
+}
+static void write_use_blanks(FILE *f, size_t n)
+{
+    for (size_t i = 0; i < n; i++)
+        fputs(" \n# use\n", f);
+}
+static void write_use_line(FILE *f, size_t n)
+{
+    fprintf(f, "1%*s\n", (int)n, "");
+}
+static void write_use_number(FILE *f, size_t n)
+{
+    fputs("0.", f);
+    for (size_t i = 0; i < n; i++)
+        fputs("0123456789", f);
+}
+
+#define YEAR_HEAD "{\"kind\": \"annual\", \"weather\": \"a.epw\", \"scene\": {\"files\": [\"a.rad\""
+#define YEAR_GRID "{\"name\": \"g%zu\", \"area\": 1, \"sensors\": [[%zu, 1, 0.8, 0, 0, 1]]}"
+static void write_year(FILE *f, size_t files, size_t grids, const char *rest)
+{
+    fputs(YEAR_HEAD, f);
+    for (size_t i = 1; i < files; i++)
+        fprintf(f, ", \"a%zu.rad\"", i);
+    fputs("]}, \"grids\": [", f);
+    for (size_t i = 0; i < grids; i++)
+        fprintf(f, "%s" YEAR_GRID, i > 0 ? ", " : "", i, i);
+    fprintf(f, "]%s", rest);
+}
+static void write_year_files(FILE *f, size_t n)
+{
+    write_year(f, n, 1, "}");
+}
+static void write_year_grids(FILE *f, size_t n)
+{
+    write_year(f, 1, n, "}");
+}
+static void write_year_grids_of_files(FILE *f, size_t n)
+{
+    write_year(f, n, n, "}");
+}
+static void write_year_sensors(FILE *f, size_t n)
+{
+    fputs(YEAR_HEAD "]}, \"sensors\": [[0, 1, 0.8, 0, 0, 1]", f);
+    for (size_t i = 1; i < n; i++)
+        fprintf(f, ", [%zu, 1, 0.8, 0, 0, 1]", i);
+    fputs("]}", f);
+}
+static void write_year_words(FILE *f, const char *member, const char *word, size_t n)
+{
+    write_year(f, 1, 1, "");
+    fprintf(f, ", \"%s\": [\"%s\"", member, word);
+    for (size_t i = 1; i < n; i++)
+        fprintf(f, ", \"%s\"", word);
+    fputs("]}", f);
+}
+static void write_year_targets(FILE *f, size_t n)
+{
+    write_year_words(f, "targets", "least UDI100-3000 in daylight hours of a grid >= 50 %", n);
+}
+static void write_year_metrics(FILE *f, size_t n)
+{
+    write_year_words(f, "metrics", "direct_hours1000 over the year", n);
+}
+static void write_year_rules(FILE *f, size_t n)
+{
+    write_year_words(f, "rules", "EN 17037", n);
+}
+
 /* ---- Zips ------------------------------------------------------------------------------------ */
 
 static void write_zip(FILE *f, size_t n)
@@ -274,6 +354,18 @@ const struct doubled doubled_files[] = {
     KIND(job_hours, JOB, 14),
     KIND(members, JOB, 500),
     KIND(study, STUDY, 30),
+    KIND(use, OCCUPANCY, 5000),
+    KIND(use_times, OCCUPANCY, 5000),
+    KIND(use_blanks, OCCUPANCY, 5000),
+    KIND(use_line, OCCUPANCY, 50000),
+    KIND(use_number, OCCUPANCY, 5000),
+    KIND(year_files, YEAR, 200),
+    KIND(year_grids, YEAR, 500),
+    KIND(year_grids_of_files, YEAR, 200),
+    KIND(year_sensors, YEAR, 300),
+    KIND(year_targets, YEAR, 100),
+    KIND(year_metrics, YEAR, 16),
+    KIND(year_rules, YEAR, 16),
     KIND(zip, ZIP, 50),
     KIND(zip_of_one, ZIP, 100000),
 };

@@ -116,7 +116,7 @@ static void test_mistakes_are_named(void **state)
         {"\"files\": [\"a.rad\", \"b.rad\"]", "\"files\": []", "scene.files"},
         {", \"area\": 4", "", "grids"},
         {"\"area\": 4", "\"area\": 0", "grids[1].area"},
-        {"[1, 2, 4, 0, 1, 0]", "[1, 2, 4]", "grids[1].sensors"},
+        {"[1, 2, 4, 0, 1, 0]", "[1, 2, 4]", "grids[1].sensors[1]"},
         {"\"from\": 9", "\"from\": 25", "occupancy.from"},
         {"\"from\": 9", "\"file\": \"x.csv\", \"from\": 9", "occupancy"},
         {"\"mon\"", "\"monday\"", "occupancy.days[0]"},

@@ -125,6 +125,20 @@ static void test_weather(void **state)
     repeat_trifles(fuzz_weather);
 }
 
+static void test_annual(void **state)
+{
+    (void)state;
+    repeat_all("tests/fuzz/corpus/annual", fuzz_annual);
+    repeat_trifles(fuzz_annual);
+}
+
+static void test_occupancy(void **state)
+{
+    (void)state;
+    repeat_all("tests/fuzz/corpus/occupancy", fuzz_occupancy);
+    repeat_trifles(fuzz_occupancy);
+}
+
 static void test_zip(void **state)
 {
     (void)state;
@@ -192,6 +206,7 @@ int main(void)
         cmocka_unit_test(test_multipart), cmocka_unit_test(test_range),
         cmocka_unit_test(test_route),     cmocka_unit_test(test_guard),
         cmocka_unit_test(test_token),     cmocka_unit_test(test_view_file),
+        cmocka_unit_test(test_annual),    cmocka_unit_test(test_occupancy),
     };
     if (sodium_init() < 0)
         return 1;
