@@ -27,25 +27,22 @@ static int kind_of(struct orl_panels *panels, const struct orl_material *m, stru
 static int find_panes(struct orl_panels *panels)
 {
     const struct orl_world *world = panels->world;
-    struct orl_windows windows;
-    int code = orl_windows_of_ports(&windows, world);
-    panels->at = calloc(windows.count + 1, sizeof *panels->at);
+    int code = 0;
+    panels->at = calloc(world->n_ports + 1, sizeof *panels->at);
     if (!panels->at)
-        code = ORL_ERR_NOMEM;
-    for (size_t i = 0; i < windows.count && code == 0; i++) {
-        const struct orl_window *window = &windows.at[i];
-        const struct orl_facet *facet = &world->geometry->facets[window->facet];
+        return ORL_ERR_NOMEM;
+    for (size_t i = 0; i < world->n_ports && code == 0; i++) {
+        const struct orl_port *port = &world->ports[i];
+        const struct orl_facet *facet = &world->geometry->facets[port->facet];
         const struct orl_material *m = &world->materials[facet->material];
         if (m->kind != ORL_MATERIAL_BSDF)
             continue;
-        const int32_t port = world->port_of_facet[window->facet];
-        const struct orl_vec3 inward = orl_neg(world->ports[port].outward);
+        const struct orl_vec3 inward = orl_neg(port->outward);
         const int kind = kind_of(panels, m, facet->normal, inward);
         code = kind < 0 ? kind : 0;
-        panels->at[panels->count++] =
-            (struct orl_panel){*window, inward, (uint32_t)kind, facet->area};
+        panels->at[panels->count++] = (struct orl_panel){
+            orl_window_of(world->geometry, port->facet), inward, (uint32_t)kind, facet->area};
     }
-    orl_windows_done(&windows);
     return code;
 }
 

@@ -130,6 +130,11 @@ static int prepare(struct orl_year *y, struct orl_error *err)
                               y->env->run->crew) < 0)
         return orl_crew_cancelled(y->env->run->crew) ? orl_year_cancelled(err)
                                                      : orl_year_no_memory(err);
+    if (y->scene.mirrors.n_left_out > 0)
+        orl_year_warn(y,
+                      "flat mirrors and panes lie in more planes than a year follows: the sun's "
+                      "reflections in %zu of them, the smallest, are left out",
+                      y->scene.mirrors.n_left_out);
     y->n_sun = y->nodes.count + (y->scene.map ? orl_sun_map_beams(y->scene.map)->count : 0);
     code = orl_sun_terms_init(&y->terms, &y->hours, &y->nodes, y->node_frames, y->scene.map,
                               y->env->run->crew);

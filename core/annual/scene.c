@@ -19,14 +19,6 @@ static uint32_t photons_of_node(const struct orl_world *world, size_t n_nodes)
     return (uint32_t)fmax(all / fmax((double)n_nodes, 1), LEAST_PHOTONS);
 }
 
-static bool has_one_facade(const struct orl_world *world)
-{
-    for (size_t i = 1; i < world->n_ports; i++)
-        if (orl_dot(world->ports[i].outward, world->ports[0].outward) < 1 - 1e-9)
-            return false;
-    return !world->open && world->n_ports > 0;
-}
-
 int orl_annual_scene_init(struct orl_annual_scene *scene, const struct orl_world *world,
                           const struct orl_bins *bins, struct orl_turn north,
                           const struct orl_frame *nodes, size_t n_nodes, uint64_t seed,
@@ -34,16 +26,12 @@ int orl_annual_scene_init(struct orl_annual_scene *scene, const struct orl_world
 {
     *scene = (struct orl_annual_scene){
         .world = world, .bins = bins, .north = north, .nodes = nodes, .n_nodes = n_nodes};
-    scene->one_facade = has_one_facade(world);
     orl_sobol_init(&scene->sobol);
     int code = orl_aim_init(&scene->aim, world, &scene->sobol, crew);
     if (code == 0)
         code = orl_windows_of_ports(&scene->ports, world);
     if (code == 0)
-        code = orl_windows_of_mirrors(&scene->mirrors, world);
-    for (size_t i = 0; i < scene->mirrors.count; i++)
-        scene->mirrors_beyond = scene->mirrors_beyond || !scene->one_facade ||
-                                world->port_of_facet[scene->mirrors.at[i].facet] == ORL_NO_PORT;
+        code = orl_mirrors_init(&scene->mirrors, world, &scene->ports);
     const struct orl_sun_map_request request = {.world = world,
                                                 .sobol = &scene->sobol,
                                                 .nodes = nodes,
@@ -57,6 +45,6 @@ void orl_annual_scene_done(struct orl_annual_scene *scene)
 {
     orl_aim_done(&scene->aim);
     orl_windows_done(&scene->ports);
-    orl_windows_done(&scene->mirrors);
+    orl_mirrors_done(&scene->mirrors);
     orl_sun_map_free(scene->map);
 }

@@ -8,8 +8,8 @@
 
 #include "annual/bins.h"
 #include "annual/hours.h"
+#include "annual/mirrors.h"
 #include "annual/sun_map.h"
-#include "annual/windows.h"
 #include "base/sobol.h"
 #include "render/gather/aim.h"
 #include "render/gather/gather.h"
@@ -22,10 +22,9 @@ struct orl_annual_scene {
     size_t n_nodes;
     struct orl_aim aim;
     struct orl_sobol sobol;
-    struct orl_windows ports, mirrors;
-    bool one_facade;         /* all ports face one way: what they mirror inside is no sun */
-    bool mirrors_beyond;     /* some may be seen through ports: what they throw in is in no map */
-    struct orl_sun_map *map; /* owned; NULL: sunlight is looked for by shadow rays alone */
+    struct orl_windows ports;
+    struct orl_mirrors mirrors; /* what those beyond ports throw in is in no map */
+    struct orl_sun_map *map;    /* owned; NULL: sunlight is looked for by shadow rays alone */
 };
 
 /* Returns 0, ORL_ERR_NOMEM or _CANCELLED; orl_annual_scene_done in either case. */

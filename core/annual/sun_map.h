@@ -22,8 +22,6 @@
 #include "base/sobol.h"
 #include "light/world.h"
 
-enum { ORL_SUN_MAP_LOTS = 2 };
-
 struct orl_sun_map;
 
 struct orl_sun_map_request {

@@ -4,7 +4,6 @@
 #include "light/direct.h"
 #include "light/path.h"
 
-enum { MOST_PANES = 64 };
 enum { FIRST_POINTS = 7, DISC_POINTS = 128, MIRROR_POINTS = 4 };
 /* Outside, where no wall keeps the sun off, one node in so many is tried at each place. */
 enum { STRIDE_OUTSIDE = 4 };
@@ -29,80 +28,6 @@ static struct orl_rgb straight(const struct orl_annual_scene *scene, const struc
     if (!place->outside && !orl_windows_passed(&scene->ports, place->point, towards, 0))
         return orl_gray(0);
     return orl_transmittance(scene->world, place->point, towards, INFINITY, true);
-}
-
-/* ---- By one mirror --------------------------------------------------------------------------- */
-
-/* Whether light that a window of the building throws back from inside could have come in. */
-static bool lit_from_within(const struct orl_annual_scene *scene, const struct orl_window *mirror,
-                            struct orl_vec3 there, struct orl_vec3 image, struct orl_vec3 towards)
-{
-    const struct orl_world *world = scene->world;
-    const int32_t port = world->port_of_facet[mirror->facet];
-    if (world->open || port == ORL_NO_PORT || orl_dot(image, world->ports[port].outward) <= 0)
-        return true;
-    return orl_windows_passed(&scene->ports, there, towards, 0);
-}
-
-/* What comes from the sun's image behind one mirror; beyond: seen through a port from inside. */
-static struct orl_rgb by_mirror(const struct orl_annual_scene *scene,
-                                const struct orl_window *mirror, struct orl_vec3 point,
-                                struct orl_vec3 image, struct orl_vec3 towards, bool beyond)
-{
-    const struct orl_world *world = scene->world;
-    struct orl_path path = orl_path_from(point, image);
-    bool out = !beyond;
-    for (int pane = 0; pane < MOST_PANES; pane++) {
-        struct orl_hit hit;
-        if (!orl_path_meet(world, &path, &hit))
-            break;
-        const struct orl_material *m = orl_world_material(world, &hit);
-        if (hit.facet == mirror->facet && !out)
-            break;
-        if (hit.facet == mirror->facet) {
-            const struct orl_rgb share =
-                orl_rgb_mul(path.weight, orl_material_mirrored(m, &hit, orl_path_back(&path)));
-            if (!(orl_rgb_max(share) > 0))
-                break;
-            const struct orl_vec3 from = orl_hit_leave(world->geometry, &hit, towards);
-            return orl_rgb_mul(share, orl_transmittance(world, from, towards, INFINITY, true));
-        }
-        if (!orl_path_look_through(&path, m, &hit))
-            break;
-        out = out || orl_world_crossing(world, &hit) == ORL_CROSSING_OUTWARDS;
-        orl_path_pass(&path, world, &hit);
-    }
-    return orl_gray(0);
-}
-
-/* Light of a sun there by all mirrors: each by what answer says of where it seems to come from. */
-typedef struct orl_rgb (*answer_to)(const void *ctx, struct orl_vec3 light);
-
-static struct orl_rgb mirrored(const struct orl_annual_scene *scene, const struct orl_place *place,
-                               struct orl_vec3 towards, bool beyond, answer_to answer,
-                               const void *ctx)
-{
-    const struct orl_images *images = &scene->world->images;
-    struct orl_rgb sum = orl_gray(0);
-    for (size_t i = 0; i < scene->mirrors.count; i++) {
-        const struct orl_window *mirror = &scene->mirrors.at[i];
-        if (scene->one_facade && !place->outside &&
-            scene->world->port_of_facet[mirror->facet] != ORL_NO_PORT)
-            continue;
-        const struct orl_vec3 image =
-            orl_image_turned(towards, images->mirrors[images->class_of[mirror->facet]]);
-        double distance;
-        if (!(orl_dot(image, place->normal) > 0) ||
-            !orl_window_passed(mirror, place->point, image, 0, &distance) ||
-            !lit_from_within(scene, mirror, orl_madd(place->point, image, distance), image,
-                             towards))
-            continue;
-        const struct orl_rgb seen = answer(ctx, image);
-        if (orl_rgb_max(seen) > 0)
-            sum = orl_rgb_add(sum, orl_rgb_mul(seen, by_mirror(scene, mirror, place->point, image,
-                                                               towards, beyond)));
-    }
-    return sum;
 }
 
 /* ---- Nodes ----------------------------------------------------------------------------------- */
@@ -140,9 +65,9 @@ void orl_sunlit_add(const struct orl_annual_scene *scene, const struct orl_sunli
         struct orl_rgb light = orl_gray(0);
         if (orl_rgb_max(seen) > 0 && !query->mapped)
             light = orl_rgb_mul(seen, straight(scene, &query->place, towards));
-        if (scene->mirrors.count > 0)
-            light = orl_rgb_add(
-                light, mirrored(scene, &query->place, towards, query->mapped, response, query));
+        if (scene->mirrors.n_planes > 0)
+            light = orl_rgb_add(light, orl_mirrors_light(&scene->mirrors, &query->place, towards,
+                                                         query->mapped, response, query));
         if (orl_rgb_max(light) > 0)
             nodes[k] += orl_luma(orl_rgb_mul(query->weight, light)) * (double)stride;
     }
@@ -225,8 +150,9 @@ static double mirrored_light(const struct orl_annual_scene *scene, const struct 
     for (uint32_t n = 0; n < MIRROR_POINTS; n++) {
         double at[2];
         point_of_disc(FIRST_POINTS + n * (DISC_POINTS / MIRROR_POINTS), disc->turn, at);
-        sum += orl_luma(mirrored(scene, place, on_disc(&disc->frame, disc->radius, at), false,
-                                 cosine_of, place));
+        sum += orl_luma(orl_mirrors_light(&scene->mirrors, place,
+                                          on_disc(&disc->frame, disc->radius, at), false, cosine_of,
+                                          place));
     }
     return sum / MIRROR_POINTS;
 }
@@ -254,7 +180,7 @@ void orl_sunlit_hours_find(const struct orl_annual_scene *scene, const struct or
                                               0x1p-53};
             if (may_see(scene, place, sun))
                 straight_lx = sun->normal_lx * disc_light(scene, place, &disc, &unsure_lx);
-            if (scene->mirrors.count > 0)
+            if (scene->mirrors.n_planes > 0)
                 mirrored_lx = sun->normal_lx * mirrored_light(scene, place, &disc);
         }
         ret->straight[c] = (float)straight_lx;

@@ -11,8 +11,8 @@ static void widen(struct orl_window *w, struct orl_vec3 corner)
     }
 }
 
-/* The longest side of its first triangle gives the rectangle its direction. */
-static struct orl_window window_of(const struct orl_geometry *g, uint32_t facet)
+/* A polygon's rectangle has the direction of a side of its first triangle. */
+static struct orl_window of_polygon(const struct orl_geometry *g, uint32_t facet)
 {
     const struct orl_facet *f = &g->facets[facet];
     const struct orl_triangle *t = &g->triangles[f->first_triangle];
@@ -36,12 +36,40 @@ static struct orl_window window_of(const struct orl_geometry *g, uint32_t facet)
         widen(&w, part->b);
         widen(&w, part->c);
     }
+    return w;
+}
+
+static struct orl_window of_ring(const struct orl_facet *f, uint32_t facet)
+{
+    const struct orl_frame frame = orl_frame_about(f->normal);
+    const double r = fmax(f->radius[0], f->radius[1]);
+    return (struct orl_window){.facet = facet,
+                               .corner = f->center[0],
+                               .normal = f->normal,
+                               .along = {frame.u, frame.v},
+                               .low = {-r, -r},
+                               .high = {r, r}};
+}
+
+struct orl_window orl_window_of(const struct orl_geometry *g, uint32_t facet)
+{
+    const struct orl_facet *f = &g->facets[facet];
+    struct orl_window w = f->kind == ORL_SURFACE_POLYGON ? of_polygon(g, facet) : of_ring(f, facet);
     const double margin = 4 * f->offset + g->radius * 0x1p-18;
     for (int i = 0; i < 2; i++) {
         w.low[i] -= margin;
         w.high[i] += margin;
     }
     return w;
+}
+
+void orl_window_widen(struct orl_window *window, const struct orl_window *other)
+{
+    for (int i = 0; i < 4; i++) {
+        const double a = i & 1 ? other->high[0] : other->low[0];
+        const double b = i & 2 ? other->high[1] : other->low[1];
+        widen(window, orl_madd(orl_madd(other->corner, other->along[0], a), other->along[1], b));
+    }
 }
 
 static int make_room(struct orl_windows *windows, size_t most)
@@ -56,7 +84,7 @@ static void add(struct orl_windows *windows, const struct orl_geometry *g, uint3
     if (windows->count == ORL_MOST_WINDOWS || g->facets[facet].kind != ORL_SURFACE_POLYGON)
         windows->all = true;
     else
-        windows->at[windows->count++] = window_of(g, facet);
+        windows->at[windows->count++] = orl_window_of(g, facet);
 }
 
 int orl_windows_of_ports(struct orl_windows *windows, const struct orl_world *world)
@@ -67,18 +95,6 @@ int orl_windows_of_ports(struct orl_windows *windows, const struct orl_world *wo
     const int code = make_room(windows, world->n_ports);
     for (size_t i = 0; i < world->n_ports && code == 0; i++)
         add(windows, world->geometry, world->ports[i].facet);
-    return code;
-}
-
-int orl_windows_of_mirrors(struct orl_windows *windows, const struct orl_world *world)
-{
-    *windows = (struct orl_windows){.at = NULL};
-    if (!world->images.class_of)
-        return 0;
-    const int code = make_room(windows, world->geometry->n_facets);
-    for (size_t i = 0; i < world->geometry->n_facets && code == 0; i++)
-        if (world->images.class_of[i] >= 0)
-            add(windows, world->geometry, (uint32_t)i);
     return code;
 }
 

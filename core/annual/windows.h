@@ -1,8 +1,7 @@
 /*
  * Flat surfaces as rays to the sun are tried against before they are traced: the windows that a
- * sealed building lets light in by, and the mirrors (panes among them) that throw it. Each is taken
- * for the rectangle about it, a little too large: a ray that passes by all of them has nothing to
- * find.
+ * sealed building lets light in by, and mirrors (mirrors.h). Each is taken for the rectangle about
+ * it, a little too large: a ray that passes by all of them has nothing to find.
  *
  * Immutable once made.
  */
@@ -28,9 +27,12 @@ struct orl_windows {
 
 /* Those that a sealed building has. Returns 0 or ORL_ERR_NOMEM; orl_windows_done in either case. */
 int orl_windows_of_ports(struct orl_windows *windows, const struct orl_world *world);
-/* Those of facets in a class of mirrors (light/images.h). */
-int orl_windows_of_mirrors(struct orl_windows *windows, const struct orl_world *world);
 void orl_windows_done(struct orl_windows *windows);
+
+/* The one about a facet that is a polygon or a ring. */
+struct orl_window orl_window_of(const struct orl_geometry *geometry, uint32_t facet);
+/* Makes one wide enough for another, in the same plane. */
+void orl_window_widen(struct orl_window *window, const struct orl_window *other);
 
 /*
  * Where a ray passes a window, slack (a sine) for rays of about that direction; false: it does not.

@@ -6,6 +6,7 @@
 
 #include <cmocka.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -92,6 +93,34 @@ static void test_pool(void **state)
     static const struct orl_sensor sensors[] = {{{2, 1, .8}, {0, 0, 1}}, {{1, 4, .8}, {0, 0, 1}}};
     (void)state;
     check_hours(&(struct year_run){.scene = pool_room, .sensors = sensors, .n_sensors = 2});
+}
+
+/* Mirrors of one plane serve as one, however many they are: 320 tiles throw what the pool does. */
+static void test_tiles(void **state)
+{
+    static const struct orl_sensor sensor = {{2, 1, .8}, {0, 0, 1}};
+    struct year_run run = {.scene = pool_room, .site = izmir, .sensors = &sensor, .n_sensors = 1};
+    struct orl_annual_result whole = year_run(&run), tiled;
+    char *text = malloc(1 << 16);
+    (void)state;
+    assert_non_null(text);
+    int used = sprintf(text, "%svoid mirror m 0 0 3 .8 .8 .8\n", glass_room);
+    for (int i = 0; i < 320; i++) {
+        const double x = 0.2 * (i % 20), y = -4 + 3.5 / 16 * (i / 20);
+        used +=
+            sprintf(text + used, "m polygon t%d 0 0 12 %g %g -.2 %g %g -.2 %g %g -.2 %g %g -.2\n",
+                    i, x, y, x + .2, y, x + .2, y + 3.5 / 16, x, y + 3.5 / 16);
+    }
+    run.scene = text;
+    tiled = year_run(&run);
+    assert_int_equal(tiled.n_columns, whole.n_columns);
+    for (size_t c = 0; c < whole.n_columns; c++)
+        assert_true(fabs((double)(tiled.total[c] - whole.total[c])) <
+                    4 * hypot((double)tiled.se[c], (double)whole.se[c]) +
+                        1e-3 * (double)whole.total[c]);
+    orl_annual_done(&whole);
+    orl_annual_done(&tiled);
+    free(text);
 }
 
 /* The panel's light is in the room by its map, and at sensors by points and draws of the panel. */
@@ -213,10 +242,10 @@ static void test_refusals(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_glass_room),  cmocka_unit_test(test_panel_room),
-        cmocka_unit_test(test_pool),        cmocka_unit_test(test_courtyard),
-        cmocka_unit_test(test_open_ground), cmocka_unit_test(test_threads),
-        cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_glass_room), cmocka_unit_test(test_panel_room),
+        cmocka_unit_test(test_pool),       cmocka_unit_test(test_tiles),
+        cmocka_unit_test(test_courtyard),  cmocka_unit_test(test_open_ground),
+        cmocka_unit_test(test_threads),    cmocka_unit_test(test_refusals),
     };
     return cmocka_run_group_tests_name("annual", tests, NULL, NULL);
 }

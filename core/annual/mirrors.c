@@ -1,0 +1,224 @@
+#include "annual/mirrors.h"
+
+#include <stdlib.h>
+
+#include "light/direct.h"
+#include "light/path.h"
+
+enum { MOST_PANES = 64 };
+
+/* ---- Planes ---------------------------------------------------------------------------------- */
+
+static int32_t port_of(const struct orl_world *world, uint32_t facet)
+{
+    return world->open || !world->port_of_facet ? ORL_NO_PORT : world->port_of_facet[facet];
+}
+
+/* Whether both are ports and have outdoors on the same side, or neither is. */
+static bool are_alike(const struct orl_world *world, int32_t a, int32_t b)
+{
+    if (a == ORL_NO_PORT || b == ORL_NO_PORT)
+        return a == b;
+    return orl_dot(world->ports[a].outward, world->ports[b].outward) > 0;
+}
+
+static bool is_in_plane(const struct orl_mirrors *mirrors, const struct orl_mirror_plane *plane,
+                        const struct orl_window *pane)
+{
+    const struct orl_world *world = mirrors->world;
+    const struct orl_vec3 from = orl_sub(pane->corner, plane->whole.corner);
+    const double near = 8 * world->geometry->facets[pane->facet].offset + 1e-5 * orl_length(from);
+    return plane->class == world->images.class_of[pane->facet] &&
+           fabs(orl_dot(from, plane->whole.normal)) < near &&
+           fabs(orl_dot(from, pane->normal)) < near &&
+           are_alike(world, plane->port, port_of(world, pane->facet));
+}
+
+/* The plane of a pane, a new one if need be; UINT32_MAX: there are too many. */
+static uint32_t find_plane(struct orl_mirrors *mirrors, const struct orl_window *pane)
+{
+    const struct orl_world *world = mirrors->world;
+    uint32_t i = 0;
+    while (i < mirrors->n_planes && !is_in_plane(mirrors, &mirrors->planes[i], pane))
+        i++;
+    if (i == ORL_MIRRORS_MOST_PLANES)
+        return UINT32_MAX;
+    if (i < mirrors->n_planes)
+        orl_window_widen(&mirrors->planes[i].whole, pane);
+    else
+        mirrors->planes[mirrors->n_planes++] =
+            (struct orl_mirror_plane){.whole = *pane,
+                                      .class = world->images.class_of[pane->facet],
+                                      .port = port_of(world, pane->facet)};
+    mirrors->planes[i].count++;
+    return i;
+}
+
+struct candidate {
+    double area;
+    uint32_t facet;
+};
+
+static int larger_first(const void *a, const void *b)
+{
+    const struct candidate *x = a, *y = b;
+    if (x->area != y->area)
+        return x->area > y->area ? -1 : 1;
+    return (x->facet > y->facet) - (x->facet < y->facet);
+}
+
+static size_t list_candidates(const struct orl_world *world, struct candidate *candidates)
+{
+    size_t n = 0;
+    for (size_t i = 0; i < world->geometry->n_facets; i++)
+        if (world->images.class_of[i] >= 0)
+            candidates[n++] = (struct candidate){world->geometry->facets[i].area, (uint32_t)i};
+    qsort(candidates, n, sizeof *candidates, larger_first);
+    return n;
+}
+
+/* Each into its plane; then panes of a plane are one after the other. */
+static void sort_out(struct orl_mirrors *mirrors, const struct candidate *candidates, size_t n)
+{
+    const struct orl_geometry *g = mirrors->world->geometry;
+    uint32_t first = 0;
+    for (size_t i = 0; i < g->n_facets; i++)
+        mirrors->plane_of[i] = UINT32_MAX;
+    for (size_t i = 0; i < n; i++) {
+        const struct orl_window pane = orl_window_of(g, candidates[i].facet);
+        mirrors->plane_of[candidates[i].facet] = find_plane(mirrors, &pane);
+    }
+    for (size_t p = 0; p < mirrors->n_planes; p++) {
+        struct orl_mirror_plane *plane = &mirrors->planes[p];
+        plane->first = first;
+        first += plane->count;
+        plane->count = 0;
+    }
+    for (size_t i = 0; i < n; i++) {
+        const uint32_t p = mirrors->plane_of[candidates[i].facet];
+        mirrors->n_left_out += p == UINT32_MAX;
+        if (p == UINT32_MAX)
+            continue;
+        struct orl_mirror_plane *plane = &mirrors->planes[p];
+        mirrors->panes[plane->first + plane->count++] = orl_window_of(g, candidates[i].facet);
+        mirrors->beyond = mirrors->beyond || !mirrors->one_facade || plane->port == ORL_NO_PORT;
+    }
+}
+
+static bool has_one_facade(const struct orl_world *world)
+{
+    for (size_t i = 1; i < world->n_ports; i++)
+        if (orl_dot(world->ports[i].outward, world->ports[0].outward) < 1 - 1e-9)
+            return false;
+    return !world->open && world->n_ports > 0;
+}
+
+int orl_mirrors_init(struct orl_mirrors *mirrors, const struct orl_world *world,
+                     const struct orl_windows *ports)
+{
+    const size_t n_facets = world->geometry->n_facets;
+    *mirrors = (struct orl_mirrors){.world = world,
+                                    .ports = ports,
+                                    .one_facade = has_one_facade(world),
+                                    .n_left_out = world->images.n_left_out};
+    if (!world->images.class_of || world->images.n_mirrors == 0)
+        return 0;
+    struct candidate *candidates = calloc(n_facets + 1, sizeof *candidates);
+    mirrors->plane_of = calloc(n_facets + 1, sizeof *mirrors->plane_of);
+    mirrors->planes = malloc(ORL_MIRRORS_MOST_PLANES * sizeof *mirrors->planes);
+    const size_t n = candidates ? list_candidates(world, candidates) : 0;
+    mirrors->panes = malloc((n + 1) * sizeof *mirrors->panes);
+    const bool room = candidates && mirrors->plane_of && mirrors->planes && mirrors->panes;
+    if (room)
+        sort_out(mirrors, candidates, n);
+    free(candidates);
+    return room ? 0 : ORL_ERR_NOMEM;
+}
+
+void orl_mirrors_done(struct orl_mirrors *mirrors)
+{
+    free(mirrors->planes);
+    free(mirrors->panes);
+    free(mirrors->plane_of);
+    *mirrors = (struct orl_mirrors){.planes = NULL};
+}
+
+/* ---- Light ----------------------------------------------------------------------------------- */
+
+/* Whether light that a window of the building throws back from inside could have come in. */
+static bool lit_from_within(const struct orl_mirrors *mirrors, const struct orl_mirror_plane *plane,
+                            struct orl_vec3 there, struct orl_vec3 image, struct orl_vec3 towards)
+{
+    if (plane->port == ORL_NO_PORT ||
+        orl_dot(image, mirrors->world->ports[plane->port].outward) <= 0)
+        return true;
+    return orl_windows_passed(mirrors->ports, there, towards, 0);
+}
+
+/* Whether a ray passes a pane of it, and where. */
+static bool is_passed(const struct orl_mirrors *mirrors, const struct orl_mirror_plane *plane,
+                      struct orl_vec3 origin, struct orl_vec3 direction, double *ret_distance)
+{
+    if (!orl_window_passed(&plane->whole, origin, direction, 0, ret_distance))
+        return false;
+    bool passed = plane->count == 1;
+    for (uint32_t i = 0; i < plane->count && !passed; i++)
+        passed = orl_window_passed(&mirrors->panes[plane->first + i], origin, direction, 0, NULL);
+    return passed;
+}
+
+/* What comes from the sun's image behind one plane; beyond: seen through a port from inside. */
+static struct orl_rgb by_plane(const struct orl_mirrors *mirrors, uint32_t plane,
+                               struct orl_path path, struct orl_vec3 towards, bool beyond)
+{
+    const struct orl_world *world = mirrors->world;
+    bool out = !beyond;
+    for (int pane = 0; pane < MOST_PANES; pane++) {
+        struct orl_hit hit;
+        if (!orl_path_meet(world, &path, &hit))
+            break;
+        const struct orl_material *m = orl_world_material(world, &hit);
+        const bool here = mirrors->plane_of[hit.facet] == plane;
+        if (here && !out)
+            break;
+        if (here) {
+            const struct orl_rgb share =
+                orl_rgb_mul(path.weight, orl_material_mirrored(m, &hit, orl_path_back(&path)));
+            if (!(orl_rgb_max(share) > 0))
+                break;
+            const struct orl_vec3 from = orl_hit_leave(world->geometry, &hit, towards);
+            return orl_rgb_mul(share, orl_transmittance(world, from, towards, INFINITY, true));
+        }
+        if (!orl_path_look_through(&path, m, &hit))
+            break;
+        out = out || orl_world_crossing(world, &hit) == ORL_CROSSING_OUTWARDS;
+        orl_path_pass(&path, world, &hit);
+    }
+    return orl_gray(0);
+}
+
+struct orl_rgb orl_mirrors_light(const struct orl_mirrors *mirrors, const struct orl_place *place,
+                                 struct orl_vec3 towards, bool beyond, orl_mirrors_answer answer,
+                                 const void *ctx)
+{
+    const struct orl_images *images = &mirrors->world->images;
+    struct orl_rgb sum = orl_gray(0);
+    for (uint32_t i = 0; i < mirrors->n_planes; i++) {
+        const struct orl_mirror_plane *plane = &mirrors->planes[i];
+        if (mirrors->one_facade && !place->outside && plane->port != ORL_NO_PORT)
+            continue;
+        const struct orl_vec3 image = orl_image_turned(towards, images->mirrors[plane->class]);
+        double distance;
+        if (!(orl_dot(image, place->normal) > 0) ||
+            !is_passed(mirrors, plane, place->point, image, &distance) ||
+            !lit_from_within(mirrors, plane, orl_madd(place->point, image, distance), image,
+                             towards))
+            continue;
+        const struct orl_rgb seen = answer(ctx, image);
+        if (orl_rgb_max(seen) > 0)
+            sum = orl_rgb_add(
+                sum, orl_rgb_mul(seen, by_plane(mirrors, i, orl_path_from(place->point, image),
+                                                towards, beyond)));
+    }
+    return sum;
+}
