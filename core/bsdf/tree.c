@@ -204,6 +204,13 @@ static inline unsigned choose_quarter(const float mean[4], double *t)
     return i;
 }
 
+/* Where a child's mean over the other direction is read; of a lowest branch it is a sum of four
+ * leaves, `step` words apart. */
+struct mean {
+    const uint32_t *at;
+    uint32_t step; /* 0: it stands there */
+};
+
 /*
  * A descent: at each level the quarters of the other direction's cell are weighed by their means
  * over it. The first uniform picks the leaf, as a place along a curve through the square, and its
@@ -214,6 +221,7 @@ struct descent {
     enum orl_tree_axis given;
     struct cell c;
     struct orl_tree_ref ref, child[4]; /* where it is; where it may go */
+    struct mean mean[4];               /* of the children */
     unsigned level, x, y;
     double t;
 };
@@ -230,16 +238,6 @@ static inline struct descent descent_of(const struct orl_tree_draw *draw)
     return d;
 }
 
-/* Reads the branch: the quarters to choose from. */
-static inline void look_down(struct descent *d)
-{
-    const unsigned own = d->given == ORL_AXIS_A ? 0 : 2, others = 2 - own;
-    d->level--;
-    const unsigned mine = ((d->c.x >> d->level & 1) | (d->c.y >> d->level & 1) << 1) << own;
-    for (unsigned k = 0; k < 4; k++)
-        d->child[k] = orl_tree_child(d->tree, d->ref, mine | k << others);
-}
-
 /* Asks for a branch's own line: one that is gone down to is read next. */
 static inline void ask_for(const struct descent *d, struct orl_tree_ref ref)
 {
@@ -247,18 +245,55 @@ static inline void ask_for(const struct descent *d, struct orl_tree_ref ref)
         __builtin_prefetch(d->tree->lines[orl_tree_index(ref)].words);
 }
 
-static inline void ask_for_means(const struct descent *d)
+/*
+ * Where the mean of a child is. What a child is, is chance, so that it decides no branch: a leaf's
+ * mean is its word in the branch above, a branch's a word of a table of its own, the first of four
+ * leaves where it is a lowest one.
+ */
+static inline struct mean find_mean(const struct descent *d, const uint32_t *word)
 {
-    for (unsigned k = 0; k < 4; k++)
-        if (!orl_tree_is_leaf(d->child[k]))
-            __builtin_prefetch(mean_at(d->tree, d->child[k], d->given, d->c, d->level));
+    const uint32_t bits = *word, low = bits >> ORL_TREE_INDEX_BITS & 7;
+    const bool branch = bits >> 31, lowest = branch & (low == 0), given_a = d->given == ORL_AXIS_A;
+    const unsigned depth = low + 1, shift = (d->level - depth) & 31, mask = (1U << depth) - 1;
+    const unsigned x = d->c.x >> shift & mask, y = d->c.y >> shift & mask;
+    const size_t in_table = ORL_TREE_FANOUT + ((size_t)d->given << 2 * depth) + (x << depth | y);
+    const size_t in_leaves = (size_t)(x | y << 1) << (given_a ? 0 : 2);
+    const size_t line = branch ? orl_tree_index((struct orl_tree_ref){bits}) : 0;
+    const uint32_t *inside = d->tree->lines[line].words;
+    const size_t offset = lowest ? in_leaves : in_table;
+    return (struct mean){(branch ? inside : word) + (branch ? offset : 0),
+                         lowest ? (given_a ? 4 : 1) : 0};
+}
+
+static inline float read_mean(struct mean mean)
+{
+    float leaf[4];
+    for (size_t k = 0; k < 4; k++)
+        leaf[k] = float_of(mean.at[k * mean.step]);
+    const float sum = 0.25F * ((leaf[0] + leaf[1]) + (leaf[2] + leaf[3]));
+    return mean.step ? sum : leaf[0];
+}
+
+/* Reads the branch, and asks for the means of the quarters to choose from. */
+static inline void look_down(struct descent *d)
+{
+    const unsigned own = d->given == ORL_AXIS_A ? 0 : 2, others = 2 - own;
+    const uint32_t *words = d->tree->lines[orl_tree_index(d->ref)].words;
+    d->level--;
+    const unsigned mine = ((d->c.x >> d->level & 1) | (d->c.y >> d->level & 1) << 1) << own;
+    for (unsigned k = 0; k < 4; k++) {
+        const uint32_t *word = words + (mine | k << others);
+        d->child[k].bits = *word;
+        d->mean[k] = find_mean(d, word);
+        __builtin_prefetch(d->mean[k].at);
+    }
 }
 
 static inline void go_down(struct descent *d)
 {
     float mean[4];
     for (unsigned k = 0; k < 4; k++)
-        mean[k] = mean_of(d->tree, d->child[k], d->given, d->c, d->level);
+        mean[k] = read_mean(d->mean[k]);
     d->t *= 4; /* the mean over the square is a quarter of the sum over its quarters */
     const unsigned i = choose_quarter(mean, &d->t);
     d->x = d->x << 1 | (i & 1);
@@ -283,8 +318,6 @@ double orl_tree_draw(const struct orl_tree *tree, enum orl_tree_axis given, stru
     struct descent d = descent_of(&draw);
     while (!orl_tree_is_leaf(d.ref)) {
         look_down(&d);
-        for (unsigned k = 0; k < 4; k++)
-            ask_for(&d, d.child[k]);
         go_down(&d);
     }
     arrive(&d, &draw);
@@ -311,7 +344,6 @@ static void draw_abreast(struct orl_tree_draw *draws, size_t n)
                 continue;
             }
             look_down(d);
-            ask_for_means(d);
             under_way[kept++] = under_way[i];
         }
         left = kept;
