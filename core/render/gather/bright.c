@@ -2,7 +2,8 @@
 
 #include <stdlib.h>
 
-#include "photon/map/facing.h"
+#include "photon/map/flux.h"
+#include "photon/map/map_layout.h"
 #include "scene/material/hemisphere.h"
 
 enum { RUN = 16, MOST_DEPTH = 18, ROOM = 8 * ORL_BRIGHT_SPOTS };
@@ -12,43 +13,94 @@ static const double contrast = 8;            /* of what is bright, to the mean *
 static const double tolerated = 0.005;       /* error of even rays, of the photons' light */
 static const double generous = 1.25;         /* patches end beyond their outermost photons */
 
+/* Sums over the photons of a run; places from its first one on. */
+struct run {
+    struct orl_vec3 origin, offsets, normals;
+    double squares, flux;
+};
+
+static struct orl_vec3 place_of(const struct orl_photon_map *map, uint64_t photon)
+{
+    const struct orl_map_header *h = map->header;
+    const uint32_t *leaf =
+        map->places + photon / ORL_MAP_LEAF * ORL_LEAF_WORDS + photon % ORL_MAP_LEAF;
+    uint32_t cell[3];
+    orl_place_unpack(leaf[0], leaf[ORL_MAP_LEAF], cell);
+    return orl_v3((double)(float)(h->low[0] + (cell[0] + 0.5) * h->cell),
+                  (double)(float)(h->low[1] + (cell[1] + 0.5) * h->cell),
+                  (double)(float)(h->low[2] + (cell[2] + 0.5) * h->cell));
+}
+
+static double luma_of(const struct orl_photon_map *map, uint64_t photon)
+{
+    const struct orl_rgb flux =
+        orl_rgb_scale(orl_flux_unpack(map->fluxes[photon]), map->header->flux_unit);
+    return orl_luma(
+        (struct orl_rgb){(double)(float)flux.r, (double)(float)flux.g, (double)(float)flux.b});
+}
+
+/* Neighbours mostly face one way, which is worked out once. */
+static struct run sum_run(const struct orl_photon_map *map, uint64_t first, uint64_t n)
+{
+    struct run run = {.origin = place_of(map, first)};
+    uint16_t code = map->normals[first];
+    struct orl_vec3 normal = orl_normal_decode(code);
+    for (uint64_t i = first; i < first + n; i++) {
+        const struct orl_vec3 off = orl_sub(place_of(map, i), run.origin);
+        run.offsets = orl_add(run.offsets, off);
+        run.squares += orl_dot(off, off);
+        if (map->normals[i] != code) {
+            code = map->normals[i];
+            normal = orl_normal_decode(code);
+        }
+        run.normals = orl_add(run.normals, normal);
+        run.flux += luma_of(map, i);
+    }
+    return run;
+}
+
 /* Photons first .. first + n - 1 of the map's order. */
 static struct orl_bright_spot spot_of(const struct orl_photon_map *map, uint64_t first, uint64_t n)
 {
-    struct orl_vec3 sum = {0, 0, 0}, normals = {0, 0, 0};
-    double squares = 0, flux = 0;
-    const struct orl_photon p0 = orl_photon_map_get(map, first);
-    const struct orl_vec3 origin = orl_v3(p0.position[0], p0.position[1], p0.position[2]);
-    for (uint64_t i = first; i < first + n; i++) {
-        const struct orl_photon p = orl_photon_map_get(map, i);
-        const struct orl_vec3 off =
-            orl_sub(orl_v3(p.position[0], p.position[1], p.position[2]), origin);
-        sum = orl_add(sum, off);
-        squares += orl_dot(off, off);
-        normals = orl_add(normals, orl_normal_decode(p.normal));
-        flux += orl_luma((struct orl_rgb){p.flux[0], p.flux[1], p.flux[2]});
-    }
-    const struct orl_vec3 mean = orl_scale(sum, 1.0 / (double)n), at = orl_add(origin, mean);
-    const double spread2 = fmax(squares / (double)n - orl_dot(mean, mean), 0);
-    const struct orl_vec3 normal = orl_length(normals) > 0 ? orl_normalize(normals) : normals;
+    const struct run run = sum_run(map, first, n);
+    const struct orl_vec3 mean = orl_scale(run.offsets, 1.0 / (double)n);
+    const struct orl_vec3 at = orl_add(run.origin, mean);
+    const double spread2 = fmax(run.squares / (double)n - orl_dot(mean, mean), 0);
+    const struct orl_vec3 normal =
+        orl_length(run.normals) > 0 ? orl_normalize(run.normals) : run.normals;
     /* Of a square the mean square of the distance from its middle is 2/3 of that of half a side. */
     return (struct orl_bright_spot){.at = {(float)at.x, (float)at.y, (float)at.z},
                                     .normal = {(float)normal.x, (float)normal.y, (float)normal.z},
                                     .half = (float)(generous * sqrt(1.5 * spread2)),
-                                    .flux = (float)flux};
+                                    .flux = (float)run.flux};
 }
 
-int orl_bright_init(struct orl_bright *bright, const struct orl_photon_map *map)
+struct making {
+    const struct orl_photon_map *map;
+    struct orl_bright_spot *spots;
+    uint64_t run; /* photons in each, but for the last */
+};
+
+static void make_spot(void *arg, size_t index, uint32_t member)
 {
-    const uint64_t count = orl_photon_map_header(map)->count;
+    const struct making *m = arg;
+    const uint64_t first = index * m->run, left = m->map->header->count - first;
+    (void)member;
+    m->spots[index] = spot_of(m->map, first, left < m->run ? left : m->run);
+}
+
+int orl_bright_init(struct orl_bright *bright, const struct orl_photon_map *map,
+                    struct orl_crew *crew)
+{
+    const uint64_t count = map->header->count;
     const uint64_t least = (count + ORL_BRIGHT_SPOTS - 1) / ORL_BRIGHT_SPOTS;
     const uint64_t run = least > RUN ? least : RUN;
     *bright = (struct orl_bright){.count = (uint32_t)((count + run - 1) / run)};
     bright->spots = malloc((bright->count + 1) * sizeof *bright->spots);
     if (!bright->spots)
         return ORL_ERR_NOMEM;
-    for (uint32_t i = 0; i < bright->count; i++)
-        bright->spots[i] = spot_of(map, i * run, count - i * run < run ? count - i * run : run);
+    struct making making = {map, bright->spots, run};
+    orl_crew_for(crew, bright->count, make_spot, &making);
     return 0;
 }
 

@@ -12,6 +12,8 @@
 #ifndef ORL_RENDER_GATHER_BRIGHT_H
 #define ORL_RENDER_GATHER_BRIGHT_H
 
+#include <oriel/crew.h>
+
 #include "photon/map/map.h"
 
 enum { ORL_BRIGHT_SPOTS = 2048, ORL_BRIGHT_CELLS = 1024 };
@@ -29,7 +31,8 @@ struct orl_bright {
 };
 
 /* Of a global map. Returns 0 or ORL_ERR_NOMEM. */
-int orl_bright_init(struct orl_bright *bright, const struct orl_photon_map *map);
+int orl_bright_init(struct orl_bright *bright, const struct orl_photon_map *map,
+                    struct orl_crew *crew);
 void orl_bright_done(struct orl_bright *bright); /* also of one that is all zero */
 
 /* A cell, halved across x and y in turn. */

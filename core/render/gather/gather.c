@@ -89,7 +89,7 @@ int orl_gather_init(struct orl_gather *gather, const struct orl_world *world, en
             return ORL_ERR_NOMEM;
     }
     if (rest == ORL_REST_GATHERED && gather->maps[ORL_MAP_GLOBAL] &&
-        orl_bright_init(&gather->bright, maps[ORL_MAP_GLOBAL]) < 0)
+        orl_bright_init(&gather->bright, maps[ORL_MAP_GLOBAL], crew) < 0)
         return ORL_ERR_NOMEM;
     if (rest == ORL_REST_DENSITY && gather->maps[ORL_MAP_GLOBAL])
         return orl_adaptive_density_init(&gather->adapt, maps[ORL_MAP_GLOBAL], widest, crew,
