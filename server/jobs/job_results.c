@@ -97,15 +97,19 @@ int64_t orl_job_results_used_ms(const struct orl_jobs_job *job)
 
 /* ---- Removal -------------------------------------------------------------------------------- */
 
+void orl_job_results_remove_files(const struct orl_jobs *jobs, const char *id)
+{
+    char path[ORL_PATH_MAX];
+    results_path(jobs, id, path);
+    orl_discard(jobs->env.loop, jobs->env.folders, path);
+}
+
 void orl_job_results_discard(struct orl_jobs_job *job)
 {
-    struct orl_jobs *jobs = job->jobs;
-    char path[ORL_PATH_MAX];
     if (!orl_job_results_kept(job))
         return;
-    jobs->result_bytes -= job->row.result_bytes;
-    results_path(jobs, job->row.id, path);
-    orl_discard(jobs->env.loop, jobs->env.folders, path);
+    job->jobs->result_bytes -= job->row.result_bytes;
+    orl_job_results_remove_files(job->jobs, job->row.id);
 }
 
 int orl_job_results_evict(struct orl_jobs *jobs, const char *id, struct orl_error *err)

@@ -37,6 +37,9 @@ int orl_job_results_evict(struct orl_jobs *jobs, const char *id, struct orl_erro
 /* The files alone, of a job whose row is gone. */
 void orl_job_results_discard(struct orl_jobs_job *job);
 
+/* Nothing but the files there are for that id: of results that are no job's. */
+void orl_job_results_remove_files(const struct orl_jobs *jobs, const char *id);
+
 /* At start: counts what is kept, and removes what belongs to no job that has succeeded. */
 void orl_job_results_sweep(struct orl_jobs *jobs);
 

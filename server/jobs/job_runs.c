@@ -4,20 +4,19 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "jobs/job_giving.h"
 #include "jobs/job_list.h"
 #include "jobs/job_results.h"
 #include "jobs/job_share.h"
 #include "process/limits.h"
 #include "process/times.h"
 #include "runner/checkpoints.h"
-#include "store/discard.h"
 #include "store/scenes.h"
 
 /* ---- Leaders and followers ------------------------------------------------------------------- */
 
-struct sharing;
 static void end_all(struct orl_jobs_job *leader, const struct orl_worker_outcome *outcome,
-                    const struct sharing *sharing);
+                    const struct orl_giving *giving);
 
 static void lead(struct orl_jobs_job *job)
 {
@@ -43,7 +42,7 @@ static bool is_given_up(const struct orl_jobs_job *leader)
 
 static bool is_ending(const struct orl_jobs_job *leader)
 {
-    return leader->requeue || leader->settling || is_given_up(leader);
+    return leader->requeue || leader->settling || leader->late || is_given_up(leader);
 }
 
 /* Results for each are made in one turn of the loop. */
@@ -116,13 +115,6 @@ static struct orl_jobs_job *next_job(const struct orl_jobs *jobs)
     return (struct orl_jobs_job *)((char *)entry - offsetof(struct orl_jobs_job, waiting));
 }
 
-static void discard_results(const struct orl_jobs *jobs, const char *id)
-{
-    char path[ORL_PATH_MAX];
-    orl_folders_path(jobs->env.folders, path, "results/%s", id);
-    orl_discard(jobs->env.loop, jobs->env.folders, path);
-}
-
 /* Without memory for what it is told of its results, a job has none. */
 static bool take_outcome(struct orl_jobs_job *job, const char *summary)
 {
@@ -132,7 +124,6 @@ static bool take_outcome(struct orl_jobs_job *job, const char *summary)
     job->outcome_bytes = 0;
     if (summary && (!outcome || !orl_job_results_count(outcome, &job->outcome_bytes))) {
         free(outcome);
-        discard_results(job->jobs, job->row.id);
         return false;
     }
     job->outcome = outcome;
@@ -161,101 +152,29 @@ static void end_job(struct orl_jobs_job *job, const struct orl_worker_outcome *o
     } else {
         orl_jobs_fail(job, &outcome->err);
     }
-}
-
-/* ---- Results for those who follow, made on the pool: they may be thousands of files ---------- */
-
-struct share {
-    char id[ORL_JOB_ID];
-    int code;
-    struct orl_error err;
-};
-
-struct sharing {
-    uv_work_t work;
-    struct orl_jobs_job *leader;
-    struct orl_worker_outcome outcome;
-    size_t count;
-    struct share each[];
-};
-
-static void give_results(uv_work_t *work)
-{
-    struct sharing *sharing = work->data;
-    const struct orl_folders *folders = sharing->leader->jobs->env.folders;
-    for (size_t i = 0; i < sharing->count; i++) {
-        struct share *share = &sharing->each[i];
-        share->code = orl_share_results(folders, sharing->leader->row.id, share->id, &share->err);
-    }
-}
-
-static void finish(struct orl_jobs_job *job, const struct orl_worker_outcome *outcome,
-                   const struct sharing *sharing);
-
-static void results_given(uv_work_t *work, int status)
-{
-    struct sharing *sharing = work->data;
-    const struct orl_jobs *jobs = sharing->leader->jobs;
-    (void)status;
-    sharing->leader->settling = false;
-    for (size_t i = 0; i < sharing->count; i++) {
-        const struct orl_jobs_job *job = orl_jobs_lookup(jobs, sharing->each[i].id);
-        if (!job || job->leader != sharing->leader) /* cancelled meanwhile */
-            discard_results(jobs, sharing->each[i].id);
-    }
-    finish(sharing->leader, &sharing->outcome, sharing);
-    free(sharing);
-}
-
-/* False: nobody follows; or there is no memory, and each gets them when it ends. */
-static bool share_on_pool(struct orl_jobs_job *leader, const struct orl_worker_outcome *outcome)
-{
-    size_t count = 0;
-    for (const struct orl_jobs_job *job = leader->followers; job; job = job->next_follower)
-        count++;
-    struct sharing *sharing =
-        count > 0 ? calloc(1, sizeof *sharing + count * sizeof *sharing->each) : NULL;
-    if (!sharing)
-        return false;
-    sharing->work.data = sharing;
-    sharing->leader = leader;
-    sharing->outcome = *outcome;
-    for (const struct orl_jobs_job *job = leader->followers; job; job = job->next_follower)
-        memcpy(sharing->each[sharing->count++].id, job->row.id, sizeof job->row.id);
-    leader->settling = true;
-    uv_queue_work(leader->jobs->env.loop, &sharing->work, give_results, results_given);
-    return true;
+    /* Also what was done of a job that was stopped for its time. */
+    if ((outcome->code == 0 || outcome->summary) && !orl_job_results_kept(job))
+        orl_job_results_remove_files(job->jobs, job->row.id);
 }
 
 /* ---- The end of a computation ---------------------------------------------------------------- */
 
-static int share_of(const struct orl_jobs_job *leader, const struct orl_jobs_job *job,
-                    const struct sharing *sharing, struct orl_error *ret_err)
-{
-    for (size_t i = 0; sharing && i < sharing->count; i++)
-        if (strcmp(sharing->each[i].id, job->row.id) == 0) {
-            *ret_err = sharing->each[i].err;
-            return sharing->each[i].code;
-        }
-    return orl_share_results(job->jobs->env.folders, leader->row.id, job->row.id, ret_err);
-}
-
 static void end_follower(const struct orl_jobs_job *leader, struct orl_jobs_job *job,
-                         const struct orl_worker_outcome *outcome, const struct sharing *sharing)
+                         const struct orl_worker_outcome *outcome, const struct orl_giving *giving)
 {
     struct orl_worker_outcome own = *outcome;
     job->leader = NULL;
     job->next_follower = NULL;
     if (own.code == 0)
-        own.code = share_of(leader, job, sharing, &own.err);
-    else if (job->cancelled && own.summary && share_of(leader, job, sharing, &own.err) != 0)
+        own.code = orl_giving_find(giving, leader, job, &own.err);
+    else if (job->cancelled && own.summary && orl_giving_find(giving, leader, job, &own.err) != 0)
         own.summary = NULL; /* cancelled, and nothing to show */
     end_job(job, &own);
 }
 
 /* Ends the leader, unless it was cancelled before, and all that follow it. */
 static void end_all(struct orl_jobs_job *leader, const struct orl_worker_outcome *outcome,
-                    const struct sharing *sharing)
+                    const struct orl_giving *giving)
 {
     const bool requeue = leader->requeue, ended = leader->row.state >= ORL_JOB_SUCCEEDED;
     struct orl_jobs_job *followers = leader->followers;
@@ -267,10 +186,10 @@ static void end_all(struct orl_jobs_job *leader, const struct orl_worker_outcome
         struct orl_jobs_job *job = followers;
         followers = job->next_follower;
         job->requeue = requeue;
-        end_follower(leader, job, outcome, sharing);
+        end_follower(leader, job, outcome, giving);
     }
     if (ended && (outcome->code == 0 || outcome->summary))
-        discard_results(leader->jobs, leader->row.id);
+        orl_job_results_remove_files(leader->jobs, leader->row.id);
 }
 
 /* What became of it: where it was stopped for its time, an error that says so. */
@@ -289,17 +208,8 @@ static struct orl_worker_outcome bounded(const struct orl_jobs_job *leader,
     return own;
 }
 
-static void job_done(void *ctx, const struct orl_worker_outcome *outcome)
-{
-    struct orl_jobs_job *job = ctx;
-    job->worker = NULL;
-    const bool has_results = outcome->code == 0 || (outcome->summary && is_given_up(job));
-    if (!has_results || !share_on_pool(job, outcome))
-        finish(job, outcome, NULL);
-}
-
 static void finish(struct orl_jobs_job *job, const struct orl_worker_outcome *outcome,
-                   const struct sharing *sharing)
+                   const struct orl_giving *giving)
 {
     struct orl_jobs *jobs = job->jobs;
     const struct orl_worker_outcome own = bounded(job, outcome);
@@ -309,7 +219,7 @@ static void finish(struct orl_jobs_job *job, const struct orl_worker_outcome *ou
     jobs->alone = false;
     if (job->followers)
         orl_jobs_batch_begin(jobs);
-    end_all(job, &own, sharing);
+    end_all(job, &own, giving);
     if (jobs->batch)
         orl_jobs_batch_end(jobs);
     orl_metrics_job(jobs->env.metrics, outcome->code ? job->row.state : ORL_JOB_SUCCEEDED,
@@ -318,6 +228,15 @@ static void finish(struct orl_jobs_job *job, const struct orl_worker_outcome *ou
     if (jobs->stopping && jobs->n_workers == 0)
         jobs->env.idle(jobs->env.ctx);
     orl_runs_start_next(jobs);
+}
+
+static void job_done(void *ctx, const struct orl_worker_outcome *outcome)
+{
+    struct orl_jobs_job *job = ctx;
+    job->worker = NULL;
+    const bool has_results = outcome->code == 0 || (outcome->summary && is_given_up(job));
+    if (!has_results || !orl_giving_start(job, outcome, finish))
+        finish(job, outcome, NULL);
 }
 
 static int start_job(struct orl_jobs_job *job, struct orl_error *err)
@@ -379,6 +298,14 @@ static bool has_memory(struct orl_jobs *jobs, const struct orl_jobs_job *job)
                       (int64_t)orl_memory_free(memory));
     jobs->short_of_memory = fits ? NULL : job;
     return fits;
+}
+
+void orl_runs_want_no_memory(const struct orl_jobs_job *job)
+{
+    if (job->jobs->short_of_memory != job)
+        return;
+    job->jobs->short_of_memory = NULL;
+    job->jobs->env.memory->wanted = 0;
 }
 
 void orl_jobs_memory_freed(struct orl_jobs *jobs)

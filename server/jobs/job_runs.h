@@ -1,7 +1,6 @@
 /*
  * Computations: which job leads one, who follows it, when it starts, and what becomes of all of
- * them when it ends. Inside of jobs.h, whose rules hold; between jobs.c, job_runs.c and
- * job_results.c alone.
+ * them when it ends. Inside of jobs.h, whose rules hold.
  */
 #ifndef ORL_SERVER_JOBS_JOB_RUNS_H
 #define ORL_SERVER_JOBS_JOB_RUNS_H
@@ -56,6 +55,8 @@ void orl_jobs_batch_end(struct orl_jobs *jobs);
 void orl_runs_enqueue(struct orl_jobs_job *job);
 /* Takes a leader off the list of those that wait or run. */
 void orl_runs_lead_no_more(struct orl_jobs_job *job);
+/* It waits no more: what it wanted memory for is nobody's. */
+void orl_runs_want_no_memory(const struct orl_jobs_job *job);
 /* Starts as many as may run. */
 void orl_runs_start_next(struct orl_jobs *jobs);
 

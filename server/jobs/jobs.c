@@ -87,10 +87,12 @@ static void cancel_running(struct orl_jobs_job *job)
         orl_worker_cancel(job->worker);
 }
 
-/* One that waits: who follows it goes on, and the first of them leads. */
+/* One that waits: who follows it goes on, and the first of them leads. Whoever waited for no other
+ * reason than that it came first has its turn. */
 static void cancel_queued(struct orl_jobs_job *job)
 {
     struct orl_jobs_job *followers = job->followers;
+    orl_runs_want_no_memory(job);
     if (job->leader) {
         orl_share_leave(job);
     } else {
@@ -107,6 +109,7 @@ static void cancel_queued(struct orl_jobs_job *job)
         orl_runs_enqueue(followers);
         followers = next;
     }
+    orl_runs_start_next(job->jobs);
 }
 
 static bool is_last_to_want(const struct orl_jobs_job *leader, const struct orl_jobs_job *job)

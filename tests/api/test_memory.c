@@ -130,6 +130,43 @@ static void test_not_now(void **state)
     reply_done(&reply);
 }
 
+/* What it has kept waiting goes when a job that waits for memory is cancelled, not when another
+ * ends. */
+static void test_cancelled_while_it_waits(void **state)
+{
+    static const char endless[] = "{\"scene\":\"%s\",\"technique\":\"gather\",\"gather_samples\":"
+                                  "16000000,\"sensors\":[[2,1,0.8,0,0,1]],\"photons\":{\"global\":"
+                                  "10000000,\"caustic\":1}}";
+    static const char *const two[] = {"--memory", "1G", "--jobs", "2", "--threads", "2", NULL};
+    struct daemon_room *f = *state;
+    char text[300], paths[3][80];
+    struct reply reply;
+    if (ORL_SANITIZED)
+        skip();
+    restart_with(f, two);
+    snprintf(text, sizeof text, endless, f->scene);
+    for (int i = 0; i < 3; i++) {
+        if (i == 0)
+            daemon_post_json(&f->daemon, "/v1/jobs", text, &reply);
+        else
+            post_photons(f, i == 1 ? 10000000 : 1000, 4 + i, &reply);
+        assert_int_equal(reply.status, 202);
+        snprintf(paths[i], sizeof paths[i], "%s", reply_text(&reply, "links.self"));
+        reply_done(&reply);
+    }
+    daemon_wait_running(&f->daemon, paths[0], 0);
+    daemon_cancel(&f->daemon, paths[1], &reply);
+    reply_done(&reply);
+    daemon_wait(&f->daemon, paths[2], 60, &reply);
+    assert_string_equal(reply_text(&reply, "state"), "succeeded");
+    reply_done(&reply);
+    daemon_get(&f->daemon, paths[0], &reply);
+    assert_string_equal(reply_text(&reply, "state"), "running");
+    reply_done(&reply);
+    daemon_cancel(&f->daemon, paths[0], &reply);
+    reply_done(&reply);
+}
+
 /* What a job has taken goes back when it has ended: its document, its sensors, its results. */
 static void test_jobs_give_back(void **state)
 {
@@ -199,6 +236,8 @@ int main(void)
         cmocka_unit_test(test_groups),
         cmocka_unit_test_setup_teardown(test_never, daemon_room_set_up, daemon_room_tear_down),
         cmocka_unit_test_setup_teardown(test_not_now, daemon_room_set_up, daemon_room_tear_down),
+        cmocka_unit_test_setup_teardown(test_cancelled_while_it_waits, daemon_room_set_up,
+                                        daemon_room_tear_down),
         cmocka_unit_test_setup_teardown(test_jobs_give_back, daemon_room_set_up,
                                         daemon_room_tear_down),
         cmocka_unit_test_setup_teardown(test_larger_checks, daemon_room_set_up,

@@ -280,6 +280,33 @@ static void test_cancelled_between_skies(void **state)
     reply_done(&reply);
 }
 
+/* A job that has run for as long as any may has failed: nothing of it stays. */
+static void test_timed_out_between_skies(void **state)
+{
+    static const char *const extra[] = {"--job-timeout", "3", NULL};
+    struct daemon_room *f = *state;
+    struct reply reply;
+    char job[80], more[1800], path[256];
+    int used = sprintf(more, "\"skies\":[");
+    daemon_end(&f->daemon, SIGTERM);
+    daemon_restart(&f->daemon, extra);
+    for (int i = 0; i < 18; i++)
+        used += sprintf(more + used,
+                        "%s{\"name\":\"s%d\",\"cie\":{\"type\":\"overcast\","
+                        "\"diffuse_horizontal_lx\":9000}}",
+                        i > 0 ? "," : "", i);
+    snprintf(more + used, sizeof more - (size_t)used, "]%s", VIEW("400"));
+    submit(f, more, job);
+    assert_true(wait_for_skies(f, job, 1));
+    wait_for(f, job, "failed", &reply);
+    assert_string_equal(reply_text(&reply, "error.type"), "urn:oriel:error:limit");
+    reply_done(&reply);
+    snprintf(path, sizeof path, "%s/results/%s", f->daemon.root, strrchr(job, '/') + 1);
+    assert_true(access(path, F_OK) != 0);
+    daemon_end(&f->daemon, SIGTERM);
+    daemon_restart(&f->daemon, NULL);
+}
+
 /* Of two that share, what is done belongs to whoever is cancelled last, first come or not. */
 static void test_last_of_two_is_cancelled(void **state)
 {
@@ -410,6 +437,7 @@ int main(void)
         cmocka_unit_test(test_torn_between_skies),
         cmocka_unit_test(test_other_programs_leave_nothing),
         cmocka_unit_test(test_cancelled_between_skies),
+        cmocka_unit_test(test_timed_out_between_skies),
         cmocka_unit_test(test_last_of_two_is_cancelled),
         cmocka_unit_test(test_mistakes_are_told_at_once),
         cmocka_unit_test(test_same_by_the_command),
