@@ -5,9 +5,11 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <oriel/limits.h>
+
 #include "members.h"
 
-enum { NAME_MAX_BYTES = ORL_TARGET_GRID - 1, GRIDS_MAX = 4096 };
+enum { NAME_MAX_BYTES = ORL_TARGET_GRID - 1 };
 
 /* A grid as it is written. */
 struct grid_draft {
@@ -228,7 +230,7 @@ static int take_grids(const struct making *m, const json_t *list, struct orl_err
     const struct orl_json_list grids = {.items = &drafts,
                                         .count = &n,
                                         .size = sizeof *drafts,
-                                        .most = GRIDS_MAX,
+                                        .most = ORL_LIMIT_GRIDS,
                                         .each = decode_grid,
                                         .empty = "the list is empty"};
     int rc = orl_json_list(list, "grids", &grids, err);
@@ -254,6 +256,7 @@ static int take_grids(const struct making *m, const json_t *list, struct orl_err
 static int take_sensors(const struct making *m, const json_t *sensors, struct orl_error *err)
 {
     const int rc = make_room(m->job, 1, err);
+    m->job->bare = true;
     return rc ? rc : take_grid(m, NULL, sensors, "sensors", err);
 }
 

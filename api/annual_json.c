@@ -250,10 +250,6 @@ static int decode(const json_t *doc, enum orl_job_origin origin, struct orl_annu
 int orl_annual_job_validate(const struct orl_annual_job *job, struct orl_error *err)
 {
     const struct orl_annual_request *request = &job->request;
-    for (size_t g = 0; g < request->n_grids; g++)
-        if (!job->grid_files[g] && request->grids[g].count == 0)
-            return orl_json_fail(err, ORL_ERR_INVALID, "grids", "'%s' has no sensors",
-                                 request->grids[g].name);
     const int rc = orl_annual_validate_numbers(request, err);
     return rc ? rc : orl_annual_wishes_validate(request, &job->wishes, err);
 }

@@ -55,6 +55,7 @@ struct orl_annual_job {
         request; /* sensors of files are not read yet: orl_annual_grids_read */
     struct orl_annual_wishes wishes;
     char **grid_files; /* of each grid; NULL where its sensors are written out */
+    bool bare;         /* the document has sensors, which are its one grid */
     struct orl_annual_formats formats;
 };
 void orl_annual_job_done(struct orl_annual_job *job); /* NULL and zeros are fine */

@@ -1,40 +1,95 @@
 #include "task_json.h"
 
+#include <stdarg.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "decode.h"
 #include "study_json.h"
 
-static const char *const kind_names[ORL_TASK_KIND_COUNT] = {"render", "study"};
+/* ---- Kinds ----------------------------------------------------------------------------------- */
+
+static int decode_render(const json_t *doc, enum orl_job_origin origin, struct orl_task *task,
+                         char **ret_scene_id, struct orl_error *err)
+{
+    return orl_job_from_json(doc, origin, &task->of.render, ret_scene_id, err);
+}
+
+static int decode_study(const json_t *doc, enum orl_job_origin origin, struct orl_task *task,
+                        char **ret_scene_id, struct orl_error *err)
+{
+    return orl_study_from_json(doc, origin, &task->of.study, ret_scene_id, err);
+}
+
+static int decode_annual(const json_t *doc, enum orl_job_origin origin, struct orl_task *task,
+                         char **ret_scene_id, struct orl_error *err)
+{
+    return orl_annual_job_from_json(doc, origin, &task->of.annual, ret_scene_id, err);
+}
+
+static int validate_render(const struct orl_task *task, struct orl_error *err)
+{
+    return orl_job_validate(&task->of.render, err);
+}
+
+static int validate_study(const struct orl_task *task, struct orl_error *err)
+{
+    return orl_study_request_validate(&task->of.study, err);
+}
+
+static int validate_annual(const struct orl_task *task, struct orl_error *err)
+{
+    return orl_annual_job_validate(&task->of.annual, err);
+}
+
+static void done_render(struct orl_task *task)
+{
+    orl_job_done(&task->of.render);
+}
+
+static void done_study(struct orl_task *task)
+{
+    orl_study_request_done(&task->of.study);
+}
+
+static void done_annual(struct orl_task *task)
+{
+    orl_annual_job_done(&task->of.annual);
+}
+
+static const struct {
+    const char *name;
+    int (*decode)(const json_t *doc, enum orl_job_origin origin, struct orl_task *task,
+                  char **ret_scene_id, struct orl_error *err);
+    int (*validate)(const struct orl_task *task, struct orl_error *err);
+    void (*done)(struct orl_task *task);
+} kinds[ORL_TASK_KIND_COUNT] = {
+    [ORL_TASK_RENDER] = {"render", decode_render, validate_render, done_render},
+    [ORL_TASK_STUDY] = {"study", decode_study, validate_study, done_study},
+    [ORL_TASK_ANNUAL] = {"annual", decode_annual, validate_annual, done_annual},
+};
 
 const char *orl_task_kind_name(enum orl_task_kind kind)
 {
-    return kind < ORL_TASK_KIND_COUNT ? kind_names[kind] : "unknown";
+    return kind < ORL_TASK_KIND_COUNT ? kinds[kind].name : "unknown";
 }
 
 enum orl_task_kind orl_task_kind_from_name(const char *name)
 {
     unsigned kind = 0;
-    while (kind < ORL_TASK_KIND_COUNT && strcmp(kind_names[kind], name) != 0)
+    while (kind < ORL_TASK_KIND_COUNT && strcmp(kinds[kind].name, name) != 0)
         kind++;
     return (enum orl_task_kind)kind;
 }
 
 void orl_task_done(struct orl_task *task)
 {
-    if (!task)
-        return;
-    if (task->kind == ORL_TASK_STUDY)
-        orl_study_request_done(&task->of.study);
-    else
-        orl_job_done(&task->of.render);
+    if (task)
+        kinds[task->kind].done(task);
 }
 
-struct orl_job *orl_task_job(struct orl_task *task)
-{
-    return task->kind == ORL_TASK_STUDY ? &task->of.study.job : &task->of.render;
-}
+/* ---- The document ---------------------------------------------------------------------------- */
 
 static int read_kind(const json_t *doc, enum orl_task_kind *ret_kind, struct orl_error *err)
 {
@@ -46,7 +101,7 @@ static int read_kind(const json_t *doc, enum orl_task_kind *ret_kind, struct orl
     if (*ret_kind < ORL_TASK_KIND_COUNT)
         return 0;
     return orl_json_fail(err, ORL_ERR_INVALID, "kind",
-                         "\"render\" (the default) or \"study\" is wanted here");
+                         "\"render\" (the default), \"study\" or \"annual\" is wanted here");
 }
 
 static int read_priority(const json_t *doc, int *ret_priority, struct orl_error *err)
@@ -68,16 +123,11 @@ int orl_task_from_json(const json_t *doc, enum orl_job_origin origin, struct orl
     int rc = read_kind(doc, &task.kind, err);
     if (rc == 0)
         rc = read_priority(doc, &task.priority, err);
+    if (rc == 0)
+        rc = kinds[task.kind].decode(doc, origin, &task, &scene_id, err);
     if (rc)
         return rc;
-    if (task.kind == ORL_TASK_STUDY)
-        rc = orl_study_from_json(doc, origin, &task.of.study, &scene_id, err);
-    else
-        rc = orl_job_from_json(doc, origin, &task.of.render, &scene_id, err);
-    if (rc)
-        return rc;
-    rc = task.kind == ORL_TASK_STUDY ? orl_study_request_validate(&task.of.study, err)
-                                     : orl_job_validate(&task.of.render, err);
+    rc = kinds[task.kind].validate(&task, err);
     if (rc) {
         orl_task_done(&task);
         free(scene_id);
@@ -89,4 +139,94 @@ int orl_task_from_json(const json_t *doc, enum orl_job_origin origin, struct orl
     else
         free(scene_id);
     return 0;
+}
+
+const struct orl_job *orl_task_job(const struct orl_task *task)
+{
+    return task->kind == ORL_TASK_RENDER  ? &task->of.render
+           : task->kind == ORL_TASK_STUDY ? &task->of.study.job
+                                          : NULL;
+}
+
+/* ---- Files ----------------------------------------------------------------------------------- */
+
+char *const *orl_task_scene(const struct orl_task *task, size_t *ret_count)
+{
+    const struct orl_job *job = orl_task_job(task);
+    const struct orl_annual_request *year = &task->of.annual.request;
+    *ret_count = job ? job->n_scene_files : year->n_scene_files;
+    return job ? job->scene_files : year->scene_files;
+}
+
+void orl_task_set_scene(struct orl_task *task, char **files, size_t count)
+{
+    struct orl_job *job = task->kind == ORL_TASK_STUDY ? &task->of.study.job : &task->of.render;
+    if (task->kind == ORL_TASK_ANNUAL) {
+        task->of.annual.request.scene_files = files;
+        task->of.annual.request.n_scene_files = count;
+    } else {
+        job->scene_files = files;
+        job->n_scene_files = count;
+    }
+}
+
+struct visiting {
+    int (*visit)(void *ctx, const struct orl_task_file *file, struct orl_error *err);
+    void *ctx;
+    struct orl_error *err;
+};
+
+static int tell(const struct visiting *v, enum orl_file_role role, const char *name,
+                const char *entry, const char *format, ...) __attribute__((format(printf, 5, 6)));
+/* Nothing of a file without a name. */
+static int tell(const struct visiting *v, enum orl_file_role role, const char *name,
+                const char *entry, const char *format, ...)
+{
+    char place[48];
+    va_list args;
+    if (!name || !*name)
+        return 0;
+    va_start(args, format);
+    vsnprintf(place, sizeof place, format, args);
+    va_end(args);
+    const struct orl_task_file file = {role, name, place, entry};
+    return v->visit(v->ctx, &file, v->err);
+}
+
+static int visit_job(const struct visiting *v, const struct orl_job *job)
+{
+    int rc = tell(v, ORL_FILE_SENSORS, job->sensors_file, NULL, "sensors.file");
+    if (rc == 0)
+        rc = tell(v, ORL_FILE_WEATHER, job->sky.weather_file, NULL, "sky.weather.file");
+    for (size_t i = 0; i < job->n_skies && rc == 0; i++)
+        rc = tell(v, ORL_FILE_WEATHER, job->skies[i].request.weather_file, NULL,
+                  "skies[%zu].weather.file", i);
+    for (size_t i = 0; i < job->n_views && rc == 0; i++) {
+        const struct orl_view_request *view = &job->views[i];
+        rc = tell(v, ORL_FILE_VIEW, view->file, view->entry, "views[%zu].file", i);
+        if (rc == 0)
+            rc = tell(v, ORL_FILE_MASK, view->glare.mask, NULL, "views[%zu].glare.mask", i);
+    }
+    return rc;
+}
+
+static int visit_year(const struct visiting *v, const struct orl_annual_job *year)
+{
+    int rc = tell(v, ORL_FILE_YEAR, year->request.weather_file, NULL, "weather");
+    if (rc == 0)
+        rc = tell(v, ORL_FILE_OCCUPANCY, year->wishes.occupancy_file, NULL, "occupancy.file");
+    for (size_t g = 0; g < year->request.n_grids && rc == 0; g++)
+        rc = year->bare ? tell(v, ORL_FILE_SENSORS, year->grid_files[g], NULL, "sensors.file")
+                        : tell(v, ORL_FILE_SENSORS, year->grid_files[g], NULL,
+                               "grids[%zu].sensors.file", g);
+    return rc;
+}
+
+int orl_task_files(const struct orl_task *task,
+                   int (*visit)(void *ctx, const struct orl_task_file *file, struct orl_error *err),
+                   void *ctx, struct orl_error *err)
+{
+    const struct visiting v = {visit, ctx, err};
+    const struct orl_job *job = orl_task_job(task);
+    return job ? visit_job(&v, job) : visit_year(&v, &task->of.annual);
 }

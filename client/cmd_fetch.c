@@ -1,4 +1,4 @@
-/* oriel fetch ID -o DIR: result.json and the other files of a job or study. */
+/* oriel fetch ID -o DIR: result.json and the other files of a job, study or year. */
 #include "command.h"
 
 #include <stdio.h>
@@ -12,10 +12,24 @@
 
 static const char result_name[] = "result.json";
 
-/* A name from the network becomes a path of ours: it must stay inside the folder. */
+/* A name from the network becomes a path of ours: it must stay inside the folder, in every part. */
 static bool is_plain_name(const char *name)
 {
-    return *name && *name != '.' && !strchr(name, '/');
+    for (const char *part = name;; part += strcspn(part, "/") + 1) {
+        if (*part == '\0' || *part == '.' || *part == '/')
+            return false;
+        if (!strchr(part, '/'))
+            return true;
+    }
+}
+
+/* The folders that the file lies in. */
+static int make_folders(const char *file, struct orl_error *err)
+{
+    char folder[4096];
+
+    snprintf(folder, sizeof folder, "%.*s", (int)(strrchr(file, '/') - file), file);
+    return orl_make_folder(folder, err);
 }
 
 static int fetch_file(struct orl_http *http, const char *id, const char *name, const char *folder,
@@ -36,6 +50,8 @@ static int fetch_file(struct orl_http *http, const char *id, const char *name, c
     rc = orl_job_path(id, rest, path, sizeof path, err);
     if (rc == 0)
         rc = orl_join_path(folder, name, file, sizeof file, err);
+    if (rc == 0 && strchr(name, '/'))
+        rc = make_folders(file, err);
     if (rc == 0)
         rc = orl_http_download(http, path, file, err);
     if (rc == 0)

@@ -1,10 +1,12 @@
 /*
- * oriel submit JOB.json: uploads what the document names, posts the job or study, prints its id.
+ * oriel submit JOB.json: uploads what the document names, posts the job, study or year, prints its
+ * id.
  */
 #include "command.h"
 
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "bundle.h"
 #include "follow.h"
@@ -14,10 +16,28 @@
 #include "report.h"
 #include "task_json.h"
 
-static int add_weather(struct orl_upload *bundle, const char *folder,
-                       const struct orl_sky_request *sky, struct orl_error *err)
+/* What the scene's upload carries beside what the scene names. */
+struct resources {
+    struct orl_upload *bundle;
+    const char *folder;
+};
+
+static int add_file(void *ctx, const struct orl_task_file *file, struct orl_error *err)
 {
-    return sky->weather_file ? orl_bundle_add(bundle, folder, sky->weather_file, err) : 0;
+    const struct resources *resources = ctx;
+
+    return orl_bundle_add(resources->bundle, resources->folder, file->name, err);
+}
+
+static int collect(const struct orl_job_file *file, const struct orl_task *task,
+                   struct orl_upload *ret_bundle, struct orl_error *err)
+{
+    const struct resources resources = {ret_bundle, file->folder};
+    size_t count;
+    const char *const *names = (const char *const *)orl_task_scene(task, &count);
+    const int rc = orl_bundle_collect(file->folder, names, count, ret_bundle, err);
+
+    return rc ? rc : orl_task_files(task, add_file, (void *)(uintptr_t)&resources, err);
 }
 
 /* Uploads "scene": {"files": [...]} and puts the id in its place; an id stays as it is. */
@@ -25,28 +45,18 @@ static int send_scene(struct orl_http *http, struct orl_job_file *file, struct o
 {
     struct orl_upload bundle = {0};
     struct orl_task task = {0};
-    const struct orl_job *job;
     char *id = NULL;
     int rc;
 
     if (!json_is_object(json_object_get(file->doc, "scene")))
         return 0;
-    /* Decoding it as `oriel run` or `oriel study` would finds mistakes before anything is sent. */
+    /* Decoding it as the command would that runs it here finds mistakes before anything is sent. */
     rc = orl_task_from_json(file->doc, ORL_JOB_LOCAL, &task, NULL, err);
     if (rc) {
         orl_error_at(err, file->path, 0, NULL);
         return rc;
     }
-    job = orl_task_job(&task);
-    rc = orl_bundle_collect(file->folder, (const char *const *)job->scene_files, job->n_scene_files,
-                            &bundle, err);
-    if (rc == 0)
-        rc = add_weather(&bundle, file->folder, &job->sky, err);
-    for (size_t i = 0; i < job->n_skies && rc == 0; i++)
-        rc = add_weather(&bundle, file->folder, &job->skies[i].request, err);
-    for (size_t i = 0; i < job->n_views && rc == 0; i++)
-        if (job->views[i].glare.mask[0])
-            rc = orl_bundle_add(&bundle, file->folder, job->views[i].glare.mask, err);
+    rc = collect(file, &task, &bundle, err);
     if (rc == 0)
         rc = orl_bundle_upload(&bundle, http, &id, err);
     if (rc == 0 && json_object_set_new(file->doc, "scene", json_string(id)) != 0)
@@ -57,6 +67,15 @@ static int send_scene(struct orl_http *http, struct orl_job_file *file, struct o
     return rc;
 }
 
+/* Render jobs and studies go with their sensors and views, so that other sensors need no other
+ * scene; a year's files stay what its provenance names. */
+static bool is_inlined(const struct orl_job_file *file)
+{
+    const char *kind = json_string_value(json_object_get(file->doc, "kind"));
+
+    return !kind || strcmp(kind, orl_task_kind_name(ORL_TASK_ANNUAL)) != 0;
+}
+
 /* Everything up to the daemon's 202. *ret_reply is the job's first document. */
 static int submit(struct orl_http *http, const char *path, json_t **ret_reply,
                   struct orl_error *err)
@@ -64,9 +83,9 @@ static int submit(struct orl_http *http, const char *path, json_t **ret_reply,
     struct orl_job_file file = {0};
     int rc = orl_job_file_read(path, &file, err);
 
-    if (rc == 0)
+    if (rc == 0 && is_inlined(&file))
         rc = orl_job_file_inline_sensors(&file, err);
-    if (rc == 0)
+    if (rc == 0 && is_inlined(&file))
         rc = orl_job_file_inline_views(&file, err);
     if (rc == 0)
         rc = send_scene(http, &file, err);

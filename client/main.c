@@ -34,7 +34,7 @@ static const struct orl_subcommand commands[] = {
      "study.svg and study.png in DIR. Times are of one thread unless --threads says more.",
      orl_cmd_study},
     {"submit", "JOB.json [--server URL] [--wait]",
-     "Send a job or a study, and the files it needs, to a daemon",
+     "Send a job, study or year, and the files it needs, to a daemon",
      "Uploads the scene's files and everything they refer to, then prints the job's id.",
      orl_cmd_submit},
     {"status", "[ID] [--server URL]", "Show one job, or the latest ones", NULL, orl_cmd_status},
@@ -44,7 +44,7 @@ static const struct orl_subcommand commands[] = {
      orl_cmd_wait},
     {"fetch", "ID -o DIR [--server URL]", "Download a finished job's results",
      "result.json and the files that belong to it: a job's images; a study's study.csv, study.svg\n"
-     "and study.png.",
+     "and study.png; a year's tables, maps, carpets and pages, in folders where it has such.",
      orl_cmd_fetch},
     {"cancel", "ID [--server URL]", "Stop a job, and wait until it has stopped", NULL,
      orl_cmd_cancel},

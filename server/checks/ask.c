@@ -65,18 +65,20 @@ int orl_ask_job(struct orl_asking *asking, const char *path, struct orl_job_brie
 }
 
 int orl_ask_inputs(struct orl_asking *asking, const struct orl_job_inputs *inputs,
-                   uint64_t *ret_sensors, struct orl_error *err)
+                   struct orl_job_inputs_found *ret_found, struct orl_error *err)
 {
     json_t *result = NULL;
+    json_int_t sensors = -1, rows = -1;
     int rc = ask(asking,
-                 json_pack("{s:s, s:o, s:s?, s:O?}", "kind", "inputs", "files",
-                           orl_opened_to_json(&inputs->files), "sensors", inputs->sensors, "views",
-                           inputs->views),
+                 json_pack("{s:s, s:o, s:O}", "kind", "inputs", "files",
+                           orl_opened_to_json(&inputs->files), "uses", inputs->uses),
                  &result, err);
-    if (rc == 0 && (!json_is_integer(result) || json_integer_value(result) < 0))
+    if (rc == 0)
+        json_unpack(result, "[I, I]", &sensors, &rows);
+    if (rc == 0 && (sensors < 0 || rows < 0))
         rc = orl_error_set(err, ORL_ERR_INTERNAL, "a check answered what makes no sense");
     if (rc == 0)
-        *ret_sensors = (uint64_t)json_integer_value(result);
+        *ret_found = (struct orl_job_inputs_found){(uint64_t)sensors, (uint64_t)rows};
     json_decref(result);
     return rc;
 }

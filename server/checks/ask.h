@@ -18,9 +18,9 @@ int orl_ask_bsdf(struct orl_asking *asking, const char *path, const char *name, 
                  struct orl_error *err);
 int orl_ask_job(struct orl_asking *asking, const char *path, struct orl_job_brief *ret_brief,
                 struct orl_error *err);
-/* The files that a job names: how many sensors there are, 0 without a file of them. */
+/* The files that a job names. */
 int orl_ask_inputs(struct orl_asking *asking, const struct orl_job_inputs *inputs,
-                   uint64_t *ret_sensors, struct orl_error *err);
+                   struct orl_job_inputs_found *ret_found, struct orl_error *err);
 
 /* As orl_unzip (unzip.h). */
 int orl_ask_unzip(struct orl_asking *asking, const char *path, const struct orl_folders *folders,

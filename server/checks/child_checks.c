@@ -6,6 +6,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <oriel/annual_report.h>
 #include <oriel/bsdf.h>
 #include <oriel/limits.h>
 #include <oriel/run.h>
@@ -131,42 +132,84 @@ static int check_roles(struct check *check, json_t **ret_result, struct orl_erro
     return rc;
 }
 
-/* Of a view: [its file, the entry or null]. */
-static int check_view(const struct orl_opened *files, const json_t *view, struct orl_error *err)
+/* ---- Files that a job names ------------------------------------------------------------------ */
+
+/* How one is used, and what is known by those before it. */
+struct use {
+    const char *name, *entry;
+    const struct orl_file *data;
+    uint64_t sensors, rows;
+    struct orl_annual_steps steps; /* of the year */
+};
+
+static int read_sensors(struct use *use, struct orl_error *err)
 {
-    const char *name = json_string_value(json_array_get(view, 0));
-    const struct orl_bundle_file *file = name ? orl_bundle_find(&files->bundle, name) : NULL;
-    if (!file)
-        return orl_error_set(err, ORL_ERR_INTERNAL, "a view's file is not there");
-    const struct orl_file *data = &files->data[file - files->bundle.files];
+    size_t count = 0;
+    const int rc = orl_sensors_check(use->name, use->data->data, use->data->size, &count, err);
+    use->sensors += count;
+    return rc;
+}
+
+static int read_weather(struct use *use, struct orl_error *err)
+{
+    return orl_weather_check(use->name, use->data->data, use->data->size, err);
+}
+
+static int read_view(struct use *use, struct orl_error *err)
+{
     char *text = NULL;
-    const int rc = orl_view_file_read(name, data->data, data->size,
-                                      json_string_value(json_array_get(view, 1)), &text, err);
+    const int rc =
+        orl_view_file_read(use->name, use->data->data, use->data->size, use->entry, &text, err);
     free(text);
     return rc;
 }
 
-/* The files that a job names. */
-static int check_inputs(struct check *check, json_t **ret_result, struct orl_error *err)
+static int read_year(struct use *use, struct orl_error *err)
 {
-    const struct orl_bundle *bundle = &check->files.bundle;
-    const char *sensors = json_string_value(json_object_get(check->request, "sensors"));
-    size_t count = 0;
-    int rc = 0;
-    for (size_t i = 0; i < bundle->count && rc == 0; i++) {
-        const struct orl_bundle_file *file = &bundle->files[i];
-        const struct orl_file *data = &check->files.data[i];
-        if (sensors && strcmp(sensors, file->name) == 0)
-            rc = orl_sensors_check(file->name, data->data, data->size, &count, err);
-        if (rc == 0 && file->resource)
-            rc = orl_weather_check(file->name, data->data, data->size, err);
-    }
-    const json_t *views = json_object_get(check->request, "views");
-    for (size_t i = 0; i < json_array_size(views) && rc == 0; i++)
-        rc = check_view(&check->files, json_array_get(views, i), err);
-    *ret_result = rc ? NULL : json_integer((json_int_t)count);
+    size_t rows = 0;
+    const int rc = orl_annual_weather_check(use->name, use->data->data, use->data->size,
+                                            &use->steps, &rows, err);
+    use->rows = rows;
     return rc;
 }
+
+static int read_occupancy(struct use *use, struct orl_error *err)
+{
+    return orl_occupancy_check(use->name, use->data->data, use->data->size, &use->steps, err);
+}
+
+static int read_use(const struct orl_opened *files, const json_t *entry, struct use *use,
+                    struct orl_error *err)
+{
+    static int (*const readers[ORL_FILE_ROLES])(struct use * use, struct orl_error * err) = {
+        [ORL_FILE_SENSORS] = read_sensors,
+        [ORL_FILE_WEATHER] = read_weather,
+        [ORL_FILE_VIEW] = read_view,
+        [ORL_FILE_YEAR] = read_year,
+        [ORL_FILE_OCCUPANCY] = read_occupancy};
+    const json_int_t role = json_integer_value(json_array_get(entry, 1));
+    use->name = json_string_value(json_array_get(entry, 0));
+    use->entry = json_string_value(json_array_get(entry, 2));
+    const struct orl_bundle_file *file =
+        use->name ? orl_bundle_find(&files->bundle, use->name) : NULL;
+    if (!file || role < 0 || role >= ORL_FILE_ROLES || !readers[role])
+        return orl_error_set(err, ORL_ERR_INTERNAL, "a check's request makes no sense");
+    use->data = &files->data[file - files->bundle.files];
+    return readers[role](use, err);
+}
+
+static int check_inputs(struct check *check, json_t **ret_result, struct orl_error *err)
+{
+    const json_t *uses = json_object_get(check->request, "uses");
+    struct use use = {0};
+    int rc = 0;
+    for (size_t i = 0; i < json_array_size(uses) && rc == 0; i++)
+        rc = read_use(&check->files, json_array_get(uses, i), &use, err);
+    *ret_result = rc ? NULL : json_pack("[I, I]", (json_int_t)use.sensors, (json_int_t)use.rows);
+    return rc;
+}
+
+/* ---- The check ------------------------------------------------------------------------------- */
 
 static int run_kind(struct check *check, json_t **ret_result, struct orl_error *err)
 {

@@ -12,9 +12,8 @@
  *     files     "path", of {"files": [...], "bsdfs": {...}} -> the same, then {"resources": [...],
  *               "bsdfs": {...}}
  *     roles     "files" -> [true, false, ...]: which are main ones
- *     inputs    "files", weather where "resource" says so; "sensors": the name of the one of those,
- *               or null; "views": [[name, entry or null], ...] or null -> how many sensors it
- *               has, or 0
+ *     inputs    "files", "uses": [[name, role, entry or null], ...] (job_inputs.h) -> [sensors of
+ *               all files of them, rows of a year's weather]
  */
 #ifndef ORL_SERVER_CHECKS_CHILD_CHECKS_H
 #define ORL_SERVER_CHECKS_CHILD_CHECKS_H

@@ -9,13 +9,15 @@
 
 #include <oriel/files.h>
 
+#include "runner/job_memory.h"
 #include "store/folders.h"
 #include "task_json.h"
 
-/* A file that the document names, and where it does: "sky.weather.file". Owned. */
+/* A file that the document names (task_json.h). Owned. */
 struct orl_named_file {
+    enum orl_file_role role;
     char *name, *place;
-    char *entry; /* of views: which of them is wanted; or NULL */
+    char *entry; /* or NULL */
 };
 
 struct orl_job_brief {
@@ -24,10 +26,9 @@ struct orl_job_brief {
     char scene[ORL_SHA_HEX], identity[ORL_SHA_HEX]; /* identity: job_share.h */
     uint64_t result_bytes;                          /* to be expected ... */
     uint64_t sensor_bytes;                          /* ... and as much for each of a file */
-    uint64_t sensors, photons;                      /* asked for; photons of all maps together */
-    uint64_t pixels;                                /* of the largest view */
+    struct orl_job_memory needs;                    /* by the document alone */
     struct orl_named_file *files;                   /* owned */
-    size_t n_files;
+    size_t n_files, room;
 };
 
 /* NULL and all zeros are fine. */

@@ -15,13 +15,14 @@ static bool path_matches(const char *path, const char *url,
                 return false;
             continue;
         }
-        const size_t length = strcspn(url, "/");
+        const bool rest = path[1] == '*';
+        const size_t length = rest ? strlen(url) : strcspn(url, "/");
         if (length == 0 || length >= ORL_PARAM_MAX || param == ORL_ROUTE_PARAMS)
             return false;
         memcpy(ret_params[param], url, length);
         ret_params[param++][length] = '\0';
         url += length;
-        path += 2;
+        path += rest ? 3 : 2;
     }
     return *url == '\0';
 }

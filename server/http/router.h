@@ -12,7 +12,8 @@
 
 struct orl_route {
     const char *method;         /* GET serves HEAD too */
-    const char *path;           /* "/v1/jobs/{}/files/{}": each {} is a parameter */
+    const char *path;           /* "/v1/jobs/{}/files/{*}": each {} is a parameter without slashes,
+                                   {*} the rest */
     enum orl_token_scope scope; /* a token must have, where tokens are needed */
     orl_request_step handler;
     uint64_t max_body;        /* 0: no body is read */

@@ -45,21 +45,35 @@ void orl_share_leave(struct orl_jobs_job *job)
     job->next_follower = NULL;
 }
 
-static int link_files(const char *from, const char *to, struct orl_error *err)
+static int link_below(const char *from, const char *to, struct orl_error *err);
+
+/* A file, or a folder with all that is in it. */
+static int link_entry(const struct dirent *entry, const char *from, const char *to,
+                      struct orl_error *err)
 {
     char source[ORL_PATH_MAX + 256], target[ORL_PATH_MAX + 256];
-    DIR *folder = opendir(from);
-    int rc = folder ? 0 : -1;
-    for (const struct dirent *entry; rc == 0 && (entry = readdir(folder));) {
-        if (strcmp(entry->d_name, ".") == 0 || strcmp(entry->d_name, "..") == 0)
-            continue;
-        snprintf(source, sizeof source, "%s/%s", from, entry->d_name);
-        snprintf(target, sizeof target, "%s/%s", to, entry->d_name);
-        rc = link(source, target);
+    snprintf(source, sizeof source, "%s/%s", from, entry->d_name);
+    snprintf(target, sizeof target, "%s/%s", to, entry->d_name);
+    struct stat st;
+    if (lstat(source, &st) == 0 && S_ISDIR(st.st_mode) && mkdir(target, 0777) == 0) {
+        const int rc = link_below(source, target, err);
+        return rc ? rc : orl_sync_path(target, err);
     }
-    if (rc)
-        rc = orl_error_set(err, orl_err_of_errno(errno), "cannot share the results: %s",
-                           strerror(errno));
+    if (link(source, target) == 0)
+        return 0;
+    return orl_error_set(err, orl_err_of_errno(errno), "cannot share the results: %s",
+                         strerror(errno));
+}
+
+static int link_below(const char *from, const char *to, struct orl_error *err)
+{
+    DIR *folder = opendir(from);
+    int rc = folder ? 0
+                    : orl_error_set(err, orl_err_of_errno(errno), "cannot share the results: %s",
+                                    strerror(errno));
+    for (const struct dirent *entry; rc == 0 && (entry = readdir(folder));)
+        if (strcmp(entry->d_name, ".") != 0 && strcmp(entry->d_name, "..") != 0)
+            rc = link_entry(entry, from, to, err);
     if (folder)
         closedir(folder);
     return rc;
@@ -75,7 +89,7 @@ int orl_share_results(const struct orl_folders *folders, const char *from, const
     if (mkdir(temporary, 0777) != 0)
         return orl_error_set(err, orl_err_of_errno(errno),
                              "cannot make a folder for the results: %s", strerror(errno));
-    int rc = link_files(source, temporary, err);
+    int rc = link_below(source, temporary, err);
     if (rc == 0)
         rc = orl_sync_path(temporary, err);
     if (rc == 0)

@@ -27,6 +27,7 @@ struct job_post {
     struct orl_job_brief brief;
     struct orl_job_memory memory;
     struct orl_job_inputs inputs;
+    struct orl_job_inputs_found found; /* in them, once they are read */
     struct orl_check check;
     char document[ORL_SHA_HEX], client[ORL_CLIENT_NAME];
     char key[REQUEST_KEY_MAX + 1]; /* Idempotency-Key; "": none */
@@ -77,8 +78,7 @@ static void check_document(struct orl_request *request)
 static void check_inputs(struct orl_request *request)
 {
     struct job_post *post = request->state;
-    post->rc =
-        orl_ask_inputs(&post->check.asking, &post->inputs, &post->memory.file_sensors, &post->err);
+    post->rc = orl_ask_inputs(&post->check.asking, &post->inputs, &post->found, &post->err);
 }
 
 static void keep_document(struct orl_request *request)
@@ -170,13 +170,11 @@ static int note_needs(struct orl_server *server, struct job_post *post,
     free(scene.summary);
     if (found && !summary)
         return orl_error_set(&post->err, ORL_ERR_NOMEM, "out of memory");
-    post->memory = (struct orl_job_memory){
-        .surfaces = (uint64_t)json_integer_value(json_object_get(summary, "surfaces")),
-        .triangles = (uint64_t)json_integer_value(json_object_get(summary, "triangles")),
-        .photons = post->brief.photons,
-        .sensors = post->brief.sensors,
-        .pixels = post->brief.pixels,
-        .file_sensors = post->memory.file_sensors};
+    post->memory = post->brief.needs;
+    post->memory.surfaces = (uint64_t)json_integer_value(json_object_get(summary, "surfaces"));
+    post->memory.triangles = (uint64_t)json_integer_value(json_object_get(summary, "triangles"));
+    post->memory.file_sensors = post->found.sensors;
+    post->memory.year_rows = post->found.year_rows;
     json_decref(summary);
     for (size_t i = 0; i < bundle->count; i++)
         if (orl_is_xml_name(bundle->files[i].name))
@@ -227,8 +225,8 @@ static void submit(struct orl_request *request)
         post->rc = check_references(request->server, post);
     /* Sensors of a file are counted by now. */
     const uint64_t result_bytes =
-        post->brief.result_bytes + post->brief.sensor_bytes * post->memory.file_sensors;
-    if (post->rc == 0 && post->memory.file_sensors > 0 && orl_reply_if_full(request, result_bytes))
+        post->brief.result_bytes + post->brief.sensor_bytes * post->found.sensors;
+    if (post->rc == 0 && post->found.sensors > 0 && orl_reply_if_full(request, result_bytes))
         return;
     const struct orl_jobs_order order = {.kind = post->brief.kind,
                                          .priority = post->brief.priority,

@@ -76,6 +76,7 @@ void orl_handle_limits(struct orl_request *request)
         {"views", ORL_LIMIT_VIEWS},
         {"skies", ORL_LIMIT_SKIES},
         {"pictures", ORL_LIMIT_PICTURES},
+        {"grids", ORL_LIMIT_GRIDS},
         {"image_side", ORL_LIMIT_IMAGE_SIDE},
         {"image_pixels", ORL_LIMIT_IMAGE_PIXELS},
         {"picture_points", ORL_LIMIT_PICTURE_POINTS},

@@ -40,13 +40,13 @@ static struct event take(const struct orl_jobs *jobs, const struct orl_jobs_job 
     if (job->row.state != ORL_JOB_RUNNING || !orl_jobs_worker(job))
         return event;
     orl_worker_progress(orl_jobs_worker(job), &progress);
-    if (job->row.kind == ORL_TASK_RENDER)
+    if (job->row.kind != ORL_TASK_STUDY)
         event.stage = orl_stage_name(progress.stage);
     else if (progress.step.runs > 0)
         event.stage = orl_study_step_name(&progress.step);
     event.permille = (int)(1000 * progress.job_fraction);
     event.eta_s = orl_job_eta_s(job, &progress);
-    event.rounds = progress.outcome.asked ? progress.outcome.rounds : 0;
+    event.rounds = progress.outcome.asked ? progress.outcome.rounds : progress.year.rounds;
     event.views = progress.n_views;
     event.skies = progress.skies_done;
     event.points = progress.n_points;

@@ -7,6 +7,7 @@
 
 #include <oriel/eta.h>
 
+#include "annual_json.h"
 #include "encode.h"
 #include "json_read.h"
 #include "process/times.h"
@@ -51,24 +52,44 @@ static int add_skies(json_t *doc, const struct orl_job_progress *progress)
                                          "done", (json_int_t)progress->skies_done, "running", sky));
 }
 
+static int add_stage(json_t *doc, const struct orl_job_progress *progress)
+{
+    int rc = json_object_set_new(doc, "stage", json_string(orl_stage_name(progress->stage)));
+    rc |= json_object_set_new(doc, "stage_percent", json_real(100 * progress->stage_fraction));
+    return rc | json_object_set_new(doc, "warnings", orl_job_warnings(progress));
+}
+
 static int add_render(json_t *doc, const struct orl_job_progress *progress)
 {
     json_t *maps = json_array();
     int rc = maps ? 0 : -1;
     for (size_t i = 0; i < progress->n_maps && rc == 0; i++)
         rc = json_array_append_new(maps, orl_map_info_to_json(&progress->maps[i]));
-    rc |= json_object_set_new(doc, "stage", json_string(orl_stage_name(progress->stage)));
-    rc |= json_object_set_new(doc, "stage_percent", json_real(100 * progress->stage_fraction));
+    rc |= add_stage(doc, progress);
     if (progress->technique != ORL_TECHNIQUE_AUTO)
         rc |= json_object_set_new(doc, "technique",
                                   json_string(orl_technique_name(progress->technique)));
     rc |= json_object_set_new(doc, "maps", maps);
     if (progress->n_skies > 0)
         rc |= add_skies(doc, progress);
-    rc |= json_object_set_new(doc, "warnings", orl_job_warnings(progress));
     if (progress->outcome.asked)
         rc |= json_object_set_new(doc, "accuracy", orl_outcome_to_json(&progress->outcome));
     return rc;
+}
+
+/* A name of files in folders has slashes, which are no part of a path's shape. */
+static json_t *file_url(const char *id, const char *name)
+{
+    char url[640];
+    size_t at = (size_t)snprintf(url, sizeof url, "/v1/jobs/%s/files/", id);
+    for (; *name && at + 4 < sizeof url; name++) {
+        if (*name == '/' || *name == '%' || *name == '?' || *name == '#' || *name == ' ')
+            at += (size_t)snprintf(url + at, sizeof url - at, "%%%02X", (unsigned char)*name);
+        else
+            url[at++] = *name;
+    }
+    url[at] = '\0';
+    return json_string(url);
 }
 
 /* Where the results are that a summary lists. */
@@ -84,8 +105,7 @@ static int add_links(json_t *links, const char *id, const json_t *summary)
     {
         const char *name = json_string_value(json_object_get(entry, "name"));
         has_result = has_result || strcmp(name, "result.json") == 0;
-        snprintf(url, sizeof url, "/v1/jobs/%s/files/%s", id, name);
-        rc |= json_array_append_new(files, json_string(url));
+        rc |= json_array_append_new(files, file_url(id, name));
     }
     rc |= json_object_set_new(links, "files", files);
     if (!has_result)
@@ -98,6 +118,8 @@ static int add_links(json_t *links, const char *id, const json_t *summary)
 static int add_study(json_t *doc, const struct orl_job_progress *progress)
 {
     const struct orl_study_step *step = &progress->step;
+    if (step->runs == 0) /* its first run has not begun */
+        return 0;
     json_t *study = orl_study_setting_to_json(&step->setting), *points = json_array();
     int rc = points ? 0 : -1;
     for (size_t i = 0; i < progress->n_points && rc == 0; i++)
@@ -111,6 +133,22 @@ static int add_study(json_t *doc, const struct orl_job_progress *progress)
     return rc;
 }
 
+/* How its verdict stands, where it is to be sure. */
+static int add_annual(json_t *doc, const struct orl_job_progress *progress)
+{
+    const int rc = add_stage(doc, progress);
+    return rc | json_object_set_new(
+                    doc, "annual",
+                    json_pack("{s:o}", "accuracy", orl_annual_refinement_to_json(&progress->year)));
+}
+
+static int (*const add_kind[ORL_TASK_KIND_COUNT])(json_t *doc,
+                                                  const struct orl_job_progress *progress) = {
+    [ORL_TASK_RENDER] = add_render,
+    [ORL_TASK_STUDY] = add_study,
+    [ORL_TASK_ANNUAL] = add_annual,
+};
+
 static int add_running(json_t *doc, json_t *links, const struct orl_jobs_job *job)
 {
     struct orl_job_progress progress;
@@ -120,10 +158,7 @@ static int add_running(json_t *doc, json_t *links, const struct orl_jobs_job *jo
     free(text);
     json_decref(summary);
     orl_worker_progress(orl_jobs_worker(job), &progress);
-    if (job->row.kind == ORL_TASK_RENDER)
-        rc |= add_render(doc, &progress);
-    else if (progress.step.runs > 0)
-        rc |= add_study(doc, &progress);
+    rc |= add_kind[job->row.kind](doc, &progress);
     rc |= json_object_set_new(doc, "percent", json_real(100 * progress.job_fraction));
     rc |= json_object_set_new(doc, "eta_s", orl_json_from_real(orl_job_eta_s(job, &progress)));
     rc |= json_object_set_new(doc, "cancelling", json_boolean(job->cancelled));

@@ -29,7 +29,7 @@ static const struct orl_route table[] = {
     {"POST", "/v1/jobs/{}/cancel", ORL_SCOPE_SUBMIT, orl_handle_job_cancel, 4096, NULL},
     {"GET", "/v1/jobs/{}/events", ORL_SCOPE_READ, orl_handle_job_events, 0, NULL},
     {"GET", "/v1/jobs/{}/result", ORL_SCOPE_READ, orl_handle_job_result, 0, NULL},
-    {"GET", "/v1/jobs/{}/files/{}", ORL_SCOPE_READ, orl_handle_job_file, 0, NULL},
+    {"GET", "/v1/jobs/{}/files/{*}", ORL_SCOPE_READ, orl_handle_job_file, 0, NULL},
     {"GET", "/v1/maps", ORL_SCOPE_READ, orl_handle_map_list, 0, NULL},
     {"DELETE", "/v1/maps/{}/{}", ORL_SCOPE_ADMIN, orl_handle_map_delete, 0, NULL},
 };

@@ -2,7 +2,7 @@
 
 #include <stdio.h>
 
-enum { PARTS = 6 };
+enum { PARTS = 8 };
 
 struct part {
     const char *name; /* of many */
@@ -12,7 +12,9 @@ struct part {
 static void list_parts(const struct orl_job_memory *needs, struct part ret_parts[PARTS])
 {
     enum { SURFACE = 400, TRIANGLE = 300, BSDF = 8, PHOTON = 60, SENSOR = 1300, PIXEL = 64 };
-    enum { FILE_SENSOR = 900 };
+    enum { FILE_SENSOR = 900, ROW = 16 << 10 };
+    const uint64_t lit = needs->year_rows * 6 / 10; /* of its hours, at most */
+    const uint64_t hours = lit * (needs->sensors + needs->file_sensors);
     ret_parts[0] = (struct part){"surfaces", needs->surfaces, SURFACE * needs->surfaces};
     ret_parts[1] = (struct part){"triangles", needs->triangles, TRIANGLE * needs->triangles};
     ret_parts[2] = (struct part){"bytes of BSDFs", needs->bsdf_bytes, BSDF * needs->bsdf_bytes};
@@ -20,6 +22,8 @@ static void list_parts(const struct orl_job_memory *needs, struct part ret_parts
     ret_parts[4] = (struct part){"sensors", needs->sensors + needs->file_sensors,
                                  SENSOR * needs->sensors + FILE_SENSOR * needs->file_sensors};
     ret_parts[5] = (struct part){"pixels", needs->pixels, PIXEL * needs->pixels};
+    ret_parts[6] = (struct part){"rows of weather", needs->year_rows, ROW * needs->year_rows};
+    ret_parts[7] = (struct part){"hours of sensors", hours, needs->hour_bytes * hours};
 }
 
 uint64_t orl_job_memory_estimate(const struct orl_job_memory *needs)

@@ -19,7 +19,9 @@ struct orl_job_memory {
     uint64_t bsdf_bytes;          /* of its XML files */
     uint64_t photons;             /* of all maps */
     uint64_t sensors, file_sensors;
-    uint64_t pixels; /* of the largest view */
+    uint64_t pixels;     /* of the largest view */
+    uint64_t year_rows;  /* of the weather of a year; 0: it is none */
+    uint64_t hour_bytes; /* ... that each of its sensors takes for an hour with light */
 };
 
 uint64_t orl_job_memory_estimate(const struct orl_job_memory *needs);

@@ -9,19 +9,11 @@
 #include "chart/study_chart.h"
 #include "decode.h"
 #include "encode.h"
-#include "process/limits.h"
 #include "result_json.h"
+#include "runner/kinds.h"
 #include "skies_result_json.h"
 #include "store/mapped_file.h"
 #include "study_json.h"
-
-/* What the daemon takes of studies is less than what the command does. */
-static int check_runs(const struct orl_task *task, struct orl_error *err)
-{
-    if (task->kind != ORL_TASK_STUDY)
-        return 0;
-    return orl_study_check_runs(&task->of.study, ORL_SERVER_STUDY_RUNS, err);
-}
 
 int orl_job_read(const char *text, size_t size, struct orl_task *ret_task, char **ret_scene_id,
                  struct orl_error *err)
@@ -36,7 +28,7 @@ int orl_job_read(const char *text, size_t size, struct orl_task *ret_task, char 
     json_decref(doc);
     if (rc)
         return rc;
-    rc = check_runs(&task, err);
+    rc = orl_kinds[task.kind].admit ? orl_kinds[task.kind].admit(&task, err) : 0;
     if (rc) {
         orl_task_done(&task);
         free(scene);
@@ -50,74 +42,22 @@ int orl_job_read(const char *text, size_t size, struct orl_task *ret_task, char 
     return 0;
 }
 
-/* Of result.json, without sensors; of one of these. */
-enum { DOCUMENT = 8192, STUDY = 1 << 18, SENSOR = 200 };
-/* Of the outlines and pixels of some heat maps; of a sensor in map and tables. */
-enum { HEAT_MAPS = 1 << 20, HEAT_MAP_SENSOR = 400 };
-
-/* Bytes of a pixel in all the files of a view, errors included. */
-static uint64_t pixel_bytes(const struct orl_view_request *view)
-{
-    enum { RGBE = 4, RGB = 3, WORDS = 6, HALVES = 6, FLOATS = 12 };
-    const uint32_t formats = view->formats ? view->formats : ORL_PICTURES_USUAL;
-    uint64_t bytes = RGBE + RGB;
-    bytes += formats & ORL_PICTURE_BIT(ORL_PICTURE_HDR) ? RGBE : 0;
-    bytes += formats & ORL_PICTURE_BIT(ORL_PICTURE_PNG) ? RGB : 0;
-    bytes += formats & ORL_PICTURE_BIT(ORL_PICTURE_PNG16) ? WORDS : 0;
-    bytes += formats & ORL_PICTURE_BIT(ORL_PICTURE_EXR) ? HALVES : 0;
-    bytes += formats & ORL_PICTURE_BIT(ORL_PICTURE_EXR_FLOAT) ? FLOATS : 0;
-    return bytes + (view->false_color.asked ? 3 * RGB : 0);
-}
-
-/* Of a sky's part in sequences: a picture, the same in the animation and, smaller, on the sheet. */
-static uint64_t sequence_bytes(const struct orl_job *job)
-{
-    enum { RGB = 3, PICTURES = 3, MARGINS = 1 << 16 };
-    uint64_t bytes = 0;
-    for (size_t i = 0; i < job->n_views; i++)
-        bytes += (uint64_t)job->views[i].width * job->views[i].height * PICTURES * RGB + MARGINS;
-    return bytes;
-}
-
-uint64_t orl_job_output_expect_sensor(const struct orl_task *task)
-{
-    const size_t skies = task->of.render.n_skies;
-    if (task->kind == ORL_TASK_STUDY)
-        return 0;
-    return skies > 0 ? (skies + 1) * SENSOR : SENSOR;
-}
-
-uint64_t orl_job_output_expect(const struct orl_task *task)
-{
-    const struct orl_job *job = &task->of.render;
-    if (task->kind == ORL_TASK_STUDY)
-        return STUDY;
-    uint64_t bytes = DOCUMENT + SENSOR * (uint64_t)job->n_sensors;
-    for (size_t i = 0; i < job->n_views; i++)
-        bytes += pixel_bytes(&job->views[i]) * (uint64_t)job->views[i].width * job->views[i].height;
-    if (job->sequence.asked)
-        bytes += sequence_bytes(job);
-    if (job->heat_map.asked)
-        bytes += HEAT_MAPS + HEAT_MAP_SENSOR * (uint64_t)job->n_sensors;
-    /* Of each sky as much, and of all together less than of one more. */
-    return job->n_skies > 0 ? (job->n_skies + 1) * bytes : bytes;
-}
-
-int orl_job_set_scene(struct orl_job *job, const struct orl_bundle *bundle, struct orl_error *err)
+int orl_job_set_scene(struct orl_task *task, const struct orl_bundle *bundle, struct orl_error *err)
 {
     const size_t count = orl_bundle_main_count(bundle);
     if (count == 0)
         return orl_error_set(err, ORL_ERR_NOT_FOUND, "the job's scene is not stored");
-    job->scene_files = calloc(count, sizeof *job->scene_files);
-    for (size_t i = 0; job->scene_files && i < bundle->count; i++) {
+    char **names = calloc(count, sizeof *names);
+    size_t n = 0;
+    bool all = names != NULL;
+    for (size_t i = 0; all && i < bundle->count; i++) {
         if (bundle->files[i].resource)
             continue;
-        char *name = strdup(bundle->files[i].name);
-        if (!name)
-            return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-        job->scene_files[job->n_scene_files++] = name;
+        names[n] = strdup(bundle->files[i].name);
+        all = names[n++] != NULL;
     }
-    return job->scene_files ? 0 : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    orl_task_set_scene(task, names, n);
+    return all ? 0 : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
 }
 
 void orl_job_output_path(const char *folder, const char *name, char ret_path[ORL_PATH_MAX])
@@ -339,5 +279,89 @@ int orl_study_output_write(const struct orl_study *study, const struct orl_study
                           ret_summary, err);
     json_decref(files);
     json_decref(doc);
+    return rc;
+}
+
+/* ---- Years ----------------------------------------------------------------------------------- */
+
+static json_t *copy_or_null(const json_t *object, const char *key)
+{
+    json_t *value = json_object_get(object, key);
+    return value ? json_incref(value) : json_null();
+}
+
+static int add_verdict(json_t *verdicts, const json_t *of)
+{
+    if (json_array_size(verdicts) >= ORL_JOB_VERDICTS)
+        return 0;
+    return json_array_append_new(
+        verdicts, json_pack("{s:o, s:o, s:o, s:o}", "rule", copy_or_null(of, "rule"), "target",
+                            copy_or_null(of, "target"), "grid", copy_or_null(of, "grid"), "verdict",
+                            copy_or_null(of, "verdict")));
+}
+
+/* Of all targets of a rule together, and of each of the job's own. */
+static json_t *short_verdicts(const json_t *document)
+{
+    json_t *verdicts = json_array();
+    const json_t *one;
+    size_t i;
+    int rc = verdicts ? 0 : -1;
+    json_array_foreach(json_object_get(document, "rules"), i, one)
+    {
+        rc |= add_verdict(verdicts, one);
+    }
+    json_array_foreach(json_object_get(document, "verdicts"), i, one)
+    {
+        if (json_is_null(json_object_get(one, "rule")))
+            rc |= add_verdict(verdicts, one);
+    }
+    if (rc) {
+        json_decref(verdicts);
+        return NULL;
+    }
+    return verdicts;
+}
+
+/* The folders that a name lies in, below that of the results, unless the next name lies in the
+ * same: all that is in one is there by then. */
+static int sync_folders(const char *next, const char *name, const char *folder,
+                        struct orl_error *err)
+{
+    char path[ORL_PATH_MAX], part[256];
+    int rc = 0;
+    for (const char *slash = strchr(name, '/'); slash && rc == 0; slash = strchr(slash + 1, '/')) {
+        if (strncmp(next, name, (size_t)(slash - name) + 1) == 0)
+            continue;
+        snprintf(part, sizeof part, "%.*s", (int)(slash - name), name);
+        orl_job_output_path(folder, part, path);
+        rc = orl_sync_path(path, err);
+    }
+    return rc;
+}
+
+int orl_annual_output_write(const json_t *document, const json_t *names, const char *folder,
+                            char **ret_summary, struct orl_error *err)
+{
+    json_t *files = json_array();
+    const json_t *entry;
+    size_t i;
+    int rc = write_document(document, result_file, folder, files, err);
+    json_array_foreach(names, i, entry)
+    {
+        const char *name = json_string_value(entry);
+        const char *next = json_string_value(json_array_get(names, i + 1));
+        rc = rc ? rc : orl_job_output_list(name, folder, files, err);
+        rc = rc ? rc : sync_folders(next ? next : "", name, folder, err);
+    }
+    if (rc == 0)
+        rc = dump_summary(json_pack("{s:O, s:O, s:{s:O, s:o}, s:o, s:O}", "threads",
+                                    json_object_get(document, "threads"), "timings_s",
+                                    json_object_get(document, "timings_s"), "annual", "accuracy",
+                                    json_object_get(document, "accuracy"), "verdicts",
+                                    short_verdicts(document), "warnings", first_warnings(document),
+                                    "files", files),
+                          ret_summary, err);
+    json_decref(files);
     return rc;
 }

@@ -17,14 +17,9 @@
 int orl_job_read(const char *text, size_t size, struct orl_task *ret_task, char **ret_scene_id,
                  struct orl_error *err);
 
-/* What its results may take at most, more or less; bytes. */
-uint64_t orl_job_output_expect(const struct orl_task *task);
-
-/* The same for each sensor of a file, which the document does not tell the number of. */
-uint64_t orl_job_output_expect_sensor(const struct orl_task *task);
-
 /* Gives the job the bundle's main files. */
-int orl_job_set_scene(struct orl_job *job, const struct orl_bundle *bundle, struct orl_error *err);
+int orl_job_set_scene(struct orl_task *task, const struct orl_bundle *bundle,
+                      struct orl_error *err);
 
 /* Where a file of the results is. */
 void orl_job_output_path(const char *folder, const char *name, char ret_path[ORL_PATH_MAX]);
@@ -61,6 +56,16 @@ int orl_sky_output_write(const json_t *result, const char *sky, const char *fold
  * "files"}. */
 int orl_skies_output_write(json_t *results, const char *state, size_t count, const char *folder,
                            json_t *files, char **ret_summary, struct orl_error *err);
+
+/*
+ * The same of a year, whose files but result.json are there already, some in folders: the summary
+ * is {"threads", "timings_s", "annual": {"accuracy", "verdicts": [{"rule", "target", "grid",
+ * "verdict"}]}, "warnings", "files"}, of verdicts the first ORL_JOB_VERDICTS: of rules, then of the
+ * job's own targets.
+ */
+enum { ORL_JOB_VERDICTS = 64 };
+int orl_annual_output_write(const json_t *document, const json_t *names, const char *folder,
+                            char **ret_summary, struct orl_error *err);
 
 /* The same of a study: result.json, study.csv, study.svg, study.png; {"threads", "warnings",
  * "files"}. */

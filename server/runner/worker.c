@@ -122,6 +122,7 @@ void orl_worker_progress(struct orl_worker *worker, struct orl_job_progress *ret
     ret_progress->n_settings = worker->n_settings;
     ret_progress->points = worker->points;
     ret_progress->n_points = worker->n_points;
+    ret_progress->year = worker->year;
     pthread_mutex_unlock(&worker->news_mutex);
 }
 

@@ -2,7 +2,7 @@
  * One running job on the libuv pool.
  *
  * The loop thread queues as many pool works as the crew has members: the first leads (reads the
- * document, calls orl_run or orl_study_run, writes the results), the others serve it
+ * document, runs what it asks for, writes the results), the others serve it
  * (oriel/crew.h). They run at a lower priority than the loop. Progress goes through atomics, and
  * news of maps and of studies through a mutex that is held for copies only, so that a status poll
  * never waits. Nothing here touches the database.
@@ -10,7 +10,8 @@
  * A render job with a goal has results after each of its rounds, any other has each view as soon as
  * it is rendered, in the folder that it works in, and one of several skies the result of each; the
  * latter two's stay there when it is stopped rather than cancelled, and when the daemon is killed
- * (checkpoints.h). Skies that are done stay for good when the job is cancelled.
+ * (checkpoints.h), as do rows of a year. Skies that are done stay for good when the job is
+ * cancelled.
  *
  * Results: written to partial/<job>, synced, then moved to results/<job> as a whole; only then done
  * is called with code 0.
@@ -23,6 +24,7 @@
 
 #include <uv.h>
 
+#include <oriel/annual_report.h>
 #include <oriel/run.h>
 #include <oriel/study.h>
 
@@ -78,6 +80,7 @@ struct orl_job_progress {
     size_t n_settings;                    /* points it will have */
     const struct orl_study_point *points; /* those it has; valid until the loop's next turn */
     size_t n_points;
+    struct orl_annual_refinement year; /* of one with accuracy, after its first round */
 };
 
 /* Takes spec->bundle whether it succeeds or not. */

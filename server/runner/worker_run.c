@@ -5,34 +5,8 @@
 #include <string.h>
 
 #include "process/limits.h"
-#include "process/times.h"
 #include "runner/checkpoints.h"
 #include "store/mapped_file.h"
-
-static double now_s(void *ctx)
-{
-    (void)ctx;
-    return orl_time_steady_s();
-}
-
-static void on_study_progress(void *ctx, const struct orl_study_step *step)
-{
-    struct orl_worker *worker = ctx;
-    atomic_store(&worker->job_ppm, (int)(ORL_WORKER_WHOLE * step->fraction));
-    atomic_store(&worker->told_s, orl_time_steady_s());
-    pthread_mutex_lock(&worker->news_mutex);
-    worker->step = *step;
-    pthread_mutex_unlock(&worker->news_mutex);
-}
-
-static void on_study_point(void *ctx, const struct orl_study_point *point)
-{
-    struct orl_worker *worker = ctx;
-    pthread_mutex_lock(&worker->news_mutex);
-    if (worker->n_points < worker->n_settings)
-        worker->points[worker->n_points++] = *point;
-    pthread_mutex_unlock(&worker->news_mutex);
-}
 
 /* What is asked for, read back from the document; its main files are the bundle's. */
 static int read_document(struct orl_worker *worker, struct orl_task *ret_task,
@@ -53,41 +27,9 @@ static int read_document(struct orl_worker *worker, struct orl_task *ret_task,
         malloc_trim(0);
     orl_unmap_file(&file);
     if (rc == 0) {
-        rc = orl_job_set_scene(orl_task_job(ret_task), &worker->spec.bundle, err);
+        rc = orl_job_set_scene(ret_task, &worker->spec.bundle, err);
         if (rc)
             orl_task_done(ret_task);
-    }
-    return rc;
-}
-
-/* Without the map cache: what is measured begins without maps (oriel/study.h). */
-static int run_study(struct orl_worker *worker, const struct orl_study_request *request,
-                     const struct orl_files *files, struct orl_error *err)
-{
-    struct orl_study study = {0};
-    const struct orl_study_env env = {
-        .crew = worker->crew,
-        .files = files,
-        .work_folder = worker->output,
-        .cancel = &worker->cancel,
-        .now_s = now_s,
-        .progress = on_study_progress,
-        .point_ready = on_study_point,
-        .spent = orl_worker_spent,
-        .ctx = worker,
-    };
-    const size_t n_settings = orl_study_count_settings(request);
-    struct orl_study_point *points = calloc(n_settings, sizeof *points);
-    if (!points)
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-    pthread_mutex_lock(&worker->news_mutex);
-    worker->points = points;
-    worker->n_settings = n_settings;
-    pthread_mutex_unlock(&worker->news_mutex);
-    int rc = orl_study_run(request, &env, &study, err);
-    if (rc == 0) {
-        rc = orl_study_output_write(&study, request, worker->output, &worker->outcome.summary, err);
-        orl_study_done(&study);
     }
     return rc;
 }
@@ -96,13 +38,48 @@ static int run_study(struct orl_worker *worker, const struct orl_study_request *
  * Parts of a render job that are there once and for all are of use to a later start: not the rounds
  * of a job with a goal, but those of its skies that are done.
  */
-static int make_folder(struct orl_worker *worker, const struct orl_task *task,
-                       struct orl_error *err)
+static bool render_keeps(const struct orl_task *task)
 {
     const struct orl_job *job = &task->of.render;
     const bool in_rounds =
         job->goal.relative_error > 0 || job->goal.deadline_s > 0 || job->goal.dgp_error > 0;
-    worker->keeps = task->kind == ORL_TASK_RENDER && (!in_rounds || job->n_skies > 0);
+    return !in_rounds || job->n_skies > 0;
+}
+
+static int run_render(struct orl_worker *worker, struct orl_task *task,
+                      const struct orl_files *files, struct orl_error *err)
+{
+    const struct orl_job *job = &task->of.render;
+    return job->n_skies > 0 ? orl_worker_render_skies(worker, job, files, err)
+                            : orl_worker_render(worker, job, files, err);
+}
+
+static bool study_keeps(const struct orl_task *task)
+{
+    (void)task;
+    return false;
+}
+
+static bool annual_keeps(const struct orl_task *task)
+{
+    (void)task;
+    return true;
+}
+
+static const struct {
+    bool (*keeps)(const struct orl_task *task); /* parts that are done */
+    int (*run)(struct orl_worker *worker, struct orl_task *task, const struct orl_files *files,
+               struct orl_error *err);
+} kinds[ORL_TASK_KIND_COUNT] = {
+    [ORL_TASK_RENDER] = {render_keeps, run_render},
+    [ORL_TASK_STUDY] = {study_keeps, orl_worker_run_study},
+    [ORL_TASK_ANNUAL] = {annual_keeps, orl_worker_run_annual},
+};
+
+static int make_folder(struct orl_worker *worker, const struct orl_task *task,
+                       struct orl_error *err)
+{
+    worker->keeps = kinds[task->kind].keeps(task);
     const int rc = worker->keeps ? 0 : orl_remove_tree(worker->output, err);
     return rc ? rc : orl_checkpoint_open(worker->output, worker->spec.key, err);
 }
@@ -115,12 +92,8 @@ static int run_document(struct orl_worker *worker, struct orl_error *err)
         return rc;
     const struct orl_files files = orl_bundle_provider(&worker->spec.bundle);
     rc = make_folder(worker, &task, err);
-    if (rc == 0 && task.kind == ORL_TASK_STUDY)
-        rc = run_study(worker, &task.of.study, &files, err);
-    else if (rc == 0 && task.of.render.n_skies > 0)
-        rc = orl_worker_render_skies(worker, &task.of.render, &files, err);
-    else if (rc == 0)
-        rc = orl_worker_render(worker, &task.of.render, &files, err);
+    if (rc == 0)
+        rc = kinds[task.kind].run(worker, &task, &files, err);
     orl_task_done(&task);
     return rc;
 }

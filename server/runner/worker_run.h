@@ -49,10 +49,20 @@ struct orl_worker {
     struct orl_study_step step;
     struct orl_study_point *points; /* room for n_settings; those below n_points never change */
     size_t n_settings, n_points;
+    struct orl_annual_refinement year; /* as the last round of a year left it */
 };
 
 /* Everything the lead does; returns the job's code. */
 int orl_worker_lead(struct orl_worker *worker, struct orl_error *err);
+
+/* ---- What kinds of jobs do, by worker_run.c's table --------------------------------------------
+ */
+
+/* worker_study.c, worker_annual.c; of render jobs the two below. */
+int orl_worker_run_study(struct orl_worker *worker, struct orl_task *task,
+                         const struct orl_files *files, struct orl_error *err);
+int orl_worker_run_annual(struct orl_worker *worker, struct orl_task *task,
+                          const struct orl_files *files, struct orl_error *err);
 
 /* ---- worker_render.c ---------------------------------------------------------------------------
  */

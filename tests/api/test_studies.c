@@ -339,7 +339,7 @@ static void test_other_kinds_and_scenes_are_refused(void **state)
     struct daemon_room *f = *state;
     struct reply reply;
     char text[1024];
-    daemon_post_json(&f->daemon, "/v1/jobs", "{\"kind\":\"annual\"}", &reply);
+    daemon_post_json(&f->daemon, "/v1/jobs", "{\"kind\":\"monthly\"}", &reply);
     assert_int_equal(reply.status, 422);
     assert_string_equal(reply_text(&reply, "primitive"), "kind");
     assert_non_null(strstr(reply_text(&reply, "detail"), "\"study\""));

@@ -79,6 +79,14 @@ def jobs(lit, dark):
              "points": [{"name": "other", "seconds": 1, "rms": 0.1, "rays_per_s": 1e6}]}
     yield {**study, "gather_samples": [8, 16], "sensors": SENSORS}
     yield {**study, "scene": dark, "sky": sky[8], "pixel_samples": [1, 2], "views": [VIEW]}
+    year = {"kind": "annual", "priority": 5, "scene": dark, "weather": "w.epw"}
+    yield {**year, "title": "t", "north": 10, "ground_reflectance": 0.3, "samples": 16, "seed": 3,
+           "grids": [{"name": "a", "area": 2, "sensors": {"file": "s.txt"}},
+                     {"name": "b", "area": 1, "sensors": SENSORS}],
+           "occupancy": {"from": 9, "to": 17, "days": ["mon", "tue"], "first_day": "sun"},
+           "metrics": ["DA300", "UDI100-3000"], "targets": ["sDA300/50 of a >= 50 %"],
+           "rules": ["LEED"], "accuracy": {"verdict": "sDA >= 1 %"}, "formats": ["ill"]}
+    yield {**year, "sensors": {"file": "s.txt"}, "occupancy": {"file": "u.csv"}}
 
 
 def places(value, path=()):
@@ -122,6 +130,7 @@ def breaks(daemon):
     lit = daemon.upload(ROOM + SKY)
     weather = bsdf("weather.epw").decode("latin-1")
     dark = daemon.upload(ROOM, resources={"w.epw": weather, "s.txt": "1 1 1 0 0 1\n",
+                                          "u.csv": "1\n" * 8760,
                                           "v.vf": "rvu -vtv -vp 1.5 .5 1.5 -vd 0 1 0\n",
                                           "eye.hdr": "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n"
                                                      "-Y 12 +X 16\n" + 4 * 12 * 16 * "~"})

@@ -245,6 +245,27 @@ def studies(daemon):
     results(daemon, path, job)
 
 
+def years(daemon):
+    """A year of two days, with all files that there are of one."""
+    weather = bsdf("weather.epw").decode("latin-1")
+    scene = daemon.upload(ROOM, resources={"w.epw": weather, "s.txt": "1 1 1 0 0 1\n2 1 1 0 0 1\n"})
+    year = {"kind": "annual", "scene": scene, "weather": "w.epw", "samples": 16, "title": "t",
+            "grids": [{"name": "a b", "sensors": {"file": "s.txt"}}, {"sensors": SENSORS}],
+            "targets": ["sDA300/50 >= 1 %"], "rules": ["EN 17037"],
+            "accuracy": {"verdict": "DA300 >= 50 %"}, "formats": ["honeybee", "ill"]}
+    path = daemon.submit(year)
+    daemon.wait(path, ("running", "succeeded"))
+    events(daemon, path, 1)
+    job = daemon.wait(path)
+    assert job["state"] == "succeeded", job
+    results(daemon, path, job)
+    alone = daemon.submit({"kind": "annual", "scene": scene, "weather": "w.epw", "samples": 4096,
+                           "sensors": SENSORS * 200, "occupancy": {"from": 9}})
+    daemon.wait(alone, ("running",), lambda job: job["stage"] == "render")
+    daemon.ask("POST", alone + "/cancel", want=202)
+    daemon.ask("POST", "/v1/jobs", dict(year, weather="s.txt"), want=400)
+
+
 def events(daemon, path, wanted):
     """The first events of a job's stream."""
     connection = daemon.connect()
@@ -456,7 +477,8 @@ def busy_upload(daemon):
 
 
 # With options, what is asked of a daemon.
-DAEMONS = (((), (service, scenes, bsdfs, renders, skies, accuracy, studies, ended_events, failures,
+DAEMONS = (((), (service, scenes, bsdfs, renders, skies, accuracy, studies, years,
+              ended_events, failures,
                  refusals, damage)),
            ((), (waiting,)),
            (("--storage-budget", "64K"), (storage,)))

@@ -1,0 +1,150 @@
+#include "runner/kinds.h"
+
+#include "process/limits.h"
+
+/* ---- Render jobs ----------------------------------------------------------------------------- */
+
+/* Of result.json, without sensors; of one of these. */
+enum { DOCUMENT = 8192, STUDY = 1 << 18, SENSOR = 200 };
+/* Of the outlines and pixels of some heat maps; of a sensor in map and tables. */
+enum { HEAT_MAPS = 1 << 20, HEAT_MAP_SENSOR = 400 };
+
+/* Bytes of a pixel in all the files of a view, errors included. */
+static uint64_t pixel_bytes(const struct orl_view_request *view)
+{
+    enum { RGBE = 4, RGB = 3, WORDS = 6, HALVES = 6, FLOATS = 12 };
+    const uint32_t formats = view->formats ? view->formats : ORL_PICTURES_USUAL;
+    uint64_t bytes = RGBE + RGB;
+    bytes += formats & ORL_PICTURE_BIT(ORL_PICTURE_HDR) ? RGBE : 0;
+    bytes += formats & ORL_PICTURE_BIT(ORL_PICTURE_PNG) ? RGB : 0;
+    bytes += formats & ORL_PICTURE_BIT(ORL_PICTURE_PNG16) ? WORDS : 0;
+    bytes += formats & ORL_PICTURE_BIT(ORL_PICTURE_EXR) ? HALVES : 0;
+    bytes += formats & ORL_PICTURE_BIT(ORL_PICTURE_EXR_FLOAT) ? FLOATS : 0;
+    return bytes + (view->false_color.asked ? 3 * RGB : 0);
+}
+
+/* Of a sky's part in sequences: a picture, the same in the animation and, smaller, on the sheet. */
+static uint64_t sequence_bytes(const struct orl_job *job)
+{
+    enum { RGB = 3, PICTURES = 3, MARGINS = 1 << 16 };
+    uint64_t bytes = 0;
+    for (size_t i = 0; i < job->n_views; i++)
+        bytes += (uint64_t)job->views[i].width * job->views[i].height * PICTURES * RGB + MARGINS;
+    return bytes;
+}
+
+static uint64_t render_sensor_bytes(const struct orl_task *task)
+{
+    const size_t skies = task->of.render.n_skies;
+    return skies > 0 ? (skies + 1) * SENSOR : SENSOR;
+}
+
+static uint64_t render_result_bytes(const struct orl_task *task)
+{
+    const struct orl_job *job = &task->of.render;
+    uint64_t bytes = DOCUMENT + SENSOR * (uint64_t)job->n_sensors;
+    for (size_t i = 0; i < job->n_views; i++)
+        bytes += pixel_bytes(&job->views[i]) * (uint64_t)job->views[i].width * job->views[i].height;
+    if (job->sequence.asked)
+        bytes += sequence_bytes(job);
+    if (job->heat_map.asked)
+        bytes += HEAT_MAPS + HEAT_MAP_SENSOR * (uint64_t)job->n_sensors;
+    /* Of each sky as much, and of all together less than of one more. */
+    return job->n_skies > 0 ? (job->n_skies + 1) * bytes : bytes;
+}
+
+static uint64_t photons_of(uint64_t target)
+{
+    return target == ORL_PHOTONS_BY_PLAN ? ORL_DEFAULT_PHOTONS : target;
+}
+
+static void render_needs(const struct orl_task *task, struct orl_job_memory *ret_needs)
+{
+    const struct orl_job *job = orl_task_job(task);
+    ret_needs->sensors = job->n_sensors;
+    ret_needs->photons = photons_of(job->photons_global) + photons_of(job->photons_caustic);
+    for (size_t i = 0; i < job->n_views; i++) {
+        const uint64_t pixels = (uint64_t)job->views[i].width * job->views[i].height;
+        ret_needs->pixels = pixels > ret_needs->pixels ? pixels : ret_needs->pixels;
+    }
+}
+
+/* ---- Studies --------------------------------------------------------------------------------- */
+
+static int admit_study(const struct orl_task *task, struct orl_error *err)
+{
+    return orl_study_check_runs(&task->of.study, ORL_SERVER_STUDY_RUNS, err);
+}
+
+static uint64_t study_result_bytes(const struct orl_task *task)
+{
+    (void)task;
+    return STUDY;
+}
+
+static uint64_t study_sensor_bytes(const struct orl_task *task)
+{
+    (void)task;
+    return 0;
+}
+
+static void study_needs(const struct orl_task *task, struct orl_job_memory *ret_needs)
+{
+    const struct orl_study_request *study = &task->of.study;
+    render_needs(task, ret_needs);
+    for (size_t i = 0; i < study->n_photons; i++)
+        if (2 * study->photons[i] > ret_needs->photons)
+            ret_needs->photons = 2 * study->photons[i];
+}
+
+/* ---- Years ----------------------------------------------------------------------------------- */
+
+/* A picture is made for every metric of every grid. */
+static int admit_annual(const struct orl_task *task, struct orl_error *err)
+{
+    const struct orl_annual_job *job = &task->of.annual;
+    const size_t maps = job->request.n_grids * job->wishes.n_metrics;
+    if (maps <= ORL_LIMIT_PICTURES)
+        return 0;
+    orl_error_set(err, ORL_ERR_LIMIT,
+                  "grids: %zu of them with %zu metrics each are %zu pictures, and %u are taken",
+                  job->request.n_grids, job->wishes.n_metrics, maps, ORL_LIMIT_PICTURES);
+    orl_error_at(err, NULL, 0, "grids");
+    orl_error_hint(err, "Ask for fewer metrics, or for some of the grids in another job");
+    return ORL_ERR_LIMIT;
+}
+
+/* Of a map's or carpet's outlines and pixels, a page; of a sensor in a map, and in a table. */
+enum { MAP = 100 << 10, PAGE = 1 << 20, MAP_SENSOR = 300, FIGURE = 40, HOURS_ROW = 64 };
+/* Of a sensor and hour with light: what is kept until the job ends, and each series of results. */
+enum { KEPT_HOUR = 12, SERIES_HOUR = 8, YEAR_LIT = 8784 * 6 / 10 };
+
+static uint64_t annual_sensor_bytes(const struct orl_task *task)
+{
+    const struct orl_annual_job *job = &task->of.annual;
+    const uint64_t series = (uint64_t)job->formats.honeybee + (uint64_t)job->formats.matrices;
+    return (KEPT_HOUR + series * SERIES_HOUR) * (uint64_t)YEAR_LIT +
+           (MAP_SENSOR + FIGURE) * (uint64_t)job->wishes.n_metrics;
+}
+
+static uint64_t annual_result_bytes(const struct orl_task *task)
+{
+    const struct orl_annual_job *job = &task->of.annual;
+    const uint64_t maps = job->wishes.n_metrics + 2;
+    return DOCUMENT + 8784 * HOURS_ROW + job->request.n_grids * (PAGE + MAP * maps) +
+           job->request.n_sensors * annual_sensor_bytes(task);
+}
+
+static void annual_needs(const struct orl_task *task, struct orl_job_memory *ret_needs)
+{
+    const struct orl_annual_job *job = &task->of.annual;
+    ret_needs->sensors = job->request.n_sensors;
+    /* More of as many sensors lie beside what there is, where a verdict is to be sure. */
+    ret_needs->hour_bytes = job->wishes.until ? 2 * KEPT_HOUR : KEPT_HOUR;
+}
+
+const struct orl_kind orl_kinds[ORL_TASK_KIND_COUNT] = {
+    [ORL_TASK_RENDER] = {NULL, render_result_bytes, render_sensor_bytes, render_needs},
+    [ORL_TASK_STUDY] = {admit_study, study_result_bytes, study_sensor_bytes, study_needs},
+    [ORL_TASK_ANNUAL] = {admit_annual, annual_result_bytes, annual_sensor_bytes, annual_needs},
+};

@@ -1,0 +1,27 @@
+/*
+ * What the daemon has to know of each kind of job to take it: how far it goes along with it, what
+ * its results and its run are likely to take. How they run is worker_run.c's.
+ *
+ * Threads: any; no state.
+ */
+#ifndef ORL_SERVER_RUNNER_KINDS_H
+#define ORL_SERVER_RUNNER_KINDS_H
+
+#include "runner/job_memory.h"
+#include "task_json.h"
+
+struct orl_kind {
+    /* What the daemon takes of it, where that is less than what the command does: ORL_ERR_LIMIT.
+     * NULL: all of it. */
+    int (*admit)(const struct orl_task *task, struct orl_error *err);
+    /* What its results may take at most, more or less; bytes: by the document, and for each sensor
+     * of a file, which the document does not tell the number of. */
+    uint64_t (*result_bytes)(const struct orl_task *task);
+    uint64_t (*sensor_bytes)(const struct orl_task *task);
+    /* What it asks for, which memory goes by; nothing is set yet. */
+    void (*needs)(const struct orl_task *task, struct orl_job_memory *ret_needs);
+};
+
+extern const struct orl_kind orl_kinds[ORL_TASK_KIND_COUNT];
+
+#endif

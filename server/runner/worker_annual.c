@@ -1,0 +1,139 @@
+/* A year on its way: rows of its sensors, kept as they are done. */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "annual_job.h"
+#include "runner/checkpoints.h"
+#include "runner/worker_run.h"
+#include "store/mapped_file.h"
+
+/* ---- Rows ------------------------------------------------------------------------------------ */
+
+/* A block's part, and its file: no user's has such a name. */
+static void name_block(const struct orl_annual_block *block, char ret_name[64])
+{
+    snprintf(ret_name, 64, "+rows%u-%zu", block->round, block->first);
+}
+
+static size_t numbers_of(const struct orl_annual_block *block)
+{
+    return block->count * block->n_columns;
+}
+
+/* The three arrays one behind the other. A block that cannot be kept costs time alone, after a
+ * restart. */
+static void on_done(void *ctx, const struct orl_annual_block *block)
+{
+    const struct orl_worker *worker = ctx;
+    const size_t n = numbers_of(block), bytes = n * sizeof *block->total;
+    char name[64], path[ORL_PATH_MAX];
+    json_t *files = json_array();
+    float *rows = malloc(3 * bytes + 1);
+    name_block(block, name);
+    orl_job_output_path(worker->output, name, path);
+    if (rows && files && bytes > 0) {
+        memcpy(rows, block->total, bytes);
+        memcpy(rows + n, block->direct, bytes);
+        memcpy(rows + 2 * n, block->se, bytes);
+        if (orl_write_file(path, rows, 3 * bytes, NULL) == 0 &&
+            orl_job_output_list(name, worker->output, files, NULL) == 0)
+            orl_checkpoint_add(worker->output, name, files, json_object(), NULL);
+    }
+    free(rows);
+    json_decref(files);
+}
+
+static bool read_block(const char *path, struct orl_annual_block *block)
+{
+    const size_t bytes = numbers_of(block) * sizeof *block->total;
+    struct orl_file file;
+    if (orl_map_file(path, &file, NULL))
+        return false;
+    const bool fits = file.size == 3 * bytes;
+    if (fits) {
+        memcpy(block->total, file.data, bytes);
+        memcpy(block->direct, file.data + bytes, bytes);
+        memcpy(block->se, file.data + 2 * bytes, bytes);
+    }
+    orl_unmap_file(&file);
+    return fits;
+}
+
+static bool on_kept(void *ctx, struct orl_annual_block *block)
+{
+    const struct orl_worker *worker = ctx;
+    char name[64], path[ORL_PATH_MAX];
+    json_t *files, *about;
+    name_block(block, name);
+    if (!orl_checkpoint_find(worker->output, name, &files, &about))
+        return false;
+    json_decref(files);
+    json_decref(about);
+    orl_job_output_path(worker->output, name, path);
+    return read_block(path, block);
+}
+
+/* ---- What is told ---------------------------------------------------------------------------- */
+
+static void on_round(void *ctx, const struct orl_annual_refinement *so_far)
+{
+    struct orl_worker *worker = ctx;
+    pthread_mutex_lock(&worker->news_mutex);
+    worker->year = *so_far;
+    pthread_mutex_unlock(&worker->news_mutex);
+}
+
+static void add_tally(struct orl_worker *worker, const struct orl_annual_result *result)
+{
+    static const enum orl_stage stages[ORL_ANNUAL_STAGES] = {
+        [ORL_ANNUAL_LOAD] = ORL_STAGE_LOAD,    [ORL_ANNUAL_SKIES] = ORL_STAGE_MAPS,
+        [ORL_ANNUAL_PATHS] = ORL_STAGE_RENDER, [ORL_ANNUAL_SUN] = ORL_STAGE_RENDER,
+        [ORL_ANNUAL_HOURS] = ORL_STAGE_RENDER,
+    };
+    for (int i = 0; i < ORL_ANNUAL_STAGES; i++)
+        worker->outcome.tally.stages_s[stages[i]] += result->timings_s[i];
+    orl_health_add(&worker->outcome.tally.health, &result->health);
+}
+
+static int on_end(void *ctx, const struct orl_annual_result *result,
+                  const struct orl_annual_report *report, json_t *document, const json_t *names,
+                  struct orl_error *err)
+{
+    struct orl_worker *worker = ctx;
+    (void)report;
+    add_tally(worker, result);
+    return orl_annual_output_write(document, names, worker->output, &worker->outcome.summary, err);
+}
+
+/* ---- The job --------------------------------------------------------------------------------- */
+
+/* All that the scene was uploaded with, whatever of it lies on the shelf already. */
+static int note_inputs(const struct orl_bundle *bundle, struct orl_annual_inputs *inputs,
+                       struct orl_error *err)
+{
+    int rc = 0;
+    for (size_t i = 0; i < bundle->count && rc == 0; i++) {
+        const struct orl_bundle_file *file = &bundle->files[i];
+        rc = orl_annual_inputs_add(inputs, file->name, file->bytes, file->sha, err);
+    }
+    return rc;
+}
+
+int orl_worker_run_annual(struct orl_worker *worker, struct orl_task *task,
+                          const struct orl_files *files, struct orl_error *err)
+{
+    const struct orl_run_env run = orl_worker_env(worker, files);
+    struct orl_annual_inputs inputs = {.count = 0};
+    const struct orl_annual_job_env env = {.run = &run,
+                                           .inputs = &inputs,
+                                           .kept = on_kept,
+                                           .done = on_done,
+                                           .round = on_round,
+                                           .tell = on_end};
+    int rc = note_inputs(&worker->spec.bundle, &inputs, err);
+    if (rc == 0)
+        rc = orl_annual_job_run(&task->of.annual, &env, err);
+    orl_annual_inputs_done(&inputs);
+    return rc;
+}
