@@ -1,5 +1,6 @@
 #include "follow.h"
 
+#include <math.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <string.h>
@@ -144,6 +145,24 @@ static void note_round(struct orl_progress_line *progress, const json_t *job, do
         orl_progress_note(progress, "round %.0f: error %.3g %%", rounds, 100 * error);
 }
 
+/* Likewise of a year whose verdict is to be sure. */
+static void note_verdict(struct orl_progress_line *progress, const json_t *job, double *noted)
+{
+    const json_t *accuracy = json_object_get(json_object_get(job, "annual"), "accuracy");
+    const json_t *interval = json_object_get(accuracy, "interval_95");
+    const double rounds = orl_json_number(accuracy, "rounds", 0);
+
+    if (!(rounds > *noted))
+        return;
+    *noted = rounds;
+    orl_progress_note(
+        progress, "round %.0f: %s: %.4g [%.4g, %.4g], %s; %.0f sensors refined", rounds,
+        orl_json_text(accuracy, "target"), orl_json_number(accuracy, "value", NAN),
+        json_number_value(json_array_get(interval, 0)),
+        json_number_value(json_array_get(interval, 1)), orl_json_text(accuracy, "verdict"),
+        orl_json_number(accuracy, "refined_sensors", 0));
+}
+
 static void note_timings(json_t *job)
 {
     json_t *timings = json_object_get(job, "timings_s"), *value;
@@ -159,6 +178,21 @@ static void note_timings(json_t *job)
     fputc('\n', stderr);
 }
 
+/* What a year comes to, by its rules and targets. */
+static void note_verdicts(const json_t *job)
+{
+    const json_t *verdicts = json_object_get(json_object_get(job, "annual"), "verdicts"), *one;
+    size_t i;
+
+    json_array_foreach(verdicts, i, one)
+    {
+        const char *target = orl_json_text(one, "target"), *grid = orl_json_text(one, "grid");
+
+        fprintf(stderr, "%-10s %s (%s)\n", orl_json_text(one, "verdict"),
+                *target ? target : orl_json_text(one, "rule"), *grid ? grid : "all grids");
+    }
+}
+
 /* Says how the job ended; the exit code. */
 static int conclude(json_t *job, const char *id)
 {
@@ -172,6 +206,7 @@ static int conclude(json_t *job, const char *id)
                 json_is_true(json_object_get(accuracy, "met")) ? "met" : "not met",
                 orl_json_text(accuracy, "why"));
     note_timings(job);
+    note_verdicts(job);
     fprintf(stderr, "job %s: %s\n", id, state);
     return strcmp(state, "succeeded") == 0 ? ORL_EXIT_OK : ORL_EXIT_FAILED;
 }
@@ -246,6 +281,7 @@ int orl_follow_job(struct orl_http *http, const char *id)
             note_maps(&progress, job, &noted.maps);
             note_points(&progress, job, &noted.points);
             note_round(&progress, job, &noted.rounds);
+            note_verdict(&progress, job, &noted.rounds);
             note_warnings(&progress, job, &told);
             if (orl_job_has_ended(job)) {
                 orl_progress_end(&progress);

@@ -140,6 +140,13 @@ def _open(path, mode="rb", **how):
         raise OrielError("cannot open %s: %s" % (path, error.strerror)) from error
 
 
+def _make_folder(path):
+    try:
+        os.makedirs(path or ".", exist_ok=True)
+    except OSError as error:
+        raise OrielError("cannot make %s: %s" % (path, error.strerror)) from error
+
+
 class _File:
     """A file to send: its name in the scene, where it is, its length and SHA-256."""
 
@@ -187,6 +194,15 @@ def _weather_files(document):
     skies = document.get("skies") or []
     skies = [document.get("sky") or {}] + (skies if isinstance(skies, list) else [skies])
     files = ((sky.get("weather") or {}).get("file") for sky in skies)
+    return list(dict.fromkeys(name for name in files if name))
+
+
+def _year_files(document):
+    """Those that a year's document names beside its scene."""
+    grids = document.get("grids") or [{"sensors": document.get("sensors")}]
+    sensors = (grid.get("sensors") for grid in grids)
+    files = [document.get("weather"), (document.get("occupancy") or {}).get("file")]
+    files += [one.get("file") for one in sensors if isinstance(one, dict)]
     return list(dict.fromkeys(name for name in files if name))
 
 
@@ -403,7 +419,7 @@ class Client:
     # -- Jobs -------------------------------------------------------------------------------------
 
     def submit(self, document):
-        """Queues a job or study whose scene is an id. Returns a Job.
+        """Queues a job, study or year whose scene is an id. Returns a Job.
 
         A connection that breaks is tried again: the daemon knows the submission by its key.
         """
@@ -451,7 +467,8 @@ class Client:
         return self._json("GET", "/healthz")
 
     def render(self, document, output=None, folder=None, progress=None):
-        """A job document from start to end, as `oriel submit --wait` and `oriel fetch` take it.
+        """A document of any kind from start to end, as `oriel submit --wait` and `oriel fetch` take
+        it: a job, a study, or with `"kind": "annual"` a year of daylight.
 
         document: a dict, or the path of a JSON file, in which "scene" has "files" and sensors may
         be a file; names are relative to folder, else to the JSON file, else to the current folder.
@@ -469,15 +486,16 @@ class Client:
         return job.result()
 
     def _prepared(self, document, folder):
-        """The document with its scene uploaded and its sensors read."""
-        document = dict(document)
+        """The document with its scene uploaded, and its sensors read but for those of a year."""
+        document, year = dict(document), document.get("kind") == "annual"
         scene, sensors = document.get("scene"), document.get("sensors")
         if isinstance(scene, dict) and "files" in scene:
             names = _mentioned(folder, scene["files"])
-            named = _weather_files(document) + _view_files(document)
+            named = (_year_files(document) if year
+                     else _weather_files(document) + _view_files(document))
             names += [name for name in named if name not in names]
             document["scene"] = self.upload_scene(scene["files"], names, folder)
-        if isinstance(sensors, dict) and "file" in sensors:
+        if isinstance(sensors, dict) and "file" in sensors and not year:
             with _open(os.path.join(folder, sensors["file"]), "r") as stream:
                 rows = (line.split("#")[0].split() for line in stream)
                 document["sensors"] = [[float(number) for number in row] for row in rows if row]
@@ -544,16 +562,15 @@ class Job:
 
     def fetch(self, folder):
         """Downloads all files of the results into folder, each whole or not at all. Their paths."""
-        try:
-            os.makedirs(folder, exist_ok=True)
-        except OSError as error:
-            raise OrielError("cannot make %s: %s" % (folder, error.strerror)) from error
+        _make_folder(folder)
         return [self._fetch_file(folder, file["name"]) for file in self.status().get("files", [])]
 
     def _fetch_file(self, folder, name):
-        if os.path.basename(name) != name or name in ("", ".", ".."):
+        parts = name.split("/")
+        if any(os.path.basename(part) != part or part.startswith(".") or not part for part in parts):
             raise OrielError("the daemon names a file outside its folder: %r" % name)
-        path = os.path.join(folder, name)
+        path = os.path.join(folder, *parts)
+        _make_folder(os.path.dirname(path))
         part = path + ".part"
 
         def keep(reply):

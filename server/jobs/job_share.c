@@ -68,14 +68,14 @@ static int link_entry(const struct dirent *entry, const char *from, const char *
 static int link_below(const char *from, const char *to, struct orl_error *err)
 {
     DIR *folder = opendir(from);
-    int rc = folder ? 0
-                    : orl_error_set(err, orl_err_of_errno(errno), "cannot share the results: %s",
-                                    strerror(errno));
+    int rc = 0;
+    if (!folder)
+        return orl_error_set(err, orl_err_of_errno(errno), "cannot share the results: %s",
+                             strerror(errno));
     for (const struct dirent *entry; rc == 0 && (entry = readdir(folder));)
         if (strcmp(entry->d_name, ".") != 0 && strcmp(entry->d_name, "..") != 0)
             rc = link_entry(entry, from, to, err);
-    if (folder)
-        closedir(folder);
+    closedir(folder);
     return rc;
 }
 

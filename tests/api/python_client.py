@@ -184,6 +184,34 @@ def skies(desk):
     assert oriel._weather_files(document) == ["a", "b"]
 
 
+def years(desk):
+    """A year's files go along: weather, sensors, occupancy; what is made in folders stays in them."""
+    weather = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../fixtures/weather.epw")
+    shutil.copy(weather, os.path.join(desk.folder, "place.epw"))
+    with open(os.path.join(desk.folder, "use.csv"), "w") as stream:
+        stream.write("1\n" * 8760)
+    with open(os.path.join(desk.folder, "skyless.rad"), "w") as stream:
+        stream.write(ROOM.replace("void glow sky_glow\n0\n0\n4 10 10 10 0\n", "")
+                     .replace("sky_glow source sky\n0\n0\n4 0 0 1 180\n", ""))
+    document = {"kind": "annual", "scene": {"files": ["skyless.rad"]}, "weather": "place.epw",
+                "grids": [{"name": "desks", "sensors": {"file": "sensors.txt"}},
+                          {"name": "wall", "sensors": [[1.5, 2, 1.2, 0, -1, 0]]}],
+                "occupancy": {"file": "use.csv"}, "samples": 16, "formats": ["honeybee"],
+                "targets": ["sDA300/50 >= 1 %"]}
+    output = os.path.join(desk.folder, "year")
+    result = desk.client.render(document, output, desk.folder)
+    assert [grid["sensors"] for grid in result["grids"]] == [2, 1]
+    names = {one["name"] for one in result["provenance"]["inputs"]}
+    assert names == {"skyless.rad", "window.rad", "place.epw", "sensors.txt", "use.csv"}
+    for name in result["files"]:
+        assert os.path.getsize(os.path.join(output, *name.split("/"))) > 0, name
+    assert os.path.isfile(os.path.join(output, "results", "metrics", "da", "desks.da"))
+    assert oriel._year_files({"weather": "w", "sensors": {"file": "s"}}) == ["w", "s"]
+    job = desk.client.job(desk.client.jobs()[0]["id"])
+    for name in ("../x", "a/../x", "/x", "a//x", "", "a/.x"):
+        assert "outside" in str(raises(oriel.OrielError, job._fetch_file, output, name))
+
+
 def bsdfs(desk):
     """Sent once, by themselves or with a scene; a scene then only names them."""
     path = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../fixtures", "bsdf_klems41.xml")

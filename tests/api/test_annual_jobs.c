@@ -248,6 +248,8 @@ static void test_bytes_are_the_commands(void **state)
     run_command(annual, &result);
     run_command(send, &result);
     assert_non_null(strstr(result.err, "warning: 8713 steps of the year are not in the weather"));
+    assert_non_null(strstr(result.err, ": sDA1000/40 of the desks >= 20 %: "));
+    assert_non_null(strstr(result.err, "EN 17037 minimum (all grids)\n"));
     snprintf(id, sizeof id, "%.*s", (int)strcspn(result.out, "\n"), result.out);
     const char *const fetch[] = {"fetch", id, "-o", there, "--server", f->daemon.url, NULL};
     run_command(fetch, &result);

@@ -45,6 +45,7 @@ CASE(example)
 CASE(upload_if_absent)
 CASE(zips)
 CASE(skies)
+CASE(years)
 CASE(bsdfs)
 CASE(cancel)
 CASE(removal)
@@ -103,6 +104,7 @@ int main(void)
         cmocka_unit_test(test_upload_if_absent),
         cmocka_unit_test(test_zips),
         cmocka_unit_test(test_skies),
+        cmocka_unit_test(test_years),
         cmocka_unit_test(test_bsdfs),
         cmocka_unit_test(test_cancel),
         cmocka_unit_test(test_removal),
