@@ -36,9 +36,11 @@ static void trace_batch(void *arg, size_t index, uint32_t member)
                                            .samples = y->batch_samples};
     struct orl_annual_sums sums = {.bins = y->bin_sums + index * ORL_BINS,
                                    .nodes = y->sun_sums + index * y->n_sun,
-                                   .beams = y->sun_sums + index * y->n_sun + y->nodes.count};
+                                   .beams = y->sun_sums + index * y->n_sun + y->nodes.count,
+                                   .lots = y->lot_sums + index * ORL_SUN_MAP_LOTS * y->n_beams};
     memset(sums.bins, 0, ORL_BINS * sizeof *sums.bins);
     memset(sums.nodes, 0, y->n_sun * sizeof *sums.nodes);
+    memset(sums.lots, 0, ORL_SUN_MAP_LOTS * y->n_beams * sizeof *sums.lots);
     orl_annual_trace(&y->scene, &y->places[sensor], &batch, &sums, &y->healths[member]);
     const double whole = (double)(y->count * ORL_ANNUAL_BATCHES);
     const double done = (double)(atomic_fetch_add(&y->traced, 1) + 1);
@@ -63,11 +65,16 @@ static void fill_factors(void *arg, size_t index, uint32_t member)
 {
     struct orl_year *y = arg;
     const size_t batch = index * ORL_ANNUAL_BATCHES;
-    const struct orl_annual_coefficients coefficients = {y->bin_sums + batch * ORL_BINS,
-                                                         y->sun_sums + batch * y->n_sun, y->n_sun};
+    const struct orl_annual_coefficients coefficients = {
+        .bins = y->bin_sums + batch * ORL_BINS,
+        .sun = y->sun_sums + batch * y->n_sun,
+        .lots = y->lot_sums + batch * ORL_SUN_MAP_LOTS * y->n_beams,
+        .n_sun = y->n_sun,
+        .n_beams = y->n_beams};
     (void)member;
     orl_annual_factors_fill(&y->factors[index], &y->bins, &coefficients,
-                            y->sun_by_batch + batch * y->n_sun);
+                            y->sun_by_batch + index * (ORL_ANNUAL_BATCHES + 1) * y->n_sun,
+                            y->sun_by_lot + index * ORL_SUN_MAP_LOTS * y->n_beams);
 }
 
 static void multiply(void *arg, size_t tile, uint32_t member)
@@ -146,11 +153,15 @@ static int make_room(struct orl_year *y)
     struct orl_annual_result *r = y->result;
     y->bin_sums = malloc(batches * ORL_BINS * sizeof *y->bin_sums);
     y->sun_sums = malloc((batches * y->n_sun + 1) * sizeof *y->sun_sums);
+    y->lot_sums = malloc((batches * ORL_SUN_MAP_LOTS * y->n_beams + 1) * sizeof *y->lot_sums);
+    y->sun_by_lot = malloc(((size_t)ORL_YEAR_BLOCK * ORL_SUN_MAP_LOTS * y->n_beams + 1) *
+                           sizeof *y->sun_by_lot);
     y->rows = malloc(((size_t)ORL_YEAR_BLOCK * ORL_YEAR_ROWS * columns + 1) * sizeof *y->rows);
     y->factors = malloc(ORL_YEAR_BLOCK * sizeof *y->factors);
-    y->sun_by_batch = malloc((batches * y->n_sun + 1) * sizeof *y->sun_by_batch);
+    y->sun_by_batch = malloc(((batches + ORL_YEAR_BLOCK) * y->n_sun + 1) * sizeof *y->sun_by_batch);
     y->healths = calloc(orl_crew_size(y->env->run->crew), sizeof *y->healths);
-    if (!y->bin_sums || !y->sun_sums || !y->factors || !y->sun_by_batch || !y->rows || !y->healths)
+    if (!y->bin_sums || !y->sun_sums || !y->lot_sums || !y->sun_by_lot || !y->factors ||
+        !y->sun_by_batch || !y->rows || !y->healths)
         return ORL_ERR_NOMEM;
     if (y->env->row)
         return 0;
@@ -223,6 +234,8 @@ void orl_year_blocks_done(struct orl_year *y)
     free(y->sun_sums);
     free(y->factors);
     free(y->sun_by_batch);
+    free(y->lot_sums);
+    free(y->sun_by_lot);
     free(y->rows);
     free(y->healths);
 }

@@ -125,7 +125,7 @@ int orl_mirrors_init(struct orl_mirrors *mirrors, const struct orl_world *world,
         return 0;
     struct candidate *candidates = calloc(n_facets + 1, sizeof *candidates);
     mirrors->plane_of = calloc(n_facets + 1, sizeof *mirrors->plane_of);
-    mirrors->planes = malloc(ORL_MIRRORS_MOST_PLANES * sizeof *mirrors->planes);
+    mirrors->planes = calloc(ORL_MIRRORS_MOST_PLANES, sizeof *mirrors->planes);
     const size_t n = candidates ? list_candidates(world, candidates) : 0;
     mirrors->panes = malloc((n + 1) * sizeof *mirrors->panes);
     const bool room = candidates && mirrors->plane_of && mirrors->planes && mirrors->panes;

@@ -1,6 +1,8 @@
 #include "annual/nodes.h"
 
+#include <stdbool.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include <oriel/error.h>
 
@@ -70,7 +72,7 @@ int orl_sun_nodes_init(struct orl_sun_nodes *nodes, double latitude_deg,
                                 setting(nodes->latitude_rad, nodes->high_rad));
     nodes->circles =
         how_many((nodes->high_rad - nodes->low_rad) / ORL_DEG_TO_RAD, steps.declination_deg);
-    nodes->a_circle = how_many(2 * longest / ORL_DEG_TO_RAD, steps.hour_angle_deg);
+    nodes->a_circle = how_many(2 * longest / ORL_DEG_TO_RAD, steps.hour_angle_deg) | 1;
     nodes->count = (size_t)nodes->circles * nodes->a_circle;
     nodes->at = malloc(nodes->count * sizeof *nodes->at);
     if (!nodes->at)
@@ -91,13 +93,62 @@ void orl_sun_nodes_done(struct orl_sun_nodes *nodes)
     *nodes = (struct orl_sun_nodes){.at = NULL};
 }
 
-/* Which two of n points on [0, 1] a share lies between: the first, and how far from it. */
-static uint32_t cell(double share, uint32_t n, double *ret_part)
+enum { TAPS = 4 };
+
+/* Of n points evenly on [0, 1] those about a share: which, and their weights. */
+struct taps {
+    uint32_t at[TAPS];
+    double cubic[TAPS], plain[TAPS];
+};
+
+/* Adds a point's weight, of one that may lie beyond the ends: there a parabola goes on. */
+static void add_tap(struct taps *taps, uint32_t first, uint32_t n, int tap, double weight)
+{
+    const int64_t at = (int64_t)first + tap - 1;
+    if (at >= 0 && at < n) {
+        taps->cubic[tap] += weight;
+        return;
+    }
+    const int in = at < 0 ? 1 : -1;
+    taps->cubic[tap + in] += 3 * weight;
+    taps->cubic[tap + 2 * in] -= 3 * weight;
+    taps->cubic[tap + 3 * in] += weight;
+}
+
+static struct taps taps_at(double share, uint32_t n)
 {
     const double at = fmin(fmax(share, 0), 1) * (n - 1);
     const uint32_t first = n < 2 ? 0 : (uint32_t)fmin(floor(at), n - 2.0);
-    *ret_part = n < 2 ? 0 : at - first;
-    return first;
+    const double t = n < 2 ? 0 : at - first;
+    struct taps taps = {.plain = {0, 1 - t, t, 0}};
+    for (int i = 0; i < TAPS; i++) {
+        const int64_t k = (int64_t)first + i - 1;
+        taps.at[i] = (uint32_t)(k < 0 ? 0 : k >= n ? n - 1 : k);
+    }
+    if (n < 3) {
+        for (int i = 0; i < TAPS; i++)
+            taps.cubic[i] = taps.plain[i];
+        return taps;
+    }
+    const double t2 = t * t, t3 = t2 * t;
+    const double weights[TAPS] = {0.5 * (-t + 2 * t2 - t3), 0.5 * (2 - 5 * t2 + 3 * t3),
+                                  0.5 * (t + 4 * t2 - 3 * t3), 0.5 * (t3 - t2)};
+    for (int i = 0; i < TAPS; i++)
+        add_tap(&taps, first, n, i, weights[i]);
+    return taps;
+}
+
+/* Where on one circle of those about the sun sets and on another never does, places of nodes have a
+ * kink: no cubic goes through them. */
+static bool is_kinked(const struct orl_sun_nodes *nodes, const struct taps *up)
+{
+    bool sets = false, never = false;
+    for (int i = 0; i < TAPS; i++) {
+        const double at = setting(nodes->latitude_rad, circle_rad(nodes, up->at[i]));
+        never = never || at <= 0 || at >= ORL_PI;
+        sets = sets || (at > 0 && at < ORL_PI);
+    }
+    return sets && never;
 }
 
 struct orl_sun_between orl_sun_nodes_between(const struct orl_sun_nodes *nodes, struct orl_vec3 sun)
@@ -105,15 +156,18 @@ struct orl_sun_between orl_sun_nodes_between(const struct orl_sun_nodes *nodes, 
     const struct place place = place_of(nodes->latitude_rad, sun);
     const double height = nodes->high_rad - nodes->low_rad;
     const double widest = setting(nodes->latitude_rad, place.declination);
-    double up, along;
-    const uint32_t c =
-        cell(height > 0 ? (place.declination - nodes->low_rad) / height : 0, nodes->circles, &up);
-    const uint32_t k =
-        cell(widest > 0 ? 0.5 + 0.5 * place.hour_angle / widest : 0.5, nodes->a_circle, &along);
-    const uint32_t next_c = c + 1 < nodes->circles ? c + 1 : c;
-    const uint32_t next_k = k + 1 < nodes->a_circle ? k + 1 : k;
-    const uint32_t a = c * nodes->a_circle, b = next_c * nodes->a_circle;
-    return (struct orl_sun_between){{a + k, a + next_k, b + k, b + next_k},
-                                    {(float)((1 - up) * (1 - along)), (float)((1 - up) * along),
-                                     (float)(up * (1 - along)), (float)(up * along)}};
+    struct taps up =
+        taps_at(height > 0 ? (place.declination - nodes->low_rad) / height : 0, nodes->circles);
+    const struct taps along =
+        taps_at(widest > 0 ? 0.5 + 0.5 * place.hour_angle / widest : 0.5, nodes->a_circle);
+    if (is_kinked(nodes, &up))
+        memcpy(up.cubic, up.plain, sizeof up.cubic);
+    struct orl_sun_between ret;
+    for (int i = 0; i < ORL_SUN_CORNERS; i++) {
+        const int c = i / TAPS, k = i % TAPS;
+        ret.nodes[i] = up.at[c] * nodes->a_circle + along.at[k];
+        ret.weights[i] = (float)(up.cubic[c] * along.cubic[k]);
+        ret.plain[i] = (float)(up.plain[c] * along.plain[k]);
+    }
+    return ret;
 }

@@ -17,14 +17,19 @@
 struct orl_sun_nodes {
     struct orl_vec3 *at; /* unit; circle by circle */
     size_t count;
-    uint32_t circles, a_circle;
+    uint32_t circles, a_circle;             /* the latter odd */
     double latitude_rad, low_rad, high_rad; /* declinations of the first and the last circle */
 };
 
-/* What of which nodes makes the light of a sun in between; weights sum to 1. */
+/*
+ * What of which nodes makes the light of a sun in between: a cubic in each of the two coordinates
+ * (Catmull and Rom 1974), and beside it what lies linearly between the nearest. Weights of either
+ * sum to 1; a cubic's may be negative. Nodes outside of the cell that the sun is in are 0 in plain.
+ */
+enum { ORL_SUN_CORNERS = 16 };
 struct orl_sun_between {
-    uint32_t nodes[4];
-    float weights[4];
+    uint32_t nodes[ORL_SUN_CORNERS];
+    float weights[ORL_SUN_CORNERS], plain[ORL_SUN_CORNERS];
 };
 
 /* For the suns given: count may be 0. steps: about how far nodes are to be apart. Returns 0 or

@@ -4,7 +4,7 @@
 
 #include "base/vectors.h"
 
-enum { TILE = ORL_HOURS_TILE, BATCHES = ORL_ANNUAL_BATCHES };
+enum { TILE = ORL_HOURS_TILE, BATCHES = ORL_ANNUAL_BATCHES, LOTS = ORL_SUN_MAP_LOTS };
 
 /* Bins are added in their order, columns side by side: the same bits whatever the vectors. */
 static ORL_FOR_WIDE_VECTORS void add_products(const float *coefficients, uint32_t n,
@@ -32,15 +32,65 @@ static ORL_FOR_WIDE_VECTORS void add_sun(const struct orl_sun_terms *terms, size
     }
 }
 
+/* How far two ways of interpolation lie apart: of that, a share is the error of the better one. */
+static double interpolation_error(const struct orl_sun_terms *terms, size_t column,
+                                  const double *means)
+{
+    static const double share = 0.5;
+    double sum = 0;
+    for (uint32_t i = terms->first[column]; i < terms->first[column + 1]; i++)
+        sum += (double)terms->apart[i] * means[terms->which[i]];
+    return share * sum;
+}
+
+static void fill_lots(struct orl_annual_factors *f,
+                      const struct orl_annual_coefficients *coefficients, double *lots)
+{
+    const size_t n = coefficients->n_beams;
+    f->n_nodes = coefficients->n_sun - n;
+    f->lots = lots;
+    memset(lots, 0, n * LOTS * sizeof *lots);
+    for (size_t b = 0; b < BATCHES; b++)
+        for (size_t lot = 0; lot < LOTS; lot++)
+            for (size_t i = 0; i < n; i++)
+                lots[i * LOTS + lot] +=
+                    (double)coefficients->lots[(b * LOTS + lot) * n + i] / BATCHES;
+}
+
+/* Square of the standard error that the map of the sun has by its photons. */
+static double photon_squares(const struct orl_annual_factors *f, const struct orl_sun_terms *terms,
+                             size_t column)
+{
+    double sums[LOTS] = {0}, mean = 0, squares = 0;
+    for (uint32_t i = terms->first[column]; i < terms->first[column + 1]; i++) {
+        if (terms->which[i] < f->n_nodes)
+            continue;
+        const double *lots = f->lots + (terms->which[i] - f->n_nodes) * LOTS;
+        for (int lot = 0; lot < LOTS; lot++)
+            sums[lot] += (double)terms->weights[i] * lots[lot];
+    }
+    for (int lot = 0; lot < LOTS; lot++)
+        mean += sums[lot] / LOTS;
+    for (int lot = 0; lot < LOTS; lot++)
+        squares += (sums[lot] - mean) * (sums[lot] - mean) / (LOTS * (LOTS - 1.0));
+    return squares;
+}
+
 void orl_annual_factors_fill(struct orl_annual_factors *f, const struct orl_bins *bins,
-                             const struct orl_annual_coefficients *coefficients, double *sun)
+                             const struct orl_annual_coefficients *coefficients, double *sun,
+                             double *lots)
 {
     const size_t n = coefficients->n_sun;
     memset(f->coarse, 0, sizeof f->coarse);
+    fill_lots(f, coefficients, lots);
     f->sun = sun;
+    f->sun_means = sun + n * BATCHES;
+    memset(f->sun_means, 0, n * sizeof *f->sun_means);
     for (size_t b = 0; b < BATCHES; b++)
-        for (size_t i = 0; i < n; i++)
+        for (size_t i = 0; i < n; i++) {
             sun[i * BATCHES + b] = coefficients->sun[b * n + i];
+            f->sun_means[i] += coefficients->sun[b * n + i] / BATCHES;
+        }
     for (uint32_t bin = 0; bin < ORL_BINS; bin++) {
         double sum = 0;
         for (int b = 0; b < BATCHES; b++)
@@ -60,11 +110,12 @@ static void find_errors(const struct orl_annual_factors *f, const struct orl_hou
     const float *coarse = hours->coarse + tile * ORL_BINS_COARSE * TILE;
     double sun[TILE][BATCHES];
     memset(sun, 0, sizeof sun);
-    memset(ret_squares, 0, TILE * sizeof *ret_squares);
     memset(ret_sun, 0, TILE * sizeof *ret_sun);
     for (uint32_t j = 0; j < n; j++) {
         const size_t column = tile * TILE + j;
         const double lx = hours->suns[column].normal_lx;
+        const double off = lx * interpolation_error(terms, column, f->sun_means);
+        ret_squares[j] = off * off + lx * lx * photon_squares(f, terms, column);
         add_sun(terms, column, f->sun, sun[j]);
         for (int b = 0; b < BATCHES; b++) {
             sun[j][b] *= lx;
@@ -93,7 +144,7 @@ void orl_annual_multiply(const struct orl_annual_factors *f, const struct orl_ho
     find_errors(f, hours, terms, tile, n, squares, sun);
     for (uint32_t j = 0; j < n; j++) {
         const size_t c = first + j;
-        row->total[c] = (float)(ORL_EFFICACY_LM_PER_W * (double)sky[j] + sun[j] +
+        row->total[c] = (float)(ORL_EFFICACY_LM_PER_W * (double)sky[j] + fmax(sun[j], 0) +
                                 (double)row->straight[c] + (double)row->mirrored[c]);
         row->se[c] = (float)sqrt(squares[j] + (double)row->squares[c]);
     }

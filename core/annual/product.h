@@ -11,7 +11,8 @@
 struct orl_annual_coefficients {
     float *bins; /* [ORL_ANNUAL_BATCHES][ORL_BINS] */
     double *sun; /* [ORL_ANNUAL_BATCHES][n_sun]: nodes, then beams */
-    size_t n_sun;
+    float *lots; /* [ORL_ANNUAL_BATCHES][ORL_SUN_MAP_LOTS][n_beams]: of beams, by each lot alone */
+    size_t n_sun, n_beams;
 };
 
 /* Its columns; straight, mirrored and squares of its errors are given (sunlight.h), total and se
@@ -21,16 +22,23 @@ struct orl_annual_row {
     float *total, *se;
 };
 
-/* A sensor's coefficients, made ready. What batches differ by in the sky is told by coarse bins. */
+/*
+ * A sensor's coefficients, made ready. What batches differ by in the sky is told by coarse bins.
+ */
 struct orl_annual_factors {
     float bins[ORL_BINS];                              /* the mean of all batches */
     float coarse[ORL_ANNUAL_BATCHES][ORL_BINS_COARSE]; /* of each, less the mean */
     double *sun;                                       /* [node or beam][batch]; borrowed */
+    double *sun_means;                                 /* [node or beam]; borrowed */
+    double *lots;                                      /* [beam][lot]; borrowed */
+    size_t n_nodes;                                    /* which beams come after */
 };
 
-/* sun has room for as many as the coefficients have. */
+/* sun has room for as many as the coefficients have, and their means after them; lots, for beams,
+ * by lot. */
 void orl_annual_factors_fill(struct orl_annual_factors *factors, const struct orl_bins *bins,
-                             const struct orl_annual_coefficients *coefficients, double *sun);
+                             const struct orl_annual_coefficients *coefficients, double *sun,
+                             double *lots);
 
 /* Of one tile of columns: a tile's sky serves all sensors while it is at hand. terms: of the sun.
  */

@@ -6,9 +6,8 @@
 #include "annual/scope.h"
 #include "run/scene.h"
 
-/* What panels send where changes with the sun as their directions' cells do: they take more nodes.
- */
-static const struct orl_sun_spacing usual_spacing = {6, 15}, panel_spacing = {4, 7.5};
+/* Half an hour: a patch of sun moves by a quarter of its distance from the window. */
+static const struct orl_sun_spacing spacing = {4, 7.5};
 
 /* ---- Load ------------------------------------------------------------------------------------ */
 
@@ -99,10 +98,8 @@ static int place_nodes(struct orl_year *y)
     for (size_t c = 0; c < hours->n_columns; c++)
         if (hours->suns[c].normal_lx > 0)
             suns[n++] = hours->sky_suns[c];
-    const int code = orl_sun_nodes_init(
-        &y->nodes, y->result->latitude_deg, suns, n,
-        orl_sun_spacing_at(y->result->latitude_deg,
-                           orl_annual_has_panels(y->world) ? panel_spacing : usual_spacing));
+    const int code = orl_sun_nodes_init(&y->nodes, y->result->latitude_deg, suns, n,
+                                        orl_sun_spacing_at(y->result->latitude_deg, spacing));
     free(suns);
     y->node_frames = malloc((y->nodes.count + 1) * sizeof *y->node_frames);
     if (code < 0 || !y->node_frames)
@@ -126,7 +123,7 @@ static int prepare(struct orl_year *y, struct orl_error *err)
     if (place_nodes(y) < 0)
         return orl_year_no_memory(err);
     if (orl_annual_scene_init(&y->scene, y->world, &y->bins, orl_turn_by(y->request->north_deg),
-                              y->node_frames, y->nodes.count, y->request->seed,
+                              y->node_frames, y->nodes.count, y->nodes.a_circle, y->request->seed,
                               y->env->run->crew) < 0)
         return orl_crew_cancelled(y->env->run->crew) ? orl_year_cancelled(err)
                                                      : orl_year_no_memory(err);
@@ -135,7 +132,8 @@ static int prepare(struct orl_year *y, struct orl_error *err)
                       "flat mirrors and panes lie in more planes than a year follows: the sun's "
                       "reflections in %zu of them, the smallest, are left out",
                       y->scene.mirrors.n_left_out);
-    y->n_sun = y->nodes.count + (y->scene.map ? orl_sun_map_beams(y->scene.map)->count : 0);
+    y->n_beams = y->scene.map ? orl_sun_map_beams(y->scene.map)->count : 0;
+    y->n_sun = y->nodes.count + y->n_beams;
     code = orl_sun_terms_init(&y->terms, &y->hours, &y->nodes, y->node_frames, y->scene.map,
                               y->env->run->crew);
     if (code < 0)

@@ -21,11 +21,15 @@ static uint32_t photons_of_node(const struct orl_world *world, size_t n_nodes)
 
 int orl_annual_scene_init(struct orl_annual_scene *scene, const struct orl_world *world,
                           const struct orl_bins *bins, struct orl_turn north,
-                          const struct orl_frame *nodes, size_t n_nodes, uint64_t seed,
-                          struct orl_crew *crew)
+                          const struct orl_frame *nodes, size_t n_nodes, uint32_t a_circle,
+                          uint64_t seed, struct orl_crew *crew)
 {
-    *scene = (struct orl_annual_scene){
-        .world = world, .bins = bins, .north = north, .nodes = nodes, .n_nodes = n_nodes};
+    *scene = (struct orl_annual_scene){.world = world,
+                                       .bins = bins,
+                                       .north = north,
+                                       .nodes = nodes,
+                                       .n_nodes = n_nodes,
+                                       .a_circle = a_circle};
     orl_sobol_init(&scene->sobol);
     int code = orl_aim_init(&scene->aim, world, &scene->sobol, crew);
     if (code == 0)

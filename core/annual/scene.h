@@ -20,6 +20,7 @@ struct orl_annual_scene {
     struct orl_turn north;
     const struct orl_frame *nodes; /* of the sun, as the scene has it: n towards it */
     size_t n_nodes;
+    uint32_t a_circle; /* of nodes, one after the other (nodes.h) */
     struct orl_aim aim;
     struct orl_sobol sobol;
     struct orl_windows ports;
@@ -30,8 +31,8 @@ struct orl_annual_scene {
 /* Returns 0, ORL_ERR_NOMEM or _CANCELLED; orl_annual_scene_done in either case. */
 int orl_annual_scene_init(struct orl_annual_scene *scene, const struct orl_world *world,
                           const struct orl_bins *bins, struct orl_turn north,
-                          const struct orl_frame *nodes, size_t n_nodes, uint64_t seed,
-                          struct orl_crew *crew);
+                          const struct orl_frame *nodes, size_t n_nodes, uint32_t a_circle,
+                          uint64_t seed, struct orl_crew *crew);
 /* Whether ports have BSDFs. */
 bool orl_annual_has_panels(const struct orl_world *world);
 void orl_annual_scene_done(struct orl_annual_scene *scene);

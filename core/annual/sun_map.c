@@ -326,23 +326,21 @@ void orl_sun_map_free(struct orl_sun_map *map)
     free(map);
 }
 
-void orl_sun_map_add(const struct orl_sun_map *map, const struct orl_hit *hit, uint32_t lot,
-                     struct orl_rgb weight, double *beams)
+void orl_sun_map_add(const struct orl_sun_map *map, const struct orl_hit *hit,
+                     struct orl_rgb weight, double *beams, float *lots)
 {
     const size_t slot = slot_of(map, orl_sun_square_of(&map->squares, hit));
     if (map->names[slot] == 0)
         return;
-    const size_t row = (size_t)map->places[slot] * ORL_SUN_MAP_LOTS + lot % ORL_SUN_MAP_LOTS;
-    const size_t end = map->first[row + 1];
-    if (map->channels == 1) {
-        const double by = orl_luma(weight);
-        for (size_t i = map->first[row]; i < end; i++)
-            beams[map->which[i]] += by * (double)map->light[i];
-        return;
-    }
     const double r = ORL_LUMA_R * weight.r, g = ORL_LUMA_G * weight.g, b = ORL_LUMA_B * weight.b;
-    for (size_t i = map->first[row]; i < end; i++) {
-        const float *light = map->light + i * CHANNELS;
-        beams[map->which[i]] += r * (double)light[0] + g * (double)light[1] + b * (double)light[2];
-    }
+    const size_t first = (size_t)map->places[slot] * ORL_SUN_MAP_LOTS;
+    for (size_t lot = 0; lot < ORL_SUN_MAP_LOTS; lot++)
+        for (size_t i = map->first[first + lot]; i < map->first[first + lot + 1]; i++) {
+            const float *light = map->light + i * map->channels;
+            const double here = map->channels == 1 ? (r + g + b) * (double)light[0]
+                                                   : r * (double)light[0] + g * (double)light[1] +
+                                                         b * (double)light[2];
+            beams[map->which[i]] += here / ORL_SUN_MAP_LOTS;
+            lots[lot * map->beams.count + map->which[i]] += (float)here;
+        }
 }

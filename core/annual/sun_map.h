@@ -18,6 +18,7 @@
 #include <oriel/crew.h>
 
 #include "annual/sun_beams.h"
+#include "annual/sun_photons.h"
 #include "base/random.h"
 #include "base/sobol.h"
 #include "light/world.h"
@@ -43,10 +44,11 @@ void orl_sun_map_free(struct orl_sun_map *map); /* NULL is allowed */
 const struct orl_sun_beams *orl_sun_map_beams(const struct orl_sun_map *map);
 
 /*
- * Adds to the beams what a surface at that hit, on the side that was met, has of them by that lot,
- * times the weight: luma, for a sun that gives 1 to what faces it.
+ * Adds to the beams what a surface at that hit, on the side that was met, has of them, times the
+ * weight: luma, for a sun that gives 1 to what faces it. And to lots the same, [lot][beam], as each
+ * lot alone would have it.
  */
-void orl_sun_map_add(const struct orl_sun_map *map, const struct orl_hit *hit, uint32_t lot,
-                     struct orl_rgb weight, double *beams);
+void orl_sun_map_add(const struct orl_sun_map *map, const struct orl_hit *hit,
+                     struct orl_rgb weight, double *beams, float *lots);
 
 #endif

@@ -9,7 +9,7 @@
 #include "annual/sun_beams.h"
 #include "base/sobol.h"
 
-enum { ORL_SUN_MAP_LOTS = 2 }; /* groups of photons, independent of each other */
+enum { ORL_SUN_MAP_LOTS = 8 }; /* groups of photons, independent of each other */
 
 /* What one brought to a diffuse surface, W for a sun that gives 1 to what faces it. */
 struct orl_sun_deposit {

@@ -5,8 +5,9 @@
 #include "light/path.h"
 
 enum { FIRST_POINTS = 7, DISC_POINTS = 128, MIRROR_POINTS = 4 };
-/* Outside, where no wall keeps the sun off, one node in so many is tried at each place. */
-enum { STRIDE_OUTSIDE = 4 };
+/* Of the nodes, one in so many is tried at each place: outside, where no wall keeps the sun off, of
+ * every other node; and inside. */
+enum { STRIDE_OUTSIDE = 6, STRIDE_INSIDE = 2 };
 
 static double disc_radius(double angle_rad)
 {
@@ -49,6 +50,32 @@ static struct orl_rgb response(const void *ctx, struct orl_vec3 light)
                          cosine);
 }
 
+/* What comes of a node's sun, at that point of its disc. */
+static struct orl_rgb light_of(const struct orl_annual_scene *scene,
+                               const struct orl_sunlit_query *query, struct orl_vec3 towards)
+{
+    const struct orl_rgb seen = response(query, towards);
+    struct orl_rgb light = orl_gray(0);
+    if (orl_rgb_max(seen) > 0 && !query->mapped)
+        light = orl_rgb_mul(seen, straight(scene, &query->place, towards));
+    if (scene->mirrors.n_planes > 0)
+        light = orl_rgb_add(light, orl_mirrors_light(&scene->mirrors, &query->place, towards,
+                                                     query->mapped, response, query));
+    return light;
+}
+
+/* Of every other node of a circle only, what lies between is their mean. */
+static void add_coarsely(const struct orl_annual_scene *scene, size_t node, double light,
+                         double *nodes)
+{
+    const size_t at = node % scene->a_circle;
+    nodes[node] += light;
+    if (at > 0)
+        nodes[node - 1] += 0.5 * light;
+    if (at + 1 < scene->a_circle)
+        nodes[node + 1] += 0.5 * light;
+}
+
 void orl_sunlit_add(const struct orl_annual_scene *scene, const struct orl_sunlit_query *query,
                     struct orl_random *random, double *nodes)
 {
@@ -56,20 +83,21 @@ void orl_sunlit_add(const struct orl_annual_scene *scene, const struct orl_sunli
     const double far = sqrt(orl_random_uniform(random));
     const struct orl_circle circle = orl_circle_turn(orl_random_uniform(random));
     const double at[2] = {far * circle.cosine, far * circle.sine};
-    const bool all = !query->place.outside || query->lobes;
-    const size_t stride = all ? 1 : STRIDE_OUTSIDE;
-    const size_t first = all ? 0 : (size_t)(orl_random_uniform(random) * STRIDE_OUTSIDE);
-    for (size_t k = first; k < scene->n_nodes; k += stride) {
-        const struct orl_vec3 towards = on_disc(&scene->nodes[k], radius, at);
-        const struct orl_rgb seen = response(query, towards);
-        struct orl_rgb light = orl_gray(0);
-        if (orl_rgb_max(seen) > 0 && !query->mapped)
-            light = orl_rgb_mul(seen, straight(scene, &query->place, towards));
-        if (scene->mirrors.n_planes > 0)
-            light = orl_rgb_add(light, orl_mirrors_light(&scene->mirrors, &query->place, towards,
-                                                         query->mapped, response, query));
-        if (orl_rgb_max(light) > 0)
-            nodes[k] += orl_luma(orl_rgb_mul(query->weight, light)) * (double)stride;
+    const bool coarse = query->place.outside && !query->all;
+    const size_t stride = query->all ? 1 : coarse ? STRIDE_OUTSIDE : STRIDE_INSIDE;
+    const size_t first = (size_t)(orl_random_uniform(random) * (double)stride);
+    const size_t a_circle = coarse ? (scene->a_circle + 1) / 2 : scene->a_circle;
+    const size_t count = scene->a_circle > 0 ? scene->n_nodes / scene->a_circle * a_circle : 0;
+    for (size_t i = first; i < count; i += stride) {
+        const size_t k = coarse ? i / a_circle * scene->a_circle + i % a_circle * 2 : i;
+        const struct orl_rgb light = light_of(scene, query, on_disc(&scene->nodes[k], radius, at));
+        if (!(orl_rgb_max(light) > 0))
+            continue;
+        const double luma = orl_luma(orl_rgb_mul(query->weight, light)) * (double)stride;
+        if (coarse)
+            add_coarsely(scene, k, luma, nodes);
+        else
+            nodes[k] += luma;
     }
 }
 

@@ -14,6 +14,7 @@
 struct orl_sunlit_query {
     struct orl_place place;
     struct orl_rgb weight;
+    bool all;    /* of nodes, not some by lot: where a sensor looks at the place itself */
     bool mapped; /* what the map of the sun has is not asked for: mirrors outside alone */
     const struct orl_material *lobes;
     const struct orl_hit *hit;

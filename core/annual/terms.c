@@ -2,7 +2,7 @@
 
 #include <stdlib.h>
 
-enum { CORNERS = 4 };
+enum { CORNERS = ORL_SUN_CORNERS };
 
 struct maker {
     struct orl_sun_terms *terms;
@@ -11,41 +11,80 @@ struct maker {
     const struct orl_frame *frames;    /* of nodes */
     const struct orl_sun_beams *beams; /* or NULL */
     size_t n_kinds;
-    double *of_nodes;  /* [node][kind]: what ports let in */
-    uint32_t *beam_of; /* [node][kind], or UINT32_MAX */
-    float *weights;    /* [column][corner][1 + kind], 0: none */
+    double *of_nodes;       /* [node][kind]: what ports let in */
+    uint32_t *beam_of;      /* [node][kind], or UINT32_MAX */
+    struct weight *weights; /* [column][corner][1 + kind] */
 };
 
-static float *weights_of(const struct maker *m, size_t column)
+/* A corner's, by the cubic and by the plainer way; both 0: none. */
+struct weight {
+    float fine, plain;
+};
+
+static struct weight *weights_of(const struct maker *m, size_t column)
 {
     return m->weights + column * CORNERS * (1 + m->n_kinds);
+}
+
+/* What comes of corners is to have a direction's length of 1: planes then have their cosine. */
+static double shortening(const struct maker *m, const struct orl_sun_between *at,
+                         const float *weights)
+{
+    struct orl_vec3 chord = {0, 0, 0};
+    for (int i = 0; i < CORNERS; i++)
+        chord = orl_madd(chord, m->frames[at->nodes[i]].n, (double)weights[i]);
+    return orl_length(chord);
+}
+
+static double let_in_by_corners(const struct maker *m, const struct orl_sun_between *at,
+                                const float *weights, uint32_t kind)
+{
+    double sum = 0;
+    for (int i = 0; i < CORNERS; i++)
+        sum += (double)weights[i] * m->of_nodes[at->nodes[i] * m->n_kinds + kind];
+    return sum;
+}
+
+/* Whether ports of a kind are lit at all corners: then what they let in is smooth there. */
+static bool is_lit_all_round(const struct maker *m, const struct orl_sun_between *at, uint32_t kind)
+{
+    for (int i = 0; i < CORNERS; i++)
+        if (at->weights[i] != 0 && !(m->of_nodes[at->nodes[i] * m->n_kinds + kind] > 0))
+            return false;
+    return true;
+}
+
+static void weigh_kind(const struct maker *m, const struct orl_sun_between *at, uint32_t kind,
+                       struct orl_vec3 sun, struct weight *weights)
+{
+    const double let_in = orl_sun_beams_let_in(m->beams, kind, sun);
+    const double of_plain = let_in_by_corners(m, at, at->plain, kind);
+    if (!(of_plain > 0))
+        return;
+    const bool fine = is_lit_all_round(m, at, kind);
+    const double of_fine = fine ? let_in_by_corners(m, at, at->weights, kind) : of_plain;
+    const float *by = fine && of_fine > 0.5 * of_plain ? at->weights : at->plain;
+    const double ratio = let_in / (by == at->plain ? of_plain : of_fine);
+    for (int i = 0; i < CORNERS; i++)
+        weights[(size_t)i * (1 + m->n_kinds) + 1 + kind] = (struct weight){
+            (float)((double)by[i] * ratio), (float)((double)at->plain[i] * let_in / of_plain)};
 }
 
 static void weigh(void *arg, size_t column, uint32_t member)
 {
     const struct maker *m = arg;
     const struct orl_hour_sun *sun = &m->hours->suns[column];
-    float *weights = weights_of(m, column);
+    struct weight *weights = weights_of(m, column);
     (void)member;
     if (!(sun->normal_lx > 0))
         return;
     const struct orl_sun_between at = orl_sun_nodes_between(m->nodes, m->hours->sky_suns[column]);
-    struct orl_vec3 chord = {0, 0, 0};
+    const double fine = shortening(m, &at, at.weights), plain = shortening(m, &at, at.plain);
     for (int i = 0; i < CORNERS; i++)
-        chord = orl_madd(chord, m->frames[at.nodes[i]].n, (double)at.weights[i]);
-    for (int i = 0; i < CORNERS; i++)
-        weights[(size_t)i * (1 + m->n_kinds)] = (float)((double)at.weights[i] / orl_length(chord));
-    for (uint32_t kind = 0; kind < m->n_kinds; kind++) {
-        double of_corners = 0;
-        for (int i = 0; i < CORNERS; i++)
-            of_corners += (double)at.weights[i] * m->of_nodes[at.nodes[i] * m->n_kinds + kind];
-        if (!(of_corners > 0))
-            continue;
-        const double ratio = orl_sun_beams_let_in(m->beams, kind, sun->towards) / of_corners;
-        for (int i = 0; i < CORNERS; i++)
-            weights[(size_t)i * (1 + m->n_kinds) + 1 + kind] =
-                (float)((double)at.weights[i] * ratio);
-    }
+        weights[(size_t)i * (1 + m->n_kinds)] = (struct weight){
+            (float)((double)at.weights[i] / fine), (float)((double)at.plain[i] / plain)};
+    for (uint32_t kind = 0; kind < m->n_kinds; kind++)
+        weigh_kind(m, &at, kind, sun->towards, weights);
 }
 
 static int measure_nodes(struct maker *m)
@@ -66,22 +105,25 @@ static int measure_nodes(struct maker *m)
 }
 
 /* Those of a column that weigh anything; returns how many, and writes them where there is room. */
-static uint32_t list_column(const struct maker *m, size_t column, uint32_t *which, float *weights)
+static uint32_t list_column(const struct maker *m, size_t column, bool write)
 {
-    const float *all = weights_of(m, column);
+    struct orl_sun_terms *terms = m->terms;
+    const struct weight *all = weights_of(m, column);
     uint32_t n = 0;
     if (!(m->hours->suns[column].normal_lx > 0))
         return 0;
     const struct orl_sun_between at = orl_sun_nodes_between(m->nodes, m->hours->sky_suns[column]);
     for (int i = 0; i < CORNERS; i++)
         for (size_t k = 0; k < 1 + m->n_kinds; k++) {
-            const float weight = all[(size_t)i * (1 + m->n_kinds) + k];
+            const struct weight weight = all[(size_t)i * (1 + m->n_kinds) + k];
             const uint32_t beam = k == 0 ? 0 : m->beam_of[at.nodes[i] * m->n_kinds + k - 1];
-            if (weight == 0 || beam == UINT32_MAX)
+            if ((weight.fine == 0 && weight.plain == 0) || beam == UINT32_MAX)
                 continue;
-            if (which) {
-                which[n] = k == 0 ? at.nodes[i] : (uint32_t)m->nodes->count + beam;
-                weights[n] = weight;
+            if (write) {
+                const uint32_t to = terms->first[column] + n;
+                terms->which[to] = k == 0 ? at.nodes[i] : (uint32_t)m->nodes->count + beam;
+                terms->weights[to] = weight.fine;
+                terms->apart[to] = weight.fine - weight.plain;
             }
             n++;
         }
@@ -96,13 +138,14 @@ static int list_all(const struct maker *m)
     if (!terms->first)
         return ORL_ERR_NOMEM;
     for (size_t c = 0; c < columns; c++)
-        terms->first[c + 1] = terms->first[c] + list_column(m, c, NULL, NULL);
+        terms->first[c + 1] = terms->first[c] + list_column(m, c, false);
     terms->which = malloc((terms->first[columns] + 1) * sizeof *terms->which);
     terms->weights = malloc((terms->first[columns] + 1) * sizeof *terms->weights);
-    if (!terms->which || !terms->weights)
+    terms->apart = malloc((terms->first[columns] + 1) * sizeof *terms->apart);
+    if (!terms->which || !terms->weights || !terms->apart)
         return ORL_ERR_NOMEM;
     for (size_t c = 0; c < columns; c++)
-        list_column(m, c, terms->which + terms->first[c], terms->weights + terms->first[c]);
+        list_column(m, c, true);
     return 0;
 }
 
@@ -133,5 +176,6 @@ void orl_sun_terms_done(struct orl_sun_terms *terms)
     free(terms->first);
     free(terms->which);
     free(terms->weights);
+    free(terms->apart);
     *terms = (struct orl_sun_terms){.first = NULL};
 }

@@ -16,7 +16,6 @@ struct tracer {
     struct orl_random random;
     struct orl_health *health;
     uint32_t sequence, index; /* of the sample's even numbers */
-    uint32_t lot;             /* of the map of the sun */
     double unit;              /* the sample's share in the mean */
 };
 
@@ -60,8 +59,8 @@ static void add_diffuse(struct walk *w, struct orl_rgb albedo)
     const struct orl_rgb weight = orl_rgb_scale(orl_rgb_mul(p->path.weight, albedo), 1 / ORL_PI);
     const bool mapped = w->tracer->scene->map && !p->outside;
     if (mapped)
-        orl_sun_map_add(w->tracer->scene->map, &p->hit, w->tracer->lot, weight,
-                        w->tracer->sums->beams);
+        orl_sun_map_add(w->tracer->scene->map, &p->hit, weight, w->tracer->sums->beams,
+                        w->tracer->sums->lots);
     struct stop stop = {.place = {.point = orl_hit_leave(p->world->geometry, &p->hit, lit),
                                   .normal = lit,
                                   .outside = p->outside},
@@ -90,6 +89,7 @@ static void add_lobes(struct walk *w, const struct orl_material *m, int sides)
                       .normal = normal,
                       .outside = orl_world_outside_after(p->world, &p->hit, side == 1, p->outside)},
             .weight = p->path.weight,
+            .all = w->depth == 0,
             .lobes = m,
             .hit = &p->hit,
             .eye = orl_path_back(&p->path)};
@@ -209,7 +209,6 @@ void orl_annual_trace(const struct orl_annual_scene *scene, const struct orl_pla
             .health = health,
             .sequence = (uint32_t)orl_mix64(batch->seed ^ orl_mix64(name + 1)),
             .index = i,
-            .lot = batch->batch,
             .unit = 1.0 / batch->samples};
         light_at(&tracer, &stop);
     }

@@ -23,6 +23,7 @@ struct orl_annual_sums {
     float *bins;   /* ORL_BINS: irradiance, of radiance 1 there */
     double *nodes; /* by node: irradiance, of a sun that gives 1 to what faces it */
     double *beams; /* by beam of the map: the same, of what comes through its ports alone */
+    float *lots;   /* [ORL_SUN_MAP_LOTS][beam]: the same, as each lot of photons has it */
 };
 
 struct orl_annual_batch {

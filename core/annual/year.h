@@ -27,7 +27,7 @@ struct orl_year {
     struct orl_sun_nodes nodes;
     struct orl_frame *node_frames; /* as the scene has them */
     struct orl_sun_terms terms;
-    size_t n_sun; /* nodes and beams */
+    size_t n_sun, n_beams; /* nodes and beams; beams alone */
     struct orl_lights *lights;
     struct orl_world *world;
     struct orl_annual_scene scene;
@@ -42,9 +42,11 @@ struct orl_year {
     struct orl_place places[ORL_YEAR_BLOCK];
     float *bin_sums;                    /* [sensor][batch][bin] */
     double *sun_sums;                   /* [sensor][batch][nodes, beams] */
+    float *lot_sums;                    /* [sensor][batch][lot][beam] */
     float *rows;                        /* [sensor][of each][column] */
     struct orl_annual_factors *factors; /* by sensor */
-    double *sun_by_batch;               /* of those */
+    double *sun_by_lot;                 /* of those: [sensor][beam][lot] */
+    double *sun_by_batch;               /* of those, and their means */
     struct orl_health *healths;         /* by member */
 };
 

@@ -135,7 +135,7 @@ static void check_nodes(double latitude_deg, const struct orl_vec3 *suns, size_t
         const struct orl_sun_between at = orl_sun_nodes_between(&nodes, nodes.at[k]);
         struct orl_vec3 there = {0, 0, 0};
         assert_true(nodes.at[k].z > -1e-9);
-        for (int i = 0; i < 4; i++)
+        for (int i = 0; i < ORL_SUN_CORNERS; i++)
             there = orl_madd(there, nodes.at[at.nodes[i]], (double)at.weights[i]);
         assert_true(orl_length(orl_sub(there, nodes.at[k])) < 1e-5);
     }
@@ -143,8 +143,8 @@ static void check_nodes(double latitude_deg, const struct orl_vec3 *suns, size_t
         const struct orl_sun_between at = orl_sun_nodes_between(&nodes, suns[s]);
         struct orl_vec3 there = {0, 0, 0};
         double sum = 0;
-        for (int i = 0; i < 4; i++) {
-            assert_true(at.nodes[i] < nodes.count && at.weights[i] >= 0);
+        for (int i = 0; i < ORL_SUN_CORNERS; i++) {
+            assert_true(at.nodes[i] < nodes.count);
             sum += (double)at.weights[i];
             there = orl_madd(there, nodes.at[at.nodes[i]], (double)at.weights[i]);
         }

@@ -40,9 +40,9 @@ static const struct year_site izmir = {38.42, 27.14, 2};
 /*
  * Every other hour of the year's two days at each sensor, against a job by backward. Both have a
  * standard error, of 15 degrees of freedom: of some dozens of differences, whose squares are
- * correlated by sensor, the rms is to be near 1, and none beyond 5. What interpolation between
- * nodes adds is within that, but for a coarse BSDF under a low sun, whose cells are wider than
- * nodes are apart: of the panel's hours one is 12 % off.
+ * correlated by sensor, the rms is to be near 1, and none beyond 4.5, which Student's law of 15 has
+ * once in 2000. What interpolation between nodes adds is within that, a coarse BSDF's under a low
+ * sun included.
  */
 static void check_hours(const struct year_run *asked)
 {
@@ -73,7 +73,7 @@ static void check_hours(const struct year_run *asked)
     print_message("%zu sensor-hours: z rms %.2f, worst %.2f\n", n, sqrt(squares / (double)n),
                   worst);
     assert_true(sqrt(squares / (double)n) < 1.5);
-    assert_true(worst < 5);
+    assert_true(worst < 4.5);
     orl_annual_done(&year);
 }
 

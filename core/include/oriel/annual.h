@@ -14,8 +14,9 @@
  * units, directions need not be unit. A scene has no distant sources of its own; its lamps are left
  * out, with a warning: what is computed is daylight.
  *
- * Errors. se is the standard error of total, by how far independent batches of paths lie apart; of
- * direct it is included there. Errors of ONE sensor are strongly correlated over hours (all of them
+ * Errors. se is the standard error of total, by how far independent batches of paths lie apart, and
+ * groups of photons, and two ways of interpolating between the sun's nodes; of direct it is
+ * included there. Errors of ONE sensor are strongly correlated over hours (all of them
  * are of the same paths): the mean of a year is hardly more certain than an hour. An interval of
  * anything worked out from a sensor's hours is therefore to be had from the whole row moved by a
  * common factor: the metric of value - z se and of value + z se, in every hour at once. Sensors'
