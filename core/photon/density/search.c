@@ -1,5 +1,6 @@
 #include "photon/density/search.h"
 
+#include "base/vectors.h"
 #include "photon/map/boxes.h"
 #include "photon/map/flux.h"
 #include "photon/surface/sheet.h"
@@ -71,37 +72,94 @@ static bool in_footprint(const struct walk *walk, const float chord[3], float di
                                orl_v3(chord[0] * cell, chord[1] * cell, chord[2] * cell));
 }
 
-static void scan_leaf(struct walk *walk, uint32_t leaf)
+/* Offsets of a leaf's photons from the point, in cells. */
+struct leaf_offsets {
+    float x[ORL_MAP_LEAF], y[ORL_MAP_LEAF], z[ORL_MAP_LEAF], d2[ORL_MAP_LEAF];
+};
+
+static inline void find_offsets(const struct walk *walk, uint32_t leaf,
+                                struct leaf_offsets *ret_offsets)
 {
     const uint32_t *a = walk->map->places + (size_t)leaf * ORL_LEAF_WORDS, *b = a + ORL_MAP_LEAF;
-    const uint64_t first = (uint64_t)leaf * ORL_MAP_LEAF;
-    const uint32_t n = orl_leaf_photons(walk->map, leaf);
-    float dx[ORL_MAP_LEAF], dy[ORL_MAP_LEAF], dz[ORL_MAP_LEAF], d2[ORL_MAP_LEAF];
+    struct leaf_offsets *o = ret_offsets;
     for (int i = 0; i < ORL_MAP_LEAF; i++) {
-        dx[i] = (float)(int32_t)(a[i] & 0xfffffU) - walk->at[0];
-        dy[i] = (float)(int32_t)(b[i] & 0xfffffU) - walk->at[1];
-        dz[i] = (float)(int32_t)((a[i] >> 24) << 12 | b[i] >> 20) - walk->at[2];
-        d2[i] = dx[i] * dx[i] + dy[i] * dy[i] + dz[i] * dz[i];
-    }
-    for (uint32_t i = 0; i < n; i++) {
-        const float chord[3] = {dx[i], dy[i], dz[i]};
-        const uint32_t index = (uint32_t)(first + i);
-        if (!(d2[i] < walk->radius2) || (walk->query->at_photon && index == walk->query->skip) ||
-            !orl_same_sheet(walk->query->normal, walk->normal, walk->map->normals[index], chord) ||
-            !in_footprint(walk, chord, d2[i]))
-            continue;
-        walk->candidates[walk->found++] = (struct orl_search_candidate){d2[i], index};
-        if (walk->found == walk->room) {
-            /* Full: keep the nearest k, and look no further than the last of them. */
-            select_nth(walk->candidates, walk->found, walk->k - 1);
-            walk->found = walk->k;
-            walk->radius2 = walk->candidates[walk->k - 1].distance2;
-        }
+        o->x[i] = (float)(int32_t)(a[i] & 0xfffffU) - walk->at[0];
+        o->y[i] = (float)(int32_t)(b[i] & 0xfffffU) - walk->at[1];
+        o->z[i] = (float)(int32_t)((a[i] >> 24) << 12 | b[i] >> 20) - walk->at[2];
+        o->d2[i] = o->x[i] * o->x[i] + o->y[i] * o->y[i] + o->z[i] * o->z[i];
     }
 }
 
+/*
+ * A bit for each photon within the radius that may lie on the point's sheet. Nearly all have the
+ * point's own code: those are told by many at once, and surely; where another code is, its bit is
+ * set in ret_others.
+ */
+static inline uint32_t find_near(const struct walk *walk, const struct leaf_offsets *o,
+                                 const uint16_t *normals, uint32_t n, uint32_t *ret_others)
+{
+    const struct orl_vec3 normal = walk->query->normal;
+    const uint16_t own = walk->normal;
+    uint32_t fits[ORL_MAP_LEAF], other[ORL_MAP_LEAF], near = 0, others = 0;
+    for (uint32_t i = 0; i < n; i++) {
+        const struct orl_vec3 chord = orl_v3((double)o->x[i], (double)o->y[i], (double)o->z[i]);
+        fits[i] = orl_chord_fits_flat(normal, chord) & (o->d2[i] < walk->radius2);
+    }
+    for (uint32_t i = 0; i < n; i++)
+        other[i] = (normals[i] != own) & (o->d2[i] < walk->radius2);
+    for (uint32_t i = 0; i < n; i++) {
+        near |= (fits[i] | other[i]) << i;
+        others |= other[i] << i;
+    }
+    *ret_others = others;
+    return near;
+}
+
+/* Full: keeps the nearest k, to look no further than the last of them. */
+static void keep_nearest(struct walk *walk)
+{
+    select_nth(walk->candidates, walk->found, walk->k - 1);
+    walk->found = walk->k;
+    walk->radius2 = walk->candidates[walk->k - 1].distance2;
+}
+
+static inline void scan_leaf(struct walk *walk, uint32_t leaf)
+{
+    const uint32_t first = leaf * ORL_MAP_LEAF, n = orl_leaf_photons(walk->map, leaf);
+    const uint16_t *normals = walk->map->normals + first;
+    struct leaf_offsets o;
+    uint32_t others;
+    find_offsets(walk, leaf, &o);
+    uint32_t near = n == ORL_MAP_LEAF ? find_near(walk, &o, normals, ORL_MAP_LEAF, &others)
+                                      : find_near(walk, &o, normals, n, &others);
+    for (; near != 0; near &= near - 1) {
+        const uint32_t i = (uint32_t)__builtin_ctz(near);
+        const float chord[3] = {o.x[i], o.y[i], o.z[i]};
+        if (!(o.d2[i] < walk->radius2) ||
+            (walk->query->at_photon && first + i == walk->query->skip) ||
+            ((others >> i & 1) &&
+             !orl_same_sheet(walk->query->normal, walk->normal, normals[i], chord)) ||
+            !in_footprint(walk, chord, o.d2[i]))
+            continue;
+        walk->candidates[walk->found++] = (struct orl_search_candidate){o.d2[i], first + i};
+        if (walk->found == walk->room)
+            keep_nearest(walk);
+    }
+}
+
+/* Asks for what will be looked at next but one: the words of leaves, and their normals. */
+static inline void ask_for(const struct walk *walk, const struct orl_box_visit *visit)
+{
+    const uint32_t *words = walk->map->places + (size_t)visit->node * ORL_LEAF_WORDS;
+    if (visit->level > 0)
+        return;
+    __builtin_prefetch(words);
+    __builtin_prefetch(words + ORL_MAP_LEAF);
+    __builtin_prefetch(walk->map->normals + (size_t)visit->node * ORL_MAP_LEAF);
+}
+
 /* Depth first, nearest child first. */
-static void walk_boxes(struct walk *walk)
+ORL_FOR_WIDE_VECTORS static void walk_boxes(struct walk *walk)
 {
     struct orl_box_visit stack[ORL_BOX_STACK];
     uint32_t depth = 0;
@@ -112,11 +170,14 @@ static void walk_boxes(struct walk *walk)
         const struct orl_box_visit at = stack[--depth];
         if (!(at.distance2 < walk->radius2))
             continue;
-        if (at.level == 0)
+        if (at.level == 0) {
             scan_leaf(walk, at.node);
-        else
-            depth =
-                orl_box_push(walk->map, at, walk->at, walk->facing, walk->radius2, stack, depth);
+            continue;
+        }
+        const uint32_t below = depth;
+        depth = orl_box_push(walk->map, at, walk->at, walk->facing, walk->radius2, stack, depth);
+        for (uint32_t i = below; i < depth; i++)
+            ask_for(walk, &stack[i]);
     }
 }
 

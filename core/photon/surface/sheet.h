@@ -20,12 +20,23 @@ static inline bool orl_chord_fits(struct orl_vec3 normal, struct orl_vec3 chord,
     return off <= 0 || off * off <= slope * slope * orl_dot(chord, chord);
 }
 
+/* Of sheets whose coded normals agree. */
+static const double orl_sheet_flat_slope = 0.035;
+
+/* orl_chord_fits of such, without a branch. */
+static inline uint32_t orl_chord_fits_flat(struct orl_vec3 normal, struct orl_vec3 chord)
+{
+    const double rounding = 4, off = fabs(orl_dot(chord, normal)) - rounding;
+    const double most = orl_sheet_flat_slope * orl_sheet_flat_slope * orl_dot(chord, chord);
+    return (uint32_t)(off <= 0) | (uint32_t)(off * off <= most);
+}
+
 /* chord in cells; code: the coded normal of the other point; own: that of normal. */
 static inline bool orl_same_sheet(struct orl_vec3 normal, uint16_t own, uint16_t code,
                                   const float chord[3])
 {
     const double cosine_30 = 0.8660254037844386;
-    double slope = 0.035;
+    double slope = orl_sheet_flat_slope;
     const struct orl_vec3 c = orl_v3(chord[0], chord[1], chord[2]);
     struct orl_vec3 both = normal;
     /* On flat surfaces, that is nearly always, the codes agree and there is nothing to decode. */
