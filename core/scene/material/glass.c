@@ -7,7 +7,7 @@ struct surface {
 
 struct pane {
     struct surface parallel, perpendicular;
-    double path; /* length inside relative to the normal's */
+    struct orl_rgb pass; /* left after one pass */
 };
 
 static struct surface surface_of(double numerator, double denominator, double product)
@@ -16,13 +16,23 @@ static struct surface surface_of(double numerator, double denominator, double pr
     return (struct surface){r * r, 4 * product / (denominator * denominator)};
 }
 
-static struct pane pane_at(const struct orl_material *material, double cosine)
+static struct pane pane_at(const struct orl_material *material, const struct orl_hit *hit,
+                           double cosine)
 {
     /* Never quite 0, where glass of index 1 would divide nothing by nothing. */
     const double n = material->ior, c = fmin(fmax(fabs(cosine), 1e-150), 1.0);
     const double inside = sqrt((n - 1) * (n + 1) + c * c) / n;
-    return (struct pane){surface_of(n * c - inside, n * c + inside, n * c * inside),
-                         surface_of(c - n * inside, c + n * inside, n * c * inside), 1 / inside};
+    const double path = 1 / inside; /* relative to the normal's */
+    const struct orl_rgb t = orl_transmissivity_at(material, hit);
+    struct pane pane = {surface_of(n * c - inside, n * c + inside, n * c * inside),
+                        surface_of(c - n * inside, c + n * inside, n * c * inside),
+                        orl_gray(pow(t.r, path))};
+    /* Most glass is grey: one power instead of three. */
+    if (t.g != t.r || t.b != t.r) {
+        pane.pass.g = pow(t.g, path);
+        pane.pass.b = pow(t.b, path);
+    }
+    return pane;
 }
 
 /* All passes, each of transmission d; 1 - r^2 d^2 in factors, which is exact at grazing too. */
@@ -37,47 +47,46 @@ static double pane_reflectance(struct surface s, double d)
 }
 
 /* Both polarisations of a channel, averaged; share is pane_transmittance or pane_reflectance. */
-static double unpolarised(const struct pane *pane, double transmissivity,
-                          double (*share)(struct surface s, double d))
+static inline double unpolarised(const struct pane *pane, double pass,
+                                 double (*share)(struct surface s, double d))
 {
-    const double d = pow(transmissivity, pane->path);
-    return 0.5 * (share(pane->parallel, d) + share(pane->perpendicular, d));
+    return 0.5 * (share(pane->parallel, pass) + share(pane->perpendicular, pass));
 }
 
-static struct orl_rgb pane_share(const struct orl_material *material, const struct orl_hit *hit,
-                                 double cosine, double (*share)(struct surface s, double d))
+static inline struct orl_rgb pane_share(const struct pane *pane,
+                                        double (*share)(struct surface s, double d))
 {
-    const struct pane pane = pane_at(material, cosine);
-    const struct orl_rgb t = orl_transmissivity_at(material, hit);
-    const double red = unpolarised(&pane, t.r, share);
-    /* Most glass is grey: one power instead of three. */
-    if (t.g == t.r && t.b == t.r)
+    const struct orl_rgb pass = pane->pass;
+    const double red = unpolarised(pane, pass.r, share);
+    if (pass.g == pass.r && pass.b == pass.r)
         return orl_gray(red);
-    return (struct orl_rgb){red, unpolarised(&pane, t.g, share), unpolarised(&pane, t.b, share)};
+    return (struct orl_rgb){red, unpolarised(pane, pass.g, share),
+                            unpolarised(pane, pass.b, share)};
 }
 
 struct orl_rgb orl_glass_transmittance(const struct orl_material *material,
                                        const struct orl_hit *hit, double cosine)
 {
-    return pane_share(material, hit, cosine, pane_transmittance);
+    const struct pane pane = pane_at(material, hit, cosine);
+    return pane_share(&pane, pane_transmittance);
 }
 
 struct orl_rgb orl_glass_reflectance(const struct orl_material *material, const struct orl_hit *hit,
                                      double cosine)
 {
-    return pane_share(material, hit, cosine, pane_reflectance);
+    const struct pane pane = pane_at(material, hit, cosine);
+    return pane_share(&pane, pane_reflectance);
 }
 
 struct orl_scatter orl_glass_sample(const struct orl_draw *draw, const double u[3])
 {
-    const double cosine = orl_dot(draw->from, draw->hit->normal);
+    const struct pane pane =
+        pane_at(draw->material, draw->hit, orl_dot(draw->from, draw->hit->normal));
     struct orl_scatter s = {.event = ORL_EVENT_ABSORBED};
-    const struct orl_rgb through = draw->lobes & ORL_LOBE_TRANSMITTED
-                                       ? orl_glass_transmittance(draw->material, draw->hit, cosine)
-                                       : orl_gray(0);
-    const struct orl_rgb back = draw->lobes & ORL_LOBE_REFLECTED
-                                    ? orl_glass_reflectance(draw->material, draw->hit, cosine)
-                                    : orl_gray(0);
+    const struct orl_rgb through =
+        draw->lobes & ORL_LOBE_TRANSMITTED ? pane_share(&pane, pane_transmittance) : orl_gray(0);
+    const struct orl_rgb back =
+        draw->lobes & ORL_LOBE_REFLECTED ? pane_share(&pane, pane_reflectance) : orl_gray(0);
     const double t = orl_luma(through), r = orl_luma(back);
     if (!(t + r > 0))
         return s;
