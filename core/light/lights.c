@@ -5,6 +5,7 @@
 #include <oriel/sha256.h>
 
 #include "base/circle.h"
+#include "base/vectors.h"
 #include "light/sky.h"
 #include "scene/material/bounds.h"
 
@@ -143,12 +144,25 @@ void orl_lights_release(struct orl_lights *lights)
     free(lights);
 }
 
-struct orl_vec3 orl_sun_sample(const struct orl_sun *sun, const double u[2])
+static inline struct orl_vec3 disc_point(const struct orl_sun *sun, const double u[2])
 {
     const double down = u[0] * (1 - sun->cos_half_angle), cosine = 1 - down;
     const double sine = sqrt(down * (2 - down));
     const struct orl_circle circle = orl_circle_turn(u[1]);
     return orl_to_world(&sun->frame, orl_v3(sine * circle.cosine, sine * circle.sine, cosine));
+}
+
+struct orl_vec3 orl_sun_sample(const struct orl_sun *sun, const double u[2])
+{
+    return disc_point(sun, u);
+}
+
+ORL_FOR_WIDE_VECTORS
+void orl_sun_sample_many(const struct orl_sun *sun, const double (*u)[2], size_t n,
+                         struct orl_vec3 *ret_directions)
+{
+    for (size_t i = 0; i < n; i++)
+        ret_directions[i] = disc_point(sun, u[i]);
 }
 
 static void hash_sky(struct orl_sha256 *hash, const struct orl_sky *sky)

@@ -66,5 +66,7 @@ void orl_lights_digest(const struct orl_lights *lights, unsigned char ret_digest
 
 /* A direction uniform over the sun's disc; u in [0,1)^2. */
 struct orl_vec3 orl_sun_sample(const struct orl_sun *sun, const double u[2]);
+void orl_sun_sample_many(const struct orl_sun *sun, const double (*u)[2], size_t n,
+                         struct orl_vec3 *ret_directions);
 
 #endif

@@ -1,7 +1,7 @@
 #include "photon/flight/emit.h"
-#include "photon/flight/beam.h"
 
-#include "photon/flight/guide.h"
+#include "photon/flight/emit_freely.h"
+#include "photon/flight/port_start.h"
 #include "photon/flight/port_sun.h"
 #include "photon/flight/table.h"
 #include "photon/map/map.h"
@@ -66,20 +66,18 @@ static bool depart(const struct orl_world *world, const struct arrival *a,
 }
 
 static enum stage aim_port_dome(const struct orl_emission *e, const struct orl_stratum *stratum,
-                                const double *u, struct arrival *ret)
+                                const struct orl_port_start *start, struct arrival *ret)
 {
-    const struct orl_world *world = e->world;
-    const struct orl_port *port = &world->ports[stratum->port];
-    struct orl_vec3 normal;
-    double at[2];
-    orl_facet_sample(world->geometry, port->facet, u + 1, &ret->point, &normal);
-    const double density = orl_table_sample(&e->port_tables[stratum->port], u + 3, at);
+    const struct orl_geometry *g = e->world->geometry;
+    const struct orl_port *port = &e->world->ports[stratum->port];
     ret->port = port;
     ret->passage = NULL;
-    ret->outwards = orl_hemisphere_about(port->outward, at[0], at[1]);
-    ret->start = orl_facet_leave(world->geometry, port->facet, ret->point, normal, port->outward);
+    ret->point = start->point;
+    ret->outwards = start->out;
+    ret->start =
+        orl_facet_leave(g, port->facet, start->point, g->facets[port->facet].normal, port->outward);
     /* The square is uniform in projected solid angle, pi in all. */
-    ret->measure = ORL_PI * port->area / density;
+    ret->measure = ORL_PI * port->area / start->density;
     return LOOKS;
 }
 
@@ -91,7 +89,7 @@ static enum stage look(struct arrival *a, struct orl_rgb radiance)
 }
 
 static enum stage aim_port_sun(const struct orl_emission *e, const struct orl_stratum *stratum,
-                               bool caustic, const double *u, struct arrival *ret,
+                               const struct orl_port_start *start, struct arrival *ret,
                                struct orl_flight *ret_flight)
 {
     const struct orl_world *world = e->world;
@@ -99,20 +97,15 @@ static enum stage aim_port_sun(const struct orl_emission *e, const struct orl_st
     const struct orl_sun *sun = &world->suns[stratum->sun];
     const struct orl_image *image =
         stratum->kind == ORL_STRATUM_PORT_IMAGE ? &world->images.nodes[stratum->image] : NULL;
-    const struct orl_vec3 out =
-        image ? orl_image_sample(world, image, u + 3) : orl_sun_sample(sun, u + 3);
-    struct orl_vec3 normal;
-    double place[2] = {u[1], u[2]}, density = 1;
-    if (caustic && stratum->place.weight)
-        density = orl_table_sample(&stratum->place, u + 1, place);
-    orl_facet_sample(world->geometry, port->facet, place, &ret->point, &normal);
-    const struct orl_vec3 start =
-        orl_facet_leave(world->geometry, port->facet, ret->point, normal, port->outward);
+    const struct orl_vec3 out = start->out;
+    const struct orl_vec3 from =
+        orl_facet_leave(world->geometry, port->facet, start->point,
+                        world->geometry->facets[port->facet].normal, port->outward);
     const struct orl_rgb share =
-        image ? orl_image_transmittance(world, start, out, image, false)
-        : stratum->shades && !orl_may_be_shaded(stratum->shades, ret->point)
+        image ? orl_image_transmittance(world, from, out, image, false)
+        : stratum->shades && !orl_may_be_shaded(stratum->shades, start->point)
             ? orl_gray(1)
-            : orl_transmittance(world, start, out, INFINITY, false);
+            : orl_transmittance(world, from, out, INFINITY, false);
     const double cosine = orl_dot(out, port->outward);
     if (!(cosine > 0) || !(orl_rgb_max(share) > 0))
         return LOST;
@@ -123,94 +116,38 @@ static enum stage aim_port_sun(const struct orl_emission *e, const struct orl_st
     ret_flight->beam = !image && stratum->sun == 0 && sun->cos_half_angle > narrow;
     ret->port = port;
     ret->passage = image ? NULL : stratum->passage;
+    ret->point = start->point;
     ret->outwards = out;
-    ret->flux = orl_rgb_scale(orl_rgb_mul(sun->irradiance, share), cosine * port->area / density);
+    ret->flux =
+        orl_rgb_scale(orl_rgb_mul(sun->irradiance, share), cosine * port->area / start->density);
     return ARRIVES;
 }
 
-/* Uniform over a spotlight's cone; the flux of light of radiance 1 from a unit of area. */
-static double spot_direction(const struct orl_material *spot, struct orl_vec3 normal,
-                             const double u[2], struct orl_vec3 *ret_direction)
+static bool passes_port(const struct orl_stratum *s)
 {
-    const struct orl_frame frame = orl_frame_about(spot->aim);
-    const double down = u[0] * (1 - spot->cos_cone), cosine = 1 - down;
-    const double sine = sqrt(down * (2 - down)), phi = 2 * ORL_PI * u[1];
-    *ret_direction = orl_to_world(&frame, orl_v3(sine * cos(phi), sine * sin(phi), cosine));
-    return 2 * ORL_PI * (1 - spot->cos_cone) * fmax(orl_dot(*ret_direction, normal), 0);
+    return s->kind == ORL_STRATUM_PORT_DOME || s->kind == ORL_STRATUM_PORT_SUN ||
+           s->kind == ORL_STRATUM_PORT_IMAGE;
 }
 
-static bool emit_emitter(const struct orl_emission *e, const struct orl_stratum *stratum,
-                         const double *u, struct orl_flight *ret_flight)
-{
-    const struct orl_world *world = e->world;
-    const struct orl_emitter *emitter = &world->emitters[stratum->port];
-    const struct orl_facet *facet = &world->geometry->facets[emitter->facet];
-    const struct orl_material *m = &world->materials[facet->material];
-    struct orl_vec3 point, normal;
-    double measure = ORL_PI;
-    orl_facet_sample(world->geometry, emitter->facet, u + 1, &point, &normal);
-    ret_flight->origin = orl_madd(point, normal, facet->offset);
-    /* A cone of 60 degrees' half angle holds as much as the cosine's pi. */
-    if (m->kind == ORL_MATERIAL_SPOTLIGHT && m->cos_cone > 0.5)
-        measure = spot_direction(m, normal, u + 3, &ret_flight->direction);
-    else
-        ret_flight->direction = orl_hemisphere_about(normal, u[3], u[4]);
-    if (!orl_material_beams(m, ret_flight->direction))
-        return false;
-    ret_flight->flux = orl_rgb_scale(emitter->radiance, measure * facet->area);
-    ret_flight->from_light = ret_flight->lamp = emitter->direct;
-    ret_flight->focus = m->focus;
-    return measure > 0;
-}
-
-static bool emit_open(const struct orl_emission *e, const struct orl_stratum *stratum, bool caustic,
-                      const double *u, struct orl_flight *ret_flight)
-{
-    const struct orl_world *world = e->world;
-    struct orl_vec3 towards;
-    struct orl_rgb radiance;
-    double measure;
-    if (stratum->kind == ORL_STRATUM_OPEN_SUN) {
-        towards = orl_sun_sample(&world->suns[stratum->sun], u + 3);
-        radiance = world->suns[stratum->sun].radiance;
-        measure = world->suns[stratum->sun].solid_angle_sr;
-        ret_flight->from_light = true;
-        ret_flight->sun = stratum->sun;
-    } else {
-        double at[2];
-        const double density = orl_table_sample(&e->dome_table, u + 3, at);
-        const double z = 2 * at[1] - 1, s = sqrt(fmax(0, 1 - z * z)), phi = 2 * ORL_PI * at[0];
-        towards = orl_v3(s * cos(phi), s * sin(phi), z);
-        radiance = orl_world_dome_radiance(world, towards);
-        measure = 4 * ORL_PI / density;
-    }
-    double place[2] = {u[1], u[2]}, density = 1;
-    const struct orl_table *guide = orl_guide_find(e, stratum, caustic, towards);
-    if (guide)
-        density = orl_table_sample(guide, u + 1, place);
-    const double area = orl_beam_point(world->geometry, towards, place, &ret_flight->origin);
-    ret_flight->direction = orl_neg(towards);
-    ret_flight->flux = orl_rgb_scale(radiance, measure * area / density);
-    return orl_rgb_max(ret_flight->flux) > 0;
-}
-
+/* start: of those that pass a port; of others the numbers in point will do. */
 static enum stage aim(const struct orl_emission *e, const struct orl_stratum *stratum, bool caustic,
-                      const double *point, struct orl_random *random, struct arrival *ret_arrival,
+                      const double *point, const struct orl_port_start *start,
+                      struct orl_random *random, struct arrival *ret_arrival,
                       struct orl_flight *ret_flight)
 {
     *ret_flight =
         (struct orl_flight){.fate = orl_random_uniform(random), .reflected = 1, .image = -1};
     switch (stratum->kind) {
     case ORL_STRATUM_PORT_DOME:
-        return aim_port_dome(e, stratum, point, ret_arrival);
+        return aim_port_dome(e, stratum, start, ret_arrival);
     case ORL_STRATUM_PORT_SUN:
     case ORL_STRATUM_PORT_IMAGE:
-        return aim_port_sun(e, stratum, caustic, point, ret_arrival, ret_flight);
+        return aim_port_sun(e, stratum, start, ret_arrival, ret_flight);
     case ORL_STRATUM_EMITTER:
-        return emit_emitter(e, stratum, point, ret_flight) ? FLIES : LOST;
+        return orl_emit_from_lamp(e, stratum, point, ret_flight) ? FLIES : LOST;
     case ORL_STRATUM_OPEN_DOME:
     case ORL_STRATUM_OPEN_SUN:
-        return emit_open(e, stratum, caustic, point, ret_flight) ? FLIES : LOST;
+        return orl_emit_from_sky(e, stratum, caustic, point, ret_flight) ? FLIES : LOST;
     }
     return LOST;
 }
@@ -223,7 +160,10 @@ bool orl_emission_from(const struct orl_emission *emission, const struct orl_str
     double u[3];
     struct orl_draw draw;
     struct arrival a;
-    enum stage stage = aim(emission, stratum, caustic, point, random, &a, ret_flight);
+    struct orl_port_start start;
+    if (passes_port(stratum))
+        orl_port_starts(emission, stratum, caustic, &point, 1, &start);
+    enum stage stage = aim(emission, stratum, caustic, point, &start, random, &a, ret_flight);
     if (stage == LOOKS)
         stage = look(&a, orl_port_radiance(world, a.port, a.start, a.outwards, random, health));
     if (stage != ARRIVES)
@@ -291,6 +231,36 @@ static void put_in_order(struct wave *w)
 static double share_of(const struct orl_stratum *s, bool caustic)
 {
     return caustic ? s->share_caustic : s->share;
+}
+
+/* Those that follow the first in order and are of its stratum: some of them. */
+static size_t end_of_stratum(const struct wave *w, size_t first)
+{
+    size_t end = first + 1;
+    while (end < w->n && end < first + ORL_STARTS_AT_ONCE &&
+           w->strata[w->order[end]] == w->strata[w->order[first]])
+        end++;
+    return end;
+}
+
+/* Of one stratum. */
+static void aim_some(struct wave *w, size_t first, size_t end, bool caustic,
+                     const double (*points)[ORL_SOBOL_DIMENSIONS])
+{
+    const struct orl_stratum *stratum = w->strata[w->order[first]];
+    const bool shines = share_of(stratum, caustic) > 0;
+    struct orl_port_start starts[ORL_STARTS_AT_ONCE];
+    const double *u[ORL_STARTS_AT_ONCE];
+    for (size_t k = first; k < end; k++)
+        u[k - first] = points[w->order[k]];
+    if (shines && passes_port(stratum))
+        orl_port_starts(w->emission, stratum, caustic, u, end - first, starts);
+    for (size_t k = first; k < end; k++) {
+        const uint16_t i = w->order[k];
+        w->stages[i] = !shines ? LOST
+                               : aim(w->emission, stratum, caustic, points[i], &starts[k - first],
+                                     &w->randoms[i], &w->arrivals[i], &w->flights[i]);
+    }
 }
 
 /* Domes' light: what is seen from the ports. */
@@ -368,12 +338,9 @@ void orl_emission_sample_many(const struct orl_emission *emission,
     for (size_t i = 0; i < w.n; i++)
         w.strata[i] = pick(emission, points[i][0], caustic);
     put_in_order(&w);
-    for (size_t k = 0; k < w.n; k++) {
-        const uint16_t i = w.order[k];
-        w.stages[i] = LOST;
-        if (share_of(w.strata[i], caustic) > 0)
-            w.stages[i] = aim(emission, w.strata[i], caustic, points[i], &randoms[i],
-                              &w.arrivals[i], &ret_flights[i]);
+    for (size_t first = 0, end; first < w.n; first = end) {
+        end = end_of_stratum(&w, first);
+        aim_some(&w, first, end, caustic, points);
     }
     look_out(&w, health);
     pass_ports(&w);

@@ -43,28 +43,66 @@ void orl_table_done(struct orl_table *table)
     memset(table, 0, sizeof *table);
 }
 
-/*
- * The last i < n with below[i] <= at, and the position within step i. Halved without branches:
- * which half it is, is chance.
- */
-static uint32_t find_step(const double *below, uint32_t n, double at, double *ret_within)
+/* Halved without branches: which half it is, is chance. */
+static inline uint32_t step_on(const double *below, uint32_t low, uint32_t half, double at)
 {
-    uint32_t low = 0;
-    for (uint32_t left = n; left > 1; left -= left / 2)
-        low += (below[low + left / 2] <= at) * (left / 2);
-    const double width = below[low + 1] - below[low];
-    *ret_within = width > 0 ? fmin((at - below[low]) / width, 1 - 0x1p-53) : 0.5;
-    return low;
+    return low + (below[low + half] <= at) * half;
+}
+
+/* The position within step i. */
+static inline double within_step(const double *below, uint32_t i, double at)
+{
+    const double width = below[i + 1] - below[i], within = (at - below[i]) / width;
+    const double most = 1 - 0x1p-53;
+    return width > 0 ? (within < most ? within : most) : 0.5;
+}
+
+/* Columns of a few: one look-up waits for its own answers, several only for memory. */
+static inline void sample_few(const struct orl_table *table, const double (*u)[2], size_t n,
+                              double (*ret_points)[2], double *ret_densities)
+{
+    const size_t stride = table->side_x + 1;
+    const double whole = table->row_below[table->side_y];
+    const double *rows[ORL_TABLE_ABREAST];
+    double at[ORL_TABLE_ABREAST];
+    uint32_t x[ORL_TABLE_ABREAST], y[ORL_TABLE_ABREAST];
+    for (size_t i = 0; i < n; i++) {
+        at[i] = u[i][1] * whole;
+        x[i] = y[i] = 0;
+    }
+    /* The last row that begins no later, then the last cell of it. */
+    for (uint32_t left = table->side_y; left > 1; left -= left / 2)
+        for (size_t i = 0; i < n; i++)
+            y[i] = step_on(table->row_below, y[i], left / 2, at[i]);
+    for (size_t i = 0; i < n; i++) {
+        rows[i] = table->cell_below + y[i] * stride;
+        ret_points[i][1] = (y[i] + within_step(table->row_below, y[i], at[i])) / table->side_y;
+        at[i] = u[i][0] * rows[i][table->side_x];
+    }
+    for (uint32_t left = table->side_x; left > 1; left -= left / 2)
+        for (size_t i = 0; i < n; i++)
+            x[i] = step_on(rows[i], x[i], left / 2, at[i]);
+    for (size_t i = 0; i < n; i++) {
+        ret_points[i][0] = (x[i] + within_step(rows[i], x[i], at[i])) / table->side_x;
+        ret_densities[i] =
+            table->weight[(size_t)y[i] * table->side_x + x[i]] * table->side_x * table->side_y;
+    }
+}
+
+void orl_table_sample_many(const struct orl_table *table, const double (*u)[2], size_t n,
+                           double (*ret_points)[2], double *ret_densities)
+{
+    for (size_t i = 0; i < n; i += ORL_TABLE_ABREAST)
+        sample_few(table, u + i, n - i < ORL_TABLE_ABREAST ? n - i : ORL_TABLE_ABREAST,
+                   ret_points + i, ret_densities + i);
 }
 
 double orl_table_sample(const struct orl_table *table, const double u[2], double ret_point[2])
 {
-    double within_x, within_y;
-    const uint32_t y = find_step(table->row_below, table->side_y,
-                                 u[1] * table->row_below[table->side_y], &within_y);
-    const double *const below = table->cell_below + (size_t)y * (table->side_x + 1);
-    const uint32_t x = find_step(below, table->side_x, u[0] * below[table->side_x], &within_x);
-    ret_point[0] = (x + within_x) / table->side_x;
-    ret_point[1] = (y + within_y) / table->side_y;
-    return table->weight[(size_t)y * table->side_x + x] * table->side_x * table->side_y;
+    const double numbers[1][2] = {{u[0], u[1]}};
+    double point[1][2], density;
+    sample_few(table, numbers, 1, point, &density);
+    ret_point[0] = point[0][0];
+    ret_point[1] = point[0][1];
+    return density;
 }

@@ -17,4 +17,9 @@ void orl_table_done(struct orl_table *table);
 /* Point of the square for two uniforms, and its density there (uniform would be 1). */
 double orl_table_sample(const struct orl_table *table, const double u[2], double ret_point[2]);
 
+/* The same of many pairs; quickest by so many at once. */
+enum { ORL_TABLE_ABREAST = 16 };
+void orl_table_sample_many(const struct orl_table *table, const double (*u)[2], size_t n,
+                           double (*ret_points)[2], double *ret_densities);
+
 #endif

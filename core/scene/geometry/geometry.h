@@ -154,5 +154,8 @@ void orl_hit_uv(const struct orl_geometry *geometry, const struct orl_hit *hit, 
 /* A point uniform by area on a facet, with its front normal; u in [0,1)^2. */
 void orl_facet_sample(const struct orl_geometry *geometry, uint32_t facet, const double u[2],
                       struct orl_vec3 *ret_point, struct orl_vec3 *ret_normal);
+/* Points alone, of many pairs. */
+void orl_facet_sample_many(const struct orl_geometry *geometry, uint32_t facet,
+                           const double (*u)[2], size_t n, struct orl_vec3 *ret_points);
 
 #endif

@@ -126,6 +126,46 @@ void orl_hit_uv(const struct orl_geometry *geometry, const struct orl_hit *hit, 
     ret_uv[1] = n2 > 0 ? orl_dot(orl_cross(ab, ap), n) / n2 : 0;
 }
 
+/*
+ * A triangle's point; left: what of the first number times the facet's area is the triangle's own,
+ * stretched to serve again.
+ */
+static inline struct orl_vec3 triangle_point(const struct orl_triangle *t, double left, double v)
+{
+    const double share = t->area > 0 && left > 0 ? left / t->area : 0;
+    const double s = sqrt(share < 1 ? share : 1);
+    return orl_add(orl_add(orl_scale(t->a, 1 - s), orl_scale(t->b, s * (1 - v))),
+                   orl_scale(t->c, s * v));
+}
+
+/* The first coordinate picks the triangle by area. Which of two it is, is chance, and no branch. */
+static inline struct orl_vec3 polygon_point(const struct orl_geometry *geometry,
+                                            const struct orl_facet *f, const double u[2])
+{
+    const struct orl_triangle *triangles = &geometry->triangles[f->first_triangle];
+    double left = u[0] * f->area;
+    uint32_t chosen = 0, on = 1;
+    for (uint32_t i = 0; i + 1 < f->n_triangles && on; i++) {
+        on = left < triangles[i].area ? 0U : 1U;
+        left -= on ? triangles[i].area : 0;
+        chosen += on;
+    }
+    return triangle_point(&triangles[chosen], left, u[1]);
+}
+
+void orl_facet_sample_many(const struct orl_geometry *geometry, uint32_t facet,
+                           const double (*u)[2], size_t n, struct orl_vec3 *ret_points)
+{
+    const struct orl_facet *f = &geometry->facets[facet];
+    struct orl_vec3 normal;
+    if (f->kind == ORL_SURFACE_POLYGON)
+        for (size_t i = 0; i < n; i++)
+            ret_points[i] = polygon_point(geometry, f, u[i]);
+    else
+        for (size_t i = 0; i < n; i++)
+            orl_quadric_sample(f, u[i], &ret_points[i], &normal);
+}
+
 void orl_facet_sample(const struct orl_geometry *geometry, uint32_t facet, const double u[2],
                       struct orl_vec3 *ret_point, struct orl_vec3 *ret_normal)
 {
@@ -134,18 +174,6 @@ void orl_facet_sample(const struct orl_geometry *geometry, uint32_t facet, const
         orl_quadric_sample(f, u, ret_point, ret_normal);
         return;
     }
-    /* The first coordinate picks the triangle by area and is stretched to serve again. */
-    double left = u[0] * f->area;
-    const struct orl_triangle *t = &geometry->triangles[f->first_triangle];
-    for (uint32_t i = 0; i < f->n_triangles; i++) {
-        t = &geometry->triangles[f->first_triangle + i];
-        if (left < t->area || i + 1 == f->n_triangles)
-            break;
-        left -= t->area;
-    }
-    const double share = t->area > 0 && left > 0 ? left / t->area : 0;
-    const double s = sqrt(share < 1 ? share : 1);
-    *ret_point = orl_add(orl_add(orl_scale(t->a, 1 - s), orl_scale(t->b, s * (1 - u[1]))),
-                         orl_scale(t->c, s * u[1]));
+    *ret_point = polygon_point(geometry, f, u);
     *ret_normal = f->normal;
 }
