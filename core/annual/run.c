@@ -11,6 +11,19 @@ static const struct orl_sun_spacing spacing = {4, 7.5};
 
 /* ---- Load ------------------------------------------------------------------------------------ */
 
+static int admit_sources(const struct orl_description *description, struct orl_error *err)
+{
+    if (description->n_distants == 0)
+        return 0;
+    orl_error_set(err, ORL_ERR_INVALID,
+                  "a year has skies and suns of its own, but the scene has the distant source "
+                  "'%.100s'",
+                  description->distants[0].name);
+    orl_error_at(err, NULL, 0, "scene");
+    orl_error_hint(err, "Leave sky and sun out of the scene");
+    return ORL_ERR_INVALID;
+}
+
 /* The scene and the lamps in it, as a job of no sky loads them. */
 static int load_scene(struct orl_year *y, struct orl_error *err)
 {
@@ -28,7 +41,7 @@ static int load_scene(struct orl_year *y, struct orl_error *err)
     int code = orl_run_load(&state, err);
     y->lights = state.lights;
     if (code == 0)
-        code = orl_lights_admit(&state.scene->description, err);
+        code = admit_sources(&state.scene->description, err);
     orl_scene_release(state.scene);
     orl_health_add(&y->result->health, &result.health);
     y->result->warnings = result.warnings;

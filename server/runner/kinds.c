@@ -144,7 +144,8 @@ static void annual_needs(const struct orl_task *task, struct orl_job_memory *ret
 }
 
 const struct orl_kind orl_kinds[ORL_TASK_KIND_COUNT] = {
-    [ORL_TASK_RENDER] = {NULL, render_result_bytes, render_sensor_bytes, render_needs},
-    [ORL_TASK_STUDY] = {admit_study, study_result_bytes, study_sensor_bytes, study_needs},
-    [ORL_TASK_ANNUAL] = {admit_annual, annual_result_bytes, annual_sensor_bytes, annual_needs},
+    [ORL_TASK_RENDER] = {NULL, render_result_bytes, render_sensor_bytes, render_needs, false},
+    [ORL_TASK_STUDY] = {admit_study, study_result_bytes, study_sensor_bytes, study_needs, false},
+    [ORL_TASK_ANNUAL] = {admit_annual, annual_result_bytes, annual_sensor_bytes, annual_needs,
+                         true},
 };

@@ -20,6 +20,7 @@ struct orl_kind {
     uint64_t (*sensor_bytes)(const struct orl_task *task);
     /* What it asks for, which memory goes by; nothing is set yet. */
     void (*needs)(const struct orl_task *task, struct orl_job_memory *ret_needs);
+    bool skyless; /* its scene has no distant source */
 };
 
 extern const struct orl_kind orl_kinds[ORL_TASK_KIND_COUNT];

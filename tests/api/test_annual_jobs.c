@@ -378,8 +378,7 @@ static void test_memory_is_foreseen(void **state)
     free(text);
 }
 
-/* What only the run finds out fails the job, and says why. */
-static void test_a_sky_of_its_own_fails(void **state)
+static void test_a_sky_of_its_own_is_refused(void **state)
 {
     static const char weather[] = "place x\nlatitude 1\nlongitude 1\ntime_zone 0\n"
                                   "site_elevation 0\nweather_data_file_units 1\n"
@@ -399,11 +398,38 @@ static void test_a_sky_of_its_own_fails(void **state)
              "\"sensors\":[[2,2,1,0,0,1]]}",
              id);
     daemon_post_json(&f->daemon, "/v1/jobs", text, &reply);
+    assert_int_equal(reply.status, 422);
+    assert_string_equal(reply_text(&reply, "primitive"), "scene");
+    assert_non_null(strstr(reply_text(&reply, "detail"), " distant sources"));
+    reply_done(&reply);
+}
+
+/* What only the run finds out fails the job, and says why. */
+static void test_what_a_year_does_not_follow(void **state)
+{
+    static const char lens[] = ROOM_GREY ROOM_CLEAR ROOM_SHELL ROOM_PANE
+        "void dielectric d 0 0 5 1 1 1 1.5 0\nd sphere lens 0 0 4 2 1 1.5 .3\n";
+    static const char weather[] = "place x\nlatitude 47\nlongitude -8\ntime_zone -15\n"
+                                  "site_elevation 0\nweather_data_file_units 1\n"
+                                  "3 21 11.5 800 100\n";
+    struct year_room *f = *state;
+    struct reply reply;
+    char text[512];
+    const struct upload_file files[] = {{"room.rad", lens, strlen(lens), false},
+                                        {"place.wea", weather, strlen(weather), true}};
+    daemon_upload(&f->daemon, files, 2, NULL, &reply);
+    assert_int_equal(reply.status, 201);
+    snprintf(text, sizeof text,
+             "{\"kind\":\"annual\",\"scene\":\"%s\",\"weather\":\"place.wea\","
+             "\"sensors\":[[2,2,1,0,0,1]]}",
+             reply_text(&reply, "id"));
+    reply_done(&reply);
+    daemon_post_json(&f->daemon, "/v1/jobs", text, &reply);
     assert_int_equal(reply.status, 202);
     snprintf(text, sizeof text, "%s", reply_text(&reply, "links.self"));
     reply_done(&reply);
     expect_state(f, text, "failed", 1, &reply);
-    assert_true(strlen(reply_text(&reply, "error.detail")) > 0);
+    assert_non_null(strstr(reply_text(&reply, "error.detail"), "lens"));
     reply_done(&reply);
     assert_int_equal(daemon_count_files(&f->daemon, "partial"), 0);
 }
@@ -587,7 +613,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_mistakes_are_named, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_pictures_are_bounded, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_memory_is_foreseen, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(test_a_sky_of_its_own_fails, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_a_sky_of_its_own_is_refused, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_what_a_year_does_not_follow, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_progress_and_cancelling, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_goes_on_after_a_kill, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_jobs_share_the_scene, set_up, tear_down),

@@ -59,6 +59,7 @@ class Ledger:
     def __init__(self):
         self.lock = threading.Lock()
         self.scenes, self.bsdfs = {}, {}     # id: has somebody asked to remove it?
+        self.year_scenes = set()             # of these: without a sky, with weather
         self.jobs = {}                       # id: Job
         self.keys = {}                       # Idempotency-Key: id of its job
         self.images = {}                     # (identity, name): SHA-256

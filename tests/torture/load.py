@@ -7,6 +7,7 @@ ledger; an answer that no client should ever get is a Failure.
 import hashlib
 import json
 import threading
+import urllib.parse
 
 from daemon import Failure, Gone
 from ledger import ENDED
@@ -27,6 +28,16 @@ _SKY = """!gendaylit 3 22 12 -a 38.42 -o -27.14 -m -30 -W 800 120
 skyfunc glow sky_glow 0 0 4 1 1 1 0
 sky_glow source sky 0 0 4 0 0 1 180
 """
+_WEATHER = """place here
+latitude 38.42
+longitude -27.14
+time_zone -30
+site_elevation 0
+weather_data_file_units 1
+3 22 10.5 700 120
+3 22 11.5 800 120
+3 22 12.5 800 120
+"""
 _GLASS = "void glass pane 0 0 3 0.9 0.9 0.9"
 _BSDF = "void BSDF pane 6 0 pane.xml 0 0 1 . 0 0"
 _VIEW = "-vtv -vp 2 4.5 1.6 -vd 0 -1 0 -vu 0 0 1 -vh 70 -vv 55"
@@ -38,15 +49,15 @@ FIRST_SCENE = (_ROOM.format(wall=0.5, pane=_GLASS) + _SKY).encode()
 
 def upload_scene(client, text):
     """A scene of one file."""
-    return client.request("POST", "/v1/scenes", _multipart([("scene.rad", text)]), {
+    return client.request("POST", "/v1/scenes", _multipart([("file", "scene.rad", text)]), {
         "Content-Type": "multipart/form-data; boundary=" + _BOUNDARY})
 
 
 def _multipart(files):
     parts = []
-    for name, data in files:
-        parts.append(("--%s\r\nContent-Disposition: form-data; name=\"file\"; filename=\"%s\"\r\n"
-                      "\r\n" % (_BOUNDARY, name)).encode() + data + b"\r\n")
+    for field, name, data in files:
+        parts.append(("--%s\r\nContent-Disposition: form-data; name=\"%s\"; filename=\"%s\"\r\n"
+                      "\r\n" % (_BOUNDARY, field, name)).encode() + data + b"\r\n")
     return b"".join(parts) + ("--%s--\r\n" % _BOUNDARY).encode()
 
 
@@ -93,18 +104,21 @@ class Loader(threading.Thread):
 
     def _upload_scene(self):
         wall = 0.3 + 0.001 * self.random.randrange(500)
-        with_bsdf = self.random.random() < 0.25
+        of_years, with_bsdf = (self.random.random() < share for share in (0.2, 0.25))
         room = _ROOM.format(wall=wall, pane=_BSDF if with_bsdf else _GLASS).encode()
         if self.random.random() < 0.03:
             room += b"# more than is held in memory\n" * 50000
-        files = [("room.rad", room), ("sky.rad", _SKY.encode())]
+        files = [("file", "room.rad", room), ("resource", "w.wea", _WEATHER.encode()) if of_years
+                 else ("file", "sky.rad", _SKY.encode())]
         if with_bsdf:
-            files.append(("pane.xml", self._bsdf()))
+            files.append(("file", "pane.xml", self._bsdf()))
         answer = self.client.request("POST", "/v1/scenes", _multipart(files), {
             "Content-Type": "multipart/form-data; boundary=" + _BOUNDARY})
         if self._expect(answer, (200, 201, 507), "scene") != 507:
             with self.ledger.lock:
                 self.ledger.scenes.setdefault(answer.json()["id"], False)
+                if of_years:
+                    self.ledger.year_scenes.add(answer.json()["id"])
 
     def _bsdf(self):
         thickness = "%.3f" % (1 + 0.001 * self.random.randrange(2000))
@@ -122,8 +136,16 @@ class Loader(threading.Thread):
 
     # ---- Jobs --------------------------------------------------------------------------------
 
+    def _year(self, scene):
+        sensors = [[0.5 + x, 1 + y, 0.8, 0, 0, 1] for x in range(4) for y in range(4)]
+        return {"kind": "annual", "scene": scene, "weather": "w.wea", "metrics": ["DA300"],
+                "seed": self.random.randrange(3), "samples": self.random.choice((16, 256)),
+                "sensors": sensors * self.random.choice((1, 10)), "formats": ["honeybee"]}
+
     def _document(self, scene):
         random = self.random
+        if scene in self.ledger.year_scenes:
+            return self._year(scene)
         document = {"kind": "render", "scene": scene, "seed": random.randrange(3),
                     "sensors": [[2, 1, 0.8, 0, 0, 1], [2, 4, 0.8, 0, 0, 1]]}
         if random.random() < 0.05:
@@ -246,7 +268,8 @@ def fetch_results(client, ledger, job_id):
     if answer.status == 404 and job.asked_to_remove:
         return
     for entry in answer.json().get("files", ()):
-        answer = client.request("GET", "/v1/jobs/%s/files/%s" % (job_id, entry["name"]))
+        answer = client.request("GET", "/v1/jobs/%s/files/%s"
+                                % (job_id, urllib.parse.quote(entry["name"], safe="")))
         if answer.status == 410 or answer.status == 404 and job.asked_to_remove:
             ledger.count("results gone")
             return
