@@ -16,34 +16,11 @@
 
 #include <oriel/annual_report.h>
 
-#include "support/cli.h"
-
-static char folder[64];
-
-static int set_up(void **state)
-{
-    (void)state;
-    cli_make_folder(folder);
-    return 0;
-}
-
-static int tear_down(void **state)
-{
-    (void)state;
-    cli_remove_folder(folder);
-    return 0;
-}
-
-static const char *path_of(const char *name)
-{
-    static char path[256];
-    snprintf(path, sizeof path, "%s/%s", folder, name);
-    return path;
-}
+#include "support/scratch.h"
 
 static char *read_file(const char *name, size_t *ret_size)
 {
-    FILE *file = fopen(path_of(name), "rb");
+    FILE *file = fopen(scratch_path(name), "rb");
     char *text = calloc(1, 4 << 20);
     if (!file || !text)
         fail_msg("%s is not there", name);
@@ -257,7 +234,7 @@ static void test_arrays(void **state)
     const float values[6] = {0, 1.5F, -2, 3e5F, 1e-3F, 7};
     size_t size;
     (void)state;
-    assert_int_equal(orl_npy_write(path_of("a.npy"), values, 2, 3, NULL), 0);
+    assert_int_equal(orl_npy_write(scratch_path("a.npy"), values, 2, 3, NULL), 0);
     char *bytes = read_file("a.npy", &size);
     const size_t header = 10 + (unsigned char)bytes[8] + 256 * (size_t)(unsigned char)bytes[9];
     assert_memory_equal(bytes, "\x93NUMPY\x01", 8);
@@ -270,17 +247,17 @@ static void test_arrays(void **state)
     assert_int_equal(size, header + sizeof values);
     assert_memory_equal(bytes + header, values, sizeof values);
     free(bytes);
-    assert_int_equal(orl_matrix_write(path_of("a.ill"), values, 2, 3, true, NULL), 0);
+    assert_int_equal(orl_matrix_write(scratch_path("a.ill"), values, 2, 3, true, NULL), 0);
     bytes = read_file("a.ill", &size);
     assert_string_equal(bytes, "#?RADIANCE\nNROWS=2\nNCOLS=3\nNCOMP=1\nFORMAT=ascii\n\n"
                                "0\t1.5\t-2\n300000\t0.001\t7\n");
     free(bytes);
-    assert_int_equal(orl_matrix_write(path_of("a.mtx"), values, 2, 3, false, NULL), 0);
+    assert_int_equal(orl_matrix_write(scratch_path("a.mtx"), values, 2, 3, false, NULL), 0);
     bytes = read_file("a.mtx", &size);
     assert_non_null(strstr(bytes, "FORMAT=float\n\n"));
     assert_memory_equal(bytes + size - sizeof values, values, sizeof values);
     free(bytes);
-    assert_int_equal(orl_npy_write(path_of("none/a.npy"), values, 2, 3, NULL), ORL_ERR_IO);
+    assert_int_equal(orl_npy_write(scratch_path("none/a.npy"), values, 2, 3, NULL), ORL_ERR_IO);
 }
 
 static size_t count_lines(const char *text)
@@ -310,7 +287,7 @@ static void ask_numpy(void)
              "numpy.load('%s/hb/__static_apertures__/default/total/south.npy')\nassert a.shape == "
              "(4, 4380) and a.dtype == numpy.float32, a.shape\nassert a[0, 0] == 300 and a[3, 6] "
              "== 5600\nb = numpy.loadtxt('%s/hb/metrics/da/south.da')\nassert (b == 100).all()\n\"",
-             folder, folder);
+             scratch_path(""), scratch_path(""));
     assert_int_equal(system(command), 0);
 }
 
@@ -327,7 +304,8 @@ static void test_honeybees_folder(void **state)
     ask(&wishes, "ASE <= 10 %", "LEED");
     assert_int_equal(orl_annual_report_make(&request, &result, &wishes, NULL, &report, NULL), 0);
     for (int again = 0; again < 2; again++)
-        assert_int_equal(orl_honeybee_write(path_of("hb"), &report, &result, NULL, NULL, NULL), 0);
+        assert_int_equal(orl_honeybee_write(scratch_path("hb"), &report, &result, NULL, NULL, NULL),
+                         0);
     assert_holds("hb/grids_info.json", "{\"count\": 2, \"name\": \"North / \\\"old\\\"\", "
                                        "\"identifier\": \"North____old_\"");
     assert_holds("hb/grid_states.json", "\"south\": {\"__static_apertures__\": [\"default\"]}");
@@ -361,8 +339,8 @@ static void test_tables(void **state)
     result.steps[12].missing = true;
     ask(&wishes, "ASE <= 10 %", "LEED");
     assert_int_equal(orl_annual_report_make(&request, &result, &wishes, NULL, &report, NULL), 0);
-    assert_int_equal(orl_annual_sensors_csv(path_of("s.csv"), &report, sensors, NULL), 0);
-    assert_int_equal(orl_annual_hours_csv(path_of("h.csv"), &report, &result, NULL), 0);
+    assert_int_equal(orl_annual_sensors_csv(scratch_path("s.csv"), &report, sensors, NULL), 0);
+    assert_int_equal(orl_annual_hours_csv(scratch_path("h.csv"), &report, &result, NULL), 0);
     assert_holds("s.csv", "grid,x,y,z,dx,dy,dz,\"DA300 (%)\",low_95,high_95,");
     assert_holds("s.csv", "\n\"North / \"\"old\"\"\",1,2,0.75,0,0,1,0,0,0,");
     char *text = read_file("s.csv", &size);
@@ -385,9 +363,9 @@ int main(void)
         cmocka_unit_test(test_years),
         cmocka_unit_test(test_reports),
         cmocka_unit_test(test_areas_and_files_of_occupancy),
-        cmocka_unit_test_setup_teardown(test_arrays, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(test_honeybees_folder, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(test_tables, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_arrays, scratch_set_up, scratch_tear_down),
+        cmocka_unit_test_setup_teardown(test_honeybees_folder, scratch_set_up, scratch_tear_down),
+        cmocka_unit_test_setup_teardown(test_tables, scratch_set_up, scratch_tear_down),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -21,31 +21,8 @@
 #include "render/heat_map/heat_map.h"
 #include "render/picture/error_map.h"
 #include "render/picture/false_color.h"
-#include "support/cli.h"
 #include "support/scene_text.h"
-
-static char folder[64];
-
-static int set_up(void **state)
-{
-    (void)state;
-    cli_make_folder(folder);
-    return 0;
-}
-
-static int tear_down(void **state)
-{
-    (void)state;
-    cli_remove_folder(folder);
-    return 0;
-}
-
-static const char *path_of(const char *name)
-{
-    static char path[128];
-    snprintf(path, sizeof path, "%s/%s", folder, name);
-    return path;
-}
+#include "support/scratch.h"
 
 /* ---- Films ----------------------------------------------------------------------------------- */
 
@@ -97,7 +74,7 @@ static void show(const struct orl_film *film, const struct orl_view *view)
         struct orl_shown shown;
         assert_int_equal(orl_shown_init(&shown, film, view, &displays[i]), 0);
         orl_shown_bytes(&shown, bytes);
-        assert_int_equal(orl_shown_write_png(&shown, 16, path_of("a.png"), NULL), 0);
+        assert_int_equal(orl_shown_write_png(&shown, 16, scratch_path("a.png"), NULL), 0);
         for (uint32_t y = 0; y < film->height; y++)
             for (uint32_t x = 0; x < film->width; x++) {
                 float rgb[3];
@@ -132,7 +109,7 @@ static void color(const struct orl_film *film, const struct orl_view *view)
         assert_int_equal(orl_shown_init(&shown, film, view, &display), 0);
         for (int k = ORL_PICTURE_FALSE; k <= ORL_PICTURE_BANDS; k++)
             assert_int_equal(orl_false_color_write(film, &shown, &scale, &how, (enum orl_picture)k,
-                                                   path_of("f.png"), NULL),
+                                                   scratch_path("f.png"), NULL),
                              0);
         orl_shown_done(&shown);
     }
@@ -168,12 +145,12 @@ static void rate(const struct orl_film *film, const struct orl_view *view)
 
 static void write_files(struct orl_film *film, const struct orl_view *view)
 {
-    assert_int_equal(orl_film_write_hdr(film, view, path_of("a.hdr"), NULL), 0);
-    assert_int_equal(orl_exr_write(film, view, true, path_of("a.exr"), NULL), 0);
-    assert_int_equal(orl_exr_write(film, view, false, path_of("a.exr"), NULL), 0);
+    assert_int_equal(orl_film_write_hdr(film, view, scratch_path("a.hdr"), NULL), 0);
+    assert_int_equal(orl_exr_write(film, view, true, scratch_path("a.exr"), NULL), 0);
+    assert_int_equal(orl_exr_write(film, view, false, scratch_path("a.exr"), NULL), 0);
     assert_int_equal(orl_film_smooth_errors(film), 0);
-    assert_int_equal(orl_film_write_error_png(film, path_of("e.png"), NULL), 0);
-    assert_int_equal(orl_film_write_error_hdr(film, view, path_of("e.hdr"), NULL), 0);
+    assert_int_equal(orl_film_write_error_png(film, scratch_path("e.png"), NULL), 0);
+    assert_int_equal(orl_film_write_error_hdr(film, view, scratch_path("e.hdr"), NULL), 0);
 }
 
 static void test_films(void **state)
@@ -277,9 +254,9 @@ static void test_sensors(void **state)
                                                      .intervals = (const double(*)[2])intervals,
                                                      .how = &how};
                     assert_int_equal(
-                        orl_heat_map_write(&map, ORL_CANVAS_SVG, path_of("m.svg"), NULL), 0);
+                        orl_heat_map_write(&map, ORL_CANVAS_SVG, scratch_path("m.svg"), NULL), 0);
                     assert_int_equal(
-                        orl_heat_map_write(&map, ORL_CANVAS_PNG, path_of("m.png"), NULL), 0);
+                        orl_heat_map_write(&map, ORL_CANVAS_PNG, scratch_path("m.png"), NULL), 0);
                 }
                 orl_sensor_planes_done(planes, count);
             }
@@ -291,5 +268,5 @@ int main(void)
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_films),
                                        cmocka_unit_test(test_settings),
                                        cmocka_unit_test(test_sensors)};
-    return cmocka_run_group_tests(tests, set_up, tear_down);
+    return cmocka_run_group_tests(tests, scratch_set_up, scratch_tear_down);
 }

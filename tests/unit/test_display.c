@@ -16,30 +16,7 @@
 #include <oriel/units.h>
 
 #include "render/picture/display.h"
-#include "support/cli.h"
-
-static char folder[64];
-
-static int set_up(void **state)
-{
-    (void)state;
-    cli_make_folder(folder);
-    return 0;
-}
-
-static int tear_down(void **state)
-{
-    (void)state;
-    cli_remove_folder(folder);
-    return 0;
-}
-
-static const char *path_of(const char *name)
-{
-    static char path[128];
-    snprintf(path, sizeof path, "%s/%s", folder, name);
-    return path;
-}
+#include "support/scratch.h"
 
 enum { WIDTH = 64, HEIGHT = 48 };
 
@@ -286,8 +263,8 @@ static void test_png(void **state)
     film.pixels[WIDTH + 1][1] = INFINITY;
     film.pixels[WIDTH + 2][0] = -1000;
     struct orl_shown shown = show(&film, (struct orl_display){.tone = ORL_TONE_HUMAN});
-    assert_int_equal(orl_shown_write_png(&shown, 8, path_of("a.png"), NULL), 0);
-    png_bytep pixels = read_png(path_of("a.png"), &image, PNG_FORMAT_RGB);
+    assert_int_equal(orl_shown_write_png(&shown, 8, scratch_path("a.png"), NULL), 0);
+    png_bytep pixels = read_png(scratch_path("a.png"), &image, PNG_FORMAT_RGB);
     assert_int_equal(image.width, WIDTH);
     assert_int_equal(image.height, HEIGHT);
     for (int x = 1; x < WIDTH; x++)
@@ -298,13 +275,13 @@ static void test_png(void **state)
     orl_shown_done(&shown);
     memset(film.pixels, 0, sizeof *film.pixels * WIDTH * HEIGHT);
     shown = show(&film, (struct orl_display){.tone = ORL_TONE_HUMAN});
-    assert_int_equal(orl_shown_write_png(&shown, 8, path_of("b.png"), NULL), 0);
-    pixels = read_png(path_of("b.png"), &image, PNG_FORMAT_RGB);
+    assert_int_equal(orl_shown_write_png(&shown, 8, scratch_path("b.png"), NULL), 0);
+    pixels = read_png(scratch_path("b.png"), &image, PNG_FORMAT_RGB);
     for (int i = 0; i < 3 * WIDTH * HEIGHT; i++)
         assert_int_equal(pixels[i], 0);
     free(pixels);
     struct orl_error err;
-    assert_int_equal(orl_shown_write_png(&shown, 8, path_of("no/a.png"), &err), ORL_ERR_IO);
+    assert_int_equal(orl_shown_write_png(&shown, 8, scratch_path("no/a.png"), &err), ORL_ERR_IO);
     orl_shown_done(&shown);
     orl_film_done(&film);
 }
@@ -317,8 +294,8 @@ static void test_png_16(void **state)
     struct orl_film film = ramp(1, 2);
     const struct orl_display how = {.tone = ORL_TONE_EXPOSURE, .exposure = 1.79};
     struct orl_shown shown = show(&film, how);
-    assert_int_equal(orl_shown_write_png(&shown, 16, path_of("c.png"), NULL), 0);
-    png_bytep pixels = read_png(path_of("c.png"), &image, PNG_FORMAT_LINEAR_RGB);
+    assert_int_equal(orl_shown_write_png(&shown, 16, scratch_path("c.png"), NULL), 0);
+    png_bytep pixels = read_png(scratch_path("c.png"), &image, PNG_FORMAT_LINEAR_RGB);
     const png_uint_16 *words = (const png_uint_16 *)(const void *)pixels;
     for (uint32_t x = 0; x < WIDTH; x++)
         assert_near(words[3 * (WIDTH + x)] / 65535.0,
@@ -347,5 +324,5 @@ int main(void)
         cmocka_unit_test(test_png),
         cmocka_unit_test(test_png_16),
     };
-    return cmocka_run_group_tests(tests, set_up, tear_down);
+    return cmocka_run_group_tests(tests, scratch_set_up, scratch_tear_down);
 }

@@ -17,9 +17,9 @@
 #include <oriel/run.h>
 
 #include "render/picture/error_map.h"
-#include "support/cli.h"
 #include "support/hdr.h"
 #include "support/scene_text.h"
+#include "support/scratch.h"
 
 /* Nothing may stand in the place of a sanitizer's malloc. */
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__) || defined(__clang__)
@@ -59,29 +59,6 @@ void *realloc(void *old, size_t size)
     return fails() ? NULL : __libc_realloc(old, size);
 }
 #endif
-
-static char folder[64];
-
-static int set_up(void **state)
-{
-    (void)state;
-    cli_make_folder(folder);
-    return 0;
-}
-
-static int tear_down(void **state)
-{
-    (void)state;
-    cli_remove_folder(folder);
-    return 0;
-}
-
-static const char *path_of(const char *name)
-{
-    static char path[128];
-    snprintf(path, sizeof path, "%s/%s", folder, name);
-    return path;
-}
 
 /* Gray, of one value and error. */
 static struct orl_film even_film(uint32_t width, uint32_t height, float value, float error)
@@ -150,8 +127,8 @@ static void test_hdr(void **state)
     (void)state;
     film.errors[17] = 0.011F;
     assert_int_equal(orl_view_parse("-vtv -vp 1 2 3 -vd 1 0 0 -vh 60 -vv 30", &view, NULL), 0);
-    assert_int_equal(orl_film_write_error_hdr(&film, &view, path_of("a.error.hdr"), NULL), 0);
-    hdr_read(path_of("a.error.hdr"), 16, 8, rgb);
+    assert_int_equal(orl_film_write_error_hdr(&film, &view, scratch_path("a.error.hdr"), NULL), 0);
+    hdr_read(scratch_path("a.error.hdr"), 16, 8, rgb);
     for (int c = 0; c < 3; c++) {
         assert_near(rgb[0][c], 0.25, 0.25 / 128);
         assert_near(rgb[17][c], 0.011, 0.011 / 128);
@@ -217,8 +194,8 @@ static void check_png(uint32_t width, uint32_t height)
     unsigned char color[3];
     png_image image;
     bool dark = false;
-    assert_int_equal(orl_film_write_error_png(&film, path_of("b.error.png"), NULL), 0);
-    png_bytep pixels = read_png(path_of("b.error.png"), &image);
+    assert_int_equal(orl_film_write_error_png(&film, scratch_path("b.error.png"), NULL), 0);
+    png_bytep pixels = read_png(scratch_path("b.error.png"), &image);
     assert_true(image.width >= width && image.width >= 200 && image.height >= height + 40);
     color_of(0.02, color);
     for (uint32_t y = 0; y < height; y++)
@@ -244,7 +221,7 @@ static void test_unwritable(void **state)
     struct orl_film film = even_film(2, 2, 1, 1);
     struct orl_error err;
     (void)state;
-    assert_int_equal(orl_film_write_error_png(&film, path_of("no/a.png"), &err), ORL_ERR_IO);
+    assert_int_equal(orl_film_write_error_png(&film, scratch_path("no/a.png"), &err), ORL_ERR_IO);
     orl_film_done(&film);
 }
 
@@ -260,7 +237,7 @@ static void test_whole_or_not_at_all(void **state)
     if (!CAN_FAIL)
         skip();
     film = even_film(600, 2, 1, 0.02F);
-    snprintf(path, sizeof path, "%s", path_of("whole.png"));
+    snprintf(path, sizeof path, "%s", scratch_path("whole.png"));
     assert_int_equal(orl_film_write_error_png(&film, path, NULL), 0);
     unsigned char *whole = scene_read_bytes(path, &whole_size);
     for (unsigned call = 1; more; call++) {
@@ -317,5 +294,5 @@ int main(void)
         cmocka_unit_test(test_png),      cmocka_unit_test(test_unwritable),
         cmocka_unit_test(test_names),    cmocka_unit_test(test_whole_or_not_at_all),
     };
-    return cmocka_run_group_tests(tests, set_up, tear_down);
+    return cmocka_run_group_tests(tests, scratch_set_up, scratch_tear_down);
 }

@@ -19,30 +19,7 @@
 #include "base/kth.h"
 #include "render/picture/false_color.h"
 #include "render/picture/isolines.h"
-#include "support/cli.h"
-
-static char folder[64];
-
-static int set_up(void **state)
-{
-    (void)state;
-    cli_make_folder(folder);
-    return 0;
-}
-
-static int tear_down(void **state)
-{
-    (void)state;
-    cli_remove_folder(folder);
-    return 0;
-}
-
-static const char *path_of(const char *name)
-{
-    static char path[128];
-    snprintf(path, sizeof path, "%s/%s", folder, name);
-    return path;
-}
+#include "support/scratch.h"
 
 static void assert_near(double value, double expected, double tolerance)
 {
@@ -176,10 +153,10 @@ static png_bytep write_and_read(const struct orl_film *film, struct orl_false_co
     assert_int_equal(orl_view_parse("-vtv", &view, NULL), 0);
     assert_int_equal(orl_shown_init(&shown, film, &view, &display), 0);
     const int code =
-        orl_false_color_write(film, &shown, &scale, &how, picture, path_of("a.png"), NULL);
+        orl_false_color_write(film, &shown, &scale, &how, picture, scratch_path("a.png"), NULL);
     orl_shown_done(&shown);
     assert_int_equal(code, 0);
-    return read_png(path_of("a.png"), ret_image);
+    return read_png(scratch_path("a.png"), ret_image);
 }
 
 /* Each pixel has the colour of its value; below there is a legend. */
@@ -296,7 +273,7 @@ static void test_points(void **state)
     const struct orl_scale wide = scale_of(&film, how);
     struct orl_error err;
     assert_int_equal(orl_false_color_write(&film, NULL, &wide, &how, ORL_PICTURE_FALSE,
-                                           path_of("no/a.png"), &err),
+                                           scratch_path("no/a.png"), &err),
                      ORL_ERR_IO);
     orl_film_done(&film);
 }
@@ -331,5 +308,5 @@ int main(void)
         cmocka_unit_test(test_points),
         cmocka_unit_test(test_texts),
     };
-    return cmocka_run_group_tests(tests, set_up, tear_down);
+    return cmocka_run_group_tests(tests, scratch_set_up, scratch_tear_down);
 }

@@ -17,31 +17,8 @@
 #include "base/random.h"
 #include "render/film/exr.h"
 #include "render/film/film.h"
-#include "support/cli.h"
 #include "support/scene_text.h"
-
-static char folder[64];
-
-static int set_up(void **state)
-{
-    (void)state;
-    cli_make_folder(folder);
-    return 0;
-}
-
-static int tear_down(void **state)
-{
-    (void)state;
-    cli_remove_folder(folder);
-    return 0;
-}
-
-static const char *path_of(const char *name)
-{
-    static char path[128];
-    snprintf(path, sizeof path, "%s/%s", folder, name);
-    return path;
-}
+#include "support/scratch.h"
 
 /* ---- RGBE -------------------------------------------------------------------------------------
  */
@@ -187,8 +164,8 @@ static void check_size(unsigned width, unsigned height, int kind)
     for (unsigned i = 0; i < width * height; i++)
         for (int c = 0; c < 3; c++)
             film.pixels[i][c] = pixel_value(kind, i % width, i / width, c, &random);
-    assert_int_equal(orl_film_write_hdr(&film, &view, path_of("a.hdr"), NULL), 0);
-    struct picture p = read_picture(path_of("a.hdr"));
+    assert_int_equal(orl_film_write_hdr(&film, &view, scratch_path("a.hdr"), NULL), 0);
+    struct picture p = read_picture(scratch_path("a.hdr"));
     assert_int_equal(p.width, width);
     assert_int_equal(p.height, height);
     for (unsigned i = 0; i < width * height; i++) {
@@ -218,8 +195,8 @@ static void test_hdr_header(void **state)
     char text[1024];
     (void)state;
     assert_int_equal(orl_film_init(&film, 16, 16, NULL), 0);
-    assert_int_equal(orl_film_write_hdr(&film, &view, path_of("b.hdr"), NULL), 0);
-    struct picture p = read_picture(path_of("b.hdr"));
+    assert_int_equal(orl_film_write_hdr(&film, &view, scratch_path("b.hdr"), NULL), 0);
+    struct picture p = read_picture(scratch_path("b.hdr"));
     orl_view_format(&view, text, sizeof text);
     assert_true(p.has_format);
     assert_non_null(strstr(p.view, text));
@@ -230,7 +207,7 @@ static void test_hdr_header(void **state)
     free(p.rgbe);
     orl_film_done(&film);
     /* The .part that was written first is gone. */
-    assert_int_equal(access(path_of("b.hdr.part"), F_OK), -1);
+    assert_int_equal(access(scratch_path("b.hdr.part"), F_OK), -1);
 }
 
 /* Pixels twice as high as wide say so, by their height over their width. */
@@ -241,8 +218,8 @@ static void test_pixel_aspect(void **state)
     double aspect = 0;
     (void)state;
     assert_int_equal(orl_film_init(&film, 20, 10, NULL), 0);
-    assert_int_equal(orl_film_write_hdr(&film, &view, path_of("c.hdr"), NULL), 0);
-    struct picture p = read_picture(path_of("c.hdr"));
+    assert_int_equal(orl_film_write_hdr(&film, &view, scratch_path("c.hdr"), NULL), 0);
+    struct picture p = read_picture(scratch_path("c.hdr"));
     assert_int_equal(sscanf(p.aspect, "%lf", &aspect), 1);
     assert_true(fabs(aspect - 2) < 1e-5);
     free(p.rgbe);
@@ -315,11 +292,11 @@ static void test_exr(void **state)
     for (size_t i = 0; i < 3 * 37 * 41; i++)
         film.pixels[i / 3][i % 3] = (float)exp(30 * orl_random_uniform(&random) - 14);
     for (int halves = 0; halves < 2; halves++) {
-        assert_int_equal(orl_exr_write(&film, &view, halves, path_of("a.exr"), NULL), 0);
-        read_exr(path_of("a.exr"), &film, halves);
+        assert_int_equal(orl_exr_write(&film, &view, halves, scratch_path("a.exr"), NULL), 0);
+        read_exr(scratch_path("a.exr"), &film, halves);
     }
     struct orl_error err;
-    assert_int_equal(orl_exr_write(&film, &view, true, path_of("no/a.exr"), &err), ORL_ERR_IO);
+    assert_int_equal(orl_exr_write(&film, &view, true, scratch_path("no/a.exr"), &err), ORL_ERR_IO);
     orl_film_done(&film);
 }
 
@@ -330,7 +307,7 @@ static void test_unwritable(void **state)
     struct orl_error err;
     (void)state;
     assert_int_equal(orl_film_init(&film, 2, 2, NULL), 0);
-    assert_int_equal(orl_film_write_hdr(&film, &view, path_of("no/a.hdr"), &err), ORL_ERR_IO);
+    assert_int_equal(orl_film_write_hdr(&film, &view, scratch_path("no/a.hdr"), &err), ORL_ERR_IO);
     orl_film_done(&film);
 }
 
@@ -341,5 +318,5 @@ int main(void)
         cmocka_unit_test(test_hdr_header), cmocka_unit_test(test_pixel_aspect),
         cmocka_unit_test(test_exr),        cmocka_unit_test(test_unwritable),
     };
-    return cmocka_run_group_tests(tests, set_up, tear_down);
+    return cmocka_run_group_tests(tests, scratch_set_up, scratch_tear_down);
 }

@@ -16,31 +16,8 @@
 #include "base/random.h"
 #include "render/heat_map/heat_map.h"
 #include "render/heat_map/section.h"
-#include "support/cli.h"
 #include "support/scene_text.h"
-
-static char folder[64];
-
-static int set_up(void **state)
-{
-    (void)state;
-    cli_make_folder(folder);
-    return 0;
-}
-
-static int tear_down(void **state)
-{
-    (void)state;
-    cli_remove_folder(folder);
-    return 0;
-}
-
-static const char *path_of(const char *name)
-{
-    static char path[128];
-    snprintf(path, sizeof path, "%s/%s", folder, name);
-    return path;
-}
+#include "support/scratch.h"
 
 static void assert_near(double value, double expected, double tolerance)
 {
@@ -227,23 +204,23 @@ static void test_map(void **state)
             (struct orl_sensor){orl_v3(1 + i % 2, 1 + (double)(i / 2), 1), orl_v3(0, 0, 1)};
     assert_int_equal(orl_sensor_planes_find(sensors, 4, 1, planes, &count), 0);
     const struct orl_heat_map map = {geometry, planes, "Illuminance", "lx", lux, intervals, &how};
-    assert_int_equal(orl_heat_map_write(&map, ORL_CANVAS_SVG, path_of("a.svg"), NULL), 0);
-    char *with = read_file(path_of("a.svg"));
+    assert_int_equal(orl_heat_map_write(&map, ORL_CANVAS_SVG, scratch_path("a.svg"), NULL), 0);
+    char *with = read_file(scratch_path("a.svg"));
     assert_non_null(strstr(with, ">1234</text>"));
     assert_non_null(strstr(with, ">290</text>"));
     assert_non_null(strstr(with, "4 sensors at z = 1 m"));
     assert_non_null(strstr(with, "1 hatched: 300 lx"));
     how.thresholds_lx[0] = 350;
-    assert_int_equal(orl_heat_map_write(&map, ORL_CANVAS_SVG, path_of("a.svg"), NULL), 0);
-    char *without = read_file(path_of("a.svg"));
+    assert_int_equal(orl_heat_map_write(&map, ORL_CANVAS_SVG, scratch_path("a.svg"), NULL), 0);
+    char *without = read_file(scratch_path("a.svg"));
     assert_non_null(strstr(without, "0 hatched: 350 lx"));
     assert_true(count_of(with, "<path") > count_of(without, "<path") + 10);
     assert_int_equal(strcmp(with + strlen(with) - 7, "</svg>\n"), 0);
-    assert_int_equal(orl_heat_map_write(&map, ORL_CANVAS_PNG, path_of("a.png"), NULL), 0);
+    assert_int_equal(orl_heat_map_write(&map, ORL_CANVAS_PNG, scratch_path("a.png"), NULL), 0);
     struct orl_error err;
-    assert_int_equal(orl_heat_map_write(&map, ORL_CANVAS_PNG, path_of("no/a.png"), &err),
+    assert_int_equal(orl_heat_map_write(&map, ORL_CANVAS_PNG, scratch_path("no/a.png"), &err),
                      ORL_ERR_IO);
-    assert_int_equal(orl_heat_map_write(&map, ORL_CANVAS_SVG, path_of("no/a.svg"), &err),
+    assert_int_equal(orl_heat_map_write(&map, ORL_CANVAS_SVG, scratch_path("no/a.svg"), &err),
                      ORL_ERR_IO);
     free(with);
     free(without);
@@ -258,5 +235,5 @@ int main(void)
         cmocka_unit_test(test_scattered), cmocka_unit_test(test_section),
         cmocka_unit_test(test_map),
     };
-    return cmocka_run_group_tests(tests, set_up, tear_down);
+    return cmocka_run_group_tests(tests, scratch_set_up, scratch_tear_down);
 }

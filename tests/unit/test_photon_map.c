@@ -20,30 +20,12 @@
 #include "photon/map/facing.h"
 #include "photon/map/map_layout.h"
 #include "photon/map/zorder.h"
-#include "support/cli.h"
 #include "support/scene_text.h"
-
-static char folder[64];
+#include "support/scratch.h"
 
 static int set_up(void **state)
 {
-    (void)state;
-    cli_make_folder(folder);
-    return sodium_init() < 0 ? -1 : 0;
-}
-
-static int tear_down(void **state)
-{
-    (void)state;
-    cli_remove_folder(folder);
-    return 0;
-}
-
-static const char *path_of(const char *name)
-{
-    static char path[128];
-    snprintf(path, sizeof path, "%s/%s", folder, name);
-    return path;
+    return scratch_set_up(state) != 0 || sodium_init() < 0 ? -1 : 0;
 }
 
 static struct orl_vec3 random_normal(struct orl_random *random)
@@ -111,8 +93,8 @@ static void test_places_lead_to_leaves(void **state)
     for (size_t c = 0; c < sizeof counts / sizeof *counts; c++) {
         struct orl_photon *photons = make_photons(counts[c], 9);
         struct orl_zorder order;
-        write_map(path_of("order"), photons, counts[c], 100, 9, 1);
-        struct orl_photon_map *map = open_map(path_of("order"));
+        write_map(scratch_path("order"), photons, counts[c], 100, 9, 1);
+        struct orl_photon_map *map = open_map(scratch_path("order"));
         assert_int_equal(orl_zorder_init(&order, map), 0);
         for (size_t i = 0; i < counts[c]; i++) {
             const uint32_t *words = map->places + i / ORL_MAP_LEAF * ORL_LEAF_WORDS;
@@ -163,8 +145,8 @@ static void test_round_trip(void **state)
     const uint64_t emitted = 1234;
     struct orl_photon *photons = make_photons(COUNT, 1);
     (void)state;
-    write_map(path_of("map"), photons, COUNT, emitted, 9, 1);
-    struct orl_photon_map *map = open_map(path_of("map"));
+    write_map(scratch_path("map"), photons, COUNT, emitted, 9, 1);
+    struct orl_photon_map *map = open_map(scratch_path("map"));
     const struct orl_map_header *h = orl_photon_map_header(map);
     assert_int_equal(h->count, COUNT);
     assert_int_equal(h->emitted, emitted);
@@ -192,8 +174,8 @@ static void test_round_trip(void **state)
 static void check_sums(struct orl_photon *photons, size_t count)
 {
     double was[3] = {0}, is[3] = {0}, variance = 0;
-    write_map(path_of("map"), photons, count, 1, 77, 2);
-    struct orl_photon_map *map = open_map(path_of("map"));
+    write_map(scratch_path("map"), photons, count, 1, 77, 2);
+    struct orl_photon_map *map = open_map(scratch_path("map"));
     for (size_t i = 0; i < count; i++) {
         const struct orl_photon p = orl_photon_map_get(map, i);
         const double most = fmax(photons[i].flux[0], fmax(photons[i].flux[1], photons[i].flux[2]));
@@ -220,7 +202,7 @@ static void test_sums_are_kept(void **state)
         photons[i].flux[2] = photons[i].flux[0] * 1e-3F;
     }
     check_sums(photons, COUNT);
-    struct orl_photon_map *map = open_map(path_of("map"));
+    struct orl_photon_map *map = open_map(scratch_path("map"));
     for (size_t i = 0; i < COUNT; i++)
         assert_true(orl_photon_map_get(map, i).flux[1] == 0);
     orl_photon_map_free(map);
@@ -279,8 +261,8 @@ static void test_same_bytes_for_any_crew(void **state)
         /* Photons that are spent do for one map as well. */
         const struct orl_map_build build = {
             .kind = "global", .emitted = COUNT, .seed = 5, .spend = i % 2 == 1};
-        build_map(path_of("map"), photons, COUNT, &build, threads[i]);
-        bytes[i] = scene_read_bytes(path_of("map"), &size[i]);
+        build_map(scratch_path("map"), photons, COUNT, &build, threads[i]);
+        bytes[i] = scene_read_bytes(scratch_path("map"), &size[i]);
         free(photons);
     }
     for (int i = 1; i < VARIANTS; i++) {
@@ -304,8 +286,8 @@ static struct image make_image(size_t count)
 {
     struct orl_photon *photons = make_photons(count, 6);
     struct image image;
-    write_map(path_of("map"), photons, count, count + 1, 6, 1);
-    image.bytes = scene_read_bytes(path_of("map"), &image.size);
+    write_map(scratch_path("map"), photons, count, count + 1, 6, 1);
+    image.bytes = scene_read_bytes(scratch_path("map"), &image.size);
     free(photons);
     return image;
 }
@@ -314,11 +296,11 @@ static int open_bytes(const void *bytes, size_t size, bool verify)
 {
     struct orl_photon_map *map = NULL;
     struct orl_error err = {0};
-    FILE *file = fopen(path_of("damaged"), "wb");
+    FILE *file = fopen(scratch_path("damaged"), "wb");
     assert_non_null(file);
     assert_int_equal(fwrite(bytes, 1, size, file), size);
     fclose(file);
-    const int code = orl_photon_map_open(path_of("damaged"), verify, &map, &err);
+    const int code = orl_photon_map_open(scratch_path("damaged"), verify, &map, &err);
     if (code < 0) {
         assert_null(map);
         assert_int_equal(err.code, code);
@@ -420,12 +402,13 @@ static void test_not_files(void **state)
     struct orl_error err = {0};
     (void)state;
     assert_int_equal(open_bytes("", 0, false), ORL_ERR_CORRUPT);
-    assert_int_equal(orl_photon_map_open(path_of("absent"), false, &map, &err), ORL_ERR_IO);
-    assert_int_equal(orl_photon_map_open(folder, false, &map, &err), ORL_ERR_IO);
+    assert_int_equal(orl_photon_map_open(scratch_path("absent"), false, &map, &err), ORL_ERR_IO);
+    assert_int_equal(orl_photon_map_open(scratch_path(""), false, &map, &err), ORL_ERR_IO);
     const struct orl_map_build build = {.kind = "global", .emitted = 1, .seed = 1};
     struct orl_crew *crew = orl_crew_start(1);
-    assert_int_equal(orl_photon_map_write(path_of("no/such/folder"), NULL, 0, &build, crew, &err),
-                     ORL_ERR_IO);
+    assert_int_equal(
+        orl_photon_map_write(scratch_path("no/such/folder"), NULL, 0, &build, crew, &err),
+        ORL_ERR_IO);
     orl_crew_stop(crew);
 }
 
@@ -444,5 +427,5 @@ int main(void)
         cmocka_unit_test(test_huge_counts),
         cmocka_unit_test(test_not_files),
     };
-    return cmocka_run_group_tests(tests, set_up, tear_down);
+    return cmocka_run_group_tests(tests, set_up, scratch_tear_down);
 }

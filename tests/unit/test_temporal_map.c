@@ -12,30 +12,13 @@
 
 #include "chart/temporal_map.h"
 #include "support/cli.h"
-
-static char folder[64];
-
-static int set_up(void **state)
-{
-    (void)state;
-    cli_make_folder(folder);
-    return 0;
-}
-
-static int tear_down(void **state)
-{
-    (void)state;
-    cli_remove_folder(folder);
-    return 0;
-}
+#include "support/scratch.h"
 
 /* As an SVG; owned. */
 static char *draw(const struct orl_temporal_map *map)
 {
-    char path[128];
-    snprintf(path, sizeof path, "%s/a.svg", folder);
-    assert_int_equal(orl_temporal_map_write(map, ORL_CANVAS_SVG, path, NULL), 0);
-    char *text = cli_read_file(folder, "a.svg");
+    assert_int_equal(orl_temporal_map_write(map, ORL_CANVAS_SVG, scratch_path("a.svg"), NULL), 0);
+    char *text = cli_read_file(scratch_path(""), "a.svg");
     assert_non_null(text);
     return text;
 }
@@ -149,10 +132,10 @@ static void test_use(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(test_boxes, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(test_words, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(test_nothing_to_show, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(test_use, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_boxes, scratch_set_up, scratch_tear_down),
+        cmocka_unit_test_setup_teardown(test_words, scratch_set_up, scratch_tear_down),
+        cmocka_unit_test_setup_teardown(test_nothing_to_show, scratch_set_up, scratch_tear_down),
+        cmocka_unit_test_setup_teardown(test_use, scratch_set_up, scratch_tear_down),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
