@@ -1,74 +1,21 @@
-/* Metrics, figures and verdicts of a year. */
-#include <oriel/annual_report.h>
+/* Metrics and figures of a year, and all of its report. */
+#include "report/making.h"
 
-#include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 
 _Static_assert(ORL_ANNUAL_DEGREES == ORL_ANNUAL_BATCHES - 1, "a batch less than there are");
 
-/* ---- Wishes ---------------------------------------------------------------------------------- */
+/* ---- Periods --------------------------------------------------------------------------------- */
 
-static const struct orl_annual_metric usual_metrics[] = {
-    {ORL_METRIC_DA, ORL_WHEN_OCCUPIED, 300, 0},
-    {ORL_METRIC_CDA, ORL_WHEN_OCCUPIED, 300, 0},
-    {ORL_METRIC_UDI_LOWER, ORL_WHEN_OCCUPIED, 100, 0},
-    {ORL_METRIC_UDI_PART, ORL_WHEN_OCCUPIED, 100, 300},
-    {ORL_METRIC_UDI, ORL_WHEN_OCCUPIED, 300, 3000},
-    {ORL_METRIC_UDI, ORL_WHEN_OCCUPIED, 100, 3000},
-    {ORL_METRIC_UDI_UPPER, ORL_WHEN_OCCUPIED, 3000, 0},
-    {ORL_METRIC_DIRECT_HOURS, ORL_WHEN_OCCUPIED, 1000, 0},
-    {ORL_METRIC_MEAN, ORL_WHEN_OCCUPIED, 0, 0},
-    {ORL_METRIC_CUMULATIVE, ORL_WHEN_ALWAYS, 0, 0},
-};
-enum { USUAL = sizeof usual_metrics / sizeof *usual_metrics };
-
-int orl_annual_wishes_init(struct orl_annual_wishes *wishes)
-{
-    *wishes = (struct orl_annual_wishes){.n_metrics = 0};
-    orl_occupancy_init(&wishes->occupancy);
-    wishes->metrics = malloc(sizeof usual_metrics);
-    if (!wishes->metrics)
-        return ORL_ERR_NOMEM;
-    memcpy(wishes->metrics, usual_metrics, sizeof usual_metrics);
-    wishes->n_metrics = USUAL;
-    return 0;
-}
-
-void orl_annual_wishes_done(struct orl_annual_wishes *wishes)
-{
-    if (!wishes)
-        return;
-    free(wishes->occupancy_file);
-    free(wishes->metrics);
-    free(wishes->targets);
-    free(wishes->rules);
-    free(wishes->grid_area);
-    free(wishes->until);
-    *wishes = (struct orl_annual_wishes){.n_metrics = 0};
-}
-
-/* ---- Work ------------------------------------------------------------------------------------ */
-
-struct making {
-    const struct orl_annual_request *request;
-    const struct orl_annual_result *result;
-    const struct orl_annual_wishes *wishes;
-    const struct orl_files *files;
-    struct orl_annual_report *report;
-    struct orl_error *err;
-};
-
-static int no_memory(const struct making *m)
+static int no_memory(const struct orl_report_making *m)
 {
     orl_error_set(m->err, ORL_ERR_NOMEM, "out of memory");
     return ORL_ERR_NOMEM;
 }
 
 /* One of all sensors where the request has none. */
-static int make_grids(const struct making *m)
+static int make_grids(const struct orl_report_making *m)
 {
     struct orl_annual_report *report = m->report;
     const size_t n = m->request->n_grids;
@@ -92,7 +39,7 @@ static int make_grids(const struct making *m)
     return 0;
 }
 
-static int mark_occupied(const struct making *m)
+static int mark_occupied(const struct orl_report_making *m)
 {
     const struct orl_annual_wishes *wishes = m->wishes;
     struct orl_annual_report *report = m->report;
@@ -111,7 +58,8 @@ static int mark_occupied(const struct making *m)
 }
 
 /* Marks of a period: only what was measured counts. */
-static int add_period(const struct making *m, unsigned char *marks, enum orl_annual_when when)
+static int add_period(const struct orl_report_making *m, unsigned char *marks,
+                      enum orl_annual_when when)
 {
     const struct orl_annual_year *year = &m->report->year;
     for (uint32_t i = 0; i < year->steps.count; i++)
@@ -121,7 +69,7 @@ static int add_period(const struct making *m, unsigned char *marks, enum orl_ann
 }
 
 /* marks: room for all steps. */
-static int fill_periods(const struct making *m, unsigned char *marks)
+static int fill_periods(const struct orl_report_making *m, unsigned char *marks)
 {
     struct orl_annual_report *report = m->report;
     const struct orl_annual_year *year = &report->year;
@@ -142,7 +90,7 @@ static int fill_periods(const struct making *m, unsigned char *marks)
     return code;
 }
 
-static int make_periods(const struct making *m)
+static int make_periods(const struct orl_report_making *m)
 {
     const size_t count = m->report->year.steps.count;
     unsigned char *marks = calloc(count + 1, 1);
@@ -178,7 +126,7 @@ static bool is_unlit(const float *total, size_t n)
 }
 
 /* factors: room for a row. */
-static void evaluate_sensor(const struct making *m, size_t i, float *factors)
+static void evaluate_sensor(const struct orl_report_making *m, size_t i, float *factors)
 {
     struct orl_annual_report *report = m->report;
     const struct orl_annual_result *result = m->result;
@@ -196,7 +144,7 @@ static void evaluate_sensor(const struct making *m, size_t i, float *factors)
                             &report->values[k * report->n_sensors + i]);
 }
 
-static int make_values(const struct making *m)
+static int make_values(const struct orl_report_making *m)
 {
     struct orl_annual_report *report = m->report;
     const size_t n = m->wishes->n_metrics;
@@ -217,28 +165,21 @@ static int make_values(const struct making *m)
 
 /* ---- Grids ----------------------------------------------------------------------------------- */
 
-static int figure_of(const struct making *m, const struct orl_annual_figure *figure, size_t grid,
-                     struct orl_annual_area *ret_area)
-{
-    const struct orl_annual_rows rows = orl_annual_rows_of(m->report, m->result, grid);
-    return orl_annual_figure_of(figure, m->report->periods, &rows, ret_area, m->err);
-}
-
 /* Averages are of values that are there already. */
-static int make_figure(const struct making *m, size_t f, size_t grid,
+static int make_figure(const struct orl_report_making *m, size_t f, size_t grid,
                        struct orl_annual_area *ret_area)
 {
     const struct orl_annual_report *report = m->report;
     const struct orl_annual_rows rows = orl_annual_rows_of(report, m->result, grid);
     if (report->figures[f].over != ORL_OVER_AVERAGE)
-        return figure_of(m, &report->figures[f], grid, ret_area);
+        return orl_report_figure_of(m, &report->figures[f], grid, ret_area);
     const size_t first = grid == ORL_ALL_GRIDS ? 0 : report->grids[grid].first;
     ret_area->value = orl_annual_average(&report->values[(f - 2) * report->n_sensors + first],
                                          rows.area, rows.n_sensors);
     return 0;
 }
 
-static int make_figures(const struct making *m)
+static int make_figures(const struct orl_report_making *m)
 {
     static const struct orl_annual_figure first[2] = {
         {ORL_OVER_SHARE, {ORL_METRIC_DA, ORL_WHEN_OCCUPIED, 300, 0}, 50},
@@ -262,97 +203,16 @@ static int make_figures(const struct making *m)
     return code;
 }
 
-/* ---- Verdicts -------------------------------------------------------------------------------- */
-
-static int judge(const struct making *m, const struct orl_annual_rule *rule,
-                 const struct orl_annual_target *target, size_t grid)
-{
-    struct orl_annual_verdict *verdict = &m->report->verdicts[m->report->n_verdicts];
-    *verdict = (struct orl_annual_verdict){.rule = rule, .target = *target, .grid = grid};
-    const int code = figure_of(m, &target->figure, grid, &verdict->area);
-    if (code < 0)
-        return code;
-    verdict->verdict = orl_annual_judge(target, &verdict->area.value);
-    m->report->n_verdicts++;
-    return 0;
-}
-
-/* ORL_ALL_GRIDS: there is none of that name. */
-static size_t find_grid(const struct orl_annual_report *report, const char *name)
-{
-    for (size_t g = 0; g < report->n_grids; g++)
-        if (strcasecmp(report->grids[g].name, name) == 0)
-            return g;
-    return ORL_ALL_GRIDS;
-}
-
-static int check_grid(const struct making *m, const struct orl_annual_target *target)
-{
-    if (!target->grid[0] || find_grid(m->report, target->grid) != ORL_ALL_GRIDS)
-        return 0;
-    return orl_error_set(m->err, ORL_ERR_INVALID, "'%s': there is no grid named '%s'", target->text,
-                         target->grid);
-}
-
-static int check_grids(const struct making *m)
-{
-    int code = m->wishes->until ? check_grid(m, m->wishes->until) : 0;
-    for (size_t i = 0; i < m->wishes->n_targets && code == 0; i++)
-        code = check_grid(m, &m->wishes->targets[i]);
-    return code;
-}
-
-/* Of the grid that is named; else of all together, and of each by itself. */
-static int judge_everywhere(const struct making *m, const struct orl_annual_rule *rule,
-                            const struct orl_annual_target *target)
-{
-    const struct orl_annual_report *report = m->report;
-    if (target->grid[0])
-        return judge(m, rule, target, find_grid(report, target->grid));
-    int code = judge(m, rule, target, report->n_grids > 1 ? ORL_ALL_GRIDS : 0);
-    for (size_t g = 0; g < report->n_grids && report->n_grids > 1 && code == 0; g++)
-        code = judge(m, rule, target, g);
-    return code;
-}
-
-static int judge_rule(const struct making *m, const struct orl_annual_rule *rule)
-{
-    int code = 0;
-    for (int i = 0; i < ORL_RULE_TARGETS && rule->targets[i] && code == 0; i++) {
-        struct orl_annual_target target;
-        code = orl_annual_target_parse(rule->targets[i], &target, m->err);
-        if (code == 0)
-            code = judge_everywhere(m, rule, &target);
-    }
-    return code;
-}
-
-static int make_verdicts(const struct making *m)
-{
-    const struct orl_annual_wishes *wishes = m->wishes;
-    const size_t targets = wishes->n_targets + ORL_RULE_TARGETS * wishes->n_rules;
-    int code = 0;
-    m->report->verdicts =
-        calloc(targets * (m->report->n_grids + 1) + 1, sizeof *m->report->verdicts);
-    if (!m->report->verdicts)
-        return no_memory(m);
-    for (size_t i = 0; i < wishes->n_targets && code == 0; i++)
-        code = judge_everywhere(m, NULL, &wishes->targets[i]);
-    for (size_t i = 0; i < wishes->n_rules && code == 0; i++)
-        code = judge_rule(m, &wishes->rules[i]);
-    return code;
-}
-
 /* ---- All of it ------------------------------------------------------------------------------- */
 
 /* What needs no light. */
-static int prepare(const struct making *m)
+static int prepare(const struct orl_report_making *m)
 {
     int code = orl_annual_year_make(m->result, &m->report->year, m->err);
     if (code == 0)
         code = make_grids(m);
     if (code == 0)
-        code = check_grids(m);
+        code = orl_report_check_grids(m);
     return code == 0 ? make_periods(m) : code;
 }
 
@@ -360,10 +220,10 @@ int orl_annual_wishes_validate(const struct orl_annual_request *request,
                                const struct orl_annual_wishes *wishes, struct orl_error *err)
 {
     struct orl_annual_report report = {.n_grids = 0};
-    const struct making m = {request, NULL, wishes, NULL, &report, err};
+    const struct orl_report_making m = {request, NULL, wishes, NULL, &report, err};
     int code = make_grids(&m);
     if (code == 0)
-        code = check_grids(&m);
+        code = orl_report_check_grids(&m);
     orl_annual_report_done(&report);
     return code;
 }
@@ -374,7 +234,7 @@ int orl_annual_wishes_check(const struct orl_annual_request *request,
                             struct orl_error *err)
 {
     struct orl_annual_report report = {.n_grids = 0};
-    const struct making m = {request, result, wishes, files, &report, err};
+    const struct orl_report_making m = {request, result, wishes, files, &report, err};
     const int code = prepare(&m);
     orl_annual_report_done(&report);
     return code;
@@ -386,7 +246,7 @@ int orl_annual_report_make(const struct orl_annual_request *request,
                            struct orl_annual_report *ret_report, struct orl_error *err)
 {
     struct orl_annual_report report = {.n_grids = 0};
-    const struct making m = {request, result, wishes, files, &report, err};
+    const struct orl_report_making m = {request, result, wishes, files, &report, err};
     int code = result->total && result->direct
                    ? prepare(&m)
                    : orl_error_set(err, ORL_ERR_INVALID, "the year's series were not kept");
@@ -395,7 +255,7 @@ int orl_annual_report_make(const struct orl_annual_request *request,
     if (code == 0)
         code = make_figures(&m);
     if (code == 0)
-        code = make_verdicts(&m);
+        code = orl_report_make_verdicts(&m);
     if (code < 0)
         orl_annual_report_done(&report);
     else

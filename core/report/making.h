@@ -1,0 +1,26 @@
+/* A report while it is made; inside of oriel/annual_report.h, whose errors these have. */
+#ifndef ORL_REPORT_MAKING_H
+#define ORL_REPORT_MAKING_H
+
+#include <oriel/annual_report.h>
+
+/* All borrowed. */
+struct orl_report_making {
+    const struct orl_annual_request *request;
+    const struct orl_annual_result *result;
+    const struct orl_annual_wishes *wishes;
+    const struct orl_files *files;
+    struct orl_annual_report *report; /* its year, grids and periods are made first */
+    struct orl_error *err;
+};
+
+/* Of a grid, or of ORL_ALL_GRIDS. */
+int orl_report_figure_of(const struct orl_report_making *making,
+                         const struct orl_annual_figure *figure, size_t grid,
+                         struct orl_annual_area *ret_area);
+
+/* Are there the grids that targets name? */
+int orl_report_check_grids(const struct orl_report_making *making);
+int orl_report_make_verdicts(const struct orl_report_making *making);
+
+#endif

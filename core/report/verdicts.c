@@ -1,0 +1,91 @@
+/* Figures of grids, and verdicts on targets about them. */
+#include "report/making.h"
+
+#include <stdlib.h>
+#include <strings.h>
+
+int orl_report_figure_of(const struct orl_report_making *m, const struct orl_annual_figure *figure,
+                         size_t grid, struct orl_annual_area *ret_area)
+{
+    const struct orl_annual_rows rows = orl_annual_rows_of(m->report, m->result, grid);
+    return orl_annual_figure_of(figure, m->report->periods, &rows, ret_area, m->err);
+}
+
+static int judge(const struct orl_report_making *m, const struct orl_annual_rule *rule,
+                 const struct orl_annual_target *target, size_t grid)
+{
+    struct orl_annual_verdict *verdict = &m->report->verdicts[m->report->n_verdicts];
+    *verdict = (struct orl_annual_verdict){.rule = rule, .target = *target, .grid = grid};
+    const int code = orl_report_figure_of(m, &target->figure, grid, &verdict->area);
+    if (code < 0)
+        return code;
+    verdict->verdict = orl_annual_judge(target, &verdict->area.value);
+    m->report->n_verdicts++;
+    return 0;
+}
+
+/* ORL_ALL_GRIDS: there is none of that name. */
+static size_t find_grid(const struct orl_annual_report *report, const char *name)
+{
+    for (size_t g = 0; g < report->n_grids; g++)
+        if (strcasecmp(report->grids[g].name, name) == 0)
+            return g;
+    return ORL_ALL_GRIDS;
+}
+
+static int check_grid(const struct orl_report_making *m, const struct orl_annual_target *target)
+{
+    if (!target->grid[0] || find_grid(m->report, target->grid) != ORL_ALL_GRIDS)
+        return 0;
+    return orl_error_set(m->err, ORL_ERR_INVALID, "'%s': there is no grid named '%s'", target->text,
+                         target->grid);
+}
+
+int orl_report_check_grids(const struct orl_report_making *m)
+{
+    int code = m->wishes->until ? check_grid(m, m->wishes->until) : 0;
+    for (size_t i = 0; i < m->wishes->n_targets && code == 0; i++)
+        code = check_grid(m, &m->wishes->targets[i]);
+    return code;
+}
+
+/* Of the grid that is named; else of all together, and of each by itself. */
+static int judge_everywhere(const struct orl_report_making *m, const struct orl_annual_rule *rule,
+                            const struct orl_annual_target *target)
+{
+    const struct orl_annual_report *report = m->report;
+    if (target->grid[0])
+        return judge(m, rule, target, find_grid(report, target->grid));
+    int code = judge(m, rule, target, report->n_grids > 1 ? ORL_ALL_GRIDS : 0);
+    for (size_t g = 0; g < report->n_grids && report->n_grids > 1 && code == 0; g++)
+        code = judge(m, rule, target, g);
+    return code;
+}
+
+static int judge_rule(const struct orl_report_making *m, const struct orl_annual_rule *rule)
+{
+    int code = 0;
+    for (int i = 0; i < ORL_RULE_TARGETS && rule->targets[i] && code == 0; i++) {
+        struct orl_annual_target target;
+        code = orl_annual_target_parse(rule->targets[i], &target, m->err);
+        if (code == 0)
+            code = judge_everywhere(m, rule, &target);
+    }
+    return code;
+}
+
+int orl_report_make_verdicts(const struct orl_report_making *m)
+{
+    const struct orl_annual_wishes *wishes = m->wishes;
+    const size_t targets = wishes->n_targets + ORL_RULE_TARGETS * wishes->n_rules;
+    int code = 0;
+    m->report->verdicts =
+        calloc(targets * (m->report->n_grids + 1) + 1, sizeof *m->report->verdicts);
+    if (!m->report->verdicts)
+        return orl_error_set(m->err, ORL_ERR_NOMEM, "out of memory");
+    for (size_t i = 0; i < wishes->n_targets && code == 0; i++)
+        code = judge_everywhere(m, NULL, &wishes->targets[i]);
+    for (size_t i = 0; i < wishes->n_rules && code == 0; i++)
+        code = judge_rule(m, &wishes->rules[i]);
+    return code;
+}

@@ -1,0 +1,44 @@
+/* What is asked of a year, and what is asked by default. */
+#include <oriel/annual_report.h>
+
+#include <stdlib.h>
+#include <string.h>
+
+static const struct orl_annual_metric usual_metrics[] = {
+    {ORL_METRIC_DA, ORL_WHEN_OCCUPIED, 300, 0},
+    {ORL_METRIC_CDA, ORL_WHEN_OCCUPIED, 300, 0},
+    {ORL_METRIC_UDI_LOWER, ORL_WHEN_OCCUPIED, 100, 0},
+    {ORL_METRIC_UDI_PART, ORL_WHEN_OCCUPIED, 100, 300},
+    {ORL_METRIC_UDI, ORL_WHEN_OCCUPIED, 300, 3000},
+    {ORL_METRIC_UDI, ORL_WHEN_OCCUPIED, 100, 3000},
+    {ORL_METRIC_UDI_UPPER, ORL_WHEN_OCCUPIED, 3000, 0},
+    {ORL_METRIC_DIRECT_HOURS, ORL_WHEN_OCCUPIED, 1000, 0},
+    {ORL_METRIC_MEAN, ORL_WHEN_OCCUPIED, 0, 0},
+    {ORL_METRIC_CUMULATIVE, ORL_WHEN_ALWAYS, 0, 0},
+};
+enum { USUAL = sizeof usual_metrics / sizeof *usual_metrics };
+
+int orl_annual_wishes_init(struct orl_annual_wishes *wishes)
+{
+    *wishes = (struct orl_annual_wishes){.n_metrics = 0};
+    orl_occupancy_init(&wishes->occupancy);
+    wishes->metrics = malloc(sizeof usual_metrics);
+    if (!wishes->metrics)
+        return ORL_ERR_NOMEM;
+    memcpy(wishes->metrics, usual_metrics, sizeof usual_metrics);
+    wishes->n_metrics = USUAL;
+    return 0;
+}
+
+void orl_annual_wishes_done(struct orl_annual_wishes *wishes)
+{
+    if (!wishes)
+        return;
+    free(wishes->occupancy_file);
+    free(wishes->metrics);
+    free(wishes->targets);
+    free(wishes->rules);
+    free(wishes->grid_area);
+    free(wishes->until);
+    *wishes = (struct orl_annual_wishes){.n_metrics = 0};
+}
