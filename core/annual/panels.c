@@ -94,34 +94,17 @@ static void draw_kind(const struct maker *maker, uint32_t kind, size_t column)
     }
 }
 
-/* The middle of a part, on the pane's rectangle. */
-static struct orl_vec3 part_of(const struct orl_window *w, uint32_t part)
+/* Of the light of an hour's sun, from a point of its disc, the share that comes to a pane there. */
+static double share_there(const struct orl_panels *panels, const struct orl_panel *panel,
+                          size_t column, struct orl_vec3 point, const double u[2])
 {
-    const uint32_t row = part / ORL_PANEL_SIDE, column = part % ORL_PANEL_SIDE;
-    const double a = (column + 0.5) / ORL_PANEL_SIDE, b = (row + 0.5) / ORL_PANEL_SIDE;
-    return orl_madd(orl_madd(w->corner, w->along[0], w->low[0] + a * (w->high[0] - w->low[0])),
-                    w->along[1], w->low[1] + b * (w->high[1] - w->low[1]));
-}
-
-static void look_outside(const struct maker *maker, size_t pane, size_t column)
-{
-    struct orl_panels *panels = maker->panels;
     const struct orl_world *world = panels->world;
-    const struct orl_panel *panel = &panels->at[pane];
-    const struct orl_hour_sun *sun = &panels->hours->suns[column];
-    float *parts = panels->outside + (pane * panels->hours->n_columns + column) * PARTS;
-    struct orl_random random = orl_random_stream(maker->seed, ORL_PURPOSE_ANNUAL,
-                                                 ~(pane * panels->hours->n_columns + column));
-    for (uint32_t i = 0; i < PARTS; i++) {
-        const double u[2] = {orl_random_uniform(&random), orl_random_uniform(&random)};
-        const struct orl_vec3 towards = about_sun(sun, u);
-        const struct orl_vec3 start =
-            orl_facet_leave(world->geometry, panel->window.facet, part_of(&panel->window, i),
-                            panel->window.normal, towards);
-        parts[i] = orl_dot(towards, panel->inward) < 0
-                       ? (float)orl_luma(orl_transmittance(world, start, towards, INFINITY, true))
-                       : 0;
-    }
+    const struct orl_vec3 towards = about_sun(&panels->hours->suns[column], u);
+    if (!(orl_dot(towards, panel->inward) < 0))
+        return 0;
+    const struct orl_vec3 start =
+        orl_facet_leave(world->geometry, panel->window.facet, point, panel->window.normal, towards);
+    return orl_luma(orl_transmittance(world, start, towards, INFINITY, true));
 }
 
 static void make_column(void *arg, size_t column, uint32_t member)
@@ -135,9 +118,6 @@ static void make_column(void *arg, size_t column, uint32_t member)
     for (uint32_t kind = 0; kind < panels->n_kinds; kind++)
         if (orl_dot(sun->towards, panels->kinds[kind].inward) < 0)
             draw_kind(maker, kind, column);
-    for (size_t pane = 0; pane < panels->count; pane++)
-        if (orl_dot(sun->towards, panels->at[pane].inward) < 0)
-            look_outside(maker, pane, column);
 }
 
 int orl_panels_init(struct orl_panels *panels, const struct orl_world *world,
@@ -152,8 +132,7 @@ int orl_panels_init(struct orl_panels *panels, const struct orl_world *world,
     if (code < 0 || panels->count == 0)
         return code;
     panels->draws = malloc(panels->n_kinds * hours->n_columns * DRAWS * sizeof *panels->draws);
-    panels->outside = malloc(panels->count * hours->n_columns * PARTS * sizeof *panels->outside);
-    if (!panels->draws || !panels->outside)
+    if (!panels->draws)
         return ORL_ERR_NOMEM;
     return orl_crew_try(crew, hours->n_columns, make_column, &maker);
 }
@@ -162,7 +141,6 @@ void orl_panels_done(struct orl_panels *panels)
 {
     free(panels->at);
     free(panels->draws);
-    free(panels->outside);
     *panels = (struct orl_panels){.at = NULL};
 }
 
@@ -170,6 +148,7 @@ void orl_panels_done(struct orl_panels *panels)
 
 /* A point of a pane as the sensor sees it. */
 struct seen {
+    struct orl_vec3 point;
     struct orl_vec3 towards; /* from the pane to the sensor */
     double worth;            /* luma of what is let by, times both cosines over distance squared */
     double density;          /* of pane's points, one of them: per steradian */
@@ -181,6 +160,7 @@ struct before {
     const struct orl_panel *panel;
     const struct orl_place *place;
     size_t pane;
+    uint64_t name; /* of the sensor */
     struct seen seen[PARTS];
     bool any;
 };
@@ -202,15 +182,24 @@ static void look_at_points(struct before *b, uint64_t name)
         const struct orl_vec3 there = orl_scale(way, 1 / distance);
         const double here = orl_dot(there, b->place->normal);
         const double leaving = -orl_dot(there, panel->inward);
-        b->seen[i] = (struct seen){.worth = 0};
+        b->seen[i] = (struct seen){.point = point};
         if (!(here > 0) || !(leaving > 1e-6) || !(distance > 4 * offset))
             continue;
         const double share =
             orl_luma(orl_transmittance(world, b->place->point, there, distance - 2 * offset, true));
-        b->seen[i] = (struct seen){orl_neg(there), share * here * leaving / (distance * distance),
-                                   distance * distance / (leaving * panel->area)};
+        b->seen[i] =
+            (struct seen){point, orl_neg(there), share * here * leaving / (distance * distance),
+                          distance * distance / (leaving * panel->area)};
         b->any = b->any || share > 0;
     }
+}
+
+/* What of the sun comes to a point of the pane; number: of the ray, among an hour's. */
+static double sun_on(const struct before *b, size_t column, uint32_t number, struct orl_vec3 point)
+{
+    const uint64_t lot = orl_mix64(b->name ^ orl_mix64((column << 8) + number));
+    const double u[2] = {(double)(uint32_t)lot * 0x1p-32, (double)(lot >> 32) * 0x1p-32};
+    return share_there(b->panels, b->panel, column, point, u);
 }
 
 /* One of each block of four parts, by lot: which. */
@@ -236,24 +225,24 @@ static void add_points(const struct before *b, size_t column, uint64_t lot, doub
     const struct orl_panels *panels = b->panels;
     const struct orl_panel_kind *k = &panels->kinds[b->panel->kind];
     const struct orl_hour_sun *sun = &panels->hours->suns[column];
-    const float *outside = panels->outside + (b->pane * panels->hours->n_columns + column) * PARTS;
     const struct orl_hit hit = orl_hit_anywhere(k->normal, orl_dot(sun->towards, k->normal) > 0);
     const double onto = -orl_dot(sun->towards, k->inward);
     for (uint32_t block = 0; block < POINTS; block++) {
         const uint32_t part = part_of_block(block, lot);
         const struct seen *s = &b->seen[part];
-        if (!(s->worth > 0) || !(outside[part] > 0))
+        if (!(s->worth > 0))
             continue;
         const double f =
             orl_luma(orl_scatter_eval_lobes(k->material, &hit, sun->towards, s->towards));
-        if (!(f > 0))
+        const double lit = f > 0 ? sun_on(b, column, part, s->point) : 0;
+        if (!(lit > 0))
             continue;
         const double of_draws =
             DRAWS * orl_scatter_pdf(k->material, &hit, sun->towards, ORL_TRANSPORT_LIGHT,
                                     ORL_LOBE_TRANSMITTED, s->towards);
         const double weight = POINTS * s->density / (POINTS * s->density + of_draws);
         groups[group_of_block(block)] +=
-            weight * f * onto * s->worth * b->panel->area * (double)outside[part] * GROUPS / POINTS;
+            weight * f * onto * s->worth * b->panel->area * lit * GROUPS / POINTS;
     }
 }
 
@@ -275,17 +264,6 @@ static double sight_of(const struct before *b, struct orl_vec3 towards)
     return 0;
 }
 
-static uint32_t part_at(const struct orl_window *w, struct orl_vec3 point)
-{
-    const struct orl_vec3 from = orl_sub(point, w->corner);
-    uint32_t at[2];
-    for (int i = 0; i < 2; i++) {
-        const double share = (orl_dot(from, w->along[i]) - w->low[i]) / (w->high[i] - w->low[i]);
-        at[i] = (uint32_t)fmin(fmax(share * ORL_PANEL_SIDE, 0), ORL_PANEL_SIDE - 1);
-    }
-    return at[1] * ORL_PANEL_SIDE + at[0];
-}
-
 /* Directions drawn by the BSDF, of which the sensor sees those that come from the pane. */
 static void add_draws(const struct before *b, size_t column, double groups[GROUPS])
 {
@@ -294,7 +272,6 @@ static void add_draws(const struct before *b, size_t column, double groups[GROUP
     const size_t columns = panels->hours->n_columns;
     const struct orl_panel_draw *draws =
         panels->draws + ((size_t)panel->kind * columns + column) * DRAWS;
-    const float *outside = panels->outside + (b->pane * columns + column) * PARTS;
     for (uint32_t i = 0; i < DRAWS; i++) {
         const struct orl_panel_draw *d = &draws[i];
         double distance;
@@ -305,9 +282,9 @@ static void add_draws(const struct before *b, size_t column, double groups[GROUP
         const double here = orl_dot(there, b->place->normal);
         if (!(here > 0) || !orl_window_passed(&panel->window, b->place->point, there, 0, &distance))
             continue;
-        const double lit =
-            (double)outside[part_at(&panel->window, orl_madd(b->place->point, there, distance))];
-        const double share = lit > 0 ? lit * sight_of(b, there) : 0;
+        const struct orl_vec3 point = orl_madd(b->place->point, there, distance);
+        const double seen = sight_of(b, there);
+        const double share = seen > 0 ? seen * sun_on(b, column, PARTS + i, point) : 0;
         if (!(share > 0))
             continue;
         const double leaving = -orl_dot(there, panel->inward);
@@ -322,8 +299,11 @@ void orl_panels_add(const struct orl_panels *panels, const struct orl_place *pla
                     float *light, float *squares)
 {
     for (size_t pane = 0; pane < panels->count; pane++) {
-        struct before b = {
-            .panels = panels, .panel = &panels->at[pane], .place = place, .pane = pane};
+        struct before b = {.panels = panels,
+                           .panel = &panels->at[pane],
+                           .place = place,
+                           .pane = pane,
+                           .name = name};
         const struct orl_vec3 from = orl_sub(place->point, b.panel->window.corner);
         if (place->outside || !(orl_dot(from, b.panel->inward) > 0))
             continue;

@@ -4,8 +4,7 @@
  * Radiance that a pane sends towards a sensor is looked for in two ways, weighted by the balance
  * heuristic (Veach 1997, chapter 9): points of the pane, and directions drawn by its BSDF from the
  * hour's sun. The draws are the same wherever a pane of that kind hangs and whoever looks: they are
- * made once for all sensors. So is what of the sun's disc comes to each part of a pane. What a
- * sensor sees of a pane is looked at once for all hours.
+ * made once for all sensors. What a sensor sees of a pane is looked at once for all hours.
  *
  * Panes are ports of a sealed building. Immutable once made.
  */
@@ -52,7 +51,6 @@ struct orl_panels {
     struct orl_panel_kind kinds[ORL_PANEL_MOST_KINDS];
     size_t n_kinds;
     struct orl_panel_draw *draws; /* [kind][column][draw] */
-    float *outside;               /* [pane][column][part]: share of the disc's light, luma */
 };
 
 /* Returns 0, ORL_ERR_NOMEM, _LIMIT (too many kinds) or _CANCELLED; orl_panels_done in either case.

@@ -42,7 +42,7 @@ static struct orl_rgb response(const void *ctx, struct orl_vec3 light)
         return orl_gray(0);
     if (!query->lobes)
         return orl_gray(cosine);
-    if (query->lobes->kind == ORL_MATERIAL_BSDF && query->place.outside)
+    if (query->lobes->kind == ORL_MATERIAL_BSDF && query->place.outside && !query->all)
         return orl_rgb_scale(
             orl_material_albedo(query->lobes, query->hit, light, ORL_LOBE_REFLECTED),
             cosine / ORL_PI);

@@ -99,8 +99,8 @@ static void add_lobes(struct walk *w, const struct orl_material *m, int sides)
 
 /*
  * What lobes inside throw on surfaces is in the map, what they send to the sensor is not; but for
- * what panels let in, which is panels.h's. Outdoors a panel's light keeps its flux and not its
- * shape, as exterior paths have it.
+ * what panels let in, which is panels.h's. What a panel sends to surfaces outdoors keeps its flux
+ * and not its shape, as exterior paths have it; what it sends to a sensor there keeps both.
  */
 static void add_sun_by_lobes(struct walk *w, const struct orl_material *m)
 {

@@ -123,6 +123,18 @@ static void test_tiles(void **state)
     free(text);
 }
 
+/* The panel's file as text; owned. */
+static char *panel_text(void)
+{
+    size_t size;
+    char *xml = (char *)scene_read_bytes("tests/fixtures/bsdf_lcp8.xml", &size);
+    char *text = calloc(size + 1, 1);
+    assert_non_null(text);
+    memcpy(text, xml, size);
+    free(xml);
+    return text;
+}
+
 /* The panel's light is in the room by its map, and at sensors by points and draws of the panel. */
 static void test_panel_room(void **state)
 {
@@ -130,19 +142,36 @@ static void test_panel_room(void **state)
                                                 {{1, 4, .8}, {0, 0, 1}},
                                                 {{3, 2.6, 2.9}, {0, -.5, -1}},
                                                 {{2, 4.9, 1.5}, {0, -1, 0}}};
-    size_t size;
-    char *xml = (char *)scene_read_bytes("tests/fixtures/bsdf_lcp8.xml", &size);
+    char *text = panel_text();
     (void)state;
-    char *text = calloc(size + 1, 1);
-    assert_non_null(text);
-    memcpy(text, xml, size);
     check_hours(&(struct year_run){.scene = panel_room,
                                    .resource_name = "pane.xml",
                                    .resource_text = text,
                                    .sensors = sensors,
                                    .n_sensors = 4});
     free(text);
-    free(xml);
+}
+
+/* Slats before the panel, eight to its height: each point of it is lit or not for itself. */
+static void test_slats(void **state)
+{
+    static const struct orl_sensor sensors[] = {{{2, .6, 1}, {0, -1, .3}},
+                                                {{2, 4.9, 1.5}, {0, -1, 0}}};
+    char scene[1 << 12], *text = panel_text();
+    int used = snprintf(scene, sizeof scene, "%s", panel_room);
+    (void)state;
+    for (int i = 0; i <= 8; i++) {
+        const double z = 1 + 1.5 / 8 * i;
+        used += snprintf(scene + used, sizeof scene - (size_t)used,
+                         "w polygon slat%d 0 0 12 .5 -.2 %g 3.5 -.2 %g 3.5 -.01 %g .5 -.01 %g\n", i,
+                         z, z, z, z);
+    }
+    check_hours(&(struct year_run){.scene = scene,
+                                   .resource_name = "pane.xml",
+                                   .resource_text = text,
+                                   .sensors = sensors,
+                                   .n_sensors = 2});
+    free(text);
 }
 
 static void test_courtyard(void **state)
@@ -242,10 +271,11 @@ static void test_refusals(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_glass_room), cmocka_unit_test(test_panel_room),
-        cmocka_unit_test(test_pool),       cmocka_unit_test(test_tiles),
-        cmocka_unit_test(test_courtyard),  cmocka_unit_test(test_open_ground),
-        cmocka_unit_test(test_threads),    cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_glass_room),  cmocka_unit_test(test_slats),
+        cmocka_unit_test(test_panel_room),  cmocka_unit_test(test_pool),
+        cmocka_unit_test(test_tiles),       cmocka_unit_test(test_courtyard),
+        cmocka_unit_test(test_open_ground), cmocka_unit_test(test_threads),
+        cmocka_unit_test(test_refusals),
     };
     return cmocka_run_group_tests_name("annual", tests, NULL, NULL);
 }
