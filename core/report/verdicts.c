@@ -4,6 +4,21 @@
 #include <stdlib.h>
 #include <strings.h>
 
+struct orl_annual_rows orl_annual_rows_of(const struct orl_annual_report *report,
+                                          const struct orl_annual_result *result, size_t grid)
+{
+    const struct orl_annual_grid *one = grid == ORL_ALL_GRIDS ? NULL : &report->grids[grid];
+    const size_t first = one ? one->first : 0, at = first * result->n_columns;
+    const float *se = result->se ? result->se + at : NULL;
+    return (struct orl_annual_rows){.total_lx = result->total + at,
+                                    .direct_lx = result->direct ? result->direct + at : NULL,
+                                    .total_error_lx = se,
+                                    .direct_error_lx = se,
+                                    .n_sensors = one ? one->count : report->n_sensors,
+                                    .n_columns = result->n_columns,
+                                    .area = report->area + first};
+}
+
 int orl_report_figure_of(const struct orl_report_making *m, const struct orl_annual_figure *figure,
                          size_t grid, struct orl_annual_area *ret_area)
 {
