@@ -62,6 +62,8 @@ int orl_job_brief_read(const struct orl_file *document, struct orl_job_brief *re
     brief.priority = task.priority;
     brief.result_bytes = orl_kinds[task.kind].result_bytes(&task);
     brief.sensor_bytes = orl_kinds[task.kind].sensor_bytes(&task);
+    if (orl_kinds[task.kind].hour_bytes)
+        brief.hour_bytes = orl_kinds[task.kind].hour_bytes(&task);
     orl_kinds[task.kind].needs(&task, &brief.needs);
     snprintf(brief.scene, sizeof brief.scene, "%s", scene);
     rc = orl_task_files(&task, add_file, &brief, err);
@@ -90,12 +92,13 @@ json_t *orl_job_brief_to_json(const struct orl_job_brief *brief)
             return NULL;
         }
     }
-    return json_pack("{s:i, s:i, s:s, s:s, s:I, s:I, s:[I, I, I, I], s:o}", "kind",
+    return json_pack("{s:i, s:i, s:s, s:s, s:I, s:I, s:I, s:[I, I, I, I], s:o}", "kind",
                      (int)brief->kind, "priority", brief->priority, "scene", brief->scene,
                      "identity", brief->identity, "result_bytes", (json_int_t)brief->result_bytes,
-                     "sensor_bytes", (json_int_t)brief->sensor_bytes, "needs",
-                     (json_int_t)needs->sensors, (json_int_t)needs->photons,
-                     (json_int_t)needs->pixels, (json_int_t)needs->hour_bytes, "files", files);
+                     "sensor_bytes", (json_int_t)brief->sensor_bytes, "hour_bytes",
+                     (json_int_t)brief->hour_bytes, "needs", (json_int_t)needs->sensors,
+                     (json_int_t)needs->photons, (json_int_t)needs->pixels,
+                     (json_int_t)needs->hour_bytes, "files", files);
 }
 
 static int take_files(struct orl_job_brief *brief, const json_t *files, struct orl_error *err)
@@ -136,21 +139,22 @@ int orl_job_brief_from_json(const json_t *json, struct orl_job_brief *ret_brief,
     const char *scene = NULL, *identity = NULL;
     const json_t *files = NULL, *needs = NULL;
     int kind = 0;
-    json_int_t result_bytes = 0, sensor_bytes = 0;
-    int rc = json_unpack((json_t *)(uintptr_t)json, "{s:i, s:i, s:s, s:s, s:I, s:I, s:o, s:o}",
+    json_int_t result_bytes = 0, sensor_bytes = 0, hour_bytes = 0;
+    int rc = json_unpack((json_t *)(uintptr_t)json, "{s:i, s:i, s:s, s:s, s:I, s:I, s:I, s:o, s:o}",
                          "kind", &kind, "priority", &brief.priority, "scene", &scene, "identity",
                          &identity, "result_bytes", &result_bytes, "sensor_bytes", &sensor_bytes,
-                         "needs", &needs, "files", &files);
+                         "hour_bytes", &hour_bytes, "needs", &needs, "files", &files);
     if (rc || kind < 0 || kind >= ORL_TASK_KIND_COUNT || !orl_is_sha256(scene) ||
         (*identity && !orl_is_sha256(identity)) || brief.priority < 0 ||
         brief.priority > ORL_PRIORITY_MAX || result_bytes < 0 || sensor_bytes < 0 ||
-        !take_needs(&brief.needs, needs))
+        hour_bytes < 0 || !take_needs(&brief.needs, needs))
         return orl_error_set(err, ORL_ERR_INTERNAL, "a check answered what makes no sense");
     brief.kind = (enum orl_task_kind)kind;
     snprintf(brief.scene, sizeof brief.scene, "%s", scene);
     snprintf(brief.identity, sizeof brief.identity, "%s", identity);
     brief.result_bytes = (uint64_t)result_bytes;
     brief.sensor_bytes = (uint64_t)sensor_bytes;
+    brief.hour_bytes = (uint64_t)hour_bytes;
     rc = take_files(&brief, files, err);
     if (rc)
         orl_job_brief_done(&brief);

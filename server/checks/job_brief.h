@@ -25,9 +25,10 @@ struct orl_job_brief {
     int priority;
     char scene[ORL_SHA_HEX], identity[ORL_SHA_HEX]; /* identity: job_share.h */
     uint64_t result_bytes;                          /* to be expected ... */
-    uint64_t sensor_bytes;                          /* ... and as much for each of a file */
-    struct orl_job_memory needs;                    /* by the document alone */
-    struct orl_named_file *files;                   /* owned */
+    uint64_t sensor_bytes, hour_bytes; /* ... and as much for each of a file, and each hour of a
+                                          year's with light */
+    struct orl_job_memory needs;       /* by the document alone */
+    struct orl_named_file *files;      /* owned */
     size_t n_files, room;
 };
 

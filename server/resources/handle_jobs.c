@@ -238,10 +238,11 @@ static void submit(struct orl_request *request)
         return;
     if (post->rc == 0) /* again, for the scene may have been removed meanwhile */
         post->rc = check_references(request->server, post);
-    /* Sensors of a file are counted by now. */
-    const uint64_t result_bytes =
-        post->brief.result_bytes + post->brief.sensor_bytes * post->found.sensors;
-    if (post->rc == 0 && post->found.sensors > 0 && orl_reply_if_full(request, result_bytes))
+    /* Sensors of a file are counted by now, and hours of a year. */
+    const uint64_t read_bytes = post->brief.sensor_bytes * post->found.sensors +
+                                post->brief.hour_bytes * orl_job_memory_hours(&post->memory);
+    const uint64_t result_bytes = post->brief.result_bytes + read_bytes;
+    if (post->rc == 0 && read_bytes > 0 && orl_reply_if_full(request, result_bytes))
         return;
     const struct orl_jobs_order order = {.kind = post->brief.kind,
                                          .priority = post->brief.priority,

@@ -9,12 +9,16 @@ struct part {
     uint64_t count, bytes;
 };
 
+uint64_t orl_job_memory_hours(const struct orl_job_memory *needs)
+{
+    return needs->year_rows * 6 / 10 * (needs->sensors + needs->file_sensors);
+}
+
 static void list_parts(const struct orl_job_memory *needs, struct part ret_parts[PARTS])
 {
     enum { SURFACE = 400, TRIANGLE = 300, BSDF = 8, PHOTON = 60, SENSOR = 1300, PIXEL = 64 };
     enum { FILE_SENSOR = 900, ROW = 16 << 10 };
-    const uint64_t lit = needs->year_rows * 6 / 10; /* of its hours, at most */
-    const uint64_t hours = lit * (needs->sensors + needs->file_sensors);
+    const uint64_t hours = orl_job_memory_hours(needs);
     ret_parts[0] = (struct part){"surfaces", needs->surfaces, SURFACE * needs->surfaces};
     ret_parts[1] = (struct part){"triangles", needs->triangles, TRIANGLE * needs->triangles};
     ret_parts[2] = (struct part){"bytes of BSDFs", needs->bsdf_bytes, BSDF * needs->bsdf_bytes};

@@ -5,6 +5,8 @@
  * (README.md has them): of a surface with its place in the hierarchy, a photon while its map is
  * built, a sensor as it stands in the document, a sensor of a file, a pixel with its error. That of
  * a byte of a BSDF's file is a bound for files of numbers of one digit, well above ordinary ones.
+ * Of a year of 8760 rows the daemon's peak was 89 MB with 57 sensors, where 172 were foreseen, and
+ * 199 MB with 2000, where 290 were.
  * Threads: any.
  */
 #ifndef ORL_SERVER_RUNNER_JOB_MEMORY_H
@@ -23,6 +25,9 @@ struct orl_job_memory {
     uint64_t year_rows;  /* of the weather of a year; 0: it is none */
     uint64_t hour_bytes; /* ... that each of its sensors takes for an hour with light */
 };
+
+/* Hours with light of all sensors of a year together, at most. */
+uint64_t orl_job_memory_hours(const struct orl_job_memory *needs);
 
 uint64_t orl_job_memory_estimate(const struct orl_job_memory *needs);
 

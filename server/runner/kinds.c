@@ -117,14 +117,18 @@ static int admit_annual(const struct orl_task *task, struct orl_error *err)
 /* Of a map's or carpet's outlines and pixels, a page; of a sensor in a map, and in a table. */
 enum { MAP = 100 << 10, PAGE = 1 << 20, MAP_SENSOR = 300, FIGURE = 40, HOURS_ROW = 64 };
 /* Of a sensor and hour with light: what is kept until the job ends, and each series of results. */
-enum { KEPT_HOUR = 12, SERIES_HOUR = 8, YEAR_LIT = 8784 * 6 / 10 };
+enum { KEPT_HOUR = 12, SERIES_HOUR = 8 };
+
+static uint64_t annual_hour_bytes(const struct orl_task *task)
+{
+    const struct orl_annual_formats *formats = &task->of.annual.formats;
+    const uint64_t series = (uint64_t)formats->honeybee + (uint64_t)formats->matrices;
+    return KEPT_HOUR + series * SERIES_HOUR;
+}
 
 static uint64_t annual_sensor_bytes(const struct orl_task *task)
 {
-    const struct orl_annual_job *job = &task->of.annual;
-    const uint64_t series = (uint64_t)job->formats.honeybee + (uint64_t)job->formats.matrices;
-    return (KEPT_HOUR + series * SERIES_HOUR) * (uint64_t)YEAR_LIT +
-           (MAP_SENSOR + FIGURE) * (uint64_t)job->wishes.n_metrics;
+    return (MAP_SENSOR + FIGURE) * (uint64_t)task->of.annual.wishes.n_metrics;
 }
 
 static uint64_t annual_result_bytes(const struct orl_task *task)
@@ -144,8 +148,17 @@ static void annual_needs(const struct orl_task *task, struct orl_job_memory *ret
 }
 
 const struct orl_kind orl_kinds[ORL_TASK_KIND_COUNT] = {
-    [ORL_TASK_RENDER] = {NULL, render_result_bytes, render_sensor_bytes, render_needs, false},
-    [ORL_TASK_STUDY] = {admit_study, study_result_bytes, study_sensor_bytes, study_needs, false},
-    [ORL_TASK_ANNUAL] = {admit_annual, annual_result_bytes, annual_sensor_bytes, annual_needs,
-                         true},
+    [ORL_TASK_RENDER] = {.result_bytes = render_result_bytes,
+                         .sensor_bytes = render_sensor_bytes,
+                         .needs = render_needs},
+    [ORL_TASK_STUDY] = {.admit = admit_study,
+                        .result_bytes = study_result_bytes,
+                        .sensor_bytes = study_sensor_bytes,
+                        .needs = study_needs},
+    [ORL_TASK_ANNUAL] = {.admit = admit_annual,
+                         .result_bytes = annual_result_bytes,
+                         .sensor_bytes = annual_sensor_bytes,
+                         .hour_bytes = annual_hour_bytes,
+                         .needs = annual_needs,
+                         .skyless = true},
 };

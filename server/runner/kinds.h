@@ -18,6 +18,8 @@ struct orl_kind {
      * of a file, which the document does not tell the number of. */
     uint64_t (*result_bytes)(const struct orl_task *task);
     uint64_t (*sensor_bytes)(const struct orl_task *task);
+    /* ... and for an hour with light of each sensor of a year; NULL: it is none. */
+    uint64_t (*hour_bytes)(const struct orl_task *task);
     /* What it asks for, which memory goes by; nothing is set yet. */
     void (*needs)(const struct orl_task *task, struct orl_job_memory *ret_needs);
     bool skyless; /* its scene has no distant source */

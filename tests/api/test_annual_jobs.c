@@ -361,10 +361,10 @@ static void test_memory_is_foreseen(void **state)
     enum { SENSORS = 40000 };
     struct year_room *f = *state;
     struct reply reply;
-    char *text = malloc(SENSORS * 16 + 200);
-    assert_non_null(text);
     if (ORL_SANITIZED)
         skip();
+    char *text = malloc(SENSORS * 16 + 200);
+    assert_non_null(text);
     daemon_end(&f->daemon, SIGTERM);
     daemon_restart(&f->daemon, little);
     size_t at = (size_t)sprintf(text, "\"weather\":\"whole.wea\",\"sensors\":[");

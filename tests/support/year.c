@@ -123,7 +123,7 @@ static int run_it(const struct year_run *run, struct orl_annual_result *ret_year
 {
     struct place place;
     open_place(&place, run);
-    const struct orl_annual_env annual = {.run = &place.env};
+    struct orl_annual_env annual = run->env ? *run->env : (struct orl_annual_env){.ctx = NULL};
     const struct orl_annual_request request = {.scene_files = (char **)(uintptr_t)scene_names,
                                                .n_scene_files = 1,
                                                .weather_file = weather_name,
@@ -134,7 +134,10 @@ static int run_it(const struct year_run *run, struct orl_annual_result *ret_year
                                                .n_sensors = run->n_sensors,
                                                .seed = run->seed,
                                                .samples = run->samples};
-    const int code = orl_annual_run(&request, &annual, ret_year, ret_err);
+    annual.run = &place.env;
+    const int code = run->wishes ? orl_annual_run_until(&request, run->wishes, &annual, NULL, NULL,
+                                                        ret_year, run->ret_refinement, ret_err)
+                                 : orl_annual_run(&request, &annual, ret_year, ret_err);
     close_place(&place);
     return code;
 }

@@ -6,7 +6,7 @@
 #ifndef ORL_TESTS_SUPPORT_YEAR_H
 #define ORL_TESTS_SUPPORT_YEAR_H
 
-#include <oriel/annual.h>
+#include <oriel/annual_report.h>
 
 #include "support/room.h"
 
@@ -24,6 +24,10 @@ struct year_run {
     uint32_t samples, threads; /* 0: the default; 1 */
     uint64_t seed;
     double north_deg;
+    const struct orl_annual_env *env; /* whose callbacks are heeded; or NULL */
+    /* Until what they want is sure; or NULL, and the next too. */
+    const struct orl_annual_wishes *wishes;
+    struct orl_annual_refinement *ret_refinement;
 };
 
 /* The result is the caller's, for orl_annual_done. */

@@ -240,6 +240,120 @@ static void test_threads(void **state)
         orl_annual_done(&years[i]);
 }
 
+/* ---- Rows that are kept ---------------------------------------------------------------------- */
+
+enum { MANY = 70, MOST_BLOCKS = 64 };
+
+/* Blocks of a run, as a daemon keeps them; those that are there already, when they are asked for.
+ */
+struct kept {
+    struct orl_annual_block blocks[MOST_BLOCKS];
+    size_t count, hits;
+    uint32_t rounds;
+};
+
+static float *copy_rows(const struct orl_annual_block *block, const float *rows)
+{
+    const size_t bytes = block->count * block->n_columns * sizeof *rows;
+    float *copy = malloc(bytes);
+    assert_non_null(copy);
+    memcpy(copy, rows, bytes);
+    return copy;
+}
+
+static void on_done(void *ctx, const struct orl_annual_block *block)
+{
+    struct kept *kept = ctx;
+    assert_true(kept->count < MOST_BLOCKS);
+    struct orl_annual_block *own = &kept->blocks[kept->count++];
+    *own = *block;
+    own->total = copy_rows(block, block->total);
+    own->direct = copy_rows(block, block->direct);
+    own->se = copy_rows(block, block->se);
+    kept->rounds = block->round + 1;
+}
+
+static bool on_kept(void *ctx, struct orl_annual_block *block)
+{
+    struct kept *kept = ctx;
+    for (size_t i = 0; i < kept->count; i++) {
+        const struct orl_annual_block *own = &kept->blocks[i];
+        const size_t bytes = own->count * own->n_columns * sizeof *own->total;
+        if (own->round != block->round || own->first != block->first)
+            continue;
+        assert_true(own->count == block->count && own->n_columns == block->n_columns);
+        memcpy(block->total, own->total, bytes);
+        memcpy(block->direct, own->direct, bytes);
+        memcpy(block->se, own->se, bytes);
+        kept->hits++;
+        return true;
+    }
+    return false;
+}
+
+static void assert_same_years(const struct orl_annual_result *a, const struct orl_annual_result *b)
+{
+    const size_t bytes = a->n_sensors * a->n_columns * sizeof(float);
+    assert_int_equal(a->n_columns, b->n_columns);
+    assert_memory_equal(a->total, b->total, bytes);
+    assert_memory_equal(a->direct, b->direct, bytes);
+    assert_memory_equal(a->se, b->se, bytes);
+}
+
+/* Of several rounds for a verdict: all blocks, half of them, none; the same bytes come of it. */
+static void test_kept_rows(void **state)
+{
+    struct orl_sensor sensors[MANY];
+    struct kept kept = {.count = 0};
+    const struct orl_annual_env env = {.kept = on_kept, .done = on_done, .ctx = &kept};
+    struct orl_annual_wishes wishes;
+    struct orl_annual_refinement first, again;
+    (void)state;
+    for (int i = 0; i < MANY; i++)
+        sensors[i] =
+            (struct orl_sensor){{0.3 + 0.35 * (i % 10), 0.3 + 0.6 * (i / 10), 0.8}, {0, 0, 1}};
+    struct year_run run = {.scene = glass_room,
+                           .site = izmir,
+                           .sensors = sensors,
+                           .n_sensors = MANY,
+                           .samples = 16,
+                           .env = &env,
+                           .wishes = &wishes,
+                           .ret_refinement = &first};
+    assert_int_equal(orl_annual_wishes_init(&wishes), 0);
+    wishes.until = calloc(1, sizeof *wishes.until);
+    assert_int_equal(orl_annual_target_parse("sDA500/50 >= 82 %", wishes.until, NULL), 0);
+    struct orl_annual_result one = year_run(&run);
+    assert_true(first.rounds >= 2 && kept.rounds == first.rounds && kept.hits == 0);
+    const size_t blocks = kept.count;
+    run.ret_refinement = &again;
+    for (size_t left = blocks;; left /= 2) {
+        for (size_t i = left; i < kept.count; i++) {
+            free(kept.blocks[i].total);
+            free(kept.blocks[i].direct);
+            free(kept.blocks[i].se);
+        }
+        kept.count = left;
+        kept.hits = 0;
+        struct orl_annual_result other = year_run(&run);
+        assert_int_equal(kept.hits, left);
+        assert_int_equal(kept.count, blocks);
+        assert_same_years(&one, &other);
+        assert_true(again.rounds == first.rounds && again.most_samples == first.most_samples &&
+                    again.area.value.value == first.area.value.value);
+        orl_annual_done(&other);
+        if (left == 0)
+            break;
+    }
+    for (size_t i = 0; i < kept.count; i++) {
+        free(kept.blocks[i].total);
+        free(kept.blocks[i].direct);
+        free(kept.blocks[i].se);
+    }
+    orl_annual_done(&one);
+    orl_annual_wishes_done(&wishes);
+}
+
 /* What the year does not follow is refused, and the surface named. */
 static void test_refusals(void **state)
 {
@@ -275,7 +389,7 @@ int main(void)
         cmocka_unit_test(test_panel_room),  cmocka_unit_test(test_pool),
         cmocka_unit_test(test_tiles),       cmocka_unit_test(test_courtyard),
         cmocka_unit_test(test_open_ground), cmocka_unit_test(test_threads),
-        cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_refusals),    cmocka_unit_test(test_kept_rows),
     };
     return cmocka_run_group_tests_name("annual", tests, NULL, NULL);
 }
