@@ -7,8 +7,9 @@ request to the state "cancelled", by the stage that the job was in, and the daem
 after each, when nothing runs. A median above 200 ms, a worst case above 1 s, or memory that grows
 fails the run.
 
-It goes twice: with --shelf 0, when nothing may stay in memory; then, for fewer cancels, with the
-shelf, whose own bytes (by /metrics) are taken off, so that what else stays has to be as little.
+A cancel takes some two seconds, most of which its job is let go. It goes twice: with --shelf 0, when
+nothing may stay in memory; then, for fewer cancels, with the shelf, whose own bytes (by /metrics) are
+taken off, so that what else stays has to be as little.
 """
 
 import argparse
@@ -144,6 +145,8 @@ def run(arguments, shelf, count):
                 told = cancels.one(document, LONGEST_S * chance.random() ** 2)
                 if arguments.verbose:
                     print(name, *told, cancels.memory[-1] >> 20, flush=True)
+            print("cancel --shelf %s: %d of %d cancels" % (shelf, len(cancels.memory), count),
+                  flush=True)
         good = report(shelf, cancels)
         daemon.stop()
     finally:
