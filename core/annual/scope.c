@@ -11,6 +11,9 @@ static int refuse(const struct orl_world *world, uint32_t facet, struct orl_erro
     orl_error_set(err, ORL_ERR_UNSUPPORTED,
                   "a year of light does not follow %s yet, which the surface '%.100s' calls for",
                   what, orl_scene_name_of(world->scene, facet));
+    const struct orl_description *d = &world->scene->description;
+    const struct orl_surface *surface = &d->surfaces[world->geometry->facets[facet].surface];
+    orl_error_at(err, surface->file, surface->line, NULL);
     orl_error_hint(err, "run it hour by hour: a job with a list of skies");
     return ORL_ERR_UNSUPPORTED;
 }

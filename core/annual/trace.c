@@ -33,6 +33,7 @@ struct walk {
     struct tracer *tracer;
     uint32_t depth;
     const double *evenly;
+    bool bent; /* not straight from where it set out */
 };
 
 static void light_at(struct tracer *t, const struct stop *stop);
@@ -99,15 +100,16 @@ static void add_lobes(struct walk *w, const struct orl_material *m, int sides)
 
 /*
  * What lobes inside throw on surfaces is in the map, what they send to the sensor is not; but for
- * what panels let in, which is panels.h's. What a panel sends to surfaces outdoors keeps its flux
- * and not its shape, as exterior paths have it; what it sends to a sensor there keeps both.
+ * what panels let in straight to it, which is panels.h's. What a panel sends to surfaces outdoors
+ * keeps its flux and not its shape, as exterior paths have it; what it sends to a sensor there
+ * keeps both.
  */
 static void add_sun_by_lobes(struct walk *w, const struct orl_material *m)
 {
     const bool panel = m->kind == ORL_MATERIAL_BSDF;
     if (!w->eye.outside && w->tracer->scene->map && w->depth > 0)
         return;
-    add_lobes(w, m, orl_material_transmits_lobes(m) && !panel ? 2 : 1);
+    add_lobes(w, m, orl_material_transmits_lobes(m) && (!panel || w->bent) ? 2 : 1);
 }
 
 static bool survives(struct walk *w)
@@ -136,6 +138,7 @@ static bool go_on(struct orl_eye_path *p, const struct orl_scatter *s)
 {
     orl_eye_path_cross(p, s);
     p->clear = false;
+    walk_of(p)->bent = walk_of(p)->bent || s->event != ORL_EVENT_STRAIGHT;
     return true;
 }
 

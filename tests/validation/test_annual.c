@@ -152,6 +152,25 @@ static void test_panel_room(void **state)
     free(text);
 }
 
+/* What a screen in the room sends on to a sensor behind it came by a panel, which scatters it. */
+static void test_screen(void **state)
+{
+    static const struct orl_sensor sensors[] = {{{2, 3, 1.5}, {0, -1, 0}},
+                                                {{1, 4, .8}, {0, -.3, 1}}};
+    char scene[1 << 12], text[2048];
+    (void)state;
+    scene_uniform_bsdf(0.1, text);
+    snprintf(scene, sizeof scene,
+             "%svoid trans paper 0 0 7 .8 .8 .8 0 0 .7 0\n"
+             "paper polygon screen 0 0 12 .1 1.5 .1 3.9 1.5 .1 3.9 1.5 2.8 .1 1.5 2.8\n",
+             panel_room);
+    check_hours(&(struct year_run){.scene = scene,
+                                   .resource_name = "pane.xml",
+                                   .resource_text = text,
+                                   .sensors = sensors,
+                                   .n_sensors = 2});
+}
+
 /* Slats before the panel, eight to its height: each point of it is lit or not for itself. */
 static void test_slats(void **state)
 {
@@ -368,6 +387,8 @@ static void test_refusals(void **state)
     (void)state;
     assert_int_equal(year_run_fails(&run, &err), ORL_ERR_UNSUPPORTED);
     assert_non_null(strstr(err.message, "'second'"));
+    assert_string_equal(err.file, "scene.rad");
+    assert_int_equal(err.line, 4);
     static const char loose[] =
         "void BSDF p 6 0 pane.xml 0 0 1 . 0 0\np polygon sail 0 0 12 0 0 2 1 0 2 1 0 3 0 0 3\n";
     char xml[2048];
@@ -385,11 +406,12 @@ static void test_refusals(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_glass_room),  cmocka_unit_test(test_slats),
-        cmocka_unit_test(test_panel_room),  cmocka_unit_test(test_pool),
-        cmocka_unit_test(test_tiles),       cmocka_unit_test(test_courtyard),
-        cmocka_unit_test(test_open_ground), cmocka_unit_test(test_threads),
-        cmocka_unit_test(test_refusals),    cmocka_unit_test(test_kept_rows),
+        cmocka_unit_test(test_glass_room), cmocka_unit_test(test_slats),
+        cmocka_unit_test(test_screen),     cmocka_unit_test(test_panel_room),
+        cmocka_unit_test(test_pool),       cmocka_unit_test(test_tiles),
+        cmocka_unit_test(test_courtyard),  cmocka_unit_test(test_open_ground),
+        cmocka_unit_test(test_threads),    cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_kept_rows),
     };
     return cmocka_run_group_tests_name("annual", tests, NULL, NULL);
 }
