@@ -31,10 +31,10 @@ static void print_study(const json_t *study)
 
 static void print_job(const json_t *job)
 {
-    const json_t *maps = json_object_get(job, "maps"), *map, *warning;
+    const json_t *maps = json_object_get(job, "maps"), *map, *warning, *verdict;
     const double eta_s = orl_json_number(job, "eta_s", -1);
     const double position = orl_json_number(job, "queue_position", -1);
-    char text[256];
+    char text[320];
     size_t i;
 
     printf("id       %s\nkind     %s\nstate    %s\n", orl_json_text(job, "id"),
@@ -62,6 +62,11 @@ static void print_job(const json_t *job)
         printf("warning  %s\n", json_string_value(warning));
     }
     print_study(json_object_get(job, "study"));
+    json_array_foreach(json_object_get(json_object_get(job, "annual"), "verdicts"), i, verdict)
+    {
+        orl_format_verdict(verdict, text, sizeof text);
+        printf("%s\n", text);
+    }
     fflush(stdout);
     orl_report_job_error(job);
 }

@@ -178,6 +178,14 @@ static void note_timings(json_t *job)
     fputc('\n', stderr);
 }
 
+void orl_format_verdict(const json_t *verdict, char *ret_text, size_t size)
+{
+    const char *target = orl_json_text(verdict, "target"), *grid = orl_json_text(verdict, "grid");
+
+    snprintf(ret_text, size, "%-10s %s (%s)", orl_json_text(verdict, "verdict"),
+             *target ? target : orl_json_text(verdict, "rule"), *grid ? grid : "all grids");
+}
+
 /* What a year comes to, by its rules and targets. */
 static void note_verdicts(const json_t *job)
 {
@@ -186,10 +194,10 @@ static void note_verdicts(const json_t *job)
 
     json_array_foreach(verdicts, i, one)
     {
-        const char *target = orl_json_text(one, "target"), *grid = orl_json_text(one, "grid");
+        char text[320];
 
-        fprintf(stderr, "%-10s %s (%s)\n", orl_json_text(one, "verdict"),
-                *target ? target : orl_json_text(one, "rule"), *grid ? grid : "all grids");
+        orl_format_verdict(one, text, sizeof text);
+        fprintf(stderr, "%s\n", text);
     }
 }
 

@@ -158,19 +158,6 @@ static bool answer_by_key(struct orl_request *request)
     return true;
 }
 
-/* A year has skies of its own. */
-static int check_sources(struct job_post *post, json_int_t sources)
-{
-    if (!orl_kinds[post->brief.kind].skyless || sources == 0)
-        return 0;
-    orl_error_set(&post->err, ORL_ERR_INVALID,
-                  "a year has skies and suns of its own, but the scene has %lld distant sources",
-                  (long long)sources);
-    orl_error_at(&post->err, NULL, 0, "scene");
-    orl_error_hint(&post->err, "Upload it without sky and sun");
-    return ORL_ERR_INVALID;
-}
-
 /* What of the scene says how much memory the job takes, and whether it suits it. */
 static int note_needs(struct orl_server *server, struct job_post *post,
                       const struct orl_bundle *bundle)
@@ -189,12 +176,13 @@ static int note_needs(struct orl_server *server, struct job_post *post,
     post->memory.triangles = (uint64_t)json_integer_value(json_object_get(summary, "triangles"));
     post->memory.file_sensors = post->found.sensors;
     post->memory.year_rows = post->found.year_rows;
-    const json_int_t sources = json_integer_value(json_object_get(summary, "sources"));
+    const uint64_t sources = (uint64_t)json_integer_value(json_object_get(summary, "sources"));
     json_decref(summary);
     for (size_t i = 0; i < bundle->count; i++)
         if (orl_is_xml_name(bundle->files[i].name))
             post->memory.bsdf_bytes += bundle->files[i].bytes;
-    return check_sources(post, sources);
+    const struct orl_kind *kind = &orl_kinds[post->brief.kind];
+    return kind->suits ? kind->suits(sources, &post->err) : 0;
 }
 
 /* What can never fit is refused; before its sensors' file is read, and after. */

@@ -114,6 +114,19 @@ static int admit_annual(const struct orl_task *task, struct orl_error *err)
     return ORL_ERR_LIMIT;
 }
 
+/* A year has skies of its own. */
+static int annual_suits(uint64_t sources, struct orl_error *err)
+{
+    if (sources == 0)
+        return 0;
+    orl_error_set(err, ORL_ERR_INVALID,
+                  "a year has skies and suns of its own, but the scene has %llu distant sources",
+                  (unsigned long long)sources);
+    orl_error_at(err, NULL, 0, "scene");
+    orl_error_hint(err, "Upload it without sky and sun");
+    return ORL_ERR_INVALID;
+}
+
 /* Of a map's or carpet's outlines and pixels, a page; of a sensor in a map, and in a table. */
 enum { MAP = 100 << 10, PAGE = 1 << 20, MAP_SENSOR = 300, FIGURE = 40, HOURS_ROW = 64 };
 /* Of a sensor and hour with light: what is kept until the job ends, and each series of results. */
@@ -160,5 +173,5 @@ const struct orl_kind orl_kinds[ORL_TASK_KIND_COUNT] = {
                          .sensor_bytes = annual_sensor_bytes,
                          .hour_bytes = annual_hour_bytes,
                          .needs = annual_needs,
-                         .skyless = true},
+                         .suits = annual_suits},
 };

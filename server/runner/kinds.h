@@ -22,7 +22,8 @@ struct orl_kind {
     uint64_t (*hour_bytes)(const struct orl_task *task);
     /* What it asks for, which memory goes by; nothing is set yet. */
     void (*needs)(const struct orl_task *task, struct orl_job_memory *ret_needs);
-    bool skyless; /* its scene has no distant source */
+    /* Whether a scene with so many distant sources suits it. NULL: any does. */
+    int (*suits)(uint64_t sources, struct orl_error *err);
 };
 
 extern const struct orl_kind orl_kinds[ORL_TASK_KIND_COUNT];

@@ -255,6 +255,10 @@ static void test_bytes_are_the_commands(void **state)
     run_command(fetch, &result);
     assert_same_files(here, there);
     check_status(f, id);
+    const char *const status[] = {"status", id, "--server", f->daemon.url, NULL};
+    run_command(status, &result);
+    assert_non_null(strstr(result.out, "kind     annual\n"));
+    assert_non_null(strstr(result.out, " sDA300/50 of the desks >= 1 % (the desks)\n"));
     cli_remove_folder(folder);
     free(weather);
 }

@@ -1,4 +1,6 @@
 /* Weather files, EPW and WEA, and the skies of their rows. */
+#include <oriel/annual_report.h>
+
 #include "fuzz/fuzz.h"
 #include "light/daylight.h"
 
@@ -33,6 +35,22 @@ static void check_sky(const struct orl_weather *weather, const struct orl_weathe
         fuzz_check_daylight(&daylight);
 }
 
+/* As a year takes it: rows are steps of one, or it is refused. */
+static void check_year(const char *text, size_t size, const struct orl_weather *weather)
+{
+    struct orl_annual_steps steps = {0};
+    struct orl_error err = {0};
+    size_t rows = 0;
+    const int code = orl_annual_weather_check("weather.epw", text, size, &steps, &rows, &err);
+    if (code < 0) {
+        fuzz_check_error(code, &err);
+        return;
+    }
+    FUZZ_PROMISE(rows == weather->n_rows && rows <= steps.count);
+    FUZZ_PROMISE(orl_annual_steps_check(&steps, NULL) == 0);
+    FUZZ_PROMISE(orl_occupancy_check("use.csv", "", 0, &steps, NULL) == ORL_ERR_RANGE);
+}
+
 bool fuzz_weather(const uint8_t *data, size_t size)
 {
     enum { SKIES = 4 };
@@ -51,6 +69,7 @@ bool fuzz_weather(const uint8_t *data, size_t size)
         check_row(&weather.rows[i]);
     for (size_t i = 0; i < weather.n_rows && i < SKIES; i++)
         check_sky(&weather, &weather.rows[i], i % 2 ? ORL_SKY_FLUX : ORL_SKY_GENDAYLIT);
+    check_year((const char *)data, size, &weather);
     orl_weather_done(&weather);
     return true;
 }
