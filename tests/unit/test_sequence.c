@@ -53,6 +53,7 @@ struct animation {
     size_t coded_size;
     unsigned char *pixels; /* of all frames that are read; owned */
     uint32_t read;
+    unsigned char *poster; /* NULL: the first frame is what PNG shows; owned */
 };
 
 static uint32_t number_at(const unsigned char *at)
@@ -73,9 +74,12 @@ static void end_frame(struct animation *a)
 {
     const size_t row = 3 * (size_t)a->width, all = (row + 1) * a->height;
     uLongf size = all;
-    if (a->controls == 0)
+    if (a->coded_size == 0)
         return;
-    unsigned char *plain = malloc(all), *out = a->pixels + a->read * row * a->height;
+    if (a->controls == 0)
+        a->poster = malloc(row * a->height);
+    unsigned char *plain = malloc(all);
+    unsigned char *out = a->controls > 0 ? a->pixels + a->read * row * a->height : a->poster;
     assert_int_equal(uncompress(plain, &size, a->coded, a->coded_size), Z_OK);
     assert_int_equal(size, all);
     for (uint32_t y = 0; y < a->height; y++) {
@@ -90,7 +94,7 @@ static void end_frame(struct animation *a)
     }
     free(plain);
     a->coded_size = 0;
-    a->read++;
+    a->read += a->controls > 0;
 }
 
 static void take_data(struct animation *a, const unsigned char *data, size_t size)
@@ -120,11 +124,11 @@ static void take_chunk(struct animation *a, const char *type, const unsigned cha
         a->per_second = (unsigned)data[22] << 8 | data[23];
         a->controls++;
     } else if (strcmp(type, "fdAT") == 0) {
-        assert_true(a->controls > 1);
+        assert_true(a->controls > (a->poster ? 0U : 1U));
         assert_int_equal(number_at(data), a->numbered++);
         take_data(a, data + 4, size - 4);
     } else if (strcmp(type, "IDAT") == 0) {
-        assert_int_equal(a->controls, 1);
+        assert_in_range(a->controls, 0, a->poster ? 0 : 1);
         take_data(a, data, size);
     }
 }
@@ -157,6 +161,7 @@ static void animation_done(struct animation *a)
 {
     free(a->coded);
     free(a->pixels);
+    free(a->poster);
 }
 
 /* Noise, which codes into many chunks, and flat frames. */
@@ -307,6 +312,40 @@ static void test_sheet_and_animation(void **state)
     free(sheet);
 }
 
+/* A day from before dawn on: the night is shown first, and noon is what stands for the animation.
+ */
+static void test_poster(void **state)
+{
+    static const char *const dawn[2] = {"night.hdr", "bright.hdr"};
+    static const char *const dusk[2] = {"bright.hdr", "night.hdr"};
+    const size_t bytes = 3 * (size_t)SIDE * SIDE;
+    png_image image;
+    char path[128];
+    (void)state;
+    write_ramp("night.hdr", 0, SIDE);
+    write_ramp("bright.hdr", 0.3, SIDE);
+    assert_int_equal(write_sequence(dawn, ORL_TONE_HUMAN, NULL, NULL), 0);
+    unsigned char *night = read_png("one.png", &image), *noon = read_png("two.png", &image);
+    unsigned char *plain = read_png("animation.png", &image);
+    struct animation a = read_animation(path_of("animation.png", path));
+    assert_int_equal(a.read, 2);
+    assert_memory_equal(a.pixels, night, bytes);
+    assert_non_null(a.poster);
+    assert_memory_equal(a.poster, noon, bytes);
+    assert_memory_equal(plain, noon, bytes);
+    animation_done(&a);
+    free(plain);
+    free(noon);
+    assert_int_equal(write_sequence(dusk, ORL_TONE_HUMAN, NULL, NULL), 0);
+    noon = read_png("one.png", &image);
+    a = read_animation(path_of("animation.png", path));
+    assert_null(a.poster);
+    assert_memory_equal(a.pixels, noon, bytes);
+    animation_done(&a);
+    free(noon);
+    free(night);
+}
+
 static void test_what_is_refused(void **state)
 {
     static const char *const wider[2] = {"dark.hdr", "wide.hdr"};
@@ -401,6 +440,7 @@ int main(void)
                                        cmocka_unit_test(test_animation_is_whole_or_absent),
                                        cmocka_unit_test(test_one_exposure),
                                        cmocka_unit_test(test_sheet_and_animation),
+                                       cmocka_unit_test(test_poster),
                                        cmocka_unit_test(test_what_is_refused),
                                        cmocka_unit_test(test_black),
                                        cmocka_unit_test(test_chart)};

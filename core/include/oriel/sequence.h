@@ -5,6 +5,8 @@
  * What is shown comes from the pictures' radiances (Radiance HDR), all of one size. In common means
  * that a luminance is as bright in every picture, by the tone that the view asks for: where that is
  * the eye's, the histograms of all of them are taken as one (render/picture/human.h).
+ * What is black, as before dawn, counts for no exposure, and is shown black, in its place. Where
+ * the first picture is all black, programs that know no animations show the brightest instead.
  */
 #ifndef ORIEL_SEQUENCE_H
 #define ORIEL_SEQUENCE_H

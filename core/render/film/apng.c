@@ -14,6 +14,8 @@ struct orl_apng {
     struct orl_out_file file;
     uint32_t width, height, frames, added;
     uint32_t number;    /* of the next fcTL or fdAT */
+    bool poster;        /* there is one, or it is being written */
+    bool plain;         /* what is being written goes where PNG has its picture */
     uint16_t delay;     /* thousandths of a second */
     unsigned char *row; /* a filtered one, its filter in front; owned */
     unsigned char *out; /* a chunk's data, with room for its number in front; owned */
@@ -102,7 +104,7 @@ static void flush_chunk(struct orl_apng *apng, z_stream *coder)
 {
     enum { NUMBER = 4 };
     const size_t size = CHUNK - coder->avail_out;
-    if (size > 0 && apng->added == 0) {
+    if (size > 0 && apng->plain) {
         write_chunk(apng, "IDAT", apng->out + NUMBER, size);
     } else if (size > 0) {
         put_32(apng->out, apng->number++);
@@ -131,19 +133,35 @@ static int code_rows(struct orl_apng *apng, z_stream *coder, const unsigned char
     return state == Z_STREAM_END ? 0 : ORL_ERR_INTERNAL;
 }
 
-int orl_apng_add(struct orl_apng *apng, const unsigned char *rgb, struct orl_error *err)
+static int code_picture(struct orl_apng *apng, const unsigned char *rgb, struct orl_error *err)
 {
     enum { WINDOW = 15, MEMORY = 8 };
     z_stream coder = {.next_out = apng->out + 4, .avail_out = CHUNK};
-    if (apng->added == apng->frames)
-        return orl_error_set(err, ORL_ERR_INTERNAL, "an animation has more frames than it said");
     if (deflateInit2(&coder, Z_DEFAULT_COMPRESSION, Z_DEFLATED, WINDOW, MEMORY, Z_RLE) != Z_OK)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory writing an animation");
-    write_control(apng);
     const int code = code_rows(apng, &coder, rgb);
     deflateEnd(&coder);
-    apng->added++;
     return code < 0 ? orl_error_set(err, code, "zlib failed writing an animation") : 0;
+}
+
+int orl_apng_put_poster(struct orl_apng *apng, const unsigned char *rgb, struct orl_error *err)
+{
+    if (apng->poster || apng->added > 0)
+        return orl_error_set(err, ORL_ERR_INTERNAL, "an animation's poster comes first, and once");
+    apng->poster = true;
+    apng->plain = true;
+    return code_picture(apng, rgb, err);
+}
+
+int orl_apng_add(struct orl_apng *apng, const unsigned char *rgb, struct orl_error *err)
+{
+    if (apng->added == apng->frames)
+        return orl_error_set(err, ORL_ERR_INTERNAL, "an animation has more frames than it said");
+    apng->plain = apng->added == 0 && !apng->poster;
+    write_control(apng);
+    const int code = code_picture(apng, rgb, err);
+    apng->added++;
+    return code;
 }
 
 /* ---- The file -------------------------------------------------------------------------------- */

@@ -1,5 +1,6 @@
 #include <oriel/sequence.h>
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -19,6 +20,9 @@ struct passage {
     struct orl_contact_sheet sheet;
     struct orl_apng *animation;
     struct orl_raster frame; /* a picture with its strip; owned */
+    size_t brightest;
+    double most; /* its light, the sum of its luminances; 0: all are black */
+    bool begins_black;
 };
 
 typedef int picture_step(struct passage *p, size_t index, const struct orl_hdr_picture *picture,
@@ -77,10 +81,23 @@ static int no_room(int code, struct orl_error *err)
     return code < 0 ? orl_error_set(err, code, "out of memory drawing a sequence") : 0;
 }
 
+static double light_of(const struct orl_film *film)
+{
+    double sum = 0;
+    for (size_t i = 0; i < (size_t)film->width * film->height; i++)
+        sum += fmax(orl_luminance(film->pixels[i]), 0);
+    return sum;
+}
+
 static int look(struct passage *p, size_t index, const struct orl_hdr_picture *picture,
                 struct orl_error *err)
 {
-    (void)index;
+    const double light = light_of(&picture->film);
+    if (light > p->most) {
+        p->most = light;
+        p->brightest = index;
+    }
+    p->begins_black |= index == 0 && !(light > 0);
     return no_room(orl_common_look(&p->common, &picture->film, &picture->view, false), err);
 }
 
@@ -102,29 +119,50 @@ static int find_exposure(struct passage *p, struct orl_error *err)
 
 /* ---- What is shown --------------------------------------------------------------------------- */
 
+/* The picture, without its strip. */
+static int expose(struct passage *p, const struct orl_hdr_picture *picture, struct orl_error *err)
+{
+    struct orl_shown shown;
+    const int code =
+        no_room(orl_shown_init_in_common(&shown, &picture->film, &picture->view, &p->common), err);
+    if (code == 0)
+        orl_shown_bytes(&shown, p->frame.rgb);
+    orl_shown_done(&shown);
+    return code;
+}
+
+static void draw_strip(struct passage *p, size_t index)
+{
+    const size_t bytes = 3 * (size_t)p->width * p->height;
+    memset(p->frame.rgb + bytes, 0xff, 3 * (size_t)p->width * (p->frame.height - p->height));
+    orl_strip_draw(&p->frame, p->height, &p->sequence->frames[index]);
+}
+
 static int show(struct passage *p, size_t index, const struct orl_hdr_picture *picture,
                 struct orl_error *err)
 {
     const struct orl_sequence_frame *frame = &p->sequence->frames[index];
-    const size_t bytes = 3 * (size_t)p->width * p->height;
-    const size_t strip = 3 * (size_t)p->width * (p->frame.height - p->height);
-    struct orl_shown shown;
-    int code =
-        no_room(orl_shown_init_in_common(&shown, &picture->film, &picture->view, &p->common), err);
-    if (code == 0) {
-        orl_shown_bytes(&shown, p->frame.rgb);
+    int code = expose(p, picture, err);
+    if (code == 0)
         code = orl_png_write(frame->shown, p->width, p->height, p->frame.rgb, err);
-    }
-    orl_shown_done(&shown);
     if (code == 0)
         code = no_room(
             orl_contact_sheet_put(&p->sheet, index, p->frame.rgb, p->width, p->height, frame), err);
     if (code == 0) {
-        memset(p->frame.rgb + bytes, 0xff, strip);
-        orl_strip_draw(&p->frame, p->height, frame);
+        draw_strip(p, index);
         code = orl_apng_add(p->animation, p->frame.rgb, err);
     }
     return code;
+}
+
+static int show_poster(struct passage *p, size_t index, const struct orl_hdr_picture *picture,
+                       struct orl_error *err)
+{
+    const int code = expose(p, picture, err);
+    if (code < 0)
+        return code;
+    draw_strip(p, index);
+    return orl_apng_put_poster(p->animation, p->frame.rgb, err);
 }
 
 static int open_all(struct passage *p, struct orl_error *err)
@@ -148,6 +186,8 @@ int orl_sequence_write(const struct orl_sequence *sequence, struct orl_error *er
     int code = find_exposure(&p, err);
     if (code == 0)
         code = open_all(&p, err);
+    if (code == 0 && p.begins_black && p.most > 0)
+        code = with_picture(&p, p.brightest, show_poster, err);
     if (code == 0)
         code = for_all(&p, show, err);
     code = orl_apng_close(p.animation, code, err);
