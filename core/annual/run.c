@@ -52,6 +52,20 @@ static int load_scene(struct orl_year *y, struct orl_error *err)
     return code;
 }
 
+static void warn_of_curved(struct orl_year *y)
+{
+    uint32_t first = 0;
+    const size_t n = orl_annual_count_curved(y->world, &first);
+    if (n == 0)
+        return;
+    const struct orl_description *d = &y->world->scene->description;
+    const struct orl_surface *surface = &d->surfaces[y->world->geometry->facets[first].surface];
+    orl_year_warn(y,
+                  "sunlight that %zu curved panes or polished surfaces mirror is left out (first: "
+                  "%.100s at %.200s:%d): make them of flat pieces",
+                  n, surface->name, surface->file, surface->line);
+}
+
 static int make_world(struct orl_year *y, struct orl_error *err)
 {
     int code = load_scene(y, err);
@@ -61,6 +75,7 @@ static int make_world(struct orl_year *y, struct orl_error *err)
         code = orl_annual_admit(y->world, err);
     if (code < 0 || !y->world)
         return code;
+    warn_of_curved(y);
     if (y->world->n_emitters > 0)
         orl_year_warn(y, "the scene's lamps are left out: a year of daylight has no lamps on");
     y->world->n_emitters = 0;

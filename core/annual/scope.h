@@ -10,4 +10,7 @@
 /* 0, or ORL_ERR_UNSUPPORTED naming a surface. */
 int orl_annual_admit(const struct orl_world *world, struct orl_error *err);
 
+/* How many curved surfaces mirror some of the sun, which is left out; the first of them. */
+size_t orl_annual_count_curved(const struct orl_world *world, uint32_t *ret_first);
+
 #endif

@@ -168,12 +168,65 @@ static void test_north(void **state)
     orl_annual_done(&turned);
 }
 
+/* Of a glass ball what it mirrors is left out, and who asked is told where it is. */
+static void test_curved_glass(void **state)
+{
+    const struct year_run run = {.scene =
+                                     "void plastic w 0 0 5 0 0 0 0 0\n"
+                                     "w sphere stone 0 0 4 0 0 -50 .1\n"
+                                     "void glass g 0 0 3 .9 .9 .9\ng sphere ball 0 0 4 9 9 0 1\n",
+                                 .weather = HEAD("38", "0", "0") "6 21 11.500 800 100\n",
+                                 .sensors = &up,
+                                 .n_sensors = 1,
+                                 .samples = 16};
+    struct orl_annual_result year = year_run(&run);
+    size_t told = 0;
+    (void)state;
+    for (size_t i = 0; i < year.n_warnings; i++)
+        told += strstr(year.warnings[i], "1 curved panes") &&
+                strstr(year.warnings[i], "ball at scene.rad:4");
+    assert_int_equal(told, 1);
+    orl_annual_done(&year);
+}
+
+/* Where the sun does not set for weeks, hours are what they are alone. */
+static void test_midnight_sun(void **state)
+{
+    static const char room[] = ROOM_GREY ROOM_CLEAR ROOM_SHELL ROOM_PANE;
+    static const struct orl_sensor sensors[] = {{{2, 1, .8}, {0, 0, 1}}, {{1, 4, .8}, {0, 0, 1}}};
+    char weather[1 << 12] = HEAD("70", "0", "0");
+    const struct year_site site = {70, 0, 0};
+    (void)state;
+    for (int month = 3; month <= 6; month++)
+        year_day(&site, month, 21, weather, sizeof weather);
+    struct year_run run = {.scene = room, .weather = weather, .sensors = sensors, .n_sensors = 2};
+    struct orl_annual_result year = year_run(&run);
+    double squares = 0;
+    size_t n = 0;
+    assert_true(year.n_columns > 60);
+    for (size_t c = 1; c < year.n_columns; c += 6) {
+        double lx[2], se[2];
+        year_hour(&run, &year.steps[year.step_of_column[c]], 1024, lx, se);
+        for (size_t s = 0; s < 2; s++, n++) {
+            const double off = (double)orl_annual_row(&year, year.total, s)[c] - lx[s];
+            const double own = (double)orl_annual_row(&year, year.se, s)[c];
+            const double z = off / hypot(hypot(own, se[s]), 2e-3 * lx[s] + 1e-9);
+            squares += z * z;
+            assert_true(fabs(z) < 4.5); /* Student's law of 15: once in 2000 */
+        }
+    }
+    print_message("%zu sensor-hours: z rms %.2f\n", n, sqrt(squares / (double)n));
+    assert_true(squares < 1.5 * 1.5 * (double)n);
+    orl_annual_done(&year);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_half_covered), cmocka_unit_test(test_polar_night),
         cmocka_unit_test(test_south),        cmocka_unit_test(test_leap_day),
-        cmocka_unit_test(test_north),
+        cmocka_unit_test(test_north),        cmocka_unit_test(test_curved_glass),
+        cmocka_unit_test(test_midnight_sun),
     };
     return cmocka_run_group_tests_name("annual_edges", tests, NULL, NULL);
 }
