@@ -1,0 +1,130 @@
+#include "photon/flight/caustic_pilot.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "photon/flight/caustic_targets.h"
+#include "photon/flight/trace.h"
+
+enum { CAUSTIC_FLIGHTS = 1 << 17, MOST_FLIGHTS_A_STRATUM = 1 << 14, LEAST_FLIGHTS_A_STRATUM = 512 };
+enum { CAUSTIC_RAYS = 1 << 20 }; /* a stratum: enough where flights go to and fro between mirrors */
+static const double caustic_floor = 0.02; /* of caustic photons spread evenly over what may yield */
+
+struct pilot {
+    struct orl_emission *emission;
+    uint64_t seed;
+    uint32_t flights;
+    double *yield;  /* per stratum: caustic flux deposited per flight */
+    double **found; /* of some strata: by where on the port it would start; caustic_targets.h */
+};
+
+/* Caustic flux per flight of one stratum, by tracing some. */
+static void try_caustics(void *arg, size_t index, uint32_t member)
+{
+    struct pilot *pilot = arg;
+    const struct orl_stratum *stratum = &pilot->emission->strata[index];
+    struct orl_deposits deposits = {0};
+    uint32_t flown = 0;
+    double sum = 0;
+    (void)member;
+    for (uint32_t i = 0; i < pilot->flights && deposits.health.rays < CAUSTIC_RAYS; i++) {
+        double point[5];
+        struct orl_flight flight;
+        flown++;
+        struct orl_random random =
+            orl_random_stream(pilot->seed, ORL_PURPOSE_PILOT, 2 * ((uint64_t)index << 32 | i) + 1);
+        orl_sobol_point(&pilot->emission->sobol, i, (uint32_t)(pilot->seed + index), 5, point);
+        if (!orl_emission_from(pilot->emission, stratum, true, point, &random, &deposits.health,
+                               &flight))
+            continue;
+        if (!flight.from_light)
+            break;
+        orl_trace_photon(pilot->emission->world, &flight, true, 0, &random, &deposits);
+    }
+    for (size_t i = 0; i < deposits.count; i++)
+        sum += orl_luma((struct orl_rgb){deposits.photons[i].flux[0], deposits.photons[i].flux[1],
+                                         deposits.photons[i].flux[2]});
+    free(deposits.photons);
+    pilot->yield[index] = sum / flown;
+}
+
+/* A pane that scatters by itself: every place on it makes caustic photons. */
+static bool sends_on_itself(const struct orl_emission *e, const struct orl_stratum *s)
+{
+    const uint32_t facet = e->world->ports[s->port].facet;
+    const uint32_t material = e->world->geometry->facets[facet].material;
+    return orl_material_transmits_lobes(&e->world->materials[material]);
+}
+
+/*
+ * What flights brought down and what was found by looking back from the mirrors are two estimates
+ * of one thing; the first misses what is small, the second what is lit by way of something else.
+ */
+static int seek(struct pilot *pilot)
+{
+    struct orl_emission *e = pilot->emission;
+    int code = 0;
+    pilot->found = calloc(e->n_strata + 1, sizeof *pilot->found);
+    if (!pilot->found)
+        return ORL_ERR_NOMEM;
+    code = orl_caustic_target_look(e, pilot->found);
+    for (size_t i = 0; i < e->n_strata && code == 0; i++) {
+        double sum = 0;
+        if (!pilot->found[i])
+            continue;
+        for (size_t k = 0; k < ORL_CAUSTIC_TARGET_CELLS; k++)
+            sum += pilot->found[i][k];
+        if (!sends_on_itself(e, &e->strata[i]))
+            code = orl_caustic_target_settle(&e->strata[i], pilot->found[i]);
+        if (e->strata[i].place.weight)
+            pilot->yield[i] = fmax(pilot->yield[i], sum);
+    }
+    return code;
+}
+
+/* Caustic photons go by what the pilot's brought down, and a little everywhere. */
+static int share_out(struct pilot *pilot, struct orl_crew *crew)
+{
+    struct orl_emission *e = pilot->emission;
+    double sum = 0, flux = 0, below = 0;
+    pilot->yield = calloc(e->n_strata + 1, sizeof *pilot->yield);
+    if (!pilot->yield)
+        return ORL_ERR_NOMEM;
+    const size_t each = CAUSTIC_FLIGHTS / (e->n_strata + 1);
+    if (e->world->omit.mirror_caustics && e->world->omit.lobe_caustics)
+        return 0;
+    pilot->flights = (uint32_t)(each > MOST_FLIGHTS_A_STRATUM    ? MOST_FLIGHTS_A_STRATUM
+                                : each < LEAST_FLIGHTS_A_STRATUM ? LEAST_FLIGHTS_A_STRATUM
+                                                                 : each);
+    int code = orl_crew_try(crew, e->n_strata, try_caustics, pilot);
+    if (code == 0)
+        code = seek(pilot);
+    if (code < 0)
+        return code;
+    for (size_t i = 0; i < e->n_strata; i++) {
+        sum += pilot->yield[i];
+        flux += orl_stratum_is_counted(e, &e->strata[i]) ? e->strata[i].flux_w : 0;
+    }
+    const double spread = sum > 0 ? caustic_floor : 1;
+    e->has_caustics = sum > 0 || (e->world->caustics_lit && flux > 0);
+    for (size_t i = 0; i < e->n_strata && e->has_caustics; i++) {
+        struct orl_stratum *s = &e->strata[i];
+        s->share_caustic = sum > 0 ? (1 - caustic_floor) * pilot->yield[i] / sum : 0;
+        if (orl_stratum_is_counted(e, s))
+            s->share_caustic += spread * s->flux_w / flux;
+        s->below_caustic = below;
+        below += s->share_caustic;
+    }
+    return 0;
+}
+
+int orl_caustic_pilot(struct orl_emission *emission, uint64_t seed, struct orl_crew *crew)
+{
+    struct pilot pilot = {.emission = emission, .seed = seed};
+    const int code = share_out(&pilot, crew);
+    for (size_t i = 0; pilot.found && i < emission->n_strata; i++)
+        free(pilot.found[i]);
+    free(pilot.found);
+    free(pilot.yield);
+    return code;
+}
