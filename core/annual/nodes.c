@@ -98,7 +98,7 @@ enum { TAPS = 4 };
 /* Of n points evenly on [0, 1] those about a share: which, and their weights. */
 struct taps {
     uint32_t at[TAPS];
-    double cubic[TAPS], plain[TAPS];
+    double cubic[TAPS], plain[TAPS], wide[TAPS];
 };
 
 /* Adds a point's weight, of one that may lie beyond the ends: there a parabola goes on. */
@@ -125,10 +125,16 @@ static struct taps taps_at(double share, uint32_t n)
         const int64_t k = (int64_t)first + i - 1;
         taps.at[i] = (uint32_t)(k < 0 ? 0 : k >= n ? n - 1 : k);
     }
-    if (n < 3) {
-        for (int i = 0; i < TAPS; i++)
-            taps.cubic[i] = taps.plain[i];
+    const bool inner = first > 0 && first + 2 < n;
+    for (int i = 0; i < TAPS; i++)
+        taps.cubic[i] = taps.wide[i] = taps.plain[i];
+    if (n < 3)
         return taps;
+    memset(taps.cubic, 0, sizeof taps.cubic);
+    if (inner) {
+        memset(taps.wide, 0, sizeof taps.wide);
+        taps.wide[0] = (2 - t) / 3;
+        taps.wide[TAPS - 1] = (1 + t) / 3;
     }
     const double t2 = t * t, t3 = t2 * t;
     const double weights[TAPS] = {0.5 * (-t + 2 * t2 - t3), 0.5 * (2 - 5 * t2 + 3 * t3),
@@ -168,6 +174,7 @@ struct orl_sun_between orl_sun_nodes_between(const struct orl_sun_nodes *nodes, 
         ret.nodes[i] = up.at[c] * nodes->a_circle + along.at[k];
         ret.weights[i] = (float)(up.cubic[c] * along.cubic[k]);
         ret.plain[i] = (float)(up.plain[c] * along.plain[k]);
+        ret.wide[i] = (float)(up.wide[c] * along.wide[k]);
     }
     return ret;
 }

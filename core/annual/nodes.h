@@ -23,13 +23,14 @@ struct orl_sun_nodes {
 
 /*
  * What of which nodes makes the light of a sun in between: a cubic in each of the two coordinates
- * (Catmull and Rom 1974), and beside it what lies linearly between the nearest. Weights of either
- * sum to 1; a cubic's may be negative. Nodes outside of the cell that the sun is in are 0 in plain.
+ * (Catmull and Rom 1974); beside it what lies linearly between the nearest, and between those next
+ * to them, by which it is told how rough the light is. Weights of each sum to 1; a cubic's may be
+ * negative.
  */
 enum { ORL_SUN_CORNERS = 16 };
 struct orl_sun_between {
     uint32_t nodes[ORL_SUN_CORNERS];
-    float weights[ORL_SUN_CORNERS], plain[ORL_SUN_CORNERS];
+    float weights[ORL_SUN_CORNERS], plain[ORL_SUN_CORNERS], wide[ORL_SUN_CORNERS];
 };
 
 /* For the suns given: count may be 0. steps: about how far nodes are to be apart. Returns 0 or

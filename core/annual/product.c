@@ -32,11 +32,12 @@ static ORL_FOR_WIDE_VECTORS void add_sun(const struct orl_sun_terms *terms, size
     }
 }
 
-/* How far two ways of interpolation lie apart: of that, a share is the error of the better one. */
+/* How far two ways of interpolation lie apart: of that, a share is the error of the better one, as
+ * rooms with blinds have it. */
 static double interpolation_error(const struct orl_sun_terms *terms, size_t column,
                                   const double *means)
 {
-    static const double share = 0.5;
+    static const double share = 0.35;
     double sum = 0;
     for (uint32_t i = terms->first[column]; i < terms->first[column + 1]; i++)
         sum += (double)terms->apart[i] * means[terms->which[i]];

@@ -16,9 +16,9 @@ struct maker {
     struct weight *weights; /* [column][corner][1 + kind] */
 };
 
-/* A corner's, by the cubic and by the plainer way; both 0: none. */
+/* A corner's, by the cubic and by the wide way; both 0: none. */
 struct weight {
-    float fine, plain;
+    float fine, wide;
 };
 
 static struct weight *weights_of(const struct maker *m, size_t column)
@@ -63,11 +63,14 @@ static void weigh_kind(const struct maker *m, const struct orl_sun_between *at, 
         return;
     const bool fine = is_lit_all_round(m, at, kind);
     const double of_fine = fine ? let_in_by_corners(m, at, at->weights, kind) : of_plain;
+    const double of_wide = let_in_by_corners(m, at, at->wide, kind);
+    const float *rough = of_wide > 0.2 * of_plain ? at->wide : at->plain;
     const float *by = fine && of_fine > 0.5 * of_plain ? at->weights : at->plain;
     const double ratio = let_in / (by == at->plain ? of_plain : of_fine);
     for (int i = 0; i < CORNERS; i++)
         weights[(size_t)i * (1 + m->n_kinds) + 1 + kind] = (struct weight){
-            (float)((double)by[i] * ratio), (float)((double)at->plain[i] * let_in / of_plain)};
+            (float)((double)by[i] * ratio),
+            (float)((double)rough[i] * let_in / (rough == at->plain ? of_plain : of_wide))};
 }
 
 static void weigh(void *arg, size_t column, uint32_t member)
@@ -79,10 +82,10 @@ static void weigh(void *arg, size_t column, uint32_t member)
     if (!(sun->normal_lx > 0))
         return;
     const struct orl_sun_between at = orl_sun_nodes_between(m->nodes, m->hours->sky_suns[column]);
-    const double fine = shortening(m, &at, at.weights), plain = shortening(m, &at, at.plain);
+    const double fine = shortening(m, &at, at.weights), wide = shortening(m, &at, at.wide);
     for (int i = 0; i < CORNERS; i++)
         weights[(size_t)i * (1 + m->n_kinds)] = (struct weight){
-            (float)((double)at.weights[i] / fine), (float)((double)at.plain[i] / plain)};
+            (float)((double)at.weights[i] / fine), (float)((double)at.wide[i] / wide)};
     for (uint32_t kind = 0; kind < m->n_kinds; kind++)
         weigh_kind(m, &at, kind, sun->towards, weights);
 }
@@ -117,13 +120,13 @@ static uint32_t list_column(const struct maker *m, size_t column, bool write)
         for (size_t k = 0; k < 1 + m->n_kinds; k++) {
             const struct weight weight = all[(size_t)i * (1 + m->n_kinds) + k];
             const uint32_t beam = k == 0 ? 0 : m->beam_of[at.nodes[i] * m->n_kinds + k - 1];
-            if ((weight.fine == 0 && weight.plain == 0) || beam == UINT32_MAX)
+            if ((weight.fine == 0 && weight.wide == 0) || beam == UINT32_MAX)
                 continue;
             if (write) {
                 const uint32_t to = terms->first[column] + n;
                 terms->which[to] = k == 0 ? at.nodes[i] : (uint32_t)m->nodes->count + beam;
                 terms->weights[to] = weight.fine;
-                terms->apart[to] = weight.fine - weight.plain;
+                terms->apart[to] = weight.fine - weight.wide;
             }
             n++;
         }

@@ -16,7 +16,7 @@ struct orl_sun_terms {
     uint32_t *first; /* by column, and one more: into the next two */
     uint32_t *which; /* node, or the number of nodes plus the beam */
     float *weights;
-    float *apart; /* by how much these differ from the plainer interpolation's (nodes.h) */
+    float *apart; /* by how much these differ from the wide interpolation's (nodes.h) */
 };
 
 /* map may be NULL. Returns 0, ORL_ERR_NOMEM or _CANCELLED; orl_sun_terms_done in either case. */
