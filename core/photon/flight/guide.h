@@ -2,10 +2,10 @@
  * Where photons from the open sky are worth most. Over a city block all but a few of them would
  * light the ground and leave; a guide sends more to where light stays: for each way in (a sun, or a
  * patch of the dome) a table over the scene's box, filled by a pilot that asks of each place what
- * share of first bounces meets anything more (for caustic photons: what share of light is deflected,
- * by the first thing or behind panes). Photons for virtual lamps go by the root of that share, there
- * and around, for what a lamp brings is that or nothing. One part in ten goes evenly, so that nothing
- * is lost.
+ * share of first bounces meets anything more (for caustic photons: what share of light is
+ * deflected, by the first thing or behind panes). Photons for virtual lamps go by the root of that
+ * share, there and around, for what a lamp brings is that or nothing. One part in ten goes evenly,
+ * so that nothing is lost.
  */
 #ifndef ORL_PHOTON_FLIGHT_GUIDE_H
 #define ORL_PHOTON_FLIGHT_GUIDE_H
