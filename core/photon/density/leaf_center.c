@@ -1,54 +1,141 @@
 #include "photon/density/leaf_center.h"
 
+#include <math.h>
+#include <string.h>
+
 #include "photon/map/map_layout.h"
 #include "photon/surface/sheet.h"
 
-static uint32_t middle_photon(const struct orl_photon_map *map, uint64_t leaf)
+enum { HALF = ORL_MAP_LEAF / 2 };
+
+/* Mean and median of squared distances of an even disc's photons are alike; those of a handful by
+ * this factor at the most, but by chance. */
+static const float uneven = 2.5F;
+
+/* Places of photons, cells; some of a leaf. */
+typedef float places[ORL_MAP_LEAF][3];
+
+/* Squared distances of photons from their middle. */
+struct spread {
+    float mean, least, median;
+};
+
+static float distance2(const float a[3], const float b[3])
 {
-    return (uint32_t)(leaf * ORL_MAP_LEAF + orl_leaf_photons(map, leaf) / 2);
+    float d2 = 0;
+    for (int k = 0; k < 3; k++)
+        d2 += (a[k] - b[k]) * (a[k] - b[k]);
+    return d2;
 }
 
-/* Squared distances of a leaf's photons from a point: the mean, and the least. */
-static void spread_about(float (*const photons)[3], uint32_t n, const float at[3], float *ret_mean,
-                         float *ret_least)
+static void insert(float sorted[ORL_MAP_LEAF], uint32_t n, float value)
 {
-    *ret_mean = 0;
-    *ret_least = INFINITY;
+    for (; n > 0 && sorted[n - 1] > value; n--)
+        sorted[n] = sorted[n - 1];
+    sorted[n] = value;
+}
+
+static struct spread spread_about(places photons, uint32_t n, const float at[3])
+{
+    struct spread spread = {.mean = 0};
+    float sorted[ORL_MAP_LEAF];
     for (uint32_t i = 0; i < n; i++) {
-        float d2 = 0;
-        for (int k = 0; k < 3; k++)
-            d2 += (photons[i][k] - at[k]) * (photons[i][k] - at[k]);
-        *ret_mean += d2 / (float)n;
-        *ret_least = d2 < *ret_least ? d2 : *ret_least;
+        const float d2 = distance2(photons[i], at);
+        spread.mean += d2 / (float)n;
+        insert(sorted, i, d2);
     }
+    spread.least = sorted[0];
+    spread.median = sorted[n / 2];
+    return spread;
+}
+
+static void middle_of(places photons, uint32_t n, float ret_at[3])
+{
+    for (int k = 0; k < 3; k++)
+        ret_at[k] = 0;
+    for (uint32_t i = 0; i < n; i++)
+        for (int k = 0; k < 3; k++)
+            ret_at[k] += photons[i][k] / (float)n;
+}
+
+static uint32_t unpack_leaf(const struct orl_photon_map *map, uint64_t leaf, places ret_photons)
+{
+    const uint32_t n = orl_leaf_photons(map, leaf);
+    const uint32_t *words = map->places + leaf * ORL_LEAF_WORDS;
+    for (uint32_t i = 0; i < n; i++) {
+        uint32_t cell[3];
+        orl_place_unpack(words[i], words[i + ORL_MAP_LEAF], cell);
+        for (int k = 0; k < 3; k++)
+            ret_photons[i][k] = (float)cell[k];
+    }
+    return n;
+}
+
+static bool lies_off(const struct orl_leaf_center *site, const float photon[3])
+{
+    const struct orl_vec3 chord =
+        orl_v3((double)(photon[0] - site->at[0]), (double)(photon[1] - site->at[1]),
+               (double)(photon[2] - site->at[2]));
+    return !orl_chord_fits(orl_normal_decode(site->normal), chord, 0.1);
 }
 
 struct orl_leaf_center orl_leaf_center_make(const struct orl_photon_map *map, uint64_t leaf)
 {
-    const uint32_t n = orl_leaf_photons(map, leaf), middle = n / 2;
-    const uint32_t *words = map->places + leaf * ORL_LEAF_WORDS;
-    const uint16_t normal = map->normals[leaf * ORL_MAP_LEAF + middle];
-    float photons[ORL_MAP_LEAF][3] = {{0}}, mean, least;
-    struct orl_leaf_center site = {{0, 0, 0}, 0, normal, false, UINT32_MAX};
-    for (uint32_t i = 0; i < n; i++) {
-        uint32_t cell[3];
-        orl_place_unpack(words[i], words[i + ORL_MAP_LEAF], cell);
-        for (int k = 0; k < 3; k++) {
-            photons[i][k] = (float)cell[k];
-            site.at[k] += photons[i][k] / (float)n;
-        }
-    }
-    const struct orl_vec3 chord =
-        orl_v3(photons[middle][0] - site.at[0], photons[middle][1] - site.at[1],
-               photons[middle][2] - site.at[2]);
-    spread_about(photons, n, site.at, &mean, &least);
-    site.spread2 = mean;
+    places photons;
+    const uint32_t n = unpack_leaf(map, leaf, photons), middle = n / 2;
+    struct orl_leaf_center site = {.normal = map->normals[leaf * ORL_MAP_LEAF + middle],
+                                   .photon = (uint8_t)middle,
+                                   .facet = UINT32_MAX};
+    middle_of(photons, n, site.at);
+    const struct spread spread = spread_about(photons, n, site.at);
+    site.spread2 = spread.mean;
     /* Photons of two patches have their middle between them, where there is nothing. */
-    site.at_photon = n < ORL_MAP_LEAF || least > 0.5F * mean ||
-                     !orl_chord_fits(orl_normal_decode(normal), chord, 0.1);
+    site.at_photon =
+        n < ORL_MAP_LEAF || spread.least > 0.5F * spread.mean || lies_off(&site, photons[middle]);
     for (int k = 0; k < 3 && site.at_photon; k++)
         site.at[k] = photons[middle][k];
     return site;
+}
+
+/* The photon that has half of the leaf about it soonest, and how far that half reaches, squared. */
+static uint32_t closest_together(places photons, float *ret_reach2)
+{
+    uint32_t best = 0;
+    *ret_reach2 = INFINITY;
+    for (uint32_t i = 0; i < ORL_MAP_LEAF; i++) {
+        float sorted[ORL_MAP_LEAF];
+        for (uint32_t j = 0; j < ORL_MAP_LEAF; j++)
+            insert(sorted, j, distance2(photons[i], photons[j]));
+        best = sorted[HALF - 1] < *ret_reach2 ? i : best;
+        *ret_reach2 = fminf(*ret_reach2, sorted[HALF - 1]);
+    }
+    return best;
+}
+
+void orl_leaf_center_condense(const struct orl_photon_map *map, struct orl_leaf_center *site,
+                              uint64_t leaf)
+{
+    places photons, half;
+    float middle[3], reach2;
+    if (unpack_leaf(map, leaf, photons) < ORL_MAP_LEAF)
+        return;
+    middle_of(photons, ORL_MAP_LEAF, middle);
+    const struct spread whole = spread_about(photons, ORL_MAP_LEAF, middle);
+    if (whole.mean <= uneven * whole.median && whole.least <= 0.5F * whole.mean)
+        return;
+    const uint32_t about = closest_together(photons, &reach2);
+    uint32_t n = 0;
+    for (uint32_t i = 0; i < ORL_MAP_LEAF && n < HALF; i++)
+        if (distance2(photons[i], photons[about]) <= reach2)
+            memcpy(half[n++], photons[i], sizeof half[0]);
+    site->photon = (uint8_t)about;
+    site->normal = map->normals[leaf * ORL_MAP_LEAF + about];
+    middle_of(half, n, site->at);
+    const struct spread spread = spread_about(half, n, site->at);
+    site->spread2 = spread.mean;
+    site->at_photon = spread.least > 0.5F * spread.mean || lies_off(site, photons[about]);
+    for (int k = 0; k < 3 && site->at_photon; k++)
+        site->at[k] = photons[about][k];
 }
 
 struct orl_vec3 orl_leaf_center_point(const struct orl_photon_map *map,
@@ -61,9 +148,10 @@ struct orl_vec3 orl_leaf_center_point(const struct orl_photon_map *map,
 }
 
 /* How far a site may be off the surface: on a curved one it lies inside the curve. */
-static double tolerance_at(const struct orl_photon_map *map, uint64_t leaf, struct orl_vec3 point)
+static double tolerance_at(const struct orl_photon_map *map, const struct orl_leaf_center *site,
+                           uint64_t leaf, struct orl_vec3 point)
 {
-    const struct orl_photon p = orl_photon_map_get(map, middle_photon(map, leaf));
+    const struct orl_photon p = orl_photon_map_get(map, leaf * ORL_MAP_LEAF + site->photon);
     const struct orl_vec3 way = orl_sub(orl_v3(p.position[0], p.position[1], p.position[2]), point);
     return 0.2 * orl_length(way) + 16 * map->header->cell;
 }
@@ -74,7 +162,7 @@ static bool find_facet(const struct orl_photon_map *map, struct orl_leaf_center 
     const struct orl_vec3 point = orl_leaf_center_point(map, site);
     struct orl_footing footing;
     if (!orl_footing_find(world, point, orl_normal_decode(site->normal),
-                          tolerance_at(map, leaf, point), &footing))
+                          tolerance_at(map, site, leaf, point), &footing))
         return false;
     site->facet = footing.facet;
     return true;
@@ -83,12 +171,12 @@ static bool find_facet(const struct orl_photon_map *map, struct orl_leaf_center 
 void orl_leaf_center_settle(const struct orl_photon_map *map, struct orl_leaf_center *site,
                             uint64_t leaf, const struct orl_world *world)
 {
-    const uint32_t middle = middle_photon(map, leaf) % ORL_MAP_LEAF;
+    const uint32_t own = site->photon;
     const uint32_t *words = map->places + leaf * ORL_LEAF_WORDS;
     uint32_t cell[3];
     if (!world || find_facet(map, site, leaf, world) || site->at_photon)
         return;
-    orl_place_unpack(words[middle], words[middle + ORL_MAP_LEAF], cell);
+    orl_place_unpack(words[own], words[own + ORL_MAP_LEAF], cell);
     for (int k = 0; k < 3; k++)
         site->at[k] = (float)cell[k];
     site->at_photon = true;
@@ -102,9 +190,9 @@ bool orl_leaf_center_ask(const struct orl_photon_map *map, const struct orl_leaf
     query->point = orl_leaf_center_point(map, site);
     query->normal = orl_normal_decode(site->normal);
     query->at_photon = site->at_photon;
-    query->skip = middle_photon(map, leaf);
+    query->skip = (uint32_t)(leaf * ORL_MAP_LEAF + site->photon);
     if (!world || !orl_footing_find(world, query->point, query->normal,
-                                    tolerance_at(map, leaf, query->point), ret_footing))
+                                    tolerance_at(map, site, leaf, query->point), ret_footing))
         return false;
     query->point = ret_footing->point;
     query->normal = ret_footing->normal;

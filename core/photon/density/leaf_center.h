@@ -14,10 +14,18 @@ struct orl_leaf_center {
     float spread2; /* cells: mean squared distance of the leaf's photons from their middle */
     uint16_t normal;
     bool at_photon;
+    uint8_t photon; /* of the leaf: the one it is at, or amid */
     uint32_t facet; /* it lies on, once settled; UINT32_MAX: on none */
 };
 
 struct orl_leaf_center orl_leaf_center_make(const struct orl_photon_map *map, uint64_t leaf);
+/*
+ * Of a leaf whose photons lie uneven, at the edge of a shadow or in two places, it becomes the
+ * middle of the half that is closest together, and speaks for that half alone: spread over the
+ * whole, what a sun patch holds would light the dark beside it.
+ */
+void orl_leaf_center_condense(const struct orl_photon_map *map, struct orl_leaf_center *site,
+                              uint64_t leaf);
 /* Finds its facet; moves it to the photon when there is no surface where it is: of photons of
  * several small ones the middle may lie in a gap between, and an estimate there would spread their
  * light over the gaps. */

@@ -67,6 +67,12 @@ enum { MOST_TRIES = 4, COARSE = 1, CROWDED = 2 };
  * much. In between nothing is lost or made: measured in the integrating sphere.
  */
 static const float reach_of_leaf = 1.85F;
+/*
+ * Beyond so many of its spreads, the half side of a square, a leaf serves a point only if another
+ * one reaches it, too: at the edge of a shadow none does from the dark side, and what leaves there
+ * served beyond would be light out of nothing, wherever their photons are few.
+ */
+static const float alone_reach_of_leaf = 1.2247449F;
 
 /* Stands for zero irradiance: the smallest exponent with an empty mantissa, but not the empty word.
  */
@@ -85,6 +91,7 @@ static void make_sites(void *arg, size_t chunk, uint32_t member)
     (void)member;
     for (uint64_t i = chunk * CHUNK; i < (chunk + 1) * CHUNK && i < leaves->count; i++) {
         leaves->sites[i] = orl_leaf_center_make(leaves->map, i);
+        orl_leaf_center_condense(leaves->map, &leaves->sites[i], i);
         orl_leaf_center_settle(leaves->map, &leaves->sites[i], i, leaves->world);
     }
 }
@@ -280,57 +287,6 @@ static bool next_leaf(const struct orl_leaves *leaves, struct orl_vec3 point,
     return found;
 }
 
-/*
- * Whether the leaf covers the place. In a sun patch leaves are small and many: were the nearest to
- * serve whatever its size, they would light the dark around them, half way to its sparse leaves.
- */
-static bool covers(const struct orl_leaves *leaves, struct candidate leaf)
-{
-    return leaf.distance2 <= reach_of_leaf * reach_of_leaf * (leaves->sites[leaf.leaf].spread2 + 1);
-}
-
-/*
- * Whether the leaf's site is on the footing's surface, and nothing stands between. Of a patch that
- * was taken in as a whole the estimate holds its own photons, that there are any being why one
- * asked there: patches beside it are to have theirs.
- */
-static bool is_joined(const struct orl_leaves *leaves, struct candidate leaf,
-                      const struct estimate *estimate, const struct orl_footing *footing)
-{
-    const double cell = leaves->map->header->cell, distance = sqrt((double)leaf.distance2) * cell;
-    const struct orl_vec3 site = orl_leaf_center_point(leaves->map, &leaves->sites[leaf.leaf]);
-    if (!footing)
-        return true;
-    if (estimate->patch && footing->facet != leaves->sites[leaf.leaf].facet)
-        return false;
-    /* On another, parallel surface close by. */
-    if (fabs(orl_dot(orl_sub(site, footing->point), footing->normal)) > 4 * cell &&
-        distance < orl_footing_flat(footing))
-        return false;
-    return distance < estimate->clear || orl_footing_joins(footing, site);
-}
-
-/* Whether the leaf serves the point: then what it has to say. */
-static bool reads(struct orl_leaves *leaves, struct candidate leaf,
-                  const struct orl_footing *footing, struct orl_search *search,
-                  struct orl_rgb *ret_irradiance, struct orl_batches *ret_parts, bool *ret_crowded)
-{
-    if (!covers(leaves, leaf))
-        return false;
-    const struct estimate estimate = estimate_of(leaves, leaf.leaf, search);
-    if (!is_joined(leaves, leaf, &estimate, footing))
-        return false;
-    if (ret_crowded && estimate.crowded) {
-        *ret_crowded = true;
-        *ret_irradiance = orl_gray(0);
-        return true;
-    }
-    *ret_irradiance = estimate.irradiance;
-    if (ret_parts)
-        *ret_parts = parts_of(&leaves->kept[leaf.leaf], orl_luma(estimate.irradiance));
-    return true;
-}
-
 /* A leaf and those beside it, the nearest first; returns how many. */
 static uint32_t find_beside(const struct orl_leaves *leaves, uint32_t leaf,
                             struct candidate ret_beside[BESIDE])
@@ -387,6 +343,77 @@ static struct beside *know_beside(const struct orl_leaves *leaves, uint32_t leaf
 }
 
 /*
+ * Whether the leaf covers the place. In a sun patch leaves are small and many: were the nearest to
+ * serve whatever its size, they would light the dark around them, half way to its sparse leaves.
+ */
+static bool covers(const struct orl_leaves *leaves, struct candidate leaf, float reach)
+{
+    return leaf.distance2 <= reach * reach * (leaves->sites[leaf.leaf].spread2 + 1);
+}
+
+/* Whether it may serve the place: it covers that amply, or another one beside it does so, too. */
+static bool covers_well(const struct orl_leaves *leaves, struct candidate leaf, const float at[3])
+{
+    if (covers(leaves, leaf, alone_reach_of_leaf))
+        return true;
+    if (!covers(leaves, leaf, reach_of_leaf))
+        return false;
+    const struct beside *beside = know_beside(leaves, leaf.leaf);
+    for (int i = 1; i < BESIDE; i++) {
+        struct candidate other = {0, atomic_load_explicit(&beside->leaf[i], memory_order_relaxed)};
+        for (int k = 0; k < 3; k++) {
+            const float off = atomic_load_explicit(&beside->at[k][i], memory_order_relaxed) - at[k];
+            other.distance2 += off * off;
+        }
+        if (other.leaf-- != 0 && covers(leaves, other, reach_of_leaf))
+            return true;
+    }
+    return false;
+}
+
+/*
+ * Whether the leaf's site is on the footing's surface, and nothing stands between. Of a patch that
+ * was taken in as a whole the estimate holds its own photons, that there are any being why one
+ * asked there: patches beside it are to have theirs.
+ */
+static bool is_joined(const struct orl_leaves *leaves, struct candidate leaf,
+                      const struct estimate *estimate, const struct orl_footing *footing)
+{
+    const double cell = leaves->map->header->cell, distance = sqrt((double)leaf.distance2) * cell;
+    const struct orl_vec3 site = orl_leaf_center_point(leaves->map, &leaves->sites[leaf.leaf]);
+    if (!footing)
+        return true;
+    if (estimate->patch && footing->facet != leaves->sites[leaf.leaf].facet)
+        return false;
+    /* On another, parallel surface close by. */
+    if (fabs(orl_dot(orl_sub(site, footing->point), footing->normal)) > 4 * cell &&
+        distance < orl_footing_flat(footing))
+        return false;
+    return distance < estimate->clear || orl_footing_joins(footing, site);
+}
+
+/* Whether the leaf serves the point: then what it has to say. */
+static bool reads(struct orl_leaves *leaves, struct candidate leaf, const float at[3],
+                  const struct orl_footing *footing, struct orl_search *search,
+                  struct orl_rgb *ret_irradiance, struct orl_batches *ret_parts, bool *ret_crowded)
+{
+    if (!covers_well(leaves, leaf, at))
+        return false;
+    const struct estimate estimate = estimate_of(leaves, leaf.leaf, search);
+    if (!is_joined(leaves, leaf, &estimate, footing))
+        return false;
+    if (ret_crowded && estimate.crowded) {
+        *ret_crowded = true;
+        *ret_irradiance = orl_gray(0);
+        return true;
+    }
+    *ret_irradiance = estimate.irradiance;
+    if (ret_parts)
+        *ret_parts = parts_of(&leaves->kept[leaf.leaf], orl_luma(estimate.irradiance));
+    return true;
+}
+
+/*
  * The leaf whose site is nearest to the point, of those beside the one that it would stand in by
  * the order of the map.
  */
@@ -426,14 +453,16 @@ struct orl_rgb orl_leaves_irradiance(struct orl_leaves *leaves, struct orl_vec3 
 {
     struct candidate leaf;
     struct orl_rgb irradiance;
+    float at[3];
     if (ret_crowded)
         *ret_crowded = false;
+    orl_box_locate(leaves->map, point, at);
     if (leaf_about(leaves, point, normal, &leaf) &&
-        reads(leaves, leaf, footing, search, &irradiance, ret_parts, ret_crowded))
+        reads(leaves, leaf, at, footing, search, &irradiance, ret_parts, ret_crowded))
         return irradiance;
     leaf = (struct candidate){-1, 0};
     for (int i = 0; i < MOST_TRIES && next_leaf(leaves, point, normal, leaf, &leaf); i++)
-        if (reads(leaves, leaf, footing, search, &irradiance, ret_parts, ret_crowded))
+        if (reads(leaves, leaf, at, footing, search, &irradiance, ret_parts, ret_crowded))
             return irradiance;
     struct orl_density_query query = query_at(leaves, point, normal);
     query.footing = footing;
