@@ -163,6 +163,14 @@ double orl_tree_total(const struct orl_tree *tree, enum orl_tree_axis given,
     return ORL_PI * (double)mean_of(tree, tree->root, given, c, tree->depth);
 }
 
+void orl_tree_ask_for_total(const struct orl_tree *tree, enum orl_tree_axis given,
+                            struct orl_square place)
+{
+    const struct cell c = cell_of(place, given, tree->depth);
+    if (!orl_tree_is_leaf(tree->root))
+        __builtin_prefetch(mean_at(tree, tree->root, given, c, tree->depth));
+}
+
 /*
  * A place within a cell, kept clear of its border by 1e-9 of its width: the direction made from it
  * then falls into the same cell when it is mapped back.
@@ -304,7 +312,7 @@ static inline void go_down(struct descent *d)
 static inline void arrive(const struct descent *d, struct orl_tree_draw *draw)
 {
     const double value = (double)float_of(d->ref.bits);
-    const double t = fmin(d->t / value, 0x1.fffffffffffffp-1);
+    const double t = orl_smaller(d->t / value, 0x1.fffffffffffffp-1);
     draw->direction =
         orl_square_cell_direction(d->given == ORL_AXIS_A ? ORL_AXIS_B : ORL_AXIS_A, d->x, d->y,
                                   d->tree->depth - d->level, t, draw->u[1]);

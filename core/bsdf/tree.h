@@ -163,6 +163,9 @@ struct orl_vec3 orl_square_cell_direction(enum orl_tree_axis axis, unsigned x, u
 /* The integral over the other hemisphere of value times cosine, for the given direction. */
 double orl_tree_total(const struct orl_tree *tree, enum orl_tree_axis given,
                       struct orl_square place);
+/* Prefetches what that will read. */
+void orl_tree_ask_for_total(const struct orl_tree *tree, enum orl_tree_axis given,
+                            struct orl_square place);
 
 /*
  * Draws the other direction in proportion to value times cosine; u: two uniforms in [0,1). Only

@@ -217,19 +217,36 @@ struct drawing {
     bool front, transmitted;
 };
 
-/* Chooses the side; false: no light goes to any. */
-static inline bool begin_draw(const struct orl_bsdf *bsdf, enum orl_role role,
-                              struct orl_vec3 given, enum orl_bsdf_side sides, double u,
-                              struct drawing *d)
+/* Places the given direction. */
+static inline void place_draw(const struct orl_bsdf *bsdf, enum orl_role role,
+                              struct orl_vec3 given, struct drawing *d)
 {
     d->role = role;
     d->coords = orl_coords_of(bsdf->document.structure, given);
     d->front = given.z > 0;
-    totals(bsdf, role, d->front, &d->coords, sides, d->total);
+}
+
+/* Then chooses the side; false: no light goes to any. */
+static inline bool begin_draw(const struct orl_bsdf *bsdf, enum orl_bsdf_side sides, double u,
+                              struct drawing *d)
+{
+    totals(bsdf, d->role, d->front, &d->coords, sides, d->total);
     d->sum = d->total[0] + d->total[1];
     d->transmitted = d->total[1] > 0 && u * d->sum >= d->total[0];
-    d->view = view_for(bsdf, role, d->front, d->transmitted);
+    d->view = view_for(bsdf, d->role, d->front, d->transmitted);
     return d->sum > 0;
+}
+
+/* Asks for what begin_draw will read, where that is in memory far away. */
+static inline void ask_for_totals(const struct orl_bsdf *bsdf, enum orl_bsdf_side sides,
+                                  const struct drawing *d)
+{
+    for (int t = 0; t < 2 && bsdf->document.structure == ORL_STRUCTURE_TREE4; t++) {
+        const struct orl_component_view *view = view_for(bsdf, d->role, d->front, t);
+        if (wants(sides, t) && view->component)
+            orl_tree_ask_for_total(&view->component->tree, orl_view_axis(view, d->role),
+                                   d->coords.square);
+    }
 }
 
 /* What was drawn is of that value, as filed, and in the half z > 0 as yet. */
@@ -254,7 +271,8 @@ static bool draw_other(const struct orl_bsdf *bsdf, enum orl_role role, struct o
     struct pair p = {.component = NULL};
     struct orl_vec3 direction;
     struct drawing d;
-    if (!begin_draw(bsdf, role, given, sides, u[2], &d))
+    place_draw(bsdf, role, given, &d);
+    if (!begin_draw(bsdf, sides, u[2], &d))
         return false;
     const struct orl_component *component = d.view->component;
     p.value = orl_component_draw(structure, component, orl_view_axis(d.view, role), &d.coords, u,
@@ -282,7 +300,7 @@ static void draw_from_trees(const struct orl_bsdf_ask *asks, const struct drawin
     struct orl_tree_draw draws[ABREAST];
     for (size_t i = 0; i < n; i++) {
         const struct orl_bsdf_ask *ask = &asks[which[i]];
-        const struct drawing *d = &drawings[i];
+        const struct drawing *d = &drawings[which[i]];
         draws[i].tree = &d->view->component->tree;
         draws[i].given = orl_view_axis(d->view, d->role);
         draws[i].place = d->coords.square;
@@ -292,7 +310,7 @@ static void draw_from_trees(const struct orl_bsdf_ask *asks, const struct drawin
     orl_tree_draw_many(draws, n);
     for (size_t i = 0; i < n; i++) {
         const struct orl_bsdf_ask *ask = &asks[which[i]];
-        end_draw(ask->bsdf, &drawings[i], ask->given, draws[i].value, draws[i].direction,
+        end_draw(ask->bsdf, &drawings[which[i]], ask->given, draws[i].value, draws[i].direction,
                  &ret[which[i]]);
     }
 }
@@ -304,17 +322,21 @@ static void draw_abreast(const struct orl_bsdf_ask *asks, size_t n, struct orl_b
     struct drawing drawings[ABREAST];
     size_t which[ABREAST], trees = 0;
     for (size_t i = 0; i < n; i++) {
+        const enum orl_role role = asks[i].adjoint ? ORL_ROLE_OUT : ORL_ROLE_IN;
+        place_draw(asks[i].bsdf, role, asks[i].given, &drawings[i]);
+        ask_for_totals(asks[i].bsdf, asks[i].sides, &drawings[i]);
+    }
+    for (size_t i = 0; i < n; i++) {
         const struct orl_bsdf_ask *ask = &asks[i];
-        const enum orl_role role = ask->adjoint ? ORL_ROLE_OUT : ORL_ROLE_IN;
-        struct drawing *d = &drawings[trees];
-        ret_found[i] = begin_draw(ask->bsdf, role, ask->given, ask->sides, ask->u[2], d);
+        struct drawing *d = &drawings[i];
+        ret_found[i] = begin_draw(ask->bsdf, ask->sides, ask->u[2], d);
         if (!ret_found[i])
             continue;
         if (ask->bsdf->document.structure == ORL_STRUCTURE_TREE4 &&
             !d->view->component->chroma.present)
             which[trees++] = i;
         else
-            draw_other(ask->bsdf, role, ask->given, ask->sides, ask->u, false, &ret[i]);
+            draw_other(ask->bsdf, d->role, ask->given, ask->sides, ask->u, false, &ret[i]);
     }
     draw_from_trees(asks, drawings, which, trees, ret);
 }
