@@ -173,7 +173,7 @@ static bool goes_on(struct orl_eye_path *p, const struct orl_scatter *s)
 {
     struct outing *o = outing_of(p);
     if (p->bounce >= SURE_BOUNCES &&
-        !orl_path_survives(&p->path, fmin(orl_rgb_max(p->path.weight), 1.0), p->random))
+        !orl_path_survives(&p->path, orl_smaller(orl_rgb_max(p->path.weight), 1), p->random))
         return false;
     p->chance = is_folded(o, orl_world_material(p->world, &p->hit))
                     ? orl_chance_found()
@@ -198,21 +198,29 @@ static struct orl_rgb follow(struct outing *o)
 
 /* ---- Whoever asks ---------------------------------------------------------------------------- */
 
-static struct outing outing_from(const struct orl_world *world, const struct orl_path *path,
-                                 struct orl_chance chance, struct orl_random *random,
-                                 struct orl_health *health)
+/* All but where it goes. Not by clearing it first: what it meets is most of it. */
+static void set_out(struct outing *o, const struct orl_world *world, struct orl_chance chance,
+                    struct orl_random *random, struct orl_health *health)
 {
-    return (struct outing){
-        .eye = {.world = world, .random = random, .path = *path, .chance = chance},
-        .health = health};
+    struct orl_eye_path *p = &o->eye;
+    p->world = world;
+    p->random = random;
+    p->seen = orl_gray(0);
+    p->chance = chance;
+    p->bounce = 0;
+    p->outside = p->clear = p->looked = p->met = false;
+    o->ret_entry = NULL;
+    o->diffused = false;
+    o->health = health;
 }
 
 struct orl_rgb orl_exterior_radiance_from(const struct orl_world *world, struct orl_vec3 direction,
                                           const struct orl_hit *first, struct orl_chance chance,
                                           struct orl_random *random, struct orl_health *health)
 {
-    const struct orl_path path = orl_path_from(orl_v3(0, 0, 0), direction);
-    struct outing outing = outing_from(world, &path, chance, random, health);
+    struct outing outing;
+    set_out(&outing, world, chance, random, health);
+    outing.eye.path = orl_path_from(orl_v3(0, 0, 0), direction);
     orl_eye_path_foresee(&outing.eye, first);
     return follow(&outing);
 }
@@ -222,8 +230,9 @@ struct orl_rgb orl_exterior_radiance(const struct orl_world *world, struct orl_v
                                      struct orl_random *random, struct orl_health *health,
                                      struct orl_entry *ret_entry)
 {
-    const struct orl_path path = orl_path_from(origin, direction);
-    struct outing outing = outing_from(world, &path, chance, random, health);
+    struct outing outing;
+    set_out(&outing, world, chance, random, health);
+    outing.eye.path = orl_path_from(origin, direction);
     outing.ret_entry = ret_entry;
     if (ret_entry)
         ret_entry->entered = false;

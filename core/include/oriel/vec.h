@@ -115,6 +115,12 @@ static inline double orl_larger(double a, double b)
     const double larger = a > b ? a : b;
     return b == b ? larger : a;
 }
+/* fmin, likewise. */
+static inline double orl_smaller(double a, double b)
+{
+    const double smaller = a < b ? a : b;
+    return b == b ? smaller : a;
+}
 static inline double orl_rgb_max(struct orl_rgb a)
 {
     return orl_larger(a.r, orl_larger(a.g, a.b));

@@ -129,14 +129,25 @@ static bool passes_port(const struct orl_stratum *s)
            s->kind == ORL_STRATUM_PORT_IMAGE;
 }
 
+/* All but where it starts, and what it carries. */
+static void begin(struct orl_flight *flight, double fate)
+{
+    flight->from_light = flight->from_port = flight->lamp = flight->beam = false;
+    flight->way = (struct orl_deflection){.mirror = false};
+    flight->sun = 0;
+    flight->image = -1;
+    flight->focus = 0;
+    flight->fate = fate;
+    flight->reflected = 1;
+}
+
 /* start: of those that pass a port; of others the numbers in point will do. */
 static enum stage aim(const struct orl_emission *e, const struct orl_stratum *stratum, bool caustic,
                       const double *point, const struct orl_port_start *start,
                       struct orl_random *random, struct arrival *ret_arrival,
                       struct orl_flight *ret_flight)
 {
-    *ret_flight =
-        (struct orl_flight){.fate = orl_random_uniform(random), .reflected = 1, .image = -1};
+    begin(ret_flight, orl_random_uniform(random));
     switch (stratum->kind) {
     case ORL_STRATUM_PORT_DOME:
         return aim_port_dome(e, stratum, start, ret_arrival);

@@ -35,7 +35,7 @@ struct course {
  */
 static bool survives(struct course *c, struct orl_rgb weight, double spared)
 {
-    const double chance = fmin(orl_luma(weight) / spared, 1);
+    const double chance = orl_smaller(orl_luma(weight) / spared, 1);
     c->alive *= chance;
     if (!(c->alive > c->fate))
         return false;
@@ -51,7 +51,7 @@ static bool ends_here(const struct course *c, const struct orl_material *m, stru
                       double spared, bool caustic)
 {
     return orl_material_is_matt(m) &&
-           (caustic || !(c->alive * fmin(orl_luma(albedo) / spared, 1) > c->fate));
+           (caustic || !(c->alive * orl_smaller(orl_luma(albedo) / spared, 1) > c->fate));
 }
 
 /* What the way to a hit does: a medium dims; a spotlight's beam is wider than its lamp (lamp.c). */
@@ -130,21 +130,26 @@ static bool set_out(const struct tracing *t, const struct orl_flight *flight, ui
                     struct course *c, struct orl_deposits *deposits)
 {
     const struct orl_deflection way = flight->way;
-    *c = (struct course){.path = {flight->origin, flight->direction,
-                                  orl_health_keep(&deposits->health, flight->flux),
-                                  flight->from_port ? flight->clarity : orl_gray(1)},
-                         .fate = flight->fate,
-                         .alive = 1,
-                         .reflected = flight->reflected,
-                         .focus = flight->focus,
-                         .spread = 1,
-                         .way = way,
-                         .crossed = flight->from_port,
-                         .lamp = flight->lamp,
-                         .batch = batch,
-                         .class = !flight->from_light        ? ORL_PHOTON_REST
-                                  : (way.mirror || way.lobe) ? ORL_PHOTON_CAUSTIC
-                                                             : ORL_PHOTON_LIGHT};
+    /* One after the other: to clear all of it first takes longer than the rest. */
+    c->path.origin = flight->origin;
+    c->path.direction = flight->direction;
+    c->path.weight = orl_health_keep(&deposits->health, flight->flux);
+    c->path.clarity = flight->from_port ? flight->clarity : orl_gray(1);
+    c->fate = flight->fate;
+    c->alive = c->spread = 1;
+    c->reflected = flight->reflected;
+    c->focus = flight->focus;
+    c->flown = 0;
+    c->way = way;
+    c->crossed = flight->from_port;
+    c->outside = false;
+    c->lamp = flight->lamp;
+    c->batch = batch;
+    c->class = !flight->from_light        ? ORL_PHOTON_REST
+               : (way.mirror || way.lobe) ? ORL_PHOTON_CAUSTIC
+                                          : ORL_PHOTON_LIGHT;
+    c->reflections = 0;
+    c->bounces = c->unseen = 0;
     if (t->discs || t->by_chance)
         c->found = orl_found_at_first(t->world, flight, t->by_chance);
     if (t->caustic && is_left_out(t->world, way))

@@ -20,7 +20,7 @@ static struct pane pane_at(const struct orl_material *material, const struct orl
                            double cosine)
 {
     /* Never quite 0, where glass of index 1 would divide nothing by nothing. */
-    const double n = material->ior, c = fmin(fmax(fabs(cosine), 1e-150), 1.0);
+    const double n = material->ior, c = orl_smaller(orl_larger(fabs(cosine), 1e-150), 1);
     const double inside = sqrt((n - 1) * (n + 1) + c * c) / n;
     const double path = 1 / inside; /* relative to the normal's */
     const struct orl_rgb t = orl_transmissivity_at(material, hit);
