@@ -218,7 +218,7 @@ static bool counts(const struct ask *ask, uint32_t index, const float chord[3], 
     return !ask->footprint || orl_footprint_holds(ask->footprint, orl_scale(c, map->header->cell));
 }
 
-static void add_leaf(struct ask *ask, uint32_t leaf)
+static inline void add_leaf(struct ask *ask, uint32_t leaf)
 {
     const struct orl_photon_map *map = ask->spread->map;
     const uint32_t *a = map->places + (size_t)leaf * ORL_LEAF_WORDS, *b = a + ORL_MAP_LEAF;
@@ -257,7 +257,7 @@ static void add_leaf(struct ask *ask, uint32_t leaf)
 }
 
 /* Every leaf whose discs reach the point. */
-static void add_all(struct ask *ask)
+ORL_FOR_WIDE_VECTORS static void add_all(struct ask *ask)
 {
     const struct orl_photon_map *map = ask->spread->map;
     struct orl_box_visit stack[ORL_BOX_STACK];

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/vectors.h"
 #include "photon/density/crowd.h"
 #include "photon/density/leaf_center.h"
 #include "photon/map/boxes.h"
@@ -253,8 +254,9 @@ static float distance2_to(const struct orl_leaves *leaves, uint32_t leaf, const 
  * The nearest leaf whose site is on the query's sheet, of those that come after `last`; false when
  * none is within reach.
  */
-static bool next_leaf(const struct orl_leaves *leaves, struct orl_vec3 point,
-                      struct orl_vec3 normal, struct candidate last, struct candidate *ret_next)
+ORL_FOR_WIDE_VECTORS static bool next_leaf(const struct orl_leaves *leaves, struct orl_vec3 point,
+                                           struct orl_vec3 normal, struct candidate last,
+                                           struct candidate *ret_next)
 {
     const struct orl_photon_map *map = leaves->map;
     const uint16_t code = orl_normal_encode(normal);
@@ -288,8 +290,8 @@ static bool next_leaf(const struct orl_leaves *leaves, struct orl_vec3 point,
 }
 
 /* A leaf and those beside it, the nearest first; returns how many. */
-static uint32_t find_beside(const struct orl_leaves *leaves, uint32_t leaf,
-                            struct candidate ret_beside[BESIDE])
+ORL_FOR_WIDE_VECTORS static uint32_t find_beside(const struct orl_leaves *leaves, uint32_t leaf,
+                                                 struct candidate ret_beside[BESIDE])
 {
     const struct orl_photon_map *map = leaves->map;
     const struct orl_leaf_center *own = &leaves->sites[leaf];
