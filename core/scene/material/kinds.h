@@ -34,6 +34,11 @@ bool orl_reflector_transmits_lobes(const struct orl_material *material);
 struct orl_rgb orl_reflector_lobes(const struct orl_material *material, const struct orl_hit *hit,
                                    struct orl_vec3 light, struct orl_vec3 eye);
 struct orl_scatter orl_reflector_sample(const struct orl_draw *draw, const double u[3]);
+/* Draws from what is diffuse and nothing else, those of the list, n at most ORL_MATTS_ABREAST. */
+enum { ORL_MATTS_ABREAST = 16 };
+bool orl_reflector_is_matt(const struct orl_draw *draw);
+void orl_reflector_sample_matts(const struct orl_draw *draws, const double (*u)[3],
+                                const size_t *which, size_t n, struct orl_scatter *ret);
 double orl_reflector_pdf(const struct orl_draw *draw, struct orl_vec3 towards);
 
 /* dielectric.c: clear solids and liquids. */

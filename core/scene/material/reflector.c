@@ -1,5 +1,6 @@
 #include "scene/material/kinds.h"
 
+#include "base/vectors.h"
 #include "scene/material/hemisphere.h"
 #include "scene/material/ward.h"
 
@@ -120,14 +121,62 @@ static struct orl_vec3 facing(const struct orl_hit *hit, struct orl_vec3 from)
     return orl_dot(from, hit->normal) >= 0 ? hit->normal : orl_neg(hit->normal);
 }
 
+bool orl_reflector_is_matt(const struct orl_draw *draw)
+{
+    return orl_material_is_matt(draw->material) && draw->lobes & ORL_LOBE_DIFFUSE &&
+           orl_luma(orl_color_at(draw->material, draw->hit)) > 0;
+}
+
+/* Directions about normals, in columns: vectors' work. */
+struct turns {
+    double normals[3][ORL_MATTS_ABREAST], points[2][ORL_MATTS_ABREAST];
+    double directions[3][ORL_MATTS_ABREAST];
+};
+
+ORL_FOR_WIDE_VECTORS
+static void turn_about(struct turns *t)
+{
+    for (int i = 0; i < ORL_MATTS_ABREAST; i++) {
+        const struct orl_vec3 normal = orl_v3(t->normals[0][i], t->normals[1][i], t->normals[2][i]);
+        const struct orl_vec3 d = orl_hemisphere_about(normal, t->points[0][i], t->points[1][i]);
+        t->directions[0][i] = d.x;
+        t->directions[1][i] = d.y;
+        t->directions[2][i] = d.z;
+    }
+}
+
+void orl_reflector_sample_matts(const struct orl_draw *draws, const double (*u)[3],
+                                const size_t *which, size_t n, struct orl_scatter *ret)
+{
+    struct turns t = {.normals = {{0}}};
+    if (n == 0)
+        return;
+    for (size_t i = 0; i < n; i++) {
+        const struct orl_draw *draw = &draws[which[i]];
+        const struct orl_vec3 normal = facing(draw->hit, draw->from);
+        t.normals[0][i] = normal.x;
+        t.normals[1][i] = normal.y;
+        t.normals[2][i] = normal.z;
+        t.points[0][i] = u[which[i]][0];
+        t.points[1][i] = u[which[i]][1];
+    }
+    turn_about(&t);
+    for (size_t i = 0; i < n; i++) {
+        const struct orl_draw *draw = &draws[which[i]];
+        ret[which[i]] = (struct orl_scatter){
+            .event = ORL_EVENT_DIFFUSE,
+            .direction = orl_v3(t.directions[0][i], t.directions[1][i], t.directions[2][i]),
+            .weight = orl_reflector_diffuse(draw->material, draw->hit)};
+    }
+}
+
 struct orl_scatter orl_reflector_sample(const struct orl_draw *draw, const double u[3])
 {
     struct orl_scatter s = {.event = ORL_EVENT_ABSORBED};
     struct orl_rgb parts[PARTS];
     double luma[PARTS], chance;
     /* Most surfaces of a room: there is nothing to choose between. */
-    if (orl_material_is_matt(draw->material) && draw->lobes & ORL_LOBE_DIFFUSE &&
-        orl_luma(orl_color_at(draw->material, draw->hit)) > 0) {
+    if (orl_reflector_is_matt(draw)) {
         s.event = ORL_EVENT_DIFFUSE;
         s.direction = orl_hemisphere_about(facing(draw->hit, draw->from), u[0], u[1]);
         s.weight = orl_reflector_diffuse(draw->material, draw->hit);

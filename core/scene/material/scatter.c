@@ -132,19 +132,25 @@ struct orl_scatter orl_scatter_sample_at(const struct orl_material *material,
 void orl_scatter_sample_many(const struct orl_draw *draws, const double (*u)[3], size_t n,
                              struct orl_scatter *ret_scatters)
 {
-    size_t panels[ORL_PANELS_ABREAST], waiting = 0;
+    size_t panels[ORL_PANELS_ABREAST], n_panels = 0, matts[ORL_MATTS_ABREAST], n_matts = 0;
     for (size_t i = 0; i < n; i++) {
-        if (!orl_panel_is_data_alone(draws[i].material)) {
+        if (orl_reflector_is_matt(&draws[i]))
+            matts[n_matts++] = i;
+        else if (orl_panel_is_data_alone(draws[i].material))
+            panels[n_panels++] = i;
+        else
             ret_scatters[i] = sample(&draws[i], u[i]);
-            continue;
+        if (n_matts == ORL_MATTS_ABREAST) {
+            orl_reflector_sample_matts(draws, u, matts, n_matts, ret_scatters);
+            n_matts = 0;
         }
-        panels[waiting++] = i;
-        if (waiting == ORL_PANELS_ABREAST) {
-            orl_panel_sample_many(draws, u, panels, waiting, ret_scatters);
-            waiting = 0;
+        if (n_panels == ORL_PANELS_ABREAST) {
+            orl_panel_sample_many(draws, u, panels, n_panels, ret_scatters);
+            n_panels = 0;
         }
     }
-    orl_panel_sample_many(draws, u, panels, waiting, ret_scatters);
+    orl_reflector_sample_matts(draws, u, matts, n_matts, ret_scatters);
+    orl_panel_sample_many(draws, u, panels, n_panels, ret_scatters);
 }
 
 struct orl_scatter orl_scatter_sample(const struct orl_material *material,
