@@ -129,3 +129,13 @@ double orl_outdoors_reflectance(const struct orl_world *world)
     }
     return most;
 }
+
+double orl_panes_reflectance(const struct orl_world *world)
+{
+    double most = 0;
+    for (size_t p = 0; p < world->n_ports; p++)
+        most = fmax(
+            most,
+            sent_back(&world->materials[world->geometry->facets[world->ports[p].facet].material]));
+    return most;
+}

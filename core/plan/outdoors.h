@@ -14,4 +14,7 @@ bool orl_outdoors_look(const struct orl_world *world, bool *ret_clear);
 /* Of all facets that reach beyond any port: the largest share of light that one sends back. */
 double orl_outdoors_reflectance(const struct orl_world *world);
 
+/* The largest share of light that a port sends back, to whoever stands before it. */
+double orl_panes_reflectance(const struct orl_world *world);
+
 #endif

@@ -51,8 +51,9 @@ static void decide_exterior(struct orl_survey *survey, struct orl_plan *plan)
     struct orl_world *world = survey->world;
     struct orl_decision *decision = &plan->effects[ORL_EFFECT_EXTERIOR];
     const bool looks = decision->wish != ORL_WISH_FORCE && world->n_ports > 0;
-    const double rho =
-        looks && survey->n_clear < world->n_ports ? orl_outdoors_reflectance(world) : 0;
+    double rho = looks && survey->n_clear < world->n_ports ? orl_outdoors_reflectance(world) : 0;
+    if (looks && !(rho > 0) && orl_survey_asks_outside(survey))
+        rho = orl_panes_reflectance(world);
     const double direct = survey->sun_lx + survey->sky_lx + survey->lamp_lx;
     struct orl_finding finding = {
         .needed = world->n_ports > 0 && rho > 0,
@@ -71,11 +72,12 @@ static void decide_exterior(struct orl_survey *survey, struct orl_plan *plan)
         orl_settle(decision, &finding, "whatever stands before the %zu windows is followed",
                    world->n_ports);
     else if (rho > 0)
-        orl_settle(decision, &finding,
-                   "surfaces reach beyond %zu of %zu windows and reflect up to %.3g %%; of the "
-                   "light of the sky, %.2g %% comes in by way of them",
-                   world->n_ports - survey->n_clear, world->n_ports, 100 * rho,
-                   100 * share_reflected(survey));
+        orl_settle(
+            decision, &finding,
+            "surfaces reach beyond %zu of %zu windows, and up to %.3g %% is reflected; of the "
+            "light of the sky, %.2g %% comes in by way of them",
+            world->n_ports - survey->n_clear, world->n_ports, 100 * rho,
+            100 * share_reflected(survey));
     else
         orl_settle(decision, &finding,
                    "no surface that reflects reaches beyond the plane of any of the %zu windows",

@@ -205,6 +205,15 @@ static void test_exterior(void **state)
     expect_skipped(SKY SUN ROOM "void plastic k 0 0 5 0 0 0 0 0\n"
                                 "k polygon sill 0 0 12 1 -.05 1 3 -.05 1 3 0 1 1 0 1\n",
                    ORL_EFFECT_EXTERIOR, 0);
+    /* But the panes do, and who stands before them sees it. */
+    static const struct orl_sensor before = {{2, -.5, 1.5}, {0, 1, 0}};
+    const struct orl_plan seen =
+        plan_of(&(struct query){.text = SKY SUN ROOM "void plastic k 0 0 5 0 0 0 0 0\n"
+                                                     "k polygon sill 0 0 12 1 -.05 1 3 -.05 1 3 0 "
+                                                     "1 1 0 1\n",
+                                .sensor = &before},
+                NULL);
+    assert_true(seen.effects[ORL_EFFECT_EXTERIOR].simulated);
     plan_text(SKY SUN ROOM, &left);
     assert_true(left.clear && !left.omit.exterior);
     plan_text(SKY SUN ROOM OPPOSITE, &left);
