@@ -7,6 +7,7 @@
 
 #include "base/random.h"
 #include "base/shelf.h"
+#include "render/gather/aim.h"
 #include "render/gather/air.h"
 #include "render/image/image.h"
 
@@ -16,6 +17,7 @@ static const uint64_t photons_in_air = 0x616972;
 struct work {
     struct orl_run_state *state;
     struct orl_gather gather;
+    struct orl_aim aim;  /* of the sensors' rays */
     struct orl_air *air; /* NULL: nothing sends light on into mid-air */
 };
 
@@ -165,13 +167,20 @@ int orl_run_gather(struct orl_run_state *state, struct orl_error *err)
     code = take_up(state, rest_of(state->result->plan.technique), &work.gather);
     if (code == 0)
         code = orl_air_new(&work.gather, state->n_sensors, &work.air);
+    if (code == 0 && state->n_sensors > 0) {
+        code = orl_aim_init(&work.aim, state->world, &work.gather.sobol, state->env->crew);
+        work.gather.aim = &work.aim;
+    }
     if (code < 0) {
+        orl_aim_done(&work.aim);
+        orl_air_free(work.air);
         orl_gather_done(&work.gather);
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for the final gather");
     }
     work.gather.cancel = state->env->cancel;
     code = orl_run_render(state, &renderer, err);
     orl_air_free(work.air);
+    orl_aim_done(&work.aim);
     lay_by(state, &work.gather);
     return code;
 }

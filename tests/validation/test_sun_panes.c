@@ -123,6 +123,50 @@ static void what_is_added_lights_the_room(void **state)
         assert_watts(i, lx[i], 0.6 * sun_w() / ORL_PI * form(&sensors[i]), 0.24);
 }
 
+/*
+ * In mid-air, near a pane whose lobe is 2.5 degrees wide: a sensor is lit from a spot of some
+ * centimetres of 3 m2, which the sun's disc, on the border of two cells of the data, shares with
+ * another one. Points spread over the pane missed it: 675 lx, alike in 8 seeds. Those drawn along
+ * the beam find it, half of it if the beam is that of the disc's middle: 3 227 lx. Now 8 seeds
+ * scatter by 1.4 % at most, their mean by 0.5 %, and backward, by one run of 16 times the samples,
+ * by 2 %.
+ */
+static void a_narrow_lobe_is_found_in_mid_air(void **state)
+{
+    enum { N = 3, SEEDS = 8 };
+    static const struct orl_sensor in_air[N] = {
+        {{2, .2, .4}, {0, 0, 1}}, {{1.5, .4, .6}, {0, -1, 0}}, {{2.5, .1, 1}, {0, -.6, .8}}};
+    const struct text bsdf = make_clear_file(6, 0.6, 0.2);
+    double lx[N], mean[N] = {0}, squares[N] = {0}, backward[N];
+    (void)state;
+    struct scene_run run = {.scene = SUN ROOM "void BSDF p 6 0 pane.xml 0 0 1 . 0 0\n" PANE,
+                            .resource_name = "pane.xml",
+                            .resource_text = bsdf.data,
+                            .sensors = in_air,
+                            .n_sensors = N,
+                            .technique = ORL_TECHNIQUE_BACKWARD,
+                            .caustic = 20000,
+                            .samples = 16384};
+    scene_run_lx(&run, backward);
+    run.technique = ORL_TECHNIQUE_GATHER;
+    run.samples = 1024;
+    for (run.seed = 1; run.seed <= SEEDS; run.seed++) {
+        scene_run_lx(&run, lx);
+        for (int i = 0; i < N; i++) {
+            mean[i] += lx[i] / SEEDS;
+            squares[i] += lx[i] * lx[i] / SEEDS;
+        }
+    }
+    for (int i = 0; i < N; i++) {
+        const double spread = sqrt(fmax(squares[i] - mean[i] * mean[i], 0));
+        print_message("sensor %d: %.4g lx, %.2g of it scatter; backward %.4g\n", i, mean[i],
+                      spread / mean[i], backward[i]);
+        assert_true(spread < 0.06 * mean[i]);
+        assert_true(fabs(mean[i] - backward[i]) < 0.06 * backward[i]);
+    }
+    free(bsdf.data);
+}
+
 /* Red glass, so to speak: lux are Visible's, whatever the colour. */
 static void colour_leaves_illuminance_alone(void **state)
 {
@@ -170,6 +214,7 @@ int main(void)
         cmocka_unit_test(an_absdfs_patch_is_sharp),
         cmocka_unit_test(a_bsdfs_patch_is_blurred),
         cmocka_unit_test(what_is_added_lights_the_room),
+        cmocka_unit_test(a_narrow_lobe_is_found_in_mid_air),
         cmocka_unit_test(colour_leaves_illuminance_alone),
         cmocka_unit_test(a_view_through_counts_once),
     };

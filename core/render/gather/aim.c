@@ -13,15 +13,14 @@ struct maker {
 
 /* The beam of a sun in a kind of pane, new where there is none yet. Returns its index, or
  * ORL_MOST_BEAMS where there are so many, or ORL_ERR_NOMEM. */
-static int find_beam(const struct maker *maker, uint32_t facet, struct orl_vec3 sun)
+static int find_beam(const struct maker *maker, uint32_t facet, const struct orl_sun *sun)
 {
     struct orl_aim *aim = maker->aim;
     const struct orl_facet *f = &aim->world->geometry->facets[facet];
     const struct orl_material *m = &aim->world->materials[f->material];
     for (uint32_t i = 0; i < aim->n_beams; i++) {
         const struct orl_beam *beam = &aim->beams[i];
-        if (beam->material == m && orl_dot(beam->normal, f->normal) > 1 - 1e-9 &&
-            orl_dot(beam->sun, sun) > 1 - 1e-12)
+        if (beam->material == m && orl_dot(beam->normal, f->normal) > 1 - 1e-9 && beam->sun == sun)
             return (int)i;
     }
     if (aim->n_beams == ORL_MOST_BEAMS)
@@ -43,7 +42,7 @@ static int add_shafts(const struct maker *maker, const struct orl_port *port)
     for (size_t s = 0; s < world->n_suns; s++) {
         if (!(orl_dot(world->suns[s].frame.n, port->outward) > 0))
             continue;
-        const int beam = find_beam(maker, port->facet, world->suns[s].frame.n);
+        const int beam = find_beam(maker, port->facet, &world->suns[s]);
         if (beam < 0)
             return beam;
         if (beam < ORL_MOST_BEAMS)

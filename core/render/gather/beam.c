@@ -77,10 +77,12 @@ static void sample_row(void *arg, size_t row, uint32_t member)
     const struct orl_beam *beam = s->beam;
     (void)member;
     for (uint32_t i = (uint32_t)row * DRAWS_A_ROW; i < (row + 1) * DRAWS_A_ROW; i++) {
-        double u[3];
-        orl_sobol_point(s->sobol, i, 1, 3, u);
-        const struct orl_scatter drawn = orl_scatter_sample_at(
-            beam->material, &s->hit, beam->sun, ORL_TRANSPORT_LIGHT, ORL_LOBE_TRANSMITTED, u);
+        double u[5];
+        orl_sobol_point(s->sobol, i, 1, 5, u);
+        /* Of all the disc: parts of it may be in other cells of the data, and go other ways. */
+        const struct orl_scatter drawn =
+            orl_scatter_sample_at(beam->material, &s->hit, orl_sun_sample(beam->sun, u + 3),
+                                  ORL_TRANSPORT_LIGHT, ORL_LOBE_TRANSMITTED, u);
         if (drawn.event != ORL_EVENT_GLOSSY)
             continue;
         s->drawn[i].light = orl_luma(drawn.weight);
@@ -88,8 +90,8 @@ static void sample_row(void *arg, size_t row, uint32_t member)
     }
     for (uint32_t x = 0; x < ORL_BEAM_SIDE; x++) {
         const struct orl_vec3 d = direction_at(x + 0.5, (double)row + 0.5, ORL_BEAM_SIDE);
-        s->value[row][x] = orl_luma(orl_scatter_eval_lobes(beam->material, &s->hit, beam->sun,
-                                                           orl_to_world(&beam->frame, d)));
+        s->value[row][x] = orl_luma(orl_scatter_eval_lobes(
+            beam->material, &s->hit, beam->sun->frame.n, orl_to_world(&beam->frame, d)));
     }
 }
 
@@ -116,7 +118,7 @@ int orl_beam_init(struct orl_beam *beam, const struct orl_sobol *sobol, struct o
 {
     static const uint32_t last = ORL_BEAM_LEVELS - 1;
     double finest[ORL_BEAM_SIDE * ORL_BEAM_SIDE] = {0};
-    const bool from_front = orl_dot(beam->sun, beam->normal) > 0;
+    const bool from_front = orl_dot(beam->sun->frame.n, beam->normal) > 0;
     struct samples *samples = calloc(1, sizeof *samples);
     if (!samples)
         return ORL_ERR_NOMEM;

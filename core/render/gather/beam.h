@@ -26,7 +26,8 @@ struct orl_beam_cells {
 /* A sun in a kind of pane: panes of one material that face alike send it the same ways. */
 struct orl_beam {
     const struct orl_material *material; /* borrowed from the world */
-    struct orl_vec3 normal, sun;
+    struct orl_vec3 normal;
+    const struct orl_sun *sun;   /* borrowed from the world */
     struct orl_frame frame;      /* n: to the far side */
     float light[ORL_BEAM_CELLS]; /* share of all */
 };

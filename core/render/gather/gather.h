@@ -42,6 +42,7 @@
 
 enum orl_rest { ORL_REST_GATHERED, ORL_REST_DENSITY, ORL_REST_RECORDS };
 
+struct orl_aim;
 struct orl_icache;
 
 struct orl_gather {
@@ -58,6 +59,7 @@ struct orl_gather {
         *caustic_widths;               /* are the radii that are normal among caustic photons */
     struct orl_bright bright;          /* of the global map: where sensors' rays are drawn to */
     struct orl_adaptive_density adapt; /* ORL_REST_DENSITY: for its estimates */
+    const struct orl_aim *aim;         /* of sensors' rays, borrowed; NULL: none are aimed */
     struct orl_sobol sobol;
     uint64_t seed;
     const atomic_bool *cancel; /* ends a sensor's sampling, whose value is none then; or NULL */

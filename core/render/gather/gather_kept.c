@@ -6,6 +6,7 @@ uint64_t orl_gather_pause(struct orl_gather *gather)
     uint64_t bytes = sizeof *gather + gather->bright.count * sizeof *gather->bright.spots;
     gather->world = NULL;
     gather->cancel = NULL;
+    gather->aim = NULL;
     for (int kind = 0; kind < ORL_MAP_KINDS; kind++)
         gather->maps[kind] = NULL;
     if (gather->leaves) {

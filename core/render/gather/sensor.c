@@ -1,80 +1,35 @@
 #include "render/gather/air.h"
 #include "render/gather/gather.h"
+#include "render/gather/panes.h"
 #include "scene/geometry/stand.h"
 #include "scene/material/hemisphere.h"
 
 /* Rays fall into groups, each with sequences of its own: their spread tells the error. */
-enum { GROUPS = 16, PANE_POINTS = 64, SUN_RAYS = 16, GRAZING_SUN_RAYS = 128 }; /* of each */
-enum { HEMISPHERES = 4, SHARE_AIMED = 16 }; /* of rays: one such part is aimed */
+enum { GROUPS = 16, SUN_RAYS = 16, GRAZING_SUN_RAYS = 128 }; /* of each */
+enum { HEMISPHERES = 4, SHARE_AIMED = 16 };                  /* of rays: one such part is aimed */
 /* A bias of caustics is small beside so much of the rest's error, or of all light: of the light
  * less than scatter would be, for it is told to a half of itself. */
 static const double beside_rest = 0.5, beside_light = 0.002;
 static const double grazing_discs = 2; /* a sun within so many radii of the sensor's plane */
 
 /* Names of sequences: no two of any seeds are alike. */
-enum { OF_DIRECT, OF_HEMISPHERE, OF_PANES, OF_AIMED = 1 << 30, OF_BLUR };
+enum { OF_DIRECT, OF_HEMISPHERE, OF_PANES, OF_AIMED = 1 << 30, OF_BLUR, OF_BEAMS };
 
 static uint32_t sequence_of(const struct orl_gather *gather, uint64_t what, uint64_t name)
 {
     return (uint32_t)orl_mix64(orl_mix64(orl_mix64(gather->seed) + what) + name);
 }
 
-/*
- * Sun by way of one BSDF pane to a point that no photon lands on: points stratified over the pane,
- * the BSDF evaluated from the sun to the sensor.
- */
-static struct orl_rgb light_by_pane(const struct orl_gather *gather, uint32_t facet,
-                                    const struct orl_sun *sun, const struct orl_place *place,
-                                    uint32_t sequence)
-{
-    const struct orl_geometry *g = gather->world->geometry;
-    const int32_t index = gather->world->port_of_facet[facet];
-    const struct orl_port *port = index == ORL_NO_PORT ? NULL : &gather->world->ports[index];
-    struct orl_rgb sum = orl_gray(0);
-    for (uint32_t i = 0; i < PANE_POINTS; i++) {
-        struct orl_hit hit = {.facet = facet};
-        double u[4];
-        orl_sobol_point(&gather->sobol, i, sequence, 4, u);
-        orl_facet_sample(g, facet, u, &hit.point, &hit.normal);
-        if (port && !orl_port_owns(gather->world->geometry, port, hit.point))
-            continue;
-        const struct orl_vec3 light = orl_sun_sample(sun, u + 2);
-        const struct orl_vec3 way = orl_sub(place->point, hit.point);
-        const double d2 = orl_dot(way, way), d = sqrt(d2);
-        const struct orl_vec3 eye = orl_scale(way, 1 / d);
-        const double arrives = -orl_dot(eye, place->normal), leaves = orl_dot(eye, hit.normal);
-        if (!(d > 0) || arrives <= 0)
-            continue;
-        const struct orl_material *m = orl_world_material(gather->world, &hit);
-        const struct orl_rgb f = orl_scatter_eval_lobes(m, &hit, light, eye);
-        if (!(orl_rgb_max(f) > 0))
-            continue;
-        const struct orl_rgb from_sun =
-            orl_transmittance(gather->world, orl_hit_leave(g, &hit, light), light, INFINITY, true);
-        const struct orl_rgb to_eye = orl_transmittance(gather->world, orl_hit_leave(g, &hit, eye),
-                                                        eye, d * (1 - 1e-6), true);
-        const double measure = fabs(orl_dot(light, hit.normal)) * fabs(leaves) * arrives / d2;
-        sum = orl_rgb_add(sum, orl_rgb_scale(orl_rgb_mul(orl_rgb_mul(f, from_sun),
-                                                         orl_rgb_mul(to_eye, sun->irradiance)),
-                                             measure));
-    }
-    return orl_rgb_scale(sum, g->facets[facet].area / PANE_POINTS);
-}
-
 static struct orl_rgb caustics_in_air(const struct orl_gather *gather,
                                       const struct orl_place *place, uint64_t name)
 {
-    const struct orl_world *world = gather->world;
-    struct orl_rgb sum = orl_gray(0);
-    for (size_t f = 0; f < world->geometry->n_facets; f++) {
-        const struct orl_facet *facet = &world->geometry->facets[f];
-        if (!orl_material_transmits_lobes(&world->materials[facet->material]) || !(facet->area > 0))
-            continue;
-        for (size_t s = 0; s < world->n_suns; s++)
-            sum = orl_rgb_add(sum, light_by_pane(gather, (uint32_t)f, &world->suns[s], place,
-                                                 sequence_of(gather, OF_PANES + f, name)));
-    }
-    return sum;
+    const struct orl_pane_query query = {
+        .world = gather->world,
+        .aim = gather->aim,
+        .sobol = &gather->sobol,
+        .place = place,
+        .sequences = {sequence_of(gather, OF_PANES, name), sequence_of(gather, OF_BEAMS, name)}};
+    return orl_light_by_panes(&query);
 }
 
 /* The surface a sensor lies on, if one is close behind it and faces the same way. */

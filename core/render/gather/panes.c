@@ -1,0 +1,149 @@
+#include "render/gather/panes.h"
+
+#include "base/random.h"
+#include "scene/material/hemisphere.h"
+#include "scene/material/scatter.h"
+
+enum { PANE_POINTS = 64 }; /* of a pane and sun, in either way */
+
+/* A pane, and what of a sun it may send to the place. */
+struct pane {
+    const struct orl_pane_query *query;
+    uint32_t facet;
+    const struct orl_port *port; /* NULL: it is none */
+    const struct orl_sun *sun;
+    const struct orl_shaft *shaft; /* NULL: points are spread only */
+};
+
+/* A point of a pane, as the place sees it. */
+struct seen {
+    struct orl_hit hit;
+    struct orl_vec3 eye; /* from there to the place */
+    double distance;
+};
+
+/* The shaft of a port that a sun makes; NULL where it makes none. */
+static const struct orl_shaft *find_shaft(const struct orl_aim *aim, int32_t port,
+                                          const struct orl_sun *sun)
+{
+    if (!aim || aim->n_shafts == 0 || port == ORL_NO_PORT)
+        return NULL;
+    for (uint32_t i = aim->first_shaft[port]; i < aim->first_shaft[port + 1]; i++)
+        if (aim->beams[aim->shafts[i].beam].sun == sun)
+            return &aim->shafts[i];
+    return NULL;
+}
+
+static struct seen seen_of(const struct pane *pane, const struct orl_hit *hit)
+{
+    const struct orl_vec3 way = orl_sub(pane->query->place->point, hit->point);
+    const double d = orl_length(way);
+    return (struct seen){*hit, orl_scale(way, 1 / d), d};
+}
+
+static struct seen spread(const struct pane *pane, const double u[2])
+{
+    struct orl_hit hit = {.facet = pane->facet};
+    orl_facet_sample(pane->query->world->geometry, pane->facet, u, &hit.point, &hit.normal);
+    return seen_of(pane, &hit);
+}
+
+/* Along the beam; false where none of it comes from the pane. What stands before the pane does not
+ * matter yet. */
+static bool draw(const struct pane *pane, const double u[2], struct seen *ret_seen)
+{
+    const struct orl_aim *aim = pane->query->aim;
+    const struct orl_geometry *g = pane->query->world->geometry;
+    const struct orl_vec3 from = pane->query->place->point;
+    const struct orl_vec3 center = pane->shaft->center, normal = g->facets[pane->facet].normal;
+    struct orl_vec3 direction;
+    struct orl_hit hit;
+    if (!orl_shaft_draw(pane->shaft, &aim->beams[pane->shaft->beam], aim->cells, from, u,
+                        &direction))
+        return false;
+    const double t = orl_dot(orl_sub(center, from), normal) / orl_dot(direction, normal);
+    const double near = 1e-4 * t;
+    if (!(t > 0) || !isfinite(t) ||
+        !orl_geometry_intersect(g, orl_add(from, orl_scale(direction, t - near)), direction,
+                                2 * near, &hit) ||
+        hit.facet != pane->facet)
+        return false;
+    *ret_seen = seen_of(pane, &hit);
+    return true;
+}
+
+/* Points a steradian, of both ways. */
+static double density_of(const struct pane *pane, const struct seen *seen)
+{
+    const struct orl_aim *aim = pane->query->aim;
+    const double leaves = fmax(fabs(orl_dot(seen->eye, seen->hit.normal)), 1e-9);
+    const double area = pane->query->world->geometry->facets[pane->facet].area;
+    double density = seen->distance * seen->distance / (area * leaves);
+    if (pane->shaft)
+        density += orl_shaft_density(pane->shaft, &aim->beams[pane->shaft->beam], aim->cells,
+                                     pane->query->place->point, orl_neg(seen->eye));
+    return PANE_POINTS * density;
+}
+
+/* What comes from a point, over how many such points there are. */
+static struct orl_rgb light_from(const struct pane *pane, const struct seen *seen,
+                                 struct orl_vec3 light)
+{
+    const struct orl_world *world = pane->query->world;
+    const struct orl_hit *hit = &seen->hit;
+    const double arrives = -orl_dot(seen->eye, pane->query->place->normal);
+    if (!(seen->distance > 0) || !(arrives > 0) ||
+        (pane->port && !orl_port_owns(world->geometry, pane->port, hit->point)))
+        return orl_gray(0);
+    const struct orl_rgb f =
+        orl_scatter_eval_lobes(orl_world_material(world, hit), hit, light, seen->eye);
+    if (!(orl_rgb_max(f) > 0))
+        return orl_gray(0);
+    const struct orl_rgb from_sun =
+        orl_transmittance(world, orl_hit_leave(world->geometry, hit, light), light, INFINITY, true);
+    const struct orl_rgb to_eye =
+        orl_transmittance(world, orl_hit_leave(world->geometry, hit, seen->eye), seen->eye,
+                          seen->distance * (1 - 1e-6), true);
+    const double measure = fabs(orl_dot(light, hit->normal)) * arrives / density_of(pane, seen);
+    return orl_rgb_scale(
+        orl_rgb_mul(orl_rgb_mul(f, from_sun), orl_rgb_mul(to_eye, pane->sun->irradiance)), measure);
+}
+
+static struct orl_rgb light_by_pane(const struct pane *pane)
+{
+    const struct orl_pane_query *query = pane->query;
+    struct orl_rgb sum = orl_gray(0);
+    for (int way = 0; way < (pane->shaft ? 2 : 1); way++)
+        for (uint32_t i = 0; i < PANE_POINTS; i++) {
+            double u[4];
+            struct seen seen;
+            orl_sobol_point(query->sobol, i,
+                            (uint32_t)orl_mix64(orl_mix64(query->sequences[way]) + pane->facet), 4,
+                            u);
+            if (way == 0)
+                seen = spread(pane, u);
+            else if (!draw(pane, u, &seen))
+                continue;
+            sum = orl_rgb_add(sum, light_from(pane, &seen, orl_sun_sample(pane->sun, u + 2)));
+        }
+    return sum;
+}
+
+struct orl_rgb orl_light_by_panes(const struct orl_pane_query *query)
+{
+    const struct orl_world *world = query->world;
+    struct orl_rgb sum = orl_gray(0);
+    for (uint32_t f = 0; f < world->geometry->n_facets; f++) {
+        const struct orl_facet *facet = &world->geometry->facets[f];
+        const int32_t port = world->port_of_facet[f];
+        if (!orl_material_transmits_lobes(&world->materials[facet->material]) || !(facet->area > 0))
+            continue;
+        for (size_t s = 0; s < world->n_suns; s++) {
+            const struct pane pane = {query, f, port == ORL_NO_PORT ? NULL : &world->ports[port],
+                                      &world->suns[s],
+                                      find_shaft(query->aim, port, &world->suns[s])};
+            sum = orl_rgb_add(sum, light_by_pane(&pane));
+        }
+    }
+    return sum;
+}
