@@ -285,7 +285,9 @@ static void test_diffuse_reflection(void **state)
  * A lit wall 4 x 3 m at y = 4, reflectance 0.6, a black box 4 x 1 x 0.2 m that stands before it at
  * y = 2.5, and sensors on the opposite wall and on the floor this side of the box. The sun is 60
  * degrees high behind them: box and wall do not shade each other. What it gives the floor directly
- * is taken off by a run with a black wall, the same to the bit.
+ * is taken off by a run with a black wall, the same to the bit. Directions are the noise: with as
+ * many as here the worst sensor, which sees a sliver of the wall, spreads by 0.9 % over 12 seeds and
+ * by half of that in the long form.
  */
 static void test_internal_obstruction(void **state)
 {
@@ -302,7 +304,7 @@ static void test_internal_obstruction(void **state)
     struct scene_run run = {.scene = text,
                             .sensors = sensors,
                             .n_sensors = (size_t)n,
-                            .samples = 16384,
+                            .samples = stability_full() ? 1 << 18 : 1 << 16,
                             .global = read_photons()};
     (void)state;
     make_points(sensors, false);
