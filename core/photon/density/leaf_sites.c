@@ -1,0 +1,274 @@
+#include "photon/density/leaf_sites.h"
+
+#include <stdatomic.h>
+#include <stdlib.h>
+
+#include "base/vectors.h"
+#include "photon/map/boxes.h"
+#include "photon/map/zorder.h"
+#include "photon/surface/sheet.h"
+
+enum { BESIDE = 8, LINE = 64, CHUNK = 1 << 12 };
+
+/*
+ * The leaves of a leaf's sheet whose sites are nearest to its own, itself first: numbers plus 1,
+ * with zeros to end with, and sites. Two cache lines, so that a look-up waits for memory once. All
+ * is there before the first number is, which is 0 while none were sought.
+ */
+struct beside {
+    _Atomic uint32_t leaf[BESIDE];
+    _Atomic float at[3][BESIDE];
+};
+
+struct orl_leaf_sites {
+    const struct orl_photon_map *map;
+    const struct orl_world *world;
+    uint64_t count;
+    float reach2; /* cells: how far a leaf may be */
+    struct orl_zorder order;
+    struct orl_leaf_center *sites;
+    struct beside *beside; /* in the room below, from a cache line's beginning on */
+    void *room;
+};
+
+/*
+ * A leaf serves points within its spread times this. An even disc ends at 1.41. Served no further,
+ * the points left over are the gaps, and what the leaves read is low by half a percent, for they
+ * took the points where photons are and left those where they are not; served to 3 it is high by as
+ * much. In between nothing is lost or made: measured in the integrating sphere.
+ */
+static const float reach_of_leaf = 1.85F;
+/*
+ * Beyond so many of its spreads, the half side of a square, a leaf serves a point only if another
+ * one reaches it, too: at the edge of a shadow none does from the dark side, and what leaves there
+ * served beyond would be light out of nothing, wherever their photons are few.
+ */
+static const float alone_reach_of_leaf = 1.2247449F;
+
+static void make_sites(void *arg, size_t chunk, uint32_t member)
+{
+    const struct orl_leaf_sites *all = arg;
+    (void)member;
+    for (uint64_t i = chunk * CHUNK; i < (chunk + 1) * CHUNK && i < all->count; i++) {
+        all->sites[i] = orl_leaf_center_make(all->map, i);
+        orl_leaf_center_condense(all->map, &all->sites[i], i);
+        orl_leaf_center_settle(all->map, &all->sites[i], i, all->world);
+    }
+}
+
+struct orl_leaf_sites *orl_leaf_sites_new(const struct orl_photon_map *map,
+                                          const struct orl_world *world, double max_radius,
+                                          struct orl_crew *crew)
+{
+    const struct orl_map_header *h = map->header;
+    const uint64_t n = (h->count + ORL_MAP_LEAF - 1) / ORL_MAP_LEAF;
+    struct orl_leaf_sites *all = calloc(1, sizeof *all);
+    if (!all)
+        return NULL;
+    all->map = map;
+    all->world = world;
+    all->count = n;
+    all->reach2 = (float)(max_radius / h->cell * (max_radius / h->cell));
+    all->sites = malloc((n + 1) * sizeof *all->sites);
+    all->room = calloc(n + 1, sizeof *all->beside);
+    if (!all->sites || !all->room || orl_zorder_init(&all->order, map) < 0) {
+        orl_leaf_sites_free(all);
+        return NULL;
+    }
+    all->beside = (void *)(((uintptr_t)all->room + LINE - 1) / LINE * LINE);
+    orl_crew_for(crew, (n + CHUNK - 1) / CHUNK, make_sites, all);
+    return all;
+}
+
+void orl_leaf_sites_free(struct orl_leaf_sites *all)
+{
+    if (!all)
+        return;
+    orl_zorder_done(&all->order);
+    free(all->sites);
+    free(all->room);
+    free(all);
+}
+
+void orl_leaf_sites_rebind(struct orl_leaf_sites *all, const struct orl_photon_map *map,
+                           const struct orl_world *world)
+{
+    all->map = map;
+    all->world = world;
+}
+
+uint64_t orl_leaf_sites_bytes(const struct orl_leaf_sites *all)
+{
+    /* Of a leaf, and beside it its code, with the eighths above. */
+    return all->count * (sizeof *all->sites + sizeof *all->beside + 2 * sizeof(uint64_t)) +
+           sizeof *all;
+}
+
+const struct orl_leaf_center *orl_leaf_sites_of(const struct orl_leaf_sites *all, uint32_t leaf)
+{
+    return &all->sites[leaf];
+}
+
+static bool comes_before(struct orl_leaf_near a, struct orl_leaf_near b)
+{
+    return a.distance2 < b.distance2 || (a.distance2 == b.distance2 && a.leaf < b.leaf);
+}
+
+static float distance2_to(const struct orl_leaf_sites *all, uint32_t leaf, const float at[3],
+                          float ret_chord[3])
+{
+    const float *site = all->sites[leaf].at;
+    for (int k = 0; k < 3; k++)
+        ret_chord[k] = site[k] - at[k];
+    return ret_chord[0] * ret_chord[0] + ret_chord[1] * ret_chord[1] + ret_chord[2] * ret_chord[2];
+}
+
+ORL_FOR_WIDE_VECTORS bool orl_leaf_sites_next(const struct orl_leaf_sites *all,
+                                              struct orl_vec3 point, struct orl_vec3 normal,
+                                              struct orl_leaf_near last,
+                                              struct orl_leaf_near *ret_next)
+{
+    const struct orl_photon_map *map = all->map;
+    const uint16_t code = orl_normal_encode(normal);
+    struct orl_box_visit stack[ORL_BOX_STACK];
+    struct orl_leaf_near best = {all->reach2, 0};
+    uint32_t depth = 0;
+    float at[3];
+    bool found = false;
+    const uint32_t facing = orl_facing_mask(&map->facing, normal);
+    orl_box_locate(map, point, at);
+    if (map->header->levels > 0)
+        stack[depth++] = (struct orl_box_visit){0, map->header->levels, 0};
+    while (depth > 0) {
+        const struct orl_box_visit visit = stack[--depth];
+        if (!(visit.distance2 <= best.distance2))
+            continue;
+        if (visit.level > 0) {
+            depth = orl_box_push(map, visit, at, facing, best.distance2, stack, depth);
+            continue;
+        }
+        float chord[3];
+        const struct orl_leaf_near here = {distance2_to(all, visit.node, at, chord), visit.node};
+        if (comes_before(here, best) && comes_before(last, here) &&
+            orl_same_sheet(normal, code, all->sites[visit.node].normal, chord)) {
+            best = here;
+            found = true;
+        }
+    }
+    *ret_next = best;
+    return found;
+}
+
+/* A leaf and those beside it, the nearest first; returns how many. */
+ORL_FOR_WIDE_VECTORS static uint32_t find_beside(const struct orl_leaf_sites *all, uint32_t leaf,
+                                                 struct orl_leaf_near ret_beside[BESIDE])
+{
+    const struct orl_photon_map *map = all->map;
+    const struct orl_leaf_center *own = &all->sites[leaf];
+    const struct orl_vec3 normal = orl_normal_decode(own->normal);
+    const uint32_t facing = orl_facing_mask(&map->facing, normal);
+    struct orl_box_visit stack[ORL_BOX_STACK];
+    uint32_t depth = 0, found = 0;
+    float within2 = all->reach2;
+    stack[depth++] = (struct orl_box_visit){0, map->header->levels, 0};
+    while (depth > 0) {
+        const struct orl_box_visit visit = stack[--depth];
+        if (!(visit.distance2 < within2))
+            continue;
+        if (visit.level > 0) {
+            depth = orl_box_push(map, visit, own->at, facing, within2, stack, depth);
+            continue;
+        }
+        float chord[3];
+        const struct orl_leaf_near here = {distance2_to(all, visit.node, own->at, chord),
+                                           visit.node};
+        if (!(here.distance2 < within2) ||
+            !orl_same_sheet(normal, own->normal, all->sites[visit.node].normal, chord))
+            continue;
+        uint32_t place = found < BESIDE ? found++ : BESIDE - 1;
+        for (; place > 0 && comes_before(here, ret_beside[place - 1]); place--)
+            ret_beside[place] = ret_beside[place - 1];
+        ret_beside[place] = here;
+        if (found == BESIDE)
+            within2 = ret_beside[BESIDE - 1].distance2;
+    }
+    return found;
+}
+
+/* Seeks the leaves beside a leaf if nobody has; two that do it at once find the same. */
+static struct beside *know_beside(const struct orl_leaf_sites *all, uint32_t leaf)
+{
+    struct beside *beside = &all->beside[leaf];
+    struct orl_leaf_near found[BESIDE];
+    if (atomic_load_explicit(&beside->leaf[0], memory_order_acquire) != 0)
+        return beside;
+    uint32_t n = find_beside(all, leaf, found);
+    if (n == 0)
+        found[n++] = (struct orl_leaf_near){0, leaf};
+    for (uint32_t i = n; i-- > 0;) {
+        for (int k = 0; k < 3; k++)
+            atomic_store_explicit(&beside->at[k][i], all->sites[found[i].leaf].at[k],
+                                  memory_order_relaxed);
+        atomic_store_explicit(&beside->leaf[i], found[i].leaf + 1, memory_order_release);
+    }
+    return beside;
+}
+
+/*
+ * Whether the leaf covers the place. In a sun patch leaves are small and many: were the nearest to
+ * serve whatever its size, they would light the dark around them, half way to its sparse leaves.
+ */
+static bool covers(const struct orl_leaf_sites *all, struct orl_leaf_near leaf, float reach)
+{
+    return leaf.distance2 <= reach * reach * (all->sites[leaf.leaf].spread2 + 1);
+}
+
+bool orl_leaf_sites_serve(const struct orl_leaf_sites *all, struct orl_leaf_near leaf,
+                          const float at[3])
+{
+    if (covers(all, leaf, alone_reach_of_leaf))
+        return true;
+    if (!covers(all, leaf, reach_of_leaf))
+        return false;
+    const struct beside *beside = know_beside(all, leaf.leaf);
+    for (int i = 1; i < BESIDE; i++) {
+        struct orl_leaf_near other = {0,
+                                      atomic_load_explicit(&beside->leaf[i], memory_order_relaxed)};
+        for (int k = 0; k < 3; k++) {
+            const float off = atomic_load_explicit(&beside->at[k][i], memory_order_relaxed) - at[k];
+            other.distance2 += off * off;
+        }
+        if (other.leaf-- != 0 && covers(all, other, reach_of_leaf))
+            return true;
+    }
+    return false;
+}
+
+bool orl_leaf_sites_about(const struct orl_leaf_sites *all, struct orl_vec3 point,
+                          struct orl_vec3 normal, struct orl_leaf_near *ret_leaf)
+{
+    const uint16_t code = orl_normal_encode(normal);
+    struct orl_leaf_near best = {INFINITY, 0};
+    uint32_t cell[3];
+    float at[3], chord[3];
+    if (all->map->header->count == 0)
+        return false;
+    orl_box_locate(all->map, point, at);
+    for (int k = 0; k < 3; k++)
+        cell[k] = (uint32_t)fminf(fmaxf(at[k] + 0.5F, 0), ORL_PLACE_CELLS - 1);
+    const uint64_t home = orl_zorder_find(&all->order, orl_zorder_code(cell, code));
+    struct beside *beside = know_beside(all, (uint32_t)home);
+    for (int i = 0; i < BESIDE; i++) {
+        const uint32_t leaf = atomic_load_explicit(&beside->leaf[i], memory_order_relaxed);
+        struct orl_leaf_near here = {0, leaf - 1};
+        for (int k = 0; k < 3; k++) {
+            const float off = atomic_load_explicit(&beside->at[k][i], memory_order_relaxed) - at[k];
+            here.distance2 += off * off;
+        }
+        if (leaf != 0 && comes_before(here, best))
+            best = here;
+    }
+    distance2_to(all, best.leaf, at, chord);
+    *ret_leaf = best;
+    return orl_same_sheet(normal, code, all->sites[best.leaf].normal, chord);
+}
