@@ -22,18 +22,31 @@ static bool is_forwarded(const struct orl_request *request)
     return false;
 }
 
+/* A proxy that has TLS says so, or does not: then its pages may have come by either. */
+static bool is_own_scheme(const struct orl_request *request, bool https)
+{
+    const struct orl_config *config = request->context->config;
+    const char *proto = orl_request_header(request, "X-Forwarded-Proto");
+    if (config->tls_cert || !config->needs_token)
+        return https == (config->tls_cert != NULL);
+    return !proto || (strcasecmp(proto, "https") == 0) == https;
+}
+
 bool orl_access_check_origin(struct orl_request *request)
 {
-    /* A page in a browser has no token to send, and browsers send none by themselves. */
-    if (request->context->config->needs_token)
-        return true;
+    const struct orl_config *config = request->context->config;
     const struct orl_guarded guarded = {
         .host = orl_request_header(request, MHD_HTTP_HEADER_HOST),
         .origin = orl_request_header(request, MHD_HTTP_HEADER_ORIGIN),
         .fetch_site = orl_request_header(request, "Sec-Fetch-Site"),
         .forwarded = is_forwarded(request),
+        .tokens = config->needs_token,
+        .http = is_own_scheme(request, false),
+        .https = is_own_scheme(request, true),
+        .allowed = config->origins,
+        .n_allowed = config->n_origins,
     };
-    const char *refusal = orl_guard_check(&guarded);
+    const char *refusal = orl_guard_check(&guarded, &request->cross_origin);
     if (refusal)
         orl_reply_problem(request, 403, "forbidden", "The request is refused", "%s", refusal);
     return !refusal;

@@ -8,7 +8,8 @@
 
 #include "http/request.h"
 
-/* Before the route is known: false, with a 403 made, for a web page's request. */
+/* Before the route is known: false, with a 403 made, for another site's page. Fills
+ * request->cross_origin. */
 bool orl_access_check_origin(struct orl_request *request);
 
 /*

@@ -6,6 +6,8 @@
 #include <string.h>
 #include <strings.h>
 
+#include "process/origin.h"
+
 bool orl_guard_is_local(const char *host)
 {
     char name[64];
@@ -31,23 +33,38 @@ bool orl_guard_is_local(const char *host)
 }
 
 /* The browser's own word: a request of a page of ours, or one that the user typed. */
-static bool is_ours(const char *fetch_site)
+bool orl_guard_is_ours(const char *fetch_site)
 {
-    return strcasecmp(fetch_site, "same-origin") == 0 || strcasecmp(fetch_site, "none") == 0;
+    return !fetch_site || strcasecmp(fetch_site, "same-origin") == 0 ||
+           strcasecmp(fetch_site, "none") == 0;
 }
 
-const char *orl_guard_check(const struct orl_guarded *request)
+/* Is it scheme and Host of the request itself? */
+static bool is_own(const struct orl_guarded *request)
 {
-    static const char http[] = "http://", other_site[] = "it comes from a web page of another site";
-    const char *host = request->host, *origin = request->origin;
-    if (host && !orl_guard_is_local(host))
+    static const char http[] = "http://", https[] = "https://";
+    const char *origin = request->origin;
+    const bool plain = request->http && strncasecmp(origin, http, sizeof http - 1) == 0;
+    const bool secure = request->https && strncasecmp(origin, https, sizeof https - 1) == 0;
+    if (!request->host || !*request->host || (!plain && !secure))
+        return false;
+    return strcasecmp(origin + (secure ? sizeof https - 1 : sizeof http - 1), request->host) == 0;
+}
+
+const char *orl_guard_check(const struct orl_guarded *request, bool *ret_allowed)
+{
+    static const char other_site[] = "it comes from a web page of another site";
+    *ret_allowed = false;
+    if (!request->tokens && request->host && !orl_guard_is_local(request->host))
         return "the Host header is not a name of this machine";
-    if (request->forwarded)
+    if (!request->tokens && request->forwarded)
         return "it was forwarded by a proxy, behind which orield takes --tokens always";
-    if (origin && (strncasecmp(origin, http, sizeof http - 1) != 0 || !host ||
-                   strcasecmp(origin + sizeof http - 1, host) != 0))
-        return other_site;
-    if (request->fetch_site && !is_ours(request->fetch_site))
+    if (request->origin && !is_own(request)) {
+        *ret_allowed = orl_origin_is_listed(request->origin, request->allowed, request->n_allowed);
+        return *ret_allowed ? NULL : other_site;
+    }
+    /* A page's picture or script has no Origin: nobody knows then which page it is. */
+    if (!request->tokens && !orl_guard_is_ours(request->fetch_site))
         return other_site;
     return NULL;
 }

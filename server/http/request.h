@@ -49,6 +49,7 @@ struct orl_request {
     bool too_long;          /* its target is */
     bool dispatched;        /* the handler has been called */
     bool unframed;          /* refused, and nobody knows where it ends */
+    bool cross_origin;      /* a page of an origin that --allow-origin names has sent it */
 
     struct MHD_Response *response; /* made, not yet queued */
     unsigned status;               /* of the response made or queued; 0 before */

@@ -7,6 +7,7 @@
 #include "http/access.h"
 #include "http/connections.h"
 #include "http/context.h"
+#include "http/cors.h"
 #include "http/framing.h"
 #include "http/reply.h"
 #include "http/router.h"
@@ -66,6 +67,8 @@ static void open_request(struct orl_request *request, const char *url, const cha
         return;
     const unsigned status = orl_router_find(request->context->routes, request->method, url, &route,
                                             request->params, allow);
+    if (status == 405 && orl_cors_preflight(request, allow))
+        return;
     if (status == 405) {
         orl_reply_problem(request, 405, "method-not-allowed", "The method does not apply here",
                           "%s is not possible here; %s would be", request->method, allow);
@@ -162,6 +165,7 @@ static enum MHD_Result send_response(struct orl_request *request)
     char id[24];
     snprintf(id, sizeof id, "%llu", (unsigned long long)request->id);
     orl_reply_header(request, "X-Request-Id", id);
+    orl_cors_add(request);
     if (request->unframed)
         orl_reply_header(request, MHD_HTTP_HEADER_CONNECTION, "close");
     let_go(request);

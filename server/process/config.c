@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include "process/limits.h"
+#include "process/origin.h"
 
 enum { DEFAULT_PORT = 8423 };
 
@@ -38,6 +39,8 @@ void orl_config_help(FILE *stream)
         "  --tls-key FILE         its private key, PEM\n"
         "  --tokens WHEN          when tokens are needed: public, on all but loopback\n"
         "                         addresses; or always, as behind a proxy (public)\n"
+        "  --allow-origin ORIGIN  lets pages of that origin ask, as https://tool.example; exactly\n"
+        "                         that one, but there may be several (none: the daemon's own)\n"
         "  --threads N            threads that render (all processors)\n"
         "  --jobs N               jobs that render at once, sharing the threads (1)\n"
         "  --idle-timeout S       seconds of silence after which a connection is closed (%u)\n"
@@ -172,6 +175,17 @@ static int apply_number(struct orl_config *config, const char *name, const char 
     return ORL_ERR_INVALID;
 }
 
+static int add_origin(struct orl_config *config, const char *origin, struct orl_error *err)
+{
+    if (orl_origin_check(origin, err))
+        return ORL_ERR_INVALID;
+    if (config->n_origins == ORL_SERVER_ORIGINS)
+        return orl_error_set(err, ORL_ERR_INVALID, "--allow-origin may be given %u times",
+                             ORL_SERVER_ORIGINS);
+    config->origins[config->n_origins++] = origin;
+    return 0;
+}
+
 static int apply_option(struct orl_config *config, const char *name, const char *value,
                         struct orl_error *err)
 {
@@ -184,6 +198,8 @@ static int apply_option(struct orl_config *config, const char *name, const char 
         if (!config->needs_token && strcmp(value, "public") != 0)
             rc = orl_error_set(err, ORL_ERR_INVALID, "--tokens takes public or always, not '%s'",
                                value);
+    } else if (strcmp(name, "--allow-origin") == 0) {
+        rc = add_origin(config, value, err);
     } else if (strcmp(name, "--tls-cert") == 0) {
         config->tls_cert = value;
     } else if (strcmp(name, "--tls-key") == 0) {

@@ -21,6 +21,7 @@
 #define ORL_SERVER_ADDRESS_CONNECTIONS 128U   /* ... from one address, unless on loopback */
 #define ORL_SERVER_CONNECTION_MEMORY (32U << 10) /* headers and read buffer of one */
 #define ORL_SERVER_URI_BYTES (8U << 10)          /* target of a request, and 64 an argument */
+#define ORL_SERVER_ORIGINS 16U                   /* of web pages that may be let in */
 #define ORL_SERVER_TIMEOUT_S 60U    /* of silence, before a connection is closed (default) */
 #define ORL_SERVER_JOB_S 86400U     /* that a job may run (default) */
 #define ORL_SERVER_KEPT_JOBS 10000U /* that have ended (default) */

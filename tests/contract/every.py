@@ -48,6 +48,16 @@ def web_pages(daemon):
             daemon.ask(method, url_of(template), headers=headers, want=403)
 
 
+def pages_let_in(daemon):
+    """Of --allow-origin: every answer, an error's too, says that the page may read it."""
+    page = {"Origin": "https://tool.example"}
+    for method, template in daemon.contract.operations:
+        answer = daemon.ask(method, url_of(template), headers=page)
+        assert answer.headers["access-control-allow-origin"] == page["Origin"], (method, template)
+        assert answer.headers["vary"] == "Origin" and answer.status != 403
+        assert "vary" in daemon.ask(method, url_of(template)).headers
+
+
 def bodies_refused(daemon):
     """413 by the length stated, 415 by the type, 400 for what is no JSON."""
     for operation in daemon.contract.documented(413):

@@ -81,6 +81,9 @@ def run(contract):
         daemon.end()
     if not is_sanitized():
         with_full_disk(contract)
+    visited = Daemon(contract, "--allow-origin", "https://tool.example")
+    every.pages_let_in(visited)
+    visited.end()
     guarded = Daemon(contract, "--tokens", "always", "--storage-budget", "16M")
     every.tokens(guarded)
     cases.too_much_under_way(guarded)

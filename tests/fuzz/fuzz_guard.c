@@ -1,6 +1,6 @@
 /*
  * Who talks to a daemon without tokens: an input's lines are Host, Origin and Sec-Fetch-Site.
- * Whoever is let in names this machine.
+ * Whoever is let in names this machine; a page comes from it, or from an origin that is let in.
  */
 #include <stdlib.h>
 #include <string.h>
@@ -35,14 +35,24 @@ bool fuzz_guard(const uint8_t *data, size_t size)
         data += used;
         size -= used;
     }
-    const struct orl_guarded asked = {lines[0], lines[1], lines[2], size > 0};
-    const char *refusal = orl_guard_check(&asked);
+    static const char *const origins[] = {"https://tool.example"};
+    bool allowed = false;
+    const struct orl_guarded asked = {.host = lines[0],
+                                      .origin = lines[1],
+                                      .fetch_site = lines[2],
+                                      .forwarded = size > 0,
+                                      .http = true,
+                                      .allowed = origins,
+                                      .n_allowed = 1};
+    const char *refusal = orl_guard_check(&asked, &allowed);
     FUZZ_PROMISE(!refusal || *refusal);
     if (!refusal) {
         FUZZ_PROMISE(!asked.forwarded);
         FUZZ_PROMISE(!lines[0] || names_this_machine(lines[0]));
-        FUZZ_PROMISE(!lines[1] || (lines[0] && strlen(lines[1]) == strlen(lines[0]) + 7));
-        FUZZ_PROMISE(!lines[2] || strcasecmp(lines[2], "cross-site") != 0);
+        FUZZ_PROMISE(!allowed || strcmp(lines[1], origins[0]) == 0);
+        FUZZ_PROMISE(allowed || !lines[1] ||
+                     (lines[0] && strlen(lines[1]) == strlen(lines[0]) + 7));
+        FUZZ_PROMISE(allowed || !lines[2] || strcasecmp(lines[2], "cross-site") != 0);
     }
     for (int i = 0; i < HEADERS; i++)
         free(lines[i]);
