@@ -230,6 +230,8 @@ static int decode_members(const json_t *doc, struct orl_annual_job *job, struct 
         {"accuracy", .members = accuracy},
         {"formats", .decode = decode_formats, .into = &job->formats},
         {.name = "priority"},
+        {.name = "name"},
+        {.name = "tags"},
         {0}};
     const int rc = orl_json_members(doc, "", members, err);
     if (rc == 0 && wishes->until && request->samples == 0)

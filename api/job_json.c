@@ -201,6 +201,8 @@ static int decode_members(const json_t *doc, struct draft *draft, struct orl_err
         {"views", .list = &views},
         {"accuracy", .decode = decode_goal, .into = &job->goal},
         {.name = "priority"}, /* the daemon's: task_json.h */
+        {.name = "name"},
+        {.name = "tags"},
         {"dark", .word = &dark, .words = on_dark},
         {"heat_map", .decode = orl_heat_map_from_json, .into = &job->heat_map},
         {"sequence", .decode = orl_sequence_from_json, .into = &job->sequence},

@@ -122,6 +122,8 @@ static int decode_members(const json_t *doc, bool views, struct orl_study_reques
         {"reference", .members = reference, .required = true},
         {"points", .list = &points},
         {.name = "priority"},
+        {.name = "name"},
+        {.name = "tags"},
         {0}};
     return orl_json_members(doc, "", members, err);
 }

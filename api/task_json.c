@@ -85,8 +85,10 @@ enum orl_task_kind orl_task_kind_from_name(const char *name)
 
 void orl_task_done(struct orl_task *task)
 {
-    if (task)
-        kinds[task->kind].done(task);
+    if (!task)
+        return;
+    kinds[task->kind].done(task);
+    orl_labels_done(&task->labels);
 }
 
 /* ---- The document ---------------------------------------------------------------------------- */
@@ -124,9 +126,13 @@ int orl_task_from_json(const json_t *doc, enum orl_job_origin origin, struct orl
     if (rc == 0)
         rc = read_priority(doc, &task.priority, err);
     if (rc == 0)
+        rc = orl_labels_from_json(doc, &task.labels, err);
+    if (rc == 0)
         rc = kinds[task.kind].decode(doc, origin, &task, &scene_id, err);
-    if (rc)
+    if (rc) {
+        orl_labels_done(&task.labels);
         return rc;
+    }
     rc = kinds[task.kind].validate(&task, err);
     if (rc) {
         orl_task_done(&task);

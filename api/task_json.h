@@ -3,7 +3,8 @@
  * (study_json.h) or a year (annual_json.h), told apart by its "kind"; without one it is a render
  * job.
  *
- * Of any kind, "priority": 0 to 9, larger goes first in the daemon's queue; 5 when left out.
+ * Of any kind, "priority": 0 to 9, larger goes first in the daemon's queue; 5 when left out; and
+ * "name" and "tags" (labels_json.h).
  *
  * Rules, ownership, threads and errors as in job_json.h.
  */
@@ -16,6 +17,7 @@
 
 #include "annual_json.h"
 #include "job_json.h"
+#include "labels_json.h"
 
 enum orl_task_kind { ORL_TASK_RENDER, ORL_TASK_STUDY, ORL_TASK_ANNUAL, ORL_TASK_KIND_COUNT };
 const char *orl_task_kind_name(enum orl_task_kind kind); /* "render", "study", "annual" */
@@ -27,6 +29,7 @@ enum { ORL_PRIORITY_MAX = 9, ORL_PRIORITY_DEFAULT = 5 };
 struct orl_task {
     enum orl_task_kind kind;
     int priority;
+    struct orl_labels labels;
     union {
         struct orl_job render;
         struct orl_study_request study;

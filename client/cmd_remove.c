@@ -8,6 +8,7 @@
 #include <oriel/limits.h>
 
 #include "http.h"
+#include "json_get.h"
 #include "report.h"
 
 /* "job" to "/v1/jobs"; NULL when there is no such thing. */
@@ -23,12 +24,39 @@ static const char *folder_of(const char *what)
     return NULL;
 }
 
+/* Is it the beginning of a job's id? A daemon removes jobs by whole ids alone. */
+static bool is_begun(const char *id)
+{
+    const size_t length = strlen(id);
+
+    return length >= 4 && length < 32 && strspn(id, "0123456789abcdef") == length;
+}
+
+/* The whole id of the job that is meant. */
+static int complete_id(struct orl_http *http, const char *begun, char ret_id[64],
+                       struct orl_error *err)
+{
+    char path[64];
+    json_t *job = NULL;
+    int rc;
+
+    snprintf(path, sizeof path, "/v1/jobs/%.40s", begun);
+    rc = orl_http_call(http, "GET", path, &job, err);
+    if (rc == 0)
+        snprintf(ret_id, 64, "%.63s", orl_json_text(job, "id"));
+    json_decref(job);
+    return rc;
+}
+
 static int remove_one(struct orl_http *http, const char *folder, const char *id,
                       struct orl_error *err)
 {
-    char escaped[512], path[600];
-    int rc = orl_http_escape(id, escaped, sizeof escaped, err);
+    char escaped[512], path[600], whole[64];
+    const bool begun = strcmp(folder, "/v1/jobs") == 0 && is_begun(id);
+    int rc = begun ? complete_id(http, id, whole, err) : 0;
 
+    if (rc == 0)
+        rc = orl_http_escape(begun ? whole : id, escaped, sizeof escaped, err);
     if (rc)
         return rc;
     snprintf(path, sizeof path, "%s/%s", folder, escaped);

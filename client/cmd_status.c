@@ -2,9 +2,11 @@
 #include "command.h"
 
 #include <stdio.h>
+#include <string.h>
 
 #include "follow.h"
 #include "http.h"
+#include "job_table.h"
 #include "json_get.h"
 #include "progress.h"
 #include "report.h"
@@ -31,14 +33,20 @@ static void print_study(const json_t *study)
 
 static void print_job(const json_t *job)
 {
-    const json_t *maps = json_object_get(job, "maps"), *map, *warning, *verdict;
+    const json_t *maps = json_object_get(job, "maps"), *map, *warning, *verdict, *tag;
     const double eta_s = orl_json_number(job, "eta_s", -1);
     const double position = orl_json_number(job, "queue_position", -1);
     char text[320];
     size_t i;
 
-    printf("id       %s\nkind     %s\nstate    %s\n", orl_json_text(job, "id"),
-           orl_json_text(job, "kind"), orl_json_text(job, "state"));
+    printf("id       %s\n", orl_json_text(job, "id"));
+    if (*orl_json_text(job, "name"))
+        printf("name     %s\n", orl_json_text(job, "name"));
+    json_array_foreach(json_object_get(job, "tags"), i, tag)
+    {
+        printf("tag      %s\n", json_string_value(tag));
+    }
+    printf("kind     %s\nstate    %s\n", orl_json_text(job, "kind"), orl_json_text(job, "state"));
     if (*orl_json_text(job, "client"))
         printf("client   %s\n", orl_json_text(job, "client"));
     if (*orl_json_text(job, "evicted"))
@@ -71,42 +79,56 @@ static void print_job(const json_t *job)
     orl_report_job_error(job);
 }
 
-static void print_jobs(const json_t *jobs)
+/* "&tag=..." behind the path, when there is such an option. */
+static int add_filter(char *path, size_t size, const char *name, const char *value,
+                      struct orl_error *err)
 {
-    const json_t *job;
-    size_t i;
+    char escaped[512];
+    const size_t used = strlen(path);
+    int rc;
 
-    printf("%-36s %-8s %-10s %8s  %s\n", "id", "kind", "state", "percent", "created");
-    json_array_foreach(jobs, i, job)
-    {
-        printf("%-36s %-8s %-10s %8.1f  %s\n", orl_json_text(job, "id"), orl_json_text(job, "kind"),
-               orl_json_text(job, "state"), orl_json_number(job, "percent", 0),
-               orl_json_text(job, "created"));
-    }
+    if (!value)
+        return 0;
+    rc = orl_http_escape(value, escaped, sizeof escaped, err);
+    if (rc == 0)
+        snprintf(path + used, size - used, "&%s=%s", name, escaped);
+    return rc;
 }
 
 int orl_cmd_status(const struct orl_subcommand *self, int argc, char **argv)
 {
     const char *server = NULL;
-    const struct orl_option options[] = {ORL_OPTION_SERVER(&server)};
+    const char *state = NULL, *tag = NULL, *limit = NULL;
+    const struct orl_option options[] = {
+        ORL_OPTION_SERVER(&server),
+        {.name = "state", .metavar = "STATE", .help = "only jobs in that state", .value = &state},
+        {.name = "tag", .metavar = "TAG", .help = "only jobs that have that tag", .value = &tag},
+        {.name = "limit", .metavar = "N", .help = "at most so many (100)", .value = &limit},
+    };
     struct orl_operands operands;
     struct orl_http http = {0};
     struct orl_error err = {0};
-    char path[1024] = "/v1/jobs";
+    char path[2048] = "/v1/jobs?fields=summary";
     json_t *reply = NULL;
     int rc;
 
-    if (!orl_options_parse(self, argc, argv, options, 1, 0, 1, &operands, &rc))
+    if (!orl_options_parse(self, argc, argv, options, 4, 0, 1, &operands, &rc))
         return rc;
     rc = orl_http_open(&http, server, &err);
     if (rc == 0 && operands.count)
         rc = orl_job_path(operands.items[0], "", path, sizeof path, &err);
+    else if (rc == 0)
+        rc = add_filter(path, sizeof path, "state", state, &err);
+    if (rc == 0 && !operands.count)
+        rc = add_filter(path, sizeof path, "tag", tag, &err);
+    if (rc == 0 && !operands.count)
+        rc = add_filter(path, sizeof path, "limit", limit, &err);
     if (rc == 0)
         rc = orl_http_call(&http, "GET", path, &reply, &err);
     if (rc == 0 && operands.count)
         print_job(reply);
     else if (rc == 0)
-        print_jobs(json_object_get(reply, "jobs"));
+        orl_print_jobs(json_object_get(reply, "jobs"));
     json_decref(reply);
     orl_http_close(&http);
     return rc ? orl_report_error(&err) : ORL_EXIT_OK;

@@ -76,13 +76,34 @@ static bool is_inlined(const struct orl_job_file *file)
     return !kind || strcmp(kind, orl_task_kind_name(ORL_TASK_ANNUAL)) != 0;
 }
 
+/* What the command line calls the job by goes before what the document does. */
+static int label(struct orl_job_file *file, const char *name, const char *tags,
+                 struct orl_error *err)
+{
+    json_t *list = tags ? json_array() : NULL;
+    int rc = name ? json_object_set_new(file->doc, "name", json_string(name)) : 0;
+
+    while (tags && *tags && rc == 0) {
+        const size_t length = strcspn(tags, ",");
+
+        rc = json_array_append_new(list, json_stringn(tags, length));
+        tags += length + (tags[length] == ',');
+    }
+    if (list && rc == 0)
+        rc = json_object_set(file->doc, "tags", list);
+    json_decref(list);
+    return rc ? orl_error_set(err, ORL_ERR_INVALID, "--name and --tags take text in UTF-8") : 0;
+}
+
 /* Everything up to the daemon's 202. *ret_reply is the job's first document. */
-static int submit(struct orl_http *http, const char *path, json_t **ret_reply,
-                  struct orl_error *err)
+static int submit(struct orl_http *http, const char *path, const char *name, const char *tags,
+                  json_t **ret_reply, struct orl_error *err)
 {
     struct orl_job_file file = {0};
     int rc = orl_job_file_read(path, &file, err);
 
+    if (rc == 0)
+        rc = label(&file, name, tags, err);
     if (rc == 0 && is_inlined(&file))
         rc = orl_job_file_inline_sensors(&file, err);
     if (rc == 0 && is_inlined(&file))
@@ -97,10 +118,15 @@ static int submit(struct orl_http *http, const char *path, json_t **ret_reply,
 
 int orl_cmd_submit(const struct orl_subcommand *self, int argc, char **argv)
 {
-    const char *server = NULL;
+    const char *server = NULL, *name = NULL, *tags = NULL;
     bool wait = false;
     const struct orl_option options[] = {
         ORL_OPTION_SERVER(&server),
+        {.name = "name", .metavar = "NAME", .help = "what to call the job", .value = &name},
+        {.name = "tags",
+         .metavar = "TAG,...",
+         .help = "what to find it by again, as oriel status --tag does",
+         .value = &tags},
         {.name = "wait", .help = "follow the job to its end", .flag = &wait},
     };
     struct orl_operands operands;
@@ -109,11 +135,11 @@ int orl_cmd_submit(const struct orl_subcommand *self, int argc, char **argv)
     json_t *reply = NULL;
     int rc, code;
 
-    if (!orl_options_parse(self, argc, argv, options, 2, 1, 1, &operands, &code))
+    if (!orl_options_parse(self, argc, argv, options, 4, 1, 1, &operands, &code))
         return code;
     rc = orl_http_open(&http, server, &err);
     if (rc == 0)
-        rc = submit(&http, operands.items[0], &reply, &err);
+        rc = submit(&http, operands.items[0], name, tags, &reply, &err);
     if (rc) {
         code = orl_report_error(&err);
     } else {

@@ -33,11 +33,18 @@ static const struct orl_subcommand commands[] = {
      "several seeds, and compares them with a long unbiased one. Leaves study.json, study.csv,\n"
      "study.svg and study.png in DIR. Times are of one thread unless --threads says more.",
      orl_cmd_study},
-    {"submit", "JOB.json [--server URL] [--wait]",
+    {"submit", "JOB.json [--name NAME] [--tags TAG,...] [--server URL] [--wait]",
      "Send a job, study or year, and the files it needs, to a daemon",
      "Uploads the scene's files and everything they refer to, then prints the job's id.",
      orl_cmd_submit},
-    {"status", "[ID] [--server URL]", "Show one job, or the latest ones", NULL, orl_cmd_status},
+    {"status", "[ID] [--state STATE] [--tag TAG] [--limit N] [--server URL]",
+     "Show one job, or the latest ones",
+     "Without an id a line each: name (else tags), state, progress, time left or place in the "
+     "queue,\n"
+     "and the relative error so far of jobs with a goal. The first digits of an id do for an id, "
+     "here\n"
+     "as for the other commands.",
+     orl_cmd_status},
     {"wait", "ID [--server URL]", "Follow a job to its end, with progress",
      "Ends with 0 when the job succeeded, 1 when it failed or was cancelled. A daemon that\n"
      "restarts in between is waited for.",

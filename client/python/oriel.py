@@ -347,6 +347,18 @@ class Client:
             raise _problem(status, reply_headers, content)
         return json.loads(content.decode("utf-8"))
 
+    def _pages(self, path, member, limit):
+        """The first items of a list, which may come in pages."""
+        found = []
+        while path and len(found) < limit:
+            status, headers, content = self._send("GET", path)
+            if status != 200:
+                raise _problem(status, headers, content)
+            found += json.loads(content.decode("utf-8"))[member]
+            link = headers.get("Link", "")
+            path = link[1:link.index(">")] if 'rel="next"' in link else None
+        return found[:limit]
+
     def _remove(self, *path):
         where = "/v1/" + "/".join(urllib.parse.quote(part, safe="") for part in path)
         status, headers, content = self._send("DELETE", where)
@@ -418,11 +430,15 @@ class Client:
 
     # -- Jobs -------------------------------------------------------------------------------------
 
-    def submit(self, document):
+    def submit(self, document, name=None, tags=None):
         """Queues a job, study or year whose scene is an id. Returns a Job.
 
+        name, tags: what to call it, and a list of what to find it by again (see jobs); they go before
+        those of the document.
         A connection that breaks is tried again: the daemon knows the submission by its key.
         """
+        labels = {"name": name, "tags": list(tags) if tags else None}
+        document = dict(document, **{key: one for key, one in labels.items() if one})
         body = json.dumps(document).encode()
         headers = {"Content-Type": "application/json", "Idempotency-Key": uuid.uuid4().hex}
         for attempt in range(3):
@@ -434,13 +450,19 @@ class Client:
                 time.sleep(0.5)
 
     def job(self, id):
-        """A job submitted before."""
+        """A job submitted before, by its id or as many of its first digits as tell it from others."""
         return Job(self, id)
 
-    def jobs(self, state=None, limit=100):
-        """The latest jobs' documents, newest first."""
-        query = dict({"limit": limit}, **({"state": state} if state else {}))
-        return self._json("GET", "/v1/jobs?" + urllib.parse.urlencode(query))["jobs"]
+    def jobs(self, state=None, limit=100, scene=None, tags=(), since=None, summary=False):
+        """The latest jobs' documents, newest first, however many pages they come in.
+
+        tags: only jobs that have all of them; since: only those that came then or later, a time in UTC
+        such as "2024-03-22T11:30:00Z". summary: each in a line, without files, maps and links.
+        """
+        query = [("limit", min(limit, 1000))] + [("tag", tag) for tag in tags]
+        query += [(key, one) for key, one in (("state", state), ("scene", scene), ("since", since),
+                                              ("fields", "summary" if summary else None)) if one]
+        return self._pages("/v1/jobs?" + urllib.parse.urlencode(query), "jobs", limit)
 
     def maps(self):
         """What the daemon keeps for later jobs: photon maps, BSDFs as loaded."""

@@ -7,6 +7,7 @@
 #include <oriel/limits.h>
 
 #include "jobs/job_share.h"
+#include "json_read.h"
 #include "runner/job_output.h"
 #include "runner/kinds.h"
 
@@ -20,6 +21,7 @@ void orl_job_brief_done(struct orl_job_brief *brief)
         free(brief->files[i].entry);
     }
     free(brief->files);
+    orl_labels_done(&brief->labels);
     memset(brief, 0, sizeof *brief);
 }
 
@@ -60,6 +62,8 @@ int orl_job_brief_read(const struct orl_file *document, struct orl_job_brief *re
         return rc;
     brief.kind = task.kind;
     brief.priority = task.priority;
+    brief.labels = task.labels;
+    task.labels = (struct orl_labels){0};
     brief.result_bytes = orl_kinds[task.kind].result_bytes(&task);
     brief.sensor_bytes = orl_kinds[task.kind].sensor_bytes(&task);
     if (orl_kinds[task.kind].hour_bytes)
@@ -92,13 +96,13 @@ json_t *orl_job_brief_to_json(const struct orl_job_brief *brief)
             return NULL;
         }
     }
-    return json_pack("{s:i, s:i, s:s, s:s, s:I, s:I, s:I, s:[I, I, I, I], s:o}", "kind",
-                     (int)brief->kind, "priority", brief->priority, "scene", brief->scene,
-                     "identity", brief->identity, "result_bytes", (json_int_t)brief->result_bytes,
-                     "sensor_bytes", (json_int_t)brief->sensor_bytes, "hour_bytes",
-                     (json_int_t)brief->hour_bytes, "needs", (json_int_t)needs->sensors,
-                     (json_int_t)needs->photons, (json_int_t)needs->pixels,
-                     (json_int_t)needs->hour_bytes, "files", files);
+    return json_pack("{s:i, s:i, s:s*, s:s*, s:s, s:s, s:I, s:I, s:I, s:[I, I, I, I], s:o}", "kind",
+                     (int)brief->kind, "priority", brief->priority, "name", brief->labels.name,
+                     "tags", brief->labels.tags, "scene", brief->scene, "identity", brief->identity,
+                     "result_bytes", (json_int_t)brief->result_bytes, "sensor_bytes",
+                     (json_int_t)brief->sensor_bytes, "hour_bytes", (json_int_t)brief->hour_bytes,
+                     "needs", (json_int_t)needs->sensors, (json_int_t)needs->photons,
+                     (json_int_t)needs->pixels, (json_int_t)needs->hour_bytes, "files", files);
 }
 
 static int take_files(struct orl_job_brief *brief, const json_t *files, struct orl_error *err)
@@ -132,22 +136,35 @@ static bool take_needs(struct orl_job_memory *needs, const json_t *numbers)
     return good;
 }
 
+/* A child answers with what it was to check: it is checked here once more. */
+static bool take_labels(struct orl_labels *labels, const char *name, const char *tags)
+{
+    struct orl_error err;
+    json_t *list = tags ? orl_json_reread(tags) : NULL;
+    json_t *doc = json_pack("{s:s*, s:o*}", "name", name, "tags", list);
+    const bool good = doc && (list || !tags) && orl_labels_from_json(doc, labels, &err) == 0;
+    json_decref(doc);
+    return good;
+}
+
 int orl_job_brief_from_json(const json_t *json, struct orl_job_brief *ret_brief,
                             struct orl_error *err)
 {
     struct orl_job_brief brief = {0};
-    const char *scene = NULL, *identity = NULL;
+    const char *scene = NULL, *identity = NULL, *name = NULL, *tags = NULL;
     const json_t *files = NULL, *needs = NULL;
     int kind = 0;
     json_int_t result_bytes = 0, sensor_bytes = 0, hour_bytes = 0;
-    int rc = json_unpack((json_t *)(uintptr_t)json, "{s:i, s:i, s:s, s:s, s:I, s:I, s:I, s:o, s:o}",
-                         "kind", &kind, "priority", &brief.priority, "scene", &scene, "identity",
-                         &identity, "result_bytes", &result_bytes, "sensor_bytes", &sensor_bytes,
-                         "hour_bytes", &hour_bytes, "needs", &needs, "files", &files);
+    int rc = json_unpack(
+        (json_t *)(uintptr_t)json, "{s:i, s:i, s?s, s?s, s:s, s:s, s:I, s:I, s:I, s:o, s:o}",
+        "kind", &kind, "priority", &brief.priority, "name", &name, "tags", &tags, "scene", &scene,
+        "identity", &identity, "result_bytes", &result_bytes, "sensor_bytes", &sensor_bytes,
+        "hour_bytes", &hour_bytes, "needs", &needs, "files", &files);
     if (rc || kind < 0 || kind >= ORL_TASK_KIND_COUNT || !orl_is_sha256(scene) ||
         (*identity && !orl_is_sha256(identity)) || brief.priority < 0 ||
         brief.priority > ORL_PRIORITY_MAX || result_bytes < 0 || sensor_bytes < 0 ||
-        hour_bytes < 0 || !take_needs(&brief.needs, needs))
+        hour_bytes < 0 || !take_needs(&brief.needs, needs) ||
+        !take_labels(&brief.labels, name, tags))
         return orl_error_set(err, ORL_ERR_INTERNAL, "a check answered what makes no sense");
     brief.kind = (enum orl_task_kind)kind;
     snprintf(brief.scene, sizeof brief.scene, "%s", scene);

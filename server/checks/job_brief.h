@@ -23,6 +23,7 @@ struct orl_named_file {
 struct orl_job_brief {
     enum orl_task_kind kind;
     int priority;
+    struct orl_labels labels;
     char scene[ORL_SHA_HEX], identity[ORL_SHA_HEX]; /* identity: job_share.h */
     uint64_t result_bytes;                          /* to be expected ... */
     uint64_t sensor_bytes, hour_bytes; /* ... and as much for each of a file, and each hour of a

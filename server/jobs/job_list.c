@@ -62,6 +62,29 @@ const struct orl_jobs_job *orl_jobs_find(const struct orl_jobs *jobs, const char
     return orl_jobs_lookup(jobs, id);
 }
 
+/* Those that begin alike are in one bucket, of as many digits as that is made of. */
+const struct orl_jobs_job *orl_jobs_find_begun(const struct orl_jobs *jobs, const char *prefix,
+                                               bool *ret_several)
+{
+    const size_t length = strlen(prefix);
+    const struct orl_jobs_job *found = NULL;
+    *ret_several = false;
+    if (length < ORL_JOB_PREFIX || length >= ORL_JOB_ID ||
+        strspn(prefix, "0123456789abcdef") != length)
+        return NULL;
+    for (const struct orl_jobs_job *job = jobs->buckets[bucket_of(prefix)]; job;
+         job = job->same_bucket) {
+        if (strncmp(job->row.id, prefix, length) != 0)
+            continue;
+        if (found) {
+            *ret_several = true;
+            return NULL;
+        }
+        found = job;
+    }
+    return found;
+}
+
 const struct orl_jobs_job *orl_jobs_newest(const struct orl_jobs *jobs)
 {
     return jobs->newest;
@@ -102,11 +125,21 @@ bool orl_jobs_full(const struct orl_jobs *jobs)
     return jobs->counts[ORL_JOB_QUEUED] + sharing >= ORL_SERVER_QUEUE;
 }
 
+int orl_job_label(struct orl_jobs_job *job, const char *name, const char *tags)
+{
+    job->labels.name = name ? strdup(name) : NULL;
+    job->labels.tags = tags ? strdup(tags) : NULL;
+    job->row.name = job->labels.name;
+    job->row.tags = job->labels.tags;
+    return (job->labels.name || !name) && (job->labels.tags || !tags) ? 0 : ORL_ERR_NOMEM;
+}
+
 void orl_job_free(struct orl_jobs_job *job)
 {
     if (!job)
         return;
     free(job->outcome);
     free(job->problem);
+    orl_labels_done(&job->labels);
     free(job);
 }

@@ -1,6 +1,7 @@
 #include "jobs/job_results.h"
 
 #include <dirent.h>
+#include <math.h>
 #include <stdio.h>
 
 #include "jobs/job_runs.h"
@@ -52,6 +53,21 @@ void orl_job_results_settle(struct orl_jobs_job *job, enum orl_job_state state)
     const bool has_some = state == ORL_JOB_SUCCEEDED || state == ORL_JOB_CANCELLED;
     job->row.result_bytes = has_some ? job->outcome_bytes : 0;
     jobs->result_bytes += job->row.result_bytes;
+}
+
+double orl_job_results_error(struct orl_jobs *jobs, const char *id)
+{
+    struct orl_jobs_job *job = orl_jobs_lookup(jobs, id);
+    if (!job || job->row.state <= ORL_JOB_RUNNING)
+        return (double)NAN;
+    if (!job->measured) {
+        json_t *outcome = orl_json_reread(job->outcome);
+        const json_t *achieved = json_object_get(json_object_get(outcome, "accuracy"), "achieved");
+        job->achieved = json_is_number(achieved) ? json_number_value(achieved) : (double)NAN;
+        job->measured = true;
+        json_decref(outcome);
+    }
+    return job->achieved;
 }
 
 /* ---- Use ------------------------------------------------------------------------------------ */

@@ -26,6 +26,10 @@ bool orl_job_results_count(const char *text, uint64_t *ret_bytes);
  */
 void orl_job_results_settle(struct orl_jobs_job *job, enum orl_job_state state);
 
+/* The relative error that an ended job's goal came to (Accuracy's "achieved"); NaN: it had none.
+ * What its outcome says is remembered. */
+double orl_job_results_error(struct orl_jobs *jobs, const char *id);
+
 /* Somebody asked for them. flush writes that down, for all jobs at once. */
 void orl_job_results_fetched(struct orl_jobs *jobs, const char *id);
 void orl_job_results_flush(struct orl_jobs *jobs);

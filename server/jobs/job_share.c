@@ -18,6 +18,8 @@ void orl_share_identity(const char *text, size_t size, char ret_identity[ORL_SHA
     if (orl_json_parse(NULL, text, size, &doc, NULL))
         return;
     json_object_del(doc, "priority");
+    json_object_del(doc, "name");
+    json_object_del(doc, "tags");
     char *plain = orl_json_text(doc, JSON_COMPACT | JSON_SORT_KEYS);
     if (plain)
         orl_sha256_hex(plain, strlen(plain), ret_identity);

@@ -23,6 +23,10 @@ int orl_jobs_submit(struct orl_jobs *jobs, const struct orl_jobs_order *order,
     struct orl_jobs_job *job = calloc(1, sizeof *job);
     if (!job)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    if (orl_job_label(job, order->labels.name, order->labels.tags)) {
+        orl_job_free(job);
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    }
     randombytes_buf(bytes, sizeof bytes);
     sodium_bin2hex(job->row.id, sizeof job->row.id, bytes, sizeof bytes);
     snprintf(job->row.scene, sizeof job->row.scene, "%s", order->scene);

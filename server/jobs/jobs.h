@@ -12,7 +12,8 @@
  * and from then on runs alone; when the daemon has ended through it (blame.h) ORL_SERVER_ATTEMPTS
  * times it fails. An orderly stop does not count as an attempt.
  *
- * Memory: one struct orl_jobs_job for every job that has not been removed (under a kilobyte).
+ * Memory: one struct orl_jobs_job for every job that has not been removed (about a kilobyte), and
+ * what its outcome, name and tags take.
  * Threads: the loop thread only.
  */
 #ifndef ORL_SERVER_JOBS_JOBS_H
@@ -39,6 +40,9 @@ struct orl_jobs_job {
     struct orl_job_row row; /* outcome and problem point to the two below */
     struct orl_queue_entry waiting;
     char *outcome, *problem;   /* JSON text, owned */
+    struct orl_labels labels;  /* row's name and tags */
+    double achieved;           /* the error that it came to, once somebody asks; job_results.h */
+    bool measured;             /* somebody has */
     uint64_t outcome_bytes;    /* of the files that the outcome lists, once it has ended */
     struct orl_worker *worker; /* while running; a leader's */
     double started_s;          /* steady clock, while running */
@@ -99,6 +103,7 @@ struct orl_jobs_order {
     int priority;
     const char *scene, *document; /* the document is a blob */
     const char *identity;         /* job_share.h */
+    struct orl_labels labels;     /* copied */
     uint64_t result_bytes;        /* to be expected */
     uint64_t memory_bytes;        /* job_memory.h */
     const char *client;           /* client_name.h */
@@ -125,6 +130,13 @@ bool orl_jobs_ended(const struct orl_jobs_job *job);
 bool orl_jobs_need_scene(const struct orl_jobs *jobs, const char *scene);
 
 const struct orl_jobs_job *orl_jobs_find(const struct orl_jobs *jobs, const char *id);
+/*
+ * The job of that id, or the only one whose id begins so, of ORL_JOB_PREFIX digits at least. NULL:
+ * there is none; *ret_several: there are others.
+ */
+enum { ORL_JOB_PREFIX = 4 };
+const struct orl_jobs_job *orl_jobs_find_begun(const struct orl_jobs *jobs, const char *prefix,
+                                               bool *ret_several);
 /* The newest job; go on with ->older. */
 const struct orl_jobs_job *orl_jobs_newest(const struct orl_jobs *jobs);
 /* What computes the job, maybe for others too; NULL while nothing does. */

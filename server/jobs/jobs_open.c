@@ -16,10 +16,9 @@ static int load_row(void *ctx, const struct orl_job_row *row)
     job->row = *row;
     job->outcome = row->outcome ? strdup(row->outcome) : NULL;
     job->problem = row->problem ? strdup(row->problem) : NULL;
-    if ((row->outcome && !job->outcome) || (row->problem && !job->problem)) {
-        free(job->outcome);
-        free(job->problem);
-        free(job);
+    if (orl_job_label(job, row->name, row->tags) || (row->outcome && !job->outcome) ||
+        (row->problem && !job->problem)) {
+        orl_job_free(job);
         return ORL_ERR_NOMEM;
     }
     job->row.outcome = job->outcome;

@@ -1,6 +1,7 @@
 #include "process/times.h"
 
 #include <stdio.h>
+#include <string.h>
 #include <time.h>
 
 int64_t orl_time_now_ms(void)
@@ -30,4 +31,34 @@ void orl_time_format(int64_t ms, char ret_text[ORL_TIME_TEXT])
     gmtime_r(&seconds, &utc);
     strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%S", &utc);
     snprintf(ret_text, ORL_TIME_TEXT, "%s.%03dZ", text, (int)(ms % 1000));
+}
+
+/* Every digit of the pattern's 0s is one, and all else is the same; what follows is *ret_rest. */
+static bool is_like(const char *text, const char *pattern, const char **ret_rest)
+{
+    for (; *pattern; pattern++, text++)
+        if (*pattern == '0' ? *text < '0' || *text > '9' : *text != *pattern)
+            return false;
+    *ret_rest = text;
+    return true;
+}
+
+bool orl_time_parse(const char *text, int64_t *ret_ms)
+{
+    const char *rest = NULL;
+    struct tm utc = {0};
+    int fraction = 0;
+    if (!is_like(text, "0000-00-00T00:00:00", &rest) ||
+        strptime(text, "%Y-%m-%dT%H:%M:%S", &utc) != rest)
+        return false;
+    if (*rest == '.') {
+        int scale = 100;
+        for (rest++; *rest >= '0' && *rest <= '9'; rest++, scale /= 10)
+            fraction += scale * (*rest - '0');
+    }
+    const struct tm given = utc;
+    const int64_t seconds = timegm(&utc); /* which makes March of the 30th of February */
+    *ret_ms = 1000 * seconds + fraction;
+    return strcmp(rest, "Z") == 0 && seconds >= 0 && utc.tm_mon == given.tm_mon &&
+           utc.tm_mday == given.tm_mday && given.tm_sec < 60;
 }

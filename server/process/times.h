@@ -4,6 +4,7 @@
 #ifndef ORL_SERVER_PROCESS_TIMES_H
 #define ORL_SERVER_PROCESS_TIMES_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 int64_t orl_time_now_ms(void);
@@ -13,5 +14,8 @@ int64_t orl_time_steady_ms(void);
 enum { ORL_TIME_TEXT = 32 };
 /* "2024-03-22T11:30:00.123Z" */
 void orl_time_format(int64_t ms, char ret_text[ORL_TIME_TEXT]);
+/* Reads such a time, with or without its fraction, in UTC ("Z"), of 1970 to 9999. False: it is
+ * none. */
+bool orl_time_parse(const char *text, int64_t *ret_ms);
 
 #endif

@@ -6,6 +6,7 @@
 #include "process/limits.h"
 #include "resources/events.h"
 #include "resources/job_event.h"
+#include "resources/job_path.h"
 #include "server.h"
 
 /* Whoever has seen the job end has nothing to wait for; 204 keeps an EventSource from asking on. */
@@ -22,12 +23,10 @@ static bool has_seen_all(const struct orl_request *request, const struct orl_job
 void orl_handle_job_events(struct orl_request *request)
 {
     struct orl_server *server = request->server;
-    const struct orl_jobs_job *job = orl_jobs_find(server->jobs, request->params[0]);
+    const struct orl_jobs_job *job = orl_job_of_path(request);
     const char *last_id = orl_request_header(request, "Last-Event-ID");
-    if (!job) {
-        orl_reply_not_found(request, "job");
+    if (!job)
         return;
-    }
     if (has_seen_all(request, job, last_id)) {
         orl_reply_no_content(request);
         return;

@@ -5,95 +5,197 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <oriel/files.h>
+
 #include "encode.h"
-#include "http/query.h"
 #include "http/reply.h"
+#include "json_read.h"
+#include "labels_json.h"
 #include "process/limits.h"
+#include "process/times.h"
 #include "resources/job_status.h"
+#include "resources/job_summary.h"
+#include "resources/page.h"
 #include "server.h"
 
-/* ?state=, ?limit= and ?before=; false after a 400. */
-static bool read_filter(struct orl_request *request, enum orl_job_state *ret_state,
-                        unsigned long *ret_limit, const struct orl_jobs_job **ret_first)
+/* Tags that a list may be asked for: with them its next link stays within a header. */
+enum { FILTER_TAGS = 4 };
+
+struct filter {
+    enum orl_job_state state;      /* ORL_JOB_STATE_COUNT: any */
+    const char *scene;             /* NULL: any */
+    const char *tags[FILTER_TAGS]; /* all of them */
+    size_t n_tags;
+    bool wrong_tag;
+    int64_t since_ms; /* created then or later */
+    unsigned long limit;
+    const struct orl_jobs_job *first;
+};
+
+/* ---- Arguments ------------------------------------------------------------------------------ */
+
+static enum MHD_Result add_tag(void *ctx, enum MHD_ValueKind kind, const char *key,
+                               const char *value)
+{
+    struct filter *filter = ctx;
+    (void)kind;
+    if (strcmp(key, "tag") != 0)
+        return MHD_YES;
+    if (!value || !orl_label_is_tag(value) || filter->n_tags == FILTER_TAGS)
+        filter->wrong_tag = true;
+    else
+        filter->tags[filter->n_tags++] = value;
+    return filter->wrong_tag ? MHD_NO : MHD_YES;
+}
+
+/* ?before=, the id of a job that is here, or ?cursor=, of a next link, whatever has become of its
+ * job. */
+static bool read_place(struct orl_request *request, struct filter *filter)
 {
     const struct orl_jobs *jobs = request->server->jobs;
     const char *before = orl_request_query(request, "before");
-    const char *state = orl_request_query(request, "state");
-    const char *limit = orl_request_query(request, "limit");
-    if (state) {
-        *ret_state = orl_job_state_from_name(state);
-        if (*ret_state == ORL_JOB_STATE_COUNT) {
-            orl_reply_problem(request, 400, "invalid", "The query is not understood",
-                              "state is queued, running, succeeded, failed or cancelled");
-            return false;
-        }
-    }
-    if (limit && !orl_query_count(limit, ORL_SERVER_LIST, ret_limit)) {
-        orl_reply_problem(request, 400, "invalid", "The query is not understood",
-                          "limit is a number from 1 to %u", ORL_SERVER_LIST);
-        return false;
-    }
+    const char *cursor = orl_request_query(request, "cursor");
     const struct orl_jobs_job *last = before ? orl_jobs_find(jobs, before) : NULL;
-    if (before && !last) {
-        orl_reply_problem(request, 400, "invalid", "The query is not understood",
-                          "before is the id of a job that is here");
-        return false;
-    }
-    *ret_first = last ? last->older : orl_jobs_newest(jobs);
+    if (before && !last)
+        return orl_page_refuse(request, "before is the id of a job that is here");
+    filter->first = last ? last->older : orl_jobs_newest(jobs);
+    if (!cursor)
+        return true;
+    const size_t digits = strspn(cursor, "0123456789");
+    if (digits == 0 || digits > 18 || cursor[digits])
+        return orl_page_refuse(request, "cursor is of the link to the next page");
+    const int64_t seq = strtoll(cursor, NULL, 10);
+    while (filter->first && filter->first->row.seq >= seq)
+        filter->first = filter->first->older;
     return true;
 }
 
+/* False after a 400. */
+static bool read_filter(struct orl_request *request, struct filter *filter)
+{
+    const char *state = orl_request_query(request, "state");
+    const char *since = orl_request_query(request, "since");
+    filter->scene = orl_request_query(request, "scene");
+    if (state) {
+        filter->state = orl_job_state_from_name(state);
+        if (filter->state == ORL_JOB_STATE_COUNT)
+            return orl_page_refuse(request,
+                                   "state is queued, running, succeeded, failed or cancelled");
+    }
+    if (filter->scene && !orl_is_sha256(filter->scene))
+        return orl_page_refuse(request, "scene is the id of a scene, 64 digits");
+    if (since && !orl_time_parse(since, &filter->since_ms))
+        return orl_page_refuse(request, "since is a time in UTC, such as 2024-03-22T11:30:00Z");
+    MHD_get_connection_values(request->connection, MHD_GET_ARGUMENT_KIND, add_tag, filter);
+    if (filter->wrong_tag)
+        return orl_page_refuse(request, "tag is a job's tag; up to 4 may be given");
+    return orl_page_limit(request, &filter->limit) && read_place(request, filter);
+}
+
+static bool is_wanted(const struct filter *filter, const struct orl_jobs_job *job)
+{
+    const struct orl_job_row *row = &job->row;
+    bool wanted = (filter->state == ORL_JOB_STATE_COUNT || row->state == filter->state) &&
+                  (!filter->scene || strcmp(row->scene, filter->scene) == 0) &&
+                  row->created_ms >= filter->since_ms;
+    for (size_t i = 0; i < filter->n_tags && wanted; i++)
+        wanted = orl_labels_have(row->tags, filter->tags[i]);
+    return wanted;
+}
+
+/* ---- The list ------------------------------------------------------------------------------- */
+
+struct list {
+    FILE *text;
+    bool summary;
+    const struct orl_jobs_job *last; /* of those in it */
+    unsigned long count;
+};
+
+/* The text of one job's document, borrowed or in *ret_made; NULL when out of memory. */
+static const char *show(struct orl_server *server, const struct orl_jobs_job *job, bool summary,
+                        char **ret_made, size_t *ret_size)
+{
+    if (!summary && job->row.state >= ORL_JOB_SUCCEEDED)
+        return orl_status_cache_text(server->statuses, server->jobs, job, ret_size);
+    json_t *doc = summary ? orl_job_summary(server->jobs, job) : orl_job_status(server->jobs, job);
+    *ret_made = doc ? orl_json_text(doc, JSON_COMPACT | JSON_REAL_PRECISION(10)) : NULL;
+    *ret_size = *ret_made ? strlen(*ret_made) : 0;
+    json_decref(doc);
+    return *ret_made;
+}
+
 /* One more job's document behind those in text; false: it does not fit, or there is no memory. */
-static bool add_to_list(struct orl_server *server, const struct orl_jobs_job *job, FILE *text)
+static bool add_to_list(struct orl_server *server, const struct orl_jobs_job *job,
+                        struct list *list)
 {
     size_t size = 0;
     char *made = NULL;
-    const char *shown;
-    if (job->row.state < ORL_JOB_SUCCEEDED) {
-        json_t *doc = orl_job_status(server->jobs, job);
-        made = doc ? orl_json_text(doc, JSON_COMPACT) : NULL;
-        size = made ? strlen(made) : 0;
-        json_decref(doc);
-        shown = made;
-    } else {
-        shown = orl_status_cache_text(server->statuses, server->jobs, job, &size);
+    const char *shown = show(server, job, list->summary, &made, &size);
+    const long used = ftell(list->text);
+    const bool fits = shown && (list->count == 0 || (size_t)used + size < ORL_SERVER_LIST_BYTES);
+    if (fits) {
+        fprintf(list->text, "%s%.*s", list->count == 0 ? "" : ",", (int)size, shown);
+        list->last = job;
+        list->count++;
     }
-    const long used = ftell(text);
-    const bool fits = shown && (used < 16 || (size_t)used + size < ORL_SERVER_LIST_BYTES);
-    if (fits)
-        fprintf(text, "%s%.*s", used < 16 ? "" : ",", (int)size, shown);
     free(made);
     return fits;
 }
 
+/* Those that are wanted, and whether there are more. */
+static bool fill(struct orl_server *server, const struct filter *filter, struct list *list)
+{
+    bool more = false;
+    fputs("{\"jobs\":[", list->text);
+    for (const struct orl_jobs_job *job = filter->first; job && !more; job = job->older)
+        if (is_wanted(filter, job))
+            more = list->count == filter->limit || !add_to_list(server, job, list);
+    fprintf(list->text, "],\"more\":%s}", more ? "true" : "false");
+    return more;
+}
+
+/* Polled over and over: what has not changed is not sent again. */
+static void reply_list(struct orl_request *request, const char *text, size_t size, bool summary)
+{
+    char tag[ORL_SHA_HEX];
+    if (summary && text)
+        orl_sha256_hex(text, size, tag);
+    if (summary && text && orl_reply_if_none_match(request, tag))
+        return;
+    orl_reply_json_text(request, 200, text, size);
+    if (summary && text)
+        orl_reply_etag(request, tag);
+}
+
 void orl_handle_job_list(struct orl_request *request)
 {
-    const struct orl_jobs_job *first = NULL;
-    enum orl_job_state state = ORL_JOB_STATE_COUNT;
-    unsigned long limit = 100;
-    if (!read_filter(request, &state, &limit, &first))
-        return;
-    if (limit > ORL_SERVER_LIST_AT_ONCE)
-        limit = ORL_SERVER_LIST_AT_ONCE;
-    char *text = NULL;
-    size_t size = 0, count = 0;
+    static const char *const kept[] = {"fields", "limit", "scene", "since", "state", "tag", NULL};
+    struct filter filter = {.state = ORL_JOB_STATE_COUNT, .limit = 100};
+    struct list list = {.text = NULL};
+    const char *fields = orl_request_query(request, "fields");
+    char *text = NULL, cursor[24];
+    size_t size = 0;
     bool more = false;
-    FILE *list = open_memstream(&text, &size);
-    if (list)
-        fputs("{\"jobs\":[", list);
-    for (const struct orl_jobs_job *job = first; job && list && !more; job = job->older) {
-        if (state != ORL_JOB_STATE_COUNT && job->row.state != state)
-            continue;
-        more = count == limit || !add_to_list(request->server, job, list);
-        count++;
+    if (!read_filter(request, &filter))
+        return;
+    if (fields && strcmp(fields, "summary") != 0 && strcmp(fields, "all") != 0) {
+        orl_page_refuse(request, "fields is summary or all");
+        return;
     }
-    if (list)
-        fprintf(list, "],\"more\":%s}", more ? "true" : "false");
-    if (list && fclose(list) != 0) {
+    list.summary = fields && strcmp(fields, "summary") == 0;
+    list.text = open_memstream(&text, &size);
+    if (list.text)
+        more = fill(request->server, &filter, &list);
+    if (list.text && fclose(list.text) != 0) {
         free(text);
         text = NULL;
     }
-    orl_reply_json_text(request, 200, text, size);
+    reply_list(request, text, size, list.summary);
     free(text);
-    orl_reply_header(request, "Cache-Control", "no-store");
+    if (more && list.last) {
+        snprintf(cursor, sizeof cursor, "%lld", (long long)list.last->row.seq);
+        orl_page_link(request, "/v1/jobs", kept, cursor);
+    }
+    orl_reply_header(request, "Cache-Control", list.summary ? "no-cache" : "no-store");
 }

@@ -13,6 +13,7 @@
 #include "http/reply.h"
 #include "json_read.h"
 #include "process/limits.h"
+#include "resources/job_path.h"
 #include "resources/job_status.h"
 #include "resources/status_cache.h"
 #include "runner/job_memory.h"
@@ -235,6 +236,7 @@ static void submit(struct orl_request *request)
     const struct orl_jobs_order order = {.kind = post->brief.kind,
                                          .priority = post->brief.priority,
                                          .scene = post->brief.scene,
+                                         .labels = post->brief.labels,
                                          .document = post->document,
                                          .identity = post->brief.identity,
                                          .result_bytes = result_bytes,
@@ -349,25 +351,16 @@ void orl_handle_job_post(struct orl_request *request)
                         look_up_checked);
 }
 
-/* The job of the path, or NULL after a 404. */
-static const struct orl_jobs_job *find_job(struct orl_request *request)
-{
-    const struct orl_jobs_job *job = orl_jobs_find(request->server->jobs, request->params[0]);
-    if (!job)
-        orl_reply_not_found(request, "job");
-    return job;
-}
-
 void orl_handle_job_get(struct orl_request *request)
 {
-    const struct orl_jobs_job *job = find_job(request);
+    const struct orl_jobs_job *job = orl_job_of_path(request);
     if (job)
         reply_job(request, 200, job);
 }
 
 void orl_handle_job_cancel(struct orl_request *request)
 {
-    const struct orl_jobs_job *job = find_job(request);
+    const struct orl_jobs_job *job = orl_job_of_path(request);
     struct orl_error err;
     if (!job)
         return;
@@ -382,10 +375,12 @@ void orl_handle_job_cancel(struct orl_request *request)
 void orl_handle_job_delete(struct orl_request *request)
 {
     struct orl_server *server = request->server;
-    const struct orl_jobs_job *job = find_job(request);
     struct orl_error err;
-    if (!job)
+    /* By its whole id: a prefix sent again might mean another one by then. */
+    if (!orl_jobs_find(server->jobs, request->params[0])) {
+        orl_reply_not_found(request, "job");
         return;
+    }
     if (orl_jobs_remove(server->jobs, request->params[0], &err) == 0)
         orl_reply_no_content(request);
     else if (err.code == ORL_ERR_INVALID)

@@ -12,6 +12,7 @@
 #include "http/reply.h"
 #include "json_read.h"
 #include "process/times.h"
+#include "resources/job_path.h"
 #include "server.h"
 
 static const char *type_of(const char *name)
@@ -219,11 +220,9 @@ static void refuse_for_now(struct orl_request *request, const struct orl_jobs_jo
  * and cancelled when some of its skies were done. */
 static bool find_results(struct orl_request *request, struct shown *ret_shown)
 {
-    struct shown shown = {.job = orl_jobs_find(request->server->jobs, request->params[0])};
-    if (!shown.job) {
-        orl_reply_not_found(request, "job");
+    struct shown shown = {.job = orl_job_of_path(request)};
+    if (!shown.job)
         return false;
-    }
     char *text = find_summary(request, &shown);
     shown.summary = orl_json_reread(text);
     free(text);

@@ -32,6 +32,11 @@ double orl_job_eta_s(const struct orl_jobs_job *job, const struct orl_job_progre
     return round(10 * left) / 10;
 }
 
+json_t *orl_job_tags(const struct orl_jobs_job *job)
+{
+    return job->row.tags ? orl_json_reread(job->row.tags) : json_array();
+}
+
 json_t *orl_job_warnings(const struct orl_job_progress *progress)
 {
     json_t *warnings = json_array();
@@ -203,11 +208,12 @@ json_t *orl_job_status(const struct orl_jobs *jobs, const struct orl_jobs_job *j
     snprintf(self, sizeof self, "/v1/jobs/%s", row->id);
     snprintf(cancel, sizeof cancel, "/v1/jobs/%s/cancel", row->id);
     json_t *doc = json_pack(
-        "{s:s, s:s, s:s, s:s, s:i, s:s, s:i, s:o, s:o, s:o, s:{s:s}}", "id", row->id, "kind",
-        orl_task_kind_name(row->kind), "state", orl_job_state_name(row->state), "scene", row->scene,
-        "priority", row->priority, "client", row->client, "attempts", row->attempts, "created",
-        time_or_null(row->created_ms), "started", time_or_null(row->started_ms), "finished",
-        time_or_null(row->finished_ms), "links", "self", self);
+        "{s:s, s:s?, s:o, s:s, s:s, s:s, s:i, s:s, s:i, s:o, s:o, s:o, s:{s:s}}", "id", row->id,
+        "name", row->name, "tags", orl_job_tags(job), "kind", orl_task_kind_name(row->kind),
+        "state", orl_job_state_name(row->state), "scene", row->scene, "priority", row->priority,
+        "client", row->client, "attempts", row->attempts, "created", time_or_null(row->created_ms),
+        "started", time_or_null(row->started_ms), "finished", time_or_null(row->finished_ms),
+        "links", "self", self);
     if (!doc)
         return NULL;
     json_t *links = json_object_get(doc, "links");

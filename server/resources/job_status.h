@@ -1,9 +1,9 @@
 /*
  * A job's document, as GET /v1/jobs/{id} shows it, made from memory alone:
  *
- *     {"id", "kind", "state", "stage", "percent", "eta_s", "attempts", "scene", "priority",
- * "client", "created", "started", "finished", "queue_position", "maps": [...], "timings_s": {...},
- * "error": {...}, "links": {"self", "result", "cancel", "files": [...]}}
+ *     {"id", "name", "tags", "kind", "state", "stage", "percent", "eta_s", "attempts", "scene",
+ * "priority", "client", "created", "started", "finished", "queue_position", "maps": [...],
+ * "timings_s": {...}, "error": {...}, "links": {"self", "result", "cancel", "files": [...]}}
  *
  * "warnings" are there while it runs, as they come, and when it has ended with results: those of a
  * job that has succeeded, and of a cancelled one the skies that were done.
@@ -25,6 +25,9 @@
 
 /* A new reference; NULL when out of memory. */
 json_t *orl_job_status(const struct orl_jobs *jobs, const struct orl_jobs_job *job);
+
+/* A new reference; NULL when out of memory. */
+json_t *orl_job_tags(const struct orl_jobs_job *job);
 
 /* The warnings so far of one that runs. A new reference. */
 json_t *orl_job_warnings(const struct orl_job_progress *progress);

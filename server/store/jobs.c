@@ -25,11 +25,12 @@ int orl_job_row_insert(struct orl_db *db, const struct orl_job_row *row, const c
     const int rc = orl_db_run(
         db, err, NULL,
         "INSERT INTO jobs (id, kind, scene, document, state, created_ms, "
-        "priority, client, request_key, identity, result_bytes, memory_bytes) "
-        "VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
-        "sssssiisssii", row->id, orl_task_kind_name(row->kind), row->scene, row->document,
+        "priority, client, request_key, identity, result_bytes, memory_bytes, name, tags) "
+        "VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
+        "sssssiisssiiss", row->id, orl_task_kind_name(row->kind), row->scene, row->document,
         orl_job_state_name(row->state), row->created_ms, (int64_t)row->priority, row->client,
-        request_key, row->identity, (int64_t)row->result_bytes, (int64_t)row->memory_bytes);
+        request_key, row->identity, (int64_t)row->result_bytes, (int64_t)row->memory_bytes,
+        row->name, row->tags);
     if (rc == 0)
         *ret_seq = sqlite3_last_insert_rowid(db->handle);
     return rc;
@@ -92,6 +93,8 @@ static struct orl_job_row read_row(sqlite3_stmt *stmt)
         .evicted_ms = sqlite3_column_int64(stmt, 17),
         .memory_bytes = (uint64_t)sqlite3_column_int64(stmt, 18),
         .strikes = sqlite3_column_int(stmt, 19),
+        .name = (const char *)sqlite3_column_text(stmt, 20),
+        .tags = (const char *)sqlite3_column_text(stmt, 21),
     };
     snprintf(row.id, sizeof row.id, "%s", orl_db_text(stmt, 1));
     snprintf(row.scene, sizeof row.scene, "%s", orl_db_text(stmt, 2));
@@ -108,7 +111,7 @@ int orl_job_rows(struct orl_db *db, int (*visit)(void *ctx, const struct orl_job
         db, err,
         "SELECT seq, id, scene, document, state, attempts, created_ms, started_ms, finished_ms, "
         "outcome, problem, kind, priority, client, identity, result_bytes, fetched_ms, evicted_ms, "
-        "memory_bytes, strikes "
+        "memory_bytes, strikes, name, tags "
         "FROM jobs ORDER BY seq",
         "");
     if (!stmt)

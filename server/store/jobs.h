@@ -36,6 +36,7 @@ struct orl_job_row {
     char identity[ORL_SHA_HEX];  /* job_share.h; "" of jobs of before there were any */
     int64_t created_ms, started_ms, finished_ms; /* 0: not yet */
     const char *outcome, *problem;               /* JSON text, borrowed; NULL: none */
+    const char *name, *tags;                     /* labels_json.h, borrowed; NULL: none */
     uint64_t result_bytes; /* of its results; while it waits or runs, of those to be expected */
     uint64_t memory_bytes; /* that it is estimated to take: job_memory.h */
     int strikes;           /* times that the daemon ended through it: blame.h */

@@ -232,6 +232,25 @@ def bsdfs(desk):
     assert desk.client.upload_scene(["bsdf.rad"], folder=desk.folder) == scene
 
 
+def labels(desk):
+    """Jobs by names and tags, in several pages; one by the beginning of its id."""
+    scene = desk.client.upload_scene(["room.rad"], folder=desk.folder)
+    document = {"scene": scene, "technique": "backward", "gather_samples": 4, "name": "of its own",
+                "sensors": [[1.5, 1, 0.8, 0, 0, 1]]}
+    jobs = [desk.client.submit(dict(document, seed=seed), name="Büro %d" % seed,
+                               tags=["labels", "x, y"[:1], "%d" % (seed % 2)]) for seed in range(4)]
+    jobs.append(desk.client.submit(document))
+    names = [job["name"] for job in desk.client.jobs(tags=["labels", "1"], summary=True)]
+    assert names == ["Büro 3", "Büro 1"]
+    assert desk.client.job(jobs[-1].id[:12]).status()["name"] == "of its own"
+    desk.sent.clear()
+    paged = desk.client._pages("/v1/jobs?tag=labels&limit=1", "jobs", 3)
+    assert [job["name"] for job in paged] == ["Büro 3", "Büro 2", "Büro 1"]
+    assert len(desk.sent) == 3 and "cursor=" in desk.sent[1]
+    assert not desk.client.jobs(scene="0" * 64) and not desk.client.jobs(since="2999-01-01T00:00:00Z")
+    raises(oriel.Problem, desk.client.submit, document, tags=["a,b"])
+
+
 def cancel(desk):
     job = desk.long_job()
     threading.Timer(0.3, job.cancel).start()

@@ -251,6 +251,38 @@ static void test_problems_read_like_compilers(void **state)
     assert_int_equal(times_asked(f, "GET /v1/maps"), 1);
 }
 
+static void test_status_is_a_table(void **state)
+{
+    static const struct canned canned[] = {
+        {"GET /v1/jobs", 200,
+         "{\"jobs\": ["
+         "{\"id\": \"0123456789abcdef0123456789abcdef\", \"name\": \"B\u00fcro mit sehr langem "
+         "Namen, "
+         "2. Stock\", \"tags\": [\"x\"], \"kind\": \"render\", \"state\": \"running\", "
+         "\"percent\": 42.04,"
+         " \"eta_s\": 124.2, \"error\": 0.031, \"created\": \"2024-03-22T11:30:00.123Z\"},"
+         "{\"id\": \"fedcba9876543210fedcba9876543210\", \"name\": null, \"tags\": [\"x\", \"y\"],"
+         " \"kind\": \"study\", \"state\": \"queued\", \"percent\": null, \"eta_s\": null, "
+         "\"error\": null,"
+         " \"queue_position\": 2, \"created\": \"2024-03-22T11:31:00.123Z\"}], \"more\": false}"},
+        {"GET /v1/jobs/fedcba98", 200, "{\"id\": \"fedcba9876543210fedcba9876543210\"}"},
+        {"DELETE /v1/jobs/fedcba9876543210fedcba9876543210", 204, ""},
+        {NULL, 0, NULL}};
+    struct fixture *f = *state;
+
+    run_args(f, canned, (const char *const[]){"status", "--tag", "x y", "--server", f->url, NULL});
+    assert_int_equal(f->result.exit_code, 0);
+    assert_says(f->result.out, "01234567  B\xc3\xbcro mit sehr langem Nam  render  running       "
+                               "42.0 %         2:05    3.1 %  2024-03-22T11:30:00\n");
+    assert_says(f->result.out, "fedcba98  x,y                       study   queued          "
+                               "       2. in line           2024-03-22T11:31:00\n");
+    /* What it shows is enough to remove one by. */
+    run_args(f, canned,
+             (const char *const[]){"remove", "job", "fedcba98", "--server", f->url, NULL});
+    assert_int_equal(f->result.exit_code, 0);
+    assert_int_equal(times_asked(f, "DELETE /v1/jobs/fedcba9876543210fedcba9876543210"), 1);
+}
+
 static void test_no_daemon_is_said_so(void **state)
 {
     struct fixture *f = *state;
@@ -574,6 +606,7 @@ int main(void)
         TEST(test_wait_shows_progress_and_the_cache),
         TEST(test_wait_fails_with_the_job),
         TEST(test_problems_read_like_compilers),
+        TEST(test_status_is_a_table),
         TEST(test_no_daemon_is_said_so),
         TEST(test_maps_table_adds_up),
         TEST(test_fetch_keeps_images_and_result),

@@ -157,6 +157,7 @@ static void test_a_second_job_finds_the_maps(void **state)
     run(f, 0, "status", second, NULL, NULL);
     assert_says(f->result.out, "succeeded");
     run(f, 0, "status", NULL, NULL, NULL);
+    first[8] = second[8] = '\0'; /* as much as the table shows, and as fetch needs */
     assert_says(f->result.out, first);
     assert_says(f->result.out, second);
     snprintf(output, sizeof output, "%s/out", f->folder);

@@ -48,6 +48,7 @@ CASE(skies)
 CASE(years)
 CASE(bsdfs)
 CASE(cancel)
+CASE(labels)
 CASE(removal)
 CASE(problems)
 CASE(repeated_submission)
@@ -107,6 +108,7 @@ int main(void)
         cmocka_unit_test(test_years),
         cmocka_unit_test(test_bsdfs),
         cmocka_unit_test(test_cancel),
+        cmocka_unit_test(test_labels),
         cmocka_unit_test(test_removal),
         cmocka_unit_test(test_problems),
         cmocka_unit_test(test_repeated_submission),

@@ -42,7 +42,7 @@ def jobs(lit, dark):
            "photons": {"global": 500, "caustic": 500, "exact": True}, "sensors": SENSORS, "views": [VIEW],
            "heat_map": {"scale": 500, "decades": 2, "divisions": 4, "palette": "eco",
                         "thresholds": [300], "length_unit": "ft"},
-           "priority": 5, "dark": "expected", "effects": {name: "auto" for name in EFFECTS}}
+           "priority": 5, "name": "n", "tags": ["a", "b"], "dark": "expected", "effects": {name: "auto" for name in EFFECTS}}
     yield {"scene": dark, "technique": "backward", "pixel_samples": 1, "skies": several[0],
            "views": [VIEW], "sequence": {"frame_s": 0.5, "columns": 3, "picture_width": 64}}
     glare = {"threshold": 5, "task": {"x": 8, "y": 4, "angle_rad": 0.6}, "radius_rad": 0.2,
@@ -73,13 +73,13 @@ def jobs(lit, dark):
         yield {"scene": dark, "sky": one, "sensors": {"file": "s.txt"}}
     for one in several:
         yield {"scene": dark, "skies": one, "sensors": {"file": "s.txt"}}
-    study = {"kind": "study", "priority": 5, "title": "t", "note": "n", "scene": lit,
+    study = {"kind": "study", "priority": 5, "name": "n", "tags": ["a"], "title": "t", "note": "n", "scene": lit,
              "effects": {"sun": "skip"}, "seed": 3, "techniques": ["backward", "gather"],
              "photons": [500, 1000], "repeats": 2, "reference": {"samples": 64, "runs": 2},
              "points": [{"name": "other", "seconds": 1, "rms": 0.1, "rays_per_s": 1e6}]}
     yield {**study, "gather_samples": [8, 16], "sensors": SENSORS}
     yield {**study, "scene": dark, "sky": sky[8], "pixel_samples": [1, 2], "views": [VIEW]}
-    year = {"kind": "annual", "priority": 5, "scene": dark, "weather": "w.epw"}
+    year = {"kind": "annual", "priority": 5, "name": "n", "tags": ["a"], "scene": dark, "weather": "w.epw"}
     yield {**year, "title": "t", "north": 10, "ground_reflectance": 0.3, "samples": 16, "seed": 3,
            "grids": [{"name": "a", "area": 2, "sensors": {"file": "s.txt"}},
                      {"name": "b", "area": 1, "sensors": SENSORS}],

@@ -309,7 +309,12 @@ def failures(daemon):
 def refusals(daemon):
     """Jobs that are none; each member of the wrong type."""
     scene = daemon.upload(ROOM + SKY)
-    good = sensors_of(scene, views=[VIEW], seed=1, priority=5, effects={}, kind="render")
+    good = sensors_of(scene, views=[VIEW], seed=1, priority=5, effects={}, kind="render",
+                      name="Südzimmer", tags=["a b", "c"])
+    named = daemon.submit(good)
+    daemon.ask("GET", named[:-20], want=200)
+    daemon.ask("GET", named[:-20] + "/events", want=200)
+    good = dict(good, name="other", tags=["d"])
     for name in good:
         for wrong in (None, True, "x" * 70, 1.5e300, -1, {}, [[]], {"unknown": 1}):
             document = dict(good, **{name: wrong})
@@ -326,9 +331,30 @@ def refusals(daemon):
     daemon.ask("POST", "/v1/jobs", dict(good, seed=2), {"Idempotency-Key": "once"}, want=422)
     daemon.ask("GET", "/v1/jobs?state=lost", want=400)
     daemon.ask("GET", "/v1/jobs?limit=0", want=400)
+    job_lists(daemon)
     for state in ("queued", "running", "succeeded", "failed", "cancelled"):
         jobs = daemon.ask("GET", "/v1/jobs?limit=1000&state=" + state, want=200).json["jobs"]
         assert all(job["state"] == state for job in jobs)
+
+
+def job_lists(daemon):
+    """Pages of all jobs, and of those that have a name; as a table, which may not have changed."""
+    for fields in ("all", "summary"):
+        path, found = "/v1/jobs?limit=7&fields=" + fields, []
+        while path:
+            answer = daemon.ask("GET", path, want=200)
+            found += [job["id"] for job in answer.json["jobs"]]
+            assert ("link" in answer.headers) == answer.json["more"]
+            path = answer.headers["link"][1:].split(">")[0] if "link" in answer.headers else None
+        assert len(found) == len(set(found)) > 7
+    named = daemon.ask("GET", "/v1/jobs?fields=summary&tag=a%20b&tag=c&since=2020-01-01T00:00:00Z",
+                       want=200)
+    assert [job["name"] for job in named.json["jobs"]] == ["Südzimmer"]
+    daemon.ask("GET", "/v1/jobs?fields=summary&tag=a%20b&tag=c&since=2020-01-01T00:00:00Z",
+               headers={"If-None-Match": named.headers["etag"]}, want=304)
+    for query in ("cursor=x", "since=yesterday", "scene=0", "tag=", "fields=some",
+                  "before=" + UNKNOWN):
+        daemon.ask("GET", "/v1/jobs?" + query, want=400)
 
 
 def waiting(daemon):

@@ -176,7 +176,7 @@ static void test_schema_refuses_nonsense(void **state)
 {
     struct fixture *f = *state;
     static const char *const bad[] = {
-        "INSERT INTO scenes VALUES ('short', 1, 1, '{}')",
+        "INSERT INTO scenes VALUES ('short', 1, 1, '{}', 1)",
         "INSERT INTO tokens VALUES ('n', '0123456789abcdef', "
         "'0123456789abcdef0123456789abcdef0123456789abcdef0123456789abcdef', 'all', 1)",
         "INSERT INTO tokens VALUES ('n', '0123456789abcdef', 'the secret itself', 'read', 1)",
@@ -188,7 +188,8 @@ static void test_schema_refuses_nonsense(void **state)
         "'0123456789abcdef0123456789abcdef0123456789abcdef0123456789abcdef', 1, 1, 1, 1.0, 0, 0.0, "
         "1, 1, 'short', 0)",
         "INSERT INTO scenes VALUES "
-        "('0123456789abcdef0123456789abcdef0123456789abcdef0123456789abcdef', 1, 1, '{}'); INSERT "
+        "('0123456789abcdef0123456789abcdef0123456789abcdef0123456789abcdef', 1, 1, '{}', 1); "
+        "INSERT "
         "INTO jobs (id, scene, document, state, created_ms, priority) VALUES ('j', "
         "'0123456789abcdef0123456789abcdef0123456789abcdef0123456789abcdef', "
         "'0123456789abcdef0123456789abcdef0123456789abcdef0123456789abcdef', 'queued', 1, 10)",
@@ -292,7 +293,7 @@ static void test_scenes_can_go(void **state)
     struct fixture *f = *state;
     assert_int_equal(orl_db_migrate_embedded(&f->db, &f->err), 0);
     assert_int_equal(orl_db_exec(&f->db,
-                                 "INSERT INTO scenes VALUES ('" SCENE "', 1, 1, '{}');"
+                                 "INSERT INTO scenes VALUES ('" SCENE "', 1, 1, '{}', 1);"
                                  "INSERT INTO scene_files VALUES ('" SCENE "', 0, 'n', 0, '" SCENE
                                  "', 1);"
                                  "INSERT INTO bsdfs VALUES ('" SCENE "', 1, 'n', 1, '{}');"
@@ -308,10 +309,45 @@ static void test_scenes_can_go(void **state)
     assert_int_equal(number(f, "SELECT count(*) FROM jobs"), 1);
 }
 
+/* Scenes of before know when they were of use last by their jobs; from then on by each new one. */
+static void test_last_use_of_scenes(void **state)
+{
+    struct fixture *f = *state;
+    struct orl_migration first[9];
+    static const char *const names[9] = {
+        "0001_initial.sql",        "0002_job_kinds.sql", "0003_map_families.sql",
+        "0004_job_queue.sql",      "0005_tokens.sql",    "0006_idempotency_keys.sql",
+        "0007_job_identities.sql", "0008_storage.sql",   "0009_job_memory.sql"};
+    for (size_t i = 0; i < 9; i++) {
+        char path[80];
+        snprintf(path, sizeof path, "migrations/%s", names[i]);
+        first[i] = (struct orl_migration){names[i], orl_carried_find(path)};
+        assert_non_null(first[i].sql);
+    }
+    assert_int_equal(orl_db_migrate(&f->db, first, 9, &f->err), 0);
+    assert_int_equal(orl_db_exec(&f->db,
+                                 "INSERT INTO scenes VALUES ('" SCENE "', 5, 1, '{}');"
+                                 "INSERT INTO jobs (id, scene, document, state, created_ms) VALUES "
+                                 "('j', '" SCENE "', '" SCENE "', 'failed', 7)",
+                                 &f->err),
+                     0);
+    assert_int_equal(orl_db_migrate_embedded(&f->db, &f->err), 0);
+    assert_int_equal(number(f, "SELECT last_used_ms FROM scenes"), 7);
+    assert_int_equal(number(f, "SELECT count(*) FROM jobs WHERE name IS NULL AND tags IS NULL"), 1);
+    assert_int_equal(orl_db_exec(&f->db,
+                                 "INSERT INTO jobs (id, scene, document, state, created_ms) VALUES "
+                                 "('k', '" SCENE "', '" SCENE "', 'queued', 9)",
+                                 &f->err),
+                     0);
+    assert_int_equal(number(f, "SELECT last_used_ms FROM scenes"), 9);
+}
+
 static int last_row(void *ctx, const struct orl_job_row *row)
 {
     struct orl_job_row *last = ctx;
     assert_string_equal(row->problem, "{\"a\":1}");
+    assert_string_equal(row->name, "n");
+    assert_string_equal(row->tags, "[\"t\"]");
     *last = *row;
     return 0;
 }
@@ -324,14 +360,16 @@ static void test_job_rows_round_trip(void **state)
                               .created_ms = 11,
                               .priority = 7,
                               .client = "name:x",
-                              .identity = "i"},
+                              .identity = "i",
+                              .name = "n",
+                              .tags = "[\"t\"]"},
                        last;
     memset(&last, 0, sizeof last);
     memset(row.scene, 'a', 64);
     memset(row.document, 'b', 64);
     assert_int_equal(orl_db_migrate_embedded(&f->db, &f->err), 0);
     char sql[256];
-    snprintf(sql, sizeof sql, "INSERT INTO scenes VALUES ('%s', 1, 1, '{}')", row.scene);
+    snprintf(sql, sizeof sql, "INSERT INTO scenes VALUES ('%s', 1, 1, '{}', 1)", row.scene);
     assert_int_equal(orl_db_exec(&f->db, sql, &f->err), 0);
     assert_int_equal(orl_job_row_insert(&f->db, &row, "key", &row.seq, &f->err), 0);
     char id[ORL_JOB_ID];
@@ -382,6 +420,7 @@ int main(void)
         EACH(test_families_come_to_old_maps),
         EACH(test_old_jobs_are_measured),
         EACH(test_scenes_can_go),
+        EACH(test_last_use_of_scenes),
         EACH(test_job_rows_round_trip),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

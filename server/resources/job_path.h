@@ -1,0 +1,12 @@
+/* The job that a request's path names. Threads: the loop thread only. */
+#ifndef ORL_SERVER_RESOURCES_JOB_PATH_H
+#define ORL_SERVER_RESOURCES_JOB_PATH_H
+
+#include "http/request.h"
+#include "jobs/jobs.h"
+
+/* By its id, or what no other's id begins with (orl_jobs_find_begun). NULL after a 404. The log has
+ * the whole id. */
+const struct orl_jobs_job *orl_job_of_path(struct orl_request *request);
+
+#endif

@@ -1,0 +1,66 @@
+#include "resources/job_summary.h"
+
+#include <math.h>
+
+#include "encode.h"
+#include "jobs/job_results.h"
+#include "process/times.h"
+#include "resources/job_status.h"
+
+/* What is known of one that runs. */
+struct running {
+    const char *stage; /* NULL: nothing */
+    double percent, eta_s, error;
+};
+
+static struct running look(const struct orl_jobs_job *job)
+{
+    struct running seen = {NULL, (double)NAN, (double)NAN, (double)NAN};
+    struct orl_job_progress progress;
+    if (job->row.state == ORL_JOB_SUCCEEDED)
+        seen.percent = 100;
+    if (job->row.state != ORL_JOB_RUNNING || !orl_jobs_worker(job))
+        return seen;
+    orl_worker_progress(orl_jobs_worker(job), &progress);
+    if (job->row.kind != ORL_TASK_STUDY)
+        seen.stage = orl_stage_name(progress.stage);
+    else if (progress.step.runs > 0)
+        seen.stage = orl_study_step_name(&progress.step);
+    seen.percent = floor(1000 * progress.job_fraction) / 10;
+    seen.eta_s = round(orl_job_eta_s(job, &progress));
+    if (progress.outcome.asked)
+        seen.error = progress.outcome.achieved;
+    return seen;
+}
+
+static json_t *time_or_null(int64_t ms)
+{
+    char text[ORL_TIME_TEXT];
+    if (ms == 0)
+        return json_null();
+    orl_time_format(ms, text);
+    return json_string(text);
+}
+
+json_t *orl_job_summary(struct orl_jobs *jobs, const struct orl_jobs_job *job)
+{
+    const struct orl_job_row *row = &job->row;
+    struct running seen = look(job);
+    if (row->state > ORL_JOB_RUNNING)
+        seen.error = orl_job_results_error(jobs, row->id);
+    json_t *doc = json_pack(
+        "{s:s, s:s?, s:o, s:s, s:s, s:s, s:s, s:i, s:s?, s:o, s:o, s:o, s:o, s:o, s:o}", "id",
+        row->id, "name", row->name, "tags", orl_job_tags(job), "kind",
+        orl_task_kind_name(row->kind), "state", orl_job_state_name(row->state), "scene", row->scene,
+        "client", row->client, "priority", row->priority, "stage", seen.stage, "percent",
+        orl_json_from_real(seen.percent), "eta_s", orl_json_from_real(seen.eta_s), "error",
+        orl_json_from_real(seen.error), "created", time_or_null(row->created_ms), "started",
+        time_or_null(row->started_ms), "finished", time_or_null(row->finished_ms));
+    if (doc && row->state == ORL_JOB_QUEUED &&
+        json_object_set_new(doc, "queue_position",
+                            json_integer((json_int_t)orl_jobs_position(jobs, job)))) {
+        json_decref(doc);
+        return NULL;
+    }
+    return doc;
+}
