@@ -8,6 +8,7 @@
  *      "grids": [{"name": "desks" (by default its file's name), "area": 20.5 (for all or none),
  *                 "sensors": {"file": "desks.pts"} or [[x, y, z, dx, dy, dz], ...]}],
  *      or "sensors" alone, as in a job,
+ *      "shades": [...] (annual_shades.h),
  *      "occupancy": {"from": 8, "to": 18, "days": ["mon", ...], "first_day": "sun"}
  *                   or {"file": "occupancy.csv"} (oriel/annual_metrics.h),
  *      "metrics": ["DA300", "UDI100-3000", ...], "targets": ["sDA300/50 >= 55 %", ...],
@@ -27,6 +28,7 @@
  *      "rules": [{"rule", "grid", "verdict"}] (all targets of each),
  *      "accuracy": null or {"target", "value", "interval_95", "verdict", "settled", "rounds",
  *      "refined_sensors", "most_samples"} (oriel/annual_report.h),
+ *      "shades": null or what states window groups were in (annual_shades.h),
  *      "files": [...] (names below the result's folder), "provenance": {"version", "seed",
  *      "samples", "inputs": [{"name", "bytes", "sha256"}], "settings": {...}}, "timings_s",
  *      "threads", "warnings"}

@@ -4,6 +4,7 @@
 #include <oriel/version.h>
 
 #include "annual_json.h"
+#include "annual_shades.h"
 #include "encode.h"
 
 /* As in result_json.c: json_pack's "o" fails on NULL, so that one check covers all parts. */
@@ -159,12 +160,13 @@ static json_t *provenance_to_json(const struct orl_annual_job *job,
                                   const struct orl_annual_inputs *inputs)
 {
     const struct orl_annual_request *request = &job->request;
-    return json_pack("{s:s, s:I, s:I, s:o, s:{s:o, s:o, s:f, s:f, s:o}}", "version", ORL_VERSION,
-                     "seed", (json_int_t)result->seed, "samples", (json_int_t)result->samples,
-                     "inputs", inputs_to_json(inputs), "settings", "scene", scene_to_json(request),
-                     "weather", orl_json_from_text(request->weather_file), "north",
-                     request->north_deg, "ground_reflectance", request->ground_reflectance,
-                     "occupancy", occupancy_to_json(&job->wishes));
+    return json_pack(
+        "{s:s, s:I, s:I, s:o, s:{s:o, s:o, s:f, s:f, s:o, s:o}}", "version", ORL_VERSION, "seed",
+        (json_int_t)result->seed, "samples", (json_int_t)result->samples, "inputs",
+        inputs_to_json(inputs), "settings", "scene", scene_to_json(request), "weather",
+        orl_json_from_text(request->weather_file), "north", request->north_deg,
+        "ground_reflectance", request->ground_reflectance, "occupancy",
+        occupancy_to_json(&job->wishes), "shades", orl_annual_shades_settings(request));
 }
 
 /* ---- The whole ------------------------------------------------------------------------------- */
@@ -220,12 +222,14 @@ json_t *orl_annual_report_to_json(const struct orl_annual_job *job,
 {
     json_t *all = report->n_grids > 1 ? figures_to_json(report, report->n_grids) : json_null();
     return json_pack(
-        "{s:s, s:s, s:o, s:{s:f, s:f, s:f}, s:o, s:o, s:o, s:o, s:o, s:o, s:O, s:o, s:o, s:I, s:o}",
+        "{s:s, s:s, s:o, s:{s:f, s:f, s:f}, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:O, s:o, s:o, s:I, "
+        "s:o}",
         "kind", "annual", "state", "succeeded", "title", text_or_null(job->title), "location",
         "latitude", result->latitude_deg, "longitude", result->longitude_deg, "time_zone",
         result->time_zone_h, "hours", hours_to_json(report), "grids", grids_to_json(report), "all",
         all, "verdicts", verdicts_to_json(report), "rules", rules_to_json(report), "accuracy",
-        orl_annual_refinement_to_json(refinement), "files", files, "provenance",
+        orl_annual_refinement_to_json(refinement), "shades",
+        orl_annual_shades_to_json(&job->request, result, report), "files", files, "provenance",
         provenance_to_json(job, result, inputs), "timings_s", timings_to_json(result), "threads",
         (json_int_t)result->threads, "warnings", warnings_to_json(result));
 }

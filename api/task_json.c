@@ -188,7 +188,7 @@ static int tell(const struct visiting *v, enum orl_file_role role, const char *n
 static int tell(const struct visiting *v, enum orl_file_role role, const char *name,
                 const char *entry, const char *format, ...)
 {
-    char place[48];
+    char place[64];
     va_list args;
     if (!name || !*name)
         return 0;
@@ -216,6 +216,16 @@ static int visit_job(const struct visiting *v, const struct orl_job *job)
     return rc;
 }
 
+static int visit_group(const struct visiting *v, const struct orl_window_group *group, size_t g)
+{
+    int rc = 0;
+    for (size_t s = 0; s < group->n_states && rc == 0; s++)
+        for (size_t i = 0; i < group->states[s].n_files && rc == 0; i++)
+            rc = tell(v, ORL_FILE_SCENE, group->states[s].files[i], NULL,
+                      "shades[%zu].states[%zu].files[%zu]", g, s, i);
+    return rc;
+}
+
 static int visit_year(const struct visiting *v, const struct orl_annual_job *year)
 {
     int rc = tell(v, ORL_FILE_YEAR, year->request.weather_file, NULL, "weather");
@@ -225,6 +235,8 @@ static int visit_year(const struct visiting *v, const struct orl_annual_job *yea
         rc = year->bare ? tell(v, ORL_FILE_SENSORS, year->grid_files[g], NULL, "sensors.file")
                         : tell(v, ORL_FILE_SENSORS, year->grid_files[g], NULL,
                                "grids[%zu].sensors.file", g);
+    for (size_t g = 0; g < year->request.n_groups && rc == 0; g++)
+        rc = visit_group(v, &year->request.groups[g], g);
     return rc;
 }
 

@@ -21,6 +21,9 @@ void orl_annual_request_done(struct orl_annual_request *request)
         free(request->scene_files[i]);
     for (size_t i = 0; request->grids && i < request->n_grids; i++)
         free(request->grids[i].name);
+    for (size_t i = 0; request->groups && i < request->n_groups; i++)
+        orl_window_group_done(&request->groups[i]);
+    free(request->groups);
     free(request->scene_files);
     free(request->weather_file);
     free(request->sensors);
@@ -62,7 +65,8 @@ int orl_annual_validate_numbers(const struct orl_annual_request *request, struct
         if (g->first > request->n_sensors || g->count > request->n_sensors - g->first)
             return orl_error_set(err, ORL_ERR_RANGE, "grid %zu goes beyond the last sensor", i + 1);
     }
-    return check_sensors(request, err);
+    const int code = orl_shades_validate(request, err);
+    return code < 0 ? code : check_sensors(request, err);
 }
 
 int orl_annual_validate(const struct orl_annual_request *request, struct orl_error *err)
@@ -96,6 +100,7 @@ void orl_annual_done(struct orl_annual_result *result)
     free(result->warnings);
     free(result->steps);
     free(result->step_of_column);
+    free(result->states);
     free(result->total);
     free(result->direct);
     free(result->se);

@@ -37,6 +37,7 @@ static int load_scene(struct orl_year *y, struct orl_error *err)
     job.seed = y->request->seed;
     env.progress = NULL;
     struct orl_run_state state = {.job = &job, .env = &env, .result = &result, .told = &told};
+    state.swaps = y->variant ? y->variant->swaps : NULL;
     state.stage_started = state.started_s = orl_year_now(y);
     int code = orl_run_load(&state, err);
     y->lights = state.lights;
@@ -84,36 +85,6 @@ static int make_world(struct orl_year *y, struct orl_error *err)
 
 /* ---- Skies ----------------------------------------------------------------------------------- */
 
-static int read_hours(struct orl_year *y, struct orl_error *err)
-{
-    const struct orl_annual_request *request = y->request;
-    const struct orl_files *files = y->env->run->files;
-    struct orl_weather weather = {0};
-    struct orl_file file;
-    int code = files->open(files->ctx, request->weather_file, &file, err);
-    if (code < 0)
-        return code;
-    code = orl_weather_parse(request->weather_file, file.data, file.size, &weather, err);
-    files->close(files->ctx, &file);
-    if (code < 0)
-        return code;
-    y->result->latitude_deg = weather.latitude_deg;
-    y->result->longitude_deg = weather.longitude_deg;
-    y->result->time_zone_h = weather.time_zone_h;
-    code = orl_hours_init(&y->hours, &y->bins, &weather, request->weather_file, request->north_deg,
-                          request->ground_reflectance, y->env->run->crew, err);
-    orl_weather_done(&weather);
-    if (code < 0)
-        return code;
-    if (y->hours.n_missing > 0)
-        orl_year_warn(y, "%zu hours of the weather file were not measured: they have no value",
-                      y->hours.n_missing);
-    if (y->hours.n_warned > 0)
-        orl_year_warn(y, "at %zu hours with light the sky's model says, first: %s",
-                      y->hours.n_warned, y->hours.warning);
-    return 0;
-}
-
 /* Nodes of the columns that have a sun. */
 static int place_nodes(struct orl_year *y)
 {
@@ -145,7 +116,9 @@ static int prepare(struct orl_year *y, struct orl_error *err)
     orl_bins_init(&y->bins);
     orl_year_tell(y, ORL_STAGE_MAPS, 0);
     if (code == 0)
-        code = read_hours(y, err);
+        code = y->variant && y->variant->hours_of
+                   ? orl_year_borrow_hours(y, y->variant->hours_of, err)
+                   : orl_year_read_hours(y, err);
     if (code < 0)
         return code;
     if (place_nodes(y) < 0)
@@ -175,13 +148,8 @@ static int prepare(struct orl_year *y, struct orl_error *err)
                              ORL_PANEL_MOST_KINDS);
     if (code < 0)
         return code == ORL_ERR_CANCELLED ? orl_year_cancelled(err) : orl_year_no_memory(err);
-    y->result->n_columns = y->hours.n_columns;
-    y->result->n_steps = y->hours.n_steps;
-    y->result->steps = y->hours.steps;
-    y->result->step_of_column = y->hours.step_of_column;
     y->result->n_nodes = y->nodes.count;
-    y->hours.steps = NULL;
-    y->hours.step_of_column = NULL;
+    orl_year_tell_hours(y);
     orl_year_book(y, ORL_ANNUAL_SKIES, &since);
     return 0;
 }
@@ -200,7 +168,12 @@ static void let_go(struct orl_year *y)
     orl_annual_scene_done(&y->scene);
     orl_world_free(y->world);
     orl_lights_release(y->lights);
-    orl_hours_done(&y->hours);
+    if (y->variant && y->variant->hours_of) {
+        free(y->hours.steps);
+        free(y->hours.step_of_column);
+    } else {
+        orl_hours_done(&y->hours);
+    }
     orl_sun_nodes_done(&y->nodes);
     free(y->node_frames);
     orl_sun_terms_done(&y->terms);
@@ -208,8 +181,9 @@ static void let_go(struct orl_year *y)
     free(y);
 }
 
-int orl_annual_run(const struct orl_annual_request *request, const struct orl_annual_env *env,
-                   struct orl_annual_result *ret_result, struct orl_error *err)
+int orl_year_run(const struct orl_annual_request *request, const struct orl_annual_env *env,
+                 const struct orl_year_variant *variant, struct orl_annual_result *ret_result,
+                 struct orl_error *err)
 {
     const uint32_t samples = request->samples > 0 ? request->samples : ORL_ANNUAL_SAMPLES;
     const uint32_t of_batch = (samples + ORL_ANNUAL_BATCHES - 1) / ORL_ANNUAL_BATCHES;
@@ -217,12 +191,10 @@ int orl_annual_run(const struct orl_annual_request *request, const struct orl_an
                                        .threads = orl_crew_size(env->run->crew),
                                        .samples = of_batch * ORL_ANNUAL_BATCHES,
                                        .n_sensors = request->n_sensors};
-    int code = orl_annual_validate(request, err);
-    if (code < 0)
-        return code;
     struct orl_year *y = calloc(1, sizeof *y);
     if (!y)
         return orl_year_no_memory(err);
+    y->variant = variant;
     y->request = request;
     y->env = env;
     y->result = &result;
@@ -230,7 +202,7 @@ int orl_annual_run(const struct orl_annual_request *request, const struct orl_an
     y->started_s = orl_year_now(y);
     orl_year_tell(y, ORL_STAGE_LOAD, 0);
     orl_crew_heed(env->run->crew, env->run->cancel);
-    code = run_year(y, err);
+    const int code = run_year(y, err);
     orl_crew_heed(env->run->crew, NULL);
     result.total_s = orl_year_now(y) - y->started_s;
     let_go(y);

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "light/weather.h"
 #include "run/stages.h"
 
 void orl_year_warn(struct orl_year *y, const char *format, ...)
@@ -66,4 +67,68 @@ int orl_year_no_memory(struct orl_error *err)
 int orl_year_cancelled(struct orl_error *err)
 {
     return orl_error_set(err, ORL_ERR_CANCELLED, "cancelled");
+}
+
+/* ---- Hours ----------------------------------------------------------------------------------- */
+
+int orl_year_read_hours(struct orl_year *y, struct orl_error *err)
+{
+    const struct orl_annual_request *request = y->request;
+    const struct orl_files *files = y->env->run->files;
+    struct orl_weather weather = {0};
+    struct orl_file file;
+    int code = files->open(files->ctx, request->weather_file, &file, err);
+    if (code < 0)
+        return code;
+    code = orl_weather_parse(request->weather_file, file.data, file.size, &weather, err);
+    files->close(files->ctx, &file);
+    if (code < 0)
+        return code;
+    y->result->latitude_deg = weather.latitude_deg;
+    y->result->longitude_deg = weather.longitude_deg;
+    y->result->time_zone_h = weather.time_zone_h;
+    code = orl_hours_init(&y->hours, &y->bins, &weather, request->weather_file, request->north_deg,
+                          request->ground_reflectance, y->env->run->crew, err);
+    orl_weather_done(&weather);
+    if (code < 0)
+        return code;
+    if (y->hours.n_missing > 0)
+        orl_year_warn(y, "%zu hours of the weather file were not measured: they have no value",
+                      y->hours.n_missing);
+    if (y->hours.n_warned > 0)
+        orl_year_warn(y, "at %zu hours with light the sky's model says, first: %s",
+                      y->hours.n_warned, y->hours.warning);
+    return 0;
+}
+
+/* Steps are each result's own. */
+int orl_year_borrow_hours(struct orl_year *y, const struct orl_year *from, struct orl_error *err)
+{
+    const struct orl_annual_result *r = from->result;
+    const size_t steps = r->n_steps * sizeof *r->steps;
+    const size_t columns = r->n_columns * sizeof *r->step_of_column;
+    y->hours = from->hours;
+    y->result->latitude_deg = r->latitude_deg;
+    y->result->longitude_deg = r->longitude_deg;
+    y->result->time_zone_h = r->time_zone_h;
+    y->hours.steps = malloc(steps + 1);
+    y->hours.step_of_column = malloc(columns + 1);
+    if (!y->hours.steps || !y->hours.step_of_column) {
+        free(y->hours.steps);
+        free(y->hours.step_of_column);
+        return orl_year_no_memory(err);
+    }
+    memcpy(y->hours.steps, r->steps, steps);
+    memcpy(y->hours.step_of_column, r->step_of_column, columns);
+    return 0;
+}
+
+void orl_year_tell_hours(struct orl_year *y)
+{
+    y->result->n_columns = y->hours.n_columns;
+    y->result->n_steps = y->hours.n_steps;
+    y->result->steps = y->hours.steps;
+    y->result->step_of_column = y->hours.step_of_column;
+    y->hours.steps = NULL;
+    y->hours.step_of_column = NULL;
 }

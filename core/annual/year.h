@@ -18,8 +18,15 @@
 
 enum { ORL_YEAR_BLOCK = 64 }; /* sensors at a time */
 
+/* How a run differs from what its request says. All borrowed. */
+struct orl_year_variant {
+    const struct orl_year *hours_of; /* whose hours it takes; NULL: it reads its own */
+    const struct orl_swaps *swaps;   /* of the scene's materials; may be NULL */
+};
+
 struct orl_year {
     const struct orl_annual_request *request;
+    const struct orl_year_variant *variant;
     const struct orl_annual_env *env;
     struct orl_annual_result *result;
     struct orl_bins bins;
@@ -49,6 +56,17 @@ struct orl_year {
     double *sun_by_batch;               /* of those, and their means */
     struct orl_health *healths;         /* by member */
 };
+
+/* As orl_annual_run, of one scene: the request's groups are not looked at. variant may be NULL. */
+int orl_year_run(const struct orl_annual_request *request, const struct orl_annual_env *env,
+                 const struct orl_year_variant *variant, struct orl_annual_result *ret_result,
+                 struct orl_error *err);
+
+/* Of a year's bins, the hours of its weather file; and what of these its result has. Both have
+ * orl_hours_done done to hours. */
+int orl_year_read_hours(struct orl_year *y, struct orl_error *err);
+int orl_year_borrow_hours(struct orl_year *y, const struct orl_year *from, struct orl_error *err);
+void orl_year_tell_hours(struct orl_year *y);
 
 void orl_year_warn(struct orl_year *y, const char *format, ...)
     __attribute__((format(printf, 2, 3)));

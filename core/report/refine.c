@@ -122,8 +122,23 @@ static struct orl_run_env share_of(const struct refining *r, uint32_t round)
     return run;
 }
 
+/* In later rounds shades are as the first one found them: controls want all sensors. groups: room
+ * for as many as there are; series are the result's. */
+static void fix_shades(const struct refining *r, struct orl_window_group *groups)
+{
+    const size_t steps = r->result->n_steps;
+    for (size_t g = 0; g < r->request->n_groups; g++) {
+        groups[g] = r->request->groups[g];
+        groups[g].series = r->result->states + g * steps;
+        groups[g].n_series = steps;
+        groups[g].n_spans = 0;
+        groups[g].control.kind = ORL_SHADES_NO_CONTROL;
+    }
+}
+
 static int run_again(struct refining *r, uint32_t samples)
 {
+    struct orl_window_group groups[ORL_SHADES_MOST_GROUPS];
     struct orl_annual_request request = *r->request;
     const struct orl_run_env run = share_of(r, r->state->rounds);
     const struct orl_annual_env env = {.run = &run,
@@ -134,6 +149,8 @@ static int run_again(struct refining *r, uint32_t samples)
     struct orl_annual_result more = {.n_steps = 0};
     request.grids = NULL;
     request.n_grids = 0;
+    request.groups = groups;
+    fix_shades(r, groups);
     request.samples = samples;
     request.seed += r->state->rounds;
     request.n_sensors = r->n_open;

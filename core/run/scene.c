@@ -37,6 +37,8 @@ static bool shelf_key(const struct orl_run_state *state, char ret_key[ORL_SHELF_
     orl_sha256_add(&hash, state->env->files_id, strlen(state->env->files_id) + 1);
     for (size_t i = 0; i < job->n_scene_files; i++)
         orl_sha256_add(&hash, job->scene_files[i], strlen(job->scene_files[i]) + 1);
+    if (state->swaps)
+        orl_swaps_digest(state->swaps, &hash);
     orl_sha256_finish(&hash, digest);
     sodium_bin2hex(hex, sizeof hex, digest, sizeof digest);
     snprintf(ret_key, ORL_SHELF_KEY, "scene-%s", hex);
@@ -99,6 +101,8 @@ static int parse(struct orl_run_state *state, struct orl_description *ret_descri
     int code = orl_scene_parse_with((const char *const *)job->scene_files, job->n_scene_files,
                                     state->env->files, &loader, ret_description, err);
     ret_description->cancel = state->env->cancel;
+    if (code == 0 && state->swaps)
+        code = orl_swaps_apply(state->swaps, ret_description, err);
     return code < 0 ? code : heed_cancel(state, err);
 }
 

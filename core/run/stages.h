@@ -9,6 +9,7 @@
 #include "photon/flight/emit.h"
 #include "render/gather/gather.h"
 #include "render/image/paint.h"
+#include "scene/swap.h"
 
 /* A round of sensors by backward: their samples go on where those of earlier rounds ended. */
 struct orl_sensor_round {
@@ -24,8 +25,9 @@ struct orl_run_state {
     struct orl_sensor *sensors; /* of the job, or of its file; owned when sensors_owned */
     size_t n_sensors;
     bool sensors_owned;
-    bool only_plan;          /* nothing is to be rendered: what it would take is asked for */
-    struct orl_scene *scene; /* held, as the next two are */
+    bool only_plan;                /* nothing is to be rendered: what it would take is asked for */
+    const struct orl_swaps *swaps; /* of the scene's materials; NULL: none */
+    struct orl_scene *scene;       /* held, as the next two are */
     struct orl_lights *lights;
     struct orl_world *world;       /* of both, by the plan; owned */
     struct orl_emission *emission; /* once photons are wanted: of all rounds */

@@ -87,6 +87,15 @@ def jobs(lit, dark):
            "metrics": ["DA300", "UDI100-3000"], "targets": ["sDA300/50 of a >= 50 %"],
            "rules": ["LEED"], "accuracy": {"verdict": "sDA >= 1 %"}, "formats": ["ill"]}
     yield {**year, "sensors": {"file": "s.txt"}, "occupancy": {"file": "u.csv"}}
+    shut = {"name": "shut", "files": ["s.txt"], "material": "grey", "dark": False}
+    shade = {"windows": ["pane"], "states": [{"name": "open"}, shut]}
+    yield {**year, "sensors": SENSORS, "shades": [
+        {"name": "a", "schedule": [0, 1], **shade}]}
+    yield {**year, "sensors": SENSORS, "shades": [
+        {"name": "a", "rules": [{"months": [5, 9], "from": 9, "to": 17, "state": "shut"}], **shade}]}
+    yield {**year, "grids": [{"name": "eyes", "sensors": SENSORS}], "shades": [
+        {"name": "a", **shade, "control": {"by": "sun", "grid": "eyes", "above": 500, "share": 1,
+                                           "state": "shut"}}]}
 
 
 def places(value, path=()):

@@ -252,7 +252,9 @@ def years(daemon):
     year = {"kind": "annual", "scene": scene, "weather": "w.epw", "samples": 16, "title": "t",
             "grids": [{"name": "a b", "sensors": {"file": "s.txt"}}, {"sensors": SENSORS}],
             "targets": ["sDA300/50 >= 1 %"], "rules": ["EN 17037"],
-            "accuracy": {"verdict": "DA300 >= 50 %"}, "formats": ["honeybee", "ill"]}
+            "accuracy": {"verdict": "DA300 >= 50 %"}, "formats": ["honeybee", "ill"],
+            "shades": [{"name": "wall", "windows": ["pane"], "control": {"by": "LM-83"},
+                        "states": [{"name": "open"}, {"name": "shut", "dark": True}]}]}
     path = daemon.submit(year)
     daemon.wait(path, ("running", "succeeded"))
     events(daemon, path, 1)

@@ -297,6 +297,29 @@ static void write_year_rules(FILE *f, size_t n)
 {
     write_year_words(f, "rules", "EN 17037", n);
 }
+#define YEAR_SHADES                                                                                \
+    ", \"shades\": [{\"name\": \"g\", \"windows\": [\"w\"], \"states\": [{\"name\": \"a\"}"
+static void write_year_schedule(FILE *f, size_t n)
+{
+    write_year(f, 1, 1, YEAR_SHADES "], \"schedule\": [0");
+    for (size_t i = 1; i < n; i++)
+        fputs(", 0", f);
+    fputs("]}]}", f);
+}
+static void write_year_states(FILE *f, size_t n)
+{
+    write_year(f, 1, 1, YEAR_SHADES);
+    for (size_t i = 1; i < n; i++)
+        fprintf(f, ", {\"name\": \"b%zu\", \"files\": [\"f%zu.rad\"]}", i, i);
+    fputs("]}]}", f);
+}
+static void write_year_spans(FILE *f, size_t n)
+{
+    write_year(f, 1, 1, YEAR_SHADES "], \"rules\": [{\"state\": \"a\"}");
+    for (size_t i = 1; i < n; i++)
+        fputs(", {\"from\": 9, \"state\": \"a\"}", f);
+    fputs("]}]}", f);
+}
 
 /* ---- Zips ------------------------------------------------------------------------------------ */
 
@@ -366,6 +389,9 @@ const struct doubled doubled_files[] = {
     KIND(year_targets, YEAR, 100),
     KIND(year_metrics, YEAR, 16),
     KIND(year_rules, YEAR, 16),
+    KIND(year_schedule, YEAR, 2000),
+    KIND(year_states, YEAR, 16),
+    KIND(year_spans, YEAR, 100),
     KIND(zip, ZIP, 50),
     KIND(zip_of_one, ZIP, 100000),
 };

@@ -124,16 +124,20 @@ static int run_it(const struct year_run *run, struct orl_annual_result *ret_year
     struct place place;
     open_place(&place, run);
     struct orl_annual_env annual = run->env ? *run->env : (struct orl_annual_env){.ctx = NULL};
-    const struct orl_annual_request request = {.scene_files = (char **)(uintptr_t)scene_names,
-                                               .n_scene_files = 1,
-                                               .weather_file = weather_name,
-                                               .north_deg = run->north_deg,
-                                               .ground_reflectance = 0.2,
-                                               .sensors =
-                                                   (struct orl_sensor *)(uintptr_t)run->sensors,
-                                               .n_sensors = run->n_sensors,
-                                               .seed = run->seed,
-                                               .samples = run->samples};
+    const struct orl_annual_request request = {
+        .scene_files = (char **)(uintptr_t)scene_names,
+        .n_scene_files = 1,
+        .weather_file = weather_name,
+        .north_deg = run->north_deg,
+        .ground_reflectance = 0.2,
+        .sensors = (struct orl_sensor *)(uintptr_t)run->sensors,
+        .n_sensors = run->n_sensors,
+        .grids = (struct orl_annual_grid *)(uintptr_t)run->grids,
+        .n_grids = run->n_grids,
+        .groups = (struct orl_window_group *)(uintptr_t)run->groups,
+        .n_groups = run->n_groups,
+        .seed = run->seed,
+        .samples = run->samples};
     annual.run = &place.env;
     const int code = run->wishes ? orl_annual_run_until(&request, run->wishes, &annual, NULL, NULL,
                                                         ret_year, run->ret_refinement, ret_err)

@@ -16,11 +16,15 @@ struct year_site {
 
 struct year_run {
     const char *scene;
-    const char *resource_name, *resource_text; /* a BSDF's; or NULL */
+    const char *resource_name, *resource_text; /* a BSDF's, or a shade's; or NULL */
     struct year_site site;
     const char *weather; /* a file's text; NULL: 22 March and 21 December, made up */
     const struct orl_sensor *sensors;
     size_t n_sensors;
+    const struct orl_annual_grid *grids; /* of them; or none */
+    size_t n_grids;
+    const struct orl_window_group *groups; /* with shades; or none */
+    size_t n_groups;
     uint32_t samples, threads; /* 0: the default; 1 */
     uint64_t seed;
     double north_deg;

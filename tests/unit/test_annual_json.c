@@ -21,6 +21,15 @@ static const char good[] =
     "\"sun\"},"
     " \"metrics\": [\"DA500\", \"UDI100-2000 over the year\"],"
     " \"targets\": [\"sDA300/50 of wall >= 55 %\"], \"rules\": [\"LEED\", \"EN 17037 high\"],"
+    " \"shades\": [{\"name\": \"south\", \"windows\": [\"glass\", \"pane.2\"],"
+    " \"states\": [{\"name\": \"open\"}, {\"name\": \"half\", \"files\": [\"half.rad\"]},"
+    " {\"name\": \"shut\", \"dark\": true}], \"control\": {\"by\": \"LM-83\", \"grid\": \"desks\","
+    " \"state\": \"Shut\"}}, {\"name\": \"north\", \"windows\": [\"n\"], \"states\": [{\"name\": "
+    "\"a\"},"
+    " {\"name\": \"b\", \"material\": \"lcp\"}], \"rules\": [{\"months\": [11, 2], \"from\": 9.5,"
+    " \"state\": \"b\"}]}, {\"name\": \"east\", \"windows\": [\"e\"], \"states\": [{\"name\": "
+    "\"a\"},"
+    " {\"name\": \"b\", \"dark\": true}], \"schedule\": [0, 1, 1]}],"
     " \"samples\": 64, \"seed\": 7, \"accuracy\": {\"verdict\": \"DA500 of desks >= 70 %\"}}";
 
 static int read_year(const char *text, struct orl_annual_job *ret_job, struct orl_error *err)
@@ -68,6 +77,34 @@ static void test_a_whole_document(void **state)
     orl_annual_job_done(&job);
 }
 
+static void test_shades(void **state)
+{
+    struct orl_annual_job job;
+    (void)state;
+    assert_int_equal(read_year(good, &job, NULL), 0);
+    assert_int_equal(job.request.n_groups, 3);
+    const struct orl_window_group *g = job.request.groups;
+    assert_string_equal(g[0].name, "south");
+    assert_int_equal(g[0].n_windows, 2);
+    assert_string_equal(g[0].windows[1], "pane.2");
+    assert_int_equal(g[0].n_states, 3);
+    assert_string_equal(g[0].states[1].files[0], "half.rad");
+    assert_true(g[0].states[2].dark && !g[0].states[0].dark);
+    assert_int_equal(g[0].control.kind, ORL_SHADES_BY_SUN);
+    assert_string_equal(g[0].control.grid, "desks");
+    assert_true(g[0].control.above_lx == 1000 && g[0].control.share_percent == 2);
+    assert_int_equal(g[0].control.state, 2);
+    assert_string_equal(g[1].states[1].material, "lcp");
+    assert_int_equal(g[1].n_spans, 1);
+    assert_true(g[1].spans[0].from_month == 11 && g[1].spans[0].to_month == 2);
+    assert_true(g[1].spans[0].from_h == 9.5 && g[1].spans[0].to_h == 24);
+    assert_int_equal(g[1].spans[0].state, 1);
+    assert_int_equal(g[2].n_series, 3);
+    assert_int_equal(g[2].series[2], 1);
+    assert_int_equal(orl_annual_job_validate(&job, NULL), 0);
+    orl_annual_job_done(&job);
+}
+
 /* As little as there can be; sensors of a file, read in between those of other grids. */
 static void test_a_short_document(void **state)
 {
@@ -103,6 +140,40 @@ static void test_a_short_document(void **state)
     orl_annual_job_done(&job);
 }
 
+/* What is decoded well, and contradicts itself. */
+static void test_shades_that_cannot_be(void **state)
+{
+    static const struct {
+        const char *from, *to, *says;
+    } cases[] = {
+        {"\"windows\": [\"glass\", \"pane.2\"],", "", "names none"},
+        {"\"grid\": \"desks\"", "\"grid\": \"sofas\"", "'sofas'"},
+        {"\"north\", \"w", "\"South\", \"w", "two window groups"},
+        {"\"half\"", "\"OPEN\"", "two states"},
+        {"\"material\": \"lcp\"", "\"material\": \"lcp\", \"dark\": true", "has a material"},
+        {"\"schedule\"", "\"control\": {\"by\": \"sun\"}, \"schedule\"", "more than one of"},
+        {"{\"name\": \"a\"}, {\"name\": \"b\", \"dark\": true}], \"schedule\": [0, 1, 1]",
+         "{\"name\": \"a\"}], \"control\": {\"by\": \"sun\"}", "no state 1"},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        const char *at = strstr(good, cases[i].from);
+        struct orl_annual_job job;
+        struct orl_error err = {0};
+        char text[4096];
+        assert_non_null(at);
+        snprintf(text, sizeof text, "%.*s%s%s", (int)(at - good), good, cases[i].to,
+                 at + strlen(cases[i].from));
+        if (read_year(text, &job, &err) != 0)
+            fail_msg("'%s': %s", cases[i].to, err.message);
+        assert_true(orl_annual_job_validate(&job, &err) < 0);
+        assert_string_equal(err.primitive, "shades");
+        if (!strstr(err.message, cases[i].says))
+            fail_msg("'%s': %s", cases[i].to, err.message);
+        orl_annual_job_done(&job);
+    }
+}
+
 static void test_mistakes_are_named(void **state)
 {
     static const struct {
@@ -132,13 +203,25 @@ static void test_mistakes_are_named(void **state)
         {"\"wall\", \"sensors\"", "\"desks.direct\", \"sensors\"", "grids"},
         {"UDI100-2000 over the year", "DA500", "metrics"},
         {"\"seed\": 7", "\"formats\": [\"hdr\"]", "formats[0]"},
+        {"\"south\", ", "7, ", "shades[0].name"},
+        {"[\"glass\", ", "[3, ", "shades[0].windows[0]"},
+        {"[\"half.rad\"]", "\"half.rad\"", "shades[0].states[1].files"},
+        {"\"dark\": true", "\"dark\": 1", "shades[0].states[2].dark"},
+        {"\"LM-83\"", "\"LM-90\"", "shades[0].control.by"},
+        {"\"LM-83\",", "\"LM-83\", \"above\": 500,", "shades[0].control"},
+        {"\"LM-83\", \"grid\": \"desks\"", "\"illuminance\"", "shades[0].control"},
+        {"\"Shut\"", "\"closed\"", "shades[0].control"},
+        {"[11, 2]", "[11, 13]", "shades[1].rules[0].months"},
+        {"[11, 2]", "[11]", "shades[1].rules[0].months"},
+        {"9.5, \"state\": \"b\"", "9.5, \"state\": \"c\"", "shades[1].rules"},
+        {"[0, 1, 1]", "[0, 2, 1]", "shades[2].schedule[1]"},
     };
     (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         const char *at = strstr(good, cases[i].from);
         struct orl_annual_job job;
         struct orl_error err = {0};
-        char text[2048];
+        char text[4096];
         assert_non_null(at);
         snprintf(text, sizeof text, "%.*s%s%s", (int)(at - good), good, cases[i].to,
                  at + strlen(cases[i].from));
@@ -154,9 +237,9 @@ static void test_mistakes_are_named(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_a_whole_document),
-        cmocka_unit_test(test_a_short_document),
-        cmocka_unit_test(test_mistakes_are_named),
+        cmocka_unit_test(test_a_whole_document),      cmocka_unit_test(test_a_short_document),
+        cmocka_unit_test(test_mistakes_are_named),    cmocka_unit_test(test_shades),
+        cmocka_unit_test(test_shades_that_cannot_be),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

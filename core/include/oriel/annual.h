@@ -27,6 +27,7 @@
 #ifndef ORIEL_ANNUAL_H
 #define ORIEL_ANNUAL_H
 
+#include <oriel/annual_shades.h>
 #include <oriel/run.h>
 
 /* ---- The request ----------------------------------------------------------------------------- */
@@ -48,6 +49,8 @@ struct orl_annual_request {
     size_t n_sensors;
     struct orl_annual_grid *grids; /* may be none */
     size_t n_grids;
+    struct orl_window_group *groups; /* of windows with shades; may be none */
+    size_t n_groups;
     uint64_t seed;
     uint32_t samples; /* paths a sensor; 0: ORL_ANNUAL_SAMPLES */
 };
@@ -102,10 +105,13 @@ struct orl_annual_result {
     /*
      * [sensor * n_columns + column], lx. NULL where rows went to whoever asked (orl_annual_env).
      * direct is what comes straight from the sun's disc, or through panes without being scattered
-     * or mirrored: ASE's light. total has it, too.
+     * or mirrored: ASE's light. total has it, too; but where there are shades, total is of the
+     * states of the hour, and direct of groups that all are open.
      */
     float *total, *direct, *se;
-    size_t n_nodes; /* of the sun */
+    size_t n_nodes;          /* of the sun */
+    unsigned char *states;   /* [group * n_steps + step]; NULL: no groups */
+    size_t n_groups, n_runs; /* those of shades: runs that the year was put together of */
     double timings_s[ORL_ANNUAL_STAGES], total_s;
     struct orl_health health;
     char **warnings;

@@ -32,8 +32,8 @@
  *         autonomous split <= E <= high. The paper of 2005 has 100 and 2000. Lower, useful and
  *         upper add up to 100 %, dark hours being lower, as Honeybee has it too.
  * sDA     spatial DA: share of the area with DA(low) >= a share of the hours; sDA300/50 (IES
- *         LM-83-12: 8 to 18, every day, 3650 h; blinds move there, and do not here unless the
- *         series has them).
+ *         LM-83-12: 8 to 18, every day, 3650 h; blinds move there, by 2.2.6, and do here where
+ *         the year's shades are controlled so: oriel/annual_shades.h).
  * ASE     annual sunlight exposure: share of the area with direct sunlight (no bounce but what
  *         panes do) of more than 1000 lx in 250 h or more of the same hours, blinds open:
  *         ASE1000,250 (IES LM-83-12). Strictly more than 1000, at least 250. ClimateStudio and

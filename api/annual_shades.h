@@ -1,0 +1,34 @@
+/*
+ * Shades of a year's document, and of its result (oriel/annual_shades.h has what they mean).
+ *
+ *     "shades": [{"name": "south", "windows": ["south_glass", ...] (names or modifiers),
+ *                 "states": [{"name": "open"}, {"name": "blinds", "files": ["blinds.rad", ...],
+ *                             "material": "lcp", "dark": false}, ...],
+ *                 one of, or none:
+ *                 "schedule": [0, 1, ...] (a state for every row of the weather file),
+ *                 "rules": [{"months": [5, 9], "from": 10, "to": 16, "state": "blinds"}, ...],
+ *                 "control": {"by": "LM-83" or "sun" or "illuminance", "grid": "eyes",
+ *                             "above": 1000 (lx), "share": 2 (%, by sun), "state": "blinds"}}]
+ *
+ * A control closes the group to its second state by default. result.json has
+ *
+ *     "shades": null or {"runs", "groups": [{"name", "by", "states": [{"name", "hours" (with light
+ *     in the weather file), "occupied_hours" (of those)}]}]}
+ */
+#ifndef ORL_API_ANNUAL_SHADES_H
+#define ORL_API_ANNUAL_SHADES_H
+
+#include "annual_json.h"
+
+/* A decoder of members.h; into: a struct orl_annual_request. */
+int orl_annual_shades_from_json(const json_t *value, const char *path, void *into,
+                                struct orl_error *err);
+
+/* New references, the caller's; NULL when out of memory. */
+json_t *orl_annual_shades_to_json(const struct orl_annual_request *request,
+                                  const struct orl_annual_result *result,
+                                  const struct orl_annual_report *report);
+/* As they were asked for, series left out. */
+json_t *orl_annual_shades_settings(const struct orl_annual_request *request);
+
+#endif

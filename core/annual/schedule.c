@@ -1,0 +1,80 @@
+#include "annual/schedule.h"
+
+#include <string.h>
+#include <strings.h>
+
+/* ---- By the clock ---------------------------------------------------------------------------- */
+
+static bool within(double x, double from, double to, bool to_counts)
+{
+    const bool before = to_counts ? x <= to : x < to;
+    return from <= to ? x >= from && before : x >= from || before;
+}
+
+static unsigned char state_by_spans(const struct orl_window_group *group,
+                                    const struct orl_annual_step *step)
+{
+    for (size_t i = 0; i < group->n_spans; i++) {
+        const struct orl_shade_span *s = &group->spans[i];
+        if (within(step->month, s->from_month, s->to_month, true) &&
+            within(step->hour, s->from_h, s->to_h, false))
+            return (unsigned char)s->state;
+    }
+    return 0;
+}
+
+int orl_shades_schedule(const struct orl_annual_request *request,
+                        const struct orl_annual_result *result, unsigned char *ret_states,
+                        struct orl_error *err)
+{
+    const size_t n = result->n_steps;
+    for (size_t g = 0; g < request->n_groups; g++) {
+        const struct orl_window_group *group = &request->groups[g];
+        unsigned char *states = ret_states + g * n;
+        if (group->series && group->n_series != n)
+            return orl_error_set(err, ORL_ERR_RANGE,
+                                 "the schedule of '%.100s' has %zu states, and the weather file "
+                                 "%zu rows",
+                                 group->name, group->n_series, n);
+        for (size_t i = 0; i < n; i++)
+            states[i] = group->series ? group->series[i] : state_by_spans(group, &result->steps[i]);
+    }
+    return 0;
+}
+
+/* ---- By light -------------------------------------------------------------------------------- */
+
+bool orl_shades_controlled(const struct orl_annual_request *request)
+{
+    for (size_t g = 0; g < request->n_groups; g++)
+        if (request->groups[g].control.kind != ORL_SHADES_NO_CONTROL)
+            return true;
+    return false;
+}
+
+static bool closes(const struct orl_shade_control *control, const float *lx, size_t columns,
+                   size_t column, const struct orl_annual_grid *grid)
+{
+    size_t lit = 0;
+    for (size_t i = grid->first; i < grid->first + grid->count; i++)
+        lit += (double)lx[i * columns + column] >= control->above_lx;
+    return control->kind == ORL_SHADES_BY_LIGHT
+               ? lit > 0
+               : 100.0 * (double)lit > control->share_percent * (double)grid->count;
+}
+
+void orl_shades_control(const struct orl_annual_request *request,
+                        const struct orl_shade_control *control, const float *lx, size_t columns,
+                        bool *ret_closed)
+{
+    const struct orl_annual_grid all = {.first = 0, .count = request->n_sensors};
+    const size_t n = request->n_grids > 0 ? request->n_grids : 1;
+    memset(ret_closed, 0, columns * sizeof *ret_closed);
+    for (size_t g = 0; g < n; g++) {
+        const struct orl_annual_grid *grid = request->n_grids > 0 ? &request->grids[g] : &all;
+        if (control->grid && (!grid->name || strcasecmp(grid->name, control->grid) != 0))
+            continue;
+        for (size_t c = 0; c < columns; c++)
+            ret_closed[c] = ret_closed[c] || closes(control, lx, columns, c, grid);
+    }
+}

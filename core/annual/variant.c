@@ -1,0 +1,109 @@
+#include "annual/variant.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- Files ----------------------------------------------------------------------------------- */
+
+static int compare(const void *a, const void *b)
+{
+    return strcmp(*(char *const *)a, *(char *const *)b);
+}
+
+static size_t count_files(const struct orl_annual_request *request)
+{
+    size_t n = 0;
+    for (size_t g = 0; g < request->n_groups; g++)
+        for (size_t s = 0; s < request->groups[g].n_states; s++)
+            n += request->groups[g].states[s].n_files;
+    return n;
+}
+
+/* Names of all states' files, sorted. */
+static char **list_files(const struct orl_annual_request *request, size_t n)
+{
+    char **names = malloc((n + 1) * sizeof *names);
+    size_t at = 0;
+    if (!names)
+        return NULL;
+    for (size_t g = 0; g < request->n_groups; g++)
+        for (size_t s = 0; s < request->groups[g].n_states; s++) {
+            const struct orl_shade_state *state = &request->groups[g].states[s];
+            for (size_t i = 0; i < state->n_files; i++)
+                names[at++] = state->files[i];
+        }
+    qsort(names, n, sizeof *names, compare);
+    return names;
+}
+
+/* The scene's own, but for those that states name; then those of the states that are. */
+static int choose_files(struct orl_annual_variant *v, const struct orl_annual_request *request,
+                        const unsigned char *states)
+{
+    const size_t n = count_files(request);
+    char **named = list_files(request, n);
+    v->files = malloc((request->n_scene_files + n + 1) * sizeof *v->files);
+    v->request.n_scene_files = 0;
+    v->request.scene_files = v->files;
+    if (!named || !v->files) {
+        free(named);
+        return ORL_ERR_NOMEM;
+    }
+    for (size_t i = 0; i < request->n_scene_files; i++)
+        if (!bsearch(&request->scene_files[i], named, n, sizeof *named, compare))
+            v->files[v->request.n_scene_files++] = request->scene_files[i];
+    for (size_t g = 0; g < request->n_groups; g++) {
+        const struct orl_shade_state *state = &request->groups[g].states[states[g]];
+        for (size_t i = 0; i < state->n_files; i++)
+            v->files[v->request.n_scene_files++] = state->files[i];
+    }
+    free(named);
+    return 0;
+}
+
+/* ---- Materials ------------------------------------------------------------------------------- */
+
+static int choose_materials(struct orl_annual_variant *v, const struct orl_annual_request *request,
+                            const unsigned char *states)
+{
+    v->items = calloc(request->n_groups + 1, sizeof *v->items);
+    if (!v->items)
+        return ORL_ERR_NOMEM;
+    for (size_t g = 0; g < request->n_groups; g++) {
+        const struct orl_window_group *group = &request->groups[g];
+        const struct orl_shade_state *state = &group->states[states[g]];
+        v->items[g] = (struct orl_swap){.of = group->name,
+                                        .names = group->windows,
+                                        .n_names = group->n_windows,
+                                        .kind = state->dark       ? ORL_SWAP_FOR_BLACK
+                                                : state->material ? ORL_SWAP_FOR_MATERIAL
+                                                                  : ORL_SWAP_NOTHING,
+                                        .material = state->material};
+    }
+    v->swaps = (struct orl_swaps){v->items, request->n_groups};
+    return 0;
+}
+
+int orl_annual_variant_init(struct orl_annual_variant *v, const struct orl_annual_request *request,
+                            const unsigned char *states, struct orl_error *err)
+{
+    *v = (struct orl_annual_variant){.request = *request};
+    v->request.groups = NULL;
+    v->request.n_groups = 0;
+    int code = choose_files(v, request, states);
+    if (code == 0)
+        code = choose_materials(v, request, states);
+    if (code < 0)
+        return orl_error_set(err, code, "out of memory for a year");
+    if (v->request.n_scene_files == 0)
+        return orl_error_set(err, ORL_ERR_INVALID,
+                             "all files of the scene are of states, and none of the first ones");
+    return 0;
+}
+
+void orl_annual_variant_done(struct orl_annual_variant *v)
+{
+    free(v->files);
+    free(v->items);
+    *v = (struct orl_annual_variant){.files = NULL};
+}

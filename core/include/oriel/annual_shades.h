@@ -1,0 +1,88 @@
+/*
+ * Shades of a year: groups of windows, what states each group can be in, and which one it is in at
+ * every hour.
+ *
+ * Windows of a group are those surfaces of the scene whose name or modifier it names, or those that
+ * the files of its states bring. A state adds its files to the scene's (Honeybee's: a file for each
+ * state of an aperture group, with the windows in it); gives the windows it names another material
+ * of the scene; or makes them dark: black, and opaque. Files that a state names are in the scene in
+ * that state alone. The first state of a group is the open one: the one that direct sunlight by
+ * itself is told of (ASE has blinds open), and that controls look at.
+ *
+ * Hours. Of series, spans and control a group has one, or none: it stays open then. A series has
+ * the state of every row of the weather file. Of spans the first one that an hour lies in counts,
+ * by the month and the middle of the row's interval; outside of all the group is open. Controls
+ * close groups by what the open ones let in, in each hour by itself, without a lag:
+ *
+ * by sun   IES LM-83-12, 2.2.6: in hours in which more than share_percent of the points of a grid
+ *          have direct sunlight of above_lx or more by windows of that group, blinds of all other
+ *          groups being open; with several grids, of any of them. LM-83 has 2 % and 1000 lx:
+ *          "more than", and "or more".
+ * by light in hours in which a sensor of the grid has above_lx or more in all, all groups being
+ *          open: an eye's vertical illuminance, where the grid is of eyes.
+ *
+ * How light is put together. Where as few runs are enough as there are combinations of states in
+ * the hours of the year, each is a run by itself, and nothing is left out.
+ */
+#ifndef ORIEL_ANNUAL_SHADES_H
+#define ORIEL_ANNUAL_SHADES_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <oriel/error.h>
+
+/* Strings and arrays are owned, here and below; orl_window_group_done frees them. */
+struct orl_shade_state {
+    char *name;
+    char **files; /* scene text that is there in this state, after the scene's own */
+    size_t n_files;
+    char *material; /* that the windows have; NULL: as they are written */
+    bool dark;      /* the windows are black */
+};
+
+/* Months and hours, over New Year and midnight where the second is less. */
+struct orl_shade_span {
+    uint32_t from_month, to_month; /* 1..12, both included */
+    double from_h, to_h;           /* from <= middle of the row < to */
+    uint32_t state;
+};
+
+enum orl_shade_control_kind { ORL_SHADES_NO_CONTROL, ORL_SHADES_BY_SUN, ORL_SHADES_BY_LIGHT };
+
+struct orl_shade_control {
+    enum orl_shade_control_kind kind;
+    char *grid; /* NULL: all of them */
+    double above_lx, share_percent;
+    uint32_t state; /* when closed */
+};
+
+struct orl_window_group {
+    char *name;
+    char **windows; /* names or modifiers of surfaces; may be none */
+    size_t n_windows;
+    struct orl_shade_state *states;
+    size_t n_states;
+    unsigned char *series; /* of every row of the weather file; NULL: none */
+    size_t n_series;
+    struct orl_shade_span *spans;
+    size_t n_spans;
+    struct orl_shade_control control;
+};
+
+enum {
+    ORL_SHADES_MOST_GROUPS = 32,
+    ORL_SHADES_MOST_STATES = 32, /* of a group */
+    ORL_SHADES_MOST_NAMES = 256, /* of a group's windows, of a state's files, of spans */
+    ORL_SHADES_MOST_RUNS = 64
+};
+
+void orl_window_group_done(struct orl_window_group *group); /* NULL and half-filled are fine */
+
+struct orl_annual_request;
+/* What can be told before the year begins: names, states that are there, grids of controls.
+ * ORL_ERR_INVALID, _LIMIT, _RANGE. */
+int orl_shades_validate(const struct orl_annual_request *request, struct orl_error *err);
+
+#endif

@@ -1,0 +1,181 @@
+#include "scene/swap.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/arena.h"
+
+static const char black_name[] = "dark window";
+
+/* ---- Materials ------------------------------------------------------------------------------- */
+
+static bool find_material(const struct orl_description *d, const char *name, uint32_t *ret_index)
+{
+    for (size_t i = d->n_materials; i-- > 0;)
+        if (d->materials[i].name && strcmp(d->materials[i].name, name) == 0) {
+            *ret_index = (uint32_t)i;
+            return true;
+        }
+    return false;
+}
+
+/* A plastic that reflects nothing: what surfaces modified by void are is another matter. */
+static int add_black(struct orl_description *d, uint32_t *ret_index)
+{
+    struct orl_material *grown = realloc(d->materials, (d->n_materials + 1) * sizeof *grown);
+    if (!grown)
+        return ORL_ERR_NOMEM;
+    d->materials = grown;
+    grown[d->n_materials] =
+        (struct orl_material){.kind = ORL_MATERIAL_PLASTIC,
+                              .name = orl_arena_text(d->arena, black_name, sizeof black_name - 1),
+                              .seen_as = ORL_SEEN_AS_ITSELF,
+                              .sky = -1};
+    if (!grown[d->n_materials].name)
+        return ORL_ERR_NOMEM;
+    *ret_index = (uint32_t)d->n_materials++;
+    return 0;
+}
+
+/* ---- Surfaces -------------------------------------------------------------------------------- */
+
+/* A name, and whether a surface has it. */
+struct wanted {
+    const char *name;
+    bool met;
+};
+
+static int compare(const void *a, const void *b)
+{
+    return strcmp(((const struct wanted *)a)->name, ((const struct wanted *)b)->name);
+}
+
+static bool is_wanted(struct wanted *names, size_t n, const char *name)
+{
+    const struct wanted key = {.name = name};
+    struct wanted *found = name ? bsearch(&key, names, n, sizeof *names, compare) : NULL;
+    if (found)
+        found->met = true;
+    return found != NULL;
+}
+
+struct swapping {
+    struct orl_description *description;
+    const struct orl_swaps *swaps;
+    uint32_t *modifier; /* of each surface, as it was written */
+    uint32_t *swap_of;  /* of each surface, and one more; 0: none */
+    struct orl_error *err;
+};
+
+/* As files are read: up must not be the pane's normal. */
+static int check_up(const struct orl_surface *surface, const struct orl_material *m,
+                    struct orl_error *err)
+{
+    const double up = orl_length(m->up);
+    if (m->kind != ORL_MATERIAL_BSDF || surface->kind != ORL_SURFACE_POLYGON ||
+        orl_length(orl_cross(m->up, surface->normal)) > 1e-9 * up)
+        return 0;
+    orl_error_set(err, ORL_ERR_RANGE,
+                  "the up vector of BSDF '%.100s' is parallel to the normal of '%.100s'", m->name,
+                  surface->name);
+    orl_error_at(err, surface->file, surface->line, NULL);
+    return ORL_ERR_RANGE;
+}
+
+static int give_one(const struct swapping *s, size_t which, size_t i, uint32_t material)
+{
+    struct orl_description *d = s->description;
+    const struct orl_swap *swap = &s->swaps->at[which];
+    if (s->swap_of[i] > 0 && s->swap_of[i] != which + 1)
+        return orl_error_set(s->err, ORL_ERR_INVALID,
+                             "the surface '%.100s' is a window of '%.100s' and of '%.100s'",
+                             d->surfaces[i].name, s->swaps->at[s->swap_of[i] - 1].of, swap->of);
+    s->swap_of[i] = (uint32_t)which + 1;
+    if (swap->kind == ORL_SWAP_NOTHING)
+        return 0;
+    d->surfaces[i].material = material;
+    return check_up(&d->surfaces[i], &d->materials[material], s->err);
+}
+
+/* names: those of the swap, sorted. */
+static int give(const struct swapping *s, size_t which, struct wanted *names, uint32_t material)
+{
+    const struct orl_description *d = s->description;
+    const size_t n = s->swaps->at[which].n_names;
+    int code = 0;
+    for (size_t i = 0; i < d->n_surfaces && code == 0; i++) {
+        const bool named = is_wanted(names, n, d->surfaces[i].name);
+        if (is_wanted(names, n, d->materials[s->modifier[i]].name) || named)
+            code = give_one(s, which, i, material);
+    }
+    for (size_t i = 0; i < n && code == 0; i++)
+        if (!names[i].met)
+            code = orl_error_set(s->err, ORL_ERR_NOT_FOUND,
+                                 "'%.100s' has no such window: no surface is named '%.100s', or "
+                                 "has that modifier",
+                                 s->swaps->at[which].of, names[i].name);
+    return code;
+}
+
+static int find_new(const struct swapping *s, const struct orl_swap *swap, uint32_t *ret_material)
+{
+    if (swap->kind == ORL_SWAP_FOR_BLACK && add_black(s->description, ret_material) < 0)
+        return orl_error_set(s->err, ORL_ERR_NOMEM, "out of memory");
+    if (swap->kind == ORL_SWAP_FOR_MATERIAL &&
+        !find_material(s->description, swap->material, ret_material))
+        return orl_error_set(s->err, ORL_ERR_NOT_FOUND,
+                             "the scene has no material '%.100s', which a state of '%.100s' names",
+                             swap->material, swap->of);
+    return 0;
+}
+
+static int apply(const struct swapping *s, size_t which)
+{
+    const struct orl_swap *swap = &s->swaps->at[which];
+    uint32_t material = 0;
+    int code = find_new(s, swap, &material);
+    if (code < 0 || swap->n_names == 0)
+        return code;
+    struct wanted *names = calloc(swap->n_names, sizeof *names);
+    if (!names)
+        return orl_error_set(s->err, ORL_ERR_NOMEM, "out of memory");
+    for (size_t i = 0; i < swap->n_names; i++)
+        names[i].name = swap->names[i];
+    qsort(names, swap->n_names, sizeof *names, compare);
+    code = give(s, which, names, material);
+    free(names);
+    return code;
+}
+
+/* ---- All of them ----------------------------------------------------------------------------- */
+
+int orl_swaps_apply(const struct orl_swaps *swaps, struct orl_description *d, struct orl_error *err)
+{
+    struct swapping s = {.description = d,
+                         .swaps = swaps,
+                         .modifier = malloc((d->n_surfaces + 1) * sizeof *s.modifier),
+                         .swap_of = calloc(d->n_surfaces + 1, sizeof *s.swap_of),
+                         .err = err};
+    int code = s.modifier && s.swap_of ? 0 : ORL_ERR_NOMEM;
+    if (code < 0)
+        orl_error_set(err, code, "out of memory");
+    for (size_t i = 0; s.modifier && i < d->n_surfaces; i++)
+        s.modifier[i] = d->surfaces[i].material;
+    for (size_t i = 0; i < swaps->count && code == 0; i++)
+        code = apply(&s, i);
+    free(s.modifier);
+    free(s.swap_of);
+    return code;
+}
+
+void orl_swaps_digest(const struct orl_swaps *swaps, struct orl_sha256 *hash)
+{
+    for (size_t i = 0; i < swaps->count; i++) {
+        const struct orl_swap *swap = &swaps->at[i];
+        for (size_t k = 0; k < swap->n_names; k++)
+            orl_sha256_add(hash, swap->names[k], strlen(swap->names[k]) + 1);
+        orl_sha256_add(hash, &"-+="[swap->kind], 1);
+        if (swap->kind == ORL_SWAP_FOR_MATERIAL)
+            orl_sha256_add(hash, swap->material, strlen(swap->material) + 1);
+    }
+}

@@ -1,0 +1,39 @@
+/*
+ * Surfaces of a scene with another material than its files give them: shades in a state of theirs.
+ *
+ * Done to a description before geometry is built of it, so that whatever depends on materials,
+ * ports among it, is found as if the files said so.
+ */
+#ifndef ORL_SCENE_SWAP_H
+#define ORL_SCENE_SWAP_H
+
+#include <oriel/error.h>
+#include <oriel/sha256.h>
+
+#include "scene/description.h"
+
+enum orl_swap_kind { ORL_SWAP_NOTHING, ORL_SWAP_FOR_BLACK, ORL_SWAP_FOR_MATERIAL };
+
+struct orl_swap {
+    const char *of;     /* whose windows they are, for messages */
+    char *const *names; /* of surfaces, or of their modifiers */
+    size_t n_names;
+    enum orl_swap_kind kind;
+    const char *material; /* the last of that name */
+};
+
+/* All borrowed. */
+struct orl_swaps {
+    const struct orl_swap *at;
+    size_t count;
+};
+
+/* Returns 0, ORL_ERR_NOT_FOUND (a name that no surface has, or no material), ORL_ERR_INVALID (a
+ * surface in two swaps), ORL_ERR_RANGE (a BSDF that does not fit) or ORL_ERR_NOMEM. */
+int orl_swaps_apply(const struct orl_swaps *swaps, struct orl_description *description,
+                    struct orl_error *err);
+
+/* By equal ones equal descriptions become equal. */
+void orl_swaps_digest(const struct orl_swaps *swaps, struct orl_sha256 *hash);
+
+#endif

@@ -1,0 +1,329 @@
+/* Years with shades against years of scenes that have the state written into them. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "support/year.h"
+
+enum { SAMPLES = 64, TEXT = 8192 };
+
+/* A room with a window in the south and one in the north, and two more materials for them. */
+#define SHELL                                                                                      \
+    "void plastic w 0 0 5 .5 .5 .5 0 0\nvoid plastic e 0 0 5 .2 .2 .2 0 0\n"                       \
+    "void glass clear 0 0 3 .9 .9 .9\nvoid glass tinted 0 0 3 .3 .3 .3\n"                          \
+    "void plastic black 0 0 5 0 0 0 0 0\n"                                                         \
+    "w polygon floor 0 0 12 0 0 0 4 0 0 4 5 0 0 5 0\n"                                             \
+    "w polygon ceiling 0 0 12 0 0 3 0 5 3 4 5 3 4 0 3\n"                                           \
+    "w polygon west 0 0 12 0 0 0 0 5 0 0 5 3 0 0 3\n"                                              \
+    "w polygon east 0 0 12 4 0 0 4 0 3 4 5 3 4 5 0\n"                                              \
+    "w polygon north 0 0 30 0 5 0 4 5 0 4 5 3 0 5 3 0 5 0 1 5 1 1 5 2.5 3 5 2.5 3 5 1 1 5 1\n"     \
+    "w polygon south 0 0 30 0 0 0 0 0 3 4 0 3 4 0 0 0 0 0 "                                        \
+    "1 0 1 3 0 1 3 0 2.5 1 0 2.5 1 0 1\n"                                                          \
+    "e polygon ground 0 0 12 -40 -40 -.3 40 -40 -.3 40 40 -.3 -40 40 -.3\n"
+#define SOUTH(m) m " polygon front 0 0 12 1 0 1 1 0 2.5 3 0 2.5 3 0 1\n"
+#define NORTH(m) m " polygon back 0 0 12 1 5 1 3 5 1 3 5 2.5 1 5 2.5\n"
+static const char room[] = SHELL SOUTH("clear") NORTH("clear");
+
+static const struct year_site izmir = {38.42, 27.14, 2};
+static const struct orl_sensor sensors[] = {
+    {{2, .6, .8}, {0, 0, 1}}, {{1, 4, .8}, {0, 0, 1}}, {{2, 2.5, 1.2}, {0, -1, 0}}};
+enum { SENSORS = 3 };
+
+static char front_name[] = "front", back_name[] = "back", clear_name[] = "clear",
+            tinted_name[] = "tinted", open_word[] = "open", shut_word[] = "shut",
+            south_word[] = "south", north_word[] = "north", blind_file[] = "blind.rad";
+static char *front_list[] = {front_name}, *back_list[] = {back_name}, *blind_files[] = {blind_file};
+
+static struct year_run usual(const char *scene)
+{
+    return (struct year_run){.scene = scene,
+                             .site = izmir,
+                             .sensors = sensors,
+                             .n_sensors = SENSORS,
+                             .samples = SAMPLES,
+                             .seed = 5};
+}
+
+static void assert_same(const float *a, const float *b, const struct orl_annual_result *year)
+{
+    assert_memory_equal(a, b, year->n_sensors * year->n_columns * sizeof *a);
+}
+
+/* A state that changes nothing: no group at all, to the byte. */
+static void test_one_state(void **state)
+{
+    struct orl_shade_state states[] = {{.name = open_word}};
+    const struct orl_window_group group = {
+        .name = south_word, .windows = front_list, .n_windows = 1, .states = states, .n_states = 1};
+    struct year_run run = usual(room);
+    struct orl_annual_result bare = year_run(&run);
+    (void)state;
+    run.groups = &group;
+    run.n_groups = 1;
+    struct orl_annual_result grouped = year_run(&run);
+    assert_int_equal(grouped.n_columns, bare.n_columns);
+    assert_int_equal(grouped.n_runs, 1);
+    assert_same(grouped.total, bare.total, &bare);
+    assert_same(grouped.direct, bare.direct, &bare);
+    assert_same(grouped.se, bare.se, &bare);
+    orl_annual_done(&bare);
+    orl_annual_done(&grouped);
+}
+
+/* Two groups of two states each, all four pairs in turns: hour by hour one of four years of scenes
+ * that have the pair written into them, to the byte; direct light is of the open ones. */
+static void test_two_groups(void **state)
+{
+    static const char *const written[4] = {room, SHELL SOUTH("tinted") NORTH("clear"),
+                                           SHELL SOUTH("clear") NORTH("black"),
+                                           SHELL SOUTH("tinted") NORTH("black")};
+    struct orl_shade_state south[] = {{.name = open_word},
+                                      {.name = shut_word, .material = tinted_name}};
+    struct orl_shade_state north[] = {{.name = open_word}, {.name = shut_word, .dark = true}};
+    unsigned char series[2][48];
+    struct orl_window_group groups[] = {{.name = south_word,
+                                         .windows = front_list,
+                                         .n_windows = 1,
+                                         .states = south,
+                                         .n_states = 2,
+                                         .series = series[0],
+                                         .n_series = 48},
+                                        {.name = north_word,
+                                         .windows = back_list,
+                                         .n_windows = 1,
+                                         .states = north,
+                                         .n_states = 2,
+                                         .series = series[1],
+                                         .n_series = 48}};
+    struct year_run run = usual(room);
+    struct orl_annual_result alone[4];
+    (void)state;
+    for (unsigned i = 0; i < 48; i++) {
+        series[0][i] = i & 1;
+        series[1][i] = i >> 1 & 1;
+    }
+    for (int i = 0; i < 4; i++) {
+        run.scene = written[i];
+        alone[i] = year_run(&run);
+    }
+    run.scene = room;
+    run.groups = groups;
+    run.n_groups = 2;
+    struct orl_annual_result all = year_run(&run);
+    assert_int_equal(all.n_runs, 4);
+    assert_same(all.direct, alone[0].direct, &all);
+    for (size_t c = 0; c < all.n_columns; c++) {
+        const struct orl_annual_result *one = &alone[all.step_of_column[c] & 3];
+        for (size_t at = c; at < SENSORS * all.n_columns; at += all.n_columns) {
+            assert_true(all.total[at] == one->total[at]);
+            assert_true(all.se[at] == one->se[at]);
+        }
+    }
+    for (int i = 0; i < 4; i++)
+        orl_annual_done(&alone[i]);
+    orl_annual_done(&all);
+}
+
+/* A blind outside, brought by a state's file, from 10 to 14 in March: as if it were in the scene.
+ */
+static void test_geometry(void **state)
+{
+    static const char blind[] = "w polygon slat 0 0 12 .5 -.3 2.5 3.5 -.3 2.5 3.5 0 2.5 .5 0 2.5\n";
+    struct orl_shade_state states[] = {{.name = open_word},
+                                       {.name = shut_word, .files = blind_files, .n_files = 1}};
+    struct orl_shade_span span = {3, 3, 10, 14, 1};
+    const struct orl_window_group group = {
+        .name = south_word, .states = states, .n_states = 2, .spans = &span, .n_spans = 1};
+    char text[TEXT];
+    struct year_run run = usual(room);
+    (void)state;
+    snprintf(text, sizeof text, "%s%s", room, blind);
+    struct orl_annual_result bare = year_run(&run);
+    run.scene = text;
+    struct orl_annual_result shaded = year_run(&run);
+    run.scene = room;
+    run.resource_name = blind_file;
+    run.resource_text = blind;
+    run.groups = &group;
+    run.n_groups = 1;
+    struct orl_annual_result both = year_run(&run);
+    size_t within = 0;
+    for (size_t c = 0; c < both.n_columns; c++) {
+        const struct orl_annual_step *step = &both.steps[both.step_of_column[c]];
+        const bool shut = step->month == 3 && step->hour >= 10 && step->hour < 14;
+        assert_int_equal(both.states[both.step_of_column[c]], shut);
+        within += shut;
+        for (size_t at = c; at < SENSORS * both.n_columns; at += both.n_columns)
+            assert_true(both.total[at] == (shut ? shaded.total[at] : bare.total[at]));
+    }
+    assert_int_equal(within, 4);
+    orl_annual_done(&bare);
+    orl_annual_done(&shaded);
+    orl_annual_done(&both);
+}
+
+/* The south blinds go down where of the grid's two points one, half of them, has the sun; the same
+ * bytes on 1, 2 and 7 threads. */
+static void test_control_by_sun(void **state)
+{
+    struct orl_shade_state states[] = {{.name = open_word}, {.name = shut_word, .dark = true}};
+    static char desks[] = "desks", wall[] = "wall";
+    const struct orl_annual_grid grids[] = {{desks, 0, 2}, {wall, 2, 1}};
+    struct orl_window_group group = {
+        .name = south_word,
+        .windows = front_list,
+        .n_windows = 1,
+        .states = states,
+        .n_states = 2,
+        .control = {ORL_SHADES_BY_SUN, .grid = desks, .above_lx = 1000, .share_percent = 2, 1}};
+    struct year_run run = usual(room);
+    struct orl_annual_result bare = year_run(&run), first = {0};
+    size_t shut = 0;
+    (void)state;
+    run.grids = grids;
+    run.n_grids = 2;
+    run.groups = &group;
+    run.n_groups = 1;
+    static const uint32_t threads[] = {1, 2, 7};
+    for (int i = 0; i < 3; i++) {
+        run.threads = threads[i];
+        struct orl_annual_result year = year_run(&run);
+        if (i == 0) {
+            first = year;
+            continue;
+        }
+        assert_same(year.total, first.total, &first);
+        assert_same(year.se, first.se, &first);
+        assert_memory_equal(year.states, first.states, first.n_steps);
+        orl_annual_done(&year);
+    }
+    for (size_t c = 0; c < first.n_columns; c++) {
+        const size_t n = first.n_columns;
+        const bool sunny = bare.direct[c] >= 1000 || bare.direct[n + c] >= 1000;
+        assert_int_equal(first.states[first.step_of_column[c]], sunny);
+        shut += sunny;
+        if (sunny)
+            assert_true(first.total[c] < bare.total[c]);
+        else
+            assert_true(first.total[c] == bare.total[c]);
+    }
+    assert_true(shut > 2 && shut < first.n_columns - 2);
+    orl_annual_done(&bare);
+    orl_annual_done(&first);
+}
+
+/* What is left of a year that was broken off: rows of each run by themselves. */
+struct kept {
+    size_t done, asked;
+    uint32_t rounds[8];
+};
+
+static void note_done(void *ctx, const struct orl_annual_block *block)
+{
+    struct kept *kept = ctx;
+    assert_true(kept->done < 8);
+    kept->rounds[kept->done++] = block->round;
+}
+
+static bool none_kept(void *ctx, struct orl_annual_block *block)
+{
+    (void)block;
+    ((struct kept *)ctx)->asked++;
+    return false;
+}
+
+static void test_kept_rows(void **state)
+{
+    struct orl_shade_state states[] = {{.name = open_word}, {.name = shut_word, .dark = true}};
+    struct orl_shade_span span = {1, 12, 12, 24, 1};
+    const struct orl_window_group group = {.name = south_word,
+                                           .windows = front_list,
+                                           .n_windows = 1,
+                                           .states = states,
+                                           .n_states = 2,
+                                           .spans = &span,
+                                           .n_spans = 1};
+    struct kept kept = {0};
+    const struct orl_annual_env env = {.kept = none_kept, .done = note_done, .ctx = &kept};
+    struct year_run run = usual(room);
+    (void)state;
+    run.groups = &group;
+    run.n_groups = 1;
+    run.env = &env;
+    struct orl_annual_result year = year_run(&run);
+    assert_int_equal(kept.asked, 2);
+    assert_int_equal(kept.done, 2);
+    assert_true(kept.rounds[0] != kept.rounds[1]);
+    orl_annual_done(&year);
+}
+
+static void test_mistakes(void **state)
+{
+    static char nothing[] = "nothing";
+    static char *nothing_list[] = {nothing}, *clear_list[] = {clear_name};
+    struct orl_shade_state plain[] = {{.name = open_word}},
+                           swapped[] = {{.name = open_word, .material = nothing}},
+                           two[] = {{.name = open_word}, {.name = shut_word, .dark = true}};
+    unsigned char few[3] = {0, 1, 0};
+    const struct orl_window_group windows = {.name = south_word,
+                                             .windows = nothing_list,
+                                             .n_windows = 1,
+                                             .states = plain,
+                                             .n_states = 1},
+                                  material = {.name = south_word,
+                                              .windows = front_list,
+                                              .n_windows = 1,
+                                              .states = swapped,
+                                              .n_states = 1},
+                                  series = {.name = south_word,
+                                            .windows = front_list,
+                                            .n_windows = 1,
+                                            .states = two,
+                                            .n_states = 2,
+                                            .series = few,
+                                            .n_series = 3},
+                                  twice[] = {{.name = south_word,
+                                              .windows = front_list,
+                                              .n_windows = 1,
+                                              .states = plain,
+                                              .n_states = 1},
+                                             {.name = north_word,
+                                              .windows = clear_list,
+                                              .n_windows = 1,
+                                              .states = plain,
+                                              .n_states = 1}};
+    struct orl_error err;
+    struct year_run run = usual(room);
+    (void)state;
+    run.n_groups = 1;
+    run.groups = &windows;
+    assert_int_equal(year_run_fails(&run, &err), ORL_ERR_NOT_FOUND);
+    assert_non_null(strstr(err.message, "'nothing'"));
+    run.groups = &material;
+    assert_int_equal(year_run_fails(&run, &err), ORL_ERR_NOT_FOUND);
+    assert_non_null(strstr(err.message, "no material 'nothing'"));
+    run.groups = &series;
+    assert_int_equal(year_run_fails(&run, &err), ORL_ERR_RANGE);
+    assert_non_null(strstr(err.message, "3 states"));
+    run.groups = twice;
+    run.n_groups = 2;
+    assert_int_equal(year_run_fails(&run, &err), ORL_ERR_INVALID);
+    assert_non_null(strstr(err.message, "'front'"));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_one_state), cmocka_unit_test(test_two_groups),
+        cmocka_unit_test(test_geometry),  cmocka_unit_test(test_control_by_sun),
+        cmocka_unit_test(test_kept_rows), cmocka_unit_test(test_mistakes),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
