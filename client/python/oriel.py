@@ -464,6 +464,14 @@ class Client:
                                               ("fields", "summary" if summary else None)) if one]
         return self._pages("/v1/jobs?" + urllib.parse.urlencode(query), "jobs", limit)
 
+    def scenes(self, limit=100):
+        """The scenes that are here, the latest first: bytes, last_used, jobs and jobs_under_way."""
+        return self._pages("/v1/scenes?limit=%d" % min(limit, 1000), "scenes", limit)
+
+    def bsdfs(self, limit=100):
+        """The BSDFs uploaded by themselves, likewise, and the scenes that have them."""
+        return self._pages("/v1/bsdfs?limit=%d" % min(limit, 1000), "bsdfs", limit)
+
     def maps(self):
         """What the daemon keeps for later jobs: photon maps, BSDFs as loaded."""
         return self._json("GET", "/v1/maps")["maps"]

@@ -15,7 +15,9 @@ void orl_handle_metrics(struct orl_request *request); /* handle_metrics.c */
 void orl_handle_openapi(struct orl_request *request);
 void orl_handle_limits(struct orl_request *request);
 
-/* handle_scenes.c, handle_bsdfs.c: uploads */
+/* handle_scenes.c, handle_bsdfs.c: uploads; handle_stored_lists.c: all of them */
+void orl_handle_scene_list(struct orl_request *request);
+void orl_handle_bsdf_list(struct orl_request *request);
 void orl_handle_scene_post(struct orl_request *request);
 void orl_handle_scene_get(struct orl_request *request);
 void orl_handle_scene_delete(struct orl_request *request);

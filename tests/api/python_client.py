@@ -249,6 +249,9 @@ def labels(desk):
     assert len(desk.sent) == 3 and "cursor=" in desk.sent[1]
     assert not desk.client.jobs(scene="0" * 64) and not desk.client.jobs(since="2999-01-01T00:00:00Z")
     raises(oriel.Problem, desk.client.submit, document, tags=["a,b"])
+    found = [one for one in desk.client.scenes() if one["id"] == scene]
+    assert len(found) == 1 and found[0]["jobs"] >= 5
+    assert isinstance(desk.client.bsdfs(), list)
 
 
 def cancel(desk):

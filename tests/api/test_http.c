@@ -59,7 +59,7 @@ static const struct {
     {"GET", "/v1/bsdfs/%00%ff'; DROP TABLE jobs", NULL, NULL, 404, "no-such-resource", NULL},
     {"PUT", "/v1/jobs", "application/json", "{}", 405, "method-not-allowed", "POST, GET, HEAD"},
     {"DELETE", "/healthz", NULL, NULL, 405, "method-not-allowed", "GET, HEAD"},
-    {"GET", "/v1/scenes", NULL, NULL, 405, "method-not-allowed", "POST"},
+    {"DELETE", "/v1/scenes", NULL, NULL, 405, "method-not-allowed", "POST, GET, HEAD"},
     {"BREW", "/v1/maps", NULL, NULL, 405, "method-not-allowed", "GET, HEAD"},
     {"POST", "/v1/jobs", "text/plain", "{}", 415, "unsupported-media-type", NULL},
     {"POST", "/v1/jobs", NULL, "{}", 415, "unsupported-media-type", NULL},

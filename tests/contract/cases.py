@@ -79,7 +79,20 @@ def scenes(daemon):
                   [{"name": "r.rad", "text": "void prism1 a 0 0 0\na sphere s 0 0 4 0 0 0 1\n"}]):
         assert daemon.ask("POST", "/v1/scenes", {"files": files}).status in (400, 422)
     daemon.ask("POST", "/v1/scenes", {"files": [], "other": 1}, want=422)
+    stored_lists(daemon, "scenes")
     zips(daemon, first)
+
+
+def stored_lists(daemon, name):
+    """All of them, by pages of one; 400 for what is no cursor or limit."""
+    path, found = "/v1/%s?limit=1" % name, []
+    while path:
+        answer = daemon.ask("GET", path, want=200)
+        found += answer.json[name]
+        path = answer.headers["link"][1:].split(">")[0] if answer.json["more"] else None
+    assert found == daemon.ask("GET", "/v1/" + name, want=200).json[name] and len(found) > 1
+    for query in ("cursor=x", "cursor=1-2", "limit=0"):
+        daemon.ask("GET", "/v1/%s?%s" % (name, query), want=400)
 
 
 def zips(daemon, same):
@@ -109,6 +122,8 @@ def bsdfs(daemon):
     daemon.ask("POST", "/v1/scenes", {"files": [{"name": "r.rad", "text": window}],
                                       "bsdfs": {"k.xml": first.id}}, want=201)
     daemon.ask("DELETE", path, want=409)
+    daemon.ask("POST", "/v1/bsdfs", bsdf("bsdf_lcp8.xml"), want=201)
+    stored_lists(daemon, "bsdfs")
     daemon.ask("POST", "/v1/scenes", {"files": [{"name": "r.rad", "text": window}],
                                       "bsdfs": {"k.xml": UNKNOWN}}, want=422)
 
@@ -422,6 +437,8 @@ def damage(daemon):
     database.close()
     daemon.ask("GET", "/v1/scenes/" + scene, want=500)
     daemon.ask("GET", "/v1/bsdfs/" + item, want=500)
+    daemon.ask("GET", "/v1/scenes", want=500)
+    daemon.ask("GET", "/v1/bsdfs", want=500)
     daemon.ask("POST", "/v1/bsdfs", bsdf("bsdf_klems41.xml"), want=500)
     daemon.ask("POST", "/v1/scenes", {"files": [{"name": "r.rad", "text": ROOM}]}, want=500)
     daemon.ask("POST", "/v1/jobs", sensors_of(scene), want=500)

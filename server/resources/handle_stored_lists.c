@@ -1,0 +1,138 @@
+/* GET /v1/scenes and GET /v1/bsdfs: what is stored, by whom it is used, and when it was last. */
+#include "resources/handlers.h"
+
+#include <jansson.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "encode.h"
+#include "http/reply.h"
+#include "process/limits.h"
+#include "process/times.h"
+#include "resources/page.h"
+#include "server.h"
+#include "store/scene_lists.h"
+
+struct list {
+    json_t *items; /* NULL: out of memory */
+    unsigned long limit;
+    bool more;
+    struct orl_stored_place last; /* of those in it */
+};
+
+/* "1711107000123-<64 digits>", as its link has it; absent: the first page. False after a 400. */
+static bool read_cursor(struct orl_request *request, struct orl_stored_place *ret_place)
+{
+    const char *cursor = orl_request_query(request, "cursor");
+    *ret_place = (struct orl_stored_place){.created_ms = INT64_MAX};
+    if (!cursor)
+        return true;
+    const size_t digits = strspn(cursor, "0123456789");
+    if (digits == 0 || digits > 15 || cursor[digits] != '-' || !orl_is_sha256(cursor + digits + 1))
+        return orl_page_refuse(request, "cursor is of the link to the next page");
+    ret_place->created_ms = strtoll(cursor, NULL, 10);
+    snprintf(ret_place->id, sizeof ret_place->id, "%s", cursor + digits + 1);
+    return true;
+}
+
+/* Takes item; one more than may be shown says that there are others. */
+static int add(struct list *list, json_t *item, const struct orl_stored_place *place)
+{
+    if (json_array_size(list->items) == list->limit) {
+        list->more = true;
+        json_decref(item);
+        return 0;
+    }
+    list->last = *place;
+    if (item && json_array_append_new(list->items, item) == 0)
+        return 0;
+    json_decref(list->items);
+    list->items = NULL;
+    return ORL_ERR_NOMEM;
+}
+
+static int add_scene(void *ctx, const struct orl_listed_scene *scene)
+{
+    char created[ORL_TIME_TEXT], used[ORL_TIME_TEXT];
+    orl_time_format(scene->place.created_ms, created);
+    orl_time_format(scene->last_used_ms, used);
+    return add(ctx,
+               json_pack("{s:s, s:s, s:I, s:s, s:I, s:I}", "id", scene->place.id, "created_at",
+                         created, "bytes", (json_int_t)scene->bytes, "last_used", used,
+                         "jobs_under_way", (json_int_t)scene->jobs_under_way, "jobs",
+                         (json_int_t)scene->all_jobs),
+               &scene->place);
+}
+
+/* Ids with commas between them. */
+static json_t *split_ids(const char *ids)
+{
+    json_t *list = json_array();
+    while (list && *ids) {
+        const size_t length = strcspn(ids, ",");
+        if (json_array_append_new(list, json_stringn(ids, length))) {
+            json_decref(list);
+            return NULL;
+        }
+        ids += length + (ids[length] == ',');
+    }
+    return list;
+}
+
+static int add_bsdf(void *ctx, const struct orl_listed_bsdf *bsdf)
+{
+    char created[ORL_TIME_TEXT], used[ORL_TIME_TEXT];
+    orl_time_format(bsdf->place.created_ms, created);
+    orl_time_format(bsdf->last_used_ms, used);
+    return add(ctx,
+               json_pack("{s:s, s:o, s:s, s:I, s:s, s:I, s:o}", "id", bsdf->place.id, "name",
+                         orl_json_from_text(bsdf->name), "created_at", created, "bytes",
+                         (json_int_t)bsdf->bytes, "last_used", used, "scene_count",
+                         (json_int_t)bsdf->n_scenes, "scenes", split_ids(bsdf->scenes)),
+               &bsdf->place);
+}
+
+static void reply(struct orl_request *request, struct list *list, int rc,
+                  const struct orl_error *err, const char *path, const char *member)
+{
+    static const char *const kept[] = {"limit", NULL};
+    char cursor[ORL_SHA_HEX + 24];
+    if (rc && list->items) {
+        json_decref(list->items);
+        orl_reply_error(request, err);
+        return;
+    }
+    orl_reply_json(request, 200, json_pack("{s:o, s:b}", member, list->items, "more", list->more));
+    orl_reply_header(request, "Cache-Control", "no-store");
+    if (!list->more)
+        return;
+    snprintf(cursor, sizeof cursor, "%lld-%s", (long long)list->last.created_ms, list->last.id);
+    orl_page_link(request, path, kept, cursor);
+}
+
+void orl_handle_scene_list(struct orl_request *request)
+{
+    struct list list = {.limit = 100};
+    struct orl_stored_place behind;
+    struct orl_error err;
+    if (!orl_page_limit(request, &list.limit) || !read_cursor(request, &behind))
+        return;
+    list.items = json_array();
+    const int rc =
+        orl_scene_rows(&request->server->db, &behind, list.limit + 1, add_scene, &list, &err);
+    reply(request, &list, rc, &err, "/v1/scenes", "scenes");
+}
+
+void orl_handle_bsdf_list(struct orl_request *request)
+{
+    struct list list = {.limit = 100};
+    struct orl_stored_place behind;
+    struct orl_error err;
+    if (!orl_page_limit(request, &list.limit) || !read_cursor(request, &behind))
+        return;
+    list.items = json_array();
+    const int rc =
+        orl_bsdf_rows(&request->server->db, &behind, list.limit + 1, add_bsdf, &list, &err);
+    reply(request, &list, rc, &err, "/v1/bsdfs", "bsdfs");
+}

@@ -1,0 +1,84 @@
+#include "store/scene_lists.h"
+
+#include <stdio.h>
+
+/* Statement, and what it is about, for messages. */
+static sqlite3_stmt *prepare(struct orl_db *db, const char *sql,
+                             const struct orl_stored_place *behind, size_t limit,
+                             struct orl_error *err)
+{
+    return orl_db_prepare(db, err, sql, "isi", behind->created_ms, behind->id, (int64_t)limit);
+}
+
+static struct orl_stored_place read_place(sqlite3_stmt *stmt)
+{
+    struct orl_stored_place place = {.created_ms = sqlite3_column_int64(stmt, 1)};
+    snprintf(place.id, sizeof place.id, "%s", orl_db_text(stmt, 0));
+    return place;
+}
+
+/* After the last step: what visit returned, or why there was no more to visit. */
+static int end(struct orl_db *db, sqlite3_stmt *stmt, int rc, int step, struct orl_error *err)
+{
+    if (rc == 0 && step != SQLITE_DONE)
+        rc = orl_db_error(db, "cannot list what is stored", err);
+    sqlite3_finalize(stmt);
+    return rc;
+}
+
+int orl_scene_rows(struct orl_db *db, const struct orl_stored_place *behind, size_t limit,
+                   int (*visit)(void *ctx, const struct orl_listed_scene *scene), void *ctx,
+                   struct orl_error *err)
+{
+    sqlite3_stmt *stmt = prepare(
+        db,
+        "SELECT id, created_ms, bytes, max(created_ms, last_used_ms), "
+        "(SELECT count(*) FROM jobs WHERE scene = s.id AND state IN ('queued', 'running')), "
+        "(SELECT count(*) FROM jobs WHERE scene = s.id) "
+        "FROM scenes s WHERE (created_ms, id) < (?, ?) ORDER BY created_ms DESC, id DESC LIMIT ?",
+        behind, limit, err);
+    int rc = 0, step = SQLITE_DONE;
+    if (!stmt)
+        return ORL_ERR_IO;
+    while (rc == 0 && (step = sqlite3_step(stmt)) == SQLITE_ROW) {
+        const struct orl_listed_scene scene = {.place = read_place(stmt),
+                                               .bytes = (uint64_t)sqlite3_column_int64(stmt, 2),
+                                               .last_used_ms = sqlite3_column_int64(stmt, 3),
+                                               .jobs_under_way =
+                                                   (uint64_t)sqlite3_column_int64(stmt, 4),
+                                               .all_jobs = (uint64_t)sqlite3_column_int64(stmt, 5)};
+        rc = visit(ctx, &scene);
+    }
+    return end(db, stmt, rc, step, err);
+}
+
+int orl_bsdf_rows(struct orl_db *db, const struct orl_stored_place *behind, size_t limit,
+                  int (*visit)(void *ctx, const struct orl_listed_bsdf *bsdf), void *ctx,
+                  struct orl_error *err)
+{
+    char sql[900];
+    snprintf(
+        sql, sizeof sql,
+        "SELECT id, created_ms, name, bytes, max(created_ms, coalesce((SELECT "
+        "max(s.last_used_ms) FROM scene_files f JOIN scenes s ON s.id = f.scene WHERE f.blob = "
+        "b.id), 0)), (SELECT count(DISTINCT scene) FROM scene_files WHERE blob = b.id), "
+        "(SELECT group_concat(scene) FROM (SELECT DISTINCT scene FROM scene_files WHERE blob = "
+        "b.id ORDER BY scene LIMIT %d)) "
+        "FROM bsdfs b WHERE (created_ms, id) < (?, ?) ORDER BY created_ms DESC, id DESC "
+        "LIMIT ?",
+        ORL_LISTED_SCENES);
+    sqlite3_stmt *stmt = prepare(db, sql, behind, limit, err);
+    int rc = 0, step = SQLITE_DONE;
+    if (!stmt)
+        return ORL_ERR_IO;
+    while (rc == 0 && (step = sqlite3_step(stmt)) == SQLITE_ROW) {
+        const struct orl_listed_bsdf bsdf = {.place = read_place(stmt),
+                                             .name = orl_db_text(stmt, 2),
+                                             .bytes = (uint64_t)sqlite3_column_int64(stmt, 3),
+                                             .last_used_ms = sqlite3_column_int64(stmt, 4),
+                                             .n_scenes = (uint64_t)sqlite3_column_int64(stmt, 5),
+                                             .scenes = orl_db_text(stmt, 6)};
+        rc = visit(ctx, &bsdf);
+    }
+    return end(db, stmt, rc, step, err);
+}
