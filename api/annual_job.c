@@ -37,8 +37,12 @@ static void on_done(void *ctx, const struct orl_annual_block *block)
 static int run_year(struct running *r, struct orl_error *err)
 {
     struct orl_run_env run = *r->env->run;
-    const struct orl_annual_env env = {
-        .run = &run, .begins = on_begins, .kept = on_kept, .done = on_done, .ctx = r};
+    const struct orl_annual_env env = {.run = &run,
+                                       .begins = on_begins,
+                                       .reuse = r->env->reuse,
+                                       .kept = on_kept,
+                                       .done = on_done,
+                                       .ctx = r};
     run.part = ORL_ANNUAL_FILES_FROM;
     return orl_annual_run_until(&r->job->request, &r->job->wishes, &env, r->env->round, run.ctx,
                                 &r->result, &r->refinement, err);

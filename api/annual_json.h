@@ -30,8 +30,10 @@
  *      "refined_sensors", "most_samples"} (oriel/annual_report.h),
  *      "shades": null or what states window groups were in (annual_shades.h),
  *      "files": [...] (names below the result's folder), "provenance": {"version", "seed",
- *      "samples", "inputs": [{"name", "bytes", "sha256"}], "settings": {...}}, "timings_s",
- *      "threads", "warnings"}
+ *      "samples", "inputs": [{"name", "bytes", "sha256"}], "settings": {...}},
+ *      "reuse": null or {"suns", "map", "paths", "sun": {"found", "topped_up", "made"},
+ *      "rays_saved"} (of what earlier jobs left: oriel/annual.h), "rays" (of paths, in this run),
+ *      "timings_s", "threads", "warnings"}
  * Numbers that are not known are null.
  *
  * Rules, ownership, threads and errors as in job_json.h.

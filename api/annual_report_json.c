@@ -169,6 +169,25 @@ static json_t *provenance_to_json(const struct orl_annual_job *job,
         occupancy_to_json(&job->wishes), "shades", orl_annual_shades_settings(request));
 }
 
+/* What came from what earlier jobs left, and what had to be made; null where none was asked. */
+static json_t *reuse_to_json(const struct orl_annual_result *result)
+{
+    json_t *reuse = result->reuse.asked ? json_object() : json_null();
+    uint64_t saved = 0;
+    for (int i = 0; reuse && result->reuse.asked && i < ORL_YEARS_KINDS; i++) {
+        const struct orl_annual_reused *r = &result->reuse.of[i];
+        saved += r->rays_saved;
+        json_object_set_new(reuse, orl_annual_kept_name((enum orl_annual_kept)i),
+                            json_pack("{s:I, s:I, s:I}", "found", (json_int_t)r->found, "topped_up",
+                                      (json_int_t)r->topped_up, "made", (json_int_t)r->made));
+    }
+    if (!result->reuse.asked ||
+        json_object_set_new(reuse, "rays_saved", json_integer((json_int_t)saved)) == 0)
+        return reuse;
+    json_decref(reuse);
+    return NULL;
+}
+
 /* ---- The whole ------------------------------------------------------------------------------- */
 
 static json_t *timings_to_json(const struct orl_annual_result *result)
@@ -222,14 +241,15 @@ json_t *orl_annual_report_to_json(const struct orl_annual_job *job,
 {
     json_t *all = report->n_grids > 1 ? figures_to_json(report, report->n_grids) : json_null();
     return json_pack(
-        "{s:s, s:s, s:o, s:{s:f, s:f, s:f}, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:O, s:o, s:o, s:I, "
-        "s:o}",
+        "{s:s, s:s, s:o, s:{s:f, s:f, s:f}, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:O, s:o, s:o, s:o, "
+        "s:o, s:I, s:o}",
         "kind", "annual", "state", "succeeded", "title", text_or_null(job->title), "location",
         "latitude", result->latitude_deg, "longitude", result->longitude_deg, "time_zone",
         result->time_zone_h, "hours", hours_to_json(report), "grids", grids_to_json(report), "all",
         all, "verdicts", verdicts_to_json(report), "rules", rules_to_json(report), "accuracy",
         orl_annual_refinement_to_json(refinement), "shades",
         orl_annual_shades_to_json(&job->request, result, report), "files", files, "provenance",
-        provenance_to_json(job, result, inputs), "timings_s", timings_to_json(result), "threads",
-        (json_int_t)result->threads, "warnings", warnings_to_json(result));
+        provenance_to_json(job, result, inputs), "reuse", reuse_to_json(result), "rays",
+        json_integer((json_int_t)result->health.rays), "timings_s", timings_to_json(result),
+        "threads", (json_int_t)result->threads, "warnings", warnings_to_json(result));
 }

@@ -25,6 +25,23 @@ static void print_verdict(const struct orl_annual_report *report,
            v->area.value.value, v->area.value.low, v->area.value.high);
 }
 
+static void print_reuse(const struct orl_annual_result *result)
+{
+    if (!result->reuse.asked)
+        return;
+    fprintf(stderr, "cache:");
+    for (int i = 0; i < ORL_YEARS_KINDS; i++) {
+        const struct orl_annual_reused *r = &result->reuse.of[i];
+        fprintf(stderr, "%s %s: %llu found, ", i > 0 ? ";" : "",
+                orl_annual_kept_name((enum orl_annual_kept)i), (unsigned long long)r->found);
+        if (r->topped_up > 0)
+            fprintf(stderr, "%llu with fewer samples, ", (unsigned long long)r->topped_up);
+        fprintf(stderr, "%llu made", (unsigned long long)r->made);
+    }
+    fprintf(stderr, "; rays saved: %llu\n",
+            (unsigned long long)result->reuse.of[ORL_YEARS_PATHS].rays_saved);
+}
+
 static void print_summary(const struct orl_annual_result *result,
                           const struct orl_annual_report *report, const char *output)
 {
@@ -32,6 +49,7 @@ static void print_summary(const struct orl_annual_result *result,
         fprintf(stderr, "warning: %s\n", result->warnings[i]);
     for (size_t i = 0; i < report->n_verdicts; i++)
         print_verdict(report, &report->verdicts[i]);
+    print_reuse(result);
     fprintf(stderr, "seconds:");
     for (int i = 0; i < ORL_ANNUAL_STAGES; i++)
         fprintf(stderr, " %s %.2f", orl_annual_stage_name((enum orl_annual_stage)i),
@@ -88,7 +106,7 @@ static int decode(const struct orl_job_file *file, struct orl_annual_job *ret_jo
 
 /* What the command line asks for beside the document. */
 struct output {
-    const char *folder;
+    const char *folder, *cache;
     struct orl_annual_formats formats;
 };
 
@@ -112,7 +130,8 @@ static int run_document(const char *document, const struct output *output, uint3
     job.formats.honeybee = job.formats.honeybee || output->formats.honeybee;
     job.formats.matrices = job.formats.matrices || output->formats.matrices;
     if (rc == 0)
-        rc = orl_local_annual(&job, file.folder, output->folder, threads, &teller, &err);
+        rc = orl_local_annual(&job, file.folder, output->folder, output->cache, threads, &teller,
+                              &err);
     if (rc)
         tell_failure(output->folder, &err);
     orl_annual_job_done(&job);
@@ -130,6 +149,11 @@ int orl_cmd_annual(const struct orl_subcommand *self, int argc, char **argv)
          .metavar = "DIR",
          .help = "where result.json, tables, maps and pages go",
          .value = &output.folder},
+        {.name = "cache",
+         .metavar = "DIR",
+         .help = "keep the paths there, and use those that are there: for another weather file of "
+                 "the same place, and for more samples",
+         .value = &output.cache},
         {.name = "honeybee",
          .help = "all hours as Honeybee's results folder, in DIR/results",
          .flag = &output.formats.honeybee},
@@ -146,7 +170,7 @@ int orl_cmd_annual(const struct orl_subcommand *self, int argc, char **argv)
     uint64_t threads = orl_local_cores();
     int code;
 
-    if (!orl_options_parse(self, argc, argv, options, 4, 1, 1, &operands, &code))
+    if (!orl_options_parse(self, argc, argv, options, 5, 1, 1, &operands, &code))
         return code;
     if (!output.folder)
         return orl_usage_error(self, "-o DIR is missing");

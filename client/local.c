@@ -270,17 +270,23 @@ static int on_year_done(void *ctx, const struct orl_annual_result *result,
 }
 
 int orl_local_annual(struct orl_annual_job *job, const char *folder, const char *output,
-                     uint32_t threads, const struct orl_local_tell *tell, struct orl_error *err)
+                     const char *cache, uint32_t threads, const struct orl_local_tell *tell,
+                     struct orl_error *err)
 {
     struct year year = {.tell = tell};
     struct orl_annual_inputs inputs;
     struct orl_files noting;
-    const struct orl_annual_job_env env = {
-        .run = &year.local.env, .inputs = &inputs, .round = on_year_round, .tell = on_year_done};
+    const struct orl_annual_job_env env = {.run = &year.local.env,
+                                           .inputs = &inputs,
+                                           .reuse = cache != NULL,
+                                           .round = on_year_round,
+                                           .tell = on_year_done};
     int rc = local_start(&year.local, folder, output, threads, err);
 
     if (rc)
         return rc;
+    if (cache)
+        snprintf(year.local.maps.folder, sizeof year.local.maps.folder, "%s", cache);
     noting = orl_annual_inputs_of(&inputs, &year.local.files);
     year.local.env.files = &noting;
     year.local.env.files_id = "of this run";

@@ -38,13 +38,15 @@ int orl_local_study(const struct orl_study_request *request, const char *folder,
                     uint32_t threads, struct orl_study *ret_study, struct orl_error *err);
 
 /* Runs a year's job, with progress on stderr; all its files but result.json go to output. tell: of
- * annual_job.h, with ctx. */
+ * annual_job.h, with ctx. cache: a folder, made if need be, where what the year is made of is kept
+ * and looked for; NULL: none. */
 struct orl_local_tell {
     int (*tell)(void *ctx, const struct orl_annual_result *result,
                 const struct orl_annual_report *report, json_t *document, struct orl_error *err);
     void *ctx;
 };
 int orl_local_annual(struct orl_annual_job *job, const char *folder, const char *output,
-                     uint32_t threads, const struct orl_local_tell *tell, struct orl_error *err);
+                     const char *cache, uint32_t threads, const struct orl_local_tell *tell,
+                     struct orl_error *err);
 
 #endif

@@ -4,18 +4,13 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "annual/light.h"
 #include "annual/sunlight.h"
 #include "annual/trace.h"
 #include "scene/geometry/stand.h"
 
-enum orl_year_row {
-    ORL_YEAR_TOTAL,
-    ORL_YEAR_STRAIGHT,
-    ORL_YEAR_SE,
-    ORL_YEAR_MIRRORED,
-    ORL_YEAR_SQUARES,
-    ORL_YEAR_ROWS
-};
+enum orl_year_row { ORL_YEAR_TOTAL, ORL_YEAR_DIRECT, ORL_YEAR_SE, ORL_YEAR_ROWS };
+enum orl_sun_row { ORL_SUN_STRAIGHT, ORL_SUN_MIRRORED, ORL_SUN_SQUARES, ORL_SUN_ROWS };
 
 #define TRACING 0.85 /* of a block's time, more or less */
 
@@ -26,6 +21,11 @@ static float *row_of(const struct orl_year *y, size_t sensor, enum orl_year_row 
     return y->rows + (sensor * ORL_YEAR_ROWS + row) * y->hours.n_columns;
 }
 
+static float *sun_row_of(const struct orl_year *y, size_t sensor, enum orl_sun_row row)
+{
+    return y->sun_rows + (sensor * ORL_SUN_ROWS + row) * y->hours.suns.count;
+}
+
 static void trace_batch(void *arg, size_t index, uint32_t member)
 {
     struct orl_year *y = arg;
@@ -33,14 +33,12 @@ static void trace_batch(void *arg, size_t index, uint32_t member)
     const struct orl_annual_batch batch = {.seed = y->request->seed,
                                            .sensor = y->first + sensor,
                                            .batch = (uint32_t)(index % ORL_ANNUAL_BATCHES),
+                                           .first = y->traced_before,
                                            .samples = y->batch_samples};
     struct orl_annual_sums sums = {.bins = y->bin_sums + index * ORL_BINS,
                                    .nodes = y->sun_sums + index * y->n_sun,
                                    .beams = y->sun_sums + index * y->n_sun + y->nodes.count,
                                    .lots = y->lot_sums + index * ORL_SUN_MAP_LOTS * y->n_beams};
-    memset(sums.bins, 0, ORL_BINS * sizeof *sums.bins);
-    memset(sums.nodes, 0, y->n_sun * sizeof *sums.nodes);
-    memset(sums.lots, 0, ORL_SUN_MAP_LOTS * y->n_beams * sizeof *sums.lots);
     orl_annual_trace(&y->scene, &y->places[sensor], &batch, &sums, &y->healths[member]);
     const double whole = (double)(y->count * ORL_ANNUAL_BATCHES);
     const double done = (double)(atomic_fetch_add(&y->traced, 1) + 1);
@@ -52,12 +50,12 @@ static void trace_batch(void *arg, size_t index, uint32_t member)
 static void find_sun(void *arg, size_t index, uint32_t member)
 {
     struct orl_year *y = arg;
-    const struct orl_sunlit_hours sun = {row_of(y, index, ORL_YEAR_STRAIGHT),
-                                         row_of(y, index, ORL_YEAR_MIRRORED),
-                                         row_of(y, index, ORL_YEAR_SQUARES)};
+    const struct orl_sunlit_hours sun = {sun_row_of(y, index, ORL_SUN_STRAIGHT),
+                                         sun_row_of(y, index, ORL_SUN_MIRRORED),
+                                         sun_row_of(y, index, ORL_SUN_SQUARES)};
     const uint64_t name = y->request->seed + y->first + index;
     (void)member;
-    orl_sunlit_hours_find(&y->scene, &y->hours, &y->places[index], name, &sun);
+    orl_sunlit_hours_find(&y->scene, &y->hours.suns, &y->places[index], name, &sun);
     orl_panels_add(&y->panels, &y->places[index], name, sun.mirrored, sun.squares);
 }
 
@@ -66,6 +64,7 @@ static void fill_factors(void *arg, size_t index, uint32_t member)
     struct orl_year *y = arg;
     const size_t batch = index * ORL_ANNUAL_BATCHES;
     const struct orl_annual_coefficients coefficients = {
+        .samples = y->batch_samples,
         .bins = y->bin_sums + batch * ORL_BINS,
         .sun = y->sun_sums + batch * y->n_sun,
         .lots = y->lot_sums + batch * ORL_SUN_MAP_LOTS * y->n_beams,
@@ -82,10 +81,10 @@ static void multiply(void *arg, size_t tile, uint32_t member)
     struct orl_year *y = arg;
     (void)member;
     for (size_t i = 0; i < y->count; i++) {
-        const struct orl_annual_row row = {row_of(y, i, ORL_YEAR_STRAIGHT),
-                                           row_of(y, i, ORL_YEAR_MIRRORED),
-                                           row_of(y, i, ORL_YEAR_SQUARES),
-                                           row_of(y, i, ORL_YEAR_TOTAL), row_of(y, i, ORL_YEAR_SE)};
+        const struct orl_annual_row row = {
+            sun_row_of(y, i, ORL_SUN_STRAIGHT), sun_row_of(y, i, ORL_SUN_MIRRORED),
+            sun_row_of(y, i, ORL_SUN_SQUARES),  row_of(y, i, ORL_YEAR_TOTAL),
+            row_of(y, i, ORL_YEAR_DIRECT),      row_of(y, i, ORL_YEAR_SE)};
         orl_annual_multiply(&y->factors[i], &y->hours, &y->terms, tile, &row);
     }
 }
@@ -108,8 +107,7 @@ static int hand_over(struct orl_year *y, struct orl_error *err)
     const size_t columns = y->hours.n_columns, bytes = columns * sizeof(float);
     for (size_t i = 0; i < y->count; i++) {
         const size_t sensor = y->first + i;
-        const float *total = row_of(y, i, ORL_YEAR_TOTAL),
-                    *direct = row_of(y, i, ORL_YEAR_STRAIGHT);
+        const float *total = row_of(y, i, ORL_YEAR_TOTAL), *direct = row_of(y, i, ORL_YEAR_DIRECT);
         const float *se = row_of(y, i, ORL_YEAR_SE);
         if (y->env->row) {
             const int code = y->env->row(y->env->ctx, sensor, total, direct, se, err);
@@ -124,23 +122,138 @@ static int hand_over(struct orl_year *y, struct orl_error *err)
     return 0;
 }
 
+/* ---- Parts of a block, kept or made ---------------------------------------------------------- */
+
+/* The arrays of a part, one behind the other. */
+struct part {
+    void *at;
+    size_t bytes;
+};
+
+enum { MOST_PARTS = 3 };
+
+static size_t bytes_of(const struct part parts[MOST_PARTS])
+{
+    size_t bytes = 0;
+    for (int i = 0; i < MOST_PARTS; i++)
+        bytes += parts[i].bytes;
+    return bytes;
+}
+
+/* From what was kept; true where there is any. */
+static bool fill_parts(const struct orl_keeping *it, const struct part parts[MOST_PARTS])
+{
+    const char *from = it->data;
+    if (from && it->size != bytes_of(parts))
+        from = NULL;
+    for (int i = 0; i < MOST_PARTS && parts[i].at; i++) {
+        if (!from) {
+            memset(parts[i].at, 0, parts[i].bytes);
+            continue;
+        }
+        memcpy(parts[i].at, from, parts[i].bytes);
+        from += parts[i].bytes;
+    }
+    return from != NULL;
+}
+
+static void put_parts(struct orl_year *y, struct orl_keeping *it,
+                      const struct part parts[MOST_PARTS])
+{
+    char *data = it->owed ? malloc(bytes_of(parts) + 1) : NULL, *to = data;
+    for (int i = 0; data && i < MOST_PARTS && parts[i].at; i++) {
+        memcpy(to, parts[i].at, parts[i].bytes);
+        to += parts[i].bytes;
+    }
+    if (data)
+        orl_keep_put(&y->keep, it, data, bytes_of(parts));
+    free(data);
+}
+
+static uint64_t count_rays(const struct orl_year *y)
+{
+    uint64_t rays = 0;
+    for (uint32_t i = 0; i < orl_crew_size(y->env->run->crew); i++)
+        rays += y->healths[i].rays;
+    return rays;
+}
+
+static int trace(struct orl_year *y, struct orl_keeping *it, struct orl_error *err)
+{
+    const uint64_t before = count_rays(y);
+    int code = orl_year_need_scene(y, err);
+    if (code < 0)
+        return code;
+    place_sensors(y);
+    y->traced_before = it->had / ORL_ANNUAL_BATCHES;
+    atomic_store(&y->traced, 0);
+    code = orl_crew_try(y->env->run->crew, y->count * ORL_ANNUAL_BATCHES, trace_batch, y);
+    it->rays += count_rays(y) - before;
+    return code < 0 ? orl_year_failed(y, code, err) : 0;
+}
+
+static int find_paths(struct orl_year *y, struct orl_error *err)
+{
+    const size_t batches = y->count * ORL_ANNUAL_BATCHES;
+    const struct part parts[MOST_PARTS] = {
+        {y->sun_sums, batches * y->n_sun * sizeof *y->sun_sums},
+        {y->bin_sums, batches * ORL_BINS * sizeof *y->bin_sums},
+        {y->lot_sums, batches * ORL_SUN_MAP_LOTS * y->n_beams * sizeof *y->lot_sums}};
+    struct orl_keeping it = {.what = ORL_YEARS_PATHS,
+                             .first = y->first,
+                             .count = y->count,
+                             .samples = y->result->samples};
+    int code = orl_keep_ask(&y->keep, &it, err);
+    if (code < 0)
+        return code;
+    if (!fill_parts(&it, parts))
+        it.had = 0;
+    if (it.had < it.samples)
+        code = trace(y, &it, err);
+    if (code == 0)
+        put_parts(y, &it, parts);
+    orl_keep_done(&y->keep, &it);
+    return code;
+}
+
+static int find_suns(struct orl_year *y, struct orl_error *err)
+{
+    const size_t bytes = y->count * ORL_SUN_ROWS * y->hours.suns.count * sizeof *y->sun_rows;
+    const struct part parts[MOST_PARTS] = {{y->sun_rows, bytes}};
+    struct orl_keeping it = {.what = ORL_YEARS_SUN, .first = y->first, .count = y->count};
+    int code = orl_keep_ask(&y->keep, &it, err);
+    if (code < 0)
+        return code;
+    if (!fill_parts(&it, parts)) {
+        code = orl_year_need_panels(y, err);
+        if (code == 0) {
+            place_sensors(y);
+            code = orl_crew_try(y->env->run->crew, y->count, find_sun, y);
+            code = code < 0 ? orl_year_failed(y, code, err) : 0;
+        }
+    }
+    if (code == 0)
+        put_parts(y, &it, parts);
+    orl_keep_done(&y->keep, &it);
+    return code;
+}
+
 static int run_block(struct orl_year *y, struct orl_error *err)
 {
     struct orl_crew *crew = y->env->run->crew;
     double since = orl_year_now(y);
-    place_sensors(y);
-    atomic_store(&y->traced, 0);
-    int code = orl_crew_try(crew, y->count * ORL_ANNUAL_BATCHES, trace_batch, y);
+    int code = find_paths(y, err);
     orl_year_book(y, ORL_ANNUAL_PATHS, &since);
     if (code == 0)
-        code = orl_crew_try(crew, y->count, find_sun, y);
+        code = find_suns(y, err);
     orl_year_book(y, ORL_ANNUAL_SUN, &since);
-    if (code == 0)
-        code = orl_crew_try(crew, y->count, fill_factors, y);
+    if (code < 0)
+        return code;
+    code = orl_crew_try(crew, y->count, fill_factors, y);
     if (code == 0)
         code = orl_crew_try(crew, y->hours.n_tiles, multiply, y);
     if (code < 0)
-        return code == ORL_ERR_CANCELLED ? orl_year_cancelled(err) : orl_year_no_memory(err);
+        return orl_year_failed(y, code, err);
     code = hand_over(y, err);
     orl_year_book(y, ORL_ANNUAL_HOURS, &since);
     return code;
@@ -157,11 +270,13 @@ static int make_room(struct orl_year *y)
     y->sun_by_lot = malloc(((size_t)ORL_YEAR_BLOCK * ORL_SUN_MAP_LOTS * y->n_beams + 1) *
                            sizeof *y->sun_by_lot);
     y->rows = malloc(((size_t)ORL_YEAR_BLOCK * ORL_YEAR_ROWS * columns + 1) * sizeof *y->rows);
+    y->sun_rows = malloc(((size_t)ORL_YEAR_BLOCK * ORL_SUN_ROWS * y->hours.suns.count + 1) *
+                         sizeof *y->sun_rows);
     y->factors = malloc(ORL_YEAR_BLOCK * sizeof *y->factors);
     y->sun_by_batch = malloc(((batches + ORL_YEAR_BLOCK) * y->n_sun + 1) * sizeof *y->sun_by_batch);
     y->healths = calloc(orl_crew_size(y->env->run->crew), sizeof *y->healths);
     if (!y->bin_sums || !y->sun_sums || !y->lot_sums || !y->sun_by_lot || !y->factors ||
-        !y->sun_by_batch || !y->rows || !y->healths)
+        !y->sun_by_batch || !y->rows || !y->sun_rows || !y->healths)
         return ORL_ERR_NOMEM;
     if (y->env->row)
         return 0;
@@ -237,5 +352,6 @@ void orl_year_blocks_done(struct orl_year *y)
     free(y->lot_sums);
     free(y->sun_by_lot);
     free(y->rows);
+    free(y->sun_rows);
     free(y->healths);
 }

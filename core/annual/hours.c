@@ -13,7 +13,8 @@ struct reader {
     double reflectance;
     struct orl_daylight *daylights;
     double *diffuse_w;
-    struct orl_error *errors; /* by row: code 0 where all is well */
+    struct orl_daylight_sun *suns; /* by row */
+    struct orl_error *errors;      /* by row: code 0 where all is well */
 };
 
 static void read_row(void *arg, size_t index, uint32_t member)
@@ -21,6 +22,7 @@ static void read_row(void *arg, size_t index, uint32_t member)
     struct reader *r = arg;
     const struct orl_weather_row *row = &r->weather->rows[index];
     (void)member;
+    r->suns[index] = orl_daylight_sun_of_row(r->weather, row);
     if (row->missing)
         return;
     if (orl_daylight_of_row(r->weather, row, &r->daylights[index], &r->diffuse_w[index],
@@ -77,18 +79,32 @@ static int make_steps(struct orl_hours *hours, const struct reader *r, struct or
     return 0;
 }
 
+/* Of all rows, whatever was measured there. */
 static void place_suns(struct orl_hours *hours, const struct reader *r, double north_deg)
 {
     const struct orl_turn turn = orl_turn_by(north_deg);
-    for (size_t c = 0; c < hours->n_columns; c++) {
-        const struct orl_daylight *d = &r->daylights[hours->step_of_column[c]];
-        const struct orl_vec3 sun = orl_normalize(d->sun);
-        hours->sky_suns[c] = sun;
-        hours->suns[c] = (struct orl_hour_sun){
-            .towards = orl_turn_to_scene(turn, sun),
-            .normal_lx = hours->steps[hours->step_of_column[c]].direct_normal_lx,
-            .angle_rad = d->sun_angle_deg * ORL_DEG_TO_RAD};
+    struct orl_year_suns *suns = &hours->suns;
+    for (size_t i = 0; i < hours->n_steps; i++) {
+        const struct orl_annual_step *step = &hours->steps[i];
+        const bool is_up = r->suns[i].angle_deg > 0;
+        if (step->column != ORL_ANNUAL_DARK)
+            hours->sun_of_column[step->column] =
+                (struct orl_column_sun){(uint32_t)suns->count, is_up ? step->direct_normal_lx : 0};
+        if (!is_up)
+            continue;
+        const struct orl_vec3 sun = orl_normalize(r->suns[i].towards);
+        suns->in_sky[suns->count] = sun;
+        suns->at[suns->count++] =
+            (struct orl_hour_sun){.towards = orl_turn_to_scene(turn, sun),
+                                  .angle_rad = r->suns[i].angle_deg * ORL_DEG_TO_RAD,
+                                  .wanted = step->direct_normal_lx > 0};
     }
+}
+
+void orl_hours_want_all(struct orl_hours *hours)
+{
+    for (size_t i = 0; i < hours->suns.count; i++)
+        hours->suns.at[i].wanted = true;
 }
 
 /* ---- Skies ----------------------------------------------------------------------------------- */
@@ -143,9 +159,10 @@ static int make_all(struct orl_hours *hours, const struct orl_bins *bins, struct
         code = make_steps(hours, r, err);
     if (code < 0)
         return code;
-    hours->suns = calloc(hours->n_columns + 1, sizeof *hours->suns);
-    hours->sky_suns = calloc(hours->n_columns + 1, sizeof *hours->sky_suns);
-    if (!hours->suns || !hours->sky_suns)
+    hours->suns.at = calloc(n + 1, sizeof *hours->suns.at);
+    hours->suns.in_sky = calloc(n + 1, sizeof *hours->suns.in_sky);
+    hours->sun_of_column = calloc(hours->n_columns + 1, sizeof *hours->sun_of_column);
+    if (!hours->suns.at || !hours->suns.in_sky || !hours->sun_of_column)
         return ORL_ERR_NOMEM;
     place_suns(hours, r, north_deg);
     return paint(hours, bins, r, crew);
@@ -166,9 +183,10 @@ int orl_hours_init(struct orl_hours *hours, const struct orl_bins *bins,
     hours->step_of_column = calloc(n + 1, sizeof *hours->step_of_column);
     r.daylights = calloc(n + 1, sizeof *r.daylights);
     r.diffuse_w = calloc(n + 1, sizeof *r.diffuse_w);
+    r.suns = calloc(n + 1, sizeof *r.suns);
     r.errors = calloc(n + 1, sizeof *r.errors);
     struct orl_error why = {0};
-    if (hours->steps && hours->step_of_column && r.daylights && r.diffuse_w && r.errors)
+    if (hours->steps && hours->step_of_column && r.daylights && r.diffuse_w && r.suns && r.errors)
         code = make_all(hours, bins, &r, north_deg, crew, &why);
     if (code < 0 && why.code == code && err)
         *err = why;
@@ -177,6 +195,7 @@ int orl_hours_init(struct orl_hours *hours, const struct orl_bins *bins,
                       code == ORL_ERR_CANCELLED ? "cancelled" : "out of memory for skies");
     free(r.daylights);
     free(r.diffuse_w);
+    free(r.suns);
     free(r.errors);
     return code;
 }
@@ -185,8 +204,9 @@ void orl_hours_done(struct orl_hours *hours)
 {
     free(hours->steps);
     free(hours->step_of_column);
-    free(hours->suns);
-    free(hours->sky_suns);
+    free(hours->suns.at);
+    free(hours->suns.in_sky);
+    free(hours->sun_of_column);
     free(hours->fine);
     free(hours->coarse);
     *hours = (struct orl_hours){.steps = NULL};

@@ -12,6 +12,8 @@
 #ifndef ORL_ANNUAL_HOURS_H
 #define ORL_ANNUAL_HOURS_H
 
+#include <stdbool.h>
+
 #include <oriel/annual.h>
 
 #include "annual/bins.h"
@@ -19,11 +21,27 @@
 
 enum { ORL_HOURS_TILE = 64, ORL_HOURS_MOST = 35136 /* rows: a leap year's quarters of hours */ };
 
-/* The sun of a column, as the scene has it (north turned). */
+/* A sun, as the scene has it (north turned). */
 struct orl_hour_sun {
-    struct orl_vec3 towards; /* unit; of no meaning where there is none */
-    double normal_lx;        /* 0: none */
+    struct orl_vec3 towards; /* unit */
     double angle_rad;        /* across */
+    bool wanted;             /* some column has it */
+};
+
+/*
+ * Where the sun stands at the rows of a file, whatever weather they have: another file of the same
+ * site and times has the same. What it gives is said for a sun that gives 1 to what faces it.
+ */
+struct orl_year_suns {
+    struct orl_hour_sun *at;
+    struct orl_vec3 *in_sky; /* the same directions before north is turned */
+    size_t count;
+};
+
+/* Of a column: which of the suns, and what it gives a plane that faces it; 0 lx: none. */
+struct orl_column_sun {
+    uint32_t sun;
+    double normal_lx;
 };
 
 struct orl_hours {
@@ -31,8 +49,8 @@ struct orl_hours {
     size_t n_steps;
     uint32_t *step_of_column; /* likewise */
     size_t n_columns, n_tiles;
-    struct orl_hour_sun *suns;  /* by column */
-    struct orl_vec3 *sky_suns;  /* the same directions before north is turned */
+    struct orl_year_suns suns;
+    struct orl_column_sun *sun_of_column;
     float *fine, *coarse;       /* tiles of ORL_BINS, and of ORL_BINS_COARSE, rows: W/sr/m2 */
     size_t n_missing, n_warned; /* rows */
     char warning[640];          /* the first of those that models gave, or "" */
@@ -44,6 +62,8 @@ int orl_hours_init(struct orl_hours *hours, const struct orl_bins *bins,
                    const struct orl_weather *weather, const char *weather_name, double north_deg,
                    double ground_reflectance, struct orl_crew *crew, struct orl_error *err);
 void orl_hours_done(struct orl_hours *hours);
+/* As if every sun had a column that it shines in. */
+void orl_hours_want_all(struct orl_hours *hours);
 
 /* A direction of the scene as the sky has it, north being turned; and back. */
 struct orl_turn {

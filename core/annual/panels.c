@@ -61,15 +61,15 @@ static struct orl_vec3 about_sun(const struct orl_hour_sun *sun, const double u[
     return orl_sun_sample(&disc, u);
 }
 
-static void draw_kind(const struct maker *maker, uint32_t kind, size_t column)
+static void draw_kind(const struct maker *maker, uint32_t kind, size_t which)
 {
     struct orl_panels *panels = maker->panels;
     const struct orl_panel_kind *k = &panels->kinds[kind];
-    const struct orl_hour_sun *sun = &panels->hours->suns[column];
+    const struct orl_hour_sun *sun = &panels->suns->at[which];
     struct orl_panel_draw *draws =
-        panels->draws + ((size_t)kind * panels->hours->n_columns + column) * DRAWS;
+        panels->draws + ((size_t)kind * panels->suns->count + which) * DRAWS;
     const struct orl_hit hit = orl_hit_anywhere(k->normal, orl_dot(sun->towards, k->normal) > 0);
-    const uint64_t name = orl_mix64(maker->seed ^ orl_mix64(column * ORL_PANEL_MOST_KINDS + kind));
+    const uint64_t name = orl_mix64(maker->seed ^ orl_mix64(which * ORL_PANEL_MOST_KINDS + kind));
     for (uint32_t i = 0; i < DRAWS; i++) {
         double u[5];
         struct orl_panel_draw *draw = &draws[i];
@@ -96,10 +96,10 @@ static void draw_kind(const struct maker *maker, uint32_t kind, size_t column)
 
 /* Of the light of an hour's sun, from a point of its disc, the share that comes to a pane there. */
 static double share_there(const struct orl_panels *panels, const struct orl_panel *panel,
-                          size_t column, struct orl_vec3 point, const double u[2])
+                          size_t which, struct orl_vec3 point, const double u[2])
 {
     const struct orl_world *world = panels->world;
-    const struct orl_vec3 towards = about_sun(&panels->hours->suns[column], u);
+    const struct orl_vec3 towards = about_sun(&panels->suns->at[which], u);
     if (!(orl_dot(towards, panel->inward) < 0))
         return 0;
     const struct orl_vec3 start =
@@ -107,34 +107,34 @@ static double share_there(const struct orl_panels *panels, const struct orl_pane
     return orl_luma(orl_transmittance(world, start, towards, INFINITY, true));
 }
 
-static void make_column(void *arg, size_t column, uint32_t member)
+static void draw_sun(void *arg, size_t which, uint32_t member)
 {
     const struct maker *maker = arg;
     const struct orl_panels *panels = maker->panels;
-    const struct orl_hour_sun *sun = &panels->hours->suns[column];
+    const struct orl_hour_sun *sun = &panels->suns->at[which];
     (void)member;
-    if (!(sun->normal_lx > 0))
+    if (!sun->wanted)
         return;
     for (uint32_t kind = 0; kind < panels->n_kinds; kind++)
         if (orl_dot(sun->towards, panels->kinds[kind].inward) < 0)
-            draw_kind(maker, kind, column);
+            draw_kind(maker, kind, which);
 }
 
 int orl_panels_init(struct orl_panels *panels, const struct orl_world *world,
-                    const struct orl_hours *hours, const struct orl_sobol *sobol, uint64_t seed,
+                    const struct orl_year_suns *suns, const struct orl_sobol *sobol, uint64_t seed,
                     struct orl_crew *crew)
 {
     struct maker maker = {panels, sobol, seed};
-    *panels = (struct orl_panels){.world = world, .hours = hours};
+    *panels = (struct orl_panels){.world = world, .suns = suns};
     if (world->open || world->n_ports == 0)
         return 0;
     const int code = find_panes(panels);
     if (code < 0 || panels->count == 0)
         return code;
-    panels->draws = malloc(panels->n_kinds * hours->n_columns * DRAWS * sizeof *panels->draws);
+    panels->draws = malloc(panels->n_kinds * suns->count * DRAWS * sizeof *panels->draws);
     if (!panels->draws)
         return ORL_ERR_NOMEM;
-    return orl_crew_try(crew, hours->n_columns, make_column, &maker);
+    return orl_crew_try(crew, suns->count, draw_sun, &maker);
 }
 
 void orl_panels_done(struct orl_panels *panels)
@@ -195,11 +195,11 @@ static void look_at_points(struct before *b, uint64_t name)
 }
 
 /* What of the sun comes to a point of the pane; number: of the ray, among an hour's. */
-static double sun_on(const struct before *b, size_t column, uint32_t number, struct orl_vec3 point)
+static double sun_on(const struct before *b, size_t which, uint32_t number, struct orl_vec3 point)
 {
-    const uint64_t lot = orl_mix64(b->name ^ orl_mix64((column << 8) + number));
+    const uint64_t lot = orl_mix64(b->name ^ orl_mix64((which << 8) + number));
     const double u[2] = {(double)(uint32_t)lot * 0x1p-32, (double)(lot >> 32) * 0x1p-32};
-    return share_there(b->panels, b->panel, column, point, u);
+    return share_there(b->panels, b->panel, which, point, u);
 }
 
 /* One of each block of four parts, by lot: which. */
@@ -220,11 +220,11 @@ static uint32_t group_of_block(uint32_t block)
 }
 
 /* Points of the pane: to groups, of a sun that gives 1 to what faces it. */
-static void add_points(const struct before *b, size_t column, uint64_t lot, double groups[GROUPS])
+static void add_points(const struct before *b, size_t which, uint64_t lot, double groups[GROUPS])
 {
     const struct orl_panels *panels = b->panels;
     const struct orl_panel_kind *k = &panels->kinds[b->panel->kind];
-    const struct orl_hour_sun *sun = &panels->hours->suns[column];
+    const struct orl_hour_sun *sun = &panels->suns->at[which];
     const struct orl_hit hit = orl_hit_anywhere(k->normal, orl_dot(sun->towards, k->normal) > 0);
     const double onto = -orl_dot(sun->towards, k->inward);
     for (uint32_t block = 0; block < POINTS; block++) {
@@ -234,7 +234,7 @@ static void add_points(const struct before *b, size_t column, uint64_t lot, doub
             continue;
         const double f =
             orl_luma(orl_scatter_eval_lobes(k->material, &hit, sun->towards, s->towards));
-        const double lit = f > 0 ? sun_on(b, column, part, s->point) : 0;
+        const double lit = f > 0 ? sun_on(b, which, part, s->point) : 0;
         if (!(lit > 0))
             continue;
         const double of_draws =
@@ -265,13 +265,13 @@ static double sight_of(const struct before *b, struct orl_vec3 towards)
 }
 
 /* Directions drawn by the BSDF, of which the sensor sees those that come from the pane. */
-static void add_draws(const struct before *b, size_t column, double groups[GROUPS])
+static void add_draws(const struct before *b, size_t which, double groups[GROUPS])
 {
     const struct orl_panels *panels = b->panels;
     const struct orl_panel *panel = b->panel;
-    const size_t columns = panels->hours->n_columns;
+    const size_t suns = panels->suns->count;
     const struct orl_panel_draw *draws =
-        panels->draws + ((size_t)panel->kind * columns + column) * DRAWS;
+        panels->draws + ((size_t)panel->kind * suns + which) * DRAWS;
     for (uint32_t i = 0; i < DRAWS; i++) {
         const struct orl_panel_draw *d = &draws[i];
         double distance;
@@ -284,7 +284,7 @@ static void add_draws(const struct before *b, size_t column, double groups[GROUP
             continue;
         const struct orl_vec3 point = orl_madd(b->place->point, there, distance);
         const double seen = sight_of(b, there);
-        const double share = seen > 0 ? seen * sun_on(b, column, PARTS + i, point) : 0;
+        const double share = seen > 0 ? seen * sun_on(b, which, PARTS + i, point) : 0;
         if (!(share > 0))
             continue;
         const double leaving = -orl_dot(there, panel->inward);
@@ -308,10 +308,10 @@ void orl_panels_add(const struct orl_panels *panels, const struct orl_place *pla
         if (place->outside || !(orl_dot(from, b.panel->inward) > 0))
             continue;
         look_at_points(&b, name);
-        for (size_t c = 0; b.any && c < panels->hours->n_columns; c++) {
-            const struct orl_hour_sun *sun = &panels->hours->suns[c];
+        for (size_t c = 0; b.any && c < panels->suns->count; c++) {
+            const struct orl_hour_sun *sun = &panels->suns->at[c];
             double groups[GROUPS] = {0}, mean = 0, spread = 0;
-            if (!(sun->normal_lx > 0) || !(orl_dot(sun->towards, b.panel->inward) < 0))
+            if (!sun->wanted || !(orl_dot(sun->towards, b.panel->inward) < 0))
                 continue;
             add_points(&b, c, orl_mix64(name ^ orl_mix64(c * 64 + pane)), groups);
             add_draws(&b, c, groups);
@@ -319,8 +319,8 @@ void orl_panels_add(const struct orl_panels *panels, const struct orl_place *pla
                 mean += groups[g] / GROUPS;
             for (int g = 0; g < GROUPS; g++)
                 spread += (groups[g] - mean) * (groups[g] - mean) / (GROUPS * (GROUPS - 1.0));
-            light[c] += (float)(sun->normal_lx * mean);
-            squares[c] += (float)(sun->normal_lx * sun->normal_lx * spread);
+            light[c] += (float)mean;
+            squares[c] += (float)spread;
         }
     }
 }

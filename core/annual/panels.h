@@ -44,24 +44,24 @@ struct orl_panel_kind {
 };
 
 struct orl_panels {
-    const struct orl_world *world; /* borrowed, as hours are */
-    const struct orl_hours *hours;
+    const struct orl_world *world; /* borrowed, as suns are */
+    const struct orl_year_suns *suns;
     struct orl_panel *at;
     size_t count;
     struct orl_panel_kind kinds[ORL_PANEL_MOST_KINDS];
     size_t n_kinds;
-    struct orl_panel_draw *draws; /* [kind][column][draw] */
+    struct orl_panel_draw *draws; /* [kind][sun][draw] */
 };
 
 /* Returns 0, ORL_ERR_NOMEM, _LIMIT (too many kinds) or _CANCELLED; orl_panels_done in either case.
  */
 int orl_panels_init(struct orl_panels *panels, const struct orl_world *world,
-                    const struct orl_hours *hours, const struct orl_sobol *sobol, uint64_t seed,
+                    const struct orl_year_suns *suns, const struct orl_sobol *sobol, uint64_t seed,
                     struct orl_crew *crew);
 void orl_panels_done(struct orl_panels *panels);
 
-/* Adds to every column what comes by panels, lx, and to squares the square of its standard error.
- * name: of the sensor. */
+/* Adds for every sun that is wanted what comes by panels, of one that gives 1 to what faces it, and
+ * to squares the square of its standard error. name: of the sensor. */
 void orl_panels_add(const struct orl_panels *panels, const struct orl_place *place, uint64_t name,
                     float *light, float *squares);
 

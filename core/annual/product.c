@@ -20,11 +20,11 @@ static ORL_FOR_WIDE_VECTORS void add_products(const float *coefficients, uint32_
     }
 }
 
-/* All batches of a column; sun: [node or beam][batch]. */
-static ORL_FOR_WIDE_VECTORS void add_sun(const struct orl_sun_terms *terms, size_t column,
+/* All batches of a sun; sun: [node or beam][batch]. */
+static ORL_FOR_WIDE_VECTORS void add_sun(const struct orl_sun_terms *terms, size_t which,
                                          const double *sun, double sums[BATCHES])
 {
-    for (uint32_t i = terms->first[column]; i < terms->first[column + 1]; i++) {
+    for (uint32_t i = terms->first[which]; i < terms->first[which + 1]; i++) {
         const double weight = (double)terms->weights[i];
         const double *batches = sun + (size_t)terms->which[i] * BATCHES;
         for (int b = 0; b < BATCHES; b++)
@@ -34,12 +34,12 @@ static ORL_FOR_WIDE_VECTORS void add_sun(const struct orl_sun_terms *terms, size
 
 /* How far two ways of interpolation lie apart: of that, a share is the error of the better one, as
  * rooms with blinds have it. */
-static double interpolation_error(const struct orl_sun_terms *terms, size_t column,
+static double interpolation_error(const struct orl_sun_terms *terms, size_t which,
                                   const double *means)
 {
     static const double share = 0.35;
     double sum = 0;
-    for (uint32_t i = terms->first[column]; i < terms->first[column + 1]; i++)
+    for (uint32_t i = terms->first[which]; i < terms->first[which + 1]; i++)
         sum += (double)terms->apart[i] * means[terms->which[i]];
     return share * sum;
 }
@@ -48,6 +48,7 @@ static void fill_lots(struct orl_annual_factors *f,
                       const struct orl_annual_coefficients *coefficients, double *lots)
 {
     const size_t n = coefficients->n_beams;
+    const double share = 1.0 / coefficients->samples;
     f->n_nodes = coefficients->n_sun - n;
     f->lots = lots;
     memset(lots, 0, n * LOTS * sizeof *lots);
@@ -55,15 +56,15 @@ static void fill_lots(struct orl_annual_factors *f,
         for (size_t lot = 0; lot < LOTS; lot++)
             for (size_t i = 0; i < n; i++)
                 lots[i * LOTS + lot] +=
-                    (double)coefficients->lots[(b * LOTS + lot) * n + i] / BATCHES;
+                    (double)coefficients->lots[(b * LOTS + lot) * n + i] * share / BATCHES;
 }
 
 /* Square of the standard error that the map of the sun has by its photons. */
 static double photon_squares(const struct orl_annual_factors *f, const struct orl_sun_terms *terms,
-                             size_t column)
+                             size_t which)
 {
     double sums[LOTS] = {0}, mean = 0, squares = 0;
-    for (uint32_t i = terms->first[column]; i < terms->first[column + 1]; i++) {
+    for (uint32_t i = terms->first[which]; i < terms->first[which + 1]; i++) {
         if (terms->which[i] < f->n_nodes)
             continue;
         const double *lots = f->lots + (terms->which[i] - f->n_nodes) * LOTS;
@@ -82,6 +83,7 @@ void orl_annual_factors_fill(struct orl_annual_factors *f, const struct orl_bins
                              double *lots)
 {
     const size_t n = coefficients->n_sun;
+    const double share = 1.0 / coefficients->samples;
     memset(f->coarse, 0, sizeof f->coarse);
     fill_lots(f, coefficients, lots);
     f->sun = sun;
@@ -89,18 +91,18 @@ void orl_annual_factors_fill(struct orl_annual_factors *f, const struct orl_bins
     memset(f->sun_means, 0, n * sizeof *f->sun_means);
     for (size_t b = 0; b < BATCHES; b++)
         for (size_t i = 0; i < n; i++) {
-            sun[i * BATCHES + b] = coefficients->sun[b * n + i];
-            f->sun_means[i] += coefficients->sun[b * n + i] / BATCHES;
+            sun[i * BATCHES + b] = coefficients->sun[b * n + i] * share;
+            f->sun_means[i] += sun[i * BATCHES + b] / BATCHES;
         }
     for (uint32_t bin = 0; bin < ORL_BINS; bin++) {
         double sum = 0;
         for (int b = 0; b < BATCHES; b++)
             sum += (double)coefficients->bins[(size_t)b * ORL_BINS + bin];
-        const float mean = (float)(sum / BATCHES);
+        const float mean = (float)(sum * share / BATCHES);
         f->bins[bin] = mean;
         for (int b = 0; sum > 0 && b < BATCHES; b++)
             f->coarse[b][bins->coarse_of[bin]] +=
-                coefficients->bins[(size_t)b * ORL_BINS + bin] - mean;
+                coefficients->bins[(size_t)b * ORL_BINS + bin] * (float)share - mean;
     }
 }
 
@@ -113,11 +115,14 @@ static void find_errors(const struct orl_annual_factors *f, const struct orl_hou
     memset(sun, 0, sizeof sun);
     memset(ret_sun, 0, TILE * sizeof *ret_sun);
     for (uint32_t j = 0; j < n; j++) {
-        const size_t column = tile * TILE + j;
-        const double lx = hours->suns[column].normal_lx;
-        const double off = lx * interpolation_error(terms, column, f->sun_means);
-        ret_squares[j] = off * off + lx * lx * photon_squares(f, terms, column);
-        add_sun(terms, column, f->sun, sun[j]);
+        const struct orl_column_sun *of = &hours->sun_of_column[tile * TILE + j];
+        const double lx = of->normal_lx;
+        ret_squares[j] = 0;
+        if (!(lx > 0))
+            continue;
+        const double off = lx * interpolation_error(terms, of->sun, f->sun_means);
+        ret_squares[j] = off * off + lx * lx * photon_squares(f, terms, of->sun);
+        add_sun(terms, of->sun, f->sun, sun[j]);
         for (int b = 0; b < BATCHES; b++) {
             sun[j][b] *= lx;
             ret_sun[j] += sun[j][b] / BATCHES;
@@ -133,6 +138,21 @@ static void find_errors(const struct orl_annual_factors *f, const struct orl_hou
     }
 }
 
+static void put_column(const struct orl_annual_row *row, size_t column,
+                       const struct orl_column_sun *of, double indirect, double squares)
+{
+    const double lx = of->normal_lx;
+    double straight = 0, mirrored = 0;
+    if (lx > 0) {
+        straight = lx * (double)row->straight[of->sun];
+        mirrored = lx * (double)row->mirrored[of->sun];
+        squares += lx * lx * (double)row->squares[of->sun];
+    }
+    row->direct[column] = (float)straight;
+    row->total[column] = (float)(indirect + straight + mirrored);
+    row->se[column] = (float)sqrt(squares);
+}
+
 void orl_annual_multiply(const struct orl_annual_factors *f, const struct orl_hours *hours,
                          const struct orl_sun_terms *terms, size_t tile,
                          const struct orl_annual_row *row)
@@ -143,10 +163,7 @@ void orl_annual_multiply(const struct orl_annual_factors *f, const struct orl_ho
     float sky[TILE] = {0};
     add_products(f->bins, ORL_BINS, hours->fine + tile * ORL_BINS * TILE, sky);
     find_errors(f, hours, terms, tile, n, squares, sun);
-    for (uint32_t j = 0; j < n; j++) {
-        const size_t c = first + j;
-        row->total[c] = (float)(ORL_EFFICACY_LM_PER_W * (double)sky[j] + fmax(sun[j], 0) +
-                                (double)row->straight[c] + (double)row->mirrored[c]);
-        row->se[c] = (float)sqrt(squares[j] + (double)row->squares[c]);
-    }
+    for (uint32_t j = 0; j < n; j++)
+        put_column(row, first + j, &hours->sun_of_column[first + j],
+                   ORL_EFFICACY_LM_PER_W * (double)sky[j] + fmax(sun[j], 0), squares[j]);
 }

@@ -7,19 +7,19 @@
 #include "annual/hours.h"
 #include "annual/terms.h"
 
-/* Coefficients of a sensor, of each batch. */
+/* Coefficients of a sensor, of each batch: sums over its samples (trace.h). */
 struct orl_annual_coefficients {
+    uint32_t samples;
     float *bins; /* [ORL_ANNUAL_BATCHES][ORL_BINS] */
     double *sun; /* [ORL_ANNUAL_BATCHES][n_sun]: nodes, then beams */
     float *lots; /* [ORL_ANNUAL_BATCHES][ORL_SUN_MAP_LOTS][n_beams]: of beams, by each lot alone */
     size_t n_sun, n_beams;
 };
 
-/* Its columns; straight, mirrored and squares of its errors are given (sunlight.h), total and se
- * come of it. */
+/* What suns give straight is given, by sun (sunlight.h); the columns' light comes of it. */
 struct orl_annual_row {
     const float *straight, *mirrored, *squares;
-    float *total, *se;
+    float *total, *direct, *se;
 };
 
 /*

@@ -91,6 +91,15 @@ const char *orl_annual_stage_name(enum orl_annual_stage stage)
     return stage < ORL_ANNUAL_STAGES ? names[stage] : "";
 }
 
+const char *orl_annual_kept_name(enum orl_annual_kept kind)
+{
+    static const char *const names[ORL_YEARS_KINDS] = {[ORL_YEARS_SUNS] = "suns",
+                                                       [ORL_YEARS_MAP] = "map",
+                                                       [ORL_YEARS_PATHS] = "paths",
+                                                       [ORL_YEARS_SUN] = "sun"};
+    return kind < ORL_YEARS_KINDS ? names[kind] : "";
+}
+
 void orl_annual_done(struct orl_annual_result *result)
 {
     if (!result)

@@ -3,7 +3,7 @@
 #include <string.h>
 
 #include "annual/blocks.h"
-#include "annual/scope.h"
+#include "annual/light.h"
 #include "run/scene.h"
 
 /* Half an hour: a patch of sun moves by a quarter of its distance from the window. */
@@ -22,6 +22,17 @@ static int admit_sources(const struct orl_description *description, struct orl_e
     orl_error_at(err, NULL, 0, "scene");
     orl_error_hint(err, "Leave sky and sun out of the scene");
     return ORL_ERR_INVALID;
+}
+
+/* By what it is read from, and what of it is swapped. */
+static void name_scene(struct orl_year *y, const struct orl_description *description)
+{
+    struct orl_sha256 hash;
+    orl_sha256_init(&hash);
+    orl_sha256_add(&hash, description->digest, ORL_SHA256_BYTES);
+    if (y->variant && y->variant->swaps)
+        orl_swaps_digest(y->variant->swaps, &hash);
+    orl_sha256_finish(&hash, y->digest);
 }
 
 /* The scene and the lamps in it, as a job of no sky loads them. */
@@ -43,6 +54,8 @@ static int load_scene(struct orl_year *y, struct orl_error *err)
     y->lights = state.lights;
     if (code == 0)
         code = admit_sources(&state.scene->description, err);
+    if (code == 0)
+        name_scene(y, &state.scene->description);
     orl_scene_release(state.scene);
     orl_health_add(&y->result->health, &result.health);
     y->result->warnings = result.warnings;
@@ -53,53 +66,16 @@ static int load_scene(struct orl_year *y, struct orl_error *err)
     return code;
 }
 
-static void warn_of_curved(struct orl_year *y)
-{
-    uint32_t first = 0;
-    const size_t n = orl_annual_count_curved(y->world, &first);
-    if (n == 0)
-        return;
-    const struct orl_description *d = &y->world->scene->description;
-    const struct orl_surface *surface = &d->surfaces[y->world->geometry->facets[first].surface];
-    orl_year_warn(y,
-                  "sunlight that %zu curved panes or polished surfaces mirror is left out (first: "
-                  "%.100s at %.200s:%d): make them of flat pieces",
-                  n, surface->name, surface->file, surface->line);
-}
-
-static int make_world(struct orl_year *y, struct orl_error *err)
-{
-    int code = load_scene(y, err);
-    if (code == 0)
-        code = orl_world_new(y->lights, &y->world, err);
-    if (code == 0)
-        code = orl_annual_admit(y->world, err);
-    if (code < 0 || !y->world)
-        return code;
-    warn_of_curved(y);
-    if (y->world->n_emitters > 0)
-        orl_year_warn(y, "the scene's lamps are left out: a year of daylight has no lamps on");
-    y->world->n_emitters = 0;
-    return 0;
-}
-
 /* ---- Skies ----------------------------------------------------------------------------------- */
 
-/* Nodes of the columns that have a sun. */
+/* For all suns, whatever the weather makes of them. */
 static int place_nodes(struct orl_year *y)
 {
-    const struct orl_hours *hours = &y->hours;
+    const struct orl_year_suns *suns = &y->hours.suns;
     const struct orl_turn north = orl_turn_by(y->request->north_deg);
-    struct orl_vec3 *suns = malloc((hours->n_columns + 1) * sizeof *suns);
-    size_t n = 0;
-    if (!suns)
-        return ORL_ERR_NOMEM;
-    for (size_t c = 0; c < hours->n_columns; c++)
-        if (hours->suns[c].normal_lx > 0)
-            suns[n++] = hours->sky_suns[c];
-    const int code = orl_sun_nodes_init(&y->nodes, y->result->latitude_deg, suns, n,
-                                        orl_sun_spacing_at(y->result->latitude_deg, spacing));
-    free(suns);
+    const int code =
+        orl_sun_nodes_init(&y->nodes, y->result->latitude_deg, suns->in_sky, suns->count,
+                           orl_sun_spacing_at(y->result->latitude_deg, spacing));
     y->node_frames = malloc((y->nodes.count + 1) * sizeof *y->node_frames);
     if (code < 0 || !y->node_frames)
         return ORL_ERR_NOMEM;
@@ -111,7 +87,7 @@ static int place_nodes(struct orl_year *y)
 static int prepare(struct orl_year *y, struct orl_error *err)
 {
     double since = orl_year_now(y);
-    int code = make_world(y, err);
+    int code = load_scene(y, err);
     orl_year_book(y, ORL_ANNUAL_LOAD, &since);
     orl_bins_init(&y->bins);
     orl_year_tell(y, ORL_STAGE_MAPS, 0);
@@ -123,31 +99,12 @@ static int prepare(struct orl_year *y, struct orl_error *err)
         return code;
     if (place_nodes(y) < 0)
         return orl_year_no_memory(err);
-    if (orl_annual_scene_init(&y->scene, y->world, &y->bins, orl_turn_by(y->request->north_deg),
-                              y->node_frames, y->nodes.count, y->nodes.a_circle, y->request->seed,
-                              y->env->run->crew) < 0)
-        return orl_crew_cancelled(y->env->run->crew) ? orl_year_cancelled(err)
-                                                     : orl_year_no_memory(err);
-    if (y->scene.mirrors.n_left_out > 0)
-        orl_year_warn(y,
-                      "flat mirrors and panes lie in more planes than a year follows: the sun's "
-                      "reflections in %zu of them, the smallest, are left out",
-                      y->scene.mirrors.n_left_out);
-    y->n_beams = y->scene.map ? orl_sun_map_beams(y->scene.map)->count : 0;
-    y->n_sun = y->nodes.count + y->n_beams;
-    code = orl_sun_terms_init(&y->terms, &y->hours, &y->nodes, y->node_frames, y->scene.map,
-                              y->env->run->crew);
+    orl_keep_begin(&y->keep, y, y->digest);
+    if (y->env->reuse)
+        orl_hours_want_all(&y->hours);
+    code = orl_year_find_suns(y, err);
     if (code < 0)
-        return code == ORL_ERR_CANCELLED ? orl_year_cancelled(err) : orl_year_no_memory(err);
-    code = orl_panels_init(&y->panels, y->world, &y->hours, &y->scene.sobol, y->request->seed,
-                           y->env->run->crew);
-    if (code == ORL_ERR_LIMIT)
-        return orl_error_set(err, code,
-                             "more than %d kinds of BSDF panes, by material and "
-                             "direction, are too many for a year",
-                             ORL_PANEL_MOST_KINDS);
-    if (code < 0)
-        return code == ORL_ERR_CANCELLED ? orl_year_cancelled(err) : orl_year_no_memory(err);
+        return code;
     y->result->n_nodes = y->nodes.count;
     orl_year_tell_hours(y);
     orl_year_book(y, ORL_ANNUAL_SKIES, &since);
@@ -158,15 +115,17 @@ static int prepare(struct orl_year *y, struct orl_error *err)
 
 static int run_year(struct orl_year *y, struct orl_error *err)
 {
-    const int code = prepare(y, err);
-    return code < 0 ? code : orl_year_run_blocks(y, err);
+    int code = prepare(y, err);
+    if (code == 0)
+        code = orl_year_run_blocks(y, err);
+    if (code == 0)
+        orl_keep_end(&y->keep);
+    return code;
 }
 
 static void let_go(struct orl_year *y)
 {
-    orl_panels_done(&y->panels);
-    orl_annual_scene_done(&y->scene);
-    orl_world_free(y->world);
+    orl_year_light_done(y);
     orl_lights_release(y->lights);
     if (y->variant && y->variant->hours_of) {
         free(y->hours.steps);
@@ -176,7 +135,6 @@ static void let_go(struct orl_year *y)
     }
     orl_sun_nodes_done(&y->nodes);
     free(y->node_frames);
-    orl_sun_terms_done(&y->terms);
     orl_year_blocks_done(y);
     free(y);
 }

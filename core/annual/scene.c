@@ -22,7 +22,7 @@ static uint32_t photons_of_node(const struct orl_world *world, size_t n_nodes)
 int orl_annual_scene_init(struct orl_annual_scene *scene, const struct orl_world *world,
                           const struct orl_bins *bins, struct orl_turn north,
                           const struct orl_frame *nodes, size_t n_nodes, uint32_t a_circle,
-                          uint64_t seed, struct orl_crew *crew)
+                          struct orl_crew *crew)
 {
     *scene = (struct orl_annual_scene){.world = world,
                                        .bins = bins,
@@ -36,13 +36,18 @@ int orl_annual_scene_init(struct orl_annual_scene *scene, const struct orl_world
         code = orl_windows_of_ports(&scene->ports, world);
     if (code == 0)
         code = orl_mirrors_init(&scene->mirrors, world, &scene->ports);
-    const struct orl_sun_map_request request = {.world = world,
-                                                .sobol = &scene->sobol,
-                                                .nodes = nodes,
-                                                .n_nodes = n_nodes,
-                                                .seed = seed,
-                                                .photons = photons_of_node(world, n_nodes)};
-    return code == 0 ? orl_sun_map_new(&request, crew, &scene->map) : code;
+    return code;
+}
+
+struct orl_sun_map_request orl_annual_scene_map_request(const struct orl_annual_scene *scene,
+                                                        uint64_t seed)
+{
+    return (struct orl_sun_map_request){.world = scene->world,
+                                        .sobol = &scene->sobol,
+                                        .nodes = scene->nodes,
+                                        .n_nodes = scene->n_nodes,
+                                        .seed = seed,
+                                        .photons = photons_of_node(scene->world, scene->n_nodes)};
 }
 
 void orl_annual_scene_done(struct orl_annual_scene *scene)

@@ -25,14 +25,18 @@ struct orl_annual_scene {
     struct orl_sobol sobol;
     struct orl_windows ports;
     struct orl_mirrors mirrors; /* what those beyond ports throw in is in no map */
-    struct orl_sun_map *map;    /* owned; NULL: sunlight is looked for by shadow rays alone */
+    struct orl_sun_map
+        *map; /* owned, set by who made it; NULL: sunlight is looked for by shadow rays alone */
 };
 
 /* Returns 0, ORL_ERR_NOMEM or _CANCELLED; orl_annual_scene_done in either case. */
 int orl_annual_scene_init(struct orl_annual_scene *scene, const struct orl_world *world,
                           const struct orl_bins *bins, struct orl_turn north,
                           const struct orl_frame *nodes, size_t n_nodes, uint32_t a_circle,
-                          uint64_t seed, struct orl_crew *crew);
+                          struct orl_crew *crew);
+/* Of the map, which the scene is without until then. */
+struct orl_sun_map_request orl_annual_scene_map_request(const struct orl_annual_scene *scene,
+                                                        uint64_t seed);
 /* Whether ports have BSDFs. */
 bool orl_annual_has_panels(const struct orl_world *world);
 void orl_annual_scene_done(struct orl_annual_scene *scene);

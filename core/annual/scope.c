@@ -64,3 +64,42 @@ size_t orl_annual_count_curved(const struct orl_world *world, uint32_t *ret_firs
     }
     return n;
 }
+
+/* ---- Colour ---------------------------------------------------------------------------------- */
+
+static bool is_gray(struct orl_rgb color)
+{
+    return color.r == color.g && color.g == color.b;
+}
+
+static bool is_gray_panel(const struct orl_material *m)
+{
+    struct orl_bsdf_info info;
+    orl_bsdf_describe(m->bsdf, &info);
+    return !info.colored && is_gray(m->front) && is_gray(m->back) && is_gray(m->through);
+}
+
+/* Whether a material sends light on, but diffusely, without colour. */
+static bool is_colourless(const struct orl_material *m)
+{
+    switch (m->kind) {
+    case ORL_MATERIAL_BSDF:
+        return is_gray_panel(m);
+    case ORL_MATERIAL_GLASS:
+        return is_gray(m->transmissivity);
+    case ORL_MATERIAL_TRANS:
+    case ORL_MATERIAL_METAL:
+    case ORL_MATERIAL_MIRROR:
+        return is_gray(m->color) || orl_material_is_matt(m);
+    default: /* plastic's gloss is white */
+        return true;
+    }
+}
+
+bool orl_annual_is_colourless(const struct orl_world *world)
+{
+    for (size_t i = 0; i < world->n_materials; i++)
+        if (!is_colourless(&world->materials[i]))
+            return false;
+    return true;
+}

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "annual/scope.h"
 #include "annual/sun_photons.h"
 #include "annual/sun_squares.h"
 
@@ -239,75 +240,116 @@ static int make_rows(struct orl_sun_map *map)
 
 /* ---- All of it ------------------------------------------------------------------------------- */
 
-static bool is_gray(struct orl_rgb color)
-{
-    return color.r == color.g && color.g == color.b;
-}
-
-static bool is_gray_panel(const struct orl_material *m)
-{
-    struct orl_bsdf_info info;
-    orl_bsdf_describe(m->bsdf, &info);
-    return !info.colored && is_gray(m->front) && is_gray(m->back) && is_gray(m->through);
-}
-
-/* Whether a material sends light on, but diffusely, without colour. */
-static bool is_colourless(const struct orl_material *m)
-{
-    switch (m->kind) {
-    case ORL_MATERIAL_BSDF:
-        return is_gray_panel(m);
-    case ORL_MATERIAL_GLASS:
-        return is_gray(m->transmissivity);
-    case ORL_MATERIAL_TRANS:
-    case ORL_MATERIAL_METAL:
-    case ORL_MATERIAL_MIRROR:
-        return is_gray(m->color) || orl_material_is_matt(m);
-    default: /* plastic's gloss is white */
-        return true;
-    }
-}
-
-static bool are_colourless(const struct orl_world *world)
-{
-    for (size_t i = 0; i < world->n_materials; i++)
-        if (!is_colourless(&world->materials[i]))
-            return false;
-    return true;
-}
-
 const struct orl_sun_beams *orl_sun_map_beams(const struct orl_sun_map *map)
 {
     return &map->beams;
+}
+
+/* All but photons. */
+static int start(const struct orl_sun_map_request *request, struct orl_sun_map **ret_map)
+{
+    const struct orl_world *world = request->world;
+    double area = 0;
+    struct orl_sun_map *map = *ret_map = calloc(1, sizeof *map);
+    if (!map)
+        return ORL_ERR_NOMEM;
+    for (size_t i = 0; i < world->n_ports; i++)
+        area += world->ports[i].area / (double)world->n_ports;
+    *map = (struct orl_sun_map){.world = world,
+                                .channels = orl_annual_is_colourless(world) ? 1 : CHANNELS};
+    const int code =
+        orl_sun_squares_init(&map->squares, world->geometry, sqrt(area) / widths_a_window);
+    return code < 0 ? code
+                    : orl_sun_beams_init(&map->beams, world, request->nodes, request->n_nodes);
+}
+
+static int finish(int code, struct orl_sun_map *map, struct orl_sun_map **ret_map)
+{
+    if (code < 0)
+        orl_sun_map_free(map);
+    *ret_map = code < 0 ? NULL : map;
+    return code;
 }
 
 int orl_sun_map_new(const struct orl_sun_map_request *request, struct orl_crew *crew,
                     struct orl_sun_map **ret_map)
 {
     const struct orl_world *world = request->world;
-    double area = 0;
+    struct orl_sun_map *map = NULL;
     *ret_map = NULL;
     if (world->open || world->n_ports == 0 || request->n_nodes == 0)
         return 0; /* no beams either */
-    for (size_t i = 0; i < world->n_ports; i++)
-        area += world->ports[i].area / (double)world->n_ports;
-    struct orl_sun_map *map = calloc(1, sizeof *map);
-    if (!map)
-        return ORL_ERR_NOMEM;
-    *map = (struct orl_sun_map){.world = world, .channels = are_colourless(world) ? 1 : CHANNELS};
-    int code = orl_sun_squares_init(&map->squares, world->geometry, sqrt(area) / widths_a_window);
-    if (code == 0)
-        code = orl_sun_beams_init(&map->beams, world, request->nodes, request->n_nodes);
+    int code = start(request, &map);
     if (code == 0)
         code = shoot_all(map, request, crew);
     if (code == 0)
         code = make_rows(map);
-    if (code < 0) {
-        orl_sun_map_free(map);
-        return code;
-    }
-    *ret_map = map;
+    return finish(code, map, ret_map);
+}
+
+/* ---- Kept ------------------------------------------------------------------------------------ */
+
+struct array {
+    void **at;
+    size_t bytes;
+};
+
+enum { ARRAYS = 5 };
+
+/* Of a map whose room, count and number of entries are known. */
+static void list_arrays(struct orl_sun_map *map, size_t entries, struct array ret[ARRAYS])
+{
+    ret[0] = (struct array){(void **)&map->names, map->room * sizeof *map->names};
+    ret[1] = (struct array){(void **)&map->first,
+                            (map->count * ORL_SUN_MAP_LOTS + 1) * sizeof *map->first};
+    ret[2] = (struct array){(void **)&map->places, map->room * sizeof *map->places};
+    ret[3] = (struct array){(void **)&map->which, entries * sizeof *map->which};
+    ret[4] = (struct array){(void **)&map->light, entries * map->channels * sizeof *map->light};
+}
+
+int orl_sun_map_save(const struct orl_sun_map *map, void **ret_data, size_t *ret_size)
+{
+    struct orl_sun_map copy = *map;
+    const uint64_t numbers[] = {map->room, map->count, map->first[map->count * ORL_SUN_MAP_LOTS]};
+    struct array arrays[ARRAYS];
+    size_t size = sizeof numbers;
+    list_arrays(&copy, numbers[2], arrays);
+    for (int i = 0; i < ARRAYS; i++)
+        size += arrays[i].bytes;
+    char *at = *ret_data = malloc(size);
+    if (!at)
+        return ORL_ERR_NOMEM;
+    memcpy(at, numbers, sizeof numbers);
+    at += sizeof numbers;
+    for (int i = 0; i < ARRAYS; at += arrays[i++].bytes)
+        memcpy(at, *arrays[i].at, arrays[i].bytes);
+    *ret_size = size;
     return 0;
+}
+
+int orl_sun_map_load(const struct orl_sun_map_request *request, const void *data,
+                     struct orl_sun_map **ret_map)
+{
+    uint64_t numbers[3];
+    struct array arrays[ARRAYS];
+    struct orl_sun_map *map = NULL;
+    const char *at = data;
+    int code = start(request, &map);
+    memcpy(numbers, at, sizeof numbers);
+    at += sizeof numbers;
+    if (code == 0) {
+        map->room = numbers[0];
+        map->count = numbers[1];
+        list_arrays(map, numbers[2], arrays);
+    }
+    for (int i = 0; i < ARRAYS && code == 0; at += arrays[i++].bytes) {
+        *arrays[i].at = malloc(arrays[i].bytes + 1);
+        if (*arrays[i].at)
+            memcpy(*arrays[i].at, at, arrays[i].bytes);
+        else
+            code = ORL_ERR_NOMEM;
+    }
+    return finish(code, map, ret_map);
 }
 
 void orl_sun_map_free(struct orl_sun_map *map)

@@ -38,6 +38,11 @@ struct orl_sun_map_request {
  * ORL_ERR_NOMEM or ORL_ERR_CANCELLED. */
 int orl_sun_map_new(const struct orl_sun_map_request *request, struct orl_crew *crew,
                     struct orl_sun_map **ret_map);
+/* The same, of what orl_sun_map_save made of one for an equal request. ORL_ERR_NOMEM. */
+int orl_sun_map_load(const struct orl_sun_map_request *request, const void *data,
+                     struct orl_sun_map **ret_map);
+/* ret_data is owned; a multiple of 4 bytes. ORL_ERR_NOMEM. */
+int orl_sun_map_save(const struct orl_sun_map *map, void **ret_data, size_t *ret_size);
 void orl_sun_map_free(struct orl_sun_map *map); /* NULL is allowed */
 
 /* Its beams, in the order in which sums have them. */

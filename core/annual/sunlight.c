@@ -194,25 +194,25 @@ static bool may_see(const struct orl_annual_scene *scene, const struct orl_place
            (place->outside || orl_windows_passed(&scene->ports, place->point, sun->towards, slack));
 }
 
-void orl_sunlit_hours_find(const struct orl_annual_scene *scene, const struct orl_hours *hours,
+void orl_sunlit_hours_find(const struct orl_annual_scene *scene, const struct orl_year_suns *suns,
                            const struct orl_place *place, uint64_t name,
                            const struct orl_sunlit_hours *ret)
 {
-    for (size_t c = 0; c < hours->n_columns; c++) {
-        const struct orl_hour_sun *sun = &hours->suns[c];
-        double straight_lx = 0, mirrored_lx = 0, unsure_lx = 0;
-        if (sun->normal_lx > 0) {
+    for (size_t c = 0; c < suns->count; c++) {
+        const struct orl_hour_sun *sun = &suns->at[c];
+        double seen = 0, mirrored = 0, unsure = 0;
+        if (sun->wanted) {
             const struct disc disc = {.frame = orl_frame_about(sun->towards),
                                       .radius = disc_radius(sun->angle_rad),
                                       .turn = (double)(orl_mix64(name ^ orl_mix64(c + 1)) >> 11) *
                                               0x1p-53};
             if (may_see(scene, place, sun))
-                straight_lx = sun->normal_lx * disc_light(scene, place, &disc, &unsure_lx);
+                seen = disc_light(scene, place, &disc, &unsure);
             if (scene->mirrors.n_planes > 0)
-                mirrored_lx = sun->normal_lx * mirrored_light(scene, place, &disc);
+                mirrored = mirrored_light(scene, place, &disc);
         }
-        ret->straight[c] = (float)straight_lx;
-        ret->mirrored[c] = (float)mirrored_lx;
-        ret->squares[c] = (float)(unsure_lx * unsure_lx * sun->normal_lx * sun->normal_lx);
+        ret->straight[c] = (float)seen;
+        ret->mirrored[c] = (float)mirrored;
+        ret->squares[c] = (float)(unsure * unsure);
     }
 }

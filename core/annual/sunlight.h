@@ -26,14 +26,15 @@ void orl_sunlit_add(const struct orl_annual_scene *scene, const struct orl_sunli
                     struct orl_random *random, double *nodes);
 
 /*
- * Illuminance at a sensor by the discs of all columns' suns: straight (and through panes), and by
- * mirrors. squares: of the standard error of the two together, by how the discs' points lie where
- * an edge crosses a disc. ret_ arrays hold n_columns, lx. north: as the hours' suns are.
+ * Irradiance at a sensor by the discs of all suns that are wanted, of each as if it gave 1 to what
+ * faces it: straight (and through panes), and by mirrors. squares: of the standard error of the two
+ * together, by how the discs' points lie where an edge crosses a disc. Arrays are by sun; 0 of
+ * those that are not wanted.
  */
 struct orl_sunlit_hours {
     float *straight, *mirrored, *squares;
 };
-void orl_sunlit_hours_find(const struct orl_annual_scene *scene, const struct orl_hours *hours,
+void orl_sunlit_hours_find(const struct orl_annual_scene *scene, const struct orl_year_suns *suns,
                            const struct orl_place *place, uint64_t name,
                            const struct orl_sunlit_hours *ret);
 

@@ -6,14 +6,14 @@ enum { CORNERS = ORL_SUN_CORNERS };
 
 struct maker {
     struct orl_sun_terms *terms;
-    const struct orl_hours *hours;
+    const struct orl_year_suns *suns;
     const struct orl_sun_nodes *nodes;
     const struct orl_frame *frames;    /* of nodes */
     const struct orl_sun_beams *beams; /* or NULL */
     size_t n_kinds;
     double *of_nodes;       /* [node][kind]: what ports let in */
     uint32_t *beam_of;      /* [node][kind], or UINT32_MAX */
-    struct weight *weights; /* [column][corner][1 + kind] */
+    struct weight *weights; /* [sun][corner][1 + kind] */
 };
 
 /* A corner's, by the cubic and by the wide way; both 0: none. */
@@ -21,9 +21,9 @@ struct weight {
     float fine, wide;
 };
 
-static struct weight *weights_of(const struct maker *m, size_t column)
+static struct weight *weights_of(const struct maker *m, size_t which)
 {
-    return m->weights + column * CORNERS * (1 + m->n_kinds);
+    return m->weights + which * CORNERS * (1 + m->n_kinds);
 }
 
 /* What comes of corners is to have a direction's length of 1: planes then have their cosine. */
@@ -73,15 +73,15 @@ static void weigh_kind(const struct maker *m, const struct orl_sun_between *at, 
             (float)((double)rough[i] * let_in / (rough == at->plain ? of_plain : of_wide))};
 }
 
-static void weigh(void *arg, size_t column, uint32_t member)
+static void weigh(void *arg, size_t which, uint32_t member)
 {
     const struct maker *m = arg;
-    const struct orl_hour_sun *sun = &m->hours->suns[column];
-    struct weight *weights = weights_of(m, column);
+    const struct orl_hour_sun *sun = &m->suns->at[which];
+    struct weight *weights = weights_of(m, which);
     (void)member;
-    if (!(sun->normal_lx > 0))
+    if (!sun->wanted)
         return;
-    const struct orl_sun_between at = orl_sun_nodes_between(m->nodes, m->hours->sky_suns[column]);
+    const struct orl_sun_between at = orl_sun_nodes_between(m->nodes, m->suns->in_sky[which]);
     const double fine = shortening(m, &at, at.weights), wide = shortening(m, &at, at.wide);
     for (int i = 0; i < CORNERS; i++)
         weights[(size_t)i * (1 + m->n_kinds)] = (struct weight){
@@ -107,15 +107,15 @@ static int measure_nodes(struct maker *m)
     return 0;
 }
 
-/* Those of a column that weigh anything; returns how many, and writes them where there is room. */
-static uint32_t list_column(const struct maker *m, size_t column, bool write)
+/* Those of a sun that weigh anything; returns how many, and writes them where there is room. */
+static uint32_t list_sun(const struct maker *m, size_t which, bool write)
 {
     struct orl_sun_terms *terms = m->terms;
-    const struct weight *all = weights_of(m, column);
+    const struct weight *all = weights_of(m, which);
     uint32_t n = 0;
-    if (!(m->hours->suns[column].normal_lx > 0))
+    if (!m->suns->at[which].wanted)
         return 0;
-    const struct orl_sun_between at = orl_sun_nodes_between(m->nodes, m->hours->sky_suns[column]);
+    const struct orl_sun_between at = orl_sun_nodes_between(m->nodes, m->suns->in_sky[which]);
     for (int i = 0; i < CORNERS; i++)
         for (size_t k = 0; k < 1 + m->n_kinds; k++) {
             const struct weight weight = all[(size_t)i * (1 + m->n_kinds) + k];
@@ -123,7 +123,7 @@ static uint32_t list_column(const struct maker *m, size_t column, bool write)
             if ((weight.fine == 0 && weight.wide == 0) || beam == UINT32_MAX)
                 continue;
             if (write) {
-                const uint32_t to = terms->first[column] + n;
+                const uint32_t to = terms->first[which] + n;
                 terms->which[to] = k == 0 ? at.nodes[i] : (uint32_t)m->nodes->count + beam;
                 terms->weights[to] = weight.fine;
                 terms->apart[to] = weight.fine - weight.wide;
@@ -136,36 +136,36 @@ static uint32_t list_column(const struct maker *m, size_t column, bool write)
 static int list_all(const struct maker *m)
 {
     struct orl_sun_terms *terms = m->terms;
-    const size_t columns = m->hours->n_columns;
-    terms->first = calloc(columns + 1, sizeof *terms->first);
+    const size_t count = m->suns->count;
+    terms->first = calloc(count + 1, sizeof *terms->first);
     if (!terms->first)
         return ORL_ERR_NOMEM;
-    for (size_t c = 0; c < columns; c++)
-        terms->first[c + 1] = terms->first[c] + list_column(m, c, false);
-    terms->which = malloc((terms->first[columns] + 1) * sizeof *terms->which);
-    terms->weights = malloc((terms->first[columns] + 1) * sizeof *terms->weights);
-    terms->apart = malloc((terms->first[columns] + 1) * sizeof *terms->apart);
+    for (size_t c = 0; c < count; c++)
+        terms->first[c + 1] = terms->first[c] + list_sun(m, c, false);
+    terms->which = malloc((terms->first[count] + 1) * sizeof *terms->which);
+    terms->weights = malloc((terms->first[count] + 1) * sizeof *terms->weights);
+    terms->apart = malloc((terms->first[count] + 1) * sizeof *terms->apart);
     if (!terms->which || !terms->weights || !terms->apart)
         return ORL_ERR_NOMEM;
-    for (size_t c = 0; c < columns; c++)
-        list_column(m, c, true);
+    for (size_t c = 0; c < count; c++)
+        list_sun(m, c, true);
     return 0;
 }
 
-int orl_sun_terms_init(struct orl_sun_terms *terms, const struct orl_hours *hours,
+int orl_sun_terms_init(struct orl_sun_terms *terms, const struct orl_year_suns *suns,
                        const struct orl_sun_nodes *nodes, const struct orl_frame *node_frames,
                        const struct orl_sun_map *map, struct orl_crew *crew)
 {
-    struct maker m = {.terms = terms, .hours = hours, .nodes = nodes, .frames = node_frames};
+    struct maker m = {.terms = terms, .suns = suns, .nodes = nodes, .frames = node_frames};
     *terms = (struct orl_sun_terms){.first = NULL};
     if (map) {
         m.beams = orl_sun_map_beams(map);
         m.n_kinds = m.beams->n_kinds;
     }
-    m.weights = calloc(hours->n_columns * CORNERS * (1 + m.n_kinds) + 1, sizeof *m.weights);
+    m.weights = calloc(suns->count * CORNERS * (1 + m.n_kinds) + 1, sizeof *m.weights);
     int code = m.weights ? measure_nodes(&m) : ORL_ERR_NOMEM;
     if (code == 0)
-        code = orl_crew_try(crew, hours->n_columns, weigh, &m);
+        code = orl_crew_try(crew, suns->count, weigh, &m);
     if (code == 0)
         code = list_all(&m);
     free(m.of_nodes);

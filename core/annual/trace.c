@@ -16,7 +16,6 @@ struct tracer {
     struct orl_random random;
     struct orl_health *health;
     uint32_t sequence, index; /* of the sample's even numbers */
-    double unit;              /* the sample's share in the mean */
 };
 
 /* A place on the way: of its irradiance the weight is the sensor's. */
@@ -69,7 +68,7 @@ static void add_diffuse(struct walk *w, struct orl_rgb albedo)
                         .mapped = mapped,
                         .depth = w->depth + 1,
                         .evenly = p->bounce == 0 ? w->evenly : NULL};
-    const double chance = fmin(orl_rgb_max(stop.weight) / (w->tracer->unit * dimmest_place), 1);
+    const double chance = fmin(orl_rgb_max(stop.weight) / dimmest_place, 1);
     if (chance < 1) {
         if (!(orl_random_uniform(p->random) < chance))
             return;
@@ -114,7 +113,7 @@ static void add_sun_by_lobes(struct walk *w, const struct orl_material *m)
 
 static bool survives(struct walk *w)
 {
-    const double matters = orl_rgb_max(w->eye.path.weight) / (w->tracer->unit * ORL_PI);
+    const double matters = orl_rgb_max(w->eye.path.weight) / ORL_PI;
     const double chance = fmin(matters / dimmest_path, 1);
     return !(chance < 1) || orl_path_survives(&w->eye.path, chance, w->eye.random);
 }
@@ -203,16 +202,15 @@ void orl_annual_trace(const struct orl_annual_scene *scene, const struct orl_pla
                       struct orl_health *health)
 {
     const uint64_t name = batch->sensor * ORL_ANNUAL_BATCHES + batch->batch;
-    const struct stop stop = {.place = *place, .weight = orl_gray(1.0 / batch->samples)};
-    for (uint32_t i = 0; i < batch->samples; i++) {
+    const struct stop stop = {.place = *place, .weight = orl_gray(1)};
+    for (uint32_t i = batch->first; i < batch->samples; i++) {
         struct tracer tracer = {
             .scene = scene,
             .sums = sums,
             .random = orl_random_stream(batch->seed, ORL_PURPOSE_ANNUAL, (name << 24) + i),
             .health = health,
             .sequence = (uint32_t)orl_mix64(batch->seed ^ orl_mix64(name + 1)),
-            .index = i,
-            .unit = 1.0 / batch->samples};
+            .index = i};
         light_at(&tracer, &stop);
     }
 }

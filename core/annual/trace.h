@@ -18,7 +18,7 @@
 
 #include "annual/scene.h"
 
-/* What a batch of a sensor's paths comes to: luma. */
+/* What a batch of a sensor's paths comes to, summed up over its samples: luma. */
 struct orl_annual_sums {
     float *bins;   /* ORL_BINS: irradiance, of radiance 1 there */
     double *nodes; /* by node: irradiance, of a sun that gives 1 to what faces it */
@@ -28,10 +28,11 @@ struct orl_annual_sums {
 
 struct orl_annual_batch {
     uint64_t seed, sensor;
-    uint32_t batch, samples;
+    uint32_t batch, first, samples; /* those of samples from first on */
 };
 
-/* Adds a batch's mean. place: the sensor, moved, clear of surfaces; its normal is unit. */
+/* Adds a batch's samples, one after the other. place: the sensor, moved, clear of surfaces; its
+ * normal is unit. */
 void orl_annual_trace(const struct orl_annual_scene *scene, const struct orl_place *place,
                       const struct orl_annual_batch *batch, struct orl_annual_sums *sums,
                       struct orl_health *health);

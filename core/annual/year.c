@@ -14,6 +14,8 @@ void orl_year_warn(struct orl_year *y, const char *format, ...)
     struct orl_annual_result *r = y->result;
     char text[1024];
     va_list args;
+    if (y->hushed)
+        return;
     va_start(args, format);
     vsnprintf(text, sizeof text, format, args);
     va_end(args);
@@ -67,6 +69,13 @@ int orl_year_no_memory(struct orl_error *err)
 int orl_year_cancelled(struct orl_error *err)
 {
     return orl_error_set(err, ORL_ERR_CANCELLED, "cancelled");
+}
+
+int orl_year_failed(const struct orl_year *y, int code, struct orl_error *err)
+{
+    return code == ORL_ERR_CANCELLED || orl_crew_cancelled(y->env->run->crew)
+               ? orl_year_cancelled(err)
+               : orl_year_no_memory(err);
 }
 
 /* ---- Hours ----------------------------------------------------------------------------------- */

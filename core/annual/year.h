@@ -9,7 +9,9 @@
 #include <stdatomic.h>
 
 #include <oriel/annual.h>
+#include <oriel/sha256.h>
 
+#include "annual/keep.h"
 #include "annual/panels.h"
 #include "annual/product.h"
 #include "annual/scene.h"
@@ -39,18 +41,24 @@ struct orl_year {
     struct orl_world *world;
     struct orl_annual_scene scene;
     struct orl_panels panels;
+    bool has_panels; /* they are made */
+    struct orl_keep keep;
+    unsigned char digest[ORL_SHA256_BYTES]; /* of the scene */
+    bool hushed;                            /* what would be warned of has been told */
     uint32_t batch_samples;
     double started_s, blocks_s; /* by the run's clock: the whole, and its blocks */
     double told;                /* of the run's progress: it never falls */
     size_t kept;                /* sensors that came without being computed */
     /* Of the sensors of a block: */
     size_t first, count;
-    atomic_size_t traced; /* batches */
+    atomic_size_t traced;   /* batches */
+    uint32_t traced_before; /* samples of each batch that were there */
     struct orl_place places[ORL_YEAR_BLOCK];
     float *bin_sums;                    /* [sensor][batch][bin] */
     double *sun_sums;                   /* [sensor][batch][nodes, beams] */
     float *lot_sums;                    /* [sensor][batch][lot][beam] */
     float *rows;                        /* [sensor][of each][column] */
+    float *sun_rows;                    /* [sensor][of each][sun] */
     struct orl_annual_factors *factors; /* by sensor */
     double *sun_by_lot;                 /* of those: [sensor][beam][lot] */
     double *sun_by_batch;               /* of those, and their means */
@@ -79,8 +87,10 @@ void orl_year_book(struct orl_year *y, enum orl_annual_stage stage, double *sinc
  * whole or in part. */
 void orl_year_tell(struct orl_year *y, enum orl_stage stage, double sensors);
 
-/* Both return the code. */
+/* All return the code. */
 int orl_year_no_memory(struct orl_error *err);
 int orl_year_cancelled(struct orl_error *err);
+/* One of those two, by the code: ORL_ERR_CANCELLED or ORL_ERR_NOMEM. */
+int orl_year_failed(const struct orl_year *y, int code, struct orl_error *err);
 
 #endif

@@ -392,6 +392,22 @@ int orl_daylight_of_row(const struct orl_weather *weather, const struct orl_weat
     return code;
 }
 
+/* Of a bright sky: sun and disc are the place's and the time's alone. */
+struct orl_daylight_sun orl_daylight_sun_of_row(const struct orl_weather *weather,
+                                                const struct orl_weather_row *row)
+{
+    const double bright = weather->units == ORL_WEATHER_NORMAL_LX ? 50000 : 500;
+    struct orl_weather_row lit = *row;
+    struct orl_daylight daylight = {0};
+    double diffuse;
+    lit.missing = false;
+    lit.direct = lit.diffuse = bright;
+    if (orl_daylight_of_row(weather, &lit, &daylight, &diffuse, NULL) < 0 || daylight.black ||
+        !(daylight.sun_radiance > 0))
+        return (struct orl_daylight_sun){.angle_deg = 0};
+    return (struct orl_daylight_sun){daylight.sun, daylight.sun_angle_deg};
+}
+
 int orl_daylight_find(const struct orl_sky_request *request, const struct orl_weather *weather,
                       struct orl_daylight *ret_daylight, struct orl_error *err)
 {

@@ -39,6 +39,15 @@ int orl_daylight_of_row(const struct orl_weather *weather, const struct orl_weat
                         struct orl_daylight *ret_daylight, double *ret_diffuse,
                         struct orl_error *err);
 
+/* Where the sun stands at a row of a weather file, whatever was measured there, as that row's sky
+ * has it where it has a sun. */
+struct orl_daylight_sun {
+    struct orl_vec3 towards;
+    double angle_deg; /* 0: it has set */
+};
+struct orl_daylight_sun orl_daylight_sun_of_row(const struct orl_weather *weather,
+                                                const struct orl_weather_row *row);
+
 /*
  * The brightness of sky and ground, as the pattern has them, by which a sky whose upper half gives
  * per_sky and per_ground, each of brightness 1, W/m2, gives diffuse; sun and sky light the ground.

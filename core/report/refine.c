@@ -142,6 +142,7 @@ static int run_again(struct refining *r, uint32_t samples)
     struct orl_annual_request request = *r->request;
     const struct orl_run_env run = share_of(r, r->state->rounds);
     const struct orl_annual_env env = {.run = &run,
+                                       .reuse = r->env->reuse,
                                        .kept = r->env->kept,
                                        .done = r->env->done,
                                        .round = r->state->rounds,
@@ -165,6 +166,8 @@ static int run_again(struct refining *r, uint32_t samples)
         r->result->total_s += more.total_s;
         for (int s = 0; s < ORL_ANNUAL_STAGES; s++)
             r->result->timings_s[s] += more.timings_s[s];
+        for (int k = 0; k < ORL_YEARS_KINDS; k++)
+            orl_annual_reused_add(&r->result->reuse.of[k], &more.reuse.of[k]);
     }
     free(request.sensors);
     orl_annual_done(&more);

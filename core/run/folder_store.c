@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include "photon/map/map.h"
+#include "run/kept_file.h"
 
 static int map_path(const struct orl_folder_store *state, const char *kind, const char *key,
                     const char *suffix, char ret_path[4096], struct orl_error *err)
@@ -72,6 +73,18 @@ static void folder_release(void *ctx, const char *kind, const char *key)
     (void)ctx, (void)kind, (void)key;
 }
 
+static bool read_kept(const char *path, struct orl_map_info *info)
+{
+    struct orl_kept_about about;
+    if (orl_kept_describe(path, &about, NULL) < 0)
+        return false;
+    memcpy(info->family, about.family, sizeof info->family);
+    info->target = about.target;
+    info->emitted = about.rays;
+    info->bytes = about.bytes;
+    return true;
+}
+
 /* What the file called name says of itself; false when it is no map, or one of another version. */
 static bool read_info(const struct orl_folder_store *state, const char *name,
                       struct orl_map_info *ret_info)
@@ -81,11 +94,16 @@ static bool read_info(const struct orl_folder_store *state, const char *name,
     char path[4096], key[ORL_DIGEST_HEX + 1];
     int end = 0;
     if (sscanf(name, "%15[a-z]-%64[0-9a-f].opm%n", info.kind, key, &end) != 2 || end == 0 ||
-        name[end] != '\0' || map_path(state, info.kind, key, "", path, NULL) < 0 ||
-        orl_photon_map_open(path, false, &map, NULL) < 0)
+        name[end] != '\0' || map_path(state, info.kind, key, "", path, NULL) < 0)
+        return false;
+    memcpy(info.key, key, sizeof key);
+    if (strcmp(info.kind, "annual") == 0) {
+        *ret_info = info;
+        return read_kept(path, ret_info);
+    }
+    if (orl_photon_map_open(path, false, &map, NULL) < 0)
         return false;
     const struct orl_map_header *h = orl_photon_map_header(map);
-    memcpy(info.key, key, sizeof key);
     snprintf(info.family, sizeof info.family, "%.64s", h->family);
     info.target = h->target;
     info.emitted = h->emitted;

@@ -127,6 +127,7 @@ int orl_worker_run_annual(struct orl_worker *worker, struct orl_task *task,
     struct orl_annual_inputs inputs = {.count = 0};
     const struct orl_annual_job_env env = {.run = &run,
                                            .inputs = &inputs,
+                                           .reuse = true,
                                            .kept = on_kept,
                                            .done = on_done,
                                            .round = on_round,

@@ -139,6 +139,9 @@ static int run_it(const struct year_run *run, struct orl_annual_result *ret_year
         .seed = run->seed,
         .samples = run->samples};
     annual.run = &place.env;
+    annual.reuse = run->kept_in != NULL;
+    if (run->kept_in)
+        snprintf(place.state.folder, sizeof place.state.folder, "%s", run->kept_in);
     const int code = run->wishes ? orl_annual_run_until(&request, run->wishes, &annual, NULL, NULL,
                                                         ret_year, run->ret_refinement, ret_err)
                                  : orl_annual_run(&request, &annual, ret_year, ret_err);

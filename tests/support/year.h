@@ -29,6 +29,7 @@ struct year_run {
     uint64_t seed;
     double north_deg;
     const struct orl_annual_env *env; /* whose callbacks are heeded; or NULL */
+    const char *kept_in;              /* a folder for what others use again; NULL: nothing is */
     /* Until what they want is sure; or NULL, and the next too. */
     const struct orl_annual_wishes *wishes;
     struct orl_annual_refinement *ret_refinement;

@@ -83,6 +83,30 @@ struct orl_annual_step {
     double global_lx;                         /* sky and sun, horizontal, unobstructed */
 };
 
+/* What a year is made of, and others can use again: the suns' places among nodes and beams,
+ * sunlight on surfaces inside, paths of blocks of sensors, and the sun straight to them. */
+enum orl_annual_kept {
+    ORL_YEARS_SUNS,
+    ORL_YEARS_MAP,
+    ORL_YEARS_PATHS,
+    ORL_YEARS_SUN,
+    ORL_YEARS_KINDS
+};
+const char *orl_annual_kept_name(enum orl_annual_kept kind); /* "suns", "map", "paths", "sun" */
+
+struct orl_annual_reused {
+    uint64_t found, topped_up, made; /* as they are wanted, with fewer samples, not at all */
+    uint64_t rays_saved;             /* of paths: those that had been cast before */
+};
+static inline void orl_annual_reused_add(struct orl_annual_reused *sum,
+                                         const struct orl_annual_reused *more)
+{
+    sum->found += more->found;
+    sum->topped_up += more->topped_up;
+    sum->made += more->made;
+    sum->rays_saved += more->rays_saved;
+}
+
 enum orl_annual_stage {
     ORL_ANNUAL_LOAD,  /* the scene, its hierarchy and ports */
     ORL_ANNUAL_SKIES, /* of all hours, and the sun's nodes */
@@ -112,8 +136,12 @@ struct orl_annual_result {
     size_t n_nodes;          /* of the sun */
     unsigned char *states;   /* [group * n_steps + step]; NULL: no groups */
     size_t n_groups, n_runs; /* those of shades: runs that the year was put together of */
+    struct {
+        bool asked;
+        struct orl_annual_reused of[ORL_YEARS_KINDS];
+    } reuse; /* what came from a store */
     double timings_s[ORL_ANNUAL_STAGES], total_s;
-    struct orl_health health;
+    struct orl_health health; /* of what this run did */
     char **warnings;
     size_t n_warnings;
 };
@@ -136,10 +164,16 @@ struct orl_annual_block {
 };
 
 struct orl_annual_env {
-    /* Of its members crew, files, store (for BSDFs), shelf, files_id, cancel, now_s, warned, part
-     * and progress are heeded, the last with ORL_STAGE_LOAD, then ORL_STAGE_MAPS for skies and
-     * sunlight on surfaces, then ORL_STAGE_RENDER; and ctx. */
+    /* Of its members crew, files, store (for BSDFs, and as reuse says), shelf, files_id, cancel,
+     * now_s, warned, part and progress are heeded, the last with ORL_STAGE_LOAD, then
+     * ORL_STAGE_MAPS for skies and sunlight on surfaces, then ORL_STAGE_RENDER; and ctx. */
     const struct orl_run_env *run; /* borrowed */
+    /*
+     * What the year is made of is kept in run's store, and taken from there: another weather file
+     * of the site and times takes no ray, more samples only those that are not there. The result is
+     * the same, to the bit. For that, the sun is looked for at all times of the file.
+     */
+    bool reuse;
     /*
      * Called by the lead thread once the hours are known, before any row: result's steps and
      * counts are valid from then on. May be NULL. A negative orl_err ends the run.

@@ -1,0 +1,205 @@
+#include "annual/keep.h"
+
+#include <sodium.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <oriel/sha256.h>
+
+#include "annual/year.h"
+#include "run/kept_file.h"
+
+/* Raised when anything changes that what is kept is made by, or how it lies in its arrays. */
+static const char recipe[] = "oriel annual 1";
+static const char kind[] = "annual";
+
+/* ---- Keys ------------------------------------------------------------------------------------ */
+
+static void finish(struct orl_sha256 *hash, char ret_hex[ORL_DIGEST_HEX + 1])
+{
+    unsigned char digest[ORL_SHA256_BYTES];
+    orl_sha256_finish(hash, digest);
+    sodium_bin2hex(ret_hex, ORL_DIGEST_HEX + 1, digest, sizeof digest);
+}
+
+static void add_vector(struct orl_sha256 *hash, struct orl_vec3 v)
+{
+    const double numbers[] = {v.x, v.y, v.z};
+    orl_sha256_add(hash, numbers, sizeof numbers);
+}
+
+void orl_keep_begin(struct orl_keep *keep, struct orl_year *year, const unsigned char *scene)
+{
+    const struct orl_year_suns *suns = &year->hours.suns;
+    const double numbers[] = {year->request->north_deg, year->result->latitude_deg,
+                              (double)suns->count};
+    struct orl_sha256 hash;
+    *keep =
+        (struct orl_keep){.year = year, .store = year->env->reuse ? year->env->run->store : NULL};
+    keep->off = keep->store == NULL;
+    orl_sha256_init(&hash);
+    orl_sha256_add(&hash, recipe, sizeof recipe);
+    orl_sha256_add(&hash, scene, ORL_SHA256_BYTES);
+    orl_sha256_add(&hash, &year->request->seed, sizeof year->request->seed);
+    orl_sha256_add(&hash, numbers, sizeof numbers);
+    for (size_t i = 0; i < suns->count; i++) {
+        add_vector(&hash, suns->at[i].towards);
+        orl_sha256_add(&hash, &suns->at[i].angle_rad, sizeof suns->at[i].angle_rad);
+    }
+    finish(&hash, keep->site);
+    year->result->reuse.asked = keep->store != NULL;
+}
+
+static void name(const struct orl_keep *keep, struct orl_keeping *it)
+{
+    const uint64_t numbers[] = {(uint64_t)it->what, it->first, it->count};
+    struct orl_sha256 hash;
+    orl_sha256_init(&hash);
+    orl_sha256_add(&hash, keep->site, ORL_DIGEST_HEX);
+    orl_sha256_add(&hash, numbers, sizeof numbers);
+    for (size_t i = it->first; i < it->first + it->count; i++) {
+        add_vector(&hash, keep->year->request->sensors[i].position);
+        add_vector(&hash, keep->year->request->sensors[i].direction);
+    }
+    finish(&hash, it->key);
+    if (it->what != ORL_YEARS_PATHS)
+        return;
+    memcpy(it->family, it->key, sizeof it->family);
+    orl_sha256_init(&hash);
+    orl_sha256_add(&hash, it->family, ORL_DIGEST_HEX);
+    orl_sha256_add(&hash, &it->samples, sizeof it->samples);
+    finish(&hash, it->key);
+}
+
+/* ---- Taking ---------------------------------------------------------------------------------- */
+
+static void forget(struct orl_keep *keep, const struct orl_error *why)
+{
+    keep->off = true;
+    keep->why = *why;
+}
+
+static struct orl_annual_reused *told(struct orl_keep *keep, const struct orl_keeping *it)
+{
+    return &keep->year->result->reuse.of[it->what];
+}
+
+/* The one that was asked for. */
+static void take(struct orl_keep *keep, struct orl_keeping *it)
+{
+    struct orl_kept_about about;
+    if (orl_kept_read(it->path, it->key, &about, &it->data, &it->size, NULL) == 0) {
+        it->had = it->samples;
+        it->rays = about.rays;
+        told(keep, it)->found++;
+        told(keep, it)->rays_saved += about.rays;
+        keep->store->release(keep->store->ctx, kind, it->key);
+        return;
+    }
+    keep->damaged = true;
+    keep->store->abandon(keep->store->ctx, kind, it->key);
+}
+
+/* Fewer samples of the same; one that cannot be read is left to who asks for it. */
+static void take_smaller(struct orl_keep *keep, struct orl_keeping *it)
+{
+    const struct orl_map_store *store = keep->store;
+    struct orl_map_info info;
+    struct orl_kept_about about;
+    char path[4096];
+    bool found = false;
+    if (it->what != ORL_YEARS_PATHS || !store->find_smaller ||
+        store->find_smaller(store->ctx, kind, it->family, it->samples, path, &found, &info, NULL) <
+            0 ||
+        !found)
+        return;
+    if (orl_kept_read(path, info.key, &about, &it->data, &it->size, NULL) == 0) {
+        it->had = (uint32_t)about.target;
+        it->rays = about.rays;
+        it->earlier_s = info.seconds;
+        told(keep, it)->topped_up++;
+        told(keep, it)->rays_saved += about.rays;
+    }
+    store->release(store->ctx, kind, info.key);
+}
+
+int orl_keep_ask(struct orl_keep *keep, struct orl_keeping *it, struct orl_error *err)
+{
+    const struct orl_run_env *run = keep->year->env->run;
+    struct orl_map_info info;
+    struct orl_error why = {0};
+    bool hit = true;
+    it->began_s = orl_year_now(keep->year);
+    if (!keep->off)
+        name(keep, it);
+    for (int attempt = 0; attempt < 2 && !keep->off && hit && !it->data; attempt++) {
+        const int code = keep->store->acquire(keep->store->ctx, kind, it->key, run->cancel,
+                                              it->path, &hit, &info, &why);
+        if (code == ORL_ERR_CANCELLED)
+            return orl_error_set(err, code, "cancelled");
+        if (code < 0)
+            forget(keep, &why);
+        else if (hit)
+            take(keep, it);
+        else
+            it->owed = true;
+    }
+    if (it->owed)
+        take_smaller(keep, it);
+    if (keep->store && !it->data)
+        told(keep, it)->made++;
+    return 0;
+}
+
+/* ---- Putting --------------------------------------------------------------------------------- */
+
+void orl_keep_put(struct orl_keep *keep, struct orl_keeping *it, const void *data, size_t size)
+{
+    struct orl_kept_about about = {.target = it->samples, .rays = it->rays};
+    struct orl_error why = {0};
+    if (!it->owed)
+        return;
+    memcpy(about.key, it->key, sizeof about.key);
+    memcpy(about.family, it->family, sizeof about.family);
+    int code = orl_kept_write(it->path, &about, data, size, &why);
+    if (code == 0) {
+        struct orl_map_info info = {.target = it->samples,
+                                    .emitted = it->rays,
+                                    .stored = size / sizeof(float),
+                                    .bytes = about.bytes,
+                                    .seconds =
+                                        it->earlier_s + orl_year_now(keep->year) - it->began_s};
+        memcpy(info.kind, kind, sizeof kind);
+        memcpy(info.key, it->key, sizeof info.key);
+        memcpy(info.family, it->family, sizeof info.family);
+        code = keep->store->commit(keep->store->ctx, &info, &why);
+    }
+    if (code < 0) {
+        orl_keep_done(keep, it);
+        forget(keep, &why);
+        return;
+    }
+    keep->store->release(keep->store->ctx, kind, it->key);
+    it->owed = false;
+}
+
+void orl_keep_done(struct orl_keep *keep, struct orl_keeping *it)
+{
+    if (it->owed)
+        keep->store->abandon(keep->store->ctx, kind, it->key);
+    it->owed = false;
+    free(it->data);
+    it->data = NULL;
+}
+
+void orl_keep_end(struct orl_keep *keep)
+{
+    keep->year->hushed = false;
+    if (keep->damaged)
+        orl_year_warn(keep->year, "parts of this year's light were kept, but damaged or out of "
+                                  "date: they were made again");
+    if (keep->why.code < 0)
+        orl_year_warn(keep->year,
+                      "what this year's light is made of is not kept for later jobs: %s",
+                      keep->why.message);
+}

@@ -1,0 +1,215 @@
+/* World, scene and panels of a year, and its suns among nodes and beams, each when it is asked for.
+ */
+#include "annual/light.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "annual/scope.h"
+
+/* ---- The world ------------------------------------------------------------------------------- */
+
+static void warn_of_curved(struct orl_year *y)
+{
+    uint32_t first = 0;
+    const size_t n = orl_annual_count_curved(y->world, &first);
+    if (n == 0)
+        return;
+    const struct orl_description *d = &y->world->scene->description;
+    const struct orl_surface *surface = &d->surfaces[y->world->geometry->facets[first].surface];
+    orl_year_warn(y,
+                  "sunlight that %zu curved panes or polished surfaces mirror is left out (first: "
+                  "%.100s at %.200s:%d): make them of flat pieces",
+                  n, surface->name, surface->file, surface->line);
+}
+
+static int make_world(struct orl_year *y, struct orl_error *err)
+{
+    int code = orl_world_new(y->lights, &y->world, err);
+    if (code == 0)
+        code = orl_annual_admit(y->world, err);
+    if (code < 0 || !y->world)
+        return code;
+    warn_of_curved(y);
+    if (y->world->n_emitters > 0)
+        orl_year_warn(y, "the scene's lamps are left out: a year of daylight has no lamps on");
+    y->world->n_emitters = 0;
+    return 0;
+}
+
+/* ---- Sunlight on surfaces -------------------------------------------------------------------- */
+
+/* From the store, or by photons, which go there. */
+static int make_map(struct orl_year *y, struct orl_error *err)
+{
+    struct orl_keeping it = {.what = ORL_YEARS_MAP};
+    const struct orl_sun_map_request request =
+        orl_annual_scene_map_request(&y->scene, y->request->seed);
+    void *data = NULL;
+    size_t size = 0;
+    if (y->world->open || y->world->n_ports == 0 || y->nodes.count == 0)
+        return 0;
+    int code = orl_keep_ask(&y->keep, &it, err);
+    if (code < 0)
+        return code;
+    if (it.data)
+        code = orl_sun_map_load(&request, it.data, &y->scene.map);
+    else
+        code = orl_sun_map_new(&request, y->env->run->crew, &y->scene.map);
+    if (code == 0 && it.owed && orl_sun_map_save(y->scene.map, &data, &size) == 0)
+        orl_keep_put(&y->keep, &it, data, size);
+    free(data);
+    orl_keep_done(&y->keep, &it);
+    return code < 0 ? orl_year_failed(y, code, err) : 0;
+}
+
+static int make_scene(struct orl_year *y, struct orl_error *err)
+{
+    int code = make_world(y, err);
+    if (code < 0)
+        return code;
+    code =
+        orl_annual_scene_init(&y->scene, y->world, &y->bins, orl_turn_by(y->request->north_deg),
+                              y->node_frames, y->nodes.count, y->nodes.a_circle, y->env->run->crew);
+    if (code < 0)
+        return orl_year_failed(y, code, err);
+    if (y->scene.mirrors.n_left_out > 0)
+        orl_year_warn(y,
+                      "flat mirrors and panes lie in more planes than a year follows: the sun's "
+                      "reflections in %zu of them, the smallest, are left out",
+                      y->scene.mirrors.n_left_out);
+    return make_map(y, err);
+}
+
+int orl_year_need_scene(struct orl_year *y, struct orl_error *err)
+{
+    return y->world ? 0 : make_scene(y, err);
+}
+
+int orl_year_need_panels(struct orl_year *y, struct orl_error *err)
+{
+    int code = orl_year_need_scene(y, err);
+    if (code < 0 || y->has_panels)
+        return code;
+    y->has_panels = true;
+    code = orl_panels_init(&y->panels, y->world, &y->hours.suns, &y->scene.sobol, y->request->seed,
+                           y->env->run->crew);
+    if (code == ORL_ERR_LIMIT)
+        return orl_error_set(err, code,
+                             "more than %d kinds of BSDF panes, by material and "
+                             "direction, are too many for a year",
+                             ORL_PANEL_MOST_KINDS);
+    return code < 0 ? orl_year_failed(y, code, err) : 0;
+}
+
+/* ---- Suns ------------------------------------------------------------------------------------ */
+
+/* As they are kept: this, then the arrays of the terms, and warnings, each ended by a zero. */
+struct kept_suns {
+    uint64_t n_beams, n_suns, n_terms, n_warnings, text_bytes;
+};
+
+static size_t bytes_of(const struct kept_suns *k)
+{
+    return sizeof *k + (k->n_suns + 1) * sizeof(uint32_t) +
+           k->n_terms * (sizeof(uint32_t) + 2 * sizeof(float)) + k->text_bytes;
+}
+
+static void *put_bytes(void *to, const void *from, size_t bytes)
+{
+    memcpy(to, from, bytes);
+    return (char *)to + bytes;
+}
+
+static const void *get_bytes(void *to, const void *from, size_t bytes)
+{
+    memcpy(to, from, bytes);
+    return (const char *)from + bytes;
+}
+
+/* first_warning: of the result's, those that are of the light. */
+static void keep_suns(struct orl_year *y, struct orl_keeping *it, size_t first_warning)
+{
+    const struct orl_annual_result *r = y->result;
+    const struct orl_sun_terms *terms = &y->terms;
+    struct kept_suns k = {.n_beams = y->n_beams,
+                          .n_suns = y->hours.suns.count,
+                          .n_terms = terms->first[y->hours.suns.count],
+                          .n_warnings = r->n_warnings - first_warning};
+    for (size_t i = first_warning; i < r->n_warnings; i++)
+        k.text_bytes += strlen(r->warnings[i]) + 1;
+    k.text_bytes += (4 - k.text_bytes % 4) % 4;
+    void *data = calloc(1, bytes_of(&k));
+    if (!data)
+        return;
+    void *at = put_bytes(data, &k, sizeof k);
+    at = put_bytes(at, terms->first, (k.n_suns + 1) * sizeof *terms->first);
+    at = put_bytes(at, terms->which, k.n_terms * sizeof *terms->which);
+    at = put_bytes(at, terms->weights, k.n_terms * sizeof *terms->weights);
+    at = put_bytes(at, terms->apart, k.n_terms * sizeof *terms->apart);
+    for (size_t i = first_warning; i < r->n_warnings; i++)
+        at = put_bytes(at, r->warnings[i], strlen(r->warnings[i]) + 1);
+    orl_keep_put(&y->keep, it, data, bytes_of(&k));
+    free(data);
+}
+
+/* What passes the file's checks is as it was written. */
+static int take_suns(struct orl_year *y, const void *data)
+{
+    struct orl_sun_terms *terms = &y->terms;
+    struct kept_suns k;
+    const void *at = get_bytes(&k, data, sizeof k);
+    y->n_beams = k.n_beams;
+    terms->first = malloc((k.n_suns + 1) * sizeof *terms->first);
+    terms->which = malloc((k.n_terms + 1) * sizeof *terms->which);
+    terms->weights = malloc((k.n_terms + 1) * sizeof *terms->weights);
+    terms->apart = malloc((k.n_terms + 1) * sizeof *terms->apart);
+    if (!terms->first || !terms->which || !terms->weights || !terms->apart)
+        return ORL_ERR_NOMEM;
+    at = get_bytes(terms->first, at, (k.n_suns + 1) * sizeof *terms->first);
+    at = get_bytes(terms->which, at, k.n_terms * sizeof *terms->which);
+    at = get_bytes(terms->weights, at, k.n_terms * sizeof *terms->weights);
+    at = get_bytes(terms->apart, at, k.n_terms * sizeof *terms->apart);
+    const char *text = at;
+    for (size_t i = 0; i < k.n_warnings; i++, text += strlen(text) + 1)
+        orl_year_warn(y, "%s", text);
+    y->hushed = true;
+    return 0;
+}
+
+static int make_suns(struct orl_year *y, struct orl_keeping *it, struct orl_error *err)
+{
+    const size_t first_warning = y->result->n_warnings;
+    int code = orl_year_need_panels(y, err);
+    if (code < 0)
+        return code;
+    y->n_beams = y->scene.map ? orl_sun_map_beams(y->scene.map)->count : 0;
+    code = orl_sun_terms_init(&y->terms, &y->hours.suns, &y->nodes, y->node_frames, y->scene.map,
+                              y->env->run->crew);
+    if (code < 0)
+        return orl_year_failed(y, code, err);
+    if (it->owed)
+        keep_suns(y, it, first_warning);
+    return 0;
+}
+
+int orl_year_find_suns(struct orl_year *y, struct orl_error *err)
+{
+    struct orl_keeping it = {.what = ORL_YEARS_SUNS};
+    int code = orl_keep_ask(&y->keep, &it, err);
+    if (code == 0 && it.data)
+        code = take_suns(y, it.data) < 0 ? orl_year_no_memory(err) : 0;
+    else if (code == 0)
+        code = make_suns(y, &it, err);
+    orl_keep_done(&y->keep, &it);
+    y->n_sun = y->nodes.count + y->n_beams;
+    return code;
+}
+
+void orl_year_light_done(struct orl_year *y)
+{
+    orl_panels_done(&y->panels);
+    orl_annual_scene_done(&y->scene);
+    orl_world_free(y->world);
+    orl_sun_terms_done(&y->terms);
+}
