@@ -131,13 +131,13 @@ int orl_rename_synced(const char *from, const char *to, struct orl_error *err)
     return orl_sync_path(dirname(folder), err);
 }
 
-int orl_write_file(const char *path, const void *data, size_t size, struct orl_error *err)
+/* Writes and syncs what is to be whole when it gets its name. */
+static int write_part(const char *path, const char *at, size_t size, struct orl_error *err)
 {
     const int fd = open(path, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
     if (fd < 0)
         return io_error(err, "create", path);
     int rc = 0;
-    const char *at = data;
     while (size > 0 && rc == 0) {
         const ssize_t n = write(fd, at, size);
         if (n < 0 && errno == EINTR)
@@ -153,6 +153,18 @@ int orl_write_file(const char *path, const void *data, size_t size, struct orl_e
         rc = io_error(err, "sync", path);
     if (close(fd) != 0 && rc == 0)
         rc = io_error(err, "close", path);
+    return rc;
+}
+
+int orl_write_file(const char *path, const void *data, size_t size, struct orl_error *err)
+{
+    char part[ORL_PATH_MAX + 8];
+    snprintf(part, sizeof part, "%s.part", path);
+    int rc = write_part(part, data, size, err);
+    if (rc == 0 && rename(part, path) != 0)
+        rc = io_error(err, "rename to", path);
+    if (rc)
+        unlink(part);
     return rc;
 }
 

@@ -43,7 +43,8 @@ int orl_remove_tree(const char *path, struct orl_error *err);
 int orl_sync_path(const char *path, struct orl_error *err);
 /* rename, then fsync of the folder that holds to. */
 int orl_rename_synced(const char *from, const char *to, struct orl_error *err);
-/* Writes a whole new file and syncs it. */
+/* Writes a file and syncs it. Whoever reads it meanwhile, and whatever happens, it is the one that
+ * was there before, or all of the new one: a running job's results are asked for at any moment. */
 int orl_write_file(const char *path, const void *data, size_t size, struct orl_error *err);
 
 /* ---- Blobs: content-addressed files --------------------------------------------------------- */

@@ -13,7 +13,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include "process/config.h"
 #include "store/folders.h"
@@ -568,6 +570,42 @@ static void test_uploads_that_fail_late(void **state)
     assert_int_equal(daemon_count_files(&f->daemon, "blobs"), blobs + 2);
 }
 
+/* ---- Files that change under their readers --------------------------------------------------- */
+
+/* Whoever has it open goes on reading what it was; and a write that fails leaves that in place. */
+static void test_files_are_whole_while_they_are_written(void **state)
+{
+    char folder[] = "/tmp/oriel-test-XXXXXX", path[64], part[80], text[16] = "";
+    const struct rlimit tiny = {2, RLIM_INFINITY};
+    struct rlimit usual;
+    struct orl_error err = {0};
+    (void)state;
+    assert_non_null(mkdtemp(folder));
+    snprintf(path, sizeof path, "%s/result.json", folder);
+    snprintf(part, sizeof part, "%s.part", path);
+    assert_int_equal(orl_write_file(path, "first", 5, &err), 0);
+    FILE *reader = fopen(path, "rb");
+    assert_non_null(reader);
+    assert_int_equal(orl_write_file(path, "the second", 10, &err), 0);
+    assert_int_equal(fread(text, 1, sizeof text, reader), 5);
+    assert_memory_equal(text, "first", 5);
+    fclose(reader);
+    signal(SIGXFSZ, SIG_IGN);
+    getrlimit(RLIMIT_FSIZE, &usual);
+    setrlimit(RLIMIT_FSIZE, &tiny);
+    const int code = orl_write_file(path, "the third", 9, &err);
+    setrlimit(RLIMIT_FSIZE, &usual);
+    assert_int_equal(code, ORL_ERR_IO);
+    assert_true(access(part, F_OK) != 0);
+    reader = fopen(path, "rb");
+    assert_non_null(reader);
+    assert_int_equal(fread(text, 1, sizeof text, reader), 10);
+    assert_memory_equal(text, "the second", 10);
+    fclose(reader);
+    unlink(path);
+    rmdir(folder);
+}
+
 #define EACH(test) cmocka_unit_test_setup_teardown(test, daemon_room_set_up, daemon_room_tear_down)
 int main(void)
 {
@@ -576,6 +614,7 @@ int main(void)
         EACH(test_full),
         EACH(test_queue_of_results),
         EACH(test_too_large),
+        cmocka_unit_test(test_files_are_whole_while_they_are_written),
         cmocka_unit_test(test_sizes),
         cmocka_unit_test(test_shelf_sizes),
         EACH(test_budget_is_told),
