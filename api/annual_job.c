@@ -6,6 +6,9 @@
 struct running {
     struct orl_annual_job *job;
     const struct orl_annual_job_env *env;
+    struct orl_annual_inputs inputs;
+    struct orl_files files; /* the run's, all of which is noted */
+    struct orl_run_env run; /* with these */
     struct orl_annual_result result;
     struct orl_annual_refinement refinement;
     struct orl_annual_report report;
@@ -17,8 +20,7 @@ struct running {
 static int on_begins(void *ctx, const struct orl_annual_result *result, struct orl_error *err)
 {
     const struct running *r = ctx;
-    return orl_annual_wishes_check(&r->job->request, result, &r->job->wishes, r->env->run->files,
-                                   err);
+    return orl_annual_wishes_check(&r->job->request, result, &r->job->wishes, r->run.files, err);
 }
 
 static bool on_kept(void *ctx, struct orl_annual_block *block)
@@ -36,7 +38,7 @@ static void on_done(void *ctx, const struct orl_annual_block *block)
 
 static int run_year(struct running *r, struct orl_error *err)
 {
-    struct orl_run_env run = *r->env->run;
+    struct orl_run_env run = r->run;
     const struct orl_annual_env env = {.run = &run,
                                        .begins = on_begins,
                                        .reuse = r->env->reuse,
@@ -48,11 +50,20 @@ static int run_year(struct running *r, struct orl_error *err)
                                 &r->result, &r->refinement, err);
 }
 
+/* Scenes that were found on the shelf were read, too. */
+static int note_scene(struct running *r, struct orl_error *err)
+{
+    int rc = 0;
+    for (size_t i = 0; i < r->result.n_scene_read && rc == 0; i++)
+        rc = orl_annual_inputs_need(&r->inputs, r->result.scene_read[i], err);
+    return rc;
+}
+
 /* ---- What is told of it ---------------------------------------------------------------------- */
 
 static int make_report(struct running *r, struct orl_error *err)
 {
-    const struct orl_run_env *run = r->env->run;
+    const struct orl_run_env *run = &r->run;
     const int rc = orl_annual_report_make(&r->job->request, &r->result, &r->job->wishes, run->files,
                                           &r->report, err);
     return rc ? rc : orl_annual_report_warn(&r->report, &r->result, run->warned, run->ctx, err);
@@ -60,13 +71,13 @@ static int make_report(struct running *r, struct orl_error *err)
 
 static int tell(struct running *r, struct orl_error *err)
 {
-    const struct orl_annual_told told = {r->job, r->env->run, &r->result, &r->report};
+    const struct orl_annual_told told = {r->job, &r->run, &r->result, &r->report};
     json_t *names = json_array(), *document = NULL;
     int rc = names ? orl_annual_files_write(&told, names, err)
                    : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     if (rc == 0) {
         document = orl_annual_report_to_json(r->job, &r->result, &r->refinement, &r->report,
-                                             r->env->inputs, names);
+                                             &r->inputs, names);
         rc = document ? r->env->tell(r->env->run->ctx, &r->result, &r->report, document, names, err)
                       : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     }
@@ -78,17 +89,22 @@ static int tell(struct running *r, struct orl_error *err)
 int orl_annual_job_run(struct orl_annual_job *job, const struct orl_annual_job_env *env,
                        struct orl_error *err)
 {
-    struct running r = {.job = job, .env = env};
-    int rc = orl_annual_grids_read(&job->request, job->grid_files, env->run->files, err);
+    struct running r = {.job = job, .env = env, .run = *env->run};
+    r.files = orl_annual_inputs_of(&r.inputs, env->run->files);
+    r.run.files = &r.files;
+    int rc = orl_annual_grids_read(&job->request, job->grid_files, &r.files, err);
     if (rc == 0)
         rc = orl_annual_validate(&job->request, err);
     if (rc == 0)
         rc = run_year(&r, err);
+    if (rc == 0)
+        rc = note_scene(&r, err);
     if (rc == 0)
         rc = make_report(&r, err);
     if (rc == 0)
         rc = tell(&r, err);
     orl_annual_report_done(&r.report);
     orl_annual_done(&r.result);
+    orl_annual_inputs_done(&r.inputs);
     return rc;
 }

@@ -22,6 +22,7 @@ void orl_annual_job_done(struct orl_annual_job *job)
         free(job->grid_files[i]);
     free(job->grid_files);
     free(job->title);
+    free(job->document);
     orl_annual_request_done(&job->request);
     orl_annual_wishes_done(&job->wishes);
     *job = (struct orl_annual_job){.title = NULL};
@@ -251,6 +252,18 @@ static int decode(const json_t *doc, enum orl_job_origin origin, struct orl_annu
     return rc ? rc : orl_annual_grids_from_json(doc, origin, job, ret_scene_id, err);
 }
 
+/* But for what is the queue's business alone. */
+static int keep_document(const json_t *doc, struct orl_annual_job *job, struct orl_error *err)
+{
+    static const char *const not_kept[] = {"priority", "name", "tags"};
+    json_t *copy = json_copy((json_t *)(uintptr_t)doc);
+    for (size_t i = 0; copy && i < sizeof not_kept / sizeof *not_kept; i++)
+        json_object_del(copy, not_kept[i]);
+    job->document = copy ? json_dumps(copy, JSON_COMPACT) : NULL;
+    json_decref(copy);
+    return job->document ? 0 : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+}
+
 int orl_annual_job_validate(const struct orl_annual_job *job, struct orl_error *err)
 {
     const struct orl_annual_request *request = &job->request;
@@ -270,6 +283,8 @@ int orl_annual_job_from_json(const json_t *doc, enum orl_job_origin origin,
         orl_error_set(err, rc, "out of memory");
     else
         rc = decode(doc, origin, &job, &scene_id, err);
+    if (rc == 0)
+        rc = keep_document(doc, &job, err);
     if (rc) {
         orl_annual_job_done(&job);
         free(scene_id);

@@ -30,7 +30,8 @@
  *      "refined_sensors", "most_samples"} (oriel/annual_report.h),
  *      "shades": null or what states window groups were in (annual_shades.h),
  *      "files": [...] (names below the result's folder), "provenance": {"version", "seed",
- *      "samples", "inputs": [{"name", "bytes", "sha256"}], "settings": {...}},
+ *      "samples", "inputs": [{"name", "bytes", "sha256"}], "settings": {...},
+ *      "document": the year's, by which `oriel verify` repeats it},
  *      "reuse": null or {"suns", "map", "paths", "sun": {"found", "topped_up", "made"},
  *      "rays_saved"} (of what earlier jobs left: oriel/annual.h), "rays" (of paths, in this run),
  *      "timings_s", "threads", "warnings"}
@@ -55,6 +56,7 @@ struct orl_annual_formats {
 /* All of it owned; orl_annual_job_done frees it. */
 struct orl_annual_job {
     char *title;
+    char *document; /* what it was decoded from, in a line */
     struct orl_annual_request
         request; /* sensors of files are not read yet: orl_annual_grids_read */
     struct orl_annual_wishes wishes;

@@ -155,18 +155,37 @@ static json_t *occupancy_to_json(const struct orl_annual_wishes *wishes)
                      __builtin_popcount(use->days & 0x7f));
 }
 
+/* The year's own, of a scene by its files' names, and with the seed that it had. */
+static json_t *document_to_json(const struct orl_annual_job *job)
+{
+    json_t *document = json_loads(job->document, 0, NULL);
+    json_t *formats = json_array();
+    if (job->formats.honeybee)
+        formats = append(formats, json_string("honeybee"));
+    if (job->formats.matrices)
+        formats = append(formats, json_string("ill"));
+    if (document && json_object_set_new(document, "formats", formats) == 0 &&
+        json_object_set_new(document, "scene",
+                            json_pack("{s:o}", "files", scene_to_json(&job->request))) == 0 &&
+        json_object_set_new(document, "seed", json_integer((json_int_t)job->request.seed)) == 0)
+        return document;
+    json_decref(document);
+    return NULL;
+}
+
 static json_t *provenance_to_json(const struct orl_annual_job *job,
                                   const struct orl_annual_result *result,
                                   const struct orl_annual_inputs *inputs)
 {
     const struct orl_annual_request *request = &job->request;
-    return json_pack(
-        "{s:s, s:I, s:I, s:o, s:{s:o, s:o, s:f, s:f, s:o, s:o}}", "version", ORL_VERSION, "seed",
-        (json_int_t)result->seed, "samples", (json_int_t)result->samples, "inputs",
-        inputs_to_json(inputs), "settings", "scene", scene_to_json(request), "weather",
-        orl_json_from_text(request->weather_file), "north", request->north_deg,
-        "ground_reflectance", request->ground_reflectance, "occupancy",
-        occupancy_to_json(&job->wishes), "shades", orl_annual_shades_settings(request));
+    return json_pack("{s:s, s:I, s:I, s:o, s:{s:o, s:o, s:f, s:f, s:o, s:o}, s:o}", "version",
+                     ORL_VERSION, "seed", (json_int_t)result->seed, "samples",
+                     (json_int_t)result->samples, "inputs", inputs_to_json(inputs), "settings",
+                     "scene", scene_to_json(request), "weather",
+                     orl_json_from_text(request->weather_file), "north", request->north_deg,
+                     "ground_reflectance", request->ground_reflectance, "occupancy",
+                     occupancy_to_json(&job->wishes), "shades", orl_annual_shades_settings(request),
+                     "document", document_to_json(job));
 }
 
 /* What came from what earlier jobs left, and what had to be made; null where none was asked. */

@@ -2,7 +2,8 @@
  * The commands of `oriel`: one file per command (cmd_*.c), a static table in main.c, and the small
  * option parser they share (options.c).
  *
- * Exit codes: 0 done, 1 failed (the reason is on stderr), 2 the command line makes no sense.
+ * Exit codes: 0 done, 1 failed (the reason is on stderr), 2 the command line makes no sense; or, of
+ * verify, there is nothing to compare with.
  * Standard output carries what a script wants (an id, a table, JSON); everything else, progress
  * and errors, goes to stderr.
  */
@@ -77,6 +78,7 @@ int orl_cmd_remove(const struct orl_subcommand *self, int argc, char **argv);
 int orl_cmd_maps(const struct orl_subcommand *self, int argc, char **argv);
 int orl_cmd_upload(const struct orl_subcommand *self, int argc, char **argv);
 int orl_cmd_bsdf(const struct orl_subcommand *self, int argc, char **argv);
+int orl_cmd_verify(const struct orl_subcommand *self, int argc, char **argv);
 int orl_cmd_glare(const struct orl_subcommand *self, int argc, char **argv);
 int orl_cmd_version(const struct orl_subcommand *self, int argc, char **argv);
 

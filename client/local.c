@@ -274,10 +274,7 @@ int orl_local_annual(struct orl_annual_job *job, const char *folder, const char 
                      struct orl_error *err)
 {
     struct year year = {.tell = tell};
-    struct orl_annual_inputs inputs;
-    struct orl_files noting;
     const struct orl_annual_job_env env = {.run = &year.local.env,
-                                           .inputs = &inputs,
                                            .reuse = cache != NULL,
                                            .round = on_year_round,
                                            .tell = on_year_done};
@@ -285,16 +282,15 @@ int orl_local_annual(struct orl_annual_job *job, const char *folder, const char 
 
     if (rc)
         return rc;
-    if (cache)
+    if (cache) { /* without the folder the run warns, and goes on */
         snprintf(year.local.maps.folder, sizeof year.local.maps.folder, "%s", cache);
-    noting = orl_annual_inputs_of(&inputs, &year.local.files);
-    year.local.env.files = &noting;
+        orl_make_folder(cache, NULL);
+    }
     year.local.env.files_id = "of this run";
     year.local.env.shelf = orl_shelf_new(YEAR_SHELF);
     rc = year.local.env.shelf ? orl_annual_job_run(job, &env, err)
                               : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     orl_shelf_free(year.local.env.shelf);
-    orl_annual_inputs_done(&inputs);
     local_stop(&year.local, rc);
     return rc;
 }

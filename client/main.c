@@ -17,7 +17,7 @@ static const struct orl_subcommand commands[] = {
      "sensor or pixel at most (lux, or a share), what does it save (estimated seconds of one\n"
      "thread), and why. The job's \"effects\" can force or skip each.",
      orl_cmd_plan},
-    {"annual", "JOB.json -o DIR [--honeybee] [--ill] [--threads N]",
+    {"annual", "JOB.json -o DIR [--cache DIR] [--honeybee] [--ill] [--threads N]",
      "Daylight over a year: metrics and verdicts with their intervals",
      "JOB.json names a scene without a sky, a weather file (EPW or WEA) and grids of sensors; and, "
      "if\n"
@@ -27,6 +27,15 @@ static const struct orl_subcommand commands[] = {
      "over the year, and a page of each to show. With --honeybee all hours go to DIR/results as\n"
      "Honeybee keeps them, with --ill to Radiance matrices.",
      orl_cmd_annual},
+    {"verify", "RESULT [--files DIR] [--threads N]",
+     "Repeat a year from its result's provenance, and compare bytes",
+     "RESULT is a year's result.json, or the folder that it is in with its files. Inputs are "
+     "looked\n"
+     "for by their names below --files, and are to have the digests that the result names. Ends "
+     "with\n"
+     "0 when all bytes are the same, 1 when some are not, each file named, and 2 when the year\n"
+     "cannot be repeated: an input is another by now, or absent.",
+     orl_cmd_verify},
     {"study", "STUDY.json -o DIR [--threads N]",
      "Show what accuracy costs in time, by techniques and settings",
      "Runs every technique at every number of photons and samples that STUDY.json lists, with\n"

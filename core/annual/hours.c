@@ -17,17 +17,30 @@ struct reader {
     struct orl_error *errors;      /* by row: code 0 where all is well */
 };
 
+/* Where no sun was measured it is asked for, unless it is far below the horizon. */
+static struct orl_daylight_sun sun_of(const struct reader *r, size_t index)
+{
+    static const double well_set = -0.02; /* a sine: far more than half of the disc */
+    const struct orl_weather_row *row = &r->weather->rows[index];
+    const struct orl_daylight *d = &r->daylights[index];
+    if (!row->missing && !d->black && d->sun_radiance > 0)
+        return (struct orl_daylight_sun){d->sun, d->sun_angle_deg};
+    if (!row->missing && d->sun.z < well_set)
+        return (struct orl_daylight_sun){.angle_deg = 0};
+    return orl_daylight_sun_of_row(r->weather, row);
+}
+
 static void read_row(void *arg, size_t index, uint32_t member)
 {
     struct reader *r = arg;
     const struct orl_weather_row *row = &r->weather->rows[index];
     (void)member;
-    r->suns[index] = orl_daylight_sun_of_row(r->weather, row);
-    if (row->missing)
-        return;
-    if (orl_daylight_of_row(r->weather, row, &r->daylights[index], &r->diffuse_w[index],
+    if (!row->missing &&
+        orl_daylight_of_row(r->weather, row, &r->daylights[index], &r->diffuse_w[index],
                             &r->errors[index]) < 0)
         orl_error_at(&r->errors[index], r->name, row->line, NULL);
+    else
+        r->suns[index] = sun_of(r, index);
 }
 
 static struct orl_annual_step step_of(const struct reader *r, size_t index)

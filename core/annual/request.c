@@ -107,6 +107,9 @@ void orl_annual_done(struct orl_annual_result *result)
     for (size_t i = 0; result->warnings && i < result->n_warnings; i++)
         free(result->warnings[i]);
     free(result->warnings);
+    for (size_t i = 0; result->scene_read && i < result->n_scene_read; i++)
+        free(result->scene_read[i]);
+    free(result->scene_read);
     free(result->steps);
     free(result->step_of_column);
     free(result->states);

@@ -25,14 +25,19 @@ static int admit_sources(const struct orl_description *description, struct orl_e
 }
 
 /* By what it is read from, and what of it is swapped. */
-static void name_scene(struct orl_year *y, const struct orl_description *description)
+static int name_scene(struct orl_year *y, const struct orl_description *description,
+                      struct orl_error *err)
 {
     struct orl_sha256 hash;
+    for (size_t i = 0; i < description->n_files; i++)
+        if (orl_annual_note_read(y->result, description->files[i]) < 0)
+            return orl_year_no_memory(err);
     orl_sha256_init(&hash);
     orl_sha256_add(&hash, description->digest, ORL_SHA256_BYTES);
     if (y->variant && y->variant->swaps)
         orl_swaps_digest(y->variant->swaps, &hash);
     orl_sha256_finish(&hash, y->digest);
+    return 0;
 }
 
 /* The scene and the lamps in it, as a job of no sky loads them. */
@@ -55,7 +60,7 @@ static int load_scene(struct orl_year *y, struct orl_error *err)
     if (code == 0)
         code = admit_sources(&state.scene->description, err);
     if (code == 0)
-        name_scene(y, &state.scene->description);
+        code = name_scene(y, &state.scene->description, err);
     orl_scene_release(state.scene);
     orl_health_add(&y->result->health, &result.health);
     y->result->warnings = result.warnings;

@@ -84,6 +84,9 @@ static int take_account(struct shading *s, struct orl_annual_result *run)
     for (int i = 0; i < ORL_ANNUAL_STAGES; i++)
         s->result->timings_s[i] += run->timings_s[i];
     orl_health_add(&s->result->health, &run->health);
+    for (size_t i = 0; i < run->n_scene_read; i++)
+        if (orl_annual_note_read(s->result, run->scene_read[i]) < 0)
+            return no_memory(s);
     s->result->reuse.asked = run->reuse.asked;
     for (int i = 0; i < ORL_YEARS_KINDS; i++)
         orl_annual_reused_add(&s->result->reuse.of[i], &run->reuse.of[i]);

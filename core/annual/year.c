@@ -29,6 +29,22 @@ void orl_year_warn(struct orl_year *y, const char *format, ...)
     r->n_warnings += grown[r->n_warnings] != NULL;
 }
 
+int orl_annual_note_read(struct orl_annual_result *result, const char *name)
+{
+    for (size_t i = 0; i < result->n_scene_read; i++)
+        if (strcmp(result->scene_read[i], name) == 0)
+            return 0;
+    char **grown = realloc(result->scene_read, (result->n_scene_read + 1) * sizeof *grown);
+    if (!grown)
+        return ORL_ERR_NOMEM;
+    result->scene_read = grown;
+    grown[result->n_scene_read] = strdup(name);
+    if (!grown[result->n_scene_read])
+        return ORL_ERR_NOMEM;
+    result->n_scene_read++;
+    return 0;
+}
+
 double orl_year_now(const struct orl_year *y)
 {
     return y->env->run->now_s(y->env->run->ctx);

@@ -76,6 +76,9 @@ int orl_year_read_hours(struct orl_year *y, struct orl_error *err);
 int orl_year_borrow_hours(struct orl_year *y, const struct orl_year *from, struct orl_error *err);
 void orl_year_tell_hours(struct orl_year *y);
 
+/* A file of the scene, once: ORL_ERR_NOMEM. */
+int orl_annual_note_read(struct orl_annual_result *result, const char *name);
+
 void orl_year_warn(struct orl_year *y, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 

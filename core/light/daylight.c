@@ -396,13 +396,15 @@ int orl_daylight_of_row(const struct orl_weather *weather, const struct orl_weat
 struct orl_daylight_sun orl_daylight_sun_of_row(const struct orl_weather *weather,
                                                 const struct orl_weather_row *row)
 {
-    const double bright = weather->units == ORL_WEATHER_NORMAL_LX ? 50000 : 500;
+    static const double bright_w = 500;
+    struct orl_weather place = *weather;
     struct orl_weather_row lit = *row;
     struct orl_daylight daylight = {0};
     double diffuse;
+    place.units = ORL_WEATHER_NORMAL_W;
     lit.missing = false;
-    lit.direct = lit.diffuse = bright;
-    if (orl_daylight_of_row(weather, &lit, &daylight, &diffuse, NULL) < 0 || daylight.black ||
+    lit.direct = lit.diffuse = bright_w;
+    if (orl_daylight_of_row(&place, &lit, &daylight, &diffuse, NULL) < 0 || daylight.black ||
         !(daylight.sun_radiance > 0))
         return (struct orl_daylight_sun){.angle_deg = 0};
     return (struct orl_daylight_sun){daylight.sun, daylight.sun_angle_deg};

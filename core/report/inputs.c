@@ -143,8 +143,8 @@ static bool has(const struct orl_annual_inputs *inputs, size_t at, const char *n
     return at < inputs->count && strcmp(inputs->items[at].name, name) == 0;
 }
 
-int orl_annual_inputs_add(struct orl_annual_inputs *inputs, const char *name, uint64_t bytes,
-                          const char *digest, struct orl_error *err)
+static int add(struct orl_annual_inputs *inputs, const char *name, uint64_t bytes,
+               const char *digest, struct orl_error *err)
 {
     const size_t at = place_of(inputs, name);
     if (has(inputs, at, name))
@@ -170,9 +170,11 @@ static int note(struct orl_annual_inputs *inputs, const char *name, const struct
     char hex[ORL_DIGEST_HEX + 1];
     if (has(inputs, place_of(inputs, name), name))
         return 0;
-    orl_sha256(file->data, file->size, digest);
+    const struct orl_files *files = inputs->files;
+    if (!files->digest || !files->digest(files->ctx, name, digest))
+        orl_sha256(file->data, file->size, digest);
     sodium_bin2hex(hex, sizeof hex, digest, sizeof digest);
-    return orl_annual_inputs_add(inputs, name, file->size, hex, err);
+    return add(inputs, name, file->size, hex, err);
 }
 
 static int noting_open(void *ctx, const char *name, struct orl_file *ret_file,
@@ -194,11 +196,39 @@ static void noting_close(void *ctx, struct orl_file *file)
     inputs->files->close(inputs->files->ctx, file);
 }
 
+static bool noting_digest(void *ctx, const char *name, unsigned char ret_digest[ORL_SHA256_BYTES])
+{
+    const struct orl_annual_inputs *inputs = ctx;
+    return inputs->files->digest(inputs->files->ctx, name, ret_digest);
+}
+
+static void noting_passed(void *ctx, const struct orl_file *file, size_t begin, size_t end)
+{
+    const struct orl_annual_inputs *inputs = ctx;
+    inputs->files->passed(inputs->files->ctx, file, begin, end);
+}
+
+int orl_annual_inputs_need(struct orl_annual_inputs *inputs, const char *name,
+                           struct orl_error *err)
+{
+    struct orl_file file;
+    if (has(inputs, place_of(inputs, name), name))
+        return 0;
+    const int code = noting_open(inputs, name, &file, err);
+    if (code == 0)
+        noting_close(inputs, &file);
+    return code;
+}
+
 struct orl_files orl_annual_inputs_of(struct orl_annual_inputs *inputs,
                                       const struct orl_files *files)
 {
     *inputs = (struct orl_annual_inputs){.files = files};
-    return (struct orl_files){.ctx = inputs, .open = noting_open, .close = noting_close};
+    return (struct orl_files){.ctx = inputs,
+                              .open = noting_open,
+                              .close = noting_close,
+                              .digest = files->digest ? noting_digest : NULL,
+                              .passed = files->passed ? noting_passed : NULL};
 }
 
 void orl_annual_inputs_done(struct orl_annual_inputs *inputs)

@@ -108,33 +108,15 @@ static int on_end(void *ctx, const struct orl_annual_result *result,
 
 /* ---- The job --------------------------------------------------------------------------------- */
 
-/* All that the scene was uploaded with, whatever of it lies on the shelf already. */
-static int note_inputs(const struct orl_bundle *bundle, struct orl_annual_inputs *inputs,
-                       struct orl_error *err)
-{
-    int rc = 0;
-    for (size_t i = 0; i < bundle->count && rc == 0; i++) {
-        const struct orl_bundle_file *file = &bundle->files[i];
-        rc = orl_annual_inputs_add(inputs, file->name, file->bytes, file->sha, err);
-    }
-    return rc;
-}
-
 int orl_worker_run_annual(struct orl_worker *worker, struct orl_task *task,
                           const struct orl_files *files, struct orl_error *err)
 {
     const struct orl_run_env run = orl_worker_env(worker, files);
-    struct orl_annual_inputs inputs = {.count = 0};
     const struct orl_annual_job_env env = {.run = &run,
-                                           .inputs = &inputs,
                                            .reuse = true,
                                            .kept = on_kept,
                                            .done = on_done,
                                            .round = on_round,
                                            .tell = on_end};
-    int rc = note_inputs(&worker->spec.bundle, &inputs, err);
-    if (rc == 0)
-        rc = orl_annual_job_run(&task->of.annual, &env, err);
-    orl_annual_inputs_done(&inputs);
-    return rc;
+    return orl_annual_job_run(&task->of.annual, &env, err);
 }

@@ -56,7 +56,7 @@ static void write_desks(char *text, size_t size)
 }
 
 /* All hours of a year, made up. */
-static char *make_weather(void)
+static char *make_weather(int units)
 {
     static const int days[12] = {31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31};
     static const struct year_site site = {47, 8, 1};
@@ -65,7 +65,8 @@ static char *make_weather(void)
     assert_non_null(text);
     size_t at = (size_t)snprintf(text, SIZE,
                                  "place made_up\nlatitude 47\nlongitude -8\ntime_zone -15\n"
-                                 "site_elevation 0\nweather_data_file_units 1\n");
+                                 "site_elevation 0\nweather_data_file_units %d\n",
+                                 units);
     for (int month = 1; month <= 12; month++)
         for (int d = 1; d <= days[month - 1]; d++) {
             day[0] = '\0';
@@ -81,7 +82,8 @@ static int set_up(void **state)
     static char desks[2048];
     struct reply reply;
     size_t size;
-    char *epw = read_text("tests/fixtures/weather.epw", &size), *whole = make_weather();
+    char *epw = read_text("tests/fixtures/weather.epw", &size), *whole = make_weather(1);
+    char *other = make_weather(2);
     write_desks(desks, sizeof desks);
     const char *bad = "place x\nlatitude 1\nlongitude 1\ntime_zone 0\nsite_elevation 0\n"
                       "weather_data_file_units 1\n3 21 11.5 0 ?\n";
@@ -89,6 +91,7 @@ static int set_up(void **state)
         {"room.rad", scene_text, strlen(scene_text), false},
         {"place.epw", epw, size, true},
         {"whole.wea", whole, strlen(whole), true},
+        {"other.wea", other, strlen(other), true},
         {"desks.pts", desks, strlen(desks), true},
         {"bad.pts", "0 0 1 0 0 1\n0 0 x 0 0 1\n", 24, true},
         {"bad.wea", bad, strlen(bad), true},
@@ -103,6 +106,7 @@ static int set_up(void **state)
     reply_done(&reply);
     free(epw);
     free(whole);
+    free(other);
     *state = &room;
     return 0;
 }
@@ -254,6 +258,9 @@ static void test_bytes_are_the_commands(void **state)
     const char *const fetch[] = {"fetch", id, "-o", there, "--server", f->daemon.url, NULL};
     run_command(fetch, &result);
     assert_same_files(here, there);
+    const char *const verify[] = {"verify", there, "--files", folder, NULL};
+    run_command(verify, &result);
+    assert_non_null(strstr(result.out, "the same: "));
     check_status(f, id);
     const char *const status[] = {"status", id, "--server", f->daemon.url, NULL};
     run_command(status, &result);
@@ -287,6 +294,76 @@ static void test_files_in_folders(void **state)
         reply_done(&reply);
     }
     reply_done(&job);
+}
+
+/* ---- What others use again --------------------------------------------------------------------
+ */
+
+static void fetch_result(struct year_room *f, const char *rest, struct reply *ret_reply)
+{
+    struct reply job;
+    char path[80], at[96];
+    submit(f, rest, path);
+    expect_state(f, path, "succeeded", 1, &job);
+    reply_done(&job);
+    snprintf(at, sizeof at, "%s/result", path);
+    daemon_get(&f->daemon, at, ret_reply);
+    assert_int_equal(ret_reply->status, 200);
+}
+
+/* Of what was uploaded those files are inputs that the year was made from, though the scene was
+ * loaded by the job before. */
+static void check_inputs(const struct reply *result, const char *weather)
+{
+    assert_int_equal(json_array_size(reply_at(result, "provenance.inputs")), 3);
+    assert_string_equal(reply_text(result, "provenance.inputs.0.name"), "desks.pts");
+    const int at = strcmp(weather, "room.rad") < 0 ? 1 : 2;
+    assert_string_equal(
+        reply_text(result, at == 1 ? "provenance.inputs.1.name" : "provenance.inputs.2.name"),
+        weather);
+    assert_string_equal(
+        reply_text(result, at == 1 ? "provenance.inputs.2.name" : "provenance.inputs.1.name"),
+        "room.rad");
+    assert_string_equal(reply_text(result, "provenance.document.scene.files.0"), "room.rad");
+}
+
+static void test_another_weather_casts_no_ray(void **state)
+{
+    struct year_room *f = *state;
+    struct reply first, other, maps;
+    fetch_result(f, GRIDS "\"weather\":\"whole.wea\",\"samples\":16", &first);
+    fetch_result(f, GRIDS "\"weather\":\"other.wea\",\"samples\":16", &other);
+    check_inputs(&first, "whole.wea");
+    check_inputs(&other, "other.wea");
+    assert_true(reply_number(&first, "rays") > 0);
+    assert_true(reply_number(&other, "rays") == 0);
+    assert_true(reply_number(&first, "reuse.paths.made") == 1);
+    assert_true(reply_number(&other, "reuse.paths.found") == 1);
+    assert_true(reply_number(&other, "reuse.sun.found") == 1);
+    assert_true(reply_number(&other, "reuse.map.made") == 0);
+    assert_true(reply_number(&other, "reuse.rays_saved") == reply_number(&first, "rays"));
+    assert_true(reply_number(&first, "grids.0.figures.2.value") !=
+                reply_number(&other, "grids.0.figures.2.value"));
+    reply_done(&first);
+    reply_done(&other);
+    /* They can be looked at and removed as maps can; then they are made again. */
+    daemon_get(&f->daemon, "/v1/maps", &maps);
+    assert_int_equal(json_array_size(reply_at(&maps, "maps")), 4);
+    for (int i = 0; i < 4; i++) {
+        char member[32], path[128];
+        struct reply reply;
+        snprintf(member, sizeof member, "maps.%d.kind", i);
+        assert_string_equal(reply_text(&maps, member), "annual");
+        snprintf(member, sizeof member, "maps.%d.key", i);
+        snprintf(path, sizeof path, "/v1/maps/annual/%s", reply_text(&maps, member));
+        daemon_request(&f->daemon, "DELETE", path, NULL, NULL, 0, NULL, &reply);
+        assert_int_equal(reply.status, 204);
+        reply_done(&reply);
+    }
+    reply_done(&maps);
+    fetch_result(f, GRIDS "\"weather\":\"other.wea\",\"samples\":16,\"title\":\"again\"", &other);
+    assert_true(reply_number(&other, "rays") > 0);
+    reply_done(&other);
 }
 
 /* ---- Mistakes -------------------------------------------------------------------------------- */
@@ -614,6 +691,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(test_bytes_are_the_commands, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_files_in_folders, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_another_weather_casts_no_ray, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_mistakes_are_named, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_pictures_are_bounded, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_memory_is_foreseen, set_up, tear_down),

@@ -216,6 +216,76 @@ static void test_until_a_verdict_is_sure(void **state)
     json_decref(result);
 }
 
+/* What a run left in its cache, another weather file of the place takes up. */
+static void test_a_cache_is_used_again(void **state)
+{
+    struct cli_desk *f = *state;
+    char cache[96], *first, *again;
+    snprintf(cache, sizeof cache, "%s/cache/years", f->folder);
+    const char *const plain[] = {"annual", f->document, "-o", f->output, NULL};
+    const char *const keeping[] = {"annual", f->document, "-o", f->output, "--cache", cache, NULL};
+
+    cli_run(plain, &f->result);
+    assert_null(strstr(f->result.err, "cache:"));
+    assert_non_null(first = cli_read_file(f->output, "sensors.csv"));
+    for (int i = 0; i < 2; i++) {
+        cli_run(keeping, &f->result);
+        assert_int_equal(f->result.exit_code, 0);
+        assert_says(f->result.err, i == 0 ? "paths: 0 found, 1 made" : "paths: 1 found, 0 made");
+        assert_non_null(again = cli_read_file(f->output, "sensors.csv"));
+        assert_string_equal(first, again);
+        free(again);
+    }
+    char *result = cli_read_file(f->output, "result.json");
+    assert_non_null(result);
+    assert_says(result, "\"rays\": 0");
+    free(result);
+    free(first);
+}
+
+static int verify(struct cli_desk *f, const char *result)
+{
+    const char *const args[] = {"verify", result, "--files", f->folder, "-j", "3", NULL};
+    cli_run(args, &f->result);
+    return f->result.exit_code;
+}
+
+/* The same, another result, another input, one that is gone, and no result of a year at all. */
+static void test_verify(void **state)
+{
+    struct cli_desk *f = *state;
+    const char *const nowhere[] = {"verify", f->output, NULL};
+    char path[128], *text;
+
+    json_decref(run(f, "1"));
+    snprintf(path, sizeof path, "%s/result.json", f->output);
+    assert_int_equal(verify(f, f->output), 0);
+    assert_says(f->result.out, "the same: ");
+    assert_int_equal(verify(f, path), 0);
+    cli_write_file(f->output, "hours.csv", "1\n");
+    assert_int_equal(verify(f, path), 1);
+    assert_string_equal(f->result.out, "differs: hours.csv\n");
+    assert_non_null(text = cli_read_file(f->output, "result.json"));
+    char *at = strstr(text, "\"interval_95\": [");
+    assert_non_null(at);
+    at = strpbrk(at, "123456789");
+    *at = *at == '1' ? '2' : '1';
+    cli_write_file(f->output, "result.json", text);
+    free(text);
+    assert_int_equal(verify(f, path), 1);
+    assert_says(f->result.out, "differs: result.json: \"grids\"\n");
+    cli_write_file(f->folder, "desks.pts", "2 2 0.8 0 0 1\n");
+    assert_int_equal(verify(f, path), 2);
+    assert_says(f->result.err, "desks.pts: another file: its SHA-256 is ");
+    assert_says(f->result.err, "1 of 3 inputs are not those of the result");
+    cli_run(nowhere, &f->result);
+    assert_int_equal(f->result.exit_code, 2);
+    assert_says(f->result.err, "3 of 3 inputs");
+    cli_write_file(f->output, "result.json", "{\"kind\": \"render\"}");
+    assert_int_equal(verify(f, path), 2);
+    assert_says(f->result.err, "only results of years say what they were made from");
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -226,6 +296,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_a_year_to_its_end, set_up, cli_desk_tear_down),
         cmocka_unit_test_setup_teardown(test_threads_change_nothing, set_up, cli_desk_tear_down),
         cmocka_unit_test_setup_teardown(test_until_a_verdict_is_sure, set_up, cli_desk_tear_down),
+        cmocka_unit_test_setup_teardown(test_a_cache_is_used_again, set_up, cli_desk_tear_down),
+        cmocka_unit_test_setup_teardown(test_verify, set_up, cli_desk_tear_down),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -121,6 +121,8 @@ struct orl_annual_result {
     uint64_t seed;
     uint32_t threads, samples;
     double latitude_deg, longitude_deg, time_zone_h; /* of the weather file; both east */
+    char **scene_read; /* names of the files that the scene was read from, now or before */
+    size_t n_scene_read;
     struct orl_annual_step *steps;                   /* all rows of the file */
     size_t n_steps;
     size_t n_columns; /* steps with light: of the arrays below */

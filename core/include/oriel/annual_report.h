@@ -61,9 +61,9 @@ struct orl_annual_inputs {
     struct orl_annual_input *items; /* each once, by name */
     size_t count, room;
 };
-/* One that is known without being opened; digest: SHA-256 in hexadecimal digits. ORL_ERR_NOMEM. */
-int orl_annual_inputs_add(struct orl_annual_inputs *inputs, const char *name, uint64_t bytes,
-                          const char *digest, struct orl_error *err);
+/* Opens one, where that was not done yet: of what was read by an earlier job. */
+int orl_annual_inputs_need(struct orl_annual_inputs *inputs, const char *name,
+                           struct orl_error *err);
 /* A provider that passes all on, and notes it. inputs outlives it; orl_annual_inputs_done. */
 struct orl_files orl_annual_inputs_of(struct orl_annual_inputs *inputs,
                                       const struct orl_files *files);
