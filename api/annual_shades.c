@@ -267,7 +267,8 @@ json_t *orl_annual_shades_to_json(const struct orl_annual_request *request,
                              "by", rule_of(&request->groups[g]), "states",
                              states_to_json(&request->groups[g],
                                             result->states + g * result->n_steps, result, report)));
-    return json_pack("{s:I, s:o}", "runs", (json_int_t)result->n_runs, "groups", groups);
+    return json_pack("{s:I, s:b, s:o}", "runs", (json_int_t)result->n_runs, "summed",
+                     (int)result->summed, "groups", groups);
 }
 
 /* ---- Settings -------------------------------------------------------------------------------- */

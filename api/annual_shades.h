@@ -12,8 +12,8 @@
  *
  * A control closes the group to its second state by default. result.json has
  *
- *     "shades": null or {"runs", "groups": [{"name", "by", "states": [{"name", "hours" (with light
- *     in the weather file), "occupied_hours" (of those)}]}]}
+ *     "shades": null or {"runs", "summed" (light of groups was added up), "groups": [{"name", "by",
+ * "states": [{"name", "hours" (with light in the weather file), "occupied_hours" (of those)}]}]}
  */
 #ifndef ORL_API_ANNUAL_SHADES_H
 #define ORL_API_ANNUAL_SHADES_H

@@ -56,7 +56,8 @@ static void find_sun(void *arg, size_t index, uint32_t member)
     const uint64_t name = y->request->seed + y->first + index;
     (void)member;
     orl_sunlit_hours_find(&y->scene, &y->hours.suns, &y->places[index], name, &sun);
-    orl_panels_add(&y->panels, &y->places[index], name, sun.mirrored, sun.squares);
+    if (y->has_panels)
+        orl_panels_add(&y->panels, &y->places[index], name, sun.mirrored, sun.squares);
 }
 
 static void fill_factors(void *arg, size_t index, uint32_t member)
@@ -178,6 +179,20 @@ static uint64_t count_rays(const struct orl_year *y)
     return rays;
 }
 
+/* Outdoors light comes by no window. */
+static int check_places(const struct orl_year *y, struct orl_error *err)
+{
+    if (!y->variant || y->variant->part == 0)
+        return 0;
+    for (size_t i = 0; i < y->count; i++)
+        if (y->places[i].outside)
+            return orl_error_set(err, ORL_ERR_UNSUPPORTED,
+                                 "sensor %zu stands outdoors: its light is not told apart by "
+                                 "window groups",
+                                 y->first + i + 1);
+    return 0;
+}
+
 static int trace(struct orl_year *y, struct orl_keeping *it, struct orl_error *err)
 {
     const uint64_t before = count_rays(y);
@@ -185,6 +200,9 @@ static int trace(struct orl_year *y, struct orl_keeping *it, struct orl_error *e
     if (code < 0)
         return code;
     place_sensors(y);
+    code = check_places(y, err);
+    if (code < 0)
+        return code;
     y->traced_before = it->had / ORL_ANNUAL_BATCHES;
     atomic_store(&y->traced, 0);
     code = orl_crew_try(y->env->run->crew, y->count * ORL_ANNUAL_BATCHES, trace_batch, y);
@@ -238,8 +256,36 @@ static int find_suns(struct orl_year *y, struct orl_error *err)
     return code;
 }
 
+/* What falls on sensors straight is all there is. */
+static int run_sun_only(struct orl_year *y, struct orl_error *err)
+{
+    int code = orl_year_need_scene(y, err);
+    double since = orl_year_now(y);
+    if (code < 0)
+        return code;
+    place_sensors(y);
+    code = check_places(y, err);
+    if (code == 0 && orl_crew_try(y->env->run->crew, y->count, find_sun, y) < 0)
+        code = orl_year_cancelled(err);
+    for (size_t i = 0; i < y->count && code == 0; i++) {
+        const float *straight = sun_row_of(y, i, ORL_SUN_STRAIGHT);
+        float *direct = row_of(y, i, ORL_YEAR_DIRECT);
+        memset(row_of(y, i, ORL_YEAR_TOTAL), 0, y->hours.n_columns * sizeof(float));
+        memset(row_of(y, i, ORL_YEAR_SE), 0, y->hours.n_columns * sizeof(float));
+        for (size_t c = 0; c < y->hours.n_columns; c++) {
+            const struct orl_column_sun *sun = &y->hours.sun_of_column[c];
+            direct[c] =
+                sun->normal_lx > 0 ? (float)(sun->normal_lx * (double)straight[sun->sun]) : 0;
+        }
+    }
+    orl_year_book(y, ORL_ANNUAL_SUN, &since);
+    return code == 0 ? hand_over(y, err) : code;
+}
+
 static int run_block(struct orl_year *y, struct orl_error *err)
 {
+    if (orl_year_is_sun_only(y))
+        return run_sun_only(y, err);
     struct orl_crew *crew = y->env->run->crew;
     double since = orl_year_now(y);
     int code = find_paths(y, err);

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "annual/scope.h"
+#include "scene/swap.h"
 
 /* ---- The world ------------------------------------------------------------------------------- */
 
@@ -23,12 +24,48 @@ static void warn_of_curved(struct orl_year *y)
                   n, surface->name, surface->file, surface->line);
 }
 
+static const char *name_of_part(const struct orl_year_variant *v)
+{
+    return v->part == ORL_PART_OF_NONE ? "windows of no group" : v->swaps->at[v->part - 1].of;
+}
+
+/* Light of one part is wanted: the ports of all others are closed. */
+static int close_others(struct orl_year *y, struct orl_error *err)
+{
+    const struct orl_year_variant *v = y->variant;
+    if (y->world->open) {
+        orl_error_set(err, ORL_ERR_UNSUPPORTED,
+                      "light has other ways into the building than windows: what comes by '%.100s' "
+                      "is not told from the rest",
+                      name_of_part(v));
+        orl_error_hint(err, "close the building, or have one window group");
+        return ORL_ERR_UNSUPPORTED;
+    }
+    int code = v->sun_only || v->part == ORL_PART_OF_NONE
+                   ? 0
+                   : orl_part_admit(y->world, v->part, name_of_part(v), err);
+    if (code == 0 && orl_ports_close(y->world, v->part, &y->port_of_facet) < 0)
+        code = orl_year_no_memory(err);
+    if (code == 0 && y->world->n_ports == 0)
+        code = orl_error_set(err, ORL_ERR_UNSUPPORTED,
+                             "no surface of '%.100s' is a window to the outside: what light it "
+                             "lets in is not told from the rest",
+                             name_of_part(v));
+    return code;
+}
+
 static int make_world(struct orl_year *y, struct orl_error *err)
 {
     int code = orl_world_new(y->lights, &y->world, err);
     if (code == 0)
         code = orl_annual_admit(y->world, err);
     if (code < 0 || !y->world)
+        return code;
+    if (y->variant && y->variant->ret_ports)
+        orl_ports_count(y->world, y->variant->ret_ports);
+    if (y->variant && y->variant->part > 0)
+        code = close_others(y, err);
+    if (code < 0)
         return code;
     warn_of_curved(y);
     if (y->world->n_emitters > 0)
@@ -78,7 +115,7 @@ static int make_scene(struct orl_year *y, struct orl_error *err)
                       "flat mirrors and panes lie in more planes than a year follows: the sun's "
                       "reflections in %zu of them, the smallest, are left out",
                       y->scene.mirrors.n_left_out);
-    return make_map(y, err);
+    return orl_year_is_sun_only(y) ? 0 : make_map(y, err);
 }
 
 int orl_year_need_scene(struct orl_year *y, struct orl_error *err)
@@ -89,7 +126,7 @@ int orl_year_need_scene(struct orl_year *y, struct orl_error *err)
 int orl_year_need_panels(struct orl_year *y, struct orl_error *err)
 {
     int code = orl_year_need_scene(y, err);
-    if (code < 0 || y->has_panels)
+    if (code < 0 || y->has_panels || orl_year_is_sun_only(y))
         return code;
     y->has_panels = true;
     code = orl_panels_init(&y->panels, y->world, &y->hours.suns, &y->scene.sobol, y->request->seed,
@@ -196,6 +233,8 @@ static int make_suns(struct orl_year *y, struct orl_keeping *it, struct orl_erro
 int orl_year_find_suns(struct orl_year *y, struct orl_error *err)
 {
     struct orl_keeping it = {.what = ORL_YEARS_SUNS};
+    if (orl_year_is_sun_only(y))
+        return 0;
     int code = orl_keep_ask(&y->keep, &it, err);
     if (code == 0 && it.data)
         code = take_suns(y, it.data) < 0 ? orl_year_no_memory(err) : 0;
@@ -211,5 +250,6 @@ void orl_year_light_done(struct orl_year *y)
     orl_panels_done(&y->panels);
     orl_annual_scene_done(&y->scene);
     orl_world_free(y->world);
+    free(y->port_of_facet);
     orl_sun_terms_done(&y->terms);
 }

@@ -36,6 +36,8 @@ static int name_scene(struct orl_year *y, const struct orl_description *descript
     orl_sha256_add(&hash, description->digest, ORL_SHA256_BYTES);
     if (y->variant && y->variant->swaps)
         orl_swaps_digest(y->variant->swaps, &hash);
+    if (y->variant && y->variant->part > 0)
+        orl_sha256_add(&hash, &y->variant->part, sizeof y->variant->part);
     orl_sha256_finish(&hash, y->digest);
     return 0;
 }

@@ -1,131 +1,25 @@
-/* A year with shades: which states there are in which hours, a run of each combination of them, and
- * of every hour the run that has its states. */
+/*
+ * A year with shades: which states there are in which hours; a run of each combination of them, or
+ * where that is fewer runs, of each group's states by themselves, whose light is added up.
+ */
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "annual/schedule.h"
-#include "annual/variant.h"
-#include "annual/year.h"
+#include "annual/shading.h"
+#include "scene/swap.h"
 
-enum { MOST = ORL_SHADES_MOST_RUNS };
+enum { MOST = ORL_SHADES_MOST_COMBINATIONS };
 
-struct shading {
-    const struct orl_annual_request *request;
-    const struct orl_annual_env *env;
-    struct orl_annual_result *result; /* of all open, which becomes that of all */
-    struct orl_year *reader;          /* of the hours alone */
-    unsigned char *states;            /* [group * n_steps + step] */
-    unsigned char (*combinations)[ORL_SHADES_MOST_GROUPS]; /* the first: all open */
-    size_t n_combinations;
-    unsigned char *which; /* of them, by column */
-    double told;          /* of the whole, by runs that are over */
-    struct orl_error *err;
-};
-
-static int no_memory(const struct shading *s)
-{
-    return orl_year_no_memory(s->err);
-}
-
-/* ---- Hours ----------------------------------------------------------------------------------- */
-
-static int read_hours(struct shading *s)
-{
-    struct orl_crew *crew = s->env->run->crew;
-    s->reader->request = s->request;
-    s->reader->env = s->env;
-    s->reader->result = s->result;
-    s->reader->started_s = orl_year_now(s->reader);
-    double since = s->reader->started_s;
-    orl_year_tell(s->reader, ORL_STAGE_LOAD, 0);
-    orl_bins_init(&s->reader->bins);
-    orl_crew_heed(crew, s->env->run->cancel);
-    const int code = orl_year_read_hours(s->reader, s->err);
-    orl_crew_heed(crew, NULL);
-    if (code < 0)
-        return code;
-    orl_year_tell_hours(s->reader);
-    orl_year_book(s->reader, ORL_ANNUAL_SKIES, &since);
-    s->states = calloc(s->request->n_groups * s->result->n_steps + 1, 1);
-    s->which = calloc(s->result->n_columns + 1, 1);
-    s->combinations = calloc(MOST, sizeof *s->combinations);
-    s->n_combinations = 1;
-    if (!s->states || !s->which || !s->combinations)
-        return no_memory(s);
-    return orl_shades_schedule(s->request, s->result, s->states, s->err);
-}
-
-/* ---- A run ----------------------------------------------------------------------------------- */
-
-/* What it warns of that was not said before goes into the result. */
-static int take_warnings(struct shading *s, struct orl_annual_result *run)
-{
-    struct orl_annual_result *all = s->result;
-    for (size_t i = 0; i < run->n_warnings; i++) {
-        size_t k = 0;
-        while (k < all->n_warnings && strcmp(all->warnings[k], run->warnings[i]) != 0)
-            k++;
-        if (k < all->n_warnings)
-            continue;
-        char **grown = realloc(all->warnings, (all->n_warnings + 1) * sizeof *grown);
-        if (!grown)
-            return no_memory(s);
-        all->warnings = grown;
-        grown[all->n_warnings++] = run->warnings[i];
-        if (s->env->run->warned)
-            s->env->run->warned(s->env->run->ctx, run->warnings[i]);
-        run->warnings[i] = NULL;
-    }
-    return 0;
-}
-
-static int take_account(struct shading *s, struct orl_annual_result *run)
-{
-    for (int i = 0; i < ORL_ANNUAL_STAGES; i++)
-        s->result->timings_s[i] += run->timings_s[i];
-    orl_health_add(&s->result->health, &run->health);
-    for (size_t i = 0; i < run->n_scene_read; i++)
-        if (orl_annual_note_read(s->result, run->scene_read[i]) < 0)
-            return no_memory(s);
-    s->result->reuse.asked = run->reuse.asked;
-    for (int i = 0; i < ORL_YEARS_KINDS; i++)
-        orl_annual_reused_add(&s->result->reuse.of[i], &run->reuse.of[i]);
-    s->result->threads = run->threads;
-    s->result->samples = run->samples;
-    s->result->n_nodes = run->n_nodes;
-    s->result->n_runs++;
-    return take_warnings(s, run);
-}
-
-/* share: of what there is to do in all. */
-static int run_combination(struct shading *s, size_t index, double share,
-                           struct orl_annual_result *ret_run)
-{
-    struct orl_annual_variant variant;
-    struct orl_run_env run = *s->env->run;
-    struct orl_annual_env env = *s->env;
-    const double whole = run.part > 0 ? run.part : 1;
-    run.part_from += whole * s->told;
-    run.part = whole * share;
-    run.warned = NULL;
-    env.run = &run;
-    env.begins = NULL;
-    env.row = NULL;
-    env.round = s->env->round * MOST + (uint32_t)index;
-    int code = orl_annual_variant_init(&variant, s->request, s->combinations[index], s->err);
-    const struct orl_year_variant how = {.hours_of = s->reader, .swaps = &variant.swaps};
-    if (code == 0)
-        code = orl_year_run(&variant.request, &env, &how, ret_run, s->err);
-    orl_annual_variant_done(&variant);
-    s->told += share;
-    return code == 0 ? take_account(s, ret_run) : code;
-}
+/* ---- Runs of all light ----------------------------------------------------------------------- */
 
 /* All open: its arrays are the result's. */
-static int run_open(struct shading *s, double share)
+static int run_open(struct orl_shading *s, double share)
 {
+    const struct orl_sub_run sub = {.states = s->combinations[0], .share = share};
     struct orl_annual_result run = {.n_sensors = 0};
-    const int code = run_combination(s, 0, share, &run);
+    const int code = orl_shading_run(s, &sub, &run);
     if (code == 0) {
         s->result->total = run.total;
         s->result->direct = run.direct;
@@ -137,11 +31,13 @@ static int run_open(struct shading *s, double share)
 }
 
 /* Of the hours that have it, total and errors are the run's. */
-static int run_other(struct shading *s, size_t index, double share)
+static int run_combination(struct orl_shading *s, size_t index, double share)
 {
+    const struct orl_sub_run sub = {
+        .states = s->combinations[index], .index = (uint32_t)index, .share = share};
     struct orl_annual_result run = {.n_sensors = 0}, *all = s->result;
     const size_t columns = all->n_columns;
-    const int code = run_combination(s, index, share, &run);
+    const int code = orl_shading_run(s, &sub, &run);
     for (size_t i = 0; i < all->n_sensors && code == 0; i++)
         for (size_t c = 0; c < columns; c++) {
             if (s->which[c] != index)
@@ -153,30 +49,63 @@ static int run_other(struct shading *s, size_t index, double share)
     return code;
 }
 
-/* ---- Which runs ------------------------------------------------------------------------------ */
+/* ---- Controls -------------------------------------------------------------------------------- */
 
-static int control(struct shading *s)
+/* Direct sunlight by the group's own windows; *ret_owned NULL: all there is of it. */
+static int find_direct(struct orl_shading *s, size_t g, float **ret_owned)
 {
+    const struct orl_sub_run sub = {.states = s->combinations[0],
+                                    .index = MOST + (uint32_t)g,
+                                    .part = (uint32_t)g + 1,
+                                    .sun_only = true};
+    struct orl_annual_result run = {.n_sensors = 0};
+    const bool alone = s->request->n_groups == 1;
+    *ret_owned = NULL;
+    int code = orl_shading_run(s, &sub, &run);
+    /* Of openings, and windows inside a building, nothing is told apart. */
+    if (code == ORL_ERR_UNSUPPORTED && alone && (s->ports.open || s->ports.of_part[0] == 0))
+        code = 0;
+    *ret_owned = run.direct;
+    run.direct = NULL;
+    orl_annual_done(&run);
+    return code;
+}
+
+static int control_group(struct orl_shading *s, size_t g, bool *closed)
+{
+    const struct orl_shade_control *control = &s->request->groups[g].control;
     const struct orl_annual_result *r = s->result;
-    bool *closed = malloc(r->n_columns + 1);
-    if (!closed)
-        return no_memory(s);
-    for (size_t g = 0; g < s->request->n_groups; g++) {
-        const struct orl_shade_control *control = &s->request->groups[g].control;
-        if (control->kind == ORL_SHADES_NO_CONTROL)
-            continue;
-        orl_shades_control(s->request, control,
-                           control->kind == ORL_SHADES_BY_SUN ? r->direct : r->total, r->n_columns,
-                           closed);
-        for (size_t c = 0; c < r->n_columns; c++)
-            s->states[g * r->n_steps + r->step_of_column[c]] =
-                closed[c] ? (unsigned char)control->state : 0;
-    }
-    free(closed);
+    const bool by_sun = control->kind == ORL_SHADES_BY_SUN;
+    float *own = NULL;
+    const int code = by_sun ? find_direct(s, g, &own) : 0;
+    if (code < 0)
+        return code;
+    orl_shades_control(s->request, control,
+                       own      ? own
+                       : by_sun ? r->direct
+                                : r->total,
+                       r->n_columns, closed);
+    for (size_t c = 0; c < r->n_columns; c++)
+        s->states[g * r->n_steps + r->step_of_column[c]] =
+            closed[c] ? (unsigned char)control->state : 0;
+    free(own);
     return 0;
 }
 
-static int find_combinations(struct shading *s)
+static int control(struct orl_shading *s)
+{
+    bool *closed = malloc(s->result->n_columns + 1);
+    int code = closed ? 0 : orl_year_no_memory(s->err);
+    for (size_t g = 0; g < s->request->n_groups && code == 0; g++)
+        if (s->request->groups[g].control.kind != ORL_SHADES_NO_CONTROL)
+            code = control_group(s, g, closed);
+    free(closed);
+    return code;
+}
+
+/* ---- By combinations ------------------------------------------------------------------------- */
+
+static void find_combinations(struct orl_shading *s)
 {
     const size_t groups = s->request->n_groups, steps = s->result->n_steps;
     for (size_t c = 0; c < s->result->n_columns; c++) {
@@ -186,42 +115,140 @@ static int find_combinations(struct shading *s)
             states[g] = s->states[g * steps + s->result->step_of_column[c]];
         while (k < s->n_combinations && memcmp(s->combinations[k], states, groups) != 0)
             k++;
-        if (k == MOST)
-            return orl_error_set(s->err, ORL_ERR_LIMIT,
-                                 "the window groups are in more than %d combinations of states",
-                                 MOST);
-        if (k == s->n_combinations)
+        if (k == s->n_combinations && k < MOST)
             memcpy(s->combinations[s->n_combinations++], states, groups);
         s->which[c] = (unsigned char)k;
     }
-    return 0;
 }
 
-/* How many runs there may be. */
-static double foresee(const struct shading *s)
+static bool has_more_than_room(const struct orl_shading *s)
+{
+    for (size_t c = 0; c < s->result->n_columns; c++)
+        if (s->which[c] == MOST)
+            return true;
+    return false;
+}
+
+static int run_combinations(struct orl_shading *s, double share)
+{
+    int code = 0;
+    for (size_t i = 1; i < s->n_combinations && code == 0; i++)
+        code = run_combination(s, i, share / (double)(s->n_combinations - 1));
+    return code;
+}
+
+/* ---- By parts -------------------------------------------------------------------------------- */
+
+/* Whether the group is in that state in an hour that is to be added up. */
+static bool is_used(const struct orl_shading *s, size_t g, size_t state)
+{
+    const struct orl_annual_result *r = s->result;
+    for (size_t c = 0; c < r->n_columns; c++)
+        if (s->which[c] != 0 && s->states[g * r->n_steps + r->step_of_column[c]] == state)
+            return true;
+    return false;
+}
+
+static size_t count_parts(const struct orl_shading *s)
+{
+    size_t n = 1; /* windows in no group */
+    for (size_t g = 0; g < s->request->n_groups; g++)
+        for (size_t k = 0; k < s->request->groups[g].n_states; k++)
+            n += is_used(s, g, k);
+    return n;
+}
+
+/* To all hours that are not all open; of a group, to those that have the state. */
+static void add_part(struct orl_shading *s, const struct orl_annual_result *run, size_t g,
+                     size_t state)
+{
+    struct orl_annual_result *all = s->result;
+    const size_t columns = all->n_columns;
+    for (size_t c = 0; c < columns; c++) {
+        if (s->which[c] == 0 || (g < s->request->n_groups &&
+                                 s->states[g * all->n_steps + all->step_of_column[c]] != state))
+            continue;
+        for (size_t at = c; at < all->n_sensors * columns; at += columns) {
+            all->total[at] += run->total[at];
+            all->se[at] = hypotf(all->se[at], run->se[at]);
+        }
+    }
+}
+
+/* A dark group in its state lets nothing in. */
+static int run_part(struct orl_shading *s, size_t g, size_t state, double share)
+{
+    unsigned char states[ORL_SHADES_MOST_GROUPS] = {0};
+    const bool none = g == s->request->n_groups;
+    struct orl_annual_result run = {.n_sensors = 0};
+    struct orl_sub_run sub = {.states = states,
+                              .index = 2 * MOST + (uint32_t)(g * ORL_SHADES_MOST_STATES + state),
+                              .part = none ? ORL_PART_OF_NONE : (uint32_t)g + 1,
+                              .share = share};
+    if (!none && s->request->groups[g].states[state].dark)
+        return 0;
+    if (!none)
+        states[g] = (unsigned char)state;
+    int code = orl_shading_run(s, &sub, &run);
+    if (code == 0)
+        add_part(s, &run, g, state);
+    else if (code == ORL_ERR_UNSUPPORTED && none && s->ports.of_none == 0 && !s->ports.open)
+        code = 0; /* all windows are in groups */
+    orl_annual_done(&run);
+    return code;
+}
+
+static void begin_sums(struct orl_shading *s)
+{
+    const size_t columns = s->result->n_columns;
+    for (size_t c = 0; c < columns; c++)
+        for (size_t i = 0; s->which[c] != 0 && i < s->result->n_sensors; i++)
+            s->result->total[i * columns + c] = s->result->se[i * columns + c] = 0;
+}
+
+static int run_parts(struct orl_shading *s, double share)
+{
+    const double each = share / (double)count_parts(s);
+    orl_year_warn(
+        s->reader,
+        "window groups are in many combinations of states: light was computed by group and "
+        "added up, the panes of other groups reflecting as in their first state");
+    begin_sums(s);
+    int code = 0;
+    for (size_t g = 0; g < s->request->n_groups; g++)
+        for (size_t k = 0; k < s->request->groups[g].n_states && code == 0; k++)
+            if (is_used(s, g, k))
+                code = run_part(s, g, k, each);
+    return code == 0 ? run_part(s, s->request->n_groups, 0, each) : code;
+}
+
+/* ---- Which runs ------------------------------------------------------------------------------ */
+
+/* The open one's share of all runs there may be. */
+static double share_of_open(const struct orl_shading *s)
 {
     double runs = 1;
     for (size_t g = 0; g < s->request->n_groups; g++)
         runs += (double)s->request->groups[g].n_states - 1;
-    return runs;
+    return 1 / runs;
 }
 
-static int run_all(struct shading *s)
+static int run_all(struct orl_shading *s)
 {
-    const double open = 1 / foresee(s);
+    const double open = share_of_open(s);
     int code = run_open(s, open);
     if (code == 0)
         code = control(s);
-    if (code == 0)
-        code = find_combinations(s);
-    for (size_t i = 1; i < s->n_combinations && code == 0; i++)
-        code = run_other(s, i, (1 - open) / (double)(s->n_combinations - 1));
-    return code;
+    if (code < 0)
+        return code;
+    find_combinations(s);
+    s->summed = has_more_than_room(s) || s->n_combinations - 1 > count_parts(s);
+    return s->summed ? run_parts(s, 1 - open) : run_combinations(s, 1 - open);
 }
 
 /* ---- All of it ------------------------------------------------------------------------------- */
 
-static int hand_over(struct shading *s)
+static int hand_over(struct orl_shading *s)
 {
     struct orl_annual_result *r = s->result;
     int code = 0;
@@ -237,9 +264,9 @@ static int hand_over(struct shading *s)
     return code;
 }
 
-static int shade(struct shading *s)
+static int shade(struct orl_shading *s)
 {
-    int code = read_hours(s);
+    int code = orl_shading_begin(s);
     if (code == 0 && s->env->begins)
         code = s->env->begins(s->env->ctx, s->result, s->err);
     if (code == 0)
@@ -249,6 +276,7 @@ static int shade(struct shading *s)
     s->result->states = s->states;
     s->states = NULL;
     s->result->n_groups = s->request->n_groups;
+    s->result->summed = s->summed;
     s->result->total_s = orl_year_now(s->reader) - s->reader->started_s;
     return hand_over(s);
 }
@@ -257,15 +285,10 @@ static int run_shaded(const struct orl_annual_request *request, const struct orl
                       struct orl_annual_result *ret_result, struct orl_error *err)
 {
     struct orl_annual_result result = {.seed = request->seed, .n_sensors = request->n_sensors};
-    struct shading s = {.request = request, .env = env, .result = &result, .err = err};
+    struct orl_shading s = {.request = request, .env = env, .result = &result, .err = err};
     s.reader = calloc(1, sizeof *s.reader);
-    const int code = s.reader ? shade(&s) : no_memory(&s);
-    if (s.reader)
-        orl_hours_done(&s.reader->hours);
-    free(s.reader);
-    free(s.states);
-    free(s.which);
-    free(s.combinations);
+    const int code = s.reader ? shade(&s) : orl_year_no_memory(s.err);
+    orl_shading_done(&s);
     if (code < 0)
         orl_annual_done(&result);
     else

@@ -43,9 +43,10 @@ static int choose_files(struct orl_annual_variant *v, const struct orl_annual_re
     const size_t n = count_files(request);
     char **named = list_files(request, n);
     v->files = malloc((request->n_scene_files + n + 1) * sizeof *v->files);
+    v->items = calloc(request->n_groups + 1, sizeof *v->items);
     v->request.n_scene_files = 0;
     v->request.scene_files = v->files;
-    if (!named || !v->files) {
+    if (!named || !v->files || !v->items) {
         free(named);
         return ORL_ERR_NOMEM;
     }
@@ -54,6 +55,8 @@ static int choose_files(struct orl_annual_variant *v, const struct orl_annual_re
             v->files[v->request.n_scene_files++] = request->scene_files[i];
     for (size_t g = 0; g < request->n_groups; g++) {
         const struct orl_shade_state *state = &request->groups[g].states[states[g]];
+        v->items[g].first_file = v->request.n_scene_files;
+        v->items[g].n_files = state->n_files;
         for (size_t i = 0; i < state->n_files; i++)
             v->files[v->request.n_scene_files++] = state->files[i];
     }
@@ -63,37 +66,36 @@ static int choose_files(struct orl_annual_variant *v, const struct orl_annual_re
 
 /* ---- Materials ------------------------------------------------------------------------------- */
 
-static int choose_materials(struct orl_annual_variant *v, const struct orl_annual_request *request,
-                            const unsigned char *states)
+static void choose_materials(struct orl_annual_variant *v, const struct orl_annual_request *request,
+                             const unsigned char *states)
 {
-    v->items = calloc(request->n_groups + 1, sizeof *v->items);
-    if (!v->items)
-        return ORL_ERR_NOMEM;
     for (size_t g = 0; g < request->n_groups; g++) {
         const struct orl_window_group *group = &request->groups[g];
         const struct orl_shade_state *state = &group->states[states[g]];
-        v->items[g] = (struct orl_swap){.of = group->name,
-                                        .names = group->windows,
-                                        .n_names = group->n_windows,
-                                        .kind = state->dark       ? ORL_SWAP_FOR_BLACK
-                                                : state->material ? ORL_SWAP_FOR_MATERIAL
-                                                                  : ORL_SWAP_NOTHING,
-                                        .material = state->material};
+        struct orl_swap *swap = &v->items[g];
+        swap->of = group->name;
+        swap->names = group->windows;
+        swap->n_names = group->n_windows;
+        swap->kind = state->dark       ? ORL_SWAP_FOR_BLACK
+                     : state->material ? ORL_SWAP_FOR_MATERIAL
+                                       : ORL_SWAP_NOTHING;
+        swap->material = state->material;
     }
-    v->swaps = (struct orl_swaps){v->items, request->n_groups};
-    return 0;
+    v->swaps.at = v->items;
+    v->swaps.count = request->n_groups;
 }
 
 int orl_annual_variant_init(struct orl_annual_variant *v, const struct orl_annual_request *request,
-                            const unsigned char *states, struct orl_error *err)
+                            const unsigned char *states, bool parted, struct orl_error *err)
 {
     *v = (struct orl_annual_variant){.request = *request};
     v->request.groups = NULL;
     v->request.n_groups = 0;
-    int code = choose_files(v, request, states);
+    v->swaps.parted = parted;
+    const int code = choose_files(v, request, states);
     if (code == 0)
-        code = choose_materials(v, request, states);
-    if (code < 0)
+        choose_materials(v, request, states);
+    else
         return orl_error_set(err, code, "out of memory for a year");
     if (v->request.n_scene_files == 0)
         return orl_error_set(err, ORL_ERR_INVALID,

@@ -16,11 +16,12 @@ struct orl_annual_variant {
     struct orl_swaps swaps;
 };
 
-/* states: of each group. Borrows the request, and points into itself. Returns 0, ORL_ERR_NOMEM or
- * ORL_ERR_INVALID (no file is left); orl_annual_variant_done in either case. */
+/* states: of each group. parted: so that light can be told apart by group (scene/swap.h). Borrows
+ * the request, and points into itself. Returns 0, ORL_ERR_NOMEM or ORL_ERR_INVALID (no file is
+ * left); orl_annual_variant_done in either case. */
 int orl_annual_variant_init(struct orl_annual_variant *variant,
                             const struct orl_annual_request *request, const unsigned char *states,
-                            struct orl_error *err);
+                            bool parted, struct orl_error *err);
 void orl_annual_variant_done(struct orl_annual_variant *variant);
 
 #endif

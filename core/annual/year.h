@@ -13,6 +13,7 @@
 
 #include "annual/keep.h"
 #include "annual/panels.h"
+#include "annual/parts.h"
 #include "annual/product.h"
 #include "annual/scene.h"
 #include "annual/terms.h"
@@ -24,6 +25,9 @@ enum { ORL_YEAR_BLOCK = 64 }; /* sensors at a time */
 struct orl_year_variant {
     const struct orl_year *hours_of; /* whose hours it takes; NULL: it reads its own */
     const struct orl_swaps *swaps;   /* of the scene's materials; may be NULL */
+    uint32_t part; /* light of that part of the windows alone (parts.h), or of 0: of all */
+    bool sun_only; /* direct light alone is wanted: the rest stays 0 */
+    struct orl_ports_of_parts *ret_ports; /* may be NULL */
 };
 
 struct orl_year {
@@ -39,6 +43,7 @@ struct orl_year {
     size_t n_sun, n_beams; /* nodes and beams; beams alone */
     struct orl_lights *lights;
     struct orl_world *world;
+    int32_t *port_of_facet; /* the world's, where ports are closed; owned */
     struct orl_annual_scene scene;
     struct orl_panels panels;
     bool has_panels; /* they are made */
@@ -69,6 +74,11 @@ struct orl_year {
 int orl_year_run(const struct orl_annual_request *request, const struct orl_annual_env *env,
                  const struct orl_year_variant *variant, struct orl_annual_result *ret_result,
                  struct orl_error *err);
+
+static inline bool orl_year_is_sun_only(const struct orl_year *y)
+{
+    return y->variant && y->variant->sun_only;
+}
 
 /* Of a year's bins, the hours of its weather file; and what of these its result has. Both have
  * orl_hours_done done to hours. */

@@ -29,7 +29,7 @@ static int load_scene(const struct orl_annual_request *request, const struct orl
     const unsigned char states[ORL_SHADES_MOST_GROUPS] = {0};
     double told = 0;
     orl_job_init(&job);
-    int code = orl_annual_variant_init(&open, request, states, err);
+    int code = orl_annual_variant_init(&open, request, states, false, err);
     job.scene_files = open.request.scene_files; /* borrowed */
     job.n_scene_files = open.request.n_scene_files;
     env.progress = NULL;

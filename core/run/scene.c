@@ -2,6 +2,7 @@
 
 #include <sodium.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include <oriel/sha256.h>
@@ -102,8 +103,29 @@ static int parse(struct orl_run_state *state, struct orl_description *ret_descri
                                     state->env->files, &loader, ret_description, err);
     ret_description->cancel = state->env->cancel;
     if (code == 0 && state->swaps)
-        code = orl_swaps_apply(state->swaps, ret_description, err);
+        code = orl_swaps_apply(state->swaps, job->n_scene_files, ret_description, err);
     return code < 0 ? code : heed_cancel(state, err);
+}
+
+/* Ports of no part get materials that nothing but ports has. */
+static int part_ports(struct orl_scene *scene, struct orl_error *err)
+{
+    struct orl_description *d = &scene->description;
+    const size_t n = d->n_materials;
+    uint32_t *own = malloc((n + 1) * sizeof *own);
+    int code = own ? 0 : ORL_ERR_NOMEM;
+    if (own)
+        memset(own, 0xff, (n + 1) * sizeof *own);
+    for (size_t i = 0; i < scene->n_ports && code == 0; i++) {
+        uint32_t *material = &scene->geometry->facets[scene->ports[i].facet].material;
+        if (d->materials[*material].part != 0)
+            continue;
+        if (own[*material] == UINT32_MAX)
+            code = orl_material_part(d, *material, ORL_PART_OF_NONE, &own[*material]);
+        *material = own[*material];
+    }
+    free(own);
+    return code < 0 ? orl_error_set(err, code, "out of memory") : 0;
 }
 
 static int build(struct orl_run_state *state, struct orl_description *description,
@@ -114,6 +136,8 @@ static int build(struct orl_run_state *state, struct orl_description *descriptio
         code = heed_cancel(state, err);
     if (code == 0)
         code = orl_scene_find_ports(state->scene, state->env->crew, err);
+    if (code == 0 && state->swaps && state->swaps->parted)
+        code = part_ports(state->scene, err);
     if (code < 0) {
         orl_scene_release(state->scene);
         state->scene = NULL;

@@ -66,7 +66,8 @@ struct orl_material {
     double cos_cone;                     /* spotlight: of the half angle */
     double focus;                        /* spotlight: how far behind the lamp its beam starts */
     int32_t seen_as;                     /* illum: material that views see, or orl_seen_as */
-    int32_t sky; /* light, glow: index into skies that scales color, or -1 */
+    int32_t sky;   /* light, glow: index into skies that scales color, or -1 */
+    uint32_t part; /* whose windows and shades have it, from 1 (swap.h); 0: no one's */
 };
 
 enum orl_surface_kind {
@@ -132,6 +133,7 @@ struct orl_description {
     char **files; /* names of all files read, in order of first use */
     size_t n_files;
     size_t n_main;            /* the first n_main of them were named by the caller as scene text */
+    size_t *first_surfaces;   /* of each name that the caller gave; in the arena */
     uint64_t n_degenerate;    /* polygons dropped: zero area or fewer than three distinct corners */
     unsigned char digest[32]; /* SHA-256 over length and content of all files read, in order */
     char **warnings;

@@ -147,9 +147,65 @@ static int apply(const struct swapping *s, size_t which)
     return code;
 }
 
+/* ---- Parts ----------------------------------------------------------------------------------- */
+
+int orl_material_part(struct orl_description *d, uint32_t material, uint32_t part,
+                      uint32_t *ret_index)
+{
+    struct orl_material *grown = realloc(d->materials, (d->n_materials + 1) * sizeof *grown);
+    if (!grown)
+        return ORL_ERR_NOMEM;
+    d->materials = grown;
+    grown[d->n_materials] = grown[material];
+    grown[d->n_materials].part = part;
+    if (grown[material].bsdf)
+        orl_bsdf_ref(grown[material].bsdf);
+    *ret_index = (uint32_t)d->n_materials++;
+    return 0;
+}
+
+/* own: of each material the copy that the part has, or UINT32_MAX. */
+static int part_one(struct orl_description *d, size_t surface, uint32_t part, uint32_t *own)
+{
+    uint32_t *material = &d->surfaces[surface].material;
+    const int code =
+        own[*material] == UINT32_MAX ? orl_material_part(d, *material, part, &own[*material]) : 0;
+    *material = own[*material];
+    return code;
+}
+
+static bool is_of_files(const struct orl_swap *swap, const struct orl_description *d,
+                        size_t n_names, size_t surface)
+{
+    if (swap->n_files == 0)
+        return false;
+    const size_t end = swap->first_file + swap->n_files;
+    return surface >= d->first_surfaces[swap->first_file] &&
+           (end == n_names || surface < d->first_surfaces[end]);
+}
+
+/* Materials that there were before: copies are of those. */
+static int part_all(const struct swapping *s, size_t n_names)
+{
+    struct orl_description *d = s->description;
+    const size_t n = d->n_materials;
+    uint32_t *own = malloc((n + 1) * sizeof *own);
+    int code = own ? 0 : ORL_ERR_NOMEM;
+    for (size_t k = 0; k < s->swaps->count && code == 0; k++) {
+        memset(own, 0xff, (n + 1) * sizeof *own);
+        for (size_t i = 0; i < d->n_surfaces && code == 0; i++)
+            if (s->swap_of[i] == k + 1 ||
+                (s->swap_of[i] == 0 && is_of_files(&s->swaps->at[k], d, n_names, i)))
+                code = part_one(d, i, (uint32_t)k + 1, own);
+    }
+    free(own);
+    return code < 0 ? orl_error_set(s->err, code, "out of memory") : 0;
+}
+
 /* ---- All of them ----------------------------------------------------------------------------- */
 
-int orl_swaps_apply(const struct orl_swaps *swaps, struct orl_description *d, struct orl_error *err)
+int orl_swaps_apply(const struct orl_swaps *swaps, size_t n_names, struct orl_description *d,
+                    struct orl_error *err)
 {
     struct swapping s = {.description = d,
                          .swaps = swaps,
@@ -163,6 +219,8 @@ int orl_swaps_apply(const struct orl_swaps *swaps, struct orl_description *d, st
         s.modifier[i] = d->surfaces[i].material;
     for (size_t i = 0; i < swaps->count && code == 0; i++)
         code = apply(&s, i);
+    if (code == 0 && swaps->parted)
+        code = part_all(&s, n_names);
     free(s.modifier);
     free(s.swap_of);
     return code;
@@ -177,5 +235,10 @@ void orl_swaps_digest(const struct orl_swaps *swaps, struct orl_sha256 *hash)
         orl_sha256_add(hash, &"-+="[swap->kind], 1);
         if (swap->kind == ORL_SWAP_FOR_MATERIAL)
             orl_sha256_add(hash, swap->material, strlen(swap->material) + 1);
+        if (swaps->parted)
+            orl_sha256_add(hash, (const size_t[]){swap->first_file, swap->n_files},
+                           2 * sizeof(size_t));
     }
+    if (swaps->parted)
+        orl_sha256_add(hash, "parted", 6);
 }

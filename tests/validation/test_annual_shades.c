@@ -14,14 +14,19 @@
 
 enum { SAMPLES = 64, TEXT = 8192 };
 
-/* A room with a window in the south and one in the north, and two more materials for them. */
-#define SHELL                                                                                      \
+/* A room with a window in the south and one in the north, and more materials for them; its west
+ * wall is by itself, for there may be a third window in it. */
+#define SHELL WALLS "w polygon west 0 0 12 0 0 0 0 5 0 0 5 3 0 0 3\n"
+#define WEST                                                                                       \
+    "w polygon west 0 0 30 0 0 0 0 5 0 0 5 3 0 0 3 0 0 0 0 2 1 0 3 1 0 3 2 0 2 2 0 2 1\n"          \
+    "clear polygon side 0 0 12 0 2 1 0 2 2 0 3 2 0 3 1\n"
+#define WALLS                                                                                      \
     "void plastic w 0 0 5 .5 .5 .5 0 0\nvoid plastic e 0 0 5 .2 .2 .2 0 0\n"                       \
     "void glass clear 0 0 3 .9 .9 .9\nvoid glass tinted 0 0 3 .3 .3 .3\n"                          \
+    "void glass dim 0 0 3 .6 .6 .6\n"                                                              \
     "void plastic black 0 0 5 0 0 0 0 0\n"                                                         \
     "w polygon floor 0 0 12 0 0 0 4 0 0 4 5 0 0 5 0\n"                                             \
     "w polygon ceiling 0 0 12 0 0 3 0 5 3 4 5 3 4 0 3\n"                                           \
-    "w polygon west 0 0 12 0 0 0 0 5 0 0 5 3 0 0 3\n"                                              \
     "w polygon east 0 0 12 4 0 0 4 0 3 4 5 3 4 5 0\n"                                              \
     "w polygon north 0 0 30 0 5 0 4 5 0 4 5 3 0 5 3 0 5 0 1 5 1 1 5 2.5 3 5 2.5 3 5 1 1 5 1\n"     \
     "w polygon south 0 0 30 0 0 0 0 0 3 4 0 3 4 0 0 0 0 0 "                                        \
@@ -36,9 +41,10 @@ static const struct orl_sensor sensors[] = {
     {{2, .6, .8}, {0, 0, 1}}, {{1, 4, .8}, {0, 0, 1}}, {{2, 2.5, 1.2}, {0, -1, 0}}};
 enum { SENSORS = 3 };
 
-static char front_name[] = "front", back_name[] = "back", clear_name[] = "clear",
-            tinted_name[] = "tinted", open_word[] = "open", shut_word[] = "shut",
-            south_word[] = "south", north_word[] = "north", blind_file[] = "blind.rad";
+static char dim_name[] = "dim", front_name[] = "front", back_name[] = "back",
+            clear_name[] = "clear", tinted_name[] = "tinted", open_word[] = "open",
+            shut_word[] = "shut", south_word[] = "south", north_word[] = "north",
+            blind_file[] = "blind.rad";
 static char *front_list[] = {front_name}, *back_list[] = {back_name}, *blind_files[] = {blind_file};
 
 static struct year_run usual(const char *scene)
@@ -219,6 +225,189 @@ static void test_control_by_sun(void **state)
     orl_annual_done(&first);
 }
 
+/* Of three states each: nine pairs in the hours of two days. */
+struct three {
+    struct orl_shade_state south[3], north[3];
+    unsigned char series[2][48];
+    struct orl_window_group groups[2];
+};
+
+static void make_three(struct three *t)
+{
+    *t = (struct three){.south = {{.name = open_word},
+                                  {.name = shut_word, .material = tinted_name},
+                                  {.name = dim_name, .material = dim_name}},
+                        .north = {{.name = open_word},
+                                  {.name = shut_word, .dark = true},
+                                  {.name = dim_name, .material = dim_name}}};
+    for (int i = 0; i < 48; i++) {
+        t->series[0][i] = (unsigned char)(i % 3);
+        t->series[1][i] = (unsigned char)(i / 3 % 3);
+    }
+    t->groups[0] = (struct orl_window_group){.name = south_word,
+                                             .windows = front_list,
+                                             .n_windows = 1,
+                                             .states = t->south,
+                                             .n_states = 3,
+                                             .series = t->series[0],
+                                             .n_series = 48};
+    t->groups[1] = (struct orl_window_group){.name = north_word,
+                                             .windows = back_list,
+                                             .n_windows = 1,
+                                             .states = t->north,
+                                             .n_states = 3,
+                                             .series = t->series[1],
+                                             .n_series = 48};
+}
+
+/*
+ * Nine pairs of states are more than the groups have, and a window in no group: light is added up
+ * of six runs, two groups dark in none, and is hour by hour that of years with the pair written
+ * into the scene. Both have standard errors; what panes reflect of each other's light is as in the
+ * first state: panes of 3 of 94 m2 that reflect 6 % less of what comes to them, of walls that
+ * reflect half, make 0.4 %. Squares of z are correlated by sensor, as in test_annual.c.
+ */
+static void test_sum_of_groups(void **state)
+{
+    static const char *const souths[] = {"clear", "tinted", "dim"}, *const norths[] = {
+                                                                        "clear", "black", "dim"};
+    struct three three;
+    struct year_run run = usual(WALLS WEST SOUTH("clear") NORTH("clear"));
+    struct orl_annual_result alone[9];
+    double squares = 0, worst = 0;
+    size_t n = 0;
+    (void)state;
+    make_three(&three);
+    run.samples = 1024;
+    run.seed = 9;
+    for (int i = 0; i < 9; i++) {
+        char text[TEXT];
+        snprintf(text, sizeof text,
+                 WALLS WEST "%s polygon front 0 0 12 1 0 1 1 0 2.5 3 0 2.5 3 0 1\n"
+                            "%s polygon back 0 0 12 1 5 1 3 5 1 3 5 2.5 1 5 2.5\n",
+                 souths[i % 3], norths[i / 3]);
+        struct year_run one = run;
+        one.scene = text;
+        alone[i] = year_run(&one);
+    }
+    run.groups = three.groups;
+    run.n_groups = 2;
+    struct orl_annual_result all = year_run(&run);
+    assert_true(all.summed);
+    assert_same(all.direct, alone[0].direct, &all);
+    for (size_t c = 0; c < all.n_columns; c++) {
+        const struct orl_annual_result *one = &alone[all.step_of_column[c] % 9];
+        for (size_t at = c; at < SENSORS * all.n_columns; at += all.n_columns, n++) {
+            const double lx = (double)one->total[at];
+            const double z = ((double)all.total[at] - lx) /
+                             hypot(hypot((double)all.se[at], (double)one->se[at]), 4e-3 * lx);
+            squares += z * z;
+            worst = fmax(worst, fabs(z));
+            if (fabs(z) > 3)
+                print_message("sensor %zu, column %zu, pair %u: %.2f +- %.2f, alone %.2f +- %.2f, "
+                              "direct %.2f\n",
+                              at / all.n_columns, c, all.step_of_column[c] % 9,
+                              (double)all.total[at], (double)all.se[at], lx, (double)one->se[at],
+                              (double)one->direct[at]);
+        }
+    }
+    print_message("%zu sensor-hours: z rms %.2f, worst %.2f; %zu runs\n", n,
+                  sqrt(squares / (double)n), worst, all.n_runs);
+    assert_true(sqrt(squares / (double)n) < 1.5);
+    assert_true(worst < 4.5);
+    for (int i = 0; i < 9; i++)
+        orl_annual_done(&alone[i]);
+    orl_annual_done(&all);
+}
+
+/* The same bytes on 1, 2 and 7 threads. */
+static void test_sum_by_threads(void **state)
+{
+    static const uint32_t threads[] = {1, 2, 7};
+    struct three three;
+    struct orl_annual_result first = {0};
+    struct year_run run = usual(WALLS WEST SOUTH("clear") NORTH("clear"));
+    (void)state;
+    make_three(&three);
+    run.groups = three.groups;
+    run.n_groups = 2;
+    for (int i = 0; i < 3; i++) {
+        run.threads = threads[i];
+        struct orl_annual_result year = year_run(&run);
+        if (i == 0) {
+            first = year;
+            continue;
+        }
+        assert_same(year.total, first.total, &first);
+        assert_same(year.se, first.se, &first);
+        orl_annual_done(&year);
+    }
+    orl_annual_done(&first);
+}
+
+/* Each group's blinds go by the sun that its own windows let in: the north, by none. */
+static void test_each_by_its_own_sun(void **state)
+{
+    struct orl_shade_state states[] = {{.name = open_word}, {.name = shut_word, .dark = true}};
+    const struct orl_shade_control lm83 = {ORL_SHADES_BY_SUN, .above_lx = 1000, .share_percent = 2,
+                                           .state = 1};
+    const struct orl_window_group groups[] = {{.name = south_word,
+                                               .windows = front_list,
+                                               .n_windows = 1,
+                                               .states = states,
+                                               .n_states = 2,
+                                               .control = lm83},
+                                              {.name = north_word,
+                                               .windows = back_list,
+                                               .n_windows = 1,
+                                               .states = states,
+                                               .n_states = 2,
+                                               .control = lm83}};
+    struct year_run run = usual(room);
+    size_t shut = 0;
+    (void)state;
+    run.groups = groups;
+    run.n_groups = 2;
+    struct orl_annual_result year = year_run(&run);
+    for (size_t i = 0; i < year.n_steps; i++) {
+        shut += year.states[i];
+        assert_int_equal(year.states[year.n_steps + i], 0);
+    }
+    assert_true(shut > 2);
+    orl_annual_done(&year);
+}
+
+/* Light that cannot be told apart by groups is refused, with the surface or the place. */
+static void test_what_does_not_add_up(void **state)
+{
+    static const char far[] = "w polygon awning 0 0 12 -9 -9 4 9 -9 4 9 -8 4 -9 -8 4\n";
+    struct three three;
+    struct orl_error err;
+    struct orl_sensor outdoors = {{2, -3, 1}, {0, 0, 1}};
+    struct year_run run = usual(WALLS WEST SOUTH("clear") NORTH("clear"));
+    (void)state;
+    make_three(&three);
+    run.groups = three.groups;
+    run.n_groups = 2;
+    three.south[2].files = blind_files;
+    three.south[2].n_files = 1;
+    run.resource_name = blind_file;
+    run.resource_text = far;
+    assert_int_equal(year_run_fails(&run, &err), ORL_ERR_UNSUPPORTED);
+    assert_non_null(strstr(err.message, "'awning' of 'south'"));
+    assert_string_equal(err.file, "blind.rad");
+    three.south[2].n_files = 0;
+    run.sensors = &outdoors;
+    run.n_sensors = 1;
+    assert_int_equal(year_run_fails(&run, &err), ORL_ERR_UNSUPPORTED);
+    assert_non_null(strstr(err.message, "outdoors"));
+    run = usual(WALLS SOUTH("clear") NORTH("clear")); /* no west wall */
+    run.groups = three.groups;
+    run.n_groups = 2;
+    assert_int_equal(year_run_fails(&run, &err), ORL_ERR_UNSUPPORTED);
+    assert_non_null(strstr(err.message, "other ways into the building"));
+}
+
 /* What is left of a year that was broken off: rows of each run by themselves. */
 struct kept {
     size_t done, asked;
@@ -321,9 +510,16 @@ static void test_mistakes(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_one_state), cmocka_unit_test(test_two_groups),
-        cmocka_unit_test(test_geometry),  cmocka_unit_test(test_control_by_sun),
-        cmocka_unit_test(test_kept_rows), cmocka_unit_test(test_mistakes),
+        cmocka_unit_test(test_one_state),
+        cmocka_unit_test(test_two_groups),
+        cmocka_unit_test(test_geometry),
+        cmocka_unit_test(test_control_by_sun),
+        cmocka_unit_test(test_sum_of_groups),
+        cmocka_unit_test(test_sum_by_threads),
+        cmocka_unit_test(test_each_by_its_own_sun),
+        cmocka_unit_test(test_what_does_not_add_up),
+        cmocka_unit_test(test_kept_rows),
+        cmocka_unit_test(test_mistakes),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -138,6 +138,7 @@ struct orl_annual_result {
     size_t n_nodes;          /* of the sun */
     unsigned char *states;   /* [group * n_steps + step]; NULL: no groups */
     size_t n_groups, n_runs; /* those of shades: runs that the year was put together of */
+    bool summed;             /* light of groups was added up (oriel/annual_shades.h) */
     struct {
         bool asked;
         struct orl_annual_reused of[ORL_YEARS_KINDS];

@@ -21,8 +21,16 @@
  * by light in hours in which a sensor of the grid has above_lx or more in all, all groups being
  *          open: an eye's vertical illuminance, where the grid is of eyes.
  *
- * How light is put together. Where as few runs are enough as there are combinations of states in
- * the hours of the year, each is a run by itself, and nothing is left out.
+ * How light is put together. Hours in which all are open are one run. Of the others each
+ * combination of states that there is makes a run by itself, and nothing is left out, unless those
+ * are more than the states that groups are in, and one: then light is computed by the group whose
+ * windows it comes in by, a run a state and one for windows in no group, and added up, with a
+ * warning. Straight sunlight adds up exactly. For the rest the other groups' panes reflect as in
+ * their first state: that is off by the share of the room's surface that they have, times how much
+ * more or less they reflect in another, over what walls absorb on average. ORL_ERR_UNSUPPORTED
+ * where it does not add up at all: surfaces of a state that are further from their group's windows
+ * than half of these, sensors outdoors, buildings into which light has other ways than windows
+ * (likewise where several groups are controlled by sun).
  */
 #ifndef ORIEL_ANNUAL_SHADES_H
 #define ORIEL_ANNUAL_SHADES_H
@@ -73,9 +81,9 @@ struct orl_window_group {
 
 enum {
     ORL_SHADES_MOST_GROUPS = 32,
-    ORL_SHADES_MOST_STATES = 32, /* of a group */
-    ORL_SHADES_MOST_NAMES = 256, /* of a group's windows, of a state's files, of spans */
-    ORL_SHADES_MOST_RUNS = 64
+    ORL_SHADES_MOST_STATES = 32,      /* of a group */
+    ORL_SHADES_MOST_NAMES = 256,      /* of a group's windows, of a state's files, of spans */
+    ORL_SHADES_MOST_COMBINATIONS = 64 /* that are runs by themselves */
 };
 
 void orl_window_group_done(struct orl_window_group *group); /* NULL and half-filled are fine */

@@ -224,6 +224,7 @@ static int read_main(struct orl_parser *parser, const char *const *names, size_t
     for (size_t i = 0; i < count && code == 0; i++) {
         struct orl_scope scope = {.xform = orl_xform_identity};
         const struct orl_source *source;
+        parser->out->first_surfaces[i] = parser->out->n_surfaces;
         if (is_xml(names[i]))
             continue;
         source = parser->sources.items + index[i];
@@ -264,6 +265,11 @@ int orl_scene_parse_with(const char *const *names, size_t count, const struct or
     err = err ? err : &local;
     out.arena = orl_arena_new();
     if (!index || !out.arena) {
+        code = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+        goto done;
+    }
+    out.first_surfaces = orl_arena_take(out.arena, (count + 1) * sizeof *out.first_surfaces);
+    if (!out.first_surfaces) {
         code = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
         goto done;
     }
