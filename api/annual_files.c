@@ -23,7 +23,7 @@ struct writing {
 static const struct {
     enum orl_canvas_kind kind;
     const char *ending;
-} kinds[2] = {{ORL_CANVAS_SVG, "svg"}, {ORL_CANVAS_PNG, "png"}};
+} kinds[3] = {{ORL_CANVAS_SVG, "svg"}, {ORL_CANVAS_PNG, "png"}, {ORL_CANVAS_PDF, "pdf"}};
 
 /* Notes the name of a file that is about to be written. */
 static int note(void *ctx, const char *name, struct orl_error *err)
@@ -154,7 +154,7 @@ static int write_page(struct writing *w, size_t g, const char *grid)
                                          .plans = w->plans,
                                          .grid = g};
     int rc = 0;
-    for (int i = 0; i < 2 && rc == 0; i++) {
+    for (int i = 0; i < 3 && rc == 0; i++) {
         char path[PATH_SIZE];
         rc = name_file(w, path, "%s.page.%s", grid, kinds[i].ending);
         if (rc == 0)
@@ -199,7 +199,7 @@ static size_t count_files(const struct orl_annual_told *told)
 {
     const struct orl_annual_formats *formats = &told->job->formats;
     const size_t of_grid =
-        2 * told->report->n_metrics + 6 + (formats->matrices ? 2 : 0) + (formats->honeybee ? 9 : 0);
+        2 * told->report->n_metrics + 7 + (formats->matrices ? 2 : 0) + (formats->honeybee ? 9 : 0);
     return 2 + told->report->n_grids * of_grid + (formats->honeybee ? 12 : 0);
 }
 

@@ -24,7 +24,7 @@ static const struct orl_subcommand commands[] = {
      "it likes, hours of use, metrics, targets (\"sDA300/50 >= 55 %\") and rules (\"LEED\",\n"
      "\"EN 17037\"). Leaves result.json, sensors.csv, hours.csv, maps of every grid over the plan "
      "and\n"
-     "over the year, and a page of each to show. With --honeybee all hours go to DIR/results as\n"
+     "over the year, and a page of each to show (PDF). With --honeybee all hours go to DIR/results as\n"
      "Honeybee keeps them, with --ill to Radiance matrices.",
      orl_cmd_annual},
     {"verify", "RESULT [--files DIR] [--threads N]",

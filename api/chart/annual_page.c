@@ -10,10 +10,11 @@
 
 #include "chart/temporal_map.h"
 
-/* Page units; PNG has twice as many pixels. */
-static const double width = 960, height = 1358, rim = 40, png_scale = 2;
+/* Page units; PNG has twice as many pixels, and PDF is A4. */
+static const double width = 960, height = 1358, rim = 40;
+static const double png_scale = 2, pdf_scale = 210 / 25.4 * 72 / 960;
 static const double title_size = 16, head_size = 10, text_size = 8, line_height = 17;
-static const double map_side = 300, year_height = 250, least_map_side = 120;
+static const double map_side = 400, year_height = 250, least_map_side = 120;
 
 static const unsigned char ink[3] = {26, 26, 26}, gray[3] = {105, 105, 105},
                            faint[3] = {205, 205, 205};
@@ -357,7 +358,8 @@ int orl_annual_page_write(const struct orl_annual_page *page, enum orl_canvas_ki
                           const char *path, struct orl_error *err)
 {
     struct sheet s = {.page = page};
-    int code = orl_canvas_open(kind, path, width, height, png_scale, &s.canvas, err);
+    int code = orl_canvas_open(kind, path, width, height,
+                               kind == ORL_CANVAS_PDF ? pdf_scale : png_scale, &s.canvas, err);
     if (code < 0)
         return code;
     code = draw(&s);

@@ -20,11 +20,11 @@ static const char *type_of(const char *name)
     static const struct {
         const char *ending, *type;
     } types[] = {
-        {".json", "application/json"}, {".png", "image/png"},     {".hdr", "image/vnd.radiance"},
-        {".exr", "image/x-exr"},       {".res", "text/plain"},    {".dat", "text/plain"},
-        {".csv", "text/csv"},          {".svg", "image/svg+xml"}, {".txt", "text/plain"},
-        {".da", "text/plain"},         {".cda", "text/plain"},    {".udi", "text/plain"},
-        {".ase", "text/plain"}};
+        {".json", "application/json"}, {".png", "image/png"},      {".hdr", "image/vnd.radiance"},
+        {".exr", "image/x-exr"},       {".res", "text/plain"},     {".dat", "text/plain"},
+        {".csv", "text/csv"},          {".svg", "image/svg+xml"},  {".txt", "text/plain"},
+        {".da", "text/plain"},         {".cda", "text/plain"},     {".udi", "text/plain"},
+        {".ase", "text/plain"},        {".pdf", "application/pdf"}};
     const char *dot = strrchr(name, '.');
     for (size_t i = 0; dot && i < sizeof types / sizeof *types; i++)
         if (strcmp(dot, types[i].ending) == 0)

@@ -120,7 +120,7 @@ static void assert_files_are_there(const struct cli_desk *f, const json_t *resul
 {
     const json_t *files = json_object_get(result, "files"), *name;
     size_t i;
-    bool page = false, carpet = false;
+    bool page = false, carpet = false, pdf = false;
 
     json_array_foreach(files, i, name)
     {
@@ -129,9 +129,10 @@ static void assert_files_are_there(const struct cli_desk *f, const json_t *resul
         if (access(path, R_OK) != 0)
             fail_msg("%s is not there", path);
         page = page || strcmp(json_string_value(name), "the_desks.page.svg") == 0;
+        pdf = pdf || strcmp(json_string_value(name), "the_desks.page.pdf") == 0;
         carpet = carpet || strcmp(json_string_value(name), "grid2.year300.png") == 0;
     }
-    assert_true(page && carpet);
+    assert_true(page && carpet && pdf);
 }
 
 /* Two days of the year: the others count nowhere, and a warning says so. */
@@ -171,7 +172,8 @@ static void test_a_year_to_its_end(void **state)
 
 static void test_threads_change_nothing(void **state)
 {
-    static const char *const names[] = {"sensors.csv", "hours.csv", "the_desks.page.svg",
+    static const char *const names[] = {"sensors.csv",         "hours.csv",
+                                        "the_desks.page.svg",  "the_desks.page.pdf",
                                         "the_desks.da300.svg", "the_desks.year.svg"};
     enum { NAMES = sizeof names / sizeof *names };
     struct cli_desk *f = *state;

@@ -8,6 +8,7 @@
 
 #include "base/file.h"
 #include "base/letters.h"
+#include "render/film/pdf.h"
 #include "render/film/png.h"
 
 static const double usual_weight = 0.13, bold_weight = 0.17; /* of strokes, in letters' sizes */
@@ -15,9 +16,10 @@ static const double rim = 1.5;                               /* about letters, p
 
 struct orl_canvas {
     double scale;
-    struct orl_raster raster; /* its pixels are owned; NULL when it is an SVG */
-    char *path;               /* owned; of a PNG */
-    struct orl_out_file svg;  /* its stream is NULL when it is pixels */
+    struct orl_raster raster; /* its pixels are owned; NULL when it is none */
+    char *path;               /* owned; of a PNG or PDF */
+    struct orl_out_file svg;  /* its stream is NULL when it is none */
+    struct orl_pdf *pdf;      /* likewise */
 };
 
 /* ---- The page -------------------------------------------------------------------------------- */
@@ -51,8 +53,18 @@ static int open_png(struct orl_canvas *canvas, const char *path, double width, d
     return 0;
 }
 
+static int open_pdf(struct orl_canvas *canvas, const char *path, double width, double height,
+                    struct orl_error *err)
+{
+    canvas->path = strdup(path);
+    if (!canvas->path || orl_pdf_new(width, height, canvas->scale, &canvas->pdf) < 0)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory drawing '%s'", path);
+    return 0;
+}
+
 static void free_page(struct orl_canvas *canvas)
 {
+    orl_pdf_free(canvas->pdf);
     free(canvas->raster.rgb);
     free(canvas->path);
     free(canvas);
@@ -64,9 +76,10 @@ int orl_canvas_open(enum orl_canvas_kind kind, const char *path, double width, d
     struct orl_canvas *canvas = calloc(1, sizeof *canvas);
     if (!canvas)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory drawing '%s'", path);
-    canvas->scale = kind == ORL_CANVAS_PNG ? scale : 1;
-    const int code = kind == ORL_CANVAS_PNG ? open_png(canvas, path, width, height, err)
-                                            : open_svg(canvas, path, width, height, err);
+    canvas->scale = kind == ORL_CANVAS_SVG ? 1 : scale;
+    const int code = kind == ORL_CANVAS_PNG   ? open_png(canvas, path, width, height, err)
+                     : kind == ORL_CANVAS_PDF ? open_pdf(canvas, path, width, height, err)
+                                              : open_svg(canvas, path, width, height, err);
     if (code < 0)
         free_page(canvas);
     else
@@ -80,6 +93,8 @@ int orl_canvas_close(struct orl_canvas *canvas, int code, struct orl_error *err)
         if (code == 0)
             fputs("</svg>\n", canvas->svg.stream);
         code = orl_out_close(&canvas->svg, code, err);
+    } else if (code == 0 && canvas->pdf) {
+        code = orl_pdf_write(canvas->pdf, canvas->path, err);
     } else if (code == 0) {
         code = orl_png_write(canvas->path, canvas->raster.width, canvas->raster.height,
                              canvas->raster.rgb, err);
@@ -159,6 +174,10 @@ void orl_canvas_fill(struct orl_canvas *canvas, size_t n, const double x[], cons
                      const unsigned char rgb[3])
 {
     FILE *svg = canvas->svg.stream;
+    if (canvas->pdf) {
+        orl_pdf_fill(canvas->pdf, n, x, y, rgb);
+        return;
+    }
     if (!svg) {
         struct shape shape = {.n = n, .x = x, .y = y, .scale = canvas->scale};
         fill_pixels(&canvas->raster, &shape, rgb);
@@ -187,6 +206,10 @@ void orl_canvas_path(struct orl_canvas *canvas, size_t n, const double x[], cons
         fprintf(svg,
                 " stroke-width=\"%.2f\" stroke-linecap=\"round\" stroke-linejoin=\"round\"/>\n",
                 weight);
+        return;
+    }
+    if (canvas->pdf) {
+        orl_pdf_path(canvas->pdf, n, x, y, weight, rgb);
         return;
     }
     const double s = canvas->scale;
@@ -260,7 +283,9 @@ void orl_canvas_text(struct orl_canvas *canvas, double x, double y,
 {
     const double width = orl_canvas_text_width(text, letters->size);
     const double left = x - width * 0.5 * (int)letters->align;
-    if (canvas->svg.stream)
+    if (canvas->pdf)
+        orl_pdf_text(canvas->pdf, x, y, width, rim, letters, text);
+    else if (canvas->svg.stream)
         write_text(canvas->svg.stream, left, y, width, letters, text);
     else
         draw_text(canvas, left, y, letters, text);
