@@ -590,6 +590,16 @@ class Job:
         """result.json, as a dict; of a running job with a goal, as it stands."""
         return self.client._json("GET", self._path + "/result")
 
+    def links(self, files, seconds=300):
+        """URLs of files of the results that need no token, for so many seconds: for a page's <img>, say.
+
+        {name: url}. Whoever has one may read that file.
+        """
+        body = json.dumps({"files": list(files), "seconds": seconds}).encode()
+        links = self.client._json("POST", self._path + "/links", body,
+                                  {"Content-Type": "application/json"})["links"]
+        return {link["file"]: self.client.url + link["url"] for link in links}
+
     def fetch(self, folder):
         """Downloads all files of the results into folder, each whole or not at all. Their paths."""
         _make_folder(folder)

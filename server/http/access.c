@@ -7,8 +7,10 @@
 
 #include "http/context.h"
 #include "http/guard.h"
+#include "http/links.h"
 #include "http/reply.h"
 #include "http/router.h"
+#include "http/sessions.h"
 #include "http/tokens.h"
 
 static bool is_forwarded(const struct orl_request *request)
@@ -63,7 +65,7 @@ static void log_refusal(struct orl_request *request, const char *why)
                   (int64_t)request->id, "peer", peer, "token", request->token, "why", why);
 }
 
-static bool refuse_unknown(struct orl_request *request, bool has_token)
+bool orl_access_refuse(struct orl_request *request, bool has_token)
 {
     orl_reply_problem(
         request, 401, "unauthorized", "An access token is needed", "%s",
@@ -91,24 +93,62 @@ static bool refuse_scope(struct orl_request *request, enum orl_token_scope has)
     return false;
 }
 
-bool orl_access_check_token(struct orl_request *request)
+/* A refusal that no other token would change. */
+static bool refuse(struct orl_request *request, const char *why)
+{
+    orl_reply_problem(request, 403, "forbidden", "The request is refused", "%s", why);
+    log_refusal(request, why);
+    return false;
+}
+
+/* Who is it, going by the Authorization header? False after a reply. */
+static bool know_by_token(struct orl_request *request, const char *header)
 {
     static const char scheme[] = "Bearer ";
-    struct orl_token_row row;
     struct orl_error err;
     bool known = false;
-    if (!request->context->config->needs_token || request->route->scope == ORL_SCOPE_OPEN)
-        return true;
-    const char *header = orl_request_header(request, MHD_HTTP_HEADER_AUTHORIZATION);
-    if (!header || strncasecmp(header, scheme, sizeof scheme - 1) != 0)
-        return refuse_unknown(request, false);
+    if (strncasecmp(header, scheme, sizeof scheme - 1) != 0)
+        return orl_access_refuse(request, false);
     if (orl_token_recognise(request->context->db, request->context->token_finder,
-                            header + sizeof scheme - 1, &row, &known, &err)) {
+                            header + sizeof scheme - 1, &request->holder, &known, &err)) {
         orl_reply_error(request, &err);
         return false;
     }
-    if (!known)
-        return refuse_unknown(request, true);
-    snprintf(request->token, sizeof request->token, "%s", row.name);
-    return row.scope >= request->route->scope || refuse_scope(request, row.scope);
+    return known || orl_access_refuse(request, true);
+}
+
+/* By a cookie, or else a signed link. */
+static bool know_otherwise(struct orl_request *request)
+{
+    struct orl_session_row session;
+    struct orl_error err;
+    bool known = false;
+    int rc = orl_session_find(request, &session, &known, &err);
+    if (rc == 0 && known) {
+        const char *refusal = orl_session_refusal(request);
+        request->holder = session.token;
+        return !refusal || refuse(request, refusal);
+    }
+    const bool shown = orl_link_is_shown(request);
+    if (rc == 0 && shown)
+        rc = orl_link_check(request, &request->holder, &known, &err);
+    if (rc) {
+        orl_reply_error(request, &err);
+        return false;
+    }
+    return known ||
+           (shown ? refuse(request, "the link is not as it was signed, or its time is over")
+                  : orl_access_refuse(request, false));
+}
+
+bool orl_access_check_token(struct orl_request *request)
+{
+    if (!request->context->config->needs_token || request->route->scope == ORL_SCOPE_OPEN)
+        return true;
+    const char *header = orl_request_header(request, MHD_HTTP_HEADER_AUTHORIZATION);
+    if (!(header ? know_by_token(request, header) : know_otherwise(request)))
+        return false;
+    snprintf(request->token, sizeof request->token, "%s", request->holder.name);
+    return request->holder.scope >= request->route->scope ||
+           refuse_scope(request, request->holder.scope);
 }

@@ -14,8 +14,12 @@ bool orl_access_check_origin(struct orl_request *request);
 
 /*
  * By the route's scope: false, with a 401 or 403 made (RFC 6750), when the Authorization header has
- * no token that may do this. Fills request->token with the token's name.
+ * no token that may do this, nor, without such a header, a cookie (sessions.h) or a signed link
+ * (links.h) speaks for one. Fills request->token with the token's name, and request->holder.
  */
 bool orl_access_check_token(struct orl_request *request);
+
+/* A 401: there is no token, or an unknown one. Returns false. */
+bool orl_access_refuse(struct orl_request *request, bool has_token);
 
 #endif

@@ -40,6 +40,7 @@ struct orl_request {
     char method[16], path[ORL_LOGGED_PATH]; /* for the log; the path may be cut */
     char job[ORL_JOB_ID];                   /* whom it is about, as far as known; "" for none */
     char token[ORL_TOKEN_NAME];             /* the name of its token; "-" for none */
+    struct orl_token_row holder;            /* of that token, where tokens are needed */
     char params[ORL_ROUTE_PARAMS][ORL_PARAM_MAX];
     struct orl_client *client; /* clients.h; NULL: refused before */
     struct orl_hold hold;      /* what of it lies on the disk, under way */

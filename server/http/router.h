@@ -18,6 +18,7 @@ struct orl_route {
     orl_request_step handler;
     uint64_t max_body;        /* 0: no body is read */
     const char *const *types; /* media types accepted for the body, ends with NULL; NULL: any */
+    bool by_link;             /* a signed link will do for a token (links.h) */
 };
 
 struct orl_routes {

@@ -22,6 +22,10 @@
 #define ORL_SERVER_CONNECTION_MEMORY (32U << 10) /* headers and read buffer of one */
 #define ORL_SERVER_URI_BYTES (8U << 10)          /* target of a request, and 64 an argument */
 #define ORL_SERVER_ORIGINS 16U                   /* of web pages that may be let in */
+#define ORL_SERVER_SESSION_S 43200U              /* that a browser stays signed in */
+#define ORL_SERVER_SESSIONS 64U                  /* of browsers, of one token */
+#define ORL_SERVER_LINK_S 3600U                  /* that a signed link may be good for */
+#define ORL_SERVER_LINKS 100U                    /* of them in one answer */
 #define ORL_SERVER_TIMEOUT_S 60U    /* of silence, before a connection is closed (default) */
 #define ORL_SERVER_JOB_S 86400U     /* that a job may run (default) */
 #define ORL_SERVER_KEPT_JOBS 10000U /* that have ended (default) */

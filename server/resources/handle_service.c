@@ -14,11 +14,11 @@
 void orl_handle_index(struct orl_request *request)
 {
     orl_reply_json(request, 200,
-                   json_pack("{s:s, s:s, s:s, s:s, s:{s:s, s:s, s:s, s:s, s:s, s:s}}", "service",
-                             "oriel", "version", ORL_VERSION, "api", "v1", "contract",
+                   json_pack("{s:s, s:s, s:s, s:s, s:{s:s, s:s, s:s, s:s, s:s, s:s, s:s}}",
+                             "service", "oriel", "version", ORL_VERSION, "api", "v1", "contract",
                              "/openapi.yaml", "links", "scenes", "/v1/scenes", "bsdfs", "/v1/bsdfs",
                              "jobs", "/v1/jobs", "maps", "/v1/maps", "limits", "/v1/limits",
-                             "health", "/healthz"));
+                             "health", "/healthz", "session", "/v1/session"));
 }
 
 /* Alive: the loop turns. */
@@ -95,6 +95,10 @@ void orl_handle_limits(struct orl_request *request)
         {"idempotency_key_s", ORL_SERVER_KEY_S},
         {"unfetched_results_s", ORL_SERVER_UNFETCHED_S},
         {"priority", ORL_PRIORITY_MAX},
+        {"session_s", ORL_SERVER_SESSION_S},
+        {"sessions", ORL_SERVER_SESSIONS},
+        {"link_s", ORL_SERVER_LINK_S},
+        {"links", ORL_SERVER_LINKS},
         {"connections", ORL_SERVER_CONNECTIONS},
         {"event_streams", ORL_SERVER_STREAMS},
         {"address_connections", ORL_SERVER_ADDRESS_CONNECTIONS},

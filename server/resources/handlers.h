@@ -34,6 +34,12 @@ void orl_handle_job_delete(struct orl_request *request);
 void orl_handle_job_result(struct orl_request *request);
 void orl_handle_job_file(struct orl_request *request);
 
+/* handle_session.c, handle_links.c: for browsers, which send no tokens */
+void orl_handle_session_get(struct orl_request *request);
+void orl_handle_session_post(struct orl_request *request);
+void orl_handle_session_delete(struct orl_request *request);
+void orl_handle_job_links(struct orl_request *request);
+
 /* handle_events.c: a job's state, as it changes */
 void orl_handle_job_events(struct orl_request *request);
 

@@ -82,13 +82,12 @@ static int add_render(json_t *doc, const struct orl_job_progress *progress)
     return rc;
 }
 
-/* A name of files in folders has slashes, which are no part of a path's shape. */
-static json_t *file_url(const char *id, const char *name)
+json_t *orl_job_file_url(const char *id, const char *name)
 {
     char url[640];
     size_t at = (size_t)snprintf(url, sizeof url, "/v1/jobs/%s/files/", id);
     for (; *name && at + 4 < sizeof url; name++) {
-        if (*name == '/' || *name == '%' || *name == '?' || *name == '#' || *name == ' ')
+        if (*name <= ' ' || *name > '~' || strchr("/%?#\"<>\\^`{|}", *name))
             at += (size_t)snprintf(url + at, sizeof url - at, "%%%02X", (unsigned char)*name);
         else
             url[at++] = *name;
@@ -110,7 +109,7 @@ static int add_links(json_t *links, const char *id, const json_t *summary)
     {
         const char *name = json_string_value(json_object_get(entry, "name"));
         has_result = has_result || strcmp(name, "result.json") == 0;
-        rc |= json_array_append_new(files, file_url(id, name));
+        rc |= json_array_append_new(files, orl_job_file_url(id, name));
     }
     rc |= json_object_set_new(links, "files", files);
     if (!has_result)

@@ -29,6 +29,10 @@ json_t *orl_job_status(const struct orl_jobs *jobs, const struct orl_jobs_job *j
 /* A new reference; NULL when out of memory. */
 json_t *orl_job_tags(const struct orl_jobs_job *job);
 
+/* The path of a file of the job's results. Names in folders have slashes, which are no part of a
+ * path's shape. A new reference; NULL when out of memory. */
+json_t *orl_job_file_url(const char *id, const char *name);
+
 /* The warnings so far of one that runs. A new reference. */
 json_t *orl_job_warnings(const struct orl_job_progress *progress);
 

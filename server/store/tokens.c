@@ -41,7 +41,7 @@ int orl_token_row_remove(struct orl_db *db, const char *name, struct orl_error *
     return rc;
 }
 
-static struct orl_token_row read_row(sqlite3_stmt *stmt)
+struct orl_token_row orl_token_row_read(sqlite3_stmt *stmt)
 {
     struct orl_token_row row = {.scope = orl_scope_from_name(orl_db_text(stmt, 3)),
                                 .created_ms = sqlite3_column_int64(stmt, 4)};
@@ -64,7 +64,7 @@ int orl_token_row_find(struct orl_db *db, sqlite3_stmt *finder, const char *id,
     if (sqlite3_bind_text(finder, 1, id, -1, SQLITE_STATIC) == SQLITE_OK)
         step = sqlite3_step(finder);
     if (step == SQLITE_ROW)
-        *ret_row = read_row(finder);
+        *ret_row = orl_token_row_read(finder);
     else if (step != SQLITE_DONE)
         rc = orl_db_error(db, "cannot read tokens", err);
     sqlite3_reset(finder); /* the next look sees what others have written since */
@@ -82,7 +82,7 @@ int orl_token_rows(struct orl_db *db, int (*visit)(void *ctx, const struct orl_t
         return ORL_ERR_IO;
     int rc = 0, step = SQLITE_DONE;
     while (rc == 0 && (step = sqlite3_step(stmt)) == SQLITE_ROW) {
-        const struct orl_token_row row = read_row(stmt);
+        const struct orl_token_row row = orl_token_row_read(stmt);
         rc = visit(ctx, &row);
     }
     if (rc == 0 && step != SQLITE_DONE)

@@ -40,6 +40,8 @@ int orl_token_row_remove(struct orl_db *db, const char *name, struct orl_error *
 /* The statement that finds rows: prepared once, since every request may need it. The caller's, to
  * be finalized before the database is closed; NULL on failure. */
 sqlite3_stmt *orl_token_finder(struct orl_db *db, struct orl_error *err);
+/* The row that the statement is at, of those columns first. */
+struct orl_token_row orl_token_row_read(sqlite3_stmt *stmt);
 int orl_token_row_find(struct orl_db *db, sqlite3_stmt *finder, const char *id,
                        struct orl_token_row *ret_row, bool *ret_found, struct orl_error *err);
 

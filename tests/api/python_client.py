@@ -9,8 +9,10 @@ import hashlib
 import json
 import os
 import shutil
+import ssl
 import sys
 import threading
+import urllib.request
 import zipfile
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../client/python"))
@@ -344,6 +346,14 @@ def tokens(desk):
     raises(oriel.Unauthorized, desk.connect("oriel_wrong").upload_scene, ["room.rad"],
            folder=desk.folder)
     raises(oriel.Unreachable, oriel.Client(desk.url, token=desk.token).health)  # who signed that?
+    scene = desk.client.upload_scene(["room.rad"], folder=desk.folder)
+    job = desk.client.submit({"scene": scene, "technique": "backward", "gather_samples": 4,
+                              "sensors": [[1.5, 1, 0.8, 0, 0, 1]]})
+    job.wait(poll=0.05)
+    url = job.links(["result.json"], seconds=60)["result.json"]
+    trusting = ssl.create_default_context(cafile=desk.ca_file)
+    with urllib.request.urlopen(url, context=trusting) as reply:
+        assert json.load(reply)["state"] == "succeeded"
     reader = desk.connect(os.environ["READ_TOKEN"])
     reader.jobs()
     raises(oriel.Forbidden, reader.submit, {"scene": "0" * 64})

@@ -43,7 +43,10 @@ def zipped(name, text):
 
 
 def service(daemon):
-    for path in ("/", "/healthz", "/readyz", "/metrics", "/openapi.yaml", "/v1/limits"):
+    daemon.ask("POST", "/v1/session", want=409)
+    daemon.ask("DELETE", "/v1/session", want=204)
+    for path in ("/", "/healthz", "/readyz", "/metrics", "/openapi.yaml", "/v1/limits",
+                 "/v1/session"):
         daemon.ask("GET", path, want=200)
         daemon.ask("HEAD", path, want=200)
     limits = daemon.ask("GET", "/v1/limits").json
@@ -472,6 +475,39 @@ def storage(daemon):
     daemon.ask("POST", "/v1/bsdfs", bsdf("bsdf_klems41.xml"), want=507)
 
 
+def sessions(daemon):
+    """A browser's way in and out, and what it may be given instead; at last without its table."""
+    bearer = {"Authorization": "Bearer " + daemon.token["submit"]}
+    daemon.header = {}
+    cookie = daemon.ask("POST", "/v1/session", headers=bearer, want=201).headers["set-cookie"]
+    browser = {"Cookie": cookie.split(";")[0]}
+    assert daemon.ask("GET", "/v1/session", headers=browser, want=200).json["signed_in"]
+    own = dict(browser, Origin="http://127.0.0.1:%d" % daemon.port)
+    scene = daemon.ask("POST", "/v1/scenes", {"files": [{"name": "r.rad", "text": ROOM + SKY}]},
+                       own, want=201).id
+    daemon.ask("POST", "/v1/scenes", {"files": [{"name": "r.rad", "text": ROOM}]}, browser, want=403)
+    path = "/v1/jobs/" + daemon.ask("POST", "/v1/jobs", sensors_of(scene), own, want=202).id
+    daemon.header = bearer
+    daemon.wait(path)
+    daemon.header = {}
+    links = daemon.ask("POST", path + "/links", {"files": ["result.json"]}, own, want=201).json
+    url = links["links"][0]["url"]
+    daemon.ask("GET", url, want=200)
+    daemon.ask("GET", url.replace("result.json", "other.json"), want=403)
+    daemon.ask("POST", path + "/links", {"files": []}, own, want=422)
+    daemon.ask("DELETE", "/v1/session", headers=browser, want=403)
+    daemon.ask("DELETE", "/v1/session", headers=own, want=204)
+    assert not daemon.ask("GET", "/v1/session", headers=browser, want=200).json["signed_in"]
+    daemon.ask("GET", "/v1/jobs", headers=browser, want=401)
+    daemon.ask("POST", "/v1/session", headers=own, want=401)
+    with sqlite3.connect(os.path.join(daemon.folder, "oriel.db"), timeout=30) as database:
+        database.execute("ALTER TABLE sessions RENAME TO lost_sessions")
+    database.close()
+    daemon.ask("POST", "/v1/session", headers=bearer, want=500)
+    daemon.ask("GET", "/v1/session", headers=browser, want=500)
+    daemon.ask("DELETE", "/v1/session", headers=own, want=500)
+
+
 def too_much_under_way(daemon):
     """429, of one client's uploads among several clients."""
     daemon.header = {"Authorization": "Bearer " + daemon.token["submit"]}
@@ -487,6 +523,7 @@ def too_much_under_way(daemon):
 
 def full_disk(daemon, fill):
     """507, of a disk that is full from fill(True) to fill(False)."""
+    daemon.header = {"Authorization": "Bearer " + daemon.token["admin"]}
     scene = daemon.upload(ROOM + SKY)
     other = daemon.upload(ROOM + SKY + "# other\n")
     item = daemon.ask("POST", "/v1/bsdfs", bsdf("bsdf_klems41.xml")).id
@@ -499,7 +536,7 @@ def full_disk(daemon, fill):
     for method, where, body in (
             ("POST", "/v1/scenes", {"files": [{"name": "l.rad", "text": ROOM + "# full"}]}),
             ("POST", "/v1/bsdfs", bsdf("bsdf_klems41.xml") + b"<!-- full -->"),
-            ("POST", "/v1/jobs", sensors_of(scene, seed=2)),
+            ("POST", "/v1/jobs", sensors_of(scene, seed=2)), ("POST", "/v1/session", None),
             *(("DELETE", thing, None) for thing in things)):
         answer = daemon.ask(method, where, body, want=507)
         assert answer.json["type"] == "urn:oriel:error:disk-full", answer.body

@@ -25,8 +25,9 @@ def bodies(contract, operation):
 
 def things_unknown(daemon):
     """404: of a path with a parameter that names nothing."""
-    for method, template in daemon.contract.documented(404):
-        daemon.ask(method, url_of(template), want=404)
+    for operation in daemon.contract.documented(404):
+        takes_json = "application/json" in bodies(daemon.contract, operation)
+        daemon.ask(operation[0], url_of(operation[1]), {} if takes_json else None, want=404)
 
 
 def strays(daemon):

@@ -60,7 +60,7 @@ def with_full_disk(contract):
             control.write(struct.pack("ii", errno.ENOSPC if full else 0, 3))
             control.flush()
         fill(False)
-        daemon = Daemon(contract, "--threads", "1", environment={
+        daemon = Daemon(contract, "--threads", "1", "--tokens", "always", environment={
             "LD_PRELOAD": os.path.abspath(os.path.join(BUILD, "tests", "faulty.so")),
             "FAULTY": control.name})
         cases.full_disk(daemon, fill)
@@ -87,6 +87,7 @@ def run(contract):
     guarded = Daemon(contract, "--tokens", "always", "--storage-budget", "16M")
     every.tokens(guarded)
     cases.too_much_under_way(guarded)
+    cases.sessions(guarded)
     guarded.end()
     every.stopping(Daemon(contract), cases.busy_upload)
 

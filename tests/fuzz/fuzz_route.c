@@ -17,14 +17,14 @@
 
 /* Of every shape that the daemon has. */
 static const struct orl_route table[] = {
-    {"GET", "/", ORL_SCOPE_OPEN, NULL, 0, NULL},
-    {"GET", "/v1/jobs", ORL_SCOPE_READ, NULL, 0, NULL},
-    {"POST", "/v1/jobs", ORL_SCOPE_SUBMIT, NULL, 1, NULL},
-    {"GET", "/v1/jobs/{}", ORL_SCOPE_READ, NULL, 0, NULL},
-    {"DELETE", "/v1/jobs/{}", ORL_SCOPE_SUBMIT, NULL, 0, NULL},
-    {"POST", "/v1/jobs/{}/cancel", ORL_SCOPE_SUBMIT, NULL, 1, NULL},
-    {"GET", "/v1/jobs/{}/files/{*}", ORL_SCOPE_READ, NULL, 0, NULL},
-    {"DELETE", "/v1/maps/{}/{}", ORL_SCOPE_ADMIN, NULL, 0, NULL},
+    {"GET", "/", ORL_SCOPE_OPEN, NULL, 0, NULL, false},
+    {"GET", "/v1/jobs", ORL_SCOPE_READ, NULL, 0, NULL, false},
+    {"POST", "/v1/jobs", ORL_SCOPE_SUBMIT, NULL, 1, NULL, false},
+    {"GET", "/v1/jobs/{}", ORL_SCOPE_READ, NULL, 0, NULL, false},
+    {"DELETE", "/v1/jobs/{}", ORL_SCOPE_SUBMIT, NULL, 0, NULL, false},
+    {"POST", "/v1/jobs/{}/cancel", ORL_SCOPE_SUBMIT, NULL, 1, NULL, false},
+    {"GET", "/v1/jobs/{}/files/{*}", ORL_SCOPE_READ, NULL, 0, NULL, false},
+    {"DELETE", "/v1/maps/{}/{}", ORL_SCOPE_ADMIN, NULL, 0, NULL, false},
 };
 static const struct orl_routes routes = {table, sizeof table / sizeof *table};
 

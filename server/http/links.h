@@ -1,0 +1,30 @@
+/*
+ * Signed links to one file of one job's results, for what can send no token: <img>, downloads.
+ *
+ *     /v1/jobs/ID/files/north.png?by=0123456789abcdef&until=1711107000&signature=<43 of base64url>
+ *                                    a token's id     s since 1970
+ *
+ * The signature is a keyed BLAKE2b-256 over job, file and time; its key is the hash that the
+ * database keeps of the token's secret. A link reads that file and nothing else, until then or
+ * until its token is removed, whoever has it. Nothing is kept of it.
+ *
+ * Threads: the loop thread only.
+ */
+#ifndef ORL_SERVER_HTTP_LINKS_H
+#define ORL_SERVER_HTTP_LINKS_H
+
+#include "http/request.h"
+
+enum { ORL_LINK_ARGUMENTS = 128 };
+
+/* The arguments of a link, "by=...". */
+void orl_link_sign(const struct orl_token_row *token, const char *job, const char *file,
+                   int64_t until_s, char ret_arguments[ORL_LINK_ARGUMENTS]);
+
+/* Has the request a signature to show? */
+bool orl_link_is_shown(const struct orl_request *request);
+/* Whose link it is; *ret_good is false where it is not what was signed, or too late. */
+int orl_link_check(const struct orl_request *request, struct orl_token_row *ret_token,
+                   bool *ret_good, struct orl_error *err);
+
+#endif

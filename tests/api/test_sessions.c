@@ -1,0 +1,495 @@
+/* Browsers: signed in by a cookie, and given links that are signed; and those who would abuse it.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <signal.h>
+#include <sqlite3.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <time.h>
+
+#include "support/certificate.h"
+#include "support/daemon.h"
+#include "support/http_wire.h"
+
+/* A daemon that asks for tokens on loopback, with a job that has succeeded. */
+struct fixture {
+    struct daemon daemon;
+    char scene[65], job[80];     /* path */
+    char submit[160], read[160]; /* lines: Authorization */
+    char host[80], own[200];     /* lines: Host; and with it Origin */
+};
+
+static const char *const with_tokens[] = {"--tokens", "always", NULL};
+
+static void say(const struct daemon *daemon, const char *arguments, char *ret_said, size_t size)
+{
+    char command[300];
+    const char *build = getenv("ORIEL_BUILD");
+    snprintf(command, sizeof command, "%s/orield token %s --data %s", build ? build : "build",
+             arguments, daemon->root);
+    FILE *pipe = popen(command, "r");
+    assert_non_null(pipe);
+    const size_t n = fread(ret_said, 1, size - 1, pipe);
+    ret_said[n] = '\0';
+    assert_int_equal(pclose(pipe), 0);
+    ret_said[strcspn(ret_said, "\n")] = '\0';
+}
+
+static void make_token(const struct daemon *daemon, const char *name, const char *scope,
+                       char ret_line[160])
+{
+    char arguments[100], said[128];
+    snprintf(arguments, sizeof arguments, "add %s --scope %s", name, scope);
+    say(daemon, arguments, said, sizeof said);
+    snprintf(ret_line, 160, "Authorization: Bearer %s\r\n", said);
+}
+
+static void name_host(struct fixture *f)
+{
+    snprintf(f->host, sizeof f->host, "Host: %s\r\n", f->daemon.url + strlen("http://"));
+    snprintf(f->own, sizeof f->own, "%sOrigin: %s\r\n", f->host, f->daemon.url);
+}
+
+static int setup(void **state)
+{
+    static struct fixture f;
+    struct reply reply;
+    daemon_start(&f.daemon, NULL);
+    daemon_upload_room(&f.daemon, f.scene);
+    daemon_submit(&f.daemon, f.scene, 2000, 1, "north", f.job);
+    daemon_wait(&f.daemon, f.job, 60, &reply);
+    assert_string_equal(reply_text(&reply, "state"), "succeeded");
+    reply_done(&reply);
+    make_token(&f.daemon, "desk", "submit", f.submit);
+    make_token(&f.daemon, "board", "read", f.read);
+    assert_int_equal(daemon_end(&f.daemon, SIGTERM), 0);
+    daemon_restart(&f.daemon, with_tokens);
+    name_host(&f);
+    *state = &f;
+    return 0;
+}
+
+static int teardown(void **state)
+{
+    daemon_remove(&((struct fixture *)*state)->daemon);
+    return 0;
+}
+
+/* One request of those lines; expects the status. */
+static void ask(struct fixture *f, const char *line, const char *first, const char *second,
+                const char *body, long wanted, struct reply *ret_reply)
+{
+    char headers[1200];
+    snprintf(headers, sizeof headers, "%s%s%s", first, second,
+             body && *body == '{' ? "Content-Type: application/json\r\n" : "");
+    http_wire_ask(&f->daemon, line, headers, body, ret_reply);
+    if (ret_reply->status != wanted)
+        fail_msg("%s with %s: %ld: %.300s", line, headers, ret_reply->status, ret_reply->body);
+}
+
+static void expect(struct fixture *f, const char *line, const char *first, const char *second,
+                   const char *body, long wanted)
+{
+    struct reply reply;
+    ask(f, line, first, second, body, wanted, &reply);
+    reply_done(&reply);
+}
+
+/* Signs in; the Cookie line. */
+static void sign_in(struct fixture *f, const char *token, char ret_cookie[160])
+{
+    struct reply reply;
+    ask(f, "POST /v1/session", f->own, token, "", 201, &reply);
+    const char *cookie = reply_header(&reply, "Set-Cookie");
+    assert_non_null(cookie);
+    assert_non_null(strstr(cookie, "; Path=/; HttpOnly; SameSite=Strict; Max-Age=43200"));
+    assert_null(strstr(cookie, "Domain"));
+    snprintf(ret_cookie, 160, "Cookie: %.*s\r\n", (int)strcspn(cookie, ";"), cookie);
+    assert_true(json_is_true(reply_at(&reply, "signed_in")));
+    assert_null(strstr(reply.body, strchr(ret_cookie, '=') + 1)); /* no script is to read it */
+    reply_done(&reply);
+}
+
+static void test_in_and_out(void **state)
+{
+    struct fixture *f = *state;
+    struct reply reply;
+    char cookie[160], other[160];
+    ask(f, "GET /v1/session", f->host, "", NULL, 200, &reply);
+    assert_true(json_is_true(reply_at(&reply, "needed")));
+    assert_true(json_is_false(reply_at(&reply, "signed_in")));
+    reply_done(&reply);
+    sign_in(f, f->submit, cookie);
+    sign_in(f, f->submit, other);
+    assert_string_not_equal(cookie, other);
+    ask(f, "GET /v1/session", f->host, cookie, NULL, 200, &reply);
+    assert_string_equal(reply_text(&reply, "token"), "desk");
+    assert_string_equal(reply_text(&reply, "scope"), "submit");
+    reply_done(&reply);
+    expect(f, "GET /v1/jobs", f->host, cookie, NULL, 200);
+    expect(f, "HEAD /v1/jobs", f->host, cookie, NULL, 200);
+    expect(f, "POST /v1/jobs", f->own, cookie, "{}", 422);
+    /* Signed out is out, wherever the cookie has gone; the other browser stays in. */
+    ask(f, "DELETE /v1/session", f->own, cookie, NULL, 204, &reply);
+    assert_non_null(strstr(reply_header(&reply, "Set-Cookie"), "=; "));
+    assert_non_null(strstr(reply_header(&reply, "Set-Cookie"), "Max-Age=0"));
+    reply_done(&reply);
+    expect(f, "GET /v1/jobs", f->host, cookie, NULL, 401);
+    expect(f, "GET /v1/jobs", f->host, other, NULL, 200);
+    expect(f, "DELETE /v1/session", f->own, cookie, NULL, 204);
+    expect(f, "DELETE /v1/session", f->own, "", NULL, 204);
+    sign_in(f, f->submit, cookie);
+    expect(f, "DELETE /v1/session?all=true", f->own, cookie, NULL, 204);
+    expect(f, "GET /v1/jobs", f->host, cookie, NULL, 401);
+    expect(f, "GET /v1/jobs", f->host, other, NULL, 401);
+}
+
+static void test_no_way_in(void **state)
+{
+    struct fixture *f = *state;
+    char cookie[160], line[200];
+    expect(f, "POST /v1/session", f->own, "", "", 401);
+    expect(f, "POST /v1/session", f->own, "Authorization: Bearer oriel_wrong\r\n", "", 401);
+    expect(f, "POST /v1/session", f->own, "Authorization: Basic YTpi\r\n", "", 401);
+    sign_in(f, f->read, cookie);
+    expect(f, "POST /v1/session", f->own, cookie, "", 401); /* a cookie begets none */
+    expect(f, "POST /v1/jobs", f->own, cookie, "{}", 403);  /* its token may read alone */
+    /* A wrong token is not made good by a right cookie. */
+    snprintf(line, sizeof line, "%sAuthorization: Bearer oriel_wrong\r\n", cookie);
+    expect(f, "GET /v1/jobs", f->host, line, NULL, 401);
+    char *value = strchr(cookie, '=') + 1;
+    *value = *value == 'A' ? 'B' : 'A';
+    expect(f, "GET /v1/jobs", f->host, cookie, NULL, 401);
+    snprintf(line, sizeof line, "%.*s\r\n", (int)(value - cookie), cookie);
+    expect(f, "GET /v1/jobs", f->host, line, NULL, 401);
+    snprintf(line, sizeof line, "%.*s' OR 1=1 --\r\n", (int)(value - cookie), cookie);
+    expect(f, "GET /v1/jobs", f->host, line, NULL, 401);
+}
+
+/* What another page has the browser send with the cookie: a form, a fetch, a picture. */
+static void test_forged_by_other_pages(void **state)
+{
+    struct fixture *f = *state;
+    struct reply reply;
+    char cookie[160], headers[700];
+    static const char *const pages[] = {
+        "Origin: http://localhost:3000\r\nSec-Fetch-Site: same-site\r\n",
+        "Origin: http://127.0.0.1:3000\r\nSec-Fetch-Site: same-site\r\n",
+        "Origin: https://evil.example\r\nSec-Fetch-Site: cross-site\r\n",
+        "Origin: null\r\n",
+        "Origin: https://evil.example\r\n",
+        "Sec-Fetch-Site: cross-site\r\n",
+        "Sec-Fetch-Site: same-site\r\n",
+        "" /* an old browser's form: no word of where it comes from */};
+    sign_in(f, f->submit, cookie);
+    char cancel[120];
+    snprintf(cancel, sizeof cancel, "POST %s/cancel", f->job);
+    for (size_t i = 0; i < sizeof pages / sizeof *pages; i++) {
+        snprintf(headers, sizeof headers, "%s%sContent-Type: application/x-www-form-urlencoded\r\n",
+                 f->host, pages[i]);
+        expect(f, cancel, headers, cookie, "a=b", 403);
+        expect(f, "POST /v1/bsdfs", headers, cookie, "<x/>", 403);
+        expect(f, "DELETE /v1/session", headers, cookie, NULL, 403);
+        snprintf(headers, sizeof headers, "%s%s", f->host, pages[i]);
+        expect(f, "GET /v1/jobs", headers, cookie, NULL, *pages[i] ? 403 : 200);
+    }
+    expect(f, "GET /v1/jobs", f->host, cookie, NULL, 200);
+    snprintf(headers, sizeof headers, "%sSec-Fetch-Site: same-origin\r\n", f->own);
+    expect(f, cancel, headers, cookie, "", 409); /* the page of the daemon's own is heard */
+    /* With a token beside it nothing was forged: a browser sends none by itself. */
+    snprintf(headers, sizeof headers, "%s%s", cookie, f->submit);
+    ask(f, cancel, f->host, headers, "", 409, &reply);
+    reply_done(&reply);
+}
+
+/* Restarts with those options; the ports are others then. */
+static void restart(struct fixture *f, const char *const *extra)
+{
+    assert_int_equal(daemon_end(&f->daemon, SIGTERM), 0);
+    daemon_restart(&f->daemon, extra);
+    name_host(f);
+}
+
+static void change(struct fixture *f, const char *sql)
+{
+    char path[100];
+    sqlite3 *db = NULL;
+    snprintf(path, sizeof path, "%s/oriel.db", f->daemon.root);
+    assert_int_equal(sqlite3_open(path, &db), SQLITE_OK);
+    sqlite3_busy_timeout(db, 10000);
+    assert_int_equal(sqlite3_exec(db, sql, NULL, NULL, NULL), SQLITE_OK);
+    assert_int_equal(sqlite3_close(db), SQLITE_OK);
+}
+
+static void test_sessions_end(void **state)
+{
+    struct fixture *f = *state;
+    char token[160], cookie[160], other[160], said[300], secret[64];
+    sign_in(f, f->submit, cookie);
+    restart(f, with_tokens);
+    expect(f, "GET /v1/jobs", f->host, cookie, NULL, 200); /* not with the daemon */
+    /* Nothing on the disk would do for a cookie. */
+    snprintf(secret, sizeof secret, "%.43s", strchr(cookie, '=') + 1);
+    snprintf(said, sizeof said, "! grep -rqF -e '%s' %s %s.log", secret, f->daemon.root,
+             f->daemon.root);
+    assert_int_equal(system(said), 0);
+    change(f, "UPDATE sessions SET expires_ms = 1 + created_ms - 1");
+    expect(f, "GET /v1/jobs", f->host, cookie, NULL, 401); /* its time is over */
+    make_token(&f->daemon, "guest", "read", token);
+    sign_in(f, token, cookie);
+    sign_in(f, f->submit, other);
+    say(&f->daemon, "remove guest", said, sizeof said);
+    expect(f, "GET /v1/jobs", f->host, cookie, NULL, 401); /* with its token */
+    expect(f, "GET /v1/jobs", f->host, other, NULL, 200);
+    make_token(&f->daemon, "guest", "read", token); /* another token of that name is another */
+    expect(f, "GET /v1/jobs", f->host, cookie, NULL, 401);
+}
+
+/* So many browsers of one token; with one more the oldest is out. */
+static void test_bounded(void **state)
+{
+    struct fixture *f = *state;
+    char first[160], cookie[160], reader[160];
+    const struct timespec moment = {0, 2000000};
+    sign_in(f, f->read, reader);
+    sign_in(f, f->submit, first);
+    for (int i = 0; i < 64; i++) {
+        nanosleep(&moment, NULL); /* by the clock's milliseconds */
+        sign_in(f, f->submit, cookie);
+        if (i == 62)
+            expect(f, "GET /v1/jobs", f->host, first, NULL, 200);
+    }
+    expect(f, "GET /v1/jobs", f->host, first, NULL, 401);
+    expect(f, "GET /v1/jobs", f->host, cookie, NULL, 200);
+    expect(f, "GET /v1/jobs", f->host, reader, NULL, 200);
+}
+
+/* Pages that --allow-origin lets in have no use of the cookie; behind TLS it is Secure. */
+static void test_elsewhere(void **state)
+{
+    struct fixture *f = *state;
+    static const char *const open[] = {"--tokens", "always", "--allow-origin",
+                                       "http://localhost:3000", NULL};
+    struct reply reply;
+    char cookie[160], headers[400];
+    restart(f, open);
+    sign_in(f, f->submit, cookie);
+    snprintf(headers, sizeof headers, "%sOrigin: http://localhost:3000\r\n", f->host);
+    ask(f, "GET /v1/jobs", headers, cookie, NULL, 401, &reply);
+    assert_null(reply_header(&reply, "Access-Control-Allow-Credentials"));
+    reply_done(&reply);
+    expect(f, "GET /v1/jobs", headers, f->submit, NULL, 200);
+    snprintf(
+        headers, sizeof headers,
+        "Host: oriel.example\r\nOrigin: https://oriel.example\r\nX-Forwarded-Proto: https\r\n");
+    ask(f, "POST /v1/session", headers, f->submit, "", 201, &reply);
+    assert_int_equal(strncmp(reply_header(&reply, "Set-Cookie"), "__Host-oriel-", 13), 0);
+    assert_non_null(strstr(reply_header(&reply, "Set-Cookie"), "; Secure"));
+    reply_done(&reply);
+    restart(f, with_tokens);
+}
+
+static void test_cookie_over_tls(void **state)
+{
+    struct fixture *f = *state;
+    char cert[90], key[90];
+    struct reply reply;
+    snprintf(cert, sizeof cert, "%s/c.pem", f->daemon.root);
+    snprintf(key, sizeof key, "%s/k.pem", f->daemon.root);
+    certificate_make(cert, key);
+    const char *const extra[] = {"--tokens", "always", "--tls-cert", cert, "--tls-key", key, NULL};
+    restart(f, extra);
+    snprintf(f->daemon.ca, sizeof f->daemon.ca, "%.79s", cert);
+    char line[160];
+    snprintf(line, sizeof line, "%.*s", (int)strcspn(f->submit, "\r"), f->submit);
+    daemon_request(&f->daemon, "POST", "/v1/session", NULL, "", 0, line, &reply);
+    assert_int_equal(reply.status, 201);
+    assert_int_equal(strncmp(reply_header(&reply, "Set-Cookie"), "__Host-oriel-0=", 15), 0);
+    assert_non_null(strstr(reply_header(&reply, "Set-Cookie"), "; Secure"));
+    reply_done(&reply);
+    f->daemon.ca[0] = '\0';
+    restart(f, with_tokens);
+}
+
+/* ---- Links ---------------------------------------------------------------------------------- */
+
+/* "GET /v1/...": a link to that file of the job. */
+static void make_link(struct fixture *f, const char *who, const char *file, int seconds,
+                      char ret_line[400])
+{
+    struct reply reply;
+    char line[120], body[200];
+    snprintf(line, sizeof line, "POST %s/links", f->job);
+    snprintf(body, sizeof body, "{\"files\":[\"%s\"],\"seconds\":%d}", file, seconds);
+    ask(f, line, f->own, who, body, 201, &reply);
+    snprintf(ret_line, 400, "GET %s", reply_text(&reply, "links.0.url"));
+    assert_string_equal(reply_text(&reply, "links.0.file"), file);
+    reply_done(&reply);
+}
+
+static void test_links(void **state)
+{
+    struct fixture *f = *state;
+    char cookie[160], link[400], headers[200];
+    sign_in(f, f->read, cookie);
+    make_link(f, cookie, "north.png", 60, link);
+    expect(f, link, f->host, "", NULL, 200);
+    expect(f, link, f->host, "Range: bytes=0-9\r\n", NULL, 206);
+    restart(f, with_tokens);
+    expect(f, link, f->host, "", NULL, 200); /* over a restart */
+    /* A page of another site may show it: that is what it is for. */
+    snprintf(headers, sizeof headers, "%sSec-Fetch-Site: cross-site\r\n", f->host);
+    expect(f, link, headers, "", NULL, 200);
+    make_link(f, f->submit, "absent.png", 60, link);
+    expect(f, link, f->host, "", NULL, 404);
+    make_link(f, f->submit, "a b/\xc3\xa4?&#.png", 60,
+              link); /* signed as it is, though not there */
+    expect(f, link, f->host, "", NULL, 404);
+}
+
+/* Nothing in it can be changed, and it opens nothing else. */
+static void test_changed_links(void **state)
+{
+    struct fixture *f = *state;
+    char link[400], changed[500];
+    make_link(f, f->submit, "north.png", 60, link);
+    const char *query = strchr(link, '?');
+    const int head = (int)(query - link);
+    static const char *const others[] = {"/files/north.hdr", "/files/result.json", "/result", "",
+                                         "/events",          "/files/north.png/",  "/links"};
+    for (size_t i = 0; i < sizeof others / sizeof *others; i++) {
+        snprintf(changed, sizeof changed, "GET %s%s%s", f->job, others[i], query);
+        struct reply reply;
+        char headers[100];
+        snprintf(headers, sizeof headers, "%s", f->host);
+        http_wire_ask(&f->daemon, changed, headers, NULL, &reply);
+        if (reply.status != 401 && reply.status != 403 && reply.status != 405)
+            fail_msg("%s: %ld", changed, reply.status);
+        reply_done(&reply);
+    }
+    for (const char *at = query + 1; *at; at++) { /* each character of it */
+        if (strchr("=&", *at) || (at[1] == '\0')) /* the last has bits to spare */
+            continue;
+        snprintf(changed, sizeof changed, "%s", link);
+        changed[at - link] = *at == '1' ? '2' : '1';
+        struct reply reply;
+        http_wire_ask(&f->daemon, changed, f->host, NULL, &reply);
+        if (reply.status != 401 && reply.status != 403)
+            fail_msg("%s: %ld", changed, reply.status);
+        reply_done(&reply);
+    }
+    snprintf(changed, sizeof changed, "DELETE %.*s%s", head - 4, link + 4, query);
+    expect(f, changed, f->own, "", NULL, 405);
+    snprintf(changed, sizeof changed, "%.*s", head, link);
+    expect(f, changed, f->host, "", NULL, 401);
+    snprintf(changed, sizeof changed, "GET /v1/jobs%s", query);
+    expect(f, changed, f->host, "", NULL, 401);
+    snprintf(changed, sizeof changed, "GET /v1/jobs/%s/files/north.png%s",
+             "00000000000000000000000000000000", query);
+    expect(f, changed, f->host, "", NULL, 403);
+    snprintf(changed, sizeof changed, "%s&until=99999999999", link);
+    expect(f, changed, f->host, "", NULL, 200); /* the first counts, which was signed */
+    snprintf(changed, sizeof changed, "%.*s?until=99999999999&%s", head, link, query + 1);
+    expect(f, changed, f->host, "", NULL, 403);
+}
+
+/* Whoever has taken a link has it for its time. */
+static void test_stolen_link(void **state)
+{
+    struct fixture *f = *state;
+    char token[160], link[400], brief[400], said[100], longer[400];
+    make_token(&f->daemon, "thief", "read", token);
+    make_link(f, token, "north.png", 3600, link);
+    make_link(f, f->submit, "north.png", 10, brief);
+    expect(f, link, f->host, "", NULL, 200);
+    expect(f, brief, f->host, "", NULL, 200);
+    say(&f->daemon, "remove thief", said, sizeof said);
+    expect(f, link, f->host, "", NULL, 403); /* no longer than its token */
+    const struct timespec second = {1, 0};
+    for (int i = 0; i < 11; i++)
+        nanosleep(&second, NULL);
+    expect(f, brief, f->host, "", NULL, 403);
+    expect(f, brief, f->host, f->submit, NULL, 200); /* with a token it needs no link */
+    /* Its time cannot be put off. */
+    char *until = strstr(brief, "until=") + 6;
+    snprintf(longer, sizeof longer, "%.*s9%s", (int)(until - brief), brief, until);
+    expect(f, longer, f->host, "", NULL, 403);
+}
+
+static void test_refused_wishes(void **state)
+{
+    struct fixture *f = *state;
+    char line[120], many[3000] = "{\"files\":[";
+    snprintf(line, sizeof line, "POST %s/links", f->job);
+    static const char *const wrong[] = {"{}",
+                                        "{\"files\":[]}",
+                                        "{\"files\":\"a\"}",
+                                        "{\"files\":[1]}",
+                                        "{\"files\":[\"\"]}",
+                                        "{\"files\":[\"a\"],\"seconds\":9}",
+                                        "{\"files\":[\"a\"],\"seconds\":3601}",
+                                        "{\"files\":[\"a\"],\"seconds\":-1}",
+                                        "{\"files\":[\"a\"],\"seconds\":1e300}",
+                                        "{\"files\":[\"a\"],\"other\":1}"};
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
+        struct reply reply;
+        char headers[400];
+        snprintf(headers, sizeof headers, "%s%sContent-Type: application/json\r\n", f->own,
+                 f->submit);
+        http_wire_ask(&f->daemon, line, headers, wrong[i], &reply);
+        if (reply.status != 422 && reply.status != 413)
+            fail_msg("%s: %ld", wrong[i], reply.status);
+        reply_done(&reply);
+    }
+    for (int i = 0; i < 101; i++)
+        snprintf(many + strlen(many), sizeof many - strlen(many), "%s\"f%d\"", i ? "," : "", i);
+    snprintf(many + strlen(many), sizeof many - strlen(many), "]}");
+    expect(f, line, f->own, f->submit, many, 413);
+    expect(f, line, f->own, f->submit, "{", 400);
+    expect(f, line, f->own, "", "{\"files\":[\"a\"]}", 401);
+}
+
+/* Without tokens there is nothing to sign in to, and links are plain. */
+static void test_without_tokens(void **state)
+{
+    struct fixture *f = *state;
+    struct reply reply;
+    char line[120], link[400];
+    restart(f, NULL);
+    ask(f, "POST /v1/session", f->own, "", "", 409, &reply);
+    reply_done(&reply);
+    ask(f, "GET /v1/session", f->own, "", NULL, 200, &reply);
+    assert_true(json_is_false(reply_at(&reply, "needed")));
+    reply_done(&reply);
+    snprintf(line, sizeof line, "POST %s/links", f->job);
+    make_link(f, "", "north.png", 60, link);
+    assert_null(strchr(link, '?'));
+    expect(f, link, f->host, "", NULL, 200);
+    restart(f, with_tokens);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_in_and_out),
+        cmocka_unit_test(test_no_way_in),
+        cmocka_unit_test(test_forged_by_other_pages),
+        cmocka_unit_test(test_sessions_end),
+        cmocka_unit_test(test_bounded),
+        cmocka_unit_test(test_elsewhere),
+        cmocka_unit_test(test_cookie_over_tls),
+        cmocka_unit_test(test_links),
+        cmocka_unit_test(test_changed_links),
+        cmocka_unit_test(test_stolen_link),
+        cmocka_unit_test(test_refused_wishes),
+        cmocka_unit_test(test_without_tokens),
+    };
+    return cmocka_run_group_tests(tests, setup, teardown);
+}
