@@ -243,7 +243,8 @@ bool orl_job_has_ended(const json_t *job)
 {
     const char *state = orl_json_text(job, "state");
 
-    return strcmp(state, "queued") != 0 && strcmp(state, "running") != 0;
+    return strcmp(state, "succeeded") == 0 || strcmp(state, "failed") == 0 ||
+           strcmp(state, "cancelled") == 0;
 }
 
 int orl_await_job(struct orl_http *http, const char *id, json_t **ret_job, struct orl_error *err)

@@ -96,6 +96,14 @@ size_t orl_jobs_position(const struct orl_jobs *jobs, const struct orl_jobs_job 
     return orl_queue_position(jobs->queue, &leader->waiting);
 }
 
+const char orl_jobs_cancelling[] = "cancelling";
+
+const char *orl_jobs_state_name(const struct orl_jobs_job *job)
+{
+    return job->cancelled && job->row.state == ORL_JOB_RUNNING ? orl_jobs_cancelling
+                                                               : orl_job_state_name(job->row.state);
+}
+
 struct orl_worker *orl_jobs_worker(const struct orl_jobs_job *job)
 {
     return job->leader ? job->leader->worker : job->worker;

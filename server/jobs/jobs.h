@@ -139,6 +139,10 @@ const struct orl_jobs_job *orl_jobs_find_begun(const struct orl_jobs *jobs, cons
                                                bool *ret_several);
 /* The newest job; go on with ->older. */
 const struct orl_jobs_job *orl_jobs_newest(const struct orl_jobs *jobs);
+/* The name of its state, as clients see it: one that runs, and has been told to stop, is
+ * "cancelling" until it has. */
+const char *orl_jobs_state_name(const struct orl_jobs_job *job);
+extern const char orl_jobs_cancelling[];
 /* What computes the job, maybe for others too; NULL while nothing does. */
 struct orl_worker *orl_jobs_worker(const struct orl_jobs_job *job);
 /* 1 for the next to run; 0 when it does not wait. */

@@ -22,7 +22,7 @@
 enum { FILTER_TAGS = 4 };
 
 struct filter {
-    enum orl_job_state state;      /* ORL_JOB_STATE_COUNT: any */
+    const char *state;             /* NULL: any */
     const char *scene;             /* NULL: any */
     const char *tags[FILTER_TAGS]; /* all of them */
     size_t n_tags;
@@ -73,15 +73,13 @@ static bool read_place(struct orl_request *request, struct filter *filter)
 /* False after a 400. */
 static bool read_filter(struct orl_request *request, struct filter *filter)
 {
-    const char *state = orl_request_query(request, "state");
     const char *since = orl_request_query(request, "since");
     filter->scene = orl_request_query(request, "scene");
-    if (state) {
-        filter->state = orl_job_state_from_name(state);
-        if (filter->state == ORL_JOB_STATE_COUNT)
-            return orl_page_refuse(request,
-                                   "state is queued, running, succeeded, failed or cancelled");
-    }
+    filter->state = orl_request_query(request, "state");
+    if (filter->state && strcmp(filter->state, orl_jobs_cancelling) != 0 &&
+        orl_job_state_from_name(filter->state) == ORL_JOB_STATE_COUNT)
+        return orl_page_refuse(
+            request, "state is queued, running, cancelling, succeeded, failed or cancelled");
     if (filter->scene && !orl_is_sha256(filter->scene))
         return orl_page_refuse(request, "scene is the id of a scene, 64 digits");
     if (since && !orl_time_parse(since, &filter->since_ms))
@@ -95,7 +93,7 @@ static bool read_filter(struct orl_request *request, struct filter *filter)
 static bool is_wanted(const struct filter *filter, const struct orl_jobs_job *job)
 {
     const struct orl_job_row *row = &job->row;
-    bool wanted = (filter->state == ORL_JOB_STATE_COUNT || row->state == filter->state) &&
+    bool wanted = (!filter->state || strcmp(orl_jobs_state_name(job), filter->state) == 0) &&
                   (!filter->scene || strcmp(row->scene, filter->scene) == 0) &&
                   row->created_ms >= filter->since_ms;
     for (size_t i = 0; i < filter->n_tags && wanted; i++)
@@ -171,7 +169,7 @@ static void reply_list(struct orl_request *request, const char *text, size_t siz
 void orl_handle_job_list(struct orl_request *request)
 {
     static const char *const kept[] = {"fields", "limit", "scene", "since", "state", "tag", NULL};
-    struct filter filter = {.state = ORL_JOB_STATE_COUNT, .limit = 100};
+    struct filter filter = {.limit = 100};
     struct list list = {.text = NULL};
     const char *fields = orl_request_query(request, "fields");
     char *text = NULL, cursor[24];

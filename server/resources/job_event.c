@@ -58,10 +58,10 @@ void orl_job_event_id(const struct orl_jobs *jobs, const struct orl_jobs_job *jo
                       char ret_id[ORL_JOB_EVENT_ID])
 {
     const struct event event = take(jobs, job);
-    snprintf(ret_id, ORL_JOB_EVENT_ID, "%s%s-%d-%s-%d-%u-%zu-%zu-%zu-%zu-%zu",
-             orl_job_state_name(job->row.state), job->cancelled ? "-cancelling" : "",
-             job->row.attempts, event.stage ? event.stage : "", event.permille, event.rounds,
-             event.views, event.skies, event.points, event.n_warnings, event.position);
+    snprintf(ret_id, ORL_JOB_EVENT_ID, "%s-%d-%s-%d-%u-%zu-%zu-%zu-%zu-%zu",
+             orl_jobs_state_name(job), job->row.attempts, event.stage ? event.stage : "",
+             event.permille, event.rounds, event.views, event.skies, event.points, event.n_warnings,
+             event.position);
 }
 
 /* The warnings so far, or those that it has ended with; likewise. */
@@ -81,7 +81,7 @@ json_t *orl_job_event(const struct orl_jobs *jobs, const struct orl_jobs_job *jo
     const bool runs = job->row.state == ORL_JOB_RUNNING;
     json_t *doc =
         json_pack("{s:s, s:s, s:s?, s:o, s:o}", "id", job->row.id, "state",
-                  orl_job_state_name(job->row.state), "stage", event.stage, "percent",
+                  orl_jobs_state_name(job), "stage", event.stage, "percent",
                   orl_json_from_real(event.permille < 0 ? (double)NAN : event.permille / 10.0),
                   "eta_s", orl_json_from_real(event.eta_s));
     json_t *warnings = NULL;

@@ -209,7 +209,7 @@ json_t *orl_job_status(const struct orl_jobs *jobs, const struct orl_jobs_job *j
     json_t *doc = json_pack(
         "{s:s, s:s?, s:o, s:s, s:s, s:s, s:i, s:s, s:i, s:o, s:o, s:o, s:{s:s}}", "id", row->id,
         "name", row->name, "tags", orl_job_tags(job), "kind", orl_task_kind_name(row->kind),
-        "state", orl_job_state_name(row->state), "scene", row->scene, "priority", row->priority,
+        "state", orl_jobs_state_name(job), "scene", row->scene, "priority", row->priority,
         "client", row->client, "attempts", row->attempts, "created", time_or_null(row->created_ms),
         "started", time_or_null(row->started_ms), "finished", time_or_null(row->finished_ms),
         "links", "self", self);

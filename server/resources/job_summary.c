@@ -51,7 +51,7 @@ json_t *orl_job_summary(struct orl_jobs *jobs, const struct orl_jobs_job *job)
     json_t *doc = json_pack(
         "{s:s, s:s?, s:o, s:s, s:s, s:s, s:s, s:i, s:s?, s:o, s:o, s:o, s:o, s:o, s:o}", "id",
         row->id, "name", row->name, "tags", orl_job_tags(job), "kind",
-        orl_task_kind_name(row->kind), "state", orl_job_state_name(row->state), "scene", row->scene,
+        orl_task_kind_name(row->kind), "state", orl_jobs_state_name(job), "scene", row->scene,
         "client", row->client, "priority", row->priority, "stage", seen.stage, "percent",
         orl_json_from_real(seen.percent), "eta_s", orl_json_from_real(seen.eta_s), "error",
         orl_json_from_real(seen.error), "created", time_or_null(row->created_ms), "started",

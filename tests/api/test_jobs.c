@@ -252,6 +252,8 @@ static void test_cancel(void **state)
     snprintf(path, sizeof path, "%s/cancel", running);
     daemon_request(&f->daemon, "POST", path, NULL, "", 0, NULL, &reply);
     assert_int_equal(reply.status, 202);
+    assert_string_equal(reply_text(&reply, "state"), "cancelling"); /* not cancelled yet */
+    assert_true(json_is_true(reply_at(&reply, "cancelling")));
     reply_done(&reply);
     daemon_wait(&f->daemon, running, 10, &reply); /* soon: within a batch of photons */
     assert_string_equal(reply_text(&reply, "state"), "cancelled");

@@ -288,6 +288,7 @@ static double skies_until_end(struct daemon_room *f, const char *job)
         struct reply reply;
         daemon_get(&f->daemon, job, &reply);
         const bool runs = strcmp(reply_text(&reply, "state"), "running") == 0 ||
+                          strcmp(reply_text(&reply, "state"), "cancelling") == 0 ||
                           strcmp(reply_text(&reply, "state"), "queued") == 0;
         if (runs && reply_number(&reply, "skies.done") > done)
             done = reply_number(&reply, "skies.done");

@@ -352,7 +352,7 @@ def refusals(daemon):
     daemon.ask("GET", "/v1/jobs?state=lost", want=400)
     daemon.ask("GET", "/v1/jobs?limit=0", want=400)
     job_lists(daemon)
-    for state in ("queued", "running", "succeeded", "failed", "cancelled"):
+    for state in ("queued", "running", "cancelling", "succeeded", "failed", "cancelled"):
         jobs = daemon.ask("GET", "/v1/jobs?limit=1000&state=" + state, want=200).json["jobs"]
         assert all(job["state"] == state for job in jobs)
 

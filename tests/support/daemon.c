@@ -397,7 +397,8 @@ void daemon_wait(struct daemon *daemon, const char *path, double seconds, struct
         daemon_get(daemon, path, ret_reply);
         assert_int_equal(ret_reply->status, 200);
         const char *state = reply_text(ret_reply, "state");
-        if (strcmp(state, "queued") != 0 && strcmp(state, "running") != 0)
+        if (strcmp(state, "succeeded") == 0 || strcmp(state, "failed") == 0 ||
+            strcmp(state, "cancelled") == 0)
             return;
         if (now_s() > until)
             fail_msg("%s is still %s after %.0f s: %s", path, state, seconds, ret_reply->body);

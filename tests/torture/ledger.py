@@ -17,8 +17,9 @@ from daemon import Failure
 ENDED = ("succeeded", "failed", "cancelled")
 KILLER = "the daemon ended abruptly"  # of a job that was running during too many kills
 FOLLOWS = {
-    "queued": ENDED + ("queued", "running"),
-    "running": ENDED + ("queued", "running"),
+    "queued": ENDED + ("queued", "running", "cancelling"),
+    "running": ENDED + ("queued", "running", "cancelling"),
+    "cancelling": ENDED + ("queued", "running", "cancelling"),
     "succeeded": ("succeeded",), "failed": ("failed",), "cancelled": ("cancelled",),
 }
 
