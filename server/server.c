@@ -26,6 +26,7 @@ static void stop_if_quiet(struct orl_server *server)
     if (uv_is_closing((uv_handle_t *)&server->kept_changed))
         return;
     orl_events_stop(server->events);
+    orl_hub_stop(server->hub);
     orl_http_stop(server->http);
     orl_storage_stop(&server->storage);
     orl_checks_close(&server->checks);
@@ -85,10 +86,11 @@ static void on_drain_over(uv_timer_t *timer)
     stop(timer->data);
 }
 
-static void on_job_changed(void *ctx)
+static void on_job_changed(void *ctx, const struct orl_jobs_job *job)
 {
     struct orl_server *server = ctx;
     orl_events_wake(server->events);
+    orl_hub_changed(server->hub, job);
     uv_async_send(&server->kept_changed);
 }
 
@@ -96,6 +98,7 @@ static void on_job_leaving(void *ctx, const struct orl_jobs_job *job)
 {
     struct orl_server *server = ctx;
     orl_events_forget(server->events, job);
+    orl_hub_forget(server->hub, job);
 }
 
 static void on_signal(uv_signal_t *handle, int signum)
@@ -403,6 +406,8 @@ int orl_server_run(const struct orl_config *config, const struct orl_routes *rou
     if (rc == 0)
         rc = orl_events_open(&server, &server.events, err);
     if (rc == 0)
+        rc = orl_hub_open(&server, &server.hub, err);
+    if (rc == 0)
         rc = orl_http_start(&server.context, &server.config.address.any, &server.http, err);
     if (rc == 0)
         rc = open_jobs(&server, err);
@@ -414,6 +419,7 @@ int orl_server_run(const struct orl_config *config, const struct orl_routes *rou
         announce_address(&server, announce);
     } else {
         orl_events_stop(server.events);
+        orl_hub_stop(server.hub);
         orl_http_stop(server.http);
         orl_storage_stop(&server.storage);
         orl_checks_close(&server.checks);
@@ -424,6 +430,7 @@ int orl_server_run(const struct orl_config *config, const struct orl_routes *rou
     orl_scrubbing_stop(server.scrubbing);
     orl_http_free(server.http);
     orl_events_free(server.events);
+    orl_hub_free(server.hub);
     if (server.maps)
         orl_map_cache_flush(server.maps, NULL);
     orl_status_cache_free(server.statuses);

@@ -25,6 +25,7 @@
 #include "process/config.h"
 #include "process/log.h"
 #include "resources/events.h"
+#include "resources/hub.h"
 #include "resources/status_cache.h"
 #include "store/db.h"
 #include "store/folders.h"
@@ -53,6 +54,7 @@ struct orl_server {
     struct orl_http_context context; /* of HTTP */
     struct orl_http_server *http;
     struct orl_events *events;
+    struct orl_hub *hub; /* events of all jobs */
     struct orl_metrics metrics;
     struct orl_pulse pulse;
     struct orl_checks checks;

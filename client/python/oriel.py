@@ -464,6 +464,36 @@ class Client:
                                               ("fields", "summary" if summary else None)) if one]
         return self._pages("/v1/jobs?" + urllib.parse.urlencode(query), "jobs", limit)
 
+    def events(self, jobs=(), tags=(), last_id=None):
+        """What happens to jobs from now on, for as long as it is iterated: (kind, data, id) each.
+
+        kind "job": data is the job in a line, as jobs(summary=True) has it; "removed": its id alone;
+        "reset": ask for lists anew, since what was before is not known. jobs, tags: only those. last_id: of
+        the event seen last, behind which it goes on. Unreachable when the connection ends.
+        """
+        query = urllib.parse.urlencode([("job", one) for one in jobs] + [("tag", one) for one in tags])
+        headers = dict(self._headers, **({"Last-Event-ID": last_id} if last_id else {}))
+        connection = self._connect()
+        try:
+            connection.request("GET", self._base + "/v1/events" + ("?" + query if query else ""),
+                               headers=headers)
+            reply = connection.getresponse()
+            if reply.status != 200:
+                raise _problem(reply.status, reply.headers, reply.read())
+            event = {}
+            for line in iter(reply.readline, b""):
+                name, _, value = line.decode("utf-8").rstrip("\n").partition(": ")
+                if name in ("id", "event", "data"):
+                    event[name] = value
+                elif not name and event:
+                    yield event["event"], json.loads(event["data"]), event["id"]
+                    event = {}
+        except (OSError, http.client.HTTPException) as error:
+            raise Unreachable("no answer from %s: %s" % (self.url, error)) from error
+        finally:
+            connection.close()
+        raise Unreachable("the daemon has ended the stream of events")
+
     def scenes(self, limit=100):
         """The scenes that are here, the latest first: bytes, last_used, jobs and jobs_under_way."""
         return self._pages("/v1/scenes?limit=%d" % min(limit, 1000), "scenes", limit)

@@ -109,6 +109,18 @@ struct orl_worker *orl_jobs_worker(const struct orl_jobs_job *job)
     return job->leader ? job->leader->worker : job->worker;
 }
 
+void orl_jobs_running(const struct orl_jobs *jobs,
+                      void (*visit)(void *ctx, const struct orl_jobs_job *job), void *ctx)
+{
+    for (const struct orl_jobs_job *leader = jobs->leaders; leader; leader = leader->next_leader) {
+        if (leader->row.state == ORL_JOB_RUNNING)
+            visit(ctx, leader);
+        for (const struct orl_jobs_job *job = leader->followers; job; job = job->next_follower)
+            if (job->row.state == ORL_JOB_RUNNING)
+                visit(ctx, job);
+    }
+}
+
 size_t orl_jobs_of_client(const struct orl_jobs *jobs, const char *client)
 {
     size_t count = 0;

@@ -84,7 +84,7 @@ void orl_jobs_set_state(struct orl_jobs_job *job, enum orl_job_state state)
                       "why", err.message);
     orl_log_event(jobs->env.log, ORL_LOG_INFO, "job", "ssi", "job", job->row.id, "state",
                   orl_job_state_name(state), "attempt", (int64_t)job->row.attempts);
-    jobs->env.changed(jobs->env.ctx);
+    jobs->env.changed(jobs->env.ctx, job);
 }
 
 void orl_jobs_fail(struct orl_jobs_job *job, const struct orl_error *err)

@@ -49,6 +49,7 @@ int orl_jobs_submit(struct orl_jobs *jobs, const struct orl_jobs_order *order,
     orl_log_event(jobs->env.log, ORL_LOG_INFO, "job", "ssss", "job", job->row.id, "state", "queued",
                   "scene", order->scene, "client", order->client);
     orl_runs_enqueue(job);
+    jobs->env.changed(jobs->env.ctx, job);
     orl_runs_start_next(jobs);
     *ret_job = job;
     return 0;
@@ -157,6 +158,8 @@ int orl_jobs_cancel(struct orl_jobs *jobs, const char *id, struct orl_error *err
         cancel_running(job);
     else
         cancel_sharing(job);
+    if (job->row.state == ORL_JOB_RUNNING) /* else that has been told already */
+        jobs->env.changed(jobs->env.ctx, job);
     return 0;
 }
 

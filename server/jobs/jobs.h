@@ -72,7 +72,8 @@ struct orl_jobs_env {
     uint32_t at_once;
     uint32_t job_timeout_s;        /* that one may run */
     uint32_t keep_jobs, keep_days; /* of those that have ended; no days: for ever */
-    void (*changed)(void *ctx);    /* after every change of a state */
+    /* It is new, or its state has changed, or it has been told to stop. */
+    void (*changed)(void *ctx, const struct orl_jobs_job *job);
     void (*leaving)(void *ctx, const struct orl_jobs_job *job); /* it is about to be removed */
     void (*idle)(void *ctx); /* after orl_jobs_stop, when nothing runs any more */
     void *ctx;
@@ -145,6 +146,9 @@ const char *orl_jobs_state_name(const struct orl_jobs_job *job);
 extern const char orl_jobs_cancelling[];
 /* What computes the job, maybe for others too; NULL while nothing does. */
 struct orl_worker *orl_jobs_worker(const struct orl_jobs_job *job);
+/* Calls visit with each job that runs, those that share a computation too. */
+void orl_jobs_running(const struct orl_jobs *jobs,
+                      void (*visit)(void *ctx, const struct orl_jobs_job *job), void *ctx);
 /* 1 for the next to run; 0 when it does not wait. */
 size_t orl_jobs_position(const struct orl_jobs *jobs, const struct orl_jobs_job *job);
 /* How many of that client wait or run. Time goes with the number of all that do. */

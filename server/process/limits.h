@@ -22,6 +22,8 @@
 #define ORL_SERVER_CONNECTION_MEMORY (32U << 10) /* headers and read buffer of one */
 #define ORL_SERVER_URI_BYTES (8U << 10)          /* target of a request, and 64 an argument */
 #define ORL_SERVER_ORIGINS 16U                   /* of web pages that may be let in */
+#define ORL_SERVER_HUB_EVENTS 512U               /* kept for all streams: the latest of a job ... */
+#define ORL_SERVER_HUB_BYTES (1UL << 20)         /* ... and what they take */
 #define ORL_SERVER_SESSION_S 43200U              /* that a browser stays signed in */
 #define ORL_SERVER_SESSIONS 64U                  /* of browsers, of one token */
 #define ORL_SERVER_LINK_S 3600U                  /* that a signed link may be good for */

@@ -4,26 +4,19 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "encode.h"
 #include "http/http.h"
 #include "process/times.h"
+#include "resources/event_text.h"
 #include "resources/job_event.h"
 #include "server.h"
 
 enum { LOOK_MS = 250, HEARTBEAT_S = 15 };
 
-/* What goes out, shared by the streams that send it. */
-struct text {
-    unsigned refs;
-    size_t size;
-    char data[];
-};
-
 /* A job that somebody watches. */
 struct feed {
     const struct orl_jobs_job *job; /* NULL: it has ended and been removed */
     char id[ORL_JOB_EVENT_ID];
-    struct text *latest;
+    struct orl_event_text *latest;
     uint64_t serial; /* of latest */
     bool final;
     struct stream *streams;
@@ -35,7 +28,7 @@ struct stream {
     struct feed *feed;
     struct MHD_Connection *connection;
     struct orl_client *client; /* counted there; or NULL */
-    struct text *sending;
+    struct orl_event_text *sending;
     size_t sent;     /* of it */
     uint64_t serial; /* of the last event begun */
     double active_s; /* when something was last begun */
@@ -47,46 +40,13 @@ struct orl_events {
     struct orl_server *server;
     uv_timer_t timer;
     struct feed *feeds;
-    struct text *heartbeat;
+    struct orl_event_text *heartbeat;
     double heartbeat_s;
     size_t count;
     bool stopping;
 };
 
-static struct text *text_new(const char *data, size_t size)
-{
-    struct text *text = malloc(sizeof *text + size);
-    if (!text)
-        return NULL;
-    text->refs = 1;
-    text->size = size;
-    memcpy(text->data, data, size);
-    return text;
-}
-
-static void text_unref(struct text *text)
-{
-    if (text && --text->refs == 0)
-        free(text);
-}
-
 /* ---- Feeds ---------------------------------------------------------------------------------- */
-
-/* "id: ...\nevent: status\ndata: {...}\n\n"; NULL when out of memory. */
-static struct text *event_text(const char *id, json_t *event)
-{
-    char *json = event ? orl_json_text(event, JSON_COMPACT | JSON_REAL_PRECISION(6)) : NULL;
-    struct text *text = NULL;
-    char *line = NULL;
-    const int size = json ? asprintf(&line, "id: %s\nevent: status\ndata: %s\n\n", id, json) : -1;
-    if (size > 0)
-        text = text_new(line, (size_t)size);
-    if (size >= 0)
-        free(line);
-    free(json);
-    json_decref(event);
-    return text;
-}
 
 /* Looks at the job. True when there is an event that was not there before. */
 static bool refresh(const struct orl_events *events, struct feed *feed)
@@ -98,10 +58,10 @@ static bool refresh(const struct orl_events *events, struct feed *feed)
     orl_job_event_id(jobs, feed->job, id);
     if (feed->latest && strcmp(id, feed->id) == 0)
         return false;
-    struct text *text = event_text(id, orl_job_event(jobs, feed->job));
+    struct orl_event_text *text = orl_event_text_of(id, "status", orl_job_event(jobs, feed->job));
     if (!text)
         return false; /* the next look tries again */
-    text_unref(feed->latest);
+    orl_event_text_unref(feed->latest);
     feed->latest = text;
     feed->serial++;
     feed->final = feed->job->row.state >= ORL_JOB_SUCCEEDED;
@@ -131,7 +91,7 @@ static void drop_feed(struct orl_events *events, struct feed *feed)
     while (*at != feed)
         at = &(*at)->next;
     *at = feed->next;
-    text_unref(feed->latest);
+    orl_event_text_unref(feed->latest);
     free(feed);
 }
 
@@ -184,7 +144,7 @@ void orl_events_forget(struct orl_events *events, const struct orl_jobs_job *job
 /* ---- Streams -------------------------------------------------------------------------------- */
 
 /* What the stream is to send now, if anything. */
-static struct text *next_text(struct stream *stream)
+static struct orl_event_text *next_text(struct stream *stream)
 {
     const struct feed *feed = stream->feed;
     if (stream->serial != feed->serial) {
@@ -217,7 +177,7 @@ static ssize_t read_stream(void *ctx, uint64_t position, char *buffer, size_t ma
     memcpy(buffer, stream->sending->data + stream->sent, size);
     stream->sent += size;
     if (stream->sent == stream->sending->size) {
-        text_unref(stream->sending);
+        orl_event_text_unref(stream->sending);
         stream->sending = NULL;
     }
     return (ssize_t)size;
@@ -234,7 +194,7 @@ static void free_stream(void *ctx)
     if (stream->client)
         stream->client->streams--;
     orl_client_unref(&stream->events->server->context.clients, stream->client);
-    text_unref(stream->sending);
+    orl_event_text_unref(stream->sending);
     if (!feed->streams)
         drop_feed(stream->events, feed);
     free(stream);
@@ -296,7 +256,7 @@ int orl_events_open(struct orl_server *server, struct orl_events **ret_events,
 {
     struct orl_events *events = calloc(1, sizeof *events);
     if (events)
-        events->heartbeat = text_new(":\n\n", 3);
+        events->heartbeat = orl_event_text_new(":\n\n", 3);
     if (!events || !events->heartbeat) {
         free(events);
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
@@ -329,6 +289,6 @@ void orl_events_free(struct orl_events *events)
 {
     if (!events)
         return;
-    text_unref(events->heartbeat);
+    orl_event_text_unref(events->heartbeat);
     free(events);
 }

@@ -1,5 +1,6 @@
 #include "resources/handlers.h"
 
+#include <stdio.h>
 #include <string.h>
 
 #include "http/reply.h"
@@ -7,6 +8,7 @@
 #include "resources/events.h"
 #include "resources/job_event.h"
 #include "resources/job_path.h"
+#include "resources/page.h"
 #include "server.h"
 
 /* Whoever has seen the job end has nothing to wait for; 204 keeps an EventSource from asking on. */
@@ -20,6 +22,31 @@ static bool has_seen_all(const struct orl_request *request, const struct orl_job
     return strcmp(id, last_id) == 0;
 }
 
+/* False after another reply: there may be no more streams, or none was asked for. */
+static bool may_stream(struct orl_request *request)
+{
+    const struct orl_server *server = request->server;
+    /* A HEAD gets no stream: libmicrohttpd 0.9.75 would end its chunks, "0", all the same. */
+    if (strcmp(request->method, "HEAD") == 0) {
+        orl_reply_text(request, "text/event-stream", "");
+        return false;
+    }
+    if (!orl_client_may_stream(request))
+        return false;
+    if (orl_events_count(server->events) + orl_hub_count(server->hub) < ORL_SERVER_STREAMS)
+        return true;
+    orl_reply_problem(request, 429, "too-many-streams", "Too many event streams are open",
+                      "%u are; try again later, or poll the job", ORL_SERVER_STREAMS);
+    orl_reply_header(request, "Retry-After", "10");
+    return false;
+}
+
+static void finish(struct orl_request *request)
+{
+    orl_reply_header(request, "Cache-Control", "no-store");
+    orl_reply_header(request, "X-Accel-Buffering", "no");
+}
+
 void orl_handle_job_events(struct orl_request *request)
 {
     struct orl_server *server = request->server;
@@ -31,21 +58,61 @@ void orl_handle_job_events(struct orl_request *request)
         orl_reply_no_content(request);
         return;
     }
-    /* A HEAD gets no stream: libmicrohttpd 0.9.75 would end its chunks, "0", all the same. */
-    if (strcmp(request->method, "HEAD") == 0) {
-        orl_reply_text(request, "text/event-stream", "");
+    if (!may_stream(request))
         return;
-    }
-    if (!orl_client_may_stream(request))
-        return;
-    if (orl_events_count(server->events) >= ORL_SERVER_STREAMS) {
-        orl_reply_problem(request, 429, "too-many-streams", "Too many event streams are open",
-                          "%u are; try again later, or poll the job", ORL_SERVER_STREAMS);
-        orl_reply_header(request, "Retry-After", "10");
-        return;
-    }
     orl_reply_stream(request, orl_events_stream(server->events, request, job, last_id),
                      "text/event-stream");
-    orl_reply_header(request, "Cache-Control", "no-store");
-    orl_reply_header(request, "X-Accel-Buffering", "no");
+    finish(request);
+}
+
+/* ---- Of all jobs ---------------------------------------------------------------------------- */
+
+struct wanted {
+    struct orl_hub_filter filter;
+    bool wrong;
+};
+
+static bool is_begun_id(const char *text)
+{
+    const size_t length = strlen(text);
+    return length >= ORL_JOB_PREFIX && length < ORL_JOB_ID &&
+           strspn(text, "0123456789abcdef") == length;
+}
+
+static enum MHD_Result add_argument(void *ctx, enum MHD_ValueKind kind, const char *key,
+                                    const char *value)
+{
+    struct wanted *wanted = ctx;
+    struct orl_hub_filter *filter = &wanted->filter;
+    const bool is_job = strcmp(key, "job") == 0, is_tag = strcmp(key, "tag") == 0;
+    (void)kind;
+    if (!is_job && !is_tag)
+        return MHD_YES;
+    wanted->wrong = !value || (is_job ? filter->n_jobs == ORL_HUB_JOBS || !is_begun_id(value)
+                                      : filter->n_tags == ORL_HUB_TAGS || !orl_label_is_tag(value));
+    if (wanted->wrong)
+        return MHD_NO;
+    if (is_job)
+        snprintf(filter->jobs[filter->n_jobs++], sizeof *filter->jobs, "%s", value);
+    else
+        snprintf(filter->tags[filter->n_tags++], sizeof *filter->tags, "%s", value);
+    return MHD_YES;
+}
+
+void orl_handle_all_events(struct orl_request *request)
+{
+    struct wanted wanted = {.wrong = false};
+    MHD_get_connection_values(request->connection, MHD_GET_ARGUMENT_KIND, add_argument, &wanted);
+    if (wanted.wrong) {
+        orl_page_refuse(request, "job is the id of one or how it begins, up to 16 times; tag is a "
+                                 "job's tag, up to 4 times");
+        return;
+    }
+    if (!may_stream(request))
+        return;
+    orl_reply_stream(request,
+                     orl_hub_stream(request->server->hub, request, &wanted.filter,
+                                    orl_request_header(request, "Last-Event-ID")),
+                     "text/event-stream");
+    finish(request);
 }

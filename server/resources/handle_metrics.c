@@ -169,7 +169,7 @@ static void write_http(FILE *out, const struct orl_server *server)
     const struct orl_routes *routes = server->context.routes;
     number(out, "oriel_http_connections", "gauge", "Connections open", (double)connections->open);
     number(out, "oriel_event_streams", "gauge", "Event streams open",
-           (double)orl_events_count(server->events));
+           (double)(orl_events_count(server->events) + orl_hub_count(server->hub)));
     number(out, "oriel_http_slow_clients_total", "counter", "Connections cut off for slowness",
            (double)connections->cut);
     head(out, name, "histogram",

@@ -42,6 +42,7 @@ void orl_handle_job_links(struct orl_request *request);
 
 /* handle_events.c: a job's state, as it changes */
 void orl_handle_job_events(struct orl_request *request);
+void orl_handle_all_events(struct orl_request *request);
 
 /* handle_maps.c */
 void orl_handle_map_list(struct orl_request *request);

@@ -251,6 +251,19 @@ def labels(desk):
     assert len(desk.sent) == 3 and "cursor=" in desk.sent[1]
     assert not desk.client.jobs(scene="0" * 64) and not desk.client.jobs(since="2999-01-01T00:00:00Z")
     raises(oriel.Problem, desk.client.submit, document, tags=["a,b"])
+    seen, stream = [], desk.client.events(tags=["watched"])
+    assert next(stream)[0] == "reset"
+    watched = desk.client.submit(dict(document, seed=99), tags=["watched"])
+    while "succeeded" not in seen:
+        kind, job, last = next(stream)
+        assert kind == "job" and job["id"] == watched.id and last
+        seen.append(job["state"])
+    stream.close()
+    watched.remove()
+    stream = desk.client.events(jobs=[watched.id], last_id=last)
+    assert next(stream)[:2] == ("removed", {"id": watched.id})
+    stream.close()
+    raises(oriel.Problem, next, desk.client.events(tags=["a,b"]))
     found = [one for one in desk.client.scenes() if one["id"] == scene]
     assert len(found) == 1 and found[0]["jobs"] >= 5
     assert isinstance(desk.client.bsdfs(), list)

@@ -198,6 +198,8 @@ static void check_operation(struct fixture *f, const char *path, const char *ver
     const bool open = !*scope, reads = strcmp(scope, "read") == 0;
     const bool submits = strcmp(scope, "submit") == 0;
     struct reply reply;
+    if (strcmp(path, "/v1/events") == 0) /* which has no end */
+        verb = "HEAD";
     assert_true(open || reads || submits || strcmp(scope, "admin") == 0);
     daemon_request(&f->daemon, verb, path, NULL, NULL, 0, NULL, &reply);
     if ((reply.status == 401) == open)

@@ -6,12 +6,14 @@ been provoked is listed at the end and fails the test.
 """
 
 import io
+import json
 import os
 import socket
 import sqlite3
 import time
 import zipfile
 
+from daemons import Answer
 from every import UNKNOWN
 
 ROOM = """void plastic grey 0 0 5 .5 .5 .5 0 0
@@ -303,6 +305,41 @@ def events(daemon, path, wanted):
     assert found, "no event of %s" % path
 
 
+def all_events(daemon):
+    """The stream of all jobs: a reset, then each as it changes; taken up again where it broke off."""
+    scene = daemon.upload(ROOM + SKY)
+    connection = daemon.connect()
+    connection.request("GET", "/v1/events?tag=seen", headers=daemon.header)
+    reply = connection.getresponse()
+    daemon.contract.judge("GET", "/v1/events", Answer(reply.status, reply.getheaders(), b""))
+    assert reply.status == 200
+    daemon.submit(sensors_of(scene))
+    path = daemon.submit(sensors_of(scene, tags=["seen"], name="n"))
+    kinds, last, states = [], None, []
+    while "succeeded" not in states:
+        line = reply.readline().decode()
+        if line.startswith("event: "):
+            kinds.append(line[7:].strip())
+        elif line.startswith("id: "):
+            last = line[4:].strip()
+        elif line.startswith("data: ") and kinds[-1] == "job":
+            daemon.contract.judge_event(line[6:], "JobSummary")
+            states.append(json.loads(line[6:])["state"])
+            assert path.endswith(json.loads(line[6:])["id"])
+    connection.close()
+    assert kinds[0] == "reset" and set(kinds[1:]) == {"job"}, kinds
+    daemon.ask("DELETE", path, want=204)
+    connection = daemon.connect()
+    connection.request("GET", "/v1/events?job=" + path[-32:-20],
+                       headers={**daemon.header, "Last-Event-ID": last})
+    reply = connection.getresponse()
+    assert [reply.readline() for _ in range(2)][1] == b"event: removed\n"
+    connection.close()
+    daemon.ask("HEAD", "/v1/events", want=200)
+    for query in ("job=x", "job=" + "0" * 33, "tag=", "tag=a,b"):
+        daemon.ask("GET", "/v1/events?" + query, want=400)
+
+
 def ended_events(daemon):
     scene = daemon.upload(ROOM + SKY)
     path = daemon.submit(sensors_of(scene))
@@ -411,6 +448,7 @@ def too_many_streams(daemon, path):
     for stream in streams:  # one whose client has gone may count until it is written to
         assert stream.recv(12) in (b"HTTP/1.1 200", b"HTTP/1.1 429")
     daemon.ask("GET", path + "/events", want=429)
+    daemon.ask("GET", "/v1/events", want=429)
     for stream in streams:
         stream.close()
 
@@ -560,7 +598,7 @@ def busy_upload(daemon):
 
 # With options, what is asked of a daemon.
 DAEMONS = (((), (service, scenes, bsdfs, renders, skies, accuracy, studies, years,
-              ended_events, failures,
+              ended_events, all_events, failures,
                  refusals, damage)),
            ((), (waiting,)),
            (("--storage-budget", "64K"), (storage,)))

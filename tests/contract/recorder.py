@@ -146,9 +146,9 @@ class Contract:
                 or problem["status"] != answer.status:
             raise Undocumented("this is no problem document of that status")
 
-    def judge_event(self, data):
+    def judge_event(self, data, schema="JobEvent"):
         """The data of a server-sent event."""
-        schema = self.document["components"]["schemas"]["JobEvent"]
+        schema = self.document["components"]["schemas"][schema]
         self._fail_on(self.schemas.check(schema, json.loads(data)))
 
     def judge_request(self, document):
