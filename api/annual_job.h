@@ -12,7 +12,7 @@
 
 /* Whose callbacks all get run's ctx. */
 struct orl_annual_job_env {
-    const struct orl_run_env *run;          /* borrowed; its output_folder exists */
+    const struct orl_run_env *run; /* borrowed; its output_folder exists */
     bool reuse; /* of run's store: as of struct orl_annual_env, and so are the next two */
     bool (*kept)(void *ctx, struct orl_annual_block *block);
     void (*done)(void *ctx, const struct orl_annual_block *block);

@@ -230,6 +230,8 @@ static int decode_members(const json_t *doc, struct orl_annual_job *job, struct 
         {"rules", .decode = decode_rules, .into = wishes},
         {"samples", .whole_32 = &request->samples, .from = 1, .to = ORL_ANNUAL_MOST_SAMPLES},
         {"seed", .whole = &request->seed, .from = 0, .to = INT64_MAX},
+        {"median_diffuse", .real = &wishes->median_diffuse_lx, .most = INFINITY, .above = true,
+         .bounds = "a number of lux above zero is wanted"},
         {"accuracy", .members = accuracy},
         {"formats", .decode = decode_formats, .into = &job->formats},
         {.name = "priority"},

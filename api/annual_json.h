@@ -13,6 +13,7 @@
  *                   or {"file": "occupancy.csv"} (oriel/annual_metrics.h),
  *      "metrics": ["DA300", "UDI100-3000", ...], "targets": ["sDA300/50 >= 55 %", ...],
  *      "rules": ["EN 17037", "LEED", ...], "samples": 2048 (paths a sensor), "seed": 0,
+ *      "median_diffuse": 14200 (lx outside, for daylight factors; by default of the weather),
  *      "accuracy": {"verdict": "sDA300/50 >= 55 %"} (more paths for those sensors that leave it
  * open; "samples" are those of the first round then, 256 when left out),
  *      "formats": ["honeybee", "ill"] (files of all hours, beside the usual ones),
@@ -21,6 +22,7 @@
  * result.json:
  *     {"kind": "annual", "state", "title", "location": {"latitude", "longitude", "time_zone"},
  *      "hours": {"occupied", "daylight", "year", "missing", "doubtful", "sun_up"},
+ *      "median_diffuse" (lx: as given, or of the weather),
  *      "grids": [{"name", "sensors", "figures": [{"name", "unit", "value", "interval_95", "open"
  *      (sensors whose side is open)}]}], "all": {the same} (of several grids together),
  *      "verdicts": [{"rule", "clause" (null: the job's own target), "target", "grid" (null: all),

@@ -72,6 +72,8 @@ static void fill_factors(void *arg, size_t index, uint32_t member)
         .n_sun = y->n_sun,
         .n_beams = y->n_beams};
     (void)member;
+    orl_overcast_find(&y->overcast, &coefficients, &y->result->overcast[y->first + index],
+                      &y->result->overcast_se[y->first + index]);
     orl_annual_factors_fill(&y->factors[index], &y->bins, &coefficients,
                             y->sun_by_batch + index * (ORL_ANNUAL_BATCHES + 1) * y->n_sun,
                             y->sun_by_lot + index * ORL_SUN_MAP_LOTS * y->n_beams);
@@ -324,6 +326,11 @@ static int make_room(struct orl_year *y)
     if (!y->bin_sums || !y->sun_sums || !y->lot_sums || !y->sun_by_lot || !y->factors ||
         !y->sun_by_batch || !y->rows || !y->sun_rows || !y->healths)
         return ORL_ERR_NOMEM;
+    orl_overcast_init(&y->overcast, &y->bins, y->request->ground_reflectance);
+    r->overcast = calloc(n + 1, sizeof *r->overcast);
+    r->overcast_se = calloc(n + 1, sizeof *r->overcast_se);
+    if (!r->overcast || !r->overcast_se)
+        return ORL_ERR_NOMEM;
     if (y->env->row)
         return 0;
     r->total = malloc((n * columns + 1) * sizeof *r->total);
@@ -345,7 +352,9 @@ static struct orl_annual_block block_of(const struct orl_year *y)
                                      .n_columns = columns,
                                      .total = r->total + at,
                                      .direct = r->direct + at,
-                                     .se = r->se + at};
+                                     .se = r->se + at,
+                                     .overcast = r->overcast + y->first,
+                                     .overcast_se = r->overcast_se + y->first};
 }
 
 static bool is_kept(struct orl_year *y)

@@ -35,9 +35,8 @@ static void read_row(void *arg, size_t index, uint32_t member)
     struct reader *r = arg;
     const struct orl_weather_row *row = &r->weather->rows[index];
     (void)member;
-    if (!row->missing &&
-        orl_daylight_of_row(r->weather, row, &r->daylights[index], &r->diffuse_w[index],
-                            &r->errors[index]) < 0)
+    if (!row->missing && orl_daylight_of_row(r->weather, row, &r->daylights[index],
+                                             &r->diffuse_w[index], &r->errors[index]) < 0)
         orl_error_at(&r->errors[index], r->name, row->line, NULL);
     else
         r->suns[index] = sun_of(r, index);

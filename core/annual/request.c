@@ -113,6 +113,8 @@ void orl_annual_done(struct orl_annual_result *result)
     free(result->steps);
     free(result->step_of_column);
     free(result->states);
+    free(result->overcast);
+    free(result->overcast_se);
     free(result->total);
     free(result->direct);
     free(result->se);

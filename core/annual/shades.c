@@ -24,7 +24,9 @@ static int run_open(struct orl_shading *s, double share)
         s->result->total = run.total;
         s->result->direct = run.direct;
         s->result->se = run.se;
-        run.total = run.direct = run.se = NULL;
+        s->result->overcast = run.overcast;
+        s->result->overcast_se = run.overcast_se;
+        run.total = run.direct = run.se = run.overcast = run.overcast_se = NULL;
     }
     orl_annual_done(&run);
     return code;

@@ -12,6 +12,7 @@
 #include <oriel/sha256.h>
 
 #include "annual/keep.h"
+#include "annual/overcast.h"
 #include "annual/panels.h"
 #include "annual/parts.h"
 #include "annual/product.h"
@@ -36,6 +37,7 @@ struct orl_year {
     const struct orl_annual_env *env;
     struct orl_annual_result *result;
     struct orl_bins bins;
+    struct orl_overcast overcast;
     struct orl_hours hours;
     struct orl_sun_nodes nodes;
     struct orl_frame *node_frames; /* as the scene has them */

@@ -198,9 +198,9 @@ static int write_metric(const struct writing *w, size_t kind, const struct orl_a
     if (code < 0)
         return code;
     for (size_t i = grid->first; i < grid->first + grid->count; i++) {
-        const struct orl_annual_light light = {orl_annual_row(w->result, w->result->total, i),
-                                               orl_annual_row(w->result, w->result->direct, i),
-                                               NULL, NULL, NULL};
+        const struct orl_annual_light light = {
+            .total_lx = orl_annual_row(w->result, w->result->total, i),
+            .direct_lx = orl_annual_row(w->result, w->result->direct, i)};
         fprintf(
             file.stream, "%.*f\n", kinds[kind].digits,
             orl_annual_at(&kinds[kind].metric, &w->report->periods[ORL_WHEN_OCCUPIED], &light, 0));

@@ -31,7 +31,7 @@ static int no_memory(const struct refining *r)
 /* Of the target's grid, or of all. */
 static int pick(struct refining *r, const struct orl_annual_report *report, size_t grid)
 {
-    const struct orl_annual_figure *figure = &r->wishes->until->figure;
+    const struct orl_annual_figure *figure = &r->state->target.figure;
     const struct orl_annual_period *period = &report->periods[figure->metric.when];
     const struct orl_annual_rows rows = orl_annual_rows_of(report, r->result, grid);
     const size_t first = grid == ORL_ALL_GRIDS ? 0 : report->grids[grid].first;
@@ -41,9 +41,13 @@ static int pick(struct refining *r, const struct orl_annual_report *report, size
     r->n_open = 0;
     for (size_t i = 0; i < rows.n_sensors; i++) {
         const size_t at = i * rows.n_columns;
-        const struct orl_annual_light light = {rows.total_lx + at, rows.direct_lx + at,
-                                               rows.total_error_lx + at, rows.direct_error_lx + at,
-                                               NULL};
+        const struct orl_annual_light light = {
+            .total_lx = rows.total_lx + at,
+            .direct_lx = rows.direct_lx + at,
+            .total_error_lx = rows.total_error_lx + at,
+            .direct_error_lx = rows.direct_error_lx + at,
+            .overcast_lx = rows.overcast_lx ? rows.overcast_lx + i : NULL,
+            .overcast_error_lx = rows.overcast_error_lx ? rows.overcast_error_lx + i : NULL};
         if (figure->over != ORL_OVER_SHARE ||
             fabs(orl_annual_crossing(&figure->metric, figure->least, period, &light, scratch)) <
                 far_off)
@@ -69,7 +73,8 @@ static int look(struct refining *r)
     const struct orl_annual_verdict *verdict = &report.verdicts[0];
     const struct orl_annual_figure *figure = &verdict->target.figure;
     const bool percent =
-        figure->over == ORL_OVER_SHARE || orl_annual_unit(figure->metric.kind)[0] == '%';
+        figure->over == ORL_OVER_SHARE ||
+        (orl_annual_unit(figure->metric.kind)[0] == '%' && figure->metric.kind != ORL_METRIC_DF);
     r->state->target = verdict->target;
     r->state->area = verdict->area;
     r->state->verdict = verdict->verdict;
@@ -88,20 +93,29 @@ static float weigh(double a, double wa, double b, double wb)
     return (float)((wa * a + wb * b) / (wa + wb));
 }
 
+static float weigh_errors(double a, double wa, double b, double wb)
+{
+    return (float)(hypot(wa * a, wb * b) / (wa + wb));
+}
+
 /* Both are means over their paths; errors are independent. */
 static void merge(struct refining *r, const struct orl_annual_result *more, uint32_t samples)
 {
     const size_t n = r->result->n_columns;
     for (size_t i = 0; i < r->n_open; i++) {
-        const size_t to = r->open[i] * n, from = i * n;
-        const double old = (double)r->samples[r->open[i]], add = samples;
+        const size_t sensor = r->open[i], to = sensor * n, from = i * n;
+        const double old = (double)r->samples[sensor], add = samples;
+        r->result->overcast[sensor] =
+            weigh(r->result->overcast[sensor], old, more->overcast[i], add);
+        r->result->overcast_se[sensor] =
+            weigh_errors(r->result->overcast_se[sensor], old, more->overcast_se[i], add);
         for (size_t k = 0; k < n; k++) {
             r->result->total[to + k] =
                 weigh(r->result->total[to + k], old, more->total[from + k], add);
             r->result->direct[to + k] =
                 weigh(r->result->direct[to + k], old, more->direct[from + k], add);
             r->result->se[to + k] =
-                (float)(hypot(old * r->result->se[to + k], add * more->se[from + k]) / (old + add));
+                weigh_errors(r->result->se[to + k], old, more->se[from + k], add);
         }
         r->samples[r->open[i]] += samples;
     }

@@ -4,6 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/kth.h"
+
 _Static_assert(ORL_ANNUAL_DEGREES == ORL_ANNUAL_BATCHES - 1, "a batch less than there are");
 
 /* ---- Periods --------------------------------------------------------------------------------- */
@@ -68,6 +70,28 @@ static int add_period(const struct orl_report_making *m, unsigned char *marks,
                                   &m->report->periods[when], m->err);
 }
 
+/* Of the steps that are marked; marks lose those that were not measured. */
+static int find_median(const struct orl_report_making *m, const unsigned char *marks)
+{
+    struct orl_annual_report *report = m->report;
+    const struct orl_annual_year *year = &report->year;
+    double *values = malloc((year->steps.count + (size_t)1) * sizeof *values);
+    size_t n = 0;
+    if (!values)
+        return no_memory(m);
+    for (uint32_t i = 0; i < year->steps.count; i++)
+        if (marks[i] && year->measured[i])
+            values[n++] = year->diffuse_lx[i];
+    report->median_diffuse_lx = m->wishes->median_diffuse_lx;
+    if (!(report->median_diffuse_lx > 0) && n > 0) {
+        const double upper = orl_find_kth(values, n, n / 2);
+        report->median_diffuse_lx =
+            n % 2 == 1 ? upper : (upper + orl_find_kth(values, n, n / 2 - 1)) / 2;
+    }
+    free(values);
+    return 0;
+}
+
 /* marks: room for all steps. */
 static int fill_periods(const struct orl_report_making *m, unsigned char *marks)
 {
@@ -80,6 +104,8 @@ static int fill_periods(const struct orl_report_making *m, unsigned char *marks)
         code = orl_annual_daylight_mark(year->global_lx, &year->steps, marks, m->err);
     if (code == 0)
         code = add_period(m, marks, ORL_WHEN_DAYLIGHT);
+    if (code == 0)
+        code = find_median(m, marks);
     for (uint32_t i = 0; i < year->steps.count; i++)
         marks[i] = 1;
     if (code == 0)
@@ -110,6 +136,11 @@ static bool is_unlit(const float *total, size_t n)
     return i == n;
 }
 
+static const float *at(const float *values, size_t i)
+{
+    return values ? values + i : NULL;
+}
+
 /* factors: room for a row. */
 static void evaluate_sensor(const struct orl_report_making *m, size_t i, float *factors)
 {
@@ -120,6 +151,8 @@ static void evaluate_sensor(const struct orl_report_making *m, size_t i, float *
                                            .direct_lx = orl_annual_row(result, result->direct, i),
                                            .total_error_lx = se,
                                            .direct_error_lx = se,
+                                           .overcast_lx = at(result->overcast, i),
+                                           .overcast_error_lx = at(result->overcast_se, i),
                                            .total_factor = se ? factors : NULL};
     if (se)
         orl_annual_factors(light.total_lx, se, result->n_columns, factors);

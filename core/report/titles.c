@@ -41,6 +41,9 @@ void orl_annual_metric_title(const struct orl_annual_metric *metric, char *ret_t
     case ORL_METRIC_HOURS:
         snprintf(ret_text, size, "Hours with %g lx or more%s", low, when);
         break;
+    case ORL_METRIC_DF:
+        snprintf(ret_text, size, "Daylight factor");
+        break;
     default:
         snprintf(ret_text, size, "Direct sunlight above %g lx%s", low, when);
         break;
@@ -50,8 +53,8 @@ void orl_annual_metric_title(const struct orl_annual_metric *metric, char *ret_t
 void orl_annual_metric_file(const struct orl_annual_metric *metric, char *ret_text, size_t size)
 {
     static const char *const names[ORL_METRIC_KINDS] = {
-        "da",        "cda",  "udi",        "udi_lower", "udi_part",
-        "udi_upper", "mean", "cumulative", "hours",     "direct_hours"};
+        "da",   "cda",        "udi",   "udi_lower",    "udi_part", "udi_upper",
+        "mean", "cumulative", "hours", "direct_hours", "df"};
     const double low = metric->low_lx, high = metric->high_lx;
     const char *when = metric->when == ORL_WHEN_DAYLIGHT ? "_daylight"
                        : metric->when == ORL_WHEN_ALWAYS ? "_year"

@@ -10,13 +10,16 @@ struct orl_annual_rows orl_annual_rows_of(const struct orl_annual_report *report
     const struct orl_annual_grid *one = grid == ORL_ALL_GRIDS ? NULL : &report->grids[grid];
     const size_t first = one ? one->first : 0, at = first * result->n_columns;
     const float *se = result->se ? result->se + at : NULL;
-    return (struct orl_annual_rows){.total_lx = result->total + at,
-                                    .direct_lx = result->direct ? result->direct + at : NULL,
-                                    .total_error_lx = se,
-                                    .direct_error_lx = se,
-                                    .n_sensors = one ? one->count : report->n_sensors,
-                                    .n_columns = result->n_columns,
-                                    .area = report->area + first};
+    return (struct orl_annual_rows){
+        .total_lx = result->total + at,
+        .direct_lx = result->direct ? result->direct + at : NULL,
+        .total_error_lx = se,
+        .direct_error_lx = se,
+        .overcast_lx = result->overcast ? result->overcast + first : NULL,
+        .overcast_error_lx = result->overcast_se ? result->overcast_se + first : NULL,
+        .n_sensors = one ? one->count : report->n_sensors,
+        .n_columns = result->n_columns,
+        .area = report->area + first};
 }
 
 int orl_report_figure_of(const struct orl_report_making *m, const struct orl_annual_figure *figure,
@@ -31,7 +34,10 @@ static int judge(const struct orl_report_making *m, const struct orl_annual_rule
 {
     struct orl_annual_verdict *verdict = &m->report->verdicts[m->report->n_verdicts];
     *verdict = (struct orl_annual_verdict){.rule = rule, .target = *target, .grid = grid};
-    const int code = orl_report_figure_of(m, &target->figure, grid, &verdict->area);
+    struct orl_annual_figure *figure = &verdict->target.figure;
+    if (figure->metric.kind == ORL_METRIC_DF && figure->metric.low_lx > 0)
+        figure->least = 100 * figure->metric.low_lx / m->report->median_diffuse_lx;
+    const int code = orl_report_figure_of(m, figure, grid, &verdict->area);
     if (code < 0)
         return code;
     verdict->verdict = orl_annual_judge(target, &verdict->area.value);

@@ -54,6 +54,7 @@ static int enter(const struct orl_annual_result *result, size_t i, struct orl_an
     *next = step + 1;
     year->measured[step] = !row->missing;
     year->global_lx[step] = row->missing ? 0 : row->global_lx;
+    year->diffuse_lx[step] = row->missing ? 0 : row->diffuse_lx;
     year->n_missing -= !row->missing;
     year->n_doubtful +=
         !row->missing && row->column == ORL_ANNUAL_DARK && row->sun_altitude_deg >= doubtful_deg;
@@ -70,13 +71,14 @@ int orl_annual_year_make(const struct orl_annual_result *result, struct orl_annu
     struct orl_annual_year year = {.steps = {count, per_hour},
                                    .measured = calloc(count, 1),
                                    .global_lx = calloc(count, sizeof *year.global_lx),
+                                   .diffuse_lx = calloc(count, sizeof *year.diffuse_lx),
                                    .step_of_column =
                                        calloc(result->n_columns + 1, sizeof *year.step_of_column),
                                    .n_columns = result->n_columns,
                                    .n_missing = count};
     uint32_t next = 0;
     int code = 0;
-    if (!year.measured || !year.global_lx || !year.step_of_column) {
+    if (!year.measured || !year.global_lx || !year.diffuse_lx || !year.step_of_column) {
         orl_annual_year_done(&year);
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     }
@@ -95,6 +97,7 @@ void orl_annual_year_done(struct orl_annual_year *year)
         return;
     free(year->measured);
     free(year->global_lx);
+    free(year->diffuse_lx);
     free(year->step_of_column);
     *year = (struct orl_annual_year){.measured = NULL};
 }

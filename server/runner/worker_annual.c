@@ -21,22 +21,47 @@ static size_t numbers_of(const struct orl_annual_block *block)
     return block->count * block->n_columns;
 }
 
-/* The three arrays one behind the other. A block that cannot be kept costs time alone, after a
+/* A block's arrays, one behind the other. */
+struct array {
+    float *at;
+    size_t count;
+};
+
+enum { ARRAYS = 5 };
+
+static void list_arrays(const struct orl_annual_block *block, struct array ret_arrays[ARRAYS])
+{
+    const size_t n = numbers_of(block);
+    const struct array arrays[ARRAYS] = {{block->total, n},
+                                         {block->direct, n},
+                                         {block->se, n},
+                                         {block->overcast, block->count},
+                                         {block->overcast_se, block->count}};
+    memcpy(ret_arrays, arrays, sizeof arrays);
+}
+
+static size_t bytes_of(const struct orl_annual_block *block)
+{
+    return (3 * numbers_of(block) + 2 * block->count) * sizeof(float);
+}
+
+/* A block that cannot be kept costs time alone, after a
  * restart. */
 static void on_done(void *ctx, const struct orl_annual_block *block)
 {
     const struct orl_worker *worker = ctx;
-    const size_t n = numbers_of(block), bytes = n * sizeof *block->total;
+    const size_t bytes = bytes_of(block);
+    struct array arrays[ARRAYS];
     char name[64], path[ORL_PATH_MAX];
     json_t *files = json_array();
-    float *rows = malloc(3 * bytes + 1);
+    float *rows = malloc(bytes + 1), *to = rows;
+    list_arrays(block, arrays);
     name_block(block, name);
     orl_job_output_path(worker->output, name, path);
     if (rows && files && bytes > 0) {
-        memcpy(rows, block->total, bytes);
-        memcpy(rows + n, block->direct, bytes);
-        memcpy(rows + 2 * n, block->se, bytes);
-        if (orl_write_file(path, rows, 3 * bytes, NULL) == 0 &&
+        for (int i = 0; i < ARRAYS; to += arrays[i++].count)
+            memcpy(to, arrays[i].at, arrays[i].count * sizeof *to);
+        if (orl_write_file(path, rows, bytes, NULL) == 0 &&
             orl_job_output_list(name, worker->output, files, NULL) == 0)
             orl_checkpoint_add(worker->output, name, files, json_object(), NULL);
     }
@@ -46,15 +71,16 @@ static void on_done(void *ctx, const struct orl_annual_block *block)
 
 static bool read_block(const char *path, struct orl_annual_block *block)
 {
-    const size_t bytes = numbers_of(block) * sizeof *block->total;
+    struct array arrays[ARRAYS];
     struct orl_file file;
     if (orl_map_file(path, &file, NULL))
         return false;
-    const bool fits = file.size == 3 * bytes;
-    if (fits) {
-        memcpy(block->total, file.data, bytes);
-        memcpy(block->direct, file.data + bytes, bytes);
-        memcpy(block->se, file.data + 2 * bytes, bytes);
+    const bool fits = file.size == bytes_of(block);
+    const char *from = file.data;
+    list_arrays(block, arrays);
+    for (int i = 0; fits && i < ARRAYS; i++) {
+        memcpy(arrays[i].at, from, arrays[i].count * sizeof(float));
+        from += arrays[i].count * sizeof(float);
     }
     orl_unmap_file(&file);
     return fits;

@@ -54,8 +54,11 @@ static void test_crossings(void **state)
     double scratch[COLUMNS];
     uint32_t columns[COLUMNS];
     const struct orl_annual_period period = short_period(columns);
-    const struct orl_annual_light light = {values, values, errors, errors, NULL},
-                                  exact = {values, values, NULL, NULL, NULL};
+    const struct orl_annual_light light = {.total_lx = values,
+                                           .direct_lx = values,
+                                           .total_error_lx = errors,
+                                           .direct_error_lx = errors},
+                                  exact = {.total_lx = values, .direct_lx = values};
     (void)state;
     for (int repeat = 0; repeat < 50; repeat++) {
         for (int i = 0; i < COLUMNS; i++) {
@@ -83,7 +86,10 @@ static void test_crossings_at_zero(void **state)
     double scratch[1];
     uint32_t column = 0;
     const struct orl_annual_period period = {&column, 1, 1, 1};
-    const struct orl_annual_light light = {&value, &value, &error, &error, NULL};
+    const struct orl_annual_light light = {.total_lx = &value,
+                                           .direct_lx = &value,
+                                           .total_error_lx = &error,
+                                           .direct_error_lx = &error};
     const struct orl_annual_metric at_least = {ORL_METRIC_HOURS, 0, 1000, 0};
     const struct orl_annual_metric above = {ORL_METRIC_DIRECT_HOURS, 0, 1000, 0};
     (void)state;
@@ -191,8 +197,8 @@ static void check_coverage(const struct orl_annual_metric *metric, double common
             seen[i] = (float)(truth[i] + errors[i] * (sqrt(common) * factor +
                                                       sqrt(1 - common) * draw_normal(&random)));
         }
-        const struct orl_annual_light right = {truth, NULL, NULL, NULL, NULL};
-        const struct orl_annual_light measured = {seen, NULL, errors, NULL, NULL};
+        const struct orl_annual_light right = {.total_lx = truth};
+        const struct orl_annual_light measured = {.total_lx = seen, .total_error_lx = errors};
         orl_annual_evaluate(metric, &period, &right, &wanted);
         orl_annual_evaluate(metric, &period, &measured, &got);
         held += got.low - 1e-9 <= wanted.value && wanted.value <= got.high + 1e-9;

@@ -30,7 +30,8 @@ static const char good[] =
     " \"state\": \"b\"}]}, {\"name\": \"east\", \"windows\": [\"e\"], \"states\": [{\"name\": "
     "\"a\"},"
     " {\"name\": \"b\", \"dark\": true}], \"schedule\": [0, 1, 1]}],"
-    " \"samples\": 64, \"seed\": 7, \"accuracy\": {\"verdict\": \"DA500 of desks >= 70 %\"}}";
+    " \"median_diffuse\": 14200, \"samples\": 64, \"seed\": 7, \"accuracy\": {\"verdict\": \"DA500 "
+    "of desks >= 70 %\"}}";
 
 static int read_year(const char *text, struct orl_annual_job *ret_job, struct orl_error *err)
 {
@@ -53,6 +54,7 @@ static void test_a_whole_document(void **state)
     assert_string_equal(job.request.weather_file, "place.epw");
     assert_true(job.request.north_deg == 30 && job.request.ground_reflectance == 0.1);
     assert_int_equal(job.request.samples, 64);
+    assert_true(job.wishes.median_diffuse_lx == 14200);
     assert_int_equal(job.request.seed, 7);
     assert_int_equal(job.request.n_grids, 2);
     assert_string_equal(job.request.grids[0].name, "desks");
@@ -197,6 +199,7 @@ static void test_mistakes_are_named(void **state)
         {"55 %", "lots", "targets[0]"},
         {"LEED", "LED", "rules[0]"},
         {"\"samples\": 64", "\"samples\": 0", "samples"},
+        {"14200", "0", "median_diffuse"},
         {"{\"verdict\": \"DA500 of desks >= 70 %\"}", "{}", "accuracy.verdict"},
         {">= 70 %", "about 70 %", "accuracy.verdict"},
         {"\"wall\", \"sensors\"", "\"desks\", \"sensors\"", "grids"},

@@ -71,7 +71,7 @@ static double value_of(const struct year *year, enum orl_metric_kind kind, doubl
                        const float *row)
 {
     const struct orl_annual_metric metric = {kind, ORL_WHEN_OCCUPIED, low, high};
-    const struct orl_annual_light light = {row, row, NULL, NULL, NULL};
+    const struct orl_annual_light light = {.total_lx = row, .direct_lx = row};
     struct orl_annual_value value;
     orl_annual_evaluate(&metric, &year->periods[ORL_WHEN_OCCUPIED], &light, &value);
     assert_true(isnan(value.low) && isnan(value.high));
@@ -223,6 +223,38 @@ static void test_averages_and_the_worst(void **state)
     assert_near(value.low, 75, 1e-9);
 }
 
+/* Daylight factors of 1, 2, 2 and 5 %, with errors of a tenth of the second and last. */
+static void test_daylight_factors(void **state)
+{
+    const float overcast[4] = {100, 200, 200, 500}, errors[4] = {0, 20, 0, 50};
+    const float total[4] = {0};
+    const struct orl_annual_rows rows = {.total_lx = total,
+                                         .overcast_lx = overcast,
+                                         .overcast_error_lx = errors,
+                                         .n_sensors = 4,
+                                         .n_columns = 1};
+    const struct orl_annual_period periods[ORL_WHEN_COUNT] = {{0}};
+    const struct orl_annual_metric df = {ORL_METRIC_DF, ORL_WHEN_ALWAYS, 0, 0};
+    const double t = 2.131449545559323;
+    struct orl_annual_area area;
+    (void)state;
+    struct orl_annual_figure figure = {ORL_OVER_AVERAGE, df, 0};
+    assert_int_equal(orl_annual_figure_of(&figure, periods, &rows, &area, NULL), 0);
+    assert_near(area.value.value, 2.5, 1e-6);
+    assert_near(area.value.high, 2.5 + hypot(2, 5) / 4 * expm1(t * 0.1), 1e-6);
+    figure.over = ORL_OVER_OF_MEAN;
+    assert_int_equal(orl_annual_figure_of(&figure, periods, &rows, &area, NULL), 0);
+    assert_near(area.value.value, 2.5, 1e-6);
+    figure.over = ORL_OVER_LEAST;
+    assert_int_equal(orl_annual_figure_of(&figure, periods, &rows, &area, NULL), 0);
+    assert_near(area.value.value, 1, 1e-6);
+    figure = (struct orl_annual_figure){ORL_OVER_SHARE, df, 2}; /* met exactly by two of them */
+    assert_int_equal(orl_annual_figure_of(&figure, periods, &rows, &area, NULL), 0);
+    assert_near(area.value.value, 75, 1e-9);
+    assert_near(area.value.low, 50, 1e-9);
+    assert_int_equal(area.open, 1);
+}
+
 static void test_refused_figures(void **state)
 {
     const float total[1] = {1};
@@ -237,6 +269,8 @@ static void test_refused_figures(void **state)
     assert_int_equal(orl_annual_figure_of(&udi, periods, &rows, &area, NULL), ORL_ERR_INVALID);
     assert_int_equal(orl_annual_figure_of(&ase, periods, &rows, &area, NULL), ORL_ERR_INVALID);
     assert_int_equal(orl_annual_figure_of(&da, periods, &none, &area, NULL), ORL_ERR_INVALID);
+    const struct orl_annual_figure df = {ORL_OVER_AVERAGE, {ORL_METRIC_DF, 0, 0, 0}, 0};
+    assert_int_equal(orl_annual_figure_of(&df, periods, &rows, &area, NULL), ORL_ERR_INVALID);
 }
 
 int main(void)
@@ -246,6 +280,7 @@ int main(void)
         cmocka_unit_test(test_nights_count),
         cmocka_unit_test(test_hours_met_exactly),
         cmocka_unit_test(test_averages_and_the_worst),
+        cmocka_unit_test(test_daylight_factors),
         cmocka_unit_test(test_refused_figures),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

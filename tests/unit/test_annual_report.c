@@ -191,6 +191,44 @@ static void test_reports(void **state)
     free_result(&result);
 }
 
+/* Sensors have daylight factors of 1 to 6 %; 300 lx are 2 % of the median that is given, and 100
+ * lx two thirds of one. By the weather, half the year's steps: all that are lit, 10 000 lx. */
+static void test_daylight_factor(void **state)
+{
+    const struct orl_annual_request request = {.n_sensors = SENSORS};
+    float overcast[SENSORS], se[SENSORS] = {0};
+    struct orl_annual_result result;
+    struct orl_annual_wishes wishes;
+    struct orl_annual_report report;
+    struct orl_error err = {0};
+    (void)state;
+    make_result(&result, false);
+    for (int i = 0; i < SENSORS; i++)
+        overcast[i] = 100.0F * (float)(i + 1);
+    for (size_t i = 0; i < result.n_steps; i++)
+        result.steps[i].diffuse_lx = result.steps[i].global_lx > 0 ? 10000 + (double)(i % 2) : 0;
+    result.overcast = overcast;
+    result.overcast_se = se;
+    ask(&wishes, "least DF >= 1 %", "daylight factor by EN 17037 minimum");
+    wishes.median_diffuse_lx = 15000;
+    assert_int_equal(orl_annual_report_make(&request, &result, &wishes, NULL, &report, &err), 0);
+    assert_int_equal(report.n_verdicts, 3);
+    assert_near(report.verdicts[0].area.value.value, 1, 1e-6);
+    assert_int_equal(report.verdicts[0].verdict, ORL_VERDICT_PASS);
+    assert_near(report.verdicts[1].target.figure.least, 2, 1e-9);
+    assert_near(report.verdicts[1].area.value.value, 100 * 5 / 6.0, 1e-9);
+    assert_int_equal(report.verdicts[1].verdict, ORL_VERDICT_PASS);
+    assert_near(report.verdicts[2].area.value.value, 100, 1e-9);
+    orl_annual_report_done(&report);
+    wishes.median_diffuse_lx = 0;
+    assert_int_equal(orl_annual_report_make(&request, &result, &wishes, NULL, &report, &err), 0);
+    assert_near(report.median_diffuse_lx, 10000.5, 1e-9);
+    assert_near(report.verdicts[1].target.figure.least, 100 * 300 / 10000.5, 1e-9);
+    orl_annual_report_done(&report);
+    orl_annual_wishes_done(&wishes);
+    free_result(&result);
+}
+
 /* Grids of 1 and 3 by area: half of the sensors of the second weigh most. */
 static void test_areas_and_files_of_occupancy(void **state)
 {
@@ -362,6 +400,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_years),
         cmocka_unit_test(test_reports),
+        cmocka_unit_test(test_daylight_factor),
         cmocka_unit_test(test_areas_and_files_of_occupancy),
         cmocka_unit_test_setup_teardown(test_arrays, scratch_set_up, scratch_tear_down),
         cmocka_unit_test_setup_teardown(test_honeybees_folder, scratch_set_up, scratch_tear_down),

@@ -64,6 +64,12 @@ static void test_targets(void **state)
     assert_figure("illuminance >= 300 lx", ORL_OVER_AVERAGE, ORL_METRIC_MEAN, used, 0, 0, 0);
     assert_figure("hours300 of mean >= 2000 h", ORL_OVER_OF_MEAN, ORL_METRIC_HOURS, ORL_WHEN_ALWAYS,
                   300, 0, 0);
+    assert_figure("DF >= 2 %", ORL_OVER_AVERAGE, ORL_METRIC_DF, ORL_WHEN_ALWAYS, 0, 0, 0);
+    assert_figure("least df >= 0.6 %", ORL_OVER_LEAST, ORL_METRIC_DF, ORL_WHEN_ALWAYS, 0, 0, 0);
+    assert_figure("sDF >= 50 %", ORL_OVER_SHARE, ORL_METRIC_DF, ORL_WHEN_ALWAYS, 0, 0, 2);
+    assert_figure("sDF1.5% of hall >= 50 %", ORL_OVER_SHARE, ORL_METRIC_DF, ORL_WHEN_ALWAYS, 0, 0,
+                  1.5);
+    assert_figure("sDF300lx >= 50 %", ORL_OVER_SHARE, ORL_METRIC_DF, ORL_WHEN_ALWAYS, 300, 0, 0);
     assert_figure("least hours90 >= 2000 h", ORL_OVER_LEAST, ORL_METRIC_HOURS, ORL_WHEN_ALWAYS, 90,
                   0, 0);
 }
@@ -88,6 +94,10 @@ static void test_targets_refused(void **state)
                                         "least DA of mean >= 5 %",
                                         "sDA of >= 5 %",
                                         "illuminance >= 300 %",
+                                        "sDF0 >= 5 %",
+                                        "DF >= 0.6",
+                                        "DF2 >= 5 %",
+                                        "DF in daylight hours >= 5 %",
                                         "sDAx300 >= 5 %"};
     struct orl_annual_target target = {.bound = -1};
     char long_text[200];
@@ -143,9 +153,17 @@ static void test_rules(void **state)
     static const struct {
         const char *name;
         size_t count;
-    } names[] = {{"en 17037", 3},       {"EN 17037 medium", 1}, {"LEED", 4},
-                 {"WELL L01", 2},       {"WELL L06", 4},        {"BREEAM offices", 1},
-                 {"BREEAM", 9},         {"roof lights", 3},     {"LEED v4.1, 2 points", 1},
+    } names[] = {{"en 17037", 3},
+                 {"EN 17037 medium", 1},
+                 {"LEED", 4},
+                 {"WELL L01", 2},
+                 {"WELL L06", 4},
+                 {"BREEAM offices", 1},
+                 {"BREEAM", 9},
+                 {"roof lights", 3},
+                 {"daylight factor by EN 17037", 3},
+                 {"daylight factor", 6},
+                 {"LEED v4.1, 2 points", 1},
                  {"WELL L06 tier 2", 2}};
     const struct orl_annual_rule *rules;
     size_t count, all = 0;

@@ -123,7 +123,7 @@ struct orl_annual_result {
     double latitude_deg, longitude_deg, time_zone_h; /* of the weather file; both east */
     char **scene_read; /* names of the files that the scene was read from, now or before */
     size_t n_scene_read;
-    struct orl_annual_step *steps;                   /* all rows of the file */
+    struct orl_annual_step *steps; /* all rows of the file */
     size_t n_steps;
     size_t n_columns; /* steps with light: of the arrays below */
     uint32_t *step_of_column;
@@ -135,6 +135,9 @@ struct orl_annual_result {
      * states of the hour, and direct of groups that all are open.
      */
     float *total, *direct, *se;
+    /* Of each sensor, lx: under the CIE's overcast sky of ORL_OVERCAST_LX on a level plane, and the
+     * ground beneath it, shades being open; and standard errors. */
+    float *overcast, *overcast_se;
     size_t n_nodes;          /* of the sun */
     unsigned char *states;   /* [group * n_steps + step]; NULL: no groups */
     size_t n_groups, n_runs; /* those of shades: runs that the year was put together of */
@@ -164,6 +167,7 @@ struct orl_annual_block {
     uint32_t round; /* the env's */
     size_t first, count, n_columns;
     float *total, *direct, *se;
+    float *overcast, *overcast_se; /* [count] */
 };
 
 struct orl_annual_env {

@@ -43,6 +43,13 @@
  *         the year with the most daylight (global horizontal; half the steps of a leap year); in
  *         half of them 300, 500 or 750 lx on 50 % of the area and 100, 300 or 500 lx on 95 %:
  *         minimum, medium, high. Roof lights: the target on 95 %. As Honeybee has it.
+ * DF      daylight factor: illuminance over that of an unobstructed level plane under the CIE's
+ *         overcast sky of 10 000 lx (CIE S 011/E:2003, type 16), shades open, ground included; its
+ *         mean over an area, its least (EN 12464), or the share with so much. By EN 17037, annex
+ *         A.2, method 1: the DF that gives 300 lx (500, 750; at the least 100, 300, 500) of the
+ *         median diffuse illuminance outside, on 50 % of the area (95 %). That median is the
+ *         weather's over EN's 4380 hours here; the standard's table A.3 has capitals' of its own,
+ *         which can be given.
  * LEED    v4.1, EQ Daylight, option 1: sDA300/50 of 40, 55 or 75 % for 1, 2 or 3 points. A room
  * with ASE above 10 % has to tell how glare is met; in v4 such a room did not count. WELL    v2:
  * L01 sDA150/50 >= 30 %, or 200 lx in half of the daylight hours on 30 %; L06 sDA300/50
@@ -132,6 +139,7 @@ enum orl_metric_kind {
     ORL_METRIC_CUMULATIVE,   /* lx h */
     ORL_METRIC_HOURS,        /* h, E >= low */
     ORL_METRIC_DIRECT_HOURS, /* h, direct > low */
+    ORL_METRIC_DF,           /* %, of no hour; shares: low > 0 is what the DF is to give */
     ORL_METRIC_KINDS
 };
 
@@ -150,6 +158,7 @@ void orl_annual_metric_name(const struct orl_annual_metric *metric, char *ret_te
 struct orl_annual_light {
     const float *total_lx, *direct_lx;             /* direct: of kinds that ask for it */
     const float *total_error_lx, *direct_error_lx; /* standard errors; NULL: not known */
+    const float *overcast_lx, *overcast_error_lx;  /* one number each, of kinds that ask for it */
     const float *total_factor; /* as orl_annual_factors leaves them, to save time; or NULL */
 };
 /* What the interval's upper end is, as a factor: metrics of one row share them. */
@@ -183,6 +192,7 @@ bool orl_annual_grows(enum orl_metric_kind kind); /* with E: all but UDI's lower
 /* Series of sensors as arrays, sensor by sensor. */
 struct orl_annual_rows {
     const float *total_lx, *direct_lx, *total_error_lx, *direct_error_lx; /* as of one row */
+    const float *overcast_lx, *overcast_error_lx;                         /* of each sensor */
     size_t n_sensors, n_columns;
     const double *area; /* what each sensor stands for, in any unit; NULL: all the same */
 };
@@ -242,11 +252,12 @@ struct orl_annual_target {
  * A target in words: FIGURE [in daylight hours | over the year] [of GRID] RELATION NUMBER [UNIT].
  *
  * FIGURE: "sDA300/50" ("sDA" is that one; in daylight hours it is EN 17037's), "ASE1000,250"
- * ("ASE"), or an average over the area: "DA300", "cDA300", "UDI100-3000", "UDI_lower100",
- * "UDI_upper3000", "UDI_part100-300", "illuminance", "cumulative", "direct_hours1000"; with "least"
- * in front that of the darkest sensor; "hours300" the hours with 300 lx or more, with "of mean" in
- * front those of the mean over the area. RELATION: >= > <= <. UNIT: % lx h; a figure in percent
- * needs no sign unless the number is below
+ * ("ASE"), "sDF2" (of the daylight factor: 2 % or more; "sDF300lx": what gives 300 lx of the median
+ * diffuse daylight), or an average over the area: "DA300", "cDA300", "UDI100-3000", "UDI_lower100",
+ * "UDI_upper3000", "UDI_part100-300", "illuminance", "cumulative", "direct_hours1000", "DF"; with
+ * "least" in front that of the darkest sensor; "hours300" the hours with 300 lx or more, with "of
+ * mean" in front those of the mean over the area. RELATION: >= > <= <. UNIT: % lx h; a figure in
+ * percent needs no sign unless the number is below
  * 1. Letters may be of either case. ORL_ERR_SYNTAX with what was wanted, and where.
  */
 int orl_annual_target_parse(const char *text, struct orl_annual_target *ret_target,

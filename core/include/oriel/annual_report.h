@@ -21,6 +21,7 @@ struct orl_annual_year {
     unsigned char *measured;  /* of each step; owned, as what follows */
     uint32_t *step_of_column; /* of the result's arrays, ascending */
     double *global_lx;        /* of each step; 0 where it is dark or not known */
+    double *diffuse_lx;       /* likewise */
     size_t n_columns, n_missing;
     size_t
         n_doubtful; /* steps with the sun 3 degrees up or more, and no light in the file at all */
@@ -81,7 +82,8 @@ struct orl_annual_wishes {
     size_t n_targets;
     struct orl_annual_rule *rules; /* their texts are nobody's */
     size_t n_rules;
-    double *grid_area; /* of each grid, any unit; NULL: sensors stand for equal areas */
+    double median_diffuse_lx; /* outside, for daylight factors; 0: by the weather */
+    double *grid_area;        /* of each grid, any unit; NULL: sensors stand for equal areas */
     struct orl_annual_target *until; /* what accuracy is wanted for (below); NULL: none */
 };
 /* LM-83's hours; DA300, cDA300, UDI in its parts, hours of direct light above 1000 lx, and mean
@@ -109,7 +111,8 @@ struct orl_annual_report {
     struct orl_annual_year year;
     unsigned char *marks;                             /* of each step: in use and measured */
     struct orl_annual_period periods[ORL_WHEN_COUNT]; /* by enum orl_annual_when */
-    struct orl_annual_grid *grids;                    /* as in the request, or one of all sensors */
+    double median_diffuse_lx;      /* as wished, or over EN 17037's daylight hours */
+    struct orl_annual_grid *grids; /* as in the request, or one of all sensors */
     size_t n_grids, n_sensors;
     double *area; /* of each sensor */
     struct orl_annual_metric *metrics;

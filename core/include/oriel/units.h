@@ -20,4 +20,7 @@
 
 #define ORL_DEG_TO_RAD (ORL_PI / 180.0)
 
+/* Of the CIE's overcast sky on a level plane outside: what daylight factors are shares of. */
+#define ORL_OVERCAST_LX 10000.0
+
 #endif

@@ -23,7 +23,10 @@ static struct orl_annual_light row_of(const struct orl_annual_rows *rows, size_t
     return (struct orl_annual_light){.total_lx = row_at(rows->total_lx, n, sensor),
                                      .direct_lx = row_at(rows->direct_lx, n, sensor),
                                      .total_error_lx = row_at(rows->total_error_lx, n, sensor),
-                                     .direct_error_lx = row_at(rows->direct_error_lx, n, sensor)};
+                                     .direct_error_lx = row_at(rows->direct_error_lx, n, sensor),
+                                     .overcast_lx = row_at(rows->overcast_lx, 1, sensor),
+                                     .overcast_error_lx =
+                                         row_at(rows->overcast_error_lx, 1, sensor)};
 }
 
 /* ---- Shares ---------------------------------------------------------------------------------- */
@@ -183,7 +186,10 @@ static int of_mean(const struct orl_annual_metric *metric, const struct orl_annu
                 mean_columns(given[i], rows, i >= 2, sums, means + i * rows->n_columns);
                 made[i] = means + i * rows->n_columns;
             }
-        const struct orl_annual_light row = {made[0], made[1], made[2], made[3], NULL};
+        const struct orl_annual_light row = {.total_lx = made[0],
+                                             .direct_lx = made[1],
+                                             .total_error_lx = made[2],
+                                             .direct_error_lx = made[3]};
         orl_annual_evaluate(metric, period, &row, ret_value);
     }
     const bool failed = !means || !sums;
@@ -201,6 +207,8 @@ static int check(const struct orl_annual_figure *figure, const struct orl_annual
         return orl_error_set(err, ORL_ERR_INVALID, "there are no sensors to make a figure of");
     if (figure->metric.kind == ORL_METRIC_DIRECT_HOURS && !rows->direct_lx)
         return orl_error_set(err, ORL_ERR_INVALID, "the direct sun is not known by itself");
+    if (figure->metric.kind == ORL_METRIC_DF && !rows->overcast_lx)
+        return orl_error_set(err, ORL_ERR_INVALID, "the light of an overcast sky is not known");
     if (figure->over == ORL_OVER_SHARE && !orl_annual_grows(figure->metric.kind))
         return orl_error_set(err, ORL_ERR_INVALID,
                              "a share of the area is told of metrics that grow with the light");
@@ -227,8 +235,10 @@ int orl_annual_figure_of(const struct orl_annual_figure *figure,
     case ORL_OVER_LEAST:
         worst(&figure->metric, period, rows, &result.value);
         break;
-    case ORL_OVER_OF_MEAN:
-        code = of_mean(&figure->metric, period, rows, &result.value, err);
+    case ORL_OVER_OF_MEAN: /* a mean DF is the DF of the mean */
+        code = figure->metric.kind == ORL_METRIC_DF
+                   ? average(&figure->metric, period, rows, &result.value, err)
+                   : of_mean(&figure->metric, period, rows, &result.value, err);
         break;
     }
     if (code == 0)

@@ -49,6 +49,9 @@ void orl_annual_metric_name(const struct orl_annual_metric *metric, char *ret_te
     case ORL_METRIC_HOURS:
         snprintf(ret_text, size, "hours of %g lx or more", low);
         break;
+    case ORL_METRIC_DF:
+        snprintf(ret_text, size, "daylight factor");
+        break;
     default:
         snprintf(ret_text, size, "hours of direct light above %g lx", low);
         break;

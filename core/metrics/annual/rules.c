@@ -5,6 +5,8 @@
 #include <strings.h>
 
 #define EN_17037 "EN 17037:2018, 5.1 and annex A, by climate data; half of the daylight hours"
+#define EN_17037_DF                                                                                \
+    "EN 17037:2018, 5.1 and annex A, by daylight factor; of the median diffuse illuminance"
 #define LEED "LEED v4.1, EQ Daylight, option 1; blinds are as in the series"
 #define WELL "WELL v2, Q2 2025"
 #define BREEAM                                                                                     \
@@ -24,6 +26,12 @@ static const struct orl_annual_rule rules[] = {
     {"roof lights by EN 17037 minimum", EN_17037, {"sDA300/50 in daylight hours >= 95 %"}},
     {"roof lights by EN 17037 medium", EN_17037, {"sDA500/50 in daylight hours >= 95 %"}},
     {"roof lights by EN 17037 high", EN_17037, {"sDA750/50 in daylight hours >= 95 %"}},
+    {"daylight factor by EN 17037 minimum", EN_17037_DF, {"sDF300lx >= 50 %", "sDF100lx >= 95 %"}},
+    {"daylight factor by EN 17037 medium", EN_17037_DF, {"sDF500lx >= 50 %", "sDF300lx >= 95 %"}},
+    {"daylight factor by EN 17037 high", EN_17037_DF, {"sDF750lx >= 50 %", "sDF500lx >= 95 %"}},
+    {"daylight factor of roof lights by EN 17037 minimum", EN_17037_DF, {"sDF300lx >= 95 %"}},
+    {"daylight factor of roof lights by EN 17037 medium", EN_17037_DF, {"sDF500lx >= 95 %"}},
+    {"daylight factor of roof lights by EN 17037 high", EN_17037_DF, {"sDF750lx >= 95 %"}},
     {"LEED v4.1, 1 point", LEED, {"sDA300/50 >= 40 %"}},
     {"LEED v4.1, 2 points", LEED, {"sDA300/50 >= 55 %"}},
     {"LEED v4.1, 3 points", LEED, {"sDA300/50 >= 75 %"}},

@@ -4,6 +4,8 @@
 #include <float.h>
 #include <math.h>
 
+#include <oriel/units.h>
+
 #include "base/kth.h"
 
 /* ---- Values ---------------------------------------------------------------------------------- */
@@ -21,6 +23,8 @@ struct light {
 static struct light light_of(const struct orl_annual_metric *metric,
                              const struct orl_annual_light *row)
 {
+    if (metric->kind == ORL_METRIC_DF)
+        return (struct light){row->overcast_lx, row->overcast_error_lx, NULL};
     return is_direct(metric->kind)
                ? (struct light){row->direct_lx, row->direct_error_lx, NULL}
                : (struct light){row->total_lx, row->total_error_lx, row->total_factor};
@@ -88,6 +92,8 @@ double orl_annual_at(const struct orl_annual_metric *metric, const struct orl_an
                      const struct orl_annual_light *row, double z)
 {
     const struct light light = light_of(metric, row);
+    if (metric->kind == ORL_METRIC_DF)
+        return 100 * shifted(&light, 0, z) / ORL_OVERCAST_LX;
     const double dark_h = period->hours - (double)period->n_columns * period->step_h;
     double sum = 0;
     for (size_t i = 0; i < period->n_columns; i++)

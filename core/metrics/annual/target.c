@@ -68,6 +68,8 @@ static const struct kind_name kind_names[] = {
     {"udi", ORL_OVER_AVERAGE, {ORL_METRIC_UDI, ORL_WHEN_OCCUPIED, 100, 3000}, 0},
     {"sda", ORL_OVER_SHARE, {ORL_METRIC_DA, ORL_WHEN_OCCUPIED, 300, 0}, 50},
     {"ase", ORL_OVER_SHARE, {ORL_METRIC_DIRECT_HOURS, ORL_WHEN_OCCUPIED, 1000, 0}, 250},
+    {"sdf", ORL_OVER_SHARE, {ORL_METRIC_DF, ORL_WHEN_ALWAYS, 0, 0}, 2},
+    {"df", ORL_OVER_AVERAGE, {ORL_METRIC_DF, ORL_WHEN_ALWAYS, 0, 0}, 0},
     {"cda", ORL_OVER_AVERAGE, {ORL_METRIC_CDA, ORL_WHEN_OCCUPIED, 300, 0}, 0},
     {"da", ORL_OVER_AVERAGE, {ORL_METRIC_DA, ORL_WHEN_OCCUPIED, 300, 0}, 0},
     {"illuminance", ORL_OVER_AVERAGE, {ORL_METRIC_MEAN, ORL_WHEN_OCCUPIED, 0, 0}, 0},
@@ -94,10 +96,28 @@ static int take_second(struct reading *r, double *ret_value)
     return take_number(r, ret_value) ? 0 : wanted(r, "a number");
 }
 
+/* "sDF2", "sDF2 %", "sDF300lx": a factor, or what it is to give. */
+static int read_factor(struct reading *r, struct orl_annual_figure *figure)
+{
+    double number = 0;
+    if (figure->over != ORL_OVER_SHARE || !take_number(r, &number))
+        return 0;
+    if (!(number > 0))
+        return wanted(r, "a daylight factor above 0 % before what stands");
+    const bool lux = take(r, "lx");
+    figure->metric.low_lx = lux ? number : 0;
+    figure->least = lux ? 0 : number;
+    if (!lux)
+        take(r, "%");
+    return 0;
+}
+
 static int read_numbers(struct reading *r, struct orl_annual_figure *figure)
 {
     struct orl_annual_metric *metric = &figure->metric;
     int code = 0;
+    if (metric->kind == ORL_METRIC_DF)
+        return read_factor(r, figure);
     const bool range = metric->kind == ORL_METRIC_UDI || metric->kind == ORL_METRIC_UDI_PART;
     if (metric->kind == ORL_METRIC_MEAN || metric->kind == ORL_METRIC_CUMULATIVE ||
         !take_number(r, &metric->low_lx))
@@ -157,7 +177,8 @@ static int read_figure(struct reading *r, struct orl_annual_target *target)
     const bool least = take(r, "least");
     const struct kind_name *kind = take_kind(r);
     if (!kind)
-        return wanted(r, "a figure's name (sDA, ASE, DA, cDA, UDI, illuminance, hours, ...)");
+        return wanted(r,
+                      "a figure's name (sDA, ASE, DA, cDA, UDI, illuminance, hours, DF, sDF, ...)");
     target->figure = (struct orl_annual_figure){kind->over, kind->metric, kind->least};
     if (least && kind->over == ORL_OVER_SHARE)
         return orl_error_set(r->err, ORL_ERR_SYNTAX, "'%s': a share of the area has no least one",
@@ -172,7 +193,7 @@ static int read_figure(struct reading *r, struct orl_annual_target *target)
                                  r->text);
         target->figure.over = ORL_OVER_OF_MEAN;
     }
-    if (code == 0)
+    if (code == 0 && kind->metric.kind != ORL_METRIC_DF)
         read_when(r, &target->figure.metric.when);
     if (code == 0 && take(r, "of"))
         code = read_grid(r, target->grid);
@@ -186,12 +207,13 @@ int orl_annual_metric_parse(const char *text, struct orl_annual_metric *ret_metr
     const struct kind_name *kind = take_kind(&r);
     if (!kind || kind->over != ORL_OVER_AVERAGE)
         return wanted(&r, "a metric of sensors (DA, cDA, UDI, udi_lower, udi_part, udi_upper, "
-                          "illuminance, cumulative, hours, direct_hours)");
+                          "illuminance, cumulative, hours, direct_hours, DF)");
     struct orl_annual_figure figure = {kind->over, kind->metric, 0};
     const int code = read_numbers(&r, &figure);
     if (code < 0)
         return code;
-    read_when(&r, &figure.metric.when);
+    if (kind->metric.kind != ORL_METRIC_DF)
+        read_when(&r, &figure.metric.when);
     skip_space(&r);
     if (*r.at)
         return wanted(&r, "nothing more");
