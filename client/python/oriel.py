@@ -449,6 +449,14 @@ class Client:
                     raise
                 time.sleep(0.5)
 
+    def plan(self, document):
+        """What a render job whose scene is an id would simulate, and why, without rendering it.
+
+        A list of {"sky", "plan", "warnings"}: one, or of a job of several skies one for each of the first.
+        """
+        return self._json("POST", "/v1/plans", json.dumps(document).encode(),
+                          {"Content-Type": "application/json"})["plans"]
+
     def job(self, id):
         """A job submitted before, by its id or as many of its first digits as tell it from others."""
         return Job(self, id)

@@ -53,6 +53,15 @@ int orl_ask_bsdf(struct orl_asking *asking, const char *path, const char *name, 
                         ret_summary, err);
 }
 
+int orl_ask_plan(struct orl_asking *asking, const struct orl_bundle *scene, const char *path,
+                 char **ret_plans, struct orl_error *err)
+{
+    return ask_for_text(asking,
+                        json_pack("{s:s, s:s, s:o}", "kind", "plan", "path", path, "files",
+                                  orl_opened_to_json(scene)),
+                        ret_plans, err);
+}
+
 int orl_ask_job(struct orl_asking *asking, const char *path, struct orl_job_brief *ret_brief,
                 struct orl_error *err)
 {

@@ -18,6 +18,10 @@ int orl_ask_bsdf(struct orl_asking *asking, const char *path, const char *name, 
                  struct orl_error *err);
 int orl_ask_job(struct orl_asking *asking, const char *path, struct orl_job_brief *ret_brief,
                 struct orl_error *err);
+/* The plans of a render job (child_plan.h) of that scene, whose document is the file; JSON text,
+ * the caller's. */
+int orl_ask_plan(struct orl_asking *asking, const struct orl_bundle *scene, const char *path,
+                 char **ret_plans, struct orl_error *err);
 /* The files that a job names. */
 int orl_ask_inputs(struct orl_asking *asking, const struct orl_job_inputs *inputs,
                    struct orl_job_inputs_found *ret_found, struct orl_error *err);

@@ -34,6 +34,9 @@ void orl_handle_job_delete(struct orl_request *request);
 void orl_handle_job_result(struct orl_request *request);
 void orl_handle_job_file(struct orl_request *request);
 
+/* handle_plans.c */
+void orl_handle_plan_post(struct orl_request *request);
+
 /* handle_session.c, handle_links.c: for browsers, which send no tokens */
 void orl_handle_session_get(struct orl_request *request);
 void orl_handle_session_post(struct orl_request *request);

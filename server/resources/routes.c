@@ -35,6 +35,8 @@ static const struct orl_route table[] = {
     {"GET", "/v1/jobs/{}/result", ORL_SCOPE_READ, orl_handle_job_result, 0, NULL, false},
     {"GET", "/v1/jobs/{}/files/{*}", ORL_SCOPE_READ, orl_handle_job_file, 0, NULL, true},
     {"POST", "/v1/jobs/{}/links", ORL_SCOPE_READ, orl_handle_job_links, 32768, json_types, false},
+    {"POST", "/v1/plans", ORL_SCOPE_SUBMIT, orl_handle_plan_post, ORL_LIMIT_JOB_BYTES, json_types,
+     false},
     {"GET", "/v1/events", ORL_SCOPE_READ, orl_handle_all_events, 0, NULL, false},
     {"GET", "/v1/session", ORL_SCOPE_OPEN, orl_handle_session_get, 0, NULL, false},
     {"POST", "/v1/session", ORL_SCOPE_READ, orl_handle_session_post, 0, NULL, false},

@@ -264,6 +264,8 @@ def labels(desk):
     assert next(stream)[:2] == ("removed", {"id": watched.id})
     stream.close()
     raises(oriel.Problem, next, desk.client.events(tags=["a,b"]))
+    plans = desk.client.plan(document)
+    assert len(plans) == 1 and plans[0]["plan"]["technique"] == "backward"
     found = [one for one in desk.client.scenes() if one["id"] == scene]
     assert len(found) == 1 and found[0]["jobs"] >= 5
     assert isinstance(desk.client.bsdfs(), list)

@@ -88,6 +88,20 @@ def scenes(daemon):
     zips(daemon, first)
 
 
+def plans(daemon):
+    """Of a job, of one of two skies, of one that is none."""
+    scene, dark = daemon.upload(ROOM + SKY), daemon.upload(ROOM)
+    found = daemon.ask("POST", "/v1/plans", sensors_of(scene, views=[VIEW]), want=200).json
+    assert len(found["plans"]) == 1 and found["plans"][0]["plan"]["technique"] == "gather"
+    cie = {"name": "grey", "cie": {"type": "overcast", "diffuse_horizontal_lx": 10000}}
+    several = sensors_of(dark, skies=[cie, {**cie, "name": "gray"}])
+    found = daemon.ask("POST", "/v1/plans", several, want=200).json
+    assert [one["sky"] for one in found["plans"]] == ["grey", "gray"]
+    daemon.ask("POST", "/v1/plans", sensors_of(UNKNOWN), want=422)
+    daemon.ask("POST", "/v1/plans", {"kind": "study", "scene": scene}, want=422)
+    daemon.ask("POST", "/v1/plans", sensors_of(scene, seed=-1), want=422)
+
+
 def stored_lists(daemon, name):
     """All of them, by pages of one; 400 for what is no cursor or limit."""
     path, found = "/v1/%s?limit=1" % name, []
@@ -483,6 +497,10 @@ def damage(daemon):
     daemon.ask("POST", "/v1/bsdfs", bsdf("bsdf_klems41.xml"), want=500)
     daemon.ask("POST", "/v1/scenes", {"files": [{"name": "r.rad", "text": ROOM}]}, want=500)
     daemon.ask("POST", "/v1/jobs", sensors_of(scene), want=500)
+    with sqlite3.connect(os.path.join(daemon.folder, "oriel.db"), timeout=30) as database:
+        database.execute("ALTER TABLE scene_files RENAME TO lost_scene_files")
+    database.close()
+    daemon.ask("POST", "/v1/plans", sensors_of(scene), want=500)
     for thing in ("/v1/scenes/" + scene, "/v1/bsdfs/" + item, path,
                   "/v1/maps/%(kind)s/%(key)s" % found):
         daemon.ask("DELETE", thing, want=500)
@@ -554,7 +572,8 @@ def too_much_under_way(daemon):
                        "Content-Length: %d\r\n\r\n" % (daemon.header["Authorization"],
                                                        7 << 20)).encode())
         time.sleep(0.1)
-        for path, kind in (("/v1/scenes", "application/zip"), ("/v1/bsdfs", "application/xml")):
+        for path, kind in (("/v1/scenes", "application/zip"), ("/v1/bsdfs", "application/xml"),
+                           ("/v1/plans", "application/json")):
             daemon.announce("POST", path, {"Content-Type": kind, "Content-Length": str(2 << 20),
                                            "Expect": "100-continue"}, want=429)
 
@@ -574,7 +593,7 @@ def full_disk(daemon, fill):
     for method, where, body in (
             ("POST", "/v1/scenes", {"files": [{"name": "l.rad", "text": ROOM + "# full"}]}),
             ("POST", "/v1/bsdfs", bsdf("bsdf_klems41.xml") + b"<!-- full -->"),
-            ("POST", "/v1/jobs", sensors_of(scene, seed=2)), ("POST", "/v1/session", None),
+            ("POST", "/v1/jobs", sensors_of(scene, seed=2)), ("POST", "/v1/session", None), ("POST", "/v1/plans", sensors_of(scene)),
             *(("DELETE", thing, None) for thing in things)):
         answer = daemon.ask(method, where, body, want=507)
         assert answer.json["type"] == "urn:oriel:error:disk-full", answer.body
@@ -597,7 +616,7 @@ def busy_upload(daemon):
 
 
 # With options, what is asked of a daemon.
-DAEMONS = (((), (service, scenes, bsdfs, renders, skies, accuracy, studies, years,
+DAEMONS = (((), (service, scenes, plans, bsdfs, renders, skies, accuracy, studies, years,
               ended_events, all_events, failures,
                  refusals, damage)),
            ((), (waiting,)),

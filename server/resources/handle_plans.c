@@ -1,0 +1,135 @@
+/*
+ * POST /v1/plans: what a render job would simulate, and why, without rendering it. Made in a child
+ * (checks/child_plan.h), as uploads are checked; nothing is kept of it.
+ */
+#include "resources/handlers.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "checks/ask.h"
+#include "checks/checks.h"
+#include "checks/job_inputs.h"
+#include "http/reply.h"
+#include "process/limits.h"
+#include "server.h"
+#include "store/scenes.h"
+
+struct plan_post {
+    struct orl_job_brief brief;
+    struct orl_bundle scene;
+    struct orl_check check;
+    char *text; /* the answer */
+    int rc;
+    struct orl_error err;
+};
+
+static void plan_post_free(void *state)
+{
+    struct plan_post *post = state;
+    orl_job_brief_done(&post->brief);
+    orl_bundle_done(&post->scene);
+    free(post->text);
+    free(post);
+}
+
+/* ---- On the pool ---------------------------------------------------------------------------- */
+
+static void read_document(struct orl_request *request)
+{
+    struct plan_post *post = request->state;
+    struct orl_file body;
+    post->rc = orl_body_view(&request->body, &request->server->folders, &body, &post->err);
+    if (post->rc == 0)
+        post->rc = orl_job_brief_read(&body, &post->brief, &post->err);
+}
+
+/* A large one, in a child. */
+static void check_document(struct orl_request *request)
+{
+    struct plan_post *post = request->state;
+    const char *path = NULL;
+    orl_job_brief_done(&post->brief); /* of an attempt before */
+    post->rc = orl_body_file(&request->body, &request->server->folders, &path, &post->err);
+    if (post->rc == 0)
+        post->rc = orl_ask_job(&post->check.asking, path, &post->brief, &post->err);
+}
+
+static void make_plan(struct orl_request *request)
+{
+    struct plan_post *post = request->state;
+    const char *path = NULL;
+    free(post->text);
+    post->text = NULL;
+    post->rc = orl_body_file(&request->body, &request->server->folders, &path, &post->err);
+    if (post->rc == 0)
+        post->rc = orl_ask_plan(&post->check.asking, &post->scene, path, &post->text, &post->err);
+}
+
+/* ---- On the loop ---------------------------------------------------------------------------- */
+
+/* The scene must be here, with what the document names of it. */
+static int find_scene(struct orl_request *request, struct plan_post *post)
+{
+    struct orl_server *server = request->server;
+    orl_bundle_done(&post->scene);
+    int rc =
+        orl_scene_files(&server->db, &server->folders, post->brief.scene, &post->scene, &post->err);
+    if (rc == 0 && post->scene.count == 0) {
+        rc = orl_error_set(&post->err, ORL_ERR_NOT_FOUND, "no scene of that id is stored");
+        orl_error_at(&post->err, NULL, 0, "scene");
+        orl_error_hint(&post->err, "Upload it with POST /v1/scenes first");
+    }
+    return rc ? rc : orl_job_inputs_check(&post->brief, &post->scene, &post->err);
+}
+
+static void plan_made(struct orl_request *request)
+{
+    struct plan_post *post = request->state;
+    if (!orl_check_ended(&post->check, &post->rc, &post->err))
+        return;
+    if (post->rc == 0) {
+        orl_reply_json_text(request, 200, post->text, strlen(post->text));
+        orl_reply_header(request, "Cache-Control", "no-store");
+        return;
+    }
+    /* Unless the scene has gone meanwhile, and its files with it. */
+    const struct orl_error found = post->err;
+    if (find_scene(request, post) == 0)
+        post->err = found;
+    orl_reply_error(request, &post->err);
+}
+
+static void look_up(struct orl_request *request)
+{
+    struct plan_post *post = request->state;
+    if (post->rc == 0)
+        post->rc = find_scene(request, post);
+    if (post->rc)
+        orl_reply_error(request, &post->err);
+    else
+        orl_check_begin(&request->server->checks, &post->check, request, make_plan, plan_made);
+}
+
+static void look_up_checked(struct orl_request *request)
+{
+    struct plan_post *post = request->state;
+    if (orl_check_ended(&post->check, &post->rc, &post->err))
+        look_up(request);
+}
+
+void orl_handle_plan_post(struct orl_request *request)
+{
+    struct plan_post *post = calloc(1, sizeof *post);
+    if (!post) {
+        orl_reply_json(request, 503, NULL);
+        return;
+    }
+    request->state = post;
+    request->free_state = plan_post_free;
+    if (request->body.size <= ORL_SERVER_SMALL_JSON)
+        orl_request_work(request, read_document, look_up);
+    else
+        orl_check_begin(&request->server->checks, &post->check, request, check_document,
+                        look_up_checked);
+}

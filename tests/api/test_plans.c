@@ -1,0 +1,110 @@
+/* Plans of jobs over HTTP: the same as the job's own, nothing kept, bounded, refused with reasons.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "support/daemon.h"
+
+static void document(const struct daemon_room *room, const char *members, char ret_text[700])
+{
+    snprintf(ret_text, 700,
+             "{\"scene\":\"%s\",\"seed\":3,\"sensors\":[[2,1,0.8,0,0,1],[2,4,0.8,0,0,1]],%s}",
+             room->scene, members);
+}
+
+/* The technique and every decision that the job has afterwards; and no job came of the question. */
+static void test_as_the_job_has_it(void **state)
+{
+    static const char *const members[] = {
+        "\"technique\":\"gather\",\"photons\":{\"global\":5000,\"caustic\":500},"
+        "\"gather_samples\":16",
+        "\"technique\":\"backward\",\"gather_samples\":16",
+        "\"photons\":{\"global\":5000},\"effects\":{\"caustics\":\"skip\"}"};
+    struct daemon_room *room = *state;
+    for (size_t i = 0; i < sizeof members / sizeof *members; i++) {
+        struct reply plan, reply;
+        char text[700], path[100];
+        document(room, members[i], text);
+        daemon_post_json(&room->daemon, "/v1/plans", text, &plan);
+        if (plan.status != 200)
+            fail_msg("%s: %ld %s", text, plan.status, plan.body);
+        assert_int_equal(json_array_size(reply_at(&plan, "plans")), 1);
+        assert_true(json_is_null(reply_at(&plan, "plans.0.sky")));
+        daemon_get(&room->daemon, "/v1/jobs?limit=1000", &reply);
+        assert_int_equal(json_array_size(reply_at(&reply, "jobs")), i);
+        reply_done(&reply);
+        daemon_post_json(&room->daemon, "/v1/jobs", text, &reply);
+        assert_int_equal(reply.status, 202);
+        snprintf(path, sizeof path, "%.50s", reply_header(&reply, "Location"));
+        reply_done(&reply);
+        daemon_wait(&room->daemon, path, 60, &reply);
+        assert_string_equal(reply_text(&reply, "state"), "succeeded");
+        reply_done(&reply);
+        strcat(path, "/result");
+        daemon_get(&room->daemon, path, &reply);
+        assert_string_equal(reply_text(&plan, "plans.0.plan.technique"),
+                            reply_text(&reply, "plan.technique"));
+        const json_t *wanted = reply_at(&reply, "plan.effects");
+        const json_t *found = reply_at(&plan, "plans.0.plan.effects");
+        assert_true(json_array_size(wanted) > 10);
+        assert_int_equal(json_array_size(found), json_array_size(wanted));
+        for (size_t k = 0; k < json_array_size(wanted); k++) {
+            const json_t *a = json_array_get(found, k), *b = json_array_get(wanted, k);
+            assert_true(json_equal(json_object_get(a, "effect"), json_object_get(b, "effect")));
+            assert_true(json_equal(json_object_get(a, "bound"), json_object_get(b, "bound")));
+            assert_true(
+                json_equal(json_object_get(a, "simulated"), json_object_get(b, "simulated")));
+        }
+        reply_done(&reply);
+        reply_done(&plan);
+    }
+    assert_int_equal(daemon_count_files(&room->daemon, "tmp"), 0);
+}
+
+static void test_refused(void **state)
+{
+    struct daemon_room *room = *state;
+    struct reply reply;
+    char text[700];
+    static const struct {
+        const char *members;
+        long status;
+    } cases[] = {
+        {"\"kind\":\"annual\"", 422},
+        {"\"technique\":\"none\"", 422},
+        {"\"other\":1", 422},
+        {"\"sky\":{\"weather\":{\"file\":\"absent.epw\",\"month\":3,\"day\":1,\"hour\":12}}", 422},
+        {"\"sky\":{\"cie\":{\"type\":\"overcast\",\"diffuse_horizontal_lx\":10000}}", 422}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        document(room, cases[i].members, text);
+        daemon_post_json(&room->daemon, "/v1/plans", text, &reply);
+        if (reply.status != cases[i].status)
+            fail_msg("%s: %ld %s", text, reply.status, reply.body);
+        assert_true(strlen(reply_text(&reply, "detail")) > 0);
+        reply_done(&reply);
+    }
+    memset(room->scene, '0', 64);
+    document(room, "\"seed\":1", text);
+    daemon_post_json(&room->daemon, "/v1/plans", text, &reply);
+    assert_int_equal(reply.status, 400); /* a member twice */
+    reply_done(&reply);
+    document(room, "\"dark\":\"expected\"", text);
+    daemon_post_json(&room->daemon, "/v1/plans", text, &reply);
+    assert_int_equal(reply.status, 422);
+    assert_string_equal(reply_text(&reply, "primitive"), "scene");
+    reply_done(&reply);
+}
+
+#define EACH(test) cmocka_unit_test_setup_teardown(test, daemon_room_set_up, daemon_room_tear_down)
+int main(void)
+{
+    const struct CMUnitTest tests[] = {EACH(test_as_the_job_has_it), EACH(test_refused)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
