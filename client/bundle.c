@@ -92,6 +92,19 @@ done:
     return rc;
 }
 
+int orl_bundle_add_referenced(struct orl_upload *bundle, const char *folder,
+                              const char *const *names, size_t count, struct orl_error *err)
+{
+    const struct orl_files files = orl_files_from_folder(folder);
+    struct orl_scene_summary summary = {0};
+    int rc = orl_scene_check(names, count, &files, NULL, &summary, err);
+
+    for (size_t i = 0; i < summary.n_referenced && rc == 0; i++)
+        rc = add_part(bundle, folder, summary.referenced[i], true, err);
+    orl_scene_summary_done(&summary);
+    return rc;
+}
+
 void orl_bundle_names_free(char **names, size_t count)
 {
     for (size_t i = 0; i < count; i++)

@@ -31,6 +31,9 @@ void orl_bundle_names_free(char **names, size_t count); /* NULL is fine */
 /* Adds a file that the scene does not mention but a job does: a weather file. */
 int orl_bundle_add(struct orl_upload *bundle, const char *folder, const char *name,
                    struct orl_error *err);
+/* Adds what these files refer to, read after each other, and not they themselves. */
+int orl_bundle_add_referenced(struct orl_upload *bundle, const char *folder,
+                              const char *const *names, size_t count, struct orl_error *err);
 void orl_bundle_done(struct orl_upload *bundle); /* NULL and half-filled are fine */
 
 /* Uploads it, unless the daemon has it; says on stderr which. *ret_id is owned (free()). */
