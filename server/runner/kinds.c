@@ -132,11 +132,21 @@ enum { MAP = 100 << 10, PAGE = 1 << 20, MAP_SENSOR = 300, FIGURE = 40, HOURS_ROW
 /* Of a sensor and hour with light: what is kept until the job ends, and each series of results. */
 enum { KEPT_HOUR = 12, SERIES_HOUR = 8 };
 
+/* That leave rows: all open; of shades combinations of states, which are no more than each group's
+ * states, and windows in no group. */
+static uint64_t annual_runs(const struct orl_annual_request *request)
+{
+    uint64_t runs = request->n_groups > 0 ? 2 : 1;
+    for (size_t g = 0; g < request->n_groups; g++)
+        runs += request->groups[g].n_states;
+    return runs;
+}
+
 static uint64_t annual_hour_bytes(const struct orl_task *task)
 {
     const struct orl_annual_formats *formats = &task->of.annual.formats;
     const uint64_t series = (uint64_t)formats->honeybee + (uint64_t)formats->matrices;
-    return KEPT_HOUR + series * SERIES_HOUR;
+    return KEPT_HOUR * annual_runs(&task->of.annual.request) + series * SERIES_HOUR;
 }
 
 static uint64_t annual_sensor_bytes(const struct orl_task *task)
@@ -156,8 +166,10 @@ static void annual_needs(const struct orl_task *task, struct orl_job_memory *ret
 {
     const struct orl_annual_job *job = &task->of.annual;
     ret_needs->sensors = job->request.n_sensors;
-    /* More of as many sensors lie beside what there is, where a verdict is to be sure. */
-    ret_needs->hour_bytes = job->wishes.until ? 2 * KEPT_HOUR : KEPT_HOUR;
+    /* More of as many sensors lie beside what there is, where a verdict is to be sure; and another
+     * state of shades beside the open one, in each round. */
+    const uint64_t rounds = job->wishes.until ? 2 : 1, states = job->request.n_groups > 0 ? 2 : 1;
+    ret_needs->hour_bytes = KEPT_HOUR * (rounds + states - 1);
 }
 
 const struct orl_kind orl_kinds[ORL_TASK_KIND_COUNT] = {
