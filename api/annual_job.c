@@ -42,6 +42,7 @@ static int run_year(struct running *r, struct orl_error *err)
     const struct orl_annual_env env = {.run = &run,
                                        .begins = on_begins,
                                        .reuse = r->env->reuse,
+                                       .reuse_most = r->env->reuse_most,
                                        .kept = on_kept,
                                        .done = on_done,
                                        .ctx = r};

@@ -13,7 +13,9 @@
 /* Whose callbacks all get run's ctx. */
 struct orl_annual_job_env {
     const struct orl_run_env *run; /* borrowed; its output_folder exists */
-    bool reuse; /* of run's store: as of struct orl_annual_env, and so are the next two */
+    /* Of run's store, and what follows: as of struct orl_annual_env. */
+    bool reuse;
+    size_t reuse_most;
     bool (*kept)(void *ctx, struct orl_annual_block *block);
     void (*done)(void *ctx, const struct orl_annual_block *block);
     /* After each round of a job that asks for accuracy. May be NULL. */

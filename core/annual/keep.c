@@ -28,14 +28,19 @@ static void add_vector(struct orl_sha256 *hash, struct orl_vec3 v)
     orl_sha256_add(hash, numbers, sizeof numbers);
 }
 
+static bool may_keep(const struct orl_year *year)
+{
+    const size_t most = year->env->reuse_most;
+    return year->env->reuse && (most == 0 || year->request->n_sensors <= most);
+}
+
 void orl_keep_begin(struct orl_keep *keep, struct orl_year *year, const unsigned char *scene)
 {
     const struct orl_year_suns *suns = &year->hours.suns;
     const double numbers[] = {year->request->north_deg, year->result->latitude_deg,
                               (double)suns->count};
     struct orl_sha256 hash;
-    *keep =
-        (struct orl_keep){.year = year, .store = year->env->reuse ? year->env->run->store : NULL};
+    *keep = (struct orl_keep){.year = year, .store = may_keep(year) ? year->env->run->store : NULL};
     keep->off = keep->store == NULL;
     orl_sha256_init(&hash);
     orl_sha256_add(&hash, recipe, sizeof recipe);

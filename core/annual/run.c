@@ -107,7 +107,7 @@ static int prepare(struct orl_year *y, struct orl_error *err)
     if (place_nodes(y) < 0)
         return orl_year_no_memory(err);
     orl_keep_begin(&y->keep, y, y->digest);
-    if (y->env->reuse)
+    if (y->keep.store)
         orl_hours_want_all(&y->hours);
     code = orl_year_find_suns(y, err);
     if (code < 0)

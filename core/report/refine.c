@@ -157,6 +157,7 @@ static int run_again(struct refining *r, uint32_t samples)
     const struct orl_run_env run = share_of(r, r->state->rounds);
     const struct orl_annual_env env = {.run = &run,
                                        .reuse = r->env->reuse,
+                                       .reuse_most = r->env->reuse_most,
                                        .kept = r->env->kept,
                                        .done = r->env->done,
                                        .round = r->state->rounds,

@@ -134,12 +134,16 @@ static int on_end(void *ctx, const struct orl_annual_result *result,
 
 /* ---- The job --------------------------------------------------------------------------------- */
 
+/* What a larger year is made of would take the place of too much else. */
+enum { KEPT_SENSORS = 2000 };
+
 int orl_worker_run_annual(struct orl_worker *worker, struct orl_task *task,
                           const struct orl_files *files, struct orl_error *err)
 {
     const struct orl_run_env run = orl_worker_env(worker, files);
     const struct orl_annual_job_env env = {.run = &run,
                                            .reuse = true,
+                                           .reuse_most = KEPT_SENSORS,
                                            .kept = on_kept,
                                            .done = on_done,
                                            .round = on_round,

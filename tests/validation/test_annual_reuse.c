@@ -282,6 +282,24 @@ static void test_damage_is_mended(void **state)
     cli_remove_folder(folder);
 }
 
+/* Of a year of more sensors than are wanted nothing is kept. */
+static void test_large_years_are_left_out(void **state)
+{
+    char folder[64];
+    (void)state;
+    cli_make_folder(folder);
+    struct year_run run = run_of(yard, folder);
+    for (size_t most = SENSORS - 1; most <= SENSORS; most++) {
+        const struct orl_annual_env env = {.reuse_most = most};
+        run.env = &env;
+        struct orl_annual_result year = year_run(&run);
+        assert_int_equal(year.reuse.asked, most == SENSORS);
+        assert_int_equal(count_made(&year), most == SENSORS ? 5 : 0);
+        orl_annual_done(&year);
+    }
+    cli_remove_folder(folder);
+}
+
 /* A folder that cannot be written to costs a warning. */
 static void test_no_room_costs_nothing_but_time(void **state)
 {
@@ -336,6 +354,7 @@ int main(void)
         cmocka_unit_test(test_more_samples_go_on),
         cmocka_unit_test(test_what_differs_is_made),
         cmocka_unit_test(test_damage_is_mended),
+        cmocka_unit_test(test_large_years_are_left_out),
         cmocka_unit_test(test_no_room_costs_nothing_but_time),
         cmocka_unit_test(test_words_come_back),
     };

@@ -178,9 +178,11 @@ struct orl_annual_env {
     /*
      * What the year is made of is kept in run's store, and taken from there: another weather file
      * of the site and times takes no ray, more samples only those that are not there. The result is
-     * the same, to the bit. For that, the sun is looked for at all times of the file.
+     * the same, to the bit. For that, the sun is looked for at all times of the file. It takes about
+     * half a MB a sensor: years of more than reuse_most sensors are left out (0: none is).
      */
     bool reuse;
+    size_t reuse_most;
     /*
      * Called by the lead thread once the hours are known, before any row: result's steps and
      * counts are valid from then on. May be NULL. A negative orl_err ends the run.
