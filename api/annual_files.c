@@ -67,7 +67,8 @@ static int write_tables(struct writing *w)
     if (rc == 0)
         rc = name_file(w, path, "hours.csv");
     if (rc == 0)
-        rc = orl_annual_hours_csv(path, w->told->report, w->told->result, w->err);
+        rc = orl_annual_hours_csv(path, &w->told->job->request, w->told->report, w->told->result,
+                                  w->err);
     return rc;
 }
 

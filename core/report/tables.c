@@ -97,7 +97,28 @@ static double mean_of(const struct orl_annual_report *report,
     return orl_sum_value(&sum) / (double)grid->count;
 }
 
-int orl_annual_hours_csv(const char *path, const struct orl_annual_report *report,
+static void put_groups(FILE *stream, const struct orl_annual_request *request)
+{
+    char text[128];
+    for (size_t g = 0; g < request->n_groups; g++) {
+        snprintf(text, sizeof text, "shades of %.100s", request->groups[g].name);
+        fputc(',', stream);
+        put_field(stream, text);
+    }
+}
+
+static void put_states(FILE *stream, const struct orl_annual_request *request,
+                       const struct orl_annual_result *result, size_t step)
+{
+    for (size_t g = 0; g < request->n_groups && result->states; g++) {
+        fputc(',', stream);
+        put_field(stream,
+                  request->groups[g].states[result->states[g * result->n_steps + step]].name);
+    }
+}
+
+int orl_annual_hours_csv(const char *path, const struct orl_annual_request *request,
+                         const struct orl_annual_report *report,
                          const struct orl_annual_result *result, struct orl_error *err)
 {
     struct orl_out_file file = {.stream = NULL};
@@ -111,6 +132,7 @@ int orl_annual_hours_csv(const char *path, const struct orl_annual_report *repor
         fputc(',', file.stream);
         put_field(file.stream, report->grids[g].name);
     }
+    put_groups(file.stream, request);
     fputc('\n', file.stream);
     for (size_t i = 0; i < result->n_steps; i++) {
         const struct orl_annual_step *s = &result->steps[i];
@@ -122,6 +144,7 @@ int orl_annual_hours_csv(const char *path, const struct orl_annual_report *repor
         put_number(file.stream, s->missing ? NAN : s->global_lx);
         for (size_t g = 0; g < report->n_grids; g++)
             put_number(file.stream, s->missing ? NAN : mean_of(report, result, g, s->column));
+        put_states(file.stream, request, result, i);
         fputc('\n', file.stream);
     }
     return orl_out_close(&file, 0, err);

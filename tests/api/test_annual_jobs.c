@@ -281,7 +281,7 @@ static void test_shades_travel(void **state)
         " {\"name\": \"down\", \"files\": [\"down.rad\"]}], \"control\": {\"by\": \"LM-83\"}}]}";
     struct year_room *f = *state;
     static struct cli_result result;
-    char folder[64], path[96], here[96], there[96], id[80];
+    char folder[64], path[128], here[96], there[96], id[80];
     size_t size;
     char *weather = read_text("tests/fixtures/weather.epw", &size);
     cli_make_folder(folder);
@@ -301,6 +301,12 @@ static void test_shades_travel(void **state)
     const char *const fetch[] = {"fetch", id, "-o", there, "--server", f->daemon.url, NULL};
     run_command(fetch, &result);
     assert_same_files(here, there, 5);
+    snprintf(path, sizeof path, "%s/hours.csv", here);
+    char *hours = read_text(path, &size);
+    assert_non_null(strstr(hours, ",\"shades of south\"\n"));
+    assert_non_null(strstr(hours, ",\"open\"\n"));
+    assert_non_null(strstr(hours, ",\"down\"\n"));
+    free(hours);
     const char *const verify[] = {"verify", there, "--files", folder, NULL};
     run_command(verify, &result);
     assert_non_null(strstr(result.out, "the same: "));

@@ -378,7 +378,8 @@ static void test_tables(void **state)
     ask(&wishes, "ASE <= 10 %", "LEED");
     assert_int_equal(orl_annual_report_make(&request, &result, &wishes, NULL, &report, NULL), 0);
     assert_int_equal(orl_annual_sensors_csv(scratch_path("s.csv"), &report, sensors, NULL), 0);
-    assert_int_equal(orl_annual_hours_csv(scratch_path("h.csv"), &report, &result, NULL), 0);
+    assert_int_equal(orl_annual_hours_csv(scratch_path("h.csv"), &request, &report, &result, NULL),
+                     0);
     assert_holds("s.csv", "grid,x,y,z,dx,dy,dz,\"DA300 (%)\",low_95,high_95,");
     assert_holds("s.csv", "\n\"North / \"\"old\"\"\",1,2,0.75,0,0,1,0,0,0,");
     char *text = read_file("s.csv", &size);

@@ -252,8 +252,10 @@ int orl_honeybee_write(const char *folder, const struct orl_annual_report *repor
 int orl_annual_sensors_csv(const char *path, const struct orl_annual_report *report,
                            const struct orl_sensor *sensors, struct orl_error *err);
 /* A line a step: month, day, hour, whether it counts, global and direct light outside, mean
- * illuminance of every grid. */
-int orl_annual_hours_csv(const char *path, const struct orl_annual_report *report,
+ * illuminance of every grid; where there are shades, the state of every group ("shades of NAME").
+ */
+int orl_annual_hours_csv(const char *path, const struct orl_annual_request *request,
+                         const struct orl_annual_report *report,
                          const struct orl_annual_result *result, struct orl_error *err);
 
 /* A grid's name as a file's. */
