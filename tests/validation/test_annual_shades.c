@@ -10,6 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "support/cli.h"
 #include "support/year.h"
 
 enum { SAMPLES = 64, TEXT = 8192 };
@@ -345,6 +346,74 @@ static void test_sum_by_threads(void **state)
     orl_annual_done(&first);
 }
 
+/* Light of each part is kept by itself: the same bytes again without a path. */
+static void test_sum_from_the_store(void **state)
+{
+    struct three three;
+    struct year_run run = usual(WALLS WEST SOUTH("clear") NORTH("clear"));
+    char folder[64];
+    (void)state;
+    make_three(&three);
+    run.groups = three.groups;
+    run.n_groups = 2;
+    struct orl_annual_result plain = year_run(&run);
+    cli_make_folder(folder);
+    run.kept_in = folder;
+    struct orl_annual_result first = year_run(&run), again = year_run(&run);
+    assert_same(first.total, plain.total, &plain);
+    assert_same(again.total, plain.total, &plain);
+    assert_same(again.se, plain.se, &plain);
+    assert_same(again.direct, plain.direct, &plain);
+    assert_memory_equal(again.overcast, plain.overcast, SENSORS * sizeof *plain.overcast);
+    assert_int_equal(again.reuse.of[ORL_YEARS_PATHS].made, 0);
+    assert_int_equal(again.reuse.of[ORL_YEARS_PATHS].found, first.n_runs);
+    cli_remove_folder(folder);
+    orl_annual_done(&plain);
+    orl_annual_done(&first);
+    orl_annual_done(&again);
+}
+
+/* Rounds for a verdict leave the shades as all sensors had them in the first. */
+static void test_rounds(void **state)
+{
+    struct orl_shade_state states[] = {{.name = open_word}, {.name = shut_word, .dark = true}};
+    const struct orl_window_group group = {
+        .name = south_word,
+        .windows = front_list,
+        .n_windows = 1,
+        .states = states,
+        .n_states = 2,
+        .control = {ORL_SHADES_BY_SUN, .above_lx = 1000, .share_percent = 2, .state = 1}};
+    struct orl_annual_wishes wishes;
+    struct orl_annual_target target;
+    struct orl_annual_refinement refinement = {.asked = false};
+    struct year_run run = usual(room);
+    (void)state;
+    run.groups = &group;
+    run.n_groups = 1;
+    run.samples = 32;
+    struct orl_annual_result first = year_run(&run);
+    double mean = 0; /* of the hours there are, near which the target is */
+    for (size_t c = 0; c < first.n_columns; c++)
+        mean += (double)first.total[first.n_columns + c] / (double)first.n_columns;
+    assert_int_equal(orl_annual_wishes_init(&wishes), 0);
+    char text[64];
+    snprintf(text, sizeof text, "least illuminance over the year >= %.3f",
+             mean * (double)first.n_columns / 48);
+    assert_int_equal(orl_annual_target_parse(text, &target, NULL), 0);
+    wishes.until = &target;
+    run.wishes = &wishes;
+    run.ret_refinement = &refinement;
+    struct orl_annual_result year = year_run(&run);
+    assert_true(refinement.rounds > 1);
+    assert_memory_equal(year.states, first.states, first.n_steps);
+    assert_same(year.direct, first.direct, &first);
+    wishes.until = NULL;
+    orl_annual_wishes_done(&wishes);
+    orl_annual_done(&first);
+    orl_annual_done(&year);
+}
+
 /* Each group's blinds go by the sun that its own windows let in: the north, by none. */
 static void test_each_by_its_own_sun(void **state)
 {
@@ -516,6 +585,8 @@ int main(void)
         cmocka_unit_test(test_control_by_sun),
         cmocka_unit_test(test_sum_of_groups),
         cmocka_unit_test(test_sum_by_threads),
+        cmocka_unit_test(test_sum_from_the_store),
+        cmocka_unit_test(test_rounds),
         cmocka_unit_test(test_each_by_its_own_sun),
         cmocka_unit_test(test_what_does_not_add_up),
         cmocka_unit_test(test_kept_rows),
