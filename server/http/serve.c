@@ -165,6 +165,8 @@ static enum MHD_Result send_response(struct orl_request *request)
     char id[24];
     snprintf(id, sizeof id, "%llu", (unsigned long long)request->id);
     orl_reply_header(request, "X-Request-Id", id);
+    /* A browser takes nothing here for a script or page that is not said to be one. */
+    orl_reply_header(request, "X-Content-Type-Options", "nosniff");
     orl_cors_add(request);
     if (request->unframed)
         orl_reply_header(request, MHD_HTTP_HEADER_CONNECTION, "close");

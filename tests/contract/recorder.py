@@ -11,7 +11,7 @@ from schema import Schemas
 METHODS = ("get", "head", "post", "put", "patch", "delete", "options", "trace")
 # What any answer may have beside the headers that its operation documents (info.description).
 COMMON_HEADERS = {"date", "connection", "content-length", "content-type", "transfer-encoding",
-                  "x-request-id", "cache-control"}
+                  "x-request-id", "cache-control", "x-content-type-options"}
 # ... and what pages of --allow-origin get.
 CORS_HEADERS = {"vary", "access-control-allow-origin", "access-control-expose-headers"}
 
@@ -67,6 +67,8 @@ class Contract:
         try:
             if "x-request-id" not in answer.headers:
                 raise Undocumented("there is no X-Request-Id")
+            if answer.headers.get("x-content-type-options") != "nosniff":
+                raise Undocumented("a browser may guess its type")
             if answer.status in (404, 405) and (method, template) not in self.operations \
                     and not (method == "HEAD" and ("GET", template) in self.operations):
                 self._judge_stray(method, template, answer)
