@@ -2,6 +2,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 #include <strings.h>
 
 #include <oriel/annual_shades.h>
@@ -232,24 +233,29 @@ static const char *rule_of(const struct orl_window_group *group)
                                                           : "control";
 }
 
-/* Hours of a group in each state. */
-static json_t *states_to_json(const struct orl_window_group *group, const unsigned char *states,
-                              const struct orl_annual_result *result,
-                              const struct orl_annual_report *report)
+void orl_annual_state_hours(const struct orl_annual_result *result,
+                            const struct orl_annual_report *report, size_t group,
+                            struct orl_state_hours ret_hours[ORL_SHADES_MOST_STATES])
 {
-    double hours[ORL_SHADES_MOST_STATES] = {0}, occupied[ORL_SHADES_MOST_STATES] = {0};
+    const unsigned char *states = result->states + group * result->n_steps;
     const double step_h = 1.0 / report->year.steps.per_hour;
+    memset(ret_hours, 0, ORL_SHADES_MOST_STATES * sizeof *ret_hours);
     for (size_t c = 0; c < result->n_columns; c++) {
-        const uint32_t row = result->step_of_column[c];
-        hours[states[row]] += step_h;
+        struct orl_state_hours *hours = &ret_hours[states[result->step_of_column[c]]];
+        hours->lit += step_h;
         if (report->marks[report->year.step_of_column[c]])
-            occupied[states[row]] += step_h;
+            hours->occupied += step_h;
     }
+}
+
+static json_t *states_to_json(const struct orl_window_group *group,
+                              const struct orl_state_hours *hours)
+{
     json_t *array = json_array();
     for (size_t i = 0; array && i < group->n_states; i++)
         array = append(array, json_pack("{s:o, s:f, s:f}", "name",
                                         orl_json_from_text(group->states[i].name), "hours",
-                                        hours[i], "occupied_hours", occupied[i]));
+                                        hours[i].lit, "occupied_hours", hours[i].occupied));
     return array;
 }
 
@@ -260,13 +266,14 @@ json_t *orl_annual_shades_to_json(const struct orl_annual_request *request,
     if (!result->states)
         return json_null();
     json_t *groups = json_array();
-    for (size_t g = 0; groups && g < request->n_groups; g++)
+    for (size_t g = 0; groups && g < request->n_groups; g++) {
+        const struct orl_window_group *group = &request->groups[g];
+        struct orl_state_hours hours[ORL_SHADES_MOST_STATES];
+        orl_annual_state_hours(result, report, g, hours);
         groups =
-            append(groups,
-                   json_pack("{s:o, s:s, s:o}", "name", orl_json_from_text(request->groups[g].name),
-                             "by", rule_of(&request->groups[g]), "states",
-                             states_to_json(&request->groups[g],
-                                            result->states + g * result->n_steps, result, report)));
+            append(groups, json_pack("{s:o, s:s, s:o}", "name", orl_json_from_text(group->name),
+                                     "by", rule_of(group), "states", states_to_json(group, hours)));
+    }
     return json_pack("{s:I, s:b, s:o}", "runs", (json_int_t)result->n_runs, "summed",
                      (int)result->summed, "groups", groups);
 }

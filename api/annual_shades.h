@@ -24,6 +24,15 @@
 int orl_annual_shades_from_json(const json_t *value, const char *path, void *into,
                                 struct orl_error *err);
 
+/* Hours with light that a group is in a state: in all, and of those in use. */
+struct orl_state_hours {
+    double lit, occupied;
+};
+/* Of a year that has shades. */
+void orl_annual_state_hours(const struct orl_annual_result *result,
+                            const struct orl_annual_report *report, size_t group,
+                            struct orl_state_hours ret_hours[ORL_SHADES_MOST_STATES]);
+
 /* New references, the caller's; NULL when out of memory. */
 json_t *orl_annual_shades_to_json(const struct orl_annual_request *request,
                                   const struct orl_annual_result *result,

@@ -8,6 +8,7 @@
 
 #include <oriel/version.h>
 
+#include "annual_shades.h"
 #include "chart/temporal_map.h"
 
 /* Page units; PNG has twice as many pixels, and PDF is A4. */
@@ -276,6 +277,34 @@ static double put_line(const struct sheet *s, double y, const char *format, ...)
     return y + 14;
 }
 
+/* "view: open 2900 h, closed 750 h", after what is there. */
+static void append_group(const struct orl_window_group *group, const struct orl_state_hours *hours,
+                         char *text, size_t size)
+{
+    const char *between = text[0] ? "; " : "";
+    size_t used = strlen(text);
+    used += (size_t)snprintf(text + used, size - used, "%s%s:", between, group->name);
+    for (size_t i = 0; i < group->n_states && used < size; i++)
+        used += (size_t)snprintf(text + used, size - used, "%s %s %.0f h", i > 0 ? "," : "",
+                                 group->states[i].name, hours[i].occupied);
+}
+
+static double put_shades(const struct sheet *s, double y)
+{
+    const struct orl_annual_page *page = s->page;
+    char text[200] = "";
+    if (!page->result->states)
+        return put_line(s, y,
+                        "No blinds or shades move: all is as in the scene. LM-83 asks for blinds "
+                        "that close on more than 2 %% of the points in direct sun.");
+    for (size_t g = 0; g < page->request->n_groups && strlen(text) + 1 < sizeof text; g++) {
+        struct orl_state_hours hours[ORL_SHADES_MOST_STATES];
+        orl_annual_state_hours(page->result, page->report, g, hours);
+        append_group(&page->request->groups[g], hours, text, sizeof text);
+    }
+    return put_line(s, y, "Shades, in hours in use with light: %s. ASE is of open ones.", text);
+}
+
 static void draw_assumptions(const struct sheet *s, double y)
 {
     const struct orl_annual_page *page = s->page;
@@ -311,9 +340,7 @@ static void draw_assumptions(const struct sheet *s, double y)
         y = put_line(s, y,
                      "No light ever reaches %zu of all sensors: are they inside of something?",
                      report->n_unlit);
-    y = put_line(s, y,
-                 "No blinds or shades move: all is as in the scene. LM-83 and LEED ask for "
-                 "blinds that close on more than 2 %% of the area in direct sun.");
+    y = put_shades(s, y);
     y = put_line(s, y,
                  "Daylight hours (EN 17037): the half of the year with the most global "
                  "horizontal daylight. Sensors stand for equal areas of a grid.");

@@ -218,6 +218,35 @@ static void test_until_a_verdict_is_sure(void **state)
     json_decref(result);
 }
 
+/* The page says what was assumed of shades: that none move, or how long they were in each state. */
+static void test_the_page_tells_of_shades(void **state)
+{
+    struct cli_desk *f = *state;
+    const char *end = strrchr(year_text, '}');
+    char text[2048];
+
+    snprintf(text, sizeof text,
+             "%.*s, \"shades\": [{\"name\": \"south\", \"windows\": [\"pane\"], \"states\": "
+             "[{\"name\": \"up\"}, {\"name\": \"down\", \"dark\": true}], \"rules\": "
+             "[{\"from\": 12, \"state\": \"down\"}]}]}",
+             (int)(end - year_text), year_text);
+    for (int i = 0; i < 2; i++) {
+        json_t *result = run(f, "2");
+        const json_t *groups = json_object_get(json_object_get(result, "shades"), "groups");
+        const json_t *states = json_object_get(json_array_get(groups, 0), "states");
+        char *page = cli_read_file(f->output, "the_desks.page.svg"), wanted[96];
+        assert_non_null(page);
+        snprintf(wanted, sizeof wanted, "light: south: up %.0f h, down %.0f h. ASE is of open",
+                 json_number_value(json_object_get(json_array_get(states, 0), "occupied_hours")),
+                 json_number_value(json_object_get(json_array_get(states, 1), "occupied_hours")));
+        assert_says(page, i == 0 ? "No blinds or shades move: " : wanted);
+        assert_true(i == 0 || !strstr(page, "No blinds or shades"));
+        cli_write_file(f->folder, "year.json", text);
+        json_decref(result);
+        free(page);
+    }
+}
+
 /* What a run left in its cache, another weather file of the place takes up. */
 static void test_a_cache_is_used_again(void **state)
 {
@@ -298,6 +327,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_a_year_to_its_end, set_up, cli_desk_tear_down),
         cmocka_unit_test_setup_teardown(test_threads_change_nothing, set_up, cli_desk_tear_down),
         cmocka_unit_test_setup_teardown(test_until_a_verdict_is_sure, set_up, cli_desk_tear_down),
+        cmocka_unit_test_setup_teardown(test_the_page_tells_of_shades, set_up, cli_desk_tear_down),
         cmocka_unit_test_setup_teardown(test_a_cache_is_used_again, set_up, cli_desk_tear_down),
         cmocka_unit_test_setup_teardown(test_verify, set_up, cli_desk_tear_down),
     };
