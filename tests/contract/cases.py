@@ -250,7 +250,7 @@ def skies(daemon):
 def accuracy(daemon):
     """A job by rounds, whose results show while it runs."""
     scene = daemon.upload(ROOM + SKY)
-    path = daemon.submit({"scene": scene, "accuracy": {"deadline_s": 30}, "views": [VIEW],
+    path = daemon.submit({"scene": scene, "accuracy": {"deadline_s": 200}, "views": [VIEW],
                           "sensors": SENSORS})
     job = daemon.wait(path, ("running",), lambda job: "result" in job["links"])
     daemon.ask("GET", job["links"]["result"], want=200)
