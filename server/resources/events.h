@@ -4,13 +4,10 @@
  * An event is a job at a glance (job_event.h), sent when it differs from the last; its id
  * says what it shows, so that a client that comes back with a Last-Event-ID, even to another
  * daemon on the same data, is told only what is new to it. Nothing is replayed: the latest says
- * all. A stream ends after the job's final state. A comment goes out now and then in silence, which
- * also finds clients that have gone.
+ * all. A stream (event_stream.h) ends after the job's final state.
  *
- * A stream is a suspended connection and a small struct: no thread, no timer of its own. One timer
- * looks at the jobs that somebody watches, four times a second, and once more when a job changes
- * its state; streams of one job share the text of its event. A slow client misses events, never
- * part of one, and delays nobody.
+ * Looked at are the jobs that somebody watches; streams of one job share the text of its event. A
+ * slow client misses events, never part of one.
  *
  * Threads: the loop thread only.
  */

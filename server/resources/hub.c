@@ -5,15 +5,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "http/http.h"
 #include "process/limits.h"
-#include "process/times.h"
-#include "resources/event_text.h"
+#include "resources/event_stream.h"
 #include "resources/job_event.h"
 #include "resources/job_summary.h"
 #include "server.h"
 
-enum { LOOK_MS = 250, HEARTBEAT_S = 15, ID = 48 };
+enum { ID = 48 };
 
 /* The latest event of a job. */
 struct event {
@@ -26,30 +24,19 @@ struct event {
 };
 
 struct stream {
+    struct orl_event_stream base;
     struct orl_hub *hub;
-    struct MHD_Connection *connection;
-    struct orl_client *client; /* counted there; or NULL */
     struct orl_hub_filter filter;
-    struct orl_event_text *sending;
-    size_t sent;     /* of it */
     uint64_t serial; /* of the last event begun or passed over */
-    double active_s; /* when something was last begun */
-    bool suspended, beat, reset;
-    struct stream *next, **link;
+    bool reset;
 };
 
 struct orl_hub {
-    struct orl_server *server;
-    uv_timer_t timer;
+    struct orl_event_source source;
     char start[17]; /* told apart from others by it */
     struct event *oldest, *newest;
     size_t count, bytes;
     uint64_t serial, let_go; /* of the newest there was; of the newest that is kept no more */
-    struct orl_event_text *heartbeat;
-    double heartbeat_s;
-    struct stream *streams;
-    size_t n_streams;
-    bool stopping;
 };
 
 /* ---- Events --------------------------------------------------------------------------------- */
@@ -96,11 +83,8 @@ static void bound(struct orl_hub *hub)
            (hub->count > ORL_SERVER_HUB_EVENTS || hub->bytes > ORL_SERVER_HUB_BYTES)) {
         struct event *newer = event->newer;
         hub->let_go = event->serial;
-        hub->count--;
-        hub->bytes -= event->text ? event->text->size : 0;
+        unlink_event(hub, event);
         free_event(event);
-        newer->older = NULL;
-        hub->oldest = newer;
         event = newer;
     }
 }
@@ -161,15 +145,7 @@ static void note(struct orl_hub *hub, const struct orl_jobs_job *job, const char
     bound(hub);
 }
 
-/* ---- The timer ------------------------------------------------------------------------------ */
-
-static void resume(struct stream *stream)
-{
-    if (!stream->suspended)
-        return;
-    stream->suspended = false;
-    MHD_resume_connection(stream->connection);
-}
+/* ---- News ----------------------------------------------------------------------------------- */
 
 static void look_at_job(void *ctx, const struct orl_jobs_job *job)
 {
@@ -181,26 +157,10 @@ static void look_at_job(void *ctx, const struct orl_jobs_job *job)
         note(hub, job, "job", orl_job_summary(job->jobs, job));
 }
 
-static void look(uv_timer_t *timer)
+static void look(struct orl_event_source *source)
 {
-    struct orl_hub *hub = timer->data;
-    const double now_s = orl_time_steady_s();
-    if (hub->server->jobs)
-        orl_jobs_running(hub->server->jobs, look_at_job, hub);
-    for (struct stream *stream = hub->streams; stream; stream = stream->next) {
-        stream->beat = now_s - stream->active_s >= hub->heartbeat_s;
-        if (stream->beat || stream->serial != hub->serial)
-            resume(stream);
-    }
-    if (!hub->streams)
-        uv_timer_stop(timer);
-    orl_http_kick(hub->server->http);
-}
-
-static void wake(struct orl_hub *hub)
-{
-    if (hub->streams && !hub->stopping)
-        uv_timer_start(&hub->timer, look, 0, LOOK_MS);
+    if (source->server->jobs)
+        orl_jobs_running(source->server->jobs, look_at_job, source);
 }
 
 void orl_hub_changed(struct orl_hub *hub, const struct orl_jobs_job *job)
@@ -208,7 +168,7 @@ void orl_hub_changed(struct orl_hub *hub, const struct orl_jobs_job *job)
     if (!hub)
         return;
     note(hub, job, "job", orl_job_summary(job->jobs, job));
-    wake(hub);
+    orl_event_source_wake(&hub->source);
 }
 
 void orl_hub_forget(struct orl_hub *hub, const struct orl_jobs_job *job)
@@ -216,7 +176,7 @@ void orl_hub_forget(struct orl_hub *hub, const struct orl_jobs_job *job)
     if (!hub)
         return;
     note(hub, job, "removed", json_pack("{s:s}", "id", job->row.id));
-    wake(hub);
+    orl_event_source_wake(&hub->source);
 }
 
 /* ---- Streams -------------------------------------------------------------------------------- */
@@ -248,69 +208,37 @@ static const struct event *next_event(struct stream *stream)
     return NULL;
 }
 
-/* What the stream is to send now, with a reference of its own; NULL: nothing. */
-static struct orl_event_text *next_text(struct stream *stream)
+static bool has_news(const struct orl_event_stream *base)
 {
+    const struct stream *stream = (const struct stream *)base;
+    return stream->reset || stream->serial != stream->hub->serial;
+}
+
+/* One that has yet to read what is kept no more is left behind, and ends. */
+static bool next_text(struct orl_event_stream *base, struct orl_event_text **ret_text)
+{
+    struct stream *stream = (struct stream *)base;
     struct orl_hub *hub = stream->hub;
     char id[ID];
+    if (hub->source.stopping || stream->serial < hub->let_go)
+        return false;
     if (stream->reset) {
-        stream->reset = false;
         name_event(hub, stream->serial, id);
-        return orl_event_text_of(id, "reset", json_object());
+        *ret_text = orl_event_text_of(id, "reset", json_object());
+        stream->reset = !*ret_text;
+        return true;
     }
     const struct event *event = next_event(stream);
-    struct orl_event_text *text = event ? event->text : stream->beat ? hub->heartbeat : NULL;
-    if (text)
-        text->refs++;
-    return text;
-}
-
-/* Has it yet to read what is kept no more? */
-static bool is_left_behind(const struct stream *stream)
-{
-    return stream->serial < stream->hub->let_go;
-}
-
-/* MHD's: fills buffer; without anything to say the connection sleeps until look wakes it. */
-static ssize_t read_stream(void *ctx, uint64_t position, char *buffer, size_t max)
-{
-    struct stream *stream = ctx;
-    (void)position;
-    if (!stream->sending) {
-        if (stream->hub->stopping || is_left_behind(stream))
-            return MHD_CONTENT_READER_END_OF_STREAM;
-        stream->sending = next_text(stream);
-        if (!stream->sending) {
-            stream->suspended = true;
-            MHD_suspend_connection(stream->connection);
-            return 0;
-        }
-        stream->sent = 0;
-        stream->beat = false;
-        stream->active_s = orl_time_steady_s();
+    if (event) {
+        *ret_text = event->text;
+        event->text->refs++;
     }
-    const size_t left = stream->sending->size - stream->sent, size = left < max ? left : max;
-    memcpy(buffer, stream->sending->data + stream->sent, size);
-    stream->sent += size;
-    if (stream->sent == stream->sending->size) {
-        orl_event_text_unref(stream->sending);
-        stream->sending = NULL;
-    }
-    return (ssize_t)size;
+    return true;
 }
 
-static void free_stream(void *ctx)
+static void free_stream(struct orl_event_stream *base)
 {
-    struct stream *stream = ctx;
-    *stream->link = stream->next;
-    if (stream->next)
-        stream->next->link = stream->link;
-    stream->hub->n_streams--;
-    if (stream->client)
-        stream->client->streams--;
-    orl_client_unref(&stream->hub->server->context.clients, stream->client);
-    orl_event_text_unref(stream->sending);
-    free(stream);
+    free((struct stream *)base);
 }
 
 /* Where a client is that has seen last_id; false: that is not known here. */
@@ -330,74 +258,46 @@ static bool find_place(const struct orl_hub *hub, const char *last_id, uint64_t 
 struct MHD_Response *orl_hub_stream(struct orl_hub *hub, struct orl_request *request,
                                     const struct orl_hub_filter *filter, const char *last_id)
 {
-    enum { BLOCK = 1024 };
     struct stream *stream = calloc(1, sizeof *stream);
     if (!stream)
         return NULL;
-    *stream = (struct stream){.hub = hub,
-                              .connection = request->connection,
-                              .client = orl_client_ref(request),
-                              .filter = *filter,
-                              .serial = hub->serial,
-                              .active_s = orl_time_steady_s(),
-                              .next = hub->streams,
-                              .link = &hub->streams};
+    stream->hub = hub;
+    stream->filter = *filter;
     stream->reset = !find_place(hub, last_id, &stream->serial);
     if (stream->reset)
         stream->serial = hub->serial;
-    if (hub->streams)
-        hub->streams->link = &stream->next;
-    hub->streams = stream;
-    hub->n_streams++;
-    if (stream->client)
-        stream->client->streams++;
-    struct MHD_Response *response = MHD_create_response_from_callback(
-        MHD_SIZE_UNKNOWN, BLOCK, read_stream, stream, free_stream);
-    if (!response)
-        free_stream(stream);
-    else if (!uv_is_active((const uv_handle_t *)&hub->timer))
-        uv_timer_start(&hub->timer, look, LOOK_MS, LOOK_MS);
-    return response;
+    return orl_event_stream_open(&hub->source, &stream->base, request);
 }
 
 size_t orl_hub_count(const struct orl_hub *hub)
 {
-    return hub->n_streams;
+    return hub->source.count;
 }
 
 /* ---- Start and end -------------------------------------------------------------------------- */
 
 int orl_hub_open(struct orl_server *server, struct orl_hub **ret_hub, struct orl_error *err)
 {
+    static const struct orl_event_calls calls = {look, has_news, next_text, free_stream};
     unsigned char start[8];
     struct orl_hub *hub = calloc(1, sizeof *hub);
-    if (hub)
-        hub->heartbeat = orl_event_text_new(":\n\n", 3);
-    if (!hub || !hub->heartbeat) {
-        free(hub);
+    if (!hub)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    const int rc = orl_event_source_init(&hub->source, server, &calls, err);
+    if (rc) {
+        free(hub);
+        return rc;
     }
     randombytes_buf(start, sizeof start);
     sodium_bin2hex(hub->start, sizeof hub->start, start, sizeof start);
-    /* Well before whoever is as impatient as this daemon is gives a stream up. */
-    const double half_s = server->config.idle_timeout_s / 2.0;
-    hub->heartbeat_s = half_s < HEARTBEAT_S ? half_s : HEARTBEAT_S;
-    hub->server = server;
-    uv_timer_init(&server->loop, &hub->timer);
-    hub->timer.data = hub;
     *ret_hub = hub;
     return 0;
 }
 
 void orl_hub_stop(struct orl_hub *hub)
 {
-    if (!hub || hub->stopping)
-        return;
-    hub->stopping = true;
-    for (struct stream *stream = hub->streams; stream; stream = stream->next)
-        resume(stream);
-    orl_http_kick(hub->server->http);
-    uv_close((uv_handle_t *)&hub->timer, NULL);
+    if (hub && !hub->source.stopping)
+        orl_event_source_stop(&hub->source);
 }
 
 void orl_hub_free(struct orl_hub *hub)
@@ -409,6 +309,6 @@ void orl_hub_free(struct orl_hub *hub)
         free_event(event);
         event = older;
     }
-    orl_event_text_unref(hub->heartbeat);
+    orl_event_source_done(&hub->source);
     free(hub);
 }

@@ -8,13 +8,13 @@
  *
  * Of each job the latest event is kept, up to ORL_SERVER_HUB_EVENTS of them and
  * ORL_SERVER_HUB_BYTES, in the order they came; ids are "<this daemon's start>-<serial>". A stream
- * is a place in that order: it costs a small struct whatever its reader does. One that comes back
- * with a Last-Event-ID goes on behind it; where that was another daemon's, or what came since is
- * not all kept, and with none, it begins with a reset. A reader so slow that what it has yet to
- * read is let go is cut off. A slow one misses what newer events say better.
+ * (event_stream.h) is a place in that order: it costs a small struct whatever its reader does. One
+ * that comes back with a Last-Event-ID goes on behind it; where that was another daemon's, or what
+ * came since is not all kept, and with none, it begins with a reset. A reader so slow that what it
+ * has yet to read is let go is cut off. A slow one misses what newer events say better.
  *
- * A timer looks at the jobs that run, four times a second, while there are streams; changes of
- * state are noted as they happen, with or without.
+ * Jobs that run are looked at while there are streams; changes of state are noted as they happen,
+ * with or without.
  *
  * Threads: the loop thread only.
  */
