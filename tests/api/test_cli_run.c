@@ -2,6 +2,7 @@
 #include <setjmp.h>
 #include <signal.h>
 #include <stdarg.h>
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -306,22 +307,40 @@ static void test_threads_change_no_byte(void **state)
     json_decref(b);
 }
 
+/* Waits until the child has a handler for SIGINT, as "SigCgt" of its status in /proc says. */
+static void await_handler(const struct cli_child *child)
+{
+    static const struct timespec moment = {0, 10000000};
+    char folder[32];
+    bool catches = false;
+
+    snprintf(folder, sizeof folder, "/proc/%d", (int)child->pid);
+    for (int i = 0; i < 3000 && !catches; i++) {
+        char *status = cli_read_file(folder, "status");
+        const char *line = status ? strstr(status, "SigCgt:") : NULL;
+
+        catches = line && strtoull(line + strlen("SigCgt:"), NULL, 16) >> (SIGINT - 1) & 1;
+        free(status);
+        nanosleep(&moment, NULL);
+    }
+    assert_true(catches);
+}
+
 static void test_an_interrupt_cancels(void **state)
 {
     struct cli_desk *f = *state;
     const char *const args[] = {"run", f->document, "-o", f->output, NULL};
-    const struct timespec moment = {0, 300000000};
     struct cli_child child;
     json_t *result;
 
-    /* Far more photons than a third of a second traces. */
+    /* Far more photons than are traced before the signal comes. */
     cli_write_file(f->folder, "job.json",
                    "{\"kind\": \"render\", \"scene\": {\"files\": [\"room.rad\"]},\n"
                    " \"technique\": \"gather\",\n"
                    " \"photons\": {\"global\": 100000000, \"caustic\": 0},\n"
                    " \"sensors\": {\"file\": \"sensors.txt\"}}");
     child = cli_start(args);
-    nanosleep(&moment, NULL);
+    await_handler(&child);
     kill(child.pid, SIGINT);
     cli_finish(&child, &f->result);
     assert_int_equal(f->result.exit_code, 1);
