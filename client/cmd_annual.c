@@ -141,14 +141,14 @@ static int run_document(const char *document, const struct output *output, uint3
 
 int orl_cmd_annual(const struct orl_subcommand *self, int argc, char **argv)
 {
+    struct orl_local_line line = {.writes = true};
     struct output output = {0};
-    const char *threads_text = NULL;
     const struct orl_option options[] = {
         {.name = "output",
          .letter = 'o',
          .metavar = "DIR",
          .help = "where result.json, tables, maps and pages go",
-         .value = &output.folder},
+         .value = &line.output},
         {.name = "cache",
          .metavar = "DIR",
          .help = "keep the paths there, and use those that are there: for another weather file of "
@@ -160,23 +160,12 @@ int orl_cmd_annual(const struct orl_subcommand *self, int argc, char **argv)
         {.name = "ill",
          .help = "all hours as Radiance matrices, DIR/GRID.ill",
          .flag = &output.formats.matrices},
-        {.name = "threads",
-         .letter = 'j',
-         .metavar = "N",
-         .help = "threads to use (default: one per core); results do not depend on it",
-         .value = &threads_text},
+        ORL_OPTION_THREADS(&line.threads_text),
     };
-    struct orl_operands operands;
-    uint64_t threads = orl_local_cores();
     int code;
 
-    if (!orl_options_parse(self, argc, argv, options, 5, 1, 1, &operands, &code))
+    if (!orl_local_parse(self, argc, argv, options, 5, &line, &code))
         return code;
-    if (!output.folder)
-        return orl_usage_error(self, "-o DIR is missing");
-    code = orl_options_threads(self, threads_text, &threads);
-    if (code)
-        return code;
-    orl_local_catch_interrupts();
-    return run_document(operands.items[0], &output, (uint32_t)threads);
+    output.folder = line.output;
+    return run_document(line.operand, &output, line.threads);
 }

@@ -37,45 +37,28 @@ static void print_table(const struct orl_result *result)
     }
 }
 
-static int plan_one(const struct orl_job *job, const char *folder, uint32_t threads, bool as_json,
-                    struct orl_error *err)
-{
-    struct orl_result result = {0};
-    int rc = orl_local_plan(job, folder, threads, &result, err);
+/* What was asked for, and what has been told of it. */
+struct plans {
+    bool as_json, begun;
+};
 
-    if (rc == 0 && as_json)
-        rc = print_json(&result, err);
-    else if (rc == 0)
-        print_table(&result);
-    orl_result_done(&result);
-    return rc;
-}
-
-/* The plans of a job under each of its skies, one after the other. */
-static int plan_skies(struct orl_job *job, const char *folder, uint32_t threads, bool as_json,
+static int print_plan(void *ctx, const char *sky, const struct orl_result *planned,
                       struct orl_error *err)
 {
-    struct orl_named_sky *skies = job->skies;
-    const struct orl_sky_request none = job->sky;
-    const size_t n_skies = job->n_skies;
-    int rc = 0;
+    struct plans *plans = ctx;
 
-    job->skies = NULL;
-    job->n_skies = 0;
-    for (size_t i = 0; i < n_skies && rc == 0; i++) {
-        job->sky = skies[i].request;
-        if (!as_json)
-            printf("%ssky %s\n\n", i ? "\n" : "", skies[i].name);
-        rc = plan_one(job, folder, threads, as_json, err);
-    }
-    job->sky = none;
-    job->skies = skies;
-    job->n_skies = n_skies;
-    return rc;
+    if (plans->as_json)
+        return print_json(planned, err);
+    if (sky)
+        printf("%ssky %s\n\n", plans->begun ? "\n" : "", sky);
+    plans->begun = true;
+    print_table(planned);
+    return 0;
 }
 
 static int plan_document(const char *document, uint32_t threads, bool as_json)
 {
+    struct plans plans = {.as_json = as_json};
     struct orl_job_file file = {0};
     struct orl_job job = {0};
     struct orl_error err = {0};
@@ -84,8 +67,7 @@ static int plan_document(const char *document, uint32_t threads, bool as_json)
     if (rc == 0)
         rc = orl_job_file_decode(&file, &job, &err);
     if (rc == 0)
-        rc = job.n_skies > 0 ? plan_skies(&job, file.folder, threads, as_json, &err)
-                             : plan_one(&job, file.folder, threads, as_json, &err);
+        rc = orl_local_plan(&job, file.folder, threads, print_plan, &plans, &err);
     orl_job_done(&job);
     orl_job_file_done(&file);
     return rc ? orl_report_error(&err) : ORL_EXIT_OK;
@@ -93,25 +75,15 @@ static int plan_document(const char *document, uint32_t threads, bool as_json)
 
 int orl_cmd_plan(const struct orl_subcommand *self, int argc, char **argv)
 {
-    const char *threads_text = NULL;
+    struct orl_local_line line = {0};
     bool as_json = false;
     const struct orl_option options[] = {
         {.name = "json", .help = "print the plan as JSON", .flag = &as_json},
-        {.name = "threads",
-         .letter = 'j',
-         .metavar = "N",
-         .help = "threads to use (default: one per core); the plan does not depend on it",
-         .value = &threads_text},
+        ORL_OPTION_THREADS(&line.threads_text),
     };
-    struct orl_operands operands;
-    uint64_t threads = orl_local_cores();
     int code;
 
-    if (!orl_options_parse(self, argc, argv, options, 2, 1, 1, &operands, &code))
+    if (!orl_local_parse(self, argc, argv, options, 2, &line, &code))
         return code;
-    code = orl_options_threads(self, threads_text, &threads);
-    if (code)
-        return code;
-    orl_local_catch_interrupts();
-    return plan_document(operands.items[0], (uint32_t)threads, as_json);
+    return plan_document(line.operand, line.threads, as_json);
 }

@@ -128,30 +128,18 @@ static int run_document(const char *document, const char *output, uint32_t threa
 
 int orl_cmd_run(const struct orl_subcommand *self, int argc, char **argv)
 {
-    const char *output = NULL, *threads_text = NULL;
+    struct orl_local_line line = {.writes = true};
     const struct orl_option options[] = {
         {.name = "output",
          .letter = 'o',
          .metavar = "DIR",
          .help = "where result.json and the images go",
-         .value = &output},
-        {.name = "threads",
-         .letter = 'j',
-         .metavar = "N",
-         .help = "threads to use (default: one per core); results do not depend on it",
-         .value = &threads_text},
+         .value = &line.output},
+        ORL_OPTION_THREADS(&line.threads_text),
     };
-    struct orl_operands operands;
-    uint64_t threads = orl_local_cores();
     int code;
 
-    if (!orl_options_parse(self, argc, argv, options, 2, 1, 1, &operands, &code))
+    if (!orl_local_parse(self, argc, argv, options, 2, &line, &code))
         return code;
-    if (!output)
-        return orl_usage_error(self, "-o DIR is missing");
-    code = orl_options_threads(self, threads_text, &threads);
-    if (code)
-        return code;
-    orl_local_catch_interrupts();
-    return run_document(operands.items[0], output, (uint32_t)threads);
+    return run_document(line.operand, line.output, line.threads);
 }

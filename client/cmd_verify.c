@@ -233,34 +233,24 @@ static int verify(struct verifying *v, uint32_t threads)
 int orl_cmd_verify(const struct orl_subcommand *self, int argc, char **argv)
 {
     struct verifying v = {.files = "."};
-    const char *threads_text = NULL;
+    struct orl_local_line line = {0};
     const struct orl_option options[] = {
         {.name = "files",
          .metavar = "DIR",
          .help = "where scene, weather and sensors are (default: here)",
          .value = &v.files},
-        {.name = "threads",
-         .letter = 'j',
-         .metavar = "N",
-         .help = "threads to use (default: one per core); results do not depend on it",
-         .value = &threads_text},
+        ORL_OPTION_THREADS(&line.threads_text),
     };
-    struct orl_operands operands;
     struct orl_error err = {0};
     struct stat st;
     char path[PATH_SIZE];
-    uint64_t threads = orl_local_cores();
     int code;
 
-    if (!orl_options_parse(self, argc, argv, options, 2, 1, 1, &operands, &code))
+    if (!orl_local_parse(self, argc, argv, options, 2, &line, &code))
         return code;
-    code = orl_options_threads(self, threads_text, &threads);
-    if (code)
-        return code;
-    snprintf(path, sizeof path, "%s%s", operands.items[0],
-             stat(operands.items[0], &st) == 0 && S_ISDIR(st.st_mode) ? "/result.json" : "");
-    orl_local_catch_interrupts();
-    code = orl_job_file_read(path, &v.result, &err) ? cannot(&err) : verify(&v, (uint32_t)threads);
+    snprintf(path, sizeof path, "%s%s", line.operand,
+             stat(line.operand, &st) == 0 && S_ISDIR(st.st_mode) ? "/result.json" : "");
+    code = orl_job_file_read(path, &v.result, &err) ? cannot(&err) : verify(&v, line.threads);
     if (v.work[0])
         nftw(v.work, remove_one, 16, FTW_DEPTH | FTW_PHYS);
     json_decref(v.again);

@@ -52,9 +52,6 @@ bool orl_options_parse(const struct orl_subcommand *self, int argc, char **argv,
 int orl_usage_error(const struct orl_subcommand *self, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 
-/* Reads what --threads was given, if anything: ORL_EXIT_OK, or says what is wrong with it. */
-int orl_options_threads(const struct orl_subcommand *self, const char *text, uint64_t *threads);
-
 /* Reads a whole number in [min, max]; false when text is anything else. */
 bool orl_parse_count(const char *text, uint64_t min, uint64_t max, uint64_t *ret_value);
 

@@ -30,7 +30,7 @@ static void on_interrupt(int number)
     signal(number, SIG_DFL); /* a second Ctrl-C ends the program at once */
 }
 
-void orl_local_catch_interrupts(void)
+static void catch_interrupts(void)
 {
     struct sigaction action = {.sa_handler = on_interrupt, .sa_flags = SA_RESTART};
 
@@ -39,13 +39,42 @@ void orl_local_catch_interrupts(void)
     sigaction(SIGTERM, &action, NULL);
 }
 
-uint32_t orl_local_cores(void)
+/* The processors this process may use: fewer than there are, under taskset or in a container. */
+static uint32_t cores(void)
 {
     cpu_set_t set;
 
     if (sched_getaffinity(0, sizeof set, &set) == 0 && CPU_COUNT(&set) > 0)
         return (uint32_t)CPU_COUNT(&set);
     return 1;
+}
+
+/* Says what is wrong with it. */
+static int read_threads(const struct orl_subcommand *self, struct orl_local_line *line)
+{
+    uint64_t threads = line->threads > 0 ? line->threads : cores();
+
+    if (line->threads_text && !orl_parse_count(line->threads_text, 1, 1024, &threads))
+        return orl_usage_error(self, "--threads takes a number from 1 to 1024, not \"%s\"",
+                               line->threads_text);
+    line->threads = (uint32_t)threads;
+    return ORL_EXIT_OK;
+}
+
+bool orl_local_parse(const struct orl_subcommand *self, int argc, char **argv,
+                     const struct orl_option *options, size_t n_options,
+                     struct orl_local_line *line, int *ret_exit)
+{
+    struct orl_operands operands;
+
+    if (!orl_options_parse(self, argc, argv, options, n_options, 1, 1, &operands, ret_exit))
+        return false;
+    line->operand = operands.items[0];
+    *ret_exit = line->writes && !line->output ? orl_usage_error(self, "-o DIR is missing")
+                                              : read_threads(self, line);
+    if (*ret_exit == 0)
+        catch_interrupts();
+    return *ret_exit == 0;
 }
 
 /* What a run needs of this process, with progress on stderr. */
@@ -228,7 +257,7 @@ int orl_local_run_skies(const struct orl_job *job, const char *folder, const cha
 }
 
 int orl_local_plan(const struct orl_job *job, const char *folder, uint32_t threads,
-                   struct orl_result *ret_result, struct orl_error *err)
+                   orl_local_tell_plan *tell, void *ctx, struct orl_error *err)
 {
     const struct orl_files files = orl_files_from_folder(folder);
     struct orl_run_env env = {.files = &files};
@@ -236,7 +265,7 @@ int orl_local_plan(const struct orl_job *job, const char *folder, uint32_t threa
 
     if (rc)
         return rc;
-    rc = orl_plan_job(job, &env, ret_result, err);
+    rc = orl_plan_skies(job, &env, SIZE_MAX, tell, ctx, err);
     orl_crew_stop(env.crew);
     return rc;
 }

@@ -13,12 +13,29 @@
 #include <oriel/study.h>
 
 #include "annual_json.h"
+#include "command.h"
 
-/* The processors this process may use: fewer than there are, under taskset or in a container. */
-uint32_t orl_local_cores(void);
+/* The line of a command that computes here: an operand, -o DIR and --threads N. */
+struct orl_local_line {
+    const char *operand;      /* a document, or a result */
+    const char *output;       /* of -o; NULL: not given */
+    const char *threads_text; /* of --threads */
+    uint32_t threads;         /* beforehand: without --threads; 0: one per core */
+    bool writes;              /* beforehand: there must be a -o */
+};
 
-/* From here on, Ctrl-C and SIGTERM cancel what those below do. */
-void orl_local_catch_interrupts(void);
+/* orl_options_parse for it. True: from then on Ctrl-C and SIGTERM cancel what those below do. */
+bool orl_local_parse(const struct orl_subcommand *self, int argc, char **argv,
+                     const struct orl_option *options, size_t n_options,
+                     struct orl_local_line *line, int *ret_exit);
+
+/* For most of those commands. */
+#define ORL_OPTION_THREADS(target)                                                                 \
+    {                                                                                              \
+        .name = "threads", .letter = 'j', .metavar = "N",                                          \
+        .help = "threads to use (default: one per core); results do not depend on it",             \
+        .value = (target)                                                                          \
+    }
 
 /* Renders, with progress on stderr; images go to output, maps and loaded BSDFs to output/maps. */
 int orl_local_run(const struct orl_job *job, const char *folder, const char *output,
@@ -29,9 +46,12 @@ int orl_local_run(const struct orl_job *job, const char *folder, const char *out
 int orl_local_run_skies(const struct orl_job *job, const char *folder, const char *output,
                         uint32_t threads, json_t **ret_results, struct orl_error *err);
 
-/* Makes the plan, and nothing else; quietly. */
+/* Makes the plan, or those under each of its skies, and nothing else; quietly. tell: of
+ * orl_plan_skies. */
+typedef int orl_local_tell_plan(void *ctx, const char *sky, const struct orl_result *planned,
+                                struct orl_error *err);
 int orl_local_plan(const struct orl_job *job, const char *folder, uint32_t threads,
-                   struct orl_result *ret_result, struct orl_error *err);
+                   orl_local_tell_plan *tell, void *ctx, struct orl_error *err);
 
 /* Runs the study, with progress on stderr; its runs keep nothing in output. */
 int orl_local_study(const struct orl_study_request *request, const char *folder, const char *output,

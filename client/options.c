@@ -129,10 +129,3 @@ bool orl_parse_count(const char *text, uint64_t min, uint64_t max, uint64_t *ret
     *ret_value = value;
     return true;
 }
-
-int orl_options_threads(const struct orl_subcommand *self, const char *text, uint64_t *threads)
-{
-    if (text && !orl_parse_count(text, 1, 1024, threads))
-        return orl_usage_error(self, "--threads takes a number from 1 to 1024, not \"%s\"", text);
-    return ORL_EXIT_OK;
-}

@@ -65,13 +65,20 @@ static int read_sensors(struct passage *p, struct orl_error *err)
 }
 
 /* The job under one sky alone. */
-static struct orl_job job_under(const struct passage *p, size_t index)
+static struct orl_job under_one(const struct orl_job *all, size_t index)
 {
-    struct orl_job job = p->job;
-    job.sky = p->job.skies[index].request;
+    struct orl_job job = *all;
+    job.sky = all->skies[index].request;
     job.skies = NULL;
     job.n_skies = 0;
     job.sequence.asked = false;
+    return job;
+}
+
+/* With its part of the time that is left. */
+static struct orl_job job_under(const struct passage *p, size_t index)
+{
+    struct orl_job job = under_one(&p->job, index);
     if (job.goal.deadline_s > 0) {
         const double now = p->env->now_s(p->env->ctx);
         const double left = fmax(job.goal.deadline_s - (now - p->started_s), 1e-3);
@@ -127,5 +134,23 @@ int orl_run_skies(const struct orl_job *job, const struct orl_run_env *env,
         free(p.job.sensors);
     free(p.shares);
     orl_scene_release(p.scene);
+    return code;
+}
+
+int orl_plan_skies(const struct orl_job *job, const struct orl_run_env *env, size_t most,
+                   int (*tell)(void *ctx, const char *sky, const struct orl_result *planned,
+                               struct orl_error *err),
+                   void *ctx, struct orl_error *err)
+{
+    const size_t count = job->n_skies == 0 ? 1 : job->n_skies < most ? job->n_skies : most;
+    int code = 0;
+    for (size_t i = 0; i < count && code == 0; i++) {
+        const struct orl_job one = job->n_skies > 0 ? under_one(job, i) : *job;
+        struct orl_result planned = {0};
+        code = orl_plan_job(&one, env, &planned, err);
+        if (code == 0)
+            code = tell(ctx, job->n_skies > 0 ? job->skies[i].name : NULL, &planned, err);
+        orl_result_done(&planned);
+    }
     return code;
 }

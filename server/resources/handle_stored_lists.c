@@ -93,46 +93,62 @@ static int add_bsdf(void *ctx, const struct orl_listed_bsdf *bsdf)
                &bsdf->place);
 }
 
-static void reply(struct orl_request *request, struct list *list, int rc,
-                  const struct orl_error *err, const char *path, const char *member)
+static int read_scenes(struct orl_db *db, const struct orl_stored_place *behind, struct list *list,
+                       struct orl_error *err)
+{
+    return orl_scene_rows(db, behind, list->limit + 1, add_scene, list, err);
+}
+
+static int read_bsdfs(struct orl_db *db, const struct orl_stored_place *behind, struct list *list,
+                      struct orl_error *err)
+{
+    return orl_bsdf_rows(db, behind, list->limit + 1, add_bsdf, list, err);
+}
+
+struct kind {
+    const char *path, *member;
+    int (*read)(struct orl_db *db, const struct orl_stored_place *behind, struct list *list,
+                struct orl_error *err);
+};
+
+static void reply(struct orl_request *request, const struct list *list, const struct kind *kind)
 {
     static const char *const kept[] = {"limit", NULL};
     char cursor[ORL_SHA_HEX + 24];
-    if (rc && list->items) {
-        json_decref(list->items);
-        orl_reply_error(request, err);
-        return;
-    }
-    orl_reply_json(request, 200, json_pack("{s:o, s:b}", member, list->items, "more", list->more));
+    orl_reply_json(request, 200,
+                   json_pack("{s:o, s:b}", kind->member, list->items, "more", list->more));
     orl_reply_header(request, "Cache-Control", "no-store");
     if (!list->more)
         return;
     snprintf(cursor, sizeof cursor, "%lld-%s", (long long)list->last.created_ms, list->last.id);
-    orl_page_link(request, path, kept, cursor);
+    orl_page_link(request, kind->path, kept, cursor);
+}
+
+static void reply_list(struct orl_request *request, const struct kind *kind)
+{
+    struct list list = {.limit = 100};
+    struct orl_stored_place behind;
+    struct orl_error err;
+    if (!orl_page_limit(request, &list.limit) || !read_cursor(request, &behind))
+        return;
+    list.items = json_array();
+    const int rc = kind->read(&request->server->db, &behind, &list, &err);
+    if (rc && list.items) {
+        json_decref(list.items);
+        orl_reply_error(request, &err);
+    } else {
+        reply(request, &list, kind);
+    }
 }
 
 void orl_handle_scene_list(struct orl_request *request)
 {
-    struct list list = {.limit = 100};
-    struct orl_stored_place behind;
-    struct orl_error err;
-    if (!orl_page_limit(request, &list.limit) || !read_cursor(request, &behind))
-        return;
-    list.items = json_array();
-    const int rc =
-        orl_scene_rows(&request->server->db, &behind, list.limit + 1, add_scene, &list, &err);
-    reply(request, &list, rc, &err, "/v1/scenes", "scenes");
+    static const struct kind scenes = {"/v1/scenes", "scenes", read_scenes};
+    reply_list(request, &scenes);
 }
 
 void orl_handle_bsdf_list(struct orl_request *request)
 {
-    struct list list = {.limit = 100};
-    struct orl_stored_place behind;
-    struct orl_error err;
-    if (!orl_page_limit(request, &list.limit) || !read_cursor(request, &behind))
-        return;
-    list.items = json_array();
-    const int rc =
-        orl_bsdf_rows(&request->server->db, &behind, list.limit + 1, add_bsdf, &list, &err);
-    reply(request, &list, rc, &err, "/v1/bsdfs", "bsdfs");
+    static const struct kind bsdfs = {"/v1/bsdfs", "bsdfs", read_bsdfs};
+    reply_list(request, &bsdfs);
 }

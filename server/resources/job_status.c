@@ -14,7 +14,7 @@
 #include "result_json.h"
 #include "study_json.h"
 
-static json_t *time_or_null(int64_t ms)
+json_t *orl_job_time(int64_t ms)
 {
     char text[ORL_TIME_TEXT];
     if (ms == 0)
@@ -179,7 +179,7 @@ static int add_finished(json_t *doc, json_t *links, const struct orl_jobs_job *j
         return rc;
     json_t *outcome = orl_json_reread(job->outcome);
     if (job->row.evicted_ms > 0)
-        rc = json_object_set_new(doc, "evicted", time_or_null(job->row.evicted_ms));
+        rc = json_object_set_new(doc, "evicted", orl_job_time(job->row.evicted_ms));
     else
         rc = add_links(links, job->row.id, outcome);
     if (job->row.state == ORL_JOB_SUCCEEDED)
@@ -209,10 +209,10 @@ json_t *orl_job_status(const struct orl_jobs *jobs, const struct orl_jobs_job *j
     json_t *doc = json_pack(
         "{s:s, s:s?, s:o, s:s, s:s, s:s, s:i, s:s, s:i, s:o, s:o, s:o, s:{s:s}}", "id", row->id,
         "name", row->name, "tags", orl_job_tags(job), "kind", orl_task_kind_name(row->kind),
-        "state", orl_jobs_state_name(job), "scene", row->scene, "priority", row->priority,
-        "client", row->client, "attempts", row->attempts, "created", time_or_null(row->created_ms),
-        "started", time_or_null(row->started_ms), "finished", time_or_null(row->finished_ms),
-        "links", "self", self);
+        "state", orl_jobs_state_name(job), "scene", row->scene, "priority", row->priority, "client",
+        row->client, "attempts", row->attempts, "created", orl_job_time(row->created_ms), "started",
+        orl_job_time(row->started_ms), "finished", orl_job_time(row->finished_ms), "links", "self",
+        self);
     if (!doc)
         return NULL;
     json_t *links = json_object_get(doc, "links");

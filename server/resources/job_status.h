@@ -33,6 +33,9 @@ json_t *orl_job_tags(const struct orl_jobs_job *job);
  * path's shape. A new reference; NULL when out of memory. */
 json_t *orl_job_file_url(const char *id, const char *name);
 
+/* A time of the job's, milliseconds since 1970: text, or null for 0. A new reference. */
+json_t *orl_job_time(int64_t ms);
+
 /* The warnings so far of one that runs. A new reference. */
 json_t *orl_job_warnings(const struct orl_job_progress *progress);
 

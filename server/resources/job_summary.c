@@ -4,7 +4,6 @@
 
 #include "encode.h"
 #include "jobs/job_results.h"
-#include "process/times.h"
 #include "resources/job_status.h"
 
 /* What is known of one that runs. */
@@ -33,15 +32,6 @@ static struct running look(const struct orl_jobs_job *job)
     return seen;
 }
 
-static json_t *time_or_null(int64_t ms)
-{
-    char text[ORL_TIME_TEXT];
-    if (ms == 0)
-        return json_null();
-    orl_time_format(ms, text);
-    return json_string(text);
-}
-
 json_t *orl_job_summary(struct orl_jobs *jobs, const struct orl_jobs_job *job)
 {
     const struct orl_job_row *row = &job->row;
@@ -54,8 +44,8 @@ json_t *orl_job_summary(struct orl_jobs *jobs, const struct orl_jobs_job *job)
         orl_task_kind_name(row->kind), "state", orl_jobs_state_name(job), "scene", row->scene,
         "client", row->client, "priority", row->priority, "stage", seen.stage, "percent",
         orl_json_from_real(seen.percent), "eta_s", orl_json_from_real(seen.eta_s), "error",
-        orl_json_from_real(seen.error), "created", time_or_null(row->created_ms), "started",
-        time_or_null(row->started_ms), "finished", time_or_null(row->finished_ms));
+        orl_json_from_real(seen.error), "created", orl_job_time(row->created_ms), "started",
+        orl_job_time(row->started_ms), "finished", orl_job_time(row->finished_ms));
     if (doc && row->state == ORL_JOB_QUEUED &&
         json_object_set_new(doc, "queue_position",
                             json_integer((json_int_t)orl_jobs_position(jobs, job)))) {

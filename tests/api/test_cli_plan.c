@@ -189,6 +189,38 @@ static void test_json_is_what_a_run_says(void **state)
     json_decref(result);
 }
 
+/* A plan under each sky, also of a job that makes a sequence of them; as JSON one document each. */
+static void test_skies(void **state)
+{
+    static const char day[] = "{\"name\": \"%s\", \"cie\": {\"type\": \"overcast\", "
+                              "\"diffuse_horizontal_lx\": %d}}";
+    struct cli_desk *f = *state;
+    char text[1000], one[150], other[150];
+    const char *second;
+
+    cli_write_file(f->folder, "room.rad", strstr(scene_text, "grey polygon floor"));
+    snprintf(one, sizeof one, day, "dull", 4000);
+    snprintf(other, sizeof other, day, "bright", 20000);
+    snprintf(text, sizeof text,
+             "{\"scene\": {\"files\": [\"grey.mat\", \"room.rad\"]}, \"skies\": [%s, %s], "
+             "\"sequence\": {}, \"views\": [{\"name\": \"v\", \"view\": \"-vp 1 1 1\", "
+             "\"width\": 16, \"height\": 16}]}",
+             one, other);
+    cli_write_file(f->folder, "job.json", text);
+    cli_write_file(f->folder, "grey.mat", "void plastic grey\n0\n0\n5 0.5 0.5 0.5 0 0\n");
+    plan(f, NULL);
+    if (f->result.exit_code != 0)
+        fail_msg("%s", f->result.err);
+    assert_int_equal(strncmp(f->result.out, "sky dull\n\ntechnique ", 20), 0);
+    second = strstr(f->result.out, "\n\nsky bright\n\ntechnique ");
+    assert_non_null(second);
+    plan(f, "--json");
+    assert_int_equal(f->result.exit_code, 0);
+    second = strstr(f->result.out, "\n}\n{\n");
+    assert_non_null(second);
+    assert_null(strstr(second + 3, "\n}\n{\n"));
+}
+
 /* The technique that is asked for is the plan's; left out, the plan names one. */
 static void test_the_technique(void **state)
 {
@@ -275,6 +307,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_no_line_is_too_long, set_up, cli_desk_tear_down),
         cmocka_unit_test_setup_teardown(test_wishes_show, set_up, cli_desk_tear_down),
         cmocka_unit_test_setup_teardown(test_json_is_what_a_run_says, set_up, cli_desk_tear_down),
+        cmocka_unit_test_setup_teardown(test_skies, set_up, cli_desk_tear_down),
         cmocka_unit_test_setup_teardown(test_the_technique, set_up, cli_desk_tear_down),
         cmocka_unit_test_setup_teardown(test_nothing_is_written, set_up, cli_desk_tear_down),
         cmocka_unit_test_setup_teardown(test_mistakes, set_up, cli_desk_tear_down),

@@ -68,6 +68,28 @@ static void test_as_the_job_has_it(void **state)
     assert_int_equal(daemon_count_files(&room->daemon, "tmp"), 0);
 }
 
+/* One for each sky by its name; also of a job that makes a sequence of them. */
+static void test_skies(void **state)
+{
+    static const char members[] =
+        "\"skies\":{\"weather\":{\"file\":\"place.wea\"},\"from\":{\"month\":3,\"day\":22,"
+        "\"hour\":9.5},\"to\":{\"month\":3,\"day\":22,\"hour\":10.5}},\"sequence\":{},"
+        "\"views\":[{\"name\":\"v\",\"view\":\"-vp 2 4 1.6 -vd 0 -1 0\",\"width\":16,"
+        "\"height\":16}]";
+    struct daemon_room *room = *state;
+    struct reply plan;
+    char text[700];
+    document(room, members, text);
+    daemon_post_json(&room->daemon, "/v1/plans", text, &plan);
+    if (plan.status != 200)
+        fail_msg("%s: %ld %s", text, plan.status, plan.body);
+    assert_int_equal(json_array_size(reply_at(&plan, "plans")), 2);
+    assert_string_equal(reply_text(&plan, "plans.0.sky"), "0322-0930");
+    assert_string_equal(reply_text(&plan, "plans.1.sky"), "0322-1030");
+    assert_true(json_is_false(reply_at(&plan, "more")));
+    reply_done(&plan);
+}
+
 static void test_refused(void **state)
 {
     struct daemon_room *room = *state;
@@ -105,6 +127,8 @@ static void test_refused(void **state)
 #define EACH(test) cmocka_unit_test_setup_teardown(test, daemon_room_set_up, daemon_room_tear_down)
 int main(void)
 {
-    const struct CMUnitTest tests[] = {EACH(test_as_the_job_has_it), EACH(test_refused)};
+    const struct CMUnitTest tests[] = {
+        EACH(test_as_the_job_has_it), EACH(test_refused),
+        cmocka_unit_test_setup_teardown(test_skies, daemon_weather_set_up, daemon_room_tear_down)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

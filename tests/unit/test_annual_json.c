@@ -142,6 +142,17 @@ static void test_a_short_document(void **state)
     orl_annual_job_done(&job);
 }
 
+/* The good year, with one passage in place of another. */
+static int read_changed(const char *from, const char *to, struct orl_annual_job *ret_job,
+                        struct orl_error *err)
+{
+    const char *at = strstr(good, from);
+    char text[4096];
+    assert_non_null(at);
+    snprintf(text, sizeof text, "%.*s%s%s", (int)(at - good), good, to, at + strlen(from));
+    return read_year(text, ret_job, err);
+}
+
 /* What is decoded well, and contradicts itself. */
 static void test_shades_that_cannot_be(void **state)
 {
@@ -159,14 +170,9 @@ static void test_shades_that_cannot_be(void **state)
     };
     (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        const char *at = strstr(good, cases[i].from);
         struct orl_annual_job job;
         struct orl_error err = {0};
-        char text[4096];
-        assert_non_null(at);
-        snprintf(text, sizeof text, "%.*s%s%s", (int)(at - good), good, cases[i].to,
-                 at + strlen(cases[i].from));
-        if (read_year(text, &job, &err) != 0)
+        if (read_changed(cases[i].from, cases[i].to, &job, &err) != 0)
             fail_msg("'%s': %s", cases[i].to, err.message);
         assert_true(orl_annual_job_validate(&job, &err) < 0);
         assert_string_equal(err.primitive, "shades");
@@ -221,14 +227,9 @@ static void test_mistakes_are_named(void **state)
     };
     (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        const char *at = strstr(good, cases[i].from);
         struct orl_annual_job job;
         struct orl_error err = {0};
-        char text[4096];
-        assert_non_null(at);
-        snprintf(text, sizeof text, "%.*s%s%s", (int)(at - good), good, cases[i].to,
-                 at + strlen(cases[i].from));
-        if (read_year(text, &job, &err) == 0)
+        if (read_changed(cases[i].from, cases[i].to, &job, &err) == 0)
             fail_msg("'%s' for '%s' is taken", cases[i].to, cases[i].from);
         if (strcmp(err.primitive, cases[i].where) != 0)
             fail_msg("'%s': told at '%s', not at '%s': %s", cases[i].to, err.primitive,
