@@ -61,7 +61,8 @@ static struct orl_child_end keep_one(void)
 int orl_keeper_main(const char *daemon_pid)
 {
     end_with((pid_t)strtol(daemon_pid, NULL, 10));
-    setpriority(PRIO_PROCESS, 0, CHILD_NICE);
+    if (getpriority(PRIO_PROCESS, 0) < CHILD_NICE)
+        setpriority(PRIO_PROCESS, 0, CHILD_NICE);
     orl_prepare_thread(NULL); /* where that fails a child tries again */
     while (wait_for_request()) {
         const struct orl_child_end end = keep_one();

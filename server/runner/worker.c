@@ -22,9 +22,11 @@ static void member_work(uv_work_t *work)
 {
     struct orl_worker_member *member = work->data;
     struct orl_worker *worker = member->worker;
-    /* Lowers this thread alone (Linux). It cannot be raised again without privileges, which is
-     * well: pool threads do nothing that should come before the loop. */
-    setpriority(PRIO_PROCESS, (id_t)gettid(), RENDER_NICE);
+    /* Lowers this thread alone (Linux), unless the daemon was started lower still. It cannot be
+     * raised again without privileges, which is well: pool threads do nothing that should come
+     * before the loop. */
+    if (getpriority(PRIO_PROCESS, (id_t)gettid()) < RENDER_NICE)
+        setpriority(PRIO_PROCESS, (id_t)gettid(), RENDER_NICE);
     orl_blame_begin(worker->spec.job_id);
     if (member->index > 0) {
         orl_crew_serve(worker->crew, member->index);
