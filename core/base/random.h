@@ -27,6 +27,7 @@ enum orl_purpose {
     ORL_PURPOSE_ANNUAL,
     ORL_PURPOSE_SUN_MAP,
     ORL_PURPOSE_GLOSS,
+    ORL_PURPOSE_LEAF,
 };
 
 static inline uint64_t orl_mix64(uint64_t z)

@@ -1,8 +1,8 @@
 /*
- * Where the estimate that stands for a leaf of a map is made: amid its photons. Not at one of them,
- * for there density is known to be higher (the photon itself) or lower (evenly emitted ones keep
- * apart); only when the middle is no place on the surface does a photon's own have to do, and is
- * then left out of the count.
+ * Where a leaf of a map stands, and an estimate for it can be made: amid its photons. Not at one of
+ * them, for there density is known to be higher (the photon itself) or lower (evenly emitted ones
+ * keep apart); only when the middle is no place on the surface does a photon's own have to do, and
+ * is then left out of the count.
  */
 #ifndef ORL_PHOTON_DENSITY_LEAF_CENTER_H
 #define ORL_PHOTON_DENSITY_LEAF_CENTER_H

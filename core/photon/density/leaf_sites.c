@@ -3,6 +3,7 @@
 #include <stdatomic.h>
 #include <stdlib.h>
 
+#include "base/circle.h"
 #include "base/vectors.h"
 #include "photon/map/boxes.h"
 #include "photon/map/zorder.h"
@@ -271,4 +272,24 @@ bool orl_leaf_sites_about(const struct orl_leaf_sites *all, struct orl_vec3 poin
     distance2_to(all, best.leaf, at, chord);
     *ret_leaf = best;
     return orl_same_sheet(normal, code, all->sites[best.leaf].normal, chord);
+}
+
+bool orl_leaf_sites_draw(const struct orl_leaf_sites *all, uint32_t leaf, struct orl_random *random,
+                         struct orl_leaf_center *ret_place)
+{
+    const struct orl_leaf_center *site = &all->sites[leaf];
+    const struct orl_vec3 normal = orl_normal_decode(site->normal);
+    const struct orl_frame frame = orl_frame_about(normal);
+    const double reach = (double)reach_of_leaf * sqrt((double)site->spread2 + 1);
+    const double radius = reach * sqrt(orl_random_uniform(random));
+    const struct orl_circle way = orl_circle_turn(orl_random_uniform(random));
+    const struct orl_vec3 off =
+        orl_to_world(&frame, orl_v3(radius * way.cosine, radius * way.sine, 0));
+    struct orl_leaf_near near;
+    *ret_place = *site;
+    ret_place->at[0] += (float)off.x;
+    ret_place->at[1] += (float)off.y;
+    ret_place->at[2] += (float)off.z;
+    return orl_leaf_sites_about(all, orl_leaf_center_point(all->map, ret_place), normal, &near) &&
+           near.leaf == leaf && orl_leaf_sites_serve(all, near, ret_place->at);
 }

@@ -10,6 +10,7 @@
 
 #include <oriel/crew.h>
 
+#include "base/random.h"
 #include "photon/density/leaf_center.h"
 
 struct orl_leaf_sites;
@@ -48,5 +49,11 @@ bool orl_leaf_sites_next(const struct orl_leaf_sites *sites, struct orl_vec3 poi
 /* Whether it may serve the place: it covers that amply, or another one beside it does so, too. */
 bool orl_leaf_sites_serve(const struct orl_leaf_sites *sites, struct orl_leaf_near leaf,
                           const float at[3]);
+/*
+ * A place drawn evenly from a disc about the leaf's site that holds all that the leaf may serve;
+ * whether a look-up there finds this leaf.
+ */
+bool orl_leaf_sites_draw(const struct orl_leaf_sites *sites, uint32_t leaf,
+                         struct orl_random *random, struct orl_leaf_center *ret_place);
 
 #endif

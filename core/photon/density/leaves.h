@@ -1,6 +1,6 @@
 /*
- * Irradiance by leaf: the density estimate amid the photons of each leaf of a map, made when first
- * asked for and kept. A final gather that asks the same wall a million times then pays for
+ * Irradiance by leaf: the density estimate somewhere in what each leaf of a map serves, made when
+ * first asked for and kept. A final gather that asks the same wall a million times then pays for
  * one estimate per leaf (16 photons) and a short look-up each.
  *
  * A look-up takes the nearest leaf on the same sheet of surface that covers the point: sought from
